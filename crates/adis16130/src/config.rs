@@ -1,0 +1,227 @@
+//! What the part is told to do: pure, and `Default` is F-30 exactly.
+
+use crate::codes::Width;
+use crate::frame::{Frame, Framing};
+use crate::registers::{
+    Address, ChannelSetup, ConversionTime, Iop, Mode, Operation, Range, RateConv, RateCs, Register, TempConv, TempCs,
+    Writable,
+};
+
+/// The channels that are converted.
+#[derive(Copy, Clone, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Channels {
+    /// Rate and temperature in turn (F-30).
+    #[default]
+    Both,
+    /// Rate only, at more than twice the rate.
+    Rate,
+    /// Temperature only. A [`Sampler`](crate::Sampler) has nothing to do then.
+    Temp,
+}
+
+/// The edge of the RDY line, as the host sees it, that says "new data".
+#[derive(Copy, Clone, Debug, Default, PartialEq, Eq, Hash)]
+pub enum RdyEdge {
+    /// The pin falls, and stays low while data waits (F-32).
+    #[default]
+    Falling,
+    /// The pin rises, and stays high while data waits: behind an inverting level shifter.
+    Rising,
+}
+
+/// The configuration of the part and of its wiring. Every builder is `const`.
+///
+/// ```
+/// use adis16130::{Config, Framing, Width};
+/// const CONFIG: Config = Config::new().with_width(Width::Bits16).with_framing(Framing::Command);
+/// assert_eq!(Config::new(), Config::default()); // F-30: 24 bits, both channels, conversion word 5
+/// assert_eq!(Config::new().conversion_cycles(), (527, 527));
+/// # let _ = CONFIG;
+/// ```
+#[derive(Copy, Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Config {
+    iop: Iop,
+    rate_setup: ChannelSetup,
+    temp_setup: ChannelSetup,
+    rate_conversion: ConversionTime,
+    temp_conversion: ConversionTime,
+    mode: Mode,
+    framing: Framing,
+    rdy_edge: RdyEdge,
+}
+
+impl Default for Config {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Config {
+    /// F-30: RDYFN on, both channels enabled with conversion word 5, continuous conversion, 24 bits.
+    pub const fn new() -> Self {
+        let setup = ChannelSetup::new(0).with_enabled(true).with_range(Range::Bits10);
+        Self {
+            iop: Iop::RESET.with_rdyfn(true),
+            rate_setup: setup,
+            temp_setup: setup,
+            rate_conversion: ConversionTime::new(5),
+            temp_conversion: ConversionTime::new(5),
+            mode: Mode::RESET.with_operation(Operation::Continuous).with_width(Width::Bits24),
+            framing: Framing::PerByte,
+            rdy_edge: RdyEdge::Falling,
+        }
+    }
+
+    /// The width of the data registers: 24 bits unless set.
+    pub const fn with_width(mut self, width: Width) -> Self {
+        self.mode = self.mode.with_width(width);
+        self
+    }
+
+    /// Filter word and chopping of the rate channel: word 5, no chopping unless set.
+    pub const fn with_rate_conversion(mut self, conversion: ConversionTime) -> Self {
+        self.rate_conversion = conversion;
+        self
+    }
+
+    /// Filter word and chopping of the temperature channel: word 5, no chopping unless set.
+    pub const fn with_temp_conversion(mut self, conversion: ConversionTime) -> Self {
+        self.temp_conversion = conversion;
+        self
+    }
+
+    /// The channels that are converted: both unless set.
+    pub const fn with_channels(mut self, channels: Channels) -> Self {
+        let rate = !matches!(channels, Channels::Temp);
+        let temp = !matches!(channels, Channels::Rate);
+        self.rate_setup = self.rate_setup.with_enabled(rate);
+        self.temp_setup = self.temp_setup.with_enabled(temp);
+        self
+    }
+
+    /// RDYFN: `true`, as F-30 has it, = RDY tells that all enabled channels hold unread data; `false` = that any does
+    /// (F-32).
+    pub const fn with_rdyfn(mut self, all_channels: bool) -> Self {
+        self.iop = self.iop.with_rdyfn(all_channels);
+        self
+    }
+
+    /// SYNC: whether the SYNC pin is in use. Off unless set.
+    pub const fn with_sync(mut self, on: bool) -> Self {
+        self.iop = self.iop.with_sync(on);
+        self
+    }
+
+    /// CLAMP: `true` = out-of-range codes saturate; `false`, as F-30 has it, = they wrap (F-35).
+    pub const fn with_clamp(mut self, on: bool) -> Self {
+        self.mode = self.mode.with_clamp(on);
+        self
+    }
+
+    /// The input range of both channels. F-40 and F-41 hold for the default only.
+    pub const fn with_range(mut self, range: Range) -> Self {
+        self.rate_setup = self.rate_setup.with_range(range);
+        self.temp_setup = self.temp_setup.with_range(range);
+        self
+    }
+
+    /// How CS frames the bytes: per byte unless set (F-22).
+    pub const fn with_framing(mut self, framing: Framing) -> Self {
+        self.framing = framing;
+        self
+    }
+
+    /// The edge of RDY that says "new data": falling unless set (F-32).
+    pub const fn with_rdy_edge(mut self, edge: RdyEdge) -> Self {
+        self.rdy_edge = edge;
+        self
+    }
+
+    /// The width of the data registers.
+    pub const fn width(&self) -> Width {
+        self.mode.width()
+    }
+
+    /// Filter word and chopping of the rate channel.
+    pub const fn rate_conversion(&self) -> ConversionTime {
+        self.rate_conversion
+    }
+
+    /// Filter word and chopping of the temperature channel.
+    pub const fn temp_conversion(&self) -> ConversionTime {
+        self.temp_conversion
+    }
+
+    /// The channels that are converted.
+    pub const fn channels(&self) -> Channels {
+        match (self.rate_setup.enabled(), self.temp_setup.enabled()) {
+            (true, false) => Channels::Rate,
+            (false, _) => Channels::Temp,
+            (true, true) => Channels::Both,
+        }
+    }
+
+    /// Whether RDY waits for all enabled channels.
+    pub const fn rdyfn(&self) -> bool {
+        self.iop.rdyfn()
+    }
+
+    /// How CS frames the bytes.
+    pub const fn framing(&self) -> Framing {
+        self.framing
+    }
+
+    /// The edge of RDY that says "new data".
+    pub const fn rdy_edge(&self) -> RdyEdge {
+        self.rdy_edge
+    }
+
+    /// The value of MODE that this configuration writes last.
+    pub const fn mode(&self) -> Mode {
+        self.mode
+    }
+
+    /// Duration of one conversion of rate and of temperature in MCLK cycles, 0 for a disabled channel (F-31).
+    /// With both enabled the channels take turns, so each has a new reading once per sum of the two.
+    pub const fn conversion_cycles(&self) -> (u32, u32) {
+        match self.channels() {
+            Channels::Both => (self.rate_conversion.cycles(true), self.temp_conversion.cycles(true)),
+            Channels::Rate => (self.rate_conversion.cycles(false), 0),
+            Channels::Temp => (0, self.temp_conversion.cycles(false)),
+        }
+    }
+
+    /// The commands that configure the part, in the order of F-30.
+    ///
+    /// A disabled channel is written as disabled, since the part may have been configured otherwise before, and its
+    /// conversion time is left alone. So F-30's twelve bytes become ten.
+    pub fn writes(&self) -> impl Iterator<Item = Write> + use<> {
+        let conversion = |setup: ChannelSetup, write| setup.enabled().then_some(write);
+        [
+            Some(Write::of::<Iop>(self.iop)),
+            Some(Write::of::<RateCs>(self.rate_setup)),
+            conversion(self.rate_setup, Write::of::<RateConv>(self.rate_conversion)),
+            Some(Write::of::<TempCs>(self.temp_setup)),
+            conversion(self.temp_setup, Write::of::<TempConv>(self.temp_conversion)),
+            Some(Write::of::<Mode>(self.mode)),
+        ]
+        .into_iter()
+        .flatten()
+    }
+}
+
+/// One write of the initialisation: which register gets what.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub struct Write {
+    /// The register.
+    pub address: Address,
+    /// The command.
+    pub frame: Frame,
+}
+
+impl Write {
+    /// The write of `value` to register `R`.
+    pub fn of<R: Writable>(value: R::Value) -> Self {
+        Self { address: R::ADDRESS, frame: Frame::write::<R>(value) }
+    }
+}

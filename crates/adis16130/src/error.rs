@@ -1,0 +1,252 @@
+//! What can go wrong, one enum per operation, with the evidence: which register, what was expected, what came.
+
+use core::fmt::{Debug, Display, Formatter, Result};
+
+use crate::codes::Width;
+use crate::diagnosis::Fault;
+use crate::readback::Differences;
+use crate::registers::Address;
+
+/// The bus refused a transfer: the only way in which reading or writing a single register fails.
+///
+/// It may have left the part in the middle of a command, which CS alone does not end (F-22). So reset and initialise the
+/// part before the next one.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub struct BusError<E> {
+    /// The register that was addressed.
+    pub register: Address,
+    /// What the bus says.
+    pub error: E,
+}
+
+impl<E: Debug> Display for BusError<E> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        write!(
+            f,
+            "the SPI transfer for {} failed ({:?}): check the host's SPI settings and that the port is still there, \
+             then reset and initialise the part",
+            self.register, self.error
+        )
+    }
+}
+
+/// Why a checked read gave no value.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub enum ReadError<E> {
+    /// The bus refused a transfer.
+    Bus(BusError<E>),
+    /// The line or the part is at fault.
+    Fault(Fault),
+    /// The link is healthy, and the reading is at the end of its scale (F-35).
+    OutOfRange(OutOfRange),
+}
+
+/// Why an initialisation failed.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub enum InitError<E> {
+    /// The bus refused a transfer. Registers before this one have been written.
+    Bus(BusError<E>),
+    /// All was written, but does not read back.
+    Verify(VerifyError<E>),
+}
+
+/// Why the written registers could not be confirmed.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub enum VerifyError<E> {
+    /// The bus refused a transfer.
+    Bus(BusError<E>),
+    /// MODE has not been written since the reset: there is nothing to verify.
+    NotInitialised,
+    /// Every register reads FFh: SDO is stuck at ones.
+    StuckHigh(Differences),
+    /// Every register reads 00h: SDO is stuck at zeros.
+    StuckLow(Differences),
+    /// MODE reads 00h: the part has been reset, as by a brown-out.
+    ConfigurationLost(Differences),
+    /// Some registers read back differently.
+    Differs(Differences),
+}
+
+/// Why an edge gave no sample. The rate samples that this cost are counted in the next [`Sample`](crate::Sample).
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub enum SampleError<E> {
+    /// The bus refused a transfer.
+    Bus(BusError<E>),
+    /// The line or the part is at fault.
+    Fault(Fault),
+    /// The link is healthy, and the temperature is at the end of its scale. (An out-of-range rate is in the status of
+    /// the sample.)
+    OutOfRange(OutOfRange),
+}
+
+/// Why waiting for data ended without.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub enum WaitError<P> {
+    /// The RDY pin could not be read.
+    Pin(P),
+    /// RDY did not come within the bound.
+    TimedOut {
+        /// The bound, in µs.
+        timeout_us: u32,
+    },
+}
+
+/// Why a self-test gave no result. `E` is the error of the bus, `R` of the RDY pin, `P` of the self-test pin. The pin
+/// has been released.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub enum SelfTestError<E, R, P> {
+    /// A reading failed.
+    Read(ReadError<E>),
+    /// No data within the bound.
+    Wait(WaitError<R>),
+    /// The self-test pin could not be set or released: if it is still active, the rate is offset.
+    Pin(P),
+}
+
+/// A reading at the end of its scale: saturated with CLAMP = 1 (F-35).
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub struct OutOfRange {
+    /// The data register.
+    pub register: Address,
+    /// What it read.
+    pub code: u32,
+    /// How wide it was.
+    pub width: Width,
+}
+
+impl Display for OutOfRange {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        let digits = 2 * self.width.bytes();
+        write!(
+            f,
+            "{} reads {:0digits$X}h, the end of its scale, on a healthy link: \
+             the input is out of range; bring it back and read again",
+            self.register, self.code
+        )
+    }
+}
+
+impl<E: Debug> Display for ReadError<E> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        match self {
+            Self::Bus(error) => Display::fmt(error, f),
+            Self::Fault(fault) => Display::fmt(fault, f),
+            Self::OutOfRange(reading) => Display::fmt(reading, f),
+        }
+    }
+}
+
+impl<E: Debug> Display for InitError<E> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        match self {
+            Self::Bus(error) => Display::fmt(error, f),
+            Self::Verify(error) => Display::fmt(error, f),
+        }
+    }
+}
+
+impl<E: Debug> Display for VerifyError<E> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        let (cause, differences) = match self {
+            Self::Bus(error) => return Display::fmt(error, f),
+            Self::NotInitialised => {
+                return write!(f, "the part has not been initialised since its reset: call init() first");
+            }
+            Self::StuckHigh(differences) => (Fault::STUCK_HIGH, differences),
+            Self::StuckLow(differences) => (Fault::STUCK_LOW, differences),
+            Self::ConfigurationLost(differences) => (Fault::CONFIGURATION_LOST, differences),
+            Self::Differs(differences) => (Fault::UNEXPECTED, differences),
+        };
+        write!(f, "{differences}: {cause}")
+    }
+}
+
+impl<E: Debug> Display for SampleError<E> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        match self {
+            Self::Bus(error) => Display::fmt(error, f),
+            Self::Fault(fault) => Display::fmt(fault, f),
+            Self::OutOfRange(reading) => Display::fmt(reading, f),
+        }
+    }
+}
+
+impl<P: Debug> Display for WaitError<P> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        match self {
+            Self::Pin(error) => {
+                write!(f, "the RDY pin cannot be read ({error:?}): check the GPIO settings of the host")
+            }
+            Self::TimedOut { timeout_us } => write!(
+                f,
+                "RDY (pin 10) gave no sign of new data within {timeout_us} µs: \
+                 check its wire, and that the part is initialised and powered"
+            ),
+        }
+    }
+}
+
+impl<E: Debug, R: Debug, P: Debug> Display for SelfTestError<E, R, P> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        match self {
+            Self::Read(error) => Display::fmt(error, f),
+            Self::Wait(error) => Display::fmt(error, f),
+            Self::Pin(error) => write!(
+                f,
+                "the self-test pin cannot be set ({error:?}): \
+                 check the GPIO settings of the host; an active self-test offsets the rate"
+            ),
+        }
+    }
+}
+
+impl<E: Debug> core::error::Error for BusError<E> {}
+impl<E: Debug> core::error::Error for ReadError<E> {}
+impl<E: Debug> core::error::Error for InitError<E> {}
+impl<E: Debug> core::error::Error for VerifyError<E> {}
+impl<E: Debug> core::error::Error for SampleError<E> {}
+impl<P: Debug> core::error::Error for WaitError<P> {}
+impl<E: Debug, R: Debug, P: Debug> core::error::Error for SelfTestError<E, R, P> {}
+
+/// The question mark widens an error to that of the operation it is part of.
+macro_rules! widen {
+    ($($from:ty => $to:ident::$variant:ident;)*) => {$(
+        impl<E> From<$from> for $to<E> {
+            fn from(error: $from) -> Self {
+                Self::$variant(error)
+            }
+        }
+    )*};
+}
+
+widen! {
+    BusError<E> => ReadError::Bus;
+    BusError<E> => InitError::Bus;
+    BusError<E> => VerifyError::Bus;
+    BusError<E> => SampleError::Bus;
+    Fault => ReadError::Fault;
+    Fault => SampleError::Fault;
+    VerifyError<E> => InitError::Verify;
+}
+
+impl<E> From<ReadError<E>> for SampleError<E> {
+    fn from(error: ReadError<E>) -> Self {
+        match error {
+            ReadError::Bus(error) => Self::Bus(error),
+            ReadError::Fault(fault) => Self::Fault(fault),
+            ReadError::OutOfRange(reading) => Self::OutOfRange(reading),
+        }
+    }
+}
+
+impl<E, R, P> From<ReadError<E>> for SelfTestError<E, R, P> {
+    fn from(error: ReadError<E>) -> Self {
+        Self::Read(error)
+    }
+}
+
+impl<E, R, P> From<WaitError<R>> for SelfTestError<E, R, P> {
+    fn from(error: WaitError<R>) -> Self {
+        Self::Wait(error)
+    }
+}

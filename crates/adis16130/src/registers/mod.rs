@@ -1,0 +1,201 @@
+//! The registers of part.md §3: each is a type with its address, size, value after reset and direction.
+//!
+//! [`Readable`] and [`Writable`] are separate traits, so that writing a read-only register does not compile:
+//!
+//! ```compile_fail
+//! # use adis16130::{blocking::Adis16130, registers::Revision};
+//! # fn f<SPI: embedded_hal::spi::SpiDevice, RDY>(gyro: &mut Adis16130<SPI, RDY>) {
+//! gyro.write_register::<Revision>(Revision::new(0)).ok();
+//! # }
+//! ```
+
+mod values;
+
+pub use crate::checksum::Checksum;
+pub use values::{AdcStatus, ChannelSetup, ChannelStatus, ConversionTime, Iop, Mode, Operation, Range, Revision};
+
+use crate::codes::{RateCode, TempCode, Width};
+
+/// The address of every register (part.md §3).
+#[derive(Copy, Clone, Debug, PartialEq, Eq, Hash)]
+#[repr(u8)]
+pub enum Address {
+    /// Communications register: the first byte of every command (F-24). Write only.
+    Com = 0x00,
+    /// I/O port: pins P0 and P1, RDYFN, SYNC.
+    Iop = 0x01,
+    /// Chip revision. Read only.
+    Revision = 0x02,
+    /// Which channels hold unread data. Read only.
+    AdcStatus = 0x04,
+    /// Checksum over the written bits (F-34).
+    Checksum = 0x05,
+    /// Rate data. Read only.
+    RateData = 0x08,
+    /// Temperature data. Read only.
+    TempData = 0x0A,
+    /// Status of the rate channel. Read only.
+    RateStatus = 0x20,
+    /// Status of the temperature channel. Read only.
+    TempStatus = 0x22,
+    /// Setup of the rate channel.
+    RateCs = 0x28,
+    /// Setup of the temperature channel.
+    TempCs = 0x2A,
+    /// Conversion time of the rate channel.
+    RateConv = 0x30,
+    /// Conversion time of the temperature channel.
+    TempConv = 0x32,
+    /// Operating mode.
+    Mode = 0x38,
+}
+
+impl Address {
+    /// The name in the tables of the note.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Com => "COM",
+            Self::Iop => "IOP",
+            Self::Revision => "REVISION",
+            Self::AdcStatus => "ADC STATUS",
+            Self::Checksum => "CHECKSUM",
+            Self::RateData => "RATEDATA",
+            Self::TempData => "TEMPDATA",
+            Self::RateStatus => "RATE STATUS",
+            Self::TempStatus => "TEMP STATUS",
+            Self::RateCs => "RATECS",
+            Self::TempCs => "TEMPCS",
+            Self::RateConv => "RATECONV",
+            Self::TempConv => "TEMPCONV",
+            Self::Mode => "MODE",
+        }
+    }
+}
+
+impl core::fmt::Display for Address {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        write!(f, "{} ({:02X}h)", self.name(), *self as u8)
+    }
+}
+
+/// How many bytes a register has on the wire.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub enum Size {
+    /// One byte.
+    Byte,
+    /// Two bytes.
+    Word,
+    /// Two or three bytes, as bit 24/16 of MODE says.
+    Data,
+}
+
+impl Size {
+    /// Number of bytes when the data registers are `width` wide.
+    pub const fn bytes(self, width: Width) -> usize {
+        match self {
+            Self::Byte => 1,
+            Self::Word => 2,
+            Self::Data => width.bytes(),
+        }
+    }
+}
+
+/// A register: where it is, how long it is, what it holds.
+pub trait Register {
+    /// What the register holds.
+    type Value: Copy;
+    /// Its address.
+    const ADDRESS: Address;
+    /// Its size on the wire.
+    const SIZE: Size;
+    /// What it holds after a reset. IOP also shows the levels of its pins, and the data registers are 16 bits wide
+    /// then.
+    const RESET: Self::Value;
+}
+
+/// A register that can be read.
+pub trait Readable: Register {
+    /// The value of the bytes on the wire, most significant byte first; `width` is the width of the data registers.
+    fn decode(raw: u32, width: Width) -> Self::Value;
+}
+
+/// A register that can be written.
+pub trait Writable: Register {
+    /// The bytes on the wire, most significant byte first.
+    fn encode(value: Self::Value) -> u32;
+}
+
+/// One row per register, as in the table of part.md §3: type, size, value after reset, decoder, and the encoder if it
+/// is writable.
+macro_rules! registers {
+    ($($register:ident: $value:ty, $size:ident, $reset:expr, $decode:expr $(, $encode:expr)?;)*) => {$(
+        impl Register for $register {
+            type Value = $value;
+            const ADDRESS: Address = Address::$register;
+            const SIZE: Size = Size::$size;
+            const RESET: $value = $reset;
+        }
+        impl Readable for $register {
+            fn decode(raw: u32, width: Width) -> $value {
+                let decode: fn(u32, Width) -> $value = $decode;
+                decode(raw, width)
+            }
+        }
+        $(impl Writable for $register {
+            fn encode(value: $value) -> u32 {
+                let encode: fn($value) -> u32 = $encode;
+                encode(value)
+            }
+        })?
+    )*};
+}
+
+registers! {
+    Iop: Iop, Byte, Iop::new(0x30), |raw, _| Iop::new(raw as u8), |value| value.bits().into();
+    Revision: Revision, Byte, Revision::new(0x24), |raw, _| Revision::new(raw as u8);
+    AdcStatus: AdcStatus, Byte, AdcStatus::new(0), |raw, _| AdcStatus::new(raw as u8);
+    Checksum: Checksum, Word, Checksum::RESET_VALUE, |raw, _| Checksum::new(raw as u16), |value| value.bits().into();
+    RateData: RateCode, Data, RateCode::new(0x8000, Width::Bits16), RateCode::new;
+    TempData: TempCode, Data, TempCode::new(0x8000, Width::Bits16), TempCode::new;
+    RateStatus: ChannelStatus, Byte, ChannelStatus::new(0x00), |raw, _| ChannelStatus::new(raw as u8);
+    TempStatus: ChannelStatus, Byte, ChannelStatus::new(0x40), |raw, _| ChannelStatus::new(raw as u8);
+    RateCs: ChannelSetup, Byte, ChannelSetup::new(0), |raw, _| ChannelSetup::new(raw as u8), |value| value.bits().into();
+    TempCs: ChannelSetup, Byte, ChannelSetup::new(0), |raw, _| ChannelSetup::new(raw as u8), |value| value.bits().into();
+    RateConv: ConversionTime, Byte, ConversionTime::new(0x91),
+        |raw, _| ConversionTime::new(raw as u8), |value| value.bits().into();
+    TempConv: ConversionTime, Byte, ConversionTime::new(0x91),
+        |raw, _| ConversionTime::new(raw as u8), |value| value.bits().into();
+    Mode: Mode, Byte, Mode::new(0), |raw, _| Mode::new(raw as u8), |value| value.bits().into();
+}
+
+/// The rate data register, 08h.
+#[derive(Copy, Clone, Debug)]
+pub struct RateData;
+
+/// The temperature data register, 0Ah.
+#[derive(Copy, Clone, Debug)]
+pub struct TempData;
+
+/// The status register of the rate channel, 20h.
+#[derive(Copy, Clone, Debug)]
+pub struct RateStatus;
+
+/// The status register of the temperature channel, 22h.
+#[derive(Copy, Clone, Debug)]
+pub struct TempStatus;
+
+/// The setup register of the rate channel, 28h.
+#[derive(Copy, Clone, Debug)]
+pub struct RateCs;
+
+/// The setup register of the temperature channel, 2Ah.
+#[derive(Copy, Clone, Debug)]
+pub struct TempCs;
+
+/// The conversion time register of the rate channel, 30h.
+#[derive(Copy, Clone, Debug)]
+pub struct RateConv;
+
+/// The conversion time register of the temperature channel, 32h.
+#[derive(Copy, Clone, Debug)]
+pub struct TempConv;

@@ -1,0 +1,30 @@
+//! What the sampling loop takes and gives.
+
+use crate::codes::{RateCode, TempCode};
+use crate::registers::ChannelStatus;
+
+/// One edge of RDY as the host has seen it (F-32).
+#[derive(Copy, Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Edge {
+    /// When, in ns of a clock that runs evenly; its zero does not matter.
+    pub t_ns: u64,
+    /// Running number of the edge. It counts all edges, also those that the host had no time to handle; it may wrap.
+    pub seq: u32,
+}
+
+/// One reading of the rate, and of the temperature if that was due.
+#[derive(Copy, Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Sample {
+    /// Time of the edge that announced it, in ns.
+    pub t_ns: u64,
+    /// Running number of that edge ([`Edge::seq`]): from it the rate of RDY is measured.
+    pub seq: u32,
+    /// The rate.
+    pub rate: RateCode,
+    /// The status of the rate channel, if it was read.
+    pub status: Option<ChannelStatus>,
+    /// The temperature, if it was due (F-55).
+    pub temp: Option<TempCode>,
+    /// Rate samples lost since the `Sample` before: overwritten, not taken up by the register, missed or failed (F-33).
+    pub lost: u32,
+}

@@ -1,0 +1,147 @@
+//! The self-test: what its pins do to the rate (F-11).
+
+use embedded_hal::digital::OutputPin;
+
+use crate::RATE_LSB_PER_DPS;
+use crate::codes::RateCode;
+use crate::wait::WaitBound;
+
+/// Batches per level. Neighbouring samples are correlated by the bandwidth (F-03), means of batches hardly; so the
+/// scatter of the batch means gives an honest uncertainty where that of the samples would be several times too small.
+const BATCHES: u32 = 16;
+
+/// How a self-test measures.
+#[derive(Copy, Clone, Debug, PartialEq, Eq, Hash)]
+pub struct SelfTestPlan {
+    per_batch: u16,
+    settle_us: u32,
+    bound: WaitBound,
+}
+
+impl SelfTestPlan {
+    /// Averages `samples` rates, rounded up to a multiple of 16, without and with the self-test.
+    /// Take a second's worth or more: each of the 16 batches must be long against 1/(300 Hz).
+    pub const fn new(samples: u16) -> Self {
+        let per_batch = samples.div_ceil(BATCHES as u16);
+        Self {
+            per_batch: if per_batch == 0 { 1 } else { per_batch },
+            settle_us: 100_000,
+            bound: WaitBound::from_us(20_000),
+        }
+    }
+
+    /// Sets how long to wait after each change of the pin, in µs: 100 ms unless set (ours: the time is not published).
+    pub const fn with_settle_us(mut self, settle_us: u32) -> Self {
+        self.settle_us = settle_us;
+        self
+    }
+
+    /// Sets the bound of the wait for each sample: 20 ms unless set, enough for the slowest conversion.
+    pub const fn with_bound(mut self, bound: WaitBound) -> Self {
+        self.bound = bound;
+        self
+    }
+
+    /// The wait after each change of the pin, in µs.
+    pub const fn settle_us(&self) -> u32 {
+        self.settle_us
+    }
+
+    /// The bound of the wait for each sample.
+    pub const fn bound(&self) -> WaitBound {
+        self.bound
+    }
+
+    /// Samples per level.
+    pub const fn samples(&self) -> u32 {
+        BATCHES * self.per_batch as u32
+    }
+}
+
+/// The measured effect of the self-test. Its proper size is not known, so nothing is judged (F-11).
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct SelfTest {
+    /// Mean rate with the self-test less mean rate without, in °/s.
+    pub shift_dps: f32,
+    /// Standard uncertainty of `shift_dps` from the scatter, in °/s.
+    pub u_dps: f32,
+    /// Samples per level.
+    pub n: u32,
+}
+
+impl SelfTest {
+    pub(crate) fn from_levels(plan: &SelfTestPlan, off: &Level, on: &Level) -> Self {
+        let n = plan.samples();
+        let scale = 1.0 / (n as f32 * RATE_LSB_PER_DPS as f32);
+        Self {
+            shift_dps: (on.total - off.total) as f32 * scale,
+            u_dps: sqrt(on.variance_of_total() + off.variance_of_total()) * scale,
+            n,
+        }
+    }
+}
+
+/// The sum of the codes at one level of the pin, exact, and the scatter of its batches.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Level {
+    total: i64,
+    samples: u32,
+    batch: i64,
+    first_batch: Option<i64>,
+    deviations: f32,
+    squares: f32,
+}
+
+impl Level {
+    pub(crate) fn push(&mut self, plan: &SelfTestPlan, rate: RateCode) {
+        let code = i64::from(rate.code24());
+        self.total += code;
+        self.batch += code;
+        self.samples += 1;
+        if self.samples.is_multiple_of(u32::from(plan.per_batch)) {
+            let first = *self.first_batch.get_or_insert(self.batch);
+            let deviation = (self.batch - first) as f32;
+            self.deviations += deviation;
+            self.squares += deviation * deviation;
+            self.batch = 0;
+        }
+    }
+
+    /// Variance of `total`, a sum of 16 independent batches: 16 times the variance of a batch.
+    fn variance_of_total(&self) -> f32 {
+        let batches = BATCHES as f32;
+        let variance = (self.squares - self.deviations * self.deviations / batches) / (batches - 1.0);
+        (variance * batches).max(0.0)
+    }
+}
+
+/// Square root to 2⁻⁸, enough for code sums. (`core` has none for floats.)
+fn sqrt(x: f32) -> f32 {
+    ((x * 65_536.0) as u64).isqrt() as f32 / 256.0
+}
+
+/// Holds the self-test pin active and releases it at the latest when dropped: after an error, or when a future is
+/// cancelled.
+pub(crate) struct Active<'a, P: OutputPin>(Option<&'a mut P>);
+
+impl<'a, P: OutputPin> Active<'a, P> {
+    /// The pin is under control before it is set, so that a failed attempt releases it too.
+    pub(crate) fn activate(pin: &'a mut P) -> Result<Self, P::Error> {
+        let mut active = Self(Some(pin));
+        active.0.as_mut().map_or(Ok(()), |pin| pin.set_high())?;
+        Ok(active)
+    }
+
+    pub(crate) fn release(mut self) -> Result<(), P::Error> {
+        self.0.take().map_or(Ok(()), OutputPin::set_low)
+    }
+}
+
+impl<P: OutputPin> Drop for Active<'_, P> {
+    fn drop(&mut self) {
+        if let Some(pin) = self.0.take() {
+            // Nothing is left to do about an error: whoever is dropping this is on the way out with one already.
+            let _ = pin.set_low();
+        }
+    }
+}

@@ -1,0 +1,343 @@
+//! The driver, written once for blocking and async: `$await` is empty or `.await`, `$async` is empty or `async`.
+
+/// Defines `Adis16130`. In scope where it is used: `SpiDevice`, `DelayNs` and `RdyPin`, blocking or async.
+macro_rules! shell {
+    ([$($async:tt)*] [$($await:tt)*]) => {
+        use embedded_hal::digital::OutputPin;
+
+        use crate::codes::{RateCode, TempCode};
+        use crate::config::{Config, Write};
+        use crate::diagnosis::{Fault, is_doubtful, meaning_on_healthy_link};
+        use crate::readback::{Differences, Written};
+        use crate::error::{
+            BusError, InitError, ReadError, SampleError, SelfTestError, VerifyError,
+        };
+        use crate::frame::{Frame, Framing, RESET_FRAME, com_read};
+        use crate::registers::{
+            AdcStatus, Address, ChannelStatus, Checksum, Mode, RateData, RateStatus, Readable,
+            Register, Revision, TempData, TempStatus, Writable,
+        };
+        use crate::sample::{Edge, Sample};
+        use crate::sampler::Sampler;
+        use crate::self_test::{Active, Level, SelfTest, SelfTestPlan};
+        use crate::checksum::WriteCheck;
+
+        /// The part on an SPI bus, with its RDY line.
+        ///
+        /// No method waits or retries unless its name says so; each does a fixed number of transfers.
+        #[derive(Debug)]
+        pub struct Adis16130<SPI, RDY> {
+            spi: SPI,
+            rdy: RDY,
+            config: Config,
+            written: Written,
+        }
+
+        impl<SPI, RDY> Adis16130<SPI, RDY> {
+            /// Takes the bus ([`crate::SPI_MODE`], at most [`crate::MAX_SCLK_HZ`]) and the RDY pin. Sends nothing:
+            /// call [`reset`](Self::reset) and [`init`](Self::init).
+            pub const fn new(spi: SPI, rdy: RDY, config: Config) -> Self {
+                Self { spi, rdy, config, written: Written::NOTHING }
+            }
+
+            /// Gives bus and pin back. The part goes on converting.
+            pub fn release(self) -> (SPI, RDY) {
+                (self.spi, self.rdy)
+            }
+
+            /// The configuration that [`init`](Self::init) writes.
+            pub const fn config(&self) -> &Config {
+                &self.config
+            }
+
+            /// MODE as last written with success; as after a reset, if it has not been.
+            pub const fn mode(&self) -> Mode {
+                self.written.mode()
+            }
+        }
+
+        impl<SPI: SpiDevice, RDY> Adis16130<SPI, RDY> {
+            /// Resets the part with 32 ones in a row, as one CS-low frame in either framing (F-23).
+            pub $($async)* fn reset(&mut self) -> Result<(), BusError<SPI::Error>> {
+                let sent = self.spi.write(&RESET_FRAME)$($await)*;
+                sent.map_err(|error| BusError { register: Address::Com, error })?;
+                self.written = Written::NOTHING;
+                Ok(())
+            }
+
+            /// Writes the configuration: with the default one, the twelve bytes of F-30. Does not reset the part and
+            /// does not read back.
+            pub $($async)* fn init(&mut self) -> Result<(), InitError<SPI::Error>> {
+                for write in self.config.writes() {
+                    self.send(write)$($await)*?;
+                }
+                Ok(())
+            }
+
+            /// [`init`](Self::init), then [`verify`](Self::verify).
+            pub $($async)* fn init_verified(&mut self) -> Result<(), InitError<SPI::Error>> {
+                self.init()$($await)*?;
+                Ok(self.verify()$($await)*?)
+            }
+
+            /// [`init`](Self::init) between two reads of CHECKSUM, which tell whether the part has seen every bit of
+            /// it.
+            /// A disagreement is no error: the register is not verified on this part (F-34).
+            pub $($async)* fn init_checksummed(&mut self) -> Result<WriteCheck, InitError<SPI::Error>> {
+                let before = self.read_register::<Checksum>()$($await)*?;
+                self.init()$($await)*?;
+                let got = self.read_register::<Checksum>()$($await)*?;
+                let seen = self.config.writes().fold(before, |sum, write| sum.fed(write.frame.bytes()));
+                let expected = seen.fed(&[com_read(Checksum::ADDRESS)]);
+                Ok(WriteCheck { expected, got })
+            }
+
+            /// Reads back every configuration register written since the reset, and says which differ.
+            pub $($async)* fn verify(&mut self) -> Result<(), VerifyError<SPI::Error>> {
+                if !self.written.is_complete() {
+                    return Err(VerifyError::NotInitialised);
+                }
+                let mut differences = Differences::default();
+                for (register, expected) in self.written.iter() {
+                    let got = self.exchange(register, Frame::read_byte(register))$($await)*?;
+                    differences.compare(register, expected, got.answer() as u8);
+                }
+                differences.verdict()
+            }
+
+            /// Reads a register as it is, with no judgement.
+            #[inline]
+            pub $($async)* fn read_register<R: Readable>(&mut self) -> Result<R::Value, BusError<SPI::Error>> {
+                let width = self.mode().width();
+                let frame = self.exchange(R::ADDRESS, Frame::read::<R>(width))$($await)*?;
+                Ok(R::decode(frame.answer(), width))
+            }
+
+            /// Writes a register. What the driver knows of the part follows if, and only if, the write succeeds.
+            pub $($async)* fn write_register<R: Writable>(
+                &mut self,
+                value: R::Value,
+            ) -> Result<(), BusError<SPI::Error>> {
+                self.send(Write::of::<R>(value))$($await)*
+            }
+
+            /// Reads the rate, in the width that was written to MODE.
+            ///
+            /// A code at the end of the scale makes it look at the link: on a healthy one it is
+            /// [`ReadError::OutOfRange`] (F-35), else the fault. With CLAMP = 0 codes wrap and only the status tells.
+            pub $($async)* fn read_rate(&mut self) -> Result<RateCode, ReadError<SPI::Error>> {
+                self.read_checked::<RateData>()$($await)*
+            }
+
+            /// Reads the temperature; see [`read_rate`](Self::read_rate).
+            pub $($async)* fn read_temp(&mut self) -> Result<TempCode, ReadError<SPI::Error>> {
+                self.read_checked::<TempData>()$($await)*
+            }
+
+            /// Reads the rate, then the temperature.
+            pub $($async)* fn read_both(&mut self) -> Result<(RateCode, TempCode), ReadError<SPI::Error>> {
+                let rate = self.read_rate()$($await)*?;
+                let temp = self.read_temp()$($await)*?;
+                Ok((rate, temp))
+            }
+
+            /// Reads the status of the rate channel. A status that names another channel is a fault.
+            pub $($async)* fn rate_status(&mut self) -> Result<ChannelStatus, ReadError<SPI::Error>> {
+                self.read_checked::<RateStatus>()$($await)*
+            }
+
+            /// Reads the status of the temperature channel. A status that names another channel is a fault.
+            pub $($async)* fn temp_status(&mut self) -> Result<ChannelStatus, ReadError<SPI::Error>> {
+                self.read_checked::<TempStatus>()$($await)*
+            }
+
+            /// Reads which channels hold unread data.
+            pub $($async)* fn adc_status(&mut self) -> Result<AdcStatus, ReadError<SPI::Error>> {
+                self.read_checked::<AdcStatus>()$($await)*
+            }
+
+            /// Reads the revision of the converter.
+            pub $($async)* fn revision(&mut self) -> Result<Revision, ReadError<SPI::Error>> {
+                self.read_checked::<Revision>()$($await)*
+            }
+
+            /// Reads TEMP STATUS and MODE, and says what is wrong with the line or the part; `None` = nothing: it is
+            /// connected, and configured as written.
+            pub $($async)* fn diagnose(&mut self) -> Result<Option<Fault>, BusError<SPI::Error>> {
+                let temp_status = self.read_register::<TempStatus>()$($await)*?;
+                let mode = self.read_register::<Mode>()$($await)*?;
+                Ok(Fault::shown_by(temp_status, mode, self.mode()))
+            }
+
+            /// Handles an edge of RDY: reads what `sampler` finds due, in the order status, rate, temperature.
+            ///
+            /// `None` = nothing was due, or the edge was stale (its data has been read already).
+            ///
+            /// An out-of-range rate is no error: it is in the status of the sample, because losing the sample would
+            /// hide it, and because only the caller knows what it spoils. A rate at the end of its scale has its status
+            /// read even where it was not due. A status that names another channel, or an answer that a dead line would
+            /// give, is diagnosed: if the line or the part is at fault, that is the error.
+            #[inline]
+            pub $($async)* fn sample(
+                &mut self,
+                sampler: &mut Sampler,
+                edge: Edge,
+            ) -> Result<Option<Sample>, SampleError<SPI::Error>> {
+                let Some(due) = sampler.edge(edge) else {
+                    return Ok(None);
+                };
+                let mut status = None;
+                if due.status {
+                    let read = self.read_register::<RateStatus>()$($await)*?;
+                    if !read.announces_rate() {
+                        self.require_stale(read)$($await)*?;
+                        return Ok(None);
+                    }
+                    status = Some(read);
+                }
+                let rate = self.read_register::<RateData>()$($await)*?;
+                if rate.is_at_rail() {
+                    status = Some(self.status_at_rail(status)$($await)*?);
+                }
+                let mut temp = None;
+                if due.temp {
+                    temp = Some(self.read_temp()$($await)*?);
+                }
+                let lost = sampler.taken(&due);
+                Ok(Some(Sample { t_ns: edge.t_ns, seq: edge.seq, rate, status, temp, lost }))
+            }
+
+            /// A status without unread data is a stale edge, unless a fault makes it look so.
+            #[cold]
+            $($async)* fn require_stale(&mut self, status: ChannelStatus) -> Result<(), SampleError<SPI::Error>> {
+                if is_doubtful(RateStatus::ADDRESS, status.bits().into(), 1) {
+                    self.require_healthy()$($await)*?;
+                    if let Some(fault) = Fault::of_channel(RateStatus::ADDRESS, status, RateStatus::RESET) {
+                        return Err(fault.into());
+                    }
+                }
+                Ok(())
+            }
+
+            /// A rate at the end of its scale: true if the status says so, or else if the link is healthy.
+            #[cold]
+            $($async)* fn status_at_rail(
+                &mut self,
+                status: Option<ChannelStatus>,
+            ) -> Result<ChannelStatus, SampleError<SPI::Error>> {
+                match status {
+                    Some(status) if status.out_of_range() => Ok(status),
+                    Some(status) => {
+                        self.require_healthy()$($await)*?;
+                        Ok(status)
+                    }
+                    None => {
+                        self.require_healthy()$($await)*?;
+                        Ok(self.read_register::<RateStatus>()$($await)*?)
+                    }
+                }
+            }
+
+            #[cold]
+            $($async)* fn require_healthy(&mut self) -> Result<(), SampleError<SPI::Error>> {
+                self.diagnose()$($await)*?.map_or(Ok(()), |fault| Err(fault.into()))
+            }
+
+            /// Reads a register, and diagnoses the link if the answer is doubtful.
+            #[inline]
+            $($async)* fn read_checked<R: Readable>(&mut self) -> Result<R::Value, ReadError<SPI::Error>> {
+                let width = self.mode().width();
+                let answer = self.exchange(R::ADDRESS, Frame::read::<R>(width))$($await)*?.answer();
+                if is_doubtful(R::ADDRESS, answer, R::SIZE.bytes(width)) {
+                    if let Some(fault) = self.diagnose()$($await)*? {
+                        return Err(fault.into());
+                    }
+                    if let Some(error) = meaning_on_healthy_link(R::ADDRESS, answer, width) {
+                        return Err(error);
+                    }
+                }
+                Ok(R::decode(answer, width))
+            }
+
+            $($async)* fn send(&mut self, write: Write) -> Result<(), BusError<SPI::Error>> {
+                self.exchange(write.address, write.frame)$($await)*?;
+                self.written.record(write.address, write.frame.answer());
+                Ok(())
+            }
+
+            /// One command in the framing of F-22: one transfer per byte, or one in all.
+            #[inline]
+            $($async)* fn exchange(
+                &mut self,
+                register: Address,
+                mut frame: Frame,
+            ) -> Result<Frame, BusError<SPI::Error>> {
+                let failed = |error| BusError { register, error };
+                match self.config.framing() {
+                    Framing::Command => self.spi.transfer_in_place(frame.bytes_mut())$($await)*.map_err(failed)?,
+                    Framing::PerByte => {
+                        for byte in frame.bytes_mut() {
+                            self.spi.transfer_in_place(core::slice::from_mut(byte))$($await)*.map_err(failed)?;
+                        }
+                    }
+                }
+                Ok(frame)
+            }
+        }
+
+        impl<SPI: SpiDevice, RDY: RdyPin> Adis16130<SPI, RDY> {
+            /// Measures what the self-test does to the rate, and judges nothing (F-11).
+            ///
+            /// `pin` drives the self-test pins 1–7 and 9 together and is active high. It is low when this returns, also
+            /// with an error, and when an async call is dropped. The part must be initialised; use a slow or
+            /// undisturbed moment, since motion counts as shift. Takes two settling times and `2 · samples` rates, each
+            /// within `4 ·` the bound of the plan.
+            pub $($async)* fn self_test<P: OutputPin>(
+                &mut self,
+                pin: &mut P,
+                delay: &mut impl DelayNs,
+                plan: SelfTestPlan,
+            ) -> Result<SelfTest, SelfTestError<SPI::Error, RDY::Error, P::Error>> {
+                pin.set_low().map_err(SelfTestError::Pin)?;
+                let off = self.level(delay, &plan)$($await)*?;
+                let active = Active::activate(pin).map_err(SelfTestError::Pin)?;
+                let on = self.level(delay, &plan)$($await)*;
+                active.release().map_err(SelfTestError::Pin)?;
+                Ok(SelfTest::from_levels(&plan, &off, &on?))
+            }
+
+            $($async)* fn level<P>(
+                &mut self,
+                delay: &mut impl DelayNs,
+                plan: &SelfTestPlan,
+            ) -> Result<Level, SelfTestError<SPI::Error, RDY::Error, P>> {
+                delay.delay_us(plan.settle_us())$($await)*;
+                let mut level = Level::default();
+                for _ in 0..plan.samples() {
+                    let rate = self.next_rate(delay, plan)$($await)*?;
+                    level.push(plan, rate);
+                }
+                Ok(level)
+            }
+
+            /// The next rate that has not been read. Both channels are read, since either may hold RDY.
+            $($async)* fn next_rate<P>(
+                &mut self,
+                delay: &mut impl DelayNs,
+                plan: &SelfTestPlan,
+            ) -> Result<RateCode, SelfTestError<SPI::Error, RDY::Error, P>> {
+                for _ in 0..4 {
+                    self.wait_ready(delay, plan.bound())$($await)*?;
+                    let ready = self.rate_status()$($await)*?.ready();
+                    let (rate, _) = self.read_both()$($await)*?;
+                    if ready {
+                        return Ok(rate);
+                    }
+                }
+                Err(SelfTestError::Wait(crate::error::WaitError::TimedOut { timeout_us: plan.bound().timeout_us() }))
+            }
+        }
+    };
+}
+
+pub(crate) use shell;

@@ -1,0 +1,63 @@
+//! Bounds of waits.
+
+use core::num::NonZeroU32;
+
+/// How often a blocking wait looks at the pin.
+#[derive(Copy, Clone, Debug, PartialEq, Eq, Hash)]
+pub struct PollInterval(NonZeroU32);
+
+impl PollInterval {
+    /// 5 µs: a fifth of the time for which RDY is high between two updates (F-32).
+    pub const DEFAULT: Self = Self(NonZeroU32::MIN.saturating_add(4));
+
+    /// An interval in µs.
+    pub const fn from_us(us: NonZeroU32) -> Self {
+        Self(us)
+    }
+
+    /// The interval in µs.
+    pub const fn us(self) -> u32 {
+        self.0.get()
+    }
+}
+
+/// How long to wait for data at most.
+///
+/// ```
+/// use adis16130::WaitBound;
+/// assert_eq!(WaitBound::from_us(1_000).polls(), 200); // looks at the pin 201 times at most
+/// ```
+#[derive(Copy, Clone, Debug, PartialEq, Eq, Hash)]
+pub struct WaitBound {
+    timeout_us: u32,
+    poll: PollInterval,
+}
+
+impl WaitBound {
+    /// Waits `timeout_us` at most. The blocking driver counts the delays it has asked for, so it may take longer by
+    /// what the host adds to them.
+    pub const fn from_us(timeout_us: u32) -> Self {
+        Self { timeout_us, poll: PollInterval::DEFAULT }
+    }
+
+    /// Sets how often the blocking driver looks at the pin; the async one is woken by its edge.
+    pub const fn with_poll(mut self, poll: PollInterval) -> Self {
+        self.poll = poll;
+        self
+    }
+
+    /// The bound in µs.
+    pub const fn timeout_us(self) -> u32 {
+        self.timeout_us
+    }
+
+    /// How often the blocking driver looks at the pin.
+    pub const fn poll(self) -> PollInterval {
+        self.poll
+    }
+
+    /// How many delays of the poll interval fill the bound.
+    pub const fn polls(self) -> u32 {
+        self.timeout_us.div_ceil(self.poll.us())
+    }
+}

@@ -1,0 +1,219 @@
+//! The sampler against a simulated converter with a late host: the losses that it reports are those that happened.
+
+use adis16130::{Config, ConversionTime, Edge, MCLK_HZ, Sampler, SamplerConfig};
+
+use crate::sampler::Random;
+
+/// A data register: which update it holds, and whether that is unread.
+#[derive(Copy, Clone, Default)]
+struct Channel {
+    /// Updates so far, lost or not.
+    updates: u64,
+    holds: u64,
+    unread: bool,
+    /// Being read until this time.
+    busy_until: f64,
+}
+
+impl Channel {
+    fn update(&mut self, now: f64) {
+        self.updates += 1;
+        if now >= self.busy_until {
+            self.holds = self.updates;
+            self.unread = true;
+        }
+    }
+
+    /// Reads from `now` on for so long.
+    fn read(&mut self, now: f64, takes: f64) -> u64 {
+        self.busy_until = now + takes;
+        self.unread = false;
+        self.holds
+    }
+}
+
+/// The two channels in turn (F-31), RDY (F-32), overwriting and dropping (F-33). Times in ns.
+struct Converter {
+    now: f64,
+    cycles: [f64; 2],
+    next: usize,
+    due: f64,
+    channels: [Channel; 2],
+    rdyfn: bool,
+    edges: u32,
+    /// The newest edge that the host has not seen.
+    latch: Option<Edge>,
+}
+
+impl Converter {
+    fn new(config: &Config, mclk: f64) -> Self {
+        let (rate, temp) = config.conversion_cycles();
+        let cycles = [rate, temp].map(|cycles| f64::from(cycles) / mclk * 1e9);
+        Self {
+            now: 5e6,
+            cycles,
+            next: 0,
+            due: 5e6 + cycles[0],
+            channels: [Channel::default(); 2],
+            rdyfn: config.rdyfn(),
+            edges: u32::MAX - 1_000,
+            latch: None,
+        }
+    }
+
+    fn step(&mut self) {
+        self.now = self.due;
+        self.channels[self.next].update(self.now);
+        self.next = 1 - self.next;
+        self.due += self.cycles[self.next];
+        let [rate, temp] = self.channels.map(|channel| channel.unread);
+        if if self.rdyfn { rate && temp } else { rate || temp } {
+            self.edges = self.edges.wrapping_add(1);
+            self.latch = Some(Edge { t_ns: self.now as u64, seq: self.edges });
+        }
+    }
+
+    fn advance(&mut self, ns: f64) {
+        let end = self.now + ns;
+        while self.due <= end {
+            self.step();
+        }
+        self.now = end;
+    }
+
+    fn wait_edge(&mut self) -> Edge {
+        loop {
+            if let Some(edge) = self.latch.take() {
+                return edge;
+            }
+            self.step();
+        }
+    }
+}
+
+/// How slow the host is: a fixed time per read in ns, and now and then a pause.
+#[derive(Copy, Clone)]
+struct Host {
+    reads_ns: f64,
+    jitter_ns: f64,
+    pause_one_in: f64,
+    pause_ns: f64,
+}
+
+const PROMPT: Host = Host { reads_ns: 8_000.0, jitter_ns: 5_000.0, pause_one_in: 0.0, pause_ns: 0.0 };
+const SLOW: Host = Host { reads_ns: 45_000.0, jitter_ns: 30_000.0, pause_one_in: 0.0, pause_ns: 0.0 };
+const PAUSING: Host = Host { reads_ns: 10_000.0, jitter_ns: 20_000.0, pause_one_in: 30.0, pause_ns: 700_000.0 };
+
+/// Samples, and losses: as they happened, and as reported.
+#[derive(Debug, Default)]
+struct Count {
+    samples: u64,
+    twice: u64,
+    lost: u64,
+    reported: u64,
+}
+
+fn run(config: Config, sampling: SamplerConfig, host: Host, seed: u64) -> Count {
+    let mut random = Random(seed);
+    let mut converter = Converter::new(&config, 5.9e6 + 0.2e6 * random.uniform());
+    let mut sampler = Sampler::new(sampling, &config, MCLK_HZ);
+    let (mut count, mut before) = (Count::default(), None);
+    for _ in 0..30_000 {
+        let edge = converter.wait_edge();
+        converter.advance(random.uniform() * host.jitter_ns);
+        if host.pause_one_in > 0.0 && random.uniform() * host.pause_one_in < 1.0 {
+            converter.advance(random.uniform() * host.pause_ns);
+        }
+        let Some(due) = sampler.edge(edge) else { continue };
+        if due.status && !converter.channels[0].unread {
+            converter.advance(host.reads_ns / 2.0);
+            continue;
+        }
+        let update = converter.channels[0].read(converter.now, host.reads_ns);
+        converter.advance(host.reads_ns);
+        if due.temp {
+            converter.channels[1].read(converter.now, host.reads_ns);
+            converter.advance(host.reads_ns);
+        }
+        count.reported += u64::from(sampler.taken(&due));
+        count.samples += 1;
+        if let Some(before) = before.replace(update) {
+            count.twice += u64::from(update == before);
+            count.lost += update.saturating_sub(before + 1);
+        }
+    }
+    count
+}
+
+/// Every loss is reported, at most one too many for the phase that is unknown at first, the last of them one sample later.
+fn assert_honest(config: Config, sampling: SamplerConfig, host: Host) -> Count {
+    let mut all = Count::default();
+    for seed in 1..=12 {
+        let count = run(config, sampling, host, seed);
+        assert_eq!(count.twice, 0, "{sampling:?} {count:?}");
+        assert!(
+            (count.lost.saturating_sub(1)..=count.lost + 1).contains(&count.reported),
+            "seed {seed}: {count:?}, {sampling:?}, {config:?}"
+        );
+        all.samples += count.samples;
+        all.lost += count.lost;
+        all.reported += count.reported;
+    }
+    all
+}
+
+const SAMPLINGS: [SamplerConfig; 4] = [
+    SamplerConfig::new(),
+    SamplerConfig::new().with_every_temp(5),
+    SamplerConfig::new().with_every_temp(0),
+    SamplerConfig::new().with_read_status(false),
+];
+
+#[test]
+fn a_prompt_host_loses_nothing() {
+    for sampling in SAMPLINGS {
+        let count = assert_honest(Config::default(), sampling, PROMPT);
+        assert_eq!((count.lost, count.reported), (0, 0), "{sampling:?}");
+    }
+}
+
+#[test]
+fn a_slow_host_is_told_what_it_loses() {
+    for sampling in SAMPLINGS {
+        let count = assert_honest(Config::default(), sampling, SLOW);
+        println!("{sampling:?} {count:?}");
+    }
+}
+
+#[test]
+fn a_pausing_host_is_told_what_it_loses() {
+    for sampling in SAMPLINGS {
+        let count = assert_honest(Config::default(), sampling, PAUSING);
+        assert!(count.lost > 1_000, "{count:?}");
+    }
+}
+
+#[test]
+fn unequal_conversion_times() {
+    for (rate, temp) in [(5, 127), (127, 5), (5, 0x85), (60, 61)] {
+        let config = Config::new()
+            .with_rate_conversion(ConversionTime::new(rate))
+            .with_temp_conversion(ConversionTime::new(temp));
+        for sampling in SAMPLINGS {
+            for host in [PROMPT, SLOW, PAUSING] {
+                assert_honest(config, sampling, host);
+            }
+        }
+    }
+}
+
+#[test]
+fn without_rdyfn_every_other_edge_is_stale() {
+    let config = Config::new().with_rdyfn(false);
+    for sampling in SAMPLINGS {
+        let prompt = assert_honest(config, sampling, PROMPT);
+        assert_eq!(prompt.lost, 0, "{sampling:?}");
+        assert_honest(config, sampling, SLOW);
+        assert_honest(config, sampling, PAUSING);
+    }
+}

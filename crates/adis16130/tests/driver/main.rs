@@ -1,0 +1,13 @@
+//! The driver against a part written by hand from part.md, with its own register table.
+
+#[cfg(feature = "async")]
+mod asynch;
+mod codes;
+mod converter;
+mod diagnosis;
+mod part;
+mod registers;
+mod sample;
+mod sampler;
+mod self_test;
+mod wire;

@@ -1,0 +1,329 @@
+//! The mock: a register file on a wire, from part.md §2 and §3, not from the driver.
+
+use std::cell::RefCell;
+use std::collections::{HashMap, VecDeque};
+use std::rc::Rc;
+
+use embedded_hal::spi::{ErrorKind, ErrorType, Operation, SpiDevice};
+
+/// Address, bytes (0 = as MODE says), value after reset, readable, writable: part.md §3.
+pub const TABLE: [(u8, usize, u32, bool, bool); 13] = [
+    (0x01, 1, 0x30, true, true),
+    (0x02, 1, 0x24, true, false),
+    (0x04, 1, 0x00, true, false),
+    (0x05, 2, 0xFFFF, true, true),
+    (0x08, 0, 0x8000, true, false),
+    (0x0A, 0, 0x8000, true, false),
+    (0x20, 1, 0x00, true, false),
+    (0x22, 1, 0x40, true, false),
+    (0x28, 1, 0x00, true, true),
+    (0x2A, 1, 0x00, true, true),
+    (0x30, 1, 0x91, true, true),
+    (0x32, 1, 0x91, true, true),
+    (0x38, 1, 0x00, true, true),
+];
+
+/// F-30, as the note prints it.
+pub const F30: [u8; 12] = [0x01, 0x38, 0x28, 0x0A, 0x30, 0x05, 0x2A, 0x0A, 0x32, 0x05, 0x38, 0x22];
+
+/// What the line does to the bits.
+#[derive(Copy, Clone, Debug, Default, PartialEq)]
+pub enum Line {
+    #[default]
+    Good,
+    High,
+    Low,
+    /// These bits of the answer to a read of this register are flipped.
+    Flip(u8, u8),
+}
+
+#[derive(Debug, Default)]
+pub struct Part {
+    pub registers: HashMap<u8, u32>,
+    /// MOSI bytes, one entry per CS-low frame.
+    pub frames: Vec<Vec<u8>>,
+    pub line: Line,
+    /// Writes to this register are lost.
+    pub deaf_at: Option<u8>,
+    /// The bus fails once so many transfers have gone through.
+    pub fails_after: Option<usize>,
+    /// A read of the rate loads it from here. The next one is ready at once.
+    pub rates: VecDeque<u32>,
+    checksum: u16,
+    ones: u32,
+    /// The command under way: COM byte, data so far, bytes still to come.
+    command: Option<(u8, u32, usize)>,
+}
+
+impl Part {
+    pub fn new() -> Rc<RefCell<Self>> {
+        let mut part = Self::default();
+        part.reset();
+        Rc::new(RefCell::new(part))
+    }
+
+    pub fn reset(&mut self) {
+        self.registers = TABLE.iter().map(|row| (row.0, row.2)).collect();
+        self.checksum = 0xFFFF;
+        self.command = None;
+    }
+
+    pub fn set(&mut self, address: u8, value: u32) {
+        self.registers.insert(address, value);
+    }
+
+    pub fn get(&self, address: u8) -> u32 {
+        self.registers[&address]
+    }
+
+    /// All bytes written since the last call, whatever their frames.
+    pub fn take_bytes(&mut self) -> Vec<u8> {
+        std::mem::take(&mut self.frames).concat()
+    }
+
+    fn bytes_of(&self, address: u8) -> usize {
+        match TABLE.iter().find(|row| row.0 == address).expect("an address of part.md").1 {
+            0 => 2 + usize::from(self.get(0x38) & 0x02 != 0),
+            bytes => bytes,
+        }
+    }
+
+    fn exchange(&mut self, byte: u8) -> u8 {
+        self.ones = if byte == 0xFF { self.ones + 8 } else { 0 };
+        if self.ones == 32 {
+            self.reset();
+            return 0xFF;
+        }
+        let answer = match self.command.take() {
+            None => {
+                self.start(byte);
+                0xFF
+            }
+            Some((com, data, left)) => self.proceed(com, data, left, byte),
+        };
+        match self.line {
+            Line::High => 0xFF,
+            Line::Low => 0x00,
+            _ => answer,
+        }
+    }
+
+    fn start(&mut self, com: u8) {
+        assert_eq!(com & 0x80, 0, "b7 of COM is 0 (F-24)");
+        self.feed(com);
+        if com == 0 {
+            self.command = Some((0, 0, 1)); // the software reset: no register takes what follows
+            return;
+        }
+        let address = com & 0x3F;
+        let row = TABLE.iter().find(|row| row.0 == address).expect("an address of part.md");
+        let reads = com & 0x40 != 0;
+        assert!(if reads { row.3 } else { row.4 }, "direction of {address:02X}h");
+        let answer = if reads { self.load(address) } else { 0 };
+        self.command = Some((com, answer, self.bytes_of(address)));
+    }
+
+    fn proceed(&mut self, com: u8, data: u32, left: usize, byte: u8) -> u8 {
+        let address = com & 0x3F;
+        if com == 0 {
+            self.command = Some((0, 0, 1));
+            return 0xFF;
+        }
+        if com & 0x40 != 0 {
+            assert_eq!(byte, 0, "a read clocks out with SDI at 0 (F-23)");
+            self.command = (left > 1).then_some((com, data, left - 1));
+            let flip = matches!(self.line, Line::Flip(at, _) if at == address);
+            let bits = if let (true, Line::Flip(_, bits)) = (flip, self.line) { bits } else { 0 };
+            return (data >> (8 * (left - 1))) as u8 ^ bits;
+        }
+        self.feed(byte);
+        let data = data << 8 | u32::from(byte);
+        if left > 1 {
+            self.command = Some((com, data, left - 1));
+        } else if self.deaf_at != Some(address) {
+            self.set(address, data);
+        }
+        0xFF
+    }
+
+    fn load(&mut self, address: u8) -> u32 {
+        match address {
+            0x01 => self.get(0x01) & 0x3F | 0x80, // P0 happens to be high
+            0x05 => self.checksum.into(),
+            0x08 => {
+                if let Some(rate) = self.rates.pop_front() {
+                    self.set(0x08, rate);
+                }
+                self.get(0x08)
+            }
+            0x20 if !self.rates.is_empty() => 0x08,
+            _ => self.get(address),
+        }
+    }
+
+    /// F-34, bit by bit.
+    fn feed(&mut self, byte: u8) {
+        for n in (0..8).rev() {
+            let fed_back = self.checksum >> 15 != 0;
+            self.checksum <<= 1;
+            if fed_back {
+                self.checksum ^= 0x2D;
+            }
+            self.checksum ^= u16::from(byte >> n & 1);
+        }
+    }
+}
+
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub struct Unplugged;
+
+impl embedded_hal::spi::Error for Unplugged {
+    fn kind(&self) -> ErrorKind {
+        ErrorKind::Other
+    }
+}
+
+#[derive(Clone, Debug)]
+pub struct Wire(pub Rc<RefCell<Part>>);
+
+impl ErrorType for Wire {
+    type Error = Unplugged;
+}
+
+impl SpiDevice for Wire {
+    fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), Unplugged> {
+        let mut part = self.0.borrow_mut();
+        match &mut part.fails_after {
+            Some(0) => return Err(Unplugged),
+            Some(left) => *left -= 1,
+            None => {}
+        }
+        part.ones = 0;
+        let mut frame = Vec::new();
+        for operation in operations {
+            match operation {
+                Operation::Write(bytes) => {
+                    frame.extend_from_slice(bytes);
+                    bytes.iter().for_each(|&byte| {
+                        part.exchange(byte);
+                    });
+                }
+                Operation::TransferInPlace(bytes) => {
+                    frame.extend_from_slice(bytes);
+                    bytes.iter_mut().for_each(|byte| *byte = part.exchange(*byte));
+                }
+                other => panic!("{other:?} does not define what SDI does"),
+            }
+        }
+        part.frames.push(frame);
+        Ok(())
+    }
+}
+
+/// A RDY pin that turns low after so many looks, and an output that remembers what it was told.
+#[derive(Clone, Debug, Default)]
+pub struct Pin(pub Rc<RefCell<PinState>>);
+
+#[derive(Debug, Default)]
+pub struct PinState {
+    pub looks_until_low: u32,
+    pub looks: u32,
+    pub levels: Vec<bool>,
+    /// Setting the pin this way fails.
+    pub refuses: Option<bool>,
+}
+
+/// The pin refuses.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub struct Refused;
+
+impl embedded_hal::digital::Error for Refused {
+    fn kind(&self) -> embedded_hal::digital::ErrorKind {
+        embedded_hal::digital::ErrorKind::Other
+    }
+}
+
+impl embedded_hal::digital::ErrorType for Pin {
+    type Error = Refused;
+}
+
+impl Pin {
+    fn set(&self, high: bool) -> Result<(), Refused> {
+        let mut pin = self.0.borrow_mut();
+        pin.levels.push(high);
+        if pin.refuses == Some(high) { Err(Refused) } else { Ok(()) }
+    }
+}
+
+impl embedded_hal::digital::InputPin for Pin {
+    fn is_low(&mut self) -> Result<bool, Refused> {
+        let mut pin = self.0.borrow_mut();
+        pin.looks += 1;
+        Ok(pin.looks > pin.looks_until_low)
+    }
+
+    fn is_high(&mut self) -> Result<bool, Refused> {
+        self.is_low().map(|low| !low)
+    }
+}
+
+impl embedded_hal::digital::OutputPin for Pin {
+    fn set_low(&mut self) -> Result<(), Refused> {
+        self.set(false)
+    }
+
+    fn set_high(&mut self) -> Result<(), Refused> {
+        self.set(true)
+    }
+}
+
+/// Adds up what it is asked to wait, in ns.
+#[derive(Clone, Debug, Default)]
+pub struct Delay(pub Rc<RefCell<u64>>);
+
+impl embedded_hal::delay::DelayNs for Delay {
+    fn delay_ns(&mut self, ns: u32) {
+        *self.0.borrow_mut() += u64::from(ns);
+    }
+}
+
+#[cfg(feature = "async")]
+mod asynch {
+    use super::{Delay, Operation, Pin, Refused, SpiDevice, Unplugged, Wire};
+    use embedded_hal::digital::InputPin;
+    use std::future::pending;
+
+    impl embedded_hal_async::spi::SpiDevice for Wire {
+        async fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), Unplugged> {
+            SpiDevice::transaction(self, operations)
+        }
+    }
+
+    impl embedded_hal_async::digital::Wait for Pin {
+        async fn wait_for_low(&mut self) -> Result<(), Refused> {
+            if self.is_low()? { Ok(()) } else { pending().await }
+        }
+
+        async fn wait_for_high(&mut self) -> Result<(), Refused> {
+            if self.is_high()? { Ok(()) } else { pending().await }
+        }
+
+        async fn wait_for_rising_edge(&mut self) -> Result<(), Refused> {
+            pending().await
+        }
+
+        async fn wait_for_falling_edge(&mut self) -> Result<(), Refused> {
+            pending().await
+        }
+
+        async fn wait_for_any_edge(&mut self) -> Result<(), Refused> {
+            pending().await
+        }
+    }
+
+    impl embedded_hal_async::delay::DelayNs for Delay {
+        async fn delay_ns(&mut self, ns: u32) {
+            embedded_hal::delay::DelayNs::delay_ns(self, ns);
+        }
+    }
+}

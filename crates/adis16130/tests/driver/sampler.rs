@@ -1,0 +1,313 @@
+//! The sampler on synthetic edges: what is due, and what is lost.
+
+use adis16130::{Channels, Config, Due, Edge, MCLK_HZ, Sampler, SamplerConfig};
+
+/// Rate and temperature, 527 cycles each, at 6.000 MHz: 175.67 µs.
+const PAIR_NS: f64 = 2.0 * 527.0 / 6e6 * 1e9;
+
+/// A small generator (PCG), so that the tests need no crate and repeat.
+pub struct Random(pub u64);
+
+impl Random {
+    /// Uniform in 0 … 1.
+    pub fn uniform(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 33) as f64 / 2_f64.powi(31)
+    }
+
+    /// Normal with mean 0 and sd 1, as a sum of twelve.
+    fn normal(&mut self) -> f64 {
+        (0..12).map(|_| self.uniform()).sum::<f64>() - 6.0
+    }
+}
+
+fn sampler(sampling: SamplerConfig) -> Sampler {
+    Sampler::new(sampling, &Config::default(), MCLK_HZ)
+}
+
+fn at(periods: f64, seq: u32) -> Edge {
+    Edge { t_ns: 1_000_000_000 + (periods * PAIR_NS) as u64, seq }
+}
+
+/// Handles an edge and takes what is due: `None` = nothing was.
+fn take(sampler: &mut Sampler, edge: Edge) -> Option<u32> {
+    let due = sampler.edge(edge)?;
+    Some(sampler.taken(&due))
+}
+
+/// Takes edges at these times, in periods, numbered without gaps from the first; the losses.
+fn losses(sampler: &mut Sampler, periods: impl IntoIterator<Item = f64>) -> Vec<u32> {
+    let edges = (0..).zip(periods);
+    edges.filter_map(|(seq, periods)| take(sampler, at(periods, seq))).collect()
+}
+
+fn ramp(n: u32) -> impl Iterator<Item = f64> {
+    (0..n).map(f64::from)
+}
+
+#[test]
+fn even_edges_lose_nothing() {
+    let lost = losses(&mut sampler(SamplerConfig::new()), ramp(10_000));
+    assert_eq!((lost.len(), lost.iter().sum::<u32>()), (10_000, 0));
+}
+
+#[test]
+fn a_doubled_interval_is_one_lost_sample() {
+    // F-33: the part drops the new reading; there is no edge for it, so `seq` shows nothing.
+    for k in [2, 3, 10, 1_000] {
+        let times = ramp(k).chain((k + 1..k + 20).map(f64::from));
+        let lost = losses(&mut sampler(SamplerConfig::new()), times);
+        assert_eq!(lost[k as usize], 1, "after {k} edges");
+        assert_eq!(lost.iter().sum::<u32>(), 1);
+    }
+}
+
+#[test]
+fn missed_edges_are_lost_samples() {
+    // Nothing is read for 100 periods, so there are 199 edges, one per conversion after the first pair (F-32); the host sees the last.
+    let mut sampler = sampler(SamplerConfig::new());
+    let lost = losses(&mut sampler, ramp(50));
+    assert_eq!(lost.iter().sum::<u32>(), 0);
+    assert_eq!(take(&mut sampler, at(149.0, 49 + 199)), Some(99));
+    assert_eq!(take(&mut sampler, at(150.0, 49 + 200)), Some(0));
+}
+
+#[test]
+fn the_number_of_the_edge_wraps() {
+    let mut sampler = sampler(SamplerConfig::new().with_divider(2));
+    let first = u32::MAX - 7;
+    let taken = (0..64).filter(|&k| take(&mut sampler, at(f64::from(k) / 2.0, first.wrapping_add(k))) == Some(0));
+    assert_eq!(taken.count(), 32);
+}
+
+#[test]
+fn the_same_edge_twice_is_one_edge() {
+    let mut sampler = sampler(SamplerConfig::new());
+    assert_eq!(take(&mut sampler, at(0.0, 7)), Some(0));
+    assert_eq!(take(&mut sampler, at(0.0, 7)), None);
+    assert_eq!(take(&mut sampler, at(1.0, 8)), Some(0));
+}
+
+#[test]
+fn what_was_due_and_not_taken_is_lost_once() {
+    let mut sampler = sampler(SamplerConfig::new());
+    losses(&mut sampler, ramp(20));
+    assert!(sampler.edge(at(20.0, 20)).is_some(), "due, but the read fails");
+    assert!(sampler.edge(at(21.0, 21)).is_some(), "and fails");
+    assert_eq!(take(&mut sampler, at(22.0, 22)), Some(2));
+    assert_eq!(take(&mut sampler, at(23.0, 23)), Some(0));
+}
+
+#[test]
+fn without_a_clock_the_edges_are_counted() {
+    let mut sampler = sampler(SamplerConfig::new());
+    let mut step = |seq| take(&mut sampler, Edge { t_ns: 0, seq });
+    assert_eq!(step(0), Some(0));
+    assert_eq!(step(1), Some(0));
+    assert_eq!(step(2), Some(0));
+    assert_eq!(step(7), Some(2), "five edges are six conversions, that is three pairs");
+}
+
+#[test]
+fn a_clock_that_jumps_back_loses_nothing_by_itself() {
+    let mut sampler = sampler(SamplerConfig::new());
+    losses(&mut sampler, ramp(100).map(|k| k + 1_000.0));
+    let lost: Vec<_> = (0..100).filter_map(|k| take(&mut sampler, at(f64::from(k), 100 + k))).collect();
+    assert_eq!((lost.len(), lost.iter().sum::<u32>()), (100, 0));
+}
+
+#[test]
+fn learns_the_true_period_within_the_tolerance_of_the_clock() {
+    for ppm in [-20_000.0, -3_000.0, 0.0, 12_345.0, 20_000.0] {
+        let scale = 1.0 + ppm * 1e-6;
+        let mut sampler = sampler(SamplerConfig::new());
+        let lost = losses(&mut sampler, ramp(6_000).map(|k| k * scale));
+        assert_eq!(lost.iter().sum::<u32>(), 0, "{ppm} ppm");
+        let error = sampler.rate_period_ns() / (PAIR_NS * scale) - 1.0;
+        assert!(error.abs() < 2e-7, "{ppm} ppm: {error:e}");
+        // So well that a gap of half a second is counted to the sample.
+        assert_eq!(take(&mut sampler, at(5_999.0 * scale + 3_000.0 * scale, 5_999 + 5_999)), Some(2_999));
+    }
+}
+
+#[test]
+fn jitter_of_the_timestamps_is_no_loss_and_hides_none() {
+    for seed in 0..20 {
+        let mut random = Random(seed);
+        let mut jitter = |sd_us: f64| random.normal() * sd_us * 1e3 / PAIR_NS;
+        for every_temp in [1, 4] {
+            // 15 µs standard deviation on top of 1 % of the clock; every 97th sample is dropped by the part.
+            let times: Vec<f64> =
+                ramp(20_000).filter(|k| k % 97.0 != 96.0).map(|k| k * 1.01 + 5.0 + jitter(15.0)).collect();
+            let dropped = 20_000 - times.len() as u32;
+            let mut sampler = sampler(SamplerConfig::new().with_every_temp(every_temp));
+            let lost: u32 = losses(&mut sampler, times).iter().sum();
+            // The last of them may still be unreported, and one may be too many.
+            assert!(
+                (dropped - 1..=dropped + 1).contains(&lost),
+                "{lost} of {dropped}, seed {seed}, every {every_temp}"
+            );
+        }
+    }
+}
+
+#[test]
+fn follows_a_clock_that_drifts() {
+    // The temperature moves MCLK by 100 ppm and back within 18 s, five times.
+    let mut sampler = sampler(SamplerConfig::new());
+    let phase = |k: f64| k + 1e-4 * 1e5 / std::f64::consts::TAU * (k / 1e5 * std::f64::consts::TAU).sin();
+    let lost: u32 = losses(&mut sampler, ramp(500_000).map(phase)).iter().sum();
+    assert_eq!(lost, 0);
+}
+
+#[test]
+fn one_late_timestamp_costs_at_most_one() {
+    let mut sampler = sampler(SamplerConfig::new());
+    let times = ramp(4_000).map(|k| if k % 500.0 == 250.0 { k + 0.9 } else { k });
+    let total: u32 = losses(&mut sampler, times).iter().sum();
+    assert!(total <= 1, "{total} for eight late ones");
+}
+
+#[test]
+fn a_change_between_rate_and_temperature_edges_is_counted_by_what_it_costs() {
+    // From a temperature edge to a rate edge 1.5 periods later a rate is missing; on the way back none is (F-32, F-33).
+    let lost = losses(&mut sampler(SamplerConfig::new()), [0.0, 1.0, 2.0, 3.5, 4.5, 6.0, 7.0, 8.5, 10.0]);
+    assert_eq!(lost, [0, 0, 0, 1, 0, 0, 0, 1, 0]);
+}
+
+#[test]
+fn temperature_is_due_every_nth_time() {
+    for (every_temp, pattern) in
+        [(1, [true, true, true, true, true, true]), (3, [true, false, false, true, false, false]), (0, [false; 6])]
+    {
+        let mut sampler = sampler(SamplerConfig::new().with_every_temp(every_temp));
+        // The first edge is one of temperature; after a sample without temperature, those of rate follow.
+        let mut times = (0..6).map(|k| f64::from(k) - if every_temp == 1 || k < 1 { 0.0 } else { 0.5 });
+        let due: Vec<bool> = (0..6)
+            .map(|seq| {
+                let due = sampler.edge(at(times.next().unwrap(), seq)).unwrap();
+                assert_eq!(sampler.taken(&due), 0, "every {every_temp}, edge {seq}");
+                due.temp
+            })
+            .collect();
+        assert_eq!(due, pattern);
+    }
+}
+
+#[test]
+fn a_temperature_that_was_not_taken_stays_due() {
+    let mut sampler = sampler(SamplerConfig::new().with_every_temp(10));
+    assert!(sampler.edge(at(0.0, 0)).unwrap().temp);
+    let due = sampler.edge(at(1.0, 1)).unwrap();
+    assert!(due.temp);
+    sampler.taken(&due);
+    assert!(!sampler.edge(at(2.0, 2)).unwrap().temp);
+}
+
+#[test]
+fn the_phase_is_found_from_a_sample_without_temperature() {
+    // The host starts late, so that its first edge is one of rate. The sampler must see that from the second sample on.
+    let mut sampler = sampler(SamplerConfig::new().with_every_temp(4));
+    assert_eq!(losses(&mut sampler, ramp(40)).iter().sum::<u32>(), 0);
+    // A rate is now read late and the next edge is one of temperature: nothing is lost.
+    assert_eq!(take(&mut sampler, at(40.5, 40)), Some(0));
+    assert_eq!(take(&mut sampler, at(42.0, 41)), Some(1), "back again, one is missing");
+}
+
+#[test]
+fn status_is_due_when_asked_for_or_when_the_edge_is_not_believable() {
+    let mut sampler = sampler(SamplerConfig::new().with_read_status(false));
+    let mut status = |periods, seq| {
+        let due = sampler.edge(at(periods, seq)).unwrap();
+        sampler.taken(&due);
+        due.status
+    };
+    assert!(!status(0.0, 0) && !status(1.0, 1) && !status(2.0, 2));
+    assert!(status(2.5, 3), "too early after a read of both: that read came late and has taken this data");
+    assert!((4..11).all(|seq| status(f64::from(seq), seq)), "and for a while");
+    assert!(!status(11.0, 11));
+    assert!(status(13.0, 14), "edges were missed");
+    let any_channel = Config::new().with_rdyfn(false);
+    let mut sampler = Sampler::new(SamplerConfig::new().with_read_status(false), &any_channel, MCLK_HZ);
+    assert!(sampler.edge(at(0.0, 0)).unwrap().status, "without RDYFN only the status tells rate from temperature");
+}
+
+#[test]
+fn f56_a_divider_reads_every_nth_edge() {
+    // The first edge after a read of both comes two conversions later, then one per conversion: N + 1 conversions.
+    for divider in [2_u32, 3, 50] {
+        let mut sampler = sampler(SamplerConfig::new().with_divider(divider as u16));
+        let (mut time, mut taken, mut lost) = (0.0, 0, 0);
+        for seq in 0..divider * 40 {
+            time += if seq % divider == 1 || seq == 0 { 1.0 } else { 0.5 };
+            if let Some(missing) = take(&mut sampler, at(time, seq)) {
+                taken += 1;
+                lost += missing;
+            }
+        }
+        assert_eq!((taken, lost), (40, 0), "every {divider}");
+    }
+}
+
+#[test]
+fn a_missed_reading_behind_a_divider_is_one_loss() {
+    let mut sampler = sampler(SamplerConfig::new().with_divider(50));
+    assert_eq!(take(&mut sampler, at(0.0, 0)), Some(0));
+    assert_eq!(take(&mut sampler, at(25.5, 50)), Some(0));
+    assert_eq!(take(&mut sampler, at(51.5, 101)), Some(0), "a conversion late is not late enough");
+    assert_eq!(take(&mut sampler, at(51.5 + 51.0, 203)), Some(1));
+}
+
+#[test]
+fn f56_numbers() {
+    // 6 MHz / 527 cycles, divided by N + 1: 223 and 3795 readings of both per second.
+    let readings = |divider: f64| (6e6 / 527.0 / (divider + 1.0)).round();
+    assert_eq!((readings(50.0), readings(2.0)), (223.0, 3_795.0));
+}
+
+#[test]
+fn a_new_initialisation_has_a_new_phase_and_costs_what_it_took() {
+    let mut sampler = sampler(SamplerConfig::new());
+    losses(&mut sampler, ramp(3_000));
+    sampler.restarted();
+    assert_eq!(take(&mut sampler, at(3_099.3, 3_000)), Some(99));
+    let lost: u32 = (1..3_000).filter_map(|k| take(&mut sampler, at(3_099.3 + f64::from(k), 3_000 + k))).sum();
+    assert_eq!(lost, 0);
+}
+
+#[test]
+fn a_divider_of_zero_is_one() {
+    let mut sampler = sampler(SamplerConfig::new().with_divider(0));
+    assert_eq!(losses(&mut sampler, ramp(5)), [0; 5]);
+}
+
+#[test]
+fn rate_alone_has_an_edge_per_conversion() {
+    let config = Config::new().with_channels(Channels::Rate);
+    let mut sampler = Sampler::new(SamplerConfig::new(), &config, MCLK_HZ);
+    let period = 526.0 / 1054.0;
+    let lost = losses(&mut sampler, ramp(100).filter(|k| *k != 50.0).map(|k| k * period));
+    assert_eq!((lost.len(), lost.iter().sum::<u32>(), lost[50]), (99, 1, 1));
+    assert!(sampler.edge(at(100.0 * period, 99)).is_some_and(|due: Due| !due.temp), "there is no temperature to read");
+}
+
+#[test]
+fn temperature_alone_gives_no_samples() {
+    let config = Config::new().with_channels(Channels::Temp);
+    let mut sampler = Sampler::new(SamplerConfig::new(), &config, MCLK_HZ);
+    assert_eq!(losses(&mut sampler, ramp(10)), []);
+}
+
+#[test]
+fn absurd_arguments_do_not_panic() {
+    for mclk_hz in [0, 1, u32::MAX] {
+        let mut random = Random(mclk_hz.into());
+        let mut sampler = Sampler::new(SamplerConfig::new(), &Config::default(), mclk_hz);
+        for _ in 0..2_000 {
+            let t_ns = (random.uniform() * 1.8e19) as u64;
+            take(&mut sampler, Edge { t_ns, seq: (random.uniform() * 4.2e9) as u32 });
+        }
+        take(&mut sampler, Edge { t_ns: u64::MAX, seq: 0 });
+        take(&mut sampler, Edge { t_ns: 0, seq: u32::MAX });
+    }
+}
