@@ -1,0 +1,292 @@
+//! The converter: its sequence in time, the data registers, unread data and RDY.
+
+use crate::facts;
+use crate::registers::{Channel, Registers};
+use crate::registers::{IOP_RDYFN, MODE_CLAMP, MODE_CONTINUOUS, MODE_MD, MODE_SINGLE};
+
+/// Never.
+pub(crate) const NEVER: u64 = u64::MAX;
+
+/// Samples that the host never saw, per channel, since the start.
+#[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
+pub struct LostUnread {
+    /// Of the rate channel.
+    pub rate: ChannelLosses,
+    /// Of the temperature channel.
+    pub temp: ChannelLosses,
+}
+
+/// Samples of one channel that the host never saw.
+#[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
+pub struct ChannelLosses {
+    /// Samples that were overwritten before anybody read them (F-33).
+    pub overwritten: u64,
+    /// New samples that were dropped because the register was being read at the moment of the update (F-33).
+    pub lost_new: u64,
+}
+
+/// A data register with the facts about its content.
+#[derive(Copy, Clone)]
+struct Data {
+    code: u32,
+    negative: bool,
+    out_of_range: bool,
+    lost: ChannelLosses,
+}
+
+impl Data {
+    const RESET: Self = Self {
+        code: facts::ZERO_CODE,
+        negative: false,
+        out_of_range: false,
+        lost: ChannelLosses { overwritten: 0, lost_new: 0 },
+    };
+}
+
+/// The converter.
+pub(crate) struct Adc {
+    mclk_hz: f64,
+    data: [Data; 2],
+    /// Channels with unread data, as a set of [`Channel::bit`].
+    unread: u8,
+    /// The channel whose data register is being read, from the accepted COM byte to the last data byte.
+    reading: Option<Channel>,
+    plan: Plan,
+    converting: Channel,
+    /// When the running conversion ends, in ps, or [`NEVER`].
+    pub(crate) next_update_ps: u64,
+    /// The data registers keep their codes.
+    pub(crate) frozen: bool,
+}
+
+/// What the registers ask of the converter, worked out when they change.
+#[derive(Copy, Clone)]
+struct Plan {
+    enabled: u8,
+    conversion_ps: [u64; 2],
+    scaling_ps: u64,
+    single: bool,
+    running: bool,
+    clamp: bool,
+    rdy_needs_all: bool,
+}
+
+impl Plan {
+    fn of(registers: &Registers, mclk_hz: f64, held: bool) -> Self {
+        let ps = |cycles: u32| ((f64::from(cycles) * 1e12 / mclk_hz + 0.5) as u64).max(1);
+        let mode = registers.mode & MODE_MD;
+        let enabled = registers.enabled();
+        Self {
+            enabled,
+            conversion_ps: Channel::ALL.map(|channel| ps(registers.conversion_cycles(channel))),
+            scaling_ps: ps(facts::SCALING_CYCLES),
+            single: mode == MODE_SINGLE,
+            running: (mode == MODE_CONTINUOUS || mode == MODE_SINGLE) && enabled != 0 && !held,
+            clamp: registers.mode & MODE_CLAMP != 0,
+            rdy_needs_all: registers.iop & IOP_RDYFN != 0,
+        }
+    }
+
+    fn first(&self) -> Channel {
+        if self.enabled & Channel::Rate.bit() != 0 { Channel::Rate } else { Channel::Temp }
+    }
+
+    fn after(&self, channel: Channel) -> Channel {
+        let other = match channel {
+            Channel::Rate => Channel::Temp,
+            Channel::Temp => Channel::Rate,
+        };
+        if self.enabled & other.bit() != 0 { other } else { channel }
+    }
+}
+
+/// What an update did besides storing a code.
+#[derive(Copy, Clone, PartialEq, Eq)]
+pub(crate) struct Update {
+    /// The condition for a low RDY holds, so the level falls.
+    pub(crate) rdy_falls: bool,
+    /// The last conversion of the single mode is done.
+    pub(crate) single_done: bool,
+}
+
+impl Adc {
+    pub(crate) fn new(mclk_hz: f64) -> Self {
+        Self {
+            mclk_hz,
+            data: [Data::RESET; 2],
+            unread: 0,
+            reading: None,
+            plan: Plan::of(&Registers::RESET, mclk_hz, false),
+            converting: Channel::Rate,
+            next_update_ps: NEVER,
+            frozen: false,
+        }
+    }
+
+    /// Reset values; what was lost stays counted.
+    pub(crate) fn reset(&mut self) {
+        self.data = self.data.map(|data| Data { lost: data.lost, ..Data::RESET });
+        self.unread = 0;
+        self.reading = None;
+        self.plan = Plan::of(&Registers::RESET, self.mclk_hz, false);
+        self.next_update_ps = NEVER;
+    }
+
+    /// Takes new register contents. `restart` begins the sequence anew (a write to MODE, SYNC let go); otherwise a
+    /// running conversion ends as it was begun. `held` is a low SYNC pin.
+    pub(crate) fn plan(&mut self, registers: &Registers, held: bool, restart: bool, now_ps: u64) {
+        self.plan = Plan::of(registers, self.mclk_hz, held);
+        if !self.plan.running {
+            self.next_update_ps = NEVER;
+        } else if restart || self.next_update_ps == NEVER {
+            self.begin(self.plan.first(), now_ps);
+        }
+    }
+
+    /// Time from one conversion of a channel to its next, in ps.
+    pub(crate) fn period_ps(&self) -> u64 {
+        let [rate_ps, temp_ps] = self.plan.conversion_ps;
+        match self.plan.enabled {
+            0b01 => rate_ps,
+            0b10 => temp_ps,
+            _ => rate_ps + temp_ps,
+        }
+    }
+
+    #[inline]
+    pub(crate) fn converting(&self) -> Channel {
+        self.converting
+    }
+
+    /// The running conversion is done and gave `unlimited`; the next one begins.
+    #[inline]
+    pub(crate) fn update(&mut self, unlimited: i64) -> Update {
+        let channel = self.converting;
+        if self.plan.enabled & channel.bit() != 0 {
+            self.store(channel, unlimited);
+        }
+        let next = self.plan.after(channel);
+        let single_done = self.plan.single && next as u8 <= channel as u8;
+        if single_done {
+            self.next_update_ps = NEVER;
+        } else {
+            self.begin(next, self.next_update_ps);
+        }
+        Update { rdy_falls: self.rdy_due(), single_done }
+    }
+
+    #[inline]
+    fn begin(&mut self, channel: Channel, now_ps: u64) {
+        self.converting = channel;
+        self.next_update_ps = now_ps.saturating_add(self.plan.conversion_ps[channel as usize]);
+    }
+
+    #[inline]
+    fn store(&mut self, channel: Channel, unlimited: i64) {
+        let data = &mut self.data[channel as usize];
+        if self.reading == Some(channel) {
+            data.lost.lost_new += 1;
+            return;
+        }
+        data.lost.overwritten += u64::from(self.unread & channel.bit() != 0);
+        self.unread |= channel.bit();
+        if self.frozen {
+            return;
+        }
+        let max = i64::from(facts::MAX_CODE);
+        data.out_of_range = unlimited < 0 || unlimited > max;
+        data.negative = unlimited < i64::from(facts::ZERO_CODE);
+        data.code = if self.plan.clamp { unlimited.clamp(0, max) as u32 } else { unlimited as u32 & facts::MAX_CODE };
+    }
+
+    /// The condition of F-32 for a low RDY, scaling time aside.
+    #[inline]
+    fn rdy_due(&self) -> bool {
+        let unread = self.unread & self.plan.enabled;
+        unread != 0 && (!self.plan.rdy_needs_all || unread == self.plan.enabled)
+    }
+
+    /// Whether RDY is low at `now_ps`.
+    pub(crate) fn rdy_low(&self, now_ps: u64) -> bool {
+        now_ps < self.scaling_from_ps() && self.rdy_due()
+    }
+
+    /// When the scaling time of the running conversion begins, in ps, or [`NEVER`].
+    pub(crate) fn scaling_from_ps(&self) -> u64 {
+        match self.next_update_ps {
+            NEVER => NEVER,
+            update => update.saturating_sub(self.plan.scaling_ps),
+        }
+    }
+
+    /// The COM byte of a read was accepted: latches the 24-bit code, which counts as read from now on.
+    #[inline]
+    pub(crate) fn begin_read(&mut self, channel: Channel) -> u32 {
+        self.reading = Some(channel);
+        self.unread &= !channel.bit();
+        self.data[channel as usize].code
+    }
+
+    /// The last byte of a read is out.
+    #[inline]
+    pub(crate) fn end_read(&mut self) {
+        self.reading = None;
+    }
+
+    /// The ADC status register: a bit per channel number.
+    pub(crate) fn status(&self) -> u8 {
+        let bit = |channel: Channel| u8::from(self.unread & channel.bit() != 0) << channel.number();
+        bit(Channel::Rate) | bit(Channel::Temp)
+    }
+
+    /// The channel status register.
+    #[inline]
+    pub(crate) fn channel_status(&self, channel: Channel) -> u8 {
+        let data = &self.data[channel as usize];
+        channel.number() << 5
+            | u8::from(self.unread & channel.bit() != 0) << 3
+            | u8::from(data.negative) << 1
+            | u8::from(data.out_of_range)
+    }
+
+    pub(crate) fn lost_unread(&self) -> LostUnread {
+        let [rate, temp] = self.data.map(|data| data.lost);
+        LostUnread { rate, temp }
+    }
+}
+
+/// A 24-bit code in 16 bits: nearest, ties away from the middle, never past the end (F-43).
+pub(crate) fn to_16_bits(code24: u32) -> u16 {
+    let distance = i64::from(code24) - i64::from(facts::ZERO_CODE);
+    let rounded = (distance.abs() + 128) >> 8;
+    (0x8000 + rounded * distance.signum()).clamp(0, 0xFFFF) as u16
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rounding_is_f43() {
+        let vectors = [
+            (14_260_608, 55_706),
+            (8_623_488, 33_686),
+            (8_388_608, 32_768),
+            (8_153_728, 31_850),
+            (2_516_608, 9_830),
+            (9_516_048, 37_172),
+            (9_234_188, 36_071),
+            (8_402_701, 32_823),
+            (8_036_283, 31_392),
+            (7_472_563, 29_190),
+            (8_388_608 + 128, 32_769),
+            (8_388_608 - 128, 32_767),
+            (8_388_608 + 127, 32_768),
+            (0xFF_FFFF, 0xFFFF),
+            (0, 0),
+        ];
+        for (code24, code16) in vectors {
+            assert_eq!(to_16_bits(code24), code16, "{code24}");
+        }
+    }
+}

@@ -1,0 +1,163 @@
+//! Everything slow, on a tick of its own that no bus traffic can shift: temperatures, bias, flicker, motion.
+
+use super::motion::Platform;
+use super::noise::{Flicker, RandomWalk};
+use super::normal::Layers;
+use super::thermal::{TemperatureBias, Thermal};
+use crate::facts;
+use crate::spec::Spec;
+use alloc::rc::Rc;
+
+/// The tick, in ps; between two ticks everything is a straight line.
+pub(crate) const TICK_PS: u64 = 4_000_000_000;
+const TICK_S: f64 = TICK_PS as f64 * 1e-12;
+
+/// The slow quantities at one instant.
+#[derive(Copy, Clone, Default)]
+pub(crate) struct Point {
+    /// All that the rate channel shows but fast noise and self-test, at the output, in °/s.
+    pub(crate) rate_dps: f64,
+    pub(crate) sensor_c: f64,
+    pub(crate) element_c: f64,
+    pub(crate) ambient_c: f64,
+    /// Distance of the bias from the curve f(T) on the present branch of the hysteresis, in °/s.
+    pub(crate) branch_dps: f64,
+    pub(crate) walk_dps: f64,
+    pub(crate) flicker_dps: f64,
+    pub(crate) supply_dps: f64,
+}
+
+/// The slow processes, between two ticks.
+pub(crate) struct Slow {
+    left: Point,
+    right: Point,
+    left_ps: u64,
+    ticks: u64,
+    thermal: Thermal,
+    temperature_bias: TemperatureBias,
+    pub(crate) platform: Platform,
+    noises: Option<(Flicker, RandomWalk)>,
+    bias_dps: f64,
+    supply_dps: f64,
+    supply_step_dps: f64,
+    supply_step_s: f64,
+    gain: f64,
+}
+
+impl Slow {
+    pub(crate) fn new(spec: &Spec, layers: &Rc<Layers>) -> Self {
+        let thermal = Thermal::new(spec, TICK_S, layers);
+        let mut slow = Self {
+            left: Point::default(),
+            right: Point::default(),
+            left_ps: 0,
+            ticks: 0,
+            temperature_bias: TemperatureBias::new(spec, thermal.element_c),
+            thermal,
+            platform: Platform::new(spec),
+            noises: spec.noise.then(|| (Flicker::new(spec, TICK_S, layers), RandomWalk::new(spec, TICK_S, layers))),
+            bias_dps: spec.bias_dps,
+            supply_dps: (spec.supply_mv - facts::SUPPLY_NOMINAL_MV) * facts::SUPPLY_DPS_PER_MV,
+            supply_step_dps: spec.supply_step_mv * facts::SUPPLY_DPS_PER_MV,
+            supply_step_s: spec.event_s(),
+            gain: 1.0 + spec.sensitivity_error,
+        };
+        slow.right = slow.point(0.0);
+        slow.step();
+        slow.left_ps = 0;
+        slow
+    }
+
+    /// Follows to `t_ps`, which must not lie before the tick reached.
+    #[inline]
+    pub(crate) fn follow(&mut self, t_ps: u64) {
+        while t_ps - self.left_ps >= TICK_PS {
+            self.step();
+        }
+    }
+
+    /// What the rate channel shows of the slow world at `t_ps`, in °/s.
+    #[inline]
+    pub(crate) fn rate_dps(&mut self, t_ps: u64) -> f64 {
+        self.follow(t_ps);
+        between(self.left.rate_dps, self.right.rate_dps, self.share(t_ps))
+    }
+
+    /// The temperature sensor at `t_ps`, in °C.
+    #[inline]
+    pub(crate) fn sensor_c(&mut self, t_ps: u64) -> f64 {
+        self.follow(t_ps);
+        between(self.left.sensor_c, self.right.sensor_c, self.share(t_ps))
+    }
+
+    /// Everything at `t_ps`.
+    pub(crate) fn at(&mut self, t_ps: u64) -> Point {
+        self.follow(t_ps);
+        let share = self.share(t_ps);
+        let (l, r) = (&self.left, &self.right);
+        Point {
+            rate_dps: between(l.rate_dps, r.rate_dps, share),
+            sensor_c: between(l.sensor_c, r.sensor_c, share),
+            element_c: between(l.element_c, r.element_c, share),
+            ambient_c: between(l.ambient_c, r.ambient_c, share),
+            branch_dps: between(l.branch_dps, r.branch_dps, share),
+            walk_dps: between(l.walk_dps, r.walk_dps, share),
+            flicker_dps: between(l.flicker_dps, r.flicker_dps, share),
+            supply_dps: between(l.supply_dps, r.supply_dps, share),
+        }
+    }
+
+    /// The supply goes on or off at `t_ps`; the heating notices at the next tick.
+    pub(crate) fn set_powered(&mut self, powered: bool, t_ps: u64) {
+        self.follow(t_ps);
+        self.thermal.set_powered(powered);
+    }
+
+    #[inline]
+    fn share(&self, t_ps: u64) -> f64 {
+        (t_ps - self.left_ps) as f64 * (1.0 / TICK_PS as f64)
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn step(&mut self) {
+        self.left_ps = self.ticks * TICK_PS;
+        self.ticks += 1;
+        let t_s = self.ticks as f64 * TICK_S;
+        self.thermal.step(t_s);
+        if let Some((flicker, walk)) = &mut self.noises {
+            flicker.step();
+            walk.step();
+        }
+        self.left = self.right;
+        self.right = self.point(t_s);
+    }
+
+    /// The state of the processes, which have reached `t_s`, put together.
+    fn point(&mut self, t_s: f64) -> Point {
+        let (flicker_dps, walk_dps) = match &self.noises {
+            Some((flicker, walk)) => (flicker.value(), walk.value),
+            None => (0.0, 0.0),
+        };
+        let element_c = self.thermal.element_c;
+        let (temperature_dps, branch_dps) = self.temperature_bias.step(element_c);
+        let stepped = t_s >= self.supply_step_s;
+        let supply_dps = self.supply_dps + if stepped { self.supply_step_dps } else { 0.0 };
+        let bias_dps = self.bias_dps + supply_dps + temperature_dps + walk_dps;
+        Point {
+            rate_dps: self.gain * (self.platform.at(t_s) + bias_dps + flicker_dps),
+            sensor_c: self.thermal.sensor_c,
+            element_c,
+            ambient_c: self.thermal.ambient_c,
+            branch_dps,
+            walk_dps,
+            flicker_dps,
+            supply_dps,
+        }
+    }
+}
+
+#[inline]
+fn between(left: f64, right: f64, share: f64) -> f64 {
+    left + (right - left) * share
+}

@@ -1,0 +1,190 @@
+//! Temperatures: ambient, self-heating, the sensing element's lag; and the temperature part of the bias.
+
+use super::noise::OrnsteinUhlenbeck;
+use super::normal::{Layers, Normal, Process};
+use crate::facts;
+use crate::spec::{Profile, Spec};
+use alloc::rc::Rc;
+
+/// The temperatures of the part on a fixed tick.
+pub(crate) struct Thermal {
+    ambient: Ambient,
+    wander: OrnsteinUhlenbeck,
+    normal: Normal,
+    heating: [Heating; 2],
+    lag_gain: f64,
+    powered: bool,
+    pub(crate) ambient_c: f64,
+    pub(crate) sensor_c: f64,
+    pub(crate) element_c: f64,
+}
+
+impl Thermal {
+    pub(crate) fn new(spec: &Spec, tick_s: f64, layers: &Rc<Layers>) -> Self {
+        let mut normal = Normal::with_layers(spec.seed, Process::Ambient, layers);
+        let wander_c = if spec.noise { spec.ambient_wander_c } else { 0.0 };
+        let wander = OrnsteinUhlenbeck::stationary(wander_c, tick_s / facts::WANDER_S, &mut normal);
+        let ambient = Ambient::new(spec);
+        let start_c = ambient.at(0.0) + wander.value;
+        let fast_s = spec.warmup_s * (facts::WARMUP_FAST_S / facts::WARMUP_SLOW_S);
+        let fast_c = spec.warmup_c * facts::WARMUP_FAST_SHARE;
+        Self {
+            ambient,
+            wander,
+            normal,
+            heating: [
+                Heating::new(fast_c, tick_s / fast_s),
+                Heating::new(spec.warmup_c - fast_c, tick_s / spec.warmup_s),
+            ],
+            lag_gain: if spec.lag_s > 0.0 { -libm::expm1(-tick_s / spec.lag_s) } else { 1.0 },
+            powered: true,
+            ambient_c: start_c,
+            sensor_c: start_c,
+            element_c: start_c,
+        }
+    }
+
+    pub(crate) fn set_powered(&mut self, powered: bool) {
+        self.powered = powered;
+    }
+
+    /// One tick on, to `t_s`.
+    pub(crate) fn step(&mut self, t_s: f64) {
+        self.ambient_c = self.ambient.at(t_s) + self.wander.step(&mut self.normal);
+        let powered = self.powered;
+        let heat_c: f64 = self.heating.iter_mut().map(|part| part.step(powered)).sum();
+        self.sensor_c = self.ambient_c + heat_c;
+        self.element_c += self.lag_gain * (self.sensor_c - self.element_c);
+    }
+}
+
+/// One exponential of the self-heating (M-03); it cools with the time constant by which it warmed.
+struct Heating {
+    full_c: f64,
+    now_c: f64,
+    gain: f64,
+}
+
+impl Heating {
+    fn new(full_c: f64, ticks: f64) -> Self {
+        Self { full_c, now_c: 0.0, gain: -libm::expm1(-ticks) }
+    }
+
+    fn step(&mut self, powered: bool) -> f64 {
+        let target_c = if powered { self.full_c } else { 0.0 };
+        self.now_c += self.gain * (target_c - self.now_c);
+        self.now_c
+    }
+}
+
+/// The ambient profile without wander.
+struct Ambient {
+    profile: Profile,
+    start_c: f64,
+    ramp_c_per_s: f64,
+}
+
+impl Ambient {
+    fn new(spec: &Spec) -> Self {
+        Self { profile: spec.profile, start_c: spec.ambient_c, ramp_c_per_s: spec.ramp_c_per_min / 60.0 }
+    }
+
+    fn at(&self, t_s: f64) -> f64 {
+        match self.profile {
+            Profile::Constant => self.start_c,
+            // The range of F-08; a start outside it does not move.
+            Profile::Ramp if self.ramp_c_per_s > 0.0 => {
+                (self.start_c + self.ramp_c_per_s * t_s).min(self.start_c.max(85.0))
+            }
+            Profile::Ramp => (self.start_c + self.ramp_c_per_s * t_s).max(self.start_c.min(-40.0)),
+            Profile::Oven => oven_c(t_s / 60.0),
+        }
+    }
+}
+
+/// F-57, `minutes` from the start.
+fn oven_c(minutes: f64) -> f64 {
+    let (_, mut before) = (0.0, facts::OVEN_MIN_C[0]);
+    for point in facts::OVEN_MIN_C {
+        if minutes < point.0 {
+            let share = (minutes - before.0) / (point.0 - before.0);
+            return before.1 + share * (point.1 - before.1);
+        }
+        before = point;
+    }
+    before.1
+}
+
+/// The temperature part of the bias, f(T) = tempco·(T − 25) + curvature·(T − 25)², and the play that it follows with.
+///
+/// Play in units of bias: the part's bias p keeps its value while |p − f(T)| ≤ h, and is dragged along at that
+/// distance otherwise. A temperature cycle therefore traces a loop of half width h = `hysteresis_dps` whatever the
+/// coefficients are; the *branch offset* p − f(T) is −h after warming and +h after cooling where f rises. It starts at 0.
+pub(crate) struct TemperatureBias {
+    tempco: f64,
+    curvature: f64,
+    half_width: f64,
+    play: f64,
+}
+
+impl TemperatureBias {
+    pub(crate) fn new(spec: &Spec, start_c: f64) -> Self {
+        let mut bias = Self {
+            tempco: spec.tempco_dps_per_c,
+            curvature: spec.curvature_dps_per_c2,
+            half_width: spec.hysteresis_dps.max(0.0),
+            play: 0.0,
+        };
+        bias.play = bias.curve(start_c);
+        bias
+    }
+
+    /// Follows to `element_c`; gives the temperature part now and the branch offset, in °/s.
+    pub(crate) fn step(&mut self, element_c: f64) -> (f64, f64) {
+        let curve = self.curve(element_c);
+        self.play = self.play.max(curve - self.half_width).min(curve + self.half_width);
+        (self.play, self.play - curve)
+    }
+
+    fn curve(&self, temp_c: f64) -> f64 {
+        let d = temp_c - facts::TEMP_AT_ZERO_CODE_C;
+        (self.tempco + self.curvature * d) * d
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn oven_is_f57() {
+        for (minutes, c) in [
+            (0.0, 25.0),
+            (4.9, 25.0),
+            (6.0, 23.0),
+            (40.0, -40.0),
+            (68.5, -38.0),
+            (140.0, 85.0),
+            (160.0, 55.0),
+            (300.0, 25.0),
+        ] {
+            assert!((oven_c(minutes) - c).abs() < 1e-9, "{minutes}");
+        }
+    }
+
+    #[test]
+    fn hysteresis_loop_has_the_stated_half_width() {
+        for tempco in [0.04, -0.02] {
+            let spec = Spec { tempco_dps_per_c: tempco, ..Spec::typical() };
+            let mut bias = TemperatureBias::new(&spec, 25.0);
+            let mut sweep = |range: core::ops::Range<i32>, sign: i32| {
+                range.map(|i| bias.step(25.0 + f64::from(sign * i) * 0.01)).last().unwrap().0
+            };
+            sweep(0..1000, 1);
+            let warming = sweep(0..501, 1); // down to 25 °C at once, then up to 30 °C
+            sweep(501..1000, 1);
+            let cooling = sweep(-1000..-499, -1); // down to 30 °C
+            assert!(((cooling - warming) / 2.0 - 0.002 * tempco.signum()).abs() < 1e-12);
+        }
+    }
+}

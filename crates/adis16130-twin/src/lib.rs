@@ -1,0 +1,27 @@
+#![doc = include_str!("../README.md")]
+#![no_std]
+
+extern crate alloc;
+
+mod adc;
+mod chip;
+pub mod facts;
+mod fault;
+mod gyro;
+mod keys;
+mod part;
+mod pins;
+mod registers;
+mod spec;
+mod spi;
+mod truth;
+mod twin;
+
+pub use adc::{ChannelLosses, LostUnread};
+pub use fault::{DEFAULT_BIT_ERROR_RATE, Fault};
+pub use keys::{KEYS, Key, SpecError};
+pub use pins::{RDY_WAIT_LIMIT_NS, RdyTimeout, SelfTestPin, SyncPin, TwinDelay, TwinRdy};
+pub use spec::{Motion, Profile, Roa, Spec};
+pub use spi::TwinSpi;
+pub use truth::Truth;
+pub use twin::{Twin, TwinEdge};

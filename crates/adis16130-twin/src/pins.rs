@@ -1,0 +1,162 @@
+//! RDY, SYNC, self-test and the delay, as embedded-hal sees them.
+
+use crate::part::Part;
+use alloc::rc::Rc;
+use core::cell::RefCell;
+use core::convert::Infallible;
+use core::fmt;
+use embedded_hal::delay::DelayNs;
+use embedded_hal::digital::{Error, ErrorKind, ErrorType, InputPin, OutputPin};
+use embedded_hal_async::digital::Wait;
+
+macro_rules! pin {
+    ($(#[$doc:meta])* $name:ident) => {
+        $(#[$doc])*
+        #[derive(Debug)]
+        pub struct $name {
+            part: Rc<RefCell<Part>>,
+        }
+
+        impl $name {
+            pub(crate) fn new(part: &Rc<RefCell<Part>>) -> Self {
+                Self { part: Rc::clone(part) }
+            }
+        }
+    };
+}
+
+pin!(
+    /// The data-ready pin (F-32). Looking at it takes no simulated time.
+    ///
+    /// Waiting lets simulated time pass at once, so a future here never pends. It gives up after one second of
+    /// simulated time, since nothing else could end the wait. Waiting for an edge counts from the call; an edge that is
+    /// latched for [`Twin::next_falling_edge`](crate::Twin::next_falling_edge) is forgotten.
+    TwinRdy
+);
+pin!(
+    /// The SYNC pin (18): with IOP.SYNC = 1 a low level holds the conversions, and the rising edge begins the sequence
+    /// anew.
+    SyncPin
+);
+pin!(
+    /// The self-test pins, tied together: a high level shifts the rate by
+    /// [`Spec::self_test_dps`](crate::Spec::self_test_dps).
+    SelfTestPin
+);
+pin!(
+    /// A delay in simulated time.
+    TwinDelay
+);
+
+/// How long a wait on [`TwinRdy`] lasts at most, in ns of simulated time.
+pub const RDY_WAIT_LIMIT_NS: u64 = 1_000_000_000;
+
+/// RDY did not do what was waited for within [`RDY_WAIT_LIMIT_NS`].
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub struct RdyTimeout;
+
+impl fmt::Display for RdyTimeout {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "RDY did not change as awaited within {RDY_WAIT_LIMIT_NS} ns of simulated time")
+    }
+}
+
+impl core::error::Error for RdyTimeout {}
+
+impl Error for RdyTimeout {
+    fn kind(&self) -> ErrorKind {
+        ErrorKind::Other
+    }
+}
+
+impl TwinRdy {
+    fn wait(&self, done: impl Fn(bool, bool) -> bool) -> Result<(), RdyTimeout> {
+        let mut part = self.part.borrow_mut();
+        let came = part.wait_rdy(RDY_WAIT_LIMIT_NS * 1000, done);
+        part.clear_latched_edge();
+        if came { Ok(()) } else { Err(RdyTimeout) }
+    }
+
+    fn wait_level(&self, high: bool) -> Result<(), RdyTimeout> {
+        if self.part.borrow().rdy_high() == high {
+            return Ok(());
+        }
+        self.wait(|_, now| now == high)
+    }
+}
+
+impl ErrorType for TwinRdy {
+    type Error = RdyTimeout;
+}
+
+impl InputPin for TwinRdy {
+    #[inline]
+    fn is_high(&mut self) -> Result<bool, RdyTimeout> {
+        Ok(self.part.borrow().rdy_high())
+    }
+
+    #[inline]
+    fn is_low(&mut self) -> Result<bool, RdyTimeout> {
+        self.is_high().map(|high| !high)
+    }
+}
+
+impl Wait for TwinRdy {
+    async fn wait_for_high(&mut self) -> Result<(), RdyTimeout> {
+        self.wait_level(true)
+    }
+
+    async fn wait_for_low(&mut self) -> Result<(), RdyTimeout> {
+        self.wait_level(false)
+    }
+
+    async fn wait_for_rising_edge(&mut self) -> Result<(), RdyTimeout> {
+        self.wait(|before, now| !before && now)
+    }
+
+    async fn wait_for_falling_edge(&mut self) -> Result<(), RdyTimeout> {
+        self.wait(|before, now| before && !now)
+    }
+
+    async fn wait_for_any_edge(&mut self) -> Result<(), RdyTimeout> {
+        self.wait(|before, now| before != now)
+    }
+}
+
+impl ErrorType for SyncPin {
+    type Error = Infallible;
+}
+
+impl OutputPin for SyncPin {
+    fn set_low(&mut self) -> Result<(), Infallible> {
+        self.part.borrow_mut().set_sync(false);
+        Ok(())
+    }
+
+    fn set_high(&mut self) -> Result<(), Infallible> {
+        self.part.borrow_mut().set_sync(true);
+        Ok(())
+    }
+}
+
+impl ErrorType for SelfTestPin {
+    type Error = Infallible;
+}
+
+impl OutputPin for SelfTestPin {
+    fn set_low(&mut self) -> Result<(), Infallible> {
+        self.part.borrow_mut().set_self_test(false);
+        Ok(())
+    }
+
+    fn set_high(&mut self) -> Result<(), Infallible> {
+        self.part.borrow_mut().set_self_test(true);
+        Ok(())
+    }
+}
+
+impl DelayNs for TwinDelay {
+    fn delay_ns(&mut self, ns: u32) {
+        self.part.borrow_mut().advance_ps(u64::from(ns) * 1000);
+    }
+}

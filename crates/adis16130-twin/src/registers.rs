@@ -1,0 +1,215 @@
+//! The register table, the values behind it and the checksum over what was written.
+
+/// One of the two channels of the converter.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Channel {
+    Rate,
+    Temp,
+}
+
+impl Channel {
+    pub(crate) const ALL: [Self; 2] = [Self::Rate, Self::Temp];
+
+    /// The number that the converter's own registers give the channel: 0 and 2.
+    pub(crate) const fn number(self) -> u8 {
+        2 * self as u8
+    }
+
+    /// Bit in the twin's own channel sets.
+    pub(crate) const fn bit(self) -> u8 {
+        1 << self as u8
+    }
+}
+
+/// What an address stands for (`part.md` §3).
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Register {
+    Com,
+    Iop,
+    Revision,
+    AdcStatus,
+    Checksum,
+    Data(Channel),
+    Status(Channel),
+    Setup(Channel),
+    Conversion(Channel),
+    Mode,
+    /// Nothing there: reads 00h in one byte, swallows one written byte.
+    Unknown,
+}
+
+impl Register {
+    #[inline]
+    pub(crate) const fn at(address: u8) -> Self {
+        match address {
+            0x00 => Self::Com,
+            0x01 => Self::Iop,
+            0x02 => Self::Revision,
+            0x04 => Self::AdcStatus,
+            0x05 => Self::Checksum,
+            0x08 => Self::Data(Channel::Rate),
+            0x0A => Self::Data(Channel::Temp),
+            0x20 => Self::Status(Channel::Rate),
+            0x22 => Self::Status(Channel::Temp),
+            0x28 => Self::Setup(Channel::Rate),
+            0x2A => Self::Setup(Channel::Temp),
+            0x30 => Self::Conversion(Channel::Rate),
+            0x32 => Self::Conversion(Channel::Temp),
+            0x38 => Self::Mode,
+            _ => Self::Unknown,
+        }
+    }
+
+    /// Bytes that a write to this register carries; the data registers' own width counts, although they ignore it.
+    pub(crate) const fn write_len(self, wide: bool) -> u8 {
+        match self {
+            Self::Com => 0,
+            Self::Checksum => 2,
+            Self::Data(_) => 2 + wide as u8,
+            _ => 1,
+        }
+    }
+}
+
+/// IOP bit 7: P0 level.
+pub(crate) const IOP_P0: u8 = 1 << 7;
+/// IOP bit 6: P1 level, which is pin 18.
+pub(crate) const IOP_P1: u8 = 1 << 6;
+/// IOP bit 5: P0 is an input.
+pub(crate) const IOP_P0_INPUT: u8 = 1 << 5;
+/// IOP bit 4: P1 is an input.
+pub(crate) const IOP_P1_INPUT: u8 = 1 << 4;
+/// IOP bit 3: RDY falls only when all enabled channels hold unread data.
+pub(crate) const IOP_RDYFN: u8 = 1 << 3;
+/// IOP bit 0: pin 18 is SYNC.
+pub(crate) const IOP_SYNC: u8 = 1 << 0;
+/// Channel setup bit 3: the channel is converted.
+pub(crate) const SETUP_ENABLE: u8 = 1 << 3;
+/// Conversion word bit 7: chopping.
+pub(crate) const CONVERSION_CHOP: u8 = 1 << 7;
+/// MODE bits 7–5.
+pub(crate) const MODE_MD: u8 = 0b111 << 5;
+/// MODE MD = 001: continuous conversion.
+pub(crate) const MODE_CONTINUOUS: u8 = 0b001 << 5;
+/// MODE MD = 010: each enabled channel once.
+pub(crate) const MODE_SINGLE: u8 = 0b010 << 5;
+/// MODE bit 1: data of 24 bits instead of 16.
+pub(crate) const MODE_24BIT: u8 = 1 << 1;
+/// MODE bit 0: out-of-range codes saturate instead of wrapping.
+pub(crate) const MODE_CLAMP: u8 = 1 << 0;
+
+/// Revision register of the AD7732.
+const REVISION: u8 = 0x24;
+
+/// The registers that hold what was written to them.
+#[derive(Clone, Debug)]
+pub(crate) struct Registers {
+    pub(crate) iop: u8,
+    pub(crate) setup: [u8; 2],
+    pub(crate) conversion: [u8; 2],
+    pub(crate) mode: u8,
+    pub(crate) checksum: Checksum,
+}
+
+impl Registers {
+    pub(crate) const RESET: Self =
+        Self { iop: 0x30, setup: [0x00; 2], conversion: [0x91; 2], mode: 0x00, checksum: Checksum(0xFFFF) };
+
+    pub(crate) const fn wide(&self) -> bool {
+        self.mode & MODE_24BIT != 0
+    }
+
+    /// The enabled channels as a set of [`Channel::bit`].
+    pub(crate) fn enabled(&self) -> u8 {
+        let bit = |channel: Channel| {
+            if self.setup[channel as usize] & SETUP_ENABLE != 0 { channel.bit() } else { 0 }
+        };
+        bit(Channel::Rate) | bit(Channel::Temp)
+    }
+
+    /// MCLK cycles of one conversion of `channel` (F-31).
+    pub(crate) fn conversion_cycles(&self, channel: Channel) -> u32 {
+        let word = self.conversion[channel as usize];
+        let both = u32::from(self.enabled() == 0b11);
+        let filter = u32::from(word & !CONVERSION_CHOP);
+        if word & CONVERSION_CHOP != 0 { filter * 128 + 248 + both } else { filter * 64 + 206 + both }
+    }
+
+    /// A finished write; returns whether the register takes it.
+    pub(crate) fn write(&mut self, register: Register, value: u16) -> bool {
+        let byte = value as u8;
+        match register {
+            Register::Iop => self.iop = byte,
+            Register::Checksum => self.checksum = Checksum(value),
+            Register::Setup(channel) => self.setup[channel as usize] = byte,
+            Register::Conversion(channel) => self.conversion[channel as usize] = byte,
+            Register::Mode => self.mode = byte,
+            _ => return false,
+        }
+        true
+    }
+
+    /// Value of a register of this table that holds 8 bits; `p1` is the level of pin 18.
+    pub(crate) fn read(&self, register: Register, p1: bool) -> u8 {
+        match register {
+            Register::Iop => self.iop_levels(p1),
+            Register::Revision => REVISION,
+            Register::Setup(channel) => self.setup[channel as usize],
+            Register::Conversion(channel) => self.conversion[channel as usize],
+            Register::Mode => self.mode,
+            _ => 0x00,
+        }
+    }
+
+    /// IOP with the pin levels in b7–6: an input shows its level (P0 is tied low), an output what was written.
+    fn iop_levels(&self, p1: bool) -> u8 {
+        let mut value = self.iop;
+        if value & IOP_P0_INPUT != 0 {
+            value &= !IOP_P0;
+        }
+        if value & IOP_P1_INPUT != 0 {
+            value &= !IOP_P1;
+            value |= if p1 { IOP_P1 } else { 0 };
+        }
+        value
+    }
+}
+
+/// The checksum register: a 16-bit LFSR over every written bit (F-34).
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Checksum(pub(crate) u16);
+
+impl Checksum {
+    /// Takes eight bits at once. The feedback 2Dh is so short that no bit which it sets comes out within the byte; the
+    /// byte shifted out therefore acts by its carry-less product with 2Dh.
+    #[inline]
+    pub(crate) fn take(&mut self, byte: u8) {
+        let out = self.0 >> 8;
+        let feedback = (out << 5) ^ (out << 3) ^ (out << 2) ^ out;
+        self.0 = ((self.0 << 8) | u16::from(byte)) ^ feedback;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn byte_step_is_f34_bit_by_bit() {
+        let mut by_byte = Checksum(0xFFFF);
+        let mut s = 0xFFFFu16;
+        for i in 0..10_000u32 {
+            let byte = (i.wrapping_mul(2_654_435_761) >> 21) as u8;
+            by_byte.take(byte);
+            for bit in (0..8).rev() {
+                let fb = s >> 15;
+                s <<= 1;
+                if fb == 1 {
+                    s ^= 0x2D;
+                }
+                s ^= u16::from(byte >> bit & 1);
+            }
+            assert_eq!(by_byte.0, s);
+        }
+    }
+}

@@ -1,0 +1,205 @@
+//! What one unit is: every parameter of the twin, drawn from a seed or set by hand.
+
+use crate::facts;
+use crate::fault::Fault;
+use crate::gyro::normal::{Normal, Process};
+
+/// Ambient temperature over time.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub enum Profile {
+    /// [`Spec::ambient_c`] all the time.
+    Constant,
+    /// From [`Spec::ambient_c`] by [`Spec::ramp_c_per_min`], stopping at −40 °C or +85 °C.
+    Ramp,
+    /// The chamber profile F-57, 25 → −40 → +85 → 25 °C in 175 min; [`Spec::ambient_c`] has no part in it.
+    Oven,
+}
+
+/// What is connected between ROA1 and ROA2 (F-04).
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub enum Roa {
+    /// Nothing: 300 Hz bandwidth (F-03).
+    Open,
+    /// 10 nF: 50 Hz bandwidth (F-04).
+    TenNanofarad,
+}
+
+/// Motion of the platform that should be still.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub enum Motion {
+    /// At rest.
+    None,
+    /// A sine of [`Spec::sway_dps`] (peak) at [`Spec::sway_hz`].
+    Sway,
+    /// A half-sine of [`Spec::bump_dps`] (peak) lasting 0.2 s, at [`Spec::event_s`] and every 60 s after it.
+    Bump,
+}
+
+/// One unit, its surroundings and its faults.
+///
+/// [`Spec::from_seed`] draws the unit (M-01…M-08); every field can be set afterwards, and setting one changes no
+/// other. Fields that are set to values outside the ranges of [`KEYS`](crate::KEYS) are at the caller's risk.
+///
+/// ```
+/// use adis16130_twin::Spec;
+///
+/// let mut spec = Spec::from_seed(7);
+/// spec.bias_dps = 0.8;
+/// assert_eq!(spec, Spec::parse_keys("seed=7,bias_dps=0.8").unwrap());
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Spec {
+    /// The seed of everything random.
+    pub seed: u64,
+    /// Bias at 25 °C and 5 V, in °/s (M-01).
+    pub bias_dps: f64,
+    /// Linear temperature coefficient of the bias at 25 °C, in °/s/°C (M-02).
+    pub tempco_dps_per_c: f64,
+    /// Quadratic coefficient of the bias over (T − 25 °C), in °/s/°C² (M-02).
+    pub curvature_dps_per_c2: f64,
+    /// Half width of the hysteresis loop of the bias, in °/s (M-02).
+    pub hysteresis_dps: f64,
+    /// Time constant by which the sensing element's temperature follows the temperature sensor's, in s.
+    pub lag_s: f64,
+    /// Ambient temperature, in °C (M-05).
+    pub ambient_c: f64,
+    /// Rms of the ambient wander, in °C (M-05).
+    pub ambient_wander_c: f64,
+    /// Ambient temperature over time.
+    pub profile: Profile,
+    /// Slope of [`Profile::Ramp`], in °C/min.
+    pub ramp_c_per_min: f64,
+    /// Self-heating in thermal balance, in °C (M-03).
+    pub warmup_c: f64,
+    /// Time constant of the slow share of the self-heating, in s; the fast one is 90/600 of it (M-03).
+    pub warmup_s: f64,
+    /// Master clock, in Hz (M-06).
+    pub mclk_hz: f64,
+    /// The capacitor between ROA1 and ROA2.
+    pub roa: Roa,
+    /// Supply, in mV (F-01).
+    pub supply_mv: f64,
+    /// Step of the supply at [`Spec::event_s`], in mV (F-01).
+    pub supply_step_mv: f64,
+    /// `false` leaves the deterministic bias and the quantisation only: no white noise, resonance, flicker, random
+    /// walk, ambient wander or temperature noise. The unit stays the one that the seed drew.
+    pub noise: bool,
+    /// Floor of the flicker's Allan deviation, 0.664·B, in °/s (M-04).
+    pub flicker_floor_dps: f64,
+    /// Frequency below which the flicker becomes flat, in Hz (M-04).
+    pub flicker_hz: f64,
+    /// Rate random walk, in °/s/√s (M-04).
+    pub rrw_dps_per_rt_s: f64,
+    /// One-sided density of the white noise at the output, in °/s/√Hz (F-02).
+    pub white_dps_per_rt_hz: f64,
+    /// One-sided density of the temperature channel's noise, in °C/√Hz (M-05).
+    pub temp_noise_c_per_rt_hz: f64,
+    /// Rms of the resonance at the output before sampling, in °/s (M-08).
+    pub resonance_dps_rms: f64,
+    /// Frequency of the resonance, in Hz (F-07).
+    pub resonance_hz: f64,
+    /// Constant rotation about the sensitive axis, in °/s. It is motion, so it is in no truth.
+    pub rotation_dps: f64,
+    /// Motion of the platform.
+    pub motion: Motion,
+    /// Peak of [`Motion::Sway`], in °/s.
+    pub sway_dps: f64,
+    /// Frequency of [`Motion::Sway`], in Hz.
+    pub sway_hz: f64,
+    /// Peak of [`Motion::Bump`], in °/s.
+    pub bump_dps: f64,
+    /// Probability that a bit flips on its way, in either direction. Zero with [`Fault::BitErrors`] means 10⁻⁶;
+    /// above zero it acts without that fault, too.
+    pub bit_error_rate: f64,
+    /// The fault, and [`Spec::fault_at_s`] when it sets in.
+    pub fault: Fault,
+    /// When faults, bumps and the supply step set in, in s from the start; `None`: faults 0, the others 60.
+    pub fault_at_s: Option<f64>,
+    /// Relative error of the sensitivity (M-07). It scales what the sensing element sees (rotation, slow bias,
+    /// flicker, random walk, self-test); white noise and resonance are stated at the output and not scaled.
+    pub sensitivity_error: f64,
+    /// Shift by an active self-test pin, in °/s (F-11 knows no value: ours).
+    pub self_test_dps: f64,
+    /// SPI clock, in Hz.
+    pub sclk_hz: f64,
+    /// Time that CS stays high after each frame, in ns.
+    pub cs_gap_ns: u32,
+}
+
+impl Spec {
+    /// Draws the unit of this seed by M-01…M-08.
+    pub fn from_seed(seed: u64) -> Self {
+        let mut unit = Normal::new(seed, Process::Unit);
+        // The order of these draws is part of what a seed means.
+        let bias = unit.sample();
+        let tempco = unit.sample();
+        let curvature = unit.sample();
+        let warmup = unit.sample();
+        let sensitivity = unit.sample();
+        let mclk = 2.0 * unit.uniform() - 1.0;
+        Self {
+            seed,
+            bias_dps: facts::BIAS_SD_DPS * bias,
+            tempco_dps_per_c: facts::TEMPCO_DPS_PER_C + facts::TEMPCO_SD_DPS_PER_C * tempco,
+            curvature_dps_per_c2: facts::CURVATURE_SD_DPS_PER_C2 * curvature,
+            warmup_c: facts::WARMUP_C + facts::WARMUP_SD_C * warmup,
+            sensitivity_error: facts::SENSITIVITY_SD * sensitivity,
+            mclk_hz: facts::MCLK_HZ * (1.0 + facts::MCLK_TOLERANCE * mclk),
+            ..Self::typical()
+        }
+    }
+
+    /// The unit without any spread: zero bias, typical coefficients, 6.000 MHz, seed 1.
+    pub fn typical() -> Self {
+        Self {
+            seed: 1,
+            bias_dps: 0.0,
+            tempco_dps_per_c: facts::TEMPCO_DPS_PER_C,
+            curvature_dps_per_c2: 0.0,
+            hysteresis_dps: facts::HYSTERESIS_DPS,
+            lag_s: 0.0,
+            ambient_c: facts::AMBIENT_C,
+            ambient_wander_c: facts::WANDER_C,
+            profile: Profile::Constant,
+            ramp_c_per_min: 1.0,
+            warmup_c: facts::WARMUP_C,
+            warmup_s: facts::WARMUP_SLOW_S,
+            mclk_hz: facts::MCLK_HZ,
+            roa: Roa::Open,
+            supply_mv: facts::SUPPLY_NOMINAL_MV,
+            supply_step_mv: 0.0,
+            noise: true,
+            flicker_floor_dps: facts::FLICKER_FLOOR_DPS,
+            flicker_hz: facts::FLICKER_HZ,
+            rrw_dps_per_rt_s: facts::RRW_DPS_PER_RT_S,
+            white_dps_per_rt_hz: facts::WHITE_DPS_PER_RT_HZ,
+            temp_noise_c_per_rt_hz: facts::TEMP_NOISE_C_PER_RT_HZ,
+            resonance_dps_rms: facts::RESONANCE_DPS_RMS,
+            resonance_hz: facts::RESONANCE_HZ,
+            rotation_dps: 0.0,
+            motion: Motion::None,
+            sway_dps: 0.5,
+            sway_hz: 0.2,
+            bump_dps: 3.0,
+            bit_error_rate: 0.0,
+            fault: Fault::None,
+            fault_at_s: None,
+            sensitivity_error: 0.0,
+            self_test_dps: 20.0,
+            sclk_hz: 4.0e6,
+            cs_gap_ns: 200,
+        }
+    }
+
+    /// When bumps and the supply step set in, in s: [`Spec::fault_at_s`], or 60.
+    pub fn event_s(&self) -> f64 {
+        self.fault_at_s.unwrap_or(60.0)
+    }
+}
+
+impl Default for Spec {
+    /// The unit of seed 1.
+    fn default() -> Self {
+        Self::from_seed(1)
+    }
+}

@@ -1,0 +1,61 @@
+//! What the twin knows about itself and a measurement can only estimate.
+
+use crate::facts::TEMP_AT_ZERO_CODE_C;
+
+/// The state of the slow bias at one instant.
+///
+/// With f(T) = `tempco_dps_per_c`·(T − 25) + `curvature_dps_per_c2`·(T − 25)² and the sensitivity error s, the slow
+/// bias at the output is
+///
+/// bias(T) = (1 + s)·(initial + supply + f(T) + branch + random walk).
+///
+/// Flicker and white noise are noise; rotation and other motion are no bias. T is the temperature that the part
+/// reports, in balance: a lag between sensor and element is an error of the measurement, not part of the truth.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct Truth {
+    /// When this was true, in ns from the start.
+    pub t_ns: u64,
+    /// Bias at 25 °C and 5 V, before the sensitivity error, in °/s.
+    pub initial_dps: f64,
+    /// Linear coefficient at 25 °C, before the sensitivity error, in °/s/°C.
+    pub tempco_dps_per_c: f64,
+    /// Quadratic coefficient, before the sensitivity error, in °/s/°C².
+    pub curvature_dps_per_c2: f64,
+    /// Share of the supply voltage (F-01), before the sensitivity error, in °/s.
+    pub supply_dps: f64,
+    /// Random-walk state, before the sensitivity error, in °/s.
+    pub random_walk_dps: f64,
+    /// Distance from f(T) on the present branch of the hysteresis, before the sensitivity error, in °/s.
+    pub branch_dps: f64,
+    /// Flicker now, before the sensitivity error, in °/s; part of no bias below.
+    pub flicker_dps: f64,
+    /// Relative sensitivity error s.
+    pub sensitivity_error: f64,
+    /// Ambient temperature, in °C.
+    pub ambient_c: f64,
+    /// Temperature of the temperature sensor, without its noise, in °C.
+    pub sensor_c: f64,
+    /// Temperature of the sensing element, in °C; the sensor's unless there is a lag.
+    pub element_c: f64,
+}
+
+impl Truth {
+    /// The slow bias at the output at a reported temperature, in °/s.
+    pub fn bias_dps(&self, temp_c: f64) -> f64 {
+        let d = temp_c - TEMP_AT_ZERO_CODE_C;
+        let temperature_dps = (self.tempco_dps_per_c + self.curvature_dps_per_c2 * d) * d;
+        let sum_dps = self.initial_dps + self.supply_dps + temperature_dps + self.branch_dps + self.random_walk_dps;
+        (1.0 + self.sensitivity_error) * sum_dps
+    }
+
+    /// The PBC that a perfect measurement would find at T3 (F-50): minus the slow bias there, in °/s.
+    pub fn pbc_dps(&self, t3_c: f64) -> f64 {
+        -self.bias_dps(t3_c)
+    }
+
+    /// The BTC that a perfect measurement would find at T3 (F-50): minus the slope of the bias there, in °/s/°C.
+    pub fn btc_dps_per_c(&self, t3_c: f64) -> f64 {
+        let slope = self.tempco_dps_per_c + 2.0 * self.curvature_dps_per_c2 * (t3_c - TEMP_AT_ZERO_CODE_C);
+        -(1.0 + self.sensitivity_error) * slope
+    }
+}

@@ -1,0 +1,131 @@
+//! The twin as its user holds it.
+
+use crate::adc::LostUnread;
+use crate::fault::Fault;
+use crate::part::Part;
+use crate::pins::{SelfTestPin, SyncPin, TwinDelay, TwinRdy};
+use crate::spec::{Motion, Spec};
+use crate::spi::TwinSpi;
+use crate::truth::Truth;
+use alloc::rc::Rc;
+use alloc::vec::Vec;
+use core::cell::RefCell;
+
+/// One falling edge of RDY.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub struct TwinEdge {
+    /// Simulated time of the edge, in ns from the start.
+    pub t_ns: u64,
+    /// Running number over all edges, whether anybody asked for them or not; wraps.
+    pub seq: u32,
+}
+
+/// The part in software: a handle, and clones of it are handles of the same part.
+///
+/// Simulated time starts at 0 with the supply switched on. It passes only by SPI frames, by [`TwinDelay`], by waiting
+/// for RDY and by [`Twin::advance_ns`].
+#[derive(Clone, Debug)]
+pub struct Twin {
+    part: Rc<RefCell<Part>>,
+}
+
+impl Twin {
+    /// A part by this specification, just switched on.
+    pub fn new(spec: Spec) -> Self {
+        Self { part: Rc::new(RefCell::new(Part::new(spec))) }
+    }
+
+    /// Its SPI port. Every handle is the same port.
+    pub fn spi(&self) -> TwinSpi {
+        TwinSpi::new(&self.part)
+    }
+
+    /// Its data-ready pin.
+    pub fn rdy(&self) -> TwinRdy {
+        TwinRdy::new(&self.part)
+    }
+
+    /// A delay that lets simulated time pass.
+    pub fn delay(&self) -> TwinDelay {
+        TwinDelay::new(&self.part)
+    }
+
+    /// Its self-test pins (tied together, F-11), low at first.
+    pub fn self_test_pin(&self) -> SelfTestPin {
+        SelfTestPin::new(&self.part)
+    }
+
+    /// Its SYNC pin (18), high at first.
+    pub fn sync_pin(&self) -> SyncPin {
+        SyncPin::new(&self.part)
+    }
+
+    /// Simulated time, in ns from the start.
+    pub fn now_ns(&self) -> u64 {
+        self.part.borrow().now_ps / 1000
+    }
+
+    /// Lets simulated time pass.
+    pub fn advance_ns(&self, ns: u64) {
+        self.part.borrow_mut().advance_ps(ns.saturating_mul(1000));
+    }
+
+    /// The latest falling edge of RDY that was not reported yet, like an interrupt flag that is still set; else lets
+    /// time pass to the next one. `None` after `timeout_ns` of simulated time without an edge.
+    #[inline]
+    pub fn next_falling_edge(&self, timeout_ns: u64) -> Option<TwinEdge> {
+        let edge = self.part.borrow_mut().next_falling_edge(timeout_ns.saturating_mul(1000));
+        edge.map(|(t_ps, seq)| TwinEdge { t_ns: t_ps / 1000, seq })
+    }
+
+    /// The truth about the slow bias now.
+    pub fn truth(&self) -> Truth {
+        self.part.borrow_mut().truth()
+    }
+
+    /// Switches the supply off: SDO reads all ones, RDY is high, the part cools. The slow processes go on.
+    pub fn power_off(&self) {
+        self.part.borrow_mut().switch(false);
+    }
+
+    /// Switches the supply on again: registers at reset, conversions stopped.
+    pub fn power_on(&self) {
+        self.part.borrow_mut().switch(true);
+    }
+
+    /// Begins (anew) or ends recording what the host sends.
+    pub fn record_wire(&self, on: bool) {
+        self.part.borrow_mut().record_wire(on);
+    }
+
+    /// What the host sent since [`Twin::record_wire`] or the last call: the MOSI bytes, one `Vec` per frame of CS.
+    pub fn take_wire(&self) -> Vec<Vec<u8>> {
+        self.part.borrow_mut().take_wire()
+    }
+
+    /// How many samples nobody saw.
+    pub fn lost_unread(&self) -> LostUnread {
+        self.part.borrow().chip.adc.lost_unread()
+    }
+
+    /// What the part was made from.
+    pub fn spec(&self) -> Spec {
+        self.part.borrow().spec.clone()
+    }
+
+    /// Sets the fault from now on, instead of the present one. [`Fault::None`] mends the wires; it does not bring back
+    /// what a brown-out took.
+    pub fn set_fault(&self, fault: Fault) {
+        self.part.borrow_mut().set_fault(fault);
+    }
+
+    /// Plugs the cable in again after [`Fault::Unplug`]: registers at reset.
+    pub fn replug(&self) {
+        self.part.borrow_mut().replug();
+    }
+
+    /// Moves the platform from now on (within 8 ms), or brings it to rest.
+    pub fn set_motion(&self, motion: Motion) {
+        self.part.borrow_mut().set_motion(motion);
+    }
+}

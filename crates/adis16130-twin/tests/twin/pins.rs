@@ -1,0 +1,63 @@
+//! RDY as the async trait sees it, and the delay.
+
+use crate::bus::{Host, quiet};
+use adis16130_twin::RdyTimeout;
+use core::future::Future;
+use core::pin::pin;
+use core::task::{Context, Poll, Waker};
+use embedded_hal::delay::DelayNs;
+use embedded_hal::digital::InputPin;
+use embedded_hal_async::digital::Wait;
+use embedded_hal_async::spi::SpiDevice;
+
+/// The twin's futures never pend.
+fn run<F: Future>(future: F) -> F::Output {
+    match pin!(future).poll(&mut Context::from_waker(Waker::noop())) {
+        Poll::Ready(output) => output,
+        Poll::Pending => panic!("pending"),
+    }
+}
+
+#[test]
+fn waits_follow_the_pulses() {
+    let host = Host::started(quiet());
+    let mut rdy = host.twin.rdy();
+    run(rdy.wait_for_falling_edge()).unwrap();
+    let fall = host.twin.now_ns();
+    run(rdy.wait_for_low()).unwrap();
+    assert_eq!(host.twin.now_ns(), fall);
+    run(rdy.wait_for_rising_edge()).unwrap();
+    assert!((host.twin.now_ns() - fall).abs_diff(87_833 - 27_167) <= 1);
+    run(rdy.wait_for_high()).unwrap();
+    assert!(rdy.is_high().unwrap());
+    run(rdy.wait_for_low()).unwrap();
+    assert!((host.twin.now_ns() - fall).abs_diff(87_833) <= 1);
+    run(rdy.wait_for_any_edge()).unwrap();
+    assert!(rdy.is_high().unwrap());
+    run(rdy.wait_for_falling_edge()).unwrap();
+    assert!((host.twin.now_ns() - fall).abs_diff(2 * 87_833) <= 1);
+}
+
+#[test]
+fn a_wait_without_end_gives_up_after_a_second() {
+    let host = Host::new(quiet());
+    let mut rdy = host.twin.rdy();
+    assert_eq!(run(rdy.wait_for_falling_edge()), Err(RdyTimeout));
+    assert_eq!(host.twin.now_ns(), 1_000_000_000);
+}
+
+#[test]
+fn async_spi_is_the_same_port() {
+    let host = Host::started(quiet());
+    let mut spi = host.twin.spi();
+    let mut data = [0, 0];
+    run(SpiDevice::transfer(&mut spi, &mut data, &[0x78, 0])).unwrap();
+    assert_eq!(data[1], 0x22);
+}
+
+#[test]
+fn delay_passes_simulated_time() {
+    let host = Host::new(quiet());
+    host.twin.delay().delay_ms(3);
+    assert_eq!(host.twin.now_ns(), 3_000_000);
+}

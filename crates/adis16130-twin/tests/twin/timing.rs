@@ -1,0 +1,258 @@
+//! F-31, F-32, F-33: when conversions end, when RDY moves, what gets lost.
+
+use crate::bus::{Host, INIT, dps, quiet};
+use adis16130_twin::{Motion, Spec};
+use embedded_hal::digital::{InputPin, OutputPin};
+use embedded_hal::spi::SpiDevice;
+
+/// Edges per simulated second, with `read` on every one.
+fn edges_per_second(host: &mut Host, mut read: impl FnMut(&mut Host)) -> f64 {
+    host.edge();
+    read(host);
+    let first = host.edge();
+    let mut last = first;
+    for _ in 0..2000 {
+        read(host);
+        last = host.edge();
+    }
+    f64::from(last.seq - first.seq) / ((last.t_ns - first.t_ns) as f64 * 1e-9)
+}
+
+fn near(rate: f64, expected: f64) {
+    assert!((rate / expected - 1.0).abs() < 1e-4, "{rate} Hz, expected {expected}");
+}
+
+#[test]
+fn both_read_each_time_gives_an_edge_per_pair() {
+    let mut host = Host::started(quiet());
+    near(
+        edges_per_second(&mut host, |host| {
+            host.code24(0x08);
+            host.code24(0x0A);
+        }),
+        5692.6,
+    );
+}
+
+#[test]
+fn nothing_read_gives_an_edge_per_conversion() {
+    let mut host = Host::started(quiet());
+    near(edges_per_second(&mut host, |_| ()), 11_385.2);
+}
+
+#[test]
+fn another_clock_gives_another_rate() {
+    let mut host = Host::started(Spec { mclk_hz: 6.144e6, ..quiet() });
+    near(edges_per_second(&mut host, |_| ()), 11_658.4);
+}
+
+#[test]
+fn reading_on_every_nth_edge_gives_f_conv_over_n_plus_1() {
+    for (n, hz) in [(1u32, 5692.6), (2, 3795.1), (3, 2846.3), (50, 223.24)] {
+        let mut host = Host::started(quiet());
+        let first = host.pair().0;
+        let mut last = first;
+        for _ in 0..200 {
+            for _ in 1..n {
+                host.edge();
+            }
+            last = host.pair().0;
+        }
+        near(200.0 / ((last.t_ns - first.t_ns) as f64 * 1e-9), hz);
+        assert_eq!(last.seq - first.seq, 200 * n);
+    }
+}
+
+#[test]
+fn reading_one_of_two_gives_an_edge_per_pair_with_rdyfn() {
+    // Rate is read, temperature stays unread: all are unread again after each rate conversion.
+    let mut host = Host::started(quiet());
+    near(
+        edges_per_second(&mut host, |host| {
+            host.code24(0x08);
+        }),
+        5692.6,
+    );
+}
+
+#[test]
+fn without_rdyfn_any_unread_channel_pulls_rdy_down() {
+    let mut host = Host::started(quiet());
+    host.send(&[0x01, 0x30]);
+    near(
+        edges_per_second(&mut host, |host| {
+            host.code24(0x08);
+            host.code24(0x0A);
+        }),
+        11_385.2,
+    );
+}
+
+#[test]
+fn conversion_times_are_f31() {
+    let cycles = |setup: [u8; 2], words: [u8; 2]| {
+        let mut host = Host::new(quiet());
+        host.send(&[0x01, 0x30, 0x28, setup[0], 0x30, words[0], 0x2A, setup[1], 0x32, words[1], 0x38, 0x22]);
+        let edges = [0; 3].map(|_| host.edge().t_ns);
+        [edges[1] - edges[0], edges[2] - edges[1]].map(|ns| (ns as f64 * 6e-3).round() as u64)
+    };
+    let (on, off) = (0x0A, 0x02);
+    // The second edge ends the temperature's conversion, the third the rate's.
+    assert_eq!(cycles([on, on], [5, 5]), [527, 527]);
+    assert_eq!(cycles([on, on], [5, 17]), [17 * 64 + 207, 527]);
+    assert_eq!(cycles([on, on], [0x85, 0x91]), [17 * 128 + 249, 5 * 128 + 249]);
+    assert_eq!(cycles([on, on], [0x7F, 5]), [527, 127 * 64 + 207]);
+    assert_eq!(cycles([on, off], [5, 5]), [526, 526]);
+    assert_eq!(cycles([off, on], [5, 0x85]), [5 * 128 + 248; 2]);
+}
+
+#[test]
+fn rdy_is_high_for_the_scaling_time() {
+    let mut host = Host::started(quiet());
+    let mut rdy = host.twin.rdy();
+    host.edge();
+    let edge = host.edge();
+    assert!(rdy.is_low().unwrap());
+    // 527 cycles are 87 833 ns, of which the last 163 are 27 167 ns.
+    host.twin.advance_ns(87_833 - 27_167 - 2);
+    assert!(rdy.is_low().unwrap());
+    host.twin.advance_ns(4);
+    assert!(rdy.is_high().unwrap());
+    host.twin.advance_ns(27_164);
+    assert!(rdy.is_high().unwrap());
+    host.twin.advance_ns(4);
+    assert!(rdy.is_low().unwrap());
+    assert_eq!(host.edge().seq, edge.seq + 1);
+}
+
+#[test]
+fn rdy_rises_when_a_channel_is_read_with_rdyfn() {
+    let mut host = Host::started(quiet());
+    let mut rdy = host.twin.rdy();
+    host.edge();
+    assert!(rdy.is_low().unwrap());
+    host.code24(0x08);
+    assert!(rdy.is_high().unwrap());
+}
+
+#[test]
+fn edges_are_latched_and_counted() {
+    let mut host = Host::started(quiet());
+    let first = host.edge();
+    host.twin.advance_ns(10 * 87_834);
+    let latched = host.edge();
+    assert_eq!(latched.seq, first.seq + 10);
+    assert!(latched.t_ns < host.twin.now_ns());
+    assert_eq!(host.edge().seq, first.seq + 11);
+    let now = host.twin.now_ns();
+    assert_eq!(host.twin.next_falling_edge(1000), None);
+    assert_eq!(host.twin.now_ns(), now + 1000);
+}
+
+#[test]
+fn unread_data_is_overwritten_and_counted() {
+    let mut host = Host::started(quiet());
+    host.edge();
+    for _ in 0..10 {
+        host.edge();
+    }
+    let lost = host.twin.lost_unread();
+    assert_eq!((lost.rate.overwritten, lost.temp.overwritten), (5, 5));
+    assert_eq!((lost.rate.lost_new, lost.temp.lost_new), (0, 0));
+}
+
+/// A rotation that grows, so that every sample is another code.
+fn swaying() -> Spec {
+    Spec { motion: Motion::Sway, sway_dps: 100.0, sway_hz: 1.0, ..quiet() }
+}
+
+#[test]
+fn a_register_that_is_being_read_loses_the_new_sample() {
+    let mut host = Host::started(swaying());
+    let mut twin = Host::started(swaying());
+    let (_, before, _) = twin.pair();
+    host.edge();
+    host.send(&[0x48]);
+    host.twin.advance_ns(100_000); // the next rate update falls in here
+    let mut data = [0; 3];
+    host.spi.read(&mut data).unwrap();
+    assert_eq!(u32::from_be_bytes([0, data[0], data[1], data[2]]), before);
+    assert_eq!(host.byte(0x20) & 0x08, 0, "no new data arrived");
+    assert_eq!(host.code24(0x08), before, "the new sample is gone");
+    assert_eq!(host.twin.lost_unread().rate.lost_new, 1);
+    assert_eq!(host.twin.lost_unread().rate.overwritten, 0);
+    host.code24(0x0A);
+    let (_, after, _) = host.pair();
+    assert!(dps(after) > dps(before), "the next one is stored again");
+}
+
+#[test]
+fn an_update_of_the_other_channel_is_no_loss() {
+    let mut host = Host::started(quiet());
+    host.edge();
+    host.send(&[0x4A]);
+    host.twin.advance_ns(100_000);
+    host.spi.read(&mut [0; 3]).unwrap();
+    let lost = host.twin.lost_unread();
+    assert_eq!((lost.temp.lost_new, lost.rate.lost_new, lost.rate.overwritten), (0, 0, 1));
+}
+
+#[test]
+fn single_mode_converts_once_and_idles() {
+    let mut host = Host::new(quiet());
+    host.send(&INIT[..10]);
+    for _ in 0..3 {
+        host.send(&[0x38, 0x42]);
+        assert_eq!(host.byte(0x38), 0x42);
+        host.pair();
+        assert_eq!(host.byte(0x38), 0x02);
+        assert!(host.twin.next_falling_edge(1_000_000).is_none());
+    }
+}
+
+#[test]
+fn idle_power_down_and_no_channel_convert_nothing() {
+    for mode in [0x02, 0x62, 0x82, 0xE2] {
+        let mut host = Host::started(quiet());
+        host.pair();
+        host.send(&[0x38, mode]);
+        host.twin.advance_ns(200_000);
+        assert_eq!(host.byte(0x04), 0, "mode {mode:02X}");
+    }
+    let mut host = Host::new(quiet());
+    host.send(&[0x38, 0x22]);
+    assert!(host.twin.next_falling_edge(10_000_000).is_none());
+    host.send(&[0x28, 0x0A]); // enabled later, so it begins then
+    host.edge();
+}
+
+#[test]
+fn sync_holds_and_restarts() {
+    let mut host = Host::started(quiet());
+    let mut sync = host.twin.sync_pin();
+    host.pair();
+    sync.set_low().unwrap();
+    host.edge(); // without IOP.SYNC the pin means nothing
+    host.send(&[0x01, 0x39]);
+    host.code24(0x08);
+    host.code24(0x0A);
+    host.twin.next_falling_edge(0);
+    assert!(host.twin.next_falling_edge(5_000_000).is_none());
+    let released_ns = host.twin.now_ns();
+    sync.set_high().unwrap();
+    let (edge, _, _) = host.pair();
+    assert!(edge.t_ns.abs_diff(released_ns + 175_667) <= 1, "two conversions from the start");
+}
+
+#[test]
+fn a_register_write_that_lets_rdy_fall_is_an_edge() {
+    let mut host = Host::started(quiet());
+    let edge = host.pair().0;
+    host.code24(0x08);
+    host.twin.advance_ns(60_000); // rate is unread, temperature is not
+    assert_eq!(host.byte(0x04), 0b001);
+    assert!(host.twin.rdy().is_high().unwrap());
+    host.send(&[0x01, 0x30]);
+    assert!(host.twin.rdy().is_low().unwrap());
+    assert_eq!(host.edge().seq, edge.seq + 1);
+}
