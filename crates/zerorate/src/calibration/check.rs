@@ -1,0 +1,93 @@
+//! The two check lines of a calibration file: a digest of everything else, and two bytes of a digest for each, so that a
+//! changed line can be named.
+
+use alloc::format;
+use alloc::string::String;
+use alloc::vec::Vec;
+use core::fmt::Write;
+use sha2::{Digest, Sha256};
+
+const CHECKSUM: &str = "checksum = \"sha256:";
+const LINE_CHECKS: &str = "line_checks = \"";
+/// Hexadecimal digits for each line.
+const DIGITS: usize = 4;
+
+/// What is wrong with a file that claims to be as it was written. Lines count from 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Damage {
+    /// This line was edited, added or follows one that was removed.
+    Changed { line: usize },
+    /// The file ends after this line; there were more.
+    EndsEarly { line: usize },
+}
+
+/// The two lines, each with its line end, for a body of lines.
+pub(super) fn lines_for(body: &str) -> String {
+    let lines: Vec<&str> = normal(body).map(|(_, line)| line).collect();
+    let checks: String = lines.iter().map(|line| short(line)).collect();
+    format!("{CHECKSUM}{}\"\n{LINE_CHECKS}{checks}\"\n", digest(&checks, &lines))
+}
+
+/// Whether the file has check lines, and whether they hold.
+pub(super) fn verify(text: &str) -> Result<bool, Damage> {
+    let checksum = value_of(text, CHECKSUM);
+    let line_checks = value_of(text, LINE_CHECKS);
+    let ((checksum_line, checksum), line_checks) = match (checksum, line_checks) {
+        (None, None) => return Ok(false),
+        (Some(checksum), Some((_, line_checks))) => (checksum, line_checks),
+        (Some((line, _)), None) | (None, Some((line, _))) => return Err(Damage::Changed { line }),
+    };
+    let body: Vec<(usize, &str)> = normal(text).filter(|(_, line)| !is_check(line)).collect();
+    let lines: Vec<&str> = body.iter().map(|(_, line)| *line).collect();
+    if digest(line_checks, &lines) == checksum {
+        return Ok(true);
+    }
+    Err(locate(&body, line_checks).unwrap_or(Damage::Changed { line: checksum_line }))
+}
+
+/// The text with its check lines left empty, so that every other line keeps its number.
+pub(super) fn without_checks(text: &str) -> String {
+    text.lines().map(|line| if is_check(line) { "" } else { line }).collect::<Vec<_>>().join("\n")
+}
+
+pub(super) fn sha256_hex(text: &str) -> String {
+    Sha256::digest(text.as_bytes()).iter().fold(String::new(), |mut hex, byte| {
+        // writing into a String cannot fail
+        let _ = write!(hex, "{byte:02x}");
+        hex
+    })
+}
+
+/// The first line that is not what was written; none where it must be a check line itself.
+fn locate(body: &[(usize, &str)], line_checks: &str) -> Option<Damage> {
+    let mut expected = line_checks.as_bytes().chunks(DIGITS);
+    for (line, text) in body {
+        match expected.next() {
+            Some(check) if check == short(text).as_bytes() => {}
+            _ => return Some(Damage::Changed { line: *line }),
+        }
+    }
+    let line = body.last().map_or(0, |(line, _)| *line);
+    expected.next().map(|_| Damage::EndsEarly { line })
+}
+
+/// Lines that count, with their numbers: line ends and trailing blanks of any editor or checkout are the same, blank lines are none.
+fn normal(text: &str) -> impl Iterator<Item = (usize, &str)> {
+    text.lines().enumerate().map(|(index, line)| (index + 1, line.trim_end())).filter(|(_, line)| !line.is_empty())
+}
+
+fn is_check(line: &str) -> bool {
+    line.starts_with(CHECKSUM) || line.starts_with(LINE_CHECKS)
+}
+
+fn value_of<'a>(text: &'a str, key: &str) -> Option<(usize, &'a str)> {
+    normal(text).find_map(|(line, text)| Some((line, text.strip_prefix(key)?.trim_end_matches('"'))))
+}
+
+fn digest(line_checks: &str, lines: &[&str]) -> String {
+    sha256_hex(&format!("{line_checks}\n{}", lines.join("\n")))
+}
+
+fn short(line: &str) -> String {
+    sha256_hex(line)[..DIGITS].into()
+}

@@ -1,0 +1,285 @@
+//! The bias correction of F-50, RBC = RATE + PBC + (TEMP − T3) × BTC, in f64, in f32 and in integers, and its table (F-52).
+
+use adis16130::{RATE_LSB_PER_DPS, TEMP_AT_ZERO_CODE_C, TEMP_LSB_PER_C, ZERO_CODE};
+use alloc::vec::Vec;
+use core::fmt;
+
+/// The three numbers of F-50. Both coefficients are *added*: each is minus the bias that it removes.
+///
+/// ```
+/// let correction = zerorate::Correction { pbc_dps: -0.25, btc_dps_per_c: -0.04, t3_c: 31.5 };
+/// // two degrees above T3 the part reads 0.25 + 2 × 0.04 °/s at rest
+/// assert!(correction.apply(0.33, 33.5).abs() < 1e-15);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "file", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+pub struct Correction {
+    /// Precision bias correction PBC, °/s: minus the mean rate at rest at T3.
+    pub pbc_dps: f64,
+    /// Bias temperature correction BTC, °/s/°C: minus the bias temperature coefficient.
+    pub btc_dps_per_c: f64,
+    /// Reference temperature T3, °C, as the part's own sensor reads it.
+    pub t3_c: f64,
+}
+
+impl Correction {
+    /// F-50 in physical units: the corrected rate in °/s of a rate in °/s taken at a temperature in °C.
+    #[must_use]
+    pub fn apply(&self, rate_dps: f64, temp_c: f64) -> f64 {
+        rate_dps + self.pbc_dps + (temp_c - self.t3_c) * self.btc_dps_per_c
+    }
+
+    /// The same in single precision, for a processor with a small floating point unit.
+    #[must_use]
+    pub fn to_f32(&self) -> CorrectionF32 {
+        CorrectionF32 { pbc_dps: self.pbc_dps as f32, btc_dps_per_c: self.btc_dps_per_c as f32, t3_c: self.t3_c as f32 }
+    }
+
+    /// The same on raw codes, see [`IntegerCorrection`].
+    ///
+    /// # Errors
+    /// A coefficient that does not fit: |BTC| up to 1.19 °/s/°C, PBC and T3 within what 24-bit codes can express.
+    pub fn to_integer(&self) -> Result<IntegerCorrection, IntegerError> {
+        let one = f64::from(1u32 << IntegerCorrection::Q);
+        let per_lsb = f64::from(RATE_LSB_PER_DPS) / f64::from(TEMP_LSB_PER_C);
+        let t3_exact = (self.t3_c - f64::from(TEMP_AT_ZERO_CODE_C)) * f64::from(TEMP_LSB_PER_C) + f64::from(ZERO_CODE);
+        let t3_code = within("t3_c", t3_exact, 0.0, CODE_MAX)?;
+        let slope = within("btc_dps_per_c", self.btc_dps_per_c * per_lsb * one, -SLOPE_MAX, SLOPE_MAX)?;
+        let pbc_lsb = self.pbc_dps * f64::from(RATE_LSB_PER_DPS);
+        // T3 rounds to a code; what that leaves of (TEMP − T3) × BTC belongs to the offset.
+        let offset = (pbc_lsb + (t3_code - t3_exact) * self.btc_dps_per_c * per_lsb) * one;
+        let offset = within("pbc_dps", offset, -CODE_MAX * one, CODE_MAX * one)?;
+        Ok(IntegerCorrection { offset_q: offset as i64, slope_q: slope as i32, t3_code: t3_code as i32 })
+    }
+
+    /// The look-up table of F-52: (TEMP − T3) × BTC, without PBC, from +`span_c` down to −`span_c` in steps of `step_c`.
+    ///
+    /// # Errors
+    /// A step or span that is not positive, a span that is no whole number of steps, or more than 100 001 rows.
+    pub fn table(&self, step_c: f64, span_c: f64) -> Result<Vec<TableRow>, TableError> {
+        let steps = steps_in_span(step_c, span_c)?;
+        let row = |k: i32| {
+            let delta_c = f64::from(k) * step_c;
+            TableRow { delta_c, correction_dps: delta_c * self.btc_dps_per_c }
+        };
+        Ok((-steps..=steps).rev().map(row).collect())
+    }
+}
+
+const CODE_MAX: f64 = 16_777_215.0;
+const SLOPE_MAX: f64 = i32::MAX as f64;
+
+fn within(name: &'static str, value: f64, low: f64, high: f64) -> Result<f64, IntegerError> {
+    let rounded = libm::round(value);
+    // NaN is in no range
+    if (low..=high).contains(&rounded) { Ok(rounded) } else { Err(IntegerError { coefficient: name }) }
+}
+
+fn steps_in_span(step_c: f64, span_c: f64) -> Result<i32, TableError> {
+    if !(step_c > 0.0 && span_c > 0.0 && step_c.is_finite() && span_c.is_finite()) {
+        return Err(TableError::NotPositive { step_c, span_c });
+    }
+    let steps = libm::round(span_c / step_c);
+    if steps > 50_000.0 {
+        return Err(TableError::TooLong { step_c, span_c });
+    }
+    if steps < 1.0 || (span_c / step_c - steps).abs() > 1e-6 {
+        return Err(TableError::Ragged { step_c, span_c });
+    }
+    Ok(steps as i32)
+}
+
+/// [`Correction`] in f32. Its error against f64 stays below 4e-5 °/s over the whole range, one code of the rate channel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CorrectionF32 {
+    /// PBC, °/s.
+    pub pbc_dps: f32,
+    /// BTC, °/s/°C.
+    pub btc_dps_per_c: f32,
+    /// T3, °C.
+    pub t3_c: f32,
+}
+
+impl CorrectionF32 {
+    /// F-50: rate in °/s, temperature in °C, corrected rate in °/s.
+    #[must_use]
+    pub fn apply(&self, rate_dps: f32, temp_c: f32) -> f32 {
+        rate_dps + self.pbc_dps + (temp_c - self.t3_c) * self.btc_dps_per_c
+    }
+}
+
+/// F-50 on raw 24-bit codes, without division or floating point:
+/// `corrected = (rate · 2³⁰ + offset_q + (temp − t3_code) · slope_q + 2²⁹) >> 30`, held to 0 … 2²⁴ − 1.
+///
+/// Rounds to nearest; differs from F-50 in f64 by at most 0.51 LSB (1 LSB = 1/23 488 °/s, F-40). A 16-bit code goes in as code × 256.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct IntegerCorrection {
+    /// PBC in rate codes times 2³⁰.
+    pub offset_q: i64,
+    /// BTC in rate codes per temperature code, times 2³⁰.
+    pub slope_q: i32,
+    /// T3 as a 24-bit temperature code.
+    pub t3_code: i32,
+}
+
+impl IntegerCorrection {
+    /// Fraction bits of `offset_q` and `slope_q`.
+    pub const Q: u32 = 30;
+
+    /// The corrected 24-bit rate code of a 24-bit rate code and the temperature code taken with it.
+    #[inline]
+    #[must_use]
+    pub const fn apply(&self, rate_code: u32, temp_code: u32) -> u32 {
+        let (rate, temp) = ((rate_code & 0x00FF_FFFF) as i64, (temp_code & 0x00FF_FFFF) as i64);
+        let bias = self.offset_q + (temp - self.t3_code as i64) * self.slope_q as i64;
+        let corrected = rate + ((bias + (1 << (Self::Q - 1))) >> Self::Q);
+        if corrected < 0 {
+            0
+        } else if corrected > 0x00FF_FFFF {
+            0x00FF_FFFF
+        } else {
+            corrected as u32
+        }
+    }
+}
+
+/// A row of the look-up table of F-52.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TableRow {
+    /// TEMP − T3, °C.
+    pub delta_c: f64,
+    /// (TEMP − T3) × BTC, °/s, to be added to RATE + PBC.
+    pub correction_dps: f64,
+}
+
+/// A coefficient that 24-bit integer arithmetic cannot carry.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct IntegerError {
+    /// The calibration's name for it.
+    pub coefficient: &'static str,
+}
+
+impl fmt::Display for IntegerError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "{} does not fit the integer correction (|BTC| up to 1.19 °/s/°C, PBC and T3 within the 24-bit codes); check the calibration",
+            self.coefficient
+        )
+    }
+}
+
+impl core::error::Error for IntegerError {}
+
+/// A table that cannot be laid out as asked.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(missing_docs, reason = "the fields are the numbers as asked, in °C")]
+pub enum TableError {
+    /// Step and span must both be above zero.
+    NotPositive { step_c: f64, span_c: f64 },
+    /// The span is no whole number of steps.
+    Ragged { step_c: f64, span_c: f64 },
+    /// More than 100 001 rows.
+    TooLong { step_c: f64, span_c: f64 },
+}
+
+impl fmt::Display for TableError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NotPositive { step_c, span_c } => {
+                write!(f, "step {step_c} °C and span {span_c} °C must both be above zero")
+            }
+            Self::Ragged { step_c, span_c } => {
+                write!(f, "the span of {span_c} °C is no whole number of steps of {step_c} °C; choose a multiple")
+            }
+            Self::TooLong { step_c, span_c } => {
+                write!(
+                    f,
+                    "a table over ±{span_c} °C in steps of {step_c} °C has more than 100001 rows; choose a larger step"
+                )
+            }
+        }
+    }
+}
+
+impl core::error::Error for TableError {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TYPICAL: Correction = Correction { pbc_dps: -0.2537, btc_dps_per_c: -0.04, t3_c: 31.5123 };
+
+    /// F-52, all thirteen rows, for a bias coefficient of +0.04 °/s/°C.
+    #[test]
+    fn table_of_the_note() {
+        let rows = Correction { pbc_dps: 1.0, btc_dps_per_c: -0.04, t3_c: 25.0 }.table(0.02, 0.12).unwrap();
+        let published =
+            [-0.0048, -0.0040, -0.0032, -0.0024, -0.0016, -0.0008, 0.0, 0.0008, 0.0016, 0.0024, 0.0032, 0.0040, 0.0048];
+        assert_eq!(rows.len(), published.len());
+        for (k, (row, correction_dps)) in rows.iter().zip(published).enumerate() {
+            assert!((row.delta_c - (0.12 - 0.02 * k as f64)).abs() < 1e-12);
+            assert!((row.correction_dps - correction_dps).abs() < 1e-15, "{row:?}");
+        }
+    }
+
+    #[test]
+    fn table_refuses_what_it_cannot_lay_out() {
+        assert!(matches!(TYPICAL.table(0.0, 1.0), Err(TableError::NotPositive { .. })));
+        assert!(matches!(TYPICAL.table(f64::NAN, 1.0), Err(TableError::NotPositive { .. })));
+        assert!(matches!(TYPICAL.table(0.02, 0.13), Err(TableError::Ragged { .. })));
+        assert!(matches!(TYPICAL.table(0.02, 0.005), Err(TableError::Ragged { .. })));
+        assert!(matches!(TYPICAL.table(1e-6, 1.0), Err(TableError::TooLong { .. })));
+    }
+
+    /// Codes spread over the whole range by a multiplicative sequence.
+    fn codes() -> impl Iterator<Item = (u32, u32)> {
+        (0..100_000u32).map(|i| (i.wrapping_mul(2_654_435_761) >> 8, i.wrapping_mul(2_246_822_519) >> 8))
+    }
+
+    fn exact_code(correction: &Correction, rate: u32, temp: u32) -> f64 {
+        let rate_dps = (f64::from(rate) - 8_388_608.0) / 23_488.0;
+        let temp_c = (f64::from(temp) - 8_388_608.0) / 14_093.0 + 25.0;
+        (correction.apply(rate_dps, temp_c) * 23_488.0 + 8_388_608.0).clamp(0.0, CODE_MAX)
+    }
+
+    #[test]
+    fn integer_correction_rounds_to_nearest_over_the_whole_range() {
+        for btc_dps_per_c in [-0.04, 0.0123, 1.1, -1.1] {
+            let correction = Correction { btc_dps_per_c, ..TYPICAL };
+            let integer = correction.to_integer().unwrap();
+            for (rate, temp) in codes() {
+                let error = f64::from(integer.apply(rate, temp)) - exact_code(&correction, rate, temp);
+                assert!(error.abs() < 0.51, "{rate} at {temp}: {error}");
+            }
+        }
+    }
+
+    #[test]
+    fn integer_correction_saturates() {
+        let up = Correction { pbc_dps: 10.0, btc_dps_per_c: 0.0, t3_c: 25.0 }.to_integer().unwrap();
+        assert_eq!(up.apply(0x00FF_FFFF, ZERO_CODE), 0x00FF_FFFF);
+        let down = Correction { pbc_dps: -10.0, btc_dps_per_c: 0.0, t3_c: 25.0 }.to_integer().unwrap();
+        assert_eq!(down.apply(3, ZERO_CODE), 0);
+        assert_eq!(down.apply(ZERO_CODE, ZERO_CODE), ZERO_CODE - 234_880);
+    }
+
+    #[test]
+    fn coefficients_that_do_not_fit_are_named() {
+        let named = |correction: Correction| correction.to_integer().unwrap_err().coefficient;
+        assert_eq!(named(Correction { btc_dps_per_c: 1.3, ..TYPICAL }), "btc_dps_per_c");
+        assert_eq!(named(Correction { pbc_dps: 1e4, ..TYPICAL }), "pbc_dps");
+        assert_eq!(named(Correction { t3_c: f64::NAN, ..TYPICAL }), "t3_c");
+    }
+
+    #[test]
+    fn single_precision_stays_within_a_code() {
+        let single = TYPICAL.to_f32();
+        for (rate, temp) in codes() {
+            let rate_dps = (f64::from(rate) - 8_388_608.0) / 23_488.0;
+            let temp_c = ((f64::from(temp) - 8_388_608.0) / 14_093.0 + 25.0).clamp(-40.0, 105.0);
+            let error = f64::from(single.apply(rate_dps as f32, temp_c as f32)) - TYPICAL.apply(rate_dps, temp_c);
+            assert!(error.abs() < 1.0 / 23_488.0, "{error}");
+        }
+    }
+}

@@ -1,0 +1,331 @@
+//! From the recorded windows to PBC, BTC and T3, each with its standard uncertainty.
+
+use crate::correction::Correction;
+use crate::noise::{FLOOR_PER_B, NoiseModel, TYPICAL_FLICKER_FLOOR_DPS, Window};
+use crate::notice::{Refusal, Warning};
+use crate::procedure::{Plan, Procedure, State};
+use crate::record::{BLOCK_S, Second, Segment};
+use crate::{stationarity, steps};
+use alloc::vec::Vec;
+
+/// Spread of the curvature of the bias over units, °/s/°C² (M-02).
+pub const TYPICAL_CURVATURE_DPS_PER_C2: f64 = 0.0005;
+/// Half width of the bias hysteresis, °/s (M-02).
+pub const TYPICAL_HYSTERESIS_DPS: f64 = 0.002;
+/// Bandwidth of the part, Hz (F-03).
+pub const BANDWIDTH_HZ: f64 = 300.0;
+
+/// The result of the procedure.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outcome {
+    /// Mean rate of step 4, °/s.
+    pub b1_dps: f64,
+    /// Mean temperature of step 4, °C.
+    pub t1_c: f64,
+    /// Mean rate of step 6, °/s.
+    pub b2_dps: f64,
+    /// Mean temperature of step 6, °C.
+    pub t2_c: f64,
+    /// PBC, BTC and T3.
+    pub correction: Correction,
+    /// How well each is known.
+    pub uncertainty: Uncertainty,
+    /// The noise that the uncertainties rest on.
+    pub noise: Noise,
+    /// Falling edges of data ready per second.
+    pub rdy_hz: f64,
+    /// Rate samples per second.
+    pub rate_hz: f64,
+    /// Rate samples read.
+    pub samples: u64,
+    /// Rate samples lost.
+    pub lost_samples: u64,
+    /// From the first sample to the last, s.
+    pub duration_s: f64,
+    /// Lowest temperature seen (mean over 0.1 s), °C.
+    pub temp_min_c: f64,
+    /// Highest temperature seen (mean over 0.1 s), °C.
+    pub temp_max_c: f64,
+    /// The plan that was carried out.
+    pub plan: Plan,
+    /// What there is to know beside the numbers.
+    pub warnings: Vec<Warning>,
+}
+
+/// Standard uncertainties and covariances (k = 1).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Uncertainty {
+    /// Of B1 as the bias during step 4: white noise and flicker, °/s.
+    pub u_b1_dps: f64,
+    /// Of B2 as the bias during step 6, °/s.
+    pub u_b2_dps: f64,
+    /// Of T1, noise alone, °C.
+    pub u_t1_c: f64,
+    /// Of T2, noise alone, °C.
+    pub u_t2_c: f64,
+    /// Of PBC as minus the slow bias at T3 at the end of step 8, °/s.
+    pub u_pbc_dps: f64,
+    /// Of BTC as minus the slope of the bias at T3, °/s/°C.
+    pub u_btc_dps_per_c: f64,
+    /// The part of it that stands for curvature and hysteresis, °/s/°C; zero under [`Plan::assume_linear`].
+    pub u_curvature_dps_per_c: f64,
+    /// Of T3, noise alone, °C.
+    pub u_t3_c: f64,
+    /// Covariance of PBC and BTC, (°/s)²/°C.
+    pub cov_pbc_btc: f64,
+    /// Covariance of PBC and T3, °C·°/s.
+    pub cov_pbc_t3: f64,
+}
+
+impl Uncertainty {
+    /// Probability that the interval `value ± FACTOR · u` covers the truth.
+    pub const COVERAGE: f64 = 0.95;
+    /// Factor of that interval, of the normal distribution.
+    pub const FACTOR: f64 = 1.959_963_984_540_054;
+}
+
+/// The noise at the output: the white part as measured, the rest as far as the record shows it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Noise {
+    /// The three noises; white is always measured, the random walk always the part's typical value (M-04).
+    pub model: NoiseModel,
+    /// Whether the flicker was measured; else it is the part's typical value (M-04), which so short a record cannot improve.
+    pub flicker_measured: bool,
+}
+
+/// Refuses after step 6 where the span of temperature cannot give the wanted uncertainty of BTC.
+pub(crate) fn span_suffices(procedure: &Procedure) -> Result<(), Refusal> {
+    let slope = Slope::new(procedure)?;
+    let u_noise = slope.u_noise(&NoiseModel { white_dps_per_rt_hz: white_density(procedure), ..NoiseModel::TYPICAL });
+    // T3 will be no lower than T2 if the part goes on warming, so this is the least that curvature can do.
+    let u_curvature = slope.u_curvature(slope.t2_c, procedure.plan());
+    slope.accept(u_noise, u_curvature, procedure.plan())
+}
+
+/// The result of a procedure that has reached its end.
+pub(crate) fn outcome(procedure: &Procedure) -> Result<Outcome, Refusal> {
+    let plan = *procedure.plan();
+    let slope = Slope::new(procedure)?;
+    let level = Level::new(procedure, slope.btc_dps_per_c())?;
+    let noise = measured_noise(procedure);
+    let uncertainty = uncertainty(procedure, &slope, &level, &noise.model);
+    let u_noise = slope.u_noise(&noise.model);
+    slope.accept(u_noise, uncertainty.u_curvature_dps_per_c, &plan)?;
+
+    let (tally, (temp_min_c, temp_max_c)) = (procedure.tally(), temperature_range(procedure));
+    let per_second = |count: u64| count as f64 / tally.duration_s();
+    let mut outcome = Outcome {
+        b1_dps: slope.b1_dps,
+        t1_c: slope.t1_c,
+        b2_dps: slope.b2_dps,
+        t2_c: slope.t2_c,
+        correction: Correction { pbc_dps: level.pbc_dps, btc_dps_per_c: slope.btc_dps_per_c(), t3_c: level.t3_c },
+        uncertainty,
+        noise,
+        rdy_hz: per_second(tally.edges),
+        rate_hz: per_second(tally.samples - 1),
+        samples: tally.samples,
+        lost_samples: tally.lost,
+        duration_s: tally.duration_s(),
+        temp_min_c,
+        temp_max_c,
+        plan,
+        warnings: Vec::new(),
+    };
+    outcome.warnings = warnings(procedure, &outcome, &level);
+    Ok(outcome)
+}
+
+/// Steps 4 and 6: two means and the line through them.
+struct Slope {
+    b1_dps: f64,
+    t1_c: f64,
+    b2_dps: f64,
+    t2_c: f64,
+    windows: [Window; 2],
+    u_t_c: f64,
+}
+
+impl Slope {
+    fn new(procedure: &Procedure) -> Result<Self, Refusal> {
+        let (b1_dps, t1_c) = means(procedure, State::FirstAverage)?;
+        let (b2_dps, t2_c) = means(procedure, State::SecondAverage)?;
+        let windows = [window(procedure, State::FirstAverage, -1.0), window(procedure, State::SecondAverage, 1.0)];
+        Ok(Self { b1_dps, t1_c, b2_dps, t2_c, windows, u_t_c: u_temp_c(procedure, State::SecondAverage) })
+    }
+
+    fn span_c(&self) -> f64 {
+        self.t2_c - self.t1_c
+    }
+
+    /// F-51 step 6: BTC = −(B2 − B1)/(T2 − T1).
+    fn btc_dps_per_c(&self) -> f64 {
+        -(self.b2_dps - self.b1_dps) / self.span_c()
+    }
+
+    /// Noise of the two rates and of the two temperatures, °/s/°C.
+    fn u_noise(&self, noise: &NoiseModel) -> f64 {
+        let temps_dps = self.btc_dps_per_c() * self.u_t_c * core::f64::consts::SQRT_2;
+        libm::hypot(noise.sd(&self.windows), temps_dps) / self.span_c().abs()
+    }
+
+    /// The secant through T1 and T2 against the tangent at T3, for a typical curvature, and two branches of the hysteresis.
+    fn u_curvature(&self, t3_c: f64, plan: &Plan) -> f64 {
+        if plan.assume_linear {
+            return 0.0;
+        }
+        let curvature = TYPICAL_CURVATURE_DPS_PER_C2 * (self.t1_c + self.t2_c - 2.0 * t3_c).abs();
+        let branches = 2.0 * TYPICAL_HYSTERESIS_DPS / libm::sqrt(3.0) / self.span_c().abs();
+        libm::hypot(curvature, branches)
+    }
+
+    fn accept(&self, u_noise: f64, u_curvature: f64, plan: &Plan) -> Result<(), Refusal> {
+        let (u_btc_dps_per_c, wanted_dps_per_c) = (libm::hypot(u_noise, u_curvature), plan.max_u_btc_dps_per_c);
+        if u_btc_dps_per_c <= wanted_dps_per_c {
+            Ok(())
+        } else if u_curvature > u_noise {
+            Err(Refusal::Curvature { u_btc_dps_per_c, u_curvature_dps_per_c: u_curvature, wanted_dps_per_c })
+        } else {
+            Err(Refusal::Span { t1_c: self.t1_c, t2_c: self.t2_c, u_btc_dps_per_c, wanted_dps_per_c })
+        }
+    }
+}
+
+/// Steps 8 and 9.
+struct Level {
+    pbc_dps: f64,
+    t3_c: f64,
+    u_t3_c: f64,
+    /// T3 minus the mean temperature of step 8, °C.
+    drift_c: f64,
+    /// What that does to PBC, °/s.
+    shift_dps: f64,
+}
+
+impl Level {
+    fn new(procedure: &Procedure, btc_dps_per_c: f64) -> Result<Self, Refusal> {
+        let (rate_dps, mean_c) = means(procedure, State::Offset)?;
+        let last = procedure.segment(State::FinalTemperature);
+        let t3_c = last.temp_c().ok_or(Refusal::NoTemperature { window: State::FinalTemperature })?;
+        let drift_c = t3_c - mean_c;
+        let pbc_dps = procedure.plan().earth_dps.unwrap_or(0.0) - rate_dps;
+        let u_t3_c = u_temp_c(procedure, State::FinalTemperature);
+        Ok(Self { pbc_dps, t3_c, u_t3_c, drift_c, shift_dps: -btc_dps_per_c * drift_c })
+    }
+}
+
+fn uncertainty(procedure: &Procedure, slope: &Slope, level: &Level, noise: &NoiseModel) -> Uncertainty {
+    let steady = noise.without_random_walk();
+    let mean = [window(procedure, State::Offset, 1.0)];
+    let t3_dps = slope.btc_dps_per_c() * level.u_t3_c;
+    let u_curvature_dps_per_c = slope.u_curvature(level.t3_c, procedure.plan());
+    Uncertainty {
+        u_b1_dps: steady.sd(&slope.windows[..1]),
+        u_b2_dps: steady.sd(&slope.windows[1..]),
+        u_t1_c: slope.u_t_c,
+        u_t2_c: slope.u_t_c,
+        u_pbc_dps: libm::hypot(u_offset_noise(procedure, noise), libm::hypot(level.shift_dps, t3_dps)),
+        u_btc_dps_per_c: libm::hypot(slope.u_noise(noise), u_curvature_dps_per_c),
+        u_curvature_dps_per_c,
+        u_t3_c: level.u_t3_c,
+        cov_pbc_btc: steady.covariance(&mean, &slope.windows) / slope.span_c(),
+        cov_pbc_t3: -slope.btc_dps_per_c() * level.u_t3_c * level.u_t3_c,
+    }
+}
+
+/// White noise and flicker of the mean of step 8, and how far the bias walks from that mean to its end, °/s.
+fn u_offset_noise(procedure: &Procedure, noise: &NoiseModel) -> f64 {
+    let mean = window(procedure, State::Offset, 1.0);
+    let end = Window { start_s: mean.end_s - 1e-3, end_s: mean.end_s + 1e-3, weight: -1.0 };
+    let walk = NoiseModel { white_dps_per_rt_hz: 0.0, bias_instability_dps: 0.0, ..*noise };
+    libm::hypot(noise.without_random_walk().sd(&[mean]), walk.sd(&[mean, end]))
+}
+
+fn means(procedure: &Procedure, state: State) -> Result<(f64, f64), Refusal> {
+    let segment = procedure.segment(state);
+    let rate_dps = segment.rate_dps().ok_or(Refusal::TooFew { window: state, samples: 0, needed: 1 })?;
+    Ok((rate_dps, segment.temp_c().ok_or(Refusal::NoTemperature { window: state })?))
+}
+
+fn window(procedure: &Procedure, state: State, weight: f64) -> Window {
+    let segment = procedure.segment(state);
+    Window { start_s: segment.start_s(), end_s: segment.end_s(), weight }
+}
+
+/// Standard uncertainty of the mean temperature of a window, °C, from how much adjacent readings differ.
+fn u_temp_c(procedure: &Procedure, state: State) -> f64 {
+    let temps: Vec<f64> = procedure.segment(state).block_temps_c().collect();
+    libm::sqrt(stationarity::allan_variance(&temps, 1) / temps.len().max(1) as f64)
+}
+
+const AVERAGES: [State; 3] = [State::FirstAverage, State::SecondAverage, State::Offset];
+
+/// White noise density over the averages so far, °/s/√Hz.
+fn white_density(procedure: &Procedure) -> f64 {
+    let (mut squares, mut blocks) = (0.0, 0.0);
+    for state in AVERAGES {
+        let rates = procedure.segment(state).block_rates_dps();
+        let density = stationarity::white_density(&rates);
+        squares += density * density * rates.len() as f64;
+        blocks += rates.len() as f64;
+    }
+    libm::sqrt(squares / blocks)
+}
+
+/// Upper 0.1 % point of the normal distribution.
+const SIGNIFICANT_Z: f64 = 3.09;
+
+/// White as measured. Flicker as typical, unless step 8 wanders significantly more than that: then as much as it shows.
+fn measured_noise(procedure: &Procedure) -> Noise {
+    let typical = NoiseModel { white_dps_per_rt_hz: white_density(procedure), ..NoiseModel::TYPICAL };
+    let rates = procedure.segment(State::Offset).block_rates_dps();
+    let m = (rates.len() / 8).max(1);
+    let tau_s = m as f64 * BLOCK_S;
+    let (seen, expected) = (stationarity::allan_variance(&rates, m), typical.allan_variance(tau_s));
+    if seen <= expected * stationarity::allowance(rates.len() / m - 1, SIGNIFICANT_Z) {
+        return Noise { model: typical, flicker_measured: false };
+    }
+    let floor = libm::sqrt(seen - expected + TYPICAL_FLICKER_FLOOR_DPS * TYPICAL_FLICKER_FLOOR_DPS);
+    Noise { model: NoiseModel { bias_instability_dps: floor / FLOOR_PER_B, ..typical }, flicker_measured: true }
+}
+
+fn temperature_range(procedure: &Procedure) -> (f64, f64) {
+    let temps = procedure.segments().iter().flat_map(Segment::block_temps_c);
+    temps.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), temp| (low.min(temp), high.max(temp)))
+}
+
+fn warnings(procedure: &Procedure, outcome: &Outcome, level: &Level) -> Vec<Warning> {
+    let (plan, uncertainty, model) = (&outcome.plan, &outcome.uncertainty, &outcome.noise.model);
+    let lost = outcome.lost_samples;
+    let when = |condition: bool, warning: Warning| condition.then_some(warning);
+    let fixed = [
+        when(plan.earth_dps.is_none(), Warning::EarthIncluded),
+        when(!plan.assume_linear, Warning::CurvatureUnseen { u_dps_per_c: uncertainty.u_curvature_dps_per_c }),
+        when(
+            level.shift_dps.abs() > u_offset_noise(procedure, model),
+            Warning::Drifting { drift_c: level.drift_c, shift_dps: level.shift_dps, u_pbc_dps: uncertainty.u_pbc_dps },
+        ),
+        when(
+            plan.offset_s < model.best_averaging_s() / 2.0,
+            Warning::ShortAverage { average_s: plan.offset_s, best_s: model.best_averaging_s() },
+        ),
+        when(
+            outcome.rate_hz < 2.0 * BANDWIDTH_HZ,
+            Warning::Aliased { rate_hz: outcome.rate_hz, needed_hz: 2.0 * BANDWIDTH_HZ },
+        ),
+        when(lost > 0, Warning::Lost { lost, fraction: lost as f64 / (lost + outcome.samples) as f64 }),
+        when(
+            outcome.noise.flicker_measured,
+            Warning::Wandering {
+                floor_dps: FLOOR_PER_B * model.bias_instability_dps,
+                typical_dps: TYPICAL_FLICKER_FLOOR_DPS,
+            },
+        ),
+    ];
+    let seconds: Vec<Second> = procedure.segments().iter().flat_map(Segment::seconds).collect();
+    // A step inside step 8 looks like flicker too, and must not hide behind it.
+    let typical = NoiseModel { bias_instability_dps: NoiseModel::TYPICAL.bias_instability_dps, ..*model };
+    let steps = steps::find(&seconds, outcome.correction.btc_dps_per_c, uncertainty.u_btc_dps_per_c, &typical);
+    let steps = steps.iter().map(|step| Warning::Step { at_s: step.at_s, size_dps: step.size_dps });
+    fixed.into_iter().flatten().chain(steps).collect()
+}

@@ -1,0 +1,25 @@
+#![doc = include_str!("../README.md")]
+#![no_std]
+
+extern crate alloc;
+#[cfg(test)]
+extern crate std;
+
+pub mod allan;
+#[cfg(feature = "file")]
+pub mod calibration;
+mod correction;
+mod estimate;
+pub mod noise;
+mod notice;
+mod procedure;
+mod record;
+mod stationarity;
+mod steps;
+
+#[cfg(feature = "file")]
+pub use calibration::Calibration;
+pub use correction::{Correction, CorrectionF32, IntegerCorrection, IntegerError, TableError, TableRow};
+pub use estimate::{BANDWIDTH_HZ, Noise, Outcome, TYPICAL_CURVATURE_DPS_PER_C2, TYPICAL_HYSTERESIS_DPS, Uncertainty};
+pub use notice::{EARTH_DPS, Refusal, SUPPLY_DPS_PER_MV, Warning};
+pub use procedure::{Action, Event, Plan, PlanError, Procedure, Progress, State};

@@ -1,0 +1,229 @@
+//! What noise does to means over windows: the covariance of any two weighted sums of window means.
+
+use alloc::vec::Vec;
+use core::f64::consts::{LN_2, PI};
+
+/// White noise density of the part, one-sided, °/s/√Hz (F-02).
+pub const TYPICAL_WHITE_DPS_PER_RT_HZ: f64 = 0.0125;
+/// Floor of the flicker noise alone in an Allan deviation plot, °/s (M-04): 0.664 B.
+pub const TYPICAL_FLICKER_FLOOR_DPS: f64 = 0.0016;
+/// Lowest frequency of the flicker noise, Hz (M-04).
+pub const FLICKER_CUTOFF_HZ: f64 = 1e-4;
+/// Rate random walk K, °/s/√s (M-04).
+pub const TYPICAL_RATE_RANDOM_WALK_DPS_PER_RT_S: f64 = 1e-4;
+
+/// Highest frequency at which flicker is modelled, Hz: a hundred times above where it meets the white noise of F-02.
+const FLICKER_TOP_HZ: f64 = 10.0;
+/// First-order processes per octave that make up the 1/f spectrum.
+const PROCESSES_PER_OCTAVE: f64 = 2.0;
+
+/// Three noises, as they appear at the output.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NoiseModel {
+    /// One-sided density of the white noise, °/s/√Hz: a mean over T has the variance d²/(2T).
+    pub white_dps_per_rt_hz: f64,
+    /// Flicker: bias instability B, °/s, one-sided density B²/(πf) above [`FLICKER_CUTOFF_HZ`] (IEEE Std 952-1997 C.1.3, whose
+    /// density is two-sided). Its Allan deviation alone is flat at 0.664 B.
+    pub bias_instability_dps: f64,
+    /// Rate random walk K, °/s/√s: the variance of a change over T is K²T.
+    pub rate_random_walk_dps_per_rt_s: f64,
+}
+
+impl NoiseModel {
+    /// The part's typical noise (F-02, M-04).
+    pub const TYPICAL: Self = Self {
+        white_dps_per_rt_hz: TYPICAL_WHITE_DPS_PER_RT_HZ,
+        bias_instability_dps: TYPICAL_FLICKER_FLOOR_DPS / FLOOR_PER_B,
+        rate_random_walk_dps_per_rt_s: TYPICAL_RATE_RANDOM_WALK_DPS_PER_RT_S,
+    };
+
+    /// Allan variance at τ, (°/s)²: N²/τ + (2 ln 2/π) B² + K²τ/3 with N² = d²/2 (IEEE Std 952-1997 C.1).
+    #[must_use]
+    pub fn allan_variance(&self, tau_s: f64) -> f64 {
+        let k = self.rate_random_walk_dps_per_rt_s;
+        square(self.white_dps_per_rt_hz) / (2.0 * tau_s)
+            + square(FLOOR_PER_B * self.bias_instability_dps)
+            + k * k * tau_s / 3.0
+    }
+
+    /// Averaging time with the least Allan variance, s: √3 N/K.
+    #[must_use]
+    pub fn best_averaging_s(&self) -> f64 {
+        libm::sqrt(1.5) * self.white_dps_per_rt_hz / self.rate_random_walk_dps_per_rt_s
+    }
+
+    /// Covariance of two weighted sums of window means, (°/s)².
+    ///
+    /// The random walk has no mean to refer to, so the weights of each sum must add up to zero unless K is zero: a change, not a level.
+    #[must_use]
+    pub fn covariance(&self, a: &[Window], b: &[Window]) -> f64 {
+        let kernel = Kernel::new(self);
+        let pairs = a.iter().flat_map(|first| b.iter().map(move |second| (first, second)));
+        pairs.map(|(first, second)| kernel.covariance_of_means(first, second)).sum()
+    }
+
+    /// Standard deviation of a weighted sum of window means, °/s.
+    #[must_use]
+    pub fn sd(&self, windows: &[Window]) -> f64 {
+        libm::sqrt(self.covariance(windows, windows).max(0.0))
+    }
+
+    /// The same model without its random walk: for the level of a mean rather than its change.
+    #[must_use]
+    pub fn without_random_walk(self) -> Self {
+        Self { rate_random_walk_dps_per_rt_s: 0.0, ..self }
+    }
+}
+
+/// √(2 ln 2/π) = 0.664: the flat part of the Allan deviation per unit of B.
+pub const FLOOR_PER_B: f64 = 0.6642824702679601;
+
+/// The mean over an interval of time, with the weight it carries in a sum.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Window {
+    /// Start, s.
+    pub start_s: f64,
+    /// End, s; after the start.
+    pub end_s: f64,
+    /// Factor of this mean in the sum.
+    pub weight: f64,
+}
+
+/// Twice integrated autocovariance G (G'' = R, even): the covariance of two window means is a second difference of it.
+struct Kernel {
+    white: f64,
+    walk: f64,
+    flicker: Vec<Process>,
+}
+
+/// A stationary first-order process of the 1/f sum.
+struct Process {
+    variance: f64,
+    rate_per_s: f64,
+}
+
+impl Kernel {
+    fn new(model: &NoiseModel) -> Self {
+        let flicker = flicker_processes(model.bias_instability_dps);
+        Self {
+            white: square(model.white_dps_per_rt_hz) / 4.0,
+            walk: square(model.rate_random_walk_dps_per_rt_s) / 12.0,
+            flicker,
+        }
+    }
+
+    fn covariance_of_means(&self, a: &Window, b: &Window) -> f64 {
+        let second_difference =
+            self.at(a.end_s - b.start_s) - self.at(a.start_s - b.start_s) - self.at(a.end_s - b.end_s)
+                + self.at(a.start_s - b.end_s);
+        a.weight * b.weight * second_difference / ((a.end_s - a.start_s) * (b.end_s - b.start_s))
+    }
+
+    fn at(&self, lag_s: f64) -> f64 {
+        let lag_s = lag_s.abs();
+        let flicker: f64 = self.flicker.iter().map(|process| process.kernel(lag_s)).sum();
+        self.white * lag_s - self.walk * lag_s * lag_s * lag_s + flicker
+    }
+}
+
+impl Process {
+    fn kernel(&self, lag_s: f64) -> f64 {
+        let x = self.rate_per_s * lag_s;
+        self.variance * (libm::expm1(-x) + x) / square(self.rate_per_s)
+    }
+}
+
+/// Corner frequencies evenly spread over the logarithm from the cutoff to the top, each at the middle of its cell; each cell's
+/// variance is what S(f) = B²/(πf) holds inside it.
+fn flicker_processes(bias_instability_dps: f64) -> Vec<Process> {
+    let octaves = libm::log2(FLICKER_TOP_HZ / FLICKER_CUTOFF_HZ);
+    let cells = libm::ceil(octaves * PROCESSES_PER_OCTAVE);
+    let octaves_per_cell = octaves / cells;
+    let variance = square(bias_instability_dps) / PI * LN_2 * octaves_per_cell;
+    (0..cells as u32)
+        .map(|k| FLICKER_CUTOFF_HZ * libm::exp2((f64::from(k) + 0.5) * octaves_per_cell))
+        .map(|corner_hz| Process { variance, rate_per_s: 2.0 * PI * corner_hz })
+        .collect()
+}
+
+fn square(x: f64) -> f64 {
+    x * x
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn only(white: f64, b: f64, k: f64) -> NoiseModel {
+        NoiseModel { white_dps_per_rt_hz: white, bias_instability_dps: b, rate_random_walk_dps_per_rt_s: k }
+    }
+
+    fn window(start_s: f64, end_s: f64, weight: f64) -> Window {
+        Window { start_s, end_s, weight }
+    }
+
+    /// Two adjacent means of τ: half the variance of their difference is the Allan variance.
+    fn allan_by_windows(model: &NoiseModel, tau_s: f64) -> f64 {
+        let difference = [window(0.0, tau_s, -1.0), window(tau_s, 2.0 * tau_s, 1.0)];
+        model.covariance(&difference, &difference) / 2.0
+    }
+
+    #[test]
+    fn constants_are_the_facts() {
+        let n_deg_per_rt_h = TYPICAL_WHITE_DPS_PER_RT_HZ / 2f64.sqrt() * 60.0;
+        assert!((n_deg_per_rt_h - 0.53).abs() < 0.001, "F-02");
+        assert!((FLOOR_PER_B - (2.0 * LN_2 / PI).sqrt()).abs() < 1e-15);
+        assert!((FLOOR_PER_B * NoiseModel::TYPICAL.bias_instability_dps - 0.0016).abs() < 1e-12, "M-04");
+        assert_eq!((FLICKER_CUTOFF_HZ, TYPICAL_RATE_RANDOM_WALK_DPS_PER_RT_S), (1e-4, 1e-4), "M-04");
+    }
+
+    #[test]
+    fn white_noise_of_a_mean() {
+        let model = only(0.0125, 0.0, 0.0);
+        let sd = model.sd(&[window(7.0, 17.0, 1.0)]);
+        assert!((sd - 0.0125 / 20f64.sqrt()).abs() < 1e-12, "F-02: {sd}");
+        assert!(model.covariance(&[window(0.0, 1.0, 1.0)], &[window(2.0, 3.0, 1.0)]).abs() < 1e-18);
+    }
+
+    #[test]
+    fn random_walk_from_a_mean_to_its_end() {
+        let model = only(0.0, 0.0, 1e-4);
+        let sum = [window(0.0, 150.0, 1.0), window(149.999, 150.001, -1.0)];
+        assert!((model.covariance(&sum, &sum) / (1e-8 * 50.0) - 1.0).abs() < 1e-4);
+    }
+
+    /// The formulas of IEEE Std 952 against the windows' covariance. The flicker is 1/f between two corners only, so its Allan
+    /// deviation is flat only between them.
+    #[test]
+    fn windows_agree_with_the_allan_variance() {
+        for model in [only(0.0125, 0.0, 0.0), only(0.0, 0.0, 1e-4), only(0.0, 0.0024, 0.0)] {
+            for tau_s in [3.0, 30.0] {
+                let ratio = allan_by_windows(&model, tau_s) / model.allan_variance(tau_s);
+                assert!((ratio - 1.0).abs() < 0.03, "{model:?} at {tau_s} s: {ratio}");
+            }
+        }
+    }
+
+    /// The variance of a mean over T against the integral of S(f) sinc²(πfT) from the cutoff up, done numerically.
+    #[test]
+    fn flicker_of_a_mean_against_the_spectrum() {
+        let (b, t) = (0.0024, 150.0);
+        let steps = 200_000;
+        let span = (100.0 / t / FLICKER_CUTOFF_HZ).ln();
+        let integral: f64 = (0..steps)
+            .map(|i| FLICKER_CUTOFF_HZ * ((f64::from(i) + 0.5) / f64::from(steps) * span).exp())
+            .map(|f| b * b / PI * ((PI * f * t).sin() / (PI * f * t)).powi(2) * span / f64::from(steps))
+            .sum();
+        let variance = only(0.0, b, 0.0).covariance(&[window(0.0, t, 1.0)], &[window(0.0, t, 1.0)]);
+        assert!((variance / integral - 1.0).abs() < 0.02, "{variance} against {integral}");
+    }
+
+    #[test]
+    fn best_averaging_time_is_the_minimum() {
+        let model = NoiseModel::TYPICAL;
+        let best = model.best_averaging_s();
+        assert!((best - 153.1).abs() < 0.1);
+        assert!(model.allan_variance(best) < model.allan_variance(best * 1.1));
+        assert!(model.allan_variance(best) < model.allan_variance(best * 0.9));
+    }
+}

@@ -1,0 +1,167 @@
+//! What a measurement has to say beside its numbers: warnings, and the refusals that end it.
+
+use crate::procedure::State;
+use core::fmt;
+
+/// Rotation of the Earth, °/s, on an axis parallel to its own (F-16).
+pub const EARTH_DPS: f64 = 0.00418;
+/// Bias per supply voltage, °/s/mV, at most (F-01).
+pub const SUPPLY_DPS_PER_MV: f64 = 0.0002;
+
+/// The result stands, but there is something to know. `Display` says what was seen, why it matters and what to do.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+#[expect(missing_docs, reason = "the fields are the numbers that the text shows, with their units")]
+pub enum Warning {
+    /// The Earth's rotation was not subtracted.
+    EarthIncluded,
+    /// A line through two temperatures shows no curvature; its typical size is in the uncertainty of BTC.
+    CurvatureUnseen { u_dps_per_c: f64 },
+    /// The temperature moved between the rate average and T3.
+    Drifting { drift_c: f64, shift_dps: f64, u_pbc_dps: f64 },
+    /// The rate changed level once.
+    Step { at_s: f64, size_dps: f64 },
+    /// PBC was averaged for less than half of the best time.
+    ShortAverage { average_s: f64, best_s: f64 },
+    /// The rate was read below twice the bandwidth.
+    Aliased { rate_hz: f64, needed_hz: f64 },
+    /// Samples were lost, within the limit.
+    Lost { lost: u64, fraction: f64 },
+    /// The bias wanders more than the part's typical flicker noise.
+    Wandering { floor_dps: f64, typical_dps: f64 },
+}
+
+impl Warning {
+    /// Short stable name, for scripts.
+    #[must_use]
+    pub fn code(&self) -> &'static str {
+        match self {
+            Self::EarthIncluded => "earth-included",
+            Self::CurvatureUnseen { .. } => "curvature-unseen",
+            Self::Drifting { .. } => "temperature-drifting",
+            Self::Step { .. } => "step",
+            Self::ShortAverage { .. } => "short-average",
+            Self::Aliased { .. } => "aliased",
+            Self::Lost { .. } => "lost-samples",
+            Self::Wandering { .. } => "wandering-bias",
+        }
+    }
+}
+
+impl fmt::Display for Warning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::EarthIncluded => write!(
+                f,
+                "the Earth's rotation is inside PBC: up to ±{EARTH_DPS} °/s, by the direction of the axis; give its component with --earth-dps"
+            ),
+            Self::CurvatureUnseen { u_dps_per_c } => write!(
+                f,
+                "two temperatures show no curvature: {u_dps_per_c:.5} °/s/°C in the uncertainty of BTC stands for a typical unit's; use --assume-linear only if this unit is known to be linear"
+            ),
+            Self::Drifting { drift_c, shift_dps, u_pbc_dps } => write!(
+                f,
+                "the temperature still drifts: T3 is {drift_c:+.3} °C off the mean of step 8, which shifts PBC by {shift_dps:+.5} °/s (u = {u_pbc_dps:.5}); settle longer or shield the part from draughts"
+            ),
+            Self::Step { at_s, size_dps } => write!(
+                f,
+                "the rate stepped by {size_dps:+.4} °/s at {at_s:.0} s: as a supply step that would be at least {:.0} mV; use a linear supply, and check that nothing moved",
+                size_dps.abs() / SUPPLY_DPS_PER_MV
+            ),
+            Self::ShortAverage { average_s, best_s } => write!(
+                f,
+                "PBC was averaged for {average_s:.1} s, less than half of the {best_s:.0} s where this part's Allan deviation is least; use a longer --offset"
+            ),
+            Self::Aliased { rate_hz, needed_hz } => write!(
+                f,
+                "{rate_hz:.0} rate samples a second are below twice the bandwidth ({needed_hz:.0} Hz): noise folds in; use a smaller divider"
+            ),
+            Self::Lost { lost, fraction } => {
+                write!(f, "{lost} samples were lost ({:.4} %); the means leave them out", fraction * 100.0)
+            }
+            Self::Wandering { floor_dps, typical_dps } => write!(
+                f,
+                "the bias wanders more than a typical unit's: a flicker floor of {floor_dps:.4} °/s where {typical_dps} °/s is typical; the uncertainties follow it"
+            ),
+        }
+    }
+}
+
+/// The measurement must not become a calibration. `Display` says why, with the numbers, and what to do.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+#[expect(missing_docs, reason = "the fields are the numbers that the text shows, with their units")]
+pub enum Refusal {
+    /// The rate varies more than noise and temperature explain.
+    Moving { window: State, tau_s: f64, seen_dps: f64, limit_dps: f64 },
+    /// A mean rate that no bias explains.
+    Turning { window: State, rate_dps: f64, limit_dps: f64 },
+    /// White noise far above the part's.
+    Noisy { window: State, seen_dps_per_rt_hz: f64, limit_dps_per_rt_hz: f64 },
+    /// T1 and T2 are too close for the wanted uncertainty of BTC.
+    Span { t1_c: f64, t2_c: f64, u_btc_dps_per_c: f64, wanted_dps_per_c: f64 },
+    /// The uncertainty of BTC comes from the curvature that may be there, so a larger span does not help.
+    Curvature { u_btc_dps_per_c: f64, u_curvature_dps_per_c: f64, wanted_dps_per_c: f64 },
+    /// Too many samples were lost.
+    Lost { window: State, lost: u64, samples: u64, limit: f64 },
+    /// Readings beyond the range.
+    Overranged { window: State, count: u64, samples: u64 },
+    /// The readings stopped changing.
+    Frozen { at_s: f64, for_s: f64, both: bool },
+    /// A window holds too few samples.
+    TooFew { window: State, samples: u64, needed: u64 },
+    /// A window holds no temperature.
+    NoTemperature { window: State },
+}
+
+impl fmt::Display for Refusal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::Moving { window, tau_s, seen_dps, limit_dps } => write!(
+                f,
+                "the part moves: during {window}, means over {tau_s:.1} s vary by {seen_dps:.4} °/s (Allan deviation) where noise and temperature explain at most {limit_dps:.4} °/s; fix the part to a still platform"
+            ),
+            Self::Turning { window, rate_dps, limit_dps } => write!(
+                f,
+                "the part turns: during {window}, its mean rate is {rate_dps:+.2} °/s, more than the ±{limit_dps} °/s that can be bias; keep the platform still"
+            ),
+            Self::Noisy { window, seen_dps_per_rt_hz, limit_dps_per_rt_hz } => write!(
+                f,
+                "the part shakes or its supply is noisy: during {window}, the noise is {seen_dps_per_rt_hz:.4} °/s/√Hz, above {limit_dps_per_rt_hz:.4} °/s/√Hz; remove the vibration and use a linear supply"
+            ),
+            Self::Span { t1_c, t2_c, u_btc_dps_per_c, wanted_dps_per_c } => write!(
+                f,
+                "the temperature hardly changed: from T1 = {t1_c:.3} °C to T2 = {t2_c:.3} °C (by {:.3} °C), so BTC would be uncertain by {u_btc_dps_per_c:.4} °/s/°C where {wanted_dps_per_c} is wanted; start with a part that was off for an hour, wait longer (--warmup), or accept more with --max-u-btc",
+                t2_c - t1_c
+            ),
+            Self::Curvature { u_btc_dps_per_c, u_curvature_dps_per_c, wanted_dps_per_c } => write!(
+                f,
+                "BTC would be uncertain by {u_btc_dps_per_c:.4} °/s/°C where {wanted_dps_per_c} is wanted, {u_curvature_dps_per_c:.4} of it from the curvature that two temperatures cannot show; accept more with --max-u-btc, or use --assume-linear if this unit is known to be linear"
+            ),
+            Self::Lost { window, lost, samples, limit } => write!(
+                f,
+                "{lost} of {} samples were lost during {window}, more than the {} % allowed; read temperature less often (--every-temp), then divide (--divider), or allow more with --max-lost",
+                lost + samples,
+                limit * 100.0
+            ),
+            Self::Overranged { window, count, samples } => write!(
+                f,
+                "{count} of {samples} readings during {window} are out of range: the part turns, or its supply or wiring is wrong"
+            ),
+            Self::Frozen { at_s, for_s, both } => write!(
+                f,
+                "the {} frozen: at {at_s:.1} s the code had not changed for {for_s:.0} s, while noise changes every reading; reset the part and check SDO and the supply",
+                if both { "readings are" } else { "rate is" }
+            ),
+            Self::TooFew { window, samples, needed } => write!(
+                f,
+                "only {samples} samples during {window}, at least {needed} are needed; check data ready, or use a smaller divider or a longer average"
+            ),
+            Self::NoTemperature { window } => {
+                write!(f, "no temperature was read during {window}; use a smaller --every-temp")
+            }
+        }
+    }
+}
+
+impl core::error::Error for Refusal {}

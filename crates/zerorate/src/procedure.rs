@@ -1,0 +1,525 @@
+//! The calibration of F-51 as a state machine without clock or bus: samples and times go in, what to do next comes out.
+//!
+//! All transitions stand in [`TABLE`].
+
+use crate::estimate::{self, Outcome};
+use crate::notice::Refusal;
+use crate::record::{BLOCK_S, Segment};
+use crate::stationarity::{self, Verdict};
+use adis16130::Sample;
+use core::fmt;
+
+/// Durations and limits; the default is F-51.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Plan {
+    /// Average of steps 4 and 6, s.
+    pub average_s: f64,
+    /// Warming up by itself, step 5, s.
+    pub warmup_s: f64,
+    /// Settling, step 7, s.
+    pub settle_s: f64,
+    /// Average of step 8, s.
+    pub offset_s: f64,
+    /// Average of the temperature of step 9, s.
+    pub final_temp_s: f64,
+    /// Largest share of lost samples in an average, 0 … 1.
+    pub max_lost: f64,
+    /// Largest standard uncertainty of BTC, °/s/°C.
+    pub max_u_btc_dps_per_c: f64,
+    /// The component of the Earth's rotation on the part's axis, °/s, which is subtracted from the bias (F-16).
+    pub earth_dps: Option<f64>,
+    /// The bias is a straight line over temperature: no allowance for curvature and hysteresis.
+    pub assume_linear: bool,
+}
+
+impl Default for Plan {
+    fn default() -> Self {
+        Self {
+            average_s: 10.0,
+            warmup_s: 600.0,
+            settle_s: 2400.0,
+            offset_s: 150.0,
+            final_temp_s: 1.0,
+            max_lost: 0.001,
+            max_u_btc_dps_per_c: 0.01,
+            earth_dps: None,
+            assume_linear: false,
+        }
+    }
+}
+
+impl Plan {
+    /// Duration of the whole procedure, s.
+    #[must_use]
+    pub fn total_s(&self) -> f64 {
+        2.0 * self.average_s + self.warmup_s + self.settle_s + self.offset_s + self.final_temp_s
+    }
+
+    fn check(&self) -> Result<(), PlanError> {
+        let at_least = |name, value: f64, least: f64| {
+            if value >= least && value.is_finite() { Ok(()) } else { Err(PlanError { name, value, least }) }
+        };
+        at_least("average", self.average_s, 1.0)?;
+        at_least("warmup", self.warmup_s, 0.0)?;
+        at_least("settle", self.settle_s, 0.0)?;
+        at_least("offset", self.offset_s, 1.0)?;
+        at_least("final-temp", self.final_temp_s, 0.1)?;
+        at_least("max-lost", self.max_lost, 0.0)?;
+        at_least("max-u-btc", self.max_u_btc_dps_per_c, f64::MIN_POSITIVE)?;
+        at_least("earth-dps", self.earth_dps.unwrap_or(0.0).abs(), 0.0)
+    }
+}
+
+/// A plan that cannot be carried out.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlanError {
+    /// The option's name on the command line.
+    pub name: &'static str,
+    /// What was asked, in the option's unit.
+    pub value: f64,
+    /// The least that makes sense.
+    pub least: f64,
+}
+
+impl fmt::Display for PlanError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { name, value, least } = self;
+        if *least == f64::MIN_POSITIVE {
+            write!(f, "--{name} is {value}; it must be above zero")
+        } else {
+            write!(f, "--{name} is {value}; it must be a number of at least {least}")
+        }
+    }
+}
+
+impl core::error::Error for PlanError {}
+
+/// Where the procedure stands. `Display` names it as a user would.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[expect(missing_docs, reason = "the table and Display say what each is")]
+pub enum State {
+    Start,
+    FirstAverage,
+    WarmUp,
+    SecondAverage,
+    Settle,
+    Offset,
+    FinalTemperature,
+    Done,
+}
+
+const STATES: usize = 8;
+
+/// When a state ends.
+enum Until {
+    Initialised,
+    After(fn(&Plan) -> f64),
+    Never,
+}
+
+/// One line of the table: in `from` until `until`, then through `check` into `to`.
+struct Row {
+    from: State,
+    name: &'static str,
+    until: Until,
+    check: fn(&Procedure) -> Result<(), Refusal>,
+    to: State,
+}
+
+/// F-51, steps 3 to 9. Steps 1 and 2, the platform and the supply, are the user's.
+#[rustfmt::skip]
+const TABLE: [Row; STATES] = [
+    Row { from: State::Start, name: "initialisation (step 3)", until: Until::Initialised, check: nothing, to: State::FirstAverage },
+    Row { from: State::FirstAverage, name: "the first average (step 4)", until: Until::After(|plan| plan.average_s), check: at_rest, to: State::WarmUp },
+    Row { from: State::WarmUp, name: "the warm-up (step 5)", until: Until::After(|plan| plan.warmup_s), check: nothing, to: State::SecondAverage },
+    Row { from: State::SecondAverage, name: "the second average (step 6)", until: Until::After(|plan| plan.average_s), check: at_rest_and_warmer, to: State::Settle },
+    Row { from: State::Settle, name: "settling (step 7)", until: Until::After(|plan| plan.settle_s), check: nothing, to: State::Offset },
+    Row { from: State::Offset, name: "the offset average (step 8)", until: Until::After(|plan| plan.offset_s), check: at_rest, to: State::FinalTemperature },
+    Row { from: State::FinalTemperature, name: "the final temperature (step 9)", until: Until::After(|plan| plan.final_temp_s), check: temperature_was_read, to: State::Done },
+    Row { from: State::Done, name: "the end", until: Until::Never, check: nothing, to: State::Done },
+];
+
+/// Each state finds its row by its number.
+const _: () = {
+    let mut index = 0;
+    while index < STATES {
+        assert!(TABLE[index].from as usize == index);
+        index += 1;
+    }
+};
+
+impl State {
+    fn row(self) -> &'static Row {
+        &TABLE[self as usize]
+    }
+}
+
+impl fmt::Display for State {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.row().name)
+    }
+}
+
+/// What the caller does next.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Action {
+    /// Initialise the part with F-30 and report [`Event::Initialised`].
+    Initialise,
+    /// Hand in samples, as they come, or the time where none come.
+    Sample,
+    /// Call [`Procedure::finish`].
+    Done,
+}
+
+/// What the caller saw. Times are nanoseconds of one clock, never going back.
+#[derive(Clone, Copy, Debug)]
+pub enum Event<'a> {
+    /// The part was initialised.
+    Initialised {
+        /// When.
+        t_ns: u64,
+    },
+    /// A sample was read.
+    Sample(&'a Sample),
+    /// Time went by without one.
+    Time {
+        /// What the clock says.
+        t_ns: u64,
+    },
+}
+
+/// How far the procedure has come.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Progress {
+    /// The present step.
+    pub state: State,
+    /// Time since initialisation, s.
+    pub elapsed_s: f64,
+    /// Duration of the whole procedure, s.
+    pub total_s: f64,
+}
+
+/// Counts over the whole run.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Tally {
+    pub(crate) samples: u64,
+    pub(crate) lost: u64,
+    pub(crate) edges: u64,
+    pub(crate) first_ns: u64,
+    pub(crate) last_ns: u64,
+    last_seq: u32,
+}
+
+impl Tally {
+    #[inline]
+    fn count(&mut self, sample: &Sample) {
+        if self.samples == 0 {
+            self.first_ns = sample.t_ns;
+        } else {
+            self.edges += u64::from(sample.seq.wrapping_sub(self.last_seq));
+        }
+        self.last_seq = sample.seq;
+        self.last_ns = sample.t_ns;
+        self.samples += 1;
+        self.lost += u64::from(sample.lost);
+    }
+
+    pub(crate) fn duration_s(&self) -> f64 {
+        self.last_ns.saturating_sub(self.first_ns) as f64 * 1e-9
+    }
+}
+
+/// The procedure of F-51, step by step.
+///
+/// ```
+/// use zerorate::{Action, Plan, Procedure};
+/// let procedure = Procedure::new(Plan::default())?;
+/// assert_eq!(procedure.next(), Action::Initialise);
+/// assert_eq!(procedure.progress().total_s, 10.0 + 600.0 + 10.0 + 2400.0 + 150.0 + 1.0);
+/// # Ok::<(), zerorate::PlanError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Procedure {
+    plan: Plan,
+    state: State,
+    started_ns: u64,
+    now_ns: u64,
+    /// End of the present state, from the start of the procedure.
+    ends_ns: u64,
+    segments: [Segment; STATES],
+    tally: Tally,
+    freeze: Freeze,
+}
+
+impl Procedure {
+    /// A procedure that has not begun.
+    ///
+    /// # Errors
+    /// A duration or limit that makes no sense.
+    pub fn new(plan: Plan) -> Result<Self, PlanError> {
+        plan.check()?;
+        Ok(Self {
+            plan,
+            state: State::Start,
+            started_ns: 0,
+            now_ns: 0,
+            ends_ns: 0,
+            segments: Default::default(),
+            tally: Tally::default(),
+            freeze: Freeze::default(),
+        })
+    }
+
+    /// The durations and limits it was made with.
+    #[must_use]
+    pub fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    /// What to do next.
+    #[must_use]
+    pub fn next(&self) -> Action {
+        match self.state {
+            State::Start => Action::Initialise,
+            State::Done => Action::Done,
+            _ => Action::Sample,
+        }
+    }
+
+    /// How far it has come.
+    #[must_use]
+    pub fn progress(&self) -> Progress {
+        Progress { state: self.state, elapsed_s: self.now_ns as f64 * 1e-9, total_s: self.plan.total_s() }
+    }
+
+    /// Takes in what was seen. A refusal is final: the measurement is over.
+    ///
+    /// # Errors
+    /// What was measured must not become a calibration.
+    #[inline]
+    pub fn handle(&mut self, event: Event<'_>) -> Result<(), Refusal> {
+        match event {
+            Event::Initialised { t_ns } => {
+                if self.state == State::Start {
+                    self.started_ns = t_ns;
+                    self.enter_next()?;
+                }
+                Ok(())
+            }
+            Event::Time { t_ns } => self.pass_to(t_ns),
+            Event::Sample(sample) => {
+                self.pass_to(sample.t_ns)?;
+                self.take(sample)
+            }
+        }
+    }
+
+    /// The result, once [`Procedure::next`] says [`Action::Done`].
+    ///
+    /// # Errors
+    /// As [`Procedure::handle`]; before the end, the window that is still short of samples.
+    pub fn finish(self) -> Result<Outcome, Refusal> {
+        estimate::outcome(&self)
+    }
+
+    pub(crate) fn segment(&self, state: State) -> &Segment {
+        &self.segments[state as usize]
+    }
+
+    pub(crate) fn segments(&self) -> &[Segment] {
+        &self.segments
+    }
+
+    pub(crate) fn tally(&self) -> &Tally {
+        &self.tally
+    }
+
+    #[inline]
+    fn pass_to(&mut self, t_ns: u64) -> Result<(), Refusal> {
+        if matches!(self.state, State::Start | State::Done) {
+            return Ok(());
+        }
+        self.now_ns = t_ns.saturating_sub(self.started_ns);
+        while self.now_ns >= self.ends_ns && self.state != State::Done {
+            self.enter_next()?;
+        }
+        Ok(())
+    }
+
+    #[inline]
+    fn take(&mut self, sample: &Sample) -> Result<(), Refusal> {
+        if matches!(self.state, State::Start | State::Done) {
+            return Ok(());
+        }
+        self.tally.count(sample);
+        self.segments[self.state as usize].push(self.now_ns, sample);
+        self.freeze.watch(self.now_ns, sample)
+    }
+
+    fn enter_next(&mut self) -> Result<(), Refusal> {
+        let row = self.state.row();
+        (row.check)(self)?;
+        self.state = row.to;
+        let start_ns = self.ends_ns;
+        if let Until::After(duration_s) = self.state.row().until {
+            self.ends_ns = start_ns + libm::round(duration_s(&self.plan) * 1e9) as u64;
+        }
+        self.segments[self.state as usize] = Segment::new(start_ns, self.ends_ns);
+        Ok(())
+    }
+}
+
+fn nothing(_: &Procedure) -> Result<(), Refusal> {
+    Ok(())
+}
+
+/// Ten times the spread of the initial bias over units (M-01), °/s.
+const LARGEST_BIAS_DPS: f64 = 10.0;
+
+/// Checks the window that ends now: enough samples, few lost, none out of range, and no motion.
+fn at_rest(procedure: &Procedure) -> Result<(), Refusal> {
+    let (window, segment) = (procedure.state, procedure.segment(procedure.state));
+    let (samples, lost) = (segment.samples, segment.lost);
+    let rates = segment.block_rates_dps();
+    let needed = libm::ceil(0.8 * (segment.end_s() - segment.start_s()) / BLOCK_S) as u64;
+    if (rates.len() as u64) < needed {
+        return Err(Refusal::TooFew { window, samples, needed });
+    }
+    if lost as f64 > procedure.plan.max_lost * (lost + samples) as f64 {
+        return Err(Refusal::Lost { window, lost, samples, limit: procedure.plan.max_lost });
+    }
+    if segment.overranged > 0 {
+        return Err(Refusal::Overranged { window, count: segment.overranged, samples });
+    }
+    temperature_was_read(procedure)?;
+    let rate_dps = segment.rate_dps().unwrap_or_default();
+    if rate_dps.abs() > LARGEST_BIAS_DPS {
+        return Err(Refusal::Turning { window, rate_dps, limit_dps: LARGEST_BIAS_DPS });
+    }
+    match stationarity::judge(&rates, segment.temp_slope_c_per_s()) {
+        Verdict::AtRest | Verdict::Step { .. } => Ok(()),
+        Verdict::Moving { tau_s, seen_dps, limit_dps } => Err(Refusal::Moving { window, tau_s, seen_dps, limit_dps }),
+        Verdict::Noisy { seen_dps_per_rt_hz, limit_dps_per_rt_hz } => {
+            Err(Refusal::Noisy { window, seen_dps_per_rt_hz, limit_dps_per_rt_hz })
+        }
+    }
+}
+
+fn at_rest_and_warmer(procedure: &Procedure) -> Result<(), Refusal> {
+    at_rest(procedure)?;
+    estimate::span_suffices(procedure)
+}
+
+fn temperature_was_read(procedure: &Procedure) -> Result<(), Refusal> {
+    match procedure.segment(procedure.state).temperatures() {
+        0 => Err(Refusal::NoTemperature { window: procedure.state }),
+        _ => Ok(()),
+    }
+}
+
+/// A noisy channel that does not change for this long is frozen.
+const FROZEN_NS: u64 = 1_000_000_000;
+/// So are two channels that have not changed at all for this long, noisy or not.
+const DEAD_NS: u64 = 10_000_000_000;
+
+/// Looks for readings that no longer change. A part changes its code at almost every reading; a simulation without noise does not,
+/// and must not be taken for a frozen part.
+#[derive(Clone, Copy, Debug, Default)]
+struct Freeze {
+    rate: Channel,
+    temp: Channel,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct Channel {
+    code: u32,
+    readings: u64,
+    changes: u64,
+    changed_ns: u64,
+    /// Readings up to the last change.
+    readings_at_change: u64,
+}
+
+impl Channel {
+    #[inline]
+    fn watch(&mut self, now_ns: u64, code: u32) {
+        self.readings += 1;
+        if code != self.code {
+            *self = Self {
+                code,
+                changes: self.changes + 1,
+                changed_ns: now_ns,
+                readings_at_change: self.readings,
+                ..*self
+            };
+        }
+    }
+
+    fn is_noisy(&self) -> bool {
+        self.changes > 20 && self.changes * 2 > self.readings_at_change
+    }
+
+    /// The first reading is a change from nothing.
+    fn never_changed(&self) -> bool {
+        self.changes <= 1
+    }
+}
+
+impl Freeze {
+    #[inline]
+    fn watch(&mut self, now_ns: u64, sample: &Sample) -> Result<(), Refusal> {
+        self.rate.watch(now_ns, sample.rate.code());
+        if let Some(temp) = sample.temp {
+            self.temp.watch(now_ns, temp.code());
+        }
+        if now_ns - self.rate.changed_ns < FROZEN_NS { Ok(()) } else { self.judge(now_ns) }
+    }
+
+    fn judge(&self, now_ns: u64) -> Result<(), Refusal> {
+        let (rate_ns, temp_ns) = (now_ns - self.rate.changed_ns, now_ns - self.temp.changed_ns);
+        let dead = rate_ns >= DEAD_NS && self.rate.never_changed() && self.temp.never_changed();
+        if dead || self.rate.is_noisy() || self.temp.is_noisy() {
+            let both = temp_ns >= FROZEN_NS;
+            return Err(Refusal::Frozen { at_s: now_ns as f64 * 1e-9, for_s: rate_ns as f64 * 1e-9, both });
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_table_reaches_the_end_through_every_state() {
+        let steps = core::iter::successors(Some(State::Start), |state| Some(state.row().to));
+        assert_eq!(steps.take_while(|state| *state != State::Done).count(), STATES - 1);
+    }
+
+    /// F-51: 10 s, 10 min, 10 s, 40 min, 150 s, and a second for T3.
+    #[test]
+    fn default_durations() {
+        let plan = Plan::default();
+        assert_eq!((plan.average_s, plan.warmup_s, plan.settle_s, plan.offset_s), (10.0, 600.0, 2400.0, 150.0));
+        assert_eq!(plan.total_s(), 3171.0);
+    }
+
+    #[test]
+    fn plans_that_make_no_sense_are_refused_by_name() {
+        let named = |plan: Plan| Procedure::new(plan).unwrap_err().name;
+        assert_eq!(named(Plan { average_s: 0.0, ..Plan::default() }), "average");
+        assert_eq!(named(Plan { settle_s: f64::NAN, ..Plan::default() }), "settle");
+        assert_eq!(named(Plan { max_u_btc_dps_per_c: 0.0, ..Plan::default() }), "max-u-btc");
+        assert_eq!(named(Plan { earth_dps: Some(f64::INFINITY), ..Plan::default() }), "earth-dps");
+    }
+
+    #[test]
+    fn without_samples_the_first_window_refuses() {
+        let mut procedure = Procedure::new(Plan::default()).unwrap();
+        procedure.handle(Event::Initialised { t_ns: 5 }).unwrap();
+        assert_eq!(procedure.next(), Action::Sample);
+        assert!(procedure.handle(Event::Time { t_ns: 9_000_000_000 }).is_ok());
+        let refusal = procedure.handle(Event::Time { t_ns: 10_000_000_005 }).unwrap_err();
+        assert!(matches!(refusal, Refusal::TooFew { window: State::FirstAverage, samples: 0, .. }));
+    }
+}

@@ -1,0 +1,212 @@
+//! Was the part at rest? Block means are held against the noise floor, at averaging times from a block to a quarter of the window.
+
+use crate::noise::{NoiseModel, TYPICAL_WHITE_DPS_PER_RT_HZ};
+use crate::record::BLOCK_S;
+use alloc::vec::Vec;
+
+/// A part is called noisy, not at rest, above this multiple of the white noise of F-02.
+const NOISY: f64 = 3.0;
+/// How far the flicker floor and the random walk of a good unit may lie above their typical values (M-04).
+const SPREAD: f64 = 2.0;
+/// Bias temperature coefficient that a drifting temperature is allowed to show through, °/s/°C: F-05 and several spreads of M-02.
+const LARGEST_TEMPCO_DPS_PER_C: f64 = 0.1;
+/// A single step up to this size is taken for a change of the supply (500 mV by F-01), °/s.
+const LARGEST_SUPPLY_STEP_DPS: f64 = 0.1;
+/// One-sided normal quantile of the tests: a false alarm in fifty million.
+const ALARM_Z: f64 = 5.5;
+
+/// What a window looks like.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Verdict {
+    AtRest,
+    /// At rest but for one step, `at_s` after the window's start.
+    Step {
+        at_s: f64,
+        size_dps: f64,
+    },
+    /// At `tau_s`, the Allan deviation is `seen_dps` where the noise explains at most `limit_dps`.
+    Moving {
+        tau_s: f64,
+        seen_dps: f64,
+        limit_dps: f64,
+    },
+    /// White noise of `seen_dps_per_rt_hz` where the part has at most `limit_dps_per_rt_hz`.
+    Noisy {
+        seen_dps_per_rt_hz: f64,
+        limit_dps_per_rt_hz: f64,
+    },
+}
+
+/// Judges the block means of a window whose temperature changes by `temp_slope_c_per_s`.
+pub(crate) fn judge(rates_dps: &[f64], temp_slope_c_per_s: f64) -> Verdict {
+    let drift = LARGEST_TEMPCO_DPS_PER_C * temp_slope_c_per_s;
+    match ladder(rates_dps, drift) {
+        Verdict::AtRest => Verdict::AtRest,
+        moving => {
+            let step = Step::best(rates_dps);
+            let small = step.size_dps.abs() <= LARGEST_SUPPLY_STEP_DPS;
+            if small && ladder(&step.removed_from(rates_dps), drift) == Verdict::AtRest {
+                Verdict::Step { at_s: step.at as f64 * BLOCK_S, size_dps: step.size_dps }
+            } else {
+                moving
+            }
+        }
+    }
+}
+
+/// One-sided white noise density from adjacent blocks, °/s/√Hz: their differences have the variance d²/τ.
+pub(crate) fn white_density(rates_dps: &[f64]) -> f64 {
+    libm::sqrt(2.0 * BLOCK_S * allan_variance(rates_dps, 1))
+}
+
+/// Allan variance of non-overlapping averages of `m` blocks, (°/s)²; zero where there are not two of them.
+pub(crate) fn allan_variance(rates_dps: &[f64], m: usize) -> f64 {
+    let means: Vec<f64> = rates_dps.chunks_exact(m).map(|chunk| chunk.iter().sum::<f64>() / m as f64).collect();
+    let squares: f64 = means.windows(2).map(|pair| (pair[1] - pair[0]) * (pair[1] - pair[0])).sum();
+    squares / (2.0 * (means.len().max(2) - 1) as f64)
+}
+
+/// Factor by which an Allan variance of `pairs` adjacent differences may exceed its expectation at the normal quantile `z`:
+/// χ²/ν by Wilson and Hilferty (1931), with the 2/3 of the pairs that white noise leaves as degrees of freedom.
+pub(crate) fn allowance(pairs: usize, z: f64) -> f64 {
+    let spread = 2.0 / (9.0 * (pairs as f64 * 2.0 / 3.0).max(1.0));
+    let root = 1.0 - spread + z * libm::sqrt(spread);
+    root * root * root
+}
+
+fn ladder(rates_dps: &[f64], drift_dps_per_s: f64) -> Verdict {
+    let white = white_density(rates_dps);
+    let limit = NOISY * TYPICAL_WHITE_DPS_PER_RT_HZ;
+    if white > limit {
+        return Verdict::Noisy { seen_dps_per_rt_hz: white, limit_dps_per_rt_hz: limit };
+    }
+    let lengths = core::iter::successors(Some(2), |m| Some(m * 2)).take_while(|m| m * 4 <= rates_dps.len());
+    lengths
+        .map(|m| rung(rates_dps, m, white, drift_dps_per_s))
+        .find(|v| *v != Verdict::AtRest)
+        .unwrap_or(Verdict::AtRest)
+}
+
+fn rung(rates_dps: &[f64], m: usize, white_dps_per_rt_hz: f64, drift_dps_per_s: f64) -> Verdict {
+    let tau_s = m as f64 * BLOCK_S;
+    let typical = NoiseModel::TYPICAL;
+    let noise = NoiseModel {
+        white_dps_per_rt_hz,
+        bias_instability_dps: SPREAD * typical.bias_instability_dps,
+        rate_random_walk_dps_per_rt_s: SPREAD * typical.rate_random_walk_dps_per_rt_s,
+    };
+    let drift = drift_dps_per_s * tau_s;
+    let pairs = rates_dps.len() / m - 1;
+    let limit = noise.allan_variance(tau_s) * allowance(pairs, ALARM_Z) + drift * drift / 2.0;
+    let seen = allan_variance(rates_dps, m);
+    if seen > limit {
+        Verdict::Moving { tau_s, seen_dps: libm::sqrt(seen), limit_dps: libm::sqrt(limit) }
+    } else {
+        Verdict::AtRest
+    }
+}
+
+/// A level that changes once, before block `at`.
+struct Step {
+    at: usize,
+    size_dps: f64,
+}
+
+impl Step {
+    /// The step that explains most of the variance.
+    fn best(rates_dps: &[f64]) -> Self {
+        let total: f64 = rates_dps.iter().sum();
+        let len = rates_dps.len() as f64;
+        let (mut before, mut best, mut explained) = (0.0, Self { at: 0, size_dps: 0.0 }, 0.0);
+        for (at, rate) in rates_dps.iter().enumerate().take(rates_dps.len().saturating_sub(1)) {
+            before += rate;
+            let n = (at + 1) as f64;
+            let size_dps = (total - before) / (len - n) - before / n;
+            let gain = size_dps * size_dps * n * (len - n);
+            if gain > explained {
+                (best, explained) = (Self { at: at + 1, size_dps }, gain);
+            }
+        }
+        best
+    }
+
+    /// The record without it. The block in which it happened fits neither level and is left out.
+    fn removed_from(&self, rates_dps: &[f64]) -> Vec<f64> {
+        let level = |k: usize| if k >= self.at { self.size_dps } else { 0.0 };
+        let beside = |k: &usize| k.abs_diff(self.at) > 1;
+        (0..rates_dps.len()).filter(beside).map(|k| rates_dps[k] - level(k)).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// White noise of F-02 in block means, from a multiplicative generator and the central limit.
+    fn at_rest(blocks: usize, seed: u64) -> Vec<f64> {
+        let sd = TYPICAL_WHITE_DPS_PER_RT_HZ / (2.0 * BLOCK_S).sqrt();
+        let mut state = seed * 2 + 1;
+        let mut uniform = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1u64 << 53) as f64
+        };
+        (0..blocks).map(|_| sd * ((0..12).map(|_| uniform()).sum::<f64>() - 6.0)).collect()
+    }
+
+    fn with(mut rates: Vec<f64>, add: impl Fn(f64) -> f64) -> Vec<f64> {
+        for (k, rate) in rates.iter_mut().enumerate() {
+            *rate += add(k as f64 * BLOCK_S);
+        }
+        rates
+    }
+
+    #[test]
+    fn noise_alone_is_at_rest_and_its_density_is_found() {
+        for seed in 1..200 {
+            assert_eq!(judge(&at_rest(100, seed), 0.0), Verdict::AtRest, "10 s, seed {seed}");
+            let rates = at_rest(1500, seed);
+            assert_eq!(judge(&rates, 0.0), Verdict::AtRest, "150 s, seed {seed}");
+            assert!((white_density(&rates) / TYPICAL_WHITE_DPS_PER_RT_HZ - 1.0).abs() < 0.15);
+        }
+    }
+
+    #[test]
+    fn slow_and_fast_motion_is_seen() {
+        for (hz, size_dps) in [(0.02, 0.05), (0.2, 0.05), (1.0, 0.05), (4.0, 0.5)] {
+            let sway = with(at_rest(1500, 3), |t| size_dps * (2.0 * core::f64::consts::PI * hz * t).sin());
+            let verdict = judge(&sway, 0.0);
+            assert!(matches!(verdict, Verdict::Moving { .. } | Verdict::Noisy { .. }), "{hz} Hz: {verdict:?}");
+        }
+        let knock = with(at_rest(100, 4), |t| if (4.0..4.2).contains(&t) { 2.0 } else { 0.0 });
+        assert!(!matches!(judge(&knock, 0.0), Verdict::AtRest | Verdict::Step { .. }));
+    }
+
+    #[test]
+    fn a_step_is_told_from_motion() {
+        let stepped = with(at_rest(1500, 5), |t| if t > 70.0 { 0.09 } else { 0.0 });
+        let Verdict::Step { at_s, size_dps } = judge(&stepped, 0.0) else { panic!("{:?}", judge(&stepped, 0.0)) };
+        assert!((at_s - 70.0).abs() < 2.0 && (size_dps - 0.09).abs() < 0.005);
+        let large = with(at_rest(1500, 5), |t| if t > 70.0 { 0.4 } else { 0.0 });
+        assert!(matches!(judge(&large, 0.0), Verdict::Moving { .. }));
+    }
+
+    #[test]
+    fn drift_is_allowed_as_far_as_the_temperature_explains_it() {
+        let drifting = with(at_rest(1500, 6), |t| 0.04 * 0.035 * t);
+        assert_eq!(judge(&drifting, 0.035), Verdict::AtRest);
+        assert!(matches!(judge(&drifting, 0.0), Verdict::Moving { .. } | Verdict::Step { .. }));
+    }
+
+    #[test]
+    fn shaking_is_noise() {
+        let shaking: Vec<f64> = at_rest(100, 7).iter().map(|rate| rate * 5.0).collect();
+        assert!(matches!(judge(&shaking, 0.0), Verdict::Noisy { .. }));
+    }
+
+    /// Upper 0.1 % points of χ²/ν from tables: ν = 10: 2.959; ν = 100: 1.494.
+    #[test]
+    fn wilson_hilferty_against_tables() {
+        assert!((allowance(15, 3.0902) - 2.959).abs() < 0.02);
+        assert!((allowance(150, 3.0902) - 1.494).abs() < 0.005);
+    }
+}

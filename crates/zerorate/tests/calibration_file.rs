@@ -1,0 +1,146 @@
+//! The calibration file: what is written comes back, and nothing that was changed since passes for it.
+
+use zerorate::calibration::{Calibration, FileError, FileWarning, Origin};
+use zerorate::noise::NoiseModel;
+use zerorate::{Correction, Noise, Outcome, Plan, Uncertainty, Warning};
+
+fn measured() -> Calibration {
+    let outcome = Outcome {
+        b1_dps: 0.123_456_789_012_345_67,
+        t1_c: 25.2,
+        b2_dps: 0.37,
+        t2_c: 31.3,
+        correction: Correction { pbc_dps: -0.253_712_345_678_901_2, btc_dps_per_c: -0.040_1, t3_c: 1.0 / 3.0 + 32.0 },
+        uncertainty: Uncertainty {
+            u_b1_dps: 0.004,
+            u_b2_dps: 0.004,
+            u_t1_c: 0.0002,
+            u_t2_c: 0.0002,
+            u_pbc_dps: 0.0026,
+            u_btc_dps_per_c: 0.0048,
+            u_curvature_dps_per_c: 0.0047,
+            u_t3_c: 0.0007,
+            cov_pbc_btc: 1e-8,
+            cov_pbc_t3: 2e-8,
+        },
+        noise: Noise { model: NoiseModel::TYPICAL, flicker_measured: false },
+        rdy_hz: 5692.6,
+        rate_hz: 5692.6,
+        samples: 18_051_234,
+        lost_samples: 3,
+        duration_s: 3171.0,
+        temp_min_c: 25.1,
+        temp_max_c: 33.2,
+        plan: Plan { earth_dps: Some(0.003), ..Plan::default() },
+        warnings: vec![Warning::Lost { lost: 3, fraction: 1.7e-7 }],
+    };
+    let origin = Origin {
+        serial: Some("SN \"17\"".into()),
+        created: Some("2026-11-21T10:00:00Z".into()),
+        software: "zerorate 0.1.0".into(),
+        device: "twin:seed=7".into(),
+        config: "24 bit".into(),
+        capture_sha256: "ab".repeat(32),
+        supply_note: None,
+    };
+    Calibration::new(&outcome, origin)
+}
+
+fn error(text: &str) -> FileError {
+    Calibration::parse(text).expect_err("must be refused")
+}
+
+#[test]
+fn comes_back_bit_for_bit() {
+    let calibration = measured();
+    let text = calibration.to_toml();
+    let (read, warnings) = Calibration::parse(&text).unwrap();
+    assert_eq!(read, calibration);
+    assert_eq!(read.id(), calibration.id());
+    assert!(warnings.is_empty());
+}
+
+#[test]
+fn line_ends_and_blank_lines_do_not_matter() {
+    let text = measured().to_toml();
+    assert!(Calibration::parse(&text.replace('\n', "\r\n")).unwrap().1.is_empty());
+    assert!(Calibration::parse(&text.replace('\n', "\n\n")).unwrap().1.is_empty());
+}
+
+#[test]
+fn every_changed_digit_is_found_and_its_line_named() {
+    let text = measured().to_toml();
+    let lines: Vec<&str> = text.lines().collect();
+    for (index, line) in lines.iter().enumerate().filter(|(_, line)| line.contains(" = ")) {
+        let Some(at) = line.rfind(|c: char| c.is_ascii_digit()) else { continue };
+        let digit = if line.as_bytes()[at] == b'7' { "6" } else { "7" };
+        let mut edited: Vec<String> = lines.iter().map(ToString::to_string).collect();
+        edited[index].replace_range(at..=at, digit);
+        match error(&edited.join("\n")) {
+            FileError::Edited { line } if line == index + 1 => {}
+            // a changed digit of the line checks accuses the line that it belongs to
+            FileError::Edited { .. } if line.starts_with("line_checks") => {}
+            FileError::Newer { line, .. } if line == index + 1 => {}
+            other => panic!("line {}: {line}: {other:?}", index + 1),
+        }
+    }
+}
+
+#[test]
+fn every_truncation_is_found() {
+    let text = measured().to_toml();
+    let protected = text.find("line_checks").unwrap();
+    for length in protected..text.trim_end().len() {
+        match error(&text[..length]) {
+            FileError::Truncated { .. } | FileError::Edited { .. } | FileError::Syntax { .. } => {}
+            other => panic!("cut at {length}: {other:?}"),
+        }
+    }
+    let whole_lines = text.lines().count() - 5;
+    let cut: Vec<&str> = text.lines().take(whole_lines).collect();
+    assert!(matches!(error(&cut.join("\n")), FileError::Truncated { .. }));
+}
+
+#[test]
+fn one_check_line_alone_is_not_enough() {
+    let text = measured().to_toml();
+    let without: Vec<&str> = text.lines().filter(|line| !line.starts_with("checksum")).collect();
+    assert!(matches!(error(&without.join("\n")), FileError::Edited { .. }));
+}
+
+const BY_HAND: &str = "schema = 1
+part = \"ADIS16130\"
+[correction]
+pbc_dps = -0.25
+btc_dps_per_c = -0.04
+t3_c = 31.5
+";
+
+#[test]
+fn a_hand_written_file_is_read_with_a_warning() {
+    let (calibration, warnings) = Calibration::parse(BY_HAND).unwrap();
+    assert_eq!(calibration.correction, Correction { pbc_dps: -0.25, btc_dps_per_c: -0.04, t3_c: 31.5 });
+    assert_eq!(warnings, [FileWarning::NoChecksum]);
+}
+
+#[test]
+fn mistakes_are_named_with_their_line() {
+    let with = |from: &str, to: &str| error(&BY_HAND.replace(from, to));
+    assert!(matches!(with("schema = 1", "schema = 2"), FileError::Newer { line: 1, schema: 2 }));
+    assert!(matches!(with("ADIS16130", "ADIS16136"), FileError::Value { line: 2, name: "part", .. }));
+    assert!(matches!(with("-0.25", "nan"), FileError::Value { line: 4, name: "pbc_dps", .. }));
+    assert!(matches!(with("-0.04", "40"), FileError::Value { line: 5, name: "btc_dps_per_c", .. }));
+    assert!(matches!(with("31.5", "300"), FileError::Value { line: 6, name: "t3_c", .. }));
+    assert!(matches!(with("t3_c", "t3_k"), FileError::Syntax { line: 6, .. }));
+    assert!(matches!(with("-0.04", "-0.04.1"), FileError::Syntax { line: 5, .. }));
+    let missing = with("t3_c = 31.5", "");
+    assert!(missing.to_string().contains("t3_c"), "{missing}");
+}
+
+#[test]
+fn the_id_follows_the_numbers() {
+    let other = BY_HAND.replace("31.5", "31.25");
+    let id = |text| Calibration::parse(text).unwrap().0.id();
+    assert_ne!(id(BY_HAND), id(other.as_str()));
+    assert_eq!(id(BY_HAND).len(), 12);
+}

@@ -1,0 +1,198 @@
+//! The procedure, with the driver, on the twin: right numbers from a good unit, and a refusal that names the cause from a bad one.
+
+use adis16130::blocking::Adis16130;
+use adis16130::{Config, Edge, MCLK_HZ, Sample, Sampler, SamplerConfig};
+use adis16130_twin::{Fault, Motion, Spec, Truth, Twin, TwinRdy, TwinSpi};
+use zerorate::{Action, Event, Outcome, Plan, Procedure, Refusal, State, Warning};
+
+/// A procedure short enough for a test. The part of [`quick`] settles as much faster.
+const SHORT: Plan = Plan {
+    average_s: 2.0,
+    warmup_s: 60.0,
+    settle_s: 60.0,
+    offset_s: 20.0,
+    final_temp_s: 1.0,
+    max_lost: 0.001,
+    max_u_btc_dps_per_c: 0.01,
+    earth_dps: None,
+    assume_linear: true,
+};
+
+/// A unit whose self-heating takes seconds, without the things that two temperatures cannot show.
+fn quick(seed: u64) -> Spec {
+    Spec { warmup_s: 30.0, curvature_dps_per_c2: 0.0, hysteresis_dps: 0.0, ..Spec::from_seed(seed) }
+}
+
+struct Measured {
+    outcome: Outcome,
+    truth: Truth,
+}
+
+fn measure(spec: Spec, plan: Plan) -> Result<Measured, Refusal> {
+    measure_with(spec, plan, Config::default(), SamplerConfig::default())
+}
+
+fn measure_with(spec: Spec, plan: Plan, config: Config, sampling: SamplerConfig) -> Result<Measured, Refusal> {
+    let twin = Twin::new(spec);
+    let mut gyro = Adis16130::new(twin.spi(), twin.rdy(), config);
+    let mut sampler = Sampler::new(sampling, &config, MCLK_HZ);
+    let mut procedure = Procedure::new(plan).expect("a plan that makes sense");
+    let mut truth = twin.truth();
+    loop {
+        match procedure.next() {
+            Action::Initialise => {
+                gyro.init().expect("initialisation");
+                procedure.handle(Event::Initialised { t_ns: twin.now_ns() })?;
+            }
+            Action::Sample => {
+                let before = procedure.progress().state;
+                procedure.handle(Event::Sample(&read(&twin, &mut gyro, &mut sampler)))?;
+                if before == State::Offset {
+                    truth = twin.truth();
+                }
+            }
+            Action::Done => return Ok(Measured { outcome: procedure.finish()?, truth }),
+        }
+    }
+}
+
+fn read(twin: &Twin, gyro: &mut Adis16130<TwinSpi, TwinRdy>, sampler: &mut Sampler) -> Sample {
+    loop {
+        let edge = twin.next_falling_edge(1_000_000_000).expect("data ready");
+        let edge = Edge { t_ns: edge.t_ns, seq: edge.seq };
+        if let Some(sample) = gyro.sample(sampler, edge).expect("a reading") {
+            return sample;
+        }
+    }
+}
+
+fn refused(spec: Spec, plan: Plan) -> Refusal {
+    match measure(spec, plan) {
+        Ok(Measured { outcome, .. }) => panic!("not refused: {outcome:?}"),
+        Err(refusal) => refusal,
+    }
+}
+
+fn codes(outcome: &Outcome) -> Vec<&'static str> {
+    outcome.warnings.iter().map(Warning::code).collect()
+}
+
+#[test]
+fn a_noiseless_unit_comes_out_to_the_digit() {
+    let unit = Spec { noise: false, warmup_s: 5.0, ..quick(1) };
+    let spec = Spec { bias_dps: 0.8, tempco_dps_per_c: 0.04, sensitivity_error: 0.0, ..unit };
+    let Measured { outcome, truth } = measure(spec, SHORT).unwrap();
+    let correction = outcome.correction;
+    assert!((correction.btc_dps_per_c + 0.04).abs() < 1e-5, "{correction:?}");
+    assert!((correction.pbc_dps - truth.pbc_dps(correction.t3_c)).abs() < 1e-4, "{correction:?}");
+    let by_hand = -(0.8 + 0.04 * (correction.t3_c - 25.0));
+    assert!((correction.pbc_dps - by_hand).abs() < 1e-3, "{correction:?} against {by_hand}");
+}
+
+#[test]
+fn noisy_units_come_out_within_their_uncertainty() {
+    for seed in 1..=4 {
+        let Measured { outcome, truth } = measure(quick(seed), SHORT).unwrap();
+        let (correction, u) = (outcome.correction, outcome.uncertainty);
+        let pbc = (correction.pbc_dps - truth.pbc_dps(correction.t3_c)) / u.u_pbc_dps;
+        let btc = (correction.btc_dps_per_c - truth.btc_dps_per_c(correction.t3_c)) / u.u_btc_dps_per_c;
+        assert!(pbc.abs() < 4.0 && btc.abs() < 4.0, "seed {seed}: {pbc} u, {btc} u");
+        assert!(u.u_pbc_dps < 0.005 && u.u_btc_dps_per_c < 0.004, "seed {seed}: {u:?}");
+    }
+}
+
+#[test]
+fn the_run_is_described() {
+    let spec = Spec { mclk_hz: 6.06e6, ..quick(2) };
+    let Measured { outcome, .. } = measure(spec, SHORT).unwrap();
+    let pairs_hz = 6.06e6 / (2.0 * 527.0);
+    assert!((outcome.rate_hz / pairs_hz - 1.0).abs() < 1e-4, "F-31: {}", outcome.rate_hz);
+    assert!((outcome.rdy_hz / pairs_hz - 1.0).abs() < 1e-4, "F-32: {}", outcome.rdy_hz);
+    assert_eq!(outcome.lost_samples, 0);
+    assert!((outcome.duration_s - SHORT.total_s()).abs() < 0.01);
+    assert!((outcome.noise.model.white_dps_per_rt_hz / 0.0125 - 1.0).abs() < 0.15, "F-02: {:?}", outcome.noise);
+    assert!(outcome.temp_min_c < outcome.t1_c && outcome.t2_c < outcome.temp_max_c);
+    assert_eq!(codes(&outcome), ["earth-included", "short-average"]);
+}
+
+#[test]
+fn the_earth_is_subtracted_only_when_it_is_given() {
+    let without = measure(quick(3), SHORT).unwrap().outcome;
+    let with = measure(quick(3), Plan { earth_dps: Some(0.003), ..SHORT }).unwrap().outcome;
+    assert!((with.correction.pbc_dps - without.correction.pbc_dps - 0.003).abs() < 1e-12);
+    assert!(codes(&without).contains(&"earth-included") && !codes(&with).contains(&"earth-included"));
+}
+
+#[test]
+fn curvature_is_in_the_uncertainty_unless_the_unit_is_said_to_be_linear() {
+    let linear = measure(quick(4), SHORT).unwrap().outcome.uncertainty;
+    let plan = Plan { assume_linear: false, ..SHORT };
+    let outcome = measure(quick(4), plan).unwrap().outcome;
+    assert_eq!(linear.u_curvature_dps_per_c, 0.0);
+    assert!(outcome.uncertainty.u_btc_dps_per_c > 2.0 * linear.u_btc_dps_per_c);
+    assert!(codes(&outcome).contains(&"curvature-unseen"));
+    let wanted = Plan { max_u_btc_dps_per_c: outcome.uncertainty.u_btc_dps_per_c * 0.8, ..plan };
+    assert!(matches!(refused(quick(4), wanted), Refusal::Curvature { .. }));
+}
+
+#[test]
+fn a_moving_part_is_refused_with_the_window() {
+    let swaying = Spec { motion: Motion::Sway, ..quick(5) };
+    let refusal = refused(swaying, SHORT);
+    assert!(
+        matches!(refusal, Refusal::Moving { window: State::FirstAverage, .. } | Refusal::Noisy { .. }),
+        "{refusal}"
+    );
+    let bumped = Spec { motion: Motion::Bump, fault_at_s: Some(1.0), ..quick(5) };
+    assert!(matches!(refused(bumped, SHORT), Refusal::Moving { .. } | Refusal::Noisy { .. }));
+}
+
+#[test]
+fn a_part_that_does_not_warm_is_refused_with_the_temperatures() {
+    let soaked = Spec { warmup_c: 0.0, ambient_c: -40.0, ..quick(6) };
+    let refusal = refused(soaked, SHORT);
+    let Refusal::Span { t1_c, t2_c, .. } = refusal else { panic!("{refusal}") };
+    assert!((t1_c + 40.0).abs() < 0.3 && (t2_c - t1_c).abs() < 0.3);
+}
+
+#[test]
+fn frozen_turning_overranged_and_lossy_readings_are_refused() {
+    let frozen = Spec { fault: Fault::Frozen, fault_at_s: Some(15.0), ..quick(7) };
+    assert!(matches!(refused(frozen, SHORT), Refusal::Frozen { .. }));
+    let turning = Spec { rotation_dps: 30.0, ..quick(7) };
+    assert!(matches!(refused(turning, SHORT), Refusal::Turning { .. }));
+    let spinning = Spec { rotation_dps: 400.0, ..quick(7) };
+    assert!(matches!(refused(spinning, SHORT), Refusal::Overranged { .. }));
+    let stuttering = Spec { fault: Fault::RdyStutter, ..quick(7) };
+    assert!(matches!(refused(stuttering, SHORT), Refusal::Lost { .. }));
+}
+
+#[test]
+fn a_supply_step_is_a_warning_with_its_time() {
+    let stepped = Spec { supply_step_mv: 250.0, fault_at_s: Some(100.0), ..quick(8) };
+    let outcome = measure(stepped, SHORT).unwrap().outcome;
+    let step = outcome.warnings.iter().find_map(|warning| match warning {
+        Warning::Step { at_s, size_dps } => Some((*at_s, *size_dps)),
+        _ => None,
+    });
+    let (at_s, size_dps) = step.expect("a warning of the step");
+    assert!((at_s - 100.0).abs() < 5.0 && (size_dps.abs() - 0.05).abs() < 0.015, "{at_s} s, {size_dps} °/s");
+}
+
+#[test]
+fn sixteen_bits_and_rare_temperatures_do_as_well() {
+    let config = Config::default().with_width(adis16130::Width::Bits16);
+    let sampling = SamplerConfig::default().with_every_temp(57);
+    let Measured { outcome, truth } = measure_with(quick(9), SHORT, config, sampling).unwrap();
+    let correction = outcome.correction;
+    assert!((correction.pbc_dps - truth.pbc_dps(correction.t3_c)).abs() < 4.0 * outcome.uncertainty.u_pbc_dps);
+    assert_eq!(outcome.lost_samples, 0);
+}
+
+#[test]
+fn a_divider_below_twice_the_bandwidth_warns() {
+    let sampling = SamplerConfig::default().with_divider(50);
+    let outcome = measure_with(quick(10), SHORT, Config::default(), sampling).unwrap().outcome;
+    assert!((outcome.rate_hz - 223.0).abs() < 5.0, "F-56: {}", outcome.rate_hz);
+    assert!(codes(&outcome).contains(&"aliased"));
+}
