@@ -113,7 +113,6 @@ pub(crate) fn outcome(procedure: &Procedure) -> Result<Outcome, Refusal> {
     slope.accept(u_noise, uncertainty.u_curvature_dps_per_c, &plan)?;
 
     let (tally, (temp_min_c, temp_max_c)) = (procedure.tally(), temperature_range(procedure));
-    let per_second = |count: u64| count as f64 / tally.duration_s();
     let mut outcome = Outcome {
         b1_dps: slope.b1_dps,
         t1_c: slope.t1_c,
@@ -122,8 +121,8 @@ pub(crate) fn outcome(procedure: &Procedure) -> Result<Outcome, Refusal> {
         correction: Correction { pbc_dps: level.pbc_dps, btc_dps_per_c: slope.btc_dps_per_c(), t3_c: level.t3_c },
         uncertainty,
         noise,
-        rdy_hz: per_second(tally.edges),
-        rate_hz: per_second(tally.samples - 1),
+        rdy_hz: tally.rdy_hz(),
+        rate_hz: tally.rate_hz(),
         samples: tally.samples,
         lost_samples: tally.lost,
         duration_s: tally.duration_s(),

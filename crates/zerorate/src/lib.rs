@@ -8,6 +8,7 @@ extern crate std;
 pub mod allan;
 #[cfg(feature = "file")]
 pub mod calibration;
+mod code_sum;
 mod correction;
 mod estimate;
 pub mod noise;
@@ -16,10 +17,13 @@ mod procedure;
 mod record;
 mod stationarity;
 mod steps;
+mod tally;
 
 #[cfg(feature = "file")]
 pub use calibration::Calibration;
+pub use code_sum::{CodeSum, rate_dps, temp_c};
 pub use correction::{Correction, CorrectionF32, IntegerCorrection, IntegerError, TableError, TableRow};
 pub use estimate::{BANDWIDTH_HZ, Noise, Outcome, TYPICAL_CURVATURE_DPS_PER_C2, TYPICAL_HYSTERESIS_DPS, Uncertainty};
 pub use notice::{EARTH_DPS, Refusal, SUPPLY_DPS_PER_MV, Warning};
 pub use procedure::{Action, Event, Plan, PlanError, Procedure, Progress, State};
+pub use tally::Tally;

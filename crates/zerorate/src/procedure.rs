@@ -6,6 +6,7 @@ use crate::estimate::{self, Outcome};
 use crate::notice::Refusal;
 use crate::record::{BLOCK_S, Segment};
 use crate::stationarity::{self, Verdict};
+use crate::tally::Tally;
 use adis16130::Sample;
 use core::fmt;
 
@@ -197,36 +198,6 @@ pub struct Progress {
     pub elapsed_s: f64,
     /// Duration of the whole procedure, s.
     pub total_s: f64,
-}
-
-/// Counts over the whole run.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Tally {
-    pub(crate) samples: u64,
-    pub(crate) lost: u64,
-    pub(crate) edges: u64,
-    pub(crate) first_ns: u64,
-    pub(crate) last_ns: u64,
-    last_seq: u32,
-}
-
-impl Tally {
-    #[inline]
-    fn count(&mut self, sample: &Sample) {
-        if self.samples == 0 {
-            self.first_ns = sample.t_ns;
-        } else {
-            self.edges += u64::from(sample.seq.wrapping_sub(self.last_seq));
-        }
-        self.last_seq = sample.seq;
-        self.last_ns = sample.t_ns;
-        self.samples += 1;
-        self.lost += u64::from(sample.lost);
-    }
-
-    pub(crate) fn duration_s(&self) -> f64 {
-        self.last_ns.saturating_sub(self.first_ns) as f64 * 1e-9
-    }
 }
 
 /// The procedure of F-51, step by step.

@@ -1,55 +1,32 @@
 //! What a measurement leaves behind: exact integer sums of codes in blocks of 0.1 s, one run of blocks for each step.
 
-use adis16130::{RATE_LSB_PER_DPS, Sample, TEMP_AT_ZERO_CODE_C, TEMP_LSB_PER_C, ZERO_CODE};
+use crate::code_sum::CodeSum;
+use adis16130::Sample;
 use alloc::vec::Vec;
 
 /// Length of a block, s. Long against the filter of the part (F-03, F-04), short against everything that drifts.
 pub(crate) const BLOCK_S: f64 = 0.1;
 const BLOCK_NS: u64 = 100_000_000;
 
-/// Sums over one block; codes are counted from the zero code.
+/// Sums over one block.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Block {
-    rate: Sum,
-    temp: Sum,
-}
-
-/// Exact sum of codes and how many they were.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-struct Sum {
-    codes: i64,
-    count: u32,
-}
-
-impl Sum {
-    fn push(&mut self, code24: u32) {
-        self.codes += i64::from(code24) - i64::from(ZERO_CODE);
-        self.count += 1;
-    }
-
-    fn mean(&self, lsb_per_unit: u32) -> Option<f64> {
-        (self.count > 0).then(|| self.codes as f64 / (f64::from(self.count) * f64::from(lsb_per_unit)))
-    }
+    rate: CodeSum,
+    temp: CodeSum,
 }
 
 impl Block {
+    fn merged<'a>(blocks: impl IntoIterator<Item = &'a Block>) -> Block {
+        let add = |all: Block, block: &Block| Block { rate: all.rate.and(block.rate), temp: all.temp.and(block.temp) };
+        blocks.into_iter().fold(Block::default(), add)
+    }
+
     fn rate_dps(&self) -> Option<f64> {
-        self.rate.mean(RATE_LSB_PER_DPS)
+        self.rate.rate_dps()
     }
 
     fn temp_c(&self) -> Option<f64> {
-        self.temp.mean(TEMP_LSB_PER_C).map(|above_zero| above_zero + f64::from(TEMP_AT_ZERO_CODE_C))
-    }
-
-    fn merged<'a>(blocks: impl IntoIterator<Item = &'a Block>) -> Block {
-        let mut all = Block::default();
-        for block in blocks {
-            all.rate.codes += block.rate.codes;
-            all.rate.count += block.rate.count;
-            all.temp.codes += block.temp.codes;
-            all.temp.count += block.temp.count;
-        }
-        all
+        self.temp.temp_c()
     }
 }
 
@@ -113,7 +90,7 @@ impl Segment {
     }
 
     pub(crate) fn temperatures(&self) -> u32 {
-        Block::merged(&self.blocks).temp.count
+        Block::merged(&self.blocks).temp.count()
     }
 
     /// Mean rates of the blocks that hold samples, °/s.
@@ -144,10 +121,7 @@ impl Segment {
     }
 }
 
-/// F-35: OVR in the channel status; where no status was read, a saturated code.
+/// F-35: OVR in the channel status; where no status was read, a code at the rail.
 fn is_overranged(sample: &Sample) -> bool {
-    match sample.status {
-        Some(status) => status.out_of_range(),
-        None => matches!(sample.rate.code24(), 0 | 0x00FF_FF00..),
-    }
+    sample.status.map_or_else(|| sample.rate.is_at_rail(), |status| status.out_of_range())
 }

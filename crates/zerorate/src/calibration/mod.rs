@@ -114,6 +114,17 @@ pub struct Validity {
     pub temp_max_c: f64,
 }
 
+/// How far a temperature may leave the span unremarked, °C: ten times the noise of a single reading (M-05).
+const SPAN_MARGIN_C: f64 = 0.5;
+
+impl Validity {
+    /// Whether the correction holds at a temperature; elsewhere it is an extrapolation.
+    #[must_use]
+    pub fn covers(&self, temp_c: f64) -> bool {
+        (self.temp_min_c - SPAN_MARGIN_C..=self.temp_max_c + SPAN_MARGIN_C).contains(&temp_c)
+    }
+}
+
 /// How the measurement went.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

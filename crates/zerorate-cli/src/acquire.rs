@@ -1,0 +1,109 @@
+//! Samples out of a device, one after the other: paced to the wall clock if wanted, ended by Ctrl-C, counted.
+
+use crate::cli::{DeviceArgs, SamplingArgs};
+use crate::device::Device;
+use crate::interrupt;
+use adis16130::Sample;
+use anyhow::Result;
+use std::time::{Duration, Instant};
+use zerorate::{BANDWIDTH_HZ, Tally, Warning};
+
+/// A device that is being read.
+pub struct Acquisition {
+    device: Device,
+    pace: Option<Pace>,
+    tally: Tally,
+}
+
+impl Acquisition {
+    /// Opens the device and, from here on, takes Ctrl-C as the wish to end cleanly.
+    pub fn open(device: &DeviceArgs, sampling: SamplingArgs) -> Result<Self> {
+        let pace = device.realtime.then(Pace::default);
+        Self::over(Device::open(&device.device, sampling)?, pace)
+    }
+
+    /// Over a device that is open already, as fast as it goes.
+    pub fn unpaced(device: Device) -> Result<Self> {
+        Self::over(device, None)
+    }
+
+    fn over(device: Device, pace: Option<Pace>) -> Result<Self> {
+        interrupt::listen()?;
+        Ok(Self { device, pace, tally: Tally::default() })
+    }
+
+    /// The device itself.
+    pub fn device(&mut self) -> &mut Device {
+        &mut self.device
+    }
+
+    /// What was read so far.
+    pub fn tally(&self) -> &Tally {
+        &self.tally
+    }
+
+    /// The next sample; `None` at the end of a replay or after Ctrl-C ([`interrupt::asked`] tells which).
+    #[inline]
+    pub fn next(&mut self) -> Result<Option<Sample>> {
+        if interrupt::asked() {
+            return Ok(None);
+        }
+        let sample = self.device.next()?;
+        if let Some(sample) = &sample {
+            self.tally.count(sample);
+            if let Some(pace) = &mut self.pace {
+                pace.keep(sample.t_ns);
+            }
+        }
+        Ok(sample)
+    }
+
+    /// Whether progress is to be shown with this sample: with every 4096th, 1.4 times a second of part time.
+    #[inline]
+    pub fn is_time_to_show(&self) -> bool {
+        self.tally.samples.is_multiple_of(4096)
+    }
+
+    /// Whether the samples come at the speed of the wall clock.
+    pub fn is_paced(&self) -> bool {
+        self.pace.is_some()
+    }
+}
+
+/// F-56: samples alias when they come below twice the bandwidth.
+pub fn aliasing(tally: &Tally) -> Option<Warning> {
+    let (rate_hz, needed_hz) = (tally.rate_hz(), 2.0 * BANDWIDTH_HZ);
+    (tally.samples > 1 && rate_hz < needed_hz).then_some(Warning::Aliased { rate_hz, needed_hz })
+}
+
+/// Keeps part time from running ahead of the wall clock; looks at the clock once per [`PACE_NS`] of part time.
+#[derive(Default)]
+struct Pace {
+    started: Option<(Instant, u64)>,
+    due_ns: u64,
+}
+
+impl Pace {
+    #[inline]
+    fn keep(&mut self, t_ns: u64) {
+        if t_ns >= self.due_ns {
+            self.wait(t_ns);
+        }
+    }
+
+    fn wait(&mut self, t_ns: u64) {
+        let (wall, part_ns) = *self.started.get_or_insert_with(|| (Instant::now(), t_ns));
+        let target = Duration::from_nanos(t_ns.saturating_sub(part_ns));
+        while let Some(early) = target.checked_sub(wall.elapsed()).filter(|d| !d.is_zero()) {
+            if interrupt::asked() {
+                break;
+            }
+            std::thread::sleep(early.min(LONGEST_SLEEP));
+        }
+        self.due_ns = t_ns + PACE_NS;
+    }
+}
+
+const PACE_NS: u64 = 10_000_000;
+/// Ctrl-C is heeded at least this often.
+const LONGEST_SLEEP: Duration = Duration::from_millis(100);

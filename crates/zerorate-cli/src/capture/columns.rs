@@ -1,0 +1,234 @@
+//! The columns of a capture in memory: samples to record batches, and back.
+
+use super::CaptureError;
+use adis16130::{ChannelStatus, RateCode, Sample, TempCode, Width};
+use arrow::array::{
+    Array, ArrayRef, ArrowPrimitiveType, AsArray, PrimitiveArray, RecordBatch, UInt8Array, UInt8Builder, UInt32Array,
+    UInt32Builder,
+};
+use arrow::buffer::ScalarBuffer;
+use arrow::compute::{CastOptions, cast_with_options};
+use arrow::datatypes::{DataType, Field, Metadata, Schema, SchemaRef, UInt8Type, UInt32Type, UInt64Type};
+use std::path::Path;
+use std::sync::Arc;
+
+/// Rows in a batch at most: a bound on memory.
+pub const MAX_ROWS: usize = 8192;
+
+/// Time a batch spans at most: what a killed process costs.
+const MAX_SPAN_NS: u64 = 1_000_000_000;
+
+/// The raw columns.
+pub fn raw_fields() -> Vec<Field> {
+    vec![
+        Field::new("t_ns", DataType::UInt64, false),
+        Field::new("edge_seq", DataType::UInt32, false),
+        Field::new("rate_code", DataType::UInt32, false),
+        Field::new("status", DataType::UInt8, true),
+        Field::new("temp_code", DataType::UInt32, true),
+        Field::new("lost", DataType::UInt32, false),
+    ]
+}
+
+/// The columns that a corrected capture has after the raw ones.
+pub fn derived_fields() -> Vec<Field> {
+    vec![
+        Field::new("rate_dps", DataType::Float64, false),
+        Field::new("temp_c", DataType::Float64, true),
+        Field::new(CORRECTED, DataType::Float64, true),
+    ]
+}
+
+/// The column that only a corrected capture has.
+pub const CORRECTED: &str = "rate_corrected_dps";
+
+/// A schema of these columns, with the metadata of the file.
+pub fn schema(fields: Vec<Field>, metadata: Metadata) -> SchemaRef {
+    Arc::new(Schema::new(fields).with_metadata(metadata))
+}
+
+/// The rows of the open batch.
+pub struct OpenBatch {
+    t_ns: Vec<u64>,
+    edge_seq: Vec<u32>,
+    rate_code: Vec<u32>,
+    status: UInt8Builder,
+    temp_code: UInt32Builder,
+    lost: Vec<u32>,
+}
+
+impl OpenBatch {
+    /// No row yet.
+    pub fn new() -> Self {
+        Self {
+            t_ns: Vec::with_capacity(MAX_ROWS),
+            edge_seq: Vec::with_capacity(MAX_ROWS),
+            rate_code: Vec::with_capacity(MAX_ROWS),
+            status: UInt8Builder::with_capacity(MAX_ROWS),
+            temp_code: UInt32Builder::with_capacity(MAX_ROWS),
+            lost: Vec::with_capacity(MAX_ROWS),
+        }
+    }
+
+    /// Whether the batch has no row.
+    pub fn is_empty(&self) -> bool {
+        self.t_ns.is_empty()
+    }
+
+    /// Whether a row at `t_ns` belongs into the next batch.
+    pub fn is_full_for(&self, t_ns: u64) -> bool {
+        self.t_ns.len() == MAX_ROWS || self.t_ns.first().is_some_and(|first| t_ns.saturating_sub(*first) >= MAX_SPAN_NS)
+    }
+
+    /// Adds a row.
+    pub fn push(&mut self, sample: &Sample) {
+        self.t_ns.push(sample.t_ns);
+        self.edge_seq.push(sample.seq);
+        self.rate_code.push(sample.rate.code());
+        self.status.append_option(sample.status.map(ChannelStatus::bits));
+        self.temp_code.append_option(sample.temp.map(TempCode::code));
+        self.lost.push(sample.lost);
+    }
+
+    /// Takes the rows out.
+    pub fn close(&mut self) -> Vec<ArrayRef> {
+        let mut rows = std::mem::replace(self, Self::new());
+        vec![
+            column::<UInt64Type>(rows.t_ns),
+            column::<UInt32Type>(rows.edge_seq),
+            column::<UInt32Type>(rows.rate_code),
+            Arc::new(rows.status.finish()),
+            Arc::new(rows.temp_code.finish()),
+            column::<UInt32Type>(rows.lost),
+        ]
+    }
+}
+
+fn column<T: ArrowPrimitiveType>(values: Vec<T::Native>) -> ArrayRef
+where
+    ScalarBuffer<T::Native>: From<Vec<T::Native>>,
+{
+    Arc::new(PrimitiveArray::<T>::new(values.into(), None))
+}
+
+/// The rows of a batch that was read: checked, typed, raw.
+pub struct Rows {
+    batch: RecordBatch,
+    t_ns: ScalarBuffer<u64>,
+    edge_seq: ScalarBuffer<u32>,
+    rate_code: ScalarBuffer<u32>,
+    status: UInt8Array,
+    temp_code: UInt32Array,
+    lost: ScalarBuffer<u32>,
+    width: Width,
+}
+
+impl Rows {
+    /// The raw columns of a batch of the capture at `path`; `place` says which batch, should it be damaged.
+    pub fn from_batch(path: &Path, place: &str, batch: &RecordBatch, width: Width) -> Result<Self, CaptureError> {
+        let source = Source { path, place, batch };
+        let rows = Self {
+            batch: batch.clone(),
+            t_ns: source.required::<UInt64Type>("t_ns")?,
+            edge_seq: source.required::<UInt32Type>("edge_seq")?,
+            rate_code: source.required::<UInt32Type>("rate_code")?,
+            status: source.column::<UInt8Type>("status")?,
+            temp_code: source.column::<UInt32Type>("temp_code")?,
+            lost: source.required::<UInt32Type>("lost")?,
+            width,
+        };
+        source.check_codes("rate_code", rows.rate_code.iter().copied(), width)?;
+        source.check_codes("temp_code", rows.temp_code.iter().flatten(), width)?;
+        match rows.t_ns.windows(2).find(|pair| pair[1] <= pair[0]) {
+            Some(pair) => Err(source.damaged(format!("t_ns does not increase, from {} to {}", pair[0], pair[1]))),
+            None => Ok(rows),
+        }
+    }
+
+    /// Number of rows.
+    pub fn len(&self) -> usize {
+        self.t_ns.len()
+    }
+
+    /// Timestamp of the first row, and of the last.
+    pub fn span_ns(&self) -> Option<(u64, u64)> {
+        Some((*self.t_ns.first()?, *self.t_ns.last()?))
+    }
+
+    /// The sample in row `i`, which must be below [`Rows::len`].
+    pub fn sample(&self, i: usize) -> Sample {
+        Sample {
+            t_ns: self.t_ns[i],
+            seq: self.edge_seq[i],
+            rate: RateCode::new(self.rate_code[i], self.width),
+            status: self.status.is_valid(i).then(|| ChannelStatus::new(self.status.value(i))),
+            temp: self.temp_code.is_valid(i).then(|| TempCode::new(self.temp_code.value(i), self.width)),
+            lost: self.lost[i],
+        }
+    }
+
+    /// All samples, in order.
+    pub fn samples(&self) -> impl Iterator<Item = Sample> {
+        (0..self.len()).map(|i| self.sample(i))
+    }
+
+    /// The raw columns as they were.
+    pub fn columns(&self) -> Vec<ArrayRef> {
+        vec![
+            Arc::new(PrimitiveArray::<UInt64Type>::new(self.t_ns.clone(), None)),
+            Arc::new(PrimitiveArray::<UInt32Type>::new(self.edge_seq.clone(), None)),
+            Arc::new(PrimitiveArray::<UInt32Type>::new(self.rate_code.clone(), None)),
+            Arc::new(self.status.clone()),
+            Arc::new(self.temp_code.clone()),
+            Arc::new(PrimitiveArray::<UInt32Type>::new(self.lost.clone(), None)),
+        ]
+    }
+
+    /// The whole batch, with whatever other columns it has.
+    pub fn batch(&self) -> &RecordBatch {
+        &self.batch
+    }
+}
+
+/// A batch, and where it stands.
+struct Source<'a> {
+    path: &'a Path,
+    place: &'a str,
+    batch: &'a RecordBatch,
+}
+
+impl Source<'_> {
+    /// A column by name, in the type of the format: other software may have widened it.
+    fn column<T: ArrowPrimitiveType>(&self, name: &str) -> Result<PrimitiveArray<T>, CaptureError> {
+        let found = self
+            .batch
+            .column_by_name(name)
+            .ok_or_else(|| CaptureError::not_a_capture(self.path, format!("it has no column `{name}`")))?;
+        let strict = CastOptions { safe: false, ..CastOptions::default() };
+        let column = cast_with_options(found, &T::DATA_TYPE, &strict)
+            .map_err(|error| self.damaged(format!("column {name}: {error}")))?;
+        Ok(column.as_primitive::<T>().clone())
+    }
+
+    /// The same, without nulls.
+    fn required<T: ArrowPrimitiveType>(&self, name: &str) -> Result<ScalarBuffer<T::Native>, CaptureError> {
+        let column = self.column::<T>(name)?;
+        match column.null_count() {
+            0 => Ok(column.values().clone()),
+            empty => Err(self.damaged(format!("column {name} has {empty} empty cells"))),
+        }
+    }
+
+    fn check_codes(&self, name: &str, mut codes: impl Iterator<Item = u32>, width: Width) -> Result<(), CaptureError> {
+        match codes.find(|code| *code > width.max_code()) {
+            Some(code) => {
+                Err(self.damaged(format!("{name} {code} is no code of {} bits, as the metadata states", width.bits())))
+            }
+            None => Ok(()),
+        }
+    }
+
+    fn damaged(&self, what: String) -> CaptureError {
+        CaptureError::damaged(self.path, self.place, what)
+    }
+}

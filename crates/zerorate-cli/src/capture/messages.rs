@@ -1,0 +1,141 @@
+//! The frames of an Arrow IPC stream: where each message begins and ends, and whether it is whole.
+//!
+//! The Arrow library decodes the messages. It trusts their offsets, though, and does not say whether a stream ended well; a
+//! recording that was cut off is the case this program is made for, so the frames are read here.
+
+use arrow::datatypes::{Schema, SchemaRef};
+use arrow::ipc::convert::try_fb_to_schema;
+use arrow::ipc::{self, root_as_message};
+use std::io::{self, Read};
+use std::ops::Range;
+use std::sync::Arc;
+
+/// Starts every message, since format version 0.15.
+const CONTINUATION: [u8; 4] = [0xFF; 4];
+
+/// Reads messages.
+pub struct Messages<R> {
+    reader: R,
+    position: u64,
+}
+
+/// What stands at the reader's position.
+pub enum Message {
+    /// A message with all its bytes.
+    Whole(MessageBytes),
+    /// The end-of-stream marker.
+    EndOfStream,
+    /// The end of the file, at a place where a stream does not end.
+    Torn,
+}
+
+impl<R: Read> Messages<R> {
+    /// Messages of a stream from its start.
+    pub fn new(reader: R) -> Self {
+        Self { reader, position: 0 }
+    }
+
+    /// Bytes read so far.
+    pub fn position(&self) -> u64 {
+        self.position
+    }
+
+    /// Reads the next message.
+    pub fn next(&mut self) -> io::Result<Message> {
+        let mut bytes = Vec::new();
+        let Some(metadata_len) = self.read_length(&mut bytes)? else {
+            return Ok(Message::Torn);
+        };
+        if metadata_len == 0 {
+            return Ok(Message::EndOfStream);
+        }
+        let start = bytes.len();
+        if !self.append(&mut bytes, u64::from(metadata_len))? {
+            return Ok(Message::Torn);
+        }
+        let metadata = start..bytes.len();
+        // what cannot be understood has no body, and `MessageBytes::check` will tell
+        let body_len = root_as_message(&bytes[metadata.clone()]).map_or(0, |message| message.bodyLength());
+        if !self.append(&mut bytes, u64::try_from(body_len).unwrap_or(0))? {
+            return Ok(Message::Torn);
+        }
+        Ok(Message::Whole(MessageBytes { bytes, metadata }))
+    }
+
+    fn read_length(&mut self, bytes: &mut Vec<u8>) -> io::Result<Option<u32>> {
+        loop {
+            if !self.append(bytes, 4)? {
+                return Ok(None);
+            }
+            if *bytes != CONTINUATION {
+                return Ok(bytes.last_chunk().map(|length| u32::from_le_bytes(*length)));
+            }
+        }
+    }
+
+    /// Appends `len` bytes; false if the file has fewer. A length that is wrong costs no more memory than the file has bytes.
+    fn append(&mut self, bytes: &mut Vec<u8>, len: u64) -> io::Result<bool> {
+        let read = (&mut self.reader).take(len).read_to_end(bytes)? as u64;
+        self.position += read;
+        Ok(read == len)
+    }
+}
+
+/// A whole message: its length, its metadata, its body.
+pub struct MessageBytes {
+    bytes: Vec<u8>,
+    metadata: Range<usize>,
+}
+
+impl MessageBytes {
+    /// The schema that this message carries.
+    pub fn schema(&self) -> Result<SchemaRef, String> {
+        let schema = self.message()?.header_as_schema().ok_or("it does not start with an Arrow schema")?;
+        let schema: Schema = try_fb_to_schema(schema).map_err(|error| error.to_string())?;
+        Ok(Arc::new(schema))
+    }
+
+    /// Checks what the Arrow library takes for granted: that a batch keeps inside its message.
+    pub fn check(&self) -> Result<(), String> {
+        let message = self.message()?;
+        let body = (self.bytes.len() - self.metadata.end) as i64;
+        if message.bodyLength() != body {
+            return Err(format!("a message states a body of {} bytes", message.bodyLength()));
+        }
+        match message.header_as_record_batch() {
+            Some(batch) => check_batch(batch, body),
+            None => Ok(()),
+        }
+    }
+
+    fn message(&self) -> Result<ipc::Message<'_>, String> {
+        root_as_message(&self.bytes[self.metadata.clone()]).map_err(|error| format!("no Arrow message: {error}"))
+    }
+}
+
+fn check_batch(batch: ipc::RecordBatch<'_>, body: i64) -> Result<(), String> {
+    let inside = |offset: i64, length: i64| {
+        offset >= 0 && length >= 0 && offset.checked_add(length).is_some_and(|end| end <= body)
+    };
+    let buffers = batch.buffers().ok_or("a batch without buffers")?;
+    if let Some(outside) = buffers.iter().find(|buffer| !inside(buffer.offset(), buffer.length())) {
+        return Err(format!(
+            "a batch refers to {} bytes at {}, outside its own {body}",
+            outside.length(),
+            outside.offset()
+        ));
+    }
+    let nodes = batch.nodes().ok_or("a batch without columns")?;
+    // every row of every column takes at least a bit, or there is nothing to take
+    let possible = |length: i64| (0..=body.saturating_mul(8)).contains(&length);
+    if let Some(wrong) = nodes.iter().find(|node| !possible(node.length()) || !possible(node.null_count())) {
+        return Err(format!("a batch states {} rows and {} nulls in {body} bytes", wrong.length(), wrong.null_count()));
+    }
+    Ok(())
+}
+
+impl From<MessageBytes> for Vec<u8> {
+    fn from(message: MessageBytes) -> Self {
+        message.bytes
+    }
+}

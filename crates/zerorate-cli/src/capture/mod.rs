@@ -1,0 +1,200 @@
+//! Captures: raw codes on disk, as docs/formats/capture.md specifies them.
+//!
+//! [`CaptureWriter`] and [`CaptureReader`] move samples, in any of three forms, in constant memory. A capture is the truth: whatever
+//! is computed from a live part comes out the same from its capture.
+
+mod arrows;
+pub mod columns;
+mod csv;
+pub mod delimited;
+mod error;
+mod hash;
+pub mod info;
+mod messages;
+pub mod output;
+mod parquet;
+pub mod table;
+#[cfg(test)]
+mod tests;
+
+pub use error::CaptureError;
+pub use hash::SampleHash;
+pub use info::CaptureInfo;
+pub use table::Format;
+
+use adis16130::Sample;
+use arrow::array::RecordBatch;
+use arrow::datatypes::SchemaRef;
+use columns::{CORRECTED, OpenBatch, Rows};
+use info::CALIBRATION_ID;
+use std::path::{Path, PathBuf};
+use table::{BatchSink, BatchSource, Opened};
+
+/// Records samples. Dropping it closes the file as well, but only [`CaptureWriter::finish`] tells whether that worked.
+pub struct CaptureWriter {
+    path: PathBuf,
+    schema: SchemaRef,
+    sink: Option<Box<dyn BatchSink>>,
+    open: OpenBatch,
+    summary: CaptureSummary,
+}
+
+/// What was recorded.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct CaptureSummary {
+    /// Rows written.
+    pub samples: u64,
+    /// Sum of their lost-sample counters.
+    pub lost: u64,
+}
+
+impl CaptureWriter {
+    /// Starts a capture under its final name, so that it survives a power cut. An existing file is an error unless `force`.
+    pub fn create(path: &Path, format: Format, info: &CaptureInfo, force: bool) -> Result<Self, CaptureError> {
+        let schema = columns::schema(columns::raw_fields(), info.to_metadata());
+        let sink = table::create(path, format, &schema, force)?;
+        Ok(Self {
+            path: path.to_owned(),
+            schema,
+            sink: Some(sink),
+            open: OpenBatch::new(),
+            summary: CaptureSummary::default(),
+        })
+    }
+
+    /// Records a sample. Whole batches go to the system at once.
+    pub fn push(&mut self, sample: &Sample) -> Result<(), CaptureError> {
+        if self.open.is_full_for(sample.t_ns) {
+            self.write_open()?;
+        }
+        self.open.push(sample);
+        self.summary.samples += 1;
+        self.summary.lost += u64::from(sample.lost);
+        Ok(())
+    }
+
+    /// Writes the open batch and closes the file.
+    pub fn finish(mut self) -> Result<CaptureSummary, CaptureError> {
+        self.close()?;
+        Ok(self.summary)
+    }
+
+    fn close(&mut self) -> Result<(), CaptureError> {
+        self.write_open()?;
+        self.sink.take().map_or(Ok(()), |sink| sink.finish())
+    }
+
+    fn write_open(&mut self) -> Result<(), CaptureError> {
+        let Some(sink) = self.sink.as_mut().filter(|_| !self.open.is_empty()) else {
+            return Ok(());
+        };
+        let batch = RecordBatch::try_new(self.schema.clone(), self.open.close());
+        sink.write(&batch.map_err(|error| CaptureError::arrow("write", &self.path, error))?)
+    }
+}
+
+impl Drop for CaptureWriter {
+    fn drop(&mut self) {
+        // the error that led here is the one to report
+        let _ = self.close();
+    }
+}
+
+/// Reads the samples of a capture, in any form, corrected or not.
+pub struct CaptureReader {
+    path: PathBuf,
+    info: CaptureInfo,
+    calibration_id: Option<String>,
+    source: Box<dyn BatchSource>,
+    rows: Option<Rows>,
+    next_row: usize,
+    rows_before: u64,
+    last_t_ns: Option<u64>,
+}
+
+impl CaptureReader {
+    /// Opens a capture by what it contains, whatever its name.
+    pub fn open(path: &Path) -> Result<Self, CaptureError> {
+        match table::open(path)? {
+            Opened::Table(source) => Self::from_source(path, source),
+            Opened::Text(_) => Err(CaptureError::not_a_capture(
+                path,
+                "it does not start as one (a CSV capture begins with lines `# zerorate.…`)",
+            )),
+        }
+    }
+
+    /// Reads a capture out of a table that is open already.
+    pub fn from_source(path: &Path, source: Box<dyn BatchSource>) -> Result<Self, CaptureError> {
+        let schema = source.schema();
+        let metadata = schema.metadata();
+        let info = CaptureInfo::from_metadata(path, metadata)?;
+        Rows::from_batch(path, "columns", &RecordBatch::new_empty(schema.clone()), info.width)?;
+        let unnamed = || schema.column_with_name(CORRECTED).map(|_| "unknown".to_owned());
+        let calibration_id = metadata.get(CALIBRATION_ID).cloned().or_else(unnamed);
+        Ok(Self {
+            path: path.to_owned(),
+            info,
+            calibration_id,
+            source,
+            rows: None,
+            next_row: 0,
+            rows_before: 0,
+            last_t_ns: None,
+        })
+    }
+
+    /// How the capture was taken.
+    pub fn info(&self) -> &CaptureInfo {
+        &self.info
+    }
+
+    /// The calibration that was applied, if the capture is a corrected one. Its raw columns are untouched all the same.
+    pub fn calibration_id(&self) -> Option<&str> {
+        self.calibration_id.as_deref()
+    }
+
+    /// What is to be said once all samples were read: a tail that was torn off.
+    pub fn warning(&self) -> Option<&str> {
+        self.source.warning()
+    }
+
+    /// The next batch of rows.
+    pub fn next_rows(&mut self) -> Result<Option<Rows>, CaptureError> {
+        let Some(batch) = self.source.next().transpose()? else {
+            return Ok(None);
+        };
+        let place = format!("batch at row {}", self.rows_before);
+        let rows = Rows::from_batch(&self.path, &place, &batch, self.info.width)?;
+        if let Some((first, last)) = rows.span_ns() {
+            if self.last_t_ns.is_some_and(|before| first <= before) {
+                return Err(CaptureError::damaged(&self.path, place, format!("t_ns goes back to {first}")));
+            }
+            self.last_t_ns = Some(last);
+        }
+        self.rows_before += rows.len() as u64;
+        Ok(Some(rows))
+    }
+
+    fn next_sample(&mut self) -> Result<Option<Sample>, CaptureError> {
+        loop {
+            if let Some(rows) = self.rows.as_ref().filter(|rows| self.next_row < rows.len()) {
+                self.next_row += 1;
+                return Ok(Some(rows.sample(self.next_row - 1)));
+            }
+            self.rows = self.next_rows()?;
+            self.next_row = 0;
+            if self.rows.is_none() {
+                return Ok(None);
+            }
+        }
+    }
+}
+
+impl Iterator for CaptureReader {
+    type Item = Result<Sample, CaptureError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        self.next_sample().transpose()
+    }
+}

@@ -1,0 +1,123 @@
+//! The Parquet form: the smallest, for keeping. Its index stands at the end, so it is readable only once closed.
+
+use super::CaptureError;
+use super::table::{BatchSink, BatchSource};
+use arrow::array::RecordBatch;
+use arrow::datatypes::{DataType, SchemaRef};
+use parquet::arrow::ArrowWriter;
+use parquet::arrow::arrow_reader::{ParquetRecordBatchReader, ParquetRecordBatchReaderBuilder};
+use parquet::basic::{Compression, Encoding};
+use parquet::errors::ParquetError;
+use parquet::file::metadata::KeyValue;
+use parquet::file::properties::{WriterProperties, WriterPropertiesBuilder};
+use parquet::schema::types::ColumnPath;
+use std::fs::File;
+use std::panic::{self, AssertUnwindSafe};
+use std::path::{Path, PathBuf};
+
+/// Rows per row group, the part of the file that is built in memory.
+const ROW_GROUP: usize = 1 << 20;
+
+/// Rows per batch when reading.
+const READ_ROWS: usize = 1 << 16;
+
+/// Writes a Parquet file.
+pub struct Sink {
+    path: PathBuf,
+    writer: ArrowWriter<File>,
+}
+
+impl Sink {
+    /// Starts a file with the columns and the metadata of `schema`.
+    pub fn create(path: &Path, file: File, schema: &SchemaRef) -> Result<Self, CaptureError> {
+        let writer = ArrowWriter::try_new(file, schema.clone(), Some(properties(schema)))
+            .map_err(|error| CaptureError::parquet("write", path, error))?;
+        Ok(Self { path: path.to_owned(), writer })
+    }
+}
+
+impl BatchSink for Sink {
+    fn write(&mut self, batch: &RecordBatch) -> Result<(), CaptureError> {
+        self.writer.write(batch).map_err(|error| CaptureError::parquet("write", &self.path, error))
+    }
+
+    fn finish(self: Box<Self>) -> Result<(), CaptureError> {
+        let Self { path, writer } = *self;
+        writer.close().map(drop).map_err(|error| CaptureError::parquet("write", &path, error))
+    }
+}
+
+/// The metadata is written as the file's own, too, for readers that know nothing of Arrow.
+fn properties(schema: &SchemaRef) -> WriterProperties {
+    let metadata = schema.metadata().iter().map(|(key, value)| KeyValue::new(key.clone(), value.clone())).collect();
+    let start = WriterProperties::builder()
+        .set_compression(Compression::SNAPPY)
+        .set_max_row_group_row_count(Some(ROW_GROUP))
+        .set_key_value_metadata(Some(metadata));
+    schema
+        .fields()
+        .iter()
+        .fold(start, |properties, field| encoding(properties, field.name(), field.data_type()))
+        .build()
+}
+
+/// Timestamps and codes differ little from row to row; f64 hardly ever repeat.
+fn encoding(properties: WriterPropertiesBuilder, name: &str, data_type: &DataType) -> WriterPropertiesBuilder {
+    let column = ColumnPath::from(name);
+    match (name, data_type) {
+        ("t_ns" | "edge_seq" | "rate_code" | "temp_code", _) => properties
+            .set_column_dictionary_enabled(column.clone(), false)
+            .set_column_encoding(column, Encoding::DELTA_BINARY_PACKED),
+        (_, DataType::Float64) => properties.set_column_dictionary_enabled(column, false),
+        _ => properties,
+    }
+}
+
+/// Reads any Parquet file, batch by batch.
+pub struct Source {
+    path: PathBuf,
+    schema: SchemaRef,
+    reader: ParquetRecordBatchReader,
+}
+
+impl Source {
+    /// Reads the index at the end of the file.
+    pub fn open(path: &Path, file: File) -> Result<Self, CaptureError> {
+        let builder = guarded(path, || ParquetRecordBatchReaderBuilder::try_new(file))?;
+        let schema = builder.schema().clone();
+        let reader = guarded(path, || builder.with_batch_size(READ_ROWS).build())?;
+        Ok(Self { path: path.to_owned(), schema, reader })
+    }
+}
+
+impl Iterator for Source {
+    type Item = Result<RecordBatch, CaptureError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let reader = &mut self.reader;
+        match guarded(&self.path, || Ok(reader.next())) {
+            Ok(batch) => batch.map(|batch| batch.map_err(|error| CaptureError::arrow("read", &self.path, error))),
+            Err(error) => Some(Err(error)),
+        }
+    }
+}
+
+/// The Parquet library panics on some damaged files. Here that is one more way for a file to be wrong.
+fn guarded<T>(path: &Path, read: impl FnOnce() -> Result<T, ParquetError>) -> Result<T, CaptureError> {
+    let reason = match panic::catch_unwind(AssertUnwindSafe(read)) {
+        Ok(Ok(value)) => return Ok(value),
+        Ok(Err(error)) => format!("{error} (a Parquet file that was not closed cannot be read)"),
+        Err(_) => "its pages cannot be decoded".to_owned(),
+    };
+    Err(CaptureError::damaged(path, "as a Parquet file", reason))
+}
+
+impl BatchSource for Source {
+    fn schema(&self) -> SchemaRef {
+        self.schema.clone()
+    }
+
+    fn warning(&self) -> Option<&str> {
+        None
+    }
+}

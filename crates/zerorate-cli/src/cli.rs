@@ -1,0 +1,100 @@
+//! The command line: what every command is called and what they share. Each command's own options stand in its file.
+
+use crate::commands::{
+    allan::AllanArgs,
+    calibrate::{CalibrateArgs, RecalibrateArgs},
+    capture::CaptureArgs,
+    correct::CorrectArgs,
+    export::ExportArgs,
+    probe::ProbeArgs,
+    stream::StreamArgs,
+    twin,
+};
+use crate::device::DeviceSpec;
+use clap::{Args, Parser, Subcommand};
+use clap_complete::Shell;
+
+/// Takes an ADIS16130 gyroscope from its pins to a bias-free angular rate, and tells how well it did so.
+#[derive(Parser, Debug)]
+#[command(
+    name = "zerorate",
+    version,
+    max_term_width = 110,
+    after_help = "Data goes to stdout, progress and messages to stderr.\n\
+        Exit code: 0 done, 1 failed, 2 usage, 3 the measurement was refused.\n\n\
+        First steps, without any hardware:\n  \
+        zerorate probe                    look at the simulated part\n  \
+        zerorate calibrate -o unit.toml   calibrate it, 53 simulated minutes in seconds\n  \
+        zerorate stream --cal unit.toml --duration 10s --rate 10"
+)]
+pub struct Cli {
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+#[derive(Subcommand, Debug)]
+pub enum Command {
+    Probe(ProbeArgs),
+    Capture(CaptureArgs),
+    Calibrate(CalibrateArgs),
+    Recalibrate(RecalibrateArgs),
+    Stream(StreamArgs),
+    Correct(CorrectArgs),
+    Export(ExportArgs),
+    Allan(AllanArgs),
+    /// Lists the keys of the simulated part (`--device twin:KEY=VALUE,…`).
+    ///
+    /// The twin is used through `--device twin:…` by every command that reads a part. Running it as a device of its
+    /// own, for other programs to talk to, comes with a later version.
+    #[command(after_help = twin::keys_help())]
+    Twin,
+    /// Prints the completion script for a shell.
+    ///
+    /// For example: zerorate completions bash > /etc/bash_completion.d/zerorate
+    Completions {
+        /// The shell to complete for.
+        shell: Shell,
+    },
+    /// Prints the manual page, all commands in one (roff): zerorate man | man -l -
+    Man,
+}
+
+/// Which part to read.
+#[derive(Args, Debug)]
+pub struct DeviceArgs {
+    /// The part to read: twin: (simulated), twin:KEY=VALUE,… (see `zerorate twin`), or replay:FILE (a capture).
+    #[arg(short, long, value_name = "DEV", default_value = "twin:")]
+    pub device: DeviceSpec,
+
+    /// Pace simulated or replayed time to the wall clock; without it they run as fast as they can.
+    #[arg(long)]
+    pub realtime: bool,
+}
+
+/// How often the part is read. A replayed capture has decided this already.
+#[derive(Args, Debug, Clone, Copy)]
+pub struct SamplingArgs {
+    /// Read the temperature with every N-th rate sample, when the host cannot read both each time [default: 1].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    pub every_temp: Option<u16>,
+
+    /// Read on every N-th data-ready edge only; the rate that results is measured and stated [default: 1].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    pub divider: Option<u16>,
+}
+
+impl SamplingArgs {
+    /// For a recording.
+    pub const AS_RECORDED: Self = Self { every_temp: None, divider: None };
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_definition_is_sound() {
+        Cli::command().debug_assert();
+    }
+}

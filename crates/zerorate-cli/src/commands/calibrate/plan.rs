@@ -1,0 +1,59 @@
+//! The durations and limits of F-51 on the command line. The defaults are those of the core.
+
+use crate::duration::Seconds;
+use clap::Args;
+use zerorate::Plan;
+
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Procedure")]
+pub struct PlanArgs {
+    /// Length of the two averages of rate and temperature, steps 4 and 6.
+    #[arg(long, value_name = "TIME", default_value_t = Seconds(Plan::default().average_s))]
+    average: Seconds,
+
+    /// Warm-up between them, step 5.
+    #[arg(long, value_name = "TIME", default_value_t = Seconds(Plan::default().warmup_s))]
+    warmup: Seconds,
+
+    /// Settling to thermal balance, step 7.
+    #[arg(long, value_name = "TIME", default_value_t = Seconds(Plan::default().settle_s))]
+    settle: Seconds,
+
+    /// Length of the average that gives PBC, step 8; one second of temperature follows it.
+    #[arg(long, value_name = "TIME", default_value_t = Seconds(Plan::default().offset_s))]
+    offset: Seconds,
+
+    /// Largest share of lost samples in an average, 0 … 1; above it the measurement is refused.
+    #[arg(long, value_name = "F", default_value_t = Plan::default().max_lost)]
+    max_lost: f64,
+
+    /// Largest standard uncertainty of BTC, °/s/°C; above it the measurement is refused.
+    #[arg(long, value_name = "U", default_value_t = Plan::default().max_u_btc_dps_per_c)]
+    max_u_btc: f64,
+
+    /// The component of the Earth's rotation on the part's axis, °/s, to subtract from the bias: 0.00418 × sin(latitude)
+    /// on a vertical axis [default: it stays inside PBC, and a warning says so].
+    #[arg(long, value_name = "X", allow_negative_numbers = true)]
+    earth_dps: Option<f64>,
+
+    /// Take the bias for a straight line over temperature: no allowance for curvature and hysteresis in the uncertainty.
+    #[arg(long)]
+    assume_linear: bool,
+}
+
+impl PlanArgs {
+    /// As the core takes it.
+    pub fn plan(&self) -> Plan {
+        Plan {
+            average_s: self.average.0,
+            warmup_s: self.warmup.0,
+            settle_s: self.settle.0,
+            offset_s: self.offset.0,
+            max_lost: self.max_lost,
+            max_u_btc_dps_per_c: self.max_u_btc,
+            earth_dps: self.earth_dps,
+            assume_linear: self.assume_linear,
+            ..Plan::default()
+        }
+    }
+}

@@ -1,0 +1,131 @@
+//! `zerorate capture`: raw codes with timestamps, to a file.
+
+use super::print_json;
+use crate::acquire::{Acquisition, aliasing};
+use crate::capture::{CaptureWriter, Format};
+use crate::cli::{DeviceArgs, SamplingArgs};
+use crate::duration::Seconds;
+use crate::interrupt;
+use crate::progress::Meter;
+use adis16130::Sample;
+use anyhow::{Context, Result};
+use clap::Args;
+use serde::Serialize;
+use std::path::PathBuf;
+
+/// Records raw codes with timestamps.
+///
+/// Ctrl-C ends a recording early; the file is whole all the same. An .arrows file can be read up to its last whole
+/// batch even after a power cut.
+#[derive(Args, Debug)]
+pub struct CaptureArgs {
+    #[command(flatten)]
+    device: DeviceArgs,
+
+    #[command(flatten)]
+    sampling: SamplingArgs,
+
+    /// The file to record to.
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+
+    /// How long to record: 10s, 10m, 1h30m, or seconds.
+    #[arg(long, value_name = "TIME", default_value = "10m", conflicts_with = "samples")]
+    duration: Seconds,
+
+    /// Record this many samples instead.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    samples: Option<u64>,
+
+    /// The form of the file; by default what its name ends with, else arrows.
+    #[arg(long, value_enum)]
+    format: Option<Format>,
+
+    /// Serial number of the part, to be stored with the samples.
+    #[arg(long, value_name = "SN")]
+    serial: Option<String>,
+
+    /// A note on the supply, to be stored with the samples.
+    #[arg(long, value_name = "TEXT")]
+    supply_note: Option<String>,
+
+    /// Overwrite an existing file.
+    #[arg(long)]
+    force: bool,
+
+    /// Print the summary as one JSON object.
+    #[arg(long)]
+    json: bool,
+}
+
+/// What was recorded.
+#[derive(Serialize)]
+struct Summary {
+    file: String,
+    samples: u64,
+    lost_samples: u64,
+    rate_hz: f64,
+    rdy_hz: f64,
+    duration_s: f64,
+    interrupted: bool,
+    warnings: Vec<String>,
+}
+
+pub fn run(args: &CaptureArgs) -> Result<()> {
+    let mut acquisition = Acquisition::open(&args.device, args.sampling)?;
+    acquisition.device().initialise()?;
+    let info = acquisition.device().info(args.serial.as_deref(), args.supply_note.as_deref());
+    let format = Format::choose(args.format, &args.output);
+    let mut writer = CaptureWriter::create(&args.output, format, &info, args.force)?;
+    let recorded = record(args, &mut acquisition, |sample| Ok(writer.push(sample)?));
+    let saved = writer.finish()?.samples;
+    recorded.with_context(|| format!("{} ends after {saved} samples", args.output.display()))?;
+    summarise(args, &acquisition)
+}
+
+/// Hands on samples until enough were read, the replay ends, or Ctrl-C.
+fn record(
+    args: &CaptureArgs,
+    acquisition: &mut Acquisition,
+    mut take: impl FnMut(&Sample) -> Result<()>,
+) -> Result<()> {
+    let wanted = args.samples.unwrap_or(u64::MAX);
+    let ends_after_ns = args.samples.map_or(args.duration.nanos(), |_| u64::MAX);
+    let meter = Meter::new(args.samples.map_or(args.duration.0, |n| n as f64));
+    let mut first_ns = None;
+    while let Some(sample) = acquisition.next()? {
+        take(&sample)?;
+        let elapsed_ns = sample.t_ns - *first_ns.get_or_insert(sample.t_ns);
+        let read = acquisition.tally().samples;
+        if read >= wanted || elapsed_ns >= ends_after_ns {
+            break;
+        }
+        if acquisition.is_time_to_show() {
+            let done = args.samples.map_or(elapsed_ns as f64 * 1e-9, |_| read as f64);
+            meter.show(done, format!("recording, {read} samples"));
+        }
+    }
+    Ok(())
+}
+
+fn summarise(args: &CaptureArgs, acquisition: &Acquisition) -> Result<()> {
+    let tally = acquisition.tally();
+    let summary = Summary {
+        file: args.output.display().to_string(),
+        samples: tally.samples,
+        lost_samples: tally.lost,
+        rate_hz: tally.rate_hz(),
+        rdy_hz: tally.rdy_hz(),
+        duration_s: tally.duration_s(),
+        interrupted: interrupt::asked(),
+        warnings: aliasing(tally).iter().map(super::coded).collect(),
+    };
+    if args.json {
+        return print_json(&summary);
+    }
+    super::warn(&summary.warnings);
+    let Summary { file, samples, lost_samples, rate_hz, .. } = &summary;
+    let how = if summary.interrupted { " (interrupted)" } else { "" };
+    let took = Seconds(summary.duration_s);
+    super::print(&format!("{file}: {samples} samples in {took}{how}, {rate_hz:.1} a second, {lost_samples} lost\n"))
+}

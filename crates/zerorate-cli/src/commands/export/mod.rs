@@ -1,0 +1,165 @@
+//! `zerorate export`: a calibration in the form that firmware takes: table and integer coefficients.
+
+mod firmware;
+
+use super::correct::load;
+use super::print;
+use crate::capture::output::Staged;
+use crate::exit::Usage;
+use anyhow::{Context, Result};
+use clap::{Args, ValueEnum};
+use serde::Serialize;
+use std::fs;
+use std::path::PathBuf;
+use zerorate::{Calibration, IntegerCorrection, TableRow};
+
+/// Writes the correction for firmware: C header, Rust module, CSV or JSON.
+///
+/// The table holds (TEMP − T3) · BTC, without PBC, for TEMP − T3 from +span down to −span. The C and Rust forms also hold the integer coefficients, with
+/// a function from raw code to corrected code that needs no table.
+#[derive(Args, Debug)]
+pub struct ExportArgs {
+    /// The calibration file.
+    #[arg(value_name = "CALIBRATION")]
+    cal: PathBuf,
+
+    /// What to write.
+    #[arg(long, value_enum)]
+    format: Form,
+
+    /// Step of the table, °C.
+    #[arg(long, value_name = "C", default_value_t = 0.02)]
+    step_c: f64,
+
+    /// The table reaches this far from T3 on both sides, °C.
+    #[arg(long, value_name = "C", default_value_t = 0.12)]
+    span_c: f64,
+
+    /// The file to write [default: stdout].
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+}
+
+/// Forms of the export.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum Form {
+    /// A C99 header that needs nothing but <stdint.h>.
+    C,
+    /// A Rust module without dependencies, no_std.
+    Rust,
+    /// The table: delta_c,correction_dps.
+    Csv,
+    /// Coefficients and table.
+    Json,
+}
+
+/// A correction, ready to be written down.
+struct Export {
+    calibration: Calibration,
+    integer: IntegerCorrection,
+    step_c: f64,
+    span_c: f64,
+    rows: Vec<TableRow>,
+}
+
+pub fn run(args: &ExportArgs) -> Result<()> {
+    let calibration = load(&args.cal)?;
+    let rows = calibration.correction.table(args.step_c, args.span_c).map_err(|error| Usage(error.to_string()))?;
+    let integer = calibration.correction.to_integer()?;
+    let export = Export { calibration, integer, step_c: args.step_c, span_c: args.span_c, rows };
+    let text = match args.format {
+        Form::C => firmware::c(&export)?,
+        Form::Rust => firmware::rust(&export)?,
+        Form::Csv => csv(&export),
+        Form::Json => json(&export)?,
+    };
+    match &args.output {
+        None => print(&text),
+        Some(path) => {
+            let file = Staged::new(path, true)?;
+            fs::write(file.path(), text).with_context(|| format!("cannot write {}", path.display()))?;
+            Ok(file.publish()?)
+        }
+    }
+}
+
+fn csv(export: &Export) -> String {
+    let row = |row: &TableRow| format!("{},{}\n", tidy(row.delta_c), tidy(row.correction_dps));
+    std::iter::once("delta_c,correction_dps\n".to_owned()).chain(export.rows.iter().map(row)).collect()
+}
+
+/// Twelve significant digits, the shortest decimal that has them, and no negative zero: 3 · 0.02 is 0.06.
+fn tidy(value: f64) -> f64 {
+    // formatted numbers parse
+    let rounded = format!("{value:.11e}").parse().unwrap_or(value);
+    if rounded == 0.0 { 0.0 } else { rounded }
+}
+
+#[derive(Serialize)]
+struct Json<'a> {
+    calibration_id: String,
+    serial: Option<&'a str>,
+    pbc_dps: f64,
+    btc_dps_per_c: f64,
+    t3_c: f64,
+    temp_min_c: Option<f64>,
+    temp_max_c: Option<f64>,
+    integer: Integer,
+    table: Table,
+}
+
+#[derive(Serialize)]
+struct Integer {
+    q: u32,
+    offset_q: i64,
+    slope_q: i32,
+    t3_code: i32,
+}
+
+#[derive(Serialize)]
+struct Table {
+    step_c: f64,
+    span_c: f64,
+    rows: Vec<JsonRow>,
+}
+
+#[derive(Serialize)]
+struct JsonRow {
+    delta_c: f64,
+    correction_dps: f64,
+}
+
+fn json(export: &Export) -> Result<String> {
+    let Export { calibration, integer, .. } = export;
+    let row = |row: &TableRow| JsonRow { delta_c: tidy(row.delta_c), correction_dps: tidy(row.correction_dps) };
+    let object = Json {
+        calibration_id: calibration.id(),
+        serial: calibration.serial.as_deref(),
+        pbc_dps: calibration.correction.pbc_dps,
+        btc_dps_per_c: calibration.correction.btc_dps_per_c,
+        t3_c: calibration.correction.t3_c,
+        temp_min_c: calibration.validity.map(|span| span.temp_min_c),
+        temp_max_c: calibration.validity.map(|span| span.temp_max_c),
+        integer: Integer {
+            q: IntegerCorrection::Q,
+            offset_q: integer.offset_q,
+            slope_q: integer.slope_q,
+            t3_code: integer.t3_code,
+        },
+        table: Table { step_c: export.step_c, span_c: export.span_c, rows: export.rows.iter().map(row).collect() },
+    };
+    Ok(serde_json::to_string_pretty(&object)? + "\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn decimals_without_noise() {
+        assert_eq!(
+            [0.1 + 0.2, -0.0, 6.0 * 0.02 * -0.04, 3.0 * 0.02].map(|x| tidy(x).to_string()),
+            ["0.3", "0", "-0.0048", "0.06"]
+        );
+    }
+}

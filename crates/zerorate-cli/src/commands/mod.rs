@@ -1,0 +1,56 @@
+//! One file for each command, and what they share.
+
+pub mod allan;
+pub mod calibrate;
+pub mod capture;
+pub mod correct;
+pub mod export;
+pub mod man;
+pub mod probe;
+pub mod stream;
+pub mod twin;
+
+use crate::cli::{Cli, Command};
+use anyhow::Result;
+use serde::Serialize;
+use std::io::Write;
+use zerorate::Warning;
+
+/// Carries out what the command line asks for.
+pub fn run(cli: &Cli) -> Result<()> {
+    match &cli.command {
+        Command::Probe(args) => probe::run(args),
+        Command::Capture(args) => capture::run(args),
+        Command::Calibrate(args) => calibrate::run(args),
+        Command::Recalibrate(args) => calibrate::run_again(args),
+        Command::Stream(args) => stream::run(args),
+        Command::Correct(args) => correct::run(args),
+        Command::Export(args) => export::run(args),
+        Command::Allan(args) => allan::run(args),
+        Command::Twin => twin::run(),
+        Command::Completions { shell } => man::completions(*shell),
+        Command::Man => man::man(),
+    }
+}
+
+/// Prints text to stdout; a closed pipe is an error to be passed on, not a panic.
+fn print(text: &str) -> Result<()> {
+    Ok(std::io::stdout().lock().write_all(text.as_bytes())?)
+}
+
+/// Prints one JSON object to stdout.
+fn print_json(value: &impl Serialize) -> Result<()> {
+    print(&(serde_json::to_string_pretty(value)? + "\n"))
+}
+
+/// A warning as scripts find it: `code: text`.
+fn coded(warning: &Warning) -> String {
+    format!("{}: {warning}", warning.code())
+}
+
+/// Prints warnings to stderr.
+fn warn(warnings: &[String]) {
+    for warning in warnings {
+        eprintln!("warning: {warning}");
+    }
+}

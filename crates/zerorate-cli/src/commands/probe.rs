@@ -1,0 +1,194 @@
+//! `zerorate probe`: is there a part, is it wired right, and do its samples look like those of one?
+
+use super::{print, print_json, warn};
+use crate::acquire::{Acquisition, aliasing};
+use crate::cli::{DeviceArgs, SamplingArgs};
+use crate::duration::Seconds;
+use crate::interrupt;
+use crate::progress::Meter;
+use adis16130::{RATE_LSB_PER_DPS, Sample, ZERO_CODE};
+use anyhow::{Result, ensure};
+use clap::Args;
+use serde::Serialize;
+use zerorate::noise::TYPICAL_WHITE_DPS_PER_RT_HZ;
+use zerorate::{CodeSum, Tally, allan};
+
+/// Looks whether a part answers, is wired right and delivers.
+///
+/// Resets the part, initialises it, reads every written register back, then reads samples and measures their rate, the
+/// noise, the temperature and how many were lost. Says what to check where something is wrong. On a replay only the
+/// samples are looked at.
+#[derive(Args, Debug)]
+pub struct ProbeArgs {
+    #[command(flatten)]
+    device: DeviceArgs,
+
+    #[command(flatten)]
+    sampling: SamplingArgs,
+
+    /// How long to read samples: 5s, 1m, or seconds.
+    #[arg(long, value_name = "TIME", default_value = "5s")]
+    duration: Seconds,
+
+    /// Print the findings as one JSON object.
+    #[arg(long)]
+    json: bool,
+}
+
+/// What was found.
+#[derive(Serialize)]
+struct Findings {
+    device: String,
+    /// The register; a replay has none.
+    revision: Option<u8>,
+    rdy_hz: f64,
+    rate_hz: f64,
+    samples: u64,
+    lost_samples: u64,
+    longest_gap_ms: f64,
+    duration_s: f64,
+    rate_dps: f64,
+    white_dps_per_rt_hz: Option<f64>,
+    temp_c: Option<f64>,
+    warnings: Vec<String>,
+}
+
+pub fn run(args: &ProbeArgs) -> Result<()> {
+    let mut acquisition = Acquisition::open(&args.device, args.sampling)?;
+    let revision = acquisition.device().initialise()?;
+    let seen = Seen::read(&mut acquisition, args.duration)?;
+    ensure!(!seen.rate_codes.is_empty(), "no samples were read");
+    let findings = Findings::new(acquisition, revision, &seen);
+    if args.json {
+        return print_json(&findings);
+    }
+    warn(&findings.warnings);
+    print(&findings.text())
+}
+
+/// The samples, as far as they are looked at.
+#[derive(Default)]
+struct Seen {
+    /// From the zero code.
+    rate_codes: Vec<i32>,
+    rates: CodeSum,
+    temps: CodeSum,
+    out_of_range: u64,
+}
+
+impl Seen {
+    fn read(acquisition: &mut Acquisition, duration: Seconds) -> Result<Self> {
+        let meter = Meter::new(duration.0);
+        let mut seen = Self::default();
+        let mut first_ns = None;
+        while let Some(sample) = acquisition.next()? {
+            seen.push(&sample);
+            let elapsed_ns = sample.t_ns - *first_ns.get_or_insert(sample.t_ns);
+            if elapsed_ns >= duration.nanos() {
+                break;
+            }
+            if acquisition.is_time_to_show() {
+                meter.show(elapsed_ns as f64 * 1e-9, "reading samples".to_owned());
+            }
+        }
+        ensure!(!interrupt::asked(), "interrupted");
+        Ok(seen)
+    }
+
+    fn push(&mut self, sample: &Sample) {
+        self.rate_codes.push(sample.rate.code24() as i32 - ZERO_CODE as i32);
+        self.rates.push(sample.rate.code24());
+        if let Some(temp) = sample.temp {
+            self.temps.push(temp.code24());
+        }
+        let status_says = sample.status.is_some_and(|status| status.out_of_range());
+        self.out_of_range += u64::from(status_says || sample.rate.is_at_rail());
+    }
+
+    /// One-sided density d of the white noise: at τ well above the filter of the part the Allan deviation is d/√(2τ).
+    fn white_dps_per_rt_hz(&self, rate_hz: f64) -> Option<f64> {
+        let m = (WHITE_TAU_S * rate_hz).round() as u64;
+        let scale = 1.0 / f64::from(RATE_LSB_PER_DPS);
+        let point = *allan::oadev_codes(&self.rate_codes, rate_hz, scale, &[m]).first()?;
+        Some(point.dev * (2.0 * point.tau_s).sqrt())
+    }
+
+    fn is_frozen(&self) -> bool {
+        self.rate_codes.len() > 100 && self.rate_codes.iter().all(|code| *code == self.rate_codes[0])
+    }
+}
+
+/// Averaging time for the white noise, s: long against the filter (F-03, F-04), short against flicker and drift.
+const WHITE_TAU_S: f64 = 0.05;
+
+impl Findings {
+    fn new(mut acquisition: Acquisition, revision: Option<u8>, seen: &Seen) -> Self {
+        let tally = *acquisition.tally();
+        let device = acquisition.device();
+        let white = seen.white_dps_per_rt_hz(tally.rate_hz());
+        Self {
+            device: device.name(),
+            revision,
+            rdy_hz: tally.rdy_hz(),
+            rate_hz: tally.rate_hz(),
+            samples: tally.samples,
+            lost_samples: tally.lost,
+            longest_gap_ms: tally.longest_gap_ms(),
+            duration_s: tally.duration_s(),
+            rate_dps: seen.rates.rate_dps().unwrap_or_default(),
+            white_dps_per_rt_hz: white,
+            temp_c: seen.temps.temp_c(),
+            warnings: findings(seen, &tally, device.nominal_rate_hz(), white),
+        }
+    }
+
+    fn text(&self) -> String {
+        let shown =
+            |value: Option<f64>, unit: &str| value.map_or("not measured".to_owned(), |v| format!("{v:.4} {unit}"));
+        let part = self.revision.map_or(String::new(), |revision| {
+            format!("  part          answers, revision {revision:02X}h; every register written reads back\n")
+        });
+        format!(
+            "{}\n{part}  data ready    {:.1} Hz\n  samples       {:.1} a second: {} in {}, {} lost, longest gap {:.3} ms\n  \
+             rate          {:+.4} °/s on average\n  white noise   {} (typical {TYPICAL_WHITE_DPS_PER_RT_HZ})\n  temperature   {}\n",
+            self.device,
+            self.rdy_hz,
+            self.rate_hz,
+            self.samples,
+            Seconds(self.duration_s),
+            self.lost_samples,
+            self.longest_gap_ms,
+            self.rate_dps,
+            shown(self.white_dps_per_rt_hz, "°/s/√Hz"),
+            shown(self.temp_c, "°C"),
+        )
+    }
+}
+
+/// What does not look like a healthy part at rest: what was seen, and what to do.
+fn findings(seen: &Seen, tally: &Tally, nominal_hz: f64, white: Option<f64>) -> Vec<String> {
+    let white_ratio = white.map_or(1.0, |white| white / TYPICAL_WHITE_DPS_PER_RT_HZ);
+    let expected = [
+        seen.is_frozen().then(|| {
+            "frozen: the rate never changes, while noise changes every reading; reset the part and check SDO (pin 12) and the supply (pins 11, 13, 15)".to_owned()
+        }),
+        (seen.out_of_range > 0).then(|| {
+            format!("out-of-range: {} readings are beyond the range (F-35): the part turns, its supply is wrong, or the line carries errors", seen.out_of_range)
+        }),
+        (!seen.is_frozen() && white_ratio > 3.0).then(|| {
+            format!("noisy: the noise is {white_ratio:.1} times the typical one; is the part moving, or its supply not a linear one?")
+        }),
+        (!seen.is_frozen() && white_ratio < 0.25).then(|| {
+            format!("quiet: the noise is {white_ratio:.2} times the typical one; a part that really senses is noisier")
+        }),
+        (tally.lost > 0).then(|| {
+            format!("lost-samples: {} samples were lost; raise SCLK, read temperature less often (--every-temp), or check the RDY wire (pin 10)", tally.lost)
+        }),
+        ((tally.rate_hz() / nominal_hz - 1.0).abs() > 0.05).then(|| {
+            format!("rate: {:.1} samples a second where {nominal_hz:.1} are expected (F-31); check the RDY wire (pin 10) and the SPI clock", tally.rate_hz())
+        }),
+        aliasing(tally).as_ref().map(super::coded),
+        (seen.temps.count() == 0).then(|| "no-temperature: no temperature was read; use a smaller --every-temp".to_owned()),
+    ];
+    expected.into_iter().flatten().collect()
+}

@@ -1,0 +1,81 @@
+//! Durations as people write them: `10s`, `10m`, `1h30m`, or a bare number of seconds.
+
+use jiff::SignedDuration;
+use std::fmt;
+use std::str::FromStr;
+
+/// A duration in seconds, never negative.
+#[derive(Copy, Clone, Debug, PartialEq, PartialOrd)]
+pub struct Seconds(pub f64);
+
+impl Seconds {
+    /// In whole nanoseconds, saturating.
+    pub fn nanos(self) -> u64 {
+        (self.0 * 1e9) as u64
+    }
+}
+
+impl FromStr for Seconds {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let seconds = match text.trim().parse::<f64>() {
+            Ok(seconds) => seconds,
+            Err(_) => text
+                .parse::<SignedDuration>()
+                .map_err(|_| "write it like 10s, 10m, 1h30m or 90 (seconds)".to_owned())?
+                .as_secs_f64(),
+        };
+        if !(0.0..=MAX_S).contains(&seconds) {
+            return Err("it must lie between 0 s and 10 years".to_owned());
+        }
+        Ok(Self(seconds))
+    }
+}
+
+/// As [`Seconds::from_str`] reads it back: `2m30s`.
+impl fmt::Display for Seconds {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let shown = SignedDuration::from_secs_f64(self.0.clamp(0.0, MAX_S));
+        let shown =
+            if self.0 < 1.0 { shown } else { SignedDuration::from_millis((shown.as_millis_f64()).round() as i64) };
+        f.write_str(&format!("{shown:#}").replace(' ', ""))
+    }
+}
+
+/// Ten years: far beyond any measurement, far below any overflow of nanoseconds in 64 bits.
+const MAX_S: f64 = 10.0 * 365.25 * 86_400.0;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_way_of_writing_it() {
+        let cases = [
+            ("10s", 10.0),
+            ("10m", 600.0),
+            ("1h30m", 5400.0),
+            ("1h 30m", 5400.0),
+            ("90", 90.0),
+            ("0.5", 0.5),
+            ("250ms", 0.25),
+            ("1.5h", 5400.0),
+        ];
+        for (text, seconds) in cases {
+            assert_eq!(text.parse(), Ok(Seconds(seconds)), "{text}");
+        }
+        for text in ["", "ten", "10 parsecs", "-1s", "-1", "nan", "inf", "11y"] {
+            assert!(text.parse::<Seconds>().is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn what_is_shown_reads_back() {
+        for seconds in [0.0, 0.25, 1.0, 150.0, 600.0, 3183.5, 86_400.0] {
+            let shown = Seconds(seconds).to_string();
+            assert_eq!(shown.parse(), Ok(Seconds(seconds)), "{shown}");
+        }
+        assert_eq!(Seconds(150.0).to_string(), "2m30s");
+    }
+}

@@ -1,0 +1,60 @@
+//! How a run ends: exit code 0 done, 1 failed, 2 usage, 3 refused. The reason goes to stderr.
+
+use std::process::ExitCode;
+
+/// The measurement was refused: the numbers exist, but they must not become a calibration. Exit code 3.
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
+pub struct Refused(pub String);
+
+/// The request makes no sense in a way only seen after parsing. Exit code 2, like clap's own errors.
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
+pub struct Usage(pub String);
+
+/// Prints why a run failed and picks the exit code. A reader that went away (`zerorate … | head`) is no failure.
+pub fn report(error: &anyhow::Error) -> ExitCode {
+    if is_broken_pipe(error) {
+        return ExitCode::SUCCESS;
+    }
+    let (label, code) = if error.is::<Refused>() {
+        ("refused", 3)
+    } else if error.is::<Usage>() {
+        ("error", 2)
+    } else {
+        ("error", 1)
+    };
+    eprintln!("{label}: {error:#}");
+    ExitCode::from(code)
+}
+
+fn is_broken_pipe(error: &anyhow::Error) -> bool {
+    error
+        .chain()
+        .any(|cause| cause.downcast_ref::<std::io::Error>().is_some_and(|e| e.kind() == std::io::ErrorKind::BrokenPipe))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use anyhow::Context;
+
+    #[test]
+    fn each_kind_of_failure_has_its_code() {
+        let refused: anyhow::Error = Refused("moving".into()).into();
+        let usage: anyhow::Error = Usage("no".into()).into();
+        let failed = anyhow::anyhow!("bus");
+        let pipe =
+            Err::<(), _>(std::io::Error::from(std::io::ErrorKind::BrokenPipe)).context("writing rows").unwrap_err();
+        let expected = [(refused, 3), (usage, 2), (failed, 1), (pipe, 0)];
+        for (error, code) in expected {
+            assert_eq!(report(&error), ExitCode::from(code), "{error:#}");
+        }
+    }
+
+    #[test]
+    fn context_keeps_the_kind() {
+        let error = anyhow::Error::from(Refused("moving".into())).context("step 4");
+        assert_eq!(report(&error), ExitCode::from(3));
+    }
+}

@@ -1,0 +1,41 @@
+//! The progress bar on stderr: the step in words, how far, how long it still takes. Hidden where stderr is no terminal.
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+/// Progress of a measurement whose extent is known.
+#[derive(Debug)]
+pub struct Meter {
+    bar: ProgressBar,
+    scale: f64,
+}
+
+impl Meter {
+    /// For a measurement that ends at `total`: seconds of part time, or samples.
+    pub fn new(total: f64) -> Self {
+        let bar = ProgressBar::new(STEPS);
+        let style = ProgressStyle::with_template("{msg:32} {wide_bar:.cyan/dim} {percent:>3} %  {eta} left ");
+        // The template is a constant; were it wrong, the plain bar would still do.
+        bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+        Self { bar, scale: STEPS as f64 / total.max(f64::MIN_POSITIVE) }
+    }
+
+    /// Shows how much of the measurement is over and what is being done. To be called every some thousand samples.
+    pub fn show(&self, done: f64, step: String) {
+        self.bar.set_message(step);
+        self.bar.set_position((done * self.scale) as u64);
+    }
+
+    /// Whether anybody sees it.
+    pub fn is_hidden(&self) -> bool {
+        self.bar.is_hidden()
+    }
+}
+
+impl Drop for Meter {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+/// Resolution of the bar.
+const STEPS: u64 = 100_000;

@@ -1,0 +1,98 @@
+//! `calibrate` and `recalibrate`.
+
+use crate::{SHORT, calibrate, zerorate};
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+
+fn file(folder: &tempfile::TempDir, name: &str) -> PathBuf {
+    folder.path().join(name)
+}
+
+fn path(path: &Path) -> &str {
+    path.to_str().expect("a plain path")
+}
+
+#[test]
+fn the_json_object_has_the_keys_of_the_contract() {
+    let result = calibrate(&["--device", "twin:seed=7", "--json"]).ended_with(0).json();
+    let numbers = "b1_dps t1_c b2_dps t2_c btc_dps_per_c pbc_dps t3_c u_pbc_dps u_btc_dps_per_c rdy_hz rate_hz samples \
+        lost_samples duration_s";
+    for key in numbers.split_whitespace() {
+        assert!(result[key].is_number(), "{key} in {result}");
+    }
+    assert_eq!(result["method"], "an1042");
+    assert!(result["warnings"].as_array().is_some_and(|warnings| !warnings.is_empty()));
+    assert!(result["truth"]["pbc_dps"].is_number() && result["truth"]["btc_dps_per_c"].is_number());
+    assert_eq!(result["lost_samples"], 0);
+    let duration_s = number(&result, "duration_s");
+    assert!((duration_s - 205.0).abs() < 0.01, "2 + 60 + 2 + 120 + 20 + 1 s: {duration_s}");
+    assert!((number(&result, "rate_hz") / 5_693.0 - 1.0).abs() < 0.011, "F-31, M-06");
+}
+
+fn number(result: &Value, key: &str) -> f64 {
+    result[key].as_f64().unwrap_or_else(|| panic!("{key} in {result}"))
+}
+
+/// Without noise there is only the curvature of the bias, which is off, and the drift of an unsettled part.
+#[test]
+fn the_twins_truth_is_found() {
+    let unit = "twin:noise=0,curvature=0,hysteresis=0,bias_dps=0.8,tempco_dps_per_c=0.05,warmup_s=20";
+    let result = calibrate(&["--device", unit, "--json", "--assume-linear"]).ended_with(0).json();
+    let off = |key: &str| number(&result, key) - number(&result["truth"], key);
+    assert!(off("btc_dps_per_c").abs() < 1e-5, "{result}");
+    assert!(off("pbc_dps").abs() < 1e-4, "{result}");
+}
+
+#[test]
+fn a_recording_gives_the_same_file_byte_for_byte() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let [live, log, again] = ["live.toml", "log.arrows", "again.toml"].map(|name| file(&folder, name));
+    let given = ["--serial", "SN-42", "--supply-note", "bench 3"];
+    let args = [&["--device", "twin:seed=5", "--log", path(&log), "-o", path(&live)], &given[..]].concat();
+    calibrate(&args).ended_with(0);
+    zerorate(&[&["recalibrate", path(&log), "-o", path(&again)], SHORT].concat()).ended_with(0);
+    let [live, again] = [live, again].map(|file| std::fs::read_to_string(file).expect("a calibration"));
+    assert_eq!(live, again);
+    assert!(live.contains("serial = \"SN-42\"") && live.contains("supply_note = \"bench 3\""), "{live}");
+}
+
+#[test]
+fn recalibrating_for_other_durations_says_what_to_give() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let log = file(&folder, "log.arrows");
+    zerorate(&["capture", "--duration", "3s", "-o", path(&log)]).ended_with(0);
+    zerorate(&["recalibrate", path(&log)]).ended_with(1).saying(&["the recording ends after 3s", "--average"]);
+    zerorate(&["recalibrate", path(&log), "--average", "2s", "--warmup", "0", "--settle", "0", "--offset", "1s"])
+        .ended_with(1)
+        .saying(&["the recording ends"]);
+}
+
+#[test]
+fn the_text_report_shows_values_with_units_and_what_next() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let unit = file(&folder, "unit.toml");
+    let text = calibrate(&["-o", path(&unit)]).ended_with(0).saying(&["warning: ", "Earth"]).stdout;
+    for part in ["PBC", "BTC", "°/s/°C", "±", "T3 =", "95 %", "zerorate stream --cal"] {
+        assert!(text.contains(part), "{part} in\n{text}");
+    }
+    let text = calibrate(&["--earth-dps", "-0.003", "--assume-linear"]).ended_with(0).stdout;
+    assert!(text.contains("-o unit.toml"), "{text}");
+}
+
+#[test]
+fn a_recording_is_not_overwritten_by_accident() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let log = file(&folder, "log.arrows");
+    std::fs::write(&log, "precious").expect("written");
+    calibrate(&["--log", path(&log)]).ended_with(1).saying(&["--force"]);
+    assert_eq!(std::fs::read_to_string(&log).expect("still there"), "precious");
+}
+
+#[test]
+fn files_that_are_no_captures_are_named() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let text = file(&folder, "text.arrows");
+    std::fs::write(&text, "hello\n").expect("written");
+    zerorate(&["recalibrate", path(&text)]).ended_with(1).saying(&["text.arrows"]);
+    zerorate(&["recalibrate", path(&file(&folder, "none.arrows"))]).ended_with(1).saying(&["none.arrows"]);
+}

@@ -1,0 +1,92 @@
+//! Help, typos, completions, the manual page.
+
+use crate::zerorate;
+
+const COMMANDS: [&str; 11] = [
+    "probe",
+    "capture",
+    "calibrate",
+    "recalibrate",
+    "stream",
+    "correct",
+    "export",
+    "allan",
+    "twin",
+    "completions",
+    "man",
+];
+
+#[test]
+fn every_command_is_listed_and_has_help() {
+    let overview = zerorate(&["--help"]).ended_with(0).stdout;
+    for command in COMMANDS {
+        assert!(overview.contains(&format!("\n  {command}")), "{command} in\n{overview}");
+        let help = zerorate(&[command, "--help"]).ended_with(0).stdout;
+        assert!(help.contains("Usage: zerorate"), "{help}");
+    }
+    for later in ["serve", "report"] {
+        assert!(!overview.contains(&format!("\n  {later}")), "{later} is not built yet");
+    }
+}
+
+#[test]
+fn calibrate_states_its_defaults() {
+    let help = zerorate(&["calibrate", "--help"]).ended_with(0).stdout;
+    let help = help.split_whitespace().collect::<Vec<_>>().join(" ");
+    for default in ["twin:", "10s", "10m", "40m", "2m30s", "an1042", "0.001", "0.01", "1"] {
+        assert!(help.contains(&format!("[default: {default}]")), "{default} in\n{help}");
+    }
+}
+
+#[test]
+fn twin_lists_every_key_of_the_contract() {
+    let keys = "seed bias_dps tempco_dps_per_c curvature hysteresis lag_s ambient_c profile warmup_c warmup_s mclk_hz roa \
+        supply_step_mv noise flicker_hz rotation_dps motion sway_dps sway_hz bit_error_rate fault fault_at_s";
+    for help in [zerorate(&["twin", "--help"]), zerorate(&["twin"])] {
+        let text = help.ended_with(0).stdout;
+        for key in keys.split_whitespace() {
+            assert!(text.contains(&format!("\n  {key} ")), "{key} in\n{text}");
+        }
+    }
+}
+
+#[test]
+fn typos_are_usage_errors_with_a_suggestion() {
+    let cases: [(&[&str], &str); 12] = [
+        (&["calibrat"], "'calibrate'"),
+        (&["calibrate", "--warmpup", "3"], "'--warmup'"),
+        (&["calibrate", "--device", "twin:sed=7"], "`seed`"),
+        (&["probe", "--device", "twin:fault=sdo"], "sdo_low"),
+        (&["probe", "--device", "tiwn:"], "twin:"),
+        (&["probe", "--device", "twin"], "with the colon"),
+        (&["probe", "--device", "replay:"], "replay:unit.arrows"),
+        (&["probe", "--device", "Cargo.toml"], "replay:Cargo.toml"),
+        (&["calibrate", "--average", "2x"], "10s, 10m, 1h30m"),
+        (&["calibrate", "--average", "0"], "--average"),
+        (&["calibrate", "--max-u-btc", "0"], "--max-u-btc"),
+        (&["capture", "-o", "x.arrows", "--duration", "1s", "--samples", "3"], "--samples"),
+    ];
+    for (args, hint) in cases {
+        zerorate(args).ended_with(2).saying(&[hint]);
+    }
+}
+
+#[test]
+fn devices_of_later_versions_say_what_there_is_today() {
+    for device in ["spi:/dev/spidev0.0", "bridge:/dev/ttyACM0", "tcp:127.0.0.1:16130", "iio:iio:device0"] {
+        zerorate(&["probe", "--device", device]).ended_with(2).saying(&["yet", "twin:", "replay:FILE"]);
+    }
+}
+
+#[test]
+fn completions_and_the_manual_know_every_command() {
+    let shells = ["bash", "zsh", "fish"].map(|shell| zerorate(&["completions", shell]));
+    for run in shells.into_iter().chain([zerorate(&["man"])]) {
+        let text = run.ended_with(0).stdout;
+        for command in COMMANDS {
+            assert!(text.contains(command), "{command}");
+        }
+    }
+    let page = zerorate(&["man"]).stdout;
+    assert!(page.contains(".SH \"ZERORATE CALIBRATE\"") && page.contains("max\\-u\\-btc"), "{page}");
+}

@@ -1,0 +1,200 @@
+//! `probe`, `capture` and `stream`: reading a part, and stopping.
+
+use crate::{Run, calibrate, command, zerorate};
+use std::io::{BufRead, BufReader};
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+const CALIBRATION: &str = "schema = 1\npart = \"ADIS16130\"\nserial = \"A1\"\n[correction]\npbc_dps = 0.5\nbtc_dps_per_c = -0.04\nt3_c = 31.5\n";
+
+fn folder_with_calibration() -> (tempfile::TempDir, String) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("unit.toml");
+    std::fs::write(&file, CALIBRATION).expect("written");
+    let file = path(&file).to_owned();
+    (folder, file)
+}
+
+fn path(path: &Path) -> &str {
+    path.to_str().expect("a plain path")
+}
+
+#[test]
+fn probe_measures_rate_noise_and_losses() {
+    let found = zerorate(&["probe", "--device", "twin:seed=9,mclk_hz=6000000", "--json"]).ended_with(0).json();
+    let near = |key: &str, expected: f64, share: f64| {
+        let value = found[key].as_f64().unwrap_or_else(|| panic!("{key} in {found}"));
+        assert!((value / expected - 1.0).abs() < share, "{key}: {value}");
+    };
+    near("rate_hz", 5_692.6, 1e-4); // F-31
+    near("rdy_hz", 5_692.6, 1e-4);
+    near("white_dps_per_rt_hz", 0.0125, 0.25); // F-02
+    assert_eq!(found["revision"], 0x24);
+    assert_eq!(found["lost_samples"], 0);
+    assert_eq!(found["warnings"].as_array().map(Vec::len), Some(0), "{found}");
+}
+
+#[test]
+fn capture_ends_by_count_or_by_time_in_the_form_that_the_name_says() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (name, starts_with) in
+        [("a.arrows", &b"\xff\xff\xff\xff"[..]), ("a.parquet", b"PAR1"), ("a.csv", b"# zerorate")]
+    {
+        let file = folder.path().join(name);
+        let summary = zerorate(&["capture", "--samples", "1000", "-o", path(&file), "--json"]).ended_with(0).json();
+        assert_eq!(summary["samples"], 1000, "{summary}");
+        assert!(std::fs::read(&file).expect("a capture").starts_with(starts_with), "{name}");
+        let replay = format!("replay:{}", path(&file));
+        let again = folder.path().join(format!("again-{name}"));
+        let timed = zerorate(&["capture", "--device", &replay, "--duration", "100ms", "-o", path(&again), "--json"]);
+        let samples = timed.ended_with(0).json()["samples"].as_u64().expect("a count");
+        assert!((560..=580).contains(&samples), "0.1 s at 5.7 kSPS: {samples}");
+    }
+}
+
+/// F-56: f_conv/(N + 1), f_conv = 2 · 5692.6 Hz.
+#[test]
+fn a_divider_lowers_the_rate_and_warns_of_aliasing() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("slow.arrows");
+    let args =
+        ["capture", "--duration", "2s", "--divider", "50", "--device", "twin:mclk_hz=6000000", "-o", path(&file)];
+    let summary = zerorate(&[&args[..], &["--json"]].concat()).ended_with(0).json();
+    let rate_hz = summary["rate_hz"].as_f64().expect("a rate");
+    assert!((rate_hz / (2.0 * 5_692.6 / 51.0) - 1.0).abs() < 0.005, "{rate_hz}");
+    assert!(summary["warnings"][0].as_str().is_some_and(|text| text.starts_with("aliased: ")), "{summary}");
+    zerorate(&[&args[..], &["--force"]].concat()).ended_with(0).saying(&["twice the bandwidth"]);
+    zerorate(&args).ended_with(1).saying(&["--force"]);
+}
+
+#[test]
+fn replays_have_decided_how_to_sample() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("a.arrows");
+    zerorate(&["capture", "--samples", "100", "-o", path(&file)]).ended_with(0);
+    let replay = format!("replay:{}", path(&file));
+    zerorate(&["probe", "--device", &replay, "--divider", "2"]).ended_with(2).saying(&["--divider"]);
+    zerorate(&["probe", "--device", &replay]).ended_with(0);
+}
+
+#[test]
+fn stream_prints_corrected_rows() {
+    let (_folder, cal) = folder_with_calibration();
+    let unit = "twin:noise=0,bias_dps=0,tempco_dps_per_c=0,curvature=0,hysteresis=0,warmup_c=0";
+    let args = ["stream", "--cal", &cal, "--device", unit, "--duration", "1s", "--rate", "4"];
+    let rows = zerorate(&args).ended_with(0).saying(&["no checksum"]).stdout;
+    let rows: Vec<Vec<&str>> = rows.lines().map(|row| row.split(',').collect()).collect();
+    assert_eq!(rows[0], ["t_s", "rate_dps", "temp_c", "lost", "calibration"]);
+    assert_eq!(rows.len(), 1 + 4);
+    for row in &rows[1..] {
+        let [rate_dps, temp_c] = [row[1], row[2]].map(|cell| cell.parse::<f64>().expect("a number"));
+        // F-50: 0.5 + (TEMP − 31.5) · −0.04
+        assert!((rate_dps - (0.5 - 0.04 * (temp_c - 31.5))).abs() < 1e-4, "{row:?}");
+        assert!((temp_c - 25.0).abs() < 0.01 && row[3] == "0", "{row:?}");
+    }
+    let lines = zerorate(&[&args[..], &["--format", "jsonl"]].concat()).ended_with(0).stdout;
+    for line in lines.lines() {
+        let row: serde_json::Value = serde_json::from_str(line).expect("an object");
+        assert!(["t_s", "rate_dps", "temp_c", "lost"].iter().all(|key| row[*key].is_number()), "{row}");
+    }
+    assert_eq!(lines.lines().count(), 4);
+}
+
+#[test]
+fn stream_refuses_what_does_not_fit() {
+    let (_folder, cal) = folder_with_calibration();
+    let stream = |more: &[&str]| zerorate(&[&["stream", "--duration", "10ms", "--cal"], more].concat());
+    stream(&[&cal, "--serial", "B2"]).ended_with(1).saying(&["A1", "B2"]);
+    stream(&[&cal, "--serial", "A1"]).ended_with(0);
+    stream(&["none.toml"]).ended_with(1).saying(&["none.toml"]);
+    stream(&[&cal, "--rate", "0"]).ended_with(2).saying(&["--rate"]);
+    stream(&[&cal, "--device", "twin:fault=sdo_low"]).ended_with(1).saying(&["pin 12"]);
+}
+
+#[test]
+fn stream_warns_outside_the_span_of_the_calibration() {
+    let (_folder, cal) = folder_with_calibration();
+    std::fs::write(&cal, format!("{CALIBRATION}[validity]\ntemp_min_c = 30.0\ntemp_max_c = 33.0\n")).expect("written");
+    let run =
+        zerorate(&["stream", "--cal", &cal, "--duration", "1s"]).ended_with(0).saying(&["outside the 30.0 … 33.0 °C"]);
+    assert_eq!(run.stderr.matches("outside").count(), 1, "said once");
+}
+
+#[test]
+fn a_reader_that_goes_away_ends_a_stream_quietly() {
+    let (_folder, cal) = folder_with_calibration();
+    let mut child = start(&["stream", "--cal", &cal]);
+    let mut first = String::new();
+    let mut rows = BufReader::new(child.stdout.take().expect("a pipe"));
+    rows.read_line(&mut first).expect("a row");
+    drop(rows);
+    let run = ended(child).ended_with(0);
+    assert!(!run.stderr.contains("error") && !run.stderr.contains("panicked"), "{}", run.stderr);
+}
+
+#[test]
+fn interrupted_a_capture_is_whole_and_a_stream_ends_well() {
+    let (folder, cal) = folder_with_calibration();
+    let file = folder.path().join("long.arrows");
+    let capture = start(&["capture", "--realtime", "-o", path(&file)]);
+    let mut stream = start(&["stream", "--realtime", "--rate", "20", "--cal", &cal]);
+    let mut rows = BufReader::new(stream.stdout.take().expect("a pipe")).lines();
+    // Two rows: by now the samples come. Rows are not held back until a buffer is full.
+    assert!(rows.by_ref().take(3).all(|row| row.is_ok()));
+    wait_for(&file);
+    interrupt(&stream);
+    interrupt(&capture);
+    ended(stream).ended_with(0);
+    let run = ended(capture).ended_with(0);
+    assert!(run.stdout.contains("interrupted"), "{}", run.stdout);
+    let replay = format!("replay:{}", path(&file));
+    let found = zerorate(&["probe", "--device", &replay, "--json"]).ended_with(0).saying(&[]);
+    assert!(!found.stderr.contains("warning"), "the file has its end: {}", found.stderr);
+    assert!(found.json()["samples"].as_u64().is_some_and(|samples| samples > 100), "{}", found.stdout);
+}
+
+#[test]
+fn an_interrupted_calibration_writes_nothing_but_its_log() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let [cal, log] = ["unit.toml", "log.arrows"].map(|name| folder.path().join(name));
+    let child = start(&["calibrate", "--realtime", "-o", path(&cal), "--log", path(&log)]);
+    wait_for(&log);
+    interrupt(&child);
+    ended(child).ended_with(1).saying(&["interrupted", "nothing written"]);
+    let left: Vec<_> =
+        std::fs::read_dir(folder.path()).expect("the folder").map(|e| e.expect("an entry").path()).collect();
+    assert_eq!(left, [&*log]);
+    zerorate(&["probe", "--device", &format!("replay:{}", path(&log))]).ended_with(0);
+}
+
+#[test]
+fn a_measured_calibration_streams() {
+    let (_folder, cal) = folder_with_calibration();
+    calibrate(&["-o", &cal]).ended_with(0);
+    let run = zerorate(&["stream", "--cal", &cal, "--duration", "10ms"]).ended_with(0);
+    assert_eq!(run.stderr, "", "a whole calibration needs no warning");
+}
+
+fn start(args: &[&str]) -> Child {
+    command(args).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the program starts")
+}
+
+fn ended(child: Child) -> Run {
+    child.wait_with_output().expect("it ends").into()
+}
+
+/// Ctrl-C.
+fn interrupt(child: &Child) {
+    let sent = Command::new("sh").args(["-c", &format!("kill -INT {}", child.id())]).status().expect("sh");
+    assert!(sent.success());
+}
+
+/// Until samples are in the file: the first batch goes out within a second of part time.
+fn wait_for(file: &Path) {
+    let deadline = Instant::now() + Duration::from_secs(20);
+    while std::fs::metadata(file).map_or(0, |meta| meta.len()) < 10_000 {
+        assert!(Instant::now() < deadline, "{} stays empty", file.display());
+        std::thread::sleep(Duration::from_millis(20));
+    }
+}

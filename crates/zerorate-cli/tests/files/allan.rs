@@ -1,0 +1,182 @@
+//! Allan deviations of any log, against published figures and against each other.
+
+use super::{Bench, capture, skip};
+use lzma_rust2::XzReader;
+use std::fs::{self, File};
+use std::io::Read;
+use std::path::PathBuf;
+
+/// The JSON of a run, as pairs of m and deviation.
+fn points(json: &str) -> Vec<(u64, f64)> {
+    let json: serde_json::Value = serde_json::from_str(json).unwrap();
+    let points = json["points"].as_array().unwrap();
+    points.iter().map(|point| (point["m"].as_u64().unwrap(), point["dev"].as_f64().unwrap())).collect()
+}
+
+/// The 1000-point suite of NIST SP 1065, section 12.4: a congruential generator.
+fn nbs14() -> Vec<f64> {
+    let next = |n: &u64| Some(16_807 * n % 2_147_483_647);
+    std::iter::successors(Some(1_234_567_890), next).map(|n| n as f64 / 2_147_483_647.0).take(1000).collect()
+}
+
+#[test]
+fn published_figures_of_nist() {
+    let bench = Bench::new();
+    let lines: String = nbs14().iter().map(|value| format!("{value}\n")).collect();
+    bench.write("nbs14.csv", lines);
+    let found = points(&bench.zerorate("allan nbs14.csv --rate 1 --json").ok());
+    assert_eq!(found.len(), 9);
+    assert!((found[0].1 / 2.922319e-1 - 1.0).abs() < 3e-7);
+}
+
+/// A real gyroscope, published with the R package avar: overlapping Allan variance at 18 averaging times.
+#[test]
+fn published_allan_variance_of_a_real_gyroscope() {
+    let Some(folder) = reference_data().map(|data| data.join("adis16405")) else {
+        return;
+    };
+    let bench = Bench::new();
+    let mut samples = Vec::new();
+    let packed = File::open(folder.join("adis16405_imu1_gyro_z.i16le.xz")).unwrap();
+    XzReader::new(packed, true).read_to_end(&mut samples).unwrap();
+    bench.write("gyro_z.i16", samples);
+    let json = bench.zerorate("allan gyro_z.i16 --raw i16 --rate 100 --scale 0.05 --json").ok();
+    let found = points(&json);
+    let published = fs::read_to_string(folder.join("published_gyro_z.csv")).unwrap();
+    let rows: Vec<Vec<f64>> =
+        published.lines().skip(1).map(|line| line.split(',').map(|cell| cell.parse().unwrap()).collect()).collect();
+    assert_eq!(rows.len(), 18);
+    for row in rows {
+        let (tau_s, variance) = (row[0], row[1]);
+        let m = (tau_s * 100.0).round() as u64;
+        let (_, dev) = found.iter().find(|(found, _)| *found == m).unwrap();
+        assert!((dev * dev / variance - 1.0).abs() < 1e-5, "{tau_s} s: {} instead of {variance}", dev * dev);
+    }
+}
+
+/// The folder with recordings that are not shipped; without it the test says so.
+fn reference_data() -> Option<PathBuf> {
+    let beside_project = || PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
+    let folder = std::env::var_os("ZERORATE_REFERENCE_DATA").map_or_else(beside_project, PathBuf::from);
+    if !folder.join("adis16405").is_dir() {
+        skip(&format!("no reference recordings in {} (set ZERORATE_REFERENCE_DATA)", folder.display()));
+        return None;
+    }
+    Some(folder)
+}
+
+/// The same numbers in every form that is read.
+#[test]
+fn every_form_of_a_log_gives_the_same() {
+    let bench = Bench::new();
+    let codes: Vec<i16> = (0..500).map(|i: i32| ((i * i * 7919) % 10_007 - 5_000) as i16).collect();
+    let text = |separator: &str, header: &str| -> String {
+        let rows = codes.iter().enumerate().map(|(i, code)| format!("{i}{separator}{code}\n"));
+        format!("# a comment\n{header}{}", rows.collect::<String>())
+    };
+    bench.write("i16", codes.iter().flat_map(|code| code.to_le_bytes()).collect::<Vec<_>>());
+    bench.write("i32", codes.iter().flat_map(|code| i32::from(*code).to_le_bytes()).collect::<Vec<_>>());
+    bench.write("f32", codes.iter().flat_map(|code| f32::from(*code).to_le_bytes()).collect::<Vec<_>>());
+    bench.write("f64", codes.iter().flat_map(|code| f64::from(*code).to_le_bytes()).collect::<Vec<_>>());
+    bench.write("comma.csv", text(",", ""));
+    bench.write("named.csv", text(",", "\"t, s\",\"gyro z\"\r\n"));
+    bench.write("semicolon.csv", text("; ", "t;z\n"));
+    bench.write("tab.tsv", text("\t", "t\tz\n"));
+    bench.write("blanks.txt", text("   ", ""));
+    let whole = points(&bench.zerorate("allan i16 --raw i16 --rate 50 --scale 0.05 --json").ok());
+    let lines = [
+        "i32 --raw i32",
+        "f32 --raw f32",
+        "f64 --raw f64",
+        "comma.csv --column 1",
+        "named.csv --column 1",
+        "semicolon.csv --column z",
+        "tab.tsv --column z",
+        "blanks.txt --column 1",
+    ];
+    for line in lines {
+        let found = points(&bench.zerorate(&format!("allan {line} --rate 50 --scale 0.05 --json")).ok());
+        assert_eq!(found.len(), whole.len());
+        for ((m, dev), (_, expected)) in found.iter().zip(&whole) {
+            assert!((dev / expected - 1.0).abs() < 1e-9, "{line}: m = {m}");
+        }
+    }
+}
+
+/// A capture knows its rate and its scale; corrected, it is the same noise.
+#[test]
+fn a_capture_needs_no_options() {
+    let bench = Bench::new();
+    let rows = |i: u64| format!("{},{i},{},8,8400000,0\n", 1_000 + i * 10_000_000, 8_388_608 + (i * i * 7919) % 10_007);
+    bench.write("rest.csv", capture("A1", &(0..300).map(rows).collect::<String>()));
+    let json = bench.zerorate("allan rest.csv --json").ok();
+    let report: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert_eq!(
+        (&report["rate_hz"], &report["samples"], &report["stat"]),
+        (&100.0.into(), &300.into(), &"oadev".into())
+    );
+    assert_eq!(report["points"][0]["tau_s"], 0.01);
+    assert_eq!(report["points"][0]["n"], 299);
+    let raw = points(&json);
+    let unscaled = points(&bench.zerorate("allan rest.csv --scale 1 --json").ok());
+    assert!((unscaled[3].1 / raw[3].1 / 23_488.0 - 1.0).abs() < 1e-12);
+    bench.write("unit.toml", super::calibration(-0.25, 0.0, 30.0));
+    bench.zerorate("correct rest.csv --cal unit.toml -o corrected.parquet").ok();
+    let corrected = points(&bench.zerorate("allan corrected.parquet --json").ok());
+    let same = |((_, a), (_, b)): (&(u64, f64), &(u64, f64))| (a / b - 1.0).abs() < 1e-9;
+    assert!(corrected.iter().zip(&raw).all(same));
+    let table = bench.zerorate("allan rest.csv").ok();
+    let header: Vec<&str> = table.lines().next().unwrap().split_whitespace().collect();
+    assert_eq!(header, ["tau_s", "m", "dev_dps", "dev_deg_per_h", "n"]);
+    assert_eq!(table.lines().count(), 1 + raw.len());
+}
+
+#[test]
+fn gaps_are_not_closed_up_silently() {
+    let bench = Bench::new();
+    // 7 before the first row do not matter: the record had not begun
+    let rows = "0,1,8388608,8,8400000,7\n10000000,2,8388610,8,,0\n40000000,5,8388609,8,,2\n50000000,6,8388611,8,,0\n";
+    bench.write("gap.csv", capture("A1", rows));
+    let refusal = bench.zerorate("allan gap.csv").fails(3);
+    assert!(refusal.contains("2 samples were lost among 4") && refusal.contains("--ignore-gaps"), "{refusal}");
+    let run = bench.zerorate("allan gap.csv --ignore-gaps --json");
+    assert!(run.stderr().contains("warning: gap.csv: 2 samples were lost"));
+    let report: serde_json::Value = serde_json::from_str(&run.ok()).unwrap();
+    assert_eq!(report["rate_hz"], 100.0);
+}
+
+#[test]
+fn what_is_wrong_is_named() {
+    let bench = Bench::new();
+    bench.write("log.csv", "t,x\n0,1\n1,2\n2,abc\n");
+    bench.write("decimal.csv", "t;x\n0;1,5\n1;2,5\n");
+    bench.write("one.csv", "1\n");
+    bench.write("empty.csv", "");
+    bench.write("short.csv", "t,x\n0,1\n1\n");
+    bench.write("nan.csv", "1\nnan\n3\n");
+    bench.write("odd.i16", [1, 2, 3]);
+    bench.write("binary", [b'x', 0xC0, 0x80, 1, b'\n']);
+    let cases = [
+        ("short.csv --column t", 2, "give --rate HZ"),
+        ("log.csv --column x --rate 100", 1, "log.csv, line 4, column x: `abc` is no number"),
+        ("log.csv --rate 100", 2, "choose with --column one of: 0 `t`, 1 `x`"),
+        ("log.csv --rate 100 --column z", 2, "no column `z`"),
+        ("log.csv --rate 100 --column 2", 2, "no column `2`"),
+        ("decimal.csv --column x --rate 100", 1, "`1,5` is no number (with a decimal point)"),
+        ("one.csv --rate 100", 1, "1 samples are too few"),
+        ("empty.csv --rate 100", 1, "empty.csv is"),
+        ("short.csv --rate 100 --column x", 1, "line 3, column x: the line ends"),
+        ("nan.csv --rate 100", 1, "line 2"),
+        ("odd.i16 --raw i16 --rate 100", 1, "3 bytes"),
+        ("binary --rate 100", 1, "--raw"),
+        (". --rate 100", 1, "directory"),
+        ("absent.csv --rate 100", 1, "absent.csv"),
+        ("one.csv --rate 0", 2, "above zero"),
+        ("one.csv --rate 100 --stat mdev", 2, "mdev"),
+        ("one.csv --rate 100 --taus all", 2, "--taus"),
+    ];
+    for (line, code, reason) in cases {
+        let said = bench.zerorate(&format!("allan {line}")).fails(code);
+        assert!(said.contains(reason), "allan {line}: {said}");
+    }
+}

@@ -1,0 +1,103 @@
+//! The commands that work on files, run as a user runs them.
+
+mod allan;
+mod correct;
+mod export;
+mod interop;
+
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use tempfile::TempDir;
+
+/// A folder of its own, gone after the test.
+struct Bench {
+    dir: TempDir,
+}
+
+impl Bench {
+    fn new() -> Self {
+        Self { dir: TempDir::new().unwrap() }
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.dir.path().join(name)
+    }
+
+    fn write(&self, name: &str, content: impl AsRef<[u8]>) -> PathBuf {
+        let path = self.path(name);
+        fs::write(&path, content).unwrap();
+        path
+    }
+
+    /// Runs the program in this folder.
+    fn zerorate(&self, line: &str) -> Run {
+        let output =
+            Command::new(env!("CARGO_BIN_EXE_zerorate")).args(line.split(' ')).current_dir(self.dir.path()).output();
+        Run { line: line.to_owned(), output: output.unwrap() }
+    }
+}
+
+/// A run that is over.
+struct Run {
+    line: String,
+    output: Output,
+}
+
+impl Run {
+    /// What it printed, if all went well.
+    fn ok(self) -> String {
+        assert!(self.output.status.success(), "zerorate {}: {}", self.line, self.stderr());
+        String::from_utf8(self.output.stdout).unwrap()
+    }
+
+    /// The reason why it failed, with this code and without printing data.
+    fn fails(self, code: i32) -> String {
+        assert_eq!(self.output.status.code(), Some(code), "zerorate {}: {}", self.line, self.stderr());
+        assert!(self.output.stdout.is_empty(), "zerorate {} printed data", self.line);
+        self.stderr()
+    }
+
+    fn stderr(&self) -> String {
+        String::from_utf8_lossy(&self.output.stderr).into_owned()
+    }
+}
+
+/// A calibration written by hand.
+fn calibration(pbc_dps: f64, btc_dps_per_c: f64, t3_c: f64) -> String {
+    format!(
+        "schema = 1\npart = \"ADIS16130\"\n[correction]\npbc_dps = {pbc_dps:?}\nbtc_dps_per_c = {btc_dps_per_c:?}\nt3_c = {t3_c:?}\n"
+    )
+}
+
+/// A CSV capture with this serial number and these rows: t_ns, edge_seq, rate_code, status, temp_code, lost.
+fn capture(serial: &str, rows: &str) -> String {
+    format!(
+        "# zerorate.capture_schema = 1\n# zerorate.width_bits = 24\n# zerorate.rate_conversion = 5\n# zerorate.temp_conversion = 5\n\
+         # zerorate.serial = {serial}\nt_ns,edge_seq,rate_code,status,temp_code,lost\n{rows}"
+    )
+}
+
+/// Whether a program is there; the test that needs it says so when it is not.
+fn installed(program: &str) -> bool {
+    let found = Command::new(program).arg("--version").output().is_ok_and(|output| output.status.success());
+    if !found {
+        skip(&format!("it needs `{program}`, which is not installed"));
+    }
+    found
+}
+
+/// Says that a test did not run. The test harness swallows what `eprintln!` prints, but not this.
+fn skip(why: &str) {
+    let line = format!("SKIPPED {}: {why}\n", std::thread::current().name().unwrap_or_default());
+    std::io::stderr().write_all(line.as_bytes()).unwrap();
+}
+
+/// Runs a program that must succeed, and gives what it printed.
+fn run(program: impl AsRef<Path>, args: &[&str], dir: &Path) -> String {
+    let program = program.as_ref();
+    let output = Command::new(program).args(args).current_dir(dir).output().unwrap();
+    assert!(output.status.success(), "{}: {}", program.display(), String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).unwrap()
+}

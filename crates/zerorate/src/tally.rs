@@ -1,0 +1,63 @@
+//! Counts over a run of samples.
+
+use adis16130::Sample;
+
+/// How many samples came, how many were lost, and how fast they were.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Tally {
+    /// Rate samples read.
+    pub samples: u64,
+    /// Rate samples lost.
+    pub lost: u64,
+    edges: u64,
+    first_ns: u64,
+    last_ns: u64,
+    last_seq: u32,
+    longest_gap_ns: u64,
+}
+
+impl Tally {
+    /// Counts a sample.
+    #[inline]
+    pub fn count(&mut self, sample: &Sample) {
+        if self.samples == 0 {
+            self.first_ns = sample.t_ns;
+        } else {
+            self.edges += u64::from(sample.seq.wrapping_sub(self.last_seq));
+            let gap_ns = sample.t_ns.saturating_sub(self.last_ns);
+            self.longest_gap_ns = self.longest_gap_ns.max(gap_ns);
+        }
+        (self.last_seq, self.last_ns) = (sample.seq, sample.t_ns);
+        self.samples += 1;
+        self.lost += u64::from(sample.lost);
+    }
+
+    /// From the first sample to the last, s.
+    #[must_use]
+    pub fn duration_s(&self) -> f64 {
+        self.last_ns.saturating_sub(self.first_ns) as f64 * 1e-9
+    }
+
+    /// Rate samples read per second.
+    #[must_use]
+    pub fn rate_hz(&self) -> f64 {
+        self.per_second(self.samples.saturating_sub(1))
+    }
+
+    /// Falling edges of data ready per second (F-32).
+    #[must_use]
+    pub fn rdy_hz(&self) -> f64 {
+        self.per_second(self.edges)
+    }
+
+    /// Longest time between two samples, ms.
+    #[must_use]
+    pub fn longest_gap_ms(&self) -> f64 {
+        self.longest_gap_ns as f64 * 1e-6
+    }
+
+    fn per_second(&self, count: u64) -> f64 {
+        let duration_s = self.duration_s();
+        if duration_s > 0.0 { count as f64 / duration_s } else { 0.0 }
+    }
+}

@@ -1,0 +1,238 @@
+//! `cargo xtask coverage`: calibrates many units of the twin and holds what is stated against their truth.
+
+use adis16130::blocking::Adis16130;
+use adis16130::{Config, Edge, MCLK_HZ, Sample, Sampler, SamplerConfig};
+use adis16130_twin::{Spec, Truth, Twin, TwinRdy, TwinSpi};
+use anyhow::{Context, anyhow, ensure};
+use std::ops::RangeInclusive;
+use std::sync::atomic::{AtomicU64, Ordering};
+use zerorate::{Action, Correction, Event, Outcome, Plan, Procedure, State, Uncertainty};
+
+/// A part that gives no edge for this long is dead.
+const NO_EDGE_NS: u64 = 100_000_000;
+/// How long the part is off before its second warm-up, s.
+const OFF_S: u64 = 3600;
+
+/// What to run.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Units, by their seeds, both ends included
+    #[arg(long, default_value = "1..200", value_parser = parse_seeds, value_name = "A..B")]
+    seeds: RangeInclusive<u64>,
+    /// Only the linear units: the intervals of PBC and BTC
+    #[arg(long, conflicts_with = "default_units")]
+    linear_units: bool,
+    /// Only the default units: errors, and a second warm-up with and without correction
+    #[arg(long)]
+    default_units: bool,
+    /// Units at once
+    #[arg(long, default_value_t = std::thread::available_parallelism().map_or(1, usize::from))]
+    threads: usize,
+}
+
+fn parse_seeds(text: &str) -> Result<RangeInclusive<u64>, String> {
+    let (first, last) = text.split_once("..").ok_or("seeds are given as FIRST..LAST, for example 1..200")?;
+    let seed = |text: &str| text.trim_start_matches('=').parse().map_err(|_| format!("`{text}` is no seed"));
+    let (first, last) = (seed(first)?, seed(last)?);
+    if first > last { Err(format!("{first} lies behind {last}")) } else { Ok(first..=last) }
+}
+
+/// Runs both parts, or the one that was asked for.
+pub fn run(args: &Args) -> anyhow::Result<()> {
+    if !args.default_units {
+        let units = for_each_seed(args, linear_unit)?;
+        println!("{} linear units (curvature=0,hysteresis=0, --assume-linear), seeds {:?}:", units.len(), args.seeds);
+        report_intervals("PBC", "°/s", units.iter().map(|unit| unit.pbc));
+        report_intervals("BTC", "°/s/°C", units.iter().map(|unit| unit.btc));
+    }
+    if !args.linear_units {
+        let units = for_each_seed(args, default_unit)?;
+        println!("{} default units, seeds {:?}:", units.len(), args.seeds);
+        report_intervals("PBC", "°/s", units.iter().map(|unit| unit.judged.pbc));
+        report_intervals("BTC", "°/s/°C", units.iter().map(|unit| unit.judged.btc));
+        let raw = rms(units.iter().map(|unit| unit.raw_change_dps));
+        let corrected = rms(units.iter().map(|unit| unit.corrected_change_dps));
+        println!(
+            "  second warm-up after an hour off, change from its first 10 s to its last 150 s, rms: {raw:.4} °/s raw, {corrected:.4} °/s corrected: {:.1}-fold less",
+            raw / corrected
+        );
+    }
+    Ok(())
+}
+
+/// An estimate's error and its stated standard uncertainty.
+#[derive(Clone, Copy)]
+struct Judged {
+    error: f64,
+    u: f64,
+}
+
+struct Unit {
+    pbc: Judged,
+    btc: Judged,
+}
+
+struct DefaultUnit {
+    judged: Unit,
+    raw_change_dps: f64,
+    corrected_change_dps: f64,
+}
+
+fn report_intervals(name: &str, unit: &str, results: impl Iterator<Item = Judged> + Clone) {
+    let ratios = results.clone().map(|judged| judged.error / judged.u);
+    let count = ratios.clone().count() as f64;
+    let inside = ratios.clone().filter(|ratio| ratio.abs() <= Uncertainty::FACTOR).count() as f64;
+    println!(
+        "  {name}: {:.1} % inside the 95 % interval, rms(error/u) {:.3}, mean(error/u) {:+.3}; rms error {:.5} {unit}, rms u {:.5} {unit}",
+        100.0 * inside / count,
+        rms(ratios.clone()),
+        ratios.sum::<f64>() / count,
+        rms(results.clone().map(|judged| judged.error)),
+        rms(results.map(|judged| judged.u)),
+    );
+}
+
+fn rms(values: impl Iterator<Item = f64> + Clone) -> f64 {
+    let count = values.clone().count() as f64;
+    (values.map(|value| value * value).sum::<f64>() / count).sqrt()
+}
+
+/// Runs every seed on a few threads; results come in the order of the seeds.
+fn for_each_seed<T: Send>(args: &Args, unit: fn(u64) -> anyhow::Result<T>) -> anyhow::Result<Vec<T>> {
+    let next = AtomicU64::new(*args.seeds.start());
+    let worker = || {
+        let seeds = std::iter::from_fn(|| Some(next.fetch_add(1, Ordering::Relaxed)));
+        let mine = seeds.take_while(|seed| args.seeds.contains(seed));
+        mine.map(|seed| Ok((seed, unit(seed).with_context(|| format!("seed {seed}"))?)))
+            .collect::<anyhow::Result<Vec<_>>>()
+    };
+    let mut results = std::thread::scope(|scope| -> anyhow::Result<Vec<(u64, T)>> {
+        let workers: Vec<_> = (0..args.threads.max(1)).map(|_| scope.spawn(worker)).collect();
+        let joined = workers.into_iter().map(|worker| worker.join().map_err(|_| anyhow!("a worker panicked"))?);
+        Ok(joined.collect::<anyhow::Result<Vec<_>>>()?.into_iter().flatten().collect())
+    })?;
+    results.sort_by_key(|(seed, _)| *seed);
+    Ok(results.into_iter().map(|(_, result)| result).collect())
+}
+
+fn linear_unit(seed: u64) -> anyhow::Result<Unit> {
+    let spec = Spec { curvature_dps_per_c2: 0.0, hysteresis_dps: 0.0, ..Spec::from_seed(seed) };
+    let plan = Plan { assume_linear: true, ..Plan::default() };
+    let (outcome, truth) = Rig::new(spec).calibrate(plan)?;
+    Ok(judge(&outcome, &truth))
+}
+
+fn default_unit(seed: u64) -> anyhow::Result<DefaultUnit> {
+    let mut rig = Rig::new(Spec::from_seed(seed));
+    let (outcome, truth) = rig.calibrate(Plan::default())?;
+    rig.twin.power_off();
+    rig.twin.advance_ns(OFF_S * 1_000_000_000);
+    rig.twin.power_on();
+    let (raw_change_dps, corrected_change_dps) = rig.warm_up(&outcome.correction)?;
+    Ok(DefaultUnit { judged: judge(&outcome, &truth), raw_change_dps, corrected_change_dps })
+}
+
+fn judge(outcome: &Outcome, truth: &Truth) -> Unit {
+    let Correction { pbc_dps, btc_dps_per_c, t3_c } = outcome.correction;
+    let uncertainty = &outcome.uncertainty;
+    Unit {
+        pbc: Judged { error: pbc_dps - truth.pbc_dps(t3_c), u: uncertainty.u_pbc_dps },
+        btc: Judged { error: btc_dps_per_c - truth.btc_dps_per_c(t3_c), u: uncertainty.u_btc_dps_per_c },
+    }
+}
+
+/// A twin on the driver's bus.
+struct Rig {
+    twin: Twin,
+    gyro: Adis16130<TwinSpi, TwinRdy>,
+    sampler: Sampler,
+}
+
+impl Rig {
+    fn new(spec: Spec) -> Self {
+        let twin = Twin::new(spec);
+        let gyro = Adis16130::new(twin.spi(), twin.rdy(), Config::default());
+        Self { twin, gyro, sampler: new_sampler() }
+    }
+
+    fn initialise(&mut self) -> anyhow::Result<u64> {
+        self.sampler = new_sampler();
+        self.gyro.init().map_err(|error| anyhow!("{error}"))?;
+        Ok(self.twin.now_ns())
+    }
+
+    fn read(&mut self) -> anyhow::Result<Sample> {
+        loop {
+            let edge = self.twin.next_falling_edge(NO_EDGE_NS).context("no data ready")?;
+            let edge = Edge { t_ns: edge.t_ns, seq: edge.seq };
+            if let Some(sample) = self.gyro.sample(&mut self.sampler, edge).map_err(|error| anyhow!("{error}"))? {
+                return Ok(sample);
+            }
+        }
+    }
+
+    /// The result, and the truth at the end of step 8.
+    fn calibrate(&mut self, plan: Plan) -> anyhow::Result<(Outcome, Truth)> {
+        let mut procedure = Procedure::new(plan)?;
+        let mut truth = None;
+        loop {
+            match procedure.next() {
+                Action::Initialise => procedure.handle(Event::Initialised { t_ns: self.initialise()? })?,
+                Action::Sample => procedure.handle(Event::Sample(&self.read()?))?,
+                Action::Done => break,
+            }
+            if truth.is_none() && procedure.progress().state == State::FinalTemperature {
+                truth = Some(self.twin.truth());
+            }
+        }
+        Ok((procedure.finish()?, truth.context("step 8 never ended")?))
+    }
+
+    /// How the mean rate changes from the first 10 s after switching on to the last 150 s of F-51's time, raw and corrected, °/s.
+    fn warm_up(&mut self, correction: &Correction) -> anyhow::Result<(f64, f64)> {
+        let start_ns = self.initialise()?;
+        let (mut first, mut last) = (Mean::default(), Mean::default());
+        loop {
+            let sample = self.read()?;
+            match (sample.t_ns - start_ns) / 1_000_000_000 {
+                0..10 => first.push(&sample, correction)?,
+                3020..3170 => last.push(&sample, correction)?,
+                3170.. => break,
+                _ => {}
+            }
+        }
+        ensure!(first.count > 0 && last.count > 0, "no samples in the second warm-up");
+        Ok((last.raw_dps() - first.raw_dps(), last.corrected_dps() - first.corrected_dps()))
+    }
+}
+
+fn new_sampler() -> Sampler {
+    Sampler::new(SamplerConfig::default(), &Config::default(), MCLK_HZ)
+}
+
+/// Means of the raw and of the corrected rate.
+#[derive(Default)]
+struct Mean {
+    raw: f64,
+    corrected: f64,
+    count: u64,
+}
+
+impl Mean {
+    fn push(&mut self, sample: &Sample, correction: &Correction) -> anyhow::Result<()> {
+        let temp = sample.temp.context("a sample without temperature")?;
+        let rate_dps = zerorate::rate_dps(sample.rate);
+        self.raw += rate_dps;
+        self.corrected += correction.apply(rate_dps, zerorate::temp_c(temp));
+        self.count += 1;
+        Ok(())
+    }
+
+    fn raw_dps(&self) -> f64 {
+        self.raw / self.count as f64
+    }
+
+    fn corrected_dps(&self) -> f64 {
+        self.corrected / self.count as f64
+    }
+}

@@ -1,0 +1,40 @@
+//! `cargo xtask`: everything a developer or CI runs that is longer than a line.
+//!
+//! To add a command: write a module with `#[derive(clap::Args)] pub struct Args` and `pub fn run(args: &Args)`, and give it a
+//! variant in [`Task`].
+
+mod coverage;
+mod targets;
+mod test;
+
+use clap::{Parser, Subcommand};
+use std::process::ExitCode;
+
+#[derive(Parser)]
+#[command(bin_name = "cargo xtask", about, arg_required_else_help = true)]
+struct Cli {
+    #[command(subcommand)]
+    task: Task,
+}
+
+#[derive(Subcommand)]
+enum Task {
+    /// Run every check that a change must pass
+    Test(test::Args),
+    /// Calibrate many units of the twin and hold the stated uncertainties against their truth
+    Coverage(coverage::Args),
+}
+
+fn main() -> ExitCode {
+    let done = match Cli::parse().task {
+        Task::Test(args) => test::run(&args),
+        Task::Coverage(args) => coverage::run(&args),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}

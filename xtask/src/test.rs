@@ -1,0 +1,119 @@
+//! `cargo xtask test`: every check that a change must pass.
+//!
+//! The steps share what they build: clippy and the documentation use the same checked dependencies, the tests and the
+//! integration tests the same binaries.
+
+use std::fmt;
+use std::process::Command;
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, Result, bail};
+
+use crate::targets;
+
+/// Command line of `cargo xtask test`.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Run only these steps; default: all
+    #[arg(value_name = "STEP", value_parser = clap::builder::PossibleValuesParser::new(STEPS.map(|step| step.name)))]
+    only: Vec<String>,
+}
+
+/// One cargo command.
+struct Step {
+    name: &'static str,
+    env: Option<(&'static str, &'static str)>,
+    args: &'static str,
+}
+
+impl Step {
+    const fn new(name: &'static str, args: &'static str) -> Self {
+        Self { name, env: None, args }
+    }
+
+    const fn with_env(mut self, key: &'static str, value: &'static str) -> Self {
+        self.env = Some((key, value));
+        self
+    }
+
+    /// The Rust targets it builds for, the host left out.
+    fn targets(&self) -> impl Iterator<Item = &'static str> {
+        let words = self.args.split(' ');
+        words.clone().zip(words.skip(1)).filter(|(option, _)| *option == "--target").map(|(_, target)| target)
+    }
+}
+
+/// The command as one would type it.
+impl fmt::Display for Step {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some((key, value)) = self.env {
+            write!(f, "{key}={value} ")?;
+        }
+        write!(f, "cargo {}", self.args)
+    }
+}
+
+/// All steps, in the order in which they fail most cheaply.
+///
+/// thumbv7em-none-eabihf is a Cortex-M4F. thumbv6m-none-eabi is a Cortex-M0: it has no compare-and-swap, which the TOML
+/// parser behind the core's feature `file` needs.
+const STEPS: [Step; 11] = [
+    Step::new("fmt", "fmt --all --check"),
+    Step::new("clippy", "clippy --workspace --all-targets --all-features -- -D warnings"),
+    Step::new("clippy-driver", "clippy -p adis16130 --all-targets -- -D warnings"),
+    Step::new("clippy-core", "clippy -p zerorate --no-default-features --lib -- -D warnings"),
+    // The program and the core are both called zerorate, so their pages share a place: the core's come last and stay.
+    Step::new("doc-app", "doc -p zerorate-cli --no-deps").with_env("RUSTDOCFLAGS", "-Dwarnings"),
+    Step::new("doc", "doc --workspace --exclude zerorate-cli --no-deps --all-features")
+        .with_env("RUSTDOCFLAGS", "-Dwarnings"),
+    Step::new(
+        "m0",
+        "build -p adis16130 -p zerorate --no-default-features --features adis16130/async --target thumbv6m-none-eabi",
+    ),
+    Step::new("m0-driver", "build -p adis16130 --target thumbv6m-none-eabi"),
+    Step::new("m4", "build -p adis16130 -p zerorate -p adis16130-twin --all-features --target thumbv7em-none-eabihf"),
+    Step::new("test", "test --workspace --all-features"),
+    Step::new("test-driver", "test -p adis16130"),
+];
+
+/// Runs the steps in order and stops at the first that fails.
+pub fn run(args: &Args) -> Result<()> {
+    let chosen: Vec<&Step> =
+        STEPS.iter().filter(|step| args.only.is_empty() || args.only.iter().any(|name| name == step.name)).collect();
+    targets::add_missing(chosen.iter().flat_map(|step| step.targets()))?;
+    let mut passed = Vec::new();
+    for (index, step) in chosen.iter().enumerate() {
+        println!("\n=== {} of {}: {}: {step}", index + 1, chosen.len(), step.name);
+        let start = Instant::now();
+        let ok = execute(step)?;
+        println!("=== {}: {} in {}", step.name, if ok { "passed" } else { "FAILED" }, clock(start.elapsed()));
+        if !ok {
+            summarise(&passed);
+            bail!("{} failed; to repeat it alone: {step}", step.name);
+        }
+        passed.push((step.name, start.elapsed()));
+    }
+    summarise(&passed);
+    Ok(())
+}
+
+fn execute(step: &Step) -> Result<bool> {
+    let status = Command::new("cargo").args(step.args.split(' ')).envs(step.env).status();
+    Ok(status.with_context(|| format!("cannot run `{step}`"))?.success())
+}
+
+fn summarise(passed: &[(&str, Duration)]) {
+    println!("\nPassed {} of the steps:", passed.len());
+    for (name, time) in passed {
+        println!("  {name:14} {:>12}", clock(*time));
+    }
+    println!("  {:14} {:>12}", "together", clock(passed.iter().map(|(_, time)| *time).sum()));
+}
+
+/// `7 min 05 s`, or `5.3 s` below a minute.
+fn clock(time: Duration) -> String {
+    match time.as_secs() {
+        0..60 => format!("{:.1} s", time.as_secs_f64()),
+        s => format!("{} min {:02} s", s / 60, s % 60),
+    }
+}

@@ -1,0 +1,110 @@
+//! The documents and the code agree: links lead somewhere, cited facts exist, the README shows the driver's own example.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+#[test]
+fn every_relative_link_leads_to_a_file_and_a_heading() {
+    let mut broken = Vec::new();
+    for (page, text) in files(&["md"]) {
+        for link in links(&text) {
+            let (path, heading) = link.split_once('#').unwrap_or((link, ""));
+            let target = if path.is_empty() { page.clone() } else { page.parent().unwrap().join(path) };
+            if !target.exists() || !has_heading(&target, heading) {
+                broken.push(format!("{}: {link}", page.display()));
+            }
+        }
+    }
+    assert!(broken.is_empty(), "broken links:\n{}", broken.join("\n"));
+}
+
+#[test]
+fn every_cited_fact_is_defined_in_facts_md() {
+    let facts = fs::read_to_string(root().join("docs/facts.md")).unwrap();
+    let defined: BTreeSet<&str> =
+        facts.lines().filter_map(|line| line.strip_prefix("| ")).flat_map(fact_ids_at_start).collect();
+    assert!(defined.contains("F-40") && defined.contains("M-01"), "the tables of docs/facts.md were not understood");
+    let mut unknown = Vec::new();
+    for (path, text) in files(&["md", "rs", "toml", "py", "pyi", "h"]) {
+        for (number, line) in text.lines().enumerate() {
+            let missing = fact_ids(line).filter(|id| !defined.contains(id));
+            unknown.extend(missing.map(|id| format!("{}:{}: {id}", path.display(), number + 1)));
+        }
+    }
+    assert!(unknown.is_empty(), "facts cited but not defined in docs/facts.md:\n{}", unknown.join("\n"));
+}
+
+#[test]
+fn the_readme_shows_the_example_that_the_driver_tests() {
+    let readme = fs::read_to_string(root().join("README.md")).unwrap();
+    let driver = fs::read_to_string(root().join("crates/adis16130/README.md")).unwrap();
+    let example = code_block(&readme).expect("README.md has no ```rust block");
+    assert!(driver.contains(example), "the ```rust block of README.md is not in crates/adis16130/README.md");
+}
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap().to_owned()
+}
+
+/// All files with one of these extensions, hidden and `target` directories left out.
+fn files(extensions: &[&str]) -> Vec<(PathBuf, String)> {
+    let mut found = Vec::new();
+    let mut directories = vec![root()];
+    while let Some(directory) = directories.pop() {
+        for entry in fs::read_dir(directory).unwrap() {
+            let path = entry.unwrap().path();
+            let name = path.file_name().unwrap().to_string_lossy();
+            if path.is_dir() && !name.starts_with('.') && name != "target" {
+                directories.push(path);
+            } else if path.extension().is_some_and(|e| extensions.iter().any(|wanted| e == *wanted)) {
+                let text = fs::read_to_string(&path).unwrap();
+                found.push((path, text));
+            }
+        }
+    }
+    found
+}
+
+/// The targets of `[text](target)`, external ones left out.
+fn links(markdown: &str) -> impl Iterator<Item = &str> {
+    let targets = markdown.split("](").skip(1).filter_map(|rest| rest.split_once(')')).map(|(target, _)| target);
+    targets.filter(|target| !target.contains("://") && !target.starts_with("mailto:"))
+}
+
+fn has_heading(page: &Path, anchor: &str) -> bool {
+    anchor.is_empty()
+        || fs::read_to_string(page)
+            .unwrap()
+            .lines()
+            .any(|line| line.starts_with('#') && slug(line.trim_start_matches('#')) == anchor)
+}
+
+/// The anchor that GitHub gives a heading.
+fn slug(heading: &str) -> String {
+    let kept = heading.trim().chars().filter(|c| c.is_alphanumeric() || matches!(c, ' ' | '-' | '_'));
+    kept.map(|c| if c == ' ' { '-' } else { c.to_ascii_lowercase() }).collect()
+}
+
+/// Every `F-12` or `M-03` in a line, whole words only.
+fn fact_ids(line: &str) -> impl Iterator<Item = &str> {
+    line.match_indices(['F', 'M'])
+        .filter(|(at, _)| !line[..*at].ends_with(|c: char| c.is_alphanumeric() || c == '-'))
+        .filter_map(|(at, _)| {
+            let id = line.get(at..at + 4)?;
+            let whole = !line[at + 4..].starts_with(|c: char| c.is_alphanumeric());
+            let numbered = id[1..2] == *"-" && id[2..].bytes().all(|b| b.is_ascii_digit());
+            (whole && numbered).then_some(id)
+        })
+}
+
+fn fact_ids_at_start(row: &str) -> Option<&str> {
+    fact_ids(row).next().filter(|id| row.starts_with(id))
+}
+
+/// The first ```rust block, fences left out.
+fn code_block(markdown: &str) -> Option<&str> {
+    let (_, rest) = markdown.split_once("```rust")?;
+    let (_, body) = rest.split_once('\n')?;
+    body.split_once("```").map(|(code, _)| code)
+}
