@@ -117,8 +117,8 @@ fn stream_warns_outside_the_span_of_the_calibration() {
     let (_folder, cal) = folder_with_calibration();
     std::fs::write(&cal, format!("{CALIBRATION}[validity]\ntemp_min_c = 30.0\ntemp_max_c = 33.0\n")).expect("written");
     let run =
-        zerorate(&["stream", "--cal", &cal, "--duration", "1s"]).ended_with(0).saying(&["outside the 30.0 … 33.0 °C"]);
-    assert_eq!(run.stderr.matches("outside").count(), 1, "said once");
+        zerorate(&["stream", "--cal", &cal, "--duration", "1s"]).ended_with(0).saying(&["leaves the 30.0 … 33.0 °C"]);
+    assert_eq!(run.stderr.matches("leaves").count(), 1, "said once");
 }
 
 #[test]
