@@ -3,9 +3,11 @@
 //! To add a command: write a module with `#[derive(clap::Args)] pub struct Args` and `pub fn run(args: &Args)`, and give it a
 //! variant in [`Task`].
 
+mod bench_peers;
 mod coverage;
 mod targets;
 mod test;
+mod venv;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
@@ -23,12 +25,15 @@ enum Task {
     Test(test::Args),
     /// Calibrate many units of the twin and hold the stated uncertainties against their truth
     Coverage(coverage::Args),
+    /// Time the Allan deviation beside its peers, which it installs, and print ratios
+    BenchPeers(bench_peers::Args),
 }
 
 fn main() -> ExitCode {
     let done = match Cli::parse().task {
         Task::Test(args) => test::run(&args),
         Task::Coverage(args) => coverage::run(&args),
+        Task::BenchPeers(args) => bench_peers::run(&args),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

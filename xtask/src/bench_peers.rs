@@ -1,0 +1,125 @@
+//! `cargo xtask bench-peers`: the Allan deviation of zerorate beside allantools and the crates `allan` and `allan-tools`, on one array.
+
+use crate::venv::{self, done, printed};
+use anyhow::{Context, Result};
+use serde::Deserialize;
+use std::path::Path;
+use std::process::Command;
+use std::time::Instant;
+
+const DATA: &str = "target/bench-peers.f64";
+const CAPTURE: &str = "target/bench-peers.parquet";
+
+/// What to run.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Samples; the default is an hour at 5.7 kSPS
+    #[arg(long, default_value_t = 20_500_000, value_parser = clap::value_parser!(u64).range(10_000..))]
+    samples: u64,
+    /// Leave the program out: from a Parquet file to the table
+    #[arg(long)]
+    no_cli: bool,
+}
+
+/// A line of the peers.
+#[derive(Deserialize)]
+struct Line {
+    who: String,
+    work: String,
+    seconds: Option<f64>,
+    memory: Option<f64>,
+    dev: Option<Vec<Option<f64>>>,
+}
+
+/// Installs the peers, runs them one after the other, prints seconds and ratios.
+pub fn run(args: &Args) -> Result<()> {
+    let python = venv::python("peers", Path::new("xtask/peers/requirements.txt"))?;
+    let manifest = ["--manifest-path", "xtask/peers/Cargo.toml", "--target-dir", "target/peers"];
+    done(Command::new("cargo").args(["build", "--release", "--quiet"]).args(manifest))?;
+    let peers = || Command::new("target/peers/release/peers");
+    let allantools = || {
+        let mut command = Command::new(&python);
+        command.arg("xtask/peers/peers.py");
+        command
+    };
+    done(peers().args(["generate", DATA]).arg(args.samples.to_string()))?;
+    println!("{} samples, {}", args.samples, machine());
+    let mut lines = parse(&printed(allantools().arg(DATA))?)?;
+    lines.extend(parse(&printed(peers().args(["time", DATA]))?)?);
+    print_times(&lines);
+    print_agreement(&lines);
+    let memory = parse(&(printed(allantools().args([DATA, "--memory"]))? + &printed(peers().args(["memory", DATA]))?))?;
+    for Line { who, memory, .. } in &memory {
+        println!("peak memory, oadev: {who} {:.2} x the input", memory.unwrap_or(f64::NAN));
+    }
+    std::fs::remove_file(DATA)?;
+    if args.no_cli { Ok(()) } else { time_program() }
+}
+
+fn parse(text: &str) -> Result<Vec<Line>> {
+    text.lines().map(|line| serde_json::from_str(line).with_context(|| format!("a peer printed `{line}`"))).collect()
+}
+
+/// Each run, in seconds and as a multiple of the peer's time for the same work.
+fn print_times(lines: &[Line]) {
+    let copy = lines.iter().find(|line| line.work == "copy").and_then(|line| line.seconds).unwrap_or(f64::NAN);
+    println!("{:22} {:22} {:>10} {:>12} {:>16}", "work", "who", "seconds", "numpy copies", "times as fast as");
+    for line in lines {
+        let seconds = line.seconds.unwrap_or(f64::NAN);
+        let faster = peer_of(lines, line)
+            .map_or(String::new(), |(peer, peer_seconds)| format!("{:>8.1} {peer}", peer_seconds / seconds));
+        println!("{:22} {:22} {seconds:>10.4} {:>12.1} {faster}", line.work, line.who, seconds / copy);
+    }
+}
+
+/// The best peer that did the same work, codes standing for the rates that they are.
+fn peer_of<'a>(lines: &'a [Line], ours: &Line) -> Option<(&'a str, f64)> {
+    let work = ours.work.trim_end_matches(" of codes");
+    let is_ours = |line: &Line| line.who.starts_with("zerorate");
+    let peers = lines.iter().filter(|line| is_ours(ours) && !is_ours(line) && line.work == work);
+    let times = peers.filter_map(|line| Some((line.who.as_str(), line.seconds?)));
+    times.min_by(|(_, a), (_, b)| a.total_cmp(b))
+}
+
+/// The largest relative difference from allantools, work by work: speed means nothing if the numbers differ.
+fn print_agreement(lines: &[Line]) {
+    for theirs in lines.iter().filter(|line| line.who == "allantools") {
+        for ours in lines.iter().filter(|line| line.who.starts_with("zerorate, 2") && line.work == theirs.work) {
+            let (Some(a), Some(b)) = (&ours.dev, &theirs.dev) else { continue };
+            let pairs = a.iter().zip(b).filter_map(|(a, b)| Some(((*a)?, (*b)?)));
+            let worst = pairs.map(|(a, b)| (a / b - 1.0).abs()).fold(0.0, f64::max);
+            println!("{}: at most {worst:.1e} from allantools, relative, in {} points", ours.work, b.len());
+        }
+    }
+}
+
+/// From a capture of an hour in Parquet to the table on stdout.
+fn time_program() -> Result<()> {
+    done(Command::new("cargo").args(["build", "--release", "--quiet", "-p", "zerorate-cli"]))?;
+    let zerorate = |line: &str| {
+        let mut command = Command::new("target/release/zerorate");
+        command.args(line.split(' '));
+        command
+    };
+    done(&mut zerorate(&format!("capture --duration 60m --force -o {CAPTURE}")))?;
+    let mut seconds = Vec::new();
+    for _ in 0..5 {
+        let start = Instant::now();
+        printed(&mut zerorate(&format!("allan {CAPTURE}")))?;
+        seconds.push(start.elapsed().as_secs_f64());
+    }
+    let best = seconds.iter().copied().fold(f64::INFINITY, f64::min);
+    println!(
+        "zerorate allan FILE.parquet, an hour of the twin, from file to text: {best:.2} s, best of {}",
+        seconds.len()
+    );
+    Ok(std::fs::remove_file(CAPTURE)?)
+}
+
+/// The processor and how many of it there are.
+fn machine() -> String {
+    let cpus = std::thread::available_parallelism().map_or(1, usize::from);
+    let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let model = info.lines().find_map(|line| line.strip_prefix("model name\t: ")).unwrap_or("unknown processor");
+    format!("{cpus} cores, {model}")
+}

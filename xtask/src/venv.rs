@@ -1,0 +1,31 @@
+//! Python tools at stated versions, in an environment of their own below `target/`.
+
+use anyhow::{Context, Result, ensure};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// The interpreter of the environment `target/venv-NAME` with everything in `requirements`; made, or brought up to date, if need be.
+pub fn python(name: &str, requirements: &Path) -> Result<PathBuf> {
+    let folder = PathBuf::from(format!("target/venv-{name}"));
+    let python = folder.join("bin/python");
+    if !python.exists() {
+        done(Command::new("python3").args(["-m", "venv"]).arg(&folder))?;
+    }
+    done(Command::new(&python).args(["-m", "pip", "install", "--quiet", "--requirement"]).arg(requirements))?;
+    Ok(python)
+}
+
+/// Runs a command to its end; anything but success is an error that shows the command.
+pub fn done(command: &mut Command) -> Result<()> {
+    let status = command.status().with_context(|| format!("cannot start {command:?}"))?;
+    ensure!(status.success(), "{command:?} ended with {status}");
+    Ok(())
+}
+
+/// The same, for what it prints to stdout.
+pub fn printed(command: &mut Command) -> Result<String> {
+    let output = command.stderr(std::process::Stdio::inherit()).output();
+    let output = output.with_context(|| format!("cannot start {command:?}"))?;
+    ensure!(output.status.success(), "{command:?} ended with {}", output.status);
+    Ok(String::from_utf8(output.stdout)?)
+}
