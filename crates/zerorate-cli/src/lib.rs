@@ -1,0 +1,31 @@
+//! The program `zerorate` as a library: an ADIS16130 gyroscope, from its pins to a bias-free angular rate.
+//!
+//! The program is a call of [`main`], and so is the command line in the Python wheel.
+
+mod acquire;
+mod capture;
+mod cli;
+mod column;
+mod commands;
+mod device;
+mod duration;
+mod exit;
+mod interrupt;
+mod progress;
+
+use clap::Parser;
+use std::ffi::OsString;
+use std::process::ExitCode;
+
+/// What stands in the files that this program writes.
+const SOFTWARE: &str = concat!("zerorate ", env!("CARGO_PKG_VERSION"));
+
+/// Runs the command line `args`, program name first, to its exit code: 0 done, 1 failed, 2 usage, 3 refused.
+///
+/// Help, `--version` and a command line that makes no sense end the process, as clap does.
+pub fn main(args: impl IntoIterator<Item = OsString>) -> ExitCode {
+    match commands::run(&cli::Cli::parse_from(args)) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => exit::report(&error),
+    }
+}
