@@ -11,6 +11,7 @@ mod device;
 mod duration;
 mod exit;
 mod interrupt;
+pub mod plot;
 mod progress;
 
 use clap::Parser;

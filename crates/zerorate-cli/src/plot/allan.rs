@@ -1,0 +1,347 @@
+//! The Allan deviation over the averaging time, log-log, with all that helps to read it.
+
+use super::axes::{Axis, number};
+use super::canvas::{self, Anchor, Area, Frame, INK, SMALL, label, line, shortened, stroke};
+use super::curve::Scales;
+use super::label::{Labels, densely};
+use svg::Document;
+use svg::node::element::Group;
+
+/// Deviations of one record.
+#[derive(Clone, Debug, Default)]
+pub struct Curve {
+    /// Its name, usually the file's.
+    pub label: String,
+    /// By averaging time; the picture leaves out what has no logarithm.
+    pub points: Vec<Point>,
+    /// The fitted noise, one line for each coefficient; empty without a fit. Their root sum of squares is drawn over the points.
+    pub laws: Vec<PowerLaw>,
+    /// Where averaging helps most.
+    pub minimum: Option<Minimum>,
+}
+
+/// A deviation with its interval, all in [`Options::unit`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Point {
+    /// Averaging time, s.
+    pub tau_s: f64,
+    /// The deviation.
+    pub dev: f64,
+    /// Lower end of its interval.
+    pub lo: f64,
+    /// Upper end of its interval.
+    pub hi: f64,
+}
+
+/// dev(τ) = `at_1s` · (τ / 1 s)^`slope`: N at slope −1/2, 0.664 B at 0, K/√3 at 1/2, √3 Q at −1, R/√2 at 1 (IEEE Std 952-1997, annex C.1).
+#[derive(Clone, Debug, PartialEq)]
+pub struct PowerLaw {
+    /// What stands beside it, such as `N = 0.557 °/√h`.
+    pub label: String,
+    /// Deviation at an averaging time of 1 s.
+    pub at_1s: f64,
+    /// Exponent.
+    pub slope: f64,
+}
+
+impl PowerLaw {
+    /// The deviation at an averaging time.
+    pub fn dev(&self, tau_s: f64) -> f64 {
+        self.at_1s * tau_s.powf(self.slope)
+    }
+}
+
+/// The lowest point of a curve.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Minimum {
+    /// Averaging time, s.
+    pub tau_s: f64,
+    /// Deviation there.
+    pub dev: f64,
+}
+
+/// A vertical line at an averaging time of interest.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mark {
+    /// Averaging time, s.
+    pub tau_s: f64,
+    /// What stands above it.
+    pub label: String,
+}
+
+/// How the picture looks.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// The heading.
+    pub title: Option<String>,
+    /// The line below it.
+    pub subtitle: Option<String>,
+    /// Name of the vertical axis.
+    pub quantity: String,
+    /// Its unit; with °/s, the right side has a scale in °/h.
+    pub unit: String,
+    /// Averaging times to mark.
+    pub marks: Vec<Mark>,
+    /// Width and height in pixels.
+    pub size: (u32, u32),
+}
+
+impl Default for Options {
+    /// A deviation in °/s, with the averaging times of AN-1042 (F-51) marked.
+    fn default() -> Self {
+        let mark = |tau_s: f64| Mark { tau_s, label: format!("AN-1042: {tau_s} s") };
+        Self {
+            title: None,
+            subtitle: None,
+            quantity: "Allan deviation".to_owned(),
+            unit: "°/s".to_owned(),
+            marks: vec![mark(10.0), mark(150.0)],
+            size: (960, 640),
+        }
+    }
+}
+
+/// Colours that stay apart for the colour-blind (Okabe and Ito), the pale ones last.
+const COLOURS: [&str; 7] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#000000", "#e69f00", "#56b4e9"];
+/// After all colours comes the next dash.
+const DASHES: [&str; 4] = ["none", "8 4", "2 3", "8 3 2 3"];
+/// Of the lines of a fit: dark enough to be read as text.
+const LAW_COLOURS: [&str; 5] = ["#c04a00", "#00785a", "#9a3f75", "#7d6000", "#555555"];
+/// A band that is wider than this, in decades beyond all deviations, does not stretch the axis.
+const BAND_DECADES: f64 = 0.7;
+/// The floor of a fit is shown if it lies no deeper below all deviations than this factor.
+const FLOOR_DEPTH: f64 = 30.0;
+/// How far from the curve, in pixels, a label is certainly not read as the curve's.
+const APART: f64 = 60.0;
+const PER_HOUR: f64 = 3600.0;
+
+/// The picture as SVG.
+///
+/// One curve carries the labels of its fit and its minimum beside it; several are named in a legend, with their fitted curves but not their
+/// separate coefficients.
+pub fn allan(curves: &[Curve], options: &Options) -> String {
+    let curves: Vec<Curve> = curves.iter().map(drawable).collect();
+    let hourly = options.unit == "°/s";
+    let area = Area {
+        left: 92.0,
+        right: f64::from(options.size.0) - if hourly { 96.0 } else { 28.0 },
+        top: if options.title.is_some() || options.subtitle.is_some() { 86.0 } else { 40.0 },
+        bottom: f64::from(options.size.1) - 68.0,
+    };
+    let (x, y) = ranges(&curves);
+    let scales =
+        Scales { x: Axis::log(x.0, x.1, (area.left, area.right)), y: Axis::log(y.0, y.1, (area.bottom, area.top)) };
+    let picture = Picture { curves, options, area, scales };
+    let mut page = picture.base();
+    if hourly {
+        let per_hour = picture.scales.y.in_unit(PER_HOUR);
+        page = page.add(canvas::right_scale(&area, &per_hour, &format!("{}, °/h", options.quantity)));
+    }
+    page.add(picture.marks()).add(picture.lines()).add(picture.lettering()).to_string()
+}
+
+/// A curve without what a logarithmic axis does not know.
+fn drawable(curve: &Curve) -> Curve {
+    let known = |tau_s: f64, dev: f64| [tau_s, dev].iter().all(|value| value.is_normal() && *value > 0.0);
+    let bounded = |point: &Point| Point {
+        lo: if point.lo > 0.0 { point.lo } else { 0.0 },
+        hi: if point.hi.is_nan() { point.dev } else { point.hi },
+        ..*point
+    };
+    let mut points: Vec<Point> =
+        curve.points.iter().filter(|point| known(point.tau_s, point.dev)).map(bounded).collect();
+    points.sort_by(|a, b| a.tau_s.total_cmp(&b.tau_s));
+    let laws = curve.laws.iter().filter(|law| known(1.0, law.at_1s) && law.slope.is_finite()).cloned().collect();
+    let minimum = curve.minimum.filter(|lowest| known(lowest.tau_s, lowest.dev));
+    Curve { label: curve.label.clone(), points, laws, minimum }
+}
+
+/// Averaging times and deviations to be shown; a decade around 1 for nothing at all.
+fn ranges(curves: &[Curve]) -> ((f64, f64), (f64, f64)) {
+    let points = || curves.iter().flat_map(|curve| &curve.points);
+    let range = |values: &mut dyn Iterator<Item = f64>| {
+        let (low, high) = values.fold((f64::MAX, 0.0f64), |(low, high), value| (low.min(value), high.max(value)));
+        if low <= high { (low, high) } else { (1.0, 1.0) }
+    };
+    let devs = range(&mut points().map(|point| point.dev));
+    let beyond = 10f64.powf(BAND_DECADES);
+    let floors = curves.iter().flat_map(|curve| &curve.laws).filter(|law| law.slope == 0.0).map(|law| 0.7 * law.at_1s);
+    let floor = floors.filter(|floor| *floor > devs.0 / FLOOR_DEPTH).fold(devs.0, f64::min);
+    let low = points().map(|point| point.lo.max(devs.0 / beyond)).fold(floor, f64::min);
+    let high = points().map(|point| point.hi.min(devs.1 * beyond)).fold(devs.1, f64::max);
+    (range(&mut points().map(|point| point.tau_s)), (low, high))
+}
+
+struct Picture<'a> {
+    curves: Vec<Curve>,
+    options: &'a Options,
+    area: Area,
+    scales: Scales,
+}
+
+impl Picture<'_> {
+    fn base(&self) -> Document {
+        let Options { title, subtitle, quantity, unit, size, .. } = self.options;
+        let y_name = format!("{quantity}, {unit}");
+        let frame = Frame {
+            area: self.area,
+            x: &self.scales.x,
+            y: &self.scales.y,
+            x_name: "averaging time τ, s",
+            y_name: &y_name,
+        };
+        let names: Vec<&str> = self.curves.iter().map(|curve| curve.label.as_str()).collect();
+        let room = self.area.right - self.area.left;
+        canvas::paper(*size, &format!("{quantity} of {}", names.join(", ")), &self.area)
+            .add(canvas::headings(self.area.left, title.as_deref(), subtitle.as_deref(), room))
+            .add(frame.draw())
+    }
+
+    fn visible_marks(&self) -> impl Iterator<Item = &Mark> {
+        self.options.marks.iter().filter(|mark| self.scales.x.covers(mark.tau_s))
+    }
+
+    /// Vertical lines; their labels stand above the frame, side by side.
+    fn marks(&self) -> Group {
+        let mut group = Group::new();
+        let mut free_from = self.area.left;
+        for mark in self.visible_marks() {
+            let x = self.scales.x.at(mark.tau_s);
+            let half = 0.5 * canvas::width(&mark.label, SMALL);
+            let middle = x.max(free_from + half).min(self.area.right - half);
+            free_from = middle + half + 6.0;
+            let rule = line((x, self.area.top), (x, self.area.bottom));
+            group = group
+                .add(rule.set("stroke", "#777777").set("stroke-dasharray", "5 4"))
+                .add(canvas::text(&mark.label, (middle, self.area.top - 8.0), Anchor::Middle).set("fill", "#555555"));
+        }
+        group
+    }
+
+    fn lines(&self) -> Group {
+        let mut group = canvas::clipped();
+        for (curve, (colour, _)) in self.curves.iter().zip(styles()) {
+            group = group.add(self.scales.band(curve, colour));
+        }
+        if let [only] = &self.curves[..] {
+            for (law, colour) in only.laws.iter().zip(LAW_COLOURS) {
+                let line = stroke(canvas::path(self.scales.law(law)), colour, 1.4);
+                group = group.add(line.set("stroke-dasharray", "7 4"));
+            }
+        }
+        for curve in &self.curves {
+            group = group.add(stroke(canvas::path(self.scales.total(curve)), INK, 1.6));
+        }
+        // not clipped: a dot on the frame stays whole
+        let mut group = Group::new().add(group);
+        for (curve, (colour, dash)) in self.curves.iter().zip(styles()) {
+            group = group.add(self.scales.line(curve, colour, dash));
+            if let Some(Minimum { tau_s, dev }) = curve.minimum {
+                group = group.add(self.scales.ring(tau_s, dev));
+            }
+        }
+        group
+    }
+
+    fn lettering(&self) -> Group {
+        let mut labels = Labels::new(self.area);
+        for curve in &self.curves {
+            labels.avoid(&self.scales.track(curve));
+        }
+        match &self.curves[..] {
+            [] => Group::new(),
+            [only] => self.direct_labels(only, labels),
+            several => legend(several, &labels),
+        }
+    }
+
+    fn direct_labels(&self, curve: &Curve, mut labels: Labels) -> Group {
+        let total = self.scales.total(curve);
+        labels.avoid(&total);
+        let laws: Vec<Vec<(f64, f64)>> = curve.laws.iter().map(|law| self.scales.law(law)).collect();
+        laws.iter().for_each(|law| labels.avoid(law));
+        for mark in self.visible_marks() {
+            let x = self.scales.x.at(mark.tau_s);
+            labels.avoid(&[(x, self.area.top), (x, self.area.bottom)]);
+        }
+        let minimum = curve
+            .minimum
+            .map(|lowest| (self.minimum_text(lowest), around(self.scales.at(lowest.tau_s, lowest.dev)), INK));
+        let beside_law =
+            |((law, line), colour): ((&PowerLaw, &Vec<_>), _)| (law.label.clone(), self.along(line, curve), colour);
+        let laws = curve.laws.iter().zip(&laws).zip(LAW_COLOURS).map(beside_law);
+        let fit = (!total.is_empty()).then(|| ("fit".to_owned(), self.along(&total, curve), INK));
+        minimum.into_iter().chain(laws).chain(fit).fold(Group::new(), |group, (text, candidates, colour)| match labels
+            .place(&text, candidates)
+        {
+            Some((at, anchor)) => group.add(label(&text, at, anchor, colour)),
+            None => group,
+        })
+    }
+
+    fn minimum_text(&self, Minimum { tau_s, dev }: Minimum) -> String {
+        let (value, unit) = match self.options.unit.as_str() {
+            "°/s" => (dev * PER_HOUR, "°/h"),
+            unit => (dev, unit),
+        };
+        format!("minimum {} {unit} at {} s", number(value), number(tau_s))
+    }
+
+    /// Places beside a line, the best first: just so far from the curve that the label is not read as the curve's.
+    fn along(&self, line: &[(f64, f64)], curve: &Curve) -> Vec<((f64, f64), Anchor)> {
+        let track = densely(&self.scales.track(curve));
+        let far = |(x, y): (f64, f64)| track.iter().map(|(a, b)| (x - a).hypot(y - b)).fold(f64::MAX, f64::min);
+        let mut spots: Vec<(f64, (f64, f64))> =
+            line.iter().filter(|spot| self.area.contains(**spot)).map(|spot| (far(*spot), *spot)).collect();
+        spots.sort_by(|(a, _), (b, _)| b.min(APART).total_cmp(&a.min(APART)).then(a.total_cmp(b)));
+        spots.into_iter().flat_map(|(_, spot)| beside(spot)).collect()
+    }
+}
+
+/// Colour and dash of each curve.
+fn styles() -> impl Iterator<Item = (&'static str, &'static str)> {
+    DASHES.into_iter().cycle().flat_map(|dash| COLOURS.into_iter().map(move |colour| (colour, dash)))
+}
+
+/// Places around a point, further and further away.
+fn around((x, y): (f64, f64)) -> Vec<((f64, f64), Anchor)> {
+    let ring = |away: f64| {
+        [
+            ((x, y + away + SMALL), Anchor::Middle),
+            ((x, y - away), Anchor::Middle),
+            ((x - away, y + away + SMALL), Anchor::End),
+            ((x + away, y + away + SMALL), Anchor::Start),
+            ((x + away, y - away), Anchor::Start),
+            ((x - away, y - away), Anchor::End),
+        ]
+    };
+    [16.0, 32.0, 56.0, 88.0, 128.0].into_iter().flat_map(ring).collect()
+}
+
+/// Places next to a spot on a line.
+fn beside((x, y): (f64, f64)) -> [((f64, f64), Anchor); 4] {
+    [
+        ((x + 8.0, y - 8.0), Anchor::Start),
+        ((x - 8.0, y + 8.0 + SMALL), Anchor::End),
+        ((x - 8.0, y - 8.0), Anchor::End),
+        ((x + 8.0, y + 8.0 + SMALL), Anchor::Start),
+    ]
+}
+
+/// Names of the curves, in the corner that is emptiest.
+fn legend(curves: &[Curve], labels: &Labels) -> Group {
+    let names: Vec<String> = curves.iter().map(|curve| shortened(&curve.label, 44)).collect();
+    let widest = names.iter().map(|name| canvas::width(name, SMALL)).fold(0.0, f64::max);
+    let row = 20.0;
+    let place = labels.corner((widest + 60.0, row * names.len() as f64 + 10.0));
+    let paper = canvas::rectangle(&place).set("fill", "white").set("fill-opacity", 0.9).set("stroke", "#cccccc");
+    let mut group = Group::new().add(paper);
+    for (k, (name, (colour, dash))) in names.iter().zip(styles()).enumerate() {
+        let y = place.top + 5.0 + row * (k as f64 + 0.5);
+        let sample = line((place.left + 10.0, y), (place.left + 40.0, y));
+        group = group
+            .add(sample.set("stroke", colour).set("stroke-width", 2.5).set("stroke-dasharray", dash))
+            .add(canvas::text(name, (place.left + 48.0, y + 4.5), Anchor::Start));
+    }
+    group
+}

@@ -1,0 +1,231 @@
+//! Axes: from values to pixels, and the ticks that people read.
+
+/// One axis, linear or logarithmic.
+#[derive(Clone, Debug)]
+pub struct Axis {
+    low: f64,
+    high: f64,
+    /// Pixels of `low` and `high`.
+    span: (f64, f64),
+    log: bool,
+}
+
+/// A line of the grid.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tick {
+    /// Where, in the unit of the axis.
+    pub value: f64,
+    /// Minor lines have no label.
+    pub label: Option<String>,
+    /// A decade, or any tick of a linear axis.
+    pub major: bool,
+}
+
+impl Axis {
+    /// A logarithmic axis over positive values, at least one decade long, its ends moved outward to 1, 2 or 5 times a power of ten.
+    pub fn log(low: f64, high: f64, span: (f64, f64)) -> Self {
+        let widen = (10.0 * low / high).max(1.0).sqrt();
+        Self { low: round_125(low / widen, f64::floor), high: round_125(high * widen, f64::ceil), span, log: true }
+    }
+
+    /// A linear axis between exactly these values.
+    pub fn linear(low: f64, high: f64, span: (f64, f64)) -> Self {
+        Self { low, high: if high > low { high } else { low + 1.0 }, span, log: false }
+    }
+
+    /// The same stretch of paper in another unit, which is `factor` times smaller.
+    pub fn in_unit(&self, factor: f64) -> Self {
+        Self { low: self.low * factor, high: self.high * factor, ..*self }
+    }
+
+    /// Pixel of a value. Values far outside, zero among them, land somewhere outside.
+    pub fn at(&self, value: f64) -> f64 {
+        let fraction = if self.log {
+            (value / self.low).ln() / (self.high / self.low).ln()
+        } else {
+            (value - self.low) / (self.high - self.low)
+        };
+        self.span.0 + fraction.clamp(-2.0, 3.0) * (self.span.1 - self.span.0)
+    }
+
+    /// Value of a pixel.
+    pub fn value(&self, pixel: f64) -> f64 {
+        let fraction = (pixel - self.span.0) / (self.span.1 - self.span.0);
+        if self.log {
+            self.low * (self.high / self.low).powf(fraction)
+        } else {
+            self.low + fraction * (self.high - self.low)
+        }
+    }
+
+    /// First and last pixel.
+    pub fn ends(&self) -> (f64, f64) {
+        self.span
+    }
+
+    /// Whether a value is on the axis.
+    pub fn covers(&self, value: f64) -> bool {
+        let slack = 1e-9 * (self.high - self.low);
+        (self.low - slack..=self.high + slack).contains(&value)
+    }
+
+    /// The lines of the grid, lowest first.
+    pub fn ticks(&self) -> Vec<Tick> {
+        if self.log { self.decades() } else { self.steps() }
+    }
+
+    fn decades(&self) -> Vec<Tick> {
+        let (first, last) = (exponent(self.low), exponent(self.high));
+        let decades = last - first;
+        let plain = first >= -3 && last <= 4;
+        let every = 1 + decades / 10;
+        let labelled = |k: i32, digit: i32| match digit {
+            1 => k % every == 0,
+            2 | 5 => decades <= 2,
+            _ => false,
+        };
+        let tick = |k: i32, digit: i32| Tick {
+            value: f64::from(digit) * 10f64.powi(k),
+            label: labelled(k, digit).then(|| power(digit, k, plain)),
+            major: digit == 1,
+        };
+        let digits = if decades > 10 { 1..=1 } else { 1..=9 };
+        (first..=last)
+            .flat_map(|k| digits.clone().map(move |digit| (k, digit)))
+            .map(|(k, digit)| tick(k, digit))
+            .filter(|tick| self.covers(tick.value))
+            .collect()
+    }
+
+    fn steps(&self) -> Vec<Tick> {
+        let step = round_125((self.high - self.low) / 7.0, f64::ceil);
+        let places = usize::try_from(-exponent(step)).unwrap_or(0);
+        let first = (self.low / step - 1e-9).ceil() as i64;
+        let last = (self.high / step + 1e-9).floor() as i64;
+        let tick = |k: i64| {
+            let value = k as f64 * step;
+            Tick { value, label: Some(minus(&format!("{value:.places$}"))), major: true }
+        };
+        (first..=last).map(tick).collect()
+    }
+}
+
+/// A number with three significant digits, as one writes it: 0.0123, 1.23·10⁻⁵.
+pub fn number(value: f64) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return minus(&value.to_string());
+    }
+    let scientific = format!("{value:.2e}");
+    let (digits, k) = scientific.split_once('e').unwrap_or((&scientific, "0"));
+    match k.parse::<i32>().unwrap_or(0) {
+        k @ -3..=4 => minus(&format!("{value:.*}", usize::try_from(2 - k).unwrap_or(0))),
+        k => minus(&format!("{digits}·10{}", superscript(k))),
+    }
+}
+
+/// The minus sign of typesetting.
+fn minus(text: &str) -> String {
+    text.replace('-', "−")
+}
+
+/// digit · 10^k, written out where the whole axis can be.
+fn power(digit: i32, k: i32, plain: bool) -> String {
+    match (plain, digit) {
+        (true, _) => {
+            let places = usize::try_from(-k).unwrap_or(0);
+            format!("{:.places$}", f64::from(digit) * 10f64.powi(k))
+        }
+        (false, 1) if k == 0 => "1".to_owned(),
+        (false, 1) if k == 1 => "10".to_owned(),
+        (false, 1) => format!("10{}", superscript(k)),
+        (false, _) => format!("{digit}·10{}", superscript(k)),
+    }
+}
+
+fn superscript(k: i32) -> String {
+    let raised = |c: char| match c {
+        '-' => '⁻',
+        '1' => '¹',
+        '2' => '²',
+        '3' => '³',
+        digit => char::from_u32(digit as u32 - '0' as u32 + '⁰' as u32).unwrap_or(digit),
+    };
+    k.to_string().chars().map(raised).collect()
+}
+
+/// The power of ten at or below a positive value.
+fn exponent(value: f64) -> i32 {
+    (value.log10() + 1e-9).floor() as i32
+}
+
+/// The nearest of 1, 2, 5 times a power of ten in the direction of `round`.
+fn round_125(value: f64, round: fn(f64) -> f64) -> f64 {
+    let k = exponent(value);
+    let lead = value / 10f64.powi(k);
+    // 0, 1, 2, 3 for 1, 2, 5, 10
+    let place = match lead {
+        x if x <= 1.0 + 1e-9 => 0.0,
+        x if x < 2.0 - 1e-9 => 0.5,
+        x if x <= 2.0 + 1e-9 => 1.0,
+        x if x < 5.0 - 1e-9 => 1.5,
+        x if x <= 5.0 + 1e-9 => 2.0,
+        _ => 2.5,
+    };
+    [1.0, 2.0, 5.0, 10.0][round(place) as usize] * 10f64.powi(k)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn labels(axis: &Axis) -> Vec<String> {
+        axis.ticks().into_iter().filter_map(|tick| tick.label).collect()
+    }
+
+    #[test]
+    fn known_points_of_a_logarithmic_axis() {
+        let axis = Axis::log(0.01, 1000.0, (100.0, 600.0));
+        // five decades over 500 pixels
+        for (value, pixel) in [(0.01, 100.0), (0.1, 200.0), (1000.0, 600.0), (2.0, 330.103)] {
+            assert!((axis.at(value) - pixel).abs() < 1e-3, "{value}: {}", axis.at(value));
+            assert!((axis.value(pixel) / value - 1.0).abs() < 1e-5);
+        }
+        assert!(axis.at(0.0) < 0.0 && axis.at(1e30) > 700.0, "outside, but finite");
+    }
+
+    #[test]
+    fn ends_are_round() {
+        for (low, high, ends) in [
+            (0.013, 870.0, (0.01, 1000.0)),
+            (0.3, 30.0, (0.2, 50.0)),
+            (1.0, 100.0, (1.0, 100.0)),
+            (6e-7, 0.9, (5e-7, 1.0)),
+        ] {
+            let axis = Axis::log(low, high, (0.0, 1.0));
+            assert!((axis.low / ends.0 - 1.0).abs() < 1e-12 && (axis.high / ends.1 - 1.0).abs() < 1e-12, "{axis:?}");
+        }
+        let point = Axis::log(3.0, 3.0, (0.0, 1.0));
+        assert!(point.high / point.low >= 10.0 && point.covers(3.0), "{point:?}");
+    }
+
+    #[test]
+    fn labels_as_people_write_them() {
+        assert_eq!(labels(&Axis::log(0.01, 1000.0, (0.0, 1.0))), ["0.01", "0.1", "1", "10", "100", "1000"]);
+        assert_eq!(labels(&Axis::log(1e-5, 0.01, (0.0, 1.0))), ["10⁻⁵", "10⁻⁴", "10⁻³", "10⁻²"]);
+        assert_eq!(labels(&Axis::log(2e-6, 3e-5, (0.0, 1.0))), ["2·10⁻⁶", "5·10⁻⁶", "10⁻⁵", "2·10⁻⁵", "5·10⁻⁵"]);
+        assert_eq!(labels(&Axis::linear(-0.21, 0.4, (0.0, 1.0))), ["−0.2", "−0.1", "0.0", "0.1", "0.2", "0.3", "0.4"]);
+        assert!(labels(&Axis::log(1e-30, 1e30, (0.0, 1.0))).len() < 12);
+    }
+
+    #[test]
+    fn minor_lines_are_the_multiples_of_the_decade() {
+        let values: Vec<f64> = Axis::log(1.0, 20.0, (0.0, 1.0)).ticks().iter().map(|tick| tick.value).collect();
+        assert_eq!(values, [1., 2., 3., 4., 5., 6., 7., 8., 9., 10., 20.]);
+    }
+
+    #[test]
+    fn numbers_with_three_digits() {
+        let texts = [0.012_345, 6.25, 1234.5, -0.5, 1.2345e-5, 0.0, 99_960.0].map(number);
+        assert_eq!(texts, ["0.0123", "6.25", "1234", "−0.500", "1.23·10⁻⁵", "0", "1.00·10⁵"]);
+    }
+}

@@ -1,0 +1,257 @@
+//! Paper, frame and lettering that all pictures share.
+
+use super::axes::{Axis, Tick};
+use svg::Document;
+use svg::node::element::{ClipPath, Definitions, Group, Line, Path, Rectangle, Text, Title, path::Data};
+
+/// Tried in this order; the first is the one that the PNG is drawn with.
+const FONTS: &str = "Inter, 'Noto Sans', 'DejaVu Sans', 'Segoe UI', Helvetica, Arial, sans-serif";
+/// Mean width of a character in units of the size of the type; generous for ordinary text.
+const CHARACTER: f64 = 0.58;
+/// Name of the clip path that is the inside of the frame.
+const INSIDE: &str = "url(#inside)";
+
+pub const INK: &str = "#222222";
+const MAJOR: &str = "#cccccc";
+const MINOR: &str = "#ebebeb";
+
+/// Size of the type, in pixels of the picture.
+pub const SMALL: f64 = 13.0;
+const LETTERING: f64 = 15.0;
+const HEADING: f64 = 18.0;
+
+/// A rectangle in pixels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Area {
+    pub left: f64,
+    pub right: f64,
+    pub top: f64,
+    pub bottom: f64,
+}
+
+impl Area {
+    /// The place of a line of text that is anchored at x on its baseline, with a little air at its ends.
+    pub fn of_text(text: &str, (x, baseline): (f64, f64), anchor: Anchor) -> Self {
+        let width = width(text, SMALL);
+        let left = x - width * anchor.share();
+        Self { left: left - 4.0, right: left + width + 4.0, top: baseline - SMALL, bottom: baseline + 0.3 * SMALL }
+    }
+
+    pub fn contains(&self, (x, y): (f64, f64)) -> bool {
+        (self.left..=self.right).contains(&x) && (self.top..=self.bottom).contains(&y)
+    }
+
+    pub fn overlaps(&self, other: &Self) -> bool {
+        self.left < other.right && other.left < self.right && self.top < other.bottom && other.top < self.bottom
+    }
+
+    pub fn holds(&self, other: &Self) -> bool {
+        self.contains((other.left, other.top)) && self.contains((other.right, other.bottom))
+    }
+}
+
+/// Which part of a text stands at its position.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Anchor {
+    Start,
+    Middle,
+    End,
+}
+
+impl Anchor {
+    fn share(self) -> f64 {
+        match self {
+            Self::Start => 0.0,
+            Self::Middle => 0.5,
+            Self::End => 1.0,
+        }
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Start => "start",
+            Self::Middle => "middle",
+            Self::End => "end",
+        }
+    }
+}
+
+/// Estimated width of a line of text.
+pub fn width(text: &str, size: f64) -> f64 {
+    text.chars().count() as f64 * size * CHARACTER
+}
+
+/// A text of at most so many characters; what is too much goes out of its middle, since file names differ at their ends.
+pub fn shortened(text: &str, characters: usize) -> String {
+    let all: Vec<char> = text.chars().collect();
+    if all.len() <= characters {
+        return text.to_owned();
+    }
+    let tail = (characters - 1) / 2;
+    let head = characters - 1 - tail;
+    all[..head].iter().chain(&['…']).chain(&all[all.len() - tail..]).collect()
+}
+
+/// A number of pixels without useless digits.
+pub fn px(value: f64) -> f64 {
+    (value * 100.0).round() / 100.0
+}
+
+/// White paper; `title` is what a screen reader says. Room for heading lines is the caller's.
+pub fn paper(size: (u32, u32), title: &str, area: &Area) -> Document {
+    let (width, height) = size;
+    let inside = ClipPath::new().set("id", "inside").add(rectangle(area));
+    Document::new()
+        .set("viewBox", (0, 0, width, height))
+        .set("width", width)
+        .set("height", height)
+        .set("role", "img")
+        .set("font-family", FONTS)
+        .set("font-size", SMALL)
+        .set("fill", INK)
+        .add(Title::new(title))
+        .add(Definitions::new().add(inside))
+        .add(Rectangle::new().set("width", width).set("height", height).set("fill", "white"))
+}
+
+/// Heading and the line below it, if there are any.
+pub fn headings(left: f64, title: Option<&str>, subtitle: Option<&str>, room: f64) -> Group {
+    let fitting = |text: &str, size: f64| shortened(text, (room / (size * CHARACTER)) as usize);
+    let title =
+        title.map(|title| text(&fitting(title, HEADING), (left, 28.0), Anchor::Start).set("font-size", HEADING));
+    let subtitle = subtitle.map(|line| text(&fitting(line, SMALL), (left, 49.0), Anchor::Start).set("fill", "#555555"));
+    title.into_iter().chain(subtitle).fold(Group::new(), Group::add)
+}
+
+/// A line of text.
+pub fn text(content: &str, (x, y): (f64, f64), anchor: Anchor) -> Text {
+    Text::new(content).set("x", px(x)).set("y", px(y)).set("text-anchor", anchor.name())
+}
+
+/// A line of text that stays readable on top of lines.
+pub fn label(content: &str, at: (f64, f64), anchor: Anchor, colour: &str) -> Text {
+    text(content, at, anchor)
+        .set("fill", colour)
+        .set("stroke", "white")
+        .set("stroke-width", 4)
+        .set("stroke-linejoin", "round")
+        .set("paint-order", "stroke")
+}
+
+/// A straight line.
+pub fn line((x1, y1): (f64, f64), (x2, y2): (f64, f64)) -> Line {
+    Line::new().set("x1", px(x1)).set("y1", px(y1)).set("x2", px(x2)).set("y2", px(y2))
+}
+
+/// The way through these points.
+pub fn path(points: impl IntoIterator<Item = (f64, f64)>) -> Data {
+    points.into_iter().fold(Data::new(), |data, (x, y)| {
+        let at = (px(x), px(y));
+        if data.is_empty() { data.move_to(at) } else { data.line_to(at) }
+    })
+}
+
+/// A line through points, unfilled.
+pub fn stroke(data: Data, colour: &str, width: f64) -> Path {
+    Path::new()
+        .set("d", data)
+        .set("fill", "none")
+        .set("stroke", colour)
+        .set("stroke-width", width)
+        .set("stroke-linejoin", "round")
+}
+
+/// What is drawn in here ends at the frame.
+pub fn clipped() -> Group {
+    Group::new().set("clip-path", INSIDE)
+}
+
+pub fn rectangle(area: &Area) -> Rectangle {
+    Rectangle::new()
+        .set("x", px(area.left))
+        .set("y", px(area.top))
+        .set("width", px(area.right - area.left))
+        .set("height", px(area.bottom - area.top))
+}
+
+/// Grid, frame and lettering of the left and the lower axis.
+pub struct Frame<'a> {
+    pub area: Area,
+    pub x: &'a Axis,
+    pub y: &'a Axis,
+    pub x_name: &'a str,
+    pub y_name: &'a str,
+}
+
+impl Frame<'_> {
+    pub fn draw(&self) -> Group {
+        let Area { left, right, top, bottom } = self.area;
+        let ruled = |tick: &Tick, from, to| {
+            line(from, to).set("stroke", if tick.major { MAJOR } else { MINOR }).set("stroke-width", 1)
+        };
+        let vertical = |tick: &Tick| {
+            let x = self.x.at(tick.value);
+            ruled(tick, (x, top), (x, bottom))
+        };
+        let horizontal = |tick: &Tick| {
+            let y = self.y.at(tick.value);
+            ruled(tick, (left, y), (right, y))
+        };
+        let (x_ticks, y_ticks) = (self.x.ticks(), self.y.ticks());
+        // minor lines first: where they cross a major one, that one is on top
+        let lines = [false, true].into_iter().flat_map(|major| {
+            let of_kind = move |tick: &&Tick| tick.major == major;
+            x_ticks.iter().filter(of_kind).map(vertical).chain(y_ticks.iter().filter(of_kind).map(horizontal))
+        });
+        let grid = lines.fold(Group::new(), Group::add);
+        let border = rectangle(&self.area).set("fill", "none").set("stroke", INK);
+        Group::new().add(grid).add(border).add(self.lettering(&x_ticks, &y_ticks))
+    }
+
+    fn lettering(&self, x_ticks: &[Tick], y_ticks: &[Tick]) -> Group {
+        let Area { left, right, top, bottom } = self.area;
+        let below = x_ticks.iter().filter_map(|tick| {
+            Some(text(tick.label.as_ref()?, (self.x.at(tick.value), bottom + 20.0), Anchor::Middle))
+        });
+        let beside = y_ticks.iter().filter_map(|tick| {
+            Some(text(tick.label.as_ref()?, (left - 8.0, self.y.at(tick.value) + 4.5), Anchor::End))
+        });
+        let x_name = text(self.x_name, (0.5 * (left + right), bottom + 48.0), Anchor::Middle);
+        below.chain(beside).fold(Group::new(), Group::add).add(x_name.set("font-size", LETTERING)).add(upright(
+            self.y_name,
+            left - 66.0,
+            0.5 * (top + bottom),
+        ))
+    }
+}
+
+/// A second scale at the right side of the frame, with ticks instead of a grid.
+pub fn right_scale(area: &Area, axis: &Axis, name: &str) -> Group {
+    let marks = axis.ticks().into_iter().flat_map(|tick| {
+        let y = axis.at(tick.value);
+        let length = if tick.major { 8.0 } else { 4.0 };
+        let mark = line((area.right - length, y), (area.right, y)).set("stroke", INK);
+        let label = tick.label.map(|label| text(&label, (area.right + 8.0, y + 4.5), Anchor::Start));
+        [Some(Group::new().add(mark)), label.map(|label| Group::new().add(label))].into_iter().flatten()
+    });
+    marks.fold(Group::new(), Group::add).add(upright(name, area.right + 72.0, 0.5 * (area.top + area.bottom)))
+}
+
+/// The name of an axis, read from below.
+fn upright(name: &str, x: f64, y: f64) -> Text {
+    text(name, (x, y), Anchor::Middle)
+        .set("font-size", LETTERING)
+        .set("transform", format!("rotate(-90 {} {})", px(x), px(y)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn long_names_lose_their_middle() {
+        assert_eq!(shortened("unit.arrows", 11), "unit.arrows");
+        assert_eq!(shortened("a-very-long-name.arrows", 12), "a-very…rrows");
+        assert_eq!(shortened("ÄÖÜäöü", 5), "ÄÖ…öü");
+    }
+}

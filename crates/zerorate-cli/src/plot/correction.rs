@@ -1,0 +1,81 @@
+//! The correction of a unit over temperature, with its band and the span where it was measured.
+
+use super::axes::Axis;
+use super::canvas::{self, Anchor, Area, Frame, INK, line, path, stroke};
+use svg::node::element::{Group, Path};
+
+/// What is added to the rate, over temperature.
+#[derive(Clone, Debug)]
+pub struct CorrectionCurve {
+    /// By temperature.
+    pub points: Vec<CorrectionPoint>,
+    /// Reference temperature T3, °C.
+    pub t3_c: f64,
+    /// Lowest and highest temperature of the measurement, °C.
+    pub valid_c: Option<(f64, f64)>,
+}
+
+/// The correction at a temperature.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CorrectionPoint {
+    /// Temperature, °C.
+    pub temp_c: f64,
+    /// What is added to the rate, °/s.
+    pub correction_dps: f64,
+    /// Half the width of its interval, °/s; 0 where it is not known.
+    pub half_dps: f64,
+}
+
+const SIZE: (u32, u32) = (960, 420);
+const BLUE: &str = "#0072b2";
+const SPAN: &str = "#e3f1e9";
+
+/// The picture as SVG.
+pub fn correction(curve: &CorrectionCurve) -> String {
+    let area = Area { left: 100.0, right: f64::from(SIZE.0) - 28.0, top: 40.0, bottom: f64::from(SIZE.1) - 68.0 };
+    let temps = curve.points.iter().map(|point| point.temp_c);
+    let (coldest, hottest) = range(temps);
+    let ends = curve.points.iter().flat_map(|p| [p.correction_dps - p.half_dps, p.correction_dps + p.half_dps]);
+    let (low, high) = range(ends);
+    let margin = (0.06 * (high - low)).max(1e-6);
+    let x = Axis::linear(coldest, hottest, (area.left, area.right));
+    let y = Axis::linear(low - margin, high + margin, (area.bottom, area.top));
+    let frame = Frame { area, x: &x, y: &y, x_name: "temperature, °C", y_name: "correction, °/s" };
+    canvas::paper(SIZE, "Correction over temperature", &area)
+        .add(span(curve, &area, &x))
+        .add(frame.draw())
+        .add(lines(curve, &x, &y))
+        .add(reference(curve, &area, &x))
+        .to_string()
+}
+
+fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    let (low, high) = values
+        .filter(|value| value.is_finite())
+        .fold((f64::MAX, f64::MIN), |(l, h), value| (l.min(value), h.max(value)));
+    if low <= high { (low, high) } else { (0.0, 1.0) }
+}
+
+fn span(curve: &CorrectionCurve, area: &Area, x: &Axis) -> Group {
+    let Some((from, to)) = curve.valid_c else { return Group::new() };
+    let inside = Area { left: x.at(from).max(area.left), right: x.at(to).min(area.right), ..*area };
+    let middle = 0.5 * (inside.left + inside.right);
+    let name = canvas::text("measured here", (middle, area.top - 10.0), Anchor::Middle);
+    Group::new().add(canvas::rectangle(&inside).set("fill", SPAN)).add(name.set("fill", "#00785a"))
+}
+
+fn lines(curve: &CorrectionCurve, x: &Axis, y: &Axis) -> Group {
+    let edge = |sign: f64| {
+        move |point: &CorrectionPoint| (x.at(point.temp_c), y.at(point.correction_dps + sign * point.half_dps))
+    };
+    let outline = curve.points.iter().map(edge(1.0)).chain(curve.points.iter().rev().map(edge(-1.0)));
+    let band = Path::new().set("d", path(outline).close()).set("fill", BLUE).set("fill-opacity", 0.18);
+    canvas::clipped().add(band).add(stroke(path(curve.points.iter().map(edge(0.0))), BLUE, 2.0))
+}
+
+fn reference(curve: &CorrectionCurve, area: &Area, x: &Axis) -> Group {
+    let at = x.at(curve.t3_c);
+    let rule = line((at, area.top), (at, area.bottom)).set("stroke", "#777777").set("stroke-dasharray", "5 4");
+    let name = canvas::label("T3", (at + 6.0, area.bottom - 10.0), Anchor::Start, INK);
+    Group::new().add(rule).add(name)
+}

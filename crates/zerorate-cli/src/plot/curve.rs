@@ -1,0 +1,77 @@
+//! What stands inside the frame: bands, curves, points, power laws.
+
+use super::allan::{Curve, PowerLaw};
+use super::axes::Axis;
+use super::canvas::{self, path, px, stroke};
+use svg::node::element::{Circle, Group, Path};
+
+/// From this many points on, a curve is a line without dots.
+const DENSE: usize = 60;
+
+/// Both axes of a picture.
+pub struct Scales {
+    pub x: Axis,
+    pub y: Axis,
+}
+
+impl Scales {
+    pub fn at(&self, tau_s: f64, dev: f64) -> (f64, f64) {
+        (self.x.at(tau_s), self.y.at(dev))
+    }
+
+    /// Where the deviations of a curve are.
+    pub fn track(&self, curve: &Curve) -> Vec<(f64, f64)> {
+        curve.points.iter().map(|point| self.at(point.tau_s, point.dev)).collect()
+    }
+
+    /// A power law across the whole picture.
+    pub fn law(&self, law: &PowerLaw) -> Vec<(f64, f64)> {
+        self.sampled(self.x.ends(), |tau_s| law.dev(tau_s))
+    }
+
+    /// The fitted curve over the averaging times of a record: the root of the sum of squares of its power laws. Empty unless there are two.
+    pub fn total(&self, curve: &Curve) -> Vec<(f64, f64)> {
+        match &curve.points[..] {
+            [first, .., last] if curve.laws.len() > 1 => {
+                let dev = |tau_s| curve.laws.iter().map(|law| law.dev(tau_s).powi(2)).sum::<f64>().sqrt();
+                self.sampled((self.x.at(first.tau_s), self.x.at(last.tau_s)), dev)
+            }
+            _ => Vec::new(),
+        }
+    }
+
+    /// A function of the averaging time between two pixels, every few pixels.
+    fn sampled(&self, (from, to): (f64, f64), dev: impl Fn(f64) -> f64) -> Vec<(f64, f64)> {
+        let steps = ((to - from) / 6.0).ceil().clamp(1.0, 1000.0) as u32;
+        let at = |k: u32| {
+            let tau_s = self.x.value(from + (to - from) * f64::from(k) / f64::from(steps));
+            self.at(tau_s, dev(tau_s))
+        };
+        (0..=steps).map(at).collect()
+    }
+
+    /// The confidence band.
+    pub fn band(&self, curve: &Curve, colour: &str) -> Path {
+        let upper = curve.points.iter().map(|point| self.at(point.tau_s, point.hi));
+        let lower = curve.points.iter().rev().map(|point| self.at(point.tau_s, point.lo));
+        Path::new().set("d", path(upper.chain(lower)).close()).set("fill", colour).set("fill-opacity", 0.18)
+    }
+
+    /// The line through the deviations, with a dot at each unless they are many; `dash` tells curves apart where colours end.
+    pub fn line(&self, curve: &Curve, colour: &str, dash: &str) -> Group {
+        let track = self.track(curve);
+        let (dots, width) = if track.len() < DENSE { (&track[..], 2.0) } else { (&[][..], 1.4) };
+        let line = stroke(path(track.iter().copied()), colour, width).set("stroke-dasharray", dash);
+        let dot = |at: &(f64, f64)| circle(*at, 3.0).set("fill", colour);
+        dots.iter().map(dot).fold(Group::new().add(line), Group::add)
+    }
+
+    /// The ring around the minimum.
+    pub fn ring(&self, tau_s: f64, dev: f64) -> Circle {
+        circle(self.at(tau_s, dev), 7.0).set("fill", "none").set("stroke", canvas::INK).set("stroke-width", 1.6)
+    }
+}
+
+fn circle((x, y): (f64, f64), radius: f64) -> Circle {
+    Circle::new().set("cx", px(x)).set("cy", px(y)).set("r", radius)
+}

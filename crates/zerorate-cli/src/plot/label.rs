@@ -1,0 +1,87 @@
+//! Labels that find their own place: inside the frame, beside each other, off the lines.
+
+use super::canvas::{Anchor, Area};
+
+/// What is on the paper already.
+pub struct Labels {
+    area: Area,
+    taken: Vec<Area>,
+    ink: Vec<(f64, f64)>,
+}
+
+impl Labels {
+    pub fn new(area: Area) -> Self {
+        Self { area, taken: Vec::new(), ink: Vec::new() }
+    }
+
+    /// A line that labels keep off; it goes through these points.
+    pub fn avoid(&mut self, points: &[(f64, f64)]) {
+        self.ink.extend(densely(points).into_iter().filter(|point| self.area.contains(*point)));
+    }
+
+    /// Takes the best of these places for a text, the earlier the better; none if all leave the frame or cover another label.
+    pub fn place(
+        &mut self,
+        text: &str,
+        candidates: impl IntoIterator<Item = ((f64, f64), Anchor)>,
+    ) -> Option<((f64, f64), Anchor)> {
+        let cost = |place: &Area| self.ink.iter().filter(|point| place.contains(**point)).count();
+        let free = |place: &Area| self.area.holds(place) && !self.taken.iter().any(|other| other.overlaps(place));
+        let (at, anchor, place, _) = candidates
+            .into_iter()
+            .map(|(at, anchor)| (at, anchor, Area::of_text(text, at, anchor)))
+            .filter(|(_, _, place)| free(place))
+            .map(|(at, anchor, place)| (at, anchor, place, cost(&place)))
+            .min_by_key(|(.., cost)| *cost)?;
+        self.taken.push(place);
+        Some((at, anchor))
+    }
+
+    /// The corner where a box of this size covers least.
+    pub fn corner(&self, (width, height): (f64, f64)) -> Area {
+        let Area { left, right, top, bottom } = self.area;
+        let gap = 12.0;
+        let at = |left: f64, top: f64| Area { left, right: left + width, top, bottom: top + height };
+        let (near, far) = (left + gap, right - gap - width);
+        let (high, low) = (top + gap, bottom - gap - height);
+        let corners = [at(far, high), at(near, low), at(far, low), at(near, high)];
+        let covered = |area: &Area| self.ink.iter().filter(|point| area.contains(**point)).count();
+        corners.into_iter().min_by_key(covered).unwrap_or(corners[0])
+    }
+}
+
+/// The line through these points, as points at most four pixels apart.
+pub fn densely(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    let between = |pair: &[(f64, f64)]| {
+        let ((x1, y1), (x2, y2)) = (pair[0], pair[1]);
+        let steps = ((x2 - x1).hypot(y2 - y1) / 4.0).ceil().clamp(1.0, 1000.0) as u32;
+        let at = move |k: u32| f64::from(k) / f64::from(steps);
+        (0..=steps).map(move |k| (x1 + at(k) * (x2 - x1), y1 + at(k) * (y2 - y1)))
+    };
+    points.windows(2).flat_map(between).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PAPER: Area = Area { left: 0.0, right: 400.0, top: 0.0, bottom: 300.0 };
+
+    #[test]
+    fn a_label_keeps_off_lines_labels_and_the_border() {
+        let mut labels = Labels::new(PAPER);
+        labels.avoid(&[(0.0, 95.0), (400.0, 95.0)]);
+        let candidates = [(390.0, 50.0), (100.0, 100.0), (100.0, 200.0)].map(|at| (at, Anchor::Start));
+        assert_eq!(labels.place("label", candidates), Some(((100.0, 200.0), Anchor::Start)), "off line and border");
+        assert_eq!(labels.place("label", candidates), Some(((100.0, 100.0), Anchor::Start)), "rather on a line");
+        assert_eq!(labels.place("label", candidates), None, "than on a label");
+    }
+
+    #[test]
+    fn the_legend_goes_where_nothing_is() {
+        let mut labels = Labels::new(PAPER);
+        labels.avoid(&[(0.0, 299.0), (400.0, 1.0)]);
+        let corner = labels.corner((50.0, 40.0));
+        assert!(corner.left > 200.0 && corner.top > 150.0, "{corner:?}");
+    }
+}

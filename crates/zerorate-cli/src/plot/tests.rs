@@ -1,0 +1,151 @@
+//! The pictures, as a reader of their XML and their pixels sees them.
+
+use super::*;
+use resvg::tiny_skia::Pixmap;
+use roxmltree::Document;
+
+/// Five decades of averaging time, the deviations of white noise.
+fn white(label: &str) -> Curve {
+    let point = |k: i32| {
+        let tau_s = 10f64.powi(k);
+        let dev = 0.01 / tau_s.sqrt();
+        Point { tau_s, dev, lo: 0.9 * dev, hi: 1.2 * dev }
+    };
+    Curve { label: label.to_owned(), points: (-2..=3).map(point).collect(), ..Curve::default() }
+}
+
+fn fitted() -> Curve {
+    let law = |label: &str, at_1s, slope| PowerLaw { label: label.to_owned(), at_1s, slope };
+    let laws =
+        vec![law("N = 0.6 °/√h", 0.01, -0.5), law("B = 3.8 °/h", 7e-4, 0.0), law("K = 2·10⁻⁵ °/s/√s", 1e-5, 0.5)];
+    Curve { laws, minimum: Some(Minimum { tau_s: 1000.0, dev: 0.01 / 1000f64.sqrt() }), ..white("unit.arrows") }
+}
+
+fn texts(svg: &str) -> Vec<String> {
+    let xml = Document::parse(svg).expect("well-formed XML");
+    let texts = xml.descendants().filter(|node| node.has_tag_name("text"));
+    texts.filter_map(|node| node.text()).map(|text| text.trim().to_owned()).collect()
+}
+
+fn attribute(svg: &str, tag: &str, name: &str) -> Vec<f64> {
+    let xml = Document::parse(svg).unwrap();
+    let nodes = xml.descendants().filter(|node| node.has_tag_name(tag));
+    nodes.filter_map(|node| node.attribute(name)?.parse().ok()).collect()
+}
+
+#[test]
+fn all_that_is_said_is_text() {
+    let options = Options { title: Some("A title".into()), subtitle: Some("a line".into()), ..Options::default() };
+    let found = texts(&allan(&[fitted()], &options));
+    for expected in [
+        "A title",
+        "a line",
+        "averaging time τ, s",
+        "Allan deviation, °/s",
+        "Allan deviation, °/h",
+        "AN-1042: 10 s",
+        "AN-1042: 150 s",
+        "N = 0.6 °/√h",
+        "B = 3.8 °/h",
+        "K = 2·10⁻⁵ °/s/√s",
+        "minimum 1.14 °/h at 1000 s",
+        "0.01",
+        "1000",
+        "fit",
+    ] {
+        assert!(found.iter().any(|text| text == expected), "{expected} in {found:?}");
+    }
+}
+
+/// The frame is 772 pixels wide from 92 on, and 532 high from 40 on, for 960 × 640 without headings.
+/// τ: five decades, 0.01 … 1000 s. Deviations with their intervals, 2.85e-4 … 0.12, widen to 2e-4 … 0.2: three decades.
+#[test]
+fn points_are_where_their_logarithms_are() {
+    let svg = allan(&[white("w")], &Options::default());
+    let (x, y) = (attribute(&svg, "circle", "cx"), attribute(&svg, "circle", "cy"));
+    assert_eq!(x.len(), 6);
+    for (k, (x, y)) in x.into_iter().zip(y).enumerate() {
+        let expected_x = 92.0 + 772.0 / 5.0 * k as f64;
+        // log10(0.2 / dev) decades below the upper end; dev = 0.1, 0.0316 …
+        let expected_y = 40.0 + 532.0 / 3.0 * (2f64.log10() + 0.5 * k as f64);
+        assert!(
+            (x - expected_x).abs() < 0.01 && (y - expected_y).abs() < 0.01,
+            "{k}: {x} {y}, {expected_x} {expected_y}"
+        );
+    }
+}
+
+#[test]
+fn only_degrees_per_second_have_a_scale_per_hour() {
+    let found = texts(&allan(&[white("w")], &Options { unit: "LSB".into(), ..Options::default() }));
+    assert!(found.contains(&"Allan deviation, LSB".to_owned()));
+    assert!(!found.iter().any(|text| text.contains("°/h")), "{found:?}");
+}
+
+#[test]
+fn several_curves_have_a_legend_with_names_as_they_are() {
+    let hostile = "<script>&\"'.csv";
+    let found = texts(&allan(&[white("a.csv"), white(hostile), fitted()], &Options::default()));
+    for name in ["a.csv", hostile, "unit.arrows"] {
+        assert!(found.iter().any(|text| text == name), "{name} in {found:?}");
+    }
+    assert!(!found.iter().any(|text| text.starts_with("N =")), "labels of one fit among three curves");
+}
+
+#[test]
+fn marks_off_the_axis_are_left_out() {
+    let mut short = white("short");
+    short.points.truncate(3);
+    let found = texts(&allan(&[short], &Options::default()));
+    assert!(!found.iter().any(|text| text.contains("AN-1042")), "{found:?}");
+}
+
+#[test]
+fn what_has_no_logarithm_is_left_out() {
+    let strange = [
+        (0.0, 1.0, 1.0, 1.0),
+        (1.0, f64::NAN, 1.0, 1.0),
+        (1.0, 0.0, 0.0, 0.0),
+        (f64::INFINITY, 1.0, 1.0, 1.0),
+        (2.0, 1e-3, 0.0, f64::INFINITY),
+        (1.0, 2e-3, f64::NAN, f64::NAN),
+    ];
+    let points = strange.map(|(tau_s, dev, lo, hi)| Point { tau_s, dev, lo, hi }).to_vec();
+    let laws = [0.0, f64::NAN, 1e-3].map(|at_1s| PowerLaw { label: String::new(), at_1s, slope: -0.5 }).to_vec();
+    let minimum = Some(Minimum { tau_s: 0.0, dev: f64::NAN });
+    for curves in [vec![Curve { points, laws, minimum, ..Curve::default() }], vec![Curve::default()], vec![]] {
+        let svg = allan(&curves, &Options::default());
+        assert!(!svg.contains("NaN") && !svg.contains("inf"), "{svg}");
+        Document::parse(&svg).unwrap();
+    }
+}
+
+#[test]
+fn a_png_is_twice_the_size_and_has_ink_and_letters() {
+    let options = Options { size: (480, 320), ..Options::default() };
+    let image = Pixmap::decode_png(&png(&allan(&[fitted()], &options)).unwrap()).unwrap();
+    assert_eq!((image.width(), image.height()), (960, 640));
+    let dark = |x0: u32, x1: u32| {
+        let within = |index: usize| (x0..x1).contains(&(index as u32 % image.width()));
+        image.pixels().iter().enumerate().filter(|(index, pixel)| within(*index) && pixel.red() < 100).count()
+    };
+    assert!(dark(0, 960) > 2000, "curves");
+    assert!(dark(0, 60) > 100, "the name of the left axis, in the font of the program");
+    assert!(png("no picture").is_err());
+}
+
+#[test]
+fn the_correction_is_drawn_over_its_span() {
+    let point = |temp_c: f64| CorrectionPoint { temp_c, correction_dps: -0.04 * (temp_c - 30.0), half_dps: 0.01 };
+    let points = [20.0, 30.0, 40.0].map(point).to_vec();
+    let svg = correction(&CorrectionCurve { points, t3_c: 30.0, valid_c: Some((25.0, 35.0)) });
+    let found = texts(&svg);
+    for expected in ["temperature, °C", "correction, °/s", "T3", "measured here", "20", "40"] {
+        assert!(found.iter().any(|text| text == expected), "{expected} in {found:?}");
+    }
+    // 832 pixels for 20 K from 100 on: the span begins at a quarter and is half as wide
+    assert!(
+        attribute(&svg, "rect", "x").contains(&308.0) && attribute(&svg, "rect", "width").contains(&416.0),
+        "{svg}"
+    );
+}
