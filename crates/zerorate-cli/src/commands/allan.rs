@@ -8,7 +8,7 @@ use clap::{Args, ValueEnum};
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::PathBuf;
-use zerorate::allan::{self, Point};
+use zerorate::allan::{self, Input};
 
 /// Computes the Allan deviation of a gyroscope's log, taken at rest: a capture, or the log of any other part.
 ///
@@ -119,16 +119,18 @@ fn report(args: &AllanArgs, column: &Column) -> Result<Report> {
     let octaves = allan::octaves(samples);
     ensure!(!octaves.is_empty(), "{}: {samples} samples are too few, at least 2 are needed", args.file.display());
     let scale = args.scale.unwrap_or(column.scale);
-    let points = match &column.series {
-        Series::Codes(codes) => allan::oadev_codes(codes, rate_hz, scale, &octaves),
-        Series::Numbers(numbers) => scaled(allan::oadev(numbers, rate_hz, &octaves), scale),
+    let input = match &column.series {
+        Series::Codes(codes) => Input::Codes { codes, gaps: &[] },
+        Series::Numbers(numbers) => Input::Rate(numbers),
     };
-    let points = points.into_iter().map(|Point { tau_s, m, dev, n }| Row { tau_s, m, dev, n }).collect();
-    Ok(Report { rate_hz, samples, stat: args.stat, points })
-}
-
-fn scaled(points: Vec<Point>, scale: f64) -> Vec<Point> {
-    points.into_iter().map(|point| Point { dev: point.dev * scale, ..point }).collect()
+    let found = allan::deviations(&input, rate_hz, allan::Stat::Oadev, &octaves);
+    let points = found.into_iter().flatten().map(|point| Row {
+        tau_s: point.m as f64 / rate_hz,
+        m: point.m,
+        dev: point.dev * scale,
+        n: point.n,
+    });
+    Ok(Report { rate_hz, samples, stat: args.stat, points: points.collect() })
 }
 
 fn table(points: &[Row]) -> Result<String> {

@@ -10,8 +10,9 @@ use adis16130::{RATE_LSB_PER_DPS, Sample, ZERO_CODE};
 use anyhow::{Result, ensure};
 use clap::Args;
 use serde::Serialize;
+use zerorate::allan::{self, Input, Stat};
 use zerorate::noise::TYPICAL_WHITE_DPS_PER_RT_HZ;
-use zerorate::{CodeSum, Tally, allan};
+use zerorate::{CodeSum, Tally};
 
 /// Looks whether a part answers, is wired right and delivers.
 ///
@@ -109,8 +110,9 @@ impl Seen {
     fn white_dps_per_rt_hz(&self, rate_hz: f64) -> Option<f64> {
         let m = (WHITE_TAU_S * rate_hz).round() as u64;
         let scale = 1.0 / f64::from(RATE_LSB_PER_DPS);
-        let point = *allan::oadev_codes(&self.rate_codes, rate_hz, scale, &[m]).first()?;
-        Some(point.dev * (2.0 * point.tau_s).sqrt())
+        let codes = Input::Codes { codes: &self.rate_codes, gaps: &[] };
+        let point = allan::deviations(&codes, rate_hz, Stat::Oadev, &[m])[0].ok()?;
+        Some(point.dev * scale * (2.0 * m as f64 / rate_hz).sqrt())
     }
 
     fn is_frozen(&self) -> bool {

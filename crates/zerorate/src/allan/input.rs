@@ -1,0 +1,49 @@
+/// A record at rest, sampled evenly.
+#[derive(Clone, Copy, Debug)]
+pub enum Input<'a> {
+    /// Integer codes of the rate.
+    Codes {
+        /// One for each sample that was taken.
+        codes: &'a [i32],
+        /// Where samples were lost, sorted by `at`.
+        gaps: &'a [Gap],
+    },
+    /// Rate; NaN is a missing sample.
+    Rate(&'a [f64]),
+    /// Phase, the integral of the rate over time (for a gyroscope: angle); NaN is a missing point.
+    Phase(&'a [f64]),
+}
+
+/// Samples that were lost.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Gap {
+    /// Index of the first sample after the gap.
+    pub at: usize,
+    /// Samples lost there.
+    pub missing: u64,
+}
+
+impl Input<'_> {
+    /// Samples (for phase: points) from the first to the last, the missing ones included.
+    pub fn len(&self) -> u64 {
+        match self {
+            Self::Codes { codes, gaps } => {
+                gaps.iter().fold(codes.len() as u64, |sum, gap| sum.saturating_add(gap.missing))
+            }
+            Self::Rate(values) | Self::Phase(values) => values.len() as u64,
+        }
+    }
+
+    /// Whether there is nothing in it.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Samples (for phase: points) that are missing.
+    pub fn missing(&self) -> u64 {
+        match self {
+            Self::Codes { codes, .. } => self.len() - codes.len() as u64,
+            Self::Rate(values) | Self::Phase(values) => values.iter().filter(|value| value.is_nan()).count() as u64,
+        }
+    }
+}

@@ -1,0 +1,200 @@
+//! Records with missing samples.
+
+use super::shape::Shape;
+use super::{Reason, Squares};
+use crate::allan::{Gap, Input};
+use alloc::vec;
+use alloc::vec::Vec;
+
+/// A record of which less than 1 sample in so many is there is refused; this bounds the memory.
+const SPARSEST: u64 = 16;
+
+pub(super) fn squares(input: &Input<'_>, shape: Shape, m: &[usize]) -> Vec<Result<Squares, Reason>> {
+    let len = input.len();
+    if len / SPARSEST > len - input.missing() {
+        return vec![Err(Reason::Gaps); m.len()];
+    }
+    match input {
+        Input::Codes { codes, gaps } => each(&Present::of(&expanded(codes, gaps)), shape, m),
+        Input::Rate(rate) => each(&Present::of(rate), shape, m),
+        Input::Phase(phase) => each(&Points(phase), shape, m),
+    }
+}
+
+/// NaN where samples were lost.
+fn expanded(codes: &[i32], gaps: &[Gap]) -> Vec<f64> {
+    let mut rate = Vec::new();
+    let mut next = 0;
+    for gap in gaps {
+        let at = gap.at.clamp(next, codes.len());
+        rate.extend(codes[next..at].iter().map(|&code| f64::from(code)));
+        rate.resize(rate.len() + gap.missing as usize, f64::NAN);
+        next = at;
+    }
+    rate.extend(codes[next..].iter().map(|&code| f64::from(code)));
+    rate
+}
+
+fn each(record: &impl Record, shape: Shape, m: &[usize]) -> Vec<Result<Squares, Reason>> {
+    m.iter().map(|&m| sum(record, shape, m)).collect()
+}
+
+fn sum(record: &impl Record, shape: Shape, m: usize) -> Result<Squares, Reason> {
+    let starts = (0..shape.terms(record.points(), m)).map(|term| term * shape.stride(m));
+    let mut valid = Valid::default();
+    match shape {
+        Shape::Second { .. } => starts.for_each(|i| valid.add(record.second(i as isize, m))),
+        Shape::Third { .. } => starts.for_each(|i| valid.add(record.third(i as isize, m))),
+        Shape::Total => starts.for_each(|i| valid.add(record.second(i as isize + 1 - m as isize, m))),
+        Shape::Modified => modified(record, m, starts, &mut valid),
+    }
+    match valid.n {
+        0 => Err(Reason::Gaps),
+        n => Ok(Squares { sum: valid.sum, n, per: 1.0 }),
+    }
+}
+
+/// The inner mean slides: one difference enters, one leaves.
+fn modified(record: &impl Record, m: usize, starts: impl Iterator<Item = usize>, valid: &mut Valid) {
+    let mut inner = Inner::default();
+    (0..m as isize - 1).for_each(|i| inner.change(record.second(i, m), 1));
+    for i in starts {
+        inner.change(record.second((i + m) as isize - 1, m), 1);
+        valid.add(inner.mean(m));
+        inner.change(record.second(i as isize, m), -1);
+    }
+}
+
+/// Sum of the terms that are there.
+#[derive(Default)]
+struct Valid {
+    sum: f64,
+    n: u64,
+}
+
+impl Valid {
+    fn add(&mut self, difference: Option<f64>) {
+        if let Some(difference) = difference {
+            self.sum += difference * difference;
+            self.n += 1;
+        }
+    }
+}
+
+/// Sum with the error of its rounding (Neumaier), since terms leave it again.
+#[derive(Default)]
+struct Inner {
+    sum: f64,
+    error: f64,
+    n: usize,
+}
+
+impl Inner {
+    fn change(&mut self, difference: Option<f64>, sign: i8) {
+        let Some(difference) = difference else { return };
+        let term = difference * f64::from(sign);
+        let sum = self.sum + term;
+        let (large, small) = if libm::fabs(self.sum) < libm::fabs(term) { (term, self.sum) } else { (self.sum, term) };
+        self.error += (large - sum) + small;
+        self.sum = sum;
+        self.n = if sign < 0 { self.n - 1 } else { self.n + 1 };
+    }
+
+    fn mean(&self, m: usize) -> Option<f64> {
+        (2 * self.n >= m.max(1)).then(|| (self.sum + self.error) / self.n as f64)
+    }
+}
+
+/// Differences of averages, `None` where too much is missing. Points before the first and after the last are reflected.
+trait Record {
+    fn points(&self) -> usize;
+    fn second(&self, i: isize, m: usize) -> Option<f64>;
+    fn third(&self, i: isize, m: usize) -> Option<f64> {
+        Some(self.second(i + m as isize, m)? - self.second(i, m)?)
+    }
+}
+
+/// Phase. Trailing and leading points that are missing leave nothing to reflect at.
+struct Points<'a>(&'a [f64]);
+
+impl Points<'_> {
+    fn at(&self, i: isize) -> f64 {
+        let x = self.0;
+        let last = x.len() - 1;
+        match usize::try_from(i) {
+            Err(_) => 2.0 * x[0] - x[i.unsigned_abs()],
+            Ok(i) if i > last => 2.0 * x[last] - x[2 * last - i],
+            Ok(i) => x[i],
+        }
+    }
+}
+
+impl Record for Points<'_> {
+    fn points(&self) -> usize {
+        self.0.len()
+    }
+
+    fn second(&self, i: isize, m: usize) -> Option<f64> {
+        let [a, b, c] = [i, i + m as isize, i + 2 * m as isize].map(|i| self.at(i));
+        let difference = ((c - b) - (b - a)) / m as f64;
+        (!difference.is_nan()).then_some(difference)
+    }
+}
+
+/// Running sums over the samples that are there.
+struct Present {
+    sum: Vec<f64>,
+    count: Vec<usize>,
+}
+
+impl Present {
+    fn of(rate: &[f64]) -> Self {
+        let present = |value: &f64| !value.is_nan();
+        let count = rate.iter().filter(|value| present(value)).count().max(1);
+        let mean = rate.iter().filter(|value| present(value)).sum::<f64>() / count as f64;
+        let (mut sum, mut count) = (vec![0.0], vec![0]);
+        let (mut last_sum, mut last_count) = (0.0, 0);
+        for value in rate {
+            if present(value) {
+                last_sum += value - mean;
+                last_count += 1;
+            }
+            sum.push(last_sum);
+            count.push(last_count);
+        }
+        Self { sum, count }
+    }
+
+    /// Sum and count up to a point; before the first sample and after the last the record runs backwards.
+    fn up_to(&self, i: isize) -> (f64, isize) {
+        let at = |i: usize| (self.sum[i], self.count[i] as isize);
+        let last = self.sum.len() - 1;
+        match usize::try_from(i) {
+            Err(_) => {
+                let (sum, count) = at(i.unsigned_abs());
+                (-sum, -count)
+            }
+            Ok(i) if i > last => {
+                let ((end, ends), (sum, count)) = (at(last), at(2 * last - i));
+                (2.0 * end - sum, 2 * ends - count)
+            }
+            Ok(i) => at(i),
+        }
+    }
+
+    fn average(&self, i: isize, m: usize) -> Option<f64> {
+        let ((from, before), (to, after)) = (self.up_to(i), self.up_to(i + m as isize));
+        let count = after - before;
+        (2 * count >= m as isize).then(|| (to - from) / count as f64)
+    }
+}
+
+impl Record for Present {
+    fn points(&self) -> usize {
+        self.sum.len()
+    }
+
+    fn second(&self, i: isize, m: usize) -> Option<f64> {
+        Some(self.average(i + m as isize, m)? - self.average(i, m)?)
+    }
+}

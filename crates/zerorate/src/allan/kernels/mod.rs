@@ -1,0 +1,121 @@
+//! The deviations themselves.
+//!
+//! Each kind of record has its own kernel, and each kernel makes one [`Squares`] for each averaging time.
+
+mod codes;
+mod exact;
+mod float;
+mod gaps;
+mod shape;
+#[cfg(test)]
+mod tests;
+
+use super::{Input, Stat};
+use alloc::vec::Vec;
+use core::fmt;
+use shape::Shape;
+
+/// A statistic at one averaging time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Deviation {
+    /// Samples in each average.
+    pub m: u64,
+    /// The deviation, in the unit of the rate (codes: LSB; phase: its unit per s); time deviation: that times s.
+    pub dev: f64,
+    /// Terms that entered its mean square.
+    pub n: u64,
+}
+
+/// Why an averaging time has no deviation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reason {
+    /// The averages have no length.
+    ZeroLength,
+    /// The record is too short.
+    TooShort {
+        /// Samples (for phase: points) that would do.
+        needs: u64,
+    },
+    /// Too much is missing: no term is left, or less than 1/16 of the record is there.
+    Gaps,
+    /// Infinite values, or squares beyond the range of f64.
+    NotFinite,
+}
+
+impl fmt::Display for Reason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::ZeroLength => f.write_str("an average needs at least one sample"),
+            Self::TooShort { needs } => write!(f, "the record is too short, {needs} samples are needed"),
+            Self::Gaps => f.write_str("too many samples are missing"),
+            Self::NotFinite => f.write_str("the numbers are too large"),
+        }
+    }
+}
+
+/// A sum of squared differences.
+#[derive(Clone, Copy, Debug)]
+struct Squares {
+    sum: f64,
+    /// Terms.
+    n: u64,
+    /// The differences are this many times those of averages.
+    per: f64,
+}
+
+/// The statistic at averages of each of `m` samples, in their order.
+///
+/// The rate of sampling matters to the time deviation and to phase. [`Stat`] has the formulas.
+///
+/// With missing samples an average is the mean of those that are there and enters if they are at least half; a difference enters
+/// if all its averages do; the inner mean of MDEV and TDEV is taken over the differences that do, if they are at least half. A
+/// missing point of phase takes out the differences that it is part of.
+///
+/// ```
+/// use zerorate::allan::{Input, Stat, deviations};
+/// let codes = Input::Codes { codes: &[1, 3, 2, 4], gaps: &[] };
+/// let at_one = deviations(&codes, 100.0, Stat::Oadev, &[1])[0].unwrap();
+/// // differences +2, −1, +2: σ² = 9 / (2 · 3)
+/// assert_eq!(at_one.dev, 1.5f64.sqrt());
+/// assert_eq!(at_one.n, 3);
+/// ```
+pub fn deviations(input: &Input<'_>, rate_hz: f64, stat: Stat, m: &[u64]) -> Vec<Result<Deviation, Reason>> {
+    let shape = Shape::of(stat);
+    let is_phase = matches!(input, Input::Phase(_));
+    let samples = input.len() - u64::from(is_phase && !input.is_empty());
+    let checked: Vec<_> = m.iter().map(|&m| shape.check(samples, m, is_phase)).collect();
+    let fitting: Vec<usize> = checked.iter().filter_map(|m| m.ok()).collect();
+    let mut squares = squares(input, shape, &fitting).into_iter();
+    let scale = |m: usize| scale(stat, is_phase, rate_hz, m);
+    let mut finish = |m| squares.next().ok_or(Reason::Gaps)?.and_then(|squares| deviation(squares, shape, m, scale(m)));
+    checked.into_iter().map(|m| m.and_then(&mut finish)).collect()
+}
+
+/// Sums for each of `m`, all of which fit into the record.
+fn squares(input: &Input<'_>, shape: Shape, m: &[usize]) -> Vec<Result<Squares, Reason>> {
+    if m.is_empty() {
+        return Vec::new();
+    }
+    match *input {
+        _ if input.missing() > 0 => gaps::squares(input, shape, m),
+        Input::Codes { codes, .. } => codes::squares(codes, shape, m),
+        Input::Rate(rate) => float::squares(&float::phase(rate), shape, m),
+        Input::Phase(phase) => float::squares(phase, shape, m),
+    }
+}
+
+/// What a difference of averages in units of the record's step is in units of the deviation.
+fn scale(stat: Stat, is_phase: bool, rate_hz: f64, m: usize) -> f64 {
+    let per_second = if is_phase { rate_hz } else { 1.0 };
+    match stat {
+        Stat::Tdev => per_second * (m as f64 / rate_hz) / libm::sqrt(3.0),
+        _ => per_second,
+    }
+}
+
+fn deviation(squares: Squares, shape: Shape, m: usize, scale: f64) -> Result<Deviation, Reason> {
+    let Squares { sum, n, per } = squares;
+    let dev = libm::sqrt(sum / (shape.divisor() * n as f64)) / per * scale;
+    let dev = Deviation { m: m as u64, dev, n };
+    if dev.dev.is_finite() { Ok(dev) } else { Err(Reason::NotFinite) }
+}

@@ -1,0 +1,226 @@
+use super::*;
+use crate::allan::Gap;
+use std::vec::Vec;
+
+/// The definition, of averages: no running sums.
+fn by_definition(rate: &[f64], stat: Stat, m: usize) -> f64 {
+    let mean = |i: usize| rate[i..i + m].iter().sum::<f64>() / m as f64;
+    let means: Vec<f64> = (0..=rate.len() - m).map(mean).collect();
+    let second: Vec<f64> = (0..means.len().saturating_sub(m)).map(|i| means[i + m] - means[i]).collect();
+    let third: Vec<f64> = (0..second.len().saturating_sub(m)).map(|i| second[i + m] - second[i]).collect();
+    let root = |differences: &mut dyn Iterator<Item = f64>, divisor: f64| {
+        let squares: Vec<f64> = differences.map(|d| d * d).collect();
+        (squares.iter().sum::<f64>() / (divisor * squares.len() as f64)).sqrt()
+    };
+    let modified = || root(&mut second.windows(m).map(|w| w.iter().sum::<f64>() / m as f64), 2.0);
+    match stat {
+        Stat::Adev => root(&mut second.iter().copied().step_by(m), 2.0),
+        Stat::Oadev => root(&mut second.iter().copied(), 2.0),
+        Stat::Mdev => modified(),
+        Stat::Tdev => modified() * m as f64 / 3f64.sqrt(),
+        Stat::Hdev => root(&mut third.iter().copied().step_by(m), 6.0),
+        Stat::Ohdev => root(&mut third.iter().copied(), 6.0),
+        Stat::Totdev => total_by_definition(rate, m),
+    }
+}
+
+/// A reflected phase is a rate that runs backwards.
+fn total_by_definition(rate: &[f64], m: usize) -> f64 {
+    let backwards = || rate.iter().rev().copied();
+    let whole: Vec<f64> = backwards().chain(rate.iter().copied()).chain(backwards()).collect();
+    let n = rate.len();
+    let mean = |i: usize| whole[i..i + m].iter().sum::<f64>() / m as f64;
+    let squares = (n + 1..2 * n).map(|middle| (mean(middle) - mean(middle - m)).powi(2)).sum::<f64>();
+    (squares / (2.0 * (n - 1) as f64)).sqrt()
+}
+
+fn dev(input: &Input<'_>, stat: Stat, m: usize) -> f64 {
+    deviations(input, 1.0, stat, &[m as u64])[0].unwrap().dev
+}
+
+fn phase_of(rate: &[f64]) -> Vec<f64> {
+    let mut x = std::vec![0.0];
+    rate.iter().for_each(|value| x.push(x[x.len() - 1] + value));
+    x
+}
+
+fn assert_close(value: f64, truth: f64, tolerance: f64, what: &str) {
+    assert!((value / truth - 1.0).abs() <= tolerance, "{what}: {value} is not {truth}");
+}
+
+/// NIST SP 1065 section 12.4, table 30.
+#[test]
+fn nbs14_10_points() {
+    use Stat::*;
+    let rate = [892.0, 809.0, 823.0, 798.0, 671.0, 644.0, 883.0, 903.0, 677.0];
+    let codes = rate.map(|value| value as i32);
+    let published = [
+        (Adev, 91.22945, 115.8082),
+        (Oadev, 91.22945, 85.95287),
+        (Mdev, 91.22945, 74.78849),
+        (Tdev, 52.67135, 86.35831),
+        (Hdev, 70.80607, 116.7980),
+        (Ohdev, 70.80607, 85.61487),
+        (Totdev, 91.22945, 93.90379),
+    ];
+    for (stat, at_1, at_2) in published {
+        for (m, value) in [(1, at_1), (2, at_2)] {
+            assert_close(dev(&Input::Rate(&rate), stat, m), value, 3e-7, stat.name());
+            assert_close(dev(&Input::Phase(&phase_of(&rate)), stat, m), value, 3e-7, stat.name());
+            assert_close(dev(&Input::Codes { codes: &codes, gaps: &[] }, stat, m), value, 3e-7, stat.name());
+        }
+    }
+}
+
+/// NIST SP 1065 section 12.4, table 31.
+#[test]
+fn nbs14_1000_points() {
+    use Stat::*;
+    let rate = nbs14();
+    let published = [
+        (Adev, [2.922319e-1, 9.965736e-2, 3.897804e-2]),
+        (Oadev, [2.922319e-1, 9.159953e-2, 3.241343e-2]),
+        (Mdev, [2.922319e-1, 6.172376e-2, 2.170921e-2]),
+        (Tdev, [1.687202e-1, 3.563623e-1, 1.253382e0]),
+        (Hdev, [2.943883e-1, 1.052754e-1, 3.910860e-2]),
+        (Ohdev, [2.943883e-1, 9.581083e-2, 3.237638e-2]),
+        (Totdev, [2.922319e-1, 9.134743e-2, 3.406530e-2]),
+    ];
+    for (stat, values) in published {
+        for (m, value) in [1, 10, 100].into_iter().zip(values) {
+            assert_close(dev(&Input::Rate(&rate), stat, m), value, 3e-7, stat.name());
+            assert_close(dev(&Input::Phase(&phase_of(&rate)), stat, m), value, 3e-7, stat.name());
+        }
+    }
+}
+
+fn nbs14() -> Vec<f64> {
+    let next = |n: &u64| Some(16807 * n % 2147483647);
+    core::iter::successors(Some(1234567890u64), next).take(1000).map(|n| n as f64 / 2147483647.0).collect()
+}
+
+#[test]
+fn everything_follows_the_definition() {
+    let codes: Vec<i32> = (0..257).map(|i: i32| (i * i * 7919) % 10_007 - 5_000).collect();
+    let rate: Vec<f64> = codes.iter().map(|&c| f64::from(c)).collect();
+    let x = phase_of(&rate);
+    for stat in Stat::ALL {
+        for m in [1usize, 2, 3, 7, 32, 85, 86, 128, 200, 257] {
+            let inputs = [Input::Codes { codes: &codes, gaps: &[] }, Input::Rate(&rate), Input::Phase(&x)];
+            let found = inputs.map(|input| deviations(&input, 1.0, stat, &[m as u64])[0]);
+            if let Err(reason) = found[0] {
+                assert!(matches!(reason, Reason::TooShort { needs } if needs > 257), "{stat} {m} {reason:?}");
+                assert!(found[1].is_err() && found[2].is_err());
+                continue;
+            }
+            let truth = by_definition(&rate, stat, m);
+            found.iter().for_each(|found| assert_close(found.unwrap().dev, truth, 1e-12, stat.name()));
+        }
+    }
+}
+
+#[test]
+fn what_cannot_be_computed_is_said() {
+    let rate = [1.0, 2.0, 4.0, 3.0, 5.0];
+    let found = deviations(&Input::Rate(&rate), 1.0, Stat::Oadev, &[0, 1, 2, 3, u64::MAX]);
+    assert_eq!(found[0], Err(Reason::ZeroLength));
+    assert_eq!(found[2].unwrap().n, 2);
+    assert_eq!(found[3], Err(Reason::TooShort { needs: 6 }));
+    assert_eq!(found[4], Err(Reason::TooShort { needs: u64::MAX }));
+    let phase = deviations(&Input::Phase(&rate), 1.0, Stat::Oadev, &[2, 3]);
+    assert_eq!(phase[0].unwrap().n, 1);
+    assert_eq!(phase[1], Err(Reason::TooShort { needs: 7 }));
+    let infinite = Input::Rate(&[1.0, f64::INFINITY, 2.0, 3.0]);
+    assert_eq!(deviations(&infinite, 1.0, Stat::Oadev, &[1]), [Err(Reason::NotFinite)]);
+    for stat in Stat::ALL {
+        for empty in [Input::Rate(&[]), Input::Phase(&[]), Input::Phase(&[1.0]), Input::Codes { codes: &[], gaps: &[] }]
+        {
+            assert!(matches!(deviations(&empty, 1.0, stat, &[1])[0], Err(Reason::TooShort { .. })), "{stat}");
+        }
+    }
+}
+
+#[test]
+fn phase_and_time_deviation_know_the_rate() {
+    let rate: Vec<f64> = nbs14();
+    let x: Vec<f64> = phase_of(&rate).iter().map(|x| x / 50.0).collect();
+    for stat in Stat::ALL {
+        let of = |input: &Input<'_>| deviations(input, 50.0, stat, &[10])[0].unwrap().dev;
+        assert_close(of(&Input::Phase(&x)), of(&Input::Rate(&rate)), 1e-12, stat.name());
+    }
+    let modified = deviations(&Input::Rate(&rate), 50.0, Stat::Mdev, &[10])[0].unwrap().dev;
+    let time = deviations(&Input::Rate(&rate), 50.0, Stat::Tdev, &[10])[0].unwrap().dev;
+    assert_close(time, 0.2 * modified / 3f64.sqrt(), 1e-15, "tau is 10 / 50 s");
+}
+
+/// One missing sample among averages of four, by hand.
+#[test]
+fn gaps_are_left_out() {
+    let rate = [1.0, 3.0, 2.0, 4.0, f64::NAN, 5.0, 9.0, f64::NAN, f64::NAN];
+    let codes =
+        Input::Codes { codes: &[1, 3, 2, 4, 5, 9], gaps: &[Gap { at: 4, missing: 1 }, Gap { at: 6, missing: 2 }] };
+    for input in [Input::Rate(&rate), codes] {
+        assert_eq!((input.len(), input.missing()), (9, 3));
+        let one = deviations(&input, 1.0, Stat::Oadev, &[1])[0].unwrap();
+        assert_eq!(one.n, 4);
+        assert_close(one.dev, ((4.0 + 1.0 + 4.0 + 16.0) / 8.0f64).sqrt(), 1e-15, "m = 1");
+        // averages 2, 2.5, 3, 4, 5, 7, 9, and nothing at last
+        let two = deviations(&input, 1.0, Stat::Oadev, &[2])[0].unwrap();
+        assert_eq!(two.n, 5);
+        assert_close(two.dev, ((1.0f64 + 2.25 + 4.0 + 9.0 + 16.0) / 10.0).sqrt(), 1e-15, "m = 2");
+    }
+    let sparse = Input::Codes { codes: &[1, 2], gaps: &[Gap { at: 1, missing: u64::MAX }] };
+    assert_eq!(deviations(&sparse, 1.0, Stat::Oadev, &[1]), [Err(Reason::Gaps)]);
+}
+
+/// A whole record is the limit of one with gaps: one missing sample at the end, where no average needs it.
+#[test]
+fn gaps_path_agrees_with_the_whole_record() {
+    let rate = nbs14();
+    let x = phase_of(&rate);
+    for stat in Stat::ALL {
+        for m in [1, 2, 7, 100, 300] {
+            let whole = dev(&Input::Rate(&rate), stat, m);
+            let shape = Shape::of(stat);
+            for input in [Input::Rate(&rate), Input::Phase(&x)] {
+                let sum = gaps::squares(&input, shape, &[m])[0].unwrap();
+                let found = deviation(sum, shape, m, scale(stat, false, 1.0, m)).unwrap();
+                assert_eq!(found.n, shape.terms(1001, m) as u64);
+                assert_close(found.dev, whole, 1e-10, stat.name());
+            }
+        }
+    }
+}
+
+/// 200 of 1000 points of white noise lost: allantools' record.
+#[test]
+fn reference_record_with_gaps_stays_near_the_whole() {
+    let folder = std::env::var("ZERORATE_REFERENCE_DATA").unwrap_or("../../../shared/data".into());
+    let read = |name: &str| -> Option<Vec<f64>> {
+        let text = std::fs::read_to_string(std::format!("{folder}/gaps/{name}")).ok()?;
+        Some(text.lines().map(|line| line.trim().parse().unwrap()).collect())
+    };
+    let (Some(whole), Some(gappy)) = (read("y.dat"), read("y_gap.dat")) else {
+        std::eprintln!("skipped: no reference data in {folder}");
+        return;
+    };
+    for stat in Stat::ALL {
+        for m in [1usize, 4, 16, 64] {
+            let found = deviations(&Input::Rate(&gappy), 1.0, stat, &[m as u64])[0].unwrap();
+            let of_whole = deviations(&Input::Rate(&whole), 1.0, stat, &[m as u64])[0].unwrap();
+            let independent = (found.n as f64 / m as f64).max(1.0);
+            assert!(found.n < of_whole.n, "{stat} {m}");
+            assert_close(found.dev, of_whole.dev, 1.5 / independent.sqrt(), stat.name());
+        }
+    }
+}
+
+#[test]
+fn extreme_codes_do_not_overflow() {
+    let codes: Vec<i32> = (0..4096).map(|i| if i / 1024 % 2 == 0 { i32::MAX } else { i32::MIN }).collect();
+    let rate: Vec<f64> = codes.iter().map(|&c| f64::from(c)).collect();
+    for stat in Stat::ALL {
+        let found = dev(&Input::Codes { codes: &codes, gaps: &[] }, stat, 1024);
+        assert_close(found, by_definition(&rate, stat, 1024), 1e-12, stat.name());
+    }
+}
