@@ -38,6 +38,11 @@ pub enum Reason {
     },
     /// Too much is missing: no term is left, or less than 1/16 of the record is there.
     Gaps,
+    /// It rounds to as many samples as another averaging time, which has the result.
+    SameLength {
+        /// Samples in each average.
+        m: u64,
+    },
     /// Infinite values, or squares beyond the range of f64.
     NotFinite,
 }
@@ -48,6 +53,7 @@ impl fmt::Display for Reason {
             Self::ZeroLength => f.write_str("an average needs at least one sample"),
             Self::TooShort { needs } => write!(f, "the record is too short, {needs} samples are needed"),
             Self::Gaps => f.write_str("too many samples are missing"),
+            Self::SameLength { m } => write!(f, "it rounds to {m} samples, as another averaging time does"),
             Self::NotFinite => f.write_str("the numbers are too large"),
         }
     }

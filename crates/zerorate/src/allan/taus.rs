@@ -1,0 +1,170 @@
+//! At which averaging times a deviation is computed.
+
+use super::Stat;
+use alloc::string::{String, ToString};
+use alloc::vec::Vec;
+use core::fmt;
+use core::str::FromStr;
+
+/// Averaging times. All but [`Taus::List`] go up to the longest that the statistic can be computed for.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Taus {
+    /// 1, 2, 4, 8 … samples.
+    Octave,
+    /// 1, 2, 4, 10, 20, 40, 100 … samples.
+    Decade,
+    /// This many lengths, evenly spaced in the logarithm from one sample to the longest. Where rounding to whole samples makes two the
+    /// same, they are one, so there may be fewer.
+    Log(u32),
+    /// Every number of samples.
+    All,
+    /// These times, s. A time that is no whole number of samples is rounded to the nearest, and a length that comes up twice is computed
+    /// once and reported for the other.
+    List(Vec<f64>),
+}
+
+impl FromStr for Taus {
+    type Err = TausError;
+
+    /// `octave`, `decade`, `log:100`, `all`, or seconds with commas: `0.1,1,10`.
+    fn from_str(text: &str) -> Result<Self, TausError> {
+        let lower = text.trim().to_ascii_lowercase();
+        match (lower.as_str(), lower.strip_prefix("log:")) {
+            ("octave", _) => Ok(Self::Octave),
+            ("decade", _) => Ok(Self::Decade),
+            ("all", _) => Ok(Self::All),
+            (_, Some(count)) => match count.trim().parse() {
+                Ok(count) if count > 0 => Ok(Self::Log(count)),
+                _ => Err(TausError::Count(count.to_string())),
+            },
+            (list, None) => list.split(',').map(seconds).collect::<Result<_, _>>().map(Self::List),
+        }
+    }
+}
+
+fn seconds(text: &str) -> Result<f64, TausError> {
+    match text.trim().parse::<f64>() {
+        Ok(seconds) if seconds > 0.0 && seconds.is_finite() => Ok(seconds),
+        _ => Err(TausError::Time(text.trim().to_string())),
+    }
+}
+
+/// What [`Taus::from_str`] does not take; the text is the part that it stumbled over.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum TausError {
+    /// Neither one of the words nor a time.
+    Time(String),
+    /// After `log:`, no positive whole number.
+    Count(String),
+}
+
+impl fmt::Display for TausError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Time(text) => write!(f, "{text:?} is no averaging time")?,
+            Self::Count(text) => write!(f, "{text:?} is no number of averaging times")?,
+        }
+        f.write_str(
+            "; give octave, decade, all, log:N with N from 1, or seconds above 0 separated by commas (0.1,1,10)",
+        )
+    }
+}
+
+impl core::error::Error for TausError {}
+
+/// Longest averaging length of which `stat` has a term in a record of `phase_points` points (one more than samples of rate); 0 if none.
+///
+/// Two (Hadamard: three) averages must fit: (N − 1)/2, (N − 1)/3; for MDEV and TDEV N/3. TOTDEV continues the record by reflection, but
+/// nothing new is in there beyond half of it: (N − 1)/2.
+#[must_use]
+pub fn longest(stat: Stat, phase_points: u64) -> u64 {
+    let steps = phase_points.saturating_sub(1);
+    match stat {
+        Stat::Adev | Stat::Oadev | Stat::Totdev => steps / 2,
+        Stat::Hdev | Stat::Ohdev => steps / 3,
+        Stat::Mdev | Stat::Tdev => phase_points / 3,
+    }
+}
+
+impl Taus {
+    /// Lengths in samples from 1 to `longest`, ascending, each once; for a list see [`nearest`].
+    pub(crate) fn lengths(&self, longest: u64) -> Vec<u64> {
+        let up_to = |m: &u64| *m <= longest;
+        match self {
+            Self::Octave => core::iter::successors(Some(1u64), |m| m.checked_mul(2)).take_while(up_to).collect(),
+            Self::Decade => core::iter::successors(Some(1u64), |ten| ten.checked_mul(10))
+                .take_while(up_to)
+                .flat_map(|ten| [1, 2, 4].into_iter().filter_map(move |digit| ten.checked_mul(digit)))
+                .filter(up_to)
+                .collect(),
+            Self::Log(count) if u64::from(*count) < longest => spaced(*count, longest),
+            Self::Log(_) | Self::All => (1..=longest).collect(),
+            Self::List(_) => Vec::new(),
+        }
+    }
+}
+
+fn spaced(count: u32, longest: u64) -> Vec<u64> {
+    let step = libm::log(longest as f64) / f64::from(count.max(2) - 1);
+    let mut lengths: Vec<u64> =
+        (0..count).map(|i| (libm::round(libm::exp(f64::from(i) * step)) as u64).clamp(1, longest)).collect();
+    lengths.dedup();
+    lengths
+}
+
+/// Samples in `tau_s`, rounded; 0 for less than half a sample and for what is no time.
+pub(crate) fn nearest(tau_s: f64, rate_hz: f64) -> u64 {
+    libm::round(tau_s * rate_hz) as u64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_and_lists() {
+        assert_eq!("octave".parse(), Ok(Taus::Octave));
+        assert_eq!(" Decade".parse(), Ok(Taus::Decade));
+        assert_eq!("ALL".parse(), Ok(Taus::All));
+        assert_eq!("log:100".parse(), Ok(Taus::Log(100)));
+        assert_eq!("0.1, 1,1e1".parse(), Ok(Taus::List(alloc::vec![0.1, 1.0, 10.0])));
+    }
+
+    #[test]
+    fn errors_say_what_is_accepted() {
+        for (text, part) in
+            [("octaves", "octaves"), ("1,,2", ""), ("1,-2", "-2"), ("nan", "nan"), ("inf", "inf"), ("", "")]
+        {
+            assert_eq!(text.parse::<Taus>(), Err(TausError::Time(part.to_string())), "{text}");
+        }
+        for (text, part) in [("log:0", "0"), ("log:", ""), ("log:1.5", "1.5"), ("log:-3", "-3")] {
+            assert_eq!(text.parse::<Taus>(), Err(TausError::Count(part.to_string())), "{text}");
+        }
+        let said = "fast".parse::<Taus>().unwrap_err().to_string();
+        assert!(said.contains("\"fast\"") && said.contains("octave, decade, all, log:N"), "{said}");
+    }
+
+    #[test]
+    fn lengths_end_at_the_longest() {
+        assert_eq!(Taus::Octave.lengths(9), [1, 2, 4, 8]);
+        assert_eq!(Taus::Decade.lengths(45), [1, 2, 4, 10, 20, 40]);
+        assert_eq!(Taus::All.lengths(4), [1, 2, 3, 4]);
+        assert_eq!(Taus::Log(4).lengths(1000), [1, 10, 100, 1000]);
+        assert_eq!(Taus::Log(1).lengths(1000), [1]);
+        assert_eq!(Taus::Log(u32::MAX).lengths(3), [1, 2, 3]);
+        assert_eq!(Taus::Log(9).lengths(10), [1, 2, 3, 4, 6, 7, 10]);
+        for taus in [Taus::Octave, Taus::Decade, Taus::All, Taus::Log(10)] {
+            assert_eq!(taus.lengths(0), []);
+        }
+        assert_eq!(Taus::Octave.lengths(u64::MAX).len(), 64);
+        assert_eq!(Taus::Decade.lengths(u64::MAX).last(), Some(&10_000_000_000_000_000_000));
+    }
+
+    #[test]
+    fn times_round_to_whole_samples() {
+        assert_eq!(nearest(0.0349, 100.0), 3);
+        assert_eq!(nearest(0.004, 100.0), 0);
+        assert_eq!(nearest(f64::NAN, 100.0), 0);
+        assert_eq!(nearest(-1.0, 100.0), 0);
+    }
+}
