@@ -10,6 +10,7 @@ mod config;
 mod diagnosis;
 mod error;
 pub mod frame;
+mod quotient;
 mod readback;
 pub mod registers;
 mod sample;

@@ -1,6 +1,7 @@
 //! Decides at each edge of RDY what is due, and counts what was lost. Pure: no bus, no clock.
 
 use crate::config::{Channels, Config};
+use crate::quotient::quotient;
 use crate::sample::Edge;
 use crate::timeline::Timeline;
 
@@ -138,7 +139,7 @@ impl Sampler {
             config: SamplerConfig { divider, read_status: sampling.read_status || !pairs, ..sampling },
             channels: config.channels(),
             pairs,
-            early_ns: (timeline.period_ns() * (f64::from(divider) * 0.5 + 0.375)) as u64,
+            early_ns: timeline.eighths_of_period_ns(4 * u32::from(divider) + 3),
             timeline,
             taken: None,
             until_temp: 0,
@@ -210,8 +211,7 @@ impl Sampler {
             return now.saturating_sub(before + 1);
         }
         let (conversions, step) = self.conversions(now.saturating_sub(before));
-        let steps = (2 * conversions + step).checked_div(2 * step).unwrap_or(0);
-        steps.saturating_sub(1)
+        quotient(2 * conversions + step, 2 * step).saturating_sub(1)
     }
 
     /// Conversions in so many periods, and conversions from one due reading to the next.

@@ -1,5 +1,6 @@
 //! Where the rate updates lie in time, learned from the edges of RDY.
 
+use crate::quotient::quotient;
 use crate::sample::Edge;
 
 /// Times are kept in units of 2⁻¹⁶ ns, so that a period is good to 10⁻⁹ without floating point.
@@ -52,7 +53,7 @@ impl Timeline {
         let comb = Comb::new(cycles, mclk_hz);
         Self {
             tooth: Tooth::new(steady),
-            margin: (comb.period - comb.temp) / 8,
+            margin: (comb.period - comb.temp) >> 3,
             comb,
             since_update: 0,
             index: 0,
@@ -108,6 +109,11 @@ impl Timeline {
     /// The period in ns.
     pub(crate) fn period_ns(&self) -> f64 {
         self.comb.period as f64 / (1u64 << FRACTION_BITS) as f64
+    }
+
+    /// So many eighths of the period, in whole ns.
+    pub(crate) fn eighths_of_period_ns(&self, eighths: u32) -> u64 {
+        (self.comb.period as u64 * u64::from(eighths)) >> (FRACTION_BITS + 3)
     }
 
     /// The longest gap over which the period is known well enough to keep the phase: 2^(g+2) periods.
@@ -179,7 +185,7 @@ impl Timeline {
         } else if position < 2 * self.comb.period {
             1
         } else {
-            position.checked_div(self.comb.period).unwrap_or(0) as u64
+            quotient(position as u64, self.comb.period as u64)
         }
     }
 
@@ -227,13 +233,14 @@ struct Comb {
 
 impl Comb {
     fn new((rate_cycles, temp_cycles): (u32, u32), mclk_hz: u32) -> Self {
-        let cycles = i64::from(rate_cycles + temp_cycles).max(1);
-        let nominal = ((cycles * 1_000_000_000) << FRACTION_BITS) / i64::from(mclk_hz.max(1_000_000));
+        let cycles = (rate_cycles + temp_cycles).max(1);
+        let cycles_ns = (u64::from(cycles) * 1_000_000_000) << FRACTION_BITS;
+        let nominal = quotient(cycles_ns, mclk_hz.max(1_000_000).into()) as i64;
         let mut comb = Self {
             nominal,
             period: nominal,
-            limits: (nominal - nominal / 16, nominal + nominal / 16),
-            temp_fraction: (i64::from(temp_cycles) << FRACTION_BITS) / cycles,
+            limits: (nominal - (nominal >> 4), nominal + (nominal >> 4)),
+            temp_fraction: quotient(u64::from(temp_cycles) << FRACTION_BITS, cycles.into()) as i64,
             temp: 0,
         };
         comb.settle();
@@ -269,7 +276,7 @@ impl Comb {
 
     fn scale(&mut self, parts_per_million: i64) {
         self.period = self.nominal;
-        self.correct((self.nominal / 1_000_000) * parts_per_million);
+        self.correct(millionth(self.nominal) * parts_per_million);
         self.settle();
     }
 
@@ -314,7 +321,7 @@ impl Tooth {
             return own;
         }
         self.doubts += 1;
-        if self.steady && self.doubts < Self::DOUBTS && self.jitter > comb.nominal / 48 {
+        if self.steady && self.doubts < Self::DOUBTS && 48 * self.jitter > comb.nominal {
             return own;
         }
         self.on_rate = !self.on_rate;
@@ -344,7 +351,7 @@ impl Gaps {
             }
         }
         let (learned, nominal) = nearest;
-        if (gap - learned).abs() <= 3 * (comb.period / 8) {
+        if (gap - learned).abs() <= 3 * (comb.period >> 3) {
             self.count += 1;
             self.nominal += nominal;
             self.excess += gap - nominal;
@@ -352,7 +359,7 @@ impl Gaps {
     }
 
     fn parts_per_million(&self) -> i64 {
-        self.excess / (self.nominal / 1_000_000).max(1)
+        quotient(self.excess.unsigned_abs(), millionth(self.nominal).max(1) as u64) as i64 * self.excess.signum()
     }
 }
 
@@ -373,6 +380,11 @@ impl Lock {
     /// Edges that lie anywhere are a quarter of a period off in the mean, or an eighth if the nearest of two teeth is
     /// taken.
     fn is_lost(&self, comb: &Comb) -> bool {
-        self.error > i64::from(self.edges) * (comb.nominal / 5)
+        5 * self.error > i64::from(self.edges) * comb.nominal
     }
+}
+
+/// A millionth of a time that is not negative.
+fn millionth(time: i64) -> i64 {
+    quotient(time as u64, 1_000_000) as i64
 }

@@ -57,12 +57,21 @@ impl Correction {
     /// # Errors
     /// A step or span that is not positive, a span that is no whole number of steps, or more than 100 001 rows.
     pub fn table(&self, step_c: f64, span_c: f64) -> Result<Vec<TableRow>, TableError> {
+        Ok(self.rows(step_c, span_c)?.collect())
+    }
+
+    /// The rows of [`Correction::table`], one by one.
+    pub(crate) fn rows(
+        &self,
+        step_c: f64,
+        span_c: f64,
+    ) -> Result<impl ExactSizeIterator<Item = TableRow> + use<>, TableError> {
         let steps = steps_in_span(step_c, span_c)?;
-        let row = |k: i32| {
-            let delta_c = f64::from(k) * step_c;
-            TableRow { delta_c, correction_dps: delta_c * self.btc_dps_per_c }
-        };
-        Ok((-steps..=steps).rev().map(row).collect())
+        let btc_dps_per_c = self.btc_dps_per_c;
+        Ok((0..2 * steps + 1).map(move |row| {
+            let delta_c = f64::from(steps - row) * step_c;
+            TableRow { delta_c, correction_dps: delta_c * btc_dps_per_c }
+        }))
     }
 }
 
@@ -173,7 +182,7 @@ impl core::error::Error for IntegerError {}
 
 /// A table that cannot be laid out as asked.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[expect(missing_docs, reason = "the fields are the numbers as asked, in °C")]
+#[expect(missing_docs, reason = "the fields are the numbers as asked, with their units, and rows")]
 pub enum TableError {
     /// Step and span must both be above zero.
     NotPositive { step_c: f64, span_c: f64 },
@@ -181,6 +190,10 @@ pub enum TableError {
     Ragged { step_c: f64, span_c: f64 },
     /// More than 100 001 rows.
     TooLong { step_c: f64, span_c: f64 },
+    /// More rows than the place for them holds.
+    NoRoom { needed: usize, room: usize },
+    /// A row that does not fit 32 bits in millionths of a °/s.
+    TooSteep { correction_dps: f64 },
 }
 
 impl fmt::Display for TableError {
@@ -197,6 +210,15 @@ impl fmt::Display for TableError {
                     f,
                     "a table over ±{span_c} °C in steps of {step_c} °C has more than 100001 rows; choose a larger step"
                 )
+            }
+            Self::NoRoom { needed, room } => {
+                write!(
+                    f,
+                    "the table has {needed} rows and there is room for {room}; choose a smaller span or a larger step"
+                )
+            }
+            Self::TooSteep { correction_dps } => {
+                write!(f, "a row of {correction_dps} °/s does not fit 32 bits in millionths; choose a smaller span")
             }
         }
     }

@@ -9,6 +9,7 @@ pub mod allan;
 #[cfg(feature = "file")]
 pub mod calibration;
 mod code_sum;
+mod code_table;
 mod correction;
 mod estimate;
 pub mod noise;
@@ -22,6 +23,7 @@ mod tally;
 #[cfg(feature = "file")]
 pub use calibration::Calibration;
 pub use code_sum::{CodeSum, rate_dps, temp_c};
+pub use code_table::{CodeTable, RowIndex};
 pub use correction::{Correction, CorrectionF32, IntegerCorrection, IntegerError, TableError, TableRow};
 pub use estimate::{BANDWIDTH_HZ, Noise, Outcome, TYPICAL_CURVATURE_DPS_PER_C2, TYPICAL_HYSTERESIS_DPS, Uncertainty};
 pub use notice::{EARTH_DPS, Refusal, SUPPLY_DPS_PER_MV, Warning};

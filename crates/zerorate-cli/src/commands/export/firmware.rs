@@ -3,7 +3,7 @@
 use super::Export;
 use crate::exit::Usage;
 use anyhow::{Result, ensure};
-use zerorate::IntegerCorrection;
+use zerorate::{IntegerCorrection, RowIndex};
 
 /// The C header.
 pub fn c(export: &Export) -> Result<String> {
@@ -26,6 +26,7 @@ fn entries(export: &Export) -> Result<Vec<(&'static str, String)>> {
     let correction = calibration.correction;
     let text = |value: &Option<String>| value.as_deref().map_or("not stated".to_owned(), comment);
     let span = calibration.validity.map(|span| format!("{:.1} to {:.1} deg C", span.temp_min_c, span.temp_max_c));
+    let index = RowIndex::new(rows.len(), export.step_c, correction.t3_c);
     let codes: Result<Vec<i32>> = rows.iter().map(|row| millionths(row.correction_dps)).collect();
     Ok(vec![
         ("SOFTWARE", crate::SOFTWARE.to_owned()),
@@ -48,6 +49,9 @@ fn entries(export: &Export) -> Result<Vec<(&'static str, String)>> {
         ("SPAN_C", export.span_c.to_string()),
         ("STEP_UC", whole_millionths("--step-c", export.step_c)?.to_string()),
         ("SPAN_UC", whole_millionths("--span-c", export.span_c)?.to_string()),
+        ("MIDDLE_Q", index.middle_q.to_string()),
+        ("ROWS_PER_CODE_Q", index.rows_per_code_q.to_string()),
+        ("ROW_Q", RowIndex::Q.to_string()),
         ("ROWS", rows.len().to_string()),
         ("TABLE", lines(&codes?)),
     ])

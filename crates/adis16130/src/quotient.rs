@@ -1,0 +1,40 @@
+//! Division of 64 bits, small rather than fast: the compiler's own takes a kilobyte of a microcontroller's flash, a quarter of the
+//! whole driver, and is needed here for a learned period or a long gap only.
+
+/// ⌊dividend / divisor⌋; 0 for the divisor 0, which no caller has. Takes as many rounds as the quotient has bits.
+#[inline(never)]
+pub(crate) const fn quotient(dividend: u64, divisor: u64) -> u64 {
+    if divisor == 0 {
+        return 0;
+    }
+    let mut shift = divisor.leading_zeros().saturating_sub(dividend.leading_zeros());
+    let (mut rest, mut quotient) = (dividend, 0);
+    loop {
+        let part = divisor << shift;
+        quotient <<= 1;
+        if part <= rest {
+            rest -= part;
+            quotient |= 1;
+        }
+        if shift == 0 {
+            return quotient;
+        }
+        shift -= 1;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::quotient;
+
+    #[test]
+    fn agrees_with_the_division_of_the_host() {
+        let edges = |bit: u32| [(1_u64 << bit) - 1, 1 << bit, (1 << bit) + 1, 0x9E37_79B9_7F4A_7C15 >> (63 - bit)];
+        for dividend in (0..63).flat_map(edges).chain([u64::MAX]) {
+            for divisor in (0..63).flat_map(edges).chain([u64::MAX]).filter(|divisor| *divisor > 0) {
+                assert_eq!(quotient(dividend, divisor), dividend / divisor, "{dividend} / {divisor}");
+            }
+        }
+        assert_eq!((quotient(5, 0), quotient(0, 0), quotient(u64::MAX, 0)), (0, 0, 0));
+    }
+}

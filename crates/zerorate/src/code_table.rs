@@ -1,0 +1,156 @@
+//! The table of F-52 as a processor without division and floating point looks into it.
+
+use crate::correction::{Correction, TableError};
+use adis16130::{TEMP_AT_ZERO_CODE_C, TEMP_LSB_PER_C, ZERO_CODE};
+
+/// The table of F-52, (TEMP − T3) × BTC in µ°/s, found by the temperature code: no allocation, no division, no floating point.
+///
+/// Row r, counted from 0, is for TEMP − T3 = (R − r) · step with 2R + 1 rows. The nearest row is
+/// r = ⌊R + ½ − (temp − T3 as a code) / step⌋ with the step in codes; the reciprocal of the step has 32 fraction bits, so that two
+/// rows whose distances differ by less than 2⁻³² · |temp − T3 as a code| steps may stand for each other.
+///
+/// ```
+/// use zerorate::{CodeTable, Correction};
+/// let correction = Correction { pbc_dps: 0.0, btc_dps_per_c: -0.04, t3_c: 25.0 };
+/// let mut rows = [0; 13];
+/// correction.fill_table(0.02, 0.12, &mut rows)?;
+/// let table = CodeTable::new(&rows, 0.02, 25.0);
+/// assert_eq!(table.look_up_udps(8_388_608), 0);
+/// assert_eq!(table.look_up_udps(8_388_608 + 563), -1600); // 563 / 14 093 °C are 0.04 °C
+/// assert_eq!(table.look_up_udps(0), 4800); // beyond the table its first or last row holds
+/// # Ok::<(), zerorate::TableError>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CodeTable<'a> {
+    rows_udps: &'a [i32],
+    index: RowIndex,
+}
+
+impl<'a> CodeTable<'a> {
+    /// Rows as [`Correction::fill_table`] lays them out, with the step and the T3 that they were made for, °C.
+    #[must_use]
+    pub fn new(rows_udps: &'a [i32], step_c: f64, t3_c: f64) -> Self {
+        Self { rows_udps, index: RowIndex::new(rows_udps.len(), step_c, t3_c) }
+    }
+
+    /// The row nearest to the temperature of a 24-bit code, µ°/s, to be added to RATE + PBC. Beyond the table its first or last row
+    /// holds; a table without rows corrects nothing.
+    #[inline]
+    #[must_use]
+    pub fn look_up_udps(&self, temp_code: u32) -> i32 {
+        let row = self.index.row(temp_code);
+        match self.rows_udps.get(row) {
+            Some(udps) => *udps,
+            None => self.rows_udps.last().copied().unwrap_or(0),
+        }
+    }
+}
+
+/// Where a temperature lies in a table: `row = (middle_q + (t3_code − temp) · rows_per_code_q) >> 32`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RowIndex {
+    /// The row of T3 and a half, times 2³².
+    pub middle_q: i64,
+    /// Rows per temperature code, times 2³².
+    pub rows_per_code_q: i64,
+    /// T3 as a 24-bit temperature code.
+    pub t3_code: i32,
+}
+
+impl RowIndex {
+    /// Fraction bits of `middle_q` and `rows_per_code_q`.
+    pub const Q: u32 = 32;
+
+    /// For a table of `rows` rows in steps of `step_c` °C around `t3_c` °C. A step below 10⁻⁶ °C counts as that.
+    #[must_use]
+    pub fn new(rows: usize, step_c: f64, t3_c: f64) -> Self {
+        let one = (1i64 << Self::Q) as f64;
+        let step_lsb = step_c.max(1e-6) * f64::from(TEMP_LSB_PER_C);
+        let t3_lsb = (t3_c - f64::from(TEMP_AT_ZERO_CODE_C)) * f64::from(TEMP_LSB_PER_C) + f64::from(ZERO_CODE);
+        let middle = rows.saturating_sub(1) as u32 / 2;
+        Self {
+            middle_q: (i64::from(middle) << Self::Q) + (1 << (Self::Q - 1)),
+            rows_per_code_q: libm::round(one / step_lsb) as i64,
+            t3_code: libm::round(t3_lsb.clamp(0.0, 16_777_215.0)) as i32,
+        }
+    }
+
+    /// The number of the row of a 24-bit temperature code: 0 above the table, beyond its end below it.
+    #[inline]
+    #[must_use]
+    pub const fn row(&self, temp_code: u32) -> usize {
+        let below_t3 = self.t3_code - (temp_code & 0x00FF_FFFF) as i32;
+        let row = (self.middle_q + below_t3 as i64 * self.rows_per_code_q) >> Self::Q;
+        if row < 0 { 0 } else { row as usize }
+    }
+}
+
+impl Correction {
+    /// Lays out the table of F-52 in millionths of a °/s, rounded to nearest, from +`span_c` down to −`span_c`, and returns how
+    /// many rows it has: the first so many of `rows_udps`. The rest stays as it is.
+    ///
+    /// # Errors
+    /// As [`Correction::table`]; a table that does not fit; a correction beyond ±2147 °/s.
+    pub fn fill_table(&self, step_c: f64, span_c: f64, rows_udps: &mut [i32]) -> Result<usize, TableError> {
+        let rows = self.rows(step_c, span_c)?;
+        let needed = rows.len();
+        let room = rows_udps.len();
+        let table = rows_udps.get_mut(..needed).ok_or(TableError::NoRoom { needed, room })?;
+        for (slot, row) in table.iter_mut().zip(rows) {
+            let udps = libm::round(row.correction_dps * 1e6);
+            // NaN is in no range
+            if !(f64::from(i32::MIN)..=f64::from(i32::MAX)).contains(&udps) {
+                return Err(TableError::TooSteep { correction_dps: row.correction_dps });
+            }
+            *slot = udps as i32;
+        }
+        Ok(needed)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// F-52, all thirteen rows, in millionths.
+    #[test]
+    fn table_of_the_note() {
+        let mut rows = [7; 15];
+        let correction = Correction { pbc_dps: 1.0, btc_dps_per_c: -0.04, t3_c: 25.0 };
+        assert_eq!(correction.fill_table(0.02, 0.12, &mut rows), Ok(13));
+        let published = [-4800, -4000, -3200, -2400, -1600, -800, 0, 800, 1600, 2400, 3200, 4000, 4800];
+        assert_eq!((&rows[..13], &rows[13..]), (&published[..], &[7, 7][..]));
+    }
+
+    #[test]
+    fn what_does_not_fit_is_refused() {
+        let steep = Correction { pbc_dps: 0.0, btc_dps_per_c: 1e6, t3_c: 25.0 };
+        assert_eq!(steep.fill_table(0.02, 0.12, &mut [0; 12]), Err(TableError::NoRoom { needed: 13, room: 12 }));
+        assert!(matches!(steep.fill_table(0.02, 0.12, &mut [0; 13]), Err(TableError::TooSteep { .. })));
+    }
+
+    /// How far row `row` is from the place of a code in the table, in 2⁻⁴⁰ rows, by exact rational arithmetic: steps in millionths
+    /// of a degree, distances in 14 093 · 10⁶ parts of one.
+    fn distance(row: usize, rows: usize, step_uc: i128, t3_code: i32, temp: u32) -> i128 {
+        let step = step_uc * 14_093;
+        let from_middle = row as i128 - (rows as i128 - 1) / 2;
+        let place = i128::from(t3_code - temp as i32) * 1_000_000;
+        ((from_middle * step - place).abs() << 40) / step
+    }
+
+    /// All over the range and every code near T3, for the note's step and for others that divide nothing.
+    #[test]
+    fn codes_find_the_nearest_row() {
+        for (step_uc, half) in [(20_000, 100), (20_000, 6), (333_333, 150), (1, 3), (1_000_000, 60)] {
+            let rows = 2 * half + 1;
+            let index = RowIndex::new(rows, step_uc as f64 * 1e-6, 31.5123);
+            for temp in (0..1 << 24).step_by(7).chain(8_300_000..8_600_000) {
+                let row = index.row(temp).min(rows - 1);
+                let of = |row| distance(row, rows, step_uc, index.t3_code, temp);
+                let best = of(row.saturating_sub(1)).min(of((row + 1).min(rows - 1)));
+                let slack = i128::from((index.t3_code - temp as i32).abs()) << 8;
+                assert!(of(row) <= best + slack, "{step_uc} µ°C, code {temp}");
+            }
+        }
+    }
+}
