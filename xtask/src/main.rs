@@ -5,8 +5,10 @@
 
 mod bench_peers;
 mod coverage;
+mod firmware;
 mod targets;
 mod test;
+mod tools;
 mod venv;
 
 use clap::{Parser, Subcommand};
@@ -27,6 +29,8 @@ enum Task {
     Coverage(coverage::Args),
     /// Time the Allan deviation beside its peers, which it installs, and print ratios
     BenchPeers(bench_peers::Args),
+    /// Run driver, twin and correction on an emulated Cortex-M4F; count instructions and bytes
+    Firmware(firmware::Args),
 }
 
 fn main() -> ExitCode {
@@ -34,6 +38,7 @@ fn main() -> ExitCode {
         Task::Test(args) => test::run(&args),
         Task::Coverage(args) => coverage::run(&args),
         Task::BenchPeers(args) => bench_peers::run(&args),
+        Task::Firmware(args) => firmware::run(&args),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -57,10 +57,15 @@ impl fmt::Display for Step {
 ///
 /// thumbv7em-none-eabihf is a Cortex-M4F. thumbv6m-none-eabi is a Cortex-M0: it has no compare-and-swap, which the TOML
 /// parser behind the core's feature `file` needs.
-const STEPS: [Step; 10] = [
+const STEPS: [Step; 13] = [
     Step::new("fmt", "fmt --all --check"),
     Step::new("clippy", "clippy --workspace --all-targets --all-features -- -D warnings"),
     Step::new("clippy-driver", "clippy -p adis16130 --all-targets -- -D warnings"),
+    Step::new("fmt-firmware", "fmt --manifest-path firmware/qemu/Cargo.toml --check"),
+    Step::new(
+        "clippy-firmware",
+        "clippy --manifest-path firmware/qemu/Cargo.toml --locked --target-dir target/firmware --target thumbv7em-none-eabihf -- -D warnings",
+    ),
     Step::new("clippy-core", "clippy -p zerorate --no-default-features --lib -- -D warnings"),
     Step::new("doc", "doc --workspace --no-deps --all-features").with_env("RUSTDOCFLAGS", "-Dwarnings"),
     Step::new(
@@ -74,6 +79,7 @@ const STEPS: [Step; 10] = [
     ),
     Step::new("test", "test --workspace --all-features"),
     Step::new("test-driver", "test -p adis16130"),
+    Step::new("firmware", "xtask firmware"),
 ];
 
 /// Runs the steps in order and stops at the first that fails.

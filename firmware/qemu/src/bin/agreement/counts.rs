@@ -1,0 +1,142 @@
+//! Instruction counts: SysTick runs on virtual time, of which the emulator gives every instruction the same.
+
+use crate::bus::{Answers, Bus, NoPin};
+use adis16130::blocking::Adis16130;
+use adis16130::registers::Address;
+use adis16130::{Config, Edge, Framing, MCLK_HZ, RateCode, Sampler, SamplerConfig, TempCode, Width};
+use core::hint::black_box;
+use cortex_m::peripheral::SYST;
+use cortex_m::peripheral::syst::SystClkSource;
+use firmware_qemu::scenario::{Corrections, Reading, corrected_dps};
+
+/// From one rate reading to the next with F-30: 1054 cycles of MCLK (F-31), ns.
+const PERIOD_NS: u64 = 175_667;
+
+/// The rate status of a reading that waits (part.md §3): channel 0, ready.
+const RATE_READY: [u8; 3] = [0x08, 0, 0];
+
+/// Least and most ticks of a piece of work.
+#[derive(Clone, Copy)]
+pub struct Ticks {
+    pub least: u32,
+    pub most: u32,
+}
+
+/// Counts everything, reading by reading; `None` without readings.
+///
+/// Each piece of work is a function called through a pointer that the compiler cannot see through, with its operands in memory. So
+/// nothing can be moved out of it, and the count includes call, operands and return.
+pub fn all(readings: &[Reading], corrections: &Corrections, systick: SYST) -> Option<[(&'static str, Ticks); 8]> {
+    let mut bench = Bench { counter: Counter::new(systick), readings };
+    let (integer, single, table) = (corrections.integer, corrections.single, corrections.table());
+    Some([
+        ("empty", bench.over(|counter, _| counter.ticks_of_nothing())?),
+        ("integer_correction", bench.corrections(integer, |(integer, it)| integer.apply(it.rate_code, it.temp_code))?),
+        ("table_look_up", bench.corrections(table, |(table, it)| table.look_up_udps(it.temp_code))?),
+        ("f32_correction", bench.corrections(single, |(single, it)| single.apply(it.rate_dps, it.temp_c))?),
+        ("f32_correction_of_codes", bench.corrections(single, |(single, it)| corrected_dps(single, it.rate, it.temp))?),
+        ("read_rate", bench.reads(|on| on.gyro.read_rate().is_ok_and(|rate| rate.code() != 0))?),
+        ("read_both", bench.reads(|on| on.gyro.read_both().is_ok_and(|(rate, temp)| rate.code() != temp.code()))?),
+        ("sample", bench.reads(|on| on.gyro.sample(&mut on.sampler, on.edge).is_ok_and(|it| it.is_some()))?),
+    ])
+}
+
+/// The clock that counts.
+struct Counter(SYST);
+
+impl Counter {
+    fn new(mut systick: SYST) -> Self {
+        systick.set_clock_source(SystClkSource::Core);
+        systick.set_reload(0x00FF_FFFF);
+        systick.enable_counter();
+        Self(systick)
+    }
+
+    /// Ticks that `work` takes, with those of reading the clock. Never inlined, so that the latter are the same around any work.
+    #[inline(never)]
+    fn ticks<I, T>(&mut self, work: fn(&mut I) -> T, operands: &mut I) -> u32 {
+        let work = black_box(work);
+        self.0.clear_current();
+        cortex_m::asm::isb();
+        let start = SYST::get_current();
+        let done = work(operands);
+        let end = SYST::get_current();
+        black_box(done);
+        start.wrapping_sub(end) & 0x00FF_FFFF
+    }
+
+    /// Ticks of reading the clock.
+    #[inline(never)]
+    fn ticks_of_nothing(&mut self) -> u32 {
+        self.0.clear_current();
+        cortex_m::asm::isb();
+        let start = SYST::get_current();
+        let end = SYST::get_current();
+        start.wrapping_sub(end) & 0x00FF_FFFF
+    }
+}
+
+/// A reading in every form that a correction takes.
+struct Operand {
+    rate_code: u32,
+    temp_code: u32,
+    rate: RateCode,
+    temp: TempCode,
+    rate_dps: f32,
+    temp_c: f32,
+}
+
+impl Operand {
+    fn new(reading: &Reading) -> Self {
+        let &Reading { rate_code, temp_code, .. } = reading;
+        let (rate, temp) = (RateCode::new(rate_code, Width::Bits24), TempCode::new(temp_code, Width::Bits24));
+        Self { rate_code, temp_code, rate, temp, rate_dps: rate.to_dps(), temp_c: temp.to_celsius() }
+    }
+}
+
+/// What a read needs: a driver whose bus has the answers, and what the sampler needs beside it.
+struct Reader<'a> {
+    gyro: Adis16130<Bus<'a>, NoPin>,
+    sampler: Sampler,
+    edge: Edge,
+}
+
+struct Bench<'a> {
+    counter: Counter,
+    readings: &'a [Reading],
+}
+
+impl Bench<'_> {
+    fn over(&mut self, mut count: impl FnMut(&mut Counter, &Reading) -> u32) -> Option<Ticks> {
+        let mut all = Ticks { least: u32::MAX, most: 0 };
+        for reading in self.readings {
+            let ticks = count(&mut self.counter, reading);
+            all = Ticks { least: all.least.min(ticks), most: all.most.max(ticks) };
+        }
+        (all.most > 0).then_some(all)
+    }
+
+    fn corrections<C, T>(&mut self, correction: C, work: fn(&mut (C, Operand)) -> T) -> Option<Ticks>
+    where
+        C: Copy,
+    {
+        self.over(|counter, reading| counter.ticks(work, &mut (correction, Operand::new(reading))))
+    }
+
+    /// Reads with F-30's settings, command framing, status, rate and temperature at each edge.
+    fn reads(&mut self, work: fn(&mut Reader<'_>) -> bool) -> Option<Ticks> {
+        let answers = Answers::new();
+        answers.set(Address::RateStatus, RATE_READY);
+        let config = Config::new().with_framing(Framing::Command);
+        let mut gyro = Adis16130::new(Bus(&answers), NoPin, config);
+        gyro.init().ok()?;
+        let sampler = Sampler::new(SamplerConfig::new(), &config, MCLK_HZ);
+        let mut reader = Reader { gyro, sampler, edge: Edge { t_ns: 0, seq: 0 } };
+        self.over(|counter, reading| {
+            answers.set_code(Address::RateData, reading.rate_code);
+            answers.set_code(Address::TempData, reading.temp_code);
+            reader.edge = Edge { t_ns: reader.edge.t_ns + PERIOD_NS, seq: reader.edge.seq + 1 };
+            counter.ticks(work, &mut reader)
+        })
+    }
+}

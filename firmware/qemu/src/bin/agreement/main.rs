@@ -1,0 +1,47 @@
+//! Reads the twin of a seed through the driver, corrects what it read, and counts instructions; says all of it over semihosting.
+//!
+//! Lines: `reading RATE TEMP CORRECTED TABLE F32BITS`, `ticks NAME LEAST MOST`, `bytes NAME SIZE`.
+
+#![no_std]
+#![no_main]
+
+extern crate alloc;
+
+mod arguments;
+mod bus;
+mod counts;
+
+use adis16130::Sampler;
+use adis16130::blocking::Adis16130;
+use alloc::vec::Vec;
+use core::fmt::Write;
+use cortex_m_semihosting::debug;
+use cortex_m_semihosting::hio::{HostStream, hstdout};
+use firmware_qemu::heap;
+use firmware_qemu::scenario::{self, Reading};
+
+#[cortex_m_rt::entry]
+fn main() -> ! {
+    let done = hstdout().ok().and_then(run).is_some();
+    debug::exit(if done { debug::EXIT_SUCCESS } else { debug::EXIT_FAILURE });
+    loop {
+        cortex_m::asm::bkpt();
+    }
+}
+
+/// `None`: something failed, and the last line that was printed says where.
+fn run(mut out: HostStream) -> Option<()> {
+    let peripherals = cortex_m::Peripherals::take()?;
+    heap::set_up();
+    let seed = arguments::seed()?;
+    let mut readings = Vec::new();
+    let corrections = scenario::run(seed, |reading| readings.push(reading))?;
+    for Reading { rate_code, temp_code, corrected_code, table_udps, corrected_f32_bits } in &readings {
+        writeln!(out, "reading {rate_code} {temp_code} {corrected_code} {table_udps} {corrected_f32_bits}").ok()?;
+    }
+    for (name, ticks) in counts::all(&readings, &corrections, peripherals.SYST)? {
+        writeln!(out, "ticks {name} {} {}", ticks.least, ticks.most).ok()?;
+    }
+    writeln!(out, "bytes driver {}", size_of::<Adis16130<(), ()>>()).ok()?;
+    writeln!(out, "bytes sampler {}", size_of::<Sampler>()).ok()
+}

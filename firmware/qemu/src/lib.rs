@@ -1,0 +1,20 @@
+//! What the images share.
+
+#![no_std]
+
+pub mod bare;
+#[cfg(feature = "twin")]
+pub mod heap;
+#[cfg(feature = "twin")]
+pub mod scenario;
+
+#[cfg(feature = "twin")]
+use panic_semihosting as _;
+
+#[cfg(not(feature = "twin"))]
+#[panic_handler]
+fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
+    loop {
+        cortex_m::asm::bkpt();
+    }
+}

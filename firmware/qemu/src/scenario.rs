@@ -1,0 +1,102 @@
+//! What controller and host both compute from a seed: a unit of the twin, read through the driver, corrected in three ways.
+//!
+//! The host includes this file too (`xtask/src/firmware/`).
+
+use adis16130::blocking::Adis16130;
+use adis16130::{Config, Edge, Framing, MCLK_HZ, RateCode, Sampler, SamplerConfig, TempCode};
+use adis16130_twin::{Spec, Twin, TwinRdy, TwinSpi};
+use zerorate::{CodeTable, Correction, CorrectionF32, IntegerCorrection};
+
+/// Readings of a run.
+pub const READINGS: usize = 2_000;
+
+/// Step and span of the table, °C.
+pub const TABLE_C: (f64, f64) = (0.02, 2.0);
+
+/// Rows of that table.
+pub const ROWS: usize = 201;
+
+/// A part that gives no edge for this long is dead.
+const NO_EDGE_NS: u64 = 100_000_000;
+
+/// A reading and what the three corrections make of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Reading {
+    /// The rate, as the part gave it.
+    pub rate_code: u32,
+    /// The temperature taken with it.
+    pub temp_code: u32,
+    /// The corrected rate, in integers.
+    pub corrected_code: u32,
+    /// The row of the table, µ°/s.
+    pub table_udps: i32,
+    /// The corrected rate in single precision, °/s, bit by bit.
+    pub corrected_f32_bits: u32,
+}
+
+/// The correction in the forms that a controller uses.
+#[derive(Clone, Debug)]
+pub struct Corrections {
+    /// On codes.
+    pub integer: IntegerCorrection,
+    /// In single precision.
+    pub single: CorrectionF32,
+    rows_udps: [i32; ROWS],
+    t3_c: f64,
+}
+
+impl Corrections {
+    /// What a perfect calibration of this unit would find.
+    pub fn of(twin: &Twin) -> Option<Self> {
+        let truth = twin.truth();
+        let t3_c = truth.sensor_c;
+        let correction = Correction { pbc_dps: truth.pbc_dps(t3_c), btc_dps_per_c: truth.btc_dps_per_c(t3_c), t3_c };
+        let mut rows_udps = [0; ROWS];
+        correction.fill_table(TABLE_C.0, TABLE_C.1, &mut rows_udps).ok()?;
+        Some(Self { integer: correction.to_integer().ok()?, single: correction.to_f32(), rows_udps, t3_c })
+    }
+
+    /// By look-up.
+    pub fn table(&self) -> CodeTable<'_> {
+        CodeTable::new(&self.rows_udps, TABLE_C.0, self.t3_c)
+    }
+}
+
+/// From codes to a corrected rate, °/s, in single precision.
+#[inline]
+pub fn corrected_dps(single: &CorrectionF32, rate: RateCode, temp: TempCode) -> f32 {
+    single.apply(rate.to_dps(), temp.to_celsius())
+}
+
+/// Reads the unit of a seed and returns its corrections; `take` gets every reading. `None` where the part did not answer.
+pub fn run(seed: u64, mut take: impl FnMut(Reading)) -> Option<Corrections> {
+    let twin = Twin::new(Spec::from_seed(seed));
+    let config = Config::new().with_framing(Framing::Command);
+    let mut gyro = Adis16130::new(twin.spi(), twin.rdy(), config);
+    let mut sampler = Sampler::new(SamplerConfig::new(), &config, MCLK_HZ);
+    gyro.reset().ok()?;
+    gyro.init_verified().ok()?;
+    let corrections = Corrections::of(&twin)?;
+    let table = corrections.table();
+    for _ in 0..READINGS {
+        let (rate, temp) = read(&twin, &mut gyro, &mut sampler)?;
+        take(Reading {
+            rate_code: rate.code24(),
+            temp_code: temp.code24(),
+            corrected_code: corrections.integer.apply(rate.code24(), temp.code24()),
+            table_udps: table.look_up_udps(temp.code24()),
+            corrected_f32_bits: corrected_dps(&corrections.single, rate, temp).to_bits(),
+        });
+    }
+    Some(corrections)
+}
+
+fn read(twin: &Twin, gyro: &mut Adis16130<TwinSpi, TwinRdy>, sampler: &mut Sampler) -> Option<(RateCode, TempCode)> {
+    loop {
+        let edge = twin.next_falling_edge(NO_EDGE_NS)?;
+        let edge = Edge { t_ns: edge.t_ns, seq: edge.seq };
+        if let Some(sample) = gyro.sample(sampler, edge).ok()? {
+            return Some((sample.rate, sample.temp?));
+        }
+    }
+}

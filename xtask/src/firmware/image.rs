@@ -1,0 +1,59 @@
+//! What a linked image takes, and whether it can panic.
+
+use anyhow::{Context, Result};
+use object::read::elf::{ElfFile32, SectionHeader};
+use object::{LittleEndian, Object, ObjectSymbol, elf};
+use std::fs;
+use std::path::Path;
+
+/// An ELF file for a controller.
+pub struct Image(Vec<u8>);
+
+/// Bytes in the two memories.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Memory {
+    /// Code, constants and the initial values of variables.
+    pub flash: u64,
+    /// Variables. The stack is not in it.
+    pub ram: u64,
+}
+
+/// Parts of names of the machinery behind a panic; each panic needs at least one of them.
+const PANIC_MARKS: [&str; 4] = ["panicking", "panic_", "unwrap_failed", "rust_begin_unwind"];
+
+impl Image {
+    pub fn read(path: &Path) -> Result<Self> {
+        Ok(Self(fs::read(path).with_context(|| format!("cannot read {}", path.display()))?))
+    }
+
+    /// Sums over the sections that the image occupies: not writable ones are flash, writable ones RAM, and those with initial
+    /// values both.
+    pub fn memory(&self) -> Result<Memory> {
+        let elf = self.elf()?;
+        let mut memory = Memory { flash: 0, ram: 0 };
+        for section in elf.elf_section_table().iter() {
+            let (flags, size) = (section.sh_flags(LittleEndian), u64::from(section.sh_size(LittleEndian)));
+            if flags & elf::SHF_ALLOC == 0 {
+                continue;
+            }
+            if flags & elf::SHF_WRITE != 0 {
+                memory.ram += size;
+            }
+            if section.sh_type(LittleEndian) != elf::SHT_NOBITS {
+                memory.flash += size;
+            }
+        }
+        Ok(memory)
+    }
+
+    /// The symbols that belong to panics.
+    pub fn panic_symbols(&self) -> Result<Vec<String>> {
+        let elf = self.elf()?;
+        let names = elf.symbols().filter_map(|symbol| symbol.name().ok().map(str::to_owned));
+        Ok(names.filter(|name| PANIC_MARKS.iter().any(|mark| name.contains(mark))).collect())
+    }
+
+    fn elf(&self) -> Result<ElfFile32<'_, LittleEndian>> {
+        ElfFile32::parse(self.0.as_slice()).context("not an ELF file of 32 bits, little endian")
+    }
+}

@@ -1,0 +1,193 @@
+//! `cargo xtask firmware`: driver, twin and correction on an emulated Cortex-M4F: does it compute what the host computes, how many
+//! instructions does that take, and how large is the driver.
+
+mod emulator;
+mod footprint;
+mod image;
+/// What controller and host both compute.
+#[path = "../../../firmware/qemu/src/scenario.rs"]
+mod scenario;
+
+use crate::targets;
+use crate::tools::{Tool, available};
+use crate::venv::{done, printed};
+use anyhow::{Context, Result, bail, ensure};
+use emulator::Report;
+use footprint::{Figure, Versions};
+use image::{Image, Memory};
+use scenario::Reading;
+use serde::Serialize;
+use std::path::PathBuf;
+use std::process::Command;
+
+/// A Cortex-M4F.
+const TARGET: &str = "thumbv7em-none-eabihf";
+/// The project of the images.
+const PROJECT: &str = "firmware/qemu";
+/// The emulator.
+const QEMU: Tool = Tool { program: "qemu-system-arm", package: "qemu-system-arm" };
+
+/// What to run.
+#[derive(clap::Args)]
+pub struct Args {
+    /// The unit of the twin that both read
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Print one JSON object to stdout
+    #[arg(long)]
+    json: bool,
+    /// Write the figures to docs/reference/footprint.md, whatever they are
+    #[arg(long)]
+    update: bool,
+}
+
+/// What was measured, as JSON.
+#[derive(Serialize)]
+struct Outcome {
+    seed: u64,
+    /// Readings whose every form agrees between controller and host; none without the emulator.
+    readings_agreed: Option<usize>,
+    panic_symbols_in_driver: usize,
+    figures: Vec<Figure>,
+    versions: Versions,
+}
+
+/// Builds and measures the driver alone, then runs the rest in the emulator if there is one.
+pub fn run(args: &Args) -> Result<()> {
+    targets::add_missing([TARGET].into_iter())?;
+    let mut figures = driver_alone()?;
+    let emulated = available(&[QEMU], "the run in the emulator")?;
+    let mut outcome = Outcome {
+        seed: args.seed,
+        readings_agreed: None,
+        panic_symbols_in_driver: 0,
+        figures: Vec::new(),
+        versions: Versions { rustc: rustc_version()?, qemu: "none".to_owned() },
+    };
+    if emulated {
+        let report = Report::parse(&emulator::run(&build("release", "agreement")?, &[args.seed.to_string()])?)?;
+        outcome.versions.qemu = emulator::version()?;
+        outcome.readings_agreed = Some(compare(args.seed, &report.readings)?);
+        figures.splice(0..0, counted(&report)?);
+    }
+    outcome.figures = figures;
+    show(args, &outcome)?;
+    judge(args, &outcome)
+}
+
+/// The size of the driver, from images with and without it; refused if it can panic.
+fn driver_alone() -> Result<Vec<Figure>> {
+    let small = difference("small")?;
+    let fast = difference("release")?;
+    let control = Image::read(&build("release", "agreement")?)?.panic_symbols()?;
+    ensure!(!control.is_empty(), "an image that can panic shows no sign of it: the check of the driver is blind");
+    let bytes = |what, value, goal| Figure { what, value, unit: "bytes", goal };
+    Ok(vec![
+        bytes("flash, driver with sampler, `opt-level = \"z\"`", small.flash, Some(4096)),
+        bytes("flash, driver with sampler, `opt-level = 3`", fast.flash, None),
+        bytes("RAM, static variables", small.ram.max(fast.ram), Some(0)),
+    ])
+}
+
+/// What the image of the driver takes more than the image without it.
+fn difference(profile: &str) -> Result<Memory> {
+    let driver = Image::read(&build(profile, "driver")?)?;
+    let panics = driver.panic_symbols()?;
+    ensure!(panics.is_empty(), "the driver links code that panics, with profile {profile}: {}", panics.join(", "));
+    let (with, without) = (driver.memory()?, Image::read(&build(profile, "empty")?)?.memory()?);
+    Ok(Memory { flash: with.flash - without.flash, ram: with.ram - without.ram })
+}
+
+/// The path of an image, built. The images of the driver leave all else out.
+fn build(profile: &str, name: &str) -> Result<PathBuf> {
+    let target_dir = std::path::absolute("target/firmware")?;
+    let mut cargo = Command::new("cargo");
+    cargo.current_dir(PROJECT).args(["build", "--quiet", "--locked", "--target", TARGET]);
+    cargo.args(["--profile", profile, "--bin", name]).arg("--target-dir").arg(&target_dir);
+    if name != "agreement" {
+        cargo.arg("--no-default-features");
+    }
+    done(&mut cargo)?;
+    Ok(target_dir.join(TARGET).join(profile).join(name))
+}
+
+/// How many readings agree, which must be all, with those of the host.
+fn compare(seed: u64, theirs: &[Reading]) -> Result<usize> {
+    let mut ours = Vec::new();
+    scenario::run(seed, |reading| ours.push(reading)).context("the twin gave no readings on the host")?;
+    ensure!(theirs.len() == ours.len(), "{} readings on the controller, {} on the host", theirs.len(), ours.len());
+    for (index, (theirs, ours)) in theirs.iter().zip(&ours).enumerate() {
+        ensure!(theirs == ours, "reading {index} differs: {theirs:?} on the controller, {ours:?} on the host");
+    }
+    Ok(ours.len())
+}
+
+/// The counts, with their goals.
+fn counted(report: &Report) -> Result<Vec<Figure>> {
+    let instructions = |what, name: &str, goal| -> Result<Figure> {
+        let (_, most) = report.instructions.get(name).with_context(|| format!("the image did not count {name}"))?;
+        Ok(Figure { what, value: *most, unit: "instructions", goal })
+    };
+    let bytes = |what, name: &str, goal| -> Result<Figure> {
+        let value = *report.bytes.get(name).with_context(|| format!("the image did not say the size of {name}"))?;
+        Ok(Figure { what, value, unit: "bytes", goal })
+    };
+    let (least, _) = report.instructions.get("sample").context("the image did not count sample")?;
+    Ok(vec![
+        instructions("integer correction, code to code", "integer_correction", Some(40))?,
+        instructions("table look-up, code to µ°/s", "table_look_up", Some(40))?,
+        instructions("f32 correction, °/s to °/s", "f32_correction", None)?,
+        instructions("f32 correction with conversion, codes to °/s", "f32_correction_of_codes", None)?,
+        instructions("`read_rate`", "read_rate", None)?,
+        instructions("`read_both`: rate and temperature", "read_both", Some(150))?,
+        Figure {
+            what: "`sample`: three reads and the count of losses, least",
+            value: *least,
+            unit: "instructions",
+            goal: None,
+        },
+        instructions("`sample`, most", "sample", None)?,
+        bytes("RAM, the driver's object (on a bus and a pin of 0 bytes)", "driver", Some(64))?,
+        bytes("RAM, the sampler's object", "sampler", None)?,
+    ])
+}
+
+fn show(args: &Args, outcome: &Outcome) -> Result<()> {
+    if args.json {
+        println!("{}", serde_json::to_string_pretty(outcome)?);
+        return Ok(());
+    }
+    if let Some(count) = outcome.readings_agreed {
+        println!("seed {}: {count} readings, corrected in three ways, are the same on controller and host", args.seed);
+    }
+    println!("no panic is linked into the driver");
+    for Figure { what, value, unit, goal } in &outcome.figures {
+        let goal = goal.map_or(String::new(), |goal| format!("(goal: at most {goal})"));
+        println!("{value:>6} {unit:13} {what} {goal}");
+    }
+    Ok(())
+}
+
+/// Against goals and the committed page; writes it where that was asked for.
+fn judge(args: &Args, outcome: &Outcome) -> Result<()> {
+    let missed = footprint::missed_goals(&outcome.figures);
+    ensure!(missed.is_empty(), "goals are missed: {}", missed.join("; "));
+    if args.update {
+        ensure!(outcome.readings_agreed.is_some(), "without the emulator the figures are not complete");
+        return footprint::write(&outcome.figures, &outcome.versions);
+    }
+    let page = footprint::read()?;
+    let risen = footprint::risen(&outcome.figures, &page);
+    if !risen.is_empty() {
+        bail!("figures rose by more than 5 %: {}; if that is meant, add --update", risen.join("; "));
+    }
+    for change in footprint::changed(&outcome.figures, &page) {
+        eprintln!("{}: {change}; --update writes it there", footprint::PAGE);
+    }
+    Ok(())
+}
+
+fn rustc_version() -> Result<String> {
+    let text = printed(Command::new("rustc").arg("--version"))?;
+    Ok(text.split_whitespace().nth(1).unwrap_or("unknown").to_owned())
+}

@@ -1,0 +1,46 @@
+//! Programs that a task needs beside the Rust toolchain.
+
+use crate::venv::done;
+use anyhow::Result;
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+/// A program, and the Debian package that has it.
+#[derive(Clone, Copy)]
+pub struct Tool {
+    pub program: &'static str,
+    pub package: &'static str,
+}
+
+/// Whether all `tools` are there. What is missing is installed where this is Debian and we are root; elsewhere it is named on stderr,
+/// with the command that installs it, and the caller skips what it wanted them for.
+pub fn available(tools: &[Tool], purpose: &str) -> Result<bool> {
+    let missing: Vec<&str> = tools.iter().filter(|tool| !runs(tool.program)).map(|tool| tool.package).collect();
+    if missing.is_empty() {
+        return Ok(true);
+    }
+    let packages = missing.join(" ");
+    if !(Path::new("/etc/debian_version").exists() && is_root()) {
+        eprintln!("SKIPPED: {purpose}: not installed: {packages} (sudo apt-get install {packages})");
+        return Ok(false);
+    }
+    eprintln!("{purpose}: installing {packages} with apt-get");
+    done(apt_get().args(["update", "-qq"]))?;
+    done(apt_get().args(["install", "-y", "-qq"]).args(missing))?;
+    Ok(true)
+}
+
+fn apt_get() -> Command {
+    let mut command = Command::new("apt-get");
+    command.env("DEBIAN_FRONTEND", "noninteractive");
+    command
+}
+
+fn runs(program: &str) -> bool {
+    let version = Command::new(program).arg("--version").stdout(Stdio::null()).stderr(Stdio::null()).status();
+    version.is_ok_and(|status| status.success())
+}
+
+fn is_root() -> bool {
+    Command::new("id").arg("-u").output().is_ok_and(|output| output.stdout == b"0\n")
+}
