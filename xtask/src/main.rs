@@ -6,6 +6,7 @@
 mod bench_peers;
 mod coverage;
 mod firmware;
+mod python;
 mod targets;
 mod test;
 mod tools;
@@ -31,6 +32,8 @@ enum Task {
     BenchPeers(bench_peers::Args),
     /// Run driver, twin and correction on an emulated Cortex-M4F; count instructions and bytes
     Firmware(firmware::Args),
+    /// Build the Python wheel and test it: its tests, types, notebook, and allantools' own tests
+    Python(python::Args),
 }
 
 fn main() -> ExitCode {
@@ -39,6 +42,7 @@ fn main() -> ExitCode {
         Task::Coverage(args) => coverage::run(&args),
         Task::BenchPeers(args) => bench_peers::run(&args),
         Task::Firmware(args) => firmware::run(&args),
+        Task::Python(args) => python::run(&args),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

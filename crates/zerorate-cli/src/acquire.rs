@@ -18,18 +18,14 @@ pub struct Acquisition {
 impl Acquisition {
     /// Opens the device and, from here on, takes Ctrl-C as the wish to end cleanly.
     pub fn open(device: &DeviceArgs, sampling: SamplingArgs) -> Result<Self> {
-        let pace = device.realtime.then(Pace::default);
-        Self::over(Device::open(&device.device, sampling)?, pace)
-    }
-
-    /// Over a device that is open already, as fast as it goes.
-    pub fn unpaced(device: Device) -> Result<Self> {
-        Self::over(device, None)
-    }
-
-    fn over(device: Device, pace: Option<Pace>) -> Result<Self> {
         interrupt::listen()?;
-        Ok(Self { device, pace, tally: Tally::default() })
+        let pace = device.realtime.then(Pace::default);
+        Ok(Self { pace, ..Self::unpaced(Device::open(&device.device, sampling)?) })
+    }
+
+    /// Over a device that is open already, as fast as it goes. Ctrl-C stays what it was.
+    pub fn unpaced(device: Device) -> Self {
+        Self { device, pace: None, tally: Tally::default() }
     }
 
     /// The device itself.

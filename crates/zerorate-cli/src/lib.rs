@@ -3,6 +3,7 @@
 //! The program is a call of [`main`], and so is the command line in the Python wheel.
 
 mod acquire;
+pub mod api;
 mod capture;
 mod cli;
 mod column;

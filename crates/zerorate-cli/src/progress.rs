@@ -1,6 +1,19 @@
 //! The progress bar on stderr: the step in words, how far, how long it still takes. Hidden where stderr is no terminal.
 
 use indicatif::{ProgressBar, ProgressStyle};
+use zerorate::Progress;
+
+/// Looks on while the procedure runs.
+pub trait Watch {
+    /// Sees how far it is, with every 4096th sample; false asks it to end.
+    fn see(&mut self, progress: &Progress) -> bool;
+}
+
+impl<F: FnMut() -> bool> Watch for F {
+    fn see(&mut self, _: &Progress) -> bool {
+        self()
+    }
+}
 
 /// Progress of a measurement whose extent is known.
 #[derive(Debug)]
@@ -28,6 +41,15 @@ impl Meter {
     /// Whether anybody sees it.
     pub fn is_hidden(&self) -> bool {
         self.bar.is_hidden()
+    }
+}
+
+impl Watch for Meter {
+    fn see(&mut self, progress: &Progress) -> bool {
+        if !self.is_hidden() {
+            self.show(progress.elapsed_s, progress.state.to_string());
+        }
+        true
     }
 }
 

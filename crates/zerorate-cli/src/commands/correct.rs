@@ -77,7 +77,7 @@ pub(super) fn load(path: &Path) -> Result<Calibration> {
 }
 
 /// What to say where temperatures from `low` to `high`, in °C, leave the span of the calibration.
-pub(super) fn extrapolation(calibration: &Calibration, low: f64, high: f64) -> Option<String> {
+pub fn extrapolation(calibration: &Calibration, low: f64, high: f64) -> Option<String> {
     let span = calibration.validity?;
     let inside = span.covers(low) && span.covers(high);
     (!inside).then(|| {

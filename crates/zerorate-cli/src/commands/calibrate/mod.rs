@@ -12,13 +12,13 @@ use crate::device::{Device, DeviceSpec};
 use crate::duration::Seconds;
 use crate::exit::{Refused, Usage};
 use crate::interrupt;
-use crate::progress::Meter;
+use crate::progress::{Meter, Watch};
 use adis16130::Sample;
 use adis16130_twin::Truth;
 use anyhow::{Context, Result, ensure};
 use clap::{Args, ValueEnum};
 use plan::PlanArgs;
-use report::Report;
+pub use report::Report;
 use std::fs;
 use std::path::{Path, PathBuf};
 use zerorate::calibration::Origin;
@@ -106,13 +106,26 @@ enum Method {
 
 pub fn run(args: &CalibrateArgs) -> Result<()> {
     let acquisition = Acquisition::open(&args.device, args.sampling)?;
-    let log = args.log.as_deref().map(|path| Log { path, force: args.force });
-    calibrate(acquisition, &args.plan, &args.result, log)
+    calibrate(acquisition, &args.plan, &args.result, args.log())
 }
 
 pub fn run_again(args: &RecalibrateArgs) -> Result<()> {
+    interrupt::listen()?;
     let device = Device::open(&DeviceSpec::Replay(args.capture.clone()), SamplingArgs::AS_RECORDED)?;
-    calibrate(Acquisition::unpaced(device)?, &args.plan, &args.result, None)
+    calibrate(Acquisition::unpaced(device), &args.plan, &args.result, None)
+}
+
+/// The measurement alone, for another program: prints nothing, leaves Ctrl-C alone, and ends when `watch` says so.
+pub fn measured(args: &CalibrateArgs, watch: &mut dyn Watch) -> Result<(Report, Calibration)> {
+    let device = Device::open(&args.device.device, args.sampling)?;
+    let procedure = procedure(&args.plan)?;
+    measure(Acquisition::unpaced(device), procedure, &args.result, args.log(), watch)
+}
+
+impl CalibrateArgs {
+    fn log(&self) -> Option<Log<'_>> {
+        self.log.as_deref().map(|path| Log { path, force: self.force })
+    }
 }
 
 /// Where the samples are recorded.
@@ -122,24 +135,40 @@ struct Log<'a> {
     force: bool,
 }
 
-fn calibrate(mut acquisition: Acquisition, plan: &PlanArgs, result: &ResultArgs, log: Option<Log>) -> Result<()> {
-    let procedure = Procedure::new(plan.plan()).map_err(|error| Usage(error.to_string()))?;
-    let file = result.output.as_deref().map(claim).transpose()?;
-    let device = acquisition.device();
-    let info = device.info(result.serial.as_deref(), result.supply_note.as_deref());
-    let writer = log.map(|log| CaptureWriter::create(log.path, Format::choose(None, log.path), &info, log.force));
-    let measurement = Measurement::new(acquisition, procedure, writer.transpose()?).run()?;
-    let calibration = Calibration::new(&measurement.outcome, origin(info, measurement.capture_sha256));
-    let report = Report::new(&measurement.outcome, &calibration, measurement.truth.as_ref());
-    if let Some(file) = file {
-        fs::write(file.path(), calibration.to_toml()).with_context(|| format!("writing {}", file.path().display()))?;
-        file.publish()?;
-    }
+fn calibrate(acquisition: Acquisition, plan: &PlanArgs, result: &ResultArgs, log: Option<Log>) -> Result<()> {
+    let procedure = procedure(plan)?;
+    let mut meter = Meter::new(procedure.plan().total_s());
+    let (report, _) = measure(acquisition, procedure, result, log, &mut meter)?;
+    drop(meter);
     if result.json {
         return print_json(&report);
     }
     warn(&report.warnings);
     print(&report.text(result.output.as_deref()))
+}
+
+fn procedure(plan: &PlanArgs) -> Result<Procedure> {
+    Procedure::new(plan.plan()).map_err(|error| Usage(error.to_string()).into())
+}
+
+fn measure(
+    mut acquisition: Acquisition,
+    procedure: Procedure,
+    result: &ResultArgs,
+    log: Option<Log>,
+    watch: &mut dyn Watch,
+) -> Result<(Report, Calibration)> {
+    let file = result.output.as_deref().map(claim).transpose()?;
+    let device = acquisition.device();
+    let info = device.info(result.serial.as_deref(), result.supply_note.as_deref());
+    let writer = log.map(|log| CaptureWriter::create(log.path, Format::choose(None, log.path), &info, log.force));
+    let measured = Measurement::new(acquisition, procedure, writer.transpose()?, watch).run()?;
+    let calibration = Calibration::new(&measured.outcome, origin(info, measured.capture_sha256));
+    if let Some(file) = file {
+        fs::write(file.path(), calibration.to_toml()).with_context(|| format!("writing {}", file.path().display()))?;
+        file.publish()?;
+    }
+    Ok((Report::new(&measured.outcome, &calibration, measured.truth.as_ref()), calibration))
 }
 
 /// Makes sure that the file can be written before an hour is spent on its content.
@@ -169,14 +198,14 @@ fn origin(info: CaptureInfo, capture_sha256: String) -> Origin {
 }
 
 /// The procedure, being fed.
-struct Measurement {
+struct Measurement<'a> {
     acquisition: Acquisition,
     procedure: Procedure,
     log: Option<CaptureWriter>,
     hash: SampleHash,
     /// The twin's truth at the end of step 8.
     truth: Option<Truth>,
-    meter: Meter,
+    watch: &'a mut dyn Watch,
 }
 
 /// What it came to.
@@ -186,10 +215,14 @@ struct Measured {
     truth: Option<Truth>,
 }
 
-impl Measurement {
-    fn new(acquisition: Acquisition, procedure: Procedure, log: Option<CaptureWriter>) -> Self {
-        let meter = Meter::new(procedure.plan().total_s());
-        Self { acquisition, procedure, log, hash: SampleHash::new(), truth: None, meter }
+impl<'a> Measurement<'a> {
+    fn new(
+        acquisition: Acquisition,
+        procedure: Procedure,
+        log: Option<CaptureWriter>,
+        watch: &'a mut dyn Watch,
+    ) -> Self {
+        Self { acquisition, procedure, log, hash: SampleHash::new(), truth: None, watch }
     }
 
     fn run(mut self) -> Result<Measured> {
@@ -199,7 +232,6 @@ impl Measurement {
             log.finish()?;
         }
         fed?;
-        drop(self.meter);
         Ok(Measured {
             outcome: self.procedure.finish().map_err(refused)?,
             capture_sha256: self.hash.hex(),
@@ -247,24 +279,28 @@ impl Measurement {
         if in_step_8 && self.procedure.progress().state != State::Offset {
             self.truth = self.acquisition.device().truth();
         }
-        if self.acquisition.is_time_to_show() && !self.meter.is_hidden() {
-            let progress = self.procedure.progress();
-            self.meter.show(progress.elapsed_s, progress.state.to_string());
+        if self.acquisition.is_time_to_show() && !self.watch.see(&self.procedure.progress()) {
+            return Err(self.interrupted());
         }
         Ok(())
     }
 
     #[cold]
     fn ended_early(&self) -> anyhow::Error {
+        if interrupt::asked() {
+            return self.interrupted();
+        }
         let progress = self.procedure.progress();
         let (elapsed, total) = (Seconds(progress.elapsed_s), Seconds(progress.total_s));
-        if interrupt::asked() {
-            return anyhow::anyhow!("interrupted after {elapsed}; nothing written");
-        }
         anyhow::anyhow!(
             "the recording ends after {elapsed}, during {}, but the procedure takes {total}: give the durations it was recorded for (--average, --warmup, --settle, --offset)",
             progress.state
         )
+    }
+
+    #[cold]
+    fn interrupted(&self) -> anyhow::Error {
+        anyhow::anyhow!("interrupted after {}; nothing written", Seconds(self.procedure.progress().elapsed_s))
     }
 }
 

@@ -1,0 +1,49 @@
+"""The calibration of the ADIS16130, with its part in software.
+
+===================  ==================================================================
+`calibrate`          the procedure of AN-1042 on a `Twin`, with the uncertainty it has
+`Calibration`        a calibration file; `Calibration.correct` takes the bias out
+`read_capture`       a recording of raw codes as numpy columns
+`Twin`               a part in software, drawn from a seed
+===================  ==================================================================
+
+Units are in the names: ``rate_dps`` is in °/s, ``tau_s`` in seconds, ``temp_c`` in °C. What makes no sense raises ValueError with what to
+do; a measurement that must not become a calibration raises `Refused`.
+"""
+
+from importlib.metadata import version
+
+from ._calibration import (
+    Calibration,
+    Correction,
+    Measured,
+    NoiseRecord,
+    Run,
+    Uncertainties,
+    Validity,
+)
+from ._capture import Capture, read_capture
+from ._procedure import Calibrated, Truth, calibrate
+from ._twin import Twin, TwinKey
+from ._zerorate import Refused
+
+__version__ = version("zerorate")
+
+__all__ = [
+    "Calibrated",
+    "Calibration",
+    "Capture",
+    "Correction",
+    "Measured",
+    "NoiseRecord",
+    "Refused",
+    "Run",
+    "Truth",
+    "Twin",
+    "TwinKey",
+    "Uncertainties",
+    "Validity",
+    "__version__",
+    "calibrate",
+    "read_capture",
+]

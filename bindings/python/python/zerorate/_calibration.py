@@ -1,0 +1,282 @@
+"""A calibration of one unit. The file is specified in docs/formats/calibration.md of the project."""
+
+from __future__ import annotations
+
+import json
+import os
+import warnings
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, overload
+
+import numpy as np
+
+from . import _zerorate
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+
+@dataclass(frozen=True)
+class Correction:
+    """corrected rate = RATE + PBC + (TEMP − T3) · BTC."""
+
+    pbc_dps: float
+    """PBC, °/s: the negative of the bias at T3."""
+    btc_dps_per_c: float
+    """BTC, °/s/°C."""
+    t3_c: float
+    """T3, °C."""
+
+
+@dataclass(frozen=True)
+class Measured:
+    """The means of steps 4 and 6."""
+
+    b1_dps: float
+    """Mean rate of step 4, °/s."""
+    t1_c: float
+    """Mean temperature of step 4, °C."""
+    b2_dps: float
+    """Mean rate of step 6, °/s."""
+    t2_c: float
+    """Mean temperature of step 6, °C."""
+
+
+@dataclass(frozen=True)
+class Uncertainties:
+    """Standard uncertainties and covariances.
+
+    value ± ``coverage_factor`` × u covers the truth with the probability ``coverage``.
+    """
+
+    coverage: float
+    """Probability of the stated intervals."""
+    coverage_factor: float
+    """Half width of the stated intervals in standard uncertainties."""
+    u_pbc_dps: float
+    """Of PBC, °/s."""
+    u_btc_dps_per_c: float
+    """Of BTC, °/s/°C."""
+    u_t3_c: float
+    """Of T3, °C."""
+    cov_pbc_btc_dps2_per_c: float
+    """Covariance of PBC and BTC, (°/s)²/°C."""
+    cov_pbc_t3_dps_c: float
+    """Covariance of PBC and T3, °/s·°C."""
+    cov_btc_t3_dps: float
+    """Covariance of BTC and T3, °/s."""
+    u_curvature_dps_per_c: float
+    """The part of the uncertainty of BTC that allows for curvature, °/s/°C."""
+    u_b1_dps: float
+    """Of B1, °/s."""
+    u_t1_c: float
+    """Of T1, °C."""
+    u_b2_dps: float
+    """Of B2, °/s."""
+    u_t2_c: float
+    """Of T2, °C."""
+
+
+@dataclass(frozen=True)
+class NoiseRecord:
+    """The noise behind the uncertainties, and which of it was measured; a source is ``measured`` or ``typical (M-04)``."""
+
+    white_dps_per_rt_hz: float
+    """White noise, °/s/√Hz."""
+    white_source: str
+    """Its source."""
+    flicker_floor_dps: float
+    """Floor of the Allan deviation, °/s: 0.664 times the bias instability."""
+    flicker_cutoff_hz: float
+    """The flicker is flat below this frequency, Hz."""
+    flicker_source: str
+    """Its source."""
+    rate_random_walk_dps_per_rt_s: float
+    """Rate random walk, °/s/√s."""
+    rate_random_walk_source: str
+    """Its source."""
+
+
+@dataclass(frozen=True)
+class Validity:
+    """The temperatures between which the calibration was measured; elsewhere the correction is extrapolated."""
+
+    temp_min_c: float
+    """Lowest temperature, °C."""
+    temp_max_c: float
+    """Highest temperature, °C."""
+
+
+@dataclass(frozen=True)
+class Run:
+    """How the measurement went."""
+
+    duration_s: float
+    """From the first sample to the last, s."""
+    rate_hz: float
+    """Rate samples per second."""
+    rdy_hz: float
+    """Data-ready edges per second."""
+    samples: int
+    """Rate samples read."""
+    lost_samples: int
+    """Rate samples lost."""
+    average_s: float
+    """Length of steps 4 and 6, s."""
+    warmup_s: float
+    """Length of step 5, s."""
+    settle_s: float
+    """Length of step 7, s."""
+    offset_s: float
+    """Length of step 8, s."""
+    max_lost: float
+    """Largest share of lost samples that was accepted."""
+    max_u_btc_dps_per_c: float
+    """Largest uncertainty of BTC that was accepted, °/s/°C."""
+    assume_linear: bool
+    """Whether the bias was taken for a straight line over temperature."""
+    earth_dps: float | None = None
+    """Component of the Earth's rotation that was subtracted, °/s; None: it is inside PBC."""
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """A calibration, as its file holds it. Only ``correction`` is always there."""
+
+    schema: int
+    """Version of the file form."""
+    part: str
+    """``ADIS16130``."""
+    correction: Correction
+    """PBC, BTC and T3."""
+    id: str
+    """Short name of what it corrects: 12 hexadecimal digits."""
+    serial: str | None = None
+    """Serial number of the unit."""
+    created: str | None = None
+    """When the measurement ended, RFC 3339; None for a simulated part."""
+    method: str | None = None
+    """``an1042``."""
+    software: str | None = None
+    """What measured it."""
+    device: str | None = None
+    """Where the samples came from."""
+    config: str | None = None
+    """Registers and reading scheme."""
+    capture_sha256: str | None = None
+    """SHA-256 of the samples."""
+    supply_note: str | None = None
+    """What was noted of the supply."""
+    warnings: list[str] = field(default_factory=list)
+    """The measurement's warnings."""
+    measured: Measured | None = None
+    """The means it rests on."""
+    uncertainty: Uncertainties | None = None
+    """How well it is known."""
+    noise: NoiseRecord | None = None
+    """The noise behind that."""
+    validity: Validity | None = None
+    """Where it holds."""
+    run: Run | None = None
+    """The measurement."""
+    text: str = field(default="", repr=False)
+    """The file."""
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Calibration:
+        """Reads a calibration file.
+
+        A file without its check lines (written by hand) is read with a UserWarning.
+
+        Raises
+        ------
+        ValueError
+            If the file is no calibration, was edited, or ends early; the text names the line.
+        OSError
+            If it cannot be read.
+        """
+        try:
+            return cls.parse(Path(path).read_text(encoding="utf-8"))
+        except ValueError as error:
+            raise ValueError(f"{os.fspath(path)}: {error}") from None
+
+    @classmethod
+    def parse(cls, text: str) -> Calibration:
+        """Reads a calibration out of the text of its file; as `load`."""
+        fields_json, id, notes = _zerorate.parse_calibration(text)
+        for note in notes:
+            warnings.warn(note, stacklevel=3)
+        fields: dict[str, Any] = json.loads(fields_json)
+        tables = {
+            name: kind(**fields.pop(name))
+            for name, kind in _TABLES.items()
+            if fields.get(name) is not None
+        }
+        return cls(**{**fields, **tables, "id": id, "text": text})
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes the calibration file, with its check lines if it was read with them."""
+        Path(path).write_text(self.text, encoding="utf-8")
+
+    @overload
+    def correct(self, rate_dps: float, temp_c: float) -> float: ...
+
+    @overload
+    def correct(self, rate_dps: ArrayLike, temp_c: ArrayLike) -> NDArray[np.float64]: ...
+
+    def correct(self, rate_dps: ArrayLike, temp_c: ArrayLike) -> float | NDArray[np.float64]:
+        """Takes the bias out of a rate: RATE + PBC + (TEMP − T3) · BTC.
+
+        Parameters
+        ----------
+        rate_dps
+            Rate of the uncorrected part, °/s: a number or an array of any shape.
+        temp_c
+            Temperature of the part, °C, read with the rate: a number or an array that broadcasts against it.
+
+        Returns
+        -------
+        float or array
+            The corrected rate, °/s, in the broadcast shape; NaN where an input is NaN.
+
+        Warns
+        -----
+        UserWarning
+            Where temperatures leave the span of the calibration: the correction is extrapolated.
+
+        Raises
+        ------
+        ValueError
+            If the shapes do not broadcast.
+        """
+        rates, temps = np.broadcast_arrays(
+            np.asarray(rate_dps, dtype=np.float64), np.asarray(temp_c, dtype=np.float64)
+        )
+        self._warn_outside(temps)
+        known = self.correction
+        corrected = _zerorate.correct(
+            np.ascontiguousarray(rates).reshape(-1),
+            np.ascontiguousarray(temps).reshape(-1),
+            known.pbc_dps,
+            known.btc_dps_per_c,
+            known.t3_c,
+        )
+        return corrected.reshape(rates.shape) if rates.shape else float(corrected[0])
+
+    def _warn_outside(self, temps: NDArray[np.float64]) -> None:
+        seen = temps[np.isfinite(temps)]
+        if seen.size:
+            outside = _zerorate.extrapolation(self.text, float(seen.min()), float(seen.max()))
+            if outside is not None:
+                warnings.warn(outside, stacklevel=3)
+
+
+_TABLES: dict[str, Any] = {
+    "correction": Correction,
+    "measured": Measured,
+    "uncertainty": Uncertainties,
+    "noise": NoiseRecord,
+    "validity": Validity,
+    "run": Run,
+}

@@ -1,0 +1,185 @@
+"""The procedure of AN-1042."""
+
+from __future__ import annotations
+
+import json
+import os
+from dataclasses import dataclass, field
+from typing import Union
+
+from . import _zerorate
+from ._calibration import Calibration
+from ._twin import Twin
+
+Seconds = Union[float, str]
+"""Seconds as a number, or a duration as the command line takes it: ``"10m"``, ``"1h30m"``."""
+
+
+@dataclass(frozen=True)
+class Truth:
+    """What a perfect measurement would have found at the reported T3; only a twin knows it."""
+
+    pbc_dps: float
+    """Bias correction at T3, °/s."""
+    btc_dps_per_c: float
+    """Temperature coefficient of the correction at T3, °/s/°C."""
+
+
+@dataclass(frozen=True)
+class Calibrated:
+    """What a calibration found: the keys of ``zerorate calibrate --json``, and the calibration itself.
+
+    corrected rate = RATE + PBC + (TEMP − T3) · BTC. A value ± ``coverage_factor`` × its ``u_…`` covers the truth with the probability
+    ``coverage``.
+    """
+
+    b1_dps: float
+    """Mean rate of step 4, °/s."""
+    t1_c: float
+    """Mean temperature of step 4, °C."""
+    b2_dps: float
+    """Mean rate of step 6, °/s."""
+    t2_c: float
+    """Mean temperature of step 6, °C."""
+    btc_dps_per_c: float
+    """Temperature coefficient of the correction, °/s/°C."""
+    pbc_dps: float
+    """Bias correction at T3, °/s: the negative of the bias."""
+    t3_c: float
+    """Temperature of the bias correction, °C."""
+    u_pbc_dps: float
+    """Standard uncertainty of PBC, °/s."""
+    u_btc_dps_per_c: float
+    """Standard uncertainty of BTC, °/s/°C."""
+    u_t3_c: float
+    """Standard uncertainty of T3, °C."""
+    coverage: float
+    """Probability of the stated intervals."""
+    coverage_factor: float
+    """Half width of the stated intervals in standard uncertainties."""
+    rdy_hz: float
+    """Data-ready edges per second."""
+    rate_hz: float
+    """Rate samples per second."""
+    samples: int
+    """Rate samples read."""
+    lost_samples: int
+    """Rate samples lost."""
+    duration_s: float
+    """From the first sample to the last, s."""
+    temp_min_c: float
+    """Lowest temperature, °C."""
+    temp_max_c: float
+    """Highest temperature, °C."""
+    method: str
+    """``an1042``."""
+    device: str
+    """Where the samples came from."""
+    calibration_id: str
+    """Short name of the calibration; corrected data carry it."""
+    capture_sha256: str
+    """SHA-256 of the samples."""
+    warnings: list[str]
+    """``code: text`` each: what was seen, why it matters, what to do."""
+    calibration: Calibration = field(repr=False)
+    """The calibration, to correct with or to save."""
+    truth: Truth | None = None
+    """The twin's truth at the end of the last average."""
+
+
+def calibrate(
+    twin: Twin,
+    *,
+    average: Seconds | None = None,
+    warmup: Seconds | None = None,
+    settle: Seconds | None = None,
+    offset: Seconds | None = None,
+    max_lost: float | None = None,
+    max_u_btc: float | None = None,
+    earth_dps: float | None = None,
+    assume_linear: bool = False,
+    every_temp: int | None = None,
+    divider: int | None = None,
+    serial: str | None = None,
+    supply_note: str | None = None,
+    log: str | os.PathLike[str] | None = None,
+    output: str | os.PathLike[str] | None = None,
+    force: bool = False,
+) -> Calibrated:
+    """Calibrates a part with the procedure of application note AN-1042: 53 simulated minutes, in seconds.
+
+    Other threads run meanwhile, and Ctrl-C ends it. The options are those of ``zerorate calibrate``, whose help states the defaults.
+
+    Parameters
+    ----------
+    twin
+        The part.
+    average
+        Length of the two averages of rate and temperature, steps 4 and 6: seconds, or a text such as ``"1m"``.
+    warmup
+        Warm-up between them, step 5.
+    settle
+        Settling to thermal balance, step 7.
+    offset
+        Length of the average that gives PBC, step 8.
+    max_lost
+        Largest share of lost samples in an average, 0 … 1.
+    max_u_btc
+        Largest standard uncertainty of BTC, °/s/°C.
+    earth_dps
+        The Earth's rotation on the part's axis, °/s, to be subtracted from the bias.
+    assume_linear
+        Take the bias for a straight line over temperature.
+    every_temp
+        Read the temperature with every N-th rate sample.
+    divider
+        Read on every N-th data-ready edge only.
+    serial, supply_note
+        Stored in the calibration.
+    log
+        Record every sample to this file (`read_capture` reads it).
+    output
+        Write the calibration file.
+    force
+        Overwrite an existing ``log``.
+
+    Returns
+    -------
+    Calibrated
+        The numbers with their uncertainty, the warnings, the truth, and the calibration.
+
+    Raises
+    ------
+    Refused
+        The part moves, freezes, hardly changes its temperature, or loses too many samples.
+    ValueError
+        For options that make no sense.
+    OSError
+        If a file cannot be written.
+    """
+    values = {
+        "--average": average,
+        "--warmup": warmup,
+        "--settle": settle,
+        "--offset": offset,
+        "--max-lost": max_lost,
+        "--max-u-btc": max_u_btc,
+        "--earth-dps": earth_dps,
+        "--every-temp": every_temp,
+        "--divider": divider,
+        "--serial": serial,
+        "--supply-note": supply_note,
+        "--log": None if log is None else os.fspath(log),
+        "--output": None if output is None else os.fspath(output),
+    }
+    options = [f"--device={twin.device}"]
+    options += [f"{name}={value}" for name, value in values.items() if value is not None]
+    options += ["--assume-linear"] * assume_linear + ["--force"] * (force and log is not None)
+    report_json, toml = _zerorate.calibrate(options)
+    report = json.loads(report_json)
+    truth = report.pop("truth", None)
+    return Calibrated(
+        **report,
+        calibration=Calibration.parse(toml),
+        truth=None if truth is None else Truth(**truth),
+    )

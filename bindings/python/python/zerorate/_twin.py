@@ -1,0 +1,70 @@
+"""The part in software."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from . import _zerorate
+
+
+class TwinKey(NamedTuple):
+    """A property of the twin."""
+
+    name: str
+    """The key; its unit is in the name."""
+    default: str
+    """The value without it, in words where the seed draws it."""
+    allowed: str
+    """The values it takes."""
+    help: str
+    """What it is."""
+
+
+class Twin:
+    """An ADIS16130 in software: the same seed is the same unit, byte for byte, on every machine.
+
+    Parameters
+    ----------
+    seed
+        Draws the unit and everything random.
+    **keys
+        Other properties, as `zerorate twin` lists them, for example ``bias_dps=0.8``, ``motion="sway"``, ``noise=False``; `Twin.keys`
+        returns the list.
+
+    Raises
+    ------
+    ValueError
+        For a key or value that the twin does not have; the text lists what it has.
+
+    Examples
+    --------
+    >>> Twin(seed=7, bias_dps=0.8)
+    Twin('twin:seed=7,bias_dps=0.8')
+    """
+
+    def __init__(self, seed: int = 1, **keys: float | str | bool) -> None:
+        pairs = {"seed": int(seed), **keys}
+        self._device = _zerorate.twin_device(",".join(f"{name}={_text(value)}" for name, value in pairs.items()))
+
+    @property
+    def device(self) -> str:
+        """The twin as the command line names it: ``zerorate calibrate --device …``."""
+        return self._device
+
+    @staticmethod
+    def keys() -> list[TwinKey]:
+        """Every property that can be set."""
+        return [TwinKey(*key) for key in _zerorate.twin_keys()]
+
+    def __repr__(self) -> str:
+        return f"Twin({self._device!r})"
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Twin) and self._device == other._device
+
+    def __hash__(self) -> int:
+        return hash(self._device)
+
+
+def _text(value: float | str | bool) -> str:
+    return str(int(value)) if isinstance(value, bool) else str(value)

@@ -1,0 +1,54 @@
+"""The compiled part of zerorate. Use the package `zerorate`."""
+
+from __future__ import annotations
+
+import os
+from typing import TypedDict
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = [
+    "Refused",
+    "calibrate",
+    "correct",
+    "extrapolation",
+    "main",
+    "parse_calibration",
+    "rate_dps",
+    "read_capture",
+    "temp_c",
+    "twin_device",
+    "twin_keys",
+]
+
+class Refused(ValueError): ...
+
+class _Columns(TypedDict):
+    t_ns: NDArray[np.uint64]
+    edge_seq: NDArray[np.uint32]
+    rate_code: NDArray[np.uint32]
+    status: NDArray[np.int16]
+    temp_code: NDArray[np.int32]
+    lost: NDArray[np.uint32]
+    width_bits: int
+    metadata: dict[str, str]
+    calibration_id: str | None
+    warning: str | None
+
+def main(args: list[str]) -> int: ...
+def twin_device(keys: str) -> str: ...
+def twin_keys() -> list[tuple[str, str, str, str]]: ...
+def calibrate(options: list[str]) -> tuple[str, str]: ...
+def parse_calibration(text: str) -> tuple[str, str, list[str]]: ...
+def extrapolation(text: str, low_c: float, high_c: float) -> str | None: ...
+def correct(
+    rate_dps: NDArray[np.float64],
+    temp_c: NDArray[np.float64],
+    pbc_dps: float,
+    btc_dps_per_c: float,
+    t3_c: float,
+) -> NDArray[np.float64]: ...
+def read_capture(path: str | os.PathLike[str]) -> _Columns: ...
+def rate_dps(codes: NDArray[np.uint32], width_bits: int) -> NDArray[np.float64]: ...
+def temp_c(codes: NDArray[np.int32], width_bits: int) -> NDArray[np.float64]: ...

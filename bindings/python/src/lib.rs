@@ -1,0 +1,36 @@
+//! `zerorate._zerorate`: what the Python package takes from Rust.
+//!
+//! It moves numbers across and turns errors into exceptions. Names, defaults and data classes stand in `python/zerorate`, the
+//! computations in the crates `zerorate` and `zerorate-cli`.
+
+mod capture;
+mod correction;
+mod error;
+mod twin;
+
+use pyo3::prelude::*;
+
+/// The compiled part of zerorate. Use the package `zerorate`.
+#[pymodule]
+mod _zerorate {
+    #[pymodule_export]
+    use super::capture::{rate_dps, read_capture, temp_c};
+    #[pymodule_export]
+    use super::correction::{correct, extrapolation, parse_calibration};
+    #[pymodule_export]
+    use super::error::Refused;
+    #[pymodule_export]
+    use super::main;
+    #[pymodule_export]
+    use super::twin::{calibrate, twin_device, twin_keys};
+}
+
+/// Runs the command line ``args``, program name first. Returns the exit code: 0 done, 1 failed, 2 usage, 3 refused.
+///
+/// ``--help``, ``--version`` and a command line that makes no sense end the process.
+#[pyfunction]
+fn main(py: Python<'_>, args: Vec<std::ffi::OsString>) -> u8 {
+    let code = py.detach(|| zerorate_cli::main(args));
+    // an `ExitCode` does not tell its number, but whether it equals another
+    (0..=u8::MAX).find(|number| std::process::ExitCode::from(*number) == code).unwrap_or(1)
+}

@@ -1,0 +1,39 @@
+//! The twin, and the procedure on it.
+
+use crate::error::exception;
+use adis16130_twin::{KEYS, Key, Spec};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use zerorate_cli::api::{self, Calibrated};
+
+/// The name of a twin as a device, ``twin:KEY=VALUE,…``.
+///
+/// Raises ValueError for a key or a value that the twin does not have.
+#[pyfunction]
+pub fn twin_device(keys: &str) -> PyResult<String> {
+    Spec::parse_keys(keys).map_err(|error| PyValueError::new_err(error.to_string()))?;
+    Ok(format!("twin:{keys}"))
+}
+
+/// The keys of a twin: name, default and allowed values in words, and what it is.
+#[pyfunction]
+pub fn twin_keys() -> Vec<(&'static str, &'static str, String, &'static str)> {
+    KEYS.iter().map(|key| (key.name, key.default, Key::allowed(key), key.help)).collect()
+}
+
+/// Runs the procedure with the options of ``zerorate calibrate``. Returns its JSON report and the calibration file.
+///
+/// Other threads run meanwhile. Ctrl-C ends it.
+#[pyfunction]
+pub fn calibrate(py: Python<'_>, options: Vec<String>) -> PyResult<(String, String)> {
+    let mut signal = Ok(());
+    let done = py.detach(|| {
+        api::calibrate(&options, || {
+            signal = Python::attach(|py| py.check_signals());
+            signal.is_ok()
+        })
+    });
+    signal?;
+    let Calibrated { report_json, calibration_toml } = done.map_err(|error| exception(&error))?;
+    Ok((report_json, calibration_toml))
+}

@@ -1,0 +1,142 @@
+"""The procedure on the twin, calibration files, captures."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import zerorate
+
+BY_HAND = """schema = 1
+part = "ADIS16130"
+[correction]
+pbc_dps = -0.25
+btc_dps_per_c = -0.04
+t3_c = 31.5
+[validity]
+temp_min_c = 25.0
+temp_max_c = 35.0
+"""
+
+
+@pytest.fixture(scope="module")
+def unit(tmp_path_factory: pytest.TempPathFactory) -> tuple[zerorate.Calibrated, Path]:
+    """A short calibration at 1/100 of the sampling rate, and the folder with its log and its file."""
+    folder = tmp_path_factory.mktemp("unit")
+    found = zerorate.calibrate(
+        zerorate.Twin(seed=7),
+        average="10s",
+        warmup="1m",
+        settle="1m",
+        offset=20,
+        divider=99,
+        log=folder / "unit.arrows",
+        output=folder / "unit.toml",
+        serial="SN17",
+        max_u_btc=1.0,
+    )
+    return found, folder
+
+
+def test_the_report_has_the_keys_of_the_command_line(unit: tuple[zerorate.Calibrated, Path]) -> None:
+    found, folder = unit
+    command = [sys.executable, "-m", "zerorate", "recalibrate", str(folder / "unit.arrows"), "--json", "--max-u-btc=1"]
+    command += ["--average=10s", "--warmup=1m", "--settle=1m", "--offset=20s"]
+    report = json.loads(subprocess.run(command, capture_output=True, check=True, text=True).stdout)
+    different = {"device"}
+    for key in report.keys() - different:
+        assert getattr(found, key) == report[key], key
+    assert report.keys() | {"truth", "calibration"} == set(vars(found))
+
+
+def test_the_truth_lies_within_five_standard_uncertainties(unit: tuple[zerorate.Calibrated, Path]) -> None:
+    found, _ = unit
+    assert found.truth is not None
+    assert abs(found.pbc_dps - found.truth.pbc_dps) < 5 * found.u_pbc_dps
+    assert abs(found.btc_dps_per_c - found.truth.btc_dps_per_c) < 5 * found.u_btc_dps_per_c
+
+
+def test_the_file_is_the_calibration(unit: tuple[zerorate.Calibrated, Path]) -> None:
+    found, folder = unit
+    loaded = zerorate.Calibration.load(folder / "unit.toml")
+    assert loaded == found.calibration
+    assert loaded.id == found.calibration_id
+    assert loaded.serial == "SN17"
+    assert loaded.correction.pbc_dps == found.pbc_dps
+    assert loaded.run is not None and loaded.run.samples == found.samples
+    loaded.save(folder / "copy.toml")
+    assert zerorate.Calibration.load(folder / "copy.toml") == loaded
+
+
+def test_the_log_gives_back_what_was_measured(unit: tuple[zerorate.Calibrated, Path]) -> None:
+    found, folder = unit
+    log = zerorate.read_capture(folder / "unit.arrows")
+    # the sample that ends the last step belongs to none
+    assert len(log) == found.samples + 1
+    assert log.metadata["zerorate.serial"] == "SN17"
+    assert log.rate_hz == pytest.approx(found.rate_hz, rel=1e-3)
+    assert log.t_s[0] == 0.0
+    # the scale of the data sheet, typed again: 23 488 LSB per °/s, 14 093 LSB per °C around 25 °C
+    codes = log.rate_code.astype(np.float64)
+    np.testing.assert_array_equal(log.rate_dps, (codes - 2**23) / 23488)
+    np.testing.assert_allclose(log.temp_c, (log.temp_code - 2**23) / 14093 + 25, rtol=1e-15)
+    np.testing.assert_array_equal(log.temp_held_c, log.temp_c)
+    # step 4 is the first 10 s
+    assert log.rate_dps[log.t_s <= 10].mean() == pytest.approx(found.b1_dps, abs=1e-3)
+
+
+def test_correct_is_the_formula_of_the_note() -> None:
+    with pytest.warns(UserWarning, match="no checksum"):
+        calibration = zerorate.Calibration.parse(BY_HAND)
+    assert calibration.correct(1.0, 31.5) == 0.75
+    assert calibration.correct(1.0, 30.5) == 1.0 - 0.25 + 0.04
+    rate = np.linspace(-1, 1, 6).reshape(2, 3)
+    temp = np.array([30.0, 31.0, 32.0])
+    expected = rate - 0.25 - 0.04 * (temp - 31.5)
+    np.testing.assert_allclose(calibration.correct(rate, temp), expected, rtol=0, atol=1e-15)
+    np.testing.assert_allclose(calibration.correct(rate[:, ::2], 31.5), rate[:, ::2] - 0.25)
+    assert np.isnan(calibration.correct(1.0, float("nan")))
+    assert calibration.correct([], []).shape == (0,)
+    with pytest.warns(UserWarning, match="extrapolated"):
+        calibration.correct(rate, 60.0)
+    with pytest.raises(ValueError, match="shape"):
+        calibration.correct([1.0, 2.0], [1.0, 2.0, 3.0])
+
+
+def test_what_is_wrong_is_said(tmp_path: Path) -> None:
+    with pytest.raises(FileNotFoundError):
+        zerorate.Calibration.load(tmp_path / "none.toml")
+    with pytest.raises(FileNotFoundError, match=r"none\.arrows"):
+        zerorate.read_capture(tmp_path / "none.arrows")
+    bad = tmp_path / "bad.toml"
+    bad.write_text(BY_HAND.replace("t3_c = 31.5", "t3_c = 3150"))
+    with pytest.raises(ValueError, match=r"bad\.toml: line 6: t3_c"):
+        zerorate.Calibration.load(bad)
+    with pytest.raises(ValueError, match="not a capture"):
+        zerorate.read_capture(bad)
+    with pytest.raises(ValueError, match="bias_dsp"):
+        zerorate.Twin(bias_dsp=1)
+    with pytest.raises(ValueError, match="--average"):
+        zerorate.calibrate(zerorate.Twin(), average="soon")
+    with pytest.raises(zerorate.Refused, match="mov"):
+        zerorate.calibrate(zerorate.Twin(motion="sway", sway_dps=5), divider=99, average=10, warmup=10)
+
+
+def test_twins() -> None:
+    assert zerorate.Twin(seed=3, noise=False).device == "twin:seed=3,noise=0"
+    assert zerorate.Twin(seed=3) == zerorate.Twin(3) != zerorate.Twin(seed=4)
+    assert {"seed", "bias_dps", "motion"} <= {key.name for key in zerorate.Twin.keys()}
+
+
+def test_a_torn_capture_is_read_with_a_warning(unit: tuple[zerorate.Calibrated, Path]) -> None:
+    _, folder = unit
+    whole = (folder / "unit.arrows").read_bytes()
+    torn = folder / "torn.arrows"
+    torn.write_bytes(whole[: len(whole) * 2 // 3])
+    with pytest.warns(UserWarning, match="was not closed"):
+        assert 0 < len(zerorate.read_capture(torn)) < len(zerorate.read_capture(folder / "unit.arrows"))

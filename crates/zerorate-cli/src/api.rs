@@ -1,0 +1,104 @@
+//! What another program, such as the Python package, takes from this one: the measurement without its terminal.
+//!
+//! Nothing here prints or changes how the process handles signals.
+
+pub use crate::exit::{Refused, Usage};
+
+use crate::capture::CaptureReader;
+use crate::cli::{Cli, Command};
+use crate::commands::{calibrate, correct};
+use adis16130::Sample;
+use anyhow::Result;
+use clap::Parser;
+use std::path::Path;
+use zerorate::Calibration;
+
+/// A calibration with its report.
+#[derive(Clone, Debug)]
+pub struct Calibrated {
+    /// The object that `calibrate --json` prints.
+    pub report_json: String,
+    /// The calibration file (docs/formats/calibration.md).
+    pub calibration_toml: String,
+}
+
+/// Runs the procedure of F-51 with the options of `zerorate calibrate`, as on the command line but for `--realtime`, `--json` and progress.
+/// `keep_going` is asked with every 4096th sample (1.4 times a second of part time).
+///
+/// # Errors
+/// [`Usage`] where the options make no sense, [`Refused`] where the samples must not become a calibration, or why the device or a file failed.
+pub fn calibrate(options: &[String], mut keep_going: impl FnMut() -> bool) -> Result<Calibrated> {
+    let words = ["zerorate", "calibrate"].into_iter().chain(options.iter().map(String::as_str));
+    match Cli::try_parse_from(words) {
+        Ok(Cli { command: Command::Calibrate(args) }) => {
+            let (report, calibration) = calibrate::measured(&args, &mut keep_going)?;
+            let report_json = serde_json::to_string(&report)?;
+            Ok(Calibrated { report_json, calibration_toml: calibration.to_toml() })
+        }
+        Ok(_) => Err(Usage("not the options of a calibration".to_owned()).into()),
+        Err(error) => Err(Usage(error.to_string()).into()),
+    }
+}
+
+/// The samples of a capture as columns, one row per sample, with how they were taken.
+#[derive(Clone, Debug, Default)]
+pub struct Recording {
+    /// Time of the data-ready edge, ns.
+    pub t_ns: Vec<u64>,
+    /// Number of the edge.
+    pub edge_seq: Vec<u32>,
+    /// Rate code, of [`Recording::width_bits`] bits.
+    pub rate_code: Vec<u32>,
+    /// Status register of the channel (F-35); −1 where it was not read.
+    pub status: Vec<i16>,
+    /// Temperature code, of the same width; −1 where it was not read.
+    pub temp_code: Vec<i32>,
+    /// Samples lost right before this one.
+    pub lost: Vec<u32>,
+    /// Width of both codes, 16 or 24.
+    pub width_bits: u32,
+    /// The description in the file (docs/formats/capture.md).
+    pub metadata: Vec<(String, String)>,
+    /// The calibration that was applied, if the capture is a corrected one; its raw columns are untouched.
+    pub calibration_id: Option<String>,
+    /// What is to be said of the file: a tail that was torn off.
+    pub warning: Option<String>,
+}
+
+/// Reads a capture, in any of its forms.
+///
+/// # Errors
+/// Why the file cannot be read, or what in it is wrong and where.
+pub fn read_capture(path: &Path) -> Result<Recording> {
+    let mut reader = CaptureReader::open(path)?;
+    let mut recording = Recording {
+        width_bits: reader.info().width.bits(),
+        metadata: reader.info().to_metadata().into_iter().collect(),
+        calibration_id: reader.calibration_id().map(str::to_owned),
+        ..Recording::default()
+    };
+    while let Some(rows) = reader.next_rows()? {
+        rows.samples().for_each(|sample| recording.push(&sample));
+    }
+    recording.metadata.sort();
+    recording.warning = reader.warning().map(str::to_owned);
+    Ok(recording)
+}
+
+impl Recording {
+    fn push(&mut self, sample: &Sample) {
+        self.t_ns.push(sample.t_ns);
+        self.edge_seq.push(sample.seq);
+        self.rate_code.push(sample.rate.code());
+        self.status.push(sample.status.map_or(-1, |status| status.bits().into()));
+        // a code has 24 bits at most
+        self.temp_code.push(sample.temp.map_or(-1, |temp| temp.code() as i32));
+        self.lost.push(sample.lost);
+    }
+}
+
+/// What to say where temperatures from `low_c` to `high_c` leave the span of a calibration.
+#[must_use]
+pub fn extrapolation(calibration: &Calibration, low_c: f64, high_c: f64) -> Option<String> {
+    correct::extrapolation(calibration, low_c, high_c)
+}

@@ -1,0 +1,81 @@
+//! `cargo xtask python`: builds the wheel, installs it into an environment of its own below `target/`, and tests it there.
+//!
+//! The wheel is of the profile `dev`, so that it takes over what `cargo xtask test` has compiled.
+
+use crate::venv::{self, done};
+use anyhow::{Context, Result};
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+/// Command line of `cargo xtask python`.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Run only these parts; default: all
+    #[arg(value_name = "PART", value_parser = clap::builder::PossibleValuesParser::new(PARTS.map(|(name, _)| name)))]
+    only: Vec<String>,
+}
+
+/// A part, given the interpreter of the environment.
+type Part = fn(&Path) -> Result<()>;
+
+const PARTS: [(&str, Part); 1] = [("tests", tests)];
+
+const PACKAGE: &str = "bindings/python";
+const REQUIREMENTS: &str = "bindings/python/requirements-test.txt";
+const WHEELS: &str = "target/wheels-dev";
+
+/// Builds, installs, tests. Where there is no Python, or no package registry to be reached, it says so and passes.
+pub fn run(args: &Args) -> Result<()> {
+    let python = match environment()? {
+        Ok(python) => python,
+        Err(why) => {
+            println!("SKIPPED: the Python package was not tested: {why}");
+            return Ok(());
+        }
+    };
+    install_wheel(&python)?;
+    for (name, part) in PARTS {
+        if args.only.is_empty() || args.only.iter().any(|only| only == name) {
+            println!("--- {name}");
+            part(&python).with_context(|| format!("{name}; to repeat it alone: cargo xtask python {name}"))?;
+        }
+    }
+    Ok(())
+}
+
+/// The interpreter with what the tests need, or why there is none that is not our fault.
+fn environment() -> Result<Result<PathBuf, &'static str>> {
+    let has_venv = Command::new("python3").args(["-m", "venv", "--help"]).stdout(Stdio::null()).status();
+    if !has_venv.is_ok_and(|status| status.success()) {
+        return Ok(Err("there is no python3 with venv (apt install python3-venv)"));
+    }
+    match venv::python("wheel", Path::new(REQUIREMENTS)) {
+        Ok(python) => Ok(Ok(fs::canonicalize("target")?.join(python.strip_prefix("target")?))),
+        Err(_) if !reaches_registry() => Ok(Err("pip reaches no package registry")),
+        Err(error) => Err(error),
+    }
+}
+
+fn reaches_registry() -> bool {
+    let mut probe = Command::new("target/venv-wheel/bin/python");
+    probe.args(["-m", "pip", "download", "--quiet", "--no-deps", "--dest", "target/probe", "pip"]);
+    probe.status().is_ok_and(|status| status.success())
+}
+
+fn install_wheel(python: &Path) -> Result<()> {
+    if Path::new(WHEELS).is_dir() {
+        fs::remove_dir_all(WHEELS).context("clearing the old wheel")?;
+    }
+    let mut build = Command::new(python);
+    build.args(["-m", "maturin", "build", "--quiet", "--profile", "dev", "--out", WHEELS]);
+    done(build.args(["--manifest-path", "bindings/python/Cargo.toml", "--interpreter"]).arg(python))?;
+    let wheel = fs::read_dir(WHEELS)?.next().context("maturin built no wheel")??.path();
+    let mut install = Command::new(python);
+    done(install.args(["-m", "pip", "install", "--quiet", "--force-reinstall", "--no-deps"]).arg(wheel))
+}
+
+/// Our tests, with the type checkers in them.
+fn tests(python: &Path) -> Result<()> {
+    done(Command::new(python).args(["-m", "pytest", "-q", "--durations=5"]).current_dir(PACKAGE))
+}
