@@ -7,6 +7,7 @@ use crate::commands::{
     correct::CorrectArgs,
     export::ExportArgs,
     probe::ProbeArgs,
+    report::ReportArgs,
     stream::StreamArgs,
     twin,
 };
@@ -41,6 +42,7 @@ pub enum Command {
     Stream(StreamArgs),
     Correct(CorrectArgs),
     Export(ExportArgs),
+    Report(ReportArgs),
     Allan(AllanArgs),
     /// Lists the keys of the simulated part (`--device twin:KEY=VALUE,…`).
     ///

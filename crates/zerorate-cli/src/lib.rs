@@ -14,6 +14,7 @@ mod exit;
 mod interrupt;
 pub mod plot;
 mod progress;
+pub mod report;
 
 use clap::Parser;
 use std::ffi::OsString;

@@ -144,3 +144,13 @@ fn the_id_follows_the_numbers() {
     assert_ne!(id(BY_HAND), id(other.as_str()));
     assert_eq!(id(BY_HAND).len(), 12);
 }
+
+/// By hand, with the numbers of `measured` two degrees above T3: 0.0026² + 4 · 0.0048² + (0.0401 · 0.0007)² + 2 · (2 · 1e-8 + 0.0401 · 2e-8).
+#[test]
+fn the_uncertainty_of_a_correction_is_propagated() {
+    let calibration = measured();
+    let expected = (6.76e-6 + 9.216e-5 + 7.879_249e-10 + 4.1604e-8_f64).sqrt();
+    let found = calibration.u_correction_dps(calibration.correction.t3_c + 2.0).unwrap();
+    assert!((found / expected - 1.0).abs() < 1e-9, "{found} {expected}");
+    assert_eq!(Calibration { uncertainty: None, ..calibration }.u_correction_dps(25.0), None);
+}

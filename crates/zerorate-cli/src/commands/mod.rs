@@ -7,6 +7,7 @@ pub mod correct;
 pub mod export;
 pub mod man;
 pub mod probe;
+pub mod report;
 pub mod stream;
 pub mod twin;
 
@@ -26,6 +27,7 @@ pub fn run(cli: &Cli) -> Result<()> {
         Command::Stream(args) => stream::run(args),
         Command::Correct(args) => correct::run(args),
         Command::Export(args) => export::run(args),
+        Command::Report(args) => report::run(args),
         Command::Allan(args) => allan::run(args),
         Command::Twin => twin::run(),
         Command::Completions { shell } => man::completions(*shell),

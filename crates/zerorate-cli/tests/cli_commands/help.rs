@@ -2,7 +2,7 @@
 
 use crate::zerorate;
 
-const COMMANDS: [&str; 11] = [
+const COMMANDS: [&str; 12] = [
     "probe",
     "capture",
     "calibrate",
@@ -10,6 +10,7 @@ const COMMANDS: [&str; 11] = [
     "stream",
     "correct",
     "export",
+    "report",
     "allan",
     "twin",
     "completions",
@@ -24,9 +25,7 @@ fn every_command_is_listed_and_has_help() {
         let help = zerorate(&[command, "--help"]).ended_with(0).stdout;
         assert!(help.contains("Usage: zerorate"), "{help}");
     }
-    for later in ["serve", "report"] {
-        assert!(!overview.contains(&format!("\n  {later}")), "{later} is not built yet");
-    }
+    assert!(!overview.contains("\n  serve"), "serve is not built yet");
 }
 
 #[test]

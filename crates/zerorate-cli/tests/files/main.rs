@@ -4,6 +4,7 @@ mod allan;
 mod correct;
 mod export;
 mod interop;
+mod report;
 
 use std::fs;
 use std::io::Write;

@@ -200,6 +200,25 @@ impl Calibration {
     }
 }
 
+impl Calibration {
+    /// Standard uncertainty of PBC + (T − T3) · BTC at the temperature T, °C, in °/s: of what is added to the rate, not of the rate itself. None where the
+    /// calibration states no uncertainties.
+    ///
+    /// u² = u_pbc² + d² u_btc² + btc² u_t3² + 2 d cov_pbc_btc − 2 btc cov_pbc_t3 − 2 d btc cov_btc_t3 with d = T − T3: the first-order propagation of
+    /// JCGM 100:2008, equation 13.
+    #[must_use]
+    pub fn u_correction_dps(&self, temp_c: f64) -> Option<f64> {
+        let (u, btc) = (self.uncertainty.as_ref()?, self.correction.btc_dps_per_c);
+        let d = temp_c - self.correction.t3_c;
+        let alone = u.u_pbc_dps * u.u_pbc_dps
+            + (d * u.u_btc_dps_per_c) * (d * u.u_btc_dps_per_c)
+            + (btc * u.u_t3_c) * (btc * u.u_t3_c);
+        let together = d * u.cov_pbc_btc_dps2_per_c - btc * u.cov_pbc_t3_dps_c - d * btc * u.cov_btc_t3_dps;
+        // rounding, or a file by hand whose covariances are impossible, may leave less than nothing
+        Some(libm::sqrt((alone + 2.0 * together).max(0.0)))
+    }
+}
+
 impl From<Uncertainty> for Uncertainties {
     fn from(u: Uncertainty) -> Self {
         Self {

@@ -1,0 +1,169 @@
+//! The page of an Allan analysis.
+
+use super::Fact;
+use crate::plot::number;
+use anyhow::Result;
+use askama::Template;
+
+/// All that the page says.
+#[derive(Clone, Debug, Default)]
+pub struct AllanPage {
+    /// The command line that made it.
+    pub command: String,
+    /// What is in the tables, such as `overlapping Allan deviation`.
+    pub quantity: String,
+    /// The unit of the deviations; with °/s, the tables also have °/h.
+    pub unit: String,
+    /// What the intervals of the deviations are, such as `68.3 % interval`.
+    pub interval: String,
+    /// What the intervals of the coefficients are.
+    pub coefficient_interval: String,
+    /// The picture of all records, SVG as of [`crate::plot::allan`]: it goes into the page as it is.
+    pub picture: String,
+    /// One for each file.
+    pub records: Vec<Record>,
+}
+
+/// What was found in a file.
+#[derive(Clone, Debug, Default)]
+pub struct Record {
+    /// The file.
+    pub name: String,
+    /// Column, samples, rate, losses.
+    pub facts: Vec<Fact>,
+    /// What is wrong with the record or the result.
+    pub warnings: Vec<String>,
+    /// How to read the result.
+    pub advice: Vec<String>,
+    /// Of the fit, if there was one.
+    pub coefficients: Vec<Coefficient>,
+    /// By averaging time.
+    pub points: Vec<AllanRow>,
+    /// Averaging times without a deviation, with the reason.
+    pub unavailable: Vec<Fact>,
+}
+
+/// A noise coefficient in several units.
+#[derive(Clone, Debug, Default)]
+pub struct Coefficient {
+    /// Such as `N, angle random walk`.
+    pub name: String,
+    /// The same value in each unit.
+    pub values: Vec<CoefficientValue>,
+    /// Such as `not identified: record 3 h`; empty where there is nothing to say.
+    pub remark: String,
+}
+
+/// A coefficient in one unit.
+#[derive(Clone, Debug, Default)]
+pub struct CoefficientValue {
+    /// The value.
+    pub value: String,
+    /// Lower end of its interval.
+    pub lo: String,
+    /// Upper end of its interval.
+    pub hi: String,
+    /// The unit.
+    pub unit: String,
+}
+
+/// A deviation.
+#[derive(Clone, Debug, Default)]
+#[expect(missing_docs, reason = "as the fields of `zerorate::allan::Point`")]
+pub struct AllanRow {
+    pub tau_s: f64,
+    pub dev: f64,
+    pub lo: f64,
+    pub hi: f64,
+    pub edf: f64,
+    pub n: u64,
+    /// Name of the noise type.
+    pub noise: String,
+}
+
+impl AllanPage {
+    fn hourly(&self) -> bool {
+        self.unit == "°/s"
+    }
+}
+
+impl AllanRow {
+    /// The numbers of a row, in the order of the head of the table.
+    fn cells(&self, hourly: bool) -> Vec<String> {
+        let interval = format!("{} … {}", number(self.lo), number(self.hi));
+        let per_hour = hourly.then(|| number(self.dev * 3600.0));
+        let left = [six_digits(self.tau_s), number(self.dev), interval].into_iter();
+        left.chain(per_hour).chain([number(self.edf), self.n.to_string()]).collect()
+    }
+}
+
+/// Averaging times are exact: 10.24, not 10.2.
+fn six_digits(value: f64) -> String {
+    format!("{value:.5e}").parse().unwrap_or(value).to_string()
+}
+
+#[derive(Template)]
+#[template(path = "allan.html")]
+struct Page<'a> {
+    title: String,
+    software: &'a str,
+    page: &'a AllanPage,
+}
+
+/// The page as HTML.
+///
+/// # Errors
+/// None that is known: the template is compiled.
+pub fn allan_page(page: &AllanPage) -> Result<String> {
+    let names: Vec<&str> = page.records.iter().map(|record| record.name.as_str()).collect();
+    let title = format!("Allan analysis of {}", names.join(", "));
+    Ok(Page { title, software: crate::SOFTWARE, page }.render()?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_page_has_everything_and_escapes_what_others_named() {
+        let row = AllanRow { tau_s: 0.01, dev: 0.0937, lo: 0.09, hi: 0.1, edf: 1e6, n: 360_000, noise: "white".into() };
+        let value =
+            CoefficientValue { value: "0.557".into(), lo: "0.55".into(), hi: "0.56".into(), unit: "°/√h".into() };
+        let record = Record {
+            name: "<img src=x onerror=alert(1)>.csv".into(),
+            facts: vec![Fact::new("samples", "360000")],
+            warnings: vec!["too <short>".into()],
+            advice: vec!["average for 46 s".into()],
+            coefficients: vec![Coefficient { name: "N".into(), values: vec![value], remark: "identified".into() }],
+            points: vec![row],
+            unavailable: vec![Fact::new("4096 s", "the record is too short")],
+        };
+        let page = AllanPage {
+            command: "zerorate allan '\"><script>'".into(),
+            quantity: "overlapping Allan deviation".into(),
+            unit: "°/s".into(),
+            interval: "68.3 % interval".into(),
+            coefficient_interval: "95 % interval".into(),
+            picture: "<svg><path/></svg>".into(),
+            records: vec![record],
+        };
+        let html = allan_page(&page).unwrap();
+        for expected in [
+            "<svg><path/></svg>",
+            "360000",
+            "average for 46 s",
+            "0.557",
+            "°/√h",
+            "0.0937",
+            "337", // °/h
+            "the record is too short",
+            "68.3 % interval",
+        ] {
+            assert!(html.contains(expected), "{expected} in {html}");
+        }
+        for hostile in ["<img", "<script", "<short>"] {
+            assert!(!html.contains(hostile), "{hostile} in {html}");
+        }
+        assert!(!html.contains("http"), "no external resource");
+    }
+}

@@ -1,0 +1,255 @@
+//! The page of a calibration.
+
+use super::Fact;
+use crate::duration::Seconds;
+use crate::plot::{self, CorrectionCurve, CorrectionPoint};
+use anyhow::Result;
+use askama::Template;
+use zerorate::Calibration;
+use zerorate::calibration::{Run, Uncertainties};
+
+/// The table of AN-1042 (F-52): its step and its reach, °C.
+const TABLE_C: (f64, f64) = (0.02, 0.12);
+/// How far the picture reaches beyond the span of the measurement, °C; around T3 where no span is stated.
+const BEYOND_C: f64 = 5.0;
+/// Points of the curve in the picture.
+const POINTS: u32 = 80;
+
+#[derive(Template)]
+#[template(path = "calibration.html")]
+struct Page<'a> {
+    title: String,
+    below: String,
+    software: &'a str,
+    file: &'a str,
+    warnings: &'a [String],
+    coverage: String,
+    quantities: Vec<Quantity>,
+    pbc: String,
+    btc: String,
+    t3: String,
+    span: String,
+    picture: String,
+    has_band: bool,
+    table: Vec<Row>,
+    sections: Vec<Section>,
+}
+
+/// A number with what is known of its error.
+struct Quantity {
+    name: &'static str,
+    value: String,
+    unit: &'static str,
+    uncertainty: String,
+    interval: String,
+}
+
+struct Row {
+    delta: String,
+    correction: String,
+}
+
+struct Section {
+    name: &'static str,
+    facts: Vec<Fact>,
+}
+
+/// A calibration as one HTML page; `file` is what it is called.
+///
+/// # Errors
+/// A table that cannot be laid out.
+pub fn calibration_page(calibration: &Calibration, file: &str) -> Result<String> {
+    let correction = &calibration.correction;
+    let serial = calibration.serial.as_deref().map_or(String::new(), |serial| format!(", serial {serial}"));
+    let created = calibration.created.as_deref().map_or("no date".to_owned(), |created| format!("measured {created}"));
+    let row = |row: zerorate::TableRow| Row {
+        delta: format!("{:+.2}", row.delta_c + 0.0),
+        correction: format!("{:+.6}", row.correction_dps + 0.0),
+    };
+    let page = Page {
+        title: format!("Calibration of {}{serial}", calibration.part),
+        below: format!("{file}: calibration {}, {created}", calibration.id()),
+        software: crate::SOFTWARE,
+        file,
+        warnings: &calibration.warnings,
+        coverage: coverage(calibration),
+        quantities: quantities(calibration),
+        pbc: signed_term(correction.pbc_dps),
+        btc: format!("{:+.6}", correction.btc_dps_per_c),
+        t3: format!("{:.4}", correction.t3_c),
+        span: span(calibration),
+        picture: picture(calibration),
+        has_band: calibration.uncertainty.is_some(),
+        table: correction.table(TABLE_C.0, TABLE_C.1)?.into_iter().map(row).collect(),
+        sections: sections(calibration),
+    };
+    Ok(page.render()?)
+}
+
+fn coverage(calibration: &Calibration) -> String {
+    let coverage = calibration.uncertainty.map_or(zerorate::Uncertainty::COVERAGE, |u| u.coverage);
+    format!("{} % interval", (coverage * 1000.0).round() / 10.0)
+}
+
+fn quantities(calibration: &Calibration) -> Vec<Quantity> {
+    let (correction, u) = (&calibration.correction, calibration.uncertainty);
+    let quantity = |name, value: f64, unit, of: fn(&Uncertainties) -> f64, places: usize| {
+        let unknown = || "not stated".to_owned();
+        let interval = |u: &Uncertainties| {
+            let half = u.coverage_factor * of(u);
+            format!("{:+.places$} … {:+.places$}", value - half, value + half)
+        };
+        Quantity {
+            name,
+            value: format!("{value:+.places$}"),
+            unit,
+            uncertainty: u.as_ref().map_or_else(unknown, |u| format!("{:.places$}", of(u))),
+            interval: u.as_ref().map_or_else(unknown, interval),
+        }
+    };
+    vec![
+        quantity("PBC, precision bias correction", correction.pbc_dps, "°/s", |u| u.u_pbc_dps, 5),
+        quantity("BTC, bias temperature correction", correction.btc_dps_per_c, "°/s/°C", |u| u.u_btc_dps_per_c, 6),
+        quantity("T3, reference temperature", correction.t3_c, "°C", |u| u.u_t3_c, 4),
+    ]
+}
+
+/// `+ 0.25` or `− 0.25`, as a term of a sum.
+fn signed_term(value: f64) -> String {
+    format!("{} {:.5}", if value < 0.0 { '−' } else { '+' }, value.abs())
+}
+
+fn span(calibration: &Calibration) -> String {
+    match calibration.validity {
+        Some(span) => format!(
+            "Measured between {:.1} and {:.1} °C. Outside, the correction is an extrapolation; calibrate over a wider span instead.",
+            span.temp_min_c, span.temp_max_c
+        ),
+        None => "The calibration does not state the temperatures at which it was measured.".to_owned(),
+    }
+}
+
+fn picture(calibration: &Calibration) -> String {
+    let correction = &calibration.correction;
+    let valid_c = calibration.validity.map(|span| (span.temp_min_c, span.temp_max_c));
+    let (coldest, hottest) = valid_c.unwrap_or((correction.t3_c, correction.t3_c));
+    let (from, to) = (coldest.min(correction.t3_c) - BEYOND_C, hottest.max(correction.t3_c) + BEYOND_C);
+    let factor = calibration.uncertainty.map_or(0.0, |u| u.coverage_factor);
+    let point = |k: u32| {
+        let temp_c = from + (to - from) * f64::from(k) / f64::from(POINTS);
+        CorrectionPoint {
+            temp_c,
+            correction_dps: correction.apply(0.0, temp_c),
+            half_dps: factor * calibration.u_correction_dps(temp_c).unwrap_or(0.0),
+        }
+    };
+    plot::correction(&CorrectionCurve { points: (0..=POINTS).map(point).collect(), t3_c: correction.t3_c, valid_c })
+}
+
+fn sections(calibration: &Calibration) -> Vec<Section> {
+    let mut sections = vec![Section { name: "Measurement", facts: measurement(calibration) }];
+    sections.push(Section { name: "Noise", facts: noise(calibration) });
+    sections.push(Section { name: "Origin", facts: origin(calibration) });
+    sections.retain(|section| !section.facts.is_empty());
+    sections
+}
+
+fn measurement(calibration: &Calibration) -> Vec<Fact> {
+    let mut facts = Vec::new();
+    if let Some(method) = &calibration.method {
+        let note = if method == "an1042" { " (procedure of AN-1042)" } else { "" };
+        facts.push(Fact::new("method", format!("{method}{note}")));
+    }
+    if let Some(means) = calibration.measured {
+        let with =
+            |value: f64, u: Option<f64>| u.map_or(format!("{value:+.5}"), |u| format!("{value:+.5} (u = {u:.5})"));
+        let u = calibration.uncertainty;
+        let mean = |name, dps, u_dps, temp: f64, t: &str| {
+            Fact::new(name, format!("{} °/s at {t} = {temp:.4} °C", with(dps, u_dps)))
+        };
+        facts.push(mean("B1, mean before warming", means.b1_dps, u.map(|u| u.u_b1_dps), means.t1_c, "T1"));
+        facts.push(mean("B2, mean after warming", means.b2_dps, u.map(|u| u.u_b2_dps), means.t2_c, "T2"));
+    }
+    if let Some(span) = calibration.validity {
+        facts.push(Fact::new("temperatures", format!("{:.2} … {:.2} °C", span.temp_min_c, span.temp_max_c)));
+    }
+    facts.extend(calibration.run.iter().flat_map(run));
+    facts
+}
+
+fn run(run: &Run) -> Vec<Fact> {
+    let share = 100.0 * run.lost_samples as f64 / (run.samples + run.lost_samples).max(1) as f64;
+    let earth = match run.earth_dps {
+        Some(dps) => format!("{dps:+.5} °/s subtracted"),
+        None => "not subtracted: its component along the axis is inside PBC".to_owned(),
+    };
+    vec![
+        Fact::new("duration", Seconds(run.duration_s.round()).to_string()),
+        Fact::new("samples", format!("{} at {:.2} Hz (data ready {:.2} Hz)", run.samples, run.rate_hz, run.rdy_hz)),
+        Fact::new("lost samples", format!("{} ({share:.4} %; limit {} %)", run.lost_samples, run.max_lost * 100.0)),
+        Fact::new(
+            "plan",
+            format!(
+                "averages of {}, warm-up {}, settling {}, offset average {}",
+                Seconds(run.average_s),
+                Seconds(run.warmup_s),
+                Seconds(run.settle_s),
+                Seconds(run.offset_s)
+            ),
+        ),
+        Fact::new("Earth's rotation", earth),
+        Fact::new("curvature", if run.assume_linear { "assumed to be none" } else { "inside the uncertainty of BTC" }),
+    ]
+}
+
+fn noise(calibration: &Calibration) -> Vec<Fact> {
+    let Some(noise) = &calibration.noise else { return Vec::new() };
+    let fact =
+        |name, value: f64, unit, source: &str| Fact::new(name, format!("{} {unit}, {source}", plot::number(value)));
+    vec![
+        fact("white noise density", noise.white_dps_per_rt_hz, "°/s/√Hz", &noise.white_source),
+        fact("floor of the flicker", noise.flicker_floor_dps, "°/s", &noise.flicker_source),
+        fact("rate random walk", noise.rate_random_walk_dps_per_rt_s, "°/s/√s", &noise.rate_random_walk_source),
+    ]
+}
+
+fn origin(calibration: &Calibration) -> Vec<Fact> {
+    let known = [
+        ("serial number", &calibration.serial),
+        ("measured", &calibration.created),
+        ("device", &calibration.device),
+        ("configuration", &calibration.config),
+        ("supply", &calibration.supply_note),
+        ("software", &calibration.software),
+        ("SHA-256 of the samples", &calibration.capture_sha256),
+    ];
+    let fact = |(name, value): (&str, &Option<String>)| value.as_ref().map(|value| Fact::new(name, value.as_str()));
+    known.into_iter().filter_map(fact).chain([Fact::new("calibration id", calibration.id())]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const BY_HAND: &str =
+        "schema = 1\npart = \"ADIS16130\"\n[correction]\npbc_dps = -0.25\nbtc_dps_per_c = -0.04\nt3_c = 31.5\n";
+
+    #[test]
+    fn a_calibration_by_hand_says_what_is_not_known() {
+        let (calibration, _) = Calibration::parse(BY_HAND).unwrap();
+        let html = calibration_page(&calibration, "<unit>.toml").unwrap();
+        for expected in [
+            "Calibration of ADIS16130",
+            "RATE − 0.25000 °/s + (TEMP − 31.5000 °C) · (-0.040000 °/s/°C)",
+            "not stated",
+            "does not state the temperatures",
+            "<svg",
+        ] {
+            assert!(html.contains(expected), "{expected} in {html}");
+        }
+        // F-52 for BTC = −0.04: first and last row
+        assert!(html.contains("+0.12</td><td class=\"number\">-0.004800"), "{html}");
+        assert!(html.contains("-0.12</td><td class=\"number\">+0.004800"), "{html}");
+        assert!(!html.contains("<unit>"), "the name is escaped");
+    }
+}

@@ -1,0 +1,23 @@
+//! Reports: one HTML page each, with everything in it, for the screen and for paper.
+
+mod allan;
+mod calibration;
+
+pub use allan::{AllanPage, AllanRow, Coefficient, CoefficientValue, Record, allan_page};
+pub use calibration::calibration_page;
+
+/// A line of a table of facts.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fact {
+    /// What it is.
+    pub name: String,
+    /// How it is, with its unit.
+    pub value: String,
+}
+
+impl Fact {
+    /// A fact of two texts.
+    pub fn new(name: impl Into<String>, value: impl Into<String>) -> Self {
+        Self { name: name.into(), value: value.into() }
+    }
+}

@@ -1,0 +1,103 @@
+//! The page of a calibration, as a browser gets it.
+
+use super::{Bench, calibration};
+use zerorate::calibration::{Calibration, Measured, Run, Uncertainties, Validity};
+
+/// Everything that a measured calibration has, with texts that are no HTML.
+fn measured() -> String {
+    let (mut unit, _) = Calibration::parse(&calibration(-0.25, -0.04, 31.5)).unwrap();
+    unit.serial = Some("<script>alert('SN17')</script>".into());
+    unit.created = Some("2026-11-21T10:00:00Z".into());
+    unit.method = Some("an1042".into());
+    unit.software = Some("zerorate 0.1.0".into());
+    unit.device = Some("spi:/dev/spidev0.0?rdy=gpiochip0:25&hz=4000000".into());
+    unit.capture_sha256 = Some("ab".repeat(32));
+    unit.warnings = vec!["3 samples < 4 & lost".into()];
+    unit.measured = Some(Measured { b1_dps: 0.1, t1_c: 25.2, b2_dps: 0.37, t2_c: 31.3 });
+    unit.validity = Some(Validity { temp_min_c: 25.1, temp_max_c: 33.2 });
+    unit.uncertainty = Some(Uncertainties {
+        coverage: 0.95,
+        coverage_factor: 1.96,
+        u_pbc_dps: 0.005,
+        u_btc_dps_per_c: 0.001,
+        u_t3_c: 0.0005,
+        cov_pbc_btc_dps2_per_c: 0.0,
+        cov_pbc_t3_dps_c: 0.0,
+        cov_btc_t3_dps: 0.0,
+        u_curvature_dps_per_c: 0.0009,
+        u_b1_dps: 0.004,
+        u_t1_c: 0.0002,
+        u_b2_dps: 0.004,
+        u_t2_c: 0.0002,
+    });
+    unit.run = Some(Run {
+        duration_s: 3171.0,
+        rate_hz: 5692.6,
+        rdy_hz: 5692.6,
+        samples: 18_051_234,
+        lost_samples: 3,
+        average_s: 10.0,
+        warmup_s: 600.0,
+        settle_s: 2400.0,
+        offset_s: 150.0,
+        max_lost: 0.001,
+        max_u_btc_dps_per_c: 0.01,
+        earth_dps: None,
+        assume_linear: false,
+    });
+    unit.to_toml()
+}
+
+#[test]
+fn the_page_says_all_that_the_calibration_knows() {
+    let bench = Bench::new();
+    bench.write("unit.toml", measured());
+    let html = bench.zerorate("report unit.toml").ok();
+    for expected in [
+        "&#60;script&#62;",
+        "2026-11-21T10:00:00Z",
+        "an1042",
+        "95 % interval",
+        // −0.25 ± 1.96 × 0.005, −0.04 ± 1.96 × 0.001, 31.5 ± 1.96 × 0.0005
+        "-0.25980 … -0.24020",
+        "-0.041960 … -0.038040",
+        "+31.4990 … +31.5010",
+        "25.10 … 33.20 °C",
+        "18051234",
+        "3 samples &#60; 4 &#38; lost",
+        "52m51s",
+        "RBC = RATE + PBC + (TEMP − T3) · BTC",
+        "zerorate 0.1.0",
+        &"ab".repeat(32),
+        "gpiochip0:25&#38;hz=4000000",
+        "measured here",
+        "<td class=\"number\">-0.004800</td>",
+    ] {
+        assert!(html.contains(expected), "{expected} in {html}");
+    }
+}
+
+#[test]
+fn the_page_needs_nothing_else_and_obeys_nobody() {
+    let bench = Bench::new();
+    bench.write("unit.toml", measured());
+    let html = bench.zerorate("report unit.toml").ok();
+    for forbidden in ["<script", "http:", "https:", "<link", "<img", "@import", "url(h"] {
+        let elsewhere = html.replace("http://www.w3.org/2000/svg", "");
+        assert!(!elsewhere.contains(forbidden), "{forbidden} in {html}");
+    }
+    let start = html.find("<svg").unwrap();
+    let end = html.find("</svg>").unwrap() + "</svg>".len();
+    roxmltree::Document::parse(&html[start..end]).unwrap();
+}
+
+#[test]
+fn it_goes_to_a_file() {
+    let bench = Bench::new();
+    bench.write("unit.toml", calibration(-0.25, -0.04, 31.5));
+    assert_eq!(bench.zerorate("report unit.toml -o report.html").ok(), "");
+    let html = std::fs::read_to_string(bench.path("report.html")).unwrap();
+    assert!(html.starts_with("<!DOCTYPE html>") && html.trim_end().ends_with("</html>"));
+    assert!(bench.zerorate("report absent.toml -o other.html").fails(1).contains("cannot read absent.toml"));
+    assert!(!bench.path("other.html").exists());
+}
