@@ -5,6 +5,7 @@
 
 mod bench_peers;
 mod coverage;
+mod coverage_allan;
 mod firmware;
 mod python;
 mod targets;
@@ -28,6 +29,8 @@ enum Task {
     Test(test::Args),
     /// Calibrate many units of the twin and hold the stated uncertainties against their truth
     Coverage(coverage::Args),
+    /// Simulate records at rest and hold the fitted noise coefficients against their truth
+    CoverageAllan(coverage_allan::Args),
     /// Time the Allan deviation beside its peers, which it installs, and print ratios
     BenchPeers(bench_peers::Args),
     /// Run driver, twin and correction on an emulated Cortex-M4F; count instructions and bytes
@@ -40,6 +43,7 @@ fn main() -> ExitCode {
     let done = match Cli::parse().task {
         Task::Test(args) => test::run(&args),
         Task::Coverage(args) => coverage::run(&args),
+        Task::CoverageAllan(args) => coverage_allan::run(&args),
         Task::BenchPeers(args) => bench_peers::run(&args),
         Task::Firmware(args) => firmware::run(&args),
         Task::Python(args) => python::run(&args),

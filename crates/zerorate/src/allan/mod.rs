@@ -1,8 +1,10 @@
 //! Allan deviation and its relatives: how much the mean over τ moves from one stretch to the next.
 
+mod advice;
 mod analysis;
 mod chi2;
 mod edf;
+mod fit;
 mod input;
 mod interval;
 mod kernels;
@@ -12,9 +14,14 @@ mod phase_points;
 mod stat;
 mod taus;
 
+pub use advice::{
+    AN1042_TAUS_S, Advice, AllanWarning, AngleRandomWalkUnits, Averaging, BiasInstabilityUnits, RateRandomWalkUnits,
+    advice,
+};
 pub use analysis::{Analysis, AnalysisError, Options, Point, Unavailable, analyse};
 pub use chi2::chi2_quantile;
 pub use edf::{Difference, edf, finite_difference_edf};
+pub use fit::{Coefficient, Fit, FitError, Noise, fit};
 pub use input::{Gap, Input};
 pub use interval::interval;
 pub use kernels::{Deviation, Reason, deviations};
