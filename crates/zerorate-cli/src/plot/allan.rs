@@ -201,19 +201,21 @@ impl Picture<'_> {
         self.options.marks.iter().filter(|mark| self.scales.x.covers(mark.tau_s))
     }
 
-    /// Vertical lines; their labels stand above the frame, side by side.
+    /// Vertical lines; their labels stand above the frame, side by side. One for which there is no room is left out.
     fn marks(&self) -> Group {
         let mut group = Group::new();
         let mut free_from = self.area.left;
         for mark in self.visible_marks() {
             let x = self.scales.x.at(mark.tau_s);
-            let half = 0.5 * canvas::width(&mark.label, SMALL);
-            let middle = x.max(free_from + half).min(self.area.right - half);
-            free_from = middle + half + 6.0;
             let rule = line((x, self.area.top), (x, self.area.bottom));
-            group = group
-                .add(rule.set("stroke", "#777777").set("stroke-dasharray", "5 4"))
-                .add(canvas::text(&mark.label, (middle, self.area.top - 8.0), Anchor::Middle).set("fill", "#555555"));
+            group = group.add(rule.set("stroke", "#777777").set("stroke-dasharray", "5 4"));
+            let half = 0.5 * canvas::width(&mark.label, SMALL);
+            let middle = x.min(self.area.right - half).max(free_from + half);
+            if middle + half <= self.area.right + 1.0 {
+                free_from = middle + half + 6.0;
+                let name = canvas::text(&mark.label, (middle, self.area.top - 8.0), Anchor::Middle);
+                group = group.add(name.set("fill", "#555555"));
+            }
         }
         group
     }

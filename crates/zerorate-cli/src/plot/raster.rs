@@ -11,7 +11,7 @@ const FAMILY: &str = "Inter";
 /// Pixels of the PNG for each pixel of the SVG.
 const SCALE: f32 = 2.0;
 
-/// A picture as PNG, twice as wide and high as the SVG states.
+/// A picture as PNG, twice as wide and high as the SVG states. Characters beyond Latin, Greek and Cyrillic stay blank.
 ///
 /// # Errors
 /// A text that is no SVG, or one without a size.

@@ -93,6 +93,13 @@ fn several_curves_have_a_legend_with_names_as_they_are() {
 }
 
 #[test]
+fn names_that_xml_cannot_hold_are_replaced() {
+    let found = texts(&allan(&[white("a\u{1b}[31m\n.csv"), white("b\u{0}\u{ffff}")], &Options::default()));
+    assert!(found.contains(&"a\u{fffd}[31m\u{fffd}.csv".to_owned()), "{found:?}");
+    assert!(found.contains(&"b\u{fffd}\u{fffd}".to_owned()), "{found:?}");
+}
+
+#[test]
 fn marks_off_the_axis_are_left_out() {
     let mut short = white("short");
     short.points.truncate(3);
