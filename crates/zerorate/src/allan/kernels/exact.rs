@@ -21,6 +21,12 @@ impl ExactSum {
         self.add(low * low, 0);
     }
 
+    /// Adds another sum.
+    pub fn join(&mut self, more: Self) {
+        self.add(more.low, 0);
+        self.high += more.high;
+    }
+
     /// To the nearest f64 or the one beside it.
     pub fn to_f64(self) -> f64 {
         self.high as f64 * TWO_POW_128 + self.low as f64

@@ -1,50 +1,149 @@
 use super::shape::Shape;
-use super::{Reason, Squares};
+use super::sweep::Fixed;
+use super::{Reason, Squares, sweep, threads};
+use alloc::vec;
 use alloc::vec::Vec;
 
-/// Running sum of the rate less its mean.
+/// Samples that one thread takes at a time.
+const PIECE: usize = 1 << 17;
+/// Samples that are summed from zero, so that little is lost, before the sum so far is added.
+const SHORT: usize = 256;
+
+/// Running sum of the rate less its mean, or nearly: no difference sees a constant.
 pub(super) fn phase(rate: &[f64]) -> Vec<f64> {
-    let mean = rate.iter().sum::<f64>() / rate.len().max(1) as f64;
-    let sums = rate.iter().scan(0.0, |sum, &value| {
-        *sum += value - mean;
-        Some(*sum)
-    });
-    core::iter::once(0.0).chain(sums).collect()
+    let pieces: Vec<&[f64]> = rate.chunks(PIECE).collect();
+    let sums = |offset: f64| threads::map(pieces.len(), |i| lane_sum(pieces[i], offset));
+    let mean = coarse(sums(0.0).iter().sum::<f64>() / rate.len().max(1) as f64, rate);
+    let before: Vec<f64> =
+        sums(mean).iter().scan(0.0, |sum, piece| Some(core::mem::replace(sum, *sum + piece))).collect();
+    let mut x = vec![0.0; rate.len() + 1];
+    threads::fill(&mut x[1..], PIECE, |i, x| run(pieces[i], mean, before[i], x));
+    x
 }
 
-pub(super) fn squares(x: &[f64], shape: Shape, m: &[usize]) -> Vec<Result<Squares, Reason>> {
-    let squares = |&m| Squares { sum: sum(x, shape, m), n: shape.terms(x.len(), m) as u64, per: shape.per(m) };
-    m.iter().map(|m| Ok(squares(m))).collect()
+/// The mean to 24 bits of the spread. All its bits would give the samples of a converter fractions that are all alike, and the
+/// running sum would round each of them the same way.
+fn coarse(mean: f64, rate: &[f64]) -> f64 {
+    let some = &rate[..rate.len().min(PIECE)];
+    let spread = some.iter().map(|value| libm::fabs(value - mean)).sum::<f64>() / some.len().max(1) as f64;
+    if !spread.is_normal() {
+        return mean;
+    }
+    let grid = libm::exp2(f64::from(libm::ilogb(spread) - 24));
+    libm::rint(mean / grid) * grid
 }
 
-fn sum(x: &[f64], shape: Shape, m: usize) -> f64 {
-    let second = |i: usize| (x[i + 2 * m] - x[i + m]) - (x[i + m] - x[i]);
-    let third = |i: usize| second(i + m) - second(i);
-    let starts = (0..shape.terms(x.len(), m)).map(|term| term * shape.stride(m));
-    match shape {
-        Shape::Second { .. } => starts.map(|i| square(second(i))).sum(),
-        Shape::Third { .. } => starts.map(|i| square(third(i))).sum(),
-        Shape::Modified => {
-            let mut inner = (0..m).map(second).sum();
-            let first = square(inner);
-            let rest = starts.take(x.len() - 3 * m).map(|i| {
-                inner += third(i);
-                square(inner)
-            });
-            first + rest.sum::<f64>()
+fn lane_sum(rate: &[f64], offset: f64) -> f64 {
+    let mut sums = [0.0; 8];
+    for chunk in rate.chunks(sums.len()) {
+        sums.iter_mut().zip(chunk).for_each(|(sum, value)| *sum += value - offset);
+    }
+    sums.iter().sum()
+}
+
+fn run(rate: &[f64], mean: f64, before: f64, x: &mut [f64]) {
+    let mut base = before;
+    for (rate, x) in rate.chunks(SHORT).zip(x.chunks_mut(SHORT)) {
+        let mut sum = 0.0;
+        for (value, x) in rate.iter().zip(x) {
+            sum += value - mean;
+            *x = base + sum;
         }
-        Shape::Total => starts.map(|i| square(reflected(x, i + 1, m))).sum(),
+        base += sum;
     }
 }
 
-/// Second difference around the point `i`, of x continued by reflection through its ends.
-fn reflected(x: &[f64], i: usize, m: usize) -> f64 {
-    let last = x.len() - 1;
-    let before = if i < m { 2.0 * x[0] - x[m - i] } else { x[i - m] };
-    let after = if i + m > last { 2.0 * x[last] - x[2 * last - i - m] } else { x[i + m] };
-    (after - x[i]) - (x[i] - before)
+pub(super) fn squares(x: &[f64], shape: Shape, m: &[usize]) -> Vec<Result<Squares, Reason>> {
+    let sums = match shape {
+        Shape::Modified => modified(x, m),
+        _ if shape.stride(2) > 1 => threads::map(m.len(), |i| strided(x, shape, m[i])),
+        _ => sweep::sums(x, shape, m),
+    };
+    let squares = |(sum, &m)| Squares { sum, n: shape.terms(x.len(), m) as u64, per: shape.per(m) };
+    sums.into_iter().zip(m).map(|pair| Ok(squares(pair))).collect()
 }
 
-fn square(number: f64) -> f64 {
-    number * number
+fn strided(x: &[f64], shape: Shape, m: usize) -> f64 {
+    let second = |i: usize| (x[i + 2 * m] - x[i + m]) - (x[i + m] - x[i]);
+    let third = |i: usize| second(i + m) - second(i);
+    let starts = (0..shape.terms(x.len(), m)).map(|term| term * m);
+    let square = |number: f64| number * number;
+    match shape {
+        Shape::Third { .. } => starts.map(|i| square(third(i))).sum(),
+        _ => starts.map(|i| square(second(i))).sum(),
+    }
+}
+
+/// Longest averages that share a step of the fixed point: short ones need a fine one, long ones a wide range.
+const CLASSES: [usize; 3] = [1 << 8, 1 << 16, usize::MAX];
+
+/// Inner sums of second differences are third differences of the running sum of x. In f64 that sum would lose the small ones, so
+/// it is formed in fixed point, where sum and difference are exact: what rounds is x, once, to the step.
+fn modified(x: &[f64], m: &[usize]) -> Vec<f64> {
+    let bounds = Bounds::of(x);
+    let mut sums = vec![0.0; m.len()];
+    let mut shortest = 0;
+    for longest in CLASSES {
+        let class: Vec<usize> = (0..m.len()).filter(|&i| (shortest..longest).contains(&m[i])).collect();
+        let of_class: Vec<usize> = class.iter().map(|&i| m[i]).collect();
+        let step = bounds.step(of_class.iter().copied().max().unwrap_or(0));
+        if !class.is_empty() {
+            let found = sweep::sums(&bounds.sum_of_sums(x, step), Shape::Third { overlapping: true }, &of_class);
+            class.iter().zip(found).for_each(|(&i, sum)| sums[i] = sum * step * step);
+        }
+        shortest = longest;
+    }
+    sums
+}
+
+/// What bounds the inner sums: the range of x less the straight line between its ends, and that of its first differences.
+struct Bounds {
+    start: f64,
+    slope: f64,
+    x: f64,
+    differences: f64,
+}
+
+impl Bounds {
+    fn of(x: &[f64]) -> Self {
+        let (start, steps) = (x[0], x.len() - 1);
+        let slope = (x[steps] - start) / steps.max(1) as f64;
+        let mut bounds = Self { start, slope, x: 0.0, differences: 0.0 };
+        let mut before = 0.0;
+        for (i, &value) in x.iter().enumerate() {
+            let value = bounds.level(i, value);
+            bounds.x = larger(bounds.x, libm::fabs(value));
+            bounds.differences = larger(bounds.differences, libm::fabs(value - before));
+            before = value;
+        }
+        bounds
+    }
+
+    fn level(&self, i: usize, x: f64) -> f64 {
+        x - self.start - self.slope * i as f64
+    }
+
+    /// A power of two, so that x and the inner sums of averages of `m` are below 2^62 steps; NaN for infinite numbers.
+    fn step(&self, m: usize) -> f64 {
+        let m = m as f64;
+        let largest = larger(self.x, m * f64::min(4.0 * self.x, 2.0 * m * self.differences));
+        let exponent = libm::ilogb(largest).clamp(-900, 1100);
+        if largest.is_finite() { libm::exp2(f64::from(exponent - 60)) } else { f64::NAN }
+    }
+
+    fn sum_of_sums(&self, x: &[f64], step: f64) -> Vec<Fixed> {
+        let per_step = 1.0 / step;
+        let mut out = vec![Fixed(0); x.len() + 1];
+        let mut sum = 0i64;
+        for (i, (out, &x)) in out[1..].iter_mut().zip(x).enumerate() {
+            sum = sum.wrapping_add(libm::rint(self.level(i, x) * per_step) as i64);
+            *out = Fixed(sum);
+        }
+        out
+    }
+}
+
+/// NaN wins.
+fn larger(a: f64, b: f64) -> f64 {
+    if b > a || b.is_nan() { b } else { a }
 }

@@ -6,9 +6,12 @@ mod codes;
 mod exact;
 mod float;
 mod gaps;
+mod lanes;
 mod shape;
+mod sweep;
 #[cfg(test)]
 mod tests;
+mod threads;
 
 use super::{Input, Stat};
 use alloc::vec::Vec;

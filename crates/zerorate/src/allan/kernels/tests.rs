@@ -1,5 +1,6 @@
 use super::*;
 use crate::allan::Gap;
+use std::string::ToString;
 use std::vec::Vec;
 
 /// The definition, of averages: no running sums.
@@ -222,5 +223,79 @@ fn extreme_codes_do_not_overflow() {
     for stat in Stat::ALL {
         let found = dev(&Input::Codes { codes: &codes, gaps: &[] }, stat, 1024);
         assert_close(found, by_definition(&rate, stat, 1024), 1e-12, stat.name());
+    }
+}
+
+/// Pseudo-random codes of so many bits, long enough for several pieces where asked for.
+fn noise(len: usize, bits: u32) -> Vec<i32> {
+    let mut state = 0x9e37_79b9_7f4a_7c15u64;
+    let mut next = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state as i64 >> (64 - bits)) as i32
+    };
+    (0..len).map(|_| next()).collect()
+}
+
+/// Sum of squares in big integers, straight from the definition with phase.
+fn big_sum(codes: &[i32], shape: Shape, m: usize) -> num_bigint::BigInt {
+    let mut x = std::vec![0i128];
+    codes.iter().for_each(|&code| x.push(x[x.len() - 1] + i128::from(code)));
+    let (m, last) = (m as isize, x.len() as isize - 1);
+    let at = |i: isize| match i {
+        i if i < 0 => 2 * x[0] - x[-i as usize],
+        i if i > last => 2 * x[last as usize] - x[(2 * last - i) as usize],
+        i => x[i as usize],
+    };
+    let second = |i: isize| at(i + 2 * m) - 2 * at(i + m) + at(i);
+    let third = |i: isize| at(i + 3 * m) - 3 * at(i + 2 * m) + 3 * at(i + m) - at(i);
+    let differences: Vec<i128> = match shape {
+        Shape::Second { .. } => (0..=last - 2 * m).step_by(shape.stride(m as usize)).map(second).collect(),
+        Shape::Third { .. } => (0..=last - 3 * m).step_by(shape.stride(m as usize)).map(third).collect(),
+        Shape::Modified => (0..=last + 1 - 3 * m).map(|i| (i..i + m).map(second).sum()).collect(),
+        Shape::Total => (1 - m..last - m).map(second).collect(),
+    };
+    differences.into_iter().map(|d| num_bigint::BigInt::from(d) * d).sum()
+}
+
+fn assert_exact(codes: &[i32], lengths: &[usize]) {
+    for stat in Stat::ALL {
+        let shape = Shape::of(stat);
+        for &m in lengths.iter().filter(|&&m| shape.check(codes.len() as u64, m as u64, false).is_ok()) {
+            let found = codes::squares(codes, shape, &[m])[0].unwrap();
+            let truth: f64 = big_sum(codes, shape, m).to_string().parse().unwrap();
+            assert!((found.sum - truth).abs() <= truth * f64::EPSILON, "{stat} {m}: {} is not {truth}", found.sum);
+        }
+    }
+}
+
+#[test]
+fn codes_agree_with_big_integers() {
+    let extreme = |block: usize| move |i: usize| if (i / block).is_multiple_of(2) { (1 << 23) - 1 } else { -(1 << 23) };
+    let lengths = [1, 2, 3, 17, 64, 250, 499, 500, 900, 1000];
+    assert_exact(&noise(1000, 12), &lengths);
+    assert_exact(&noise(1000, 24), &lengths);
+    assert_exact(&noise(1001, 32), &lengths);
+    for block in [1, 10, 250, 500] {
+        assert_exact(&(0..1000).map(extreme(block)).collect::<Vec<i32>>(), &lengths);
+    }
+    assert_exact(&(0..20_000).map(extreme(10_000)).collect::<Vec<i32>>(), &[1, 1000, 10_000]);
+}
+
+#[test]
+fn exact_across_blocks_and_pieces() {
+    assert_exact(&noise(300_000, 10), &[1, 1000, 150_000]);
+    assert_exact(&noise(200_000, 24), &[3, 100_000]);
+}
+
+/// White noise in f64 against the same numbers as integers, which are exact.
+#[test]
+fn floats_agree_with_exact_codes() {
+    let codes = noise(300_000, 16);
+    let rate: Vec<f64> = codes.iter().map(|&code| f64::from(code) * 0.0625 + 1000.0).collect();
+    for stat in Stat::ALL {
+        for m in [1, 16, 200, 1000, 70_000] {
+            let exact = dev(&Input::Codes { codes: &codes, gaps: &[] }, stat, m) * 0.0625;
+            assert_close(dev(&Input::Rate(&rate), stat, m), exact, 1e-13, stat.name());
+        }
     }
 }

@@ -1,0 +1,181 @@
+//! All averaging times in one walk over the running sum.
+//!
+//! A block of starts is taken through every averaging time before the next one is, so that what two averaging times share comes
+//! from memory once. The blocks are cut at fixed places and their sums added in their order: any number of threads gives the
+//! same bits.
+
+use super::exact::ExactSum;
+use super::lanes;
+use super::shape::Shape;
+use super::threads;
+use alloc::vec;
+use alloc::vec::Vec;
+use core::ops::Range;
+
+/// Starts in a block: some streams of them stay in the first cache, those of all averaging times in the second.
+const BLOCK: usize = 2048;
+/// Starts that one thread takes at a time.
+const PIECE: usize = 64 * BLOCK;
+
+/// A number of a running sum.
+pub(super) trait Step: Copy + Default + Sync {
+    /// Sum of squares.
+    type Sum: Copy + Default + Send;
+
+    /// 2 · `end` − self.
+    fn reflected(self, end: Self) -> Self;
+    fn second(a: &[Self], b: &[Self], c: &[Self]) -> Self::Sum;
+    fn third(a: &[Self], b: &[Self], c: &[Self], d: &[Self]) -> Self::Sum;
+    fn join(sum: &mut Self::Sum, more: Self::Sum);
+}
+
+/// Sum of the squared differences of `shape`, overlapping, for each of `m`.
+pub(super) fn sums<T: Step>(x: &[T], shape: Shape, m: &[usize]) -> Vec<T::Sum> {
+    let starts = m.iter().map(|&m| shape.terms(x.len(), m)).max().unwrap_or(0);
+    let pieces = threads::map(starts.div_ceil(PIECE), |piece| piece_sums(x, shape, m, piece * PIECE));
+    let mut sums = vec![T::Sum::default(); m.len()];
+    for piece in pieces {
+        sums.iter_mut().zip(piece).for_each(|(sum, more)| T::join(sum, more));
+    }
+    sums
+}
+
+fn piece_sums<T: Step>(x: &[T], shape: Shape, m: &[usize], first: usize) -> Vec<T::Sum> {
+    let mut sums = vec![T::Sum::default(); m.len()];
+    for start in (first..first + PIECE).step_by(BLOCK) {
+        for (&m, sum) in m.iter().zip(&mut sums) {
+            let end = shape.terms(x.len(), m).min(start + BLOCK);
+            if start < end {
+                T::join(sum, block_sum(x, shape, m, start..end));
+            }
+        }
+    }
+    sums
+}
+
+fn block_sum<T: Step>(x: &[T], shape: Shape, m: usize, starts: Range<usize>) -> T::Sum {
+    let stream = |k: usize| &x[starts.start + k * m..starts.end + k * m];
+    match shape {
+        Shape::Third { .. } => T::third(stream(0), stream(1), stream(2), stream(3)),
+        Shape::Total => total(x, m, starts.start + 1..starts.end + 1),
+        Shape::Second { .. } | Shape::Modified => T::second(stream(0), stream(1), stream(2)),
+    }
+}
+
+/// Around each of `middles`; where the record ends within m of them, it is reflected.
+fn total<T: Step>(x: &[T], m: usize, middles: Range<usize>) -> T::Sum {
+    let inner_start = m.clamp(middles.start, middles.end);
+    let inner_end = x.len().saturating_sub(m).clamp(inner_start, middles.end);
+    let mut sum = reflected(x, m, middles.start..inner_start);
+    let at = |from: usize| &x[from..from + inner_end - inner_start];
+    if inner_start < inner_end {
+        T::join(&mut sum, T::second(at(inner_start - m), at(inner_start), at(inner_start + m)));
+    }
+    T::join(&mut sum, reflected(x, m, inner_end..middles.end));
+    sum
+}
+
+fn reflected<T: Step>(x: &[T], m: usize, middles: Range<usize>) -> T::Sum {
+    if middles.is_empty() {
+        return T::Sum::default();
+    }
+    let last = x.len() - 1;
+    let (mut before, mut after) = ([T::default(); BLOCK], [T::default(); BLOCK]);
+    for ((before, after), i) in before.iter_mut().zip(&mut after).zip(middles.clone()) {
+        *before = if i < m { x[m - i].reflected(x[0]) } else { x[i - m] };
+        *after = if i + m > last { x[2 * last - i - m].reflected(x[last]) } else { x[i + m] };
+    }
+    let len = middles.len();
+    T::second(&before[..len], &x[middles], &after[..len])
+}
+
+impl Step for f64 {
+    type Sum = f64;
+
+    fn reflected(self, end: f64) -> f64 {
+        2.0 * end - self
+    }
+
+    fn second(a: &[f64], b: &[f64], c: &[f64]) -> f64 {
+        lanes::second_f64(a, b, c)
+    }
+
+    fn third(a: &[f64], b: &[f64], c: &[f64], d: &[f64]) -> f64 {
+        lanes::third_f64(a, b, c, d)
+    }
+
+    fn join(sum: &mut f64, more: f64) {
+        *sum += more;
+    }
+}
+
+/// Modulo 2^32; differences must be below 2^30.
+impl Step for i32 {
+    type Sum = ExactSum;
+
+    fn reflected(self, end: i32) -> i32 {
+        end.wrapping_mul(2).wrapping_sub(self)
+    }
+
+    fn second(a: &[i32], b: &[i32], c: &[i32]) -> ExactSum {
+        lanes::second_i32(a, b, c)
+    }
+
+    fn third(a: &[i32], b: &[i32], c: &[i32], d: &[i32]) -> ExactSum {
+        lanes::third_i32(a, b, c, d)
+    }
+
+    fn join(sum: &mut ExactSum, more: ExactSum) {
+        sum.join(more);
+    }
+}
+
+/// Modulo 2^64; differences must be below 2^57.
+impl Step for i64 {
+    type Sum = ExactSum;
+
+    fn reflected(self, end: i64) -> i64 {
+        end.wrapping_mul(2).wrapping_sub(self)
+    }
+
+    fn second(a: &[i64], b: &[i64], c: &[i64]) -> ExactSum {
+        lanes::second_i64(a, b, c)
+    }
+
+    fn third(a: &[i64], b: &[i64], c: &[i64], d: &[i64]) -> ExactSum {
+        lanes::third_i64(a, b, c, d)
+    }
+
+    fn join(sum: &mut ExactSum, more: ExactSum) {
+        sum.join(more);
+    }
+}
+
+/// Fixed point modulo 2^64, whose squares are summed in f64.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Fixed(pub i64);
+
+impl Step for Fixed {
+    type Sum = f64;
+
+    fn reflected(self, end: Self) -> Self {
+        Self(end.0.wrapping_mul(2).wrapping_sub(self.0))
+    }
+
+    fn second(a: &[Self], b: &[Self], c: &[Self]) -> f64 {
+        let second =
+            |((a, b), c): ((&Self, &Self), &Self)| c.0.wrapping_add(a.0).wrapping_sub(b.0.wrapping_mul(2)) as f64;
+        a.iter().zip(b).zip(c).map(second).map(|d| d * d).sum()
+    }
+
+    fn third(a: &[Self], b: &[Self], c: &[Self], d: &[Self]) -> f64 {
+        let third = |(((a, b), c), d): (((&Self, &Self), &Self), &Self)| {
+            d.0.wrapping_sub(a.0).wrapping_sub(c.0.wrapping_sub(b.0).wrapping_mul(3)) as f64
+        };
+        a.iter().zip(b).zip(c).zip(d).map(third).map(|d| d * d).sum()
+    }
+
+    fn join(sum: &mut f64, more: f64) {
+        *sum += more;
+    }
+}

@@ -1,0 +1,29 @@
+//! Work that splits into numbered pieces; the result does not depend on how many threads share it.
+
+use alloc::vec::Vec;
+
+/// The results of `f(0)`, `f(1)` … in this order.
+#[cfg(feature = "std")]
+pub(super) fn map<R: Send>(pieces: usize, f: impl Fn(usize) -> R + Sync + Send) -> Vec<R> {
+    use rayon::prelude::*;
+    (0..pieces).into_par_iter().map(f).collect()
+}
+
+/// The results of `f(0)`, `f(1)` … in this order.
+#[cfg(not(feature = "std"))]
+pub(super) fn map<R>(pieces: usize, f: impl Fn(usize) -> R) -> Vec<R> {
+    (0..pieces).map(f).collect()
+}
+
+/// Fills pieces of `size` of `out`, the last of which may be shorter.
+#[cfg(feature = "std")]
+pub(super) fn fill<T: Send>(out: &mut [T], size: usize, f: impl Fn(usize, &mut [T]) + Sync + Send) {
+    use rayon::prelude::*;
+    out.par_chunks_mut(size).enumerate().for_each(|(piece, out)| f(piece, out));
+}
+
+/// Fills pieces of `size` of `out`, the last of which may be shorter.
+#[cfg(not(feature = "std"))]
+pub(super) fn fill<T>(out: &mut [T], size: usize, f: impl Fn(usize, &mut [T])) {
+    out.chunks_mut(size).enumerate().for_each(|(piece, out)| f(piece, out));
+}
