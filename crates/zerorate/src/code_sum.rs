@@ -43,6 +43,12 @@ impl CodeSum {
         Self { from_zero: self.from_zero + other.from_zero, count: self.count + other.count }
     }
 
+    /// What is left when a part of the sum is taken out.
+    #[must_use]
+    pub(crate) fn without(self, part: Self) -> Self {
+        Self { from_zero: self.from_zero - part.from_zero, count: self.count - part.count }
+    }
+
     /// Codes in the sum.
     #[must_use]
     pub fn count(&self) -> u32 {

@@ -1,10 +1,12 @@
 //! From the recorded windows to PBC, BTC and T3, each with its standard uncertainty.
 
 use crate::correction::Correction;
+use crate::ledger::{BLOCK_S, Summary};
 use crate::noise::{FLOOR_PER_B, NoiseModel, TYPICAL_FLICKER_FLOOR_DPS, Window};
 use crate::notice::{Refusal, Warning};
-use crate::procedure::{Plan, Procedure, State};
-use crate::record::{BLOCK_S, Second, Segment};
+use crate::procedure::{Plan, STATES, State};
+use crate::record::Second;
+use crate::tally::Tally;
 use crate::{stationarity, steps};
 use alloc::vec::Vec;
 
@@ -15,9 +17,22 @@ pub const TYPICAL_HYSTERESIS_DPS: f64 = 0.002;
 /// Bandwidth of the part, Hz (F-03).
 pub const BANDWIDTH_HZ: f64 = 300.0;
 
+/// Everything that the result rests on.
+pub(crate) struct Seen<'a> {
+    pub(crate) plan: &'a Plan,
+    pub(crate) windows: [Summary; STATES],
+    pub(crate) tally: &'a Tally,
+}
+
+impl Seen<'_> {
+    fn window(&self, state: State) -> &Summary {
+        &self.windows[state as usize]
+    }
+}
+
 /// The result of the procedure.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Outcome {
+pub struct Outcome<W = Vec<Warning>> {
     /// Mean rate of step 4, °/s.
     pub b1_dps: f64,
     /// Mean temperature of step 4, °C.
@@ -49,7 +64,7 @@ pub struct Outcome {
     /// The plan that was carried out.
     pub plan: Plan,
     /// What there is to know beside the numbers.
-    pub warnings: Vec<Warning>,
+    pub warnings: W,
 }
 
 /// Standard uncertainties and covariances (k = 1).
@@ -94,31 +109,51 @@ pub struct Noise {
 }
 
 /// Refuses after step 6 where the span of temperature cannot give the wanted uncertainty of BTC.
-pub(crate) fn span_suffices(procedure: &Procedure) -> Result<(), Refusal> {
-    let slope = Slope::new(procedure)?;
-    let u_noise = slope.u_noise(&NoiseModel { white_dps_per_rt_hz: white_density(procedure), ..NoiseModel::TYPICAL });
+pub(crate) fn span_suffices(seen: &Seen<'_>) -> Result<(), Refusal> {
+    let slope = Slope::new(seen)?;
+    let u_noise = slope.u_noise(&NoiseModel { white_dps_per_rt_hz: white_density(seen), ..NoiseModel::TYPICAL });
     // T3 will be no lower than T2 if the part goes on warming, so this is the least that curvature can do.
-    let u_curvature = slope.u_curvature(slope.t2_c, procedure.plan());
-    slope.accept(u_noise, u_curvature, procedure.plan())
+    let u_curvature = slope.u_curvature(slope.t2_c, seen.plan);
+    slope.accept(u_noise, u_curvature, seen.plan)
 }
 
-/// The result of a procedure that has reached its end.
-pub(crate) fn outcome(procedure: &Procedure) -> Result<Outcome, Refusal> {
-    let plan = *procedure.plan();
-    let slope = Slope::new(procedure)?;
-    let level = Level::new(procedure, slope.btc_dps_per_c())?;
-    let noise = measured_noise(procedure);
-    let uncertainty = uncertainty(procedure, &slope, &level, &noise.model);
-    let u_noise = slope.u_noise(&noise.model);
-    slope.accept(u_noise, uncertainty.u_curvature_dps_per_c, &plan)?;
+/// The warnings that need no more than the windows, each where it applies.
+pub(crate) type WindowWarnings = [Option<Warning>; 7];
 
-    let (tally, (temp_min_c, temp_max_c)) = (procedure.tally(), temperature_range(procedure));
-    let mut outcome = Outcome {
+/// The result of a procedure that has reached its end and kept its seconds, in which steps of the bias are looked for.
+pub(crate) fn outcome_with_steps(seen: &Seen<'_>, seconds: impl Iterator<Item = Second>) -> Result<Outcome, Refusal> {
+    outcome(seen, |warnings, correction, uncertainty, noise| {
+        // A step inside step 8 looks like flicker too, and must not hide behind it.
+        let bias_instability_dps = NoiseModel::TYPICAL.bias_instability_dps;
+        let typical = NoiseModel { bias_instability_dps, ..noise.model };
+        let seconds: Vec<Second> = seconds.collect();
+        let steps = steps::find(&seconds, correction.btc_dps_per_c, uncertainty.u_btc_dps_per_c, &typical);
+        let steps = steps.iter().map(|step| Warning::Step { at_s: step.at_s, size_dps: step.size_dps });
+        warnings.into_iter().flatten().chain(steps).collect()
+    })
+}
+
+/// The result of a procedure that has reached its end; `complete` makes all warnings of those that the windows show.
+pub(crate) fn outcome<W>(
+    seen: &Seen<'_>,
+    complete: impl FnOnce(WindowWarnings, &Correction, &Uncertainty, &Noise) -> W,
+) -> Result<Outcome<W>, Refusal> {
+    let plan = *seen.plan;
+    let slope = Slope::new(seen)?;
+    let level = Level::new(seen, slope.btc_dps_per_c())?;
+    let noise = measured_noise(seen);
+    let uncertainty = uncertainty(seen, &slope, &level, &noise.model);
+    slope.accept(slope.u_noise(&noise.model), uncertainty.u_curvature_dps_per_c, &plan)?;
+
+    let correction = Correction { pbc_dps: level.pbc_dps, btc_dps_per_c: slope.btc_dps_per_c(), t3_c: level.t3_c };
+    let warnings = complete(warnings(seen, &level, &uncertainty, &noise), &correction, &uncertainty, &noise);
+    let (tally, (temp_min_c, temp_max_c)) = (seen.tally, temperature_range(seen));
+    Ok(Outcome {
         b1_dps: slope.b1_dps,
         t1_c: slope.t1_c,
         b2_dps: slope.b2_dps,
         t2_c: slope.t2_c,
-        correction: Correction { pbc_dps: level.pbc_dps, btc_dps_per_c: slope.btc_dps_per_c(), t3_c: level.t3_c },
+        correction,
         uncertainty,
         noise,
         rdy_hz: tally.rdy_hz(),
@@ -129,10 +164,8 @@ pub(crate) fn outcome(procedure: &Procedure) -> Result<Outcome, Refusal> {
         temp_min_c,
         temp_max_c,
         plan,
-        warnings: Vec::new(),
-    };
-    outcome.warnings = warnings(procedure, &outcome, &level);
-    Ok(outcome)
+        warnings,
+    })
 }
 
 /// Steps 4 and 6: two means and the line through them.
@@ -146,11 +179,11 @@ struct Slope {
 }
 
 impl Slope {
-    fn new(procedure: &Procedure) -> Result<Self, Refusal> {
-        let (b1_dps, t1_c) = means(procedure, State::FirstAverage)?;
-        let (b2_dps, t2_c) = means(procedure, State::SecondAverage)?;
-        let windows = [window(procedure, State::FirstAverage, -1.0), window(procedure, State::SecondAverage, 1.0)];
-        Ok(Self { b1_dps, t1_c, b2_dps, t2_c, windows, u_t_c: u_temp_c(procedure, State::SecondAverage) })
+    fn new(seen: &Seen<'_>) -> Result<Self, Refusal> {
+        let (b1_dps, t1_c) = means(seen, State::FirstAverage)?;
+        let (b2_dps, t2_c) = means(seen, State::SecondAverage)?;
+        let windows = [window(seen, State::FirstAverage, -1.0), window(seen, State::SecondAverage, 1.0)];
+        Ok(Self { b1_dps, t1_c, b2_dps, t2_c, windows, u_t_c: u_temp_c(seen, State::SecondAverage) })
     }
 
     fn span_c(&self) -> f64 {
@@ -202,28 +235,28 @@ struct Level {
 }
 
 impl Level {
-    fn new(procedure: &Procedure, btc_dps_per_c: f64) -> Result<Self, Refusal> {
-        let (rate_dps, mean_c) = means(procedure, State::Offset)?;
-        let last = procedure.segment(State::FinalTemperature);
+    fn new(seen: &Seen<'_>, btc_dps_per_c: f64) -> Result<Self, Refusal> {
+        let (rate_dps, mean_c) = means(seen, State::Offset)?;
+        let last = seen.window(State::FinalTemperature);
         let t3_c = last.temp_c().ok_or(Refusal::NoTemperature { window: State::FinalTemperature })?;
         let drift_c = t3_c - mean_c;
-        let pbc_dps = procedure.plan().earth_dps.unwrap_or(0.0) - rate_dps;
-        let u_t3_c = u_temp_c(procedure, State::FinalTemperature);
+        let pbc_dps = seen.plan.earth_dps.unwrap_or(0.0) - rate_dps;
+        let u_t3_c = u_temp_c(seen, State::FinalTemperature);
         Ok(Self { pbc_dps, t3_c, u_t3_c, drift_c, shift_dps: -btc_dps_per_c * drift_c })
     }
 }
 
-fn uncertainty(procedure: &Procedure, slope: &Slope, level: &Level, noise: &NoiseModel) -> Uncertainty {
+fn uncertainty(seen: &Seen<'_>, slope: &Slope, level: &Level, noise: &NoiseModel) -> Uncertainty {
     let steady = noise.without_random_walk();
-    let mean = [window(procedure, State::Offset, 1.0)];
+    let mean = [window(seen, State::Offset, 1.0)];
     let t3_dps = slope.btc_dps_per_c() * level.u_t3_c;
-    let u_curvature_dps_per_c = slope.u_curvature(level.t3_c, procedure.plan());
+    let u_curvature_dps_per_c = slope.u_curvature(level.t3_c, seen.plan);
     Uncertainty {
         u_b1_dps: steady.sd(&slope.windows[..1]),
         u_b2_dps: steady.sd(&slope.windows[1..]),
         u_t1_c: slope.u_t_c,
         u_t2_c: slope.u_t_c,
-        u_pbc_dps: libm::hypot(u_offset_noise(procedure, noise), libm::hypot(level.shift_dps, t3_dps)),
+        u_pbc_dps: libm::hypot(u_offset_noise(seen, noise), libm::hypot(level.shift_dps, t3_dps)),
         u_btc_dps_per_c: libm::hypot(slope.u_noise(noise), u_curvature_dps_per_c),
         u_curvature_dps_per_c,
         u_t3_c: level.u_t3_c,
@@ -233,40 +266,40 @@ fn uncertainty(procedure: &Procedure, slope: &Slope, level: &Level, noise: &Nois
 }
 
 /// White noise and flicker of the mean of step 8, and how far the bias walks from that mean to its end, °/s.
-fn u_offset_noise(procedure: &Procedure, noise: &NoiseModel) -> f64 {
-    let mean = window(procedure, State::Offset, 1.0);
+fn u_offset_noise(seen: &Seen<'_>, noise: &NoiseModel) -> f64 {
+    let mean = window(seen, State::Offset, 1.0);
     let end = Window { start_s: mean.end_s - 1e-3, end_s: mean.end_s + 1e-3, weight: -1.0 };
     let walk = NoiseModel { white_dps_per_rt_hz: 0.0, bias_instability_dps: 0.0, ..*noise };
     libm::hypot(noise.without_random_walk().sd(&[mean]), walk.sd(&[mean, end]))
 }
 
-fn means(procedure: &Procedure, state: State) -> Result<(f64, f64), Refusal> {
-    let segment = procedure.segment(state);
-    let rate_dps = segment.rate_dps().ok_or(Refusal::TooFew { window: state, samples: 0, needed: 1 })?;
-    Ok((rate_dps, segment.temp_c().ok_or(Refusal::NoTemperature { window: state })?))
+fn means(seen: &Seen<'_>, state: State) -> Result<(f64, f64), Refusal> {
+    let summary = seen.window(state);
+    let rate_dps = summary.rate_dps().ok_or(Refusal::TooFew { window: state, samples: 0, needed: 1 })?;
+    Ok((rate_dps, summary.temp_c().ok_or(Refusal::NoTemperature { window: state })?))
 }
 
-fn window(procedure: &Procedure, state: State, weight: f64) -> Window {
-    let segment = procedure.segment(state);
-    Window { start_s: segment.start_s(), end_s: segment.end_s(), weight }
+fn window(seen: &Seen<'_>, state: State, weight: f64) -> Window {
+    let &Summary { start_s, end_s, .. } = seen.window(state);
+    Window { start_s, end_s, weight }
 }
 
 /// Standard uncertainty of the mean temperature of a window, °C, from how much adjacent readings differ.
-fn u_temp_c(procedure: &Procedure, state: State) -> f64 {
-    let temps: Vec<f64> = procedure.segment(state).block_temps_c().collect();
-    libm::sqrt(stationarity::allan_variance(&temps, 1) / temps.len().max(1) as f64)
+fn u_temp_c(seen: &Seen<'_>, state: State) -> f64 {
+    let temps = seen.window(state).temps;
+    libm::sqrt(temps.variance / temps.count.max(1) as f64)
 }
 
 const AVERAGES: [State; 3] = [State::FirstAverage, State::SecondAverage, State::Offset];
 
 /// White noise density over the averages so far, °/s/√Hz.
-fn white_density(procedure: &Procedure) -> f64 {
+fn white_density(seen: &Seen<'_>) -> f64 {
     let (mut squares, mut blocks) = (0.0, 0.0);
     for state in AVERAGES {
-        let rates = procedure.segment(state).block_rates_dps();
-        let density = stationarity::white_density(&rates);
-        squares += density * density * rates.len() as f64;
-        blocks += rates.len() as f64;
+        let rates = seen.window(state).rates;
+        let density = stationarity::white_density(rates);
+        squares += density * density * rates.count as f64;
+        blocks += rates.count as f64;
     }
     libm::sqrt(squares / blocks)
 }
@@ -275,56 +308,45 @@ fn white_density(procedure: &Procedure) -> f64 {
 const SIGNIFICANT_Z: f64 = 3.09;
 
 /// White as measured. Flicker as typical, unless step 8 wanders significantly more than that: then as much as it shows.
-fn measured_noise(procedure: &Procedure) -> Noise {
-    let typical = NoiseModel { white_dps_per_rt_hz: white_density(procedure), ..NoiseModel::TYPICAL };
-    let rates = procedure.segment(State::Offset).block_rates_dps();
-    let m = (rates.len() / 8).max(1);
-    let tau_s = m as f64 * BLOCK_S;
-    let (seen, expected) = (stationarity::allan_variance(&rates, m), typical.allan_variance(tau_s));
-    if seen <= expected * stationarity::allowance(rates.len() / m - 1, SIGNIFICANT_Z) {
+fn measured_noise(seen: &Seen<'_>) -> Noise {
+    let typical = NoiseModel { white_dps_per_rt_hz: white_density(seen), ..NoiseModel::TYPICAL };
+    let eighths = seen.window(State::Offset).eighths;
+    let expected = typical.allan_variance(eighths.m as f64 * BLOCK_S);
+    if eighths.variance <= expected * stationarity::allowance(eighths.count.saturating_sub(1), SIGNIFICANT_Z) {
         return Noise { model: typical, flicker_measured: false };
     }
-    let floor = libm::sqrt(seen - expected + TYPICAL_FLICKER_FLOOR_DPS * TYPICAL_FLICKER_FLOOR_DPS);
+    let floor = libm::sqrt(eighths.variance - expected + TYPICAL_FLICKER_FLOOR_DPS * TYPICAL_FLICKER_FLOOR_DPS);
     Noise { model: NoiseModel { bias_instability_dps: floor / FLOOR_PER_B, ..typical }, flicker_measured: true }
 }
 
-fn temperature_range(procedure: &Procedure) -> (f64, f64) {
-    let temps = procedure.segments().iter().flat_map(Segment::block_temps_c);
-    temps.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), temp| (low.min(temp), high.max(temp)))
+fn temperature_range(seen: &Seen<'_>) -> (f64, f64) {
+    let ranges = seen.windows.iter().map(|window| window.temp_range_c);
+    ranges.fold((f64::INFINITY, f64::NEG_INFINITY), |all, range| (all.0.min(range.0), all.1.max(range.1)))
 }
 
-fn warnings(procedure: &Procedure, outcome: &Outcome, level: &Level) -> Vec<Warning> {
-    let (plan, uncertainty, model) = (&outcome.plan, &outcome.uncertainty, &outcome.noise.model);
-    let lost = outcome.lost_samples;
+fn warnings(seen: &Seen<'_>, level: &Level, uncertainty: &Uncertainty, noise: &Noise) -> WindowWarnings {
+    let (plan, model) = (seen.plan, &noise.model);
+    let (lost, samples, rate_hz) = (seen.tally.lost, seen.tally.samples, seen.tally.rate_hz());
     let when = |condition: bool, warning: Warning| condition.then_some(warning);
-    let fixed = [
+    [
         when(plan.earth_dps.is_none(), Warning::EarthIncluded),
         when(!plan.assume_linear, Warning::CurvatureUnseen { u_dps_per_c: uncertainty.u_curvature_dps_per_c }),
         when(
-            level.shift_dps.abs() > u_offset_noise(procedure, model),
+            level.shift_dps.abs() > u_offset_noise(seen, model),
             Warning::Drifting { drift_c: level.drift_c, shift_dps: level.shift_dps, u_pbc_dps: uncertainty.u_pbc_dps },
         ),
         when(
             plan.offset_s < model.best_averaging_s() / 2.0,
             Warning::ShortAverage { average_s: plan.offset_s, best_s: model.best_averaging_s() },
         ),
+        when(rate_hz < 2.0 * BANDWIDTH_HZ, Warning::Aliased { rate_hz, needed_hz: 2.0 * BANDWIDTH_HZ }),
+        when(lost > 0, Warning::Lost { lost, fraction: lost as f64 / (lost + samples) as f64 }),
         when(
-            outcome.rate_hz < 2.0 * BANDWIDTH_HZ,
-            Warning::Aliased { rate_hz: outcome.rate_hz, needed_hz: 2.0 * BANDWIDTH_HZ },
-        ),
-        when(lost > 0, Warning::Lost { lost, fraction: lost as f64 / (lost + outcome.samples) as f64 }),
-        when(
-            outcome.noise.flicker_measured,
+            noise.flicker_measured,
             Warning::Wandering {
                 floor_dps: FLOOR_PER_B * model.bias_instability_dps,
                 typical_dps: TYPICAL_FLICKER_FLOOR_DPS,
             },
         ),
-    ];
-    let seconds: Vec<Second> = procedure.segments().iter().flat_map(Segment::seconds).collect();
-    // A step inside step 8 looks like flicker too, and must not hide behind it.
-    let typical = NoiseModel { bias_instability_dps: NoiseModel::TYPICAL.bias_instability_dps, ..*model };
-    let steps = steps::find(&seconds, outcome.correction.btc_dps_per_c, uncertainty.u_btc_dps_per_c, &typical);
-    let steps = steps.iter().map(|step| Warning::Step { at_s: step.at_s, size_dps: step.size_dps });
-    fixed.into_iter().flatten().chain(steps).collect()
+    ]
 }

@@ -1,6 +1,5 @@
 //! What noise does to means over windows: the covariance of any two weighted sums of window means.
 
-use alloc::vec::Vec;
 use core::f64::consts::{LN_2, PI};
 
 /// White noise density of the part, one-sided, °/s/√Hz (F-02).
@@ -14,8 +13,8 @@ pub const TYPICAL_RATE_RANDOM_WALK_DPS_PER_RT_S: f64 = 1e-4;
 
 /// Highest frequency at which flicker is modelled, Hz: a hundred times above where it meets the white noise of F-02.
 const FLICKER_TOP_HZ: f64 = 10.0;
-/// First-order processes per octave that make up the 1/f spectrum.
-const PROCESSES_PER_OCTAVE: f64 = 2.0;
+/// First-order processes that make up the 1/f spectrum: two per octave.
+const CELLS: usize = 34;
 
 /// Three noises, as they appear at the output.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -93,7 +92,7 @@ pub struct Window {
 struct Kernel {
     white: f64,
     walk: f64,
-    flicker: Vec<Process>,
+    flicker: [Process; CELLS],
 }
 
 /// A stationary first-order process of the 1/f sum.
@@ -135,15 +134,13 @@ impl Process {
 
 /// Corner frequencies evenly spread over the logarithm from the cutoff to the top, each at the middle of its cell; each cell's
 /// variance is what S(f) = B²/(πf) holds inside it.
-fn flicker_processes(bias_instability_dps: f64) -> Vec<Process> {
-    let octaves = libm::log2(FLICKER_TOP_HZ / FLICKER_CUTOFF_HZ);
-    let cells = libm::ceil(octaves * PROCESSES_PER_OCTAVE);
-    let octaves_per_cell = octaves / cells;
+fn flicker_processes(bias_instability_dps: f64) -> [Process; CELLS] {
+    let octaves_per_cell = libm::log2(FLICKER_TOP_HZ / FLICKER_CUTOFF_HZ) / CELLS as f64;
     let variance = square(bias_instability_dps) / PI * LN_2 * octaves_per_cell;
-    (0..cells as u32)
-        .map(|k| FLICKER_CUTOFF_HZ * libm::exp2((f64::from(k) + 0.5) * octaves_per_cell))
-        .map(|corner_hz| Process { variance, rate_per_s: 2.0 * PI * corner_hz })
-        .collect()
+    core::array::from_fn(|k| {
+        let corner_hz = FLICKER_CUTOFF_HZ * libm::exp2((k as f64 + 0.5) * octaves_per_cell);
+        Process { variance, rate_per_s: 2.0 * PI * corner_hz }
+    })
 }
 
 fn square(x: f64) -> f64 {
@@ -174,6 +171,7 @@ mod tests {
         assert!((n_deg_per_rt_h - 0.53).abs() < 0.001, "F-02");
         assert!((FLOOR_PER_B - (2.0 * LN_2 / PI).sqrt()).abs() < 1e-15);
         assert!((FLOOR_PER_B * NoiseModel::TYPICAL.bias_instability_dps - 0.0016).abs() < 1e-12, "M-04");
+        assert_eq!((FLICKER_TOP_HZ / FLICKER_CUTOFF_HZ).log2().mul_add(2.0, 0.0).ceil(), CELLS as f64);
         assert_eq!((FLICKER_CUTOFF_HZ, TYPICAL_RATE_RANDOM_WALK_DPS_PER_RT_S), (1e-4, 1e-4), "M-04");
     }
 

@@ -2,10 +2,12 @@
 //!
 //! All transitions stand in [`TABLE`].
 
-use crate::estimate::{self, Outcome};
-use crate::notice::Refusal;
-use crate::record::{BLOCK_S, Segment};
-use crate::stationarity::{self, Verdict};
+use crate::estimate::{self, Outcome, Seen};
+use crate::ledger::{BLOCK_S, Ledger};
+use crate::notice::{Refusal, Warning};
+use crate::record::Blocks;
+use crate::running::Running;
+use crate::stationarity::Verdict;
 use crate::tally::Tally;
 use adis16130::Sample;
 use core::fmt;
@@ -109,7 +111,7 @@ pub enum State {
     Done,
 }
 
-const STATES: usize = 8;
+pub(crate) const STATES: usize = 8;
 
 /// When a state ends.
 enum Until {
@@ -123,21 +125,30 @@ struct Row {
     from: State,
     name: &'static str,
     until: Until,
-    check: fn(&Procedure) -> Result<(), Refusal>,
+    check: Check,
     to: State,
+}
+
+/// What must hold when a state ends.
+#[derive(Clone, Copy)]
+enum Check {
+    Nothing,
+    AtRest,
+    AtRestAndWarmer,
+    TemperatureWasRead,
 }
 
 /// F-51, steps 3 to 9. Steps 1 and 2, the platform and the supply, are the user's.
 #[rustfmt::skip]
 const TABLE: [Row; STATES] = [
-    Row { from: State::Start, name: "initialisation (step 3)", until: Until::Initialised, check: nothing, to: State::FirstAverage },
-    Row { from: State::FirstAverage, name: "the first average (step 4)", until: Until::After(|plan| plan.average_s), check: at_rest, to: State::WarmUp },
-    Row { from: State::WarmUp, name: "the warm-up (step 5)", until: Until::After(|plan| plan.warmup_s), check: nothing, to: State::SecondAverage },
-    Row { from: State::SecondAverage, name: "the second average (step 6)", until: Until::After(|plan| plan.average_s), check: at_rest_and_warmer, to: State::Settle },
-    Row { from: State::Settle, name: "settling (step 7)", until: Until::After(|plan| plan.settle_s), check: nothing, to: State::Offset },
-    Row { from: State::Offset, name: "the offset average (step 8)", until: Until::After(|plan| plan.offset_s), check: at_rest, to: State::FinalTemperature },
-    Row { from: State::FinalTemperature, name: "the final temperature (step 9)", until: Until::After(|plan| plan.final_temp_s), check: temperature_was_read, to: State::Done },
-    Row { from: State::Done, name: "the end", until: Until::Never, check: nothing, to: State::Done },
+    Row { from: State::Start, name: "initialisation (step 3)", until: Until::Initialised, check: Check::Nothing, to: State::FirstAverage },
+    Row { from: State::FirstAverage, name: "the first average (step 4)", until: Until::After(|plan| plan.average_s), check: Check::AtRest, to: State::WarmUp },
+    Row { from: State::WarmUp, name: "the warm-up (step 5)", until: Until::After(|plan| plan.warmup_s), check: Check::Nothing, to: State::SecondAverage },
+    Row { from: State::SecondAverage, name: "the second average (step 6)", until: Until::After(|plan| plan.average_s), check: Check::AtRestAndWarmer, to: State::Settle },
+    Row { from: State::Settle, name: "settling (step 7)", until: Until::After(|plan| plan.settle_s), check: Check::Nothing, to: State::Offset },
+    Row { from: State::Offset, name: "the offset average (step 8)", until: Until::After(|plan| plan.offset_s), check: Check::AtRest, to: State::FinalTemperature },
+    Row { from: State::FinalTemperature, name: "the final temperature (step 9)", until: Until::After(|plan| plan.final_temp_s), check: Check::TemperatureWasRead, to: State::Done },
+    Row { from: State::Done, name: "the end", until: Until::Never, check: Check::Nothing, to: State::Done },
 ];
 
 /// Each state finds its row by its number.
@@ -150,6 +161,17 @@ const _: () = {
 };
 
 impl State {
+    /// All of them, in their order.
+    pub(crate) const ALL: [Self; STATES] = {
+        let mut all = [Self::Start; STATES];
+        let mut index = 0;
+        while index < STATES {
+            all[index] = TABLE[index].from;
+            index += 1;
+        }
+        all
+    };
+
     fn row(self) -> &'static Row {
         &TABLE[self as usize]
     }
@@ -210,17 +232,33 @@ pub struct Progress {
 /// # Ok::<(), zerorate::PlanError>(())
 /// ```
 #[derive(Clone, Debug)]
-pub struct Procedure {
+pub struct Procedure<L = Blocks> {
     plan: Plan,
     state: State,
     started_ns: u64,
     now_ns: u64,
     /// End of the present state, from the start of the procedure.
     ends_ns: u64,
-    segments: [Segment; STATES],
+    ledger: L,
     tally: Tally,
     freeze: Freeze,
 }
+
+/// The procedure on fixed memory, about 3 KB, for a microcontroller: it allocates nothing.
+///
+/// PBC, BTC and T3 are those of [`Procedure`], bit for bit, and so are uncertainties and refusals, with two differences. It does not
+/// look for steps of the bias over the hour ([`Warning::Step`]); and a small step inside an average, which [`Procedure`] accepts with
+/// that warning, is refused as motion. (Where blocks of 0.1 s stayed empty, the two may group the others differently, and their
+/// uncertainties differ by a few per cent.)
+///
+/// ```
+/// use zerorate::{Action, FixedProcedure, Plan};
+/// let procedure = FixedProcedure::on_fixed_memory(Plan::default())?;
+/// assert_eq!(procedure.next(), Action::Initialise);
+/// assert!(size_of_val(&procedure) < 4096);
+/// # Ok::<(), zerorate::PlanError>(())
+/// ```
+pub type FixedProcedure = Procedure<Running>;
 
 impl Procedure {
     /// A procedure that has not begun.
@@ -228,6 +266,38 @@ impl Procedure {
     /// # Errors
     /// A duration or limit that makes no sense.
     pub fn new(plan: Plan) -> Result<Self, PlanError> {
+        Self::with_ledger(plan)
+    }
+
+    /// The result, once [`Procedure::next`] says [`Action::Done`].
+    ///
+    /// # Errors
+    /// As [`Procedure::handle`]; before the end, the window that is still short of samples.
+    pub fn finish(self) -> Result<Outcome, Refusal> {
+        estimate::outcome_with_steps(&self.seen(), self.ledger.seconds())
+    }
+}
+
+impl FixedProcedure {
+    /// A procedure that has not begun.
+    ///
+    /// # Errors
+    /// A duration or limit that makes no sense.
+    pub fn on_fixed_memory(plan: Plan) -> Result<Self, PlanError> {
+        Self::with_ledger(plan)
+    }
+
+    /// The result, once [`Procedure::next`] says [`Action::Done`]. The procedure stays as it is.
+    ///
+    /// # Errors
+    /// As [`Procedure::handle`]; before the end, the window that is still short of samples.
+    pub fn outcome(&self) -> Result<Outcome<[Option<Warning>; 7]>, Refusal> {
+        estimate::outcome(&self.seen(), |warnings, _, _, _| warnings)
+    }
+}
+
+impl<L: Ledger> Procedure<L> {
+    fn with_ledger(plan: Plan) -> Result<Self, PlanError> {
         plan.check()?;
         Ok(Self {
             plan,
@@ -235,7 +305,7 @@ impl Procedure {
             started_ns: 0,
             now_ns: 0,
             ends_ns: 0,
-            segments: Default::default(),
+            ledger: L::default(),
             tally: Tally::default(),
             freeze: Freeze::default(),
         })
@@ -285,24 +355,8 @@ impl Procedure {
         }
     }
 
-    /// The result, once [`Procedure::next`] says [`Action::Done`].
-    ///
-    /// # Errors
-    /// As [`Procedure::handle`]; before the end, the window that is still short of samples.
-    pub fn finish(self) -> Result<Outcome, Refusal> {
-        estimate::outcome(&self)
-    }
-
-    pub(crate) fn segment(&self, state: State) -> &Segment {
-        &self.segments[state as usize]
-    }
-
-    pub(crate) fn segments(&self) -> &[Segment] {
-        &self.segments
-    }
-
-    pub(crate) fn tally(&self) -> &Tally {
-        &self.tally
+    fn seen(&self) -> Seen<'_> {
+        Seen { plan: &self.plan, windows: self.ledger.summaries(), tally: &self.tally }
     }
 
     #[inline]
@@ -323,68 +377,73 @@ impl Procedure {
             return Ok(());
         }
         self.tally.count(sample);
-        self.segments[self.state as usize].push(self.now_ns, sample);
+        self.ledger.push(self.state, self.now_ns, sample);
         self.freeze.watch(self.now_ns, sample)
     }
 
     fn enter_next(&mut self) -> Result<(), Refusal> {
         let row = self.state.row();
-        (row.check)(self)?;
+        self.ledger.close(self.state);
+        self.check(row.check)?;
         self.state = row.to;
         let start_ns = self.ends_ns;
         if let Until::After(duration_s) = self.state.row().until {
             self.ends_ns = start_ns + libm::round(duration_s(&self.plan) * 1e9) as u64;
         }
-        self.segments[self.state as usize] = Segment::new(start_ns, self.ends_ns);
+        self.ledger.open(self.state, start_ns, self.ends_ns);
         Ok(())
     }
-}
-
-fn nothing(_: &Procedure) -> Result<(), Refusal> {
-    Ok(())
 }
 
 /// Ten times the spread of the initial bias over units (M-01), °/s.
 const LARGEST_BIAS_DPS: f64 = 10.0;
 
-/// Checks the window that ends now: enough samples, few lost, none out of range, and no motion.
-fn at_rest(procedure: &Procedure) -> Result<(), Refusal> {
-    let (window, segment) = (procedure.state, procedure.segment(procedure.state));
-    let (samples, lost) = (segment.samples, segment.lost);
-    let rates = segment.block_rates_dps();
-    let needed = libm::ceil(0.8 * (segment.end_s() - segment.start_s()) / BLOCK_S) as u64;
-    if (rates.len() as u64) < needed {
-        return Err(Refusal::TooFew { window, samples, needed });
-    }
-    if lost as f64 > procedure.plan.max_lost * (lost + samples) as f64 {
-        return Err(Refusal::Lost { window, lost, samples, limit: procedure.plan.max_lost });
-    }
-    if segment.overranged > 0 {
-        return Err(Refusal::Overranged { window, count: segment.overranged, samples });
-    }
-    temperature_was_read(procedure)?;
-    let rate_dps = segment.rate_dps().unwrap_or_default();
-    if rate_dps.abs() > LARGEST_BIAS_DPS {
-        return Err(Refusal::Turning { window, rate_dps, limit_dps: LARGEST_BIAS_DPS });
-    }
-    match stationarity::judge(&rates, segment.temp_slope_c_per_s()) {
-        Verdict::AtRest | Verdict::Step { .. } => Ok(()),
-        Verdict::Moving { tau_s, seen_dps, limit_dps } => Err(Refusal::Moving { window, tau_s, seen_dps, limit_dps }),
-        Verdict::Noisy { seen_dps_per_rt_hz, limit_dps_per_rt_hz } => {
-            Err(Refusal::Noisy { window, seen_dps_per_rt_hz, limit_dps_per_rt_hz })
+impl<L: Ledger> Procedure<L> {
+    /// Checks the window that ends now.
+    fn check(&self, check: Check) -> Result<(), Refusal> {
+        match check {
+            Check::Nothing => Ok(()),
+            Check::AtRest => self.at_rest(),
+            Check::AtRestAndWarmer => self.at_rest().and_then(|()| estimate::span_suffices(&self.seen())),
+            Check::TemperatureWasRead => self.temperature_was_read(),
         }
     }
-}
 
-fn at_rest_and_warmer(procedure: &Procedure) -> Result<(), Refusal> {
-    at_rest(procedure)?;
-    estimate::span_suffices(procedure)
-}
+    /// Enough samples, few lost, none out of range, and no motion.
+    fn at_rest(&self) -> Result<(), Refusal> {
+        let (window, seen) = (self.state, self.ledger.summary(self.state));
+        let (samples, lost, limit) = (seen.samples, seen.lost, self.plan.max_lost);
+        let needed = libm::ceil(0.8 * (seen.end_s - seen.start_s) / BLOCK_S) as u64;
+        if (seen.rates.count as u64) < needed {
+            return Err(Refusal::TooFew { window, samples, needed });
+        }
+        if lost as f64 > limit * (lost + samples) as f64 {
+            return Err(Refusal::Lost { window, lost, samples, limit });
+        }
+        if seen.overranged > 0 {
+            return Err(Refusal::Overranged { window, count: seen.overranged, samples });
+        }
+        self.temperature_was_read()?;
+        let rate_dps = seen.rate_dps().unwrap_or_default();
+        if rate_dps.abs() > LARGEST_BIAS_DPS {
+            return Err(Refusal::Turning { window, rate_dps, limit_dps: LARGEST_BIAS_DPS });
+        }
+        match self.ledger.verdict(window) {
+            Verdict::AtRest | Verdict::Step { .. } => Ok(()),
+            Verdict::Moving { tau_s, seen_dps, limit_dps } => {
+                Err(Refusal::Moving { window, tau_s, seen_dps, limit_dps })
+            }
+            Verdict::Noisy { seen_dps_per_rt_hz, limit_dps_per_rt_hz } => {
+                Err(Refusal::Noisy { window, seen_dps_per_rt_hz, limit_dps_per_rt_hz })
+            }
+        }
+    }
 
-fn temperature_was_read(procedure: &Procedure) -> Result<(), Refusal> {
-    match procedure.segment(procedure.state).temperatures() {
-        0 => Err(Refusal::NoTemperature { window: procedure.state }),
-        _ => Ok(()),
+    fn temperature_was_read(&self) -> Result<(), Refusal> {
+        match self.ledger.summary(self.state).temp.count() {
+            0 => Err(Refusal::NoTemperature { window: self.state }),
+            _ => Ok(()),
+        }
     }
 }
 

@@ -1,16 +1,50 @@
 //! What a measurement leaves behind: exact integer sums of codes in blocks of 0.1 s, one run of blocks for each step.
 
 use crate::code_sum::CodeSum;
+use crate::ledger::{BLOCK_NS, Ledger, Summary, is_overranged};
+use crate::procedure::{STATES, State};
+use crate::stationarity::{self, Verdict, adjacent};
 use adis16130::Sample;
 use alloc::vec::Vec;
 
-/// Length of a block, s. Long against the filter of the part (F-03, F-04), short against everything that drifts.
-pub(crate) const BLOCK_S: f64 = 0.1;
-const BLOCK_NS: u64 = 100_000_000;
+/// A ledger that keeps every block of 0.1 s: about a megabyte for the hour of F-51.
+#[derive(Clone, Debug, Default)]
+pub struct Blocks {
+    segments: [Segment; STATES],
+}
+
+impl Blocks {
+    /// Means over the whole seconds of all steps, in the order of time.
+    pub(crate) fn seconds(&self) -> impl Iterator<Item = Second> + '_ {
+        self.segments.iter().flat_map(Segment::seconds)
+    }
+}
+
+impl Ledger for Blocks {
+    fn open(&mut self, state: State, start_ns: u64, end_ns: u64) {
+        self.segments[state as usize] = Segment::new(start_ns, end_ns);
+    }
+
+    #[inline]
+    fn push(&mut self, state: State, at_ns: u64, sample: &Sample) {
+        self.segments[state as usize].push(at_ns, sample);
+    }
+
+    fn close(&mut self, _: State) {}
+
+    fn summary(&self, state: State) -> Summary {
+        self.segments[state as usize].summary()
+    }
+
+    fn verdict(&self, state: State) -> Verdict {
+        let segment = &self.segments[state as usize];
+        stationarity::judge(&segment.block_rates_dps(), segment.temp_slope_c_per_s())
+    }
+}
 
 /// Sums over one block.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Block {
+struct Block {
     rate: CodeSum,
     temp: CodeSum,
 }
@@ -32,13 +66,13 @@ impl Block {
 
 /// The samples of one step of the procedure.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Segment {
+struct Segment {
     start_ns: u64,
     end_ns: u64,
     blocks: Vec<Block>,
-    pub(crate) samples: u64,
-    pub(crate) lost: u64,
-    pub(crate) overranged: u64,
+    samples: u64,
+    lost: u64,
+    overranged: u64,
 }
 
 /// The mean over a second: when, which rate, which temperature.
@@ -51,20 +85,20 @@ pub(crate) struct Second {
 
 impl Segment {
     /// An empty segment over times that count from the start of the procedure.
-    pub(crate) fn new(start_ns: u64, end_ns: u64) -> Self {
+    fn new(start_ns: u64, end_ns: u64) -> Self {
         Self { start_ns, end_ns, ..Self::default() }
     }
 
-    pub(crate) fn start_s(&self) -> f64 {
+    fn start_s(&self) -> f64 {
         self.start_ns as f64 * 1e-9
     }
 
-    pub(crate) fn end_s(&self) -> f64 {
+    fn end_s(&self) -> f64 {
         self.end_ns as f64 * 1e-9
     }
 
     #[inline]
-    pub(crate) fn push(&mut self, at_ns: u64, sample: &Sample) {
+    fn push(&mut self, at_ns: u64, sample: &Sample) {
         let index = (at_ns.saturating_sub(self.start_ns) / BLOCK_NS) as usize;
         if index >= self.blocks.len() {
             self.blocks.resize(index + 1, Block::default());
@@ -79,32 +113,37 @@ impl Segment {
         self.overranged += u64::from(is_overranged(sample));
     }
 
-    /// Mean rate, °/s: the exact sum of the codes, divided once.
-    pub(crate) fn rate_dps(&self) -> Option<f64> {
-        Block::merged(&self.blocks).rate_dps()
-    }
-
-    /// Mean temperature, °C.
-    pub(crate) fn temp_c(&self) -> Option<f64> {
-        Block::merged(&self.blocks).temp_c()
-    }
-
-    pub(crate) fn temperatures(&self) -> u32 {
-        Block::merged(&self.blocks).temp.count()
+    fn summary(&self) -> Summary {
+        let Block { rate, temp } = Block::merged(&self.blocks);
+        let (rates, temps) = (self.block_rates_dps(), self.block_temps_c());
+        let range = |(low, high): (f64, f64), temp: &f64| (low.min(*temp), high.max(*temp));
+        Summary {
+            start_s: self.start_s(),
+            end_s: self.end_s(),
+            samples: self.samples,
+            lost: self.lost,
+            overranged: self.overranged,
+            rate,
+            temp,
+            eighths: adjacent(&rates, (rates.len() / 8).max(1)),
+            rates: adjacent(&rates, 1),
+            temp_range_c: temps.iter().fold((f64::INFINITY, f64::NEG_INFINITY), range),
+            temps: adjacent(&temps, 1),
+        }
     }
 
     /// Mean rates of the blocks that hold samples, °/s.
-    pub(crate) fn block_rates_dps(&self) -> Vec<f64> {
+    fn block_rates_dps(&self) -> Vec<f64> {
         self.blocks.iter().filter_map(Block::rate_dps).collect()
     }
 
     /// Mean temperatures of the blocks that hold one, °C.
-    pub(crate) fn block_temps_c(&self) -> impl Iterator<Item = f64> + '_ {
-        self.blocks.iter().filter_map(Block::temp_c)
+    fn block_temps_c(&self) -> Vec<f64> {
+        self.blocks.iter().filter_map(Block::temp_c).collect()
     }
 
     /// Change of temperature over the segment, °C/s, from the means of its two halves.
-    pub(crate) fn temp_slope_c_per_s(&self) -> f64 {
+    fn temp_slope_c_per_s(&self) -> f64 {
         let (first, second) = self.blocks.split_at(self.blocks.len() / 2);
         let halves = (Block::merged(first).temp_c(), Block::merged(second).temp_c());
         let half_s = (self.end_s() - self.start_s()) / 2.0;
@@ -112,16 +151,11 @@ impl Segment {
     }
 
     /// Means over whole seconds; a second without rate or temperature is left out.
-    pub(crate) fn seconds(&self) -> impl Iterator<Item = Second> + '_ {
+    fn seconds(&self) -> impl Iterator<Item = Second> + '_ {
         self.blocks.chunks_exact(10).enumerate().filter_map(|(k, blocks)| {
             let second = Block::merged(blocks);
             let at_s = self.start_s() + k as f64;
             Some(Second { at_s, rate_dps: second.rate_dps()?, temp_c: second.temp_c()? })
         })
     }
-}
-
-/// F-35: OVR in the channel status; where no status was read, a code at the rail.
-fn is_overranged(sample: &Sample) -> bool {
-    sample.status.map_or_else(|| sample.rate.is_at_rail(), |status| status.out_of_range())
 }

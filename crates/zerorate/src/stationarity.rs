@@ -1,7 +1,7 @@
 //! Was the part at rest? Block means are held against the noise floor, at averaging times from a block to a quarter of the window.
 
+use crate::ledger::{Adjacent, BLOCK_S};
 use crate::noise::{NoiseModel, TYPICAL_WHITE_DPS_PER_RT_HZ};
-use crate::record::BLOCK_S;
 use alloc::vec::Vec;
 
 /// A part is called noisy, not at rest, above this multiple of the white noise of F-02.
@@ -17,7 +17,7 @@ const ALARM_Z: f64 = 5.5;
 
 /// What a window looks like.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Verdict {
+pub enum Verdict {
     AtRest,
     /// At rest but for one step, `at_s` after the window's start.
     Step {
@@ -37,15 +37,28 @@ pub(crate) enum Verdict {
     },
 }
 
+/// Judges a window by its Allan variances alone: of single blocks, and of averages of `m` of them where there are such. A step is
+/// motion then.
+pub(crate) fn judge_variances(
+    blocks: Adjacent,
+    averages: impl Fn(usize) -> Option<Adjacent>,
+    temp_slope_c_per_s: f64,
+) -> Verdict {
+    ladder(blocks, averages, LARGEST_TEMPCO_DPS_PER_C * temp_slope_c_per_s)
+}
+
 /// Judges the block means of a window whose temperature changes by `temp_slope_c_per_s`.
 pub(crate) fn judge(rates_dps: &[f64], temp_slope_c_per_s: f64) -> Verdict {
-    let drift = LARGEST_TEMPCO_DPS_PER_C * temp_slope_c_per_s;
-    match ladder(rates_dps, drift) {
+    let ladder = |rates_dps: &[f64]| {
+        let averages = |m| Some(adjacent(rates_dps, m));
+        judge_variances(adjacent(rates_dps, 1), averages, temp_slope_c_per_s)
+    };
+    match ladder(rates_dps) {
         Verdict::AtRest => Verdict::AtRest,
         moving => {
             let step = Step::best(rates_dps);
             let small = step.size_dps.abs() <= LARGEST_SUPPLY_STEP_DPS;
-            if small && ladder(&step.removed_from(rates_dps), drift) == Verdict::AtRest {
+            if small && ladder(&step.removed_from(rates_dps)) == Verdict::AtRest {
                 Verdict::Step { at_s: step.at as f64 * BLOCK_S, size_dps: step.size_dps }
             } else {
                 moving
@@ -55,15 +68,15 @@ pub(crate) fn judge(rates_dps: &[f64], temp_slope_c_per_s: f64) -> Verdict {
 }
 
 /// One-sided white noise density from adjacent blocks, °/s/√Hz: their differences have the variance d²/τ.
-pub(crate) fn white_density(rates_dps: &[f64]) -> f64 {
-    libm::sqrt(2.0 * BLOCK_S * allan_variance(rates_dps, 1))
+pub(crate) fn white_density(blocks: Adjacent) -> f64 {
+    libm::sqrt(2.0 * BLOCK_S * blocks.variance)
 }
 
-/// Allan variance of non-overlapping averages of `m` blocks, (°/s)²; zero where there are not two of them.
-pub(crate) fn allan_variance(rates_dps: &[f64], m: usize) -> f64 {
-    let means: Vec<f64> = rates_dps.chunks_exact(m).map(|chunk| chunk.iter().sum::<f64>() / m as f64).collect();
+/// Non-overlapping averages of `m` values, and their Allan variance; that is zero where there are not two of them.
+pub(crate) fn adjacent(values: &[f64], m: usize) -> Adjacent {
+    let means: Vec<f64> = values.chunks_exact(m).map(|chunk| chunk.iter().sum::<f64>() / m as f64).collect();
     let squares: f64 = means.windows(2).map(|pair| (pair[1] - pair[0]) * (pair[1] - pair[0])).sum();
-    squares / (2.0 * (means.len().max(2) - 1) as f64)
+    Adjacent { m, count: means.len(), variance: squares / (2.0 * (means.len().max(2) - 1) as f64) }
 }
 
 /// Factor by which an Allan variance of `pairs` adjacent differences may exceed its expectation at the normal quantile `z`:
@@ -74,21 +87,22 @@ pub(crate) fn allowance(pairs: usize, z: f64) -> f64 {
     root * root * root
 }
 
-fn ladder(rates_dps: &[f64], drift_dps_per_s: f64) -> Verdict {
-    let white = white_density(rates_dps);
+fn ladder(blocks: Adjacent, averages: impl Fn(usize) -> Option<Adjacent>, drift_dps_per_s: f64) -> Verdict {
+    let white = white_density(blocks);
     let limit = NOISY * TYPICAL_WHITE_DPS_PER_RT_HZ;
     if white > limit {
         return Verdict::Noisy { seen_dps_per_rt_hz: white, limit_dps_per_rt_hz: limit };
     }
-    let lengths = core::iter::successors(Some(2), |m| Some(m * 2)).take_while(|m| m * 4 <= rates_dps.len());
+    let lengths = core::iter::successors(Some(2), |m| Some(m * 2)).take_while(|m| m * 4 <= blocks.count);
     lengths
-        .map(|m| rung(rates_dps, m, white, drift_dps_per_s))
+        .map_while(averages)
+        .map(|seen| rung(seen, white, drift_dps_per_s))
         .find(|v| *v != Verdict::AtRest)
         .unwrap_or(Verdict::AtRest)
 }
 
-fn rung(rates_dps: &[f64], m: usize, white_dps_per_rt_hz: f64, drift_dps_per_s: f64) -> Verdict {
-    let tau_s = m as f64 * BLOCK_S;
+fn rung(seen: Adjacent, white_dps_per_rt_hz: f64, drift_dps_per_s: f64) -> Verdict {
+    let tau_s = seen.m as f64 * BLOCK_S;
     let typical = NoiseModel::TYPICAL;
     let noise = NoiseModel {
         white_dps_per_rt_hz,
@@ -96,11 +110,9 @@ fn rung(rates_dps: &[f64], m: usize, white_dps_per_rt_hz: f64, drift_dps_per_s: 
         rate_random_walk_dps_per_rt_s: SPREAD * typical.rate_random_walk_dps_per_rt_s,
     };
     let drift = drift_dps_per_s * tau_s;
-    let pairs = rates_dps.len() / m - 1;
-    let limit = noise.allan_variance(tau_s) * allowance(pairs, ALARM_Z) + drift * drift / 2.0;
-    let seen = allan_variance(rates_dps, m);
-    if seen > limit {
-        Verdict::Moving { tau_s, seen_dps: libm::sqrt(seen), limit_dps: libm::sqrt(limit) }
+    let limit = noise.allan_variance(tau_s) * allowance(seen.count - 1, ALARM_Z) + drift * drift / 2.0;
+    if seen.variance > limit {
+        Verdict::Moving { tau_s, seen_dps: libm::sqrt(seen.variance), limit_dps: libm::sqrt(limit) }
     } else {
         Verdict::AtRest
     }
@@ -166,7 +178,7 @@ mod tests {
             assert_eq!(judge(&at_rest(100, seed), 0.0), Verdict::AtRest, "10 s, seed {seed}");
             let rates = at_rest(1500, seed);
             assert_eq!(judge(&rates, 0.0), Verdict::AtRest, "150 s, seed {seed}");
-            assert!((white_density(&rates) / TYPICAL_WHITE_DPS_PER_RT_HZ - 1.0).abs() < 0.15);
+            assert!((white_density(adjacent(&rates, 1)) / TYPICAL_WHITE_DPS_PER_RT_HZ - 1.0).abs() < 0.15);
         }
     }
 

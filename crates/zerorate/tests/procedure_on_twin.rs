@@ -3,7 +3,7 @@
 use adis16130::blocking::Adis16130;
 use adis16130::{Config, Edge, MCLK_HZ, Sample, Sampler, SamplerConfig};
 use adis16130_twin::{Fault, Motion, Spec, Truth, Twin, TwinRdy, TwinSpi};
-use zerorate::{Action, Event, Outcome, Plan, Procedure, Refusal, State, Warning};
+use zerorate::{Action, Event, FixedProcedure, Outcome, Plan, Procedure, Refusal, State, Warning};
 
 /// A procedure short enough for a test. The part of [`quick`] settles as much faster.
 const SHORT: Plan = Plan {
@@ -195,4 +195,70 @@ fn a_divider_below_twice_the_bandwidth_warns() {
     let outcome = measure_with(quick(10), SHORT, Config::default(), sampling).unwrap().outcome;
     assert!((outcome.rate_hz - 223.0).abs() < 5.0, "F-56: {}", outcome.rate_hz);
     assert!(codes(&outcome).contains(&"aliased"));
+}
+
+type FixedOutcome = Outcome<[Option<Warning>; 7]>;
+
+/// Both procedures over the same samples.
+fn both(spec: Spec, plan: Plan) -> (Result<Outcome, Refusal>, Result<FixedOutcome, Refusal>) {
+    let twin = Twin::new(spec);
+    let config = Config::default();
+    let mut gyro = Adis16130::new(twin.spi(), twin.rdy(), config);
+    let mut sampler = Sampler::new(SamplerConfig::default(), &config, MCLK_HZ);
+    gyro.init().expect("initialisation");
+    let (mut full, mut fixed) = (Procedure::new(plan).unwrap(), FixedProcedure::on_fixed_memory(plan).unwrap());
+    let started = Event::Initialised { t_ns: twin.now_ns() };
+    let mut seen = (full.handle(started), fixed.handle(started));
+    while (seen.0.is_ok() && full.next() == Action::Sample) || (seen.1.is_ok() && fixed.next() == Action::Sample) {
+        let sample = read(&twin, &mut gyro, &mut sampler);
+        if seen.0.is_ok() {
+            seen.0 = full.handle(Event::Sample(&sample));
+        }
+        if seen.1.is_ok() {
+            seen.1 = fixed.handle(Event::Sample(&sample));
+        }
+        if seen == (Ok(()), Ok(())) {
+            assert_eq!((full.next(), full.progress()), (fixed.next(), fixed.progress()));
+        }
+    }
+    (seen.0.and_then(|()| full.finish()), seen.1.and_then(|()| fixed.outcome()))
+}
+
+#[test]
+fn fixed_memory_gives_the_same_numbers_bit_for_bit() {
+    for (seed, plan) in [(11, SHORT), (12, Plan { assume_linear: false, earth_dps: Some(0.003), ..SHORT })] {
+        let (full, fixed) = both(quick(seed), plan);
+        let (full, fixed) = (full.unwrap(), fixed.unwrap());
+        assert_eq!((full.correction, full.uncertainty, full.noise), (fixed.correction, fixed.uncertainty, fixed.noise));
+        assert_eq!(
+            (full.b1_dps, full.t1_c, full.b2_dps, full.t2_c),
+            (fixed.b1_dps, fixed.t1_c, fixed.b2_dps, fixed.t2_c)
+        );
+        assert_eq!((full.temp_min_c, full.temp_max_c), (fixed.temp_min_c, fixed.temp_max_c));
+        assert_eq!((full.samples, full.lost_samples, full.rate_hz), (fixed.samples, fixed.lost_samples, fixed.rate_hz));
+        assert_eq!(full.warnings, fixed.warnings.into_iter().flatten().collect::<Vec<_>>());
+    }
+}
+
+#[test]
+fn fixed_memory_refuses_for_the_same_reasons() {
+    let shaken = Spec { motion: Motion::Bump, fault_at_s: Some(1.0), ..quick(5) };
+    let soaked = Spec { warmup_c: 0.0, ambient_c: -40.0, ..quick(6) };
+    let frozen = Spec { fault: Fault::Frozen, fault_at_s: Some(15.0), ..quick(7) };
+    let turning = Spec { rotation_dps: 30.0, ..quick(7) };
+    let stuttering = Spec { fault: Fault::RdyStutter, ..quick(7) };
+    let swaying = Spec { motion: Motion::Sway, ..quick(5) };
+    for spec in [shaken, soaked, frozen, turning, stuttering, swaying] {
+        let (full, fixed) = both(spec, SHORT);
+        assert_eq!(full.unwrap_err(), fixed.unwrap_err());
+    }
+}
+
+/// The one case in which the two differ on purpose.
+#[test]
+fn a_small_step_inside_an_average_is_motion_for_the_one_on_fixed_memory() {
+    let during_offset = Spec { supply_step_mv: 400.0, fault_at_s: Some(134.0), ..quick(8) };
+    let (full, fixed) = both(during_offset, Plan { max_u_btc_dps_per_c: 0.05, ..SHORT });
+    assert!(codes(&full.unwrap()).contains(&"step"));
+    assert!(matches!(fixed.unwrap_err(), Refusal::Moving { window: State::Offset, .. } | Refusal::Noisy { .. }));
 }

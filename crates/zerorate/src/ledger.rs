@@ -1,0 +1,83 @@
+//! What the procedure keeps of its samples, and what it asks of that.
+
+use crate::code_sum::CodeSum;
+use crate::procedure::{STATES, State};
+use crate::stationarity::Verdict;
+use adis16130::Sample;
+
+/// Length of a block, s. Long against the filter of the part (F-03, F-04), short against everything that drifts.
+pub(crate) const BLOCK_S: f64 = 0.1;
+/// The same, ns.
+pub(crate) const BLOCK_NS: u64 = 100_000_000;
+
+/// Keeps the samples of each step: all of them as sums over blocks ([`Blocks`](crate::record::Blocks)), or as much as fits into fixed
+/// memory ([`Running`](crate::running::Running)). Times count from the start of the procedure.
+pub trait Ledger: Clone + core::fmt::Debug + Default {
+    /// A step begins.
+    fn open(&mut self, state: State, start_ns: u64, end_ns: u64);
+
+    /// A sample of the step that was opened last.
+    fn push(&mut self, state: State, at_ns: u64, sample: &Sample);
+
+    /// The step is over.
+    fn close(&mut self, state: State);
+
+    /// A step in numbers.
+    fn summary(&self, state: State) -> Summary;
+
+    /// Whether the part was at rest during the step that was closed last.
+    fn verdict(&self, state: State) -> Verdict;
+
+    /// Every step in numbers.
+    fn summaries(&self) -> [Summary; STATES] {
+        State::ALL.map(|state| self.summary(state))
+    }
+}
+
+/// A step of the procedure in numbers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Summary {
+    pub(crate) start_s: f64,
+    pub(crate) end_s: f64,
+    pub(crate) samples: u64,
+    pub(crate) lost: u64,
+    pub(crate) overranged: u64,
+    pub(crate) rate: CodeSum,
+    pub(crate) temp: CodeSum,
+    /// Block means of the rate: adjacent ones.
+    pub(crate) rates: Adjacent,
+    /// Block means of the temperature, adjacent ones, °C.
+    pub(crate) temps: Adjacent,
+    /// The rate again, in averages of an eighth of the step.
+    pub(crate) eighths: Adjacent,
+    /// Lowest and highest block mean of the temperature, °C; the lowest above the highest where there is none.
+    pub(crate) temp_range_c: (f64, f64),
+}
+
+/// How averages of so many blocks differ from one to the next.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Adjacent {
+    /// Blocks in an average.
+    pub(crate) m: usize,
+    /// Averages.
+    pub(crate) count: usize,
+    /// Half the mean square of their differences, the Allan variance.
+    pub(crate) variance: f64,
+}
+
+impl Summary {
+    /// Mean rate, °/s: the exact sum of the codes, divided once.
+    pub(crate) fn rate_dps(&self) -> Option<f64> {
+        self.rate.rate_dps()
+    }
+
+    /// Mean temperature, °C.
+    pub(crate) fn temp_c(&self) -> Option<f64> {
+        self.temp.temp_c()
+    }
+}
+
+/// F-35: OVR in the channel status; where no status was read, a code at the rail.
+pub(crate) fn is_overranged(sample: &Sample) -> bool {
+    sample.status.map_or_else(|| sample.rate.is_at_rail(), |status| status.out_of_range())
+}
