@@ -17,6 +17,8 @@ const SHORT_END_LIMIT: f64 = 4.0;
 const RAMP_LIMIT: f64 = 3.3;
 /// A point that lies this many (normal equivalent) standard deviations above the others' fit is a hump.
 const HUMP_LIMIT: f64 = 5.0;
+/// Relative variance beyond which a point says nothing about a low-pass.
+const MOST_UNCERTAIN: f64 = 0.05;
 
 /// The terms that the data show, with the points that they hold for.
 #[derive(Clone, Debug)]
@@ -63,8 +65,8 @@ pub(super) fn curve(points: &[Deviation], rate_hz: f64, samples: u64) -> Result<
 /// Fits N, B and K, and what is significant beside them; none where no covariance can be inverted.
 pub(super) fn select(curve: Curve) -> Option<Selection> {
     let (curve, bent) = without_bent_points(curve);
-    let mut chosen = Selection::of(curve, [false, true, true, true, false], false)?;
-    chosen.excluded = bent;
+    let plain = Selection { excluded: bent, ..Selection::of(curve, [false, true, true, true, false], false)? };
+    let mut chosen = plain.clone();
     if chosen.curve.variance.len() < POINTS_FOR_MORE {
         return Some(chosen);
     }
@@ -81,7 +83,9 @@ pub(super) fn select(curve: Curve) -> Option<Selection> {
         let ramp = Selection::of(chosen.curve, [has[Q], true, true, true, true], rolls_off)?;
         chosen = Selection { excluded, ..ramp };
     }
-    Some(chosen)
+    // A disturbance looks like any term that lifts the curve beside it: where a hump remains, the terms explain nothing.
+    let in_vain = !chosen.model.rolls_off && chosen.model != plain.model && chosen.hump().is_some();
+    Some(if in_vain { plain } else { chosen })
 }
 
 impl Selection {
@@ -142,25 +146,40 @@ impl Curve {
     }
 }
 
-/// ln σ²τ is convex in ln τ for every sum of the five noises. Behind a low-pass it is concave at the short end; averages that show this
-/// leave. How many left is returned beside the rest.
+/// ln σ²τ is convex in ln τ for every sum of the five noises. Behind a low-pass it rises from the first octave on and then bends level;
+/// averages up to there leave. (At a hump it bends down.) How many left is returned beside the rest.
 fn without_bent_points(mut curve: Curve) -> (Curve, usize) {
-    let mut bent = 0;
-    while curve.variance.len() > POINTS_FOR_MORE && is_concave_at_start(&curve) {
-        curve = curve.without_first();
-        bent += 1;
-    }
+    let spare = curve.variance.len().saturating_sub(POINTS_FOR_MORE);
+    let bent =
+        if rises(&curve, 0) { (0..spare).rev().find(|&i| bends_level(&curve, i)).map_or(0, |i| i + 1) } else { 0 };
+    (0..bent).for_each(|_| curve = curve.without_first());
     (curve, bent)
 }
 
-fn is_concave_at_start(curve: &Curve) -> bool {
+/// How fast ln σ²τ rises from one point to the next, per octave, and the variance of that.
+fn rise(curve: &Curve, i: usize) -> (f64, f64) {
     let at = &curve.geometry;
     let level = |i: usize| libm::log(curve.variance[i] * at.tau_s(i));
-    let octaves = |i: usize| libm::log2(at.m[i + 1] / at.m[i]);
-    let rise = |i: usize| (level(i + 1) - level(i)) / octaves(i);
-    // Relative variance of an Allan variance of white noise, 2/edf, to within a third.
-    let relative = |i: usize| (2.0 * at.m[i] + 1.0) / at.terms[i];
-    let variance = (relative(0) + relative(1)) / (octaves(0) * octaves(0))
-        + (relative(1) + relative(2)) / (octaves(1) * octaves(1));
-    rise(0) - rise(1) > SHORT_END_LIMIT * libm::sqrt(variance)
+    let octaves = libm::log2(at.m[i + 1] / at.m[i]);
+    (
+        (level(i + 1) - level(i)) / octaves,
+        (relative_variance(at, i) + relative_variance(at, i + 1)) / (octaves * octaves),
+    )
+}
+
+/// Of an Allan variance: 2/edf, to within a third.
+fn relative_variance(at: &Geometry, i: usize) -> f64 {
+    (2.0 * at.m[i] + 1.0) / at.terms[i]
+}
+
+fn rises(curve: &Curve, i: usize) -> bool {
+    let (rise, variance) = rise(curve, i);
+    rise > SHORT_END_LIMIT * libm::sqrt(variance)
+}
+
+fn bends_level(curve: &Curve, i: usize) -> bool {
+    let ((first, before), (second, after)) = (rise(curve, i), rise(curve, i + 1));
+    let is_level = second > -libm::sqrt(after);
+    let bends = first - second > SHORT_END_LIMIT * libm::sqrt(before + after);
+    bends && is_level && rises(curve, i) && relative_variance(&curve.geometry, i + 2) < MOST_UNCERTAIN
 }

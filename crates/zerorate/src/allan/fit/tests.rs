@@ -73,6 +73,27 @@ fn points_below_the_corner_of_a_low_pass_leave() {
     assert!(matches!(fit.warnings[0], AllanWarning::ShortEndExcluded { points: 1.., .. }), "{:?}", fit.warnings);
 }
 
+/// A first-order low-pass in samples: noise with the autocovariance aᵏ. A sum of m has the variance below, and the difference of two
+/// adjacent ones 4 var(m) − var(2m).
+#[test]
+fn a_low_pass_of_a_few_samples_does_not_spoil_the_coefficients() {
+    let a = (-1.0f64 / 3.0).exp();
+    let of_sum = |m: f64| m * (1.0 + a) / (1.0 - a) - 2.0 * a * (1.0 - a.powf(m)) / (1.0 - a).powi(2);
+    let (n, b, k) = (0.01, 0.003, 3e-4);
+    let white = curve(0.0, n, 0.0, 0.0, 0.0, 3_600_000);
+    let mut points = curve(0.0, n, b, k, 0.0, 3_600_000);
+    for (point, white) in points.iter_mut().zip(&white) {
+        let m = point.m as f64;
+        let kept = (4.0 * of_sum(m) - of_sum(2.0 * m)) / (2.0 * m) * (1.0 - a) / (1.0 + a);
+        point.dev = (point.dev.powi(2) - white.dev.powi(2) * (1.0 - kept)).sqrt();
+    }
+    let fit = fit(&points, 100.0, 3_600_000).unwrap();
+    assert!(near(fit.n.value, n, 0.002) && near(fit.b.value, b, 0.02) && near(fit.k.value, k, 0.06), "{fit:?}");
+    assert!(fit.n.lo < n && n < fit.n.hi, "{fit:?}");
+    let codes: Vec<&str> = fit.warnings.iter().map(AllanWarning::code).collect();
+    assert_eq!(codes, ["short-end-excluded"]);
+}
+
 #[test]
 fn a_sine_is_reported() {
     let mut points = curve(0.0, 0.01, 0.003, 3e-4, 0.0, 3_600_000);
@@ -88,6 +109,7 @@ fn a_sine_is_reported() {
     });
     assert!(seen.is_some_and(|seen| seen / frequency < 2.0 && seen / frequency > 0.5), "{:?}", fit.warnings);
     assert!(fit.warnings[0].to_string().contains("periodic"));
+    assert!(fit.q.is_none() && fit.r.is_none());
 }
 
 #[test]
