@@ -91,7 +91,7 @@ fn scenarios() -> [Scenario; 10] {
         Scenario { name: "white alone", b: 0.0, k: 0.0, bounds: OTHER, ..hour },
         Scenario { name: "noisy MEMS", n: arw(3.0), b: floor(20.0), k: 1e-3, bounds: OTHER, ..hour },
         Scenario { name: "10 minutes", length_s: 600.0, bounds: OTHER, ..hour },
-        Scenario { name: "6 hours", length_s: 21_600.0, bounds: OTHER, ..hour },
+        Scenario { name: "long", length_s: 21_600.0, bounds: OTHER, ..hour },
         Scenario { name: "quantised", q: 2e-4, bounds: OTHER, ..hour },
         Scenario { name: "behind a low-pass", low_pass_s: 0.03, bounds: OTHER, ..hour },
         Scenario { name: "with a sine", sine: (0.02, 0.5), bounds: NO_BOUNDS, ..hour },
