@@ -113,7 +113,6 @@ where
 
 /// The rows of a batch that was read: checked, typed, raw.
 pub struct Rows {
-    batch: RecordBatch,
     t_ns: ScalarBuffer<u64>,
     edge_seq: ScalarBuffer<u32>,
     rate_code: ScalarBuffer<u32>,
@@ -128,7 +127,6 @@ impl Rows {
     pub fn from_batch(path: &Path, place: &str, batch: &RecordBatch, width: Width) -> Result<Self, CaptureError> {
         let source = Source { path, place, batch };
         let rows = Self {
-            batch: batch.clone(),
             t_ns: source.required::<UInt64Type>("t_ns")?,
             edge_seq: source.required::<UInt32Type>("edge_seq")?,
             rate_code: source.required::<UInt32Type>("rate_code")?,
@@ -182,11 +180,6 @@ impl Rows {
             Arc::new(self.temp_code.clone()),
             Arc::new(PrimitiveArray::<UInt32Type>::new(self.lost.clone(), None)),
         ]
-    }
-
-    /// The whole batch, with whatever other columns it has.
-    pub fn batch(&self) -> &RecordBatch {
-        &self.batch
     }
 }
 

@@ -20,6 +20,10 @@ pub enum CaptureError {
     #[error("{} is not a capture of zerorate: {why}", path.display())]
     NotACapture { path: PathBuf, why: String },
 
+    /// No log that can be read.
+    #[error("{} cannot be read as a log: {why}", path.display())]
+    NotALog { path: PathBuf, why: String },
+
     /// Written by a later version of the format.
     #[error("{} is a capture of version {found}, this program reads version {}: use a newer zerorate", path.display(), super::info::SCHEMA_VERSION)]
     Newer { path: PathBuf, found: u32 },
@@ -42,6 +46,11 @@ impl CaptureError {
     /// The file is of another kind.
     pub fn not_a_capture(path: &Path, why: impl Into<String>) -> Self {
         Self::NotACapture { path: path.to_owned(), why: why.into() }
+    }
+
+    /// The file is no log of any form that is read.
+    pub fn not_a_log(path: &Path, why: impl Into<String>) -> Self {
+        Self::NotALog { path: path.to_owned(), why: why.into() }
     }
 
     /// The content of the file is wrong at `place`.

@@ -12,7 +12,7 @@ mod hash;
 pub mod info;
 mod messages;
 pub mod output;
-mod parquet;
+pub mod parquet;
 pub mod table;
 #[cfg(test)]
 mod tests;

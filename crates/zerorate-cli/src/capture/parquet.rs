@@ -103,7 +103,7 @@ impl Iterator for Source {
 }
 
 /// The Parquet library panics on some damaged files. Here that is one more way for a file to be wrong.
-fn guarded<T>(path: &Path, read: impl FnOnce() -> Result<T, ParquetError>) -> Result<T, CaptureError> {
+pub fn guarded<T>(path: &Path, read: impl FnOnce() -> Result<T, ParquetError>) -> Result<T, CaptureError> {
     let reason = match panic::catch_unwind(AssertUnwindSafe(read)) {
         Ok(Ok(value)) => return Ok(value),
         Ok(Err(error)) => format!("{error} (a Parquet file that was not closed cannot be read)"),

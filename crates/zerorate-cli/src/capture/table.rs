@@ -74,10 +74,16 @@ pub enum Opened {
 /// Opens a file by what it contains, whatever its name.
 pub fn open(path: &Path) -> Result<Opened, CaptureError> {
     let failed = |error| CaptureError::io("read", path, error);
-    let mut file = File::open(path).map_err(failed)?;
+    let file = File::open(path).map_err(failed)?;
     if file.metadata().map_err(failed)?.is_dir() {
         return Err(CaptureError::not_a_capture(path, "it is a directory; name the file"));
     }
+    recognise(path, file)
+}
+
+/// The same, of a file that is open already: `path` names it in messages.
+pub fn recognise(path: &Path, mut file: File) -> Result<Opened, CaptureError> {
+    let failed = |error| CaptureError::io("read", path, error);
     let mut start = Vec::new();
     (&mut file).take(csv::PREAMBLE.len() as u64).read_to_end(&mut start).map_err(failed)?;
     file.rewind().map_err(failed)?;

@@ -1,79 +1,230 @@
-//! One column of numbers out of any log: a capture, Parquet, an Arrow stream, CSV, or raw binary numbers.
+//! One column of numbers out of any gyroscope's log, with its rate, its gaps and its unit.
+//!
+//! Nothing is guessed: what a file does not state must be given on the command line, or is said to be unknown.
 
+mod bag;
+mod choice;
+mod clock;
+mod imu;
+mod npy;
+mod number;
+mod open;
+mod parquet;
 mod raw;
+mod series;
 mod tabular;
+#[cfg(test)]
+mod tests;
 mod text;
+mod unit;
 
 pub use raw::RawType;
+pub use series::Series;
+pub use unit::{TimeUnit, Unit};
 
+use crate::capture::CaptureError;
 use crate::capture::table::{self, Opened};
-use crate::exit::Usage;
+use crate::exit::{Refused, Usage};
 use anyhow::Result;
+use clock::{Beat, Times};
+use open::{Form, Log};
+use series::SeriesBuilder;
 use std::path::Path;
+use zerorate::allan::Gap;
 
-/// A column, and what its file says about it.
+/// Which numbers of a log are meant, and what the log does not say about them itself.
+#[derive(clap::Args, Debug, Default)]
+pub struct ColumnArgs {
+    /// The column, by its name or its number counted from 0 [default: the rate of a capture, or the only column].
+    ///
+    /// In a ROS bag x, y or z (of angular_velocity), or TOPIC.angular_velocity.z where there are several IMUs.
+    #[arg(long, value_name = "NAME|INDEX", conflicts_with = "raw")]
+    column: Option<String>,
+
+    /// The column with the time of each row: it tells the rate, and where samples are missing.
+    #[arg(long, value_name = "NAME|INDEX", conflicts_with_all = ["raw", "rate"])]
+    time_column: Option<String>,
+
+    /// The unit of the time column [default: the one that its name or type states, as in t_ns or `timestamp [ms]`].
+    #[arg(long, value_enum, requires = "time_column")]
+    time_unit: Option<TimeUnit>,
+
+    /// Samples per second [default: as the time column, the timestamps of a capture or the stamps of a bag tell]. With it, the stamps of a
+    /// bag are not looked at.
+    #[arg(long, value_name = "HZ", value_parser = positive)]
+    rate: Option<f64>,
+
+    /// The unit of the column: dps, mdps, deg/min, deg/h, rad/s, mrad/s or urad/s [default: the one that its name states, as in
+    /// gyro_z_dps or `gz [rad/s]`].
+    #[arg(long, value_name = "UNIT")]
+    unit: Option<Unit>,
+
+    /// What a step of 1 in the column is, in the unit of --unit [default: 1] or else in °/s [default: the scale of the part for the codes
+    /// of a capture].
+    #[arg(long, value_name = "X", value_parser = positive)]
+    scale: Option<f64>,
+
+    /// What stands before the decimals in a text file [default: a point, or a comma where it can be nothing else].
+    #[arg(long, value_enum, value_name = "MARK")]
+    decimal: Option<Decimal>,
+
+    /// The file is nothing but numbers of this type, little endian.
+    #[arg(long, value_enum)]
+    raw: Option<RawType>,
+}
+
+/// A decimal mark.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Decimal {
+    /// 1.5
+    Point,
+    /// 1,5
+    Comma,
+}
+
+/// A column, and what is known about it.
 #[derive(Debug, PartialEq)]
 pub struct Column {
     /// Its name, or its number where columns have no names.
     pub name: String,
-    /// The numbers in order.
+    /// The numbers in order. Missing samples are NaN among numbers.
     pub series: Series,
-    /// Physical unit per step of the numbers: 1 unless the file is a capture.
+    /// Missing samples among codes.
+    pub gaps: Vec<Gap>,
+    /// Mean rate of the samples, those that are missing included.
+    pub rate_hz: f64,
+    /// °/s per step of the numbers, or 1 if their unit is not known.
     pub scale: f64,
-    /// What a capture tells beyond its numbers.
-    pub timing: Option<Timing>,
-    /// What is to be said about the file: a tail that was torn off.
-    pub warning: Option<String>,
+    /// Whether `scale` is in °/s: a unit or a scale was given, or the file states it.
+    pub unit_known: bool,
+    /// What is to be said about the file: a tail that was torn off, a unit that is not known.
+    pub warnings: Vec<String>,
 }
 
-/// Numbers, as exact as the file has them.
-#[derive(Debug, PartialEq)]
-pub enum Series {
-    /// Integers.
-    Codes(Vec<i32>),
-    /// Anything else; all finite.
-    Numbers(Vec<f64>),
-}
+impl Column {
+    /// How many samples are missing.
+    pub fn missing(&self) -> u64 {
+        match &self.series {
+            Series::Codes(_) => self.gaps.iter().map(|gap| gap.missing).sum(),
+            Series::Numbers(numbers) => numbers.iter().filter(|number| number.is_nan()).count() as u64,
+        }
+    }
 
-impl Series {
-    /// How many there are.
-    pub fn len(&self) -> usize {
-        match self {
-            Self::Codes(codes) => codes.len(),
-            Self::Numbers(numbers) => numbers.len(),
+    /// Closes up all gaps, as if no time had passed in them.
+    pub fn close_gaps(&mut self) {
+        self.gaps.clear();
+        if let Series::Numbers(numbers) = &mut self.series {
+            numbers.retain(|number| !number.is_nan());
         }
     }
 }
 
-/// Time in a capture.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Timing {
-    /// Mean rate of the samples, those that were lost included.
-    pub rate_hz: Option<f64>,
-    /// Samples lost between the first row and the last.
-    pub lost: u64,
+/// Reads a column of the file at `path`, whatever form the file has, packed or not.
+pub fn read(path: &Path, args: &ColumnArgs) -> Result<Column> {
+    let found = match args.raw {
+        Some(raw) => raw::read(&open::open(path)?, raw)?,
+        None => found(open::open(path)?, args)?,
+    };
+    found.finish(path, args)
 }
 
-/// Reads a column of the file at `path`: by name, or by its number counted from 0; without either, the one there can be no doubt about.
-pub fn read(path: &Path, wanted: Option<&str>, raw: Option<RawType>) -> Result<Column> {
-    if let Some(raw) = raw {
-        return raw::read(path, raw);
+fn found(log: Log<'_>, args: &ColumnArgs) -> Result<Found> {
+    let path = log.path;
+    match log.form()? {
+        Form::Parquet => parquet::read(path, log.file, args),
+        Form::ArrowFile => tabular::read(path, open::arrow_file(path, log.file)?, args),
+        Form::Npy => npy::read(path, log.file, args),
+        Form::Mcap => bag::read_mcap(path, log.file, args),
+        Form::Sqlite => bag::read_sqlite(path, log.stands_in(), args),
+        Form::Other => match table::recognise(path, log.file)? {
+            Opened::Table(source) => tabular::read(path, source, args),
+            Opened::Text(file) => text::read(path, file, args),
+        },
     }
-    match table::open(path)? {
-        Opened::Table(source) => tabular::read(path, source, wanted),
-        Opened::Text(file) => text::read(path, file, wanted),
+}
+
+/// A column as it stands in its file.
+struct Found {
+    name: String,
+    values: SeriesBuilder,
+    clock: Clock,
+    /// °/s per step, where that is a property of the form.
+    scale: Option<f64>,
+    warning: Option<String>,
+}
+
+/// What a file tells about time.
+enum Clock {
+    /// Nothing.
+    Silent,
+    /// The name of a column, and the times in it.
+    Column(String, Times),
+    /// Rate and gaps, as counted by whatever wrote the file.
+    Counted { rate_hz: Option<f64>, gaps: Vec<Gap> },
+}
+
+impl Clock {
+    fn beat(self, path: &Path, args: &ColumnArgs) -> Result<(Option<f64>, Vec<Gap>)> {
+        match self {
+            Self::Silent => Ok((None, Vec::new())),
+            Self::Counted { rate_hz, gaps } => Ok((rate_hz, gaps)),
+            Self::Column(name, times) => {
+                let unit = args.time_unit.or(times.unit).or_else(|| TimeUnit::of_column(&name)).ok_or_else(|| {
+                    let why = format!("does not state the unit of its time column `{name}`");
+                    Usage(format!("{} {why}; give --time-unit s, ms, us or ns", path.display()))
+                })?;
+                let beat = times.beat(unit);
+                let Beat { rate_hz, gaps } =
+                    beat.map_err(|why| Refused(format!("{}, column {name}: {why}", path.display())))?;
+                Ok((Some(rate_hz), gaps))
+            }
+        }
     }
 }
 
-/// The position of the wanted column among `names`. A name goes before a number.
-fn position(path: &Path, names: &[&str], wanted: &str) -> Result<usize> {
-    let by_name = names.iter().position(|name| *name == wanted);
-    let by_number = || wanted.parse().ok().filter(|number| *number < names.len());
-    by_name.or_else(by_number).ok_or_else(|| ambiguous(path, &format!("has no column `{wanted}`"), names))
+impl Found {
+    fn finish(self, path: &Path, args: &ColumnArgs) -> Result<Column> {
+        let Self { name, values, clock, scale, warning } = self;
+        let (measured, lost) = clock.beat(path, args)?;
+        let rate_hz = args.rate.or(measured).ok_or_else(|| {
+            let remedy = "give --rate HZ, or --time-column NAME if a column holds the time";
+            Usage(format!("{} does not say how fast it was sampled: {remedy}", path.display()))
+        })?;
+        let (series, gaps) = values.finish(&lost).map_err(|missing| {
+            let remedy = "cut the log at its longest gap, or give --rate HZ and no time column";
+            Refused(format!("{}: {missing} samples are missing between its rows; {remedy}", path.display()))
+        })?;
+        let declared = match (args.scale, args.unit) {
+            (None, None) => scale.or_else(|| Unit::of_column(&name).map(Unit::dps)),
+            (scale, unit) => Some(scale.unwrap_or(1.0) * unit.unwrap_or(Unit::Dps).dps()),
+        };
+        let unknown = declared.is_none().then(|| {
+            let remedy = "give --unit dps, rad/s … or --scale";
+            format!(
+                "{}: the unit of column {name} is not stated, so the result is in its own unit; {remedy}",
+                path.display()
+            )
+        });
+        Ok(Column {
+            name,
+            series,
+            gaps,
+            rate_hz,
+            scale: declared.unwrap_or(1.0),
+            unit_known: declared.is_some(),
+            warnings: warning.into_iter().chain(unknown).collect(),
+        })
+    }
 }
 
-/// Says which columns there are to choose from.
-fn ambiguous(path: &Path, why: &str, names: &[&str]) -> anyhow::Error {
-    let listed: Vec<String> = names.iter().enumerate().map(|(number, name)| format!("{number} `{name}`")).collect();
-    Usage(format!("{} {why}; choose with --column one of: {}", path.display(), listed.join(", "))).into()
+/// An error in a column of the file at `path`.
+fn wrong(path: &Path, place: std::fmt::Arguments<'_>, what: impl Into<String>) -> CaptureError {
+    CaptureError::damaged(path, place.to_string(), what)
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    text.parse()
+        .ok()
+        .filter(|number: &f64| *number > 0.0 && number.is_finite())
+        .ok_or_else(|| "must be a number above zero".to_owned())
 }

@@ -1,10 +1,14 @@
 //! A file that is nothing but numbers, little endian.
 
-use super::{Column, Series};
+use super::open::Log;
+use super::series::SeriesBuilder;
+use super::{Clock, Found, wrong};
 use crate::capture::CaptureError;
 use anyhow::Result;
-use std::fs;
-use std::path::Path;
+use std::io::Read;
+
+/// Bytes that are read at a time; a multiple of the size of every type. (To map the file into memory would take `unsafe` code.)
+const BLOCK: usize = 1 << 18;
 
 /// The type of each number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -19,38 +23,53 @@ pub enum RawType {
     F64,
 }
 
+impl RawType {
+    fn bytes(self) -> usize {
+        match self {
+            Self::I16 => 2,
+            Self::I32 | Self::F32 => 4,
+            Self::F64 => 8,
+        }
+    }
+
+    /// Adds the numbers of a block; `Err` says which is the first that is infinite.
+    fn append(self, values: &mut SeriesBuilder, block: &[u8]) -> Result<(), usize> {
+        match self {
+            Self::I16 => values.extend_codes(&numbers(block, |bytes| i16::from_le_bytes(bytes).into())),
+            Self::I32 => values.extend_codes(&numbers(block, i32::from_le_bytes)),
+            Self::F32 => return values.extend_numbers(&numbers(block, |bytes| f32::from_le_bytes(bytes).into())),
+            Self::F64 => return values.extend_numbers(&numbers(block, f64::from_le_bytes)),
+        }
+        Ok(())
+    }
+}
+
 /// Reads the whole file as one column.
-pub fn read(path: &Path, raw: RawType) -> Result<Column> {
-    let bytes = fs::read(path).map_err(|error| CaptureError::io("read", path, error))?;
-    let series = match raw {
-        RawType::I16 => Series::Codes(numbers(path, &bytes, |bytes| i16::from_le_bytes(bytes).into())?),
-        RawType::I32 => Series::Codes(numbers(path, &bytes, i32::from_le_bytes)?),
-        RawType::F32 => {
-            Series::Numbers(finite(path, numbers(path, &bytes, |bytes| f32::from_le_bytes(bytes).into())?)?)
+pub fn read(log: &Log<'_>, raw: RawType) -> Result<Found> {
+    let failed = |error| CaptureError::io("read", log.path, error);
+    let bytes = log.file.metadata().map_err(failed)?.len();
+    let size = raw.bytes();
+    if !bytes.is_multiple_of(size as u64) {
+        let what = format!("{bytes} bytes are no whole number of {size}-byte numbers: is --raw right?");
+        return Err(CaptureError::damaged(log.path, "as raw numbers", what).into());
+    }
+    let mut values = SeriesBuilder::new();
+    values.reserve((bytes / size as u64) as usize, matches!(raw, RawType::I16 | RawType::I32));
+    let mut block = Vec::with_capacity(BLOCK);
+    loop {
+        block.clear();
+        (&log.file).take(BLOCK as u64).read_to_end(&mut block).map_err(failed)?;
+        if block.is_empty() {
+            break;
         }
-        RawType::F64 => Series::Numbers(finite(path, numbers(path, &bytes, f64::from_le_bytes)?)?),
-    };
-    Ok(Column { name: "raw".to_owned(), series, scale: 1.0, timing: None, warning: None })
+        let first = values.rows();
+        raw.append(&mut values, &block).map_err(|at| {
+            wrong(log.path, format_args!("number {}", first + at as u64), "it is infinite: is --raw right?")
+        })?;
+    }
+    Ok(Found { name: "raw".to_owned(), values, clock: Clock::Silent, scale: None, warning: None })
 }
 
-fn numbers<const N: usize, T>(
-    path: &Path,
-    bytes: &[u8],
-    decode: impl Fn([u8; N]) -> T,
-) -> Result<Vec<T>, CaptureError> {
-    let (numbers, rest) = bytes.as_chunks::<N>();
-    if rest.is_empty() {
-        return Ok(numbers.iter().map(|number| decode(*number)).collect());
-    }
-    let what = format!("{} bytes are no whole number of {N}-byte numbers: is --raw right?", bytes.len());
-    Err(CaptureError::damaged(path, "as raw numbers", what))
-}
-
-fn finite(path: &Path, numbers: Vec<f64>) -> Result<Vec<f64>, CaptureError> {
-    match numbers.iter().position(|number| !number.is_finite()) {
-        Some(at) => {
-            Err(CaptureError::damaged(path, format!("number {at}"), format!("{} cannot be averaged", numbers[at])))
-        }
-        None => Ok(numbers),
-    }
+fn numbers<const N: usize, T>(block: &[u8], decode: impl Fn([u8; N]) -> T) -> Vec<T> {
+    block.as_chunks::<N>().0.iter().map(|number| decode(*number)).collect()
 }

@@ -1,151 +1,258 @@
-//! A column of a table with names and types: Parquet or an Arrow stream, a capture or not.
+//! A column of a table with names and types: an Arrow stream or file, Parquet, a capture or not.
 
-use super::{Column, Series, Timing, ambiguous, position};
-use crate::capture::columns::{CORRECTED, Rows};
+use super::choice::{Choice, Columns};
+use super::clock::Times;
+use super::series::{SeriesBuilder, join};
+use super::unit::TimeUnit;
+use super::{Clock, ColumnArgs, Found, Gap, wrong};
+use crate::capture::columns::CORRECTED;
 use crate::capture::table::BatchSource;
-use crate::capture::{CaptureError, CaptureReader, info};
+use crate::capture::{CaptureError, CaptureInfo, info};
 use adis16130::{RATE_LSB_PER_DPS, TEMP_LSB_PER_C, Width};
 use anyhow::Result;
 use arrow::array::{Array, ArrayRef, AsArray};
 use arrow::compute::{CastOptions, cast_with_options};
-use arrow::datatypes::{DataType, Float64Type, Int32Type, Schema};
+use arrow::datatypes::{DataType, Float64Type, Int32Type, Int64Type, Schema, TimeUnit as ArrowUnit, UInt32Type};
+use arrow::error::ArrowError;
 use std::path::Path;
 
 /// Reads a column of a table.
-pub fn read(path: &Path, source: Box<dyn BatchSource>, wanted: Option<&str>) -> Result<Column> {
-    let schema = source.schema();
-    let is_capture = info::is_capture(schema.metadata());
-    let index = choose(path, &schema, is_capture, wanted)?;
-    let name = schema.field(index).name().clone();
-    let codes = is_code(&name, is_capture) || fits_i32(schema.field(index).data_type());
-    let mut reading = Reading {
-        path,
-        index,
-        name: &name,
-        series: if codes { Series::Codes(vec![]) } else { Series::Numbers(vec![]) },
-    };
-    let (scale, timing, warning) =
-        if is_capture { reading.capture(CaptureReader::from_source(path, source)?)? } else { reading.table(source)? };
-    let series = reading.series;
-    Ok(Column { name, series, scale, timing, warning })
-}
-
-/// The column that was named, or else the rate of a capture, or else the only column that holds numbers.
-fn choose(path: &Path, schema: &Schema, is_capture: bool, wanted: Option<&str>) -> Result<usize> {
-    let names: Vec<&str> = schema.fields().iter().map(|field| field.name().as_str()).collect();
-    let numeric = |index: &usize| schema.field(*index).data_type().is_numeric();
-    let index = match wanted {
-        Some(wanted) => position(path, &names, wanted)?,
-        None if is_capture => position(path, &names, CORRECTED).or_else(|_| position(path, &names, "rate_code"))?,
-        None => match (0..names.len()).filter(numeric).collect::<Vec<_>>()[..] {
-            [only] => only,
-            _ => return Err(ambiguous(path, "has several columns", &names)),
-        },
-    };
-    if numeric(&index) {
-        Ok(index)
-    } else {
-        Err(ambiguous(path, &format!("holds no numbers in `{}`", names[index]), &names))
+pub fn read(path: &Path, mut source: Box<dyn BatchSource>, args: &ColumnArgs) -> Result<Found> {
+    let mut reading = Reading::start(path, &source.schema(), args)?;
+    for batch in source.by_ref() {
+        let batch = batch?;
+        let columns: Vec<ArrayRef> = reading.columns.iter().map(|index| batch.column(*index).clone()).collect();
+        reading.append(&columns)?;
     }
+    Ok(reading.finish(source.warning().map(str::to_owned)))
 }
 
-fn is_code(name: &str, is_capture: bool) -> bool {
-    is_capture && matches!(name, "rate_code" | "temp_code")
-}
-
-fn fits_i32(data_type: &DataType) -> bool {
-    matches!(data_type, DataType::Int8 | DataType::Int16 | DataType::Int32 | DataType::UInt8 | DataType::UInt16)
-}
-
-/// Physical unit per code of a capture's column (F-40, F-41, F-43).
-fn capture_scale(name: &str, width: Width) -> f64 {
-    let lsb_per_unit = match name {
-        "rate_code" => RATE_LSB_PER_DPS,
-        "temp_code" => TEMP_LSB_PER_C,
-        _ => return 1.0,
-    };
-    f64::from(1u32 << (24 - width.bits())) / f64::from(lsb_per_unit)
-}
-
-/// A column being read.
-struct Reading<'a> {
+/// A column being read, with its time.
+pub struct Reading<'a> {
     path: &'a Path,
-    index: usize,
-    name: &'a str,
-    series: Series,
+    /// The columns to be read: the numbers; the time, or time and losses of a capture.
+    pub columns: Vec<usize>,
+    name: String,
+    time_name: String,
+    values: SeriesBuilder,
+    times: Option<Times>,
+    capture: Option<Capture>,
 }
 
-type Facts = (f64, Option<Timing>, Option<String>);
-
-impl Reading<'_> {
-    fn table(&mut self, mut source: Box<dyn BatchSource>) -> Result<Facts, CaptureError> {
-        for batch in source.by_ref() {
-            self.append(batch?.column(self.index))?;
+impl<'a> Reading<'a> {
+    /// Chooses the columns.
+    pub fn start(path: &'a Path, schema: &Schema, args: &ColumnArgs) -> Result<Self> {
+        let names: Vec<&str> = schema.fields().iter().map(|field| field.name().as_str()).collect();
+        let position = |wanted: &str| names.iter().position(|name| *name == wanted);
+        let is_capture = info::is_capture(schema.metadata());
+        let default = is_capture.then(|| position(CORRECTED).or_else(|| position("rate_code"))).flatten();
+        let numeric = schema.fields().iter().map(|field| field.data_type().is_numeric()).collect();
+        let Choice { value, time } = Columns { path, names: names.clone(), numeric }.choose(args, default)?;
+        let name = names[value].to_owned();
+        let capture = if is_capture && time.is_none() { Some(Capture::of(path, schema, &name)?) } else { None };
+        let mut columns = vec![value];
+        columns.extend(time);
+        for name in ["t_ns", "lost"].iter().filter(|_| capture.is_some()) {
+            let missing = || CaptureError::not_a_capture(path, format!("it has no column `{name}`"));
+            columns.push(position(name).ok_or_else(missing)?);
         }
-        Ok((1.0, None, source.warning().map(str::to_owned)))
+        let mut values = SeriesBuilder::new();
+        values.reserve(0, schema.field(value).data_type().is_integer());
+        let mut times = time.map(|_| Times::new());
+        if let (Some(times), Some(time)) = (&mut times, time) {
+            times.unit = unit_of(schema.field(time).data_type());
+        }
+        let time_name = columns.get(1).map_or_else(String::new, |index| names[*index].to_owned());
+        Ok(Self { path, columns, name, time_name, values, times, capture })
     }
 
-    fn capture(&mut self, mut reader: CaptureReader) -> Result<Facts, CaptureError> {
-        let mut clock = Clock::default();
-        while let Some(rows) = reader.next_rows()? {
-            clock.advance(&rows);
-            self.append(rows.batch().column(self.index))?;
-        }
-        let scale = capture_scale(self.name, reader.info().width);
-        Ok((scale, Some(clock.timing()), reader.warning().map(str::to_owned)))
+    /// Makes room for so many rows.
+    pub fn reserve(&mut self, rows: usize, data_type: &DataType) {
+        self.values.reserve(rows, data_type.is_integer());
     }
 
-    fn append(&mut self, column: &ArrayRef) -> Result<(), CaptureError> {
-        let first_row = self.series.len();
-        let wrong = |at: usize, what: &str| {
-            CaptureError::damaged(self.path, format!("column {}, row {}", self.name, first_row + at), what)
-        };
-        if let Some(empty) = (0..column.len()).find(|row| column.is_null(*row)) {
-            return Err(wrong(empty, "no value; all rows of a column must have one"));
+    /// Adds a piece of the columns.
+    pub fn append(&mut self, columns: &[ArrayRef]) -> Result<(), CaptureError> {
+        let first = self.values.rows();
+        if let (Some(times), Some(column)) = (&mut self.times, columns.get(1)) {
+            append_times(times, column).map_err(|(row, what)| {
+                wrong(self.path, format_args!("column {}, row {}", self.time_name, first + row as u64), what)
+            })?;
         }
-        let cast = |to| {
-            cast_with_options(column, &to, &CastOptions { safe: false, ..CastOptions::default() })
-                .map_err(|error| wrong(0, &error.to_string()))
+        if let (Some(capture), [value, t_ns, lost]) = (&mut self.capture, columns) {
+            capture
+                .append(value, t_ns, lost, first)
+                .map_err(|(place, what)| wrong(self.path, format_args!("{place}"), what))?;
+        }
+        append_values(&mut self.values, &columns[0]).map_err(|(row, what)| {
+            wrong(self.path, format_args!("column {}, row {}", self.name, first + row as u64), what)
+        })
+    }
+
+    /// All rows were read.
+    pub fn finish(self, warning: Option<String>) -> Found {
+        let Self { name, time_name, values, times, capture, .. } = self;
+        let scale = capture.as_ref().and_then(|capture| capture.scale);
+        let clock = match (times, capture) {
+            (Some(times), _) => Clock::Column(time_name, times),
+            (None, Some(capture)) => capture.clock(),
+            (None, None) => Clock::Silent,
         };
-        match &mut self.series {
-            Series::Codes(codes) => {
-                codes.extend_from_slice(cast(DataType::Int32)?.as_primitive::<Int32Type>().values())
+        Found { name, values, clock, scale, warning }
+    }
+}
+
+/// A row in a piece, and what is wrong there.
+type Wrong = (usize, String);
+
+fn cast(column: &ArrayRef, to: DataType) -> Result<ArrayRef, ArrowError> {
+    cast_with_options(column, &to, &CastOptions { safe: false, ..CastOptions::default() })
+}
+
+/// Integers go in as such, as far as they are small enough to be codes.
+fn append_values(values: &mut SeriesBuilder, column: &ArrayRef) -> Result<(), Wrong> {
+    if column.data_type().is_integer() {
+        if let Ok(codes) = cast(column, DataType::Int32) {
+            let codes = codes.as_primitive::<Int32Type>();
+            match codes.null_count() {
+                0 => values.extend_codes(codes.values()),
+                _ => codes.iter().for_each(|code| push(values, code.map(i64::from))),
             }
-            Series::Numbers(numbers) => {
-                let found = cast(DataType::Float64)?;
-                let found = found.as_primitive::<Float64Type>().values();
-                if let Some(at) = found.iter().position(|number| !number.is_finite()) {
-                    return Err(wrong(at, &format!("{} cannot be averaged", found[at])));
-                }
-                numbers.extend_from_slice(found);
+            return Ok(());
+        }
+        if let Ok(integers) = cast(column, DataType::Int64) {
+            integers.as_primitive::<Int64Type>().iter().for_each(|integer| push(values, integer));
+            return Ok(());
+        }
+    }
+    let numbers = cast(column, DataType::Float64).map_err(|error| (0, error.to_string()))?;
+    let numbers = numbers.as_primitive::<Float64Type>();
+    let infinite = |row| (row, "it is infinite, which cannot be averaged".to_owned());
+    if numbers.null_count() == 0 {
+        return values.extend_numbers(numbers.values()).map_err(infinite);
+    }
+    match numbers.iter().position(|number| !values.push_number(number.unwrap_or(f64::NAN))) {
+        Some(row) => Err(infinite(row)),
+        None => Ok(()),
+    }
+}
+
+fn push(values: &mut SeriesBuilder, integer: Option<i64>) {
+    match integer {
+        Some(integer) => values.push_integer(integer),
+        None => values.push_missing(),
+    }
+}
+
+/// The unit of a type that states one.
+fn unit_of(data_type: &DataType) -> Option<TimeUnit> {
+    let (DataType::Timestamp(unit, _) | DataType::Duration(unit)) = data_type else {
+        return None;
+    };
+    Some(match unit {
+        ArrowUnit::Second => TimeUnit::S,
+        ArrowUnit::Millisecond => TimeUnit::Ms,
+        ArrowUnit::Microsecond => TimeUnit::Us,
+        ArrowUnit::Nanosecond => TimeUnit::Ns,
+    })
+}
+
+fn append_times(times: &mut Times, column: &ArrayRef) -> Result<(), Wrong> {
+    let missing = || "no time; every row must have one".to_owned();
+    let at = |row: usize| move |what: String| (row, what);
+    if column.data_type().is_integer() || times.unit.is_some() {
+        let found = cast(column, DataType::Int64).map_err(|error| (0, error.to_string()))?;
+        for (row, time) in found.as_primitive::<Int64Type>().iter().enumerate() {
+            time.ok_or_else(missing).and_then(|time| times.push_integer(time)).map_err(at(row))?;
+        }
+    } else if column.data_type().is_numeric() {
+        let found = cast(column, DataType::Float64).map_err(|error| (0, error.to_string()))?;
+        for (row, time) in found.as_primitive::<Float64Type>().iter().enumerate() {
+            time.ok_or_else(missing).and_then(|time| times.push_number(time)).map_err(at(row))?;
+        }
+    } else {
+        return Err((0, format!("it holds {} and no time; choose another with --time-column", column.data_type())));
+    }
+    Ok(())
+}
+
+/// What a capture tells beyond its numbers: it has counted what was lost.
+struct Capture {
+    /// Width of the codes in the column, if it holds codes.
+    width: Option<Width>,
+    scale: Option<f64>,
+    span_ns: Option<(u64, u64)>,
+    rows: u64,
+    gaps: Vec<Gap>,
+}
+
+impl Capture {
+    fn of(path: &Path, schema: &Schema, name: &str) -> Result<Self, CaptureError> {
+        let width = CaptureInfo::from_metadata(path, schema.metadata())?.width;
+        // F-40, F-41, F-43
+        let lsb_per_unit = match name {
+            "rate_code" => Some(RATE_LSB_PER_DPS),
+            "temp_code" => Some(TEMP_LSB_PER_C),
+            _ => None,
+        };
+        let scale = lsb_per_unit.map(|lsb| f64::from(1u32 << (24 - width.bits())) / f64::from(lsb));
+        Ok(Self { width: scale.map(|_| width), scale, span_ns: None, rows: 0, gaps: Vec::new() })
+    }
+
+    fn append(
+        &mut self,
+        value: &ArrayRef,
+        t_ns: &ArrayRef,
+        lost: &ArrayRef,
+        first: u64,
+    ) -> Result<(), (String, String)> {
+        let typed = |name: &str, column: &ArrayRef, to: DataType| match cast(column, to) {
+            Ok(column) if column.null_count() == 0 => Ok(column),
+            Ok(_) => Err((format!("column {name}, from row {first}"), "it has empty cells".to_owned())),
+            Err(error) => Err((format!("column {name}, from row {first}"), error.to_string())),
+        };
+        self.check_width(value, first)?;
+        let t_ns = typed("t_ns", t_ns, DataType::Int64)?;
+        for (row, t_ns) in t_ns.as_primitive::<Int64Type>().values().iter().enumerate() {
+            let t_ns = *t_ns as u64;
+            if self.span_ns.is_some_and(|(_, last)| t_ns <= last) {
+                let before = self.span_ns.map_or(0, |(_, last)| last);
+                let what = format!("the time does not increase, from {before} to {t_ns}");
+                return Err((format!("column t_ns, row {}", first + row as u64), what));
+            }
+            self.span_ns = Some((self.span_ns.map_or(t_ns, |(start, _)| start), t_ns));
+        }
+        let lost = typed("lost", lost, DataType::UInt32)?;
+        let lost = lost.as_primitive::<UInt32Type>().values();
+        for (row, missing) in lost.iter().enumerate().filter(|(_, missing)| **missing > 0) {
+            let at = self.rows as usize + row;
+            // what the first row lost was before the record
+            if at > 0 {
+                join(&mut self.gaps, Gap { at, missing: u64::from(*missing) });
             }
         }
+        self.rows += lost.len() as u64;
         Ok(())
     }
-}
 
-/// Adds up rows, losses and time.
-#[derive(Default)]
-struct Clock {
-    rows: u64,
-    lost: u64,
-    span_ns: Option<(u64, u64)>,
-}
-
-impl Clock {
-    fn advance(&mut self, rows: &Rows) {
-        // what the first row lost was before the record
-        let skipped = usize::from(self.rows == 0);
-        self.lost += rows.samples().skip(skipped).map(|sample| u64::from(sample.lost)).sum::<u64>();
-        self.rows += rows.len() as u64;
-        if let Some((first, last)) = rows.span_ns() {
-            self.span_ns = Some((self.span_ns.map_or(first, |(first, _)| first), last));
+    fn check_width(&self, value: &ArrayRef, first: u64) -> Result<(), (String, String)> {
+        let Some(width) = self.width else { return Ok(()) };
+        let at = |what: String| Err((format!("column of codes, from row {first}"), what));
+        match cast(value, DataType::UInt32) {
+            Ok(codes) => match codes.as_primitive::<UInt32Type>().iter().flatten().max() {
+                Some(code) if code > width.max_code() => {
+                    at(format!("{code} is no code of {} bits, as the metadata states", width.bits()))
+                }
+                _ => Ok(()),
+            },
+            Err(error) => at(error.to_string()),
         }
     }
 
-    fn timing(&self) -> Timing {
-        let intervals = self.rows.saturating_sub(1) + self.lost;
+    fn clock(self) -> Clock {
+        let lost: u64 = self.gaps.iter().map(|gap| gap.missing).sum();
+        let intervals = self.rows.saturating_sub(1) + lost;
         let rate = |(first, last): (u64, u64)| intervals as f64 * 1e9 / (last - first) as f64;
-        Timing { rate_hz: self.span_ns.filter(|(first, last)| first < last).map(rate), lost: self.lost }
+        Clock::Counted { rate_hz: self.span_ns.filter(|(first, last)| first < last).map(rate), gaps: self.gaps }
     }
 }

@@ -1,8 +1,7 @@
 //! `zerorate allan`: how much the mean of a rate at rest moves, over how long it is taken.
 
 use super::{print, print_json, warn};
-use crate::column::{self, Column, RawType, Series};
-use crate::exit::{Refused, Usage};
+use crate::column::{self, Column, ColumnArgs, Series};
 use anyhow::{Result, ensure};
 use clap::{Args, ValueEnum};
 use serde::Serialize;
@@ -12,8 +11,9 @@ use zerorate::allan::{self, Input};
 
 /// Computes the Allan deviation of a gyroscope's log, taken at rest: a capture, or the log of any other part.
 ///
-/// Reads captures, Parquet, Arrow streams, CSV (comma, semicolon, tab or blanks; with or without a header; lines that start with # or % are
-/// comments) and, with --raw, plain binary numbers. The averaging times are 1, 2, 4 … samples.
+/// Reads captures, Parquet, Arrow, NPY, ROS 2 bags (MCAP or SQLite, sensor_msgs/Imu), text of any dialect and, with --raw, plain binary
+/// numbers, packed by gzip, xz or Zstandard or not. Samples that are missing (lost in a capture, empty cells, NaN, leaps of the time
+/// column) are gaps. The averaging times are 1, 2, 4 … samples.
 ///
 /// The table has a row for each averaging time: tau_s; m, the samples in each average; the deviation in °/s and in °/h; n, the differences
 /// that entered. With --json `dev` is in °/s, or whatever --scale makes of it.
@@ -23,27 +23,14 @@ pub struct AllanArgs {
     #[arg(value_name = "FILE")]
     file: PathBuf,
 
-    /// The column, by its name or its number counted from 0 [default: the rate of a capture, or the only column].
-    #[arg(long, value_name = "NAME|INDEX", conflicts_with = "raw")]
-    column: Option<String>,
-
-    /// Samples per second [default: as measured by the timestamps of a capture; every other file needs it].
-    #[arg(long, value_name = "HZ", value_parser = positive)]
-    rate: Option<f64>,
-
-    /// What a step of 1 in the column is in °/s [default: the scale of the part for the codes of a capture, else 1].
-    #[arg(long, value_name = "X", value_parser = positive)]
-    scale: Option<f64>,
-
-    /// The file is nothing but numbers of this type, little endian.
-    #[arg(long, value_enum)]
-    raw: Option<RawType>,
+    #[command(flatten)]
+    column: ColumnArgs,
 
     /// The statistic.
     #[arg(long, value_enum, default_value = "oadev")]
     stat: Stat,
 
-    /// Close up the gaps where a capture lost samples. This changes the result.
+    /// Close up the gaps where samples are missing. This changes the result.
     #[arg(long)]
     ignore_gaps: bool,
 
@@ -78,9 +65,9 @@ struct Row {
 }
 
 pub fn run(args: &AllanArgs) -> Result<()> {
-    let column = column::read(&args.file, args.column.as_deref(), args.raw)?;
-    warn(column.warning.as_slice());
-    check_gaps(args, &column)?;
+    let mut column = column::read(&args.file, &args.column)?;
+    warn(&column.warnings);
+    mind_gaps(args, &mut column);
     let report = report(args, &column)?;
     if args.json {
         return print_json(&report);
@@ -95,32 +82,29 @@ pub fn run(args: &AllanArgs) -> Result<()> {
 }
 
 /// A gap that is closed up looks like a step, or hides one.
-fn check_gaps(args: &AllanArgs, column: &Column) -> Result<()> {
-    let lost = column.timing.map_or(0, |timing| timing.lost);
-    let lost_of = format!("{}: {lost} samples were lost among {}", args.file.display(), column.series.len());
-    match lost {
+fn mind_gaps(args: &AllanArgs, column: &mut Column) {
+    let missing = column.missing();
+    let seen = format!("{}: {missing} samples are missing among {}", args.file.display(), column.series.len());
+    match missing {
         0 => {}
-        _ if args.ignore_gaps => warn(&[format!("{lost_of}; the gaps are closed up, which changes the result")]),
-        _ => {
-            let advice =
-                "the Allan deviation needs a whole record: take another, or give --ignore-gaps to close the gaps up";
-            return Err(Refused(format!("{lost_of}; {advice}")).into());
+        _ if args.ignore_gaps => {
+            column.close_gaps();
+            warn(&[format!("{seen}; the gaps are closed up, which changes the result")]);
         }
+        _ => warn(&[format!(
+            "{seen}; they are gaps, and an average that lacks more than half of its samples is left out"
+        )]),
     }
-    Ok(())
 }
 
 fn report(args: &AllanArgs, column: &Column) -> Result<Report> {
-    let measured = column.timing.and_then(|timing| timing.rate_hz);
-    let rate_hz = args.rate.or(measured).ok_or_else(|| {
-        Usage(format!("{} does not say how fast it was sampled: give --rate HZ", args.file.display()))
-    })?;
+    let rate_hz = column.rate_hz;
     let samples = column.series.len();
     let octaves = allan::octaves(samples);
     ensure!(!octaves.is_empty(), "{}: {samples} samples are too few, at least 2 are needed", args.file.display());
-    let scale = args.scale.unwrap_or(column.scale);
+    let scale = column.scale;
     let input = match &column.series {
-        Series::Codes(codes) => Input::Codes { codes, gaps: &[] },
+        Series::Codes(codes) => Input::Codes { codes, gaps: &column.gaps },
         Series::Numbers(numbers) => Input::Rate(numbers),
     };
     let found = allan::deviations(&input, rate_hz, allan::Stat::Oadev, &octaves);
@@ -140,11 +124,4 @@ fn table(points: &[Row]) -> Result<String> {
         writeln!(text, "{tau_s:>14.6} {m:>10} {dev:>14.6e} {per_hour:>14.6e} {n:>10}")?;
     }
     Ok(text)
-}
-
-fn positive(text: &str) -> Result<f64, String> {
-    text.parse()
-        .ok()
-        .filter(|number: &f64| *number > 0.0 && number.is_finite())
-        .ok_or_else(|| "must be a number above zero".to_owned())
 }

@@ -4,6 +4,7 @@ mod allan;
 mod correct;
 mod export;
 mod interop;
+mod logs;
 mod report;
 
 use std::fs;

@@ -1,0 +1,204 @@
+//! A column of a NumPy array: one dimension, a column of two, or a field of a structured array.
+
+use super::choice::{Choice, Columns};
+use super::clock::Times;
+use super::series::SeriesBuilder;
+use super::unit::TimeUnit;
+use super::{Clock, ColumnArgs, Found, wrong};
+use crate::capture::CaptureError;
+use anyhow::Result;
+use npyz::{DType, Endianness, NpyHeader, Order, TimeUnits, TypeChar, TypeStr};
+use std::fs::File;
+use std::io::{BufReader, Read, Seek, SeekFrom};
+use std::path::Path;
+
+/// Bytes that a read asks the system for.
+const BUFFER: usize = 1 << 18;
+
+/// Reads a column.
+pub fn read(path: &Path, file: File, args: &ColumnArgs) -> Result<Found> {
+    let mut file = BufReader::with_capacity(BUFFER, file);
+    let no_header = |error: std::io::Error| CaptureError::damaged(path, "as an NPY file", error.to_string());
+    let header = NpyHeader::from_reader(&mut file).map_err(no_header)?;
+    let failed = |error| CaptureError::io("read", path, error);
+    let start = file.stream_position().map_err(failed)?;
+    let fields = fields(path, &header)?;
+    let rows = header.shape().first().copied().unwrap_or_default();
+    check_length(path, &header, file.get_ref().metadata().map_err(failed)?.len().saturating_sub(start))?;
+    let numeric = fields.iter().map(|field| field.kind.is_some_and(|kind| kind != Kind::Time)).collect();
+    let names: Vec<&str> = fields.iter().map(|field| field.name.as_str()).collect();
+    let Choice { value, time } = Columns { path, names, numeric }.choose(args, None)?;
+    let mut values = SeriesBuilder::new();
+    let name = fields[value].name.clone();
+    each(path, &mut file, start, rows, &fields[value], |cell| match cell {
+        Cell::Integer(integer) => {
+            values.push_integer(integer);
+            Ok(())
+        }
+        Cell::Number(number) if values.push_number(number) => Ok(()),
+        Cell::Number(_) => Err("it is infinite, which cannot be averaged".to_owned()),
+    })?;
+    let clock = match time.map(|time| &fields[time]) {
+        None => Clock::Silent,
+        Some(field) => {
+            let mut times = Times::new();
+            times.unit = field.time_unit;
+            each(path, &mut file, start, rows, field, |cell| match cell {
+                Cell::Integer(i64::MIN) if field.kind == Some(Kind::Time) => {
+                    Err("no time; every row must have one".to_owned())
+                }
+                Cell::Integer(time) => times.push_integer(time),
+                Cell::Number(time) => times.push_number(time),
+            })?;
+            Clock::Column(field.name.clone(), times)
+        }
+    };
+    Ok(Found { name, values, clock, scale: None, warning: None })
+}
+
+/// A column of an array.
+struct Field {
+    name: String,
+    /// None if it holds no numbers of a kind that is read.
+    kind: Option<Kind>,
+    big_endian: bool,
+    size: usize,
+    /// Offset of the first number, from the start of the data, and from each to the next.
+    offset: u64,
+    stride: u64,
+    time_unit: Option<TimeUnit>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    Signed,
+    Unsigned,
+    Float,
+    /// A signed number of units since some time.
+    Time,
+}
+
+impl Field {
+    fn new(name: String, dtype: &DType, offset: u64, stride: u64) -> Self {
+        let DType::Plain(plain) = dtype else {
+            return Self { name, kind: None, big_endian: false, size: 0, offset, stride, time_unit: None };
+        };
+        let size = plain.num_bytes().unwrap_or_default();
+        let big_endian = plain.endianness() == Endianness::Big;
+        Self { name, kind: kind(plain, size), big_endian, size, offset, stride, time_unit: time_unit(plain) }
+    }
+
+    /// The number in these bytes.
+    fn decode(&self, bytes: &[u8]) -> Cell {
+        // little endian, extended to eight bytes
+        let mut wide = [0; 8];
+        wide[..self.size].copy_from_slice(bytes);
+        if self.big_endian {
+            wide[..self.size].reverse();
+        }
+        let bits = u64::from_le_bytes(wide);
+        let unused = 64 - 8 * self.size as u32;
+        match self.kind {
+            Some(Kind::Float) if self.size == 4 => Cell::Number(f32::from_bits(bits as u32).into()),
+            Some(Kind::Float) => Cell::Number(f64::from_bits(bits)),
+            Some(Kind::Unsigned) => i64::try_from(bits).map_or(Cell::Number(bits as f64), Cell::Integer),
+            _ => Cell::Integer((bits << unused) as i64 >> unused),
+        }
+    }
+}
+
+fn kind(plain: &TypeStr, size: usize) -> Option<Kind> {
+    match (plain.type_char(), size) {
+        (TypeChar::Int, 1 | 2 | 4 | 8) => Some(Kind::Signed),
+        (TypeChar::Uint, 1 | 2 | 4 | 8) => Some(Kind::Unsigned),
+        (TypeChar::Float, 4 | 8) => Some(Kind::Float),
+        (TypeChar::DateTime | TypeChar::TimeDelta, 8) => Some(Kind::Time),
+        _ => None,
+    }
+}
+
+fn time_unit(plain: &TypeStr) -> Option<TimeUnit> {
+    match plain.time_units()? {
+        TimeUnits::Second => Some(TimeUnit::S),
+        TimeUnits::Millisecond => Some(TimeUnit::Ms),
+        TimeUnits::Microsecond => Some(TimeUnit::Us),
+        TimeUnits::Nanosecond => Some(TimeUnit::Ns),
+        _ => None,
+    }
+}
+
+/// The columns of an array.
+fn fields(path: &Path, header: &NpyHeader) -> Result<Vec<Field>, CaptureError> {
+    let unreadable = |what: String| CaptureError::not_a_log(path, what);
+    let dtype = header.dtype();
+    let size = dtype.num_bytes().filter(|size| *size > 0).map(|size| size as u64);
+    let size = size.ok_or_else(|| unreadable(format!("its elements {} have no fixed size", dtype.descr())))?;
+    match (&dtype, header.shape()) {
+        (DType::Record(fields), [_]) => {
+            let mut offset = 0;
+            let mut column = |field: &npyz::Field| {
+                let found = Field::new(field.name.clone(), &field.dtype, offset, size);
+                offset += field.dtype.num_bytes().unwrap_or_default() as u64;
+                found
+            };
+            Ok(fields.iter().map(&mut column).collect())
+        }
+        (DType::Plain(_), [_]) => Ok(vec![Field::new("0".to_owned(), &dtype, 0, size)]),
+        (DType::Plain(_), [rows, columns]) if *columns <= MAX_COLUMNS => {
+            let column = |number: u64| match header.order() {
+                Order::C => Field::new(number.to_string(), &dtype, number * size, columns * size),
+                Order::Fortran => {
+                    Field::new(number.to_string(), &dtype, number.saturating_mul(*rows).saturating_mul(size), size)
+                }
+            };
+            Ok((0..*columns).map(column).collect())
+        }
+        (_, shape) => {
+            let remedy = "save a column of it with numpy.save";
+            Err(unreadable(format!("its shape {shape:?} is neither one column nor at most {MAX_COLUMNS}; {remedy}")))
+        }
+    }
+}
+
+/// Columns of an array of two dimensions at most: with more it is rather an image, or the array lies on its side.
+const MAX_COLUMNS: u64 = 4096;
+
+fn check_length(path: &Path, header: &NpyHeader, there: u64) -> Result<(), CaptureError> {
+    let size = header.dtype().num_bytes().unwrap_or_default() as u64;
+    let expected = header.shape().iter().try_fold(size, |product, n| product.checked_mul(*n));
+    if expected.is_some_and(|expected| expected <= there) {
+        return Ok(());
+    }
+    let expected = expected.map_or("more".to_owned(), |expected| expected.to_string());
+    let what = format!("its header states {expected} bytes of data and {there} follow; was it cut short?");
+    Err(CaptureError::damaged(path, "as an NPY file", what))
+}
+
+enum Cell {
+    Integer(i64),
+    Number(f64),
+}
+
+/// Calls `take` with every number of a column.
+fn each(
+    path: &Path,
+    file: &mut BufReader<File>,
+    start: u64,
+    rows: u64,
+    field: &Field,
+    mut take: impl FnMut(Cell) -> Result<(), String>,
+) -> Result<(), CaptureError> {
+    let failed = |error| CaptureError::io("read", path, error);
+    file.seek(SeekFrom::Start(start + field.offset)).map_err(failed)?;
+    let mut bytes = vec![0; field.size];
+    let skipped = (field.stride - field.size as u64) as i64;
+    for row in 0..rows {
+        file.read_exact(&mut bytes).map_err(failed)?;
+        take(field.decode(&bytes))
+            .map_err(|what| wrong(path, format_args!("column {}, row {row}", field.name), what))?;
+        if skipped > 0 && row + 1 < rows {
+            file.seek_relative(skipped).map_err(failed)?;
+        }
+    }
+    Ok(())
+}
