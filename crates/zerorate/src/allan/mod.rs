@@ -12,6 +12,7 @@ mod lag1;
 mod noise_id;
 mod phase_points;
 mod stat;
+mod stream;
 mod taus;
 
 pub use advice::{
@@ -27,6 +28,7 @@ pub use interval::interval;
 pub use kernels::{Deviation, Reason, deviations};
 pub use noise_id::noise_types;
 pub use stat::{Stat, UnknownStat};
+pub use stream::{NotAdjacent, Stream};
 pub use taus::{Taus, TausError, longest};
 
 /// Averages of 1, 2, 4 … samples, as long as at least one difference of two adjacent averages fits into `len` samples.
