@@ -19,11 +19,14 @@ pub struct Args {
 /// A part, given the interpreter of the environment.
 type Part = fn(&Path) -> Result<()>;
 
-const PARTS: [(&str, Part); 1] = [("tests", tests)];
+const PARTS: [(&str, Part); 3] = [("tests", tests), ("notebook", notebook), ("allantools", allantools)];
 
 const PACKAGE: &str = "bindings/python";
 const REQUIREMENTS: &str = "bindings/python/requirements-test.txt";
 const WHEELS: &str = "target/wheels-dev";
+
+/// The release whose tests the functions of `zerorate.allantools_compat` pass.
+const ALLANTOOLS: &str = "2024.6";
 
 /// Builds, installs, tests. Where there is no Python, or no package registry to be reached, it says so and passes.
 pub fn run(args: &Args) -> Result<()> {
@@ -78,4 +81,21 @@ fn install_wheel(python: &Path) -> Result<()> {
 /// Our tests, with the type checkers in them.
 fn tests(python: &Path) -> Result<()> {
     done(Command::new(python).args(["-m", "pytest", "-q", "--durations=5"]).current_dir(PACKAGE))
+}
+
+/// The examples, executed.
+fn notebook(python: &Path) -> Result<()> {
+    done(Command::new(python).args(["-m", "pytest", "-q", "--nbmake", "examples"]).current_dir(PACKAGE))
+}
+
+/// allantools' own tests, against our functions of the same names. Its files stay outside of the repository.
+fn allantools(python: &Path) -> Result<()> {
+    let source = format!("target/allantools-{ALLANTOOLS}");
+    if !Path::new(&source).is_dir() {
+        let mut download = Command::new(python);
+        download.args(["-m", "pip", "download", "--quiet", "--no-binary", ":all:", "--no-deps", "--dest", "target"]);
+        done(download.arg(format!("allantools=={ALLANTOOLS}")))?;
+        done(Command::new(python).args(["-m", "tarfile", "-e", &format!("{source}.tar.gz"), "target"]))?;
+    }
+    done(Command::new(python).args(["bindings/python/tests/allantools_suite.py", &source]))
 }

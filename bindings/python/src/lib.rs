@@ -3,6 +3,7 @@
 //! It moves numbers across and turns errors into exceptions. Names, defaults and data classes stand in `python/zerorate`, the
 //! computations in the crates `zerorate` and `zerorate-cli`.
 
+mod allan;
 mod capture;
 mod correction;
 mod error;
@@ -13,6 +14,8 @@ use pyo3::prelude::*;
 /// The compiled part of zerorate. Use the package `zerorate`.
 #[pymodule]
 mod _zerorate {
+    #[pymodule_export]
+    use super::allan::{analyse, deviations, edf, finite_difference_edf, interval};
     #[pymodule_export]
     use super::capture::{rate_dps, read_capture, temp_c};
     #[pymodule_export]

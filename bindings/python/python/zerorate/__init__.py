@@ -1,10 +1,12 @@
-"""The calibration of the ADIS16130, with its part in software.
+"""Allan deviation of any gyroscope, and the calibration of the ADIS16130 with its part in software.
 
 ===================  ==================================================================
+`allan`              Allan deviation of a record at rest, with limits and noise coefficients
 `calibrate`          the procedure of AN-1042 on a `Twin`, with the uncertainty it has
 `Calibration`        a calibration file; `Calibration.correct` takes the bias out
 `read_capture`       a recording of raw codes as numpy columns
 `Twin`               a part in software, drawn from a seed
+`allantools_compat`  the functions of allantools: change the import, keep the program
 ===================  ==================================================================
 
 Units are in the names: ``rate_dps`` is in °/s, ``tau_s`` in seconds, ``temp_c`` in °C. What makes no sense raises ValueError with what to
@@ -13,6 +15,7 @@ do; a measurement that must not become a calibration raises `Refused`.
 
 from importlib.metadata import version
 
+from ._allan import Allan, Coefficient, Fit, Unavailable, allan
 from ._calibration import (
     Calibration,
     Correction,
@@ -30,10 +33,13 @@ from ._zerorate import Refused
 __version__ = version("zerorate")
 
 __all__ = [
+    "Allan",
     "Calibrated",
     "Calibration",
     "Capture",
+    "Coefficient",
     "Correction",
+    "Fit",
     "Measured",
     "NoiseRecord",
     "Refused",
@@ -41,9 +47,11 @@ __all__ = [
     "Truth",
     "Twin",
     "TwinKey",
+    "Unavailable",
     "Uncertainties",
     "Validity",
     "__version__",
+    "allan",
     "calibrate",
     "read_capture",
 ]

@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 import os
-from typing import TypedDict
+from typing import Any, TypedDict
 
 import numpy as np
 from numpy.typing import NDArray
 
 __all__ = [
     "Refused",
+    "analyse",
     "calibrate",
     "correct",
+    "deviations",
+    "edf",
     "extrapolation",
+    "finite_difference_edf",
+    "interval",
     "main",
     "parse_calibration",
     "rate_dps",
@@ -36,6 +41,39 @@ class _Columns(TypedDict):
     calibration_id: str | None
     warning: str | None
 
+class _Coefficient(TypedDict):
+    value: float
+    lo: float
+    hi: float
+    identified: bool
+    needed_s: float | None
+
+class _Fit(TypedDict):
+    n: _Coefficient
+    b: _Coefficient
+    k: _Coefficient
+    q: _Coefficient | None
+    r: _Coefficient | None
+    warnings: list[str]
+
+def analyse(
+    record: NDArray[np.float64] | NDArray[np.int32],
+    phase: bool,
+    gaps: list[tuple[int, int]],
+    rate_hz: float,
+    stat: str,
+    taus: str | list[float],
+    confidence: float,
+    scale: float,
+) -> dict[str, Any]: ...
+def deviations(
+    numbers: NDArray[np.float64], phase: bool, rate_hz: float, stat: str, m: list[int]
+) -> tuple[NDArray[np.float64], NDArray[np.int64]]: ...
+def edf(stat: str, alpha: int, m: int, phase_points: int) -> float: ...
+def finite_difference_edf(
+    order: int, overlapped: bool, modified: bool, alpha: int, m: int, phase_points: int
+) -> float: ...
+def interval(dev: float, edf: float, confidence: float) -> tuple[float, float]: ...
 def main(args: list[str]) -> int: ...
 def twin_device(keys: str) -> str: ...
 def twin_keys() -> list[tuple[str, str, str, str]]: ...

@@ -1,0 +1,121 @@
+"""The deviations, with allantools' arguments and results."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import _zerorate
+from ._convert import trim_data
+from ._taus import tau_generator
+
+Floats = NDArray[np.float64]
+Result = tuple[Floats, Floats, Any, Floats]
+
+
+def _deviation(stat: str, data: Any, rate: float, data_type: str, taus: Any) -> Result:
+    if data_type not in ("phase", "freq"):
+        raise Exception(f"unknown data_type: {data_type}")  # what allantools raises
+    is_phase = data_type == "phase"
+    record = np.asarray(data, dtype=np.float64) if is_phase else trim_data(data)
+    points = range(len(record) + (not is_phase))
+    _, lengths, used = tau_generator(points, rate, taus)
+    devs, ns = _zerorate.deviations(
+        np.ascontiguousarray(record), is_phase, float(rate), stat, lengths.astype(np.int64).tolist()
+    )
+    terms = ns.astype(np.float64)
+    return remove_small_ns(used, devs, devs / np.sqrt(np.maximum(terms, 1.0)), terms)
+
+
+def adev(data: Any, rate: float = 1.0, data_type: str = "phase", taus: Any = None) -> Result:
+    """Allan deviation, NIST SP 1065 equation 10.
+
+    Parameters
+    ----------
+    data
+        Phase in seconds, shape (N,), or fractional frequency, shape (N − 1,). NaN is a missing value.
+    rate
+        Samples per second.
+    data_type
+        ``phase`` or ``freq``.
+    taus
+        See `tau_generator`.
+
+    Returns
+    -------
+    (taus, dev, deverr, n)
+        Averaging times, s; deviations; deviation / √n; terms that entered. Times with a single term or none are left out.
+
+    Raises
+    ------
+    UserWarning
+        If nothing is left.
+    """
+    return _deviation("adev", data, rate, data_type, taus)
+
+
+def oadev(data: Any, rate: float = 1.0, data_type: str = "phase", taus: Any = None) -> Result:
+    """Overlapping Allan deviation, NIST SP 1065 equation 11. Arguments and result as of `adev`."""
+    return _deviation("oadev", data, rate, data_type, taus)
+
+
+def mdev(data: Any, rate: float = 1.0, data_type: str = "phase", taus: Any = None) -> Result:
+    """Modified Allan deviation, NIST SP 1065 equation 14. Arguments and result as of `adev`."""
+    return _deviation("mdev", data, rate, data_type, taus)
+
+
+def tdev(data: Any, rate: float = 1.0, data_type: str = "phase", taus: Any = None) -> Result:
+    """Time deviation, s, NIST SP 1065 equation 15. Arguments and result as of `adev`."""
+    return _deviation("tdev", data, rate, data_type, taus)
+
+
+def hdev(data: Any, rate: float = 1.0, data_type: str = "phase", taus: Any = None) -> Result:
+    """Hadamard deviation, NIST SP 1065 equation 17. Arguments and result as of `adev`."""
+    return _deviation("hdev", data, rate, data_type, taus)
+
+
+def ohdev(data: Any, rate: float = 1.0, data_type: str = "phase", taus: Any = None) -> Result:
+    """Overlapping Hadamard deviation, NIST SP 1065 equation 18. Arguments and result as of `adev`."""
+    return _deviation("ohdev", data, rate, data_type, taus)
+
+
+def totdev(data: Any, rate: float = 1.0, data_type: str = "phase", taus: Any = None) -> Result:
+    """Total deviation, NIST SP 1065 equation 25. Arguments and result as of `adev`."""
+    return _deviation("totdev", data, rate, data_type, taus)
+
+
+def remove_small_ns(taus: Any, devs: Any, deverrs: Any, ns: Any) -> Result:
+    """Leaves out what rests on a single term or none. `deverrs` is an array, or a list of two (lower, upper).
+
+    Raises
+    ------
+    UserWarning
+        If nothing is left.
+    """
+    enough = np.asarray(ns) > 1
+    if not enough.any():
+        raise UserWarning("no averaging time has more than one term: the record is too short")
+    errors = [part[enough] for part in deverrs] if isinstance(deverrs, list) else deverrs[enough]
+    return taus[enough], devs[enough], errors, ns[enough]
+
+
+def three_cornered_hat_phase(
+    phasedata_ab: Any,
+    phasedata_bc: Any,
+    phasedata_ca: Any,
+    rate: float,
+    taus: Any,
+    function: Callable[..., Result],
+) -> Result:
+    """Deviation of clock A out of comparisons of three: σ²_A = (σ²_AB + σ²_CA − σ²_BC) / 2; 0 where that is negative.
+
+    `function` is the deviation, such as `oadev`. Result as of `adev`.
+    """
+    times, ab, _, ns = function(phasedata_ab, data_type="phase", rate=rate, taus=taus)
+    bc = function(phasedata_bc, data_type="phase", rate=rate, taus=taus)[1]
+    ca = function(phasedata_ca, data_type="phase", rate=rate, taus=taus)[1]
+    dev = np.sqrt(np.maximum((ab**2 + ca**2 - bc**2) / 2, 0.0))
+    return times, dev, dev / np.sqrt(ns), ns

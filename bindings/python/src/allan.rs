@@ -1,0 +1,192 @@
+//! Allan deviations.
+
+use numpy::{PyArray1, PyReadonlyArray1};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use std::fmt::Display;
+use zerorate::allan::{
+    Analysis, Coefficient, Deviation, Difference, Fit, FitError, Gap, Input, Options, Stat, Taus,
+    analyse as analyse_input, deviations as of_input, edf as edf_of, finite_difference_edf as edf_of_difference, fit,
+    interval as limits, octaves,
+};
+
+type Column<'py, T> = Bound<'py, PyArray1<T>>;
+
+/// A record: integer codes of a rate, or numbers.
+#[derive(FromPyObject)]
+pub enum Record<'py> {
+    Codes(PyReadonlyArray1<'py, i32>),
+    Numbers(PyReadonlyArray1<'py, f64>),
+}
+
+impl Record<'_> {
+    /// As the core takes it, in place. `gaps` belong to codes; numbers have NaN.
+    fn input<'a>(&'a self, phase: bool, gaps: &'a [Gap]) -> PyResult<Input<'a>> {
+        Ok(match self {
+            Self::Codes(_) if phase => return Err(PyValueError::new_err("phase comes as floating-point numbers")),
+            Self::Codes(codes) => Input::Codes { codes: codes.as_slice()?, gaps },
+            Self::Numbers(numbers) if phase => Input::Phase(numbers.as_slice()?),
+            Self::Numbers(numbers) => Input::Rate(numbers.as_slice()?),
+        })
+    }
+}
+
+/// Averaging times: by name, or in seconds.
+#[derive(FromPyObject)]
+pub enum Times {
+    Named(String),
+    Seconds(Vec<f64>),
+}
+
+impl Times {
+    fn taus(self) -> PyResult<Taus> {
+        match self {
+            Self::Named(name) => name.parse().map_err(refused),
+            Self::Seconds(times) => match times.iter().find(|time| !(time.is_finite() && **time > 0.0)) {
+                Some(time) => {
+                    Err(PyValueError::new_err(format!("taus: {time} s is no averaging time; give positive seconds")))
+                }
+                None => Ok(Taus::List(times)),
+            },
+        }
+    }
+}
+
+/// The deviation with its limits at each averaging time, what could not be computed, and the noise coefficients.
+///
+/// Other threads run meanwhile. Raises ValueError for arguments that nothing can be computed with.
+#[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "the keywords of zerorate.allan")]
+pub fn analyse<'py>(
+    py: Python<'py>,
+    record: Record<'py>,
+    phase: bool,
+    gaps: Vec<(usize, u64)>,
+    rate_hz: f64,
+    stat: &str,
+    taus: Times,
+    confidence: f64,
+    scale: f64,
+) -> PyResult<Bound<'py, PyDict>> {
+    let gaps: Vec<Gap> = gaps.into_iter().map(|(at, missing)| Gap { at, missing }).collect();
+    let input = record.input(phase, &gaps)?;
+    let options = Options { stat: stat.parse().map_err(refused)?, taus: taus.taus()?, confidence, scale };
+    let (analysis, fit) = py
+        .detach(|| {
+            let analysis = analyse_input(&input, rate_hz, &options)?;
+            let fit = coefficients(&input, &analysis, &options);
+            Ok((analysis, fit))
+        })
+        .map_err(|error: zerorate::allan::AnalysisError| refused(error))?;
+    let result = PyDict::new(py);
+    columns(&result, &analysis)?;
+    match fit {
+        Ok(fit) => result.set_item("fit", fit_dict(py, &fit)?)?,
+        Err(error) => result.set_item("no_fit", error.to_string())?,
+    }
+    Ok(result)
+}
+
+/// The fit of the overlapping Allan deviation at octaves, whatever was asked for.
+fn coefficients(input: &Input<'_>, analysis: &Analysis, options: &Options) -> Result<Fit, FitError> {
+    let curve: Vec<Deviation> = if (options.stat, &options.taus) == (Stat::Oadev, &Taus::Octave) {
+        analysis.points.iter().map(|point| Deviation { m: point.m, dev: point.dev, n: point.n }).collect()
+    } else {
+        let octaves = octaves(usize::try_from(analysis.samples).unwrap_or(usize::MAX));
+        let found = of_input(input, analysis.rate_hz, Stat::Oadev, &octaves).into_iter().flatten();
+        found.map(|found| Deviation { dev: found.dev * options.scale, ..found }).collect()
+    };
+    fit(&curve, analysis.rate_hz, analysis.samples)
+}
+
+fn columns(result: &Bound<'_, PyDict>, analysis: &Analysis) -> PyResult<()> {
+    let py = result.py();
+    let points = &analysis.points;
+    result.set_item("tau_s", PyArray1::from_iter(py, points.iter().map(|point| point.tau_s)))?;
+    result.set_item("m", PyArray1::from_iter(py, points.iter().map(|point| point.m as i64)))?;
+    result.set_item("dev", PyArray1::from_iter(py, points.iter().map(|point| point.dev)))?;
+    result.set_item("lo", PyArray1::from_iter(py, points.iter().map(|point| point.lo)))?;
+    result.set_item("hi", PyArray1::from_iter(py, points.iter().map(|point| point.hi)))?;
+    result.set_item("edf", PyArray1::from_iter(py, points.iter().map(|point| point.edf)))?;
+    result.set_item("alpha", PyArray1::from_iter(py, points.iter().map(|point| i64::from(point.alpha))))?;
+    result.set_item("n", PyArray1::from_iter(py, points.iter().map(|point| point.n as i64)))?;
+    result.set_item("stat", analysis.stat.name())?;
+    result.set_item("rate_hz", analysis.rate_hz)?;
+    result.set_item("samples", analysis.samples)?;
+    result.set_item("missing", analysis.missing)?;
+    let unavailable: Vec<(f64, String)> =
+        analysis.unavailable.iter().map(|point| (point.tau_s, point.reason.to_string())).collect();
+    result.set_item("unavailable", unavailable)
+}
+
+fn fit_dict<'py>(py: Python<'py>, fit: &Fit) -> PyResult<Bound<'py, PyDict>> {
+    let result = PyDict::new(py);
+    for (name, coefficient) in [("n", &fit.n), ("b", &fit.b), ("k", &fit.k)] {
+        result.set_item(name, coefficient_dict(py, coefficient)?)?;
+    }
+    for (name, coefficient) in [("q", &fit.q), ("r", &fit.r)] {
+        let coefficient = coefficient.as_ref().map(|found| coefficient_dict(py, found)).transpose()?;
+        result.set_item(name, coefficient)?;
+    }
+    result.set_item("warnings", fit.warnings.iter().map(|it| format!("{}: {it}", it.code())).collect::<Vec<_>>())?;
+    Ok(result)
+}
+
+fn coefficient_dict<'py>(py: Python<'py>, coefficient: &Coefficient) -> PyResult<Bound<'py, PyDict>> {
+    let &Coefficient { value, lo, hi, identified, needed_s } = coefficient;
+    let result = PyDict::new(py);
+    result.set_item("value", value)?;
+    result.set_item("lo", lo)?;
+    result.set_item("hi", hi)?;
+    result.set_item("identified", identified)?;
+    result.set_item("needed_s", needed_s)?;
+    Ok(result)
+}
+
+/// Deviations alone, and the terms in each, at the averaging lengths ``m``; NaN and 0 where there is none.
+#[pyfunction]
+pub fn deviations<'py>(
+    py: Python<'py>,
+    numbers: PyReadonlyArray1<'py, f64>,
+    phase: bool,
+    rate_hz: f64,
+    stat: &str,
+    m: Vec<u64>,
+) -> PyResult<(Column<'py, f64>, Column<'py, i64>)> {
+    let (stat, numbers) = (stat.parse().map_err(refused)?, numbers.as_slice()?);
+    let input = if phase { Input::Phase(numbers) } else { Input::Rate(numbers) };
+    let found = py.detach(|| of_input(&input, rate_hz, stat, &m));
+    let (dev, n): (Vec<f64>, Vec<i64>) =
+        found.iter().map(|found| found.as_ref().map_or((f64::NAN, 0), |found| (found.dev, found.n as i64))).unzip();
+    Ok((PyArray1::from_vec(py, dev), PyArray1::from_vec(py, n)))
+}
+
+/// Equivalent degrees of freedom of a statistic at ``m`` samples in a record of ``phase_points`` points, for the noise exponent ``alpha``.
+#[pyfunction]
+pub fn edf(stat: &str, alpha: i32, m: u64, phase_points: u64) -> PyResult<f64> {
+    Ok(edf_of(stat.parse().map_err(refused)?, alpha, m, phase_points))
+}
+
+/// The same of a variance of differences of the order 1, 2 or 3.
+#[pyfunction]
+pub fn finite_difference_edf(
+    order: u32,
+    overlapped: bool,
+    modified: bool,
+    alpha: i32,
+    m: u64,
+    phase_points: u64,
+) -> f64 {
+    edf_of_difference(Difference { order, overlapped, modified }, alpha, m, phase_points)
+}
+
+/// Limits of a deviation with ``edf`` degrees of freedom that enclose the true one with the probability ``confidence``.
+#[pyfunction]
+pub fn interval(dev: f64, edf: f64, confidence: f64) -> (f64, f64) {
+    limits(dev, edf, confidence)
+}
+
+fn refused(why: impl Display) -> PyErr {
+    PyValueError::new_err(why.to_string())
+}

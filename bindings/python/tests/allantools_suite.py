@@ -1,0 +1,75 @@
+"""Runs allantools' own tests against `zerorate.allantools_compat`: python allantools_suite.py SOURCE, an unpacked source distribution.
+
+Prints which tests pass and which are for what is not offered, by name. Fails if any other test does not pass.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections import defaultdict
+from collections.abc import Generator
+from pathlib import Path
+
+import pytest
+
+from zerorate.allantools_compat import NotOffered
+
+
+class Outcomes:
+    """Collects what became of each test."""
+
+    def __init__(self) -> None:
+        self.passed: list[str] = []
+        self.failed: list[str] = []
+        self.skipped: dict[str, list[str]] = defaultdict(list)
+
+    @pytest.hookimpl(wrapper=True)
+    def pytest_pyfunc_call(self) -> Generator[None, object, object]:
+        try:
+            return (yield)
+        except NotOffered as error:
+            pytest.skip(f"not offered: {error.name}")
+
+    def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
+        self._count(report, report.when == "call")
+
+    def pytest_collectreport(self, report: pytest.CollectReport) -> None:
+        self._count(report, False)
+
+    def _count(self, report: pytest.TestReport | pytest.CollectReport, is_call: bool) -> None:
+        if report.skipped:
+            reason = report.longrepr[2] if isinstance(report.longrepr, tuple) else str(report.longrepr)
+            self.skipped[reason.removeprefix("Skipped: ")].append(report.nodeid)
+        elif report.failed:
+            self.failed.append(report.nodeid)
+        elif is_call:
+            self.passed.append(report.nodeid)
+
+
+def main(source: Path) -> int:
+    here = Path(__file__).resolve().parent
+    sys.path[:0] = [str(here / "shim"), str(source / "tests")]
+    os.environ["ALLANTOOLS_SOURCE"] = str(source)
+    outcomes = Outcomes()
+    own_noise = source / "tests" / "functional_tests" / "test_noise.py"
+    outcomes.skipped["not offered: noise"].append(f"{own_noise.relative_to(source)} (all of it)")
+    arguments = [f"--ignore={own_noise}", "-q", "--no-header", "--tb=short", "--no-summary", "-p", "no:cacheprovider", f"--rootdir={source}"]
+    status = pytest.main([*arguments, "-c", str(source / "pytest.ini"), str(source / "tests")], plugins=[outcomes])
+    print(f"\nallantools' own tests against zerorate.allantools_compat, {source.name}")
+    print(f"\n{len(outcomes.passed)} pass:")
+    for name in outcomes.passed:
+        print(f"  {name}")
+    print("\nNot offered, or skipped by allantools itself:")
+    for reason, names in sorted(outcomes.skipped.items()):
+        print(f"  {reason}: {len(names)}")
+        for name in names:
+            print(f"    {name}")
+    print(f"\n{len(outcomes.failed)} fail")
+    for name in outcomes.failed:
+        print(f"  {name}")
+    return int(bool(status or outcomes.failed or not outcomes.passed))
+
+
+if __name__ == "__main__":
+    sys.exit(main(Path(sys.argv[1]).resolve()))

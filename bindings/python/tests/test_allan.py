@@ -1,0 +1,194 @@
+"""`zerorate.allan`: numbers from the definition, inputs of every kind, errors."""
+
+from __future__ import annotations
+
+import threading
+import time
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import zerorate
+
+
+def white(n: int = 4096) -> NDArray[np.float64]:
+    return np.random.default_rng(42).normal(size=n)
+
+
+def oadev_by_definition(rate: NDArray[np.float64], m: int) -> float:
+    """The root of half the mean of squared differences of adjacent averages."""
+    means = np.convolve(rate, np.ones(m) / m, mode="valid")
+    return float(np.sqrt(np.mean((means[m:] - means[:-m]) ** 2) / 2))
+
+
+def test_the_deviation_is_its_definition() -> None:
+    rate = white()
+    result = zerorate.allan(rate, rate_hz=100.0)
+    assert result.m.tolist() == [2**k for k in range(12)]
+    np.testing.assert_allclose(result.tau_s, result.m / 100.0)
+    for m, dev in zip(result.m.tolist(), result.dev.tolist()):
+        assert dev == pytest.approx(oadev_by_definition(rate, m), rel=1e-12)
+    assert result.n.tolist() == [4096 - 2 * m + 1 for m in result.m.tolist()]
+    assert (result.lo < result.dev).all() and (result.dev < result.hi).all()
+    assert result.alpha[0] == 0
+    assert (result.edf >= 1).all()
+    assert (result.stat, result.samples, result.missing) == ("oadev", 4096, 0)
+
+
+def test_phase_is_the_integral_of_the_rate() -> None:
+    rate = white()
+    phase = np.concatenate([[0.0], np.cumsum(rate)]) / 100.0
+    by_rate = zerorate.allan(rate, rate_hz=100.0, stat="mdev")
+    by_phase = zerorate.allan(phase, rate_hz=100.0, stat="mdev", data="phase")
+    np.testing.assert_allclose(by_phase.dev, by_rate.dev, rtol=1e-9)
+
+
+def test_white_noise_has_an_angle_random_walk_and_nothing_else() -> None:
+    fit = zerorate.allan(white(200_000), rate_hz=100.0).fit
+    assert fit is not None
+    assert fit.n.identified and fit.n.lo < 0.1 < fit.n.hi
+    assert (fit.n.unit, fit.b.unit, fit.k.unit) == ("°/s·√s", "°/s", "°/s/√s")
+    assert fit.n.needed_s is None
+    assert not fit.k.identified and fit.k.needed_s is not None and fit.k.needed_s > 2000
+    assert fit.dev(1.0) == pytest.approx(0.1, rel=0.1)
+
+
+def test_a_record_too_short_for_coefficients_says_so() -> None:
+    result = zerorate.allan(white(5), rate_hz=1.0)
+    assert result.fit is None
+    assert result.no_fit is not None and "record longer" in result.no_fit
+
+
+def test_what_cannot_be_computed_is_reported() -> None:
+    result = zerorate.allan(white(1000), rate_hz=10.0, taus=[0.1, 1.0, 1000.0])
+    assert result.tau_s.tolist() == [0.1, 1.0]
+    assert [point.tau_s for point in result.unavailable] == [1000.0]
+    assert "too short" in result.unavailable[0].reason
+
+
+def test_codes_are_exact_in_every_width() -> None:
+    codes = np.random.default_rng(1).integers(-(2**15), 2**15, size=1001)
+    exact = zerorate.allan(codes.astype(np.int32), rate_hz=1.0, scale=0.05)
+    means = codes.astype(np.int64)
+    squares = sum(int(d) ** 2 for d in np.diff(means))
+    assert exact.dev[0] == pytest.approx(0.05 * np.sqrt(squares / 1000 / 2), rel=1e-15)
+    for kind in (np.int16, np.int64, ">i2"):
+        np.testing.assert_array_equal(zerorate.allan(codes.astype(kind), rate_hz=1.0, scale=0.05).dev, exact.dev)
+    wide = zerorate.allan(codes.astype(np.int64) * 2**40, rate_hz=1.0)
+    np.testing.assert_allclose(wide.dev * 0.05 / 2**40, exact.dev, rtol=1e-12)
+
+
+def test_inputs_of_every_kind() -> None:
+    rate = white(512)
+    expected = zerorate.allan(rate, rate_hz=1.0).dev
+    pandas, polars, xarray = (pytest.importorskip(name) for name in ("pandas", "polars", "xarray"))
+    strided = np.empty(1024)
+    strided[::2] = rate
+    inputs: list[Any] = [
+        rate.tolist(),
+        tuple(rate.tolist()),
+        strided[::2],
+        np.array([rate, rate]).T[:, 0],
+        rate.astype(">f8"),
+        pandas.Series(rate),
+        pandas.Series(rate, dtype="Float64"),
+        polars.Series(rate),
+        xarray.DataArray(rate),
+    ]
+    for values in inputs:
+        np.testing.assert_array_equal(zerorate.allan(values, rate_hz=1.0).dev, expected, err_msg=repr(type(values)))
+    single = rate.astype(np.float32)
+    np.testing.assert_array_equal(
+        zerorate.allan(single, rate_hz=1.0).dev, zerorate.allan(single.astype(np.float64), rate_hz=1.0).dev
+    )
+
+
+def test_missing_samples_are_gaps() -> None:
+    pandas, polars = (pytest.importorskip(name) for name in ("pandas", "polars"))
+    rate = white(512)
+    rate[100:110] = np.nan
+    result = zerorate.allan(rate, rate_hz=1.0)
+    assert (result.samples, result.missing) == (512, 10)
+    assert result.n[0] == 512 - 1 - 11
+    with_none: Any = [None if np.isnan(value) else value for value in rate.tolist()]
+    inputs = [pandas.Series(rate), pandas.Series(with_none, dtype="Float64"), polars.Series(with_none), with_none]
+    for values in inputs:
+        np.testing.assert_array_equal(zerorate.allan(values, rate_hz=1.0).dev, result.dev)
+
+
+@pytest.mark.parametrize(
+    ("match", "values", "options"),
+    [
+        ("rate_hz", [1.0, 2.0], {"rate_hz": None}),
+        ("sample rate of 0", [1.0, 2.0], {"rate_hz": 0.0}),
+        ("not a statistic", [1.0, 2.0], {"stat": "theo1"}),
+        ("averaging time", [1.0, 2.0], {"taus": "often"}),
+        ("no averaging time", [1.0, 2.0], {"taus": [1.0, -1.0]}),
+        ("confidence", [1.0, 2.0], {"confidence": 1.5}),
+        ("scale", [1.0, 2.0], {"scale": 0.0}),
+        ("data='angle'", [1.0, 2.0], {"data": "angle"}),
+        ("one column", [[1.0, 2.0]], {}),
+        ("not real numbers", ["a", "b"], {}),
+        ("not real numbers", [1j, 2j], {}),
+    ],
+)
+def test_what_is_wrong_is_said(match: str, values: Any, options: dict[str, Any]) -> None:
+    with pytest.raises(ValueError, match=match):
+        zerorate.allan(values, **{"rate_hz": 1.0, **options})
+
+
+def test_nothing_is_nothing() -> None:
+    assert len(zerorate.allan([], rate_hz=1.0).dev) == 0
+
+
+def test_other_threads_run_meanwhile() -> None:
+    rate = white(3_000_000)
+    stopped = threading.Event()
+
+    def work() -> None:
+        zerorate.allan(rate, rate_hz=1.0, taus="log:300", stat="mdev")
+        stopped.set()
+
+    worker = threading.Thread(target=work)
+    worker.start()
+    ticks = 0
+    while not stopped.is_set():
+        ticks += 1
+        time.sleep(0.001)
+    worker.join()
+    assert ticks > 20
+
+
+def test_a_contiguous_record_is_not_copied() -> None:
+    rate = white(1000)
+    from zerorate._allan import _record
+
+    assert np.shares_memory(_record(rate, "rate"), rate)
+    codes = np.arange(1000, dtype=np.int32)
+    assert np.shares_memory(_record(codes, "rate"), codes)
+    rate.flags.writeable = False
+    assert len(zerorate.allan(rate, rate_hz=1.0).dev) == 9
+
+
+def test_a_capture_knows_its_rate_scale_and_gaps() -> None:
+    codes = (2**23 + 100 * white(1000)).astype(np.uint32)
+    lost = np.zeros(1000, dtype=np.uint32)
+    lost[[0, 500]] = [7, 3]
+    capture = zerorate.Capture(
+        t_ns=(np.arange(1000) * 10_000_000).astype(np.uint64),
+        edge_seq=np.arange(1000, dtype=np.uint32),
+        rate_code=codes,
+        status=np.zeros(1000, dtype=np.int16),
+        temp_code=np.full(1000, -1, dtype=np.int32),
+        lost=lost,
+        width_bits=24,
+        metadata={},
+    )
+    result = zerorate.allan(capture)
+    assert result.missing == 3
+    assert result.rate_hz == pytest.approx(1002 / 9.99)
+    # 23 488 LSB per °/s
+    assert result.dev[0] == pytest.approx(100 / 23488, rel=0.1)
+    assert np.isnan(capture.temp_c).all() and np.isnan(capture.temp_held_c).all()
