@@ -1,8 +1,12 @@
 use super::exact::ExactSum;
+use super::lanes::{self, SHORT};
 use super::shape::Shape;
 use super::{Reason, Squares, sweep, threads};
 use alloc::vec;
 use alloc::vec::Vec;
+
+/// Samples that one thread takes at a time.
+const PIECE: usize = 1 << 17;
 
 /// Exact: no running sum, no difference and no square rounds or overflows.
 ///
@@ -13,7 +17,7 @@ pub(super) fn squares(codes: &[i32], shape: Shape, m: &[usize]) -> Vec<Result<Sq
     let width = |&m: &usize| bounds.width(shape, m);
     let by_width = [Width::Narrow, Width::Middle, Width::Wide].map(|this| {
         let m: Vec<usize> = m.iter().copied().filter(|m| width(m) == this).collect();
-        sums(codes, bounds.offset, shape, &m, this).into_iter()
+        sums(codes, &bounds, shape, &m, this).into_iter()
     });
     let [mut narrow, mut middle, mut wide] = by_width;
     let mut next = |m: &usize| match width(m) {
@@ -29,9 +33,9 @@ pub(super) fn squares(codes: &[i32], shape: Shape, m: &[usize]) -> Vec<Result<Sq
 /// How many bits the differences need.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Width {
-    /// Below 2^30.
+    /// Below 2^28.
     Narrow,
-    /// Below 2^57.
+    /// Below 2^56.
     Middle,
     /// Any.
     Wide,
@@ -42,24 +46,32 @@ struct Bounds {
     offset: i64,
     /// Largest less smallest code.
     codes: u128,
-    /// Largest less smallest running sum.
+    /// Largest less smallest running sum, or more.
     sums: u128,
+    /// Running sum before each piece.
+    before: Vec<i64>,
 }
 
 impl Bounds {
     fn of(codes: &[i32]) -> Self {
-        let (mut total, mut low, mut high) = (0i64, i32::MAX, i32::MIN);
-        for &code in codes {
-            total += i64::from(code);
-            (low, high) = (low.min(code), high.max(code));
-        }
+        let pieces: Vec<&[i32]> = codes.chunks(PIECE).collect();
+        let surveys = threads::map(pieces.len(), |i| lanes::survey(pieces[i]));
+        let total: i64 = surveys.iter().flat_map(|survey| &survey.sums).sum();
         let offset = total / codes.len().max(1) as i64;
+        let low = surveys.iter().map(|survey| i64::from(survey.low)).min().unwrap_or(0);
+        let high = surveys.iter().map(|survey| i64::from(survey.high)).max().unwrap_or(0);
         let (mut sum, mut least, mut most) = (0i64, 0i64, 0i64);
-        for &code in codes {
-            sum += i64::from(code) - offset;
-            (least, most) = (least.min(sum), most.max(sum));
+        let mut before = Vec::with_capacity(surveys.len());
+        for survey in &surveys {
+            before.push(sum);
+            for short in &survey.sums {
+                sum += short - offset * SHORT as i64;
+                (least, most) = (least.min(sum), most.max(sum));
+            }
         }
-        Self { offset, codes: (i64::from(high) - i64::from(low)).max(0) as u128, sums: most.abs_diff(least).into() }
+        let between = SHORT as u64 * high.abs_diff(offset).max(offset.abs_diff(low));
+        let sums = u128::from(most.abs_diff(least)) + 2 * u128::from(between);
+        Self { offset, codes: high.abs_diff(low).into(), sums, before }
     }
 
     /// A difference of two sums over m is below m times the range of the codes, and below twice the range of the running sum
@@ -73,7 +85,6 @@ impl Bounds {
             Shape::Modified => long * (2 * self.sums).min(long * self.codes),
         };
         match largest {
-            _ if shape.stride(2) > 1 => Width::Wide,
             0..NARROW if shape != Shape::Modified => Width::Narrow,
             0..MIDDLE => Width::Middle,
             _ => Width::Wide,
@@ -81,56 +92,71 @@ impl Bounds {
     }
 }
 
-const NARROW: u128 = 1 << 30;
-const MIDDLE: u128 = 1 << 57;
+const NARROW: u128 = 1 << 28;
+const MIDDLE: u128 = 1 << 56;
 
-fn sums(codes: &[i32], offset: i64, shape: Shape, m: &[usize], width: Width) -> Vec<ExactSum> {
+fn sums(codes: &[i32], bounds: &Bounds, shape: Shape, m: &[usize], width: Width) -> Vec<ExactSum> {
     if m.is_empty() {
         return Vec::new();
     }
     match width {
-        Width::Narrow => sweep::sums(&narrow_sum(codes, offset as i32), shape, m),
+        Width::Narrow => sweep::sums(&narrow_sum(codes, bounds), shape, m),
         Width::Middle if shape == Shape::Modified => {
-            sweep::sums(&sum_of_sums(codes, offset), Shape::Third { overlapping: true }, m)
+            sweep::sums(&sum_of_sums(codes, bounds), Shape::Third { overlapping: true }, m)
         }
-        Width::Middle => sweep::sums(&running_sum(codes, offset), shape, m),
+        Width::Middle => sweep::sums(&running_sum(codes, bounds), shape, m),
         Width::Wide => {
-            let x = running_sum(codes, offset);
+            let x = running_sum(codes, bounds);
             threads::map(m.len(), |i| sum(&x, shape, m[i]))
         }
     }
 }
 
 /// Modulo 2^32.
-fn narrow_sum(codes: &[i32], offset: i32) -> Vec<i32> {
+fn narrow_sum(codes: &[i32], bounds: &Bounds) -> Vec<i32> {
     let mut x = vec![0; codes.len() + 1];
-    let mut sum = 0i32;
-    for (x, code) in x[1..].iter_mut().zip(codes) {
-        sum = sum.wrapping_add(*code).wrapping_sub(offset);
-        *x = sum;
-    }
+    threads::fill(&mut x[1..], PIECE, |piece, x| {
+        let mut sum = bounds.before[piece] as i32;
+        for (x, code) in x.iter_mut().zip(&codes[piece * PIECE..]) {
+            sum = sum.wrapping_add(*code).wrapping_sub(bounds.offset as i32);
+            *x = sum;
+        }
+    });
     x
 }
 
-fn running_sum(codes: &[i32], offset: i64) -> Vec<i64> {
+fn running_sum(codes: &[i32], bounds: &Bounds) -> Vec<i64> {
     let mut x = vec![0; codes.len() + 1];
-    let mut sum = 0;
-    for (x, &code) in x[1..].iter_mut().zip(codes) {
-        sum += i64::from(code) - offset;
-        *x = sum;
-    }
+    threads::fill(&mut x[1..], PIECE, |piece, x| {
+        let mut sum = bounds.before[piece];
+        for (x, &code) in x.iter_mut().zip(&codes[piece * PIECE..]) {
+            sum += i64::from(code) - bounds.offset;
+            *x = sum;
+        }
+    });
     x
 }
 
 /// Running sum of the running sum, modulo 2^64: its third differences are the inner sums of the modified Allan deviation.
-fn sum_of_sums(codes: &[i32], offset: i64) -> Vec<i64> {
+fn sum_of_sums(codes: &[i32], bounds: &Bounds) -> Vec<i64> {
+    let sums = |piece: usize| {
+        let mut sum = bounds.before[piece];
+        codes.iter().skip(piece * PIECE).take(PIECE).map(move |&code| {
+            sum += i64::from(code) - bounds.offset;
+            sum
+        })
+    };
+    let totals = threads::map(bounds.before.len(), |piece| sums(piece).fold(0, i64::wrapping_add));
+    let before: Vec<i64> =
+        totals.iter().scan(0i64, |sum, total| Some(core::mem::replace(sum, sum.wrapping_add(*total)))).collect();
     let mut out = vec![0; codes.len() + 2];
-    let (mut sum, mut sum_of_sums) = (0i64, 0i64);
-    for (out, &code) in out[2..].iter_mut().zip(codes) {
-        sum += i64::from(code) - offset;
-        sum_of_sums = sum_of_sums.wrapping_add(sum);
-        *out = sum_of_sums;
-    }
+    threads::fill(&mut out[2..], PIECE, |piece, out| {
+        let mut sum_of_sums = before[piece];
+        for (out, sum) in out.iter_mut().zip(sums(piece)) {
+            sum_of_sums = sum_of_sums.wrapping_add(sum);
+            *out = sum_of_sums;
+        }
+    });
     out
 }
 

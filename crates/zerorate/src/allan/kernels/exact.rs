@@ -33,4 +33,10 @@ impl ExactSum {
     }
 }
 
+impl From<u128> for ExactSum {
+    fn from(sum: u128) -> Self {
+        Self { high: 0, low: sum }
+    }
+}
+
 const TWO_POW_128: f64 = 340_282_366_920_938_463_463_374_607_431_768_211_456.0;

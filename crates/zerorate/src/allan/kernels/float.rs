@@ -1,6 +1,6 @@
+use super::lanes::Fixed;
 use super::shape::Shape;
-use super::sweep::Fixed;
-use super::{Reason, Squares, sweep, threads};
+use super::{Reason, Squares, lanes, sweep, threads};
 use alloc::vec;
 use alloc::vec::Vec;
 
@@ -9,20 +9,33 @@ const PIECE: usize = 1 << 17;
 /// Samples that are summed from zero, so that little is lost, before the sum so far is added.
 const SHORT: usize = 256;
 
-/// Running sum of the rate less its mean, or nearly: no difference sees a constant.
-pub(super) fn phase(rate: &[f64]) -> Vec<f64> {
+/// Running sum of the rate less its mean, or nearly: no difference sees a constant. `None` if samples are missing, which shows in
+/// the first of the two passes.
+pub(super) fn phase(rate: &[f64]) -> Option<Vec<f64>> {
     let pieces: Vec<&[f64]> = rate.chunks(PIECE).collect();
-    let sums = |offset: f64| threads::map(pieces.len(), |i| lane_sum(pieces[i], offset));
-    let mean = coarse(sums(0.0).iter().sum::<f64>() / rate.len().max(1) as f64, rate);
-    let before: Vec<f64> =
-        sums(mean).iter().scan(0.0, |sum, piece| Some(core::mem::replace(sum, *sum + piece))).collect();
+    let near = near_mean(rate);
+    let sums = threads::map(pieces.len(), |i| lanes::sum_f64(pieces[i], near));
+    let total: f64 = sums.iter().sum();
+    if total.is_nan() && rate.iter().any(|value| value.is_nan()) {
+        return None;
+    }
+    let mean = coarse(near + total / rate.len().max(1) as f64, rate);
+    let less = |piece: &[f64], sum: f64| sum - (mean - near) * piece.len() as f64;
+    let sums = pieces.iter().zip(sums).map(|(piece, sum)| less(piece, sum));
+    let before: Vec<f64> = sums.scan(0.0, |sum, piece| Some(core::mem::replace(sum, *sum + piece))).collect();
     let mut x = vec![0.0; rate.len() + 1];
     threads::fill(&mut x[1..], PIECE, |i, x| run(pieces[i], mean, before[i], x));
-    x
+    Some(x)
 }
 
-/// The mean to 24 bits of the spread. All its bits would give the samples of a converter fractions that are all alike, and the
-/// running sum would round each of them the same way.
+/// The mean of some samples, so that the sums of the rest are small.
+fn near_mean(rate: &[f64]) -> f64 {
+    let some = || rate.iter().step_by(1 + rate.len() / PIECE);
+    coarse(some().sum::<f64>() / some().count().max(1) as f64, rate)
+}
+
+/// To 24 bits of the spread. All its bits would give the samples of a converter fractions that are all alike, and the running sum
+/// would round each of them the same way.
 fn coarse(mean: f64, rate: &[f64]) -> f64 {
     let some = &rate[..rate.len().min(PIECE)];
     let spread = some.iter().map(|value| libm::fabs(value - mean)).sum::<f64>() / some.len().max(1) as f64;
@@ -31,14 +44,6 @@ fn coarse(mean: f64, rate: &[f64]) -> f64 {
     }
     let grid = libm::exp2(f64::from(libm::ilogb(spread) - 24));
     libm::rint(mean / grid) * grid
-}
-
-fn lane_sum(rate: &[f64], offset: f64) -> f64 {
-    let mut sums = [0.0; 8];
-    for chunk in rate.chunks(sums.len()) {
-        sums.iter_mut().zip(chunk).for_each(|(sum, value)| *sum += value - offset);
-    }
-    sums.iter().sum()
 }
 
 fn run(rate: &[f64], mean: f64, before: f64, x: &mut [f64]) {
@@ -56,22 +61,10 @@ fn run(rate: &[f64], mean: f64, before: f64, x: &mut [f64]) {
 pub(super) fn squares(x: &[f64], shape: Shape, m: &[usize]) -> Vec<Result<Squares, Reason>> {
     let sums = match shape {
         Shape::Modified => modified(x, m),
-        _ if shape.stride(2) > 1 => threads::map(m.len(), |i| strided(x, shape, m[i])),
         _ => sweep::sums(x, shape, m),
     };
     let squares = |(sum, &m)| Squares { sum, n: shape.terms(x.len(), m) as u64, per: shape.per(m) };
     sums.into_iter().zip(m).map(|pair| Ok(squares(pair))).collect()
-}
-
-fn strided(x: &[f64], shape: Shape, m: usize) -> f64 {
-    let second = |i: usize| (x[i + 2 * m] - x[i + m]) - (x[i + m] - x[i]);
-    let third = |i: usize| second(i + m) - second(i);
-    let starts = (0..shape.terms(x.len(), m)).map(|term| term * m);
-    let square = |number: f64| number * number;
-    match shape {
-        Shape::Third { .. } => starts.map(|i| square(third(i))).sum(),
-        _ => starts.map(|i| square(second(i))).sum(),
-    }
 }
 
 /// Longest averages that share a step of the fixed point: short ones need a fine one, long ones a wide range.

@@ -1,13 +1,15 @@
 //! Sums of squared differences over short runs: what the compiler turns into vector instructions, for the best of them that the
-//! machine has. The lanes are independent sums and their number is fixed, so every machine rounds alike.
+//! machine has.
 
 #![allow(clippy::needless_range_loop)]
 
 use super::exact::ExactSum;
+use alloc::vec;
+use alloc::vec::Vec;
 
 const LANES: usize = 16;
 
-/// Second differences of f64.
+/// Second differences of f64. The lanes are independent sums and their number is fixed, so every machine rounds alike.
 #[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx2+fma", "aarch64+neon")))]
 pub(super) fn second_f64(a: &[f64], b: &[f64], c: &[f64]) -> f64 {
     let mut sums = [0.0; LANES];
@@ -23,6 +25,21 @@ pub(super) fn second_f64(a: &[f64], b: &[f64], c: &[f64]) -> f64 {
         let d = (c - b) - (b - a);
         *sum += d * d;
     }
+    sums.iter().sum()
+}
+
+/// Sum of the values less an offset.
+#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx2+fma", "aarch64+neon")))]
+pub(super) fn sum_f64(values: &[f64], offset: f64) -> f64 {
+    let mut sums = [0.0; LANES];
+    let (chunks, rest) = values.as_chunks();
+    for chunk in chunks {
+        let chunk: &[f64; LANES] = chunk;
+        for l in 0..LANES {
+            sums[l] += chunk[l] - offset;
+        }
+    }
+    sums.iter_mut().zip(rest).for_each(|(sum, value)| *sum += value - offset);
     sums.iter().sum()
 }
 
@@ -46,91 +63,161 @@ pub(super) fn third_f64(a: &[f64], b: &[f64], c: &[f64], d: &[f64]) -> f64 {
     sums.iter().sum()
 }
 
-/// Chunks whose squares, each below 2^60, fit into a lane.
-const RUN: usize = 16;
+/// Codes that have a sum of their own.
+pub(super) const SHORT: usize = 64;
 
-/// Second differences of i32 modulo 2^32, all of which are below 2^30.
+/// What is in some codes.
+pub(super) struct Survey {
+    pub low: i32,
+    pub high: i32,
+    /// Of each [`SHORT`] codes.
+    pub sums: Vec<i64>,
+}
+
+#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx2+fma", "aarch64+neon")))]
+pub(super) fn survey(codes: &[i32]) -> Survey {
+    let mut survey = Survey { low: i32::MAX, high: i32::MIN, sums: vec![0; codes.len().div_ceil(SHORT)] };
+    for (short, sum) in codes.chunks(SHORT).zip(&mut survey.sums) {
+        let (mut total, mut low, mut high) = (0, i32::MAX, i32::MIN);
+        for &code in short {
+            total += i64::from(code);
+            (low, high) = (low.min(code), high.max(code));
+        }
+        *sum = total;
+        (survey.low, survey.high) = (survey.low.min(low), survey.high.max(high));
+    }
+    survey
+}
+
+/// Numbers below 2^28 whose squares fit into a sum of 64 bits.
+const RUN: usize = 256;
+
+/// Second differences of i32 modulo 2^32, all of which are below 2^28.
 #[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx2+fma", "aarch64+neon")))]
 pub(super) fn second_i32(a: &[i32], b: &[i32], c: &[i32]) -> ExactSum {
-    let (mut high, mut low) = ([0u64; LANES], [0u64; LANES]);
-    let ((a, a_rest), (b, b_rest), (c, c_rest)) = (a.as_chunks(), b.as_chunks(), c.as_chunks());
+    let mut sum = 0u128;
     for ((a, b), c) in a.chunks(RUN).zip(b.chunks(RUN)).zip(c.chunks(RUN)) {
-        let mut sums = [0u64; LANES];
+        let mut squares = 0u64;
         for ((a, b), c) in a.iter().zip(b).zip(c) {
-            let (a, b, c): (&[i32; LANES], &[i32; LANES], &[i32; LANES]) = (a, b, c);
-            for l in 0..LANES {
-                let d = i64::from(c[l].wrapping_add(a[l]).wrapping_sub(b[l].wrapping_add(b[l])));
-                sums[l] = sums[l].wrapping_add((d * d) as u64);
-            }
+            let d = i64::from(c.wrapping_sub(*b).wrapping_sub(b.wrapping_sub(*a)));
+            squares = squares.wrapping_add((d * d) as u64);
         }
-        for l in 0..LANES {
-            high[l] += sums[l] >> 32;
-            low[l] += sums[l] & 0xffff_ffff;
-        }
+        sum += u128::from(squares);
     }
-    for ((a, b), c) in a_rest.iter().zip(b_rest).zip(c_rest) {
-        let d = i64::from(c.wrapping_add(*a).wrapping_sub(b.wrapping_add(*b)));
-        high[0] += (d * d) as u64 >> 32;
-        low[0] += (d * d) as u64 & 0xffff_ffff;
-    }
-    joined(&high, &low)
+    ExactSum::from(sum)
 }
 
-/// Third differences of i32 modulo 2^32, all of which are below 2^30.
+/// Third differences of i32 modulo 2^32, all of which are below 2^28.
 #[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx2+fma", "aarch64+neon")))]
 pub(super) fn third_i32(a: &[i32], b: &[i32], c: &[i32], d: &[i32]) -> ExactSum {
-    let (mut high, mut low) = ([0u64; LANES], [0u64; LANES]);
+    let mut sum = 0u128;
+    for (((a, b), c), d) in a.chunks(RUN).zip(b.chunks(RUN)).zip(c.chunks(RUN)).zip(d.chunks(RUN)) {
+        let mut squares = 0u64;
+        for (((a, b), c), d) in a.iter().zip(b).zip(c).zip(d) {
+            let middle = c.wrapping_sub(*b);
+            let third = i64::from(d.wrapping_sub(*a).wrapping_sub(middle.wrapping_add(middle).wrapping_add(middle)));
+            squares = squares.wrapping_add((third * third) as u64);
+        }
+        sum += u128::from(squares);
+    }
+    ExactSum::from(sum)
+}
+
+/// Numbers below 2^56 the parts of whose squares fit into sums of 64 bits.
+const LONG_RUN: usize = 128;
+/// Where these numbers are split.
+const SPLIT: u32 = 28;
+
+/// A sum of squares of numbers in two parts each.
+#[derive(Default)]
+struct Parts {
+    high: u64,
+    middle: i64,
+    low: u64,
+}
+
+impl Parts {
+    #[inline(always)]
+    fn add_square(&mut self, number: i64) {
+        let high = i64::from((number as u64 >> SPLIT) as i32);
+        let low = number & ((1 << SPLIT) - 1);
+        self.high = self.high.wrapping_add((high * high) as u64);
+        self.middle = self.middle.wrapping_add(high * low);
+        self.low = self.low.wrapping_add((low * low) as u64);
+    }
+
+    fn total(&self) -> u128 {
+        let total =
+            (i128::from(self.high) << (2 * SPLIT)) + (i128::from(self.middle) << (SPLIT + 1)) + i128::from(self.low);
+        total as u128
+    }
+}
+
+/// Second differences of i64 modulo 2^64, all of which are below 2^56; at most 2^16 of them.
+#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx2+fma", "aarch64+neon")))]
+pub(super) fn second_i64(a: &[i64], b: &[i64], c: &[i64]) -> ExactSum {
+    let mut sum = 0;
+    for ((a, b), c) in a.chunks(LONG_RUN).zip(b.chunks(LONG_RUN)).zip(c.chunks(LONG_RUN)) {
+        let mut parts = Parts::default();
+        for ((a, b), c) in a.iter().zip(b).zip(c) {
+            parts.add_square(c.wrapping_sub(*b).wrapping_sub(b.wrapping_sub(*a)));
+        }
+        sum += parts.total();
+    }
+    ExactSum::from(sum)
+}
+
+/// Third differences of i64 modulo 2^64, all of which are below 2^56; at most 2^16 of them.
+#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx2+fma", "aarch64+neon")))]
+pub(super) fn third_i64(a: &[i64], b: &[i64], c: &[i64], d: &[i64]) -> ExactSum {
+    let mut sum = 0;
+    let chunks = a.chunks(LONG_RUN).zip(b.chunks(LONG_RUN)).zip(c.chunks(LONG_RUN)).zip(d.chunks(LONG_RUN));
+    for (((a, b), c), d) in chunks {
+        let mut parts = Parts::default();
+        for (((a, b), c), d) in a.iter().zip(b).zip(c).zip(d) {
+            let middle = c.wrapping_sub(*b);
+            parts.add_square(d.wrapping_sub(*a).wrapping_sub(middle.wrapping_add(middle).wrapping_add(middle)));
+        }
+        sum += parts.total();
+    }
+    ExactSum::from(sum)
+}
+
+/// Fixed point modulo 2^64.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Fixed(pub i64);
+
+/// Third differences of fixed point, squared in f64.
+#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx2+fma", "aarch64+neon")))]
+pub(super) fn third_fixed(a: &[Fixed], b: &[Fixed], c: &[Fixed], d: &[Fixed]) -> f64 {
+    let mut sums = [0.0; LANES];
+    let third = |a: Fixed, b: Fixed, c: Fixed, d: Fixed| {
+        let middle = c.0.wrapping_sub(b.0);
+        to_f64(d.0.wrapping_sub(a.0).wrapping_sub(middle.wrapping_add(middle).wrapping_add(middle)))
+    };
     let ((a, a_rest), (b, b_rest), (c, c_rest), (d, d_rest)) =
         (a.as_chunks(), b.as_chunks(), c.as_chunks(), d.as_chunks());
-    for (((a, b), c), d) in a.chunks(RUN).zip(b.chunks(RUN)).zip(c.chunks(RUN)).zip(d.chunks(RUN)) {
-        let mut sums = [0u64; LANES];
-        for (((a, b), c), d) in a.iter().zip(b).zip(c).zip(d) {
-            let (a, b, c, d): (&[i32; LANES], &[i32; LANES], &[i32; LANES], &[i32; LANES]) = (a, b, c, d);
-            for l in 0..LANES {
-                let middle = c[l].wrapping_sub(b[l]);
-                let third = i64::from(d[l].wrapping_sub(a[l]).wrapping_sub(middle.wrapping_mul(3)));
-                sums[l] = sums[l].wrapping_add((third * third) as u64);
-            }
-        }
+    for (((a, b), c), d) in a.iter().zip(b).zip(c).zip(d) {
+        let (a, b, c, d): (&[Fixed; LANES], &[Fixed; LANES], &[Fixed; LANES], &[Fixed; LANES]) = (a, b, c, d);
         for l in 0..LANES {
-            high[l] += sums[l] >> 32;
-            low[l] += sums[l] & 0xffff_ffff;
+            let third = third(a[l], b[l], c[l], d[l]);
+            sums[l] += third * third;
         }
     }
-    for (((a, b), c), d) in a_rest.iter().zip(b_rest).zip(c_rest).zip(d_rest) {
-        let third = i64::from(d.wrapping_sub(*a).wrapping_sub(c.wrapping_sub(*b).wrapping_mul(3)));
-        high[0] += (third * third) as u64 >> 32;
-        low[0] += (third * third) as u64 & 0xffff_ffff;
+    for ((((a, b), c), d), sum) in a_rest.iter().zip(b_rest).zip(c_rest).zip(d_rest).zip(&mut sums) {
+        let third = third(*a, *b, *c, *d);
+        *sum += third * third;
     }
-    joined(&high, &low)
+    sums.iter().sum()
 }
 
-fn joined(high: &[u64], low: &[u64]) -> ExactSum {
-    let mut sum = ExactSum::default();
-    let total = |lanes: &[u64]| lanes.iter().map(|&lane| u128::from(lane)).sum::<u128>();
-    sum.add(total(high), 32);
-    sum.add(total(low), 0);
-    sum
-}
-
-/// Second differences of i64 modulo 2^64, all of which are below 2^57; at most 2^14 of them.
-pub(super) fn second_i64(a: &[i64], b: &[i64], c: &[i64]) -> ExactSum {
-    let squares = a.iter().zip(b).zip(c).map(|((a, b), c)| {
-        let d = c.wrapping_add(*a).wrapping_sub(b.wrapping_add(*b)).unsigned_abs();
-        u128::from(d) * u128::from(d)
-    });
-    let mut sum = ExactSum::default();
-    sum.add(squares.sum(), 0);
-    sum
-}
-
-/// Third differences of i64 modulo 2^64, all of which are below 2^57; at most 2^14 of them.
-pub(super) fn third_i64(a: &[i64], b: &[i64], c: &[i64], d: &[i64]) -> ExactSum {
-    let squares = a.iter().zip(b).zip(c).zip(d).map(|(((a, b), c), d)| {
-        let third = d.wrapping_sub(*a).wrapping_sub(c.wrapping_sub(*b).wrapping_mul(3)).unsigned_abs();
-        u128::from(third) * u128::from(third)
-    });
-    let mut sum = ExactSum::default();
-    sum.add(squares.sum(), 0);
-    sum
+/// As `as f64`, by parts that become f64 by their place in its bits: many vector instructions have no conversion from i64.
+#[inline(always)]
+fn to_f64(number: i64) -> f64 {
+    /// 2^52 and 2^84, of whose mantissas 32 bits stand for 0 … 2^32 − 1 and for multiples of 2^32.
+    const UNITS: u64 = 0x4330_0000_0000_0000;
+    const TWO_POW_32: u64 = 0x4530_0000_0000_0000;
+    let low = f64::from_bits(UNITS | (number as u64 & 0xffff_ffff));
+    let high = f64::from_bits(TWO_POW_32 ^ 0x8000_0000 ^ (number as u64 >> 32));
+    (high - (f64::from_bits(TWO_POW_32 | 0x8000_0000) + f64::from_bits(UNITS))) + low
 }

@@ -105,12 +105,14 @@ fn squares(input: &Input<'_>, shape: Shape, m: &[usize]) -> Vec<Result<Squares, 
     if m.is_empty() {
         return Vec::new();
     }
-    match *input {
-        _ if input.missing() > 0 => gaps::squares(input, shape, m),
-        Input::Codes { codes, .. } => codes::squares(codes, shape, m),
-        Input::Rate(rate) => float::squares(&float::phase(rate), shape, m),
-        Input::Phase(phase) => float::squares(phase, shape, m),
-    }
+    let whole = match *input {
+        Input::Codes { codes, .. } if input.missing() == 0 => Some(codes::squares(codes, shape, m)),
+        Input::Codes { .. } => None,
+        Input::Rate(rate) => float::phase(rate).map(|phase| float::squares(&phase, shape, m)),
+        Input::Phase(phase) if input.missing() == 0 => Some(float::squares(phase, shape, m)),
+        Input::Phase(_) => None,
+    };
+    whole.unwrap_or_else(|| gaps::squares(input, shape, m))
 }
 
 /// What a difference of averages in units of the record's step is in units of the deviation.

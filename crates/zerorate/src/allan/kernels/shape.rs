@@ -50,6 +50,11 @@ impl Shape {
         }
     }
 
+    /// Points at which a term may start: one more than the last of them.
+    pub fn starts(self, points: usize, m: usize) -> usize {
+        (self.terms(points, m) - 1) * self.stride(m) + 1
+    }
+
     /// From one term to the next.
     pub fn stride(self, m: usize) -> usize {
         match self {

@@ -5,7 +5,7 @@
 //! same bits.
 
 use super::exact::ExactSum;
-use super::lanes;
+use super::lanes::{self, Fixed};
 use super::shape::Shape;
 use super::threads;
 use alloc::vec;
@@ -29,9 +29,9 @@ pub(super) trait Step: Copy + Default + Sync {
     fn join(sum: &mut Self::Sum, more: Self::Sum);
 }
 
-/// Sum of the squared differences of `shape`, overlapping, for each of `m`.
+/// Sum of the squared differences of `shape` for each of `m`.
 pub(super) fn sums<T: Step>(x: &[T], shape: Shape, m: &[usize]) -> Vec<T::Sum> {
-    let starts = m.iter().map(|&m| shape.terms(x.len(), m)).max().unwrap_or(0);
+    let starts = m.iter().map(|&m| shape.starts(x.len(), m)).max().unwrap_or(0);
     let pieces = threads::map(starts.div_ceil(PIECE), |piece| piece_sums(x, shape, m, piece * PIECE));
     let mut sums = vec![T::Sum::default(); m.len()];
     for piece in pieces {
@@ -44,7 +44,7 @@ fn piece_sums<T: Step>(x: &[T], shape: Shape, m: &[usize], first: usize) -> Vec<
     let mut sums = vec![T::Sum::default(); m.len()];
     for start in (first..first + PIECE).step_by(BLOCK) {
         for (&m, sum) in m.iter().zip(&mut sums) {
-            let end = shape.terms(x.len(), m).min(start + BLOCK);
+            let end = shape.starts(x.len(), m).min(start + BLOCK);
             if start < end {
                 T::join(sum, block_sum(x, shape, m, start..end));
             }
@@ -56,9 +56,26 @@ fn piece_sums<T: Step>(x: &[T], shape: Shape, m: &[usize], first: usize) -> Vec<
 fn block_sum<T: Step>(x: &[T], shape: Shape, m: usize, starts: Range<usize>) -> T::Sum {
     let stream = |k: usize| &x[starts.start + k * m..starts.end + k * m];
     match shape {
+        _ if shape.stride(m) > 1 => strided(x, shape, m, starts),
         Shape::Third { .. } => T::third(stream(0), stream(1), stream(2), stream(3)),
         Shape::Total => total(x, m, starts.start + 1..starts.end + 1),
         Shape::Second { .. } | Shape::Modified => T::second(stream(0), stream(1), stream(2)),
+    }
+}
+
+/// Every m-th point is a record whose averages are of one sample.
+fn strided<T: Step>(x: &[T], shape: Shape, m: usize, starts: Range<usize>) -> T::Sum {
+    let first = starts.start.next_multiple_of(m);
+    if first >= starts.end {
+        return T::Sum::default();
+    }
+    let mut points = [T::default(); BLOCK / 2 + 3];
+    let terms = (starts.end - first).div_ceil(m);
+    points.iter_mut().zip(x[first..].iter().step_by(m)).take(terms + 3).for_each(|(point, x)| *point = *x);
+    let stream = |k: usize| &points[k..k + terms];
+    match shape {
+        Shape::Third { .. } => T::third(stream(0), stream(1), stream(2), stream(3)),
+        _ => T::second(stream(0), stream(1), stream(2)),
     }
 }
 
@@ -109,7 +126,7 @@ impl Step for f64 {
     }
 }
 
-/// Modulo 2^32; differences must be below 2^30.
+/// Modulo 2^32; differences must be below 2^28.
 impl Step for i32 {
     type Sum = ExactSum;
 
@@ -130,7 +147,7 @@ impl Step for i32 {
     }
 }
 
-/// Modulo 2^64; differences must be below 2^57.
+/// Modulo 2^64; differences must be below 2^56.
 impl Step for i64 {
     type Sum = ExactSum;
 
@@ -151,10 +168,7 @@ impl Step for i64 {
     }
 }
 
-/// Fixed point modulo 2^64, whose squares are summed in f64.
-#[derive(Clone, Copy, Default)]
-pub(super) struct Fixed(pub i64);
-
+/// The squares are summed in f64.
 impl Step for Fixed {
     type Sum = f64;
 
@@ -164,15 +178,12 @@ impl Step for Fixed {
 
     fn second(a: &[Self], b: &[Self], c: &[Self]) -> f64 {
         let second =
-            |((a, b), c): ((&Self, &Self), &Self)| c.0.wrapping_add(a.0).wrapping_sub(b.0.wrapping_mul(2)) as f64;
+            |((a, b), c): ((&Self, &Self), &Self)| c.0.wrapping_sub(b.0).wrapping_sub(b.0.wrapping_sub(a.0)) as f64;
         a.iter().zip(b).zip(c).map(second).map(|d| d * d).sum()
     }
 
     fn third(a: &[Self], b: &[Self], c: &[Self], d: &[Self]) -> f64 {
-        let third = |(((a, b), c), d): (((&Self, &Self), &Self), &Self)| {
-            d.0.wrapping_sub(a.0).wrapping_sub(c.0.wrapping_sub(b.0).wrapping_mul(3)) as f64
-        };
-        a.iter().zip(b).zip(c).zip(d).map(third).map(|d| d * d).sum()
+        lanes::third_fixed(a, b, c, d)
     }
 
     fn join(sum: &mut f64, more: f64) {
