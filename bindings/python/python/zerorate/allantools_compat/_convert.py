@@ -13,6 +13,8 @@ Floats = NDArray[np.float64]
 def trim_data(x: Any) -> Floats:
     """The record without the missing values (NaN) at its two ends."""
     values = np.asarray(x, dtype=np.float64)
+    if not len(values) or not np.isnan(values[[0, -1]]).any():
+        return values
     present = np.flatnonzero(~np.isnan(values))
     return values[present[0] : present[-1] + 1] if len(present) else values[:0]
 

@@ -21,8 +21,9 @@ def _deviation(stat: str, data: Any, rate: float, data_type: str, taus: Any) -> 
         raise Exception(f"unknown data_type: {data_type}")  # what allantools raises
     is_phase = data_type == "phase"
     record = np.asarray(data, dtype=np.float64) if is_phase else trim_data(data)
-    points = range(len(record) + (not is_phase))
-    _, lengths, used = tau_generator(points, rate, taus)
+    # all that the choice of times takes from the phase is how many points it has
+    phase = np.broadcast_to(0.0, len(record) + (not is_phase))
+    _, lengths, used = tau_generator(phase, rate, taus)
     devs, ns = _zerorate.deviations(
         np.ascontiguousarray(record), is_phase, float(rate), stat, lengths.astype(np.int64).tolist()
     )
