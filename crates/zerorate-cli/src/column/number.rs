@@ -10,7 +10,7 @@ pub enum Number {
     /// An integer.
     Integer(i64),
     /// Any other number; perhaps infinite.
-    Number(f64),
+    Decimal(f64),
 }
 
 /// Reads numbers, and learns from them which decimal mark the text uses.
@@ -46,7 +46,7 @@ impl Numerals {
                 _ => self.decimal = Some(Decimal::Point),
             }
         }
-        Ok(Number::Number(number))
+        Ok(Number::Decimal(number))
     }
 
     /// A cell that could be read in two ways, with what to do about it.
@@ -72,7 +72,7 @@ impl Numerals {
         } else if self.doubtful.is_none() {
             self.doubtful = Some((line, cell.to_owned()));
         }
-        Ok(Number::Number(number))
+        Ok(Number::Decimal(number))
     }
 }
 
@@ -97,7 +97,9 @@ fn is_missing(cell: &str) -> bool {
 mod tests {
     use super::*;
 
-    fn read(cells: &[&str]) -> (Vec<Result<Number, String>>, Option<(u64, String)>) {
+    type Numbers = Vec<Result<Number, String>>;
+
+    fn read(cells: &[&str]) -> (Numbers, Option<(u64, String)>) {
         let mut numerals = Numerals::new(None);
         let numbers = cells.iter().zip(1..).map(|(cell, line)| numerals.read(cell, line)).collect();
         (numbers, numerals.doubt())
@@ -112,7 +114,7 @@ mod tests {
 
     #[test]
     fn a_decimal_comma_where_it_can_be_nothing_else() {
-        let number = |value| Ok(Number::Number(value));
+        let number = |value| Ok(Number::Decimal(value));
         assert_eq!(read(&["1,5", "-2,125", "7"]), (vec![number(1.5), number(-2.125), Ok(Number::Integer(7))], None));
         assert_eq!(read(&["1,125", "0,125"]), (vec![number(1.125), number(0.125)], None));
         assert_eq!(read(&["1,125e3"]), (vec![number(1125.0)], None));
@@ -134,6 +136,6 @@ mod tests {
         assert_eq!(line, 2);
         assert!(what.contains("`1,234` is 1.234 or 1234") && what.contains("--decimal comma"), "{what}");
         let mut declared = Numerals::new(Some(Decimal::Comma));
-        assert_eq!((declared.read("1,234", 1), declared.doubt()), (Ok(Number::Number(1.234)), None));
+        assert_eq!((declared.read("1,234", 1), declared.doubt()), (Ok(Number::Decimal(1.234)), None));
     }
 }

@@ -79,7 +79,7 @@ impl<'a> Reading<'a> {
         let delimiter = delimiter(data, args.decimal);
         let [first, data]: [Vec<&str>; 2] = [first, data].map(|line| delimiter.cells(line).collect());
         let read = |cell: &str| Numerals::new(args.decimal).read(cell, 0);
-        let is_number = |cell: &&str| matches!(read(cell), Ok(Number::Integer(_) | Number::Number(_)));
+        let is_number = |cell: &&str| matches!(read(cell), Ok(Number::Integer(_) | Number::Decimal(_)));
         let is_word = |cell: &&str| read(cell).is_err();
         let has_header = match head.lines.len() {
             1 => first.iter().all(is_word),
@@ -140,8 +140,8 @@ impl<'a> Reading<'a> {
         match value {
             Number::Missing => self.values.push_missing(),
             Number::Integer(integer) => self.values.push_integer(integer),
-            Number::Number(value) if self.values.push_number(value) => {}
-            Number::Number(_) => return Err(at(&self.name, "it is infinite, which cannot be averaged".to_owned())),
+            Number::Decimal(value) if self.values.push_number(value) => {}
+            Number::Decimal(_) => return Err(at(&self.name, "it is infinite, which cannot be averaged".to_owned())),
         }
         Ok(())
     }
@@ -160,7 +160,7 @@ impl<'a> Reading<'a> {
 fn push_time(times: &mut Times, numerals: &mut Numerals, cell: &str, line: u64) -> Result<(), String> {
     let unreadable = match numerals.read(cell, line) {
         Ok(Number::Integer(time)) => return times.push_integer(time),
-        Ok(Number::Number(time)) => return times.push_number(time),
+        Ok(Number::Decimal(time)) => return times.push_number(time),
         Ok(Number::Missing) => return Err("no time; every row must have one".to_owned()),
         Err(unreadable) => unreadable,
     };

@@ -127,7 +127,7 @@ fn a_capture_needs_no_options() {
     assert!(corrected.iter().zip(&raw).all(same));
     let table = bench.zerorate("allan rest.csv").ok();
     let header: Vec<&str> = table.lines().next().unwrap().split_whitespace().collect();
-    assert_eq!(header, ["tau_s", "m", "dev_dps", "dev_deg_per_h", "n"]);
+    assert_eq!(header, ["tau_s", "m", "dev_dps", "lo_dps", "hi_dps", "dev_deg_per_h", "edf", "n", "noise"]);
     assert_eq!(table.lines().count(), 1 + raw.len());
 }
 
@@ -173,8 +173,8 @@ fn what_is_wrong_is_named() {
         (". --rate 100", 1, "directory"),
         ("absent.csv --rate 100", 1, "absent.csv"),
         ("one.csv --rate 0", 2, "above zero"),
-        ("one.csv --rate 100 --stat mdev", 2, "mdev"),
-        ("one.csv --rate 100 --taus all", 2, "--taus"),
+        ("one.csv --rate 100 --stat theo1", 2, "there are adev oadev"),
+        ("one.csv --rate 100 --taus some", 2, "octave"),
     ];
     for (line, code, reason) in cases {
         let said = bench.zerorate(&format!("allan {line}")).fails(code);

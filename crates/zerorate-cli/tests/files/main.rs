@@ -1,6 +1,7 @@
 //! The commands that work on files, run as a user runs them.
 
 mod allan;
+mod analysis;
 mod correct;
 mod export;
 mod interop;

@@ -1,0 +1,157 @@
+//! `zerorate allan`: how much the mean of a rate at rest moves, over how long it is taken.
+
+mod imu_yaml;
+mod json;
+mod page;
+mod picture;
+mod record;
+mod table;
+mod units;
+
+use super::{print, print_json, warn};
+use crate::column::ColumnArgs;
+use crate::exit::Usage;
+use anyhow::Result;
+use clap::{Args, ValueEnum};
+use record::Record;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+use zerorate::allan::{Options, Stat, Taus};
+
+/// Computes the Allan deviation of a gyroscope's log, taken at rest: a capture, or the log of any other part.
+///
+/// Reads captures, Parquet, Arrow, NPY, ROS 2 bags (MCAP), CSV of any dialect and, with --raw, plain binary numbers, also inside gz, xz or
+/// zst. Samples that are missing (lost in a capture, empty cells, NaN, jumps of the time column) are gaps: an average enters if at least
+/// half of its samples are there.
+///
+/// The table has a row for each averaging time: tau_s; m, the samples in each average; the deviation with the limits of its confidence
+/// interval; edf, the degrees of freedom behind them; the noise that dominates there; n, the terms that entered. What cannot be computed is
+/// listed with the reason. With --fit the noise coefficients follow, each with its 95 % interval, and what they say about averaging and
+/// recording.
+#[derive(Args, Debug)]
+pub struct AllanArgs {
+    /// The logs. Several are compared.
+    #[arg(value_name = "FILE", required = true)]
+    files: Vec<PathBuf>,
+
+    #[command(flatten)]
+    column: ColumnArgs,
+
+    /// The statistic: adev, oadev (overlapping Allan), mdev (modified), tdev (time), hdev, ohdev (Hadamard) or totdev (total).
+    #[arg(long, default_value = "oadev")]
+    stat: Stat,
+
+    /// The averaging times: octave, decade (1, 2, 4, 10 … samples), log:N (N of them, evenly spaced in the logarithm), all, or a list in
+    /// seconds such as 0.1,1,10.
+    #[arg(long, default_value = "octave")]
+    taus: Taus,
+
+    /// What the column holds: the rate, or the phase, its integral (the angle).
+    #[arg(long, value_enum, default_value = "rate")]
+    data: Data,
+
+    /// Probability that an interval encloses the true deviation.
+    #[arg(long, default_value_t = 0.683, value_parser = probability, value_name = "P")]
+    confidence: f64,
+
+    /// Fit the noise coefficients N (angle random walk), B (bias instability), K (rate random walk), and Q (quantisation) and R (ramp) where
+    /// they are significant.
+    #[arg(long)]
+    fit: bool,
+
+    /// Draw the deviations with their intervals, the fit and the averaging times of AN-1042: a file that ends in .svg or .png.
+    #[arg(long, value_name = "PICTURE")]
+    plot: Vec<PathBuf>,
+
+    /// Write one self-contained HTML page with picture, tables, coefficients and advice.
+    #[arg(long, value_name = "PAGE")]
+    report: Option<PathBuf>,
+
+    /// Write N and K as Kalibr, VINS and OpenVINS read them (imu.yaml); of several logs the largest.
+    #[arg(long, value_name = "YAML")]
+    imu_yaml: Option<PathBuf>,
+
+    /// Close up the gaps where samples are missing. This changes the result.
+    #[arg(long)]
+    ignore_gaps: bool,
+
+    /// Overwrite pictures, pages and YAML files that exist.
+    #[arg(long)]
+    force: bool,
+
+    /// Print the table as CSV.
+    #[arg(long, conflicts_with = "json")]
+    csv: bool,
+
+    /// Print the result as one JSON object.
+    #[arg(long)]
+    json: bool,
+}
+
+/// What a column holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "lowercase")]
+enum Data {
+    /// Rate.
+    Rate,
+    /// Its integral over time: for a gyroscope the angle.
+    Phase,
+}
+
+impl AllanArgs {
+    fn options(&self, scale: f64) -> Options {
+        Options { stat: self.stat, taus: self.taus.clone(), confidence: self.confidence, scale }
+    }
+
+    fn outputs(&self) -> impl Iterator<Item = &Path> {
+        self.plot.iter().chain(&self.report).chain(&self.imu_yaml).map(PathBuf::as_path)
+    }
+}
+
+pub fn run(args: &AllanArgs) -> Result<()> {
+    check_outputs(args)?;
+    let records: Vec<Record> = args.files.iter().map(|file| Record::read(args, file)).collect::<Result<_>>()?;
+    for record in &records {
+        warn(&record.warnings);
+    }
+    print_records(args, &records)?;
+    for path in &args.plot {
+        picture::write(path, &records, args.force)?;
+    }
+    if let Some(path) = &args.report {
+        page::write(path, &records, args.force)?;
+    }
+    if let Some(path) = &args.imu_yaml {
+        imu_yaml::write(path, &records, args.force)?;
+    }
+    Ok(())
+}
+
+/// Before hours of data are read: a file that would be overwritten, a picture of no known kind.
+fn check_outputs(args: &AllanArgs) -> Result<()> {
+    if let Some(path) = args.outputs().find(|path| !args.force && path.exists()) {
+        return Err(Usage(format!("{} exists: choose another name, or give --force", path.display())).into());
+    }
+    for path in &args.plot {
+        picture::Kind::of(path)?;
+    }
+    Ok(())
+}
+
+fn print_records(args: &AllanArgs, records: &[Record]) -> Result<()> {
+    match records {
+        [only] if args.json => print_json(&json::Report::new(only)),
+        _ if args.json => print_json(&json::Reports::new(records)),
+        _ if args.csv => print(&table::csv(records)?),
+        _ => records.iter().try_for_each(|record| {
+            eprintln!("{}", table::heading(record));
+            print(&table::text(record)?)?;
+            if args.fit { print(&table::coefficients_text(record)?) } else { Ok(()) }
+        }),
+    }
+}
+
+fn probability(text: &str) -> Result<f64, String> {
+    let inside = |value: &f64| *value > 0.0 && *value < 1.0;
+    text.parse().ok().filter(inside).ok_or_else(|| "must be above 0 and below 1, such as 0.683 or 0.95".to_owned())
+}

@@ -1,0 +1,63 @@
+//! The result as one HTML page.
+
+use super::picture;
+use super::record::{Record, save};
+use super::units::{Named, coefficients, deviation_unit, noise};
+use crate::plot::number;
+use crate::report::{self, AllanPage, AllanRow, Coefficient, CoefficientValue, Fact, allan_page};
+use anyhow::Result;
+use std::path::Path;
+
+/// Writes the page of all records.
+pub fn write(path: &Path, records: &[Record], force: bool) -> Result<()> {
+    let first = records.first();
+    let page = AllanPage {
+        command: std::env::args().collect::<Vec<_>>().join(" "),
+        quantity: first.map(Record::quantity).unwrap_or_default().to_owned(),
+        unit: first.and_then(deviation_unit).unwrap_or_default().to_owned(),
+        interval: first.map(|record| super::units::interval(record.confidence)).unwrap_or_default(),
+        coefficient_interval: "95 % intervals".to_owned(),
+        picture: picture::svg(records),
+        records: records.iter().map(section).collect(),
+    };
+    save(path, allan_page(&page)?.as_bytes(), force)
+}
+
+fn section(record: &Record) -> report::Record {
+    let analysis = &record.analysis;
+    let facts = [
+        Fact::new("column", &record.column),
+        Fact::new("samples", analysis.samples.to_string()),
+        Fact::new("missing", analysis.missing.to_string()),
+        Fact::new("sample rate", format!("{:.6} Hz", analysis.rate_hz)),
+        Fact::new("length", super::units::span(analysis.samples as f64 / analysis.rate_hz)),
+    ];
+    let row = |point: &zerorate::allan::Point| {
+        let &zerorate::allan::Point { tau_s, dev, lo, hi, edf, alpha, n, .. } = point;
+        AllanRow { tau_s, dev, lo, hi, edf, n, noise: noise(alpha).to_owned() }
+    };
+    let unavailable = |missing: &zerorate::allan::Unavailable| {
+        Fact::new(format!("{} s", number(missing.tau_s)), missing.reason.to_string())
+    };
+    report::Record {
+        name: record.file.display().to_string(),
+        facts: facts.into(),
+        warnings: record.warnings.clone(),
+        advice: record.advice(),
+        coefficients: coefficients(record).iter().map(coefficient).collect(),
+        points: analysis.points.iter().map(row).collect(),
+        unavailable: analysis.unavailable.iter().map(unavailable).collect(),
+    }
+}
+
+fn coefficient(named: &Named<'_>) -> Coefficient {
+    let value = |(index, (unit, _)): (usize, &(String, f64))| {
+        let (value, lo, hi) = named.in_unit(index);
+        CoefficientValue { value: number(value), lo: number(lo), hi: number(hi), unit: unit.clone() }
+    };
+    Coefficient {
+        name: format!("{}, {}", named.letter, named.name),
+        values: named.units.iter().enumerate().map(value).collect(),
+        remark: named.remark(),
+    }
+}

@@ -1,0 +1,69 @@
+//! The result as a picture.
+
+use super::record::{Record, save};
+use super::units::{self, Named, coefficients, deviation_unit};
+use crate::exit::Usage;
+use crate::plot::{self, Curve, Minimum, PowerLaw, number};
+use anyhow::Result;
+use std::path::Path;
+
+/// Form of a picture.
+pub enum Kind {
+    Svg,
+    Png,
+}
+
+impl Kind {
+    /// As the name says.
+    pub fn of(path: &Path) -> Result<Self, Usage> {
+        match path.extension().and_then(|ending| ending.to_str()).map(str::to_ascii_lowercase).as_deref() {
+            Some("svg") => Ok(Self::Svg),
+            Some("png") => Ok(Self::Png),
+            _ => Err(Usage(format!("{}: a picture must end in .svg or .png", path.display()))),
+        }
+    }
+}
+
+/// Draws all records in one picture.
+pub fn write(path: &Path, records: &[Record], force: bool) -> Result<()> {
+    let svg = svg(records);
+    match Kind::of(path)? {
+        Kind::Svg => save(path, svg.as_bytes(), force),
+        Kind::Png => save(path, &plot::png(&svg)?, force),
+    }
+}
+
+/// The picture of all records. The fit is one of Allan deviations, so another statistic is drawn without it.
+pub fn svg(records: &[Record]) -> String {
+    let curves: Vec<Curve> = records.iter().map(curve).collect();
+    let quantity = records.first().map(Record::quantity).unwrap_or_default().to_owned();
+    let unit = records.first().and_then(deviation_unit).unwrap_or_default();
+    let title = match records {
+        [only] => Some(only.label()),
+        _ => None,
+    };
+    let subtitle =
+        records.first().map(|record| format!("{}, {}", record.quantity(), units::interval(record.confidence)));
+    plot::allan(
+        &curves,
+        &plot::Options { title, subtitle, quantity, unit: unit.to_owned(), ..plot::Options::default() },
+    )
+}
+
+fn curve(record: &Record) -> Curve {
+    let points = record.analysis.points.iter();
+    let points = points.map(|point| plot::Point { tau_s: point.tau_s, dev: point.dev, lo: point.lo, hi: point.hi });
+    let found = coefficients(record).into_iter().filter(|_| record.is_allan());
+    let law = |named: Named<'_>| {
+        let (value, ..) = named.in_unit(0);
+        let doubt = if named.coefficient.identified { "" } else { " (not identified)" };
+        PowerLaw {
+            label: format!("{} = {} {}{doubt}", named.letter, number(value), named.units[0].0),
+            at_1s: named.coefficient.value * named.at_1s,
+            slope: named.slope,
+        }
+    };
+    let laws = found.filter(|named| named.coefficient.value > 0.0).map(law).collect();
+    let minimum = record.minimum().map(|(tau_s, dev)| Minimum { tau_s, dev });
+    Curve { label: record.label(), points: points.collect(), laws, minimum }
+}

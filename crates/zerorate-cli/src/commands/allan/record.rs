@@ -1,0 +1,177 @@
+//! One log on its way from file to result.
+
+use super::units;
+use super::{AllanArgs, Data};
+use crate::column::{self, Column, Series};
+use anyhow::{Context, Result, ensure};
+use std::fs::OpenOptions;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use zerorate::allan::{self, AllanWarning, Analysis, Averaging, Deviation, Fit, FitError, Input, Options, Stat, Taus};
+
+/// A log and what was found in it.
+pub struct Record {
+    pub file: PathBuf,
+    pub column: String,
+    /// Whether the deviations are in °/s.
+    pub unit_known: bool,
+    pub confidence: f64,
+    pub analysis: Analysis,
+    pub fit: Result<Fit, FitError>,
+    pub warnings: Vec<String>,
+}
+
+impl Record {
+    /// Reads a log and analyses it.
+    pub fn read(args: &AllanArgs, file: &Path) -> Result<Self> {
+        let mut column = column::read(file, &args.column)?;
+        let mut warnings = std::mem::take(&mut column.warnings);
+        warnings.extend(gaps(args, file, &mut column));
+        let samples = column.series.len();
+        ensure!(samples >= 2, "{}: {samples} samples are too few, at least 2 are needed", file.display());
+        let phase = phase(args, &column);
+        let input = match (&phase, &column.series) {
+            (Some(phase), _) => Input::Phase(phase),
+            (None, Series::Codes(codes)) => Input::Codes { codes, gaps: &column.gaps },
+            (None, Series::Numbers(numbers)) => Input::Rate(numbers),
+        };
+        let options = args.options(column.scale);
+        let analysis = allan::analyse(&input, column.rate_hz, &options)
+            .with_context(|| format!("cannot analyse {}", file.display()))?;
+        let fit = fit(&input, &analysis, &options);
+        let seen = fit.iter().flat_map(|fit| &fit.warnings);
+        warnings.extend(seen.map(|warning: &AllanWarning| format!("{}: {warning}", warning.code())));
+        Ok(Self {
+            file: file.to_owned(),
+            column: column.name,
+            unit_known: column.unit_known,
+            confidence: args.confidence,
+            analysis,
+            fit,
+            warnings,
+        })
+    }
+
+    /// What tells this log from others: the file, and the column.
+    pub fn label(&self) -> String {
+        format!("{}, column {}", self.file.display(), self.column)
+    }
+
+    /// What the statistic is called.
+    pub fn quantity(&self) -> &'static str {
+        match self.analysis.stat {
+            Stat::Adev => "Allan deviation",
+            Stat::Oadev => "overlapping Allan deviation",
+            Stat::Mdev => "modified Allan deviation",
+            Stat::Tdev => "time deviation",
+            Stat::Hdev => "Hadamard deviation",
+            Stat::Ohdev => "overlapping Hadamard deviation",
+            Stat::Totdev => "total deviation",
+        }
+    }
+
+    /// Whether the lines of the fit belong to this deviation.
+    pub fn is_allan(&self) -> bool {
+        matches!(self.analysis.stat, Stat::Adev | Stat::Oadev | Stat::Totdev)
+    }
+
+    /// Averaging time and deviation of the minimum: that of the fit, or of the points where the fit is of another statistic.
+    pub fn minimum(&self) -> Option<(f64, f64)> {
+        if let (true, Ok(fit)) = (self.is_allan(), &self.fit) {
+            return match allan::advice(fit).averaging {
+                Averaging::Minimum { tau_s, dev } => Some((tau_s, dev)),
+                _ => None,
+            };
+        }
+        let points = &self.analysis.points;
+        let least = points.iter().min_by(|a, b| a.dev.total_cmp(&b.dev))?;
+        let inside = least.m > points.first()?.m && least.m < points.last()?.m;
+        inside.then_some((least.tau_s, least.dev))
+    }
+
+    /// What the fit advises, a sentence each.
+    pub fn advice(&self) -> Vec<String> {
+        let Ok(fit) = &self.fit else { return Vec::new() };
+        let advice = allan::advice(fit);
+        let at_rest = |dev: f64| self.in_words(dev);
+        let averaging = match advice.averaging {
+            Averaging::Minimum { tau_s, dev } => format!(
+                "To find the bias, average for about {}: the curve has its minimum there, {}; longer averages get worse.",
+                units::span(tau_s),
+                at_rest(dev)
+            ),
+            Averaging::Flat { tau_s, dev } => format!(
+                "To find the bias, average for about {}: {}; averaging longer gains less than 5 %.",
+                units::span(tau_s),
+                at_rest(dev)
+            ),
+            Averaging::Falling { tau_s, dev } => format!(
+                "To find the bias, average as long as you can: the curve still falls at {}, {}.",
+                units::span(tau_s),
+                at_rest(dev)
+            ),
+        };
+        let times = allan::AN1042_TAUS_S.into_iter().zip(advice.an1042);
+        let times = times.filter_map(|(tau_s, dev)| Some(format!("{tau_s} s give {}", at_rest(dev?))));
+        let times = times.collect::<Vec<_>>().join(", ");
+        let note = (!times.is_empty()).then(|| format!("AN-1042's averaging times: {times}."));
+        std::iter::once(averaging).chain(note).collect()
+    }
+
+    fn in_words(&self, dev: f64) -> String {
+        if self.unit_known { format!("{dev:.3e} °/s ({:.3} °/h)", dev * 3600.0) } else { format!("{dev:.3e}") }
+    }
+}
+
+/// What is missing, and what is done about it.
+fn gaps(args: &AllanArgs, file: &Path, column: &mut Column) -> Option<String> {
+    let missing = column.missing();
+    let seen = format!("{}: {missing} samples are missing among {}", file.display(), column.series.len());
+    match missing {
+        0 => None,
+        _ if args.ignore_gaps => {
+            column.close_gaps();
+            Some(format!("{seen}; the gaps are closed up, which changes the result"))
+        }
+        _ => Some(format!("{seen}; they are gaps, and what averages lack more than half of their samples is left out")),
+    }
+}
+
+/// The numbers as phase, if that is what they are. A lost phase point is a point that is not there.
+fn phase(args: &AllanArgs, column: &Column) -> Option<Vec<f64>> {
+    match (&column.series, args.data) {
+        (_, Data::Rate) => None,
+        (Series::Numbers(numbers), Data::Phase) => Some(numbers.clone()),
+        (Series::Codes(codes), Data::Phase) => {
+            let mut gaps = column.gaps.iter().peekable();
+            let mut points = Vec::with_capacity(codes.len());
+            for (at, code) in codes.iter().enumerate() {
+                if let Some(gap) = gaps.next_if(|gap| gap.at == at) {
+                    points.extend((0..gap.missing).map(|_| f64::NAN));
+                }
+                points.push(f64::from(*code));
+            }
+            Some(points)
+        }
+    }
+}
+
+/// The fit is one of overlapping Allan deviations at octaves, whatever the table shows.
+fn fit(input: &Input<'_>, shown: &Analysis, options: &Options) -> Result<Fit, FitError> {
+    let at_octaves = Options { stat: Stat::Oadev, taus: Taus::Octave, ..options.clone() };
+    let again = (at_octaves != *options).then(|| allan::analyse(input, shown.rate_hz, &at_octaves));
+    let points = match &again {
+        Some(Ok(analysis)) => &analysis.points,
+        _ => &shown.points,
+    };
+    let octaves: Vec<Deviation> = points.iter().map(Deviation::from).collect();
+    allan::fit(&octaves, shown.rate_hz, shown.samples)
+}
+
+/// Writes a file whole, and does not overwrite one unless `force`.
+pub fn save(path: &Path, bytes: &[u8], force: bool) -> Result<()> {
+    let mut options = OpenOptions::new();
+    options.write(true).create(true).truncate(true).create_new(!force);
+    let written = options.open(path).and_then(|mut file| file.write_all(bytes));
+    written.with_context(|| format!("cannot write {}", path.display()))
+}

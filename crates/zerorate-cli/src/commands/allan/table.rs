@@ -1,0 +1,93 @@
+//! The result as text and as CSV.
+
+use super::record::Record;
+use super::units::{self, coefficients, noise};
+use anyhow::Result;
+use std::fmt::Write;
+use zerorate::allan::Point;
+
+/// The line above the table.
+pub fn heading(record: &Record) -> String {
+    let analysis = &record.analysis;
+    format!(
+        "{}: {} samples at {:.6} Hz, {}, {}",
+        record.label(),
+        analysis.samples,
+        analysis.rate_hz,
+        record.quantity(),
+        units::interval(record.confidence),
+    )
+}
+
+/// A row for each averaging time, then a line for each that could not be computed.
+pub fn text(record: &Record) -> Result<String> {
+    let per_hour = units::deviation_unit(record) == Some("°/s");
+    let mut text = String::new();
+    let suffix = suffix(record);
+    write!(text, "{:>14} {:>10}", "tau_s", "m")?;
+    ["dev", "lo", "hi"].iter().try_for_each(|name| write!(text, " {:>13}", format!("{name}{suffix}")))?;
+    if per_hour {
+        write!(text, " {:>13}", "dev_deg_per_h")?;
+    }
+    writeln!(text, " {:>9} {:>10}  noise", "edf", "n")?;
+    for Point { tau_s, m, dev, lo, hi, edf, alpha, n } in &record.analysis.points {
+        write!(text, "{tau_s:>14.6} {m:>10} {dev:>13.6e} {lo:>13.6e} {hi:>13.6e}")?;
+        if per_hour {
+            write!(text, " {:>13.6e}", dev * 3600.0)?;
+        }
+        writeln!(text, " {edf:>9.1} {n:>10}  {}", noise(*alpha))?;
+    }
+    for missing in &record.analysis.unavailable {
+        writeln!(text, "{:>14.6} not computed: {}", missing.tau_s, missing.reason)?;
+    }
+    Ok(text)
+}
+
+/// The coefficients with their intervals, then advice.
+pub fn coefficients_text(record: &Record) -> Result<String> {
+    let mut text = String::from("\nNoise coefficients with their 95 % intervals\n");
+    if let Err(why) = &record.fit {
+        writeln!(text, "  none: {why}")?;
+    }
+    for named in coefficients(record) {
+        for (index, (unit, _)) in named.units.iter().enumerate() {
+            let (value, lo, hi) = named.in_unit(index);
+            let title = if index == 0 { format!("{}  {}", named.letter, named.name) } else { String::new() };
+            let remark = if index == 0 { named.remark() } else { String::new() };
+            let line = format!("  {title:22} {value:>11.4e}  [{lo:.3e}, {hi:.3e}] {unit}  {remark}");
+            writeln!(text, "{}", line.trim_end())?;
+        }
+    }
+    text.push('\n');
+    record.advice().iter().try_for_each(|advice| writeln!(text, "{advice}"))?;
+    Ok(text)
+}
+
+/// All records in one table; the file's name is a column where there are several.
+pub fn csv(records: &[Record]) -> Result<String> {
+    let several = records.len() > 1;
+    let suffix = records.first().map(suffix).unwrap_or_default();
+    let mut rows = csv::Writer::from_writer(Vec::new());
+    let head = ["tau_s", "m", "dev", "lo", "hi", "edf", "alpha", "n"];
+    let named =
+        head.map(|name| if matches!(name, "dev" | "lo" | "hi") { format!("{name}{suffix}") } else { name.to_owned() });
+    rows.write_record(several.then(|| "file".to_owned()).into_iter().chain(named))?;
+    for record in records {
+        for Point { tau_s, m, dev, lo, hi, edf, alpha, n } in &record.analysis.points {
+            let file = several.then(|| record.file.display().to_string());
+            let cells = [tau_s.to_string(), m.to_string(), dev.to_string(), lo.to_string(), hi.to_string()];
+            let last = [edf.to_string(), alpha.to_string(), n.to_string()];
+            rows.write_record(file.into_iter().chain(cells).chain(last))?;
+        }
+    }
+    Ok(String::from_utf8(rows.into_inner()?)?)
+}
+
+/// The unit as it ends a name.
+fn suffix(record: &Record) -> &'static str {
+    match units::deviation_unit(record) {
+        Some("°/s") => "_dps",
+        Some(_) => "_deg",
+        None => "",
+    }
+}

@@ -1,0 +1,146 @@
+//! `zerorate allan` beyond the table: statistics, fit, pictures, pages, files for other programs.
+
+use super::Bench;
+use serde_json::Value;
+
+/// White noise of a quarter of an hour at 100 Hz from a congruential generator: sums of twelve uniform numbers, a standard deviation of
+/// `sd`. Its N is `sd · √(1 / 100 Hz)`.
+fn white(sd: f64, seed: u64) -> Vec<u8> {
+    let mut state = seed;
+    let mut uniform = move || {
+        state = 16_807 * state % 2_147_483_647;
+        state as f64 / 2_147_483_647.0 - 0.5
+    };
+    (0..90_000).flat_map(|_| ((0..12).map(|_| uniform()).sum::<f64>() * sd).to_le_bytes()).collect()
+}
+
+const LOG: &str = "white.f64 --raw f64 --rate 100";
+
+fn bench() -> Bench {
+    let bench = Bench::new();
+    bench.write("white.f64", white(0.06, 1));
+    bench.write("other.f64", white(0.12, 2));
+    bench
+}
+
+fn json(text: &str) -> Value {
+    serde_json::from_str(text).unwrap()
+}
+
+#[test]
+fn the_contract_of_json() {
+    let bench = bench();
+    let report = json(&bench.zerorate(&format!("allan {LOG} --scale 1 --json")).ok());
+    assert_eq!((&report["rate_hz"], &report["samples"]), (&100.0.into(), &90_000.into()));
+    let first = &report["points"][0];
+    let number = |value: &Value| value.as_f64().unwrap();
+    assert_eq!((&first["m"], &first["n"], &first["alpha"]), (&1.into(), &89_999.into(), &0.into()));
+    assert!((number(&first["dev"]) / 0.06 - 1.0).abs() < 0.02, "white noise of 0.06 °/s");
+    assert!(number(&first["lo"]) < number(&first["dev"]) && number(&first["dev"]) < number(&first["hi"]));
+    let n = &report["fit"]["n"];
+    assert_eq!((&n["unit"], &n["identified"]), (&"°/√s".into(), &true.into()));
+    assert!((number(&n["value"]) / 0.006 - 1.0).abs() < 0.02, "N = 0.06 °/s · √0.01 s");
+    for letter in ["b", "k"] {
+        let coefficient = &report["fit"][letter];
+        assert_eq!(coefficient["identified"], false, "there is no {letter} in white noise");
+        assert!(number(&coefficient["value"]) >= 0.0 && number(&coefficient["needed_s"]) > 900.0);
+    }
+}
+
+#[test]
+fn every_statistic_at_every_spacing() {
+    let bench = bench();
+    for stat in ["adev", "oadev", "mdev", "tdev", "hdev", "ohdev", "totdev"] {
+        let report = json(&bench.zerorate(&format!("allan {LOG} --stat {stat} --taus 0.01,1,10 --json")).ok());
+        assert_eq!(report["stat"], stat);
+        assert_eq!(report["points"].as_array().unwrap().len(), 3, "{stat}");
+    }
+    for (taus, points) in [("octave", 16), ("decade", 15), ("log:20", 20)] {
+        let report = json(&bench.zerorate(&format!("allan {LOG} --taus {taus} --json")).ok());
+        assert_eq!(report["points"].as_array().unwrap().len(), points, "{taus}");
+    }
+}
+
+#[test]
+fn what_cannot_be_computed_is_listed() {
+    let bench = bench();
+    let table = bench.zerorate(&format!("allan {LOG} --taus 1,1000000")).ok();
+    assert!(table.lines().last().unwrap().contains("not computed"), "{table}");
+    let report = json(&bench.zerorate(&format!("allan {LOG} --taus 1,1000000 --json")).ok());
+    assert_eq!(report["unavailable"][0]["tau_s"], 1e6);
+}
+
+/// The angle has the same deviation as the rate that it is the integral of.
+#[test]
+fn phase_is_the_integral_of_rate() {
+    let bench = Bench::new();
+    let rate: Vec<f64> = (0..500).map(|i: i32| f64::from((i * i * 7919) % 10_007 - 5_000)).collect();
+    let mut angle = 0.0;
+    let angles = rate.iter().flat_map(|rate| {
+        angle += rate / 50.0;
+        f64::to_le_bytes(angle)
+    });
+    bench.write("angle.f64", [0f64.to_le_bytes()].concat().into_iter().chain(angles).collect::<Vec<u8>>());
+    bench.write("rate.f64", rate.iter().flat_map(|rate| rate.to_le_bytes()).collect::<Vec<u8>>());
+    let of = |line: &str| json(&bench.zerorate(&format!("allan {line} --raw f64 --rate 50 --json")).ok());
+    let (phase, rate) = (of("angle.f64 --data phase"), of("rate.f64"));
+    for (a, b) in phase["points"].as_array().unwrap().iter().zip(rate["points"].as_array().unwrap()) {
+        assert!((a["dev"].as_f64().unwrap() / b["dev"].as_f64().unwrap() - 1.0).abs() < 1e-9, "{a} {b}");
+    }
+}
+
+#[test]
+fn the_fit_in_words() {
+    let bench = bench();
+    let text = bench.zerorate(&format!("allan {LOG} --unit dps --fit")).ok();
+    assert!(text.contains("N  angle random walk") && text.contains("°/√h"), "{text}");
+    assert!(text.contains("not identified: record about"), "{text}");
+    assert!(text.contains("To find the bias, average"), "{text}");
+}
+
+#[test]
+fn several_logs_are_compared() {
+    let bench = bench();
+    let line = format!("allan other.f64 {LOG} --scale 1");
+    let report = json(&bench.zerorate(&format!("{line} --json")).ok());
+    assert_eq!(report["files"][1]["file"], "white.f64");
+    let csv = bench.zerorate(&format!("{line} --csv")).ok();
+    assert!(csv.starts_with("file,tau_s,m,dev_dps,lo_dps,hi_dps,edf,alpha,n\nother.f64,0.01,1,"), "{csv}");
+    assert_eq!(csv.lines().filter(|row| row.starts_with("white.f64,")).count(), 16);
+    bench.zerorate(&format!("{line} --plot both.svg --plot both.png --report both.html")).ok();
+    let svg = std::fs::read_to_string(bench.path("both.svg")).unwrap();
+    assert!(svg.contains("other.f64") && svg.contains("white.f64") && svg.contains("AN-1042"));
+    assert!(std::fs::read(bench.path("both.png")).unwrap().starts_with(b"\x89PNG"));
+    let page = std::fs::read_to_string(bench.path("both.html")).unwrap();
+    assert!(page.contains("angle random walk") && page.contains("<svg") && !page.contains("http-equiv"));
+}
+
+#[test]
+fn kalibr_reads_n_and_k_in_radians() {
+    let bench = bench();
+    bench.zerorate(&format!("allan other.f64 {LOG} --unit rad/s --imu-yaml imu.yaml")).ok();
+    let yaml = std::fs::read_to_string(bench.path("imu.yaml")).unwrap();
+    let value = |key: &str| {
+        let line = yaml.lines().find_map(|line| line.strip_prefix(key)).unwrap();
+        line.trim_start_matches(": ").split(' ').next().unwrap().parse::<f64>().unwrap()
+    };
+    assert!((value("gyroscope_noise_density") / 0.012 - 1.0).abs() < 0.02, "the larger of the two: {yaml}");
+    assert_eq!(value("update_rate"), 100.0);
+    let unknown = bench.zerorate(&format!("allan {LOG} --imu-yaml other.yaml"));
+    assert!(unknown.stderr().contains("imu.yaml needs rad/s"), "{}", unknown.stderr());
+    assert!(!bench.path("other.yaml").exists());
+}
+
+#[test]
+fn nothing_is_overwritten_by_accident() {
+    let bench = bench();
+    bench.write("plot.svg", "mine");
+    let refusal = bench.zerorate(&format!("allan {LOG} --plot plot.svg")).fails(2);
+    assert!(refusal.contains("--force"), "{refusal}");
+    bench.zerorate(&format!("allan {LOG} --plot plot.svg --force")).ok();
+    assert!(std::fs::read_to_string(bench.path("plot.svg")).unwrap().contains("<svg"));
+    let refusal = bench.zerorate(&format!("allan {LOG} --plot plot.jpg")).fails(2);
+    assert!(refusal.contains(".svg or .png"), "{refusal}");
+    let refusal = bench.zerorate(&format!("allan {LOG} --confidence 1")).fails(2);
+    assert!(refusal.contains("below 1"), "{refusal}");
+}
