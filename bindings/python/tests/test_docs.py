@@ -1,0 +1,13 @@
+"""The examples in the documentation do what they show."""
+
+from __future__ import annotations
+
+import doctest
+
+from zerorate import _allan, _twin
+
+
+def test_the_examples() -> None:
+    for module in (_allan, _twin):
+        tried = doctest.testmod(module)
+        assert tried.attempted and not tried.failed
