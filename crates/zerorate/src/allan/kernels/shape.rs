@@ -41,18 +41,23 @@ impl Shape {
     /// Terms for averages of `m` in so many points of phase.
     pub fn terms(self, points: usize, m: usize) -> usize {
         match self {
-            Self::Second { overlapping: true } => points - 2 * m,
-            Self::Second { overlapping: false } => (points - 2 * m).div_ceil(m),
-            Self::Third { overlapping: true } => points - 3 * m,
-            Self::Third { overlapping: false } => (points - 3 * m).div_ceil(m),
-            Self::Modified => points - 3 * m + 1,
+            Self::Second { overlapping: true } => points.saturating_sub(2 * m),
+            Self::Second { overlapping: false } => points.saturating_sub(2 * m).div_ceil(m),
+            Self::Third { overlapping: true } => points.saturating_sub(3 * m),
+            Self::Third { overlapping: false } => points.saturating_sub(3 * m).div_ceil(m),
+            Self::Modified => (points + 1).saturating_sub(3 * m),
             Self::Total => points - 2,
         }
     }
 
     /// Points at which a term may start: one more than the last of them.
     pub fn starts(self, points: usize, m: usize) -> usize {
-        (self.terms(points, m) - 1) * self.stride(m) + 1
+        self.terms(points, m).checked_sub(1).map_or(0, |last| last * self.stride(m) + 1)
+    }
+
+    /// Whether every point starts a term and nothing is reflected or summed.
+    pub fn is_overlapping(self) -> bool {
+        matches!(self, Self::Second { overlapping: true } | Self::Third { overlapping: true })
     }
 
     /// From one term to the next.

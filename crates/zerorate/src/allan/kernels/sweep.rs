@@ -16,9 +16,13 @@ use core::ops::Range;
 const BLOCK: usize = 2048;
 /// Starts that one thread takes at a time.
 const PIECE: usize = 64 * BLOCK;
+/// Averages of so many samples reach beyond the second cache.
+const ROW: usize = 1 << 16;
+/// Bytes of a row that are taken at a time: those of all rows of 10^8 samples, nearly, fit into the second cache.
+const COLUMN_BYTES: usize = 2048;
 
 /// A number of a running sum.
-pub(super) trait Step: Copy + Default + Sync {
+pub(super) trait Step: Copy + Default + Send + Sync {
     /// Sum of squares.
     type Sum: Copy + Default + Send;
 
@@ -31,20 +35,55 @@ pub(super) trait Step: Copy + Default + Sync {
 
 /// Sum of the squared differences of `shape` for each of `m`.
 pub(super) fn sums<T: Step>(x: &[T], shape: Shape, m: &[usize]) -> Vec<T::Sum> {
+    let is_far = |m: usize| m.is_multiple_of(ROW) && shape.is_overlapping();
+    let (far, near): (Vec<usize>, Vec<usize>) = m.iter().partition(|&&m| is_far(m));
+    let mut near = near_sums(x, shape, &near).into_iter();
+    let mut far = far_sums(x, shape, &far).into_iter();
+    m.iter().filter_map(|&m| if is_far(m) { far.next() } else { near.next() }).collect()
+}
+
+fn near_sums<T: Step>(x: &[T], shape: Shape, m: &[usize]) -> Vec<T::Sum> {
     let starts = m.iter().map(|&m| shape.starts(x.len(), m)).max().unwrap_or(0);
-    let pieces = threads::map(starts.div_ceil(PIECE), |piece| piece_sums(x, shape, m, piece * PIECE));
-    let mut sums = vec![T::Sum::default(); m.len()];
-    for piece in pieces {
-        sums.iter_mut().zip(piece).for_each(|(sum, more)| T::join(sum, more));
+    let pieces = threads::map(starts.div_ceil(PIECE), |piece| {
+        block_sums(x, shape, m, piece * PIECE..starts.min((piece + 1) * PIECE))
+    });
+    joined::<T>(pieces, m.len())
+}
+
+/// Averages of whole rows of [`ROW`] points never leave the column: as many columns as fit into the cache are a record of their own.
+fn far_sums<T: Step>(x: &[T], shape: Shape, m: &[usize]) -> Vec<T::Sum> {
+    if m.is_empty() {
+        return Vec::new();
+    }
+    let (rows, rest) = (x.len() / ROW, x.len() % ROW);
+    let width = COLUMN_BYTES / size_of::<T>();
+    let columns = |rows: usize, range: Range<usize>| {
+        range.clone().step_by(width).map(move |from| (rows, from, width.min(range.end - from)))
+    };
+    let tiles: Vec<_> = columns(rows + 1, 0..rest).chain(columns(rows, rest..ROW)).collect();
+    let tiles = threads::map_with(tiles.len(), Vec::new, |tile, i| {
+        let (rows, from, width) = tiles[i];
+        tile.clear();
+        (0..rows).for_each(|row| tile.extend_from_slice(&x[row * ROW + from..][..width]));
+        let m: Vec<usize> = m.iter().map(|m| m / ROW * width).collect();
+        block_sums(tile, shape, &m, 0..tile.len())
+    });
+    joined::<T>(tiles, m.len())
+}
+
+fn joined<T: Step>(parts: Vec<Vec<T::Sum>>, len: usize) -> Vec<T::Sum> {
+    let mut sums = vec![T::Sum::default(); len];
+    for part in parts {
+        sums.iter_mut().zip(part).for_each(|(sum, more)| T::join(sum, more));
     }
     sums
 }
 
-fn piece_sums<T: Step>(x: &[T], shape: Shape, m: &[usize], first: usize) -> Vec<T::Sum> {
+fn block_sums<T: Step>(x: &[T], shape: Shape, m: &[usize], starts: Range<usize>) -> Vec<T::Sum> {
     let mut sums = vec![T::Sum::default(); m.len()];
-    for start in (first..first + PIECE).step_by(BLOCK) {
+    for start in starts.clone().step_by(BLOCK) {
         for (&m, sum) in m.iter().zip(&mut sums) {
-            let end = shape.starts(x.len(), m).min(start + BLOCK);
+            let end = shape.starts(x.len(), m).min(start + BLOCK).min(starts.end);
             if start < end {
                 T::join(sum, block_sum(x, shape, m, start..end));
             }

@@ -258,7 +258,11 @@ fn big_sum(codes: &[i32], shape: Shape, m: usize) -> num_bigint::BigInt {
 }
 
 fn assert_exact(codes: &[i32], lengths: &[usize]) {
-    for stat in Stat::ALL {
+    assert_exact_of(&Stat::ALL, codes, lengths);
+}
+
+fn assert_exact_of(stats: &[Stat], codes: &[i32], lengths: &[usize]) {
+    for &stat in stats {
         let shape = Shape::of(stat);
         for &m in lengths.iter().filter(|&&m| shape.check(codes.len() as u64, m as u64, false).is_ok()) {
             let found = codes::squares(codes, shape, &[m])[0].unwrap();
@@ -285,6 +289,8 @@ fn codes_agree_with_big_integers() {
 fn exact_across_blocks_and_pieces() {
     assert_exact(&noise(300_000, 10), &[1, 1000, 150_000]);
     assert_exact(&noise(200_000, 24), &[3, 100_000]);
+    assert_exact_of(&[Stat::Oadev, Stat::Ohdev], &noise(200_000, 12), &[65_536]);
+    assert_exact_of(&[Stat::Oadev], &noise(265_000, 24), &[65_536, 131_072]);
 }
 
 /// White noise in f64 against the same numbers as integers, which are exact.

@@ -15,6 +15,24 @@ pub(super) fn map<R>(pieces: usize, f: impl Fn(usize) -> R) -> Vec<R> {
     (0..pieces).map(f).collect()
 }
 
+/// As [`map`], with something that each thread keeps.
+#[cfg(feature = "std")]
+pub(super) fn map_with<S, R: Send>(
+    pieces: usize,
+    start: impl Fn() -> S + Sync + Send,
+    f: impl Fn(&mut S, usize) -> R + Sync + Send,
+) -> Vec<R> {
+    use rayon::prelude::*;
+    (0..pieces).into_par_iter().map_init(start, f).collect()
+}
+
+/// As [`map`], with something that each thread keeps.
+#[cfg(not(feature = "std"))]
+pub(super) fn map_with<S, R>(pieces: usize, start: impl Fn() -> S, f: impl Fn(&mut S, usize) -> R) -> Vec<R> {
+    let mut kept = start();
+    (0..pieces).map(|piece| f(&mut kept, piece)).collect()
+}
+
 /// Fills pieces of `size` of `out`, the last of which may be shorter.
 #[cfg(feature = "std")]
 pub(super) fn fill<T: Send>(out: &mut [T], size: usize, f: impl Fn(usize, &mut [T]) + Sync + Send) {
