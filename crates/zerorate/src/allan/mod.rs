@@ -15,10 +15,7 @@ mod stat;
 mod stream;
 mod taus;
 
-pub use advice::{
-    AN1042_TAUS_S, Advice, AllanWarning, AngleRandomWalkUnits, Averaging, BiasInstabilityUnits, RateRandomWalkUnits,
-    advice,
-};
+pub use advice::{AN1042_TAUS_S, Advice, AllanWarning, Averaging, advice};
 pub use analysis::{Analysis, AnalysisError, Options, Point, Unavailable, analyse};
 pub use chi2::chi2_quantile;
 pub use edf::{Difference, edf, finite_difference_edf};

@@ -12,7 +12,7 @@ use std::path::Path;
 pub fn write(path: &Path, records: &[Record], force: bool) -> Result<()> {
     let first = records.first();
     let page = AllanPage {
-        command: std::env::args().collect::<Vec<_>>().join(" "),
+        command: std::iter::once("zerorate".to_owned()).chain(std::env::args().skip(1)).collect::<Vec<_>>().join(" "),
         quantity: first.map(Record::quantity).unwrap_or_default().to_owned(),
         unit: first.and_then(deviation_unit).unwrap_or_default().to_owned(),
         interval: first.map(|record| super::units::interval(record.confidence)).unwrap_or_default(),
