@@ -1,8 +1,8 @@
+use super::array::Array;
 use super::exact::ExactSum;
 use super::lanes::{self, SHORT};
 use super::shape::Shape;
 use super::{Reason, Squares, sweep, threads};
-use alloc::vec;
 use alloc::vec::Vec;
 
 /// Samples that one thread takes at a time.
@@ -100,11 +100,11 @@ fn sums(codes: &[i32], bounds: &Bounds, shape: Shape, m: &[usize], width: Width)
         return Vec::new();
     }
     match width {
-        Width::Narrow => sweep::sums(&narrow_sum(codes, bounds), shape, m),
+        Width::Narrow => sweep::sums::<i32>(&narrow_sum(codes, bounds), shape, m),
         Width::Middle if shape == Shape::Modified => {
-            sweep::sums(&sum_of_sums(codes, bounds), Shape::Third { overlapping: true }, m)
+            sweep::sums::<i64>(&sum_of_sums(codes, bounds), Shape::Third { overlapping: true }, m)
         }
-        Width::Middle => sweep::sums(&running_sum(codes, bounds), shape, m),
+        Width::Middle => sweep::sums::<i64>(&running_sum(codes, bounds), shape, m),
         Width::Wide => {
             let x = running_sum(codes, bounds);
             threads::map(m.len(), |i| sum(&x, shape, m[i]))
@@ -113,8 +113,8 @@ fn sums(codes: &[i32], bounds: &Bounds, shape: Shape, m: &[usize], width: Width)
 }
 
 /// Modulo 2^32.
-fn narrow_sum(codes: &[i32], bounds: &Bounds) -> Vec<i32> {
-    let mut x = vec![0; codes.len() + 1];
+fn narrow_sum(codes: &[i32], bounds: &Bounds) -> Array<i32> {
+    let mut x = Array::zeroed(codes.len() + 1);
     threads::fill(&mut x[1..], PIECE, |piece, x| {
         let mut sum = bounds.before[piece] as i32;
         for (x, code) in x.iter_mut().zip(&codes[piece * PIECE..]) {
@@ -125,8 +125,8 @@ fn narrow_sum(codes: &[i32], bounds: &Bounds) -> Vec<i32> {
     x
 }
 
-fn running_sum(codes: &[i32], bounds: &Bounds) -> Vec<i64> {
-    let mut x = vec![0; codes.len() + 1];
+fn running_sum(codes: &[i32], bounds: &Bounds) -> Array<i64> {
+    let mut x = Array::zeroed(codes.len() + 1);
     threads::fill(&mut x[1..], PIECE, |piece, x| {
         let mut sum = bounds.before[piece];
         for (x, &code) in x.iter_mut().zip(&codes[piece * PIECE..]) {
@@ -138,7 +138,7 @@ fn running_sum(codes: &[i32], bounds: &Bounds) -> Vec<i64> {
 }
 
 /// Running sum of the running sum, modulo 2^64: its third differences are the inner sums of the modified Allan deviation.
-fn sum_of_sums(codes: &[i32], bounds: &Bounds) -> Vec<i64> {
+fn sum_of_sums(codes: &[i32], bounds: &Bounds) -> Array<i64> {
     let sums = |piece: usize| {
         let mut sum = bounds.before[piece];
         codes.iter().skip(piece * PIECE).take(PIECE).map(move |&code| {
@@ -149,7 +149,7 @@ fn sum_of_sums(codes: &[i32], bounds: &Bounds) -> Vec<i64> {
     let totals = threads::map(bounds.before.len(), |piece| sums(piece).fold(0, i64::wrapping_add));
     let before: Vec<i64> =
         totals.iter().scan(0i64, |sum, total| Some(core::mem::replace(sum, sum.wrapping_add(*total)))).collect();
-    let mut out = vec![0; codes.len() + 2];
+    let mut out = Array::zeroed(codes.len() + 2);
     threads::fill(&mut out[2..], PIECE, |piece, out| {
         let mut sum_of_sums = before[piece];
         for (out, sum) in out.iter_mut().zip(sums(piece)) {

@@ -1,5 +1,6 @@
-use super::lanes::Fixed;
+use super::array::Array;
 use super::shape::Shape;
+use super::sweep::Fixed;
 use super::{Reason, Squares, lanes, sweep, threads};
 use alloc::vec;
 use alloc::vec::Vec;
@@ -11,7 +12,7 @@ const SHORT: usize = 256;
 
 /// Running sum of the rate less its mean, or nearly: no difference sees a constant. `None` if samples are missing, which shows in
 /// the first of the two passes.
-pub(super) fn phase(rate: &[f64]) -> Option<Vec<f64>> {
+pub(super) fn phase(rate: &[f64]) -> Option<Array<f64>> {
     let pieces: Vec<&[f64]> = rate.chunks(PIECE).collect();
     let near = near_mean(rate);
     let sums = threads::map(pieces.len(), |i| lanes::sum_f64(pieces[i], near));
@@ -23,7 +24,7 @@ pub(super) fn phase(rate: &[f64]) -> Option<Vec<f64>> {
     let less = |piece: &[f64], sum: f64| sum - (mean - near) * piece.len() as f64;
     let sums = pieces.iter().zip(sums).map(|(piece, sum)| less(piece, sum));
     let before: Vec<f64> = sums.scan(0.0, |sum, piece| Some(core::mem::replace(sum, *sum + piece))).collect();
-    let mut x = vec![0.0; rate.len() + 1];
+    let mut x = Array::zeroed(rate.len() + 1);
     threads::fill(&mut x[1..], PIECE, |i, x| run(pieces[i], mean, before[i], x));
     Some(x)
 }
@@ -61,7 +62,7 @@ fn run(rate: &[f64], mean: f64, before: f64, x: &mut [f64]) {
 pub(super) fn squares(x: &[f64], shape: Shape, m: &[usize]) -> Vec<Result<Squares, Reason>> {
     let sums = match shape {
         Shape::Modified => modified(x, m),
-        _ => sweep::sums(x, shape, m),
+        _ => sweep::sums::<f64>(x, shape, m),
     };
     let squares = |(sum, &m)| Squares { sum, n: shape.terms(x.len(), m) as u64, per: shape.per(m) };
     sums.into_iter().zip(m).map(|pair| Ok(squares(pair))).collect()
@@ -81,7 +82,8 @@ fn modified(x: &[f64], m: &[usize]) -> Vec<f64> {
         let of_class: Vec<usize> = class.iter().map(|&i| m[i]).collect();
         let step = bounds.step(of_class.iter().copied().max().unwrap_or(0));
         if !class.is_empty() {
-            let found = sweep::sums(&bounds.sum_of_sums(x, step), Shape::Third { overlapping: true }, &of_class);
+            let found =
+                sweep::sums::<Fixed>(&bounds.sum_of_sums(x, step), Shape::Third { overlapping: true }, &of_class);
             class.iter().zip(found).for_each(|(&i, sum)| sums[i] = sum * step * step);
         }
         shortest = longest;
@@ -124,13 +126,13 @@ impl Bounds {
         if largest.is_finite() { libm::exp2(f64::from(exponent - 60)) } else { f64::NAN }
     }
 
-    fn sum_of_sums(&self, x: &[f64], step: f64) -> Vec<Fixed> {
+    fn sum_of_sums(&self, x: &[f64], step: f64) -> Array<i64> {
         let per_step = 1.0 / step;
-        let mut out = vec![Fixed(0); x.len() + 1];
+        let mut out = Array::zeroed(x.len() + 1);
         let mut sum = 0i64;
         for (i, (out, &x)) in out[1..].iter_mut().zip(x).enumerate() {
             sum = sum.wrapping_add(libm::rint(self.level(i, x) * per_step) as i64);
-            *out = Fixed(sum);
+            *out = sum;
         }
         out
     }

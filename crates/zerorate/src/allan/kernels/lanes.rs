@@ -183,22 +183,18 @@ pub(super) fn third_i64(a: &[i64], b: &[i64], c: &[i64], d: &[i64]) -> ExactSum 
     ExactSum::from(sum)
 }
 
-/// Fixed point modulo 2^64.
-#[derive(Clone, Copy, Default)]
-pub(super) struct Fixed(pub i64);
-
 /// Third differences of fixed point, squared in f64.
 #[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx2+fma", "aarch64+neon")))]
-pub(super) fn third_fixed(a: &[Fixed], b: &[Fixed], c: &[Fixed], d: &[Fixed]) -> f64 {
+pub(super) fn third_fixed(a: &[i64], b: &[i64], c: &[i64], d: &[i64]) -> f64 {
     let mut sums = [0.0; LANES];
-    let third = |a: Fixed, b: Fixed, c: Fixed, d: Fixed| {
-        let middle = c.0.wrapping_sub(b.0);
-        to_f64(d.0.wrapping_sub(a.0).wrapping_sub(middle.wrapping_add(middle).wrapping_add(middle)))
+    let third = |a: i64, b: i64, c: i64, d: i64| {
+        let middle = c.wrapping_sub(b);
+        to_f64(d.wrapping_sub(a).wrapping_sub(middle.wrapping_add(middle).wrapping_add(middle)))
     };
     let ((a, a_rest), (b, b_rest), (c, c_rest), (d, d_rest)) =
         (a.as_chunks(), b.as_chunks(), c.as_chunks(), d.as_chunks());
     for (((a, b), c), d) in a.iter().zip(b).zip(c).zip(d) {
-        let (a, b, c, d): (&[Fixed; LANES], &[Fixed; LANES], &[Fixed; LANES], &[Fixed; LANES]) = (a, b, c, d);
+        let (a, b, c, d): (&[i64; LANES], &[i64; LANES], &[i64; LANES], &[i64; LANES]) = (a, b, c, d);
         for l in 0..LANES {
             let third = third(a[l], b[l], c[l], d[l]);
             sums[l] += third * third;

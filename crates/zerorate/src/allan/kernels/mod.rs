@@ -2,6 +2,7 @@
 //!
 //! Each kind of record has its own kernel, and each kernel makes one [`Squares`] for each averaging time.
 
+mod array;
 mod codes;
 mod exact;
 mod float;

@@ -4,8 +4,9 @@
 //! from memory once. The blocks are cut at fixed places and their sums added in their order: any number of threads gives the
 //! same bits.
 
+use super::array::Number;
 use super::exact::ExactSum;
-use super::lanes::{self, Fixed};
+use super::lanes;
 use super::shape::Shape;
 use super::threads;
 use alloc::vec;
@@ -21,42 +22,44 @@ const ROW: usize = 1 << 16;
 /// Bytes of a row that are taken at a time: those of all rows of 10^8 samples, nearly, fit into the second cache.
 const COLUMN_BYTES: usize = 2048;
 
-/// A number of a running sum.
-pub(super) trait Step: Copy + Default + Send + Sync {
+/// How differences of a running sum are formed and their squares summed.
+pub(super) trait Step {
+    /// Of the running sum.
+    type Number: Number + Default + Send + Sync;
     /// Sum of squares.
     type Sum: Copy + Default + Send;
 
-    /// 2 · `end` − self.
-    fn reflected(self, end: Self) -> Self;
-    fn second(a: &[Self], b: &[Self], c: &[Self]) -> Self::Sum;
-    fn third(a: &[Self], b: &[Self], c: &[Self], d: &[Self]) -> Self::Sum;
+    /// 2 · `end` − `number`.
+    fn reflected(number: Self::Number, end: Self::Number) -> Self::Number;
+    fn second(a: &[Self::Number], b: &[Self::Number], c: &[Self::Number]) -> Self::Sum;
+    fn third(a: &[Self::Number], b: &[Self::Number], c: &[Self::Number], d: &[Self::Number]) -> Self::Sum;
     fn join(sum: &mut Self::Sum, more: Self::Sum);
 }
 
 /// Sum of the squared differences of `shape` for each of `m`.
-pub(super) fn sums<T: Step>(x: &[T], shape: Shape, m: &[usize]) -> Vec<T::Sum> {
+pub(super) fn sums<T: Step>(x: &[T::Number], shape: Shape, m: &[usize]) -> Vec<T::Sum> {
     let is_far = |m: usize| m.is_multiple_of(ROW) && shape.is_overlapping();
     let (far, near): (Vec<usize>, Vec<usize>) = m.iter().partition(|&&m| is_far(m));
-    let mut near = near_sums(x, shape, &near).into_iter();
-    let mut far = far_sums(x, shape, &far).into_iter();
+    let mut near = near_sums::<T>(x, shape, &near).into_iter();
+    let mut far = far_sums::<T>(x, shape, &far).into_iter();
     m.iter().filter_map(|&m| if is_far(m) { far.next() } else { near.next() }).collect()
 }
 
-fn near_sums<T: Step>(x: &[T], shape: Shape, m: &[usize]) -> Vec<T::Sum> {
+fn near_sums<T: Step>(x: &[T::Number], shape: Shape, m: &[usize]) -> Vec<T::Sum> {
     let starts = m.iter().map(|&m| shape.starts(x.len(), m)).max().unwrap_or(0);
     let pieces = threads::map(starts.div_ceil(PIECE), |piece| {
-        block_sums(x, shape, m, piece * PIECE..starts.min((piece + 1) * PIECE))
+        block_sums::<T>(x, shape, m, piece * PIECE..starts.min((piece + 1) * PIECE))
     });
     joined::<T>(pieces, m.len())
 }
 
 /// Averages of whole rows of [`ROW`] points never leave the column: as many columns as fit into the cache are a record of their own.
-fn far_sums<T: Step>(x: &[T], shape: Shape, m: &[usize]) -> Vec<T::Sum> {
+fn far_sums<T: Step>(x: &[T::Number], shape: Shape, m: &[usize]) -> Vec<T::Sum> {
     if m.is_empty() {
         return Vec::new();
     }
     let (rows, rest) = (x.len() / ROW, x.len() % ROW);
-    let width = COLUMN_BYTES / size_of::<T>();
+    let width = COLUMN_BYTES / size_of::<T::Number>();
     let columns = |rows: usize, range: Range<usize>| {
         range.clone().step_by(width).map(move |from| (rows, from, width.min(range.end - from)))
     };
@@ -66,7 +69,7 @@ fn far_sums<T: Step>(x: &[T], shape: Shape, m: &[usize]) -> Vec<T::Sum> {
         tile.clear();
         (0..rows).for_each(|row| tile.extend_from_slice(&x[row * ROW + from..][..width]));
         let m: Vec<usize> = m.iter().map(|m| m / ROW * width).collect();
-        block_sums(tile, shape, &m, 0..tile.len())
+        block_sums::<T>(tile, shape, &m, 0..tile.len())
     });
     joined::<T>(tiles, m.len())
 }
@@ -79,36 +82,36 @@ fn joined<T: Step>(parts: Vec<Vec<T::Sum>>, len: usize) -> Vec<T::Sum> {
     sums
 }
 
-fn block_sums<T: Step>(x: &[T], shape: Shape, m: &[usize], starts: Range<usize>) -> Vec<T::Sum> {
+fn block_sums<T: Step>(x: &[T::Number], shape: Shape, m: &[usize], starts: Range<usize>) -> Vec<T::Sum> {
     let mut sums = vec![T::Sum::default(); m.len()];
     for start in starts.clone().step_by(BLOCK) {
         for (&m, sum) in m.iter().zip(&mut sums) {
             let end = shape.starts(x.len(), m).min(start + BLOCK).min(starts.end);
             if start < end {
-                T::join(sum, block_sum(x, shape, m, start..end));
+                T::join(sum, block_sum::<T>(x, shape, m, start..end));
             }
         }
     }
     sums
 }
 
-fn block_sum<T: Step>(x: &[T], shape: Shape, m: usize, starts: Range<usize>) -> T::Sum {
+fn block_sum<T: Step>(x: &[T::Number], shape: Shape, m: usize, starts: Range<usize>) -> T::Sum {
     let stream = |k: usize| &x[starts.start + k * m..starts.end + k * m];
     match shape {
-        _ if shape.stride(m) > 1 => strided(x, shape, m, starts),
+        _ if shape.stride(m) > 1 => strided::<T>(x, shape, m, starts),
         Shape::Third { .. } => T::third(stream(0), stream(1), stream(2), stream(3)),
-        Shape::Total => total(x, m, starts.start + 1..starts.end + 1),
+        Shape::Total => total::<T>(x, m, starts.start + 1..starts.end + 1),
         Shape::Second { .. } | Shape::Modified => T::second(stream(0), stream(1), stream(2)),
     }
 }
 
 /// Every m-th point is a record whose averages are of one sample.
-fn strided<T: Step>(x: &[T], shape: Shape, m: usize, starts: Range<usize>) -> T::Sum {
+fn strided<T: Step>(x: &[T::Number], shape: Shape, m: usize, starts: Range<usize>) -> T::Sum {
     let first = starts.start.next_multiple_of(m);
     if first >= starts.end {
         return T::Sum::default();
     }
-    let mut points = [T::default(); BLOCK / 2 + 3];
+    let mut points = [T::Number::default(); BLOCK / 2 + 3];
     let terms = (starts.end - first).div_ceil(m);
     points.iter_mut().zip(x[first..].iter().step_by(m)).take(terms + 3).for_each(|(point, x)| *point = *x);
     let stream = |k: usize| &points[k..k + terms];
@@ -119,37 +122,38 @@ fn strided<T: Step>(x: &[T], shape: Shape, m: usize, starts: Range<usize>) -> T:
 }
 
 /// Around each of `middles`; where the record ends within m of them, it is reflected.
-fn total<T: Step>(x: &[T], m: usize, middles: Range<usize>) -> T::Sum {
+fn total<T: Step>(x: &[T::Number], m: usize, middles: Range<usize>) -> T::Sum {
     let inner_start = m.clamp(middles.start, middles.end);
     let inner_end = x.len().saturating_sub(m).clamp(inner_start, middles.end);
-    let mut sum = reflected(x, m, middles.start..inner_start);
+    let mut sum = reflected::<T>(x, m, middles.start..inner_start);
     let at = |from: usize| &x[from..from + inner_end - inner_start];
     if inner_start < inner_end {
         T::join(&mut sum, T::second(at(inner_start - m), at(inner_start), at(inner_start + m)));
     }
-    T::join(&mut sum, reflected(x, m, inner_end..middles.end));
+    T::join(&mut sum, reflected::<T>(x, m, inner_end..middles.end));
     sum
 }
 
-fn reflected<T: Step>(x: &[T], m: usize, middles: Range<usize>) -> T::Sum {
+fn reflected<T: Step>(x: &[T::Number], m: usize, middles: Range<usize>) -> T::Sum {
     if middles.is_empty() {
         return T::Sum::default();
     }
     let last = x.len() - 1;
-    let (mut before, mut after) = ([T::default(); BLOCK], [T::default(); BLOCK]);
+    let (mut before, mut after) = ([T::Number::default(); BLOCK], [T::Number::default(); BLOCK]);
     for ((before, after), i) in before.iter_mut().zip(&mut after).zip(middles.clone()) {
-        *before = if i < m { x[m - i].reflected(x[0]) } else { x[i - m] };
-        *after = if i + m > last { x[2 * last - i - m].reflected(x[last]) } else { x[i + m] };
+        *before = if i < m { T::reflected(x[m - i], x[0]) } else { x[i - m] };
+        *after = if i + m > last { T::reflected(x[2 * last - i - m], x[last]) } else { x[i + m] };
     }
     let len = middles.len();
     T::second(&before[..len], &x[middles], &after[..len])
 }
 
 impl Step for f64 {
+    type Number = f64;
     type Sum = f64;
 
-    fn reflected(self, end: f64) -> f64 {
-        2.0 * end - self
+    fn reflected(number: f64, end: f64) -> f64 {
+        2.0 * end - number
     }
 
     fn second(a: &[f64], b: &[f64], c: &[f64]) -> f64 {
@@ -167,10 +171,11 @@ impl Step for f64 {
 
 /// Modulo 2^32; differences must be below 2^28.
 impl Step for i32 {
+    type Number = i32;
     type Sum = ExactSum;
 
-    fn reflected(self, end: i32) -> i32 {
-        end.wrapping_mul(2).wrapping_sub(self)
+    fn reflected(number: i32, end: i32) -> i32 {
+        end.wrapping_mul(2).wrapping_sub(number)
     }
 
     fn second(a: &[i32], b: &[i32], c: &[i32]) -> ExactSum {
@@ -188,10 +193,11 @@ impl Step for i32 {
 
 /// Modulo 2^64; differences must be below 2^56.
 impl Step for i64 {
+    type Number = i64;
     type Sum = ExactSum;
 
-    fn reflected(self, end: i64) -> i64 {
-        end.wrapping_mul(2).wrapping_sub(self)
+    fn reflected(number: i64, end: i64) -> i64 {
+        end.wrapping_mul(2).wrapping_sub(number)
     }
 
     fn second(a: &[i64], b: &[i64], c: &[i64]) -> ExactSum {
@@ -207,21 +213,22 @@ impl Step for i64 {
     }
 }
 
-/// The squares are summed in f64.
+/// Fixed point modulo 2^64, whose squares are summed in f64.
+pub(super) enum Fixed {}
+
 impl Step for Fixed {
+    type Number = i64;
     type Sum = f64;
 
-    fn reflected(self, end: Self) -> Self {
-        Self(end.0.wrapping_mul(2).wrapping_sub(self.0))
+    fn reflected(number: i64, end: i64) -> i64 {
+        i64::reflected(number, end)
     }
 
-    fn second(a: &[Self], b: &[Self], c: &[Self]) -> f64 {
-        let second =
-            |((a, b), c): ((&Self, &Self), &Self)| c.0.wrapping_sub(b.0).wrapping_sub(b.0.wrapping_sub(a.0)) as f64;
-        a.iter().zip(b).zip(c).map(second).map(|d| d * d).sum()
+    fn second(a: &[i64], b: &[i64], c: &[i64]) -> f64 {
+        lanes::second_i64(a, b, c).to_f64()
     }
 
-    fn third(a: &[Self], b: &[Self], c: &[Self], d: &[Self]) -> f64 {
+    fn third(a: &[i64], b: &[i64], c: &[i64], d: &[i64]) -> f64 {
         lanes::third_fixed(a, b, c, d)
     }
 
