@@ -76,14 +76,15 @@ const CLASSES: [usize; 3] = [1 << 8, 1 << 16, usize::MAX];
 fn modified(x: &[f64], m: &[usize]) -> Vec<f64> {
     let bounds = Bounds::of(x);
     let mut sums = vec![0.0; m.len()];
+    let mut sum_of_sums = Array::zeroed(x.len() + 1);
     let mut shortest = 0;
     for longest in CLASSES {
         let class: Vec<usize> = (0..m.len()).filter(|&i| (shortest..longest).contains(&m[i])).collect();
         let of_class: Vec<usize> = class.iter().map(|&i| m[i]).collect();
         let step = bounds.step(of_class.iter().copied().max().unwrap_or(0));
         if !class.is_empty() {
-            let found =
-                sweep::sums::<Fixed>(&bounds.sum_of_sums(x, step), Shape::Third { overlapping: true }, &of_class);
+            bounds.sum_sums(x, step, &mut sum_of_sums[1..]);
+            let found = sweep::sums::<Fixed>(&sum_of_sums, Shape::Third { overlapping: true }, &of_class);
             class.iter().zip(found).for_each(|(&i, sum)| sums[i] = sum * step * step);
         }
         shortest = longest;
@@ -103,15 +104,23 @@ impl Bounds {
     fn of(x: &[f64]) -> Self {
         let (start, steps) = (x[0], x.len() - 1);
         let slope = (x[steps] - start) / steps.max(1) as f64;
-        let mut bounds = Self { start, slope, x: 0.0, differences: 0.0 };
-        let mut before = 0.0;
-        for (i, &value) in x.iter().enumerate() {
-            let value = bounds.level(i, value);
-            bounds.x = larger(bounds.x, libm::fabs(value));
-            bounds.differences = larger(bounds.differences, libm::fabs(value - before));
-            before = value;
-        }
-        bounds
+        let line = Self { start, slope, x: 0.0, differences: 0.0 };
+        let pieces = threads::map(x.len().div_ceil(PIECE), |piece| {
+            let first = piece * PIECE;
+            let mut before = line.level(first, x[first]);
+            let mut largest = (libm::fabs(before), 0.0);
+            for (i, &value) in x.iter().enumerate().skip(first).take(PIECE + 1) {
+                let value = line.level(i, value);
+                largest = (larger(largest.0, libm::fabs(value)), larger(largest.1, libm::fabs(value - before)));
+                before = value;
+            }
+            largest
+        });
+        let join = |bounds: Self, (x, differences)| {
+            let (x, differences) = (larger(bounds.x, x), larger(bounds.differences, differences));
+            Self { x, differences, ..bounds }
+        };
+        pieces.into_iter().fold(line, join)
     }
 
     fn level(&self, i: usize, x: f64) -> f64 {
@@ -126,15 +135,13 @@ impl Bounds {
         if largest.is_finite() { libm::exp2(f64::from(exponent - 60)) } else { f64::NAN }
     }
 
-    fn sum_of_sums(&self, x: &[f64], step: f64) -> Array<i64> {
+    fn sum_sums(&self, x: &[f64], step: f64, out: &mut [i64]) {
         let per_step = 1.0 / step;
-        let mut out = Array::zeroed(x.len() + 1);
         let mut sum = 0i64;
-        for (i, (out, &x)) in out[1..].iter_mut().zip(x).enumerate() {
+        for (i, (out, &x)) in out.iter_mut().zip(x).enumerate() {
             sum = sum.wrapping_add(libm::rint(self.level(i, x) * per_step) as i64);
             *out = sum;
         }
-        out
     }
 }
 

@@ -305,3 +305,64 @@ fn floats_agree_with_exact_codes() {
         }
     }
 }
+
+fn all(input: &Input<'_>, m: &[u64]) -> Vec<f64> {
+    let of = |stat| deviations(input, 1.0, stat, m).into_iter().map(|found| found.unwrap().dev);
+    Stat::ALL.into_iter().flat_map(of).collect()
+}
+
+const EVERY_PATH: [u64; 5] = [1, 16, 1024, 1 << 16, 1 << 17];
+/// Averages of each of [`EVERY_PATH`] fill it.
+const WHOLE: usize = 3 << 17;
+
+#[test]
+#[cfg(feature = "std")]
+fn any_number_of_threads_gives_the_same_bits() {
+    let codes = noise(WHOLE, 24);
+    let rate: Vec<f64> = codes.iter().map(|&code| f64::from(code) / 23_425.0).collect();
+    let with = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| {
+            let codes = Input::Codes { codes: &codes, gaps: &[] };
+            (all(&codes, &EVERY_PATH), all(&Input::Rate(&rate), &EVERY_PATH))
+        })
+    };
+    assert_eq!(with(1), with(4));
+}
+
+#[test]
+fn scale_offset_and_reversal_are_exact() {
+    let codes = noise(WHOLE, 24);
+    let of_codes = |codes: &[i32]| all(&Input::Codes { codes, gaps: &[] }, &EVERY_PATH);
+    let found = of_codes(&codes);
+    assert_eq!(of_codes(&codes.iter().map(|code| code + 1_234_567).collect::<Vec<_>>()), found);
+    assert_eq!(of_codes(&codes.iter().rev().copied().collect::<Vec<_>>()), found);
+    assert_eq!(of_codes(&codes.iter().map(|code| -code).collect::<Vec<_>>()), found);
+
+    let rate: Vec<f64> = codes.iter().map(|&code| f64::from(code) / 23_425.0).collect();
+    let eightfold: Vec<f64> = rate.iter().map(|value| value * 8.0).collect();
+    let found = all(&Input::Rate(&rate), &EVERY_PATH);
+    let found_eightfold = all(&Input::Rate(&eightfold), &EVERY_PATH);
+    assert_eq!(found.iter().map(|dev| dev * 8.0).collect::<Vec<_>>(), found_eightfold);
+}
+
+/// Largest relative difference of f64 to the same numbers as integers, which are exact.
+fn error_of_floats(codes: &[i32]) -> f64 {
+    let rate: Vec<f64> = codes.iter().map(|&code| f64::from(code) * 0.0625 + 1000.0).collect();
+    let exact = all(&Input::Codes { codes, gaps: &[] }, &EVERY_PATH);
+    let found = all(&Input::Rate(&rate), &EVERY_PATH);
+    exact.iter().zip(found).map(|(exact, found)| (found / (exact * 0.0625) - 1.0).abs()).fold(0.0, f64::max)
+}
+
+#[test]
+fn floats_keep_their_digits_under_drift() {
+    let white = noise(WHOLE, 8);
+    let with = |slow: &dyn Fn(i32) -> i32| (0..).zip(&white).map(|(i, noise)| noise + slow(i)).collect::<Vec<i32>>();
+    let ramp = error_of_floats(&with(&|i| i / 3));
+    let bend = error_of_floats(&with(&|i| (i / 1000 - 200) * (i / 1000 - 200)));
+    let walk: Vec<i32> = white.iter().scan(0, |sum, step| Some(core::mem::replace(sum, *sum + step))).collect();
+    let walk = error_of_floats(&walk);
+    let white = error_of_floats(&white);
+    std::eprintln!("relative errors: white {white:e}, ramp {ramp:e}, bend {bend:e}, random walk {walk:e}");
+    assert!(white < 1e-13 && ramp < 3e-11 && bend < 3e-11 && walk < 1e-14, "{white:e} {ramp:e} {bend:e} {walk:e}");
+}
