@@ -137,11 +137,18 @@ impl Bounds {
 
     fn sum_sums(&self, x: &[f64], step: f64, out: &mut [i64]) {
         let per_step = 1.0 / step;
-        let mut sum = 0i64;
-        for (i, (out, &x)) in out.iter_mut().zip(x).enumerate() {
-            sum = sum.wrapping_add(libm::rint(self.level(i, x) * per_step) as i64);
-            *out = sum;
-        }
+        threads::fill(out, PIECE, |piece, out| {
+            let first = piece * PIECE;
+            let mut sum = 0i64;
+            for (i, (out, &x)) in out.iter_mut().zip(&x[first..]).enumerate() {
+                sum = sum.wrapping_add(libm::rint(self.level(first + i, x) * per_step) as i64);
+                *out = sum;
+            }
+        });
+        let totals = out.chunks(PIECE).map(|piece| piece.last().copied().unwrap_or(0));
+        let before: Vec<i64> =
+            totals.scan(0i64, |sum, total| Some(core::mem::replace(sum, sum.wrapping_add(total)))).collect();
+        threads::fill(out, PIECE, |piece, out| out.iter_mut().for_each(|out| *out = out.wrapping_add(before[piece])));
     }
 }
 
