@@ -89,6 +89,16 @@ fn phase_is_the_integral_of_rate() {
     }
 }
 
+/// `value` is always given, even where nothing can be fitted.
+#[test]
+fn a_record_too_short_for_a_fit() {
+    let bench = Bench::new();
+    bench.write("short.csv", "1\n3\n2\n");
+    let report = json(&bench.zerorate("allan short.csv --rate 10 --json").ok());
+    assert_eq!((&report["fit"]["k"]["value"], &report["fit"]["k"]["identified"]), (&0.0.into(), &false.into()));
+    assert!(report["fit_error"].as_str().unwrap().contains("record longer"));
+}
+
 #[test]
 fn the_fit_in_words() {
     let bench = bench();

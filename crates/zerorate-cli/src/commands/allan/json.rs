@@ -1,10 +1,10 @@
 //! The result as one JSON object.
 
 use super::record::Record;
-use super::units::{coefficients, deviation_unit};
+use super::units::{Named, coefficients, deviation_unit};
 use serde::Serialize;
 use std::collections::BTreeMap;
-use zerorate::allan::{Point, Unavailable};
+use zerorate::allan::{self, Point, Unavailable};
 
 /// Several logs.
 #[derive(Serialize)]
@@ -59,7 +59,8 @@ struct Missing {
 struct Coefficient {
     value: f64,
     lo: f64,
-    hi: f64,
+    /// None where nothing bounds it.
+    hi: Option<f64>,
     unit: String,
     identified: bool,
     needed_s: Option<f64>,
@@ -93,15 +94,18 @@ impl<'a> Report<'a> {
     }
 }
 
-/// In the base unit of each coefficient, which is the one without a factor.
+/// In the base unit of each coefficient, which is the one without a factor. Where there is no fit, zeros that nothing is known about.
 fn fit(record: &Record) -> BTreeMap<char, Coefficient> {
-    let base = |named: super::units::Named<'_>| {
+    let base = |named: Named<'_>| {
         let unit = named.units.iter().find(|(_, factor)| *factor == 1.0).map(|(unit, _)| unit.clone());
-        let &zerorate::allan::Coefficient { value, lo, hi, identified, needed_s, .. } = named.coefficient;
-        (
-            named.letter.to_ascii_lowercase(),
-            Coefficient { value, lo, hi, unit: unit.unwrap_or_default(), identified, needed_s },
-        )
+        let &allan::Coefficient { value, lo, hi, identified, needed_s, .. } = named.coefficient;
+        let unit = unit.unwrap_or_default();
+        (named.letter.to_ascii_lowercase(), Coefficient { value, lo, hi: Some(hi), unit, identified, needed_s })
     };
-    coefficients(record).into_iter().map(base).collect()
+    if record.fit.is_ok() {
+        return coefficients(record).into_iter().map(base).collect();
+    }
+    let unknown =
+        || Coefficient { value: 0.0, lo: 0.0, hi: None, unit: String::new(), identified: false, needed_s: None };
+    ['n', 'b', 'k'].map(|letter| (letter, unknown())).into()
 }
