@@ -134,18 +134,35 @@ fn total<T: Step>(x: &[T::Number], m: usize, middles: Range<usize>) -> T::Sum {
     sum
 }
 
+/// Around `middles`, all of which are within m of the start or none, and likewise the end once they are cut there.
 fn reflected<T: Step>(x: &[T::Number], m: usize, middles: Range<usize>) -> T::Sum {
-    if middles.is_empty() {
-        return T::Sum::default();
+    let cut = x.len().saturating_sub(m).clamp(middles.start, middles.end);
+    let mut sum = T::Sum::default();
+    for middles in [middles.start..cut, cut..middles.end] {
+        if !middles.is_empty() {
+            T::join(&mut sum, reflected_alike::<T>(x, m, middles));
+        }
     }
-    let last = x.len() - 1;
+    sum
+}
+
+fn reflected_alike<T: Step>(x: &[T::Number], m: usize, middles: Range<usize>) -> T::Sum {
+    let (len, last) = (middles.len(), x.len() - 1);
     let (mut before, mut after) = ([T::Number::default(); BLOCK], [T::Number::default(); BLOCK]);
-    for ((before, after), i) in before.iter_mut().zip(&mut after).zip(middles.clone()) {
-        *before = if i < m { T::reflected(x[m - i], x[0]) } else { x[i - m] };
-        *after = if i + m > last { T::reflected(x[2 * last - i - m], x[last]) } else { x[i + m] };
+    let (before, after) = (&mut before[..len], &mut after[..len]);
+    let backwards = |out: &mut [T::Number], first: usize, end: T::Number| {
+        let from = x[first + 1 - len..=first].iter().rev();
+        out.iter_mut().zip(from).for_each(|(out, x)| *out = T::reflected(*x, end));
+    };
+    match m.checked_sub(middles.start).filter(|first| *first > 0) {
+        Some(first) => backwards(before, first, x[0]),
+        None => before.copy_from_slice(&x[middles.start - m..][..len]),
     }
-    let len = middles.len();
-    T::second(&before[..len], &x[middles], &after[..len])
+    match (middles.start + m).checked_sub(last).filter(|beyond| *beyond > 0) {
+        Some(beyond) => backwards(after, last - beyond, x[last]),
+        None => after.copy_from_slice(&x[middles.start + m..][..len]),
+    }
+    T::second(before, &x[middles], after)
 }
 
 impl Step for f64 {
