@@ -4,6 +4,7 @@
 //! variant in [`Task`].
 
 mod bench_peers;
+mod c;
 mod coverage;
 mod coverage_allan;
 mod firmware;
@@ -35,6 +36,8 @@ enum Task {
     BenchPeers(bench_peers::Args),
     /// Run driver, twin and correction on an emulated Cortex-M4F; count instructions and bytes
     Firmware(firmware::Args),
+    /// Check the C interface: header, library, and C against Rust on the host and on an emulated Cortex-M4F
+    C(c::Args),
     /// Build the Python wheel and test it: its tests, types, notebook, and allantools' own tests
     Python(python::Args),
 }
@@ -46,6 +49,7 @@ fn main() -> ExitCode {
         Task::CoverageAllan(args) => coverage_allan::run(&args),
         Task::BenchPeers(args) => bench_peers::run(&args),
         Task::Firmware(args) => firmware::run(&args),
+        Task::C(args) => c::run(&args),
         Task::Python(args) => python::run(&args),
     };
     match done {

@@ -57,7 +57,7 @@ impl fmt::Display for Step {
 ///
 /// thumbv7em-none-eabihf is a Cortex-M4F. thumbv6m-none-eabi is a Cortex-M0: it has no compare-and-swap, which the TOML
 /// parser behind the core's feature `file` needs.
-const STEPS: [Step; 14] = [
+const STEPS: [Step; 17] = [
     Step::new("fmt", "fmt --all --check"),
     Step::new("clippy", "clippy --workspace --all-targets --all-features -- -D warnings"),
     Step::new("clippy-driver", "clippy -p adis16130 --all-targets -- -D warnings"),
@@ -65,6 +65,11 @@ const STEPS: [Step; 14] = [
     Step::new(
         "clippy-firmware",
         "clippy --manifest-path firmware/qemu/Cargo.toml --locked --target-dir target/firmware --target thumbv7em-none-eabihf -- -D warnings",
+    ),
+    Step::new("fmt-c", "fmt --manifest-path bindings/c/Cargo.toml --all --check"),
+    Step::new(
+        "clippy-c",
+        "clippy --manifest-path bindings/c/Cargo.toml --workspace --locked --target-dir target/c -- -D warnings",
     ),
     Step::new("clippy-core", "clippy -p zerorate --no-default-features --lib -- -D warnings"),
     Step::new("doc", "doc --workspace --no-deps --all-features").with_env("RUSTDOCFLAGS", "-Dwarnings"),
@@ -80,6 +85,7 @@ const STEPS: [Step; 14] = [
     Step::new("test", "test --workspace --all-features"),
     Step::new("test-driver", "test -p adis16130"),
     Step::new("firmware", "xtask firmware"),
+    Step::new("c", "xtask c"),
     Step::new("python", "xtask python"),
 ];
 

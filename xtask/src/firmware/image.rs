@@ -1,6 +1,7 @@
 //! What a linked image takes, and whether it can panic.
 
 use anyhow::{Context, Result};
+use object::read::archive::ArchiveFile;
 use object::read::elf::{ElfFile32, SectionHeader};
 use object::{LittleEndian, Object, ObjectSymbol, elf};
 use std::fs;
@@ -20,6 +21,22 @@ pub struct Memory {
 
 /// Parts of names of the machinery behind a panic; each panic needs at least one of them.
 const PANIC_MARKS: [&str; 4] = ["panicking", "panic_", "unwrap_failed", "rust_begin_unwind"];
+
+/// Parts of names of whatever allocates.
+const HEAP_MARKS: [&str; 3] = ["__rust_alloc", "__rust_dealloc", "alloc_error"];
+
+/// The symbols in the members of a static library that belong to panics or to a heap.
+pub fn unwanted_in_archive(path: &Path) -> Result<Vec<String>> {
+    let data = fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
+    let mut unwanted = Vec::new();
+    for member in ArchiveFile::parse(data.as_slice())?.members() {
+        let object = object::File::parse(member?.data(data.as_slice())?)?;
+        let names = object.symbols().filter_map(|symbol| symbol.name().ok().map(str::to_owned));
+        let marks = || PANIC_MARKS.iter().chain(&HEAP_MARKS);
+        unwanted.extend(names.filter(|name| marks().any(|mark| name.contains(mark))));
+    }
+    Ok(unwanted)
+}
 
 impl Image {
     pub fn read(path: &Path) -> Result<Self> {

@@ -3,10 +3,12 @@
 
 mod emulator;
 mod footprint;
-mod image;
+pub mod image;
 /// What controller and host both compute.
 #[path = "../../../firmware/qemu/src/scenario.rs"]
 mod scenario;
+
+pub use emulator::run as emulate;
 
 use crate::targets;
 use crate::tools::{Tool, available};
@@ -25,7 +27,7 @@ const TARGET: &str = "thumbv7em-none-eabihf";
 /// The project of the images.
 const PROJECT: &str = "firmware/qemu";
 /// The emulator.
-const QEMU: Tool = Tool { program: "qemu-system-arm", package: "qemu-system-arm" };
+pub const QEMU: Tool = Tool { program: "qemu-system-arm", package: "qemu-system-arm" };
 
 /// What to run.
 #[derive(clap::Args)]

@@ -1,0 +1,24 @@
+/* What an example needs of a board. Yours implements these few with its vendor's library; the tests do with the twin. */
+#ifndef BOARD_H
+#define BOARD_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+/* SPI mode 3, most significant bit first, at most 10 MHz; CS low from the first bit to the last. 0, or an error. */
+int32_t board_spi_transfer(void *context, uint8_t *bytes, size_t length);
+/* The level of RDY. */
+int32_t board_rdy(void *context);
+void board_delay_us(void *context, uint32_t us);
+/* A clock that does not stop. */
+uint64_t board_now_ns(void);
+/* Enables the interrupt on the falling edge of RDY, which calls `handler`. */
+void board_rdy_interrupt(void (*handler)(void));
+/* Sleeps until an interrupt; returns at once where one is pending. */
+void board_sleep(void);
+/* Does something with the corrected rate, a code of 24 bits. */
+void board_use(uint32_t corrected_code, uint32_t lost);
+/* Tells somebody. */
+void board_report(const char *text);
+
+#endif

@@ -1,0 +1,76 @@
+/*
+ * Samples in the interrupt of RDY, corrects in the main loop: no sample is lost as long as the main loop empties the queue in time, and
+ * each that is lost is counted. Once the interrupt is enabled, the gyroscope belongs to it alone.
+ * Not run on a board: the tests run it on the twin.
+ */
+#include "board.h"
+#include "zerorate.h"
+
+/* One writer, the interrupt, and one reader, the main loop. The length divides 2^32. */
+#define QUEUE 16u
+
+static zerorate_gyro gyro;
+static zerorate_sample queue[QUEUE];
+static volatile uint32_t written;
+static volatile uint32_t taken;
+static volatile zerorate_status failure;
+
+/* Orders the accesses to `queue` and its counters: on one core it is enough that the compiler does not. */
+#define BARRIER() __asm volatile("" ::: "memory")
+
+static void on_rdy(void)
+{
+    static uint32_t edges;
+    static uint32_t overrun;
+    zerorate_sample sample;
+    const zerorate_status status = zerorate_gyro_sample(&gyro, board_now_ns(), ++edges, &sample);
+
+    if (status == ZERORATE_OK && written - taken < QUEUE) {
+        sample.lost += overrun;
+        overrun = 0;
+        queue[written % QUEUE] = sample;
+        BARRIER();
+        written = written + 1;
+    } else if (status == ZERORATE_OK) {
+        overrun += 1 + sample.lost;
+    } else if (status < 0) {
+        failure = status;
+        (void)zerorate_gyro_initialise(&gyro);
+    }
+}
+
+int main(void)
+{
+    static const zerorate_correction CORRECTION = {-0.25, -0.04, 31.5};
+    const zerorate_bus bus = {NULL, board_spi_transfer, NULL, NULL};
+    zerorate_settings settings;
+    zerorate_correction_integer correction;
+    uint32_t temp_code = 1u << 23;
+
+    zerorate_settings_default(&settings);
+    settings.every_temp = 57;
+    if (zerorate_correction_to_integer(&CORRECTION, &correction) != ZERORATE_OK ||
+        zerorate_gyro_set_up(&gyro, &bus, &settings) != ZERORATE_OK ||
+        zerorate_gyro_initialise(&gyro) != ZERORATE_OK) {
+        board_report("the gyroscope does not start");
+        return 1;
+    }
+    board_rdy_interrupt(on_rdy);
+    for (;;) {
+        board_sleep();
+        while (taken != written) {
+            const zerorate_sample sample = queue[taken % QUEUE];
+
+            BARRIER();
+            taken = taken + 1;
+            if (sample.has_temp) {
+                temp_code = sample.temp_code;
+            }
+            board_use(zerorate_correct_integer(&correction, sample.rate_code, temp_code), sample.lost);
+        }
+        if (failure != ZERORATE_OK) {
+            board_report(zerorate_text(failure));
+            failure = ZERORATE_OK;
+        }
+    }
+}

@@ -1,0 +1,44 @@
+/*
+ * A main loop without interrupts: waits for RDY, reads, corrects.
+ * Not run on a board: the tests run it on the twin.
+ */
+#include "board.h"
+#include "zerorate.h"
+
+static zerorate_gyro gyro;
+
+/* From your calibration: `zerorate export --format c` has it ready-made, too. */
+static const zerorate_correction CORRECTION = {-0.25, -0.04, 31.5};
+
+int main(void)
+{
+    const zerorate_bus bus = {NULL, board_spi_transfer, board_rdy, board_delay_us};
+    zerorate_settings settings;
+    zerorate_correction_integer correction;
+    zerorate_reading reading;
+    zerorate_status status;
+
+    zerorate_settings_default(&settings);
+    status = zerorate_correction_to_integer(&CORRECTION, &correction);
+    if (status == ZERORATE_OK) {
+        status = zerorate_gyro_set_up(&gyro, &bus, &settings);
+    }
+    if (status == ZERORATE_OK) {
+        status = zerorate_gyro_initialise(&gyro);
+    }
+    for (;;) {
+        if (status == ZERORATE_OK) {
+            status = zerorate_gyro_wait_ready(&gyro, 2000);
+        }
+        if (status == ZERORATE_OK) {
+            status = zerorate_gyro_read(&gyro, &reading);
+        }
+        if (status == ZERORATE_OK) {
+            board_use(zerorate_correct_integer(&correction, reading.rate_code, reading.temp_code), 0);
+        } else {
+            board_report(zerorate_text(status));
+            board_delay_us(NULL, 100000);
+            status = zerorate_gyro_initialise(&gyro);
+        }
+    }
+}

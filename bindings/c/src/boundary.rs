@@ -1,0 +1,69 @@
+//! From C's pointers to references.
+
+use crate::status::{Status, ZERORATE_E_NULL, ZERORATE_E_STATE};
+
+/// An object whose memory the caller owns and whose contents only this library knows.
+pub trait Object: Sized {
+    /// The contents.
+    type State;
+    /// What memory holds that has been set up as this.
+    const MARK: u32;
+}
+
+/// The contents, with the mark.
+#[repr(C)]
+struct Marked<T> {
+    mark: u32,
+    state: T,
+}
+
+/// Sets an object up.
+///
+/// # Safety
+/// `object` is null or points to writable memory for one, which nothing else uses meanwhile.
+pub unsafe fn set_up<O: Object>(object: *mut O, state: O::State) -> Result<(), Status> {
+    const { assert!(size_of::<Marked<O::State>>() <= size_of::<O>()) };
+    const { assert!(align_of::<Marked<O::State>>() <= align_of::<O>()) };
+    let place = not_null(object)?.cast::<Marked<O::State>>();
+    // SAFETY: not null; by the contract writable and large enough, and aligned as the type of the pointer says.
+    unsafe { place.write(Marked { mark: O::MARK, state }) };
+    Ok(())
+}
+
+/// The contents of an object.
+///
+/// # Safety
+/// `object` is null or points to readable and writable memory of one, initialised with whatever, that nothing else uses during `'a`.
+pub unsafe fn state<'a, O: Object>(object: *mut O) -> Result<&'a mut O::State, Status> {
+    let marked = not_null(object)?.cast::<Marked<O::State>>();
+    // SAFETY: not null and readable; the mark lies at the front.
+    if unsafe { marked.cast::<u32>().read() } != O::MARK {
+        return Err(ZERORATE_E_STATE);
+    }
+    // SAFETY: the mark says that `set_up` wrote it, and by the contract nobody else uses it.
+    Ok(unsafe { &mut (*marked).state })
+}
+
+/// What a pointer to constant plain data points to.
+///
+/// # Safety
+/// `data` is null or points to a valid `T`.
+pub unsafe fn input<'a, T>(data: *const T) -> Result<&'a T, Status> {
+    // SAFETY: by the contract.
+    unsafe { data.as_ref() }.ok_or(ZERORATE_E_NULL)
+}
+
+/// Writes a result.
+///
+/// # Safety
+/// `place` is null or points to writable memory for one.
+pub unsafe fn output<T>(place: *mut T, value: T) -> Result<(), Status> {
+    let place = not_null(place)?;
+    // SAFETY: not null, by the contract writable.
+    unsafe { place.write(value) };
+    Ok(())
+}
+
+fn not_null<T>(pointer: *mut T) -> Result<*mut T, Status> {
+    if pointer.is_null() { Err(ZERORATE_E_NULL) } else { Ok(pointer) }
+}

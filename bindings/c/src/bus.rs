@@ -1,0 +1,115 @@
+//! The caller's functions as embedded-hal traits.
+
+use core::ffi::c_void;
+use embedded_hal::delay::DelayNs;
+use embedded_hal::digital::{self, InputPin};
+use embedded_hal::spi::{self, Operation, SpiDevice};
+
+/// How the part is reached: functions of the caller, each of which gets `context` back.
+///
+/// They are called from inside the function that needs them, in the same thread or interrupt, and must not call a function on the
+/// same object. `context` must stay valid as long as the object that was set up with it is used.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct Bus {
+    /// Handed to each function. May be null.
+    pub context: *mut c_void,
+    /// Sends `length` bytes and puts what comes back in their place, with CS low from the first bit to the last. SPI mode 3, most
+    /// significant bit first, at most 10 MHz (F-20, F-21). Returns 0, or anything else for an error. Must not be null.
+    pub transfer: Option<unsafe extern "C" fn(context: *mut c_void, bytes: *mut u8, length: usize) -> i32>,
+    /// The level of RDY: 1 = high, 0 = low, negative = error. Null where zerorate_gyro_wait_ready is not used.
+    pub rdy: Option<unsafe extern "C" fn(context: *mut c_void) -> i32>,
+    /// Waits for so many microseconds, or a little longer. Null where zerorate_gyro_wait_ready is not used.
+    pub delay_us: Option<unsafe extern "C" fn(context: *mut c_void, us: u32)>,
+}
+
+/// The caller's function said no, or there is none.
+#[derive(Clone, Copy, Debug)]
+pub struct Refused;
+
+impl spi::Error for Refused {
+    fn kind(&self) -> spi::ErrorKind {
+        spi::ErrorKind::Other
+    }
+}
+
+impl digital::Error for Refused {
+    fn kind(&self) -> digital::ErrorKind {
+        digital::ErrorKind::Other
+    }
+}
+
+/// The longest write that is not a transfer in place: the reset of F-23.
+const LONGEST_WRITE: usize = 5;
+
+/// The SPI port.
+pub struct Port(pub Bus);
+
+impl Port {
+    fn exchange(&mut self, bytes: &mut [u8]) -> Result<(), Refused> {
+        let transfer = self.0.transfer.ok_or(Refused)?;
+        // SAFETY: the caller promised at set-up that this may be called with its context; bytes and length belong together.
+        match unsafe { transfer(self.0.context, bytes.as_mut_ptr(), bytes.len()) } {
+            0 => Ok(()),
+            _ => Err(Refused),
+        }
+    }
+}
+
+impl spi::ErrorType for Port {
+    type Error = Refused;
+}
+
+impl SpiDevice for Port {
+    /// The driver's transactions are one transfer in place or one short write each.
+    fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), Refused> {
+        match operations {
+            [Operation::TransferInPlace(bytes)] => self.exchange(bytes),
+            [Operation::Write(bytes)] => {
+                let mut copy = [0; LONGEST_WRITE];
+                let copy = copy.get_mut(..bytes.len()).ok_or(Refused)?;
+                copy.iter_mut().zip(bytes.iter()).for_each(|(to, from)| *to = *from);
+                self.exchange(copy)
+            }
+            _ => Err(Refused),
+        }
+    }
+}
+
+/// The RDY line.
+pub struct Line(pub Bus);
+
+impl digital::ErrorType for Line {
+    type Error = Refused;
+}
+
+impl InputPin for Line {
+    fn is_high(&mut self) -> Result<bool, Refused> {
+        let rdy = self.0.rdy.ok_or(Refused)?;
+        // SAFETY: as for `transfer`.
+        match unsafe { rdy(self.0.context) } {
+            ..0 => Err(Refused),
+            level => Ok(level != 0),
+        }
+    }
+
+    fn is_low(&mut self) -> Result<bool, Refused> {
+        self.is_high().map(|high| !high)
+    }
+}
+
+/// The delay.
+pub struct Delay(pub Bus);
+
+impl DelayNs for Delay {
+    fn delay_ns(&mut self, ns: u32) {
+        self.delay_us(ns.div_ceil(1000));
+    }
+
+    fn delay_us(&mut self, us: u32) {
+        if let Some(delay_us) = self.0.delay_us {
+            // SAFETY: as for `transfer`.
+            unsafe { delay_us(self.0.context, us) }
+        }
+    }
+}

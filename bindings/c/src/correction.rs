@@ -1,0 +1,129 @@
+//! F-50, in three forms.
+
+use crate::boundary;
+use crate::status::{self, Numbered, Status};
+use adis16130::{RateCode, TempCode, Width};
+
+/// Corrected rate = rate + PBC + (temperature - T3) * BTC (F-50).
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct Correction {
+    /// PBC, deg/s.
+    pub pbc_dps: f64,
+    /// BTC, deg/s per deg C.
+    pub btc_dps_per_c: f64,
+    /// T3, deg C, as the part's own sensor reads it.
+    pub t3_c: f64,
+}
+
+impl Correction {
+    /// As the core has it.
+    pub fn to_core(self) -> zerorate::Correction {
+        zerorate::Correction { pbc_dps: self.pbc_dps, btc_dps_per_c: self.btc_dps_per_c, t3_c: self.t3_c }
+    }
+}
+
+/// The same in single precision.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct CorrectionF32 {
+    /// PBC, deg/s.
+    pub pbc_dps: f32,
+    /// BTC, deg/s per deg C.
+    pub btc_dps_per_c: f32,
+    /// T3, deg C.
+    pub t3_c: f32,
+}
+
+/// The same on codes of 24 bits, without floating point or division.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct CorrectionInteger {
+    /// PBC in rate codes, times 2^30.
+    pub offset_q30: i64,
+    /// BTC in rate codes per temperature code, times 2^30.
+    pub slope_q30: i32,
+    /// T3 as a temperature code.
+    pub t3_code: i32,
+}
+
+/// The rate of a code of 24 bits, deg/s (F-40).
+#[unsafe(no_mangle)]
+pub extern "C" fn zerorate_rate_dps(rate_code: u32) -> f32 {
+    RateCode::new(rate_code, Width::Bits24).to_dps()
+}
+
+/// The temperature of a code of 24 bits, deg C (F-41).
+#[unsafe(no_mangle)]
+pub extern "C" fn zerorate_temp_c(temp_code: u32) -> f32 {
+    TempCode::new(temp_code, Width::Bits24).to_celsius()
+}
+
+/// A correction in single precision.
+///
+/// # Safety
+/// Each pointer is null or points to memory of its type.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn zerorate_correction_to_f32(from: *const Correction, to: *mut CorrectionF32) -> Status {
+    // SAFETY: by the contract.
+    status::of(unsafe { boundary::input(from) }.and_then(|from| {
+        let zerorate::CorrectionF32 { pbc_dps, btc_dps_per_c, t3_c } = from.to_core().to_f32();
+        // SAFETY: by the contract.
+        unsafe { boundary::output(to, CorrectionF32 { pbc_dps, btc_dps_per_c, t3_c }) }
+    }))
+}
+
+/// A correction in integers; ZERORATE_E_COEFFICIENT where it does not fit.
+///
+/// # Safety
+/// Each pointer is null or points to memory of its type.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn zerorate_correction_to_integer(from: *const Correction, to: *mut CorrectionInteger) -> Status {
+    // SAFETY: by the contract.
+    status::of(unsafe { boundary::input(from) }.and_then(|from| {
+        let zerorate::IntegerCorrection { offset_q, slope_q, t3_code } =
+            from.to_core().to_integer().map_err(|error| error.status())?;
+        // SAFETY: by the contract.
+        unsafe { boundary::output(to, CorrectionInteger { offset_q30: offset_q, slope_q30: slope_q, t3_code }) }
+    }))
+}
+
+/// The corrected rate, deg/s; the rate itself where `correction` is null.
+///
+/// # Safety
+/// `correction` is null or points to one.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn zerorate_correct(correction: *const Correction, rate_dps: f64, temp_c: f64) -> f64 {
+    // SAFETY: by the contract.
+    unsafe { boundary::input(correction) }.map_or(rate_dps, |correction| correction.to_core().apply(rate_dps, temp_c))
+}
+
+/// The same in single precision.
+///
+/// # Safety
+/// `correction` is null or points to one.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn zerorate_correct_f32(correction: *const CorrectionF32, rate_dps: f32, temp_c: f32) -> f32 {
+    // SAFETY: by the contract.
+    unsafe { boundary::input(correction) }.map_or(rate_dps, |&CorrectionF32 { pbc_dps, btc_dps_per_c, t3_c }| {
+        zerorate::CorrectionF32 { pbc_dps, btc_dps_per_c, t3_c }.apply(rate_dps, temp_c)
+    })
+}
+
+/// The corrected rate code of a rate code and the temperature code taken with it, all of 24 bits; rounded to nearest, held to
+/// 0 ... 2^24 - 1. The rate code itself where `correction` is null.
+///
+/// # Safety
+/// `correction` is null or points to one.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn zerorate_correct_integer(
+    correction: *const CorrectionInteger,
+    rate_code: u32,
+    temp_code: u32,
+) -> u32 {
+    // SAFETY: by the contract.
+    unsafe { boundary::input(correction) }.map_or(rate_code, |&CorrectionInteger { offset_q30, slope_q30, t3_code }| {
+        let integer = zerorate::IntegerCorrection { offset_q: offset_q30, slope_q: slope_q30, t3_code };
+        integer.apply(rate_code, temp_code)
+    })
+}

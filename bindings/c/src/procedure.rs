@@ -1,0 +1,327 @@
+//! The calibration of F-51, on fixed memory.
+
+use crate::boundary::{self, Object};
+use crate::correction::Correction;
+use crate::gyro::Sample;
+use crate::status::{self, Numbered, Status, ZERORATE_E_STATE};
+use zerorate::{Action, Event, FixedProcedure, Outcome as CoreOutcome, Plan as CorePlan, State as CoreState, Warning};
+
+/// A calibration that is going on. The memory is the caller's, the contents are private; begin it with zerorate_procedure_begin. It
+/// needs no tear-down.
+#[repr(C)]
+pub struct Procedure {
+    /// Private.
+    pub opaque: [u64; 400],
+}
+
+/// What is in there.
+pub struct State {
+    procedure: FixedProcedure,
+    /// What ended it before its time.
+    refused: Option<Status>,
+}
+
+impl Object for Procedure {
+    type State = State;
+    const MARK: u32 = 0x7A72_7031;
+}
+
+/// Durations and limits. Start from zerorate_plan_default, which is the hour of AN-1042 (F-51).
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct Plan {
+    /// Average of steps 4 and 6, s: 10.
+    pub average_s: f64,
+    /// Warming up by itself, step 5, s: 600.
+    pub warmup_s: f64,
+    /// Settling, step 7, s: 2400.
+    pub settle_s: f64,
+    /// Average of step 8, s: 150.
+    pub offset_s: f64,
+    /// Average of the temperature of step 9, s: 1.
+    pub final_temp_s: f64,
+    /// Largest share of lost samples in an average, 0 to 1: 0.001.
+    pub max_lost: f64,
+    /// Largest standard uncertainty of BTC, deg/s per deg C: 0.01.
+    pub max_u_btc_dps_per_c: f64,
+    /// The component of the Earth's rotation on the part's axis, deg/s, which is subtracted (F-16); NaN where it is not known.
+    pub earth_dps: f64,
+    /// 1 = the bias is a straight line over temperature: no allowance for curvature and hysteresis.
+    pub assume_linear: u8,
+}
+
+/// The result.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct Outcome {
+    /// PBC, BTC and T3.
+    pub correction: Correction,
+    /// Standard uncertainty of PBC, deg/s.
+    pub u_pbc_dps: f64,
+    /// Standard uncertainty of BTC, deg/s per deg C.
+    pub u_btc_dps_per_c: f64,
+    /// Standard uncertainty of T3, noise alone, deg C.
+    pub u_t3_c: f64,
+    /// Mean rates of steps 4 and 6, deg/s.
+    pub b1_dps: f64,
+    /// See `b1_dps`.
+    pub b2_dps: f64,
+    /// Mean temperatures of steps 4 and 6, deg C.
+    pub t1_c: f64,
+    /// See `t1_c`.
+    pub t2_c: f64,
+    /// Lowest temperature seen, deg C.
+    pub temp_min_c: f64,
+    /// Highest temperature seen, deg C.
+    pub temp_max_c: f64,
+    /// White noise density, deg/s per root Hz.
+    pub white_dps_per_rt_hz: f64,
+    /// Rate samples per second.
+    pub rate_hz: f64,
+    /// Rate samples read.
+    pub samples: u64,
+    /// Rate samples lost.
+    pub lost: u64,
+    /// What there is to know beside the numbers: a sum of ZERORATE_WARNING_...
+    pub warnings: u32,
+}
+
+/// The Earth's rotation was not subtracted: up to 0.00418 deg/s are in PBC.
+pub const ZERORATE_WARNING_EARTH_INCLUDED: u32 = 1;
+/// Two temperatures show no curvature; its typical size is in the uncertainty of BTC.
+pub const ZERORATE_WARNING_CURVATURE_UNSEEN: u32 = 2;
+/// The temperature moved between the rate average and T3.
+pub const ZERORATE_WARNING_DRIFTING: u32 = 4;
+/// PBC was averaged for less than half of the best time.
+pub const ZERORATE_WARNING_SHORT_AVERAGE: u32 = 8;
+/// The rate was read below twice the bandwidth: noise folds in.
+pub const ZERORATE_WARNING_ALIASED: u32 = 16;
+/// Samples were lost, within the limit.
+pub const ZERORATE_WARNING_LOST: u32 = 32;
+/// The bias wanders more than a typical unit's.
+pub const ZERORATE_WARNING_WANDERING: u32 = 64;
+/// A warning that this version of the interface has no number for.
+pub const ZERORATE_WARNING_OTHER: u32 = 128;
+
+/// Initialise the part, then call zerorate_procedure_initialised.
+pub const ZERORATE_INITIALISE: Status = 10;
+/// Hand in samples as they come, or the time where none come.
+pub const ZERORATE_SAMPLE: Status = 11;
+/// Call zerorate_procedure_outcome.
+pub const ZERORATE_DONE: Status = 12;
+
+impl Plan {
+    fn new(plan: &CorePlan) -> Self {
+        Self {
+            average_s: plan.average_s,
+            warmup_s: plan.warmup_s,
+            settle_s: plan.settle_s,
+            offset_s: plan.offset_s,
+            final_temp_s: plan.final_temp_s,
+            max_lost: plan.max_lost,
+            max_u_btc_dps_per_c: plan.max_u_btc_dps_per_c,
+            earth_dps: plan.earth_dps.unwrap_or(f64::NAN),
+            assume_linear: plan.assume_linear.into(),
+        }
+    }
+
+    fn to_core(self) -> CorePlan {
+        CorePlan {
+            average_s: self.average_s,
+            warmup_s: self.warmup_s,
+            settle_s: self.settle_s,
+            offset_s: self.offset_s,
+            final_temp_s: self.final_temp_s,
+            max_lost: self.max_lost,
+            max_u_btc_dps_per_c: self.max_u_btc_dps_per_c,
+            earth_dps: (!self.earth_dps.is_nan()).then_some(self.earth_dps),
+            assume_linear: self.assume_linear != 0,
+        }
+    }
+}
+
+impl Outcome {
+    fn new(outcome: &CoreOutcome<[Option<Warning>; 7]>) -> Self {
+        let zerorate::Correction { pbc_dps, btc_dps_per_c, t3_c } = outcome.correction;
+        Self {
+            correction: Correction { pbc_dps, btc_dps_per_c, t3_c },
+            u_pbc_dps: outcome.uncertainty.u_pbc_dps,
+            u_btc_dps_per_c: outcome.uncertainty.u_btc_dps_per_c,
+            u_t3_c: outcome.uncertainty.u_t3_c,
+            b1_dps: outcome.b1_dps,
+            b2_dps: outcome.b2_dps,
+            t1_c: outcome.t1_c,
+            t2_c: outcome.t2_c,
+            temp_min_c: outcome.temp_min_c,
+            temp_max_c: outcome.temp_max_c,
+            white_dps_per_rt_hz: outcome.noise.model.white_dps_per_rt_hz,
+            rate_hz: outcome.rate_hz,
+            samples: outcome.samples,
+            lost: outcome.lost_samples,
+            warnings: outcome.warnings.iter().flatten().map(flag).fold(0, |all, flag| all | flag),
+        }
+    }
+}
+
+fn flag(warning: &Warning) -> u32 {
+    match warning {
+        Warning::EarthIncluded => ZERORATE_WARNING_EARTH_INCLUDED,
+        Warning::CurvatureUnseen { .. } => ZERORATE_WARNING_CURVATURE_UNSEEN,
+        Warning::Drifting { .. } => ZERORATE_WARNING_DRIFTING,
+        Warning::ShortAverage { .. } => ZERORATE_WARNING_SHORT_AVERAGE,
+        Warning::Aliased { .. } => ZERORATE_WARNING_ALIASED,
+        Warning::Lost { .. } => ZERORATE_WARNING_LOST,
+        Warning::Wandering { .. } => ZERORATE_WARNING_WANDERING,
+        _ => ZERORATE_WARNING_OTHER,
+    }
+}
+
+impl State {
+    /// A refusal is final: it is what every later call returns.
+    fn handle(&mut self, event: Event<'_>) -> Result<(), Status> {
+        if let Some(refused) = self.refused {
+            return Err(refused);
+        }
+        self.procedure.handle(event).map_err(|refusal| *self.refused.insert(refusal.status()))
+    }
+}
+
+/// The durations and limits of AN-1042, with the Earth unknown and a bias that may be curved.
+///
+/// # Safety
+/// `plan` is null or points to writable memory for it.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn zerorate_plan_default(plan: *mut Plan) -> Status {
+    // SAFETY: by the contract.
+    status::of(unsafe { boundary::output(plan, Plan::new(&CorePlan::default())) })
+}
+
+/// Begins a calibration. ZERORATE_E_PLAN where a duration or limit makes no sense.
+///
+/// # Safety
+/// Each pointer is null or points to memory of its type; nothing else uses the procedure meanwhile.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn zerorate_procedure_begin(procedure: *mut Procedure, plan: *const Plan) -> Status {
+    // SAFETY: by the contract.
+    let begun = unsafe { boundary::input(plan) }
+        .and_then(|plan| FixedProcedure::on_fixed_memory(plan.to_core()).map_err(|error| error.status()));
+    // SAFETY: by the contract.
+    status::of(
+        begun.and_then(|begun| unsafe { boundary::set_up(procedure, State { procedure: begun, refused: None }) }),
+    )
+}
+
+/// What to do next: ZERORATE_INITIALISE, ZERORATE_SAMPLE, ZERORATE_DONE, or why the measurement was refused.
+///
+/// # Safety
+/// `procedure` is null or points to one that nothing else uses meanwhile.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn zerorate_procedure_next(procedure: *mut Procedure) -> Status {
+    // SAFETY: by the contract.
+    match unsafe { boundary::state(procedure) } {
+        Ok(State { refused: Some(refused), .. }) => *refused,
+        Ok(State { procedure, .. }) => match procedure.next() {
+            Action::Initialise => ZERORATE_INITIALISE,
+            Action::Sample => ZERORATE_SAMPLE,
+            Action::Done => ZERORATE_DONE,
+        },
+        Err(status) => status,
+    }
+}
+
+/// The part was initialised, at a time of the clock that the samples have too.
+///
+/// # Safety
+/// `procedure` is null or points to one that nothing else uses meanwhile.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn zerorate_procedure_initialised(procedure: *mut Procedure, t_ns: u64) -> Status {
+    // SAFETY: by the contract.
+    status::of(unsafe { boundary::state(procedure) }.and_then(|state| state.handle(Event::Initialised { t_ns })))
+}
+
+/// A sample was read. At the end of a step this takes some thousand floating-point operations, else about a hundred integer ones.
+///
+/// # Safety
+/// Each pointer is null or points to memory of its type; nothing else uses the procedure meanwhile.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn zerorate_procedure_sample(procedure: *mut Procedure, sample: *const Sample) -> Status {
+    // SAFETY: by the contract.
+    let sample = unsafe { boundary::input(sample) }.and_then(|sample| sample.to_driver());
+    // SAFETY: by the contract.
+    let state = unsafe { boundary::state(procedure) };
+    status::of(state.and_then(|state| state.handle(Event::Sample(&sample?))))
+}
+
+/// Time went by without a sample.
+///
+/// # Safety
+/// `procedure` is null or points to one that nothing else uses meanwhile.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn zerorate_procedure_time(procedure: *mut Procedure, t_ns: u64) -> Status {
+    // SAFETY: by the contract.
+    status::of(unsafe { boundary::state(procedure) }.and_then(|state| state.handle(Event::Time { t_ns })))
+}
+
+/// The step of AN-1042 that is going on: 3 (initialise) to 9 (final temperature), 10 at the end; negative for an error.
+///
+/// # Safety
+/// `procedure` is null or points to one that nothing else uses meanwhile.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn zerorate_procedure_step(procedure: *mut Procedure) -> Status {
+    // SAFETY: by the contract.
+    match unsafe { boundary::state(procedure) } {
+        Ok(state) => match state.procedure.progress().state {
+            CoreState::Start => 3,
+            CoreState::FirstAverage => 4,
+            CoreState::WarmUp => 5,
+            CoreState::SecondAverage => 6,
+            CoreState::Settle => 7,
+            CoreState::Offset => 8,
+            CoreState::FinalTemperature => 9,
+            CoreState::Done => 10,
+        },
+        Err(status) => status,
+    }
+}
+
+/// Time since the initialisation and of the whole procedure, s.
+///
+/// # Safety
+/// Each pointer is null or points to memory of its type; nothing else uses the procedure meanwhile.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn zerorate_procedure_progress(
+    procedure: *mut Procedure,
+    elapsed_s: *mut f64,
+    total_s: *mut f64,
+) -> Status {
+    // SAFETY: by the contract.
+    let state = unsafe { boundary::state(procedure) };
+    status::of(state.and_then(|state| {
+        let progress = state.procedure.progress();
+        // SAFETY: by the contract.
+        unsafe { boundary::output(elapsed_s, progress.elapsed_s) }?;
+        // SAFETY: by the contract.
+        unsafe { boundary::output(total_s, progress.total_s) }
+    }))
+}
+
+/// The result, once zerorate_procedure_next says ZERORATE_DONE; ZERORATE_E_STATE before that.
+///
+/// # Safety
+/// Each pointer is null or points to memory of its type; nothing else uses the procedure meanwhile.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn zerorate_procedure_outcome(procedure: *mut Procedure, outcome: *mut Outcome) -> Status {
+    // SAFETY: by the contract.
+    let state = unsafe { boundary::state(procedure) };
+    status::of(state.and_then(|State { procedure, refused }| {
+        if let Some(refused) = refused {
+            return Err(*refused);
+        }
+        if procedure.next() != Action::Done {
+            return Err(ZERORATE_E_STATE);
+        }
+        let core = procedure.outcome().map_err(|refusal| refusal.status())?;
+        // SAFETY: by the contract.
+        unsafe { boundary::output(outcome, Outcome::new(&core)) }
+    }))
+}

@@ -1,0 +1,27 @@
+//! What a static library without an operating system owes the linker.
+
+use core::alloc::{GlobalAlloc, Layout};
+use core::panic::PanicInfo;
+
+/// There is no heap. The core could allocate, but nothing exported here does, so this never gets into the library.
+struct NoHeap;
+
+#[global_allocator]
+static NO_HEAP: NoHeap = NoHeap;
+
+// SAFETY: an allocator may refuse everything; what was never given is never taken back.
+unsafe impl GlobalAlloc for NoHeap {
+    unsafe fn alloc(&self, _: Layout) -> *mut u8 {
+        core::ptr::null_mut()
+    }
+
+    unsafe fn dealloc(&self, _: *mut u8, _: Layout) {}
+}
+
+/// Never linked either.
+#[panic_handler]
+fn panic(_: &PanicInfo<'_>) -> ! {
+    loop {
+        core::hint::spin_loop();
+    }
+}

@@ -1,0 +1,228 @@
+//! What functions return: stable numbers.
+
+use adis16130::{BusError, Fault, InitError, ReadError, SampleError, VerifyError, WaitError};
+use core::ffi::{CStr, c_char};
+use zerorate::{IntegerError, PlanError, Refusal, TableError};
+
+/// What a function returns: ZERORATE_OK, a positive number that says something harmless, or a negative one that says what failed.
+/// The numbers keep their meaning in all versions.
+pub type Status = i32;
+
+/// It worked.
+pub const ZERORATE_OK: Status = 0;
+/// Nothing was due at this edge, or it was stale: no sample, and no loss.
+pub const ZERORATE_NOTHING: Status = 1;
+/// A pointer is null that must not be.
+pub const ZERORATE_E_NULL: Status = -1;
+/// The object has not been set up, or a call came too early for it.
+pub const ZERORATE_E_STATE: Status = -2;
+/// An argument is out of range; its documentation says which there are.
+pub const ZERORATE_E_ARGUMENT: Status = -3;
+/// `transfer` returned other than 0. It may have left the part in the middle of a command: initialise it.
+pub const ZERORATE_E_BUS: Status = -10;
+/// `rdy` is missing or returned a negative number.
+pub const ZERORATE_E_PIN: Status = -11;
+/// RDY gave no sign of new data within the time given.
+pub const ZERORATE_E_TIMEOUT: Status = -12;
+/// SDO is stuck at ones: check its wire, CS and the supply.
+pub const ZERORATE_E_STUCK_HIGH: Status = -20;
+/// SDO is stuck at zeros: check its wire, CS and the supply.
+pub const ZERORATE_E_STUCK_LOW: Status = -21;
+/// The part has been reset, as by a dip of the supply: initialise it.
+pub const ZERORATE_E_CONFIGURATION_LOST: Status = -22;
+/// A register contradicts what was written: bit errors on the line, or another part.
+pub const ZERORATE_E_UNEXPECTED: Status = -23;
+/// The reading is at the end of its scale, on a healthy link (F-35).
+pub const ZERORATE_E_OUT_OF_RANGE: Status = -24;
+/// A coefficient does not fit the integer correction: |BTC| up to 1.19 deg/s/deg C, PBC and T3 within the codes.
+pub const ZERORATE_E_COEFFICIENT: Status = -30;
+/// Step and span must be positive, the span a whole number of steps, at most 100001 rows.
+pub const ZERORATE_E_TABLE_LAYOUT: Status = -31;
+/// The memory given holds fewer rows than the table has.
+pub const ZERORATE_E_TABLE_ROOM: Status = -32;
+/// A row does not fit 32 bits in millionths of a deg/s.
+pub const ZERORATE_E_TABLE_STEEP: Status = -33;
+/// A duration or limit of the plan makes no sense.
+pub const ZERORATE_E_PLAN: Status = -40;
+/// Refused: the rate varies more than noise and temperature explain (or jumped during an average).
+pub const ZERORATE_E_MOVING: Status = -50;
+/// Refused: a mean rate that no bias explains.
+pub const ZERORATE_E_TURNING: Status = -51;
+/// Refused: white noise far above the part's.
+pub const ZERORATE_E_NOISY: Status = -52;
+/// Refused: the two temperatures are too close for the wanted uncertainty of BTC.
+pub const ZERORATE_E_SPAN: Status = -53;
+/// Refused: BTC would be too uncertain, by the curvature that two temperatures cannot show.
+pub const ZERORATE_E_CURVATURE: Status = -54;
+/// Refused: too many samples were lost.
+pub const ZERORATE_E_LOST: Status = -55;
+/// Refused: readings beyond the range.
+pub const ZERORATE_E_OVERRANGED: Status = -56;
+/// Refused: the readings stopped changing.
+pub const ZERORATE_E_FROZEN: Status = -57;
+/// Refused: a window holds too few samples.
+pub const ZERORATE_E_TOO_FEW: Status = -58;
+/// Refused: a window holds no temperature.
+pub const ZERORATE_E_NO_TEMPERATURE: Status = -59;
+/// Refused, for a reason that this version of the interface has no number for.
+pub const ZERORATE_E_REFUSED: Status = -60;
+
+/// A status in words: a string that lives for ever, without end of line. Never null.
+#[unsafe(no_mangle)]
+pub extern "C" fn zerorate_text(status: Status) -> *const c_char {
+    let text: &'static CStr = match status {
+        ZERORATE_OK => c"done",
+        ZERORATE_NOTHING => c"nothing was due, or the edge was stale",
+        ZERORATE_E_NULL => c"a pointer is null",
+        ZERORATE_E_STATE => c"the object has not been set up",
+        ZERORATE_E_ARGUMENT => c"an argument is out of range",
+        ZERORATE_E_BUS => c"the SPI transfer failed; reset and initialise the part",
+        ZERORATE_E_PIN => c"the RDY line cannot be read",
+        ZERORATE_E_TIMEOUT => c"RDY gave no sign of new data in time",
+        ZERORATE_E_STUCK_HIGH => c"SDO is stuck at ones; check its wire, CS and the supply",
+        ZERORATE_E_STUCK_LOW => c"SDO is stuck at zeros; check its wire, CS and the supply",
+        ZERORATE_E_CONFIGURATION_LOST => c"the part has lost its configuration; check the supply, initialise it",
+        ZERORATE_E_UNEXPECTED => c"a register reads back wrong; the line carries errors",
+        ZERORATE_E_OUT_OF_RANGE => c"the reading is at the end of its scale",
+        ZERORATE_E_COEFFICIENT => c"a coefficient does not fit the integer correction",
+        ZERORATE_E_TABLE_LAYOUT => c"step and span lay out no table",
+        ZERORATE_E_TABLE_ROOM => c"the table does not fit into the memory given",
+        ZERORATE_E_TABLE_STEEP => c"a row of the table does not fit 32 bits",
+        ZERORATE_E_PLAN => c"a duration or limit of the plan makes no sense",
+        ZERORATE_E_MOVING => c"refused: the part moves",
+        ZERORATE_E_TURNING => c"refused: the part turns",
+        ZERORATE_E_NOISY => c"refused: the part shakes or its supply is noisy",
+        ZERORATE_E_SPAN => c"refused: the temperature hardly changed",
+        ZERORATE_E_CURVATURE => c"refused: BTC too uncertain by curvature",
+        ZERORATE_E_LOST => c"refused: too many samples were lost",
+        ZERORATE_E_OVERRANGED => c"refused: readings out of range",
+        ZERORATE_E_FROZEN => c"refused: the readings stopped changing",
+        ZERORATE_E_TOO_FEW => c"refused: too few samples",
+        ZERORATE_E_NO_TEMPERATURE => c"refused: no temperature was read",
+        ZERORATE_E_REFUSED => c"refused",
+        _ => c"unknown status",
+    };
+    text.as_ptr()
+}
+
+/// The number of a function that ended well or not.
+pub fn of(done: Result<(), Status>) -> Status {
+    match done {
+        Ok(()) => ZERORATE_OK,
+        Err(status) => status,
+    }
+}
+
+/// An error, as a number.
+pub trait Numbered {
+    /// The number.
+    fn status(&self) -> Status;
+}
+
+impl<E> Numbered for BusError<E> {
+    fn status(&self) -> Status {
+        ZERORATE_E_BUS
+    }
+}
+
+impl Numbered for Fault {
+    fn status(&self) -> Status {
+        match self {
+            Self::StuckHigh(_) => ZERORATE_E_STUCK_HIGH,
+            Self::StuckLow(_) => ZERORATE_E_STUCK_LOW,
+            Self::ConfigurationLost(_) => ZERORATE_E_CONFIGURATION_LOST,
+            Self::Unexpected(_) => ZERORATE_E_UNEXPECTED,
+        }
+    }
+}
+
+impl<E> Numbered for ReadError<E> {
+    fn status(&self) -> Status {
+        match self {
+            Self::Bus(error) => error.status(),
+            Self::Fault(fault) => fault.status(),
+            Self::OutOfRange(_) => ZERORATE_E_OUT_OF_RANGE,
+        }
+    }
+}
+
+impl<E> Numbered for SampleError<E> {
+    fn status(&self) -> Status {
+        match self {
+            Self::Bus(error) => error.status(),
+            Self::Fault(fault) => fault.status(),
+            Self::OutOfRange(_) => ZERORATE_E_OUT_OF_RANGE,
+        }
+    }
+}
+
+impl<E> Numbered for InitError<E> {
+    fn status(&self) -> Status {
+        match self {
+            Self::Bus(error) => error.status(),
+            Self::Verify(error) => error.status(),
+        }
+    }
+}
+
+impl<E> Numbered for VerifyError<E> {
+    fn status(&self) -> Status {
+        match self {
+            Self::Bus(error) => error.status(),
+            Self::NotInitialised => ZERORATE_E_STATE,
+            Self::StuckHigh(_) => ZERORATE_E_STUCK_HIGH,
+            Self::StuckLow(_) => ZERORATE_E_STUCK_LOW,
+            Self::ConfigurationLost(_) => ZERORATE_E_CONFIGURATION_LOST,
+            Self::Differs(_) => ZERORATE_E_UNEXPECTED,
+        }
+    }
+}
+
+impl<P> Numbered for WaitError<P> {
+    fn status(&self) -> Status {
+        match self {
+            Self::Pin(_) => ZERORATE_E_PIN,
+            Self::TimedOut { .. } => ZERORATE_E_TIMEOUT,
+        }
+    }
+}
+
+impl Numbered for IntegerError {
+    fn status(&self) -> Status {
+        ZERORATE_E_COEFFICIENT
+    }
+}
+
+impl Numbered for TableError {
+    fn status(&self) -> Status {
+        match self {
+            Self::NotPositive { .. } | Self::Ragged { .. } | Self::TooLong { .. } => ZERORATE_E_TABLE_LAYOUT,
+            Self::NoRoom { .. } => ZERORATE_E_TABLE_ROOM,
+            Self::TooSteep { .. } => ZERORATE_E_TABLE_STEEP,
+        }
+    }
+}
+
+impl Numbered for PlanError {
+    fn status(&self) -> Status {
+        ZERORATE_E_PLAN
+    }
+}
+
+impl Numbered for Refusal {
+    fn status(&self) -> Status {
+        match self {
+            Self::Moving { .. } => ZERORATE_E_MOVING,
+            Self::Turning { .. } => ZERORATE_E_TURNING,
+            Self::Noisy { .. } => ZERORATE_E_NOISY,
+            Self::Span { .. } => ZERORATE_E_SPAN,
+            Self::Curvature { .. } => ZERORATE_E_CURVATURE,
+            Self::Lost { .. } => ZERORATE_E_LOST,
+            Self::Overranged { .. } => ZERORATE_E_OVERRANGED,
+            Self::Frozen { .. } => ZERORATE_E_FROZEN,
+            Self::TooFew { .. } => ZERORATE_E_TOO_FEW,
+            Self::NoTemperature { .. } => ZERORATE_E_NO_TEMPERATURE,
+            _ => ZERORATE_E_REFUSED,
+        }
+    }
+}

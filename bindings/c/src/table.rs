@@ -1,0 +1,77 @@
+//! The table of F-52, in memory of the caller.
+
+use crate::boundary;
+use crate::correction::Correction;
+use crate::status::{self, Numbered, Status, ZERORATE_E_NULL};
+use zerorate::RowIndex;
+
+/// A table of (temperature - T3) * BTC, without PBC, in millionths of a deg/s. The rows are the caller's and must stay where they are
+/// as long as the table is used; looking up only reads, so one table may serve a main loop and interrupts.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct Table {
+    /// Row 0 is for T3 + span, the last one for T3 - span.
+    pub rows_udps: *const i32,
+    /// How many there are.
+    pub rows: usize,
+    /// The row of T3 and a half, times 2^32.
+    pub middle_q32: i64,
+    /// Rows per temperature code, times 2^32.
+    pub rows_per_code_q32: i64,
+    /// T3 as a temperature code.
+    pub t3_code: i32,
+}
+
+/// Lays the table of a correction out in `memory`, which has room for so many rows, from +`span_c` down to -`span_c` in steps of
+/// `step_c`, deg C: 2 * span / step + 1 rows.
+///
+/// # Safety
+/// Each pointer is null or points to memory of its type, `memory` to `room` numbers of it.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn zerorate_table_lay_out(
+    table: *mut Table,
+    correction: *const Correction,
+    step_c: f64,
+    span_c: f64,
+    memory: *mut i32,
+    room: usize,
+) -> Status {
+    if memory.is_null() {
+        return ZERORATE_E_NULL;
+    }
+    // SAFETY: not null, by the contract so many, and written as integers before they are read.
+    let memory = unsafe { core::slice::from_raw_parts_mut(memory, room) };
+    // SAFETY: by the contract.
+    let done = unsafe { boundary::input(correction) }.and_then(|correction| {
+        let rows = correction.to_core().fill_table(step_c, span_c, memory).map_err(|error| error.status())?;
+        let RowIndex { middle_q, rows_per_code_q, t3_code } = RowIndex::new(rows, step_c, correction.t3_c);
+        let made = Table {
+            rows_udps: memory.as_ptr(),
+            rows,
+            middle_q32: middle_q,
+            rows_per_code_q32: rows_per_code_q,
+            t3_code,
+        };
+        // SAFETY: by the contract.
+        unsafe { boundary::output(table, made) }
+    });
+    status::of(done)
+}
+
+/// The row nearest to the temperature of a code of 24 bits, in millionths of a deg/s: corrected rate = rate + PBC + row. Beyond the
+/// table its first or last row holds. 0 where there is no table.
+///
+/// # Safety
+/// `table` is null or points to one that was laid out and whose rows are still there.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn zerorate_table_look_up(table: *const Table, temp_code: u32) -> i32 {
+    // SAFETY: by the contract.
+    let Ok(table) = (unsafe { boundary::input(table) }) else { return 0 };
+    let &Table { rows_udps, rows, middle_q32, rows_per_code_q32, t3_code } = table;
+    if rows_udps.is_null() || rows == 0 {
+        return 0;
+    }
+    let row = RowIndex { middle_q: middle_q32, rows_per_code_q: rows_per_code_q32, t3_code }.row(temp_code);
+    // SAFETY: not null, and below the number of rows.
+    unsafe { *rows_udps.add(row.min(rows - 1)) }
+}

@@ -1,0 +1,240 @@
+/*
+ * Does with the C interface what xtask/src/c/expected.rs does with the Rust crates, and prints it. Both must print the same, on a host
+ * and on a microcontroller. "unit.h" is the header that `zerorate export --format c` writes for the same correction.
+ */
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "twin.h"
+#include "unit.h"
+#include "zerorate.h"
+
+#define SAMPLES 500
+#define ROWS 201
+
+static const zerorate_correction CORRECTION = {-0.25, -0.04, 26.0};
+
+static void print_f64(const char *name, double value)
+{
+    uint64_t bits;
+
+    memcpy(&bits, &value, sizeof bits);
+    printf("%s %08" PRIx32 "%08" PRIx32 "\n", name, (uint32_t)(bits >> 32), (uint32_t)bits);
+}
+
+static void print_status(const char *what, zerorate_status status)
+{
+    printf("%s %ld\n", what, (long)status);
+}
+
+static zerorate_bus bus_of(void *rig)
+{
+    zerorate_bus bus;
+
+    bus.context = rig;
+    bus.transfer = zerorate_twin_transfer;
+    bus.rdy = zerorate_twin_rdy;
+    bus.delay_us = zerorate_twin_delay_us;
+    return bus;
+}
+
+/* A twin of these keys, with a gyroscope that was set up and initialised on it. */
+static void *started(const char *keys, uint32_t mclk_hz, zerorate_gyro *gyro)
+{
+    void *rig = zerorate_twin_new(keys);
+    const zerorate_bus bus = bus_of(rig);
+    zerorate_settings settings;
+
+    zerorate_settings_default(&settings);
+    settings.mclk_hz = mclk_hz;
+    if (rig == NULL || zerorate_gyro_set_up(gyro, &bus, &settings) != ZERORATE_OK) {
+        printf("no twin of %s\n", keys);
+        return NULL;
+    }
+    print_status("initialise", zerorate_gyro_initialise(gyro));
+    return rig;
+}
+
+/* The next sample; ZERORATE_E_TIMEOUT where no edge comes. */
+static zerorate_status next_sample(void *rig, zerorate_gyro *gyro, zerorate_sample *sample)
+{
+    zerorate_status status = ZERORATE_NOTHING;
+    uint64_t t_ns;
+    uint32_t seq;
+
+    while (status == ZERORATE_NOTHING) {
+        if (!zerorate_twin_next_edge(rig, &t_ns, &seq)) {
+            return ZERORATE_E_TIMEOUT;
+        }
+        status = zerorate_gyro_sample(gyro, t_ns, seq, sample);
+    }
+    return status;
+}
+
+static void misuse(void)
+{
+    zerorate_gyro gyro;
+    zerorate_settings settings;
+    zerorate_bus bus = bus_of(NULL);
+    zerorate_reading reading;
+    zerorate_plan plan;
+    zerorate_procedure procedure;
+    zerorate_correction steep = {0.0, 2.0, 25.0};
+    zerorate_correction_integer integer;
+    zerorate_table table;
+    int32_t rows[3];
+
+    memset(&gyro, 0, sizeof gyro);
+    memset(&procedure, 0, sizeof procedure);
+    memset(&table, 0, sizeof table);
+    zerorate_settings_default(&settings);
+    zerorate_plan_default(&plan);
+    print_status("no settings", zerorate_settings_default(NULL));
+    print_status("no gyro", zerorate_gyro_set_up(NULL, &bus, &settings));
+    print_status("not set up", zerorate_gyro_read(&gyro, &reading));
+    print_status("not begun", zerorate_procedure_next(&procedure));
+    settings.bits = 7;
+    print_status("seven bits", zerorate_gyro_set_up(&gyro, &bus, &settings));
+    settings.bits = 24;
+    bus.transfer = NULL;
+    print_status("no transfer", zerorate_gyro_set_up(&gyro, &bus, &settings));
+    plan.average_s = 0.0;
+    print_status("no average", zerorate_procedure_begin(&procedure, &plan));
+    print_status("steep", zerorate_correction_to_integer(&steep, &integer));
+    print_status("ragged", zerorate_table_lay_out(&table, &CORRECTION, 0.02, 0.03, rows, 3));
+    print_status("no room", zerorate_table_lay_out(&table, &CORRECTION, 0.02, 0.12, rows, 3));
+    printf("no table %ld\n", (long)zerorate_table_look_up(&table, 1));
+    printf("no correction %lu\n", (unsigned long)zerorate_correct_integer(NULL, 77, 1));
+    printf("%s. %s.\n", zerorate_text(ZERORATE_E_TIMEOUT), zerorate_text(12345));
+}
+
+static void samples(const char *keys)
+{
+    zerorate_gyro gyro;
+    zerorate_sample sample;
+    zerorate_reading reading;
+    zerorate_correction_integer integer;
+    zerorate_correction_f32 single;
+    zerorate_table table;
+    static int32_t rows[ROWS];
+    void *rig = started(keys, 6000000, &gyro);
+    int i;
+
+    print_status("integer", zerorate_correction_to_integer(&CORRECTION, &integer));
+    print_status("single", zerorate_correction_to_f32(&CORRECTION, &single));
+    print_status("table", zerorate_table_lay_out(&table, &CORRECTION, 0.02, 2.0, rows, ROWS));
+    for (i = 0; i < SAMPLES; i++) {
+        const zerorate_status status = next_sample(rig, &gyro, &sample);
+        float corrected_dps;
+        uint32_t bits;
+
+        if (status != ZERORATE_OK || !sample.has_temp) {
+            print_status("sample", status);
+            break;
+        }
+        corrected_dps =
+            zerorate_correct_f32(&single, zerorate_rate_dps(sample.rate_code), zerorate_temp_c(sample.temp_code));
+        memcpy(&bits, &corrected_dps, sizeof bits);
+        printf("%" PRIu32 " %" PRIu32 " %" PRIu32 " %" PRIu32 " %" PRIu32 " %" PRIu32 " %" PRIx32 " %ld %" PRIu32 " %ld\n",
+               (uint32_t)sample.t_ns, sample.seq, sample.rate_code, sample.temp_code, sample.lost,
+               zerorate_correct_integer(&integer, sample.rate_code, sample.temp_code), bits,
+               (long)zerorate_table_look_up(&table, sample.temp_code),
+               zerorate_correct_code(sample.rate_code, sample.temp_code),
+               (long)zerorate_table_lookup_udps(sample.temp_code));
+    }
+    print_f64("f64", zerorate_correct(&CORRECTION, 0.33, 33.5));
+    print_status("wait", zerorate_gyro_wait_ready(&gyro, 1000));
+    print_status("read", zerorate_gyro_read(&gyro, &reading));
+    printf("%" PRIu32 " %" PRIu32 "\n", reading.rate_code, reading.temp_code);
+    print_status("diagnose", zerorate_gyro_diagnose(&gyro));
+    zerorate_twin_set_fault(rig, 1);
+    print_status("zeros", zerorate_gyro_diagnose(&gyro));
+    zerorate_twin_set_fault(rig, 2);
+    print_status("ones", zerorate_gyro_initialise(&gyro));
+    zerorate_twin_set_fault(rig, 3);
+    print_status("dip", zerorate_gyro_diagnose(&gyro));
+    print_status("again", zerorate_gyro_initialise(&gyro));
+    zerorate_twin_set_fault(rig, 4);
+    print_status("cut", zerorate_gyro_wait_ready(&gyro, 1000));
+    zerorate_twin_free(rig);
+}
+
+static void calibrate(const char *keys)
+{
+    zerorate_gyro gyro;
+    zerorate_procedure procedure;
+    zerorate_plan plan;
+    zerorate_outcome outcome;
+    zerorate_sample sample;
+    void *rig = started(keys, 1000000, &gyro);
+    zerorate_status status;
+    double elapsed_s;
+    double total_s;
+
+    zerorate_plan_default(&plan);
+    plan.average_s = 2.0;
+    plan.warmup_s = 20.0;
+    plan.settle_s = 10.0;
+    plan.offset_s = 6.0;
+    plan.final_temp_s = 0.5;
+    plan.max_u_btc_dps_per_c = 0.05;
+    plan.earth_dps = 0.003;
+    plan.assume_linear = 1;
+    print_status("begin", zerorate_procedure_begin(&procedure, &plan));
+    print_status("too early", zerorate_procedure_outcome(&procedure, &outcome));
+    status = zerorate_procedure_next(&procedure);
+    print_status("first", status == ZERORATE_INITIALISE ? ZERORATE_OK : status);
+    zerorate_procedure_initialised(&procedure, zerorate_twin_now_ns(rig));
+    while ((status = zerorate_procedure_next(&procedure)) == ZERORATE_SAMPLE) {
+        status = next_sample(rig, &gyro, &sample);
+        if (status != ZERORATE_OK) {
+            print_status("sample", status);
+            break;
+        }
+        zerorate_procedure_sample(&procedure, &sample);
+    }
+    print_status("ended", status == ZERORATE_DONE ? ZERORATE_OK : status);
+    zerorate_procedure_progress(&procedure, &elapsed_s, &total_s);
+    printf("step %ld\n", (long)zerorate_procedure_step(&procedure));
+    print_f64("elapsed_s", elapsed_s);
+    print_f64("total_s", total_s);
+    status = zerorate_procedure_outcome(&procedure, &outcome);
+    print_status("outcome", status);
+    if (status == ZERORATE_OK) {
+        print_f64("pbc_dps", outcome.correction.pbc_dps);
+        print_f64("btc_dps_per_c", outcome.correction.btc_dps_per_c);
+        print_f64("t3_c", outcome.correction.t3_c);
+        print_f64("u_pbc_dps", outcome.u_pbc_dps);
+        print_f64("u_btc_dps_per_c", outcome.u_btc_dps_per_c);
+        print_f64("u_t3_c", outcome.u_t3_c);
+        print_f64("b1_dps", outcome.b1_dps);
+        print_f64("b2_dps", outcome.b2_dps);
+        print_f64("t1_c", outcome.t1_c);
+        print_f64("t2_c", outcome.t2_c);
+        print_f64("temp_min_c", outcome.temp_min_c);
+        print_f64("temp_max_c", outcome.temp_max_c);
+        print_f64("white", outcome.white_dps_per_rt_hz);
+        print_f64("rate_hz", outcome.rate_hz);
+        printf("samples %lu lost %lu warnings %lu\n", (unsigned long)outcome.samples, (unsigned long)outcome.lost,
+               (unsigned long)outcome.warnings);
+    }
+    zerorate_twin_free(rig);
+}
+
+int main(int argc, char **argv)
+{
+    const char *seed = argc > 1 ? argv[1] : "1";
+    const char *quick = "mclk_hz=1000000,warmup_s=10,curvature=0,hysteresis=0";
+    char keys[160];
+
+    misuse();
+    snprintf(keys, sizeof keys, "seed=%s", seed);
+    samples(keys);
+    snprintf(keys, sizeof keys, "seed=%s,%s", seed, quick);
+    calibrate(keys);
+    snprintf(keys, sizeof keys, "seed=%s,%s,motion=sway", seed, quick);
+    calibrate(keys);
+    return 0;
+}

@@ -1,0 +1,75 @@
+/* The board of the examples, on the twin: ends after 1000 rates that are believable, or with the first report. */
+#include "board.h"
+#include "twin.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+static void *rig;
+static void (*interrupt)(void);
+static uint64_t edge_ns;
+static int used;
+
+static void *twin(void)
+{
+    if (rig == NULL) {
+        rig = zerorate_twin_new("seed=3");
+    }
+    return rig;
+}
+
+int32_t board_spi_transfer(void *context, uint8_t *bytes, size_t length)
+{
+    (void)context;
+    return zerorate_twin_transfer(twin(), bytes, length);
+}
+
+int32_t board_rdy(void *context)
+{
+    (void)context;
+    return zerorate_twin_rdy(twin());
+}
+
+void board_delay_us(void *context, uint32_t us)
+{
+    (void)context;
+    zerorate_twin_delay_us(twin(), us);
+}
+
+uint64_t board_now_ns(void)
+{
+    return edge_ns;
+}
+
+void board_rdy_interrupt(void (*handler)(void))
+{
+    interrupt = handler;
+}
+
+void board_sleep(void)
+{
+    uint32_t seq;
+
+    if (zerorate_twin_next_edge(twin(), &edge_ns, &seq)) {
+        interrupt();
+    }
+}
+
+void board_use(uint32_t corrected_code, uint32_t lost)
+{
+    /* a default unit at rest reads within 10 deg/s of zero */
+    if (lost != 0 || abs((int32_t)corrected_code - (1 << 23)) > 234880) {
+        printf("corrected code %lu, %lu lost\n", (unsigned long)corrected_code, (unsigned long)lost);
+        exit(2);
+    }
+    if (++used == 1000) {
+        zerorate_twin_free(rig);
+        exit(0);
+    }
+}
+
+void board_report(const char *text)
+{
+    printf("%s\n", text);
+    exit(3);
+}

@@ -1,0 +1,9 @@
+/* The twin, like Rust's own precompiled libraries for a host, refers to a function for unwinding. Nothing unwinds here. */
+#include <stdlib.h>
+
+void rust_eh_personality(void);
+
+void rust_eh_personality(void)
+{
+    abort();
+}

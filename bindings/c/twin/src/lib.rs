@@ -1,0 +1,155 @@
+//! The twin as the functions that `zerorate_bus` points to. For tests only: pointers are trusted.
+
+#![no_std]
+
+extern crate alloc;
+
+use adis16130_twin::{Fault, Spec, Twin, TwinDelay, TwinRdy, TwinSpi};
+use alloc::boxed::Box;
+use core::alloc::{GlobalAlloc, Layout};
+use core::ffi::{CStr, c_char, c_void};
+use core::panic::PanicInfo;
+use embedded_hal::delay::DelayNs;
+use embedded_hal::digital::InputPin;
+use embedded_hal::spi::SpiDevice;
+
+/// A twin with everything that it is reached by.
+pub struct Rig {
+    twin: Twin,
+    spi: TwinSpi,
+    rdy: TwinRdy,
+    delay: TwinDelay,
+}
+
+/// A twin of a specification such as `seed=7,warmup-s=30`; null where that says nothing.
+///
+/// # Safety
+/// `keys` is a C string.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn zerorate_twin_new(keys: *const c_char) -> *mut Rig {
+    // SAFETY: by the contract.
+    let keys = unsafe { CStr::from_ptr(keys) };
+    let Some(spec) = keys.to_str().ok().and_then(|keys| Spec::parse_keys(keys).ok()) else {
+        return core::ptr::null_mut();
+    };
+    let twin = Twin::new(spec);
+    Box::into_raw(Box::new(Rig { spi: twin.spi(), rdy: twin.rdy(), delay: twin.delay(), twin }))
+}
+
+/// Gives the memory back.
+///
+/// # Safety
+/// `rig` came from [`zerorate_twin_new`] and is not used again.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn zerorate_twin_free(rig: *mut Rig) {
+    // SAFETY: by the contract.
+    drop(unsafe { Box::from_raw(rig) });
+}
+
+/// One CS-low frame.
+///
+/// # Safety
+/// `rig` came from [`zerorate_twin_new`]; `bytes` are so many.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn zerorate_twin_transfer(rig: *mut Rig, bytes: *mut u8, length: usize) -> i32 {
+    // SAFETY: by the contract.
+    let (rig, bytes) = unsafe { (&mut *rig, core::slice::from_raw_parts_mut(bytes, length)) };
+    rig.spi.transfer_in_place(bytes).map_or(-1, |()| 0)
+}
+
+/// The level of RDY.
+///
+/// # Safety
+/// `rig` came from [`zerorate_twin_new`].
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn zerorate_twin_rdy(rig: *mut Rig) -> i32 {
+    // SAFETY: by the contract.
+    unsafe { &mut *rig }.rdy.is_high().map_or(-1, i32::from)
+}
+
+/// Lets simulated time pass.
+///
+/// # Safety
+/// `rig` came from [`zerorate_twin_new`].
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn zerorate_twin_delay_us(rig: *mut Rig, us: u32) {
+    // SAFETY: by the contract.
+    unsafe { &mut *rig }.delay.delay_us(us);
+}
+
+/// Simulated time.
+///
+/// # Safety
+/// `rig` came from [`zerorate_twin_new`].
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn zerorate_twin_now_ns(rig: *mut Rig) -> u64 {
+    // SAFETY: by the contract.
+    unsafe { &*rig }.twin.now_ns()
+}
+
+/// The next falling edge of RDY: 1 and its time and number, or 0 where none came within a tenth of a second.
+///
+/// # Safety
+/// `rig` came from [`zerorate_twin_new`]; the others can be written to.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn zerorate_twin_next_edge(rig: *mut Rig, t_ns: *mut u64, seq: *mut u32) -> i32 {
+    // SAFETY: by the contract.
+    let Some(edge) = unsafe { &*rig }.twin.next_falling_edge(100_000_000) else { return 0 };
+    // SAFETY: by the contract.
+    unsafe {
+        t_ns.write(edge.t_ns);
+        seq.write(edge.seq);
+    }
+    1
+}
+
+/// Sets a fault: 0 none, 1 SDO at zeros, 2 SDO at ones, 3 a dip of the supply, 4 RDY cut.
+///
+/// # Safety
+/// `rig` came from [`zerorate_twin_new`].
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn zerorate_twin_set_fault(rig: *mut Rig, fault: i32) {
+    let fault = match fault {
+        1 => Fault::SdoLow,
+        2 => Fault::SdoHigh,
+        3 => Fault::Brownout,
+        4 => Fault::RdyLost,
+        _ => Fault::None,
+    };
+    // SAFETY: by the contract.
+    unsafe { &*rig }.twin.set_fault(fault);
+}
+
+/// C's memory.
+struct Malloc;
+
+#[global_allocator]
+static MALLOC: Malloc = Malloc;
+
+unsafe extern "C" {
+    fn malloc(size: usize) -> *mut c_void;
+    fn free(memory: *mut c_void);
+    fn abort() -> !;
+}
+
+// SAFETY: malloc gives memory for anything of up to 8 bytes alignment, and more is not asked for.
+unsafe impl GlobalAlloc for Malloc {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        if layout.align() > 8 {
+            return core::ptr::null_mut();
+        }
+        // SAFETY: any size may be asked for.
+        unsafe { malloc(layout.size()) }.cast()
+    }
+
+    unsafe fn dealloc(&self, memory: *mut u8, _: Layout) {
+        // SAFETY: it came from malloc.
+        unsafe { free(memory.cast()) }
+    }
+}
+
+#[panic_handler]
+fn panic(_: &PanicInfo<'_>) -> ! {
+    // SAFETY: ends the program.
+    unsafe { abort() }
+}

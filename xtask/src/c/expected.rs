@@ -1,0 +1,178 @@
+//! What `bindings/c/tests/agree.c` must print, from the Rust crates: driver, corrections, and the procedure that keeps every block.
+
+use adis16130::blocking::Adis16130;
+use adis16130::{Config, Edge, Framing, RateCode, Sample, Sampler, SamplerConfig, TempCode, WaitBound};
+use adis16130_twin::{Spec, Twin, TwinRdy, TwinSpi};
+use anyhow::{Context, Result, anyhow};
+use std::fmt::Write;
+use zerorate::{Action, CodeTable, Correction, Event, Outcome, Plan, Procedure, Refusal, Warning};
+
+/// The correction of the test, as a calibration file.
+pub const CALIBRATION: &str =
+    "schema = 1\npart = \"ADIS16130\"\n[correction]\npbc_dps = -0.25\nbtc_dps_per_c = -0.04\nt3_c = 26.0\n";
+
+const CORRECTION: Correction = Correction { pbc_dps: -0.25, btc_dps_per_c: -0.04, t3_c: 26.0 };
+const SAMPLES: usize = 500;
+const ROWS: usize = 201;
+
+/// The numbers of bindings/c/src/status.rs, typed again: they may not change.
+const MISUSE: &str = "no settings -1\nno gyro -1\nnot set up -2\nnot begun -2\nseven bits -3\nno transfer -1\nno average -40\n\
+    steep -30\nragged -31\nno room -32\nno table 0\nno correction 77\n\
+    RDY gave no sign of new data in time. unknown status.\n";
+const FAULTS: &str = "diagnose 0\nzeros -21\nones -20\ndip -22\nagain 0\ncut -12\n";
+
+/// Everything that the test prints.
+pub fn text(seed: u64) -> Result<String> {
+    let quick = "mclk_hz=1000000,warmup_s=10,curvature=0,hysteresis=0";
+    let mut text = MISUSE.to_owned();
+    samples(&mut text, &format!("seed={seed}"))?;
+    calibrate(&mut text, &format!("seed={seed},{quick}"))?;
+    calibrate(&mut text, &format!("seed={seed},{quick},motion=sway"))?;
+    Ok(text)
+}
+
+struct Rig {
+    twin: Twin,
+    gyro: Adis16130<TwinSpi, TwinRdy>,
+    sampler: Sampler,
+}
+
+impl Rig {
+    fn new(keys: &str, mclk_hz: u32) -> Result<Self> {
+        let twin = Twin::new(Spec::parse_keys(keys)?);
+        let config = Config::new().with_framing(Framing::Command);
+        let mut gyro = Adis16130::new(twin.spi(), twin.rdy(), config);
+        gyro.reset().map_err(|error| anyhow!("{error}"))?;
+        gyro.init_verified().map_err(|error| anyhow!("{error}"))?;
+        let mut sampler = Sampler::new(SamplerConfig::new(), &config, mclk_hz);
+        sampler.restarted();
+        Ok(Self { twin, gyro, sampler })
+    }
+
+    fn next(&mut self) -> Result<Sample> {
+        loop {
+            let edge = self.twin.next_falling_edge(100_000_000).context("no edge")?;
+            let edge = Edge { t_ns: edge.t_ns, seq: edge.seq };
+            if let Some(sample) = self.gyro.sample(&mut self.sampler, edge).map_err(|error| anyhow!("{error}"))? {
+                return Ok(sample);
+            }
+        }
+    }
+}
+
+fn samples(text: &mut String, keys: &str) -> Result<()> {
+    let mut rig = Rig::new(keys, 6_000_000)?;
+    text.push_str("initialise 0\ninteger 0\nsingle 0\ntable 0\n");
+    let (integer, single) = (CORRECTION.to_integer()?, CORRECTION.to_f32());
+    let mut rows = [0; ROWS];
+    CORRECTION.fill_table(0.02, 2.0, &mut rows)?;
+    let table = CodeTable::new(&rows, 0.02, CORRECTION.t3_c);
+    for _ in 0..SAMPLES {
+        let Sample { t_ns, seq, rate, temp, lost, .. } = rig.next()?;
+        let temp = temp.context("a sample without temperature")?;
+        let (rate_code, temp_code) = (rate.code24(), temp.code24());
+        let corrected = integer.apply(rate_code, temp_code);
+        let f32_bits = single.apply(rate.to_dps(), temp.to_celsius()).to_bits();
+        let row = table.look_up_udps(temp_code);
+        let time = t_ns as u32;
+        writeln!(text, "{time} {seq} {rate_code} {temp_code} {lost} {corrected} {f32_bits:x} {row} {corrected} {row}")?;
+    }
+    f64_line(text, "f64", CORRECTION.apply(0.33, 33.5))?;
+    let ready = rig.gyro.wait_ready(&mut rig.twin.delay(), WaitBound::from_us(1000));
+    ready.map_err(|error| anyhow!("{error}"))?;
+    let (rate, temp): (RateCode, TempCode) = rig.gyro.read_both().map_err(|error| anyhow!("{error}"))?;
+    writeln!(text, "wait 0\nread 0\n{} {}", rate.code24(), temp.code24())?;
+    text.push_str(FAULTS);
+    Ok(())
+}
+
+const PLAN: Plan = Plan {
+    average_s: 2.0,
+    warmup_s: 20.0,
+    settle_s: 10.0,
+    offset_s: 6.0,
+    final_temp_s: 0.5,
+    max_lost: 0.001,
+    max_u_btc_dps_per_c: 0.05,
+    earth_dps: Some(0.003),
+    assume_linear: true,
+};
+
+fn calibrate(text: &mut String, keys: &str) -> Result<()> {
+    let mut rig = Rig::new(keys, 1_000_000)?;
+    text.push_str("initialise 0\nbegin 0\ntoo early -2\nfirst 0\n");
+    let mut procedure = Procedure::new(PLAN)?;
+    let mut seen = procedure.handle(Event::Initialised { t_ns: rig.twin.now_ns() });
+    while seen.is_ok() && procedure.next() != Action::Done {
+        seen = procedure.handle(Event::Sample(&rig.next()?));
+    }
+    let ended = seen.map_or_else(|refusal| number(&refusal), |()| 0);
+    let progress = procedure.progress();
+    writeln!(text, "ended {ended}\nstep {}", 3 + progress.state as u32)?;
+    f64_line(text, "elapsed_s", progress.elapsed_s)?;
+    f64_line(text, "total_s", progress.total_s)?;
+    writeln!(text, "outcome {ended}")?;
+    if seen.is_ok() { outcome_lines(text, &procedure.finish()?) } else { Ok(()) }
+}
+
+fn outcome_lines(text: &mut String, outcome: &Outcome) -> Result<()> {
+    let (correction, uncertainty) = (&outcome.correction, &outcome.uncertainty);
+    let lines = [
+        ("pbc_dps", correction.pbc_dps),
+        ("btc_dps_per_c", correction.btc_dps_per_c),
+        ("t3_c", correction.t3_c),
+        ("u_pbc_dps", uncertainty.u_pbc_dps),
+        ("u_btc_dps_per_c", uncertainty.u_btc_dps_per_c),
+        ("u_t3_c", uncertainty.u_t3_c),
+        ("b1_dps", outcome.b1_dps),
+        ("b2_dps", outcome.b2_dps),
+        ("t1_c", outcome.t1_c),
+        ("t2_c", outcome.t2_c),
+        ("temp_min_c", outcome.temp_min_c),
+        ("temp_max_c", outcome.temp_max_c),
+        ("white", outcome.noise.model.white_dps_per_rt_hz),
+        ("rate_hz", outcome.rate_hz),
+    ];
+    for (name, value) in lines {
+        f64_line(text, name, value)?;
+    }
+    let warnings: u32 = outcome.warnings.iter().map(flag).sum();
+    writeln!(text, "samples {} lost {} warnings {warnings}", outcome.samples, outcome.lost_samples)?;
+    Ok(())
+}
+
+fn f64_line(text: &mut String, name: &str, value: f64) -> Result<()> {
+    Ok(writeln!(text, "{name} {:016x}", value.to_bits())?)
+}
+
+/// The numbers of the C interface, typed again.
+fn number(refusal: &Refusal) -> i32 {
+    match refusal {
+        Refusal::Moving { .. } => -50,
+        Refusal::Turning { .. } => -51,
+        Refusal::Noisy { .. } => -52,
+        Refusal::Span { .. } => -53,
+        Refusal::Curvature { .. } => -54,
+        Refusal::Lost { .. } => -55,
+        Refusal::Overranged { .. } => -56,
+        Refusal::Frozen { .. } => -57,
+        Refusal::TooFew { .. } => -58,
+        Refusal::NoTemperature { .. } => -59,
+        _ => -60,
+    }
+}
+
+fn flag(warning: &Warning) -> u32 {
+    match warning {
+        Warning::EarthIncluded => 1,
+        Warning::CurvatureUnseen { .. } => 2,
+        Warning::Drifting { .. } => 4,
+        Warning::ShortAverage { .. } => 8,
+        Warning::Aliased { .. } => 16,
+        Warning::Lost { .. } => 32,
+        Warning::Wandering { .. } => 64,
+        // the one on fixed memory does not look for steps
+        Warning::Step { .. } => 0,
+        _ => 128,
+    }
+}
