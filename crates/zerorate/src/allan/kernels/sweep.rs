@@ -38,6 +38,9 @@ pub(super) trait Step {
 
 /// Sum of the squared differences of `shape` for each of `m`.
 pub(super) fn sums<T: Step>(x: &[T::Number], shape: Shape, m: &[usize]) -> Vec<T::Sum> {
+    if shape == Shape::Total {
+        return total_sums::<T>(x, m);
+    }
     let is_far = |m: usize| m.is_multiple_of(ROW) && shape.is_overlapping();
     let (far, near): (Vec<usize>, Vec<usize>) = m.iter().partition(|&&m| is_far(m));
     let mut near = near_sums::<T>(x, shape, &near).into_iter();
@@ -100,8 +103,7 @@ fn block_sum<T: Step>(x: &[T::Number], shape: Shape, m: usize, starts: Range<usi
     match shape {
         _ if shape.stride(m) > 1 => strided::<T>(x, shape, m, starts),
         Shape::Third { .. } => T::third(stream(0), stream(1), stream(2), stream(3)),
-        Shape::Total => total::<T>(x, m, starts.start + 1..starts.end + 1),
-        Shape::Second { .. } | Shape::Modified => T::second(stream(0), stream(1), stream(2)),
+        _ => T::second(stream(0), stream(1), stream(2)),
     }
 }
 
@@ -121,17 +123,22 @@ fn strided<T: Step>(x: &[T::Number], shape: Shape, m: usize, starts: Range<usize
     }
 }
 
-/// Around each of `middles`; where the record ends within m of them, it is reflected.
-fn total<T: Step>(x: &[T::Number], m: usize, middles: Range<usize>) -> T::Sum {
-    let inner_start = m.clamp(middles.start, middles.end);
-    let inner_end = x.len().saturating_sub(m).clamp(inner_start, middles.end);
-    let mut sum = reflected::<T>(x, m, middles.start..inner_start);
-    let at = |from: usize| &x[from..from + inner_end - inner_start];
-    if inner_start < inner_end {
-        T::join(&mut sum, T::second(at(inner_start - m), at(inner_start), at(inner_start + m)));
-    }
-    T::join(&mut sum, reflected::<T>(x, m, inner_end..middles.end));
-    sum
+/// Within the record as the overlapping deviation; around the points within m of its ends, reflected.
+fn total_sums<T: Step>(x: &[T::Number], m: &[usize]) -> Vec<T::Sum> {
+    let mut sums = sums::<T>(x, Shape::Second { overlapping: true }, m);
+    let last = x.len() - 1;
+    let edges = threads::map(m.len(), |i| {
+        let start_end = m[i].min(last);
+        let mut sum = T::Sum::default();
+        for edge in [1..start_end, start_end.max(x.len() - m[i])..last] {
+            for from in edge.clone().step_by(BLOCK) {
+                T::join(&mut sum, reflected::<T>(x, m[i], from..edge.end.min(from + BLOCK)));
+            }
+        }
+        sum
+    });
+    sums.iter_mut().zip(edges).for_each(|(sum, edge)| T::join(sum, edge));
+    sums
 }
 
 /// Around `middles`, all of which are within m of the start or none, and likewise the end once they are cut there.
