@@ -104,18 +104,21 @@ fn on_host(seed: u64, expected: &str) -> Result<()> {
     Ok(())
 }
 
-/// The test with newlib in the emulator; the examples are compiled for both cores.
+/// The test with newlib in the emulator; the examples are linked for both cores.
 fn on_controller(seed: u64, expected: &str) -> Result<()> {
     let m0 = ["-mcpu=cortex-m0", "-mthumb"];
     let m4f = ["-mcpu=cortex-m4", "-mthumb", "-mfpu=fpv4-sp-d16", "-mfloat-abi=hard"];
-    for (core, flags) in [("m0", &m0[..]), ("m4f", &m4f[..])] {
+    for (target, flags) in [(M0, &m0[..]), (M4F, &m4f[..])] {
+        let library = build("zerorate-c", Some(target))?;
         for example in EXAMPLES {
-            let object = Path::new(WORK).join(format!("{example}-{core}.o"));
+            let sources = [format!("examples/{example}.c"), "tests/board_nothing.c".to_owned()];
             let mut gcc = compiler("arm-none-eabi-gcc");
-            gcc.args(flags).args(["-Os", "-c"]).arg(Path::new(PROJECT).join(format!("examples/{example}.c")));
-            done(gcc.arg("-o").arg(object))?;
+            gcc.args(flags).args(["-Os", "--specs=nosys.specs", "-Wl,--gc-sections", "-Wl,--no-warnings"]);
+            gcc.args(sources.map(|source| Path::new(PROJECT).join(source))).arg(&library);
+            done(gcc.arg("-o").arg(Path::new(WORK).join(format!("{example}-{target}.elf"))))?;
         }
     }
+    println!("the examples link for {M0} and {M4F}");
     let image = Path::new(WORK).join("agree.elf");
     let mut gcc = compiler("arm-none-eabi-gcc");
     gcc.args(m4f).args(["-Os", "-ffunction-sections", "-fdata-sections", "--specs=rdimon.specs"]);
