@@ -99,7 +99,7 @@ pub const KEYS: &[Key] = &[
             s.warmup_s = v;
         },
     ),
-    number("mclk_hz", (1e6, 1e7), "drawn: 6000000 ± 1 %", "master clock, Hz", |s, v| s.mclk_hz = v),
+    number("mclk_hz", (1e3, 1e7), "drawn: 6000000 ± 1 %", "master clock, Hz", |s, v| s.mclk_hz = v),
     choice(
         "roa",
         &[("none", |s| s.roa = Roa::Open), ("10nf", |s| s.roa = Roa::TenNanofarad)],

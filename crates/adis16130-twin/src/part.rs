@@ -127,6 +127,11 @@ impl Part {
         Some((self.edge_ps, self.edge_seq))
     }
 
+    /// When something happens next of itself, or [`NEVER`].
+    pub(crate) fn next_event_ps(&self) -> u64 {
+        self.next_event_ps
+    }
+
     /// Forgets edges that nobody asked for yet.
     pub(crate) fn clear_latched_edge(&mut self) {
         self.reported_seq = self.edge_seq;

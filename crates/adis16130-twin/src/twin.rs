@@ -1,6 +1,6 @@
 //! The twin as its user holds it.
 
-use crate::adc::LostUnread;
+use crate::adc::{LostUnread, NEVER};
 use crate::fault::Fault;
 use crate::part::Part;
 use crate::pins::{SelfTestPin, SyncPin, TwinDelay, TwinRdy};
@@ -76,6 +76,16 @@ impl Twin {
     pub fn next_falling_edge(&self, timeout_ns: u64) -> Option<TwinEdge> {
         let edge = self.part.borrow_mut().next_falling_edge(timeout_ns.saturating_mul(1000));
         edge.map(|(t_ps, seq)| TwinEdge { t_ns: t_ps / 1000, seq })
+    }
+
+    /// When the part does something next of itself (a conversion ends, a fault sets in), in ns from the start, rounded up;
+    /// `None` if never. An edge of RDY comes at such a time, so whoever lets time pass by the wall clock can sleep until
+    /// then.
+    pub fn next_event_ns(&self) -> Option<u64> {
+        match self.part.borrow().next_event_ps() {
+            NEVER => None,
+            t_ps => Some(t_ps.div_ceil(1000)),
+        }
     }
 
     /// The truth about the slow bias now.

@@ -235,7 +235,7 @@ impl Comb {
     fn new((rate_cycles, temp_cycles): (u32, u32), mclk_hz: u32) -> Self {
         let cycles = (rate_cycles + temp_cycles).max(1);
         let cycles_ns = (u64::from(cycles) * 1_000_000_000) << FRACTION_BITS;
-        let nominal = quotient(cycles_ns, mclk_hz.max(1_000_000).into()) as i64;
+        let nominal = quotient(cycles_ns, mclk_hz.max(1_000).into()) as i64;
         let mut comb = Self {
             nominal,
             period: nominal,

@@ -19,8 +19,9 @@ impl Acquisition {
     /// Opens the device and, from here on, takes Ctrl-C as the wish to end cleanly.
     pub fn open(device: &DeviceArgs, sampling: SamplingArgs) -> Result<Self> {
         interrupt::listen()?;
-        let pace = device.realtime.then(Pace::default);
-        Ok(Self { pace, ..Self::unpaced(Device::open(&device.device, sampling)?) })
+        let opened = Device::open(&device.device, sampling)?;
+        let pace = (device.realtime && !opened.is_real()).then(Pace::default);
+        Ok(Self { pace, ..Self::unpaced(opened) })
     }
 
     /// Over a device that is open already, as fast as it goes. Ctrl-C stays what it was.
@@ -62,7 +63,15 @@ impl Acquisition {
 
     /// Whether the samples come at the speed of the wall clock.
     pub fn is_paced(&self) -> bool {
-        self.pace.is_some()
+        self.pace.is_some() || self.device.is_real()
+    }
+
+    /// What is to be said of the samples that were read, but could not be stored in time.
+    pub fn overflow(&self) -> Option<String> {
+        let samples = self.device.overflowed();
+        (samples > 0).then(|| {
+            format!("queue-overflow: {samples} samples were read but lost, since the disk or the processor was too slow for them; they are counted as lost")
+        })
     }
 }
 

@@ -9,7 +9,7 @@ use crate::commands::{
     probe::ProbeArgs,
     report::ReportArgs,
     stream::StreamArgs,
-    twin,
+    twin::{self, TwinArgs},
 };
 use crate::device::DeviceSpec;
 use clap::{Args, Parser, Subcommand};
@@ -44,12 +44,8 @@ pub enum Command {
     Export(ExportArgs),
     Report(ReportArgs),
     Allan(AllanArgs),
-    /// Lists the keys of the simulated part (`--device twin:KEY=VALUE,…`).
-    ///
-    /// The twin is used through `--device twin:…` by every command that reads a part. Running it as a device of its
-    /// own, for other programs to talk to, comes with a later version.
     #[command(after_help = twin::keys_help())]
-    Twin,
+    Twin(TwinArgs),
     /// Prints the completion script for a shell.
     ///
     /// For example: zerorate completions bash > /etc/bash_completion.d/zerorate
@@ -64,7 +60,9 @@ pub enum Command {
 /// Which part to read.
 #[derive(Args, Debug)]
 pub struct DeviceArgs {
-    /// The part to read: twin: (simulated), twin:KEY=VALUE,… (see `zerorate twin`), or replay:FILE (a capture).
+    /// The part to read: twin: (simulated), twin:KEY=VALUE,… (see `zerorate twin`), replay:FILE (a capture),
+    /// spi:/dev/spidevB.C?rdy=gpiochipN:LINE (Linux; options hz=SCLK, framing=command|byte, mclk=HZ), or
+    /// iio:iio:deviceN (through the kernel's driver; option hz=POLLS).
     #[arg(short, long, value_name = "DEV", default_value = "twin:")]
     pub device: DeviceSpec,
 

@@ -15,6 +15,8 @@ mod interrupt;
 pub mod plot;
 mod progress;
 pub mod report;
+#[cfg(unix)]
+mod usb;
 
 use clap::Parser;
 use std::ffi::OsString;

@@ -68,9 +68,9 @@ fn bad_items_are_named() {
     assert_eq!(message("seed=1,seed=2"), "seed is given twice");
     assert_eq!(message("seed=-1"), "seed=-1: seed takes a whole number from 0 to 2^64 - 1");
     assert_eq!(message("profile=cold"), "profile=cold: profile takes constant|ramp|oven");
-    for mclk in ["NaN", "-6e6", "0", "999999", "10000001", "inf", "six", ""] {
+    for mclk in ["NaN", "-6e6", "0", "999", "10000001", "inf", "six", ""] {
         let text = format!("mclk_hz={mclk}");
-        assert_eq!(message(&text), format!("{text}: mclk_hz takes a number from 1000000 to 10000000"));
+        assert_eq!(message(&text), format!("{text}: mclk_hz takes a number from 1000 to 10000000"));
     }
     assert!(matches!(Spec::parse_keys("noise=2"), Err(SpecError::BadValue { key: "noise", .. })));
 }

@@ -29,7 +29,7 @@ pub fn run(cli: &Cli) -> Result<()> {
         Command::Export(args) => export::run(args),
         Command::Report(args) => report::run(args),
         Command::Allan(args) => allan::run(args),
-        Command::Twin => twin::run(),
+        Command::Twin(args) => twin::run(args),
         Command::Completions { shell } => man::completions(*shell),
         Command::Man => man::man(),
     }

@@ -1,10 +1,139 @@
-//! `zerorate twin`: what the simulated part can be told.
+//! `zerorate twin`: what the simulated part can be told, and the part as hardware that other software sees.
 
-use adis16130_twin::{KEYS, Key};
+use crate::interrupt;
+use adis16130_twin::{KEYS, Key, Spec};
 use anyhow::Result;
+use clap::Args;
+use std::path::PathBuf;
 
-pub fn run() -> Result<()> {
-    super::print(&(keys_help() + "\n"))
+/// Lists the keys of the simulated part, or plugs it into a virtual machine.
+///
+/// Every command that reads a part takes the twin as `--device twin:KEY=VALUE,…`; without options this lists the keys.
+///
+/// With --usb the twin becomes hardware, on wall time, behind an emulated USB adapter for SPI and GPIO (Intel LJCA,
+/// 8086:0b63). QEMU plugs it into a guest, whose own kernel drivers bind it: usb-ljca, spi-ljca and gpio-ljca of Linux 6.12.
+/// RDY is line 3 of the adapter's GPIO chip. Ctrl-C unplugs it. docs/formats/ljca.md has the messages, and the QEMU
+/// options.
+#[derive(Args, Debug)]
+pub struct TwinArgs {
+    /// The unit, as in --device twin:KEY=VALUE,… .
+    #[arg(value_name = "KEY=VALUE,…", requires = "usb")]
+    keys: Option<Spec>,
+
+    /// Plug the twin in at this unix socket, on which QEMU listens (-chardev socket,…,server=on).
+    #[arg(long, value_name = "SOCKET")]
+    usb: Option<PathBuf>,
+
+    /// Master clock of the converter, Hz; below the range of the key mclk_hz, so that a slow host can follow. Temperatures
+    /// and noise keep to the wall clock.
+    #[arg(long, value_name = "HZ", requires = "usb", value_parser = clap::value_parser!(u32).range(1_000..=10_000_000))]
+    mclk_hz: Option<u32>,
+
+    /// Converting from the start, as after F-30: for drivers that write no register, like the one of Linux.
+    #[arg(long, requires = "usb")]
+    initialised: bool,
+
+    /// Log every SPI frame to this file: t_ns,mosi,miso,lost_rate as CSV.
+    #[arg(long, value_name = "FILE", requires = "usb")]
+    wire: Option<PathBuf>,
+
+    /// Print what the part saw, and its truth, as one JSON object at the end.
+    #[arg(long, requires = "usb")]
+    json: bool,
+}
+
+pub fn run(args: &TwinArgs) -> Result<()> {
+    let Some(socket) = &args.usb else {
+        return super::print(&(keys_help() + "\n"));
+    };
+    interrupt::listen()?;
+    let mut spec = args.keys.clone().unwrap_or_else(|| Spec::from_seed(1));
+    if let Some(mclk_hz) = args.mclk_hz {
+        spec.mclk_hz = mclk_hz.into();
+    }
+    hardware::run(args, socket, spec)
+}
+
+#[cfg(not(unix))]
+mod hardware {
+    use super::*;
+
+    pub fn run(_: &TwinArgs, _: &std::path::Path, _: Spec) -> Result<()> {
+        Err(crate::exit::Usage("--usb needs unix sockets, which this system does not have".to_owned()).into())
+    }
+}
+
+#[cfg(unix)]
+mod hardware {
+    use super::*;
+    use crate::usb::{self, Final, Seen, Setup};
+    use adis16130_twin::ChannelLosses;
+    use serde::Serialize;
+    use std::path::Path;
+
+    /// What the part saw, and what it knows.
+    #[derive(Serialize)]
+    struct Summary {
+        seed: u64,
+        mclk_hz: f64,
+        duration_s: f64,
+        #[serde(flatten)]
+        seen: Seen,
+        lost_rate: Losses,
+        lost_temp: Losses,
+        truth: TruthReport,
+    }
+
+    /// Readings that nobody saw (F-33).
+    #[derive(Serialize)]
+    struct Losses {
+        overwritten: u64,
+        dropped: u64,
+    }
+
+    impl From<ChannelLosses> for Losses {
+        fn from(losses: ChannelLosses) -> Self {
+            Self { overwritten: losses.overwritten, dropped: losses.lost_new }
+        }
+    }
+
+    /// The terms of the slow bias at the end; a perfect measurement finds PBC = −bias and BTC = −slope (F-50).
+    #[derive(Serialize)]
+    struct TruthReport {
+        sensor_c: f64,
+        pbc_dps: f64,
+        btc_dps_per_c: f64,
+        curvature_dps_per_c2: f64,
+    }
+
+    pub fn run(args: &TwinArgs, socket: &Path, spec: Spec) -> Result<()> {
+        let (seed, mclk_hz) = (spec.seed, spec.mclk_hz);
+        let setup = Setup { spec, initialised: args.initialised, wire: args.wire.clone() };
+        let Final { seen, lost, truth } = usb::serve(socket, &setup)?;
+        let summary = Summary {
+            seed,
+            mclk_hz,
+            duration_s: truth.t_ns as f64 * 1e-9,
+            seen,
+            lost_rate: lost.rate.into(),
+            lost_temp: lost.temp.into(),
+            truth: TruthReport {
+                sensor_c: truth.sensor_c,
+                pbc_dps: truth.pbc_dps(truth.sensor_c),
+                btc_dps_per_c: truth.btc_dps_per_c(truth.sensor_c),
+                curvature_dps_per_c2: (1.0 + truth.sensitivity_error) * truth.curvature_dps_per_c2,
+            },
+        };
+        if args.json {
+            return crate::commands::print_json(&summary);
+        }
+        let Seen { spi_frames, rate_reads, temp_reads, edges, edges_reported } = seen;
+        eprintln!(
+            "unplugged after {:.1} s: {spi_frames} SPI frames, {rate_reads} rates and {temp_reads} temperatures read, {edges_reported} of {edges} edges of RDY reported",
+            summary.duration_s
+        );
+        Ok(())
+    }
 }
 
 /// The table of the keys, from the twin's own.

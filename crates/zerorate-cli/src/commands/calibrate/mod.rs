@@ -111,7 +111,7 @@ pub fn run(args: &CalibrateArgs) -> Result<()> {
 
 pub fn run_again(args: &RecalibrateArgs) -> Result<()> {
     interrupt::listen()?;
-    let device = Device::open(&DeviceSpec::Replay(args.capture.clone()), SamplingArgs::AS_RECORDED)?;
+    let device = Device::open(&DeviceSpec::replay(args.capture.clone()), SamplingArgs::AS_RECORDED)?;
     calibrate(Acquisition::unpaced(device), &args.plan, &args.result, None)
 }
 

@@ -1,0 +1,146 @@
+//! Addresses of devices with options: `/dev/spidev0.0?rdy=gpiochip0:25&hz=4000000`.
+
+use adis16130::{Framing, MAX_SCLK_HZ, MCLK_HZ};
+use std::ops::RangeInclusive;
+use std::path::PathBuf;
+
+/// A part on a Linux SPI bus.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SpiAddress {
+    /// The spidev file.
+    pub spi: PathBuf,
+    /// The file of the GPIO chip that RDY is connected to.
+    pub chip: PathBuf,
+    /// Its line there.
+    pub line: u32,
+    /// SPI clock, Hz.
+    pub hz: u32,
+    /// How CS frames the bytes (F-22).
+    pub framing: Framing,
+    /// Nominal master clock of the part, Hz.
+    pub mclk_hz: u32,
+}
+
+/// A part that the kernel's IIO driver reads.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct IioAddress {
+    /// The device's folder in sysfs.
+    pub folder: PathBuf,
+    /// How often it is polled, per second.
+    pub hz: u32,
+}
+
+/// SPI clock unless given, Hz: half of what the part can (F-21).
+const DEFAULT_HZ: u32 = MAX_SCLK_HZ / 2;
+const SLOWEST_HZ: u32 = 10_000;
+const MCLK_RANGE_HZ: RangeInclusive<u32> = 1_000..=10_000_000;
+const SPI_EXAMPLE: &str = "spi:/dev/spidev0.0?rdy=gpiochip0:25&hz=4000000";
+const POLL_RANGE_HZ: RangeInclusive<u32> = 1..=10_000;
+const DEFAULT_POLL_HZ: u32 = 100;
+
+impl SpiAddress {
+    /// Reads what follows `spi:`.
+    pub fn parse(text: &str) -> Result<Self, String> {
+        let (spi, options) = split(text);
+        if !spi.starts_with('/') {
+            return Err(format!("spi: needs the spidev file and the RDY line, as in {SPI_EXAMPLE}"));
+        }
+        let mut rdy = None;
+        let (mut hz, mut framing, mut mclk_hz) = (DEFAULT_HZ, Framing::Command, MCLK_HZ);
+        for option in options {
+            match option.split_once('=') {
+                Some(("rdy", line)) => rdy = Some(gpio_line(line)?),
+                Some(("hz", text)) => hz = number("hz", text, SLOWEST_HZ..=MAX_SCLK_HZ)?,
+                Some(("framing", "byte")) => framing = Framing::PerByte,
+                Some(("framing", "command")) => framing = Framing::Command,
+                Some(("mclk", text)) => mclk_hz = number("mclk", text, MCLK_RANGE_HZ)?,
+                _ => {
+                    return Err(format!(
+                        "`{option}` is no option; there are rdy=CHIP:LINE, hz=SCLK, framing=command|byte and mclk=HZ, as in {SPI_EXAMPLE}"
+                    ));
+                }
+            }
+        }
+        let (chip, line) =
+            rdy.ok_or_else(|| format!("which line is RDY (pin 10)? give rdy=CHIP:LINE, as in {SPI_EXAMPLE}"))?;
+        Ok(Self { spi: spi.into(), chip, line, hz, framing, mclk_hz })
+    }
+}
+
+impl IioAddress {
+    /// Reads what follows `iio:`.
+    pub fn parse(text: &str) -> Result<Self, String> {
+        let (name, options) = split(text);
+        if name.is_empty() || name.contains('/') {
+            return Err("iio: needs the device's name, as in iio:iio:device0 (ls /sys/bus/iio/devices)".to_owned());
+        }
+        let mut hz = DEFAULT_POLL_HZ;
+        for option in options {
+            match option.split_once('=') {
+                Some(("hz", text)) => hz = number("hz", text, POLL_RANGE_HZ)?,
+                _ => return Err(format!("`{option}` is no option; there is hz=POLLS_PER_SECOND")),
+            }
+        }
+        Ok(Self { folder: PathBuf::from("/sys/bus/iio/devices").join(name), hz })
+    }
+}
+
+fn split(text: &str) -> (&str, impl Iterator<Item = &str>) {
+    let (name, options) = text.split_once('?').unwrap_or((text, ""));
+    (name, options.split('&').filter(|option| !option.is_empty()))
+}
+
+/// `gpiochip0:25` or `/dev/gpiochip0:25`.
+fn gpio_line(text: &str) -> Result<(PathBuf, u32), String> {
+    let parts = text.rsplit_once(':').and_then(|(chip, line)| Some((chip, line.parse().ok()?)));
+    let (chip, line) = parts
+        .filter(|(chip, _)| !chip.is_empty())
+        .ok_or_else(|| format!("rdy={text} is no CHIP:LINE, as in rdy=gpiochip0:25 (gpioinfo lists them)"))?;
+    let chip = if chip.starts_with('/') { chip.into() } else { PathBuf::from("/dev").join(chip) };
+    Ok((chip, line))
+}
+
+fn number(key: &str, text: &str, range: RangeInclusive<u32>) -> Result<u32, String> {
+    let value = text.parse().ok().filter(|value| range.contains(value));
+    value.ok_or_else(|| format!("{key}={text}: {key} takes a whole number from {} to {}", range.start(), range.end()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_address_is_read_whole() {
+        let address = SpiAddress::parse("/dev/spidev1.2?rdy=gpiochip4:25&hz=8000000&framing=byte&mclk=105400");
+        let expected = SpiAddress {
+            spi: "/dev/spidev1.2".into(),
+            chip: "/dev/gpiochip4".into(),
+            line: 25,
+            hz: 8_000_000,
+            framing: Framing::PerByte,
+            mclk_hz: 105_400,
+        };
+        assert_eq!(address, Ok(expected));
+        let plain = SpiAddress::parse("/dev/spidev0.0?rdy=/dev/gpiochip0:3").expect("an address");
+        assert_eq!((plain.hz, plain.framing, plain.mclk_hz), (5_000_000, Framing::Command, 6_000_000));
+        let iio = IioAddress::parse("iio:device0?hz=50").expect("an address");
+        assert_eq!((iio.folder.to_str(), iio.hz), (Some("/sys/bus/iio/devices/iio:device0"), 50));
+    }
+
+    #[test]
+    fn what_is_wrong_is_said() {
+        for (text, hint) in [
+            ("", "spi:/dev/spidev0.0"),
+            ("/dev/spidev0.0", "rdy=CHIP:LINE"),
+            ("/dev/spidev0.0?rdy=25", "gpiochip0:25"),
+            ("/dev/spidev0.0?rdy=gpiochip0:25&hz=20000000", "10000000"),
+            ("/dev/spidev0.0?rdy=gpiochip0:25&speed=1", "`speed=1`"),
+            ("/dev/spidev0.0?rdy=gpiochip0:25&framing=bit", "`framing=bit`"),
+        ] {
+            let error = SpiAddress::parse(text).unwrap_err();
+            assert!(error.contains(hint), "{text}: {error}");
+        }
+        assert!(IioAddress::parse("").unwrap_err().contains("iio:iio:device0"));
+        assert!(IioAddress::parse("iio:device0?hz=0").unwrap_err().contains("from 1"));
+    }
+}

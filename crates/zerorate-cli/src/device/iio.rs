@@ -1,0 +1,161 @@
+//! The part behind the kernel's own driver `adis16130`, polled through sysfs.
+//!
+//! That driver holds the bus and gives single readings: no data ready, no status, no time of an edge. So nobody can tell
+//! whether a reading is new, or how many were never read; `lost` counts polls that came too late.
+
+use super::address::IioAddress;
+use adis16130::{RATE_LSB_PER_DPS, RateCode, Sample, TEMP_LSB_PER_C, TempCode, Width, ZERO_CODE};
+use anyhow::{Context, Result, bail, ensure};
+use std::fs;
+use std::path::Path;
+use std::str::FromStr;
+use std::time::{Duration, Instant};
+
+/// The driver's name, as sysfs gives it.
+const DRIVER: &str = "adis16130";
+const RATE: &str = "in_anglvel_z";
+const TEMP: &str = "in_temp0";
+/// The kernel prints scales with nine decimals; that of the rate then has three digits.
+const SCALE_TOLERANCE: f64 = 0.005;
+
+/// The part, being polled.
+pub struct IioDevice {
+    address: IioAddress,
+    every_temp: u16,
+    /// What makes a raw reading a 24-bit code.
+    rate_shift: i64,
+    temp_shift: i64,
+    started: Instant,
+    /// Number of the next poll.
+    next: u32,
+    taken: u64,
+}
+
+impl IioDevice {
+    /// Reads the driver's scales and offsets, and makes sure that its readings are codes of F-40 and F-41.
+    pub fn open(address: &IioAddress, every_temp: u16) -> Result<Self> {
+        let folder = &address.folder;
+        ensure!(
+            folder.is_dir(),
+            "no {}: is the driver bound? see ls /sys/bus/iio/devices; modprobe {DRIVER}",
+            folder.display()
+        );
+        let name = read_text(folder, "name")?;
+        ensure!(name == DRIVER, "{} is {name}, not an {DRIVER}", folder.display());
+        let dps = std::f64::consts::PI / 180.0; // the kernel's unit is rad/s
+        let rate_shift = shift(folder, RATE, dps / f64::from(RATE_LSB_PER_DPS), i64::from(ZERO_CODE))?;
+        // its unit is 0.001 °C, and its offset counts from 0 °C: 25 · 14093 codes below the zero code (F-41)
+        let temp_zero = i64::from(ZERO_CODE) - 25 * i64::from(TEMP_LSB_PER_C);
+        let temp_shift = shift(folder, TEMP, 1000.0 / f64::from(TEMP_LSB_PER_C), temp_zero)?;
+        Ok(Self {
+            address: address.clone(),
+            every_temp,
+            rate_shift,
+            temp_shift,
+            started: Instant::now(),
+            next: 0,
+            taken: 0,
+        })
+    }
+
+    /// Polls per second.
+    pub fn rate_hz(&self) -> f64 {
+        self.address.hz.into()
+    }
+
+    /// The next reading, at its time.
+    pub fn next(&mut self) -> Result<Sample> {
+        let period = Duration::from_secs(1) / self.address.hz;
+        let elapsed = self.started.elapsed();
+        let due = period * self.next;
+        let slot = match due.checked_sub(elapsed) {
+            Some(early) => {
+                std::thread::sleep(early);
+                self.next
+            }
+            None => (elapsed.as_nanos() / period.as_nanos()) as u32,
+        };
+        let lost = slot - self.next;
+        self.next = slot + 1;
+        let t_ns = self.started.elapsed().as_nanos() as u64;
+        let rate = RateCode::new(self.code(RATE, self.rate_shift)?, Width::Bits24);
+        let with_temp = self.taken.is_multiple_of(self.every_temp.into());
+        let temp = with_temp.then(|| self.code(TEMP, self.temp_shift)).transpose()?;
+        let temp = temp.map(|code| TempCode::new(code, Width::Bits24));
+        self.taken += 1;
+        Ok(Sample { t_ns, seq: slot, rate, status: None, temp, lost })
+    }
+
+    fn code(&self, channel: &str, shift: i64) -> Result<u32> {
+        let raw: i64 = read(&self.address.folder, &format!("{channel}_raw"))?;
+        let code = raw + shift;
+        ensure!((0..1 << 24).contains(&code), "{channel}_raw is {raw}, which is no reading of 24 bits");
+        Ok(code as u32)
+    }
+}
+
+/// Checks the scale, and says what must be added to a raw reading so that `zero` is the code at the channel's zero.
+fn shift(folder: &Path, channel: &str, expected_scale: f64, zero: i64) -> Result<i64> {
+    let scale: f64 = read(folder, &format!("{channel}_scale"))?;
+    let offset: i64 = read(folder, &format!("{channel}_offset"))?;
+    if (scale / expected_scale - 1.0).abs() > SCALE_TOLERANCE {
+        bail!("{channel}_scale is {scale}, but codes of an ADIS16130 have {expected_scale:.6e}: is that another part?");
+    }
+    Ok(zero + offset)
+}
+
+fn read<T: FromStr<Err: std::error::Error + Send + Sync + 'static>>(folder: &Path, name: &str) -> Result<T> {
+    let text = read_text(folder, name)?;
+    text.parse().with_context(|| format!("{}/{name} reads {text:?}", folder.display()))
+}
+
+fn read_text(folder: &Path, name: &str) -> Result<String> {
+    let path = folder.join(name);
+    let text = fs::read_to_string(&path).with_context(|| {
+        format!("reading {}: was the part unplugged, or its driver unbound? (ls /sys/bus/iio/devices)", path.display())
+    })?;
+    Ok(text.trim().to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What the driver of Linux 6.12 shows.
+    fn folder(rate_scale: &str) -> tempfile::TempDir {
+        let folder = tempfile::tempdir().expect("a folder");
+        for (name, text) in [
+            ("name", "adis16130"),
+            ("in_anglvel_z_raw", "8388622"),
+            ("in_anglvel_z_offset", "-8388608"),
+            ("in_anglvel_z_scale", rate_scale),
+            ("in_temp0_raw", "8388609"),
+            ("in_temp0_offset", "-8036283"),
+            ("in_temp0_scale", "0.070957212"),
+        ] {
+            fs::write(folder.path().join(name), format!("{text}\n")).expect("written");
+        }
+        folder
+    }
+
+    #[test]
+    fn raw_readings_are_the_codes_of_the_part() {
+        let folder = folder("0.000000743");
+        let address = IioAddress { folder: folder.path().to_owned(), hz: 1000 };
+        let mut device = IioDevice::open(&address, 2).expect("a device");
+        let samples: Vec<_> = (0..3).map(|_| device.next().expect("a sample")).collect();
+        assert!(samples.iter().all(|sample| sample.rate.code24() == 8_388_622 && sample.status.is_none()));
+        let temps: Vec<_> = samples.iter().map(|sample| sample.temp.map(TempCode::code24)).collect();
+        assert_eq!(temps, [Some(8_388_609), None, Some(8_388_609)]);
+        fs::remove_file(folder.path().join("in_anglvel_z_raw")).expect("removed");
+        assert!(format!("{:#}", device.next().unwrap_err()).contains("unplugged"));
+    }
+
+    #[test]
+    fn another_part_is_refused() {
+        let folder = folder("0.000000500");
+        let address = IioAddress { folder: folder.path().to_owned(), hz: 1000 };
+        let error = IioDevice::open(&address, 1).err().expect("no device").to_string();
+        assert!(error.contains("another part"), "{error}");
+    }
+}

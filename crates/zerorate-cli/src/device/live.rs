@@ -1,0 +1,132 @@
+//! A part that is read as it converts: the driver, and a source of edges of its data-ready line.
+
+use adis16130::blocking::Adis16130;
+use adis16130::{Config, Edge, Fault, Sample, SampleError, Sampler, SamplerConfig};
+use anyhow::{Result, anyhow};
+use embedded_hal::spi::SpiDevice;
+use std::fmt::Debug;
+
+/// Where edges of data ready come from.
+pub trait Edges {
+    /// The newest edge not handed out yet, or else the next; `None` if none comes within so many ns.
+    fn next(&mut self, timeout_ns: u64) -> Result<Option<Edge>>;
+
+    /// The time in words, for messages.
+    fn now(&self) -> String;
+}
+
+/// The driver with its edges and the count of what was lost.
+pub struct Live<S, E> {
+    part: Adis16130<S, ()>,
+    pub edges: E,
+    pub config: Config,
+    pub sampling: SamplerConfig,
+    sampler: Sampler,
+    mclk_hz: u32,
+    /// Time of the last sample, if there was one since the initialisation.
+    alive_ns: Option<u64>,
+}
+
+/// So long without a data-ready edge is a failure.
+const SILENCE_NS: u64 = 1_000_000_000;
+
+/// The same in periods of the part, for one with a slow clock.
+const SILENT_PERIODS: f64 = 20.0;
+
+/// An initialised part shows many edges in this time (F-32).
+const SIGN_OF_LIFE_NS: u64 = 100_000_000;
+const UNPLUGGED: &str = "the part is unplugged or has no power: data ready (pin 10) is silent and SDO (pin 12) is dead; check the cable and the 5 V supply (pins 11, 13, 15)";
+
+impl<S: SpiDevice<Error: Debug + Send + Sync + 'static>, E: Edges> Live<S, E> {
+    /// A part whose master clock is nominally `mclk_hz`; sends nothing.
+    pub fn new(spi: S, edges: E, config: Config, sampling: SamplerConfig, mclk_hz: u32) -> Self {
+        let part = Adis16130::new(spi, (), config);
+        let sampler = Sampler::new(sampling, &config, mclk_hz);
+        Self { part, edges, config, sampling, sampler, mclk_hz, alive_ns: None }
+    }
+
+    /// Resets the part, initialises it, reads everything back. Returns the revision.
+    pub fn initialise(&mut self) -> Result<u8> {
+        self.alive_ns = None;
+        match self.start() {
+            Ok(revision) => Ok(revision),
+            Err(error) if self.edges.next(SIGN_OF_LIFE_NS)?.is_some() => Err(error.context(
+                "data ready comes (pin 10), so the part is alive and hears, but does not answer as it should",
+            )),
+            Err(error) => Err(error.context(UNPLUGGED)),
+        }
+    }
+
+    fn start(&mut self) -> Result<u8> {
+        self.part.reset()?;
+        self.part.init_verified()?;
+        Ok(self.part.revision()?.bits())
+    }
+
+    /// The next sample.
+    #[inline]
+    pub fn next(&mut self) -> Result<Sample> {
+        loop {
+            let Some(edge) = self.edges.next(self.silence_ns())? else {
+                return Err(self.why_silent());
+            };
+            match self.part.sample(&mut self.sampler, edge) {
+                Ok(Some(sample)) => {
+                    self.alive_ns = Some(sample.t_ns);
+                    return Ok(sample);
+                }
+                Ok(None) => self.require_alive(edge.t_ns)?,
+                Err(error) => self.require_transient(error, edge.t_ns)?,
+            }
+        }
+    }
+
+    /// A failed read whose cause is gone is a lost sample, and the sampler counts it; anything else ends the measurement.
+    #[cold]
+    fn require_transient(&mut self, error: SampleError<S::Error>, now_ns: u64) -> Result<()> {
+        match self.part.diagnose()? {
+            None if self.is_alive(now_ns) => Ok(()),
+            None => Err(self.at(error.into())),
+            Some(fault) => Err(self.at(fault.into())),
+        }
+    }
+
+    /// Edges without new data: the part may be gone, and its line float.
+    #[inline]
+    fn require_alive(&mut self, now_ns: u64) -> Result<()> {
+        if self.is_alive(now_ns) { Ok(()) } else { Err(self.why_silent()) }
+    }
+
+    /// The first edge after an initialisation stands for a sample.
+    fn is_alive(&mut self, now_ns: u64) -> bool {
+        let alive_ns = *self.alive_ns.get_or_insert(now_ns);
+        now_ns.saturating_sub(alive_ns) < self.silence_ns()
+    }
+
+    fn silence_ns(&self) -> u64 {
+        // 1024 edges at 11.4 kHz are 0.09 s, so this is ten times the time from one sample to the next
+        let nominal_ns = SILENCE_NS * (1 + u64::from(self.sampling.divider) / 1024);
+        let (rate, temp) = self.config.conversion_cycles();
+        let period_ns = f64::from(rate + temp) * 1e9 / f64::from(self.mclk_hz);
+        nominal_ns.max((SILENT_PERIODS * period_ns * f64::from(self.sampling.divider)) as u64)
+    }
+
+    #[cold]
+    fn why_silent(&mut self) -> anyhow::Error {
+        let fault = match self.part.diagnose() {
+            Ok(None) => anyhow!(
+                "no data ready: the part answers and is configured, but RDY (pin 10) brought no new data for a second; check the RDY wire"
+            ),
+            Ok(Some(fault @ (Fault::StuckHigh(_) | Fault::StuckLow(_)))) => {
+                anyhow::Error::new(fault).context(UNPLUGGED)
+            }
+            Ok(Some(fault)) => fault.into(),
+            Err(error) => error.into(),
+        };
+        self.at(fault)
+    }
+
+    fn at(&self, error: anyhow::Error) -> anyhow::Error {
+        error.context(self.edges.now())
+    }
+}

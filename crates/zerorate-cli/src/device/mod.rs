@@ -1,0 +1,255 @@
+//! Where samples come from: a part on a bus, the simulated part, or a recording of one.
+
+mod address;
+mod iio;
+mod live;
+#[cfg(any(target_os = "linux", test))]
+mod reader;
+mod replay;
+#[cfg(target_os = "linux")]
+mod spi;
+mod twin;
+
+use crate::capture::{CaptureInfo, CaptureReader};
+use crate::cli::SamplingArgs;
+use crate::exit::Usage;
+use address::{IioAddress, SpiAddress};
+use adis16130::{Config, ConversionTime, MCLK_HZ, Sample, SamplerConfig};
+use adis16130_twin::{Spec, Truth};
+use anyhow::Result;
+use iio::IioDevice;
+use replay::Replay;
+#[cfg(target_os = "linux")]
+use spi::SpiPart;
+use std::fmt;
+use std::path::PathBuf;
+use std::str::FromStr;
+use twin::TwinDevice;
+
+/// What `--device` names.
+#[derive(Clone, Debug)]
+pub struct DeviceSpec {
+    /// As it was given.
+    text: String,
+    kind: Kind,
+}
+
+#[derive(Clone, Debug)]
+enum Kind {
+    /// `twin:KEY=VALUE,…`
+    Twin(Box<Spec>),
+    /// `replay:FILE`
+    Replay(PathBuf),
+    /// `spi:/dev/spidevB.C?rdy=CHIP:LINE&…`
+    Spi(SpiAddress),
+    /// `iio:NAME`
+    Iio(IioAddress),
+}
+
+/// Kinds that the command line names and a later version reads.
+const NOT_YET: [&str; 2] = ["bridge", "tcp"];
+const TODAY: &str =
+    "today there are twin:, twin:KEY=VALUE,…, replay:FILE, spi:/dev/spidevB.C?rdy=CHIP:LINE and iio:NAME";
+
+impl DeviceSpec {
+    /// A recording.
+    pub fn replay(path: PathBuf) -> Self {
+        Self { text: format!("replay:{}", path.display()), kind: Kind::Replay(path) }
+    }
+}
+
+impl FromStr for DeviceSpec {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let kind = match text.split_once(':') {
+            Some(("twin", keys)) => Kind::Twin(Box::new(Spec::parse_keys(keys).map_err(|error| error.to_string())?)),
+            Some(("replay", "")) => return Err("replay: needs the file, as in replay:unit.arrows".to_owned()),
+            Some(("replay", path)) => Kind::Replay(path.into()),
+            Some(("spi", address)) => Kind::Spi(SpiAddress::parse(address)?),
+            Some(("iio", address)) => Kind::Iio(IioAddress::parse(address)?),
+            Some((kind, _)) if NOT_YET.contains(&kind) => {
+                return Err(format!("this version cannot read {kind}: devices yet; {TODAY}"));
+            }
+            _ if text == "twin" => return Err("write twin: with the colon".to_owned()),
+            _ if std::path::Path::new(text).is_file() => {
+                return Err(format!("that is a file; to replay it write replay:{text}"));
+            }
+            _ => return Err(format!("no such kind of device; {TODAY}")),
+        };
+        Ok(Self { text: text.to_owned(), kind })
+    }
+}
+
+impl fmt::Display for DeviceSpec {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.text)
+    }
+}
+
+/// A source of samples, opened.
+pub struct Device {
+    name: String,
+    source: Source,
+}
+
+enum Source {
+    Twin(Box<TwinDevice>),
+    Replay(Box<Replay>),
+    #[cfg(target_os = "linux")]
+    Spi(Box<SpiPart>),
+    Iio(Box<IioDevice>, SamplerConfig),
+}
+
+impl Device {
+    /// Opens the device; sends nothing yet.
+    pub fn open(spec: &DeviceSpec, sampling: SamplingArgs) -> Result<Self> {
+        let name = spec.to_string();
+        let source = match &spec.kind {
+            Kind::Twin(unit) => Source::Twin(Box::new(TwinDevice::new((**unit).clone(), sampler_config(sampling)))),
+            Kind::Replay(path) => {
+                if sampling.every_temp.is_some() || sampling.divider.is_some() {
+                    let why = "--every-temp and --divider were decided when the recording was made; leave them out";
+                    return Err(Usage(why.to_owned()).into());
+                }
+                Source::Replay(Box::new(Replay::new(CaptureReader::open(path)?)))
+            }
+            Kind::Spi(address) => open_spi(address, sampling)?,
+            Kind::Iio(address) => {
+                if sampling.divider.is_some() {
+                    let why = "--divider counts edges of data ready, which the kernel driver does not show; poll less often with ?hz=";
+                    return Err(Usage(why.to_owned()).into());
+                }
+                let sampling = sampler_config(sampling);
+                Source::Iio(Box::new(IioDevice::open(address, sampling.every_temp)?), sampling)
+            }
+        };
+        Ok(Self { name, source })
+    }
+
+    /// Resets the part, initialises it, and reads everything back. Returns the revision; a recording has none, and the
+    /// kernel's driver keeps it to itself.
+    pub fn initialise(&mut self) -> Result<Option<u8>> {
+        match &mut self.source {
+            Source::Twin(twin) => twin.live.initialise().map(Some),
+            #[cfg(target_os = "linux")]
+            Source::Spi(part) => part.initialise().map(Some),
+            Source::Replay(_) | Source::Iio(..) => Ok(None),
+        }
+    }
+
+    /// The next sample; `None` at the end of a recording.
+    #[inline]
+    pub fn next(&mut self) -> Result<Option<Sample>> {
+        match &mut self.source {
+            Source::Twin(twin) => twin.next().map(Some),
+            Source::Replay(replay) => replay.next(),
+            #[cfg(target_os = "linux")]
+            Source::Spi(part) => part.next().map(Some),
+            Source::Iio(device, _) => device.next().map(Some),
+        }
+    }
+
+    /// How the samples are taken; the serial number and the note are those given, or else those of the recording.
+    pub fn info(&self, serial: Option<&str>, supply_note: Option<&str>) -> CaptureInfo {
+        let mut info = match &self.source {
+            Source::Twin(twin) => self.info_of((twin.live.config, twin.live.sampling), String::new()),
+            Source::Replay(replay) => replay.reader.info().clone(),
+            #[cfg(target_os = "linux")]
+            Source::Spi(part) => self.info_of(part.settings(), now()),
+            Source::Iio(_, sampling) => self.info_of((Config::new(), *sampling), now()),
+        };
+        info.serial = serial.map(str::to_owned).or(info.serial);
+        info.supply_note = supply_note.map(str::to_owned).or(info.supply_note);
+        info
+    }
+
+    fn info_of(&self, (config, sampling): (Config, SamplerConfig), created: String) -> CaptureInfo {
+        CaptureInfo {
+            device: self.name.clone(),
+            serial: None,
+            width: config.width(),
+            rate_conversion: config.rate_conversion().bits(),
+            temp_conversion: config.temp_conversion().bits(),
+            every_temp: sampling.every_temp,
+            divider: sampling.divider,
+            software: crate::SOFTWARE.to_owned(),
+            created,
+            supply_note: None,
+        }
+    }
+
+    /// What is being read.
+    pub fn name(&self) -> String {
+        match &self.source {
+            Source::Replay(replay) => format!("recording of {}", replay.reader.info().device),
+            _ => self.name.clone(),
+        }
+    }
+
+    /// Whether it is a part whose time is that of the wall clock.
+    pub fn is_real(&self) -> bool {
+        !matches!(self.source, Source::Twin(_) | Source::Replay(_))
+    }
+
+    /// Samples that were read, but lost because nobody took them in time. They are counted in `lost` as well.
+    pub fn overflowed(&self) -> u64 {
+        match &self.source {
+            #[cfg(target_os = "linux")]
+            Source::Spi(part) => part.overflowed(),
+            _ => 0,
+        }
+    }
+
+    /// The twin's truth about its slow bias now.
+    pub fn truth(&self) -> Option<Truth> {
+        match &self.source {
+            Source::Twin(twin) => Some(twin.truth()),
+            _ => None,
+        }
+    }
+
+    /// Rate samples per second at the nominal master clock: one of 2/(N + 1) conversion pairs with a divider of N (F-31, F-56).
+    pub fn nominal_rate_hz(&self) -> f64 {
+        if let Source::Iio(device, _) = &self.source {
+            return device.rate_hz();
+        }
+        let info = self.info(None, None);
+        let cycles = [info.rate_conversion, info.temp_conversion].map(|bits| ConversionTime::new(bits).cycles(true));
+        let pairs_hz = f64::from(self.mclk_hz()) / f64::from(cycles[0] + cycles[1]);
+        pairs_hz * 2.0 / (f64::from(info.divider) + 1.0)
+    }
+
+    fn mclk_hz(&self) -> u32 {
+        match &self.source {
+            Source::Twin(twin) => twin.mclk_hz,
+            #[cfg(target_os = "linux")]
+            Source::Spi(part) => part.mclk_hz(),
+            _ => MCLK_HZ,
+        }
+    }
+}
+
+fn sampler_config(sampling: SamplingArgs) -> SamplerConfig {
+    SamplerConfig::new().with_every_temp(sampling.every_temp.unwrap_or(1)).with_divider(sampling.divider.unwrap_or(1))
+}
+
+#[cfg(target_os = "linux")]
+fn open_spi(address: &SpiAddress, sampling: SamplingArgs) -> Result<Source> {
+    Ok(Source::Spi(Box::new(SpiPart::open(address, sampler_config(sampling))?)))
+}
+
+#[cfg(not(target_os = "linux"))]
+fn open_spi(_: &SpiAddress, _: SamplingArgs) -> Result<Source> {
+    Err(Usage(
+        "spi: devices are read through spidev, which is a part of Linux; on this system use twin: or replay:"
+            .to_owned(),
+    )
+    .into())
+}
+
+/// The time of day, for the record.
+fn now() -> String {
+    let now = jiff::Timestamp::now();
+    now.round(jiff::Unit::Second).unwrap_or(now).to_string()
+}

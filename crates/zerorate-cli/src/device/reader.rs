@@ -1,0 +1,133 @@
+//! Samples read in a thread of their own, which never waits for whoever takes them.
+
+use adis16130::Sample;
+use anyhow::{Context, Result, anyhow};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
+use std::thread;
+
+/// Samples that can wait: 11 s at the full rate, 2.6 MB.
+const QUEUE: usize = 1 << 16;
+
+/// A thread that reads, and the queue of what it has read.
+pub struct Reader {
+    samples: Receiver<Result<Sample>>,
+    overflowed: Arc<AtomicU64>,
+}
+
+impl Reader {
+    /// Starts to read by `next`, after `prepare` in the same thread. The thread ends with the first error, or when the
+    /// reader is dropped.
+    pub fn start(
+        prepare: impl FnOnce() + Send + 'static,
+        next: impl FnMut() -> Result<Sample> + Send + 'static,
+    ) -> Result<Self> {
+        Self::with_queue(QUEUE, prepare, next)
+    }
+
+    fn with_queue(
+        length: usize,
+        prepare: impl FnOnce() + Send + 'static,
+        next: impl FnMut() -> Result<Sample> + Send + 'static,
+    ) -> Result<Self> {
+        let (queue, samples) = sync_channel(length);
+        let overflowed = Arc::new(AtomicU64::new(0));
+        let feeder = Feeder { queue, overflowed: Arc::clone(&overflowed), owed: 0 };
+        let body = move || {
+            prepare();
+            feeder.run(next);
+        };
+        thread::Builder::new().name("spi".to_owned()).spawn(body).context("starting the reading thread")?;
+        Ok(Self { samples, overflowed })
+    }
+
+    /// The next sample; waits for it.
+    pub fn next(&self) -> Result<Sample> {
+        self.samples.recv().unwrap_or_else(|_| Err(anyhow!("the reading thread has ended")))
+    }
+
+    /// Samples that were read but found the queue full. The sample after them counts them as lost.
+    pub fn overflowed(&self) -> u64 {
+        self.overflowed.load(Ordering::Relaxed)
+    }
+}
+
+/// The thread's end of the queue.
+struct Feeder {
+    queue: SyncSender<Result<Sample>>,
+    overflowed: Arc<AtomicU64>,
+    /// Lost samples that no sample has told of yet.
+    owed: u32,
+}
+
+impl Feeder {
+    fn run(mut self, mut next: impl FnMut() -> Result<Sample>) {
+        loop {
+            match next() {
+                Ok(sample) => {
+                    if !self.offer(sample) {
+                        return;
+                    }
+                }
+                Err(error) => {
+                    // the end may wait for room: nothing is read any more
+                    let _ = self.queue.send(Err(error));
+                    return;
+                }
+            }
+        }
+    }
+
+    /// `false`: nobody takes samples any more.
+    fn offer(&mut self, mut sample: Sample) -> bool {
+        sample.lost = sample.lost.saturating_add(self.owed);
+        match self.queue.try_send(Ok(sample)) {
+            Ok(()) => {
+                self.owed = 0;
+                true
+            }
+            Err(TrySendError::Full(_)) => {
+                self.owed = sample.lost.saturating_add(1);
+                self.overflowed.fetch_add(1, Ordering::Relaxed);
+                true
+            }
+            Err(TrySendError::Disconnected(_)) => false,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use adis16130::{RateCode, Width};
+    use std::sync::mpsc::channel;
+
+    #[test]
+    fn a_full_queue_costs_samples_that_the_next_one_counts() {
+        let (go_on, may_go_on) = channel();
+        let mut seq = 0;
+        let next = move || {
+            seq += 1;
+            match seq {
+                // ten samples into a queue of four; then one more when there is room again
+                1..=10 => {}
+                11 => may_go_on.recv()?,
+                _ => return Err(anyhow!("unplugged")),
+            }
+            let lost = u32::from(seq == 7);
+            Ok(Sample { t_ns: 0, seq, rate: RateCode::new(8_388_608, Width::Bits24), status: None, temp: None, lost })
+        };
+        let reader = Reader::with_queue(4, || (), next).expect("a thread");
+        while reader.overflowed() < 6 {
+            thread::yield_now();
+        }
+        let mut seen: Vec<_> = (0..4).map(|_| reader.next().expect("a sample")).collect();
+        go_on.send(()).expect("a thread that waits");
+        seen.push(reader.next().expect("a sample"));
+        assert_eq!(seen.iter().map(|sample| sample.seq).collect::<Vec<_>>(), [1, 2, 3, 4, 11]);
+        assert_eq!(seen.iter().map(|sample| sample.lost).collect::<Vec<_>>(), [0, 0, 0, 0, 7]);
+        assert_eq!(reader.next().unwrap_err().to_string(), "unplugged");
+        assert_eq!(reader.overflowed(), 6);
+    }
+}

@@ -1,0 +1,35 @@
+//! A recording in place of a part.
+
+use crate::capture::CaptureReader;
+use adis16130::Sample;
+use anyhow::Result;
+
+/// A recording.
+pub struct Replay {
+    pub reader: CaptureReader,
+    warned: bool,
+}
+
+impl Replay {
+    pub fn new(reader: CaptureReader) -> Self {
+        Self { reader, warned: false }
+    }
+
+    /// The next sample; `None` at the end.
+    #[inline]
+    pub fn next(&mut self) -> Result<Option<Sample>> {
+        let sample = self.reader.next().transpose()?;
+        if sample.is_none() {
+            self.warn_once();
+        }
+        Ok(sample)
+    }
+
+    #[cold]
+    fn warn_once(&mut self) {
+        if let Some(warning) = self.reader.warning().filter(|_| !self.warned) {
+            eprintln!("warning: {warning}");
+        }
+        self.warned = true;
+    }
+}
