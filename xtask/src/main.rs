@@ -9,6 +9,7 @@ mod coverage;
 mod coverage_allan;
 mod firmware;
 mod python;
+mod rig;
 mod targets;
 mod test;
 mod tools;
@@ -38,6 +39,8 @@ enum Task {
     Firmware(firmware::Args),
     /// Check the C interface: header, library, and C against Rust on the host and on an emulated Cortex-M4F
     C(c::Args),
+    /// Boot a stock Linux kernel in QEMU with the twin as hardware, and read it there
+    Rig(rig::Args),
     /// Build the Python wheel and test it: its tests, types, notebook, and allantools' own tests
     Python(python::Args),
 }
@@ -50,6 +53,7 @@ fn main() -> ExitCode {
         Task::BenchPeers(args) => bench_peers::run(&args),
         Task::Firmware(args) => firmware::run(&args),
         Task::C(args) => c::run(&args),
+        Task::Rig(args) => rig::run(&args),
         Task::Python(args) => python::run(&args),
     };
     match done {

@@ -63,6 +63,19 @@ impl<S: SpiDevice<Error: Debug + Send + Sync + 'static>, E: Edges> Live<S, E> {
         Ok(self.part.revision()?.bits())
     }
 
+    /// Whether the part takes its configuration and gives it back, so many times in a row.
+    pub fn reads_back(&mut self, times: u32) -> bool {
+        (0..times).all(|_| self.start().is_ok())
+    }
+
+    /// Reads a register so many times.
+    pub fn read_often(&mut self, times: u32) -> Result<()> {
+        for _ in 0..times {
+            self.part.adc_status()?;
+        }
+        Ok(())
+    }
+
     /// The next sample.
     #[inline]
     pub fn next(&mut self) -> Result<Sample> {

@@ -87,6 +87,17 @@ impl fmt::Display for DeviceSpec {
     }
 }
 
+/// What was found of an SPI bus.
+#[derive(Clone, Copy, Debug)]
+pub struct Bus {
+    /// The clock that was asked for, Hz.
+    pub sclk_hz: u32,
+    /// The fastest clock tried at which the configuration reads back right; none if it does at no clock.
+    pub fastest_clean_hz: Option<u32>,
+    /// Time from one read of a register to the next, s.
+    pub read_s: f64,
+}
+
 /// A source of samples, opened.
 pub struct Device {
     name: String,
@@ -135,6 +146,15 @@ impl Device {
             #[cfg(target_os = "linux")]
             Source::Spi(part) => part.initialise().map(Some),
             Source::Replay(_) | Source::Iio(..) => Ok(None),
+        }
+    }
+
+    /// Tries the bus, if there is one. To be called before the first sample; leaves the part configured.
+    pub fn try_bus(&mut self) -> Result<Option<Bus>> {
+        match &mut self.source {
+            #[cfg(target_os = "linux")]
+            Source::Spi(part) => part.try_bus().map(Some),
+            _ => Ok(None),
         }
     }
 
@@ -220,7 +240,8 @@ impl Device {
         pairs_hz * 2.0 / (f64::from(info.divider) + 1.0)
     }
 
-    fn mclk_hz(&self) -> u32 {
+    /// The nominal master clock, Hz.
+    pub fn mclk_hz(&self) -> u32 {
         match &self.source {
             Source::Twin(twin) => twin.mclk_hz,
             #[cfg(target_os = "linux")]

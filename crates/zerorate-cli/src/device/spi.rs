@@ -1,9 +1,10 @@
 //! The part on a Linux SPI bus: spidev for the bus, the GPIO character device for the edges of RDY.
 
+use super::Bus;
 use super::address::SpiAddress;
 use super::live::{Edges, Live};
 use super::reader::Reader;
-use adis16130::{Config, Edge, Framing, Sample, SamplerConfig};
+use adis16130::{Config, Edge, Framing, MAX_SCLK_HZ, Sample, SamplerConfig};
 use anyhow::{Context, Result, anyhow, bail};
 use embedded_hal::spi::{Error, ErrorKind, ErrorType, Operation, SpiDevice};
 use gpiocdev::Request;
@@ -15,7 +16,9 @@ use spidev::{SpiModeFlags, Spidev, SpidevOptions, SpidevTransfer};
 use std::fmt;
 use std::io;
 use std::path::Path;
-use std::time::Duration;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::time::{Duration, Instant};
 use thread_priority::{
     RealtimeThreadSchedulePolicy, ThreadPriority, ThreadSchedulePolicy, set_thread_priority_and_policy,
     thread_native_id,
@@ -29,9 +32,17 @@ const EDGES_AT_ONCE: usize = 64;
 const PRIORITY: u8 = 40;
 const NOT_REALTIME: &str = "allow it with `sudo setcap cap_sys_nice,cap_ipc_lock+ep \"$(command -v zerorate)\"`, or in a systemd unit AmbientCapabilities=CAP_SYS_NICE CAP_IPC_LOCK";
 
+/// SPI clocks that are tried, Hz, up to the part's fastest (F-21).
+const CLOCKS_HZ: [u32; 7] = [1_000_000, 2_000_000, 4_000_000, 5_000_000, 6_000_000, 8_000_000, MAX_SCLK_HZ];
+/// So many whole configurations must come back right at each of them.
+const READ_BACKS: u32 = 20;
+/// Reads whose time is taken.
+const TIMED_READS: u32 = 200;
+
 /// The part, and the thread that reads it once the first sample was asked for.
 pub struct SpiPart {
     address: SpiAddress,
+    clock: Arc<AtomicU32>,
     sampling: SamplerConfig,
     state: State,
 }
@@ -45,10 +56,11 @@ enum State {
 impl SpiPart {
     /// Opens both files; sends nothing.
     pub fn open(address: &SpiAddress, sampling: SamplerConfig) -> Result<Self> {
-        let bus = SpiBus::open(address)?;
+        let clock = Arc::new(AtomicU32::new(address.hz));
+        let bus = SpiBus::open(address, Arc::clone(&clock))?;
         let edges = GpioEdges::open(&address.chip, address.line)?;
         let live = Live::new(bus, edges, config(), sampling, address.mclk_hz);
-        Ok(Self { address: address.clone(), sampling, state: State::Ready(Box::new(live)) })
+        Ok(Self { address: address.clone(), clock, sampling, state: State::Ready(Box::new(live)) })
     }
 
     /// What the driver is told of the clock, Hz.
@@ -67,6 +79,28 @@ impl SpiPart {
             State::Ready(live) => live.initialise().map_err(|error| explain(error, &self.address)),
             _ => bail!("the part is being read already"),
         }
+    }
+
+    /// Tries faster and faster clocks, and times a read at the one that was asked for. Leaves the part configured.
+    pub fn try_bus(&mut self) -> Result<Bus> {
+        let State::Ready(live) = &mut self.state else { bail!("the part is being read already") };
+        let mut fastest_clean_hz = None;
+        for hz in CLOCKS_HZ {
+            self.clock.store(hz, Ordering::Relaxed);
+            if !live.reads_back(READ_BACKS) {
+                break;
+            }
+            fastest_clean_hz = Some(hz);
+        }
+        self.clock.store(self.address.hz, Ordering::Relaxed);
+        let mut timed = || {
+            live.initialise()?;
+            let started = Instant::now();
+            live.read_often(TIMED_READS)?;
+            Ok(started.elapsed().as_secs_f64() / f64::from(TIMED_READS))
+        };
+        let read_s = timed().map_err(|error| explain(error, &self.address))?;
+        Ok(Bus { sclk_hz: self.address.hz, fastest_clean_hz, read_s })
     }
 
     /// The next sample.
@@ -146,13 +180,13 @@ fn os_text(errno: Errno) -> String {
 /// A spidev file as an embedded-hal device.
 pub struct SpiBus {
     spi: Spidev,
-    hz: u32,
+    clock: Arc<AtomicU32>,
     /// CS rises after every byte of a command (F-22).
     split: bool,
 }
 
 impl SpiBus {
-    fn open(address: &SpiAddress) -> Result<Self> {
+    fn open(address: &SpiAddress, clock: Arc<AtomicU32>) -> Result<Self> {
         let path = &address.spi;
         let mut spi = Spidev::open(path).map_err(|error| why_no_spi(path, error))?;
         flock(spi.inner(), FlockOperation::NonBlockingLockExclusive).map_err(|_| {
@@ -164,12 +198,12 @@ impl SpiBus {
         })?;
         let options = SpidevOptions::new()
             .bits_per_word(8)
-            .max_speed_hz(address.hz)
+            .max_speed_hz(MAX_SCLK_HZ)
             .mode(SpiModeFlags::SPI_MODE_3)
             .lsb_first(false)
             .build();
         spi.configure(&options).map_err(|error| why_not_configured(path, error))?;
-        Ok(Self { spi, hz: address.hz, split: address.framing == Framing::PerByte })
+        Ok(Self { spi, clock, split: address.framing == Framing::PerByte })
     }
 
     /// One message to the kernel: one frame of CS, or one per byte.
@@ -211,7 +245,7 @@ impl SpiBus {
             }
         }
         for transfer in &mut transfers[first..] {
-            transfer.speed_hz = self.hz;
+            transfer.speed_hz = self.clock.load(Ordering::Relaxed);
         }
     }
 }

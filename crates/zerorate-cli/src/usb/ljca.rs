@@ -61,6 +61,7 @@ pub struct Ljca {
     /// Interrupts of a line: asked for, let through, and held back until they are let through.
     lines: [Line; PINS as usize],
     spi_mode: u8,
+    events: u32,
 }
 
 #[derive(Clone, Copy, Debug, Default)]
@@ -119,7 +120,13 @@ impl Ljca {
             return None;
         }
         line.unmasked = false;
+        self.events += 1;
         Some(message(GPIO, GPIO_EVENT, 0, &[1, RDY_PIN, 0]))
+    }
+
+    /// Events that the host was told of since it reset the adapter.
+    pub fn events(&self) -> u32 {
+        self.events
     }
 
     /// Whether an edge of RDY would make an event now.
@@ -135,6 +142,7 @@ impl Ljca {
             return None;
         }
         (line.pending, line.unmasked) = (false, false);
+        self.events += 1;
         Some(message(GPIO, GPIO_EVENT, 0, &[1, RDY_PIN, u8::from(board.rdy_high())]))
     }
 

@@ -50,7 +50,7 @@ pub fn serve(socket: &Path, setup: &Setup) -> Result<Final> {
     while !interrupt::asked() && plug.turn()? {}
     // The other end may be gone already.
     let _ = plug.stream.write_all(&plug.connection.disconnect_packet());
-    plug.part.finish()
+    plug.part.finish(plug.ljca.events())
 }
 
 /// So long the other end may take to begin listening.
@@ -100,7 +100,6 @@ impl Plug {
         if self.part.rdy_fell()
             && let Some(event) = self.ljca.rdy_fell()
         {
-            self.part.count_reported_edge();
             self.waiting.push_back(event);
         }
         self.deliver()?;

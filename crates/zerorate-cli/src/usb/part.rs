@@ -74,14 +74,10 @@ impl WallPart {
         Duration::from_nanos(next_ns.saturating_sub(now_ns))
     }
 
-    /// The host has been told of an edge.
-    pub fn count_reported_edge(&mut self) {
-        self.seen.edges_reported += 1;
-    }
-
-    /// Ends the log of the wire and says how things stand.
-    pub fn finish(mut self) -> Result<Final> {
+    /// Ends the log of the wire and says how things stand, after so many edges were reported.
+    pub fn finish(mut self, edges_reported: u32) -> Result<Final> {
         self.rdy_fell();
+        self.seen.edges_reported = edges_reported;
         if let Some(wire) = self.wire {
             wire.finish()?;
         }

@@ -1,8 +1,11 @@
 //! `zerorate probe`: is there a part, is it wired right, and do its samples look like those of one?
 
+mod host;
+
 use super::{print, print_json, warn};
 use crate::acquire::{Acquisition, aliasing};
 use crate::cli::{DeviceArgs, SamplingArgs};
+use crate::device::Bus;
 use crate::duration::Seconds;
 use crate::interrupt;
 use crate::progress::Meter;
@@ -17,7 +20,8 @@ use zerorate::{CodeSum, Tally};
 /// Looks whether a part answers, is wired right and delivers.
 ///
 /// Resets the part, initialises it, reads every written register back, then reads samples and measures their rate, the
-/// noise, the temperature and how many were lost. Says what to check where something is wrong. On a replay only the
+/// noise, the temperature and how many were lost. Says what to check where something is wrong. On an SPI bus it also tries
+/// faster and faster clocks, and proposes what to leave out if the host cannot take all samples. On a replay only the
 /// samples are looked at.
 #[derive(Args, Debug)]
 pub struct ProbeArgs {
@@ -42,6 +46,15 @@ struct Findings {
     device: String,
     /// The register; a replay has none.
     revision: Option<u8>,
+    /// On an SPI bus.
+    sclk_hz: Option<u32>,
+    /// The fastest of the clocks tried at which the configuration reads back right.
+    fastest_clean_sclk_hz: Option<u32>,
+    read_us: Option<f64>,
+    /// Share of the samples that the host took.
+    taken: f64,
+    /// Options that would lose fewer.
+    proposal: Option<String>,
     rdy_hz: f64,
     rate_hz: f64,
     samples: u64,
@@ -57,9 +70,10 @@ struct Findings {
 pub fn run(args: &ProbeArgs) -> Result<()> {
     let mut acquisition = Acquisition::open(&args.device, args.sampling)?;
     let revision = acquisition.device().initialise()?;
+    let bus = acquisition.device().try_bus()?;
     let seen = Seen::read(&mut acquisition, args.duration)?;
     ensure!(!seen.rate_codes.is_empty(), "no samples were read");
-    let findings = Findings::new(acquisition, revision, &seen);
+    let findings = Findings::new(acquisition, revision, bus, &seen);
     if args.json {
         return print_json(&findings);
     }
@@ -124,13 +138,19 @@ impl Seen {
 const WHITE_TAU_S: f64 = 0.05;
 
 impl Findings {
-    fn new(mut acquisition: Acquisition, revision: Option<u8>, seen: &Seen) -> Self {
+    fn new(mut acquisition: Acquisition, revision: Option<u8>, bus: Option<Bus>, seen: &Seen) -> Self {
         let tally = *acquisition.tally();
         let device = acquisition.device();
         let white = seen.white_dps_per_rt_hz(tally.rate_hz());
+        let taken = tally.samples as f64 / (tally.samples + tally.lost) as f64;
         Self {
             device: device.name(),
             revision,
+            sclk_hz: bus.map(|bus| bus.sclk_hz),
+            fastest_clean_sclk_hz: bus.and_then(|bus| bus.fastest_clean_hz),
+            read_us: bus.map(|bus| bus.read_s * 1e6),
+            taken,
+            proposal: bus.and_then(|bus| host::proposal(taken, bus.read_s, device.mclk_hz())),
             rdy_hz: tally.rdy_hz(),
             rate_hz: tally.rate_hz(),
             samples: tally.samples,
@@ -151,9 +171,10 @@ impl Findings {
             format!("  part          answers, revision {revision:02X}h; every register written reads back\n")
         });
         format!(
-            "{}\n{part}  data ready    {:.1} Hz\n  samples       {:.1} a second: {} in {}, {} lost, longest gap {:.3} ms\n  \
+            "{}\n{part}{}  data ready    {:.1} Hz\n  samples       {:.1} a second: {} in {}, {} lost, longest gap {:.3} ms\n  \
              rate          {:+.4} °/s on average\n  white noise   {} (typical {TYPICAL_WHITE_DPS_PER_RT_HZ})\n  temperature   {}\n",
             self.device,
+            self.bus_text(),
             self.rdy_hz,
             self.rate_hz,
             self.samples,
@@ -163,6 +184,22 @@ impl Findings {
             self.rate_dps,
             shown(self.white_dps_per_rt_hz, "°/s/√Hz"),
             shown(self.temp_c, "°C"),
+        )
+    }
+}
+
+impl Findings {
+    fn bus_text(&self) -> String {
+        let (Some(sclk_hz), Some(read_us)) = (self.sclk_hz, self.read_us) else { return String::new() };
+        let mhz = |hz: u32| f64::from(hz) * 1e-6;
+        let fastest = self
+            .fastest_clean_sclk_hz
+            .map_or("at none of the clocks tried".to_owned(), |hz| format!("up to {} MHz", mhz(hz)));
+        let proposal = self.proposal.as_ref().map_or(String::new(), |options| format!("; try {options}"));
+        format!(
+            "  SPI           {} MHz, {read_us:.0} µs a read; reads back {fastest}\n  host          takes {:.1} % of the samples{proposal}\n",
+            mhz(sclk_hz),
+            self.taken * 100.0
         )
     }
 }

@@ -1,0 +1,343 @@
+//! Does what the guest saw agree with what the part sent, and what it measured with the truth?
+
+use super::part::{Reading, Record, Truth};
+use anyhow::{Context, Result, bail, ensure};
+use serde::Serialize;
+use serde_json::Value;
+use std::fmt::Write;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+use std::time::Duration;
+
+/// Everything that was seen, by both sides.
+pub struct Seen {
+    /// The guest's files.
+    pub files: PathBuf,
+    pub iio: Record,
+    pub spi: Record,
+    pub fast: Record,
+    pub calibrate: Record,
+    pub cut: Record,
+    pub replug: Record,
+    /// The calibration of the same unit without a kernel.
+    pub host: Value,
+}
+
+/// The outcome, as JSON.
+#[derive(Serialize)]
+pub struct Findings {
+    kernel_release: String,
+    seed: u64,
+    duration_s: f64,
+    kernel_driver: KernelDriver,
+    slow: Stream,
+    fast: Stream,
+    calibration: Calibration,
+    unplugged: Stream,
+    checks: Vec<Check>,
+}
+
+/// One statement that must hold.
+#[derive(Serialize)]
+struct Check {
+    holds: bool,
+    statement: String,
+}
+
+/// What the kernel's driver showed, and what the part sent to it.
+#[derive(Serialize)]
+struct KernelDriver {
+    rate_scale: String,
+    rate_offset: String,
+    temp_scale: String,
+    temp_offset: String,
+    rate_codes_guest: Vec<u32>,
+    rate_codes_part: Vec<u32>,
+    temp_codes_guest: Vec<u32>,
+    temp_codes_part: Vec<u32>,
+}
+
+/// A capture, and what the part knows of it.
+#[derive(Serialize)]
+struct Stream {
+    samples: u64,
+    rate_hz: f64,
+    reads_of_part: u64,
+    edges_of_part: u32,
+    edges_reported: u32,
+    lost_counted: u64,
+    lost_of_part: u64,
+    codes_guest: Vec<u32>,
+    codes_part: Vec<u32>,
+}
+
+/// PBC and BTC as measured in the guest, in process, and in truth.
+#[derive(Serialize)]
+struct Calibration {
+    guest: Value,
+    in_process: Value,
+    truth: Truth,
+    /// At the guest's T3, °/s.
+    pbc_minus_in_process_dps: f64,
+    pbc_minus_truth_dps: f64,
+    /// Half widths of the 95 % intervals of those differences.
+    pbc_in_process_limit_dps: f64,
+    pbc_truth_limit_dps: f64,
+    btc_minus_in_process_dps_per_c: f64,
+    btc_minus_truth_dps_per_c: f64,
+    btc_in_process_limit_dps_per_c: f64,
+    btc_truth_limit_dps_per_c: f64,
+}
+
+/// Lost samples may be told from timestamps to within this share where the guest cannot follow: its clock reads are late by
+/// as much as a period.
+const FAST_LOSS_TOLERANCE: f64 = 0.01;
+
+impl Findings {
+    pub fn new(seed: u64, seen: &Seen, duration: Duration) -> Result<Self> {
+        let files = Files(&seen.files);
+        let kernel_driver = KernelDriver::new(&files, &seen.iio)?;
+        let slow = Stream::new(&files, "capture", &seen.spi)?;
+        let fast = Stream::new(&files, "fast", &seen.fast)?;
+        let unplugged = Stream::new(&files, "cut", &seen.cut)?;
+        let calibration = Calibration::new(&files, seen)?;
+        let mut findings = Self {
+            kernel_release: files.text("kernel")?,
+            seed,
+            duration_s: duration.as_secs_f64(),
+            kernel_driver,
+            slow,
+            fast,
+            calibration,
+            unplugged,
+            checks: vec![],
+        };
+        findings.check(&files, seen)?;
+        Ok(findings)
+    }
+
+    fn check(&mut self, files: &Files, seen: &Seen) -> Result<()> {
+        let driver = &self.kernel_driver;
+        let mut checks = Vec::new();
+        let mut check = |holds: bool, statement: String| checks.push(Check { holds, statement });
+        check(
+            driver.rate_codes_guest == driver.rate_codes_part && driver.rate_codes_guest.len() >= 50,
+            format!("the kernel driver's {} rates are those sent", driver.rate_codes_guest.len()),
+        );
+        check(
+            driver.temp_codes_guest == driver.temp_codes_part && driver.temp_codes_guest.len() >= 50,
+            format!("its {} temperatures are those sent", driver.temp_codes_guest.len()),
+        );
+        let scales = [&driver.rate_scale, &driver.rate_offset, &driver.temp_scale, &driver.temp_offset];
+        check(
+            scales == ["0.000000743", "-8388608", "0.070957212", "-8036283"],
+            format!("its scales and offsets are those of F-40 and F-41: {scales:?}"),
+        );
+        for (name, code) in [
+            ("iio", 0),
+            ("probe", 0),
+            ("bytes", 0),
+            ("capture", 0),
+            ("fast", 0),
+            ("calibrate", 0),
+            ("cut", 1),
+            ("replug", 0),
+        ] {
+            let ended = files.text(&format!("{name}.code"))?;
+            let complaint =
+                if ended == code.to_string() { String::new() } else { files.text(&format!("{name}.err"))? };
+            check(ended == code.to_string(), format!("{name}: zerorate ended with {ended} {complaint}"));
+        }
+        let Stream { samples, lost_counted, lost_of_part, .. } = self.slow;
+        check(
+            samples > 900 && lost_counted == 0 && lost_of_part == 0,
+            format!("at 100 Hz no sample of {samples} is lost: {lost_counted} counted, {lost_of_part} of the part"),
+        );
+        for (name, stream) in [("100 Hz", &self.slow), ("2 kHz", &self.fast), ("the cut capture", &self.unplugged)] {
+            check(
+                stream.codes_guest == stream.codes_part,
+                format!("{name}: the recorded codes are those sent, in order"),
+            );
+        }
+        let (counted, known) = (self.fast.lost_counted, self.fast.lost_of_part);
+        check(
+            known > 0 && counted.abs_diff(known) as f64 <= (FAST_LOSS_TOLERANCE * known as f64).max(2.0),
+            format!("at 2 kHz {counted} samples are counted as lost; the part knows of {known}"),
+        );
+        let error = files.text("cut.err")?;
+        check(error.contains("/dev/spidev0.0 is gone"), format!("unplugged: {error}"));
+        let saved = format!("ends after {} samples", self.unplugged.samples);
+        check(
+            error.contains(&saved) && files.text("cut.replay.err")?.is_empty(),
+            format!("its capture is whole: {saved}"),
+        );
+        check(
+            seen.replug.summary.rate_reads > 100,
+            format!("plugged in again: {} reads", seen.replug.summary.rate_reads),
+        );
+        self.calibration.check(&mut check);
+        self.checks = checks;
+        Ok(())
+    }
+
+    /// The checks, for people.
+    pub fn text(&self) -> String {
+        let mut text = format!("Linux {}, part seed={}, {:.0} s\n", self.kernel_release, self.seed, self.duration_s);
+        for Check { holds, statement } in &self.checks {
+            let _ = writeln!(text, "  {}  {}", if *holds { "ok  " } else { "FAIL" }, statement.trim());
+        }
+        text
+    }
+
+    /// An error if a statement does not hold.
+    pub fn verdict(&self) -> Result<()> {
+        match self.checks.iter().filter(|check| !check.holds).count() {
+            0 => Ok(()),
+            failed => bail!("{failed} of {} checks failed", self.checks.len()),
+        }
+    }
+}
+
+impl KernelDriver {
+    fn new(files: &Files, record: &Record) -> Result<Self> {
+        let (rate_codes_guest, temp_codes_guest) = (files.numbers("iio.rate")?, files.numbers("iio.temp")?);
+        // the script's readings come first, then those of zerorate through the same driver
+        let first = |readings: &[Reading], count: usize| readings.iter().take(count).map(|r| r.code).collect();
+        Ok(Self {
+            rate_scale: files.text("iio.in_anglvel_z_scale")?,
+            rate_offset: files.text("iio.in_anglvel_z_offset")?,
+            temp_scale: files.text("iio.in_temp0_scale")?,
+            temp_offset: files.text("iio.in_temp0_offset")?,
+            rate_codes_part: first(&record.rates, rate_codes_guest.len()),
+            temp_codes_part: first(&record.temps, temp_codes_guest.len()),
+            rate_codes_guest,
+            temp_codes_guest,
+        })
+    }
+}
+
+impl Stream {
+    fn new(files: &Files, capture: &str, record: &Record) -> Result<Self> {
+        let rows = files.rows(capture)?;
+        let codes_guest: Vec<u32> = rows.iter().map(|row| row.code).collect();
+        let sent = run_of(&codes_guest, &record.rates);
+        let (first, last) = (rows.first().context("an empty capture")?, rows.last().context("an empty capture")?);
+        let span_s = (last.t_ns - first.t_ns) as f64 * 1e-9;
+        let lost = |readings: &[Reading]| Some(readings.last()?.lost_rate - readings.first()?.lost_rate);
+        Ok(Self {
+            samples: rows.len() as u64,
+            rate_hz: (rows.len() - 1) as f64 / span_s,
+            reads_of_part: record.summary.rate_reads,
+            edges_of_part: record.summary.edges,
+            edges_reported: record.summary.edges_reported,
+            lost_counted: rows.iter().skip(1).map(|row| row.lost).sum(),
+            lost_of_part: lost(sent).unwrap_or(0),
+            codes_part: sent.iter().map(|reading| reading.code).collect(),
+            codes_guest,
+        })
+    }
+}
+
+/// The readings, one after the other, that gave `codes`; nothing if there are none.
+fn run_of<'a>(codes: &[u32], readings: &'a [Reading]) -> &'a [Reading] {
+    let mut windows = readings.windows(codes.len().max(1));
+    windows.find(|window| window.iter().map(|r| r.code).eq(codes.iter().copied())).unwrap_or(&[])
+}
+
+impl Calibration {
+    fn new(files: &Files, seen: &Seen) -> Result<Self> {
+        let guest: Value = serde_json::from_str(&files.text("calibrate.json")?).context("calibrate.json")?;
+        let host = &seen.host;
+        let number = |value: &Value, key: &str| value[key].as_f64().with_context(|| format!("{key} in {value}"));
+        let (pbc, btc, t3) = (number(&guest, "pbc_dps")?, number(&guest, "btc_dps_per_c")?, number(&guest, "t3_c")?);
+        let (host_btc, host_t3) = (number(host, "btc_dps_per_c")?, number(host, "t3_c")?);
+        let host_pbc = number(host, "pbc_dps")? + (t3 - host_t3) * host_btc;
+        let truth = &seen.calibrate.summary.truth;
+        let (off, curvature) = (t3 - truth.sensor_c, truth.curvature_dps_per_c2);
+        let true_pbc = truth.pbc_dps + (truth.btc_dps_per_c - curvature * off) * off;
+        let true_btc = truth.btc_dps_per_c - 2.0 * curvature * off;
+        let limit = |key: &str| -> Result<(f64, f64)> {
+            let k = number(&guest, "coverage_factor")?;
+            let (own, other) = (number(&guest, key)?, number(host, key)?);
+            Ok((k * own, k * own.hypot(other)))
+        };
+        let (pbc_truth_limit_dps, pbc_in_process_limit_dps) = limit("u_pbc_dps")?;
+        let (btc_truth_limit_dps_per_c, btc_in_process_limit_dps_per_c) = limit("u_btc_dps_per_c")?;
+        Ok(Self {
+            pbc_minus_in_process_dps: pbc - host_pbc,
+            pbc_minus_truth_dps: pbc - true_pbc,
+            pbc_in_process_limit_dps,
+            pbc_truth_limit_dps,
+            btc_minus_in_process_dps_per_c: btc - host_btc,
+            btc_minus_truth_dps_per_c: btc - true_btc,
+            btc_in_process_limit_dps_per_c,
+            btc_truth_limit_dps_per_c,
+            in_process: host.clone(),
+            truth: Truth { ..*truth },
+            guest,
+        })
+    }
+
+    fn check(&self, check: &mut impl FnMut(bool, String)) {
+        for (what, difference, limit) in [
+            ("PBC against the in-process twin, °/s", self.pbc_minus_in_process_dps, self.pbc_in_process_limit_dps),
+            ("PBC against the truth, °/s", self.pbc_minus_truth_dps, self.pbc_truth_limit_dps),
+            (
+                "BTC against the in-process twin, °/s/°C",
+                self.btc_minus_in_process_dps_per_c,
+                self.btc_in_process_limit_dps_per_c,
+            ),
+            ("BTC against the truth, °/s/°C", self.btc_minus_truth_dps_per_c, self.btc_truth_limit_dps_per_c),
+        ] {
+            check(difference.abs() <= limit, format!("{what}: {difference:+.5} within ±{limit:.5}"));
+        }
+    }
+}
+
+/// The guest's files.
+struct Files<'a>(&'a Path);
+
+/// A row of a capture.
+struct Row {
+    t_ns: u64,
+    code: u32,
+    lost: u64,
+}
+
+impl Files<'_> {
+    fn text(&self, name: &str) -> Result<String> {
+        let path = self.0.join(name);
+        Ok(fs::read_to_string(&path).with_context(|| format!("the guest left no {name}"))?.trim().to_owned())
+    }
+
+    fn numbers<T: FromStr>(&self, name: &str) -> Result<Vec<T>> {
+        let text = self.text(name)?;
+        let numbers = text.lines().map(|line| line.parse().ok());
+        numbers.collect::<Option<_>>().with_context(|| format!("{name} holds something else than numbers"))
+    }
+
+    /// docs/formats/capture.md: t_ns,edge_seq,rate_code,status,temp_code,lost below comments and a header.
+    fn rows(&self, capture: &str) -> Result<Vec<Row>> {
+        let text = self.text(&format!("{capture}.csv"))?;
+        let rows = text.lines().filter(|line| line.starts_with(|c: char| c.is_ascii_digit())).map(|line| {
+            let fields: Vec<&str> = line.split(',').collect();
+            ensure!(fields.len() >= 6, "{capture}: {line}");
+            Ok(Row { t_ns: fields[0].parse()?, code: fields[2].parse()?, lost: fields[5].parse()? })
+        });
+        rows.collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_run_is_found_only_whole_and_in_order() {
+        let readings: Vec<_> = [5, 6, 7, 7, 8].map(|code| Reading { code, lost_rate: u64::from(code) }).to_vec();
+        assert_eq!(run_of(&[7, 7, 8], &readings).len(), 3);
+        assert!(run_of(&[7, 8, 7], &readings).is_empty());
+        assert!(run_of(&[1; 9], &readings).is_empty());
+    }
+}

@@ -1,0 +1,101 @@
+#!/bin/busybox sh
+# The guest of `cargo xtask rig`, as its first process. What it finds goes to /out, which leaves as an archive by the second
+# serial port; the first one tells the host how far it is: each `done` makes the host unplug the part and plug in the next.
+/bin/busybox --install -s /bin
+export PATH=/bin
+mkdir -p /dev /proc /sys /tmp /out
+mount -t devtmpfs dev /dev
+mount -t proc proc /proc
+mount -t sysfs sys /sys
+
+SPI=/sys/bus/spi
+PART=spi-PRP0001:00
+IIO=/sys/bus/iio/devices/iio:device0
+ADDRESS="spi:/dev/spidev0.0?rdy=gpiochip0:3&hz=4800000"
+
+say() { echo "RIG $*"; }
+
+until_there() {
+    i=0
+    while [ ! -e "$1" ]; do
+        i=$((i + 1))
+        [ $i -gt 200 ] && say "failed: no $1" && dmesg | tail -20 && poweroff -f
+        usleep 100000
+    done
+}
+
+# The adapter's driver suspends it after 10 ms without traffic, and then hears no edge.
+keep_awake() { echo on > /sys/bus/usb/devices/1-1/power/control; }
+
+finished() {
+    say "$1 done"
+    while [ -e $SPI/devices/$PART ]; do usleep 50000; done
+}
+
+as_spidev() {
+    until_there $SPI/devices/$PART
+    keep_awake
+    echo spidev > $SPI/devices/$PART/driver_override
+    echo $PART > $SPI/drivers/spidev/bind
+    until_there /dev/spidev0.0
+    until_there /dev/gpiochip0
+}
+
+# run NAME ARGUMENTS…: keeps what the program prints, and how it ended.
+run() {
+    name=$1
+    shift
+    zerorate "$@" > /out/$name.json 2> /out/$name.err
+    echo $? > /out/$name.code
+    say "$name ended with $(cat /out/$name.code)"
+}
+
+for module in $(cat /lib/modules/order); do insmod /lib/modules/$module; done
+uname -r > /out/kernel
+say "booted $(uname -r)"
+
+# (a) the kernel's own driver
+until_there $IIO
+keep_awake
+for file in name in_anglvel_z_scale in_anglvel_z_offset in_temp0_scale in_temp0_offset; do
+    cat $IIO/$file > /out/iio.$file
+done
+i=0
+while [ $i -lt 50 ]; do
+    cat $IIO/in_anglvel_z_raw >> /out/iio.rate
+    cat $IIO/in_temp0_raw >> /out/iio.temp
+    i=$((i + 1))
+done
+run iio probe --device "iio:iio:device0?hz=50" --duration 2s --json
+rmmod adis16130
+finished iio
+
+# (b) the program on spidev and the GPIO chip: at a rate that the emulated bus can follow, and at one that it cannot
+as_spidev
+run probe probe --device "$ADDRESS&mclk=$SLOW_HZ" --duration 3s --json
+run bytes probe --device "$ADDRESS&mclk=$SLOW_HZ&framing=byte" --duration 2s --json
+run capture capture --device "$ADDRESS&mclk=$SLOW_HZ" --duration 10s -o /out/capture.arrows --json
+finished spi
+
+as_spidev
+run fast capture --device "$ADDRESS&mclk=$FAST_HZ" --duration 5s -o /out/fast.arrows --json
+finished fast
+
+as_spidev
+run calibrate calibrate --device "$ADDRESS&mclk=$SLOW_HZ" $PLAN --log /out/calibrate.arrows -o /out/unit.toml --json
+finished calibrate
+
+# (c) unplugged in mid-capture, and plugged in again
+as_spidev
+run cut capture --device "$ADDRESS&mclk=$SLOW_HZ" --duration 60s -o /out/cut.arrows --json &
+until_there /out/cut.arrows
+sleep 3
+finished cut
+wait
+as_spidev
+run replug probe --device "$ADDRESS&mclk=$SLOW_HZ" --duration 2s --json
+
+stty -F /dev/ttyS1 raw
+tar -cf - -C /out . > /dev/ttyS1
+say "all done"
+poweroff -f

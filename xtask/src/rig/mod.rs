@@ -1,0 +1,154 @@
+//! `cargo xtask rig`: a stock Linux kernel in QEMU, and the twin as hardware on its USB port.
+//!
+//! Nothing in the guest is ours but the program under test and a shell script; nothing in the kernel is patched. The kernel's
+//! own ADIS16130 driver reads the part, then the program does over spidev and the GPIO chip, and both must have seen what the
+//! part says that it sent.
+
+mod checks;
+mod initramfs;
+mod kernel;
+mod machine;
+mod part;
+
+use crate::tools::{Tool, available};
+use crate::venv::done;
+use anyhow::{Context, Result};
+use checks::{Findings, Seen};
+use kernel::Kernel;
+use machine::Machine;
+use part::{Plugged, Record};
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::time::{Duration, Instant};
+
+const TOOLS: [Tool; 8] = [
+    Tool { program: "qemu-system-x86_64", package: "qemu-system-x86" },
+    Tool { program: "busybox", package: "busybox-static" },
+    Tool { program: "cpio", package: "cpio" },
+    Tool { program: "depmod", package: "kmod" },
+    Tool { program: "xz", package: "xz-utils" },
+    Tool { program: "iasl", package: "acpica-tools" },
+    Tool { program: "dpkg-deb", package: "dpkg" },
+    Tool { program: "strip", package: "binutils" },
+];
+
+/// Conversion pairs per second at which every edge reaches the guest, as MCLK: 1054 cycles make a pair (F-31).
+const SLOW_HZ: &str = "105400";
+/// The same where it cannot follow: 2000 pairs a second.
+const FAST_HZ: &str = "2108000";
+/// A calibration that a quick part allows.
+const PLAN: &str = "--average 5s --warmup 30s --settle 10s --offset 15s --max-u-btc 0.05";
+/// Self-heating that fits that calibration (M-03 is 600 s).
+const WARMUP_S: &str = "20";
+/// No step of the guest takes longer.
+const LIMIT: Duration = Duration::from_secs(150);
+
+/// What to run.
+#[derive(clap::Args)]
+pub struct Args {
+    /// The unit of the twin
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Print one JSON object to stdout
+    #[arg(long)]
+    json: bool,
+    /// The program to test, instead of building it
+    #[arg(long, value_name = "FILE")]
+    program: Option<PathBuf>,
+}
+
+/// Runs the rig, or says why it cannot.
+pub fn run(args: &Args) -> Result<()> {
+    if !cfg!(all(target_os = "linux", target_arch = "x86_64")) || !Path::new("/etc/debian_version").exists() {
+        eprintln!("SKIPPED: the rig needs Debian on x86-64, whose kernel it boots");
+        return Ok(());
+    }
+    if !available(&TOOLS, "the rig")? {
+        return Ok(());
+    }
+    let program = args.program.clone().map_or_else(build, Ok)?;
+    let folder = std::path::absolute(target_folder()?.join("rig"))?;
+    fs::create_dir_all(&folder)?;
+    let kernel = Kernel::fetch(&folder)?;
+    let started = Instant::now();
+    let seen = experiment(args.seed, &program, &folder, &kernel)?;
+    let findings = Findings::new(args.seed, &seen, started.elapsed())?;
+    if args.json {
+        println!("{}", serde_json::to_string_pretty(&findings)?);
+    }
+    eprint!("{}", findings.text());
+    findings.verdict()
+}
+
+/// Boots the guest, plugs in one part after the other as its script asks for them, and collects what both sides saw.
+fn experiment(seed: u64, program: &Path, folder: &Path, kernel: &Kernel) -> Result<Seen> {
+    let run = folder.join("run");
+    if run.exists() {
+        fs::remove_dir_all(&run)?;
+    }
+    fs::create_dir_all(&run)?;
+    let settings = [("SLOW_HZ", SLOW_HZ), ("FAST_HZ", FAST_HZ), ("PLAN", PLAN)];
+    let initramfs = initramfs::build(&run, kernel, program, &settings)?;
+    let socket = run.join("part.sock");
+    let mut machine = Machine::boot(&run, kernel, &initramfs, &socket)?;
+    let keys = format!("seed={seed},warmup_s={WARMUP_S}");
+    let mut stage = |name: &str, arguments: &[&str]| -> Result<Record> {
+        let arguments = [&[keys.as_str()], arguments].concat();
+        let plugged = Plugged::plug(program, &run, name, &socket, &arguments)?;
+        let done = if name == "replug" { "all done".to_owned() } else { format!("{name} done") };
+        machine.until(&done, LIMIT)?;
+        plugged.unplug()
+    };
+    let slow = ["--mclk-hz", SLOW_HZ];
+    let iio = stage("iio", &["--initialised"])?;
+    let spi = stage("spi", &slow)?;
+    let fast = stage("fast", &["--mclk-hz", FAST_HZ])?;
+    let calibrate = stage("calibrate", &slow)?;
+    let cut = stage("cut", &slow)?;
+    let replug = stage("replug", &slow)?;
+    let files = run.join("guest");
+    machine.files(&files)?;
+    for capture in ["capture", "fast", "cut"] {
+        as_csv(program, &files, capture)?;
+    }
+    let host = calibrate_in_process(program, &keys)?;
+    Ok(Seen { files, iio, spi, fast, calibrate, cut, replug, host })
+}
+
+fn as_csv(program: &Path, files: &Path, capture: &str) -> Result<()> {
+    let recorded = files.join(format!("{capture}.arrows"));
+    let mut command = Command::new(program);
+    command.arg("capture").arg("--device").arg(format!("replay:{}", recorded.display()));
+    command.args(["--duration", "1h", "--json", "-o"]).arg(files.join(format!("{capture}.csv")));
+    let output = command.output()?;
+    fs::write(files.join(format!("{capture}.replay.err")), &output.stderr)?;
+    anyhow::ensure!(output.status.success(), "{capture}.arrows: {}", String::from_utf8_lossy(&output.stderr));
+    Ok(())
+}
+
+/// The same unit, calibrated by the same plan with no kernel and no bus between.
+fn calibrate_in_process(program: &Path, keys: &str) -> Result<serde_json::Value> {
+    let mut command = Command::new(program);
+    command
+        .args(["calibrate", "--json", "--device"])
+        .arg(format!("twin:{keys},mclk_hz={SLOW_HZ}"))
+        .args(PLAN.split(' '));
+    let output = command.output()?;
+    anyhow::ensure!(output.status.success(), "in-process: {}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).context("the in-process calibration")
+}
+
+/// Builds the program as `cargo xtask test` does, so that nothing is compiled twice.
+fn build() -> Result<PathBuf> {
+    let arguments = "test --workspace --all-features --no-run --quiet --test cli_commands";
+    done(Command::new("cargo").args(arguments.split(' ')))?;
+    Ok(target_folder()?.join("debug/zerorate"))
+}
+
+/// Cargo's target folder, in which this very program lies.
+fn target_folder() -> Result<PathBuf> {
+    let program = std::env::current_exe()?;
+    let folder = program.ancestors().nth(2).context("xtask lies outside of a target folder")?;
+    Ok(folder.to_owned())
+}

@@ -1,0 +1,116 @@
+//! The twin as hardware, and what it saw of the bus.
+
+use anyhow::{Context, Result, ensure};
+use serde::{Deserialize, Serialize};
+use std::fs::{self, File};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+
+/// A plugged-in part: `zerorate twin --usb`.
+pub struct Plugged {
+    process: Child,
+    summary: PathBuf,
+    wire: PathBuf,
+}
+
+/// What the part reports when it is unplugged, as far as the rig looks at it.
+#[derive(Deserialize, Serialize)]
+pub struct Summary {
+    pub seed: u64,
+    pub mclk_hz: f64,
+    pub duration_s: f64,
+    pub spi_frames: u64,
+    pub rate_reads: u64,
+    pub temp_reads: u64,
+    pub edges: u32,
+    pub edges_reported: u32,
+    pub lost_rate: Losses,
+    pub truth: Truth,
+}
+
+#[derive(Deserialize, Serialize)]
+pub struct Losses {
+    pub overwritten: u64,
+    pub dropped: u64,
+}
+
+/// What a perfect measurement would find at `sensor_c`.
+#[derive(Deserialize, Serialize)]
+pub struct Truth {
+    pub sensor_c: f64,
+    pub pbc_dps: f64,
+    pub btc_dps_per_c: f64,
+    pub curvature_dps_per_c2: f64,
+}
+
+/// A reading of a data register, as it went over the wire.
+#[derive(Clone, Copy, Debug)]
+pub struct Reading {
+    pub code: u32,
+    /// Rate readings that were lost before it since power-on.
+    pub lost_rate: u64,
+}
+
+/// All that the part knows of its time on the bus.
+pub struct Record {
+    pub summary: Summary,
+    pub rates: Vec<Reading>,
+    pub temps: Vec<Reading>,
+}
+
+impl Plugged {
+    /// Switches a part on and plugs it in. `name` is that of its files below `folder`.
+    pub fn plug(program: &Path, folder: &Path, name: &str, socket: &Path, arguments: &[&str]) -> Result<Self> {
+        let summary = folder.join(format!("{name}.part.json"));
+        let wire = folder.join(format!("{name}.wire.csv"));
+        let mut command = Command::new(program);
+        command.args(["twin", "--json", "--usb"]).arg(socket).arg("--wire").arg(&wire).args(arguments);
+        command.stdout(File::create(&summary)?).stderr(Stdio::null());
+        let process = command.spawn().context("starting zerorate twin --usb")?;
+        Ok(Self { process, summary, wire })
+    }
+
+    /// Pulls the cable, and reads what the part recorded.
+    pub fn unplug(mut self) -> Result<Record> {
+        let _ = Command::new("sh").arg("-c").arg(format!("kill -TERM {}", self.process.id())).status();
+        let status = self.process.wait()?;
+        ensure!(status.success(), "zerorate twin --usb ended with {status}");
+        let summary = serde_json::from_str(&fs::read_to_string(&self.summary)?)?;
+        let wire = fs::read_to_string(&self.wire)?;
+        Ok(Record { summary, rates: readings(&wire, "48"), temps: readings(&wire, "4a") })
+    }
+}
+
+impl Drop for Plugged {
+    fn drop(&mut self) {
+        // it has ended already unless something failed
+        let _ = self.process.kill();
+        let _ = self.process.wait();
+    }
+}
+
+/// The 24-bit reads with this COM byte (F-24) in a log of the wire: t_ns,mosi,miso,lost_rate.
+fn readings(wire: &str, com: &str) -> Vec<Reading> {
+    let frame = |line: &str| {
+        let mut fields = line.split(',').skip(1);
+        let (mosi, miso, lost) = (fields.next()?, fields.next()?, fields.next()?);
+        let is_read = mosi.len() == 8 && mosi.starts_with(com);
+        let code = u32::from_str_radix(miso.get(2..8)?, 16).ok().filter(|_| is_read)?;
+        Some(Reading { code, lost_rate: lost.parse().ok()? })
+    };
+    wire.lines().filter_map(frame).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reads_are_found_in_the_log() {
+        let wire =
+            "t_ns,mosi,miso,lost_rate\n5,2000,0000,1\n9,48000000,00808809,7\n11,48,00,7\n12,4a000000,00801ea6,8\n";
+        let rates: Vec<_> = readings(wire, "48").iter().map(|r| (r.code, r.lost_rate)).collect();
+        assert_eq!(rates, [(0x80_8809, 7)]);
+        assert_eq!(readings(wire, "4a").len(), 1);
+    }
+}
