@@ -256,3 +256,19 @@ fn a_register_write_that_lets_rdy_fall_is_an_edge() {
     assert!(host.twin.rdy().is_low().unwrap());
     assert_eq!(host.edge().seq, edge.seq + 1);
 }
+
+#[test]
+fn the_next_event_is_the_next_edge() {
+    let twin = adis16130_twin::Twin::new(quiet());
+    assert_eq!(twin.next_event_ns(), None, "nothing happens by itself after power-on");
+    let mut spi = twin.spi();
+    spi.write(&INIT).expect("a bus");
+    while let Some(t_ns) = twin.next_event_ns().filter(|t_ns| *t_ns < 10_000_000) {
+        assert_eq!(twin.next_falling_edge(t_ns - twin.now_ns() - 1).map(|edge| edge.t_ns), None);
+        twin.advance_ns(t_ns - twin.now_ns());
+        // the first conversion is that of the rate, and RDY waits for both channels (F-32)
+        let edge = twin.next_falling_edge(0);
+        assert!(edge.is_none_or(|edge| edge.t_ns.abs_diff(t_ns) <= 1), "{edge:?} at {t_ns}");
+    }
+    assert!(twin.next_falling_edge(1_000_000).is_some_and(|edge| edge.seq > 100));
+}
