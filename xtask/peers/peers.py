@@ -29,7 +29,8 @@ def octaves(samples):
 
 
 def hundred(samples):
-    return [float(round(m)) for m in np.exp(np.log(samples / 3) * np.arange(100) / 99)]
+    lengths = np.exp(np.log(samples / 3) * np.arange(100) / 99)
+    return sorted({float(round(m)) for m in lengths})
 
 
 def time_all(rate):

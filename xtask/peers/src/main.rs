@@ -54,10 +54,12 @@ fn octaves(samples: usize) -> Vec<u64> {
     std::iter::successors(Some(1), |m| Some(m * 2)).take_while(|m| 2 * m <= samples as u64).collect()
 }
 
-/// 100 averages from 1 sample to a third of the record, evenly spaced in the logarithm.
+/// 100 averages from 1 sample to a third of the record, evenly spaced in the logarithm; equal ones once.
 fn hundred(samples: usize) -> Vec<u64> {
     let top = (samples as f64 / 3.0).ln();
-    (0..100).map(|i| (top * f64::from(i) / 99.0).exp().round() as u64).collect()
+    let mut lengths: Vec<u64> = (0..100).map(|i| (top * f64::from(i) / 99.0).exp().round() as u64).collect();
+    lengths.dedup();
+    lengths
 }
 
 /// 1, 2, 4, 10, 20, 40 …: the densest spacing that the crate `allan` can do up to the longest averages.
@@ -93,7 +95,7 @@ fn crates(rate: &[f64]) {
     let rates = rate.to_vec();
     let taus: Vec<f64> = octaves(rate.len()).iter().map(|m| *m as f64).collect();
     let seconds = best(1, || {
-        black_box(allantools::deviation(&rates, &taus, allantools::Deviation::Allan, 1.0, true, true).is_ok());
+        black_box(allan_tools::deviation(&rates, &taus, allan_tools::Deviation::Allan, 1.0, true, true).is_ok());
     });
     println!("{}", json!({"who": "crate allan-tools", "work": "oadev", "seconds": seconds}));
     let config = allan::Config::new()
