@@ -4,6 +4,8 @@
 #[cfg(feature = "async")]
 pub mod asynch;
 pub mod blocking;
+#[cfg(feature = "bridge")]
+pub mod bridge;
 mod checksum;
 mod codes;
 mod config;

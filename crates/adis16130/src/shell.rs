@@ -45,6 +45,11 @@ macro_rules! shell {
                 (self.spi, self.rdy)
             }
 
+            /// The bus, for settings such as its clock.
+            pub const fn bus_mut(&mut self) -> &mut SPI {
+                &mut self.spi
+            }
+
             /// The configuration that [`init`](Self::init) writes.
             pub const fn config(&self) -> &Config {
                 &self.config

@@ -2,6 +2,8 @@
 
 #[cfg(feature = "async")]
 mod asynch;
+#[cfg(feature = "bridge")]
+mod bridge;
 mod codes;
 mod converter;
 mod diagnosis;

@@ -1,0 +1,85 @@
+//! Messages as bytes: postcard, CRC-32, COBS, and a zero at the end of each.
+
+use core::fmt::{Display, Formatter, Result as Printed};
+use crc::{CRC_32_ISO_HDLC, Crc};
+use postcard::ser_flavors::crc::CrcModifier;
+use postcard::ser_flavors::{Cobs, Slice};
+use serde::{Deserialize, Serialize};
+
+/// Most bytes of a frame with the zero at its end.
+pub const MAX_FRAME: usize = 64;
+
+const CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
+
+/// A message that fits no frame.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub struct TooLong;
+
+impl Display for TooLong {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Printed {
+        write!(f, "the message is longer than a frame of {MAX_FRAME} bytes")
+    }
+}
+
+impl core::error::Error for TooLong {}
+
+/// Bytes between two zeros that are no message: their CRC is wrong, or this version does not know them.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub struct Damaged;
+
+impl Display for Damaged {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Printed {
+        f.write_str("a frame was damaged on the way")
+    }
+}
+
+impl core::error::Error for Damaged {}
+
+/// The frame of a message, written to the front of `room`.
+pub fn encode<'a>(message: &impl Serialize, room: &'a mut [u8; MAX_FRAME]) -> Result<&'a [u8], TooLong> {
+    let cobs = Cobs::try_new(Slice::new(room)).map_err(|_| TooLong)?;
+    let frame = postcard::serialize_with_flavor(message, CrcModifier::new(cobs, CRC.digest()));
+    frame.map(|frame| &*frame).map_err(|_| TooLong)
+}
+
+/// Finds messages among bytes.
+#[derive(Clone, Debug)]
+pub struct Decoder {
+    bytes: [u8; MAX_FRAME],
+    /// Bytes since the last zero; more than there is room for in a frame that is too long.
+    len: usize,
+}
+
+impl Default for Decoder {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Decoder {
+    /// Expects the beginning of a frame.
+    pub const fn new() -> Self {
+        Self { bytes: [0; MAX_FRAME], len: 0 }
+    }
+
+    /// Takes a byte, and returns the message that ends with it. Nothing between two zeros is no message, and no error.
+    pub fn push<'a, M: Deserialize<'a>>(&'a mut self, byte: u8) -> Option<Result<M, Damaged>> {
+        if byte != 0 {
+            if let Some(place) = self.bytes.get_mut(self.len) {
+                *place = byte;
+            }
+            self.len = self.len.saturating_add(1);
+            return None;
+        }
+        match core::mem::take(&mut self.len) {
+            0 => None,
+            len => Some(self.bytes.get_mut(..len).ok_or(Damaged).and_then(decode)),
+        }
+    }
+}
+
+fn decode<'a, M: Deserialize<'a>>(frame: &'a mut [u8]) -> Result<M, Damaged> {
+    let len = cobs::decode_in_place(frame).map_err(|_| Damaged)?;
+    let body = frame.get(..len).ok_or(Damaged)?;
+    postcard::from_bytes_crc32(body, CRC.digest()).map_err(|_| Damaged)
+}

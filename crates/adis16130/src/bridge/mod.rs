@@ -1,0 +1,204 @@
+//! The protocol between a bridge, which is a microcontroller with the part on its pins, and a host: messages, frames, and the
+//! firmware's end of it without its pins.
+//!
+//! The bytes are specified in `docs/formats/bridge.md` of the project. A host asks, the bridge answers; while it samples, it
+//! sends every sample by itself, as fast as they come. Nothing is sent twice: what is lost on the way shows in the numbers
+//! of the samples ([`Reading`]), and [`Continuity`] counts it.
+//!
+//! A firmware hands bytes to a [`Decoder`], its requests and the edges of RDY to a [`Station`], and what that returns to
+//! [`encode`].
+
+mod frame;
+mod station;
+
+pub use frame::{Damaged, Decoder, MAX_FRAME, TooLong, encode};
+pub use station::{Bus, Station};
+
+use crate::codes::{RateCode, TempCode, Width};
+use crate::registers::ChannelStatus;
+use crate::sample::Sample;
+use serde::{Deserialize, Serialize};
+
+/// Version of the protocol that this module speaks.
+pub const PROTOCOL: u16 = 1;
+
+/// Most bytes of one [`Ask::Transfer`]: more than any command of the part has.
+pub const MAX_TRANSFER: usize = 8;
+
+/// From host to bridge.
+#[derive(Copy, Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Request<'a> {
+    /// Comes back with the answer.
+    pub tag: u8,
+    /// What the bridge shall do. Everything may be asked twice, so a host that gets no answer asks again.
+    #[serde(borrow)]
+    pub ask: Ask<'a>,
+}
+
+/// What a host can ask for.
+#[derive(Copy, Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Ask<'a> {
+    /// Who is there?
+    Hello,
+    /// Set the SPI clock to this one, or to the next lower one that the bridge has.
+    Clock {
+        /// Hz.
+        sclk_hz: u32,
+    },
+    /// Exchange these bytes with the part in one frame of CS. Refused while it samples.
+    Transfer {
+        /// At most [`MAX_TRANSFER`].
+        bytes: &'a [u8],
+    },
+    /// What was the last edge of RDY?
+    LastEdge,
+    /// Reset the part, initialise it (F-30, the default [`Config`](crate::Config)), read it back, then sample. Sampling that
+    /// is under way begins anew.
+    Start {
+        /// As [`SamplerConfig::every_temp`](crate::SamplerConfig::every_temp).
+        every_temp: u16,
+        /// As [`SamplerConfig::divider`](crate::SamplerConfig::divider).
+        divider: u16,
+        /// The nominal master clock of the part, Hz.
+        mclk_hz: u32,
+    },
+    /// Stop sampling.
+    Stop,
+}
+
+/// From bridge to host.
+#[derive(Copy, Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Message<'a> {
+    /// To the request with this tag.
+    Answer {
+        /// That of the request.
+        tag: u8,
+        /// What it says.
+        #[serde(borrow)]
+        answer: Answer<'a>,
+    },
+    /// A sample.
+    Sample(Reading),
+    /// Sampling has ended, because the part no longer answers as it should. Transfers show why.
+    Ended,
+}
+
+/// What a bridge says to a request.
+#[derive(Copy, Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Answer<'a> {
+    /// To [`Ask::Hello`].
+    Hello {
+        /// [`PROTOCOL`].
+        protocol: u16,
+        /// Name and version of the firmware, at most 24 bytes.
+        firmware: &'a str,
+        /// The SPI clock as it is set, Hz.
+        sclk_hz: u32,
+    },
+    /// To [`Ask::Clock`].
+    Clock {
+        /// As it is set now, Hz.
+        sclk_hz: u32,
+    },
+    /// To [`Ask::Transfer`]: what the part sent, as many bytes.
+    Transfer {
+        /// From SDO.
+        bytes: &'a [u8],
+    },
+    /// To [`Ask::LastEdge`]: all zeros before the first.
+    LastEdge {
+        /// In ns of the bridge's clock.
+        t_ns: u64,
+        /// Its running number.
+        seq: u32,
+    },
+    /// To [`Ask::Start`].
+    Started,
+    /// To [`Ask::Stop`].
+    Stopped,
+    /// It was not done.
+    Refused(Refusal),
+}
+
+/// Why something was not done.
+#[derive(Copy, Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Refusal {
+    /// The bridge samples: stop first.
+    Sampling,
+    /// The bridge's SPI controller reports an error.
+    Bus,
+    /// The part did not take its configuration. Transfers show why.
+    Part,
+    /// A transfer of more than [`MAX_TRANSFER`] bytes.
+    TooLong,
+}
+
+/// A sample on the wire: 24-bit codes, as F-30 sets them.
+#[derive(Copy, Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Reading {
+    /// Running number of the sample since [`Ask::Start`], from 0.
+    pub number: u32,
+    /// Samples that the bridge has lost since [`Ask::Start`], before this one (F-33).
+    pub lost: u32,
+    /// Time of the edge that announced it, in ns of the bridge's clock.
+    pub t_ns: u64,
+    /// Running number of that edge.
+    pub edge: u32,
+    /// RATE DATA.
+    pub rate: u32,
+    /// RATE STATUS, if it was read.
+    pub status: Option<u8>,
+    /// TEMP DATA, if it was due.
+    pub temp: Option<u32>,
+}
+
+impl Reading {
+    fn new(number: u32, lost: u32, sample: &Sample) -> Self {
+        Self {
+            number,
+            lost,
+            t_ns: sample.t_ns,
+            edge: sample.seq,
+            rate: sample.rate.code24(),
+            status: sample.status.map(ChannelStatus::bits),
+            temp: sample.temp.map(TempCode::code24),
+        }
+    }
+
+    /// The samples since [`Ask::Start`] before this one, whether they were lost or not.
+    const fn position(&self) -> u32 {
+        self.number.wrapping_add(self.lost)
+    }
+}
+
+/// Makes samples of readings, and counts what lies between them: what the bridge lost, what it had no room for on the link,
+/// and what was damaged there. To be made anew with every [`Ask::Start`].
+#[derive(Clone, Debug, Default)]
+pub struct Continuity {
+    next_number: u32,
+    next_position: u32,
+    missing: u32,
+}
+
+impl Continuity {
+    /// The sample of a reading. Its `lost` counts everything since the reading before.
+    pub fn sample(&mut self, reading: &Reading) -> Sample {
+        let lost = reading.position().wrapping_sub(self.next_position);
+        self.missing = self.missing.wrapping_add(reading.number.wrapping_sub(self.next_number));
+        self.next_number = reading.number.wrapping_add(1);
+        self.next_position = reading.position().wrapping_add(1);
+        Sample {
+            t_ns: reading.t_ns,
+            seq: reading.edge,
+            rate: RateCode::new(reading.rate, Width::Bits24),
+            status: reading.status.map(ChannelStatus::new),
+            temp: reading.temp.map(|code| TempCode::new(code, Width::Bits24)),
+            lost,
+        }
+    }
+
+    /// Samples that the bridge took, but that never arrived.
+    pub const fn missing(&self) -> u32 {
+        self.missing
+    }
+}

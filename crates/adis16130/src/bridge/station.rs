@@ -1,0 +1,129 @@
+//! The bridge itself, without its pins: what it does at a request and at an edge of RDY.
+
+use super::{Answer, Ask, MAX_TRANSFER, Message, PROTOCOL, Reading, Refusal, Request};
+use crate::asynch::Adis16130;
+use crate::config::Config;
+use crate::error::InitError;
+use crate::frame::Framing;
+use crate::sample::Edge;
+use crate::sampler::{Sampler, SamplerConfig};
+use embedded_hal_async::spi::SpiDevice;
+
+/// The part's bus, whose clock can be set.
+pub trait Bus: SpiDevice {
+    /// Sets the fastest clock that is not above this one, or else the slowest there is, and returns it, in Hz.
+    fn set_sclk_hz(&mut self, hz: u32) -> u32;
+}
+
+/// The part behind a bridge.
+#[derive(Debug)]
+pub struct Station<S> {
+    part: Adis16130<S, ()>,
+    firmware: &'static str,
+    sclk_hz: u32,
+    last: Edge,
+    sampling: Option<Sampling>,
+    /// What the part sent in the last transfer.
+    received: [u8; MAX_TRANSFER],
+}
+
+/// Samples since the start.
+#[derive(Debug)]
+struct Sampling {
+    sampler: Sampler,
+    number: u32,
+    lost: u32,
+}
+
+impl<S: Bus> Station<S> {
+    /// A bridge whose firmware calls itself so, in at most 24 bytes, with a bus of this clock. Sends nothing.
+    pub const fn new(bus: S, sclk_hz: u32, firmware: &'static str) -> Self {
+        let part = Adis16130::new(bus, (), Config::new().with_framing(Framing::Command));
+        Self { part, firmware, sclk_hz, last: Edge { t_ns: 0, seq: 0 }, sampling: None, received: [0; MAX_TRANSFER] }
+    }
+
+    /// Whether it samples.
+    pub const fn is_sampling(&self) -> bool {
+        self.sampling.is_some()
+    }
+
+    /// Ends sampling, as when the host is gone.
+    pub fn stop(&mut self) {
+        self.sampling = None;
+    }
+
+    /// Does what is asked.
+    pub async fn request(&mut self, request: &Request<'_>) -> Message<'_> {
+        let tag = request.tag;
+        let answer = match request.ask {
+            Ask::Hello => Answer::Hello { protocol: PROTOCOL, firmware: self.firmware, sclk_hz: self.sclk_hz },
+            Ask::Clock { sclk_hz } => {
+                self.sclk_hz = self.part.bus_mut().set_sclk_hz(sclk_hz);
+                Answer::Clock { sclk_hz: self.sclk_hz }
+            }
+            Ask::Transfer { bytes } => match self.transfer(bytes).await {
+                Ok(bytes) => Answer::Transfer { bytes },
+                Err(refusal) => Answer::Refused(refusal),
+            },
+            Ask::LastEdge => Answer::LastEdge { t_ns: self.last.t_ns, seq: self.last.seq },
+            Ask::Start { every_temp, divider, mclk_hz } => {
+                let sampling = SamplerConfig::new().with_every_temp(every_temp).with_divider(divider);
+                match self.start(sampling, mclk_hz).await {
+                    Ok(()) => Answer::Started,
+                    Err(refusal) => Answer::Refused(refusal),
+                }
+            }
+            Ask::Stop => {
+                self.stop();
+                Answer::Stopped
+            }
+        };
+        Message::Answer { tag, answer }
+    }
+
+    /// Takes an edge of RDY, and returns what there is to send. Every edge is to be given here, also while it does not sample.
+    pub async fn edge(&mut self, edge: Edge) -> Option<Message<'static>> {
+        self.last = edge;
+        let sampling = self.sampling.as_mut()?;
+        match self.part.sample(&mut sampling.sampler, edge).await {
+            Ok(sample) => sample.map(|sample| Message::Sample(sampling.reading(&sample))),
+            // a failed read whose cause is gone is a lost sample, which the sampler counts
+            Err(_) if matches!(self.part.diagnose().await, Ok(None)) => None,
+            Err(_) => {
+                self.stop();
+                Some(Message::Ended)
+            }
+        }
+    }
+
+    async fn transfer(&mut self, bytes: &[u8]) -> Result<&[u8], Refusal> {
+        if self.is_sampling() {
+            return Err(Refusal::Sampling);
+        }
+        let exchanged = self.received.get_mut(..bytes.len()).ok_or(Refusal::TooLong)?;
+        exchanged.copy_from_slice(bytes);
+        self.part.bus_mut().transfer_in_place(exchanged).await.map_err(|_| Refusal::Bus)?;
+        Ok(exchanged)
+    }
+
+    async fn start(&mut self, sampling: SamplerConfig, mclk_hz: u32) -> Result<(), Refusal> {
+        self.stop();
+        self.part.reset().await.map_err(|_| Refusal::Bus)?;
+        self.part.init_verified().await.map_err(|error| match error {
+            InitError::Bus(_) => Refusal::Bus,
+            InitError::Verify(_) => Refusal::Part,
+        })?;
+        let sampler = Sampler::new(sampling, self.part.config(), mclk_hz.max(1));
+        self.sampling = Some(Sampling { sampler, number: 0, lost: 0 });
+        Ok(())
+    }
+}
+
+impl Sampling {
+    fn reading(&mut self, sample: &crate::sample::Sample) -> Reading {
+        self.lost = self.lost.wrapping_add(sample.lost);
+        let reading = Reading::new(self.number, self.lost, sample);
+        self.number = self.number.wrapping_add(1);
+        reading
+    }
+}

@@ -1,0 +1,249 @@
+//! The bridge against bytes that were put together by hand from `docs/formats/bridge.md`, and against the hand-written part.
+
+use std::future::Future;
+use std::pin::pin;
+use std::task::{Context, Poll, Waker};
+
+use adis16130::bridge::{
+    Answer, Ask, Bus, Continuity, Damaged, Decoder, MAX_FRAME, Message, Reading, Refusal, Request, Station, encode,
+};
+use adis16130::{Edge, Width};
+
+use crate::part::{F30, Line, Part, Wire};
+
+const START: Ask<'static> = Ask::Start { every_temp: 1, divider: 1, mclk_hz: 6_000_000 };
+const READING: Reading = Reading {
+    number: 3,
+    lost: 1,
+    t_ns: 1_000_000_000,
+    edge: 7,
+    rate: 0x80_8809,
+    status: Some(0x08),
+    temp: Some(0x80_1EA6),
+};
+
+/// Requests and their frames; the CRC-32 was computed by another implementation (zlib's).
+const REQUESTS: [(Request<'_>, &[u8]); 4] = [
+    (Request { tag: 7, ask: Ask::Hello }, &[0x02, 0x07, 0x05, 0x38, 0x84, 0x98, 0x0E, 0x00]),
+    (
+        Request { tag: 8, ask: Ask::Clock { sclk_hz: 5_000_000 } },
+        &[0x0B, 0x08, 0x01, 0xC0, 0x96, 0xB1, 0x02, 0xEF, 0xDE, 0xF2, 0xFC, 0x00],
+    ),
+    (
+        Request { tag: 9, ask: Ask::Transfer { bytes: &[0x68, 0x00] } },
+        &[0x05, 0x09, 0x02, 0x02, 0x68, 0x05, 0x26, 0x68, 0x9B, 0xCF, 0x00],
+    ),
+    (
+        Request { tag: 10, ask: START },
+        &[0x0D, 0x0A, 0x04, 0x01, 0x01, 0x80, 0x9B, 0xEE, 0x02, 0xC3, 0x43, 0x7D, 0xC4, 0x00],
+    ),
+];
+
+const MESSAGES: [(Message<'_>, &[u8]); 4] = [
+    (
+        Message::Answer { tag: 9, answer: Answer::Transfer { bytes: &[0xFF, 0x40] } },
+        &[0x01, 0x0A, 0x09, 0x02, 0x02, 0xFF, 0x40, 0xD5, 0x63, 0xA7, 0xF0, 0x00],
+    ),
+    (
+        Message::Answer { tag: 10, answer: Answer::Refused(Refusal::Part) },
+        &[0x01, 0x08, 0x0A, 0x06, 0x02, 0x60, 0x9C, 0x87, 0x94, 0x00],
+    ),
+    (
+        Message::Sample(READING),
+        &[
+            0x19, 0x01, 0x03, 0x01, 0x80, 0x94, 0xEB, 0xDC, 0x03, 0x07, 0x89, 0x90, 0x82, 0x04, 0x01, 0x08, 0x01, 0xA6,
+            0xBD, 0x80, 0x04, 0x52, 0x95, 0x81, 0x88, 0x00,
+        ],
+    ),
+    (Message::Ended, &[0x06, 0x02, 0xA1, 0x8E, 0x0C, 0x3C, 0x00]),
+];
+
+/// The messages among bytes, in the words of `Debug`.
+macro_rules! decoded {
+    ($message:ty, $bytes:expr) => {{
+        let mut decoder = Decoder::new();
+        let messages = $bytes.iter().filter_map(|byte| {
+            decoder.push::<$message>(*byte).map(|message| message.map(|message| format!("{message:?}")))
+        });
+        messages.collect::<Vec<Result<String, Damaged>>>()
+    }};
+}
+
+#[test]
+fn frames_are_those_of_the_specification() {
+    for (request, bytes) in REQUESTS {
+        assert_eq!(encode(&request, &mut [0; MAX_FRAME]).unwrap(), bytes, "{request:?}");
+        assert_eq!(decoded!(Request<'_>, bytes), [Ok(format!("{request:?}"))]);
+    }
+    for (message, bytes) in MESSAGES {
+        assert_eq!(encode(&message, &mut [0; MAX_FRAME]).unwrap(), bytes, "{message:?}");
+        assert_eq!(decoded!(Message<'_>, bytes), [Ok(format!("{message:?}"))]);
+    }
+}
+
+#[test]
+fn the_longest_reading_fits() {
+    let longest = Reading {
+        number: u32::MAX,
+        lost: u32::MAX,
+        t_ns: u64::MAX,
+        edge: u32::MAX,
+        rate: 0xFF_FFFF,
+        status: Some(0xFF),
+        temp: Some(0xFF_FFFF),
+    };
+    assert!(encode(&Message::Sample(longest), &mut [0; MAX_FRAME]).is_ok());
+    let hello = Answer::Hello { protocol: u16::MAX, firmware: "x".repeat(24).leak(), sclk_hz: u32::MAX };
+    assert!(encode(&Message::Answer { tag: 0, answer: hello }, &mut [0; MAX_FRAME]).is_ok());
+    let long = [0xFF; 64];
+    let request = Request { tag: 0, ask: Ask::Transfer { bytes: &long } };
+    assert!(encode(&request, &mut [0; MAX_FRAME]).is_err());
+}
+
+#[test]
+fn every_damaged_bit_is_found() {
+    let (_, sound) = MESSAGES[2];
+    for bit in 0..8 * (sound.len() - 1) {
+        let mut bytes = sound.to_vec();
+        bytes[bit / 8] ^= 1 << (bit % 8);
+        let mut decoder = Decoder::new();
+        let seen: Vec<_> = bytes
+            .iter()
+            .chain(sound)
+            .filter_map(|byte| decoder.push::<Message<'_>>(*byte).map(|message| message.is_ok()))
+            .collect();
+        // a bit can make or take away an end; the next frame is whole again, unless it was joined to this one
+        assert!(seen.starts_with(&[false]), "bit {bit}: {seen:?}");
+        assert_eq!(seen.last(), Some(&true), "bit {bit}: {seen:?}");
+    }
+}
+
+#[test]
+fn rubbish_is_damaged_and_silence_is_not() {
+    assert_eq!(decoded!(Message<'_>, [0; 5]), []);
+    assert_eq!(decoded!(Message<'_>, [1; 200]), []);
+    let endless = [[1; 200].as_slice(), &[0]].concat();
+    assert_eq!(decoded!(Message<'_>, endless), [Err(Damaged)]);
+    // message 9, which does not exist, with its right CRC
+    assert_eq!(decoded!(Message<'_>, [0x06, 0x09, 0x29, 0x57, 0xDE, 0xAB, 0x00]), [Err(Damaged)]);
+}
+
+#[test]
+fn a_host_sees_through_to_the_part() {
+    let (part, mut station) = station();
+    part.borrow_mut().set(0x28, 0x40);
+    let hello = Answer::Hello { protocol: 1, firmware: "test 1", sclk_hz: 1_000_000 };
+    assert_eq!(answer(&mut station, Ask::Hello), Message::Answer { tag: 3, answer: hello });
+    let clock = Answer::Clock { sclk_hz: 2_000_000 };
+    assert_eq!(answer(&mut station, Ask::Clock { sclk_hz: 2_500_000 }), Message::Answer { tag: 3, answer: clock });
+    let hello = Answer::Hello { protocol: 1, firmware: "test 1", sclk_hz: 2_000_000 };
+    assert_eq!(answer(&mut station, Ask::Hello), Message::Answer { tag: 3, answer: hello });
+    let Message::Answer { answer: Answer::Transfer { bytes }, .. } =
+        answer(&mut station, Ask::Transfer { bytes: &[0x68, 0x00] })
+    else {
+        panic!("no transfer");
+    };
+    assert_eq!((bytes.len(), bytes[1]), (2, 0x40));
+    assert_eq!(part.borrow().frames.last(), Some(&vec![0x68, 0x00]));
+    assert_eq!(refusal(&mut station, Ask::Transfer { bytes: &[0; 9] }), Some(Refusal::TooLong));
+}
+
+#[test]
+fn it_samples_between_start_and_stop() {
+    let (part, mut station) = station();
+    assert_eq!(now(station.edge(Edge { t_ns: 5, seq: 1 })), None);
+    let edge = Answer::LastEdge { t_ns: 5, seq: 1 };
+    assert_eq!(answer(&mut station, Ask::LastEdge), Message::Answer { tag: 3, answer: edge });
+    assert_eq!(refusal(&mut station, START), None);
+    let written: Vec<Vec<u8>> = F30.chunks(2).map(<[u8]>::to_vec).collect();
+    assert_eq!(part.borrow().frames[0], [0x00, 0xFF, 0xFF, 0xFF, 0xFF]);
+    assert_eq!(part.borrow().frames[1..=written.len()], written);
+    assert_eq!(refusal(&mut station, Ask::Transfer { bytes: &[0x68, 0x00] }), Some(Refusal::Sampling));
+
+    part.borrow_mut().set(0x20, 0x08);
+    part.borrow_mut().set(0x08, 0x80_8809);
+    part.borrow_mut().set(0x0A, 0x80_1EA6);
+    // an edge every 175 667 ns (F-31), and one that nobody saw before the last
+    for (number, pairs) in [0, 1, 3].into_iter().enumerate() {
+        let t_ns = 1_000_000 + 175_667 * u64::from(pairs);
+        let seq = 2 + pairs;
+        let Some(Message::Sample(reading)) = now(station.edge(Edge { t_ns, seq })) else { panic!("no sample") };
+        let lost = u32::from(pairs == 3);
+        assert_eq!((reading.number, reading.lost), (number as u32, lost));
+        assert_eq!((reading.t_ns, reading.edge, reading.rate), (t_ns, seq, 0x80_8809));
+        assert_eq!((reading.status, reading.temp), (Some(0x08), Some(0x80_1EA6)));
+    }
+    assert_eq!(answer(&mut station, Ask::Stop), Message::Answer { tag: 3, answer: Answer::Stopped });
+    assert_eq!(now(station.edge(Edge { t_ns: 9_000_000, seq: 9 })), None);
+}
+
+#[test]
+fn it_says_when_the_part_is_gone() {
+    let (part, mut station) = station();
+    assert_eq!(refusal(&mut station, START), None);
+    part.borrow_mut().line = Line::High;
+    assert_eq!(now(station.edge(Edge { t_ns: 1, seq: 1 })), Some(Message::Ended));
+    assert!(!station.is_sampling());
+    assert_eq!(refusal(&mut station, START), Some(Refusal::Part));
+}
+
+#[test]
+fn what_is_missing_is_counted_once() {
+    let mut continuity = Continuity::default();
+    // two lost before the first; then one lost by the bridge and three on the way
+    let readings = [(0, 2), (1, 2), (5, 3), (6, 3)];
+    let samples = readings.map(|(number, lost)| continuity.sample(&Reading { number, lost, ..READING }));
+    assert_eq!(samples.map(|sample| sample.lost), [2, 0, 4, 0]);
+    assert_eq!(continuity.missing(), 3);
+    let sample = samples[0];
+    assert_eq!((sample.t_ns, sample.seq, sample.rate.code()), (1_000_000_000, 7, 0x80_8809));
+    assert_eq!(sample.rate.width(), Width::Bits24);
+    assert_eq!(sample.status.map(|status| status.bits()), Some(0x08));
+    assert_eq!(sample.temp.map(|temp| temp.code24()), Some(0x80_1EA6));
+}
+
+fn station() -> (std::rc::Rc<std::cell::RefCell<Part>>, Station<Slow>) {
+    let part = Part::new();
+    (part.clone(), Station::new(Slow(Wire(part)), 1_000_000, "test 1"))
+}
+
+/// A bus whose clock goes in steps of 1 MHz.
+struct Slow(Wire);
+
+impl embedded_hal_async::spi::ErrorType for Slow {
+    type Error = <Wire as embedded_hal_async::spi::ErrorType>::Error;
+}
+
+impl embedded_hal_async::spi::SpiDevice for Slow {
+    async fn transaction(
+        &mut self,
+        operations: &mut [embedded_hal_async::spi::Operation<'_, u8>],
+    ) -> Result<(), Self::Error> {
+        embedded_hal_async::spi::SpiDevice::transaction(&mut self.0, operations).await
+    }
+}
+
+impl Bus for Slow {
+    fn set_sclk_hz(&mut self, hz: u32) -> u32 {
+        hz / 1_000_000 * 1_000_000
+    }
+}
+
+fn answer<'a>(station: &'a mut Station<Slow>, ask: Ask<'_>) -> Message<'a> {
+    now(station.request(&Request { tag: 3, ask }))
+}
+
+fn refusal(station: &mut Station<Slow>, ask: Ask<'_>) -> Option<Refusal> {
+    match answer(station, ask) {
+        Message::Answer { tag: 3, answer: Answer::Refused(refusal) } => Some(refusal),
+        _ => None,
+    }
+}
+
+/// The mock never waits, so one poll must be enough.
+fn now<F: Future>(future: F) -> F::Output {
+    match pin!(future).poll(&mut Context::from_waker(Waker::noop())) {
+        Poll::Ready(output) => output,
+        Poll::Pending => panic!("waits for something that never comes"),
+    }
+}
