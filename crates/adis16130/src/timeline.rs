@@ -19,6 +19,9 @@ const TOP_GEAR: u32 = 10;
 /// Edges after which the loop asks itself whether it is locked.
 const LOCK_EDGES: u32 = 256;
 
+/// Checks without a lock before it learns anew.
+const HELD_CHECKS: u8 = 16;
+
 /// Learns phase and period of the rate updates from the edges, and numbers them.
 ///
 /// Every honest edge lies on a tooth of the [`Comb`], because RDY only falls when a data register has been updated
@@ -40,6 +43,7 @@ pub(crate) struct Timeline {
     edges_in_gear: u32,
     gaps: Gaps,
     lock: Lock,
+    grip: Grip,
     /// The phase is known from more than an assumption.
     aligned: bool,
     /// The conversions have been started anew since the edge before.
@@ -62,6 +66,7 @@ impl Timeline {
             edges_in_gear: 0,
             gaps: Gaps::default(),
             lock: Lock::default(),
+            grip: Grip::Firm,
             aligned: false,
             restarted: false,
         }
@@ -130,14 +135,16 @@ impl Timeline {
         let error = self.tooth.error(&self.comb, position);
         self.index += periods;
         self.since_update = position - (error >> self.gear);
-        if self.gear < LOOP_GEAR {
+        if matches!(self.grip, Grip::Held(_)) {
+            // nothing can be learned
+        } else if self.gear < LOOP_GEAR {
             self.acquire(elapsed);
         } else {
             self.follow(error, periods);
-            self.lock.push(error);
-            if self.lock.edges == LOCK_EDGES {
-                self.check_lock();
-            }
+        }
+        self.lock.push(error);
+        if self.lock.edges == LOCK_EDGES {
+            self.check_lock();
         }
     }
 
@@ -164,13 +171,25 @@ impl Timeline {
         }
     }
 
-    /// Starts anew if the edges do not lie on the comb.
+    /// Learns anew if the edges do not lie on the comb; if that does not help, the nominal period holds for a while.
     #[cold]
     fn check_lock(&mut self) {
-        if self.lock.is_lost(&self.comb) {
-            self.gear = FIRST_GEAR;
+        let lost = self.lock.is_lost(&self.comb, self.tooth.steady);
+        let (grip, gear) = match self.grip {
+            Grip::Held(0) => (Grip::Loose, FIRST_GEAR),
+            Grip::Held(checks) => (Grip::Held(checks - 1), LOOP_GEAR),
+            Grip::Firm if lost => (Grip::Loose, FIRST_GEAR),
+            Grip::Loose if lost => (Grip::Held(HELD_CHECKS), LOOP_GEAR),
+            Grip::Firm | Grip::Loose => (Grip::Firm, self.gear),
+        };
+        self.grip = grip;
+        if gear != self.gear {
+            self.gear = gear;
             self.edges_in_gear = 0;
             self.gaps = Gaps::default();
+        }
+        if matches!(grip, Grip::Held(_)) {
+            self.comb.period = self.comb.nominal;
         }
         self.lock = Lock::default();
         self.comb.settle();
@@ -363,6 +382,17 @@ impl Gaps {
     }
 }
 
+/// How far the edges can be believed.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+enum Grip {
+    /// They lie on the comb.
+    Firm,
+    /// They did not, and the comb is learned anew.
+    Loose,
+    /// They lie anywhere: for so many more checks the period stays nominal, and the phase is hardly followed.
+    Held(u8),
+}
+
 /// Tells whether the edges still lie on the comb.
 #[derive(Clone, Debug, Default)]
 struct Lock {
@@ -379,8 +409,9 @@ impl Lock {
 
     /// Edges that lie anywhere are a quarter of a period off in the mean, or an eighth if the nearest of two teeth is
     /// taken.
-    fn is_lost(&self, comb: &Comb) -> bool {
-        5 * self.error > i64::from(self.edges) * comb.nominal
+    fn is_lost(&self, comb: &Comb, steady: bool) -> bool {
+        let parts = if steady { 6 } else { 9 };
+        parts * self.error > i64::from(self.edges) * comb.nominal
     }
 }
 
