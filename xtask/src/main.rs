@@ -3,6 +3,7 @@
 //! To add a command: write a module with `#[derive(clap::Args)] pub struct Args` and `pub fn run(args: &Args)`, and give it a
 //! variant in [`Task`].
 
+mod app;
 mod bench_peers;
 mod c;
 mod coverage;

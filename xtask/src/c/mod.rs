@@ -4,6 +4,7 @@
 mod expected;
 mod header;
 
+use crate::app;
 use crate::firmware::{QEMU, emulate, image};
 use crate::targets;
 use crate::tools::{Tool, available};
@@ -77,8 +78,8 @@ fn is_self_contained(library: &Path) -> Result<()> {
 fn export_header() -> Result<()> {
     let unit = Path::new(WORK).join("unit.toml");
     fs::write(&unit, expected::CALIBRATION)?;
-    let mut zerorate = Command::new("cargo");
-    zerorate.args(["run", "--quiet", "--package", "zerorate-cli", "--", "export"]).arg(&unit);
+    let mut zerorate = Command::new(app::program()?);
+    zerorate.arg("export").arg(&unit);
     done(zerorate.args(["--format", "c", "--span-c", "2", "--output"]).arg(Path::new(WORK).join("unit.h")))
 }
 

@@ -1,6 +1,7 @@
 //! The virtual machine: QEMU with a USB socket, and its console.
 
 use super::kernel::Kernel;
+use super::preferred;
 use crate::venv::done;
 use anyhow::{Context, Result, bail};
 use std::fs;
@@ -33,7 +34,7 @@ impl Machine {
         fs::write(ssdt.with_extension("dsl"), SSDT)?;
         let dsl = ssdt.with_extension("dsl");
         done(Command::new("iasl").arg("-p").arg(&ssdt).arg(dsl).stdout(Stdio::null()))?;
-        let mut qemu = Command::new("qemu-system-x86_64")
+        let mut qemu = preferred(Path::new("qemu-system-x86_64"))
             .args("-accel tcg -m 512 -machine q35 -nodefaults -nographic -no-reboot -serial stdio".split(' '))
             .arg("-serial")
             .arg(format!("file:{}", archive.display()))

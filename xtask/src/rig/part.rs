@@ -1,5 +1,6 @@
 //! The twin as hardware, and what it saw of the bus.
 
+use super::preferred;
 use anyhow::{Context, Result, ensure};
 use serde::{Deserialize, Serialize};
 use std::fs::{self, File};
@@ -49,6 +50,8 @@ pub struct Reading {
     pub code: u32,
     /// Rate readings that were lost before it since power-on.
     pub lost_rate: u64,
+    /// Falling edges of RDY before it since power-on.
+    pub edges: u32,
 }
 
 /// All that the part knows of its time on the bus.
@@ -63,7 +66,7 @@ impl Plugged {
     pub fn plug(program: &Path, folder: &Path, name: &str, socket: &Path, arguments: &[&str]) -> Result<Self> {
         let summary = folder.join(format!("{name}.part.json"));
         let wire = folder.join(format!("{name}.wire.csv"));
-        let mut command = Command::new(program);
+        let mut command = preferred(program);
         command.args(["twin", "--json", "--usb"]).arg(socket).arg("--wire").arg(&wire).args(arguments);
         command.stdout(File::create(&summary)?).stderr(Stdio::null());
         let process = command.spawn().context("starting zerorate twin --usb")?;
@@ -89,14 +92,14 @@ impl Drop for Plugged {
     }
 }
 
-/// The 24-bit reads with this COM byte (F-24) in a log of the wire: t_ns,mosi,miso,lost_rate.
+/// The 24-bit reads with this COM byte (F-24) in a log of the wire: t_ns,mosi,miso,lost_rate,edges.
 fn readings(wire: &str, com: &str) -> Vec<Reading> {
     let frame = |line: &str| {
         let mut fields = line.split(',').skip(1);
-        let (mosi, miso, lost) = (fields.next()?, fields.next()?, fields.next()?);
+        let (mosi, miso, lost, edges) = (fields.next()?, fields.next()?, fields.next()?, fields.next()?);
         let is_read = mosi.len() == 8 && mosi.starts_with(com);
         let code = u32::from_str_radix(miso.get(2..8)?, 16).ok().filter(|_| is_read)?;
-        Some(Reading { code, lost_rate: lost.parse().ok()? })
+        Some(Reading { code, lost_rate: lost.parse().ok()?, edges: edges.parse().ok()? })
     };
     wire.lines().filter_map(frame).collect()
 }
@@ -107,10 +110,9 @@ mod tests {
 
     #[test]
     fn reads_are_found_in_the_log() {
-        let wire =
-            "t_ns,mosi,miso,lost_rate\n5,2000,0000,1\n9,48000000,00808809,7\n11,48,00,7\n12,4a000000,00801ea6,8\n";
-        let rates: Vec<_> = readings(wire, "48").iter().map(|r| (r.code, r.lost_rate)).collect();
-        assert_eq!(rates, [(0x80_8809, 7)]);
+        let wire = "t_ns,mosi,miso,lost_rate,edges\n5,2000,0000,1,0\n9,48000000,00808809,7,2\n11,48,00,7,2\n12,4a000000,00801ea6,8,3\n";
+        let rates: Vec<_> = readings(wire, "48").iter().map(|r| (r.code, r.lost_rate, r.edges)).collect();
+        assert_eq!(rates, [(0x80_8809, 7, 2)]);
         assert_eq!(readings(wire, "4a").len(), 1);
     }
 }

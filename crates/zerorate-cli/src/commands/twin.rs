@@ -33,7 +33,7 @@ pub struct TwinArgs {
     #[arg(long, requires = "usb")]
     initialised: bool,
 
-    /// Log every SPI frame to this file: t_ns,mosi,miso,lost_rate as CSV.
+    /// Log every SPI frame to this file: t_ns,mosi,miso,lost_rate,edges as CSV.
     #[arg(long, value_name = "FILE", requires = "usb")]
     wire: Option<PathBuf>,
 

@@ -98,7 +98,7 @@ impl WallPart {
         }
         if let Some(wire) = &mut self.wire {
             let lost = self.twin.lost_unread().rate;
-            wire.row(self.twin.now_ns(), mosi, miso, lost.overwritten + lost.lost_new);
+            wire.row(self.twin.now_ns(), mosi, miso, lost.overwritten + lost.lost_new, self.seen.edges);
         }
     }
 }
@@ -130,14 +130,14 @@ impl Wire {
     fn create(path: &Path) -> Result<Self> {
         let file = File::create(path).with_context(|| format!("cannot write {}", path.display()))?;
         let mut rows = BufWriter::new(file);
-        writeln!(rows, "t_ns,mosi,miso,lost_rate")?;
+        writeln!(rows, "t_ns,mosi,miso,lost_rate,edges")?;
         Ok(Self { path: path.to_owned(), rows, failed: None })
     }
 
     /// A full disk must not stop the bus: the error waits for [`Wire::finish`].
-    fn row(&mut self, t_ns: u64, mosi: &[u8], miso: &[u8], lost_rate: u64) {
+    fn row(&mut self, t_ns: u64, mosi: &[u8], miso: &[u8], lost_rate: u64, edges: u32) {
         if self.failed.is_none() {
-            self.failed = writeln!(self.rows, "{t_ns},{},{},{lost_rate}", hex(mosi), hex(miso)).err();
+            self.failed = writeln!(self.rows, "{t_ns},{},{},{lost_rate},{edges}", hex(mosi), hex(miso)).err();
         }
     }
 

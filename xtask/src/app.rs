@@ -1,0 +1,20 @@
+//! The program `zerorate`, for the tasks that run it.
+
+use crate::venv::done;
+use anyhow::{Context, Result};
+use std::path::PathBuf;
+use std::process::Command;
+
+/// Builds the program with the tests of the workspace, as `cargo xtask test` does, so that nothing is compiled twice.
+pub fn program() -> Result<PathBuf> {
+    let arguments = "test --workspace --all-features --no-run --quiet --test cli_commands";
+    done(Command::new("cargo").args(arguments.split(' ')))?;
+    Ok(target_folder()?.join("debug/zerorate"))
+}
+
+/// Cargo's target folder, in which this very program lies.
+pub fn target_folder() -> Result<PathBuf> {
+    let program = std::env::current_exe()?;
+    let folder = program.ancestors().nth(2).context("xtask lies outside of a target folder")?;
+    Ok(folder.to_owned())
+}
