@@ -57,7 +57,7 @@ impl fmt::Display for Step {
 ///
 /// thumbv7em-none-eabihf is a Cortex-M4F. thumbv6m-none-eabi is a Cortex-M0: it has no compare-and-swap, which the TOML
 /// parser behind the core's feature `file` needs.
-const STEPS: [Step; 17] = [
+const STEPS: [Step; 23] = [
     Step::new("fmt", "fmt --all --check"),
     Step::new("clippy", "clippy --workspace --all-targets --all-features -- -D warnings"),
     Step::new("clippy-driver", "clippy -p adis16130 --all-targets -- -D warnings"),
@@ -65,6 +65,15 @@ const STEPS: [Step; 17] = [
     Step::new(
         "clippy-firmware",
         "clippy --manifest-path firmware/qemu/Cargo.toml --locked --target-dir target/firmware --target thumbv7em-none-eabihf -- -D warnings",
+    ),
+    Step::new("fmt-bridge", "fmt --manifest-path firmware/bridge/Cargo.toml --check"),
+    Step::new(
+        "clippy-bridge-stm32f4",
+        "clippy --manifest-path firmware/bridge/Cargo.toml --locked --release --target-dir target/firmware --target thumbv7em-none-eabihf --features stm32f4 -- -D warnings",
+    ),
+    Step::new(
+        "clippy-bridge-rp2040",
+        "clippy --manifest-path firmware/bridge/Cargo.toml --locked --release --target-dir target/firmware --target thumbv6m-none-eabi --features rp2040 -- -D warnings",
     ),
     Step::new("fmt-c", "fmt --manifest-path bindings/c/Cargo.toml --all --check"),
     Step::new(
@@ -84,6 +93,15 @@ const STEPS: [Step; 17] = [
     ),
     Step::new("test", "test --workspace --all-features"),
     Step::new("test-driver", "test -p adis16130"),
+    Step::new("test-bridge", "test --manifest-path firmware/bridge/Cargo.toml --locked --target-dir target/firmware"),
+    Step::new(
+        "bridge-stm32f4",
+        "build --manifest-path firmware/bridge/Cargo.toml --locked --release --target-dir target/firmware --target thumbv7em-none-eabihf --features stm32f4",
+    ),
+    Step::new(
+        "bridge-rp2040",
+        "build --manifest-path firmware/bridge/Cargo.toml --locked --release --target-dir target/firmware --target thumbv6m-none-eabi --features rp2040",
+    ),
     Step::new("firmware", "xtask firmware"),
     Step::new("c", "xtask c"),
     Step::new("python", "xtask python"),
@@ -118,9 +136,9 @@ fn execute(step: &Step) -> Result<bool> {
 fn summarise(passed: &[(&str, Duration)]) {
     println!("\nPassed {} of the steps:", passed.len());
     for (name, time) in passed {
-        println!("  {name:14} {:>12}", clock(*time));
+        println!("  {name:22} {:>12}", clock(*time));
     }
-    println!("  {:14} {:>12}", "together", clock(passed.iter().map(|(_, time)| *time).sum()));
+    println!("  {:22} {:>12}", "together", clock(passed.iter().map(|(_, time)| *time).sum()));
 }
 
 /// `7 min 05 s`, or `5.3 s` below a minute.

@@ -1,0 +1,91 @@
+//! The bridge on a Raspberry Pi Pico.
+//!
+//! | signal | board | part (F-11) |
+//! |---|---|---|
+//! | SCK  | GP18, pin 24 | 16 SCLK |
+//! | MISO | GP16, pin 21 | 12 SDO |
+//! | MOSI | GP19, pin 25 | 14 SDI |
+//! | CS   | GP17, pin 22 | 8 CS |
+//! | RDY  | GP20, pin 26 | 10 RDY |
+
+#![no_std]
+#![no_main]
+
+use embassy_executor::{InterruptExecutor, Spawner};
+use embassy_rp::clocks::clk_peri_freq;
+use embassy_rp::gpio::{Input, Level, Output, Pull};
+use embassy_rp::interrupt::{InterruptExt, Priority};
+use embassy_rp::peripherals::{DMA_CH0, DMA_CH1, SPI0, USB};
+use embassy_rp::spi::{self, Phase, Polarity, Spi};
+use embassy_rp::usb::{self, Driver};
+use embassy_rp::{bind_interrupts, dma, interrupt};
+use firmware_bridge::bus::PartBus;
+use firmware_bridge::{Link, port, sampling};
+use panic_halt as _;
+
+const FIRMWARE: &str = concat!("bridge-rp2040 ", env!("CARGO_PKG_VERSION"));
+
+/// The HAL panics below 1.93 kHz.
+const SLOWEST_SCLK_HZ: u32 = 2_000;
+
+bind_interrupts!(struct Irqs {
+    DMA_IRQ_0 => dma::InterruptHandler<DMA_CH0>, dma::InterruptHandler<DMA_CH1>;
+    USBCTRL_IRQ => usb::InterruptHandler<USB>;
+});
+
+type Controller = Spi<'static, SPI0, spi::Async>;
+
+static LINK: Link = Link::new();
+static ABOVE_USB: InterruptExecutor = InterruptExecutor::new();
+
+#[embassy_executor::main]
+async fn main(_spawner: Spawner) {
+    let p = embassy_rp::init(Default::default());
+    let cs = Output::new(p.PIN_17, Level::High);
+    let mut config = spi::Config::default();
+    config.polarity = Polarity::IdleHigh;
+    config.phase = Phase::CaptureOnSecondTransition;
+    let controller = Spi::new(p.SPI0, p.PIN_18, p.PIN_19, p.PIN_16, p.DMA_CH0, p.DMA_CH1, Irqs, config);
+    let rdy = Input::new(p.PIN_20, Pull::Up);
+
+    // the HAL puts RDY and DMA at the lowest priority, and leaves USB at the highest
+    interrupt::IO_IRQ_BANK0.set_priority(Priority::P0);
+    interrupt::DMA_IRQ_0.set_priority(Priority::P0);
+    interrupt::SWI_IRQ_0.set_priority(Priority::P1);
+    interrupt::USBCTRL_IRQ.set_priority(Priority::P3);
+    let spawner = ABOVE_USB.start(interrupt::SWI_IRQ_0);
+    spawner.spawn(watch(rdy).expect("spawned once"));
+    spawner.spawn(serve(PartBus::new(controller, cs, set_clock)).expect("spawned once"));
+
+    port::run(Driver::new(p.USB, Irqs), &LINK).await
+}
+
+#[embassy_executor::task]
+async fn watch(rdy: Input<'static>) {
+    sampling::watch(rdy, &LINK).await
+}
+
+#[embassy_executor::task]
+async fn serve(bus: PartBus<Controller, Output<'static>>) {
+    sampling::serve(bus, FIRMWARE, &LINK).await
+}
+
+/// The HAL does not tell what it sets, so this repeats its rule.
+fn set_clock(controller: &mut Controller, hz: u32) -> u32 {
+    let hz = hz.max(SLOWEST_SCLK_HZ);
+    controller.set_frequency(hz);
+    // `calc_prescs` of embassy-rp 0.10.0, `src/spi.rs`
+    let kernel_hz = clk_peri_freq();
+    let ratio = kernel_hz.div_ceil(2 * hz);
+    let prescaler = ratio.div_ceil(256);
+    kernel_hz / (2 * prescaler * ratio.div_ceil(prescaler))
+}
+
+#[interrupt]
+fn SWI_IRQ_0() {
+    #[expect(unsafe_code, reason = "polls the executor")]
+    // SAFETY: called from this handler alone, which `start` enables
+    unsafe {
+        ABOVE_USB.on_interrupt();
+    }
+}

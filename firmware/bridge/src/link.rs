@@ -1,0 +1,59 @@
+//! What passes between the port and the sampling side.
+
+use adis16130::Edge;
+use adis16130::bridge::{MAX_FRAME, Message, encode};
+use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
+use embassy_sync::pipe::Pipe;
+use embassy_sync::signal::Signal;
+
+/// Bytes that wait for the host: 0.17 s at the full rate with every temperature.
+const TO_HOST: usize = 32 * 1024;
+
+/// Bytes that wait for the sampling side. A host waits for its answers, so this is more than it sends.
+const FROM_HOST: usize = 256;
+
+/// What passes between the port and the sampling side.
+pub struct Link {
+    /// The last edge of RDY that was not handled yet. Its number says how many there were before.
+    pub(crate) edge: Signal<CriticalSectionRawMutex, Edge>,
+    pub(crate) gone: Signal<CriticalSectionRawMutex, ()>,
+    pub(crate) from_host: Pipe<CriticalSectionRawMutex, FROM_HOST>,
+    pub(crate) to_host: Pipe<CriticalSectionRawMutex, TO_HOST>,
+}
+
+impl Default for Link {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Link {
+    /// Nothing has passed yet.
+    pub const fn new() -> Self {
+        Self { edge: Signal::new(), gone: Signal::new(), from_host: Pipe::new(), to_host: Pipe::new() }
+    }
+
+    /// Queues a message for the host: a sample whole or not at all, which the next one's number tells; anything else as
+    /// soon as there is room, that is until the host reads or leaves. To be called from one task only.
+    pub(crate) async fn send(&self, message: &Message<'_>) {
+        let mut room = [0; MAX_FRAME];
+        let Ok(frame) = encode(message, &mut room) else { return };
+        let fits = self.to_host.free_capacity() >= frame.len();
+        if fits || !matches!(message, Message::Sample(_)) {
+            self.to_host.write_all(frame).await;
+        }
+    }
+
+    /// Tells the sampling side that the host is gone, and makes room if it waits for that.
+    pub(crate) fn hang_up(&self) {
+        self.gone.signal(());
+        self.to_host.clear();
+    }
+
+    /// Drops what is queued. The next host finds the end of whatever frame the port was in.
+    pub(crate) async fn clear(&self) {
+        self.from_host.clear();
+        self.to_host.clear();
+        self.to_host.write_all(&[0]).await;
+    }
+}

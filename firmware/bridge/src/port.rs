@@ -1,0 +1,85 @@
+//! The port: a USB CDC ACM device that carries bytes both ways while a host has it open.
+
+use embassy_futures::join::join;
+use embassy_futures::select::select3;
+use embassy_usb::class::cdc_acm::{CdcAcmClass, ControlChanged, Receiver, Sender, State};
+use embassy_usb::driver::Driver;
+use embassy_usb::{Builder, Config, UsbDevice};
+use static_cell::StaticCell;
+
+use crate::Link;
+
+/// For tests only, from <https://pid.codes/1209/0001/>. A product needs its own.
+const TEST_ID: (u16, u16) = (0x1209, 0x0001);
+
+/// Largest packet of a bulk endpoint at full speed.
+const PACKET: usize = 64;
+
+struct Buffers {
+    configuration: [u8; 128],
+    bos: [u8; 32],
+    control: [u8; 64],
+    state: State<'static>,
+}
+
+static BUFFERS: StaticCell<Buffers> = StaticCell::new();
+
+/// Runs the device. To be called once.
+pub async fn run(driver: impl Driver<'static>, link: &Link) -> ! {
+    let buffers =
+        BUFFERS.init_with(|| Buffers { configuration: [0; 128], bos: [0; 32], control: [0; 64], state: State::new() });
+    let mut config = Config::new(TEST_ID.0, TEST_ID.1);
+    config.manufacturer = Some("zerorate");
+    config.product = Some("ADIS16130 bridge");
+    let mut builder =
+        Builder::new(driver, config, &mut buffers.configuration, &mut buffers.bos, &mut [], &mut buffers.control);
+    let class = CdcAcmClass::new(&mut builder, &mut buffers.state, PACKET as u16);
+    let mut device = builder.build();
+    join(enumerate(&mut device, link), carry(class, link)).await.0
+}
+
+/// A bus without traffic is one whose host sleeps or whose cable is out.
+async fn enumerate<D: Driver<'static>>(device: &mut UsbDevice<'static, D>, link: &Link) -> ! {
+    loop {
+        device.run_until_suspend().await;
+        link.hang_up();
+        device.wait_resume().await;
+    }
+}
+
+async fn carry<D: Driver<'static>>(class: CdcAcmClass<'static, D>, link: &Link) -> ! {
+    let (mut sender, mut receiver, control) = class.split_with_control();
+    loop {
+        sender.wait_connection().await;
+        until_open(&control, true).await;
+        select3(send(&mut sender, link), receive(&mut receiver, link), until_open(&control, false)).await;
+        link.hang_up();
+    }
+}
+
+/// Waits until the host has opened the port, or closed it.
+async fn until_open(control: &ControlChanged<'_>, open: bool) {
+    while control.dtr() != open {
+        control.control_changed().await;
+    }
+}
+
+/// Until the device is disconnected.
+async fn send<D: Driver<'static>>(sender: &mut Sender<'static, D>, link: &Link) {
+    // never a full packet, after which a host waits for more
+    let mut packet = [0; PACKET - 1];
+    loop {
+        let len = link.to_host.read(&mut packet).await;
+        if sender.write_packet(&packet[..len]).await.is_err() {
+            return;
+        }
+    }
+}
+
+/// Until the device is disconnected.
+async fn receive<D: Driver<'static>>(receiver: &mut Receiver<'static, D>, link: &Link) {
+    let mut packet = [0; PACKET];
+    while let Ok(len) = receiver.read_packet(&mut packet).await {
+        link.from_host.write_all(&packet[..len]).await;
+    }
+}

@@ -1,0 +1,227 @@
+//! The sampling side on the host: the twin on its bus, and this test in the place of the port.
+
+extern crate std;
+
+use core::convert::Infallible;
+use core::future::Future;
+use core::pin::Pin;
+use core::task::{Context, Poll, Waker};
+use std::boxed::Box;
+use std::format;
+use std::string::String;
+use std::vec::Vec;
+
+use adis16130::Edge;
+use adis16130::bridge::{Ask, Bus, Continuity, Decoder, MAX_FRAME, Message, Reading, Request, encode};
+use adis16130_twin::{Spec, Twin, TwinSpi};
+use embedded_hal::digital::ErrorType as PinErrorType;
+use embedded_hal_async::digital::Wait;
+use embedded_hal_async::spi::{ErrorType, Operation, SpiDevice};
+
+use crate::{Link, sampling};
+
+const START: Ask<'static> = Ask::Start { every_temp: 1, divider: 1, mclk_hz: 6_000_000 };
+const END_OF_FRAME: &[u8] = &[0];
+
+#[test]
+fn a_host_hears_every_sample() {
+    let mut bench = Bench::new();
+    assert_eq!(bench.ask(START), ["Answer { tag: 7, answer: Started }"]);
+    let mut continuity = Continuity::default();
+    for number in 0..1_000 {
+        bench.edge();
+        let readings = bench.readings();
+        assert_eq!(readings.len(), 1, "sample {number}");
+        assert_eq!(continuity.sample(&readings[0]).lost, 0, "sample {number}");
+    }
+    assert_eq!(bench.ask(Ask::Stop), ["Answer { tag: 7, answer: Stopped }"]);
+}
+
+#[test]
+fn what_has_no_room_is_left_out_whole() {
+    let mut bench = Bench::full();
+    let kept = bench.readings();
+    assert!(kept.len() > 900, "{}", kept.len());
+    assert!(kept.iter().zip(0..).all(|(reading, number)| reading.number == number));
+    bench.edge();
+    let after = bench.readings();
+    assert_eq!((after.len(), after[0].number, after[0].lost), (1, 2_000, 0));
+}
+
+#[test]
+fn answers_wait_for_room() {
+    let mut bench = Bench::full();
+    for _ in 0..8 {
+        bench.request(Ask::Stop);
+    }
+    assert!(bench.link.to_host.is_full());
+    let messages = bench.messages();
+    assert!(messages.iter().rev().take(8).all(|message| message == "Answer { tag: 7, answer: Stopped }"));
+}
+
+#[test]
+fn a_host_that_leaves_leaves_nothing() {
+    for waits in [false, true] {
+        let mut bench = Bench::full();
+        for _ in 0..if waits { 8 } else { 0 } {
+            bench.request(Ask::LastEdge);
+        }
+        bench.link.hang_up();
+        bench.poll();
+        bench.edge();
+        assert_eq!(bench.bytes(), END_OF_FRAME);
+        assert_eq!(bench.ask(Ask::Stop), ["Answer { tag: 7, answer: Stopped }"]);
+    }
+}
+
+#[test]
+fn rubbish_costs_one_request() {
+    let mut bench = Bench::new();
+    assert_eq!(bench.link.from_host.try_write(&[1; 100]), Ok(100));
+    bench.poll();
+    assert_eq!(bench.ask(Ask::Stop), [""; 0]);
+    assert_eq!(bench.ask(Ask::Stop), ["Answer { tag: 7, answer: Stopped }"]);
+}
+
+#[test]
+fn edges_are_numbered_from_one() {
+    let link = Link::new();
+    let mut watch = core::pin::pin!(sampling::watch(Falls(3), &link));
+    assert!(poll(watch.as_mut()).is_pending());
+    let edge = link.edge.try_take().unwrap();
+    assert_eq!(edge.seq, 3);
+    assert_eq!(edge.t_ns % 1_000, 0);
+    assert!(link.edge.try_take().is_none());
+}
+
+struct Bench {
+    twin: Twin,
+    link: &'static Link,
+    serve: Pin<Box<dyn Future<Output = Infallible>>>,
+}
+
+impl Bench {
+    fn new() -> Self {
+        let twin = Twin::new(Spec::from_seed(1));
+        let link: &Link = Box::leak(Box::default());
+        let bus = TwinBus(twin.spi());
+        let serve = Box::pin(async { sampling::serve(bus, "test 1", link).await });
+        Self { twin, link, serve }
+    }
+
+    /// 2000 samples have been taken, and the host has read none.
+    fn full() -> Self {
+        let mut bench = Self::new();
+        bench.ask(START);
+        for _ in 0..2_000 {
+            bench.edge();
+        }
+        bench
+    }
+
+    fn edge(&mut self) {
+        if let Some(edge) = self.twin.next_falling_edge(1_000_000) {
+            self.link.edge.signal(Edge { t_ns: edge.t_ns, seq: edge.seq });
+        }
+        self.poll();
+    }
+
+    fn request(&mut self, ask: Ask<'_>) {
+        let mut room = [0; MAX_FRAME];
+        let frame = encode(&Request { tag: 7, ask }, &mut room).unwrap();
+        assert_eq!(self.link.from_host.try_write(frame), Ok(frame.len()));
+        self.poll();
+    }
+
+    fn ask(&mut self, ask: Ask<'_>) -> Vec<String> {
+        self.request(ask);
+        self.messages()
+    }
+
+    fn poll(&mut self) {
+        assert!(poll(self.serve.as_mut()).is_pending());
+    }
+
+    /// All that is queued, and what waits for room behind it.
+    fn bytes(&mut self) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        let mut some = [0; 63];
+        while let Ok(len) = self.link.to_host.try_read(&mut some) {
+            bytes.extend_from_slice(&some[..len]);
+            self.poll();
+        }
+        bytes
+    }
+
+    fn messages(&mut self) -> Vec<String> {
+        self.decoded(|message| format!("{message:?}"))
+    }
+
+    fn readings(&mut self) -> Vec<Reading> {
+        self.decoded(|message| match message {
+            Message::Sample(reading) => reading,
+            other => panic!("{other:?}"),
+        })
+    }
+
+    fn decoded<T>(&mut self, each: impl Fn(Message<'_>) -> T) -> Vec<T> {
+        let mut decoder = Decoder::new();
+        let bytes = self.bytes();
+        bytes.iter().filter_map(|byte| decoder.push(*byte).map(|message| each(message.unwrap()))).collect()
+    }
+}
+
+fn poll<F: Future + ?Sized>(future: Pin<&mut F>) -> Poll<F::Output> {
+    future.poll(&mut Context::from_waker(Waker::noop()))
+}
+
+struct TwinBus(TwinSpi);
+
+impl ErrorType for TwinBus {
+    type Error = Infallible;
+}
+
+impl SpiDevice for TwinBus {
+    async fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), Infallible> {
+        SpiDevice::transaction(&mut self.0, operations).await
+    }
+}
+
+impl Bus for TwinBus {
+    fn set_sclk_hz(&mut self, hz: u32) -> u32 {
+        hz
+    }
+}
+
+/// Falls so often, at once.
+struct Falls(u32);
+
+impl PinErrorType for Falls {
+    type Error = Infallible;
+}
+
+impl Wait for Falls {
+    async fn wait_for_falling_edge(&mut self) -> Result<(), Infallible> {
+        if self.0 == 0 {
+            core::future::pending::<()>().await;
+        }
+        self.0 -= 1;
+        Ok(())
+    }
+
+    async fn wait_for_rising_edge(&mut self) -> Result<(), Infallible> {
+        unreachable!()
+    }
+
+    async fn wait_for_any_edge(&mut self) -> Result<(), Infallible> {
+        unreachable!()
+    }
+
+    async fn wait_for_high(&mut self) -> Result<(), Infallible> {
+        unreachable!()
+    }
+
+    async fn wait_for_low(&mut self) -> Result<(), Infallible> {
+        unreachable!()
+    }
+}
