@@ -5,6 +5,7 @@
 
 mod app;
 mod bench_peers;
+mod bridge;
 mod c;
 mod coverage;
 mod coverage_allan;
@@ -38,6 +39,8 @@ enum Task {
     BenchPeers(bench_peers::Args),
     /// Run driver, twin and correction on an emulated Cortex-M4F; count instructions and bytes
     Firmware(firmware::Args),
+    /// Read the twin through a bridge's firmware on an emulated Cortex-M4F: socket, serial port, damaged and pulled cable
+    Bridge(bridge::Args),
     /// Check the C interface: header, library, and C against Rust on the host and on an emulated Cortex-M4F
     C(c::Args),
     /// Boot a stock Linux kernel in QEMU with the twin as hardware, and read it there
@@ -53,6 +56,7 @@ fn main() -> ExitCode {
         Task::CoverageAllan(args) => coverage_allan::run(&args),
         Task::BenchPeers(args) => bench_peers::run(&args),
         Task::Firmware(args) => firmware::run(&args),
+        Task::Bridge(args) => bridge::run(&args),
         Task::C(args) => c::run(&args),
         Task::Rig(args) => rig::run(&args),
         Task::Python(args) => python::run(&args),

@@ -66,12 +66,16 @@ impl Acquisition {
         self.pace.is_some() || self.device.is_real()
     }
 
-    /// What is to be said of the samples that were read, but could not be stored in time.
-    pub fn overflow(&self) -> Option<String> {
-        let samples = self.device.overflowed();
-        (samples > 0).then(|| {
+    /// What is to be said of samples that were read, but lost before they came here.
+    pub fn lost_on_the_way(&self) -> Vec<String> {
+        let (samples, frames) = (self.device.overflowed(), self.device.damaged());
+        let overflow = (samples > 0).then(|| {
             format!("queue-overflow: {samples} samples were read but lost, since the disk or the processor was too slow for them; they are counted as lost")
-        })
+        });
+        let damage = (frames > 0).then(|| {
+            format!("damaged-frames: {frames} frames of the bridge were damaged on the way, and their samples are counted as lost; check its cable, or lower the baud rate")
+        });
+        overflow.into_iter().chain(damage).collect()
     }
 }
 

@@ -2,7 +2,11 @@
 
 #![no_std]
 
+#[cfg(feature = "twin")]
+pub mod arguments;
 pub mod bare;
+#[cfg(feature = "twin")]
+pub mod bridge;
 #[cfg(feature = "twin")]
 pub mod heap;
 #[cfg(feature = "twin")]

@@ -100,13 +100,18 @@ fn difference(profile: &str) -> Result<Memory> {
     Ok(Memory { flash: with.flash - without.flash, ram: with.ram - without.ram })
 }
 
+/// The path of an image with the twin, built for speed.
+pub fn image_of(name: &str) -> Result<PathBuf> {
+    build("release", name)
+}
+
 /// The path of an image, built. The images of the driver leave all else out.
 fn build(profile: &str, name: &str) -> Result<PathBuf> {
     let target_dir = std::path::absolute("target/firmware")?;
     let mut cargo = Command::new("cargo");
     cargo.current_dir(PROJECT).args(["build", "--quiet", "--locked", "--target", TARGET]);
     cargo.args(["--profile", profile, "--bin", name]).arg("--target-dir").arg(&target_dir);
-    if name != "agreement" {
+    if matches!(name, "driver" | "empty") {
         cargo.arg("--no-default-features");
     }
     done(&mut cargo)?;

@@ -118,7 +118,7 @@ fn summarise(args: &CaptureArgs, acquisition: &Acquisition) -> Result<()> {
         rdy_hz: tally.rdy_hz(),
         duration_s: tally.duration_s(),
         interrupted: interrupt::asked(),
-        warnings: aliasing(tally).iter().map(super::coded).chain(acquisition.overflow()).collect(),
+        warnings: aliasing(tally).iter().map(super::coded).chain(acquisition.lost_on_the_way()).collect(),
     };
     if args.json {
         return print_json(&summary);

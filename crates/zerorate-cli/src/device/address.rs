@@ -1,6 +1,7 @@
 //! Addresses of devices with options: `/dev/spidev0.0?rdy=gpiochip0:25&hz=4000000`.
 
 use adis16130::{Framing, MAX_SCLK_HZ, MCLK_HZ};
+use std::fmt;
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
@@ -30,6 +31,40 @@ pub struct IioAddress {
     pub hz: u32,
 }
 
+/// A part behind a bridge.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct BridgeAddress {
+    /// Where the bridge is.
+    pub port: Port,
+    /// SPI clock of the bridge, Hz.
+    pub hz: u32,
+    /// Nominal master clock of the part, Hz.
+    pub mclk_hz: u32,
+}
+
+/// Where a bridge is.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Port {
+    /// At a serial port; USB ignores the baud rate.
+    Serial {
+        /// Its file, or its name on systems where ports are no files.
+        path: String,
+        /// Of a UART.
+        baud: u32,
+    },
+    /// At HOST:PORT.
+    Tcp(String),
+}
+
+impl fmt::Display for BridgeAddress {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.port {
+            Port::Serial { path, .. } => write!(f, "bridge:{path}"),
+            Port::Tcp(address) => write!(f, "tcp:{address}"),
+        }
+    }
+}
+
 /// SPI clock unless given, Hz: half of what the part can (F-21).
 const DEFAULT_HZ: u32 = MAX_SCLK_HZ / 2;
 const SLOWEST_HZ: u32 = 10_000;
@@ -37,6 +72,9 @@ const MCLK_RANGE_HZ: RangeInclusive<u32> = 1_000..=10_000_000;
 const SPI_EXAMPLE: &str = "spi:/dev/spidev0.0?rdy=gpiochip0:25&hz=4000000";
 const POLL_RANGE_HZ: RangeInclusive<u32> = 1..=10_000;
 const DEFAULT_POLL_HZ: u32 = 100;
+/// Baud rate unless given: enough for the full rate with every temperature.
+const DEFAULT_BAUD: u32 = 3_000_000;
+const BAUD_RANGE: RangeInclusive<u32> = 9_600..=12_000_000;
 
 impl SpiAddress {
     /// Reads what follows `spi:`.
@@ -64,6 +102,45 @@ impl SpiAddress {
         let (chip, line) =
             rdy.ok_or_else(|| format!("which line is RDY (pin 10)? give rdy=CHIP:LINE, as in {SPI_EXAMPLE}"))?;
         Ok(Self { spi: spi.into(), chip, line, hz, framing, mclk_hz })
+    }
+}
+
+impl BridgeAddress {
+    /// Reads what follows `bridge:`.
+    pub fn parse_serial(text: &str) -> Result<Self, String> {
+        let (path, options) = split(text);
+        if path.is_empty() {
+            return Err("bridge: needs the serial port, as in bridge:/dev/ttyACM0".to_owned());
+        }
+        let mut baud = DEFAULT_BAUD;
+        let rest: Vec<&str> = options.collect();
+        let (bauds, rest): (Vec<&str>, Vec<&str>) = rest.into_iter().partition(|option| option.starts_with("baud="));
+        for option in bauds {
+            baud = number("baud", option.trim_start_matches("baud="), BAUD_RANGE)?;
+        }
+        Self::with_options(Port::Serial { path: path.to_owned(), baud }, &rest, "baud=N, hz=SCLK and mclk=HZ")
+    }
+
+    /// Reads what follows `tcp:`.
+    pub fn parse_tcp(text: &str) -> Result<Self, String> {
+        let (address, options) = split(text);
+        let port = address.rsplit_once(':').filter(|(host, _)| !host.is_empty());
+        if port.and_then(|(_, port)| port.parse::<u16>().ok()).is_none() {
+            return Err("tcp: needs host and port of the bridge, as in tcp:127.0.0.1:16130".to_owned());
+        }
+        Self::with_options(Port::Tcp(address.to_owned()), &options.collect::<Vec<_>>(), "hz=SCLK and mclk=HZ")
+    }
+
+    fn with_options(port: Port, options: &[&str], known: &str) -> Result<Self, String> {
+        let mut address = Self { port, hz: DEFAULT_HZ, mclk_hz: MCLK_HZ };
+        for option in options {
+            match option.split_once('=') {
+                Some(("hz", text)) => address.hz = number("hz", text, SLOWEST_HZ..=MAX_SCLK_HZ)?,
+                Some(("mclk", text)) => address.mclk_hz = number("mclk", text, MCLK_RANGE_HZ)?,
+                _ => return Err(format!("`{option}` is no option; there are {known}")),
+            }
+        }
+        Ok(address)
     }
 }
 
@@ -125,6 +202,24 @@ mod tests {
         assert_eq!((plain.hz, plain.framing, plain.mclk_hz), (5_000_000, Framing::Command, 6_000_000));
         let iio = IioAddress::parse("iio:device0?hz=50").expect("an address");
         assert_eq!((iio.folder.to_str(), iio.hz), (Some("/sys/bus/iio/devices/iio:device0"), 50));
+    }
+
+    #[test]
+    fn a_bridge_is_a_port_or_a_connection() {
+        let serial = BridgeAddress::parse_serial("/dev/ttyUSB0?hz=8000000&baud=2000000").expect("an address");
+        assert_eq!(serial.port, Port::Serial { path: "/dev/ttyUSB0".to_owned(), baud: 2_000_000 });
+        assert_eq!((serial.hz, serial.mclk_hz), (8_000_000, 6_000_000));
+        let tcp = BridgeAddress::parse_tcp("[::1]:16130?mclk=105000").expect("an address");
+        assert_eq!((tcp.to_string().as_str(), tcp.mclk_hz), ("tcp:[::1]:16130", 105_000));
+        for (wrong, hint) in [("", "bridge:/dev/ttyACM0"), ("/dev/ttyACM0?baud=1", "from 9600"), ("x?rdy=1", "`rdy=1`")]
+        {
+            assert!(BridgeAddress::parse_serial(wrong).unwrap_err().contains(hint), "{wrong}");
+        }
+        for (wrong, hint) in
+            [("", "tcp:127.0.0.1:16130"), ("host", "tcp:127"), (":7", "tcp:127"), ("h:7?baud=9600", "`baud=9600`")]
+        {
+            assert!(BridgeAddress::parse_tcp(wrong).unwrap_err().contains(hint), "{wrong}");
+        }
     }
 
     #[test]

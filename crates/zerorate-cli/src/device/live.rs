@@ -1,8 +1,9 @@
 //! A part that is read as it converts: the driver, and a source of edges of its data-ready line.
 
+use crate::interrupt;
 use adis16130::blocking::Adis16130;
-use adis16130::{Config, Edge, Fault, Sample, SampleError, Sampler, SamplerConfig};
-use anyhow::{Result, anyhow};
+use adis16130::{Config, Edge, Fault, MAX_SCLK_HZ, Sample, SampleError, Sampler, SamplerConfig};
+use anyhow::{Result, anyhow, ensure};
 use embedded_hal::spi::SpiDevice;
 use std::fmt::Debug;
 
@@ -26,6 +27,11 @@ pub struct Live<S, E> {
     /// Time of the last sample, if there was one since the initialisation.
     alive_ns: Option<u64>,
 }
+
+/// SPI clocks that are tried, Hz, up to the part's fastest (F-21).
+const CLOCKS_HZ: [u32; 7] = [1_000_000, 2_000_000, 4_000_000, 5_000_000, 6_000_000, 8_000_000, MAX_SCLK_HZ];
+/// So many whole configurations must come back right at each of them.
+const READ_BACKS: u32 = 20;
 
 /// So long without a data-ready edge is a failure.
 const SILENCE_NS: u64 = 1_000_000_000;
@@ -63,9 +69,22 @@ impl<S: SpiDevice<Error: Debug + Send + Sync + 'static>, E: Edges> Live<S, E> {
         Ok(self.part.revision()?.bits())
     }
 
-    /// Whether the part takes its configuration and gives it back, so many times in a row.
-    pub fn reads_back(&mut self, times: u32) -> bool {
-        (0..times).all(|_| self.start().is_ok())
+    /// The fastest of some clocks at which the configuration reads back right, and so do all slower ones. `set` sets one and
+    /// returns what it has become.
+    pub fn fastest_clean_hz(&mut self, mut set: impl FnMut(u32) -> Result<u32>) -> Result<Option<u32>> {
+        let mut fastest = None;
+        for hz in CLOCKS_HZ {
+            ensure!(!interrupt::asked(), "interrupted");
+            let hz = set(hz)?;
+            if fastest == Some(hz) {
+                continue;
+            }
+            if !(0..READ_BACKS).all(|_| self.start().is_ok()) {
+                break;
+            }
+            fastest = Some(hz);
+        }
+        Ok(fastest)
     }
 
     /// Reads a register so many times.
@@ -116,7 +135,8 @@ impl<S: SpiDevice<Error: Debug + Send + Sync + 'static>, E: Edges> Live<S, E> {
         now_ns.saturating_sub(alive_ns) < self.silence_ns()
     }
 
-    fn silence_ns(&self) -> u64 {
+    /// So long without a sample is a failure.
+    pub fn silence_ns(&self) -> u64 {
         // 1024 edges at 11.4 kHz are 0.09 s, so this is ten times the time from one sample to the next
         let nominal_ns = SILENCE_NS * (1 + u64::from(self.sampling.divider) / 1024);
         let (rate, temp) = self.config.conversion_cycles();
@@ -124,8 +144,9 @@ impl<S: SpiDevice<Error: Debug + Send + Sync + 'static>, E: Edges> Live<S, E> {
         nominal_ns.max((SILENT_PERIODS * period_ns * f64::from(self.sampling.divider)) as u64)
     }
 
+    /// What the part shows where no sample came in time.
     #[cold]
-    fn why_silent(&mut self) -> anyhow::Error {
+    pub fn why_silent(&mut self) -> anyhow::Error {
         let fault = match self.part.diagnose() {
             Ok(None) => anyhow!(
                 "no data ready: the part answers and is configured, but RDY (pin 10) brought no new data for a second; check the RDY wire"

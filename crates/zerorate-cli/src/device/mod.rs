@@ -1,9 +1,9 @@
 //! Where samples come from: a part on a bus, the simulated part, or a recording of one.
 
 mod address;
+mod bridge;
 mod iio;
 mod live;
-#[cfg(any(target_os = "linux", test))]
 mod reader;
 mod replay;
 #[cfg(target_os = "linux")]
@@ -13,10 +13,11 @@ mod twin;
 use crate::capture::{CaptureInfo, CaptureReader};
 use crate::cli::SamplingArgs;
 use crate::exit::Usage;
-use address::{IioAddress, SpiAddress};
+use address::{BridgeAddress, IioAddress, SpiAddress};
 use adis16130::{Config, ConversionTime, MCLK_HZ, Sample, SamplerConfig};
 use adis16130_twin::{Spec, Truth};
 use anyhow::Result;
+use bridge::BridgePart;
 use iio::IioDevice;
 use replay::Replay;
 #[cfg(target_os = "linux")]
@@ -44,12 +45,11 @@ enum Kind {
     Spi(SpiAddress),
     /// `iio:NAME`
     Iio(IioAddress),
+    /// `bridge:PORT` or `tcp:HOST:PORT`
+    Bridge(BridgeAddress),
 }
 
-/// Kinds that the command line names and a later version reads.
-const NOT_YET: [&str; 2] = ["bridge", "tcp"];
-const TODAY: &str =
-    "today there are twin:, twin:KEY=VALUE,…, replay:FILE, spi:/dev/spidevB.C?rdy=CHIP:LINE and iio:NAME";
+const KINDS: &str = "there are twin:, twin:KEY=VALUE,…, replay:FILE, spi:/dev/spidevB.C?rdy=CHIP:LINE, iio:NAME, bridge:/dev/ttyACM0 and tcp:HOST:PORT";
 
 impl DeviceSpec {
     /// A recording.
@@ -68,14 +68,13 @@ impl FromStr for DeviceSpec {
             Some(("replay", path)) => Kind::Replay(path.into()),
             Some(("spi", address)) => Kind::Spi(SpiAddress::parse(address)?),
             Some(("iio", address)) => Kind::Iio(IioAddress::parse(address)?),
-            Some((kind, _)) if NOT_YET.contains(&kind) => {
-                return Err(format!("this version cannot read {kind}: devices yet; {TODAY}"));
-            }
+            Some(("bridge", address)) => Kind::Bridge(BridgeAddress::parse_serial(address)?),
+            Some(("tcp", address)) => Kind::Bridge(BridgeAddress::parse_tcp(address)?),
             _ if text == "twin" => return Err("write twin: with the colon".to_owned()),
             _ if std::path::Path::new(text).is_file() => {
                 return Err(format!("that is a file; to replay it write replay:{text}"));
             }
-            _ => return Err(format!("no such kind of device; {TODAY}")),
+            _ => return Err(format!("no such kind of device; {KINDS}")),
         };
         Ok(Self { text: text.to_owned(), kind })
     }
@@ -94,8 +93,8 @@ pub struct Bus {
     pub sclk_hz: u32,
     /// The fastest clock tried at which the configuration reads back right; none if it does at no clock.
     pub fastest_clean_hz: Option<u32>,
-    /// Time from one read of a register to the next, s.
-    pub read_s: f64,
+    /// Time from one read of a register to the next, s; not known behind a bridge.
+    pub read_s: Option<f64>,
 }
 
 /// A source of samples, opened.
@@ -110,10 +109,11 @@ enum Source {
     #[cfg(target_os = "linux")]
     Spi(Box<SpiPart>),
     Iio(Box<IioDevice>, SamplerConfig),
+    Bridge(Box<BridgePart>),
 }
 
 impl Device {
-    /// Opens the device; sends nothing yet.
+    /// Opens the device; sends nothing to the part yet.
     pub fn open(spec: &DeviceSpec, sampling: SamplingArgs) -> Result<Self> {
         let name = spec.to_string();
         let source = match &spec.kind {
@@ -134,6 +134,7 @@ impl Device {
                 let sampling = sampler_config(sampling);
                 Source::Iio(Box::new(IioDevice::open(address, sampling.every_temp)?), sampling)
             }
+            Kind::Bridge(address) => Source::Bridge(Box::new(BridgePart::open(address, sampler_config(sampling))?)),
         };
         Ok(Self { name, source })
     }
@@ -145,6 +146,7 @@ impl Device {
             Source::Twin(twin) => twin.live.initialise().map(Some),
             #[cfg(target_os = "linux")]
             Source::Spi(part) => part.initialise().map(Some),
+            Source::Bridge(part) => part.initialise().map(Some),
             Source::Replay(_) | Source::Iio(..) => Ok(None),
         }
     }
@@ -154,6 +156,7 @@ impl Device {
         match &mut self.source {
             #[cfg(target_os = "linux")]
             Source::Spi(part) => part.try_bus().map(Some),
+            Source::Bridge(part) => part.try_bus().map(Some),
             _ => Ok(None),
         }
     }
@@ -167,6 +170,7 @@ impl Device {
             #[cfg(target_os = "linux")]
             Source::Spi(part) => part.next().map(Some),
             Source::Iio(device, _) => device.next().map(Some),
+            Source::Bridge(part) => part.next().map(Some),
         }
     }
 
@@ -178,6 +182,7 @@ impl Device {
             #[cfg(target_os = "linux")]
             Source::Spi(part) => self.info_of(part.settings(), now()),
             Source::Iio(_, sampling) => self.info_of((Config::new(), *sampling), now()),
+            Source::Bridge(part) => self.info_of(part.settings(), now()),
         };
         info.serial = serial.map(str::to_owned).or(info.serial);
         info.supply_note = supply_note.map(str::to_owned).or(info.supply_note);
@@ -221,6 +226,14 @@ impl Device {
         }
     }
 
+    /// Frames of a bridge that arrived damaged; the samples in them are counted in `lost`.
+    pub fn damaged(&self) -> u64 {
+        match &self.source {
+            Source::Bridge(part) => part.damaged(),
+            _ => 0,
+        }
+    }
+
     /// The twin's truth about its slow bias now.
     pub fn truth(&self) -> Option<Truth> {
         match &self.source {
@@ -246,6 +259,7 @@ impl Device {
             Source::Twin(twin) => twin.mclk_hz,
             #[cfg(target_os = "linux")]
             Source::Spi(part) => part.mclk_hz(),
+            Source::Bridge(part) => part.mclk_hz(),
             _ => MCLK_HZ,
         }
     }

@@ -1,4 +1,4 @@
-//! Samples read in a thread of their own, which never waits for whoever takes them.
+//! Samples read in a thread of their own.
 
 use adis16130::Sample;
 use anyhow::{Context, Result, anyhow};
@@ -10,6 +10,15 @@ use std::thread;
 /// Samples that can wait: 11 s at the full rate, 2.6 MB.
 const QUEUE: usize = 1 << 16;
 
+/// What happens to a sample for which the queue has no room.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WhenFull {
+    /// It is lost, and counted: reading the part cannot wait.
+    Drop,
+    /// It waits: whoever sends it keeps, or counts, what comes meanwhile.
+    Wait,
+}
+
 /// A thread that reads, and the queue of what it has read.
 pub struct Reader {
     samples: Receiver<Result<Sample>>,
@@ -20,25 +29,27 @@ impl Reader {
     /// Starts to read by `next`, after `prepare` in the same thread. The thread ends with the first error, or when the
     /// reader is dropped.
     pub fn start(
+        when_full: WhenFull,
         prepare: impl FnOnce() + Send + 'static,
         next: impl FnMut() -> Result<Sample> + Send + 'static,
     ) -> Result<Self> {
-        Self::with_queue(QUEUE, prepare, next)
+        Self::with_queue(QUEUE, when_full, prepare, next)
     }
 
     fn with_queue(
         length: usize,
+        when_full: WhenFull,
         prepare: impl FnOnce() + Send + 'static,
         next: impl FnMut() -> Result<Sample> + Send + 'static,
     ) -> Result<Self> {
         let (queue, samples) = sync_channel(length);
         let overflowed = Arc::new(AtomicU64::new(0));
-        let feeder = Feeder { queue, overflowed: Arc::clone(&overflowed), owed: 0 };
+        let feeder = Feeder { queue, when_full, overflowed: Arc::clone(&overflowed), owed: 0 };
         let body = move || {
             prepare();
             feeder.run(next);
         };
-        thread::Builder::new().name("spi".to_owned()).spawn(body).context("starting the reading thread")?;
+        thread::Builder::new().name("reader".to_owned()).spawn(body).context("starting the reading thread")?;
         Ok(Self { samples, overflowed })
     }
 
@@ -56,6 +67,7 @@ impl Reader {
 /// The thread's end of the queue.
 struct Feeder {
     queue: SyncSender<Result<Sample>>,
+    when_full: WhenFull,
     overflowed: Arc<AtomicU64>,
     /// Lost samples that no sample has told of yet.
     owed: u32,
@@ -82,6 +94,9 @@ impl Feeder {
     /// `false`: nobody takes samples any more.
     fn offer(&mut self, mut sample: Sample) -> bool {
         sample.lost = sample.lost.saturating_add(self.owed);
+        if self.when_full == WhenFull::Wait {
+            return self.queue.send(Ok(sample)).is_ok();
+        }
         match self.queue.try_send(Ok(sample)) {
             Ok(()) => {
                 self.owed = 0;
@@ -118,7 +133,7 @@ mod tests {
             let lost = u32::from(seq == 7);
             Ok(Sample { t_ns: 0, seq, rate: RateCode::new(8_388_608, Width::Bits24), status: None, temp: None, lost })
         };
-        let reader = Reader::with_queue(4, || (), next).expect("a thread");
+        let reader = Reader::with_queue(4, WhenFull::Drop, || (), next).expect("a thread");
         while reader.overflowed() < 6 {
             thread::yield_now();
         }

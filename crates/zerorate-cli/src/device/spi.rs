@@ -3,7 +3,7 @@
 use super::Bus;
 use super::address::SpiAddress;
 use super::live::{Edges, Live};
-use super::reader::Reader;
+use super::reader::{Reader, WhenFull};
 use adis16130::{Config, Edge, Framing, MAX_SCLK_HZ, Sample, SamplerConfig};
 use anyhow::{Context, Result, anyhow, bail};
 use embedded_hal::spi::{Error, ErrorKind, ErrorType, Operation, SpiDevice};
@@ -32,10 +32,6 @@ const EDGES_AT_ONCE: usize = 64;
 const PRIORITY: u8 = 40;
 const NOT_REALTIME: &str = "allow it with `sudo setcap cap_sys_nice,cap_ipc_lock+ep \"$(command -v zerorate)\"`, or in a systemd unit AmbientCapabilities=CAP_SYS_NICE CAP_IPC_LOCK";
 
-/// SPI clocks that are tried, Hz, up to the part's fastest (F-21).
-const CLOCKS_HZ: [u32; 7] = [1_000_000, 2_000_000, 4_000_000, 5_000_000, 6_000_000, 8_000_000, MAX_SCLK_HZ];
-/// So many whole configurations must come back right at each of them.
-const READ_BACKS: u32 = 20;
 /// Reads whose time is taken.
 const TIMED_READS: u32 = 200;
 
@@ -84,14 +80,10 @@ impl SpiPart {
     /// Tries faster and faster clocks, and times a read at the one that was asked for. Leaves the part configured.
     pub fn try_bus(&mut self) -> Result<Bus> {
         let State::Ready(live) = &mut self.state else { bail!("the part is being read already") };
-        let mut fastest_clean_hz = None;
-        for hz in CLOCKS_HZ {
+        let fastest_clean_hz = live.fastest_clean_hz(|hz| {
             self.clock.store(hz, Ordering::Relaxed);
-            if !live.reads_back(READ_BACKS) {
-                break;
-            }
-            fastest_clean_hz = Some(hz);
-        }
+            Ok(hz)
+        })?;
         self.clock.store(self.address.hz, Ordering::Relaxed);
         let mut timed = || {
             live.initialise()?;
@@ -100,7 +92,7 @@ impl SpiPart {
             Ok(started.elapsed().as_secs_f64() / f64::from(TIMED_READS))
         };
         let read_s = timed().map_err(|error| explain(error, &self.address))?;
-        Ok(Bus { sclk_hz: self.address.hz, fastest_clean_hz, read_s })
+        Ok(Bus { sclk_hz: self.address.hz, fastest_clean_hz, read_s: Some(read_s) })
     }
 
     /// The next sample.
@@ -110,7 +102,7 @@ impl SpiPart {
                 State::Ready(mut live) => {
                     let address = self.address.clone();
                     let next = move || live.next().map_err(|error| explain(error, &address));
-                    self.state = State::Reading(Reader::start(become_realtime, next)?);
+                    self.state = State::Reading(Reader::start(WhenFull::Drop, become_realtime, next)?);
                 }
                 State::Reading(reader) => {
                     let sample = reader.next();

@@ -1,5 +1,6 @@
 //! The program as its users and their scripts see it: what it prints where, and how it ends.
 
+mod bridge;
 mod calibrate;
 mod faults;
 mod help;

@@ -140,6 +140,7 @@ const WHITE_TAU_S: f64 = 0.05;
 impl Findings {
     fn new(mut acquisition: Acquisition, revision: Option<u8>, bus: Option<Bus>, seen: &Seen) -> Self {
         let tally = *acquisition.tally();
+        let lost_on_the_way = acquisition.lost_on_the_way();
         let device = acquisition.device();
         let white = seen.white_dps_per_rt_hz(tally.rate_hz());
         let taken = tally.samples as f64 / (tally.samples + tally.lost) as f64;
@@ -148,9 +149,9 @@ impl Findings {
             revision,
             sclk_hz: bus.map(|bus| bus.sclk_hz),
             fastest_clean_sclk_hz: bus.and_then(|bus| bus.fastest_clean_hz),
-            read_us: bus.map(|bus| bus.read_s * 1e6),
+            read_us: bus.and_then(|bus| bus.read_s).map(|read_s| read_s * 1e6),
             taken,
-            proposal: bus.and_then(|bus| host::proposal(taken, bus.read_s, device.mclk_hz())),
+            proposal: bus.and_then(|bus| bus.read_s).and_then(|read_s| host::proposal(taken, read_s, device.mclk_hz())),
             rdy_hz: tally.rdy_hz(),
             rate_hz: tally.rate_hz(),
             samples: tally.samples,
@@ -160,7 +161,7 @@ impl Findings {
             rate_dps: seen.rates.rate_dps().unwrap_or_default(),
             white_dps_per_rt_hz: white,
             temp_c: seen.temps.temp_c(),
-            warnings: findings(seen, &tally, device.nominal_rate_hz(), white),
+            warnings: [findings(seen, &tally, device.nominal_rate_hz(), white), lost_on_the_way].concat(),
         }
     }
 
@@ -190,14 +191,15 @@ impl Findings {
 
 impl Findings {
     fn bus_text(&self) -> String {
-        let (Some(sclk_hz), Some(read_us)) = (self.sclk_hz, self.read_us) else { return String::new() };
+        let Some(sclk_hz) = self.sclk_hz else { return String::new() };
+        let read = self.read_us.map_or(String::new(), |read_us| format!(", {read_us:.0} µs a read"));
         let mhz = |hz: u32| f64::from(hz) * 1e-6;
         let fastest = self
             .fastest_clean_sclk_hz
             .map_or("at none of the clocks tried".to_owned(), |hz| format!("up to {} MHz", mhz(hz)));
         let proposal = self.proposal.as_ref().map_or(String::new(), |options| format!("; try {options}"));
         format!(
-            "  SPI           {} MHz, {read_us:.0} µs a read; reads back {fastest}\n  host          takes {:.1} % of the samples{proposal}\n",
+            "  SPI           {} MHz{read}; reads back {fastest}\n  host          takes {:.1} % of the samples{proposal}\n",
             mhz(sclk_hz),
             self.taken * 100.0
         )

@@ -7,7 +7,6 @@
 
 extern crate alloc;
 
-mod arguments;
 mod bus;
 mod counts;
 
@@ -17,8 +16,8 @@ use alloc::vec::Vec;
 use core::fmt::Write;
 use cortex_m_semihosting::debug;
 use cortex_m_semihosting::hio::{HostStream, hstdout};
-use firmware_qemu::heap;
 use firmware_qemu::scenario::{self, Reading};
+use firmware_qemu::{arguments, heap};
 
 #[cortex_m_rt::entry]
 fn main() -> ! {

@@ -1,0 +1,256 @@
+//! The part behind a bridge: a microcontroller that reads it and streams the samples (docs/formats/bridge.md).
+
+mod link;
+mod wire;
+
+use super::Bus;
+use super::address::BridgeAddress;
+use super::live::{Edges, Live};
+use super::reader::{Reader, WhenFull};
+use adis16130::bridge::{Ask, Continuity, PROTOCOL};
+use adis16130::{Config, Edge, Framing, Sample, SamplerConfig};
+use anyhow::{Context, Result, anyhow, bail, ensure};
+use embedded_hal::spi::{ErrorType, Operation, SpiDevice};
+use link::{Heard, Link, LinkError, Reply};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+use wire::Wire;
+
+/// The part, and the thread that takes its samples once the first was asked for.
+pub struct BridgePart {
+    address: BridgeAddress,
+    sampling: SamplerConfig,
+    link: Shared,
+    state: State,
+}
+
+enum State {
+    Ready(Box<Live<Transfers, LastEdges>>),
+    Reading(Reader),
+    Ended,
+}
+
+impl BridgePart {
+    /// Opens the port, ends whatever the bridge was doing, and sets its SPI clock.
+    pub fn open(address: &BridgeAddress, sampling: SamplerConfig) -> Result<Self> {
+        let link = Shared(Arc::new(Mutex::new(Link::new(Wire::open(&address.port)?))));
+        greet(&link, address).map_err(|error| link.explain(error, address))?;
+        let edges = LastEdges { link: link.clone(), last: None };
+        let live = Live::new(Transfers(link.clone()), edges, config(), sampling, address.mclk_hz);
+        Ok(Self { address: address.clone(), sampling, link, state: State::Ready(Box::new(live)) })
+    }
+
+    /// What the driver is told of the clock, Hz.
+    pub fn mclk_hz(&self) -> u32 {
+        self.address.mclk_hz
+    }
+
+    /// How the part is configured, and how it is sampled.
+    pub fn settings(&self) -> (Config, SamplerConfig) {
+        (config(), self.sampling)
+    }
+
+    /// Resets the part, initialises it, reads everything back. Returns the revision.
+    pub fn initialise(&mut self) -> Result<u8> {
+        let State::Ready(live) = &mut self.state else { bail!("the part is being read already") };
+        live.initialise().map_err(|error| self.link.explain(error, &self.address))
+    }
+
+    /// Tries faster and faster clocks of the bridge. Leaves the part configured.
+    pub fn try_bus(&mut self) -> Result<Bus> {
+        let State::Ready(live) = &mut self.state else { bail!("the part is being read already") };
+        let (link, address) = (&self.link, &self.address);
+        let mut tried = || -> Result<Bus> {
+            let fastest_clean_hz = live.fastest_clean_hz(|hz| link.set_clock(hz))?;
+            let sclk_hz = link.set_clock(address.hz)?;
+            live.initialise()?;
+            Ok(Bus { sclk_hz, fastest_clean_hz, read_s: None })
+        };
+        tried().map_err(|error| link.explain(error, address))
+    }
+
+    /// The next sample.
+    pub fn next(&mut self) -> Result<Sample> {
+        if let State::Ready(_) = self.state {
+            self.start()?;
+        }
+        match &self.state {
+            State::Reading(reader) => reader.next(),
+            _ => bail!("the part is no longer read"),
+        }
+    }
+
+    /// Frames that were damaged between the bridge and here.
+    pub fn damaged(&self) -> u64 {
+        self.link.damaged()
+    }
+
+    fn start(&mut self) -> Result<()> {
+        let State::Ready(live) = std::mem::replace(&mut self.state, State::Ended) else { return Ok(()) };
+        let SamplerConfig { every_temp, divider, .. } = self.sampling;
+        let start = Ask::Start { every_temp, divider, mclk_hz: self.address.mclk_hz };
+        let started = self.link.ask(start, |reply| matches!(reply, Reply::Started).then_some(()));
+        started.map_err(|error| self.link.explain(error, &self.address))?;
+        let (link, address) = (self.link.clone(), self.address.clone());
+        let mut stream = Stream { link: link.clone(), live, continuity: Continuity::default() };
+        let next = move || stream.next().map_err(|error| link.explain(error, &address));
+        self.state = State::Reading(Reader::start(WhenFull::Wait, || (), next)?);
+        Ok(())
+    }
+}
+
+impl Drop for BridgePart {
+    fn drop(&mut self) {
+        self.state = State::Ended;
+        // a bridge that is gone needs no end
+        let _ = self.link.ask(Ask::Stop, |_| Some(()));
+    }
+}
+
+/// The configuration that every bridge writes (F-30); its transfers are whole commands.
+fn config() -> Config {
+    Config::new().with_framing(Framing::Command)
+}
+
+fn greet(link: &Shared, address: &BridgeAddress) -> Result<()> {
+    link.ask(Ask::Stop, |reply| matches!(reply, Reply::Stopped).then_some(()))?;
+    let (protocol, firmware) = link.ask(Ask::Hello, |reply| match reply {
+        Reply::Hello { protocol, firmware } => Some((protocol, firmware)),
+        _ => None,
+    })?;
+    ensure!(
+        protocol == PROTOCOL,
+        "{address} is {firmware} and speaks version {protocol} of the protocol, this zerorate version {PROTOCOL}: bring the older one up to date"
+    );
+    link.set_clock(address.hz)?;
+    link.lock().forget_damage();
+    Ok(())
+}
+
+/// The samples of a bridge, in order.
+struct Stream {
+    link: Shared,
+    live: Box<Live<Transfers, LastEdges>>,
+    continuity: Continuity,
+}
+
+impl Stream {
+    fn next(&mut self) -> Result<Sample> {
+        let patience = Duration::from_nanos(self.live.silence_ns());
+        loop {
+            let heard = self.link.lock().hear(Instant::now() + patience)?;
+            match heard {
+                Some(Heard::Sample(reading)) => return Ok(self.continuity.sample(&reading)),
+                // a second answer to a request that was sent twice
+                Some(Heard::Answer(..)) => {}
+                Some(Heard::Ended) | None => {
+                    self.link.ask(Ask::Stop, |reply| matches!(reply, Reply::Stopped).then_some(()))?;
+                    return Err(self.live.why_silent());
+                }
+            }
+        }
+    }
+}
+
+/// The link, as the bus and the edges of the same part use it in turn.
+#[derive(Clone)]
+struct Shared(Arc<Mutex<Link>>);
+
+impl Shared {
+    fn lock(&self) -> std::sync::MutexGuard<'_, Link> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn ask<T>(&self, ask: Ask<'_>, take: impl Fn(Reply) -> Option<T>) -> Result<T, LinkError> {
+        self.lock().ask(ask, take)
+    }
+
+    fn set_clock(&self, sclk_hz: u32) -> Result<u32> {
+        let set = self.ask(Ask::Clock { sclk_hz }, |reply| match reply {
+            Reply::Clock { sclk_hz } => Some(sclk_hz),
+            _ => None,
+        });
+        set.context("setting the SPI clock of the bridge")
+    }
+
+    fn damaged(&self) -> u64 {
+        self.lock().damaged()
+    }
+
+    /// Says that the bridge is gone, where that was the cause.
+    fn explain(&self, error: impl Into<anyhow::Error>, address: &BridgeAddress) -> anyhow::Error {
+        let error = error.into();
+        match self.lock().why_gone() {
+            Some(why) => anyhow!(why).context(format!(
+                "{address} is gone: its cable was pulled, or the bridge has no power; connect it and start again"
+            )),
+            None if error.chain().any(|cause| matches!(cause.downcast_ref(), Some(LinkError::Silent))) => error
+                .context(format!(
+                    "{address} does not answer: is it a bridge (docs/formats/bridge.md), and is its firmware running?"
+                )),
+            None => error,
+        }
+    }
+}
+
+/// The bus behind the bridge: a transaction is one transfer.
+struct Transfers(Shared);
+
+impl ErrorType for Transfers {
+    type Error = LinkError;
+}
+
+impl SpiDevice for Transfers {
+    fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), LinkError> {
+        for operation in operations {
+            match operation {
+                Operation::TransferInPlace(bytes) => {
+                    let received = self.exchange(bytes)?;
+                    bytes.copy_from_slice(&received);
+                }
+                Operation::Write(bytes) => drop(self.exchange(bytes)?),
+                // the driver does neither
+                Operation::Read(_) | Operation::Transfer(..) => return Err(LinkError::Unsupported),
+                Operation::DelayNs(ns) => std::thread::sleep(Duration::from_nanos((*ns).into())),
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Transfers {
+    fn exchange(&self, bytes: &[u8]) -> Result<Vec<u8>, LinkError> {
+        self.0.ask(Ask::Transfer { bytes }, |reply| match reply {
+            Reply::Transfer(received) if received.len() == bytes.len() => Some(received),
+            _ => None,
+        })
+    }
+}
+
+/// The edges of RDY, as far as the bridge tells of them while it does not sample.
+struct LastEdges {
+    link: Shared,
+    last: Option<Edge>,
+}
+
+impl Edges for LastEdges {
+    fn next(&mut self, timeout_ns: u64) -> Result<Option<Edge>> {
+        let deadline = Instant::now() + Duration::from_nanos(timeout_ns);
+        loop {
+            let edge = self.link.ask(Ask::LastEdge, |reply| match reply {
+                Reply::LastEdge(edge) => Some(edge),
+                _ => None,
+            })?;
+            match self.last.replace(edge) {
+                Some(last) if last.seq != edge.seq => return Ok(Some(edge)),
+                _ if Instant::now() >= deadline => return Ok(None),
+                _ => {}
+            }
+        }
+    }
+
+    fn now(&self) -> String {
+        let t_ns = self.last.map_or(0, |edge| edge.t_ns);
+        format!("{:.1} s on the bridge's clock", t_ns as f64 * 1e-9)
+    }
+}

@@ -1,0 +1,102 @@
+//! What carries the bytes: a serial port (USB CDC, UART) or a TCP connection.
+
+use crate::device::address::Port;
+use anyhow::{Context, Result};
+use serialport::SerialPort;
+use std::collections::VecDeque;
+use std::io::{self, ErrorKind, Read, Write};
+use std::net::{TcpStream, ToSocketAddrs};
+use std::time::Duration;
+
+/// A connection takes no longer to be made, and a request no longer to be sent.
+const PATIENCE: Duration = Duration::from_secs(3);
+
+/// Bytes both ways.
+pub enum Wire {
+    Serial(Box<dyn SerialPort>),
+    Tcp(TcpStream),
+}
+
+impl Wire {
+    pub fn open(port: &Port) -> Result<Self> {
+        match port {
+            Port::Serial { path, baud } => {
+                let mut serial =
+                    serialport::new(path, *baud).timeout(PATIENCE).open().map_err(|error| why_no_port(path, error))?;
+                // USB bridges wait for it, and not all systems set it; a port without that line has no such bridge
+                let _ = serial.write_data_terminal_ready(true);
+                Ok(Self::Serial(serial))
+            }
+            Port::Tcp(address) => connect(address).map(Self::Tcp).with_context(|| {
+                format!("nothing answers at {address}: is the bridge, or the emulator with it, running there?")
+            }),
+        }
+    }
+
+    /// Waits for bytes for at most so long, and takes all that are there.
+    pub fn read(&mut self, patience: Duration, into: &mut VecDeque<u8>) -> io::Result<()> {
+        let mut bytes = [0; 4096];
+        let read = match self {
+            Self::Serial(serial) => {
+                serial.set_timeout(patience).map_err(io::Error::from).and_then(|()| serial.read(&mut bytes))
+            }
+            Self::Tcp(stream) => stream.set_read_timeout(Some(patience)).and_then(|()| stream.read(&mut bytes)),
+        };
+        match read {
+            Ok(0) => Err(io::Error::new(ErrorKind::UnexpectedEof, "the other end closed the connection")),
+            Ok(length) => {
+                into.extend(&bytes[..length]);
+                Ok(())
+            }
+            Err(error)
+                if matches!(error.kind(), ErrorKind::TimedOut | ErrorKind::WouldBlock | ErrorKind::Interrupted) =>
+            {
+                Ok(())
+            }
+            Err(error) => Err(error),
+        }
+    }
+
+    pub fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
+        match self {
+            Self::Serial(serial) => {
+                serial.set_timeout(PATIENCE).map_err(io::Error::from).and_then(|()| serial.write_all(bytes))
+            }
+            Self::Tcp(stream) => stream.write_all(bytes),
+        }
+    }
+}
+
+fn connect(address: &str) -> io::Result<TcpStream> {
+    let mut last = io::Error::new(ErrorKind::NotFound, "the name has no address");
+    for address in address.to_socket_addrs()? {
+        match TcpStream::connect_timeout(&address, PATIENCE) {
+            Ok(stream) => {
+                stream.set_nodelay(true)?;
+                stream.set_write_timeout(Some(PATIENCE))?;
+                return Ok(stream);
+            }
+            Err(error) => last = error,
+        }
+    }
+    Err(last)
+}
+
+fn why_no_port(path: &str, error: serialport::Error) -> anyhow::Error {
+    let remedy = match error.kind() {
+        serialport::ErrorKind::Io(ErrorKind::PermissionDenied) => format!(
+            "no permission to open {path}: sudo usermod -aG dialout \"$USER\", then log in again (ls -l {path} shows the group)"
+        ),
+        serialport::ErrorKind::Io(ErrorKind::NotFound) => {
+            format!("no {path}: plug the bridge in, and look with ls /dev/ttyACM* /dev/ttyUSB*")
+        }
+        serialport::ErrorKind::NoDevice if std::path::Path::new(path).exists() => {
+            format!("{path} is busy or no serial port: end what has it open (fuser {path})")
+        }
+        serialport::ErrorKind::NoDevice => {
+            format!("no {path}: plug the bridge in, and look with ls /dev/ttyACM* /dev/ttyUSB*")
+        }
+        _ => format!("cannot open {path} as a serial port"),
+    };
+    anyhow::Error::new(error).context(remedy)
+}

@@ -1,0 +1,165 @@
+//! `bridge:` and `tcp:` devices: the program against the bridge of the emulator's firmware, run here with a socket as its port.
+
+#[path = "../../../../firmware/qemu/src/bridge.rs"]
+mod firmware;
+
+use super::{Run, calibrate, zerorate};
+use adis16130_twin::{Fault, Spec, Twin};
+use firmware::Port;
+use std::io::{ErrorKind, Read, Write};
+use std::net::{TcpListener, TcpStream};
+use std::thread;
+
+/// A cable that does harm on its way to the host.
+#[derive(Clone, Copy, Default)]
+struct Cable {
+    /// A bit of every so many frames is flipped.
+    damages_every: Option<u64>,
+    /// It is pulled after so many bytes.
+    pulled_after: Option<u64>,
+}
+
+struct Socket {
+    stream: TcpStream,
+    cable: Cable,
+    frames: u64,
+    bytes: u64,
+}
+
+impl Port for Socket {
+    type Closed = ();
+
+    fn read(&mut self, wait: bool) -> Result<Option<u8>, ()> {
+        self.stream.set_nonblocking(!wait).map_err(drop)?;
+        let mut byte = [0];
+        match self.stream.read(&mut byte) {
+            Ok(1) => Ok(Some(byte[0])),
+            Err(error) if error.kind() == ErrorKind::WouldBlock => Ok(None),
+            _ => Err(()),
+        }
+    }
+
+    fn write(&mut self, frame: &[u8]) -> Result<(), ()> {
+        let mut frame = frame.to_vec();
+        self.frames += 1;
+        if self.cable.damages_every.is_some_and(|every| self.frames.is_multiple_of(every)) {
+            frame[2] ^= 0x10;
+        }
+        self.bytes += frame.len() as u64;
+        if self.cable.pulled_after.is_some_and(|bytes| self.bytes > bytes) {
+            return Err(());
+        }
+        self.stream.set_nonblocking(false).map_err(drop)?;
+        self.stream.write_all(&frame).map_err(drop)
+    }
+}
+
+/// A bridge with this part and this cable; `tcp:…` of it. It serves one host after the other.
+fn bridge(spec: Spec, cable: Cable) -> String {
+    let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
+    let address = listener.local_addr().expect("an address");
+    thread::spawn(move || {
+        let twin = Twin::new(spec);
+        for stream in listener.incoming().map_while(Result::ok) {
+            let _ = firmware::serve(&twin, "test 1", &mut Socket { stream, cable, frames: 0, bytes: 0 });
+        }
+    });
+    format!("tcp:{address}")
+}
+
+fn capture(device: &str, samples: &str) -> (Run, tempfile::TempDir) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("unit.csv");
+    let run =
+        zerorate(&["capture", "--device", device, "--samples", samples, "--json", "-o", file.to_str().expect("text")]);
+    (run, folder)
+}
+
+/// The rows of the capture.
+fn rows(folder: &tempfile::TempDir) -> Vec<Vec<u64>> {
+    let text = std::fs::read_to_string(folder.path().join("unit.csv")).expect("a capture");
+    let rows = text.lines().filter(|line| line.starts_with(|c: char| c.is_ascii_digit()));
+    rows.map(|row| row.split(',').map(|field| field.parse().unwrap_or(0)).collect()).collect()
+}
+
+#[test]
+fn probe_sees_the_part_through_the_bridge() {
+    let device = bridge(Spec::from_seed(7), Cable::default());
+    let found = zerorate(&["probe", "--device", &device, "--duration", "1s", "--json"]).ended_with(0).json();
+    assert_eq!(found["device"], device.as_str());
+    assert_eq!((&found["lost_samples"], &found["warnings"]), (&0.into(), &serde_json::json!([])));
+    assert_eq!((&found["sclk_hz"], &found["fastest_clean_sclk_hz"]), (&5_000_000.into(), &10_000_000.into()));
+    assert!((found["rate_hz"].as_f64().expect("a rate") / 5692.6 - 1.0).abs() < 0.02, "{found}");
+}
+
+#[test]
+fn a_capture_holds_every_sample() {
+    let (run, folder) = capture(&bridge(Spec::from_seed(7), Cable::default()), "20000");
+    let summary = run.ended_with(0).json();
+    assert_eq!((&summary["samples"], &summary["lost_samples"]), (&20_000.into(), &0.into()));
+    let rows = rows(&folder);
+    assert_eq!(rows.len(), 20_000);
+    assert!(
+        rows.windows(2).all(|pair| pair[1][0] > pair[0][0] && pair[1][1] == pair[0][1] + 1),
+        "time and edges run on"
+    );
+}
+
+#[test]
+fn a_calibration_finds_the_truth() {
+    let spec = Spec::from_seed(3);
+    let twin = Twin::new(spec.clone());
+    let device = bridge(spec, Cable::default());
+    let found = calibrate(&["--device", &device, "--json"]).ended_with(0).json();
+    let number = |key: &str| found[key].as_f64().expect("a number");
+    twin.advance_ns(202_000_000_000);
+    let (pbc, limit) = (twin.truth().pbc_dps(number("t3_c")), 4.0 * number("u_pbc_dps"));
+    assert!((number("pbc_dps") - pbc).abs() < limit, "{} instead of {pbc}, ±{limit}", number("pbc_dps"));
+}
+
+#[test]
+fn damaged_frames_are_counted_as_lost() {
+    let cable = Cable { damages_every: Some(100), ..Cable::default() };
+    let (run, folder) = capture(&bridge(Spec::from_seed(7), cable), "10000");
+    let summary = run.ended_with(0).json();
+    assert!(summary["warnings"].to_string().contains("damaged-frames: "), "{summary}");
+    let (lost, rows) = (summary["lost_samples"].as_u64().expect("a number"), rows(&folder));
+    // 99 of 100 arrive, and the first frames are answers
+    assert!((100..=102).contains(&lost), "{lost}");
+    assert_eq!(rows.iter().map(|row| row[5]).sum::<u64>(), lost);
+    assert_eq!(rows.iter().filter(|row| row[5] == 1).count() as u64, lost, "each is told of by the sample after it");
+}
+
+#[test]
+fn a_pulled_cable_ends_a_whole_capture() {
+    let cable = Cable { pulled_after: Some(100_000), ..Cable::default() };
+    let (run, folder) = capture(&bridge(Spec::from_seed(7), cable), "100000");
+    let run = run.ended_with(1).saying(&["is gone", "cable was pulled", "unit.csv ends after"]);
+    let rows = rows(&folder).len();
+    assert!((2_500..4_000).contains(&rows), "{rows}");
+    assert!(run.stderr.contains(&format!("ends after {rows} samples")), "{}", run.stderr);
+}
+
+#[test]
+fn an_unplugged_part_is_no_unplugged_bridge() {
+    let mut spec = Spec::from_seed(7);
+    (spec.fault, spec.fault_at_s) = (Fault::Unplug, Some(1.0));
+    let (run, folder) = capture(&bridge(spec, Cable::default()), "100000");
+    run.ended_with(1).saying(&["the part is unplugged or has no power", "ends after"]);
+    assert!(rows(&folder).len() > 4_000);
+}
+
+#[test]
+fn who_is_no_bridge_is_told_so() {
+    let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
+    let address = format!("tcp:{}", listener.local_addr().expect("an address"));
+    thread::spawn(move || {
+        let kept: Vec<_> = listener.incoming().collect();
+        drop(kept);
+    });
+    zerorate(&["probe", "--device", &address]).ended_with(1).saying(&["does not answer", "is it a bridge"]);
+    zerorate(&["probe", "--device", "tcp:127.0.0.1:1"]).ended_with(1).saying(&["nothing answers at 127.0.0.1:1"]);
+    zerorate(&["probe", "--device", "bridge:/dev/no-such-port"])
+        .ended_with(1)
+        .saying(&["no /dev/no-such-port", "ls /dev/ttyACM*"]);
+}

@@ -1,0 +1,88 @@
+//! A bridge whose part is the twin, on simulated time that passes as fast as the host takes samples.
+//!
+//! The tests of the program `zerorate` include this file too, with a socket as the port.
+
+use adis16130::Edge;
+use adis16130::bridge::{Bus, Decoder, MAX_FRAME, Message, Station, encode};
+use adis16130_twin::{Twin, TwinSpi};
+use core::convert::Infallible;
+use core::future::Future;
+use core::pin::pin;
+use core::task::{Context, Poll, Waker};
+use embedded_hal::spi::Operation;
+use embedded_hal_async::spi::{ErrorType, SpiDevice};
+
+/// SPI clock until a host asks for another, Hz.
+const FIRST_SCLK_HZ: u32 = 5_000_000;
+/// The bridge looks for requests at least this often, in simulated time.
+const LOOK_NS: u64 = 1_000_000;
+
+/// The line to the host.
+pub trait Port {
+    /// What ends it.
+    type Closed;
+
+    /// The next byte, if there is one; with `wait` there always is.
+    fn read(&mut self, wait: bool) -> Result<Option<u8>, Self::Closed>;
+
+    /// Sends them all.
+    fn write(&mut self, bytes: &[u8]) -> Result<(), Self::Closed>;
+}
+
+/// Serves the host at `port` until it closes.
+pub fn serve<P: Port>(twin: &Twin, firmware: &'static str, port: &mut P) -> Result<Infallible, P::Closed> {
+    let mut station = Station::new(TwinBus(twin.spi()), FIRST_SCLK_HZ, firmware);
+    let mut requests = Decoder::new();
+    loop {
+        while let Some(byte) = port.read(!station.is_sampling())? {
+            if let Some(Ok(request)) = requests.push(byte) {
+                // time does not stand still while nothing is sampled, so that RDY shows a host that it lives
+                let _ = next_edge(twin, &mut station);
+                send(port, &at_once(station.request(&request)))?;
+            }
+        }
+        if let Some(message) = next_edge(twin, &mut station) {
+            send(port, &message)?;
+        }
+    }
+}
+
+fn next_edge(twin: &Twin, station: &mut Station<TwinBus>) -> Option<Message<'static>> {
+    let edge = twin.next_falling_edge(LOOK_NS)?;
+    at_once(station.edge(Edge { t_ns: edge.t_ns, seq: edge.seq }))
+}
+
+fn send<P: Port>(port: &mut P, message: &Message<'_>) -> Result<(), P::Closed> {
+    let mut room = [0; MAX_FRAME];
+    // every message fits (docs/formats/bridge.md)
+    encode(message, &mut room).map_or(Ok(()), |frame| port.write(frame))
+}
+
+/// Nothing of the twin ever waits.
+fn at_once<F: Future>(future: F) -> F::Output {
+    let mut future = pin!(future);
+    loop {
+        if let Poll::Ready(output) = future.as_mut().poll(&mut Context::from_waker(Waker::noop())) {
+            return output;
+        }
+    }
+}
+
+/// The twin's bus, whose clock is fixed: setting it changes nothing but the answer.
+struct TwinBus(TwinSpi);
+
+impl ErrorType for TwinBus {
+    type Error = Infallible;
+}
+
+impl SpiDevice for TwinBus {
+    async fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), Infallible> {
+        SpiDevice::transaction(&mut self.0, operations).await
+    }
+}
+
+impl Bus for TwinBus {
+    fn set_sclk_hz(&mut self, hz: u32) -> u32 {
+        hz
+    }
+}

@@ -1,0 +1,95 @@
+//! QEMU with the bridge's firmware.
+
+use anyhow::{Context, Result, bail};
+use std::io::{BufRead, BufReader};
+use std::net::{TcpListener, TcpStream};
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+/// The emulator is there within this.
+const START: Duration = Duration::from_secs(20);
+
+/// How the bridge's UART is reached.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Line {
+    Socket,
+    /// A pseudo-terminal, which is a serial port to whoever opens it.
+    Serial,
+}
+
+/// A running emulator; it ends with this.
+pub struct Emulator {
+    qemu: Child,
+    device: String,
+    port: u16,
+}
+
+impl Emulator {
+    /// Switches the bridge on, with this unit of the twin.
+    pub fn start(image: &Path, seed: u64, line: Line) -> Result<Self> {
+        // free a moment ago, and nobody else here looks for one
+        let port = TcpListener::bind("127.0.0.1:0")?.local_addr()?.port();
+        let serial = match line {
+            // without nodelay every byte of an answer waits for the one before to be acknowledged
+            Line::Socket => format!("tcp:127.0.0.1:{port},server=on,wait=off,nodelay=on"),
+            Line::Serial => "pty".to_owned(),
+        };
+        let mut qemu = Command::new("qemu-system-arm")
+            .args(["-M", "mps2-an386", "-nographic", "-monitor", "none", "-serial", &serial])
+            .arg("-semihosting-config")
+            .arg(format!("enable=on,target=native,arg=bridge,arg={seed}"))
+            .arg("-kernel")
+            .arg(image)
+            .stdin(Stdio::null())
+            .stdout(Stdio::piped())
+            .spawn()
+            .context("starting qemu-system-arm")?;
+        let output = qemu.stdout.take().context("no output of the emulator")?;
+        let mut emulator = Self { qemu, device: format!("tcp:127.0.0.1:{port}"), port };
+        match line {
+            Line::Socket => emulator.wait()?,
+            Line::Serial => emulator.device = format!("bridge:{}", terminal(BufReader::new(output))?),
+        }
+        Ok(emulator)
+    }
+
+    /// For `--device`.
+    pub fn device(&self) -> String {
+        self.device.clone()
+    }
+
+    /// Of the socket.
+    pub fn port(&self) -> u16 {
+        self.port
+    }
+
+    fn wait(&mut self) -> Result<()> {
+        let started = Instant::now();
+        while TcpStream::connect(("127.0.0.1", self.port)).is_err() {
+            if let Some(status) = self.qemu.try_wait()? {
+                bail!("qemu-system-arm ended with {status}");
+            }
+            if started.elapsed() > START {
+                bail!("qemu-system-arm does not listen on port {}", self.port);
+            }
+            std::thread::sleep(Duration::from_millis(20));
+        }
+        Ok(())
+    }
+}
+
+/// `char device redirected to /dev/pts/3 (label serial0)`
+fn terminal(mut output: impl BufRead) -> Result<String> {
+    let mut line = String::new();
+    output.read_line(&mut line)?;
+    let path = line.split(' ').find(|word| word.starts_with("/dev/"));
+    Ok(path.with_context(|| format!("qemu-system-arm said: {line}"))?.to_owned())
+}
+
+impl Drop for Emulator {
+    fn drop(&mut self) {
+        let _ = self.qemu.kill();
+        let _ = self.qemu.wait();
+    }
+}
