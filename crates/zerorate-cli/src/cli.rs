@@ -61,8 +61,9 @@ pub enum Command {
 #[derive(Args, Debug)]
 pub struct DeviceArgs {
     /// The part to read: twin: (simulated), twin:KEY=VALUE,… (see `zerorate twin`), replay:FILE (a capture),
-    /// spi:/dev/spidevB.C?rdy=gpiochipN:LINE (Linux; options hz=SCLK, framing=command|byte, mclk=HZ), or
-    /// iio:iio:deviceN (through the kernel's driver; option hz=POLLS).
+    /// spi:/dev/spidevB.C?rdy=gpiochipN:LINE (Linux; options hz=SCLK, framing=command|byte, mclk=HZ), iio:iio:deviceN
+    /// (through the kernel's driver; option hz=POLLS), bridge:/dev/ttyACM0 (a microcontroller in between; options hz=SCLK,
+    /// mclk=HZ, baud=N) or tcp:HOST:PORT (the same over a socket).
     #[arg(short, long, value_name = "DEV", default_value = "twin:")]
     pub device: DeviceSpec,
 

@@ -1,10 +1,11 @@
 //! Debian's stock kernel, unpacked as data: nothing of it is installed.
 
+use crate::tools::is_root;
 use crate::venv::{done, printed};
 use anyhow::{Context, Result, ensure};
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Command, Stdio};
 
 /// The meta package whose dependency is the kernel: 6.12 is the first with drivers for the adapter, and Debian 12 carries it.
 const META: &str = "linux-image-6.12-amd64";
@@ -54,9 +55,16 @@ impl Kernel {
 }
 
 fn package() -> Result<String> {
-    let depends = printed(Command::new("apt-cache").args(["depends", META]))?;
-    let image = depends.lines().filter_map(|line| line.trim().strip_prefix("Depends: ")).next();
-    Ok(image.with_context(|| format!("apt knows no {META}: apt-get update"))?.to_owned())
+    if known().is_none() && is_root() {
+        done(Command::new("apt-get").args(["update", "-qq"]))?;
+    }
+    known().with_context(|| format!("apt knows no {META}: sudo apt-get update"))
+}
+
+fn known() -> Option<String> {
+    let output = Command::new("apt-cache").args(["depends", META]).stderr(Stdio::null()).output().ok()?;
+    let depends = String::from_utf8(output.stdout).ok()?;
+    depends.lines().find_map(|line| Some(line.trim().strip_prefix("Depends: ")?.to_owned()))
 }
 
 fn unpack(package: &str, folder: &Path, tree: &Path) -> Result<()> {
