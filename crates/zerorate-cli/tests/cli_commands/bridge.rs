@@ -157,7 +157,11 @@ fn who_is_no_bridge_is_told_so() {
         let kept: Vec<_> = listener.incoming().collect();
         drop(kept);
     });
-    zerorate(&["probe", "--device", &address]).ended_with(1).saying(&["does not answer", "is it a bridge"]);
+    zerorate(&["probe", "--device", &address]).ended_with(1).saying(&[
+        "does not answer",
+        "is it a bridge",
+        "nobody else",
+    ]);
     zerorate(&["probe", "--device", "tcp:127.0.0.1:1"]).ended_with(1).saying(&["nothing answers at 127.0.0.1:1"]);
     zerorate(&["probe", "--device", "bridge:/dev/no-such-port"])
         .ended_with(1)

@@ -186,7 +186,7 @@ impl Shared {
             )),
             None if error.chain().any(|cause| matches!(cause.downcast_ref(), Some(LinkError::Silent))) => error
                 .context(format!(
-                    "{address} does not answer: is it a bridge (docs/formats/bridge.md), and is its firmware running?"
+                    "{address} does not answer: is it a bridge (docs/formats/bridge.md) whose firmware runs, and does nobody else read it?"
                 )),
             None => error,
         }
