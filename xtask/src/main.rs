@@ -40,11 +40,11 @@ enum Task {
     /// Run driver, twin and correction on an emulated Cortex-M4F; count instructions and bytes
     Firmware(firmware::Args),
     /// Read the twin through a bridge's firmware on an emulated Cortex-M4F: socket, serial port, damaged and pulled cable
-    Bridge(bridge::Args),
+    Bridge(app::Args),
     /// Check the C interface: header, library, and C against Rust on the host and on an emulated Cortex-M4F
     C(c::Args),
     /// Boot a stock Linux kernel in QEMU with the twin as hardware, and read it there
-    Rig(rig::Args),
+    Rig(app::Args),
     /// Build the Python wheel and test it: its tests, types, notebook, and allantools' own tests
     Python(python::Args),
 }

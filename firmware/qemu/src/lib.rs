@@ -11,6 +11,8 @@ pub mod bridge;
 pub mod heap;
 #[cfg(feature = "twin")]
 pub mod scenario;
+#[cfg(feature = "twin")]
+pub mod uart;
 
 #[cfg(feature = "twin")]
 use panic_semihosting as _;

@@ -8,7 +8,7 @@ mod emulator;
 mod firmware;
 mod script;
 
-use crate::app;
+use crate::app::Args;
 use crate::firmware::{QEMU, image_of};
 use crate::targets;
 use crate::tools::available;
@@ -30,20 +30,6 @@ const PLAN: [&str; 10] =
 const DAMAGED_EVERY: u64 = 50;
 /// Bytes until the cable is pulled.
 const PULLED_AFTER: u64 = 60_000;
-
-/// What to run.
-#[derive(clap::Args)]
-pub struct Args {
-    /// The unit of the twin
-    #[arg(long, default_value_t = 1)]
-    seed: u64,
-    /// Print one JSON object to stdout
-    #[arg(long)]
-    json: bool,
-    /// The program to test, instead of building it
-    #[arg(long, value_name = "FILE")]
-    program: Option<PathBuf>,
-}
 
 /// What was found.
 #[derive(Serialize)]
@@ -68,8 +54,8 @@ pub fn run(args: &Args) -> Result<()> {
         return Ok(());
     }
     targets::add_missing(["thumbv7em-none-eabihf"].into_iter())?;
-    let program = args.program.clone().map_or_else(app::program, Ok)?;
-    let bench = Bench { program: std::path::absolute(program)?, image: image_of("bridge")?, seed: args.seed };
+    let program = args.program()?;
+    let bench = Bench { program, image: image_of("bridge")?, seed: args.seed };
     std::fs::create_dir_all(WORK)?;
     let started = Instant::now();
     let mut findings = bench.findings()?;

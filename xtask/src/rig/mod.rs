@@ -10,7 +10,7 @@ mod kernel;
 mod machine;
 mod part;
 
-use crate::app;
+use crate::app::{Args, target_folder};
 use crate::tools::{Tool, available, is_root};
 use anyhow::{Context, Result};
 use checks::{Findings, Seen};
@@ -18,7 +18,7 @@ use kernel::Kernel;
 use machine::Machine;
 use part::{Plugged, Record};
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 use std::time::{Duration, Instant};
 
@@ -47,20 +47,6 @@ const SLOW_CAPTURES: [&str; 3] = ["slow1", "slow2", "slow3"];
 /// No step of the guest takes longer.
 const LIMIT: Duration = Duration::from_secs(150);
 
-/// What to run.
-#[derive(clap::Args)]
-pub struct Args {
-    /// The unit of the twin
-    #[arg(long, default_value_t = 1)]
-    seed: u64,
-    /// Print one JSON object to stdout
-    #[arg(long)]
-    json: bool,
-    /// The program to test, instead of building it
-    #[arg(long, value_name = "FILE")]
-    program: Option<PathBuf>,
-}
-
 /// Runs the rig, or says why it cannot.
 pub fn run(args: &Args) -> Result<()> {
     if !cfg!(all(target_os = "linux", target_arch = "x86_64")) || !Path::new("/etc/debian_version").exists() {
@@ -70,8 +56,8 @@ pub fn run(args: &Args) -> Result<()> {
     if !available(&TOOLS, "the rig")? {
         return Ok(());
     }
-    let program = args.program.clone().map_or_else(app::program, Ok)?;
-    let folder = std::path::absolute(app::target_folder()?.join("rig"))?;
+    let program = args.program()?;
+    let folder = std::path::absolute(target_folder()?.join("rig"))?;
     fs::create_dir_all(&folder)?;
     let kernel = Kernel::fetch(&folder)?;
     let started = Instant::now();
