@@ -131,6 +131,25 @@ fn learns_the_true_period_within_the_tolerance_of_the_clock() {
 }
 
 #[test]
+fn learns_the_period_once_the_edges_can_be_believed_again() {
+    let mut random = Random(3);
+    let scale = 1.012;
+    let mut last: f64 = 0.0;
+    // late by up to a period, and at least 0.6 of one apart
+    let disturbed = ramp(3_000).map(|k| {
+        last = (last + 0.6).max(k * scale + random.uniform());
+        last
+    });
+    let times: Vec<f64> = disturbed.chain((3_002..20_000).map(|k| f64::from(k) * scale)).collect();
+    let mut sampler = sampler(SamplerConfig::new());
+    let lost = losses(&mut sampler, times);
+    // 16 checks of 256 edges each until it learns anew
+    assert_eq!(lost[3_000 + 18 * 256..].iter().sum::<u32>(), 0);
+    let error = sampler.rate_period_ns() / (PAIR_NS * scale) - 1.0;
+    assert!(error.abs() < 2e-7, "{error:e}");
+}
+
+#[test]
 fn jitter_of_the_timestamps_is_no_loss_and_hides_none() {
     for seed in 0..20 {
         let mut random = Random(seed);
