@@ -186,11 +186,12 @@ typedef struct zerorate_bus {
    */
   int32_t (*transfer)(void *context, uint8_t *bytes, size_t length);
   /**
-   * The level of RDY: 1 = high, 0 = low, negative = error. Null where zerorate_gyro_wait_ready is not used.
+   * The level of RDY: 1 = high, 0 = low, negative = error. Null where neither zerorate_gyro_wait_ready nor zerorate_gyro_self_test
+   * is used.
    */
   int32_t (*rdy)(void *context);
   /**
-   * Waits for so many microseconds, or a little longer. Null where zerorate_gyro_wait_ready is not used.
+   * Waits for so many microseconds, or a little longer. Null where `rdy` may be.
    */
   void (*delay_us)(void *context, uint32_t us);
 } zerorate_bus;
@@ -371,6 +372,57 @@ typedef struct zerorate_outcome {
 } zerorate_outcome;
 
 /**
+ * How a self-test measures. Start from zerorate_self_test_plan_default.
+ */
+typedef struct zerorate_self_test_plan {
+  /**
+   * Wait after each change of the pin, us: 100000 (ours: the time is not published).
+   */
+  uint32_t settle_us;
+  /**
+   * Bound of each wait for RDY, us: 20000, enough for the slowest conversion.
+   */
+  uint32_t timeout_us;
+  /**
+   * Rates to average without and with the self-test, rounded up to a multiple of 16: 6000, a second's worth at the 5693 per second
+   * of F-31. A sixteenth of them must be long against 1/(300 Hz) (F-03), else `u_dps` is too small.
+   */
+  uint16_t samples;
+} zerorate_self_test_plan;
+
+/**
+ * The output that drives the self-test pins 1-7 and 9, which are tied together (F-11). It is called as the functions of the bus are.
+ */
+typedef struct zerorate_self_test_pin {
+  /**
+   * Handed to `set`. May be null.
+   */
+  void *context;
+  /**
+   * Drives the pins: 1 = high, the self-test is on; 0 = low, off. Returns 0, or anything else for an error.
+   */
+  int32_t (*set)(void *context, int32_t level);
+} zerorate_self_test_pin;
+
+/**
+ * The measured effect of the self-test. Its proper size is not known, so nothing is judged (F-11).
+ */
+typedef struct zerorate_self_test {
+  /**
+   * Mean rate with the self-test less mean rate without, deg/s.
+   */
+  float shift_dps;
+  /**
+   * Standard uncertainty of `shift_dps` from the scatter, deg/s.
+   */
+  float u_dps;
+  /**
+   * Rates averaged without, and as many with the self-test.
+   */
+  uint32_t n;
+} zerorate_self_test;
+
+/**
  * A table of (temperature - T3) * BTC, without PBC, in millionths of a deg/s. The rows are the caller's and must stay where they are
  * as long as the table is used; looking up only reads, so one table may serve a main loop and interrupts.
  */
@@ -451,6 +503,16 @@ typedef struct zerorate_table {
  * RDY gave no sign of new data within the time given.
  */
 #define ZERORATE_E_TIMEOUT -12
+
+/**
+ * A function that the self-test needs is null: `rdy` or `delay_us` of the bus, or `set` of its pin. Nothing was done.
+ */
+#define ZERORATE_E_MISSING -13
+
+/**
+ * `set` of the self-test pin returned other than 0. If the self-test is still on, it offsets the rate.
+ */
+#define ZERORATE_E_SELF_TEST_PIN -14
 
 /**
  * SDO is stuck at ones: check its wire, CS and the supply.
@@ -735,6 +797,32 @@ zerorate_status zerorate_procedure_progress(struct zerorate_procedure *procedure
  * Required: Each pointer is null or points to memory of its type; nothing else uses the procedure meanwhile.
  */
 zerorate_status zerorate_procedure_outcome(struct zerorate_procedure *procedure, struct zerorate_outcome *outcome);
+
+/**
+ * A second each without and with the self-test, at the rate of F-30.
+ *
+ * Required: `plan` is null or points to writable memory for it.
+ */
+zerorate_status zerorate_self_test_plan_default(struct zerorate_self_test_plan *plan);
+
+/**
+ * Measures what the self-test does to the rate, and judges nothing (F-11). Needs `rdy` and `delay_us` of the bus and an initialised
+ * part at rest: motion counts as shift.
+ *
+ * Blocks for two settling times and `2 * samples` rates, 3 transfers each, each within `4 * timeout_us`: 2.3 s by default, so not
+ * for an interrupt. An interrupt that samples this gyroscope must be masked; what it misses counts as lost.
+ *
+ * The self-test is off when this returns, also with an error, except perhaps after ZERORATE_E_SELF_TEST_PIN. ZERORATE_E_MISSING: a
+ * function is null, nothing was done. ZERORATE_E_TIMEOUT: RDY was silent, or no new rate came. Else the errors of zerorate_gyro_read,
+ * and ZERORATE_E_PIN.
+ *
+ * Required: Each pointer is null or points to memory of its type; nothing else uses the gyroscope meanwhile; what `pin` points to may be called
+ * as its documentation says.
+ */
+zerorate_status zerorate_gyro_self_test(struct zerorate_gyro *gyro,
+                                        const struct zerorate_self_test_pin *pin,
+                                        const struct zerorate_self_test_plan *plan,
+                                        struct zerorate_self_test *result);
 
 /**
  * A status in words: a string that lives for ever, without end of line. Never null.

@@ -2,7 +2,7 @@
 
 use core::ffi::c_void;
 use embedded_hal::delay::DelayNs;
-use embedded_hal::digital::{self, InputPin};
+use embedded_hal::digital::{self, InputPin, OutputPin};
 use embedded_hal::spi::{self, Operation, SpiDevice};
 
 /// How the part is reached: functions of the caller, each of which gets `context` back.
@@ -17,10 +17,21 @@ pub struct Bus {
     /// Sends `length` bytes and puts what comes back in their place, with CS low from the first bit to the last. SPI mode 3, most
     /// significant bit first, at most 10 MHz (F-20, F-21). Returns 0, or anything else for an error. Must not be null.
     pub transfer: Option<unsafe extern "C" fn(context: *mut c_void, bytes: *mut u8, length: usize) -> i32>,
-    /// The level of RDY: 1 = high, 0 = low, negative = error. Null where zerorate_gyro_wait_ready is not used.
+    /// The level of RDY: 1 = high, 0 = low, negative = error. Null where neither zerorate_gyro_wait_ready nor zerorate_gyro_self_test
+    /// is used.
     pub rdy: Option<unsafe extern "C" fn(context: *mut c_void) -> i32>,
-    /// Waits for so many microseconds, or a little longer. Null where zerorate_gyro_wait_ready is not used.
+    /// Waits for so many microseconds, or a little longer. Null where `rdy` may be.
     pub delay_us: Option<unsafe extern "C" fn(context: *mut c_void, us: u32)>,
+}
+
+/// The output that drives the self-test pins 1-7 and 9, which are tied together (F-11). It is called as the functions of the bus are.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct SelfTestPin {
+    /// Handed to `set`. May be null.
+    pub context: *mut c_void,
+    /// Drives the pins: 1 = high, the self-test is on; 0 = low, off. Returns 0, or anything else for an error.
+    pub set: Option<unsafe extern "C" fn(context: *mut c_void, level: i32) -> i32>,
 }
 
 /// The caller's function said no, or there is none.
@@ -95,6 +106,31 @@ impl InputPin for Line {
 
     fn is_low(&mut self) -> Result<bool, Refused> {
         self.is_high().map(|high| !high)
+    }
+}
+
+impl SelfTestPin {
+    fn drive(&mut self, level: i32) -> Result<(), Refused> {
+        let set = self.set.ok_or(Refused)?;
+        // SAFETY: the caller of the self-test promised that this may be called with its context.
+        match unsafe { set(self.context, level) } {
+            0 => Ok(()),
+            _ => Err(Refused),
+        }
+    }
+}
+
+impl digital::ErrorType for SelfTestPin {
+    type Error = Refused;
+}
+
+impl OutputPin for SelfTestPin {
+    fn set_low(&mut self) -> Result<(), Refused> {
+        self.drive(0)
+    }
+
+    fn set_high(&mut self) -> Result<(), Refused> {
+        self.drive(1)
     }
 }
 

@@ -20,9 +20,11 @@ pub struct Gyro {
 
 /// What is in there.
 pub struct State {
-    driver: Adis16130<Port, Line>,
+    /// The driver.
+    pub driver: Adis16130<Port, Line>,
     sampler: Sampler,
-    bus: Bus,
+    /// The caller's functions.
+    pub bus: Bus,
 }
 
 impl Object for Gyro {

@@ -11,5 +11,6 @@ mod correction;
 mod gyro;
 mod procedure;
 mod runtime;
+mod self_test;
 mod status;
 mod table;

@@ -1,6 +1,6 @@
 //! What functions return: stable numbers.
 
-use adis16130::{BusError, Fault, InitError, ReadError, SampleError, VerifyError, WaitError};
+use adis16130::{BusError, Fault, InitError, ReadError, SampleError, SelfTestError, VerifyError, WaitError};
 use core::ffi::{CStr, c_char};
 use zerorate::{IntegerError, PlanError, Refusal, TableError};
 
@@ -24,6 +24,10 @@ pub const ZERORATE_E_BUS: Status = -10;
 pub const ZERORATE_E_PIN: Status = -11;
 /// RDY gave no sign of new data within the time given.
 pub const ZERORATE_E_TIMEOUT: Status = -12;
+/// A function that the self-test needs is null: `rdy` or `delay_us` of the bus, or `set` of its pin. Nothing was done.
+pub const ZERORATE_E_MISSING: Status = -13;
+/// `set` of the self-test pin returned other than 0. If the self-test is still on, it offsets the rate.
+pub const ZERORATE_E_SELF_TEST_PIN: Status = -14;
 /// SDO is stuck at ones: check its wire, CS and the supply.
 pub const ZERORATE_E_STUCK_HIGH: Status = -20;
 /// SDO is stuck at zeros: check its wire, CS and the supply.
@@ -79,6 +83,8 @@ pub extern "C" fn zerorate_text(status: Status) -> *const c_char {
         ZERORATE_E_BUS => c"the SPI transfer failed; reset and initialise the part",
         ZERORATE_E_PIN => c"the RDY line cannot be read",
         ZERORATE_E_TIMEOUT => c"RDY gave no sign of new data in time",
+        ZERORATE_E_MISSING => c"the self-test needs rdy, delay_us and its pin",
+        ZERORATE_E_SELF_TEST_PIN => c"the self-test pin cannot be set; if it is still high, it offsets the rate",
         ZERORATE_E_STUCK_HIGH => c"SDO is stuck at ones; check its wire, CS and the supply",
         ZERORATE_E_STUCK_LOW => c"SDO is stuck at zeros; check its wire, CS and the supply",
         ZERORATE_E_CONFIGURATION_LOST => c"the part has lost its configuration; check the supply, initialise it",
@@ -183,6 +189,16 @@ impl<P> Numbered for WaitError<P> {
         match self {
             Self::Pin(_) => ZERORATE_E_PIN,
             Self::TimedOut { .. } => ZERORATE_E_TIMEOUT,
+        }
+    }
+}
+
+impl<E, R, P> Numbered for SelfTestError<E, R, P> {
+    fn status(&self) -> Status {
+        match self {
+            Self::Read(error) => error.status(),
+            Self::Wait(error) => error.status(),
+            Self::Pin(_) => ZERORATE_E_SELF_TEST_PIN,
         }
     }
 }

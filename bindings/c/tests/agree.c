@@ -24,6 +24,14 @@ static void print_f64(const char *name, double value)
     printf("%s %08" PRIx32 "%08" PRIx32 "\n", name, (uint32_t)(bits >> 32), (uint32_t)bits);
 }
 
+static void print_f32(const char *name, float value)
+{
+    uint32_t bits;
+
+    memcpy(&bits, &value, sizeof bits);
+    printf("%s %08" PRIx32 "\n", name, bits);
+}
+
 static void print_status(const char *what, zerorate_status status)
 {
     printf("%s %ld\n", what, (long)status);
@@ -161,6 +169,108 @@ static void samples(const char *keys)
     zerorate_twin_free(rig);
 }
 
+/* The self-test pin of a twin; refuses one call and breaks the twin when it goes high, as told. */
+typedef struct {
+    void *rig;
+    int32_t refused_call;
+    int32_t fault;
+    int32_t calls;
+    int32_t level;
+} test_pin;
+
+static int32_t set_test_pin(void *context, int32_t level)
+{
+    test_pin *pin = context;
+
+    if (++pin->calls == pin->refused_call) {
+        return -1;
+    }
+    pin->level = level;
+    if (level == 1) {
+        zerorate_twin_set_fault(pin->rig, pin->fault);
+    }
+    return zerorate_twin_self_test(pin->rig, level);
+}
+
+static int32_t broken_rdy(void *context)
+{
+    (void)context;
+    return -1;
+}
+
+/* A self-test that must fail, and what it leaves: how often the pin was set, its level, and a result that nothing wrote to. */
+static void failing_test(const char *what, zerorate_gyro *gyro, test_pin pin)
+{
+    const zerorate_self_test_pin set = {&pin, set_test_pin};
+    const zerorate_self_test_plan plan = {1000, 1000, 16};
+    zerorate_self_test seen = {0.0F, 0.0F, 7};
+
+    print_status(what, zerorate_gyro_self_test(gyro, &set, &plan, &seen));
+    printf("calls %ld level %ld n %lu\n", (long)pin.calls, (long)pin.level, (unsigned long)seen.n);
+    zerorate_twin_set_fault(pin.rig, 0);
+}
+
+/* A self-test on a bus that lacks something. */
+static void lacking_test(const char *what, zerorate_bus bus)
+{
+    const test_pin pin = {bus.context, 0, 0, 0, 0};
+    zerorate_gyro gyro;
+    zerorate_settings settings;
+
+    zerorate_settings_default(&settings);
+    zerorate_gyro_set_up(&gyro, &bus, &settings);
+    failing_test(what, &gyro, pin);
+}
+
+static void failing_tests(void *rig, zerorate_gyro *gyro)
+{
+    const test_pin pins[] = {{rig, 1, 0, 0, 0}, {rig, 2, 0, 0, 0}, {rig, 3, 0, 0, 0}, {rig, 0, 4, 0, 0}, {rig, 0, 1, 0, 0}};
+    const char *const names[] = {"low refused", "high refused", "release refused", "cut", "zeros"};
+    zerorate_gyro blank;
+    zerorate_bus bus = bus_of(rig);
+    size_t i;
+
+    for (i = 0; i < sizeof pins / sizeof pins[0]; i++) {
+        failing_test(names[i], gyro, pins[i]);
+    }
+    memset(&blank, 0, sizeof blank);
+    failing_test("not set up", &blank, pins[3]);
+    bus.rdy = broken_rdy;
+    lacking_test("broken rdy", bus);
+    bus.rdy = NULL;
+    lacking_test("no rdy", bus);
+    bus = bus_of(rig);
+    bus.delay_us = NULL;
+    lacking_test("no delay", bus);
+}
+
+static void self_test(const char *keys)
+{
+    zerorate_gyro gyro;
+    zerorate_self_test_plan plan;
+    zerorate_self_test seen;
+    void *rig = started(keys, 6000000, &gyro);
+    test_pin pin = {NULL, 0, 0, 0, 0};
+    zerorate_self_test_pin set = {&pin, set_test_pin};
+
+    pin.rig = rig;
+    print_status("plan", zerorate_self_test_plan_default(&plan));
+    printf("%lu %lu %u\n", (unsigned long)plan.settle_us, (unsigned long)plan.timeout_us, (unsigned)plan.samples);
+    plan.samples = 500;
+    print_status("self-test", zerorate_gyro_self_test(&gyro, &set, &plan, &seen));
+    print_f32("shift_dps", seen.shift_dps);
+    print_f32("u_dps", seen.u_dps);
+    printf("n %lu calls %ld level %ld\n", (unsigned long)seen.n, (long)pin.calls, (long)pin.level);
+    printf("until %" PRIu32 "\n", (uint32_t)zerorate_twin_now_ns(rig));
+    print_status("no pin", zerorate_gyro_self_test(&gyro, NULL, &plan, &seen));
+    print_status("no plan", zerorate_gyro_self_test(&gyro, &set, NULL, &seen));
+    print_status("no result", zerorate_gyro_self_test(&gyro, &set, &plan, NULL));
+    set.set = NULL;
+    print_status("no function", zerorate_gyro_self_test(&gyro, &set, &plan, &seen));
+    failing_tests(rig, &gyro);
+    zerorate_twin_free(rig);
+}
+
 static void calibrate(const char *keys)
 {
     zerorate_gyro gyro;
@@ -232,6 +342,7 @@ int main(int argc, char **argv)
     misuse();
     snprintf(keys, sizeof keys, "seed=%s", seed);
     samples(keys);
+    self_test(keys);
     snprintf(keys, sizeof keys, "seed=%s,%s", seed, quick);
     calibrate(keys);
     snprintf(keys, sizeof keys, "seed=%s,%s,motion=sway", seed, quick);

@@ -11,6 +11,7 @@ void zerorate_twin_free(void *rig);
 int32_t zerorate_twin_transfer(void *rig, uint8_t *bytes, size_t length);
 int32_t zerorate_twin_rdy(void *rig);
 void zerorate_twin_delay_us(void *rig, uint32_t us);
+int32_t zerorate_twin_self_test(void *rig, int32_t level);
 uint64_t zerorate_twin_now_ns(void *rig);
 /* The next falling edge of RDY: 1, or 0 where none came within a tenth of a second. */
 int32_t zerorate_twin_next_edge(void *rig, uint64_t *t_ns, uint32_t *seq);

@@ -1,9 +1,9 @@
 //! What `bindings/c/tests/agree.c` must print, from the Rust crates: driver, corrections, and the procedure that keeps every block.
 
 use adis16130::blocking::Adis16130;
-use adis16130::{Config, Edge, Framing, RateCode, Sample, Sampler, SamplerConfig, TempCode, WaitBound};
+use adis16130::{Config, Edge, Framing, RateCode, Sample, Sampler, SamplerConfig, SelfTestPlan, TempCode, WaitBound};
 use adis16130_twin::{Spec, Twin, TwinRdy, TwinSpi};
-use anyhow::{Context, Result, anyhow};
+use anyhow::{Context, Result, anyhow, ensure};
 use std::fmt::Write;
 use zerorate::{Action, CodeTable, Correction, Event, Outcome, Plan, Procedure, Refusal, Warning};
 
@@ -20,12 +20,19 @@ const MISUSE: &str = "no settings -1\nno gyro -1\nnot set up -2\nnot begun -2\ns
     steep -30\nragged -31\nno room -32\nno table 0\nno correction 77\n\
     RDY gave no sign of new data in time. unknown status.\n";
 const FAULTS: &str = "diagnose 0\nzeros -21\nones -20\ndip -22\nagain 0\ncut -12\n";
+/// Self-tests that fail: wherever the pin was set at all it was set low last, unless that was refused.
+const SELF_TEST_FAULTS: &str = "no pin -1\nno plan -1\nno result -1\nno function -13\n\
+    low refused -14\ncalls 1 level 0 n 7\nhigh refused -14\ncalls 3 level 0 n 7\n\
+    release refused -14\ncalls 3 level 1 n 7\ncut -12\ncalls 3 level 0 n 7\nzeros -21\ncalls 3 level 0 n 7\n\
+    not set up -2\ncalls 0 level 0 n 7\nbroken rdy -11\ncalls 1 level 0 n 7\n\
+    no rdy -13\ncalls 0 level 0 n 7\nno delay -13\ncalls 0 level 0 n 7\n";
 
 /// Everything that the test prints.
 pub fn text(seed: u64) -> Result<String> {
     let quick = "mclk_hz=1000000,warmup_s=10,curvature=0,hysteresis=0";
     let mut text = MISUSE.to_owned();
     samples(&mut text, &format!("seed={seed}"))?;
+    self_test(&mut text, &format!("seed={seed}"))?;
     calibrate(&mut text, &format!("seed={seed},{quick}"))?;
     calibrate(&mut text, &format!("seed={seed},{quick},motion=sway"))?;
     Ok(text)
@@ -83,6 +90,19 @@ fn samples(text: &mut String, keys: &str) -> Result<()> {
     let (rate, temp): (RateCode, TempCode) = rig.gyro.read_both().map_err(|error| anyhow!("{error}"))?;
     writeln!(text, "wait 0\nread 0\n{} {}", rate.code24(), temp.code24())?;
     text.push_str(FAULTS);
+    Ok(())
+}
+
+fn self_test(text: &mut String, keys: &str) -> Result<()> {
+    let Rig { twin, mut gyro, .. } = Rig::new(keys, 6_000_000)?;
+    let seen = gyro.self_test(&mut twin.self_test_pin(), &mut twin.delay(), SelfTestPlan::new(500));
+    let seen = seen.map_err(|error| anyhow!("{error}"))?;
+    // 20 °/s at the element, a sensitivity that varies by 3 % (M-07)
+    ensure!((seen.shift_dps - 20.0).abs() < 4.0, "{seen:?}");
+    text.push_str("initialise 0\nplan 0\n100000 20000 6000\nself-test 0\n");
+    writeln!(text, "shift_dps {:08x}\nu_dps {:08x}", seen.shift_dps.to_bits(), seen.u_dps.to_bits())?;
+    writeln!(text, "n {} calls 3 level 0\nuntil {}", seen.n, twin.now_ns() as u32)?;
+    text.push_str(SELF_TEST_FAULTS);
     Ok(())
 }
 

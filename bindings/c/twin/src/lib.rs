@@ -1,16 +1,16 @@
-//! The twin as the functions that `zerorate_bus` points to. For tests only: pointers are trusted.
+//! The twin as the functions that `zerorate_bus` and `zerorate_self_test_pin` point to. For tests only: pointers are trusted.
 
 #![no_std]
 
 extern crate alloc;
 
-use adis16130_twin::{Fault, Spec, Twin, TwinDelay, TwinRdy, TwinSpi};
+use adis16130_twin::{Fault, SelfTestPin, Spec, Twin, TwinDelay, TwinRdy, TwinSpi};
 use alloc::boxed::Box;
 use core::alloc::{GlobalAlloc, Layout};
 use core::ffi::{CStr, c_char, c_void};
 use core::panic::PanicInfo;
 use embedded_hal::delay::DelayNs;
-use embedded_hal::digital::InputPin;
+use embedded_hal::digital::{InputPin, OutputPin, PinState};
 use embedded_hal::spi::SpiDevice;
 
 /// A twin with everything that it is reached by.
@@ -19,6 +19,7 @@ pub struct Rig {
     spi: TwinSpi,
     rdy: TwinRdy,
     delay: TwinDelay,
+    self_test: SelfTestPin,
 }
 
 /// A twin of a specification such as `seed=7,warmup-s=30`; null where that says nothing.
@@ -33,7 +34,8 @@ pub unsafe extern "C" fn zerorate_twin_new(keys: *const c_char) -> *mut Rig {
         return core::ptr::null_mut();
     };
     let twin = Twin::new(spec);
-    Box::into_raw(Box::new(Rig { spi: twin.spi(), rdy: twin.rdy(), delay: twin.delay(), twin }))
+    let (spi, rdy, delay, self_test) = (twin.spi(), twin.rdy(), twin.delay(), twin.self_test_pin());
+    Box::into_raw(Box::new(Rig { twin, spi, rdy, delay, self_test }))
 }
 
 /// Gives the memory back.
@@ -75,6 +77,16 @@ pub unsafe extern "C" fn zerorate_twin_rdy(rig: *mut Rig) -> i32 {
 pub unsafe extern "C" fn zerorate_twin_delay_us(rig: *mut Rig, us: u32) {
     // SAFETY: by the contract.
     unsafe { &mut *rig }.delay.delay_us(us);
+}
+
+/// Drives the self-test pins.
+///
+/// # Safety
+/// `rig` came from [`zerorate_twin_new`].
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn zerorate_twin_self_test(rig: *mut Rig, level: i32) -> i32 {
+    // SAFETY: by the contract.
+    unsafe { &mut *rig }.self_test.set_state(PinState::from(level != 0)).map_or(-1, |()| 0)
 }
 
 /// Simulated time.
