@@ -66,6 +66,16 @@ pub struct Due {
 /// up.
 const SUSPICIOUS_SAMPLES: u8 = 8;
 
+/// A part that lives shows an edge at the latest after this many periods: it is the longest gap that a drop of the part
+/// (F-33), a few edges missed in a row and the tolerance of MCLK make, several times over.
+const SILENT_PERIODS: u32 = 64;
+
+/// Readings in a row that may fail, or find nothing new, before there is a pause between them.
+const PATIENT_READINGS: u8 = 16;
+
+/// The longest pause is 2¹⁰ edges: a tenth of a second with F-30, as long as nothing is read.
+const LONGEST_PAUSE_LOG2: u8 = 10;
+
 /// The sample before.
 #[derive(Copy, Clone, Debug)]
 struct Taken {
@@ -115,6 +125,16 @@ struct Taken {
 ///   So a late host gets no sample twice. With one channel, or with RDYFN = 0, only the status tells that: it is always
 ///   due.
 /// * After a failed read the next edge is due again, whatever the divider.
+///
+/// # When nothing comes
+///
+/// After a brown-out there are no edges, so a loop that waits for the next one needs a second way out:
+/// [`silent_since`](Self::silent_since) with the time now, or a wait of at most [`silence_ns`](Self::silence_ns).
+///
+/// Where edges come but readings fail (a dead SDO), the sampler pauses: after 16 readings in a row that were due and not
+/// [`taken`](Self::taken), the next is due one edge later, then two, four, and so on up to 1024. So a loop that
+/// initialises the part after each failure does so 11 times a second and not 11 400 times. The first reading that is
+/// taken ends this, and its `lost` counts what the pauses cost.
 #[derive(Clone, Debug)]
 pub struct Sampler {
     config: SamplerConfig,
@@ -127,6 +147,12 @@ pub struct Sampler {
     rate_only: bool,
     early_ns: u64,
     suspicious: u8,
+    /// Readings that were due since the last one taken.
+    untaken: u8,
+    /// Edges until the next reading is due.
+    pause: u16,
+    /// Time of the last edge, or of the first question after it.
+    heard_ns: Option<u64>,
 }
 
 impl Sampler {
@@ -147,12 +173,16 @@ impl Sampler {
             until_temp: 0,
             suspicious: 0,
             rate_only: false,
+            untaken: 0,
+            pause: 0,
+            heard_ns: None,
         }
     }
 
     /// Takes an edge and says what to read now; `None` = nothing.
     #[inline]
     pub fn edge(&mut self, edge: Edge) -> Option<Due> {
+        self.heard_ns = Some(edge.t_ns);
         let index = self.timeline.advance(edge)?;
         let mut status = self.config.read_status;
         if let Some(taken) = &self.taken {
@@ -166,6 +196,11 @@ impl Sampler {
                 self.suspicious = SUSPICIOUS_SAMPLES;
             }
         }
+        if self.pause > 0 {
+            self.pause -= 1;
+            return None;
+        }
+        self.pause = self.pause_after_failure();
         status |= self.suspicious > 0;
         let due = Due {
             status,
@@ -181,6 +216,8 @@ impl Sampler {
     #[inline]
     pub fn taken(&mut self, due: &Due) -> u32 {
         self.suspicious = self.suspicious.saturating_sub(1);
+        self.untaken = 0;
+        self.pause = 0;
         if self.config.divider == 1 && self.pairs {
             if due.after_rate_only {
                 self.timeline.align();
@@ -201,11 +238,38 @@ impl Sampler {
     /// counted at the next sample, to within one.
     pub fn restarted(&mut self) {
         self.timeline.restart();
+        self.heard_ns = None;
+    }
+
+    /// Since when the part is silent, if `now_ns` (of the clock of [`Edge::t_ns`]) is more than
+    /// [`silence_ns`](Self::silence_ns) after the last edge: it has lost its supply or its configuration, or RDY is cut.
+    ///
+    /// Before the first edge, and after [`restarted`](Self::restarted), the time counts from the first call on. The clock
+    /// may wrap, and `now_ns` may be older than the last edge. Hand over edges that wait before you ask.
+    pub fn silent_since(&mut self, now_ns: u64) -> Option<u64> {
+        let heard_ns = *self.heard_ns.get_or_insert(now_ns);
+        let silence_ns = now_ns.wrapping_sub(heard_ns) as i64;
+        (silence_ns > self.silence_ns() as i64).then_some(heard_ns)
+    }
+
+    /// So long without an edge is silence, in ns: 64 periods of the rate, 11.2 ms with F-30.
+    pub fn silence_ns(&self) -> u64 {
+        self.timeline.eighths_of_period_ns(8 * SILENT_PERIODS)
     }
 
     /// The learned time from one rate update to the next, in ns.
     pub fn rate_period_ns(&self) -> f64 {
         self.timeline.period_ns()
+    }
+
+    /// The pause that follows a reading that is due now, unless it is taken.
+    fn pause_after_failure(&mut self) -> u16 {
+        let failed_before = self.untaken;
+        self.untaken = failed_before.saturating_add(1);
+        match failed_before.checked_sub(PATIENT_READINGS) {
+            None => 0,
+            Some(doublings) => 1 << doublings.min(LONGEST_PAUSE_LOG2),
+        }
     }
 
     fn lost_between(&self, before: u64, now: u64) -> u64 {

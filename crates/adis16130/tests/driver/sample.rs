@@ -94,6 +94,26 @@ fn faults_are_diagnosed() {
 }
 
 #[test]
+fn a_dead_sdo_makes_no_storm_of_frames() {
+    for line in [Line::Low, Line::High] {
+        let mut bench = Bench::new(SamplerConfig::new());
+        bench.edge(1, 0x08).unwrap().unwrap();
+        bench.part.borrow_mut().line = line;
+        // a simulated second of edges, one for each conversion, and a loop that initialises after each failure
+        for n in 2..11_387 {
+            let edge = Edge { t_ns: u64::from(n) * PAIR_NS / 2, seq: n };
+            if bench.gyro.sample(&mut bench.sampler, edge).is_err() {
+                bench.gyro.reset().unwrap();
+                bench.gyro.init().unwrap();
+                bench.sampler.restarted();
+            }
+        }
+        let frames = bench.part.borrow().frames.len();
+        assert!(frames < 500, "{line:?}: {frames} frames in a second");
+    }
+}
+
+#[test]
 fn a_brown_out_is_a_lost_configuration() {
     let mut bench = Bench::new(SamplerConfig::new());
     bench.edge(1, 0x08).unwrap().unwrap();

@@ -295,6 +295,69 @@ fn a_new_initialisation_has_a_new_phase_and_costs_what_it_took() {
 }
 
 #[test]
+fn silence_is_found_within_its_bound() {
+    let bound_ns = sampler(SamplerConfig::new()).silence_ns();
+    assert_eq!(bound_ns, (64.0 * PAIR_NS) as u64);
+    // the clock wraps in the middle of the second
+    for start_ns in [0, 1_000_000_000, u64::MAX - 5_000_000] {
+        let mut sampler = sampler(SamplerConfig::new());
+        let at = |ns: u64| start_ns.wrapping_add(ns);
+        assert_eq!(sampler.silent_since(at(0)), None, "no edge yet: the time runs from here");
+        assert_eq!(sampler.silent_since(at(bound_ns)), None);
+        assert_eq!(sampler.silent_since(at(bound_ns + 1)), Some(at(0)));
+        sampler.edge(Edge { t_ns: at(bound_ns + 7), seq: 1 });
+        assert_eq!(sampler.silent_since(at(bound_ns)), None, "asked with an older time");
+        assert_eq!(sampler.silent_since(at(2 * bound_ns + 7)), None);
+        assert_eq!(sampler.silent_since(at(2 * bound_ns + 8)), Some(at(bound_ns + 7)));
+        sampler.restarted();
+        assert_eq!(sampler.silent_since(at(9 * bound_ns)), None, "a part initialised anew has its time again");
+        assert_eq!(sampler.silent_since(at(10 * bound_ns + 1)), Some(at(9 * bound_ns)));
+    }
+}
+
+#[test]
+fn an_edge_that_brings_no_sample_is_no_silence() {
+    let mut sampler = sampler(SamplerConfig::new().with_divider(50));
+    let bound_ns = sampler.silence_ns();
+    for seq in 0..1_000 {
+        sampler.edge(at(f64::from(seq) / 2.0, seq));
+        assert_eq!(sampler.silent_since(at(f64::from(seq) / 2.0, 0).t_ns + bound_ns), None);
+    }
+}
+
+#[test]
+fn readings_that_fail_again_and_again_get_rare() {
+    let mut sampler = sampler(SamplerConfig::new());
+    losses(&mut sampler, ramp(100));
+    // nothing is read, so an edge comes with each conversion: two seconds, then all is well again
+    let conversions_a_s = (2e9 / PAIR_NS) as u32;
+    let mut due = |from: u32| {
+        let edges = from..from + conversions_a_s;
+        edges.filter(|&k| sampler.edge(at(100.0 + f64::from(k) / 2.0, 100 + k)).is_some()).count()
+    };
+    let (first, second) = (due(0), due(conversions_a_s));
+    assert!((26..=37).contains(&first), "{first} in the first second");
+    assert!((11..=12).contains(&second), "{second} in the next");
+    let mended = 2 * conversions_a_s;
+    let back = (0..=1_024).find_map(|k| take(&mut sampler, at(100.0 + f64::from(mended + k) / 2.0, 100 + mended + k)));
+    assert!(back.is_some_and(|lost| lost.abs_diff(conversions_a_s) <= 513), "{back:?}");
+    let after = at(100.0 + f64::from(mended + 1_026) / 2.0, 100 + mended + 1_026);
+    assert!(sampler.edge(after).is_some(), "no pause is left");
+}
+
+#[test]
+fn a_few_failures_cost_no_pause() {
+    let mut sampler = sampler(SamplerConfig::new());
+    for seq in 0..1_000 {
+        let due = sampler.edge(at(f64::from(seq), seq));
+        assert!(due.is_some(), "edge {seq}");
+        if seq % 16 == 15 {
+            sampler.taken(&due.expect("due"));
+        }
+    }
+}
+
+#[test]
 fn a_divider_of_zero_is_one() {
     let mut sampler = sampler(SamplerConfig::new().with_divider(0));
     assert_eq!(losses(&mut sampler, ramp(5)), [0; 5]);
