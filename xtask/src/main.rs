@@ -9,11 +9,13 @@ mod bridge;
 mod c;
 mod coverage;
 mod coverage_allan;
+mod deny;
 mod firmware;
 mod python;
 mod rig;
 mod targets;
 mod test;
+mod third_party;
 mod tools;
 mod venv;
 
@@ -45,6 +47,10 @@ enum Task {
     C(c::Args),
     /// Boot a stock Linux kernel in QEMU with the twin as hardware, and read it there
     Rig(app::Args),
+    /// Check the dependencies: advisories, licences, sources
+    Deny,
+    /// Write the page with the licences of all that the program contains
+    ThirdParty(third_party::Args),
     /// Build the Python wheel and test it: its tests, types, notebook, and allantools' own tests
     Python(python::Args),
 }
@@ -59,6 +65,8 @@ fn main() -> ExitCode {
         Task::Bridge(args) => bridge::run(&args),
         Task::C(args) => c::run(&args),
         Task::Rig(args) => rig::run(&args),
+        Task::Deny => deny::run(),
+        Task::ThirdParty(args) => third_party::run(&args),
         Task::Python(args) => python::run(&args),
     };
     match done {

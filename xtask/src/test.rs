@@ -58,7 +58,7 @@ impl fmt::Display for Step {
 ///
 /// thumbv7em-none-eabihf is a Cortex-M4F. thumbv6m-none-eabi is a Cortex-M0: it has no compare-and-swap, which the TOML
 /// parser behind the core's feature `file` needs.
-const STEPS: [Step; 26] = [
+const STEPS: [Step; 27] = [
     Step::new("fmt", "fmt --all --check"),
     Step::new("clippy", "clippy --workspace --all-targets --all-features -- -D warnings"),
     Step::new("clippy-driver", "clippy -p adis16130 --all-targets -- -D warnings"),
@@ -104,6 +104,7 @@ const STEPS: [Step; 26] = [
         "bridge-rp2040",
         "build --manifest-path firmware/bridge/Cargo.toml --locked --release --target-dir target/firmware --target thumbv6m-none-eabi --features rp2040",
     ),
+    Step::new("deny", "xtask deny"),
     Step::new("firmware", "xtask firmware"),
     Step::new("c", "xtask c"),
     Step::new("bridge", "xtask bridge"),

@@ -1,0 +1,43 @@
+//! `cargo xtask deny`: the dependencies against `deny.toml`: known holes, abandoned crates, licences, sources.
+
+use crate::venv::done;
+use anyhow::Result;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+const VERSION: &str = "0.20.2";
+const TOOLS: &str = "target/tools";
+
+/// Each project has a lock file of its own.
+const PROJECTS: [&str; 4] =
+    ["Cargo.toml", "firmware/bridge/Cargo.toml", "firmware/qemu/Cargo.toml", "bindings/c/Cargo.toml"];
+
+/// What can be judged without the network always, the advisories where their database can be had.
+pub fn run() -> Result<()> {
+    let program = program()?;
+    let advisories = Command::new(&program).args(["deny", "fetch", "db"]).status()?.success();
+    if !advisories {
+        eprintln!(
+            "SKIPPED: advisories: their database cannot be fetched; licences and sources are checked all the same"
+        );
+    }
+    let wanted = ["licenses", "bans", "sources", "advisories"];
+    for manifest in PROJECTS {
+        println!("{manifest}:");
+        let mut check = Command::new(&program);
+        check.args(["deny", "--manifest-path", manifest, "--config", "deny.toml", "check", "--hide-inclusion-graph"]);
+        done(check.args(&wanted[..if advisories { 4 } else { 3 }]))?;
+    }
+    Ok(())
+}
+
+/// cargo-deny in this version: the one below `target/`, which is built once.
+fn program() -> Result<PathBuf> {
+    let program = std::path::absolute(Path::new(TOOLS).join("bin/cargo-deny"))?;
+    if !program.exists() {
+        println!("cargo-deny {VERSION} is built, once");
+        let install = ["install", "cargo-deny", "--version", VERSION, "--locked", "--quiet", "--root", TOOLS];
+        done(Command::new("cargo").args(install))?;
+    }
+    Ok(program)
+}
