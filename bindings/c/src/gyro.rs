@@ -187,8 +187,7 @@ unsafe fn set_up(gyro: *mut Gyro, bus: *const Bus, settings: *const Settings) ->
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn zerorate_gyro_initialise(gyro: *mut Gyro) -> Status {
     let initialise = |State { driver, sampler, .. }: &mut State| {
-        driver.reset().map_err(|error| error.status())?;
-        driver.init_verified().map_err(|error| error.status())?;
+        driver.restart().map_err(|error| error.status())?;
         sampler.restarted();
         Ok(())
     };

@@ -28,6 +28,9 @@ pub const ZERORATE_E_TIMEOUT: Status = -12;
 pub const ZERORATE_E_MISSING: Status = -13;
 /// `set` of the self-test pin returned other than 0. If the self-test is still on, it offsets the rate.
 pub const ZERORATE_E_SELF_TEST_PIN: Status = -14;
+/// `transfer` has failed before, so the part may be in the middle of that command and what it sends would be misread. Nothing was
+/// sent: initialise it.
+pub const ZERORATE_E_INTERRUPTED: Status = -15;
 /// SDO is stuck at ones: check its wire, CS and the supply.
 pub const ZERORATE_E_STUCK_HIGH: Status = -20;
 /// SDO is stuck at zeros: check its wire, CS and the supply.
@@ -36,8 +39,11 @@ pub const ZERORATE_E_STUCK_LOW: Status = -21;
 pub const ZERORATE_E_CONFIGURATION_LOST: Status = -22;
 /// A register contradicts what was written: bit errors on the line, or another part.
 pub const ZERORATE_E_UNEXPECTED: Status = -23;
-/// The reading is at the end of its scale, on a healthy link (F-35).
+/// The input is out of range, on a healthy link (F-35).
 pub const ZERORATE_E_OUT_OF_RANGE: Status = -24;
+/// There is no reading yet, on a healthy link: the part has not been initialised, or its first conversion has not ended. Initialise it,
+/// wait for RDY and read again.
+pub const ZERORATE_E_NO_READING: Status = -25;
 /// A coefficient does not fit the integer correction: |BTC| up to 1.19 deg/s/deg C, PBC and T3 within the codes.
 pub const ZERORATE_E_COEFFICIENT: Status = -30;
 /// Step and span must be positive, the span a whole number of steps, at most 100001 rows.
@@ -85,11 +91,13 @@ pub extern "C" fn zerorate_text(status: Status) -> *const c_char {
         ZERORATE_E_TIMEOUT => c"RDY gave no sign of new data in time",
         ZERORATE_E_MISSING => c"the self-test needs rdy, delay_us and its pin",
         ZERORATE_E_SELF_TEST_PIN => c"the self-test pin cannot be set; if it is still high, it offsets the rate",
+        ZERORATE_E_INTERRUPTED => c"a command before was cut short; initialise the part",
         ZERORATE_E_STUCK_HIGH => c"SDO is stuck at ones; check its wire, CS and the supply",
         ZERORATE_E_STUCK_LOW => c"SDO is stuck at zeros; check its wire, CS and the supply",
         ZERORATE_E_CONFIGURATION_LOST => c"the part has lost its configuration; check the supply, initialise it",
         ZERORATE_E_UNEXPECTED => c"a register reads back wrong; the line carries errors",
-        ZERORATE_E_OUT_OF_RANGE => c"the reading is at the end of its scale",
+        ZERORATE_E_OUT_OF_RANGE => c"the input is out of range",
+        ZERORATE_E_NO_READING => c"no reading yet; initialise the part and wait for RDY",
         ZERORATE_E_COEFFICIENT => c"a coefficient does not fit the integer correction",
         ZERORATE_E_TABLE_LAYOUT => c"step and span lay out no table",
         ZERORATE_E_TABLE_ROOM => c"the table does not fit into the memory given",
@@ -127,7 +135,10 @@ pub trait Numbered {
 
 impl<E> Numbered for BusError<E> {
     fn status(&self) -> Status {
-        ZERORATE_E_BUS
+        match self {
+            Self::Transfer { .. } => ZERORATE_E_BUS,
+            Self::Interrupted { .. } => ZERORATE_E_INTERRUPTED,
+        }
     }
 }
 
@@ -148,6 +159,7 @@ impl<E> Numbered for ReadError<E> {
             Self::Bus(error) => error.status(),
             Self::Fault(fault) => fault.status(),
             Self::OutOfRange(_) => ZERORATE_E_OUT_OF_RANGE,
+            Self::NoReading(_) => ZERORATE_E_NO_READING,
         }
     }
 }

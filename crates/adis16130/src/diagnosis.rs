@@ -3,7 +3,6 @@
 use core::fmt::{Display, Formatter, Result};
 
 use crate::codes::Width;
-use crate::error::{OutOfRange, ReadError};
 use crate::registers::{Address, ChannelStatus, Mode, RateStatus, Register, TempStatus};
 
 /// A register that does not read what it must.
@@ -100,27 +99,37 @@ impl Display for Fault {
 
 impl core::error::Error for Fault {}
 
-/// Whether the answer of a register needs a second look: a dead line would give it too, or it names the wrong channel.
-pub(crate) fn is_doubtful(register: Address, answer: u32, bytes: usize) -> bool {
-    let ones = u32::MAX >> (32 - 8 * bytes.clamp(1, 4));
-    answer == 0 || answer == ones || channel_fault(register, answer).is_some()
+/// Whether the answer of a one-byte register needs a second look: a dead line would give it too, or it names the wrong
+/// channel.
+pub(crate) fn is_doubtful(register: Address, answer: u8) -> bool {
+    answer == 0 || answer == 0xFF || meaning_on_healthy_link(register, answer).is_some()
 }
 
-/// What a doubtful answer means once the link has been found healthy: `None` = it is true.
-pub(crate) fn meaning_on_healthy_link<E>(register: Address, answer: u32, width: Width) -> Option<ReadError<E>> {
-    match register {
-        Address::RateData | Address::TempData => {
-            Some(ReadError::OutOfRange(OutOfRange { register, code: answer, width }))
-        }
-        _ => channel_fault(register, answer).map(ReadError::Fault),
-    }
-}
-
-fn channel_fault(register: Address, answer: u32) -> Option<Fault> {
-    let status = ChannelStatus::new(answer as u8);
+/// What is wrong with a doubtful answer of a one-byte register once the link has been found healthy; `None` = nothing.
+pub(crate) fn meaning_on_healthy_link(register: Address, answer: u8) -> Option<Fault> {
+    let status = ChannelStatus::new(answer);
     match register {
         Address::RateStatus => Fault::of_channel(register, status, RateStatus::RESET),
         Address::TempStatus => Fault::of_channel(register, status, TempStatus::RESET),
         _ => None,
     }
+}
+
+/// What the data registers hold after a reset, before the first conversion (part.md §3).
+const RESET_DATA: u32 = 0x8000;
+
+/// Whether the answer of a data register needs a second look: a dead line would give it too, or a register of which
+/// nobody knows whether it has been written since the reset.
+///
+/// After a brown-out the part has 16 bits where the host may read 24: the third byte is then whatever SDO does outside a
+/// read.
+#[inline]
+pub(crate) const fn is_doubtful_reading(answer: u32, width: Width) -> bool {
+    is_at_rail(answer, width) || answer == RESET_DATA || answer >> 8 == RESET_DATA
+}
+
+/// Whether the answer of a data register is the lowest or the highest code, which are all zeros and all ones.
+#[inline]
+pub(crate) const fn is_at_rail(answer: u32, width: Width) -> bool {
+    answer == 0 || answer == width.max_code()
 }

@@ -5,28 +5,41 @@ use core::fmt::{Debug, Display, Formatter, Result};
 use crate::codes::Width;
 use crate::diagnosis::Fault;
 use crate::readback::Differences;
-use crate::registers::Address;
+use crate::registers::{Address, ChannelStatus, Mode, Operation};
 
-/// The bus refused a transfer: the only way in which reading or writing a single register fails.
-///
-/// It may have left the part in the middle of a command, which CS alone does not end (F-22). So reset and initialise the
-/// part before the next one.
+/// Why a command did not go through: the only way in which reading or writing a single register fails.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
-pub struct BusError<E> {
-    /// The register that was addressed.
-    pub register: Address,
-    /// What the bus says.
-    pub error: E,
+pub enum BusError<E> {
+    /// The bus refused a transfer. It may have left the part in the middle of the command, which CS alone does not end
+    /// (F-22), so every call after this one is [`Interrupted`](Self::Interrupted).
+    Transfer {
+        /// The register that was addressed.
+        register: Address,
+        /// What the bus says.
+        error: E,
+    },
+    /// A command before this one was cut short: its transfer failed, or the future of an async call was dropped. What
+    /// the part sends now would be read shifted, so nothing was sent. `reset` or `restart` ends it.
+    Interrupted {
+        /// The register that was addressed when it was cut short.
+        register: Address,
+    },
 }
 
 impl<E: Debug> Display for BusError<E> {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        write!(
-            f,
-            "the SPI transfer for {} failed ({:?}): check the host's SPI settings and that the port is still there, \
-             then reset and initialise the part",
-            self.register, self.error
-        )
+        match self {
+            Self::Transfer { register, error } => write!(
+                f,
+                "the SPI transfer for {register} failed ({error:?}): check the host's SPI settings and that the port is \
+                 still there, then reset and initialise the part"
+            ),
+            Self::Interrupted { register } => write!(
+                f,
+                "the command for {register} was cut short, by a failed transfer or a dropped future, so the part may be \
+                 in the middle of it and what it sends would be misread: reset and initialise the part"
+            ),
+        }
     }
 }
 
@@ -37,8 +50,10 @@ pub enum ReadError<E> {
     Bus(BusError<E>),
     /// The line or the part is at fault.
     Fault(Fault),
-    /// The link is healthy, and the reading is at the end of its scale (F-35).
+    /// The link is healthy, and the input is out of range (F-35).
     OutOfRange(OutOfRange),
+    /// The link is healthy, and there is no reading yet.
+    NoReading(NoReading),
 }
 
 /// Why an initialisation failed.
@@ -103,26 +118,51 @@ pub enum SelfTestError<E, R, P> {
     Pin(P),
 }
 
-/// A reading at the end of its scale: saturated with CLAMP = 1 (F-35).
+/// A reading out of range: saturated with CLAMP = 1, wrapped with CLAMP = 0 (F-35).
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub struct OutOfRange {
     /// The data register.
     pub register: Address,
-    /// What it read.
+    /// What it read. It is no reading of the input.
     pub code: u32,
     /// How wide it was.
     pub width: Width,
+    /// The status of the channel where that says so (OVR, and on which side: SIGN); `None` where the code itself does,
+    /// being the end of the scale.
+    pub status: Option<ChannelStatus>,
+}
+
+/// A data register in which no conversion has been since the reset, or since MODE was written: it holds its reset value.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub struct NoReading {
+    /// The data register.
+    pub register: Address,
+    /// MODE as it was written, and as the part has it.
+    pub mode: Mode,
 }
 
 impl Display for OutOfRange {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         let digits = 2 * self.width.bytes();
-        write!(
-            f,
-            "{} reads {:0digits$X}h, the end of its scale, on a healthy link: \
-             the input is out of range; bring it back and read again",
-            self.register, self.code
-        )
+        write!(f, "{} reads {:0digits$X}h, ", self.register, self.code)?;
+        f.write_str(match self.status {
+            None => "the end of its scale, on a healthy link: the input is out of range",
+            Some(status) if status.negative() => "but its status says that the input is below the range",
+            Some(_) => "but its status says that the input is above the range",
+        })?;
+        f.write_str("; bring it back and read again")
+    }
+}
+
+impl Display for NoReading {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        write!(f, "{} holds no reading yet: ", self.register)?;
+        f.write_str(match self.mode.operation() {
+            Operation::Continuous | Operation::Single => {
+                "its first conversion has not ended, or its channel is disabled; wait for RDY (pin 10) and read again"
+            }
+            _ => "the part does not convert; initialise it and wait for RDY (pin 10)",
+        })
     }
 }
 
@@ -132,6 +172,7 @@ impl<E: Debug> Display for ReadError<E> {
             Self::Bus(error) => Display::fmt(error, f),
             Self::Fault(fault) => Display::fmt(fault, f),
             Self::OutOfRange(reading) => Display::fmt(reading, f),
+            Self::NoReading(reading) => Display::fmt(reading, f),
         }
     }
 }
@@ -226,15 +267,17 @@ widen! {
     BusError<E> => SampleError::Bus;
     Fault => ReadError::Fault;
     Fault => SampleError::Fault;
+    OutOfRange => ReadError::OutOfRange;
+    OutOfRange => SampleError::OutOfRange;
     VerifyError<E> => InitError::Verify;
 }
 
-impl<E> From<ReadError<E>> for SampleError<E> {
-    fn from(error: ReadError<E>) -> Self {
+impl<E> From<SampleError<E>> for ReadError<E> {
+    fn from(error: SampleError<E>) -> Self {
         match error {
-            ReadError::Bus(error) => Self::Bus(error),
-            ReadError::Fault(fault) => Self::Fault(fault),
-            ReadError::OutOfRange(reading) => Self::OutOfRange(reading),
+            SampleError::Bus(error) => Self::Bus(error),
+            SampleError::Fault(fault) => Self::Fault(fault),
+            SampleError::OutOfRange(reading) => Self::OutOfRange(reading),
         }
     }
 }

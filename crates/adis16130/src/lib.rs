@@ -6,6 +6,7 @@ pub mod asynch;
 pub mod blocking;
 #[cfg(feature = "bridge")]
 pub mod bridge;
+mod channel;
 mod checksum;
 mod codes;
 mod config;
@@ -26,7 +27,9 @@ pub use checksum::WriteCheck;
 pub use codes::{RateCode, TempCode, Width, round_to_16_bits};
 pub use config::{Channels, Config, RdyEdge, Write};
 pub use diagnosis::{Fault, Mismatch};
-pub use error::{BusError, InitError, OutOfRange, ReadError, SampleError, SelfTestError, VerifyError, WaitError};
+pub use error::{
+    BusError, InitError, NoReading, OutOfRange, ReadError, SampleError, SelfTestError, VerifyError, WaitError,
+};
 pub use frame::Framing;
 pub use readback::Differences;
 pub use registers::{ChannelStatus, ConversionTime};

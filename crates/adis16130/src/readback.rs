@@ -17,13 +17,15 @@ pub(crate) struct Written([Option<u8>; CONFIGURED.len()]);
 impl Written {
     pub(crate) const NOTHING: Self = Self([None; CONFIGURED.len()]);
 
-    /// Notes a successful write. Registers that configure nothing (CHECKSUM) are not kept.
-    pub(crate) fn record(&mut self, register: Address, value: u32) {
+    /// Notes a successful write, and says whether it begins the conversions anew: that of MODE does. Registers that
+    /// configure nothing (CHECKSUM) are not kept.
+    pub(crate) fn record(&mut self, register: Address, value: u32) -> bool {
         for (address, slot) in CONFIGURED.iter().zip(&mut self.0) {
             if *address == register {
                 *slot = Some(value as u8);
             }
         }
+        register == Address::Mode
     }
 
     /// The value of MODE: that of the reset unless written.

@@ -5,12 +5,13 @@ macro_rules! shell {
     ([$($async:tt)*] [$($await:tt)*]) => {
         use embedded_hal::digital::OutputPin;
 
+        use crate::channel::{Channel, Seen};
         use crate::codes::{RateCode, TempCode};
         use crate::config::{Config, Write};
-        use crate::diagnosis::{Fault, is_doubtful, meaning_on_healthy_link};
+        use crate::diagnosis::{Fault, is_at_rail, is_doubtful, is_doubtful_reading, meaning_on_healthy_link};
         use crate::readback::{Differences, Written};
         use crate::error::{
-            BusError, InitError, ReadError, SampleError, SelfTestError, VerifyError,
+            BusError, InitError, NoReading, OutOfRange, ReadError, SampleError, SelfTestError, VerifyError,
         };
         use crate::frame::{Frame, Framing, RESET_FRAME, com_read};
         use crate::registers::{
@@ -24,20 +25,28 @@ macro_rules! shell {
 
         /// The part on an SPI bus, with its RDY line.
         ///
-        /// No method waits or retries unless its name says so; each does a fixed number of transfers.
+        /// No method waits or retries unless its name says so; each does a bounded number of transfers.
+        ///
+        /// A command that was cut short, because a transfer failed or because the future of an async call was dropped,
+        /// leaves the part in the middle of it, and what it sends next would be read shifted. So from then on every call
+        /// answers [`BusError::Interrupted`] and sends nothing, until [`reset`](Self::reset) or
+        /// [`restart`](Self::restart) has gone through.
         #[derive(Debug)]
         pub struct Adis16130<SPI, RDY> {
             spi: SPI,
             rdy: RDY,
             config: Config,
             written: Written,
+            seen: Seen,
+            /// The command that has begun and is not known to have ended.
+            in_flight: Option<Address>,
         }
 
         impl<SPI, RDY> Adis16130<SPI, RDY> {
             /// Takes the bus ([`crate::SPI_MODE`], at most [`crate::MAX_SCLK_HZ`]) and the RDY pin. Sends nothing:
-            /// call [`reset`](Self::reset) and [`init`](Self::init).
+            /// call [`restart`](Self::restart).
             pub const fn new(spi: SPI, rdy: RDY, config: Config) -> Self {
-                Self { spi, rdy, config, written: Written::NOTHING }
+                Self { spi, rdy, config, written: Written::NOTHING, seen: Seen::NOTHING, in_flight: None }
             }
 
             /// Gives bus and pin back. The part goes on converting.
@@ -45,8 +54,9 @@ macro_rules! shell {
                 (self.spi, self.rdy)
             }
 
-            /// The bus, for settings such as its clock.
+            /// The bus, for settings such as its clock. After commands of your own, [`restart`](Self::restart).
             pub const fn bus_mut(&mut self) -> &mut SPI {
+                self.seen = Seen::NOTHING;
                 &mut self.spi
             }
 
@@ -64,10 +74,21 @@ macro_rules! shell {
         impl<SPI: SpiDevice, RDY> Adis16130<SPI, RDY> {
             /// Resets the part with 32 ones in a row, as one CS-low frame in either framing (F-23).
             pub $($async)* fn reset(&mut self) -> Result<(), BusError<SPI::Error>> {
+                self.in_flight = Some(Address::Com);
                 let sent = self.spi.write(&RESET_FRAME)$($await)*;
-                sent.map_err(|error| BusError { register: Address::Com, error })?;
+                sent.map_err(|error| BusError::Transfer { register: Address::Com, error })?;
+                self.in_flight = None;
                 self.written = Written::NOTHING;
+                self.seen = Seen::NOTHING;
                 Ok(())
+            }
+
+            /// [`reset`](Self::reset), then [`init_verified`](Self::init_verified): at the start, after an error, and
+            /// after an async call was dropped. Tell a [`Sampler`] by [`Sampler::restarted`]. The next reading is that
+            /// of a new conversion.
+            pub $($async)* fn restart(&mut self) -> Result<(), InitError<SPI::Error>> {
+                self.reset()$($await)*?;
+                self.init_verified()$($await)*
             }
 
             /// Writes the configuration: with the default one, the twelve bytes of F-30. Does not reset the part and
@@ -128,15 +149,22 @@ macro_rules! shell {
 
             /// Reads the rate, in the width that was written to MODE.
             ///
-            /// A code at the end of the scale makes it look at the link: on a healthy one it is
-            /// [`ReadError::OutOfRange`] (F-35), else the fault. With CLAMP = 0 codes wrap and only the status tells.
+            /// A code that a dead line would give makes it look at the link: on a healthy one it is
+            /// [`ReadError::OutOfRange`] (F-35), else the fault. So does the code that the data registers hold after a
+            /// reset: it is a rate where the part still has its configuration and this channel has converted, and else
+            /// [`ReadError::NoReading`] or the fault. The first call after MODE was written asks the part beforehand
+            /// whether it has.
+            ///
+            /// With CLAMP = 0 codes wrap and only the status tells: [`read_rate_in_range`](Self::read_rate_in_range).
             pub $($async)* fn read_rate(&mut self) -> Result<RateCode, ReadError<SPI::Error>> {
-                self.read_checked::<RateData>()$($await)*
+                let rate = self.reading::<RateData>(Channel::Rate)$($await)*?;
+                rate.ok_or_else(|| self.no_reading(Channel::Rate))
             }
 
             /// Reads the temperature; see [`read_rate`](Self::read_rate).
             pub $($async)* fn read_temp(&mut self) -> Result<TempCode, ReadError<SPI::Error>> {
-                self.read_checked::<TempData>()$($await)*
+                let temp = self.reading::<TempData>(Channel::Temp)$($await)*?;
+                temp.ok_or_else(|| self.no_reading(Channel::Temp))
             }
 
             /// Reads the rate, then the temperature.
@@ -180,33 +208,37 @@ macro_rules! shell {
             ///
             /// An out-of-range rate is no error: it is in the status of the sample, because losing the sample would
             /// hide it, and because only the caller knows what it spoils. A rate at the end of its scale has its status
-            /// read even where it was not due. A status that names another channel, or an answer that a dead line would
-            /// give, is diagnosed: if the line or the part is at fault, that is the error.
+            /// read even where it was not due, and so has the first after MODE was written. A temperature that was due
+            /// before its first conversion is missing, and due again. A status that names another channel, or an answer
+            /// that a dead line or a part without a reading would give, is diagnosed: if the line or the part is at
+            /// fault, that is the error.
             #[inline]
             pub $($async)* fn sample(
                 &mut self,
                 sampler: &mut Sampler,
                 edge: Edge,
             ) -> Result<Option<Sample>, SampleError<SPI::Error>> {
-                let Some(due) = sampler.edge(edge) else {
+                let Some(mut due) = sampler.edge(edge) else {
                     return Ok(None);
                 };
                 let mut status = None;
-                if due.status {
+                if due.status || !self.seen.has(Channel::Rate) {
                     let read = self.read_register::<RateStatus>()$($await)*?;
                     if !read.announces_rate() {
                         self.require_stale(read)$($await)*?;
                         return Ok(None);
                     }
+                    self.seen.note(Channel::Rate);
                     status = Some(read);
                 }
                 let rate = self.read_register::<RateData>()$($await)*?;
-                if rate.is_at_rail() {
-                    status = Some(self.status_at_rail(status)$($await)*?);
+                if is_doubtful_reading(rate.code(), rate.width()) {
+                    status = self.status_of_doubtful(rate, status)$($await)*?;
                 }
                 let mut temp = None;
                 if due.temp {
-                    temp = Some(self.read_temp()$($await)*?);
+                    temp = self.reading::<TempData>(Channel::Temp)$($await)*?;
+                    due.temp = temp.is_some();
                 }
                 let lost = sampler.taken(&due);
                 Ok(Some(Sample { t_ns: edge.t_ns, seq: edge.seq, rate, status, temp, lost }))
@@ -215,7 +247,7 @@ macro_rules! shell {
             /// A status without unread data is a stale edge, unless a fault makes it look so.
             #[cold]
             $($async)* fn require_stale(&mut self, status: ChannelStatus) -> Result<(), SampleError<SPI::Error>> {
-                if is_doubtful(RateStatus::ADDRESS, status.bits().into(), 1) {
+                if is_doubtful(RateStatus::ADDRESS, status.bits()) {
                     self.require_healthy()$($await)*?;
                     if let Some(fault) = Fault::of_channel(RateStatus::ADDRESS, status, RateStatus::RESET) {
                         return Err(fault.into());
@@ -224,23 +256,22 @@ macro_rules! shell {
                 Ok(())
             }
 
-            /// A rate at the end of its scale: true if the status says so, or else if the link is healthy.
+            /// A rate that a dead line or a part without a reading would give: true if the link is healthy. At the end
+            /// of its scale its status tells that as well, and is wanted.
             #[cold]
-            $($async)* fn status_at_rail(
+            $($async)* fn status_of_doubtful(
                 &mut self,
+                rate: RateCode,
                 status: Option<ChannelStatus>,
-            ) -> Result<ChannelStatus, SampleError<SPI::Error>> {
-                match status {
-                    Some(status) if status.out_of_range() => Ok(status),
-                    Some(status) => {
-                        self.require_healthy()$($await)*?;
-                        Ok(status)
-                    }
-                    None => {
-                        self.require_healthy()$($await)*?;
-                        Ok(self.read_register::<RateStatus>()$($await)*?)
-                    }
+            ) -> Result<Option<ChannelStatus>, SampleError<SPI::Error>> {
+                if status.is_some_and(ChannelStatus::out_of_range) && rate.is_at_rail() {
+                    return Ok(status);
                 }
+                self.require_healthy()$($await)*?;
+                if status.is_none() && rate.is_at_rail() {
+                    return Ok(Some(self.read_register::<RateStatus>()$($await)*?));
+                }
+                Ok(status)
             }
 
             #[cold]
@@ -248,17 +279,63 @@ macro_rules! shell {
                 self.diagnose()$($await)*?.map_or(Ok(()), |fault| Err(fault.into()))
             }
 
-            /// Reads a register, and diagnoses the link if the answer is doubtful.
+            /// Reads the data register of `channel`; `None` = it has not converted since MODE was written.
             #[inline]
+            $($async)* fn reading<D: Readable>(
+                &mut self,
+                channel: Channel,
+            ) -> Result<Option<D::Value>, SampleError<SPI::Error>> {
+                if !self.seen.has(channel) {
+                    self.look_for_first(channel)$($await)*?;
+                }
+                let width = self.mode().width();
+                let answer = self.exchange(D::ADDRESS, Frame::read::<D>(width))$($await)*?.answer();
+                if is_doubtful_reading(answer, width) && !self.is_measured(channel, answer)$($await)*? {
+                    return Ok(None);
+                }
+                self.seen.note(channel);
+                Ok(Some(D::decode(answer, width)))
+            }
+
+            /// Looks, before the data register is read, whether it holds a reading: reading it would wipe the mark.
+            #[cold]
+            $($async)* fn look_for_first(&mut self, channel: Channel) -> Result<(), SampleError<SPI::Error>> {
+                self.require_healthy()$($await)*?;
+                let status = self.exchange(channel.status(), Frame::read_byte(channel.status()))$($await)*?.answer();
+                if channel.announced_by(ChannelStatus::new(status as u8)) {
+                    self.seen.note(channel);
+                }
+                Ok(())
+            }
+
+            /// Whether a doubtful answer of a data register is a reading. At the end of the scale it is an error.
+            #[cold]
+            $($async)* fn is_measured(
+                &mut self,
+                channel: Channel,
+                answer: u32,
+            ) -> Result<bool, SampleError<SPI::Error>> {
+                self.require_healthy()$($await)*?;
+                let width = self.mode().width();
+                if is_at_rail(answer, width) {
+                    return Err(OutOfRange { register: channel.data(), code: answer, width, status: None }.into());
+                }
+                Ok(self.seen.has(channel))
+            }
+
+            #[cold]
+            fn no_reading(&self, channel: Channel) -> ReadError<SPI::Error> {
+                ReadError::NoReading(NoReading { register: channel.data(), mode: self.mode() })
+            }
+
+            /// Reads a register of one byte, and diagnoses the link if the answer is doubtful.
             $($async)* fn read_checked<R: Readable>(&mut self) -> Result<R::Value, ReadError<SPI::Error>> {
                 let width = self.mode().width();
                 let answer = self.exchange(R::ADDRESS, Frame::read::<R>(width))$($await)*?.answer();
-                if is_doubtful(R::ADDRESS, answer, R::SIZE.bytes(width)) {
-                    if let Some(fault) = self.diagnose()$($await)*? {
+                if is_doubtful(R::ADDRESS, answer as u8) {
+                    self.require_healthy()$($await)*?;
+                    if let Some(fault) = meaning_on_healthy_link(R::ADDRESS, answer as u8) {
                         return Err(fault.into());
-                    }
-                    if let Some(error) = meaning_on_healthy_link(R::ADDRESS, answer, width) {
-                        return Err(error);
                     }
                 }
                 Ok(R::decode(answer, width))
@@ -266,7 +343,9 @@ macro_rules! shell {
 
             $($async)* fn send(&mut self, write: Write) -> Result<(), BusError<SPI::Error>> {
                 self.exchange(write.address, write.frame)$($await)*?;
-                self.written.record(write.address, write.frame.answer());
+                if self.written.record(write.address, write.frame.answer()) {
+                    self.seen = Seen::NOTHING;
+                }
                 Ok(())
             }
 
@@ -277,7 +356,11 @@ macro_rules! shell {
                 register: Address,
                 mut frame: Frame,
             ) -> Result<Frame, BusError<SPI::Error>> {
-                let failed = |error| BusError { register, error };
+                if let Some(register) = self.in_flight {
+                    return Err(BusError::Interrupted { register });
+                }
+                self.in_flight = Some(register);
+                let failed = |error| BusError::Transfer { register, error };
                 match self.config.framing() {
                     Framing::Command => self.spi.transfer_in_place(frame.bytes_mut())$($await)*.map_err(failed)?,
                     Framing::PerByte => {
@@ -286,6 +369,7 @@ macro_rules! shell {
                         }
                     }
                 }
+                self.in_flight = None;
                 Ok(frame)
             }
         }
@@ -333,9 +417,10 @@ macro_rules! shell {
             ) -> Result<RateCode, SelfTestError<SPI::Error, RDY::Error, P>> {
                 for _ in 0..4 {
                     self.wait_ready(delay, plan.bound())$($await)*?;
-                    let ready = self.rate_status()$($await)*?.ready();
-                    let (rate, _) = self.read_both()$($await)*?;
-                    if ready {
+                    let status = self.rate_status()$($await)*?;
+                    let rate = self.reading::<RateData>(Channel::Rate)$($await)*.map_err(ReadError::from)?;
+                    self.reading::<TempData>(Channel::Temp)$($await)*.map_err(ReadError::from)?;
+                    if let (Some(rate), true) = (rate, status.ready()) {
                         return Ok(rate);
                     }
                 }

@@ -3,7 +3,7 @@
 use super::{Answer, Ask, MAX_TRANSFER, Message, PROTOCOL, Reading, Refusal, Request};
 use crate::asynch::Adis16130;
 use crate::config::Config;
-use crate::error::InitError;
+use crate::error::{InitError, SampleError};
 use crate::frame::Framing;
 use crate::sample::Edge;
 use crate::sampler::{Sampler, SamplerConfig};
@@ -88,6 +88,10 @@ impl<S: Bus> Station<S> {
         match self.part.sample(&mut sampling.sampler, edge).await {
             Ok(sample) => sample.map(|sample| Message::Sample(sampling.reading(&sample))),
             // a failed read whose cause is gone is a lost sample, which the sampler counts
+            Err(SampleError::Bus(_)) if self.part.restart().await.is_ok() => {
+                sampling.sampler.restarted();
+                None
+            }
             Err(_) if matches!(self.part.diagnose().await, Ok(None)) => None,
             Err(_) => {
                 self.stop();
@@ -108,8 +112,7 @@ impl<S: Bus> Station<S> {
 
     async fn start(&mut self, sampling: SamplerConfig, mclk_hz: u32) -> Result<(), Refusal> {
         self.stop();
-        self.part.reset().await.map_err(|_| Refusal::Bus)?;
-        self.part.init_verified().await.map_err(|error| match error {
+        self.part.restart().await.map_err(|error| match error {
             InitError::Bus(_) => Refusal::Bus,
             InitError::Verify(_) => Refusal::Part,
         })?;

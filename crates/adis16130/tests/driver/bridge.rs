@@ -188,6 +188,34 @@ fn it_says_when_the_part_is_gone() {
 }
 
 #[test]
+fn it_goes_on_after_a_failed_transfer_and_counts_it() {
+    for failing in 0..3 {
+        let (part, mut station) = station();
+        assert_eq!(refusal(&mut station, START), None);
+        let mut lost = Vec::new();
+        for n in 1..6 {
+            part.borrow_mut().set(0x20, 0x08);
+            part.borrow_mut().set(0x08, 0x80_8809);
+            part.borrow_mut().set(0x0A, 0x80_1EA6);
+            if n == 3 {
+                (part.borrow_mut().fails_after, part.borrow_mut().fails_once) = (Some(failing), true);
+            }
+            match now(station.edge(Edge { t_ns: 175_667 * u64::from(n), seq: n })) {
+                Some(Message::Sample(reading)) => {
+                    assert_eq!((reading.rate, reading.temp), (0x80_8809, Some(0x80_1EA6)));
+                    lost.push(reading.lost);
+                }
+                other => assert_eq!((other, n), (None, 3)),
+            }
+        }
+        assert_eq!(lost, [0, 0, 1, 1], "transfer {failing} of the sample");
+        part.borrow_mut().fails_after = Some(0);
+        part.borrow_mut().fails_once = false;
+        assert_eq!(now(station.edge(Edge { t_ns: 2_000_000, seq: 9 })), Some(Message::Ended), "it stays so");
+    }
+}
+
+#[test]
 fn what_is_missing_is_counted_once() {
     let mut continuity = Continuity::default();
     // two lost before the first; then one lost by the bridge and three on the way

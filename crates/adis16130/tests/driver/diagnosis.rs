@@ -91,7 +91,7 @@ fn a_part_that_was_never_initialised_is_healthy() {
 fn a_rate_at_the_rail_is_out_of_range_only_on_a_healthy_link() {
     let (part, mut gyro) = initialised();
     part.borrow_mut().set(0x08, 0xFF_FFFF);
-    let out_of_range = OutOfRange { register: Address::RateData, code: 0xFF_FFFF, width: Width::Bits24 };
+    let out_of_range = OutOfRange { register: Address::RateData, code: 0xFF_FFFF, width: Width::Bits24, status: None };
     assert_eq!(gyro.read_rate(), Err(ReadError::OutOfRange(out_of_range)));
     part.borrow_mut().line = Line::High;
     assert!(matches!(gyro.read_rate(), Err(ReadError::Fault(Fault::StuckHigh(_)))));
@@ -118,10 +118,11 @@ fn a_status_of_another_channel_is_a_fault() {
 #[test]
 fn a_bus_error_names_the_register() {
     let (part, mut gyro) = initialised();
-    part.borrow_mut().fails_after = Some(1);
-    let error = BusError { register: Address::TempData, error: Unplugged };
+    gyro.read_temp().unwrap_err(); // there is none, which takes a look at the part
+    part.borrow_mut().fails_after = Some(7);
+    let error = BusError::Transfer { register: Address::TempData, error: Unplugged };
     assert_eq!(gyro.read_temp(), Err(ReadError::Bus(error)));
-    assert_eq!(gyro.reset(), Err(BusError { register: Address::Com, error: Unplugged }));
+    assert_eq!(gyro.reset(), Err(BusError::Transfer { register: Address::Com, error: Unplugged }));
     let text = error.to_string();
     assert!(text.contains("TEMPDATA (0Ah)") && text.contains("Unplugged") && text.contains("then reset"), "{text}");
 }

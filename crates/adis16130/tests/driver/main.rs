@@ -7,6 +7,9 @@ mod bridge;
 mod codes;
 mod converter;
 mod diagnosis;
+#[cfg(feature = "async")]
+mod dropped;
+mod no_reading;
 mod part;
 mod registers;
 mod sample;

@@ -47,8 +47,14 @@ pub struct Part {
     pub deaf_at: Option<u8>,
     /// The bus fails once so many transfers have gone through.
     pub fails_after: Option<usize>,
+    /// It works again after one failure.
+    pub fails_once: bool,
     /// A read of the rate loads it from here. The next one is ready at once.
     pub rates: VecDeque<u32>,
+    /// A read of a data register wipes RDY of its channel status, as part.md has it; else a status stays as it was set.
+    pub wipes_ready: bool,
+    /// What SDO does outside a read.
+    pub idle: u8,
     checksum: u16,
     ones: u32,
     /// The command under way: COM byte, data so far, bytes still to come.
@@ -57,7 +63,7 @@ pub struct Part {
 
 impl Part {
     pub fn new() -> Rc<RefCell<Self>> {
-        let mut part = Self::default();
+        let mut part = Self { idle: 0xFF, ..Self::default() };
         part.reset();
         Rc::new(RefCell::new(part))
     }
@@ -97,7 +103,7 @@ impl Part {
         let answer = match self.command.take() {
             None => {
                 self.start(byte);
-                0xFF
+                self.idle
             }
             Some((com, data, left)) => self.proceed(com, data, left, byte),
         };
@@ -109,6 +115,9 @@ impl Part {
     }
 
     fn start(&mut self, com: u8) {
+        if com == 0xFF {
+            return; // of a reset that cut a command short
+        }
         assert_eq!(com & 0x80, 0, "b7 of COM is 0 (F-24)");
         self.feed(com);
         if com == 0 {
@@ -126,8 +135,12 @@ impl Part {
     fn proceed(&mut self, com: u8, data: u32, left: usize, byte: u8) -> u8 {
         let address = com & 0x3F;
         if com == 0 {
-            self.command = Some((0, 0, 1));
-            return 0xFF;
+            // a write to COM: what follows is a COM byte again, or belongs to the reset
+            match byte {
+                0xFF => self.command = Some((0, 0, 1)),
+                _ => self.start(byte),
+            }
+            return self.idle;
         }
         if com & 0x40 != 0 {
             assert_eq!(byte, 0, "a read clocks out with SDI at 0 (F-23)");
@@ -154,11 +167,19 @@ impl Part {
                 if let Some(rate) = self.rates.pop_front() {
                     self.set(0x08, rate);
                 }
-                self.get(0x08)
+                self.data(0x08, 0x20)
             }
+            0x0A => self.data(0x0A, 0x22),
             0x20 if !self.rates.is_empty() => 0x08,
             _ => self.get(address),
         }
+    }
+
+    fn data(&mut self, address: u8, status: u8) -> u32 {
+        if self.wipes_ready {
+            self.set(status, self.get(status) & !0x08);
+        }
+        self.get(address)
     }
 
     /// F-34, bit by bit.
@@ -194,7 +215,12 @@ impl SpiDevice for Wire {
     fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), Unplugged> {
         let mut part = self.0.borrow_mut();
         match &mut part.fails_after {
-            Some(0) => return Err(Unplugged),
+            Some(0) => {
+                if part.fails_once {
+                    part.fails_after = None;
+                }
+                return Err(Unplugged);
+            }
             Some(left) => *left -= 1,
             None => {}
         }

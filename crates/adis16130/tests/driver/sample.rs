@@ -2,12 +2,15 @@
 
 use adis16130::blocking::Adis16130;
 use adis16130::registers::Address;
-use adis16130::{ChannelStatus, Config, Edge, Fault, Framing, MCLK_HZ, SampleError, Sampler, SamplerConfig};
+use adis16130::{BusError, ChannelStatus, Config, Edge, Fault, Framing, MCLK_HZ, SampleError, Sampler, SamplerConfig};
 
-use crate::part::{Line, Part, Pin, Wire};
+use crate::part::{Line, Part, Pin, Unplugged, Wire};
 use std::{cell::RefCell, rc::Rc};
 
 const PAIR_NS: u64 = 175_667; // 2 · 527 cycles of 6 MHz (F-31)
+
+const RATE: u32 = 0x80_0101;
+const TEMP: u32 = 0x80_0102;
 
 struct Bench {
     part: Rc<RefCell<Part>>,
@@ -22,13 +25,13 @@ impl Bench {
         let mut gyro = Adis16130::new(Wire(part.clone()), Pin::default(), config);
         gyro.init().unwrap();
         part.borrow_mut().frames.clear();
-        part.borrow_mut().set(0x08, 0x80_0001);
-        part.borrow_mut().set(0x0A, 0x80_0002);
+        part.borrow_mut().set(0x08, RATE);
+        part.borrow_mut().set(0x0A, TEMP);
         Self { part, gyro, sampler: Sampler::new(sampling, &config, MCLK_HZ) }
     }
 
     /// Edge `n` on an ideal clock, with unread data unless `status` says otherwise.
-    fn edge(&mut self, n: u32, status: u32) -> Result<Option<adis16130::Sample>, SampleError<crate::part::Unplugged>> {
+    fn edge(&mut self, n: u32, status: u32) -> Result<Option<adis16130::Sample>, SampleError<Unplugged>> {
         self.part.borrow_mut().set(0x20, status);
         self.gyro.sample(&mut self.sampler, Edge { t_ns: u64::from(n) * PAIR_NS, seq: n })
     }
@@ -38,17 +41,27 @@ impl Bench {
 fn reads_status_then_rate_then_temperature() {
     let mut bench = Bench::new(SamplerConfig::new());
     let sample = bench.edge(1, 0x08).unwrap().unwrap();
-    assert_eq!(bench.part.borrow().frames, [vec![0x60, 0], vec![0x48, 0, 0, 0], vec![0x4A, 0, 0, 0]]);
+    let (status, rate, temp) = (vec![0x60, 0], vec![0x48, 0, 0, 0], vec![0x4A, 0, 0, 0]);
+    let look = [vec![0x62, 0], vec![0x78, 0], vec![0x62, 0]]; // whether there is a temperature
+    let first_frames = [vec![status.clone(), rate.clone()], look.to_vec(), vec![temp.clone()]].concat();
+    assert_eq!(bench.part.borrow().frames, first_frames);
+    bench.part.borrow_mut().frames.clear();
+    bench.edge(2, 0x08).unwrap().unwrap();
+    assert_eq!(bench.part.borrow().frames, [status, rate, temp]);
     assert_eq!((sample.t_ns, sample.seq, sample.lost), (PAIR_NS, 1, 0));
-    assert_eq!(sample.rate.code(), 0x80_0001);
-    assert_eq!(sample.temp.map(|temp| temp.code()), Some(0x80_0002));
+    assert_eq!(sample.rate.code(), RATE);
+    assert_eq!(sample.temp.map(|temp| temp.code()), Some(TEMP));
     assert_eq!(sample.status, Some(ChannelStatus::new(0x08)));
 }
 
 #[test]
 fn without_status_and_temperature_it_reads_the_rate_only() {
     let mut bench = Bench::new(SamplerConfig::new().with_read_status(false).with_every_temp(0));
-    let sample = bench.edge(1, 0x08).unwrap().unwrap();
+    let first = bench.edge(1, 0x08).unwrap().unwrap();
+    assert_eq!(bench.part.borrow().frames, [vec![0x60, 0], vec![0x48, 0, 0, 0]], "whether there is a first reading");
+    assert_eq!((first.status, first.temp), (Some(ChannelStatus::new(0x08)), None));
+    bench.part.borrow_mut().frames.clear();
+    let sample = bench.edge(2, 0x08).unwrap().unwrap();
     assert_eq!(bench.part.borrow().frames, [vec![0x48, 0, 0, 0]]);
     assert_eq!((sample.status, sample.temp), (None, None));
 }
@@ -67,10 +80,17 @@ fn a_failed_read_is_counted_at_the_next_success() {
     let mut bench = Bench::new(SamplerConfig::new());
     bench.edge(1, 0x08).unwrap().unwrap();
     bench.part.borrow_mut().fails_after = Some(1);
-    assert!(matches!(bench.edge(2, 0x08), Err(SampleError::Bus(error)) if error.register == Address::RateData));
+    let failed = BusError::Transfer { register: Address::RateData, error: Unplugged };
+    assert_eq!(bench.edge(2, 0x08), Err(SampleError::Bus(failed)));
     bench.part.borrow_mut().fails_after = None;
-    assert_eq!(bench.edge(3, 0x08).unwrap().unwrap().lost, 1);
-    assert_eq!(bench.edge(4, 0x08).unwrap().unwrap().lost, 0, "once only");
+    let interrupted = BusError::Interrupted { register: Address::RateData };
+    assert_eq!(bench.edge(3, 0x08), Err(SampleError::Bus(interrupted)), "the part may be in the middle of it");
+    bench.gyro.restart().unwrap();
+    bench.sampler.restarted();
+    bench.part.borrow_mut().set(0x08, RATE);
+    bench.part.borrow_mut().set(0x0A, TEMP);
+    assert_eq!(bench.edge(4, 0x08).unwrap().unwrap().lost, 2);
+    assert_eq!(bench.edge(5, 0x08).unwrap().unwrap().lost, 0, "once only");
 }
 
 #[test]
@@ -82,8 +102,9 @@ fn faults_are_diagnosed() {
     ] {
         for read_status in [true, false] {
             let mut bench = Bench::new(SamplerConfig::new().with_read_status(read_status));
+            bench.edge(1, 0x08).unwrap().unwrap();
             bench.part.borrow_mut().line = line;
-            let result = bench.edge(1, 0x08);
+            let result = bench.edge(2, 0x08);
             if !read_status && matches!(line, Line::Flip(..)) {
                 assert!(result.unwrap().is_some(), "the status was not read");
             } else {

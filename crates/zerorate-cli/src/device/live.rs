@@ -64,8 +64,7 @@ impl<S: SpiDevice<Error: Debug + Send + Sync + 'static>, E: Edges> Live<S, E> {
     }
 
     fn start(&mut self) -> Result<u8> {
-        self.part.reset()?;
-        self.part.init_verified()?;
+        self.part.restart()?;
         Ok(self.part.revision()?.bits())
     }
 
@@ -116,6 +115,12 @@ impl<S: SpiDevice<Error: Debug + Send + Sync + 'static>, E: Edges> Live<S, E> {
     /// A failed read whose cause is gone is a lost sample, and the sampler counts it; anything else ends the measurement.
     #[cold]
     fn require_transient(&mut self, error: SampleError<S::Error>, now_ns: u64) -> Result<()> {
+        if matches!(error, SampleError::Bus(_)) && self.is_alive(now_ns) {
+            // the part may be in the middle of a command
+            self.part.restart().map_err(|_| self.at(error.into()))?;
+            self.sampler.restarted();
+            return Ok(());
+        }
         match self.part.diagnose()? {
             None if self.is_alive(now_ns) => Ok(()),
             None => Err(self.at(error.into())),

@@ -1,0 +1,266 @@
+//! Async calls that are dropped, wherever they wait and wherever in a transfer, on the twin: what is read next is the truth or an error.
+
+use std::cell::Cell;
+use std::convert::Infallible;
+use std::future::{Future, pending};
+use std::pin::pin;
+use std::rc::Rc;
+use std::task::{Context, Poll, Waker};
+
+use adis16130::asynch::Adis16130;
+use adis16130::registers::Mode;
+use adis16130::{
+    BusError, Config, Edge, Framing, MCLK_HZ, RateCode, ReadError, Sampler, SamplerConfig, SelfTestPlan, TempCode,
+    Width,
+};
+use adis16130_twin::{Spec, Twin, TwinDelay, TwinSpi};
+use embedded_hal::spi::Operation;
+
+/// Steps until the bus stalls for ever: the beginning of a transaction, each byte, and the end are one each.
+#[derive(Clone)]
+struct Steps(Rc<Cell<usize>>);
+
+impl Steps {
+    async fn take(&self) {
+        match self.0.get().checked_sub(1) {
+            Some(left) => self.0.set(left),
+            None => pending().await,
+        }
+    }
+}
+
+/// The twin's bus with a transfer that can be dropped in its middle, as one by DMA: the bytes until then have been sent.
+struct Bus {
+    spi: TwinSpi,
+    steps: Steps,
+}
+
+impl embedded_hal_async::spi::ErrorType for Bus {
+    type Error = Infallible;
+}
+
+impl embedded_hal_async::spi::SpiDevice for Bus {
+    async fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), Infallible> {
+        self.steps.take().await;
+        let [operation] = operations else { panic!("one operation per transaction: {operations:?}") };
+        let (mut copy, into) = match operation {
+            Operation::Write(bytes) => (bytes.to_vec(), None),
+            Operation::TransferInPlace(bytes) => (bytes.to_vec(), Some(bytes)),
+            other => panic!("{other:?}"),
+        };
+        // the twin takes whole frames: as many bytes of this one as there will be steps
+        let sent = copy.len().min(self.steps.0.get());
+        embedded_hal::spi::SpiDevice::transfer_in_place(&mut self.spi, &mut copy[..sent])?;
+        for _ in 0..copy.len() {
+            self.steps.take().await;
+        }
+        if let Some(bytes) = into {
+            bytes.copy_from_slice(&copy);
+        }
+        self.steps.take().await;
+        Ok(())
+    }
+}
+
+struct Bench {
+    twin: Twin,
+    gyro: Adis16130<Bus, ()>,
+    sampler: Sampler,
+    steps: Steps,
+}
+
+impl Bench {
+    fn new(config: Config) -> Self {
+        // far from where shifted codes lie, and warm: −3 °/s
+        let twin = Twin::new(Spec { bias_dps: -3.0, ..Spec::from_seed(5) });
+        let steps = Steps(Rc::new(Cell::new(usize::MAX)));
+        let bus = Bus { spi: twin.spi(), steps: steps.clone() };
+        let sampler = Sampler::new(SamplerConfig::new(), &config, MCLK_HZ);
+        let mut bench = Self { twin, gyro: Adis16130::new(bus, (), config), sampler, steps };
+        bench.restart();
+        bench
+    }
+
+    /// Until both channels have converted: the first edge may be one from before.
+    fn restart(&mut self) {
+        now(self.gyro.restart()).unwrap();
+        self.sampler.restarted();
+        self.wait();
+        self.wait();
+    }
+
+    /// The next edge, or a glitch of the line where the part does not convert.
+    fn wait(&mut self) -> Edge {
+        match self.twin.next_falling_edge(1_000_000) {
+            Some(edge) => Edge { t_ns: edge.t_ns, seq: edge.seq },
+            None => Edge { t_ns: self.twin.now_ns(), seq: 77 },
+        }
+    }
+
+    /// Begins a call that gets so many steps, and drops it; `true` = it has ended before.
+    fn drop_after(&mut self, steps: usize, call: Call) -> bool {
+        let edge = self.wait();
+        self.steps.0.set(steps);
+        let ended = {
+            let mut future = call(&mut self.gyro, &mut self.sampler, edge);
+            future.as_mut().poll(&mut Context::from_waker(Waker::noop())).is_ready()
+        };
+        self.steps.0.set(usize::MAX);
+        ended
+    }
+
+    /// Within 1.5 °/s and 1 °C, which is six times the noise of a single reading (F-02, F-03).
+    fn assert_true(&self, rate: RateCode, temp: Option<TempCode>, what: &str) {
+        let truth = self.twin.truth();
+        let error_dps = f64::from(rate.to_dps()) + truth.pbc_dps(truth.sensor_c);
+        assert!(error_dps.abs() < 1.5, "{what}: {} °/s is wrong by {error_dps}", rate.to_dps());
+        if let Some(temp) = temp {
+            let error_c = f64::from(temp.to_celsius()) - truth.sensor_c;
+            assert!(error_c.abs() < 1.0, "{what}: {} °C is wrong by {error_c}", temp.to_celsius());
+        }
+    }
+
+    /// Whatever is read without a recovery is true or an error; with one it is there.
+    fn assert_honest(&mut self, what: &str) {
+        for _ in 0..3 {
+            let edge = self.wait();
+            match now(self.gyro.read_both()) {
+                Ok((rate, temp)) => self.assert_true(rate, Some(temp), what),
+                Err(error) => assert!(matches!(error, ReadError::Bus(_) | ReadError::NoReading(_)), "{what}: {error}"),
+            }
+            if let Ok(Some(sample)) = now(self.gyro.sample(&mut self.sampler, edge)) {
+                self.assert_true(sample.rate, sample.temp, what);
+            }
+        }
+        self.restart();
+        let (rate, temp) = now(self.gyro.read_both()).unwrap();
+        self.assert_true(rate, Some(temp), what);
+        let edge = self.wait();
+        let sample = now(self.gyro.sample(&mut self.sampler, edge)).unwrap().unwrap();
+        self.assert_true(sample.rate, sample.temp, what);
+    }
+}
+
+type Call =
+    for<'a> fn(&'a mut Adis16130<Bus, ()>, &'a mut Sampler, Edge) -> std::pin::Pin<Box<dyn Future<Output = ()> + 'a>>;
+
+/// Every call that uses the bus.
+const CALLS: [(&str, Call); 14] = [
+    ("reset", |gyro, _, _| Box::pin(async { _ = gyro.reset().await })),
+    ("init", |gyro, _, _| Box::pin(async { _ = gyro.init().await })),
+    ("init_verified", |gyro, _, _| Box::pin(async { _ = gyro.init_verified().await })),
+    ("init_checksummed", |gyro, _, _| Box::pin(async { _ = gyro.init_checksummed().await })),
+    ("restart", |gyro, _, _| Box::pin(async { _ = gyro.restart().await })),
+    ("verify", |gyro, _, _| Box::pin(async { _ = gyro.verify().await })),
+    ("diagnose", |gyro, _, _| Box::pin(async { _ = gyro.diagnose().await })),
+    ("read_rate", |gyro, _, _| Box::pin(async { _ = gyro.read_rate().await })),
+    ("read_temp", |gyro, _, _| Box::pin(async { _ = gyro.read_temp().await })),
+    ("read_both", |gyro, _, _| Box::pin(async { _ = gyro.read_both().await })),
+    ("rate_status", |gyro, _, _| Box::pin(async { _ = gyro.rate_status().await })),
+    ("adc_status", |gyro, _, _| Box::pin(async { _ = gyro.adc_status().await })),
+    ("write_register", |gyro, _, _| {
+        let mode = gyro.config().mode();
+        Box::pin(async move { _ = gyro.write_register::<Mode>(mode).await })
+    }),
+    ("sample", |gyro, sampler, edge| Box::pin(async move { _ = gyro.sample(sampler, edge).await })),
+];
+
+fn configs() -> [Config; 3] {
+    let per_byte = Config::new();
+    assert_eq!(per_byte.framing(), Framing::PerByte);
+    [per_byte, per_byte.with_framing(Framing::Command), per_byte.with_width(Width::Bits16)]
+}
+
+#[test]
+fn a_dropped_call_never_shifts_what_is_read_next() {
+    for config in configs() {
+        for (name, call) in CALLS {
+            for steps in 0.. {
+                let mut bench = Bench::new(config);
+                let ended = bench.drop_after(steps, call);
+                bench.assert_honest(&format!("{name} after {steps} steps, {config:?}"));
+                if ended {
+                    assert!(steps > 2, "{name}");
+                    break;
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_dropped_first_reading_leaves_the_question_open() {
+    for config in configs() {
+        for steps in 0..40 {
+            let mut bench = Bench::new(config);
+            now(bench.gyro.restart()).unwrap(); // nothing has been read, nothing converted
+            bench.steps.0.set(steps);
+            _ = poll_once(bench.gyro.read_both());
+            bench.steps.0.set(usize::MAX);
+            now(bench.gyro.read_both()).unwrap_err();
+            bench.assert_honest(&format!("first reading after {steps} steps"));
+        }
+    }
+}
+
+#[test]
+fn nothing_is_sent_until_the_reset() {
+    for config in configs() {
+        let mut bench = Bench::new(config);
+        now(bench.gyro.read_both()).unwrap();
+        assert!(!bench.drop_after(2, CALLS[9].1));
+        let interrupted = BusError::Interrupted { register: adis16130::registers::Address::RateData };
+        let before_ns = bench.twin.now_ns();
+        assert_eq!(now(bench.gyro.read_both()), Err(ReadError::Bus(interrupted)));
+        assert_eq!(now(bench.gyro.diagnose()), Err(interrupted));
+        assert_eq!(now(bench.gyro.write_register::<Mode>(config.mode())), Err(interrupted));
+        now(bench.gyro.init()).unwrap_err();
+        assert_eq!(bench.twin.now_ns(), before_ns, "the bus takes time");
+        let text = interrupted.to_string();
+        assert!(text.contains("RATEDATA (08h)") && text.contains("reset and initialise"), "{text}");
+        now(bench.gyro.reset()).unwrap();
+        now(bench.gyro.init_verified()).unwrap();
+        bench.assert_honest("reset and init_verified");
+    }
+}
+
+#[test]
+fn a_wait_may_be_dropped_and_a_self_test_too() {
+    for config in configs() {
+        for steps in 0..30 {
+            let mut bench = Bench::new(config);
+            let bus = Bus { spi: bench.twin.spi(), steps: bench.steps.clone() };
+            let mut gyro = Adis16130::new(bus, bench.twin.rdy(), config);
+            let (mut pin, mut delay) = (bench.twin.self_test_pin(), Delay(bench.twin.delay()));
+            now(gyro.restart()).unwrap();
+            bench.steps.0.set(steps);
+            _ = poll_once(gyro.self_test(&mut pin, &mut delay, SelfTestPlan::new(16).with_settle_us(200)));
+            bench.steps.0.set(usize::MAX);
+            bench.wait();
+            if let Ok((rate, temp)) = now(gyro.read_both()) {
+                bench.assert_true(rate, Some(temp), "self-test");
+            }
+        }
+    }
+}
+
+/// Time of the twin passes at once.
+struct Delay(TwinDelay);
+
+impl embedded_hal_async::delay::DelayNs for Delay {
+    async fn delay_ns(&mut self, ns: u32) {
+        embedded_hal::delay::DelayNs::delay_ns(&mut self.0, ns);
+    }
+}
+
+fn poll_once<F: Future>(future: F) -> Poll<F::Output> {
+    pin!(future).poll(&mut Context::from_waker(Waker::noop()))
+}
+
+/// The bus waits only where it is told to stall.
+fn now<F: Future>(future: F) -> F::Output {
+    match poll_once(future) {
+        Poll::Ready(output) => output,
+        Poll::Pending => panic!("waits for something that never comes"),
+    }
+}
