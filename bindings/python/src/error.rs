@@ -19,6 +19,9 @@ pub fn exception(error: &anyhow::Error) -> PyErr {
     if error.is::<api::Refused>() {
         return Refused::new_err(text);
     }
+    if api::refuses_output(error) {
+        return PyFileExistsError::new_err(text);
+    }
     match error.chain().find_map(|cause| cause.downcast_ref::<io::Error>()).map(io::Error::kind) {
         None => PyValueError::new_err(text),
         Some(ErrorKind::NotFound) => PyFileNotFoundError::new_err(text),

@@ -18,7 +18,7 @@ pub struct Acquisition {
 impl Acquisition {
     /// Opens the device and, from here on, takes Ctrl-C as the wish to end cleanly.
     pub fn open(device: &DeviceArgs, sampling: SamplingArgs) -> Result<Self> {
-        interrupt::listen()?;
+        interrupt::listen();
         let opened = Device::open(&device.device, sampling)?;
         let pace = (device.realtime && !opened.is_real()).then(Pace::default);
         Ok(Self { pace, ..Self::unpaced(opened) })

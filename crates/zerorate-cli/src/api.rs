@@ -7,6 +7,7 @@ pub use crate::exit::{Refused, Usage};
 use crate::capture::CaptureReader;
 use crate::cli::{Cli, Command};
 use crate::commands::{calibrate, correct};
+use crate::exit;
 use adis16130::Sample;
 use anyhow::Result;
 use clap::Parser;
@@ -95,6 +96,12 @@ impl Recording {
         self.temp_code.push(sample.temp.map_or(-1, |temp| temp.code() as i32));
         self.lost.push(sample.lost);
     }
+}
+
+/// Whether the error is that of a file that is there, and stays as it is: another name, or `--force`, is all that it takes.
+#[must_use]
+pub fn refuses_output(error: &anyhow::Error) -> bool {
+    exit::refuses_output(error)
 }
 
 /// What to say where temperatures from `low_c` to `high_c` leave the span of a calibration.

@@ -14,6 +14,7 @@ use crate::commands::{
 use crate::device::DeviceSpec;
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
+use std::path::Path;
 
 /// Takes an ADIS16130 gyroscope from its pins to a bias-free angular rate, and tells how well it did so.
 #[derive(Parser, Debug)]
@@ -70,6 +71,13 @@ pub struct DeviceArgs {
     /// Pace simulated or replayed time to the wall clock; without it they run as fast as they can.
     #[arg(long)]
     pub realtime: bool,
+}
+
+impl DeviceArgs {
+    /// The file that is read, where the device is a recording.
+    pub fn file(&self) -> Option<&Path> {
+        self.device.file()
+    }
 }
 
 /// How often the part is read. A replayed capture has decided this already.

@@ -1,5 +1,6 @@
 //! How a run ends: exit code 0 done, 1 failed, 2 usage, 3 refused. The reason goes to stderr.
 
+use crate::output::{OutputError, reader_left, say};
 use std::process::ExitCode;
 
 /// The measurement was refused: the numbers exist, but they must not become a calibration. Exit code 3.
@@ -12,26 +13,26 @@ pub struct Refused(pub String);
 #[error("{0}")]
 pub struct Usage(pub String);
 
-/// Prints why a run failed and picks the exit code. A reader that went away (`zerorate … | head`) is no failure.
+/// Prints why a run failed and picks the exit code. A reader of stdout that went away (`zerorate … | head`) is no failure; of any other
+/// pipe it is.
 pub fn report(error: &anyhow::Error) -> ExitCode {
-    if is_broken_pipe(error) {
+    if reader_left(error) {
         return ExitCode::SUCCESS;
     }
     let (label, code) = if error.is::<Refused>() {
         ("refused", 3)
-    } else if error.is::<Usage>() {
+    } else if error.is::<Usage>() || refuses_output(error) {
         ("error", 2)
     } else {
         ("error", 1)
     };
-    eprintln!("{label}: {error:#}");
+    say(format_args!("{label}: {error:#}"));
     ExitCode::from(code)
 }
 
-fn is_broken_pipe(error: &anyhow::Error) -> bool {
-    error
-        .chain()
-        .any(|cause| cause.downcast_ref::<std::io::Error>().is_some_and(|e| e.kind() == std::io::ErrorKind::BrokenPipe))
+/// Whether a file that is there was not to be touched.
+pub fn refuses_output(error: &anyhow::Error) -> bool {
+    error.chain().any(|cause| cause.downcast_ref().is_some_and(OutputError::is_refusal))
 }
 
 #[cfg(test)]
@@ -46,7 +47,8 @@ mod tests {
         let failed = anyhow::anyhow!("bus");
         let pipe =
             Err::<(), _>(std::io::Error::from(std::io::ErrorKind::BrokenPipe)).context("writing rows").unwrap_err();
-        let expected = [(refused, 3), (usage, 2), (failed, 1), (pipe, 0)];
+        let exists = anyhow::Error::from(OutputError::Exists { path: "x".into() }).context("saving");
+        let expected = [(refused, 3), (usage, 2), (exists, 2), (failed, 1), (pipe, 1)];
         for (error, code) in expected {
             assert_eq!(report(&error), ExitCode::from(code), "{error:#}");
         }

@@ -2,6 +2,12 @@
 //!
 //! The program is a call of [`main`], and so is the command line in the Python wheel.
 
+#![deny(
+    clippy::print_stderr,
+    clippy::print_stdout,
+    reason = "they panic where a stream is full or closed: output::say, commands::print"
+)]
+
 mod acquire;
 pub mod api;
 mod capture;
@@ -12,6 +18,7 @@ mod device;
 mod duration;
 mod exit;
 mod interrupt;
+mod output;
 pub mod plot;
 mod progress;
 pub mod report;
@@ -29,7 +36,8 @@ const SOFTWARE: &str = concat!("zerorate ", env!("CARGO_PKG_VERSION"));
 ///
 /// Help, `--version` and a command line that makes no sense end the process, as clap does.
 pub fn main(args: impl IntoIterator<Item = OsString>) -> ExitCode {
-    match commands::run(&cli::Cli::parse_from(args)) {
+    let cli = cli::Cli::parse_from(args);
+    match interrupt::handle().and_then(|()| commands::run(&cli)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => exit::report(&error),
     }

@@ -67,7 +67,7 @@ impl Plugged {
         let summary = folder.join(format!("{name}.part.json"));
         let wire = folder.join(format!("{name}.wire.csv"));
         let mut command = preferred(program);
-        command.args(["twin", "--json", "--usb"]).arg(socket).arg("--wire").arg(&wire).args(arguments);
+        command.args(["twin", "--json", "--usb"]).arg(socket).args(["--force", "--wire"]).arg(&wire).args(arguments);
         command.stdout(File::create(&summary)?).stderr(Stdio::null());
         let process = command.spawn().context("starting zerorate twin --usb")?;
         Ok(Self { process, summary, wire })

@@ -141,7 +141,7 @@ def calibrate(
     output
         Write the calibration file.
     force
-        Overwrite an existing ``log``.
+        Overwrite an existing ``output`` and ``log``; no calibration takes the place of a capture.
 
     Returns
     -------
@@ -155,7 +155,7 @@ def calibrate(
     ValueError
         For options that make no sense.
     OSError
-        If a file cannot be written.
+        If a file cannot be written; a calibration that was measured is then kept in another, which the text names.
     """
     values = {
         "--average": average,
@@ -174,7 +174,7 @@ def calibrate(
     }
     options = [f"--device={twin.device}"]
     options += [f"{name}={value}" for name, value in values.items() if value is not None]
-    options += ["--assume-linear"] * assume_linear + ["--force"] * (force and log is not None)
+    options += ["--assume-linear"] * assume_linear + ["--force"] * force
     report_json, toml = _zerorate.calibrate(options)
     report = json.loads(report_json)
     truth = report.pop("truth", None)

@@ -9,33 +9,25 @@ use arrow::datatypes::SchemaRef;
 use arrow::ipc::reader::StreamDecoder;
 use arrow::ipc::writer::StreamWriter;
 use std::fs::File;
-use std::io::{self, BufReader, BufWriter};
+use std::io::{BufReader, BufWriter};
 use std::path::{Path, PathBuf};
-use std::sync::mpsc::{self, RecvTimeoutError, Sender};
-use std::thread::{self, JoinHandle};
-use std::time::Duration;
 
 /// A batch of any capture fits in here, so that it reaches the system in one piece.
 const WRITE_BUFFER: usize = 1 << 20;
-
-/// Time between two requests to put the file onto the disk.
-const SYNC_EVERY: Duration = Duration::from_secs(1);
 
 /// Writes a stream.
 pub struct Sink {
     path: PathBuf,
     writer: StreamWriter<BufWriter<File>>,
-    sync: Option<BackgroundSync>,
 }
 
 impl Sink {
     /// Writes the schema, so that even a capture without a row can be read.
     pub fn create(path: &Path, file: File, schema: &SchemaRef) -> Result<Self, CaptureError> {
         let wrong = |error| CaptureError::arrow("write", path, error);
-        let sync = BackgroundSync::of(&file).map_err(|error| CaptureError::io("write", path, error))?;
         let mut writer = StreamWriter::try_new(BufWriter::with_capacity(WRITE_BUFFER, file), schema).map_err(wrong)?;
         writer.flush().map_err(wrong)?;
-        Ok(Self { path: path.to_owned(), writer, sync })
+        Ok(Self { path: path.to_owned(), writer })
     }
 }
 
@@ -47,39 +39,7 @@ impl BatchSink for Sink {
 
     fn finish(mut self: Box<Self>) -> Result<(), CaptureError> {
         let ended = self.writer.finish().and_then(|()| self.writer.flush());
-        ended.map_err(|error| CaptureError::arrow("write", &self.path, error))?;
-        let synced = self.sync.map_or(Ok(()), BackgroundSync::finish);
-        synced.map_err(|error| CaptureError::io("sync", &self.path, error))
-    }
-}
-
-/// Asks for `fdatasync` once a second in a thread of its own: a slow disk must not keep the part waiting.
-struct BackgroundSync {
-    stop: Sender<()>,
-    thread: JoinHandle<io::Result<()>>,
-}
-
-impl BackgroundSync {
-    /// None for what is no regular file: a pipe or a terminal has no disk below it.
-    fn of(file: &File) -> io::Result<Option<Self>> {
-        if !file.metadata()?.is_file() {
-            return Ok(None);
-        }
-        let file = file.try_clone()?;
-        let (stop, stopped) = mpsc::channel();
-        let thread = thread::Builder::new().name("capture-sync".to_owned()).spawn(move || {
-            while stopped.recv_timeout(SYNC_EVERY) == Err(RecvTimeoutError::Timeout) {
-                file.sync_data()?;
-            }
-            file.sync_data()
-        })?;
-        Ok(Some(Self { stop, thread }))
-    }
-
-    /// Syncs a last time.
-    fn finish(self) -> io::Result<()> {
-        drop(self.stop);
-        self.thread.join().unwrap_or_else(|_| Err(io::Error::other("the syncing thread died")))
+        ended.map_err(|error| CaptureError::arrow("write", &self.path, error))
     }
 }
 

@@ -12,10 +12,6 @@ pub enum CaptureError {
     #[error("cannot {action} {}", path.display())]
     Io { action: &'static str, path: PathBuf, source: io::Error },
 
-    /// The file to be written is there already.
-    #[error("{} exists, and a recording is not overwritten by accident: choose another name, or give --force", path.display())]
-    Exists { path: PathBuf },
-
     /// Some other file.
     #[error("{} is not a capture of zerorate: {why}", path.display())]
     NotACapture { path: PathBuf, why: String },

@@ -11,7 +11,6 @@ mod error;
 mod hash;
 pub mod info;
 mod messages;
-pub mod output;
 pub mod parquet;
 pub mod table;
 #[cfg(test)]
@@ -22,6 +21,7 @@ pub use hash::SampleHash;
 pub use info::CaptureInfo;
 pub use table::Format;
 
+use crate::output::Recording;
 use adis16130::Sample;
 use arrow::array::RecordBatch;
 use arrow::datatypes::SchemaRef;
@@ -33,6 +33,7 @@ use table::{BatchSink, BatchSource, Opened};
 /// Records samples. Dropping it closes the file as well, but only [`CaptureWriter::finish`] tells whether that worked.
 pub struct CaptureWriter {
     path: PathBuf,
+    file: Option<Recording>,
     schema: SchemaRef,
     sink: Option<Box<dyn BatchSink>>,
     open: OpenBatch,
@@ -49,12 +50,14 @@ pub struct CaptureSummary {
 }
 
 impl CaptureWriter {
-    /// Starts a capture under its final name, so that it survives a power cut. An existing file is an error unless `force`.
-    pub fn create(path: &Path, format: Format, info: &CaptureInfo, force: bool) -> Result<Self, CaptureError> {
+    /// Starts a capture in an empty file.
+    pub fn create(file: Recording, format: Format, info: &CaptureInfo) -> Result<Self, CaptureError> {
         let schema = columns::schema(columns::raw_fields(), info.to_metadata());
-        let sink = table::create(path, format, &schema, force)?;
+        let writable = file.file().map_err(|error| CaptureError::io("write", file.path(), error))?;
+        let sink = table::create(file.path(), writable, format, &schema)?;
         Ok(Self {
-            path: path.to_owned(),
+            path: file.path().to_owned(),
+            file: Some(file),
             schema,
             sink: Some(sink),
             open: OpenBatch::new(),
@@ -73,7 +76,7 @@ impl CaptureWriter {
         Ok(())
     }
 
-    /// Writes the open batch and closes the file.
+    /// Writes the open batch, closes the file and puts it onto the disk.
     pub fn finish(mut self) -> Result<CaptureSummary, CaptureError> {
         self.close()?;
         Ok(self.summary)
@@ -81,7 +84,9 @@ impl CaptureWriter {
 
     fn close(&mut self) -> Result<(), CaptureError> {
         self.write_open()?;
-        self.sink.take().map_or(Ok(()), |sink| sink.finish())
+        self.sink.take().map_or(Ok(()), |sink| sink.finish())?;
+        let synced = self.file.take().map_or(Ok(()), Recording::finish);
+        synced.map_err(|error| CaptureError::io("put onto the disk:", &self.path, error))
     }
 
     fn write_open(&mut self) -> Result<(), CaptureError> {

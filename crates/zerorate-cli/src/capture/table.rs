@@ -1,6 +1,6 @@
 //! Tables in any of the three forms: which form a file has, and batches into and out of it.
 
-use super::{CaptureError, arrows, csv, output, parquet};
+use super::{CaptureError, arrows, csv, parquet};
 use arrow::array::RecordBatch;
 use arrow::datatypes::SchemaRef;
 use std::fs::File;
@@ -48,14 +48,8 @@ pub trait BatchSource: Iterator<Item = Result<RecordBatch, CaptureError>> {
     fn warning(&self) -> Option<&str>;
 }
 
-/// Starts a file.
-pub fn create(
-    path: &Path,
-    format: Format,
-    schema: &SchemaRef,
-    force: bool,
-) -> Result<Box<dyn BatchSink>, CaptureError> {
-    let file = output::create(path, force)?;
+/// Starts a table in an empty file; `path` names it in messages.
+pub fn create(path: &Path, file: File, format: Format, schema: &SchemaRef) -> Result<Box<dyn BatchSink>, CaptureError> {
     Ok(match format {
         Format::Arrows => Box::new(arrows::Sink::create(path, file, schema)?),
         Format::Parquet => Box::new(parquet::Sink::create(path, file, schema)?),

@@ -1,6 +1,7 @@
 //! Every form keeps every sample; what is torn, damaged or something else says so.
 
 use super::*;
+use crate::output::Outputs;
 use adis16130::{ChannelStatus, RateCode, TempCode, Width};
 use std::fs;
 use tempfile::TempDir;
@@ -35,8 +36,12 @@ fn samples(n: u32) -> Vec<Sample> {
     (0..n).map(sample).collect()
 }
 
+fn start(path: &Path, format: Format, info: &CaptureInfo) -> CaptureWriter {
+    CaptureWriter::create(Outputs::new(false).recording(path).unwrap(), format, info).unwrap()
+}
+
 fn write(path: &Path, format: Format, samples: &[Sample]) -> CaptureSummary {
-    let mut writer = CaptureWriter::create(path, format, &info(), false).unwrap();
+    let mut writer = start(path, format, &info());
     samples.iter().for_each(|sample| writer.push(sample).unwrap());
     writer.finish().unwrap()
 }
@@ -77,7 +82,7 @@ fn sixteen_bit_codes_keep_their_width() {
     for format in FORMATS {
         let path = dir.path().join(format!("{format:?}"));
         let wide = CaptureInfo { width: Width::Bits16, ..info() };
-        let mut writer = CaptureWriter::create(&path, format, &wide, false).unwrap();
+        let mut writer = start(&path, format, &wide);
         writer.push(&sample).unwrap();
         writer.finish().unwrap();
         assert_eq!(read(&path).0, [sample]);
@@ -226,7 +231,7 @@ fn a_dropped_writer_closes_its_file() {
     let samples = samples(100);
     for format in FORMATS {
         let path = dir.path().join(format!("{format:?}"));
-        let mut writer = CaptureWriter::create(&path, format, &info(), false).unwrap();
+        let mut writer = start(&path, format, &info());
         samples.iter().for_each(|sample| writer.push(sample).unwrap());
         drop(writer);
         assert_eq!(read(&path), (samples.clone(), None), "{format:?}");
@@ -238,22 +243,10 @@ fn whole_batches_are_readable_while_recording() {
     let dir = TempDir::new().unwrap();
     let path = dir.path().join("live.arrows");
     let samples = samples(12_000);
-    let mut writer = CaptureWriter::create(&path, Format::Arrows, &info(), false).unwrap();
+    let mut writer = start(&path, Format::Arrows, &info());
     assert_eq!(read(&path).0, []);
     samples.iter().for_each(|sample| writer.push(sample).unwrap());
     assert_eq!(read(&path).0, samples[..11_386]);
-}
-
-#[test]
-fn an_existing_recording_is_kept() {
-    let dir = TempDir::new().unwrap();
-    let path = dir.path().join("once.arrows");
-    write(&path, Format::Arrows, &samples(10));
-    let again = CaptureWriter::create(&path, Format::Csv, &info(), false).err().unwrap().to_string();
-    assert!(again.contains("--force") && again.contains("once.arrows"), "{again}");
-    assert_eq!(read(&path).0.len(), 10);
-    CaptureWriter::create(&path, Format::Csv, &info(), true).unwrap().finish().unwrap();
-    assert_eq!(read(&path).0.len(), 0);
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 use crate::capture::CaptureError;
 use crate::capture::table::BatchSource;
+use crate::output::Temporary;
 use arrow::array::RecordBatch;
 use arrow::datatypes::SchemaRef;
 use arrow::error::ArrowError;
@@ -12,7 +13,6 @@ use std::fs::File;
 use std::io::{self, BufReader, BufWriter, Read, Seek, Write};
 use std::panic::{self, AssertUnwindSafe};
 use std::path::{Path, PathBuf};
-use tempfile::TempPath;
 
 /// As many bytes as the longest mark at a file's start has.
 const MARK: u64 = 16;
@@ -27,7 +27,7 @@ pub struct Log<'a> {
     /// Its content, from the start.
     pub file: File,
     start: Vec<u8>,
-    unpacked: Option<TempPath>,
+    unpacked: Option<Temporary>,
 }
 
 /// What is in a log.
@@ -65,7 +65,7 @@ pub fn open(path: &Path) -> Result<Log<'_>, CaptureError> {
         let what = format!("it cannot be unpacked ({error}); was it cut short?");
         CaptureError::damaged(path, format!("as {packing:?}"), what)
     })?;
-    let (file, start) = marked(File::open(&unpacked).map_err(failed)?).map_err(failed)?;
+    let (file, start) = marked(File::open(unpacked.path()).map_err(failed)?).map_err(failed)?;
     match Packing::of(&start) {
         Some(_) => Err(CaptureError::not_a_log(path, "it is packed twice; unpack it once")),
         None => Ok(Log { path, file, start, unpacked: Some(unpacked) }),
@@ -91,7 +91,7 @@ impl Log<'_> {
 
     /// The file that holds the content, unpacked.
     pub fn stands_in(&self) -> &Path {
-        self.unpacked.as_deref().unwrap_or(self.path)
+        self.unpacked.as_ref().map_or(self.path, Temporary::path)
     }
 }
 
@@ -129,18 +129,19 @@ impl Packing {
     }
 
     /// Unpacks into a file, because some forms are not read from start to end.
-    fn unpack(self, packed: &mut File) -> io::Result<TempPath> {
+    fn unpack(self, packed: &mut File) -> io::Result<Temporary> {
         let packed = BufReader::with_capacity(BUFFER, packed);
         let mut content: Box<dyn Read + '_> = match self {
             Self::Gzip => Box::new(MultiGzDecoder::new(packed)),
             Self::Xz => Box::new(XzReader::new(packed, true)),
             Self::Zstd => Box::new(zstd::Decoder::with_buffer(packed)?),
         };
-        let unpacked = tempfile::Builder::new().prefix("zerorate-").tempfile()?;
-        let mut out = BufWriter::with_capacity(BUFFER, unpacked);
+        let unpacked = Temporary::in_passing()?;
+        let mut out = BufWriter::with_capacity(BUFFER, unpacked.file());
         io::copy(&mut content, &mut out)?;
         out.flush()?;
-        Ok(out.into_inner().map_err(io::IntoInnerError::into_error)?.into_temp_path())
+        drop(out);
+        Ok(unpacked)
     }
 }
 

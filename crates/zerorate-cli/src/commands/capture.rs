@@ -6,6 +6,7 @@ use crate::capture::{CaptureWriter, Format};
 use crate::cli::{DeviceArgs, SamplingArgs};
 use crate::duration::Seconds;
 use crate::interrupt;
+use crate::output::Outputs;
 use crate::progress::Meter;
 use adis16130::Sample;
 use anyhow::{Context, Result};
@@ -49,7 +50,7 @@ pub struct CaptureArgs {
     #[arg(long, value_name = "TEXT")]
     supply_note: Option<String>,
 
-    /// Overwrite an existing file.
+    /// Overwrite an existing file, but never the one that is replayed.
     #[arg(long)]
     force: bool,
 
@@ -72,11 +73,12 @@ struct Summary {
 }
 
 pub fn run(args: &CaptureArgs) -> Result<()> {
+    let mut outputs = Outputs::new(args.force).printing().reading(args.device.file())?;
     let mut acquisition = Acquisition::open(&args.device, args.sampling)?;
     acquisition.device().initialise()?;
     let info = acquisition.device().info(args.serial.as_deref(), args.supply_note.as_deref());
     let format = Format::choose(args.format, &args.output);
-    let mut writer = CaptureWriter::create(&args.output, format, &info, args.force)?;
+    let mut writer = CaptureWriter::create(outputs.recording(&args.output)?, format, &info)?;
     let recorded = record(args, &mut acquisition, |sample| Ok(writer.push(sample)?));
     let saved = writer.finish()?.samples;
     recorded.with_context(|| format!("{} ends after {saved} samples", args.output.display()))?;

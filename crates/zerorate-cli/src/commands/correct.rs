@@ -1,10 +1,11 @@
 //! `zerorate correct`: a recorded file, corrected, with its raw columns as they were.
 
+use super::serial::Part;
 use super::warn;
 use crate::capture::columns::{self, Rows};
-use crate::capture::output::Staged;
 use crate::capture::{CaptureInfo, CaptureReader, Format, info, table};
-use crate::exit::Usage;
+use crate::interrupt;
+use crate::output::{Outputs, say};
 use anyhow::{Context, Result, bail, ensure};
 use arrow::array::{ArrayRef, Float64Array, Float64Builder, RecordBatch};
 use arrow::datatypes::{Metadata, SchemaRef};
@@ -41,28 +42,31 @@ pub struct CorrectArgs {
 }
 
 pub fn run(args: &CorrectArgs) -> Result<()> {
+    interrupt::listen();
+    let mut outputs = Outputs::new(args.force).reading([&*args.capture, &*args.cal])?;
     let calibration = load(&args.cal)?;
     let mut reader = CaptureReader::open(&args.capture)?;
     refuse_corrected(&args.capture, &reader)?;
     check_serial(args, reader.info(), &calibration)?;
-    refuse_same_file(&args.capture, &args.output)?;
-    let output = Staged::new(&args.output, args.force)?;
+    let output = outputs.derived(&args.output)?;
     let schema = schema(reader.info(), &calibration);
-    let mut sink = table::create(output.path(), Format::choose(args.format, &args.output), &schema, true)?;
+    let format = Format::choose(args.format, &args.output);
+    let mut sink = table::create(&args.output, output.file()?, format, &schema)?;
     let mut corrector = Corrector::new(calibration.correction);
     while let Some(rows) = reader.next_rows()? {
+        ensure!(!interrupt::asked(), "interrupted; nothing written");
         sink.write(&corrector.correct(&rows, &schema)?)?;
     }
     sink.finish()?;
     warn(reader.warning().map(str::to_owned).as_slice());
     corrector.seen.check(args, &calibration)?;
     output.publish()?;
-    eprintln!(
+    say(format_args!(
         "{}: {} samples, corrected with calibration {}",
         args.output.display(),
         corrector.seen.rows,
         calibration.id()
-    );
+    ));
     Ok(())
 }
 
@@ -99,31 +103,16 @@ fn refuse_corrected(path: &Path, reader: &CaptureReader) -> Result<()> {
 }
 
 fn check_serial(args: &CorrectArgs, info: &CaptureInfo, calibration: &Calibration) -> Result<()> {
-    let (Some(recorded), Some(calibrated)) = (&info.serial, &calibration.serial) else {
-        return Ok(());
+    let name = args.capture.display().to_string();
+    let advice = "record with `zerorate capture --serial SN`";
+    let checked = Part { name: &name, serial: info.serial.as_deref(), advice }.check(calibration, &args.cal);
+    let doubt = match checked {
+        Err(mismatch) if args.force => Some(mismatch.to_string()),
+        Err(mismatch) => bail!("{mismatch} (--force corrects all the same)"),
+        Ok(doubt) => doubt,
     };
-    if recorded == calibrated {
-        return Ok(());
-    }
-    let mismatch = format!(
-        "{} was recorded from part {recorded}, {} is the calibration of part {calibrated}",
-        args.capture.display(),
-        args.cal.display()
-    );
-    ensure!(args.force, "{mismatch}: every part has its own bias (--force corrects all the same)");
-    warn(&[mismatch]);
+    warn(doubt.as_slice());
     Ok(())
-}
-
-fn refuse_same_file(capture: &Path, output: &Path) -> Result<()> {
-    match (capture.canonicalize(), output.canonicalize()) {
-        (Ok(capture), Ok(output)) if capture == output => Err(Usage(format!(
-            "{} would be overwritten by its correction: give another name with -o",
-            capture.display()
-        ))
-        .into()),
-        _ => Ok(()),
-    }
 }
 
 fn schema(info: &CaptureInfo, calibration: &Calibration) -> SchemaRef {

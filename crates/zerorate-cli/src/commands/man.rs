@@ -18,7 +18,7 @@ pub fn man() -> anyhow::Result<()> {
         writeln!(page, ".SH \"ZERORATE {}\"", command.get_name().to_uppercase())?;
         page.extend(command_section(command)?);
     }
-    Ok(io::stdout().lock().write_all(&page)?)
+    super::print(&String::from_utf8_lossy(&page))
 }
 
 /// What [`render_body`] gives for a command, one heading level down.
@@ -47,5 +47,5 @@ fn render_body(man: &Man, command: &clap::Command, page: &mut Vec<u8>) -> io::Re
 pub fn completions(shell: clap_complete::Shell) -> anyhow::Result<()> {
     let mut script = Vec::new();
     clap_complete::generate(shell, &mut Cli::command(), "zerorate", &mut script);
-    Ok(io::stdout().lock().write_all(&script)?)
+    super::print(&String::from_utf8_lossy(&script))
 }

@@ -8,11 +8,13 @@ pub mod export;
 pub mod man;
 pub mod probe;
 pub mod report;
+mod serial;
 pub mod stream;
 pub mod twin;
 
 use crate::cli::{Cli, Command};
-use anyhow::Result;
+use crate::output::{Stdout, say};
+use anyhow::{Context, Result};
 use serde::Serialize;
 use std::io::Write;
 use zerorate::Warning;
@@ -37,7 +39,8 @@ pub fn run(cli: &Cli) -> Result<()> {
 
 /// Prints text to stdout; a closed pipe is an error to be passed on, not a panic.
 fn print(text: &str) -> Result<()> {
-    Ok(std::io::stdout().lock().write_all(text.as_bytes())?)
+    let mut stdout = Stdout::lock();
+    stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()).context("cannot write to stdout")
 }
 
 /// Prints one JSON object to stdout.
@@ -53,6 +56,6 @@ fn coded(warning: &Warning) -> String {
 /// Prints warnings to stderr.
 fn warn(warnings: &[String]) {
     for warning in warnings {
-        eprintln!("warning: {warning}");
+        say(format_args!("warning: {warning}"));
     }
 }

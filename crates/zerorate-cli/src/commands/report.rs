@@ -2,11 +2,10 @@
 
 use super::correct::load;
 use super::print;
-use crate::capture::output::Staged;
+use crate::output::Outputs;
 use crate::report;
-use anyhow::{Context, Result};
+use anyhow::Result;
 use clap::Args;
-use std::fs;
 use std::path::PathBuf;
 
 /// Writes a calibration as one self-contained HTML page.
@@ -22,17 +21,18 @@ pub struct ReportArgs {
     /// The file to write [default: stdout].
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
+
+    /// Overwrite an existing file, but never a capture.
+    #[arg(long, requires = "output")]
+    force: bool,
 }
 
 pub fn run(args: &ReportArgs) -> Result<()> {
+    let mut outputs = Outputs::new(args.force).reading([&*args.cal])?;
     let calibration = load(&args.cal)?;
     let page = report::calibration_page(&calibration, &args.cal.display().to_string())?;
     match &args.output {
         None => print(&page),
-        Some(path) => {
-            let file = Staged::new(path, true)?;
-            fs::write(file.path(), page).with_context(|| format!("cannot write {}", path.display()))?;
-            Ok(file.publish()?)
-        }
+        Some(path) => Ok(outputs.derived(path)?.fill(page.as_bytes())?),
     }
 }

@@ -1,17 +1,20 @@
 //! `zerorate stream`: the corrected rate, live.
 
 use super::correct::{extrapolation, load};
+use super::serial::Part;
 use super::warn;
 use crate::acquire::Acquisition;
 use crate::cli::{DeviceArgs, SamplingArgs};
+use crate::device::Device;
 use crate::duration::Seconds;
 use crate::exit::Usage;
+use crate::output::{Outputs, Stdout};
 use adis16130::Sample;
-use anyhow::{Result, ensure};
+use anyhow::{Result, bail, ensure};
 use clap::{Args, ValueEnum};
 use serde::Serialize;
-use std::io::{self, BufWriter, StdoutLock, Write};
-use std::path::{Path, PathBuf};
+use std::io::{self, BufWriter, Write};
+use std::path::PathBuf;
 use zerorate::{Calibration, CodeSum};
 
 /// Prints the corrected rate as it comes: columns t_s, rate_dps, temp_c, lost, calibration.
@@ -57,9 +60,10 @@ enum Form {
 
 pub fn run(args: &StreamArgs) -> Result<()> {
     let calibration = load(&args.cal)?;
-    check_serial(args.serial.as_deref(), calibration.serial.as_deref(), &args.cal)?;
     let period_ns = args.rate.map(period_ns).transpose()?.unwrap_or(1);
+    Outputs::new(false).reading(args.device.file().into_iter().chain([&*args.cal]))?;
     let mut acquisition = Acquisition::open(&args.device, args.sampling)?;
+    check_serial(args, acquisition.device(), &calibration)?;
     acquisition.device().initialise()?;
     let mut rows = Rows::new(args.format, &calibration, acquisition.is_paced())?;
     let mut mean = Mean::default();
@@ -81,15 +85,19 @@ pub fn run(args: &StreamArgs) -> Result<()> {
     Ok(rows.out.flush()?)
 }
 
-fn check_serial(given: Option<&str>, calibrated: Option<&str>, path: &Path) -> Result<()> {
-    if let Some(given) = given {
-        ensure!(
-            calibrated == Some(given),
-            "{} is the calibration of {}, not of part {given}: every part has its own",
-            path.display(),
-            calibrated.map_or("a part without a serial number".to_owned(), |other| format!("part {other}"))
-        );
+/// A serial number that is given must be that of the calibration, and that of the recording where one is read.
+fn check_serial(args: &StreamArgs, device: &Device, calibration: &Calibration) -> Result<()> {
+    let (given, recorded) = (args.serial.as_deref(), device.info(None, None).serial);
+    if let (Some(given), Some(recorded)) = (given, &recorded) {
+        ensure!(given == recorded, "{} was recorded from part {recorded}, not from part {given}", args.device.device);
     }
+    if let (Some(given), None) = (given, &calibration.serial) {
+        bail!("{} is the calibration of a part without a serial number, not of part {given}", args.cal.display());
+    }
+    let name = args.device.device.to_string();
+    let part =
+        Part { name: &name, serial: given.or(recorded.as_deref()), advice: "give --serial SN to have it checked" };
+    warn(part.check(calibration, &args.cal)?.as_slice());
     Ok(())
 }
 
@@ -144,7 +152,7 @@ impl Mean {
 
 /// Writes corrected rows.
 struct Rows<'a> {
-    out: BufWriter<StdoutLock<'static>>,
+    out: BufWriter<Stdout>,
     form: Form,
     calibration: &'a Calibration,
     id: String,
@@ -171,7 +179,7 @@ struct Row<'a> {
 
 impl<'a> Rows<'a> {
     fn new(form: Form, calibration: &'a Calibration, flush_each: bool) -> Result<Self> {
-        let mut out = BufWriter::with_capacity(1 << 16, io::stdout().lock());
+        let mut out = BufWriter::with_capacity(1 << 16, Stdout::lock());
         if let Form::Csv = form {
             writeln!(out, "t_s,rate_dps,temp_c,lost,calibration")?;
         }

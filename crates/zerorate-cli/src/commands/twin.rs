@@ -37,6 +37,10 @@ pub struct TwinArgs {
     #[arg(long, value_name = "FILE", requires = "usb")]
     wire: Option<PathBuf>,
 
+    /// Overwrite an existing --wire file.
+    #[arg(long, requires = "wire")]
+    force: bool,
+
     /// Print what the part saw, and its truth, as one JSON object at the end.
     #[arg(long, requires = "usb")]
     json: bool,
@@ -46,7 +50,7 @@ pub fn run(args: &TwinArgs) -> Result<()> {
     let Some(socket) = &args.usb else {
         return super::print(&(keys_help() + "\n"));
     };
-    interrupt::listen()?;
+    interrupt::listen();
     let mut spec = args.keys.clone().unwrap_or_else(|| Spec::from_seed(1));
     if let Some(mclk_hz) = args.mclk_hz {
         spec.mclk_hz = mclk_hz.into();
@@ -66,6 +70,7 @@ mod hardware {
 #[cfg(unix)]
 mod hardware {
     use super::*;
+    use crate::output::{Outputs, say};
     use crate::usb::{self, Final, Seen, Setup};
     use adis16130_twin::ChannelLosses;
     use serde::Serialize;
@@ -108,8 +113,10 @@ mod hardware {
 
     pub fn run(args: &TwinArgs, socket: &Path, spec: Spec) -> Result<()> {
         let (seed, mclk_hz) = (spec.seed, spec.mclk_hz);
-        let setup = Setup { spec, initialised: args.initialised, wire: args.wire.clone() };
-        let Final { seen, lost, truth } = usb::serve(socket, &setup)?;
+        let mut outputs = Outputs::new(args.force).printing();
+        let wire = args.wire.as_deref().map(|path| outputs.recording(path)).transpose()?;
+        let setup = Setup { spec, initialised: args.initialised, wire };
+        let Final { seen, lost, truth } = usb::serve(socket, setup)?;
         let summary = Summary {
             seed,
             mclk_hz,
@@ -128,10 +135,10 @@ mod hardware {
             return crate::commands::print_json(&summary);
         }
         let Seen { spi_frames, rate_reads, temp_reads, edges, edges_reported } = seen;
-        eprintln!(
+        say(format_args!(
             "unplugged after {:.1} s: {spi_frames} SPI frames, {rate_reads} rates and {temp_reads} temperatures read, {edges_reported} of {edges} edges of RDY reported",
             summary.duration_s
-        );
+        ));
         Ok(())
     }
 }

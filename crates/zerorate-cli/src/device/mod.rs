@@ -23,7 +23,7 @@ use replay::Replay;
 #[cfg(target_os = "linux")]
 use spi::SpiPart;
 use std::fmt;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use twin::TwinDevice;
 
@@ -55,6 +55,14 @@ impl DeviceSpec {
     /// A recording.
     pub fn replay(path: PathBuf) -> Self {
         Self { text: format!("replay:{}", path.display()), kind: Kind::Replay(path) }
+    }
+
+    /// The file that is read, where it is a recording.
+    pub fn file(&self) -> Option<&Path> {
+        match &self.kind {
+            Kind::Replay(path) => Some(path),
+            _ => None,
+        }
     }
 }
 

@@ -1,6 +1,7 @@
 //! A recording in place of a part.
 
 use crate::capture::CaptureReader;
+use crate::output::say;
 use adis16130::Sample;
 use anyhow::Result;
 
@@ -28,7 +29,7 @@ impl Replay {
     #[cold]
     fn warn_once(&mut self) {
         if let Some(warning) = self.reader.warning().filter(|_| !self.warned) {
-            eprintln!("warning: {warning}");
+            say(format_args!("warning: {warning}"));
         }
         self.warned = true;
     }

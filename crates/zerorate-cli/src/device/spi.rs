@@ -4,6 +4,7 @@ use super::Bus;
 use super::address::SpiAddress;
 use super::live::{Edges, Live};
 use super::reader::{Reader, WhenFull};
+use crate::output::say;
 use adis16130::{Config, Edge, Framing, MAX_SCLK_HZ, Sample, SamplerConfig};
 use anyhow::{Context, Result, anyhow, bail};
 use embedded_hal::spi::{Error, ErrorKind, ErrorType, Operation, SpiDevice};
@@ -136,14 +137,14 @@ fn become_realtime() {
         set_thread_priority_and_policy(thread_native_id(), priority, fifo).map_err(|error| error.to_string())
     });
     if set.is_err() {
-        eprintln!(
+        say(format_args!(
             "warning: no-realtime-priority: other programs can delay the reading and cost samples; {NOT_REALTIME}"
-        );
+        ));
     }
     if mlockall(MlockAllFlags::CURRENT | MlockAllFlags::FUTURE | MlockAllFlags::ONFAULT).is_err() {
-        eprintln!(
+        say(format_args!(
             "warning: memory-not-locked: the reading thread may have to wait for memory that was swapped out; {NOT_REALTIME}"
-        );
+        ));
     }
 }
 

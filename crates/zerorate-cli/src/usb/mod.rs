@@ -9,6 +9,7 @@ mod redir;
 pub use part::{Final, Seen};
 
 use crate::interrupt;
+use crate::output::{Recording, say};
 use adis16130_twin::Spec;
 use anyhow::{Context, Result, bail};
 use ljca::{ANNOUNCEMENT, Ljca};
@@ -19,7 +20,7 @@ use rustix::io::Errno;
 use std::collections::VecDeque;
 use std::io::{ErrorKind, Read, Write};
 use std::os::unix::net::UnixStream;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 /// How the part is made and watched.
@@ -28,15 +29,15 @@ pub struct Setup {
     /// Converting from the start, with the registers of F-30.
     pub initialised: bool,
     /// Where every frame of the bus is logged.
-    pub wire: Option<PathBuf>,
+    pub wire: Option<Recording>,
 }
 
 /// Plugs the part in at `socket`, which QEMU listens on, until the other end closes it or Ctrl-C unplugs it.
 ///
 /// The part is switched on when the connection stands.
-pub fn serve(socket: &Path, setup: &Setup) -> Result<Final> {
+pub fn serve(socket: &Path, setup: Setup) -> Result<Final> {
     let stream = connect(socket)?;
-    let part = WallPart::new(setup.spec.clone(), setup.initialised, setup.wire.as_deref())?;
+    let part = WallPart::new(setup.spec, setup.initialised, setup.wire)?;
     let mut plug = Plug {
         stream,
         connection: Connection::default(),
@@ -135,7 +136,7 @@ impl Plug {
     fn serve(&mut self, id: u64, request: Request) -> Result<()> {
         let answer = match request {
             Request::Hello(name) => {
-                eprintln!("plugged into {name}");
+                say(format_args!("plugged into {name}"));
                 self.connection.connect_packets(&ANNOUNCEMENT)
             }
             Request::Reset => {

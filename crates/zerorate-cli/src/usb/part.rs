@@ -1,6 +1,7 @@
 //! The twin on wall time, and what it saw of the bus.
 
 use super::ljca::Board;
+use crate::output::Recording;
 use adis16130_twin::{LostUnread, Spec, Truth, Twin, TwinRdy, TwinSpi};
 use anyhow::{Context, Result};
 use embedded_hal::digital::InputPin;
@@ -8,7 +9,6 @@ use embedded_hal::spi::SpiDevice;
 use serde::Serialize;
 use std::fs::File;
 use std::io::{BufWriter, Write};
-use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 /// F-30: data ready on, both channels, conversion word 5, continuous, 24 bit.
@@ -49,7 +49,7 @@ pub struct Final {
 
 impl WallPart {
     /// Switches the part on; its time starts now.
-    pub fn new(spec: Spec, initialised: bool, wire: Option<&Path>) -> Result<Self> {
+    pub fn new(spec: Spec, initialised: bool, wire: Option<Recording>) -> Result<Self> {
         let twin = Twin::new(spec);
         let (mut spi, rdy) = (twin.spi(), twin.rdy());
         if initialised {
@@ -121,17 +121,16 @@ impl Board for WallPart {
 
 /// The log of the wire: one row per frame of CS.
 struct Wire {
-    path: PathBuf,
+    file: Recording,
     rows: BufWriter<File>,
     failed: Option<std::io::Error>,
 }
 
 impl Wire {
-    fn create(path: &Path) -> Result<Self> {
-        let file = File::create(path).with_context(|| format!("cannot write {}", path.display()))?;
-        let mut rows = BufWriter::new(file);
+    fn create(file: Recording) -> Result<Self> {
+        let mut rows = BufWriter::new(file.file()?);
         writeln!(rows, "t_ns,mosi,miso,lost_rate,edges")?;
-        Ok(Self { path: path.to_owned(), rows, failed: None })
+        Ok(Self { file, rows, failed: None })
     }
 
     /// A full disk must not stop the bus: the error waits for [`Wire::finish`].
@@ -142,8 +141,9 @@ impl Wire {
     }
 
     fn finish(mut self) -> Result<()> {
-        let written = self.failed.take().map_or_else(|| self.rows.flush(), Err);
-        written.with_context(|| format!("writing {}", self.path.display()))
+        let path = self.file.path().display().to_string();
+        let written = self.failed.take().map_or_else(|| self.rows.flush(), Err).and_then(|()| self.file.finish());
+        written.with_context(|| format!("writing {path}"))
     }
 }
 

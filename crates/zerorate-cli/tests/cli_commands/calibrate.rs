@@ -84,7 +84,7 @@ fn a_recording_is_not_overwritten_by_accident() {
     let folder = tempfile::tempdir().expect("a folder");
     let log = file(&folder, "log.arrows");
     std::fs::write(&log, "precious").expect("written");
-    calibrate(&["--log", path(&log)]).ended_with(1).saying(&["--force"]);
+    calibrate(&["--log", path(&log)]).ended_with(2).saying(&["--force"]);
     assert_eq!(std::fs::read_to_string(&log).expect("still there"), "precious");
 }
 

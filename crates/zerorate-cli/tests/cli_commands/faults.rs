@@ -47,7 +47,7 @@ fn a_refusal_leaves_an_older_calibration_as_it_was() {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("unit.toml");
     std::fs::write(&file, "older").expect("written");
-    calibrate(&["--device", "twin:motion=sway", "-o", path(&file)]).ended_with(3);
+    calibrate(&["--device", "twin:motion=sway", "-o", path(&file), "--force"]).ended_with(3);
     assert_eq!(std::fs::read_to_string(&file).expect("still there"), "older");
 }
 

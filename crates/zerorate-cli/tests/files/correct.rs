@@ -63,7 +63,7 @@ fn the_calibration_of_another_part_is_refused() {
     assert!(refusal.contains("part A1") && refusal.contains("part B2"), "{refusal}");
     assert!(!bench.path("b2.arrows").exists());
     let forced = bench.zerorate("correct rest.csv --cal b2.toml -o b2.arrows --force");
-    assert!(forced.stderr().contains("warning: rest.csv was recorded from part A1"));
+    assert!(forced.stderr().contains("warning: rest.csv is part A1, b2.toml is the calibration of part B2"));
     forced.ok();
 }
 
@@ -73,7 +73,7 @@ fn no_file_is_overwritten_by_accident() {
     bench.write("unit.toml", calibration(-0.25, -0.04, 24.0));
     bench.write("rest.csv", capture("A1", ROWS));
     bench.write("there.csv", "mine");
-    assert!(bench.zerorate("correct rest.csv --cal unit.toml -o there.csv").fails(1).contains("--force"));
+    assert!(bench.zerorate("correct rest.csv --cal unit.toml -o there.csv").fails(2).contains("--force"));
     assert_eq!(fs::read_to_string(bench.path("there.csv")).unwrap(), "mine");
     bench.zerorate("correct rest.csv --cal unit.toml -o there.csv --force").ok();
     bench.zerorate("correct rest.csv --cal unit.toml -o ./rest.csv --force").fails(2);

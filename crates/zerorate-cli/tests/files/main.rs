@@ -6,6 +6,7 @@ mod correct;
 mod export;
 mod interop;
 mod logs;
+mod outputs;
 mod report;
 
 use std::fs;

@@ -2,14 +2,13 @@
 
 use super::record::Record;
 use crate::exit::Usage;
+use crate::output::Staged;
 use anyhow::{Result, anyhow};
 use std::fmt::Write;
-use std::path::Path;
 
 /// Writes the gyroscope's part of the file. The accelerometer's is left to be filled in: no gyroscope can tell it.
-pub fn write(path: &Path, records: &[Record], force: bool) -> Result<()> {
-    let text = yaml(records)?;
-    super::record::save(path, text.as_bytes(), force)
+pub fn write(file: Staged, records: &[Record]) -> Result<()> {
+    Ok(file.fill(yaml(records)?.as_bytes())?)
 }
 
 /// Kalibr's continuous-time noise: N in rad/s/√Hz and K in rad/s²/√Hz. Their Allan variances are N²/τ and K²τ/3, so both are the

@@ -10,12 +10,12 @@ mod units;
 
 use super::{print, print_json, warn};
 use crate::column::ColumnArgs;
-use crate::exit::Usage;
+use crate::output::{Outputs, Staged, say};
 use anyhow::Result;
 use clap::{Args, ValueEnum};
 use record::Record;
 use serde::Serialize;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use zerorate::allan::{Options, Stat, Taus};
 
 /// Computes the Allan deviation of a gyroscope's log, taken at rest: a capture, or the log of any other part.
@@ -75,7 +75,7 @@ pub struct AllanArgs {
     #[arg(long)]
     ignore_gaps: bool,
 
-    /// Overwrite pictures, pages and YAML files that exist.
+    /// Overwrite pictures, pages and YAML files that exist, but never a capture.
     #[arg(long)]
     force: bool,
 
@@ -102,40 +102,50 @@ impl AllanArgs {
     fn options(&self, scale: f64) -> Options {
         Options { stat: self.stat, taus: self.taus.clone(), confidence: self.confidence, scale }
     }
-
-    fn outputs(&self) -> impl Iterator<Item = &Path> {
-        self.plot.iter().chain(&self.report).chain(&self.imu_yaml).map(PathBuf::as_path)
-    }
 }
 
 pub fn run(args: &AllanArgs) -> Result<()> {
-    check_outputs(args)?;
+    let files = Files::claim(args)?;
     let records: Vec<Record> = args.files.iter().map(|file| Record::read(args, file)).collect::<Result<_>>()?;
     for record in &records {
         warn(&record.warnings);
     }
     print_records(args, &records)?;
-    for path in &args.plot {
-        picture::write(path, &records, args.force)?;
-    }
-    if let Some(path) = &args.report {
-        page::write(path, &records, args.force)?;
-    }
-    if let Some(path) = &args.imu_yaml {
-        imu_yaml::write(path, &records, args.force)?;
-    }
-    Ok(())
+    files.write(&records)
 }
 
-/// Before hours of data are read: a file that would be overwritten, a picture of no known kind.
-fn check_outputs(args: &AllanArgs) -> Result<()> {
-    if let Some(path) = args.outputs().find(|path| !args.force && path.exists()) {
-        return Err(Usage(format!("{} exists: choose another name, or give --force", path.display())).into());
+/// The files that were asked for, claimed before hours of data are read.
+struct Files {
+    pictures: Vec<(picture::Kind, Staged)>,
+    page: Option<Staged>,
+    imu_yaml: Option<Staged>,
+}
+
+impl Files {
+    fn claim(args: &AllanArgs) -> Result<Self> {
+        let kinds = args.plot.iter().map(|path| picture::Kind::of(path)).collect::<Result<Vec<_>, _>>()?;
+        let mut outputs = Outputs::new(args.force).printing().reading(args.files.iter().map(PathBuf::as_path))?;
+        let mut claim = |path: &PathBuf| outputs.derived(path);
+        let pictures = args.plot.iter().map(&mut claim).collect::<Result<Vec<_>, _>>()?;
+        Ok(Self {
+            pictures: kinds.into_iter().zip(pictures).collect(),
+            page: args.report.as_ref().map(&mut claim).transpose()?,
+            imu_yaml: args.imu_yaml.as_ref().map(&mut claim).transpose()?,
+        })
     }
-    for path in &args.plot {
-        picture::Kind::of(path)?;
+
+    fn write(self, records: &[Record]) -> Result<()> {
+        for (kind, file) in self.pictures {
+            picture::write(kind, file, records)?;
+        }
+        if let Some(file) = self.page {
+            page::write(file, records)?;
+        }
+        if let Some(file) = self.imu_yaml {
+            imu_yaml::write(file, records)?;
+        }
+        Ok(())
     }
-    Ok(())
 }
 
 fn print_records(args: &AllanArgs, records: &[Record]) -> Result<()> {
@@ -144,7 +154,7 @@ fn print_records(args: &AllanArgs, records: &[Record]) -> Result<()> {
         _ if args.json => print_json(&json::Reports::new(records)),
         _ if args.csv => print(&table::csv(records)?),
         _ => records.iter().try_for_each(|record| {
-            eprintln!("{}", table::heading(record));
+            say(table::heading(record));
             print(&table::text(record)?)?;
             if args.fit { print(&table::coefficients_text(record)?) } else { Ok(()) }
         }),

@@ -1,15 +1,15 @@
 //! The result as one HTML page.
 
 use super::picture;
-use super::record::{Record, save};
+use super::record::Record;
 use super::units::{Named, coefficients, deviation_unit, noise};
+use crate::output::Staged;
 use crate::plot::number;
 use crate::report::{self, AllanPage, AllanRow, Coefficient, CoefficientValue, Fact, allan_page};
 use anyhow::Result;
-use std::path::Path;
 
 /// Writes the page of all records.
-pub fn write(path: &Path, records: &[Record], force: bool) -> Result<()> {
+pub fn write(file: Staged, records: &[Record]) -> Result<()> {
     let first = records.first();
     let page = AllanPage {
         command: std::iter::once("zerorate".to_owned()).chain(std::env::args().skip(1)).collect::<Vec<_>>().join(" "),
@@ -20,7 +20,7 @@ pub fn write(path: &Path, records: &[Record], force: bool) -> Result<()> {
         picture: picture::svg(records),
         records: records.iter().map(section).collect(),
     };
-    save(path, allan_page(&page)?.as_bytes(), force)
+    Ok(file.fill(allan_page(&page)?.as_bytes())?)
 }
 
 fn section(record: &Record) -> report::Record {

@@ -1,13 +1,15 @@
 //! The result as a picture.
 
-use super::record::{Record, save};
+use super::record::Record;
 use super::units::{self, Named, coefficients, deviation_unit};
 use crate::exit::Usage;
+use crate::output::Staged;
 use crate::plot::{self, Curve, Minimum, PowerLaw, number};
 use anyhow::Result;
 use std::path::Path;
 
 /// Form of a picture.
+#[derive(Clone, Copy, Debug)]
 pub enum Kind {
     Svg,
     Png,
@@ -25,11 +27,11 @@ impl Kind {
 }
 
 /// Draws all records in one picture.
-pub fn write(path: &Path, records: &[Record], force: bool) -> Result<()> {
+pub fn write(kind: Kind, file: Staged, records: &[Record]) -> Result<()> {
     let svg = svg(records);
-    match Kind::of(path)? {
-        Kind::Svg => save(path, svg.as_bytes(), force),
-        Kind::Png => save(path, &plot::png(&svg)?, force),
+    match kind {
+        Kind::Svg => Ok(file.fill(svg.as_bytes())?),
+        Kind::Png => Ok(file.fill(&plot::png(&svg)?)?),
     }
 }
 

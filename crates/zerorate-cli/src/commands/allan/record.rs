@@ -4,8 +4,6 @@ use super::units;
 use super::{AllanArgs, Data};
 use crate::column::{self, Column, Series};
 use anyhow::{Context, Result, ensure};
-use std::fs::OpenOptions;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use zerorate::allan::{self, AllanWarning, Analysis, Averaging, Deviation, Fit, FitError, Input, Options, Stat, Taus};
 
@@ -166,12 +164,4 @@ fn fit(input: &Input<'_>, shown: &Analysis, options: &Options) -> Result<Fit, Fi
     };
     let octaves: Vec<Deviation> = points.iter().map(Deviation::from).collect();
     allan::fit(&octaves, shown.rate_hz, shown.samples)
-}
-
-/// Writes a file whole, and does not overwrite one unless `force`.
-pub fn save(path: &Path, bytes: &[u8], force: bool) -> Result<()> {
-    let mut options = OpenOptions::new();
-    options.write(true).create(true).truncate(true).create_new(!force);
-    let written = options.open(path).and_then(|mut file| file.write_all(bytes));
-    written.with_context(|| format!("cannot write {}", path.display()))
 }

@@ -1,25 +1,26 @@
 //! `zerorate calibrate` and `recalibrate`: the procedure of F-51, on a part or on its recording.
 
+mod deliver;
 mod plan;
 mod report;
 
-use super::{print, print_json, warn};
+use super::warn;
 use crate::acquire::Acquisition;
-use crate::capture::output::Staged;
 use crate::capture::{CaptureInfo, CaptureWriter, Format, SampleHash};
 use crate::cli::{DeviceArgs, SamplingArgs};
 use crate::device::{Device, DeviceSpec};
 use crate::duration::Seconds;
 use crate::exit::{Refused, Usage};
 use crate::interrupt;
+use crate::output::{Outputs, Staged};
 use crate::progress::{Meter, Watch};
 use adis16130::Sample;
 use adis16130_twin::Truth;
-use anyhow::{Context, Result, ensure};
+use anyhow::Result;
 use clap::{Args, ValueEnum};
+use deliver::Undelivered;
 use plan::PlanArgs;
 pub use report::Report;
-use std::fs;
 use std::path::{Path, PathBuf};
 use zerorate::calibration::Origin;
 use zerorate::{Action, Calibration, Event, Outcome, Procedure, Refusal, State};
@@ -50,10 +51,6 @@ pub struct CalibrateArgs {
     /// Record every sample to this file, from which `zerorate recalibrate` gives the same result.
     #[arg(long, value_name = "FILE", help_heading = "Result")]
     log: Option<PathBuf>,
-
-    /// Overwrite an existing --log file.
-    #[arg(long, requires = "log", help_heading = "Result")]
-    force: bool,
 }
 
 /// Computes the calibration again from a recorded capture.
@@ -76,9 +73,13 @@ pub struct RecalibrateArgs {
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Result")]
 struct ResultArgs {
-    /// Write the calibration file; an older one of that name is replaced only by a good new one.
+    /// Write the calibration file. It gets its name only when it is complete.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
+
+    /// Overwrite existing files: an older calibration only by a good new one, a capture only by --log.
+    #[arg(long)]
+    force: bool,
 
     /// The procedure.
     #[arg(long, value_enum, default_value = "an1042")]
@@ -105,46 +106,41 @@ enum Method {
 }
 
 pub fn run(args: &CalibrateArgs) -> Result<()> {
+    let files = Files::claim(args.device.file(), &args.result, args.log.as_deref())?;
     let acquisition = Acquisition::open(&args.device, args.sampling)?;
-    calibrate(acquisition, &args.plan, &args.result, args.log())
+    calibrate(acquisition, &args.plan, &args.result, files)
 }
 
 pub fn run_again(args: &RecalibrateArgs) -> Result<()> {
-    interrupt::listen()?;
+    interrupt::listen();
+    let files = Files::claim(Some(&args.capture), &args.result, None)?;
     let device = Device::open(&DeviceSpec::replay(args.capture.clone()), SamplingArgs::AS_RECORDED)?;
-    calibrate(Acquisition::unpaced(device), &args.plan, &args.result, None)
+    calibrate(Acquisition::unpaced(device), &args.plan, &args.result, files)
 }
 
 /// The measurement alone, for another program: prints nothing, leaves Ctrl-C alone, and ends when `watch` says so.
 pub fn measured(args: &CalibrateArgs, watch: &mut dyn Watch) -> Result<(Report, Calibration)> {
+    let files = Files::claim(args.device.file(), &args.result, args.log.as_deref())?;
     let device = Device::open(&args.device.device, args.sampling)?;
     let procedure = procedure(&args.plan)?;
-    measure(Acquisition::unpaced(device), procedure, &args.result, args.log(), watch)
+    let Done { report, calibration, kept } =
+        measure(Acquisition::unpaced(device), procedure, &args.result, files, watch)?;
+    kept.map_err(Undelivered::into_error)?;
+    Ok((report, calibration))
 }
 
-impl CalibrateArgs {
-    fn log(&self) -> Option<Log<'_>> {
-        self.log.as_deref().map(|path| Log { path, force: self.force })
-    }
-}
-
-/// Where the samples are recorded.
-#[derive(Clone, Copy)]
-struct Log<'a> {
-    path: &'a Path,
-    force: bool,
-}
-
-fn calibrate(acquisition: Acquisition, plan: &PlanArgs, result: &ResultArgs, log: Option<Log>) -> Result<()> {
+fn calibrate(acquisition: Acquisition, plan: &PlanArgs, result: &ResultArgs, files: Files) -> Result<()> {
     let procedure = procedure(plan)?;
     let mut meter = Meter::new(procedure.plan().total_s());
-    let (report, _) = measure(acquisition, procedure, result, log, &mut meter)?;
+    let done = measure(acquisition, procedure, result, files, &mut meter)?;
     drop(meter);
-    if result.json {
-        return print_json(&report);
+    if !result.json {
+        warn(&done.report.warnings);
     }
-    warn(&report.warnings);
-    print(&report.text(result.output.as_deref()))
+    match done.kept {
+        Ok(()) => deliver::print_result(&done.report, &done.calibration, result),
+        Err(undelivered) => undelivered.print(done.report, &done.calibration, result.json),
+    }
 }
 
 fn procedure(plan: &PlanArgs) -> Result<Procedure> {
@@ -155,30 +151,61 @@ fn measure(
     mut acquisition: Acquisition,
     procedure: Procedure,
     result: &ResultArgs,
-    log: Option<Log>,
+    mut files: Files,
     watch: &mut dyn Watch,
-) -> Result<(Report, Calibration)> {
-    let file = result.output.as_deref().map(claim).transpose()?;
+) -> Result<Done> {
     let device = acquisition.device();
     let info = device.info(result.serial.as_deref(), result.supply_note.as_deref());
-    let writer = log.map(|log| CaptureWriter::create(log.path, Format::choose(None, log.path), &info, log.force));
-    let measured = Measurement::new(acquisition, procedure, writer.transpose()?, watch).run()?;
+    let log = files.log(&info)?;
+    let measured = Measurement::new(acquisition, procedure, log, watch).run()?;
     let calibration = Calibration::new(&measured.outcome, origin(info, measured.capture_sha256));
-    if let Some(file) = file {
-        fs::write(file.path(), calibration.to_toml()).with_context(|| format!("writing {}", file.path().display()))?;
-        file.publish()?;
-    }
-    Ok((Report::new(&measured.outcome, &calibration, measured.truth.as_ref()), calibration))
+    let report = Report::new(&measured.outcome, &calibration, measured.truth.as_ref());
+    let kept = match measured.log_failed {
+        Some(error) => Err(error),
+        None => {
+            files.calibration.map_or(Ok(()), |file| file.fill(calibration.to_toml().as_bytes())).map_err(Into::into)
+        }
+    };
+    let kept = kept.map_err(|why| Undelivered::rescue(why, &files.wanted, &calibration));
+    Ok(Done { report, calibration, kept })
 }
 
-/// Makes sure that the file can be written before an hour is spent on its content.
-fn claim(path: &Path) -> Result<Staged> {
-    ensure!(!path.is_dir(), "cannot write {}: it is a folder", path.display());
-    let file = Staged::new(path, true)?;
-    if file.path() != path {
-        fs::write(file.path(), "").with_context(|| format!("cannot write {}", path.display()))?;
+/// A measurement that came to a result.
+struct Done {
+    report: Report,
+    calibration: Calibration,
+    /// Whether all files that were asked for are there.
+    kept: Result<(), Undelivered>,
+}
+
+/// The files that were asked for, claimed before an hour is spent on their content.
+struct Files {
+    outputs: Outputs,
+    calibration: Option<Staged>,
+    log: Option<PathBuf>,
+    /// What they were to be called, that of the calibration first.
+    wanted: Vec<PathBuf>,
+}
+
+impl Files {
+    fn claim(input: Option<&Path>, result: &ResultArgs, log: Option<&Path>) -> Result<Self> {
+        let mut outputs = Outputs::new(result.force).printing().reading(input)?;
+        Ok(Self {
+            calibration: result.output.as_deref().map(|path| outputs.derived(path)).transpose()?,
+            log: log.map(Path::to_owned),
+            wanted: result.output.as_deref().into_iter().chain(log).map(Path::to_owned).collect(),
+            outputs,
+        })
     }
-    Ok(file)
+
+    /// Starts the log, once there is something to record.
+    fn log(&mut self, info: &CaptureInfo) -> Result<Option<CaptureWriter>> {
+        let start = |path: PathBuf| {
+            let file = self.outputs.recording(&path)?;
+            Ok(CaptureWriter::create(file, Format::choose(None, &path), info)?)
+        };
+        self.log.take().map(start).transpose()
+    }
 }
 
 fn origin(info: CaptureInfo, capture_sha256: String) -> Origin {
@@ -202,6 +229,7 @@ struct Measurement<'a> {
     acquisition: Acquisition,
     procedure: Procedure,
     log: Option<CaptureWriter>,
+    log_failed: Option<anyhow::Error>,
     hash: SampleHash,
     /// The twin's truth at the end of step 8.
     truth: Option<Truth>,
@@ -213,6 +241,7 @@ struct Measured {
     outcome: Outcome,
     capture_sha256: String,
     truth: Option<Truth>,
+    log_failed: Option<anyhow::Error>,
 }
 
 impl<'a> Measurement<'a> {
@@ -222,20 +251,21 @@ impl<'a> Measurement<'a> {
         log: Option<CaptureWriter>,
         watch: &'a mut dyn Watch,
     ) -> Self {
-        Self { acquisition, procedure, log, hash: SampleHash::new(), truth: None, watch }
+        Self { acquisition, procedure, log, log_failed: None, hash: SampleHash::new(), truth: None, watch }
     }
 
     fn run(mut self) -> Result<Measured> {
         let fed = self.feed();
         // Whatever happened, the log stays whole.
-        if let Some(log) = self.log.take() {
-            log.finish()?;
+        if let Some(Err(error)) = self.log.take().map(CaptureWriter::finish) {
+            self.lose_log(error.into());
         }
         fed?;
         Ok(Measured {
             outcome: self.procedure.finish().map_err(refused)?,
             capture_sha256: self.hash.hex(),
             truth: self.truth,
+            log_failed: self.log_failed,
         })
     }
 
@@ -271,8 +301,8 @@ impl<'a> Measurement<'a> {
     #[inline]
     fn take(&mut self, sample: &Sample) -> Result<()> {
         self.hash.update(sample);
-        if let Some(log) = &mut self.log {
-            log.push(sample)?;
+        if let Some(Err(error)) = self.log.as_mut().map(|log| log.push(sample)) {
+            self.lose_log(error.into());
         }
         let in_step_8 = self.procedure.progress().state == State::Offset;
         self.procedure.handle(Event::Sample(sample)).map_err(refused)?;
@@ -283,6 +313,15 @@ impl<'a> Measurement<'a> {
             return Err(self.interrupted());
         }
         Ok(())
+    }
+
+    /// A log that fails is a failure, but no reason to throw away the measurement.
+    #[cold]
+    fn lose_log(&mut self, error: anyhow::Error) {
+        let elapsed = Seconds(self.procedure.progress().elapsed_s);
+        warn(&[format!("the log failed after {elapsed}, the measurement goes on: {error:#}")]);
+        self.log = None;
+        self.log_failed = Some(error);
     }
 
     #[cold]

@@ -1,5 +1,6 @@
 //! The result of a calibration, for scripts (JSON) and for people (text).
 
+use super::deliver::Rescued;
 use crate::duration::Seconds;
 use adis16130_twin::Truth;
 use serde::Serialize;
@@ -35,6 +36,9 @@ pub struct Report {
     pub warnings: Vec<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     truth: Option<TruthReport>,
+    /// The calibration itself, where a file that was asked for could not be written.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rescued: Option<Rescued>,
 }
 
 /// What the twin knows: the values that a perfect measurement would find at the reported T3.
@@ -73,6 +77,7 @@ impl Report {
             calibration_id: calibration.id(),
             capture_sha256: calibration.capture_sha256.clone(),
             warnings: outcome.warnings.iter().map(super::super::coded).collect(),
+            rescued: None,
             truth: truth
                 .map(|truth| TruthReport { pbc_dps: truth.pbc_dps(t3_c), btc_dps_per_c: truth.btc_dps_per_c(t3_c) }),
         }

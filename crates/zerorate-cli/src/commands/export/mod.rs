@@ -4,12 +4,11 @@ mod firmware;
 
 use super::correct::load;
 use super::print;
-use crate::capture::output::Staged;
 use crate::exit::Usage;
-use anyhow::{Context, Result};
+use crate::output::Outputs;
+use anyhow::Result;
 use clap::{Args, ValueEnum};
 use serde::Serialize;
-use std::fs;
 use std::path::PathBuf;
 use zerorate::{Calibration, IntegerCorrection, TableRow};
 
@@ -38,6 +37,10 @@ pub struct ExportArgs {
     /// The file to write [default: stdout].
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
+
+    /// Overwrite an existing file, but never a capture.
+    #[arg(long, requires = "output")]
+    force: bool,
 }
 
 /// Forms of the export.
@@ -63,6 +66,7 @@ struct Export {
 }
 
 pub fn run(args: &ExportArgs) -> Result<()> {
+    let mut outputs = Outputs::new(args.force).reading([&*args.cal])?;
     let calibration = load(&args.cal)?;
     let rows = calibration.correction.table(args.step_c, args.span_c).map_err(|error| Usage(error.to_string()))?;
     let integer = calibration.correction.to_integer()?;
@@ -75,11 +79,7 @@ pub fn run(args: &ExportArgs) -> Result<()> {
     };
     match &args.output {
         None => print(&text),
-        Some(path) => {
-            let file = Staged::new(path, true)?;
-            fs::write(file.path(), text).with_context(|| format!("cannot write {}", path.display()))?;
-            Ok(file.publish()?)
-        }
+        Some(path) => Ok(outputs.derived(path)?.fill(text.as_bytes())?),
     }
 }
 

@@ -1,0 +1,40 @@
+//! Whether a calibration is that of the part: every part has its own bias, and the wrong one shows in nothing.
+
+use anyhow::{Result, bail};
+use std::path::Path;
+use zerorate::Calibration;
+
+/// The part whose rates are to be corrected.
+pub struct Part<'a> {
+    /// What it is called in messages: the device, or the capture.
+    pub name: &'a str,
+    /// Its serial number, as far as it is known.
+    pub serial: Option<&'a str>,
+    /// How to make it known.
+    pub advice: &'a str,
+}
+
+impl Part<'_> {
+    /// What is to be said where nothing shows that `calibration`, from the file `path`, is of this part.
+    ///
+    /// # Errors
+    /// Where it is of another.
+    pub fn check(&self, calibration: &Calibration, path: &Path) -> Result<Option<String>> {
+        let (name, path) = (self.name, path.display());
+        match (self.serial, calibration.serial.as_deref()) {
+            (Some(part), Some(calibrated)) if part == calibrated => Ok(None),
+            (Some(part), Some(calibrated)) => {
+                bail!(
+                    "{name} is part {part}, {path} is the calibration of part {calibrated}: every part has its own bias"
+                )
+            }
+            (None, Some(calibrated)) => Ok(Some(format!(
+                "unknown-serial: {path} is the calibration of part {calibrated}, and nothing shows that {name} is that part: {}",
+                self.advice
+            ))),
+            (_, None) => Ok(Some(format!(
+                "unknown-serial: {path} says of no part that it is its calibration, and every part has its own bias: give `zerorate calibrate` the serial number, --serial SN"
+            ))),
+        }
+    }
+}

@@ -1,0 +1,61 @@
+//! Why a file is not written.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// Why an output is refused, or failed.
+#[derive(Debug, thiserror::Error)]
+pub enum OutputError {
+    /// There is a file of that name.
+    #[error("{} exists, and is not overwritten by accident: choose another name, or give --force", path.display())]
+    Exists { path: PathBuf },
+
+    /// The run reads that file.
+    #[error("{} would be overwritten while it is read, since it is the same file as the input {}: choose another name", path.display(), input.display())]
+    IsInput { path: PathBuf, input: PathBuf },
+
+    /// The run writes that file already.
+    #[error("{} is the same file as {other}, where other output of this command goes: choose another name", path.display())]
+    Twice { path: PathBuf, other: String },
+
+    /// There is a recording of that name, and the new file would not be one.
+    #[error("{} is a capture, which cannot be had again: not even --force replaces it by a computed file; choose another name, or remove it yourself", path.display())]
+    IsCapture { path: PathBuf },
+
+    /// Another process writes that file.
+    #[error("{} is being written by another zerorate: choose another name, or wait for it to end", path.display())]
+    Busy { path: PathBuf },
+
+    /// Something else took the name since this run claimed it.
+    #[error("{} was written by something else meanwhile, and is left as it is", path.display())]
+    TakenMeanwhile { path: PathBuf },
+
+    /// A link to nothing: whoever made it may have wanted the file elsewhere than its user thinks.
+    #[error("{} is a symbolic link to {}, which does not exist; a file is not made through a link: name the file itself, or remove the link", path.display(), target.display())]
+    Dangling { path: PathBuf, target: PathBuf },
+
+    /// A link that somebody else made, in a folder that is not theirs.
+    #[error("{} is a symbolic link that another user (uid {uid}) made, to {}: it is not followed; name the file itself", path.display(), target.display())]
+    ForeignLink { path: PathBuf, target: PathBuf, uid: u32 },
+
+    /// No file can have that name.
+    #[error("cannot write {}: it is a folder", path.display())]
+    Folder { path: PathBuf },
+
+    /// The file system said no.
+    #[error("cannot {action} {}", path.display())]
+    Io { action: &'static str, path: PathBuf, source: io::Error },
+}
+
+impl OutputError {
+    /// Whether another name, or `--force`, is all that it takes: exit code 2.
+    #[must_use]
+    pub fn is_refusal(&self) -> bool {
+        !matches!(self, Self::Io { .. } | Self::Folder { .. } | Self::TakenMeanwhile { .. })
+    }
+
+    /// An I/O error, with what was being done to which file.
+    pub(super) fn io(action: &'static str, path: &Path, source: io::Error) -> Self {
+        Self::Io { action, path: path.to_owned(), source }
+    }
+}

@@ -1,0 +1,127 @@
+//! What an output's name leads to.
+
+use super::OutputError;
+use super::identity::Identity;
+use std::ffi::{OsStr, OsString};
+use std::fs::{self, Metadata};
+use std::io::{self, ErrorKind};
+use std::path::{Path, PathBuf};
+
+/// Links in a row that are followed, as many as Linux follows.
+const MOST_LINKS: usize = 40;
+
+/// Where an output will be.
+#[derive(Clone, Debug)]
+pub enum Place {
+    /// A name in a folder, with or without a file. Links to it have been followed.
+    Name {
+        folder: PathBuf,
+        name: OsString,
+        /// The regular file that is there now.
+        replaces: Option<Identity>,
+    },
+    /// A pipe, a terminal, a device: nothing there can be lost, and nothing can be renamed onto it.
+    Stream { path: PathBuf, identity: Option<Identity> },
+}
+
+impl Place {
+    /// Follows the links of `path`, where that can be trusted.
+    pub fn of(path: &Path) -> Result<Self, OutputError> {
+        let mut at = path.to_owned();
+        for _ in 0..MOST_LINKS {
+            match fs::symlink_metadata(&at) {
+                Ok(metadata) if metadata.is_symlink() => match follow(path, &at, &metadata)? {
+                    Followed::Stream(identity) => return Ok(Self::Stream { path: path.to_owned(), identity }),
+                    Followed::To(next) => at = next,
+                },
+                Ok(metadata) if metadata.is_dir() => return Err(OutputError::Folder { path: path.to_owned() }),
+                Ok(metadata) if metadata.is_file() => return Self::named(path, &at, Identity::of(&metadata, &at)),
+                Ok(metadata) => {
+                    return Ok(Self::Stream { path: path.to_owned(), identity: pipe(&metadata, &at) });
+                }
+                Err(error) if error.kind() == ErrorKind::NotFound => return Self::named(path, &at, None),
+                Err(error) => return Err(OutputError::io("write", path, error)),
+            }
+        }
+        Err(OutputError::io("write", path, io::Error::other("too many symbolic links in a row")))
+    }
+
+    fn named(path: &Path, at: &Path, replaces: Option<Identity>) -> Result<Self, OutputError> {
+        let failed = |error| OutputError::io("write", path, error);
+        let name = at.file_name().ok_or_else(|| OutputError::Folder { path: path.to_owned() })?;
+        let folder = folder_of(at).canonicalize().map_err(failed)?;
+        Ok(Self::Name { folder, name: name.to_owned(), replaces })
+    }
+
+    /// Whether a file would be overwritten.
+    pub fn exists(&self) -> bool {
+        matches!(self, Self::Name { replaces: Some(_), .. })
+    }
+
+    /// Which file it is; none for a device, which any number of outputs may share.
+    pub fn identity(&self) -> Option<Identity> {
+        match self {
+            Self::Name { replaces: Some(file), .. } => Some(file.clone()),
+            Self::Name { folder, name, .. } => Some(Identity::Name(folder.clone(), name.clone())),
+            Self::Stream { identity, .. } => identity.clone(),
+        }
+    }
+}
+
+/// The folder that holds `path`.
+pub fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|folder| *folder != OsStr::new("")).unwrap_or(Path::new("."))
+}
+
+/// Two outputs in one pipe are mixed, in one device they are not of interest.
+pub fn pipe(metadata: &Metadata, path: &Path) -> Option<Identity> {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::FileTypeExt;
+        let kind = metadata.file_type();
+        (kind.is_fifo() || kind.is_socket()).then(|| Identity::of(metadata, path)).flatten()
+    }
+    #[cfg(not(unix))]
+    {
+        let _ = (metadata, path);
+        None
+    }
+}
+
+enum Followed {
+    Stream(Option<Identity>),
+    To(PathBuf),
+}
+
+/// One step along a link that `path` has led to.
+fn follow(path: &Path, link: &Path, metadata: &Metadata) -> Result<Followed, OutputError> {
+    let target = fs::read_link(link).map_err(|error| OutputError::io("write", path, error))?;
+    refuse_foreign(path, link, metadata, &target)?;
+    match fs::metadata(link) {
+        Ok(end) if !end.is_file() && !end.is_dir() => Ok(Followed::Stream(pipe(&end, link))),
+        Ok(_) => Ok(Followed::To(folder_of(link).join(target))),
+        Err(error) if error.kind() == ErrorKind::NotFound => {
+            Err(OutputError::Dangling { path: path.to_owned(), target })
+        }
+        Err(error) => Err(OutputError::io("write", path, error)),
+    }
+}
+
+/// The rule of Linux (`fs.protected_symlinks`), in every folder: a link is its follower's, the administrator's, or of the folder's owner.
+#[cfg(unix)]
+fn refuse_foreign(path: &Path, link: &Path, metadata: &Metadata, target: &Path) -> Result<(), OutputError> {
+    use std::os::unix::fs::MetadataExt;
+    let uid = metadata.uid();
+    let owns_folder = || fs::metadata(folder_of(link)).is_ok_and(|folder| folder.uid() == uid);
+    // whose files are mine is best known from one
+    let is_mine = || tempfile::tempfile().and_then(|file| file.metadata()).is_ok_and(|mine| mine.uid() == uid);
+    if uid == 0 || owns_folder() || is_mine() {
+        return Ok(());
+    }
+    Err(OutputError::ForeignLink { path: path.to_owned(), target: target.to_owned(), uid })
+}
+
+#[cfg(not(unix))]
+fn refuse_foreign(_: &Path, _: &Path, _: &Metadata, _: &Path) -> Result<(), OutputError> {
+    Ok(())
+}

@@ -1,0 +1,84 @@
+//! A file that takes its name only when it is complete and on the disk.
+
+use super::OutputError;
+use super::disk::{claim, sync_folder};
+use super::identity::Identity;
+use super::place::Place;
+use super::temporary::Temporary;
+use std::fs::{File, OpenOptions};
+use std::io::{ErrorKind, Write};
+use std::path::{Path, PathBuf};
+
+/// A claimed output. Dropped before [`Staged::publish`], it leaves everything as it was.
+#[derive(Debug)]
+pub struct Staged {
+    /// As it was asked for.
+    path: PathBuf,
+    form: Form,
+}
+
+#[derive(Debug)]
+enum Form {
+    File { unfinished: Temporary, folder: PathBuf, target: PathBuf, replaces: Option<Identity> },
+    Stream(File),
+}
+
+impl Staged {
+    /// Makes sure that the output can be written: a pipe or a device is opened, and beside a name an unfinished file is made.
+    pub(super) fn new(path: &Path, place: Place) -> Result<Self, OutputError> {
+        let form = match place {
+            Place::Stream { path: stream, .. } => Form::Stream(
+                OpenOptions::new().write(true).open(stream).map_err(|error| OutputError::io("write", path, error))?,
+            ),
+            Place::Name { folder, name, replaces } => {
+                let unfinished = claim(path, &folder, &name)?;
+                Form::File { unfinished, target: folder.join(name), folder, replaces }
+            }
+        };
+        Ok(Self { path: path.to_owned(), form })
+    }
+
+    /// To write to.
+    ///
+    /// # Errors
+    /// Where the process has too many files open.
+    pub fn file(&self) -> Result<File, OutputError> {
+        let file = match &self.form {
+            Form::File { unfinished, .. } => unfinished.file(),
+            Form::Stream(file) => file,
+        };
+        file.try_clone().map_err(|error| OutputError::io("write", &self.path, error))
+    }
+
+    /// Writes the whole content and publishes it.
+    ///
+    /// # Errors
+    /// As [`Staged::publish`].
+    pub fn fill(self, content: &[u8]) -> Result<(), OutputError> {
+        self.file()?.write_all(content).map_err(|error| OutputError::io("write", &self.path, error))?;
+        self.publish()
+    }
+
+    /// The file is complete: onto the disk with it, then the name, then the name onto the disk.
+    ///
+    /// # Errors
+    /// What the file system says, or that something else took the name meanwhile.
+    pub fn publish(self) -> Result<(), OutputError> {
+        let path = self.path;
+        let failed = |error| OutputError::io("write", &path, error);
+        let Form::File { unfinished, folder, target, replaces } = self.form else {
+            return Ok(());
+        };
+        unfinished.file().sync_all().map_err(failed)?;
+        let found = Identity::of_file(&target);
+        let named = match replaces {
+            Some(old) if found.as_ref() == Some(&old) => unfinished.replace(&target),
+            _ => unfinished.name(&target),
+        };
+        match named {
+            Ok(_) => sync_folder(&folder).map_err(failed),
+            Err(error) if error.kind() == ErrorKind::AlreadyExists => Err(OutputError::TakenMeanwhile { path }),
+            Err(error) => Err(failed(error)),
+        }
+    }
+}

@@ -1,0 +1,104 @@
+//! Files that must not outlive the run, however it ends: they are removed on drop, and by a signal that ends the program at once.
+
+use std::collections::BTreeSet;
+use std::fs::{self, File, Permissions};
+use std::io::{self, ErrorKind};
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use tempfile::{Builder, NamedTempFile};
+
+static ALL: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+
+fn all() -> MutexGuard<'static, BTreeSet<PathBuf>> {
+    ALL.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Removes all that there are, as the last thing that the program does: later ones wait for ever.
+pub fn remove_all_for_good() {
+    let all = all();
+    for path in all.iter() {
+        let _ = fs::remove_file(path);
+    }
+    std::mem::forget(all);
+}
+
+/// A file with a name that nothing had before, made exclusively.
+#[derive(Debug)]
+pub struct Temporary {
+    file: NamedTempFile,
+    _listed: Listed,
+}
+
+impl Temporary {
+    /// In the system's folder for such files, readable by nobody else.
+    pub fn in_passing() -> io::Result<Self> {
+        Self::create(&std::env::temp_dir(), Builder::new().prefix("zerorate-"))
+    }
+
+    /// In `folder`, to be kept under another name, with the permissions of any new file.
+    pub fn for_keeps(folder: &Path, start: &str, end: &str) -> io::Result<Self> {
+        let mut builder = Builder::new();
+        builder.prefix(start).suffix(end);
+        if let Some(permissions) = permissions_before_umask() {
+            builder.permissions(permissions);
+        }
+        Self::create(folder, &builder)
+    }
+
+    fn create(folder: &Path, builder: &Builder<'_, '_>) -> io::Result<Self> {
+        let mut all = all();
+        let file = builder.tempfile_in(folder)?;
+        all.insert(file.path().to_owned());
+        let listed = Listed(file.path().to_owned());
+        Ok(Self { file, _listed: listed })
+    }
+
+    /// The open file.
+    pub fn file(&self) -> &File {
+        self.file.as_file()
+    }
+
+    /// Its name.
+    pub fn path(&self) -> &Path {
+        self.file.path()
+    }
+
+    /// Lets the file stay under the name it has, and returns that.
+    pub fn keep(self) -> io::Result<PathBuf> {
+        Ok(self.file.keep()?.1)
+    }
+
+    /// Gives the file its name, in place of the file that has it.
+    pub fn replace(self, target: &Path) -> io::Result<File> {
+        Ok(self.file.persist(target)?)
+    }
+
+    /// Gives the file its name, which nothing must have.
+    pub fn name(self, target: &Path) -> io::Result<File> {
+        self.file.persist_noclobber(target).or_else(|refused| {
+            let taken = refused.error.kind() == ErrorKind::AlreadyExists || target.symlink_metadata().is_ok();
+            // a file system that can neither rename without replacing nor make a second link
+            if taken { Err(refused.error) } else { Ok(refused.file.persist(target)?) }
+        })
+    }
+}
+
+#[derive(Debug)]
+struct Listed(PathBuf);
+
+impl Drop for Listed {
+    fn drop(&mut self) {
+        all().remove(&self.0);
+    }
+}
+
+#[cfg(unix)]
+fn permissions_before_umask() -> Option<Permissions> {
+    use std::os::unix::fs::PermissionsExt;
+    Some(Permissions::from_mode(0o666))
+}
+
+#[cfg(not(unix))]
+fn permissions_before_umask() -> Option<Permissions> {
+    None
+}

@@ -1,0 +1,212 @@
+//! No command destroys what it reads or what is there, by whatever name it is called.
+
+use super::{Bench, calibration, capture};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+const ROWS: &str = "1000,1,8623488,8,8402701,0\n2000,2,8388608,8,,0\n3000,5,8153728,,8388608,1\n";
+const LOG: &str = "gz\n1\n2\n1\n3\n2\n1\n2\n3\n";
+/// The durations of a calibration that these files are no recording of: it would fail, but only after it was refused.
+const SHORT: &str = "--average 2s --warmup 60s --settle 120s --offset 20s --max-u-btc 0.2";
+
+/// A bench with a calibration, a capture, a corrected capture and a log of another gyroscope.
+fn bench() -> Bench {
+    let bench = Bench::new();
+    bench.write("unit.toml", calibration(-0.25, -0.04, 24.0));
+    bench.write("rest.csv", capture("A1", ROWS));
+    bench.write("log.csv", LOG);
+    bench.zerorate("correct rest.csv --cal unit.toml -o corrected.csv").ok();
+    bench
+}
+
+/// All files with their content, by name.
+fn content(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
+    let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let mut files: Vec<_> =
+        entries.filter(|path| path.is_file()).map(|path| (path.clone(), fs::read(path).unwrap())).collect();
+    files.sort();
+    files
+}
+
+/// The run ends with 2, says this, and every file is as it was, with none beside it.
+#[track_caller]
+fn refused(bench: &Bench, line: &str, reason: &str) {
+    let before = content(bench.dir.path());
+    let said = bench.zerorate(line).fails(2);
+    assert!(said.contains(reason), "zerorate {line}: {said}");
+    assert_eq!(content(bench.dir.path()), before, "zerorate {line} changed a file");
+}
+
+/// Each command with an output, which `OUT` stands for, and the inputs that it reads.
+fn commands() -> Vec<(String, &'static [&'static str])> {
+    let line = |line: &str| line.to_owned();
+    vec![
+        (line("capture --device replay:rest.csv -o OUT"), &["rest.csv"]),
+        (format!("calibrate --device replay:rest.csv {SHORT} -o OUT"), &["rest.csv"]),
+        (format!("calibrate --device replay:rest.csv {SHORT} --log OUT"), &["rest.csv"]),
+        (format!("recalibrate rest.csv {SHORT} -o OUT"), &["rest.csv"]),
+        (line("correct rest.csv --cal unit.toml -o OUT"), &["rest.csv", "unit.toml"]),
+        (line("export unit.toml --format c -o OUT"), &["unit.toml"]),
+        (line("report unit.toml -o OUT"), &["unit.toml"]),
+        (line("allan log.csv --rate 10 --unit dps --report OUT"), &["log.csv"]),
+        (line("allan log.csv --rate 10 --unit dps --imu-yaml OUT"), &["log.csv"]),
+    ]
+}
+
+#[test]
+fn an_input_is_not_an_output_by_any_name() {
+    let bench = bench();
+    let in_folder = |name: &str| bench.path(name);
+    fs::create_dir(in_folder("sub")).unwrap();
+    for (command, inputs) in commands() {
+        for input in inputs {
+            let _ = fs::remove_file(in_folder("hard"));
+            fs::hard_link(in_folder(input), in_folder("hard")).unwrap();
+            let names = [(*input).to_owned(), format!("./{input}"), format!("sub/../{input}"), "hard".to_owned()];
+            for name in names {
+                for force in ["", " --force"] {
+                    refused(&bench, &(command.replace("OUT", &name) + force), "same file as the input");
+                }
+            }
+        }
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn nor_through_a_link_or_a_standard_stream() {
+    use std::os::unix::fs::symlink;
+    use std::process::{Command, Stdio};
+    let bench = bench();
+    for (command, inputs) in commands() {
+        for input in inputs {
+            let _ = fs::remove_file(bench.path("link"));
+            symlink(input, bench.path("link")).unwrap();
+            refused(&bench, &(command.replace("OUT", "link") + " --force"), "same file as the input");
+        }
+    }
+    let before = content(bench.dir.path());
+    for (line, input) in [("export unit.toml --format csv", "unit.toml"), ("allan log.csv --rate 10 --csv", "log.csv")]
+    {
+        let appending = fs::OpenOptions::new().append(true).open(bench.path(input)).unwrap();
+        let mut command = Command::new(env!("CARGO_BIN_EXE_zerorate"));
+        command.args(line.split(' ')).current_dir(bench.dir.path()).stdout(Stdio::from(appending));
+        assert_eq!(command.output().unwrap().status.code(), Some(2), "{line} >> {input}");
+    }
+    assert_eq!(content(bench.dir.path()), before);
+}
+
+#[test]
+fn nothing_is_overwritten_without_force() {
+    let bench = bench();
+    bench.write("mine", "mine");
+    for (command, _) in commands() {
+        refused(&bench, &command.replace("OUT", "mine"), "--force");
+    }
+    bench.write("mine.svg", "mine");
+    refused(&bench, "allan log.csv --rate 10 --plot mine.svg", "--force");
+    refused(&bench, "capture --samples 10 -o mine", "--force");
+    for command in ["export unit.toml --format csv -o mine", "report unit.toml -o mine", "capture --samples 10 -o mine"]
+    {
+        bench.write("mine", "mine");
+        bench.zerorate(&format!("{command} --force")).ok();
+        assert_ne!(fs::read(bench.path("mine")).unwrap(), b"mine", "{command} --force");
+    }
+}
+
+/// What was computed can be computed again, what was recorded is gone.
+#[test]
+fn a_capture_is_replaced_by_a_capture_only() {
+    let bench = bench();
+    bench.zerorate("capture --samples 10 -o other.arrows").ok();
+    bench.zerorate("capture --samples 10 -o other.parquet").ok();
+    bench.write("other.csv", capture("A1", ROWS));
+    let whole = fs::read(bench.path("other.arrows")).unwrap();
+    bench.write("torn.arrows", &whole[..whole.len() - 100]);
+    let key = b"capture_schema";
+    let at = whole.windows(key.len()).position(|window| window == key).unwrap();
+    bench.write("flipped.arrows", [&whole[..at], b"kapture", &whole[at + 7..]].concat());
+    bench.write("torn.parquet", b"PAR1 and no index");
+    for other in ["other.arrows", "other.parquet", "other.csv", "torn.arrows", "flipped.arrows", "torn.parquet"] {
+        for (command, _) in commands().iter().filter(|(line, _)| !line.contains("capture") && !line.contains("--log")) {
+            refused(&bench, &(command.replace("OUT", other) + " --force"), "is a capture");
+        }
+        bench.zerorate(&format!("capture --samples 10 -o {other} --force")).ok();
+    }
+    bench.zerorate("correct rest.csv --cal unit.toml -o corrected.csv --force").ok();
+}
+
+#[test]
+fn two_outputs_are_two_files() {
+    let bench = bench();
+    for (line, force) in [
+        (format!("calibrate {SHORT} -o out --log out"), ""),
+        (format!("calibrate {SHORT} -o out --log ./out"), " --force"),
+        ("allan log.csv --rate 10 --unit dps --plot a.svg --report a.svg".to_owned(), ""),
+        ("allan log.csv --rate 10 --unit dps --report a --imu-yaml ./a".to_owned(), " --force"),
+    ] {
+        refused(&bench, &(line + force), "same file as");
+    }
+    if cfg!(unix) {
+        refused(&bench, "capture --samples 10 -o /dev/stdout", "same file as stdout");
+        refused(&bench, &format!("calibrate {SHORT} --log /dev/stdout"), "same file as stdout");
+        let printed = bench.zerorate("export unit.toml --format csv").ok();
+        assert_eq!(bench.zerorate("export unit.toml --format csv -o /dev/stdout").ok(), printed);
+    }
+}
+
+/// The folder holds what users call their files, and nothing of it is touched.
+#[test]
+fn a_file_called_part_is_its_users() {
+    let bench = bench();
+    let part = capture("A1", ROWS);
+    bench.write("out.part", &part);
+    bench.zerorate("correct out.part --cal unit.toml -o out").ok();
+    assert_eq!(fs::read_to_string(bench.path("out.part")).unwrap(), part);
+    bench.write("table.csv.part", "mine");
+    bench.zerorate("export unit.toml --format csv -o table.csv").ok();
+    assert_eq!(fs::read_to_string(bench.path("table.csv.part")).unwrap(), "mine");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_link_stays_a_link_and_leads_nowhere_new() {
+    use std::os::unix::fs::symlink;
+    let bench = bench();
+    let made = "export unit.toml --format csv -o";
+    // to nothing: not made there, with or without --force
+    for command in ["export unit.toml --format csv", "capture --samples 10", &format!("calibrate {SHORT}")] {
+        let _ = fs::remove_file(bench.path("planted"));
+        symlink("victim", bench.path("planted")).unwrap();
+        for force in ["", " --force"] {
+            refused(&bench, &format!("{command} -o planted{force}"), "symbolic link to victim");
+        }
+    }
+    // where an unfinished file may once have had its name
+    symlink("victim", bench.path("out.csv.part")).unwrap();
+    bench.zerorate(&format!("{made} out.csv")).ok();
+    assert!(!bench.path("victim").exists());
+    // to a file: kept, and the file it leads to is replaced if that is wanted
+    bench.write("dated.csv", "older");
+    symlink("dated.csv", bench.path("latest.csv")).unwrap();
+    refused(&bench, &format!("{made} latest.csv"), "--force");
+    bench.zerorate(&format!("{made} latest.csv --force")).ok();
+    assert_eq!(fs::read_link(bench.path("latest.csv")).unwrap(), Path::new("dated.csv"));
+    assert!(fs::read_to_string(bench.path("dated.csv")).unwrap().starts_with("delta_c"));
+    // round and round
+    symlink("b", bench.path("a")).unwrap();
+    symlink("a", bench.path("b")).unwrap();
+    bench.zerorate(&format!("{made} a")).fails(1);
+}
+
+/// An older copy under a hard link is a copy: a new recording does not reach through it.
+#[test]
+fn a_recording_that_replaces_another_leaves_its_hard_links() {
+    let bench = bench();
+    bench.zerorate("capture --samples 10 -o run.arrows").ok();
+    fs::hard_link(bench.path("run.arrows"), bench.path("backup")).unwrap();
+    let older = fs::read(bench.path("backup")).unwrap();
+    bench.zerorate("capture --samples 20 -o run.arrows --force").ok();
+    assert_eq!(fs::read(bench.path("backup")).unwrap(), older);
+    assert_ne!(fs::read(bench.path("run.arrows")).unwrap(), older);
+}
