@@ -226,6 +226,7 @@ macro_rules! shell {
                     let read = self.read_register::<RateStatus>()$($await)*?;
                     if !read.announces_rate() {
                         self.require_stale(read)$($await)*?;
+                        sampler.stale();
                         return Ok(None);
                     }
                     self.seen.note(Channel::Rate);

@@ -74,12 +74,15 @@ impl Timeline {
 
     /// Takes the next edge and returns the number of the newest rate update at that time; `None` if it is the edge
     /// before again.
+    ///
+    /// As long as nobody knows whether the first edge was that of a rate or of a temperature update, this is the lower of
+    /// the two numbers that are possible.
     #[inline]
     pub(crate) fn advance(&mut self, edge: Edge) -> Option<u64> {
         let Some(last) = self.last else {
             self.last = Some(edge);
             self.assume_temp_edge();
-            return Some(self.index);
+            return Some(self.number());
         };
         let edges = edge.seq.wrapping_sub(last.seq);
         if edges == 0 {
@@ -92,18 +95,43 @@ impl Timeline {
         } else {
             self.leap(elapsed_ns, edges);
         }
-        Some(self.index)
+        Some(self.number())
+    }
+
+    /// Whether the two possible numbers differ: the edges have changed from one kind of update to the other, and it is
+    /// not known which is which.
+    #[inline]
+    pub(crate) fn is_ambiguous(&self) -> bool {
+        self.tooth.on_rate && !self.aligned
+    }
+
+    /// Whether it is known which edges are those of rate updates.
+    pub(crate) fn is_aligned(&self) -> bool {
+        self.aligned
+    }
+
+    #[inline]
+    fn number(&self) -> u64 {
+        self.index.saturating_sub(self.is_ambiguous().into())
     }
 
     /// States that the edge just taken was a rate update, not one of temperature. Only the first time counts: from then
-    /// on the phase is tracked.
+    /// on the phase is tracked. Returns whether its number is thereby known to be the higher of two.
     #[inline]
-    pub(crate) fn align(&mut self) {
+    pub(crate) fn align(&mut self) -> bool {
+        let was_ambiguous = self.is_ambiguous();
         if !self.aligned {
             self.aligned = true;
             self.since_update = 0;
             self.tooth.on_rate = true;
         }
+        was_ambiguous
+    }
+
+    /// States that the edge just taken counts as the first, and returns its number.
+    pub(crate) fn begin(&mut self) -> u64 {
+        self.assume_temp_edge();
+        self.index
     }
 
     /// States that the conversions start anew: the next edge has a phase of its own.
@@ -225,8 +253,7 @@ impl Timeline {
     }
 
     /// The phase is unknown: the edge is taken for that of a temperature update, as the first one after an
-    /// initialisation is.
-    /// If it was not, at most one sample too many is counted as lost, never one too few.
+    /// initialisation is, until [`align`](Self::align).
     fn assume_temp_edge(&mut self) {
         self.since_update = self.comb.temp;
         self.tooth.on_rate = false;
@@ -355,10 +382,13 @@ struct Gaps {
     count: u32,
     nominal: i64,
     excess: i64,
+    /// The gap before was not near.
+    far: bool,
 }
 
 impl Gaps {
-    /// Adds a gap if it is near a period or, where edges do not keep to one kind of update, near a conversion.
+    /// Adds a gap if it is near a period or, where edges do not keep to one kind of update, near a conversion; and if the
+    /// one before was, since after a longer one the first timestamp may be late.
     fn push(&mut self, comb: &Comb, steady: bool, gap: i64) {
         let mut nearest = (comb.period, comb.nominal);
         if !steady {
@@ -370,7 +400,8 @@ impl Gaps {
             }
         }
         let (learned, nominal) = nearest;
-        if (gap - learned).abs() <= 3 * (comb.period >> 3) {
+        let far = (gap - learned).abs() > 3 * (comb.period >> 3);
+        if !core::mem::replace(&mut self.far, far) && !far {
             self.count += 1;
             self.nominal += nominal;
             self.excess += gap - nominal;

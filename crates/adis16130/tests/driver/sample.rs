@@ -70,9 +70,19 @@ fn without_status_and_temperature_it_reads_the_rate_only() {
 fn a_stale_edge_is_no_sample_and_no_loss() {
     let mut bench = Bench::new(SamplerConfig::new());
     bench.edge(1, 0x08).unwrap().unwrap();
-    assert_eq!(bench.edge(2, 0x02), Ok(None), "negative and read");
-    assert_eq!(bench.edge(3, 0x00), Ok(None), "positive and read, on a link that was looked at");
-    assert_eq!(bench.edge(4, 0x08).unwrap().unwrap().lost, 2, "but two periods have gone by");
+    bench.edge(2, 0x08).unwrap().unwrap();
+    assert_eq!(bench.edge(3, 0x02), Ok(None), "negative and read");
+    assert_eq!(bench.edge(4, 0x00), Ok(None), "positive and read, on a link that was looked at");
+    assert_eq!(bench.edge(5, 0x08).unwrap().unwrap().lost, 2, "but two periods have gone by");
+}
+
+#[test]
+fn what_a_late_first_sample_overtook_was_lost_before_it() {
+    let mut bench = Bench::new(SamplerConfig::new());
+    bench.edge(1, 0x08).unwrap().unwrap();
+    assert_eq!(bench.edge(2, 0x02), Ok(None), "the reading before took it");
+    assert_eq!(bench.edge(3, 0x08).unwrap().unwrap().lost, 0);
+    assert_eq!(bench.edge(5, 0x08).unwrap().unwrap().lost, 1);
 }
 
 #[test]

@@ -189,9 +189,29 @@ fn one_late_timestamp_costs_at_most_one() {
 
 #[test]
 fn a_change_between_rate_and_temperature_edges_is_counted_by_what_it_costs() {
-    // From a temperature edge to a rate edge 1.5 periods later a rate is missing; on the way back none is (F-32, F-33).
-    let lost = losses(&mut sampler(SamplerConfig::new()), [0.0, 1.0, 2.0, 3.5, 4.5, 6.0, 7.0, 8.5, 10.0]);
-    assert_eq!(lost, [0, 0, 0, 1, 0, 0, 0, 1, 0]);
+    // From a temperature edge to a rate edge 1.5 periods later a rate is missing; on the way back none is (F-32, F-33). At
+    // the first change the sampler finds out which is which, and says then what was lost.
+    let times = [0.0, 1.0, 2.0, 3.5, 4.5, 5.5, 7.0, 8.0, 9.5, 10.5];
+    assert_eq!(losses(&mut sampler(SamplerConfig::new()), times), [0, 0, 0, 0, 0, 1, 0, 0, 1, 0]);
+    // The same from edges that were those of rate: after a sample without temperature the next rate comes half a period
+    // later, and nothing is lost; then one on the way back.
+    let times = [0.0, 1.0, 2.0, 3.5, 4.0, 5.0, 6.5, 7.5, 9.0, 10.0];
+    assert_eq!(losses(&mut sampler(SamplerConfig::new()), times), [0, 0, 0, 0, 0, 0, 0, 0, 1, 0]);
+}
+
+#[test]
+fn the_first_change_leaves_two_temperatures_out() {
+    let mut sampler = sampler(SamplerConfig::new());
+    let times = [0.0, 1.0, 2.5, 3.5, 4.5, 6.0, 7.5];
+    let temps: Vec<bool> = (0..)
+        .zip(times)
+        .map(|(seq, time)| {
+            let due = sampler.edge(at(time, seq)).unwrap();
+            sampler.taken(&due);
+            due.temp
+        })
+        .collect();
+    assert_eq!(temps, [true, true, false, false, true, true, true]);
 }
 
 #[test]
