@@ -4,7 +4,7 @@ use crate::boundary::{self, Object};
 use crate::correction::Correction;
 use crate::gyro::Sample;
 use crate::status::{self, Numbered, Status, ZERORATE_E_STATE};
-use zerorate::{Action, Event, FixedProcedure, Outcome as CoreOutcome, Plan as CorePlan, State as CoreState, Warning};
+use zerorate::{Action, Event, FixedProcedure, Outcome as CoreOutcome, Plan as CorePlan, State as CoreState, Warning, WindowWarnings};
 
 /// A calibration that is going on. The memory is the caller's, the contents are private; begin it with zerorate_procedure_begin. It
 /// needs no tear-down.
@@ -141,7 +141,7 @@ impl Plan {
 }
 
 impl Outcome {
-    fn new(outcome: &CoreOutcome<[Option<Warning>; 7]>) -> Self {
+    fn new(outcome: &CoreOutcome<WindowWarnings>) -> Self {
         let zerorate::Correction { pbc_dps, btc_dps_per_c, t3_c } = outcome.correction;
         Self {
             correction: Correction { pbc_dps, btc_dps_per_c, t3_c },

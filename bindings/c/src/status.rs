@@ -245,7 +245,7 @@ impl Numbered for Refusal {
             Self::Noisy { .. } => ZERORATE_E_NOISY,
             Self::Span { .. } => ZERORATE_E_SPAN,
             Self::Curvature { .. } => ZERORATE_E_CURVATURE,
-            Self::Lost { .. } => ZERORATE_E_LOST,
+            Self::Lost { .. } | Self::Stuttering { .. } => ZERORATE_E_LOST,
             Self::Overranged { .. } => ZERORATE_E_OVERRANGED,
             Self::Frozen { .. } => ZERORATE_E_FROZEN,
             Self::TooFew { .. } => ZERORATE_E_TOO_FEW,

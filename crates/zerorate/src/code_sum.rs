@@ -81,11 +81,24 @@ mod tests {
     use super::*;
     use adis16130::Width;
 
-    /// F-42, a vector of each channel and width.
+    /// F-42: all nine rates, as printed to five digits, and a temperature of each width.
     #[test]
     fn codes_of_the_note() {
-        assert_eq!(rate_dps(RateCode::new(8_623_488, Width::Bits24)), 10.0);
-        assert_eq!(rate_dps(RateCode::new(2_516_608, Width::Bits24)), -250.0);
+        let rates = [
+            (14_260_608, 250.0),
+            (8_623_488, 10.0),
+            (8_388_612, 0.000_170_30),
+            (8_388_609, 0.000_042_575),
+            (8_388_608, 0.0),
+            (8_388_607, -0.000_042_575),
+            (8_388_604, -0.000_170_30),
+            (8_153_728, -10.0),
+            (2_516_608, -250.0),
+        ];
+        for (code, printed_dps) in rates {
+            let found_dps = rate_dps(RateCode::new(code, Width::Bits24));
+            assert!((found_dps - printed_dps).abs() < 5e-9, "{code}: {found_dps}");
+        }
         assert_eq!(temp_c(TempCode::new(9_234_188, Width::Bits24)), 85.0);
         assert_eq!(temp_c(TempCode::new(32_768, Width::Bits16)), 25.0);
     }

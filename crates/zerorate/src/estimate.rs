@@ -55,6 +55,8 @@ pub struct Outcome<W = Vec<Warning>> {
     pub samples: u64,
     /// Rate samples lost.
     pub lost_samples: u64,
+    /// Readings that are impossible for the part, and in no mean.
+    pub impossible_readings: u64,
     /// From the first sample to the last, s.
     pub duration_s: f64,
     /// Lowest temperature seen (mean over 0.1 s), °C.
@@ -118,7 +120,7 @@ pub(crate) fn span_suffices(seen: &Seen<'_>) -> Result<(), Refusal> {
 }
 
 /// The warnings that need no more than the windows, each where it applies.
-pub(crate) type WindowWarnings = [Option<Warning>; 7];
+pub type WindowWarnings = [Option<Warning>; 8];
 
 /// The result of a procedure that has reached its end and kept its seconds, in which steps of the bias are looked for.
 pub(crate) fn outcome_with_steps(seen: &Seen<'_>, seconds: impl Iterator<Item = Second>) -> Result<Outcome, Refusal> {
@@ -160,6 +162,7 @@ pub(crate) fn outcome<W>(
         rate_hz: tally.rate_hz(),
         samples: tally.samples,
         lost_samples: tally.lost,
+        impossible_readings: seen.windows.iter().map(|window| window.spoilt).sum(),
         duration_s: tally.duration_s(),
         temp_min_c,
         temp_max_c,
@@ -327,6 +330,7 @@ fn temperature_range(seen: &Seen<'_>) -> (f64, f64) {
 fn warnings(seen: &Seen<'_>, level: &Level, uncertainty: &Uncertainty, noise: &Noise) -> WindowWarnings {
     let (plan, model) = (seen.plan, &noise.model);
     let (lost, samples, rate_hz) = (seen.tally.lost, seen.tally.samples, seen.tally.rate_hz());
+    let spoilt: u64 = AVERAGES.iter().map(|state| seen.window(*state).spoilt).sum();
     let when = |condition: bool, warning: Warning| condition.then_some(warning);
     [
         when(plan.earth_dps.is_none(), Warning::EarthIncluded),
@@ -348,5 +352,6 @@ fn warnings(seen: &Seen<'_>, level: &Level, uncertainty: &Uncertainty, noise: &N
                 typical_dps: TYPICAL_FLICKER_FLOOR_DPS,
             },
         ),
+        when(spoilt > 0, Warning::Impossible { count: spoilt, fraction: spoilt as f64 / samples as f64 }),
     ]
 }

@@ -1,9 +1,9 @@
 //! What the procedure keeps of its samples, and what it asks of that.
 
 use crate::code_sum::CodeSum;
+use crate::health::Judged;
 use crate::procedure::{STATES, State};
 use crate::stationarity::Verdict;
-use adis16130::Sample;
 
 /// Length of a block, s. Long against the filter of the part (F-03, F-04), short against everything that drifts.
 pub(crate) const BLOCK_S: f64 = 0.1;
@@ -17,7 +17,7 @@ pub trait Ledger: Clone + core::fmt::Debug + Default {
     fn open(&mut self, state: State, start_ns: u64, end_ns: u64);
 
     /// A sample of the step that was opened last.
-    fn push(&mut self, state: State, at_ns: u64, sample: &Sample);
+    fn push(&mut self, state: State, at_ns: u64, judged: &Judged);
 
     /// The step is over.
     fn close(&mut self, state: State);
@@ -42,6 +42,8 @@ pub struct Summary {
     pub(crate) samples: u64,
     pub(crate) lost: u64,
     pub(crate) overranged: u64,
+    /// Readings that are impossible, and are in no sum.
+    pub(crate) spoilt: u64,
     pub(crate) rate: CodeSum,
     pub(crate) temp: CodeSum,
     /// Block means of the rate: adjacent ones.
@@ -75,9 +77,4 @@ impl Summary {
     pub(crate) fn temp_c(&self) -> Option<f64> {
         self.temp.temp_c()
     }
-}
-
-/// F-35: OVR in the channel status; where no status was read, a code at the rail.
-pub(crate) fn is_overranged(sample: &Sample) -> bool {
-    sample.status.map_or_else(|| sample.rate.is_at_rail(), |status| status.out_of_range())
 }

@@ -12,11 +12,15 @@ mod code_sum;
 mod code_table;
 mod correction;
 mod estimate;
+mod freeze;
+pub mod health;
 mod ledger;
 pub mod noise;
 mod notice;
+pub mod plausible;
 mod procedure;
 mod record;
+pub mod resonance;
 mod running;
 mod stationarity;
 mod steps;
@@ -27,7 +31,9 @@ pub use calibration::Calibration;
 pub use code_sum::{CodeSum, rate_dps, temp_c};
 pub use code_table::{CodeTable, RowIndex};
 pub use correction::{Correction, CorrectionF32, IntegerCorrection, IntegerError, TableError, TableRow};
-pub use estimate::{BANDWIDTH_HZ, Noise, Outcome, TYPICAL_CURVATURE_DPS_PER_C2, TYPICAL_HYSTERESIS_DPS, Uncertainty};
+pub use estimate::{
+    BANDWIDTH_HZ, Noise, Outcome, TYPICAL_CURVATURE_DPS_PER_C2, TYPICAL_HYSTERESIS_DPS, Uncertainty, WindowWarnings,
+};
 pub use notice::{EARTH_DPS, Refusal, SUPPLY_DPS_PER_MV, Warning};
 pub use procedure::{Action, Event, FixedProcedure, Plan, PlanError, Procedure, Progress, State};
 pub use tally::Tally;

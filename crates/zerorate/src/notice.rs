@@ -29,6 +29,10 @@ pub enum Warning {
     Lost { lost: u64, fraction: f64 },
     /// The bias wanders more than the part's typical flicker noise.
     Wandering { floor_dps: f64, typical_dps: f64 },
+    /// Readings that the part cannot have measured were left out.
+    Impossible { count: u64, fraction: f64 },
+    /// The mechanical resonance appears near zero, where it looks like a bias.
+    Resonance { folded_hz: f64, rate_hz: f64, divider: Option<u16> },
 }
 
 impl Warning {
@@ -44,6 +48,8 @@ impl Warning {
             Self::Aliased { .. } => "aliased",
             Self::Lost { .. } => "lost-samples",
             Self::Wandering { .. } => "wandering-bias",
+            Self::Impossible { .. } => "impossible-readings",
+            Self::Resonance { .. } => "resonance",
         }
     }
 }
@@ -83,6 +89,21 @@ impl fmt::Display for Warning {
                 f,
                 "the bias wanders more than a typical unit's: a flicker floor of {floor_dps:.4} °/s where {typical_dps} °/s is typical; the uncertainties follow it"
             ),
+            Self::Impossible { count, fraction } => write!(
+                f,
+                "{count} readings ({:.4} %) are impossible for the bandwidth of the part, as after bit errors, and are left out; errors too small to tell from motion may have passed: lower the SPI clock, shorten or shield the cable",
+                fraction * 100.0
+            ),
+            Self::Resonance { folded_hz, rate_hz, divider } => {
+                write!(
+                    f,
+                    "at {rate_hz:.1} samples a second the resonance of about 14.3 kHz (F-07, known to ±50 Hz) appears at {folded_hz:.1} Hz, where averaging may not remove it: up to 0.03 °/s of false bias; "
+                )?;
+                match divider {
+                    Some(divider) => write!(f, "read on every edge number {divider} instead (a divider of {divider})"),
+                    None => f.write_str("read at another rate"),
+                }
+            }
         }
     }
 }
@@ -108,6 +129,10 @@ pub enum Refusal {
     Overranged { window: State, count: u64, samples: u64 },
     /// The readings stopped changing.
     Frozen { at_s: f64, for_s: f64, both: bool },
+    /// Too many readings that the part cannot have measured; or some, and a rest that moves.
+    BitErrors { window: State, count: u64, samples: u64, still_moves: bool },
+    /// Too many samples were lost, and in the gaps data ready itself was silent.
+    Stuttering { window: State, lost: u64, samples: u64, silent_gaps: u64, gaps: u64 },
     /// A window holds too few samples.
     TooFew { window: State, samples: u64, needed: u64 },
     /// A window holds no temperature.
@@ -148,9 +173,24 @@ impl fmt::Display for Refusal {
                 f,
                 "{count} of {samples} readings during {window} are out of range: the part turns, or its supply or wiring is wrong"
             ),
+            Self::BitErrors { window, count, samples, still_moves } => write!(
+                f,
+                "the line carries bit errors: {count} of {samples} readings during {window} are impossible for the bandwidth of the part{}; lower the SPI clock, shorten or shield the cable{}",
+                if still_moves {
+                    ", and the rest varies more than noise explains, by errors too small to tell from motion or by motion as well"
+                } else {
+                    ""
+                },
+                if still_moves { ", and fix the part to a still platform" } else { "" },
+            ),
+            Self::Stuttering { window, lost, samples, silent_gaps, gaps } => write!(
+                f,
+                "{lost} of {} samples were lost during {window}, and in {silent_gaps} of {gaps} gaps no edge of data ready came: RDY (pin 10) stutters, or the host was deaf to it for that long; check its wire, its level and its pull-up, and only then what else the host does",
+                lost + samples
+            ),
             Self::Frozen { at_s, for_s, both } => write!(
                 f,
-                "the {} frozen: at {at_s:.1} s the code had not changed for {for_s:.0} s, while noise changes every reading; reset the part and check SDO and the supply",
+                "the {} frozen: at {at_s:.1} s the code had not changed for {for_s:.1} s, while noise changes every reading; reset the part and check SDO and the supply",
                 if both { "readings are" } else { "rate is" }
             ),
             Self::TooFew { window, samples, needed } => write!(

@@ -2,9 +2,10 @@
 //!
 //! All transitions stand in [`TABLE`].
 
-use crate::estimate::{self, Outcome, Seen};
+use crate::estimate::{self, Outcome, Seen, WindowWarnings};
+use crate::health::{Frozen, Health, Judged};
 use crate::ledger::{BLOCK_S, Ledger};
-use crate::notice::{Refusal, Warning};
+use crate::notice::Refusal;
 use crate::record::Blocks;
 use crate::running::Running;
 use crate::stationarity::Verdict;
@@ -241,7 +242,7 @@ pub struct Procedure<L = Blocks> {
     ends_ns: u64,
     ledger: L,
     tally: Tally,
-    freeze: Freeze,
+    health: Health,
 }
 
 /// The procedure on fixed memory, about 3 KB, for a microcontroller: it allocates nothing.
@@ -291,7 +292,7 @@ impl FixedProcedure {
     ///
     /// # Errors
     /// As [`Procedure::handle`]; before the end, the window that is still short of samples.
-    pub fn outcome(&self) -> Result<Outcome<[Option<Warning>; 7]>, Refusal> {
+    pub fn outcome(&self) -> Result<Outcome<WindowWarnings>, Refusal> {
         estimate::outcome(&self.seen(), |warnings, _, _, _| warnings)
     }
 }
@@ -307,7 +308,7 @@ impl<L: Ledger> Procedure<L> {
             ends_ns: 0,
             ledger: L::default(),
             tally: Tally::default(),
-            freeze: Freeze::default(),
+            health: Health::default(),
         })
     }
 
@@ -347,11 +348,8 @@ impl<L: Ledger> Procedure<L> {
                 }
                 Ok(())
             }
-            Event::Time { t_ns } => self.pass_to(t_ns),
-            Event::Sample(sample) => {
-                self.pass_to(sample.t_ns)?;
-                self.take(sample)
-            }
+            Event::Time { t_ns } => self.pass_to(t_ns, 0),
+            Event::Sample(sample) => self.take(sample),
         }
     }
 
@@ -359,13 +357,15 @@ impl<L: Ledger> Procedure<L> {
         Seen { plan: &self.plan, windows: self.ledger.summaries(), tally: &self.tally }
     }
 
+    /// Ends the states that are over at `t_ns`. Samples that wait for their neighbours are judged before, but for the newest `keep`.
     #[inline]
-    fn pass_to(&mut self, t_ns: u64) -> Result<(), Refusal> {
+    fn pass_to(&mut self, t_ns: u64, keep: u64) -> Result<(), Refusal> {
         if matches!(self.state, State::Start | State::Done) {
             return Ok(());
         }
         self.now_ns = t_ns.saturating_sub(self.started_ns);
         while self.now_ns >= self.ends_ns && self.state != State::Done {
+            self.judge_waiting(keep);
             self.enter_next()?;
         }
         Ok(())
@@ -373,12 +373,41 @@ impl<L: Ledger> Procedure<L> {
 
     #[inline]
     fn take(&mut self, sample: &Sample) -> Result<(), Refusal> {
-        if matches!(self.state, State::Start | State::Done) {
+        if self.state == State::Start {
+            return Ok(());
+        }
+        if let Some(judged) = self.health.push(sample) {
+            self.record(&judged);
+        }
+        self.pass_to(sample.t_ns, 1)?;
+        if self.state == State::Done {
             return Ok(());
         }
         self.tally.count(sample);
-        self.ledger.push(self.state, self.now_ns, sample);
-        self.freeze.watch(self.now_ns, sample)
+        match self.health.frozen() {
+            None => Ok(()),
+            Some(frozen) => Err(self.frozen(frozen)),
+        }
+    }
+
+    fn judge_waiting(&mut self, keep: u64) {
+        while self.health.waiting() > keep
+            && let Some(judged) = self.health.finish()
+        {
+            self.record(&judged);
+        }
+    }
+
+    #[inline]
+    fn record(&mut self, judged: &Judged) {
+        self.ledger.push(self.state, judged.sample.t_ns.saturating_sub(self.started_ns), judged);
+    }
+
+    #[cold]
+    fn frozen(&self, frozen: Frozen) -> Refusal {
+        let since_ns = frozen.since_ns.saturating_sub(self.started_ns);
+        let (at_s, for_s) = (self.now_ns as f64 * 1e-9, self.now_ns.saturating_sub(since_ns) as f64 * 1e-9);
+        Refusal::Frozen { at_s, for_s, both: frozen.both }
     }
 
     fn enter_next(&mut self) -> Result<(), Refusal> {
@@ -413,15 +442,19 @@ impl<L: Ledger> Procedure<L> {
     fn at_rest(&self) -> Result<(), Refusal> {
         let (window, seen) = (self.state, self.ledger.summary(self.state));
         let (samples, lost, limit) = (seen.samples, seen.lost, self.plan.max_lost);
+        if seen.overranged > 0 {
+            return Err(Refusal::Overranged { window, count: seen.overranged, samples });
+        }
         let needed = libm::ceil(0.8 * (seen.end_s - seen.start_s) / BLOCK_S) as u64;
         if (seen.rates.count as u64) < needed {
             return Err(Refusal::TooFew { window, samples, needed });
         }
         if lost as f64 > limit * (lost + samples) as f64 {
-            return Err(Refusal::Lost { window, lost, samples, limit });
+            return Err(self.lost(window, lost, samples));
         }
-        if seen.overranged > 0 {
-            return Err(Refusal::Overranged { window, count: seen.overranged, samples });
+        let count = seen.spoilt;
+        if count as f64 > limit * samples as f64 {
+            return Err(Refusal::BitErrors { window, count, samples, still_moves: false });
         }
         self.temperature_was_read()?;
         let rate_dps = seen.rate_dps().unwrap_or_default();
@@ -430,6 +463,7 @@ impl<L: Ledger> Procedure<L> {
         }
         match self.ledger.verdict(window) {
             Verdict::AtRest | Verdict::Step { .. } => Ok(()),
+            _ if count > 0 => Err(Refusal::BitErrors { window, count, samples, still_moves: true }),
             Verdict::Moving { tau_s, seen_dps, limit_dps } => {
                 Err(Refusal::Moving { window, tau_s, seen_dps, limit_dps })
             }
@@ -439,80 +473,21 @@ impl<L: Ledger> Procedure<L> {
         }
     }
 
+    /// Where data ready itself was silent in the gaps, the host is not to blame.
+    fn lost(&self, window: State, lost: u64, samples: u64) -> Refusal {
+        let Tally { gaps, silent_gaps, .. } = self.tally;
+        if self.tally.data_ready_stutters() {
+            Refusal::Stuttering { window, lost, samples, silent_gaps, gaps }
+        } else {
+            Refusal::Lost { window, lost, samples, limit: self.plan.max_lost }
+        }
+    }
+
     fn temperature_was_read(&self) -> Result<(), Refusal> {
         match self.ledger.summary(self.state).temp.count() {
             0 => Err(Refusal::NoTemperature { window: self.state }),
             _ => Ok(()),
         }
-    }
-}
-
-/// A noisy channel that does not change for this long is frozen.
-const FROZEN_NS: u64 = 1_000_000_000;
-/// So are two channels that have not changed at all for this long, noisy or not.
-const DEAD_NS: u64 = 10_000_000_000;
-
-/// Looks for readings that no longer change. A part changes its code at almost every reading; a simulation without noise does not,
-/// and must not be taken for a frozen part.
-#[derive(Clone, Copy, Debug, Default)]
-struct Freeze {
-    rate: Channel,
-    temp: Channel,
-}
-
-#[derive(Clone, Copy, Debug, Default)]
-struct Channel {
-    code: u32,
-    readings: u64,
-    changes: u64,
-    changed_ns: u64,
-    /// Readings up to the last change.
-    readings_at_change: u64,
-}
-
-impl Channel {
-    #[inline]
-    fn watch(&mut self, now_ns: u64, code: u32) {
-        self.readings += 1;
-        if code != self.code {
-            *self = Self {
-                code,
-                changes: self.changes + 1,
-                changed_ns: now_ns,
-                readings_at_change: self.readings,
-                ..*self
-            };
-        }
-    }
-
-    fn is_noisy(&self) -> bool {
-        self.changes > 20 && self.changes * 2 > self.readings_at_change
-    }
-
-    /// The first reading is a change from nothing.
-    fn never_changed(&self) -> bool {
-        self.changes <= 1
-    }
-}
-
-impl Freeze {
-    #[inline]
-    fn watch(&mut self, now_ns: u64, sample: &Sample) -> Result<(), Refusal> {
-        self.rate.watch(now_ns, sample.rate.code());
-        if let Some(temp) = sample.temp {
-            self.temp.watch(now_ns, temp.code());
-        }
-        if now_ns - self.rate.changed_ns < FROZEN_NS { Ok(()) } else { self.judge(now_ns) }
-    }
-
-    fn judge(&self, now_ns: u64) -> Result<(), Refusal> {
-        let (rate_ns, temp_ns) = (now_ns - self.rate.changed_ns, now_ns - self.temp.changed_ns);
-        let dead = rate_ns >= DEAD_NS && self.rate.never_changed() && self.temp.never_changed();
-        if dead || self.rate.is_noisy() || self.temp.is_noisy() {
-            let both = temp_ns >= FROZEN_NS;
-            return Err(Refusal::Frozen { at_s: now_ns as f64 * 1e-9, for_s: rate_ns as f64 * 1e-9, both });
-        }
-        Ok(())
     }
 }
 

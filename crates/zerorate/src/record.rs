@@ -1,10 +1,10 @@
 //! What a measurement leaves behind: exact integer sums of codes in blocks of 0.1 s, one run of blocks for each step.
 
 use crate::code_sum::CodeSum;
-use crate::ledger::{BLOCK_NS, Ledger, Summary, is_overranged};
+use crate::health::{Flags, Judged};
+use crate::ledger::{BLOCK_NS, Ledger, Summary};
 use crate::procedure::{STATES, State};
 use crate::stationarity::{self, Verdict, adjacent};
-use adis16130::Sample;
 use alloc::vec::Vec;
 
 /// A ledger that keeps every block of 0.1 s: about a megabyte for the hour of F-51.
@@ -26,8 +26,8 @@ impl Ledger for Blocks {
     }
 
     #[inline]
-    fn push(&mut self, state: State, at_ns: u64, sample: &Sample) {
-        self.segments[state as usize].push(at_ns, sample);
+    fn push(&mut self, state: State, at_ns: u64, judged: &Judged) {
+        self.segments[state as usize].push(at_ns, judged);
     }
 
     fn close(&mut self, _: State) {}
@@ -73,6 +73,7 @@ struct Segment {
     samples: u64,
     lost: u64,
     overranged: u64,
+    spoilt: u64,
 }
 
 /// The mean over a second: when, which rate, which temperature.
@@ -98,19 +99,22 @@ impl Segment {
     }
 
     #[inline]
-    fn push(&mut self, at_ns: u64, sample: &Sample) {
+    fn push(&mut self, at_ns: u64, judged: &Judged) {
         let index = (at_ns.saturating_sub(self.start_ns) / BLOCK_NS) as usize;
         if index >= self.blocks.len() {
             self.blocks.resize(index + 1, Block::default());
         }
         let block = &mut self.blocks[index];
-        block.rate.push(sample.rate.code24());
-        if let Some(temp) = sample.temp {
+        if let Some(rate) = judged.rate() {
+            block.rate.push(rate.code24());
+        }
+        if let Some(temp) = judged.temp() {
             block.temp.push(temp.code24());
         }
         self.samples += 1;
-        self.lost += u64::from(sample.lost);
-        self.overranged += u64::from(is_overranged(sample));
+        self.lost += u64::from(judged.sample.lost);
+        self.overranged += u64::from(judged.flags.has(Flags::OUT_OF_RANGE));
+        self.spoilt += u64::from(judged.is_spoilt());
     }
 
     fn summary(&self) -> Summary {
@@ -123,6 +127,7 @@ impl Segment {
             samples: self.samples,
             lost: self.lost,
             overranged: self.overranged,
+            spoilt: self.spoilt,
             rate,
             temp,
             eighths: adjacent(&rates, (rates.len() / 8).max(1)),

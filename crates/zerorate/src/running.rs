@@ -1,10 +1,10 @@
 //! The procedure's samples in fixed memory: sums and running Allan variances instead of blocks.
 
 use crate::code_sum::CodeSum;
-use crate::ledger::{Adjacent, BLOCK_NS, Ledger, Summary, is_overranged};
+use crate::health::{Flags, Judged};
+use crate::ledger::{Adjacent, BLOCK_NS, Ledger, Summary};
 use crate::procedure::{STATES, State};
 use crate::stationarity::{self, Verdict};
-use adis16130::Sample;
 
 /// Averaging times of the test for rest: 2, 4, … 2¹⁴ blocks. A window longer than 1.8 h is not tested at longer ones.
 const RUNGS: usize = 14;
@@ -27,6 +27,7 @@ struct Totals {
     samples: u64,
     lost: u64,
     overranged: u64,
+    spoilt: u64,
     rate: CodeSum,
     temp: CodeSum,
     rates: Adjacent,
@@ -128,6 +129,7 @@ impl Totals {
             samples: self.samples,
             lost: self.lost,
             overranged: self.overranged,
+            spoilt: self.spoilt,
             rate: self.rate,
             temp: self.temp,
             rates: self.rates,
@@ -152,7 +154,7 @@ impl Ledger for Running {
     }
 
     #[inline]
-    fn push(&mut self, state: State, at_ns: u64, sample: &Sample) {
+    fn push(&mut self, state: State, at_ns: u64, judged: &Judged) {
         let (totals, live) = (&mut self.closed[state as usize], &mut self.live);
         let since_start_ns = at_ns.saturating_sub(totals.start_ns);
         let in_block_ns = since_start_ns.saturating_sub(live.block * BLOCK_NS);
@@ -160,10 +162,12 @@ impl Ledger for Running {
             live.end_block(totals);
             live.block = since_start_ns / BLOCK_NS;
         }
-        let code = sample.rate.code24();
-        live.rate.push(code);
-        totals.rate.push(code);
-        if let Some(temp) = sample.temp {
+        if let Some(rate) = judged.rate() {
+            let code = rate.code24();
+            live.rate.push(code);
+            totals.rate.push(code);
+        }
+        if let Some(temp) = judged.temp() {
             live.temp.push(temp.code24());
             totals.temp.push(temp.code24());
             let blocks = (totals.end_ns - totals.start_ns) / BLOCK_NS;
@@ -172,8 +176,9 @@ impl Ledger for Running {
             }
         }
         totals.samples += 1;
-        totals.lost += u64::from(sample.lost);
-        totals.overranged += u64::from(is_overranged(sample));
+        totals.lost += u64::from(judged.sample.lost);
+        totals.overranged += u64::from(judged.flags.has(Flags::OUT_OF_RANGE));
+        totals.spoilt += u64::from(judged.is_spoilt());
     }
 
     fn close(&mut self, state: State) {

@@ -9,7 +9,12 @@ pub struct Tally {
     pub samples: u64,
     /// Rate samples lost.
     pub lost: u64,
+    /// Times that samples were lost.
+    pub gaps: u64,
+    /// Those in which two or more were lost, and no edge of data ready was counted meanwhile.
+    pub silent_gaps: u64,
     edges: u64,
+    least_edges: u32,
     first_ns: u64,
     last_ns: u64,
     last_seq: u32,
@@ -23,13 +28,40 @@ impl Tally {
         if self.samples == 0 {
             self.first_ns = sample.t_ns;
         } else {
-            self.edges += u64::from(sample.seq.wrapping_sub(self.last_seq));
+            let edges = sample.seq.wrapping_sub(self.last_seq);
+            self.edges += u64::from(edges);
+            self.note_gap(sample.lost, edges);
             let gap_ns = sample.t_ns.saturating_sub(self.last_ns);
             self.longest_gap_ns = self.longest_gap_ns.max(gap_ns);
         }
         (self.last_seq, self.last_ns) = (sample.seq, sample.t_ns);
         self.samples += 1;
         self.lost += u64::from(sample.lost);
+    }
+
+    /// A host that is late counts the edges that it could not handle, and one that reads too slowly loses one sample at a time (F-33).
+    #[inline]
+    fn note_gap(&mut self, lost: u32, edges: u32) {
+        if self.least_edges == 0 || edges < self.least_edges {
+            self.least_edges = edges;
+        }
+        if lost > 0 {
+            self.gaps += 1;
+            self.silent_gaps += u64::from(lost > 1 && edges <= self.least_edges);
+        }
+    }
+
+    /// Whether losses come from a data-ready line that stays silent, rather than from a host that is late: in every fourth gap at least no
+    /// edge was counted.
+    #[must_use]
+    pub fn data_ready_stutters(&self) -> bool {
+        self.silent_gaps > 0 && 4 * self.silent_gaps >= self.gaps
+    }
+
+    /// Samples per second as the part gave them, lost ones included.
+    #[must_use]
+    pub fn sampling_hz(&self) -> f64 {
+        self.per_second((self.samples + self.lost).saturating_sub(1))
     }
 
     /// From the first sample to the last, s.

@@ -28,6 +28,7 @@ fn measured() -> Calibration {
         rate_hz: 5692.6,
         samples: 18_051_234,
         lost_samples: 3,
+        impossible_readings: 0,
         duration_s: 3171.0,
         temp_min_c: 25.1,
         temp_max_c: 33.2,

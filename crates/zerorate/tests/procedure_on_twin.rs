@@ -3,7 +3,7 @@
 use adis16130::blocking::Adis16130;
 use adis16130::{Config, Edge, MCLK_HZ, Sample, Sampler, SamplerConfig};
 use adis16130_twin::{Fault, Motion, Spec, Truth, Twin, TwinRdy, TwinSpi};
-use zerorate::{Action, Event, FixedProcedure, Outcome, Plan, Procedure, Refusal, State, Warning};
+use zerorate::{Action, Event, FixedProcedure, Outcome, Plan, Procedure, Refusal, State, Warning, WindowWarnings};
 
 /// A procedure short enough for a test. The part of [`quick`] settles as much faster.
 const SHORT: Plan = Plan {
@@ -164,7 +164,7 @@ fn frozen_turning_overranged_and_lossy_readings_are_refused() {
     let spinning = Spec { rotation_dps: 400.0, ..quick(7) };
     assert!(matches!(refused(spinning, SHORT), Refusal::Overranged { .. }));
     let stuttering = Spec { fault: Fault::RdyStutter, ..quick(7) };
-    assert!(matches!(refused(stuttering, SHORT), Refusal::Lost { .. }));
+    assert!(matches!(refused(stuttering, SHORT), Refusal::Stuttering { .. }));
 }
 
 #[test]
@@ -197,7 +197,7 @@ fn a_divider_below_twice_the_bandwidth_warns() {
     assert!(codes(&outcome).contains(&"aliased"));
 }
 
-type FixedOutcome = Outcome<[Option<Warning>; 7]>;
+type FixedOutcome = Outcome<WindowWarnings>;
 
 /// Both procedures over the same samples.
 fn both(spec: Spec, plan: Plan) -> (Result<Outcome, Refusal>, Result<FixedOutcome, Refusal>) {

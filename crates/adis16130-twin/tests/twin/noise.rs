@@ -72,7 +72,7 @@ fn resonance_aliases_as_f07() {
     let spec = Spec { white_dps_per_rt_hz: 0.0, resonance_dps_rms: 0.02, ..white() };
     let rates = Host::started(spec).rates(20_000);
     assert!((deviation(&rates) - 0.02).abs() < 0.0005);
-    // 14.3 kHz less two sample rates is 2.9 kHz, folded at half the sample rate.
+    // F-07: three sample rates less 14.3 kHz is 2.78 kHz.
     let alias = PAIR_HZ - (14_300.0 - 2.0 * PAIR_HZ);
     assert!((alias - 2778.0).abs() < 1.0);
     let amplitude = 2.0 * line_power(&rates, alias / PAIR_HZ).sqrt() / rates.len() as f64;

@@ -4,13 +4,15 @@ use adis16130::{
     RATE_LSB_PER_DPS, RateCode, TEMP_AT_ZERO_CODE_C, TEMP_LSB_PER_C, TempCode, Width, ZERO_CODE, round_to_16_bits,
 };
 
-/// F-42: code, °/s in µ°/s rounded to nearest.
-const RATES: [(u32, i32, f32); 7] = [
+/// F-42, all nine rows: code, °/s in µ°/s rounded to nearest.
+const RATES: [(u32, i32, f32); 9] = [
     (14_260_608, 250_000_000, 250.0),
     (8_623_488, 10_000_000, 10.0),
     (8_388_612, 170, 0.000_170_30),
     (8_388_609, 43, 0.000_042_575),
     (8_388_608, 0, 0.0),
+    (8_388_607, -43, -0.000_042_575),
+    (8_388_604, -170, -0.000_170_30),
     (8_153_728, -10_000_000, -10.0),
     (2_516_608, -250_000_000, -250.0),
 ];

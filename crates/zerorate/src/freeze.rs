@@ -1,0 +1,106 @@
+//! Readings that no longer change: a part that has stopped, while data ready goes on.
+
+use adis16130::Sample;
+
+/// A noisy channel that does not change for this long is frozen, if it was read so often meanwhile.
+const FROZEN_NS: u64 = 100_000_000;
+/// Noise gives the same code twice with a probability below 0.2, even in 16 bits and behind the filter of F-04: that so many in a row are
+/// the same has one below 10⁻²².
+const FROZEN_READINGS: u64 = 32;
+/// So are two channels that have never changed for this long, and so many readings.
+const DEAD_NS: u64 = 1_000_000_000;
+const DEAD_READINGS: u64 = 100;
+/// A rate alone that never changed for this long.
+const DEAD_ALONE_NS: u64 = 10_000_000_000;
+
+/// Since when the readings have not changed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Frozen {
+    /// Time of the first reading of the code that is there now, ns.
+    pub since_ns: u64,
+    /// Whether the temperature does not change either.
+    pub both: bool,
+}
+
+/// Looks for readings that no longer change. A part changes its code at almost every reading; a simulation without noise does not,
+/// and is not taken for a frozen part as long as anything changes in it.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Freeze {
+    rate: Channel,
+    temp: Channel,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct Channel {
+    code: u32,
+    readings: u64,
+    changes: u64,
+    changed_ns: u64,
+    /// Readings up to the last change.
+    readings_at_change: u64,
+}
+
+impl Channel {
+    #[inline]
+    fn watch(&mut self, now_ns: u64, code: u32) {
+        self.readings += 1;
+        if code != self.code || self.changes == 0 {
+            *self = Self {
+                code,
+                changes: self.changes + 1,
+                changed_ns: now_ns,
+                readings_at_change: self.readings,
+                ..*self
+            };
+        }
+    }
+
+    fn is_noisy(&self) -> bool {
+        self.changes > 20 && self.changes * 2 > self.readings_at_change
+    }
+
+    /// The first reading is a change from nothing.
+    fn never_changed(&self) -> bool {
+        self.changes <= 1
+    }
+
+    fn same_readings(&self) -> u64 {
+        self.readings - self.readings_at_change
+    }
+}
+
+impl Freeze {
+    /// Takes a reading in, and says whether the part is frozen now.
+    #[inline]
+    pub fn watch(&mut self, sample: &Sample) -> Option<Frozen> {
+        let now_ns = sample.t_ns;
+        self.rate.watch(now_ns, sample.rate.code());
+        if let Some(temp) = sample.temp {
+            self.temp.watch(now_ns, temp.code());
+        }
+        if now_ns.saturating_sub(self.rate.changed_ns) < FROZEN_NS { None } else { self.judge(now_ns) }
+    }
+
+    /// The same at the end of a record, however short it is.
+    #[must_use]
+    pub fn at_end(&self) -> Option<Frozen> {
+        let same = self.rate.same_readings();
+        let stopped = self.rate.is_noisy() && same >= FROZEN_READINGS;
+        let dead = self.rate.never_changed() && self.temp.never_changed() && same >= DEAD_READINGS;
+        (stopped || dead).then(|| self.frozen())
+    }
+
+    #[inline(never)]
+    fn judge(&self, now_ns: u64) -> Option<Frozen> {
+        let (same, same_ns) = (self.rate.same_readings(), now_ns - self.rate.changed_ns);
+        let noisy = self.rate.is_noisy() || self.temp.is_noisy();
+        let stopped = noisy && same >= FROZEN_READINGS;
+        let never = self.rate.never_changed() && self.temp.never_changed() && same >= DEAD_READINGS;
+        let dead_ns = if self.temp.readings > 0 { DEAD_NS } else { DEAD_ALONE_NS };
+        (stopped || never && same_ns >= dead_ns).then(|| self.frozen())
+    }
+
+    fn frozen(&self) -> Frozen {
+        Frozen { since_ns: self.rate.changed_ns, both: self.temp.same_readings() >= FROZEN_READINGS }
+    }
+}

@@ -1,0 +1,237 @@
+//! Which readings of a stream are to be believed: one judge for everything that takes samples.
+
+use crate::freeze::Freeze;
+pub use crate::freeze::Frozen;
+use crate::plausible::{Plausible, Verdict};
+use adis16130::{RateCode, Sample, TempCode};
+use core::fmt;
+
+/// What is wrong with a reading; nothing, if it is to be believed. `Display` names it, for scripts: `impossible+frozen`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Flags(u8);
+
+impl Flags {
+    /// Nothing is wrong.
+    pub const NONE: Self = Self(0);
+    /// The rate is one that the part cannot have measured between its neighbours: a bit error.
+    pub const IMPOSSIBLE: Self = Self(1);
+    /// The rate is beyond the range of the converter (F-35).
+    pub const OUT_OF_RANGE: Self = Self(2);
+    /// The readings have stopped changing.
+    pub const FROZEN: Self = Self(4);
+    /// The temperature is one that cannot follow the one before: a bit error.
+    pub const IMPOSSIBLE_TEMP: Self = Self(8);
+
+    const NAMES: [(Self, &str); 4] = [
+        (Self::IMPOSSIBLE, "impossible"),
+        (Self::OUT_OF_RANGE, "out-of-range"),
+        (Self::FROZEN, "frozen"),
+        (Self::IMPOSSIBLE_TEMP, "impossible-temperature"),
+    ];
+
+    /// As a number: 1 impossible, 2 out of range, 4 frozen, 8 temperature impossible.
+    #[must_use]
+    pub fn bits(self) -> u8 {
+        self.0
+    }
+
+    /// Both together.
+    #[must_use]
+    pub fn and(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+
+    /// Whether all of `other` is in it.
+    #[must_use]
+    pub fn has(self, other: Self) -> bool {
+        self.0 & other.0 == other.0
+    }
+
+    /// Whether the rate is to be believed.
+    #[must_use]
+    pub fn rate_is_good(self) -> bool {
+        self.0 & (Self::IMPOSSIBLE.0 | Self::OUT_OF_RANGE.0 | Self::FROZEN.0) == 0
+    }
+
+    /// Whether the temperature, if one was read, is to be believed.
+    #[must_use]
+    pub fn temp_is_good(self) -> bool {
+        self.0 & Self::IMPOSSIBLE_TEMP.0 == 0
+    }
+}
+
+impl fmt::Display for Flags {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut names = Self::NAMES.iter().filter(|(flag, _)| self.has(*flag)).map(|(_, name)| name);
+        names.next().map_or(Ok(()), |first| f.write_str(first))?;
+        names.try_for_each(|name| write!(f, "+{name}"))
+    }
+}
+
+/// A reading beyond the range: by its status (OVR, F-35), which tells with CLAMP = 0 as well, or by a code at the end of the scale.
+#[must_use]
+pub fn is_out_of_range(sample: &Sample) -> bool {
+    sample.rate.is_at_rail() || sample.status.is_some_and(|status| status.out_of_range())
+}
+
+/// A sample with what was found of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Judged {
+    /// The sample, untouched.
+    pub sample: Sample,
+    /// What is wrong with it.
+    pub flags: Flags,
+}
+
+impl Judged {
+    /// The rate, if it is to be believed.
+    #[must_use]
+    #[inline]
+    pub fn rate(&self) -> Option<RateCode> {
+        self.flags.rate_is_good().then_some(self.sample.rate)
+    }
+
+    /// The temperature, if one was read and is to be believed.
+    #[must_use]
+    #[inline]
+    pub fn temp(&self) -> Option<TempCode> {
+        self.sample.temp.filter(|_| self.flags.temp_is_good())
+    }
+
+    /// Whether its rate or its temperature is impossible.
+    pub(crate) fn is_spoilt(&self) -> bool {
+        self.flags.has(Flags::IMPOSSIBLE) || self.flags.has(Flags::IMPOSSIBLE_TEMP)
+    }
+}
+
+/// How many readings had what.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Marks {
+    /// Rates that the part cannot have measured.
+    pub impossible: u64,
+    /// Rates beyond the range.
+    pub out_of_range: u64,
+    /// Readings after the part had stopped.
+    pub frozen: u64,
+    /// Temperatures that cannot follow the one before.
+    pub impossible_temps: u64,
+    /// Rates too far from their neighbours to be judged.
+    pub unjudged: u64,
+}
+
+impl Marks {
+    /// Readings that are left out wherever means are taken.
+    #[must_use]
+    pub fn spoilt(&self) -> u64 {
+        self.impossible + self.impossible_temps
+    }
+}
+
+/// Judges a stream of samples: hands each on, two samples late, with what is wrong with it.
+///
+/// What counts as impossible, and how often that is a false alarm, stands in [`plausible`](crate::plausible).
+///
+/// ```
+/// use adis16130::{RateCode, Sample, Width};
+/// use zerorate::health::{Flags, Health};
+/// let mut health = Health::default();
+/// let sample = |k: u32, code| Sample {
+///     t_ns: u64::from(k) * 175_667,
+///     seq: k,
+///     rate: RateCode::new(code, Width::Bits24),
+///     status: None,
+///     temp: None,
+///     lost: 0,
+/// };
+/// for k in 0..20 {
+///     let code = if k == 10 { 8_388_608 ^ 1 << 18 } else { 8_388_608 + k % 3 };
+///     if let Some(judged) = health.push(&sample(k, code)) {
+///         assert_eq!(judged.flags == Flags::IMPOSSIBLE, judged.sample.seq == 10);
+///     }
+/// }
+/// while health.finish().is_some() {}
+/// assert_eq!(health.marks().impossible, 1);
+/// ```
+#[derive(Clone, Debug, Default)]
+pub struct Health {
+    plausible: Plausible,
+    freeze: Freeze,
+    frozen: Option<Frozen>,
+    marks: Marks,
+}
+
+impl Health {
+    /// Takes a sample in, and hands on the one two before it.
+    #[inline]
+    pub fn push(&mut self, sample: &Sample) -> Option<Judged> {
+        self.frozen = self.freeze.watch(sample);
+        let judged = self.plausible.push(sample);
+        judged.map(|(sample, finding)| self.judged(sample, finding.rate, finding.temp_impossible))
+    }
+
+    /// Hands on the next of those that still wait, with the neighbours that it has: at the end of a record, or where its mean ends.
+    pub fn finish(&mut self) -> Option<Judged> {
+        let judged = self.plausible.early();
+        judged.map(|(sample, finding)| self.judged(sample, finding.rate, finding.temp_impossible))
+    }
+
+    /// How many samples were taken in and not handed on yet: two at most.
+    #[must_use]
+    pub fn waiting(&self) -> u64 {
+        self.plausible.waiting()
+    }
+
+    /// Whether the part is frozen now, and since when.
+    #[must_use]
+    pub fn frozen(&self) -> Option<Frozen> {
+        self.frozen
+    }
+
+    /// The same at the end of a record, however short it is.
+    #[must_use]
+    pub fn frozen_at_end(&self) -> Option<Frozen> {
+        self.frozen.or_else(|| self.freeze.at_end())
+    }
+
+    /// What was found so far.
+    #[must_use]
+    pub fn marks(&self) -> &Marks {
+        &self.marks
+    }
+
+    #[inline]
+    fn judged(&mut self, sample: Sample, rate: Verdict, temp_impossible: bool) -> Judged {
+        if rate == Verdict::Possible && !temp_impossible && self.frozen.is_none() {
+            return Judged { sample, flags: Flags::NONE };
+        }
+        self.marked(sample, rate, temp_impossible)
+    }
+
+    #[inline(never)]
+    fn marked(&mut self, sample: Sample, rate: Verdict, temp_impossible: bool) -> Judged {
+        let (marks, mut flags) = (&mut self.marks, Flags::NONE);
+        let mut note = |applies: bool, count: &mut u64, flag: Flags| {
+            *count += u64::from(applies);
+            flags = if applies { flags.and(flag) } else { flags };
+        };
+        note(rate == Verdict::Impossible, &mut marks.impossible, Flags::IMPOSSIBLE);
+        note(rate == Verdict::OutOfRange, &mut marks.out_of_range, Flags::OUT_OF_RANGE);
+        note(rate == Verdict::Unjudged, &mut marks.unjudged, Flags::NONE);
+        note(temp_impossible, &mut marks.impossible_temps, Flags::IMPOSSIBLE_TEMP);
+        let frozen = self.frozen.is_some_and(|frozen| sample.t_ns >= frozen.since_ns);
+        note(frozen, &mut marks.frozen, Flags::FROZEN);
+        Judged { sample, flags }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn flags_have_names_for_scripts() {
+        assert_eq!(std::format!("{}", Flags::NONE), "");
+        assert_eq!(std::format!("{}", Flags::IMPOSSIBLE.and(Flags::FROZEN)), "impossible+frozen");
+        assert!(Flags::IMPOSSIBLE_TEMP.rate_is_good() && !Flags::IMPOSSIBLE_TEMP.temp_is_good());
+    }
+}

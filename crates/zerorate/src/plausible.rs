@@ -1,0 +1,470 @@
+//! Readings that the part cannot have made: a bit error on the bus changes one reading, and a part of 300 Hz cannot jump and come
+//! back within one sample. Integers only, bounded memory, two samples of look-ahead.
+//!
+//! # Strict rule
+//!
+//! For five readings y₋₂ … y₂ in a row, with no loss between them, T apart, a reading y₀ is impossible if
+//!
+//! L = |y₀ − (4·(y₋₁ + y₁) − (y₋₂ + y₂))/6| > Θ(T), where Θ(T) = 1.15 °/s · r + 0.35 °/s · r⁴, r = T/175.7 µs,
+//!
+//! and L also exceeds what is rough about its four neighbours, |y₂ − 2y₁ + 2y₋₁ − y₋₂| and |y₂ − y₁ − y₋₁ + y₋₂|, and four times what was
+//! rough about the readings before (the largest L, which fades by 1/32 with each reading).
+//!
+//! * Noise: white noise of F-02 behind the poles of F-03 gives L a standard deviation of 0.064 °/s at 175.7 µs (0.104, 0.141, 0.202 at 1.5, 2
+//!   and 3 times that), a resonance of M-08 at most 0.075 °/s. Even at three times that noise Θ lies 6.6 deviations out: less than one false
+//!   mark in 2·10¹⁰ readings (40 days); at the noise of F-02 none in practice (16 deviations).
+//! * Motion: a sine of f and amplitude A shows L = A·|H(f)|·(8/3)·sin⁴(πfT), H being the poles of F-03: 0.35 °/s for 250 °/s (F-08) at the
+//!   bandwidth of 300 Hz, the second term of Θ. So no motion within range and bandwidth is ever marked, nor any other with an angular
+//!   acceleration below 43 000 °/s². A hard shock or a vibration above 1 kHz may cost one mark, or two, where it begins: its neighbours and its
+//!   past are rough, and then nothing is marked.
+//! * So what is smaller than Θ, 1.5 °/s at the full rate, is not found; nor is what comes together with such a shock, or with another
+//!   error within two samples that is as large.
+//!
+//! # Loose rule
+//!
+//! Next to a loss, at either end of a record, and where the readings are more than 0.6 ms apart, a reading is impossible if it cannot
+//! be reached from either of two neighbours: the response of the two poles (F-03) to any input within ±250 °/s (F-08) moves by no more
+//! than 2 · 250 °/s · 1194/s · t in a time t (the largest value of their impulse response is 1194/s at 0.26 ms), 105 °/s in a sample.
+//! Where they are more than 1.2 ms apart even that says nothing, and the reading is *unjudged*.
+//!
+//! A reading out of range, alone among neighbours from which the end of the range cannot be reached, is impossible too.
+//!
+//! # Temperatures
+//!
+//! A temperature is impossible if it differs from the last good one by more than 1 °C and 2 °C/s (the noise of M-05 has 0.053 °C in a
+//! reading, so this is 13 deviations; F-55 expects up to 1 °C/s). A second one in a row that agrees with it is believed.
+
+use crate::health::is_out_of_range;
+use adis16130::{RATE_LSB_PER_DPS, Sample, TEMP_LSB_PER_C, ZERO_CODE};
+
+/// Noise part of Θ, codes per µs: 1.15 °/s at 175.7 µs (F-31).
+const NOISE_CODES_PER_US: u64 = 154;
+/// The noise part is no less than that at this distance, µs: a part that converts its rate only is faster.
+const LEAST_US: u64 = 176;
+/// Motion part of Θ, µs⁴ per code: 0.35 °/s at 175.7 µs.
+const MOTION_US4_PER_CODE: u64 = 115_800;
+/// Readings farther apart than this are judged by the loose rule, µs.
+const LONGEST_STRICT_US: u64 = 600;
+/// Slew limit of the loose rule, codes per µs: 2 · 250 °/s · 1194/s.
+const SLEW_CODES_PER_US: u64 = 14_022;
+/// Noise that the loose rule allows for on top, codes.
+const SLEW_NOISE_CODES: u64 = 3 * RATE_LSB_PER_DPS as u64 / 2;
+/// No two codes differ by more.
+const SPAN_CODES: u64 = 1 << 24;
+/// How much rougher than its past a reading must be.
+const ROUGHNESS: u32 = 4;
+/// A mark counts this much less than its size for the past of the readings after it.
+const MARK_SHARE: u32 = 2;
+/// log₂ of the readings over which the past fades.
+const FADING: u32 = 5;
+/// Noise and quantisation of a temperature, codes: 1 °C.
+const TEMP_STEP_CODES: u64 = TEMP_LSB_PER_C as u64;
+/// Largest slope of the temperature, codes per s: 2 °C/s.
+const TEMP_CODES_PER_S: u64 = 2 * TEMP_LSB_PER_C as u64;
+
+/// Readings that are kept.
+const KEPT: usize = 8;
+/// Those among them that a judgement waits for.
+const AHEAD: usize = 2;
+/// Place of the reading that is judged with all its neighbours.
+const JUDGED: usize = KEPT - 1 - AHEAD;
+
+/// What was found of a reading.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Finding {
+    pub(crate) rate: Verdict,
+    pub(crate) temp_impossible: bool,
+}
+
+/// What was found of a rate.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Verdict {
+    Possible,
+    Impossible,
+    /// Beyond the range of the converter (F-35).
+    OutOfRange,
+    /// Its neighbours are too far away to tell.
+    Unjudged,
+}
+
+/// Judges readings by their neighbours, two samples late.
+#[derive(Clone, Debug)]
+pub(crate) struct Plausible {
+    /// Newest last; what was found impossible is replaced by what its neighbours make of it.
+    codes: [i32; KEPT],
+    times_ns: [u64; KEPT],
+    /// A bit for each of them, newest lowest: out of range by status or code.
+    out_of_range: u8,
+    /// How many there are.
+    filled: usize,
+    /// How many of them, up to the newest, follow each other without a loss.
+    run: usize,
+    /// How many of the newest are not judged yet.
+    waiting: usize,
+    samples: [Option<Sample>; AHEAD + 1],
+    roughness: u32,
+    temps: Temps,
+}
+
+impl Default for Plausible {
+    fn default() -> Self {
+        Self {
+            codes: [0; KEPT],
+            times_ns: [0; KEPT],
+            out_of_range: 0,
+            filled: 0,
+            run: 0,
+            waiting: 0,
+            samples: [None; AHEAD + 1],
+            roughness: 0,
+            temps: Temps::default(),
+        }
+    }
+}
+
+impl Plausible {
+    /// Takes a reading in, and judges the one two before it.
+    #[inline]
+    pub(crate) fn push(&mut self, sample: &Sample) -> Option<(Sample, Finding)> {
+        self.codes.copy_within(1.., 0);
+        self.times_ns.copy_within(1.., 0);
+        self.samples.copy_within(1.., 0);
+        self.codes[KEPT - 1] = sample.rate.code24() as i32 - ZERO_CODE as i32;
+        self.times_ns[KEPT - 1] = sample.t_ns;
+        self.samples[AHEAD] = Some(*sample);
+        self.out_of_range = self.out_of_range << 1 | u8::from(is_out_of_range(sample));
+        self.filled = (self.filled + 1).min(KEPT);
+        self.run = if sample.lost == 0 { (self.run + 1).min(KEPT) } else { 1 };
+        self.waiting += 1;
+        if self.waiting > AHEAD { self.early() } else { None }
+    }
+
+    /// Judges the oldest reading that waits, with the neighbours that are there.
+    pub(crate) fn early(&mut self) -> Option<(Sample, Finding)> {
+        let place = KEPT.checked_sub(self.waiting).filter(|place| *place < KEPT)?;
+        let sample = self.samples[place - JUDGED]?;
+        self.waiting -= 1;
+        let rate = self.rate(place);
+        let later = [1, 2].map(|after| self.samples.get(place - JUDGED + after).copied().flatten());
+        let temp_impossible = self.temps.is_impossible(&sample, later);
+        Some((sample, Finding { rate, temp_impossible }))
+    }
+
+    pub(crate) fn waiting(&self) -> u64 {
+        self.waiting as u64
+    }
+
+    #[inline]
+    fn rate(&mut self, place: usize) -> Verdict {
+        if self.is_out_of_range(place) {
+            return self.beyond(place);
+        }
+        let period_us = (self.times_ns[KEPT - 1].wrapping_sub(self.times_ns[KEPT - 5])).div_ceil(4_000);
+        if place == JUDGED && self.run >= 5 && period_us <= LONGEST_STRICT_US {
+            self.strict(period_us)
+        } else {
+            self.loose(place)
+        }
+    }
+
+    /// A part cannot leave its range for one reading only, and be well inside before and after: then the code is spoilt, or the status.
+    #[cold]
+    fn beyond(&self, place: usize) -> Verdict {
+        let others = [place.checked_sub(1), Some(place + 1)].map(|other| other.filter(|other| self.is_there(*other)));
+        let inside = |other: usize| {
+            let reach = self.reach_codes(place, other) + u64::from(self.codes[other].unsigned_abs());
+            !self.is_out_of_range(other) && reach < SPAN_CODES / 2
+        };
+        let spoilt = others != [None, None] && others.iter().flatten().all(|other| inside(*other));
+        if spoilt { Verdict::Impossible } else { Verdict::OutOfRange }
+    }
+
+    fn is_there(&self, place: usize) -> bool {
+        (KEPT - self.filled..KEPT).contains(&place)
+    }
+
+    #[inline]
+    fn is_out_of_range(&self, place: usize) -> bool {
+        self.out_of_range >> (KEPT - 1 - place) & 1 == 1
+    }
+
+    #[inline]
+    fn strict(&mut self, period_us: u64) -> Verdict {
+        self.roughness -= self.roughness >> FADING;
+        if self.run >= KEPT {
+            self.roughness = self.roughness.max(six_times_deviation(&self.codes, JUDGED - 3));
+        }
+        let six_l = six_times_deviation(&self.codes, JUDGED);
+        if u64::from(six_l) <= 6 * threshold_codes(period_us) {
+            Verdict::Possible
+        } else {
+            self.against_neighbours(six_l)
+        }
+    }
+
+    #[cold]
+    fn against_neighbours(&mut self, six_l: u32) -> Verdict {
+        let [y0, y1, _, y3, y4] = [0, 1, 2, 3, 4].map(|k| self.codes[JUDGED - 2 + k]);
+        let (odd, even) = ((y4 - 2 * y3 + 2 * y1 - y0).unsigned_abs(), (y4 - y3 - y1 + y0).unsigned_abs());
+        if six_l <= 6 * odd.max(even) || six_l <= ROUGHNESS * self.roughness {
+            return Verdict::Possible;
+        }
+        self.codes[JUDGED] = (4 * (y1 + y3) - (y0 + y4)) / 6;
+        self.roughness = self.roughness.max(six_l / MARK_SHARE);
+        Verdict::Impossible
+    }
+
+    /// By two neighbours: one on each side, or two on one.
+    #[cold]
+    fn loose(&mut self, place: usize) -> Verdict {
+        let there = |place: &usize| self.is_there(*place);
+        let (before, after) = (place.checked_sub(1).filter(there), Some(place + 1).filter(there));
+        let neighbours = match (before, after) {
+            (Some(before), Some(after)) => [before, after],
+            (Some(before), None) if there(&(place - 2)) => [before, place - 2],
+            (None, Some(after)) if there(&(place + 2)) => [after, place + 2],
+            _ => return Verdict::Unjudged,
+        };
+        let reach = neighbours.map(|other| self.reach_codes(place, other));
+        if reach.iter().all(|reach| *reach >= SPAN_CODES) {
+            return Verdict::Unjudged;
+        }
+        let far = |k: usize| u64::from(self.codes[place].abs_diff(self.codes[neighbours[k]])) > reach[k];
+        if !(far(0) && far(1)) {
+            return Verdict::Possible;
+        }
+        self.codes[place] = self.codes[neighbours[0]];
+        Verdict::Impossible
+    }
+
+    /// How far the response can move between two readings.
+    fn reach_codes(&self, place: usize, other: usize) -> u64 {
+        let us = self.times_ns[place].abs_diff(self.times_ns[other]).div_ceil(1000);
+        us.saturating_mul(SLEW_CODES_PER_US).saturating_add(SLEW_NOISE_CODES)
+    }
+}
+
+/// 6 L around a place.
+#[inline]
+fn six_times_deviation(codes: &[i32; KEPT], place: usize) -> u32 {
+    let [y0, y1, y2, y3, y4] = [0, 1, 2, 3, 4].map(|k| codes[place - 2 + k]);
+    (6 * y2 - 4 * (y1 + y3) + y0 + y4).unsigned_abs()
+}
+
+/// Θ in codes.
+#[inline]
+fn threshold_codes(period_us: u64) -> u64 {
+    let square = period_us * period_us;
+    NOISE_CODES_PER_US * period_us.max(LEAST_US) + square * square / MOTION_US4_PER_CODE
+}
+
+/// Judges temperatures by the last good one.
+#[derive(Clone, Copy, Debug, Default)]
+struct Temps {
+    good: Option<Temp>,
+    /// The last one, if it was found impossible.
+    odd: Option<Temp>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Temp {
+    code24: u32,
+    t_ns: u64,
+}
+
+impl Temp {
+    fn of(sample: &Sample) -> Option<Self> {
+        sample.temp.map(|temp| Self { code24: temp.code24(), t_ns: sample.t_ns })
+    }
+
+    #[inline]
+    fn agrees(&self, other: &Self) -> bool {
+        let apart_ms = self.t_ns.abs_diff(other.t_ns) / 1_000_000;
+        let allowed = TEMP_STEP_CODES + apart_ms.saturating_mul(TEMP_CODES_PER_S) / 1000;
+        u64::from(self.code24.abs_diff(other.code24)) <= allowed
+    }
+}
+
+impl Temps {
+    #[inline]
+    fn is_impossible(&mut self, sample: &Sample, later: [Option<Sample>; AHEAD]) -> bool {
+        let Some(temp) = Temp::of(sample) else { return false };
+        let agrees = match &self.good {
+            Some(good) => temp.agrees(good) || self.odd.is_some_and(|odd| temp.agrees(&odd)),
+            None => !contradicted(&temp, later.map(|sample| sample.as_ref().and_then(Temp::of))),
+        };
+        (if agrees { &mut self.good } else { &mut self.odd }).replace(temp);
+        if agrees {
+            self.odd = None;
+        }
+        !agrees
+    }
+}
+
+/// Whether two later temperatures agree with each other and not with the first.
+fn contradicted(first: &Temp, later: [Option<Temp>; AHEAD]) -> bool {
+    let [Some(second), Some(third)] = later else { return false };
+    second.agrees(&third) && !first.agrees(&second) && !first.agrees(&third)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use adis16130::{ChannelStatus, RateCode, TempCode, Width};
+    use alloc::vec::Vec;
+    use core::f64::consts::PI;
+
+    const PERIOD_NS: u64 = 175_667;
+
+    /// A sample of this rate, °/s.
+    fn sample(k: u64, rate_dps: f64) -> Sample {
+        let code = (rate_dps * f64::from(RATE_LSB_PER_DPS)).round() as i32 + ZERO_CODE as i32;
+        let rate = RateCode::new(code as u32, Width::Bits24);
+        Sample { t_ns: k * PERIOD_NS, seq: k as u32, rate, status: None, temp: None, lost: 0 }
+    }
+
+    fn verdicts(samples: impl IntoIterator<Item = Sample>) -> Vec<Verdict> {
+        let mut judge = Plausible::default();
+        let mut all: Vec<_> = samples.into_iter().filter_map(|sample| judge.push(&sample)).collect();
+        while let Some(judged) = judge.early() {
+            all.push(judged);
+        }
+        assert!(all.windows(2).all(|pair| pair[0].0.t_ns < pair[1].0.t_ns), "each once, in order");
+        all.into_iter().map(|(_, finding)| finding.rate).collect()
+    }
+
+    fn marked(verdicts: &[Verdict]) -> Vec<usize> {
+        (0..verdicts.len()).filter(|k| verdicts[*k] == Verdict::Impossible).collect()
+    }
+
+    /// Two poles (F-03) fed with a rate that is constant over steps, exactly.
+    #[derive(Clone, Copy, Default)]
+    struct Poles(f64, f64);
+
+    impl Poles {
+        const W: [f64; 2] = [2.0 * PI * 327.0, 2.0 * PI * 1000.0];
+
+        fn step(&mut self, rate_dps: f64, dt_s: f64) -> f64 {
+            let [slow, fast] = Self::W;
+            self.0 += (rate_dps - self.0) * -(-slow * dt_s).exp_m1();
+            self.1 += (rate_dps - self.1) * -(-fast * dt_s).exp_m1();
+            (fast * self.0 - slow * self.1) / (fast - slow)
+        }
+    }
+
+    /// What the part reads of a motion, every `periods` periods.
+    fn readings(count: u64, periods: u64, motion: impl Fn(f64) -> f64) -> Vec<Sample> {
+        let period_s = (PERIOD_NS * periods) as f64 * 1e-9;
+        let mut poles = Poles::default();
+        (0..count)
+            .map(|k| {
+                let mut rate_dps = 0.0;
+                for part in 0..20u32 {
+                    rate_dps = poles.step(motion((k as f64 + f64::from(part) / 20.0) * period_s), period_s / 20.0);
+                }
+                Sample { t_ns: k * periods * PERIOD_NS, ..sample(k, rate_dps) }
+            })
+            .collect()
+    }
+
+    #[test]
+    fn one_wrong_reading_is_marked_at_every_bit_that_matters() {
+        for bit in 16..24 {
+            let mut samples: Vec<_> = (0..40).map(|k| sample(k, 0.05 * (k as f64).sin())).collect();
+            samples[20].rate = RateCode::new(samples[20].rate.code() ^ 1 << bit, Width::Bits24);
+            assert_eq!(marked(&verdicts(samples)), [20], "bit {bit}");
+        }
+    }
+
+    #[test]
+    fn full_scale_motion_within_the_bandwidth_is_never_marked() {
+        for periods in 1..=3 {
+            for hz in [0.2, 5.0, 30.0, 100.0, 200.0, 300.0] {
+                let sway = readings(4000, periods, |t| 250.0 * (2.0 * PI * hz * t).sin());
+                assert_eq!(marked(&verdicts(sway)), [], "{hz} Hz, every {periods} periods");
+            }
+        }
+    }
+
+    #[test]
+    fn jumps_shocks_and_vibration_cost_two_marks_at_most() {
+        for phase in 0..40 {
+            let start_s = 40.0 * 175.667e-6 * (1.0 + f64::from(phase) / 1600.0);
+            let jump = readings(200, 1, |t| if t > start_s { 250.0 } else { -250.0 });
+            assert_eq!(marked(&verdicts(jump)), [], "jump, phase {phase}");
+            for width_s in [50e-6, 200e-6, 500e-6, 2e-3] {
+                let within = |t: f64| (0.0..width_s).contains(&(t - start_s));
+                let shock = readings(200, 1, |t| if within(t) { 250.0 } else { 0.0 });
+                assert!(marked(&verdicts(shock)).len() <= 1, "shock of {width_s} s, phase {phase}");
+            }
+        }
+        for hz in (400..2840).step_by(61) {
+            let shaken =
+                readings(2000, 1, |t| if t > 0.05 { 250.0 * (2.0 * PI * f64::from(hz) * t).sin() } else { 0.0 });
+            assert!(marked(&verdicts(shaken)).len() <= 2, "{hz} Hz");
+        }
+    }
+
+    #[test]
+    fn next_to_a_loss_only_what_cannot_be_reached_is_marked() {
+        let record = |error_dps: f64| {
+            let mut samples: Vec<_> = (0..20).map(|k| sample(k, 0.0)).collect();
+            samples[11].lost = 1;
+            samples[11..].iter_mut().for_each(|sample| sample.t_ns += PERIOD_NS);
+            samples[10] = sample(10, error_dps);
+            marked(&verdicts(samples))
+        };
+        // 105 °/s in one period, 210 °/s in two
+        assert_eq!(record(100.0), []);
+        assert_eq!(record(225.0), [10]);
+    }
+
+    #[test]
+    fn both_ends_are_judged_by_what_is_there() {
+        for place in [0, 1, 18, 19] {
+            let mut samples: Vec<_> = (0..20).map(|k| sample(k, 1.0)).collect();
+            samples[place] = sample(place as u64, 340.0);
+            assert_eq!(marked(&verdicts(samples)), [place]);
+        }
+        assert_eq!(verdicts([sample(0, 340.0)]), [Verdict::Unjudged]);
+    }
+
+    #[test]
+    fn readings_far_apart_are_not_judged() {
+        let slow = |k: u64| Sample { t_ns: k * 4_480_000, ..sample(k, if k == 10 { 300.0 } else { 0.0 }) };
+        assert!(verdicts((0..20).map(slow)).iter().all(|verdict| *verdict == Verdict::Unjudged));
+    }
+
+    #[test]
+    fn beyond_the_range_is_not_called_impossible_but_a_spoilt_status_is() {
+        let over = |k: u64| Sample { status: Some(ChannelStatus::new(0x01)), ..sample(k, -354.0) };
+        let turning = (0..30).map(|k| if k < 15 { sample(k, 3.0) } else { over(k) });
+        let found = verdicts(turning);
+        assert!(found[15..].iter().all(|verdict| *verdict == Verdict::OutOfRange), "{found:?}");
+        let spoilt = (0..30).map(|k| Sample { status: Some(ChannelStatus::new(u8::from(k == 15))), ..sample(k, 3.0) });
+        assert_eq!(marked(&verdicts(spoilt)), [15]);
+    }
+
+    #[test]
+    fn a_temperature_cannot_jump() {
+        let with = |k: u64, temp_c: f64| {
+            let code = ((temp_c - 25.0) * f64::from(TEMP_LSB_PER_C)) as i32 + ZERO_CODE as i32;
+            Sample { temp: Some(TempCode::new(code as u32, Width::Bits24)), ..sample(k, 0.0) }
+        };
+        let impossible = |temps_c: &[f64]| {
+            let mut judge = Plausible::default();
+            let mut found: Vec<bool> = Vec::new();
+            for (k, temp_c) in temps_c.iter().enumerate() {
+                found.extend(judge.push(&with(k as u64, *temp_c)).map(|(_, finding)| finding.temp_impossible));
+            }
+            while let Some((_, finding)) = judge.early() {
+                found.push(finding.temp_impossible);
+            }
+            (0..found.len()).filter(|k| found[*k]).collect::<Vec<_>>()
+        };
+        assert_eq!(impossible(&[25.0, 25.1, 27.3, 25.05, 25.1]), [2]);
+        assert_eq!(impossible(&[77.0, 25.0, 25.0, 25.0]), [0]);
+        assert_eq!(impossible(&[25.0, 25.0, 25.0, 61.0]), [3]);
+        assert_eq!(impossible(&[25.0, 25.0, 40.0, 40.0, 40.0]), [2], "a second one that agrees is believed");
+    }
+}

@@ -1,0 +1,122 @@
+//! Where the mechanical resonance of the part appears among the samples (F-07), and whether averaging can remove it there.
+//!
+//! A tone of `tone_hz`, sampled `rate_hz` times a second, appears at |tone − n·rate| for the nearest n: at 2.778 kHz at the full rate of
+//! 5692.6/s, where any mean removes it. Near zero it looks like a bias. A mean over τ leaves of a tone of rms a at f no more than
+//! √2·a/(π·f·τ), and the white noise of density d leaves d/√(2τ): below f = 2·a/(π·d·√τ) the tone is the larger one.
+
+use crate::noise::TYPICAL_WHITE_DPS_PER_RT_HZ;
+use crate::notice::Warning;
+use core::f64::consts::PI;
+
+/// A tone that the part adds to its rate, and how well its frequency is known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tone {
+    /// Its frequency, Hz.
+    pub hz: f64,
+    /// How far off it may be, Hz: half of the last digit that is printed.
+    pub tolerance_hz: f64,
+    /// Its rms before sampling, °/s.
+    pub rms_dps: f64,
+}
+
+impl Tone {
+    /// The mechanical resonance: about 14.3 kHz (F-07), 0.02 °/s (M-08).
+    pub const RESONANCE: Self = Self { hz: 14_300.0, tolerance_hz: 50.0, rms_dps: 0.02 };
+
+    /// Where it appears, Hz: 0 … `rate_hz`/2.
+    ///
+    /// ```
+    /// use zerorate::resonance::Tone;
+    /// assert!((Tone::RESONANCE.folded_hz(5692.6) - 2777.8).abs() < 0.1); // F-07
+    /// assert_eq!(Tone::RESONANCE.folded_hz(100.0), 0.0);
+    /// ```
+    #[must_use]
+    pub fn folded_hz(&self, rate_hz: f64) -> f64 {
+        let turns = self.hz / rate_hz;
+        (turns - libm::round(turns)).abs() * rate_hz
+    }
+
+    /// Below this it counts as near zero, Hz, for means over `average_s`: where averaging leaves more of it than of the white noise, and
+    /// the tolerance. Where the tolerance is more than an eighth of the rate, that eighth: such rates are too low to be sure of any.
+    #[must_use]
+    pub fn near_zero_hz(&self, rate_hz: f64, average_s: f64) -> f64 {
+        let averaged_hz = 2.0 * self.rms_dps / (PI * TYPICAL_WHITE_DPS_PER_RT_HZ * libm::sqrt(average_s));
+        averaged_hz + self.tolerance_hz.min(rate_hz / 8.0)
+    }
+
+    /// Whether it looks like a bias among samples at `rate_hz`, in means over `average_s`.
+    #[must_use]
+    pub fn looks_like_bias(&self, rate_hz: f64, average_s: f64) -> bool {
+        rate_hz > 0.0 && self.folded_hz(rate_hz) < self.near_zero_hz(rate_hz, average_s)
+    }
+}
+
+/// What to say of samples that come at `rate_hz`, as measured, where both channels are read on every `divider`-th edge of data ready (F-56),
+/// in means over `average_s`.
+#[must_use]
+pub fn warning(rate_hz: f64, divider: u16, average_s: f64) -> Option<Warning> {
+    let tone = Tone::RESONANCE;
+    tone.looks_like_bias(rate_hz, average_s).then(|| Warning::Resonance {
+        folded_hz: tone.folded_hz(rate_hz),
+        rate_hz,
+        divider: next_good_divider(&tone, rate_hz, divider, average_s),
+    })
+}
+
+/// The divider nearest to this one at which the tone is far from zero, the lower of two; none if there is none up to four times this one.
+/// Divider N gives f_conv/(N + 1) (F-56), and so does N = 1, where an edge comes with every pair.
+fn next_good_divider(tone: &Tone, rate_hz: f64, divider: u16, average_s: f64) -> Option<u16> {
+    let divider = divider.max(1);
+    let conversions_hz = rate_hz * (f64::from(divider) + 1.0);
+    let good = |other: &u16| !tone.looks_like_bias(conversions_hz / (f64::from(*other) + 1.0), average_s);
+    (1..=divider.saturating_mul(3))
+        .flat_map(|apart| [divider.checked_sub(apart), divider.checked_add(apart)])
+        .flatten()
+        .filter(|other| *other >= 1)
+        .find(good)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// F-56 at f_conv = 11 385.2/s.
+    fn rate_hz(divider: u16) -> f64 {
+        11_385.2 / (f64::from(divider) + 1.0)
+    }
+
+    #[test]
+    fn the_full_rate_is_good_and_a_hundred_a_second_is_not() {
+        assert_eq!(warning(rate_hz(1), 1, 10.0), None);
+        let Some(Warning::Resonance { folded_hz, divider, .. }) = warning(100.0, 1, 10.0) else { panic!("no warning") };
+        assert!(folded_hz < 1e-6 && divider == Some(2), "{folded_hz} Hz, {divider:?}");
+    }
+
+    #[test]
+    fn the_next_divider_is_good_and_the_nearest() {
+        for divider in 1..400 {
+            for mclk in [0.99, 1.0, 1.0048, 1.01] {
+                let rate_hz = rate_hz(divider) * mclk;
+                if let Some(Warning::Resonance { divider: Some(other), .. }) = warning(rate_hz, divider, 10.0) {
+                    let other_hz = 11_385.2 * mclk / (f64::from(other) + 1.0);
+                    assert_eq!(warning(other_hz, other, 10.0), None, "{divider} → {other}");
+                    assert!(other.abs_diff(divider) <= 8, "{divider} → {other}");
+                }
+            }
+        }
+    }
+
+    /// N = 3 at 5692.6/s is 68 Hz away from a multiple; at a clock 0.48 % faster it is there.
+    #[test]
+    fn the_measured_rate_decides() {
+        assert_eq!(warning(rate_hz(3), 3, 10.0), None);
+        assert!(matches!(warning(rate_hz(3) * 1.0048, 3, 10.0), Some(Warning::Resonance { divider: Some(2), .. })));
+    }
+
+    #[test]
+    fn longer_means_remove_what_is_nearer_to_zero() {
+        let tone = Tone { tolerance_hz: 0.0, ..Tone::RESONANCE };
+        // 14 300 = 143 · 99.99 + 1.43
+        assert!(tone.looks_like_bias(99.99, 0.1) && !tone.looks_like_bias(99.99, 10.0));
+    }
+}

@@ -1,0 +1,199 @@
+//! Which readings are believed, measured on the twin against what the twin itself converted.
+
+use adis16130::blocking::Adis16130;
+use adis16130::{Config, Edge, MCLK_HZ, RateCode, Sample, Sampler, SamplerConfig, TempCode, Width};
+use adis16130_twin::{Fault, Motion, Spec, Twin};
+use zerorate::health::{Flags, Health, Judged};
+use zerorate::{Action, Event, Outcome, Plan, Procedure, Refusal, Tally};
+
+/// Reads a twin for so long, as a driver sees it; what cannot be read is lost.
+fn readings(spec: Spec, config: Config, sampling: SamplerConfig, seconds: f64) -> Vec<Sample> {
+    let twin = Twin::new(spec);
+    let mut gyro = Adis16130::new(twin.spi(), twin.rdy(), config);
+    let mut sampler = Sampler::new(sampling, &config, MCLK_HZ);
+    gyro.init().expect("initialisation");
+    let end_ns = twin.now_ns() + (seconds * 1e9) as u64;
+    let mut samples = Vec::new();
+    while twin.now_ns() < end_ns {
+        let Some(edge) = twin.next_falling_edge(1_000_000_000) else { break };
+        let sample = gyro.sample(&mut sampler, Edge { t_ns: edge.t_ns, seq: edge.seq });
+        samples.extend(sample.ok().flatten());
+    }
+    samples
+}
+
+fn judged(samples: &[Sample]) -> (Vec<Judged>, Health) {
+    let mut health = Health::default();
+    let mut all: Vec<Judged> = samples.iter().filter_map(|sample| health.push(sample)).collect();
+    while let Some(last) = health.finish() {
+        all.push(last);
+    }
+    assert_eq!(all.len(), samples.len());
+    (all, health)
+}
+
+/// The rate and the temperature that stand in the registers at an edge: those of a clean run, whose edges come with the temperature. An edge
+/// half a period earlier comes with the rate.
+fn truth(clean: &[Sample], t_ns: u64) -> Option<(RateCode, TempCode)> {
+    let next = clean.partition_point(|sample| sample.t_ns < t_ns);
+    let newest = clean.partition_point(|sample| sample.t_ns <= t_ns).checked_sub(1)?;
+    Some((clean.get(next)?.rate, clean[newest].temp?))
+}
+
+/// Time for the part to start, then bit errors from then on.
+fn with_bit_errors(spec: &Spec, rate: f64) -> Spec {
+    Spec { fault: Fault::BitErrors, bit_error_rate: rate, fault_at_s: Some(0.5), ..spec.clone() }
+}
+
+/// 1e-5 on the line: every rate that is wrong by more than 2 °/s, and every temperature by more than 1.5 °C, is marked; nothing else is.
+#[test]
+fn bit_errors_are_marked_at_rest_and_in_motion_and_nothing_else() {
+    let motions = [
+        (Motion::None, Width::Bits24, 1),
+        (Motion::Sway, Width::Bits24, 1),
+        (Motion::Bump, Width::Bits24, 1),
+        (Motion::None, Width::Bits16, 1),
+        (Motion::Bump, Width::Bits24, 3),
+    ];
+    let (mut wrong, mut found) = (0, 0);
+    for (seed, (motion, width, divider)) in (1..).zip(motions) {
+        // the first bump comes with the first error
+        let spec = Spec { motion, fault_at_s: Some(0.5), ..Spec::from_seed(seed) };
+        let config = Config::default().with_width(width);
+        let sampling = SamplerConfig::new().with_divider(divider);
+        let clean = readings(spec.clone(), config, sampling, 30.0);
+        let (_, health) = judged(&clean);
+        assert_eq!(health.marks().spoilt() + health.marks().out_of_range, 0, "{motion:?}: false alarms");
+        assert_eq!(health.frozen_at_end(), None);
+        // twice the errors where fewer samples are read
+        let rate = 1e-5 * f64::from(divider);
+        let (spoilt, _) = judged(&readings(with_bit_errors(&spec, rate), config, sampling, 30.0));
+        let allowance_dps = if divider == 1 { 2.0 } else { 6.0 };
+        for Judged { sample, flags } in &spoilt {
+            let Some((rate, temp)) = truth(&clean, sample.t_ns) else { continue };
+            let error_dps = (zerorate::rate_dps(sample.rate) - zerorate::rate_dps(rate)).abs();
+            if error_dps > allowance_dps {
+                wrong += 1;
+                found += u32::from(!flags.rate_is_good());
+            }
+            let right = error_dps == 0.0 && sample.status.is_none_or(|status| !status.out_of_range());
+            assert!(!right || flags.rate_is_good(), "{motion:?}: a false alarm at {} ns, {flags}", sample.t_ns);
+            if let Some(read) = sample.temp {
+                let error_c = (zerorate::temp_c(read) - zerorate::temp_c(temp)).abs();
+                assert!(error_c < 1.5 || !flags.temp_is_good(), "{error_c} °C believed");
+                assert!(error_c > 0.0 || flags.temp_is_good(), "a false alarm of temperature");
+            }
+        }
+    }
+    assert!(wrong > 50, "only {wrong} errors to be found");
+    assert_eq!(found, wrong, "errors believed");
+}
+
+#[test]
+fn a_frozen_part_is_known_within_a_fifth_of_a_second() {
+    let spec = Spec { fault: Fault::Frozen, fault_at_s: Some(2.0), ..Spec::from_seed(3) };
+    let (judged, health) = judged(&readings(spec, Config::default(), SamplerConfig::new(), 3.0));
+    let first = judged.iter().find(|judged| judged.flags.has(Flags::FROZEN)).expect("frozen").sample.t_ns;
+    assert!((2_000_000_000..2_200_000_000).contains(&first), "{first}");
+    assert!(health.frozen_at_end().is_some_and(|frozen| frozen.both && frozen.since_ns <= 2_001_000_000));
+    assert!(judged.iter().rev().take(1000).all(|judged| !judged.flags.rate_is_good()));
+}
+
+/// F-35: at 360 °/s with CLAMP = 0 the code wraps to −354 °/s, and the status tells.
+#[test]
+fn a_wrapped_code_is_out_of_range() {
+    let spec = Spec { rotation_dps: 360.0, sensitivity_error: 0.0, ..Spec::from_seed(4) };
+    let samples = readings(spec, Config::default(), SamplerConfig::new(), 0.5);
+    assert!(zerorate::rate_dps(samples[100].rate) < -300.0);
+    let (judged, health) = judged(&samples);
+    assert!(judged.iter().all(|judged| judged.flags == Flags::OUT_OF_RANGE));
+    assert_eq!(health.marks().out_of_range, judged.len() as u64);
+}
+
+/// A line that stutters and a host that is late both lose samples; only one of them is the host's fault.
+#[test]
+fn a_stuttering_line_is_told_from_a_late_host() {
+    let tally = |samples: &[Sample]| {
+        let mut tally = Tally::default();
+        samples.iter().for_each(|sample| tally.count(sample));
+        tally
+    };
+    let stuttering = Spec { fault: Fault::RdyStutter, ..Spec::from_seed(5) };
+    let line = tally(&readings(stuttering, Config::default(), SamplerConfig::new(), 2.0));
+    assert!(line.data_ready_stutters(), "{line:?}");
+    let twin = Twin::new(Spec::from_seed(5));
+    let config = Config::default();
+    let mut gyro = Adis16130::new(twin.spi(), twin.rdy(), config);
+    let mut sampler = Sampler::new(SamplerConfig::new(), &config, MCLK_HZ);
+    gyro.init().expect("initialisation");
+    let mut late = Vec::new();
+    for k in 0..10_000u64 {
+        let edge = twin.next_falling_edge(1_000_000_000).expect("an edge");
+        if k % 50 == 0 {
+            twin.advance_ns(200_000 + k * 37 % 900_000);
+        }
+        late.extend(gyro.sample(&mut sampler, Edge { t_ns: edge.t_ns, seq: edge.seq }).ok().flatten());
+    }
+    let host = tally(&late);
+    assert!(host.gaps > 50 && !host.data_ready_stutters(), "{host:?}");
+}
+
+const SHORT: Plan = Plan {
+    average_s: 2.0,
+    warmup_s: 30.0,
+    settle_s: 30.0,
+    offset_s: 10.0,
+    final_temp_s: 1.0,
+    max_lost: 0.01,
+    max_u_btc_dps_per_c: 0.2,
+    earth_dps: None,
+    assume_linear: true,
+};
+
+fn measure(samples: &[Sample], plan: Plan) -> Result<Outcome, Refusal> {
+    let mut procedure = Procedure::new(plan).expect("a plan");
+    procedure.handle(Event::Initialised { t_ns: samples[0].t_ns })?;
+    for sample in samples {
+        if procedure.next() == Action::Done {
+            break;
+        }
+        procedure.handle(Event::Sample(sample))?;
+    }
+    procedure.finish()
+}
+
+fn short_record(spec: Spec) -> Vec<Sample> {
+    readings(Spec { warmup_s: 10.0, ..spec }, Config::default(), SamplerConfig::new(), SHORT.total_s() + 1.0)
+}
+
+/// Errors are left out of the means: the same numbers come out, and a warning says so.
+#[test]
+fn spoilt_readings_are_in_no_mean() {
+    let clean = short_record(Spec::from_seed(6));
+    let expected = measure(&clean, SHORT).expect("a good part");
+    assert_eq!(expected.impossible_readings, 0);
+    let mut spoilt = clean;
+    for k in (500..spoilt.len()).step_by(997) {
+        spoilt[k].rate = RateCode::new(spoilt[k].rate.code() ^ 1 << (17 + k % 7), Width::Bits24);
+    }
+    let found = measure(&spoilt, SHORT).expect("a good part on a bad line");
+    assert!(found.impossible_readings > 300, "{}", found.impossible_readings);
+    let pbc = found.correction.pbc_dps - expected.correction.pbc_dps;
+    assert!(pbc.abs() < 1e-4, "PBC moved by {pbc} °/s");
+    assert!(found.warnings.iter().any(|warning| warning.code() == "impossible-readings"), "{:?}", found.warnings);
+}
+
+#[test]
+fn bit_errors_are_not_blamed_on_motion_nor_stutter_on_the_host() {
+    let at_1e4 = Spec { bit_error_rate: 1e-4, ..with_bit_errors(&Spec::from_seed(7), 1e-4) };
+    let refusal = measure(&short_record(at_1e4), Plan { max_lost: 0.2, ..SHORT });
+    let blames_the_line = match &refusal {
+        Ok(outcome) => outcome.impossible_readings > 0,
+        Err(refusal) => matches!(refusal, Refusal::BitErrors { .. }),
+    };
+    assert!(blames_the_line, "{refusal:?}");
+    let stuttering = Spec { fault: Fault::RdyStutter, ..Spec::from_seed(7) };
+    let refusal = measure(&short_record(stuttering), SHORT).unwrap_err();
+    assert!(matches!(refusal, Refusal::Stuttering { .. }), "{refusal}");
+    assert!(refusal.to_string().contains("pin 10"));
+}
