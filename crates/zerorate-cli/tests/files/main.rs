@@ -3,7 +3,9 @@
 mod allan;
 mod analysis;
 mod correct;
+mod durable;
 mod export;
+mod failing;
 mod interop;
 mod logs;
 mod outputs;

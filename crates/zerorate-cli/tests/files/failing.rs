@@ -1,0 +1,269 @@
+//! What fails is a failure, what was measured is not lost, and what was begun is cleared away.
+#![cfg(unix)]
+
+use super::{Bench, calibration};
+use std::fs::{self, File, OpenOptions};
+use std::io::Read;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+/// A calibration in four minutes of part time.
+const CALIBRATE: &str =
+    "calibrate --device twin:seed=7 --average 2s --warmup 60s --settle 120s --offset 20s --max-u-btc 0.2";
+
+/// The program, in the bench's folder, with a folder for temporary files of its own.
+fn command(bench: &Bench, line: &str) -> Command {
+    let temporary = bench.path("tmp");
+    fs::create_dir_all(&temporary).unwrap();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_zerorate"));
+    command.args(line.split(' ')).current_dir(bench.dir.path()).env("TMPDIR", temporary);
+    command
+}
+
+fn start(bench: &Bench, line: &str) -> Child {
+    command(bench, line).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
+}
+
+fn fifo(bench: &Bench, name: &str) -> PathBuf {
+    let path = bench.path(name);
+    assert!(Command::new("mkfifo").arg(&path).status().unwrap().success());
+    path
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+fn names(folder: &Path) -> Vec<String> {
+    let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
+    let mut names: Vec<String> = entries.collect();
+    names.sort();
+    names
+}
+
+/// The only file there whose name begins so.
+#[track_caller]
+fn only(folder: &Path, start: &str) -> PathBuf {
+    let found: Vec<String> = names(folder).into_iter().filter(|name| name.starts_with(start)).collect();
+    assert_eq!(found.len(), 1, "{start}… in {:?}", names(folder));
+    folder.join(&found[0])
+}
+
+#[track_caller]
+fn wait_until(what: &str, mut is_so: impl FnMut() -> bool) {
+    let deadline = Instant::now() + Duration::from_secs(60);
+    while !is_so() {
+        assert!(Instant::now() < deadline, "not within a minute: {what}");
+        std::thread::sleep(Duration::from_millis(10));
+    }
+}
+
+fn send(signal: &str, child: &Child) {
+    let sent = Command::new("sh").args(["-c", &format!("kill -{signal} {}", child.id())]).status().unwrap();
+    assert!(sent.success());
+}
+
+/// The run failed with 1, printed the calibration, and kept it in this file too.
+#[track_caller]
+fn rescued(bench: &Bench, output: &Output, folder: &Path) {
+    let said = stderr(output);
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    let kept = only(folder, "unit.rescue-");
+    assert!(said.contains("not lost") && said.contains(&*kept.file_name().unwrap().to_string_lossy()), "{said}");
+    assert_eq!(fs::read(&kept).unwrap(), output.stdout, "{said}");
+    let export = bench.zerorate(&format!("export {} --format csv", kept.display()));
+    assert_eq!(export.stderr(), "", "it is whole, with its checksum");
+    assert!(export.ok().starts_with("delta_c"));
+}
+
+#[test]
+fn a_log_whose_reader_leaves_is_a_failure_and_the_result_is_kept() {
+    let bench = Bench::new();
+    let log = fifo(&bench, "log");
+    let child = start(&bench, &format!("{CALIBRATE} -o unit.toml --log log"));
+    let mut reader = File::open(log).unwrap();
+    reader.read_exact(&mut [0; 2000]).unwrap();
+    drop(reader);
+    let output = child.wait_with_output().unwrap();
+    rescued(&bench, &output, bench.dir.path());
+    assert!(stderr(&output).contains("the measurement goes on") && stderr(&output).contains("Broken pipe"));
+    assert!(!bench.path("unit.toml").exists(), "a run that fails leaves no calibration under the name");
+}
+
+#[test]
+fn a_log_that_outgrows_its_disk_is_a_failure_and_the_object_has_the_calibration() {
+    let bench = Bench::new();
+    let program = env!("CARGO_BIN_EXE_zerorate");
+    let line = format!("ulimit -f 200; trap '' XFSZ; exec {program} {CALIBRATE} -o unit.toml --log log.arrows --json");
+    let output = Command::new("sh").args(["-c", &line]).current_dir(bench.dir.path()).output().unwrap();
+    assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
+    let object: serde_json::Value = serde_json::from_slice(&output.stdout).expect("one object");
+    let kept = fs::read_to_string(only(bench.dir.path(), "unit.rescue-")).unwrap();
+    assert_eq!(object["rescued"]["calibration"], kept);
+    assert!(object["rescued"]["file"].as_str().unwrap().contains("unit.rescue-"), "{object}");
+    let begun = bench.zerorate("probe --device replay:log.arrows");
+    assert!(begun.stderr().contains("was not closed"), "what was recorded can be read: {}", begun.stderr());
+}
+
+#[test]
+fn a_full_device_costs_no_result() {
+    let bench = Bench::new();
+    let output = command(&bench, &format!("{CALIBRATE} -o /dev/full")).output().unwrap();
+    assert_eq!(output.status.code(), Some(1));
+    assert_eq!(fs::read(only(&bench.path("tmp"), "calibration.rescue-")).unwrap(), output.stdout);
+    // known before the hour: nothing is printed
+    let output = command(&bench, &format!("{CALIBRATE} --log /dev/full")).output().unwrap();
+    assert_eq!((output.status.code(), output.stdout), (Some(1), vec![]));
+    // stdout was the only place
+    let full = OpenOptions::new().write(true).open("/dev/full").unwrap();
+    fs::remove_dir_all(bench.path("tmp")).unwrap();
+    let output = command(&bench, CALIBRATE).stdout(full).output().unwrap();
+    assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
+    let kept = only(&bench.path("tmp"), "calibration.rescue-");
+    assert!(stderr(&output).contains(kept.to_str().unwrap()), "{}", stderr(&output));
+}
+
+/// The run has claimed its output, and waits for somebody to read its log.
+fn waiting(bench: &Bench, line: &str) -> (Child, PathBuf) {
+    let log = fifo(bench, "log");
+    let child = start(bench, &format!("{line} --log log"));
+    let folder = bench.dir.path().to_owned();
+    wait_until("an unfinished file", || {
+        [folder.clone(), folder.join("sub")]
+            .iter()
+            .filter(|folder| folder.exists())
+            .any(|folder| names(folder).iter().any(|name| name.starts_with("unit.toml.") && name.ends_with(".part")))
+    });
+    (child, log)
+}
+
+fn let_it_run(child: Child, log: &Path) -> Output {
+    std::io::copy(&mut File::open(log).unwrap(), &mut std::io::sink()).unwrap();
+    child.wait_with_output().unwrap()
+}
+
+#[test]
+fn a_folder_that_vanishes_costs_no_result() {
+    let bench = Bench::new();
+    fs::create_dir(bench.path("sub")).unwrap();
+    let (child, log) = waiting(&bench, &format!("{CALIBRATE} -o sub/unit.toml"));
+    fs::remove_dir_all(bench.path("sub")).unwrap();
+    let output = let_it_run(child, &log);
+    rescued(&bench, &output, &bench.path("tmp"));
+}
+
+#[test]
+fn a_name_that_is_taken_meanwhile_stays_as_it_is() {
+    for force in ["", " --force"] {
+        let bench = Bench::new();
+        let (child, log) = waiting(&bench, &format!("{CALIBRATE} -o unit.toml{force}"));
+        bench.write("unit.toml", "mine");
+        let output = let_it_run(child, &log);
+        rescued(&bench, &output, bench.dir.path());
+        assert_eq!(fs::read(bench.path("unit.toml")).unwrap(), b"mine");
+    }
+}
+
+#[test]
+fn a_second_writer_of_a_calibration_refuses() {
+    let bench = Bench::new();
+    let (child, log) = waiting(&bench, &format!("{CALIBRATE} -o unit.toml"));
+    for force in ["", " --force"] {
+        let said = bench.zerorate(&format!("{CALIBRATE} -o unit.toml{force}")).fails(2);
+        assert!(said.contains("another zerorate"), "{said}");
+    }
+    let output = let_it_run(child, &log);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert_eq!(names(bench.dir.path()), ["log", "tmp", "unit.toml"]);
+}
+
+#[test]
+fn a_second_recorder_of_a_capture_refuses() {
+    let bench = Bench::new();
+    let child = start(&bench, "capture --realtime -o run.arrows");
+    wait_until("samples in the file", || fs::metadata(bench.path("run.arrows")).is_ok_and(|file| file.len() > 10_000));
+    assert!(bench.zerorate("capture --samples 10 -o run.arrows").fails(2).contains("--force"));
+    let said = bench.zerorate("capture --samples 10 -o run.arrows --force").fails(2);
+    assert!(said.contains("another zerorate"), "{said}");
+    send("TERM", &child);
+    assert_eq!(child.wait_with_output().unwrap().status.code(), Some(0));
+    let whole = bench.zerorate("probe --device replay:run.arrows --json");
+    assert!(!whole.stderr().contains("not closed"), "{}", whole.stderr());
+    // now it is over
+    bench.zerorate("capture --samples 10 -o run.arrows --force").ok();
+}
+
+#[test]
+fn of_many_that_start_at_once_one_writes() {
+    let bench = Bench::new();
+    let starts: Vec<Child> = (0..6).map(|_| start(&bench, "capture --samples 20000 -o run.arrows")).collect();
+    let codes: Vec<Option<i32>> =
+        starts.into_iter().map(|child| child.wait_with_output().unwrap().status.code()).collect();
+    assert_eq!(codes.iter().filter(|code| **code == Some(0)).count(), 1, "{codes:?}");
+    assert_eq!(codes.iter().filter(|code| **code == Some(2)).count(), 5, "{codes:?}");
+    bench.zerorate("probe --device replay:run.arrows").ok();
+    assert_eq!(names(bench.dir.path()), ["run.arrows", "tmp"]);
+}
+
+#[test]
+fn a_full_stderr_does_not_end_a_stream() {
+    let bench = Bench::new();
+    bench.write("unit.toml", calibration(-0.25, -0.04, 24.0));
+    for line in ["stream --cal unit.toml --duration 1s --rate 4", "capture --samples 10 --divider 50 -o run.arrows"] {
+        let full = OpenOptions::new().write(true).open("/dev/full").unwrap();
+        let output = command(&bench, line).stderr(full).output().unwrap();
+        assert_eq!(output.status.code(), Some(0), "{line}");
+        assert!(!output.stdout.is_empty());
+    }
+}
+
+#[test]
+fn a_broken_pipe_is_a_success_on_stdout_only() {
+    let bench = Bench::new();
+    let path = fifo(&bench, "pipe");
+    let child = start(&bench, "capture --samples 2000000 -o pipe");
+    File::open(path).unwrap().read_exact(&mut [0; 100]).unwrap();
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
+    assert!(stderr(&output).contains("Broken pipe"), "{}", stderr(&output));
+}
+
+#[test]
+fn signals_close_what_is_recorded_and_clear_away_what_is_not_finished() {
+    for signal in ["TERM", "HUP", "INT"] {
+        let bench = Bench::new();
+        let child = start(&bench, "calibrate --realtime -o unit.toml --log run.arrows");
+        wait_until("samples", || fs::metadata(bench.path("run.arrows")).is_ok_and(|file| file.len() > 10_000));
+        send(signal, &child);
+        let output = child.wait_with_output().unwrap();
+        assert_eq!(output.status.code(), Some(1), "{signal}: {}", stderr(&output));
+        assert_eq!(names(bench.dir.path()), ["run.arrows", "tmp"], "{signal}");
+        let whole = bench.zerorate("probe --device replay:run.arrows");
+        assert!(!whole.stderr().contains("not closed"), "{signal}: {}", whole.stderr());
+    }
+}
+
+/// Where no loop looks at the flag: at once, and cleared away all the same.
+#[test]
+fn a_signal_ends_a_run_that_waits() {
+    let bench = Bench::new();
+    fifo(&bench, "never.csv");
+    let child = start(&bench, "allan never.csv --rate 10 --unit dps --report page.html --plot a.svg");
+    wait_until("unfinished files", || {
+        names(bench.dir.path()).iter().filter(|name| name.ends_with(".part")).count() == 2
+    });
+    send("TERM", &child);
+    assert_eq!(child.wait_with_output().unwrap().status.code(), Some(130));
+    assert_eq!(names(bench.dir.path()), ["never.csv", "tmp"]);
+    let (child, _) = waiting(&bench, &format!("{CALIBRATE} -o unit.toml"));
+    send("TERM", &child);
+    // the second one, where the first cannot be heeded
+    wait_until("the first signal was taken", || {
+        send("TERM", &child);
+        std::thread::sleep(Duration::from_millis(50));
+        !names(bench.dir.path()).iter().any(|name| name.ends_with(".part"))
+    });
+    assert_eq!(child.wait_with_output().unwrap().status.code(), Some(130));
+    assert_eq!(names(bench.dir.path()), ["log", "never.csv", "tmp"]);
+}
