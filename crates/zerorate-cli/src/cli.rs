@@ -25,9 +25,9 @@ use std::path::Path;
     after_help = "Data goes to stdout, progress and messages to stderr.\n\
         Exit code: 0 done, 1 failed, 2 usage, 3 the measurement was refused.\n\n\
         First steps, without any hardware:\n  \
-        zerorate probe                    look at the simulated part\n  \
-        zerorate calibrate -o unit.toml   calibrate it, 53 simulated minutes in seconds\n  \
-        zerorate stream --cal unit.toml --duration 10s --rate 10"
+        zerorate probe                                  look at the simulated part\n  \
+        zerorate calibrate -o unit.toml --serial SN17   calibrate it, 53 simulated minutes in seconds\n  \
+        zerorate stream --cal unit.toml --serial SN17 --duration 10s --rate 10"
 )]
 pub struct Cli {
     #[command(subcommand)]
