@@ -1,8 +1,10 @@
 //! Calibrations and what they do to a rate.
 
+use crate::error::exception;
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use std::path::PathBuf;
 use zerorate::{Calibration, Correction};
 use zerorate_cli::api;
 
@@ -14,6 +16,14 @@ pub fn parse_calibration(text: &str) -> PyResult<(String, String, Vec<String>)> 
     let (calibration, warnings) = parse(text)?;
     let json = serde_json::to_string(&calibration).map_err(|error| PyValueError::new_err(error.to_string()))?;
     Ok((json, calibration.id(), warnings))
+}
+
+/// Writes the text of a calibration file to ``path``: whole, onto the disk, and over another file only with ``force``.
+///
+/// Raises FileExistsError where it would overwrite one, OSError where it cannot be written.
+#[pyfunction]
+pub fn save_calibration(path: PathBuf, text: &str, force: bool) -> PyResult<()> {
+    api::save_calibration(&path, text, force).map_err(|error| exception(&error))
 }
 
 /// What to say where temperatures from ``low_c`` to ``high_c`` leave the span of the calibration in ``text``.

@@ -70,6 +70,11 @@ def test_the_file_is_the_calibration(unit: tuple[zerorate.Calibrated, Path]) -> 
     assert loaded.correction.pbc_dps == found.pbc_dps
     assert loaded.run is not None and loaded.run.samples == found.samples
     loaded.save(folder / "copy.toml")
+    with pytest.raises(FileExistsError, match="force"):
+        loaded.save(folder / "copy.toml")
+    with pytest.raises(FileExistsError, match="is a capture"):
+        loaded.save(folder / "unit.arrows", force=True)
+    loaded.save(folder / "copy.toml", force=True)
     assert zerorate.Calibration.load(folder / "copy.toml") == loaded
 
 

@@ -8,6 +8,7 @@ use crate::capture::CaptureReader;
 use crate::cli::{Cli, Command};
 use crate::commands::{calibrate, correct};
 use crate::exit;
+use crate::output::Outputs;
 use adis16130::Sample;
 use anyhow::Result;
 use clap::Parser;
@@ -96,6 +97,14 @@ impl Recording {
         self.temp_code.push(sample.temp.map_or(-1, |temp| temp.code() as i32));
         self.lost.push(sample.lost);
     }
+}
+
+/// Writes the text of a calibration file, as `zerorate calibrate -o` does: whole, onto the disk, and over another only if `force`.
+///
+/// # Errors
+/// Why it is refused ([`refuses_output`]), or why it cannot be written.
+pub fn save_calibration(path: &Path, text: &str, force: bool) -> Result<()> {
+    Ok(Outputs::new(force).derived(path)?.fill(text.as_bytes())?)
 }
 
 /// Whether the error is that of a file that is there, and stays as it is: another name, or `--force`, is all that it takes.

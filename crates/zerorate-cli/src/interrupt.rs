@@ -1,29 +1,26 @@
 //! Ctrl-C, SIGTERM and SIGHUP. Loops that listen are asked to end cleanly, and a second signal ends the program at once; so does the first
-//! where nothing listens. Temporary files are removed in either case.
+//! where nothing listens. Temporary files are removed in either case. What `nohup` started outlives its terminal.
 
 use crate::output;
 use anyhow::Context;
+use std::io;
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+static HANDLED: OnceLock<()> = OnceLock::new();
 static LISTENED_TO: AtomicBool = AtomicBool::new(false);
 static ASKED: AtomicBool = AtomicBool::new(false);
 
-/// Exit code of a program that was ended by SIGINT, as shells report it.
-const INTERRUPTED: i32 = 130;
+/// Added to the number of the signal that ended a program, this is its exit code, as shells report it.
+const BY_SIGNAL: i32 = 128;
 
 /// From here on a signal ends the program. To be called before any command runs.
 pub fn handle() -> anyhow::Result<()> {
-    let handled = ctrlc::set_handler(|| {
-        if !LISTENED_TO.load(Ordering::Relaxed) || ASKED.swap(true, Ordering::Relaxed) {
-            output::remove_all_for_good();
-            std::process::exit(INTERRUPTED);
-        }
-    });
-    match handled {
-        // the second command line of a process that has several, such as Python
-        Ok(()) | Err(ctrlc::Error::MultipleHandlers) => Ok(()),
-        Err(error) => Err(error).context("installing the handler of Ctrl-C"),
+    // a process such as Python may have several command lines
+    if HANDLED.set(()).is_ok() {
+        handle_signals().context("installing the handler of Ctrl-C")?;
     }
+    Ok(())
 }
 
 /// From here on the first signal only sets the flag that [`asked`] reads.
@@ -35,4 +32,36 @@ pub fn listen() {
 #[inline]
 pub fn asked() -> bool {
     ASKED.load(Ordering::Relaxed)
+}
+
+fn heed(signal: i32) {
+    if !LISTENED_TO.load(Ordering::Relaxed) || ASKED.swap(true, Ordering::Relaxed) {
+        output::remove_all_for_good();
+        std::process::exit(BY_SIGNAL + signal);
+    }
+}
+
+#[cfg(unix)]
+fn handle_signals() -> io::Result<()> {
+    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+    use signal_hook::iterator::Signals;
+    let hang_up = (!is_ignored(SIGHUP)).then_some(SIGHUP);
+    let mut signals = Signals::new([SIGINT, SIGTERM].into_iter().chain(hang_up))?;
+    std::thread::Builder::new().name("signals".to_owned()).spawn(move || signals.forever().for_each(heed))?;
+    Ok(())
+}
+
+/// Whether whoever started the program wants it to ignore the signal. Known on Linux only.
+#[cfg(unix)]
+fn is_ignored(signal: i32) -> bool {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).is_some_and(|mask| mask >> (signal - 1) & 1 == 1)
+}
+
+#[cfg(not(unix))]
+fn handle_signals() -> io::Result<()> {
+    /// The number of SIGINT, which systems without signals use for Ctrl-C as well.
+    const CTRL_C: i32 = 2;
+    ctrlc::set_handler(|| heed(CTRL_C)).map_err(io::Error::other)
 }

@@ -215,9 +215,24 @@ class Calibration:
         }
         return cls(**{**fields, **tables, "id": id, "text": text})
 
-    def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes the calibration file, with its check lines if it was read with them."""
-        Path(path).write_text(self.text, encoding="utf-8")
+    def save(self, path: str | os.PathLike[str], *, force: bool = False) -> None:
+        """Writes the calibration file, with its check lines if it was read with them.
+
+        Parameters
+        ----------
+        path
+            Where to. The file has this name only when it is whole and on the disk.
+        force
+            Overwrite an existing file; a capture stays all the same.
+
+        Raises
+        ------
+        FileExistsError
+            If there is a file that is not to be overwritten.
+        OSError
+            If it cannot be written.
+        """
+        _zerorate.save_calibration(path, self.text, force)
 
     @overload
     def correct(self, rate_dps: float, temp_c: float) -> float: ...

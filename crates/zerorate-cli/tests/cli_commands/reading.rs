@@ -107,9 +107,28 @@ fn stream_refuses_what_does_not_fit() {
     let stream = |more: &[&str]| zerorate(&[&["stream", "--duration", "10ms", "--cal"], more].concat());
     stream(&[&cal, "--serial", "B2"]).ended_with(1).saying(&["A1", "B2"]);
     stream(&[&cal, "--serial", "A1"]).ended_with(0);
+    stream(&[&cal]).ended_with(0).saying(&["unknown-serial", "part A1", "--serial SN"]);
     stream(&["none.toml"]).ended_with(1).saying(&["none.toml"]);
     stream(&[&cal, "--rate", "0"]).ended_with(2).saying(&["--rate"]);
     stream(&[&cal, "--device", "twin:fault=sdo_low"]).ended_with(1).saying(&["pin 12"]);
+}
+
+/// Every part has its own bias, and the wrong one shows in nothing: where no number is known, that is said.
+#[test]
+fn stream_knows_the_part_of_a_recording() {
+    let (folder, cal) = folder_with_calibration();
+    let nameless = folder.path().join("nameless.toml");
+    std::fs::write(&nameless, CALIBRATION.replace("serial = \"A1\"\n", "")).expect("written");
+    for (serial, code, said) in [("A1", 0, "no checksum"), ("B2", 1, "is part B2, ")] {
+        let file = folder.path().join(format!("{serial}.arrows"));
+        zerorate(&["capture", "--samples", "100", "--serial", serial, "-o", path(&file)]).ended_with(0);
+        let replay = format!("replay:{}", path(&file));
+        let stream = |more: &[&str]| zerorate(&[&["stream", "--device", &replay, "--cal"], more].concat());
+        let run = stream(&[&cal]).ended_with(code).saying(&[said]);
+        assert!(!run.stderr.contains("unknown-serial"), "{}", run.stderr);
+        stream(&[&cal, "--serial", "C3"]).ended_with(1).saying(&[&format!("recorded from part {serial}"), "part C3"]);
+        stream(&[path(&nameless)]).ended_with(0).saying(&["unknown-serial", "zerorate calibrate"]);
+    }
 }
 
 #[test]

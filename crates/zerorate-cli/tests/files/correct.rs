@@ -62,6 +62,14 @@ fn the_calibration_of_another_part_is_refused() {
     let refusal = bench.zerorate("correct rest.csv --cal b2.toml -o b2.arrows").fails(1);
     assert!(refusal.contains("part A1") && refusal.contains("part B2"), "{refusal}");
     assert!(!bench.path("b2.arrows").exists());
+    bench.write("nameless.csv", capture("A1", ROWS).replace("# zerorate.serial = A1\n", ""));
+    let doubtful = bench.zerorate("correct nameless.csv --cal a1.toml -o doubtful.arrows");
+    assert!(doubtful.stderr().contains("unknown-serial") && doubtful.stderr().contains("part A1"));
+    doubtful.ok();
+    bench.write("nameless.toml", calibration(-0.25, -0.04, 24.0));
+    let doubtful = bench.zerorate("correct rest.csv --cal nameless.toml -o doubtful.csv");
+    assert!(doubtful.stderr().contains("unknown-serial") && doubtful.stderr().contains("zerorate calibrate"));
+    doubtful.ok();
     let forced = bench.zerorate("correct rest.csv --cal b2.toml -o b2.arrows --force");
     assert!(forced.stderr().contains("warning: rest.csv is part A1, b2.toml is the calibration of part B2"));
     forced.ok();

@@ -1,5 +1,5 @@
 //! What fails is a failure, what was measured is not lost, and what was begun is cleared away.
-#![cfg(unix)]
+#![cfg(target_os = "linux")]
 
 use super::{Bench, calibration};
 use std::fs::{self, File, OpenOptions};
@@ -229,19 +229,41 @@ fn a_broken_pipe_is_a_success_on_stdout_only() {
     assert!(stderr(&output).contains("Broken pipe"), "{}", stderr(&output));
 }
 
+/// A program that starts as if nobody had told it what to ignore.
+fn unbiased(bench: &Bench, starter: &[&str], line: &str) -> Child {
+    let mut command = Command::new(starter[0]);
+    command.args(&starter[1..]).arg(env!("CARGO_BIN_EXE_zerorate")).args(line.split(' '));
+    command.current_dir(bench.dir.path()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
+}
+
 #[test]
 fn signals_close_what_is_recorded_and_clear_away_what_is_not_finished() {
     for signal in ["TERM", "HUP", "INT"] {
         let bench = Bench::new();
-        let child = start(&bench, "calibrate --realtime -o unit.toml --log run.arrows");
+        let starter = ["env", "--default-signal=HUP,INT"];
+        let child = unbiased(&bench, &starter, "calibrate --realtime -o unit.toml --log run.arrows");
         wait_until("samples", || fs::metadata(bench.path("run.arrows")).is_ok_and(|file| file.len() > 10_000));
         send(signal, &child);
         let output = child.wait_with_output().unwrap();
         assert_eq!(output.status.code(), Some(1), "{signal}: {}", stderr(&output));
-        assert_eq!(names(bench.dir.path()), ["run.arrows", "tmp"], "{signal}");
+        assert_eq!(names(bench.dir.path()), ["run.arrows"], "{signal}");
         let whole = bench.zerorate("probe --device replay:run.arrows");
         assert!(!whole.stderr().contains("not closed"), "{signal}: {}", whole.stderr());
     }
+}
+
+/// A capture of hours is started with `nohup` so that it goes on when its terminal is gone.
+#[test]
+fn nohup_is_heeded() {
+    let bench = Bench::new();
+    let child = unbiased(&bench, &["nohup"], "capture --realtime -o run.arrows");
+    let size = || fs::metadata(bench.path("run.arrows")).map_or(0, |file| file.len());
+    wait_until("samples", || size() > 10_000);
+    send("HUP", &child);
+    let before = size();
+    wait_until("more samples", || size() > before + 300_000);
+    send("TERM", &child);
+    assert_eq!(child.wait_with_output().unwrap().status.code(), Some(0));
 }
 
 /// Where no loop looks at the flag: at once, and cleared away all the same.
@@ -254,7 +276,7 @@ fn a_signal_ends_a_run_that_waits() {
         names(bench.dir.path()).iter().filter(|name| name.ends_with(".part")).count() == 2
     });
     send("TERM", &child);
-    assert_eq!(child.wait_with_output().unwrap().status.code(), Some(130));
+    assert_eq!(child.wait_with_output().unwrap().status.code(), Some(143));
     assert_eq!(names(bench.dir.path()), ["never.csv", "tmp"]);
     let (child, _) = waiting(&bench, &format!("{CALIBRATE} -o unit.toml"));
     send("TERM", &child);
@@ -264,6 +286,6 @@ fn a_signal_ends_a_run_that_waits() {
         std::thread::sleep(Duration::from_millis(50));
         !names(bench.dir.path()).iter().any(|name| name.ends_with(".part"))
     });
-    assert_eq!(child.wait_with_output().unwrap().status.code(), Some(130));
+    assert_eq!(child.wait_with_output().unwrap().status.code(), Some(143));
     assert_eq!(names(bench.dir.path()), ["log", "never.csv", "tmp"]);
 }

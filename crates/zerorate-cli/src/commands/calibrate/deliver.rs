@@ -15,7 +15,7 @@ const UNNAMED: &str = "calibration.toml";
 pub fn print_result(report: &Report, calibration: &Calibration, args: &ResultArgs) -> Result<()> {
     let printed = match args.json {
         true => print_json(report),
-        false => print(&report.text(args.output.as_deref())),
+        false => print(&report.text(args.output.as_deref(), calibration.serial.as_deref())),
     };
     match printed {
         Err(why) if args.output.is_none() => {

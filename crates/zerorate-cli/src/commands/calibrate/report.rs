@@ -84,12 +84,12 @@ impl Report {
     }
 
     /// The same for people; `file` is where the calibration went.
-    pub fn text(&self, file: Option<&Path>) -> String {
+    pub fn text(&self, file: Option<&Path>, serial: Option<&str>) -> String {
         let mut text = self.head() + &self.numbers();
         if let Some(truth) = &self.truth {
             text += &self.against(truth);
         }
-        text + "\n" + &self.what_next(file)
+        text + "\n" + &self.what_next(file, serial)
     }
 
     fn head(&self) -> String {
@@ -132,10 +132,15 @@ impl Report {
         )
     }
 
-    fn what_next(&self, file: Option<&Path>) -> String {
+    fn what_next(&self, file: Option<&Path>, serial: Option<&str>) -> String {
+        let plain = |serial: &&str| serial.chars().all(|c| c.is_ascii_alphanumeric() || "-_.".contains(c));
+        let serial =
+            serial.map_or_else(String::new, |sn| format!(" --serial {}", Some(sn).filter(plain).unwrap_or("SN")));
         match file.map(Path::display) {
             Some(file) => {
-                format!("Written to {file}. Next: zerorate stream --cal {file}, zerorate export {file} --format c\n")
+                format!(
+                    "Written to {file}. Next: zerorate stream --cal {file}{serial}, zerorate export {file} --format c\n"
+                )
             }
             None => "Nothing was written: give -o unit.toml to keep the calibration.\n".to_owned(),
         }
