@@ -127,7 +127,7 @@ struct Taken {
 /// * A host may stop at any moment, for several periods. As long as the timestamps are those of the edges, no loss is
 ///   counted that there was not, and each is reported within five samples. If they are late as well, as behind USB, a
 ///   stop in 100 periods costs at most two losses too many or too few in all, one in 20 periods 0.6 % of the samples
-///   (measured, 100 seeds of 3000 samples each, stops of up to 5 periods). Where edges come at any time, nothing can be learned from
+///   (measured, 60 seeds of 3000 samples each, stops of up to 5 periods). Where edges come at any time, nothing can be learned from
 ///   them: the nominal period holds, and the losses are right to 3.5 % of all samples (measured with edges late by up to a
 ///   period, which wait for each other).
 /// * `seq` differs for different edges. Where `t_ns` stands still or runs backwards, the edges themselves are counted:

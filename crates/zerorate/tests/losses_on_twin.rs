@@ -148,7 +148,7 @@ fn with_true_timestamps_every_loss_is_counted_and_nothing_else() {
     for (between_stops, longest_stop) in STOPS {
         for every_temp in [1, 4] {
             let habits = Habits { between_stops, longest_stop, late_stamps_ns: None, every_temp };
-            for seed in 0..100 {
+            for seed in 0..60 {
                 let counts = run(seed, habits);
                 lost += counts[SAMPLES - 1].1;
                 assert!(counts.iter().all(|(counted, known)| counted <= known), "{habits:?}, seed {seed}: too many");
@@ -157,7 +157,7 @@ fn with_true_timestamps_every_loss_is_counted_and_nothing_else() {
             }
         }
     }
-    assert!(lost > 50_000, "{lost} in all");
+    assert!(lost > 30_000, "{lost} in all");
 }
 
 #[test]
@@ -167,7 +167,7 @@ fn with_late_timestamps_the_count_is_off_by_little() {
         for every_temp in [1, 4] {
             for late_ns in [2_000.0, 15_000.0] {
                 let habits = Habits { between_stops, longest_stop, late_stamps_ns: Some(late_ns), every_temp };
-                let surplus: Vec<i64> = (0..100).map(|seed| surplus(&run(seed, habits))).collect();
+                let surplus: Vec<i64> = (0..60).map(|seed| surplus(&run(seed, habits))).collect();
                 assert!(surplus.iter().all(|surplus| bound.contains(surplus)), "{habits:?}: {surplus:?}");
             }
         }
