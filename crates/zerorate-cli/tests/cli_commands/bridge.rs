@@ -4,6 +4,7 @@
 mod firmware;
 
 use super::{Run, calibrate, zerorate};
+use adis16130::bridge::{Decoder, MAX_FRAME, Message, encode};
 use adis16130_twin::{Fault, Spec, Twin};
 use firmware::Port;
 use std::io::{ErrorKind, Read, Write};
@@ -17,6 +18,20 @@ struct Cable {
     damages_every: Option<u64>,
     /// It is pulled after so many bytes.
     pulled_after: Option<u64>,
+    /// No cable, but a clock of the bridge that runs by so many ns from one sample to the next.
+    clock_step_ns: Option<u64>,
+}
+
+/// The frame with another time in it, if it is that of a sample.
+fn with_time(frame: &[u8], clock_step_ns: u64) -> Vec<u8> {
+    let mut decoder = Decoder::new();
+    for byte in frame {
+        if let Some(Ok(Message::Sample(mut reading))) = decoder.push(*byte) {
+            reading.t_ns = 1_000_000_000 + clock_step_ns * u64::from(reading.number);
+            return encode(&Message::Sample(reading), &mut [0; MAX_FRAME]).expect("a frame").to_vec();
+        }
+    }
+    frame.to_vec()
 }
 
 struct Socket {
@@ -40,7 +55,7 @@ impl Port for Socket {
     }
 
     fn write(&mut self, frame: &[u8]) -> Result<(), ()> {
-        let mut frame = frame.to_vec();
+        let mut frame = self.cable.clock_step_ns.map_or(frame.to_vec(), |step_ns| with_time(frame, step_ns));
         self.frames += 1;
         if self.cable.damages_every.is_some_and(|every| self.frames.is_multiple_of(every)) {
             frame[2] ^= 0x10;
@@ -138,6 +153,24 @@ fn a_pulled_cable_ends_a_whole_capture() {
     let rows = rows(&folder).len();
     assert!((2_500..4_000).contains(&rows), "{rows}");
     assert!(run.stderr.contains(&format!("ends after {rows} samples")), "{}", run.stderr);
+}
+
+#[test]
+fn a_clock_that_creeps_ends_a_whole_capture() {
+    let cable = Cable { clock_step_ns: Some(1), ..Cable::default() };
+    let (run, folder) = capture(&bridge(Spec::from_seed(7), cable), "100000000");
+    let run = run.ended_with(1).saying(&["the clock of the bridge does not run", "reset the bridge", "unit.csv ends"]);
+    let rows = rows(&folder).len();
+    assert!(rows > 1_000 && run.stderr.contains(&format!("ends after {rows} samples")), "{rows}: {}", run.stderr);
+}
+
+#[test]
+fn a_clock_that_stands_still_ends_every_command() {
+    let cable = Cable { clock_step_ns: Some(0), ..Cable::default() };
+    for command in ["probe", "calibrate"] {
+        let device = bridge(Spec::from_seed(7), cable);
+        zerorate(&[command, "--device", &device]).ended_with(1).saying(&["the clock of the bridge does not run"]);
+    }
 }
 
 #[test]

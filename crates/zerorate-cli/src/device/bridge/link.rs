@@ -83,7 +83,9 @@ impl Link {
             self.tag = self.tag.wrapping_add(1);
             self.send(&Request { tag: self.tag, ask })?;
             let deadline = Instant::now() + ANSWER;
-            while let Some(heard) = self.hear(deadline)? {
+            // a bridge that talks all the time must not keep this waiting
+            while Instant::now() < deadline {
+                let Some(heard) = self.hear(deadline)? else { break };
                 match heard {
                     Heard::Answer(tag, Reply::Refused(refusal)) if tag == self.tag => {
                         return Err(LinkError::Refused(refusal));

@@ -1,6 +1,7 @@
 //! The part behind a bridge: a microcontroller that reads it and streams the samples (docs/formats/bridge.md).
 
 mod link;
+mod progress;
 mod wire;
 
 use super::Bus;
@@ -12,6 +13,7 @@ use adis16130::{Config, Edge, Framing, Sample, SamplerConfig};
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use embedded_hal::spi::{ErrorType, Operation, SpiDevice};
 use link::{Heard, Link, LinkError, Reply};
+use progress::Progress;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 use wire::Wire;
@@ -92,7 +94,8 @@ impl BridgePart {
         let started = self.link.ask(start, |reply| matches!(reply, Reply::Started).then_some(()));
         started.map_err(|error| self.link.explain(error, &self.address))?;
         let (link, address) = (self.link.clone(), self.address.clone());
-        let mut stream = Stream { link: link.clone(), live, continuity: Continuity::default() };
+        let mut stream =
+            Stream { link: link.clone(), live, continuity: Continuity::default(), progress: Progress::default() };
         let next = move || stream.next().map_err(|error| link.explain(error, &address));
         self.state = State::Reading(Reader::start(WhenFull::Wait, || (), next)?);
         Ok(())
@@ -132,23 +135,27 @@ struct Stream {
     link: Shared,
     live: Box<Live<Transfers, LastEdges>>,
     continuity: Continuity,
+    progress: Progress,
 }
 
 impl Stream {
+    /// Waits no longer than the part may be silent, whatever else the bridge says meanwhile.
     fn next(&mut self) -> Result<Sample> {
-        let patience = Duration::from_nanos(self.live.silence_ns());
-        loop {
-            let heard = self.link.lock().hear(Instant::now() + patience)?;
-            match heard {
-                Some(Heard::Sample(reading)) => return Ok(self.continuity.sample(&reading)),
+        let asked = Instant::now();
+        let deadline = asked + Duration::from_nanos(self.live.silence_ns());
+        while Instant::now() < deadline {
+            match self.link.lock().hear(deadline)? {
+                Some(Heard::Sample(reading)) => {
+                    self.progress.require(reading.t_ns, asked.elapsed())?;
+                    return Ok(self.continuity.sample(&reading));
+                }
                 // a second answer to a request that was sent twice
                 Some(Heard::Answer(..)) => {}
-                Some(Heard::Ended) | None => {
-                    self.link.ask(Ask::Stop, |reply| matches!(reply, Reply::Stopped).then_some(()))?;
-                    return Err(self.live.why_silent());
-                }
+                Some(Heard::Ended) | None => break,
             }
         }
+        self.link.ask(Ask::Stop, |reply| matches!(reply, Reply::Stopped).then_some(()))?;
+        Err(self.live.why_silent())
     }
 }
 
