@@ -5,16 +5,16 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* SPI mode 3, most significant bit first, at most 10 MHz; CS low from the first bit to the last. 0, or an error. */
+/* SPI mode 3, most significant bit first, at most 10 MHz; CS low from the first bit to the last, then high. 0, or an error. */
 int32_t board_spi_transfer(void *context, uint8_t *bytes, size_t length);
 /* The level of RDY. */
 int32_t board_rdy(void *context);
 void board_delay_us(void *context, uint32_t us);
 /* A clock that does not stop. */
 uint64_t board_now_ns(void);
-/* Enables the interrupt on the falling edge of RDY, which calls `handler`. */
+/* Calls `handler` on the falling edge of RDY, from the next on; not any more where it is null. */
 void board_rdy_interrupt(void (*handler)(void));
-/* Sleeps until an interrupt; returns at once where one is pending. */
+/* Sleeps until an interrupt, for 10 ms at most (a timer); returns at once where one is pending. */
 void board_sleep(void);
 /* Does something with the corrected rate, a code of 24 bits. */
 void board_use(uint32_t corrected_code, uint32_t lost);

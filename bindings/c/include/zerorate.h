@@ -7,7 +7,7 @@
  * Threads    An object is used by one thread or interrupt at a time; what excludes them from each other is the caller's.
  *            Different objects are independent. Functions that take const pointers only, and those without pointers,
  *            may be called from anywhere at any time, interrupts included.
- * Interrupts zerorate_gyro_sample fits into the interrupt of RDY: 1 to 3 transfers, and a bounded count of instructions
+ * Interrupts zerorate_gyro_sample fits into the interrupt of RDY: 1 to 3 commands, and a bounded count of instructions
  *            beside. zerorate_procedure_sample takes long at the end of a step (floating point), so call it from the
  *            main loop. If an interrupt samples, the main loop must not touch that zerorate_gyro without masking it.
  * Errors     Functions return ZERORATE_OK, a positive number that says something harmless, or a negative one that says
@@ -146,7 +146,8 @@ typedef struct zerorate_settings {
    */
   uint8_t bits;
   /**
-   * 0 = CS stays low for a whole command, 1 = it rises between all bytes (F-22). With 1, `transfer` is called once per byte.
+   * 1 = CS rises between all bytes, as the note prescribes, and `transfer` is called once per byte; 0 = it stays low for a whole
+   * command, which is faster and works too (F-22).
    */
   uint8_t per_byte_framing;
   /**
@@ -515,6 +516,12 @@ typedef struct zerorate_table {
 #define ZERORATE_E_SELF_TEST_PIN -14
 
 /**
+ * `transfer` has failed before, so the part may be in the middle of that command and what it sends would be misread. Nothing was
+ * sent: initialise it.
+ */
+#define ZERORATE_E_INTERRUPTED -15
+
+/**
  * SDO is stuck at ones: check its wire, CS and the supply.
  */
 #define ZERORATE_E_STUCK_HIGH -20
@@ -535,9 +542,15 @@ typedef struct zerorate_table {
 #define ZERORATE_E_UNEXPECTED -23
 
 /**
- * The reading is at the end of its scale, on a healthy link (F-35).
+ * The input is out of range, on a healthy link (F-35).
  */
 #define ZERORATE_E_OUT_OF_RANGE -24
+
+/**
+ * There is no reading yet, on a healthy link: the part has not been initialised, or its first conversion has not ended. Initialise it,
+ * wait for RDY and read again.
+ */
+#define ZERORATE_E_NO_READING -25
 
 /**
  * A coefficient does not fit the integer correction: |BTC| up to 1.19 deg/s/deg C, PBC and T3 within the codes.
@@ -673,7 +686,7 @@ uint32_t zerorate_correct_integer(const struct zerorate_correction_integer *corr
                                   uint32_t temp_code);
 
 /**
- * F-30, command framing, temperature and status with every sample.
+ * F-30, the note's framing (F-22), temperature and status with every sample.
  *
  * Required: `settings` is null or points to writable memory for it.
  */
@@ -689,7 +702,7 @@ zerorate_status zerorate_gyro_set_up(struct zerorate_gyro *gyro,
                                      const struct zerorate_settings *settings);
 
 /**
- * Resets the part, writes its configuration (F-30) and reads it back. 12 transfers or so, no wait. Call it again after an error of
+ * Resets the part, writes its configuration (F-30) and reads it back. 13 commands, no wait. Call it again after an error of
  * the bus: samples go on, and the next one says what was lost.
  *
  * Required: `gyro` is null or points to a gyroscope that nothing else uses meanwhile.
@@ -697,8 +710,9 @@ zerorate_status zerorate_gyro_set_up(struct zerorate_gyro *gyro,
 zerorate_status zerorate_gyro_initialise(struct zerorate_gyro *gyro);
 
 /**
- * Reads rate and temperature now, whether they are new or not: 2 transfers. A code at the end of its scale is looked into, with 2
- * more.
+ * Reads rate, its status, and temperature now, whether they are new or not: 3 commands. ZERORATE_E_OUT_OF_RANGE where the rate is
+ * beyond its range, also where its code has wrapped (F-35); ZERORATE_E_NO_READING before the first conversion. Up to 9 more commands
+ * where an answer is doubtful or a conversion ends in between.
  *
  * Required: Each pointer is null or points to memory of its type; nothing else uses the gyroscope meanwhile.
  */
@@ -715,7 +729,7 @@ zerorate_status zerorate_gyro_wait_ready(struct zerorate_gyro *gyro,
                                          uint32_t timeout_us);
 
 /**
- * Handles an edge of RDY: reads what is due, 1 to 3 transfers, and counts the samples that were lost.
+ * Handles an edge of RDY: reads what is due, 1 to 3 commands, and counts the samples that were lost.
  *
  * `t_ns` is the time of the edge by a clock that runs evenly, `seq` its running number, which counts also the edges that were not
  * handled; it may wrap. Returns ZERORATE_NOTHING and writes nothing where nothing was due or the edge was stale.
@@ -728,7 +742,20 @@ zerorate_status zerorate_gyro_sample(struct zerorate_gyro *gyro,
                                      struct zerorate_sample *sample);
 
 /**
- * Looks at the link: ZERORATE_OK if it works and the part is configured as written, else what is wrong. 2 transfers.
+ * Whether edges of RDY still come: ZERORATE_OK, or ZERORATE_E_TIMEOUT where none has been handed to zerorate_gyro_sample for 64 periods
+ * of the rate (11.2 ms with F-30). Then the part has lost its supply or its configuration, or RDY is cut: zerorate_gyro_diagnose says
+ * which, zerorate_gyro_initialise starts anew. Sends nothing.
+ *
+ * `now_ns` is the time now by the clock of the edges. Before the first edge, and after an initialisation, the time counts from the first
+ * call on, so call it regularly, and at least once before you go to sleep.
+ *
+ * Required: `gyro` is null or points to a gyroscope that nothing else uses meanwhile.
+ */
+zerorate_status zerorate_gyro_silent(struct zerorate_gyro *gyro,
+                                     uint64_t now_ns);
+
+/**
+ * Looks at the link: ZERORATE_OK if it works and the part is configured as written, else what is wrong. 2 commands.
  *
  * Required: `gyro` is null or points to a gyroscope that nothing else uses meanwhile.
  */
@@ -809,7 +836,7 @@ zerorate_status zerorate_self_test_plan_default(struct zerorate_self_test_plan *
  * Measures what the self-test does to the rate, and judges nothing (F-11). Needs `rdy` and `delay_us` of the bus and an initialised
  * part at rest: motion counts as shift.
  *
- * Blocks for two settling times and `2 * samples` rates, 3 transfers each, each within `4 * timeout_us`: 2.3 s by default, so not
+ * Blocks for two settling times and `2 * samples` rates, 3 commands each, each within `4 * timeout_us`: 2.3 s by default, so not
  * for an interrupt. An interrupt that samples this gyroscope must be masked; what it misses counts as lost.
  *
  * The self-test is off when this returns, also with an error, except perhaps after ZERORATE_E_SELF_TEST_PIN. ZERORATE_E_MISSING: a

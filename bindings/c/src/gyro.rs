@@ -3,7 +3,8 @@
 use crate::boundary::{self, Object};
 use crate::bus::{Bus, Delay, Line, Port};
 use crate::status::{
-    self, Numbered, Status, ZERORATE_E_ARGUMENT, ZERORATE_E_NULL, ZERORATE_E_PIN, ZERORATE_NOTHING, ZERORATE_OK,
+    self, Numbered, Status, ZERORATE_E_ARGUMENT, ZERORATE_E_NULL, ZERORATE_E_PIN, ZERORATE_E_TIMEOUT, ZERORATE_NOTHING,
+    ZERORATE_OK,
 };
 use adis16130::blocking::Adis16130;
 use adis16130::{
@@ -44,7 +45,8 @@ pub struct Settings {
     pub divider: u16,
     /// Width of the data registers: 24 or 16.
     pub bits: u8,
-    /// 0 = CS stays low for a whole command, 1 = it rises between all bytes (F-22). With 1, `transfer` is called once per byte.
+    /// 1 = CS rises between all bytes, as the note prescribes, and `transfer` is called once per byte; 0 = it stays low for a whole
+    /// command, which is faster and works too (F-22).
     pub per_byte_framing: u8,
     /// Which edge of the line says "new data": 0 = falling, 1 = rising, as behind an inverting level shifter.
     pub rdy_rises: u8,
@@ -137,7 +139,7 @@ impl Settings {
     }
 }
 
-/// F-30, command framing, temperature and status with every sample.
+/// F-30, the note's framing (F-22), temperature and status with every sample.
 ///
 /// # Safety
 /// `settings` is null or points to writable memory for it.
@@ -148,7 +150,7 @@ pub unsafe extern "C" fn zerorate_settings_default(settings: *mut Settings) -> S
         every_temp: 1,
         divider: 1,
         bits: 24,
-        per_byte_framing: 0,
+        per_byte_framing: 1,
         rdy_rises: 0,
         read_status: 1,
     };
@@ -179,7 +181,7 @@ unsafe fn set_up(gyro: *mut Gyro, bus: *const Bus, settings: *const Settings) ->
     unsafe { boundary::set_up(gyro, State { driver, sampler, bus }) }
 }
 
-/// Resets the part, writes its configuration (F-30) and reads it back. 12 transfers or so, no wait. Call it again after an error of
+/// Resets the part, writes its configuration (F-30) and reads it back. 13 commands, no wait. Call it again after an error of
 /// the bus: samples go on, and the next one says what was lost.
 ///
 /// # Safety
@@ -195,15 +197,16 @@ pub unsafe extern "C" fn zerorate_gyro_initialise(gyro: *mut Gyro) -> Status {
     status::of(unsafe { boundary::state(gyro) }.and_then(initialise))
 }
 
-/// Reads rate and temperature now, whether they are new or not: 2 transfers. A code at the end of its scale is looked into, with 2
-/// more.
+/// Reads rate, its status, and temperature now, whether they are new or not: 3 commands. ZERORATE_E_OUT_OF_RANGE where the rate is
+/// beyond its range, also where its code has wrapped (F-35); ZERORATE_E_NO_READING before the first conversion. Up to 9 more commands
+/// where an answer is doubtful or a conversion ends in between.
 ///
 /// # Safety
 /// Each pointer is null or points to memory of its type; nothing else uses the gyroscope meanwhile.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn zerorate_gyro_read(gyro: *mut Gyro, reading: *mut Reading) -> Status {
     let read = |state: &mut State| {
-        let (rate, temp) = state.driver.read_both().map_err(|error| error.status())?;
+        let (rate, temp) = state.driver.read_in_range().map_err(|error| error.status())?;
         Ok(Reading { rate_code: rate.code24(), temp_code: temp.code24() })
     };
     // SAFETY: by the contract.
@@ -227,7 +230,7 @@ pub unsafe extern "C" fn zerorate_gyro_wait_ready(gyro: *mut Gyro, timeout_us: u
     status::of(unsafe { boundary::state(gyro) }.and_then(wait))
 }
 
-/// Handles an edge of RDY: reads what is due, 1 to 3 transfers, and counts the samples that were lost.
+/// Handles an edge of RDY: reads what is due, 1 to 3 commands, and counts the samples that were lost.
 ///
 /// `t_ns` is the time of the edge by a clock that runs evenly, `seq` its running number, which counts also the edges that were not
 /// handled; it may wrap. Returns ZERORATE_NOTHING and writes nothing where nothing was due or the edge was stale.
@@ -247,7 +250,26 @@ pub unsafe extern "C" fn zerorate_gyro_sample(gyro: *mut Gyro, t_ns: u64, seq: u
     }
 }
 
-/// Looks at the link: ZERORATE_OK if it works and the part is configured as written, else what is wrong. 2 transfers.
+/// Whether edges of RDY still come: ZERORATE_OK, or ZERORATE_E_TIMEOUT where none has been handed to zerorate_gyro_sample for 64 periods
+/// of the rate (11.2 ms with F-30). Then the part has lost its supply or its configuration, or RDY is cut: zerorate_gyro_diagnose says
+/// which, zerorate_gyro_initialise starts anew. Sends nothing.
+///
+/// `now_ns` is the time now by the clock of the edges. Before the first edge, and after an initialisation, the time counts from the first
+/// call on, so call it regularly, and at least once before you go to sleep.
+///
+/// # Safety
+/// `gyro` is null or points to a gyroscope that nothing else uses meanwhile.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn zerorate_gyro_silent(gyro: *mut Gyro, now_ns: u64) -> Status {
+    let check = |State { sampler, .. }: &mut State| match sampler.silent_since(now_ns) {
+        None => Ok(()),
+        Some(_) => Err(ZERORATE_E_TIMEOUT),
+    };
+    // SAFETY: by the contract.
+    status::of(unsafe { boundary::state(gyro) }.and_then(check))
+}
+
+/// Looks at the link: ZERORATE_OK if it works and the part is configured as written, else what is wrong. 2 commands.
 ///
 /// # Safety
 /// `gyro` is null or points to a gyroscope that nothing else uses meanwhile.

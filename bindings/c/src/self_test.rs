@@ -53,7 +53,7 @@ pub unsafe extern "C" fn zerorate_self_test_plan_default(plan: *mut SelfTestPlan
 /// Measures what the self-test does to the rate, and judges nothing (F-11). Needs `rdy` and `delay_us` of the bus and an initialised
 /// part at rest: motion counts as shift.
 ///
-/// Blocks for two settling times and `2 * samples` rates, 3 transfers each, each within `4 * timeout_us`: 2.3 s by default, so not
+/// Blocks for two settling times and `2 * samples` rates, 3 commands each, each within `4 * timeout_us`: 2.3 s by default, so not
 /// for an interrupt. An interrupt that samples this gyroscope must be masked; what it misses counts as lost.
 ///
 /// The self-test is off when this returns, also with an error, except perhaps after ZERORATE_E_SELF_TEST_PIN. ZERORATE_E_MISSING: a

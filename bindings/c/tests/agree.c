@@ -48,6 +48,22 @@ static zerorate_bus bus_of(void *rig)
     return bus;
 }
 
+/* A bus that fails at one transfer, and works again after it. */
+typedef struct {
+    void *rig;
+    int32_t fails_in;
+} broken_transfer;
+
+static int32_t transfer_or_not(void *context, uint8_t *bytes, size_t length)
+{
+    broken_transfer *bus = context;
+
+    if (bus->fails_in > 0 && --bus->fails_in == 0) {
+        return -1;
+    }
+    return zerorate_twin_transfer(bus->rig, bytes, length);
+}
+
 /* A twin of these keys, with a gyroscope that was set up and initialised on it. */
 static void *started(const char *keys, uint32_t mclk_hz, zerorate_gyro *gyro)
 {
@@ -116,6 +132,49 @@ static void misuse(void)
     printf("no table %ld\n", (long)zerorate_table_look_up(&table, 1));
     printf("no correction %lu\n", (unsigned long)zerorate_correct_integer(NULL, 77, 1));
     printf("%s. %s.\n", zerorate_text(ZERORATE_E_TIMEOUT), zerorate_text(12345));
+}
+
+/* What must not be taken for a reading: nothing converted yet, wrapped codes, and what comes after a transfer that failed. */
+static void no_numbers(void)
+{
+    zerorate_gyro gyro;
+    zerorate_reading reading = {7, 7};
+    zerorate_settings settings;
+    void *rig = zerorate_twin_new("seed=1");
+    zerorate_bus bus = bus_of(rig);
+    broken_transfer broken = {rig, 0};
+
+    bus.context = &broken;
+    bus.transfer = transfer_or_not;
+    bus.rdy = NULL;
+    zerorate_settings_default(&settings);
+    print_status("framing", settings.per_byte_framing);
+    print_status("set up", zerorate_gyro_set_up(&gyro, &bus, &settings));
+    print_status("without initialisation", zerorate_gyro_read(&gyro, &reading));
+    print_status("initialise", zerorate_gyro_initialise(&gyro));
+    print_status("before the first conversion", zerorate_gyro_read(&gyro, &reading));
+    zerorate_twin_delay_us(rig, 400);
+    print_status("converted", zerorate_gyro_read(&gyro, &reading));
+    zerorate_twin_set_fault(rig, 3);
+    reading.rate_code = reading.temp_code = 7;
+    print_status("dip", zerorate_gyro_read(&gyro, &reading));
+    print_status("initialise", zerorate_gyro_initialise(&gyro));
+    zerorate_twin_delay_us(rig, 400);
+    broken.fails_in = 2;
+    print_status("broken", zerorate_gyro_read(&gyro, &reading));
+    print_status("after it", zerorate_gyro_read(&gyro, &reading));
+    print_status("initialise", zerorate_gyro_initialise(&gyro));
+    zerorate_twin_delay_us(rig, 400);
+    printf("untouched %" PRIu32 " %" PRIu32 "\n", reading.rate_code, reading.temp_code);
+    print_status("whole", zerorate_gyro_read(&gyro, &reading));
+    print_status("heard", zerorate_gyro_silent(&gyro, 5));
+    print_status("quiet", zerorate_gyro_silent(&gyro, 11000000));
+    print_status("silent", zerorate_gyro_silent(&gyro, 12000000));
+    zerorate_twin_free(rig);
+    rig = started("seed=1,rotation_dps=360", 6000000, &gyro);
+    zerorate_twin_delay_us(rig, 400);
+    print_status("beyond the scale", zerorate_gyro_read(&gyro, &reading));
+    zerorate_twin_free(rig);
 }
 
 static void samples(const char *keys)
@@ -340,6 +399,7 @@ int main(int argc, char **argv)
     char keys[160];
 
     misuse();
+    no_numbers();
     snprintf(keys, sizeof keys, "seed=%s", seed);
     samples(keys);
     self_test(keys);

@@ -1,4 +1,7 @@
-/* The board of the examples, on the twin: ends after 1000 rates that are believable, or with the first report. */
+/*
+ * The board of the examples, on the twin: ends after 1000 rates that are believable. After 500 the supply dips, which ends all edges:
+ * that must be reported once, and the rates must go on.
+ */
 #include "board.h"
 #include "twin.h"
 
@@ -8,7 +11,21 @@
 static void *rig;
 static void (*interrupt)(void);
 static uint64_t edge_ns;
+static int in_interrupt;
 static int used;
+static int reports;
+
+/* Sleeps, rates and reports together: an example that does nothing does not go on for ever. */
+#define STEPS 5000
+static int steps;
+
+static void step(void)
+{
+    if (++steps > STEPS) {
+        printf("%d rates and %d reports in %d steps\n", used, reports, STEPS);
+        exit(4);
+    }
+}
 
 static void *twin(void)
 {
@@ -38,7 +55,7 @@ void board_delay_us(void *context, uint32_t us)
 
 uint64_t board_now_ns(void)
 {
-    return edge_ns;
+    return in_interrupt ? edge_ns : zerorate_twin_now_ns(twin());
 }
 
 void board_rdy_interrupt(void (*handler)(void))
@@ -50,26 +67,36 @@ void board_sleep(void)
 {
     uint32_t seq;
 
-    if (zerorate_twin_next_edge(twin(), &edge_ns, &seq)) {
+    step();
+    if (zerorate_twin_next_edge(twin(), &edge_ns, &seq) && interrupt != NULL) {
+        in_interrupt = 1;
         interrupt();
+        in_interrupt = 0;
     }
 }
 
 void board_use(uint32_t corrected_code, uint32_t lost)
 {
     /* a default unit at rest reads within 10 deg/s of zero */
-    if (lost != 0 || abs((int32_t)corrected_code - (1 << 23)) > 234880) {
+    if ((lost != 0 && used != 500) || abs((int32_t)corrected_code - (1 << 23)) > 234880) {
         printf("corrected code %lu, %lu lost\n", (unsigned long)corrected_code, (unsigned long)lost);
         exit(2);
     }
-    if (++used == 1000) {
+    step();
+    if (++used == 500) {
+        zerorate_twin_set_fault(twin(), 3);
+    }
+    if (used == 1000) {
         zerorate_twin_free(rig);
-        exit(0);
+        exit(reports == 1 ? 0 : 5);
     }
 }
 
 void board_report(const char *text)
 {
-    printf("%s\n", text);
-    exit(3);
+    step();
+    if (used != 500 || ++reports != 1) {
+        printf("after %d rates: %s\n", used, text);
+        exit(3);
+    }
 }

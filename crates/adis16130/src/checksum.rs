@@ -12,6 +12,8 @@
 /// assert_eq!(Checksum::RESET_VALUE.fed(&[0x45]).bits(), 0xE45E);
 /// ```
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Checksum(u16);
 
 impl Checksum {
@@ -43,6 +45,8 @@ impl Checksum {
 
 /// What the part's checksum says about the writes between two reads of it. A hint, never a failure (F-34).
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct WriteCheck {
     /// What CHECKSUM must read if the part has seen every bit.
     pub expected: Checksum,

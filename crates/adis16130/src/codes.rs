@@ -4,6 +4,8 @@ use crate::{RATE_LSB_PER_DPS, TEMP_AT_ZERO_CODE_C, TEMP_LSB_PER_C, ZERO_CODE};
 
 /// How many bits a data register holds: bit 24/16 of MODE at the time of the conversion.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Width {
     /// 16 bits: the 24-bit code divided by 256, rounded to nearest (F-43).
     Bits16,
@@ -59,6 +61,8 @@ pub const fn round_to_16_bits(code24: u32) -> u16 {
 /// assert_eq!(rate.to_udps(), 10_000_000);
 /// ```
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RateCode(Code);
 
 impl RateCode {
@@ -110,6 +114,8 @@ impl RateCode {
 /// assert_eq!(temp.to_millicelsius(), 85_000);
 /// ```
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct TempCode(Code);
 
 impl TempCode {
@@ -152,6 +158,8 @@ impl TempCode {
 
 /// A raw code together with the width it was taken in; what the two channels have in common.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(try_from = "stored::Code"))]
 struct Code {
     code: u32,
     width: Width,
@@ -181,5 +189,25 @@ impl Code {
 
     const fn is_at_rail(self) -> bool {
         self.code == 0 || self.code == self.width.max_code()
+    }
+}
+
+#[cfg(feature = "serde")]
+mod stored {
+    use super::Width;
+
+    /// A code as it is stored, which may be too large for its width.
+    #[derive(serde::Deserialize)]
+    pub(super) struct Code {
+        code: u32,
+        width: Width,
+    }
+
+    impl TryFrom<Code> for super::Code {
+        type Error = &'static str;
+
+        fn try_from(Code { code, width }: Code) -> Result<Self, Self::Error> {
+            if code > width.max_code() { Err("the code does not fit its width") } else { Ok(Self { code, width }) }
+        }
     }
 }

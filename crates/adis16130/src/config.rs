@@ -9,6 +9,8 @@ use crate::registers::{
 
 /// The channels that are converted.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Channels {
     /// Rate and temperature in turn (F-30).
     #[default]
@@ -21,6 +23,8 @@ pub enum Channels {
 
 /// The edge of the RDY line, as the host sees it, that says "new data".
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum RdyEdge {
     /// The pin falls, and stays low while data waits (F-32).
     #[default]
@@ -39,6 +43,12 @@ pub enum RdyEdge {
 /// # let _ = CONFIG;
 /// ```
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(from = "Settings", into = "Settings")
+)]
 pub struct Config {
     iop: Iop,
     rate_setup: ChannelSetup,
@@ -212,6 +222,7 @@ impl Config {
 
 /// One write of the initialisation: which register gets what.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Write {
     /// The register.
     pub address: Address,
@@ -223,5 +234,65 @@ impl Write {
     /// The write of `value` to register `R`.
     pub fn of<R: Writable>(value: R::Value) -> Self {
         Self { address: R::ADDRESS, frame: Frame::write::<R>(value) }
+    }
+}
+
+/// A [`Config`] as it is stored: what the builders take, so that no other mode can come out of it. What is missing is as
+/// in F-30.
+#[cfg(feature = "serde")]
+#[derive(serde::Serialize, serde::Deserialize)]
+#[serde(default, deny_unknown_fields)]
+struct Settings {
+    width: Width,
+    channels: Channels,
+    rate_conversion: ConversionTime,
+    temp_conversion: ConversionTime,
+    range: Range,
+    rdyfn: bool,
+    sync: bool,
+    clamp: bool,
+    framing: Framing,
+    rdy_edge: RdyEdge,
+}
+
+#[cfg(feature = "serde")]
+impl Default for Settings {
+    fn default() -> Self {
+        Config::new().into()
+    }
+}
+
+#[cfg(feature = "serde")]
+impl From<Config> for Settings {
+    fn from(config: Config) -> Self {
+        Self {
+            width: config.width(),
+            channels: config.channels(),
+            rate_conversion: config.rate_conversion,
+            temp_conversion: config.temp_conversion,
+            range: config.rate_setup.range(),
+            rdyfn: config.rdyfn(),
+            sync: config.iop.sync(),
+            clamp: config.mode.clamp(),
+            framing: config.framing,
+            rdy_edge: config.rdy_edge,
+        }
+    }
+}
+
+#[cfg(feature = "serde")]
+impl From<Settings> for Config {
+    fn from(settings: Settings) -> Self {
+        Self::new()
+            .with_width(settings.width)
+            .with_channels(settings.channels)
+            .with_rate_conversion(settings.rate_conversion)
+            .with_temp_conversion(settings.temp_conversion)
+            .with_range(settings.range)
+            .with_rdyfn(settings.rdyfn)
+            .with_sync(settings.sync)
+            .with_clamp(settings.clamp)
+            .with_framing(settings.framing)
+            .with_rdy_edge(settings.rdy_edge)
     }
 }

@@ -2,11 +2,14 @@
 
 use core::fmt::{Display, Formatter, Result};
 
-use crate::codes::Width;
+use crate::ZERO_CODE;
+use crate::codes::{RateCode, Width};
 use crate::registers::{Address, ChannelStatus, Mode, RateStatus, Register, TempStatus};
 
 /// A register that does not read what it must.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Mismatch {
     /// The register.
     pub register: Address,
@@ -24,6 +27,8 @@ impl Display for Mismatch {
 
 /// What is wrong with the line or the part, and the register that shows it.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Fault {
     /// SDO is stuck at ones.
     StuckHigh(Mismatch),
@@ -126,6 +131,11 @@ const RESET_DATA: u32 = 0x8000;
 #[inline]
 pub(crate) const fn is_doubtful_reading(answer: u32, width: Width) -> bool {
     is_at_rail(answer, width) || answer == RESET_DATA || answer >> 8 == RESET_DATA
+}
+
+/// Whether a rate is in the outermost 1/64 of its scale, beyond ±351 °/s: it may be about to wrap, or have wrapped.
+pub(crate) const fn is_near_rail(rate: RateCode) -> bool {
+    rate.code24().abs_diff(ZERO_CODE) > ZERO_CODE - ZERO_CODE / 64
 }
 
 /// Whether the answer of a data register is the lowest or the highest code, which are all zeros and all ones.

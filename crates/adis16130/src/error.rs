@@ -1,14 +1,16 @@
 //! What can go wrong, one enum per operation, with the evidence: which register, what was expected, what came.
 
+use core::convert::Infallible;
 use core::fmt::{Debug, Display, Formatter, Result};
 
-use crate::codes::Width;
+use crate::codes::{RateCode, Width};
 use crate::diagnosis::Fault;
 use crate::readback::Differences;
 use crate::registers::{Address, ChannelStatus, Mode, Operation};
 
 /// Why a command did not go through: the only way in which reading or writing a single register fails.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum BusError<E> {
     /// The bus refused a transfer. It may have left the part in the middle of the command, which CS alone does not end
     /// (F-22), so every call after this one is [`Interrupted`](Self::Interrupted).
@@ -45,6 +47,7 @@ impl<E: Debug> Display for BusError<E> {
 
 /// Why a checked read gave no value.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum ReadError<E> {
     /// The bus refused a transfer.
     Bus(BusError<E>),
@@ -58,6 +61,7 @@ pub enum ReadError<E> {
 
 /// Why an initialisation failed.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum InitError<E> {
     /// The bus refused a transfer. Registers before this one have been written.
     Bus(BusError<E>),
@@ -67,6 +71,7 @@ pub enum InitError<E> {
 
 /// Why the written registers could not be confirmed.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum VerifyError<E> {
     /// The bus refused a transfer.
     Bus(BusError<E>),
@@ -84,6 +89,7 @@ pub enum VerifyError<E> {
 
 /// Why an edge gave no sample. The rate samples that this cost are counted in the next [`Sample`](crate::Sample).
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum SampleError<E> {
     /// The bus refused a transfer.
     Bus(BusError<E>),
@@ -96,6 +102,7 @@ pub enum SampleError<E> {
 
 /// Why waiting for data ended without.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum WaitError<P> {
     /// The RDY pin could not be read.
     Pin(P),
@@ -109,6 +116,7 @@ pub enum WaitError<P> {
 /// Why a self-test gave no result. `E` is the error of the bus, `R` of the RDY pin, `P` of the self-test pin. The pin
 /// has been released.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum SelfTestError<E, R, P> {
     /// A reading failed.
     Read(ReadError<E>),
@@ -118,8 +126,48 @@ pub enum SelfTestError<E, R, P> {
     Pin(P),
 }
 
+/// Any error of the driver, for functions that do several things: the question mark widens each operation's error to it.
+///
+/// `E` is the error of the bus, `R` of the RDY pin, `P` of the self-test pin.
+///
+/// ```
+/// use adis16130::{Error, RateCode, WaitBound, blocking::Adis16130};
+/// use embedded_hal::{delay::DelayNs, digital::InputPin, spi::SpiDevice};
+///
+/// fn first_rate<SPI: SpiDevice, RDY: InputPin>(
+///     gyro: &mut Adis16130<SPI, RDY>,
+///     delay: &mut impl DelayNs,
+/// ) -> Result<RateCode, Error<SPI::Error, RDY::Error>> {
+///     gyro.restart()?; // an InitError
+///     gyro.wait_ready(delay, WaitBound::from_us(2_000))?; // a WaitError
+///     Ok(gyro.read_rate_in_range()?) // a ReadError
+/// }
+/// ```
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Error<E, R = Infallible, P = Infallible> {
+    /// Of a single register.
+    Bus(BusError<E>),
+    /// Of an initialisation.
+    Init(InitError<E>),
+    /// Of reading the configuration back.
+    Verify(VerifyError<E>),
+    /// Of a checked read.
+    Read(ReadError<E>),
+    /// Of an edge.
+    Sample(SampleError<E>),
+    /// Of a wait.
+    Wait(WaitError<R>),
+    /// Of a self-test.
+    SelfTest(SelfTestError<E, R, P>),
+    /// What `diagnose` has found.
+    Fault(Fault),
+}
+
 /// A reading out of range: saturated with CLAMP = 1, wrapped with CLAMP = 0 (F-35).
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct OutOfRange {
     /// The data register.
     pub register: Address,
@@ -127,18 +175,27 @@ pub struct OutOfRange {
     pub code: u32,
     /// How wide it was.
     pub width: Width,
-    /// The status of the channel where that says so (OVR, and on which side: SIGN); `None` where the code itself does,
-    /// being the end of the scale.
+    /// The status of the channel where that was asked (OVR, and on which side: SIGN); `None` where the code itself is the
+    /// end of the scale.
     pub status: Option<ChannelStatus>,
 }
 
 /// A data register in which no conversion has been since the reset, or since MODE was written: it holds its reset value.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct NoReading {
     /// The data register.
     pub register: Address,
     /// MODE as it was written, and as the part has it.
     pub mode: Mode,
+}
+
+impl OutOfRange {
+    #[cold]
+    pub(crate) const fn of_rate(rate: RateCode, status: ChannelStatus) -> Self {
+        Self { register: Address::RateData, code: rate.code(), width: rate.width(), status: Some(status) }
+    }
 }
 
 impl Display for OutOfRange {
@@ -147,6 +204,7 @@ impl Display for OutOfRange {
         write!(f, "{} reads {:0digits$X}h, ", self.register, self.code)?;
         f.write_str(match self.status {
             None => "the end of its scale, on a healthy link: the input is out of range",
+            Some(status) if !status.out_of_range() => "so close to the end of its scale that it may have left it",
             Some(status) if status.negative() => "but its status says that the input is below the range",
             Some(_) => "but its status says that the input is above the range",
         })?;
@@ -241,6 +299,22 @@ impl<E: Debug, R: Debug, P: Debug> Display for SelfTestError<E, R, P> {
     }
 }
 
+impl<E: Debug, R: Debug, P: Debug> Display for Error<E, R, P> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        match self {
+            Self::Bus(error) => Display::fmt(error, f),
+            Self::Init(error) => Display::fmt(error, f),
+            Self::Verify(error) => Display::fmt(error, f),
+            Self::Read(error) => Display::fmt(error, f),
+            Self::Sample(error) => Display::fmt(error, f),
+            Self::Wait(error) => Display::fmt(error, f),
+            Self::SelfTest(error) => Display::fmt(error, f),
+            Self::Fault(fault) => Display::fmt(fault, f),
+        }
+    }
+}
+
+impl<E: Debug, R: Debug, P: Debug> core::error::Error for Error<E, R, P> {}
 impl<E: Debug> core::error::Error for BusError<E> {}
 impl<E: Debug> core::error::Error for ReadError<E> {}
 impl<E: Debug> core::error::Error for InitError<E> {}
@@ -270,6 +344,28 @@ widen! {
     OutOfRange => ReadError::OutOfRange;
     OutOfRange => SampleError::OutOfRange;
     VerifyError<E> => InitError::Verify;
+}
+
+/// The same to [`enum@Error`], whose other parameters are the caller's.
+macro_rules! gather {
+    ($($from:ty => $variant:ident;)*) => {$(
+        impl<E, R, P> From<$from> for Error<E, R, P> {
+            fn from(error: $from) -> Self {
+                Self::$variant(error)
+            }
+        }
+    )*};
+}
+
+gather! {
+    BusError<E> => Bus;
+    InitError<E> => Init;
+    VerifyError<E> => Verify;
+    ReadError<E> => Read;
+    SampleError<E> => Sample;
+    WaitError<R> => Wait;
+    SelfTestError<E, R, P> => SelfTest;
+    Fault => Fault;
 }
 
 impl<E> From<SampleError<E>> for ReadError<E> {

@@ -6,8 +6,10 @@ use crate::registers::{Address, Readable, Writable};
 /// The software reset: one CS-low frame with 32 ones in a row, in either framing (F-23).
 pub const RESET_FRAME: [u8; 5] = [0x00, 0xFF, 0xFF, 0xFF, 0xFF];
 
-/// How CS frames the bytes of a command (F-22). The part accepts both.
+/// How CS frames the bytes of a command. The part accepts both; the default is what the note prescribes (F-22).
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Framing {
     /// CS rises between all 8-bit words, as the note prescribes: each byte is its own `SpiDevice` transaction.
     #[default]
@@ -40,6 +42,7 @@ pub const fn com_write(address: Address) -> u8 {
 /// assert_eq!(read.answer(), 0x80_0001);
 /// ```
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Frame {
     bytes: [u8; 4],
     len: usize,

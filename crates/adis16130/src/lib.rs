@@ -28,7 +28,7 @@ pub use codes::{RateCode, TempCode, Width, round_to_16_bits};
 pub use config::{Channels, Config, RdyEdge, Write};
 pub use diagnosis::{Fault, Mismatch};
 pub use error::{
-    BusError, InitError, NoReading, OutOfRange, ReadError, SampleError, SelfTestError, VerifyError, WaitError,
+    BusError, Error, InitError, NoReading, OutOfRange, ReadError, SampleError, SelfTestError, VerifyError, WaitError,
 };
 pub use frame::Framing;
 pub use readback::Differences;

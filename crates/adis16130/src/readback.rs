@@ -49,6 +49,7 @@ impl Written {
 
 /// The registers that read back differently, in the order of F-30.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Differences {
     slots: [Option<Mismatch>; CONFIGURED.len()],
     read: u8,

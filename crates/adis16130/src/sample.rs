@@ -5,6 +5,8 @@ use crate::registers::ChannelStatus;
 
 /// One edge of RDY as the host has seen it (F-32).
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Edge {
     /// When, in ns of a clock that runs evenly; its zero does not matter.
     pub t_ns: u64,
@@ -14,6 +16,8 @@ pub struct Edge {
 
 /// One reading of the rate, and of the temperature if that was due.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Sample {
     /// Time of the edge that announced it, in ns.
     pub t_ns: u64,

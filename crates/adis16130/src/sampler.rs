@@ -7,6 +7,8 @@ use crate::timeline::Timeline;
 
 /// How a [`Sampler`] reads.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SamplerConfig {
     /// Read the temperature with every n-th sample (F-55): 1 = with each, 0 = never.
     pub every_temp: u16,
@@ -51,6 +53,7 @@ impl SamplerConfig {
 
 /// What to read at an edge, in this order: status, rate, temperature. The rate is always due.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Due {
     /// Whether to read the status of the rate channel first. If it says that nothing is unread, the edge was stale:
     /// read no further.

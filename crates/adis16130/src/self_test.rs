@@ -1,5 +1,7 @@
 //! The self-test: what its pins do to the rate (F-11).
 
+use core::num::NonZeroU16;
+
 use embedded_hal::digital::OutputPin;
 
 use crate::RATE_LSB_PER_DPS;
@@ -12,8 +14,10 @@ const BATCHES: u32 = 16;
 
 /// How a self-test measures.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SelfTestPlan {
-    per_batch: u16,
+    per_batch: NonZeroU16,
     settle_us: u32,
     bound: WaitBound,
 }
@@ -22,12 +26,11 @@ impl SelfTestPlan {
     /// Averages `samples` rates, rounded up to a multiple of 16, without and with the self-test.
     /// Take a second's worth or more: each of the 16 batches must be long against 1/(300 Hz).
     pub const fn new(samples: u16) -> Self {
-        let per_batch = samples.div_ceil(BATCHES as u16);
-        Self {
-            per_batch: if per_batch == 0 { 1 } else { per_batch },
-            settle_us: 100_000,
-            bound: WaitBound::from_us(20_000),
-        }
+        let per_batch = match NonZeroU16::new(samples.div_ceil(BATCHES as u16)) {
+            Some(per_batch) => per_batch,
+            None => NonZeroU16::MIN,
+        };
+        Self { per_batch, settle_us: 100_000, bound: WaitBound::from_us(20_000) }
     }
 
     /// Sets how long to wait after each change of the pin, in µs: 100 ms unless set (ours: the time is not published).
@@ -54,12 +57,14 @@ impl SelfTestPlan {
 
     /// Samples per level.
     pub const fn samples(&self) -> u32 {
-        BATCHES * self.per_batch as u32
+        BATCHES * self.per_batch.get() as u32
     }
 }
 
 /// The measured effect of the self-test. Its proper size is not known, so nothing is judged (F-11).
 #[derive(Copy, Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SelfTest {
     /// Mean rate with the self-test less mean rate without, in °/s.
     pub shift_dps: f32,
@@ -98,7 +103,7 @@ impl Level {
         self.total += code;
         self.batch += code;
         self.samples += 1;
-        if self.samples.is_multiple_of(u32::from(plan.per_batch)) {
+        if self.samples.is_multiple_of(u32::from(plan.per_batch.get())) {
             let first = *self.first_batch.get_or_insert(self.batch);
             let deviation = (self.batch - first) as f32;
             self.deviations += deviation;

@@ -8,7 +8,9 @@ macro_rules! shell {
         use crate::channel::{Channel, Seen};
         use crate::codes::{RateCode, TempCode};
         use crate::config::{Config, Write};
-        use crate::diagnosis::{Fault, is_at_rail, is_doubtful, is_doubtful_reading, meaning_on_healthy_link};
+        use crate::diagnosis::{
+            Fault, is_at_rail, is_doubtful, is_doubtful_reading, is_near_rail, meaning_on_healthy_link,
+        };
         use crate::readback::{Differences, Written};
         use crate::error::{
             BusError, InitError, NoReading, OutOfRange, ReadError, SampleError, SelfTestError, VerifyError,
@@ -167,9 +169,36 @@ macro_rules! shell {
                 temp.ok_or_else(|| self.no_reading(Channel::Temp))
             }
 
-            /// Reads the rate, then the temperature.
+            /// Reads the rate, then the temperature; see [`read_in_range`](Self::read_in_range) for one that looks at the
+            /// status, too.
             pub $($async)* fn read_both(&mut self) -> Result<(RateCode, TempCode), ReadError<SPI::Error>> {
                 let rate = self.read_rate()$($await)*?;
+                let temp = self.read_temp()$($await)*?;
+                Ok((rate, temp))
+            }
+
+            /// Reads the rate and the status that belongs to it, and reports a rate out of range as
+            /// [`ReadError::OutOfRange`] also where CLAMP = 0 has wrapped its code (F-35). For loops that read when they
+            /// like; [`sample`](Self::sample) is for every edge.
+            ///
+            /// A conversion that ends between the two makes it read both once more. Should that happen again, as on a
+            /// host that takes longer than a conversion for six bytes, the rate lies between two readings in range, or it
+            /// is out of range: so is then a code so close to the end of the scale that it may have wrapped.
+            pub $($async)* fn read_rate_in_range(&mut self) -> Result<RateCode, ReadError<SPI::Error>> {
+                let mut rate = self.read_rate()$($await)*?;
+                let mut status = self.rate_status()$($await)*?;
+                let mut outside = status.out_of_range();
+                if status.ready() {
+                    rate = self.read_rate()$($await)*?;
+                    status = self.rate_status()$($await)*?;
+                    outside = status.out_of_range() || status.ready() && (outside || is_near_rail(rate));
+                }
+                if outside { Err(OutOfRange::of_rate(rate, status).into()) } else { Ok(rate) }
+            }
+
+            /// Reads the rate, as [`read_rate_in_range`](Self::read_rate_in_range), then the temperature.
+            pub $($async)* fn read_in_range(&mut self) -> Result<(RateCode, TempCode), ReadError<SPI::Error>> {
+                let rate = self.read_rate_in_range()$($await)*?;
                 let temp = self.read_temp()$($await)*?;
                 Ok((rate, temp))
             }
@@ -419,6 +448,10 @@ macro_rules! shell {
                 for _ in 0..4 {
                     self.wait_ready(delay, plan.bound())$($await)*?;
                     let status = self.rate_status()$($await)*?;
+                    if status.out_of_range() {
+                        let rate = self.read_register::<RateData>()$($await)*.map_err(ReadError::from)?;
+                        return Err(ReadError::from(OutOfRange::of_rate(rate, status)).into());
+                    }
                     let rate = self.reading::<RateData>(Channel::Rate)$($await)*.map_err(ReadError::from)?;
                     self.reading::<TempData>(Channel::Temp)$($await)*.map_err(ReadError::from)?;
                     if let (Some(rate), true) = (rate, status.ready()) {

@@ -4,6 +4,8 @@ use core::num::NonZeroU32;
 
 /// How often a blocking wait looks at the pin.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct PollInterval(NonZeroU32);
 
 impl PollInterval {
@@ -28,6 +30,8 @@ impl PollInterval {
 /// assert_eq!(WaitBound::from_us(1_000).polls(), 200); // looks at the pin 201 times at most
 /// ```
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct WaitBound {
     timeout_us: u32,
     poll: PollInterval,

@@ -18,6 +18,8 @@ use crate::codes::{RateCode, TempCode, Width};
 
 /// The address of every register (part.md §3).
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[repr(u8)]
 pub enum Address {
     /// Communications register: the first byte of every command (F-24). Write only.
@@ -80,6 +82,7 @@ impl core::fmt::Display for Address {
 
 /// How many bytes a register has on the wire.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Size {
     /// One byte.
     Byte,

@@ -12,6 +12,8 @@ macro_rules! byte_value {
     ($(#[$doc:meta])* $name:ident) => {
         $(#[$doc])*
         #[derive(Copy, Clone, Debug, PartialEq, Eq, Hash)]
+        #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+        #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
         pub struct $name(u8);
 
         impl $name {
@@ -160,6 +162,8 @@ impl ChannelStatus {
 /// The input range of a channel (b1–0 of RATECS and TEMPCS). F-40 and F-41 hold for [`Range::Bits10`] only, which is
 /// what F-30 writes.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Range {
     /// 00, the value after reset.
     Bits00,
@@ -270,6 +274,8 @@ impl ConversionTime {
 
 /// The operating mode (MD, b7–5 of MODE).
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Operation {
     /// 000: idle, the state after reset.
     Idle,

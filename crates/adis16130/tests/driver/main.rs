@@ -9,6 +9,9 @@ mod converter;
 mod diagnosis;
 #[cfg(feature = "async")]
 mod dropped;
+mod errors;
+mod features;
+mod in_range;
 mod no_reading;
 mod part;
 mod registers;

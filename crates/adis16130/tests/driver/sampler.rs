@@ -397,7 +397,7 @@ fn rate_alone_has_an_edge_per_conversion() {
 fn temperature_alone_gives_no_samples() {
     let config = Config::new().with_channels(Channels::Temp);
     let mut sampler = Sampler::new(SamplerConfig::new(), &config, MCLK_HZ);
-    assert_eq!(losses(&mut sampler, ramp(10)), []);
+    assert_eq!(losses(&mut sampler, ramp(10)), [0_u32; 0]);
 }
 
 #[test]

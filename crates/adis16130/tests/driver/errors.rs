@@ -1,0 +1,63 @@
+//! The umbrella error takes each operation's.
+
+use adis16130::blocking::Adis16130;
+use adis16130::{
+    Config, Edge, Error, Fault, MCLK_HZ, RateCode, Sampler, SamplerConfig, SelfTestPlan, VerifyError, WaitBound,
+    WaitError,
+};
+use embedded_hal::delay::DelayNs;
+use embedded_hal::digital::{self, InputPin, OutputPin};
+use embedded_hal::spi::{self, SpiDevice};
+
+use crate::part::{Delay, Line, Part, Pin, Refused, Unplugged, Wire};
+
+type Any<SPI, RDY, PIN> =
+    Error<<SPI as spi::ErrorType>::Error, <RDY as digital::ErrorType>::Error, <PIN as digital::ErrorType>::Error>;
+
+/// Everything that a program does, with one error.
+fn all<SPI: SpiDevice, RDY: InputPin, PIN: OutputPin>(
+    gyro: &mut Adis16130<SPI, RDY>,
+    pin: &mut PIN,
+    delay: &mut impl DelayNs,
+) -> Result<RateCode, Any<SPI, RDY, PIN>> {
+    gyro.restart()?;
+    gyro.verify()?;
+    gyro.diagnose()?.map_or(Ok(()), Err)?;
+    gyro.wait_ready(delay, WaitBound::from_us(100))?;
+    gyro.self_test(pin, delay, SelfTestPlan::new(16))?;
+    let mut sampler = Sampler::new(SamplerConfig::new(), gyro.config(), MCLK_HZ);
+    gyro.sample(&mut sampler, Edge { t_ns: 0, seq: 0 })?;
+    Ok(gyro.read_in_range()?.0)
+}
+
+fn outcome(line: Line, looks: u32, refuses: Option<bool>) -> Result<RateCode, Error<Unplugged, Refused, Refused>> {
+    let (part, rdy, mut pin) = (Part::new(), Pin::default(), Pin::default());
+    rdy.0.borrow_mut().looks_until_low = looks;
+    pin.0.borrow_mut().refuses = refuses;
+    part.borrow_mut().line = line;
+    part.borrow_mut().set(0x0A, 0x81_0000);
+    part.borrow_mut().rates = (0..40).map(|_| 0x81_0000).collect();
+    all(&mut Adis16130::new(Wire(part), rdy, Config::default()), &mut pin, &mut Delay::default())
+}
+
+#[test]
+fn each_operation_widens_to_it() {
+    // the registers take F-30, but the data registers have their old values: nothing converts in this part
+    assert!(matches!(outcome(Line::Low, 0, None), Err(Error::Init(_))));
+    assert!(matches!(outcome(Line::Good, u32::MAX, None), Err(Error::Wait(WaitError::TimedOut { timeout_us: 100 }))));
+    assert!(matches!(outcome(Line::Good, 0, Some(true)), Err(Error::SelfTest(_))));
+    let text = outcome(Line::Good, u32::MAX, None).unwrap_err().to_string();
+    assert!(text.contains("RDY (pin 10)"), "{text}");
+    let lost = Fault::ConfigurationLost(adis16130::Mismatch {
+        register: adis16130::registers::Address::Mode,
+        expected: 0x22,
+        got: 0,
+    });
+    assert_eq!(Error::<(), (), ()>::from(lost).to_string(), lost.to_string());
+    assert_eq!(
+        Error::<()>::from(VerifyError::NotInitialised).to_string(),
+        VerifyError::<()>::NotInitialised.to_string()
+    );
+    fn is_error<T: std::error::Error>() {}
+    is_error::<Error<Unplugged, Refused, Refused>>();
+}
