@@ -573,6 +573,11 @@ typedef struct zerorate_table {
 #define ZERORATE_E_TABLE_STEEP -33
 
 /**
+ * The temperature lies beyond the table: the row at its end is not that of the temperature.
+ */
+#define ZERORATE_E_TABLE_OUTSIDE -34
+
+/**
  * A duration or limit of the plan makes no sense.
  */
 #define ZERORATE_E_PLAN -40
@@ -870,13 +875,16 @@ zerorate_status zerorate_table_lay_out(struct zerorate_table *table,
                                        size_t room);
 
 /**
- * The row nearest to the temperature of a code of 24 bits, in millionths of a deg/s: corrected rate = rate + PBC + row. Beyond the
- * table its first or last row holds. 0 where there is no table.
+ * The row nearest to the temperature of a code of 24 bits, in millionths of a deg/s: corrected rate = rate + PBC + row.
  *
- * Required: `table` is null or points to one that was laid out and whose rows are still there.
+ * ZERORATE_E_TABLE_OUTSIDE more than half a step beyond the table. Then, too, the row is written: the first or last one, which is
+ * wrong there by BTC times the distance to it. ZERORATE_E_ARGUMENT where there is no table.
+ *
+ * Required: Each pointer is null or points to memory of its type, `table` to one that was laid out and whose rows are still there.
  */
-int32_t zerorate_table_look_up(const struct zerorate_table *table,
-                               uint32_t temp_code);
+zerorate_status zerorate_table_look_up(const struct zerorate_table *table,
+                                       uint32_t temp_code,
+                                       int32_t *row_udps);
 
 #ifdef __cplusplus
 }  // extern "C"

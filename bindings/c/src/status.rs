@@ -52,6 +52,8 @@ pub const ZERORATE_E_TABLE_LAYOUT: Status = -31;
 pub const ZERORATE_E_TABLE_ROOM: Status = -32;
 /// A row does not fit 32 bits in millionths of a deg/s.
 pub const ZERORATE_E_TABLE_STEEP: Status = -33;
+/// The temperature lies beyond the table: the row at its end is not that of the temperature.
+pub const ZERORATE_E_TABLE_OUTSIDE: Status = -34;
 /// A duration or limit of the plan makes no sense.
 pub const ZERORATE_E_PLAN: Status = -40;
 /// Refused: the rate varies more than noise and temperature explain (or jumped during an average).
@@ -102,6 +104,7 @@ pub extern "C" fn zerorate_text(status: Status) -> *const c_char {
         ZERORATE_E_TABLE_LAYOUT => c"step and span lay out no table",
         ZERORATE_E_TABLE_ROOM => c"the table does not fit into the memory given",
         ZERORATE_E_TABLE_STEEP => c"a row of the table does not fit 32 bits",
+        ZERORATE_E_TABLE_OUTSIDE => c"the temperature lies beyond the table",
         ZERORATE_E_PLAN => c"a duration or limit of the plan makes no sense",
         ZERORATE_E_MOVING => c"refused: the part moves",
         ZERORATE_E_TURNING => c"refused: the part turns",

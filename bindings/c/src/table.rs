@@ -2,7 +2,7 @@
 
 use crate::boundary;
 use crate::correction::Correction;
-use crate::status::{self, Numbered, Status, ZERORATE_E_NULL};
+use crate::status::{self, Numbered, Status, ZERORATE_E_ARGUMENT, ZERORATE_E_NULL, ZERORATE_E_TABLE_OUTSIDE};
 use zerorate::RowIndex;
 
 /// A table of (temperature - T3) * BTC, without PBC, in millionths of a deg/s. The rows are the caller's and must stay where they are
@@ -58,20 +58,30 @@ pub unsafe extern "C" fn zerorate_table_lay_out(
     status::of(done)
 }
 
-/// The row nearest to the temperature of a code of 24 bits, in millionths of a deg/s: corrected rate = rate + PBC + row. Beyond the
-/// table its first or last row holds. 0 where there is no table.
+/// The row nearest to the temperature of a code of 24 bits, in millionths of a deg/s: corrected rate = rate + PBC + row.
+///
+/// ZERORATE_E_TABLE_OUTSIDE more than half a step beyond the table. Then, too, the row is written: the first or last one, which is
+/// wrong there by BTC times the distance to it. ZERORATE_E_ARGUMENT where there is no table.
 ///
 /// # Safety
-/// `table` is null or points to one that was laid out and whose rows are still there.
+/// Each pointer is null or points to memory of its type, `table` to one that was laid out and whose rows are still there.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn zerorate_table_look_up(table: *const Table, temp_code: u32) -> i32 {
+pub unsafe extern "C" fn zerorate_table_look_up(table: *const Table, temp_code: u32, row_udps: *mut i32) -> Status {
     // SAFETY: by the contract.
-    let Ok(table) = (unsafe { boundary::input(table) }) else { return 0 };
+    status::of(unsafe { boundary::input(table).and_then(|table| look_up(table, temp_code, row_udps)) })
+}
+
+/// # Safety
+/// As [`zerorate_table_look_up`].
+unsafe fn look_up(table: &Table, temp_code: u32, row_udps: *mut i32) -> Result<(), Status> {
     let &Table { rows_udps, rows, middle_q32, rows_per_code_q32, t3_code } = table;
     if rows_udps.is_null() || rows == 0 {
-        return 0;
+        return Err(ZERORATE_E_ARGUMENT);
     }
     let row = RowIndex { middle_q: middle_q32, rows_per_code_q: rows_per_code_q32, t3_code }.row(temp_code);
-    // SAFETY: not null, and below the number of rows.
-    unsafe { *rows_udps.add(row.min(rows - 1)) }
+    let last = rows - 1;
+    let held = usize::try_from(row).map_or(if row < 0 { 0 } else { last }, |row| row.min(last));
+    // SAFETY: not null, and below the number of rows; the place by the contract.
+    unsafe { boundary::output(row_udps, *rows_udps.add(held))? };
+    if i64::try_from(held) == Ok(row) { Ok(()) } else { Err(ZERORATE_E_TABLE_OUTSIDE) }
 }

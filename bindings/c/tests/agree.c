@@ -37,6 +37,14 @@ static void print_status(const char *what, zerorate_status status)
     printf("%s %ld\n", what, (long)status);
 }
 
+static void print_row(const char *what, const zerorate_table *table, uint32_t temp_code)
+{
+    int32_t row_udps = 77;
+    const zerorate_status status = zerorate_table_look_up(table, temp_code, &row_udps);
+
+    printf("%s %ld %ld\n", what, (long)status, (long)row_udps);
+}
+
 static zerorate_bus bus_of(void *rig)
 {
     zerorate_bus bus;
@@ -108,7 +116,7 @@ static void misuse(void)
     zerorate_correction steep = {0.0, 2.0, 25.0};
     zerorate_correction_integer integer;
     zerorate_table table;
-    int32_t rows[3];
+    int32_t rows[13];
 
     memset(&gyro, 0, sizeof gyro);
     memset(&procedure, 0, sizeof procedure);
@@ -129,7 +137,11 @@ static void misuse(void)
     print_status("steep", zerorate_correction_to_integer(&steep, &integer));
     print_status("ragged", zerorate_table_lay_out(&table, &CORRECTION, 0.02, 0.03, rows, 3));
     print_status("no room", zerorate_table_lay_out(&table, &CORRECTION, 0.02, 0.12, rows, 3));
-    printf("no table %ld\n", (long)zerorate_table_look_up(&table, 1));
+    print_status("no table", zerorate_table_look_up(&table, 1, rows));
+    print_status("laid out", zerorate_table_lay_out(&table, &CORRECTION, 0.02, 0.12, rows, 13));
+    print_row("above", &table, UINT32_C(0xFFFFFF));
+    print_row("below", &table, 0);
+    print_status("no row", zerorate_table_look_up(&table, 1, NULL));
     printf("no correction %lu\n", (unsigned long)zerorate_correct_integer(NULL, 77, 1));
     printf("%s. %s.\n", zerorate_text(ZERORATE_E_TIMEOUT), zerorate_text(12345));
 }
@@ -196,6 +208,7 @@ static void samples(const char *keys)
         const zerorate_status status = next_sample(rig, &gyro, &sample);
         float corrected_dps;
         uint32_t bits;
+        int32_t by_library, by_header;
 
         if (status != ZERORATE_OK || !sample.has_temp) {
             print_status("sample", status);
@@ -204,12 +217,15 @@ static void samples(const char *keys)
         corrected_dps =
             zerorate_correct_f32(&single, zerorate_rate_dps(sample.rate_code), zerorate_temp_c(sample.temp_code));
         memcpy(&bits, &corrected_dps, sizeof bits);
+        if (zerorate_table_look_up(&table, sample.temp_code, &by_library) != ZERORATE_OK ||
+            !zerorate_table_lookup_udps(sample.temp_code, &by_header))
+            printf("outside ");
         printf("%" PRIu32 " %" PRIu32 " %" PRIu32 " %" PRIu32 " %" PRIu32 " %" PRIu32 " %" PRIx32 " %ld %" PRIu32 " %ld\n",
                (uint32_t)sample.t_ns, sample.seq, sample.rate_code, sample.temp_code, sample.lost,
                zerorate_correct_integer(&integer, sample.rate_code, sample.temp_code), bits,
-               (long)zerorate_table_look_up(&table, sample.temp_code),
+               (long)by_library,
                zerorate_correct_code(sample.rate_code, sample.temp_code),
-               (long)zerorate_table_lookup_udps(sample.temp_code));
+               (long)by_header);
     }
     print_f64("f64", zerorate_correct(&CORRECTION, 0.33, 33.5));
     print_status("wait", zerorate_gyro_wait_ready(&gyro, 1000));

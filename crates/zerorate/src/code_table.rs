@@ -15,9 +15,10 @@ use adis16130::{TEMP_AT_ZERO_CODE_C, TEMP_LSB_PER_C, ZERO_CODE};
 /// let mut rows = [0; 13];
 /// correction.fill_table(0.02, 0.12, &mut rows)?;
 /// let table = CodeTable::new(&rows, 0.02, 25.0);
-/// assert_eq!(table.look_up_udps(8_388_608), 0);
-/// assert_eq!(table.look_up_udps(8_388_608 + 563), -1600); // 563 / 14 093 °C are 0.04 °C
-/// assert_eq!(table.look_up_udps(0), 4800); // beyond the table its first or last row holds
+/// assert_eq!(table.look_up_udps(8_388_608), Some(0));
+/// assert_eq!(table.look_up_udps(8_388_608 + 563), Some(-1600)); // 563 / 14 093 °C are 0.04 °C
+/// assert_eq!(table.look_up_udps(0), None); // the table knows nothing of so low a temperature
+/// assert_eq!(table.look_up_held_udps(0), 4800);
 /// # Ok::<(), zerorate::TableError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,16 +34,22 @@ impl<'a> CodeTable<'a> {
         Self { rows_udps, index: RowIndex::new(rows_udps.len(), step_c, t3_c) }
     }
 
-    /// The row nearest to the temperature of a 24-bit code, µ°/s, to be added to RATE + PBC. Beyond the table its first or last row
-    /// holds; a table without rows corrects nothing.
+    /// The row nearest to the temperature of a 24-bit code, µ°/s, to be added to RATE + PBC. None where the temperature lies more than
+    /// half a step beyond the first or the last row.
     #[inline]
     #[must_use]
-    pub fn look_up_udps(&self, temp_code: u32) -> i32 {
-        let row = self.index.row(temp_code);
-        match self.rows_udps.get(row) {
-            Some(udps) => *udps,
-            None => self.rows_udps.last().copied().unwrap_or(0),
-        }
+    pub fn look_up_udps(&self, temp_code: u32) -> Option<i32> {
+        let row = usize::try_from(self.index.row(temp_code)).ok()?;
+        self.rows_udps.get(row).copied()
+    }
+
+    /// The same, held at the first or last row beyond the table: there it is wrong by BTC times the distance to that row. A table
+    /// without rows corrects nothing.
+    #[inline]
+    #[must_use]
+    pub fn look_up_held_udps(&self, temp_code: u32) -> i32 {
+        let end = if self.index.row(temp_code) < 0 { self.rows_udps.first() } else { self.rows_udps.last() };
+        self.look_up_udps(temp_code).or(end.copied()).unwrap_or(0)
     }
 }
 
@@ -66,23 +73,28 @@ impl RowIndex {
     pub fn new(rows: usize, step_c: f64, t3_c: f64) -> Self {
         let one = (1i64 << Self::Q) as f64;
         let step_lsb = step_c.max(1e-6) * f64::from(TEMP_LSB_PER_C);
-        let t3_lsb = (t3_c - f64::from(TEMP_AT_ZERO_CODE_C)) * f64::from(TEMP_LSB_PER_C) + f64::from(ZERO_CODE);
         let middle = rows.saturating_sub(1) as u32 / 2;
         Self {
             middle_q: (i64::from(middle) << Self::Q) + (1 << (Self::Q - 1)),
             rows_per_code_q: libm::round(one / step_lsb) as i64,
-            t3_code: libm::round(t3_lsb.clamp(0.0, 16_777_215.0)) as i32,
+            t3_code: temp_code(t3_c) as i32,
         }
     }
 
-    /// The number of the row of a 24-bit temperature code: 0 above the table, beyond its end below it.
+    /// The number of the row of a 24-bit temperature code: negative above the table, beyond its end below it.
     #[inline]
     #[must_use]
-    pub const fn row(&self, temp_code: u32) -> usize {
+    pub const fn row(&self, temp_code: u32) -> i64 {
         let below_t3 = self.t3_code - (temp_code & 0x00FF_FFFF) as i32;
-        let row = (self.middle_q + below_t3 as i64 * self.rows_per_code_q) >> Self::Q;
-        if row < 0 { 0 } else { row as usize }
+        (self.middle_q + below_t3 as i64 * self.rows_per_code_q) >> Self::Q
     }
+}
+
+/// The 24-bit temperature code nearest to a temperature in °C (F-41); beyond −570.2 … 620.2 °C the first or last one.
+#[must_use]
+pub fn temp_code(temp_c: f64) -> u32 {
+    let code = (temp_c - f64::from(TEMP_AT_ZERO_CODE_C)) * f64::from(TEMP_LSB_PER_C) + f64::from(ZERO_CODE);
+    libm::round(code.clamp(0.0, 16_777_215.0)) as u32
 }
 
 impl Correction {
@@ -145,12 +157,37 @@ mod tests {
             let rows = 2 * half + 1;
             let index = RowIndex::new(rows, step_uc as f64 * 1e-6, 31.5123);
             for temp in (0..1 << 24).step_by(7).chain(8_300_000..8_600_000) {
-                let row = index.row(temp).min(rows - 1);
+                let row = index.row(temp).clamp(0, rows as i64 - 1) as usize;
                 let of = |row| distance(row, rows, step_uc, index.t3_code, temp);
                 let best = of(row.saturating_sub(1)).min(of((row + 1).min(rows - 1)));
                 let slack = i128::from((index.t3_code - temp as i32).abs()) << 8;
                 assert!(of(row) <= best + slack, "{step_uc} µ°C, code {temp}");
             }
         }
+    }
+
+    /// Half a step beyond its first and its last row the table ends, for every code around both ends.
+    #[test]
+    fn outside_is_told_and_held() {
+        let correction = Correction { pbc_dps: 0.0, btc_dps_per_c: -0.04, t3_c: 25.0 };
+        let mut rows = [0; 13];
+        correction.fill_table(0.02, 0.12, &mut rows).unwrap();
+        let table = CodeTable::new(&rows, 0.02, 25.0);
+        for code in 8_386_000..8_391_000 {
+            let delta_c = f64::from(code as i32 - 8_388_608) / 14_093.0;
+            assert_eq!(table.look_up_udps(code).is_some(), delta_c.abs() < 0.13, "{code}");
+            let held = table.look_up_held_udps(code);
+            assert_eq!(held, table.look_up_udps(code).unwrap_or(if delta_c > 0.0 { -4800 } else { 4800 }), "{code}");
+        }
+        for code in [0, 0x00FF_FFFF] {
+            assert_eq!(table.look_up_udps(code), None);
+            assert_eq!(CodeTable::new(&[], 0.02, 25.0).look_up_udps(code), None);
+            assert_eq!(CodeTable::new(&[], 0.02, 25.0).look_up_held_udps(code), 0);
+        }
+    }
+
+    #[test]
+    fn codes_of_temperatures() {
+        assert_eq!([25.0, 26.0, -1e9, f64::INFINITY].map(temp_code), [8_388_608, 8_402_701, 0, 16_777_215]);
     }
 }

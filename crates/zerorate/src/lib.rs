@@ -29,7 +29,7 @@ mod tally;
 #[cfg(feature = "file")]
 pub use calibration::Calibration;
 pub use code_sum::{CodeSum, rate_dps, temp_c};
-pub use code_table::{CodeTable, RowIndex};
+pub use code_table::{CodeTable, RowIndex, temp_code};
 pub use correction::{Correction, CorrectionF32, IntegerCorrection, IntegerError, TableError, TableRow};
 pub use estimate::{
     BANDWIDTH_HZ, Noise, Outcome, TYPICAL_CURVATURE_DPS_PER_C2, TYPICAL_HYSTERESIS_DPS, Uncertainty, WindowWarnings,

@@ -84,7 +84,7 @@ pub fn run(seed: u64, mut take: impl FnMut(Reading)) -> Option<Corrections> {
             rate_code: rate.code24(),
             temp_code: temp.code24(),
             corrected_code: corrections.integer.apply(rate.code24(), temp.code24()),
-            table_udps: table.look_up_udps(temp.code24()),
+            table_udps: table.look_up_held_udps(temp.code24()),
             corrected_f32_bits: corrected_dps(&corrections.single, rate, temp).to_bits(),
         });
     }

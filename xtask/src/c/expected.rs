@@ -17,7 +17,7 @@ const ROWS: usize = 201;
 
 /// The numbers of bindings/c/src/status.rs, typed again: they may not change.
 const MISUSE: &str = "no settings -1\nno gyro -1\nnot set up -2\nnot begun -2\nseven bits -3\nno transfer -1\nno average -40\n\
-    steep -30\nragged -31\nno room -32\nno table 0\nno correction 77\n\
+    steep -30\nragged -31\nno room -32\nno table -3\nlaid out 0\nabove -34 -4800\nbelow -34 4800\nno row -1\nno correction 77\n\
     RDY gave no sign of new data in time. unknown status.\n";
 /// What is no reading, with the numbers typed again; and the deadline, 64 periods of 175.7 µs (F-31) after the first question.
 const NO_NUMBERS: &str = "framing 1\nset up 0\nwithout initialisation -25\ninitialise 0\nbefore the first conversion -25\nconverted 0\n\
@@ -84,7 +84,7 @@ fn samples(text: &mut String, keys: &str) -> Result<()> {
         let (rate_code, temp_code) = (rate.code24(), temp.code24());
         let corrected = integer.apply(rate_code, temp_code);
         let f32_bits = single.apply(rate.to_dps(), temp.to_celsius()).to_bits();
-        let row = table.look_up_udps(temp_code);
+        let row = table.look_up_udps(temp_code).context("beyond the table")?;
         let time = t_ns as u32;
         writeln!(text, "{time} {seq} {rate_code} {temp_code} {lost} {corrected} {f32_bits:x} {row} {corrected} {row}")?;
     }

@@ -2,7 +2,8 @@
 
 use super::{Bench, calibration, installed, run};
 use std::fmt::Write;
-use zerorate::Correction;
+use zerorate::calibration::Validity;
+use zerorate::{CodeTable, Correction};
 
 /// F-52, all thirteen rows, as text.
 #[test]
@@ -12,8 +13,8 @@ fn csv_is_the_table_of_the_note() {
     let expected = "delta_c,correction_dps\n0.12,-0.0048\n0.1,-0.004\n0.08,-0.0032\n0.06,-0.0024\n0.04,-0.0016\n0.02,-0.0008\n0,0\n\
         -0.02,0.0008\n-0.04,0.0016\n-0.06,0.0024\n-0.08,0.0032\n-0.1,0.004\n-0.12,0.0048\n";
     assert_eq!(bench.zerorate("export unit.toml --format csv --step-c 0.02 --span-c 0.12").ok(), expected);
-    assert_eq!(bench.zerorate("export unit.toml --format csv").ok(), expected, "the note's table is the default");
-    assert_eq!(bench.zerorate("export unit.toml --format csv -o table.csv").ok(), "");
+    assert_eq!(bench.zerorate("export unit.toml --format csv --span-c 0.12").ok(), expected);
+    assert_eq!(bench.zerorate("export unit.toml --format csv --span-c 0.12 -o table.csv").ok(), "");
     assert_eq!(std::fs::read_to_string(bench.path("table.csv")).unwrap(), expected);
 }
 
@@ -62,17 +63,38 @@ fn codes() -> Vec<(u32, u32)> {
     corners.chain(near).chain((0..5_000).map(|_| (random(), random()))).collect()
 }
 
-/// What the exported functions must print for `codes`: the core's corrected code, and the row of its table nearest to the temperature.
-fn expected((pbc_dps, btc_dps_per_c, t3_c): (f64, f64, f64)) -> String {
-    let correction = Correction { pbc_dps, btc_dps_per_c, t3_c };
+/// A calibration that holds from 3.2 °C below T3, where the table of the tests ends at 2 °C, to 0.7 °C above it.
+fn measured((pbc_dps, btc_dps_per_c, t3_c): (f64, f64, f64)) -> (String, Validity) {
+    let validity = Validity { temp_min_c: t3_c - 3.2, temp_max_c: t3_c + 0.7 };
+    let Validity { temp_min_c, temp_max_c } = validity;
+    let range = format!("[validity]\ntemp_min_c = {temp_min_c:?}\ntemp_max_c = {temp_max_c:?}\n");
+    (calibration(pbc_dps, btc_dps_per_c, t3_c) + &range, validity)
+}
+
+/// What the exported functions must print for `codes`: the core's corrected code, the row of its table nearest to the temperature,
+/// whether core and calibration know that temperature, whether the calibration does, and the corrected code of the nearest that it knows.
+fn expected(of: (f64, f64, f64)) -> String {
+    let correction = Correction { pbc_dps: of.0, btc_dps_per_c: of.1, t3_c: of.2 };
     let integer = correction.to_integer().unwrap();
     let table = correction.table(0.02, 2.0).unwrap();
+    let mut rows = [0; 201];
+    correction.fill_table(0.02, 2.0, &mut rows).unwrap();
+    let by_code = CodeTable::new(&rows, 0.02, of.2);
+    let (_, validity) = measured(of);
     let mut text = String::new();
     for (rate, temp) in codes() {
         let delta_c = f64::from(temp as i32 - integer.t3_code) / 14_093.0;
         let row = ((2.0 - delta_c) / 0.02).round().clamp(0.0, 200.0) as usize;
         let udps = (table[row].correction_dps * 1e6).round() as i32;
-        writeln!(text, "{} {udps}", integer.apply(rate, temp)).unwrap();
+        let temp_c = (f64::from(temp) - 8_388_608.0) / 14_093.0 + 25.0;
+        let in_range = validity.covers(temp_c);
+        let inside = in_range && by_code.look_up_udps(temp).is_some();
+        assert_eq!(by_code.look_up_held_udps(temp), udps);
+        // the margin of 0.5 °C in codes
+        let held = temp
+            .clamp(zerorate::temp_code(validity.temp_min_c) - 7047, zerorate::temp_code(validity.temp_max_c) + 7047);
+        let (by_itself, by_held) = (integer.apply(rate, temp), integer.apply(rate, held));
+        writeln!(text, "{by_itself} {udps} {} {} {by_held}", i32::from(inside), i32::from(in_range)).unwrap();
     }
     text
 }
@@ -85,13 +107,15 @@ fn c_gives_what_rust_gives() {
     let pairs: String = codes().iter().map(|(rate, temp)| format!("{{{rate}u, {temp}u}},\n")).collect();
     let main = format!(
         "#include \"unit.h\"\n#include \"unit.h\"\n#include <stdio.h>\nstatic const uint32_t codes[][2] = {{\n{pairs}}};\nint main(void)\n{{\n\
-         for (size_t i = 0; i < sizeof codes / sizeof codes[0]; i++)\n\
-         printf(\"%u %d\\n\", (unsigned)zerorate_correct_code(codes[i][0], codes[i][1]), (int)zerorate_table_lookup_udps(codes[i][1]));\n\
-         return 0;\n}}\n"
+         for (size_t i = 0; i < sizeof codes / sizeof codes[0]; i++) {{\n\
+         const uint32_t rate = codes[i][0], temp = codes[i][1];\nint32_t row;\n\
+         const bool inside = zerorate_table_lookup_udps(temp, &row);\n\
+         printf(\"%u %d %d %d %u\\n\", (unsigned)zerorate_correct_code(rate, temp), (int)row, inside, zerorate_in_range(temp),\n\
+         (unsigned)zerorate_correct_code(rate, zerorate_hold_in_range(temp)));\n}}\nreturn 0;\n}}\n"
     );
     for (pbc, btc, t3) in CORRECTIONS {
         let bench = Bench::new();
-        bench.write("unit.toml", calibration(pbc, btc, t3));
+        bench.write("unit.toml", measured((pbc, btc, t3)).0);
         bench.write("main.c", &main);
         // included alone and unused, the header must not warn either
         bench.write("alone.c", "#include \"unit.h\"\nint nothing;\n");
@@ -110,20 +134,108 @@ fn rust_gives_what_rust_gives() {
     }
     let pairs: String = codes().iter().map(|(rate, temp)| format!("({rate}, {temp}),\n")).collect();
     let main = format!(
-        "mod unit;\nconst CODES: &[(u32, u32)] = &[{pairs}];\nfn main() {{\nfor (rate, temp) in CODES {{\n\
-         println!(\"{{}} {{}}\", unit::correct_code(*rate, *temp), unit::table_lookup_udps(*temp));\n}}\n\
+        "mod unit;\nconst CODES: &[(u32, u32)] = &[{pairs}];\nfn main() {{\nfor &(rate, temp) in CODES {{\n\
+         let row = unit::table_lookup_held_udps(temp);\nlet found = unit::table_lookup_udps(temp);\n\
+         assert!(found.map_or(true, |found| found == row));\n\
+         let (inside, in_range) = (i32::from(found.is_some()), i32::from(unit::in_range(temp)));\n\
+         let held = unit::correct_code(rate, unit::hold_in_range(temp));\n\
+         println!(\"{{}} {{row}} {{inside}} {{in_range}} {{held}}\", unit::correct_code(rate, temp));\n}}\n\
          assert!(!unit::CALIBRATION_ID.is_empty() && unit::PBC_UDPS.abs() < 250_000_000);\n}}\n"
     );
+    // a program that uses nothing of it, and one module with both units
+    let unused = "mod unit;\nmod both {\ninclude!(\"left.rs\");\ninclude!(\"right.rs\");\n}\nfn main() {}\n";
     let library = "#![no_std]\n#![deny(missing_docs, warnings)]\n//! The module alone.\npub mod unit;\n";
     for (pbc, btc, t3) in CORRECTIONS {
         let bench = Bench::new();
-        bench.write("unit.toml", calibration(pbc, btc, t3));
+        bench.write("unit.toml", measured((pbc, btc, t3)).0);
         bench.write("main.rs", &main);
         bench.write("lib.rs", library.replace("pub mod", "/// Exported.\npub mod"));
+        bench.write("unused.rs", unused);
         bench.zerorate("export unit.toml --format rust --span-c 2 -o unit.rs").ok();
-        run("rustc", &["--edition=2021", "--crate-type=lib", "--emit=metadata", "lib.rs"], bench.dir.path());
+        bench.zerorate("export unit.toml --format rust --prefix left -o left.rs").ok();
+        bench.zerorate("export unit.toml --format rust --prefix Right_2 -o right.rs").ok();
+        if pbc < 0.0 && t3 < 50.0 {
+            has_no_warning(&bench);
+        }
         run("rustc", &["--edition=2021", "-Copt-level=1", "main.rs"], bench.dir.path());
         assert!(run(bench.path("main"), &[], bench.dir.path()) == expected((pbc, btc, t3)), "{pbc} {btc} {t3}");
+    }
+}
+
+/// By compiler, clippy and rustfmt, as a module alone, unused, and twice in one module.
+fn has_no_warning(bench: &Bench) {
+    let check = ["--emit=metadata", "-Dwarnings", "-Dunused"];
+    for edition in ["--edition=2018", "--edition=2021", "--edition=2024"] {
+        run("rustc", &[&check[..], &[edition, "--crate-type=lib", "lib.rs"]].concat(), bench.dir.path());
+        run("rustc", &[&check[..], &[edition, "unused.rs"]].concat(), bench.dir.path());
+    }
+    if installed("clippy-driver") {
+        run(
+            "clippy-driver",
+            &[&check[..], &["-Dclippy::all", "--edition=2021", "unused.rs"]].concat(),
+            bench.dir.path(),
+        );
+    }
+    if installed("rustfmt") {
+        run("rustfmt", &["--check", "--edition=2021", "unit.rs"], bench.dir.path());
+    }
+}
+
+/// Two units in one source file; the second under the prefix of the first is no silent loss.
+#[test]
+fn two_units_fit_into_one_program() {
+    if !installed("gcc") {
+        return;
+    }
+    let bench = Bench::new();
+    bench.write("left.toml", calibration(-0.25, -0.04, 31.5));
+    bench.write("right.toml", calibration(1.5, 0.03, 40.0));
+    bench.zerorate("export left.toml --format c --prefix left -o left.h").ok();
+    bench.zerorate("export right.toml --format c --prefix Right_2 -o right.h").ok();
+    bench.write(
+        "main.c",
+        "#include \"left.h\"\n#include \"right.h\"\n#include \"left.h\"\n#include <stdio.h>\n\
+         int main(void)\n{\nint32_t row = 0;\n\
+         const bool inside = left_table_lookup_udps(RIGHT_2_TEMP_MAX_CODE, &row);\n\
+         printf(\"%u %u %d %ld\\n\", (unsigned)left_correct_code(8388608, LEFT_T3_CODE), (unsigned)Right_2_correct_code(8388608, RIGHT_2_T3_CODE),\n\
+         inside, (long)row);\nreturn LEFT_TEMP_MIN_C < RIGHT_2_TEMP_MIN_C ? 0 : 1;\n}\n",
+    );
+    let flags = ["-Wall", "-Wextra", "-Werror", "-std=c99", "-pedantic"];
+    run("gcc", &[&flags[..], &["main.c", "-o", "main"]].concat(), bench.dir.path());
+    // −0.25 °/s and 1.5 °/s in codes of 1/23 488 °/s; the table of the left one ends 9.5 °C above its T3
+    assert_eq!(run(bench.path("main"), &[], bench.dir.path()), "8382736 8423840 0 -380000\n");
+    for unit in ["left", "right"] {
+        bench.zerorate(&format!("export {unit}.toml --format c -o {unit}.h --force")).ok();
+    }
+    let refused =
+        std::process::Command::new("gcc").args(["-c", "main.c"]).current_dir(bench.dir.path()).output().unwrap();
+    assert!(String::from_utf8_lossy(&refused.stderr).contains("two calibrations under one prefix"));
+}
+
+/// The default covers what the calibration holds for; less is said with its price, and so is a range that nobody stated.
+#[test]
+fn the_default_table_covers_the_calibration() {
+    let bench = Bench::new();
+    let range = "[validity]\ntemp_min_c = 25.0\ntemp_max_c = 32.5\n";
+    bench.write("unit.toml", calibration(-0.25, -0.04, 32.4) + range);
+    bench.write("hand.toml", calibration(-0.25, -0.04, 32.4));
+    let json = |line: &str| serde_json::from_str::<serde_json::Value>(&bench.zerorate(line).ok()).unwrap();
+    let export = json("export unit.toml --format json");
+    let rows = export["table"]["rows"].as_array().unwrap();
+    assert_eq!((rows.len(), &export["table"]["step_c"]), (791, &0.02.into()));
+    // at 25 °C: 7.4 °C below T3, row 395 + 370
+    assert_eq!((&rows[765]["delta_c"], &rows[765]["correction_dps"]), (&(-7.4).into(), &0.296.into()));
+    assert_eq!(export["valid"]["temp_min_code"], 8_388_608);
+    assert_eq!((&export["valid"]["stated"], &export["valid"]["temp_max_c"]), (&true.into(), &32.5.into()));
+    let hand = json("export hand.toml --format json");
+    assert_eq!((&hand["valid"]["stated"], &hand["table"]["span_c"]), (&false.into(), &9.5.into()));
+    assert_eq!(hand["temp_min_c"], serde_json::Value::Null);
+    for (line, said) in [
+        ("export unit.toml --format c --span-c 0.12", "wrong by up to 0.31 °/s"),
+        ("export hand.toml --format c", "states no [validity]"),
+    ] {
+        let run = bench.zerorate(line);
+        assert!(run.stderr().contains(said), "{}", run.stderr());
     }
 }
 
@@ -146,7 +258,12 @@ fn what_cannot_be_exported_is_explained() {
     bench.write("unit.toml", calibration(-0.25, -0.04, 31.5));
     bench.write("steep.toml", calibration(-0.25, 2.0, 31.5));
     bench.write("broken.toml", "schema = 1\npart = \"ADIS16130\"\n[correction]\npbc_dps = x\n");
-    assert!(bench.zerorate("export unit.toml --format csv --step-c 0.05").fails(2).contains("whole number of steps"));
+    assert!(
+        bench
+            .zerorate("export unit.toml --format csv --step-c 0.05 --span-c 0.12")
+            .fails(2)
+            .contains("whole number of steps")
+    );
     assert!(
         bench
             .zerorate("export unit.toml --format c --step-c 0.0000001 --span-c 0.000001")
@@ -156,5 +273,10 @@ fn what_cannot_be_exported_is_explained() {
     assert!(bench.zerorate("export steep.toml --format c").fails(1).contains("btc_dps_per_c"));
     assert!(bench.zerorate("export broken.toml --format c").fails(1).contains("broken.toml: line 4"));
     assert!(bench.zerorate("export absent.toml --format c").fails(1).contains("cannot read absent.toml"));
+    for prefix in ["2nd", "_left", "a-b", "a__b", "int;"] {
+        let said = bench.zerorate(&format!("export unit.toml --format c --prefix {prefix}")).fails(2);
+        assert!(said.contains("--prefix") && said.contains(prefix), "{said}");
+    }
+    assert!(bench.zerorate("export unit.toml --format csv --prefix left").fails(2).contains("--prefix"));
     assert!(bench.zerorate("export unit.toml --format pdf").fails(2).contains("pdf"));
 }

@@ -114,14 +114,14 @@ pub struct Validity {
     pub temp_max_c: f64,
 }
 
-/// How far a temperature may leave the span unremarked, °C: ten times the noise of a single reading (M-05).
-const SPAN_MARGIN_C: f64 = 0.5;
-
 impl Validity {
+    /// How far a temperature may leave the span unremarked, °C: ten times the noise of a single reading (M-05).
+    pub const MARGIN_C: f64 = 0.5;
+
     /// Whether the correction holds at a temperature; elsewhere it is an extrapolation.
     #[must_use]
     pub fn covers(&self, temp_c: f64) -> bool {
-        (self.temp_min_c - SPAN_MARGIN_C..=self.temp_max_c + SPAN_MARGIN_C).contains(&temp_c)
+        (self.temp_min_c - Self::MARGIN_C..=self.temp_max_c + Self::MARGIN_C).contains(&temp_c)
     }
 }
 

@@ -1,39 +1,44 @@
 //! The C header and the Rust module: templates, filled in.
 
 use super::Export;
+use super::layout::Layout;
+use super::prefix::Prefix;
 use crate::exit::Usage;
 use anyhow::{Result, ensure};
-use zerorate::{IntegerCorrection, RowIndex};
+use zerorate::calibration::Validity;
+use zerorate::{IntegerCorrection, RowIndex, temp_code};
 
-/// The C header.
-pub fn c(export: &Export) -> Result<String> {
-    fill(include_str!("calibration.h.in"), export)
+/// The C header. Without a prefix its names begin with `zerorate`.
+pub fn c(export: &Export, prefix: Option<&Prefix>) -> Result<String> {
+    let functions = prefix.map_or("zerorate_".to_owned(), Prefix::of_functions);
+    let constants = prefix.map_or("ZERORATE_".to_owned(), Prefix::of_constants);
+    fill(include_str!("calibration.h.in"), export, [("f", functions), ("C", constants)])
 }
 
-/// The Rust module.
-pub fn rust(export: &Export) -> Result<String> {
-    fill(include_str!("calibration.rs.in"), export)
+/// The Rust module. Without a prefix its name tells units apart.
+pub fn rust(export: &Export, prefix: Option<&Prefix>) -> Result<String> {
+    let functions = prefix.map_or_else(String::new, Prefix::of_functions_in_rust);
+    let constants = prefix.map_or_else(String::new, Prefix::of_constants);
+    fill(include_str!("calibration.rs.in"), export, [("f", functions), ("C", constants)])
 }
 
-/// Replaces each `@KEY@` of the template.
-fn fill(template: &str, export: &Export) -> Result<String> {
-    let entries = entries(export)?;
+/// Replaces each `@KEY@` of the template, the prefixes first: what follows them may look like a key.
+fn fill(template: &str, export: &Export, prefixes: [(&'static str, String); 2]) -> Result<String> {
+    let entries = [&prefixes[..], &entries(export)?, &valid_range(&export.layout)].concat();
     Ok(entries.iter().fold(template.to_owned(), |text, (key, value)| text.replace(&format!("@{key}@"), value)))
 }
 
 fn entries(export: &Export) -> Result<Vec<(&'static str, String)>> {
-    let Export { calibration, integer: IntegerCorrection { offset_q, slope_q, t3_code }, rows, .. } = export;
+    let Export { calibration, integer: IntegerCorrection { offset_q, slope_q, t3_code }, layout, rows } = export;
     let correction = calibration.correction;
     let text = |value: &Option<String>| value.as_deref().map_or("not stated".to_owned(), comment);
-    let span = calibration.validity.map(|span| format!("{:.1} to {:.1} deg C", span.temp_min_c, span.temp_max_c));
-    let index = RowIndex::new(rows.len(), export.step_c, correction.t3_c);
+    let index = RowIndex::new(rows.len(), layout.step_c, correction.t3_c);
     let codes: Result<Vec<i32>> = rows.iter().map(|row| millionths(row.correction_dps)).collect();
     Ok(vec![
         ("SOFTWARE", crate::SOFTWARE.to_owned()),
         ("SERIAL", text(&calibration.serial)),
         ("CREATED", text(&calibration.created)),
         ("METHOD", text(&calibration.method)),
-        ("VALID", span.unwrap_or("not stated".to_owned())),
         ("ID", calibration.id()),
         ("PBC", correction.pbc_dps.to_string()),
         ("BTC", correction.btc_dps_per_c.to_string()),
@@ -45,16 +50,33 @@ fn entries(export: &Export) -> Result<Vec<(&'static str, String)>> {
         ("Q", IntegerCorrection::Q.to_string()),
         ("LSB_PER_DPS", adis16130::RATE_LSB_PER_DPS.to_string()),
         ("LSB_PER_C", adis16130::TEMP_LSB_PER_C.to_string()),
-        ("STEP_C", export.step_c.to_string()),
-        ("SPAN_C", export.span_c.to_string()),
-        ("STEP_UC", whole_millionths("--step-c", export.step_c)?.to_string()),
-        ("SPAN_UC", whole_millionths("--span-c", export.span_c)?.to_string()),
+        ("STEP_C", layout.step_c.to_string()),
+        ("SPAN_C", layout.span_c.to_string()),
+        ("STEP_UC", whole_millionths("--step-c", layout.step_c)?.to_string()),
+        ("SPAN_UC", whole_millionths("--span-c", layout.span_c)?.to_string()),
+        ("STEP_DPS", format!("{:.5}", correction.btc_dps_per_c.abs() * layout.step_c / 2.0)),
         ("MIDDLE_Q", index.middle_q.to_string()),
         ("ROWS_PER_CODE_Q", index.rows_per_code_q.to_string()),
         ("ROW_Q", RowIndex::Q.to_string()),
         ("ROWS", rows.len().to_string()),
+        ("BYTES", (4 * rows.len()).to_string()),
         ("TABLE", lines(&codes?)),
     ])
+}
+
+/// Where the correction holds, in words, in °C and as codes.
+fn valid_range(Layout { valid, stated, .. }: &Layout) -> Vec<(&'static str, String)> {
+    let Validity { temp_min_c, temp_max_c } = *valid;
+    let whence = if *stated { "seen while measuring" } else { "assumed, the calibration states none" };
+    vec![
+        ("VALID", format!("{temp_min_c:.1} to {temp_max_c:.1} deg C, {whence}")),
+        ("TEMP_MIN_C", format!("{temp_min_c:?}")),
+        ("TEMP_MAX_C", format!("{temp_max_c:?}")),
+        ("TEMP_MIN_CODE", temp_code(temp_min_c).to_string()),
+        ("TEMP_MAX_CODE", temp_code(temp_max_c).to_string()),
+        ("MARGIN_C", Validity::MARGIN_C.to_string()),
+        ("MARGIN_CODE", (temp_code(25.0 + Validity::MARGIN_C) - temp_code(25.0)).to_string()),
+    ]
 }
 
 /// In millionths of its unit, to nearest.

@@ -1,21 +1,26 @@
 //! `zerorate export`: a calibration in the form that firmware takes: table and integer coefficients.
 
 mod firmware;
+mod layout;
+mod prefix;
 
 use super::correct::load;
-use super::print;
+use super::{print, warn};
 use crate::exit::Usage;
 use crate::output::Outputs;
-use anyhow::Result;
+use anyhow::{Result, ensure};
 use clap::{Args, ValueEnum};
+use layout::Layout;
+use prefix::Prefix;
 use serde::Serialize;
 use std::path::PathBuf;
-use zerorate::{Calibration, IntegerCorrection, TableRow};
+use zerorate::{Calibration, IntegerCorrection, TableRow, temp_code};
 
 /// Writes the correction for firmware: C header, Rust module, CSV or JSON.
 ///
 /// The table holds (TEMP − T3) · BTC, without PBC, for TEMP − T3 from +span down to −span. The C and Rust forms also hold the integer coefficients, with
-/// a function from raw code to corrected code that needs no table.
+/// a function from raw code to corrected code that needs no table, and the range that the calibration holds for: their look-up says whether a temperature
+/// lies inside. Two units fit into one program under two prefixes; in Rust, two modules do as well.
 #[derive(Args, Debug)]
 pub struct ExportArgs {
     /// The calibration file.
@@ -26,13 +31,17 @@ pub struct ExportArgs {
     #[arg(long, value_enum)]
     format: Form,
 
-    /// Step of the table, °C.
-    #[arg(long, value_name = "C", default_value_t = 0.02)]
-    step_c: f64,
+    /// Step of the table, °C [default: 0.02; without --span-c the finest of 0.02, 0.05, 0.1, … that makes at most 1025 rows, 4.1 kB].
+    #[arg(long, value_name = "C")]
+    step_c: Option<f64>,
 
-    /// The table reaches this far from T3 on both sides, °C.
-    #[arg(long, value_name = "C", default_value_t = 0.12)]
-    span_c: f64,
+    /// The table reaches this far from T3 on both sides, °C [default: so far that it covers the temperatures that the calibration holds for].
+    #[arg(long, value_name = "C")]
+    span_c: Option<f64>,
+
+    /// What names begin with in C and Rust [default: zerorate in C, nothing in Rust].
+    #[arg(long, value_name = "NAME")]
+    prefix: Option<Prefix>,
 
     /// The file to write [default: stdout].
     #[arg(short, long, value_name = "FILE")]
@@ -46,7 +55,7 @@ pub struct ExportArgs {
 /// Forms of the export.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum Form {
-    /// A C99 header that needs nothing but <stdint.h>.
+    /// A C99 header that needs nothing but <stdbool.h> and <stdint.h>.
     C,
     /// A Rust module without dependencies, no_std.
     Rust,
@@ -60,20 +69,25 @@ enum Form {
 struct Export {
     calibration: Calibration,
     integer: IntegerCorrection,
-    step_c: f64,
-    span_c: f64,
+    layout: Layout,
     rows: Vec<TableRow>,
 }
 
 pub fn run(args: &ExportArgs) -> Result<()> {
+    ensure!(
+        args.prefix.is_none() || matches!(args.format, Form::C | Form::Rust),
+        Usage("--prefix is for names in C and Rust; the other forms have none".to_owned())
+    );
     let mut outputs = Outputs::new(args.force).reading([&*args.cal])?;
     let calibration = load(&args.cal)?;
-    let rows = calibration.correction.table(args.step_c, args.span_c).map_err(|error| Usage(error.to_string()))?;
+    let layout = Layout::new(&calibration, args.step_c, args.span_c);
+    let rows = layout.rows(&calibration.correction)?;
     let integer = calibration.correction.to_integer()?;
-    let export = Export { calibration, integer, step_c: args.step_c, span_c: args.span_c, rows };
+    warn(&layout.warnings(&calibration.correction));
+    let export = Export { calibration, integer, layout, rows };
     let text = match args.format {
-        Form::C => firmware::c(&export)?,
-        Form::Rust => firmware::rust(&export)?,
+        Form::C => firmware::c(&export, args.prefix.as_ref())?,
+        Form::Rust => firmware::rust(&export, args.prefix.as_ref())?,
         Form::Csv => csv(&export),
         Form::Json => json(&export)?,
     };
@@ -104,6 +118,7 @@ struct Json<'a> {
     t3_c: f64,
     temp_min_c: Option<f64>,
     temp_max_c: Option<f64>,
+    valid: Valid,
     integer: Integer,
     table: Table,
 }
@@ -114,6 +129,17 @@ struct Integer {
     offset_q: i64,
     slope_q: i32,
     t3_code: i32,
+}
+
+/// Where the correction is taken to hold.
+#[derive(Serialize)]
+struct Valid {
+    /// Whether the calibration says so; else it is assumed.
+    stated: bool,
+    temp_min_c: f64,
+    temp_max_c: f64,
+    temp_min_code: u32,
+    temp_max_code: u32,
 }
 
 #[derive(Serialize)]
@@ -130,7 +156,8 @@ struct JsonRow {
 }
 
 fn json(export: &Export) -> Result<String> {
-    let Export { calibration, integer, .. } = export;
+    let Export { calibration, integer, layout, .. } = export;
+    let valid = layout.valid;
     let row = |row: &TableRow| JsonRow { delta_c: tidy(row.delta_c), correction_dps: tidy(row.correction_dps) };
     let object = Json {
         calibration_id: calibration.id(),
@@ -140,13 +167,20 @@ fn json(export: &Export) -> Result<String> {
         t3_c: calibration.correction.t3_c,
         temp_min_c: calibration.validity.map(|span| span.temp_min_c),
         temp_max_c: calibration.validity.map(|span| span.temp_max_c),
+        valid: Valid {
+            stated: layout.stated,
+            temp_min_c: valid.temp_min_c,
+            temp_max_c: valid.temp_max_c,
+            temp_min_code: temp_code(valid.temp_min_c),
+            temp_max_code: temp_code(valid.temp_max_c),
+        },
         integer: Integer {
             q: IntegerCorrection::Q,
             offset_q: integer.offset_q,
             slope_q: integer.slope_q,
             t3_code: integer.t3_code,
         },
-        table: Table { step_c: export.step_c, span_c: export.span_c, rows: export.rows.iter().map(row).collect() },
+        table: Table { step_c: layout.step_c, span_c: layout.span_c, rows: export.rows.iter().map(row).collect() },
     };
     Ok(serde_json::to_string_pretty(&object)? + "\n")
 }

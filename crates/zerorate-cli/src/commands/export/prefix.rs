@@ -1,0 +1,73 @@
+//! What the names of an export begin with, so that several units fit into one program.
+
+use std::str::FromStr;
+
+/// Leaves the longest name below the 63 characters that C99 tells apart.
+const LONGEST: usize = 31;
+
+/// The beginning of names: a C identifier that no standard reserves.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Prefix(String);
+
+impl Prefix {
+    /// In front of functions and tables in C: `left_`.
+    pub fn of_functions(&self) -> String {
+        format!("{}_", self.0)
+    }
+
+    /// The same in Rust, where they are in lower case.
+    pub fn of_functions_in_rust(&self) -> String {
+        self.of_functions().to_ascii_lowercase()
+    }
+
+    /// In front of macros and constants: `LEFT_`.
+    pub fn of_constants(&self) -> String {
+        self.of_functions().to_ascii_uppercase()
+    }
+}
+
+impl FromStr for Prefix {
+    type Err = &'static str;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        if text.len() > LONGEST {
+            return Err("it has more than 31 characters; names in C would grow beyond what compilers tell apart");
+        }
+        if !text.starts_with(|c: char| c.is_ascii_alphabetic()) {
+            return Err("a name in C begins with a letter A to Z, and what begins with an underscore is reserved");
+        }
+        if !text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_') {
+            return Err("a name in C consists of the letters A to Z, digits and underscores, as in left_imu");
+        }
+        if text.contains("__") || text.ends_with('_') {
+            return Err("names with two underscores in a row are reserved; one is put behind the prefix anyway");
+        }
+        Ok(Self(text.to_owned()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_names_of_c() {
+        for good in ["left", "L", "imu2_left", "Left", &"a".repeat(31)] {
+            assert!(good.parse::<Prefix>().is_ok(), "{good}");
+        }
+        for bad in
+            ["", "2nd", "_left", "left_", "a__b", "le ft", "le-ft", "left;", "lïnks", "@ID@", "a\nb", &"a".repeat(32)]
+        {
+            assert!(bad.parse::<Prefix>().is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn each_language_has_its_case() {
+        let prefix: Prefix = "Imu2_Left".parse().unwrap();
+        assert_eq!(
+            (prefix.of_functions(), prefix.of_functions_in_rust(), prefix.of_constants()),
+            ("Imu2_Left_".to_owned(), "imu2_left_".to_owned(), "IMU2_LEFT_".to_owned())
+        );
+    }
+}
