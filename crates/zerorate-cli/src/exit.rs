@@ -13,8 +13,8 @@ pub struct Refused(pub String);
 #[error("{0}")]
 pub struct Usage(pub String);
 
-/// Prints why a run failed and picks the exit code. A reader of stdout that went away (`zerorate … | head`) is no failure; of any other
-/// pipe it is.
+/// Prints why a run failed and picks the exit code. A reader of stdout that went away (`zerorate … | head`) is no
+/// failure; of any other pipe it is.
 pub fn report(error: &anyhow::Error) -> ExitCode {
     if reader_left(error) {
         return ExitCode::SUCCESS;

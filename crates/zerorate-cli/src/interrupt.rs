@@ -1,5 +1,6 @@
-//! Ctrl-C, SIGTERM and SIGHUP. Loops that listen are asked to end cleanly, and a second signal ends the program at once; so does the first
-//! where nothing listens. Temporary files are removed in either case. What `nohup` started outlives its terminal.
+//! Ctrl-C, SIGTERM and SIGHUP. Loops that listen are asked to end cleanly, and a second signal ends the program at
+//! once; so does the first where nothing listens. Temporary files are removed in either case. What `nohup` started
+//! outlives its terminal.
 
 use crate::output;
 use anyhow::Context;

@@ -29,11 +29,13 @@ impl Part<'_> {
                 )
             }
             (None, Some(calibrated)) => Ok(Some(format!(
-                "unknown-serial: {path} is the calibration of part {calibrated}, and nothing shows that {name} is that part: {}",
+                "unknown-serial: {path} is the calibration of part {calibrated}, and nothing shows that {name} is that \
+                 part: {}",
                 self.advice
             ))),
             (_, None) => Ok(Some(format!(
-                "unknown-serial: {path} says of no part that it is its calibration, and every part has its own bias: give `zerorate calibrate` the serial number, --serial SN"
+                "unknown-serial: {path} says of no part that it is its calibration, and every part has its own bias: \
+                 give `zerorate calibrate` the serial number, --serial SN"
             ))),
         }
     }

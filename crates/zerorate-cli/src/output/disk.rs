@@ -18,7 +18,8 @@ const LONGEST_STEM: usize = 100;
 const TURN_TRIES: u32 = 200;
 const TURN_PAUSE: Duration = Duration::from_millis(5);
 
-/// Makes an unfinished file beside `name`, under a name that nothing has. One process at a time has one for the same name.
+/// Makes an unfinished file beside `name`, under a name that nothing has. One process at a time has one for the same
+/// name.
 pub fn claim(path: &Path, folder: &Path, name: &OsStr) -> Result<Temporary, OutputError> {
     let failed = |error| OutputError::io("write", path, error);
     let name = name.to_string_lossy();
@@ -48,8 +49,8 @@ pub fn sync_folder(folder: &Path) -> io::Result<()> {
     }
 }
 
-/// The lock of a folder, for as long as it takes to look for other writers and to become one. Where it cannot be had, exclusive names
-/// remain.
+/// The lock of a folder, for as long as it takes to look for other writers and to become one. Where it cannot be had,
+/// exclusive names remain.
 fn turn_in(folder: &Path) -> Option<File> {
     let folder = File::open(folder).ok()?;
     for _ in 0..TURN_TRIES {

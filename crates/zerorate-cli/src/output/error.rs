@@ -11,15 +11,18 @@ pub enum OutputError {
     Exists { path: PathBuf },
 
     /// The run reads that file.
-    #[error("{} would be overwritten while it is read, since it is the same file as the input {}: choose another name", path.display(), input.display())]
+    #[error("{} would be overwritten while it is read, since it is the same file as the input {}: choose \
+             another name", path.display(), input.display())]
     IsInput { path: PathBuf, input: PathBuf },
 
     /// The run writes that file already.
-    #[error("{} is the same file as {other}, where other output of this command goes: choose another name", path.display())]
+    #[error("{} is the same file as {other}, where other output of this command goes: choose another \
+             name", path.display())]
     Twice { path: PathBuf, other: String },
 
     /// There is a recording of that name, and the new file would not be one.
-    #[error("{} is a capture, which cannot be had again: not even --force replaces it by a computed file; choose another name, or remove it yourself", path.display())]
+    #[error("{} is a capture, which cannot be had again: not even --force replaces it by a computed \
+             file; choose another name, or remove it yourself", path.display())]
     IsCapture { path: PathBuf },
 
     /// Another process writes that file.
@@ -31,11 +34,13 @@ pub enum OutputError {
     TakenMeanwhile { path: PathBuf },
 
     /// A link to nothing: whoever made it may have wanted the file elsewhere than its user thinks.
-    #[error("{} is a symbolic link to {}, which does not exist; a file is not made through a link: name the file itself, or remove the link", path.display(), target.display())]
+    #[error("{} is a symbolic link to {}, which does not exist; a file is not made through a \
+             link: name the file itself, or remove the link", path.display(), target.display())]
     Dangling { path: PathBuf, target: PathBuf },
 
     /// A link that somebody else made, in a folder that is not theirs.
-    #[error("{} is a symbolic link that another user (uid {uid}) made, to {}: it is not followed; name the file itself", path.display(), target.display())]
+    #[error("{} is a symbolic link that another user (uid {uid}) made, to {}: it is not followed; name the \
+             file itself", path.display(), target.display())]
     ForeignLink { path: PathBuf, target: PathBuf, uid: u32 },
 
     /// No file can have that name.

@@ -1,8 +1,8 @@
 //! Where results go: never onto what is read, never over what is there, never half a file under its final name.
 //!
-//! [`Outputs`] knows all files of a run. It refuses an output that is an input or another output of the same run, by whatever name
-//! (hard links, symbolic links, `./x`, `/dev/stdout`), and one that exists, unless `--force`; a capture is not even then replaced by
-//! what can be computed again. docs/reference/files.md states the rules for users.
+//! [`Outputs`] knows all files of a run. It refuses an output that is an input or another output of the same run, by
+//! whatever name (hard links, symbolic links, `./x`, `/dev/stdout`), and one that exists, unless `--force`; a capture
+//! is not even then replaced by what can be computed again. docs/reference/files.md states the rules for users.
 
 mod disk;
 mod error;
@@ -75,7 +75,8 @@ impl Outputs {
         Staged::new(path, place)
     }
 
-    /// Claims a file to record into, under its final name from the start, so that what was recorded survives a power cut.
+    /// Claims a file to record into, under its final name from the start, so that what was recorded survives a power
+    /// cut.
     ///
     /// # Errors
     /// As [`Outputs::derived`].

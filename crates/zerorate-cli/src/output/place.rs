@@ -107,7 +107,8 @@ fn follow(path: &Path, link: &Path, metadata: &Metadata) -> Result<Followed, Out
     }
 }
 
-/// The rule of Linux (`fs.protected_symlinks`), in every folder: a link is its follower's, the administrator's, or of the folder's owner.
+/// The rule of Linux (`fs.protected_symlinks`), in every folder: a link is its follower's, the administrator's, or of
+/// the folder's owner.
 #[cfg(unix)]
 fn refuse_foreign(path: &Path, link: &Path, metadata: &Metadata, target: &Path) -> Result<(), OutputError> {
     use std::os::unix::fs::MetadataExt;

@@ -75,7 +75,8 @@ fn create(path: &Path, target: &Path) -> Result<File, OutputError> {
     Ok(file)
 }
 
-/// A new file in place of the old one, which hard links may still name. The old one's lock keeps two runs from doing so at once.
+/// A new file in place of the old one, which hard links may still name. The old one's lock keeps two runs from doing
+/// so at once.
 fn replace(path: &Path, folder: &Path, name: &OsStr, old: &Identity) -> Result<File, OutputError> {
     let failed = |error| OutputError::io("write", path, error);
     let target = folder.join(name);

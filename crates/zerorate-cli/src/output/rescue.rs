@@ -7,8 +7,8 @@ use std::ffi::OsStr;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-/// Writes `content` beside the first of `wanted` where that is possible, or else to the folder for temporary files, under a name like
-/// that of `name` which nothing has. Returns where it is; none if no place takes it.
+/// Writes `content` beside the first of `wanted` where that is possible, or else to the folder for temporary files,
+/// under a name like that of `name` which nothing has. Returns where it is; none if no place takes it.
 pub fn rescue(name: &Path, wanted: &[&Path], content: &[u8]) -> Option<PathBuf> {
     // beside a device there is no place for files
     let beside = wanted.iter().filter(|path| !path.exists() || path.is_file()).map(|path| folder_of(path).to_owned());

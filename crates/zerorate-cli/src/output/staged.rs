@@ -24,7 +24,8 @@ enum Form {
 }
 
 impl Staged {
-    /// Makes sure that the output can be written: a pipe or a device is opened, and beside a name an unfinished file is made.
+    /// Makes sure that the output can be written: a pipe or a device is opened, and beside a name an unfinished file
+    /// is made.
     pub(super) fn new(path: &Path, place: Place) -> Result<Self, OutputError> {
         let form = match place {
             Place::Stream { path: stream, .. } => Form::Stream(

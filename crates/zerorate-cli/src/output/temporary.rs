@@ -1,4 +1,5 @@
-//! Files that must not outlive the run, however it ends: they are removed on drop, and by a signal that ends the program at once.
+//! Files that must not outlive the run, however it ends: they are removed on drop, and by a signal that ends the
+//! program at once.
 
 use std::collections::BTreeSet;
 use std::fs::{self, File, Permissions};

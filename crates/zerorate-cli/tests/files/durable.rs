@@ -4,7 +4,8 @@
 use super::{Bench, calibration, capture, skip};
 use std::process::Command;
 
-/// Runs the program under strace, and gives its calls that have to do with files and disks, in order. None where it cannot be traced.
+/// Runs the program under strace, and gives its calls that have to do with files and disks, in order. None where it
+/// cannot be traced.
 fn traced(bench: &Bench, line: &str) -> Option<Vec<String>> {
     let trace = bench.path("trace");
     let mut strace = Command::new("strace");

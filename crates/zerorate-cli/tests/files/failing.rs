@@ -252,6 +252,25 @@ fn signals_close_what_is_recorded_and_clear_away_what_is_not_finished() {
     }
 }
 
+/// A correction has no half: it is there, or nothing of it.
+#[test]
+fn an_interrupted_correction_leaves_nothing() {
+    let bench = Bench::new();
+    bench.write("unit.toml", calibration(-0.25, -0.04, 24.0));
+    bench.zerorate("capture --duration 100s -o rest.arrows").ok();
+    let child = start(&bench, "correct rest.arrows --cal unit.toml -o done.csv");
+    wait_until("an unfinished file", || names(bench.dir.path()).iter().any(|name| name.starts_with("done.csv")));
+    send("TERM", &child);
+    let output = child.wait_with_output().unwrap();
+    let left = ["rest.arrows", "tmp", "unit.toml"];
+    match output.status.code() {
+        Some(1) => assert_eq!(names(bench.dir.path()), left, "{}", stderr(&output)),
+        // it was faster
+        Some(0) => assert_eq!(names(bench.dir.path()), [&["done.csv"][..], &left].concat()),
+        code => panic!("{code:?}: {}", stderr(&output)),
+    }
+}
+
 /// A capture of hours is started with `nohup` so that it goes on when its terminal is gone.
 #[test]
 fn nohup_is_heeded() {

@@ -1,6 +1,6 @@
 //! No command destroys what it reads or what is there, by whatever name it is called.
 
-use super::{Bench, calibration, capture};
+use super::{Bench, calibration, capture, skip};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -106,6 +106,9 @@ fn nothing_is_overwritten_without_force() {
     bench.write("mine.svg", "mine");
     refused(&bench, "allan log.csv --rate 10 --plot mine.svg", "--force");
     refused(&bench, "capture --samples 10 -o mine", "--force");
+    if cfg!(unix) {
+        refused(&bench, "twin --usb none.sock --wire mine", "--force");
+    }
     for command in ["export unit.toml --format csv -o mine", "report unit.toml -o mine", "capture --samples 10 -o mine"]
     {
         bench.write("mine", "mine");
@@ -197,6 +200,21 @@ fn a_link_stays_a_link_and_leads_nowhere_new() {
     symlink("b", bench.path("a")).unwrap();
     symlink("a", bench.path("b")).unwrap();
     bench.zerorate(&format!("{made} a")).fails(1);
+}
+
+/// In a folder that many may write to, somebody else's link leads to where they want.
+#[cfg(unix)]
+#[test]
+fn a_link_of_another_user_is_not_followed() {
+    use std::os::unix::fs::{lchown, symlink};
+    let bench = bench();
+    bench.write("victim", "mine");
+    symlink("victim", bench.path("planted")).unwrap();
+    if lchown(bench.path("planted"), Some(4711), None).is_err() {
+        return skip("only root can make a link of another user");
+    }
+    refused(&bench, "export unit.toml --format csv -o planted --force", "uid 4711");
+    refused(&bench, "capture --samples 10 -o planted --force", "uid 4711");
 }
 
 /// An older copy under a hard link is a copy: a new recording does not reach through it.
