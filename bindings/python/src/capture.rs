@@ -22,6 +22,7 @@ pub fn read_capture(py: Python<'_>, path: PathBuf) -> PyResult<Bound<'_, PyDict>
     capture.set_item("status", PyArray1::from_vec(py, recording.status))?;
     capture.set_item("temp_code", PyArray1::from_vec(py, recording.temp_code))?;
     capture.set_item("lost", PyArray1::from_vec(py, recording.lost))?;
+    capture.set_item("flags", PyArray1::from_vec(py, recording.flags))?;
     capture.set_item("width_bits", recording.width_bits)?;
     let metadata = PyDict::new(py);
     recording.metadata.iter().try_for_each(|(key, value)| metadata.set_item(key, value))?;

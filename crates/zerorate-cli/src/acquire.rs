@@ -1,18 +1,22 @@
 //! Samples out of a device, one after the other: paced to the wall clock if wanted, ended by Ctrl-C, counted.
 
+use crate::believed;
 use crate::cli::{DeviceArgs, SamplingArgs};
 use crate::device::Device;
 use crate::interrupt;
 use adis16130::Sample;
 use anyhow::Result;
 use std::time::{Duration, Instant};
-use zerorate::{BANDWIDTH_HZ, Tally, Warning};
+use zerorate::health::{Health, Judged};
+use zerorate::{BANDWIDTH_HZ, Tally, Warning, resonance};
 
 /// A device that is being read.
 pub struct Acquisition {
     device: Device,
     pace: Option<Pace>,
     tally: Tally,
+    health: Health,
+    start_ns: Option<u64>,
 }
 
 impl Acquisition {
@@ -26,7 +30,7 @@ impl Acquisition {
 
     /// Over a device that is open already, as fast as it goes. Ctrl-C stays what it was.
     pub fn unpaced(device: Device) -> Self {
-        Self { device, pace: None, tally: Tally::default() }
+        Self { device, pace: None, tally: Tally::default(), health: Health::default(), start_ns: None }
     }
 
     /// The device itself.
@@ -48,11 +52,57 @@ impl Acquisition {
         let sample = self.device.next()?;
         if let Some(sample) = &sample {
             self.tally.count(sample);
+            self.start_ns.get_or_insert(sample.t_ns);
             if let Some(pace) = &mut self.pace {
                 pace.keep(sample.t_ns);
             }
         }
         Ok(sample)
+    }
+
+    /// The next sample with what is wrong with it, two samples late; at the end, those that are left.
+    #[inline]
+    pub fn next_judged(&mut self) -> Result<Option<Judged>> {
+        loop {
+            let judged = match self.next()? {
+                Some(sample) => self.health.push(&sample),
+                None => return Ok(self.health.finish()),
+            };
+            if judged.is_some() {
+                return Ok(judged);
+            }
+        }
+    }
+
+    /// Judges a sample that goes on as it is.
+    #[inline]
+    pub fn judge(&mut self, sample: &Sample) {
+        self.health.push(sample);
+    }
+
+    /// What was found of the samples that were judged.
+    pub fn health(&self) -> &Health {
+        &self.health
+    }
+
+    /// Time of the first sample.
+    pub fn start_ns(&self) -> u64 {
+        self.start_ns.unwrap_or_default()
+    }
+
+    /// What there is to say of the samples: all of them are judged then.
+    pub fn warnings(&mut self) -> Vec<String> {
+        while self.health.finish().is_some() {}
+        let found = believed::warnings(&self.health, &self.tally, self.start_ns());
+        let of_the_rate = aliasing(&self.tally).into_iter().chain(self.resonance(SHORTEST_AVERAGE_S));
+        let of_the_rate = of_the_rate.map(|warning| format!("{}: {warning}", warning.code()));
+        of_the_rate.chain(found).chain(self.lost_on_the_way()).collect()
+    }
+
+    /// F-07: whether the resonance looks like a bias at the rate that was measured, in means over `average_s`.
+    pub fn resonance(&self, average_s: f64) -> Option<Warning> {
+        let divider = self.device.info(None, None).divider;
+        (self.tally.samples > 1).then(|| resonance::warning(self.tally.sampling_hz(), divider, average_s)).flatten()
     }
 
     /// Whether progress is to be shown with this sample: with every 4096th, 1.4 times a second of part time.
@@ -78,6 +128,9 @@ impl Acquisition {
         overflow.into_iter().chain(damage).collect()
     }
 }
+
+/// Means over this are what a recording is good for at least, s.
+const SHORTEST_AVERAGE_S: f64 = 1.0;
 
 /// F-56: samples alias when they come below twice the bandwidth.
 pub fn aliasing(tally: &Tally) -> Option<Warning> {

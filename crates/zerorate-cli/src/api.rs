@@ -4,6 +4,7 @@
 
 pub use crate::exit::{Refused, Usage};
 
+use crate::believed;
 use crate::capture::CaptureReader;
 use crate::cli::{Cli, Command};
 use crate::commands::{calibrate, correct};
@@ -13,7 +14,8 @@ use adis16130::Sample;
 use anyhow::Result;
 use clap::Parser;
 use std::path::Path;
-use zerorate::Calibration;
+use zerorate::health::{Health, Judged};
+use zerorate::{Calibration, Tally};
 
 /// A calibration with its report.
 #[derive(Clone, Debug)]
@@ -57,13 +59,15 @@ pub struct Recording {
     pub temp_code: Vec<i32>,
     /// Samples lost right before this one.
     pub lost: Vec<u32>,
+    /// What is wrong with it, 0 for nothing: 1 impossible for the part, 2 out of range, 4 frozen, 8 impossible temperature.
+    pub flags: Vec<u8>,
     /// Width of both codes, 16 or 24.
     pub width_bits: u32,
     /// The description in the file (docs/formats/capture.md).
     pub metadata: Vec<(String, String)>,
     /// The calibration that was applied, if the capture is a corrected one; its raw columns are untouched.
     pub calibration_id: Option<String>,
-    /// What is to be said of the file: a tail that was torn off.
+    /// What is to be said of the file: a tail that was torn off, readings that are not to be believed.
     pub warning: Option<String>,
 }
 
@@ -79,11 +83,21 @@ pub fn read_capture(path: &Path) -> Result<Recording> {
         calibration_id: reader.calibration_id().map(str::to_owned),
         ..Recording::default()
     };
+    let (mut health, mut tally) = (Health::default(), Tally::default());
+    let flag = |judged: Judged| judged.flags.bits();
     while let Some(rows) = reader.next_rows()? {
-        rows.samples().for_each(|sample| recording.push(&sample));
+        for sample in rows.samples() {
+            recording.push(&sample);
+            tally.count(&sample);
+            recording.flags.extend(health.push(&sample).map(flag));
+        }
     }
+    recording.flags.extend(std::iter::from_fn(|| health.finish()).map(flag));
+    let start_ns = recording.t_ns.first().copied().unwrap_or_default();
+    let found = believed::warnings(&health, &tally, start_ns);
     recording.metadata.sort();
-    recording.warning = reader.warning().map(str::to_owned);
+    let said = reader.warning().map(str::to_owned).into_iter().chain(found).collect::<Vec<_>>();
+    recording.warning = (!said.is_empty()).then(|| said.join("; "));
     Ok(recording)
 }
 

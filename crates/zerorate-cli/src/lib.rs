@@ -10,6 +10,7 @@
 
 mod acquire;
 pub mod api;
+mod believed;
 mod capture;
 mod cli;
 mod column;

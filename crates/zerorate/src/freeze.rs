@@ -8,7 +8,7 @@ const FROZEN_NS: u64 = 100_000_000;
 /// the same has one below 10⁻²².
 const FROZEN_READINGS: u64 = 32;
 /// So are two channels that have never changed for this long, and so many readings.
-const DEAD_NS: u64 = 1_000_000_000;
+const DEAD_NS: u64 = 2_000_000_000;
 const DEAD_READINGS: u64 = 100;
 /// A rate alone that never changed for this long.
 const DEAD_ALONE_NS: u64 = 10_000_000_000;

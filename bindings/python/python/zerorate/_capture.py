@@ -32,6 +32,9 @@ class Capture:
     """Raw temperature code; −1 where it was not read."""
     lost: NDArray[np.uint32]
     """Samples lost right before the row."""
+    flags: NDArray[np.uint8]
+    """What is wrong with the reading, 0 for nothing: the sum of 1 (impossible for the part: a bit error), 2 (out of range), 4 (frozen)
+    and 8 (impossible temperature). The codes stay as they were read; `good` says which rates to use."""
     width_bits: int
     """Width of both codes: 16 or 24."""
     metadata: dict[str, str] = field(repr=False)
@@ -40,6 +43,11 @@ class Capture:
     """The calibration that was applied, if the file is a corrected one; its raw columns are untouched."""
     warning: str | None = None
     """What is to be said of the file: a tail that was torn off by a power cut."""
+
+    @cached_property
+    def good(self) -> NDArray[np.bool_]:
+        """Which rates are to be believed."""
+        return np.asarray((self.flags & 7) == 0, dtype=np.bool_)
 
     def __len__(self) -> int:
         return len(self.t_ns)
@@ -60,18 +68,20 @@ class Capture:
 
     @cached_property
     def rate_dps(self) -> NDArray[np.float64]:
-        """Rate before any correction, °/s: (code − 2²³) / 23 488 for 24-bit codes (data sheet)."""
-        return _zerorate.rate_dps(self.rate_code, self.width_bits)
+        """Rate before any correction, °/s: (code − 2²³) / 23 488 for 24-bit codes (data sheet); NaN where it is not to be believed."""
+        rates = _zerorate.rate_dps(self.rate_code, self.width_bits)
+        return np.where(self.good, rates, np.nan)
 
     @cached_property
     def temp_c(self) -> NDArray[np.float64]:
-        """Temperature, °C: (code − 2²³) / 14 093 + 25 for 24-bit codes (data sheet); NaN where it was not read."""
-        return _zerorate.temp_c(self.temp_code, self.width_bits)
+        """Temperature, °C: (code − 2²³) / 14 093 + 25 for 24-bit codes (data sheet); NaN where it was not read or is impossible."""
+        temps = _zerorate.temp_c(self.temp_code, self.width_bits)
+        return np.where(self.flags & 8, np.nan, temps)
 
     @cached_property
     def temp_held_c(self) -> NDArray[np.float64]:
         """Temperature, °C, with the last one read standing in where it was not; NaN before the first."""
-        read = np.where(self.temp_code >= 0, np.arange(len(self)), -1)
+        read = np.where((self.temp_code >= 0) & (self.flags & 8 == 0), np.arange(len(self)), -1)
         last = np.maximum.accumulate(read) if len(read) else read
         return np.where(last >= 0, self.temp_c[np.maximum(last, 0)], np.nan)
 
@@ -82,14 +92,18 @@ class Capture:
 
     def _codes(self) -> tuple[NDArray[np.int32], list[tuple[int, int]]]:
         """The rate codes, and where samples are missing between them: index of the next row, how many."""
-        at = np.flatnonzero(self.lost[1:]) + 1
-        return self.rate_code.astype(np.int32), list(zip(at.tolist(), self.lost[at].tolist()))
+        good = np.flatnonzero(self.good)
+        before = np.cumsum(self.lost, dtype=np.int64) + np.cumsum(~self.good)
+        missing = np.diff(before[good])
+        at = np.flatnonzero(missing) + 1
+        return self.rate_code[good].astype(np.int32), list(zip(at.tolist(), missing[at - 1].tolist()))
 
 
 def read_capture(path: str | os.PathLike[str]) -> Capture:
     """Reads a capture of ``zerorate capture`` or ``calibrate --log``, in any of its forms: Arrow stream, Parquet, CSV.
 
-    A file whose end was torn off is read up to its last whole batch, with a UserWarning.
+    A file whose end was torn off is read up to its last whole batch, with a UserWarning. So is one with readings that are not to be
+    believed: `Capture.flags` marks them.
 
     Raises
     ------

@@ -65,6 +65,8 @@ class Calibrated:
     """Rate samples read."""
     lost_samples: int
     """Rate samples lost."""
+    impossible_readings: int
+    """Readings that the part cannot have made (bit errors); they are in no mean."""
     duration_s: float
     """From the first sample to the last, s."""
     temp_min_c: float

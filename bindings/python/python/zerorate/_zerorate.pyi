@@ -37,6 +37,7 @@ class _Columns(TypedDict):
     status: NDArray[np.int16]
     temp_code: NDArray[np.int32]
     lost: NDArray[np.uint32]
+    flags: NDArray[np.uint8]
     width_bits: int
     metadata: dict[str, str]
     calibration_id: str | None

@@ -36,6 +36,7 @@ pub fn derived_fields() -> Vec<Field> {
         Field::new("rate_dps", DataType::Float64, false),
         Field::new("temp_c", DataType::Float64, true),
         Field::new(CORRECTED, DataType::Float64, true),
+        Field::new("flags", DataType::UInt8, false),
     ]
 }
 

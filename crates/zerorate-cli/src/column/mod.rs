@@ -6,6 +6,7 @@ mod bag;
 mod choice;
 mod clock;
 mod imu;
+mod judged;
 mod npy;
 mod number;
 mod open;

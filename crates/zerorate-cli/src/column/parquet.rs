@@ -35,7 +35,7 @@ pub fn read(path: &Path, file: File, args: &ColumnArgs) -> Result<Found> {
             pieces?.iter().try_for_each(|piece| reading.append(piece))?;
         }
     }
-    Ok(reading.finish(None))
+    reading.finish(None)
 }
 
 /// Columns of the row groups of a file.

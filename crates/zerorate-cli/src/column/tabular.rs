@@ -2,6 +2,7 @@
 
 use super::choice::{Choice, Columns};
 use super::clock::Times;
+use super::judged::{self, Judging};
 use super::series::{SeriesBuilder, join};
 use super::unit::TimeUnit;
 use super::{Clock, ColumnArgs, Found, Gap, wrong};
@@ -24,7 +25,7 @@ pub fn read(path: &Path, mut source: Box<dyn BatchSource>, args: &ColumnArgs) ->
         let columns: Vec<ArrayRef> = reading.columns.iter().map(|index| batch.column(*index).clone()).collect();
         reading.append(&columns)?;
     }
-    Ok(reading.finish(source.warning().map(str::to_owned)))
+    reading.finish(source.warning().map(str::to_owned))
 }
 
 /// A column being read, with its time.
@@ -37,6 +38,7 @@ pub struct Reading<'a> {
     values: SeriesBuilder,
     times: Option<Times>,
     capture: Option<Capture>,
+    judging: Option<Judging>,
 }
 
 impl<'a> Reading<'a> {
@@ -52,7 +54,13 @@ impl<'a> Reading<'a> {
         let capture = if is_capture && time.is_none() { Some(Capture::of(path, schema, &name)?) } else { None };
         let mut columns = vec![value];
         columns.extend(time);
-        for name in ["t_ns", "lost"].iter().filter(|_| capture.is_some()) {
+        let judging = capture.as_ref().and_then(|capture| Judging::of_column(&name, capture.code_width));
+        let needed = match (&capture, &judging) {
+            (None, _) => 0,
+            (Some(_), None) => 2,
+            (Some(_), Some(_)) => judged::NEEDED.len(),
+        };
+        for name in &judged::NEEDED[..needed] {
             let missing = || CaptureError::not_a_capture(path, format!("it has no column `{name}`"));
             columns.push(position(name).ok_or_else(missing)?);
         }
@@ -63,7 +71,7 @@ impl<'a> Reading<'a> {
             times.unit = unit_of(schema.field(time).data_type());
         }
         let time_name = columns.get(1).map_or_else(String::new, |index| names[*index].to_owned());
-        Ok(Self { path, columns, name, time_name, values, times, capture })
+        Ok(Self { path, columns, name, time_name, values, times, capture, judging })
     }
 
     /// Makes room for so many rows.
@@ -79,18 +87,36 @@ impl<'a> Reading<'a> {
                 wrong(self.path, format_args!("column {}, row {}", self.time_name, first + row as u64), what)
             })?;
         }
-        if let (Some(capture), [value, t_ns, lost]) = (&mut self.capture, columns) {
+        if let (Some(capture), [value, t_ns, lost, ..]) = (&mut self.capture, columns) {
             capture
                 .append(value, t_ns, lost, first)
                 .map_err(|(place, what)| wrong(self.path, format_args!("{place}"), what))?;
         }
-        append_values(&mut self.values, &columns[0]).map_err(|(row, what)| {
+        let values = match &mut self.judging {
+            Some(judging) => {
+                judging.take(&columns[0], &columns[1..]).map_err(|error| judged::failed(self.path, &error))?
+            }
+            None => columns[0].clone(),
+        };
+        self.append_values(&values, first)
+    }
+
+    fn append_values(&mut self, values: &ArrayRef, first: u64) -> Result<(), CaptureError> {
+        append_values(&mut self.values, values).map_err(|(row, what)| {
             wrong(self.path, format_args!("column {}, row {}", self.name, first + row as u64), what)
         })
     }
 
     /// All rows were read.
-    pub fn finish(self, warning: Option<String>) -> Found {
+    pub fn finish(mut self, warning: Option<String>) -> Result<Found> {
+        let mut found = None;
+        if let Some(mut judging) = self.judging.take() {
+            let last = judging.finish().map_err(|error| judged::failed(self.path, &error))?;
+            let first = self.values.rows();
+            last.map_or(Ok(()), |last| self.append_values(&last, first))?;
+            found = judging.found(self.path)?;
+        }
+        let warning = [warning, found].into_iter().flatten().reduce(|all, more| format!("{all}; {more}"));
         let Self { name, time_name, values, times, capture, .. } = self;
         let scale = capture.as_ref().and_then(|capture| capture.scale);
         let clock = match (times, capture) {
@@ -98,7 +124,7 @@ impl<'a> Reading<'a> {
             (None, Some(capture)) => capture.clock(),
             (None, None) => Clock::Silent,
         };
-        Found { name, values, clock, scale, warning }
+        Ok(Found { name, values, clock, scale, warning })
     }
 }
 
@@ -180,6 +206,8 @@ fn append_times(times: &mut Times, column: &ArrayRef) -> Result<(), Wrong> {
 struct Capture {
     /// Width of the codes in the column, if it holds codes.
     width: Option<Width>,
+    /// Width of the raw codes.
+    code_width: Width,
     scale: Option<f64>,
     span_ns: Option<(u64, u64)>,
     rows: u64,
@@ -196,7 +224,7 @@ impl Capture {
             _ => None,
         };
         let scale = lsb_per_unit.map(|lsb| f64::from(1u32 << (24 - width.bits())) / f64::from(lsb));
-        Ok(Self { width: scale.map(|_| width), scale, span_ns: None, rows: 0, gaps: Vec::new() })
+        Ok(Self { width: scale.map(|_| width), code_width: width, scale, span_ns: None, rows: 0, gaps: Vec::new() })
     }
 
     fn append(

@@ -1,10 +1,12 @@
 //! `zerorate capture`: raw codes with timestamps, to a file.
 
 use super::print_json;
-use crate::acquire::{Acquisition, aliasing};
+use crate::acquire::Acquisition;
+use crate::believed;
 use crate::capture::{CaptureWriter, Format};
 use crate::cli::{DeviceArgs, SamplingArgs};
 use crate::duration::Seconds;
+use crate::exit::Refused;
 use crate::interrupt;
 use crate::output::Outputs;
 use crate::progress::Meter;
@@ -15,6 +17,9 @@ use serde::Serialize;
 use std::path::PathBuf;
 
 /// Records raw codes with timestamps.
+///
+/// Every code is recorded as it was read. Readings that the part cannot have made (bit errors), readings out of range and a part that
+/// stopped are counted and said; if it had stopped at the end, the exit code is 3.
 ///
 /// Ctrl-C ends a recording early; the file is whole all the same. An .arrows file can be read up to its last whole
 /// batch even after a power cut.
@@ -69,6 +74,15 @@ struct Summary {
     rdy_hz: f64,
     duration_s: f64,
     interrupted: bool,
+    /// Readings that are impossible for the part: bit errors.
+    impossible_readings: u64,
+    /// Temperatures likewise.
+    impossible_temps: u64,
+    out_of_range: u64,
+    /// Readings too far apart to be judged.
+    unjudged: u64,
+    /// Whether the part had stopped at the end.
+    frozen: bool,
     warnings: Vec<String>,
 }
 
@@ -82,7 +96,8 @@ pub fn run(args: &CaptureArgs) -> Result<()> {
     let recorded = record(args, &mut acquisition, |sample| Ok(writer.push(sample)?));
     let saved = writer.finish()?.samples;
     recorded.with_context(|| format!("{} ends after {saved} samples", args.output.display()))?;
-    summarise(args, &acquisition)
+    summarise(args, &mut acquisition)?;
+    refuse_frozen(args, &acquisition)
 }
 
 /// Hands on samples until enough were read, the replay ends, or Ctrl-C.
@@ -97,6 +112,7 @@ fn record(
     let mut first_ns = None;
     while let Some(sample) = acquisition.next()? {
         take(&sample)?;
+        acquisition.judge(&sample);
         let elapsed_ns = sample.t_ns - *first_ns.get_or_insert(sample.t_ns);
         let read = acquisition.tally().samples;
         if read >= wanted || elapsed_ns >= ends_after_ns {
@@ -110,7 +126,9 @@ fn record(
     Ok(())
 }
 
-fn summarise(args: &CaptureArgs, acquisition: &Acquisition) -> Result<()> {
+fn summarise(args: &CaptureArgs, acquisition: &mut Acquisition) -> Result<()> {
+    let warnings = acquisition.warnings();
+    let marks = acquisition.health().marks();
     let tally = acquisition.tally();
     let summary = Summary {
         file: args.output.display().to_string(),
@@ -120,7 +138,12 @@ fn summarise(args: &CaptureArgs, acquisition: &Acquisition) -> Result<()> {
         rdy_hz: tally.rdy_hz(),
         duration_s: tally.duration_s(),
         interrupted: interrupt::asked(),
-        warnings: aliasing(tally).iter().map(super::coded).chain(acquisition.lost_on_the_way()).collect(),
+        impossible_readings: marks.impossible,
+        impossible_temps: marks.impossible_temps,
+        out_of_range: marks.out_of_range,
+        unjudged: marks.unjudged,
+        frozen: acquisition.health().frozen_at_end().is_some(),
+        warnings,
     };
     if args.json {
         return print_json(&summary);
@@ -130,4 +153,15 @@ fn summarise(args: &CaptureArgs, acquisition: &Acquisition) -> Result<()> {
     let how = if summary.interrupted { " (interrupted)" } else { "" };
     let took = Seconds(summary.duration_s);
     super::print(&format!("{file}: {samples} samples in {took}{how}, {rate_hz:.1} a second, {lost_samples} lost\n"))
+}
+
+/// The recording is whole and stays; but what it ends with is no measurement.
+fn refuse_frozen(args: &CaptureArgs, acquisition: &Acquisition) -> Result<()> {
+    match acquisition.health().frozen_at_end() {
+        None => Ok(()),
+        Some(frozen) => {
+            let why = believed::frozen_text(&frozen, acquisition.start_ns());
+            Err(Refused(format!("{why}; {} holds the raw codes up to the end", args.output.display())).into())
+        }
+    }
 }

@@ -2,21 +2,25 @@
 
 use super::serial::Part;
 use super::warn;
+use crate::believed;
 use crate::capture::columns::{self, Rows};
 use crate::capture::{CaptureInfo, CaptureReader, Format, info, table};
 use crate::interrupt;
 use crate::output::{Outputs, say};
 use anyhow::{Context, Result, bail, ensure};
-use arrow::array::{ArrayRef, Float64Array, Float64Builder, RecordBatch};
+use arrow::array::{ArrayRef, Float64Array, Float64Builder, RecordBatch, UInt8Array};
 use arrow::datatypes::{Metadata, SchemaRef};
 use clap::Args;
+use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use zerorate::{Calibration, Correction};
+use zerorate::health::{Flags, Health, Judged};
+use zerorate::{Calibration, Correction, Tally};
 
 /// Corrects a capture: RATE + PBC + (TEMP − T3) · BTC.
 ///
-/// The result keeps all raw columns and adds rate_dps, temp_c and rate_corrected_dps. A row whose temperature was not read takes the last one read before
+/// The result keeps all raw columns and adds rate_dps, temp_c, rate_corrected_dps and flags. Readings that are not to be believed, because the
+/// part cannot have made them (bit errors), because they are out of range, or because it had stopped, are flagged and have no corrected rate. A row whose temperature was not read takes the last one read before
 /// it. The result carries the id of the calibration, and is never corrected again.
 #[derive(Args, Debug)]
 pub struct CorrectArgs {
@@ -55,7 +59,12 @@ pub fn run(args: &CorrectArgs) -> Result<()> {
     let mut corrector = Corrector::new(calibration.correction);
     while let Some(rows) = reader.next_rows()? {
         ensure!(!interrupt::asked(), "interrupted; nothing written");
-        sink.write(&corrector.correct(&rows, &schema)?)?;
+        for batch in corrector.take(rows, &schema)? {
+            sink.write(&batch)?;
+        }
+    }
+    for batch in corrector.finish(&schema)? {
+        sink.write(&batch)?;
     }
     sink.finish()?;
     warn(reader.warning().map(str::to_owned).as_slice());
@@ -126,35 +135,73 @@ fn schema(info: &CaptureInfo, calibration: &Calibration) -> SchemaRef {
     columns::schema([columns::raw_fields(), columns::derived_fields()].concat(), metadata)
 }
 
-/// Applies a correction row by row.
+/// Applies a correction row by row, two rows late: so long it takes to judge one.
 struct Corrector {
     correction: Correction,
     /// The temperature in force, until the next is read.
     temp_c: Option<f64>,
+    /// Batches that are not judged to their end yet.
+    waiting: VecDeque<Rows>,
+    judged: VecDeque<Judged>,
     seen: Seen,
 }
 
 impl Corrector {
     fn new(correction: Correction) -> Self {
-        Self { correction, temp_c: None, seen: Seen::default() }
+        let (waiting, judged) = (VecDeque::new(), VecDeque::new());
+        Self { correction, temp_c: None, waiting, judged, seen: Seen::default() }
     }
 
-    fn correct(&mut self, rows: &Rows, schema: &SchemaRef) -> Result<RecordBatch> {
-        let mut rates_dps = Vec::with_capacity(rows.len());
+    /// Takes a batch in, and gives those that are judged.
+    fn take(&mut self, rows: Rows, schema: &SchemaRef) -> Result<Vec<RecordBatch>> {
+        for sample in rows.samples() {
+            self.seen.start_ns.get_or_insert(sample.t_ns);
+            self.seen.tally.count(&sample);
+            self.judged.extend(self.seen.health.push(&sample));
+        }
+        self.waiting.push_back(rows);
+        self.complete(schema)
+    }
+
+    /// The batches that are left.
+    fn finish(&mut self, schema: &SchemaRef) -> Result<Vec<RecordBatch>> {
+        while let Some(last) = self.seen.health.finish() {
+            self.judged.push_back(last);
+        }
+        self.complete(schema)
+    }
+
+    fn complete(&mut self, schema: &SchemaRef) -> Result<Vec<RecordBatch>> {
+        let mut batches = Vec::new();
+        while let Some(rows) = self.waiting.front().filter(|rows| rows.len() <= self.judged.len()) {
+            let columns = rows.columns();
+            let judged: Vec<Judged> = self.judged.drain(..rows.len()).collect();
+            self.waiting.pop_front();
+            batches.push(self.correct(columns, &judged, schema)?);
+        }
+        Ok(batches)
+    }
+
+    fn correct(&mut self, raw: Vec<ArrayRef>, rows: &[Judged], schema: &SchemaRef) -> Result<RecordBatch> {
         let mut temps_c = Float64Builder::with_capacity(rows.len());
         let mut corrected_dps = Float64Builder::with_capacity(rows.len());
-        for sample in rows.samples() {
-            let rate_dps = zerorate::rate_dps(sample.rate);
-            let read_c = sample.temp.map(zerorate::temp_c);
+        for judged in rows {
+            let read_c = judged.temp().map(zerorate::temp_c);
             self.temp_c = read_c.or(self.temp_c);
-            self.seen.count(read_c, self.temp_c, sample.status.is_some_and(|status| status.out_of_range()));
-            rates_dps.push(rate_dps);
+            self.seen.count(read_c, self.temp_c);
             temps_c.append_option(self.temp_c);
-            corrected_dps.append_option(self.temp_c.map(|temp_c| self.correction.apply(rate_dps, temp_c)));
+            let rate_dps = judged.rate().map(zerorate::rate_dps);
+            let corrected = rate_dps.zip(self.temp_c).map(|(rate_dps, temp_c)| self.correction.apply(rate_dps, temp_c));
+            corrected_dps.append_option(corrected);
         }
-        let derived: [ArrayRef; 3] =
-            [Arc::new(Float64Array::from(rates_dps)), Arc::new(temps_c.finish()), Arc::new(corrected_dps.finish())];
-        Ok(RecordBatch::try_new(schema.clone(), rows.columns().into_iter().chain(derived).collect())?)
+        let rates_dps = rows.iter().map(|judged| zerorate::rate_dps(judged.sample.rate));
+        let derived: [ArrayRef; 4] = [
+            Arc::new(Float64Array::from_iter_values(rates_dps)),
+            Arc::new(temps_c.finish()),
+            Arc::new(corrected_dps.finish()),
+            Arc::new(UInt8Array::from_iter_values(rows.iter().map(|judged| Flags::bits(judged.flags)))),
+        ];
+        Ok(RecordBatch::try_new(schema.clone(), raw.into_iter().chain(derived).collect())?)
     }
 }
 
@@ -163,15 +210,16 @@ impl Corrector {
 struct Seen {
     rows: u64,
     without_temp: u64,
-    out_of_range: u64,
+    health: Health,
+    tally: Tally,
+    start_ns: Option<u64>,
     temps_c: Option<(f64, f64)>,
 }
 
 impl Seen {
-    fn count(&mut self, read_c: Option<f64>, used_c: Option<f64>, out_of_range: bool) {
+    fn count(&mut self, read_c: Option<f64>, used_c: Option<f64>) {
         self.rows += 1;
         self.without_temp += u64::from(used_c.is_none());
-        self.out_of_range += u64::from(out_of_range);
         if let Some(temp_c) = read_c {
             let (low, high) = self.temps_c.unwrap_or((temp_c, temp_c));
             self.temps_c = Some((low.min(temp_c), high.max(temp_c)));
@@ -194,9 +242,8 @@ impl Seen {
                 self.without_temp
             )]);
         }
-        if self.out_of_range > 0 {
-            warn(&[format!("{name}: {} samples are out of range (F-35): their rates may be wrong", self.out_of_range)]);
-        }
+        let found = believed::warnings(&self.health, &self.tally, self.start_ns.unwrap_or_default());
+        warn(&found.iter().map(|found| format!("{name}: {found}")).collect::<Vec<_>>());
         if let Some(extrapolated) = extrapolation(calibration, low, high) {
             warn(&[format!("{name}: {extrapolated}")]);
         }

@@ -4,23 +4,27 @@ use super::correct::{extrapolation, load};
 use super::serial::Part;
 use super::warn;
 use crate::acquire::Acquisition;
+use crate::believed;
 use crate::cli::{DeviceArgs, SamplingArgs};
 use crate::device::Device;
 use crate::duration::Seconds;
-use crate::exit::Usage;
+use crate::exit::{Refused, Usage};
 use crate::output::{Outputs, Stdout};
-use adis16130::Sample;
 use anyhow::{Result, bail, ensure};
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 use std::io::{self, BufWriter, Write};
 use std::path::PathBuf;
+use zerorate::health::{Flags, Judged};
 use zerorate::{Calibration, CodeSum};
 
-/// Prints the corrected rate as it comes: columns t_s, rate_dps, temp_c, lost, calibration.
+/// Prints the corrected rate as it comes: columns t_s, rate_dps, temp_c, lost, calibration, flags.
 ///
 /// t_s counts from the first sample; lost counts the samples lost since the row before; calibration names the
-/// calibration that was applied. Ends after --duration, at the end of a replay, on Ctrl-C, or when the reader of its
+/// calibration that was applied. flags is empty, or says which readings are not to be believed and were left out:
+/// impossible (a bit error: one that a part of 300 Hz cannot have made between its neighbours), out-of-range,
+/// impossible-temperature or frozen, joined by +; a row without any good reading has no rate. Judging takes two
+/// samples more. A part that is frozen ends the stream with exit code 3. Ends after --duration, at the end of a replay, on Ctrl-C, or when the reader of its
 /// output goes away. On the twin give --duration, or --realtime for rows at the speed of a real part.
 #[derive(Args, Debug)]
 pub struct StreamArgs {
@@ -69,7 +73,8 @@ pub fn run(args: &StreamArgs) -> Result<()> {
     let mut mean = Mean::default();
     let ends_after_ns = args.duration.map_or(u64::MAX, Seconds::nanos);
     let mut first_ns = None;
-    while let Some(sample) = acquisition.next()? {
+    while let Some(judged) = acquisition.next_judged()? {
+        let sample = &judged.sample;
         let t_ns = sample.t_ns - *first_ns.get_or_insert(sample.t_ns);
         if mean.belongs_to_next(t_ns / period_ns) {
             rows.write(&mut mean)?;
@@ -77,12 +82,28 @@ pub fn run(args: &StreamArgs) -> Result<()> {
         if t_ns >= ends_after_ns {
             break;
         }
-        mean.push(t_ns, t_ns / period_ns, &sample);
+        mean.push(t_ns, t_ns / period_ns, &judged);
+        if acquisition.health().frozen().is_some() {
+            return stop_frozen(&acquisition, &mut rows, &mut mean);
+        }
     }
     if args.rate.is_none() {
         rows.write(&mut mean)?;
     }
-    Ok(rows.out.flush()?)
+    rows.out.flush()?;
+    warn(&believed::warnings(acquisition.health(), acquisition.tally(), acquisition.start_ns()));
+    Ok(())
+}
+
+/// The row that says so, then the end: nothing after it would be a measurement.
+#[cold]
+fn stop_frozen(acquisition: &Acquisition, rows: &mut Rows<'_>, mean: &mut Mean) -> Result<()> {
+    mean.flags = mean.flags.and(Flags::FROZEN);
+    rows.write(mean)?;
+    rows.out.flush()?;
+    let frozen = acquisition.health().frozen();
+    let why = frozen.map(|frozen| believed::frozen_text(&frozen, acquisition.start_ns())).unwrap_or_default();
+    Err(Refused(why).into())
 }
 
 /// A serial number that is given must be that of the calibration, and that of the recording where one is read.
@@ -112,17 +133,18 @@ fn period_ns(rate_hz: f64) -> Result<u64> {
 #[derive(Default)]
 struct Mean {
     slot: u64,
+    readings: u64,
     first_ns: u64,
     last_ns: u64,
     rate: CodeSum,
     temp: CodeSum,
     lost: u64,
-    out_of_range: bool,
+    flags: Flags,
 }
 
 impl Mean {
     fn is_empty(&self) -> bool {
-        self.rate.count() == 0
+        self.readings == 0
     }
 
     #[inline]
@@ -131,17 +153,20 @@ impl Mean {
     }
 
     #[inline]
-    fn push(&mut self, t_ns: u64, slot: u64, sample: &Sample) {
+    fn push(&mut self, t_ns: u64, slot: u64, judged: &Judged) {
         if self.is_empty() {
             (self.slot, self.first_ns) = (slot, t_ns);
         }
         self.last_ns = t_ns;
-        self.rate.push(sample.rate.code24());
-        if let Some(temp) = sample.temp {
+        self.readings += 1;
+        if let Some(rate) = judged.rate() {
+            self.rate.push(rate.code24());
+        }
+        if let Some(temp) = judged.temp() {
             self.temp.push(temp.code24());
         }
-        self.lost += u64::from(sample.lost);
-        self.out_of_range |= sample.status.is_some_and(|status| status.out_of_range());
+        self.lost += u64::from(judged.sample.lost);
+        self.flags = self.flags.and(judged.flags);
     }
 
     /// Middle of the samples, s.
@@ -165,23 +190,24 @@ struct Rows<'a> {
 #[derive(Default)]
 struct Warned {
     span: bool,
-    range: bool,
+    flags: Flags,
 }
 
 #[derive(Serialize)]
 struct Row<'a> {
     t_s: f64,
-    rate_dps: f64,
+    rate_dps: Option<f64>,
     temp_c: f64,
     lost: u64,
     calibration: &'a str,
+    flags: String,
 }
 
 impl<'a> Rows<'a> {
     fn new(form: Form, calibration: &'a Calibration, flush_each: bool) -> Result<Self> {
         let mut out = BufWriter::with_capacity(1 << 16, Stdout::lock());
         if let Form::Csv = form {
-            writeln!(out, "t_s,rate_dps,temp_c,lost,calibration")?;
+            writeln!(out, "t_s,rate_dps,temp_c,lost,calibration,flags")?;
         }
         let id = calibration.id();
         Ok(Self { out, form, calibration, id, temp_c: None, flush_each, warned: Warned::default() })
@@ -190,10 +216,11 @@ impl<'a> Rows<'a> {
     /// Writes the row of these samples and empties the mean. Before the first temperature there is nothing to correct with.
     fn write(&mut self, mean: &mut Mean) -> Result<()> {
         self.temp_c = mean.temp.temp_c().or(self.temp_c);
-        if let (Some(temp_c), Some(rate_dps)) = (self.temp_c, mean.rate.rate_dps()) {
-            self.watch(temp_c, mean.out_of_range);
-            let rate_dps = self.calibration.correction.apply(rate_dps, temp_c);
-            let row = Row { t_s: mean.t_s(), rate_dps, temp_c, lost: mean.lost, calibration: &self.id };
+        if let Some(temp_c) = self.temp_c.filter(|_| !mean.is_empty()) {
+            self.watch(temp_c, mean.flags);
+            let rate_dps = mean.rate.rate_dps().map(|rate_dps| self.calibration.correction.apply(rate_dps, temp_c));
+            let flags = mean.flags.to_string();
+            let row = Row { t_s: mean.t_s(), rate_dps, temp_c, lost: mean.lost, calibration: &self.id, flags };
             match self.form {
                 Form::Csv => row.csv(&mut self.out)?,
                 Form::Jsonl => row.jsonl(&mut self.out)?,
@@ -206,23 +233,26 @@ impl<'a> Rows<'a> {
         Ok(())
     }
 
-    fn watch(&mut self, temp_c: f64, out_of_range: bool) {
+    fn watch(&mut self, temp_c: f64, flags: Flags) {
         let outside = if self.warned.span { None } else { extrapolation(self.calibration, temp_c, temp_c) };
         if let Some(extrapolated) = outside {
             warn(&[extrapolated]);
             self.warned.span = true;
         }
-        if out_of_range && !self.warned.range {
-            warn(&["the rate is out of range (F-35): rows from here on may be wrong".to_owned()]);
+        let new = flags != Flags::NONE && !self.warned.flags.has(flags);
+        if new {
+            warn(&[format!("readings that are not to be believed ({flags}) are left out; their rows are flagged")]);
+            self.warned.flags = self.warned.flags.and(flags);
         }
-        self.warned.range |= out_of_range;
     }
 }
 
 impl Row<'_> {
     fn csv(&self, out: &mut impl Write) -> io::Result<()> {
-        let Self { t_s, rate_dps, temp_c, lost, calibration } = self;
-        writeln!(out, "{t_s:.6},{rate_dps:.6},{temp_c:.4},{lost},{calibration}")
+        let Self { t_s, rate_dps, temp_c, lost, calibration, flags } = self;
+        write!(out, "{t_s:.6},")?;
+        rate_dps.map_or(Ok(()), |rate_dps| write!(out, "{rate_dps:.6}"))?;
+        writeln!(out, ",{temp_c:.4},{lost},{calibration},{flags}")
     }
 
     fn jsonl(&self, out: &mut impl Write) -> Result<()> {

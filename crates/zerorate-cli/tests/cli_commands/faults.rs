@@ -69,3 +69,114 @@ fn probe_says_what_is_wired_wrong() {
     let frozen = zerorate(&["probe", "--device", "twin:fault=frozen", "--json"]).ended_with(0).json();
     assert!(frozen["warnings"][0].as_str().is_some_and(|text| text.starts_with("frozen: ")), "{frozen}");
 }
+
+/// The columns of the data rows of a CSV file.
+fn rows(text: &str) -> Vec<Vec<&str>> {
+    text.lines().filter(|line| !line.starts_with('#')).skip(1).map(|line| line.split(',').collect()).collect()
+}
+
+fn with_calibration() -> (tempfile::TempDir, String) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("unit.toml");
+    let text = "schema = 1\npart = \"ADIS16130\"\n[correction]\npbc_dps = 0.5\nbtc_dps_per_c = -0.04\nt3_c = 31.5\n";
+    std::fs::write(&file, text).expect("written");
+    let file = path(&file).to_owned();
+    (folder, file)
+}
+
+/// Recorded to the end, and then told; `correct` flags it, `allan` and `stream` stop.
+#[test]
+fn a_frozen_part_is_believed_by_nobody() {
+    let (folder, cal) = with_calibration();
+    let device = "twin:seed=3,fault=frozen,fault_at_s=2";
+    let [file, done] = ["f.arrows", "done.csv"].map(|name| folder.path().join(name));
+    let capture = zerorate(&["capture", "--device", device, "--duration", "4s", "-o", path(&file), "--json"]);
+    let capture = capture.ended_with(3).saying(&["refused: ", "frozen", "since 2.0 s", "raw codes"]);
+    let summary = capture.json();
+    assert_eq!(summary["frozen"], true, "{summary}");
+    assert!(summary["samples"].as_u64().is_some_and(|samples| samples > 22_000), "nothing is lost: {summary}");
+    zerorate(&["correct", path(&file), "--cal", &cal, "-o", path(&done)]).ended_with(0).saying(&["frozen"]);
+    let text = std::fs::read_to_string(&done).expect("a corrected capture");
+    let rows = rows(&text);
+    let flagged = rows.iter().filter(|row| row[9] == "4").count();
+    assert!((10_500..11_500).contains(&flagged), "{flagged} of {} rows", rows.len());
+    assert!(rows.iter().all(|row| (row[9] == "0") != row[8].is_empty()), "flagged rows have no corrected rate");
+    let stream = zerorate(&["stream", "--cal", &cal, "--device", device, "--duration", "10s", "--rate", "10"]);
+    let stream = stream.ended_with(3).saying(&["refused: ", "frozen"]);
+    let last = stream.stdout.lines().last().expect("rows");
+    assert!(last.ends_with("frozen"), "{last}");
+    assert!(stream.stdout.lines().count() < 25, "it ends soon after");
+    zerorate(&["allan", path(&file)]).ended_with(3).saying(&["refused: ", "frozen"]);
+}
+
+/// F-35: with CLAMP = 0 a code wraps at 357 °/s, and 360 °/s reads as −354 °/s.
+#[test]
+fn out_of_range_means_the_same_everywhere() {
+    let (folder, cal) = with_calibration();
+    let device = "twin:rotation_dps=360";
+    let [file, done] = ["f.arrows", "done.csv"].map(|name| folder.path().join(name));
+    let capture = ["capture", "--device", device, "--samples", "1000", "-o", path(&file), "--json"];
+    let summary = zerorate(&capture).ended_with(0).json();
+    assert_eq!(summary["out_of_range"], 1000, "{summary}");
+    zerorate(&["correct", path(&file), "--cal", &cal, "-o", path(&done)]).ended_with(0).saying(&["out-of-range: 1000"]);
+    let text = std::fs::read_to_string(&done).expect("a corrected capture");
+    assert!(rows(&text).iter().all(|row| row[8].is_empty() && row[9] == "2"));
+    let stream = zerorate(&["stream", "--cal", &cal, "--device", device, "--duration", "100ms"]).ended_with(0);
+    assert!(rows(&stream.stdout).iter().all(|row| row[1].is_empty() && row[5] == "out-of-range"), "{}", stream.stdout);
+    stream.saying(&["out-of-range"]);
+    let probe = zerorate(&["probe", "--device", device, "--duration", "1s", "--json"]).ended_with(0).json();
+    assert!(probe["warnings"][0].as_str().is_some_and(|text| text.starts_with("out-of-range: ")), "{probe}");
+    refused(device, 3, &["refused: ", "out of range"]);
+}
+
+#[test]
+fn bit_errors_are_marked_and_named() {
+    let (folder, cal) = with_calibration();
+    let device = "twin:seed=4,bit_error_rate=0.00002,fault_at_s=0.5";
+    let [file, done] = ["f.arrows", "done.csv"].map(|name| folder.path().join(name));
+    let capture = ["capture", "--device", device, "--duration", "20s", "-o", path(&file), "--json"];
+    let summary = zerorate(&capture).ended_with(0).json();
+    let impossible = summary["impossible_readings"].as_u64().expect("a count");
+    assert!(impossible > 5, "{summary}");
+    assert!(summary["warnings"].to_string().contains("impossible-readings: "), "{summary}");
+    zerorate(&["correct", path(&file), "--cal", &cal, "-o", path(&done)]).ended_with(0).saying(&["impossible"]);
+    let text = std::fs::read_to_string(&done).expect("a corrected capture");
+    let rows_ = rows(&text);
+    let flagged = rows_.iter().filter(|row| row[9].parse::<u8>().expect("a number") & 1 == 1).count() as u64;
+    assert_eq!(flagged, impossible, "the same judge over the capture");
+    let believed = |row: &&Vec<&str>| !row[8].is_empty();
+    assert!(rows_.iter().filter(believed).all(|row| row[6].parse::<f64>().expect("a rate").abs() < 7.0));
+    let stream = zerorate(&["stream", "--cal", &cal, "--device", device, "--duration", "20s"]).ended_with(0);
+    let live = rows(&stream.stdout).iter().filter(|row| row[5].contains("impossible") && row[1].is_empty()).count();
+    assert_eq!(live as u64, impossible, "and over the live part");
+    let allan = zerorate(&["allan", path(&file), "--json"]).ended_with(0).json();
+    assert!(allan["missing"].as_u64().is_some_and(|missing| missing >= impossible), "gaps, not values");
+    assert!(allan["points"][0]["dev"].as_f64().is_some_and(|dev| dev < 0.3), "{}", allan["points"][0]);
+}
+
+#[test]
+fn a_stuttering_line_is_not_blamed_on_the_host() {
+    let probe = zerorate(&["probe", "--device", "twin:fault=rdy_stutter", "--duration", "1s", "--json"]).ended_with(0);
+    let warnings = probe.json()["warnings"].to_string();
+    assert!(warnings.contains("data-ready-stutters: ") && !warnings.contains("lost-samples: "), "{warnings}");
+    refused("twin:fault=rdy_stutter", 3, &["refused: ", "RDY (pin 10) stutters"]);
+}
+
+/// 100 pairs a second fold 14.3 kHz (F-07) to zero: 2 · 527 cycles at 105.4 kHz. So do 220.
+#[test]
+fn a_rate_that_folds_the_resonance_to_zero_is_warned_of() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("slow.arrows");
+    let device = "twin:mclk_hz=105400";
+    let probe = zerorate(&["probe", "--device", device, "--json"]).ended_with(0).json();
+    let capture = zerorate(&["capture", "--device", device, "--duration", "5s", "-o", path(&file), "--json"]);
+    let capture = capture.ended_with(0).json();
+    let calibrated = calibrate(&["--device", "twin:mclk_hz=231880", "--json"]).ended_with(0).json();
+    for (found, rate) in [(&probe, "100.0 samples"), (&capture, "100.0 samples"), (&calibrated, "220.0 samples")] {
+        let warnings = found["warnings"].to_string();
+        let wanted = ["resonance: ", rate, "a divider of 2"];
+        assert!(wanted.iter().all(|text| warnings.contains(text)), "{warnings}");
+    }
+    let good = zerorate(&["probe", "--device", "twin:mclk_hz=6000000", "--json"]).ended_with(0).json();
+    assert!(!good["warnings"].to_string().contains("resonance"), "{good}");
+}

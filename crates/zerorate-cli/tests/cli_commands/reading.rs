@@ -85,7 +85,7 @@ fn stream_prints_corrected_rows() {
     let args = ["stream", "--cal", &cal, "--device", unit, "--duration", "1s", "--rate", "4"];
     let rows = zerorate(&args).ended_with(0).saying(&["no checksum"]).stdout;
     let rows: Vec<Vec<&str>> = rows.lines().map(|row| row.split(',').collect()).collect();
-    assert_eq!(rows[0], ["t_s", "rate_dps", "temp_c", "lost", "calibration"]);
+    assert_eq!(rows[0], ["t_s", "rate_dps", "temp_c", "lost", "calibration", "flags"]);
     assert_eq!(rows.len(), 1 + 4);
     for row in &rows[1..] {
         let [rate_dps, temp_c] = [row[1], row[2]].map(|cell| cell.parse::<f64>().expect("a number"));

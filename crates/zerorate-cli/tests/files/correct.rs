@@ -4,7 +4,7 @@ use super::{Bench, calibration, capture};
 use std::fs;
 
 /// 10 °/s at 26 °C, then a row without temperature, then −10 °/s at 25 °C (F-42).
-const ROWS: &str = "1000,1,8623488,8,8402701,0\n2000,2,8388608,8,,0\n3000,5,8153728,,8388608,1\n";
+const ROWS: &str = "1000000,1,8623488,8,8402701,0\n2000000,2,8388608,8,,0\n3000000,5,8153728,,8388608,1\n";
 
 #[test]
 fn the_formula_of_the_note_row_by_row() {
@@ -15,12 +15,16 @@ fn the_formula_of_the_note_row_by_row() {
     let done = fs::read_to_string(bench.path("done.csv")).unwrap();
     let rows: Vec<Vec<&str>> =
         done.lines().filter(|line| !line.starts_with('#')).map(|line| line.split(',').collect()).collect();
-    assert_eq!(rows[0].join(","), "t_ns,edge_seq,rate_code,status,temp_code,lost,rate_dps,temp_c,rate_corrected_dps");
+    assert_eq!(
+        rows[0].join(","),
+        "t_ns,edge_seq,rate_code,status,temp_code,lost,rate_dps,temp_c,rate_corrected_dps,flags"
+    );
     let raw: String = rows[1..].iter().map(|row| row[..6].join(",") + "\n").collect();
     assert_eq!(raw, ROWS, "raw columns are kept");
     let expected = [[10.0, 26.0, 10.0 - 0.25 - 0.08], [0.0, 26.0, -0.25 - 0.08], [-10.0, 25.0, -10.0 - 0.25 - 0.04]];
     for (row, expected) in rows[1..].iter().zip(expected) {
-        let found: Vec<f64> = row[6..].iter().map(|cell| cell.parse().unwrap()).collect();
+        assert_eq!(row[9], "0", "{row:?}");
+        let found: Vec<f64> = row[6..9].iter().map(|cell| cell.parse().unwrap()).collect();
         assert!(found.iter().zip(expected).all(|(found, expected)| (found - expected).abs() < 1e-12), "{row:?}");
     }
     for entry in
@@ -109,13 +113,13 @@ fn what_the_user_should_know_is_said() {
     let bench = Bench::new();
     let cal = calibration(-0.25, -0.04, 24.0);
     bench.write("unit.toml", format!("{cal}[validity]\ntemp_min_c = 26.0\ntemp_max_c = 30.0\n"));
-    bench.write("rest.csv", capture("A1", "500,0,8388608,9,,0\n1000,1,8388608,8,8388608,0\n"));
+    bench.write("rest.csv", capture("A1", "500,0,8388608,9,,0\n1000,1,8388608,9,8388608,0\n"));
     let run = bench.zerorate("correct rest.csv --cal unit.toml -o done.csv");
     let said = run.stderr();
     run.ok();
     assert!(said.contains("25.0 … 25.0 °C leaves the 26.0 … 30.0 °C"), "{said}");
     assert!(said.contains("the first 1 rows come before the first temperature"), "{said}");
-    assert!(said.contains("1 samples are out of range"), "{said}");
+    assert!(said.contains("out-of-range: 2 readings are beyond the range"), "{said}");
     let done = fs::read_to_string(bench.path("done.csv")).unwrap();
-    assert!(done.contains("500,0,8388608,9,,0,0.0,,\n"), "uncorrected rows are empty, not zero: {done}");
+    assert!(done.contains("500,0,8388608,9,,0,0.0,,,2\n"), "uncorrected rows are empty, not zero: {done}");
 }

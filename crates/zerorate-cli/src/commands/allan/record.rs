@@ -3,6 +3,7 @@
 use super::units;
 use super::{AllanArgs, Data};
 use crate::column::{self, Column, Series};
+use crate::exit::Refused;
 use anyhow::{Context, Result, ensure};
 use std::path::{Path, PathBuf};
 use zerorate::allan::{self, AllanWarning, Analysis, Averaging, Deviation, Fit, FitError, Input, Options, Stat, Taus};
@@ -27,6 +28,7 @@ impl Record {
         warnings.extend(gaps(args, file, &mut column));
         let samples = column.series.len();
         ensure!(samples >= 2, "{}: {samples} samples are too few, at least 2 are needed", file.display());
+        warnings.extend(stopped(file, &column)?);
         let phase = phase(args, &column);
         let input = match (&phase, &column.series) {
             (Some(phase), _) => Input::Phase(phase),
@@ -133,6 +135,38 @@ fn gaps(args: &AllanArgs, file: &Path, column: &mut Column) -> Option<String> {
         }
         _ => Some(format!("{seen}; they are gaps, and what averages lack more than half of their samples is left out")),
     }
+}
+
+/// A column that changes more often than not, and then no more for so many samples, has stopped.
+const STOPPED_SAMPLES: usize = 1000;
+
+/// A column of one value is no noise but a dead sensor. One that stops changing is said: a log of another part need not have stopped with it.
+fn stopped(file: &Path, column: &Column) -> Result<Option<String>> {
+    let (len, changes, last_change) = match &column.series {
+        Series::Codes(codes) => changes(codes.iter().map(|code| f64::from(*code))),
+        Series::Numbers(numbers) => changes(numbers.iter().copied().filter(|number| !number.is_nan())),
+    };
+    if changes == 0 {
+        let what = format!("{}: all {len} samples of column {} are the same", file.display(), column.name);
+        return Err(Refused(format!("{what}: a dead or frozen sensor, and no noise that could be analysed")).into());
+    }
+    let same = len - last_change;
+    let stopped = same >= STOPPED_SAMPLES && changes * 2 > last_change;
+    Ok(stopped.then(|| {
+        format!("frozen: {}: the last {same} of {len} samples of column {} are the same, while it changed most of the time before; the sensor may have stopped: cut the log there", file.display(), column.name)
+    }))
+}
+
+/// How many values, how many changes among them, and where the last one was.
+fn changes(values: impl Iterator<Item = f64>) -> (usize, usize, usize) {
+    let (mut len, mut changes, mut last_change, mut before) = (0, 0, 0, None);
+    for value in values {
+        if before.is_some_and(|before| before != value) {
+            (changes, last_change) = (changes + 1, len);
+        }
+        (len, before) = (len + 1, Some(value));
+    }
+    (len, changes, last_change)
 }
 
 /// The numbers as phase, if that is what they are. A lost phase point is a point that is not there.

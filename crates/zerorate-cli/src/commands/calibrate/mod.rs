@@ -23,7 +23,7 @@ use plan::PlanArgs;
 pub use report::Report;
 use std::path::{Path, PathBuf};
 use zerorate::calibration::Origin;
-use zerorate::{Action, Calibration, Event, Outcome, Procedure, Refusal, State};
+use zerorate::{Action, Calibration, Event, Outcome, Procedure, Refusal, State, Warning};
 
 /// Finds the bias of a part and how it changes with temperature.
 ///
@@ -157,7 +157,8 @@ fn measure(
     let device = acquisition.device();
     let info = device.info(result.serial.as_deref(), result.supply_note.as_deref());
     let log = files.log(&info)?;
-    let measured = Measurement::new(acquisition, procedure, log, watch).run()?;
+    let mut measured = Measurement::new(acquisition, procedure, log, watch).run()?;
+    measured.outcome.warnings.extend(measured.resonance);
     let calibration = Calibration::new(&measured.outcome, origin(info, measured.capture_sha256));
     let report = Report::new(&measured.outcome, &calibration, measured.truth.as_ref());
     let kept = match measured.log_failed {
@@ -241,6 +242,8 @@ struct Measured {
     outcome: Outcome,
     capture_sha256: String,
     truth: Option<Truth>,
+    /// F-07: whether the resonance looks like a bias at the rate that was measured.
+    resonance: Option<Warning>,
     log_failed: Option<anyhow::Error>,
 }
 
@@ -261,7 +264,10 @@ impl<'a> Measurement<'a> {
             self.lose_log(error.into());
         }
         fed?;
+        let plan = self.procedure.plan();
+        let resonance = self.acquisition.resonance(plan.average_s.min(plan.offset_s));
         Ok(Measured {
+            resonance,
             outcome: self.procedure.finish().map_err(refused)?,
             capture_sha256: self.hash.hex(),
             truth: self.truth,

@@ -3,17 +3,18 @@
 mod host;
 
 use super::{print, print_json, warn};
-use crate::acquire::{Acquisition, aliasing};
+use crate::acquire::Acquisition;
 use crate::cli::{DeviceArgs, SamplingArgs};
 use crate::device::Bus;
 use crate::duration::Seconds;
 use crate::interrupt;
 use crate::progress::Meter;
-use adis16130::{RATE_LSB_PER_DPS, Sample, ZERO_CODE};
+use adis16130::{RATE_LSB_PER_DPS, ZERO_CODE};
 use anyhow::{Result, ensure};
 use clap::Args;
 use serde::Serialize;
-use zerorate::allan::{self, Input, Stat};
+use zerorate::allan::{self, Gap, Input, Stat};
+use zerorate::health::Judged;
 use zerorate::noise::TYPICAL_WHITE_DPS_PER_RT_HZ;
 use zerorate::{CodeSum, Tally};
 
@@ -72,7 +73,7 @@ pub fn run(args: &ProbeArgs) -> Result<()> {
     let revision = acquisition.device().initialise()?;
     let bus = acquisition.device().try_bus()?;
     let seen = Seen::read(&mut acquisition, args.duration)?;
-    ensure!(!seen.rate_codes.is_empty(), "no samples were read");
+    ensure!(acquisition.tally().samples > 0, "no samples were read");
     let findings = Findings::new(acquisition, revision, bus, &seen);
     if args.json {
         return print_json(&findings);
@@ -86,9 +87,10 @@ pub fn run(args: &ProbeArgs) -> Result<()> {
 struct Seen {
     /// From the zero code.
     rate_codes: Vec<i32>,
+    /// Readings among them that are not to be believed.
+    gaps: Vec<Gap>,
     rates: CodeSum,
     temps: CodeSum,
-    out_of_range: u64,
 }
 
 impl Seen {
@@ -96,9 +98,10 @@ impl Seen {
         let meter = Meter::new(duration.0);
         let mut seen = Self::default();
         let mut first_ns = None;
-        while let Some(sample) = acquisition.next()? {
-            seen.push(&sample);
-            let elapsed_ns = sample.t_ns - *first_ns.get_or_insert(sample.t_ns);
+        while let Some(judged) = acquisition.next_judged()? {
+            seen.push(&judged);
+            let t_ns = judged.sample.t_ns;
+            let elapsed_ns = t_ns - *first_ns.get_or_insert(t_ns);
             if elapsed_ns >= duration.nanos() {
                 break;
             }
@@ -110,27 +113,30 @@ impl Seen {
         Ok(seen)
     }
 
-    fn push(&mut self, sample: &Sample) {
-        self.rate_codes.push(sample.rate.code24() as i32 - ZERO_CODE as i32);
-        self.rates.push(sample.rate.code24());
-        if let Some(temp) = sample.temp {
+    fn push(&mut self, judged: &Judged) {
+        match (judged.rate(), self.gaps.last_mut().filter(|gap| gap.at == self.rate_codes.len())) {
+            (Some(rate), _) => {
+                self.rate_codes.push(rate.code24() as i32 - ZERO_CODE as i32);
+                self.rates.push(rate.code24());
+            }
+            (None, Some(gap)) => gap.missing += 1,
+            (None, None) => self.gaps.push(Gap { at: self.rate_codes.len(), missing: 1 }),
+        }
+        if let Some(temp) = judged.temp() {
             self.temps.push(temp.code24());
         }
-        let status_says = sample.status.is_some_and(|status| status.out_of_range());
-        self.out_of_range += u64::from(status_says || sample.rate.is_at_rail());
     }
 
     /// One-sided density d of the white noise: at τ well above the filter of the part the Allan deviation is d/√(2τ).
     fn white_dps_per_rt_hz(&self, rate_hz: f64) -> Option<f64> {
         let m = (WHITE_TAU_S * rate_hz).round() as u64;
         let scale = 1.0 / f64::from(RATE_LSB_PER_DPS);
-        let codes = Input::Codes { codes: &self.rate_codes, gaps: &[] };
+        // what is missing before the first sample or after the last is no gap
+        let inner = self.gaps.iter().filter(|gap| gap.at > 0 && gap.at < self.rate_codes.len());
+        let gaps: Vec<Gap> = inner.copied().collect();
+        let codes = Input::Codes { codes: &self.rate_codes, gaps: &gaps };
         let point = allan::deviations(&codes, rate_hz, Stat::Oadev, &[m])[0].ok()?;
         Some(point.dev * scale * (2.0 * m as f64 / rate_hz).sqrt())
-    }
-
-    fn is_frozen(&self) -> bool {
-        self.rate_codes.len() > 100 && self.rate_codes.iter().all(|code| *code == self.rate_codes[0])
     }
 }
 
@@ -139,10 +145,11 @@ const WHITE_TAU_S: f64 = 0.05;
 
 impl Findings {
     fn new(mut acquisition: Acquisition, revision: Option<u8>, bus: Option<Bus>, seen: &Seen) -> Self {
+        let of_the_samples = acquisition.warnings();
         let tally = *acquisition.tally();
-        let lost_on_the_way = acquisition.lost_on_the_way();
+        let is_frozen = acquisition.health().frozen_at_end().is_some();
         let device = acquisition.device();
-        let white = seen.white_dps_per_rt_hz(tally.rate_hz());
+        let white = seen.white_dps_per_rt_hz(tally.rate_hz()).filter(|_| !is_frozen);
         let taken = tally.samples as f64 / (tally.samples + tally.lost) as f64;
         Self {
             device: device.name(),
@@ -161,7 +168,7 @@ impl Findings {
             rate_dps: seen.rates.rate_dps().unwrap_or_default(),
             white_dps_per_rt_hz: white,
             temp_c: seen.temps.temp_c(),
-            warnings: [findings(seen, &tally, device.nominal_rate_hz(), white), lost_on_the_way].concat(),
+            warnings: [of_the_samples, findings(seen, &tally, device.nominal_rate_hz(), white)].concat(),
         }
     }
 
@@ -210,25 +217,18 @@ impl Findings {
 fn findings(seen: &Seen, tally: &Tally, nominal_hz: f64, white: Option<f64>) -> Vec<String> {
     let white_ratio = white.map_or(1.0, |white| white / TYPICAL_WHITE_DPS_PER_RT_HZ);
     let expected = [
-        seen.is_frozen().then(|| {
-            "frozen: the rate never changes, while noise changes every reading; reset the part and check SDO (pin 12) and the supply (pins 11, 13, 15)".to_owned()
-        }),
-        (seen.out_of_range > 0).then(|| {
-            format!("out-of-range: {} readings are beyond the range (F-35): the part turns, its supply is wrong, or the line carries errors", seen.out_of_range)
-        }),
-        (!seen.is_frozen() && white_ratio > 3.0).then(|| {
+        (white_ratio > 3.0).then(|| {
             format!("noisy: the noise is {white_ratio:.1} times the typical one; is the part moving, or its supply not a linear one?")
         }),
-        (!seen.is_frozen() && white_ratio < 0.25).then(|| {
+        (white_ratio < 0.25).then(|| {
             format!("quiet: the noise is {white_ratio:.2} times the typical one; a part that really senses is noisier")
         }),
-        (tally.lost > 0).then(|| {
+        (tally.lost > 0 && !tally.data_ready_stutters()).then(|| {
             format!("lost-samples: {} samples were lost; raise SCLK, read temperature less often (--every-temp), or check the RDY wire (pin 10)", tally.lost)
         }),
         ((tally.rate_hz() / nominal_hz - 1.0).abs() > 0.05).then(|| {
             format!("rate: {:.1} samples a second where {nominal_hz:.1} are expected (F-31); check the RDY wire (pin 10) and the SPI clock", tally.rate_hz())
         }),
-        aliasing(tally).as_ref().map(super::coded),
         (seen.temps.count() == 0).then(|| "no-temperature: no temperature was read; use a smaller --every-temp".to_owned()),
     ];
     expected.into_iter().flatten().collect()
