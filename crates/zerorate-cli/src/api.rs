@@ -34,7 +34,7 @@ pub struct Calibrated {
 pub fn calibrate(options: &[String], mut keep_going: impl FnMut() -> bool) -> Result<Calibrated> {
     let words = ["zerorate", "calibrate"].into_iter().chain(options.iter().map(String::as_str));
     match Cli::try_parse_from(words) {
-        Ok(Cli { command: Command::Calibrate(args) }) => {
+        Ok(Cli { command: Command::Calibrate(args), .. }) => {
             let (report, calibration) = calibrate::measured(&args, &mut keep_going)?;
             let report_json = serde_json::to_string(&report)?;
             Ok(Calibrated { report_json, calibration_toml: calibration.to_toml() })

@@ -12,9 +12,10 @@ use crate::commands::{
     twin::{self, TwinArgs},
 };
 use crate::device::DeviceSpec;
+use crate::limits::{self, Bytes};
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Takes an ADIS16130 gyroscope from its pins to a bias-free angular rate, and tells how well it did so.
 #[derive(Parser, Debug)]
@@ -32,6 +33,34 @@ use std::path::Path;
 pub struct Cli {
     #[command(subcommand)]
     pub command: Command,
+
+    /// What reading files may take of the machine's memory, such as 512M or 2G [default: half of it]. A file takes at most 256 MiB plus
+    /// 256 times its size on disk, whatever is given here.
+    #[arg(long, global = true, value_name = "SIZE", help_heading = "Limits")]
+    pub max_memory: Option<Bytes>,
+}
+
+impl Cli {
+    /// Puts the limits in force.
+    pub fn set_limits(&self) {
+        if let Some(bytes) = self.max_memory {
+            limits::set_max_memory(bytes);
+        }
+    }
+
+    /// The files of unknown origin that the command reads.
+    pub fn foreign_files(&self) -> Vec<&Path> {
+        match &self.command {
+            Command::Allan(args) => args.files.iter().map(PathBuf::as_path).collect(),
+            Command::Correct(args) => vec![&args.capture],
+            Command::Recalibrate(args) => vec![&args.capture],
+            Command::Capture(args) => args.device.file().into_iter().collect(),
+            Command::Calibrate(args) => args.device.file().into_iter().collect(),
+            Command::Stream(args) => args.device.file().into_iter().collect(),
+            Command::Probe(args) => args.device.file().into_iter().collect(),
+            _ => Vec::new(),
+        }
+    }
 }
 
 #[derive(Subcommand, Debug)]

@@ -33,9 +33,12 @@ impl FromStr for Seconds {
     }
 }
 
-/// As [`Seconds::from_str`] reads it back: `2m30s`.
+/// As [`Seconds::from_str`] reads it back: `2m30s`. What is no number is shown as such.
 impl fmt::Display for Seconds {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.0.is_nan() {
+            return f.write_str("NaN");
+        }
         let shown = SignedDuration::from_secs_f64(self.0.clamp(0.0, MAX_S));
         let shown =
             if self.0 < 1.0 { shown } else { SignedDuration::from_millis((shown.as_millis_f64()).round() as i64) };
@@ -77,5 +80,8 @@ mod tests {
             assert_eq!(shown.parse(), Ok(Seconds(seconds)), "{shown}");
         }
         assert_eq!(Seconds(150.0).to_string(), "2m30s");
+        for odd in [f64::NAN, f64::INFINITY, -1.0, f64::MIN_POSITIVE] {
+            assert!(!Seconds(odd).to_string().is_empty());
+        }
     }
 }

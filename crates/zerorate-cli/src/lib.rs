@@ -15,14 +15,20 @@ mod capture;
 mod cli;
 mod column;
 mod commands;
+#[cfg(target_os = "linux")]
+mod confined;
 mod device;
 mod duration;
 mod exit;
+#[cfg(test)]
+mod fuzz;
 mod interrupt;
+mod limits;
 mod output;
 pub mod plot;
 mod progress;
 pub mod report;
+mod survive;
 #[cfg(unix)]
 mod usb;
 
@@ -38,7 +44,25 @@ const SOFTWARE: &str = concat!("zerorate ", env!("CARGO_PKG_VERSION"));
 /// Help, `--version` and a command line that makes no sense end the process, as clap does.
 pub fn main(args: impl IntoIterator<Item = OsString>) -> ExitCode {
     let cli = cli::Cli::parse_from(args);
-    match interrupt::handle().and_then(|()| commands::run(&cli)) {
+    cli.set_limits();
+    run(&cli)
+}
+
+/// The same for a process that is nothing but this program: on Linux, what reads files of unknown origin runs in a child with a limit on
+/// its memory.
+pub fn main_confined(args: impl IntoIterator<Item = OsString>) -> ExitCode {
+    let args: Vec<OsString> = args.into_iter().collect();
+    let cli = cli::Cli::parse_from(&args);
+    cli.set_limits();
+    #[cfg(target_os = "linux")]
+    if let confined::Role::Supervisor(code) = confined::run(&args, &cli.foreign_files()) {
+        return code;
+    }
+    run(&cli)
+}
+
+fn run(cli: &cli::Cli) -> ExitCode {
+    match interrupt::handle().and_then(|()| commands::run(cli)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => exit::report(&error),
     }

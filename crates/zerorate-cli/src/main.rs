@@ -3,5 +3,5 @@
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    zerorate_cli::main(std::env::args_os())
+    zerorate_cli::main_confined(std::env::args_os())
 }

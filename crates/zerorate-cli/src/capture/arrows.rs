@@ -3,6 +3,8 @@
 use super::CaptureError;
 use super::messages::{Message, Messages};
 use super::table::{BatchSink, BatchSource};
+use crate::limits::Room;
+use crate::survive::survive;
 use arrow::array::RecordBatch;
 use arrow::buffer::Buffer;
 use arrow::datatypes::SchemaRef;
@@ -50,6 +52,7 @@ pub struct Source {
     decoder: StreamDecoder,
     schema: SchemaRef,
     len: u64,
+    room: Room,
     ended: bool,
     warning: Option<String>,
 }
@@ -74,7 +77,16 @@ impl Source {
                 ));
             }
         };
-        Ok(Self { path: path.to_owned(), messages, decoder, schema, len, ended: false, warning: None })
+        Ok(Self {
+            path: path.to_owned(),
+            messages,
+            decoder,
+            schema,
+            len,
+            room: Room::of(len),
+            ended: false,
+            warning: None,
+        })
     }
 
     fn read_batch(&mut self) -> Result<Option<RecordBatch>, CaptureError> {
@@ -82,7 +94,7 @@ impl Source {
             let start = self.messages.position();
             match self.messages.next().map_err(|error| CaptureError::io("read", &self.path, error))? {
                 Message::Whole(bytes) => {
-                    let checked = bytes.check().and_then(|()| decode(&mut self.decoder, bytes.into()));
+                    let checked = bytes.check(self.room).and_then(|()| decode(&mut self.decoder, bytes.into()));
                     let batch =
                         checked.map_err(|what| CaptureError::damaged(&self.path, format!("byte {start}"), what))?;
                     if batch.is_some() {
@@ -117,8 +129,10 @@ impl Source {
     }
 }
 
-fn decode(decoder: &mut StreamDecoder, bytes: Vec<u8>) -> Result<Option<RecordBatch>, String> {
-    decoder.decode(&mut Buffer::from_vec(bytes)).map_err(|error| error.to_string())
+/// The batch of a message, if it carries one.
+pub fn decode(decoder: &mut StreamDecoder, bytes: Vec<u8>) -> Result<Option<RecordBatch>, String> {
+    let decoded = survive(|| decoder.decode(&mut Buffer::from_vec(bytes)));
+    decoded.ok_or_else(|| "its batch makes no sense".to_owned())?.map_err(|error| error.to_string())
 }
 
 impl Iterator for Source {

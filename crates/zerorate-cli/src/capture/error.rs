@@ -1,5 +1,6 @@
 //! What can be wrong with a capture: each message names the file and says what to do.
 
+use crate::limits::NoRoom;
 use arrow::error::ArrowError;
 use parquet::errors::ParquetError;
 use std::io;
@@ -24,6 +25,10 @@ pub enum CaptureError {
     #[error("{} is a capture of version {found}, this program reads version {}: use a newer zerorate", path.display(), super::info::SCHEMA_VERSION)]
     Newer { path: PathBuf, found: u32 },
 
+    /// What the file holds does not fit into the memory it may take.
+    #[error("{}: {why}", path.display())]
+    NoRoom { path: PathBuf, why: NoRoom },
+
     /// A capture, or another table, whose content is wrong.
     #[error("{}, {place}: {what}", path.display())]
     Damaged { path: PathBuf, place: String, what: String },
@@ -47,6 +52,11 @@ impl CaptureError {
     /// The file is no log of any form that is read.
     pub fn not_a_log(path: &Path, why: impl Into<String>) -> Self {
         Self::NotALog { path: path.to_owned(), why: why.into() }
+    }
+
+    /// The file takes more memory than it may.
+    pub fn no_room(path: &Path, why: NoRoom) -> Self {
+        Self::NoRoom { path: path.to_owned(), why }
     }
 
     /// The content of the file is wrong at `place`.

@@ -3,6 +3,8 @@
 //! The Arrow library decodes the messages. It trusts their offsets, though, and does not say whether a stream ended well; a
 //! recording that was cut off is the case this program is made for, so the frames are read here.
 
+use crate::limits::Room;
+use crate::survive::survive;
 use arrow::datatypes::{Schema, SchemaRef};
 use arrow::ipc::convert::try_fb_to_schema;
 use arrow::ipc::{self, root_as_message};
@@ -91,21 +93,25 @@ impl MessageBytes {
     /// The schema that this message carries.
     pub fn schema(&self) -> Result<SchemaRef, String> {
         let schema = self.message()?.header_as_schema().ok_or("it does not start with an Arrow schema")?;
-        let schema: Schema = try_fb_to_schema(schema).map_err(|error| error.to_string())?;
+        let schema: Option<Result<Schema, _>> = survive(|| try_fb_to_schema(schema));
+        let schema = schema.ok_or("its Arrow schema makes no sense")?.map_err(|error| error.to_string())?;
         Ok(Arc::new(schema))
     }
 
-    /// Checks what the Arrow library takes for granted: that a batch keeps inside its message.
-    pub fn check(&self) -> Result<(), String> {
+    /// Checks what the Arrow library takes for granted: that a batch keeps inside its message, and unpacks to what `room` has.
+    pub fn check(&self, room: Room) -> Result<(), String> {
         let message = self.message()?;
-        let body = (self.bytes.len() - self.metadata.end) as i64;
-        if message.bodyLength() != body {
+        let body = &self.bytes[self.metadata.end..];
+        if usize::try_from(message.bodyLength()) != Ok(body.len()) {
             return Err(format!("a message states a body of {} bytes", message.bodyLength()));
         }
-        match message.header_as_record_batch() {
-            Some(batch) => check_batch(batch, body),
-            None => Ok(()),
-        }
+        let dictionary = || message.header_as_dictionary_batch().and_then(|dictionary| dictionary.data());
+        let Some(batch) = message.header_as_record_batch().or_else(dictionary) else {
+            return Ok(());
+        };
+        let unpacked = check_buffers(batch, body)?;
+        room.check(unpacked).map_err(|why| why.to_string())?;
+        check_rows(batch, unpacked)
     }
 
     fn message(&self) -> Result<ipc::Message<'_>, String> {
@@ -113,23 +119,43 @@ impl MessageBytes {
     }
 }
 
-fn check_batch(batch: ipc::RecordBatch<'_>, body: i64) -> Result<(), String> {
-    let inside = |offset: i64, length: i64| {
-        offset >= 0 && length >= 0 && offset.checked_add(length).is_some_and(|end| end <= body)
-    };
-    let buffers = batch.buffers().ok_or("a batch without buffers")?;
-    if let Some(outside) = buffers.iter().find(|buffer| !inside(buffer.offset(), buffer.length())) {
-        return Err(format!(
-            "a batch refers to {} bytes at {}, outside its own {body}",
-            outside.length(),
-            outside.offset()
-        ));
+/// Bytes of all buffers of a batch, unpacked.
+fn check_buffers(batch: ipc::RecordBatch<'_>, body: &[u8]) -> Result<u64, String> {
+    let mut unpacked = 0u64;
+    for buffer in batch.buffers().ok_or("a batch without buffers")? {
+        let outside = || {
+            let (length, offset) = (buffer.length(), buffer.offset());
+            format!("a batch refers to {length} bytes at {offset}, outside its own {}", body.len())
+        };
+        let start = usize::try_from(buffer.offset()).map_err(|_| outside())?;
+        let length = usize::try_from(buffer.length()).map_err(|_| outside())?;
+        let end = start.checked_add(length).ok_or_else(outside)?;
+        let bytes = body.get(start..end).ok_or_else(outside)?;
+        let stated = match (batch.compression(), bytes.first_chunk()) {
+            (None, _) => length as i64,
+            (Some(_), None) => 0,
+            // the length of what follows, or -1 where it is not packed
+            (Some(_), Some(stated)) => match i64::from_le_bytes(*stated) {
+                -1 => length as i64,
+                stated => stated,
+            },
+        };
+        let stated = u64::try_from(stated).map_err(|_| format!("a buffer states {stated} bytes"))?;
+        unpacked = unpacked.saturating_add(stated);
     }
+    Ok(unpacked)
+}
+
+/// Every row of every column takes at least a bit, or there is nothing to take.
+fn check_rows(batch: ipc::RecordBatch<'_>, bytes: u64) -> Result<(), String> {
+    let possible = |length: i64| u64::try_from(length).is_ok_and(|length| length <= bytes.saturating_mul(8));
     let nodes = batch.nodes().ok_or("a batch without columns")?;
-    // every row of every column takes at least a bit, or there is nothing to take
-    let possible = |length: i64| (0..=body.saturating_mul(8)).contains(&length);
     if let Some(wrong) = nodes.iter().find(|node| !possible(node.length()) || !possible(node.null_count())) {
-        return Err(format!("a batch states {} rows and {} nulls in {body} bytes", wrong.length(), wrong.null_count()));
+        return Err(format!(
+            "a batch states {} rows and {} nulls in {bytes} bytes",
+            wrong.length(),
+            wrong.null_count()
+        ));
     }
     Ok(())
 }

@@ -3,18 +3,18 @@
 //! [`CaptureWriter`] and [`CaptureReader`] move samples, in any of three forms, in constant memory. A capture is the truth: whatever
 //! is computed from a live part comes out the same from its capture.
 
-mod arrows;
+pub mod arrows;
 pub mod columns;
 mod csv;
 pub mod delimited;
 mod error;
 mod hash;
 pub mod info;
-mod messages;
+pub mod messages;
 pub mod parquet;
 pub mod table;
 #[cfg(test)]
-mod tests;
+pub mod tests;
 
 pub use error::CaptureError;
 pub use hash::SampleHash;

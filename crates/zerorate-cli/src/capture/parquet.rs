@@ -2,6 +2,8 @@
 
 use super::CaptureError;
 use super::table::{BatchSink, BatchSource};
+use crate::limits::NoRoom;
+use crate::survive::survive;
 use arrow::array::RecordBatch;
 use arrow::datatypes::{DataType, SchemaRef};
 use parquet::arrow::ArrowWriter;
@@ -12,7 +14,6 @@ use parquet::file::metadata::KeyValue;
 use parquet::file::properties::{WriterProperties, WriterPropertiesBuilder};
 use parquet::schema::types::ColumnPath;
 use std::fs::File;
-use std::panic::{self, AssertUnwindSafe};
 use std::path::{Path, PathBuf};
 
 /// Rows per row group, the part of the file that is built in memory.
@@ -104,12 +105,22 @@ impl Iterator for Source {
 
 /// The Parquet library panics on some damaged files. Here that is one more way for a file to be wrong.
 pub fn guarded<T>(path: &Path, read: impl FnOnce() -> Result<T, ParquetError>) -> Result<T, CaptureError> {
-    let reason = match panic::catch_unwind(AssertUnwindSafe(read)) {
-        Ok(Ok(value)) => return Ok(value),
-        Ok(Err(error)) => format!("{error} (a Parquet file that was not closed cannot be read)"),
-        Err(_) => "its pages cannot be decoded".to_owned(),
-    };
-    Err(CaptureError::damaged(path, "as a Parquet file", reason))
+    let failed = |why: String| Err(CaptureError::damaged(path, "as a Parquet file", why));
+    match survive(read) {
+        Some(Ok(value)) => Ok(value),
+        Some(Err(error)) => match no_room(&error) {
+            Some(why) => Err(CaptureError::no_room(path, why)),
+            None => failed(format!("{error} (a Parquet file that was not closed cannot be read)")),
+        },
+        None => failed("its pages cannot be decoded".to_owned()),
+    }
+}
+
+fn no_room(error: &ParquetError) -> Option<NoRoom> {
+    match error {
+        ParquetError::External(source) => source.downcast_ref().copied(),
+        _ => None,
+    }
 }
 
 impl BatchSource for Source {

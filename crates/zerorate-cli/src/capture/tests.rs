@@ -40,6 +40,14 @@ fn start(path: &Path, format: Format, info: &CaptureInfo) -> CaptureWriter {
     CaptureWriter::create(Outputs::new(false).recording(path).unwrap(), format, info).unwrap()
 }
 
+/// A capture of so many samples.
+pub fn bytes(format: Format, count: u32) -> Vec<u8> {
+    let dir = TempDir::new().unwrap();
+    let path = dir.path().join("capture");
+    write(&path, format, &samples(count));
+    fs::read(&path).unwrap()
+}
+
 fn write(path: &Path, format: Format, samples: &[Sample]) -> CaptureSummary {
     let mut writer = start(path, format, &info());
     samples.iter().for_each(|sample| writer.push(sample).unwrap());

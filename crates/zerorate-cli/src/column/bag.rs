@@ -1,11 +1,17 @@
 //! ROS bags: MCAP, and the SQLite databases of ROS 2 before Iron.
 
 use super::imu::{Collector, Encoding, Wanted, is_imu};
+use super::open::Log;
 use super::{ColumnArgs, Found};
 use crate::capture::CaptureError;
+use crate::limits::{NoRoom, Room};
+use crate::survive::survive;
 use anyhow::Result;
 use mcap::io::MessageReader;
-use mcap::{Channel, McapError};
+use mcap::sans_io::LinearReaderOptions;
+use mcap::{Channel, McapError, Message};
+use rusqlite::config::DbConfig;
+use rusqlite::limits::Limit;
 use rusqlite::{Connection, OpenFlags, types::ValueRef};
 use std::collections::BTreeSet;
 use std::fs::File;
@@ -16,30 +22,88 @@ use std::path::Path;
 const BUFFER: usize = 1 << 18;
 
 /// Reads a quantity of the IMU messages of an MCAP file.
-pub fn read_mcap(path: &Path, mut file: File, args: &ColumnArgs) -> Result<Found> {
-    let topics = mcap_topics(path, &file)?;
+pub fn read_mcap(log: Log<'_>, args: &ColumnArgs) -> Result<Found> {
+    let (path, mut file) = (log.path, log.file);
+    let topics = mcap_topics(path, &file, log.room)?;
     let wanted = Wanted::choose(path, &topics, args.column.as_deref())?;
     let topic = wanted.topic.clone();
     file.rewind().map_err(|error| CaptureError::io("read", path, error))?;
-    let mut collector = Collector::new(path, wanted, args);
+    let mut collector = Collector::new(path, wanted, log.room, args);
     let mut warning = None;
-    for message in MessageReader::new(BufReader::with_capacity(BUFFER, file)) {
+    for message in Messages::new(&file, log.room) {
         match message {
             Ok(message) if message.channel.topic == topic => {
                 collector.push(encoding(path, &message.channel)?, &message.data)?;
             }
             Ok(_) => {}
+            Err(Torn::NoRoom(why)) => return Err(CaptureError::no_room(path, why).into()),
             Err(error) => warning = Some(torn(path, &error)),
         }
     }
     Ok(collector.finish(warning))
 }
 
+/// The messages of an MCAP file, up to where it is torn or damaged.
+struct Messages<'a> {
+    reader: Option<MessageReader<BufReader<&'a File>>>,
+    room: Room,
+    bytes: u64,
+}
+
+/// Why there are no more messages.
+#[derive(Debug, thiserror::Error)]
+enum Torn {
+    #[error(transparent)]
+    Format(#[from] McapError),
+    #[error("a record makes no sense")]
+    Nonsense,
+    #[error(transparent)]
+    NoRoom(#[from] NoRoom),
+}
+
+/// What a message takes besides its data: the head of its record.
+const MESSAGE_HEAD: u64 = 31;
+
+impl<'a> Messages<'a> {
+    /// A record is as long as the room at most, whatever length it states.
+    fn new(file: &'a File, room: Room) -> Self {
+        let longest = usize::try_from(room.bytes()).unwrap_or(usize::MAX);
+        let options = LinearReaderOptions::default().with_record_length_limit(longest);
+        let reader = MessageReader::new_with_options(BufReader::with_capacity(BUFFER, file), options);
+        Self { reader: Some(reader), room, bytes: 0 }
+    }
+
+    fn read(&mut self) -> Option<Result<Message<'static>, Torn>> {
+        let reader = self.reader.as_mut()?;
+        let Some(message) = survive(|| reader.next()) else {
+            return Some(Err(Torn::Nonsense));
+        };
+        let message = message?;
+        Some(message.map_err(Torn::from).and_then(|message| {
+            self.bytes = self.bytes.saturating_add(MESSAGE_HEAD + message.data.len() as u64);
+            self.room.check_on_disk(self.bytes)?;
+            Ok(message)
+        }))
+    }
+}
+
+impl Iterator for Messages<'_> {
+    type Item = Result<Message<'static>, Torn>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let message = self.read();
+        if !matches!(message, Some(Ok(_))) {
+            self.reader = None;
+        }
+        message
+    }
+}
+
 /// The topics with an IMU. Their channels stand anywhere before their first message, so the file is read for them.
-fn mcap_topics(path: &Path, file: &File) -> Result<BTreeSet<String>> {
+fn mcap_topics(path: &Path, file: &File, room: Room) -> Result<BTreeSet<String>> {
     let mut topics = BTreeSet::new();
     let mut first = true;
-    for message in MessageReader::new(BufReader::with_capacity(BUFFER, file)) {
+    for message in Messages::new(file, room) {
         match message {
             Ok(message) => {
                 let schema = message.channel.schema.as_ref();
@@ -63,25 +127,26 @@ fn encoding(path: &Path, channel: &Channel<'_>) -> Result<Encoding, CaptureError
     })
 }
 
-fn torn(path: &Path, error: &McapError) -> String {
+fn torn(path: &Path, error: &Torn) -> String {
     format!(
         "{} was not closed or is damaged ({error}): what stands before is read, the rest is dropped",
         path.display()
     )
 }
 
-/// Reads a quantity of the IMU messages of a SQLite bag, which stands in the file `at` and is called `path` in messages.
-pub fn read_sqlite(path: &Path, at: &Path, args: &ColumnArgs) -> Result<Found> {
+/// Reads a quantity of the IMU messages of a SQLite bag.
+pub fn read_sqlite(log: Log<'_>, args: &ColumnArgs) -> Result<Found> {
+    let (path, room) = (log.path, log.room);
     let failed = |error: rusqlite::Error| {
         let remedy = "if it is a bag of ROS 2, `ros2 bag convert` or `ros2 bag reindex` may help";
         CaptureError::damaged(path, "as a ROS 2 bag in SQLite", format!("{error}; {remedy}"))
     };
-    let bag = Connection::open_with_flags(at, OpenFlags::SQLITE_OPEN_READ_ONLY).map_err(failed)?;
+    let bag = sqlite(log, failed)?;
     let topics = sqlite_topics(&bag).map_err(failed)?;
     let names: BTreeSet<String> = topics.iter().map(|(_, name, _)| name.clone()).collect();
     let wanted = Wanted::choose(path, &names, args.column.as_deref())?;
     let ids = topics.iter().filter(|(_, name, _)| *name == wanted.topic);
-    let mut collector = Collector::new(path, wanted.clone(), args);
+    let mut collector = Collector::new(path, wanted.clone(), room, args);
     for (id, topic, format) in ids {
         let encoding = Encoding::of(format).ok_or_else(|| {
             let what = format!("its messages are encoded in `{format}`; cdr is read");
@@ -101,6 +166,26 @@ pub fn read_sqlite(path: &Path, at: &Path, args: &ColumnArgs) -> Result<Found> {
         }
     }
     Ok(collector.finish(None))
+}
+
+/// Opens a bag as a set of tables and nothing more: its schema is somebody else's program.
+fn sqlite(log: Log<'_>, failed: impl Fn(rusqlite::Error) -> CaptureError) -> Result<Connection, CaptureError> {
+    let bag = if log.unpacked {
+        // a database is opened by its name, and what was unpacked has none
+        let length = log.file.metadata().map_err(|error| CaptureError::io("read", log.path, error))?.len();
+        log.room.check(length).map_err(|why| CaptureError::no_room(log.path, why))?;
+        let mut bag = Connection::open_in_memory().map_err(&failed)?;
+        bag.deserialize_read_exact("main", log.file, length as usize, true).map_err(&failed)?;
+        bag
+    } else {
+        Connection::open_with_flags(log.path, OpenFlags::SQLITE_OPEN_READ_ONLY).map_err(&failed)?
+    };
+    // a view may compute without end, and a generated column may be as long as a blob can be
+    bag.set_db_config(DbConfig::SQLITE_DBCONFIG_ENABLE_VIEW, false).map_err(&failed)?;
+    bag.set_db_config(DbConfig::SQLITE_DBCONFIG_TRUSTED_SCHEMA, false).map_err(&failed)?;
+    let longest = i32::try_from(log.room.bytes()).unwrap_or(i32::MAX);
+    bag.set_limit(Limit::SQLITE_LIMIT_LENGTH, longest).map_err(&failed)?;
+    Ok(bag)
 }
 
 /// Number, name and format of the topics with an IMU.

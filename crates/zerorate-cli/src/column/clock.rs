@@ -1,7 +1,7 @@
 //! The time column of a log: how fast it was sampled, and where samples are missing.
 
 use super::Gap;
-use super::series::join;
+use super::series::{join, missing_in};
 use super::unit::TimeUnit;
 
 /// Root mean square of what may be between a timestamp and an even clock, in sampling intervals. A clock that counts in steps of 0.69
@@ -89,7 +89,7 @@ impl Times {
                 &format!("the timestamps are off an even clock by {off:.0} % of an interval (at most {most:.0} %)"),
             ));
         }
-        let (rows, missing) = (self.since_first.len(), beat.gaps.iter().map(|gap| gap.missing).sum::<u64>());
+        let (rows, missing) = (self.since_first.len(), missing_in(&beat.gaps));
         if missing > rows as u64 && beat.gaps.len() as f64 > MAX_GAPS * rows as f64 {
             return Err(self.unsteady(
                 unit,

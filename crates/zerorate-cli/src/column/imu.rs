@@ -6,6 +6,7 @@ use super::unit::{TimeUnit, Unit};
 use super::{Clock, ColumnArgs, Found, wrong};
 use crate::capture::CaptureError;
 use crate::exit::Usage;
+use crate::limits::Room;
 use anyhow::Result;
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -107,15 +108,16 @@ pub struct Collector<'a> {
 
 impl<'a> Collector<'a> {
     /// No message yet.
-    pub fn new(path: &'a Path, wanted: Wanted, args: &ColumnArgs) -> Self {
+    pub fn new(path: &'a Path, wanted: Wanted, room: Room, args: &ColumnArgs) -> Self {
         let times = args.rate.is_none().then(Times::new);
-        Self { path, wanted, values: SeriesBuilder::new(), times }
+        Self { path, wanted, values: SeriesBuilder::new(room), times }
     }
 
     /// Adds a message.
     pub fn push(&mut self, encoding: Encoding, message: &[u8]) -> Result<(), CaptureError> {
         let number = self.values.rows();
         let at = |what: String| wrong(self.path, format_args!("topic {}, message {number}", self.wanted.topic), what);
+        self.values.check_room(1).map_err(|why| CaptureError::no_room(self.path, why))?;
         let unpacked;
         let message = if message.starts_with(&ZSTD) {
             unpacked = zstd::bulk::decompress(message, MAX_MESSAGE).map_err(|error| at(error.to_string()))?;

@@ -2,6 +2,7 @@
 //!
 //! Nothing is guessed: what a file does not state must be given on the command line, or is said to be unknown.
 
+mod arrow_file;
 mod bag;
 mod choice;
 mod clock;
@@ -15,7 +16,7 @@ mod raw;
 mod series;
 mod tabular;
 #[cfg(test)]
-mod tests;
+pub mod tests;
 mod text;
 mod unit;
 
@@ -27,6 +28,7 @@ use crate::capture::CaptureError;
 use crate::capture::table::{self, Opened};
 use crate::exit::{Refused, Usage};
 use anyhow::Result;
+use arrow_file::ArrowFile;
 use clock::{Beat, Times};
 use open::{Form, Log};
 use series::SeriesBuilder;
@@ -106,8 +108,16 @@ impl Column {
     /// How many samples are missing.
     pub fn missing(&self) -> u64 {
         match &self.series {
-            Series::Codes(_) => self.gaps.iter().map(|gap| gap.missing).sum(),
+            Series::Codes(_) => series::missing_in(&self.gaps),
             Series::Numbers(numbers) => numbers.iter().filter(|number| number.is_nan()).count() as u64,
+        }
+    }
+
+    /// A number for each sample of the log in the file `path`, NaN where it is missing.
+    pub fn points(&self, path: &Path) -> Result<Vec<f64>> {
+        match &self.series {
+            Series::Numbers(numbers) => Ok(numbers.clone()),
+            Series::Codes(codes) => series::with_gaps(codes, &self.gaps).map_err(|missing| too_many(path, missing)),
         }
     }
 
@@ -132,14 +142,17 @@ pub fn read(path: &Path, args: &ColumnArgs) -> Result<Column> {
 fn found(log: Log<'_>, args: &ColumnArgs) -> Result<Found> {
     let path = log.path;
     match log.form()? {
-        Form::Parquet => parquet::read(path, log.file, args),
-        Form::ArrowFile => tabular::read(path, open::arrow_file(path, log.file)?, args),
-        Form::Npy => npy::read(path, log.file, args),
-        Form::Mcap => bag::read_mcap(path, log.file, args),
-        Form::Sqlite => bag::read_sqlite(path, log.stands_in(), args),
+        Form::Parquet => parquet::read(log, args),
+        Form::ArrowFile => {
+            let source = ArrowFile::open(path, log.file, log.room)?;
+            tabular::read(path, Box::new(source), log.room, args)
+        }
+        Form::Npy => npy::read(log, args),
+        Form::Mcap => bag::read_mcap(log, args),
+        Form::Sqlite => bag::read_sqlite(log, args),
         Form::Other => match table::recognise(path, log.file)? {
-            Opened::Table(source) => tabular::read(path, source, args),
-            Opened::Text(file) => text::read(path, file, args),
+            Opened::Table(source) => tabular::read(path, source, log.room, args),
+            Opened::Text(file) => text::read(path, file, log.room, args),
         },
     }
 }
@@ -191,10 +204,7 @@ impl Found {
             let remedy = "give --rate HZ, or --time-column NAME if a column holds the time";
             Usage(format!("{} does not say how fast it was sampled: {remedy}", path.display()))
         })?;
-        let (series, gaps) = values.finish(&lost).map_err(|missing| {
-            let remedy = "cut the log at its longest gap, or give --rate HZ and no time column";
-            Refused(format!("{}: {missing} samples are missing between its rows; {remedy}", path.display()))
-        })?;
+        let (series, gaps) = values.finish(&lost).map_err(|missing| too_many(path, missing))?;
         let declared = match (args.scale, args.unit) {
             (None, None) => scale.or_else(|| Unit::of_column(&name).map(Unit::dps)),
             (scale, unit) => Some(scale.unwrap_or(1.0) * unit.unwrap_or(Unit::Dps).dps()),
@@ -216,6 +226,12 @@ impl Found {
             warnings: warning.into_iter().chain(unknown).collect(),
         })
     }
+}
+
+/// More samples are missing than can be written out.
+fn too_many(path: &Path, missing: u64) -> anyhow::Error {
+    let remedy = "cut the log at its longest gap, or give --rate HZ and no time column";
+    Refused(format!("{}: {missing} samples are missing between its rows; {remedy}", path.display())).into()
 }
 
 /// An error in a column of the file at `path`.

@@ -2,10 +2,12 @@
 
 use super::choice::{Choice, Columns};
 use super::clock::Times;
+use super::open::Log;
 use super::series::SeriesBuilder;
 use super::unit::TimeUnit;
 use super::{Clock, ColumnArgs, Found, wrong};
 use crate::capture::CaptureError;
+use crate::survive::survive;
 use anyhow::Result;
 use npyz::{DType, Endianness, NpyHeader, Order, TimeUnits, TypeChar, TypeStr};
 use std::fs::File;
@@ -16,11 +18,11 @@ use std::path::Path;
 const BUFFER: usize = 1 << 18;
 
 /// Reads a column.
-pub fn read(path: &Path, file: File, args: &ColumnArgs) -> Result<Found> {
-    let mut file = BufReader::with_capacity(BUFFER, file);
-    let no_header = |error: std::io::Error| CaptureError::damaged(path, "as an NPY file", error.to_string());
-    let header = NpyHeader::from_reader(&mut file).map_err(no_header)?;
+pub fn read(log: Log<'_>, args: &ColumnArgs) -> Result<Found> {
+    let path = log.path;
+    let mut file = BufReader::with_capacity(BUFFER, log.file);
     let failed = |error| CaptureError::io("read", path, error);
+    let header = header(&mut file).map_err(|what| CaptureError::damaged(path, "as an NPY file", what))?;
     let start = file.stream_position().map_err(failed)?;
     let fields = fields(path, &header)?;
     let rows = header.shape().first().copied().unwrap_or_default();
@@ -28,7 +30,8 @@ pub fn read(path: &Path, file: File, args: &ColumnArgs) -> Result<Found> {
     let numeric = fields.iter().map(|field| field.kind.is_some_and(|kind| kind != Kind::Time)).collect();
     let names: Vec<&str> = fields.iter().map(|field| field.name.as_str()).collect();
     let Choice { value, time } = Columns { path, names, numeric }.choose(args, None)?;
-    let mut values = SeriesBuilder::new();
+    let mut values = SeriesBuilder::new(log.room);
+    values.check_room(rows).map_err(|why| CaptureError::no_room(path, why))?;
     let name = fields[value].name.clone();
     each(path, &mut file, start, rows, &fields[value], |cell| match cell {
         Cell::Integer(integer) => {
@@ -54,6 +57,53 @@ pub fn read(path: &Path, file: File, args: &ColumnArgs) -> Result<Found> {
         }
     };
     Ok(Found { name, values, clock, scale: None, warning: None })
+}
+
+/// Reads the header, a literal of Python behind its length. The library takes the length for granted and parses nested brackets in a time
+/// that grows exponentially with their depth, so both are looked at first.
+fn header(file: &mut BufReader<File>) -> Result<NpyHeader, String> {
+    let mut bytes = vec![0; START];
+    file.read_exact(&mut bytes).map_err(|error| error.to_string())?;
+    let wide = bytes[6] > 1;
+    let mut length = [0; 4];
+    file.read_exact(&mut length[..if wide { 4 } else { 2 }]).map_err(|error| error.to_string())?;
+    bytes.extend(&length[..if wide { 4 } else { 2 }]);
+    let length = u32::from_le_bytes(length);
+    if length > MAX_HEADER {
+        return Err(format!("its header would have {length} bytes, and more than {MAX_HEADER} are not read"));
+    }
+    file.take(length.into()).read_to_end(&mut bytes).map_err(|error| error.to_string())?;
+    if depth(&bytes[START..]).is_none_or(|depth| depth > MAX_DEPTH) {
+        return Err(format!("its header has brackets more than {MAX_DEPTH} deep, or a backslash"));
+    }
+    let header = survive(|| NpyHeader::from_reader(bytes.as_slice()));
+    header.ok_or("its header makes no sense")?.map_err(|error| error.to_string())
+}
+
+/// The mark and the version.
+const START: usize = 8;
+
+/// Bytes of a header at most. NumPy itself reads 10 000 unless told otherwise.
+const MAX_HEADER: u32 = 1 << 14;
+
+/// Depth of its brackets at most: a dictionary, with a list of fields, each in brackets, with its shape in brackets.
+const MAX_DEPTH: usize = 6;
+
+/// How deep brackets stand in brackets; none where a backslash leaves open what is a string.
+fn depth(header: &[u8]) -> Option<usize> {
+    let (mut now, mut most, mut quote) = (0usize, 0, None);
+    for byte in header {
+        match (byte, quote) {
+            (b'\\', _) => return None,
+            (byte, Some(open)) => quote = Some(open).filter(|open| *open != byte),
+            (b'"' | b'\'', None) => quote = Some(byte),
+            (b'(' | b'[' | b'{', None) => now += 1,
+            (b')' | b']' | b'}', None) => now = now.saturating_sub(1),
+            _ => {}
+        }
+        most = most.max(now);
+    }
+    Some(most)
 }
 
 /// A column of an array.

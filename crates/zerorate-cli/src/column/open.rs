@@ -1,18 +1,13 @@
 //! Opens a log by what it contains, whatever its name, and unpacks it.
 
 use crate::capture::CaptureError;
-use crate::capture::table::BatchSource;
-use crate::output::Temporary;
-use arrow::array::RecordBatch;
-use arrow::datatypes::SchemaRef;
-use arrow::error::ArrowError;
-use arrow::ipc::reader::FileReader;
+use crate::limits::{NoRoom, Room};
+use crate::survive::survive;
 use flate2::read::MultiGzDecoder;
 use lzma_rust2::XzReader;
 use std::fs::File;
-use std::io::{self, BufReader, BufWriter, Read, Seek, Write};
-use std::panic::{self, AssertUnwindSafe};
-use std::path::{Path, PathBuf};
+use std::io::{self, BufReader, BufWriter, Read, Seek};
+use std::path::Path;
 
 /// As many bytes as the longest mark at a file's start has.
 const MARK: u64 = 16;
@@ -26,8 +21,11 @@ pub struct Log<'a> {
     pub path: &'a Path,
     /// Its content, from the start.
     pub file: File,
+    /// What reading it may take.
+    pub room: Room,
+    /// Whether the content was unpacked, so that it is not in the file of this name.
+    pub unpacked: bool,
     start: Vec<u8>,
-    unpacked: Option<Temporary>,
 }
 
 /// What is in a log.
@@ -51,24 +49,29 @@ pub enum Form {
 pub fn open(path: &Path) -> Result<Log<'_>, CaptureError> {
     let failed = |error| CaptureError::io("read", path, error);
     let file = File::open(path).map_err(failed)?;
-    if file.metadata().map_err(failed)?.is_dir() {
+    let metadata = file.metadata().map_err(failed)?;
+    if metadata.is_dir() {
         return Err(CaptureError::not_a_log(
             path,
             "it is a directory; name the file (of a ROS 2 bag the .mcap or .db3 in it)",
         ));
     }
-    let (mut file, start) = marked(file).map_err(failed)?;
+    let room = Room::of(metadata.len());
+    let (file, start) = marked(file).map_err(failed)?;
     let Some(packing) = Packing::of(&start) else {
-        return Ok(Log { path, file, start, unpacked: None });
+        return Ok(Log { path, file, room, unpacked: false, start });
     };
-    let unpacked = packing.unpack(&mut file).map_err(|error| {
-        let what = format!("it cannot be unpacked ({error}); was it cut short?");
-        CaptureError::damaged(path, format!("as {packing:?}"), what)
+    let unpacked = packing.unpack(file, room).map_err(|error| match error {
+        Unpacking::NoRoom(why) => CaptureError::no_room(path, why),
+        Unpacking::Failed(error) => {
+            let what = format!("it cannot be unpacked ({error}); was it cut short?");
+            CaptureError::damaged(path, format!("as {packing:?}"), what)
+        }
     })?;
-    let (file, start) = marked(File::open(unpacked.path()).map_err(failed)?).map_err(failed)?;
+    let (file, start) = marked(unpacked).map_err(failed)?;
     match Packing::of(&start) {
         Some(_) => Err(CaptureError::not_a_log(path, "it is packed twice; unpack it once")),
-        None => Ok(Log { path, file, start, unpacked: Some(unpacked) }),
+        None => Ok(Log { path, file, room, unpacked: true, start }),
     }
 }
 
@@ -87,11 +90,6 @@ impl Log<'_> {
             None if starts(b"SQLite format 3\0") => Ok(Form::Sqlite),
             None => Ok(Form::Other),
         }
-    }
-
-    /// The file that holds the content, unpacked.
-    pub fn stands_in(&self) -> &Path {
-        self.unpacked.as_ref().map_or(self.path, Temporary::path)
     }
 }
 
@@ -128,22 +126,42 @@ impl Packing {
         }
     }
 
-    /// Unpacks into a file, because some forms are not read from start to end.
-    fn unpack(self, packed: &mut File) -> io::Result<Temporary> {
-        let packed = BufReader::with_capacity(BUFFER, packed);
-        let mut content: Box<dyn Read + '_> = match self {
-            Self::Gzip => Box::new(MultiGzDecoder::new(packed)),
-            Self::Xz => Box::new(XzReader::new(packed, true)),
-            Self::Zstd => Box::new(zstd::Decoder::with_buffer(packed)?),
-        };
-        let unpacked = Temporary::in_passing()?;
-        let mut out = BufWriter::with_capacity(BUFFER, unpacked.file());
-        io::copy(&mut content, &mut out)?;
-        out.flush()?;
-        drop(out);
+    /// Unpacks into a file, because some forms are not read from start to end. The file has no name, so that it is gone with the program.
+    fn unpack(self, packed: File, room: Room) -> Result<File, Unpacking> {
+        let mut unpacked = BufWriter::with_capacity(BUFFER, tempfile::tempfile()?);
+        let copied = survive(|| {
+            let packed = BufReader::with_capacity(BUFFER, packed);
+            let mut content: Box<dyn Read> = match self {
+                Self::Gzip => Box::new(MultiGzDecoder::new(packed)),
+                Self::Xz => Box::new(XzReader::new_mem_limit(packed, true, MAX_WINDOW_KB)),
+                // its own limit is the same
+                Self::Zstd => Box::new(zstd::Decoder::with_buffer(packed)?),
+            };
+            let most = room.bytes_on_disk();
+            io::copy(&mut (&mut content).take(most.saturating_add(1)), &mut unpacked)
+        });
+        let bytes = copied.unwrap_or_else(|| Err(io::Error::other("its content makes no sense")))?;
+        room.check_on_disk(bytes).map_err(Unpacking::NoRoom)?;
+        let mut unpacked = unpacked.into_inner().map_err(io::IntoInnerError::into_error)?;
+        unpacked.rewind()?;
         Ok(unpacked)
     }
 }
+
+/// Why a file could not be unpacked.
+enum Unpacking {
+    NoRoom(NoRoom),
+    Failed(io::Error),
+}
+
+impl From<io::Error> for Unpacking {
+    fn from(error: io::Error) -> Self {
+        Self::Failed(error)
+    }
+}
+
+/// Of the content, what a packer may refer back to: 128 MiB, twice what `xz -9` does, and all that `zstd` does without `--ultra`.
+const MAX_WINDOW_KB: u32 = 128 << 10;
 
 /// A file and how it starts.
 fn marked(mut file: File) -> io::Result<(File, Vec<u8>)> {
@@ -151,44 +169,4 @@ fn marked(mut file: File) -> io::Result<(File, Vec<u8>)> {
     (&mut file).take(MARK).read_to_end(&mut start)?;
     file.rewind()?;
     Ok((file, start))
-}
-
-/// Reads an Arrow file, batch by batch.
-struct ArrowFile {
-    path: PathBuf,
-    reader: FileReader<BufReader<File>>,
-}
-
-/// An Arrow file as a table.
-pub fn arrow_file(path: &Path, file: File) -> Result<Box<dyn BatchSource>, CaptureError> {
-    let reader = guarded(path, || FileReader::try_new(BufReader::with_capacity(BUFFER, file), None))?;
-    Ok(Box::new(ArrowFile { path: path.to_owned(), reader }))
-}
-
-impl Iterator for ArrowFile {
-    type Item = Result<RecordBatch, CaptureError>;
-
-    fn next(&mut self) -> Option<Self::Item> {
-        guarded(&self.path, || self.reader.next().transpose()).transpose()
-    }
-}
-
-impl BatchSource for ArrowFile {
-    fn schema(&self) -> SchemaRef {
-        self.reader.schema()
-    }
-
-    fn warning(&self) -> Option<&str> {
-        None
-    }
-}
-
-/// The Arrow library takes for granted that offsets are right, and panics where they are not.
-fn guarded<T>(path: &Path, read: impl FnOnce() -> Result<T, ArrowError>) -> Result<T, CaptureError> {
-    let reason = match panic::catch_unwind(AssertUnwindSafe(read)) {
-        Ok(Ok(value)) => return Ok(value),
-        Ok(Err(error)) => error.to_string(),
-        Err(_) => "its batches cannot be decoded".to_owned(),
-    };
-    Err(CaptureError::damaged(path, "as an Arrow file", reason))
 }

@@ -1,9 +1,12 @@
 //! A column of a Parquet file: only the columns that are needed are read and decoded, several row groups at a time.
 
+use super::open::Log;
+use super::series::ROW_BYTES;
 use super::tabular::Reading;
 use super::{ColumnArgs, Found};
 use crate::capture::CaptureError;
 use crate::capture::parquet::guarded;
+use crate::limits::Room;
 use anyhow::Result;
 use arrow::array::ArrayRef;
 use bytes::{Buf, Bytes, buf};
@@ -16,16 +19,25 @@ use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 use std::sync::Mutex;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Rows per piece.
 const PIECE: usize = 1 << 16;
 
 /// Reads a column.
-pub fn read(path: &Path, file: File, args: &ColumnArgs) -> Result<Found> {
+pub fn read(log: Log<'_>, args: &ColumnArgs) -> Result<Found> {
+    let Log { path, file, room, .. } = log;
     let metadata = guarded(path, || ArrowReaderMetadata::load(&file, ArrowReaderOptions::default()))?;
     let schema = metadata.schema().clone();
-    let mut reading = Reading::start(path, &schema, args)?;
-    let groups = Groups { path, file: Mutex::new(file), metadata, columns: reading.columns.clone() };
+    let mut reading = Reading::start(path, &schema, room, args)?;
+    let groups = Groups {
+        path,
+        file: Mutex::new(file),
+        metadata,
+        columns: reading.columns.clone(),
+        room,
+        rows_read: AtomicU64::new(0),
+    };
     reading.reserve(groups.rows(), schema.field(reading.columns[0]).data_type());
     let at_once = rayon::current_num_threads();
     for first in (0..groups.len()).step_by(at_once) {
@@ -44,6 +56,9 @@ struct Groups<'a> {
     file: Mutex<File>,
     metadata: ArrowReaderMetadata,
     columns: Vec<usize>,
+    room: Room,
+    /// Rows of all groups that were decoded so far: a page of a few bytes may state any number of them.
+    rows_read: AtomicU64,
 }
 
 impl Groups<'_> {
@@ -79,7 +94,14 @@ impl Groups<'_> {
                 .with_row_groups(vec![group])
                 .with_batch_size(PIECE)
                 .build()?;
-        reader.map(|batch| Ok(batch?.column(0).clone())).collect()
+        let pieces = reader.map(|batch| {
+            let piece = batch?.column(0).clone();
+            let rows = piece.len() as u64 + self.rows_read.fetch_add(piece.len() as u64, Ordering::Relaxed);
+            let bytes = rows.saturating_mul(ROW_BYTES) / self.columns.len() as u64;
+            self.room.check(bytes).map_err(|why| ParquetError::External(Box::new(why)))?;
+            Ok(piece)
+        });
+        pieces.collect()
     }
 
     /// The bytes of a column in a row group.

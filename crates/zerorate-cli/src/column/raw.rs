@@ -53,7 +53,7 @@ pub fn read(log: &Log<'_>, raw: RawType) -> Result<Found> {
         let what = format!("{bytes} bytes are no whole number of {size}-byte numbers: is --raw right?");
         return Err(CaptureError::damaged(log.path, "as raw numbers", what).into());
     }
-    let mut values = SeriesBuilder::new();
+    let mut values = SeriesBuilder::new(log.room);
     values.reserve((bytes / size as u64) as usize, matches!(raw, RawType::I16 | RawType::I32));
     let mut block = Vec::with_capacity(BLOCK);
     loop {
@@ -63,6 +63,7 @@ pub fn read(log: &Log<'_>, raw: RawType) -> Result<Found> {
             break;
         }
         let first = values.rows();
+        values.check_room((block.len() / size) as u64).map_err(|why| CaptureError::no_room(log.path, why))?;
         raw.append(&mut values, &block).map_err(|at| {
             wrong(log.path, format_args!("number {}", first + at as u64), "it is infinite: is --raw right?")
         })?;

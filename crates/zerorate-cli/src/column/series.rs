@@ -1,9 +1,14 @@
 //! Numbers in a row, some of them missing.
 
 use super::Gap;
+use crate::limits::{NoRoom, Room};
 
 /// Missing samples that are filled in at most: a bound on memory where a clock leaps.
 const MAX_FILLED: u64 = 10_000_000;
+
+/// What a row costs: a code, what is computed of it, and the same again while both grow. A number with a time costs twice as much, and
+/// where that is too much the limit of the process tells.
+pub const ROW_BYTES: u64 = 16;
 
 /// Numbers, as exact as the file has them.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,12 +35,18 @@ pub struct SeriesBuilder {
     /// Beside codes only: numbers hold NaN instead.
     gaps: Vec<Gap>,
     rows: u64,
+    room: Room,
 }
 
 impl SeriesBuilder {
     /// No number yet.
-    pub fn new() -> Self {
-        Self { series: Series::Codes(Vec::new()), gaps: Vec::new(), rows: 0 }
+    pub fn new(room: Room) -> Self {
+        Self { series: Series::Codes(Vec::new()), gaps: Vec::new(), rows: 0, room }
+    }
+
+    /// Whether there is room for `more` rows. To be asked before rows are added that the file need not hold byte for byte.
+    pub fn check_room(&self, more: u64) -> Result<(), NoRoom> {
+        self.room.check(self.rows.saturating_add(more).saturating_mul(ROW_BYTES))
     }
 
     /// How many rows there were, with those that were empty.
@@ -93,6 +104,7 @@ impl SeriesBuilder {
 
     /// Makes room for `additional` rows of codes or, if they are not integers, of numbers.
     pub fn reserve(&mut self, additional: usize, integers: bool) {
+        let additional = additional.min((self.room.bytes() / ROW_BYTES) as usize);
         if !integers {
             self.numbers();
         }
@@ -109,7 +121,7 @@ impl SeriesBuilder {
             Series::Codes(codes) => inner(merged(&self.gaps, between_rows), codes.len()),
             Series::Numbers(_) if between_rows.is_empty() => Vec::new(),
             Series::Numbers(numbers) => {
-                *numbers = filled(numbers, between_rows)?;
+                *numbers = filled(numbers, between_rows, self.room)?;
                 Vec::new()
             }
         };
@@ -139,9 +151,14 @@ impl SeriesBuilder {
 /// Adds a gap at or after the last one.
 pub fn join(gaps: &mut Vec<Gap>, gap: Gap) {
     match gaps.last_mut().filter(|last| last.at == gap.at) {
-        Some(last) => last.missing += gap.missing,
+        Some(last) => last.missing = last.missing.saturating_add(gap.missing),
         None => gaps.push(gap),
     }
+}
+
+/// How many samples are missing in all gaps together.
+pub fn missing_in(gaps: &[Gap]) -> u64 {
+    gaps.iter().fold(0, |sum, gap| sum.saturating_add(gap.missing))
 }
 
 /// Both kinds of gaps, counted in codes. A gap between rows stands where it would if each empty row were one more row.
@@ -169,9 +186,16 @@ fn inner(mut gaps: Vec<Gap>, len: usize) -> Vec<Gap> {
     gaps
 }
 
-fn filled(numbers: &[f64], between_rows: &[Gap]) -> Result<Vec<f64>, u64> {
-    let missing = between_rows.iter().map(|gap| gap.missing).sum();
-    if missing > MAX_FILLED {
+/// Codes as numbers, with a NaN for each sample that is missing between them. `Err` is how many they are, should that be too many.
+pub fn with_gaps(codes: &[i32], gaps: &[Gap]) -> Result<Vec<f64>, u64> {
+    let numbers: Vec<f64> = codes.iter().map(|code| f64::from(*code)).collect();
+    filled(&numbers, gaps, Room::of(codes.len() as u64))
+}
+
+fn filled(numbers: &[f64], between_rows: &[Gap], room: Room) -> Result<Vec<f64>, u64> {
+    let missing = missing_in(between_rows);
+    let all = missing.saturating_add(numbers.len() as u64);
+    if missing > MAX_FILLED || room.check(all.saturating_mul(ROW_BYTES)).is_err() {
         return Err(missing);
     }
     let mut all = Vec::with_capacity(numbers.len() + missing as usize);
@@ -195,7 +219,7 @@ mod tests {
 
     /// Rows: 10, empty, 11, 12, empty, empty, 13, and samples lost between some of them.
     fn build(last: impl Fn(&mut SeriesBuilder)) -> (Series, Vec<Gap>) {
-        let mut builder = SeriesBuilder::new();
+        let mut builder = SeriesBuilder::new(Room::of(0));
         builder.push_missing();
         builder.push_integer(10);
         builder.push_missing();
@@ -236,7 +260,7 @@ mod tests {
 
     #[test]
     fn large_integers_are_numbers() {
-        let mut builder = SeriesBuilder::new();
+        let mut builder = SeriesBuilder::new(Room::of(0));
         builder.push_integer(-7);
         builder.push_integer(1 << 40);
         assert_eq!(builder.finish(&[]).unwrap().0, Series::Numbers(vec![-7.0, 1_099_511_627_776.0]));
@@ -244,7 +268,7 @@ mod tests {
 
     #[test]
     fn infinity_and_endless_gaps_are_refused() {
-        let mut builder = SeriesBuilder::new();
+        let mut builder = SeriesBuilder::new(Room::of(0));
         assert!(!builder.push_number(f64::INFINITY));
         assert_eq!(builder.extend_numbers(&[1.0, f64::NEG_INFINITY]), Err(1));
         builder.extend_numbers(&[1.0, 2.0]).unwrap();

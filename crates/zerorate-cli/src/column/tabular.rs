@@ -3,12 +3,13 @@
 use super::choice::{Choice, Columns};
 use super::clock::Times;
 use super::judged::{self, Judging};
-use super::series::{SeriesBuilder, join};
+use super::series::{SeriesBuilder, join, missing_in};
 use super::unit::TimeUnit;
 use super::{Clock, ColumnArgs, Found, Gap, wrong};
 use crate::capture::columns::CORRECTED;
 use crate::capture::table::BatchSource;
 use crate::capture::{CaptureError, CaptureInfo, info};
+use crate::limits::Room;
 use adis16130::{RATE_LSB_PER_DPS, TEMP_LSB_PER_C, Width};
 use anyhow::Result;
 use arrow::array::{Array, ArrayRef, AsArray};
@@ -18,8 +19,8 @@ use arrow::error::ArrowError;
 use std::path::Path;
 
 /// Reads a column of a table.
-pub fn read(path: &Path, mut source: Box<dyn BatchSource>, args: &ColumnArgs) -> Result<Found> {
-    let mut reading = Reading::start(path, &source.schema(), args)?;
+pub fn read(path: &Path, mut source: Box<dyn BatchSource>, room: Room, args: &ColumnArgs) -> Result<Found> {
+    let mut reading = Reading::start(path, &source.schema(), room, args)?;
     for batch in source.by_ref() {
         let batch = batch?;
         let columns: Vec<ArrayRef> = reading.columns.iter().map(|index| batch.column(*index).clone()).collect();
@@ -43,7 +44,7 @@ pub struct Reading<'a> {
 
 impl<'a> Reading<'a> {
     /// Chooses the columns.
-    pub fn start(path: &'a Path, schema: &Schema, args: &ColumnArgs) -> Result<Self> {
+    pub fn start(path: &'a Path, schema: &Schema, room: Room, args: &ColumnArgs) -> Result<Self> {
         let names: Vec<&str> = schema.fields().iter().map(|field| field.name().as_str()).collect();
         let position = |wanted: &str| names.iter().position(|name| *name == wanted);
         let is_capture = info::is_capture(schema.metadata());
@@ -64,7 +65,7 @@ impl<'a> Reading<'a> {
             let missing = || CaptureError::not_a_capture(path, format!("it has no column `{name}`"));
             columns.push(position(name).ok_or_else(missing)?);
         }
-        let mut values = SeriesBuilder::new();
+        let mut values = SeriesBuilder::new(room);
         values.reserve(0, schema.field(value).data_type().is_integer());
         let mut times = time.map(|_| Times::new());
         if let (Some(times), Some(time)) = (&mut times, time) {
@@ -82,6 +83,7 @@ impl<'a> Reading<'a> {
     /// Adds a piece of the columns.
     pub fn append(&mut self, columns: &[ArrayRef]) -> Result<(), CaptureError> {
         let first = self.values.rows();
+        self.check_room(columns.first().map_or(0, |column| column.len() as u64))?;
         if let (Some(times), Some(column)) = (&mut self.times, columns.get(1)) {
             append_times(times, column).map_err(|(row, what)| {
                 wrong(self.path, format_args!("column {}, row {}", self.time_name, first + row as u64), what)
@@ -105,6 +107,11 @@ impl<'a> Reading<'a> {
         append_values(&mut self.values, values).map_err(|(row, what)| {
             wrong(self.path, format_args!("column {}, row {}", self.name, first + row as u64), what)
         })
+    }
+
+    /// Whether there is room for `more` rows.
+    pub fn check_room(&self, more: u64) -> Result<(), CaptureError> {
+        self.values.check_room(more).map_err(|why| CaptureError::no_room(self.path, why))
     }
 
     /// All rows were read.
@@ -278,8 +285,7 @@ impl Capture {
     }
 
     fn clock(self) -> Clock {
-        let lost: u64 = self.gaps.iter().map(|gap| gap.missing).sum();
-        let intervals = self.rows.saturating_sub(1) + lost;
+        let intervals = self.rows.saturating_sub(1).saturating_add(missing_in(&self.gaps));
         let rate = |(first, last): (u64, u64)| intervals as f64 * 1e9 / (last - first) as f64;
         Clock::Counted { rate_hz: self.span_ns.filter(|(first, last)| first < last).map(rate), gaps: self.gaps }
     }

@@ -56,9 +56,9 @@ fn there(column: &Column) -> Vec<Option<f64>> {
 }
 
 /// `0.5 0.25 -1.5 2`, one to a line, as Python's gzip, lzma and zstandard pack it.
-const GZIP: &[u8] = b"\x1F\x8B\x08\x00\x00\x00\x00\x00\x02\x03\x33\xD0\x33\xE5\x32\xD0\x33\x32\xE5\xD2\x35\x04\xB2\x8C\xB8\x00\x3C\x10\xE6\xEC\x10\x00\x00\x00";
-const XZ: &[u8] = b"\xFD\x37\x7A\x58\x5A\x00\x00\x01\x69\x22\xDE\x36\x02\x00\x21\x01\x16\x00\x00\x00\x74\x2F\xE5\xA3\x01\x00\x0F\x30\x2E\x35\x0A\x30\x2E\x32\x35\x0A\x2D\x31\x2E\x35\x0A\x32\x0A\x00\x3C\x10\xE6\xEC\x00\x01\x24\x10\xE9\x44\xD9\xCC\x90\x42\x99\x0D\x01\x00\x00\x00\x00\x01\x59\x5A";
-const ZSTD: &[u8] =
+pub const GZIP: &[u8] = b"\x1F\x8B\x08\x00\x00\x00\x00\x00\x02\x03\x33\xD0\x33\xE5\x32\xD0\x33\x32\xE5\xD2\x35\x04\xB2\x8C\xB8\x00\x3C\x10\xE6\xEC\x10\x00\x00\x00";
+pub const XZ: &[u8] = b"\xFD\x37\x7A\x58\x5A\x00\x00\x01\x69\x22\xDE\x36\x02\x00\x21\x01\x16\x00\x00\x00\x74\x2F\xE5\xA3\x01\x00\x0F\x30\x2E\x35\x0A\x30\x2E\x32\x35\x0A\x2D\x31\x2E\x35\x0A\x32\x0A\x00\x3C\x10\xE6\xEC\x00\x01\x24\x10\xE9\x44\xD9\xCC\x90\x42\x99\x0D\x01\x00\x00\x00\x00\x01\x59\x5A";
+pub const ZSTD: &[u8] =
     b"\x28\xB5\x2F\xFD\x20\x10\x81\x00\x00\x30\x2E\x35\x0A\x30\x2E\x32\x35\x0A\x2D\x31\x2E\x35\x0A\x32\x0A";
 
 #[test]
@@ -79,7 +79,7 @@ fn packed_files_are_known_by_their_content() {
 }
 
 /// An NPY file of format 1.0, put together as NEP 1 describes.
-fn npy(header: &str, data: impl AsRef<[u8]>) -> Vec<u8> {
+pub fn npy(header: &str, data: impl AsRef<[u8]>) -> Vec<u8> {
     let mut file = b"\x93NUMPY\x01\x00".to_vec();
     let padding = " ".repeat(63 - (10 + header.len()) % 64);
     file.extend(((header.len() + padding.len() + 1) as u16).to_le_bytes());
@@ -359,7 +359,7 @@ fn bags_of_an_independent_writer() {
 }
 
 /// A message by hand: CDR aligns numbers to their size, ROS 1 does not.
-fn imu(cdr: bool, big_endian: bool, ns: u64, z: f64) -> Vec<u8> {
+pub fn imu(cdr: bool, big_endian: bool, ns: u64, z: f64) -> Vec<u8> {
     let u32_of = |number: u32| if big_endian { number.to_be_bytes() } else { number.to_le_bytes() };
     let f64_of = |number: f64| if big_endian { number.to_be_bytes() } else { number.to_le_bytes() };
     let mut body = Vec::new();
@@ -379,8 +379,17 @@ fn imu(cdr: bool, big_endian: bool, ns: u64, z: f64) -> Vec<u8> {
 }
 
 fn mcap(topics: &[&str], encoding: &str, messages: impl Fn(u64) -> Vec<u8>) -> Vec<u8> {
+    mcap_packed(Some(mcap::Compression::Zstd), topics, encoding, messages)
+}
+
+pub fn mcap_packed(
+    packing: Option<mcap::Compression>,
+    topics: &[&str],
+    encoding: &str,
+    messages: impl Fn(u64) -> Vec<u8>,
+) -> Vec<u8> {
     let mut file = Cursor::new(Vec::new());
-    let mut writer = mcap::Writer::new(&mut file).unwrap();
+    let mut writer = mcap::WriteOptions::new().compression(packing).create(&mut file).unwrap();
     let schema = writer.add_schema("sensor_msgs/msg/Imu", "ros2msg", b"").unwrap();
     for topic in topics {
         let channel = writer.add_channel(schema, topic, encoding, &Default::default()).unwrap();
@@ -418,11 +427,10 @@ fn messages_in_every_encoding() {
     assert!(folder.fails(&other, "--column z").contains("topic /imu: its messages are encoded in `json`"));
 }
 
-/// The tables that rosbag2_storage_sqlite3 makes.
-#[test]
-fn bags_in_sqlite() {
-    let folder = Folder::new();
-    let path = folder.0.path().join("bag.db3");
+/// The tables that rosbag2_storage_sqlite3 makes, with 8 messages at 100 Hz, one missing before the fifth.
+pub fn sqlite_bag() -> Vec<u8> {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("bag.db3");
     let bag = rusqlite::Connection::open(&path).unwrap();
     bag.execute_batch(
         "CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT NOT NULL, type TEXT NOT NULL, serialization_format TEXT NOT NULL, \
@@ -438,7 +446,13 @@ fn bags_in_sqlite() {
         bag.execute("INSERT INTO messages(topic_id, timestamp, data) VALUES (2, ?1, ?2)", (i as i64, message)).unwrap();
     }
     drop(bag);
-    let content = fs::read(&path).unwrap();
+    fs::read(&path).unwrap()
+}
+
+#[test]
+fn bags_in_sqlite() {
+    let folder = Folder::new();
+    let content = sqlite_bag();
     for content in [content.clone(), zstd::encode_all(&content[..], 1).unwrap()] {
         let column = folder.read(&content, "--column z").unwrap();
         assert_eq!((column.series.len(), column.missing(), column.rate_hz), (9, 1, 100.0));

@@ -8,15 +8,16 @@ use super::unit::TimeUnit;
 use super::{Clock, ColumnArgs, Decimal, Found, wrong};
 use crate::capture::CaptureError;
 use crate::capture::delimited::{Delimiter, Line, Lines};
+use crate::limits::Room;
 use anyhow::Result;
 use std::fs::File;
 use std::path::Path;
 
 /// Reads a column of text.
-pub fn read(path: &Path, file: File, args: &ColumnArgs) -> Result<Found> {
+pub fn read(path: &Path, file: File, room: Room, args: &ColumnArgs) -> Result<Found> {
     let mut lines = Lines::new(path, file);
     let head = Head::read(&mut lines)?;
-    let mut reading = Reading::start(path, &head, args)?;
+    let mut reading = Reading::start(path, &head, room, args)?;
     let mut warning = None;
     for (number, text, ended) in head.lines.iter().skip(usize::from(reading.has_header)) {
         reading.append_or_drop(Line { number: *number, text, ended: *ended }, &mut warning)?;
@@ -72,7 +73,7 @@ struct Reading<'a> {
 impl<'a> Reading<'a> {
     /// The second line is data if there is any, so it shows the delimiter. The first is a header if it holds a word where the second
     /// holds a number; if there is none, the comment above the data may be one.
-    fn start(path: &'a Path, head: &Head, args: &ColumnArgs) -> Result<Self> {
+    fn start(path: &'a Path, head: &Head, room: Room, args: &ColumnArgs) -> Result<Self> {
         let (Some((_, first, _)), Some((_, data, _))) = (head.lines.first(), head.lines.last()) else {
             return Err(CaptureError::damaged(path, "as a text file", "it holds no line of data").into());
         };
@@ -108,7 +109,7 @@ impl<'a> Reading<'a> {
             name: names[choice.value].to_owned(),
             time_name: choice.time.map_or_else(String::new, |time| names[time].to_owned()),
             numerals: Numerals::new(args.decimal),
-            values: SeriesBuilder::new(),
+            values: SeriesBuilder::new(room),
             times: choice.time.map(|_| Times::new()),
         })
     }
@@ -126,6 +127,7 @@ impl<'a> Reading<'a> {
 
     fn append(&mut self, line: Line<'_>) -> Result<(), CaptureError> {
         let number = line.number;
+        self.values.check_room(1).map_err(|why| CaptureError::no_room(self.path, why))?;
         let at = |name: &str, what: String| wrong(self.path, format_args!("line {number}, column {name}"), what);
         let cell = |index: usize, name: &str| {
             let cell = self.delimiter.cells(line.text).nth(index);

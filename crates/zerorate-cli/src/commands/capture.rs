@@ -1,6 +1,7 @@
 //! `zerorate capture`: raw codes with timestamps, to a file.
 
 use super::print_json;
+use super::serial::one_line;
 use crate::acquire::Acquisition;
 use crate::believed;
 use crate::capture::{CaptureWriter, Format};
@@ -26,7 +27,7 @@ use std::path::PathBuf;
 #[derive(Args, Debug)]
 pub struct CaptureArgs {
     #[command(flatten)]
-    device: DeviceArgs,
+    pub device: DeviceArgs,
 
     #[command(flatten)]
     sampling: SamplingArgs,
@@ -48,11 +49,11 @@ pub struct CaptureArgs {
     format: Option<Format>,
 
     /// Serial number of the part, to be stored with the samples.
-    #[arg(long, value_name = "SN")]
+    #[arg(long, value_name = "SN", value_parser = one_line)]
     serial: Option<String>,
 
     /// A note on the supply, to be stored with the samples.
-    #[arg(long, value_name = "TEXT")]
+    #[arg(long, value_name = "TEXT", value_parser = one_line)]
     supply_note: Option<String>,
 
     /// Overwrite an existing file, but never the one that is replayed.
@@ -152,7 +153,9 @@ fn summarise(args: &CaptureArgs, acquisition: &mut Acquisition) -> Result<()> {
     let Summary { file, samples, lost_samples, rate_hz, .. } = &summary;
     let how = if summary.interrupted { " (interrupted)" } else { "" };
     let took = Seconds(summary.duration_s);
-    super::print(&format!("{file}: {samples} samples in {took}{how}, {rate_hz:.1} a second, {lost_samples} lost\n"))
+    super::print_lines(&format!(
+        "{file}: {samples} samples in {took}{how}, {rate_hz:.1} a second, {lost_samples} lost\n"
+    ))
 }
 
 /// The recording is whole and stays; but what it ends with is no measurement.

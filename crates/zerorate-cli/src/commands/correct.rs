@@ -26,7 +26,7 @@ use zerorate::{Calibration, Correction, Tally};
 pub struct CorrectArgs {
     /// The capture, in any of its forms.
     #[arg(value_name = "CAPTURE")]
-    capture: PathBuf,
+    pub capture: PathBuf,
 
     /// The calibration file.
     #[arg(long, value_name = "FILE")]

@@ -13,7 +13,7 @@ pub mod stream;
 pub mod twin;
 
 use crate::cli::{Cli, Command};
-use crate::output::{Stdout, say};
+use crate::output::{Stdout, plain, say};
 use anyhow::{Context, Result};
 use serde::Serialize;
 use std::io::Write;
@@ -41,6 +41,11 @@ pub fn run(cli: &Cli) -> Result<()> {
 fn print(text: &str) -> Result<()> {
     let mut stdout = Stdout::lock();
     stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()).context("cannot write to stdout")
+}
+
+/// Prints lines for people to stdout, whatever stands in them.
+fn print_lines(text: &str) -> Result<()> {
+    print(&plain::lines(text))
 }
 
 /// Prints one JSON object to stdout.

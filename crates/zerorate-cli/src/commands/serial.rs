@@ -4,6 +4,14 @@ use anyhow::{Result, bail};
 use std::path::Path;
 use zerorate::Calibration;
 
+/// A text that goes into files and messages as one line.
+pub fn one_line(text: &str) -> Result<String, String> {
+    match text.contains(char::is_control) {
+        true => Err("it must be one line of plain text, without control characters".to_owned()),
+        false => Ok(text.to_owned()),
+    }
+}
+
 /// The part whose rates are to be corrected.
 pub struct Part<'a> {
     /// What it is called in messages: the device, or the capture.

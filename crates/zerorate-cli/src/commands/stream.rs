@@ -1,7 +1,7 @@
 //! `zerorate stream`: the corrected rate, live.
 
 use super::correct::{extrapolation, load};
-use super::serial::Part;
+use super::serial::{Part, one_line};
 use super::warn;
 use crate::acquire::Acquisition;
 use crate::believed;
@@ -29,7 +29,7 @@ use zerorate::{Calibration, CodeSum};
 #[derive(Args, Debug)]
 pub struct StreamArgs {
     #[command(flatten)]
-    device: DeviceArgs,
+    pub device: DeviceArgs,
 
     #[command(flatten)]
     sampling: SamplingArgs,
@@ -39,7 +39,7 @@ pub struct StreamArgs {
     cal: PathBuf,
 
     /// Serial number of the part; a calibration of another serial number is an error.
-    #[arg(long, value_name = "SN")]
+    #[arg(long, value_name = "SN", value_parser = one_line)]
     serial: Option<String>,
 
     /// The form of the rows.

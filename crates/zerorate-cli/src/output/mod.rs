@@ -8,6 +8,7 @@ mod disk;
 mod error;
 mod identity;
 mod place;
+pub mod plain;
 mod recording;
 mod rescue;
 mod staged;
@@ -19,7 +20,7 @@ pub use recording::Recording;
 pub use rescue::rescue;
 pub use staged::Staged;
 pub use stdio::{Stdout, reader_left, say};
-pub use temporary::{Temporary, remove_all_for_good};
+pub use temporary::remove_all_for_good;
 
 use crate::capture::{CaptureError, CaptureReader};
 use identity::Identity;

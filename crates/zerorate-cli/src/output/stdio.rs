@@ -1,6 +1,7 @@
 //! The standard streams: stdout, whose reader may leave, and stderr, which may be full.
 
 use super::identity::Identity;
+use super::plain;
 use std::fmt::Display;
 use std::io::{self, ErrorKind, StdoutLock, Write};
 #[cfg(unix)]
@@ -14,9 +15,9 @@ pub const STDOUT: &str = "stdout";
 #[error("the reader of stdout is gone")]
 struct ReaderLeft;
 
-/// Prints a line for people to stderr. One that cannot be written must not end what the user came for.
+/// Prints a line for people to stderr, whatever stands in it. One that cannot be written must not end what the user came for.
 pub fn say(line: impl Display) {
-    let _ = writeln!(io::stderr().lock(), "{line}");
+    let _ = writeln!(io::stderr().lock(), "{}", plain::line(&line.to_string()));
 }
 
 /// Stdout, for data. A pipe without reader is told from every other broken pipe by [`ReaderLeft`].

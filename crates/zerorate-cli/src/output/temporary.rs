@@ -31,11 +31,6 @@ pub struct Temporary {
 }
 
 impl Temporary {
-    /// In the system's folder for such files, readable by nobody else.
-    pub fn in_passing() -> io::Result<Self> {
-        Self::create(&std::env::temp_dir(), Builder::new().prefix("zerorate-"))
-    }
-
     /// In `folder`, to be kept under another name, with the permissions of any new file.
     pub fn for_keeps(folder: &Path, start: &str, end: &str) -> io::Result<Self> {
         let mut builder = Builder::new();
@@ -57,11 +52,6 @@ impl Temporary {
     /// The open file.
     pub fn file(&self) -> &File {
         self.file.as_file()
-    }
-
-    /// Its name.
-    pub fn path(&self) -> &Path {
-        self.file.path()
     }
 
     /// Lets the file stay under the name it has, and returns that.

@@ -92,7 +92,8 @@ impl Ljca {
     /// Takes a message of the host and returns those that answer it, in order. One that is no message has no answer.
     pub fn message(&mut self, bytes: &[u8], board: &mut impl Board) -> Vec<Vec<u8>> {
         let &[kind, command, flags, length, ..] = bytes else { return vec![] };
-        let Some(payload) = bytes.get(HEAD..HEAD + usize::from(length)) else { return vec![] };
+        let end = HEAD + usize::from(length);
+        let Some(payload) = bytes.get(HEAD..end).filter(|_| end <= LONGEST_MESSAGE) else { return vec![] };
         let answer = match kind {
             MANAGEMENT => management(command, payload),
             GPIO => self.gpio(command, payload, board),

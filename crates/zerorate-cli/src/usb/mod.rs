@@ -2,9 +2,9 @@
 //!
 //! [`redir`] and [`ljca`] turn bytes into meaning, [`part`] lets the twin run on wall time; here is the loop between them.
 
-mod ljca;
+pub mod ljca;
 mod part;
-mod redir;
+pub mod redir;
 
 pub use part::{Final, Seen};
 

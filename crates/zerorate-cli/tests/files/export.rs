@@ -243,10 +243,10 @@ fn the_default_table_covers_the_calibration() {
 #[test]
 fn text_of_the_calibration_stays_in_its_comment() {
     let bench = Bench::new();
-    let hostile = "serial = \"*/ int x; /* \\n #error @TABLE@ ä \\\\\"\n[correction]";
+    let hostile = "serial = \"*/ int x; /* ; #error @TABLE@ ä \\\\\"\n[correction]";
     bench.write("unit.toml", calibration(-0.25, -0.04, 31.5).replace("[correction]", hostile));
     let header = bench.zerorate("export unit.toml --format c").ok();
-    assert!(header.contains("serial       ./ int x; /. . #error .TABLE. . ."), "{header}");
+    assert!(header.contains("serial       ./ int x; /. ; #error .TABLE. . ."), "{header}");
     assert!(header.is_ascii());
     let module = bench.zerorate("export unit.toml --format rust").ok();
     assert!(module.lines().filter(|line| line.contains("int x")).all(|line| line.starts_with("//")));

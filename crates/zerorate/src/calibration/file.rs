@@ -89,6 +89,7 @@ impl Calibration {
         let fields = check::without_checks(text);
         let calibration: Self = toml::from_str(&fields).map_err(|error| syntax(text, &error))?;
         calibration.validate(text)?;
+        validate_all(text, &toml::from_str(&fields).map_err(|error| syntax(text, &error))?)?;
         Ok((calibration, if checked { Vec::new() } else { [FileWarning::NoChecksum].into() }))
     }
 
@@ -112,8 +113,46 @@ impl Calibration {
         require("btc_dps_per_c", correction.btc_dps_per_c.abs() <= 10.0, "must be a number within ±10 °/s/°C")?;
         require("t3_c", (-60.0..=150.0).contains(&correction.t3_c), "must be a temperature within −60 … 150 °C")?;
         let ordered = self.validity.is_none_or(|span| span.temp_min_c <= span.temp_max_c);
-        require("temp_min_c", ordered, "must not lie above temp_max_c")
+        require("temp_min_c", ordered, "must not lie above temp_max_c")?;
+        for (name, temp_c) in
+            self.validity.iter().flat_map(|s| [("temp_min_c", s.temp_min_c), ("temp_max_c", s.temp_max_c)])
+        {
+            let possible = (-100.0..=200.0).contains(&temp_c);
+            require(name, possible, "must be a temperature within −100 … 200 °C")?;
+        }
+        for (name, share) in self.uncertainty.iter().map(|u| ("coverage", u.coverage)) {
+            require(name, share > 0.0 && share < 1.0, "must be a probability between 0 and 1")?;
+        }
+        Ok(())
     }
+}
+
+/// No number of a calibration is larger, whatever its unit.
+const LARGEST: f64 = 1e9;
+
+/// What holds for every value, wherever it stands: numbers are such that one can compute with them, and texts are one line each, because
+/// the check lines count lines.
+fn validate_all(text: &str, table: &toml::Table) -> Result<(), FileError> {
+    let refused = |name: &str, what: &str| {
+        Err(FileError::Syntax { line: line_of(text, name), message: alloc::format!("`{name}` {what}") })
+    };
+    for (name, value) in table {
+        let texts = match value {
+            toml::Value::Array(texts) => texts.as_slice(),
+            one => core::slice::from_ref(one),
+        };
+        match value {
+            toml::Value::Table(inner) => validate_all(text, inner)?,
+            toml::Value::Float(number) if number.is_nan() || number.abs() > LARGEST => {
+                return refused(name, "is no number that a measurement can have");
+            }
+            _ if texts.iter().filter_map(toml::Value::as_str).any(|text| text.contains(char::is_control)) => {
+                return refused(name, "holds control characters; it must be one line of plain text");
+            }
+            _ => {}
+        }
+    }
+    Ok(())
 }
 
 /// All that is asked of a newer file before it is refused.

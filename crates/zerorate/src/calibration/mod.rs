@@ -166,15 +166,15 @@ impl Calibration {
         Self {
             schema: SCHEMA,
             part: PART.to_string(),
-            serial: origin.serial,
-            created: origin.created,
+            serial: origin.serial.as_deref().map(one_line),
+            created: origin.created.as_deref().map(one_line),
             method: Some("an1042".to_string()),
-            software: Some(origin.software),
-            device: Some(origin.device),
-            config: Some(origin.config),
+            software: Some(one_line(&origin.software)),
+            device: Some(one_line(&origin.device)),
+            config: Some(one_line(&origin.config)),
             capture_sha256: Some(origin.capture_sha256),
-            supply_note: origin.supply_note,
-            warnings: outcome.warnings.iter().map(ToString::to_string).collect(),
+            supply_note: origin.supply_note.as_deref().map(one_line),
+            warnings: outcome.warnings.iter().map(|warning| one_line(&warning.to_string())).collect(),
             correction: outcome.correction,
             measured: Some(Measured {
                 b1_dps: outcome.b1_dps,
@@ -237,6 +237,18 @@ impl From<Uncertainty> for Uncertainties {
             u_t2_c: u.u_t2_c,
         }
     }
+}
+
+/// A text of the file form: control characters are written as Rust writes them, `\n` for a line break.
+fn one_line(text: &str) -> String {
+    let mut line = String::with_capacity(text.len());
+    for character in text.chars() {
+        match character.is_control() {
+            true => line.extend(character.escape_default()),
+            false => line.push(character),
+        }
+    }
+    line
 }
 
 fn noise_record(outcome: &Outcome) -> NoiseRecord {

@@ -2,7 +2,7 @@
 
 use super::record::Record;
 use crate::exit::Usage;
-use crate::output::Staged;
+use crate::output::{Staged, plain};
 use anyhow::{Result, anyhow};
 use std::fmt::Write;
 
@@ -32,7 +32,10 @@ fn yaml(records: &[Record]) -> Result<String> {
         } else {
             format!(", not identified, at most {:.3e}", fit.k.hi.to_radians())
         };
-        writeln!(text, "# {}: N = {n:.4e} rad/s/√Hz, K = {k:.4e} rad/s²/√Hz{doubt}", record.label())?;
+        // a name with a line break in it would end the comment
+        let label = record.label();
+        let label = plain::line(&label);
+        writeln!(text, "# {label}: N = {n:.4e} rad/s/√Hz, K = {k:.4e} rad/s²/√Hz{doubt}")?;
         (density, walk, rate_hz) = (density.max(n), walk.max(k), rate_hz.max(record.analysis.rate_hz));
     }
     writeln!(text, "gyroscope_noise_density: {density:.6e}   # rad/s/√Hz")?;

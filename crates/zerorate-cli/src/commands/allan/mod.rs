@@ -8,7 +8,7 @@ mod record;
 mod table;
 mod units;
 
-use super::{print, print_json, warn};
+use super::{print, print_json, print_lines, warn};
 use crate::column::ColumnArgs;
 use crate::output::{Outputs, Staged, say};
 use anyhow::Result;
@@ -32,7 +32,7 @@ use zerorate::allan::{Options, Stat, Taus};
 pub struct AllanArgs {
     /// The logs. Several are compared.
     #[arg(value_name = "FILE", required = true)]
-    files: Vec<PathBuf>,
+    pub files: Vec<PathBuf>,
 
     #[command(flatten)]
     column: ColumnArgs,
@@ -155,8 +155,8 @@ fn print_records(args: &AllanArgs, records: &[Record]) -> Result<()> {
         _ if args.csv => print(&table::csv(records)?),
         _ => records.iter().try_for_each(|record| {
             say(table::heading(record));
-            print(&table::text(record)?)?;
-            if args.fit { print(&table::coefficients_text(record)?) } else { Ok(()) }
+            print_lines(&table::text(record)?)?;
+            if args.fit { print_lines(&table::coefficients_text(record)?) } else { Ok(()) }
         }),
     }
 }

@@ -29,7 +29,7 @@ impl Record {
         let samples = column.series.len();
         ensure!(samples >= 2, "{}: {samples} samples are too few, at least 2 are needed", file.display());
         warnings.extend(stopped(file, &column)?);
-        let phase = phase(args, &column);
+        let phase = phase(args, file, &column)?;
         let input = match (&phase, &column.series) {
             (Some(phase), _) => Input::Phase(phase),
             (None, Series::Codes(codes)) => Input::Codes { codes, gaps: &column.gaps },
@@ -170,21 +170,10 @@ fn changes(values: impl Iterator<Item = f64>) -> (usize, usize, usize) {
 }
 
 /// The numbers as phase, if that is what they are. A lost phase point is a point that is not there.
-fn phase(args: &AllanArgs, column: &Column) -> Option<Vec<f64>> {
-    match (&column.series, args.data) {
-        (_, Data::Rate) => None,
-        (Series::Numbers(numbers), Data::Phase) => Some(numbers.clone()),
-        (Series::Codes(codes), Data::Phase) => {
-            let mut gaps = column.gaps.iter().peekable();
-            let mut points = Vec::with_capacity(codes.len());
-            for (at, code) in codes.iter().enumerate() {
-                if let Some(gap) = gaps.next_if(|gap| gap.at == at) {
-                    points.extend((0..gap.missing).map(|_| f64::NAN));
-                }
-                points.push(f64::from(*code));
-            }
-            Some(points)
-        }
+fn phase(args: &AllanArgs, file: &Path, column: &Column) -> Result<Option<Vec<f64>>> {
+    match args.data {
+        Data::Rate => Ok(None),
+        Data::Phase => column.points(file).map(Some),
     }
 }
 

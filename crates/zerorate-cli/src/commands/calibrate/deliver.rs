@@ -1,6 +1,6 @@
 //! The result of an hour reaches its user, whatever happens to the files that were to hold it.
 
-use super::super::{print, print_json};
+use super::super::{print, print_json, print_lines};
 use super::{Report, ResultArgs};
 use crate::output::{reader_left, rescue, say};
 use anyhow::Result;
@@ -15,7 +15,7 @@ const UNNAMED: &str = "calibration.toml";
 pub fn print_result(report: &Report, calibration: &Calibration, args: &ResultArgs) -> Result<()> {
     let printed = match args.json {
         true => print_json(report),
-        false => print(&report.text(args.output.as_deref(), calibration.serial.as_deref())),
+        false => print_lines(&report.text(args.output.as_deref(), calibration.serial.as_deref())),
     };
     match printed {
         Err(why) if args.output.is_none() => {

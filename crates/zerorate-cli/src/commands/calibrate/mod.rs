@@ -4,6 +4,7 @@ mod deliver;
 mod plan;
 mod report;
 
+use super::serial::one_line;
 use super::warn;
 use crate::acquire::Acquisition;
 use crate::capture::{CaptureInfo, CaptureWriter, Format, SampleHash};
@@ -37,7 +38,7 @@ use zerorate::{Action, Calibration, Event, Outcome, Procedure, Refusal, State, W
 #[derive(Args, Debug)]
 pub struct CalibrateArgs {
     #[command(flatten)]
-    device: DeviceArgs,
+    pub device: DeviceArgs,
 
     #[command(flatten)]
     sampling: SamplingArgs,
@@ -60,7 +61,7 @@ pub struct CalibrateArgs {
 pub struct RecalibrateArgs {
     /// The capture, from `zerorate calibrate --log` or `zerorate capture`.
     #[arg(value_name = "CAPTURE")]
-    capture: PathBuf,
+    pub capture: PathBuf,
 
     #[command(flatten)]
     plan: PlanArgs,
@@ -86,11 +87,11 @@ struct ResultArgs {
     method: Method,
 
     /// Serial number of the part, stored in the file.
-    #[arg(long, value_name = "SN")]
+    #[arg(long, value_name = "SN", value_parser = one_line)]
     serial: Option<String>,
 
     /// A note on the supply, stored in the file.
-    #[arg(long, value_name = "TEXT")]
+    #[arg(long, value_name = "TEXT", value_parser = one_line)]
     supply_note: Option<String>,
 
     /// Print the result as one JSON object.

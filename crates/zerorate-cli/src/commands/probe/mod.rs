@@ -2,7 +2,7 @@
 
 mod host;
 
-use super::{print, print_json, warn};
+use super::{print_json, print_lines, warn};
 use crate::acquire::Acquisition;
 use crate::cli::{DeviceArgs, SamplingArgs};
 use crate::device::Bus;
@@ -27,7 +27,7 @@ use zerorate::{CodeSum, Tally};
 #[derive(Args, Debug)]
 pub struct ProbeArgs {
     #[command(flatten)]
-    device: DeviceArgs,
+    pub device: DeviceArgs,
 
     #[command(flatten)]
     sampling: SamplingArgs,
@@ -79,7 +79,7 @@ pub fn run(args: &ProbeArgs) -> Result<()> {
         return print_json(&findings);
     }
     warn(&findings.warnings);
-    print(&findings.text())
+    print_lines(&findings.text())
 }
 
 /// The samples, as far as they are looked at.

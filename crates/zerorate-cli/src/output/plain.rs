@@ -1,0 +1,48 @@
+//! Text from outside on a terminal: names of files and columns, serial numbers, cells, what a firmware says of itself. In it, characters
+//! that would move the cursor, change colours, set titles or turn the direction of writing are shown as Rust writes them: `\u{1b}`.
+
+use std::borrow::Cow;
+
+/// One line: a line break would make a second one that nobody said.
+pub fn line(text: &str) -> Cow<'_, str> {
+    escaped(text, acts)
+}
+
+/// Several lines of ours, with text from outside in them.
+pub fn lines(text: &str) -> Cow<'_, str> {
+    escaped(text, |character| character != '\n' && acts(character))
+}
+
+/// Control characters of ASCII and of Latin 1, separators of lines, and marks of direction.
+fn acts(character: char) -> bool {
+    character.is_control()
+        || matches!(character, '\u{200E}' | '\u{200F}' | '\u{2028}'..='\u{202E}' | '\u{2066}'..='\u{2069}' | '\u{061C}')
+}
+
+fn escaped(text: &str, wanted: impl Fn(char) -> bool) -> Cow<'_, str> {
+    if !text.contains(&wanted) {
+        return Cow::Borrowed(text);
+    }
+    let mut shown = String::with_capacity(text.len() + 16);
+    for character in text.chars() {
+        match wanted(character) {
+            true => shown.extend(character.escape_default()),
+            false => shown.push(character),
+        }
+    }
+    Cow::Owned(shown)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_acts_on_a_terminal_is_shown() {
+        for text in ["", "0.5 °/s ± 3 %", "ä · … − 漢字", "naïve \u{1F600}"] {
+            assert_eq!(line(text), text);
+        }
+        assert_eq!(line("a\x1b[31mb\x07\u{9b}2J\r\u{202e}txt\n"), r"a\u{1b}[31mb\u{7}\u{9b}2J\r\u{202e}txt\n");
+        assert_eq!(lines("one\ntwo\x1b[2J\n"), "one\ntwo\\u{1b}[2J\n");
+    }
+}

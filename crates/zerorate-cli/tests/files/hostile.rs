@@ -1,0 +1,250 @@
+//! Files that were made to harm: each ends as an error that says what is wrong, in bounded time and memory.
+
+use super::{Bench, Run, calibration, capture};
+use std::fs::File;
+use std::io::{self, Read, Write};
+use std::process::Command;
+
+/// KiB of address space in which the program must end by itself: its threads and a file's room.
+const ADDRESS_SPACE_KIB: u64 = 3 << 20;
+
+impl Bench {
+    /// Runs the program with little address space. Whatever it does, the machine survives.
+    fn caged(&self, line: &str) -> Run {
+        let script = format!("ulimit -v {ADDRESS_SPACE_KIB}; exec \"$0\" \"$@\"");
+        let program = env!("CARGO_BIN_EXE_zerorate");
+        let mut sh = Command::new("sh");
+        sh.args(["-c", &script, program]).args(line.split(' ')).current_dir(self.path("."));
+        Run { line: line.to_owned(), output: sh.output().unwrap() }
+    }
+
+    #[track_caller]
+    fn refuses(&self, line: &str, reason: &str) {
+        let said = self.caged(line).fails(1);
+        assert!(said.contains(reason), "zerorate {line}: {said}");
+        assert!(!said.contains("panicked"), "zerorate {line}: {said}");
+    }
+}
+
+fn npy(header: &[u8]) -> Vec<u8> {
+    [b"\x93NUMPY\x02\x00", (header.len() as u32).to_le_bytes().as_slice(), header].concat()
+}
+
+#[test]
+fn headers_of_npy_are_bounded() {
+    let bench = Bench::new();
+    let nested = format!("{{'descr': {}{}, }}", "(".repeat(60), ")".repeat(60));
+    bench.write("nested.npy", npy(nested.as_bytes()));
+    bench.refuses("allan nested.npy --rate 10", "nested.npy, as an NPY file: its header has brackets more than 6 deep");
+    let hidden = format!("{{'descr': '\\N{{'}}', {}{}, }}", "[".repeat(60), "]".repeat(60));
+    bench.write("hidden.npy", npy(hidden.as_bytes()));
+    bench.refuses("allan hidden.npy --rate 10", "or a backslash");
+    bench.write("long.npy", b"\x93NUMPY\x02\x00\xFF\xFF\xFF\xFF{}");
+    bench.refuses("allan long.npy --rate 10", "its header would have 4294967295 bytes");
+    let shape = "{'descr': '<f8', 'fortran_order': True, 'shape': (1152921504606846976, 16), }";
+    bench.write("shape.npy", npy(shape.as_bytes()));
+    bench.refuses("allan shape.npy --rate 10 --column 3", "shape.npy, as an NPY file: its header");
+}
+
+/// A record that states 8 GB, in 130 bytes.
+#[test]
+fn lengths_in_mcap_are_bounded() {
+    let bench = Bench::new();
+    let mut bag = b"\x89MCAP0\r\n".to_vec();
+    bag.extend(b"\x05");
+    bag.extend(8_000_000_000u64.to_le_bytes());
+    bag.resize(130, 0);
+    bench.write("long.mcap", &bag);
+    bench.refuses("allan long.mcap", "long.mcap, as an MCAP file");
+    // a chunk that would unpack to 2^62 bytes
+    let mut chunk = b"\x89MCAP0\r\n\x06".to_vec();
+    let head = [0u64, 0, 1 << 62].map(u64::to_le_bytes).concat();
+    let content = [&head[..], &[0; 4], &4u32.to_le_bytes(), b"zstd", &20u64.to_le_bytes(), &[7; 20]].concat();
+    chunk.extend((content.len() as u64).to_le_bytes());
+    chunk.extend(content);
+    bench.write("chunk.mcap", &chunk);
+    bench.refuses("allan chunk.mcap", "chunk.mcap, as an MCAP file");
+}
+
+/// 200 MB of zeros in a few kilobytes.
+#[test]
+fn what_is_unpacked_is_bounded_by_what_is_packed() {
+    let bench = Bench::new();
+    let zeros = || io::repeat(b'0').take(200 << 20);
+    let mut gz =
+        flate2::write::GzEncoder::new(File::create(bench.path("log.gz")).unwrap(), flate2::Compression::fast());
+    // 128 kB of output for each 128 MB: repeat what was packed once, a gz file of several members
+    io::copy(&mut io::repeat(b'0').take(4 << 20), &mut gz).unwrap();
+    gz.finish().unwrap();
+    let member = std::fs::read(bench.path("log.gz")).unwrap();
+    bench.write("log.gz", member.repeat(50));
+    bench.write("log.zst", zstd::encode_all(zeros(), 1).unwrap());
+    for name in ["log.gz", "log.zst"] {
+        let size = std::fs::metadata(bench.path(name)).unwrap().len();
+        assert!(size < 1_500_000, "{name} has {size} bytes");
+    }
+    bench.refuses("allan log.gz --rate 10", "log.gz");
+    bench.refuses("allan log.zst --rate 10", "log.zst: it grows to more than");
+}
+
+/// A view is a program, and this one never ends.
+#[test]
+fn a_bag_is_tables_and_no_program() {
+    let bench = Bench::new();
+    let bag = rusqlite::Connection::open(bench.path("bag.db3")).unwrap();
+    bag.execute_batch(
+        "CREATE TABLE topics(id INTEGER, name TEXT, type TEXT, serialization_format TEXT);
+         INSERT INTO topics VALUES (1, '/imu', 'sensor_msgs/msg/Imu', 'cdr');
+         CREATE VIEW messages AS WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n)
+         SELECT i AS id, 1 AS topic_id, i AS timestamp, zeroblob(1000000000) AS data FROM n;",
+    )
+    .unwrap();
+    drop(bag);
+    bench.refuses("allan bag.db3 --column z", "bag.db3, as a ROS 2 bag in SQLite");
+}
+
+/// Groups in groups, 200 000 deep: the library takes them apart by recursion, and no stack is deep enough.
+#[test]
+fn what_ends_the_process_is_reported_by_its_parent() {
+    let bench = Bench::new();
+    let depth = 200_000u32;
+    // FileMetaData of docs/…/parquet.thrift in the compact protocol: version 1, then the list of the schema's elements
+    let mut footer = vec![0x15, 0x02, 0x19, 0xFC];
+    let mut size = depth + 1;
+    while size > 0x7F {
+        footer.push(size as u8 | 0x80);
+        size >>= 7;
+    }
+    footer.push(size as u8);
+    // repetition: required, name: a, children: 1
+    footer.extend([0x35, 0x00, 0x18, 0x01, b'a', 0x15, 0x02, 0x00].repeat(depth as usize));
+    // type: INT32, repetition: required, name: x
+    footer.extend([0x15, 0x02, 0x25, 0x00, 0x18, 0x01, b'x', 0x00]);
+    // no rows in no groups
+    footer.extend([0x16, 0x00, 0x19, 0x0C, 0x00]);
+    let length = (footer.len() as u32).to_le_bytes();
+    let nested = [b"PAR1", footer.as_slice(), &length, b"PAR1"].concat();
+    bench.write("nested.parquet", &nested);
+    bench.refuses("allan nested.parquet --rate 10", "error: nested.parquet");
+    bench.write("unit.toml", calibration(-0.25, -0.04, 31.5));
+    bench.refuses("correct nested.parquet --cal unit.toml -o out.arrows", "error: nested.parquet");
+}
+
+/// Rows that take nothing in a file: 6 million times the same number.
+#[test]
+fn rows_of_parquet_are_bounded() {
+    use arrow::array::{ArrayRef, Int32Array, RecordBatch};
+    let bench = Bench::new();
+    let column: ArrayRef = std::sync::Arc::new(Int32Array::from(vec![7; 1 << 20]));
+    let batch = RecordBatch::try_from_iter([("x", column)]).unwrap();
+    let file = File::create(bench.path("same.parquet")).unwrap();
+    let mut writer = parquet::arrow::ArrowWriter::try_new(file, batch.schema(), None).unwrap();
+    for _ in 0..6 {
+        writer.write(&batch).unwrap();
+    }
+    writer.close().unwrap();
+    bench.refuses("allan same.parquet --rate 10", "same.parquet: it grows to more than");
+}
+
+#[test]
+fn the_memory_of_a_large_log_is_a_choice() {
+    let bench = Bench::new();
+    // nothing but holes
+    File::create(bench.path("huge.bin")).unwrap().set_len(40 << 30).unwrap();
+    bench.refuses(
+        "allan huge.bin --raw i16 --rate 10 --max-memory 256M",
+        "huge.bin: it takes more memory than the 256 MiB of --max-memory: give more, or cut the log",
+    );
+    for size in ["1", "63M", "many", "1.5G"] {
+        let said = bench.zerorate(&format!("allan huge.bin --raw i16 --rate 10 --max-memory {size}")).fails(2);
+        assert!(said.contains("--max-memory"), "{said}");
+    }
+    File::create(bench.path("some.bin")).unwrap().write_all(&[1, 0, 2, 0].repeat(50_000)).unwrap();
+    bench.caged("allan some.bin --raw i16 --rate 10 --max-memory 256M --json").ok();
+}
+
+/// Four billion samples lost between two rows are no four billion rows.
+#[test]
+fn losses_take_no_memory() {
+    let bench = Bench::new();
+    let rows: String = (0..1000u64)
+        .map(|i| {
+            format!("{},{i},{},8,,{}\n", i * 1_000_000_000_000, 8_388_608 + i % 7, if i == 500 { u32::MAX } else { 0 })
+        })
+        .collect();
+    bench.write("lost.csv", capture("A17", &rows));
+    bench.caged("allan lost.csv --json").ok();
+    let said = bench.caged("allan lost.csv --data phase --json").fails(3);
+    assert!(said.contains("lost.csv: 4294967295 samples are missing between its rows"), "{said}");
+}
+
+/// Nothing that a file or its name says moves the cursor or changes the colours of a terminal.
+#[test]
+fn escapes_for_terminals_are_shown() {
+    let bench = Bench::new();
+    bench.write("log\x1b[31m.csv", "t,\x1b]0;owned\x07\n0,1\n1,2\n2,3\n");
+    let said = [
+        bench.zerorate("allan log\x1b[31m.csv").fails(2),
+        bench.zerorate("allan log\x1b[31m.csv --column 1 --rate 10 --unit knots").fails(2),
+        bench.zerorate("allan missing\x1b[2J.csv --rate 10").fails(1),
+        {
+            let run = bench.zerorate("allan log\x1b[31m.csv --column 1 --rate 10 --fit");
+            let warnings = run.stderr();
+            run.ok() + &warnings
+        },
+    ];
+    for said in &said[..1] {
+        assert!(said.contains(r"log\u{1b}[31m.csv") && said.contains(r"\u{1b}]0;owned\u{7}"), "{said}");
+    }
+    for said in said.iter().enumerate().filter(|(which, _)| *which != 1).map(|(_, said)| said) {
+        assert!(!said.contains('\x1b') && !said.contains('\x07'), "{said:?}");
+    }
+}
+
+/// A name with a line break is no way to write into the file.
+#[test]
+fn a_name_adds_nothing_to_imu_yaml() {
+    let bench = Bench::new();
+    let rows: String = (0..4000u64).map(|i| format!("{}\n", (i * 7919) % 1009)).collect();
+    let name = "log\nevil:\n#.csv";
+    bench.write(name, format!("x_dps\n{rows}"));
+    bench.zerorate(&format!("allan {name} --rate 100 --imu-yaml imu.yaml")).ok();
+    let yaml = std::fs::read_to_string(bench.path("imu.yaml")).unwrap();
+    let events = saphyr_parser::Parser::new_from_str(&yaml).map(|event| event.unwrap().0);
+    let scalars = events.filter_map(|event| match event {
+        saphyr_parser::Event::Scalar(text, ..) => Some(text.into_owned()),
+        _ => None,
+    });
+    let keys: Vec<String> = scalars.step_by(2).collect();
+    assert_eq!(keys, ["gyroscope_noise_density", "gyroscope_random_walk", "update_rate"], "{yaml}");
+}
+
+#[test]
+fn a_serial_number_is_one_line() {
+    let bench = Bench::new();
+    for command in
+        ["calibrate --serial A\n17", "capture --serial A\x1b17 -o x.arrows", "stream --serial A\r17 --cal x.toml"]
+    {
+        let said = bench.zerorate(command).fails(2);
+        assert!(said.contains("it must be one line of plain text"), "{said}");
+    }
+    let file = format!("{}\n", calibration(-0.25, -0.04, 31.5)).replace("[corr", "serial = \"A\\u001B[2J17\"\n[corr");
+    bench.write("escape.toml", file);
+    let said = bench.zerorate("report escape.toml").fails(1);
+    assert!(said.contains("line 3: `serial` holds control characters"), "{said}");
+}
+
+#[test]
+fn a_calibration_holds_numbers_that_can_be() {
+    let bench = Bench::new();
+    let run = "[run]\nduration_s = nan\nrate_hz = 5703.0\nrdy_hz = 5703.0\nsamples = 1\nlost_samples = 0\naverage_s = 10.0\n\
+               warmup_s = inf\nsettle_s = 1.0\noffset_s = 1.0\nmax_lost = 0.1\nmax_u_btc_dps_per_c = 0.1\nassume_linear = false\n";
+    let file = calibration(-0.25, -0.04, 31.5) + run;
+    bench.write("nan.toml", &file);
+    let said = bench.zerorate("report nan.toml").fails(1);
+    assert!(said.contains("`duration_s` is no number that a measurement can have"), "{said}");
+    let span = calibration(-0.25, -0.04, 31.5) + "[validity]\ntemp_min_c = -1e300\ntemp_max_c = 1e300\n";
+    bench.write("span.toml", span);
+    let said = bench.zerorate("report span.toml").fails(1);
+    assert!(said.contains("line 8: temp_min_c must be a temperature"), "{said}");
+}
