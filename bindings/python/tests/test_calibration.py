@@ -138,6 +138,26 @@ def test_twins() -> None:
     assert {"seed", "bias_dps", "motion"} <= {key.name for key in zerorate.Twin.keys()}
 
 
+def test_readings_that_are_not_to_be_believed_are_marked(tmp_path: Path) -> None:
+    # 175.667 µs apart; the one in the middle is 11 °/s off, with a bit flipped; the last temperature is 64 °C off
+    codes = [2**23 + (k % 3) for k in range(40)]
+    codes[20] ^= 2**18
+    rows = [f"{175_667 * (k + 1)},{k},{code},8,{2**23},0" for k, code in enumerate(codes)]
+    rows[30] = rows[30].replace(f",{2**23},0", f",{2**23 + 900_000},0")
+    keys = {"capture_schema": 1, "width_bits": 24, "rate_conversion": 5, "temp_conversion": 5}
+    description = "".join(f"# zerorate.{key} = {value}\n" for key, value in keys.items())
+    file = tmp_path / "spoilt.csv"
+    file.write_text(description + "t_ns,edge_seq,rate_code,status,temp_code,lost\n" + "\n".join(rows) + "\n")
+    with pytest.warns(UserWarning, match="impossible-readings"):
+        capture = zerorate.read_capture(file)
+    assert np.flatnonzero(capture.flags).tolist() == [20, 30]
+    assert (capture.flags[20], capture.flags[30]) == (1, 8)
+    assert np.flatnonzero(~capture.good).tolist() == [20]
+    assert np.isnan(capture.rate_dps[20]) and capture.rate_code[20] == codes[20]
+    assert np.isnan(capture.temp_c[30]) and capture.temp_held_c[30] == 25.0
+    assert capture._codes()[1] == [(20, 1)]
+
+
 def test_a_torn_capture_is_read_with_a_warning(unit: tuple[zerorate.Calibrated, Path]) -> None:
     _, folder = unit
     whole = (folder / "unit.arrows").read_bytes()

@@ -330,7 +330,7 @@ fn temperature_range(seen: &Seen<'_>) -> (f64, f64) {
 fn warnings(seen: &Seen<'_>, level: &Level, uncertainty: &Uncertainty, noise: &Noise) -> WindowWarnings {
     let (plan, model) = (seen.plan, &noise.model);
     let (lost, samples, rate_hz) = (seen.tally.lost, seen.tally.samples, seen.tally.rate_hz());
-    let spoilt: u64 = AVERAGES.iter().map(|state| seen.window(*state).spoilt).sum();
+    let spoilt: u64 = seen.windows.iter().map(|window| window.spoilt).sum();
     let when = |condition: bool, warning: Warning| condition.then_some(warning);
     [
         when(plan.earth_dps.is_none(), Warning::EarthIncluded),

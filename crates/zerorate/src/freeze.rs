@@ -4,8 +4,8 @@ use adis16130::Sample;
 
 /// A noisy channel that does not change for this long is frozen, if it was read so often meanwhile.
 const FROZEN_NS: u64 = 100_000_000;
-/// Noise gives the same code twice with a probability below 0.2, even in 16 bits and behind the filter of F-04: that so many in a row are
-/// the same has one below 10⁻²².
+/// Noise gives the same code twice with a probability below 0.2, even in 16 bits and behind the filter of F-04: that so
+/// many in a row are the same has one below 10⁻²².
 const FROZEN_READINGS: u64 = 32;
 /// So are two channels that have never changed for this long, and so many readings.
 const DEAD_NS: u64 = 2_000_000_000;
@@ -22,8 +22,8 @@ pub struct Frozen {
     pub both: bool,
 }
 
-/// Looks for readings that no longer change. A part changes its code at almost every reading; a simulation without noise does not,
-/// and is not taken for a frozen part as long as anything changes in it.
+/// Looks for readings that no longer change. A part changes its code at almost every reading; a simulation without
+/// noise does not, and is not taken for a frozen part as long as anything changes in it.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Freeze {
     rate: Channel,

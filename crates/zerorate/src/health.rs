@@ -6,7 +6,8 @@ use crate::plausible::{Plausible, Verdict};
 use adis16130::{RateCode, Sample, TempCode};
 use core::fmt;
 
-/// What is wrong with a reading; nothing, if it is to be believed. `Display` names it, for scripts: `impossible+frozen`.
+/// What is wrong with a reading; nothing, if it is to be believed. `Display` names it, for scripts:
+/// `impossible+frozen`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Flags(u8);
 
@@ -68,7 +69,8 @@ impl fmt::Display for Flags {
     }
 }
 
-/// A reading beyond the range: by its status (OVR, F-35), which tells with CLAMP = 0 as well, or by a code at the end of the scale.
+/// A reading beyond the range: by its status (OVR, F-35), which tells with CLAMP = 0 as well, or by a code at the end
+/// of the scale.
 #[must_use]
 pub fn is_out_of_range(sample: &Sample) -> bool {
     sample.rate.is_at_rail() || sample.status.is_some_and(|status| status.out_of_range())
@@ -169,7 +171,8 @@ impl Health {
         judged.map(|(sample, finding)| self.judged(sample, finding.rate, finding.temp_impossible))
     }
 
-    /// Hands on the next of those that still wait, with the neighbours that it has: at the end of a record, or where its mean ends.
+    /// Hands on the next of those that still wait, with the neighbours that it has: at the end of a record, or where
+    /// its mean ends.
     pub fn finish(&mut self) -> Option<Judged> {
         let judged = self.plausible.early();
         judged.map(|(sample, finding)| self.judged(sample, finding.rate, finding.temp_impossible))

@@ -1,5 +1,5 @@
-//! Readings that the part cannot have made: a bit error on the bus changes one reading, and a part of 300 Hz cannot jump and come
-//! back within one sample. Integers only, bounded memory, two samples of look-ahead.
+//! Readings that the part cannot have made: a bit error on the bus changes one reading, and a part of 300 Hz cannot
+//! jump and come back within one sample. Integers only, bounded memory, two samples of look-ahead.
 //!
 //! # Strict rule
 //!
@@ -7,32 +7,36 @@
 //!
 //! L = |y₀ − (4·(y₋₁ + y₁) − (y₋₂ + y₂))/6| > Θ(T), where Θ(T) = 1.15 °/s · r + 0.35 °/s · r⁴, r = T/175.7 µs,
 //!
-//! and L also exceeds what is rough about its four neighbours, |y₂ − 2y₁ + 2y₋₁ − y₋₂| and |y₂ − y₁ − y₋₁ + y₋₂|, and four times what was
-//! rough about the readings before (the largest L, which fades by 1/32 with each reading).
+//! and L also exceeds what is rough about its four neighbours, |y₂ − 2y₁ + 2y₋₁ − y₋₂| and |y₂ − y₁ − y₋₁ + y₋₂|, and
+//! four times what was rough about the readings before (the largest L, which fades by 1/32 with each reading).
 //!
-//! * Noise: white noise of F-02 behind the poles of F-03 gives L a standard deviation of 0.064 °/s at 175.7 µs (0.104, 0.141, 0.202 at 1.5, 2
-//!   and 3 times that), a resonance of M-08 at most 0.075 °/s. Even at three times that noise Θ lies 6.6 deviations out: less than one false
-//!   mark in 2·10¹⁰ readings (40 days); at the noise of F-02 none in practice (16 deviations).
-//! * Motion: a sine of f and amplitude A shows L = A·|H(f)|·(8/3)·sin⁴(πfT), H being the poles of F-03: 0.35 °/s for 250 °/s (F-08) at the
-//!   bandwidth of 300 Hz, the second term of Θ. So no motion within range and bandwidth is ever marked, nor any other with an angular
-//!   acceleration below 43 000 °/s². A hard shock or a vibration above 1 kHz may cost one mark, or two, where it begins: its neighbours and its
-//!   past are rough, and then nothing is marked.
-//! * So what is smaller than Θ, 1.5 °/s at the full rate, is not found; nor is what comes together with such a shock, or with another
-//!   error within two samples that is as large.
+//! * Noise: white noise of F-02 behind the poles of F-03 gives L a standard deviation of 0.064 °/s at 175.7 µs (0.104,
+//!   0.141, 0.202 at 1.5, 2 and 3 times that), a resonance of M-08 at most 0.075 °/s. Even at three times that noise Θ
+//!   lies 6.6 deviations out: less than one false mark in 2·10¹⁰ readings (40 days); at the noise of F-02 none in
+//!   practice (16 deviations).
+//! * Motion: a sine of f and amplitude A shows L = A·|H(f)|·(8/3)·sin⁴(πfT), H being the poles of F-03: 0.35 °/s for
+//!   250 °/s (F-08) at the bandwidth of 300 Hz, the second term of Θ. So no motion within range and bandwidth is ever
+//!   marked, nor any other with an angular acceleration below 43 000 °/s². A hard shock or a vibration above 1 kHz
+//!   (0.5 kHz at a third of the full rate) may cost one mark, or two, where it begins: its neighbours and its past are
+//!   rough, and then nothing is marked.
+//! * So what is smaller than Θ, 1.5 °/s at the full rate, is not found; nor is what comes together with such a shock,
+//!   or with another error within two samples that is as large.
 //!
 //! # Loose rule
 //!
-//! Next to a loss, at either end of a record, and where the readings are more than 0.6 ms apart, a reading is impossible if it cannot
-//! be reached from either of two neighbours: the response of the two poles (F-03) to any input within ±250 °/s (F-08) moves by no more
-//! than 2 · 250 °/s · 1194/s · t in a time t (the largest value of their impulse response is 1194/s at 0.26 ms), 105 °/s in a sample.
-//! Where they are more than 1.2 ms apart even that says nothing, and the reading is *unjudged*.
+//! Next to a loss, at either end of a record, and where the readings are more than 0.6 ms apart, a reading is
+//! impossible if it cannot be reached from either of two neighbours: the response of the two poles (F-03) to any input
+//! within ±250 °/s (F-08) moves by no more than 2 · 250 °/s · 1194/s · t in a time t (the largest value of their
+//! impulse response is 1194/s at 0.26 ms), 105 °/s in a sample. Where they are more than 1.2 ms apart even that says
+//! nothing, and the reading is *unjudged*.
 //!
 //! A reading out of range, alone among neighbours from which the end of the range cannot be reached, is impossible too.
 //!
 //! # Temperatures
 //!
-//! A temperature is impossible if it differs from the last good one by more than 1 °C and 2 °C/s (the noise of M-05 has 0.053 °C in a
-//! reading, so this is 13 deviations; F-55 expects up to 1 °C/s). A second one in a row that agrees with it is believed.
+//! A temperature is impossible if it differs from the last good one by more than 1 °C and 2 °C/s (the noise of M-05 has
+//! 0.053 °C in a reading, so this is 13 deviations; F-55 expects up to 1 °C/s). A second one in a row that agrees with
+//! it is believed.
 
 use crate::health::is_out_of_range;
 use adis16130::{RATE_LSB_PER_DPS, Sample, TEMP_LSB_PER_C, ZERO_CODE};
@@ -167,7 +171,8 @@ impl Plausible {
         }
     }
 
-    /// A part cannot leave its range for one reading only, and be well inside before and after: then the code is spoilt, or the status.
+    /// A part cannot leave its range for one reading only, and be well inside before and after: then the code is
+    /// spoilt, or the status.
     #[cold]
     fn beyond(&self, place: usize) -> Verdict {
         let others = [place.checked_sub(1), Some(place + 1)].map(|other| other.filter(|other| self.is_there(*other)));

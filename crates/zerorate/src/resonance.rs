@@ -1,8 +1,10 @@
-//! Where the mechanical resonance of the part appears among the samples (F-07), and whether averaging can remove it there.
+//! Where the mechanical resonance of the part appears among the samples (F-07), and whether averaging can remove it
+//! there.
 //!
-//! A tone of `tone_hz`, sampled `rate_hz` times a second, appears at |tone − n·rate| for the nearest n: at 2.778 kHz at the full rate of
-//! 5692.6/s, where any mean removes it. Near zero it looks like a bias. A mean over τ leaves of a tone of rms a at f no more than
-//! √2·a/(π·f·τ), and the white noise of density d leaves d/√(2τ): below f = 2·a/(π·d·√τ) the tone is the larger one.
+//! A tone of `tone_hz`, sampled `rate_hz` times a second, appears at |tone − n·rate| for the nearest n: at 2.778 kHz at
+//! the full rate of 5692.6/s, where any mean removes it. Near zero it looks like a bias. A mean over τ leaves of a tone
+//! of rms a at f no more than √2·a/(π·f·τ), and the white noise of density d leaves d/√(2τ): below f = 2·a/(π·d·√τ) the
+//! tone is the larger one.
 
 use crate::noise::TYPICAL_WHITE_DPS_PER_RT_HZ;
 use crate::notice::Warning;
@@ -36,8 +38,9 @@ impl Tone {
         (turns - libm::round(turns)).abs() * rate_hz
     }
 
-    /// Below this it counts as near zero, Hz, for means over `average_s`: where averaging leaves more of it than of the white noise, and
-    /// the tolerance. Where the tolerance is more than an eighth of the rate, that eighth: such rates are too low to be sure of any.
+    /// Below this it counts as near zero, Hz, for means over `average_s`: where averaging leaves more of it than of the
+    /// white noise, and the tolerance. Where the tolerance is more than an eighth of the rate, that eighth: such rates
+    /// are too low to be sure of any.
     #[must_use]
     pub fn near_zero_hz(&self, rate_hz: f64, average_s: f64) -> f64 {
         let averaged_hz = 2.0 * self.rms_dps / (PI * TYPICAL_WHITE_DPS_PER_RT_HZ * libm::sqrt(average_s));
@@ -51,8 +54,8 @@ impl Tone {
     }
 }
 
-/// What to say of samples that come at `rate_hz`, as measured, where both channels are read on every `divider`-th edge of data ready (F-56),
-/// in means over `average_s`.
+/// What to say of samples that come at `rate_hz`, as measured, where both channels are read on every `divider`-th edge
+/// of data ready (F-56), in means over `average_s`.
 #[must_use]
 pub fn warning(rate_hz: f64, divider: u16, average_s: f64) -> Option<Warning> {
     let tone = Tone::RESONANCE;
@@ -63,8 +66,8 @@ pub fn warning(rate_hz: f64, divider: u16, average_s: f64) -> Option<Warning> {
     })
 }
 
-/// The divider nearest to this one at which the tone is far from zero, the lower of two; none if there is none up to four times this one.
-/// Divider N gives f_conv/(N + 1) (F-56), and so does N = 1, where an edge comes with every pair.
+/// The divider nearest to this one at which the tone is far from zero, the lower of two; none if there is none up to
+/// four times this one. Divider N gives f_conv/(N + 1) (F-56), and so does N = 1, where an edge comes with every pair.
 fn next_good_divider(tone: &Tone, rate_hz: f64, divider: u16, average_s: f64) -> Option<u16> {
     let divider = divider.max(1);
     let conversions_hz = rate_hz * (f64::from(divider) + 1.0);

@@ -39,7 +39,8 @@ impl Tally {
         self.lost += u64::from(sample.lost);
     }
 
-    /// A host that is late counts the edges that it could not handle, and one that reads too slowly loses one sample at a time (F-33).
+    /// A host that is late counts the edges that it could not handle, and one that reads too slowly loses one sample at
+    /// a time (F-33).
     #[inline]
     fn note_gap(&mut self, lost: u32, edges: u32) {
         if self.least_edges == 0 || edges < self.least_edges {
@@ -51,8 +52,8 @@ impl Tally {
         }
     }
 
-    /// Whether losses come from a data-ready line that stays silent, rather than from a host that is late: in every fourth gap at least no
-    /// edge was counted.
+    /// Whether losses come from a data-ready line that stays silent, rather than from a host that is late: in every
+    /// fourth gap at least no edge was counted.
     #[must_use]
     pub fn data_ready_stutters(&self) -> bool {
         self.silent_gaps > 0 && 4 * self.silent_gaps >= self.gaps

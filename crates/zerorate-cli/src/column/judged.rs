@@ -47,8 +47,8 @@ impl Judging {
         Some(Self { channel, width, health, tally, start_ns: None, tail: None })
     }
 
-    /// Takes a piece in: the values, and the columns that are [`NEEDED`]. Gives the values that are judged by now, in their order, without
-    /// those that are not to be believed.
+    /// Takes a piece in: the values, and the columns that are [`NEEDED`]. Gives the values that are judged by now, in
+    /// their order, without those that are not to be believed.
     pub fn take(&mut self, value: &ArrayRef, needed: &[ArrayRef]) -> Result<ArrayRef, ArrowError> {
         let [t_ns, lost, rate, status, temp] = needed else {
             return Err(ArrowError::SchemaError("a raw column is missing".to_owned()));

@@ -1,6 +1,6 @@
 //! What cannot be calibrated: the reason on stderr, the exit code, and no file.
 
-use crate::{calibrate, zerorate};
+use crate::{SHORT, calibrate, zerorate};
 use std::path::Path;
 
 /// Calibrates that device into a file of a folder of its own, and expects that nothing is left there.
@@ -152,6 +152,37 @@ fn bit_errors_are_marked_and_named() {
     let allan = zerorate(&["allan", path(&file), "--json"]).ended_with(0).json();
     assert!(allan["missing"].as_u64().is_some_and(|missing| missing >= impossible), "gaps, not values");
     assert!(allan["points"][0]["dev"].as_f64().is_some_and(|dev| dev < 0.3), "{}", allan["points"][0]);
+}
+
+/// What is left out is left out again: the capture is the truth, and its raw codes are as they were read.
+#[test]
+fn a_calibration_over_a_bad_line_is_repeated_from_its_log() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let log = folder.path().join("log.arrows");
+    let device = "twin:seed=5,bit_error_rate=0.000002,fault_at_s=0.5";
+    let live = calibrate(&["--device", device, "--log", path(&log), "--json"]).ended_with(0).json();
+    assert!(live["impossible_readings"].as_u64().is_some_and(|count| count > 0), "{live}");
+    assert!(live["warnings"].to_string().contains("impossible-readings: "), "{live}");
+    let again = zerorate(&[&["recalibrate", path(&log), "--json"], SHORT].concat()).ended_with(0).json();
+    for key in ["pbc_dps", "btc_dps_per_c", "t3_c", "impossible_readings", "capture_sha256", "calibration_id"] {
+        assert_eq!(live[key], again[key], "{key}");
+    }
+}
+
+/// Of any log: zeros all over are no noise. One that stops is said.
+#[test]
+fn allan_believes_no_constant_column() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("log.csv");
+    let log = |rate: &dyn Fn(u32) -> u32| {
+        let rows: String = (0..5000).map(|k| format!("{}\n", rate(k))).collect();
+        std::fs::write(&file, format!("gz_dps\n{rows}")).expect("written");
+        zerorate(&["allan", path(&file), "--rate", "100"])
+    };
+    log(&|_| 7).ended_with(3).saying(&["refused: ", "all 5000 samples", "the same"]);
+    let noise = |k: u32| k.wrapping_mul(2_654_435_761) >> 20;
+    log(&|k| noise(k.min(3000))).ended_with(0).saying(&["frozen: ", "the last 2000 of 5000 samples"]);
+    assert!(!log(&noise).ended_with(0).stderr.contains("frozen"));
 }
 
 #[test]
