@@ -1,15 +1,13 @@
 //! `cargo xtask coverage`: calibrates many units of the twin and holds what is stated against their truth.
 
-use adis16130::blocking::Adis16130;
-use adis16130::{Config, Edge, MCLK_HZ, Sample, Sampler, SamplerConfig};
-use adis16130_twin::{Spec, Truth, Twin, TwinRdy, TwinSpi};
+use crate::trial::{self, FAULTS, Fault, Judged, Rig, Unit, judge};
+use adis16130::Sample;
+use adis16130_twin::Spec;
 use anyhow::{Context, anyhow, ensure};
 use std::ops::RangeInclusive;
 use std::sync::atomic::{AtomicU64, Ordering};
-use zerorate::{Action, Correction, Event, Outcome, Plan, Procedure, State, Uncertainty};
+use zerorate::{Correction, Plan, Uncertainty};
 
-/// A part that gives no edge for this long is dead.
-const NO_EDGE_NS: u64 = 100_000_000;
 /// How long the part is off before its second warm-up, s.
 const OFF_S: u64 = 3600;
 
@@ -25,6 +23,9 @@ pub struct Args {
     /// Only the default units: errors, and a second warm-up with and without correction
     #[arg(long)]
     default_units: bool,
+    /// Only the units to which something happens: how often what is wrong is told
+    #[arg(long, conflicts_with_all = ["linear_units", "default_units"])]
+    disturbed_units: bool,
     /// Units at once
     #[arg(long, default_value_t = std::thread::available_parallelism().map_or(1, usize::from))]
     threads: usize,
@@ -39,6 +40,11 @@ fn parse_seeds(text: &str) -> Result<RangeInclusive<u64>, String> {
 
 /// Runs both parts, or the one that was asked for.
 pub fn run(args: &Args) -> anyhow::Result<()> {
+    if args.disturbed_units {
+        println!("| what happens | inside | warned | refused | wrong and silent | the worst of these |");
+        println!("|---|---|---|---|---|---|");
+        return FAULTS.iter().try_for_each(|fault| report_fault(args, fault));
+    }
     if !args.default_units {
         let units = for_each_seed(args, linear_unit)?;
         println!("{} linear units (curvature=0,hysteresis=0, --assume-linear), seeds {:?}:", units.len(), args.seeds);
@@ -60,22 +66,22 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// An estimate's error and its stated standard uncertainty.
-#[derive(Clone, Copy)]
-struct Judged {
-    error: f64,
-    u: f64,
-}
-
-struct Unit {
-    pbc: Judged,
-    btc: Judged,
-}
-
 struct DefaultUnit {
     judged: Unit,
     raw_change_dps: f64,
     corrected_change_dps: f64,
+}
+
+/// A row of the table of `docs/reference/accuracy.md`.
+fn report_fault(args: &Args, fault: &Fault) -> anyhow::Result<()> {
+    let ended = for_each_seed(args, |seed| trial::run((fault.spec)(seed), Plan::default()))?;
+    let count = |is: fn(&trial::Ended) -> bool| ended.iter().filter(|ended| is(ended)).count();
+    let refused = count(|ended| matches!(ended, trial::Ended::Refused(_)));
+    let (silent, wrong) = (count(trial::Ended::is_silent), count(trial::Ended::is_wrong_and_silent));
+    let worst = ended.iter().filter(|ended| ended.is_wrong_and_silent()).map(trial::Ended::worst).fold(0.0, f64::max);
+    let warned = ended.len() - refused - silent;
+    println!("| {} | {} | {warned} | {refused} | {wrong} | {worst:.1} u |", fault.name, silent - wrong);
+    Ok(())
 }
 
 fn report_intervals(name: &str, unit: &str, results: impl Iterator<Item = Judged> + Clone) {
@@ -98,7 +104,7 @@ fn rms(values: impl Iterator<Item = f64> + Clone) -> f64 {
 }
 
 /// Runs every seed on a few threads; results come in the order of the seeds.
-fn for_each_seed<T: Send>(args: &Args, unit: fn(u64) -> anyhow::Result<T>) -> anyhow::Result<Vec<T>> {
+fn for_each_seed<T: Send>(args: &Args, unit: impl Fn(u64) -> anyhow::Result<T> + Sync) -> anyhow::Result<Vec<T>> {
     let next = AtomicU64::new(*args.seeds.start());
     let worker = || {
         let seeds = std::iter::from_fn(|| Some(next.fetch_add(1, Ordering::Relaxed)));
@@ -128,86 +134,25 @@ fn default_unit(seed: u64) -> anyhow::Result<DefaultUnit> {
     rig.twin.power_off();
     rig.twin.advance_ns(OFF_S * 1_000_000_000);
     rig.twin.power_on();
-    let (raw_change_dps, corrected_change_dps) = rig.warm_up(&outcome.correction)?;
+    let (raw_change_dps, corrected_change_dps) = warm_up(&mut rig, &outcome.correction)?;
     Ok(DefaultUnit { judged: judge(&outcome, &truth), raw_change_dps, corrected_change_dps })
 }
 
-fn judge(outcome: &Outcome, truth: &Truth) -> Unit {
-    let Correction { pbc_dps, btc_dps_per_c, t3_c } = outcome.correction;
-    let uncertainty = &outcome.uncertainty;
-    Unit {
-        pbc: Judged { error: pbc_dps - truth.pbc_dps(t3_c), u: uncertainty.u_pbc_dps },
-        btc: Judged { error: btc_dps_per_c - truth.btc_dps_per_c(t3_c), u: uncertainty.u_btc_dps_per_c },
-    }
-}
-
-/// A twin on the driver's bus.
-struct Rig {
-    twin: Twin,
-    gyro: Adis16130<TwinSpi, TwinRdy>,
-    sampler: Sampler,
-}
-
-impl Rig {
-    fn new(spec: Spec) -> Self {
-        let twin = Twin::new(spec);
-        let gyro = Adis16130::new(twin.spi(), twin.rdy(), Config::default());
-        Self { twin, gyro, sampler: new_sampler() }
-    }
-
-    fn initialise(&mut self) -> anyhow::Result<u64> {
-        self.sampler = new_sampler();
-        self.gyro.init().map_err(|error| anyhow!("{error}"))?;
-        Ok(self.twin.now_ns())
-    }
-
-    fn read(&mut self) -> anyhow::Result<Sample> {
-        loop {
-            let edge = self.twin.next_falling_edge(NO_EDGE_NS).context("no data ready")?;
-            let edge = Edge { t_ns: edge.t_ns, seq: edge.seq };
-            if let Some(sample) = self.gyro.sample(&mut self.sampler, edge).map_err(|error| anyhow!("{error}"))? {
-                return Ok(sample);
-            }
+/// How the mean rate changes from the first 10 s after switching on to the last 150 s of F-51's time, raw and corrected, °/s.
+fn warm_up(rig: &mut Rig, correction: &Correction) -> anyhow::Result<(f64, f64)> {
+    let start_ns = rig.initialise()?;
+    let (mut first, mut last) = (Mean::default(), Mean::default());
+    loop {
+        let sample = rig.read()?;
+        match (sample.t_ns - start_ns) / 1_000_000_000 {
+            0..10 => first.push(&sample, correction)?,
+            3020..3170 => last.push(&sample, correction)?,
+            3170.. => break,
+            _ => {}
         }
     }
-
-    /// The result, and the truth at the end of step 8.
-    fn calibrate(&mut self, plan: Plan) -> anyhow::Result<(Outcome, Truth)> {
-        let mut procedure = Procedure::new(plan)?;
-        let mut truth = None;
-        loop {
-            match procedure.next() {
-                Action::Initialise => procedure.handle(Event::Initialised { t_ns: self.initialise()? })?,
-                Action::Sample => procedure.handle(Event::Sample(&self.read()?))?,
-                Action::Done => break,
-            }
-            if truth.is_none() && procedure.progress().state == State::FinalTemperature {
-                truth = Some(self.twin.truth());
-            }
-        }
-        Ok((procedure.finish()?, truth.context("step 8 never ended")?))
-    }
-
-    /// How the mean rate changes from the first 10 s after switching on to the last 150 s of F-51's time, raw and corrected, °/s.
-    fn warm_up(&mut self, correction: &Correction) -> anyhow::Result<(f64, f64)> {
-        let start_ns = self.initialise()?;
-        let (mut first, mut last) = (Mean::default(), Mean::default());
-        loop {
-            let sample = self.read()?;
-            match (sample.t_ns - start_ns) / 1_000_000_000 {
-                0..10 => first.push(&sample, correction)?,
-                3020..3170 => last.push(&sample, correction)?,
-                3170.. => break,
-                _ => {}
-            }
-        }
-        ensure!(first.count > 0 && last.count > 0, "no samples in the second warm-up");
-        Ok((last.raw_dps() - first.raw_dps(), last.corrected_dps() - first.corrected_dps()))
-    }
-}
-
-fn new_sampler() -> Sampler {
-    Sampler::new(SamplerConfig::default(), &Config::default(), MCLK_HZ)
+    ensure!(first.count > 0 && last.count > 0, "no samples in the second warm-up");
+    Ok((last.raw_dps() - first.raw_dps(), last.corrected_dps() - first.corrected_dps()))
 }
 
 /// Means of the raw and of the corrected rate.

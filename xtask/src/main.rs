@@ -17,6 +17,7 @@ mod targets;
 mod test;
 mod third_party;
 mod tools;
+mod trial;
 mod venv;
 
 use clap::{Parser, Subcommand};

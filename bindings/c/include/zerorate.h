@@ -66,6 +66,22 @@
 #define ZERORATE_WARNING_OTHER 128
 
 /**
+ * What was given for the Earth's rotation was subtracted; any other constant rotation is inside PBC.
+ */
+#define ZERORATE_WARNING_EARTH_SUBTRACTED 256
+
+/**
+ * BTC is next to nothing: a wide hysteresis or a long lag would look the same.
+ */
+#define ZERORATE_WARNING_FLAT 512
+
+/**
+ * Always set: steps, lag, curvature, hysteresis and slow motion between the averages were not looked for, since that takes a
+ * record of every second, which does not fit into the memory of a controller. `zerorate recalibrate` looks at recorded samples.
+ */
+#define ZERORATE_WARNING_HOUR_UNCHECKED 1024
+
+/**
  * What a function returns: ZERORATE_OK, a positive number that says something harmless, or a negative one that says what failed.
  * The numbers keep their meaning in all versions.
  */
@@ -286,7 +302,8 @@ typedef struct zerorate_plan {
    */
   double max_u_btc_dps_per_c;
   /**
-   * The component of the Earth's rotation on the part's axis, deg/s, which is subtracted (F-16); NaN where it is not known.
+   * The component of the Earth's rotation on the part's axis, deg/s (not deg/h), which is subtracted: within 0.00418 (F-16);
+   * NaN where it is not known.
    */
   double earth_dps;
   /**
@@ -631,6 +648,11 @@ typedef struct zerorate_table {
  * Refused: a window holds no temperature.
  */
 #define ZERORATE_E_NO_TEMPERATURE -59
+
+/**
+ * Refused: the rate wanders or steps so much during the offset average that BTC would be too uncertain.
+ */
+#define ZERORATE_E_UNSTEADY -61
 
 /**
  * Refused, for a reason that this version of the interface has no number for.

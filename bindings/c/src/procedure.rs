@@ -4,7 +4,9 @@ use crate::boundary::{self, Object};
 use crate::correction::Correction;
 use crate::gyro::Sample;
 use crate::status::{self, Numbered, Status, ZERORATE_E_STATE};
-use zerorate::{Action, Event, FixedProcedure, Outcome as CoreOutcome, Plan as CorePlan, State as CoreState, Warning, WindowWarnings};
+use zerorate::{
+    Action, Event, FixedProcedure, Outcome as CoreOutcome, Plan as CorePlan, State as CoreState, Warning, WindowWarnings,
+};
 
 /// A calibration that is going on. The memory is the caller's, the contents are private; begin it with zerorate_procedure_begin. It
 /// needs no tear-down.
@@ -44,7 +46,8 @@ pub struct Plan {
     pub max_lost: f64,
     /// Largest standard uncertainty of BTC, deg/s per deg C: 0.01.
     pub max_u_btc_dps_per_c: f64,
-    /// The component of the Earth's rotation on the part's axis, deg/s, which is subtracted (F-16); NaN where it is not known.
+    /// The component of the Earth's rotation on the part's axis, deg/s (not deg/h), which is subtracted: within 0.00418 (F-16);
+    /// NaN where it is not known.
     pub earth_dps: f64,
     /// 1 = the bias is a straight line over temperature: no allowance for curvature and hysteresis.
     pub assume_linear: u8,
@@ -102,6 +105,13 @@ pub const ZERORATE_WARNING_LOST: u32 = 32;
 pub const ZERORATE_WARNING_WANDERING: u32 = 64;
 /// A warning that this version of the interface has no number for.
 pub const ZERORATE_WARNING_OTHER: u32 = 128;
+/// What was given for the Earth's rotation was subtracted; any other constant rotation is inside PBC.
+pub const ZERORATE_WARNING_EARTH_SUBTRACTED: u32 = 256;
+/// BTC is next to nothing: a wide hysteresis or a long lag would look the same.
+pub const ZERORATE_WARNING_FLAT: u32 = 512;
+/// Always set: steps, lag, curvature, hysteresis and slow motion between the averages were not looked for, since that takes a
+/// record of every second, which does not fit into the memory of a controller. `zerorate recalibrate` looks at recorded samples.
+pub const ZERORATE_WARNING_HOUR_UNCHECKED: u32 = 1024;
 
 /// Initialise the part, then call zerorate_procedure_initialised.
 pub const ZERORATE_INITIALISE: Status = 10;
@@ -172,6 +182,9 @@ fn flag(warning: &Warning) -> u32 {
         Warning::Aliased { .. } => ZERORATE_WARNING_ALIASED,
         Warning::Lost { .. } => ZERORATE_WARNING_LOST,
         Warning::Wandering { .. } => ZERORATE_WARNING_WANDERING,
+        Warning::EarthSubtracted { .. } => ZERORATE_WARNING_EARTH_SUBTRACTED,
+        Warning::Flat { .. } => ZERORATE_WARNING_FLAT,
+        Warning::HourUnchecked => ZERORATE_WARNING_HOUR_UNCHECKED,
         _ => ZERORATE_WARNING_OTHER,
     }
 }

@@ -76,6 +76,8 @@ pub const ZERORATE_E_FROZEN: Status = -57;
 pub const ZERORATE_E_TOO_FEW: Status = -58;
 /// Refused: a window holds no temperature.
 pub const ZERORATE_E_NO_TEMPERATURE: Status = -59;
+/// Refused: the rate wanders or steps so much during the offset average that BTC would be too uncertain.
+pub const ZERORATE_E_UNSTEADY: Status = -61;
 /// Refused, for a reason that this version of the interface has no number for.
 pub const ZERORATE_E_REFUSED: Status = -60;
 
@@ -116,6 +118,7 @@ pub extern "C" fn zerorate_text(status: Status) -> *const c_char {
         ZERORATE_E_FROZEN => c"refused: the readings stopped changing",
         ZERORATE_E_TOO_FEW => c"refused: too few samples",
         ZERORATE_E_NO_TEMPERATURE => c"refused: no temperature was read",
+        ZERORATE_E_UNSTEADY => c"refused: the rate wanders or steps during the offset average",
         ZERORATE_E_REFUSED => c"refused",
         _ => c"unknown status",
     };
@@ -253,6 +256,7 @@ impl Numbered for Refusal {
             Self::Frozen { .. } => ZERORATE_E_FROZEN,
             Self::TooFew { .. } => ZERORATE_E_TOO_FEW,
             Self::NoTemperature { .. } => ZERORATE_E_NO_TEMPERATURE,
+            Self::Unsteady { .. } => ZERORATE_E_UNSTEADY,
             _ => ZERORATE_E_REFUSED,
         }
     }

@@ -1,13 +1,14 @@
 //! From the recorded windows to PBC, BTC and T3, each with its standard uncertainty.
 
 use crate::correction::Correction;
-use crate::ledger::{BLOCK_S, Summary};
+use crate::hour::{self, Deviation, Findings, Question};
+use crate::ledger::{Adjacent, BLOCK_S, Summary};
 use crate::noise::{FLOOR_PER_B, NoiseModel, TYPICAL_FLICKER_FLOOR_DPS, Window};
-use crate::notice::{Refusal, Warning};
+use crate::notice::{Refusal, TYPICAL_BTC_DPS_PER_C, Warning};
 use crate::procedure::{Plan, STATES, State};
-use crate::record::Second;
+use crate::record::{Blocks, Second};
+use crate::stationarity::{self, LARGEST_SUPPLY_STEP_DPS};
 use crate::tally::Tally;
-use crate::{stationarity, steps};
 use alloc::vec::Vec;
 
 /// Spread of the curvature of the bias over units, °/s/°C² (M-02).
@@ -92,6 +93,9 @@ pub struct Uncertainty {
     pub cov_pbc_btc: f64,
     /// Covariance of PBC and T3, °C·°/s.
     pub cov_pbc_t3: f64,
+    /// A part of [`u_pbc_dps`](Self::u_pbc_dps) with a known sign, °/s: PBC belongs to the mean temperature of step 8, as AN-1042 takes
+    /// it, and is that much above what it would be at T3: −BTC × (T3 − mean temperature).
+    pub drift_dps: f64,
 }
 
 impl Uncertainty {
@@ -120,35 +124,56 @@ pub(crate) fn span_suffices(seen: &Seen<'_>) -> Result<(), Refusal> {
 }
 
 /// The warnings that need no more than the windows, each where it applies.
-pub type WindowWarnings = [Option<Warning>; 8];
+pub type WindowWarnings = [Option<Warning>; 10];
 
-/// The result of a procedure that has reached its end and kept its seconds, in which steps of the bias are looked for.
-pub(crate) fn outcome_with_steps(seen: &Seen<'_>, seconds: impl Iterator<Item = Second>) -> Result<Outcome, Refusal> {
-    outcome(seen, |warnings, correction, uncertainty, noise| {
-        // A step inside step 8 looks like flicker too, and must not hide behind it.
-        let bias_instability_dps = NoiseModel::TYPICAL.bias_instability_dps;
-        let typical = NoiseModel { bias_instability_dps, ..noise.model };
-        let seconds: Vec<Second> = seconds.collect();
-        let steps = steps::find(&seconds, correction.btc_dps_per_c, uncertainty.u_btc_dps_per_c, &typical);
-        let steps = steps.iter().map(|step| Warning::Step { at_s: step.at_s, size_dps: step.size_dps });
-        warnings.into_iter().flatten().chain(steps).collect()
+/// The result of a procedure that has reached its end and kept its seconds, which show what else the rate did.
+pub(crate) fn outcome_of_hour(seen: &Seen<'_>, blocks: &Blocks) -> Result<Outcome, Refusal> {
+    let seconds: Vec<Second> = blocks.seconds().collect();
+    let hour = hour::findings(&seconds, &question(seen)?);
+    let eighths = match &hour {
+        // A step looks like flicker, too, and must not hide behind it.
+        Some(hour) => blocks.eighths_less(State::Offset, |start_s, end_s| hour.disturbance_dps(start_s, end_s)),
+        None => seen.window(State::Offset).eighths,
+    };
+    outcome(seen, hour.as_ref(), eighths, |warnings| {
+        let found = hour.iter().flat_map(Findings::distinct).map(Warning::Found);
+        let restless = hour.iter().filter(|hour| hour.unexplained).map(|_| Warning::Restless);
+        warnings.into_iter().flatten().chain(found).chain(restless).collect()
     })
 }
 
-/// The result of a procedure that has reached its end; `complete` makes all warnings of those that the windows show.
-pub(crate) fn outcome<W>(
+/// The result of a procedure that has reached its end and kept the windows alone.
+pub(crate) fn outcome_of_windows(seen: &Seen<'_>) -> Result<Outcome<WindowWarnings>, Refusal> {
+    outcome(seen, None, seen.window(State::Offset).eighths, |warnings| warnings)
+}
+
+/// What the hour is asked.
+fn question(seen: &Seen<'_>) -> Result<Question, Refusal> {
+    let slope = Slope::new(seen)?;
+    Ok(Question {
+        averages: AVERAGES.map(|state| window(seen, state, 1.0)),
+        span_c: slope.span_c(),
+        t3_c: Level::new(seen, slope.btc_dps_per_c())?.t3_c,
+        noise: NoiseModel { white_dps_per_rt_hz: white_density(seen), ..NoiseModel::TYPICAL },
+        curvature_dps_per_c2: if seen.plan.assume_linear { 0.0 } else { TYPICAL_CURVATURE_DPS_PER_C2 },
+    })
+}
+
+fn outcome<W>(
     seen: &Seen<'_>,
-    complete: impl FnOnce(WindowWarnings, &Correction, &Uncertainty, &Noise) -> W,
+    hour: Option<&Findings>,
+    eighths: Adjacent,
+    complete: impl FnOnce(WindowWarnings) -> W,
 ) -> Result<Outcome<W>, Refusal> {
     let plan = *seen.plan;
     let slope = Slope::new(seen)?;
     let level = Level::new(seen, slope.btc_dps_per_c())?;
-    let noise = measured_noise(seen);
-    let uncertainty = uncertainty(seen, &slope, &level, &noise.model);
-    slope.accept(slope.u_noise(&noise.model), uncertainty.u_curvature_dps_per_c, &plan)?;
+    let noise = measured_noise(seen, eighths);
+    let uncertainty = uncertainty(seen, &slope, &level, &noise.model, hour);
+    accept(&slope, &level, &noise, &uncertainty, hour, &plan)?;
 
     let correction = Correction { pbc_dps: level.pbc_dps, btc_dps_per_c: slope.btc_dps_per_c(), t3_c: level.t3_c };
-    let warnings = complete(warnings(seen, &level, &uncertainty, &noise), &correction, &uncertainty, &noise);
+    let warnings = complete(warnings(seen, &level, &uncertainty, &noise, hour));
     let (tally, (temp_min_c, temp_max_c)) = (seen.tally, temperature_range(seen));
     Ok(Outcome {
         b1_dps: slope.b1_dps,
@@ -169,6 +194,44 @@ pub(crate) fn outcome<W>(
         plan,
         warnings,
     })
+}
+
+/// Refuses what must not become a calibration, with the cause: first what the plan asks of any unit, then what this one did.
+fn accept(
+    slope: &Slope,
+    level: &Level,
+    noise: &Noise,
+    uncertainty: &Uncertainty,
+    hour: Option<&Findings>,
+    plan: &Plan,
+) -> Result<(), Refusal> {
+    let bias_instability_dps = NoiseModel::TYPICAL.bias_instability_dps;
+    let typical = NoiseModel { bias_instability_dps, ..noise.model };
+    let u_curvature = slope.u_curvature(level.t3_c, plan);
+    slope.accept(slope.u_noise(&typical), u_curvature, plan)?;
+
+    let wanted_dps_per_c = plan.max_u_btc_dps_per_c;
+    let u_btc_dps_per_c = libm::hypot(slope.u_noise(&noise.model), u_curvature);
+    if u_btc_dps_per_c > wanted_dps_per_c {
+        let floor_dps = FLOOR_PER_B * noise.model.bias_instability_dps;
+        let typical_dps = TYPICAL_FLICKER_FLOOR_DPS;
+        return Err(Refusal::Unsteady { floor_dps, typical_dps, u_btc_dps_per_c, wanted_dps_per_c });
+    }
+    for finding in hour.iter().flat_map(|hour| &hour.found) {
+        match finding.deviation {
+            Deviation::Sway { hz, size_dps } if size_dps > LARGEST_SUPPLY_STEP_DPS => {
+                return Err(Refusal::Swaying { hz, size_dps, limit_dps: LARGEST_SUPPLY_STEP_DPS });
+            }
+            _ => {}
+        }
+    }
+    match hour.and_then(Findings::worst_of_btc) {
+        Some(finding) if uncertainty.u_btc_dps_per_c > wanted_dps_per_c => {
+            let u_btc_dps_per_c = uncertainty.u_btc_dps_per_c;
+            Err(Refusal::Found { finding, u_btc_dps_per_c, wanted_dps_per_c })
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Steps 4 and 6: two means and the line through them.
@@ -214,6 +277,12 @@ impl Slope {
         libm::hypot(curvature, branches)
     }
 
+    /// The same, or more where the hour shows more; never less, since what it shows rests on a noise model and a few degrees.
+    fn u_curvature_seen(&self, t3_c: f64, plan: &Plan, hour: Option<&Findings>) -> f64 {
+        let typical = self.u_curvature(t3_c, plan);
+        hour.map_or(typical, |hour| hour.u_curvature_dps_per_c.max(typical))
+    }
+
     fn accept(&self, u_noise: f64, u_curvature: f64, plan: &Plan) -> Result<(), Refusal> {
         let (u_btc_dps_per_c, wanted_dps_per_c) = (libm::hypot(u_noise, u_curvature), plan.max_u_btc_dps_per_c);
         if u_btc_dps_per_c <= wanted_dps_per_c {
@@ -235,6 +304,7 @@ struct Level {
     drift_c: f64,
     /// What that does to PBC, °/s.
     shift_dps: f64,
+    btc_dps_per_c: f64,
 }
 
 impl Level {
@@ -245,26 +315,36 @@ impl Level {
         let drift_c = t3_c - mean_c;
         let pbc_dps = seen.plan.earth_dps.unwrap_or(0.0) - rate_dps;
         let u_t3_c = u_temp_c(seen, State::FinalTemperature);
-        Ok(Self { pbc_dps, t3_c, u_t3_c, drift_c, shift_dps: -btc_dps_per_c * drift_c })
+        Ok(Self { pbc_dps, t3_c, u_t3_c, drift_c, shift_dps: -btc_dps_per_c * drift_c, btc_dps_per_c })
     }
 }
 
-fn uncertainty(seen: &Seen<'_>, slope: &Slope, level: &Level, noise: &NoiseModel) -> Uncertainty {
+fn uncertainty(
+    seen: &Seen<'_>,
+    slope: &Slope,
+    level: &Level,
+    noise: &NoiseModel,
+    hour: Option<&Findings>,
+) -> Uncertainty {
     let steady = noise.without_random_walk();
     let mean = [window(seen, State::Offset, 1.0)];
     let t3_dps = slope.btc_dps_per_c() * level.u_t3_c;
-    let u_curvature_dps_per_c = slope.u_curvature(level.t3_c, seen.plan);
+    let u_curvature_dps_per_c = slope.u_curvature_seen(level.t3_c, seen.plan, hour);
+    let (found_pbc, found_btc) = hour.map_or((0.0, 0.0), |hour| (hour.u_pbc_dps, hour.u_btc_dps_per_c));
+    let u_pbc_dps = libm::hypot(u_offset_noise(seen, noise), libm::hypot(level.shift_dps, t3_dps));
+    let u_btc_dps_per_c = libm::hypot(slope.u_noise(noise), u_curvature_dps_per_c);
     Uncertainty {
         u_b1_dps: steady.sd(&slope.windows[..1]),
         u_b2_dps: steady.sd(&slope.windows[1..]),
         u_t1_c: slope.u_t_c,
         u_t2_c: slope.u_t_c,
-        u_pbc_dps: libm::hypot(u_offset_noise(seen, noise), libm::hypot(level.shift_dps, t3_dps)),
-        u_btc_dps_per_c: libm::hypot(slope.u_noise(noise), u_curvature_dps_per_c),
+        u_pbc_dps: libm::hypot(u_pbc_dps, found_pbc),
+        u_btc_dps_per_c: libm::hypot(u_btc_dps_per_c, found_btc),
         u_curvature_dps_per_c,
         u_t3_c: level.u_t3_c,
         cov_pbc_btc: steady.covariance(&mean, &slope.windows) / slope.span_c(),
         cov_pbc_t3: -slope.btc_dps_per_c() * level.u_t3_c * level.u_t3_c,
+        drift_dps: level.shift_dps,
     }
 }
 
@@ -311,9 +391,8 @@ fn white_density(seen: &Seen<'_>) -> f64 {
 const SIGNIFICANT_Z: f64 = 3.09;
 
 /// White as measured. Flicker as typical, unless step 8 wanders significantly more than that: then as much as it shows.
-fn measured_noise(seen: &Seen<'_>) -> Noise {
+fn measured_noise(seen: &Seen<'_>, eighths: Adjacent) -> Noise {
     let typical = NoiseModel { white_dps_per_rt_hz: white_density(seen), ..NoiseModel::TYPICAL };
-    let eighths = seen.window(State::Offset).eighths;
     let expected = typical.allan_variance(eighths.m as f64 * BLOCK_S);
     if eighths.variance <= expected * stationarity::allowance(eighths.count.saturating_sub(1), SIGNIFICANT_Z) {
         return Noise { model: typical, flicker_measured: false };
@@ -327,13 +406,22 @@ fn temperature_range(seen: &Seen<'_>) -> (f64, f64) {
     ranges.fold((f64::INFINITY, f64::NEG_INFINITY), |all, range| (all.0.min(range.0), all.1.max(range.1)))
 }
 
-fn warnings(seen: &Seen<'_>, level: &Level, uncertainty: &Uncertainty, noise: &Noise) -> WindowWarnings {
+/// Smallest BTC that is not remarkable, °/s/°C: three spreads of M-02 below the typical one.
+const FLAT_DPS_PER_C: f64 = 0.01;
+
+fn warnings(
+    seen: &Seen<'_>,
+    level: &Level,
+    uncertainty: &Uncertainty,
+    noise: &Noise,
+    hour: Option<&Findings>,
+) -> WindowWarnings {
     let (plan, model) = (seen.plan, &noise.model);
     let (lost, samples, rate_hz) = (seen.tally.lost, seen.tally.samples, seen.tally.rate_hz());
     let spoilt: u64 = seen.windows.iter().map(|window| window.spoilt).sum();
     let when = |condition: bool, warning: Warning| condition.then_some(warning);
     [
-        when(plan.earth_dps.is_none(), Warning::EarthIncluded),
+        Some(plan.earth_dps.map_or(Warning::EarthIncluded, |earth_dps| Warning::EarthSubtracted { earth_dps })),
         when(!plan.assume_linear, Warning::CurvatureUnseen { u_dps_per_c: uncertainty.u_curvature_dps_per_c }),
         when(
             level.shift_dps.abs() > u_offset_noise(seen, model),
@@ -353,5 +441,10 @@ fn warnings(seen: &Seen<'_>, level: &Level, uncertainty: &Uncertainty, noise: &N
             },
         ),
         when(spoilt > 0, Warning::Impossible { count: spoilt, fraction: spoilt as f64 / samples as f64 }),
+        when(
+            level.btc_dps_per_c.abs() < FLAT_DPS_PER_C,
+            Warning::Flat { btc_dps_per_c: level.btc_dps_per_c, typical_dps_per_c: TYPICAL_BTC_DPS_PER_C },
+        ),
+        when(hour.is_none(), Warning::HourUnchecked),
     ]
 }

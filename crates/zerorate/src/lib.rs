@@ -13,7 +13,9 @@ mod code_table;
 mod correction;
 mod estimate;
 mod freeze;
+mod gls;
 pub mod health;
+mod hour;
 mod ledger;
 pub mod noise;
 mod notice;
@@ -22,8 +24,8 @@ mod procedure;
 mod record;
 pub mod resonance;
 mod running;
+mod shape;
 mod stationarity;
-mod steps;
 mod tally;
 
 #[cfg(feature = "file")]
@@ -34,6 +36,7 @@ pub use correction::{Correction, CorrectionF32, IntegerCorrection, IntegerError,
 pub use estimate::{
     BANDWIDTH_HZ, Noise, Outcome, TYPICAL_CURVATURE_DPS_PER_C2, TYPICAL_HYSTERESIS_DPS, Uncertainty, WindowWarnings,
 };
+pub use hour::{Deviation, Finding};
 pub use notice::{EARTH_DPS, Refusal, SUPPLY_DPS_PER_MV, Warning};
 pub use procedure::{Action, Event, FixedProcedure, Plan, PlanError, Procedure, Progress, State};
 pub use tally::Tally;

@@ -1,5 +1,6 @@
 //! What noise does to means over windows: the covariance of any two weighted sums of window means.
 
+use alloc::vec::Vec;
 use core::f64::consts::{LN_2, PI};
 
 /// White noise density of the part, one-sided, °/s/√Hz (F-02).
@@ -67,6 +68,24 @@ impl NoiseModel {
         libm::sqrt(self.covariance(windows, windows).max(0.0))
     }
 
+    /// Lower triangle of the covariance matrix of means over stretches of whole seconds, which follow each other without overlap; the
+    /// random walk starts from zero at second 0.
+    #[must_use]
+    pub(crate) fn covariances(&self, stretches: &[Stretch]) -> Vec<Vec<f64>> {
+        let (first, last) = (stretches.first().map_or(0, |s| s.start_s), stretches.last().map_or(0, |s| s.end_s));
+        let steady = Kernel::new(&self.without_random_walk());
+        let kernel: Vec<f64> = (0..=last - first).map(|lag_s| steady.at(f64::from(lag_s))).collect();
+        let walk = square(self.rate_random_walk_dps_per_rt_s);
+        let covariance = |a: &Stretch, b: &Stretch| {
+            let at = |x: u32, y: u32| kernel[x.abs_diff(y) as usize];
+            let second_difference =
+                at(a.end_s, b.start_s) - at(a.start_s, b.start_s) - at(a.end_s, b.end_s) + at(a.start_s, b.end_s);
+            let shared_s = if a == b { f64::from(a.start_s) + a.length_s() / 3.0 } else { b.middle_s() };
+            second_difference / (a.length_s() * b.length_s()) + walk * shared_s
+        };
+        stretches.iter().enumerate().map(|(i, a)| stretches[..=i].iter().map(|b| covariance(a, b)).collect()).collect()
+    }
+
     /// The same model without its random walk: for the level of a mean rather than its change.
     #[must_use]
     pub fn without_random_walk(self) -> Self {
@@ -86,6 +105,23 @@ pub struct Window {
     pub end_s: f64,
     /// Factor of this mean in the sum.
     pub weight: f64,
+}
+
+/// Whole seconds from a start to an end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Stretch {
+    pub(crate) start_s: u32,
+    pub(crate) end_s: u32,
+}
+
+impl Stretch {
+    pub(crate) fn length_s(&self) -> f64 {
+        f64::from(self.end_s - self.start_s)
+    }
+
+    fn middle_s(&self) -> f64 {
+        f64::from(self.start_s) + self.length_s() / 2.0
+    }
 }
 
 /// Twice integrated autocovariance G (G'' = R, even): the covariance of two window means is a second difference of it.

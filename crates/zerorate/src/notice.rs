@@ -1,5 +1,6 @@
 //! What a measurement has to say beside its numbers: warnings, and the refusals that end it.
 
+use crate::hour::{Deviation, Finding};
 use crate::procedure::State;
 use core::fmt;
 
@@ -7,6 +8,8 @@ use core::fmt;
 pub const EARTH_DPS: f64 = 0.00418;
 /// Bias per supply voltage, °/s/mV, at most (F-01).
 pub const SUPPLY_DPS_PER_MV: f64 = 0.0002;
+/// Typical BTC, °/s/°C: minus the bias temperature coefficient of F-05.
+pub const TYPICAL_BTC_DPS_PER_C: f64 = -0.04;
 
 /// The result stands, but there is something to know. `Display` says what was seen, why it matters and what to do.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,12 +18,20 @@ pub const SUPPLY_DPS_PER_MV: f64 = 0.0002;
 pub enum Warning {
     /// The Earth's rotation was not subtracted.
     EarthIncluded,
+    /// It was, and no other constant rotation is accounted for.
+    EarthSubtracted { earth_dps: f64 },
     /// A line through two temperatures shows no curvature; its typical size is in the uncertainty of BTC.
     CurvatureUnseen { u_dps_per_c: f64 },
     /// The temperature moved between the rate average and T3.
     Drifting { drift_c: f64, shift_dps: f64, u_pbc_dps: f64 },
-    /// The rate changed level once.
-    Step { at_s: f64, size_dps: f64 },
+    /// The rate did something that neither noise nor a line over temperature explains.
+    Found(Finding),
+    /// The rate did more than what was found.
+    Restless,
+    /// The bias hardly follows the temperature.
+    Flat { btc_dps_per_c: f64, typical_dps_per_c: f64 },
+    /// The hour as a whole was not looked at: its seconds were not kept, or there are too few.
+    HourUnchecked,
     /// PBC was averaged for less than half of the best time.
     ShortAverage { average_s: f64, best_s: f64 },
     /// The rate was read below twice the bandwidth.
@@ -41,9 +52,13 @@ impl Warning {
     pub fn code(&self) -> &'static str {
         match self {
             Self::EarthIncluded => "earth-included",
+            Self::EarthSubtracted { .. } => "earth-subtracted",
             Self::CurvatureUnseen { .. } => "curvature-unseen",
             Self::Drifting { .. } => "temperature-drifting",
-            Self::Step { .. } => "step",
+            Self::Found(finding) => finding.deviation.code(),
+            Self::Restless => "restless",
+            Self::Flat { .. } => "flat-bias",
+            Self::HourUnchecked => "hour-unchecked",
             Self::ShortAverage { .. } => "short-average",
             Self::Aliased { .. } => "aliased",
             Self::Lost { .. } => "lost-samples",
@@ -59,7 +74,11 @@ impl fmt::Display for Warning {
         match *self {
             Self::EarthIncluded => write!(
                 f,
-                "the Earth's rotation is inside PBC: up to ±{EARTH_DPS} °/s, by the direction of the axis; give its component with --earth-dps"
+                "the Earth's rotation is inside PBC and not in its uncertainty: up to ±{EARTH_DPS} °/s, by the direction of the axis; give its component with --earth-dps. {STILL}"
+            ),
+            Self::EarthSubtracted { earth_dps } => write!(
+                f,
+                "{earth_dps:+.5} °/s were subtracted for the Earth's rotation (it is ±{EARTH_DPS} °/s at most). {STILL}"
             ),
             Self::CurvatureUnseen { u_dps_per_c } => write!(
                 f,
@@ -69,10 +88,20 @@ impl fmt::Display for Warning {
                 f,
                 "the temperature still drifts: T3 is {drift_c:+.3} °C off the mean of step 8, which shifts PBC by {shift_dps:+.5} °/s (u = {u_pbc_dps:.5}); settle longer or shield the part from draughts"
             ),
-            Self::Step { at_s, size_dps } => write!(
+            Self::Found(Finding { deviation, pbc_dps, btc_dps_per_c }) => write!(
                 f,
-                "the rate stepped by {size_dps:+.4} °/s at {at_s:.0} s: as a supply step that would be at least {:.0} mV; use a linear supply, and check that nothing moved",
-                size_dps.abs() / SUPPLY_DPS_PER_MV
+                "{deviation}. It makes PBC wrong by about {pbc_dps:+.4} °/s and BTC by about {btc_dps_per_c:+.4} °/s/°C, which is in their uncertainties; {}",
+                deviation.advice()
+            ),
+            Self::Restless => f.write_str(
+                "the rate moves in more ways than could be told apart, so the uncertainties may be too small; fix the part to a still platform, use a linear supply, and measure again"
+            ),
+            Self::Flat { btc_dps_per_c, typical_dps_per_c } => write!(
+                f,
+                "the bias hardly follows the temperature: BTC is {btc_dps_per_c:+.4} °/s/°C where {typical_dps_per_c} is typical; a wide hysteresis or a long lag looks the same over so few degrees, so check it over a wider range before you rely on it elsewhere than at T3"
+            ),
+            Self::HourUnchecked => f.write_str(
+                "steps, lag, curvature, hysteresis and slow motion between the averages were not looked for, since the seconds of the hour were not kept or are too few; record the samples and compute the calibration from them to have that done"
             ),
             Self::ShortAverage { average_s, best_s } => write!(
                 f,
@@ -108,6 +137,62 @@ impl fmt::Display for Warning {
     }
 }
 
+/// What no measurement at rest can see, and what it would take.
+const STILL: &str = "Any other rotation that is constant over the hour, or nearly, looks like bias and is inside PBC, and so does a step of less than some 100 mV of the supply in its last seconds: mount the part where nothing turns; to know, calibrate again with its axis turned over: half of the difference of the two PBC is rotation";
+
+impl Deviation {
+    fn code(&self) -> &'static str {
+        match self {
+            Self::Step { .. } => "step",
+            Self::Curvature { .. } => "curved",
+            Self::Lag { .. } => "lagging",
+            Self::Hysteresis { .. } => "hysteresis",
+            Self::Sway { .. } => "swaying",
+        }
+    }
+
+    fn advice(&self) -> &'static str {
+        match self {
+            Self::Step { .. } => "use a linear supply, and check that nothing moved",
+            Self::Curvature { .. } | Self::Hysteresis { .. } => {
+                "a chamber at several temperatures tells more (F-54); check that nothing moved slowly"
+            }
+            Self::Lag { .. } => {
+                "warm and settle longer, more slowly, or use a chamber (F-54); check that nothing moved slowly"
+            }
+            Self::Sway { .. } => "fix the part to a still platform",
+        }
+    }
+}
+
+impl fmt::Display for Deviation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::Step { at_s, size_dps } => write!(
+                f,
+                "the rate stepped by {size_dps:+.4} °/s at {at_s:.0} s: as a supply step that would be at least {:.0} mV",
+                size_dps.abs() / SUPPLY_DPS_PER_MV
+            ),
+            Self::Curvature { dps_per_c2 } => {
+                write!(f, "the rate bends over temperature, by {dps_per_c2:+.5} °/s/°C²: a curved bias")
+            }
+            Self::Lag { lag_s } => {
+                write!(
+                    f,
+                    "the rate follows the temperature late, as if the sensing element lagged by about {lag_s:.0} s"
+                )
+            }
+            Self::Hysteresis { width_c } => write!(
+                f,
+                "the rate held still until the temperature had changed by about {width_c:.1} °C: a hysteresis, or a step at the start"
+            ),
+            Self::Sway { hz, size_dps } => {
+                write!(f, "the rate sways by ±{size_dps:.4} °/s once in {:.0} s: the platform moves", 1.0 / hz)
+            }
+        }
+    }
+}
+
 /// The measurement must not become a calibration. `Display` says why, with the numbers, and what to do.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
@@ -123,6 +208,12 @@ pub enum Refusal {
     Span { t1_c: f64, t2_c: f64, u_btc_dps_per_c: f64, wanted_dps_per_c: f64 },
     /// The uncertainty of BTC comes from the curvature that may be there, so a larger span does not help.
     Curvature { u_btc_dps_per_c: f64, u_curvature_dps_per_c: f64, wanted_dps_per_c: f64 },
+    /// BTC would be too uncertain by what the rate did during the hour.
+    Found { finding: Finding, u_btc_dps_per_c: f64, wanted_dps_per_c: f64 },
+    /// The platform moves slowly, and far.
+    Swaying { hz: f64, size_dps: f64, limit_dps: f64 },
+    /// The bias wanders so much during step 8 that BTC would be too uncertain.
+    Unsteady { floor_dps: f64, typical_dps: f64, u_btc_dps_per_c: f64, wanted_dps_per_c: f64 },
     /// Too many samples were lost.
     Lost { window: State, lost: u64, samples: u64, limit: f64 },
     /// Readings beyond the range.
@@ -162,6 +253,22 @@ impl fmt::Display for Refusal {
             Self::Curvature { u_btc_dps_per_c, u_curvature_dps_per_c, wanted_dps_per_c } => write!(
                 f,
                 "BTC would be uncertain by {u_btc_dps_per_c:.4} °/s/°C where {wanted_dps_per_c} is wanted, {u_curvature_dps_per_c:.4} of it from the curvature that two temperatures cannot show; accept more with --max-u-btc, or use --assume-linear if this unit is known to be linear"
+            ),
+            Self::Found { finding: Finding { deviation, btc_dps_per_c, .. }, u_btc_dps_per_c, wanted_dps_per_c } => {
+                write!(
+                    f,
+                    "{deviation}. It makes BTC wrong by about {btc_dps_per_c:+.4} °/s/°C, so that BTC would be uncertain by {u_btc_dps_per_c:.4} °/s/°C where {wanted_dps_per_c} is wanted; {}; or accept more with --max-u-btc",
+                    deviation.advice()
+                )
+            }
+            Self::Swaying { hz, size_dps, limit_dps } => write!(
+                f,
+                "the part moves: the rate sways by ±{size_dps:.3} °/s once in {:.0} s, more than the {limit_dps} °/s that a result could bear; fix the part to a still platform",
+                1.0 / hz
+            ),
+            Self::Unsteady { floor_dps, typical_dps, u_btc_dps_per_c, wanted_dps_per_c } => write!(
+                f,
+                "the rate is unsteady during the offset average (step 8): it wanders or steps as a flicker floor of {floor_dps:.4} °/s would, where {typical_dps} °/s is typical, so BTC would be uncertain by {u_btc_dps_per_c:.4} °/s/°C where {wanted_dps_per_c} is wanted; use a linear supply, keep the part still, or accept more with --max-u-btc"
             ),
             Self::Lost { window, lost, samples, limit } => write!(
                 f,

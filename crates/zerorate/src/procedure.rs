@@ -5,7 +5,7 @@
 use crate::estimate::{self, Outcome, Seen, WindowWarnings};
 use crate::health::{Frozen, Health, Judged};
 use crate::ledger::{BLOCK_S, Ledger};
-use crate::notice::Refusal;
+use crate::notice::{EARTH_DPS, Refusal};
 use crate::record::Blocks;
 use crate::running::Running;
 use crate::stationarity::Verdict;
@@ -59,20 +59,28 @@ impl Plan {
         2.0 * self.average_s + self.warmup_s + self.settle_s + self.offset_s + self.final_temp_s
     }
 
+    /// Every number within what a measurement on Earth can be.
     fn check(&self) -> Result<(), PlanError> {
-        let at_least = |name, value: f64, least: f64| {
-            if value >= least && value.is_finite() { Ok(()) } else { Err(PlanError { name, value, least }) }
+        let within = |name, value: f64, least: f64, most: f64, unit| {
+            if (least..=most).contains(&value) { Ok(()) } else { Err(PlanError { name, value, least, most, unit }) }
         };
-        at_least("average", self.average_s, 1.0)?;
-        at_least("warmup", self.warmup_s, 0.0)?;
-        at_least("settle", self.settle_s, 0.0)?;
-        at_least("offset", self.offset_s, 1.0)?;
-        at_least("final-temp", self.final_temp_s, 0.1)?;
-        at_least("max-lost", self.max_lost, 0.0)?;
-        at_least("max-u-btc", self.max_u_btc_dps_per_c, f64::MIN_POSITIVE)?;
-        at_least("earth-dps", self.earth_dps.unwrap_or(0.0).abs(), 0.0)
+        within("average", self.average_s, 1.0, DAY_S, "s")?;
+        within("warmup", self.warmup_s, 0.0, DAY_S, "s")?;
+        within("settle", self.settle_s, 0.0, DAY_S, "s")?;
+        within("offset", self.offset_s, 1.0, DAY_S, "s")?;
+        within("final-temp", self.final_temp_s, 0.1, DAY_S, "s")?;
+        within("max-lost", self.max_lost, 0.0, 1.0, "of all samples")?;
+        within("max-u-btc", self.max_u_btc_dps_per_c, LEAST_U_BTC_DPS_PER_C, MOST_U_BTC_DPS_PER_C, "°/s/°C")?;
+        within("earth-dps", self.earth_dps.unwrap_or(0.0), -EARTH_DPS, EARTH_DPS, "°/s (F-16)")
     }
 }
+
+/// No step of F-51 takes longer than a day, s: the ambient temperature would go round once.
+const DAY_S: f64 = 86_400.0;
+/// An uncertainty of BTC that no hour reaches: the noise of F-02 alone, over a day and the range of F-08, makes ten times as much.
+const LEAST_U_BTC_DPS_PER_C: f64 = 1e-8;
+/// An uncertainty of BTC at which it says nothing: 25 times the coefficient itself (F-05).
+const MOST_U_BTC_DPS_PER_C: f64 = 1.0;
 
 /// A plan that cannot be carried out.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -83,16 +91,21 @@ pub struct PlanError {
     pub value: f64,
     /// The least that makes sense.
     pub least: f64,
+    /// The most that makes sense.
+    pub most: f64,
+    /// The option's unit.
+    pub unit: &'static str,
 }
 
 impl fmt::Display for PlanError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { name, value, least } = self;
-        if *least == f64::MIN_POSITIVE {
-            write!(f, "--{name} is {value}; it must be above zero")
-        } else {
-            write!(f, "--{name} is {value}; it must be a number of at least {least}")
+        let Self { name, value, least, most, unit } = self;
+        write!(f, "--{name} is {value}; it must be a number from {least} to {most} {unit}")?;
+        let in_dps = value / 3600.0;
+        if *name == "earth-dps" && value.abs() > 0.1 && in_dps.abs() <= EARTH_DPS {
+            write!(f, ": if that was °/h, give {in_dps:.5}")?;
         }
+        Ok(())
     }
 }
 
@@ -248,9 +261,10 @@ pub struct Procedure<L = Blocks> {
 /// The procedure on fixed memory, about 3 KB, for a microcontroller: it allocates nothing.
 ///
 /// PBC, BTC and T3 are those of [`Procedure`], bit for bit, and so are uncertainties and refusals, with two differences. It does not
-/// look for steps of the bias over the hour ([`Warning::Step`]); and a small step inside an average, which [`Procedure`] accepts with
-/// that warning, is refused as motion. (Where blocks of 0.1 s stayed empty, the two may group the others differently, and their
-/// uncertainties differ by a few per cent.)
+/// look at the hour as a whole ([`Warning::Found`](crate::Warning::Found)), and says so by
+/// [`Warning::HourUnchecked`](crate::Warning::HourUnchecked); its uncertainties hold nothing of what is found there. And a small step inside an average, which
+/// [`Procedure`] accepts with a warning, is refused as motion or as unsteady. (Where blocks of 0.1 s stayed empty, the two may group the others
+/// differently, and their uncertainties differ by a few per cent.)
 ///
 /// ```
 /// use zerorate::{Action, FixedProcedure, Plan};
@@ -275,7 +289,7 @@ impl Procedure {
     /// # Errors
     /// As [`Procedure::handle`]; before the end, the window that is still short of samples.
     pub fn finish(self) -> Result<Outcome, Refusal> {
-        estimate::outcome_with_steps(&self.seen(), self.ledger.seconds())
+        estimate::outcome_of_hour(&self.seen(), &self.ledger)
     }
 }
 
@@ -293,7 +307,7 @@ impl FixedProcedure {
     /// # Errors
     /// As [`Procedure::handle`]; before the end, the window that is still short of samples.
     pub fn outcome(&self) -> Result<Outcome<WindowWarnings>, Refusal> {
-        estimate::outcome(&self.seen(), |warnings, _, _, _| warnings)
+        estimate::outcome_of_windows(&self.seen())
     }
 }
 
@@ -494,6 +508,7 @@ impl<L: Ledger> Procedure<L> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use alloc::string::ToString;
 
     #[test]
     fn the_table_reaches_the_end_through_every_state() {
@@ -516,6 +531,22 @@ mod tests {
         assert_eq!(named(Plan { settle_s: f64::NAN, ..Plan::default() }), "settle");
         assert_eq!(named(Plan { max_u_btc_dps_per_c: 0.0, ..Plan::default() }), "max-u-btc");
         assert_eq!(named(Plan { earth_dps: Some(f64::INFINITY), ..Plan::default() }), "earth-dps");
+        assert_eq!(named(Plan { warmup_s: 1e9, ..Plan::default() }), "warmup");
+        assert_eq!(named(Plan { final_temp_s: -1.0, ..Plan::default() }), "final-temp");
+        assert_eq!(named(Plan { max_lost: 1.5, ..Plan::default() }), "max-lost");
+        assert_eq!(named(Plan { max_u_btc_dps_per_c: 2.0, ..Plan::default() }), "max-u-btc");
+    }
+
+    /// 15.04 °/h is the rotation of the Earth, and 0.00418 °/s (F-16).
+    #[test]
+    fn a_rotation_in_degrees_per_hour_is_refused_with_its_unit() {
+        let given = |dps| Procedure::new(Plan { earth_dps: Some(dps), ..Plan::default() });
+        assert!([0.00418, -0.00418, 15.041 / 3600.0, 0.0].map(|dps| given(dps).is_ok()).iter().all(|ok| *ok));
+        let text = given(15.04).unwrap_err().to_string();
+        assert!(text.contains("-0.00418 to 0.00418 °/s") && text.contains("if that was °/h, give 0.00418"), "{text}");
+        assert!(given(-0.0042).is_err() && given(f64::NAN).is_err());
+        let text = given(0.5).unwrap_err().to_string();
+        assert!(text.contains("°/h"), "{text}");
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use crate::code_sum::CodeSum;
 use crate::health::{Flags, Judged};
-use crate::ledger::{BLOCK_NS, Ledger, Summary};
+use crate::ledger::{Adjacent, BLOCK_NS, BLOCK_S, Ledger, Summary};
 use crate::procedure::{STATES, State};
 use crate::stationarity::{self, Verdict, adjacent};
 use alloc::vec::Vec;
@@ -17,6 +17,14 @@ impl Blocks {
     /// Means over the whole seconds of all steps, in the order of time.
     pub(crate) fn seconds(&self) -> impl Iterator<Item = Second> + '_ {
         self.segments.iter().flat_map(Segment::seconds)
+    }
+
+    /// The eighths of a step (`Summary::eighths`) after something was taken out of the rate: `less` is its mean from a time to another.
+    pub(crate) fn eighths_less(&self, state: State, less: impl Fn(f64, f64) -> f64) -> Adjacent {
+        let segment = &self.segments[state as usize];
+        let start_s = |k: usize| segment.start_s() + k as f64 * BLOCK_S;
+        let left = |(k, block): (usize, &Block)| Some(block.rate_dps()? - less(start_s(k), start_s(k + 1)));
+        eighths(&segment.blocks.iter().enumerate().filter_map(left).collect::<Vec<f64>>())
     }
 }
 
@@ -62,6 +70,10 @@ impl Block {
     fn temp_c(&self) -> Option<f64> {
         self.temp.temp_c()
     }
+}
+
+fn eighths(rates_dps: &[f64]) -> Adjacent {
+    adjacent(rates_dps, (rates_dps.len() / 8).max(1))
 }
 
 /// The samples of one step of the procedure.
@@ -130,7 +142,7 @@ impl Segment {
             spoilt: self.spoilt,
             rate,
             temp,
-            eighths: adjacent(&rates, (rates.len() / 8).max(1)),
+            eighths: eighths(&rates),
             rates: adjacent(&rates, 1),
             temp_range_c: temps.iter().fold((f64::INFINITY, f64::NEG_INFINITY), range),
             temps: adjacent(&temps, 1),

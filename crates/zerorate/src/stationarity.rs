@@ -11,7 +11,7 @@ const SPREAD: f64 = 2.0;
 /// Bias temperature coefficient that a drifting temperature is allowed to show through, °/s/°C: F-05 and several spreads of M-02.
 const LARGEST_TEMPCO_DPS_PER_C: f64 = 0.1;
 /// A single step up to this size is taken for a change of the supply (500 mV by F-01), °/s.
-const LARGEST_SUPPLY_STEP_DPS: f64 = 0.1;
+pub(crate) const LARGEST_SUPPLY_STEP_DPS: f64 = 0.1;
 /// One-sided normal quantile of the tests: a false alarm in fifty million.
 const ALARM_Z: f64 = 5.5;
 

@@ -22,6 +22,7 @@ fn measured() -> Calibration {
             u_t3_c: 0.0007,
             cov_pbc_btc: 1e-8,
             cov_pbc_t3: 2e-8,
+            drift_dps: 0.0004,
         },
         noise: Noise { model: NoiseModel::TYPICAL, flicker_measured: false },
         rdy_hz: 5692.6,
@@ -146,12 +147,65 @@ fn the_id_follows_the_numbers() {
     assert_eq!(id(BY_HAND).len(), 12);
 }
 
-/// By hand, with the numbers of `measured` two degrees above T3: 0.0026² + 4 · 0.0048² + (0.0401 · 0.0007)² + 2 · (2 · 1e-8 + 0.0401 · 2e-8).
+/// By hand, with the numbers of `measured` two degrees above T3: 0.0026² + 4 · 0.0048² + 2 · 2 · 1e-8.
 #[test]
 fn the_uncertainty_of_a_correction_is_propagated() {
     let calibration = measured();
-    let expected = (6.76e-6 + 9.216e-5 + 7.879_249e-10 + 4.1604e-8_f64).sqrt();
+    let expected = (6.76e-6 + 9.216e-5 + 4e-8_f64).sqrt();
     let found = calibration.u_correction_dps(calibration.correction.t3_c + 2.0).unwrap();
     assert!((found / expected - 1.0).abs() < 1e-9, "{found} {expected}");
     assert_eq!(Calibration { uncertainty: None, ..calibration }.u_correction_dps(25.0), None);
+}
+
+/// Normal numbers by the central limit, from a multiplicative generator.
+struct Normal(u64);
+
+impl Normal {
+    fn draw(&mut self) -> f64 {
+        let mut uniform = || {
+            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (self.0 >> 11) as f64 / (1u64 << 53) as f64
+        };
+        (0..12).map(|_| uniform()).sum::<f64>() - 6.0
+    }
+}
+
+/// The measurement itself, many times: a line over temperature, a mean rate with an error, a T3 with an error as large as that, and a BTC whose
+/// error has to do with the rate's.
+#[test]
+fn the_uncertainty_of_a_correction_is_that_of_many_measurements() {
+    const DRAWS: u32 = 40_000;
+    let (bias_dps, btc, t3_c) = (0.3, -0.04, 33.0);
+    let (u_rate, u_t3, u_btc, shared): (f64, f64, f64, f64) = (0.0026, 0.05, 0.0008, 0.6);
+    let mut calibration = measured();
+    let u = calibration.uncertainty.as_mut().unwrap();
+    u.u_pbc_dps = (u_rate * u_rate + btc * btc * u_t3 * u_t3).sqrt();
+    (u.u_btc_dps_per_c, u.u_t3_c) = (u_btc, u_t3);
+    (u.cov_pbc_btc_dps2_per_c, u.cov_pbc_t3_dps_c) = (-shared * u_rate * u_btc, -btc * u_t3 * u_t3);
+    let stated_cov_pbc_t3 = u.cov_pbc_t3_dps_c;
+    calibration.correction.t3_c = t3_c;
+
+    let mut normal = Normal(1);
+    let (mut squares, mut product) = ([0.0; 3], 0.0);
+    let temps_c = [t3_c - 6.0, t3_c, t3_c + 4.0];
+    for _ in 0..DRAWS {
+        let (rate, t3, own) = (normal.draw(), normal.draw(), normal.draw());
+        let found = Correction {
+            pbc_dps: -(bias_dps + u_rate * rate),
+            btc_dps_per_c: btc + u_btc * (shared * rate + (1.0 - shared * shared).sqrt() * own),
+            t3_c: t3_c + u_t3 * t3,
+        };
+        let bias_at = |temp_c: f64| bias_dps - btc * (temp_c - t3_c);
+        for (square, temp_c) in squares.iter_mut().zip(temps_c) {
+            *square += found.apply(bias_at(temp_c), temp_c).powi(2);
+        }
+        product += (found.pbc_dps + bias_at(found.t3_c)) * (found.t3_c - t3_c);
+    }
+    for (square, temp_c) in squares.into_iter().zip(temps_c) {
+        let seen = (square / f64::from(DRAWS)).sqrt();
+        let stated = calibration.u_correction_dps(temp_c).unwrap();
+        assert!((stated / seen - 1.0).abs() < 0.015, "at {temp_c} °C: {stated} where {seen} is seen");
+    }
+    let seen = product / f64::from(DRAWS);
+    assert!((stated_cov_pbc_t3 / seen - 1.0).abs() < 0.05, "{stated_cov_pbc_t3} where {seen} is seen");
 }

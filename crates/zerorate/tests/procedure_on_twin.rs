@@ -3,7 +3,10 @@
 use adis16130::blocking::Adis16130;
 use adis16130::{Config, Edge, MCLK_HZ, Sample, Sampler, SamplerConfig};
 use adis16130_twin::{Fault, Motion, Spec, Truth, Twin, TwinRdy, TwinSpi};
-use zerorate::{Action, Event, FixedProcedure, Outcome, Plan, Procedure, Refusal, State, Warning, WindowWarnings};
+use zerorate::{
+    Action, Deviation, Event, Finding, FixedProcedure, Outcome, Plan, Procedure, Refusal, State, Warning,
+    WindowWarnings,
+};
 
 /// A procedure short enough for a test. The part of [`quick`] settles as much faster.
 const SHORT: Plan = Plan {
@@ -121,6 +124,8 @@ fn the_earth_is_subtracted_only_when_it_is_given() {
     let with = measure(quick(3), Plan { earth_dps: Some(0.003), ..SHORT }).unwrap().outcome;
     assert!((with.correction.pbc_dps - without.correction.pbc_dps - 0.003).abs() < 1e-12);
     assert!(codes(&without).contains(&"earth-included") && !codes(&with).contains(&"earth-included"));
+    let Some(assumed) = with.warnings.iter().find(|warning| warning.code() == "earth-subtracted") else { panic!() };
+    assert!(assumed.to_string().contains("±0.00418 °/s") && assumed.to_string().contains("turned over"), "{assumed}");
 }
 
 #[test]
@@ -167,16 +172,103 @@ fn frozen_turning_overranged_and_lossy_readings_are_refused() {
     assert!(matches!(refused(stuttering, SHORT), Refusal::Stuttering { .. }));
 }
 
+fn found(outcome: &Outcome) -> Vec<Finding> {
+    let finding = |warning: &Warning| if let Warning::Found(finding) = warning { Some(*finding) } else { None };
+    outcome.warnings.iter().filter_map(finding).collect()
+}
+
+/// The errors of PBC and BTC in stated standard uncertainties.
+fn errors(measured: &Measured) -> (f64, f64) {
+    let (correction, u) = (measured.outcome.correction, measured.outcome.uncertainty);
+    let pbc_dps = correction.pbc_dps - measured.truth.pbc_dps(correction.t3_c);
+    let btc_dps_per_c = correction.btc_dps_per_c - measured.truth.btc_dps_per_c(correction.t3_c);
+    (pbc_dps / u.u_pbc_dps, btc_dps_per_c / u.u_btc_dps_per_c)
+}
+
+fn stepped(mv: f64, at_s: f64) -> Spec {
+    Spec { supply_step_mv: mv, fault_at_s: Some(at_s), ..quick(8) }
+}
+
+/// A BTC of any uncertainty is accepted, so that there is a result to look at.
+const LENIENT: Plan = Plan { max_u_btc_dps_per_c: 1.0, ..SHORT };
+
+/// Steps at both ends of the hour and of its averages: found where they are, and in the uncertainty as far as they matter.
 #[test]
-fn a_supply_step_is_a_warning_with_its_time() {
-    let stepped = Spec { supply_step_mv: 250.0, fault_at_s: Some(100.0), ..quick(8) };
-    let outcome = measure(stepped, SHORT).unwrap().outcome;
-    let step = outcome.warnings.iter().find_map(|warning| match warning {
-        Warning::Step { at_s, size_dps } => Some((*at_s, *size_dps)),
-        _ => None,
-    });
-    let (at_s, size_dps) = step.expect("a warning of the step");
-    assert!((at_s - 100.0).abs() < 5.0 && (size_dps.abs() - 0.05).abs() < 0.015, "{at_s} s, {size_dps} °/s");
+fn a_supply_step_is_a_warning_with_its_time_and_widens_what_it_spoils() {
+    let steps = [(250.0, 100.0), (400.0, 3.0), (-400.0, 62.5), (200.0, 135.0), (-300.0, 141.5)];
+    for (mv, at) in steps {
+        let measured = measure(stepped(mv, at), LENIENT).unwrap();
+        let seen = found(&measured.outcome);
+        let Some(Deviation::Step { at_s, size_dps }) = seen.first().map(|finding| finding.deviation) else {
+            panic!("{mv} mV at {at} s: {:?}", measured.outcome.warnings)
+        };
+        assert!(
+            (at_s - at).abs() < 3.0 && (size_dps - mv * 0.0002).abs() < 0.02,
+            "{mv} mV: {size_dps} °/s at {at_s} s"
+        );
+        let (pbc, btc) = errors(&measured);
+        assert!(pbc.abs() < 2.5 && btc.abs() < 2.5, "{mv} mV at {at} s: {pbc} u, {btc} u");
+    }
+}
+
+/// It used to be "the temperature hardly changed": the step looked like flicker, and that spoilt BTC.
+#[test]
+fn a_step_inside_step_8_is_no_lack_of_temperature() {
+    let outcome = measure(stepped(300.0, 134.0), SHORT).unwrap().outcome;
+    assert_eq!(found(&outcome).len(), 1, "{:?}", outcome.warnings);
+    assert!(!outcome.noise.flicker_measured && outcome.uncertainty.u_pbc_dps > 0.01, "{outcome:?}");
+    let ordinary = measure(quick(8), SHORT).unwrap().outcome;
+    assert_eq!(found(&ordinary), []);
+    assert!(outcome.uncertainty.u_btc_dps_per_c < 1.05 * ordinary.uncertainty.u_btc_dps_per_c, "{outcome:?}");
+}
+
+type IsCause = fn(&Deviation) -> bool;
+
+/// What the warm-up itself shows, and the four averages do not.
+#[test]
+fn curvature_lag_and_hysteresis_show_in_the_warm_up() {
+    let unit = || quick(13);
+    let curved = Spec { curvature_dps_per_c2: 0.006, ..unit() };
+    let lagging = Spec { lag_s: 20.0, ..unit() };
+    let held = Spec { hysteresis_dps: 0.1, ..unit() };
+    let causes: [(Spec, IsCause); 3] = [
+        (curved, |deviation| matches!(deviation, Deviation::Curvature { .. })),
+        (lagging, |deviation| matches!(deviation, Deviation::Lag { .. })),
+        (held, |deviation| matches!(deviation, Deviation::Hysteresis { .. })),
+    ];
+    for (spec, is_cause) in causes {
+        let refusal = refused(spec.clone(), Plan { max_u_btc_dps_per_c: 0.003, ..SHORT });
+        assert!(matches!(refusal, Refusal::Found { finding, .. } if is_cause(&finding.deviation)), "{refusal:?}");
+        let measured = measure(spec, LENIENT).unwrap();
+        assert!(found(&measured.outcome).iter().any(|finding| is_cause(&finding.deviation)));
+        let (pbc, btc) = errors(&measured);
+        assert!(pbc.abs() < 2.5 && btc.abs() < 2.5, "{pbc} u, {btc} u: {:?}", measured.outcome.warnings);
+    }
+    let stuck = measure(Spec { hysteresis_dps: 2.0, ..unit() }, SHORT).unwrap().outcome;
+    assert!(codes(&stuck).contains(&"flat-bias"), "{:?}", stuck.warnings);
+}
+
+/// A period of half of the procedure: every average is at rest, the hour is not.
+#[test]
+fn slow_sway_shows_between_the_averages() {
+    let swaying = |sway_dps| Spec { motion: Motion::Sway, sway_dps, sway_hz: 0.014, ..quick(14) };
+    let measured = measure(swaying(0.04), LENIENT).unwrap();
+    assert!(codes(&measured.outcome).contains(&"swaying"), "{:?}", measured.outcome.warnings);
+    let (pbc, btc) = errors(&measured);
+    assert!(pbc.abs() < 2.5 && btc.abs() < 2.5, "{pbc} u, {btc} u");
+    let far = refused(swaying(0.3), LENIENT);
+    assert!(matches!(far, Refusal::Swaying { .. } | Refusal::Moving { .. }), "{far}");
+}
+
+/// The sign of what the drift does is known, and AN-1042 to the letter leaves it in PBC and inside u.
+#[test]
+fn the_drift_from_step_8_to_t3_is_told_with_its_sign() {
+    let drifting = Spec { noise: false, warmup_s: 400.0, tempco_dps_per_c: 0.04, ..quick(15) };
+    let measured = measure(drifting, Plan { max_u_btc_dps_per_c: 0.05, ..SHORT }).unwrap();
+    let (correction, u) = (measured.outcome.correction, measured.outcome.uncertainty);
+    let error_dps = correction.pbc_dps - measured.truth.pbc_dps(correction.t3_c);
+    assert!(u.drift_dps > 0.002 && (error_dps / u.drift_dps - 1.0).abs() < 0.05, "{error_dps}, {u:?}");
+    assert!(u.u_pbc_dps > u.drift_dps);
 }
 
 #[test]
@@ -226,7 +318,7 @@ fn both(spec: Spec, plan: Plan) -> (Result<Outcome, Refusal>, Result<FixedOutcom
 
 #[test]
 fn fixed_memory_gives_the_same_numbers_bit_for_bit() {
-    for (seed, plan) in [(11, SHORT), (12, Plan { assume_linear: false, earth_dps: Some(0.003), ..SHORT })] {
+    for (seed, plan) in [(11, SHORT), (12, Plan { earth_dps: Some(0.003), ..SHORT })] {
         let (full, fixed) = both(quick(seed), plan);
         let (full, fixed) = (full.unwrap(), fixed.unwrap());
         assert_eq!((full.correction, full.uncertainty, full.noise), (fixed.correction, fixed.uncertainty, fixed.noise));
@@ -236,7 +328,9 @@ fn fixed_memory_gives_the_same_numbers_bit_for_bit() {
         );
         assert_eq!((full.temp_min_c, full.temp_max_c), (fixed.temp_min_c, fixed.temp_max_c));
         assert_eq!((full.samples, full.lost_samples, full.rate_hz), (fixed.samples, fixed.lost_samples, fixed.rate_hz));
-        assert_eq!(full.warnings, fixed.warnings.into_iter().flatten().collect::<Vec<_>>());
+        let mut warnings: Vec<Warning> = fixed.warnings.into_iter().flatten().collect();
+        assert_eq!(warnings.pop(), Some(Warning::HourUnchecked), "what it does not look for, it says");
+        assert_eq!(full.warnings, warnings);
     }
 }
 
@@ -261,4 +355,8 @@ fn a_small_step_inside_an_average_is_motion_for_the_one_on_fixed_memory() {
     let (full, fixed) = both(during_offset, Plan { max_u_btc_dps_per_c: 0.05, ..SHORT });
     assert!(codes(&full.unwrap()).contains(&"step"));
     assert!(matches!(fixed.unwrap_err(), Refusal::Moving { window: State::Offset, .. } | Refusal::Noisy { .. }));
+    let small = Spec { supply_step_mv: 120.0, fault_at_s: Some(134.0), ..quick(8) };
+    let (full, fixed) = both(small, SHORT);
+    assert!(codes(&full.unwrap()).contains(&"step"));
+    assert!(matches!(fixed, Err(Refusal::Unsteady { .. }) | Ok(_)), "{fixed:?}");
 }

@@ -1,11 +1,11 @@
-//! What `bindings/c/tests/agree.c` must print, from the Rust crates: driver, corrections, and the procedure that keeps every block.
+//! What `bindings/c/tests/agree.c` must print, from the Rust crates: driver, corrections, and the procedure on fixed memory.
 
 use adis16130::blocking::Adis16130;
 use adis16130::{Config, Edge, RateCode, Sample, Sampler, SamplerConfig, SelfTestPlan, TempCode, WaitBound};
 use adis16130_twin::{Spec, Twin, TwinRdy, TwinSpi};
 use anyhow::{Context, Result, anyhow, ensure};
 use std::fmt::Write;
-use zerorate::{Action, CodeTable, Correction, Event, Outcome, Plan, Procedure, Refusal, Warning};
+use zerorate::{Action, CodeTable, Correction, Event, FixedProcedure, Outcome, Plan, Refusal, Warning, WindowWarnings};
 
 /// The correction of the test, as a calibration file.
 pub const CALIBRATION: &str =
@@ -125,7 +125,7 @@ const PLAN: Plan = Plan {
 fn calibrate(text: &mut String, keys: &str) -> Result<()> {
     let mut rig = Rig::new(keys, 1_000_000)?;
     text.push_str("initialise 0\nbegin 0\ntoo early -2\nfirst 0\n");
-    let mut procedure = Procedure::new(PLAN)?;
+    let mut procedure = FixedProcedure::on_fixed_memory(PLAN)?;
     let mut seen = procedure.handle(Event::Initialised { t_ns: rig.twin.now_ns() });
     while seen.is_ok() && procedure.next() != Action::Done {
         seen = procedure.handle(Event::Sample(&rig.next()?));
@@ -136,10 +136,10 @@ fn calibrate(text: &mut String, keys: &str) -> Result<()> {
     f64_line(text, "elapsed_s", progress.elapsed_s)?;
     f64_line(text, "total_s", progress.total_s)?;
     writeln!(text, "outcome {ended}")?;
-    if seen.is_ok() { outcome_lines(text, &procedure.finish()?) } else { Ok(()) }
+    if seen.is_ok() { outcome_lines(text, &procedure.outcome()?) } else { Ok(()) }
 }
 
-fn outcome_lines(text: &mut String, outcome: &Outcome) -> Result<()> {
+fn outcome_lines(text: &mut String, outcome: &Outcome<WindowWarnings>) -> Result<()> {
     let (correction, uncertainty) = (&outcome.correction, &outcome.uncertainty);
     let lines = [
         ("pbc_dps", correction.pbc_dps),
@@ -160,7 +160,7 @@ fn outcome_lines(text: &mut String, outcome: &Outcome) -> Result<()> {
     for (name, value) in lines {
         f64_line(text, name, value)?;
     }
-    let warnings: u32 = outcome.warnings.iter().map(flag).sum();
+    let warnings: u32 = outcome.warnings.iter().flatten().map(flag).sum();
     writeln!(text, "samples {} lost {} warnings {warnings}", outcome.samples, outcome.lost_samples)?;
     Ok(())
 }
@@ -182,6 +182,7 @@ fn number(refusal: &Refusal) -> i32 {
         Refusal::Frozen { .. } => -57,
         Refusal::TooFew { .. } => -58,
         Refusal::NoTemperature { .. } => -59,
+        Refusal::Unsteady { .. } => -61,
         _ => -60,
     }
 }
@@ -195,8 +196,9 @@ fn flag(warning: &Warning) -> u32 {
         Warning::Aliased { .. } => 16,
         Warning::Lost { .. } => 32,
         Warning::Wandering { .. } => 64,
-        // the one on fixed memory does not look for steps
-        Warning::Step { .. } => 0,
+        Warning::EarthSubtracted { .. } => 256,
+        Warning::Flat { .. } => 512,
+        Warning::HourUnchecked => 1024,
         _ => 128,
     }
 }

@@ -76,6 +76,8 @@ class Uncertainties:
     """Of B2, °/s."""
     u_t2_c: float
     """Of T2, °C."""
+    drift_dps: float | None = None
+    """A part of the uncertainty of PBC with a known sign: PBC is this much above what it would be at T3, °/s."""
 
 
 @dataclass(frozen=True)

@@ -29,6 +29,7 @@ fn measured() -> String {
         u_t1_c: 0.0002,
         u_b2_dps: 0.004,
         u_t2_c: 0.0002,
+        drift_dps: None,
     });
     unit.run = Some(Run {
         duration_s: 3171.0,

@@ -88,6 +88,8 @@ pub struct Uncertainties {
     pub u_t1_c: f64,
     pub u_b2_dps: f64,
     pub u_t2_c: f64,
+    #[serde(default)]
+    pub drift_dps: Option<f64>,
 }
 
 /// The noise model, and which of it was measured.
@@ -204,18 +206,16 @@ impl Calibration {
     /// Standard uncertainty of PBC + (T − T3) · BTC at the temperature T, °C, in °/s: of what is added to the rate, not of the rate itself. None where the
     /// calibration states no uncertainties.
     ///
-    /// u² = u_pbc² + d² u_btc² + btc² u_t3² + 2 d cov_pbc_btc − 2 btc cov_pbc_t3 − 2 d btc cov_btc_t3 with d = T − T3: the first-order propagation of
-    /// JCGM 100:2008, equation 13.
+    /// u² = u_pbc² + d² u_btc² + 2 d cov_pbc_btc with d = T − T3, the first-order propagation of JCGM 100:2008, equation 13, for two
+    /// quantities. T3 is no third one: PBC is what it is *at the T3 that the file states*, so that an error of that reading, ε, is an error −BTC · ε of PBC
+    /// and in u_pbc once already (and in cov_pbc_btc, as far as it has to do with BTC's).
     #[must_use]
     pub fn u_correction_dps(&self, temp_c: f64) -> Option<f64> {
-        let (u, btc) = (self.uncertainty.as_ref()?, self.correction.btc_dps_per_c);
+        let u = self.uncertainty.as_ref()?;
         let d = temp_c - self.correction.t3_c;
-        let alone = u.u_pbc_dps * u.u_pbc_dps
-            + (d * u.u_btc_dps_per_c) * (d * u.u_btc_dps_per_c)
-            + (btc * u.u_t3_c) * (btc * u.u_t3_c);
-        let together = d * u.cov_pbc_btc_dps2_per_c - btc * u.cov_pbc_t3_dps_c - d * btc * u.cov_btc_t3_dps;
+        let alone = u.u_pbc_dps * u.u_pbc_dps + (d * u.u_btc_dps_per_c) * (d * u.u_btc_dps_per_c);
         // rounding, or a file by hand whose covariances are impossible, may leave less than nothing
-        Some(libm::sqrt((alone + 2.0 * together).max(0.0)))
+        Some(libm::sqrt((alone + 2.0 * d * u.cov_pbc_btc_dps2_per_c).max(0.0)))
     }
 }
 
@@ -235,6 +235,7 @@ impl From<Uncertainty> for Uncertainties {
             u_t1_c: u.u_t1_c,
             u_b2_dps: u.u_b2_dps,
             u_t2_c: u.u_t2_c,
+            drift_dps: Some(u.drift_dps),
         }
     }
 }

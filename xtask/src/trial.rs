@@ -1,0 +1,204 @@
+//! Calibrations of the twin against its truth: of ordinary units, and of units to which something happens during the hour.
+
+use adis16130::blocking::Adis16130;
+use adis16130::{Config, Edge, MCLK_HZ, Sample, Sampler, SamplerConfig};
+use adis16130_twin::{Motion, Spec, Truth, Twin, TwinRdy, TwinSpi};
+use anyhow::{Context, anyhow};
+use zerorate::{Action, Correction, Event, Outcome, Plan, Procedure, Refusal, State, Uncertainty};
+
+/// A part that gives no edge for this long is dead.
+const NO_EDGE_NS: u64 = 100_000_000;
+/// Seconds from the start of the twin to the first sample, at most.
+const HOUR_S: f64 = 3171.0;
+
+/// A twin on the driver's bus.
+pub struct Rig {
+    pub twin: Twin,
+    gyro: Adis16130<TwinSpi, TwinRdy>,
+    sampler: Sampler,
+}
+
+impl Rig {
+    pub fn new(spec: Spec) -> Self {
+        let twin = Twin::new(spec);
+        let gyro = Adis16130::new(twin.spi(), twin.rdy(), Config::default());
+        Self { twin, gyro, sampler: new_sampler() }
+    }
+
+    pub fn initialise(&mut self) -> anyhow::Result<u64> {
+        self.sampler = new_sampler();
+        self.gyro.init().map_err(|error| anyhow!("{error}"))?;
+        Ok(self.twin.now_ns())
+    }
+
+    pub fn read(&mut self) -> anyhow::Result<Sample> {
+        loop {
+            let edge = self.twin.next_falling_edge(NO_EDGE_NS).context("no data ready")?;
+            let edge = Edge { t_ns: edge.t_ns, seq: edge.seq };
+            if let Some(sample) = self.gyro.sample(&mut self.sampler, edge).map_err(|error| anyhow!("{error}"))? {
+                return Ok(sample);
+            }
+        }
+    }
+
+    /// The result, and the truth at the end of step 8. A refusal is an error that can be had back.
+    pub fn calibrate(&mut self, plan: Plan) -> anyhow::Result<(Outcome, Truth)> {
+        let mut procedure = Procedure::new(plan)?;
+        let mut truth = None;
+        loop {
+            match procedure.next() {
+                Action::Initialise => procedure.handle(Event::Initialised { t_ns: self.initialise()? })?,
+                Action::Sample => procedure.handle(Event::Sample(&self.read()?))?,
+                Action::Done => break,
+            }
+            if truth.is_none() && procedure.progress().state == State::FinalTemperature {
+                truth = Some(self.twin.truth());
+            }
+        }
+        Ok((procedure.finish()?, truth.context("step 8 never ended")?))
+    }
+}
+
+fn new_sampler() -> Sampler {
+    Sampler::new(SamplerConfig::default(), &Config::default(), MCLK_HZ)
+}
+
+/// An estimate's error and its stated standard uncertainty.
+#[derive(Clone, Copy, Debug)]
+pub struct Judged {
+    pub error: f64,
+    pub u: f64,
+}
+
+/// Both estimates of one unit.
+#[derive(Clone, Copy, Debug)]
+pub struct Unit {
+    pub pbc: Judged,
+    pub btc: Judged,
+}
+
+pub fn judge(outcome: &Outcome, truth: &Truth) -> Unit {
+    let Correction { pbc_dps, btc_dps_per_c, t3_c } = outcome.correction;
+    let uncertainty = &outcome.uncertainty;
+    Unit {
+        pbc: Judged { error: pbc_dps - truth.pbc_dps(t3_c), u: uncertainty.u_pbc_dps },
+        btc: Judged { error: btc_dps_per_c - truth.btc_dps_per_c(t3_c), u: uncertainty.u_btc_dps_per_c },
+    }
+}
+
+/// How the calibration of a unit ended.
+#[derive(Clone, Debug)]
+pub enum Ended {
+    /// With numbers, and the warnings that tell of something that happened (by their codes).
+    Calibrated { unit: Unit, warnings: Vec<&'static str> },
+    /// With a refusal.
+    Refused(Refusal),
+}
+
+/// Warnings that say what the plan asked for, or what every measurement leaves open.
+const STANDING: [&str; 4] = ["earth-included", "earth-subtracted", "curvature-unseen", "short-average"];
+
+/// Calibrates a unit.
+///
+/// # Errors
+/// The bus failed, or the plan makes no sense.
+pub fn run(spec: Spec, plan: Plan) -> anyhow::Result<Ended> {
+    match Rig::new(spec).calibrate(plan) {
+        Ok((outcome, truth)) => {
+            let codes = outcome.warnings.iter().map(zerorate::Warning::code);
+            let warnings = codes.filter(|code| !STANDING.contains(code)).collect();
+            Ok(Ended::Calibrated { unit: judge(&outcome, &truth), warnings })
+        }
+        Err(error) => error.downcast::<Refusal>().map(Ended::Refused),
+    }
+}
+
+impl Ended {
+    /// By how many standard uncertainties the worse of PBC and BTC is off; zero where the measurement was refused.
+    pub fn worst(&self) -> f64 {
+        match self {
+            Self::Calibrated { unit, .. } => {
+                (unit.pbc.error / unit.pbc.u).abs().max((unit.btc.error / unit.btc.u).abs())
+            }
+            Self::Refused(_) => 0.0,
+        }
+    }
+
+    /// It told nobody.
+    pub fn is_silent(&self) -> bool {
+        matches!(self, Self::Calibrated { warnings, .. } if warnings.is_empty())
+    }
+
+    /// Outside the 95 % interval, and it told nobody.
+    pub fn is_wrong_and_silent(&self) -> bool {
+        self.is_silent() && self.worst() > Uncertainty::FACTOR
+    }
+}
+
+/// Something that happens to a unit, drawn from its seed.
+pub struct Fault {
+    pub name: &'static str,
+    pub spec: fn(u64) -> Spec,
+}
+
+/// What the procedure has to notice by itself. The seed draws sizes, times and signs.
+pub const FAULTS: [Fault; 12] = [
+    Fault { name: "none", spec: Spec::from_seed },
+    Fault { name: "supply step of 20 to 400 mV at any time", spec: |seed| step(seed, 0.0, HOUR_S) },
+    Fault { name: "the same in step 4", spec: |seed| step(seed, 0.0, 10.5) },
+    Fault { name: "the same around step 6", spec: |seed| step(seed, 600.0, 625.0) },
+    Fault { name: "the same in step 8, but for its last 10 s", spec: |seed| step(seed, 3015.0, 3160.0) },
+    Fault { name: "the same in the last 10 s of step 8", spec: |seed| step(seed, 3160.0, 3170.0) },
+    Fault { name: "sway of 0.02 to 0.5 °/s, 0.001 to 0.05 Hz", spec: |seed| sway(seed, 1e-3, 0.05) },
+    Fault { name: "the same, 0.0002 to 0.001 Hz", spec: |seed| sway(seed, 2e-4, 1e-3) },
+    Fault { name: "the same, 0.00001 to 0.0002 Hz", spec: |seed| sway(seed, 1e-5, 2e-4) },
+    Fault {
+        name: "lag of 30 to 3000 s",
+        spec: |seed| Spec { lag_s: draw(seed, 1).between_logs(30.0, 3000.0), ..Spec::from_seed(seed) },
+    },
+    Fault {
+        name: "curvature of 0.002 to 0.01 °/s/°C²",
+        spec: |seed| {
+            let curvature_dps_per_c2 = draw(seed, 1).sign() * draw(seed, 2).between_logs(0.002, 0.01);
+            Spec { curvature_dps_per_c2, ..Spec::from_seed(seed) }
+        },
+    },
+    Fault {
+        name: "hysteresis of 0.02 to 0.5 °/s",
+        spec: |seed| Spec { hysteresis_dps: draw(seed, 1).between_logs(0.02, 0.5), ..Spec::from_seed(seed) },
+    },
+];
+
+fn step(seed: u64, from_s: f64, to_s: f64) -> Spec {
+    let supply_step_mv = draw(seed, 1).sign() * draw(seed, 2).between(20.0, 400.0);
+    Spec { supply_step_mv, fault_at_s: Some(draw(seed, 3).between(from_s, to_s)), ..Spec::from_seed(seed) }
+}
+
+fn sway(seed: u64, from_hz: f64, to_hz: f64) -> Spec {
+    let (sway_dps, sway_hz) = (draw(seed, 1).between_logs(0.02, 0.5), draw(seed, 2).between_logs(from_hz, to_hz));
+    Spec { motion: Motion::Sway, sway_dps, sway_hz, ..Spec::from_seed(seed) }
+}
+
+/// A number from 0 to 1 that depends on nothing but the seed and which of its draws it is: splitmix64.
+struct Draw(f64);
+
+fn draw(seed: u64, which: u64) -> Draw {
+    let mut state = (seed << 8 | which).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+    state = (state ^ (state >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    state = (state ^ (state >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+    Draw(((state ^ (state >> 31)) >> 11) as f64 / (1u64 << 53) as f64)
+}
+
+impl Draw {
+    fn between(&self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.0
+    }
+
+    fn between_logs(&self, low: f64, high: f64) -> f64 {
+        low * (high / low).powf(self.0)
+    }
+
+    fn sign(&self) -> f64 {
+        if self.0 < 0.5 { -1.0 } else { 1.0 }
+    }
+}
