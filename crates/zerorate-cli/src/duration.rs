@@ -15,6 +15,12 @@ impl Seconds {
     }
 }
 
+/// A duration in which something can be read: above zero.
+pub fn above_zero(text: &str) -> Result<Seconds, String> {
+    let seconds: Seconds = text.parse()?;
+    if seconds.0 > 0.0 { Ok(seconds) } else { Err("it must be above zero".to_owned()) }
+}
+
 impl FromStr for Seconds {
     type Err = String;
 

@@ -6,7 +6,7 @@ use crate::acquire::Acquisition;
 use crate::believed;
 use crate::capture::{CaptureWriter, Format};
 use crate::cli::{DeviceArgs, SamplingArgs};
-use crate::duration::Seconds;
+use crate::duration::{self, Seconds};
 use crate::exit::Refused;
 use crate::interrupt;
 use crate::output::Outputs;
@@ -37,7 +37,7 @@ pub struct CaptureArgs {
     output: PathBuf,
 
     /// How long to record: 10s, 10m, 1h30m, or seconds.
-    #[arg(long, value_name = "TIME", default_value = "10m", conflicts_with = "samples")]
+    #[arg(long, value_name = "TIME", default_value = "10m", value_parser = duration::above_zero, conflicts_with = "samples")]
     duration: Seconds,
 
     /// Record this many samples instead.

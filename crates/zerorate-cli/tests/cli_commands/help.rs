@@ -51,7 +51,7 @@ fn twin_lists_every_key_of_the_contract() {
 
 #[test]
 fn typos_are_usage_errors_with_a_suggestion() {
-    let cases: [(&[&str], &str); 14] = [
+    let cases: [(&[&str], &str); 18] = [
         (&["calibrat"], "'calibrate'"),
         (&["calibrate", "--warmpup", "3"], "'--warmup'"),
         (&["calibrate", "--device", "twin:sed=7"], "`seed`"),
@@ -65,6 +65,10 @@ fn typos_are_usage_errors_with_a_suggestion() {
         (&["calibrate", "--average", "2x"], "10s, 10m, 1h30m"),
         (&["calibrate", "--average", "0"], "--average"),
         (&["calibrate", "--max-u-btc", "0"], "--max-u-btc"),
+        (&["calibrate", "--max-lost", "1.5"], "--max-lost"),
+        (&["calibrate", "--earth-dps", "15.04"], "if that was °/h, give 0.00418"),
+        (&["probe", "--duration", "0"], "above zero"),
+        (&["capture", "-o", "x.arrows", "--duration", "0"], "above zero"),
         (&["capture", "-o", "x.arrows", "--duration", "1s", "--samples", "3"], "--samples"),
     ];
     for (args, hint) in cases {

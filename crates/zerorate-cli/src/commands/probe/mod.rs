@@ -6,7 +6,7 @@ use super::{print_json, print_lines, warn};
 use crate::acquire::Acquisition;
 use crate::cli::{DeviceArgs, SamplingArgs};
 use crate::device::Bus;
-use crate::duration::Seconds;
+use crate::duration::{self, Seconds};
 use crate::interrupt;
 use crate::progress::Meter;
 use adis16130::{RATE_LSB_PER_DPS, ZERO_CODE};
@@ -33,7 +33,7 @@ pub struct ProbeArgs {
     sampling: SamplingArgs,
 
     /// How long to read samples: 5s, 1m, or seconds.
-    #[arg(long, value_name = "TIME", default_value = "5s")]
+    #[arg(long, value_name = "TIME", default_value = "5s", value_parser = duration::above_zero)]
     duration: Seconds,
 
     /// Print the findings as one JSON object.
