@@ -199,9 +199,14 @@ impl Adc {
         data.code = if self.plan.clamp { unlimited.clamp(0, max) as u32 } else { unlimited as u32 & facts::MAX_CODE };
     }
 
+    /// Whether the running conversion is in its scaling time.
+    pub(crate) fn is_scaling(&self, now_ps: u64) -> bool {
+        now_ps >= self.scaling_from_ps()
+    }
+
     /// The condition of F-32 for a low RDY, scaling time aside.
     #[inline]
-    fn rdy_due(&self) -> bool {
+    pub(crate) fn rdy_due(&self) -> bool {
         let unread = self.unread & self.plan.enabled;
         unread != 0 && (!self.plan.rdy_needs_all || unread == self.plan.enabled)
     }

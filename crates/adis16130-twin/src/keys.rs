@@ -1,7 +1,7 @@
 //! The text form of a specification: `seed=7,bias_dps=0.8`. One table serves parsing and help.
 
 use crate::fault::Fault;
-use crate::spec::{Motion, Profile, Roa, Spec};
+use crate::spec::{Motion, Profile, RdyOutput, Roa, Spec};
 use alloc::borrow::ToOwned;
 use alloc::format;
 use alloc::string::String;
@@ -100,6 +100,16 @@ pub const KEYS: &[Key] = &[
         },
     ),
     number("mclk_hz", (1e3, 1e7), "drawn: 6000000 ± 1 %", "master clock, Hz", |s, v| s.mclk_hz = v),
+    choice(
+        "rdy",
+        &[
+            ("level", |s| s.rdy = RdyOutput::Level),
+            ("pulse", |s| s.rdy = RdyOutput::Pulse),
+            ("inverted", |s| s.rdy = RdyOutput::Inverted),
+        ],
+        "level",
+        "data ready; level: low while data waits; pulse: low for 26 µs before it; inverted: behind an inverter",
+    ),
     choice(
         "roa",
         &[("none", |s| s.roa = Roa::Open), ("10nf", |s| s.roa = Roa::TenNanofarad)],

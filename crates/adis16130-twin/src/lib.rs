@@ -21,7 +21,7 @@ pub use adc::{ChannelLosses, LostUnread};
 pub use fault::{DEFAULT_BIT_ERROR_RATE, Fault};
 pub use keys::{KEYS, Key, SpecError};
 pub use pins::{RDY_WAIT_LIMIT_NS, RdyTimeout, SelfTestPin, SyncPin, TwinDelay, TwinRdy};
-pub use spec::{Motion, Profile, Roa, Spec};
+pub use spec::{Motion, Profile, RdyOutput, Roa, Spec};
 pub use spi::TwinSpi;
 pub use truth::Truth;
 pub use twin::{Twin, TwinEdge};

@@ -5,7 +5,7 @@ use crate::chip::{Chip, Effect};
 use crate::fault::{Fault, WireFaults};
 use crate::gyro::Gyro;
 use crate::registers::Channel;
-use crate::spec::{Motion, Spec};
+use crate::spec::{Motion, RdyOutput, Spec};
 use crate::truth::Truth;
 use alloc::vec::Vec;
 use core::fmt;
@@ -33,6 +33,8 @@ pub(crate) struct Part {
     edge_seq: u32,
     edge_ps: u64,
     reported_seq: u32,
+    /// Of the edges at the beginning of the scaling times.
+    scaling_seq: u32,
     wire: Option<Vec<Vec<u8>>>,
 }
 
@@ -57,6 +59,7 @@ impl Part {
             edge_seq: 0,
             edge_ps: 0,
             reported_seq: 0,
+            scaling_seq: 0,
             wire: None,
             spec,
         }
@@ -125,6 +128,32 @@ impl Part {
         }
         self.reported_seq = self.edge_seq;
         Some((self.edge_ps, self.edge_seq))
+    }
+
+    /// The next edge of this kind within `timeout_ps`, or one not yet reported.
+    pub(crate) fn next_edge(&mut self, rising: bool, timeout_ps: u64) -> Option<(u64, u32)> {
+        if rising == (self.spec.rdy != RdyOutput::Level) {
+            self.next_falling_edge(timeout_ps)
+        } else {
+            self.next_scaling(timeout_ps)
+        }
+    }
+
+    /// The edge that says nothing of new data: the one where the scaling time begins.
+    fn next_scaling(&mut self, timeout_ps: u64) -> Option<(u64, u32)> {
+        let deadline_ps = self.now_ps.saturating_add(timeout_ps).min(NEVER - 1);
+        while self.next_event_ps <= deadline_ps || self.chip.adc.scaling_from_ps() <= deadline_ps {
+            let from_ps = self.chip.adc.scaling_from_ps();
+            let before = self.next_event_ps > from_ps && from_ps > self.now_ps;
+            self.run_to(if before { from_ps } else { self.next_event_ps.min(deadline_ps) });
+            let shows = self.spec.rdy == RdyOutput::Pulse || self.chip.adc.rdy_due();
+            if before && shows && self.supplied && !self.rdy_masked {
+                self.scaling_seq = self.scaling_seq.wrapping_add(1);
+                return Some((from_ps, self.scaling_seq));
+            }
+        }
+        self.run_to(deadline_ps);
+        None
     }
 
     /// When something happens next of itself, or [`NEVER`].
@@ -206,13 +235,22 @@ impl Part {
         sdo
     }
 
-    /// The level of RDY.
+    /// The level of RDY on the host's side.
     pub(crate) fn rdy_high(&self) -> bool {
+        match self.spec.rdy {
+            RdyOutput::Level => self.rdy_idle(),
+            RdyOutput::Inverted => !self.rdy_idle(),
+            RdyOutput::Pulse => !self.supplied || self.rdy_masked || !self.chip.adc.is_scaling(self.now_ps),
+        }
+    }
+
+    /// Whether RDY says that there is no new data, whatever level that is.
+    fn rdy_idle(&self) -> bool {
         !self.supplied || self.rdy_masked || !self.chip.adc.rdy_low(self.now_ps)
     }
 
     pub(crate) fn set_sync(&mut self, high: bool) {
-        let was_high = self.rdy_high();
+        let was_high = self.rdy_idle();
         self.chip.set_sync(high, self.now_ps);
         self.changed(was_high);
     }
@@ -233,7 +271,7 @@ impl Part {
     // ---- faults, supply, motion ----
 
     pub(crate) fn set_fault(&mut self, fault: Fault) {
-        let was_high = self.rdy_high();
+        let was_high = self.rdy_idle();
         self.faults.set(fault);
         self.chip.adc.frozen = fault == Fault::Frozen;
         if fault == Fault::Brownout {
@@ -245,7 +283,7 @@ impl Part {
     }
 
     pub(crate) fn switch(&mut self, on: bool) {
-        let was_high = self.rdy_high();
+        let was_high = self.rdy_idle();
         self.switched_on = on;
         self.note_supply();
         self.changed(was_high);
@@ -296,7 +334,7 @@ impl Part {
         self.note_plain();
         self.gyro.set_period_ps(self.chip.adc.period_ps());
         self.next_event_ps = self.fault_at_ps.min(self.chip.adc.next_update_ps);
-        if rdy_was_high && !self.rdy_high() {
+        if rdy_was_high && !self.rdy_idle() {
             self.edge(self.now_ps);
         }
     }

@@ -15,6 +15,17 @@ pub enum Profile {
     Oven,
 }
 
+/// What the RDY line does, as the host sees it (F-32).
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub enum RdyOutput {
+    /// High during the scaling time, low from the update until the data is read: new data at the falling edge.
+    Level,
+    /// Low during the scaling time only, as the note has it in words ("pulses low for 26 µs"): new data at the rising edge.
+    Pulse,
+    /// [`RdyOutput::Level`] behind an inverting level shifter: new data at the rising edge.
+    Inverted,
+}
+
 /// What is connected between ROA1 and ROA2 (F-04).
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum Roa {
@@ -75,6 +86,8 @@ pub struct Spec {
     pub warmup_s: f64,
     /// Master clock, in Hz (M-06).
     pub mclk_hz: f64,
+    /// The RDY line.
+    pub rdy: RdyOutput,
     /// The capacitor between ROA1 and ROA2.
     pub roa: Roa,
     /// Supply, in mV (F-01).
@@ -165,6 +178,7 @@ impl Spec {
             warmup_c: facts::WARMUP_C,
             warmup_s: facts::WARMUP_SLOW_S,
             mclk_hz: facts::MCLK_HZ,
+            rdy: RdyOutput::Level,
             roa: Roa::Open,
             supply_mv: facts::SUPPLY_NOMINAL_MV,
             supply_step_mv: 0.0,

@@ -67,6 +67,11 @@ macro_rules! shell {
                 &self.config
             }
 
+            /// Sets the configuration that the next [`init`](Self::init) writes. Its framing holds from now on.
+            pub const fn set_config(&mut self, config: Config) {
+                self.config = config;
+            }
+
             /// MODE as last written with success; as after a reset, if it has not been.
             pub const fn mode(&self) -> Mode {
                 self.written.mode()

@@ -91,9 +91,11 @@ pub enum Command {
 #[derive(Args, Debug)]
 pub struct DeviceArgs {
     /// The part to read: twin: (simulated), twin:KEY=VALUE,… (see `zerorate twin`), replay:FILE (a capture),
-    /// spi:/dev/spidevB.C?rdy=gpiochipN:LINE (Linux; options hz=SCLK, framing=command|byte, mclk=HZ), iio:iio:deviceN
+    /// spi:/dev/spidevB.C?rdy=gpiochipN:LINE (Linux; options hz=SCLK, mclk=HZ), iio:iio:deviceN
     /// (through the kernel's driver; option hz=POLLS), bridge:/dev/ttyACM0 (a microcontroller in between; options hz=SCLK,
-    /// mclk=HZ, baud=N) or tcp:HOST:PORT (the same over a socket).
+    /// mclk=HZ, baud=N) or tcp:HOST:PORT (the same over a socket). All but replay: and iio: take framing=command|byte
+    /// (how CS frames the bytes), width=24|16, fw=RATE[:TEMP] and chop=0|1 (the conversion words), and edge=falling|rising
+    /// (of RDY; rising behind an inverter), after ? and & as in spi:…?rdy=gpiochip0:25&width=16, or as keys of twin: .
     #[arg(short, long, value_name = "DEV", default_value = "twin:")]
     pub device: DeviceSpec,
 

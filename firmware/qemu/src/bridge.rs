@@ -4,11 +4,12 @@
 
 use adis16130::Edge;
 use adis16130::bridge::{Bus, Decoder, MAX_FRAME, Message, Station, encode};
-use adis16130_twin::{Twin, TwinSpi};
+use adis16130_twin::{SelfTestPin, Twin, TwinSpi};
 use core::convert::Infallible;
 use core::future::Future;
 use core::pin::pin;
 use core::task::{Context, Poll, Waker};
+use embedded_hal::digital::OutputPin;
 use embedded_hal::spi::Operation;
 use embedded_hal_async::spi::{ErrorType, SpiDevice};
 
@@ -31,7 +32,8 @@ pub trait Port {
 
 /// Serves the host at `port` until it closes.
 pub fn serve<P: Port>(twin: &Twin, firmware: &'static str, port: &mut P) -> Result<Infallible, P::Closed> {
-    let mut station = Station::new(TwinBus(twin.spi()), FIRST_SCLK_HZ, firmware);
+    let bus = TwinBus { spi: twin.spi(), self_test: twin.self_test_pin() };
+    let mut station = Station::new(bus, FIRST_SCLK_HZ, firmware);
     let mut requests = Decoder::new();
     loop {
         while let Some(byte) = port.read(!station.is_sampling())? {
@@ -69,7 +71,10 @@ fn at_once<F: Future>(future: F) -> F::Output {
 }
 
 /// The twin's bus, whose clock is fixed: setting it changes nothing but the answer.
-struct TwinBus(TwinSpi);
+struct TwinBus {
+    spi: TwinSpi,
+    self_test: SelfTestPin,
+}
 
 impl ErrorType for TwinBus {
     type Error = Infallible;
@@ -77,12 +82,17 @@ impl ErrorType for TwinBus {
 
 impl SpiDevice for TwinBus {
     async fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), Infallible> {
-        SpiDevice::transaction(&mut self.0, operations).await
+        SpiDevice::transaction(&mut self.spi, operations).await
     }
 }
 
 impl Bus for TwinBus {
     fn set_sclk_hz(&mut self, hz: u32) -> u32 {
         hz
+    }
+
+    fn set_self_test(&mut self, on: bool) -> bool {
+        let Ok(()) = self.self_test.set_state(on.into());
+        true
     }
 }

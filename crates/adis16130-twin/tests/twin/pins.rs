@@ -1,7 +1,7 @@
 //! RDY as the async trait sees it, and the delay.
 
 use crate::bus::{Host, quiet};
-use adis16130_twin::RdyTimeout;
+use adis16130_twin::{RdyOutput, RdyTimeout, Spec};
 use core::future::Future;
 use core::pin::pin;
 use core::task::{Context, Poll, Waker};
@@ -16,6 +16,30 @@ fn run<F: Future>(future: F) -> F::Output {
         Poll::Ready(output) => output,
         Poll::Pending => panic!("pending"),
     }
+}
+
+#[test]
+fn f32_new_data_is_at_the_edge_that_the_line_makes_of_it() {
+    for (rdy, rising) in [(RdyOutput::Level, false), (RdyOutput::Pulse, true), (RdyOutput::Inverted, true)] {
+        let host = Host::started(Spec { rdy, ..quiet() });
+        let data = host.twin.next_edge(rising, 1_000_000).expect("new data");
+        assert_eq!(host.twin.rdy().is_high().unwrap(), rising, "{rdy:?}");
+        let scaling = host.twin.next_edge(!rising, 1_000_000).expect("the other edge");
+        assert!((scaling.t_ns - data.t_ns).abs_diff(87_833 - 27_167) <= 1, "{rdy:?}");
+        assert_eq!(host.twin.rdy().is_high().unwrap(), !rising, "{rdy:?}");
+        let next = host.twin.next_edge(rising, 1_000_000).expect("new data");
+        assert!((next.t_ns - data.t_ns).abs_diff(87_833) <= 1, "{rdy:?}");
+    }
+}
+
+#[test]
+fn a_pulse_lasts_as_long_as_the_note_says() {
+    let host = Host::started(Spec { rdy: RdyOutput::Pulse, ..quiet() });
+    let mut rdy = host.twin.rdy();
+    run(rdy.wait_for_falling_edge()).unwrap();
+    let fall = host.twin.now_ns();
+    run(rdy.wait_for_rising_edge()).unwrap();
+    assert!((host.twin.now_ns() - fall).abs_diff(27_167) <= 1);
 }
 
 #[test]

@@ -9,9 +9,11 @@
 //! [`encode`].
 
 mod frame;
+mod settings;
 mod station;
 
 pub use frame::{Damaged, Decoder, MAX_FRAME, TooLong, encode};
+pub use settings::Settings;
 pub use station::{Bus, Station};
 
 use crate::codes::{RateCode, TempCode, Width};
@@ -20,7 +22,7 @@ use crate::sample::Sample;
 use serde::{Deserialize, Serialize};
 
 /// Version of the protocol that this module speaks.
-pub const PROTOCOL: u16 = 1;
+pub const PROTOCOL: u16 = 2;
 
 /// Most bytes of one [`Ask::Transfer`]: more than any command of the part has.
 pub const MAX_TRANSFER: usize = 8;
@@ -52,8 +54,8 @@ pub enum Ask<'a> {
     },
     /// What was the last edge of RDY?
     LastEdge,
-    /// Reset the part, initialise it (F-30, the default [`Config`](crate::Config)), read it back, then sample. Sampling that
-    /// is under way begins anew.
+    /// Reset the part, initialise it as [`Ask::Configure`] says (F-30 unless it was asked), read it back, then sample.
+    /// Sampling that is under way begins anew.
     Start {
         /// As [`SamplerConfig::every_temp`](crate::SamplerConfig::every_temp).
         every_temp: u16,
@@ -62,8 +64,15 @@ pub enum Ask<'a> {
         /// The nominal master clock of the part, Hz.
         mclk_hz: u32,
     },
-    /// Stop sampling.
+    /// Stop sampling, and release the self-test pin.
     Stop,
+    /// How the part is to be configured by the next [`Ask::Start`], and how it is wired. Ends sampling.
+    Configure(Settings),
+    /// Make the self-test pins active, or release them (F-11).
+    SelfTest {
+        /// Whether they are to be active.
+        on: bool,
+    },
 }
 
 /// From bridge to host.
@@ -118,6 +127,13 @@ pub enum Answer<'a> {
     Stopped,
     /// It was not done.
     Refused(Refusal),
+    /// To [`Ask::Configure`].
+    Configured,
+    /// To [`Ask::SelfTest`].
+    SelfTest {
+        /// As it is now.
+        on: bool,
+    },
 }
 
 /// Why something was not done.
@@ -131,9 +147,11 @@ pub enum Refusal {
     Part,
     /// A transfer of more than [`MAX_TRANSFER`] bytes.
     TooLong,
+    /// The bridge has no such wire: no self-test pin, or no way to hear the other edge of RDY.
+    NoSuchWire,
 }
 
-/// A sample on the wire: 24-bit codes, as F-30 sets them.
+/// A sample on the wire, its codes on the 24-bit scale: a 16-bit code times 256.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Reading {
     /// Running number of the sample since [`Ask::Start`], from 0.
@@ -173,14 +191,26 @@ impl Reading {
 
 /// Makes samples of readings, and counts what lies between them: what the bridge lost, what it had no room for on the link,
 /// and what was damaged there. To be made anew with every [`Ask::Start`].
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Continuity {
+    width: Width,
     next_number: u32,
     next_position: u32,
     missing: u32,
 }
 
+impl Default for Continuity {
+    fn default() -> Self {
+        Self::new(Width::Bits24)
+    }
+}
+
 impl Continuity {
+    /// For data registers of this width.
+    pub const fn new(width: Width) -> Self {
+        Self { width, next_number: 0, next_position: 0, missing: 0 }
+    }
+
     /// The sample of a reading. Its `lost` counts everything since the reading before.
     pub fn sample(&mut self, reading: &Reading) -> Sample {
         let lost = reading.position().wrapping_sub(self.next_position);
@@ -190,11 +220,15 @@ impl Continuity {
         Sample {
             t_ns: reading.t_ns,
             seq: reading.edge,
-            rate: RateCode::new(reading.rate, Width::Bits24),
+            rate: RateCode::new(self.in_width(reading.rate), self.width),
             status: reading.status.map(ChannelStatus::new),
-            temp: reading.temp.map(|code| TempCode::new(code, Width::Bits24)),
+            temp: reading.temp.map(|code| TempCode::new(self.in_width(code), self.width)),
             lost,
         }
+    }
+
+    const fn in_width(&self, code24: u32) -> u32 {
+        code24 >> (Width::Bits24.bits() - self.width.bits())
     }
 
     /// Samples that the bridge took, but that never arrived.

@@ -1,8 +1,8 @@
 //! The bridge itself, without its pins: what it does at a request and at an edge of RDY.
 
-use super::{Answer, Ask, MAX_TRANSFER, Message, PROTOCOL, Reading, Refusal, Request};
+use super::{Answer, Ask, MAX_TRANSFER, Message, PROTOCOL, Reading, Refusal, Request, Settings};
 use crate::asynch::Adis16130;
-use crate::config::Config;
+use crate::config::{Config, RdyEdge};
 use crate::error::{InitError, SampleError};
 use crate::frame::Framing;
 use crate::sample::Edge;
@@ -13,6 +13,18 @@ use embedded_hal_async::spi::SpiDevice;
 pub trait Bus: SpiDevice {
     /// Sets the fastest clock that is not above this one, or else the slowest there is, and returns it, in Hz.
     fn set_sclk_hz(&mut self, hz: u32) -> u32;
+
+    /// Takes edges of this kind for those of new data, from now on (F-32). Returns whether it can: unless it says otherwise, a
+    /// bridge hears falling edges only.
+    fn set_rdy_edge(&mut self, edge: RdyEdge) -> bool {
+        matches!(edge, RdyEdge::Falling)
+    }
+
+    /// Makes the self-test pins active, or releases them (F-11). Returns whether it can: unless it says otherwise, a bridge has
+    /// no such pin.
+    fn set_self_test(&mut self, _on: bool) -> bool {
+        false
+    }
 }
 
 /// The part behind a bridge.
@@ -47,9 +59,10 @@ impl<S: Bus> Station<S> {
         self.sampling.is_some()
     }
 
-    /// Ends sampling, as when the host is gone.
+    /// Ends sampling and releases the self-test pin, as when the host is gone.
     pub fn stop(&mut self) {
         self.sampling = None;
+        self.part.bus_mut().set_self_test(false);
     }
 
     /// Does what is asked.
@@ -77,6 +90,9 @@ impl<S: Bus> Station<S> {
                 self.stop();
                 Answer::Stopped
             }
+            Ask::Configure(settings) => self.configure(settings),
+            Ask::SelfTest { on } if self.part.bus_mut().set_self_test(on) => Answer::SelfTest { on },
+            Ask::SelfTest { .. } => Answer::Refused(Refusal::NoSuchWire),
         };
         Message::Answer { tag, answer }
     }
@@ -98,6 +114,16 @@ impl<S: Bus> Station<S> {
                 Some(Message::Ended)
             }
         }
+    }
+
+    fn configure(&mut self, settings: Settings) -> Answer<'static> {
+        self.stop();
+        let config = Config::from(settings);
+        if !self.part.bus_mut().set_rdy_edge(config.rdy_edge()) {
+            return Answer::Refused(Refusal::NoSuchWire);
+        }
+        self.part.set_config(config);
+        Answer::Configured
     }
 
     async fn transfer(&mut self, bytes: &[u8]) -> Result<&[u8], Refusal> {

@@ -5,9 +5,10 @@ use std::pin::pin;
 use std::task::{Context, Poll, Waker};
 
 use adis16130::bridge::{
-    Answer, Ask, Bus, Continuity, Damaged, Decoder, MAX_FRAME, Message, Reading, Refusal, Request, Station, encode,
+    Answer, Ask, Bus, Continuity, Damaged, Decoder, MAX_FRAME, Message, Reading, Refusal, Request, Settings, Station,
+    encode,
 };
-use adis16130::{Edge, Width};
+use adis16130::{Config, ConversionTime, Edge, RdyEdge, Width};
 
 use crate::part::{F30, Line, Part, Wire};
 
@@ -132,11 +133,11 @@ fn rubbish_is_damaged_and_silence_is_not() {
 fn a_host_sees_through_to_the_part() {
     let (part, mut station) = station();
     part.borrow_mut().set(0x28, 0x40);
-    let hello = Answer::Hello { protocol: 1, firmware: "test 1", sclk_hz: 1_000_000 };
+    let hello = Answer::Hello { protocol: 2, firmware: "test 1", sclk_hz: 1_000_000 };
     assert_eq!(answer(&mut station, Ask::Hello), Message::Answer { tag: 3, answer: hello });
     let clock = Answer::Clock { sclk_hz: 2_000_000 };
     assert_eq!(answer(&mut station, Ask::Clock { sclk_hz: 2_500_000 }), Message::Answer { tag: 3, answer: clock });
-    let hello = Answer::Hello { protocol: 1, firmware: "test 1", sclk_hz: 2_000_000 };
+    let hello = Answer::Hello { protocol: 2, firmware: "test 1", sclk_hz: 2_000_000 };
     assert_eq!(answer(&mut station, Ask::Hello), Message::Answer { tag: 3, answer: hello });
     let Message::Answer { answer: Answer::Transfer { bytes }, .. } =
         answer(&mut station, Ask::Transfer { bytes: &[0x68, 0x00] })
@@ -175,6 +176,40 @@ fn it_samples_between_start_and_stop() {
     }
     assert_eq!(answer(&mut station, Ask::Stop), Message::Answer { tag: 3, answer: Answer::Stopped });
     assert_eq!(now(station.edge(Edge { t_ns: 9_000_000, seq: 9 })), None);
+}
+
+#[test]
+fn a_host_chooses_the_configuration_of_the_next_start() {
+    let (part, mut station) = station();
+    let config = Config::new().with_width(Width::Bits16).with_rate_conversion(ConversionTime::new(0x89));
+    assert_eq!(Config::from(Settings::from(&config)), config);
+    let configured = answer(&mut station, Ask::Configure(Settings::from(&config)));
+    assert_eq!(configured, Message::Answer { tag: 3, answer: Answer::Configured });
+    assert_eq!(refusal(&mut station, START), None);
+    // byte by byte (F-22), with F-30's last byte for 16 bits
+    let sent = part.borrow().frames.concat();
+    let expected = [0x01, 0x38, 0x28, 0x0A, 0x30, 0x89, 0x2A, 0x0A, 0x32, 0x05, 0x38, 0x20];
+    assert!(sent.windows(12).any(|window| window == expected), "{sent:02X?}");
+    assert!(part.borrow().frames[1..].iter().all(|frame| frame.len() == 1));
+    let rising = Settings::from(&config.with_rdy_edge(RdyEdge::Rising));
+    assert_eq!(refusal(&mut station, Ask::Configure(rising)), Some(Refusal::NoSuchWire), "unless its bus can");
+    assert!(!station.is_sampling(), "what is configured anew begins anew");
+    let reading = Reading { rate: 0x80_8800, temp: Some(0x80_1E00), ..READING };
+    let sample = Continuity::new(Width::Bits16).sample(&reading);
+    assert_eq!((sample.rate.code(), sample.temp.map(|temp| temp.code())), (0x8088, Some(0x801E)));
+}
+
+#[test]
+fn the_self_test_pin_is_released_with_the_host() {
+    let (_, mut without) = station();
+    assert_eq!(refusal(&mut without, Ask::SelfTest { on: true }), Some(Refusal::NoSuchWire));
+    let pin = std::rc::Rc::new(std::cell::Cell::new(false));
+    let mut station = Station::new(Slow { wire: Wire(Part::new()), pin: Some(pin.clone()) }, 1_000_000, "test 1");
+    let on = answer(&mut station, Ask::SelfTest { on: true });
+    assert_eq!(on, Message::Answer { tag: 3, answer: Answer::SelfTest { on: true } });
+    assert!(pin.get());
+    station.stop();
+    assert!(!pin.get());
 }
 
 #[test]
@@ -232,11 +267,15 @@ fn what_is_missing_is_counted_once() {
 
 fn station() -> (std::rc::Rc<std::cell::RefCell<Part>>, Station<Slow>) {
     let part = Part::new();
-    (part.clone(), Station::new(Slow(Wire(part)), 1_000_000, "test 1"))
+    (part.clone(), Station::new(Slow { wire: Wire(part), pin: None }, 1_000_000, "test 1"))
 }
 
 /// A bus whose clock goes in steps of 1 MHz.
-struct Slow(Wire);
+struct Slow {
+    wire: Wire,
+    /// What drives the self-test pins.
+    pin: Option<std::rc::Rc<std::cell::Cell<bool>>>,
+}
 
 impl embedded_hal_async::spi::ErrorType for Slow {
     type Error = <Wire as embedded_hal_async::spi::ErrorType>::Error;
@@ -247,13 +286,17 @@ impl embedded_hal_async::spi::SpiDevice for Slow {
         &mut self,
         operations: &mut [embedded_hal_async::spi::Operation<'_, u8>],
     ) -> Result<(), Self::Error> {
-        embedded_hal_async::spi::SpiDevice::transaction(&mut self.0, operations).await
+        embedded_hal_async::spi::SpiDevice::transaction(&mut self.wire, operations).await
     }
 }
 
 impl Bus for Slow {
     fn set_sclk_hz(&mut self, hz: u32) -> u32 {
         hz / 1_000_000 * 1_000_000
+    }
+
+    fn set_self_test(&mut self, on: bool) -> bool {
+        self.pin.as_ref().map(|pin| pin.set(on)).is_some()
     }
 }
 

@@ -1,6 +1,6 @@
 //! Addresses of devices with options: `/dev/spidev0.0?rdy=gpiochip0:25&hz=4000000`.
 
-use adis16130::{Framing, MAX_SCLK_HZ, MCLK_HZ};
+use adis16130::{Config, ConversionTime, Framing, MAX_SCLK_HZ, MCLK_HZ, RdyEdge, Width};
 use std::fmt;
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
@@ -16,8 +16,8 @@ pub struct SpiAddress {
     pub line: u32,
     /// SPI clock, Hz.
     pub hz: u32,
-    /// How CS frames the bytes (F-22).
-    pub framing: Framing,
+    /// How the part is configured, and how it is wired.
+    pub config: Config,
     /// Nominal master clock of the part, Hz.
     pub mclk_hz: u32,
 }
@@ -38,6 +38,8 @@ pub struct BridgeAddress {
     pub port: Port,
     /// SPI clock of the bridge, Hz.
     pub hz: u32,
+    /// How the part is configured, and how it is wired.
+    pub config: Config,
     /// Nominal master clock of the part, Hz.
     pub mclk_hz: u32,
 }
@@ -84,24 +86,25 @@ impl SpiAddress {
             return Err(format!("spi: needs the spidev file and the RDY line, as in {SPI_EXAMPLE}"));
         }
         let mut rdy = None;
-        let (mut hz, mut framing, mut mclk_hz) = (DEFAULT_HZ, Framing::Command, MCLK_HZ);
+        let (mut hz, mut config, mut mclk_hz) = (DEFAULT_HZ, HOST_CONFIG, MCLK_HZ);
         for option in options {
             match option.split_once('=') {
                 Some(("rdy", line)) => rdy = Some(gpio_line(line)?),
                 Some(("hz", text)) => hz = number("hz", text, SLOWEST_HZ..=MAX_SCLK_HZ)?,
-                Some(("framing", "byte")) => framing = Framing::PerByte,
-                Some(("framing", "command")) => framing = Framing::Command,
                 Some(("mclk", text)) => mclk_hz = number("mclk", text, MCLK_RANGE_HZ)?,
-                _ => {
-                    return Err(format!(
-                        "`{option}` is no option; there are rdy=CHIP:LINE, hz=SCLK, framing=command|byte and mclk=HZ, as in {SPI_EXAMPLE}"
-                    ));
-                }
+                _ => match part_option(config, option)? {
+                    Some(changed) => config = changed,
+                    None => {
+                        return Err(format!(
+                            "`{option}` is no option; there are rdy=CHIP:LINE, hz=SCLK, mclk=HZ, {PART_OPTIONS}, as in {SPI_EXAMPLE}"
+                        ));
+                    }
+                },
             }
         }
         let (chip, line) =
             rdy.ok_or_else(|| format!("which line is RDY (pin 10)? give rdy=CHIP:LINE, as in {SPI_EXAMPLE}"))?;
-        Ok(Self { spi: spi.into(), chip, line, hz, framing, mclk_hz })
+        Ok(Self { spi: spi.into(), chip, line, hz, config, mclk_hz })
     }
 }
 
@@ -118,7 +121,7 @@ impl BridgeAddress {
         for option in bauds {
             baud = number("baud", option.trim_start_matches("baud="), BAUD_RANGE)?;
         }
-        Self::with_options(Port::Serial { path: path.to_owned(), baud }, &rest, "baud=N, hz=SCLK and mclk=HZ")
+        Self::with_options(Port::Serial { path: path.to_owned(), baud }, &rest, "baud=N, hz=SCLK, mclk=HZ")
     }
 
     /// Reads what follows `tcp:`.
@@ -128,16 +131,19 @@ impl BridgeAddress {
         if port.and_then(|(_, port)| port.parse::<u16>().ok()).is_none() {
             return Err("tcp: needs host and port of the bridge, as in tcp:127.0.0.1:16130".to_owned());
         }
-        Self::with_options(Port::Tcp(address.to_owned()), &options.collect::<Vec<_>>(), "hz=SCLK and mclk=HZ")
+        Self::with_options(Port::Tcp(address.to_owned()), &options.collect::<Vec<_>>(), "hz=SCLK, mclk=HZ")
     }
 
     fn with_options(port: Port, options: &[&str], known: &str) -> Result<Self, String> {
-        let mut address = Self { port, hz: DEFAULT_HZ, mclk_hz: MCLK_HZ };
+        let mut address = Self { port, hz: DEFAULT_HZ, config: HOST_CONFIG, mclk_hz: MCLK_HZ };
         for option in options {
             match option.split_once('=') {
                 Some(("hz", text)) => address.hz = number("hz", text, SLOWEST_HZ..=MAX_SCLK_HZ)?,
                 Some(("mclk", text)) => address.mclk_hz = number("mclk", text, MCLK_RANGE_HZ)?,
-                _ => return Err(format!("`{option}` is no option; there are {known}")),
+                _ => match part_option(address.config, option)? {
+                    Some(changed) => address.config = changed,
+                    None => return Err(format!("`{option}` is no option; there are {known}, {PART_OPTIONS}")),
+                },
             }
         }
         Ok(address)
@@ -167,12 +173,51 @@ fn split(text: &str) -> (&str, impl Iterator<Item = &str>) {
     (name, options.split('&').filter(|option| !option.is_empty()))
 }
 
+/// F-22: a host that cannot keep the note's framing at the full rate keeps CS low for a whole command.
+const HOST_CONFIG: Config = Config::new().with_framing(Framing::Command);
+/// What [`part_option`] knows, in words.
+const PART_OPTIONS: &str =
+    "framing=command|byte (F-22), width=24|16, fw=RATE or fw=RATE:TEMP (F-31), chop=0|1, edge=falling|rising (F-32)";
+/// Filter words fit into seven bits.
+const FW_RANGE: RangeInclusive<u32> = 0..=0x7F;
+
+/// The configuration changed by an option of the part itself, whatever it is connected to; `None` = that is no such option.
+pub fn part_option(config: Config, option: &str) -> Result<Option<Config>, String> {
+    let Some((key, text)) = option.split_once('=') else { return Ok(None) };
+    let changed = match (key, text) {
+        ("framing", "byte") => config.with_framing(Framing::PerByte),
+        ("framing", "command") => config.with_framing(Framing::Command),
+        ("width", "16") => config.with_width(Width::Bits16),
+        ("width", "24") => config.with_width(Width::Bits24),
+        ("edge", "falling") => config.with_rdy_edge(RdyEdge::Falling),
+        ("edge", "rising") => config.with_rdy_edge(RdyEdge::Rising),
+        ("chop", "0" | "1") => with_conversions(config, |word| word.with_chop(text == "1")),
+        ("fw", _) => {
+            let (rate, temp) = text.split_once(':').unwrap_or((text, text));
+            let (rate, temp) = (number("fw", rate, FW_RANGE)?, number("fw", temp, FW_RANGE)?);
+            let chop = config.rate_conversion().chop();
+            let word = |word: u32| ConversionTime::new(word as u8).with_chop(chop);
+            config.with_rate_conversion(word(rate)).with_temp_conversion(word(temp))
+        }
+        ("framing" | "width" | "edge" | "chop", _) => {
+            return Err(format!("`{option}`: there are {PART_OPTIONS}"));
+        }
+        _ => return Ok(None),
+    };
+    Ok(Some(changed))
+}
+
+fn with_conversions(config: Config, change: impl Fn(ConversionTime) -> ConversionTime) -> Config {
+    let (rate, temp) = (change(config.rate_conversion()), change(config.temp_conversion()));
+    config.with_rate_conversion(rate).with_temp_conversion(temp)
+}
+
 /// `gpiochip0:25` or `/dev/gpiochip0:25`.
-fn gpio_line(text: &str) -> Result<(PathBuf, u32), String> {
+pub fn gpio_line(text: &str) -> Result<(PathBuf, u32), String> {
     let parts = text.rsplit_once(':').and_then(|(chip, line)| Some((chip, line.parse().ok()?)));
     let (chip, line) = parts
         .filter(|(chip, _)| !chip.is_empty())
-        .ok_or_else(|| format!("rdy={text} is no CHIP:LINE, as in rdy=gpiochip0:25 (gpioinfo lists them)"))?;
+        .ok_or_else(|| format!("`{text}` is no CHIP:LINE, as in gpiochip0:25 (gpioinfo lists them)"))?;
     let chip = if chip.starts_with('/') { chip.into() } else { PathBuf::from("/dev").join(chip) };
     Ok((chip, line))
 }
@@ -194,12 +239,12 @@ mod tests {
             chip: "/dev/gpiochip4".into(),
             line: 25,
             hz: 8_000_000,
-            framing: Framing::PerByte,
+            config: Config::new(),
             mclk_hz: 105_400,
         };
         assert_eq!(address, Ok(expected));
         let plain = SpiAddress::parse("/dev/spidev0.0?rdy=/dev/gpiochip0:3").expect("an address");
-        assert_eq!((plain.hz, plain.framing, plain.mclk_hz), (5_000_000, Framing::Command, 6_000_000));
+        assert_eq!((plain.hz, plain.config.framing(), plain.mclk_hz), (5_000_000, Framing::Command, 6_000_000));
         let iio = IioAddress::parse("iio:device0?hz=50").expect("an address");
         assert_eq!((iio.folder.to_str(), iio.hz), (Some("/sys/bus/iio/devices/iio:device0"), 50));
     }
@@ -219,6 +264,25 @@ mod tests {
             [("", "tcp:127.0.0.1:16130"), ("host", "tcp:127"), (":7", "tcp:127"), ("h:7?baud=9600", "`baud=9600`")]
         {
             assert!(BridgeAddress::parse_tcp(wrong).unwrap_err().contains(hint), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn the_part_is_configured_alike_wherever_it_is() {
+        let options = "framing=byte&width=16&fw=9:12&chop=1&edge=rising";
+        let chopped = |word: u8| ConversionTime::new(0x80 | word);
+        let expected = Config::new()
+            .with_width(Width::Bits16)
+            .with_rate_conversion(chopped(9))
+            .with_temp_conversion(chopped(12))
+            .with_rdy_edge(RdyEdge::Rising);
+        let spi = SpiAddress::parse(&format!("/dev/spidev0.0?rdy=gpiochip0:25&{options}")).expect("an address");
+        let serial = BridgeAddress::parse_serial(&format!("/dev/ttyACM0?{options}")).expect("an address");
+        let tcp = BridgeAddress::parse_tcp(&format!("localhost:1?{options}")).expect("an address");
+        assert_eq!([spi.config, serial.config, tcp.config], [expected; 3]);
+        for (wrong, hint) in [("width=20", "width=24|16"), ("fw=200", "from 0 to 127"), ("edge=up", "falling|rising")] {
+            let error = BridgeAddress::parse_serial(&format!("x?{wrong}")).unwrap_err();
+            assert!(error.contains(hint), "{error}");
         }
     }
 

@@ -1,11 +1,17 @@
 //! A part that is read as it converts: the driver, and a source of edges of its data-ready line.
 
+use super::pin::{Pause, Ready};
 use crate::interrupt;
 use adis16130::blocking::Adis16130;
-use adis16130::{Config, Edge, Fault, MAX_SCLK_HZ, Sample, SampleError, Sampler, SamplerConfig};
+use adis16130::{
+    Config, Edge, Fault, MAX_SCLK_HZ, RdyEdge, Sample, SampleError, Sampler, SamplerConfig, SelfTest, SelfTestPlan,
+};
 use anyhow::{Result, anyhow, ensure};
+use embedded_hal::digital::OutputPin;
 use embedded_hal::spi::SpiDevice;
+use std::cell::RefCell;
 use std::fmt::Debug;
+use std::time::Duration;
 
 /// Where edges of data ready come from.
 pub trait Edges {
@@ -14,6 +20,11 @@ pub trait Edges {
 
     /// The time in words, for messages.
     fn now(&self) -> String;
+
+    /// Lets so many ns pass.
+    fn pause(&mut self, ns: u64) {
+        std::thread::sleep(Duration::from_nanos(ns));
+    }
 }
 
 /// The driver with its edges and the count of what was lost.
@@ -32,6 +43,9 @@ pub struct Live<S, E> {
 const CLOCKS_HZ: [u32; 7] = [1_000_000, 2_000_000, 4_000_000, 5_000_000, 6_000_000, 8_000_000, MAX_SCLK_HZ];
 /// So many whole configurations must come back right at each of them.
 const READ_BACKS: u32 = 20;
+
+/// Of each of the two levels of the self-test: batches of 64, which are long against the bandwidth (F-03).
+const SELF_TEST_SAMPLES: u16 = 1024;
 
 /// So long without a data-ready edge is a failure.
 const SILENCE_NS: u64 = 1_000_000_000;
@@ -84,6 +98,23 @@ impl<S: SpiDevice<Error: Debug + Send + Sync + 'static>, E: Edges> Live<S, E> {
             fastest = Some(hz);
         }
         Ok(fastest)
+    }
+
+    /// What the self-test does to the rate (F-11). The pin is released whatever happens, also with Ctrl-C. Leaves the part
+    /// configured.
+    pub fn self_test<P>(&mut self, pin: &mut P) -> Result<SelfTest>
+    where
+        P: OutputPin<Error: Debug + Send + Sync + 'static>,
+    {
+        let edges = RefCell::new(&mut self.edges);
+        // whichever edge says so: RDY is heard as edges
+        let config = self.config.with_rdy_edge(RdyEdge::Falling);
+        let mut part = Adis16130::new(self.part.bus_mut(), Ready(&edges), config);
+        part.reset()?;
+        part.init()?;
+        let tested = part.self_test(pin, &mut Pause(&edges), SelfTestPlan::new(SELF_TEST_SAMPLES))?;
+        self.initialise()?;
+        Ok(tested)
     }
 
     /// Reads a register so many times.

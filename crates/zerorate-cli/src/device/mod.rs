@@ -4,6 +4,7 @@ mod address;
 mod bridge;
 mod iio;
 mod live;
+mod pin;
 mod reader;
 mod replay;
 #[cfg(target_os = "linux")]
@@ -13,8 +14,8 @@ mod twin;
 use crate::capture::{CaptureInfo, CaptureReader};
 use crate::cli::SamplingArgs;
 use crate::exit::Usage;
-use address::{BridgeAddress, IioAddress, SpiAddress};
-use adis16130::{Config, ConversionTime, MCLK_HZ, Sample, SamplerConfig};
+use address::{BridgeAddress, IioAddress, SpiAddress, gpio_line, part_option};
+use adis16130::{Config, ConversionTime, Framing, MCLK_HZ, Sample, SamplerConfig, SelfTest};
 use adis16130_twin::{Spec, Truth};
 use anyhow::Result;
 use bridge::BridgePart;
@@ -38,7 +39,7 @@ pub struct DeviceSpec {
 #[derive(Clone, Debug)]
 enum Kind {
     /// `twin:KEY=VALUE,…`
-    Twin(Box<Spec>),
+    Twin(Box<Spec>, Config),
     /// `replay:FILE`
     Replay(PathBuf),
     /// `spi:/dev/spidevB.C?rdy=CHIP:LINE&…`
@@ -71,7 +72,7 @@ impl FromStr for DeviceSpec {
 
     fn from_str(text: &str) -> Result<Self, String> {
         let kind = match text.split_once(':') {
-            Some(("twin", keys)) => Kind::Twin(Box::new(Spec::parse_keys(keys).map_err(|error| error.to_string())?)),
+            Some(("twin", keys)) => twin(keys)?,
             Some(("replay", "")) => return Err("replay: needs the file, as in replay:unit.arrows".to_owned()),
             Some(("replay", path)) => Kind::Replay(path.into()),
             Some(("spi", address)) => Kind::Spi(SpiAddress::parse(address)?),
@@ -125,7 +126,9 @@ impl Device {
     pub fn open(spec: &DeviceSpec, sampling: SamplingArgs) -> Result<Self> {
         let name = spec.to_string();
         let source = match &spec.kind {
-            Kind::Twin(unit) => Source::Twin(Box::new(TwinDevice::new((**unit).clone(), sampler_config(sampling)))),
+            Kind::Twin(unit, config) => {
+                Source::Twin(Box::new(TwinDevice::new((**unit).clone(), *config, sampler_config(sampling))))
+            }
             Kind::Replay(path) => {
                 if sampling.every_temp.is_some() || sampling.divider.is_some() {
                     let why = "--every-temp and --divider were decided when the recording was made; leave them out";
@@ -166,6 +169,37 @@ impl Device {
             Source::Spi(part) => part.try_bus().map(Some),
             Source::Bridge(part) => part.try_bus().map(Some),
             _ => Ok(None),
+        }
+    }
+
+    /// What the self-test does to the rate (F-11). `gpio` is the line that its pins are on, where this host has them. To be
+    /// called before the first sample.
+    pub fn self_test(&mut self, gpio: &str) -> Result<SelfTest> {
+        let no_gpio = |what: &str| Usage(format!("--self-test takes no GPIO with {what}: leave `{gpio}` out"));
+        match &mut self.source {
+            Source::Twin(twin) if gpio.is_empty() => twin.self_test(),
+            Source::Twin(_) => Err(no_gpio("the twin, whose pins are its own").into()),
+            Source::Bridge(part) if gpio.is_empty() => part.self_test(),
+            Source::Bridge(_) => Err(no_gpio("a bridge, whose firmware knows the pin").into()),
+            #[cfg(target_os = "linux")]
+            Source::Spi(part) => {
+                let line = gpio_line(gpio).map_err(|why| Usage(format!("--self-test: {why}")))?;
+                part.self_test(line)
+            }
+            Source::Replay(_) | Source::Iio(..) => {
+                Err(Usage("--self-test needs the part itself: twin:, spi:, bridge: or tcp:".to_owned()).into())
+            }
+        }
+    }
+
+    /// How CS frames the bytes (F-22), where it is this program that decides.
+    pub fn framing(&self) -> Option<Framing> {
+        match &self.source {
+            Source::Twin(twin) => Some(twin.live.config.framing()),
+            #[cfg(target_os = "linux")]
+            Source::Spi(part) => Some(part.settings().0.framing()),
+            Source::Bridge(part) => Some(part.settings().0.framing()),
+            Source::Replay(_) | Source::Iio(..) => None,
         }
     }
 
@@ -271,6 +305,19 @@ impl Device {
             _ => MCLK_HZ,
         }
     }
+}
+
+/// `KEY=VALUE,…`: those of the twin, and how the driver configures it.
+fn twin(keys: &str) -> Result<Kind, String> {
+    let (mut config, mut unit) = (Config::new(), Vec::new());
+    for item in keys.split(',') {
+        match part_option(config, item.trim())? {
+            Some(changed) => config = changed,
+            None => unit.push(item),
+        }
+    }
+    let unit = Spec::parse_keys(&unit.join(",")).map_err(|error| error.to_string())?;
+    Ok(Kind::Twin(Box::new(unit), config))
 }
 
 fn sampler_config(sampling: SamplingArgs) -> SamplerConfig {

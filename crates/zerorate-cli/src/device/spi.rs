@@ -3,20 +3,22 @@
 use super::Bus;
 use super::address::SpiAddress;
 use super::live::{Edges, Live};
+use super::pin::PinError;
 use super::reader::{Reader, WhenFull};
 use crate::output::say;
-use adis16130::{Config, Edge, Framing, MAX_SCLK_HZ, Sample, SamplerConfig};
+use adis16130::{Config, Edge, Framing, MAX_SCLK_HZ, RdyEdge, Sample, SamplerConfig, SelfTest};
 use anyhow::{Context, Result, anyhow, bail};
+use embedded_hal::digital::{self, OutputPin};
 use embedded_hal::spi::{Error, ErrorKind, ErrorType, Operation, SpiDevice};
 use gpiocdev::Request;
-use gpiocdev::line::EdgeDetection;
+use gpiocdev::line::{EdgeDetection, Value};
 use rustix::fs::{FlockOperation, flock};
 use rustix::io::Errno;
 use rustix::mm::{MlockAllFlags, mlockall};
 use spidev::{SpiModeFlags, Spidev, SpidevOptions, SpidevTransfer};
 use std::fmt;
 use std::io;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant};
@@ -55,8 +57,10 @@ impl SpiPart {
     pub fn open(address: &SpiAddress, sampling: SamplerConfig) -> Result<Self> {
         let clock = Arc::new(AtomicU32::new(address.hz));
         let bus = SpiBus::open(address, Arc::clone(&clock))?;
-        let edges = GpioEdges::open(&address.chip, address.line)?;
-        let live = Live::new(bus, edges, config(), sampling, address.mclk_hz);
+        let edges = GpioEdges::open(address)?;
+        // the commands go as one frame each; where CS is to rise between bytes, the bus splits them
+        let config = address.config.with_framing(Framing::Command);
+        let live = Live::new(bus, edges, config, sampling, address.mclk_hz);
         Ok(Self { address: address.clone(), clock, sampling, state: State::Ready(Box::new(live)) })
     }
 
@@ -67,7 +71,7 @@ impl SpiPart {
 
     /// How the part is configured, and how it is sampled.
     pub fn settings(&self) -> (Config, SamplerConfig) {
-        (config(), self.sampling)
+        (self.address.config, self.sampling)
     }
 
     /// Resets the part, initialises it, reads everything back. Returns the revision.
@@ -96,6 +100,13 @@ impl SpiPart {
         Ok(Bus { sclk_hz: self.address.hz, fastest_clean_hz, read_s: Some(read_s) })
     }
 
+    /// What the self-test does to the rate; its pins are on this line.
+    pub fn self_test(&mut self, (chip, line): (PathBuf, u32)) -> Result<SelfTest> {
+        let State::Ready(live) = &mut self.state else { bail!("the part is being read already") };
+        let mut pin = GpioOutput::open(&chip, line)?;
+        live.self_test(&mut pin).map_err(|error| explain(error, &self.address))
+    }
+
     /// The next sample.
     pub fn next(&mut self) -> Result<Sample> {
         loop {
@@ -122,11 +133,6 @@ impl SpiPart {
             _ => 0,
         }
     }
-}
-
-/// The commands go as one frame each; where CS is to rise between bytes, the bus splits them.
-fn config() -> Config {
-    Config::new().with_framing(Framing::Command)
 }
 
 /// Priority and locked memory, or a word on how to allow them.
@@ -196,7 +202,7 @@ impl SpiBus {
             .lsb_first(false)
             .build();
         spi.configure(&options).map_err(|error| why_not_configured(path, error))?;
-        Ok(Self { spi, clock, split: address.framing == Framing::PerByte })
+        Ok(Self { spi, clock, split: address.config.framing() == Framing::PerByte })
     }
 
     /// One message to the kernel: one frame of CS, or one per byte.
@@ -325,13 +331,18 @@ pub struct GpioEdges {
 }
 
 impl GpioEdges {
-    fn open(chip: &Path, line: u32) -> Result<Self> {
+    fn open(address: &SpiAddress) -> Result<Self> {
+        let (chip, line) = (&address.chip, address.line);
+        let edge = match address.config.rdy_edge() {
+            RdyEdge::Falling => EdgeDetection::FallingEdge,
+            RdyEdge::Rising => EdgeDetection::RisingEdge,
+        };
         let request = Request::builder()
             .on_chip(chip)
             .with_consumer("zerorate RDY")
             .with_line(line)
             .as_input()
-            .with_edge_detection(EdgeDetection::FallingEdge)
+            .with_edge_detection(edge)
             .with_kernel_event_buffer_size(KERNEL_EDGES)
             .request()
             .map_err(|error| why_no_line(chip, line, error))?;
@@ -377,6 +388,39 @@ impl Edges for GpioEdges {
     fn now(&self) -> String {
         let elapsed_ns = self.last_ns.saturating_sub(self.first_ns.unwrap_or(self.last_ns));
         format!("{:.1} s after the first edge", elapsed_ns as f64 * 1e-9)
+    }
+}
+
+/// A line that drives the self-test pins, inactive at first; the kernel lets it go when the program ends.
+struct GpioOutput {
+    request: Request,
+    line: u32,
+}
+
+impl GpioOutput {
+    fn open(chip: &Path, line: u32) -> Result<Self> {
+        let request = Request::builder()
+            .on_chip(chip)
+            .with_consumer("zerorate self-test")
+            .with_line(line)
+            .as_output(Value::Inactive)
+            .request()
+            .map_err(|error| why_no_line(chip, line, error))?;
+        Ok(Self { request, line })
+    }
+}
+
+impl digital::ErrorType for GpioOutput {
+    type Error = PinError;
+}
+
+impl OutputPin for GpioOutput {
+    fn set_low(&mut self) -> Result<(), PinError> {
+        self.request.set_value(self.line, Value::Inactive).map(drop).map_err(PinError::new)
+    }
+
+    fn set_high(&mut self) -> Result<(), PinError> {
+        self.request.set_value(self.line, Value::Active).map(drop).map_err(PinError::new)
     }
 }
 

@@ -108,6 +108,24 @@ fn probe_sees_the_part_through_the_bridge() {
 }
 
 #[test]
+fn a_bridge_takes_the_options_of_the_part() {
+    let device = bridge(Spec::from_seed(7), Cable::default());
+    let options = format!("{device}?framing=byte&width=16&fw=9");
+    let arguments = ["probe", "--device", &options, "--duration", "1s", "--json", "--self-test"];
+    let found = zerorate(&arguments).ended_with(0).json();
+    assert_eq!((&found["framing"], &found["lost_samples"]), (&"byte".into(), &0.into()));
+    // FW = 9 takes 783 cycles (F-31)
+    assert!((found["rate_hz"].as_f64().expect("a rate") / (6e6 / 1566.0) - 1.0).abs() < 0.02, "{found}");
+    let shift_dps = found["self_test"]["shift_dps"].as_f64().expect("a shift");
+    assert!((shift_dps - 20.0).abs() < 2.0, "the twin's is 20 °/s, and its sensitivity is off by 3 %: {found}");
+    // the pin is released: the same rate as before
+    assert!(found["rate_dps"].as_f64().expect("a rate").abs() < 5.0, "{found}");
+    let refused = format!("{device}?edge=rising");
+    zerorate(&["probe", "--device", &refused]).ended_with(1).saying(&["cannot hear the edge", "leave edge= out"]);
+    zerorate(&["probe", "--device", &device, "--self-test", "gpiochip0:3"]).ended_with(2).saying(&["takes no GPIO"]);
+}
+
+#[test]
 fn a_capture_holds_every_sample() {
     let (run, folder) = capture(&bridge(Spec::from_seed(7), Cable::default()), "20000");
     let summary = run.ended_with(0).json();

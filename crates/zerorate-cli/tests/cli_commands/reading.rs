@@ -217,3 +217,39 @@ fn wait_for(file: &Path) {
         std::thread::sleep(Duration::from_millis(20));
     }
 }
+
+#[test]
+fn probe_says_how_bytes_are_framed_and_what_the_self_test_does() {
+    let probe = |device: &str, more: &[&str]| {
+        zerorate(&[&["probe", "--device", device, "--duration", "1s", "--json"], more].concat()).ended_with(0).json()
+    };
+    let found = probe("twin:seed=7", &[]);
+    assert_eq!((&found["framing"], &found["self_test"]), (&"byte".into(), &serde_json::Value::Null));
+    let found = probe("twin:seed=7,framing=command,width=16,fw=9:5", &["--self-test"]);
+    assert_eq!(found["framing"], "command");
+    assert_eq!((&found["warnings"], &found["lost_samples"]), (&serde_json::json!([]), &0.into()));
+    // 783 and 527 cycles (F-31)
+    assert!((found["rate_hz"].as_f64().expect("a rate") / (6e6 / 1310.0) - 1.0).abs() < 0.02, "{found}");
+    let tested = &found["self_test"];
+    let (shift_dps, u_dps) = (tested["shift_dps"].as_f64().expect("a shift"), tested["u_dps"].as_f64().expect("u"));
+    assert!((shift_dps - 20.0).abs() < 2.0 && u_dps < 0.1, "{found}");
+    assert!(found["rate_dps"].as_f64().expect("a rate").abs() < 5.0, "the pin is released: {found}");
+    let text = zerorate(&["probe", "--device", "twin:seed=7,framing=command", "--duration", "1s", "--self-test"]);
+    let text = text.ended_with(0).stdout;
+    assert!(text.contains("framing       command") && text.contains("self-test     shifts the rate by"), "{text}");
+    zerorate(&["probe", "--device", "twin:width=20"]).ended_with(2).saying(&["`width=20`", "width=24|16"]);
+    zerorate(&["probe", "--device", "twin:", "--self-test", "7"]).ended_with(2).saying(&["takes no GPIO"]);
+    zerorate(&["probe", "--device", "replay:none", "--self-test"]).ended_with(1);
+}
+
+#[test]
+fn the_other_edge_of_data_ready_works_where_the_line_is_other() {
+    for device in ["twin:rdy=inverted,edge=rising", "twin:rdy=pulse,edge=rising", "twin:rdy=level,edge=falling"] {
+        let found = zerorate(&["probe", "--device", device, "--duration", "1s", "--json"]).ended_with(0).json();
+        assert_eq!((&found["lost_samples"], &found["warnings"]), (&0.into(), &serde_json::json!([])), "{device}");
+    }
+    // 26 µs before new data (F-32): each edge still finds the sample before
+    for device in ["twin:rdy=level,edge=rising", "twin:rdy=pulse,edge=falling", "twin:rdy=inverted"] {
+        zerorate(&["probe", "--device", device, "--duration", "1s"]).ended_with(0);
+    }
+}

@@ -9,7 +9,7 @@ use crate::device::Bus;
 use crate::duration::{self, Seconds};
 use crate::interrupt;
 use crate::progress::Meter;
-use adis16130::{RATE_LSB_PER_DPS, ZERO_CODE};
+use adis16130::{Framing, RATE_LSB_PER_DPS, SelfTest, ZERO_CODE};
 use anyhow::{Result, ensure};
 use clap::Args;
 use serde::Serialize;
@@ -36,6 +36,12 @@ pub struct ProbeArgs {
     #[arg(long, value_name = "TIME", default_value = "5s", value_parser = duration::above_zero)]
     duration: Seconds,
 
+    /// Also measure what the self-test does to the rate: GPIO is the line that the self-test pins (1-7 and 9 of the part) are
+    /// on, as in gpiochip0:17, for spi: devices; the twin and bridges have their own. Nothing is judged by the result, since
+    /// nobody published the proper size (F-11). The pin is released at the end, also after Ctrl-C.
+    #[arg(long, value_name = "GPIO", num_args = 0..=1, default_missing_value = "")]
+    self_test: Option<String>,
+
     /// Print the findings as one JSON object.
     #[arg(long)]
     json: bool,
@@ -47,6 +53,9 @@ struct Findings {
     device: String,
     /// The register; a replay has none.
     revision: Option<u8>,
+    /// How CS frames the bytes (F-22): byte or command; none where that is not in our hands.
+    framing: Option<&'static str>,
+    self_test: Option<SelfTested>,
     /// On an SPI bus.
     sclk_hz: Option<u32>,
     /// The fastest of the clocks tried at which the configuration reads back right.
@@ -68,13 +77,30 @@ struct Findings {
     warnings: Vec<String>,
 }
 
+/// What the self-test did to the rate.
+#[derive(Clone, Copy, Serialize)]
+struct SelfTested {
+    shift_dps: f32,
+    /// Standard uncertainty.
+    u_dps: f32,
+    /// With the self-test, and as many without.
+    samples: u32,
+}
+
 pub fn run(args: &ProbeArgs) -> Result<()> {
     let mut acquisition = Acquisition::open(&args.device, args.sampling)?;
     let revision = acquisition.device().initialise()?;
     let bus = acquisition.device().try_bus()?;
+    let self_test = match &args.self_test {
+        None => None,
+        Some(gpio) => {
+            let SelfTest { shift_dps, u_dps, n } = acquisition.device().self_test(gpio)?;
+            Some(SelfTested { shift_dps, u_dps, samples: n })
+        }
+    };
     let seen = Seen::read(&mut acquisition, args.duration)?;
     ensure!(acquisition.tally().samples > 0, "no samples were read");
-    let findings = Findings::new(acquisition, revision, bus, &seen);
+    let findings = Findings { self_test, ..Findings::new(acquisition, revision, bus, &seen) };
     if args.json {
         return print_json(&findings);
     }
@@ -154,6 +180,11 @@ impl Findings {
         Self {
             device: device.name(),
             revision,
+            framing: device.framing().map(|framing| match framing {
+                Framing::PerByte => "byte",
+                Framing::Command => "command",
+            }),
+            self_test: None,
             sclk_hz: bus.map(|bus| bus.sclk_hz),
             fastest_clean_sclk_hz: bus.and_then(|bus| bus.fastest_clean_hz),
             read_us: bus.and_then(|bus| bus.read_s).map(|read_s| read_s * 1e6),
@@ -179,10 +210,12 @@ impl Findings {
             format!("  part          answers, revision {revision:02X}h; every register written reads back\n")
         });
         format!(
-            "{}\n{part}{}  data ready    {:.1} Hz\n  samples       {:.1} a second: {} in {}, {} lost, longest gap {:.3} ms\n  \
+            "{}\n{part}{}{}{}  data ready    {:.1} Hz\n  samples       {:.1} a second: {} in {}, {} lost, longest gap {:.3} ms\n  \
              rate          {:+.4} °/s on average\n  white noise   {} (typical {TYPICAL_WHITE_DPS_PER_RT_HZ})\n  temperature   {}\n",
             self.device,
+            self.framing_text(),
             self.bus_text(),
+            self.self_test_text(),
             self.rdy_hz,
             self.rate_hz,
             self.samples,
@@ -197,6 +230,24 @@ impl Findings {
 }
 
 impl Findings {
+    fn framing_text(&self) -> &'static str {
+        match self.framing {
+            Some("byte") => "  framing       byte: CS rises between all bytes, as the note has it (F-22)\n",
+            Some(_) => {
+                "  framing       command: CS stays low for a whole command (F-22); framing=byte in the address is the note's\n"
+            }
+            None => "",
+        }
+    }
+
+    fn self_test_text(&self) -> String {
+        self.self_test.map_or(String::new(), |SelfTested { shift_dps, u_dps, samples }| {
+            format!(
+                "  self-test     shifts the rate by {shift_dps:+.4} °/s, u = {u_dps:.4} ({samples} samples without and with; its proper size is not published, F-11)\n"
+            )
+        })
+    }
+
     fn bus_text(&self) -> String {
         let Some(sclk_hz) = self.sclk_hz else { return String::new() };
         let read = self.read_us.map_or(String::new(), |read_us| format!(", {read_us:.0} µs a read"));

@@ -29,6 +29,8 @@ pub enum Reply {
     Started,
     Stopped,
     Refused(Refusal),
+    Configured,
+    SelfTest { on: bool },
 }
 
 /// Why a request failed.
@@ -58,6 +60,7 @@ fn words(refusal: Refusal) -> &'static str {
             "the part did not take its configuration; check SPI wires (pins 8, 12, 14, 16) and supply (pins 11, 13, 15)"
         }
         Refusal::TooLong => "the transfer is too long",
+        Refusal::NoSuchWire => "it has no such wire",
     }
 }
 
@@ -171,6 +174,8 @@ impl From<Answer<'_>> for Reply {
             Answer::Started => Self::Started,
             Answer::Stopped => Self::Stopped,
             Answer::Refused(refusal) => Self::Refused(refusal),
+            Answer::Configured => Self::Configured,
+            Answer::SelfTest { on } => Self::SelfTest { on },
         }
     }
 }

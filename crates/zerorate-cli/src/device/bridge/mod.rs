@@ -7,10 +7,12 @@ mod wire;
 use super::Bus;
 use super::address::BridgeAddress;
 use super::live::{Edges, Live};
+use super::pin::PinError;
 use super::reader::{Reader, WhenFull};
-use adis16130::bridge::{Ask, Continuity, PROTOCOL};
-use adis16130::{Config, Edge, Framing, Sample, SamplerConfig};
+use adis16130::bridge::{Ask, Continuity, PROTOCOL, Refusal, Settings};
+use adis16130::{Config, Edge, Sample, SamplerConfig, SelfTest};
 use anyhow::{Context, Result, anyhow, bail, ensure};
+use embedded_hal::digital::{self, OutputPin};
 use embedded_hal::spi::{ErrorType, Operation, SpiDevice};
 use link::{Heard, Link, LinkError, Reply};
 use progress::Progress;
@@ -38,7 +40,7 @@ impl BridgePart {
         let link = Shared(Arc::new(Mutex::new(Link::new(Wire::open(&address.port)?))));
         greet(&link, address).map_err(|error| link.explain(error, address))?;
         let edges = LastEdges { link: link.clone(), last: None };
-        let live = Live::new(Transfers(link.clone()), edges, config(), sampling, address.mclk_hz);
+        let live = Live::new(Transfers(link.clone()), edges, address.config, sampling, address.mclk_hz);
         Ok(Self { address: address.clone(), sampling, link, state: State::Ready(Box::new(live)) })
     }
 
@@ -49,7 +51,7 @@ impl BridgePart {
 
     /// How the part is configured, and how it is sampled.
     pub fn settings(&self) -> (Config, SamplerConfig) {
-        (config(), self.sampling)
+        (self.address.config, self.sampling)
     }
 
     /// Resets the part, initialises it, reads everything back. Returns the revision.
@@ -69,6 +71,22 @@ impl BridgePart {
             Ok(Bus { sclk_hz, fastest_clean_hz, read_s: None })
         };
         tried().map_err(|error| link.explain(error, address))
+    }
+
+    /// What the self-test does to the rate.
+    pub fn self_test(&mut self) -> Result<SelfTest> {
+        let State::Ready(live) = &mut self.state else { bail!("the part is being read already") };
+        let mut pin = SelfTestWire(self.link.clone());
+        match pin.set(false) {
+            Err(LinkError::Refused(Refusal::NoSuchWire)) => {
+                bail!(
+                    "{} has no self-test pin: its firmware drives none (pins 1-7 and 9 of the part, F-11)",
+                    self.address
+                )
+            }
+            released => released.map_err(|error| self.link.explain(error, &self.address))?,
+        }
+        live.self_test(&mut pin).map_err(|error| self.link.explain(error, &self.address))
     }
 
     /// The next sample.
@@ -94,8 +112,12 @@ impl BridgePart {
         let started = self.link.ask(start, |reply| matches!(reply, Reply::Started).then_some(()));
         started.map_err(|error| self.link.explain(error, &self.address))?;
         let (link, address) = (self.link.clone(), self.address.clone());
-        let mut stream =
-            Stream { link: link.clone(), live, continuity: Continuity::default(), progress: Progress::default() };
+        let mut stream = Stream {
+            link: link.clone(),
+            live,
+            continuity: Continuity::new(self.address.config.width()),
+            progress: Progress::default(),
+        };
         let next = move || stream.next().map_err(|error| link.explain(error, &address));
         self.state = State::Reading(Reader::start(WhenFull::Wait, || (), next)?);
         Ok(())
@@ -110,11 +132,6 @@ impl Drop for BridgePart {
     }
 }
 
-/// The configuration that every bridge writes (F-30); its transfers are whole commands.
-fn config() -> Config {
-    Config::new().with_framing(Framing::Command)
-}
-
 fn greet(link: &Shared, address: &BridgeAddress) -> Result<()> {
     link.ask(Ask::Stop, |reply| matches!(reply, Reply::Stopped).then_some(()))?;
     let (protocol, firmware) = link.ask(Ask::Hello, |reply| match reply {
@@ -126,6 +143,13 @@ fn greet(link: &Shared, address: &BridgeAddress) -> Result<()> {
         "{address} is {firmware} and speaks version {protocol} of the protocol, this zerorate version {PROTOCOL}: bring the older one up to date"
     );
     link.set_clock(address.hz)?;
+    let settings = Ask::Configure(Settings::from(&address.config));
+    match link.ask(settings, |reply| matches!(reply, Reply::Configured).then_some(())) {
+        Err(LinkError::Refused(Refusal::NoSuchWire)) => bail!(
+            "{address} is {firmware}, which cannot hear the edge of RDY that was asked for: leave edge= out, or bring its firmware up to date"
+        ),
+        configured => configured?,
+    }
     link.lock().forget_damage();
     Ok(())
 }
@@ -231,6 +255,30 @@ impl Transfers {
             Reply::Transfer(received) if received.len() == bytes.len() => Some(received),
             _ => None,
         })
+    }
+}
+
+/// The self-test pins at the bridge. It releases them by itself when the host is gone.
+struct SelfTestWire(Shared);
+
+impl SelfTestWire {
+    fn set(&mut self, on: bool) -> Result<(), LinkError> {
+        self.0
+            .ask(Ask::SelfTest { on }, |reply| matches!(reply, Reply::SelfTest { on: now } if now == on).then_some(()))
+    }
+}
+
+impl digital::ErrorType for SelfTestWire {
+    type Error = PinError;
+}
+
+impl OutputPin for SelfTestWire {
+    fn set_low(&mut self) -> Result<(), PinError> {
+        self.set(false).map_err(PinError::new)
+    }
+
+    fn set_high(&mut self) -> Result<(), PinError> {
+        self.set(true).map_err(PinError::new)
     }
 }
 

@@ -1,0 +1,61 @@
+//! The pins that the driver's self-test wants, of a part whose edges come by themselves.
+
+use super::live::Edges;
+use crate::interrupt;
+use embedded_hal::delay::DelayNs;
+use embedded_hal::digital::{Error, ErrorKind, ErrorType, InputPin};
+use std::cell::RefCell;
+use std::fmt;
+
+/// So long is waited for an edge at once, ns.
+const LOOK_NS: u64 = 1_000_000;
+
+/// Why a pin could not be set or heard.
+pub struct PinError(String);
+
+impl PinError {
+    pub fn new(error: impl fmt::Display) -> Self {
+        Self(format!("{error:#}"))
+    }
+}
+
+impl fmt::Debug for PinError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl Error for PinError {
+    fn kind(&self) -> ErrorKind {
+        ErrorKind::Other
+    }
+}
+
+/// RDY as a level: low, as for a falling edge, when an edge has come that nobody has looked at.
+pub struct Ready<'a, E>(pub &'a RefCell<&'a mut E>);
+
+impl<E> ErrorType for Ready<'_, E> {
+    type Error = PinError;
+}
+
+impl<E: Edges> InputPin for Ready<'_, E> {
+    fn is_low(&mut self) -> Result<bool, PinError> {
+        if interrupt::asked() {
+            return Err(PinError::new("interrupted"));
+        }
+        self.0.borrow_mut().next(LOOK_NS).map(|edge| edge.is_some()).map_err(PinError::new)
+    }
+
+    fn is_high(&mut self) -> Result<bool, PinError> {
+        self.is_low().map(|low| !low)
+    }
+}
+
+/// Time, as the source of the edges has it.
+pub struct Pause<'a, E>(pub &'a RefCell<&'a mut E>);
+
+impl<E: Edges> DelayNs for Pause<'_, E> {
+    fn delay_ns(&mut self, ns: u32) {
+        self.0.borrow_mut().pause(ns.into());
+    }
+}
