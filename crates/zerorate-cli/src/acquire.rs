@@ -1,6 +1,7 @@
 //! Samples out of a device, one after the other: paced to the wall clock if wanted, ended by Ctrl-C, counted.
 
 use crate::believed;
+use crate::capture::admission::Admission;
 use crate::cli::{DeviceArgs, SamplingArgs};
 use crate::device::Device;
 use crate::interrupt;
@@ -14,6 +15,7 @@ use zerorate::{BANDWIDTH_HZ, Tally, Warning, resonance};
 pub struct Acquisition {
     device: Device,
     pace: Option<Pace>,
+    admission: Admission,
     tally: Tally,
     health: Health,
     start_ns: Option<u64>,
@@ -30,7 +32,8 @@ impl Acquisition {
 
     /// Over a device that is open already, as fast as it goes. Ctrl-C stays what it was.
     pub fn unpaced(device: Device) -> Self {
-        Self { device, pace: None, tally: Tally::default(), health: Health::default(), start_ns: None }
+        let (admission, health) = (Admission::default(), Health::default());
+        Self { device, pace: None, admission, tally: Tally::default(), health, start_ns: None }
     }
 
     /// The device itself.
@@ -49,7 +52,7 @@ impl Acquisition {
         if interrupt::asked() {
             return Ok(None);
         }
-        let sample = self.device.next()?;
+        let sample = self.next_admitted()?;
         if let Some(sample) = &sample {
             self.tally.count(sample);
             self.start_ns.get_or_insert(sample.t_ns);
@@ -105,6 +108,17 @@ impl Acquisition {
         (self.tally.samples > 1).then(|| resonance::warning(self.tally.sampling_hz(), divider, average_s)).flatten()
     }
 
+    /// The next sample that may stand in a capture.
+    #[inline]
+    fn next_admitted(&mut self) -> Result<Option<Sample>> {
+        while let Some(sample) = self.device.next()? {
+            if let Some(admitted) = self.admission.admit(sample)? {
+                return Ok(Some(admitted));
+            }
+        }
+        Ok(None)
+    }
+
     /// Whether progress is to be shown with this sample: with every 4096th, 1.4 times a second of part time.
     #[inline]
     pub fn is_time_to_show(&self) -> bool {
@@ -125,7 +139,7 @@ impl Acquisition {
         let damage = (frames > 0).then(|| {
             format!("damaged-frames: {frames} frames of the bridge were damaged on the way, and their samples are counted as lost; check its cable, or lower the baud rate")
         });
-        overflow.into_iter().chain(damage).collect()
+        overflow.into_iter().chain(damage).chain(self.admission.warnings()).collect()
     }
 }
 

@@ -67,7 +67,7 @@ pub struct Recording {
     pub metadata: Vec<(String, String)>,
     /// The calibration that was applied, if the capture is a corrected one; its raw columns are untouched.
     pub calibration_id: Option<String>,
-    /// What is to be said of the file: a tail that was torn off, readings that are not to be believed.
+    /// What is to be said of the file: a torn tail, rows that nothing checks, readings that are not to be believed.
     pub warning: Option<String>,
 }
 
@@ -96,7 +96,7 @@ pub fn read_capture(path: &Path) -> Result<Recording> {
     let start_ns = recording.t_ns.first().copied().unwrap_or_default();
     let found = believed::warnings(&health, &tally, start_ns);
     recording.metadata.sort();
-    let said = reader.warning().map(str::to_owned).into_iter().chain(found).collect::<Vec<_>>();
+    let said: Vec<String> = reader.warnings().into_iter().chain(found).collect();
     recording.warning = (!said.is_empty()).then(|| said.join("; "));
     Ok(recording)
 }

@@ -7,9 +7,11 @@ use crate::commands::{
     correct::CorrectArgs,
     export::ExportArgs,
     probe::ProbeArgs,
+    repair::RepairArgs,
     report::ReportArgs,
     stream::StreamArgs,
     twin::{self, TwinArgs},
+    verify::VerifyArgs,
 };
 use crate::device::DeviceSpec;
 use crate::limits::{self, Bytes};
@@ -71,6 +73,8 @@ pub enum Command {
     Recalibrate(RecalibrateArgs),
     Stream(StreamArgs),
     Correct(CorrectArgs),
+    Verify(VerifyArgs),
+    Repair(RepairArgs),
     Export(ExportArgs),
     Report(ReportArgs),
     Allan(AllanArgs),

@@ -42,7 +42,7 @@ class Capture:
     calibration_id: str | None = None
     """The calibration that was applied, if the file is a corrected one; its raw columns are untouched."""
     warning: str | None = None
-    """What is to be said of the file: a tail that was torn off by a power cut."""
+    """What is to be said of the file: a tail that was torn off by a power cut, rows that nothing checks."""
 
     @cached_property
     def good(self) -> NDArray[np.bool_]:

@@ -1,25 +1,33 @@
 //! The Arrow IPC stream form: the one to record in, because every whole batch in it can be read whatever happens next.
 
 use super::CaptureError;
-use super::messages::{Message, Messages};
-use super::table::{BatchSink, BatchSource};
+use super::chain::{self, End};
+use super::messages::{Message, MessageBytes, Messages, with_note};
+use super::table::{BatchSource, BlockSink};
 use crate::limits::Room;
 use crate::survive::survive;
 use arrow::array::RecordBatch;
 use arrow::buffer::Buffer;
 use arrow::datatypes::SchemaRef;
+use arrow::error::ArrowError;
 use arrow::ipc::reader::StreamDecoder;
-use arrow::ipc::writer::StreamWriter;
+use arrow::ipc::writer::{
+    DictionaryTracker, EncodedData, IpcDataGenerator, IpcWriteContext, IpcWriteOptions, StreamWriter, write_message,
+};
 use std::fs::File;
-use std::io::{BufReader, BufWriter};
+use std::io::{self, BufReader, BufWriter, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
 /// A batch of any capture fits in here, so that it reaches the system in one piece.
 const WRITE_BUFFER: usize = 1 << 20;
 
+/// Bytes that are looked through at once.
+const SCAN: u64 = 1 << 16;
+
 /// Writes a stream.
 pub struct Sink {
     path: PathBuf,
+    schema: SchemaRef,
     writer: StreamWriter<BufWriter<File>>,
 }
 
@@ -29,17 +37,33 @@ impl Sink {
         let wrong = |error| CaptureError::arrow("write", path, error);
         let mut writer = StreamWriter::try_new(BufWriter::with_capacity(WRITE_BUFFER, file), schema).map_err(wrong)?;
         writer.flush().map_err(wrong)?;
-        Ok(Self { path: path.to_owned(), writer })
+        Ok(Self { path: path.to_owned(), schema: schema.clone(), writer })
     }
 }
 
-impl BatchSink for Sink {
-    fn write(&mut self, batch: &RecordBatch) -> Result<(), CaptureError> {
-        let written = self.writer.write(batch).and_then(|()| self.writer.flush());
+impl Sink {
+    /// A batch in one piece, with what is stated about it.
+    fn write_noted(&mut self, batch: &RecordBatch, key: &str, note: &str) -> Result<(), CaptureError> {
+        let options = IpcWriteOptions::default();
+        let mut no_dictionaries = DictionaryTracker::new(true);
+        let written = IpcDataGenerator::default()
+            .encode(batch, &mut no_dictionaries, &options, &mut IpcWriteContext::default())
+            .and_then(|(_, EncodedData { ipc_message, arrow_data })| {
+                let ipc_message = with_note(&ipc_message, key, note).map_err(ArrowError::IpcError)?;
+                write_message(self.writer.get_mut(), EncodedData { ipc_message, arrow_data }, &options)
+            })
+            .and_then(|_| self.writer.flush());
         written.map_err(|error| CaptureError::arrow("write", &self.path, error))
     }
+}
 
-    fn finish(mut self: Box<Self>) -> Result<(), CaptureError> {
+impl BlockSink for Sink {
+    fn write(&mut self, rows: &RecordBatch, check: Option<&str>) -> Result<(), CaptureError> {
+        self.write_noted(rows, chain::BATCH, check.unwrap_or_default())
+    }
+
+    fn finish(mut self: Box<Self>, _: Option<&str>, end: &End) -> Result<(), CaptureError> {
+        self.write_noted(&RecordBatch::new_empty(self.schema.clone()), chain::END, &end.to_text())?;
         let ended = self.writer.finish().and_then(|()| self.writer.flush());
         ended.map_err(|error| CaptureError::arrow("write", &self.path, error))
     }
@@ -51,9 +75,14 @@ pub struct Source {
     messages: Messages<BufReader<File>>,
     decoder: StreamDecoder,
     schema: SchemaRef,
+    /// The same file, to look at what follows a place that cannot be read.
+    rest: File,
     len: u64,
     room: Room,
+    check: Option<String>,
+    end: Option<End>,
     ended: bool,
+    torn: bool,
     warning: Option<String>,
 }
 
@@ -62,6 +91,7 @@ impl Source {
     pub fn open(path: &Path, file: File) -> Result<Self, CaptureError> {
         let failed = |error| CaptureError::io("read", path, error);
         let len = file.metadata().map_err(failed)?.len();
+        let rest = file.try_clone().map_err(failed)?;
         let mut messages = Messages::new(BufReader::new(file));
         let mut decoder = StreamDecoder::new();
         let schema = match messages.next().map_err(failed)? {
@@ -70,7 +100,7 @@ impl Source {
                 decode(&mut decoder, bytes.into()).map_err(|what| CaptureError::not_a_capture(path, what))?;
                 schema
             }
-            Message::EndOfStream | Message::Torn => {
+            Message::EndOfStream { .. } | Message::Torn => {
                 return Err(CaptureError::not_a_capture(
                     path,
                     "it ends inside its Arrow schema, so it holds no sample either",
@@ -82,9 +112,13 @@ impl Source {
             messages,
             decoder,
             schema,
+            rest,
             len,
             room: Room::of(len),
+            check: None,
+            end: None,
             ended: false,
+            torn: false,
             warning: None,
         })
     }
@@ -94,18 +128,31 @@ impl Source {
             let start = self.messages.position();
             match self.messages.next().map_err(|error| CaptureError::io("read", &self.path, error))? {
                 Message::Whole(bytes) => {
-                    let checked = bytes.check(self.room).and_then(|()| decode(&mut self.decoder, bytes.into()));
-                    let batch =
-                        checked.map_err(|what| CaptureError::damaged(&self.path, format!("byte {start}"), what))?;
-                    if batch.is_some() {
-                        return Ok(batch);
+                    if let Some(batch) = self.decode(start, bytes)? {
+                        return Ok(Some(batch));
                     }
                 }
-                Message::EndOfStream => self.end_of_stream(),
-                Message::Torn => self.torn(start),
+                Message::EndOfStream { marked: true } => self.end_of_stream(),
+                Message::EndOfStream { marked: false } | Message::Torn => self.torn(start)?,
             }
         }
         Ok(None)
+    }
+
+    /// The batch of a whole message; none if it is the end or no batch at all.
+    fn decode(&mut self, start: u64, bytes: MessageBytes) -> Result<Option<RecordBatch>, CaptureError> {
+        let damaged = |what: String| CaptureError::damaged(&self.path, format!("byte {start}"), what);
+        if self.end.is_some() {
+            return Err(damaged("a message follows behind the end of the capture".to_owned()));
+        }
+        bytes.check(self.room).map_err(damaged)?;
+        if let Some(end) = bytes.note(chain::END) {
+            let stated = End::parse(&end).filter(|_| bytes.rows() == Some(0));
+            self.end = Some(stated.ok_or_else(|| damaged(format!("its end is malformed: {end}")))?);
+            return Ok(None);
+        }
+        self.check = bytes.note(chain::BATCH);
+        decode(&mut self.decoder, bytes.into()).map_err(damaged)
     }
 
     /// The stream was closed; nothing should follow.
@@ -118,15 +165,36 @@ impl Source {
         }
     }
 
-    /// The file ended before the stream did, in a message that began at `whole`.
-    fn torn(&mut self, whole: u64) {
-        self.ended = true;
+    /// The file ended before the stream did, in a message that began at `whole`. Only one message can be torn: where
+    /// others follow, the file is damaged here.
+    fn torn(&mut self, whole: u64) -> Result<(), CaptureError> {
+        let follow = checks_from(&self.rest, whole).map_err(|error| CaptureError::io("read", &self.path, error))?;
+        if follow > 1 {
+            let what = "a message states a wrong length, for others follow within it";
+            return Err(CaptureError::damaged(&self.path, format!("byte {whole}"), what));
+        }
+        (self.ended, self.torn) = (true, true);
         self.warning = Some(format!(
             "{} was not closed (a power cut?): every whole batch is read, the {} bytes after the last one are dropped",
             self.path.display(),
             self.len.saturating_sub(whole)
         ));
+        Ok(())
     }
+}
+
+/// How many messages from `start` on carry a check.
+fn checks_from(mut file: &File, start: u64) -> io::Result<usize> {
+    let mark = chain::CHECKS.as_bytes();
+    file.seek(SeekFrom::Start(start))?;
+    let mut seen = Vec::new();
+    let mut found = 0;
+    while file.take(SCAN).read_to_end(&mut seen)? > 0 {
+        found += seen.windows(mark.len()).filter(|window| *window == mark).count();
+        // a mark may lie across two pieces
+        seen.drain(..seen.len().saturating_sub(mark.len() - 1));
+    }
+    Ok(found)
 }
 
 /// The batch of a message, if it carries one.
@@ -150,7 +218,23 @@ impl BatchSource for Source {
         self.schema.clone()
     }
 
+    fn form(&self) -> &'static str {
+        "Arrow stream"
+    }
+
     fn warning(&self) -> Option<&str> {
         self.warning.as_deref()
+    }
+
+    fn check(&self) -> Option<&str> {
+        self.check.as_deref()
+    }
+
+    fn end(&self) -> Option<&End> {
+        self.end.as_ref()
+    }
+
+    fn is_torn(&self) -> bool {
+        self.torn
     }
 }

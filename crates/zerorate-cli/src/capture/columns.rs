@@ -1,6 +1,7 @@
 //! The columns of a capture in memory: samples to record batches, and back.
 
-use super::CaptureError;
+use super::succession::Mark;
+use super::{CaptureError, chain};
 use adis16130::{ChannelStatus, RateCode, Sample, TempCode, Width};
 use arrow::array::{
     Array, ArrayRef, ArrowPrimitiveType, AsArray, PrimitiveArray, RecordBatch, UInt8Array, UInt8Builder, UInt32Array,
@@ -17,6 +18,9 @@ pub const MAX_ROWS: usize = 8192;
 
 /// Time a batch spans at most: what a killed process costs.
 const MAX_SPAN_NS: u64 = 1_000_000_000;
+
+/// Names of the raw columns.
+pub const RAW: [&str; 6] = ["t_ns", "edge_seq", "rate_code", "status", "temp_code", "lost"];
 
 /// The raw columns.
 pub fn raw_fields() -> Vec<Field> {
@@ -43,9 +47,11 @@ pub fn derived_fields() -> Vec<Field> {
 /// The column that only a corrected capture has.
 pub const CORRECTED: &str = "rate_corrected_dps";
 
-/// A schema of these columns, with the metadata of the file.
+/// The schema of a capture to be written: these columns, the metadata of the file, and the check over both.
 pub fn schema(fields: Vec<Field>, metadata: Metadata) -> SchemaRef {
-    Arc::new(Schema::new(fields).with_metadata(metadata))
+    let schema = Schema::new(fields).with_metadata(metadata);
+    let metadata = schema.metadata().clone().with(chain::HEAD, chain::head(&schema));
+    Arc::new(schema.with_metadata(metadata))
 }
 
 /// The rows of the open batch.
@@ -138,10 +144,7 @@ impl Rows {
         };
         source.check_codes("rate_code", rows.rate_code.iter().copied(), width)?;
         source.check_codes("temp_code", rows.temp_code.iter().flatten(), width)?;
-        match rows.t_ns.windows(2).find(|pair| pair[1] <= pair[0]) {
-            Some(pair) => Err(source.damaged(format!("t_ns does not increase, from {} to {}", pair[0], pair[1]))),
-            None => Ok(rows),
-        }
+        Ok(rows)
     }
 
     /// Number of rows.
@@ -149,9 +152,10 @@ impl Rows {
         self.t_ns.len()
     }
 
-    /// Timestamp of the first row, and of the last.
-    pub fn span_ns(&self) -> Option<(u64, u64)> {
-        Some((*self.t_ns.first()?, *self.t_ns.last()?))
+    /// What each row says of the way from the row before.
+    pub fn marks(&self) -> impl Iterator<Item = Mark> {
+        let rows = self.t_ns.iter().zip(&self.edge_seq[..]).zip(&self.lost[..]);
+        rows.map(|((t_ns, edge_seq), lost)| Mark { t_ns: *t_ns, edge_seq: *edge_seq, lost: *lost })
     }
 
     /// The sample in row `i`, which must be below [`Rows::len`].

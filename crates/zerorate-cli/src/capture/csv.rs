@@ -1,12 +1,13 @@
 //! The CSV form: the description as comment lines, a header, then the rows.
 
 use super::CaptureError;
-use super::columns::{MAX_ROWS, derived_fields, raw_fields, schema};
+use super::chain::{self, End};
+use super::columns::{MAX_ROWS, derived_fields, raw_fields};
 use super::delimited::{Delimiter, Lines};
-use super::table::{BatchSink, BatchSource};
+use super::table::{BatchSource, BlockSink};
 use arrow::array::{ArrayRef, ArrowPrimitiveType, PrimitiveBuilder, RecordBatch};
-use arrow::csv::{Writer, WriterBuilder};
-use arrow::datatypes::{DataType, Field, Float64Type, Metadata, SchemaRef, UInt8Type, UInt32Type, UInt64Type};
+use arrow::csv::WriterBuilder;
+use arrow::datatypes::{DataType, Field, Float64Type, Metadata, Schema, SchemaRef, UInt8Type, UInt32Type, UInt64Type};
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -22,32 +23,44 @@ const WRITE_BUFFER: usize = 1 << 20;
 /// Writes a CSV file.
 pub struct Sink {
     path: PathBuf,
-    rows: Writer<BufWriter<File>>,
+    out: BufWriter<File>,
 }
 
 impl Sink {
     /// Writes the description and the header.
     pub fn create(path: &Path, file: File, schema: &SchemaRef) -> Result<Self, CaptureError> {
-        let mut out = BufWriter::with_capacity(WRITE_BUFFER, file);
-        schema
-            .metadata()
-            .iter()
-            .try_for_each(|(key, value)| writeln!(out, "# {key} = {}", value.replace(['\r', '\n'], " ")))
-            .map_err(|error| CaptureError::io("write", path, error))?;
-        let mut sink = Self { path: path.to_owned(), rows: WriterBuilder::new().with_header(true).build(out) };
-        sink.write(&RecordBatch::new_empty(schema.clone()))?;
+        let mut sink = Self { path: path.to_owned(), out: BufWriter::with_capacity(WRITE_BUFFER, file) };
+        schema.metadata().iter().try_for_each(|(key, value)| sink.state(key, value))?;
+        sink.rows(&RecordBatch::new_empty(schema.clone()), true)?;
         Ok(sink)
+    }
+
+    /// Writes a comment line.
+    fn state(&mut self, key: &str, value: &str) -> Result<(), CaptureError> {
+        writeln!(self.out, "# {key} = {value}").map_err(|error| CaptureError::io("write", &self.path, error))
+    }
+
+    fn rows(&mut self, rows: &RecordBatch, header: bool) -> Result<(), CaptureError> {
+        let mut writer = WriterBuilder::new().with_header(header).build(&mut self.out);
+        writer.write(rows).map_err(|error| CaptureError::arrow("write", &self.path, error))
+    }
+
+    fn flush(&mut self) -> Result<(), CaptureError> {
+        self.out.flush().map_err(|error| CaptureError::io("write", &self.path, error))
     }
 }
 
-impl BatchSink for Sink {
-    fn write(&mut self, batch: &RecordBatch) -> Result<(), CaptureError> {
-        self.rows.write(batch).map_err(|error| CaptureError::arrow("write", &self.path, error))
+impl BlockSink for Sink {
+    fn write(&mut self, rows: &RecordBatch, check: Option<&str>) -> Result<(), CaptureError> {
+        self.rows(rows, false)?;
+        check.map_or(Ok(()), |check| self.state(chain::BATCH, check))?;
+        self.flush()
     }
 
-    fn finish(self: Box<Self>) -> Result<(), CaptureError> {
-        let Self { path, rows } = *self;
-        rows.into_inner().flush().map_err(|error| CaptureError::io("write", &path, error))
+    fn finish(mut self: Box<Self>, check: Option<&str>, end: &End) -> Result<(), CaptureError> {
+        check.map_or(Ok(()), |check| self.state(chain::BATCH, check))?;
+        self.state(chain::END, &end.to_text())?;
+        self.flush()
     }
 }
 
@@ -57,9 +70,27 @@ pub struct Source {
     lines: Lines,
     schema: SchemaRef,
     /// For each column of the file, in order: its builder, or none if its name is unknown.
-    columns: Vec<(String, Option<Box<dyn CellColumn>>)>,
+    columns: Vec<NamedColumn>,
+    /// Whether its rows carry checks: version 2 of the format.
+    is_checked: bool,
+    check: Option<String>,
+    end: Option<End>,
     ended: bool,
     warning: Option<String>,
+}
+
+/// What a line below the header is.
+enum Entry {
+    /// A row, which is in the columns now.
+    Row,
+    /// The check of the rows before.
+    Check(String),
+    /// The end.
+    End(End),
+    /// A comment of somebody.
+    Comment,
+    /// The file ends, perhaps with a line that is cut short.
+    Nothing,
 }
 
 impl Source {
@@ -81,7 +112,7 @@ impl Source {
         let known: Vec<Field> = raw_fields().into_iter().chain(derived_fields()).collect();
         let field = |name: &str| known.iter().find(|field| field.name() == name);
         let names: Vec<&str> = Delimiter::Comma.cells(&header).collect();
-        let fields =
+        let fields: Vec<Field> =
             names.iter().filter_map(|name| field(name)).map(|field| field.clone().with_nullable(true)).collect();
         let columns = names
             .iter()
@@ -90,52 +121,60 @@ impl Source {
         Ok(Self {
             path: path.to_owned(),
             lines,
-            schema: schema(fields, description),
+            is_checked: description.contains_key(chain::HEAD),
+            schema: Arc::new(Schema::new(fields).with_metadata(description)),
             columns,
+            check: None,
+            end: None,
             ended: false,
             warning: None,
         })
     }
 
-    /// Reads a line into the columns; false at the end.
-    fn read_row(&mut self) -> Result<bool, CaptureError> {
+    /// Reads a line, a row into the columns.
+    fn read_entry(&mut self) -> Result<Entry, CaptureError> {
         let Some(line) = self.lines.next()? else {
-            return Ok(false);
+            return Ok(Entry::Nothing);
         };
+        let place = format!("line {}", line.number);
+        if let Some(comment) = line.text.strip_prefix('#') {
+            let entry = statement(comment);
+            return match entry {
+                Some(Entry::Check(_)) | None if !line.ended => Ok(Entry::Nothing),
+                Some(entry) => Ok(entry),
+                None => Err(CaptureError::damaged(&self.path, place, "what it states about the end is malformed")),
+            };
+        }
         if !line.ended {
             self.warning = Some(format!(
                 "{} does not end with a line end: its last line may be cut short and is dropped",
                 self.path.display()
             ));
-            return Ok(false);
+            return Ok(Entry::Nothing);
         }
-        let mut cells = Delimiter::Comma.cells(line.text);
-        for (name, column) in &mut self.columns {
-            let wrong =
-                |what: String| CaptureError::damaged(&self.path, format!("line {}, column {name}", line.number), what);
-            let cell = cells.next().ok_or_else(|| wrong("the line ends before this cell".to_owned()))?;
-            if column.as_mut().is_some_and(|column| !column.push(cell)) {
-                return Err(wrong(format!("`{cell}` is no number in the range of this column")));
-            }
-        }
-        match cells.next() {
-            Some(_) => Err(CaptureError::damaged(
-                &self.path,
-                format!("line {}", line.number),
-                "more cells than the header has",
-            )),
-            None => Ok(true),
-        }
+        push_cells(&self.path, &place, line.text, &mut self.columns)?;
+        Ok(Entry::Row)
     }
 
     fn read_batch(&mut self) -> Result<Option<RecordBatch>, CaptureError> {
         let mut rows = 0;
-        while rows < MAX_ROWS && !self.ended {
-            if self.read_row()? {
-                rows += 1;
-            } else {
-                self.ended = true;
+        self.check = None;
+        while !self.ended && self.check.is_none() && (self.is_checked || rows < MAX_ROWS) {
+            match self.read_entry()? {
+                Entry::Row if self.end.is_some() => return Err(self.damaged("rows follow behind its end")),
+                Entry::Row if rows == MAX_ROWS => return Err(self.damaged("a check is missing among its rows")),
+                Entry::Row => rows += 1,
+                Entry::Check(_) if rows == 0 => return Err(self.damaged("a check without rows")),
+                Entry::Check(check) => self.check = Some(check),
+                Entry::End(_) if rows > 0 => return Err(self.damaged("the check of its last rows is missing")),
+                Entry::End(end) => self.end = Some(end),
+                Entry::Comment => {}
+                Entry::Nothing => self.ended = true,
             }
+        }
+        if self.is_checked && self.ended && self.end.is_none() {
+            self.torn(rows);
+            return Ok(None);
         }
         if rows == 0 {
             return Ok(None);
@@ -143,6 +182,46 @@ impl Source {
         let columns = self.columns.iter_mut().filter_map(|(_, column)| Some(column.as_mut()?.finish())).collect();
         let batch = RecordBatch::try_new(self.schema.clone(), columns);
         batch.map(Some).map_err(|error| CaptureError::arrow("read", &self.path, error))
+    }
+
+    /// The file ended before the capture did.
+    fn torn(&mut self, rows: usize) {
+        self.warning = Some(format!(
+            "{} was not closed, or its end was removed: every whole block of rows is read, {rows} rows behind the last one are dropped",
+            self.path.display()
+        ));
+    }
+
+    fn damaged(&self, what: &str) -> CaptureError {
+        CaptureError::damaged(&self.path, format!("line {}", self.lines.number()), what)
+    }
+}
+
+/// What a comment states; none if that is malformed.
+fn statement(comment: &str) -> Option<Entry> {
+    let entry = comment.split_once('=').map(|(key, value)| (key.trim(), value.trim()));
+    match entry {
+        Some((chain::BATCH, check)) => Some(Entry::Check(check.to_owned())),
+        Some((chain::END, end)) => End::parse(end).map(Entry::End),
+        _ => Some(Entry::Comment),
+    }
+}
+
+type NamedColumn = (String, Option<Box<dyn CellColumn>>);
+
+/// Puts the cells of a line into the columns.
+fn push_cells(path: &Path, place: &str, line: &str, columns: &mut [NamedColumn]) -> Result<(), CaptureError> {
+    let mut cells = Delimiter::Comma.cells(line);
+    for (name, column) in columns {
+        let wrong = |what: String| CaptureError::damaged(path, format!("{place}, column {name}"), what);
+        let cell = cells.next().ok_or_else(|| wrong("the line ends before this cell".to_owned()))?;
+        if column.as_mut().is_some_and(|column| !column.push(cell)) {
+            return Err(wrong(format!("`{cell}` is no number in the range of this column")));
+        }
+    }
+    match cells.next() {
+        Some(_) => Err(CaptureError::damaged(path, place, "more cells than the header has")),
+        None => Ok(()),
     }
 }
 
@@ -161,8 +240,28 @@ impl BatchSource for Source {
         self.schema.clone()
     }
 
+    fn form(&self) -> &'static str {
+        "CSV"
+    }
+
     fn warning(&self) -> Option<&str> {
         self.warning.as_deref()
+    }
+
+    fn check(&self) -> Option<&str> {
+        self.check.as_deref()
+    }
+
+    fn end(&self) -> Option<&End> {
+        self.end.as_ref()
+    }
+
+    fn is_torn(&self) -> bool {
+        self.is_checked && self.end.is_none()
+    }
+
+    fn may_be_stripped(&self) -> bool {
+        false
     }
 }
 

@@ -41,6 +41,11 @@ impl Lines {
         }
     }
 
+    /// The number of the line read last.
+    pub fn number(&self) -> u64 {
+        self.number
+    }
+
     /// The next line that is not blank.
     pub fn next(&mut self) -> Result<Option<Line<'_>>, CaptureError> {
         self.next_where(|_| true)

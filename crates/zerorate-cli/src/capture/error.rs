@@ -29,6 +29,10 @@ pub enum CaptureError {
     #[error("{}: {why}", path.display())]
     NoRoom { path: PathBuf, why: NoRoom },
 
+    /// A capture that this version of the program cannot hold.
+    #[error("{} is a capture of part `{part}` with the axes `{axes}`, and this program reads the one axis `rate` of an ADIS16130: use a newer zerorate", path.display())]
+    OtherPart { path: PathBuf, part: String, axes: String },
+
     /// A capture, or another table, whose content is wrong.
     #[error("{}, {place}: {what}", path.display())]
     Damaged { path: PathBuf, place: String, what: String },

@@ -1,5 +1,6 @@
 //! The hash that names the samples of a capture (docs/formats/capture.md, "The sample hash").
 
+use super::chain::hex;
 use adis16130::{Sample, Width};
 use sha2::{Digest, Sha256};
 
@@ -28,10 +29,14 @@ impl SampleHash {
         self.pending.extend_from_slice(&encode(sample));
     }
 
-    /// The hash in lower-case hexadecimal.
-    pub fn hex(mut self) -> String {
-        self.digest.update(&self.pending);
-        self.digest.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+    /// The hash so far.
+    pub fn digest(&self) -> [u8; 32] {
+        self.digest.clone().chain_update(&self.pending).finalize().into()
+    }
+
+    /// The same in lower-case hexadecimal.
+    pub fn hex(&self) -> String {
+        hex(&self.digest())
     }
 }
 

@@ -1,12 +1,12 @@
 //! The description of a capture, and its form as metadata (docs/formats/capture.md).
 
 use super::CaptureError;
-use adis16130::Width;
+use adis16130::{RATE_LSB_PER_DPS, TEMP_LSB_PER_C, Width};
 use arrow::datatypes::Metadata;
 use std::path::Path;
 
 /// Version of the format that this program writes, and the highest it reads.
-pub const SCHEMA_VERSION: u32 = 1;
+pub const SCHEMA_VERSION: u32 = 2;
 
 /// Marks a corrected capture.
 pub const CALIBRATION_ID: &str = "zerorate.calibration_id";
@@ -24,9 +24,18 @@ const SOFTWARE: &str = "zerorate.software";
 const CREATED: &str = "zerorate.created";
 const SUPPLY_NOTE: &str = "zerorate.supply_note";
 
+/// Names of the axes. Version 1 has none.
+pub const AXES: &str = "zerorate.axes";
+
+/// The part and the axis that this program writes and reads.
+const PART_NAME: &str = "ADIS16130";
+const AXIS: &str = "rate";
+
 /// How a capture was taken.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CaptureInfo {
+    /// Version of the format that the file has.
+    pub schema: u32,
     /// Where the samples came from, as given on the command line.
     pub device: String,
     /// Serial number, as given.
@@ -57,7 +66,7 @@ impl CaptureInfo {
             (WIDTH_BITS, Some(self.width.bits().to_string())),
             (RATE_CONVERSION, Some(self.rate_conversion.to_string())),
             (TEMP_CONVERSION, Some(self.temp_conversion.to_string())),
-            (PART, Some("ADIS16130".to_owned())),
+            (PART, Some(PART_NAME.to_owned())),
             (DEVICE, Some(self.device.clone())),
             (SERIAL, self.serial.clone()),
             (EVERY_TEMP, Some(self.every_temp.to_string())),
@@ -66,17 +75,26 @@ impl CaptureInfo {
             (CREATED, Some(self.created.clone()).filter(|created| !created.is_empty())),
             (SUPPLY_NOTE, self.supply_note.clone()),
         ];
-        known.into_iter().filter_map(|(key, value)| Some((key, value?))).collect()
+        let known = known.into_iter().filter_map(|(key, value)| Some((key.to_owned(), one_line(&value?))));
+        known.chain(channels(self.width)).collect()
     }
 
     /// Reads the description of the capture at `path` out of its metadata.
     pub fn from_metadata(path: &Path, metadata: &Metadata) -> Result<Self, CaptureError> {
-        check_version(path, metadata)?;
+        let schema = version(path, metadata)?;
         let text = |key: &str| metadata.get(key).cloned();
+        if schema > 1 {
+            check_part(path, metadata)?;
+        }
+        let width = width(path, number(path, metadata, WIDTH_BITS)?)?;
+        if schema > 1 {
+            check_channels(path, metadata, width)?;
+        }
         Ok(Self {
+            schema,
             device: text(DEVICE).unwrap_or_default(),
             serial: text(SERIAL),
-            width: width(path, number(path, metadata, WIDTH_BITS)?)?,
+            width,
             rate_conversion: number(path, metadata, RATE_CONVERSION)?,
             temp_conversion: number(path, metadata, TEMP_CONVERSION)?,
             every_temp: number_or(path, metadata, EVERY_TEMP, 1)?,
@@ -90,17 +108,58 @@ impl CaptureInfo {
 
 /// Whether `metadata` claims to describe a capture, of whatever version.
 pub fn is_capture(metadata: &Metadata) -> bool {
-    metadata.contains_key(CAPTURE_SCHEMA)
+    metadata.iter().any(|(key, _)| key.starts_with("zerorate."))
 }
 
-fn check_version(path: &Path, metadata: &Metadata) -> Result<(), CaptureError> {
-    if !is_capture(metadata) {
+/// A value as every form can hold it: CSV has one line for it, and no blanks around.
+fn one_line(value: &str) -> String {
+    value.replace(['\r', '\n'], " ").trim().to_owned()
+}
+
+/// What the codes of each channel mean (F-40, F-41, F-43).
+fn channels(width: Width) -> impl Iterator<Item = (String, String)> {
+    let dropped = f64::from(1u32 << (24 - width.bits()));
+    let channel = |name: String, unit: &str, lsb_per_unit: u32| {
+        [
+            (format!("{name}.unit"), unit.to_owned()),
+            (format!("{name}.width_bits"), width.bits().to_string()),
+            (format!("{name}.zero_code"), (1u32 << (width.bits() - 1)).to_string()),
+            (format!("{name}.lsb_per_unit"), (f64::from(lsb_per_unit) / dropped).to_string()),
+        ]
+    };
+    let rate = channel(format!("zerorate.axis.{AXIS}"), "dps", RATE_LSB_PER_DPS);
+    let temp = channel("zerorate.temp".to_owned(), "c", TEMP_LSB_PER_C);
+    let whole = [(AXES.to_owned(), AXIS.to_owned()), ("zerorate.temp.zero_value".to_owned(), "25".to_owned())];
+    rate.into_iter().chain(temp).chain(whole)
+}
+
+fn check_part(path: &Path, metadata: &Metadata) -> Result<(), CaptureError> {
+    let stated = |key: &str| metadata.get(key).map_or("", |value| value).to_owned();
+    let (part, axes) = (stated(PART), stated(AXES));
+    if part == PART_NAME && axes == AXIS {
+        return Ok(());
+    }
+    Err(CaptureError::OtherPart { path: path.to_owned(), part, axes })
+}
+
+fn check_channels(path: &Path, metadata: &Metadata, width: Width) -> Result<(), CaptureError> {
+    let wrong = channels(width).find(|(key, expected)| metadata.get(key) != Some(expected));
+    wrong.map_or(Ok(()), |(key, expected)| {
+        let found = metadata.get(&key).map_or("absent", |value| value);
+        let what = format!("{key} is {found}, where an {PART_NAME} has {expected}");
+        Err(CaptureError::damaged(path, "metadata", what))
+    })
+}
+
+fn version(path: &Path, metadata: &Metadata) -> Result<u32, CaptureError> {
+    if !metadata.contains_key(CAPTURE_SCHEMA) {
         let why =
             format!("it carries no `{CAPTURE_SCHEMA}` (a converter may have dropped the metadata; use the original)");
         return Err(CaptureError::not_a_capture(path, why));
     }
     match number(path, metadata, CAPTURE_SCHEMA)? {
-        SCHEMA_VERSION => Ok(()),
+        0 => Err(CaptureError::damaged(path, "metadata", format!("{CAPTURE_SCHEMA} = 0, which there never was"))),
+        known if known <= SCHEMA_VERSION => Ok(known),
         found => Err(CaptureError::Newer { path: path.to_owned(), found }),
     }
 }

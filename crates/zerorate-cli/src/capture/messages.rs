@@ -5,9 +5,10 @@
 
 use crate::limits::Room;
 use crate::survive::survive;
-use arrow::datatypes::{Schema, SchemaRef};
-use arrow::ipc::convert::try_fb_to_schema;
-use arrow::ipc::{self, root_as_message};
+use arrow::datatypes::{Metadata, Schema, SchemaRef};
+use arrow::ipc::convert::{metadata_to_fb, try_fb_to_schema};
+use arrow::ipc::{self, MessageArgs, RecordBatchArgs, root_as_message};
+use flatbuffers::FlatBufferBuilder;
 use std::io::{self, Read};
 use std::ops::Range;
 use std::sync::Arc;
@@ -25,8 +26,8 @@ pub struct Messages<R> {
 pub enum Message {
     /// A message with all its bytes.
     Whole(MessageBytes),
-    /// The end-of-stream marker.
-    EndOfStream,
+    /// The end-of-stream marker, or zeros where a file system made room that was never filled.
+    EndOfStream { marked: bool },
     /// The end of the file, at a place where a stream does not end.
     Torn,
 }
@@ -49,7 +50,7 @@ impl<R: Read> Messages<R> {
             return Ok(Message::Torn);
         };
         if metadata_len == 0 {
-            return Ok(Message::EndOfStream);
+            return Ok(Message::EndOfStream { marked: bytes.starts_with(&CONTINUATION) });
         }
         let start = bytes.len();
         if !self.append(&mut bytes, u64::from(metadata_len))? {
@@ -114,9 +115,45 @@ impl MessageBytes {
         check_rows(batch, unpacked)
     }
 
+    /// The custom metadata of this message under `key`.
+    pub fn note(&self, key: &str) -> Option<String> {
+        let notes = self.message().ok()?.custom_metadata()?;
+        let note = notes.iter().find(|note| note.key() == Some(key))?;
+        note.value().map(str::to_owned)
+    }
+
+    /// The rows that this message holds, if it is a batch.
+    pub fn rows(&self) -> Option<i64> {
+        Some(self.message().ok()?.header_as_record_batch()?.length())
+    }
+
     fn message(&self) -> Result<ipc::Message<'_>, String> {
         root_as_message(&self.bytes[self.metadata.clone()]).map_err(|error| format!("no Arrow message: {error}"))
     }
+}
+
+/// A record batch message as the Arrow library makes it, with custom metadata, which that library does not write.
+pub fn with_note(message: &[u8], key: &str, value: &str) -> Result<Vec<u8>, String> {
+    let message = root_as_message(message).map_err(|error| error.to_string())?;
+    let batch = message.header_as_record_batch().ok_or("no record batch")?;
+    let mut builder = FlatBufferBuilder::new();
+    let nodes: Vec<_> = batch.nodes().into_iter().flatten().copied().collect();
+    let buffers: Vec<_> = batch.buffers().into_iter().flatten().copied().collect();
+    let nodes = Some(builder.create_vector(&nodes));
+    let buffers = Some(builder.create_vector(&buffers));
+    let args = RecordBatchArgs { length: batch.length(), nodes, buffers, ..RecordBatchArgs::default() };
+    let header = ipc::RecordBatch::create(&mut builder, &args).as_union_value();
+    let notes = metadata_to_fb(&mut builder, &Metadata::default().with(key, value));
+    let args = MessageArgs {
+        version: message.version(),
+        header_type: message.header_type(),
+        header: Some(header),
+        bodyLength: message.bodyLength(),
+        custom_metadata: Some(notes),
+    };
+    let root = ipc::Message::create(&mut builder, &args);
+    builder.finish(root, None);
+    Ok(builder.finished_data().to_vec())
 }
 
 /// Bytes of all buffers of a batch, unpacked.

@@ -3,19 +3,26 @@
 //! [`CaptureWriter`] and [`CaptureReader`] move samples, in any of three forms, in constant memory. A capture is the truth: whatever
 //! is computed from a live part comes out the same from its capture.
 
+pub mod admission;
 pub mod arrows;
+pub mod chain;
+pub mod checked;
 pub mod columns;
 mod csv;
+#[cfg(test)]
+mod damage;
 pub mod delimited;
 mod error;
 mod hash;
 pub mod info;
 pub mod messages;
 pub mod parquet;
+pub mod succession;
 pub mod table;
 #[cfg(test)]
 pub mod tests;
 
+pub use checked::Checked;
 pub use error::CaptureError;
 pub use hash::SampleHash;
 pub use info::CaptureInfo;
@@ -28,14 +35,14 @@ use arrow::datatypes::SchemaRef;
 use columns::{CORRECTED, OpenBatch, Rows};
 use info::CALIBRATION_ID;
 use std::path::{Path, PathBuf};
-use table::{BatchSink, BatchSource, Opened};
+use table::{BatchSource, Opened};
 
 /// Records samples. Dropping it closes the file as well, but only [`CaptureWriter::finish`] tells whether that worked.
 pub struct CaptureWriter {
     path: PathBuf,
     file: Option<Recording>,
     schema: SchemaRef,
-    sink: Option<Box<dyn BatchSink>>,
+    sink: Option<table::Sink>,
     open: OpenBatch,
     summary: CaptureSummary,
 }
@@ -105,16 +112,12 @@ impl Drop for CaptureWriter {
     }
 }
 
-/// Reads the samples of a capture, in any form, corrected or not.
+/// Reads the samples of a capture, in any form, corrected or not. Each block is checked before its rows are given out.
 pub struct CaptureReader {
-    path: PathBuf,
-    info: CaptureInfo,
     calibration_id: Option<String>,
-    source: Box<dyn BatchSource>,
+    table: Checked,
     rows: Option<Rows>,
     next_row: usize,
-    rows_before: u64,
-    last_t_ns: Option<u64>,
 }
 
 impl CaptureReader {
@@ -132,26 +135,15 @@ impl CaptureReader {
     /// Reads a capture out of a table that is open already.
     pub fn from_source(path: &Path, source: Box<dyn BatchSource>) -> Result<Self, CaptureError> {
         let schema = source.schema();
-        let metadata = schema.metadata();
-        let info = CaptureInfo::from_metadata(path, metadata)?;
-        Rows::from_batch(path, "columns", &RecordBatch::new_empty(schema.clone()), info.width)?;
+        let table = Checked::new(path, source)?;
         let unnamed = || schema.column_with_name(CORRECTED).map(|_| "unknown".to_owned());
-        let calibration_id = metadata.get(CALIBRATION_ID).cloned().or_else(unnamed);
-        Ok(Self {
-            path: path.to_owned(),
-            info,
-            calibration_id,
-            source,
-            rows: None,
-            next_row: 0,
-            rows_before: 0,
-            last_t_ns: None,
-        })
+        let calibration_id = schema.metadata().get(CALIBRATION_ID).cloned().or_else(unnamed);
+        Ok(Self { calibration_id, table, rows: None, next_row: 0 })
     }
 
     /// How the capture was taken.
     pub fn info(&self) -> &CaptureInfo {
-        &self.info
+        self.table.info()
     }
 
     /// The calibration that was applied, if the capture is a corrected one. Its raw columns are untouched all the same.
@@ -159,26 +151,14 @@ impl CaptureReader {
         self.calibration_id.as_deref()
     }
 
-    /// What is to be said once all samples were read: a tail that was torn off.
-    pub fn warning(&self) -> Option<&str> {
-        self.source.warning()
+    /// What is to be said once all samples were read: a tail that was torn off, a file that nothing checks.
+    pub fn warnings(&self) -> Vec<String> {
+        self.table.warnings()
     }
 
     /// The next batch of rows.
     pub fn next_rows(&mut self) -> Result<Option<Rows>, CaptureError> {
-        let Some(batch) = self.source.next().transpose()? else {
-            return Ok(None);
-        };
-        let place = format!("batch at row {}", self.rows_before);
-        let rows = Rows::from_batch(&self.path, &place, &batch, self.info.width)?;
-        if let Some((first, last)) = rows.span_ns() {
-            if self.last_t_ns.is_some_and(|before| first <= before) {
-                return Err(CaptureError::damaged(&self.path, place, format!("t_ns goes back to {first}")));
-            }
-            self.last_t_ns = Some(last);
-        }
-        self.rows_before += rows.len() as u64;
-        Ok(Some(rows))
+        Ok(self.table.next_rows()?.map(|(_, rows)| rows))
     }
 
     fn next_sample(&mut self) -> Result<Option<Sample>, CaptureError> {

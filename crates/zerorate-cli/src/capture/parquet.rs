@@ -1,7 +1,8 @@
 //! The Parquet form: the smallest, for keeping. Its index stands at the end, so it is readable only once closed.
 
 use super::CaptureError;
-use super::table::{BatchSink, BatchSource};
+use super::chain::{self, End};
+use super::table::{BatchSource, BlockSink};
 use crate::limits::NoRoom;
 use crate::survive::survive;
 use arrow::array::RecordBatch;
@@ -19,13 +20,14 @@ use std::path::{Path, PathBuf};
 /// Rows per row group, the part of the file that is built in memory.
 const ROW_GROUP: usize = 1 << 20;
 
-/// Rows per batch when reading.
-const READ_ROWS: usize = 1 << 16;
+/// Rows per block, and per batch when reading. Row groups are whole blocks, but for the last.
+pub const BLOCK: usize = 1 << 16;
 
 /// Writes a Parquet file.
 pub struct Sink {
     path: PathBuf,
     writer: ArrowWriter<File>,
+    checks: Vec<String>,
 }
 
 impl Sink {
@@ -33,17 +35,21 @@ impl Sink {
     pub fn create(path: &Path, file: File, schema: &SchemaRef) -> Result<Self, CaptureError> {
         let writer = ArrowWriter::try_new(file, schema.clone(), Some(properties(schema)))
             .map_err(|error| CaptureError::parquet("write", path, error))?;
-        Ok(Self { path: path.to_owned(), writer })
+        Ok(Self { path: path.to_owned(), writer, checks: Vec::new() })
     }
 }
 
-impl BatchSink for Sink {
-    fn write(&mut self, batch: &RecordBatch) -> Result<(), CaptureError> {
-        self.writer.write(batch).map_err(|error| CaptureError::parquet("write", &self.path, error))
+impl BlockSink for Sink {
+    fn write(&mut self, rows: &RecordBatch, check: Option<&str>) -> Result<(), CaptureError> {
+        self.checks.extend(check.map(str::to_owned));
+        self.writer.write(rows).map_err(|error| CaptureError::parquet("write", &self.path, error))
     }
 
-    fn finish(self: Box<Self>) -> Result<(), CaptureError> {
-        let Self { path, writer } = *self;
+    fn finish(mut self: Box<Self>, check: Option<&str>, end: &End) -> Result<(), CaptureError> {
+        self.checks.extend(check.map(str::to_owned));
+        let Self { path, mut writer, checks } = *self;
+        writer.append_key_value_metadata(KeyValue::new(chain::BATCHES.to_owned(), checks.join(" ")));
+        writer.append_key_value_metadata(KeyValue::new(chain::END.to_owned(), end.to_text()));
         writer.close().map(drop).map_err(|error| CaptureError::parquet("write", &path, error))
     }
 }
@@ -79,6 +85,9 @@ pub struct Source {
     path: PathBuf,
     schema: SchemaRef,
     reader: ParquetRecordBatchReader,
+    checks: Option<Vec<String>>,
+    end: Option<End>,
+    given: usize,
 }
 
 impl Source {
@@ -86,8 +95,16 @@ impl Source {
     pub fn open(path: &Path, file: File) -> Result<Self, CaptureError> {
         let builder = guarded(path, || ParquetRecordBatchReaderBuilder::try_new(file))?;
         let schema = builder.schema().clone();
-        let reader = guarded(path, || builder.with_batch_size(READ_ROWS).build())?;
-        Ok(Self { path: path.to_owned(), schema, reader })
+        let stated = |key: &str| Some(schema.metadata().get(key)?.as_str());
+        let checks = stated(chain::BATCHES).map(|checks| checks.split_whitespace().map(str::to_owned).collect());
+        let end = match stated(chain::END).map(End::parse) {
+            Some(None) => {
+                return Err(CaptureError::damaged(path, "metadata", format!("`{}` is malformed", chain::END)));
+            }
+            end => end.flatten(),
+        };
+        let reader = guarded(path, || builder.with_batch_size(BLOCK).build())?;
+        Ok(Self { path: path.to_owned(), schema, reader, checks, end, given: 0 })
     }
 }
 
@@ -96,6 +113,7 @@ impl Iterator for Source {
 
     fn next(&mut self) -> Option<Self::Item> {
         let reader = &mut self.reader;
+        self.given += 1;
         match guarded(&self.path, || Ok(reader.next())) {
             Ok(batch) => batch.map(|batch| batch.map_err(|error| CaptureError::arrow("read", &self.path, error))),
             Err(error) => Some(Err(error)),
@@ -128,7 +146,23 @@ impl BatchSource for Source {
         self.schema.clone()
     }
 
+    fn form(&self) -> &'static str {
+        "Parquet"
+    }
+
     fn warning(&self) -> Option<&str> {
         None
+    }
+
+    fn check(&self) -> Option<&str> {
+        Some(self.checks.as_ref()?.get(self.given.checked_sub(1)?)?.as_str())
+    }
+
+    fn end(&self) -> Option<&End> {
+        self.end.as_ref()
+    }
+
+    fn may_be_stripped(&self) -> bool {
+        self.checks.is_none() && self.end.is_none()
     }
 }

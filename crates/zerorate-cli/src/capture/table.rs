@@ -1,11 +1,14 @@
 //! Tables in any of the three forms: which form a file has, and batches into and out of it.
 
-use super::{CaptureError, arrows, csv, parquet};
+use super::chain::{Chain, End};
+use super::columns::{MAX_ROWS, Rows};
+use super::{CaptureError, CaptureInfo, arrows, csv, parquet};
+use adis16130::Width;
 use arrow::array::RecordBatch;
 use arrow::datatypes::SchemaRef;
 use std::fs::File;
 use std::io::{Read, Seek};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// The form of a capture on disk.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -30,13 +33,13 @@ impl Format {
     }
 }
 
-/// Takes batches.
-pub trait BatchSink {
-    /// Writes a batch, as far as the form allows out of the program's hands.
-    fn write(&mut self, batch: &RecordBatch) -> Result<(), CaptureError>;
+/// Takes blocks of rows in one of the forms.
+pub trait BlockSink {
+    /// Writes rows, as far as the form allows out of the program's hands. `check` ends the block.
+    fn write(&mut self, rows: &RecordBatch, check: Option<&str>) -> Result<(), CaptureError>;
 
-    /// Writes what the form has at its end.
-    fn finish(self: Box<Self>) -> Result<(), CaptureError>;
+    /// Ends the block of the rows before, if `check` is given, and writes what the form has at its end.
+    fn finish(self: Box<Self>, check: Option<&str>, end: &End) -> Result<(), CaptureError>;
 }
 
 /// Gives batches.
@@ -44,17 +47,104 @@ pub trait BatchSource: Iterator<Item = Result<RecordBatch, CaptureError>> {
     /// Columns and metadata.
     fn schema(&self) -> SchemaRef;
 
+    /// What the form is called.
+    fn form(&self) -> &'static str {
+        "table"
+    }
+
     /// What is to be said after the last batch: a tail that was torn off.
     fn warning(&self) -> Option<&str>;
+
+    /// The check that the file states with the batch given last.
+    fn check(&self) -> Option<&str> {
+        None
+    }
+
+    /// What the file states at its end, once all batches were read.
+    fn end(&self) -> Option<&End> {
+        None
+    }
+
+    /// Whether the file ends where no end should be, once all batches were read.
+    fn is_torn(&self) -> bool {
+        false
+    }
+
+    /// Whether common software keeps the description when it writes such a file, and drops the checks of the rows.
+    fn may_be_stripped(&self) -> bool {
+        true
+    }
 }
 
-/// Starts a table in an empty file; `path` names it in messages.
-pub fn create(path: &Path, file: File, format: Format, schema: &SchemaRef) -> Result<Box<dyn BatchSink>, CaptureError> {
-    Ok(match format {
+/// Writes a capture, and the checks into it.
+pub struct Sink {
+    path: PathBuf,
+    form: Box<dyn BlockSink>,
+    chain: Chain,
+    blocks: Blocks,
+    width: Width,
+}
+
+/// Where a block ends.
+enum Blocks {
+    /// With each batch, which has so many rows at most.
+    Batches { rows: usize },
+    /// After so many rows; `open` of them are written.
+    Rows { rows: usize, open: usize },
+}
+
+/// Starts a capture in an empty file; `path` names it in messages.
+pub fn create(path: &Path, file: File, format: Format, schema: &SchemaRef) -> Result<Sink, CaptureError> {
+    let width = CaptureInfo::from_metadata(path, schema.metadata())?.width;
+    let form: Box<dyn BlockSink> = match format {
         Format::Arrows => Box::new(arrows::Sink::create(path, file, schema)?),
         Format::Parquet => Box::new(parquet::Sink::create(path, file, schema)?),
         Format::Csv => Box::new(csv::Sink::create(path, file, schema)?),
-    })
+    };
+    let blocks = match format {
+        Format::Parquet => Blocks::Rows { rows: parquet::BLOCK, open: 0 },
+        Format::Arrows | Format::Csv => Blocks::Batches { rows: MAX_ROWS },
+    };
+    Ok(Sink { path: path.to_owned(), form, chain: Chain::new(schema), blocks, width })
+}
+
+impl Sink {
+    /// Writes rows.
+    pub fn write(&mut self, batch: &RecordBatch) -> Result<(), CaptureError> {
+        let mut first = 0;
+        while first < batch.num_rows() {
+            let room = match self.blocks {
+                Blocks::Batches { rows } => rows,
+                Blocks::Rows { rows, open } => rows - open,
+            };
+            let piece = batch.slice(first, room.min(batch.num_rows() - first));
+            first += piece.num_rows();
+            self.write_piece(&piece)?;
+        }
+        Ok(())
+    }
+
+    /// Writes rows that all belong to one block.
+    fn write_piece(&mut self, piece: &RecordBatch) -> Result<(), CaptureError> {
+        let rows = Rows::from_batch(&self.path, "rows to be written", piece, self.width)?;
+        self.chain.take(&rows, piece);
+        let is_full = match &mut self.blocks {
+            Blocks::Batches { .. } => true,
+            Blocks::Rows { rows, open } => {
+                *open = (*open + piece.num_rows()) % *rows;
+                *open == 0
+            }
+        };
+        let check = is_full.then(|| self.chain.seal());
+        self.form.write(piece, check.as_deref())
+    }
+
+    /// Closes the file.
+    pub fn finish(mut self) -> Result<(), CaptureError> {
+        let is_open = matches!(self.blocks, Blocks::Rows { open, .. } if open > 0);
+        let check = is_open.then(|| self.chain.seal());
+        self.form.finish(check.as_deref(), &self.chain.end())
+    }
 }
 
 /// What a file turned out to be.

@@ -72,7 +72,7 @@ impl ArrowFile {
                         return Ok(batch);
                     }
                 }
-                Message::EndOfStream => self.ended = true,
+                Message::EndOfStream { .. } => self.ended = true,
                 Message::Torn => {
                     self.ended = true;
                     let path = self.path.display();

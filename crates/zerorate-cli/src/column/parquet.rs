@@ -2,10 +2,10 @@
 
 use super::open::Log;
 use super::series::ROW_BYTES;
-use super::tabular::Reading;
+use super::tabular::{self, Reading};
 use super::{ColumnArgs, Found};
-use crate::capture::CaptureError;
-use crate::capture::parquet::guarded;
+use crate::capture::parquet::{Source, guarded};
+use crate::capture::{CaptureError, info};
 use crate::limits::Room;
 use anyhow::Result;
 use arrow::array::ArrayRef;
@@ -29,6 +29,9 @@ pub fn read(log: Log<'_>, args: &ColumnArgs) -> Result<Found> {
     let Log { path, file, room, .. } = log;
     let metadata = guarded(path, || ArrowReaderMetadata::load(&file, ArrowReaderOptions::default()))?;
     let schema = metadata.schema().clone();
+    if info::is_capture(schema.metadata()) {
+        return tabular::read(path, Box::new(Source::open(path, file)?), room, args);
+    }
     let mut reading = Reading::start(path, &schema, room, args)?;
     let groups = Groups {
         path,

@@ -8,24 +8,26 @@ use super::unit::TimeUnit;
 use super::{Clock, ColumnArgs, Found, Gap, wrong};
 use crate::capture::columns::CORRECTED;
 use crate::capture::table::BatchSource;
-use crate::capture::{CaptureError, CaptureInfo, info};
+use crate::capture::{CaptureError, CaptureInfo, Checked, info};
 use crate::limits::Room;
 use adis16130::{RATE_LSB_PER_DPS, TEMP_LSB_PER_C, Width};
 use anyhow::Result;
-use arrow::array::{Array, ArrayRef, AsArray};
+use arrow::array::{Array, ArrayRef, AsArray, RecordBatch};
 use arrow::compute::{CastOptions, cast_with_options};
 use arrow::datatypes::{DataType, Float64Type, Int32Type, Int64Type, Schema, TimeUnit as ArrowUnit, UInt32Type};
 use arrow::error::ArrowError;
 use std::path::Path;
 
-/// Reads a column of a table.
+/// Reads a column of a table. Of a capture all columns are read, because its checks are over all of them.
 pub fn read(path: &Path, mut source: Box<dyn BatchSource>, room: Room, args: &ColumnArgs) -> Result<Found> {
-    let mut reading = Reading::start(path, &source.schema(), room, args)?;
-    for batch in source.by_ref() {
-        let batch = batch?;
-        let columns: Vec<ArrayRef> = reading.columns.iter().map(|index| batch.column(*index).clone()).collect();
-        reading.append(&columns)?;
+    let schema = source.schema();
+    let mut reading = Reading::start(path, &schema, room, args)?;
+    if info::is_capture(schema.metadata()) {
+        let mut capture = Checked::new(path, source)?;
+        capture.by_ref().try_for_each(|batch| reading.take(&batch?))?;
+        return reading.finish(Some(capture.warnings().join("; ")).filter(|said| !said.is_empty()));
     }
+    source.by_ref().try_for_each(|batch| reading.take(&batch?))?;
     reading.finish(source.warning().map(str::to_owned))
 }
 
@@ -78,6 +80,11 @@ impl<'a> Reading<'a> {
     /// Makes room for so many rows.
     pub fn reserve(&mut self, rows: usize, data_type: &DataType) {
         self.values.reserve(rows, data_type.is_integer());
+    }
+
+    fn take(&mut self, batch: &RecordBatch) -> Result<(), CaptureError> {
+        let columns: Vec<ArrayRef> = self.columns.iter().map(|index| batch.column(*index).clone()).collect();
+        self.append(&columns)
     }
 
     /// Adds a piece of the columns.

@@ -67,7 +67,7 @@ pub fn run(args: &CorrectArgs) -> Result<()> {
         sink.write(&batch)?;
     }
     sink.finish()?;
-    warn(reader.warning().map(str::to_owned).as_slice());
+    warn(&reader.warnings());
     corrector.seen.check(args, &calibration)?;
     output.publish()?;
     say(format_args!(

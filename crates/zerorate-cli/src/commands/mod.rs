@@ -7,10 +7,12 @@ pub mod correct;
 pub mod export;
 pub mod man;
 pub mod probe;
+pub mod repair;
 pub mod report;
 mod serial;
 pub mod stream;
 pub mod twin;
+pub mod verify;
 
 use crate::cli::{Cli, Command};
 use crate::output::{Stdout, plain, say};
@@ -28,6 +30,8 @@ pub fn run(cli: &Cli) -> Result<()> {
         Command::Recalibrate(args) => calibrate::run_again(args),
         Command::Stream(args) => stream::run(args),
         Command::Correct(args) => correct::run(args),
+        Command::Verify(args) => verify::run(args),
+        Command::Repair(args) => repair::run(args),
         Command::Export(args) => export::run(args),
         Command::Report(args) => report::run(args),
         Command::Allan(args) => allan::run(args),

@@ -11,7 +11,7 @@ mod replay;
 mod spi;
 mod twin;
 
-use crate::capture::{CaptureInfo, CaptureReader};
+use crate::capture::{CaptureInfo, CaptureReader, info};
 use crate::cli::SamplingArgs;
 use crate::exit::Usage;
 use address::{BridgeAddress, IioAddress, SpiAddress, gpio_line, part_option};
@@ -233,6 +233,7 @@ impl Device {
 
     fn info_of(&self, (config, sampling): (Config, SamplerConfig), created: String) -> CaptureInfo {
         CaptureInfo {
+            schema: info::SCHEMA_VERSION,
             device: self.name.clone(),
             serial: None,
             width: config.width(),

@@ -28,7 +28,7 @@ impl Replay {
 
     #[cold]
     fn warn_once(&mut self) {
-        if let Some(warning) = self.reader.warning().filter(|_| !self.warned) {
+        for warning in self.reader.warnings().into_iter().filter(|_| !self.warned) {
             say(format_args!("warning: {warning}"));
         }
         self.warned = true;

@@ -10,7 +10,7 @@ fn read(bytes: &[u8]) {
         let Ok(mut reader) = CaptureReader::open(path) else { return };
         let samples: Vec<_> = reader.by_ref().map_while(Result::ok).collect();
         assert!(samples.is_sorted_by(|one, next| one.t_ns < next.t_ns));
-        let _ = reader.warning();
+        let _ = reader.warnings();
     });
 }
 

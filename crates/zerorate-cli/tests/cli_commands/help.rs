@@ -2,13 +2,15 @@
 
 use crate::zerorate;
 
-const COMMANDS: [&str; 12] = [
+const COMMANDS: [&str; 14] = [
     "probe",
     "capture",
     "calibrate",
     "recalibrate",
     "stream",
     "correct",
+    "verify",
+    "repair",
     "export",
     "report",
     "allan",

@@ -45,11 +45,20 @@ fn a_bias_is_never_removed_twice() {
         assert!(refusal.contains("corrected already") && refusal.contains(&format!("once.{form}")), "{refusal}");
         assert!(!bench.path(&format!("twice.{form}")).exists());
     }
-    // even if a converter dropped the mark
     let once = fs::read_to_string(bench.path("once.csv")).unwrap();
-    let unmarked: String =
-        once.lines().filter(|line| !line.contains("calibration_id")).map(|line| format!("{line}\n")).collect();
-    bench.write("unmarked.csv", unmarked);
+    let without = |keys: &[&str]| -> String {
+        once.lines().filter(|line| !keys.iter().any(|key| line.contains(key))).map(|line| format!("{line}\n")).collect()
+    };
+    bench.write("unmarked.csv", without(&["calibration_id"]));
+    assert!(
+        bench
+            .zerorate("correct unmarked.csv --cal unit.toml -o twice.csv")
+            .fails(1)
+            .contains("not those that were recorded")
+    );
+    // even if a converter dropped the mark, and all checks
+    let old = without(&["calibration_id", "zerorate.check", "zerorate.ax", "zerorate.temp."]);
+    bench.write("unmarked.csv", old.replace("capture_schema = 2", "capture_schema = 1"));
     assert!(bench.zerorate("correct unmarked.csv --cal unit.toml -o twice.csv").fails(1).contains("corrected already"));
 }
 

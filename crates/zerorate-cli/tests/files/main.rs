@@ -11,6 +11,7 @@ mod interop;
 mod logs;
 mod outputs;
 mod report;
+mod verify;
 
 use std::fs;
 use std::io::Write;

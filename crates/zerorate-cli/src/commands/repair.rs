@@ -1,0 +1,119 @@
+//! `zerorate repair`: what is whole of a capture, in a new file.
+
+use super::{print, warn};
+use crate::capture::columns::{self, RAW, Rows};
+use crate::capture::table::{self, Opened};
+use crate::capture::{CaptureError, Checked, Format, chain};
+use crate::interrupt;
+use crate::output::Outputs;
+use anyhow::{Result, ensure};
+use arrow::array::RecordBatch;
+use arrow::datatypes::{Field, Metadata, SchemaRef};
+use clap::Args;
+use std::path::{Path, PathBuf};
+
+/// Metadata of a repaired capture: what is missing.
+const REPAIRED: &str = "zerorate.repaired";
+
+/// Writes the whole blocks of a torn or damaged capture to a new file, and says what is missing.
+///
+/// A block is a second of samples, or 65536 rows of Parquet. Everything up to the first one that is torn or damaged is
+/// kept, bit for bit; the file that is read is never changed. A capture of version 1 becomes one of version 2, with
+/// checks from then on.
+#[derive(Args, Debug)]
+pub struct RepairArgs {
+    /// The capture.
+    #[arg(value_name = "FILE")]
+    capture: PathBuf,
+
+    /// The file to write.
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+
+    /// The form of the file; by default what its name ends with, else arrows.
+    #[arg(long, value_enum)]
+    format: Option<Format>,
+
+    /// Overwrite an existing file.
+    #[arg(long)]
+    force: bool,
+}
+
+pub fn run(args: &RepairArgs) -> Result<()> {
+    interrupt::listen();
+    let mut outputs = Outputs::new(args.force).reading([&*args.capture])?;
+    let missing = Kept::of(&args.capture)?;
+    let output = outputs.derived(&args.output)?;
+    let mut table = open(&args.capture)?;
+    let schema = schema(&table, missing.what.as_deref());
+    let format = Format::choose(args.format, &args.output);
+    let mut sink = table::create(&args.output, output.file()?, format, &schema)?;
+    while table.found().rows < missing.rows {
+        ensure!(!interrupt::asked(), "interrupted; nothing written");
+        let Some((batch, rows)) = table.next_rows()? else { break };
+        sink.write(&rewritten(&schema, &batch, &rows)?)?;
+    }
+    sink.finish()?;
+    output.publish()?;
+    warn(&table.warnings());
+    let name = args.output.display();
+    let what = missing.what.map_or_else(|| "nothing was missing".to_owned(), |what| format!("missing: {what}"));
+    print(&format!("{name}: {} rows kept; {what}\n", missing.rows))
+}
+
+/// How far a capture is whole.
+struct Kept {
+    rows: u64,
+    /// What is missing behind that.
+    what: Option<String>,
+}
+
+impl Kept {
+    fn of(path: &Path) -> Result<Self> {
+        let mut table = open(path)?;
+        let mut rows = 0;
+        let damage = loop {
+            match table.next_rows() {
+                Ok(Some(_)) => rows = table.found().rows,
+                Ok(None) => break None,
+                Err(error) => break Some(error),
+            }
+        };
+        let stated = table.end().map(|end| format!("{} of {} rows; ", end.rows.saturating_sub(rows), end.rows));
+        let what = match damage {
+            Some(error) if rows == 0 => return Err(error.into()),
+            Some(error) => Some(format!("{}{error}", stated.unwrap_or_default())),
+            None => table.is_torn().then(|| table.warnings().join("; ")),
+        };
+        Ok(Self { rows, what })
+    }
+}
+
+fn open(path: &Path) -> Result<Checked, CaptureError> {
+    match table::open(path)? {
+        Opened::Table(source) => Checked::new(path, source),
+        Opened::Text(_) => Err(CaptureError::not_a_capture(path, "only captures are repaired")),
+    }
+}
+
+/// The columns as they are, and the description as this version writes it.
+fn schema(table: &Checked, missing: Option<&str>) -> SchemaRef {
+    let found = table.schema();
+    let kept =
+        found.metadata().iter().filter(|(key, _)| key.starts_with("zerorate.") && !key.starts_with(chain::CHECKS));
+    let kept = kept.map(|(key, value)| (key.clone(), value.clone()));
+    let mut metadata: Metadata = kept.chain(table.info().to_metadata()).collect();
+    if let Some(missing) = missing {
+        metadata.insert(REPAIRED, missing.replace(['\r', '\n'], " ").trim());
+    }
+    let others = found.fields().iter().filter(|field| !RAW.contains(&field.name().as_str()));
+    let fields: Vec<Field> = columns::raw_fields().into_iter().chain(others.map(|field| (**field).clone())).collect();
+    columns::schema(fields, metadata)
+}
+
+fn rewritten(schema: &SchemaRef, batch: &RecordBatch, rows: &Rows) -> Result<RecordBatch> {
+    let names = batch.schema();
+    let others = names.fields().iter().zip(batch.columns()).filter(|(field, _)| !RAW.contains(&field.name().as_str()));
+    let columns = rows.columns().into_iter().chain(others.map(|(_, column)| column.clone())).collect();
+    Ok(RecordBatch::try_new(schema.clone(), columns)?)
+}

@@ -1,0 +1,157 @@
+//! `zerorate verify`: is a file whole, and does it say the truth about itself?
+
+use super::{print, print_json};
+use crate::capture::table::{self, Opened};
+use crate::capture::{CaptureError, Checked};
+use crate::duration::Seconds;
+use anyhow::{Result, ensure};
+use clap::Args;
+use serde::Serialize;
+use std::fmt::Write;
+use std::fs::File;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+use zerorate::Calibration;
+
+/// Bytes of a calibration file at most: a bound on memory where a file is something else.
+const CALIBRATION_BYTES: u64 = 1 << 20;
+
+/// Says of captures and calibration files whether they are whole: exit code 0 if all are, 1 if not.
+///
+/// Every check in a file is computed again, and time, edges and losses of the rows are held against each other. A file
+/// that was torn (a power cut, a killed process) or damaged is named with the place; `zerorate repair` writes what is
+/// whole of it to a new file.
+#[derive(Args, Debug)]
+pub struct VerifyArgs {
+    /// The files: captures in any form, calibrations.
+    #[arg(value_name = "FILE", required = true)]
+    files: Vec<PathBuf>,
+
+    /// Print the result as one JSON object.
+    #[arg(long)]
+    json: bool,
+}
+
+/// The object that `--json` prints.
+#[derive(Serialize)]
+struct Report {
+    whole: bool,
+    files: Vec<Verdict>,
+}
+
+/// What is found in a file.
+#[derive(Default, Serialize)]
+struct Verdict {
+    file: String,
+    whole: bool,
+    form: &'static str,
+    schema: Option<u32>,
+    /// Whether checks in the file vouch for everything in it.
+    checked: bool,
+    rows: u64,
+    lost: u64,
+    first_ns: Option<u64>,
+    last_ns: Option<u64>,
+    samples_sha256: Option<String>,
+    /// Whether its end is missing.
+    torn: bool,
+    /// What is wrong, and where.
+    damage: Option<String>,
+    notes: Vec<String>,
+}
+
+pub fn run(args: &VerifyArgs) -> Result<()> {
+    let files: Vec<Verdict> = args.files.iter().map(|path| verdict(path)).collect();
+    let broken = files.iter().filter(|verdict| !verdict.whole).count();
+    let count = files.len();
+    if args.json {
+        print_json(&Report { whole: broken == 0, files })?;
+    } else {
+        print(&files.iter().map(Verdict::to_text).collect::<String>())?;
+    }
+    ensure!(
+        broken == 0,
+        "{broken} of {count} files not whole; `zerorate repair FILE -o FILE` keeps what is whole of a capture"
+    );
+    Ok(())
+}
+
+fn verdict(path: &Path) -> Verdict {
+    let file = path.display().to_string();
+    let found = match table::open(path) {
+        Ok(Opened::Table(source)) => capture(path, source),
+        Ok(Opened::Text(text)) => calibration(path, text),
+        Err(error) => Err(error),
+    };
+    let verdict = found.unwrap_or_else(|error| Verdict { damage: Some(reason(error)), ..Verdict::default() });
+    Verdict { whole: !verdict.torn && verdict.damage.is_none(), file, ..verdict }
+}
+
+fn reason(error: CaptureError) -> String {
+    format!("{:#}", anyhow::Error::from(error))
+}
+
+fn capture(path: &Path, source: Box<dyn table::BatchSource>) -> Result<Verdict, CaptureError> {
+    let form = source.form();
+    let mut table = Checked::new(path, source)?;
+    let damage = table.by_ref().find_map(Result::err).map(reason);
+    let found = table.found();
+    Ok(Verdict {
+        form,
+        schema: Some(table.info().schema),
+        checked: table.is_checked(),
+        rows: found.rows,
+        lost: found.lost,
+        first_ns: found.span_ns.map(|(first, _)| first),
+        last_ns: found.span_ns.map(|(_, last)| last),
+        samples_sha256: table.samples_sha256().filter(|_| damage.is_none()),
+        torn: table.is_torn(),
+        damage,
+        notes: table.warnings(),
+        ..Verdict::default()
+    })
+}
+
+fn calibration(path: &Path, file: File) -> Result<Verdict, CaptureError> {
+    let mut text = String::new();
+    let read = file.take(CALIBRATION_BYTES).read_to_string(&mut text);
+    if read.is_err() || !text.contains("[correction]") {
+        return Err(CaptureError::not_a_capture(path, "and it is no calibration file either"));
+    }
+    let parsed = Calibration::parse(&text);
+    Ok(Verdict {
+        form: "calibration",
+        schema: Some(1),
+        checked: parsed.as_ref().is_ok_and(|(_, warnings)| warnings.is_empty()),
+        notes: parsed.iter().flat_map(|(_, warnings)| warnings).map(ToString::to_string).collect(),
+        damage: parsed.err().map(|error| format!("{}: {error}", path.display())),
+        ..Verdict::default()
+    })
+}
+
+impl Verdict {
+    fn to_text(&self) -> String {
+        let state = match (&self.damage, self.torn) {
+            (Some(_), _) => "DAMAGED",
+            (None, true) => "TORN",
+            (None, false) if self.checked => "whole",
+            (None, false) => "readable, unchecked",
+        };
+        let mut text = format!("{}: {state}", self.file);
+        if let (Some(schema), form) = (self.schema, self.form) {
+            text += &format!(", {form}, version {schema}");
+        }
+        if let (Some(first), Some(last)) = (self.first_ns, self.last_ns) {
+            let span = Seconds((last - first) as f64 * 1e-9);
+            text += &format!(", {} rows over {span}, {} lost", self.rows, self.lost);
+        }
+        if let Some(hash) = &self.samples_sha256 {
+            text += &format!(", sample hash {hash}");
+        }
+        for note in self.damage.iter().chain(&self.notes) {
+            // writing to a string cannot fail
+            let _ = write!(text, "\n  {note}");
+        }
+        text + "\n"
+    }
+}

@@ -1,0 +1,134 @@
+//! Files that are whole, torn, damaged or old, as a user asks about them, and what is saved of them.
+
+use super::{Bench, calibration, capture};
+use serde_json::Value;
+use std::fs;
+
+/// A capture of 20 000 samples in each form.
+fn bench() -> Bench {
+    let bench = Bench::new();
+    bench.zerorate("capture --device twin:seed=3 --samples 20000 -o unit.arrows").ok();
+    for form in ["parquet", "csv"] {
+        bench.zerorate(&format!("capture --device replay:unit.arrows --samples 20000 -o unit.{form}")).ok();
+    }
+    bench
+}
+
+/// What `verify --json` says of one file, with its exit code.
+fn verdict(bench: &Bench, file: &str) -> (Option<i32>, Value) {
+    let run = bench.zerorate(&format!("verify {file} --json"));
+    let report: Value = serde_json::from_slice(&run.output.stdout).unwrap();
+    (run.output.status.code(), report["files"][0].clone())
+}
+
+#[test]
+fn whole_files_in_every_form_have_one_hash() {
+    let bench = bench();
+    let mut hashes = Vec::new();
+    for form in ["arrows", "parquet", "csv"] {
+        let (code, verdict) = verdict(&bench, &format!("unit.{form}"));
+        assert_eq!((code, &verdict["whole"], &verdict["checked"]), (Some(0), &true.into(), &true.into()), "{verdict}");
+        assert_eq!(
+            (&verdict["rows"], &verdict["schema"], &verdict["torn"]),
+            (&20_000.into(), &2.into(), &false.into())
+        );
+        hashes.push(verdict["samples_sha256"].as_str().unwrap().to_owned());
+    }
+    assert!(hashes.iter().all(|hash| hash.len() == 64 && *hash == hashes[0]), "{hashes:?}");
+    let text = bench.zerorate("verify unit.arrows unit.parquet unit.csv").ok();
+    assert!(text.contains("unit.csv: whole, CSV, version 2, 20000 rows") && text.contains(&hashes[0]), "{text}");
+}
+
+#[test]
+fn torn_and_damaged_files_are_told_apart() {
+    let bench = bench();
+    let whole = fs::read(bench.path("unit.arrows")).unwrap();
+    bench.write("torn.arrows", &whole[..whole.len() / 2]);
+    let mut flipped = whole.clone();
+    flipped[whole.len() / 2] ^= 1;
+    bench.write("flipped.arrows", flipped);
+    let (code, torn) = verdict(&bench, "torn.arrows");
+    assert_eq!((code, &torn["torn"], &torn["damage"]), (Some(1), &true.into(), &Value::Null), "{torn}");
+    let (code, damaged) = verdict(&bench, "flipped.arrows");
+    assert_eq!((code, &damaged["torn"]), (Some(1), &false.into()), "{damaged}");
+    assert!(damaged["damage"].as_str().unwrap().contains("its check differs"), "{damaged}");
+    let run = bench.zerorate("verify unit.arrows torn.arrows flipped.arrows absent.arrows");
+    assert!(run.stderr().contains("3 of 4 files not whole"), "{}", run.stderr());
+    let text = String::from_utf8(run.output.stdout).unwrap();
+    for state in ["unit.arrows: whole", "torn.arrows: TORN", "flipped.arrows: DAMAGED", "absent.arrows: DAMAGED"] {
+        assert!(text.contains(state), "{state} in\n{text}");
+    }
+}
+
+#[test]
+fn a_csv_whose_end_was_removed_is_torn() {
+    let bench = bench();
+    let text = fs::read_to_string(bench.path("unit.csv")).unwrap();
+    let lines: Vec<&str> = text.lines().collect();
+    bench.write("short.csv", lines[..lines.len() - 100].join("\n") + "\n");
+    let (code, verdict) = verdict(&bench, "short.csv");
+    assert_eq!((code, &verdict["torn"]), (Some(1), &true.into()), "{verdict}");
+    let edited = text.replacen(",8,", ",9,", 1);
+    bench.write("edited.csv", edited);
+    assert!(bench.zerorate("allan edited.csv").fails(1).contains("its check differs"));
+}
+
+#[test]
+fn repair_keeps_every_whole_block_and_the_input() {
+    let bench = bench();
+    let whole = fs::read(bench.path("unit.arrows")).unwrap();
+    for (name, bytes) in [
+        ("torn", whole[..whole.len() * 2 / 3].to_vec()),
+        (
+            "flipped",
+            [&whole[..whole.len() * 2 / 3], &[!whole[whole.len() * 2 / 3]], &whole[whole.len() * 2 / 3 + 1..]].concat(),
+        ),
+    ] {
+        bench.write(&format!("{name}.arrows"), &bytes);
+        let said = bench.zerorate(&format!("repair {name}.arrows -o {name}-saved.csv")).ok();
+        assert!(said.contains("rows kept; missing: "), "{said}");
+        assert_eq!(fs::read(bench.path(&format!("{name}.arrows"))).unwrap(), bytes, "the input is not touched");
+        let (code, verdict) = verdict(&bench, &format!("{name}-saved.csv"));
+        assert_eq!((code, &verdict["whole"]), (Some(0), &true.into()), "{verdict}");
+        let rows = |file: &str| -> Vec<String> {
+            let text = fs::read_to_string(bench.path(file)).unwrap();
+            text.lines().filter(|line| !line.starts_with('#')).map(str::to_owned).collect()
+        };
+        let (saved, all) = (rows(&format!("{name}-saved.csv")), rows("unit.csv"));
+        assert!(saved.len() > 5_000 && all.starts_with(&saved), "{name}: {} of {} rows", saved.len(), all.len());
+    }
+    assert_eq!(bench.zerorate("repair torn.arrows -o torn.arrows --force").output.status.code(), Some(2));
+}
+
+#[test]
+fn an_old_capture_is_readable_and_becomes_a_checked_one() {
+    let bench = Bench::new();
+    let rows: String = (0..200u64).map(|i| format!("{},{i},8388608,8,8388608,0\n", (i + 1) * 10_000_000)).collect();
+    bench.write("old.csv", capture("A1", &rows));
+    let (code, old) = verdict(&bench, "old.csv");
+    assert_eq!((code, &old["checked"], &old["schema"]), (Some(0), &false.into(), &1.into()), "{old}");
+    assert!(old["notes"][0].as_str().unwrap().contains("version 1"));
+    assert!(bench.zerorate("repair old.csv -o new.arrows").ok().contains("200 rows kept; nothing was missing"));
+    let (code, new) = verdict(&bench, "new.arrows");
+    assert_eq!((code, &new["checked"], &new["rows"]), (Some(0), &true.into(), &200.into()), "{new}");
+}
+
+#[test]
+fn corrected_captures_and_calibrations_are_verified() {
+    let bench = bench();
+    bench.write("unit.toml", calibration(-0.25, -0.04, 24.0));
+    for form in ["arrows", "parquet", "csv"] {
+        bench.zerorate(&format!("correct unit.arrows --cal unit.toml -o done.{form}")).ok();
+        let (code, verdict) = verdict(&bench, &format!("done.{form}"));
+        assert_eq!((code, &verdict["checked"]), (Some(0), &true.into()), "{verdict}");
+    }
+    let text = fs::read_to_string(bench.path("done.csv")).unwrap();
+    let row = text.lines().find(|line| line.starts_with(|c: char| c.is_ascii_digit())).unwrap();
+    let edited = row.rsplit_once(',').map(|(raw, _)| format!("{raw},0.5")).unwrap();
+    bench.write("edited.csv", text.replace(row, &edited));
+    assert_eq!(verdict(&bench, "edited.csv").0, Some(1), "a derived cell was changed");
+    let (code, by_hand) = verdict(&bench, "unit.toml");
+    assert_eq!((code, &by_hand["checked"], &by_hand["form"]), (Some(0), &false.into(), &"calibration".into()));
+    bench.write("bad.toml", "[correction]\npbc_dps = x\n");
+    assert_eq!(verdict(&bench, "bad.toml").0, Some(1));
+}
