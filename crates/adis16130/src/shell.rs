@@ -133,7 +133,7 @@ macro_rules! shell {
                 let mut differences = Differences::default();
                 for (register, expected) in self.written.iter() {
                     let got = self.exchange(register, Frame::read_byte(register))$($await)*?;
-                    differences.compare(register, expected, got.answer() as u8);
+                    differences.compare(register, expected, got as u8);
                 }
                 differences.verdict()
             }
@@ -142,8 +142,8 @@ macro_rules! shell {
             #[inline]
             pub $($async)* fn read_register<R: Readable>(&mut self) -> Result<R::Value, BusError<SPI::Error>> {
                 let width = self.mode().width();
-                let frame = self.exchange(R::ADDRESS, Frame::read::<R>(width))$($await)*?;
-                Ok(R::decode(frame.answer(), width))
+                let answer = self.exchange(R::ADDRESS, Frame::read::<R>(width))$($await)*?;
+                Ok(R::decode(answer, width))
             }
 
             /// Writes a register. What the driver knows of the part follows if, and only if, the write succeeds.
@@ -324,7 +324,7 @@ macro_rules! shell {
                     self.look_for_first(channel)$($await)*?;
                 }
                 let width = self.mode().width();
-                let answer = self.exchange(D::ADDRESS, Frame::read::<D>(width))$($await)*?.answer();
+                let answer = self.exchange(D::ADDRESS, Frame::read::<D>(width))$($await)*?;
                 if is_doubtful_reading(answer, width) && !self.is_measured(channel, answer)$($await)*? {
                     return Ok(None);
                 }
@@ -336,7 +336,7 @@ macro_rules! shell {
             #[cold]
             $($async)* fn look_for_first(&mut self, channel: Channel) -> Result<(), SampleError<SPI::Error>> {
                 self.require_healthy()$($await)*?;
-                let status = self.exchange(channel.status(), Frame::read_byte(channel.status()))$($await)*?.answer();
+                let status = self.exchange(channel.status(), Frame::read_byte(channel.status()))$($await)*?;
                 if channel.announced_by(ChannelStatus::new(status as u8)) {
                     self.seen.note(channel);
                 }
@@ -366,7 +366,7 @@ macro_rules! shell {
             /// Reads a register of one byte, and diagnoses the link if the answer is doubtful.
             $($async)* fn read_checked<R: Readable>(&mut self) -> Result<R::Value, ReadError<SPI::Error>> {
                 let width = self.mode().width();
-                let answer = self.exchange(R::ADDRESS, Frame::read::<R>(width))$($await)*?.answer();
+                let answer = self.exchange(R::ADDRESS, Frame::read::<R>(width))$($await)*?;
                 if is_doubtful(R::ADDRESS, answer as u8) {
                     self.require_healthy()$($await)*?;
                     if let Some(fault) = meaning_on_healthy_link(R::ADDRESS, answer as u8) {
@@ -384,13 +384,13 @@ macro_rules! shell {
                 Ok(())
             }
 
-            /// One command in the framing of F-22: one transfer per byte, or one in all.
+            /// One command in the framing of F-22: one transfer per byte, or one in all. Returns the data bytes that came back.
             #[inline]
             $($async)* fn exchange(
                 &mut self,
                 register: Address,
                 mut frame: Frame,
-            ) -> Result<Frame, BusError<SPI::Error>> {
+            ) -> Result<u32, BusError<SPI::Error>> {
                 if let Some(register) = self.in_flight {
                     return Err(BusError::Interrupted { register });
                 }
@@ -405,7 +405,7 @@ macro_rules! shell {
                     }
                 }
                 self.in_flight = None;
-                Ok(frame)
+                Ok(frame.answer())
             }
         }
 

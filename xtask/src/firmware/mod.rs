@@ -177,12 +177,12 @@ fn show(args: &Args, outcome: &Outcome) -> Result<()> {
 
 /// Against goals and the committed page; writes it where that was asked for.
 fn judge(args: &Args, outcome: &Outcome) -> Result<()> {
-    let missed = footprint::missed_goals(&outcome.figures);
-    ensure!(missed.is_empty(), "goals are missed: {}", missed.join("; "));
     if args.update {
         ensure!(outcome.readings_agreed.is_some(), "without the emulator the figures are not complete");
-        return footprint::write(&outcome.figures, &outcome.versions);
+        footprint::write(&outcome.figures, &outcome.versions)?;
     }
+    let missed = footprint::missed_goals(&outcome.figures);
+    ensure!(missed.is_empty(), "goals are missed: {}", missed.join("; "));
     let page = footprint::read()?;
     let risen = footprint::risen(&outcome.figures, &page);
     if !risen.is_empty() {

@@ -18,7 +18,7 @@ fn main() -> ! {
             Ok(Some(sample)) => put(&sample.rate.code24().to_be_bytes(), sample.lost),
             Ok(None) => {}
             Err(_) => {
-                let started = gyro.reset().is_ok() && gyro.init_verified().is_ok();
+                let started = gyro.restart().is_ok();
                 sampler.restarted();
                 put(&[], started.into());
             }
