@@ -96,7 +96,11 @@ pub fn write(figures: &[Figure], versions: &Versions) -> Result<()> {
 fn table(figures: &[Figure], unit: &str) -> String {
     let mut text = format!("| what | {unit} | goal: at most |\n|---|---|---|");
     for figure in figures.iter().filter(|figure| figure.unit == unit) {
-        let goal = figure.goal.map_or(String::new(), |goal| goal.to_string());
+        let goal = match figure.goal {
+            Some(goal) if figure.value > goal => format!("{goal}: GOAL MISSED"),
+            Some(goal) => goal.to_string(),
+            None => String::new(),
+        };
         // writing to a string cannot fail
         let _ = write!(text, "\n| {} | {} | {goal} |", figure.what, figure.value);
     }
@@ -130,7 +134,9 @@ mod tests {
 
     #[test]
     fn the_table_is_read_back() {
-        let figures = [figure("a", 3, Some(4)), figure("b", 5, None)];
-        assert!(changed(&figures, &table(&figures, "bytes")).is_empty());
+        let figures = [figure("a", 3, Some(4)), figure("b", 5, None), figure("c", 7, Some(6))];
+        let page = table(&figures, "bytes");
+        assert!(changed(&figures, &page).is_empty());
+        assert!(page.contains("| a | 3 | 4 |") && page.contains("| c | 7 | 6: GOAL MISSED |"), "{page}");
     }
 }
