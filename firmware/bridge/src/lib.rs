@@ -6,6 +6,7 @@
 #![no_std]
 
 pub mod bus;
+pub mod lamp;
 mod link;
 pub mod port;
 pub mod sampling;

@@ -1,10 +1,17 @@
 //! What passes between the port and the sampling side.
 
+use core::cell::Cell;
+
 use adis16130::Edge;
 use adis16130::bridge::{MAX_FRAME, Message, encode};
+use embassy_sync::blocking_mutex::Mutex;
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use embassy_sync::pipe::Pipe;
 use embassy_sync::signal::Signal;
+use embassy_time::with_timeout;
+
+use crate::lamp::State;
+use crate::sampling::SIGN_OF_LIFE;
 
 /// Bytes that wait for the host: 0.17 s at the full rate with every temperature.
 const TO_HOST: usize = 32 * 1024;
@@ -19,6 +26,7 @@ pub struct Link {
     pub(crate) gone: Signal<CriticalSectionRawMutex, ()>,
     pub(crate) from_host: Pipe<CriticalSectionRawMutex, FROM_HOST>,
     pub(crate) to_host: Pipe<CriticalSectionRawMutex, TO_HOST>,
+    state: Mutex<CriticalSectionRawMutex, Cell<State>>,
 }
 
 impl Default for Link {
@@ -30,17 +38,38 @@ impl Default for Link {
 impl Link {
     /// Nothing has passed yet.
     pub const fn new() -> Self {
-        Self { edge: Signal::new(), gone: Signal::new(), from_host: Pipe::new(), to_host: Pipe::new() }
+        Self {
+            edge: Signal::new(),
+            gone: Signal::new(),
+            from_host: Pipe::new(),
+            to_host: Pipe::new(),
+            state: Mutex::new(Cell::new(State::Idle)),
+        }
+    }
+
+    /// What the bridge does.
+    pub fn state(&self) -> State {
+        self.state.lock(Cell::get)
+    }
+
+    pub(crate) fn show(&self, state: State) {
+        self.state.lock(|shown| shown.set(state));
     }
 
     /// Queues a message for the host: a sample whole or not at all, which the next one's number tells; anything else as
-    /// soon as there is room, that is until the host reads or leaves. To be called from one task only.
-    pub(crate) async fn send(&self, message: &Message<'_>) {
+    /// soon as there is room, that is until the host reads or leaves; `alive` is called while it waits. To be called from one task only.
+    pub(crate) async fn send(&self, message: &Message<'_>, mut alive: impl FnMut()) {
         let mut room = [0; MAX_FRAME];
         let Ok(frame) = encode(message, &mut room) else { return };
         let fits = self.to_host.free_capacity() >= frame.len();
         if fits || !matches!(message, Message::Sample(_)) {
-            self.to_host.write_all(frame).await;
+            let mut left = frame;
+            while !left.is_empty() {
+                match with_timeout(SIGN_OF_LIFE, self.to_host.write(left)).await {
+                    Ok(len) => left = left.get(len..).unwrap_or_default(),
+                    Err(_) => alive(),
+                }
+            }
         }
     }
 

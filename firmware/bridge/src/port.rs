@@ -24,13 +24,14 @@ struct Buffers {
 
 static BUFFERS: StaticCell<Buffers> = StaticCell::new();
 
-/// Runs the device. To be called once.
-pub async fn run(driver: impl Driver<'static>, link: &Link) -> ! {
+/// Runs the device, which hosts tell from others by its serial number. To be called once.
+pub async fn run(driver: impl Driver<'static>, serial: Option<&'static str>, link: &Link) -> ! {
     let buffers =
         BUFFERS.init_with(|| Buffers { configuration: [0; 128], bos: [0; 32], control: [0; 64], state: State::new() });
     let mut config = Config::new(TEST_ID.0, TEST_ID.1);
     config.manufacturer = Some("zerorate");
     config.product = Some("ADIS16130 bridge");
+    config.serial_number = serial;
     let mut builder =
         Builder::new(driver, config, &mut buffers.configuration, &mut buffers.bos, &mut [], &mut buffers.control);
     let class = CdcAcmClass::new(&mut builder, &mut buffers.state, PACKET as u16);
@@ -82,4 +83,15 @@ async fn receive<D: Driver<'static>>(receiver: &mut Receiver<'static, D>, link: 
     while let Ok(len) = receiver.read_packet(&mut packet).await {
         link.from_host.write_all(&packet[..len]).await;
     }
+}
+
+/// A number of the chip as the text that USB wants.
+pub fn hex(id: [u8; 8], room: &mut [u8; 16]) -> &str {
+    for (digits, byte) in room.chunks_exact_mut(2).zip(id) {
+        for (digit, value) in digits.iter_mut().zip([byte >> 4, byte & 15]) {
+            *digit = if value < 10 { b'0' + value } else { b'A' - 10 + value };
+        }
+    }
+    // digits and capital letters are text
+    core::str::from_utf8(room).unwrap_or_default()
 }

@@ -3,15 +3,22 @@
 use core::convert::Infallible;
 
 use adis16130::Edge;
-use adis16130::bridge::{Bus, Decoder, Station};
+use adis16130::bridge::{Bus, Decoder, Message, Station};
 use embassy_futures::select::{Either3, select3};
-use embassy_time::Instant;
+use embassy_time::{Duration, Instant, with_timeout};
 use embedded_hal_async::digital::Wait;
 
 use crate::Link;
+use crate::lamp::State;
 
 /// The SPI clock until a host asks for another: half of what the part takes (F-21), for wires and level shifters.
 const FIRST_SCLK_HZ: u32 = 5_000_000;
+
+/// How often the sampling side says that it lives while nothing happens.
+pub const SIGN_OF_LIFE: Duration = Duration::from_millis(250);
+
+/// After so long without a sign of life the watchdog resets the chip: a transfer that never ends, an executor that stands still.
+pub const WATCHDOG: Duration = Duration::from_millis(2_000);
 
 /// Numbers every falling edge of RDY and notes its time, also while the part is being read.
 pub async fn watch(mut rdy: impl Wait<Error = Infallible>, link: &Link) -> ! {
@@ -24,29 +31,38 @@ pub async fn watch(mut rdy: impl Wait<Error = Infallible>, link: &Link) -> ! {
     }
 }
 
-/// Owns the part: reads it at edges, and does what hosts ask for. `firmware` is the name as in [`Station::new`].
-pub async fn serve(mut bus: impl Bus, firmware: &'static str, link: &Link) -> ! {
+/// Owns the part: reads it at edges, and does what hosts ask for. `firmware` is the name as in [`Station::new`]; `alive` feeds the
+/// watchdog, and is called nowhere else.
+pub async fn serve(mut bus: impl Bus, firmware: &'static str, link: &Link, mut alive: impl FnMut()) -> ! {
     let sclk_hz = bus.set_sclk_hz(FIRST_SCLK_HZ);
     let mut station = Station::new(bus, sclk_hz, firmware);
     let mut requests = Decoder::new();
     let mut bytes = [0; 64];
     loop {
-        match select3(link.gone.wait(), link.edge.wait(), link.from_host.read(&mut bytes)).await {
+        alive();
+        let next = select3(link.gone.wait(), link.edge.wait(), link.from_host.read(&mut bytes));
+        let Ok(next) = with_timeout(SIGN_OF_LIFE, next).await else { continue };
+        match next {
             Either3::First(()) => {
                 station.stop();
                 requests = Decoder::new();
                 link.clear().await;
+                link.show(State::Idle);
             }
             Either3::Second(edge) => {
                 if let Some(message) = station.edge(edge).await {
-                    link.send(&message).await;
+                    if message == Message::Ended {
+                        link.show(State::Failed);
+                    }
+                    link.send(&message, &mut alive).await;
                 }
             }
             Either3::Third(len) => {
                 for byte in &bytes[..len] {
                     // to a damaged request there is no answer, so the host asks again
                     if let Some(Ok(request)) = requests.push(*byte) {
-                        link.send(&station.request(&request).await).await;
+                        link.send(&station.request(&request).await, &mut alive).await;
+                        link.show(if station.is_sampling() { State::Sampling } else { State::Ready });
                     }
                 }
             }

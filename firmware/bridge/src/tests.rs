@@ -2,23 +2,27 @@
 
 extern crate std;
 
+use core::cell::Cell;
 use core::convert::Infallible;
 use core::future::Future;
 use core::pin::Pin;
 use core::task::{Context, Poll, Waker};
 use std::boxed::Box;
 use std::format;
+use std::rc::Rc;
 use std::string::String;
 use std::vec::Vec;
 
 use adis16130::Edge;
 use adis16130::bridge::{Ask, Bus, Continuity, Decoder, MAX_FRAME, Message, Reading, Request, encode};
-use adis16130_twin::{Spec, Twin, TwinSpi};
+use adis16130_twin::{Fault, Spec, Twin, TwinSpi};
+use embassy_time::MockDriver;
 use embedded_hal::digital::ErrorType as PinErrorType;
 use embedded_hal_async::digital::Wait;
 use embedded_hal_async::spi::{ErrorType, Operation, SpiDevice};
 
-use crate::{Link, sampling};
+use crate::lamp::State;
+use crate::{Link, port, sampling};
 
 const START: Ask<'static> = Ask::Start { every_temp: 1, divider: 1, mclk_hz: 6_000_000 };
 const END_OF_FRAME: &[u8] = &[0];
@@ -94,19 +98,89 @@ fn edges_are_numbered_from_one() {
     assert!(link.edge.try_take().is_none());
 }
 
+/// The watchdog is fed while nothing happens and while an answer waits for room, and not while a transfer never ends.
+#[test]
+fn the_watchdog_is_fed_by_a_living_task_only() {
+    let mut idle = Bench::new();
+    let mut waits = Bench::full();
+    for _ in 0..8 {
+        waits.request(Ask::LastEdge);
+    }
+    let mut hangs = Bench::with_bus(|_| HungBus);
+    hangs.request(START);
+    for bench in [&mut idle, &mut waits, &mut hangs] {
+        bench.signs.set(0);
+    }
+    for _ in 0..8 {
+        MockDriver::get().advance(sampling::SIGN_OF_LIFE);
+        for bench in [&mut idle, &mut waits, &mut hangs] {
+            bench.poll();
+        }
+    }
+    // other tests move no time
+    assert!(idle.signs.get() >= 8 && waits.signs.get() >= 8, "{} {}", idle.signs.get(), waits.signs.get());
+    assert_eq!(hangs.signs.get(), 0);
+    assert!(sampling::WATCHDOG >= 4 * sampling::SIGN_OF_LIFE);
+}
+
+#[test]
+fn the_lamp_shows_what_is_done() {
+    let mut bench = Bench::new();
+    assert_eq!(bench.link.state(), State::Idle);
+    bench.ask(Ask::Hello);
+    assert_eq!(bench.link.state(), State::Ready);
+    bench.ask(START);
+    assert_eq!(bench.link.state(), State::Sampling);
+    bench.ask(Ask::Stop);
+    assert_eq!(bench.link.state(), State::Ready);
+    bench.link.hang_up();
+    bench.poll();
+    assert_eq!(bench.link.state(), State::Idle);
+    let second = |state: State| (0..8).map(|tick| if state.is_lit(tick) { '#' } else { '.' }).collect::<String>();
+    assert_eq!(
+        [State::Idle, State::Ready, State::Sampling, State::Failed].map(second),
+        ["#.......", "########", "####....", "#.#.#.#."]
+    );
+}
+
+#[test]
+fn a_part_that_falls_silent_shows() {
+    let mut bench = Bench::new();
+    bench.ask(START);
+    bench.twin.set_fault(Fault::SdoLow);
+    for _ in 0..200 {
+        bench.edge();
+        bench.bytes();
+    }
+    assert_eq!(bench.link.state(), State::Failed);
+}
+
+#[test]
+fn serial_numbers_are_text() {
+    let mut room = [0; 16];
+    assert_eq!(port::hex([0xE6, 0x61, 0x38, 0x52, 0x83, 0x0A, 0xBF, 0x09], &mut room), "E6613852830ABF09");
+}
+
 struct Bench {
     twin: Twin,
     link: &'static Link,
+    signs: Rc<Cell<u32>>,
     serve: Pin<Box<dyn Future<Output = Infallible>>>,
 }
 
 impl Bench {
     fn new() -> Self {
+        Self::with_bus(|twin| TwinBus(twin.spi()))
+    }
+
+    fn with_bus<B: Bus + 'static>(bus: impl Fn(&Twin) -> B) -> Self {
         let twin = Twin::new(Spec::from_seed(1));
         let link: &Link = Box::leak(Box::default());
-        let bus = TwinBus(twin.spi());
-        let serve = Box::pin(async { sampling::serve(bus, "test 1", link).await });
-        Self { twin, link, serve }
+        let signs = Rc::new(Cell::new(0));
+        let (bus, count) = (bus(&twin), signs.clone());
+        let alive = move || count.set(count.get() + 1);
+        let serve = Box::pin(async move { sampling::serve(bus, "test 1", link, alive).await });
+        Self { twin, link, signs, serve }
     }
 
     /// 2000 samples have been taken, and the host has read none.
@@ -188,6 +262,25 @@ impl SpiDevice for TwinBus {
 }
 
 impl Bus for TwinBus {
+    fn set_sclk_hz(&mut self, hz: u32) -> u32 {
+        hz
+    }
+}
+
+/// Transfers on it never end.
+struct HungBus;
+
+impl ErrorType for HungBus {
+    type Error = Infallible;
+}
+
+impl SpiDevice for HungBus {
+    async fn transaction(&mut self, _: &mut [Operation<'_, u8>]) -> Result<(), Infallible> {
+        core::future::pending().await
+    }
+}
+
+impl Bus for HungBus {
     fn set_sclk_hz(&mut self, hz: u32) -> u32 {
         hz
     }

@@ -7,26 +7,34 @@
 //! | MOSI | GP19, pin 25 | 14 SDI |
 //! | CS   | GP17, pin 22 | 8 CS |
 //! | RDY  | GP20, pin 26 | 10 RDY |
+//!
+//! The LED is the board's own, GP25.
 
 #![no_std]
 #![no_main]
 
 use embassy_executor::{InterruptExecutor, Spawner};
 use embassy_rp::clocks::clk_peri_freq;
+use embassy_rp::flash::{self, Flash};
 use embassy_rp::gpio::{Input, Level, Output, Pull};
 use embassy_rp::interrupt::{InterruptExt, Priority};
-use embassy_rp::peripherals::{DMA_CH0, DMA_CH1, SPI0, USB};
+use embassy_rp::peripherals::{DMA_CH0, DMA_CH1, FLASH, SPI0, USB};
 use embassy_rp::spi::{self, Phase, Polarity, Spi};
 use embassy_rp::usb::{self, Driver};
-use embassy_rp::{bind_interrupts, dma, interrupt};
+use embassy_rp::watchdog::Watchdog;
+use embassy_rp::{Peri, bind_interrupts, dma, interrupt};
 use firmware_bridge::bus::PartBus;
-use firmware_bridge::{Link, port, sampling};
-use panic_halt as _;
+use firmware_bridge::{Link, lamp, port, sampling};
+use panic_reset as _;
+use static_cell::StaticCell;
 
 const FIRMWARE: &str = concat!("bridge-rp2040 ", env!("CARGO_PKG_VERSION"));
 
 /// The HAL panics below 1.93 kHz.
 const SLOWEST_SCLK_HZ: u32 = 2_000;
+
+/// The chip has none of its own: the number is that of the flash beside it, of 2 MB.
+const FLASH_BYTES: usize = 2 * 1024 * 1024;
 
 bind_interrupts!(struct Irqs {
     DMA_IRQ_0 => dma::InterruptHandler<DMA_CH0>, dma::InterruptHandler<DMA_CH1>;
@@ -39,8 +47,10 @@ static LINK: Link = Link::new();
 static ABOVE_USB: InterruptExecutor = InterruptExecutor::new();
 
 #[embassy_executor::main]
-async fn main(_spawner: Spawner) {
+async fn main(main: Spawner) {
     let p = embassy_rp::init(Default::default());
+    // before anything else runs: reading it takes the program's memory away for a moment
+    let serial = serial(p.FLASH);
     let cs = Output::new(p.PIN_17, Level::High);
     let mut config = spi::Config::default();
     config.polarity = Polarity::IdleHigh;
@@ -53,11 +63,15 @@ async fn main(_spawner: Spawner) {
     interrupt::DMA_IRQ_0.set_priority(Priority::P0);
     interrupt::SWI_IRQ_0.set_priority(Priority::P1);
     interrupt::USBCTRL_IRQ.set_priority(Priority::P3);
+    let mut watchdog = Watchdog::new(p.WATCHDOG);
+    watchdog.pause_on_debug(true);
+    watchdog.start(sampling::WATCHDOG);
     let spawner = ABOVE_USB.start(interrupt::SWI_IRQ_0);
     spawner.spawn(watch(rdy).expect("spawned once"));
-    spawner.spawn(serve(PartBus::new(controller, cs, set_clock)).expect("spawned once"));
+    spawner.spawn(serve(PartBus::new(controller, cs, set_clock), watchdog).expect("spawned once"));
 
-    port::run(Driver::new(p.USB, Irqs), &LINK).await
+    main.spawn(shine(Output::new(p.PIN_25, Level::Low)).expect("spawned once"));
+    port::run(Driver::new(p.USB, Irqs), serial, &LINK).await
 }
 
 #[embassy_executor::task]
@@ -66,8 +80,21 @@ async fn watch(rdy: Input<'static>) {
 }
 
 #[embassy_executor::task]
-async fn serve(bus: PartBus<Controller, Output<'static>>) {
-    sampling::serve(bus, FIRMWARE, &LINK).await
+async fn serve(bus: PartBus<Controller, Output<'static>>, mut watchdog: Watchdog) {
+    sampling::serve(bus, FIRMWARE, &LINK, || watchdog.feed(sampling::WATCHDOG)).await
+}
+
+#[embassy_executor::task]
+async fn shine(mut led: Output<'static>) {
+    lamp::run(|lit| led.set_level(lit.into()), &LINK).await
+}
+
+/// To be called once.
+fn serial(flash: Peri<'static, FLASH>) -> Option<&'static str> {
+    static ROOM: StaticCell<[u8; 16]> = StaticCell::new();
+    let mut id = [0; 8];
+    Flash::<_, flash::Blocking, FLASH_BYTES>::new_blocking(flash).blocking_unique_id(&mut id).ok()?;
+    Some(port::hex(id, ROOM.init([0; 16])))
 }
 
 /// The HAL does not tell what it sets, so this repeats its rule.

@@ -7,6 +7,8 @@
 //! | MOSI | PA7 | 14 SDI |
 //! | CS   | PA4 | 8 CS |
 //! | RDY  | PB0 | 10 RDY |
+//!
+//! The LED is the board's own, PC13.
 
 #![no_std]
 #![no_main]
@@ -22,11 +24,13 @@ use embassy_stm32::rcc::{
 use embassy_stm32::spi::mode::Master;
 use embassy_stm32::spi::{self, Spi};
 use embassy_stm32::time::Hertz;
+use embassy_stm32::uid::uid_hex;
 use embassy_stm32::usb::{self, Driver};
+use embassy_stm32::wdg::IndependentWatchdog;
 use embassy_stm32::{Config, bind_interrupts, dma, interrupt, peripherals};
 use firmware_bridge::bus::PartBus;
-use firmware_bridge::{Link, port, sampling};
-use panic_halt as _;
+use firmware_bridge::{Link, lamp, port, sampling};
+use panic_reset as _;
 use static_cell::ConstStaticCell;
 
 const FIRMWARE: &str = concat!("bridge-stm32f4 ", env!("CARGO_PKG_VERSION"));
@@ -45,7 +49,7 @@ static ABOVE_USB: InterruptExecutor = InterruptExecutor::new();
 static PACKETS: ConstStaticCell<[u8; 128]> = ConstStaticCell::new([0; 128]);
 
 #[embassy_executor::main]
-async fn main(_spawner: Spawner) {
+async fn main(main: Spawner) {
     let p = embassy_stm32::init(clocks());
     let cs = Output::new(p.PA4, Level::High, Speed::VeryHigh);
     let mut config = spi::Config::default();
@@ -56,15 +60,18 @@ async fn main(_spawner: Spawner) {
     // the HAL leaves RDY, DMA and USB at the highest priority
     interrupt::SPI5.set_priority(Priority::P6);
     interrupt::OTG_FS.set_priority(Priority::P7);
+    let mut watchdog = IndependentWatchdog::new(p.IWDG, sampling::WATCHDOG.as_micros() as u32);
+    watchdog.unleash();
     let spawner = ABOVE_USB.start(interrupt::SPI5);
     spawner.spawn(watch(rdy).expect("spawned once"));
-    spawner.spawn(serve(PartBus::new(controller, cs, set_clock)).expect("spawned once"));
+    spawner.spawn(serve(PartBus::new(controller, cs, set_clock), watchdog).expect("spawned once"));
 
     let mut config = usb::Config::default();
     // the board does not lead VBUS to PA9
     config.vbus_detection = false;
     let driver = Driver::new_fs(p.USB_OTG_FS, Irqs, p.PA12, p.PA11, PACKETS.take(), config);
-    port::run(driver, &LINK).await
+    main.spawn(shine(Output::new(p.PC13, Level::High, Speed::Low)).expect("spawned once"));
+    port::run(driver, Some(uid_hex()), &LINK).await
 }
 
 #[embassy_executor::task]
@@ -73,8 +80,17 @@ async fn watch(rdy: ExtiInput<'static, Async>) {
 }
 
 #[embassy_executor::task]
-async fn serve(bus: PartBus<Controller, Output<'static>>) {
-    sampling::serve(bus, FIRMWARE, &LINK).await
+async fn serve(
+    bus: PartBus<Controller, Output<'static>>,
+    mut watchdog: IndependentWatchdog<'static, peripherals::IWDG>,
+) {
+    sampling::serve(bus, FIRMWARE, &LINK, || watchdog.pet()).await
+}
+
+/// The LED lies between the pin and the supply.
+#[embassy_executor::task]
+async fn shine(mut led: Output<'static>) {
+    lamp::run(|lit| led.set_level((!lit).into()), &LINK).await
 }
 
 /// 72 MHz from the crystal of 25 MHz, and 48 MHz for USB. Faster ones that allow for USB leave SPI1 with 6 or 3 MHz
