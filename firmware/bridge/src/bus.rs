@@ -1,40 +1,55 @@
-//! The part's bus: an SPI controller, CS, and a clock that can be set.
+//! The part's bus: an SPI controller, CS, the self-test pin, a clock that can be set, and the edge of RDY that is heard.
 
 use core::convert::Infallible;
 
-use adis16130::MAX_SCLK_HZ;
 use adis16130::bridge::Bus;
+use adis16130::{MAX_SCLK_HZ, RdyEdge};
 use embedded_hal::digital::OutputPin;
 use embedded_hal_async::spi::{ErrorType, Operation, SpiBus, SpiDevice};
 use embedded_hal_bus::spi::{ExclusiveDevice, NoDelay};
 
+use crate::Link;
+
 /// The part, alone on an SPI controller.
-pub struct PartBus<B, CS> {
+pub struct PartBus<B, CS, ST> {
     device: ExclusiveDevice<B, CS, NoDelay>,
     set_clock: fn(&mut B, u32) -> u32,
+    self_test: ST,
+    link: &'static Link,
 }
 
-impl<B: SpiBus, CS: OutputPin<Error = Infallible>> PartBus<B, CS> {
-    /// Takes a controller in mode 3, MSB first (F-20), the pin of CS, and what does [`Bus::set_sclk_hz`] for clocks up to
-    /// [`MAX_SCLK_HZ`]. Leaves CS high.
-    pub fn new(controller: B, cs: CS, set_clock: fn(&mut B, u32) -> u32) -> Self {
+impl<B: SpiBus, CS: OutputPin<Error = Infallible>, ST: OutputPin<Error = Infallible>> PartBus<B, CS, ST> {
+    /// Takes a controller in mode 3, MSB first (F-20), the pin of CS, what does [`Bus::set_sclk_hz`] for clocks up to
+    /// [`MAX_SCLK_HZ`], the pin that drives the self-test pins (F-11), and the link of the [`watch`](crate::sampling::watch) of
+    /// RDY. Leaves CS high.
+    pub fn new(controller: B, cs: CS, set_clock: fn(&mut B, u32) -> u32, self_test: ST, link: &'static Link) -> Self {
         let Ok(device) = ExclusiveDevice::new_no_delay(controller, cs);
-        Self { device, set_clock }
+        Self { device, set_clock, self_test, link }
     }
 }
 
-impl<B: SpiBus, CS: OutputPin> ErrorType for PartBus<B, CS> {
+impl<B: SpiBus, CS: OutputPin, ST> ErrorType for PartBus<B, CS, ST> {
     type Error = <ExclusiveDevice<B, CS, NoDelay> as ErrorType>::Error;
 }
 
-impl<B: SpiBus, CS: OutputPin> SpiDevice for PartBus<B, CS> {
+impl<B: SpiBus, CS: OutputPin, ST> SpiDevice for PartBus<B, CS, ST> {
     async fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), Self::Error> {
         self.device.transaction(operations).await
     }
 }
 
-impl<B: SpiBus, CS: OutputPin> Bus for PartBus<B, CS> {
+impl<B: SpiBus, CS: OutputPin, ST: OutputPin<Error = Infallible>> Bus for PartBus<B, CS, ST> {
     fn set_sclk_hz(&mut self, hz: u32) -> u32 {
         (self.set_clock)(self.device.bus_mut(), hz.min(MAX_SCLK_HZ))
+    }
+
+    fn set_rdy_edge(&mut self, edge: RdyEdge) -> bool {
+        self.link.hear(edge);
+        true
+    }
+
+    fn set_self_test(&mut self, on: bool) -> bool {
+        let Ok(()) = self.self_test.set_state(on.into());
+        true
     }
 }

@@ -2,8 +2,8 @@
 
 use core::cell::Cell;
 
-use adis16130::Edge;
 use adis16130::bridge::{MAX_FRAME, Message, encode};
+use adis16130::{Edge, RdyEdge};
 use embassy_sync::blocking_mutex::Mutex;
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use embassy_sync::pipe::Pipe;
@@ -23,6 +23,8 @@ const FROM_HOST: usize = 256;
 pub struct Link {
     /// The last edge of RDY that was not handled yet. Its number says how many there were before.
     pub(crate) edge: Signal<CriticalSectionRawMutex, Edge>,
+    /// The kind of edge to hear from now on.
+    pub(crate) heard: Signal<CriticalSectionRawMutex, RdyEdge>,
     pub(crate) gone: Signal<CriticalSectionRawMutex, ()>,
     pub(crate) from_host: Pipe<CriticalSectionRawMutex, FROM_HOST>,
     pub(crate) to_host: Pipe<CriticalSectionRawMutex, TO_HOST>,
@@ -40,6 +42,7 @@ impl Link {
     pub const fn new() -> Self {
         Self {
             edge: Signal::new(),
+            heard: Signal::new(),
             gone: Signal::new(),
             from_host: Pipe::new(),
             to_host: Pipe::new(),
@@ -54,6 +57,10 @@ impl Link {
 
     pub(crate) fn show(&self, state: State) {
         self.state.lock(|shown| shown.set(state));
+    }
+
+    pub(crate) fn hear(&self, edge: RdyEdge) {
+        self.heard.signal(edge);
     }
 
     /// Queues a message for the host: a sample whole or not at all, which the next one's number tells; anything else as

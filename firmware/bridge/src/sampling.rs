@@ -2,9 +2,9 @@
 
 use core::convert::Infallible;
 
-use adis16130::Edge;
 use adis16130::bridge::{Bus, Decoder, Message, Station};
-use embassy_futures::select::{Either3, select3};
+use adis16130::{Edge, RdyEdge};
+use embassy_futures::select::{Either, Either3, select, select3};
 use embassy_time::{Duration, Instant, with_timeout};
 use embedded_hal_async::digital::Wait;
 
@@ -20,15 +20,26 @@ pub const SIGN_OF_LIFE: Duration = Duration::from_millis(250);
 /// After so long without a sign of life the watchdog resets the chip: a transfer that never ends, an executor that stands still.
 pub const WATCHDOG: Duration = Duration::from_millis(2_000);
 
-/// Numbers every falling edge of RDY and notes its time, also while the part is being read.
+/// Numbers every edge of RDY that says "new data", the falling one until a host says otherwise (F-32), and notes its time, also while
+/// the part is being read.
 pub async fn watch(mut rdy: impl Wait<Error = Infallible>, link: &Link) -> ! {
-    let mut seq = 0_u32;
+    let (mut seq, mut heard) = (0_u32, RdyEdge::Falling);
     loop {
-        let Ok(()) = rdy.wait_for_falling_edge().await;
+        let Either::First(()) = select(next(&mut rdy, heard), async { heard = link.heard.wait().await }).await else {
+            continue;
+        };
         let t_ns = 1_000 * Instant::now().as_micros();
         seq = seq.wrapping_add(1);
         link.edge.signal(Edge { t_ns, seq });
     }
+}
+
+/// Waits for an edge of this kind.
+async fn next(rdy: &mut impl Wait<Error = Infallible>, kind: RdyEdge) {
+    let Ok(()) = match kind {
+        RdyEdge::Falling => rdy.wait_for_falling_edge().await,
+        RdyEdge::Rising => rdy.wait_for_rising_edge().await,
+    };
 }
 
 /// Owns the part: reads it at edges, and does what hosts ask for. `firmware` is the name as in [`Station::new`]; `alive` feeds the

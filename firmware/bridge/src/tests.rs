@@ -13,14 +13,15 @@ use std::rc::Rc;
 use std::string::String;
 use std::vec::Vec;
 
-use adis16130::Edge;
 use adis16130::bridge::{Ask, Bus, Continuity, Decoder, MAX_FRAME, Message, Reading, Request, encode};
+use adis16130::{Edge, RdyEdge};
 use adis16130_twin::{Fault, Spec, Twin, TwinSpi};
 use embassy_time::MockDriver;
-use embedded_hal::digital::ErrorType as PinErrorType;
+use embedded_hal::digital::{ErrorType as PinErrorType, OutputPin};
 use embedded_hal_async::digital::Wait;
-use embedded_hal_async::spi::{ErrorType, Operation, SpiDevice};
+use embedded_hal_async::spi::{ErrorType, Operation, SpiBus, SpiDevice};
 
+use crate::bus::PartBus;
 use crate::lamp::State;
 use crate::{Link, port, sampling};
 
@@ -90,12 +91,39 @@ fn rubbish_costs_one_request() {
 #[test]
 fn edges_are_numbered_from_one() {
     let link = Link::new();
-    let mut watch = core::pin::pin!(sampling::watch(Falls(3), &link));
+    let mut watch = core::pin::pin!(sampling::watch(Edges { falls: 3, rises: 9 }, &link));
     assert!(poll(watch.as_mut()).is_pending());
     let edge = link.edge.try_take().unwrap();
     assert_eq!(edge.seq, 3);
     assert_eq!(edge.t_ns % 1_000, 0);
     assert!(link.edge.try_take().is_none());
+}
+
+#[test]
+fn the_edge_that_a_host_chooses_is_heard() {
+    let link: &Link = Box::leak(Box::default());
+    let mut bus = PartBus::new(NoController, Level::default(), |_, hz| hz, Level::default(), link);
+    let mut watch = core::pin::pin!(sampling::watch(Edges { falls: 0, rises: 5 }, link));
+    assert!(poll(watch.as_mut()).is_pending());
+    assert!(link.edge.try_take().is_none());
+    assert!(bus.set_rdy_edge(RdyEdge::Rising));
+    assert!(poll(watch.as_mut()).is_pending());
+    assert_eq!(link.edge.try_take().map(|edge| edge.seq), Some(5));
+    assert!(bus.set_rdy_edge(RdyEdge::Falling));
+    assert!(poll(watch.as_mut()).is_pending());
+    assert!(link.edge.try_take().is_none());
+}
+
+#[test]
+fn the_self_test_pin_follows_the_host() {
+    let pin = Level::default();
+    let level = pin.0.clone();
+    let link: &Link = Box::leak(Box::default());
+    let mut bus = PartBus::new(NoController, Level::default(), |_, hz| hz, pin, link);
+    for on in [true, false] {
+        assert!(bus.set_self_test(on));
+        assert_eq!(level.get(), on);
+    }
 }
 
 /// The watchdog is fed while nothing happens and while an answer waits for room, and not while a transfer never ends.
@@ -286,24 +314,23 @@ impl Bus for HungBus {
     }
 }
 
-/// Falls so often, at once.
-struct Falls(u32);
+/// Falls and rises so often, at once.
+struct Edges {
+    falls: u32,
+    rises: u32,
+}
 
-impl PinErrorType for Falls {
+impl PinErrorType for Edges {
     type Error = Infallible;
 }
 
-impl Wait for Falls {
+impl Wait for Edges {
     async fn wait_for_falling_edge(&mut self) -> Result<(), Infallible> {
-        if self.0 == 0 {
-            core::future::pending::<()>().await;
-        }
-        self.0 -= 1;
-        Ok(())
+        take_one(&mut self.falls).await
     }
 
     async fn wait_for_rising_edge(&mut self) -> Result<(), Infallible> {
-        unreachable!()
+        take_one(&mut self.rises).await
     }
 
     async fn wait_for_any_edge(&mut self) -> Result<(), Infallible> {
@@ -315,6 +342,63 @@ impl Wait for Falls {
     }
 
     async fn wait_for_low(&mut self) -> Result<(), Infallible> {
+        unreachable!()
+    }
+}
+
+async fn take_one(left: &mut u32) -> Result<(), Infallible> {
+    if *left == 0 {
+        core::future::pending::<()>().await;
+    }
+    *left -= 1;
+    Ok(())
+}
+
+/// A pin whose level can be seen.
+#[derive(Default)]
+struct Level(Rc<Cell<bool>>);
+
+impl PinErrorType for Level {
+    type Error = Infallible;
+}
+
+impl OutputPin for Level {
+    fn set_low(&mut self) -> Result<(), Infallible> {
+        self.0.set(false);
+        Ok(())
+    }
+
+    fn set_high(&mut self) -> Result<(), Infallible> {
+        self.0.set(true);
+        Ok(())
+    }
+}
+
+/// A controller that is asked for nothing.
+struct NoController;
+
+impl ErrorType for NoController {
+    type Error = Infallible;
+}
+
+impl SpiBus for NoController {
+    async fn read(&mut self, _: &mut [u8]) -> Result<(), Infallible> {
+        unreachable!()
+    }
+
+    async fn write(&mut self, _: &[u8]) -> Result<(), Infallible> {
+        unreachable!()
+    }
+
+    async fn transfer(&mut self, _: &mut [u8], _: &[u8]) -> Result<(), Infallible> {
+        unreachable!()
+    }
+
+    async fn transfer_in_place(&mut self, _: &mut [u8]) -> Result<(), Infallible> {
+        unreachable!()
+    }
+
+    async fn flush(&mut self) -> Result<(), Infallible> {
         unreachable!()
     }
 }

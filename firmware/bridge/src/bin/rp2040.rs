@@ -7,6 +7,7 @@
 //! | MOSI | GP19, pin 25 | 14 SDI |
 //! | CS   | GP17, pin 22 | 8 CS |
 //! | RDY  | GP20, pin 26 | 10 RDY |
+//! | self-test | GP21, pin 27 | 1 to 7, 9 |
 //!
 //! The LED is the board's own, GP25.
 
@@ -56,6 +57,8 @@ async fn main(main: Spawner) {
     config.polarity = Polarity::IdleHigh;
     config.phase = Phase::CaptureOnSecondTransition;
     let controller = Spi::new(p.SPI0, p.PIN_18, p.PIN_19, p.PIN_16, p.DMA_CH0, p.DMA_CH1, Irqs, config);
+    let self_test = Output::new(p.PIN_21, Level::Low);
+    let bus = PartBus::new(controller, cs, set_clock, self_test, &LINK);
     let rdy = Input::new(p.PIN_20, Pull::Up);
 
     // the HAL puts RDY and DMA at the lowest priority, and leaves USB at the highest
@@ -68,7 +71,7 @@ async fn main(main: Spawner) {
     watchdog.start(sampling::WATCHDOG);
     let spawner = ABOVE_USB.start(interrupt::SWI_IRQ_0);
     spawner.spawn(watch(rdy).expect("spawned once"));
-    spawner.spawn(serve(PartBus::new(controller, cs, set_clock), watchdog).expect("spawned once"));
+    spawner.spawn(serve(bus, watchdog).expect("spawned once"));
 
     main.spawn(shine(Output::new(p.PIN_25, Level::Low)).expect("spawned once"));
     port::run(Driver::new(p.USB, Irqs), serial, &LINK).await
@@ -80,7 +83,7 @@ async fn watch(rdy: Input<'static>) {
 }
 
 #[embassy_executor::task]
-async fn serve(bus: PartBus<Controller, Output<'static>>, mut watchdog: Watchdog) {
+async fn serve(bus: PartBus<Controller, Output<'static>, Output<'static>>, mut watchdog: Watchdog) {
     sampling::serve(bus, FIRMWARE, &LINK, || watchdog.feed(sampling::WATCHDOG)).await
 }
 

@@ -7,6 +7,7 @@
 //! | MOSI | PA7 | 14 SDI |
 //! | CS   | PA4 | 8 CS |
 //! | RDY  | PB0 | 10 RDY |
+//! | self-test | PB1 | 1 to 7, 9 |
 //!
 //! The LED is the board's own, PC13.
 
@@ -55,6 +56,8 @@ async fn main(main: Spawner) {
     let mut config = spi::Config::default();
     config.mode = spi::MODE_3;
     let controller = Spi::new(p.SPI1, p.PA5, p.PA7, p.PA6, p.DMA2_CH3, p.DMA2_CH2, Irqs, config);
+    let self_test = Output::new(p.PB1, Level::Low, Speed::Low);
+    let bus = PartBus::new(controller, cs, set_clock, self_test, &LINK);
     let rdy = ExtiInput::new(p.PB0, p.EXTI0, Pull::Up, Irqs);
 
     // the HAL leaves RDY, DMA and USB at the highest priority
@@ -64,7 +67,7 @@ async fn main(main: Spawner) {
     watchdog.unleash();
     let spawner = ABOVE_USB.start(interrupt::SPI5);
     spawner.spawn(watch(rdy).expect("spawned once"));
-    spawner.spawn(serve(PartBus::new(controller, cs, set_clock), watchdog).expect("spawned once"));
+    spawner.spawn(serve(bus, watchdog).expect("spawned once"));
 
     let mut config = usb::Config::default();
     // the board does not lead VBUS to PA9
@@ -81,7 +84,7 @@ async fn watch(rdy: ExtiInput<'static, Async>) {
 
 #[embassy_executor::task]
 async fn serve(
-    bus: PartBus<Controller, Output<'static>>,
+    bus: PartBus<Controller, Output<'static>, Output<'static>>,
     mut watchdog: IndependentWatchdog<'static, peripherals::IWDG>,
 ) {
     sampling::serve(bus, FIRMWARE, &LINK, || watchdog.pet()).await
