@@ -76,7 +76,7 @@ struct DefaultUnit {
 fn report_fault(args: &Args, fault: &Fault) -> anyhow::Result<()> {
     let ended = for_each_seed(args, |seed| trial::run((fault.spec)(seed), Plan::default()))?;
     let count = |is: fn(&trial::Ended) -> bool| ended.iter().filter(|ended| is(ended)).count();
-    let refused = count(|ended| matches!(ended, trial::Ended::Refused(_)));
+    let refused = count(|ended| matches!(ended, trial::Ended::Refused));
     let (silent, wrong) = (count(trial::Ended::is_silent), count(trial::Ended::is_wrong_and_silent));
     let worst = ended.iter().filter(|ended| ended.is_wrong_and_silent()).map(trial::Ended::worst).fold(0.0, f64::max);
     let warned = ended.len() - refused - silent;

@@ -92,7 +92,7 @@ pub enum Ended {
     /// With numbers, and the warnings that tell of something that happened (by their codes).
     Calibrated { unit: Unit, warnings: Vec<&'static str> },
     /// With a refusal.
-    Refused(Refusal),
+    Refused,
 }
 
 /// Warnings that say what the plan asked for, or what every measurement leaves open.
@@ -109,7 +109,7 @@ pub fn run(spec: Spec, plan: Plan) -> anyhow::Result<Ended> {
             let warnings = codes.filter(|code| !STANDING.contains(code)).collect();
             Ok(Ended::Calibrated { unit: judge(&outcome, &truth), warnings })
         }
-        Err(error) => error.downcast::<Refusal>().map(Ended::Refused),
+        Err(error) => error.downcast::<Refusal>().map(|_| Ended::Refused),
     }
 }
 
@@ -120,7 +120,7 @@ impl Ended {
             Self::Calibrated { unit, .. } => {
                 (unit.pbc.error / unit.pbc.u).abs().max((unit.btc.error / unit.btc.u).abs())
             }
-            Self::Refused(_) => 0.0,
+            Self::Refused => 0.0,
         }
     }
 
