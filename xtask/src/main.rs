@@ -18,6 +18,7 @@ mod test;
 mod third_party;
 mod tools;
 mod trial;
+mod uf2;
 mod venv;
 
 use clap::{Parser, Subcommand};
@@ -52,6 +53,8 @@ enum Task {
     Deny,
     /// Write the page with the licences of all that the program contains
     ThirdParty(third_party::Args),
+    /// Make the file that a Raspberry Pi Pico takes from an image of the bridge
+    Uf2(uf2::Args),
     /// Build the Python wheel and test it: its tests, types, notebook, and allantools' own tests
     Python(python::Args),
 }
@@ -68,6 +71,7 @@ fn main() -> ExitCode {
         Task::Rig(args) => rig::run(&args),
         Task::Deny => deny::run(),
         Task::ThirdParty(args) => third_party::run(&args),
+        Task::Uf2(args) => uf2::run(&args),
         Task::Python(args) => python::run(&args),
     };
     match done {
