@@ -206,17 +206,16 @@ impl Config {
     /// A disabled channel is written as disabled, since the part may have been configured otherwise before, and its
     /// conversion time is left alone. So F-30's twelve bytes become ten.
     pub fn writes(&self) -> impl Iterator<Item = Write> + use<> {
-        let conversion = |setup: ChannelSetup, write| setup.enabled().then_some(write);
-        [
-            Some(Write::of::<Iop>(self.iop)),
-            Some(Write::of::<RateCs>(self.rate_setup)),
-            conversion(self.rate_setup, Write::of::<RateConv>(self.rate_conversion)),
-            Some(Write::of::<TempCs>(self.temp_setup)),
-            conversion(self.temp_setup, Write::of::<TempConv>(self.temp_conversion)),
-            Some(Write::of::<Mode>(self.mode)),
-        ]
-        .into_iter()
-        .flatten()
+        let values = [
+            (true, Iop::ADDRESS, self.iop.bits()),
+            (true, RateCs::ADDRESS, self.rate_setup.bits()),
+            (self.rate_setup.enabled(), RateConv::ADDRESS, self.rate_conversion.bits()),
+            (true, TempCs::ADDRESS, self.temp_setup.bits()),
+            (self.temp_setup.enabled(), TempConv::ADDRESS, self.temp_conversion.bits()),
+            (true, Mode::ADDRESS, self.mode.bits()),
+        ];
+        let wanted = values.into_iter().filter(|(wanted, ..)| *wanted);
+        wanted.map(|(_, address, value)| Write { address, frame: Frame::write_byte(address, value) })
     }
 }
 

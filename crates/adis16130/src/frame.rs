@@ -59,6 +59,10 @@ impl Frame {
         Self { bytes: [com_read(address), 0, 0, 0], len: 2 }
     }
 
+    pub(crate) const fn write_byte(address: Address, value: u8) -> Self {
+        Self { bytes: [com_write(address), value, 0, 0], len: 2 }
+    }
+
     /// The command that writes `value` to register `R`.
     pub fn write<R: Writable>(value: R::Value) -> Self {
         let len = 1 + R::SIZE.bytes(Width::Bits24);

@@ -12,17 +12,23 @@ const CONFIGURED: [Address; 6] =
 
 /// What has been written to the configuration registers, successfully, since the reset.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Written([Option<u8>; CONFIGURED.len()]);
+pub(crate) struct Written {
+    /// In the order of [`CONFIGURED`]; MODE resets to 0, the others mean nothing until written.
+    values: [u8; CONFIGURED.len()],
+    /// Bit n: the n-th has been written.
+    known: u8,
+}
 
 impl Written {
-    pub(crate) const NOTHING: Self = Self([None; CONFIGURED.len()]);
+    pub(crate) const NOTHING: Self = Self { values: [Mode::RESET.bits(); CONFIGURED.len()], known: 0 };
 
     /// Notes a successful write, and says whether it begins the conversions anew: that of MODE does. Registers that
     /// configure nothing (CHECKSUM) are not kept.
     pub(crate) fn record(&mut self, register: Address, value: u32) -> bool {
-        for (address, slot) in CONFIGURED.iter().zip(&mut self.0) {
+        for (place, (address, slot)) in CONFIGURED.iter().zip(&mut self.values).enumerate() {
             if *address == register {
-                *slot = Some(value as u8);
+                *slot = value as u8;
+                self.known |= 1 << place;
             }
         }
         register == Address::Mode
@@ -31,19 +37,18 @@ impl Written {
     /// The value of MODE: that of the reset unless written.
     #[inline]
     pub(crate) const fn mode(&self) -> Mode {
-        match self.0 {
-            [.., Some(mode)] => Mode::new(mode),
-            [.., None] => Mode::RESET,
-        }
+        let [.., mode] = self.values;
+        Mode::new(mode)
     }
 
     pub(crate) const fn is_complete(&self) -> bool {
-        matches!(self.0, [.., Some(_)])
+        self.known >> (CONFIGURED.len() - 1) != 0
     }
 
     /// Register and value of everything written.
     pub(crate) fn iter(self) -> impl Iterator<Item = (Address, u8)> {
-        CONFIGURED.into_iter().zip(self.0).filter_map(|(address, value)| Some((address, value?)))
+        let written = CONFIGURED.into_iter().zip(self.values).enumerate();
+        written.filter(move |(place, _)| self.known >> place & 1 != 0).map(|(_, entry)| entry)
     }
 }
 
@@ -66,11 +71,12 @@ impl Differences {
     /// Compares what a register read with what had been written to it; IOP without the pin levels (part.md §3).
     pub(crate) fn compare(&mut self, register: Address, expected: u8, got: u8) {
         let mask = if register == Address::Iop { !Iop::PIN_LEVELS } else { 0xFF };
+        let place = usize::from(self.read);
         self.read += 1;
         self.ones += u8::from(got == 0xFF);
         self.zeros += u8::from(got == 0x00);
         if (expected ^ got) & mask != 0
-            && let Some(slot) = self.slots.iter_mut().find(|slot| slot.is_none())
+            && let Some(slot) = self.slots.get_mut(place)
         {
             *slot = Some(Mismatch { register, expected, got });
         }

@@ -139,20 +139,20 @@ fn counted(report: &Report) -> Result<Vec<Figure>> {
         let value = *report.bytes.get(name).with_context(|| format!("the image did not say the size of {name}"))?;
         Ok(Figure { what, value, unit: "bytes", goal })
     };
-    let (least, _) = report.instructions.get("sample").context("the image did not count sample")?;
+    let least = |what, name: &str| -> Result<Figure> {
+        let (least, _) = report.instructions.get(name).with_context(|| format!("the image did not count {name}"))?;
+        Ok(Figure { what, value: *least, unit: "instructions", goal: None })
+    };
     Ok(vec![
         instructions("integer correction, code to code", "integer_correction", Some(40))?,
         instructions("table look-up, code to µ°/s", "table_look_up", Some(40))?,
         instructions("f32 correction, °/s to °/s", "f32_correction", None)?,
         instructions("f32 correction with conversion, codes to °/s", "f32_correction_of_codes", None)?,
+        least("`read_rate`, code not in doubt", "read_rate")?,
         instructions("`read_rate`", "read_rate", None)?,
+        least("`read_both`, neither code in doubt", "read_both")?,
         instructions("`read_both`: rate and temperature", "read_both", Some(150))?,
-        Figure {
-            what: "`sample`: three reads and the count of losses, least",
-            value: *least,
-            unit: "instructions",
-            goal: None,
-        },
+        least("`sample`: three reads and the count of losses, least", "sample")?,
         instructions("`sample`, most", "sample", None)?,
         bytes("RAM, the driver's object (on a bus and a pin of 0 bytes)", "driver", Some(64))?,
         bytes("RAM, the sampler's object", "sampler", None)?,
