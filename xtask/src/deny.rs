@@ -9,8 +9,13 @@ const VERSION: &str = "0.20.2";
 const TOOLS: &str = "target/tools";
 
 /// Each project has a lock file of its own.
-const PROJECTS: [&str; 4] =
-    ["Cargo.toml", "firmware/bridge/Cargo.toml", "firmware/qemu/Cargo.toml", "bindings/c/Cargo.toml"];
+const PROJECTS: [&str; 5] = [
+    "Cargo.toml",
+    "firmware/bridge/Cargo.toml",
+    "firmware/examples/Cargo.toml",
+    "firmware/qemu/Cargo.toml",
+    "bindings/c/Cargo.toml",
+];
 
 /// What can be judged without the network always, the advisories where their database can be had.
 pub fn run() -> Result<()> {

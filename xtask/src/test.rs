@@ -58,7 +58,7 @@ impl fmt::Display for Step {
 ///
 /// thumbv7em-none-eabihf is a Cortex-M4F. thumbv6m-none-eabi is a Cortex-M0: it has no compare-and-swap, which the TOML
 /// parser behind the core's feature `file` needs.
-const STEPS: [Step; 27] = [
+const STEPS: [Step; 33] = [
     Step::new("fmt", "fmt --all --check"),
     Step::new("clippy", "clippy --workspace --all-targets --all-features -- -D warnings"),
     Step::new("clippy-driver", "clippy -p adis16130 --all-targets -- -D warnings"),
@@ -75,6 +75,15 @@ const STEPS: [Step; 27] = [
     Step::new(
         "clippy-bridge-rp2040",
         "clippy --manifest-path firmware/bridge/Cargo.toml --locked --release --target-dir target/firmware --target thumbv6m-none-eabi --features rp2040 -- -D warnings",
+    ),
+    Step::new("fmt-examples", "fmt --manifest-path firmware/examples/Cargo.toml --check"),
+    Step::new(
+        "clippy-examples-stm32f4",
+        "clippy --manifest-path firmware/examples/Cargo.toml --locked --release --target-dir target/firmware --target thumbv7em-none-eabihf --features stm32f4 -- -D warnings",
+    ),
+    Step::new(
+        "clippy-examples-rp2040",
+        "clippy --manifest-path firmware/examples/Cargo.toml --locked --release --target-dir target/firmware --target thumbv6m-none-eabi --features rp2040 -- -D warnings",
     ),
     Step::new("fmt-c", "fmt --manifest-path bindings/c/Cargo.toml --all --check"),
     Step::new(
@@ -103,6 +112,18 @@ const STEPS: [Step; 27] = [
     Step::new(
         "bridge-rp2040",
         "build --manifest-path firmware/bridge/Cargo.toml --locked --release --target-dir target/firmware --target thumbv6m-none-eabi --features rp2040",
+    ),
+    Step::new(
+        "test-examples",
+        "test --manifest-path firmware/examples/Cargo.toml --locked --target-dir target/firmware",
+    ),
+    Step::new(
+        "examples-stm32f4",
+        "build --manifest-path firmware/examples/Cargo.toml --locked --release --target-dir target/firmware --target thumbv7em-none-eabihf --features stm32f4",
+    ),
+    Step::new(
+        "examples-rp2040",
+        "build --manifest-path firmware/examples/Cargo.toml --locked --release --target-dir target/firmware --target thumbv6m-none-eabi --features rp2040",
     ),
     Step::new("deny", "xtask deny"),
     Step::new("firmware", "xtask firmware"),
@@ -141,9 +162,9 @@ fn execute(step: &Step) -> Result<bool> {
 fn summarise(passed: &[(&str, Duration)]) {
     println!("\nPassed {} of the steps:", passed.len());
     for (name, time) in passed {
-        println!("  {name:22} {:>12}", clock(*time));
+        println!("  {name:24} {:>12}", clock(*time));
     }
-    println!("  {:22} {:>12}", "together", clock(passed.iter().map(|(_, time)| *time).sum()));
+    println!("  {:24} {:>12}", "together", clock(passed.iter().map(|(_, time)| *time).sum()));
 }
 
 /// `7 min 05 s`, or `5.3 s` below a minute.

@@ -43,6 +43,16 @@ fn json_has_coefficients_and_table() {
     }
 }
 
+/// The examples of firmware hold what this version exports.
+#[test]
+fn the_examples_have_their_export() {
+    let examples = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../firmware/examples");
+    let bench = Bench::new();
+    bench.write("unit.toml", std::fs::read(examples.join("unit.toml")).unwrap());
+    let exported = bench.zerorate("export unit.toml --format rust").ok();
+    assert!(exported == std::fs::read_to_string(examples.join("src/unit.rs")).unwrap(), "export src/unit.rs again");
+}
+
 /// Corrections with both signs, with large coefficients and with none.
 const CORRECTIONS: [(f64, f64, f64); 4] =
     [(-0.25, -0.04, 31.5), (1.2345, 0.0317, -12.75), (-249.9, 1.19, 85.0), (0.0, 0.0, 25.0)];
