@@ -1,4 +1,21 @@
 //! The driver over blocking traits: [`embedded_hal::spi::SpiDevice`], [`InputPin`](embedded_hal::digital::InputPin).
+//!
+//! A loop that reads when it likes, here on the software twin of the part:
+//!
+//! ```
+//! use adis16130::{Config, Error, WaitBound, blocking::Adis16130};
+//! use adis16130_twin::{Spec, Twin};
+//!
+//! let twin = Twin::new(Spec::from_seed(1)); // on a board: an SpiDevice, an InputPin and a DelayNs
+//! let mut delay = twin.delay();
+//! let mut gyro = Adis16130::new(twin.spi(), twin.rdy(), Config::new());
+//! assert!(gyro.read_in_range().is_err()); // not initialised: no reading
+//! gyro.restart()?;
+//! gyro.wait_ready(&mut delay, WaitBound::from_us(2_000))?;
+//! let (rate, temp) = gyro.read_in_range()?;
+//! assert!(rate.to_dps().abs() < 10.0 && (0.0..60.0).contains(&temp.to_celsius()));
+//! # Ok::<(), Error<_, _>>(())
+//! ```
 
 use embedded_hal::delay::DelayNs;
 use embedded_hal::digital::InputPin as RdyPin;

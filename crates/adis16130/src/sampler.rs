@@ -105,6 +105,40 @@ struct Taken {
 /// [`taken`](Self::taken) if, and only if, the reading succeeded and was not stale: it returns how many were lost since
 /// the one before. Call [`stale`](Self::stale) if it was.
 ///
+/// # Example
+///
+/// A loop that comes back after a brown-out, when there are no edges: silence, then reset and initialisation.
+///
+/// ```
+/// use adis16130::{Config, Edge, Error, MCLK_HZ, Sampler, SamplerConfig, blocking::Adis16130};
+/// use adis16130_twin::{Spec, Twin};
+///
+/// let twin = Twin::new(Spec::from_seed(1)); // on a board: the bus, the pin, and a timer that captures its edges
+/// let config = Config::new();
+/// let mut gyro = Adis16130::new(twin.spi(), twin.rdy(), config);
+/// let mut sampler = Sampler::new(SamplerConfig::new(), &config, MCLK_HZ);
+/// gyro.restart()?;
+/// let (mut samples, mut lost, mut restarts) = (0, 0, 0);
+/// while samples < 200 {
+///     if samples == 100 && restarts == 0 {
+///         twin.power_off();
+///         twin.power_on();
+///     }
+///     if let Some(edge) = twin.next_falling_edge(1_000_000) {
+///         if let Some(sample) = gyro.sample(&mut sampler, Edge { t_ns: edge.t_ns, seq: edge.seq })? {
+///             samples += 1;
+///             lost += sample.lost;
+///         }
+///     } else if sampler.silent_since(twin.now_ns()).is_some() {
+///         gyro.restart()?;
+///         sampler.restarted();
+///         restarts += 1;
+///     }
+/// }
+/// assert!(restarts == 1 && lost > 50, "{restarts} {lost}"); // at least 11.2 ms of silence
+/// # Ok::<(), Error<_>>(())
+/// ```
+///
 /// # How losses are counted
 ///
 /// The part raises no flag when it overwrites a reading, or when a reading that arrives during a read is dropped
