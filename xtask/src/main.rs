@@ -18,6 +18,7 @@ mod test;
 mod third_party;
 mod tools;
 mod trial;
+mod trust;
 mod uf2;
 mod venv;
 
@@ -49,6 +50,8 @@ enum Task {
     C(c::Args),
     /// Boot a stock Linux kernel in QEMU with the twin as hardware, and read it there
     Rig(app::Args),
+    /// Break the part, the files and the program at random moments, and look for results that are wrong and silent
+    Trust(trust::Args),
     /// Check the dependencies: advisories, licences, sources
     Deny,
     /// Write the page with the licences of all that the program contains
@@ -69,6 +72,7 @@ fn main() -> ExitCode {
         Task::Bridge(args) => bridge::run(&args),
         Task::C(args) => c::run(&args),
         Task::Rig(args) => rig::run(&args),
+        Task::Trust(args) => trust::run(&args),
         Task::Deny => deny::run(),
         Task::ThirdParty(args) => third_party::run(&args),
         Task::Uf2(args) => uf2::run(&args),

@@ -58,7 +58,7 @@ impl fmt::Display for Step {
 ///
 /// thumbv7em-none-eabihf is a Cortex-M4F. thumbv6m-none-eabi is a Cortex-M0: it has no compare-and-swap, which the TOML
 /// parser behind the core's feature `file` needs.
-const STEPS: [Step; 33] = [
+const STEPS: [Step; 34] = [
     Step::new("fmt", "fmt --all --check"),
     Step::new("clippy", "clippy --workspace --all-targets --all-features -- -D warnings"),
     Step::new("clippy-driver", "clippy -p adis16130 --all-targets -- -D warnings"),
@@ -131,6 +131,7 @@ const STEPS: [Step; 33] = [
     Step::new("bridge", "xtask bridge"),
     Step::new("rig", "xtask rig"),
     Step::new("python", "xtask python"),
+    Step::new("trust", "xtask trust --quick"),
 ];
 
 /// Runs the steps in order and stops at the first that fails.

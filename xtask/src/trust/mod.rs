@@ -1,0 +1,117 @@
+//! `cargo xtask trust`: does the program ever hand out a wrong result without a word? Faults, damage and bad worlds, drawn from
+//! seeds; every run is judged against what the twin knows or against what was recorded without the fault.
+
+mod bench;
+mod capture;
+mod faults;
+mod files;
+mod page;
+mod power;
+mod process;
+mod verdict;
+mod world;
+
+use crate::app;
+use anyhow::{Context, Result, bail, ensure};
+use bench::Bench;
+use std::path::PathBuf;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Instant;
+use verdict::{Count, Verdict};
+
+/// What to run.
+#[derive(clap::Args)]
+pub struct Args {
+    /// A few runs of each class, as in `cargo xtask test`
+    #[arg(long)]
+    quick: bool,
+    /// Only the classes whose names begin so
+    #[arg(long, value_name = "NAME")]
+    only: Option<String>,
+    /// Runs of each class [default: 500, or a few with --quick]
+    #[arg(long, value_name = "N")]
+    runs: Option<u64>,
+    /// The first run's seed; the others follow. `--only NAME --seed N --runs 1` repeats one
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+    /// Runs at once
+    #[arg(long, value_name = "N", default_value_t = std::thread::available_parallelism().map_or(1, usize::from))]
+    threads: usize,
+    /// The program to test, instead of building it
+    #[arg(long, value_name = "FILE")]
+    program: Option<PathBuf>,
+    /// Write docs/reference/reliability.md
+    #[arg(long, conflicts_with = "only")]
+    update: bool,
+}
+
+/// Runs of each class in the whole campaign.
+const RUNS: u64 = 500;
+
+/// One way in which the world may be bad.
+#[derive(Clone, Copy)]
+struct Class {
+    name: &'static str,
+    /// What a run does, for the table.
+    what: &'static str,
+    /// Runs with `--quick`.
+    quick: u64,
+    /// Takes the name of its class, and the seed.
+    run: fn(&Bench, &'static str, u64) -> Result<Verdict>,
+}
+
+/// Every class, as the page lists them.
+fn classes() -> Vec<Class> {
+    [faults::CLASSES, capture::CLASSES, world::CLASSES, process::CLASSES, power::CLASSES, files::CLASSES]
+        .concat()
+}
+
+/// Runs the classes one after the other, and fails where a result was wrong and nobody heard of it.
+pub fn run(args: &Args) -> Result<()> {
+    let program = args.program.clone().map_or_else(app::program, Ok)?;
+    let bench = Bench::new(std::path::absolute(program)?)?;
+    let mut counts = Vec::new();
+    for class in
+        classes().into_iter().filter(|class| args.only.as_deref().is_none_or(|only| class.name.starts_with(only)))
+    {
+        let started = Instant::now();
+        let count = try_class(args, &bench, &class).with_context(|| class.name)?;
+        println!("{:28} {count}  ({:.1} s)", class.name, started.elapsed().as_secs_f64());
+        counts.push((class, count));
+    }
+    ensure!(!counts.is_empty(), "no class begins with {}", args.only.as_deref().unwrap_or_default());
+    if args.update {
+        page::write(&bench, &counts)?;
+    }
+    let silent: u64 = counts.iter().map(|(_, count)| count.silent).sum();
+    if silent > 0 {
+        bail!("{silent} runs were wrong and silent; each is named above with the command that repeats it");
+    }
+    Ok(())
+}
+
+/// All runs of a class on a few threads; the counts do not depend on their number.
+fn try_class(args: &Args, bench: &Bench, class: &Class) -> Result<Count> {
+    let runs = args.runs.unwrap_or(if args.quick { class.quick } else { RUNS });
+    let (next, count) = (AtomicU64::new(0), Mutex::new(Count::default()));
+    let worker = || -> Result<()> {
+        loop {
+            let index = next.fetch_add(1, Ordering::Relaxed);
+            if index >= runs {
+                return Ok(());
+            }
+            let seed = args.seed + index;
+            let verdict = (class.run)(bench, class.name, seed).with_context(|| format!("seed {seed}"))?;
+            if let Verdict::Silent(why) = &verdict {
+                println!("WRONG AND SILENT: {why}\n    cargo xtask trust --only {} --seed {seed} --runs 1", class.name);
+            }
+            count.lock().map_or_else(|poisoned| poisoned.into_inner().add(&verdict), |mut count| count.add(&verdict));
+        }
+    };
+    std::thread::scope(|scope| {
+        let workers: Vec<_> = (0..args.threads.max(1)).map(|_| scope.spawn(worker)).collect();
+        workers.into_iter().try_for_each(|worker| worker.join().unwrap_or_else(|_| bail!("a worker panicked")))
+    })?;
+    Ok(count.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner))
+}

@@ -1,0 +1,34 @@
+//! docs/reference/reliability.md.
+
+use super::Class;
+use super::bench::Bench;
+use super::verdict::Count;
+use anyhow::Result;
+use std::fmt::Write;
+use std::fs;
+
+const PAGE: &str = "docs/reference/reliability.md";
+const HEAD: &str = include_str!("reliability.md.in");
+
+/// Writes the page: what was tried and how it ended.
+pub fn write(_: &Bench, counts: &[(Class, Count)]) -> Result<()> {
+    let mut table = String::from(
+        "| class | what a run does | runs | right | refused, true cause | refused, another cause | wrong and warned | **wrong and silent** |\n\
+         |---|---|---|---|---|---|---|---|\n",
+    );
+    for (class, count) in counts {
+        let Count { runs, right, refused, misjudged, warned, silent, .. } = count;
+        writeln!(
+            table,
+            "| {} | {} | {runs} | {right} | {refused} | {misjudged} | {warned} | **{silent}** |",
+            class.name, class.what
+        )?;
+    }
+    let causes = counts.iter().flat_map(|(class, count)| {
+        count.other_causes.iter().map(move |(said, times)| format!("* {}, {times} ×: “{said}”\n", class.name))
+    });
+    let page = HEAD.replace("{table}", &table).replace("{causes}", &causes.collect::<String>());
+    fs::write(PAGE, page)?;
+    println!("{PAGE} is written");
+    Ok(())
+}

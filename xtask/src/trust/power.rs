@@ -1,0 +1,155 @@
+//! The power goes: what the disk holds at a moment is what was synced until then. A file system in an image shows it, since the image
+//! does not have what the kernel has not written yet.
+
+use super::bench::{Bench, Folder, SHORT, random};
+use super::process::{hash, samples};
+use super::{Class, Verdict};
+use crate::tools::is_root;
+use crate::venv::done;
+use anyhow::Result;
+use rand::RngExt;
+use std::fs::{self, File};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::sync::OnceLock;
+use std::thread::sleep;
+use std::time::Duration;
+
+pub const CLASSES: &[Class] = &[
+    Class {
+        name: "power cut after calibrate",
+        what: "right after exit 0: calibration and log are there, whole",
+        quick: 1,
+        run: after,
+    },
+    Class { name: "power cut after capture csv", what: "right after exit 0", quick: 1, run: after },
+    Class { name: "power cut after capture parquet", what: "right after exit 0", quick: 1, run: after },
+    Class { name: "power cut after export h", what: "right after exit 0", quick: 1, run: after },
+    Class {
+        name: "power cut in capture",
+        what: "at a random moment of a recording: what is there is a prefix",
+        quick: 1,
+        run: within,
+    },
+];
+
+const NO_IMAGES: &str = "needs root and loop devices";
+const IMAGE_BYTES: u64 = 32 << 20;
+
+/// A file system of its own, in a file.
+struct Disk {
+    folder: Folder,
+    mounted: PathBuf,
+}
+
+impl Disk {
+    /// A new one; `None` where this machine cannot mount any.
+    fn new(name: &str) -> Result<Option<Self>> {
+        if !is_root() {
+            return Ok(None);
+        }
+        let folder = Folder::new(name)?;
+        let image = folder.path().join("disk.img");
+        File::create(&image)?.set_len(IMAGE_BYTES)?;
+        done(Command::new("mkfs.ext4").args(["-q", "-F"]).arg(&image))?;
+        Self::mount(folder, &image)
+    }
+
+    fn mount(folder: Folder, image: &Path) -> Result<Option<Self>> {
+        let mounted = folder.path().join("disk");
+        fs::create_dir_all(&mounted)?;
+        let mount = Command::new("mount").args(["-o", "loop"]).arg(image).arg(&mounted).stderr(Stdio::null()).status();
+        Ok(mount.is_ok_and(|status| status.success()).then_some(Self { folder, mounted }))
+    }
+
+    fn file(&self, name: &str) -> String {
+        self.mounted.join(name).display().to_string()
+    }
+
+    /// What would be found if the power went now.
+    fn after_a_power_cut(&self, name: &str) -> Result<Option<Self>> {
+        let folder = Folder::new(&format!("{name}-cut"))?;
+        let image = folder.path().join("disk.img");
+        fs::copy(self.folder.path().join("disk.img"), &image)?;
+        Self::mount(folder, &image)
+    }
+}
+
+impl Drop for Disk {
+    fn drop(&mut self) {
+        // lazily, since a process that was killed may still be on its way out
+        let _ = Command::new("umount").arg("-l").arg(&self.mounted).status();
+    }
+}
+
+/// Whether images can be mounted here, asked once.
+fn possible() -> bool {
+    static POSSIBLE: OnceLock<bool> = OnceLock::new();
+    *POSSIBLE.get_or_init(|| Disk::new("try").is_ok_and(|disk| disk.is_some()))
+}
+
+fn after(bench: &Bench, class: &'static str, seed: u64) -> Result<Verdict> {
+    if !possible() {
+        return Ok(Verdict::Skipped(NO_IMAGES));
+    }
+    let (name, device) = (format!("{}-{seed}", class.replace(' ', "-")), format!("twin:seed={seed}"));
+    let Some(disk) = Disk::new(&name)? else { return Ok(Verdict::Skipped(NO_IMAGES)) };
+    let (what, form) = class.rsplit_once(' ').unwrap_or(("", class));
+    let result = disk.file(&format!("result.{}", if form == "calibrate" { "toml" } else { form }));
+    let log = disk.file("log.arrows");
+    match (what, form) {
+        (_, "calibrate") => {
+            bench.must(&[&["calibrate", "--device", &device, "-o", &result, "--log", &log], &SHORT[..]].concat())?;
+        }
+        (_, "h") => {
+            bench.must(&["export", &bench.file("unit.toml"), "--format", "c", "-o", &result])?;
+        }
+        _ => {
+            bench.must(&["capture", "--device", &device, "--samples", "9000", "-o", &result])?;
+        }
+    }
+    let Some(found) = disk.after_a_power_cut(&name)? else {
+        return Ok(Verdict::Silent("the file system cannot be mounted any more".to_owned()));
+    };
+    let name = Path::new(&result).file_name().unwrap_or_default();
+    let [before, after] = [fs::read(&result)?, fs::read(found.mounted.join(name)).unwrap_or_default()];
+    let mut lost = before != after;
+    if form == "calibrate" {
+        lost |= fs::read(&log)? != fs::read(found.mounted.join("log.arrows")).unwrap_or_default();
+    }
+    Ok(if lost {
+        Verdict::Silent(format!("{} bytes of {} are left", after.len(), before.len()))
+    } else {
+        Verdict::Right
+    })
+}
+
+fn within(bench: &Bench, class: &'static str, seed: u64) -> Result<Verdict> {
+    if !possible() {
+        return Ok(Verdict::Skipped(NO_IMAGES));
+    }
+    let (name, device) = (format!("within-{seed}"), format!("twin:seed={seed}"));
+    let Some(disk) = Disk::new(&name)? else { return Ok(Verdict::Skipped(NO_IMAGES)) };
+    let args = ["capture", "--device", &device, "--duration", "10m", "-o", &disk.file("log.arrows")];
+    let mut child = bench.command(&args).stdout(Stdio::null()).stderr(Stdio::null()).spawn()?;
+    sleep(Duration::from_millis(random(class, seed).random_range(0..1_500)));
+    let found = disk.after_a_power_cut(&name)?;
+    child.kill()?;
+    child.wait()?;
+    let Some(found) = found else {
+        return Ok(Verdict::Silent("the file system cannot be mounted any more".to_owned()));
+    };
+    let (log, repaired) = (found.file("log.arrows"), found.folder.file("repaired.arrows"));
+    if fs::metadata(&log).map_or(0, |about| about.len()) == 0 {
+        return Ok(Verdict::Right);
+    }
+    let repair = bench.run(&["repair", &log, "-o", &repaired])?;
+    if repair.code != Some(0) {
+        return Ok(repair.refusal(&["no whole batch", "no schema", "empty"]));
+    }
+    let rows = samples(bench, &repaired)?;
+    let whole = found.folder.file("whole.arrows");
+    bench.must(&["capture", "--device", &device, "--samples", &rows.max(1).to_string(), "-o", &whole])?;
+    let same = rows == 0 || hash(bench, &repaired)? == hash(bench, &whole)?;
+    Ok(if same { Verdict::Right } else { Verdict::Silent(format!("the first {rows} samples are not the part's")) })
+}
