@@ -56,6 +56,8 @@ impl Cli {
             Command::Allan(args) => args.files.iter().map(PathBuf::as_path).collect(),
             Command::Correct(args) => vec![&args.capture],
             Command::Recalibrate(args) => vec![&args.capture],
+            Command::Verify(args) => args.files.iter().map(PathBuf::as_path).collect(),
+            Command::Repair(args) => vec![&args.capture],
             Command::Capture(args) => args.device.file().into_iter().collect(),
             Command::Calibrate(args) => args.device.file().into_iter().collect(),
             Command::Stream(args) => args.device.file().into_iter().collect(),

@@ -63,8 +63,7 @@ struct Class {
 
 /// Every class, as the page lists them.
 fn classes() -> Vec<Class> {
-    [faults::CLASSES, capture::CLASSES, world::CLASSES, process::CLASSES, power::CLASSES, files::CLASSES]
-        .concat()
+    [faults::CLASSES, capture::CLASSES, world::CLASSES, process::CLASSES, power::CLASSES, files::CLASSES].concat()
 }
 
 /// Runs the classes one after the other, and fails where a result was wrong and nobody heard of it.

@@ -13,14 +13,14 @@ const HEAD: &str = include_str!("reliability.md.in");
 /// Writes the page: what was tried and how it ended.
 pub fn write(_: &Bench, counts: &[(Class, Count)]) -> Result<()> {
     let mut table = String::from(
-        "| class | what a run does | runs | right | refused, true cause | refused, another cause | wrong and warned | **wrong and silent** |\n\
-         |---|---|---|---|---|---|---|---|\n",
+        "| class | what a run does | runs | right | refused, true cause | refused, another cause | wrong and warned | wrong, unknowable | **wrong and silent** |\n\
+         |---|---|---|---|---|---|---|---|---|\n",
     );
     for (class, count) in counts {
-        let Count { runs, right, refused, misjudged, warned, silent, .. } = count;
+        let Count { runs, right, refused, misjudged, warned, unknowable, silent, .. } = count;
         writeln!(
             table,
-            "| {} | {} | {runs} | {right} | {refused} | {misjudged} | {warned} | **{silent}** |",
+            "| {} | {} | {runs} | {right} | {refused} | {misjudged} | {warned} | {unknowable} | **{silent}** |",
             class.name, class.what
         )?;
     }

@@ -13,6 +13,8 @@ pub enum Verdict {
     Misjudged(String),
     /// A wrong result, and a warning with it.
     Warned,
+    /// A wrong result in a way that nothing could show, of which every result of this kind warns.
+    Unknowable,
     /// A wrong result, and not a word: this is wrong.
     Silent(String),
     /// Nothing could be tried on this machine, and why.
@@ -27,6 +29,7 @@ pub struct Count {
     pub refused: u64,
     pub misjudged: u64,
     pub warned: u64,
+    pub unknowable: u64,
     pub silent: u64,
     pub skipped: Option<&'static str>,
     /// Other causes that were named, and how often.
@@ -44,6 +47,7 @@ impl Count {
                 *self.other_causes.entry(said.clone()).or_default() += 1;
             }
             Verdict::Warned => self.warned += 1,
+            Verdict::Unknowable => self.unknowable += 1,
             Verdict::Silent(_) => self.silent += 1,
             Verdict::Skipped(why) => {
                 self.runs -= 1;
@@ -55,10 +59,10 @@ impl Count {
 
 impl fmt::Display for Count {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { runs, right, refused, misjudged, warned, silent, .. } = self;
+        let Self { runs, right, refused, misjudged, warned, unknowable, silent, .. } = self;
         write!(
             f,
-            "{runs:4} runs: {right:4} right, {refused:4} refused, {misjudged:3} for another cause, {warned:3} warned, {silent} silent"
+            "{runs:4} runs: {right:4} right, {refused:4} refused, {misjudged:3} for another cause, {warned:3} warned, {unknowable:2} unknowable, {silent} silent"
         )?;
         self.skipped.map_or(Ok(()), |why| write!(f, "; SKIPPED: {why}"))?;
         self.other_causes.iter().try_for_each(|(said, times)| write!(f, "\n    {times} × {said}"))

@@ -24,7 +24,7 @@ const REPAIRED: &str = "zerorate.repaired";
 pub struct RepairArgs {
     /// The capture.
     #[arg(value_name = "FILE")]
-    capture: PathBuf,
+    pub capture: PathBuf,
 
     /// The file to write.
     #[arg(short, long, value_name = "FILE")]

@@ -25,7 +25,7 @@ const CALIBRATION_BYTES: u64 = 1 << 20;
 pub struct VerifyArgs {
     /// The files: captures in any form, calibrations.
     #[arg(value_name = "FILE", required = true)]
-    files: Vec<PathBuf>,
+    pub files: Vec<PathBuf>,
 
     /// Print the result as one JSON object.
     #[arg(long)]

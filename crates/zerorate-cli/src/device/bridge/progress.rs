@@ -48,7 +48,9 @@ mod tests {
     /// Samples until the clock is found to stand still, with so much time of the bridge from one to the next.
     fn found_after(step_ns: u64, waited: Duration) -> Option<u32> {
         let mut progress = Progress::default();
-        (0..100_000).find(|&k| progress.require(u64::MAX - 5_000_000_000 + u64::from(k) * step_ns, waited).is_err())
+        (0..100_000).find(|&k| {
+            progress.require((u64::MAX - 5_000_000_000).wrapping_add(u64::from(k) * step_ns), waited).is_err()
+        })
     }
 
     #[test]
