@@ -34,7 +34,7 @@
 //!
 //! # Temperatures
 //!
-//! A temperature is impossible if it differs from the last good one by more than 1 °C and 2 °C/s (the noise of M-05 has
+//! A temperature is impossible if it differs from each of the last two good ones by more than 1 °C and 2 °C/s (the noise of M-05 has
 //! 0.053 °C in a reading, so this is 13 deviations; F-55 expects up to 1 °C/s). A second one in a row that agrees with
 //! it is believed.
 
@@ -59,6 +59,8 @@ const SPAN_CODES: u64 = 1 << 24;
 const ROUGHNESS: u32 = 4;
 /// A mark counts this much less than its size for the past of the readings after it.
 const MARK_SHARE: u32 = 2;
+/// Judgements after a mark during which it counts for the past: a shock that has begun is in the readings' own past after three.
+const SHOCK_LASTS: u8 = 8;
 /// log₂ of the readings over which the past fades.
 const FADING: u32 = 5;
 /// Noise and quantisation of a temperature, codes: 1 °C.
@@ -107,7 +109,16 @@ pub(crate) struct Plausible {
     waiting: usize,
     samples: [Option<Sample>; AHEAD + 1],
     roughness: u32,
+    shock: Shock,
     temps: Temps,
+}
+
+/// The last mark: a shock that has begun looks like one too, and is not to be marked again.
+#[derive(Clone, Copy, Debug, Default)]
+struct Shock {
+    roughness: u32,
+    /// Judgements for which it still counts; by then what is rough about a shock is in the past of the readings.
+    left: u8,
 }
 
 impl Default for Plausible {
@@ -121,6 +132,7 @@ impl Default for Plausible {
             waiting: 0,
             samples: [None; AHEAD + 1],
             roughness: 0,
+            shock: Shock::default(),
             temps: Temps::default(),
         }
     }
@@ -174,14 +186,20 @@ impl Plausible {
     /// A part cannot leave its range for one reading only, and be well inside before and after: then the code is
     /// spoilt, or the status.
     #[cold]
-    fn beyond(&self, place: usize) -> Verdict {
+    fn beyond(&mut self, place: usize) -> Verdict {
         let others = [place.checked_sub(1), Some(place + 1)].map(|other| other.filter(|other| self.is_there(*other)));
         let inside = |other: usize| {
             let reach = self.reach_codes(place, other) + u64::from(self.codes[other].unsigned_abs());
             !self.is_out_of_range(other) && reach < SPAN_CODES / 2
         };
-        let spoilt = others != [None, None] && others.iter().flatten().all(|other| inside(*other));
-        if spoilt { Verdict::Impossible } else { Verdict::OutOfRange }
+        let neighbour = others.iter().flatten().copied().next();
+        match neighbour.filter(|_| others.iter().flatten().all(|other| inside(*other))) {
+            Some(neighbour) => {
+                self.codes[place] = self.codes[neighbour];
+                Verdict::Impossible
+            }
+            None => Verdict::OutOfRange,
+        }
     }
 
     fn is_there(&self, place: usize) -> bool {
@@ -196,6 +214,7 @@ impl Plausible {
     #[inline]
     fn strict(&mut self, period_us: u64) -> Verdict {
         self.roughness -= self.roughness >> FADING;
+        self.shock.left = self.shock.left.saturating_sub(1);
         if self.run >= KEPT {
             self.roughness = self.roughness.max(six_times_deviation(&self.codes, JUDGED - 3));
         }
@@ -211,11 +230,12 @@ impl Plausible {
     fn against_neighbours(&mut self, six_l: u32) -> Verdict {
         let [y0, y1, _, y3, y4] = [0, 1, 2, 3, 4].map(|k| self.codes[JUDGED - 2 + k]);
         let (odd, even) = ((y4 - 2 * y3 + 2 * y1 - y0).unsigned_abs(), (y4 - y3 - y1 + y0).unsigned_abs());
-        if six_l <= 6 * odd.max(even) || six_l <= ROUGHNESS * self.roughness {
+        let shock = if self.shock.left > 0 { self.shock.roughness } else { 0 };
+        if six_l <= 6 * odd.max(even) || six_l <= ROUGHNESS * self.roughness.max(shock) {
             return Verdict::Possible;
         }
         self.codes[JUDGED] = (4 * (y1 + y3) - (y0 + y4)) / 6;
-        self.roughness = self.roughness.max(six_l / MARK_SHARE);
+        self.shock = Shock { roughness: six_l / MARK_SHARE, left: SHOCK_LASTS };
         Verdict::Impossible
     }
 
@@ -263,10 +283,11 @@ fn threshold_codes(period_us: u64) -> u64 {
     NOISE_CODES_PER_US * period_us.max(LEAST_US) + square * square / MOTION_US4_PER_CODE
 }
 
-/// Judges temperatures by the last good one.
+/// Judges temperatures by the last two good ones: an error just below the limit must not make the reading after it look wrong.
 #[derive(Clone, Copy, Debug, Default)]
 struct Temps {
     good: Option<Temp>,
+    before: Option<Temp>,
     /// The last one, if it was found impossible.
     odd: Option<Temp>,
 }
@@ -295,12 +316,13 @@ impl Temps {
     fn is_impossible(&mut self, sample: &Sample, later: [Option<Sample>; AHEAD]) -> bool {
         let Some(temp) = Temp::of(sample) else { return false };
         let agrees = match &self.good {
-            Some(good) => temp.agrees(good) || self.odd.is_some_and(|odd| temp.agrees(&odd)),
+            Some(good) => temp.agrees(good) || [self.before, self.odd].iter().flatten().any(|one| temp.agrees(one)),
             None => !contradicted(&temp, later.map(|sample| sample.as_ref().and_then(Temp::of))),
         };
-        (if agrees { &mut self.good } else { &mut self.odd }).replace(temp);
         if agrees {
-            self.odd = None;
+            (self.before, self.good, self.odd) = (self.good, Some(temp), None);
+        } else {
+            self.odd = Some(temp);
         }
         !agrees
     }

@@ -456,8 +456,13 @@ impl<L: Ledger> Procedure<L> {
     fn at_rest(&self) -> Result<(), Refusal> {
         let (window, seen) = (self.state, self.ledger.summary(self.state));
         let (samples, lost, limit) = (seen.samples, seen.lost, self.plan.max_lost);
-        if seen.overranged > 0 {
+        if seen.overranged > seen.spoilt {
             return Err(Refusal::Overranged { window, count: seen.overranged, samples });
+        }
+        if seen.overranged > 0 {
+            // bits flip more often than the range is left, and some of them flip the status
+            let count = seen.spoilt + seen.overranged;
+            return Err(Refusal::BitErrors { window, count, samples, still_moves: false });
         }
         let needed = libm::ceil(0.8 * (seen.end_s - seen.start_s) / BLOCK_S) as u64;
         if (seen.rates.count as u64) < needed {
