@@ -42,7 +42,7 @@ fn calibrate(_: &Bench, class: &'static str, seed: u64) -> Result<Verdict> {
     let index = NAMES.iter().position(|name| *name == class).context("no such world")?;
     let ended = trial::run((FAULTS[index].spec)(seed), Plan::default())?;
     Ok(match &ended {
-        Ended::Refused(_) => Verdict::Refused,
+        Ended::Refused => Verdict::Refused,
         Ended::Calibrated { .. } if ended.worst() <= WRONG_U => Verdict::Right,
         Ended::Calibrated { warnings, .. } if !warnings.is_empty() => Verdict::Warned,
         Ended::Calibrated { .. } if UNKNOWABLE.contains(&class) => Verdict::Unknowable,
