@@ -17,7 +17,7 @@ use bench::Bench;
 use std::path::PathBuf;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 use verdict::{Count, Verdict};
 
 /// What to run.
@@ -32,6 +32,9 @@ pub struct Args {
     /// Runs of each class [default: 500, or a few with --quick]
     #[arg(long, value_name = "N")]
     runs: Option<u64>,
+    /// Start no more runs of a class after this time
+    #[arg(long, value_name = "S")]
+    seconds: Option<u64>,
     /// The first run's seed; the others follow. `--only NAME --seed N --runs 1` repeats one
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
@@ -93,11 +96,12 @@ pub fn run(args: &Args) -> Result<()> {
 /// All runs of a class on a few threads; the counts do not depend on their number.
 fn try_class(args: &Args, bench: &Bench, class: &Class) -> Result<Count> {
     let runs = args.runs.unwrap_or(if args.quick { class.quick } else { RUNS });
+    let ends = args.seconds.map(|seconds| Instant::now() + Duration::from_secs(seconds));
     let (next, count) = (AtomicU64::new(0), Mutex::new(Count::default()));
     let worker = || -> Result<()> {
         loop {
             let index = next.fetch_add(1, Ordering::Relaxed);
-            if index >= runs {
+            if index >= runs || ends.is_some_and(|ends| Instant::now() >= ends) {
                 return Ok(());
             }
             let seed = args.seed + index;

@@ -34,7 +34,8 @@ pub const CLASSES: &[Class] = &[
 ];
 
 const NO_IMAGES: &str = "needs root and loop devices";
-const IMAGE_BYTES: u64 = 32 << 20;
+/// Room for the log of a short calibration, 30 MB.
+const IMAGE_BYTES: u64 = 96 << 20;
 
 /// A file system of its own, in a file.
 struct Disk {
