@@ -122,7 +122,7 @@ fn full_disk(bench: &Bench, _: &'static str, seed: u64) -> Result<Verdict> {
     let folder = Folder::new(&format!("full-{seed}"))?;
     let device = format!("twin:seed={seed}");
     let good = folder.file("unit.toml");
-    let (output, log) = if seed % 2 == 0 { ("/dev/full", None) } else { (&*good, Some("/dev/full")) };
+    let (output, log) = if seed.is_multiple_of(2) { ("/dev/full", None) } else { (&*good, Some("/dev/full")) };
     let mut args = [&["calibrate", "--device", &device, "-o", output], &SHORT[..]].concat();
     args.extend(log.iter().flat_map(|log| ["--log", log]));
     let run = bench.run(&args)?;
