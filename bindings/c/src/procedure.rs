@@ -5,7 +5,8 @@ use crate::correction::Correction;
 use crate::gyro::Sample;
 use crate::status::{self, Numbered, Status, ZERORATE_E_STATE};
 use zerorate::{
-    Action, Event, FixedProcedure, Outcome as CoreOutcome, Plan as CorePlan, State as CoreState, Warning, WindowWarnings,
+    Action, Event, FixedProcedure, Outcome as CoreOutcome, Plan as CorePlan, State as CoreState, Warning,
+    WindowWarnings,
 };
 
 /// A calibration that is going on. The memory is the caller's, the contents are private; begin it with zerorate_procedure_begin. It
