@@ -158,7 +158,7 @@ impl Plausible {
     /// Judges the oldest reading that waits, with the neighbours that are there.
     pub(crate) fn early(&mut self) -> Option<(Sample, Finding)> {
         let place = KEPT.checked_sub(self.waiting).filter(|place| *place < KEPT)?;
-        let sample = self.samples[place - JUDGED]?;
+        let sample = self.samples.get(place - JUDGED).copied().flatten()?;
         self.waiting -= 1;
         let rate = self.rate(place);
         let later = [1, 2].map(|after| self.samples.get(place - JUDGED + after).copied().flatten());
@@ -189,13 +189,13 @@ impl Plausible {
     fn beyond(&mut self, place: usize) -> Verdict {
         let others = [place.checked_sub(1), Some(place + 1)].map(|other| other.filter(|other| self.is_there(*other)));
         let inside = |other: usize| {
-            let reach = self.reach_codes(place, other) + u64::from(self.codes[other].unsigned_abs());
+            let reach = self.reach_codes(place, other) + u64::from(self.codes[other % KEPT].unsigned_abs());
             !self.is_out_of_range(other) && reach < SPAN_CODES / 2
         };
         let neighbour = others.iter().flatten().copied().next();
         match neighbour.filter(|_| others.iter().flatten().all(|other| inside(*other))) {
             Some(neighbour) => {
-                self.codes[place] = self.codes[neighbour];
+                self.codes[place % KEPT] = self.codes[neighbour % KEPT];
                 Verdict::Impossible
             }
             None => Verdict::OutOfRange,
@@ -228,7 +228,7 @@ impl Plausible {
 
     #[cold]
     fn against_neighbours(&mut self, six_l: u32) -> Verdict {
-        let [y0, y1, _, y3, y4] = [0, 1, 2, 3, 4].map(|k| self.codes[JUDGED - 2 + k]);
+        let [y0, y1, _, y3, y4] = around(&self.codes, JUDGED);
         let (odd, even) = ((y4 - 2 * y3 + 2 * y1 - y0).unsigned_abs(), (y4 - y3 - y1 + y0).unsigned_abs());
         let shock = if self.shock.left > 0 { self.shock.roughness } else { 0 };
         if six_l <= 6 * odd.max(even) || six_l <= ROUGHNESS * self.roughness.max(shock) {
@@ -254,25 +254,34 @@ impl Plausible {
         if reach.iter().all(|reach| *reach >= SPAN_CODES) {
             return Verdict::Unjudged;
         }
-        let far = |k: usize| u64::from(self.codes[place].abs_diff(self.codes[neighbours[k]])) > reach[k];
-        if !(far(0) && far(1)) {
+        let far = |(other, reach): (usize, u64)| {
+            u64::from(self.codes[place % KEPT].abs_diff(self.codes[other % KEPT])) > reach
+        };
+        if !neighbours.into_iter().zip(reach).all(far) {
             return Verdict::Possible;
         }
-        self.codes[place] = self.codes[neighbours[0]];
+        self.codes[place % KEPT] = self.codes[neighbours[0] % KEPT];
         Verdict::Impossible
     }
 
     /// How far the response can move between two readings.
     fn reach_codes(&self, place: usize, other: usize) -> u64 {
-        let us = self.times_ns[place].abs_diff(self.times_ns[other]).div_ceil(1000);
+        let us = self.times_ns[place % KEPT].abs_diff(self.times_ns[other % KEPT]).div_ceil(1000);
         us.saturating_mul(SLEW_CODES_PER_US).saturating_add(SLEW_NOISE_CODES)
     }
+}
+
+/// The reading at a place and two on each side. (The remainders change nothing; with them the compiler sees that nothing can panic.)
+#[inline]
+fn around(codes: &[i32; KEPT], place: usize) -> [i32; 5] {
+    let at = |k: usize| codes[(place + KEPT - 2 + k) % KEPT];
+    [at(0), at(1), at(2), at(3), at(4)]
 }
 
 /// 6 L around a place.
 #[inline]
 fn six_times_deviation(codes: &[i32; KEPT], place: usize) -> u32 {
-    let [y0, y1, y2, y3, y4] = [0, 1, 2, 3, 4].map(|k| codes[place - 2 + k]);
+    let [y0, y1, y2, y3, y4] = around(codes, place);
     (6 * y2 - 4 * (y1 + y3) + y0 + y4).unsigned_abs()
 }
 

@@ -80,7 +80,7 @@ fn export_header() -> Result<()> {
     fs::write(&unit, expected::CALIBRATION)?;
     let mut zerorate = Command::new(app::program()?);
     zerorate.arg("export").arg(&unit);
-    done(zerorate.args(["--format", "c", "--span-c", "2", "--output"]).arg(Path::new(WORK).join("unit.h")))
+    done(zerorate.args(["--format", "c", "--span-c", "2", "--force", "--output"]).arg(Path::new(WORK).join("unit.h")))
 }
 
 /// The test and the examples with the sanitizers for addresses and undefined behaviour.
