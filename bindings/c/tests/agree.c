@@ -209,6 +209,7 @@ static void samples(const char *keys)
         float corrected_dps;
         uint32_t bits;
         int32_t by_library, by_header;
+        bool inside;
 
         if (status != ZERORATE_OK || !sample.has_temp) {
             print_status("sample", status);
@@ -217,8 +218,9 @@ static void samples(const char *keys)
         corrected_dps =
             zerorate_correct_f32(&single, zerorate_rate_dps(sample.rate_code), zerorate_temp_c(sample.temp_code));
         memcpy(&bits, &corrected_dps, sizeof bits);
-        if (zerorate_table_look_up(&table, sample.temp_code, &by_library) != ZERORATE_OK ||
-            !zerorate_table_lookup_udps(sample.temp_code, &by_header))
+        inside = zerorate_table_look_up(&table, sample.temp_code, &by_library) == ZERORATE_OK;
+        inside &= zerorate_table_lookup_udps(sample.temp_code, &by_header);
+        if (!inside)
             printf("outside ");
         printf("%" PRIu32 " %" PRIu32 " %" PRIu32 " %" PRIu32 " %" PRIu32 " %" PRIu32 " %" PRIx32 " %ld %" PRIu32 " %ld\n",
                (uint32_t)sample.t_ns, sample.seq, sample.rate_code, sample.temp_code, sample.lost,
