@@ -86,11 +86,11 @@ impl Run {
         serde_json::from_str(&self.stdout).with_context(|| format!("no JSON: {:?}", self.stdout))
     }
 
-    /// The last line of stderr, without its numbers, so that the same complaint reads the same.
+    /// The last line of stderr, without its numbers and paths, so that the same complaint reads the same.
     pub fn complaint(&self) -> String {
         let line = self.stderr.lines().rfind(|line| !line.trim().is_empty()).unwrap_or("nothing on stderr");
-        let text: String = line.chars().map(|c| if c.is_ascii_digit() { '#' } else { c }).collect();
-        text.chars().take(160).collect()
+        let words: Vec<&str> = line.split(' ').map(|word| if word.starts_with('/') { "FILE" } else { word }).collect();
+        words.join(" ").chars().map(|c| if c.is_ascii_digit() { '#' } else { c }).take(160).collect()
     }
 
     pub fn says(&self, causes: &[&str]) -> bool {
