@@ -183,6 +183,7 @@ def test_a_capture_knows_its_rate_scale_and_gaps() -> None:
         status=np.zeros(1000, dtype=np.int16),
         temp_code=np.full(1000, -1, dtype=np.int32),
         lost=lost,
+        flags=np.zeros(1000, dtype=np.uint8),
         width_bits=24,
         metadata={},
     )

@@ -63,7 +63,7 @@ def test_ctrl_c_ends_a_command() -> None:
 
 @pytest.mark.skipif(os.name == "nt", reason="signals")
 def test_ctrl_c_ends_a_calibration_in_python() -> None:
-    program = "import zerorate; print('ready', flush=True); zerorate.calibrate(zerorate.Twin(), settle='1000h')"
+    program = "import zerorate; print('ready', flush=True); zerorate.calibrate(zerorate.Twin(), settle='24h')"
     running = subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
     assert running.stdout is not None
     assert running.stdout.readline() == b"ready\n"
