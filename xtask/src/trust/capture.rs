@@ -25,7 +25,7 @@ pub const CLASSES: &[Class] = &[
 
 /// How long is recorded, s of part time.
 const LENGTH_S: f64 = 6.0;
-/// The longest silence of a part, s, and with it what a recording with a fault may lack at its end.
+/// A rate that is off by more than this, 5 °/s (F-40), must be flagged.
 const WRONG_CODES: i64 = 5 * 23_488;
 
 /// A row of a capture, or of a corrected one.

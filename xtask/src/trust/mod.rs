@@ -84,7 +84,7 @@ pub fn run(args: &Args) -> Result<()> {
     }
     ensure!(!counts.is_empty(), "no class begins with {}", args.only.as_deref().unwrap_or_default());
     if args.update {
-        page::write(&bench, &counts)?;
+        page::write(&counts)?;
     }
     let silent: u64 = counts.iter().map(|(_, count)| count.silent).sum();
     if silent > 0 {

@@ -1,7 +1,6 @@
 //! docs/reference/reliability.md.
 
 use super::Class;
-use super::bench::Bench;
 use super::verdict::Count;
 use anyhow::Result;
 use std::fmt::Write;
@@ -11,7 +10,7 @@ const PAGE: &str = "docs/reference/reliability.md";
 const HEAD: &str = include_str!("reliability.md.in");
 
 /// Writes the page: what was tried and how it ended.
-pub fn write(_: &Bench, counts: &[(Class, Count)]) -> Result<()> {
+pub fn write(counts: &[(Class, Count)]) -> Result<()> {
     let mut table = String::from(
         "| class | what a run does | runs | right | refused, true cause | refused, another cause | wrong and warned | wrong, unknowable | **wrong and silent** |\n\
          |---|---|---|---|---|---|---|---|---|\n",
