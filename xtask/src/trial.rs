@@ -8,25 +8,28 @@ use zerorate::{Action, Correction, Event, Outcome, Plan, Procedure, Refusal, Sta
 
 /// A part that gives no edge for this long is dead.
 const NO_EDGE_NS: u64 = 100_000_000;
-/// Seconds from the start of the twin to the first sample, at most.
-const HOUR_S: f64 = 3171.0;
+/// How long the procedure of AN-1042 lasts, from the start of the twin, s.
+pub const HOUR_S: f64 = 3171.0;
 
 /// A twin on the driver's bus.
 pub struct Rig {
     pub twin: Twin,
     gyro: Adis16130<TwinSpi, TwinRdy>,
+    sampling: SamplerConfig,
     sampler: Sampler,
 }
 
 impl Rig {
-    pub fn new(spec: Spec) -> Self {
+    /// Reads every `divider`th sample.
+    pub fn new(spec: Spec, divider: u16) -> Self {
         let twin = Twin::new(spec);
         let gyro = Adis16130::new(twin.spi(), twin.rdy(), Config::default());
-        Self { twin, gyro, sampler: new_sampler() }
+        let sampling = SamplerConfig::default().with_divider(divider);
+        Self { twin, gyro, sampling, sampler: new_sampler(sampling) }
     }
 
     pub fn initialise(&mut self) -> anyhow::Result<u64> {
-        self.sampler = new_sampler();
+        self.sampler = new_sampler(self.sampling);
         self.gyro.init().map_err(|error| anyhow!("{error}"))?;
         Ok(self.twin.now_ns())
     }
@@ -59,8 +62,8 @@ impl Rig {
     }
 }
 
-fn new_sampler() -> Sampler {
-    Sampler::new(SamplerConfig::default(), &Config::default(), MCLK_HZ)
+fn new_sampler(sampling: SamplerConfig) -> Sampler {
+    Sampler::new(sampling, &Config::default(), MCLK_HZ)
 }
 
 /// An estimate's error and its stated standard uncertainty.
@@ -98,12 +101,12 @@ pub enum Ended {
 /// Warnings that say what the plan asked for, or what every measurement leaves open.
 const STANDING: [&str; 4] = ["earth-included", "earth-subtracted", "curvature-unseen", "short-average"];
 
-/// Calibrates a unit.
+/// Calibrates a unit with every `divider`th of its samples.
 ///
 /// # Errors
 /// The bus failed, or the plan makes no sense.
-pub fn run(spec: Spec, plan: Plan) -> anyhow::Result<Ended> {
-    match Rig::new(spec).calibrate(plan) {
+pub fn run(spec: Spec, divider: u16, plan: Plan) -> anyhow::Result<Ended> {
+    match Rig::new(spec, divider).calibrate(plan) {
         Ok((outcome, truth)) => {
             let codes = outcome.warnings.iter().map(zerorate::Warning::code);
             let warnings = codes.filter(|code| !STANDING.contains(code)).collect();

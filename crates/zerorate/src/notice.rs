@@ -138,7 +138,10 @@ impl fmt::Display for Warning {
 }
 
 /// What no measurement at rest can see, and what it would take.
-const STILL: &str = "Any other rotation that is constant over the hour, or nearly, looks like bias and is inside PBC, and so does a step of less than some 100 mV of the supply in its last seconds: mount the part where nothing turns; to know, calibrate again with its axis turned over: half of the difference of the two PBC is rotation";
+const STILL: &str = "Any other rotation that is constant over the hour, or nearly, looks like bias and is inside PBC, \
+    and so is a step of the supply that comes too late to be seen (200 mV in the last second, 100 mV in the last five, \
+    50 mV in the last twenty): mount the part where nothing turns; to know, calibrate again with its axis turned over: \
+    half of the difference of the two PBC is rotation";
 
 impl Deviation {
     fn code(&self) -> &'static str {
