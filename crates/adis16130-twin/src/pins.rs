@@ -160,3 +160,9 @@ impl DelayNs for TwinDelay {
         self.part.borrow_mut().advance_ps(u64::from(ns) * 1000);
     }
 }
+
+impl embedded_hal_async::delay::DelayNs for TwinDelay {
+    async fn delay_ns(&mut self, ns: u32) {
+        DelayNs::delay_ns(self, ns);
+    }
+}

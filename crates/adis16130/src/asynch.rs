@@ -1,4 +1,37 @@
 //! The driver over async traits: [`embedded_hal_async::spi::SpiDevice`], [`Wait`](embedded_hal_async::digital::Wait).
+//!
+//! A task that waits for the part without holding the processor, here on the software twin of the part:
+//!
+//! ```
+//! use adis16130::{Config, Error, WaitBound, asynch::Adis16130};
+//! use adis16130_twin::{RdyTimeout, Spec, Twin};
+//! # use core::{convert::Infallible, future::Future, pin::pin, task::{Context, Poll, Waker}};
+//!
+//! async fn mean_dps(twin: &Twin) -> Result<f32, Error<Infallible, RdyTimeout>> {
+//!     let mut delay = twin.delay(); // on a board: an async DelayNs, such as embassy_time::Delay
+//!     let mut gyro = Adis16130::new(twin.spi(), twin.rdy(), Config::new());
+//!     gyro.restart().await?;
+//!     let mut sum_dps = 0.0;
+//!     for _ in 0..100 {
+//!         gyro.wait_ready(&mut delay, WaitBound::from_us(2_000)).await?;
+//!         let (rate, _) = gyro.read_in_range().await?;
+//!         sum_dps += rate.to_dps();
+//!     }
+//!     Ok(sum_dps / 100.0)
+//! }
+//! # fn block_on<F: Future>(future: F) -> F::Output {
+//! #     match pin!(future).poll(&mut Context::from_waker(Waker::noop())) {
+//! #         Poll::Ready(output) => output,
+//! #         Poll::Pending => unreachable!("the twin's futures are ready at once"),
+//! #     }
+//! # }
+//!
+//! assert!(block_on(mean_dps(&Twin::new(Spec::from_seed(1))))?.abs() < 10.0);
+//! # Ok::<(), Error<_, _>>(())
+//! ```
+//!
+//! A future may be dropped at any time, by a `select` or a timeout: if it was inside a transfer, the next call answers
+//! `Interrupted` until `restart` has put bus and part in order.
 
 use core::future::{Future, poll_fn};
 use core::pin::pin;

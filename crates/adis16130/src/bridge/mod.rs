@@ -6,7 +6,61 @@
 //! of the samples ([`Reading`]), and [`Continuity`] counts it.
 //!
 //! A firmware hands bytes to a [`Decoder`], its requests and the edges of RDY to a [`Station`], and what that returns to
-//! [`encode`].
+//! [`encode`]. Both ends of the link in one place, on a bus that a firmware would make of its SPI:
+//!
+//! ```
+//! use adis16130::bridge::{Answer, Ask, Bus, Decoder, MAX_FRAME, Message, Request, Station, encode};
+//! # use core::{convert::Infallible, future::Future, pin::pin, task::{Context, Poll, Waker}};
+//! # use embedded_hal_async::spi::{ErrorType, Operation, SpiDevice};
+//! # struct Spi(adis16130_twin::TwinSpi);
+//! # impl ErrorType for Spi {
+//! #     type Error = Infallible;
+//! # }
+//! # impl SpiDevice for Spi {
+//! #     async fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), Infallible> {
+//! #         SpiDevice::transaction(&mut self.0, operations).await
+//! #     }
+//! # }
+//! # fn block_on<F: Future>(future: F) -> F::Output {
+//! #     match pin!(future).poll(&mut Context::from_waker(Waker::noop())) {
+//! #         Poll::Ready(output) => output,
+//! #         Poll::Pending => unreachable!("the twin's futures are ready at once"),
+//! #     }
+//! # }
+//! # let twin = adis16130_twin::Twin::new(adis16130_twin::Spec::from_seed(1));
+//!
+//! impl Bus for Spi {
+//!     fn set_sclk_hz(&mut self, _hz: u32) -> u32 {
+//!         5_000_000 // the only one that this controller has
+//!     }
+//! }
+//!
+//! // the host asks
+//! let mut room = [0; MAX_FRAME];
+//! let asked = encode(&Request { tag: 7, ask: Ask::Hello }, &mut room)?;
+//!
+//! // the bridge answers
+//! let mut station = Station::new(Spi(twin.spi()), 5_000_000, "example 1.0");
+//! let (mut requests, mut room, mut answered) = (Decoder::new(), [0; MAX_FRAME], &[][..]);
+//! for byte in asked {
+//!     if let Some(Ok(request)) = requests.push::<Request>(*byte) {
+//!         answered = encode(&block_on(station.request(&request)), &mut room)?;
+//!         break;
+//!     }
+//! }
+//!
+//! // the host understands
+//! let (mut messages, mut heard) = (Decoder::new(), 0);
+//! for byte in answered {
+//!     if let Some(Ok(message)) = messages.push::<Message>(*byte) {
+//!         let hello = Answer::Hello { protocol: 2, firmware: "example 1.0", sclk_hz: 5_000_000 };
+//!         assert_eq!(message, Message::Answer { tag: 7, answer: hello });
+//!         heard += 1;
+//!     }
+//! }
+//! assert_eq!(heard, 1);
+//! # Ok::<(), adis16130::bridge::TooLong>(())
+//! ```
 
 mod frame;
 mod settings;
