@@ -6,6 +6,7 @@ mod correct;
 mod durable;
 mod export;
 mod failing;
+mod golden;
 mod hostile;
 mod interop;
 mod logs;

@@ -1,0 +1,59 @@
+//! Results that must stay as they are, bit for bit: made by the program as it was before its core knew of other parts.
+//!
+//! A difference here is either a defect or a change of a result, which the CHANGELOG owes its users. In the latter case
+//! `ZERORATE_GOLDEN=write cargo test -p zerorate-cli --test files golden` makes the files anew.
+
+use crate::Bench;
+use sha2::{Digest, Sha256};
+use std::fmt::Write;
+use std::fs;
+use std::path::Path;
+
+/// Calibrations by name, with the options that make them: one of four minutes at every sample, and hours at every ninth.
+const CALIBRATIONS: [(&str, &str); 4] = [
+    ("short", "--device twin:seed=7 --average 2s --warmup 60s --settle 120s --offset 20s --max-u-btc 0.2"),
+    ("hour-1", "--device twin:seed=1 --divider 9"),
+    ("hour-2", "--device twin:seed=2 --divider 9 --assume-linear"),
+    ("hour-3", "--device twin:seed=3 --divider 9 --earth-dps 0.003 --serial SN-3"),
+];
+
+/// Lines that may change with the wording of a warning.
+const WORDS: [&str; 3] = ["warnings", "checksum", "line_checks"];
+
+#[test]
+fn calibrations() {
+    for (name, options) in CALIBRATIONS {
+        let bench = Bench::new();
+        bench.zerorate(&format!("calibrate {options} -o unit.toml")).ok();
+        let text = fs::read_to_string(bench.path("unit.toml")).unwrap();
+        let numbers = text.lines().filter(|line| !WORDS.iter().any(|word| line.starts_with(word)));
+        unchanged(&format!("{name}.toml"), &numbers.map(|line| format!("{line}\n")).collect::<String>());
+    }
+}
+
+#[test]
+fn captures() {
+    let bench = Bench::new();
+    let mut hashes = String::new();
+    for options in ["seed=7", "seed=8,fault=rdy_stutter,fault_at_s=0.2", "seed=9,width=16"] {
+        for form in ["csv", "arrows", "parquet"] {
+            let name = format!("capture.{form}");
+            bench.zerorate(&format!("capture --device twin:{options} --samples 3000 -o {name} --force")).ok();
+            let hash = Sha256::digest(fs::read(bench.path(&name)).unwrap());
+            let hash: String = hash.iter().map(|byte| format!("{byte:02x}")).collect();
+            writeln!(hashes, "{hash}  {options}.{form}").unwrap();
+        }
+    }
+    unchanged("captures.sha256", &hashes);
+}
+
+/// Compares with the file of this name, or writes it where the environment asks for that.
+#[track_caller]
+fn unchanged(name: &str, now: &str) {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden").join(name);
+    if std::env::var_os("ZERORATE_GOLDEN").is_some_and(|value| value == "write") {
+        fs::write(&path, now).unwrap();
+    }
+    let before = fs::read_to_string(&path).unwrap();
+    assert_eq!(now, before, "{name} has changed");
+}
