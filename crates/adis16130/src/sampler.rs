@@ -3,7 +3,7 @@
 use crate::config::{Channels, Config};
 use crate::quotient::quotient;
 use crate::sample::Edge;
-use crate::timeline::Timeline;
+use crate::timeline::{Comb, Timeline};
 
 /// How a [`Sampler`] reads.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Hash)]
@@ -15,8 +15,12 @@ pub struct SamplerConfig {
     /// Read on every n-th edge of RDY (F-56); 0 counts as 1. With both channels and RDYFN = 1, reading both on every
     /// N-th edge gives f_conv/(N + 1), since the first edge after a read of both comes two conversions later.
     pub divider: u16,
-    /// Read the status of the rate channel with every sample. It can only be left out with both channels and RDYFN = 1,
-    /// and is read even then where an edge is not believable.
+    /// The line that the host hears is that of a counter which lets every n-th edge of RDY through (F-56); 1 = RDY
+    /// itself, and 0 counts as 1. A divider counts the edges behind that counter.
+    #[cfg_attr(feature = "serde", serde(default = "undivided"))]
+    pub divided: u16,
+    /// Read the status of the rate channel with every sample. It can only be left out with both channels, RDYFN = 1
+    /// and no counter in the line, and is read even then where an edge is not believable.
     pub read_status: bool,
 }
 
@@ -29,7 +33,7 @@ impl Default for SamplerConfig {
 impl SamplerConfig {
     /// Rate, temperature and status at each edge.
     pub const fn new() -> Self {
-        Self { every_temp: 1, divider: 1, read_status: true }
+        Self { every_temp: 1, divider: 1, divided: 1, read_status: true }
     }
 
     /// Sets how many samples share one reading of the temperature.
@@ -44,11 +48,22 @@ impl SamplerConfig {
         self
     }
 
+    /// Sets how many edges of RDY a counter in the line makes one of.
+    pub const fn with_divided(mut self, edges: u16) -> Self {
+        self.divided = edges;
+        self
+    }
+
     /// Sets whether the status is read with every sample.
     pub const fn with_read_status(mut self, on: bool) -> Self {
         self.read_status = on;
         self
     }
+}
+
+#[cfg(feature = "serde")]
+const fn undivided() -> u16 {
+    1
 }
 
 /// What to read at an edge, in this order: status, rate, temperature. The rate is always due.
@@ -72,8 +87,9 @@ pub struct Due {
 /// up.
 const SUSPICIOUS_SAMPLES: u8 = 8;
 
-/// A part that lives shows an edge at the latest after this many periods: it is the longest gap that a drop of the part
-/// (F-33), a few edges missed in a row and the tolerance of MCLK make, several times over.
+/// A part that lives shows an edge at the latest after this many periods, or distances of divided edges: it is the
+/// longest gap that a drop of the part (F-33), a few edges missed in a row and the tolerance of MCLK make, several
+/// times over.
 const SILENT_PERIODS: u32 = 64;
 
 /// Samples by which the number of a sample may be ahead of its edge: what late timestamps counted too early.
@@ -150,11 +166,15 @@ struct Taken {
 /// With both channels and RDYFN = 1 an edge can be that of a rate or of a temperature update, and changes from one to
 /// the other when the host is late. The sampler follows this from the time alone. What such a change costs depends on
 /// which kind the first edge was, and nobody knows that where the host was late from the start. So at the first change
-/// the sampler leaves two temperatures out: after two samples without temperature the next edge can only be that of a rate
-/// update, which pins down which is which. A loss that depends on it is reported then, two samples later.
+/// the sampler leaves two temperatures out: after two samples without temperature the next edge can only be that of a
+/// rate update, which pins down which is which. A loss that depends on it is reported then, two samples later.
 ///
 /// With a divider above 1 a loss is a reading that was due and not taken: the gap divided by the nominal distance of
 /// the readings, N + 1 conversions with both channels and RDYFN = 1, N otherwise, rounded, less one.
+///
+/// Edges that a counter has divided by D come D + 1 or D conversions apart. So a missing one is found by the same rule
+/// with N = D, or D times the divider, and what the counter keeps back is no loss. Their distance is learned as the
+/// period is, as the mean of the gaps.
 ///
 /// # Assumptions
 ///
@@ -164,9 +184,9 @@ struct Taken {
 /// * A host may stop at any moment, for several periods. As long as the timestamps are those of the edges, no loss is
 ///   counted that there was not, and each is reported within five samples. If they are late as well, as behind USB, a
 ///   stop in 100 periods costs at most two losses too many or too few in all, one in 20 periods 0.6 % of the samples
-///   (measured, 60 seeds of 3000 samples each, stops of up to 5 periods). Where edges come at any time, nothing can be learned from
-///   them: the nominal period holds, and the losses are right to 3.5 % of all samples (measured with edges late by up to a
-///   period, which wait for each other).
+///   (measured, 60 seeds of 3000 samples each, stops of up to 5 periods). Where edges come at any time, nothing can be
+///   learned from them: the nominal period holds, and the losses are right to 3.5 % of all samples (measured with edges
+///   late by up to a period, which wait for each other).
 /// * `seq` differs for different edges. Where `t_ns` stands still or runs backwards, the edges themselves are counted:
 ///   each missed pair is a loss.
 /// * MCLK is within 6 % of the nominal one (the part: 2 %), and changes slowly. The period is learned from the first
@@ -184,16 +204,13 @@ struct Taken {
 /// After a brown-out there are no edges, so a loop that waits for the next one needs a second way out:
 /// [`silent_since`](Self::silent_since) with the time now, or a wait of at most [`silence_ns`](Self::silence_ns).
 ///
-/// Where edges come but readings fail (a dead SDO), the sampler pauses: after 16 readings in a row that were due and not
-/// [`taken`](Self::taken), the next is due one edge later, then two, four, and so on up to 1024. So a loop that
+/// Where edges come but readings fail (a dead SDO), the sampler pauses: after 16 readings in a row that were due and
+/// not [`taken`](Self::taken), the next is due one edge later, then two, four, and so on up to 1024. So a loop that
 /// initialises the part after each failure does so 11 times a second and not 11 400 times. The first reading that is
 /// taken ends this, and its `lost` counts what the pauses cost.
 #[derive(Clone, Debug)]
 pub struct Sampler {
-    config: SamplerConfig,
-    channels: Channels,
-    /// Both channels and RDYFN = 1: after a read of both, the next edge comes two conversions later.
-    pairs: bool,
+    rules: Rules,
     timeline: Timeline,
     taken: Option<Taken>,
     until_temp: u16,
@@ -201,7 +218,6 @@ pub struct Sampler {
     rates_only: u8,
     /// Temperatures are left out until it is known which edges are those of rate updates.
     seeks_rate: bool,
-    early_ns: u64,
     suspicious: u8,
     /// Readings that were due since the last one taken.
     untaken: u8,
@@ -211,20 +227,79 @@ pub struct Sampler {
     heard_ns: Option<u64>,
 }
 
+/// What of [`SamplerConfig`] and [`Config`] decides, worked out once.
+#[derive(Clone, Debug)]
+struct Rules {
+    /// As in [`SamplerConfig`]; 0 where the temperature is not converted.
+    every_temp: u16,
+    divider: u16,
+    read_status: bool,
+    reads_rate: bool,
+    /// An edge is that of a rate or of a temperature update and keeps to it, so that which it is can be found out.
+    steady: bool,
+    /// An edge so soon after the one that was read cannot be new.
+    early_ns: u64,
+    /// Conversions from one reading that is due to the next.
+    conversions: u32,
+    conversions_per_period: u8,
+    /// The timeline counts edges that a counter lets through, not periods.
+    counts_edges: bool,
+}
+
+impl Rules {
+    fn new(sampling: SamplerConfig, config: &Config, mclk_hz: u32) -> (Self, Comb) {
+        let both = matches!(config.channels(), Channels::Both);
+        // after a read of both, the next edge comes two conversions later
+        let pairs = both && config.rdyfn();
+        let (divider, divided) = (sampling.divider.max(1), sampling.divided.max(1));
+        let counts_edges = divided > 1;
+        let steady = pairs && divider == 1 && !counts_edges;
+        let conversions = (u32::from(divider) * u32::from(divided)).saturating_add(pairs.into());
+        let conversions_per_period = if both { 2 } else { 1 };
+        let mut comb = Comb::new(config.conversion_cycles(), mclk_hz, steady);
+        if counts_edges {
+            comb = comb.divided(conversions, u32::from(divider) * u32::from(conversions_per_period));
+        }
+        let rules = Self {
+            every_temp: if both { sampling.every_temp } else { 0 },
+            divider,
+            read_status: sampling.read_status || !pairs || counts_edges,
+            reads_rate: !matches!(config.channels(), Channels::Temp),
+            steady,
+            early_ns: comb.nominal_eighths_ns(4 * u32::from(divider) + 3),
+            conversions,
+            conversions_per_period,
+            counts_edges,
+        };
+        (rules, comb)
+    }
+
+    fn lost_between(&self, before: u64, now: u64) -> u64 {
+        if self.divider == 1 {
+            return now.saturating_sub(before + 1);
+        }
+        let (per_tick, step) =
+            if self.counts_edges { (1, self.divider.into()) } else { (self.conversions_per_period, self.conversions) };
+        let (passed, step) = (u64::from(per_tick) * now.saturating_sub(before), u64::from(step));
+        quotient(2 * passed + step, 2 * step).saturating_sub(1)
+    }
+
+    /// A sample whose edge was numbered too low still advances by one: the edge before had a late timestamp, and what
+    /// that counted too much is not counted again. But by no more than a little beyond its edge, so that none is
+    /// hidden.
+    fn index_after(&self, before: u64, now: u64) -> u64 {
+        if self.divider == 1 { (before + 1).max(now).min(now + MAX_AHEAD) } else { now }
+    }
+}
+
 impl Sampler {
     /// A sampler for a part that runs with `config`. `mclk_hz` is the nominal master clock, [`crate::MCLK_HZ`] unless
     /// known better.
     pub fn new(sampling: SamplerConfig, config: &Config, mclk_hz: u32) -> Self {
-        let pairs = matches!(config.channels(), Channels::Both) && config.rdyfn();
-        let divider = sampling.divider.max(1);
-        let steady = pairs && divider == 1;
-        let timeline = Timeline::new(config.conversion_cycles(), mclk_hz, steady);
+        let (rules, comb) = Rules::new(sampling, config, mclk_hz);
         Self {
-            config: SamplerConfig { divider, read_status: sampling.read_status || !pairs, ..sampling },
-            channels: config.channels(),
-            pairs,
-            early_ns: timeline.eighths_of_period_ns(4 * u32::from(divider) + 3),
-            timeline,
+            rules,
+            timeline: Timeline::new(comb),
             taken: None,
             until_temp: 0,
             suspicious: 0,
@@ -241,16 +316,16 @@ impl Sampler {
     pub fn edge(&mut self, edge: Edge) -> Option<Due> {
         self.heard_ns = Some(edge.t_ns);
         let index = self.timeline.advance(edge)?;
-        let mut status = self.config.read_status;
+        let mut status = self.rules.read_status;
         let rates_only = core::mem::take(&mut self.rates_only);
         let mut is_rate = rates_only >= RATES_ONLY;
         if let Some(taken) = &self.taken {
             let edges = edge.seq.wrapping_sub(taken.edge.seq);
-            let divider = u32::from(self.config.divider);
+            let divider = u32::from(self.rules.divider);
             if edges < divider {
                 return None;
             }
-            let early = edge.t_ns.wrapping_sub(taken.edge.t_ns) < self.early_ns;
+            let early = edge.t_ns.wrapping_sub(taken.edge.t_ns) < self.rules.early_ns;
             if edges != divider || early || index <= taken.index {
                 self.suspicious = SUSPICIOUS_SAMPLES;
             }
@@ -263,7 +338,7 @@ impl Sampler {
         self.pause = self.pause_after_failure();
         status |= self.suspicious > 0;
         let due = Due { status, temp: self.temp_is_due(is_rate), edge, index, rates_only, is_rate };
-        (!matches!(self.channels, Channels::Temp)).then_some(due)
+        self.rules.reads_rate.then_some(due)
     }
 
     /// Notes that what was due has been read, and returns the number of rate samples lost since the one before.
@@ -273,25 +348,25 @@ impl Sampler {
         self.untaken = 0;
         self.pause = 0;
         let mut index = due.index;
-        if self.config.divider == 1 && self.pairs {
+        if self.rules.steady {
             if due.is_rate {
                 index += u64::from(self.timeline.align());
             }
             self.rates_only = if due.temp { 0 } else { due.rates_only.saturating_add(1) };
         }
-        self.until_temp = if due.temp { self.config.every_temp } else { self.until_temp }.saturating_sub(1);
+        self.until_temp = if due.temp { self.rules.every_temp } else { self.until_temp }.saturating_sub(1);
         let Some(before) = self.taken else {
             self.taken = Some(Taken { edge: due.edge, index, first: true });
             return 0;
         };
-        let lost = self.lost_between(before.index, index);
-        let index = self.index_after(before.index, index);
+        let lost = self.rules.lost_between(before.index, index);
+        let index = self.rules.index_after(before.index, index);
         self.taken = Some(Taken { edge: due.edge, index, first: false });
         u32::try_from(lost).unwrap_or(u32::MAX)
     }
 
-    /// Notes that what was due was not new: the status says that the reading before took it. If that was the first one, it
-    /// came late, and what it overtook was lost before it.
+    /// Notes that what was due was not new: the status says that the reading before took it. If that was the first
+    /// one, it came late, and what it overtook was lost before it.
     pub fn stale(&mut self) {
         if let Some(taken) = &mut self.taken
             && taken.first
@@ -308,36 +383,41 @@ impl Sampler {
     }
 
     /// Since when the part is silent, if `now_ns` (of the clock of [`Edge::t_ns`]) is more than
-    /// [`silence_ns`](Self::silence_ns) after the last edge: it has lost its supply or its configuration, or RDY is cut.
+    /// [`silence_ns`](Self::silence_ns) after the last edge: it has lost its supply or its configuration, or RDY is
+    /// cut.
     ///
-    /// Before the first edge, and after [`restarted`](Self::restarted), the time counts from the first call on. The clock
-    /// may wrap, and `now_ns` may be older than the last edge. Hand over edges that wait before you ask.
+    /// Before the first edge, and after [`restarted`](Self::restarted), the time counts from the first call on. The
+    /// clock may wrap, and `now_ns` may be older than the last edge. Hand over edges that wait before you ask.
     pub fn silent_since(&mut self, now_ns: u64) -> Option<u64> {
         let heard_ns = *self.heard_ns.get_or_insert(now_ns);
         let silence_ns = now_ns.wrapping_sub(heard_ns) as i64;
         (silence_ns > self.silence_ns() as i64).then_some(heard_ns)
     }
 
-    /// So long without an edge is silence, in ns: 64 periods of the rate, 11.2 ms with F-30.
+    /// So long without an edge is silence, in ns: 64 periods of the rate, 11.2 ms with F-30, or 64 distances of
+    /// divided edges.
     pub fn silence_ns(&self) -> u64 {
         self.timeline.eighths_of_period_ns(8 * SILENT_PERIODS)
     }
 
     /// The learned time from one rate update to the next, in ns.
     pub fn rate_period_ns(&self) -> f64 {
-        self.timeline.period_ns()
+        let Rules { divider, conversions, conversions_per_period, counts_edges, .. } = self.rules;
+        let tick_ns = self.timeline.period_ns();
+        if counts_edges {
+            tick_ns * f64::from(u32::from(divider) * u32::from(conversions_per_period)) / f64::from(conversions)
+        } else {
+            tick_ns
+        }
     }
 
     /// A temperature waits where the sample must find out which edges are those of rate updates.
     fn temp_is_due(&mut self, is_rate: bool) -> bool {
-        if self.pairs && self.config.divider == 1 {
+        if self.rules.steady {
             self.seeks_rate |= self.timeline.is_ambiguous();
             self.seeks_rate &= !is_rate && !self.timeline.is_aligned();
         }
-        self.until_temp == 0
-            && self.config.every_temp > 0
-            && matches!(self.channels, Channels::Both)
-            && !self.seeks_rate
+        self.until_temp == 0 && self.rules.every_temp > 0 && !self.seeks_rate
     }
 
     /// The pause that follows a reading that is due now, unless it is taken.
@@ -348,25 +428,5 @@ impl Sampler {
             None => 0,
             Some(doublings) => 1 << doublings.min(LONGEST_PAUSE_LOG2),
         }
-    }
-
-    fn lost_between(&self, before: u64, now: u64) -> u64 {
-        if self.config.divider == 1 {
-            return now.saturating_sub(before + 1);
-        }
-        let (conversions, step) = self.conversions(now.saturating_sub(before));
-        quotient(2 * conversions + step, 2 * step).saturating_sub(1)
-    }
-
-    /// Conversions in so many periods, and conversions from one due reading to the next.
-    fn conversions(&self, periods: u64) -> (u64, u64) {
-        let per_period = if matches!(self.channels, Channels::Both) { 2 } else { 1 };
-        (per_period * periods, u64::from(self.config.divider) + u64::from(self.pairs))
-    }
-
-    /// A sample whose edge was numbered too low still advances by one: the edge before had a late timestamp, and what
-    /// that counted too much is not counted again. But by no more than a little beyond its edge, so that none is hidden.
-    fn index_after(&self, before: u64, now: u64) -> u64 {
-        if self.config.divider == 1 { (before + 1).max(now).min(now + MAX_AHEAD) } else { now }
     }
 }

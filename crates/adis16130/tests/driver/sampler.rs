@@ -297,6 +297,128 @@ fn a_missed_reading_behind_a_divider_is_one_loss() {
     assert_eq!(take(&mut sampler, at(51.5 + 51.0, 203)), Some(1));
 }
 
+/// RDY behind a counter that lets every N-th edge through, in conversions: the first edge after a read of both comes two
+/// conversions later, then one per conversion (F-32).
+struct Divided {
+    sampler: Sampler,
+    edges: u32,
+    conversion_ns: f64,
+    conversions: f64,
+    seq: u32,
+    is_read: bool,
+}
+
+impl Divided {
+    fn new(sampling: SamplerConfig, ppm: f64) -> Self {
+        let conversion_ns = PAIR_NS / 2.0 * (1.0 + ppm * 1e-6);
+        let edges = sampling.divided.into();
+        Self { sampler: sampler(sampling), edges, conversion_ns, conversions: 0.0, seq: 0, is_read: true }
+    }
+
+    /// The next edge that the counter lets through.
+    fn next(&mut self) -> Edge {
+        self.conversions += f64::from(self.edges + u32::from(self.is_read));
+        self.seq += 1;
+        self.is_read = false;
+        Edge { t_ns: 1_000_000_000 + (self.conversions * self.conversion_ns) as u64, seq: self.seq }
+    }
+
+    /// So many edges that the host takes: readings, and what was lost.
+    fn take(&mut self, edges: u32) -> (u32, u32) {
+        let (mut readings, mut lost) = (0, 0);
+        for _ in 0..edges {
+            let edge = self.next();
+            if let Some(missing) = take(&mut self.sampler, edge) {
+                self.is_read = true;
+                readings += 1;
+                lost += missing;
+            }
+        }
+        (readings, lost)
+    }
+
+    /// So many edges that the host misses.
+    fn miss(&mut self, edges: u32) {
+        (0..edges).for_each(|_| _ = self.next());
+    }
+}
+
+#[test]
+fn f56_a_counter_in_the_line_loses_nothing() {
+    for ppm in [-20_000.0, 0.0, 20_000.0] {
+        for edges in [2, 3, 16, 50, 1_000, u16::MAX] {
+            let mut part = Divided::new(SamplerConfig::new().with_divided(edges), ppm);
+            assert_eq!(part.take(400), (400, 0), "every {edges}, {ppm} ppm");
+            let error = part.sampler.rate_period_ns() / (2.0 * part.conversion_ns) - 1.0;
+            assert!(error.abs() < 3e-6, "every {edges}, {ppm} ppm: {error:e}");
+        }
+    }
+}
+
+#[test]
+fn a_missing_edge_of_a_counter_is_one_loss() {
+    for edges in [2, 3, 50, 1_000] {
+        let mut part = Divided::new(SamplerConfig::new().with_divided(edges), 12_345.0);
+        part.take(10);
+        part.miss(1);
+        assert_eq!(part.take(300), (300, 1), "every {edges}");
+        part.miss(3);
+        // unread, the edges come every N conversions, readings every N + 1
+        let conversions = f64::from(4 * edges + 1);
+        let readings = (conversions / f64::from(edges + 1)).round() as u32;
+        assert_eq!(part.take(300), (300, readings - 1), "every {edges}");
+    }
+    // a second of silence on the line, once the distance has been learned
+    let mut part = Divided::new(SamplerConfig::new().with_divided(50), 12_345.0);
+    part.take(1_000);
+    part.miss(220);
+    assert_eq!(
+        part.take(1_000),
+        (1_000, (220.0 * 50.0 / 51.0_f64).round() as u32),
+        "11 051 conversions are 216.7 readings"
+    );
+}
+
+#[test]
+fn a_counter_and_a_divider_multiply() {
+    for (edges, divider) in [(2_u16, 2_u16), (7, 3), (10, 5)] {
+        let mut part = Divided::new(SamplerConfig::new().with_divided(edges).with_divider(divider), -9_000.0);
+        assert_eq!(part.take(600 * u32::from(divider)).1, 0, "{edges} × {divider}");
+        let conversions = part.conversions;
+        let (readings, lost) = part.take(60 * u32::from(divider));
+        assert_eq!((readings, lost), (60, 0));
+        let apart = (part.conversions - conversions) / 60.0;
+        assert_eq!(apart, f64::from(edges * divider + 1), "conversions from reading to reading");
+        part.miss(u32::from(divider));
+        assert_eq!(part.take(6 * u32::from(divider)).1, 1, "{edges} × {divider}");
+    }
+}
+
+#[test]
+fn a_counter_with_jitter_or_without_a_clock() {
+    let mut random = Random(7);
+    let mut sampler = sampler(SamplerConfig::new().with_divided(50));
+    let lost = losses(&mut sampler, ramp(20_000).map(|k| 25.5 * k + random.normal() * 20e3 / PAIR_NS));
+    assert_eq!((lost.len(), lost.iter().sum::<u32>()), (20_000, 0));
+    let mut frozen = self::sampler(SamplerConfig::new().with_divided(50));
+    let steps = [0, 1, 2, 7].map(|seq| take(&mut frozen, Edge { t_ns: 0, seq }));
+    assert_eq!(steps, [Some(0), Some(0), Some(0), Some(4)]);
+}
+
+#[test]
+fn a_line_behind_a_counter_is_silent_later() {
+    let sampler = sampler(SamplerConfig::new().with_divided(50));
+    let silence = sampler.silence_ns() as f64 / (64.0 * 25.5 * PAIR_NS);
+    assert!((silence - 1.0).abs() < 1e-5, "{silence} of 64 distances");
+    let status =
+        Sampler::new(SamplerConfig::new().with_divided(50).with_read_status(false), &Config::default(), MCLK_HZ);
+    assert!(status.clone().edge(at(0.0, 0)).unwrap().status, "a late read cannot be told from the time of a rare edge");
+    for absurd in [0, 1] {
+        let mut undivided = self::sampler(SamplerConfig::new().with_divided(absurd));
+        assert_eq!(losses(&mut undivided, ramp(100)).iter().sum::<u32>(), 0);
+    }
+}
+
 #[test]
 fn f56_numbers() {
     // 6 MHz / 527 cycles, divided by N + 1: 223 and 3795 readings of both per second.

@@ -1,0 +1,312 @@
+//! Where the rate updates lie in time, learned from the edges of RDY.
+//!
+//! # The loop
+//!
+//! A digital phase-locked loop of second order, with one step per edge. T̂ is the period and τ̂ the time of the newest
+//! tick as estimated, both in ns; e is how much later an edge came than the tooth of the [`Comb`] that it is taken
+//! for:
+//!
+//! ```text
+//! τ̂ ← τ̂ + α·e,   T̂ ← T̂ + β·e,   α = 2^−g,   β = α²/2 = 2^−(2g+1)
+//! ```
+//!
+//! The gear g sets everything else. Since β = α²/2 the damping is ζ = α/(2√β) = 1/√2 in every gear, the value without
+//! a peak in the error (an α-β filter; for α ≪ 1 the formulas are those of a loop in continuous time: F. M. Gardner,
+//! *Phaselock Techniques*, 3rd ed., chapter 2; the noise of T̂ is exact to first order in α). σ is the jitter of the
+//! timestamps, as standard deviation; the last two columns are gears 5 and 10 at 5693 edges a second (F-31).
+//!
+//! | what | in general | gear 5 | gear 10 |
+//! |---|---|---|---|
+//! | natural frequency ω_n | α/√2 per edge | 20 Hz | 0.63 Hz |
+//! | error that is left of a wander of the timestamps with ω_n | 1/(2ζ) = 71 % | | |
+//! | with ω_n/10 | 1.0 % | | |
+//! | largest error after a step Δ of the period | 2·e^(−π/4)·sin(π/4)·Δ/α = 0.645·Δ/α | | |
+//! | edges until then | π/(2α) | 50 | 1608 |
+//! | what is left of Δ in T̂ after n edges, x = α·n/2 | e^(−x)·(cos x + sin x) | | |
+//! | noise of T̂ | σ·√(α³/8) = σ·2^(−3(g+1)/2) | σ/512 | σ/92 682 |
+//!
+//! With σ = 15 µs the period is thus known to 1 part in 10⁶ in gear 10. T̂ has steps of 2⁻¹⁶ ns, so an error below 32
+//! ns moves it no more in gear 10. The unit tests measure each row.
+//!
+//! # From the first edge to gear 10
+//!
+//! The jitter of one edge is larger than the tolerance of MCLK (F-31), so in gears 1 to 4 T̂ is no part of the loop
+//! but the mean of the gaps, taken after 16, 32, 64 and 128 of them: it is then good to √2·σ/128 (with σ = 15 µs to
+//! σ/64, because some gaps look too long and are left out). From gear 5 on each gear lasts 4/α edges, in which an
+//! error of T̂ dies down to e^(−2)·(cos 2 + sin 2), 7 %. Gear 10 begins after 128 + 3968 edges, 0.72 s (F-31).
+//!
+//! *Lock range*: T̂ stays within 1/16 of the nominal period, three times the tolerance of MCLK (F-31). Every clock in
+//! that range is acquired, since in gear 1, with T̂ still nominal, an offset of T/16 leaves an error of at most
+//! (T/16)/α = T/8, half of the T/4 beyond which the other tooth is nearer. What lies outside is another part or
+//! another configuration, and is not followed.
+//!
+//! *Gaps*: T̂ carries the phase over up to 4/α periods, over which its noise grows to 4/α·σ·√(α³/8) = σ·√(2α), less
+//! than the jitter itself; in gear 1 the tolerance of 2 % grows to 16 % of a period. Beyond that the gap is counted by
+//! the clock alone.
+
+mod comb;
+mod lock;
+#[cfg(test)]
+mod tests;
+
+use crate::quotient::quotient;
+use crate::sample::Edge;
+pub(crate) use comb::Comb;
+use comb::Tooth;
+use lock::{Gaps, Grip, Lock};
+
+/// Times are kept in units of 2⁻¹⁶ ns, so that a period is good to 10⁻⁹ without floating point.
+const FRACTION_BITS: u32 = 16;
+
+/// A gap beyond this counts as this: 2⁴⁶ ns are 19.5 hours.
+const LONGEST_GAP_NS: i64 = 1 << 46;
+
+/// α = 1/2: of two edges with the nominal period the phase is known to T/8 (lock range).
+const FIRST_GEAR: u32 = 1;
+
+/// From this gear on T̂ is a part of the loop: the mean of 128 gaps is as good as what the loop would make of them in
+/// gear 3, σ/64; and the phase noise of gear 5, σ·√(3α/4) = 0.15·σ, no longer matters against the jitter.
+const LOOP_GEAR: u32 = 5;
+
+/// ω_n = 0.63 Hz (F-31): below, the loop would follow MCLK too slowly when the part warms; above, it would hear more
+/// jitter.
+const TOP_GEAR: u32 = 10;
+
+/// Learns phase and period of the rate updates from the edges, and numbers them.
+///
+/// Every honest edge lies on a tooth of the [`Comb`], because RDY only falls when a data register has been updated
+/// (F-32).
+#[derive(Clone, Debug)]
+pub(crate) struct Timeline {
+    comb: Comb,
+    /// T̂: time from one tick to the next, as learned.
+    period: i64,
+    /// Time from a tick to the temperature update after it, as of the last [`settle`](Self::settle); 0 = there is none.
+    temp: i64,
+    tooth: Tooth,
+    /// Time from the newest tick to the edge before.
+    since_tick: i64,
+    /// Running number of the newest tick.
+    index: u64,
+    last: Option<Edge>,
+    gear: u32,
+    edges_in_gear: u32,
+    gaps: Gaps,
+    lock: Lock,
+    grip: Grip,
+    /// The phase is known from more than an assumption.
+    aligned: bool,
+    /// The conversions have been started anew since the edge before.
+    restarted: bool,
+}
+
+impl Timeline {
+    pub(crate) fn new(comb: Comb) -> Self {
+        Self {
+            period: comb.period,
+            temp: comb.share_of_temp(comb.period),
+            tooth: Tooth::default(),
+            since_tick: 0,
+            index: 0,
+            last: None,
+            gear: FIRST_GEAR,
+            edges_in_gear: 0,
+            gaps: Gaps::default(),
+            lock: Lock::default(),
+            grip: Grip::Firm,
+            aligned: false,
+            restarted: false,
+            comb,
+        }
+    }
+
+    /// Takes the next edge and returns the number of the newest tick at that time; `None` if it is the edge before
+    /// again.
+    ///
+    /// As long as nobody knows whether the first edge was that of a rate or of a temperature update, this is the lower
+    /// of the two numbers that are possible.
+    #[inline]
+    pub(crate) fn advance(&mut self, edge: Edge) -> Option<u64> {
+        let Some(last) = self.last.replace(edge) else {
+            self.assume_temp_edge();
+            return Some(self.number());
+        };
+        let edges = edge.seq.wrapping_sub(last.seq);
+        if edges == 0 {
+            self.last = Some(last);
+            return None;
+        }
+        let elapsed_ns = edge.t_ns.wrapping_sub(last.t_ns) as i64;
+        if 0 < elapsed_ns && elapsed_ns <= self.reach_ns() && !self.restarted {
+            self.track(elapsed_ns << FRACTION_BITS);
+        } else {
+            self.leap(elapsed_ns, edges);
+        }
+        Some(self.number())
+    }
+
+    /// Whether the two possible numbers differ: the edges have changed from one kind of update to the other, and it is
+    /// not known which is which.
+    #[inline]
+    pub(crate) fn is_ambiguous(&self) -> bool {
+        self.tooth.on_rate && !self.aligned
+    }
+
+    /// Whether it is known which edges are those of rate updates.
+    pub(crate) fn is_aligned(&self) -> bool {
+        self.aligned
+    }
+
+    #[inline]
+    fn number(&self) -> u64 {
+        self.index.saturating_sub(self.is_ambiguous().into())
+    }
+
+    /// States that the edge just taken was a rate update, not one of temperature. Only the first time counts: from then
+    /// on the phase is tracked. Returns whether its number is thereby known to be the higher of two.
+    #[inline]
+    pub(crate) fn align(&mut self) -> bool {
+        let was_ambiguous = self.is_ambiguous();
+        if !self.aligned {
+            self.aligned = true;
+            self.since_tick = 0;
+            self.tooth.on_rate = true;
+        }
+        was_ambiguous
+    }
+
+    /// States that the edge just taken counts as the first, and returns its number.
+    pub(crate) fn begin(&mut self) -> u64 {
+        self.assume_temp_edge();
+        self.index
+    }
+
+    /// States that the conversions start anew: the next edge has a phase of its own.
+    pub(crate) fn restart(&mut self) {
+        self.restarted = true;
+    }
+
+    /// The learned time from one tick to the next, in ns.
+    pub(crate) fn period_ns(&self) -> f64 {
+        self.period as f64 / (1u64 << FRACTION_BITS) as f64
+    }
+
+    /// So many eighths of that time, in whole ns.
+    pub(crate) fn eighths_of_period_ns(&self, eighths: u32) -> u64 {
+        ((self.period >> 3) as u64 * u64::from(eighths)) >> FRACTION_BITS
+    }
+
+    /// The longest gap over which the period is known well enough to keep the phase: 4/α periods.
+    #[inline]
+    fn reach_ns(&self) -> i64 {
+        (self.period >> FRACTION_BITS) << (self.gear + 2)
+    }
+
+    #[inline]
+    fn track(&mut self, elapsed: i64) {
+        let position = self.since_tick + elapsed;
+        let periods = self.periods_in(position);
+        let position = position - periods as i64 * self.period;
+        let error = self.tooth.error(&self.comb, (self.period, self.temp), position);
+        self.index += periods;
+        self.since_tick = if self.comb.is_divided() { 0 } else { position - (error >> self.gear) };
+        if matches!(self.grip, Grip::Held(_)) {
+            // nothing can be learned
+        } else if self.gear < LOOP_GEAR {
+            self.acquire(elapsed);
+        } else {
+            self.follow(error, periods);
+        }
+        if let Some(lost) = self.lock.judge(&self.comb, error) {
+            self.hold(lost);
+        }
+    }
+
+    /// The period is the mean of the gaps, after 16, 32, 64 and 128 of them.
+    fn acquire(&mut self, elapsed: i64) {
+        self.gaps.push(&self.comb, (self.period, self.temp), elapsed);
+        if self.gaps.count() >= 8 << self.gear {
+            self.period = self.comb.clamped(self.comb.period + self.gaps.offset(&self.comb));
+            self.settle();
+            self.gear += 1;
+        }
+    }
+
+    /// The period takes part of the error, spread over the periods in which it arose.
+    #[inline]
+    fn follow(&mut self, error: i64, periods: u64) {
+        let spread = if periods > 1 { periods.ilog2() } else { 0 };
+        self.period = self.comb.clamped(self.period + (error >> (2 * self.gear + 1 + spread)));
+        if self.gear < self.comb.top_gear() {
+            self.edges_in_gear += 1;
+            if self.edges_in_gear >= 4 << self.gear {
+                self.gear += 1;
+                self.edges_in_gear = 0;
+            }
+        }
+    }
+
+    /// Learns anew if the edges do not lie on the comb; if that does not help, the nominal period holds for a while.
+    #[cold]
+    fn hold(&mut self, lost: bool) {
+        self.grip = self.grip.after(lost);
+        match self.grip {
+            Grip::Firm => {}
+            Grip::Loose => self.shift_to(FIRST_GEAR),
+            Grip::Held(_) => {
+                self.period = self.comb.period;
+                self.shift_to(LOOP_GEAR);
+            }
+        }
+        self.settle();
+    }
+
+    fn shift_to(&mut self, gear: u32) {
+        self.gear = gear;
+        self.edges_in_gear = 0;
+        self.gaps = Gaps::default();
+    }
+
+    /// Whole periods in `position`, where an edge up to the margin early belongs to the update that it announces.
+    #[inline]
+    fn periods_in(&self, position: i64) -> u64 {
+        let position = position + self.comb.margin;
+        if position < self.period {
+            0
+        } else if position < 2 * self.period {
+            1
+        } else {
+            quotient(position as u64, self.period as u64)
+        }
+    }
+
+    /// A gap too long to keep the phase over, conversions started anew, or a clock that went back or does not run:
+    /// counts the periods in it by the clock and, as a lower bound, by the number of edges, since each takes at least
+    /// one conversion. Divided edges come faster while nothing is read, so they count only where the clock does not.
+    #[cold]
+    fn leap(&mut self, elapsed_ns: i64, edges: u32) {
+        let elapsed = elapsed_ns.clamp(0, LONGEST_GAP_NS) << FRACTION_BITS;
+        let by_time = self.periods_in(self.since_tick + elapsed);
+        let went_back = edges > u32::MAX / 2;
+        let by_clock_alone = went_back || self.comb.is_divided() && by_time > 0;
+        let by_edges = if by_clock_alone { 1 } else { self.comb.periods_of_edges(edges) };
+        self.index += by_time.max(by_edges.into());
+        self.restarted = false;
+        self.gear = self.gear.min(LOOP_GEAR);
+        self.edges_in_gear = 0;
+        self.assume_temp_edge();
+    }
+
+    /// The phase is unknown: the edge is taken for that of a temperature update, as the first one after an
+    /// initialisation is, until [`align`](Self::align).
+    fn assume_temp_edge(&mut self) {
+        self.since_tick = self.temp;
+        self.tooth.on_rate = false;
+        self.aligned = false;
+    }
+
+    /// Moves the temperature tooth to where the period, which changes little by little, has got.
+    fn settle(&mut self) {
+        self.temp = self.comb.share_of_temp(self.period);
+    }
+}
