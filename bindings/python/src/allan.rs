@@ -12,6 +12,8 @@ use zerorate::allan::{
 };
 
 type Column<'py, T> = Bound<'py, PyArray1<T>>;
+/// Order, overlapped, modified.
+type OfDifferences = (u32, bool, bool);
 
 /// A record: integer codes of a rate, or numbers.
 #[derive(FromPyObject)]
@@ -160,6 +162,14 @@ pub fn deviations<'py>(
     let (dev, n): (Vec<f64>, Vec<i64>) =
         found.iter().map(|found| found.as_ref().map_or((f64::NAN, 0), |found| (found.dev, found.n as i64))).unzip();
     Ok((PyArray1::from_vec(py, dev), PyArray1::from_vec(py, n)))
+}
+
+/// The name of every statistic, with order, overlapped and modified of the differences that give its degrees of freedom;
+/// ``None`` where these have a formula of their own.
+#[pyfunction]
+pub fn statistics() -> Vec<(&'static str, Option<OfDifferences>)> {
+    let differences = |stat: Stat| stat.difference().map(|of| (of.order, of.overlapped, of.modified));
+    Stat::ALL.into_iter().map(|stat| (stat.name(), differences(stat))).collect()
 }
 
 /// Equivalent degrees of freedom of a statistic at ``m`` samples in a record of ``phase_points`` points, for the noise exponent ``alpha``.

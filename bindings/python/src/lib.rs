@@ -15,7 +15,7 @@ use pyo3::prelude::*;
 #[pymodule]
 mod _zerorate {
     #[pymodule_export]
-    use super::allan::{analyse, deviations, edf, finite_difference_edf, interval};
+    use super::allan::{analyse, deviations, edf, finite_difference_edf, interval, statistics};
     #[pymodule_export]
     use super::capture::{rate_dps, read_capture, temp_c};
     #[pymodule_export]

@@ -1,10 +1,14 @@
-"""What the stubs say is what is there."""
+"""What the stubs say is what is there, and what the core has is offered."""
 
 from __future__ import annotations
 
 import subprocess
 import sys
 from pathlib import Path
+from typing import get_args
+
+from zerorate import _zerorate, allan, allantools_compat
+from zerorate._allan import Stat
 
 PACKAGE = Path(__file__).resolve().parent.parent
 
@@ -20,3 +24,13 @@ def test_the_stub_is_the_extension() -> None:
 
 def test_the_package_and_its_tests_type_check() -> None:
     check("mypy", "python/zerorate", "tests")
+
+
+def test_every_statistic_of_the_core_is_offered_and_documented() -> None:
+    names = [name for name, _ in _zerorate.statistics()]
+    assert list(get_args(Stat)) == names
+    readme = (PACKAGE / "README.md").read_text(encoding="utf-8")
+    for name in names:
+        assert f"``{name}``" in (allan.__doc__ or "")
+        assert f"`{name}`" in readme or f'`stat="{name}"`' in readme
+        assert callable(getattr(allantools_compat, name)) and name in allantools_compat.__all__

@@ -2,6 +2,7 @@
 
 use super::Bench;
 use serde_json::Value;
+use zerorate::allan::Stat;
 
 /// White noise of a quarter of an hour at 100 Hz from a congruential generator: sums of twelve uniform numbers, a standard deviation of
 /// `sd`. Its N is `sd · √(1 / 100 Hz)`.
@@ -50,9 +51,11 @@ fn the_contract_of_json() {
 #[test]
 fn every_statistic_at_every_spacing() {
     let bench = bench();
-    for stat in ["adev", "oadev", "mdev", "tdev", "hdev", "ohdev", "totdev"] {
+    let help = bench.zerorate("allan --help").ok().split_whitespace().collect::<Vec<_>>().join(" ");
+    for stat in Stat::ALL {
+        assert!(help.contains(&format!("{stat} ({})", stat.title())), "{help}");
         let report = json(&bench.zerorate(&format!("allan {LOG} --stat {stat} --taus 0.01,1,10 --json")).ok());
-        assert_eq!(report["stat"], stat);
+        assert_eq!(report["stat"], stat.name());
         assert_eq!(report["points"].as_array().unwrap().len(), 3, "{stat}");
     }
     for (taus, points) in [("octave", 16), ("decade", 15), ("log:20", 20)] {

@@ -182,26 +182,12 @@ fn points(input: &Input<'_>, rate_hz: f64, options: &Options, found: &[Deviation
     let point = |(deviation, noise): (&Deviation, Identified)| {
         let &Deviation { m, dev, n } = deviation;
         let dev = dev * options.scale;
-        let left = n as f64 / terms(stat, total, m) as f64;
+        let left = n as f64 / stat.row().kernel.terms(total, m).max(1) as f64;
         let edf = (edf(stat, noise.cautious, m, total) * left).max(1.0);
         let (lo, hi) = interval(dev, edf, options.confidence);
         Point { tau_s: m as f64 / rate_hz, m, dev, lo, hi, edf, alpha: noise.alpha, n }
     };
     found.iter().zip(identify(input, stat, &lengths)).map(point).collect()
-}
-
-/// Terms in a record without gaps.
-fn terms(stat: Stat, phase_points: u64, m: u64) -> u64 {
-    let steps = phase_points.saturating_sub(1);
-    let terms = match stat {
-        Stat::Adev => (steps / m).saturating_sub(1),
-        Stat::Hdev => (steps / m).saturating_sub(2),
-        Stat::Oadev => phase_points.saturating_sub(2 * m),
-        Stat::Ohdev => phase_points.saturating_sub(3 * m),
-        Stat::Mdev | Stat::Tdev => (phase_points + 1).saturating_sub(3 * m),
-        Stat::Totdev => phase_points.saturating_sub(2),
-    };
-    terms.max(1)
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! Equivalent degrees of freedom of the deviations.
 
 use super::Stat;
+use super::stat::Freedom;
 
 /// Terms that are summed before tables take over (J_max of the paper).
 const MOST_TERMS: f64 = 100.0;
@@ -16,17 +17,11 @@ const LONGEST_FILTER: f64 = 1e6;
 /// OHDEV −4…2. Never below 1, 0 where the record has no term at all.
 #[must_use]
 pub fn edf(stat: Stat, alpha: i32, m: u64, phase_points: u64) -> f64 {
-    let difference = |order, overlapped, modified| Difference { order, overlapped, modified };
-    let difference = match stat {
-        Stat::Adev => difference(2, false, false),
-        Stat::Oadev => difference(2, true, false),
-        Stat::Mdev | Stat::Tdev => difference(2, true, true),
-        Stat::Hdev => difference(3, false, false),
-        Stat::Ohdev => difference(3, true, false),
-        Stat::Totdev if alpha > 0 => difference(2, true, false),
-        Stat::Totdev => return total_edf(alpha, m, phase_points),
-    };
-    finite_difference_edf(difference, alpha, m, phase_points)
+    let row = stat.row();
+    match row.freedom {
+        Freedom::Total if alpha <= 0 => total_edf(alpha, m, phase_points),
+        Freedom::Total | Freedom::Differences => finite_difference_edf(row.kernel.difference(), alpha, m, phase_points),
+    }
 }
 
 /// Which differences of the phase are squared and averaged.

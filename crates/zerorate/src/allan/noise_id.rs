@@ -3,6 +3,7 @@
 use super::kernels::{Deviation, Reason, deviations};
 use super::lag1::Lag1;
 use super::phase_points::{Run, for_each_run, phase_points, ramp};
+use super::stat::Row;
 use super::{Input, Stat};
 use alloc::boxed::Box;
 use alloc::vec::Vec;
@@ -56,16 +57,17 @@ pub(crate) fn identify(input: &Input<'_>, stat: Stat, m: &[u64]) -> Vec<Identifi
         let longest = points.saturating_sub(1) / fewest;
         (longest > 0 && m.first().is_some_and(|&first| averages(first) < fewest)).then_some(longest)
     };
-    let leads: Vec<u64> = [FOR_LAG1, fewest(stat)].into_iter().filter_map(lead).collect();
+    let row = stat.row();
+    let leads: Vec<u64> = [FOR_LAG1, row.fewest_averages].into_iter().filter_map(lead).collect();
     let lengths: Vec<u64> = leads.iter().chain(m).copied().collect();
     let decimated = decimate(input, &lengths, averages);
-    let found: Vec<Option<i32>> = decimated.iter().map(|series| series.identify(stat, averages(series.m))).collect();
+    let found: Vec<Option<i32>> = decimated.iter().map(|series| series.identify(row, averages(series.m))).collect();
     let phase_noise = resolve_phase_noise(input, &decimated, &found);
     let (mut last, mut certain) = (WHITE, WHITE);
     let all = found.iter().zip(phase_noise).zip(&lengths).map(|((&found, phase_noise), &m)| {
         last = match phase_noise.or(found) {
             Some(alpha) => alpha,
-            None if stat == Stat::Totdev && averages(m) < fewest(stat) => last.min(WHITE),
+            None if averages(m) < row.fewest_averages => last.min(row.carried_alpha),
             None => last,
         };
         if averages(m) >= FOR_LAG1 {
@@ -74,14 +76,6 @@ pub(crate) fn identify(input: &Input<'_>, stat: Stat, m: &[u64]) -> Vec<Identifi
         Identified { alpha: last, cautious: last.min(certain) }
     });
     all.skip(leads.len()).collect()
-}
-
-/// Averages of τ below which nothing is identified.
-fn fewest(stat: Stat) -> u64 {
-    match stat {
-        Stat::Adev | Stat::Hdev => 10,
-        Stat::Oadev | Stat::Mdev | Stat::Tdev | Stat::Ohdev | Stat::Totdev => 8,
-    }
 }
 
 /// The phase at every m-th point.
@@ -162,17 +156,17 @@ impl Decimated {
         }
     }
 
-    fn identify(&self, stat: Stat, averages: u64) -> Option<i32> {
+    fn identify(&self, row: &Row, averages: u64) -> Option<i32> {
         match &self.series {
-            Series::Long(lag1) => by_lag1(lag1, stat),
-            Series::Short(short) if averages >= fewest(stat) => by_b1(&short.phase),
+            Series::Long(lag1) => by_lag1(lag1, row),
+            Series::Short(short) if averages >= row.fewest_averages => by_b1(&short.phase),
             Series::Short(_) => None,
         }
     }
 }
 
-fn by_lag1(lag1: &Lag1, stat: Stat) -> Option<i32> {
-    let deepest = if matches!(stat, Stat::Hdev | Stat::Ohdev) { 3 } else { 2 };
+fn by_lag1(lag1: &Lag1, row: &Row) -> Option<i32> {
+    let deepest = row.kernel.difference().order as usize;
     for order in 0..=deepest {
         let r1 = lag1.correlation(order)?;
         let delta = r1 / (1.0 + r1);

@@ -1,43 +1,153 @@
+use super::Difference;
+use super::kernels::{Kernel, Order, Plain};
 use core::fmt;
 use core::str::FromStr;
 
-/// What is computed. Every one of them is a root of a mean of squared differences of adjacent averages over τ.
-///
-/// x is the running sum of the rate in steps of one sample (for a gyroscope: the angle), m the samples in each average, N the
-/// points of x, one more than samples of the rate. d₂ = x\[i+2m\] − 2x\[i+m\] + x\[i\] and d₃ = x\[i+3m\] − 3x\[i+2m\] + 3x\[i+m\] − x\[i\].
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Stat {
+/// All that tells one statistic from the others.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Row {
+    /// As users write it.
+    pub name: &'static str,
+    /// In words.
+    pub title: &'static str,
+    /// The differences that are squared: their order, from one to the next, what a record must have for one of them.
+    pub kernel: Kernel,
+    /// What the mean square of the differences of averages is divided by: the statistic of white noise is that of its averages.
+    pub divisor: f64,
+    /// What the root is multiplied by, which makes the unit.
+    pub factor: Factor,
+    /// Where its degrees of freedom are from.
+    pub freedom: Freedom,
+    /// Averages of τ below which no noise is identified.
+    pub fewest_averages: u64,
+    /// Largest exponent α of the noise that lengths with still fewer averages take over from shorter ones.
+    pub carried_alpha: i32,
+    /// Its expected square is the Allan variance, so that a [`Fit`](super::Fit) is a model of it.
+    pub is_allan: bool,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Factor {
+    One,
+    TauPerSqrt3,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Freedom {
+    /// The formula for finite differences.
+    Differences,
+    /// The own one of the total deviation, which is for frequency noise; else that for the differences within the record.
+    Total,
+}
+
+macro_rules! statistics {
+    ($($(#[$doc:meta])* $stat:ident { $($field:ident: $value:expr,)* })*) => {
+        /// What is computed. Every one of them is a root of a mean of squared differences of adjacent averages over τ.
+        ///
+        /// x is the running sum of the rate in steps of one sample (for a gyroscope: the angle), m the samples in each average, N the
+        /// points of x, one more than samples of the rate. d₂ = x\[i+2m\] − 2x\[i+m\] + x\[i\] and
+        /// d₃ = x\[i+3m\] − 3x\[i+2m\] + 3x\[i+m\] − x\[i\].
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+        pub enum Stat {$($(#[$doc])* $stat,)*}
+
+        impl Stat {
+            /// All of them.
+            pub const ALL: [Self; TABLE.len()] = [$(Self::$stat),*];
+        }
+
+        const TABLE: &[Row] = &[$(Row { $($field: $value),* }),*];
+    };
+}
+
+// One row each. Whoever adds one whose differences no kernel forms yet adds that to `Kernel`; the compiler asks for the rest.
+statistics! {
     /// Allan deviation, every m-th i: σ² = ⟨d₂²⟩ / 2m² (NIST SP 1065 equation 10).
-    Adev,
+    Adev {
+        name: "adev", title: "Allan deviation",
+        kernel: every_average(Order::Second), divisor: 2.0, factor: Factor::One, freedom: Freedom::Differences,
+        fewest_averages: 10, carried_alpha: 2, is_allan: true,
+    }
     /// Overlapping Allan deviation, every i: σ² = ⟨d₂²⟩ / 2m² (NIST SP 1065 equation 11).
-    Oadev,
+    Oadev {
+        name: "oadev", title: "overlapping Allan deviation",
+        kernel: every_sample(Order::Second), divisor: 2.0, factor: Factor::One, freedom: Freedom::Differences,
+        fewest_averages: 8, carried_alpha: 2, is_allan: true,
+    }
     /// Modified Allan deviation: σ² = ⟨(sum of m adjacent d₂)²⟩ / 2m⁴ (NIST SP 1065 equation 14).
-    Mdev,
+    Mdev {
+        name: "mdev", title: "modified Allan deviation",
+        kernel: Kernel::Modified, divisor: 2.0, factor: Factor::One, freedom: Freedom::Differences,
+        fewest_averages: 8, carried_alpha: 2, is_allan: false,
+    }
     /// Time deviation τ / √3 times the modified Allan deviation, in units of the input times s (NIST SP 1065 equation 15).
-    Tdev,
+    Tdev {
+        name: "tdev", title: "time deviation",
+        kernel: Kernel::Modified, divisor: 2.0, factor: Factor::TauPerSqrt3, freedom: Freedom::Differences,
+        fewest_averages: 8, carried_alpha: 2, is_allan: false,
+    }
     /// Hadamard deviation, every m-th i: σ² = ⟨d₃²⟩ / 6m² (NIST SP 1065 equation 17).
-    Hdev,
+    Hdev {
+        name: "hdev", title: "Hadamard deviation",
+        kernel: every_average(Order::Third), divisor: 6.0, factor: Factor::One, freedom: Freedom::Differences,
+        fewest_averages: 10, carried_alpha: 2, is_allan: false,
+    }
     /// Overlapping Hadamard deviation, every i: σ² = ⟨d₃²⟩ / 6m² (NIST SP 1065 equation 18).
-    Ohdev,
+    Ohdev {
+        name: "ohdev", title: "overlapping Hadamard deviation",
+        kernel: every_sample(Order::Third), divisor: 6.0, factor: Factor::One, freedom: Freedom::Differences,
+        fewest_averages: 8, carried_alpha: 2, is_allan: false,
+    }
     /// Total deviation: as the overlapping Allan deviation, with x continued by reflection through both of its ends, and i such
     /// that the point in the middle, i+m, is every one but the first and the last (NIST SP 1065 equation 25).
-    Totdev,
+    Totdev {
+        name: "totdev", title: "total deviation",
+        kernel: Kernel::Reflected, divisor: 2.0, factor: Factor::One, freedom: Freedom::Total,
+        fewest_averages: 8, carried_alpha: 0, is_allan: true,
+    }
+}
+
+const fn every_average(order: Order) -> Kernel {
+    Kernel::Plain(Plain { order, overlapping: false })
+}
+
+const fn every_sample(order: Order) -> Kernel {
+    Kernel::Plain(Plain { order, overlapping: true })
 }
 
 impl Stat {
-    /// All of them.
-    pub const ALL: [Self; 7] = [Self::Adev, Self::Oadev, Self::Mdev, Self::Tdev, Self::Hdev, Self::Ohdev, Self::Totdev];
+    pub(super) const fn row(self) -> &'static Row {
+        &TABLE[self as usize]
+    }
 
     /// Its name in lower case: `oadev`.
     pub const fn name(self) -> &'static str {
-        match self {
-            Self::Adev => "adev",
-            Self::Oadev => "oadev",
-            Self::Mdev => "mdev",
-            Self::Tdev => "tdev",
-            Self::Hdev => "hdev",
-            Self::Ohdev => "ohdev",
-            Self::Totdev => "totdev",
+        self.row().name
+    }
+
+    /// What it is called in words: `overlapping Allan deviation`.
+    pub const fn title(self) -> &'static str {
+        self.row().title
+    }
+
+    /// Whether its unit is that of the rate times s, as the angle's is, instead of that of the rate.
+    pub const fn is_times_s(self) -> bool {
+        match self.row().factor {
+            Factor::One => false,
+            Factor::TauPerSqrt3 => true,
+        }
+    }
+
+    /// Whether its expected square is the Allan variance, which a [`Fit`](super::Fit) models, so that the two curves compare.
+    pub const fn is_allan(self) -> bool {
+        self.row().is_allan
+    }
+
+    /// The differences whose [`finite_difference_edf`](super::finite_difference_edf) are its degrees of freedom; none for the total
+    /// deviation, which has its own formula.
+    pub const fn difference(self) -> Option<Difference> {
+        match self.row().freedom {
+            Freedom::Differences => Some(self.row().kernel.difference()),
+            Freedom::Total => None,
         }
     }
 }
@@ -81,5 +191,28 @@ mod tests {
         }
         let error = "theo1".parse::<Stat>().unwrap_err();
         assert_eq!(error.to_string(), "not a statistic; there are adev oadev mdev tdev hdev ohdev totdev");
+    }
+
+    /// NIST SP 1065 section 5.4.1's d, S = m and F = 1, and what the handbook says of unit and expected value, typed again.
+    #[test]
+    fn rows_are_those_of_the_handbook() {
+        let of = |order, overlapped, modified| Some(Difference { order, overlapped, modified });
+        let handbook = [
+            (Stat::Adev, of(2, false, false), false, true),
+            (Stat::Oadev, of(2, true, false), false, true),
+            (Stat::Mdev, of(2, true, true), false, false),
+            (Stat::Tdev, of(2, true, true), true, false),
+            (Stat::Hdev, of(3, false, false), false, false),
+            (Stat::Ohdev, of(3, true, false), false, false),
+            (Stat::Totdev, None, false, true),
+        ];
+        for (stat, difference, is_times_s, is_allan) in handbook {
+            assert_eq!(
+                (stat.difference(), stat.is_times_s(), stat.is_allan()),
+                (difference, is_times_s, is_allan),
+                "{stat}"
+            );
+            assert!(stat.title().ends_with("deviation"));
+        }
     }
 }

@@ -78,12 +78,7 @@ impl core::error::Error for TausError {}
 /// nothing new is in there beyond half of it: (N − 1)/2.
 #[must_use]
 pub fn longest(stat: Stat, phase_points: u64) -> u64 {
-    let steps = phase_points.saturating_sub(1);
-    match stat {
-        Stat::Adev | Stat::Oadev | Stat::Totdev => steps / 2,
-        Stat::Hdev | Stat::Ohdev => steps / 3,
-        Stat::Mdev | Stat::Tdev => phase_points / 3,
-    }
+    stat.row().kernel.longest(phase_points)
 }
 
 impl Taus {

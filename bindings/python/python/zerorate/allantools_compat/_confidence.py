@@ -143,14 +143,7 @@ def confidence_interval_noiseID(
     NotImplementedError
         For other deviations, and below 30 averages.
     """
-    kinds = {
-        "adev": (2, False, False),
-        "oadev": (2, True, False),
-        "mdev": (2, True, True),
-        "tdev": (2, True, True),
-        "hdev": (3, False, False),
-        "ohdev": (3, True, False),
-    }
+    kinds = {name: difference for name, difference in _zerorate.statistics() if difference}
     if dev_type not in kinds:
         raise NotImplementedError(f"dev_type = {dev_type!r}: give one of {', '.join(kinds)}")
     d, overlapping, modified = kinds[dev_type]

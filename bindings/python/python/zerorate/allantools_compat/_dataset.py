@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from typing import Any
 
+from .. import _zerorate
 from . import _deviations
 from ._offer import NOT_OFFERED, NotOffered
 
@@ -70,7 +71,7 @@ class Dataset:
                 print(f"{round(tau * self.inp['rate'])} {tau:.{digits}e} {n:.0f} NaN {numbers}", file=file)
 
 
-_NAMES = ("adev", "oadev", "mdev", "tdev", "hdev", "ohdev", "totdev")
+_NAMES = [name for name, _ in _zerorate.statistics()]
 
 
 def _no_deviation(name: str) -> Exception:

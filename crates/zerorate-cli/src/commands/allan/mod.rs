@@ -37,8 +37,7 @@ pub struct AllanArgs {
     #[command(flatten)]
     column: ColumnArgs,
 
-    /// The statistic: adev, oadev (overlapping Allan), mdev (modified), tdev (time), hdev, ohdev (Hadamard) or totdev (total).
-    #[arg(long, default_value = "oadev")]
+    #[arg(long, default_value = "oadev", help = statistics())]
     stat: Stat,
 
     /// The averaging times: octave, decade (1, 2, 4, 10 … samples), log:N (N of them, evenly spaced in the logarithm), all, or a list in
@@ -86,6 +85,11 @@ pub struct AllanArgs {
     /// Print the result as one JSON object.
     #[arg(long)]
     json: bool,
+}
+
+fn statistics() -> String {
+    let names: Vec<String> = Stat::ALL.iter().map(|stat| format!("{stat} ({})", stat.title())).collect();
+    format!("The statistic: {}", names.join(", "))
 }
 
 /// What a column holds.

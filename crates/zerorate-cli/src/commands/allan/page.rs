@@ -13,7 +13,7 @@ pub fn write(file: Staged, records: &[Record]) -> Result<()> {
     let first = records.first();
     let page = AllanPage {
         command: std::iter::once("zerorate".to_owned()).chain(std::env::args().skip(1)).collect::<Vec<_>>().join(" "),
-        quantity: first.map(Record::quantity).unwrap_or_default().to_owned(),
+        quantity: first.map(Record::title).unwrap_or_default().to_owned(),
         unit: first.and_then(deviation_unit).unwrap_or_default().to_owned(),
         interval: first.map(|record| super::units::interval(record.confidence)).unwrap_or_default(),
         coefficient_interval: "95 % intervals".to_owned(),

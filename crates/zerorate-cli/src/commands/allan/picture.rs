@@ -38,14 +38,13 @@ pub fn write(kind: Kind, file: Staged, records: &[Record]) -> Result<()> {
 /// The picture of all records. The fit is one of Allan deviations, so another statistic is drawn without it.
 pub fn svg(records: &[Record]) -> String {
     let curves: Vec<Curve> = records.iter().map(curve).collect();
-    let quantity = records.first().map(Record::quantity).unwrap_or_default().to_owned();
+    let quantity = records.first().map(Record::title).unwrap_or_default().to_owned();
     let unit = records.first().and_then(deviation_unit).unwrap_or_default();
     let title = match records {
         [only] => Some(only.label()),
         _ => None,
     };
-    let subtitle =
-        records.first().map(|record| format!("{}, {}", record.quantity(), units::interval(record.confidence)));
+    let subtitle = records.first().map(|record| format!("{}, {}", record.title(), units::interval(record.confidence)));
     plot::allan(
         &curves,
         &plot::Options { title, subtitle, quantity, unit: unit.to_owned(), ..plot::Options::default() },
@@ -55,7 +54,7 @@ pub fn svg(records: &[Record]) -> String {
 fn curve(record: &Record) -> Curve {
     let points = record.analysis.points.iter();
     let points = points.map(|point| plot::Point { tau_s: point.tau_s, dev: point.dev, lo: point.lo, hi: point.hi });
-    let found = coefficients(record).into_iter().filter(|_| record.is_allan());
+    let found = coefficients(record).into_iter().filter(|_| record.analysis.stat.is_allan());
     let law = |named: Named<'_>| {
         let (value, ..) = named.in_unit(0);
         let doubt = if named.coefficient.identified { "" } else { " (not identified)" };

@@ -57,27 +57,14 @@ impl Record {
         format!("{}, column {}", self.file.display(), self.column)
     }
 
-    /// What the statistic is called.
-    pub fn quantity(&self) -> &'static str {
-        match self.analysis.stat {
-            Stat::Adev => "Allan deviation",
-            Stat::Oadev => "overlapping Allan deviation",
-            Stat::Mdev => "modified Allan deviation",
-            Stat::Tdev => "time deviation",
-            Stat::Hdev => "Hadamard deviation",
-            Stat::Ohdev => "overlapping Hadamard deviation",
-            Stat::Totdev => "total deviation",
-        }
-    }
-
-    /// Whether the lines of the fit belong to this deviation.
-    pub fn is_allan(&self) -> bool {
-        matches!(self.analysis.stat, Stat::Adev | Stat::Oadev | Stat::Totdev)
+    /// What the deviation is called.
+    pub fn title(&self) -> &'static str {
+        self.analysis.stat.title()
     }
 
     /// Averaging time and deviation of the minimum: that of the fit, or of the points where the fit is of another statistic.
     pub fn minimum(&self) -> Option<(f64, f64)> {
-        if let (true, Ok(fit)) = (self.is_allan(), &self.fit) {
+        if let (true, Ok(fit)) = (self.analysis.stat.is_allan(), &self.fit) {
             return match allan::advice(fit).averaging {
                 Averaging::Minimum { tau_s, dev } => Some((tau_s, dev)),
                 _ => None,

@@ -14,7 +14,7 @@ pub fn heading(record: &Record) -> String {
         record.label(),
         analysis.samples,
         analysis.rate_hz,
-        record.quantity(),
+        record.title(),
         units::interval(record.confidence),
     )
 }

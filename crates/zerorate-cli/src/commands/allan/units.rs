@@ -1,7 +1,7 @@
 //! Noise coefficients in the units that data sheets, standards and users have them in.
 
 use super::record::Record;
-use zerorate::allan::{Coefficient, Stat};
+use zerorate::allan::Coefficient;
 use zerorate::noise::FLOOR_PER_B;
 
 /// A coefficient by name and units, its main unit first.
@@ -103,7 +103,7 @@ pub fn span(seconds: f64) -> String {
 
 /// The unit of the deviations of a record, for people; none if nobody stated it.
 pub fn deviation_unit(record: &Record) -> Option<&'static str> {
-    record.unit_known.then_some(if record.analysis.stat == Stat::Tdev { "°" } else { "°/s" })
+    record.unit_known.then_some(if record.analysis.stat.is_times_s() { "°" } else { "°/s" })
 }
 
 /// The noise with the exponent α of the rate's density, as gyroscope people call it.

@@ -1,7 +1,7 @@
 use super::array::Array;
 use super::exact::ExactSum;
+use super::kernel::{Kernel, Order, Plain};
 use super::lanes::{self, SHORT};
-use super::shape::Shape;
 use super::{Reason, Squares, sweep, threads};
 use alloc::vec::Vec;
 
@@ -12,12 +12,12 @@ const PIECE: usize = 1 << 17;
 ///
 /// A difference that is known to be small may be formed from running sums modulo a power of two: the narrower these are, the less
 /// memory has to be read.
-pub(super) fn squares(codes: &[i32], shape: Shape, m: &[usize]) -> Vec<Result<Squares, Reason>> {
+pub(super) fn squares(codes: &[i32], kernel: Kernel, m: &[usize]) -> Vec<Result<Squares, Reason>> {
     let bounds = Bounds::of(codes);
-    let width = |&m: &usize| bounds.width(shape, m);
+    let width = |&m: &usize| bounds.width(kernel, m);
     let by_width = [Width::Narrow, Width::Middle, Width::Wide].map(|this| {
         let m: Vec<usize> = m.iter().copied().filter(|m| width(m) == this).collect();
-        sums(codes, &bounds, shape, &m, this).into_iter()
+        sums(codes, &bounds, kernel, &m, this).into_iter()
     });
     let [mut narrow, mut middle, mut wide] = by_width;
     let mut next = |m: &usize| match width(m) {
@@ -25,8 +25,8 @@ pub(super) fn squares(codes: &[i32], shape: Shape, m: &[usize]) -> Vec<Result<Sq
         Width::Middle => middle.next(),
         Width::Wide => wide.next(),
     };
-    let n = |m| shape.terms(codes.len() + 1, m) as u64;
-    let squares = |sum: ExactSum, m| Squares { sum: sum.to_f64(), n: n(m), per: shape.per(m) };
+    let n = |m| kernel.terms(codes.len() as u64 + 1, m as u64);
+    let squares = |sum: ExactSum, m| Squares { sum: sum.to_f64(), n: n(m), per: kernel.per(m) };
     m.iter().map(|m| next(m).map(|sum| squares(sum, *m)).ok_or(Reason::NotFinite)).collect()
 }
 
@@ -76,17 +76,21 @@ impl Bounds {
 
     /// A difference of two sums over m is below m times the range of the codes, and below twice the range of the running sum
     /// (four times, where it is reflected or a third difference).
-    fn width(&self, shape: Shape, m: usize) -> Width {
+    fn width(&self, kernel: Kernel, m: usize) -> Width {
         let long = m as u128;
-        let largest = match shape {
-            Shape::Second { .. } => (2 * self.sums).min(long * self.codes),
-            Shape::Third { .. } => (4 * self.sums).min(2 * long * self.codes),
-            Shape::Total => (4 * self.sums).min(long * self.codes),
-            Shape::Modified => long * (2 * self.sums).min(long * self.codes),
+        let (largest, narrowest) = match kernel {
+            Kernel::Plain(Plain { order: Order::Second, .. }) => {
+                ((2 * self.sums).min(long * self.codes), Width::Narrow)
+            }
+            Kernel::Plain(Plain { order: Order::Third, .. }) => {
+                ((4 * self.sums).min(2 * long * self.codes), Width::Narrow)
+            }
+            Kernel::Reflected => ((4 * self.sums).min(long * self.codes), Width::Narrow),
+            Kernel::Modified => (long * (2 * self.sums).min(long * self.codes), Width::Middle),
         };
         match largest {
-            0..NARROW if shape != Shape::Modified => Width::Narrow,
-            0..MIDDLE => Width::Middle,
+            0..NARROW => narrowest,
+            NARROW..MIDDLE => Width::Middle,
             _ => Width::Wide,
         }
     }
@@ -95,19 +99,21 @@ impl Bounds {
 const NARROW: u128 = 1 << 28;
 const MIDDLE: u128 = 1 << 56;
 
-fn sums(codes: &[i32], bounds: &Bounds, shape: Shape, m: &[usize], width: Width) -> Vec<ExactSum> {
+fn sums(codes: &[i32], bounds: &Bounds, kernel: Kernel, m: &[usize], width: Width) -> Vec<ExactSum> {
     if m.is_empty() {
         return Vec::new();
     }
-    match width {
-        Width::Narrow => sweep::sums::<i32>(&narrow_sum(codes, bounds), shape, m),
-        Width::Middle if shape == Shape::Modified => {
-            sweep::sums::<i64>(&sum_of_sums(codes, bounds), Shape::Third { overlapping: true }, m)
+    match (width, kernel) {
+        (Width::Narrow, Kernel::Plain(plain)) => sweep::sums::<i32>(&narrow_sum(codes, bounds), plain, m),
+        (Width::Narrow, Kernel::Reflected) => sweep::reflected_sums::<i32>(&narrow_sum(codes, bounds), m),
+        (Width::Middle, Kernel::Plain(plain)) => sweep::sums::<i64>(&running_sum(codes, bounds), plain, m),
+        (Width::Middle, Kernel::Reflected) => sweep::reflected_sums::<i64>(&running_sum(codes, bounds), m),
+        (Width::Narrow | Width::Middle, Kernel::Modified) => {
+            sweep::sums::<i64>(&sum_of_sums(codes, bounds), Plain::OF_SUMS, m)
         }
-        Width::Middle => sweep::sums::<i64>(&running_sum(codes, bounds), shape, m),
-        Width::Wide => {
+        (Width::Wide, _) => {
             let x = running_sum(codes, bounds);
-            threads::map(m.len(), |i| sum(&x, shape, m[i]))
+            threads::map(m.len(), |i| sum(&x, kernel, m[i]))
         }
     }
 }
@@ -160,16 +166,16 @@ fn sum_of_sums(codes: &[i32], bounds: &Bounds) -> Array<i64> {
     out
 }
 
-fn sum(x: &[i64], shape: Shape, m: usize) -> ExactSum {
+fn sum(x: &[i64], kernel: Kernel, m: usize) -> ExactSum {
     let mut sum = ExactSum::default();
     let at = |i: usize| i128::from(x[i]);
     let second = |i: usize| at(i + 2 * m) - 2 * at(i + m) + at(i);
     let third = |i: usize| second(i + m) - second(i);
-    let starts = (0..shape.terms(x.len(), m)).map(|term| term * shape.stride(m));
-    match shape {
-        Shape::Second { .. } => starts.for_each(|i| sum.add_square(second(i))),
-        Shape::Third { .. } => starts.for_each(|i| sum.add_square(third(i))),
-        Shape::Modified => {
+    let starts = kernel.starts(x.len(), m);
+    match kernel {
+        Kernel::Plain(Plain { order: Order::Second, .. }) => starts.for_each(|i| sum.add_square(second(i))),
+        Kernel::Plain(Plain { order: Order::Third, .. }) => starts.for_each(|i| sum.add_square(third(i))),
+        Kernel::Modified => {
             let mut inner = (0..m).map(second).sum();
             sum.add_square(inner);
             for i in starts.take(x.len() - 3 * m) {
@@ -177,7 +183,7 @@ fn sum(x: &[i64], shape: Shape, m: usize) -> ExactSum {
                 sum.add_square(inner);
             }
         }
-        Shape::Total => starts.for_each(|i| sum.add_square(reflected(x, i + 1, m))),
+        Kernel::Reflected => starts.for_each(|i| sum.add_square(reflected(x, i + 1, m))),
     }
     sum
 }

@@ -1,5 +1,5 @@
 use super::array::Array;
-use super::shape::Shape;
+use super::kernel::{Kernel, Plain};
 use super::sweep::Fixed;
 use super::{Reason, Squares, lanes, sweep, threads};
 use alloc::vec;
@@ -59,12 +59,13 @@ fn run(rate: &[f64], mean: f64, before: f64, x: &mut [f64]) {
     }
 }
 
-pub(super) fn squares(x: &[f64], shape: Shape, m: &[usize]) -> Vec<Result<Squares, Reason>> {
-    let sums = match shape {
-        Shape::Modified => modified(x, m),
-        _ => sweep::sums::<f64>(x, shape, m),
+pub(super) fn squares(x: &[f64], kernel: Kernel, m: &[usize]) -> Vec<Result<Squares, Reason>> {
+    let sums = match kernel {
+        Kernel::Plain(plain) => sweep::sums::<f64>(x, plain, m),
+        Kernel::Modified => modified(x, m),
+        Kernel::Reflected => sweep::reflected_sums::<f64>(x, m),
     };
-    let squares = |(sum, &m)| Squares { sum, n: shape.terms(x.len(), m) as u64, per: shape.per(m) };
+    let squares = |(sum, &m)| Squares { sum, n: kernel.terms(x.len() as u64, m as u64), per: kernel.per(m) };
     sums.into_iter().zip(m).map(|pair| Ok(squares(pair))).collect()
 }
 
@@ -84,7 +85,7 @@ fn modified(x: &[f64], m: &[usize]) -> Vec<f64> {
         let step = bounds.step(of_class.iter().copied().max().unwrap_or(0));
         if !class.is_empty() {
             bounds.sum_sums(x, step, &mut sum_of_sums[1..]);
-            let found = sweep::sums::<Fixed>(&sum_of_sums, Shape::Third { overlapping: true }, &of_class);
+            let found = sweep::sums::<Fixed>(&sum_of_sums, Plain::OF_SUMS, &of_class);
             class.iter().zip(found).for_each(|(&i, sum)| sums[i] = sum * step * step);
         }
         shortest = longest;

@@ -1,6 +1,6 @@
 //! Records with missing samples.
 
-use super::shape::Shape;
+use super::kernel::{Kernel, Order, Plain};
 use super::{Reason, Squares};
 use crate::allan::{Gap, Input};
 use alloc::vec;
@@ -9,15 +9,15 @@ use alloc::vec::Vec;
 /// A record of which less than 1 sample in so many is there is refused; this bounds the memory.
 const SPARSEST: u64 = 16;
 
-pub(super) fn squares(input: &Input<'_>, shape: Shape, m: &[usize]) -> Vec<Result<Squares, Reason>> {
+pub(super) fn squares(input: &Input<'_>, kernel: Kernel, m: &[usize]) -> Vec<Result<Squares, Reason>> {
     let len = input.len();
     if len / SPARSEST > len - input.missing() {
         return vec![Err(Reason::Gaps); m.len()];
     }
     match input {
-        Input::Codes { codes, gaps } => each(&Present::of(&expanded(codes, gaps)), shape, m),
-        Input::Rate(rate) => each(&Present::of(rate), shape, m),
-        Input::Phase(phase) => each(&Points(phase), shape, m),
+        Input::Codes { codes, gaps } => each(&Present::of(&expanded(codes, gaps)), kernel, m),
+        Input::Rate(rate) => each(&Present::of(rate), kernel, m),
+        Input::Phase(phase) => each(&Points(phase), kernel, m),
     }
 }
 
@@ -35,18 +35,22 @@ fn expanded(codes: &[i32], gaps: &[Gap]) -> Vec<f64> {
     rate
 }
 
-fn each(record: &impl Record, shape: Shape, m: &[usize]) -> Vec<Result<Squares, Reason>> {
-    m.iter().map(|&m| sum(record, shape, m)).collect()
+fn each(record: &impl Record, kernel: Kernel, m: &[usize]) -> Vec<Result<Squares, Reason>> {
+    m.iter().map(|&m| sum(record, kernel, m)).collect()
 }
 
-fn sum(record: &impl Record, shape: Shape, m: usize) -> Result<Squares, Reason> {
-    let starts = (0..shape.terms(record.points(), m)).map(|term| term * shape.stride(m));
+fn sum(record: &impl Record, kernel: Kernel, m: usize) -> Result<Squares, Reason> {
+    let starts = kernel.starts(record.points(), m);
     let mut valid = Valid::default();
-    match shape {
-        Shape::Second { .. } => starts.for_each(|i| valid.add(record.second(i as isize, m))),
-        Shape::Third { .. } => starts.for_each(|i| valid.add(record.third(i as isize, m))),
-        Shape::Total => starts.for_each(|i| valid.add(record.second(i as isize + 1 - m as isize, m))),
-        Shape::Modified => modified(record, m, starts, &mut valid),
+    match kernel {
+        Kernel::Plain(Plain { order: Order::Second, .. }) => {
+            starts.for_each(|i| valid.add(record.second(i as isize, m)));
+        }
+        Kernel::Plain(Plain { order: Order::Third, .. }) => {
+            starts.for_each(|i| valid.add(record.third(i as isize, m)));
+        }
+        Kernel::Reflected => starts.for_each(|i| valid.add(record.second(i as isize + 1 - m as isize, m))),
+        Kernel::Modified => modified(record, m, starts, &mut valid),
     }
     match valid.n {
         0 => Err(Reason::Gaps),

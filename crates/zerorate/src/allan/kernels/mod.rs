@@ -7,17 +7,19 @@ mod codes;
 mod exact;
 mod float;
 mod gaps;
+mod kernel;
 mod lanes;
-mod shape;
 mod sweep;
 #[cfg(test)]
 mod tests;
 mod threads;
 
+pub(super) use kernel::{Kernel, Order, Plain};
+
+use super::stat::{Factor, Row};
 use super::{Input, Stat};
 use alloc::vec::Vec;
 use core::fmt;
-use shape::Shape;
 
 /// A statistic at one averaging time.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -96,44 +98,44 @@ struct Squares {
 /// assert_eq!(at_one.n, 3);
 /// ```
 pub fn deviations(input: &Input<'_>, rate_hz: f64, stat: Stat, m: &[u64]) -> Vec<Result<Deviation, Reason>> {
-    let shape = Shape::of(stat);
+    let row = stat.row();
     let is_phase = matches!(input, Input::Phase(_));
     let samples = input.len() - u64::from(is_phase && !input.is_empty());
-    let checked: Vec<_> = m.iter().map(|&m| shape.check(samples, m, is_phase)).collect();
+    let checked: Vec<_> = m.iter().map(|&m| row.kernel.check(samples, m, is_phase)).collect();
     let fitting: Vec<usize> = checked.iter().filter_map(|m| m.ok()).collect();
-    let mut squares = squares(input, shape, &fitting).into_iter();
-    let scale = |m: usize| scale(stat, is_phase, rate_hz, m);
-    let mut finish = |m| squares.next().ok_or(Reason::Gaps)?.and_then(|squares| deviation(squares, shape, m, scale(m)));
+    let mut squares = squares(input, row.kernel, &fitting).into_iter();
+    let scale = |m: usize| scale(row.factor, is_phase, rate_hz, m);
+    let mut finish = |m| squares.next().ok_or(Reason::Gaps)?.and_then(|squares| deviation(squares, row, m, scale(m)));
     checked.into_iter().map(|m| m.and_then(&mut finish)).collect()
 }
 
 /// Sums for each of `m`, all of which fit into the record.
-fn squares(input: &Input<'_>, shape: Shape, m: &[usize]) -> Vec<Result<Squares, Reason>> {
+fn squares(input: &Input<'_>, kernel: Kernel, m: &[usize]) -> Vec<Result<Squares, Reason>> {
     if m.is_empty() {
         return Vec::new();
     }
     let whole = match *input {
-        Input::Codes { codes, .. } if input.missing() == 0 => Some(codes::squares(codes, shape, m)),
+        Input::Codes { codes, .. } if input.missing() == 0 => Some(codes::squares(codes, kernel, m)),
         Input::Codes { .. } => None,
-        Input::Rate(rate) => float::phase(rate).map(|phase| float::squares(&phase, shape, m)),
-        Input::Phase(phase) if input.missing() == 0 => Some(float::squares(phase, shape, m)),
+        Input::Rate(rate) => float::phase(rate).map(|phase| float::squares(&phase, kernel, m)),
+        Input::Phase(phase) if input.missing() == 0 => Some(float::squares(phase, kernel, m)),
         Input::Phase(_) => None,
     };
-    whole.unwrap_or_else(|| gaps::squares(input, shape, m))
+    whole.unwrap_or_else(|| gaps::squares(input, kernel, m))
 }
 
 /// What a difference of averages in units of the record's step is in units of the deviation.
-fn scale(stat: Stat, is_phase: bool, rate_hz: f64, m: usize) -> f64 {
+fn scale(factor: Factor, is_phase: bool, rate_hz: f64, m: usize) -> f64 {
     let per_second = if is_phase { rate_hz } else { 1.0 };
-    match stat {
-        Stat::Tdev => per_second * (m as f64 / rate_hz) / libm::sqrt(3.0),
-        _ => per_second,
+    match factor {
+        Factor::One => per_second,
+        Factor::TauPerSqrt3 => per_second * (m as f64 / rate_hz) / libm::sqrt(3.0),
     }
 }
 
-fn deviation(squares: Squares, shape: Shape, m: usize, scale: f64) -> Result<Deviation, Reason> {
+fn deviation(squares: Squares, row: &Row, m: usize, scale: f64) -> Result<Deviation, Reason> {
     let Squares { sum, n, per } = squares;
-    let dev = libm::sqrt(sum / (shape.divisor() * n as f64)) / per * scale;
+    let dev = libm::sqrt(sum / (row.divisor * n as f64)) / per * scale;
     let dev = Deviation { m: m as u64, dev, n };
     if dev.dev.is_finite() { Ok(dev) } else { Err(Reason::NotFinite) }
 }

@@ -6,8 +6,8 @@
 
 use super::array::Number;
 use super::exact::ExactSum;
+use super::kernel::{Order, Plain};
 use super::lanes;
-use super::shape::Shape;
 use super::threads;
 use alloc::vec;
 use alloc::vec::Vec;
@@ -36,28 +36,25 @@ pub(super) trait Step {
     fn join(sum: &mut Self::Sum, more: Self::Sum);
 }
 
-/// Sum of the squared differences of `shape` for each of `m`.
-pub(super) fn sums<T: Step>(x: &[T::Number], shape: Shape, m: &[usize]) -> Vec<T::Sum> {
-    if shape == Shape::Total {
-        return total_sums::<T>(x, m);
-    }
-    let is_far = |m: usize| m.is_multiple_of(ROW) && shape.is_overlapping();
+/// Sum of the squared differences for each of `m`.
+pub(super) fn sums<T: Step>(x: &[T::Number], plain: Plain, m: &[usize]) -> Vec<T::Sum> {
+    let is_far = |m: usize| m.is_multiple_of(ROW) && plain.overlapping;
     let (far, near): (Vec<usize>, Vec<usize>) = m.iter().partition(|&&m| is_far(m));
-    let mut near = near_sums::<T>(x, shape, &near).into_iter();
-    let mut far = far_sums::<T>(x, shape, &far).into_iter();
+    let mut near = near_sums::<T>(x, plain, &near).into_iter();
+    let mut far = far_sums::<T>(x, plain, &far).into_iter();
     m.iter().filter_map(|&m| if is_far(m) { far.next() } else { near.next() }).collect()
 }
 
-fn near_sums<T: Step>(x: &[T::Number], shape: Shape, m: &[usize]) -> Vec<T::Sum> {
-    let starts = m.iter().map(|&m| shape.starts(x.len(), m)).max().unwrap_or(0);
+fn near_sums<T: Step>(x: &[T::Number], plain: Plain, m: &[usize]) -> Vec<T::Sum> {
+    let starts = m.iter().map(|&m| plain.starts_end(x.len(), m)).max().unwrap_or(0);
     let pieces = threads::map(starts.div_ceil(PIECE), |piece| {
-        block_sums::<T>(x, shape, m, piece * PIECE..starts.min((piece + 1) * PIECE))
+        block_sums::<T>(x, plain, m, piece * PIECE..starts.min((piece + 1) * PIECE))
     });
     joined::<T>(pieces, m.len())
 }
 
 /// Averages of whole rows of [`ROW`] points never leave the column: as many columns as fit into the cache are a record of their own.
-fn far_sums<T: Step>(x: &[T::Number], shape: Shape, m: &[usize]) -> Vec<T::Sum> {
+fn far_sums<T: Step>(x: &[T::Number], plain: Plain, m: &[usize]) -> Vec<T::Sum> {
     if m.is_empty() {
         return Vec::new();
     }
@@ -72,7 +69,7 @@ fn far_sums<T: Step>(x: &[T::Number], shape: Shape, m: &[usize]) -> Vec<T::Sum> 
         tile.clear();
         (0..rows).for_each(|row| tile.extend_from_slice(&x[row * ROW + from..][..width]));
         let m: Vec<usize> = m.iter().map(|m| m / ROW * width).collect();
-        block_sums::<T>(tile, shape, &m, 0..tile.len())
+        block_sums::<T>(tile, plain, &m, 0..tile.len())
     });
     joined::<T>(tiles, m.len())
 }
@@ -85,30 +82,30 @@ fn joined<T: Step>(parts: Vec<Vec<T::Sum>>, len: usize) -> Vec<T::Sum> {
     sums
 }
 
-fn block_sums<T: Step>(x: &[T::Number], shape: Shape, m: &[usize], starts: Range<usize>) -> Vec<T::Sum> {
+fn block_sums<T: Step>(x: &[T::Number], plain: Plain, m: &[usize], starts: Range<usize>) -> Vec<T::Sum> {
     let mut sums = vec![T::Sum::default(); m.len()];
     for start in starts.clone().step_by(BLOCK) {
         for (&m, sum) in m.iter().zip(&mut sums) {
-            let end = shape.starts(x.len(), m).min(start + BLOCK).min(starts.end);
+            let end = plain.starts_end(x.len(), m).min(start + BLOCK).min(starts.end);
             if start < end {
-                T::join(sum, block_sum::<T>(x, shape, m, start..end));
+                T::join(sum, block_sum::<T>(x, plain, m, start..end));
             }
         }
     }
     sums
 }
 
-fn block_sum<T: Step>(x: &[T::Number], shape: Shape, m: usize, starts: Range<usize>) -> T::Sum {
+fn block_sum<T: Step>(x: &[T::Number], plain: Plain, m: usize, starts: Range<usize>) -> T::Sum {
     let stream = |k: usize| &x[starts.start + k * m..starts.end + k * m];
-    match shape {
-        _ if shape.stride(m) > 1 => strided::<T>(x, shape, m, starts),
-        Shape::Third { .. } => T::third(stream(0), stream(1), stream(2), stream(3)),
-        _ => T::second(stream(0), stream(1), stream(2)),
+    match plain.order {
+        _ if plain.stride(m) > 1 => strided::<T>(x, plain, m, starts),
+        Order::Second => T::second(stream(0), stream(1), stream(2)),
+        Order::Third => T::third(stream(0), stream(1), stream(2), stream(3)),
     }
 }
 
 /// Every m-th point is a record whose averages are of one sample.
-fn strided<T: Step>(x: &[T::Number], shape: Shape, m: usize, starts: Range<usize>) -> T::Sum {
+fn strided<T: Step>(x: &[T::Number], plain: Plain, m: usize, starts: Range<usize>) -> T::Sum {
     let first = starts.start.next_multiple_of(m);
     if first >= starts.end {
         return T::Sum::default();
@@ -117,15 +114,15 @@ fn strided<T: Step>(x: &[T::Number], shape: Shape, m: usize, starts: Range<usize
     let terms = (starts.end - first).div_ceil(m);
     points.iter_mut().zip(x[first..].iter().step_by(m)).take(terms + 3).for_each(|(point, x)| *point = *x);
     let stream = |k: usize| &points[k..k + terms];
-    match shape {
-        Shape::Third { .. } => T::third(stream(0), stream(1), stream(2), stream(3)),
-        _ => T::second(stream(0), stream(1), stream(2)),
+    match plain.order {
+        Order::Second => T::second(stream(0), stream(1), stream(2)),
+        Order::Third => T::third(stream(0), stream(1), stream(2), stream(3)),
     }
 }
 
-/// Within the record as the overlapping deviation; around the points within m of its ends, reflected.
-fn total_sums<T: Step>(x: &[T::Number], m: &[usize]) -> Vec<T::Sum> {
-    let mut sums = sums::<T>(x, Shape::Second { overlapping: true }, m);
+/// The same of the reflected record: plain within it; around the points within m of its ends, reflected.
+pub(super) fn reflected_sums<T: Step>(x: &[T::Number], m: &[usize]) -> Vec<T::Sum> {
+    let mut sums = sums::<T>(x, Plain::WITHIN, m);
     let last = x.len() - 1;
     let edges = threads::map(m.len(), |i| {
         let start_end = m[i].min(last);

@@ -182,11 +182,11 @@ fn gaps_path_agrees_with_the_whole_record() {
     for stat in Stat::ALL {
         for m in [1, 2, 7, 100, 300] {
             let whole = dev(&Input::Rate(&rate), stat, m);
-            let shape = Shape::of(stat);
+            let row = stat.row();
             for input in [Input::Rate(&rate), Input::Phase(&x)] {
-                let sum = gaps::squares(&input, shape, &[m])[0].unwrap();
-                let found = deviation(sum, shape, m, scale(stat, false, 1.0, m)).unwrap();
-                assert_eq!(found.n, shape.terms(1001, m) as u64);
+                let sum = gaps::squares(&input, row.kernel, &[m])[0].unwrap();
+                let found = deviation(sum, row, m, scale(row.factor, false, 1.0, m)).unwrap();
+                assert_eq!(found.n, row.kernel.terms(1001, m as u64));
                 assert_close(found.dev, whole, 1e-10, stat.name());
             }
         }
@@ -237,7 +237,7 @@ fn noise(len: usize, bits: u32) -> Vec<i32> {
 }
 
 /// Sum of squares in big integers, straight from the definition with phase.
-fn big_sum(codes: &[i32], shape: Shape, m: usize) -> num_bigint::BigInt {
+fn big_sum(codes: &[i32], kernel: Kernel, m: usize) -> num_bigint::BigInt {
     let mut x = std::vec![0i128];
     codes.iter().for_each(|&code| x.push(x[x.len() - 1] + i128::from(code)));
     let (m, last) = (m as isize, x.len() as isize - 1);
@@ -248,11 +248,14 @@ fn big_sum(codes: &[i32], shape: Shape, m: usize) -> num_bigint::BigInt {
     };
     let second = |i: isize| at(i + 2 * m) - 2 * at(i + m) + at(i);
     let third = |i: isize| at(i + 3 * m) - 3 * at(i + 2 * m) + 3 * at(i + m) - at(i);
-    let differences: Vec<i128> = match shape {
-        Shape::Second { .. } => (0..=last - 2 * m).step_by(shape.stride(m as usize)).map(second).collect(),
-        Shape::Third { .. } => (0..=last - 3 * m).step_by(shape.stride(m as usize)).map(third).collect(),
-        Shape::Modified => (0..=last + 1 - 3 * m).map(|i| (i..i + m).map(second).sum()).collect(),
-        Shape::Total => (1 - m..last - m).map(second).collect(),
+    let stride = |plain: Plain| if plain.overlapping { 1 } else { m as usize };
+    let differences: Vec<i128> = match kernel {
+        Kernel::Plain(plain) => match plain.order {
+            Order::Second => (0..=last - 2 * m).step_by(stride(plain)).map(second).collect(),
+            Order::Third => (0..=last - 3 * m).step_by(stride(plain)).map(third).collect(),
+        },
+        Kernel::Modified => (0..=last + 1 - 3 * m).map(|i| (i..i + m).map(second).sum()).collect(),
+        Kernel::Reflected => (1 - m..last - m).map(second).collect(),
     };
     differences.into_iter().map(|d| num_bigint::BigInt::from(d) * d).sum()
 }
@@ -263,10 +266,10 @@ fn assert_exact(codes: &[i32], lengths: &[usize]) {
 
 fn assert_exact_of(stats: &[Stat], codes: &[i32], lengths: &[usize]) {
     for &stat in stats {
-        let shape = Shape::of(stat);
-        for &m in lengths.iter().filter(|&&m| shape.check(codes.len() as u64, m as u64, false).is_ok()) {
-            let found = codes::squares(codes, shape, &[m])[0].unwrap();
-            let truth: f64 = big_sum(codes, shape, m).to_string().parse().unwrap();
+        let kernel = stat.row().kernel;
+        for &m in lengths.iter().filter(|&&m| kernel.check(codes.len() as u64, m as u64, false).is_ok()) {
+            let found = codes::squares(codes, kernel, &[m])[0].unwrap();
+            let truth: f64 = big_sum(codes, kernel, m).to_string().parse().unwrap();
             assert!((found.sum - truth).abs() <= truth * f64::EPSILON, "{stat} {m}: {} is not {truth}", found.sum);
         }
     }
