@@ -36,6 +36,23 @@ fn every_cited_fact_is_defined_in_facts_md() {
 }
 
 #[test]
+fn every_page_that_the_code_cites_is_in_the_project() {
+    let pages: Vec<String> = files(&["md"]).iter().map(|(path, _)| path.display().to_string()).collect();
+    let is_here = |cited: &str| {
+        let cited = cited.trim_start_matches(['.', '/']);
+        pages.iter().any(|page| page.strip_suffix(cited).is_some_and(|folder| folder.ends_with('/')))
+    };
+    let mut unknown = Vec::new();
+    for (path, text) in files(&["rs", "py", "pyi", "toml", "h"]) {
+        for (number, line) in text.lines().enumerate() {
+            let missing = cited_pages(line).filter(|page| !page.starts_with("target/") && !is_here(page));
+            unknown.extend(missing.map(|page| format!("{}:{}: {page}", path.display(), number + 1)));
+        }
+    }
+    assert!(unknown.is_empty(), "pages cited but not there:\n{}", unknown.join("\n"));
+}
+
+#[test]
 fn the_readme_shows_examples_that_are_tested() {
     let readme = fs::read_to_string(root().join("README.md")).unwrap();
     // in the order in which the README shows them
@@ -92,6 +109,14 @@ fn has_heading(page: &Path, anchor: &str) -> bool {
 fn slug(heading: &str) -> String {
     let kept = heading.trim().chars().filter(|c| c.is_alphanumeric() || matches!(c, ' ' | '-' | '_'));
     kept.map(|c| if c == ' ' { '-' } else { c.to_ascii_lowercase() }).collect()
+}
+
+/// Every word that ends in `.md`, with the folders before it.
+fn cited_pages(line: &str) -> impl Iterator<Item = &str> {
+    let in_a_path = |c: char| c.is_alphanumeric() || matches!(c, '.' | '/' | '-' | '_');
+    line.split(move |c| !in_a_path(c))
+        .map(|word| word.trim_end_matches('.'))
+        .filter(|word| word.strip_suffix(".md").is_some_and(|name| !name.is_empty()))
 }
 
 /// Every `F-12` or `M-03` in a line, whole words only.

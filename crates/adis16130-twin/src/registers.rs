@@ -21,7 +21,7 @@ impl Channel {
     }
 }
 
-/// What an address stands for (`part.md` §3).
+/// What an address stands for (`docs/facts.md` section 3).
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Register {
     Com,

@@ -2,7 +2,7 @@
 
 use crate::registers::{Address, ChannelStatus};
 
-/// A channel of the converter (part.md §3).
+/// A channel of the converter (docs/facts.md section 3).
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Channel {
     Rate,

@@ -120,7 +120,7 @@ pub(crate) fn meaning_on_healthy_link(register: Address, answer: u8) -> Option<F
     }
 }
 
-/// What the data registers hold after a reset, before the first conversion (part.md §3).
+/// What the data registers hold after a reset, before the first conversion (docs/facts.md section 3).
 const RESET_DATA: u32 = 0x8000;
 
 /// Whether the answer of a data register needs a second look: a dead line would give it too, or a register of which

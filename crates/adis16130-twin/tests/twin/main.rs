@@ -1,4 +1,4 @@
-//! The twin against `part.md`: every number here is written down from the facts again, not taken from the twin.
+//! The twin against `docs/facts.md`: every number here is written down from the facts again, not taken from the twin.
 
 mod bus;
 mod determinism;

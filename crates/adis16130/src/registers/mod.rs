@@ -1,4 +1,4 @@
-//! The registers of part.md §3: each is a type with its address, size, value after reset and direction.
+//! The registers of docs/facts.md section 3: each is a type with its address, size, value after reset and direction.
 //!
 //! [`Readable`] and [`Writable`] are separate traits, so that writing a read-only register does not compile:
 //!
@@ -16,7 +16,7 @@ pub use values::{AdcStatus, ChannelSetup, ChannelStatus, ConversionTime, Iop, Mo
 
 use crate::codes::{RateCode, TempCode, Width};
 
-/// The address of every register (part.md §3).
+/// The address of every register (docs/facts.md section 3).
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -128,7 +128,7 @@ pub trait Writable: Register {
     fn encode(value: Self::Value) -> u32;
 }
 
-/// One row per register, as in the table of part.md §3: type, size, value after reset, decoder, and the encoder if it
+/// One row per register, as in the table of docs/facts.md section 3: type, size, value after reset, decoder, and the encoder if it
 /// is writable.
 macro_rules! registers {
     ($($register:ident: $value:ty, $size:ident, $reset:expr, $decode:expr $(, $encode:expr)?;)*) => {$(

@@ -1,4 +1,4 @@
-//! What the one-byte registers hold, bit by bit (part.md §3).
+//! What the one-byte registers hold, bit by bit (docs/facts.md section 3).
 
 use crate::codes::Width;
 
@@ -36,7 +36,7 @@ byte_value! {
 }
 
 impl Iop {
-    /// The bits that show pin levels when read, whatever was written: mask them when reading back (part.md §3).
+    /// The bits that show pin levels when read, whatever was written: mask them when reading back (docs/facts.md section 3).
     pub const PIN_LEVELS: u8 = 0xC0;
 
     /// Level of pin P0 (b7).

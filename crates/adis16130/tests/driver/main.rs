@@ -1,4 +1,4 @@
-//! The driver against a part written by hand from part.md, with its own register table.
+//! The driver against a part written by hand from docs/facts.md, with its own register table.
 
 #[cfg(feature = "async")]
 mod asynch;

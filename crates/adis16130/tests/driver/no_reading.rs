@@ -1,4 +1,4 @@
-//! A data register that has not been written since the reset holds 8000h (part.md §3), which is 0.0 °/s and 25.0 °C. It is a reading
+//! A data register that has not been written since the reset holds 8000h (docs/facts.md section 3), which is 0.0 °/s and 25.0 °C. It is a reading
 //! only where the part says so.
 
 use adis16130::blocking::Adis16130;

@@ -1,4 +1,4 @@
-//! The mock: a register file on a wire, from part.md §2 and §3, not from the driver.
+//! The mock: a register file on a wire, from docs/facts.md sections 2 and 3, not from the driver.
 
 use std::cell::RefCell;
 use std::collections::{HashMap, VecDeque};
@@ -6,7 +6,7 @@ use std::rc::Rc;
 
 use embedded_hal::spi::{ErrorKind, ErrorType, Operation, SpiDevice};
 
-/// Address, bytes (0 = as MODE says), value after reset, readable, writable: part.md §3.
+/// Address, bytes (0 = as MODE says), value after reset, readable, writable: docs/facts.md section 3.
 pub const TABLE: [(u8, usize, u32, bool, bool); 13] = [
     (0x01, 1, 0x30, true, true),
     (0x02, 1, 0x24, true, false),
@@ -51,7 +51,7 @@ pub struct Part {
     pub fails_once: bool,
     /// A read of the rate loads it from here. The next one is ready at once.
     pub rates: VecDeque<u32>,
-    /// A read of a data register wipes RDY of its channel status, as part.md has it; else a status stays as it was set.
+    /// A read of a data register wipes RDY of its channel status, as docs/facts.md has it; else a status stays as it was set.
     pub wipes_ready: bool,
     /// What SDO does outside a read.
     pub idle: u8,
@@ -88,7 +88,7 @@ impl Part {
     }
 
     fn bytes_of(&self, address: u8) -> usize {
-        match TABLE.iter().find(|row| row.0 == address).expect("an address of part.md").1 {
+        match TABLE.iter().find(|row| row.0 == address).expect("an address of docs/facts.md").1 {
             0 => 2 + usize::from(self.get(0x38) & 0x02 != 0),
             bytes => bytes,
         }
@@ -125,7 +125,7 @@ impl Part {
             return;
         }
         let address = com & 0x3F;
-        let row = TABLE.iter().find(|row| row.0 == address).expect("an address of part.md");
+        let row = TABLE.iter().find(|row| row.0 == address).expect("an address of docs/facts.md");
         let reads = com & 0x40 != 0;
         assert!(if reads { row.3 } else { row.4 }, "direction of {address:02X}h");
         let answer = if reads { self.load(address) } else { 0 };

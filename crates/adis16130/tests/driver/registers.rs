@@ -1,4 +1,4 @@
-//! Addresses, sizes, values after reset and bits, against the table of part.md §3.
+//! Addresses, sizes, values after reset and bits, against the table of docs/facts.md section 3.
 
 use adis16130::registers::{
     AdcStatus, Address, ChannelSetup, ChannelStatus, Checksum, ConversionTime, Iop, Mode, Operation, Range, RateConv,

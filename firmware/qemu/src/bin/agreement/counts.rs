@@ -12,7 +12,7 @@ use firmware_qemu::scenario::{Corrections, Reading, corrected_dps};
 /// From one rate reading to the next with F-30: 1054 cycles of MCLK (F-31), ns.
 const PERIOD_NS: u64 = 175_667;
 
-/// Registers of a part that runs with F-30 and has a reading of each channel waiting (part.md §3).
+/// Registers of a part that runs with F-30 and has a reading of each channel waiting (docs/facts.md section 3).
 const READY: [(Address, u8); 3] = [(Address::RateStatus, 0x08), (Address::TempStatus, 0x48), (Address::Mode, 0x22)];
 
 /// Least and most ticks of a piece of work.
