@@ -1,6 +1,6 @@
 //! `calibrate` and `recalibrate`.
 
-use crate::{SHORT, calibrate, zerorate};
+use super::{SHORT, calibrate, zerorate};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 

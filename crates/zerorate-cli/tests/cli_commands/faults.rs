@@ -1,6 +1,6 @@
 //! What cannot be calibrated: the reason on stderr, the exit code, and no file.
 
-use crate::{SHORT, calibrate, zerorate};
+use super::{SHORT, calibrate, zerorate};
 use std::path::Path;
 
 /// Calibrates that device into a file of a folder of its own, and expects that nothing is left there.

@@ -1,6 +1,6 @@
 //! Help, typos, completions, the manual page.
 
-use crate::zerorate;
+use super::zerorate;
 
 const COMMANDS: [&str; 14] = [
     "probe",

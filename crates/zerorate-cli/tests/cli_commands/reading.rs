@@ -1,6 +1,6 @@
 //! `probe`, `capture` and `stream`: reading a part, and stopping.
 
-use crate::{Run, calibrate, command, zerorate};
+use super::{Run, calibrate, command, zerorate};
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};

@@ -77,14 +77,14 @@ fn the_calibration_of_another_part_is_refused() {
     assert!(!bench.path("b2.arrows").exists());
     bench.write("nameless.csv", capture("A1", ROWS).replace("# zerorate.serial = A1\n", ""));
     let doubtful = bench.zerorate("correct nameless.csv --cal a1.toml -o doubtful.arrows");
-    assert!(doubtful.stderr().contains("unknown-serial") && doubtful.stderr().contains("part A1"));
+    assert!(doubtful.stderr.contains("unknown-serial") && doubtful.stderr.contains("part A1"));
     doubtful.ok();
     bench.write("nameless.toml", calibration(-0.25, -0.04, 24.0));
     let doubtful = bench.zerorate("correct rest.csv --cal nameless.toml -o doubtful.csv");
-    assert!(doubtful.stderr().contains("unknown-serial") && doubtful.stderr().contains("zerorate calibrate"));
+    assert!(doubtful.stderr.contains("unknown-serial") && doubtful.stderr.contains("zerorate calibrate"));
     doubtful.ok();
     let forced = bench.zerorate("correct rest.csv --cal b2.toml -o b2.arrows --force");
-    assert!(forced.stderr().contains("warning: rest.csv is part A1, b2.toml is the calibration of part B2"));
+    assert!(forced.stderr.contains("warning: rest.csv is part A1, b2.toml is the calibration of part B2"));
     forced.ok();
 }
 
@@ -124,8 +124,7 @@ fn what_the_user_should_know_is_said() {
     bench.write("unit.toml", format!("{cal}[validity]\ntemp_min_c = 26.0\ntemp_max_c = 30.0\n"));
     bench.write("rest.csv", capture("A1", "500,0,8388608,9,,0\n1000,1,8388608,9,8388608,0\n"));
     let run = bench.zerorate("correct rest.csv --cal unit.toml -o done.csv");
-    let said = run.stderr();
-    run.ok();
+    let said = run.ended_with(0).stderr;
     assert!(said.contains("25.0 … 25.0 °C leaves the 26.0 … 30.0 °C"), "{said}");
     assert!(said.contains("the first 1 rows come before the first temperature"), "{said}");
     assert!(said.contains("out-of-range: 2 readings are beyond the range"), "{said}");

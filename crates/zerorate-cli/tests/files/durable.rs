@@ -1,7 +1,7 @@
 //! What a run that ended well has written is on the disk: the content before the name, and the name.
 #![cfg(target_os = "linux")]
 
-use super::{Bench, calibration, capture, skip};
+use super::{Bench, PROGRAM, calibration, capture, skip};
 use std::process::Command;
 
 /// Runs the program under strace, and gives its calls that have to do with files and disks, in order. None where it
@@ -18,8 +18,7 @@ fn traced(bench: &Bench, line: &str) -> Option<Vec<String>> {
         "trace=write,fsync,fdatasync,rename,renameat,renameat2,link,linkat",
         "-o",
     ]);
-    let run =
-        strace.arg(&trace).arg(env!("CARGO_BIN_EXE_zerorate")).args(line.split(' ')).current_dir(bench.dir.path());
+    let run = strace.arg(&trace).arg(PROGRAM).args(line.split(' ')).current_dir(bench.dir.path());
     let Ok(output) = run.output() else {
         skip("it needs `strace`, which is not installed");
         return None;

@@ -245,7 +245,7 @@ fn the_default_table_covers_the_calibration() {
         ("export hand.toml --format c", "states no [validity]"),
     ] {
         let run = bench.zerorate(line);
-        assert!(run.stderr().contains(said), "{}", run.stderr());
+        assert!(run.stderr.contains(said), "{}", run.stderr);
     }
 }
 

@@ -1,11 +1,11 @@
 //! What fails is a failure, what was measured is not lost, and what was begun is cleared away.
 #![cfg(target_os = "linux")]
 
-use super::{Bench, calibration};
+use super::{Bench, PROGRAM, Run, calibration};
 use std::fs::{self, File, OpenOptions};
 use std::io::Read;
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Output, Stdio};
+use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 /// A calibration in four minutes of part time.
@@ -16,8 +16,8 @@ const CALIBRATE: &str =
 fn command(bench: &Bench, line: &str) -> Command {
     let temporary = bench.path("tmp");
     fs::create_dir_all(&temporary).unwrap();
-    let mut command = Command::new(env!("CARGO_BIN_EXE_zerorate"));
-    command.args(line.split(' ')).current_dir(bench.dir.path()).env("TMPDIR", temporary);
+    let mut command = bench.command(line);
+    command.env("TMPDIR", temporary);
     command
 }
 
@@ -31,8 +31,8 @@ fn fifo(bench: &Bench, name: &str) -> PathBuf {
     path
 }
 
-fn stderr(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
+fn ended(child: Child) -> Run {
+    child.wait_with_output().unwrap().into()
 }
 
 fn names(folder: &Path) -> Vec<String> {
@@ -66,14 +66,14 @@ fn send(signal: &str, child: &Child) {
 
 /// The run failed with 1, printed the calibration, and kept it in this file too.
 #[track_caller]
-fn rescued(bench: &Bench, output: &Output, folder: &Path) {
-    let said = stderr(output);
-    assert_eq!(output.status.code(), Some(1), "{said}");
+fn rescued(bench: &Bench, run: &Run, folder: &Path) {
+    let said = &run.stderr;
+    assert_eq!(run.code, Some(1), "{said}");
     let kept = only(folder, "unit.rescue-");
     assert!(said.contains("not lost") && said.contains(&*kept.file_name().unwrap().to_string_lossy()), "{said}");
-    assert_eq!(fs::read(&kept).unwrap(), output.stdout, "{said}");
+    assert_eq!(fs::read_to_string(&kept).unwrap(), run.stdout, "{said}");
     let export = bench.zerorate(&format!("export {} --format csv", kept.display()));
-    assert_eq!(export.stderr(), "", "it is whole, with its checksum");
+    assert_eq!(export.stderr, "", "it is whole, with its checksum");
     assert!(export.ok().starts_with("delta_c"));
 }
 
@@ -85,43 +85,42 @@ fn a_log_whose_reader_leaves_is_a_failure_and_the_result_is_kept() {
     let mut reader = File::open(log).unwrap();
     reader.read_exact(&mut [0; 2000]).unwrap();
     drop(reader);
-    let output = child.wait_with_output().unwrap();
-    rescued(&bench, &output, bench.dir.path());
-    assert!(stderr(&output).contains("the measurement goes on") && stderr(&output).contains("Broken pipe"));
+    let run = ended(child);
+    rescued(&bench, &run, bench.dir.path());
+    assert!(run.stderr.contains("the measurement goes on") && run.stderr.contains("Broken pipe"));
     assert!(!bench.path("unit.toml").exists(), "a run that fails leaves no calibration under the name");
 }
 
 #[test]
 fn a_log_that_outgrows_its_disk_is_a_failure_and_the_object_has_the_calibration() {
     let bench = Bench::new();
-    let program = env!("CARGO_BIN_EXE_zerorate");
-    let line = format!("ulimit -f 200; trap '' XFSZ; exec {program} {CALIBRATE} -o unit.toml --log log.arrows --json");
-    let output = Command::new("sh").args(["-c", &line]).current_dir(bench.dir.path()).output().unwrap();
-    assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
-    let object: serde_json::Value = serde_json::from_slice(&output.stdout).expect("one object");
+    let line = format!("ulimit -f 200; trap '' XFSZ; exec {PROGRAM} {CALIBRATE} -o unit.toml --log log.arrows --json");
+    let run = Run::of(Command::new("sh").args(["-c", &line]).current_dir(bench.dir.path()));
+    assert_eq!(run.code, Some(1), "{}", run.stderr);
+    let object: serde_json::Value = run.json();
     let kept = fs::read_to_string(only(bench.dir.path(), "unit.rescue-")).unwrap();
     assert_eq!(object["rescued"]["calibration"], kept);
     assert!(object["rescued"]["file"].as_str().unwrap().contains("unit.rescue-"), "{object}");
     let begun = bench.zerorate("probe --device replay:log.arrows");
-    assert!(begun.stderr().contains("was not closed"), "what was recorded can be read: {}", begun.stderr());
+    assert!(begun.stderr.contains("was not closed"), "what was recorded can be read: {}", begun.stderr);
 }
 
 #[test]
 fn a_full_device_costs_no_result() {
     let bench = Bench::new();
-    let output = command(&bench, &format!("{CALIBRATE} -o /dev/full")).output().unwrap();
-    assert_eq!(output.status.code(), Some(1));
-    assert_eq!(fs::read(only(&bench.path("tmp"), "calibration.rescue-")).unwrap(), output.stdout);
+    let run = Run::of(&mut command(&bench, &format!("{CALIBRATE} -o /dev/full")));
+    assert_eq!(run.code, Some(1));
+    assert_eq!(fs::read_to_string(only(&bench.path("tmp"), "calibration.rescue-")).unwrap(), run.stdout);
     // known before the hour: nothing is printed
-    let output = command(&bench, &format!("{CALIBRATE} --log /dev/full")).output().unwrap();
-    assert_eq!((output.status.code(), output.stdout), (Some(1), vec![]));
+    let run = Run::of(&mut command(&bench, &format!("{CALIBRATE} --log /dev/full")));
+    assert_eq!((run.code, &*run.stdout), (Some(1), ""));
     // stdout was the only place
     let full = OpenOptions::new().write(true).open("/dev/full").unwrap();
     fs::remove_dir_all(bench.path("tmp")).unwrap();
-    let output = command(&bench, CALIBRATE).stdout(full).output().unwrap();
-    assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
+    let run = Run::of(command(&bench, CALIBRATE).stdout(full));
+    assert_eq!(run.code, Some(1), "{}", run.stderr);
     let kept = only(&bench.path("tmp"), "calibration.rescue-");
-    assert!(stderr(&output).contains(kept.to_str().unwrap()), "{}", stderr(&output));
+    assert!(run.stderr.contains(kept.to_str().unwrap()), "{}", run.stderr);
 }
 
 /// The run has claimed its output, and waits for somebody to read its log.
@@ -138,9 +137,9 @@ fn waiting(bench: &Bench, line: &str) -> (Child, PathBuf) {
     (child, log)
 }
 
-fn let_it_run(child: Child, log: &Path) -> Output {
+fn let_it_run(child: Child, log: &Path) -> Run {
     std::io::copy(&mut File::open(log).unwrap(), &mut std::io::sink()).unwrap();
-    child.wait_with_output().unwrap()
+    ended(child)
 }
 
 #[test]
@@ -149,8 +148,8 @@ fn a_folder_that_vanishes_costs_no_result() {
     fs::create_dir(bench.path("sub")).unwrap();
     let (child, log) = waiting(&bench, &format!("{CALIBRATE} -o sub/unit.toml"));
     fs::remove_dir_all(bench.path("sub")).unwrap();
-    let output = let_it_run(child, &log);
-    rescued(&bench, &output, &bench.path("tmp"));
+    let run = let_it_run(child, &log);
+    rescued(&bench, &run, &bench.path("tmp"));
 }
 
 #[test]
@@ -159,8 +158,8 @@ fn a_name_that_is_taken_meanwhile_stays_as_it_is() {
         let bench = Bench::new();
         let (child, log) = waiting(&bench, &format!("{CALIBRATE} -o unit.toml{force}"));
         bench.write("unit.toml", "mine");
-        let output = let_it_run(child, &log);
-        rescued(&bench, &output, bench.dir.path());
+        let run = let_it_run(child, &log);
+        rescued(&bench, &run, bench.dir.path());
         assert_eq!(fs::read(bench.path("unit.toml")).unwrap(), b"mine");
     }
 }
@@ -173,8 +172,8 @@ fn a_second_writer_of_a_calibration_refuses() {
         let said = bench.zerorate(&format!("{CALIBRATE} -o unit.toml{force}")).fails(2);
         assert!(said.contains("another zerorate"), "{said}");
     }
-    let output = let_it_run(child, &log);
-    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let run = let_it_run(child, &log);
+    assert_eq!(run.code, Some(0), "{}", run.stderr);
     assert_eq!(names(bench.dir.path()), ["log", "tmp", "unit.toml"]);
 }
 
@@ -187,9 +186,9 @@ fn a_second_recorder_of_a_capture_refuses() {
     let said = bench.zerorate("capture --samples 10 -o run.arrows --force").fails(2);
     assert!(said.contains("another zerorate"), "{said}");
     send("TERM", &child);
-    assert_eq!(child.wait_with_output().unwrap().status.code(), Some(0));
+    assert_eq!(ended(child).code, Some(0));
     let whole = bench.zerorate("probe --device replay:run.arrows --json");
-    assert!(!whole.stderr().contains("not closed"), "{}", whole.stderr());
+    assert!(!whole.stderr.contains("not closed"), "{}", whole.stderr);
     // now it is over
     bench.zerorate("capture --samples 10 -o run.arrows --force").ok();
 }
@@ -198,8 +197,7 @@ fn a_second_recorder_of_a_capture_refuses() {
 fn of_many_that_start_at_once_one_writes() {
     let bench = Bench::new();
     let starts: Vec<Child> = (0..6).map(|_| start(&bench, "capture --samples 20000 -o run.arrows")).collect();
-    let codes: Vec<Option<i32>> =
-        starts.into_iter().map(|child| child.wait_with_output().unwrap().status.code()).collect();
+    let codes: Vec<Option<i32>> = starts.into_iter().map(|child| ended(child).code).collect();
     assert_eq!(codes.iter().filter(|code| **code == Some(0)).count(), 1, "{codes:?}");
     assert_eq!(codes.iter().filter(|code| **code == Some(2)).count(), 5, "{codes:?}");
     bench.zerorate("probe --device replay:run.arrows").ok();
@@ -212,9 +210,9 @@ fn a_full_stderr_does_not_end_a_stream() {
     bench.write("unit.toml", calibration(-0.25, -0.04, 24.0));
     for line in ["stream --cal unit.toml --duration 1s --rate 4", "capture --samples 10 --divider 50 -o run.arrows"] {
         let full = OpenOptions::new().write(true).open("/dev/full").unwrap();
-        let output = command(&bench, line).stderr(full).output().unwrap();
-        assert_eq!(output.status.code(), Some(0), "{line}");
-        assert!(!output.stdout.is_empty());
+        let run = Run::of(command(&bench, line).stderr(full));
+        assert_eq!(run.code, Some(0), "{line}");
+        assert!(!run.stdout.is_empty());
     }
 }
 
@@ -224,15 +222,15 @@ fn a_broken_pipe_is_a_success_on_stdout_only() {
     let path = fifo(&bench, "pipe");
     let child = start(&bench, "capture --samples 2000000 -o pipe");
     File::open(path).unwrap().read_exact(&mut [0; 100]).unwrap();
-    let output = child.wait_with_output().unwrap();
-    assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
-    assert!(stderr(&output).contains("Broken pipe"), "{}", stderr(&output));
+    let run = ended(child);
+    assert_eq!(run.code, Some(1), "{}", run.stderr);
+    assert!(run.stderr.contains("Broken pipe"), "{}", run.stderr);
 }
 
 /// A program that starts as if nobody had told it what to ignore.
 fn unbiased(bench: &Bench, starter: &[&str], line: &str) -> Child {
     let mut command = Command::new(starter[0]);
-    command.args(&starter[1..]).arg(env!("CARGO_BIN_EXE_zerorate")).args(line.split(' '));
+    command.args(&starter[1..]).arg(PROGRAM).args(line.split(' '));
     command.current_dir(bench.dir.path()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
 }
 
@@ -244,11 +242,11 @@ fn signals_close_what_is_recorded_and_clear_away_what_is_not_finished() {
         let child = unbiased(&bench, &starter, "calibrate --realtime -o unit.toml --log run.arrows");
         wait_until("samples", || fs::metadata(bench.path("run.arrows")).is_ok_and(|file| file.len() > 10_000));
         send(signal, &child);
-        let output = child.wait_with_output().unwrap();
-        assert_eq!(output.status.code(), Some(1), "{signal}: {}", stderr(&output));
+        let run = ended(child);
+        assert_eq!(run.code, Some(1), "{signal}: {}", run.stderr);
         assert_eq!(names(bench.dir.path()), ["run.arrows"], "{signal}");
         let whole = bench.zerorate("probe --device replay:run.arrows");
-        assert!(!whole.stderr().contains("not closed"), "{signal}: {}", whole.stderr());
+        assert!(!whole.stderr.contains("not closed"), "{signal}: {}", whole.stderr);
     }
 }
 
@@ -261,13 +259,13 @@ fn an_interrupted_correction_leaves_nothing() {
     let child = start(&bench, "correct rest.arrows --cal unit.toml -o done.csv");
     wait_until("an unfinished file", || names(bench.dir.path()).iter().any(|name| name.starts_with("done.csv")));
     send("TERM", &child);
-    let output = child.wait_with_output().unwrap();
+    let run = ended(child);
     let left = ["rest.arrows", "tmp", "unit.toml"];
-    match output.status.code() {
-        Some(1) => assert_eq!(names(bench.dir.path()), left, "{}", stderr(&output)),
+    match run.code {
+        Some(1) => assert_eq!(names(bench.dir.path()), left, "{}", run.stderr),
         // it was faster
         Some(0) => assert_eq!(names(bench.dir.path()), [&["done.csv"][..], &left].concat()),
-        code => panic!("{code:?}: {}", stderr(&output)),
+        code => panic!("{code:?}: {}", run.stderr),
     }
 }
 
@@ -282,7 +280,7 @@ fn nohup_is_heeded() {
     let before = size();
     wait_until("more samples", || size() > before + 300_000);
     send("TERM", &child);
-    assert_eq!(child.wait_with_output().unwrap().status.code(), Some(0));
+    assert_eq!(ended(child).code, Some(0));
 }
 
 /// Where no loop looks at the flag: at once, and cleared away all the same.
@@ -295,7 +293,7 @@ fn a_signal_ends_a_run_that_waits() {
         names(bench.dir.path()).iter().filter(|name| name.ends_with(".part")).count() == 2
     });
     send("TERM", &child);
-    assert_eq!(child.wait_with_output().unwrap().status.code(), Some(143));
+    assert_eq!(ended(child).code, Some(143));
     assert_eq!(names(bench.dir.path()), ["never.csv", "tmp"]);
     let (child, _) = waiting(&bench, &format!("{CALIBRATE} -o unit.toml"));
     send("TERM", &child);
@@ -305,6 +303,6 @@ fn a_signal_ends_a_run_that_waits() {
         std::thread::sleep(Duration::from_millis(50));
         !names(bench.dir.path()).iter().any(|name| name.ends_with(".part"))
     });
-    assert_eq!(child.wait_with_output().unwrap().status.code(), Some(143));
+    assert_eq!(ended(child).code, Some(143));
     assert_eq!(names(bench.dir.path()), ["log", "never.csv", "tmp"]);
 }

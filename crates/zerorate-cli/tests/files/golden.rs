@@ -3,7 +3,7 @@
 //! A difference here is either a defect or a change of a result, which the CHANGELOG owes its users. In the latter case
 //! `ZERORATE_GOLDEN=write cargo test -p zerorate-cli --test files golden` makes the files anew.
 
-use crate::Bench;
+use super::Bench;
 use sha2::{Digest, Sha256};
 use std::fmt::Write;
 use std::fs;

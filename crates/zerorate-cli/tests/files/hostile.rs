@@ -1,6 +1,6 @@
 //! Files that were made to harm: each ends as an error that says what is wrong, in bounded time and memory.
 
-use super::{Bench, Run, calibration, capture};
+use super::{Bench, PROGRAM, Run, calibration, capture};
 use std::fs::File;
 use std::io::{self, Read, Write};
 use std::process::Command;
@@ -12,10 +12,9 @@ impl Bench {
     /// Runs the program with little address space. Whatever it does, the machine survives.
     fn caged(&self, line: &str) -> Run {
         let script = format!("ulimit -v {ADDRESS_SPACE_KIB}; exec \"$0\" \"$@\"");
-        let program = env!("CARGO_BIN_EXE_zerorate");
         let mut sh = Command::new("sh");
-        sh.args(["-c", &script, program]).args(line.split(' ')).current_dir(self.path("."));
-        Run { line: line.to_owned(), output: sh.output().unwrap() }
+        sh.args(["-c", &script, PROGRAM]).args(line.split(' ')).current_dir(self.path("."));
+        Run::of(&mut sh)
     }
 
     #[track_caller]
@@ -189,8 +188,8 @@ fn escapes_for_terminals_are_shown() {
         bench.zerorate("allan missing\x1b[2J.csv --rate 10").fails(1),
         {
             let run = bench.zerorate("allan log\x1b[31m.csv --column 1 --rate 10 --fit");
-            let warnings = run.stderr();
-            run.ok() + &warnings
+            let run = run.ended_with(0);
+            run.stdout + &run.stderr
         },
     ];
     for said in &said[..1] {

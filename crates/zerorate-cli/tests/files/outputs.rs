@@ -1,6 +1,6 @@
 //! No command destroys what it reads or what is there, by whatever name it is called.
 
-use super::{Bench, calibration, capture, skip};
+use super::{Bench, Run, calibration, capture, skip};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -76,7 +76,6 @@ fn an_input_is_not_an_output_by_any_name() {
 #[test]
 fn nor_through_a_link_or_a_standard_stream() {
     use std::os::unix::fs::symlink;
-    use std::process::{Command, Stdio};
     let bench = bench();
     for (command, inputs) in commands() {
         for input in inputs {
@@ -89,9 +88,8 @@ fn nor_through_a_link_or_a_standard_stream() {
     for (line, input) in [("export unit.toml --format csv", "unit.toml"), ("allan log.csv --rate 10 --csv", "log.csv")]
     {
         let appending = fs::OpenOptions::new().append(true).open(bench.path(input)).unwrap();
-        let mut command = Command::new(env!("CARGO_BIN_EXE_zerorate"));
-        command.args(line.split(' ')).current_dir(bench.dir.path()).stdout(Stdio::from(appending));
-        assert_eq!(command.output().unwrap().status.code(), Some(2), "{line} >> {input}");
+        let run = Run::of(bench.command(line).stdout(appending));
+        assert_eq!(run.code, Some(2), "{line} >> {input}");
     }
     assert_eq!(content(bench.dir.path()), before);
 }

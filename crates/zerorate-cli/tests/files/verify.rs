@@ -17,8 +17,8 @@ fn bench() -> Bench {
 /// What `verify --json` says of one file, with its exit code.
 fn verdict(bench: &Bench, file: &str) -> (Option<i32>, Value) {
     let run = bench.zerorate(&format!("verify {file} --json"));
-    let report: Value = serde_json::from_slice(&run.output.stdout).unwrap();
-    (run.output.status.code(), report["files"][0].clone())
+    let report: Value = run.json();
+    (run.code, report["files"][0].clone())
 }
 
 #[test]
@@ -53,8 +53,8 @@ fn torn_and_damaged_files_are_told_apart() {
     assert_eq!((code, &damaged["torn"]), (Some(1), &false.into()), "{damaged}");
     assert!(damaged["damage"].as_str().unwrap().contains("its check differs"), "{damaged}");
     let run = bench.zerorate("verify unit.arrows torn.arrows flipped.arrows absent.arrows");
-    assert!(run.stderr().contains("3 of 4 files not whole"), "{}", run.stderr());
-    let text = String::from_utf8(run.output.stdout).unwrap();
+    assert!(run.stderr.contains("3 of 4 files not whole"), "{}", run.stderr);
+    let text = run.stdout;
     for state in ["unit.arrows: whole", "torn.arrows: TORN", "flipped.arrows: DAMAGED", "absent.arrows: DAMAGED"] {
         assert!(text.contains(state), "{state} in\n{text}");
     }
@@ -97,7 +97,7 @@ fn repair_keeps_every_whole_block_and_the_input() {
         let (saved, all) = (rows(&format!("{name}-saved.csv")), rows("unit.csv"));
         assert!(saved.len() > 5_000 && all.starts_with(&saved), "{name}: {} of {} rows", saved.len(), all.len());
     }
-    assert_eq!(bench.zerorate("repair torn.arrows -o torn.arrows --force").output.status.code(), Some(2));
+    assert_eq!(bench.zerorate("repair torn.arrows -o torn.arrows --force").code, Some(2));
 }
 
 #[test]

@@ -14,64 +14,10 @@ mod outputs;
 mod report;
 mod verify;
 
-use std::fs;
+use crate::harness::{Bench, PROGRAM, Run};
 use std::io::Write;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
-use tempfile::TempDir;
-
-/// A folder of its own, gone after the test.
-struct Bench {
-    dir: TempDir,
-}
-
-impl Bench {
-    fn new() -> Self {
-        Self { dir: TempDir::new().unwrap() }
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.dir.path().join(name)
-    }
-
-    fn write(&self, name: &str, content: impl AsRef<[u8]>) -> PathBuf {
-        let path = self.path(name);
-        fs::write(&path, content).unwrap();
-        path
-    }
-
-    /// Runs the program in this folder.
-    fn zerorate(&self, line: &str) -> Run {
-        let output =
-            Command::new(env!("CARGO_BIN_EXE_zerorate")).args(line.split(' ')).current_dir(self.dir.path()).output();
-        Run { line: line.to_owned(), output: output.unwrap() }
-    }
-}
-
-/// A run that is over.
-struct Run {
-    line: String,
-    output: Output,
-}
-
-impl Run {
-    /// What it printed, if all went well.
-    fn ok(self) -> String {
-        assert!(self.output.status.success(), "zerorate {}: {}", self.line, self.stderr());
-        String::from_utf8(self.output.stdout).unwrap()
-    }
-
-    /// The reason why it failed, with this code and without printing data.
-    fn fails(self, code: i32) -> String {
-        assert_eq!(self.output.status.code(), Some(code), "zerorate {}: {}", self.line, self.stderr());
-        assert!(self.output.stdout.is_empty(), "zerorate {} printed data", self.line);
-        self.stderr()
-    }
-
-    fn stderr(&self) -> String {
-        String::from_utf8_lossy(&self.output.stderr).into_owned()
-    }
-}
+use std::path::Path;
+use std::process::Command;
 
 /// A calibration written by hand.
 fn calibration(pbc_dps: f64, btc_dps_per_c: f64, t3_c: f64) -> String {

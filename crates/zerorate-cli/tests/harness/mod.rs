@@ -1,0 +1,114 @@
+//! The program as a process, and what became of it. No other test starts it by a way of its own.
+
+use std::fs;
+use std::path::PathBuf;
+use std::process::{Command, Output};
+use tempfile::TempDir;
+
+/// Where the program is, for tests that have another one start it.
+pub const PROGRAM: &str = env!("CARGO_BIN_EXE_zerorate");
+
+/// The program with these arguments.
+pub fn command(args: &[&str]) -> Command {
+    let mut command = Command::new(PROGRAM);
+    command.args(args);
+    command
+}
+
+/// A folder of its own, gone after the test.
+pub struct Bench {
+    pub dir: TempDir,
+}
+
+impl Bench {
+    pub fn new() -> Self {
+        Self { dir: TempDir::new().expect("a folder") }
+    }
+
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.dir.path().join(name)
+    }
+
+    pub fn write(&self, name: &str, content: impl AsRef<[u8]>) -> PathBuf {
+        let path = self.path(name);
+        fs::write(&path, content).expect("room for a file");
+        path
+    }
+
+    /// The program in this folder, with what stands in `line` between spaces as arguments.
+    pub fn command(&self, line: &str) -> Command {
+        let mut command = command(&line.split(' ').collect::<Vec<_>>());
+        command.current_dir(self.dir.path());
+        command
+    }
+
+    /// Runs the program in this folder.
+    pub fn zerorate(&self, line: &str) -> Run {
+        Run::of(&mut self.command(line))
+    }
+}
+
+/// How a run ended.
+#[derive(Debug)]
+pub struct Run {
+    /// What was started, where that is known.
+    pub line: String,
+    pub code: Option<i32>,
+    pub stdout: String,
+    pub stderr: String,
+}
+
+impl From<Output> for Run {
+    fn from(output: Output) -> Self {
+        Self {
+            line: String::new(),
+            code: output.status.code(),
+            stdout: String::from_utf8(output.stdout).expect("stdout is UTF-8"),
+            stderr: String::from_utf8(output.stderr).expect("stderr is UTF-8"),
+        }
+    }
+}
+
+impl Run {
+    /// Waits for the end.
+    pub fn of(command: &mut Command) -> Self {
+        let output = command.output().expect("the program starts");
+        Self { line: format!("{command:?}"), ..output.into() }
+    }
+
+    /// The run, if it ended with this code.
+    #[track_caller]
+    pub fn ended_with(self, code: i32) -> Self {
+        assert_eq!(self.code, Some(code), "{}\nstdout:\n{}\nstderr:\n{}", self.line, self.stdout, self.stderr);
+        self
+    }
+
+    /// The run, if stderr says each of these.
+    #[track_caller]
+    pub fn saying(self, texts: &[&str]) -> Self {
+        for text in texts {
+            assert!(self.stderr.contains(text), "{}\nno {text:?} on stderr:\n{}", self.line, self.stderr);
+        }
+        self
+    }
+
+    /// What it printed, if all went well.
+    #[track_caller]
+    pub fn ok(self) -> String {
+        self.ended_with(0).stdout
+    }
+
+    /// The reason why it failed, with this code and without printing data.
+    #[track_caller]
+    pub fn fails(self, code: i32) -> String {
+        let run = self.ended_with(code);
+        assert_eq!(run.stdout, "", "{} printed data", run.line);
+        run.stderr
+    }
+
+    /// Stdout as one JSON object.
+    #[track_caller]
+    pub fn json(&self) -> serde_json::Value {
+        serde_json::from_str(&self.stdout).expect("one JSON object on stdout")
+    }
+}
