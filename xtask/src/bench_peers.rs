@@ -1,4 +1,5 @@
-//! `cargo xtask bench-peers`: the Allan deviation of zerorate beside allantools and the crates `allan` and `allan-tools`, on one array.
+//! `cargo xtask bench-peers`: the Allan deviation of zerorate beside allantools and the crates `allan` and
+//! `allan-tools`, on one array.
 
 use crate::venv::{self, done, printed};
 use anyhow::{Context, Result};
@@ -48,7 +49,8 @@ pub fn run(args: &Args) -> Result<()> {
     lines.extend(parse(&printed(peers().args(["time", DATA]))?)?);
     print_times(&lines);
     print_agreement(&lines);
-    let memory = parse(&(printed(allantools().args([DATA, "--memory"]))? + &printed(peers().args(["memory", DATA]))?))?;
+    let memory =
+        parse(&(printed(allantools().args([DATA, "--memory"]))? + &printed(peers().args(["memory", DATA]))?))?;
     for Line { who, memory, .. } in &memory {
         println!("peak memory, oadev: {who} {:.2} x the input", memory.unwrap_or(f64::NAN));
     }

@@ -1,4 +1,5 @@
-//! `cargo xtask coverage-allan`: simulates records at rest and holds the fitted noise coefficients against their truth.
+//! `cargo xtask coverage-allan`: simulates records at rest and holds the fitted noise coefficients against their
+//! truth.
 
 use anyhow::{anyhow, ensure};
 use rand::rngs::SmallRng;
@@ -299,7 +300,8 @@ impl std::fmt::Display for Judged {
         let Self { error, inside, above, below, identified } = self;
         write!(
             f,
-            "{error}; interval holds in {inside:.1} % (too high {above:.1}, too low {below:.1}), identified {identified:.1} %"
+            "{error}; interval holds in {inside:.1} % (too high {above:.1}, too low {below:.1}), identified \
+             {identified:.1} %"
         )
     }
 }
@@ -333,8 +335,8 @@ fn mean_over_model(scenario: &Scenario, runs: &[Run]) -> String {
     (0..octaves).map(ratio).collect::<Vec<_>>().join(" ")
 }
 
-/// What the fit is compared with: non-negative least squares for N, B and K with each point's true variance (that of all records here) as
-/// its weight, as weighting by degrees of freedom aims at, and no covariance between points.
+/// What the fit is compared with: non-negative least squares for N, B and K with each point's true variance (that of
+/// all records here) as its weight, as weighting by degrees of freedom aims at, and no covariance between points.
 fn independent_weights(runs: &[Run]) -> [Vec<f64>; 3] {
     let octaves = runs.first().map_or(0, |run| run.curve.len());
     let count = runs.len() as f64;

@@ -1,7 +1,7 @@
 //! `cargo xtask`: everything a developer or CI runs that is longer than a line.
 //!
-//! To add a command: write a module with `#[derive(clap::Args)] pub struct Args` and `pub fn run(args: &Args)`, and give it a
-//! variant in [`Task`].
+//! To add a command: write a module with `#[derive(clap::Args)] pub struct Args` and `pub fn run(args: &Args)`, and
+//! give it a variant in [`Task`].
 
 mod app;
 mod bench_peers;
@@ -44,7 +44,8 @@ enum Task {
     BenchPeers(bench_peers::Args),
     /// Run driver, twin and correction on an emulated Cortex-M4F; count instructions and bytes
     Firmware(firmware::Args),
-    /// Read the twin through a bridge's firmware on an emulated Cortex-M4F: socket, serial port, damaged and pulled cable
+    /// Read the twin through a bridge's firmware on an emulated Cortex-M4F: socket, serial port, damaged and pulled
+    /// cable
     Bridge(app::Args),
     /// Check the C interface: header, library, and C against Rust on the host and on an emulated Cortex-M4F
     C(c::Args),

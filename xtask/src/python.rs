@@ -1,4 +1,5 @@
-//! `cargo xtask python`: builds the wheel, installs it into an environment of its own below `target/`, and tests it there.
+//! `cargo xtask python`: builds the wheel, installs it into an environment of its own below `target/`, and tests it
+//! there.
 //!
 //! The wheel is of the profile `dev`, so that it takes over what `cargo xtask test` has compiled.
 

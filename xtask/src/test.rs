@@ -1,8 +1,8 @@
 //! `cargo xtask test`: every check that a change must pass.
 //!
-//! The steps share what they build: clippy and the documentation use the same checked dependencies; the tests, the program that
-//! other steps run, and the Python package the same libraries. xtask is tested by itself, since its own dependencies ask for
-//! features of shared ones, with which all of them would be built once more.
+//! The steps share what they build: clippy and the documentation use the same checked dependencies; the tests, the
+//! program that other steps run, and the Python package the same libraries. xtask is tested by itself, since its own
+//! dependencies ask for features of shared ones, with which all of them would be built once more.
 
 use std::fmt;
 use std::process::Command;
@@ -56,8 +56,8 @@ impl fmt::Display for Step {
 
 /// All steps, in the order in which they fail most cheaply.
 ///
-/// thumbv7em-none-eabihf is a Cortex-M4F. thumbv6m-none-eabi is a Cortex-M0: it has no compare-and-swap, which the TOML
-/// parser behind the core's feature `file` needs.
+/// thumbv7em-none-eabihf is a Cortex-M4F. thumbv6m-none-eabi is a Cortex-M0: it has no compare-and-swap, which the
+/// TOML parser behind the core's feature `file` needs.
 const STEPS: [Step; 34] = [
     Step::new("fmt", "fmt --all --check"),
     Step::new("clippy", "clippy --workspace --all-targets --all-features -- -D warnings"),
@@ -65,25 +65,30 @@ const STEPS: [Step; 34] = [
     Step::new("fmt-firmware", "fmt --manifest-path firmware/qemu/Cargo.toml --check"),
     Step::new(
         "clippy-firmware",
-        "clippy --manifest-path firmware/qemu/Cargo.toml --locked --target-dir target/firmware --target thumbv7em-none-eabihf -- -D warnings",
+        "clippy --manifest-path firmware/qemu/Cargo.toml --locked --target-dir target/firmware --target \
+         thumbv7em-none-eabihf -- -D warnings",
     ),
     Step::new("fmt-bridge", "fmt --manifest-path firmware/bridge/Cargo.toml --check"),
     Step::new(
         "clippy-bridge-stm32f4",
-        "clippy --manifest-path firmware/bridge/Cargo.toml --locked --release --target-dir target/firmware --target thumbv7em-none-eabihf --features stm32f4 -- -D warnings",
+        "clippy --manifest-path firmware/bridge/Cargo.toml --locked --release --target-dir target/firmware --target \
+         thumbv7em-none-eabihf --features stm32f4 -- -D warnings",
     ),
     Step::new(
         "clippy-bridge-rp2040",
-        "clippy --manifest-path firmware/bridge/Cargo.toml --locked --release --target-dir target/firmware --target thumbv6m-none-eabi --features rp2040 -- -D warnings",
+        "clippy --manifest-path firmware/bridge/Cargo.toml --locked --release --target-dir target/firmware --target \
+         thumbv6m-none-eabi --features rp2040 -- -D warnings",
     ),
     Step::new("fmt-examples", "fmt --manifest-path firmware/examples/Cargo.toml --check"),
     Step::new(
         "clippy-examples-stm32f4",
-        "clippy --manifest-path firmware/examples/Cargo.toml --locked --release --target-dir target/firmware --target thumbv7em-none-eabihf --features stm32f4 -- -D warnings",
+        "clippy --manifest-path firmware/examples/Cargo.toml --locked --release --target-dir target/firmware --target \
+         thumbv7em-none-eabihf --features stm32f4 -- -D warnings",
     ),
     Step::new(
         "clippy-examples-rp2040",
-        "clippy --manifest-path firmware/examples/Cargo.toml --locked --release --target-dir target/firmware --target thumbv6m-none-eabi --features rp2040 -- -D warnings",
+        "clippy --manifest-path firmware/examples/Cargo.toml --locked --release --target-dir target/firmware --target \
+         thumbv6m-none-eabi --features rp2040 -- -D warnings",
     ),
     Step::new("fmt-c", "fmt --manifest-path bindings/c/Cargo.toml --all --check"),
     Step::new(
@@ -99,7 +104,8 @@ const STEPS: [Step; 34] = [
     Step::new("m0-driver", "build -p adis16130 --target thumbv6m-none-eabi"),
     Step::new(
         "m4",
-        "build -p adis16130 -p zerorate -p adis16130-twin --features adis16130/async,zerorate/file --target thumbv7em-none-eabihf",
+        "build -p adis16130 -p zerorate -p adis16130-twin --features adis16130/async,zerorate/file --target \
+         thumbv7em-none-eabihf",
     ),
     Step::new("test", "test --workspace --exclude xtask --all-features"),
     Step::new("test-xtask", "test -p xtask"),
@@ -107,11 +113,13 @@ const STEPS: [Step; 34] = [
     Step::new("test-bridge", "test --manifest-path firmware/bridge/Cargo.toml --locked --target-dir target/firmware"),
     Step::new(
         "bridge-stm32f4",
-        "build --manifest-path firmware/bridge/Cargo.toml --locked --release --target-dir target/firmware --target thumbv7em-none-eabihf --features stm32f4",
+        "build --manifest-path firmware/bridge/Cargo.toml --locked --release --target-dir target/firmware --target \
+         thumbv7em-none-eabihf --features stm32f4",
     ),
     Step::new(
         "bridge-rp2040",
-        "build --manifest-path firmware/bridge/Cargo.toml --locked --release --target-dir target/firmware --target thumbv6m-none-eabi --features rp2040",
+        "build --manifest-path firmware/bridge/Cargo.toml --locked --release --target-dir target/firmware --target \
+         thumbv6m-none-eabi --features rp2040",
     ),
     Step::new(
         "test-examples",
@@ -119,11 +127,13 @@ const STEPS: [Step; 34] = [
     ),
     Step::new(
         "examples-stm32f4",
-        "build --manifest-path firmware/examples/Cargo.toml --locked --release --target-dir target/firmware --target thumbv7em-none-eabihf --features stm32f4",
+        "build --manifest-path firmware/examples/Cargo.toml --locked --release --target-dir target/firmware --target \
+         thumbv7em-none-eabihf --features stm32f4",
     ),
     Step::new(
         "examples-rp2040",
-        "build --manifest-path firmware/examples/Cargo.toml --locked --release --target-dir target/firmware --target thumbv6m-none-eabi --features rp2040",
+        "build --manifest-path firmware/examples/Cargo.toml --locked --release --target-dir target/firmware --target \
+         thumbv6m-none-eabi --features rp2040",
     ),
     Step::new("deny", "xtask deny"),
     Step::new("firmware", "xtask firmware"),

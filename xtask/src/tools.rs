@@ -12,8 +12,8 @@ pub struct Tool {
     pub package: &'static str,
 }
 
-/// Whether all `tools` are there. What is missing is installed where this is Debian and we are root; elsewhere it is named on stderr,
-/// with the command that installs it, and the caller skips what it wanted them for.
+/// Whether all `tools` are there. What is missing is installed where this is Debian and we are root; elsewhere it is
+/// named on stderr, with the command that installs it, and the caller skips what it wanted them for.
 pub fn available(tools: &[Tool], purpose: &str) -> Result<bool> {
     let missing: Vec<&str> = tools.iter().filter(|tool| !runs(tool.program)).map(|tool| tool.package).collect();
     if missing.is_empty() {

@@ -1,7 +1,7 @@
 //! `cargo xtask uf2`: an image as the file that a Raspberry Pi Pico takes when it is copied to its drive.
 //!
-//! The format is Microsoft's UF2 (<https://github.com/microsoft/uf2>): blocks of 512 bytes, each with its address and its number, so
-//! that a drive may write them in any order.
+//! The format is Microsoft's UF2 (<https://github.com/microsoft/uf2>): blocks of 512 bytes, each with its address and
+//! its number, so that a drive may write them in any order.
 
 use std::collections::BTreeMap;
 use std::fs;

@@ -4,7 +4,8 @@ use anyhow::{Context, Result, ensure};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// The interpreter of the environment `target/venv-NAME` with everything in `requirements`; made, or brought up to date, if need be.
+/// The interpreter of the environment `target/venv-NAME` with everything in `requirements`; made, or brought up to
+/// date, if need be.
 pub fn python(name: &str, requirements: &Path) -> Result<PathBuf> {
     let folder = PathBuf::from(format!("target/venv-{name}"));
     let python = folder.join("bin/python");

@@ -1,11 +1,12 @@
-/* What an example needs of a board. Yours implements these few with its vendor's library; the tests do with the twin. */
+/* What an example needs of a board. Yours implements these with its vendor's library; the tests do with the twin. */
 #ifndef BOARD_H
 #define BOARD_H
 
 #include <stddef.h>
 #include <stdint.h>
 
-/* SPI mode 3, most significant bit first, at most 10 MHz; CS low from the first bit to the last, then high. 0, or an error. */
+/* SPI mode 3, most significant bit first, at most 10 MHz; CS low from the first bit to the last, then high.
+ * 0, or an error. */
 int32_t board_spi_transfer(void *context, uint8_t *bytes, size_t length);
 /* The level of RDY. */
 int32_t board_rdy(void *context);

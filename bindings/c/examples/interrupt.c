@@ -1,8 +1,7 @@
 /*
- * Samples in the interrupt of RDY, corrects in the main loop: no sample is lost as long as the main loop empties the queue in time, and
- * each that is lost is counted. While the interrupt is enabled, the gyroscope belongs to it alone.
- * Not run on a board: the tests run it on the twin.
- */
+ * Samples in the interrupt of RDY, corrects in the main loop: no sample is lost as long as the main loop empties the
+ * queue in time, and each that is lost is counted. While the interrupt is enabled, the gyroscope belongs to it alone.
+ * Not run on a board: the tests run it on the twin. /
 #include "board.h"
 #include "zerorate.h"
 
@@ -39,7 +38,8 @@ static void on_rdy(void)
     }
 }
 
-/* Where no edge comes, no interrupt would ever tell: the supply has dipped, or RDY is cut. Says what it is, and starts anew. */
+/* Where no edge comes, no interrupt would ever tell: the supply has dipped, or RDY is cut. Says what it is, and starts
+ * anew. */
 static void restart_if_silent(void)
 {
     zerorate_status status;

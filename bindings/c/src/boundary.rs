@@ -33,7 +33,8 @@ pub unsafe fn set_up<O: Object>(object: *mut O, state: O::State) -> Result<(), S
 /// The contents of an object.
 ///
 /// # Safety
-/// `object` is null or points to readable and writable memory of one, initialised with whatever, that nothing else uses during `'a`.
+/// `object` is null or points to readable and writable memory of one, initialised with whatever, that nothing else
+/// uses during `'a`.
 pub unsafe fn state<'a, O: Object>(object: *mut O) -> Result<&'a mut O::State, Status> {
     let marked = not_null(object)?.cast::<Marked<O::State>>();
     // SAFETY: not null and readable; the mark lies at the front.

@@ -7,24 +7,26 @@ use embedded_hal::spi::{self, Operation, SpiDevice};
 
 /// How the part is reached: functions of the caller, each of which gets `context` back.
 ///
-/// They are called from inside the function that needs them, in the same thread or interrupt, and must not call a function on the
-/// same object. `context` must stay valid as long as the object that was set up with it is used.
+/// They are called from inside the function that needs them, in the same thread or interrupt, and must not call a
+/// function on the same object. `context` must stay valid as long as the object that was set up with it is used.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct Bus {
     /// Handed to each function. May be null.
     pub context: *mut c_void,
-    /// Sends `length` bytes and puts what comes back in their place, with CS low from the first bit to the last. SPI mode 3, most
-    /// significant bit first, at most 10 MHz (F-20, F-21). Returns 0, or anything else for an error. Must not be null.
+    /// Sends `length` bytes and puts what comes back in their place, with CS low from the first bit to the last. SPI
+    /// mode 3, most significant bit first, at most 10 MHz (F-20, F-21). Returns 0, or anything else for an error. Must
+    /// not be null.
     pub transfer: Option<unsafe extern "C" fn(context: *mut c_void, bytes: *mut u8, length: usize) -> i32>,
-    /// The level of RDY: 1 = high, 0 = low, negative = error. Null where neither zerorate_gyro_wait_ready nor zerorate_gyro_self_test
-    /// is used.
+    /// The level of RDY: 1 = high, 0 = low, negative = error. Null where neither zerorate_gyro_wait_ready nor
+    /// zerorate_gyro_self_test is used.
     pub rdy: Option<unsafe extern "C" fn(context: *mut c_void) -> i32>,
     /// Waits for so many microseconds, or a little longer. Null where `rdy` may be.
     pub delay_us: Option<unsafe extern "C" fn(context: *mut c_void, us: u32)>,
 }
 
-/// The output that drives the self-test pins 1-7 and 9, which are tied together (F-11). It is called as the functions of the bus are.
+/// The output that drives the self-test pins 1-7 and 9, which are tied together (F-11). It is called as the functions
+/// of the bus are.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct SelfTestPin {
@@ -59,7 +61,8 @@ pub struct Port(pub Bus);
 impl Port {
     fn exchange(&mut self, bytes: &mut [u8]) -> Result<(), Refused> {
         let transfer = self.0.transfer.ok_or(Refused)?;
-        // SAFETY: the caller promised at set-up that this may be called with its context; bytes and length belong together.
+        // SAFETY: the caller promised at set-up that this may be called with its context; bytes and length belong
+        // together.
         match unsafe { transfer(self.0.context, bytes.as_mut_ptr(), bytes.len()) } {
             0 => Ok(()),
             _ => Err(Refused),

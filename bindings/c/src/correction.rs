@@ -78,7 +78,10 @@ pub unsafe extern "C" fn zerorate_correction_to_f32(from: *const Correction, to:
 /// # Safety
 /// Each pointer is null or points to memory of its type.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn zerorate_correction_to_integer(from: *const Correction, to: *mut CorrectionInteger) -> Status {
+pub unsafe extern "C" fn zerorate_correction_to_integer(
+    from: *const Correction,
+    to: *mut CorrectionInteger,
+) -> Status {
     // SAFETY: by the contract.
     status::of(unsafe { boundary::input(from) }.and_then(|from| {
         let zerorate::IntegerCorrection { offset_q, slope_q, t3_code } =
@@ -122,8 +125,11 @@ pub unsafe extern "C" fn zerorate_correct_integer(
     temp_code: u32,
 ) -> u32 {
     // SAFETY: by the contract.
-    unsafe { boundary::input(correction) }.map_or(rate_code, |&CorrectionInteger { offset_q30, slope_q30, t3_code }| {
-        let integer = zerorate::IntegerCorrection { offset_q: offset_q30, slope_q: slope_q30, t3_code };
-        integer.apply(rate_code, temp_code)
-    })
+    unsafe { boundary::input(correction) }.map_or(
+        rate_code,
+        |&CorrectionInteger { offset_q30, slope_q30, t3_code }| {
+            let integer = zerorate::IntegerCorrection { offset_q: offset_q30, slope_q: slope_q30, t3_code };
+            integer.apply(rate_code, temp_code)
+        },
+    )
 }

@@ -3,8 +3,8 @@
 use crate::boundary::{self, Object};
 use crate::bus::{Bus, Delay, Line, Port};
 use crate::status::{
-    self, Numbered, Status, ZERORATE_E_ARGUMENT, ZERORATE_E_NULL, ZERORATE_E_PIN, ZERORATE_E_TIMEOUT, ZERORATE_NOTHING,
-    ZERORATE_OK,
+    self, Numbered, Status, ZERORATE_E_ARGUMENT, ZERORATE_E_NULL, ZERORATE_E_PIN, ZERORATE_E_TIMEOUT,
+    ZERORATE_NOTHING, ZERORATE_OK,
 };
 use adis16130::blocking::Adis16130;
 use adis16130::{
@@ -240,7 +240,8 @@ pub unsafe extern "C" fn zerorate_gyro_wait_ready(gyro: *mut Gyro, timeout_us: u
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn zerorate_gyro_sample(gyro: *mut Gyro, t_ns: u64, seq: u32, sample: *mut Sample) -> Status {
     let edge = Edge { t_ns, seq };
-    let read = |State { driver, sampler, .. }: &mut State| driver.sample(sampler, edge).map_err(|error| error.status());
+    let read =
+        |State { driver, sampler, .. }: &mut State| driver.sample(sampler, edge).map_err(|error| error.status());
     // SAFETY: by the contract.
     match unsafe { boundary::state(gyro) }.and_then(read) {
         // SAFETY: by the contract.

@@ -14,8 +14,8 @@ pub struct SelfTestPlan {
     pub settle_us: u32,
     /// Bound of each wait for RDY, us: 20000, enough for the slowest conversion.
     pub timeout_us: u32,
-    /// Rates to average without and with the self-test, rounded up to a multiple of 16: 6000, a second's worth at the 5693 per second
-    /// of F-31. A sixteenth of them must be long against 1/(300 Hz) (F-03), else `u_dps` is too small.
+    /// Rates to average without and with the self-test, rounded up to a multiple of 16: 6000, a second's worth at the
+    /// 5693 per second of F-31. A sixteenth of them must be long against 1/(300 Hz) (F-03), else `u_dps` is too small.
     pub samples: u16,
 }
 
@@ -50,19 +50,20 @@ pub unsafe extern "C" fn zerorate_self_test_plan_default(plan: *mut SelfTestPlan
     status::of(unsafe { boundary::output(plan, default) })
 }
 
-/// Measures what the self-test does to the rate, and judges nothing (F-11). Needs `rdy` and `delay_us` of the bus and an initialised
-/// part at rest: motion counts as shift.
+/// Measures what the self-test does to the rate, and judges nothing (F-11). Needs `rdy` and `delay_us` of the bus and
+/// an initialised part at rest: motion counts as shift.
 ///
-/// Blocks for two settling times and `2 * samples` rates, 3 commands each, each within `4 * timeout_us`: 2.3 s by default, so not
-/// for an interrupt. An interrupt that samples this gyroscope must be masked; what it misses counts as lost.
+/// Blocks for two settling times and `2 * samples` rates, 3 commands each, each within `4 * timeout_us`: 2.3 s by
+/// default, so not for an interrupt. An interrupt that samples this gyroscope must be masked; what it misses counts as
+/// lost.
 ///
-/// The self-test is off when this returns, also with an error, except perhaps after ZERORATE_E_SELF_TEST_PIN. ZERORATE_E_MISSING: a
-/// function is null, nothing was done. ZERORATE_E_TIMEOUT: RDY was silent, or no new rate came. Else the errors of zerorate_gyro_read,
-/// and ZERORATE_E_PIN.
+/// The self-test is off when this returns, also with an error, except perhaps after ZERORATE_E_SELF_TEST_PIN.
+/// ZERORATE_E_MISSING: a function is null, nothing was done. ZERORATE_E_TIMEOUT: RDY was silent, or no new rate came.
+/// Else the errors of zerorate_gyro_read, and ZERORATE_E_PIN.
 ///
 /// # Safety
-/// Each pointer is null or points to memory of its type; nothing else uses the gyroscope meanwhile; what `pin` points to may be called
-/// as its documentation says.
+/// Each pointer is null or points to memory of its type; nothing else uses the gyroscope meanwhile; what `pin` points
+/// to may be called as its documentation says.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn zerorate_gyro_self_test(
     gyro: *mut Gyro,

@@ -4,8 +4,8 @@ use adis16130::{BusError, Fault, InitError, ReadError, SampleError, SelfTestErro
 use core::ffi::{CStr, c_char};
 use zerorate::{IntegerError, PlanError, Refusal, TableError};
 
-/// What a function returns: ZERORATE_OK, a positive number that says something harmless, or a negative one that says what failed.
-/// The numbers keep their meaning in all versions.
+/// What a function returns: ZERORATE_OK, a positive number that says something harmless, or a negative one that says
+/// what failed. The numbers keep their meaning in all versions.
 pub type Status = i32;
 
 /// It worked.
@@ -28,8 +28,8 @@ pub const ZERORATE_E_TIMEOUT: Status = -12;
 pub const ZERORATE_E_MISSING: Status = -13;
 /// `set` of the self-test pin returned other than 0. If the self-test is still on, it offsets the rate.
 pub const ZERORATE_E_SELF_TEST_PIN: Status = -14;
-/// `transfer` has failed before, so the part may be in the middle of that command and what it sends would be misread. Nothing was
-/// sent: initialise it.
+/// `transfer` has failed before, so the part may be in the middle of that command and what it sends would be misread.
+/// Nothing was sent: initialise it.
 pub const ZERORATE_E_INTERRUPTED: Status = -15;
 /// SDO is stuck at ones: check its wire, CS and the supply.
 pub const ZERORATE_E_STUCK_HIGH: Status = -20;
@@ -41,8 +41,8 @@ pub const ZERORATE_E_CONFIGURATION_LOST: Status = -22;
 pub const ZERORATE_E_UNEXPECTED: Status = -23;
 /// The input is out of range, on a healthy link (F-35).
 pub const ZERORATE_E_OUT_OF_RANGE: Status = -24;
-/// There is no reading yet, on a healthy link: the part has not been initialised, or its first conversion has not ended. Initialise it,
-/// wait for RDY and read again.
+/// There is no reading yet, on a healthy link: the part has not been initialised, or its first conversion has not
+/// ended. Initialise it, wait for RDY and read again.
 pub const ZERORATE_E_NO_READING: Status = -25;
 /// A coefficient does not fit the integer correction: |BTC| up to 1.19 deg/s/deg C, PBC and T3 within the codes.
 pub const ZERORATE_E_COEFFICIENT: Status = -30;

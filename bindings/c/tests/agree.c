@@ -1,7 +1,7 @@
 /*
- * Does with the C interface what xtask/src/c/expected.rs does with the Rust crates, and prints it. Both must print the same, on a host
- * and on a microcontroller. "unit.h" is the header that `zerorate export --format c` writes for the same correction.
- */
+ * Does with the C interface what xtask/src/c/expected.rs does with the Rust crates, and prints it. Both must print the
+ * same, on a host and on a microcontroller. "unit.h" is the header that `zerorate export --format c` writes for the
+ * same correction. /
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
@@ -146,7 +146,8 @@ static void misuse(void)
     printf("%s. %s.\n", zerorate_text(ZERORATE_E_TIMEOUT), zerorate_text(12345));
 }
 
-/* What must not be taken for a reading: nothing converted yet, wrapped codes, and what comes after a transfer that failed. */
+/* What must not be taken for a reading: nothing converted yet, wrapped codes, and what comes after a transfer that
+ * failed. */
 static void no_numbers(void)
 {
     zerorate_gyro gyro;
@@ -222,7 +223,8 @@ static void samples(const char *keys)
         inside &= zerorate_table_lookup_udps(sample.temp_code, &by_header);
         if (!inside)
             printf("outside ");
-        printf("%" PRIu32 " %" PRIu32 " %" PRIu32 " %" PRIu32 " %" PRIu32 " %" PRIu32 " %" PRIx32 " %ld %" PRIu32 " %ld\n",
+        printf("%" PRIu32 " %" PRIu32 " %" PRIu32 " %" PRIu32 " %" PRIu32 " %" PRIu32 " %" PRIx32 " %ld %" PRIu32
+               " %ld\n",
                (uint32_t)sample.t_ns, sample.seq, sample.rate_code, sample.temp_code, sample.lost,
                zerorate_correct_integer(&integer, sample.rate_code, sample.temp_code), bits,
                (long)by_library,
@@ -275,7 +277,9 @@ static int32_t broken_rdy(void *context)
     return -1;
 }
 
-/* A self-test that must fail, and what it leaves: how often the pin was set, its level, and a result that nothing wrote to. */
+/* A self-test that must fail, and what it leaves: how often the pin was set, its level, and a result that nothing
+ * wrote
+ * to. */
 static void failing_test(const char *what, zerorate_gyro *gyro, test_pin pin)
 {
     const zerorate_self_test_pin set = {&pin, set_test_pin};
@@ -301,7 +305,8 @@ static void lacking_test(const char *what, zerorate_bus bus)
 
 static void failing_tests(void *rig, zerorate_gyro *gyro)
 {
-    const test_pin pins[] = {{rig, 1, 0, 0, 0}, {rig, 2, 0, 0, 0}, {rig, 3, 0, 0, 0}, {rig, 0, 4, 0, 0}, {rig, 0, 1, 0, 0}};
+    const test_pin pins[] = {{rig, 1, 0, 0, 0}, {rig, 2, 0, 0, 0}, {rig, 3, 0, 0, 0},
+                             {rig, 0, 4, 0, 0}, {rig, 0, 1, 0, 0}};
     const char *const names[] = {"low refused", "high refused", "release refused", "cut", "zeros"};
     zerorate_gyro blank;
     zerorate_bus bus = bus_of(rig);

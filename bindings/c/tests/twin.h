@@ -5,7 +5,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* A twin of a specification such as "seed=7,warmup_s=30"; null where that says nothing. The functions below take it as `rig`. */
+/* A twin of a specification such as "seed=7,warmup_s=30"; null where that says nothing. The functions below take it as
+ * `rig`. */
 void *zerorate_twin_new(const char *keys);
 void zerorate_twin_free(void *rig);
 int32_t zerorate_twin_transfer(void *rig, uint8_t *bytes, size_t length);

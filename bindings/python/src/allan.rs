@@ -164,15 +164,16 @@ pub fn deviations<'py>(
     Ok((PyArray1::from_vec(py, dev), PyArray1::from_vec(py, n)))
 }
 
-/// The name of every statistic, with order, overlapped and modified of the differences that give its degrees of freedom;
-/// ``None`` where these have a formula of their own.
+/// The name of every statistic, with order, overlapped and modified of the differences that give its degrees of
+/// freedom; ``None`` where these have a formula of their own.
 #[pyfunction]
 pub fn statistics() -> Vec<(&'static str, Option<OfDifferences>)> {
     let differences = |stat: Stat| stat.difference().map(|of| (of.order, of.overlapped, of.modified));
     Stat::ALL.into_iter().map(|stat| (stat.name(), differences(stat))).collect()
 }
 
-/// Equivalent degrees of freedom of a statistic at ``m`` samples in a record of ``phase_points`` points, for the noise exponent ``alpha``.
+/// Equivalent degrees of freedom of a statistic at ``m`` samples in a record of ``phase_points`` points, for the noise
+/// exponent ``alpha``.
 #[pyfunction]
 pub fn edf(stat: &str, alpha: i32, m: u64, phase_points: u64) -> PyResult<f64> {
     Ok(edf_of(stat.parse().map_err(refused)?, alpha, m, phase_points))
@@ -191,7 +192,8 @@ pub fn finite_difference_edf(
     edf_of_difference(Difference { order, overlapped, modified }, alpha, m, phase_points)
 }
 
-/// Limits of a deviation with ``edf`` degrees of freedom that enclose the true one with the probability ``confidence``.
+/// Limits of a deviation with ``edf`` degrees of freedom that enclose the true one with the probability
+/// ``confidence``.
 #[pyfunction]
 pub fn interval(dev: f64, edf: f64, confidence: f64) -> (f64, f64) {
     limits(dev, edf, confidence)

@@ -33,7 +33,8 @@ pub fn extrapolation(text: &str, low_c: f64, high_c: f64) -> PyResult<Option<Str
 }
 
 fn parse(text: &str) -> PyResult<(Calibration, Vec<String>)> {
-    let (calibration, warnings) = Calibration::parse(text).map_err(|error| PyValueError::new_err(error.to_string()))?;
+    let (calibration, warnings) =
+        Calibration::parse(text).map_err(|error| PyValueError::new_err(error.to_string()))?;
     Ok((calibration, warnings.iter().map(ToString::to_string).collect()))
 }
 

@@ -10,10 +10,12 @@ create_exception!(
     _zerorate,
     Refused,
     PyValueError,
-    "The measurement was refused: there are numbers, but they must not become a calibration. The text says why and what to do."
+    "The measurement was refused: there are numbers, but they must not become a calibration. The text says why and \
+     what to do."
 );
 
-/// The exception for an error: [`Refused`], an `OSError` where the system said no, else a `ValueError`. The text is that of the command line.
+/// The exception for an error: [`Refused`], an `OSError` where the system said no, else a `ValueError`. The text is
+/// that of the command line.
 pub fn exception(error: &anyhow::Error) -> PyErr {
     let text = format!("{error:#}");
     if error.is::<api::Refused>() {

@@ -1,7 +1,7 @@
 //! `zerorate._zerorate`: what the Python package takes from Rust.
 //!
-//! It moves numbers across and turns errors into exceptions. Names, defaults and data classes stand in `python/zerorate`, the
-//! computations in the crates `zerorate` and `zerorate-cli`.
+//! It moves numbers across and turns errors into exceptions. Names, defaults and data classes stand in
+//! `python/zerorate`, the computations in the crates `zerorate` and `zerorate-cli`.
 
 mod allan;
 mod capture;

@@ -1,4 +1,5 @@
-"""Runs allantools' own tests against `zerorate.allantools_compat`: python allantools_suite.py SOURCE, an unpacked source distribution.
+"""Runs allantools' own tests against `zerorate.allantools_compat`: python allantools_suite.py SOURCE, an
+unpacked source distribution.
 
 Prints which tests pass and which are for what is not offered, by name. Fails if any other test does not pass.
 """
@@ -54,7 +55,8 @@ def main(source: Path) -> int:
     outcomes = Outcomes()
     own_noise = source / "tests" / "functional_tests" / "test_noise.py"
     outcomes.skipped["not offered: noise"].append(f"{own_noise.relative_to(source)} (all of it)")
-    arguments = [f"--ignore={own_noise}", "-q", "--no-header", "--tb=short", "--no-summary", "-p", "no:cacheprovider", f"--rootdir={source}"]
+    arguments = [f"--ignore={own_noise}", "-q", "--no-header", "--tb=short", "--no-summary", "-p", "no:cacheprovider"]
+    arguments.append(f"--rootdir={source}")
     status = pytest.main([*arguments, "-c", str(source / "pytest.ini"), str(source / "tests")], plugins=[outcomes])
     print(f"\nallantools' own tests against zerorate.allantools_compat, {source.name}")
     print(f"\n{len(outcomes.passed)} pass:")

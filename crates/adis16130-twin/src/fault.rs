@@ -18,7 +18,8 @@ pub enum Fault {
     Frozen,
     /// The RDY line is cut and stays high; the data registers are still updated.
     RdyLost,
-    /// Runs of one to five edges of RDY are missing, one run per about 100 edges; the data registers are still updated.
+    /// Runs of one to five edges of RDY are missing, one run per about 100 edges; the data registers are still
+    /// updated.
     RdyStutter,
     /// Bits flip on their way in both directions, at [`Spec::bit_error_rate`](crate::Spec::bit_error_rate).
     BitErrors,

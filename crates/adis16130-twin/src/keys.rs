@@ -73,9 +73,13 @@ pub const KEYS: &[Key] = &[
     number("hysteresis", (0.0, 10.0), "0.002", "half width of the bias loop over temperature, °/s", |s, v| {
         s.hysteresis_dps = v;
     }),
-    number("lag_s", (0.0, 1e5), "0", "time by which the sensing element's temperature lags the sensor's, s", |s, v| {
-        s.lag_s = v
-    }),
+    number(
+        "lag_s",
+        (0.0, 1e5),
+        "0",
+        "time by which the sensing element's temperature lags the sensor's, s",
+        |s, v| s.lag_s = v,
+    ),
     number("ambient_c", (-60.0, 150.0), "25", "ambient temperature (at the start of a ramp), °C", |s, v| {
         s.ambient_c = v
     }),
@@ -225,8 +229,8 @@ impl fmt::Display for SpecError {
 impl core::error::Error for SpecError {}
 
 impl Spec {
-    /// Reads comma-separated `key=value` items. The seed draws the unit first, wherever it stands; an empty text is the
-    /// default unit.
+    /// Reads comma-separated `key=value` items. The seed draws the unit first, wherever it stands; an empty text is
+    /// the default unit.
     pub fn parse_keys(text: &str) -> Result<Self, SpecError> {
         let items = items(text)?;
         let seed = items.iter().find(|(key, _)| matches!(key.kind, Kind::Seed));

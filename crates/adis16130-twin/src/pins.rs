@@ -29,8 +29,8 @@ pin!(
     /// The data-ready pin (F-32). Looking at it takes no simulated time.
     ///
     /// Waiting lets simulated time pass at once, so a future here never pends. It gives up after one second of
-    /// simulated time, since nothing else could end the wait. Waiting for an edge counts from the call; an edge that is
-    /// latched for [`Twin::next_falling_edge`](crate::Twin::next_falling_edge) is forgotten.
+    /// simulated time, since nothing else could end the wait. Waiting for an edge counts from the call; an edge that
+    /// is latched for [`Twin::next_falling_edge`](crate::Twin::next_falling_edge) is forgotten.
     TwinRdy
 );
 pin!(

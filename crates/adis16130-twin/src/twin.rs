@@ -78,16 +78,16 @@ impl Twin {
         edge.map(|(t_ps, seq)| TwinEdge { t_ns: t_ps / 1000, seq })
     }
 
-    /// The same for the rising or the falling edge of the line as [`Spec::rdy`] makes it. Only one of the two says that there
-    /// is new data; the other comes where the scaling time begins (F-32), 26 µs before.
+    /// The same for the rising or the falling edge of the line as [`Spec::rdy`] makes it. Only one of the two says
+    /// that there is new data; the other comes where the scaling time begins (F-32), 26 µs before.
     pub fn next_edge(&self, rising: bool, timeout_ns: u64) -> Option<TwinEdge> {
         let edge = self.part.borrow_mut().next_edge(rising, timeout_ns.saturating_mul(1000));
         edge.map(|(t_ps, seq)| TwinEdge { t_ns: t_ps / 1000, seq })
     }
 
-    /// When the part does something next of itself (a conversion ends, a fault sets in), in ns from the start, rounded up;
-    /// `None` if never. An edge of RDY comes at such a time, so whoever lets time pass by the wall clock can sleep until
-    /// then.
+    /// When the part does something next of itself (a conversion ends, a fault sets in), in ns from the start, rounded
+    /// up; `None` if never. An edge of RDY comes at such a time, so whoever lets time pass by the wall clock can sleep
+    /// until then.
     pub fn next_event_ns(&self) -> Option<u64> {
         match self.part.borrow().next_event_ps() {
             NEVER => None,

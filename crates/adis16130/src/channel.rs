@@ -34,7 +34,8 @@ impl Channel {
     }
 }
 
-/// The channels that are known to have converted since MODE was written: only of these the reset code can be a reading.
+/// The channels that are known to have converted since MODE was written: only of these the reset code can be a
+/// reading.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Seen(u8);
 

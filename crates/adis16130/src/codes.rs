@@ -86,8 +86,8 @@ impl RateCode {
         self.0.code24()
     }
 
-    /// Whether the code is the lowest or the highest of its width: saturated with CLAMP = 1 (F-35), or not a reading at
-    /// all.
+    /// Whether the code is the lowest or the highest of its width: saturated with CLAMP = 1 (F-35), or not a reading
+    /// at all.
     pub const fn is_at_rail(self) -> bool {
         self.0.is_at_rail()
     }

@@ -236,8 +236,8 @@ impl Write {
     }
 }
 
-/// A [`Config`] as it is stored: what the builders take, so that no other mode can come out of it. What is missing is as
-/// in F-30.
+/// A [`Config`] as it is stored: what the builders take, so that no other mode can come out of it. What is missing is
+/// as in F-30.
 #[cfg(feature = "serde")]
 #[derive(serde::Serialize, serde::Deserialize)]
 #[serde(default, deny_unknown_fields)]

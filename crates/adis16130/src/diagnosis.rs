@@ -126,8 +126,8 @@ const RESET_DATA: u32 = 0x8000;
 /// Whether the answer of a data register needs a second look: a dead line would give it too, or a register of which
 /// nobody knows whether it has been written since the reset.
 ///
-/// After a brown-out the part has 16 bits where the host may read 24: the third byte is then whatever SDO does outside a
-/// read.
+/// After a brown-out the part has 16 bits where the host may read 24: the third byte is then whatever SDO does outside
+/// a read.
 #[inline]
 pub(crate) const fn is_doubtful_reading(answer: u32, width: Width) -> bool {
     is_at_rail(answer, width) || answer == RESET_DATA || answer >> 8 == RESET_DATA

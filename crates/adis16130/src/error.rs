@@ -33,13 +33,13 @@ impl<E: Debug> Display for BusError<E> {
         match self {
             Self::Transfer { register, error } => write!(
                 f,
-                "the SPI transfer for {register} failed ({error:?}): check the host's SPI settings and that the port is \
-                 still there, then reset and initialise the part"
+                "the SPI transfer for {register} failed ({error:?}): check the host's SPI settings and that the port \
+                 is still there, then reset and initialise the part"
             ),
             Self::Interrupted { register } => write!(
                 f,
-                "the command for {register} was cut short, by a failed transfer or a dropped future, so the part may be \
-                 in the middle of it and what it sends would be misread: reset and initialise the part"
+                "the command for {register} was cut short, by a failed transfer or a dropped future, so the part may \
+                 be in the middle of it and what it sends would be misread: reset and initialise the part"
             ),
         }
     }
@@ -126,7 +126,8 @@ pub enum SelfTestError<E, R, P> {
     Pin(P),
 }
 
-/// Any error of the driver, for functions that do several things: the question mark widens each operation's error to it.
+/// Any error of the driver, for functions that do several things: the question mark widens each operation's error to
+/// it.
 ///
 /// `E` is the error of the bus, `R` of the RDY pin, `P` of the self-test pin.
 ///
@@ -175,12 +176,13 @@ pub struct OutOfRange {
     pub code: u32,
     /// How wide it was.
     pub width: Width,
-    /// The status of the channel where that was asked (OVR, and on which side: SIGN); `None` where the code itself is the
-    /// end of the scale.
+    /// The status of the channel where that was asked (OVR, and on which side: SIGN); `None` where the code itself is
+    /// the end of the scale.
     pub status: Option<ChannelStatus>,
 }
 
-/// A data register in which no conversion has been since the reset, or since MODE was written: it holds its reset value.
+/// A data register in which no conversion has been since the reset, or since MODE was written: it holds its reset
+/// value.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

@@ -1,5 +1,5 @@
-//! Division of 64 bits, small rather than fast: the compiler's own takes a kilobyte of a microcontroller's flash, a quarter of the
-//! whole driver, and is needed here for a learned period or a long gap only.
+//! Division of 64 bits, small rather than fast: the compiler's own takes a kilobyte of a microcontroller's flash, a
+//! quarter of the whole driver, and is needed here for a learned period or a long gap only.
 
 /// ⌊dividend / divisor⌋; 0 for the divisor 0, which no caller has. Takes as many rounds as the quotient has bits.
 #[inline(never)]

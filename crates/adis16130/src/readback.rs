@@ -68,7 +68,8 @@ impl Differences {
         self.slots.into_iter().flatten()
     }
 
-    /// Compares what a register read with what had been written to it; IOP without the pin levels (docs/facts.md section 3).
+    /// Compares what a register read with what had been written to it; IOP without the pin levels (docs/facts.md
+    /// section 3).
     pub(crate) fn compare(&mut self, register: Address, expected: u8, got: u8) {
         let mask = if register == Address::Iop { !Iop::PIN_LEVELS } else { 0xFF };
         let place = usize::from(self.read);

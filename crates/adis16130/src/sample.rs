@@ -29,6 +29,7 @@ pub struct Sample {
     pub status: Option<ChannelStatus>,
     /// The temperature, if it was due (F-55).
     pub temp: Option<TempCode>,
-    /// Rate samples lost since the `Sample` before: overwritten, not taken up by the register, missed or failed (F-33).
+    /// Rate samples lost since the `Sample` before: overwritten, not taken up by the register, missed or failed
+    /// (F-33).
     pub lost: u32,
 }

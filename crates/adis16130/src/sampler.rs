@@ -83,8 +83,8 @@ pub struct Due {
     is_rate: bool,
 }
 
-/// So many samples have their status read after an edge that was not believable: until a late host has certainly caught
-/// up.
+/// So many samples have their status read after an edge that was not believable: until a late host has certainly
+/// caught up.
 const SUSPICIOUS_SAMPLES: u8 = 8;
 
 /// A part that lives shows an edge at the latest after this many periods, or distances of divided edges: it is the
@@ -118,8 +118,8 @@ struct Taken {
 /// On each edge decides what is due, and counts the rate samples that were lost.
 ///
 /// Call [`edge`](Self::edge) with every edge seen. If it says that something is due, read it, and call
-/// [`taken`](Self::taken) if, and only if, the reading succeeded and was not stale: it returns how many were lost since
-/// the one before. Call [`stale`](Self::stale) if it was.
+/// [`taken`](Self::taken) if, and only if, the reading succeeded and was not stale: it returns how many were lost
+/// since the one before. Call [`stale`](Self::stale) if it was.
 ///
 /// # Example
 ///
@@ -185,8 +185,8 @@ struct Taken {
 ///   counted that there was not, and each is reported within five samples. If they are late as well, as behind USB, a
 ///   stop in 100 periods costs at most two losses too many or too few in all, one in 20 periods 0.6 % of the samples
 ///   (measured, 60 seeds of 3000 samples each, stops of up to 5 periods). Where edges come at any time, nothing can be
-///   learned from them: the nominal period holds, and the losses are right to 3.5 % of all samples (measured with edges
-///   late by up to a period, which wait for each other).
+///   learned from them: the nominal period holds, and the losses are right to 3.5 % of all samples (measured with
+///   edges late by up to a period, which wait for each other).
 /// * `seq` differs for different edges. Where `t_ns` stands still or runs backwards, the edges themselves are counted:
 ///   each missed pair is a loss.
 /// * MCLK is within 6 % of the nominal one (the part: 2 %), and changes slowly. The period is learned from the first
@@ -195,8 +195,8 @@ struct Taken {
 ///   gap above 19.5 h counts as 19.5 h.
 /// * With `read_status` off, an edge that comes too early to be new, or after edges that were not seen, makes the
 ///   status due for this sample and the next few.
-///   So a late host gets no sample twice. With one channel, or with RDYFN = 0, only the status tells that: it is always
-///   due.
+///   So a late host gets no sample twice. With one channel, or with RDYFN = 0, only the status tells that: it is
+///   always due.
 /// * After a failed read the next edge is due again, whatever the divider.
 ///
 /// # When nothing comes

@@ -30,8 +30,8 @@ macro_rules! shell {
         /// No method waits or retries unless its name says so; each does a bounded number of transfers.
         ///
         /// A command that was cut short, because a transfer failed or because the future of an async call was dropped,
-        /// leaves the part in the middle of it, and what it sends next would be read shifted. So from then on every call
-        /// answers [`BusError::Interrupted`] and sends nothing, until [`reset`](Self::reset) or
+        /// leaves the part in the middle of it, and what it sends next would be read shifted. So from then on every
+        /// call answers [`BusError::Interrupted`] and sends nothing, until [`reset`](Self::reset) or
         /// [`restart`](Self::restart) has gone through.
         #[derive(Debug)]
         pub struct Adis16130<SPI, RDY> {
@@ -174,8 +174,8 @@ macro_rules! shell {
                 temp.ok_or_else(|| self.no_reading(Channel::Temp))
             }
 
-            /// Reads the rate, then the temperature; see [`read_in_range`](Self::read_in_range) for one that looks at the
-            /// status, too.
+            /// Reads the rate, then the temperature; see [`read_in_range`](Self::read_in_range) for one that looks at
+            /// the status, too.
             pub $($async)* fn read_both(&mut self) -> Result<(RateCode, TempCode), ReadError<SPI::Error>> {
                 let rate = self.read_rate()$($await)*?;
                 let temp = self.read_temp()$($await)*?;
@@ -183,12 +183,12 @@ macro_rules! shell {
             }
 
             /// Reads the rate and the status that belongs to it, and reports a rate out of range as
-            /// [`ReadError::OutOfRange`] also where CLAMP = 0 has wrapped its code (F-35). For loops that read when they
-            /// like; [`sample`](Self::sample) is for every edge.
+            /// [`ReadError::OutOfRange`] also where CLAMP = 0 has wrapped its code (F-35). For loops that read when
+            /// they like; [`sample`](Self::sample) is for every edge.
             ///
             /// A conversion that ends between the two makes it read both once more. Should that happen again, as on a
-            /// host that takes longer than a conversion for six bytes, the rate lies between two readings in range, or it
-            /// is out of range: so is then a code so close to the end of the scale that it may have wrapped.
+            /// host that takes longer than a conversion for six bytes, the rate lies between two readings in range, or
+            /// it is out of range: so is then a code so close to the end of the scale that it may have wrapped.
             pub $($async)* fn read_rate_in_range(&mut self) -> Result<RateCode, ReadError<SPI::Error>> {
                 let mut rate = self.read_rate()$($await)*?;
                 let mut status = self.rate_status()$($await)*?;
@@ -241,11 +241,11 @@ macro_rules! shell {
             /// `None` = nothing was due, or the edge was stale (its data has been read already).
             ///
             /// An out-of-range rate is no error: it is in the status of the sample, because losing the sample would
-            /// hide it, and because only the caller knows what it spoils. A rate at the end of its scale has its status
-            /// read even where it was not due, and so has the first after MODE was written. A temperature that was due
-            /// before its first conversion is missing, and due again. A status that names another channel, or an answer
-            /// that a dead line or a part without a reading would give, is diagnosed: if the line or the part is at
-            /// fault, that is the error.
+            /// hide it, and because only the caller knows what it spoils. A rate at the end of its scale has its
+            /// status read even where it was not due, and so has the first after MODE was written. A temperature that
+            /// was due before its first conversion is missing, and due again. A status that names another channel, or
+            /// an answer that a dead line or a part without a reading would give, is diagnosed: if the line or the
+            /// part is at fault, that is the error.
             #[inline]
             pub $($async)* fn sample(
                 &mut self,
@@ -384,7 +384,8 @@ macro_rules! shell {
                 Ok(())
             }
 
-            /// One command in the framing of F-22: one transfer per byte, or one in all. Returns the data bytes that came back.
+            /// One command in the framing of F-22: one transfer per byte, or one in all. Returns the data bytes that
+            /// came back.
             #[inline]
             $($async)* fn exchange(
                 &mut self,
@@ -412,10 +413,10 @@ macro_rules! shell {
         impl<SPI: SpiDevice, RDY: RdyPin> Adis16130<SPI, RDY> {
             /// Measures what the self-test does to the rate, and judges nothing (F-11).
             ///
-            /// `pin` drives the self-test pins 1–7 and 9 together and is active high. It is low when this returns, also
-            /// with an error, and when an async call is dropped. The part must be initialised; use a slow or
-            /// undisturbed moment, since motion counts as shift. Takes two settling times and `2 · samples` rates, each
-            /// within `4 ·` the bound of the plan.
+            /// `pin` drives the self-test pins 1–7 and 9 together and is active high. It is low when this returns,
+            /// also with an error, and when an async call is dropped. The part must be initialised; use a slow or
+            /// undisturbed moment, since motion counts as shift. Takes two settling times and `2 · samples` rates,
+            /// each within `4 ·` the bound of the plan.
             pub $($async)* fn self_test<P: OutputPin>(
                 &mut self,
                 pin: &mut P,

@@ -1,8 +1,9 @@
 //! A run in a child process with a limit on its memory.
 //!
-//! The decoders of foreign formats are other people's, and no check of ours foresees everything that they do with a damaged file. What
-//! they panic on is caught where they are called; but where memory or stack is used up the process ends, and there is nothing to catch.
-//! Therefore a command that reads files of unknown origin runs in a child, and its parent says what became of it.
+//! The decoders of foreign formats are other people's, and no check of ours foresees everything that they do with a
+//! damaged file. What they panic on is caught where they are called; but where memory or stack is used up the process
+//! ends, and there is nothing to catch. Therefore a command that reads files of unknown origin runs in a child, and
+//! its parent says what became of it.
 
 use crate::limits::{self, Bytes};
 use crate::output::say;
@@ -53,16 +54,16 @@ fn limit(files: &[&Path]) -> Bytes {
     Bytes(limits::for_size(sizes).saturating_add(PROGRAM_BYTES - limits::FREE_BYTES).min(limits::max_memory()))
 }
 
-/// Memory that is written to counts, address space that is only reserved does not. A limit that cannot be set is none: the checks of the
-/// readers still hold.
+/// Memory that is written to counts, address space that is only reserved does not. A limit that cannot be set is none:
+/// the checks of the readers still hold.
 fn confine(Bytes(limit): Bytes) {
     let _ = setrlimit(Resource::Data, Rlimit { current: Some(limit), maximum: Some(limit) });
     let _ = setrlimit(Resource::Core, Rlimit { current: Some(0), maximum: Some(0) });
     let _ = set_parent_process_death_signal(Some(Signal::TERM));
 }
 
-/// The child's standard streams are ours. Ctrl-C reaches both by itself; SIGTERM is passed on. The child is there before we listen, so that
-/// what we ignore it ignores too.
+/// The child's standard streams are ours. Ctrl-C reaches both by itself; SIGTERM is passed on. The child is there
+/// before we listen, so that what we ignore it ignores too.
 fn supervise(args: &[OsString]) -> io::Result<ExitStatus> {
     let (name, rest) = args.split_first().ok_or(io::ErrorKind::InvalidInput)?;
     let mut child = Command::new("/proc/self/exe").arg0(name).args(rest).env(MARK, "1").spawn()?;
@@ -85,8 +86,9 @@ fn ended(status: ExitStatus, files: &[&Path], limit: Bytes) -> ExitCode {
         (None, _) => {
             let names: Vec<String> = files.iter().map(|path| path.display().to_string()).collect();
             say(format_args!(
-                "error: {}: reading took more than the {limit} of memory that it may take (--max-memory, and {} plus {} times the size of \
-                 the file): it is damaged, or made to fill a machine; if it is neither, give more with --max-memory",
+                "error: {}: reading took more than the {limit} of memory that it may take (--max-memory, and {} plus \
+                 {} times the size of the file): it is damaged, or made to fill a machine; if it is neither, give \
+                 more with --max-memory",
                 names.join(", "),
                 Bytes(PROGRAM_BYTES),
                 limits::FACTOR

@@ -48,8 +48,8 @@ pub fn main(args: impl IntoIterator<Item = OsString>) -> ExitCode {
     run(&cli)
 }
 
-/// The same for a process that is nothing but this program: on Linux, what reads files of unknown origin runs in a child with a limit on
-/// its memory.
+/// The same for a process that is nothing but this program: on Linux, what reads files of unknown origin runs in a
+/// child with a limit on its memory.
 pub fn main_confined(args: impl IntoIterator<Item = OsString>) -> ExitCode {
     let args: Vec<OsString> = args.into_iter().collect();
     let cli = cli::Cli::parse_from(&args);

@@ -1,4 +1,5 @@
-//! How much memory a file may take. What it holds shows only while it is read, and what it states of itself may be wrong.
+//! How much memory a file may take. What it holds shows only while it is read, and what it states of itself may be
+//! wrong.
 
 use std::fmt;
 use std::str::FromStr;
@@ -7,7 +8,8 @@ use std::sync::OnceLock;
 /// What any file may take, however small.
 pub const FREE_BYTES: u64 = 64 << 20;
 
-/// What it may take on top of that, as a multiple of its size on disk. The best that packs a log of noise is some 20 to 1.
+/// What it may take on top of that, as a multiple of its size on disk. The best that packs a log of noise is some 20
+/// to 1.
 pub const FACTOR: u64 = 256;
 
 /// What the commands take at least: their threads, and a batch of each form.
@@ -91,7 +93,8 @@ pub struct Room {
 pub enum NoRoom {
     /// More than any log of its size holds.
     #[error(
-        "it grows to more than {} in memory, {} plus {FACTOR} times its size on disk: it is damaged, or made to fill a machine",
+        "it grows to more than {} in memory, {} plus {FACTOR} times its size on disk: it is damaged, or made to fill \
+         a machine",
         Bytes(*.0), Bytes(FREE_BYTES)
     )]
     ForItsSize(u64),

@@ -32,7 +32,11 @@ impl Correction {
     /// The same in single precision, for a processor with a small floating point unit.
     #[must_use]
     pub fn to_f32(&self) -> CorrectionF32 {
-        CorrectionF32 { pbc_dps: self.pbc_dps as f32, btc_dps_per_c: self.btc_dps_per_c as f32, t3_c: self.t3_c as f32 }
+        CorrectionF32 {
+            pbc_dps: self.pbc_dps as f32,
+            btc_dps_per_c: self.btc_dps_per_c as f32,
+            t3_c: self.t3_c as f32,
+        }
     }
 
     /// The same on raw codes, see [`IntegerCorrection`].
@@ -236,8 +240,9 @@ mod tests {
     #[test]
     fn table_of_the_note() {
         let rows = Correction { pbc_dps: 1.0, btc_dps_per_c: -0.04, t3_c: 25.0 }.table(0.02, 0.12).unwrap();
-        let published =
-            [-0.0048, -0.0040, -0.0032, -0.0024, -0.0016, -0.0008, 0.0, 0.0008, 0.0016, 0.0024, 0.0032, 0.0040, 0.0048];
+        let published = [
+            -0.0048, -0.0040, -0.0032, -0.0024, -0.0016, -0.0008, 0.0, 0.0008, 0.0016, 0.0024, 0.0032, 0.0040, 0.0048,
+        ];
         assert_eq!(rows.len(), published.len());
         for (k, (row, correction_dps)) in rows.iter().zip(published).enumerate() {
             assert!((row.delta_c - (0.12 - 0.02 * k as f64)).abs() < 1e-12);

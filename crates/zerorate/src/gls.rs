@@ -1,4 +1,5 @@
-//! Least squares under the part's own noise: a record is whitened by its covariance, and after that every deviation counts the same.
+//! Least squares under the part's own noise: a record is whitened by its covariance, and after that every deviation
+//! counts the same.
 
 use alloc::vec::Vec;
 
@@ -46,7 +47,8 @@ pub(crate) struct Fit {
 impl Fit {
     /// The coefficients that leave least of `values`; none where the columns depend on each other.
     pub(crate) fn new(columns: &[Vec<f64>], values: &[f64]) -> Option<Self> {
-        let products = |(i, column): (usize, &Vec<f64>)| columns[..=i].iter().map(|other| dot(column, other)).collect();
+        let products =
+            |(i, column): (usize, &Vec<f64>)| columns[..=i].iter().map(|other| dot(column, other)).collect();
         let information = Whitener::new(columns.iter().enumerate().map(products).collect())?;
         let mut coefficients = information.whiten(columns.iter().map(|column| dot(column, values)));
         for i in (0..coefficients.len()).rev() {

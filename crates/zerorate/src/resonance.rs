@@ -91,7 +91,9 @@ mod tests {
     #[test]
     fn the_full_rate_is_good_and_a_hundred_a_second_is_not() {
         assert_eq!(warning(rate_hz(1), 1, 10.0), None);
-        let Some(Warning::Resonance { folded_hz, divider, .. }) = warning(100.0, 1, 10.0) else { panic!("no warning") };
+        let Some(Warning::Resonance { folded_hz, divider, .. }) = warning(100.0, 1, 10.0) else {
+            panic!("no warning")
+        };
         assert!(folded_hz < 1e-6 && divider == Some(2), "{folded_hz} Hz, {divider:?}");
     }
 

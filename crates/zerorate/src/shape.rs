@@ -75,7 +75,8 @@ pub(crate) fn means<'a>(shape: &'a Shape, stretches: &'a [Stretch]) -> impl Iter
     stretches.iter().map(|stretch| shape.mean(f64::from(stretch.start_s), f64::from(stretch.end_s)))
 }
 
-/// All that are looked for in a record of these stretches: a step at each of their ends, and the others over the scales that it can show.
+/// All that are looked for in a record of these stretches: a step at each of their ends, and the others over the
+/// scales that it can show.
 pub(crate) fn all(seconds: &[Second], stretches: &[Stretch], t3_c: f64) -> Vec<Shape> {
     let total_s = stretches.last().map_or(0.0, |stretch| f64::from(stretch.end_s));
     let longest_s = stretches.iter().map(Stretch::length_s).fold(1.0, f64::max);

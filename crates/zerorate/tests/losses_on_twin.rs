@@ -35,8 +35,8 @@ struct Habits {
     /// From one stop to the next, on average.
     between_stops: f64,
     longest_stop: f64,
-    /// Its timestamps are late by this on average, in ns, and by the rest of a stop, as those of edges that come over USB;
-    /// else they are those of the edges.
+    /// Its timestamps are late by this on average, in ns, and by the rest of a stop, as those of edges that come over
+    /// USB; else they are those of the edges.
     late_stamps_ns: Option<f64>,
     every_temp: u16,
 }

@@ -321,13 +321,19 @@ fn fixed_memory_gives_the_same_numbers_bit_for_bit() {
     for (seed, plan) in [(11, SHORT), (12, Plan { earth_dps: Some(0.003), ..SHORT })] {
         let (full, fixed) = both(quick(seed), plan);
         let (full, fixed) = (full.unwrap(), fixed.unwrap());
-        assert_eq!((full.correction, full.uncertainty, full.noise), (fixed.correction, fixed.uncertainty, fixed.noise));
+        assert_eq!(
+            (full.correction, full.uncertainty, full.noise),
+            (fixed.correction, fixed.uncertainty, fixed.noise)
+        );
         assert_eq!(
             (full.b1_dps, full.t1_c, full.b2_dps, full.t2_c),
             (fixed.b1_dps, fixed.t1_c, fixed.b2_dps, fixed.t2_c)
         );
         assert_eq!((full.temp_min_c, full.temp_max_c), (fixed.temp_min_c, fixed.temp_max_c));
-        assert_eq!((full.samples, full.lost_samples, full.rate_hz), (fixed.samples, fixed.lost_samples, fixed.rate_hz));
+        assert_eq!(
+            (full.samples, full.lost_samples, full.rate_hz),
+            (fixed.samples, fixed.lost_samples, fixed.rate_hz)
+        );
         let mut warnings: Vec<Warning> = fixed.warnings.into_iter().flatten().collect();
         assert_eq!(warnings.pop(), Some(Warning::HourUnchecked), "what it does not look for, it says");
         assert_eq!(full.warnings, warnings);

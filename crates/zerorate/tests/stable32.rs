@@ -1,7 +1,8 @@
 //! Every row of the Stable32 tables in the reference data: deviations, noise types, confidence limits.
 //!
-//! Stable32 is the program that the field compares with. Where its rule for the noise type is not the published one, this file has that
-//! rule, written down again from the definition, and every row must follow the one or the other; how many follow which is asserted.
+//! Stable32 is the program that the field compares with. Where its rule for the noise type is not the published one,
+//! this file has that rule, written down again from the definition, and every row must follow the one or the other;
+//! how many follow which is asserted.
 
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
@@ -109,15 +110,17 @@ fn check_limits(at: &str, stat: Stat, row: &Row, point: &Point, points: u64) -> 
         }
         _ => (point.lo, point.hi),
     };
-    // Stable32 solves χ² to about 2e-4 in the probability only, which shows at its smallest number of degrees of freedom.
+    // Stable32 solves χ² to about 2e-4 in the probability only, which shows at its smallest number of degrees of
+    // freedom.
     let tolerance = if point.edf < 3.0 { 6e-4 } else { LIMITS };
     assert!((lo / row.lo - 1.0).abs() < tolerance, "{at}: lower limit {lo} instead of {}", row.lo);
     assert!((hi / row.hi - 1.0).abs() < tolerance, "{at}: upper limit {hi} instead of {}", row.hi);
     true
 }
 
-/// Degrees of freedom that Stable32 gives TOTDEV of phase noise: the older formulas for OADEV (NIST SP 1065 table 5), although for OADEV
-/// it uses the newer ones, as we do for both. They differ for flicker phase, by a factor of 2 or so.
+/// Degrees of freedom that Stable32 gives TOTDEV of phase noise: the older formulas for OADEV (NIST SP 1065 table 5),
+/// although for OADEV it uses the newer ones, as we do for both. They differ for flicker phase, by a factor of 2 or
+/// so.
 fn stein_edf(alpha: i32, m: f64, n: f64) -> f64 {
     match alpha {
         2 => (n + 1.0) * (n - 2.0 * m) / (2.0 * (n - m)),
@@ -140,9 +143,12 @@ fn phase_of(input: &Input<'_>) -> Vec<f64> {
     }
 }
 
-/// Noise types as Stable32 gives them. Three things differ from the published rules that [`zerorate::allan::noise_types`] follows:
-/// 1. Of phase data, 2δ is rounded by cutting off the fraction of 2δ + ½, which goes the wrong way for negative δ; δ is at least −1.
-/// 2. Boundaries of B1 are those of as many averages as the statistic has terms, not of the averages that B1 was computed of.
+/// Noise types as Stable32 gives them. Three things differ from the published rules that
+/// [`zerorate::allan::noise_types`] follows:
+/// 1. Of phase data, 2δ is rounded by cutting off the fraction of 2δ + ½, which goes the wrong way for negative δ; δ
+///    is at least −1.
+/// 2. Boundaries of B1 are those of as many averages as the statistic has terms, not of the averages that B1 was
+///    computed of.
 /// 3. R(n) is not asked: phase noise found by B1 is flicker.
 fn stable32_types(phase: &[f64], is_rate: bool, stat: Stat, rows: &[Row]) -> Vec<i32> {
     let fewest = if matches!(stat, Stat::Adev | Stat::Hdev) { 10 } else { 8 };

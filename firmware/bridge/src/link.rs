@@ -63,8 +63,9 @@ impl Link {
         self.heard.signal(edge);
     }
 
-    /// Queues a message for the host: a sample whole or not at all, which the next one's number tells; anything else as
-    /// soon as there is room, that is until the host reads or leaves; `alive` is called while it waits. To be called from one task only.
+    /// Queues a message for the host: a sample whole or not at all, which the next one's number tells; anything else
+    /// as soon as there is room, that is until the host reads or leaves; `alive` is called while it waits. To be
+    /// called from one task only.
     pub(crate) async fn send(&self, message: &Message<'_>, mut alive: impl FnMut()) {
         let mut room = [0; MAX_FRAME];
         let Ok(frame) = encode(message, &mut room) else { return };

@@ -17,11 +17,12 @@ const FIRST_SCLK_HZ: u32 = 5_000_000;
 /// How often the sampling side says that it lives while nothing happens.
 pub const SIGN_OF_LIFE: Duration = Duration::from_millis(250);
 
-/// After so long without a sign of life the watchdog resets the chip: a transfer that never ends, an executor that stands still.
+/// After so long without a sign of life the watchdog resets the chip: a transfer that never ends, an executor that
+/// stands still.
 pub const WATCHDOG: Duration = Duration::from_millis(2_000);
 
-/// Numbers every edge of RDY that says "new data", the falling one until a host says otherwise (F-32), and notes its time, also while
-/// the part is being read.
+/// Numbers every edge of RDY that says "new data", the falling one until a host says otherwise (F-32), and notes its
+/// time, also while the part is being read.
 pub async fn watch(mut rdy: impl Wait<Error = Infallible>, link: &Link) -> ! {
     let (mut seq, mut heard) = (0_u32, RdyEdge::Falling);
     loop {
@@ -42,8 +43,8 @@ async fn next(rdy: &mut impl Wait<Error = Infallible>, kind: RdyEdge) {
     };
 }
 
-/// Owns the part: reads it at edges, and does what hosts ask for. `firmware` is the name as in [`Station::new`]; `alive` feeds the
-/// watchdog, and is called nowhere else.
+/// Owns the part: reads it at edges, and does what hosts ask for. `firmware` is the name as in [`Station::new`];
+/// `alive` feeds the watchdog, and is called nowhere else.
 pub async fn serve(mut bus: impl Bus, firmware: &'static str, link: &Link, mut alive: impl FnMut()) -> ! {
     let sclk_hz = bus.set_sclk_hz(FIRST_SCLK_HZ);
     let mut station = Station::new(bus, sclk_hz, firmware);

@@ -1,7 +1,8 @@
-//! Times zerorate and the crates `allan` and `allan-tools` on the rates in a file of little-endian f64. Prints a JSON object per run.
+//! Times zerorate and the crates `allan` and `allan-tools` on the rates in a file of little-endian f64. Prints a JSON
+//! object per run.
 //!
-//! `peers generate DATA SAMPLES` makes the file; `peers time DATA` times; `peers memory DATA` runs the overlapping Allan deviation once and
-//! states the peak memory.
+//! `peers generate DATA SAMPLES` makes the file; `peers time DATA` times; `peers memory DATA` runs the overlapping
+//! Allan deviation once and states the peak memory.
 
 use rand_distr::{Distribution, Normal};
 use rand_xoshiro::Xoshiro256PlusPlus;

@@ -1,5 +1,5 @@
-//! `cargo xtask bridge`: the program against a bridge's firmware on an emulated Cortex-M4F with the twin in it: over a socket, over
-//! a serial port, and over a cable that does harm.
+//! `cargo xtask bridge`: the program against a bridge's firmware on an emulated Cortex-M4F with the twin in it: over a
+//! socket, over a serial port, and over a cable that does harm.
 
 mod cable;
 mod emulator;
@@ -64,8 +64,9 @@ pub fn run(args: &Args) -> Result<()> {
         println!("{}", serde_json::to_string_pretty(&findings)?);
     }
     eprintln!(
-        "seed {}: {} bytes of samples are the same from controller and host; probe, capture (socket and serial port) and calibrate agree with the twin; \
-         {} damaged frames cost {} samples; {} samples were kept when the cable was pulled",
+        "seed {}: {} bytes of samples are the same from controller and host; probe, capture (socket and serial port) \
+         and calibrate agree with the twin; {} damaged frames cost {} samples; {} samples were kept when the cable \
+         was pulled",
         findings.seed,
         findings.bytes_alike,
         findings.damaged_frames,

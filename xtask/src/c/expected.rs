@@ -5,7 +5,9 @@ use adis16130::{Config, Edge, RateCode, Sample, Sampler, SamplerConfig, SelfTest
 use adis16130_twin::{Spec, Twin, TwinRdy, TwinSpi};
 use anyhow::{Context, Result, anyhow, ensure};
 use std::fmt::Write;
-use zerorate::{Action, CodeTable, Correction, Event, FixedProcedure, Outcome, Plan, Refusal, Warning, WindowWarnings};
+use zerorate::{
+    Action, CodeTable, Correction, Event, FixedProcedure, Outcome, Plan, Refusal, Warning, WindowWarnings,
+};
 
 /// The correction of the test, as a calibration file.
 pub const CALIBRATION: &str =
@@ -86,7 +88,10 @@ fn samples(text: &mut String, keys: &str) -> Result<()> {
         let f32_bits = single.apply(rate.to_dps(), temp.to_celsius()).to_bits();
         let row = table.look_up_udps(temp_code).context("beyond the table")?;
         let time = t_ns as u32;
-        writeln!(text, "{time} {seq} {rate_code} {temp_code} {lost} {corrected} {f32_bits:x} {row} {corrected} {row}")?;
+        writeln!(
+            text,
+            "{time} {seq} {rate_code} {temp_code} {lost} {corrected} {f32_bits:x} {row} {corrected} {row}"
+        )?;
     }
     f64_line(text, "f64", CORRECTION.apply(0.33, 33.5))?;
     let ready = rig.gyro.wait_ready(&mut rig.twin.delay(), WaitBound::from_us(1000));

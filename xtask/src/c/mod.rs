@@ -1,5 +1,5 @@
-//! `cargo xtask c`: the C interface: its header, what its library links, and whether C gives what Rust gives, on the host and on an
-//! emulated Cortex-M4F.
+//! `cargo xtask c`: the C interface: its header, what its library links, and whether C gives what Rust gives, on the
+//! host and on an emulated Cortex-M4F.
 
 mod expected;
 mod header;
@@ -125,7 +125,11 @@ fn on_controller(seed: u64, expected: &str) -> Result<()> {
     gcc.args(m4f).args(["-Os", "-ffunction-sections", "-fdata-sections", "--specs=rdimon.specs"]);
     gcc.args(["tests/agree.c", "tests/startup.c"].map(|source| Path::new(PROJECT).join(source)));
     gcc.arg(build("zerorate-c", Some(M4F))?).arg(build("zerorate-c-twin", Some(M4F))?);
-    gcc.arg("-T").arg(Path::new(PROJECT).join("tests/image.ld")).args(["-Wl,--gc-sections", "-Wl,--no-warnings", "-o"]);
+    gcc.arg("-T").arg(Path::new(PROJECT).join("tests/image.ld")).args([
+        "-Wl,--gc-sections",
+        "-Wl,--no-warnings",
+        "-o",
+    ]);
     done(gcc.arg(&image))?;
     same(expected, &emulate(&image, &[seed.to_string()])?, "on the controller")
 }

@@ -23,8 +23,8 @@ pub struct Report {
     pub bytes: BTreeMap<String, u64>,
 }
 
-/// Runs an image to its end, with `arguments` as its command line, and returns what it printed. It ends with the exit code of the
-/// image, so a failure in there is an error here.
+/// Runs an image to its end, with `arguments` as its command line, and returns what it printed. It ends with the exit
+/// code of the image, so a failure in there is an error here.
 pub fn run(image: &Path, arguments: &[String]) -> Result<String> {
     let arguments: String = arguments.iter().map(|argument| format!(",arg={argument}")).collect();
     let mut qemu = Command::new("qemu-system-arm");
@@ -76,7 +76,10 @@ impl Report {
 fn instructions(ticks: i64) -> Result<u64> {
     let per_instruction = f64::from(1u32 << SHIFT) / f64::from(TICK_NS);
     let count = (ticks as f64 / per_instruction).round();
-    ensure!((count * per_instruction - ticks as f64).abs() <= 2.0, "{ticks} ticks are no whole number of instructions");
+    ensure!(
+        (count * per_instruction - ticks as f64).abs() <= 2.0,
+        "{ticks} ticks are no whole number of instructions"
+    );
     Ok(count as u64)
 }
 

@@ -43,8 +43,8 @@ impl Image {
         Ok(Self(fs::read(path).with_context(|| format!("cannot read {}", path.display()))?))
     }
 
-    /// Sums over the sections that the image occupies: not writable ones are flash, writable ones RAM, and those with initial
-    /// values both.
+    /// Sums over the sections that the image occupies: not writable ones are flash, writable ones RAM, and those with
+    /// initial values both.
     pub fn memory(&self) -> Result<Memory> {
         let elf = self.elf()?;
         let mut memory = Memory { flash: 0, ram: 0 };

@@ -1,5 +1,5 @@
-//! `cargo xtask firmware`: driver, twin and correction on an emulated Cortex-M4F: does it compute what the host computes, how many
-//! instructions does that take, and how large is the driver.
+//! `cargo xtask firmware`: driver, twin and correction on an emulated Cortex-M4F: does it compute what the host
+//! computes, how many instructions does that take, and how large is the driver.
 
 mod emulator;
 mod footprint;
@@ -175,7 +175,8 @@ fn show(args: &Args, outcome: &Outcome) -> Result<()> {
     Ok(())
 }
 
-/// Against the committed page, and against the goals, of which a missed one is stated; writes the page where that was asked for.
+/// Against the committed page, and against the goals, of which a missed one is stated; writes the page where that was
+/// asked for.
 fn judge(args: &Args, outcome: &Outcome) -> Result<()> {
     if args.update {
         ensure!(outcome.readings_agreed.is_some(), "without the emulator the figures are not complete");

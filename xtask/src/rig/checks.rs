@@ -94,8 +94,8 @@ struct Calibration {
     btc_truth_limit_dps_per_c: f64,
 }
 
-/// Share of the samples by which a count may differ from another. Where the guest cannot follow, its timestamps of the edges are
-/// late by as much as a period, and the driver counts by the nominal clock.
+/// Share of the samples by which a count may differ from another. Where the guest cannot follow, its timestamps of the
+/// edges are late by as much as a period, and the driver counts by the nominal clock.
 const COUNT_TOLERANCE: f64 = 0.02;
 
 /// F-31: two conversions of 527 cycles.
@@ -247,8 +247,8 @@ impl Stream {
         })
     }
 
-    /// What must hold on the busiest host: the recorded codes are those sent, in order; no fewer losses are counted than the
-    /// part knows of; and what was recorded and what was lost are together all that there was.
+    /// What must hold on the busiest host: the recorded codes are those sent, in order; no fewer losses are counted
+    /// than the part knows of; and what was recorded and what was lost are together all that there was.
     fn is_complete(&self) -> bool {
         let allowed = COUNT_TOLERANCE * self.updates + UNREPORTED;
         let counted = self.lost_counted as f64;

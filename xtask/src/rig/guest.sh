@@ -1,6 +1,7 @@
 #!/bin/busybox sh
-# The guest of `cargo xtask rig`, as its first process. What it finds goes to /out, which leaves as an archive by the second
-# serial port; the first one tells the host how far it is: each `done` makes the host unplug the part and plug in the next.
+# The guest of `cargo xtask rig`, as its first process. What it finds goes to /out, which leaves as an archive by the
+# second serial port; the first one tells the host how far it is: each `done` makes the host unplug the part and plug
+# in the next.
 /bin/busybox --install -s /bin
 export PATH=/bin
 mkdir -p /dev /proc /sys /tmp /out

@@ -7,7 +7,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// The meta package whose dependency is the kernel: 6.12 is the first with drivers for the adapter, and Debian 12 carries it.
+/// The meta package whose dependency is the kernel: 6.12 is the first with drivers for the adapter, and Debian 12
+/// carries it.
 const META: &str = "linux-image-6.12-amd64";
 
 /// An unpacked kernel package.

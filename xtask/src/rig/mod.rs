@@ -1,8 +1,8 @@
 //! `cargo xtask rig`: a stock Linux kernel in QEMU, and the twin as hardware on its USB port.
 //!
-//! Nothing in the guest is ours but the program under test and a shell script; nothing in the kernel is patched. The kernel's
-//! own ADIS16130 driver reads the part, then the program does over spidev and the GPIO chip, and both must have seen what the
-//! part says that it sent.
+//! Nothing in the guest is ours but the program under test and a shell script; nothing in the kernel is patched. The
+//! kernel's own ADIS16130 driver reads the part, then the program does over spidev and the GPIO chip, and both must
+//! have seen what the part says that it sent.
 
 mod checks;
 mod initramfs;
@@ -33,14 +33,15 @@ const TOOLS: [Tool; 8] = [
     Tool { program: "strip", package: "binutils" },
 ];
 
-/// MCLK with which every edge reaches the guest: 1054 cycles make a pair (F-31), so 99.6 pairs a second. Not 100, of which the
-/// resonance (F-07) is a multiple: sampling would turn it into a bias.
+/// MCLK with which every edge reaches the guest: 1054 cycles make a pair (F-31), so 99.6 pairs a second. Not 100, of
+/// which the resonance (F-07) is a multiple: sampling would turn it into a bias.
 const SLOW_HZ: &str = "105000";
 /// The same where it cannot follow: 996 pairs a second.
 const FAST_HZ: &str = "1050000";
 /// A calibration that a quick part allows, and that a busy host cannot spoil: means have no need of all samples.
 const PLAN: &str = "--average 5s --warmup 30s --settle 10s --offset 15s --max-u-btc 0.05 --max-lost 0.95";
-/// Self-heating that fits that calibration (M-03 is 600 s). The capacitor of F-04 keeps noise from folding in at 100 Hz.
+/// Self-heating that fits that calibration (M-03 is 600 s). The capacitor of F-04 keeps noise from folding in at 100
+/// Hz.
 const WARMUP_S: &str = "20";
 /// Captures at the slow rate: now and then a host stops the whole machine for longer than a period.
 const SLOW_CAPTURES: [&str; 3] = ["slow1", "slow2", "slow3"];

@@ -110,7 +110,8 @@ mod tests {
 
     #[test]
     fn reads_are_found_in_the_log() {
-        let wire = "t_ns,mosi,miso,lost_rate,edges\n5,2000,0000,1,0\n9,48000000,00808809,7,2\n11,48,00,7,2\n12,4a000000,00801ea6,8,3\n";
+        let wire = "t_ns,mosi,miso,lost_rate,edges\n5,2000,0000,1,0\n9,48000000,00808809,7,2\n\
+                    11,48,00,7,2\n12,4a000000,00801ea6,8,3\n";
         let rates: Vec<_> = readings(wire, "48").iter().map(|r| (r.code, r.lost_rate, r.edges)).collect();
         assert_eq!(rates, [(0x80_8809, 7, 2)]);
         assert_eq!(readings(wire, "4a").len(), 1);

@@ -1,5 +1,5 @@
-//! `cargo xtask trust`: does the program ever hand out a wrong result without a word? Faults, damage and bad worlds, drawn from
-//! seeds; every run is judged against what the twin knows or against what was recorded without the fault.
+//! `cargo xtask trust`: does the program ever hand out a wrong result without a word? Faults, damage and bad worlds,
+//! drawn from seeds; every run is judged against what the twin knows or against what was recorded without the fault.
 
 mod bench;
 mod capture;
@@ -107,7 +107,10 @@ fn try_class(args: &Args, bench: &Bench, class: &Class) -> Result<Count> {
             let seed = args.seed + index;
             let verdict = (class.run)(bench, class.name, seed).with_context(|| format!("seed {seed}"))?;
             if let Verdict::Silent(why) = &verdict {
-                println!("WRONG AND SILENT: {why}\n    cargo xtask trust --only {} --seed {seed} --runs 1", class.name);
+                println!(
+                    "WRONG AND SILENT: {why}\n    cargo xtask trust --only {} --seed {seed} --runs 1",
+                    class.name
+                );
             }
             count.lock().map_or_else(|poisoned| poisoned.into_inner().add(&verdict), |mut count| count.add(&verdict));
         }

@@ -12,7 +12,8 @@ const HEAD: &str = include_str!("reliability.md.in");
 /// Writes the page: what was tried and how it ended.
 pub fn write(counts: &[(Class, Count)]) -> Result<()> {
     let mut table = String::from(
-        "| class | what a run does | runs | right | refused, true cause | refused, another cause | wrong and warned | wrong, unknowable | **wrong and silent** |\n\
+        "| class | what a run does | runs | right | refused, true cause | refused, another cause | wrong and warned | \
+         wrong, unknowable | **wrong and silent** |\n\
          |---|---|---|---|---|---|---|---|---|\n",
     );
     for (class, count) in counts {

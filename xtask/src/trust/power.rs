@@ -1,5 +1,5 @@
-//! The power goes: what the disk holds at a moment is what was synced until then. A file system in an image shows it, since the image
-//! does not have what the kernel has not written yet.
+//! The power goes: what the disk holds at a moment is what was synced until then. A file system in an image shows it,
+//! since the image does not have what the kernel has not written yet.
 
 use super::bench::{Bench, Folder, SHORT, random};
 use super::process::{hash, samples};

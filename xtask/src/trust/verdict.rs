@@ -62,7 +62,8 @@ impl fmt::Display for Count {
         let Self { runs, right, refused, misjudged, warned, unknowable, silent, .. } = self;
         write!(
             f,
-            "{runs:4} runs: {right:4} right, {refused:4} refused, {misjudged:3} for another cause, {warned:3} warned, {unknowable:2} unknowable, {silent} silent"
+            "{runs:4} runs: {right:4} right, {refused:4} refused, {misjudged:3} for another cause, {warned:3} warned, \
+             {unknowable:2} unknowable, {silent} silent"
         )?;
         self.skipped.map_or(Ok(()), |why| write!(f, "; SKIPPED: {why}"))?;
         self.other_causes.iter().try_for_each(|(said, times)| write!(f, "\n    {times} × {said}"))

@@ -36,12 +36,13 @@ const fn classes() -> [Class; FAULTS.len()] {
     classes
 }
 
-/// A step of 220 mV/√s is five deviations of the noise (0.0088 °/s in a second, 0.0002 °/s/mV: docs/reference/accuracy.md); with some
-/// luck of the noise on either side.
+/// A step of 220 mV/√s is five deviations of the noise (0.0088 °/s in a second, 0.0002 °/s/mV:
+/// docs/reference/accuracy.md); with some luck of the noise on either side.
 const SEEN_MV_SQRT_S: f64 = 300.0;
 /// An hour sees less than a full turn of a slower sway.
 const SEEN_HZ: f64 = 3e-4;
-/// One run in so many reads every sample; the others read every ninth, still above twice the bandwidth, in a fifth of the time.
+/// One run in so many reads every sample; the others read every ninth, still above twice the bandwidth, in a fifth of
+/// the time.
 const FULL_RATE: u64 = 25;
 
 fn calibrate(_: &Bench, class: &'static str, seed: u64) -> Result<Verdict> {
@@ -58,7 +59,8 @@ fn calibrate(_: &Bench, class: &'static str, seed: u64) -> Result<Verdict> {
     })
 }
 
-/// Nothing in the hour tells such a world from a good one; the warning about the Earth's rotation, which each result has, says so.
+/// Nothing in the hour tells such a world from a good one; the warning about the Earth's rotation, which each result
+/// has, says so.
 fn is_unknowable(spec: &Spec) -> bool {
     let last_s = spec.fault_at_s.map_or(f64::INFINITY, |at_s| (HOUR_S - at_s).max(1.0));
     let late_step = spec.supply_step_mv != 0.0 && spec.supply_step_mv.abs() * last_s.sqrt() < SEEN_MV_SQRT_S;

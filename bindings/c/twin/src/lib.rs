@@ -1,4 +1,5 @@
-//! The twin as the functions that `zerorate_bus` and `zerorate_self_test_pin` point to. For tests only: pointers are trusted.
+//! The twin as the functions that `zerorate_bus` and `zerorate_self_test_pin` point to. For tests only: pointers are
+//! trusted.
 
 #![no_std]
 

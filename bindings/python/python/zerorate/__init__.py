@@ -9,8 +9,8 @@
 `allantools_compat`  the functions of allantools: change the import, keep the program
 ===================  ==================================================================
 
-Units are in the names: ``rate_dps`` is in °/s, ``tau_s`` in seconds, ``temp_c`` in °C. What makes no sense raises ValueError with what to
-do; a measurement that must not become a calibration raises `Refused`.
+Units are in the names: ``rate_dps`` is in °/s, ``tau_s`` in seconds, ``temp_c`` in °C. What makes no sense raises
+ValueError with what to do; a measurement that must not become a calibration raises `Refused`.
 """
 
 from importlib.metadata import version

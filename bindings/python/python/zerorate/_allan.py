@@ -43,12 +43,13 @@ class Coefficient:
 class Fit:
     """Noise coefficients: σ²(τ) = 3Q²/τ² + N²/τ + (2 ln 2/π)B² + K²τ/3 + R²τ²/2 (IEEE Std 952-1997 C.1).
 
-    Fitted to the overlapping Allan deviation at octaves, whatever statistic was asked for, by least squares with the covariance that the
-    fitted noise gives the estimates.
+    Fitted to the overlapping Allan deviation at octaves, whatever statistic was asked for, by least squares with the
+    covariance that the fitted noise gives the estimates.
     """
 
     n: Coefficient
-    """Angle random walk N; for a rate in °/s times 60 in °/√h. The white noise has the one-sided density √2·N, in unit/√Hz."""
+    """Angle random walk N; for a rate in °/s times 60 in °/√h. The white noise has the one-sided density √2·N, in
+    unit/√Hz."""
     b: Coefficient
     """Bias instability B; for a rate in °/s times 3600 in °/h. The floor of the curve is 0.664 B."""
     k: Coefficient
@@ -96,7 +97,8 @@ class Allan:
     edf: NDArray[np.float64]
     """Equivalent degrees of freedom behind the limits."""
     alpha: NDArray[np.int64]
-    """Exponent of the noise S_y(f) ∝ f^α identified there: 0 white, −1 flicker, −2 random walk of the rate, 1 and 2 phase noise."""
+    """Exponent of the noise S_y(f) ∝ f^α identified there: 0 white, −1 flicker, −2 random walk of the rate, 1 and 2
+    phase noise."""
     n: NDArray[np.int64]
     """Terms that entered."""
     m: NDArray[np.int64]
@@ -137,15 +139,16 @@ def allan(
     Parameters
     ----------
     rate
-        The record, one value per sample: numpy array (a contiguous one of float64 or int32 is used in place), list, pandas or polars
-        Series, xarray DataArray, or a `Capture`. Integers are summed exactly; give their `scale`. NaN is a missing sample and stays a gap.
+        The record, one value per sample: numpy array (a contiguous one of float64 or int32 is used in place), list,
+        pandas or polars Series, xarray DataArray, or a `Capture`. Integers are summed exactly; give their `scale`. NaN
+        is a missing sample and stays a gap.
     rate_hz
         Samples per second. A `Capture` knows it.
     stat
         ``adev``, ``oadev``, ``mdev``, ``tdev``, ``hdev``, ``ohdev``, ``totdev``.
     taus
-        Averaging times: ``octave``, ``decade``, ``all``, ``log:N`` for N of them, or seconds. What cannot be computed is in
-        `Allan.unavailable`.
+        Averaging times: ``octave``, ``decade``, ``all``, ``log:N`` for N of them, or seconds. What cannot be computed
+        is in `Allan.unavailable`.
     data
         ``rate``, or ``phase`` if the values are the integral of the rate (for a gyroscope: the angle).
     confidence
@@ -166,8 +169,8 @@ def allan(
 
     Notes
     -----
-    NIST SP 1065, equations 10, 11, 14, 15, 17, 18, 25; limits from χ² with the degrees of freedom of Greenhall and Riley (PTTI 2003).
-    ``import zerorate; help(zerorate)`` lists what else there is.
+    NIST SP 1065, equations 10, 11, 14, 15, 17, 18, 25; limits from χ² with the degrees of freedom of Greenhall and
+    Riley (PTTI 2003). ``import zerorate; help(zerorate)`` lists what else there is.
 
     Examples
     --------
@@ -212,7 +215,8 @@ def _record(values: Any, data: str) -> NDArray[Any]:
     """The values as the extension takes them: contiguous int32 or float64, without a copy where they are that."""
     array = np.asarray(values.to_numpy() if hasattr(values, "to_numpy") else values)
     if array.ndim != 1:
-        raise ValueError(f"the record has the shape {array.shape}: give one column or channel, for example record[:, 0]")
+        shape = array.shape
+        raise ValueError(f"the record has the shape {shape}: give one column or channel, for example record[:, 0]")
     if array.dtype.kind not in "iuf" and array.size:
         array = _numbers(array)
     if data == "rate" and array.dtype.kind in "iu" and _fits_int32(array):

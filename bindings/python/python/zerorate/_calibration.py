@@ -82,7 +82,8 @@ class Uncertainties:
 
 @dataclass(frozen=True)
 class NoiseRecord:
-    """The noise behind the uncertainties, and which of it was measured; a source is ``measured`` or ``typical (M-04)``."""
+    """The noise behind the uncertainties, and which of it was measured; a source is ``measured`` or
+    ``typical (M-04)``."""
 
     white_dps_per_rt_hz: float
     """White noise, °/s/√Hz."""

@@ -33,8 +33,9 @@ class Capture:
     lost: NDArray[np.uint32]
     """Samples lost right before the row."""
     flags: NDArray[np.uint8]
-    """What is wrong with the reading, 0 for nothing: the sum of 1 (impossible for the part: a bit error), 2 (out of range), 4 (frozen)
-    and 8 (impossible temperature). The codes stay as they were read; `good` says which rates to use."""
+    """What is wrong with the reading, 0 for nothing: the sum of 1 (impossible for the part: a bit error), 2 (out of
+    range), 4 (frozen) and 8 (impossible temperature). The codes stay as they were read; `good` says which rates to
+    use."""
     width_bits: int
     """Width of both codes: 16 or 24."""
     metadata: dict[str, str] = field(repr=False)
@@ -68,13 +69,15 @@ class Capture:
 
     @cached_property
     def rate_dps(self) -> NDArray[np.float64]:
-        """Rate before any correction, °/s: (code − 2²³) / 23 488 for 24-bit codes (data sheet); NaN where it is not to be believed."""
+        """Rate before any correction, °/s: (code − 2²³) / 23 488 for 24-bit codes (data sheet); NaN where it is not
+        to be believed."""
         rates = _zerorate.rate_dps(self.rate_code, self.width_bits)
         return np.where(self.good, rates, np.nan)
 
     @cached_property
     def temp_c(self) -> NDArray[np.float64]:
-        """Temperature, °C: (code − 2²³) / 14 093 + 25 for 24-bit codes (data sheet); NaN where it was not read or is impossible."""
+        """Temperature, °C: (code − 2²³) / 14 093 + 25 for 24-bit codes (data sheet); NaN where it was not read or is
+        impossible."""
         temps = _zerorate.temp_c(self.temp_code, self.width_bits)
         return np.where(self.flags & 8, np.nan, temps)
 
@@ -102,8 +105,8 @@ class Capture:
 def read_capture(path: str | os.PathLike[str]) -> Capture:
     """Reads a capture of ``zerorate capture`` or ``calibrate --log``, in any of its forms: Arrow stream, Parquet, CSV.
 
-    A file whose end was torn off is read up to its last whole batch, with a UserWarning. So is one with readings that are not to be
-    believed: `Capture.flags` marks them.
+    A file whose end was torn off is read up to its last whole batch, with a UserWarning. So is one with readings that
+    are not to be believed: `Capture.flags` marks them.
 
     Raises
     ------

@@ -29,8 +29,8 @@ class Truth:
 class Calibrated:
     """What a calibration found: the keys of ``zerorate calibrate --json``, and the calibration itself.
 
-    corrected rate = RATE + PBC + (TEMP − T3) · BTC. A value ± ``coverage_factor`` × its ``u_…`` covers the truth with the probability
-    ``coverage``.
+    corrected rate = RATE + PBC + (TEMP − T3) · BTC. A value ± ``coverage_factor`` × its ``u_…`` covers the truth with
+    the probability ``coverage``.
     """
 
     b1_dps: float
@@ -110,7 +110,8 @@ def calibrate(
 ) -> Calibrated:
     """Calibrates a part with the procedure of application note AN-1042: 53 simulated minutes, in seconds.
 
-    Other threads run meanwhile, and Ctrl-C ends it. The options are those of ``zerorate calibrate``, whose help states the defaults.
+    Other threads run meanwhile, and Ctrl-C ends it. The options are those of ``zerorate calibrate``, whose help states
+    the defaults.
 
     Parameters
     ----------

@@ -28,8 +28,8 @@ class Twin:
     seed
         Draws the unit and everything random.
     **keys
-        Other properties, as `zerorate twin` lists them, for example ``bias_dps=0.8``, ``motion="sway"``, ``noise=False``; `Twin.keys`
-        returns the list.
+        Other properties, as `zerorate twin` lists them, for example ``bias_dps=0.8``, ``motion="sway"``,
+        ``noise=False``; `Twin.keys` returns the list.
 
     Raises
     ------

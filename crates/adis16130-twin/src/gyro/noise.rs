@@ -1,4 +1,5 @@
-//! The fast noise of the rate channel (white through two poles, the resonance) and the slow one (flicker, random walk).
+//! The fast noise of the rate channel (white through two poles, the resonance) and the slow one (flicker, random
+//! walk).
 
 use super::normal::{Layers, Normal, Process};
 use crate::facts;

@@ -119,7 +119,8 @@ fn oven_c(minutes: f64) -> f64 {
 ///
 /// Play in units of bias: the part's bias p keeps its value while |p − f(T)| ≤ h, and is dragged along at that
 /// distance otherwise. A temperature cycle therefore traces a loop of half width h = `hysteresis_dps` whatever the
-/// coefficients are; the *branch offset* p − f(T) is −h after warming and +h after cooling where f rises. It starts at 0.
+/// coefficients are; the *branch offset* p − f(T) is −h after warming and +h after cooling where f rises. It starts at
+/// 0.
 pub(crate) struct TemperatureBias {
     tempco: f64,
     curvature: f64,

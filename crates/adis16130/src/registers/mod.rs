@@ -128,8 +128,8 @@ pub trait Writable: Register {
     fn encode(value: Self::Value) -> u32;
 }
 
-/// One row per register, as in the table of docs/facts.md section 3: type, size, value after reset, decoder, and the encoder if it
-/// is writable.
+/// One row per register, as in the table of docs/facts.md section 3: type, size, value after reset, decoder, and the
+/// encoder if it is writable.
 macro_rules! registers {
     ($($register:ident: $value:ty, $size:ident, $reset:expr, $decode:expr $(, $encode:expr)?;)*) => {$(
         impl Register for $register {
@@ -162,8 +162,10 @@ registers! {
     TempData: TempCode, Data, TempCode::new(0x8000, Width::Bits16), TempCode::new;
     RateStatus: ChannelStatus, Byte, ChannelStatus::new(0x00), |raw, _| ChannelStatus::new(raw as u8);
     TempStatus: ChannelStatus, Byte, ChannelStatus::new(0x40), |raw, _| ChannelStatus::new(raw as u8);
-    RateCs: ChannelSetup, Byte, ChannelSetup::new(0), |raw, _| ChannelSetup::new(raw as u8), |value| value.bits().into();
-    TempCs: ChannelSetup, Byte, ChannelSetup::new(0), |raw, _| ChannelSetup::new(raw as u8), |value| value.bits().into();
+    RateCs: ChannelSetup, Byte, ChannelSetup::new(0),
+        |raw, _| ChannelSetup::new(raw as u8), |value| value.bits().into();
+    TempCs: ChannelSetup, Byte, ChannelSetup::new(0),
+        |raw, _| ChannelSetup::new(raw as u8), |value| value.bits().into();
     RateConv: ConversionTime, Byte, ConversionTime::new(0x91),
         |raw, _| ConversionTime::new(raw as u8), |value| value.bits().into();
     TempConv: ConversionTime, Byte, ConversionTime::new(0x91),

@@ -36,7 +36,8 @@ byte_value! {
 }
 
 impl Iop {
-    /// The bits that show pin levels when read, whatever was written: mask them when reading back (docs/facts.md section 3).
+    /// The bits that show pin levels when read, whatever was written: mask them when reading back (docs/facts.md
+    /// section 3).
     pub const PIN_LEVELS: u8 = 0xC0;
 
     /// Level of pin P0 (b7).

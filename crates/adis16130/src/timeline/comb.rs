@@ -71,8 +71,8 @@ impl Comb {
         ((period >> 8) * self.temp_fraction) >> (FRACTION_BITS - 8)
     }
 
-    /// Periods in a run of edges none of which was followed by a read, after the first: a pair of conversions, then one
-    /// each.
+    /// Periods in a run of edges none of which was followed by a read, after the first: a pair of conversions, then
+    /// one each.
     pub(super) fn periods_of_edges(&self, edges: u32) -> u32 {
         if self.temp_fraction > 0 { edges.div_ceil(2) } else { edges }
     }
@@ -84,8 +84,8 @@ impl Comb {
         period.max(self.period - sixteenth).min(self.period + sixteenth)
     }
 
-    /// Which of the gaps between two neighbouring edges a gap is nearest to, as learned and nominal: a period or, where
-    /// edges do not keep to one kind of update, a conversion.
+    /// Which of the gaps between two neighbouring edges a gap is nearest to, as learned and nominal: a period or,
+    /// where edges do not keep to one kind of update, a conversion.
     pub(super) fn nearest_gap(&self, (period, temp): (i64, i64), gap: i64) -> (i64, i64) {
         let mut nearest = (period, self.period);
         if matches!(self.pattern, Pattern::Mixed) {

@@ -81,7 +81,8 @@ pub(crate) struct Timeline {
     comb: Comb,
     /// T̂: time from one tick to the next, as learned.
     period: i64,
-    /// Time from a tick to the temperature update after it, as of the last [`settle`](Self::settle); 0 = there is none.
+    /// Time from a tick to the temperature update after it, as of the last [`settle`](Self::settle); 0 = there is
+    /// none.
     temp: i64,
     tooth: Tooth,
     /// Time from the newest tick to the edge before.
@@ -162,8 +163,8 @@ impl Timeline {
         self.index.saturating_sub(self.is_ambiguous().into())
     }
 
-    /// States that the edge just taken was a rate update, not one of temperature. Only the first time counts: from then
-    /// on the phase is tracked. Returns whether its number is thereby known to be the higher of two.
+    /// States that the edge just taken was a rate update, not one of temperature. Only the first time counts: from
+    /// then on the phase is tracked. Returns whether its number is thereby known to be the higher of two.
     #[inline]
     pub(crate) fn align(&mut self) -> bool {
         let was_ambiguous = self.is_ambiguous();

@@ -200,8 +200,8 @@ fn a_pausing_host_is_told_what_it_loses() {
     }
 }
 
-/// Behind an emulated or a busy bus edges are late and wait for each other, so nothing can be learned from their times: what is
-/// counted then is good to the tolerance of the clock, and a little.
+/// Behind an emulated or a busy bus edges are late and wait for each other, so nothing can be learned from their
+/// times: what is counted then is good to the tolerance of the clock, and a little.
 #[test]
 fn late_timestamps_cost_no_more_than_the_tolerance_of_the_clock() {
     for stamp_ns in [60_000.0, 120_000.0, 175_000.0] {

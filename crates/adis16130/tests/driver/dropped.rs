@@ -1,4 +1,5 @@
-//! Async calls that are dropped, wherever they wait and wherever in a transfer, on the twin: what is read next is the truth or an error.
+//! Async calls that are dropped, wherever they wait and wherever in a transfer, on the twin: what is read next is the
+//! truth or an error.
 
 use std::cell::Cell;
 use std::convert::Infallible;
@@ -29,7 +30,8 @@ impl Steps {
     }
 }
 
-/// The twin's bus with a transfer that can be dropped in its middle, as one by DMA: the bytes until then have been sent.
+/// The twin's bus with a transfer that can be dropped in its middle, as one by DMA: the bytes until then have been
+/// sent.
 struct Bus {
     spi: TwinSpi,
     steps: Steps,

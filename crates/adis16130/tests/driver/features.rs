@@ -4,8 +4,8 @@
 mod stored {
     use adis16130::registers::{Address, ConversionTime, Mode, Range};
     use adis16130::{
-        ChannelStatus, Channels, Config, Edge, Fault, Framing, Mismatch, NoReading, OutOfRange, PollInterval, RateCode,
-        RdyEdge, Sample, SamplerConfig, SelfTest, SelfTestPlan, TempCode, WaitBound, Width,
+        ChannelStatus, Channels, Config, Edge, Fault, Framing, Mismatch, NoReading, OutOfRange, PollInterval,
+        RateCode, RdyEdge, Sample, SamplerConfig, SelfTest, SelfTestPlan, TempCode, WaitBound, Width,
     };
     use serde::{Serialize, de::DeserializeOwned};
     use std::fmt::Debug;

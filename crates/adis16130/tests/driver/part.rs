@@ -51,7 +51,8 @@ pub struct Part {
     pub fails_once: bool,
     /// A read of the rate loads it from here. The next one is ready at once.
     pub rates: VecDeque<u32>,
-    /// A read of a data register wipes RDY of its channel status, as docs/facts.md has it; else a status stays as it was set.
+    /// A read of a data register wipes RDY of its channel status, as docs/facts.md has it; else a status stays as it
+    /// was set.
     pub wipes_ready: bool,
     /// What SDO does outside a read.
     pub idle: u8,

@@ -64,7 +64,8 @@ fn a_doubled_interval_is_one_lost_sample() {
 
 #[test]
 fn missed_edges_are_lost_samples() {
-    // Nothing is read for 100 periods, so there are 199 edges, one per conversion after the first pair (F-32); the host sees the last.
+    // Nothing is read for 100 periods, so there are 199 edges, one per conversion after the first pair (F-32); the
+    // host sees the last.
     let mut sampler = sampler(SamplerConfig::new());
     let lost = losses(&mut sampler, ramp(50));
     assert_eq!(lost.iter().sum::<u32>(), 0);
@@ -189,12 +190,12 @@ fn one_late_timestamp_costs_at_most_one() {
 
 #[test]
 fn a_change_between_rate_and_temperature_edges_is_counted_by_what_it_costs() {
-    // From a temperature edge to a rate edge 1.5 periods later a rate is missing; on the way back none is (F-32, F-33). At
-    // the first change the sampler finds out which is which, and says then what was lost.
+    // From a temperature edge to a rate edge 1.5 periods later a rate is missing; on the way back none is (F-32,
+    // F-33). At the first change the sampler finds out which is which, and says then what was lost.
     let times = [0.0, 1.0, 2.0, 3.5, 4.5, 5.5, 7.0, 8.0, 9.5, 10.5];
     assert_eq!(losses(&mut sampler(SamplerConfig::new()), times), [0, 0, 0, 0, 0, 1, 0, 0, 1, 0]);
-    // The same from edges that were those of rate: after a sample without temperature the next rate comes half a period
-    // later, and nothing is lost; then one on the way back.
+    // The same from edges that were those of rate: after a sample without temperature the next rate comes half a
+    // period later, and nothing is lost; then one on the way back.
     let times = [0.0, 1.0, 2.0, 3.5, 4.0, 5.0, 6.5, 7.5, 9.0, 10.0];
     assert_eq!(losses(&mut sampler(SamplerConfig::new()), times), [0, 0, 0, 0, 0, 0, 0, 0, 1, 0]);
 }
@@ -245,7 +246,8 @@ fn a_temperature_that_was_not_taken_stays_due() {
 
 #[test]
 fn the_phase_is_found_from_a_sample_without_temperature() {
-    // The host starts late, so that its first edge is one of rate. The sampler must see that from the second sample on.
+    // The host starts late, so that its first edge is one of rate. The sampler must see that from the second sample
+    // on.
     let mut sampler = sampler(SamplerConfig::new().with_every_temp(4));
     assert_eq!(losses(&mut sampler, ramp(40)).iter().sum::<u32>(), 0);
     // A rate is now read late and the next edge is one of temperature: nothing is lost.
@@ -297,8 +299,8 @@ fn a_missed_reading_behind_a_divider_is_one_loss() {
     assert_eq!(take(&mut sampler, at(51.5 + 51.0, 203)), Some(1));
 }
 
-/// RDY behind a counter that lets every N-th edge through, in conversions: the first edge after a read of both comes two
-/// conversions later, then one per conversion (F-32).
+/// RDY behind a counter that lets every N-th edge through, in conversions: the first edge after a read of both comes
+/// two conversions later, then one per conversion (F-32).
 struct Divided {
     sampler: Sampler,
     edges: u32,
@@ -412,7 +414,10 @@ fn a_line_behind_a_counter_is_silent_later() {
     assert!((silence - 1.0).abs() < 1e-5, "{silence} of 64 distances");
     let status =
         Sampler::new(SamplerConfig::new().with_divided(50).with_read_status(false), &Config::default(), MCLK_HZ);
-    assert!(status.clone().edge(at(0.0, 0)).unwrap().status, "a late read cannot be told from the time of a rare edge");
+    assert!(
+        status.clone().edge(at(0.0, 0)).unwrap().status,
+        "a late read cannot be told from the time of a rare edge"
+    );
     for absurd in [0, 1] {
         let mut undivided = self::sampler(SamplerConfig::new().with_divided(absurd));
         assert_eq!(losses(&mut undivided, ramp(100)).iter().sum::<u32>(), 0);

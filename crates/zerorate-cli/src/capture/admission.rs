@@ -23,7 +23,8 @@ pub struct Admission {
 pub enum Disbelief {
     /// Its clock.
     #[error(
-        "the clock of the device stands still or went back: {0} samples in a row are not later than the one before ({1}); check its time source, and start again"
+        "the clock of the device stands still or went back: {0} samples in a row are not later than the one before \
+         ({1}); check its time source, and start again"
     )]
     Clock(u32, Break),
     /// Its count of losses.
@@ -66,7 +67,8 @@ impl Admission {
         });
         let jumped = (self.jumped > 0).then(|| {
             format!(
-                "clock-jump: the time of the device went on by {} samples that it did not count; they are counted as lost",
+                "clock-jump: the time of the device went on by {} samples that it did not count; they are counted as \
+                 lost",
                 self.jumped
             )
         });

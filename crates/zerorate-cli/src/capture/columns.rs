@@ -84,7 +84,8 @@ impl OpenBatch {
 
     /// Whether a row at `t_ns` belongs into the next batch.
     pub fn is_full_for(&self, t_ns: u64) -> bool {
-        self.t_ns.len() == MAX_ROWS || self.t_ns.first().is_some_and(|first| t_ns.saturating_sub(*first) >= MAX_SPAN_NS)
+        self.t_ns.len() == MAX_ROWS
+            || self.t_ns.first().is_some_and(|first| t_ns.saturating_sub(*first) >= MAX_SPAN_NS)
     }
 
     /// Adds a row.

@@ -187,7 +187,8 @@ impl Source {
     /// The file ended before the capture did.
     fn torn(&mut self, rows: usize) {
         self.warning = Some(format!(
-            "{} was not closed, or its end was removed: every whole block of rows is read, {rows} rows behind the last one are dropped",
+            "{} was not closed, or its end was removed: every whole block of rows is read, {rows} rows behind the \
+             last one are dropped",
             self.path.display()
         ));
     }

@@ -354,7 +354,8 @@ fn the_checks_of_the_document() {
     assert_eq!(stated("zerorate.check.head"), digits(&head)[..16]);
     let mut hash = SampleHash::new();
     slow(2).iter().for_each(|sample| hash.update(sample));
-    let link = Sha256::new().chain_update(head).chain_update(hash.digest()).chain_update(Sha256::digest("")).finalize();
+    let link =
+        Sha256::new().chain_update(head).chain_update(hash.digest()).chain_update(Sha256::digest("")).finalize();
     assert_eq!(stated("zerorate.check.batch"), digits(&link)[..16]);
     let end = Sha256::new().chain_update(link).chain_update("end\n").chain_update(2u64.to_le_bytes());
     let end = digits(&end.chain_update(hash.digest()).finalize());

@@ -22,7 +22,8 @@ pub enum CaptureError {
     NotALog { path: PathBuf, why: String },
 
     /// Written by a later version of the format.
-    #[error("{} is a capture of version {found}, this program reads version {}: use a newer zerorate", path.display(), super::info::SCHEMA_VERSION)]
+    #[error("{} is a capture of version {found}, this program reads version {}: use a newer \
+        zerorate", path.display(), super::info::SCHEMA_VERSION)]
     Newer { path: PathBuf, found: u32 },
 
     /// What the file holds does not fit into the memory it may take.
@@ -30,7 +31,8 @@ pub enum CaptureError {
     NoRoom { path: PathBuf, why: NoRoom },
 
     /// A capture that this version of the program cannot hold.
-    #[error("{} is a capture of part `{part}` with the axes `{axes}`, and this program reads the one axis `rate` of an ADIS16130: use a newer zerorate", path.display())]
+    #[error("{} is a capture of part `{part}` with the axes `{axes}`, and this program reads the one axis `rate` of \
+        an ADIS16130: use a newer zerorate", path.display())]
     OtherPart { path: PathBuf, part: String, axes: String },
 
     /// A capture, or another table, whose content is wrong.

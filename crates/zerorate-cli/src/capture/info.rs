@@ -177,6 +177,11 @@ fn number<T: std::str::FromStr>(path: &Path, metadata: &Metadata, key: &str) -> 
     text.parse().map_err(|_| wrong(format!("{key} = {text}, which is no number in its range")))
 }
 
-fn number_or<T: std::str::FromStr>(path: &Path, metadata: &Metadata, key: &str, default: T) -> Result<T, CaptureError> {
+fn number_or<T: std::str::FromStr>(
+    path: &Path,
+    metadata: &Metadata,
+    key: &str,
+    default: T,
+) -> Result<T, CaptureError> {
     if metadata.contains_key(key) { number(path, metadata, key) } else { Ok(default) }
 }

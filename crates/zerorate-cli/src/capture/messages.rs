@@ -1,7 +1,7 @@
 //! The frames of an Arrow IPC stream: where each message begins and ends, and whether it is whole.
 //!
-//! The Arrow library decodes the messages. It trusts their offsets, though, and does not say whether a stream ended well; a
-//! recording that was cut off is the case this program is made for, so the frames are read here.
+//! The Arrow library decodes the messages. It trusts their offsets, though, and does not say whether a stream ended
+//! well; a recording that was cut off is the case this program is made for, so the frames are read here.
 
 use crate::limits::Room;
 use crate::survive::survive;
@@ -76,7 +76,8 @@ impl<R: Read> Messages<R> {
         }
     }
 
-    /// Appends `len` bytes; false if the file has fewer. A length that is wrong costs no more memory than the file has bytes.
+    /// Appends `len` bytes; false if the file has fewer. A length that is wrong costs no more memory than the file has
+    /// bytes.
     fn append(&mut self, bytes: &mut Vec<u8>, len: u64) -> io::Result<bool> {
         let read = (&mut self.reader).take(len).read_to_end(bytes)? as u64;
         self.position += read;
@@ -99,7 +100,8 @@ impl MessageBytes {
         Ok(Arc::new(schema))
     }
 
-    /// Checks what the Arrow library takes for granted: that a batch keeps inside its message, and unpacks to what `room` has.
+    /// Checks what the Arrow library takes for granted: that a batch keeps inside its message, and unpacks to what
+    /// `room` has.
     pub fn check(&self, room: Room) -> Result<(), String> {
         let message = self.message()?;
         let body = &self.bytes[self.metadata.end..];

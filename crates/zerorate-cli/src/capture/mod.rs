@@ -1,7 +1,7 @@
 //! Captures: raw codes on disk, as docs/formats/capture.md specifies them.
 //!
-//! [`CaptureWriter`] and [`CaptureReader`] move samples, in any of three forms, in constant memory. A capture is the truth: whatever
-//! is computed from a live part comes out the same from its capture.
+//! [`CaptureWriter`] and [`CaptureReader`] move samples, in any of three forms, in constant memory. A capture is the
+//! truth: whatever is computed from a live part comes out the same from its capture.
 
 pub mod admission;
 pub mod arrows;
@@ -146,7 +146,8 @@ impl CaptureReader {
         self.table.info()
     }
 
-    /// The calibration that was applied, if the capture is a corrected one. Its raw columns are untouched all the same.
+    /// The calibration that was applied, if the capture is a corrected one. Its raw columns are untouched all the
+    /// same.
     pub fn calibration_id(&self) -> Option<&str> {
         self.calibration_id.as_deref()
     }

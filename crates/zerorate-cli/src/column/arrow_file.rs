@@ -1,6 +1,7 @@
 //! An Arrow file, also called Feather: a stream between two marks, with an index behind it that is not needed.
 //!
-//! The stream is read by the same frames as a capture, because the library's reader of files takes lengths and offsets for granted.
+//! The stream is read by the same frames as a capture, because the library's reader of files takes lengths and offsets
+//! for granted.
 
 use crate::capture::CaptureError;
 use crate::capture::arrows::decode;

@@ -111,7 +111,9 @@ fn mcap_topics(path: &Path, file: &File, room: Room) -> Result<BTreeSet<String>>
                     topics.insert(message.channel.topic.clone());
                 }
             }
-            Err(error) if first => return Err(CaptureError::damaged(path, "as an MCAP file", error.to_string()).into()),
+            Err(error) if first => {
+                return Err(CaptureError::damaged(path, "as an MCAP file", error.to_string()).into());
+            }
             // whatever is whole will be read
             Err(_) => {}
         }

@@ -4,14 +4,15 @@ use super::Gap;
 use super::series::{join, missing_in};
 use super::unit::TimeUnit;
 
-/// Root mean square of what may be between a timestamp and an even clock, in sampling intervals. A clock that counts in steps of 0.69
-/// intervals has as much from rounding alone.
+/// Root mean square of what may be between a timestamp and an even clock, in sampling intervals. A clock that counts
+/// in steps of 0.69 intervals has as much from rounding alone.
 const MAX_JITTER: f64 = 0.2;
 
 /// A timestamp may be this much of an interval early before the sample before it counts as missing no more.
 const EARLY: f64 = 0.35;
 
-/// More gaps than this share of the rows, with more samples missing than are there, are no gaps: rows that arrive in bursts look so.
+/// More gaps than this share of the rows, with more samples missing than are there, are no gaps: rows that arrive in
+/// bursts look so.
 const MAX_GAPS: f64 = 0.05;
 
 /// How fast the even clock follows the timestamps: it forgets an offset within some ten samples.
@@ -60,11 +61,12 @@ impl Times {
     fn push(&mut self, since_first: f64, time: &dyn std::fmt::Display) -> Result<(), String> {
         match self.since_first.last() {
             Some(last) if since_first == *last => Err(format!(
-                "the time stands still at {time}; give --rate HZ and no time column if the samples are evenly spaced all the same"
+                "the time stands still at {time}; give --rate HZ and no time column if the samples are evenly spaced \
+                 all the same"
             )),
             Some(last) if since_first < *last => Err(format!(
-                "the time goes back by {} to {time} (a counter that wrapped around, or two logs in one file?); cut the log there, or \
-                 give --rate HZ and no time column",
+                "the time goes back by {} to {time} (a counter that wrapped around, or two logs in one file?); cut \
+                 the log there, or give --rate HZ and no time column",
                 last - since_first
             )),
             _ => {
@@ -119,8 +121,8 @@ impl Times {
         let [shortest, usual, longest] =
             [shortest, self.interval().unwrap_or_default(), longest].map(|dt| dt / unit.per_s());
         format!(
-            "the clock is unsteady: intervals of {shortest:.6} s to {longest:.6} s around {usual:.6} s, and {why}; give --rate HZ and no \
-             time column if the samples themselves are evenly spaced"
+            "the clock is unsteady: intervals of {shortest:.6} s to {longest:.6} s around {usual:.6} s, and {why}; \
+             give --rate HZ and no time column if the samples themselves are evenly spaced"
         )
     }
 }

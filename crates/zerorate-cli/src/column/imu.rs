@@ -1,4 +1,5 @@
-//! `sensor_msgs/Imu`, the message in which ROS carries gyroscopes: decoded from its bytes, and collected into a column.
+//! `sensor_msgs/Imu`, the message in which ROS carries gyroscopes: decoded from its bytes, and collected into a
+//! column.
 
 use super::clock::Times;
 use super::series::SeriesBuilder;
@@ -11,8 +12,8 @@ use anyhow::Result;
 use std::collections::BTreeSet;
 use std::path::Path;
 
-/// What can be asked of a message, as ROS calls it, and where it stands after the header: orientation and its covariance are 13 numbers,
-/// each vector is followed by a covariance of 9.
+/// What can be asked of a message, as ROS calls it, and where it stands after the header: orientation and its
+/// covariance are 13 numbers, each vector is followed by a covariance of 9.
 const QUANTITIES: [(&str, usize); 6] = [
     ("angular_velocity.x", 13),
     ("angular_velocity.y", 14),
@@ -69,7 +70,9 @@ impl Wanted {
     /// `wanted` is a quantity, or a topic and a quantity; x, y and z are those of angular_velocity.
     pub fn choose(path: &Path, topics: &BTreeSet<String>, wanted: Option<&str>) -> Result<Self> {
         if topics.is_empty() {
-            return Err(CaptureError::not_a_log(path, "it is a bag without a topic of type sensor_msgs/msg/Imu").into());
+            return Err(
+                CaptureError::not_a_log(path, "it is a bag without a topic of type sensor_msgs/msg/Imu").into()
+            );
         }
         let only = || topics.first().filter(|_| topics.len() == 1).map(String::as_str);
         let split = wanted.and_then(|wanted| {
@@ -154,8 +157,8 @@ struct Imu {
     numbers: [f64; NUMBERS],
 }
 
-/// `std_msgs/Header header; Quaternion orientation; float64[9]; Vector3 angular_velocity; float64[9]; Vector3 linear_acceleration;
-/// float64[9]`.
+/// `std_msgs/Header header; Quaternion orientation; float64[9]; Vector3 angular_velocity; float64[9]; Vector3
+/// linear_acceleration; float64[9]`.
 fn decode(encoding: Encoding, message: &[u8]) -> Option<Imu> {
     let (big_endian, body) = match encoding {
         Encoding::Ros1 => (false, message.get(4..)?),

@@ -52,18 +52,18 @@ pub struct ColumnArgs {
     #[arg(long, value_enum, requires = "time_column")]
     time_unit: Option<TimeUnit>,
 
-    /// Samples per second [default: as the time column, the timestamps of a capture or the stamps of a bag tell]. With it, the stamps of a
-    /// bag are not looked at.
+    /// Samples per second [default: as the time column, the timestamps of a capture or the stamps of a bag tell]. With
+    /// it, the stamps of a bag are not looked at.
     #[arg(long, value_name = "HZ", value_parser = positive)]
     rate: Option<f64>,
 
-    /// The unit of the column: dps, mdps, deg/min, deg/h, rad/s, mrad/s or urad/s [default: the one that its name states, as in
-    /// gyro_z_dps or `gz [rad/s]`].
+    /// The unit of the column: dps, mdps, deg/min, deg/h, rad/s, mrad/s or urad/s [default: the one that its name
+    /// states, as in gyro_z_dps or `gz [rad/s]`].
     #[arg(long, value_name = "UNIT")]
     unit: Option<Unit>,
 
-    /// What a step of 1 in the column is, in the unit of --unit [default: 1] or else in °/s [default: the scale of the part for the codes
-    /// of a capture].
+    /// What a step of 1 in the column is, in the unit of --unit [default: 1] or else in °/s [default: the scale of the
+    /// part for the codes of a capture].
     #[arg(long, value_name = "X", value_parser = positive)]
     scale: Option<f64>,
 

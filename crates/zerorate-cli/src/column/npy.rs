@@ -59,8 +59,8 @@ pub fn read(log: Log<'_>, args: &ColumnArgs) -> Result<Found> {
     Ok(Found { name, values, clock, scale: None, warning: None })
 }
 
-/// Reads the header, a literal of Python behind its length. The library takes the length for granted and parses nested brackets in a time
-/// that grows exponentially with their depth, so both are looked at first.
+/// Reads the header, a literal of Python behind its length. The library takes the length for granted and parses nested
+/// brackets in a time that grows exponentially with their depth, so both are looked at first.
 fn header(file: &mut BufReader<File>) -> Result<NpyHeader, String> {
     let mut bytes = vec![0; START];
     file.read_exact(&mut bytes).map_err(|error| error.to_string())?;

@@ -126,7 +126,8 @@ impl Packing {
         }
     }
 
-    /// Unpacks into a file, because some forms are not read from start to end. The file has no name, so that it is gone with the program.
+    /// Unpacks into a file, because some forms are not read from start to end. The file has no name, so that it is
+    /// gone with the program.
     fn unpack(self, packed: File, room: Room) -> Result<File, Unpacking> {
         let mut unpacked = BufWriter::with_capacity(BUFFER, tempfile::tempfile()?);
         let copied = survive(|| {
@@ -160,7 +161,8 @@ impl From<io::Error> for Unpacking {
     }
 }
 
-/// Of the content, what a packer may refer back to: 128 MiB, twice what `xz -9` does, and all that `zstd` does without `--ultra`.
+/// Of the content, what a packer may refer back to: 128 MiB, twice what `xz -9` does, and all that `zstd` does without
+/// `--ultra`.
 const MAX_WINDOW_KB: u32 = 128 << 10;
 
 /// A file and how it starts.

@@ -114,8 +114,9 @@ impl Groups<'_> {
         let ranges = (0..group.num_columns())
             .filter(|leaf| descriptor.get_column_root_idx(*leaf) == column)
             .map(|leaf| group.column(leaf).byte_range());
-        let (start, end) = ranges
-            .fold((u64::MAX, 0), |(from, to), (start, length)| (from.min(start), to.max(start.saturating_add(length))));
+        let (start, end) = ranges.fold((u64::MAX, 0), |(from, to), (start, length)| {
+            (from.min(start), to.max(start.saturating_add(length)))
+        });
         let mut bytes = Vec::new();
         let mut file = self.file.lock().map_err(|_| ParquetError::General("a reader died".to_owned()))?;
         file.seek(SeekFrom::Start(start))?;

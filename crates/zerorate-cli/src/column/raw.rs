@@ -7,7 +7,8 @@ use crate::capture::CaptureError;
 use anyhow::Result;
 use std::io::Read;
 
-/// Bytes that are read at a time; a multiple of the size of every type. (To map the file into memory would take `unsafe` code.)
+/// Bytes that are read at a time; a multiple of the size of every type. (To map the file into memory would take
+/// `unsafe` code.)
 const BLOCK: usize = 1 << 18;
 
 /// The type of each number.

@@ -6,8 +6,8 @@ use crate::limits::{NoRoom, Room};
 /// Missing samples that are filled in at most: a bound on memory where a clock leaps.
 const MAX_FILLED: u64 = 10_000_000;
 
-/// What a row costs: a code, what is computed of it, and the same again while both grow. A number with a time costs twice as much, and
-/// where that is too much the limit of the process tells.
+/// What a row costs: a code, what is computed of it, and the same again while both grow. A number with a time costs
+/// twice as much, and where that is too much the limit of the process tells.
 pub const ROW_BYTES: u64 = 16;
 
 /// Numbers, as exact as the file has them.
@@ -44,7 +44,8 @@ impl SeriesBuilder {
         Self { series: Series::Codes(Vec::new()), gaps: Vec::new(), rows: 0, room }
     }
 
-    /// Whether there is room for `more` rows. To be asked before rows are added that the file need not hold byte for byte.
+    /// Whether there is room for `more` rows. To be asked before rows are added that the file need not hold byte for
+    /// byte.
     pub fn check_room(&self, more: u64) -> Result<(), NoRoom> {
         self.room.check(self.rows.saturating_add(more).saturating_mul(ROW_BYTES))
     }
@@ -114,8 +115,8 @@ impl SeriesBuilder {
         }
     }
 
-    /// The series, with samples missing between its rows as well: before row `at`, empty rows counted, `missing` were lost. `Err` is
-    /// how many they are, should that be more than can be filled in.
+    /// The series, with samples missing between its rows as well: before row `at`, empty rows counted, `missing` were
+    /// lost. `Err` is how many they are, should that be more than can be filled in.
     pub fn finish(mut self, between_rows: &[Gap]) -> Result<(Series, Vec<Gap>), u64> {
         let gaps = match &mut self.series {
             Series::Codes(codes) => inner(merged(&self.gaps, between_rows), codes.len()),
@@ -186,7 +187,8 @@ fn inner(mut gaps: Vec<Gap>, len: usize) -> Vec<Gap> {
     gaps
 }
 
-/// Codes as numbers, with a NaN for each sample that is missing between them. `Err` is how many they are, should that be too many.
+/// Codes as numbers, with a NaN for each sample that is missing between them. `Err` is how many they are, should that
+/// be too many.
 pub fn with_gaps(codes: &[i32], gaps: &[Gap]) -> Result<Vec<f64>, u64> {
     let numbers: Vec<f64> = codes.iter().map(|code| f64::from(*code)).collect();
     filled(&numbers, gaps, Room::of(codes.len() as u64))

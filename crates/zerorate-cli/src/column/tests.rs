@@ -56,8 +56,13 @@ fn there(column: &Column) -> Vec<Option<f64>> {
 }
 
 /// `0.5 0.25 -1.5 2`, one to a line, as Python's gzip, lzma and zstandard pack it.
-pub const GZIP: &[u8] = b"\x1F\x8B\x08\x00\x00\x00\x00\x00\x02\x03\x33\xD0\x33\xE5\x32\xD0\x33\x32\xE5\xD2\x35\x04\xB2\x8C\xB8\x00\x3C\x10\xE6\xEC\x10\x00\x00\x00";
-pub const XZ: &[u8] = b"\xFD\x37\x7A\x58\x5A\x00\x00\x01\x69\x22\xDE\x36\x02\x00\x21\x01\x16\x00\x00\x00\x74\x2F\xE5\xA3\x01\x00\x0F\x30\x2E\x35\x0A\x30\x2E\x32\x35\x0A\x2D\x31\x2E\x35\x0A\x32\x0A\x00\x3C\x10\xE6\xEC\x00\x01\x24\x10\xE9\x44\xD9\xCC\x90\x42\x99\x0D\x01\x00\x00\x00\x00\x01\x59\x5A";
+pub const GZIP: &[u8] = b"\
+    \x1F\x8B\x08\x00\x00\x00\x00\x00\x02\x03\x33\xD0\x33\xE5\x32\xD0\x33\x32\xE5\xD2\x35\x04\xB2\x8C\xB8\x00\
+    \x3C\x10\xE6\xEC\x10\x00\x00\x00";
+pub const XZ: &[u8] = b"\
+    \xFD\x37\x7A\x58\x5A\x00\x00\x01\x69\x22\xDE\x36\x02\x00\x21\x01\x16\x00\x00\x00\x74\x2F\xE5\xA3\x01\x00\
+    \x0F\x30\x2E\x35\x0A\x30\x2E\x32\x35\x0A\x2D\x31\x2E\x35\x0A\x32\x0A\x00\x3C\x10\xE6\xEC\x00\x01\x24\x10\
+    \xE9\x44\xD9\xCC\x90\x42\x99\x0D\x01\x00\x00\x00\x00\x01\x59\x5A";
 pub const ZSTD: &[u8] =
     b"\x28\xB5\x2F\xFD\x20\x10\x81\x00\x00\x30\x2E\x35\x0A\x30\x2E\x32\x35\x0A\x2D\x31\x2E\x35\x0A\x32\x0A";
 
@@ -179,8 +184,9 @@ fn tables(columns: &[(&str, ArrayRef)]) -> [Vec<u8>; 3] {
 #[test]
 fn tables_of_every_form() {
     let folder = Folder::new();
-    let t =
-        TimestampNanosecondArray::from(vec![0, 10_000_000, 20_000_000, 40_000_000, 50_000_000, 60_000_000, 70_000_000]);
+    let t = TimestampNanosecondArray::from(vec![
+        0, 10_000_000, 20_000_000, 40_000_000, 50_000_000, 60_000_000, 70_000_000,
+    ]);
     let label = StringArray::from(vec!["x"; 7]);
     let codes = Int32Array::from(vec![Some(1), Some(2), None, Some(4), None, None, Some(7)]);
     let long = Int64Array::from(vec![1, 2, 3, 4, 5, 6, 7]);
@@ -270,7 +276,8 @@ fn text_of_many_dialects() {
 /// The header of the EuRoC recordings is a comment.
 #[test]
 fn a_header_in_a_comment() {
-    let text = "#timestamp [ns],w_RS_S_x [rad s^-1],w_RS_S_y [rad s^-1]\n1403636579758555392,-0.0991,0.1473\n1403636579763555584,-0.0991,0.1473\n";
+    let text = "#timestamp [ns],w_RS_S_x [rad s^-1],w_RS_S_y [rad \
+        s^-1]\n1403636579758555392,-0.0991,0.1473\n1403636579763555584,-0.0991,0.1473\n";
     let options = "--column 1 --time-column 0";
     let column = Folder::new().read(text, options).unwrap();
     assert_eq!((column.name.as_str(), column.scale), ("w_RS_S_x [rad s^-1]", 1f64.to_degrees()));
@@ -302,7 +309,9 @@ fn a_time_column_gives_rate_and_gaps() {
     );
     assert!(folder.fails(rows(1.0, "t,gz\n"), "--column gz").contains("give --rate HZ, or --time-column NAME"));
     let leap = "t_s,x\n0,0.5\n1,0.5\n2,0.5\n3,0.5\n90000000,0.5\n";
-    assert!(folder.fails(leap, "--column x --time-column 0").contains("89999996 samples would be missing in 1 places"));
+    assert!(
+        folder.fails(leap, "--column x --time-column 0").contains("89999996 samples would be missing in 1 places")
+    );
 }
 
 #[test]
@@ -408,7 +417,8 @@ pub fn mcap_packed(
 fn messages_in_every_encoding() {
     let folder = Folder::new();
     for (name, cdr, big_endian) in [("cdr", true, false), ("cdr", true, true), ("ros1", false, false)] {
-        let bag = mcap(&["/imu"], name, |i| imu(cdr, big_endian, 1_700_000_000_000_000_000 + i * 10_000_000, i as f64));
+        let bag =
+            mcap(&["/imu"], name, |i| imu(cdr, big_endian, 1_700_000_000_000_000_000 + i * 10_000_000, i as f64));
         let column = folder.read(&bag, "--column z").unwrap();
         assert_eq!((numbers(&column), column.rate_hz), ((0..20).map(f64::from).collect(), 100.0));
     }
@@ -417,7 +427,9 @@ fn messages_in_every_encoding() {
     assert_eq!(folder.read(&two, "--column /b.angular_velocity.z").unwrap().series.len(), 20);
     let short = mcap(&["/imu"], "cdr", |_| vec![0, 1, 0, 0, 5]);
     assert!(
-        folder.fails(&short, "--column z").contains("topic /imu, message 0: its 5 bytes are no sensor_msgs/Imu in Cdr")
+        folder
+            .fails(&short, "--column z")
+            .contains("topic /imu, message 0: its 5 bytes are no sensor_msgs/Imu in Cdr")
     );
     let back = mcap(&["/imu"], "cdr", |i| imu(true, false, (30 - i) * 1000, 0.0));
     assert!(
@@ -433,17 +445,20 @@ pub fn sqlite_bag() -> Vec<u8> {
     let path = folder.path().join("bag.db3");
     let bag = rusqlite::Connection::open(&path).unwrap();
     bag.execute_batch(
-        "CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT NOT NULL, type TEXT NOT NULL, serialization_format TEXT NOT NULL, \
-         offered_qos_profiles TEXT NOT NULL);
-         CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER NOT NULL, timestamp INTEGER NOT NULL, data BLOB NOT NULL);
-         INSERT INTO topics VALUES (1, '/chat', 'std_msgs/msg/String', 'cdr', ''), (2, '/imu', 'sensor_msgs/msg/Imu', 'cdr', '');
+        "CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT NOT NULL, type TEXT NOT NULL, serialization_format \
+         TEXT NOT NULL, offered_qos_profiles TEXT NOT NULL);
+         CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER NOT NULL, timestamp INTEGER NOT NULL, data \
+         BLOB NOT NULL);
+         INSERT INTO topics VALUES (1, '/chat', 'std_msgs/msg/String', 'cdr', ''), (2, '/imu', 'sensor_msgs/msg/Imu', \
+         'cdr', '');
          INSERT INTO messages(topic_id, timestamp, data) VALUES (1, 0, x'00010000');",
     )
     .unwrap();
     for i in [0, 1, 2, 3, 5, 6, 7, 8] {
         let message = imu(true, false, i * 10_000_000, i as f64);
         let message = if i > 4 { zstd::encode_all(&message[..], 1).unwrap() } else { message };
-        bag.execute("INSERT INTO messages(topic_id, timestamp, data) VALUES (2, ?1, ?2)", (i as i64, message)).unwrap();
+        bag.execute("INSERT INTO messages(topic_id, timestamp, data) VALUES (2, ?1, ?2)", (i as i64, message))
+            .unwrap();
     }
     drop(bag);
     fs::read(&path).unwrap()
@@ -463,7 +478,8 @@ fn bags_in_sqlite() {
 #[test]
 fn a_capture_tells_what_it_lost() {
     let folder = Folder::new();
-    let head = "# zerorate.capture_schema = 1\n# zerorate.width_bits = 24\n# zerorate.rate_conversion = 5\n# zerorate.temp_conversion = 5\n\
+    let head = "# zerorate.capture_schema = 1\n# zerorate.width_bits = 24\n# zerorate.rate_conversion = 5\n# \
+        zerorate.temp_conversion = 5\n\
                 t_ns,edge_seq,rate_code,status,temp_code,lost\n";
     // 7 before the first row do not matter: the record had not begun
     let rows = "0,1,8388608,8,8400000,7\n10000000,2,8388610,8,,0\n40000000,5,8388609,8,,2\n50000000,6,8388611,8,,0\n";

@@ -71,8 +71,8 @@ struct Reading<'a> {
 }
 
 impl<'a> Reading<'a> {
-    /// The second line is data if there is any, so it shows the delimiter. The first is a header if it holds a word where the second
-    /// holds a number; if there is none, the comment above the data may be one.
+    /// The second line is data if there is any, so it shows the delimiter. The first is a header if it holds a word
+    /// where the second holds a number; if there is none, the comment above the data may be one.
     fn start(path: &'a Path, head: &Head, room: Room, args: &ColumnArgs) -> Result<Self> {
         let (Some((_, first, _)), Some((_, data, _))) = (head.lines.first(), head.lines.last()) else {
             return Err(CaptureError::damaged(path, "as a text file", "it holds no line of data").into());

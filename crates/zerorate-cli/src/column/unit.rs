@@ -72,8 +72,8 @@ impl Unit {
         }
     }
 
-    /// The unit that the name of a column states: in brackets, after an underscore, or because ROS calls it so. REP-103 of ROS fixes
-    /// the unit of an `angular_velocity` at rad/s.
+    /// The unit that the name of a column states: in brackets, after an underscore, or because ROS calls it so.
+    /// REP-103 of ROS fixes the unit of an `angular_velocity` at rad/s.
     pub fn of_column(name: &str) -> Option<Self> {
         if let Some(unit) = bracketed(name).and_then(|inner| inner.parse().ok()) {
             return Some(unit);

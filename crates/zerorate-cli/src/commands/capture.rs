@@ -19,8 +19,8 @@ use std::path::PathBuf;
 
 /// Records raw codes with timestamps.
 ///
-/// Every code is recorded as it was read. Readings that the part cannot have made (bit errors), readings out of range and a part that
-/// stopped are counted and said; if it had stopped at the end, the exit code is 3.
+/// Every code is recorded as it was read. Readings that the part cannot have made (bit errors), readings out of range
+/// and a part that stopped are counted and said; if it had stopped at the end, the exit code is 3.
 ///
 /// Ctrl-C ends a recording early; the file is whole all the same. An .arrows file can be read up to its last whole
 /// batch even after a power cut.
@@ -37,7 +37,8 @@ pub struct CaptureArgs {
     output: PathBuf,
 
     /// How long to record: 10s, 10m, 1h30m, or seconds.
-    #[arg(long, value_name = "TIME", default_value = "10m", value_parser = duration::above_zero, conflicts_with = "samples")]
+    #[arg(long, value_name = "TIME", default_value = "10m", conflicts_with = "samples")]
+    #[arg(value_parser = duration::above_zero)]
     duration: Seconds,
 
     /// Record this many samples instead.

@@ -191,7 +191,8 @@ impl Corrector {
             self.seen.count(read_c, self.temp_c);
             temps_c.append_option(self.temp_c);
             let rate_dps = judged.rate().map(zerorate::rate_dps);
-            let corrected = rate_dps.zip(self.temp_c).map(|(rate_dps, temp_c)| self.correction.apply(rate_dps, temp_c));
+            let corrected =
+                rate_dps.zip(self.temp_c).map(|(rate_dps, temp_c)| self.correction.apply(rate_dps, temp_c));
             corrected_dps.append_option(corrected);
         }
         let rates_dps = rows.iter().map(|judged| zerorate::rate_dps(judged.sample.rate));

@@ -10,8 +10,9 @@ use std::path::PathBuf;
 
 /// Writes a calibration as one self-contained HTML page.
 ///
-/// The page has the coefficients with their uncertainties, how to apply them, the correction over temperature, the look-up table around T3, and
-/// how and from which samples they were measured. It needs no network and prints on paper.
+/// The page has the coefficients with their uncertainties, how to apply them, the correction over temperature, the
+/// look-up table around T3, and how and from which samples they were measured. It needs no network and prints on
+/// paper.
 #[derive(Args, Debug)]
 pub struct ReportArgs {
     /// The calibration file.

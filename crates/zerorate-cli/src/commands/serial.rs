@@ -33,12 +33,13 @@ impl Part<'_> {
             (Some(part), Some(calibrated)) if part == calibrated => Ok(None),
             (Some(part), Some(calibrated)) => {
                 bail!(
-                    "{name} is part {part}, {path} is the calibration of part {calibrated}: every part has its own bias"
+                    "{name} is part {part}, {path} is the calibration of part {calibrated}: every part has its own \
+                     bias"
                 )
             }
             (None, Some(calibrated)) => Ok(Some(format!(
-                "unknown-serial: {path} is the calibration of part {calibrated}, and nothing shows that {name} is that \
-                 part: {}",
+                "unknown-serial: {path} is the calibration of part {calibrated}, and nothing shows that {name} is \
+                 that part: {}",
                 self.advice
             ))),
             (_, None) => Ok(Some(format!(

@@ -11,9 +11,9 @@ use std::path::PathBuf;
 /// Every command that reads a part takes the twin as `--device twin:KEY=VALUE,…`; without options this lists the keys.
 ///
 /// With --usb the twin becomes hardware, on wall time, behind an emulated USB adapter for SPI and GPIO (Intel LJCA,
-/// 8086:0b63). QEMU plugs it into a guest, whose own kernel drivers bind it: usb-ljca, spi-ljca and gpio-ljca of Linux 6.12.
-/// RDY is line 3 of the adapter's GPIO chip. Ctrl-C unplugs it. docs/formats/ljca.md has the messages, and the QEMU
-/// options.
+/// 8086:0b63). QEMU plugs it into a guest, whose own kernel drivers bind it: usb-ljca, spi-ljca and gpio-ljca of Linux
+/// 6.12. RDY is line 3 of the adapter's GPIO chip. Ctrl-C unplugs it. docs/formats/ljca.md has the messages, and the
+/// QEMU options.
 #[derive(Args, Debug)]
 pub struct TwinArgs {
     /// The unit, as in --device twin:KEY=VALUE,… .
@@ -24,9 +24,10 @@ pub struct TwinArgs {
     #[arg(long, value_name = "SOCKET")]
     usb: Option<PathBuf>,
 
-    /// Master clock of the converter, Hz; below the range of the key mclk_hz, so that a slow host can follow. Temperatures
-    /// and noise keep to the wall clock.
-    #[arg(long, value_name = "HZ", requires = "usb", value_parser = clap::value_parser!(u32).range(1_000..=10_000_000))]
+    /// Master clock of the converter, Hz; below the range of the key mclk_hz, so that a slow host can follow.
+    /// Temperatures and noise keep to the wall clock.
+    #[arg(long, value_name = "HZ", requires = "usb")]
+    #[arg(value_parser = clap::value_parser!(u32).range(1_000..=10_000_000))]
     mclk_hz: Option<u32>,
 
     /// Converting from the start, as after F-30: for drivers that write no register, like the one of Linux.
@@ -136,7 +137,8 @@ mod hardware {
         }
         let Seen { spi_frames, rate_reads, temp_reads, edges, edges_reported } = seen;
         say(format_args!(
-            "unplugged after {:.1} s: {spi_frames} SPI frames, {rate_reads} rates and {temp_reads} temperatures read, {edges_reported} of {edges} edges of RDY reported",
+            "unplugged after {:.1} s: {spi_frames} SPI frames, {rate_reads} rates and {temp_reads} temperatures read, \
+             {edges_reported} of {edges} edges of RDY reported",
             summary.duration_s
         ));
         Ok(())

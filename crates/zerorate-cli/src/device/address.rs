@@ -256,7 +256,8 @@ mod tests {
         assert_eq!((serial.hz, serial.mclk_hz), (8_000_000, 6_000_000));
         let tcp = BridgeAddress::parse_tcp("[::1]:16130?mclk=105000").expect("an address");
         assert_eq!((tcp.to_string().as_str(), tcp.mclk_hz), ("tcp:[::1]:16130", 105_000));
-        for (wrong, hint) in [("", "bridge:/dev/ttyACM0"), ("/dev/ttyACM0?baud=1", "from 9600"), ("x?rdy=1", "`rdy=1`")]
+        for (wrong, hint) in
+            [("", "bridge:/dev/ttyACM0"), ("/dev/ttyACM0?baud=1", "from 9600"), ("x?rdy=1", "`rdy=1`")]
         {
             assert!(BridgeAddress::parse_serial(wrong).unwrap_err().contains(hint), "{wrong}");
         }
@@ -280,7 +281,8 @@ mod tests {
         let serial = BridgeAddress::parse_serial(&format!("/dev/ttyACM0?{options}")).expect("an address");
         let tcp = BridgeAddress::parse_tcp(&format!("localhost:1?{options}")).expect("an address");
         assert_eq!([spi.config, serial.config, tcp.config], [expected; 3]);
-        for (wrong, hint) in [("width=20", "width=24|16"), ("fw=200", "from 0 to 127"), ("edge=up", "falling|rising")] {
+        for (wrong, hint) in [("width=20", "width=24|16"), ("fw=200", "from 0 to 127"), ("edge=up", "falling|rising")]
+        {
             let error = BridgeAddress::parse_serial(&format!("x?{wrong}")).unwrap_err();
             assert!(error.contains(hint), "{error}");
         }

@@ -1,7 +1,7 @@
 //! The part behind the kernel's own driver `adis16130`, polled through sysfs.
 //!
-//! That driver holds the bus and gives single readings: no data ready, no status, no time of an edge. So nobody can tell
-//! whether a reading is new, or how many were never read; `lost` counts polls that came too late.
+//! That driver holds the bus and gives single readings: no data ready, no status, no time of an edge. So nobody can
+//! tell whether a reading is new, or how many were never read; `lost` counts polls that came too late.
 
 use super::address::IioAddress;
 use adis16130::{RATE_LSB_PER_DPS, RateCode, Sample, TEMP_LSB_PER_C, TempCode, Width, ZERO_CODE};
@@ -99,7 +99,9 @@ fn shift(folder: &Path, channel: &str, expected_scale: f64, zero: i64) -> Result
     let scale: f64 = read(folder, &format!("{channel}_scale"))?;
     let offset: i64 = read(folder, &format!("{channel}_offset"))?;
     if (scale / expected_scale - 1.0).abs() > SCALE_TOLERANCE {
-        bail!("{channel}_scale is {scale}, but codes of an ADIS16130 have {expected_scale:.6e}: is that another part?");
+        bail!(
+            "{channel}_scale is {scale}, but codes of an ADIS16130 have {expected_scale:.6e}: is that another part?"
+        );
     }
     Ok(zero + offset)
 }

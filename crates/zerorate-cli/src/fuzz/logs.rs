@@ -25,7 +25,8 @@ fn args(options: &str) -> ColumnArgs {
     Line::try_parse_from(std::iter::once("zerorate").chain(options.split_whitespace())).expect("options").args
 }
 
-/// Reads a log in each of these ways. What it is taken for is up to the log; what comes out fits into the room that it has.
+/// Reads a log in each of these ways. What it is taken for is up to the log; what comes out fits into the room that it
+/// has.
 fn read(bytes: &[u8], ways: &[&str]) {
     for options in ways {
         let read = with_file(bytes, |path| column::read(path, &args(options)));

@@ -1,7 +1,7 @@
 //! Damaged input into every reader and decoder: none may panic, and none may keep more than the input has room for.
 //!
-//! Each target takes whole small files, as this program or others write them, and edits them at random: the same edits on every machine,
-//! and as many as the target says. Others and more are tried with
+//! Each target takes whole small files, as this program or others write them, and edits them at random: the same edits
+//! on every machine, and as many as the target says. Others and more are tried with
 //!
 //! ```sh
 //! ZERORATE_FUZZ_SEED=7 ZERORATE_FUZZ_ITERATIONS=100000 cargo test -p zerorate-cli --lib fuzz::

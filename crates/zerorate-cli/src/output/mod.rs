@@ -130,7 +130,8 @@ const HEAD: u64 = 1 << 16;
 fn was_capture(path: &Path) -> io::Result<bool> {
     let mut head = Vec::new();
     File::open(path)?.take(HEAD).read_to_end(&mut head)?;
-    let starts_like_one = [&b"\xFF\xFF\xFF\xFF"[..], b"PAR1", b"# zerorate."].iter().any(|mark| head.starts_with(mark));
+    let starts_like_one =
+        [&b"\xFF\xFF\xFF\xFF"[..], b"PAR1", b"# zerorate."].iter().any(|mark| head.starts_with(mark));
     Ok(starts_like_one && head.windows(NAME.len()).any(|window| window == NAME))
 }
 

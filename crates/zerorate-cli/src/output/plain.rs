@@ -1,5 +1,6 @@
-//! Text from outside on a terminal: names of files and columns, serial numbers, cells, what a firmware says of itself. In it, characters
-//! that would move the cursor, change colours, set titles or turn the direction of writing are shown as Rust writes them: `\u{1b}`.
+//! Text from outside on a terminal: names of files and columns, serial numbers, cells, what a firmware says of itself.
+//! In it, characters that would move the cursor, change colours, set titles or turn the direction of writing are shown
+//! as Rust writes them: `\u{1b}`.
 
 use std::borrow::Cow;
 
@@ -15,8 +16,9 @@ pub fn lines(text: &str) -> Cow<'_, str> {
 
 /// Control characters of ASCII and of Latin 1, separators of lines, and marks of direction.
 fn acts(character: char) -> bool {
-    character.is_control()
-        || matches!(character, '\u{200E}' | '\u{200F}' | '\u{2028}'..='\u{202E}' | '\u{2066}'..='\u{2069}' | '\u{061C}')
+    let is_mark = matches!(character, '\u{200E}' | '\u{200F}' | '\u{061C}');
+    let is_separator_or_embedding = matches!(character, '\u{2028}'..='\u{202E}' | '\u{2066}'..='\u{2069}');
+    character.is_control() || is_mark || is_separator_or_embedding
 }
 
 fn escaped(text: &str, wanted: impl Fn(char) -> bool) -> Cow<'_, str> {

@@ -15,7 +15,8 @@ pub const STDOUT: &str = "stdout";
 #[error("the reader of stdout is gone")]
 struct ReaderLeft;
 
-/// Prints a line for people to stderr, whatever stands in it. One that cannot be written must not end what the user came for.
+/// Prints a line for people to stderr, whatever stands in it. One that cannot be written must not end what the user
+/// came for.
 pub fn say(line: impl Display) {
     let _ = writeln!(io::stderr().lock(), "{}", plain::line(&line.to_string()));
 }

@@ -14,7 +14,8 @@ pub struct Curve {
     pub label: String,
     /// By averaging time; the picture leaves out what has no logarithm.
     pub points: Vec<Point>,
-    /// The fitted noise, one line for each coefficient; empty without a fit. Their root sum of squares is drawn over the points.
+    /// The fitted noise, one line for each coefficient; empty without a fit. Their root sum of squares is drawn over
+    /// the points.
     pub laws: Vec<PowerLaw>,
     /// Where averaging helps most.
     pub minimum: Option<Minimum>,
@@ -33,7 +34,8 @@ pub struct Point {
     pub hi: f64,
 }
 
-/// dev(τ) = `at_1s` · (τ / 1 s)^`slope`: N at slope −1/2, 0.664 B at 0, K/√3 at 1/2, √3 Q at −1, R/√2 at 1 (IEEE Std 952-1997, annex C.1).
+/// dev(τ) = `at_1s` · (τ / 1 s)^`slope`: N at slope −1/2, 0.664 B at 0, K/√3 at 1/2, √3 Q at −1, R/√2 at 1 (IEEE Std
+/// 952-1997, annex C.1).
 #[derive(Clone, Debug, PartialEq)]
 pub struct PowerLaw {
     /// What stands beside it, such as `N = 0.557 °/√h`.
@@ -117,8 +119,8 @@ const PER_HOUR: f64 = 3600.0;
 
 /// The picture as SVG.
 ///
-/// One curve carries the labels of its fit and its minimum beside it; several are named in a legend, with their fitted curves but not their
-/// separate coefficients.
+/// One curve carries the labels of its fit and its minimum beside it; several are named in a legend, with their fitted
+/// curves but not their separate coefficients.
 pub fn allan(curves: &[Curve], options: &Options) -> String {
     let curves: Vec<Curve> = curves.iter().map(drawable).collect();
     let hourly = options.unit == "°/s";

@@ -22,7 +22,8 @@ pub struct Tick {
 }
 
 impl Axis {
-    /// A logarithmic axis over positive values, at least one decade long, its ends moved outward to 1, 2 or 5 times a power of ten.
+    /// A logarithmic axis over positive values, at least one decade long, its ends moved outward to 1, 2 or 5 times a
+    /// power of ten.
     pub fn log(low: f64, high: f64, span: (f64, f64)) -> Self {
         let widen = (10.0 * low / high).max(1.0).sqrt();
         Self { low: round_125(low / widen, f64::floor), high: round_125(high * widen, f64::ceil), span, log: true }

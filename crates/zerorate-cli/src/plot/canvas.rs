@@ -81,7 +81,8 @@ pub fn width(text: &str, size: f64) -> f64 {
     text.chars().count() as f64 * size * CHARACTER
 }
 
-/// A text of at most so many characters; what is too much goes out of its middle, since file names differ at their ends.
+/// A text of at most so many characters; what is too much goes out of its middle, since file names differ at their
+/// ends.
 pub fn shortened(text: &str, characters: usize) -> String {
     let all: Vec<char> = text.chars().collect();
     if all.len() <= characters {
@@ -125,7 +126,8 @@ pub fn headings(left: f64, title: Option<&str>, subtitle: Option<&str>, room: f6
     let fitting = |text: &str, size: f64| shortened(text, (room / (size * CHARACTER)) as usize);
     let title =
         title.map(|title| text(&fitting(title, HEADING), (left, 28.0), Anchor::Start).set("font-size", HEADING));
-    let subtitle = subtitle.map(|line| text(&fitting(line, SMALL), (left, 49.0), Anchor::Start).set("fill", "#555555"));
+    let subtitle =
+        subtitle.map(|line| text(&fitting(line, SMALL), (left, 49.0), Anchor::Start).set("fill", "#555555"));
     title.into_iter().chain(subtitle).fold(Group::new(), Group::add)
 }
 

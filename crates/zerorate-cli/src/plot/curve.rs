@@ -29,7 +29,8 @@ impl Scales {
         self.sampled(self.x.ends(), |tau_s| law.dev(tau_s))
     }
 
-    /// The fitted curve over the averaging times of a record: the root of the sum of squares of its power laws. Empty unless there are two.
+    /// The fitted curve over the averaging times of a record: the root of the sum of squares of its power laws. Empty
+    /// unless there are two.
     pub fn total(&self, curve: &Curve) -> Vec<(f64, f64)> {
         match &curve.points[..] {
             [first, .., last] if curve.laws.len() > 1 => {
@@ -57,7 +58,8 @@ impl Scales {
         Path::new().set("d", path(upper.chain(lower)).close()).set("fill", colour).set("fill-opacity", 0.18)
     }
 
-    /// The line through the deviations, with a dot at each unless they are many; `dash` tells curves apart where colours end.
+    /// The line through the deviations, with a dot at each unless they are many; `dash` tells curves apart where
+    /// colours end.
     pub fn line(&self, curve: &Curve, colour: &str, dash: &str) -> Group {
         let track = self.track(curve);
         let (dots, width) = if track.len() < DENSE { (&track[..], 2.0) } else { (&[][..], 1.4) };

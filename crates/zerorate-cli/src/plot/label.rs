@@ -19,7 +19,8 @@ impl Labels {
         self.ink.extend(densely(points).into_iter().filter(|point| self.area.contains(*point)));
     }
 
-    /// Takes the best of these places for a text, the earlier the better; none if all leave the frame or cover another label.
+    /// Takes the best of these places for a text, the earlier the better; none if all leave the frame or cover another
+    /// label.
     pub fn place(
         &mut self,
         text: &str,

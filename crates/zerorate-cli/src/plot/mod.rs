@@ -1,6 +1,8 @@
-//! Pictures that one would put in a data sheet: SVG, and PNG made from it. Numbers and labels come in, a picture goes out; no file, no analysis.
+//! Pictures that one would put in a data sheet: SVG, and PNG made from it. Numbers and labels come in, a picture goes
+//! out; no file, no analysis.
 //!
-//! Text stays text in the SVG, so it can be searched; the PNG is drawn with a font of this program and looks the same on every machine.
+//! Text stays text in the SVG, so it can be searched; the PNG is drawn with a font of this program and looks the same
+//! on every machine.
 
 mod allan;
 mod axes;

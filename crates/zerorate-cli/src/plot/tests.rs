@@ -58,7 +58,8 @@ fn all_that_is_said_is_text() {
 }
 
 /// The frame is 772 pixels wide from 92 on, and 532 high from 40 on, for 960 × 640 without headings.
-/// τ: five decades, 0.01 … 1000 s. Deviations with their intervals, 2.85e-4 … 0.12, widen to 2e-4 … 0.2: three decades.
+/// τ: five decades, 0.01 … 1000 s. Deviations with their intervals, 2.85e-4 … 0.12, widen to 2e-4 … 0.2: three
+/// decades.
 #[test]
 fn points_are_where_their_logarithms_are() {
     let svg = allan(&[white("w")], &Options::default());

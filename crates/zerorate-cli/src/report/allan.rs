@@ -126,7 +126,8 @@ mod tests {
 
     #[test]
     fn the_page_has_everything_and_escapes_what_others_named() {
-        let row = AllanRow { tau_s: 0.01, dev: 0.0937, lo: 0.09, hi: 0.1, edf: 1e6, n: 360_000, noise: "white".into() };
+        let row =
+            AllanRow { tau_s: 0.01, dev: 0.0937, lo: 0.09, hi: 0.1, edf: 1e6, n: 360_000, noise: "white".into() };
         let value =
             CoefficientValue { value: "0.557".into(), lo: "0.55".into(), hi: "0.56".into(), unit: "°/√h".into() };
         let record = Record {

@@ -122,7 +122,8 @@ fn signed_term(value: f64) -> String {
 fn span(calibration: &Calibration) -> String {
     match calibration.validity {
         Some(span) => format!(
-            "Measured between {:.1} and {:.1} °C. Outside, the correction is an extrapolation; calibrate over a wider span instead.",
+            "Measured between {:.1} and {:.1} °C. Outside, the correction is an extrapolation; calibrate over a wider \
+             span instead.",
             span.temp_min_c, span.temp_max_c
         ),
         None => "The calibration does not state the temperatures at which it was measured.".to_owned(),

@@ -1,5 +1,5 @@
-//! The Intel La Jolla Cove adapter (8086:0b63) as a device: its descriptors and its messages, without a socket or a part.
-//! docs/formats/ljca.md specifies what is answered here.
+//! The Intel La Jolla Cove adapter (8086:0b63) as a device: its descriptors and its messages, without a socket or a
+//! part. docs/formats/ljca.md specifies what is answered here.
 
 use super::redir::{Announcement, Control};
 

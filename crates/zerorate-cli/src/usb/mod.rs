@@ -1,6 +1,7 @@
 //! The twin as hardware: behind an emulated USB adapter, on a socket that QEMU plugs into a guest.
 //!
-//! [`redir`] and [`ljca`] turn bytes into meaning, [`part`] lets the twin run on wall time; here is the loop between them.
+//! [`redir`] and [`ljca`] turn bytes into meaning, [`part`] lets the twin run on wall time; here is the loop between
+//! them.
 
 pub mod ljca;
 mod part;
@@ -70,7 +71,8 @@ fn connect(socket: &Path) -> Result<UnixStream> {
             Err(error) if started.elapsed() >= PATIENCE || interrupt::asked() => {
                 return Err(error).with_context(|| {
                     format!(
-                        "nothing listens on {}: start QEMU with -chardev socket,id=r,path={},server=on and -device usb-redir,chardev=r",
+                        "nothing listens on {}: start QEMU with -chardev socket,id=r,path={},server=on and -device \
+                         usb-redir,chardev=r",
                         socket.display(),
                         socket.display()
                     )

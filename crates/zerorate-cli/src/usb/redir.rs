@@ -147,7 +147,8 @@ impl Connection {
         let packet: Vec<u8> = self.received.drain(..head + length).collect();
         let id = if head == 16 { le64(&packet, 8) } else { le32(&packet, 8).map(u64::from) };
         let request = self.parse(kind, &packet[head..]);
-        let request = request.ok_or_else(|| RedirError(format!("a packet of kind {kind} with only {length} bytes")))?;
+        let request =
+            request.ok_or_else(|| RedirError(format!("a packet of kind {kind} with only {length} bytes")))?;
         Ok(Some((id.unwrap_or_default(), request)))
     }
 

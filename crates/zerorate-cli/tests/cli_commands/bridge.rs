@@ -1,4 +1,5 @@
-//! `bridge:` and `tcp:` devices: the program against the bridge of the emulator's firmware, run here with a socket as its port.
+//! `bridge:` and `tcp:` devices: the program against the bridge of the emulator's firmware, run here with a socket as
+//! its port.
 
 #[path = "../../../../firmware/qemu/src/bridge.rs"]
 mod firmware;

@@ -15,8 +15,8 @@ fn path(path: &Path) -> &str {
 #[test]
 fn the_json_object_has_the_keys_of_the_contract() {
     let result = calibrate(&["--device", "twin:seed=7", "--json"]).ended_with(0).json();
-    let numbers = "b1_dps t1_c b2_dps t2_c btc_dps_per_c pbc_dps t3_c u_pbc_dps u_btc_dps_per_c rdy_hz rate_hz samples \
-        lost_samples duration_s";
+    let numbers = "b1_dps t1_c b2_dps t2_c btc_dps_per_c pbc_dps t3_c u_pbc_dps u_btc_dps_per_c rdy_hz rate_hz \
+        samples lost_samples duration_s";
     for key in numbers.split_whitespace() {
         assert!(result[key].is_number(), "{key} in {result}");
     }

@@ -41,8 +41,8 @@ fn calibrate_states_its_defaults() {
 
 #[test]
 fn twin_lists_every_key_of_the_contract() {
-    let keys = "seed bias_dps tempco_dps_per_c curvature hysteresis lag_s ambient_c profile warmup_c warmup_s mclk_hz roa \
-        supply_step_mv noise flicker_hz rotation_dps motion sway_dps sway_hz bit_error_rate fault fault_at_s";
+    let keys = "seed bias_dps tempco_dps_per_c curvature hysteresis lag_s ambient_c profile warmup_c warmup_s mclk_hz \
+        roa supply_step_mv noise flicker_hz rotation_dps motion sway_dps sway_hz bit_error_rate fault fault_at_s";
     for help in [zerorate(&["twin", "--help"]), zerorate(&["twin"])] {
         let text = help.ended_with(0).stdout;
         for key in keys.split_whitespace() {

@@ -6,7 +6,8 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-const CALIBRATION: &str = "schema = 1\npart = \"ADIS16130\"\nserial = \"A1\"\n[correction]\npbc_dps = 0.5\nbtc_dps_per_c = -0.04\nt3_c = 31.5\n";
+const CALIBRATION: &str = "schema = 1\npart = \"ADIS16130\"\nserial = \"A1\"\n[correction]\npbc_dps = \
+    0.5\nbtc_dps_per_c = -0.04\nt3_c = 31.5\n";
 
 fn folder_with_calibration() -> (tempfile::TempDir, String) {
     let folder = tempfile::tempdir().expect("a folder");

@@ -107,7 +107,8 @@ fn every_form_of_a_log_gives_the_same() {
 #[test]
 fn a_capture_needs_no_options() {
     let bench = Bench::new();
-    let rows = |i: u64| format!("{},{i},{},8,8400000,0\n", 1_000 + i * 10_000_000, 8_388_608 + (i * i * 7919) % 10_007);
+    let rows =
+        |i: u64| format!("{},{i},{},8,8400000,0\n", 1_000 + i * 10_000_000, 8_388_608 + (i * i * 7919) % 10_007);
     bench.write("rest.csv", capture("A1", &(0..300).map(rows).collect::<String>()));
     let json = bench.zerorate("allan rest.csv --json").ok();
     let report: serde_json::Value = serde_json::from_str(&json).unwrap();

@@ -4,8 +4,8 @@ use super::Bench;
 use serde_json::Value;
 use zerorate::allan::Stat;
 
-/// White noise of a quarter of an hour at 100 Hz from a congruential generator: sums of twelve uniform numbers, a standard deviation of
-/// `sd`. Its N is `sd · √(1 / 100 Hz)`.
+/// White noise of a quarter of an hour at 100 Hz from a congruential generator: sums of twelve uniform numbers, a
+/// standard deviation of `sd`. Its N is `sd · √(1 / 100 Hz)`.
 fn white(sd: f64, seed: u64) -> Vec<u8> {
     let mut state = seed;
     let mut uniform = move || {

@@ -27,9 +27,12 @@ fn the_formula_of_the_note_row_by_row() {
         let found: Vec<f64> = row[6..9].iter().map(|cell| cell.parse().unwrap()).collect();
         assert!(found.iter().zip(expected).all(|(found, expected)| (found - expected).abs() < 1e-12), "{row:?}");
     }
-    for entry in
-        ["# zerorate.calibration_id = ", "# zerorate.serial = A1", "# zerorate.pbc_dps = -0.25", "# zerorate.t3_c = 24"]
-    {
+    for entry in [
+        "# zerorate.calibration_id = ",
+        "# zerorate.serial = A1",
+        "# zerorate.pbc_dps = -0.25",
+        "# zerorate.t3_c = 24",
+    ] {
         assert!(done.contains(entry), "{entry} is missing");
     }
 }
@@ -47,7 +50,10 @@ fn a_bias_is_never_removed_twice() {
     }
     let once = fs::read_to_string(bench.path("once.csv")).unwrap();
     let without = |keys: &[&str]| -> String {
-        once.lines().filter(|line| !keys.iter().any(|key| line.contains(key))).map(|line| format!("{line}\n")).collect()
+        once.lines()
+            .filter(|line| !keys.iter().any(|key| line.contains(key)))
+            .map(|line| format!("{line}\n"))
+            .collect()
     };
     bench.write("unmarked.csv", without(&["calibration_id"]));
     assert!(
@@ -59,7 +65,9 @@ fn a_bias_is_never_removed_twice() {
     // even if a converter dropped the mark, and all checks
     let old = without(&["calibration_id", "zerorate.check", "zerorate.ax", "zerorate.temp."]);
     bench.write("unmarked.csv", old.replace("capture_schema = 2", "capture_schema = 1"));
-    assert!(bench.zerorate("correct unmarked.csv --cal unit.toml -o twice.csv").fails(1).contains("corrected already"));
+    assert!(
+        bench.zerorate("correct unmarked.csv --cal unit.toml -o twice.csv").fails(1).contains("corrected already")
+    );
 }
 
 #[test]

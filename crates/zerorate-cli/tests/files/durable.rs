@@ -81,7 +81,8 @@ fn a_calibration_and_its_log_are_on_the_disk() {
     assert!(last(&calls, &["write(", "/log.arrows>"]) < last(&calls, &["fsync(", "/log.arrows>"]));
 }
 
-/// As docs/formats/capture.md states: once a second while it runs, and whole at its end. The name is there from the start.
+/// As docs/formats/capture.md states: once a second while it runs, and whole at its end. The name is there from the
+/// start.
 #[test]
 fn a_capture_is_on_the_disk_in_every_form() {
     for form in ["csv", "arrows", "parquet"] {

@@ -1,7 +1,7 @@
 //! Results that must stay as they are, bit for bit: made by the program as it was before its core knew of other parts.
 //!
-//! A difference here is either a defect or a change of a result, which the CHANGELOG owes its users. In the latter case
-//! `ZERORATE_GOLDEN=write cargo test -p zerorate-cli --test files golden` makes the files anew.
+//! A difference here is either a defect or a change of a result, which the CHANGELOG owes its users. In the latter
+//! case `ZERORATE_GOLDEN=write cargo test -p zerorate-cli --test files golden` makes the files anew.
 
 use super::Bench;
 use sha2::{Digest, Sha256};
@@ -9,7 +9,8 @@ use std::fmt::Write;
 use std::fs;
 use std::path::Path;
 
-/// Calibrations by name, with the options that make them: one of four minutes at every sample, and hours at every ninth.
+/// Calibrations by name, with the options that make them: one of four minutes at every sample, and hours at every
+/// ninth.
 const CALIBRATIONS: [(&str, &str); 4] = [
     ("short", "--device twin:seed=7 --average 2s --warmup 60s --settle 120s --offset 20s --max-u-btc 0.2"),
     ("hour-1", "--device twin:seed=1 --divider 9"),

@@ -34,7 +34,8 @@ fn headers_of_npy_are_bounded() {
     let bench = Bench::new();
     let nested = format!("{{'descr': {}{}, }}", "(".repeat(60), ")".repeat(60));
     bench.write("nested.npy", npy(nested.as_bytes()));
-    bench.refuses("allan nested.npy --rate 10", "nested.npy, as an NPY file: its header has brackets more than 6 deep");
+    bench
+        .refuses("allan nested.npy --rate 10", "nested.npy, as an NPY file: its header has brackets more than 6 deep");
     let hidden = format!("{{'descr': '\\N{{'}}', {}{}, }}", "[".repeat(60), "]".repeat(60));
     bench.write("hidden.npy", npy(hidden.as_bytes()));
     bench.refuses("allan hidden.npy --rate 10", "or a backslash");
@@ -236,8 +237,10 @@ fn a_serial_number_is_one_line() {
 #[test]
 fn a_calibration_holds_numbers_that_can_be() {
     let bench = Bench::new();
-    let run = "[run]\nduration_s = nan\nrate_hz = 5703.0\nrdy_hz = 5703.0\nsamples = 1\nlost_samples = 0\naverage_s = 10.0\n\
-               warmup_s = inf\nsettle_s = 1.0\noffset_s = 1.0\nmax_lost = 0.1\nmax_u_btc_dps_per_c = 0.1\nassume_linear = false\n";
+    let run = "[run]\nduration_s = nan\nrate_hz = 5703.0\nrdy_hz = 5703.0\nsamples = 1\nlost_samples = 0\naverage_s = \
+        10.0\n\
+               warmup_s = inf\nsettle_s = 1.0\noffset_s = 1.0\nmax_lost = 0.1\nmax_u_btc_dps_per_c = \
+               0.1\nassume_linear = false\n";
     let file = calibration(-0.25, -0.04, 31.5) + run;
     bench.write("nan.toml", &file);
     let said = bench.zerorate("report nan.toml").fails(1);

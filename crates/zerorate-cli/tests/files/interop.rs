@@ -3,7 +3,8 @@
 use super::{Bench, capture, run, skip};
 use std::process::Command;
 
-/// Prints every row and the metadata of an Arrow stream and of a Parquet file, and what is left of the stream when its tail is torn off.
+/// Prints every row and the metadata of an Arrow stream and of a Parquet file, and what is left of the stream when its
+/// tail is torn off.
 const READER: &str = r#"
 import pyarrow as pa, pyarrow.parquet as pq
 whole = pa.ipc.open_stream("rest.arrows").read_all()
@@ -12,7 +13,8 @@ assert whole.equals(parquet), "the forms differ"
 for row in whole.to_pylist():
     print(",".join("" if value is None else str(value) for value in row.values()))
 print(whole.schema.names, [str(field.type) for field in whole.schema])
-print(whole.schema.metadata[b"zerorate.serial"].decode(), pq.read_metadata("rest.parquet").metadata[b"zerorate.width_bits"].decode())
+of_parquet = pq.read_metadata("rest.parquet").metadata
+print(whole.schema.metadata[b"zerorate.serial"].decode(), of_parquet[b"zerorate.width_bits"].decode())
 open("torn.arrows", "wb").write(open("long.arrows", "rb").read()[:-1000])
 rows = 0
 try:
@@ -40,7 +42,8 @@ fn pyarrow_reads_what_we_write() {
     bench.zerorate("capture --device replay:rest.csv -o rest.arrows").ok();
     bench.zerorate("capture --device replay:rest.csv -o rest.parquet").ok();
     bench.zerorate("capture --device replay:long.csv -o long.arrows").ok();
-    let columns = "['t_ns', 'edge_seq', 'rate_code', 'status', 'temp_code', 'lost'] ['uint64', 'uint32', 'uint32', 'uint8', 'uint32', 'uint32']";
+    let columns = "['t_ns', 'edge_seq', 'rate_code', 'status', 'temp_code', 'lost'] ['uint64', 'uint32', 'uint32', \
+        'uint8', 'uint32', 'uint32']";
     let expected = format!("{rows}{columns}\nA1 24\n200\n");
     assert_eq!(run("python3", &["-c", READER], bench.dir.path()), expected);
 }

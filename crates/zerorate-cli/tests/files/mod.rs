@@ -22,14 +22,16 @@ use std::process::Command;
 /// A calibration written by hand.
 fn calibration(pbc_dps: f64, btc_dps_per_c: f64, t3_c: f64) -> String {
     format!(
-        "schema = 1\npart = \"ADIS16130\"\n[correction]\npbc_dps = {pbc_dps:?}\nbtc_dps_per_c = {btc_dps_per_c:?}\nt3_c = {t3_c:?}\n"
+        "schema = 1\npart = \"ADIS16130\"\n[correction]\npbc_dps = {pbc_dps:?}\nbtc_dps_per_c = \
+         {btc_dps_per_c:?}\nt3_c = {t3_c:?}\n"
     )
 }
 
 /// A CSV capture with this serial number and these rows: t_ns, edge_seq, rate_code, status, temp_code, lost.
 fn capture(serial: &str, rows: &str) -> String {
     format!(
-        "# zerorate.capture_schema = 1\n# zerorate.width_bits = 24\n# zerorate.rate_conversion = 5\n# zerorate.temp_conversion = 5\n\
+        "# zerorate.capture_schema = 1\n# zerorate.width_bits = 24\n# zerorate.rate_conversion = 5\n# \
+         zerorate.temp_conversion = 5\n\
          # zerorate.serial = {serial}\nt_ns,edge_seq,rate_code,status,temp_code,lost\n{rows}"
     )
 }

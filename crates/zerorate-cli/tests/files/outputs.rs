@@ -107,7 +107,8 @@ fn nothing_is_overwritten_without_force() {
     if cfg!(unix) {
         refused(&bench, "twin --usb none.sock --wire mine", "--force");
     }
-    for command in ["export unit.toml --format csv -o mine", "report unit.toml -o mine", "capture --samples 10 -o mine"]
+    for command in
+        ["export unit.toml --format csv -o mine", "report unit.toml -o mine", "capture --samples 10 -o mine"]
     {
         bench.write("mine", "mine");
         bench.zerorate(&format!("{command} --force")).ok();
@@ -129,7 +130,8 @@ fn a_capture_is_replaced_by_a_capture_only() {
     bench.write("flipped.arrows", [&whole[..at], b"kapture", &whole[at + 7..]].concat());
     bench.write("torn.parquet", b"PAR1 and no index");
     for other in ["other.arrows", "other.parquet", "other.csv", "torn.arrows", "flipped.arrows", "torn.parquet"] {
-        for (command, _) in commands().iter().filter(|(line, _)| !line.contains("capture") && !line.contains("--log")) {
+        for (command, _) in commands().iter().filter(|(line, _)| !line.contains("capture") && !line.contains("--log"))
+        {
             refused(&bench, &(command.replace("OUT", other) + " --force"), "is a capture");
         }
         bench.zerorate(&format!("capture --samples 10 -o {other} --force")).ok();

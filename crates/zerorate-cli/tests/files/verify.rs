@@ -81,7 +81,8 @@ fn repair_keeps_every_whole_block_and_the_input() {
         ("torn", whole[..whole.len() * 2 / 3].to_vec()),
         (
             "flipped",
-            [&whole[..whole.len() * 2 / 3], &[!whole[whole.len() * 2 / 3]], &whole[whole.len() * 2 / 3 + 1..]].concat(),
+            [&whole[..whole.len() * 2 / 3], &[!whole[whole.len() * 2 / 3]], &whole[whole.len() * 2 / 3 + 1..]]
+                .concat(),
         ),
     ] {
         bench.write(&format!("{name}.arrows"), &bytes);

@@ -6,8 +6,8 @@ use core::fmt;
 /// Averaging times of AN-1042, s: steps 4 and 8 of F-51.
 pub const AN1042_TAUS_S: [f64; 2] = [10.0, 150.0];
 
-/// The coefficients stand, but there is something to know. `Display` says what was seen, why it matters and what to do; a number without
-/// a unit is in the unit of the rate.
+/// The coefficients stand, but there is something to know. `Display` says what was seen, why it matters and what to
+/// do; a number without a unit is in the unit of the rate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 #[expect(missing_docs, reason = "the fields are the numbers that the text shows, with their units")]
@@ -60,27 +60,35 @@ impl fmt::Display for AllanWarning {
         match *self {
             Self::QuantisationLimited { q, below_s } => write!(
                 f,
-                "below {below_s:.3} s the curve falls as 1/τ: quantisation of the angle (Q = {q:.3e}) hides the white noise there; read with a finer step, or judge N at longer averages"
+                "below {below_s:.3} s the curve falls as 1/τ: quantisation of the angle (Q = {q:.3e}) hides the white \
+                 noise there; read with a finer step, or judge N at longer averages"
             ),
             Self::Periodic { tau_s, ratio, frequency_hz } => write!(
                 f,
-                "at {tau_s:.3} s the deviation is {ratio:.2} times what noise explains: a periodic disturbance near {frequency_hz:.3} Hz (or one that folds to it) lifts the curve, and N, B and K with it; find its source, or record without it"
+                "at {tau_s:.3} s the deviation is {ratio:.2} times what noise explains: a periodic disturbance near \
+                 {frequency_hz:.3} Hz (or one that folds to it) lifts the curve, and N, B and K with it; find its \
+                 source, or record without it"
             ),
             Self::Misfit { chi2, freedom } => write!(
                 f,
-                "the curve does not follow the noise model (χ² = {chi2:.0} for {freedom} degrees of freedom): the intervals are too narrow; look at the plot for steps, motion or a disturbance"
+                "the curve does not follow the noise model (χ² = {chi2:.0} for {freedom} degrees of freedom): the \
+                 intervals are too narrow; look at the plot for steps, motion or a disturbance"
             ),
             Self::Drift { r, over_record } => write!(
                 f,
-                "the rate drifts evenly by {r:.3e} per second, {over_record:.3e} over the record: that is temperature or warm-up rather than noise, and it hides K; let the part settle, or take the temperature out first"
+                "the rate drifts evenly by {r:.3e} per second, {over_record:.3e} over the record: that is temperature \
+                 or warm-up rather than noise, and it hides K; let the part settle, or take the temperature out first"
             ),
             Self::ShortEndExcluded { points, from_s, used_from_s } => write!(
                 f,
-                "from {from_s:.4} s the deviation lies below the line of white noise, as behind a low-pass filter: {points} averaging times were left out and N was read from {used_from_s:.4} s on; nothing to do unless the filter was not meant"
+                "from {from_s:.4} s the deviation lies below the line of white noise, as behind a low-pass filter: \
+                 {points} averaging times were left out and N was read from {used_from_s:.4} s on; nothing to do \
+                 unless the filter was not meant"
             ),
             Self::NotIdentified { noise, record_s, needed_s } => write!(
                 f,
-                "{} cannot be told from zero in {record_s:.0} s: its value is a guess within its interval; record about {needed_s:.0} s ({:.1} h)",
+                "{} cannot be told from zero in {record_s:.0} s: its value is a guess within its interval; record \
+                 about {needed_s:.0} s ({:.1} h)",
                 noise.name(),
                 needed_s / 3600.0
             ),
@@ -119,7 +127,8 @@ pub enum Averaging {
 pub struct Advice {
     /// How long to average for the bias.
     pub averaging: Averaging,
-    /// Fitted deviation at [`AN1042_TAUS_S`], in the unit of the rate (F-51, F-53); none where the fit does not reach so far.
+    /// Fitted deviation at [`AN1042_TAUS_S`], in the unit of the rate (F-51, F-53); none where the fit does not reach
+    /// so far.
     pub an1042: [Option<f64>; 2],
 }
 

@@ -17,7 +17,8 @@ pub struct Options {
     pub taus: Taus,
     /// Probability that the limits enclose the true deviation, above 0 and below 1: 0.683 for one sigma.
     pub confidence: f64,
-    /// What one step of the input is in the unit of the result: for codes the rate per LSB, otherwise 1 or a change of unit.
+    /// What one step of the input is in the unit of the result: for codes the rate per LSB, otherwise 1 or a change of
+    /// unit.
     pub scale: f64,
 }
 
@@ -41,8 +42,9 @@ pub struct Point {
     pub lo: f64,
     /// Upper confidence limit, same unit.
     pub hi: f64,
-    /// Equivalent degrees of freedom behind the limits, 1 or more; where gaps took terms away, in proportion to what is left. With fewer
-    /// than 30 averages, of an exponent not above the last one that was identified with 30: less is claimed when less is known.
+    /// Equivalent degrees of freedom behind the limits, 1 or more; where gaps took terms away, in proportion to what
+    /// is left. With fewer than 30 averages, of an exponent not above the last one that was identified with 30: less
+    /// is claimed when less is known.
     pub edf: f64,
     /// Exponent α of the noise S_y(f) ∝ f^α at this τ, see [`noise_types`](super::noise_types).
     pub alpha: i32,
@@ -72,7 +74,8 @@ pub struct Analysis {
     pub missing: u64,
     /// What could be computed, τ ascending.
     pub points: Vec<Point>,
-    /// What could not, in the order in which it was asked for. A record that is too short for a single term has its first length here.
+    /// What could not, in the order in which it was asked for. A record that is too short for a single term has its
+    /// first length here.
     pub unavailable: Vec<Unavailable>,
 }
 
@@ -99,8 +102,9 @@ impl fmt::Display for AnalysisError {
 
 impl core::error::Error for AnalysisError {}
 
-/// Computes `options.stat` of a record sampled `rate_hz` times per second, with the noise type ([`noise_types`](super::noise_types)), the equivalent degrees
-/// of freedom ([`edf()`]) and the confidence limits ([`interval()`]) of every point.
+/// Computes `options.stat` of a record sampled `rate_hz` times per second, with the noise type
+/// ([`noise_types`](super::noise_types)), the equivalent degrees of freedom ([`edf()`]) and the confidence limits
+/// ([`interval()`]) of every point.
 ///
 /// ```
 /// use zerorate::allan::{Input, Options, analyse};
@@ -238,7 +242,10 @@ mod tests {
         for n in [2, 3, 4, 7, 31, 32, 100] {
             for stat in Stat::ALL {
                 let analysis = analyse(&Input::Rate(&noise(n)), 1.0, &with(stat, Taus::All)).unwrap();
-                assert_eq!(analysis.points.len() as u64, longest(stat, n as u64 + 1).max(analysis.points.len() as u64));
+                assert_eq!(
+                    analysis.points.len() as u64,
+                    longest(stat, n as u64 + 1).max(analysis.points.len() as u64)
+                );
                 for point in analysis.points {
                     assert!(
                         point.lo <= point.dev && point.dev <= point.hi && point.hi.is_finite(),
@@ -270,7 +277,8 @@ mod tests {
         }
     }
 
-    /// White noise whose Allan variance is known: 1/12 of the sample, over m. Counted over 400 records, to three standard errors.
+    /// White noise whose Allan variance is known: 1/12 of the sample, over m. Counted over 400 records, to three
+    /// standard errors.
     #[test]
     fn limits_enclose_the_truth_as_often_as_they_say() {
         let samples = noise(400 * 1000);

@@ -3,17 +3,18 @@
 use core::f64::consts::SQRT_2;
 use special::{Error as _, Gamma as _};
 
-/// From here on the Cornish–Fisher expansion is as accurate as the incomplete gamma function, and does not slow down with the degrees
-/// of freedom.
+/// From here on the Cornish–Fisher expansion is as accurate as the incomplete gamma function, and does not slow down
+/// with the degrees of freedom.
 const ASYMPTOTIC_FROM: f64 = 10_000.0;
 /// Bound on the refinements; Halley needs four, bisection alone would need about sixty.
 const STEPS: usize = 200;
 
-/// The value that a χ² variable with `degrees` > 0 (real) degrees of freedom stays below with probability `p`, 0 < p < 1.
+/// The value that a χ² variable with `degrees` > 0 (real) degrees of freedom stays below with probability `p`, 0 < p <
+/// 1.
 ///
-/// Solves P(ν/2, χ²/2) = p, P the regularised lower incomplete gamma function (NIST SP 1065 equation 45 uses it; Abramowitz & Stegun
-/// 26.4.19), from the start of Wilson & Hilferty (26.4.17). Relative error below 1e-9 for ν ≥ 0.1 and 1e-6 < p < 1 − 1e-6.
-/// NaN outside the range of `p` or `degrees`.
+/// Solves P(ν/2, χ²/2) = p, P the regularised lower incomplete gamma function (NIST SP 1065 equation 45 uses it;
+/// Abramowitz & Stegun 26.4.19), from the start of Wilson & Hilferty (26.4.17). Relative error below 1e-9 for ν ≥ 0.1
+/// and 1e-6 < p < 1 − 1e-6. NaN outside the range of `p` or `degrees`.
 ///
 /// ```
 /// // Abramowitz & Stegun table 26.8: 95 % point for 10 degrees of freedom

@@ -8,19 +8,22 @@ const MOST_TERMS: f64 = 100.0;
 /// Longest averaging factor at which flicker phase is summed with its own filter: beyond, the differences cancel.
 const LONGEST_FILTER: f64 = 1e6;
 
-/// Equivalent degrees of freedom of the statistic `stat` at the averaging length `m` in a record of `phase_points` points without gaps
-/// (one more than samples of rate), for power-law noise S_y(f) ∝ f^`alpha`.
+/// Equivalent degrees of freedom of the statistic `stat` at the averaging length `m` in a record of `phase_points`
+/// points without gaps (one more than samples of rate), for power-law noise S_y(f) ∝ f^`alpha`.
 ///
-/// ADEV, OADEV, MDEV, TDEV, HDEV, OHDEV: [`finite_difference_edf`]. TOTDEV: `b T/τ − c` for white (b, c = 1.5, 0), flicker (1.17, 0.22)
-/// and random walk (0.93, 0.36) frequency noise (NIST SP 1065 section 5.4.2 table 6, T the record); phase noise (α > 0) as OADEV, whose
-/// terms TOTDEV repeats. Exponents outside of what the statistic converges for count as the nearest one that it does: −2…2, for HDEV and
-/// OHDEV −4…2. Never below 1, 0 where the record has no term at all.
+/// ADEV, OADEV, MDEV, TDEV, HDEV, OHDEV: [`finite_difference_edf`]. TOTDEV: `b T/τ − c` for white (b, c = 1.5, 0),
+/// flicker (1.17, 0.22) and random walk (0.93, 0.36) frequency noise (NIST SP 1065 section 5.4.2 table 6, T the
+/// record); phase noise (α > 0) as OADEV, whose terms TOTDEV repeats. Exponents outside of what the statistic
+/// converges for count as the nearest one that it does: −2…2, for HDEV and OHDEV −4…2. Never below 1, 0 where the
+/// record has no term at all.
 #[must_use]
 pub fn edf(stat: Stat, alpha: i32, m: u64, phase_points: u64) -> f64 {
     let row = stat.row();
     match row.freedom {
         Freedom::Total if alpha <= 0 => total_edf(alpha, m, phase_points),
-        Freedom::Total | Freedom::Differences => finite_difference_edf(row.kernel.difference(), alpha, m, phase_points),
+        Freedom::Total | Freedom::Differences => {
+            finite_difference_edf(row.kernel.difference(), alpha, m, phase_points)
+        }
     }
 }
 
@@ -35,14 +38,15 @@ pub struct Difference {
     pub modified: bool,
 }
 
-/// Equivalent degrees of freedom of a finite-difference variance: Greenhall & Riley, "Uncertainty of stability variances based on finite
-/// differences", PTTI 2003; NIST SP 1065 section 5.4.1, the full version.
+/// Equivalent degrees of freedom of a finite-difference variance: Greenhall & Riley, "Uncertainty of stability
+/// variances based on finite differences", PTTI 2003; NIST SP 1065 section 5.4.1, the full version.
 ///
-/// Symbols as there: N phase points, m = τ/τ0, F the filter factor, S the stride factor, L = m/F + m d the reach of one term,
-/// M = 1 + ⌊S (N − L)/m⌋ the number of terms, J = min(M, (d + 1) S). Up to J = 100 the correlation of the terms is summed exactly:
-/// `edf = M s_z(0)² / BasicSum(J, M, S, F, α, d)`; beyond, the paper's asymptotic formulas (tables 1 to 3) and truncation apply.
-/// Within 3 % of the definition for even α. The phase of the paper is averaged over each sample. Of a rate whose samples are independent,
-/// the true edf is 15 % below this at m = 1; of OADEV it is above by 9 % at m = 8 and 5 % at m = 20.
+/// Symbols as there: N phase points, m = τ/τ0, F the filter factor, S the stride factor, L = m/F + m d the reach of
+/// one term, M = 1 + ⌊S (N − L)/m⌋ the number of terms, J = min(M, (d + 1) S). Up to J = 100 the correlation of the
+/// terms is summed exactly: `edf = M s_z(0)² / BasicSum(J, M, S, F, α, d)`; beyond, the paper's asymptotic formulas
+/// (tables 1 to 3) and truncation apply. Within 3 % of the definition for even α. The phase of the paper is averaged
+/// over each sample. Of a rate whose samples are independent, the true edf is 15 % below this at m = 1; of OADEV it is
+/// above by 9 % at m = 8 and 5 % at m = 20.
 #[must_use]
 pub fn finite_difference_edf(difference: Difference, alpha: i32, m: u64, phase_points: u64) -> f64 {
     let order = difference.order.clamp(1, 3);
@@ -267,9 +271,10 @@ mod tests {
     /// Parts that a sample is cut into: the paper averages the phase over each sample, of which this is a fine sum.
     const FINE: usize = 16;
 
-    /// The definition: edf = 2 E²/Var of the mean of M squares, for Gaussian noise of an even exponent. Each term is a sum of independent
-    /// normal numbers; its weights are the differences of order d over m of the phase, averaged over a sample, if modified over m, and
-    /// integrated (2 − α)/2 times. The covariance of two terms then follows by multiplication. White phase noise is not averaged.
+    /// The definition: edf = 2 E²/Var of the mean of M squares, for Gaussian noise of an even exponent. Each term is a
+    /// sum of independent normal numbers; its weights are the differences of order d over m of the phase, averaged
+    /// over a sample, if modified over m, and integrated (2 − α)/2 times. The covariance of two terms then follows by
+    /// multiplication. White phase noise is not averaged.
     fn by_definition(difference: Difference, alpha: i32, m: usize, points: usize) -> f64 {
         let fine = if alpha == 2 { 1 } else { FINE };
         let width = if difference.modified { m * fine } else { fine };
@@ -311,7 +316,10 @@ mod tests {
             for alpha in -9..9 {
                 assert_eq!(edf(stat, alpha, 0, 100), 0.0);
                 assert_eq!(edf(stat, alpha, 10, 2), 0.0);
-                assert_eq!(edf(stat, alpha, u64::MAX, 100), if stat == Stat::Totdev && alpha <= 0 { 1.0 } else { 0.0 });
+                assert_eq!(
+                    edf(stat, alpha, u64::MAX, 100),
+                    if stat == Stat::Totdev && alpha <= 0 { 1.0 } else { 0.0 }
+                );
                 for (m, points) in [(1, 4), (1, 5), (33, 100), (1 << 40, 1 << 42), (1, u64::MAX)] {
                     let edf = edf(stat, alpha, m, points);
                     assert!(edf >= 1.0 && edf <= 1.5 * points as f64, "{stat} {alpha} {m} {points}: {edf}");
@@ -332,7 +340,8 @@ mod tests {
         ]
     }
 
-    /// 3e-3 where the correlations are summed; the filter that the paper abbreviates for m (d + 1) > 100 costs up to 2.7e-2.
+    /// 3e-3 where the correlations are summed; the filter that the paper abbreviates for m (d + 1) > 100 costs up to
+    /// 2.7e-2.
     #[test]
     fn close_to_the_definition() {
         for difference in differences() {

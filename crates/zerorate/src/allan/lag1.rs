@@ -9,7 +9,8 @@ pub(crate) struct Lag1 {
     orders: [Sums; ORDERS],
     /// Values since the series began or was cut.
     unbroken: u64,
-    /// Constant taken off every first difference: changes no correlation, but saves digits where the series is a steep ramp.
+    /// Constant taken off every first difference: changes no correlation, but saves digits where the series is a steep
+    /// ramp.
     ramp: f64,
 }
 
@@ -48,8 +49,8 @@ impl Lag1 {
         self.unbroken = 0;
     }
 
-    /// r1 of the differences of the given order: the mean of (z_i − z̄)(z_{i+1} − z̄), counted as n pairs, over the sample variance of z.
-    /// None for a constant series and for less than three values.
+    /// r1 of the differences of the given order: the mean of (z_i − z̄)(z_{i+1} − z̄), counted as n pairs, over the
+    /// sample variance of z. None for a constant series and for less than three values.
     pub(crate) fn correlation(&self, order: usize) -> Option<f64> {
         let Sums { n, pairs, sum, of_pairs, squares, cross, .. } = self.orders[order];
         let (n, pairs) = (n as f64, pairs as f64);

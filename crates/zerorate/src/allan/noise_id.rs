@@ -12,7 +12,8 @@ use core::ops::Range;
 
 /// Averages of τ that the lag-1 autocorrelation needs.
 const FOR_LAG1: u64 = 30;
-/// Averages of τ beyond which more would not make the answer more certain (r1 to 0.004): every so many blocks of the record are looked at.
+/// Averages of τ beyond which more would not make the answer more certain (r1 to 0.004): every so many blocks of the
+/// record are looked at.
 const ENOUGH: u64 = 1 << 16;
 /// Averaging length up to which a block has points enough to stand for its stretch of the record.
 const LONGEST_SPARSE: u64 = 64;
@@ -20,19 +21,20 @@ const LONGEST_SPARSE: u64 = 64;
 const NOT_STATIONARY: f64 = 0.25;
 const WHITE: i32 = 0;
 
-/// The exponent α of the power law S_y(f) ∝ f^α that dominates at each averaging length in `m`: 2 white phase, 1 flicker phase, 0 white
-/// (angle random walk), −1 flicker (bias instability), −2 random walk of the rate; for HDEV and OHDEV down to −4. There is an answer for
-/// every length, in the order of `m`, which must not decrease.
+/// The exponent α of the power law S_y(f) ∝ f^α that dominates at each averaging length in `m`: 2 white phase, 1
+/// flicker phase, 0 white (angle random walk), −1 flicker (bias instability), −2 random walk of the rate; for HDEV and
+/// OHDEV down to −4. There is an answer for every length, in the order of `m`, which must not decrease.
 ///
-/// * At least 30 averages: lag-1 autocorrelation r1 of the phase at every m-th point, δ = r1/(1 + r1); differenced d times until δ < 0.25,
-///   then `α = 2 − 2d − round(2δ)` (Riley & Greenhall, "Power law noise identification using the lag 1 autocorrelation", EFTF 2004;
-///   NIST SP 1065 section 5.5.3, its r1 with n − 1 in the variance). Of more than 65 536 averages of up to 64 samples, blocks all over the
-///   record are taken.
-/// * Fewer, at least 8 (for ADEV and HDEV 10): the ratio B1 of the variance of the averages to their Allan variance, against the geometric
-///   means of what is expected of two neighbouring α (section 5.5.4). Where it says phase noise, R(n), the ratio of modified to plain
-///   Allan variance, tells white from flicker (section 5.5.5).
-/// * Fewer still: as at the next shorter length, the longest of the 8 (10) if there is none. TOTDEV then counts phase noise as white,
-///   because it has published degrees of freedom for frequency noise only. A constant record counts as white.
+/// * At least 30 averages: lag-1 autocorrelation r1 of the phase at every m-th point, δ = r1/(1 + r1); differenced d
+///   times until δ < 0.25, then `α = 2 − 2d − round(2δ)` (Riley & Greenhall, "Power law noise identification using the
+///   lag 1 autocorrelation", EFTF 2004; NIST SP 1065 section 5.5.3, its r1 with n − 1 in the variance). Of more than
+///   65 536 averages of up to 64 samples, blocks all over the record are taken.
+/// * Fewer, at least 8 (for ADEV and HDEV 10): the ratio B1 of the variance of the averages to their Allan variance,
+///   against the geometric means of what is expected of two neighbouring α (section 5.5.4). Where it says phase noise,
+///   R(n), the ratio of modified to plain Allan variance, tells white from flicker (section 5.5.5).
+/// * Fewer still: as at the next shorter length, the longest of the 8 (10) if there is none. TOTDEV then counts phase
+///   noise as white, because it has published degrees of freedom for frequency noise only. A constant record counts as
+///   white.
 ///
 /// The mean of a rate is taken off first; nothing else is. Gaps count as samples of the mean rate here.
 #[must_use]
@@ -44,9 +46,9 @@ pub fn noise_types(input: &Input<'_>, stat: Stat, m: &[u64]) -> Vec<i32> {
 pub(crate) struct Identified {
     /// The answer of [`noise_types`].
     pub alpha: i32,
-    /// The exponent that the degrees of freedom go by: with fewer than 30 averages, B1 mistakes white noise for phase noise so often
-    /// (10 averages: 28 % of the records) that it may not say more than the last answer of the autocorrelation, because the exponent
-    /// that dominates only falls with τ.
+    /// The exponent that the degrees of freedom go by: with fewer than 30 averages, B1 mistakes white noise for phase
+    /// noise so often (10 averages: 28 % of the records) that it may not say more than the last answer of the
+    /// autocorrelation, because the exponent that dominates only falls with τ.
     pub cautious: i32,
 }
 
@@ -139,7 +141,8 @@ impl Decimated {
             return;
         }
         let picked = (span.end - self.next).div_ceil(self.m);
-        let at = (self.next - span.start..span.end - span.start).step_by(usize::try_from(self.m).unwrap_or(usize::MAX));
+        let at =
+            (self.next - span.start..span.end - span.start).step_by(usize::try_from(self.m).unwrap_or(usize::MAX));
         self.next = self.next.saturating_add(picked.saturating_mul(self.m));
         match (&mut self.series, run) {
             (Series::Short(short), Run::Points(points)) => at.for_each(|at| {
@@ -206,8 +209,8 @@ fn allan_variance(phase: &[f64]) -> f64 {
     second.map(|d| d * d).sum::<f64>() / (2.0 * (phase.len() as f64 - 2.0))
 }
 
-/// Expected ratio of the variance of `n` averages to their Allan variance where that goes as τ^`mu` (Barnes; Howe, "The total deviation
-/// approach to long-term characterization of frequency stability", 2000, table 3).
+/// Expected ratio of the variance of `n` averages to their Allan variance where that goes as τ^`mu` (Barnes; Howe,
+/// "The total deviation approach to long-term characterization of frequency stability", 2000, table 3).
 fn expected_b1(n: f64, mu: i32) -> f64 {
     match mu {
         1 => n / 2.0,
@@ -247,15 +250,16 @@ fn resolve_phase_noise(input: &Input<'_>, all: &[Decimated], found: &[Option<i32
 }
 
 impl Short {
-    /// R(n) from modified terms that do not overlap: rough, but without another pass over the record. Most of the time it leaves no doubt.
+    /// R(n) from modified terms that do not overlap: rough, but without another pass over the record. Most of the time
+    /// it leaves no doubt.
     fn r_at_a_glance(&self, m: f64) -> f64 {
         let averages: Vec<f64> = self.area.windows(2).map(|area| (area[1] - area[0]) / m).collect();
         allan_variance(&averages) / allan_variance(&self.phase)
     }
 }
 
-/// Geometric mean of R(n) expected of white and of flicker phase noise, noise bandwidth half the sample rate (IEEE Std 1139-2008 table
-/// B.2): 1/m, and 3 ln(256/27) / 2(1.038 + 3 ln(π m)).
+/// Geometric mean of R(n) expected of white and of flicker phase noise, noise bandwidth half the sample rate (IEEE Std
+/// 1139-2008 table B.2): 1/m, and 3 ln(256/27) / 2(1.038 + 3 ln(π m)).
 fn r_boundary(m: f64) -> f64 {
     let flicker = 3.0 * libm::log(256.0 / 27.0) / (2.0 * (1.038 + 3.0 * libm::log(PI * m)));
     libm::sqrt(flicker / m)

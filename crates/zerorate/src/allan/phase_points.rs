@@ -28,7 +28,8 @@ pub(crate) fn phase_points(input: &Input<'_>) -> u64 {
     }
 }
 
-/// Slope of the phase that [`for_each_run`] hands over, per point: a phase keeps its own, a rate has its mean taken off.
+/// Slope of the phase that [`for_each_run`] hands over, per point: a phase keeps its own, a rate has its mean taken
+/// off.
 pub(crate) fn ramp(input: &Input<'_>) -> f64 {
     let Input::Phase(phase) = input else { return 0.0 };
     let present = |at: &usize| !phase[*at].is_nan();
@@ -38,8 +39,8 @@ pub(crate) fn ramp(input: &Input<'_>) -> f64 {
     }
 }
 
-/// Hands the phase to `visit` in order. A missing sample of rate counts as the mean; a missing phase is interpolated. This serves
-/// identification alone: the deviations treat gaps as gaps.
+/// Hands the phase to `visit` in order. A missing sample of rate counts as the mean; a missing phase is interpolated.
+/// This serves identification alone: the deviations treat gaps as gaps.
 pub(crate) fn for_each_run(input: &Input<'_>, mut visit: impl FnMut(Run<'_>)) {
     match input {
         Input::Codes { codes, gaps } => {
@@ -96,7 +97,8 @@ fn integrate<T>(values: &[T], start: f64, step: impl Fn(&T) -> f64, visit: &mut 
     phase
 }
 
-/// Between two present points on the straight line, before the first and after the last level; the first present point is 0.
+/// Between two present points on the straight line, before the first and after the last level; the first present point
+/// is 0.
 fn interpolate(phase: &[f64], visit: &mut impl FnMut(Run<'_>)) {
     let mut present = (0..phase.len()).filter(|&at| !phase[at].is_nan()).peekable();
     let Some(&first) = present.peek() else { return };

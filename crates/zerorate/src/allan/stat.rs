@@ -12,7 +12,8 @@ pub(super) struct Row {
     pub title: &'static str,
     /// The differences that are squared: their order, from one to the next, what a record must have for one of them.
     pub kernel: Kernel,
-    /// What the mean square of the differences of averages is divided by: the statistic of white noise is that of its averages.
+    /// What the mean square of the differences of averages is divided by: the statistic of white noise is that of its
+    /// averages.
     pub divisor: f64,
     /// What the root is multiplied by, which makes the unit.
     pub factor: Factor,
@@ -36,7 +37,8 @@ pub(super) enum Factor {
 pub(super) enum Freedom {
     /// The formula for finite differences.
     Differences,
-    /// The own one of the total deviation, which is for frequency noise; else that for the differences within the record.
+    /// The own one of the total deviation, which is for frequency noise; else that for the differences within the
+    /// record.
     Total,
 }
 
@@ -44,9 +46,9 @@ macro_rules! statistics {
     ($($(#[$doc:meta])* $stat:ident { $($field:ident: $value:expr,)* })*) => {
         /// What is computed. Every one of them is a root of a mean of squared differences of adjacent averages over τ.
         ///
-        /// x is the running sum of the rate in steps of one sample (for a gyroscope: the angle), m the samples in each average, N the
-        /// points of x, one more than samples of the rate. d₂ = x\[i+2m\] − 2x\[i+m\] + x\[i\] and
-        /// d₃ = x\[i+3m\] − 3x\[i+2m\] + 3x\[i+m\] − x\[i\].
+        /// x is the running sum of the rate in steps of one sample (for a gyroscope: the angle), m the samples in each
+        /// average, N the points of x, one more than samples of the rate. d₂ = x\[i+2m\] − 2x\[i+m\] + x\[i\] and d₃ =
+        /// x\[i+3m\] − 3x\[i+2m\] + 3x\[i+m\] − x\[i\].
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
         pub enum Stat {$($(#[$doc])* $stat,)*}
 
@@ -59,7 +61,8 @@ macro_rules! statistics {
     };
 }
 
-// One row each. Whoever adds one whose differences no kernel forms yet adds that to `Kernel`; the compiler asks for the rest.
+// One row each. Whoever adds one whose differences no kernel forms yet adds that to `Kernel`; the compiler asks for
+// the rest.
 statistics! {
     /// Allan deviation, every m-th i: σ² = ⟨d₂²⟩ / 2m² (NIST SP 1065 equation 10).
     Adev {
@@ -79,7 +82,8 @@ statistics! {
         kernel: Kernel::Modified, divisor: 2.0, factor: Factor::One, freedom: Freedom::Differences,
         fewest_averages: 8, carried_alpha: 2, is_allan: false,
     }
-    /// Time deviation τ / √3 times the modified Allan deviation, in units of the input times s (NIST SP 1065 equation 15).
+    /// Time deviation τ / √3 times the modified Allan deviation, in units of the input times s (NIST SP 1065 equation
+    /// 15).
     Tdev {
         name: "tdev", title: "time deviation",
         kernel: Kernel::Modified, divisor: 2.0, factor: Factor::TauPerSqrt3, freedom: Freedom::Differences,
@@ -97,8 +101,9 @@ statistics! {
         kernel: every_sample(Order::Third), divisor: 6.0, factor: Factor::One, freedom: Freedom::Differences,
         fewest_averages: 8, carried_alpha: 2, is_allan: false,
     }
-    /// Total deviation: as the overlapping Allan deviation, with x continued by reflection through both of its ends, and i such
-    /// that the point in the middle, i+m, is every one but the first and the last (NIST SP 1065 equation 25).
+    /// Total deviation: as the overlapping Allan deviation, with x continued by reflection through both of its ends,
+    /// and i such that the point in the middle, i+m, is every one but the first and the last (NIST SP 1065 equation
+    /// 25).
     Totdev {
         name: "totdev", title: "total deviation",
         kernel: Kernel::Reflected, divisor: 2.0, factor: Factor::One, freedom: Freedom::Total,
@@ -137,13 +142,14 @@ impl Stat {
         }
     }
 
-    /// Whether its expected square is the Allan variance, which a [`Fit`](super::Fit) models, so that the two curves compare.
+    /// Whether its expected square is the Allan variance, which a [`Fit`](super::Fit) models, so that the two curves
+    /// compare.
     pub const fn is_allan(self) -> bool {
         self.row().is_allan
     }
 
-    /// The differences whose [`finite_difference_edf`](super::finite_difference_edf) are its degrees of freedom; none for the total
-    /// deviation, which has its own formula.
+    /// The differences whose [`finite_difference_edf`](super::finite_difference_edf) are its degrees of freedom; none
+    /// for the total deviation, which has its own formula.
     pub const fn difference(self) -> Option<Difference> {
         match self.row().freedom {
             Freedom::Differences => Some(self.row().kernel.difference()),
@@ -193,7 +199,8 @@ mod tests {
         assert_eq!(error.to_string(), "not a statistic; there are adev oadev mdev tdev hdev ohdev totdev");
     }
 
-    /// NIST SP 1065 section 5.4.1's d, S = m and F = 1, and what the handbook says of unit and expected value, typed again.
+    /// NIST SP 1065 section 5.4.1's d, S = m and F = 1, and what the handbook says of unit and expected value, typed
+    /// again.
     #[test]
     fn rows_are_those_of_the_handbook() {
         let of = |order, overlapped, modified| Some(Difference { order, overlapped, modified });

@@ -1,13 +1,13 @@
 use super::kernels::Deviation;
 use core::fmt;
 
-/// Allan deviation while the samples come, at averages of 1, 2, 4 … 2^(`OCTAVES` − 1) samples, in fixed memory and without
-/// allocation: 48 bytes for each octave and 16 more.
+/// Allan deviation while the samples come, at averages of 1, 2, 4 … 2^(`OCTAVES` − 1) samples, in fixed memory and
+/// without allocation: 48 bytes for each octave and 16 more.
 ///
-/// The averages are those over samples j · 2^k … (j + 1) · 2^k − 1, counted from the start of the whole record, so a stream of a
-/// later piece can be joined to that of an earlier one: [`Stream::merge`] gives exactly the stream of both. From sample 0 the
-/// result is that of [`Stat::Adev`](super::Stat::Adev) (NIST SP 1065 equation 10). All sums are integers; with codes of 32 bits
-/// they are exact for 2^37 samples at least.
+/// The averages are those over samples j · 2^k … (j + 1) · 2^k − 1, counted from the start of the whole record, so a
+/// stream of a later piece can be joined to that of an earlier one: [`Stream::merge`] gives exactly the stream of
+/// both. From sample 0 the result is that of [`Stat::Adev`](super::Stat::Adev) (NIST SP 1065 equation 10). All sums
+/// are integers; with codes of 32 bits they are exact for 2^37 samples at least.
 ///
 /// ```
 /// use zerorate::allan::Stream;
@@ -130,7 +130,8 @@ impl<const OCTAVES: usize> Stream<OCTAVES> {
     }
 }
 
-/// Sum of the average of level `k + 1` that lies across the joint, if it is complete: its two halves are next to each other.
+/// Sum of the average of level `k + 1` that lies across the joint, if it is complete: its two halves are next to each
+/// other.
 fn join_above(joint: u64, k: usize, left: &Level, across: Option<i64>, right: &Level) -> Option<i64> {
     let is_cut = |level: usize| joint & ((1 << level) - 1) != 0;
     if !is_cut(k + 1) {

@@ -13,13 +13,13 @@ pub enum Taus {
     Octave,
     /// 1, 2, 4, 10, 20, 40, 100 … samples.
     Decade,
-    /// This many lengths, evenly spaced in the logarithm from one sample to the longest. Where rounding to whole samples makes two the
-    /// same, they are one, so there may be fewer.
+    /// This many lengths, evenly spaced in the logarithm from one sample to the longest. Where rounding to whole
+    /// samples makes two the same, they are one, so there may be fewer.
     Log(u32),
     /// Every number of samples.
     All,
-    /// These times, s. A time that is no whole number of samples is rounded to the nearest, and a length that comes up twice is computed
-    /// once and reported for the other.
+    /// These times, s. A time that is no whole number of samples is rounded to the nearest, and a length that comes up
+    /// twice is computed once and reported for the other.
     List(Vec<f64>),
 }
 
@@ -72,10 +72,11 @@ impl fmt::Display for TausError {
 
 impl core::error::Error for TausError {}
 
-/// Longest averaging length of which `stat` has a term in a record of `phase_points` points (one more than samples of rate); 0 if none.
+/// Longest averaging length of which `stat` has a term in a record of `phase_points` points (one more than samples of
+/// rate); 0 if none.
 ///
-/// Two (Hadamard: three) averages must fit: (N − 1)/2, (N − 1)/3; for MDEV and TDEV N/3. TOTDEV continues the record by reflection, but
-/// nothing new is in there beyond half of it: (N − 1)/2.
+/// Two (Hadamard: three) averages must fit: (N − 1)/2, (N − 1)/3; for MDEV and TDEV N/3. TOTDEV continues the record
+/// by reflection, but nothing new is in there beyond half of it: (N − 1)/2.
 #[must_use]
 pub fn longest(stat: Stat, phase_points: u64) -> u64 {
     stat.row().kernel.longest(phase_points)

@@ -1,5 +1,5 @@
-//! The two check lines of a calibration file: a digest of everything else, and two bytes of a digest for each, so that a
-//! changed line can be named.
+//! The two check lines of a calibration file: a digest of everything else, and two bytes of a digest for each, so that
+//! a changed line can be named.
 
 use alloc::format;
 use alloc::string::String;
@@ -71,7 +71,8 @@ fn locate(body: &[(usize, &str)], line_checks: &str) -> Option<Damage> {
     expected.next().map(|_| Damage::EndsEarly { line })
 }
 
-/// Lines that count, with their numbers: line ends and trailing blanks of any editor or checkout are the same, blank lines are none.
+/// Lines that count, with their numbers: line ends and trailing blanks of any editor or checkout are the same, blank
+/// lines are none.
 fn normal(text: &str) -> impl Iterator<Item = (usize, &str)> {
     text.lines().enumerate().map(|(index, line)| (index + 1, line.trim_end())).filter(|(_, line)| !line.is_empty())
 }

@@ -7,7 +7,8 @@ use alloc::vec::Vec;
 use core::fmt;
 use serde::Deserialize;
 
-const HEADER: &str = "# A zerorate calibration (docs/formats/calibration.md). To use other numbers, edit a copy and delete its two check lines.\n";
+const HEADER: &str = "# A zerorate calibration (docs/formats/calibration.md). To use other numbers, edit a copy and \
+    delete its two check lines.\n";
 
 /// Why a text is no calibration. Lines count from 1.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,11 +33,13 @@ impl fmt::Display for FileError {
             Self::Syntax { line, message } => write!(f, "line {line}: {message}"),
             Self::Newer { line, schema } => write!(
                 f,
-                "line {line}: schema {schema} was written by a newer zerorate; this one reads up to schema {SCHEMA}, so update it"
+                "line {line}: schema {schema} was written by a newer zerorate; this one reads up to schema {SCHEMA}, \
+                 so update it"
             ),
             Self::Edited { line } => write!(
                 f,
-                "line {line} is not what was written: the file was edited or damaged; take the original, or delete the lines `checksum` and `line_checks` to use it as a hand-written calibration"
+                "line {line} is not what was written: the file was edited or damaged; take the original, or delete \
+                 the lines `checksum` and `line_checks` to use it as a hand-written calibration"
             ),
             Self::Truncated { line } => {
                 write!(f, "the file ends at line {line}, but more was written: it is truncated; take the original")
@@ -74,8 +77,9 @@ impl Calibration {
     ///
     /// ```
     /// use zerorate::calibration::{Calibration, FileWarning};
-    /// let by_hand = "schema = 1\npart = \"ADIS16130\"\n[correction]\npbc_dps = -0.25\nbtc_dps_per_c = -0.04\nt3_c = 31.5\n";
-    /// let (calibration, warnings) = Calibration::parse(by_hand)?;
+    /// let head = "schema = 1\npart = \"ADIS16130\"\n";
+    /// let by_hand = format!("{head}[correction]\npbc_dps = -0.25\nbtc_dps_per_c = -0.04\nt3_c = 31.5\n");
+    /// let (calibration, warnings) = Calibration::parse(&by_hand)?;
     /// assert_eq!(calibration.correction.pbc_dps, -0.25);
     /// assert_eq!(warnings, [FileWarning::NoChecksum]);
     /// # Ok::<(), zerorate::calibration::FileError>(())
@@ -130,8 +134,8 @@ impl Calibration {
 /// No number of a calibration is larger, whatever its unit.
 const LARGEST: f64 = 1e9;
 
-/// What holds for every value, wherever it stands: numbers are such that one can compute with them, and texts are one line each, because
-/// the check lines count lines.
+/// What holds for every value, wherever it stands: numbers are such that one can compute with them, and texts are one
+/// line each, because the check lines count lines.
 fn validate_all(text: &str, table: &toml::Table) -> Result<(), FileError> {
     let refused = |name: &str, what: &str| {
         Err(FileError::Syntax { line: line_of(text, name), message: alloc::format!("`{name}` {what}") })

@@ -115,8 +115,8 @@ fn clocks() -> Config {
     config
 }
 
-/// The controller divides by a power of two. The HAL takes the nearest, which may be faster than what it is asked for; so
-/// it is asked for exactly one of them.
+/// The controller divides by a power of two. The HAL takes the nearest, which may be faster than what it is asked for;
+/// so it is asked for exactly one of them.
 fn set_clock(controller: &mut Controller, hz: u32) -> u32 {
     let kernel_hz = rcc::frequency::<peripherals::SPI1>().0;
     let divided = (1..=8).map(|power| kernel_hz >> power).find(|clock| *clock <= hz);

@@ -1,4 +1,5 @@
-//! The driver alone: reset, verified initialisation, samples on the RDY line with losses counted, recovery after an error.
+//! The driver alone: reset, verified initialisation, samples on the RDY line with losses counted, recovery after an
+//! error.
 
 #![no_std]
 #![no_main]

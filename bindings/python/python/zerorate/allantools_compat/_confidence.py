@@ -67,7 +67,8 @@ def edf_totdev(N: float, m: float, alpha: float) -> float:
 
 
 def edf_simple(N: float, m: float, alpha: float) -> float:
-    """Approximate degrees of freedom of OADEV for N phase points, NIST SP 1065 table 5; N − 1 for other exponents than 2 … −2."""
+    """Approximate degrees of freedom of OADEV for N phase points, NIST SP 1065 table 5; N − 1 for other exponents than
+    2 … −2."""
     if alpha == 2:
         return (N + 1) * (N - 2 * m) / (2 * (N - m))
     if alpha == 1:
@@ -86,8 +87,8 @@ def autocorr_noise_id(
 ) -> tuple[int, float, int, float]:
     """Noise type by the lag-1 autocorrelation (Riley and Greenhall, EFTF 2004).
 
-    With r1 of the record at every τ, its trend removed, and ρ = r1/(1 + r1): differenced d times until ρ < 1/4 (at least `dmin`, at most
-    `dmax` times); then α = −2 (ρ + d), and 2 more for phase.
+    With r1 of the record at every τ, its trend removed, and ρ = r1/(1 + r1): differenced d times until ρ < 1/4 (at
+    least `dmin`, at most `dmax` times); then α = −2 (ρ + d), and 2 more for phase.
 
     Parameters
     ----------

@@ -20,7 +20,7 @@ def trim_data(x: Any) -> Floats:
 
 
 def frequency2phase(freqdata: Any, rate: float) -> Floats:
-    """Phase in seconds of fractional frequency: its integral, less the mean, starting at 0; one point more than samples."""
+    """Phase in seconds of fractional frequency: its integral less the mean, from 0 on; one point more than samples."""
     values = trim_data(freqdata)
     if not len(values):
         return np.zeros(1)

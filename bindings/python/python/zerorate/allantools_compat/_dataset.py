@@ -13,8 +13,8 @@ from ._offer import NOT_OFFERED, NotOffered
 class Dataset:
     """A record, and the deviation that was computed of it last.
 
-    `inp` holds ``data``, ``rate``, ``data_type``, ``taus``; `out` holds ``taus``, ``stat``, ``stat_err``, ``stat_unc``, ``stat_n``,
-    ``stat_id``.
+    `inp` holds ``data``, ``rate``, ``data_type``, ``taus``; `out` holds ``taus``, ``stat``, ``stat_err``,
+    ``stat_unc``, ``stat_n``, ``stat_id``.
     """
 
     def __init__(self, data: Any = None, rate: float = 1.0, data_type: str = "phase", taus: Any = None) -> None:
@@ -48,8 +48,8 @@ class Dataset:
     ) -> None:
         """Writes the result as text: comments with `header_params`, then columns as Stable32 has them.
 
-        The columns are the averaging factor, tau, n, the noise exponent (NaN: unknown), and the deviation less half of its error, itself, and
-        plus half of its error.
+        The columns are the averaging factor, tau, n, the noise exponent (NaN: unknown), and the deviation less half of
+        its error, itself, and plus half of its error.
 
         Raises
         ------

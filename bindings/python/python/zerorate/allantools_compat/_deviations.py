@@ -48,7 +48,8 @@ def adev(data: Any, rate: float = 1.0, data_type: str = "phase", taus: Any = Non
     Returns
     -------
     (taus, dev, deverr, n)
-        Averaging times, s; deviations; deviation / √n; terms that entered. Times with a single term or none are left out.
+        Averaging times, s; deviations; deviation / √n; terms that entered. Times with a single term or none are left
+        out.
 
     Raises
     ------

@@ -22,8 +22,8 @@ def tau_generator(
     rate
         Samples per second.
     taus
-        Seconds; or ``"octave"`` (1, 2, 4 … samples, also for None and an empty list), ``"decade"`` (1, 2, 4, 10 …), ``"log10"`` (about ten in
-        a decade), ``"all"``.
+        Seconds; or ``"octave"`` (1, 2, 4 … samples, also for None and an empty list), ``"decade"`` (1, 2, 4, 10 …),
+        ``"log10"`` (about ten in a decade), ``"all"``.
     v
         Print the lengths.
     even
@@ -76,7 +76,8 @@ def _lengths(taus: Any, points: int, rate: float) -> Floats:
 def tau_reduction(ms: Any, rate: float, n_per_decade: int) -> tuple[NDArray[np.int64], Floats]:
     """Thins a list of lengths, as of ``taus="all"``, to about `n_per_decade` in a decade.
 
-    A length stays if the next one of the list lies in the next interval of the logarithmic grid; the last one never does.
+    A length stays if the next one of the list lies in the next interval of the logarithmic grid; the last one never
+    does.
 
     Returns
     -------

@@ -1,7 +1,8 @@
 """allantools' name for `zerorate.allantools_compat`: allantools' own tests import this instead.
 
-A test that asks for what is not offered is skipped by name. The random records that some tests draw come from allantools' own `noise`, out of
-the source distribution that `ALLANTOOLS_SOURCE` names; `allantools.allantools` is the module that the functions stand in there.
+A test that asks for what is not offered is skipped by name. The random records that some tests draw come from
+allantools' own `noise`, out of the source distribution that `ALLANTOOLS_SOURCE` names; `allantools.allantools` is the
+module that the functions stand in there.
 """
 
 import importlib.util

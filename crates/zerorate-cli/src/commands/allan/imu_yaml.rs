@@ -11,8 +11,8 @@ pub fn write(file: Staged, records: &[Record]) -> Result<()> {
     Ok(file.fill(yaml(records)?.as_bytes())?)
 }
 
-/// Kalibr's continuous-time noise: N in rad/s/√Hz and K in rad/s²/√Hz. Their Allan variances are N²/τ and K²τ/3, so both are the
-/// coefficients of the fit in radians, without a factor.
+/// Kalibr's continuous-time noise: N in rad/s/√Hz and K in rad/s²/√Hz. Their Allan variances are N²/τ and K²τ/3, so
+/// both are the coefficients of the fit in radians, without a factor.
 fn yaml(records: &[Record]) -> Result<String> {
     if let Some(unknown) = records.iter().find(|record| !record.unit_known) {
         let why = "the unit of the column is not stated, and imu.yaml needs rad/s; give --unit or --scale";

@@ -94,7 +94,8 @@ impl<'a> Report<'a> {
     }
 }
 
-/// In the base unit of each coefficient, which is the one without a factor. Where there is no fit, zeros that nothing is known about.
+/// In the base unit of each coefficient, which is the one without a factor. Where there is no fit, zeros that nothing
+/// is known about.
 fn fit(record: &Record) -> BTreeMap<char, Coefficient> {
     let base = |named: Named<'_>| {
         let unit = named.units.iter().find(|(_, factor)| *factor == 1.0).map(|(unit, _)| unit.clone());

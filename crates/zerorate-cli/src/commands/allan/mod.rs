@@ -20,14 +20,14 @@ use zerorate::allan::{Options, Stat, Taus};
 
 /// Computes the Allan deviation of a gyroscope's log, taken at rest: a capture, or the log of any other part.
 ///
-/// Reads captures, Parquet, Arrow, NPY, ROS 2 bags (MCAP), CSV of any dialect and, with --raw, plain binary numbers, also inside gz, xz or
-/// zst. Samples that are missing (lost in a capture, empty cells, NaN, jumps of the time column) are gaps: an average enters if at least
-/// half of its samples are there.
+/// Reads captures, Parquet, Arrow, NPY, ROS 2 bags (MCAP), CSV of any dialect and, with --raw, plain binary numbers,
+/// also inside gz, xz or zst. Samples that are missing (lost in a capture, empty cells, NaN, jumps of the time column)
+/// are gaps: an average enters if at least half of its samples are there.
 ///
-/// The table has a row for each averaging time: tau_s; m, the samples in each average; the deviation with the limits of its confidence
-/// interval; edf, the degrees of freedom behind them; the noise that dominates there; n, the terms that entered. What cannot be computed is
-/// listed with the reason. With --fit the noise coefficients follow, each with its 95 % interval, and what they say about averaging and
-/// recording.
+/// The table has a row for each averaging time: tau_s; m, the samples in each average; the deviation with the limits
+/// of its confidence interval; edf, the degrees of freedom behind them; the noise that dominates there; n, the terms
+/// that entered. What cannot be computed is listed with the reason. With --fit the noise coefficients follow, each
+/// with its 95 % interval, and what they say about averaging and recording.
 #[derive(Args, Debug)]
 pub struct AllanArgs {
     /// The logs. Several are compared.
@@ -40,8 +40,8 @@ pub struct AllanArgs {
     #[arg(long, default_value = "oadev", help = statistics())]
     stat: Stat,
 
-    /// The averaging times: octave, decade (1, 2, 4, 10 … samples), log:N (N of them, evenly spaced in the logarithm), all, or a list in
-    /// seconds such as 0.1,1,10.
+    /// The averaging times: octave, decade (1, 2, 4, 10 … samples), log:N (N of them, evenly spaced in the logarithm),
+    /// all, or a list in seconds such as 0.1,1,10.
     #[arg(long, default_value = "octave")]
     taus: Taus,
 
@@ -53,12 +53,13 @@ pub struct AllanArgs {
     #[arg(long, default_value_t = 0.683, value_parser = probability, value_name = "P")]
     confidence: f64,
 
-    /// Fit the noise coefficients N (angle random walk), B (bias instability), K (rate random walk), and Q (quantisation) and R (ramp) where
-    /// they are significant.
+    /// Fit the noise coefficients N (angle random walk), B (bias instability), K (rate random walk), and Q
+    /// (quantisation) and R (ramp) where they are significant.
     #[arg(long)]
     fit: bool,
 
-    /// Draw the deviations with their intervals, the fit and the averaging times of AN-1042: a file that ends in .svg or .png.
+    /// Draw the deviations with their intervals, the fit and the averaging times of AN-1042: a file that ends in .svg
+    /// or .png.
     #[arg(long, value_name = "PICTURE")]
     plot: Vec<PathBuf>,
 

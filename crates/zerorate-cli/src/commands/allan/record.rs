@@ -62,7 +62,8 @@ impl Record {
         self.analysis.stat.title()
     }
 
-    /// Averaging time and deviation of the minimum: that of the fit, or of the points where the fit is of another statistic.
+    /// Averaging time and deviation of the minimum: that of the fit, or of the points where the fit is of another
+    /// statistic.
     pub fn minimum(&self) -> Option<(f64, f64)> {
         if let (true, Ok(fit)) = (self.analysis.stat.is_allan(), &self.fit) {
             return match allan::advice(fit).averaging {
@@ -83,7 +84,8 @@ impl Record {
         let at_rest = |dev: f64| self.in_words(dev);
         let averaging = match advice.averaging {
             Averaging::Minimum { tau_s, dev } => format!(
-                "To find the bias, average for about {}: the curve has its minimum there, {}; longer averages get worse.",
+                "To find the bias, average for about {}: the curve has its minimum there, {}; longer averages get \
+                 worse.",
                 units::span(tau_s),
                 at_rest(dev)
             ),
@@ -120,14 +122,17 @@ fn gaps(args: &AllanArgs, file: &Path, column: &mut Column) -> Option<String> {
             column.close_gaps();
             Some(format!("{seen}; the gaps are closed up, which changes the result"))
         }
-        _ => Some(format!("{seen}; they are gaps, and what averages lack more than half of their samples is left out")),
+        _ => {
+            Some(format!("{seen}; they are gaps, and what averages lack more than half of their samples is left out"))
+        }
     }
 }
 
 /// A column that changes more often than not, and then no more for so many samples, has stopped.
 const STOPPED_SAMPLES: usize = 1000;
 
-/// A column of one value is no noise but a dead sensor. One that stops changing is said: a log of another part need not have stopped with it.
+/// A column of one value is no noise but a dead sensor. One that stops changing is said: a log of another part need
+/// not have stopped with it.
 fn stopped(file: &Path, column: &Column) -> Result<Option<String>> {
     let (len, changes, last_change) = match &column.series {
         Series::Codes(codes) => changes(codes.iter().map(|code| f64::from(*code))),
@@ -140,7 +145,12 @@ fn stopped(file: &Path, column: &Column) -> Result<Option<String>> {
     let same = len - last_change;
     let stopped = same >= STOPPED_SAMPLES && changes * 2 > last_change;
     Ok(stopped.then(|| {
-        format!("frozen: {}: the last {same} of {len} samples of column {} are the same, while it changed most of the time before; the sensor may have stopped: cut the log there", file.display(), column.name)
+        format!(
+            "frozen: {}: the last {same} of {len} samples of column {} are the same, while it changed most of the \
+            time before; the sensor may have stopped: cut the log there",
+            file.display(),
+            column.name
+        )
     }))
 }
 

@@ -189,7 +189,9 @@ impl Findings {
             fastest_clean_sclk_hz: bus.and_then(|bus| bus.fastest_clean_hz),
             read_us: bus.and_then(|bus| bus.read_s).map(|read_s| read_s * 1e6),
             taken,
-            proposal: bus.and_then(|bus| bus.read_s).and_then(|read_s| host::proposal(taken, read_s, device.mclk_hz())),
+            proposal: bus
+                .and_then(|bus| bus.read_s)
+                .and_then(|read_s| host::proposal(taken, read_s, device.mclk_hz())),
             rdy_hz: tally.rdy_hz(),
             rate_hz: tally.rate_hz(),
             samples: tally.samples,

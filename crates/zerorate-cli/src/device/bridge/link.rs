@@ -57,7 +57,8 @@ fn words(refusal: Refusal) -> &'static str {
         Refusal::Sampling => "it is sampling",
         Refusal::Bus => "its SPI controller reports an error",
         Refusal::Part => {
-            "the part did not take its configuration; check SPI wires (pins 8, 12, 14, 16) and supply (pins 11, 13, 15)"
+            "the part did not take its configuration; check SPI wires (pins 8, 12, 14, 16) and supply (pins 11, 13, \
+             15)"
         }
         Refusal::TooLong => "the transfer is too long",
         Refusal::NoSuchWire => "it has no such wire",
@@ -79,8 +80,8 @@ impl Link {
         Self { wire, decoder: Decoder::new(), received: VecDeque::new(), tag: 0, damaged: 0, gone: None }
     }
 
-    /// Sends a request until it is answered. Samples that come meanwhile are dropped: what is asked for ends sampling, or
-    /// begins it.
+    /// Sends a request until it is answered. Samples that come meanwhile are dropped: what is asked for ends sampling,
+    /// or begins it.
     pub fn ask<T>(&mut self, ask: Ask<'_>, take: impl Fn(Reply) -> Option<T>) -> Result<T, LinkError> {
         for _ in 0..ATTEMPTS {
             self.tag = self.tag.wrapping_add(1);

@@ -18,7 +18,8 @@ pub struct Progress {
 }
 
 impl Progress {
-    /// Takes the time of a sample, and how long the host waited for it: time that the host spends otherwise does not count.
+    /// Takes the time of a sample, and how long the host waited for it: time that the host spends otherwise does not
+    /// count.
     pub fn require(&mut self, t_ns: u64, waited: Duration) -> Result<()> {
         let since_ns = *self.since_ns.get_or_insert(t_ns);
         self.waited += waited;
@@ -29,7 +30,8 @@ impl Progress {
         let gone_on = Duration::from_nanos(u64::try_from(t_ns.wrapping_sub(since_ns) as i64).unwrap_or(0));
         ensure!(
             gone_on >= self.waited / SLOWEST,
-            "the clock of the bridge does not run: {} samples came within {:.1} s, but by their time stamps only {:.6} s went by; reset the bridge, and check the timer that stamps the edges in its firmware",
+            "the clock of the bridge does not run: {} samples came within {:.1} s, but by their time stamps only \
+             {:.6} s went by; reset the bridge, and check the timer that stamps the edges in its firmware",
             self.samples,
             self.waited.as_secs_f64(),
             gone_on.as_secs_f64()

@@ -85,7 +85,8 @@ fn connect(address: &str) -> io::Result<TcpStream> {
 fn why_no_port(path: &str, error: serialport::Error) -> anyhow::Error {
     let remedy = match error.kind() {
         serialport::ErrorKind::Io(ErrorKind::PermissionDenied) => format!(
-            "no permission to open {path}: sudo usermod -aG dialout \"$USER\", then log in again (ls -l {path} shows the group)"
+            "no permission to open {path}: sudo usermod -aG dialout \"$USER\", then log in again (ls -l {path} shows \
+             the group)"
         ),
         serialport::ErrorKind::Io(ErrorKind::NotFound) => {
             format!("no {path}: plug the bridge in, and look with ls /dev/ttyACM* /dev/ttyUSB*")

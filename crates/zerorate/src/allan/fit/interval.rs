@@ -18,8 +18,9 @@ const LEAST_SKEWED: f64 = 1e-6;
 
 /// The ends of the 95 % interval of a coefficient of the Allan variance, none negative.
 ///
-/// A value is inside when the estimate that is unbiased under it lies within the 2.5 % and 97.5 % quantiles of its distribution
-/// under it: variance and skewness belong to the value that is tested, not to the one that was found, because both grow with it.
+/// A value is inside when the estimate that is unbiased under it lies within the 2.5 % and 97.5 % quantiles of its
+/// distribution under it: variance and skewness belong to the value that is tested, not to the one that was found,
+/// because both grow with it.
 pub(super) fn interval(curve: &Curve, model: &Model, best: &Coefficients, which: usize) -> (f64, f64) {
     let test = |value: f64| tested(curve, model, best, which, value);
     let step = test(best[which]).map_or(0.0, |at| at.sd);
@@ -30,8 +31,9 @@ pub(super) fn interval(curve: &Curve, model: &Model, best: &Coefficients, which:
     (lower(best[which], step, too_low), upper(best[which], step, too_high))
 }
 
-/// Mean of √coefficient over its confidence distribution, whose distribution function at a value is the probability of an estimate
-/// above the one found if the value were true: ∫ (1 − H(K)) dK. Unlike the best fit it is never zero, and its error is smaller.
+/// Mean of √coefficient over its confidence distribution, whose distribution function at a value is the probability of
+/// an estimate above the one found if the value were true: ∫ (1 − H(K)) dK. Unlike the best fit it is never zero, and
+/// its error is smaller.
 pub(super) fn confidence_mean(curve: &Curve, model: &Model, best: &Coefficients, which: usize, hi: f64) -> f64 {
     let width = BEYOND_THE_INTERVAL * libm::sqrt(hi) / f64::from(CELLS);
     let below = |cell: u32| {

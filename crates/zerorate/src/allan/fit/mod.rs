@@ -1,9 +1,9 @@
 //! Noise coefficients from an Allan deviation curve: N, B, K, and Q and R where the data show them.
 //!
-//! The model is `σ²(τ) = 3Q²/τ² + N²/τ + (2 ln 2/π)B² + K²τ/3 + R²τ²/2` (IEEE Std 952-1997 C.1). The estimates of σ² at octaves of τ are
-//! correlated and, at the longest τ, few: their covariance is computed from the model, for the record's length, and the coefficients
-//! are its generalised non-negative least squares, iterated until covariance and coefficients agree. Measured error and coverage stand in
-//! `docs/reference/allan.md`.
+//! The model is `σ²(τ) = 3Q²/τ² + N²/τ + (2 ln 2/π)B² + K²τ/3 + R²τ²/2` (IEEE Std 952-1997 C.1). The estimates of σ²
+//! at octaves of τ are correlated and, at the longest τ, few: their covariance is computed from the model, for the
+//! record's length, and the coefficients are its generalised non-negative least squares, iterated until covariance and
+//! coefficients agree. Measured error and coverage stand in `docs/reference/allan.md`.
 //!
 //! ```
 //! use zerorate::allan::{Deviation, fit};
@@ -52,8 +52,9 @@ pub enum Noise {
 /// A noise coefficient with its 95 % interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coefficient {
-    /// Best value, never NaN. Of N, B, Q and R the least squares value, zero where the best fit has none of this noise. Of K, which rests
-    /// on few independent differences, the mean of its confidence distribution: it has less error and no zeros.
+    /// Best value, never NaN. Of N, B, Q and R the least squares value, zero where the best fit has none of this
+    /// noise. Of K, which rests on few independent differences, the mean of its confidence distribution: it has less
+    /// error and no zeros.
     pub value: f64,
     /// Lower end of the 95 % interval.
     pub lo: f64,
@@ -61,8 +62,8 @@ pub struct Coefficient {
     pub hi: f64,
     /// Zero is outside the interval.
     pub identified: bool,
-    /// How long a record must be, s, so that a coefficient of `value` or `hi / 2`, whichever is more, would be identified in four of five
-    /// records; none where it is identified.
+    /// How long a record must be, s, so that a coefficient of `value` or `hi / 2`, whichever is more, would be
+    /// identified in four of five records; none where it is identified.
     pub needed_s: Option<f64>,
 }
 
@@ -120,7 +121,8 @@ impl fmt::Display for FitError {
         match self {
             Self::TooFew { points, needed } => write!(
                 f,
-                "{points} averaging times with a deviation, at least an octave apart, are too few for noise coefficients; {needed} are needed: record longer, and check that the readings change"
+                "{points} averaging times with a deviation, at least an octave apart, are too few for noise \
+                 coefficients; {needed} are needed: record longer, and check that the readings change"
             ),
             Self::Degenerate => write!(f, "no noise explains this curve; check the unit and the readings"),
         }
@@ -129,12 +131,12 @@ impl fmt::Display for FitError {
 
 impl core::error::Error for FitError {}
 
-/// Fits the coefficients to an overlapping Allan deviation of `samples` rate samples (lost ones included) at `rate_hz`; points of
-/// [`Stat::Oadev`](super::Stat) only.
+/// Fits the coefficients to an overlapping Allan deviation of `samples` rate samples (lost ones included) at
+/// `rate_hz`; points of [`Stat::Oadev`](super::Stat) only.
 ///
-/// `n` of a point is the terms that entered; where gaps left fewer than the record's length has, the point counts for less.
-/// From points closer than an octave it takes every one that is an octave above the last taken. The intervals hold for noise that the
-/// model describes; where the curve does not follow it, there is a warning.
+/// `n` of a point is the terms that entered; where gaps left fewer than the record's length has, the point counts for
+/// less. From points closer than an octave it takes every one that is an octave above the last taken. The intervals
+/// hold for noise that the model describes; where the curve does not follow it, there is a warning.
 ///
 /// # Errors
 ///
@@ -222,5 +224,6 @@ fn warnings(fit: &Fit, chosen: &Selection, full_start_s: f64) -> Vec<AllanWarnin
     warnings
 }
 
-/// A sine of frequency f lifts the Allan variance by A² sin⁴(πfτ)/(πfτ)², most at fτ = 0.371 (IEEE Std 952-1997 C.1.7).
+/// A sine of frequency f lifts the Allan variance by A² sin⁴(πfτ)/(πfτ)², most at fτ = 0.371 (IEEE Std 952-1997
+/// C.1.7).
 const SINE_HUMP: f64 = 0.371;

@@ -51,8 +51,9 @@ impl Geometry {
 
 /// The covariance of the Allan variances as a quadratic form in the coefficients.
 ///
-/// The second differences d of the phase are normal, so cov(Σd²ₐ, Σd²_b) = Σᵢⱼ 2C² + 4μₐμ_b·C with C their covariance and μ = Rτ² their
-/// mean. C is a fourth difference of the phase's generalised autocovariance: Q²δ, −N²|t|/2, B²t² ln|t|/2π, K²|t|³/12.
+/// The second differences d of the phase are normal, so cov(Σd²ₐ, Σd²_b) = Σᵢⱼ 2C² + 4μₐμ_b·C with C their covariance
+/// and μ = Rτ² their mean. C is a fourth difference of the phase's generalised autocovariance: Q²δ, −N²|t|/2, B²t²
+/// ln|t|/2π, K²|t|³/12.
 #[derive(Clone, Debug)]
 pub(super) struct Covariance {
     n: usize,

@@ -12,8 +12,8 @@ const POWER_80: f64 = 0.8416212335729143;
 
 /// The length of a record in which zero would be outside the 95 % interval in four of five cases, s.
 ///
-/// `truth` holds the coefficient as large as it is taken to be. The length is between the two doublings between which it falls,
-/// linear in logarithms.
+/// `truth` holds the coefficient as large as it is taken to be. The length is between the two doublings between which
+/// it falls, linear in logarithms.
 pub(super) fn needed_s(curve: &Curve, model: &Model, truth: &Coefficients, which: usize) -> f64 {
     let length_s = curve.geometry.samples / curve.geometry.rate_hz;
     let mut before = strength(curve, model, truth, which).unwrap_or(0.0);

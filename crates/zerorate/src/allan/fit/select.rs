@@ -11,7 +11,8 @@ use alloc::vec::Vec;
 pub(super) const FEWEST_POINTS: usize = 4;
 /// Averaging times without which no further term is looked for, and no further point is left out.
 const POINTS_FOR_MORE: usize = 6;
-/// Quantisation and roll-off are believed at this many standard deviations, and so is each point that a low-pass bends.
+/// Quantisation and roll-off are believed at this many standard deviations, and so is each point that a low-pass
+/// bends.
 const SHORT_END_LIMIT: f64 = 4.0;
 /// A ramp is believed at this many (normal equivalent) standard deviations.
 const RAMP_LIMIT: f64 = 3.3;
@@ -83,7 +84,8 @@ pub(super) fn select(curve: Curve) -> Option<Selection> {
         let ramp = Selection::of(chosen.curve, [has[Q], true, true, true, true], rolls_off)?;
         chosen = Selection { excluded, ..ramp };
     }
-    // A disturbance looks like any term that lifts the curve beside it: where a hump remains, the terms explain nothing.
+    // A disturbance looks like any term that lifts the curve beside it: where a hump remains, the terms explain
+    // nothing.
     let in_vain = !chosen.model.rolls_off && chosen.model != plain.model && chosen.hump().is_some();
     Some(if in_vain { plain } else { chosen })
 }
@@ -95,16 +97,16 @@ impl Selection {
         Some(Self { curve, model, best, excluded: 0 })
     }
 
-    /// The estimate of a coefficient in a model that has it, in standard deviations, scaled so that `limit` is where it is for a normal
-    /// estimate.
+    /// The estimate of a coefficient in a model that has it, in standard deviations, scaled so that `limit` is where
+    /// it is for a normal estimate.
     fn score(&self, which: usize, limit: f64) -> Option<f64> {
         let at = Problem::new(&self.curve, &self.best)?.linear(&self.model, which)?;
         let raw = at.value / at.sd;
         Some(raw * limit / quantile(limit * raw.signum(), at.skewness).abs())
     }
 
-    /// White noise behind a low-pass has the Allan variance N²/τ − c/τ² for τ well above the filter's memory, so a free term in τ⁻²
-    /// follows it; shorter averages leave until the first one agrees with the others.
+    /// White noise behind a low-pass has the Allan variance N²/τ − c/τ² for τ well above the filter's memory, so a
+    /// free term in τ⁻² follows it; shorter averages leave until the first one agrees with the others.
     fn without_short_end(mut self) -> Option<Self> {
         loop {
             let (pulls, _) = Problem::new(&self.curve, &self.best)?.misfit(&self.model, &self.best);
@@ -146,8 +148,8 @@ impl Curve {
     }
 }
 
-/// ln σ²τ is convex in ln τ for every sum of the five noises. Behind a low-pass it rises from the first octave on and then bends level;
-/// averages up to there leave. (At a hump it bends down.) How many left is returned beside the rest.
+/// ln σ²τ is convex in ln τ for every sum of the five noises. Behind a low-pass it rises from the first octave on and
+/// then bends level; averages up to there leave. (At a hump it bends down.) How many left is returned beside the rest.
 fn without_bent_points(mut curve: Curve) -> (Curve, usize) {
     let spare = curve.variance.len().saturating_sub(POINTS_FOR_MORE);
     let bent =

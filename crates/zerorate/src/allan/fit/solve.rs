@@ -136,7 +136,8 @@ impl Problem {
     }
 }
 
-/// The covariance leaves out what is far apart, so it may miss being positive definite by a little; independent noise is added until it is.
+/// The covariance leaves out what is far apart, so it may miss being positive definite by a little; independent noise
+/// is added until it is.
 fn factor(sigma: &Square) -> Option<Cholesky> {
     ADDED_NOISE.iter().find_map(|added| {
         let mut widened = sigma.clone();

@@ -46,7 +46,8 @@ fn quantisation_and_ramp_appear_only_where_they_are() {
     assert!(codes.contains(&"quantisation-limited") && codes.contains(&"drift"), "{codes:?}");
 }
 
-/// For white noise the relative standard deviation of N from all L samples is 1/√(2L), since Σy²/L has 2/L of relative variance.
+/// For white noise the relative standard deviation of N from all L samples is 1/√(2L), since Σy²/L has 2/L of relative
+/// variance.
 #[test]
 fn interval_of_white_noise_is_that_of_a_variance() {
     let samples = 360_000;
@@ -73,8 +74,8 @@ fn points_below_the_corner_of_a_low_pass_leave() {
     assert!(matches!(fit.warnings[0], AllanWarning::ShortEndExcluded { points: 1.., .. }), "{:?}", fit.warnings);
 }
 
-/// A first-order low-pass in samples: noise with the autocovariance aᵏ. A sum of m has the variance below, and the difference of two
-/// adjacent ones 4 var(m) − var(2m).
+/// A first-order low-pass in samples: noise with the autocovariance aᵏ. A sum of m has the variance below, and the
+/// difference of two adjacent ones 4 var(m) − var(2m).
 #[test]
 fn a_low_pass_of_a_few_samples_does_not_spoil_the_coefficients() {
     let a = (-1.0f64 / 3.0).exp();

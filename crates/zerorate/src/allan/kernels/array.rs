@@ -1,5 +1,5 @@
-//! Large arrays. On Linux they are asked for in large pages: a new array that is touched one small page after the other costs as
-//! much as the sums over it.
+//! Large arrays. On Linux they are asked for in large pages: a new array that is touched one small page after the
+//! other costs as much as the sums over it.
 
 #[cfg(all(feature = "std", target_os = "linux"))]
 pub(super) use pages::{Array, Number};

@@ -10,8 +10,8 @@ const PIECE: usize = 1 << 17;
 
 /// Exact: no running sum, no difference and no square rounds or overflows.
 ///
-/// A difference that is known to be small may be formed from running sums modulo a power of two: the narrower these are, the less
-/// memory has to be read.
+/// A difference that is known to be small may be formed from running sums modulo a power of two: the narrower these
+/// are, the less memory has to be read.
 pub(super) fn squares(codes: &[i32], kernel: Kernel, m: &[usize]) -> Vec<Result<Squares, Reason>> {
     let bounds = Bounds::of(codes);
     let width = |&m: &usize| bounds.width(kernel, m);
@@ -74,8 +74,8 @@ impl Bounds {
         Self { offset, codes: high.abs_diff(low).into(), sums, before }
     }
 
-    /// A difference of two sums over m is below m times the range of the codes, and below twice the range of the running sum
-    /// (four times, where it is reflected or a third difference).
+    /// A difference of two sums over m is below m times the range of the codes, and below twice the range of the
+    /// running sum (four times, where it is reflected or a third difference).
     fn width(&self, kernel: Kernel, m: usize) -> Width {
         let long = m as u128;
         let (largest, narrowest) = match kernel {
@@ -143,7 +143,8 @@ fn running_sum(codes: &[i32], bounds: &Bounds) -> Array<i64> {
     x
 }
 
-/// Running sum of the running sum, modulo 2^64: its third differences are the inner sums of the modified Allan deviation.
+/// Running sum of the running sum, modulo 2^64: its third differences are the inner sums of the modified Allan
+/// deviation.
 fn sum_of_sums(codes: &[i32], bounds: &Bounds) -> Array<i64> {
     let sums = |piece: usize| {
         let mut sum = bounds.before[piece];

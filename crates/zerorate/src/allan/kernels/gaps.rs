@@ -109,7 +109,8 @@ impl Inner {
     }
 }
 
-/// Differences of averages, `None` where too much is missing. Points before the first and after the last are reflected.
+/// Differences of averages, `None` where too much is missing. Points before the first and after the last are
+/// reflected.
 trait Record {
     fn points(&self) -> usize;
     fn second(&self, i: isize, m: usize) -> Option<f64>;

@@ -1,9 +1,9 @@
 use super::Reason;
 use crate::allan::Difference;
 
-/// Which differences of the running sum are squared and summed. It has an arm in each of the functions here and in each kind of
-/// record ([`codes`](super::codes), [`float`](super::float), [`gaps`](super::gaps)); none has a `_`, so that a new one is asked
-/// for in all of them.
+/// Which differences of the running sum are squared and summed. It has an arm in each of the functions here and in
+/// each kind of record ([`codes`](super::codes), [`float`](super::float), [`gaps`](super::gaps)); none has a `_`, so
+/// that a new one is asked for in all of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::allan) enum Kernel {
     /// Differences of the record as it is.

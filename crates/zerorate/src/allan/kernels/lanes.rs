@@ -1,5 +1,5 @@
-//! Sums of squared differences over short runs: what the compiler turns into vector instructions, for the best of them that the
-//! machine has.
+//! Sums of squared differences over short runs: what the compiler turns into vector instructions, for the best of them
+//! that the machine has.
 
 #![allow(clippy::needless_range_loop)]
 
@@ -207,7 +207,8 @@ pub(super) fn third_fixed(a: &[i64], b: &[i64], c: &[i64], d: &[i64]) -> f64 {
     sums.iter().sum()
 }
 
-/// As `as f64`, by parts that become f64 by their place in its bits: many vector instructions have no conversion from i64.
+/// As `as f64`, by parts that become f64 by their place in its bits: many vector instructions have no conversion from
+/// i64.
 #[inline(always)]
 fn to_f64(number: i64) -> f64 {
     /// 2^52 and 2^84, of whose mantissas 32 bits stand for 0 … 2^32 − 1 and for multiples of 2^32.

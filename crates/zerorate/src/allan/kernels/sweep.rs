@@ -1,8 +1,8 @@
 //! All averaging times in one walk over the running sum.
 //!
-//! A block of starts is taken through every averaging time before the next one is, so that what two averaging times share comes
-//! from memory once. The blocks are cut at fixed places and their sums added in their order: any number of threads gives the
-//! same bits.
+//! A block of starts is taken through every averaging time before the next one is, so that what two averaging times
+//! share comes from memory once. The blocks are cut at fixed places and their sums added in their order: any number of
+//! threads gives the same bits.
 
 use super::array::Number;
 use super::exact::ExactSum;
@@ -53,7 +53,8 @@ fn near_sums<T: Step>(x: &[T::Number], plain: Plain, m: &[usize]) -> Vec<T::Sum>
     joined::<T>(pieces, m.len())
 }
 
-/// Averages of whole rows of [`ROW`] points never leave the column: as many columns as fit into the cache are a record of their own.
+/// Averages of whole rows of [`ROW`] points never leave the column: as many columns as fit into the cache are a record
+/// of their own.
 fn far_sums<T: Step>(x: &[T::Number], plain: Plain, m: &[usize]) -> Vec<T::Sum> {
     if m.is_empty() {
         return Vec::new();

@@ -134,7 +134,8 @@ fn what_cannot_be_computed_is_said() {
     let infinite = Input::Rate(&[1.0, f64::INFINITY, 2.0, 3.0]);
     assert_eq!(deviations(&infinite, 1.0, Stat::Oadev, &[1]), [Err(Reason::NotFinite)]);
     for stat in Stat::ALL {
-        for empty in [Input::Rate(&[]), Input::Phase(&[]), Input::Phase(&[1.0]), Input::Codes { codes: &[], gaps: &[] }]
+        for empty in
+            [Input::Rate(&[]), Input::Phase(&[]), Input::Phase(&[1.0]), Input::Codes { codes: &[], gaps: &[] }]
         {
             assert!(matches!(deviations(&empty, 1.0, stat, &[1])[0], Err(Reason::TooShort { .. })), "{stat}");
         }
@@ -277,7 +278,8 @@ fn assert_exact_of(stats: &[Stat], codes: &[i32], lengths: &[usize]) {
 
 #[test]
 fn codes_agree_with_big_integers() {
-    let extreme = |block: usize| move |i: usize| if (i / block).is_multiple_of(2) { (1 << 23) - 1 } else { -(1 << 23) };
+    let extreme =
+        |block: usize| move |i: usize| if (i / block).is_multiple_of(2) { (1 << 23) - 1 } else { -(1 << 23) };
     let lengths = [1, 2, 3, 17, 64, 250, 499, 500, 900, 1000];
     assert_exact(&noise(1000, 12), &lengths);
     assert_exact(&noise(1000, 24), &lengths);

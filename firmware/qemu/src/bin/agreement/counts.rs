@@ -24,8 +24,8 @@ pub struct Ticks {
 
 /// Counts everything, reading by reading; `None` without readings.
 ///
-/// Each piece of work is a function called through a pointer that the compiler cannot see through, with its operands in memory. So
-/// nothing can be moved out of it, and the count includes call, operands and return.
+/// Each piece of work is a function called through a pointer that the compiler cannot see through, with its operands
+/// in memory. So nothing can be moved out of it, and the count includes call, operands and return.
 pub fn all(readings: &[Reading], corrections: &Corrections, systick: SYST) -> Option<[(&'static str, Ticks); 8]> {
     let mut bench = Bench { counter: Counter::new(systick), readings };
     let (integer, single, table) = (corrections.integer, corrections.single, corrections.table());
@@ -34,7 +34,10 @@ pub fn all(readings: &[Reading], corrections: &Corrections, systick: SYST) -> Op
         ("integer_correction", bench.corrections(integer, |(integer, it)| integer.apply(it.rate_code, it.temp_code))?),
         ("table_look_up", bench.corrections(table, |(table, it)| table.look_up_udps(it.temp_code))?),
         ("f32_correction", bench.corrections(single, |(single, it)| single.apply(it.rate_dps, it.temp_c))?),
-        ("f32_correction_of_codes", bench.corrections(single, |(single, it)| corrected_dps(single, it.rate, it.temp))?),
+        (
+            "f32_correction_of_codes",
+            bench.corrections(single, |(single, it)| corrected_dps(single, it.rate, it.temp))?,
+        ),
         ("read_rate", bench.reads(|on| on.gyro.read_rate().is_ok_and(|rate| rate.code() != 0))?),
         ("read_both", bench.reads(|on| on.gyro.read_both().is_ok_and(|(rate, temp)| rate.code() != temp.code()))?),
         ("sample", bench.reads(|on| on.gyro.sample(&mut on.sampler, on.edge).is_ok_and(|it| it.is_some()))?),
@@ -52,7 +55,8 @@ impl Counter {
         Self(systick)
     }
 
-    /// Ticks that `work` takes, with those of reading the clock. Never inlined, so that the latter are the same around any work.
+    /// Ticks that `work` takes, with those of reading the clock. Never inlined, so that the latter are the same around
+    /// any work.
     #[inline(never)]
     fn ticks<I, T>(&mut self, work: fn(&mut I) -> T, operands: &mut I) -> u32 {
         let work = black_box(work);
@@ -123,8 +127,8 @@ impl Bench<'_> {
         self.over(|counter, reading| counter.ticks(work, &mut (correction, Operand::new(reading))))
     }
 
-    /// Reads with F-30's settings, command framing, status, rate and temperature at each edge. The first reading, which asks the
-    /// part whether it has one, is not counted.
+    /// Reads with F-30's settings, command framing, status, rate and temperature at each edge. The first reading,
+    /// which asks the part whether it has one, is not counted.
     fn reads(&mut self, work: fn(&mut Reader<'_>) -> bool) -> Option<Ticks> {
         let answers = Answers::new();
         READY.iter().for_each(|(register, value)| answers.set(*register, [*value, 0, 0]));

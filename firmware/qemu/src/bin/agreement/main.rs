@@ -1,4 +1,5 @@
-//! Reads the twin of a seed through the driver, corrects what it read, and counts instructions; says all of it over semihosting.
+//! Reads the twin of a seed through the driver, corrects what it read, and counts instructions; says all of it over
+//! semihosting.
 //!
 //! Lines: `reading RATE TEMP CORRECTED TABLE F32BITS`, `ticks NAME LEAST MOST`, `bytes NAME SIZE`.
 
