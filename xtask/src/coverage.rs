@@ -74,7 +74,7 @@ struct DefaultUnit {
 
 /// A row of the table of `docs/reference/accuracy.md`.
 fn report_fault(args: &Args, fault: &Fault) -> anyhow::Result<()> {
-    let ended = for_each_seed(args, |seed| trial::run((fault.spec)(seed), 1, Plan::default()))?;
+    let ended = for_each_seed(args, |seed| trial::run((fault.spec)(seed), Plan::default()))?;
     let count = |is: fn(&trial::Ended) -> bool| ended.iter().filter(|ended| is(ended)).count();
     let refused = count(|ended| matches!(ended, trial::Ended::Refused));
     let (silent, wrong) = (count(trial::Ended::is_silent), count(trial::Ended::is_wrong_and_silent));
@@ -124,12 +124,12 @@ fn for_each_seed<T: Send>(args: &Args, unit: impl Fn(u64) -> anyhow::Result<T> +
 fn linear_unit(seed: u64) -> anyhow::Result<Unit> {
     let spec = Spec { curvature_dps_per_c2: 0.0, hysteresis_dps: 0.0, ..Spec::from_seed(seed) };
     let plan = Plan { assume_linear: true, ..Plan::default() };
-    let (outcome, truth) = Rig::new(spec, 1).calibrate(plan)?;
+    let (outcome, truth) = Rig::new(spec).calibrate(plan)?;
     Ok(judge(&outcome, &truth))
 }
 
 fn default_unit(seed: u64) -> anyhow::Result<DefaultUnit> {
-    let mut rig = Rig::new(Spec::from_seed(seed), 1);
+    let mut rig = Rig::new(Spec::from_seed(seed));
     let (outcome, truth) = rig.calibrate(Plan::default())?;
     rig.twin.power_off();
     rig.twin.advance_ns(OFF_S * 1_000_000_000);

@@ -15,21 +15,22 @@ pub const HOUR_S: f64 = 3171.0;
 pub struct Rig {
     pub twin: Twin,
     gyro: Adis16130<TwinSpi, TwinRdy>,
-    sampling: SamplerConfig,
+    mclk_hz: u32,
     sampler: Sampler,
 }
 
 impl Rig {
-    /// Reads every `divider`th sample.
-    pub fn new(spec: Spec, divider: u16) -> Self {
+    pub fn new(spec: Spec) -> Self {
+        // a host knows the nominal clock, or that of a part that it slowed down
+        let is_nominal = (spec.mclk_hz / f64::from(MCLK_HZ) - 1.0).abs() < 0.05;
+        let mclk_hz = if is_nominal { MCLK_HZ } else { spec.mclk_hz as u32 };
         let twin = Twin::new(spec);
         let gyro = Adis16130::new(twin.spi(), twin.rdy(), Config::default());
-        let sampling = SamplerConfig::default().with_divider(divider);
-        Self { twin, gyro, sampling, sampler: new_sampler(sampling) }
+        Self { twin, gyro, mclk_hz, sampler: new_sampler(mclk_hz) }
     }
 
     pub fn initialise(&mut self) -> anyhow::Result<u64> {
-        self.sampler = new_sampler(self.sampling);
+        self.sampler = new_sampler(self.mclk_hz);
         self.gyro.init().map_err(|error| anyhow!("{error}"))?;
         Ok(self.twin.now_ns())
     }
@@ -62,8 +63,8 @@ impl Rig {
     }
 }
 
-fn new_sampler(sampling: SamplerConfig) -> Sampler {
-    Sampler::new(sampling, &Config::default(), MCLK_HZ)
+fn new_sampler(mclk_hz: u32) -> Sampler {
+    Sampler::new(SamplerConfig::default(), &Config::default(), mclk_hz)
 }
 
 /// An estimate's error and its stated standard uncertainty.
@@ -101,12 +102,12 @@ pub enum Ended {
 /// Warnings that say what the plan asked for, or what every measurement leaves open.
 const STANDING: [&str; 4] = ["earth-included", "earth-subtracted", "curvature-unseen", "short-average"];
 
-/// Calibrates a unit with every `divider`th of its samples.
+/// Calibrates a unit.
 ///
 /// # Errors
 /// The bus failed, or the plan makes no sense.
-pub fn run(spec: Spec, divider: u16, plan: Plan) -> anyhow::Result<Ended> {
-    match Rig::new(spec, divider).calibrate(plan) {
+pub fn run(spec: Spec, plan: Plan) -> anyhow::Result<Ended> {
+    match Rig::new(spec).calibrate(plan) {
         Ok((outcome, truth)) => {
             let codes = outcome.warnings.iter().map(zerorate::Warning::code);
             let warnings = codes.filter(|code| !STANDING.contains(code)).collect();
