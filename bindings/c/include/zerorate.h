@@ -174,6 +174,10 @@ typedef struct zerorate_settings {
    * 1 = read the status of the rate channel with every sample, 0 = only where an edge is not believable.
    */
   uint8_t read_status;
+  /**
+   * A counter in the line lets every n-th edge of RDY through to the host (F-56): 1 = there is none, and so is 0.
+   */
+  uint16_t divided;
 } zerorate_settings;
 
 /**

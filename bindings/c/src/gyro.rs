@@ -52,6 +52,8 @@ pub struct Settings {
     pub rdy_rises: u8,
     /// 1 = read the status of the rate channel with every sample, 0 = only where an edge is not believable.
     pub read_status: u8,
+    /// A counter in the line lets every n-th edge of RDY through to the host (F-56): 1 = there is none, and so is 0.
+    pub divided: u16,
 }
 
 /// Rate and temperature, as codes of 24 bits; with 16-bit registers they are multiples of 256.
@@ -135,7 +137,7 @@ impl Settings {
 
     fn sampling(&self) -> SamplerConfig {
         let sampling = SamplerConfig::new().with_every_temp(self.every_temp).with_divider(self.divider);
-        sampling.with_read_status(self.read_status != 0)
+        sampling.with_divided(self.divided).with_read_status(self.read_status != 0)
     }
 }
 
@@ -153,6 +155,7 @@ pub unsafe extern "C" fn zerorate_settings_default(settings: *mut Settings) -> S
         per_byte_framing: 1,
         rdy_rises: 0,
         read_status: 1,
+        divided: 1,
     };
     // SAFETY: by the contract.
     status::of(unsafe { boundary::output(settings, default) })

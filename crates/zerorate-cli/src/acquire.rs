@@ -104,8 +104,8 @@ impl Acquisition {
 
     /// F-07: whether the resonance looks like a bias at the rate that was measured, in means over `average_s`.
     pub fn resonance(&self, average_s: f64) -> Option<Warning> {
-        let divider = self.device.info(None, None).divider;
-        (self.tally.samples > 1).then(|| resonance::warning(self.tally.sampling_hz(), divider, average_s)).flatten()
+        let edges = self.device.info(None, None).edges_per_reading();
+        (self.tally.samples > 1).then(|| resonance::warning(self.tally.sampling_hz(), edges, average_s)).flatten()
     }
 
     /// The next sample that may stand in a capture.

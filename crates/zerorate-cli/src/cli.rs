@@ -101,7 +101,8 @@ pub struct DeviceArgs {
     /// (through the kernel's driver; option hz=POLLS), bridge:/dev/ttyACM0 (a microcontroller in between; options hz=SCLK,
     /// mclk=HZ, baud=N) or tcp:HOST:PORT (the same over a socket). All but replay: and iio: take framing=command|byte
     /// (how CS frames the bytes), width=24|16, fw=RATE[:TEMP] and chop=0|1 (the conversion words), and edge=falling|rising
-    /// (of RDY; rising behind an inverter), after ? and & as in spi:…?rdy=gpiochip0:25&width=16, or as keys of twin: .
+    /// (of RDY; rising behind an inverter), and divided=N (a counter in the line lets every N-th edge of RDY through:
+    /// tip 2 of the note), after ? and & as in spi:…?rdy=gpiochip0:25&width=16, or as keys of twin: .
     #[arg(short, long, value_name = "DEV", default_value = "twin:")]
     pub device: DeviceSpec,
 
@@ -124,7 +125,8 @@ pub struct SamplingArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub every_temp: Option<u16>,
 
-    /// Read on every N-th data-ready edge only; the rate that results is measured and stated [default: 1].
+    /// Read on every N-th data-ready edge only; the rate that results is measured and stated [default: 1]. Where a
+    /// counter divides the line itself, say so in the address (divided=N); a divider then counts what it lets through.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub divider: Option<u16>,
 }

@@ -127,6 +127,12 @@ pub enum Ask<'a> {
         /// Whether they are to be active.
         on: bool,
     },
+    /// The line that the bridge hears is that of a counter which divides RDY, for the next [`Ask::Start`];
+    /// [`Ask::Configure`] takes it back. Ends sampling. Answered by [`Answer::Configured`].
+    Divided {
+        /// As [`SamplerConfig::divided`](crate::SamplerConfig::divided).
+        edges: u16,
+    },
 }
 
 /// From bridge to host.

@@ -35,6 +35,8 @@ pub struct Station<S> {
     sclk_hz: u32,
     last: Edge,
     sampling: Option<Sampling>,
+    /// A counter in the line lets every n-th edge of RDY through.
+    divided: u16,
     /// What the part sent in the last transfer.
     received: [u8; MAX_TRANSFER],
 }
@@ -51,7 +53,8 @@ impl<S: Bus> Station<S> {
     /// A bridge whose firmware calls itself so, in at most 24 bytes, with a bus of this clock. Sends nothing.
     pub const fn new(bus: S, sclk_hz: u32, firmware: &'static str) -> Self {
         let part = Adis16130::new(bus, (), Config::new().with_framing(Framing::Command));
-        Self { part, firmware, sclk_hz, last: Edge { t_ns: 0, seq: 0 }, sampling: None, received: [0; MAX_TRANSFER] }
+        let last = Edge { t_ns: 0, seq: 0 };
+        Self { part, firmware, sclk_hz, last, sampling: None, divided: 1, received: [0; MAX_TRANSFER] }
     }
 
     /// Whether it samples.
@@ -81,6 +84,7 @@ impl<S: Bus> Station<S> {
             Ask::LastEdge => Answer::LastEdge { t_ns: self.last.t_ns, seq: self.last.seq },
             Ask::Start { every_temp, divider, mclk_hz } => {
                 let sampling = SamplerConfig::new().with_every_temp(every_temp).with_divider(divider);
+                let sampling = sampling.with_divided(self.divided);
                 match self.start(sampling, mclk_hz).await {
                     Ok(()) => Answer::Started,
                     Err(refusal) => Answer::Refused(refusal),
@@ -91,6 +95,11 @@ impl<S: Bus> Station<S> {
                 Answer::Stopped
             }
             Ask::Configure(settings) => self.configure(settings),
+            Ask::Divided { edges } => {
+                self.stop();
+                self.divided = edges;
+                Answer::Configured
+            }
             Ask::SelfTest { on } if self.part.bus_mut().set_self_test(on) => Answer::SelfTest { on },
             Ask::SelfTest { .. } => Answer::Refused(Refusal::NoSuchWire),
         };
@@ -118,6 +127,7 @@ impl<S: Bus> Station<S> {
 
     fn configure(&mut self, settings: Settings) -> Answer<'static> {
         self.stop();
+        self.divided = 1;
         let config = Config::from(settings);
         if !self.part.bus_mut().set_rdy_edge(config.rdy_edge()) {
             return Answer::Refused(Refusal::NoSuchWire);

@@ -78,7 +78,6 @@ impl Comb {
     }
 
     /// A period brought into the lock range.
-    #[inline]
     pub(super) fn clamped(&self, period: i64) -> i64 {
         let sixteenth = self.period >> 4;
         period.max(self.period - sixteenth).min(self.period + sixteenth)
@@ -135,7 +134,6 @@ const SURE: i64 = 48;
 
 impl Tooth {
     /// The distance to the tooth that the edge is taken for.
-    #[inline]
     pub(super) fn error(&mut self, comb: &Comb, (period, temp): (i64, i64), position: i64) -> i64 {
         let temp = wrapped(position - temp, period);
         let rate = wrapped(position, period);
@@ -157,7 +155,6 @@ impl Tooth {
 }
 
 /// A distance brought to within half a period.
-#[inline]
 fn wrapped(distance: i64, period: i64) -> i64 {
     if 2 * distance > period {
         distance - period

@@ -77,7 +77,6 @@ pub(super) struct Lock {
 
 impl Lock {
     /// Takes an error; with the 256th says whether the lock is lost.
-    #[inline]
     pub(super) fn judge(&mut self, comb: &Comb, error: i64) -> Option<bool> {
         self.error += error.abs();
         self.edges = self.edges.wrapping_add(1);

@@ -126,7 +126,6 @@ impl Timeline {
     ///
     /// As long as nobody knows whether the first edge was that of a rate or of a temperature update, this is the lower
     /// of the two numbers that are possible.
-    #[inline]
     pub(crate) fn advance(&mut self, edge: Edge) -> Option<u64> {
         let Some(last) = self.last.replace(edge) else {
             self.assume_temp_edge();
@@ -148,7 +147,6 @@ impl Timeline {
 
     /// Whether the two possible numbers differ: the edges have changed from one kind of update to the other, and it is
     /// not known which is which.
-    #[inline]
     pub(crate) fn is_ambiguous(&self) -> bool {
         self.tooth.on_rate && !self.aligned
     }
@@ -158,14 +156,12 @@ impl Timeline {
         self.aligned
     }
 
-    #[inline]
     fn number(&self) -> u64 {
         self.index.saturating_sub(self.is_ambiguous().into())
     }
 
     /// States that the edge just taken was a rate update, not one of temperature. Only the first time counts: from
     /// then on the phase is tracked. Returns whether its number is thereby known to be the higher of two.
-    #[inline]
     pub(crate) fn align(&mut self) -> bool {
         let was_ambiguous = self.is_ambiguous();
         if !self.aligned {
@@ -198,12 +194,10 @@ impl Timeline {
     }
 
     /// The longest gap over which the period is known well enough to keep the phase: 4/α periods.
-    #[inline]
     fn reach_ns(&self) -> i64 {
         (self.period >> FRACTION_BITS) << (self.gear + 2)
     }
 
-    #[inline]
     fn track(&mut self, elapsed: i64) {
         let position = self.since_tick + elapsed;
         let periods = self.periods_in(position);
@@ -234,7 +228,6 @@ impl Timeline {
     }
 
     /// The period takes part of the error, spread over the periods in which it arose.
-    #[inline]
     fn follow(&mut self, error: i64, periods: u64) {
         let spread = if periods > 1 { periods.ilog2() } else { 0 };
         self.period = self.comb.clamped(self.period + (error >> (2 * self.gear + 1 + spread)));
@@ -269,7 +262,6 @@ impl Timeline {
     }
 
     /// Whole periods in `position`, where an edge up to the margin early belongs to the update that it announces.
-    #[inline]
     fn periods_in(&self, position: i64) -> u64 {
         let position = position + self.comb.margin;
         if position < self.period {

@@ -25,7 +25,7 @@ const READING: Reading = Reading {
 };
 
 /// Requests and their frames; the CRC-32 was computed by another implementation (zlib's).
-const REQUESTS: [(Request<'_>, &[u8]); 4] = [
+const REQUESTS: [(Request<'_>, &[u8]); 5] = [
     (Request { tag: 7, ask: Ask::Hello }, &[0x02, 0x07, 0x05, 0x38, 0x84, 0x98, 0x0E, 0x00]),
     (
         Request { tag: 8, ask: Ask::Clock { sclk_hz: 5_000_000 } },
@@ -39,6 +39,7 @@ const REQUESTS: [(Request<'_>, &[u8]); 4] = [
         Request { tag: 10, ask: START },
         &[0x0D, 0x0A, 0x04, 0x01, 0x01, 0x80, 0x9B, 0xEE, 0x02, 0xC3, 0x43, 0x7D, 0xC4, 0x00],
     ),
+    (Request { tag: 11, ask: Ask::Divided { edges: 50 } }, &[0x08, 0x0B, 0x08, 0x32, 0x7B, 0xED, 0x1A, 0xF3, 0x00]),
 ];
 
 const MESSAGES: [(Message<'_>, &[u8]); 4] = [
@@ -198,6 +199,32 @@ fn a_host_chooses_the_configuration_of_the_next_start() {
     let reading = Reading { rate: 0x80_8800, temp: Some(0x80_1E00), ..READING };
     let sample = Continuity::new(Width::Bits16).sample(&reading);
     assert_eq!((sample.rate.code(), sample.temp.map(|temp| temp.code())), (0x8088, Some(0x801E)));
+}
+
+#[test]
+fn a_counter_in_the_line_loses_nothing_once_the_bridge_knows_of_it() {
+    let lost = |ask: Option<Ask<'static>>| {
+        let (part, mut station) = station();
+        for ask in [Some(Ask::Configure(Settings::from(&Config::new()))), ask, Some(START)].into_iter().flatten() {
+            assert_eq!(refusal(&mut station, ask), None);
+        }
+        let mut lost = 0;
+        for n in 1..=100 {
+            part.borrow_mut().set(0x20, 0x08);
+            part.borrow_mut().set(0x08, 0x80_8809);
+            part.borrow_mut().set(0x0A, 0x80_1EA6);
+            // every 50th edge is 51 conversions after the one before (F-56)
+            let t_ns = 51 * 87_833 * u64::from(n);
+            let Some(Message::Sample(reading)) = now(station.edge(Edge { t_ns, seq: n })) else { panic!("a sample") };
+            lost = reading.lost;
+        }
+        lost
+    };
+    assert_eq!(lost(Some(Ask::Divided { edges: 50 })), 0);
+    assert!(lost(None) > 99 * 24, "{}", lost(None));
+    let (_, mut station) = station();
+    let divided = answer(&mut station, Ask::Divided { edges: 50 });
+    assert_eq!(divided, Message::Answer { tag: 3, answer: Answer::Configured });
 }
 
 #[test]

@@ -20,6 +20,8 @@ const DEVICE: &str = "zerorate.device";
 const SERIAL: &str = "zerorate.serial";
 const EVERY_TEMP: &str = "zerorate.every_temp";
 const DIVIDER: &str = "zerorate.divider";
+/// Left out where it is 1, as in every file of programs that did not know it.
+const DIVIDED: &str = "zerorate.divided";
 const SOFTWARE: &str = "zerorate.software";
 const CREATED: &str = "zerorate.created";
 const SUPPLY_NOTE: &str = "zerorate.supply_note";
@@ -48,8 +50,10 @@ pub struct CaptureInfo {
     pub temp_conversion: u8,
     /// Temperature was read with every N-th rate sample (F-55).
     pub every_temp: u16,
-    /// The part was read on every N-th data-ready edge (F-56).
+    /// The part was read on every N-th data-ready edge that the host saw (F-56).
     pub divider: u16,
+    /// The host saw every N-th data-ready edge, because a counter divided them (F-56).
+    pub divided: u16,
     /// What wrote the capture.
     pub software: String,
     /// When, RFC 3339; empty on a simulated device, whose files depend on nothing but the seed.
@@ -59,6 +63,11 @@ pub struct CaptureInfo {
 }
 
 impl CaptureInfo {
+    /// Edges of the part's data ready from one reading to the next, all in all.
+    pub fn edges_per_reading(&self) -> u16 {
+        self.divider.max(1).saturating_mul(self.divided.max(1))
+    }
+
     /// The metadata that states this.
     pub fn to_metadata(&self) -> Metadata {
         let known = [
@@ -71,6 +80,7 @@ impl CaptureInfo {
             (SERIAL, self.serial.clone()),
             (EVERY_TEMP, Some(self.every_temp.to_string())),
             (DIVIDER, Some(self.divider.to_string())),
+            (DIVIDED, (self.divided > 1).then(|| self.divided.to_string())),
             (SOFTWARE, Some(self.software.clone())),
             (CREATED, Some(self.created.clone()).filter(|created| !created.is_empty())),
             (SUPPLY_NOTE, self.supply_note.clone()),
@@ -99,6 +109,7 @@ impl CaptureInfo {
             temp_conversion: number(path, metadata, TEMP_CONVERSION)?,
             every_temp: number_or(path, metadata, EVERY_TEMP, 1)?,
             divider: number_or(path, metadata, DIVIDER, 1)?,
+            divided: number_or(path, metadata, DIVIDED, 1)?,
             software: text(SOFTWARE).unwrap_or_default(),
             created: text(CREATED).unwrap_or_default(),
             supply_note: text(SUPPLY_NOTE),

@@ -21,6 +21,7 @@ pub(super) fn info() -> CaptureInfo {
         temp_conversion: 0x91,
         every_temp: 3,
         divider: 1,
+        divided: 1,
         software: "zerorate 0.1.0".to_owned(),
         created: String::new(),
         supply_note: None,
@@ -318,6 +319,7 @@ fn metadata_is_checked() {
     assert_eq!(CaptureInfo::from_metadata(path, &whole).unwrap(), info());
     assert!(error(whole.clone().with("zerorate.capture_schema", "3")).contains("newer"));
     assert!(error(whole.clone().with("zerorate.width_bits", "20")).contains("expected 16 or 24"));
+    assert!(error(whole.clone().with("zerorate.divided", "x")).contains("zerorate.divided = x"));
     assert!(error(whole.clone().with("zerorate.divider", "-1")).contains("zerorate.divider = -1"));
     let mut without_width = whole;
     without_width.remove("zerorate.width_bits");

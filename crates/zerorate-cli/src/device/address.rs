@@ -17,7 +17,7 @@ pub struct SpiAddress {
     /// SPI clock, Hz.
     pub hz: u32,
     /// How the part is configured, and how it is wired.
-    pub config: Config,
+    pub part: PartOptions,
     /// Nominal master clock of the part, Hz.
     pub mclk_hz: u32,
 }
@@ -39,9 +39,18 @@ pub struct BridgeAddress {
     /// SPI clock of the bridge, Hz.
     pub hz: u32,
     /// How the part is configured, and how it is wired.
-    pub config: Config,
+    pub part: PartOptions,
     /// Nominal master clock of the part, Hz.
     pub mclk_hz: u32,
+}
+
+/// What an address says of the part itself, whatever it is connected to.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub struct PartOptions {
+    /// How it is configured, and how its wires are heard.
+    pub config: Config,
+    /// A counter in the line lets every N-th edge of RDY through (F-56).
+    pub divided: u16,
 }
 
 /// Where a bridge is.
@@ -86,14 +95,14 @@ impl SpiAddress {
             return Err(format!("spi: needs the spidev file and the RDY line, as in {SPI_EXAMPLE}"));
         }
         let mut rdy = None;
-        let (mut hz, mut config, mut mclk_hz) = (DEFAULT_HZ, HOST_CONFIG, MCLK_HZ);
+        let (mut hz, mut part, mut mclk_hz) = (DEFAULT_HZ, PartOptions::of_host(), MCLK_HZ);
         for option in options {
             match option.split_once('=') {
                 Some(("rdy", line)) => rdy = Some(gpio_line(line)?),
                 Some(("hz", text)) => hz = number("hz", text, SLOWEST_HZ..=MAX_SCLK_HZ)?,
                 Some(("mclk", text)) => mclk_hz = number("mclk", text, MCLK_RANGE_HZ)?,
-                _ => match part_option(config, option)? {
-                    Some(changed) => config = changed,
+                _ => match part.with(option)? {
+                    Some(changed) => part = changed,
                     None => {
                         return Err(format!(
                             "`{option}` is no option; there are rdy=CHIP:LINE, hz=SCLK, mclk=HZ, {PART_OPTIONS}, as in {SPI_EXAMPLE}"
@@ -104,7 +113,7 @@ impl SpiAddress {
         }
         let (chip, line) =
             rdy.ok_or_else(|| format!("which line is RDY (pin 10)? give rdy=CHIP:LINE, as in {SPI_EXAMPLE}"))?;
-        Ok(Self { spi: spi.into(), chip, line, hz, config, mclk_hz })
+        Ok(Self { spi: spi.into(), chip, line, hz, part, mclk_hz })
     }
 }
 
@@ -135,13 +144,13 @@ impl BridgeAddress {
     }
 
     fn with_options(port: Port, options: &[&str], known: &str) -> Result<Self, String> {
-        let mut address = Self { port, hz: DEFAULT_HZ, config: HOST_CONFIG, mclk_hz: MCLK_HZ };
+        let mut address = Self { port, hz: DEFAULT_HZ, part: PartOptions::of_host(), mclk_hz: MCLK_HZ };
         for option in options {
             match option.split_once('=') {
                 Some(("hz", text)) => address.hz = number("hz", text, SLOWEST_HZ..=MAX_SCLK_HZ)?,
                 Some(("mclk", text)) => address.mclk_hz = number("mclk", text, MCLK_RANGE_HZ)?,
-                _ => match part_option(address.config, option)? {
-                    Some(changed) => address.config = changed,
+                _ => match address.part.with(option)? {
+                    Some(changed) => address.part = changed,
                     None => return Err(format!("`{option}` is no option; there are {known}, {PART_OPTIONS}")),
                 },
             }
@@ -173,16 +182,35 @@ fn split(text: &str) -> (&str, impl Iterator<Item = &str>) {
     (name, options.split('&').filter(|option| !option.is_empty()))
 }
 
-/// F-22: a host that cannot keep the note's framing at the full rate keeps CS low for a whole command.
-const HOST_CONFIG: Config = Config::new().with_framing(Framing::Command);
-/// What [`part_option`] knows, in words.
-const PART_OPTIONS: &str =
-    "framing=command|byte (F-22), width=24|16, fw=RATE or fw=RATE:TEMP (F-31), chop=0|1, edge=falling|rising (F-32)";
+/// What [`PartOptions::with`] knows, in words.
+const PART_OPTIONS: &str = "framing=command|byte (F-22), width=24|16, fw=RATE or fw=RATE:TEMP (F-31), chop=0|1, \
+     edge=falling|rising (F-32), divided=N (a counter in the line lets every N-th edge through, F-56)";
 /// Filter words fit into seven bits.
 const FW_RANGE: RangeInclusive<u32> = 0..=0x7F;
+const DIVIDED_RANGE: RangeInclusive<u32> = 1..=u16::MAX as u32;
 
-/// The configuration changed by an option of the part itself, whatever it is connected to; `None` = that is no such option.
-pub fn part_option(config: Config, option: &str) -> Result<Option<Config>, String> {
+impl PartOptions {
+    /// As the note prescribes (F-22, F-30), with nothing in the line of RDY.
+    pub const fn new() -> Self {
+        Self { config: Config::new(), divided: 1 }
+    }
+
+    /// F-22: a host that cannot keep the note's framing at the full rate keeps CS low for a whole command.
+    const fn of_host() -> Self {
+        Self { config: Config::new().with_framing(Framing::Command), divided: 1 }
+    }
+
+    /// These, changed by an option; `None` = that is no option of the part.
+    pub fn with(self, option: &str) -> Result<Option<Self>, String> {
+        if let Some(text) = option.strip_prefix("divided=") {
+            let divided = number("divided", text, DIVIDED_RANGE)? as u16;
+            return Ok(Some(Self { divided, ..self }));
+        }
+        Ok(config_with(self.config, option)?.map(|config| Self { config, ..self }))
+    }
+}
+
+fn config_with(config: Config, option: &str) -> Result<Option<Config>, String> {
     let Some((key, text)) = option.split_once('=') else { return Ok(None) };
     let changed = match (key, text) {
         ("framing", "byte") => config.with_framing(Framing::PerByte),
@@ -239,12 +267,12 @@ mod tests {
             chip: "/dev/gpiochip4".into(),
             line: 25,
             hz: 8_000_000,
-            config: Config::new(),
+            part: PartOptions::new(),
             mclk_hz: 105_400,
         };
         assert_eq!(address, Ok(expected));
         let plain = SpiAddress::parse("/dev/spidev0.0?rdy=/dev/gpiochip0:3").expect("an address");
-        assert_eq!((plain.hz, plain.config.framing(), plain.mclk_hz), (5_000_000, Framing::Command, 6_000_000));
+        assert_eq!((plain.hz, plain.part.config.framing(), plain.mclk_hz), (5_000_000, Framing::Command, 6_000_000));
         let iio = IioAddress::parse("iio:device0?hz=50").expect("an address");
         assert_eq!((iio.folder.to_str(), iio.hz), (Some("/sys/bus/iio/devices/iio:device0"), 50));
     }
@@ -270,7 +298,7 @@ mod tests {
 
     #[test]
     fn the_part_is_configured_alike_wherever_it_is() {
-        let options = "framing=byte&width=16&fw=9:12&chop=1&edge=rising";
+        let options = "framing=byte&width=16&fw=9:12&chop=1&edge=rising&divided=50";
         let chopped = |word: u8| ConversionTime::new(0x80 | word);
         let expected = Config::new()
             .with_width(Width::Bits16)
@@ -280,9 +308,14 @@ mod tests {
         let spi = SpiAddress::parse(&format!("/dev/spidev0.0?rdy=gpiochip0:25&{options}")).expect("an address");
         let serial = BridgeAddress::parse_serial(&format!("/dev/ttyACM0?{options}")).expect("an address");
         let tcp = BridgeAddress::parse_tcp(&format!("localhost:1?{options}")).expect("an address");
-        assert_eq!([spi.config, serial.config, tcp.config], [expected; 3]);
-        for (wrong, hint) in [("width=20", "width=24|16"), ("fw=200", "from 0 to 127"), ("edge=up", "falling|rising")]
-        {
+        let expected = PartOptions { config: expected, divided: 50 };
+        assert_eq!([spi.part, serial.part, tcp.part], [expected; 3]);
+        for (wrong, hint) in [
+            ("width=20", "width=24|16"),
+            ("fw=200", "from 0 to 127"),
+            ("edge=up", "falling|rising"),
+            ("divided=0", "from 1 to 65535"),
+        ] {
             let error = BridgeAddress::parse_serial(&format!("x?{wrong}")).unwrap_err();
             assert!(error.contains(hint), "{error}");
         }

@@ -70,9 +70,11 @@ impl<S: SpiDevice<Error: Debug + Send + Sync + 'static>, E: Edges> Live<S, E> {
         self.alive_ns = None;
         match self.start() {
             Ok(revision) => Ok(revision),
-            Err(error) if self.edges.next(SIGN_OF_LIFE_NS)?.is_some() => Err(error.context(
-                "data ready comes (pin 10), so the part is alive and hears, but does not answer as it should",
-            )),
+            Err(error) if self.edges.next(SIGN_OF_LIFE_NS * u64::from(self.sampling.divided.max(1)))?.is_some() => {
+                Err(error.context(
+                    "data ready comes (pin 10), so the part is alive and hears, but does not answer as it should",
+                ))
+            }
             Err(error) => Err(error.context(UNPLUGGED)),
         }
     }
@@ -173,11 +175,12 @@ impl<S: SpiDevice<Error: Debug + Send + Sync + 'static>, E: Edges> Live<S, E> {
 
     /// So long without a sample is a failure.
     pub fn silence_ns(&self) -> u64 {
+        let edges = u64::from(self.sampling.divider.max(1)) * u64::from(self.sampling.divided.max(1));
         // 1024 edges at 11.4 kHz are 0.09 s, so this is ten times the time from one sample to the next
-        let nominal_ns = SILENCE_NS * (1 + u64::from(self.sampling.divider) / 1024);
+        let nominal_ns = SILENCE_NS * (1 + edges / 1024);
         let (rate, temp) = self.config.conversion_cycles();
         let period_ns = f64::from(rate + temp) * 1e9 / f64::from(self.mclk_hz);
-        nominal_ns.max((SILENT_PERIODS * period_ns * f64::from(self.sampling.divider)) as u64)
+        nominal_ns.max((SILENT_PERIODS * period_ns * edges as f64) as u64)
     }
 
     /// What the part shows where no sample came in time.

@@ -14,7 +14,7 @@ mod twin;
 use crate::capture::{CaptureInfo, CaptureReader, info};
 use crate::cli::SamplingArgs;
 use crate::exit::Usage;
-use address::{BridgeAddress, IioAddress, SpiAddress, gpio_line, part_option};
+use address::{BridgeAddress, IioAddress, PartOptions, SpiAddress, gpio_line};
 use adis16130::{Config, ConversionTime, Framing, MCLK_HZ, Sample, SamplerConfig, SelfTest};
 use adis16130_twin::{Spec, Truth};
 use anyhow::Result;
@@ -39,7 +39,7 @@ pub struct DeviceSpec {
 #[derive(Clone, Debug)]
 enum Kind {
     /// `twin:KEY=VALUE,…`
-    Twin(Box<Spec>, Config),
+    Twin(Box<Spec>, PartOptions),
     /// `replay:FILE`
     Replay(PathBuf),
     /// `spi:/dev/spidevB.C?rdy=CHIP:LINE&…`
@@ -126,8 +126,9 @@ impl Device {
     pub fn open(spec: &DeviceSpec, sampling: SamplingArgs) -> Result<Self> {
         let name = spec.to_string();
         let source = match &spec.kind {
-            Kind::Twin(unit, config) => {
-                Source::Twin(Box::new(TwinDevice::new((**unit).clone(), *config, sampler_config(sampling))))
+            Kind::Twin(unit, part) => {
+                let sampling = sampler_config(sampling).with_divided(part.divided);
+                Source::Twin(Box::new(TwinDevice::new((**unit).clone(), part.config, sampling)))
             }
             Kind::Replay(path) => {
                 if sampling.every_temp.is_some() || sampling.divider.is_some() {
@@ -145,7 +146,10 @@ impl Device {
                 let sampling = sampler_config(sampling);
                 Source::Iio(Box::new(IioDevice::open(address, sampling.every_temp)?), sampling)
             }
-            Kind::Bridge(address) => Source::Bridge(Box::new(BridgePart::open(address, sampler_config(sampling))?)),
+            Kind::Bridge(address) => {
+                let sampling = sampler_config(sampling).with_divided(address.part.divided);
+                Source::Bridge(Box::new(BridgePart::open(address, sampling)?))
+            }
         };
         Ok(Self { name, source })
     }
@@ -241,6 +245,7 @@ impl Device {
             temp_conversion: config.temp_conversion().bits(),
             every_temp: sampling.every_temp,
             divider: sampling.divider,
+            divided: sampling.divided,
             software: crate::SOFTWARE.to_owned(),
             created,
             supply_note: None,
@@ -285,7 +290,8 @@ impl Device {
         }
     }
 
-    /// Rate samples per second at the nominal master clock: one of 2/(N + 1) conversion pairs with a divider of N (F-31, F-56).
+    /// Rate samples per second at the nominal master clock: one of 2/(N + 1) conversion pairs where every N-th edge is read
+    /// (F-31, F-56).
     pub fn nominal_rate_hz(&self) -> f64 {
         if let Source::Iio(device, _) = &self.source {
             return device.rate_hz();
@@ -293,7 +299,7 @@ impl Device {
         let info = self.info(None, None);
         let cycles = [info.rate_conversion, info.temp_conversion].map(|bits| ConversionTime::new(bits).cycles(true));
         let pairs_hz = f64::from(self.mclk_hz()) / f64::from(cycles[0] + cycles[1]);
-        pairs_hz * 2.0 / (f64::from(info.divider) + 1.0)
+        pairs_hz * 2.0 / (f64::from(info.edges_per_reading()) + 1.0)
     }
 
     /// The nominal master clock, Hz.
@@ -310,15 +316,15 @@ impl Device {
 
 /// `KEY=VALUE,…`: those of the twin, and how the driver configures it.
 fn twin(keys: &str) -> Result<Kind, String> {
-    let (mut config, mut unit) = (Config::new(), Vec::new());
+    let (mut part, mut unit) = (PartOptions::new(), Vec::new());
     for item in keys.split(',') {
-        match part_option(config, item.trim())? {
-            Some(changed) => config = changed,
+        match part.with(item.trim())? {
+            Some(changed) => part = changed,
             None => unit.push(item),
         }
     }
     let unit = Spec::parse_keys(&unit.join(",")).map_err(|error| error.to_string())?;
-    Ok(Kind::Twin(Box::new(unit), config))
+    Ok(Kind::Twin(Box::new(unit), part))
 }
 
 fn sampler_config(sampling: SamplingArgs) -> SamplerConfig {
@@ -327,7 +333,8 @@ fn sampler_config(sampling: SamplingArgs) -> SamplerConfig {
 
 #[cfg(target_os = "linux")]
 fn open_spi(address: &SpiAddress, sampling: SamplingArgs) -> Result<Source> {
-    Ok(Source::Spi(Box::new(SpiPart::open(address, sampler_config(sampling))?)))
+    let sampling = sampler_config(sampling).with_divided(address.part.divided);
+    Ok(Source::Spi(Box::new(SpiPart::open(address, sampling)?)))
 }
 
 #[cfg(not(target_os = "linux"))]

@@ -59,7 +59,7 @@ impl SpiPart {
         let bus = SpiBus::open(address, Arc::clone(&clock))?;
         let edges = GpioEdges::open(address)?;
         // the commands go as one frame each; where CS is to rise between bytes, the bus splits them
-        let config = address.config.with_framing(Framing::Command);
+        let config = address.part.config.with_framing(Framing::Command);
         let live = Live::new(bus, edges, config, sampling, address.mclk_hz);
         Ok(Self { address: address.clone(), clock, sampling, state: State::Ready(Box::new(live)) })
     }
@@ -71,7 +71,7 @@ impl SpiPart {
 
     /// How the part is configured, and how it is sampled.
     pub fn settings(&self) -> (Config, SamplerConfig) {
-        (self.address.config, self.sampling)
+        (self.address.part.config, self.sampling)
     }
 
     /// Resets the part, initialises it, reads everything back. Returns the revision.
@@ -202,7 +202,7 @@ impl SpiBus {
             .lsb_first(false)
             .build();
         spi.configure(&options).map_err(|error| why_not_configured(path, error))?;
-        Ok(Self { spi, clock, split: address.config.framing() == Framing::PerByte })
+        Ok(Self { spi, clock, split: address.part.config.framing() == Framing::PerByte })
     }
 
     /// One message to the kernel: one frame of CS, or one per byte.
@@ -333,7 +333,7 @@ pub struct GpioEdges {
 impl GpioEdges {
     fn open(address: &SpiAddress) -> Result<Self> {
         let (chip, line) = (&address.chip, address.line);
-        let edge = match address.config.rdy_edge() {
+        let edge = match address.part.config.rdy_edge() {
             RdyEdge::Falling => EdgeDetection::FallingEdge,
             RdyEdge::Rising => EdgeDetection::RisingEdge,
         };

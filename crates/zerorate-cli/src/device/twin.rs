@@ -16,7 +16,8 @@ impl TwinDevice {
         let mclk_hz = told_mclk_hz(unit.mclk_hz);
         let twin = Twin::new(unit);
         let rising = config.rdy_edge() == RdyEdge::Rising;
-        let live = Live::new(twin.spi(), TwinEdges { twin, rising }, config, sampling, mclk_hz);
+        let edges = TwinEdges { rising, divided: sampling.divided.max(1).into(), counted: 0, twin };
+        let live = Live::new(edges.twin.spi(), edges, config, sampling, mclk_hz);
         Self { mclk_hz, live }
     }
 
@@ -43,18 +44,29 @@ fn told_mclk_hz(mclk_hz: f64) -> u32 {
     if (mclk_hz / nominal_hz - 1.0).abs() < 0.05 { MCLK_HZ } else { mclk_hz.round() as u32 }
 }
 
-/// Its data-ready line.
+/// Its data-ready line, with a counter in it where there is one.
 pub struct TwinEdges {
     twin: Twin,
     /// The driver is told of rising edges.
     rising: bool,
+    /// The counter gives an edge for so many of the part.
+    divided: u32,
+    /// Edges that it has given.
+    counted: u32,
 }
 
 impl Edges for TwinEdges {
     #[inline]
     fn next(&mut self, timeout_ns: u64) -> Result<Option<Edge>> {
-        let edge = self.twin.next_edge(self.rising, timeout_ns);
-        Ok(edge.map(|edge| Edge { t_ns: edge.t_ns, seq: edge.seq }))
+        let until_ns = self.twin.now_ns().saturating_add(timeout_ns);
+        loop {
+            let left_ns = until_ns.saturating_sub(self.twin.now_ns());
+            let Some(edge) = self.twin.next_edge(self.rising, left_ns) else { return Ok(None) };
+            let given = edge.seq / self.divided;
+            if self.divided == 1 || std::mem::replace(&mut self.counted, given) != given {
+                return Ok(Some(Edge { t_ns: edge.t_ns, seq: given }));
+            }
+        }
     }
 
     fn pause(&mut self, ns: u64) {

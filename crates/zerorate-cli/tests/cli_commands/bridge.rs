@@ -5,7 +5,7 @@
 mod firmware;
 
 use super::{Run, calibrate, zerorate};
-use adis16130::bridge::{Decoder, MAX_FRAME, Message, encode};
+use adis16130::bridge::{Answer, Decoder, MAX_FRAME, Message, encode};
 use adis16130_twin::{Fault, Spec, Twin};
 use firmware::Port;
 use std::io::{ErrorKind, Read, Write};
@@ -21,6 +21,8 @@ struct Cable {
     pulled_after: Option<u64>,
     /// No cable, but a clock of the bridge that runs by so many ns from one sample to the next.
     clock_step_ns: Option<u64>,
+    /// No cable, but firmware from before there was anything to configure beyond Configure.
+    is_old: bool,
 }
 
 /// The frame with another time in it, if it is that of a sample.
@@ -35,7 +37,18 @@ fn with_time(frame: &[u8], clock_step_ns: u64) -> Vec<u8> {
     frame.to_vec()
 }
 
+fn configures(frame: &[u8]) -> bool {
+    let mut decoder = Decoder::new();
+    let mut messages = frame.iter().filter_map(|byte| {
+        let message = decoder.push(*byte)?.ok()?;
+        Some(matches!(message, Message::Answer { answer: Answer::Configured, .. }))
+    });
+    messages.next() == Some(true)
+}
+
 struct Socket {
+    /// Answers to Configure so far.
+    configured: u32,
     stream: TcpStream,
     cable: Cable,
     frames: u64,
@@ -58,6 +71,10 @@ impl Port for Socket {
     fn write(&mut self, frame: &[u8]) -> Result<(), ()> {
         let mut frame = self.cable.clock_step_ns.map_or(frame.to_vec(), |step_ns| with_time(frame, step_ns));
         self.frames += 1;
+        self.configured += u32::from(configures(&frame));
+        if self.cable.is_old && self.configured > 1 && configures(&frame) {
+            return Ok(());
+        }
         if self.cable.damages_every.is_some_and(|every| self.frames.is_multiple_of(every)) {
             frame[2] ^= 0x10;
         }
@@ -77,7 +94,8 @@ fn bridge(spec: Spec, cable: Cable) -> String {
     thread::spawn(move || {
         let twin = Twin::new(spec);
         for stream in listener.incoming().map_while(Result::ok) {
-            let _ = firmware::serve(&twin, "test 1", &mut Socket { stream, cable, frames: 0, bytes: 0 });
+            let _ =
+                firmware::serve(&twin, "test 1", &mut Socket { configured: 0, stream, cable, frames: 0, bytes: 0 });
         }
     });
     format!("tcp:{address}")
@@ -124,6 +142,23 @@ fn a_bridge_takes_the_options_of_the_part() {
     let refused = format!("{device}?edge=rising");
     zerorate(&["probe", "--device", &refused]).ended_with(1).saying(&["cannot hear the edge", "leave edge= out"]);
     zerorate(&["probe", "--device", &device, "--self-test", "gpiochip0:3"]).ended_with(2).saying(&["takes no GPIO"]);
+}
+
+#[test]
+fn a_bridge_is_told_of_a_counter_in_the_line() {
+    let device = bridge(Spec::from_seed(7), Cable::default());
+    let (run, folder) = capture(&format!("{device}?divided=50"), "50");
+    run.ended_with(0);
+    let text = std::fs::read_to_string(folder.path().join("unit.csv")).expect("a capture");
+    assert!(text.contains("zerorate.divided = 50"), "{}", &text[..1_000]);
+    // the emulator's line has no counter, and a bridge asked again takes that back
+    let (run, folder) = capture(&device, "5000");
+    assert_eq!(run.ended_with(0).json()["lost_samples"], 0);
+    assert!(rows(&folder).len() == 5_000);
+    let old = bridge(Spec::from_seed(7), Cable { is_old: true, ..Cable::default() });
+    zerorate(&["probe", "--device", &old, "--duration", "100ms"]).ended_with(0);
+    let told = zerorate(&["probe", "--device", &format!("{old}?divided=50")]);
+    told.ended_with(1).saying(&["does not know of a counter", "--divider 50"]);
 }
 
 #[test]

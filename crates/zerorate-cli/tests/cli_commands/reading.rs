@@ -69,6 +69,35 @@ fn a_divider_lowers_the_rate_and_warns_of_aliasing() {
     zerorate(&args).ended_with(2).saying(&["--force"]);
 }
 
+/// F-56: the rate is that of a divider, and what the counter keeps back is no loss.
+#[test]
+fn a_counter_in_the_line_is_told_of_in_the_address() {
+    let device = "twin:mclk_hz=6000000,divided=50";
+    let findings = zerorate(&["probe", "--device", device, "--duration", "3s", "--json"]).ended_with(0).json();
+    let rate_hz = findings["rate_hz"].as_f64().expect("a rate");
+    assert!((rate_hz / (2.0 * 5_692.6 / 51.0) - 1.0).abs() < 0.005, "{rate_hz}");
+    assert_eq!(findings["lost_samples"], 0, "{findings}");
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("divided.csv");
+    for (divider, conversions) in [("1", 51.0), ("3", 151.0)] {
+        let args =
+            ["capture", "--device", device, "--divider", divider, "--duration", "3s", "--force", "--json", "-o"];
+        let summary = zerorate(&[&args[..], &[path(&file)]].concat()).ended_with(0).json();
+        let rate_hz = summary["rate_hz"].as_f64().expect("a rate");
+        assert!((rate_hz / (2.0 * 5_692.6 / conversions) - 1.0).abs() < 0.005, "{rate_hz}");
+        assert_eq!(summary["lost_samples"], 0, "{summary}");
+        let text = std::fs::read_to_string(&file).expect("a capture");
+        assert!(
+            text.contains("zerorate.divided") && text.contains("50"),
+            "{}",
+            text.lines().next().unwrap_or_default()
+        );
+    }
+    let replay = format!("replay:{}", path(&file));
+    zerorate(&["probe", "--device", &replay]).ended_with(0);
+    zerorate(&["probe", "--device", "twin:divided=0"]).ended_with(2).saying(&["from 1 to 65535"]);
+}
+
 #[test]
 fn replays_have_decided_how_to_sample() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -211,10 +211,11 @@ impl Files {
 }
 
 fn origin(info: CaptureInfo, capture_sha256: String) -> Origin {
-    let CaptureInfo { width, rate_conversion, temp_conversion, every_temp, divider, .. } = info;
+    let CaptureInfo { width, rate_conversion, temp_conversion, every_temp, divider, divided, .. } = info;
+    let divided = if divided > 1 { format!(", divided {divided}") } else { String::new() };
     Origin {
         config: format!(
-            "{} bit, RATECONV {rate_conversion:02X}h, TEMPCONV {temp_conversion:02X}h, every_temp {every_temp}, divider {divider}",
+            "{} bit, RATECONV {rate_conversion:02X}h, TEMPCONV {temp_conversion:02X}h, every_temp {every_temp}, divider {divider}{divided}",
             width.bits()
         ),
         serial: info.serial,

@@ -40,7 +40,7 @@ impl BridgePart {
         let link = Shared(Arc::new(Mutex::new(Link::new(Wire::open(&address.port)?))));
         greet(&link, address).map_err(|error| link.explain(error, address))?;
         let edges = LastEdges { link: link.clone(), last: None };
-        let live = Live::new(Transfers(link.clone()), edges, address.config, sampling, address.mclk_hz);
+        let live = Live::new(Transfers(link.clone()), edges, address.part.config, sampling, address.mclk_hz);
         Ok(Self { address: address.clone(), sampling, link, state: State::Ready(Box::new(live)) })
     }
 
@@ -51,7 +51,7 @@ impl BridgePart {
 
     /// How the part is configured, and how it is sampled.
     pub fn settings(&self) -> (Config, SamplerConfig) {
-        (self.address.config, self.sampling)
+        (self.address.part.config, self.sampling)
     }
 
     /// Resets the part, initialises it, reads everything back. Returns the revision.
@@ -115,7 +115,7 @@ impl BridgePart {
         let mut stream = Stream {
             link: link.clone(),
             live,
-            continuity: Continuity::new(self.address.config.width()),
+            continuity: Continuity::new(self.address.part.config.width()),
             progress: Progress::default(),
         };
         let next = move || stream.next().map_err(|error| link.explain(error, &address));
@@ -143,15 +143,31 @@ fn greet(link: &Shared, address: &BridgeAddress) -> Result<()> {
         "{address} is {firmware} and speaks version {protocol} of the protocol, this zerorate version {PROTOCOL}: bring the older one up to date"
     );
     link.set_clock(address.hz)?;
-    let settings = Ask::Configure(Settings::from(&address.config));
+    let settings = Ask::Configure(Settings::from(&address.part.config));
     match link.ask(settings, |reply| matches!(reply, Reply::Configured).then_some(())) {
         Err(LinkError::Refused(Refusal::NoSuchWire)) => bail!(
             "{address} is {firmware}, which cannot hear the edge of RDY that was asked for: leave edge= out, or bring its firmware up to date"
         ),
         configured => configured?,
     }
+    tell_divided(link, address)?;
     link.lock().forget_damage();
     Ok(())
+}
+
+/// Tells of a counter in the line of RDY, if there is one: firmware that does not know of any need not understand.
+fn tell_divided(link: &Shared, address: &BridgeAddress) -> Result<()> {
+    let edges = address.part.divided;
+    if edges == 1 {
+        return Ok(());
+    }
+    match link.ask(Ask::Divided { edges }, |reply| matches!(reply, Reply::Configured).then_some(())) {
+        Err(LinkError::Silent) => bail!(
+            "{address} does not know of a counter in the line of RDY (divided={edges}): \
+             bring its firmware up to date, or connect RDY itself and use --divider {edges}"
+        ),
+        told => Ok(told?),
+    }
 }
 
 /// The samples of a bridge, in order.
