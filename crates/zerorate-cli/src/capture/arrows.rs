@@ -3,7 +3,7 @@
 use super::CaptureError;
 use super::chain::{self, End};
 use super::messages::{Message, MessageBytes, Messages, with_note};
-use super::table::{BatchSource, BlockSink};
+use super::table::{BatchSource, BlockSink, Stated};
 use crate::limits::Room;
 use crate::survive::survive;
 use arrow::array::RecordBatch;
@@ -74,16 +74,11 @@ pub struct Source {
     path: PathBuf,
     messages: Messages<BufReader<File>>,
     decoder: StreamDecoder,
-    schema: SchemaRef,
     /// The same file, to look at what follows a place that cannot be read.
     rest: File,
     len: u64,
     room: Room,
-    check: Option<String>,
-    end: Option<End>,
-    ended: bool,
-    torn: bool,
-    warning: Option<String>,
+    stated: Stated,
 }
 
 impl Source {
@@ -111,56 +106,35 @@ impl Source {
             path: path.to_owned(),
             messages,
             decoder,
-            schema,
             rest,
             len,
             room: Room::of(len),
-            check: None,
-            end: None,
-            ended: false,
-            torn: false,
-            warning: None,
+            stated: Stated::new(schema),
         })
-    }
-
-    fn read_batch(&mut self) -> Result<Option<RecordBatch>, CaptureError> {
-        while !self.ended {
-            let start = self.messages.position();
-            match self.messages.next().map_err(|error| CaptureError::io("read", &self.path, error))? {
-                Message::Whole(bytes) => {
-                    if let Some(batch) = self.decode(start, bytes)? {
-                        return Ok(Some(batch));
-                    }
-                }
-                Message::EndOfStream { marked: true } => self.end_of_stream(),
-                Message::EndOfStream { marked: false } | Message::Torn => self.torn(start)?,
-            }
-        }
-        Ok(None)
     }
 
     /// The batch of a whole message; none if it is the end or no batch at all.
     fn decode(&mut self, start: u64, bytes: MessageBytes) -> Result<Option<RecordBatch>, CaptureError> {
         let damaged = |what: String| CaptureError::damaged(&self.path, format!("byte {start}"), what);
-        if self.end.is_some() {
+        if self.stated.end.is_some() {
             return Err(damaged("a message follows behind the end of the capture".to_owned()));
         }
         bytes.check(self.room).map_err(damaged)?;
         if let Some(end) = bytes.note(chain::END) {
             let stated = End::parse(&end).filter(|_| bytes.rows() == Some(0));
-            self.end = Some(stated.ok_or_else(|| damaged(format!("its end is malformed: {end}")))?);
+            self.stated.end = Some(stated.ok_or_else(|| damaged(format!("its end is malformed: {end}")))?);
             return Ok(None);
         }
-        self.check = bytes.note(chain::BATCH);
+        self.stated.check = bytes.note(chain::BATCH);
         decode(&mut self.decoder, bytes.into()).map_err(damaged)
     }
 
     /// The stream was closed; nothing should follow.
     fn end_of_stream(&mut self) {
-        self.ended = true;
+        self.stated.ended = true;
         let trailing = self.len.saturating_sub(self.messages.position());
         if trailing > 0 {
-            self.warning =
+            self.stated.warning =
                 Some(format!("{}: the {trailing} bytes after its end of stream are ignored", self.path.display()));
         }
     }
@@ -173,8 +147,8 @@ impl Source {
             let what = "a message states a wrong length, for others follow within it";
             return Err(CaptureError::damaged(&self.path, format!("byte {whole}"), what));
         }
-        (self.ended, self.torn) = (true, true);
-        self.warning = Some(format!(
+        (self.stated.ended, self.stated.torn) = (true, true);
+        self.stated.warning = Some(format!(
             "{} was not closed (a power cut?): every whole batch is read, the {} bytes after the last one are dropped",
             self.path.display(),
             self.len.saturating_sub(whole)
@@ -203,38 +177,32 @@ pub fn decode(decoder: &mut StreamDecoder, bytes: Vec<u8>) -> Result<Option<Reco
     decoded.ok_or_else(|| "its batch makes no sense".to_owned())?.map_err(|error| error.to_string())
 }
 
-impl Iterator for Source {
-    type Item = Result<RecordBatch, CaptureError>;
-
-    fn next(&mut self) -> Option<Self::Item> {
-        let batch = self.read_batch().transpose();
-        self.ended |= !matches!(batch, Some(Ok(_)));
-        batch
-    }
-}
-
 impl BatchSource for Source {
-    fn schema(&self) -> SchemaRef {
-        self.schema.clone()
-    }
-
     fn form(&self) -> &'static str {
         "Arrow stream"
     }
 
-    fn warning(&self) -> Option<&str> {
-        self.warning.as_deref()
+    fn stated(&self) -> &Stated {
+        &self.stated
     }
 
-    fn check(&self) -> Option<&str> {
-        self.check.as_deref()
+    fn stated_mut(&mut self) -> &mut Stated {
+        &mut self.stated
     }
 
-    fn end(&self) -> Option<&End> {
-        self.end.as_ref()
-    }
-
-    fn is_torn(&self) -> bool {
-        self.torn
+    fn read_batch(&mut self) -> Result<Option<RecordBatch>, CaptureError> {
+        while !self.stated.ended {
+            let start = self.messages.position();
+            match self.messages.next().map_err(|error| CaptureError::io("read", &self.path, error))? {
+                Message::Whole(bytes) => {
+                    if let Some(batch) = self.decode(start, bytes)? {
+                        return Ok(Some(batch));
+                    }
+                }
+                Message::EndOfStream { marked: true } => self.end_of_stream(),
+                Message::EndOfStream { marked: false } | Message::Torn => self.torn(start)?,
+            }
+        }
+        Ok(None)
     }
 }

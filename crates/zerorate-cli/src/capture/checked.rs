@@ -50,7 +50,7 @@ pub struct Found {
 impl Checked {
     /// Checks the description.
     pub fn new(path: &Path, source: Box<dyn BatchSource>) -> Result<Self, CaptureError> {
-        let schema = source.schema();
+        let schema = source.stated().schema.clone();
         let info = CaptureInfo::from_metadata(path, schema.metadata())?;
         let stated = schema.metadata().get(chain::HEAD);
         let damaged = |what: &str| Err(CaptureError::damaged(path, "metadata", what));
@@ -84,7 +84,7 @@ impl Checked {
 
     /// Columns and metadata.
     pub fn schema(&self) -> SchemaRef {
-        self.source.schema()
+        self.source.stated().schema.clone()
     }
 
     /// What was read so far.
@@ -99,7 +99,7 @@ impl Checked {
 
     /// Whether the file ends where no end should be.
     pub fn is_torn(&self) -> bool {
-        self.source.is_torn()
+        self.source.stated().torn
     }
 
     /// What is to be said once all rows were read.
@@ -120,7 +120,7 @@ impl Checked {
                 self.found.edges_out_of_place
             )
         });
-        self.source.warning().map(str::to_owned).into_iter().chain(unchecked).chain(edges).collect()
+        self.source.stated().warning.clone().into_iter().chain(unchecked).chain(edges).collect()
     }
 
     /// The next rows, with the batch that they stand in.
@@ -129,7 +129,7 @@ impl Checked {
             return Ok(None);
         }
         let place = format!("batch at row {}", self.found.rows);
-        let Some(batch) = self.source.next().transpose()? else {
+        let Some(batch) = self.source.next_batch()? else {
             self.ended = true;
             self.check_end()?;
             return Ok(None);
@@ -141,7 +141,7 @@ impl Checked {
     }
 
     fn check_block(&mut self, place: &str, batch: &RecordBatch, rows: &Rows) -> Result<(), CaptureError> {
-        let stated = self.source.check();
+        let stated = self.source.stated().check.as_deref();
         self.checks = match (std::mem::replace(&mut self.checks, Checks::Absent), stated) {
             (Checks::Expected(_), None) if self.source.may_be_stripped() => Checks::Stripped,
             (Checks::Expected(mut chain) | Checks::Chained(mut chain), stated) => {
@@ -168,10 +168,10 @@ impl Checked {
         if self.info.schema == 1 {
             return self.succession.review().map_err(|what| self.contradiction("the first rows", &what));
         }
-        let (chain, end) = match (&self.checks, self.source.end()) {
+        let (chain, end) = match (&self.checks, self.source.stated().end.as_ref()) {
             (Checks::Expected(chain) | Checks::Chained(chain), Some(end)) => (chain, end),
-            (Checks::Stripped, None) if !self.source.is_torn() => return Ok(()),
-            (Checks::Expected(_) | Checks::Chained(_), None) if self.source.is_torn() => return Ok(()),
+            (Checks::Stripped, None) if !self.source.stated().torn => return Ok(()),
+            (Checks::Expected(_) | Checks::Chained(_), None) if self.source.stated().torn => return Ok(()),
             _ => {
                 return Err(self.wrong_end(
                     "it was closed, and what stands at the end of a closed capture is missing: \
@@ -229,7 +229,7 @@ impl Checked {
 
     /// What the file states at its end, once all rows were read.
     pub fn end(&self) -> Option<&End> {
-        self.source.end()
+        self.source.stated().end.as_ref()
     }
 }
 

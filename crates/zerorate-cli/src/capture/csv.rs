@@ -4,7 +4,7 @@ use super::CaptureError;
 use super::chain::{self, End};
 use super::columns::{MAX_ROWS, derived_fields, raw_fields};
 use super::delimited::{Delimiter, Lines};
-use super::table::{BatchSource, BlockSink};
+use super::table::{BatchSource, BlockSink, Stated};
 use arrow::array::{ArrayRef, ArrowPrimitiveType, PrimitiveBuilder, RecordBatch};
 use arrow::csv::WriterBuilder;
 use arrow::datatypes::{DataType, Field, Float64Type, Metadata, Schema, SchemaRef, UInt8Type, UInt32Type, UInt64Type};
@@ -68,15 +68,11 @@ impl BlockSink for Sink {
 pub struct Source {
     path: PathBuf,
     lines: Lines,
-    schema: SchemaRef,
     /// For each column of the file, in order: its builder, or none if its name is unknown.
     columns: Vec<NamedColumn>,
     /// Whether its rows carry checks: version 2 of the format.
     is_checked: bool,
-    check: Option<String>,
-    end: Option<End>,
-    ended: bool,
-    warning: Option<String>,
+    stated: Stated,
 }
 
 /// What a line below the header is.
@@ -122,12 +118,8 @@ impl Source {
             path: path.to_owned(),
             lines,
             is_checked: description.contains_key(chain::HEAD),
-            schema: Arc::new(Schema::new(fields).with_metadata(description)),
             columns,
-            check: None,
-            end: None,
-            ended: false,
-            warning: None,
+            stated: Stated::new(Arc::new(Schema::new(fields).with_metadata(description))),
         })
     }
 
@@ -146,7 +138,7 @@ impl Source {
             };
         }
         if !line.ended {
-            self.warning = Some(format!(
+            self.stated.warning = Some(format!(
                 "{} does not end with a line end: its last line may be cut short and is dropped",
                 self.path.display()
             ));
@@ -156,37 +148,10 @@ impl Source {
         Ok(Entry::Row)
     }
 
-    fn read_batch(&mut self) -> Result<Option<RecordBatch>, CaptureError> {
-        let mut rows = 0;
-        self.check = None;
-        while !self.ended && self.check.is_none() && (self.is_checked || rows < MAX_ROWS) {
-            match self.read_entry()? {
-                Entry::Row if self.end.is_some() => return Err(self.damaged("rows follow behind its end")),
-                Entry::Row if rows == MAX_ROWS => return Err(self.damaged("a check is missing among its rows")),
-                Entry::Row => rows += 1,
-                Entry::Check(_) if rows == 0 => return Err(self.damaged("a check without rows")),
-                Entry::Check(check) => self.check = Some(check),
-                Entry::End(_) if rows > 0 => return Err(self.damaged("the check of its last rows is missing")),
-                Entry::End(end) => self.end = Some(end),
-                Entry::Comment => {}
-                Entry::Nothing => self.ended = true,
-            }
-        }
-        if self.is_checked && self.ended && self.end.is_none() {
-            self.torn(rows);
-            return Ok(None);
-        }
-        if rows == 0 {
-            return Ok(None);
-        }
-        let columns = self.columns.iter_mut().filter_map(|(_, column)| Some(column.as_mut()?.finish())).collect();
-        let batch = RecordBatch::try_new(self.schema.clone(), columns);
-        batch.map(Some).map_err(|error| CaptureError::arrow("read", &self.path, error))
-    }
-
     /// The file ended before the capture did.
     fn torn(&mut self, rows: usize) {
-        self.warning = Some(format!(
+        self.stated.torn = true;
+        self.stated.warning = Some(format!(
             "{} was not closed, or its end was removed: every whole block of rows is read, {rows} rows behind the \
              last one are dropped",
             self.path.display()
@@ -226,39 +191,45 @@ fn push_cells(path: &Path, place: &str, line: &str, columns: &mut [NamedColumn])
     }
 }
 
-impl Iterator for Source {
-    type Item = Result<RecordBatch, CaptureError>;
-
-    fn next(&mut self) -> Option<Self::Item> {
-        let batch = self.read_batch().transpose();
-        self.ended |= !matches!(batch, Some(Ok(_)));
-        batch
-    }
-}
-
 impl BatchSource for Source {
-    fn schema(&self) -> SchemaRef {
-        self.schema.clone()
-    }
-
     fn form(&self) -> &'static str {
         "CSV"
     }
 
-    fn warning(&self) -> Option<&str> {
-        self.warning.as_deref()
+    fn stated(&self) -> &Stated {
+        &self.stated
     }
 
-    fn check(&self) -> Option<&str> {
-        self.check.as_deref()
+    fn stated_mut(&mut self) -> &mut Stated {
+        &mut self.stated
     }
 
-    fn end(&self) -> Option<&End> {
-        self.end.as_ref()
-    }
-
-    fn is_torn(&self) -> bool {
-        self.is_checked && self.end.is_none()
+    fn read_batch(&mut self) -> Result<Option<RecordBatch>, CaptureError> {
+        let mut rows = 0;
+        self.stated.check = None;
+        while !self.stated.ended && self.stated.check.is_none() && (self.is_checked || rows < MAX_ROWS) {
+            match self.read_entry()? {
+                Entry::Row if self.stated.end.is_some() => return Err(self.damaged("rows follow behind its end")),
+                Entry::Row if rows == MAX_ROWS => return Err(self.damaged("a check is missing among its rows")),
+                Entry::Row => rows += 1,
+                Entry::Check(_) if rows == 0 => return Err(self.damaged("a check without rows")),
+                Entry::Check(check) => self.stated.check = Some(check),
+                Entry::End(_) if rows > 0 => return Err(self.damaged("the check of its last rows is missing")),
+                Entry::End(end) => self.stated.end = Some(end),
+                Entry::Comment => {}
+                Entry::Nothing => self.stated.ended = true,
+            }
+        }
+        if self.is_checked && self.stated.ended && self.stated.end.is_none() {
+            self.torn(rows);
+            return Ok(None);
+        }
+        if rows == 0 {
+            return Ok(None);
+        }
+        let columns = self.columns.iter_mut().filter_map(|(_, column)| Some(column.as_mut()?.finish())).collect();
+        let batch = RecordBatch::try_new(self.stated.schema.clone(), columns);
+        batch.map(Some).map_err(|error| CaptureError::arrow("read", &self.path, error))
     }
 
     fn may_be_stripped(&self) -> bool {

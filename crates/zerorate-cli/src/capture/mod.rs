@@ -134,7 +134,7 @@ impl CaptureReader {
 
     /// Reads a capture out of a table that is open already.
     pub fn from_source(path: &Path, source: Box<dyn BatchSource>) -> Result<Self, CaptureError> {
-        let schema = source.schema();
+        let schema = source.stated().schema.clone();
         let table = Checked::new(path, source)?;
         let unnamed = || schema.column_with_name(CORRECTED).map(|_| "unknown".to_owned());
         let calibration_id = schema.metadata().get(CALIBRATION_ID).cloned().or_else(unnamed);

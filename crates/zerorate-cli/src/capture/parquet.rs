@@ -2,7 +2,7 @@
 
 use super::CaptureError;
 use super::chain::{self, End};
-use super::table::{BatchSource, BlockSink};
+use super::table::{BatchSource, BlockSink, Stated};
 use crate::limits::NoRoom;
 use crate::survive::survive;
 use arrow::array::RecordBatch;
@@ -16,6 +16,7 @@ use parquet::file::properties::{WriterProperties, WriterPropertiesBuilder};
 use parquet::schema::types::ColumnPath;
 use std::fs::File;
 use std::path::{Path, PathBuf};
+use std::vec::IntoIter;
 
 /// Rows per row group, the part of the file that is built in memory.
 const ROW_GROUP: usize = 1 << 20;
@@ -83,11 +84,10 @@ fn encoding(properties: WriterPropertiesBuilder, name: &str, data_type: &DataTyp
 /// Reads any Parquet file, batch by batch.
 pub struct Source {
     path: PathBuf,
-    schema: SchemaRef,
     reader: ParquetRecordBatchReader,
-    checks: Option<Vec<String>>,
-    end: Option<End>,
-    given: usize,
+    /// Of the batches that follow.
+    checks: Option<IntoIter<String>>,
+    stated: Stated,
 }
 
 impl Source {
@@ -96,7 +96,8 @@ impl Source {
         let builder = guarded(path, || ParquetRecordBatchReaderBuilder::try_new(file))?;
         let schema = builder.schema().clone();
         let stated = |key: &str| Some(schema.metadata().get(key)?.as_str());
-        let checks = stated(chain::BATCHES).map(|checks| checks.split_whitespace().map(str::to_owned).collect());
+        let checks = stated(chain::BATCHES).map(|checks| checks.split_whitespace().map(str::to_owned));
+        let checks = checks.map(|checks| checks.collect::<Vec<_>>().into_iter());
         let end = match stated(chain::END).map(End::parse) {
             Some(None) => {
                 return Err(CaptureError::damaged(path, "metadata", format!("`{}` is malformed", chain::END)));
@@ -104,20 +105,8 @@ impl Source {
             end => end.flatten(),
         };
         let reader = guarded(path, || builder.with_batch_size(BLOCK).build())?;
-        Ok(Self { path: path.to_owned(), schema, reader, checks, end, given: 0 })
-    }
-}
-
-impl Iterator for Source {
-    type Item = Result<RecordBatch, CaptureError>;
-
-    fn next(&mut self) -> Option<Self::Item> {
-        let reader = &mut self.reader;
-        self.given += 1;
-        match guarded(&self.path, || Ok(reader.next())) {
-            Ok(batch) => batch.map(|batch| batch.map_err(|error| CaptureError::arrow("read", &self.path, error))),
-            Err(error) => Some(Err(error)),
-        }
+        let stated = Stated { end, ..Stated::new(schema) };
+        Ok(Self { path: path.to_owned(), reader, checks, stated })
     }
 }
 
@@ -142,27 +131,25 @@ fn no_room(error: &ParquetError) -> Option<NoRoom> {
 }
 
 impl BatchSource for Source {
-    fn schema(&self) -> SchemaRef {
-        self.schema.clone()
-    }
-
     fn form(&self) -> &'static str {
         "Parquet"
     }
 
-    fn warning(&self) -> Option<&str> {
-        None
+    fn stated(&self) -> &Stated {
+        &self.stated
     }
 
-    fn check(&self) -> Option<&str> {
-        Some(self.checks.as_ref()?.get(self.given.checked_sub(1)?)?.as_str())
+    fn stated_mut(&mut self) -> &mut Stated {
+        &mut self.stated
     }
 
-    fn end(&self) -> Option<&End> {
-        self.end.as_ref()
+    fn read_batch(&mut self) -> Result<Option<RecordBatch>, CaptureError> {
+        let batch = guarded(&self.path, || Ok(self.reader.next()))?;
+        self.stated.check = self.checks.as_mut().and_then(Iterator::next);
+        batch.transpose().map_err(|error| CaptureError::arrow("read", &self.path, error))
     }
 
     fn may_be_stripped(&self) -> bool {
-        self.checks.is_none() && self.end.is_none()
+        self.checks.is_none() && self.stated.end.is_none()
     }
 }

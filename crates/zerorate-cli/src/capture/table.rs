@@ -42,37 +42,58 @@ pub trait BlockSink {
     fn finish(self: Box<Self>, check: Option<&str>, end: &End) -> Result<(), CaptureError>;
 }
 
-/// Gives batches.
-pub trait BatchSource: Iterator<Item = Result<RecordBatch, CaptureError>> {
+/// What a source has stated so far, beside its rows.
+pub struct Stated {
     /// Columns and metadata.
-    fn schema(&self) -> SchemaRef;
+    pub schema: SchemaRef,
+    /// The check of the batch given last.
+    pub check: Option<String>,
+    /// The end, once all batches were read.
+    pub end: Option<End>,
+    /// No batch follows.
+    pub ended: bool,
+    /// The file ended where no end should be.
+    pub torn: bool,
+    /// What is to be said after the last batch: a tail that was torn off.
+    pub warning: Option<String>,
+}
 
+impl Stated {
+    /// Nothing but the schema, as before the first batch.
+    pub fn new(schema: SchemaRef) -> Self {
+        Self { schema, check: None, end: None, ended: false, torn: false, warning: None }
+    }
+}
+
+/// Gives batches.
+pub trait BatchSource {
     /// What the form is called.
     fn form(&self) -> &'static str {
         "table"
     }
 
-    /// What is to be said after the last batch: a tail that was torn off.
-    fn warning(&self) -> Option<&str>;
+    /// What was stated so far.
+    fn stated(&self) -> &Stated;
 
-    /// The check that the file states with the batch given last.
-    fn check(&self) -> Option<&str> {
-        None
-    }
+    /// The same, to be added to.
+    fn stated_mut(&mut self) -> &mut Stated;
 
-    /// What the file states at its end, once all batches were read.
-    fn end(&self) -> Option<&End> {
-        None
-    }
-
-    /// Whether the file ends where no end should be, once all batches were read.
-    fn is_torn(&self) -> bool {
-        false
-    }
+    /// The next batch of the form, if there is one. It is not called again behind the end or an error.
+    fn read_batch(&mut self) -> Result<Option<RecordBatch>, CaptureError>;
 
     /// Whether common software keeps the description when it writes such a file, and drops the checks of the rows.
     fn may_be_stripped(&self) -> bool {
         true
+    }
+
+    /// The next batch; none behind the last one, and behind an error.
+    fn next_batch(&mut self) -> Result<Option<RecordBatch>, CaptureError> {
+        if self.stated().ended {
+            return Ok(None);
+        }
+        let batch = self.read_batch();
+        self.stated_mut().ended |= !matches!(batch, Ok(Some(_)));
+        batch
     }
 }
 

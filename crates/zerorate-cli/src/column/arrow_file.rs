@@ -6,10 +6,9 @@
 use crate::capture::CaptureError;
 use crate::capture::arrows::decode;
 use crate::capture::messages::{Message, Messages};
-use crate::capture::table::BatchSource;
+use crate::capture::table::{BatchSource, Stated};
 use crate::limits::Room;
 use arrow::array::RecordBatch;
-use arrow::datatypes::SchemaRef;
 use arrow::ipc::reader::StreamDecoder;
 use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom, Take};
@@ -36,10 +35,8 @@ pub struct ArrowFile {
     start: u64,
     messages: Messages<BufReader<Take<File>>>,
     decoder: StreamDecoder,
-    schema: SchemaRef,
     room: Room,
-    ended: bool,
-    warning: Option<String>,
+    stated: Stated,
 }
 
 impl ArrowFile {
@@ -58,31 +55,7 @@ impl ArrowFile {
         };
         let schema = bytes.schema().map_err(wrong)?;
         decode(&mut decoder, bytes.into()).map_err(wrong)?;
-        Ok(Self { path: path.to_owned(), start, messages, decoder, schema, room, ended: false, warning: None })
-    }
-
-    fn read_batch(&mut self) -> Result<Option<RecordBatch>, CaptureError> {
-        while !self.ended {
-            let start = self.start + self.messages.position();
-            match self.messages.next().map_err(|error| CaptureError::io("read", &self.path, error))? {
-                Message::Whole(bytes) => {
-                    let checked = bytes.check(self.room).and_then(|()| decode(&mut self.decoder, bytes.into()));
-                    let batch =
-                        checked.map_err(|what| CaptureError::damaged(&self.path, format!("byte {start}"), what))?;
-                    if batch.is_some() {
-                        return Ok(batch);
-                    }
-                }
-                Message::EndOfStream { .. } => self.ended = true,
-                Message::Torn => {
-                    self.ended = true;
-                    let path = self.path.display();
-                    self.warning =
-                        Some(format!("{path} was not closed: every whole batch is read, what follows is dropped"));
-                }
-            }
-        }
-        Ok(None)
+        Ok(Self { path: path.to_owned(), start, messages, decoder, room, stated: Stated::new(schema) })
     }
 }
 
@@ -109,22 +82,36 @@ fn stream_end(file: &mut File) -> io::Result<u64> {
     Ok(length.saturating_sub(index))
 }
 
-impl Iterator for ArrowFile {
-    type Item = Result<RecordBatch, CaptureError>;
-
-    fn next(&mut self) -> Option<Self::Item> {
-        let batch = self.read_batch().transpose();
-        self.ended |= !matches!(batch, Some(Ok(_)));
-        batch
-    }
-}
-
 impl BatchSource for ArrowFile {
-    fn schema(&self) -> SchemaRef {
-        self.schema.clone()
+    fn stated(&self) -> &Stated {
+        &self.stated
     }
 
-    fn warning(&self) -> Option<&str> {
-        self.warning.as_deref()
+    fn stated_mut(&mut self) -> &mut Stated {
+        &mut self.stated
+    }
+
+    fn read_batch(&mut self) -> Result<Option<RecordBatch>, CaptureError> {
+        while !self.stated.ended {
+            let start = self.start + self.messages.position();
+            match self.messages.next().map_err(|error| CaptureError::io("read", &self.path, error))? {
+                Message::Whole(bytes) => {
+                    let checked = bytes.check(self.room).and_then(|()| decode(&mut self.decoder, bytes.into()));
+                    let batch =
+                        checked.map_err(|what| CaptureError::damaged(&self.path, format!("byte {start}"), what))?;
+                    if batch.is_some() {
+                        return Ok(batch);
+                    }
+                }
+                Message::EndOfStream { .. } => self.stated.ended = true,
+                Message::Torn => {
+                    self.stated.ended = true;
+                    let path = self.path.display();
+                    self.stated.warning =
+                        Some(format!("{path} was not closed: every whole batch is read, what follows is dropped"));
+                }
+            }
+        }
+        Ok(None)
     }
 }

@@ -20,15 +20,17 @@ use std::path::Path;
 
 /// Reads a column of a table. Of a capture all columns are read, because its checks are over all of them.
 pub fn read(path: &Path, mut source: Box<dyn BatchSource>, room: Room, args: &ColumnArgs) -> Result<Found> {
-    let schema = source.schema();
+    let schema = source.stated().schema.clone();
     let mut reading = Reading::start(path, &schema, room, args)?;
     if info::is_capture(schema.metadata()) {
         let mut capture = Checked::new(path, source)?;
         capture.by_ref().try_for_each(|batch| reading.take(&batch?))?;
         return reading.finish(Some(capture.warnings().join("; ")).filter(|said| !said.is_empty()));
     }
-    source.by_ref().try_for_each(|batch| reading.take(&batch?))?;
-    reading.finish(source.warning().map(str::to_owned))
+    while let Some(batch) = source.next_batch()? {
+        reading.take(&batch)?;
+    }
+    reading.finish(source.stated().warning.clone())
 }
 
 /// A column being read, with its time.

@@ -28,8 +28,8 @@ pub use stat::{Stat, UnknownStat};
 pub use stream::{NotAdjacent, Stream};
 pub use taus::{Taus, TausError, longest};
 
-/// Averages of 1, 2, 4 … samples, as long as at least one difference of two adjacent averages fits into `len` samples.
+/// Averages of 1, 2, 4 … samples, as long as at least one difference of two adjacent averages fits into `len` samples:
+/// [`Taus::Octave`] of [`Stat::Oadev`].
 pub fn octaves(len: usize) -> alloc::vec::Vec<u64> {
-    let longest = len as u64 / 2;
-    core::iter::successors(Some(1u64), |m| m.checked_mul(2)).take_while(|m| *m <= longest).collect()
+    Taus::Octave.lengths(longest(Stat::Oadev, len as u64 + 1))
 }

@@ -368,6 +368,5 @@ fn floats_keep_their_digits_under_drift() {
     let walk: Vec<i32> = white.iter().scan(0, |sum, step| Some(core::mem::replace(sum, *sum + step))).collect();
     let walk = error_of_floats(&walk);
     let white = error_of_floats(&white);
-    std::eprintln!("relative errors: white {white:e}, ramp {ramp:e}, bend {bend:e}, random walk {walk:e}");
     assert!(white < 1e-13 && ramp < 3e-11 && bend < 3e-11 && walk < 1e-14, "{white:e} {ramp:e} {bend:e} {walk:e}");
 }
