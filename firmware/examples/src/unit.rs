@@ -22,8 +22,7 @@
 #[allow(dead_code)]
 pub const CALIBRATION_ID: &str = "fc793a7ef88b";
 
-/// Lowest temperature for which the correction holds, deg C. 25.0 to 31.6 deg C, seen while measuring; beyond, it is
-/// extrapolated.
+/// Lowest temperature for which the correction holds, deg C. 25.0 to 31.6 deg C, seen while measuring; beyond, it is extrapolated.
 #[allow(dead_code)]
 pub const TEMP_MIN_C: f64 = 25.0;
 
@@ -53,8 +52,8 @@ pub const fn in_range(temp_code: u32) -> bool {
     above && temp <= TEMP_MAX_CODE + TEMP_MARGIN_CODE
 }
 
-/// The temperature code, or that end of the range that is nearer: what [`correct_code`] takes where one wrong
-/// temperature must not move it far.
+/// The temperature code, or that end of the range that is nearer: what [`correct_code`] takes where one wrong temperature must not
+/// move it far.
 #[allow(dead_code)]
 #[inline]
 #[must_use]
@@ -83,8 +82,8 @@ pub const T3_CODE: i64 = 8480213;
 
 /// The corrected rate code of a rate code and the temperature code taken with it.
 ///
-/// Rounds to nearest, holds the result to 0 ... 2^24 - 1. Uses no division and no table. Extrapolates where the
-/// temperature is not in range, and does not say so: ask [`in_range`], or give [`hold_in_range`] of the code.
+/// Rounds to nearest, holds the result to 0 ... 2^24 - 1. Uses no division and no table. Extrapolates where the temperature is not in
+/// range, and does not say so: ask [`in_range`], or give [`hold_in_range`] of the code.
 #[allow(dead_code)]
 #[inline]
 #[must_use]
@@ -123,8 +122,7 @@ pub const TABLE_MIDDLE_Q32: i64 = 1505386037248;
 #[allow(dead_code)]
 pub const TABLE_ROWS_PER_CODE_Q32: i64 = 15237945;
 
-/// (TEMP - T3) * BTC in millionths of a deg/s, for TEMP - T3 from +7 deg C down to -7 deg C in steps of 0.02 deg C:
-/// 2804 bytes.
+/// (TEMP - T3) * BTC in millionths of a deg/s, for TEMP - T3 from +7 deg C down to -7 deg C in steps of 0.02 deg C: 2804 bytes.
 #[allow(dead_code)]
 #[rustfmt::skip]
 pub static TABLE_UDPS: [i32; 701] = [
