@@ -162,8 +162,8 @@ typedef struct zerorate_settings {
    */
   uint8_t bits;
   /**
-   * 1 = CS rises between all bytes, as the note prescribes, and `transfer` is called once per byte; 0 = it stays low for a whole
-   * command, which is faster and works too (F-22).
+   * 1 = CS rises between all bytes, as the note prescribes, and `transfer` is called once per byte; 0 = it stays
+   * low for a whole command, which is faster and works too (F-22).
    */
   uint8_t per_byte_framing;
   /**
@@ -181,7 +181,8 @@ typedef struct zerorate_settings {
 } zerorate_settings;
 
 /**
- * A gyroscope. The memory is the caller's, the contents are private; set it up with zerorate_gyro_set_up. It needs no tear-down.
+ * A gyroscope. The memory is the caller's, the contents are private; set it up with zerorate_gyro_set_up. It needs no
+ * tear-down.
  */
 typedef struct zerorate_gyro {
   /**
@@ -728,44 +729,44 @@ zerorate_status zerorate_settings_default(struct zerorate_settings *settings);
 /**
  * Sets a gyroscope up. Copies `bus` and `settings`, sends nothing: initialise it next.
  *
- * Required: Each pointer is null or points to memory of its type; what `bus` points to may be called and used as its documentation says.
+ * Required: Each pointer is null or points to memory of its type; what `bus` points to may be called and used as its
+ * documentation says.
  */
 zerorate_status zerorate_gyro_set_up(struct zerorate_gyro *gyro,
                                      const struct zerorate_bus *bus,
                                      const struct zerorate_settings *settings);
 
 /**
- * Resets the part, writes its configuration (F-30) and reads it back. 13 commands, no wait. Call it again after an error of
- * the bus: samples go on, and the next one says what was lost.
+ * Resets the part, writes its configuration (F-30) and reads it back. 13 commands, no wait. Call it again after an
+ * error of the bus: samples go on, and the next one says what was lost.
  *
  * Required: `gyro` is null or points to a gyroscope that nothing else uses meanwhile.
  */
 zerorate_status zerorate_gyro_initialise(struct zerorate_gyro *gyro);
 
 /**
- * Reads rate, its status, and temperature now, whether they are new or not: 3 commands. ZERORATE_E_OUT_OF_RANGE where the rate is
- * beyond its range, also where its code has wrapped (F-35); ZERORATE_E_NO_READING before the first conversion. Up to 9 more commands
- * where an answer is doubtful or a conversion ends in between.
+ * Reads rate, its status, and temperature now, whether they are new or not: 3 commands. ZERORATE_E_OUT_OF_RANGE where
+ * the rate is beyond its range, also where its code has wrapped (F-35); ZERORATE_E_NO_READING before the first
+ * conversion. Up to 9 more commands where an answer is doubtful or a conversion ends in between.
  *
  * Required: Each pointer is null or points to memory of its type; nothing else uses the gyroscope meanwhile.
  */
-zerorate_status zerorate_gyro_read(struct zerorate_gyro *gyro,
-                                   struct zerorate_reading *reading);
+zerorate_status zerorate_gyro_read(struct zerorate_gyro *gyro, struct zerorate_reading *reading);
 
 /**
- * Waits until RDY says that data waits: looks at the line every 5 us, for `timeout_us` and a little more at most. Needs `rdy` and
- * `delay_us`.
+ * Waits until RDY says that data waits: looks at the line every 5 us, for `timeout_us` and a little more at most.
+ * Needs `rdy` and `delay_us`.
  *
  * Required: `gyro` is null or points to a gyroscope that nothing else uses meanwhile.
  */
-zerorate_status zerorate_gyro_wait_ready(struct zerorate_gyro *gyro,
-                                         uint32_t timeout_us);
+zerorate_status zerorate_gyro_wait_ready(struct zerorate_gyro *gyro, uint32_t timeout_us);
 
 /**
  * Handles an edge of RDY: reads what is due, 1 to 3 commands, and counts the samples that were lost.
  *
- * `t_ns` is the time of the edge by a clock that runs evenly, `seq` its running number, which counts also the edges that were not
- * handled; it may wrap. Returns ZERORATE_NOTHING and writes nothing where nothing was due or the edge was stale.
+ * `t_ns` is the time of the edge by a clock that runs evenly, `seq` its running number, which counts also the edges
+ * that were not handled; it may wrap. Returns ZERORATE_NOTHING and writes nothing where nothing was due or the edge
+ * was stale.
  *
  * Required: Each pointer is null or points to memory of its type; nothing else uses the gyroscope meanwhile.
  */
@@ -775,17 +776,17 @@ zerorate_status zerorate_gyro_sample(struct zerorate_gyro *gyro,
                                      struct zerorate_sample *sample);
 
 /**
- * Whether edges of RDY still come: ZERORATE_OK, or ZERORATE_E_TIMEOUT where none has been handed to zerorate_gyro_sample for 64 periods
- * of the rate (11.2 ms with F-30). Then the part has lost its supply or its configuration, or RDY is cut: zerorate_gyro_diagnose says
- * which, zerorate_gyro_initialise starts anew. Sends nothing.
+ * Whether edges of RDY still come: ZERORATE_OK, or ZERORATE_E_TIMEOUT where none has been handed to
+ * zerorate_gyro_sample for 64 periods of the rate (11.2 ms with F-30). Then the part has lost its supply or its
+ * configuration, or RDY is cut: zerorate_gyro_diagnose says which, zerorate_gyro_initialise starts anew. Sends
+ * nothing.
  *
- * `now_ns` is the time now by the clock of the edges. Before the first edge, and after an initialisation, the time counts from the first
- * call on, so call it regularly, and at least once before you go to sleep.
+ * `now_ns` is the time now by the clock of the edges. Before the first edge, and after an initialisation, the time
+ * counts from the first call on, so call it regularly, and at least once before you go to sleep.
  *
  * Required: `gyro` is null or points to a gyroscope that nothing else uses meanwhile.
  */
-zerorate_status zerorate_gyro_silent(struct zerorate_gyro *gyro,
-                                     uint64_t now_ns);
+zerorate_status zerorate_gyro_silent(struct zerorate_gyro *gyro, uint64_t now_ns);
 
 /**
  * Looks at the link: ZERORATE_OK if it works and the part is configured as written, else what is wrong. 2 commands.

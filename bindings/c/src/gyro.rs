@@ -12,7 +12,8 @@ use adis16130::{
     TempCode, WaitBound, Width,
 };
 
-/// A gyroscope. The memory is the caller's, the contents are private; set it up with zerorate_gyro_set_up. It needs no tear-down.
+/// A gyroscope. The memory is the caller's, the contents are private; set it up with zerorate_gyro_set_up. It needs no
+/// tear-down.
 #[repr(C)]
 pub struct Gyro {
     /// Private.
@@ -45,8 +46,8 @@ pub struct Settings {
     pub divider: u16,
     /// Width of the data registers: 24 or 16.
     pub bits: u8,
-    /// 1 = CS rises between all bytes, as the note prescribes, and `transfer` is called once per byte; 0 = it stays low for a whole
-    /// command, which is faster and works too (F-22).
+    /// 1 = CS rises between all bytes, as the note prescribes, and `transfer` is called once per byte; 0 = it stays
+    /// low for a whole command, which is faster and works too (F-22).
     pub per_byte_framing: u8,
     /// Which edge of the line says "new data": 0 = falling, 1 = rising, as behind an inverting level shifter.
     pub rdy_rises: u8,
@@ -164,7 +165,8 @@ pub unsafe extern "C" fn zerorate_settings_default(settings: *mut Settings) -> S
 /// Sets a gyroscope up. Copies `bus` and `settings`, sends nothing: initialise it next.
 ///
 /// # Safety
-/// Each pointer is null or points to memory of its type; what `bus` points to may be called and used as its documentation says.
+/// Each pointer is null or points to memory of its type; what `bus` points to may be called and used as its
+/// documentation says.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn zerorate_gyro_set_up(gyro: *mut Gyro, bus: *const Bus, settings: *const Settings) -> Status {
     // SAFETY: by the contract.
@@ -184,8 +186,8 @@ unsafe fn set_up(gyro: *mut Gyro, bus: *const Bus, settings: *const Settings) ->
     unsafe { boundary::set_up(gyro, State { driver, sampler, bus }) }
 }
 
-/// Resets the part, writes its configuration (F-30) and reads it back. 13 commands, no wait. Call it again after an error of
-/// the bus: samples go on, and the next one says what was lost.
+/// Resets the part, writes its configuration (F-30) and reads it back. 13 commands, no wait. Call it again after an
+/// error of the bus: samples go on, and the next one says what was lost.
 ///
 /// # Safety
 /// `gyro` is null or points to a gyroscope that nothing else uses meanwhile.
@@ -200,9 +202,9 @@ pub unsafe extern "C" fn zerorate_gyro_initialise(gyro: *mut Gyro) -> Status {
     status::of(unsafe { boundary::state(gyro) }.and_then(initialise))
 }
 
-/// Reads rate, its status, and temperature now, whether they are new or not: 3 commands. ZERORATE_E_OUT_OF_RANGE where the rate is
-/// beyond its range, also where its code has wrapped (F-35); ZERORATE_E_NO_READING before the first conversion. Up to 9 more commands
-/// where an answer is doubtful or a conversion ends in between.
+/// Reads rate, its status, and temperature now, whether they are new or not: 3 commands. ZERORATE_E_OUT_OF_RANGE where
+/// the rate is beyond its range, also where its code has wrapped (F-35); ZERORATE_E_NO_READING before the first
+/// conversion. Up to 9 more commands where an answer is doubtful or a conversion ends in between.
 ///
 /// # Safety
 /// Each pointer is null or points to memory of its type; nothing else uses the gyroscope meanwhile.
@@ -216,8 +218,8 @@ pub unsafe extern "C" fn zerorate_gyro_read(gyro: *mut Gyro, reading: *mut Readi
     status::of(unsafe { boundary::state(gyro).and_then(read).and_then(|value| boundary::output(reading, value)) })
 }
 
-/// Waits until RDY says that data waits: looks at the line every 5 us, for `timeout_us` and a little more at most. Needs `rdy` and
-/// `delay_us`.
+/// Waits until RDY says that data waits: looks at the line every 5 us, for `timeout_us` and a little more at most.
+/// Needs `rdy` and `delay_us`.
 ///
 /// # Safety
 /// `gyro` is null or points to a gyroscope that nothing else uses meanwhile.
@@ -235,8 +237,9 @@ pub unsafe extern "C" fn zerorate_gyro_wait_ready(gyro: *mut Gyro, timeout_us: u
 
 /// Handles an edge of RDY: reads what is due, 1 to 3 commands, and counts the samples that were lost.
 ///
-/// `t_ns` is the time of the edge by a clock that runs evenly, `seq` its running number, which counts also the edges that were not
-/// handled; it may wrap. Returns ZERORATE_NOTHING and writes nothing where nothing was due or the edge was stale.
+/// `t_ns` is the time of the edge by a clock that runs evenly, `seq` its running number, which counts also the edges
+/// that were not handled; it may wrap. Returns ZERORATE_NOTHING and writes nothing where nothing was due or the edge
+/// was stale.
 ///
 /// # Safety
 /// Each pointer is null or points to memory of its type; nothing else uses the gyroscope meanwhile.
@@ -254,12 +257,13 @@ pub unsafe extern "C" fn zerorate_gyro_sample(gyro: *mut Gyro, t_ns: u64, seq: u
     }
 }
 
-/// Whether edges of RDY still come: ZERORATE_OK, or ZERORATE_E_TIMEOUT where none has been handed to zerorate_gyro_sample for 64 periods
-/// of the rate (11.2 ms with F-30). Then the part has lost its supply or its configuration, or RDY is cut: zerorate_gyro_diagnose says
-/// which, zerorate_gyro_initialise starts anew. Sends nothing.
+/// Whether edges of RDY still come: ZERORATE_OK, or ZERORATE_E_TIMEOUT where none has been handed to
+/// zerorate_gyro_sample for 64 periods of the rate (11.2 ms with F-30). Then the part has lost its supply or its
+/// configuration, or RDY is cut: zerorate_gyro_diagnose says which, zerorate_gyro_initialise starts anew. Sends
+/// nothing.
 ///
-/// `now_ns` is the time now by the clock of the edges. Before the first edge, and after an initialisation, the time counts from the first
-/// call on, so call it regularly, and at least once before you go to sleep.
+/// `now_ns` is the time now by the clock of the edges. Before the first edge, and after an initialisation, the time
+/// counts from the first call on, so call it regularly, and at least once before you go to sleep.
 ///
 /// # Safety
 /// `gyro` is null or points to a gyroscope that nothing else uses meanwhile.

@@ -36,8 +36,8 @@ pub struct Cli {
     #[command(subcommand)]
     pub command: Command,
 
-    /// What reading files may take of the machine's memory, such as 512M or 2G [default: half of it]. A file takes at most 256 MiB plus
-    /// 256 times its size on disk, whatever is given here.
+    /// What reading files may take of the machine's memory, such as 512M or 2G [default: half of it]. A file takes at
+    /// most 256 MiB plus 256 times its size on disk, whatever is given here.
     #[arg(long, global = true, value_name = "SIZE", help_heading = "Limits")]
     pub max_memory: Option<Bytes>,
 }
@@ -98,11 +98,12 @@ pub enum Command {
 pub struct DeviceArgs {
     /// The part to read: twin: (simulated), twin:KEY=VALUE,… (see `zerorate twin`), replay:FILE (a capture),
     /// spi:/dev/spidevB.C?rdy=gpiochipN:LINE (Linux; options hz=SCLK, mclk=HZ), iio:iio:deviceN
-    /// (through the kernel's driver; option hz=POLLS), bridge:/dev/ttyACM0 (a microcontroller in between; options hz=SCLK,
-    /// mclk=HZ, baud=N) or tcp:HOST:PORT (the same over a socket). All but replay: and iio: take framing=command|byte
-    /// (how CS frames the bytes), width=24|16, fw=RATE[:TEMP] and chop=0|1 (the conversion words), and edge=falling|rising
-    /// (of RDY; rising behind an inverter), and divided=N (a counter in the line lets every N-th edge of RDY through:
-    /// tip 2 of the note), after ? and & as in spi:…?rdy=gpiochip0:25&width=16, or as keys of twin: .
+    /// (through the kernel's driver; option hz=POLLS), bridge:/dev/ttyACM0 (a microcontroller in between; options
+    /// hz=SCLK, mclk=HZ, baud=N) or tcp:HOST:PORT (the same over a socket). All but replay: and iio: take
+    /// framing=command|byte (how CS frames the bytes), width=24|16, fw=RATE[:TEMP] and chop=0|1 (the conversion
+    /// words), and edge=falling|rising (of RDY; rising behind an inverter), and divided=N (a counter in the line lets
+    /// every N-th edge of RDY through: tip 2 of the note), after ? and & as in spi:…?rdy=gpiochip0:25&width=16, or as
+    /// keys of twin: .
     #[arg(short, long, value_name = "DEV", default_value = "twin:")]
     pub device: DeviceSpec,
 

@@ -1,12 +1,12 @@
-//! The protocol between a bridge, which is a microcontroller with the part on its pins, and a host: messages, frames, and the
-//! firmware's end of it without its pins.
+//! The protocol between a bridge, which is a microcontroller with the part on its pins, and a host: messages, frames,
+//! and the firmware's end of it without its pins.
 //!
-//! The bytes are specified in `docs/formats/bridge.md` of the project. A host asks, the bridge answers; while it samples, it
-//! sends every sample by itself, as fast as they come. Nothing is sent twice: what is lost on the way shows in the numbers
-//! of the samples ([`Reading`]), and [`Continuity`] counts it.
+//! The bytes are specified in `docs/formats/bridge.md` of the project. A host asks, the bridge answers; while it
+//! samples, it sends every sample by itself, as fast as they come. Nothing is sent twice: what is lost on the way
+//! shows in the numbers of the samples ([`Reading`]), and [`Continuity`] counts it.
 //!
-//! A firmware hands bytes to a [`Decoder`], its requests and the edges of RDY to a [`Station`], and what that returns to
-//! [`encode`]. Both ends of the link in one place, on a bus that a firmware would make of its SPI:
+//! A firmware hands bytes to a [`Decoder`], its requests and the edges of RDY to a [`Station`], and what that returns
+//! to [`encode`]. Both ends of the link in one place, on a bus that a firmware would make of its SPI:
 //!
 //! ```
 //! use adis16130::bridge::{Answer, Ask, Bus, Decoder, MAX_FRAME, Message, Request, Station, encode};
@@ -249,8 +249,8 @@ impl Reading {
     }
 }
 
-/// Makes samples of readings, and counts what lies between them: what the bridge lost, what it had no room for on the link,
-/// and what was damaged there. To be made anew with every [`Ask::Start`].
+/// Makes samples of readings, and counts what lies between them: what the bridge lost, what it had no room for on the
+/// link, and what was damaged there. To be made anew with every [`Ask::Start`].
 #[derive(Clone, Debug)]
 pub struct Continuity {
     width: Width,

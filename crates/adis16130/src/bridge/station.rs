@@ -14,14 +14,14 @@ pub trait Bus: SpiDevice {
     /// Sets the fastest clock that is not above this one, or else the slowest there is, and returns it, in Hz.
     fn set_sclk_hz(&mut self, hz: u32) -> u32;
 
-    /// Takes edges of this kind for those of new data, from now on (F-32). Returns whether it can: unless it says otherwise, a
-    /// bridge hears falling edges only.
+    /// Takes edges of this kind for those of new data, from now on (F-32). Returns whether it can: unless it says
+    /// otherwise, a bridge hears falling edges only.
     fn set_rdy_edge(&mut self, edge: RdyEdge) -> bool {
         matches!(edge, RdyEdge::Falling)
     }
 
-    /// Makes the self-test pins active, or releases them (F-11). Returns whether it can: unless it says otherwise, a bridge has
-    /// no such pin.
+    /// Makes the self-test pins active, or releases them (F-11). Returns whether it can: unless it says otherwise, a
+    /// bridge has no such pin.
     fn set_self_test(&mut self, _on: bool) -> bool {
         false
     }
@@ -106,7 +106,8 @@ impl<S: Bus> Station<S> {
         Message::Answer { tag, answer }
     }
 
-    /// Takes an edge of RDY, and returns what there is to send. Every edge is to be given here, also while it does not sample.
+    /// Takes an edge of RDY, and returns what there is to send. Every edge is to be given here, also while it does not
+    /// sample.
     pub async fn edge(&mut self, edge: Edge) -> Option<Message<'static>> {
         self.last = edge;
         let sampling = self.sampling.as_mut()?;

@@ -55,7 +55,8 @@ const SILENT_PERIODS: f64 = 20.0;
 
 /// An initialised part shows many edges in this time (F-32).
 const SIGN_OF_LIFE_NS: u64 = 100_000_000;
-const UNPLUGGED: &str = "the part is unplugged or has no power: data ready (pin 10) is silent and SDO (pin 12) is dead; check the cable and the 5 V supply (pins 11, 13, 15)";
+const UNPLUGGED: &str = "the part is unplugged or has no power: data ready (pin 10) is silent and SDO (pin 12) is \
+    dead; check the cable and the 5 V supply (pins 11, 13, 15)";
 
 impl<S: SpiDevice<Error: Debug + Send + Sync + 'static>, E: Edges> Live<S, E> {
     /// A part whose master clock is nominally `mclk_hz`; sends nothing.
@@ -84,8 +85,8 @@ impl<S: SpiDevice<Error: Debug + Send + Sync + 'static>, E: Edges> Live<S, E> {
         Ok(self.part.revision()?.bits())
     }
 
-    /// The fastest of some clocks at which the configuration reads back right, and so do all slower ones. `set` sets one and
-    /// returns what it has become.
+    /// The fastest of some clocks at which the configuration reads back right, and so do all slower ones. `set` sets
+    /// one and returns what it has become.
     pub fn fastest_clean_hz(&mut self, mut set: impl FnMut(u32) -> Result<u32>) -> Result<Option<u32>> {
         let mut fastest = None;
         for hz in CLOCKS_HZ {
@@ -102,8 +103,8 @@ impl<S: SpiDevice<Error: Debug + Send + Sync + 'static>, E: Edges> Live<S, E> {
         Ok(fastest)
     }
 
-    /// What the self-test does to the rate (F-11). The pin is released whatever happens, also with Ctrl-C. Leaves the part
-    /// configured.
+    /// What the self-test does to the rate (F-11). The pin is released whatever happens, also with Ctrl-C. Leaves the
+    /// part configured.
     pub fn self_test<P>(&mut self, pin: &mut P) -> Result<SelfTest>
     where
         P: OutputPin<Error: Debug + Send + Sync + 'static>,
@@ -145,7 +146,8 @@ impl<S: SpiDevice<Error: Debug + Send + Sync + 'static>, E: Edges> Live<S, E> {
         }
     }
 
-    /// A failed read whose cause is gone is a lost sample, and the sampler counts it; anything else ends the measurement.
+    /// A failed read whose cause is gone is a lost sample, and the sampler counts it; anything else ends the
+    /// measurement.
     #[cold]
     fn require_transient(&mut self, error: SampleError<S::Error>, now_ns: u64) -> Result<()> {
         if matches!(error, SampleError::Bus(_)) && self.is_alive(now_ns) {
@@ -188,7 +190,8 @@ impl<S: SpiDevice<Error: Debug + Send + Sync + 'static>, E: Edges> Live<S, E> {
     pub fn why_silent(&mut self) -> anyhow::Error {
         let fault = match self.part.diagnose() {
             Ok(None) => anyhow!(
-                "no data ready: the part answers and is configured, but RDY (pin 10) brought no new data for a second; check the RDY wire"
+                "no data ready: the part answers and is configured, but RDY (pin 10) brought no new data for a \
+                 second; check the RDY wire"
             ),
             Ok(Some(fault @ (Fault::StuckHigh(_) | Fault::StuckLow(_)))) => {
                 anyhow::Error::new(fault).context(UNPLUGGED)

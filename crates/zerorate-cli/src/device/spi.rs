@@ -33,7 +33,8 @@ const KERNEL_EDGES: u32 = 1024;
 const EDGES_AT_ONCE: usize = 64;
 /// SCHED_FIFO priority of the reading thread: above everything ordinary, below the kernel's interrupt threads (50).
 const PRIORITY: u8 = 40;
-const NOT_REALTIME: &str = "allow it with `sudo setcap cap_sys_nice,cap_ipc_lock+ep \"$(command -v zerorate)\"`, or in a systemd unit AmbientCapabilities=CAP_SYS_NICE CAP_IPC_LOCK";
+const NOT_REALTIME: &str = "allow it with `sudo setcap cap_sys_nice,cap_ipc_lock+ep \"$(command -v zerorate)\"`, or \
+    in a systemd unit AmbientCapabilities=CAP_SYS_NICE CAP_IPC_LOCK";
 
 /// Reads whose time is taken.
 const TIMED_READS: u32 = 200;
@@ -149,7 +150,8 @@ fn become_realtime() {
     }
     if mlockall(MlockAllFlags::CURRENT | MlockAllFlags::FUTURE | MlockAllFlags::ONFAULT).is_err() {
         say(format_args!(
-            "warning: memory-not-locked: the reading thread may have to wait for memory that was swapped out; {NOT_REALTIME}"
+            "warning: memory-not-locked: the reading thread may have to wait for memory that was swapped out; \
+             {NOT_REALTIME}"
         ));
     }
 }
@@ -284,15 +286,18 @@ fn why_no_spi(path: &Path, error: io::Error) -> anyhow::Error {
     let remedy = match error.kind() {
         io::ErrorKind::NotFound => match holder(path) {
             Some(driver) => format!(
-                "no {file}: the kernel driver {driver} holds this part; unbind it (/sys/bus/spi/drivers/{driver}/unbind), or read through it with --device iio:iio:device0"
+                "no {file}: the kernel driver {driver} holds this part; unbind it \
+                 (/sys/bus/spi/drivers/{driver}/unbind), or read through it with --device iio:iio:device0"
             ),
             None => format!(
-                "no {file}: no such SPI device; enable it (Raspberry Pi: dtparam=spi=on in config.txt), plug the adapter in, and look with ls /dev/spidev*"
+                "no {file}: no such SPI device; enable it (Raspberry Pi: dtparam=spi=on in config.txt), plug the \
+                 adapter in, and look with ls /dev/spidev*"
             ),
         },
         io::ErrorKind::PermissionDenied => {
             format!(
-                "no permission to open {file}: sudo usermod -aG spi \"$USER\", then log in again (ls -l {file} shows the group)"
+                "no permission to open {file}: sudo usermod -aG spi \"$USER\", then log in again (ls -l {file} shows \
+                 the group)"
             )
         }
         io::ErrorKind::ResourceBusy => format!("{file} is busy: another driver or program holds it (fuser {file})"),
@@ -312,7 +317,8 @@ fn why_not_configured(path: &Path, error: io::Error) -> anyhow::Error {
     let file = path.display();
     let text = match error.kind() {
         io::ErrorKind::InvalidInput => format!(
-            "{file} cannot do SPI mode 3 with 8-bit words, which the part needs (F-20): use another SPI controller, or spi-gpio"
+            "{file} cannot do SPI mode 3 with 8-bit words, which the part needs (F-20): use another SPI controller, \
+             or spi-gpio"
         ),
         _ => format!("{file} is no spidev device: name the file as ls /dev/spidev* lists it"),
     };
@@ -432,7 +438,8 @@ fn why_no_line(chip: &Path, line: u32, error: gpiocdev::Error) -> anyhow::Error 
         format!("line {line} of {file} is busy: gpioinfo shows who uses it; RDY needs a line of its own")
     } else if is(Errno::ACCESS) || is(Errno::PERM) || text.contains("not have permission") {
         format!(
-            "no permission to open {file}: sudo usermod -aG gpio \"$USER\", then log in again (ls -l {file} shows the group)"
+            "no permission to open {file}: sudo usermod -aG gpio \"$USER\", then log in again (ls -l {file} shows the \
+             group)"
         )
     } else if is(Errno::INVAL) {
         format!("{file} has no line {line} that can raise interrupts: gpioinfo lists its lines")

@@ -140,13 +140,15 @@ fn greet(link: &Shared, address: &BridgeAddress) -> Result<()> {
     })?;
     ensure!(
         protocol == PROTOCOL,
-        "{address} is {firmware} and speaks version {protocol} of the protocol, this zerorate version {PROTOCOL}: bring the older one up to date"
+        "{address} is {firmware} and speaks version {protocol} of the protocol, this zerorate version {PROTOCOL}: \
+         bring the older one up to date"
     );
     link.set_clock(address.hz)?;
     let settings = Ask::Configure(Settings::from(&address.part.config));
     match link.ask(settings, |reply| matches!(reply, Reply::Configured).then_some(())) {
         Err(LinkError::Refused(Refusal::NoSuchWire)) => bail!(
-            "{address} is {firmware}, which cannot hear the edge of RDY that was asked for: leave edge= out, or bring its firmware up to date"
+            "{address} is {firmware}, which cannot hear the edge of RDY that was asked for: leave edge= out, or bring \
+             its firmware up to date"
         ),
         configured => configured?,
     }
@@ -233,7 +235,8 @@ impl Shared {
             )),
             None if error.chain().any(|cause| matches!(cause.downcast_ref(), Some(LinkError::Silent))) => error
                 .context(format!(
-                    "{address} does not answer: is it a bridge (docs/formats/bridge.md) whose firmware runs, and does nobody else read it?"
+                    "{address} does not answer: is it a bridge (docs/formats/bridge.md) whose firmware runs, and does \
+                     nobody else read it?"
                 )),
             None => error,
         }
