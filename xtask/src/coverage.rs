@@ -6,7 +6,7 @@ use adis16130_twin::Spec;
 use anyhow::{Context, anyhow, ensure};
 use std::ops::RangeInclusive;
 use std::sync::atomic::{AtomicU64, Ordering};
-use zerorate::{Correction, Plan, Uncertainty};
+use zerorate::{Axis, Correction, Plan, Reading, Uncertainty};
 
 /// How long the part is off before its second warm-up, s.
 const OFF_S: u64 = 3600;
@@ -165,10 +165,11 @@ struct Mean {
 
 impl Mean {
     fn push(&mut self, sample: &Sample, correction: &Correction) -> anyhow::Result<()> {
-        let temp = sample.temp.context("a sample without temperature")?;
-        let rate_dps = zerorate::rate_dps(sample.rate);
+        let (axis, reading) = (Axis::ADIS16130, Reading::from(sample));
+        let temp = reading.temp.context("a sample without temperature")?;
+        let rate_dps = axis.rate.value(reading.rate.into());
         self.raw += rate_dps;
-        self.corrected += correction.apply(rate_dps, zerorate::temp_c(temp));
+        self.corrected += correction.apply(rate_dps, axis.temp.value(temp.into()));
         self.count += 1;
         Ok(())
     }

@@ -4,7 +4,7 @@ use adis16130::blocking::Adis16130;
 use adis16130::{Config, Edge, MCLK_HZ, Sample, Sampler, SamplerConfig};
 use adis16130_twin::{Motion, Spec, Truth, Twin, TwinRdy, TwinSpi};
 use anyhow::{Context, anyhow};
-use zerorate::{Action, Correction, Event, Outcome, Plan, Procedure, Refusal, State, Uncertainty};
+use zerorate::{Action, Axis, Correction, Event, Outcome, Plan, Procedure, Reading, Refusal, State, Uncertainty};
 
 /// A part that gives no edge for this long is dead.
 const NO_EDGE_NS: u64 = 100_000_000;
@@ -47,12 +47,12 @@ impl Rig {
 
     /// The result, and the truth at the end of step 8. A refusal is an error that can be had back.
     pub fn calibrate(&mut self, plan: Plan) -> anyhow::Result<(Outcome, Truth)> {
-        let mut procedure = Procedure::new(plan)?;
+        let mut procedure = Procedure::new(&Axis::ADIS16130, plan)?;
         let mut truth = None;
         loop {
             match procedure.next() {
                 Action::Initialise => procedure.handle(Event::Initialised { t_ns: self.initialise()? })?,
-                Action::Sample => procedure.handle(Event::Sample(&self.read()?))?,
+                Action::Read => procedure.handle(Event::Reading(&Reading::from(&self.read()?)))?,
                 Action::Done => break,
             }
             if truth.is_none() && procedure.progress().state == State::FinalTemperature {

@@ -85,7 +85,7 @@ pub unsafe extern "C" fn zerorate_correction_to_integer(
     // SAFETY: by the contract.
     status::of(unsafe { boundary::input(from) }.and_then(|from| {
         let zerorate::IntegerCorrection { offset_q, slope_q, t3_code } =
-            from.to_core().to_integer().map_err(|error| error.status())?;
+            from.to_core().to_integer(&zerorate::Axis::ADIS16130).map_err(|error| error.status())?;
         // SAFETY: by the contract.
         unsafe { boundary::output(to, CorrectionInteger { offset_q30: offset_q, slope_q30: slope_q, t3_code }) }
     }))

@@ -5,8 +5,8 @@ use crate::correction::Correction;
 use crate::gyro::Sample;
 use crate::status::{self, Numbered, Status, ZERORATE_E_STATE};
 use zerorate::{
-    Action, Event, FixedProcedure, Outcome as CoreOutcome, Plan as CorePlan, State as CoreState, Warning,
-    WindowWarnings,
+    Action, Axis, Event, FixedProcedure, Outcome as CoreOutcome, Plan as CorePlan, Reading, State as CoreState,
+    Warning, WindowWarnings,
 };
 
 /// A calibration that is going on. The memory is the caller's, the contents are private; begin it with zerorate_procedure_begin. It
@@ -14,7 +14,7 @@ use zerorate::{
 #[repr(C)]
 pub struct Procedure {
     /// Private.
-    pub opaque: [u64; 400],
+    pub opaque: [u64; 480],
 }
 
 /// What is in there.
@@ -217,8 +217,9 @@ pub unsafe extern "C" fn zerorate_plan_default(plan: *mut Plan) -> Status {
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn zerorate_procedure_begin(procedure: *mut Procedure, plan: *const Plan) -> Status {
     // SAFETY: by the contract.
-    let begun = unsafe { boundary::input(plan) }
-        .and_then(|plan| FixedProcedure::on_fixed_memory(plan.to_core()).map_err(|error| error.status()));
+    let begun = unsafe { boundary::input(plan) }.and_then(|plan| {
+        FixedProcedure::on_fixed_memory(&Axis::ADIS16130, plan.to_core()).map_err(|error| error.status())
+    });
     // SAFETY: by the contract.
     status::of(
         begun.and_then(|begun| unsafe { boundary::set_up(procedure, State { procedure: begun, refused: None }) }),
@@ -236,7 +237,7 @@ pub unsafe extern "C" fn zerorate_procedure_next(procedure: *mut Procedure) -> S
         Ok(State { refused: Some(refused), .. }) => *refused,
         Ok(State { procedure, .. }) => match procedure.next() {
             Action::Initialise => ZERORATE_INITIALISE,
-            Action::Sample => ZERORATE_SAMPLE,
+            Action::Read => ZERORATE_SAMPLE,
             Action::Done => ZERORATE_DONE,
         },
         Err(status) => status,
@@ -263,7 +264,7 @@ pub unsafe extern "C" fn zerorate_procedure_sample(procedure: *mut Procedure, sa
     let sample = unsafe { boundary::input(sample) }.and_then(|sample| sample.to_driver());
     // SAFETY: by the contract.
     let state = unsafe { boundary::state(procedure) };
-    status::of(state.and_then(|state| state.handle(Event::Sample(&sample?))))
+    status::of(state.and_then(|state| state.handle(Event::Reading(&Reading::from(&sample?)))))
 }
 
 /// Time went by without a sample.

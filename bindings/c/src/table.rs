@@ -3,7 +3,7 @@
 use crate::boundary;
 use crate::correction::Correction;
 use crate::status::{self, Numbered, Status, ZERORATE_E_ARGUMENT, ZERORATE_E_NULL, ZERORATE_E_TABLE_OUTSIDE};
-use zerorate::RowIndex;
+use zerorate::{Axis, RowIndex};
 
 /// A table of (temperature - T3) * BTC, without PBC, in millionths of a deg/s. The rows are the caller's and must stay where they are
 /// as long as the table is used; looking up only reads, so one table may serve a main loop and interrupts.
@@ -44,7 +44,8 @@ pub unsafe extern "C" fn zerorate_table_lay_out(
     // SAFETY: by the contract.
     let done = unsafe { boundary::input(correction) }.and_then(|correction| {
         let rows = correction.to_core().fill_table(step_c, span_c, memory).map_err(|error| error.status())?;
-        let RowIndex { middle_q, rows_per_code_q, t3_code } = RowIndex::new(rows, step_c, correction.t3_c);
+        let RowIndex { middle_q, rows_per_code_q, t3_code } =
+            RowIndex::new(rows, step_c, correction.t3_c, &Axis::ADIS16130.temp);
         let made = Table {
             rows_udps: memory.as_ptr(),
             rows,

@@ -1,12 +1,13 @@
 //! Captures, and codes in units.
 
 use crate::error::exception;
-use adis16130::{RateCode, TempCode, Width};
+use adis16130::Width;
 use numpy::{PyArray1, PyReadonlyArray1, ToPyArray};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::PathBuf;
+use zerorate::{Axis, Scale};
 use zerorate_cli::api;
 
 /// Reads a capture. Returns its columns, and its description under ``width_bits``, ``metadata``, ``calibration_id`` and ``warning``.
@@ -36,8 +37,7 @@ pub fn read_capture(py: Python<'_>, path: PathBuf) -> PyResult<Bound<'_, PyDict>
 #[pyfunction]
 pub fn rate_dps<'py>(codes: PyReadonlyArray1<'py, u32>, width_bits: u32) -> PyResult<Bound<'py, PyArray1<f64>>> {
     let width = width(width_bits)?;
-    let rates: Vec<f64> =
-        codes.as_slice()?.iter().map(|code| zerorate::rate_dps(RateCode::new(*code, width))).collect();
+    let rates: Vec<f64> = codes.as_slice()?.iter().map(|code| value(&Axis::ADIS16130.rate, *code, width)).collect();
     Ok(rates.to_pyarray(codes.py()))
 }
 
@@ -46,11 +46,16 @@ pub fn rate_dps<'py>(codes: PyReadonlyArray1<'py, u32>, width_bits: u32) -> PyRe
 pub fn temp_c<'py>(codes: PyReadonlyArray1<'py, i32>, width_bits: u32) -> PyResult<Bound<'py, PyArray1<f64>>> {
     let width = width(width_bits)?;
     let in_c = |code: &i32| match u32::try_from(*code) {
-        Ok(code) => zerorate::temp_c(TempCode::new(code, width)),
+        Ok(code) => value(&Axis::ADIS16130.temp, code, width),
         Err(_) => f64::NAN,
     };
     let temps: Vec<f64> = codes.as_slice()?.iter().map(in_c).collect();
     Ok(temps.to_pyarray(codes.py()))
+}
+
+/// F-43: a 16-bit code counts as 256 of 24 bits.
+fn value(scale: &Scale, code: u32, width: Width) -> f64 {
+    scale.value((i64::from(code & width.max_code()) << (scale.width_bits - width.bits() as u8)) - scale.zero_code)
 }
 
 fn width(bits: u32) -> PyResult<Width> {

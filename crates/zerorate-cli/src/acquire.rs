@@ -3,13 +3,14 @@
 use crate::believed;
 use crate::capture::admission::Admission;
 use crate::cli::{DeviceArgs, SamplingArgs};
+use crate::commands::coded;
 use crate::device::Device;
 use crate::interrupt;
 use adis16130::Sample;
 use anyhow::Result;
 use std::time::{Duration, Instant};
 use zerorate::health::{Health, Judged};
-use zerorate::{BANDWIDTH_HZ, Tally, Warning, resonance};
+use zerorate::{Axis, Reading, Tally, Warning, resonance};
 
 /// A device that is being read.
 pub struct Acquisition {
@@ -18,6 +19,7 @@ pub struct Acquisition {
     admission: Admission,
     tally: Tally,
     health: Health,
+    axis: Axis,
     start_ns: Option<u64>,
 }
 
@@ -32,8 +34,9 @@ impl Acquisition {
 
     /// Over a device that is open already, as fast as it goes. Ctrl-C stays what it was.
     pub fn unpaced(device: Device) -> Self {
-        let (admission, health) = (Admission::default(), Health::default());
-        Self { device, pace: None, admission, tally: Tally::default(), health, start_ns: None }
+        let axis = device.info(None, None).axis();
+        let (admission, tally, health) = (Admission::default(), Tally::default(), Health::new(&axis));
+        Self { device, pace: None, admission, tally, health, axis, start_ns: None }
     }
 
     /// The device itself.
@@ -54,7 +57,7 @@ impl Acquisition {
         }
         let sample = self.next_admitted()?;
         if let Some(sample) = &sample {
-            self.tally.count(sample);
+            self.tally.count(&sample.into());
             self.start_ns.get_or_insert(sample.t_ns);
             if let Some(pace) = &mut self.pace {
                 pace.keep(sample.t_ns);
@@ -68,7 +71,7 @@ impl Acquisition {
     pub fn next_judged(&mut self) -> Result<Option<Judged>> {
         loop {
             let judged = match self.next()? {
-                Some(sample) => self.health.push(&sample),
+                Some(sample) => self.health.push(&Reading::from(&sample)),
                 None => return Ok(self.health.finish()),
             };
             if judged.is_some() {
@@ -80,7 +83,12 @@ impl Acquisition {
     /// Judges a sample that goes on as it is.
     #[inline]
     pub fn judge(&mut self, sample: &Sample) {
-        self.health.push(sample);
+        self.health.push(&sample.into());
+    }
+
+    /// The axis that is read.
+    pub fn axis(&self) -> &Axis {
+        &self.axis
     }
 
     /// What was found of the samples that were judged.
@@ -97,15 +105,16 @@ impl Acquisition {
     pub fn warnings(&mut self) -> Vec<String> {
         while self.health.finish().is_some() {}
         let found = believed::warnings(&self.health, &self.tally, self.start_ns());
-        let of_the_rate = aliasing(&self.tally).into_iter().chain(self.resonance(SHORTEST_AVERAGE_S));
-        let of_the_rate = of_the_rate.map(|warning| format!("{}: {warning}", warning.code()));
+        let of_the_rate = aliasing(&self.axis, &self.tally).into_iter().chain(self.resonance(SHORTEST_AVERAGE_S));
+        let of_the_rate = of_the_rate.map(|warning| coded(&warning));
         of_the_rate.chain(found).chain(self.lost_on_the_way()).collect()
     }
 
     /// F-07: whether the resonance looks like a bias at the rate that was measured, in means over `average_s`.
     pub fn resonance(&self, average_s: f64) -> Option<Warning> {
         let edges = self.device.info(None, None).edges_per_reading();
-        (self.tally.samples > 1).then(|| resonance::warning(self.tally.sampling_hz(), edges, average_s)).flatten()
+        let rate_hz = self.tally.sampling_hz();
+        (self.tally.samples > 1).then(|| resonance::warning(&self.axis, rate_hz, edges, average_s)).flatten()
     }
 
     /// The next sample that may stand in a capture.
@@ -147,8 +156,8 @@ impl Acquisition {
 const SHORTEST_AVERAGE_S: f64 = 1.0;
 
 /// F-56: samples alias when they come below twice the bandwidth.
-pub fn aliasing(tally: &Tally) -> Option<Warning> {
-    let (rate_hz, needed_hz) = (tally.rate_hz(), 2.0 * BANDWIDTH_HZ);
+pub fn aliasing(axis: &Axis, tally: &Tally) -> Option<Warning> {
+    let (rate_hz, needed_hz) = (tally.rate_hz(), 2.0 * axis.bandwidth_hz?);
     (tally.samples > 1 && rate_hz < needed_hz).then_some(Warning::Aliased { rate_hz, needed_hz })
 }
 

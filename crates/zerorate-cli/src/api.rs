@@ -7,15 +7,16 @@ pub use crate::exit::{Refused, Usage};
 use crate::believed;
 use crate::capture::CaptureReader;
 use crate::cli::{Cli, Command};
-use crate::commands::{calibrate, correct};
+use crate::commands::calibrate;
 use crate::exit;
 use crate::output::Outputs;
+use crate::progress::Watch;
 use adis16130::Sample;
 use anyhow::Result;
 use clap::Parser;
 use std::path::Path;
 use zerorate::health::{Health, Judged};
-use zerorate::{Calibration, Tally};
+use zerorate::{Calibration, Names, Progress, Reading, Tally};
 
 /// A calibration with its report.
 #[derive(Clone, Debug)]
@@ -27,20 +28,36 @@ pub struct Calibrated {
 }
 
 /// Runs the procedure of F-51 with the options of `zerorate calibrate`, as on the command line but for `--realtime`, `--json` and progress.
-/// `keep_going` is asked with every 4096th sample (1.4 times a second of part time).
+/// `keep_going` is asked with every 4096th sample (1.4 times a second of part time). What is said calls settings by `names`.
 ///
 /// # Errors
 /// [`Usage`] where the options make no sense, [`Refused`] where the samples must not become a calibration, or why the device or a file failed.
-pub fn calibrate(options: &[String], mut keep_going: impl FnMut() -> bool) -> Result<Calibrated> {
+pub fn calibrate(options: &[String], names: Names, keep_going: impl FnMut() -> bool) -> Result<Calibrated> {
     let words = ["zerorate", "calibrate"].into_iter().chain(options.iter().map(String::as_str));
     match Cli::try_parse_from(words) {
         Ok(Cli { command: Command::Calibrate(args), .. }) => {
-            let (report, calibration) = calibrate::measured(&args, &mut keep_going)?;
+            let (report, calibration) = calibrate::measured(&args, &mut Caller { keep_going, names })?;
             let report_json = serde_json::to_string(&report)?;
             Ok(Calibrated { report_json, calibration_toml: calibration.to_toml() })
         }
         Ok(_) => Err(Usage("not the options of a calibration".to_owned()).into()),
         Err(error) => Err(Usage(error.to_string()).into()),
+    }
+}
+
+/// Whoever called, looking on.
+struct Caller<F> {
+    keep_going: F,
+    names: Names,
+}
+
+impl<F: FnMut() -> bool> Watch for Caller<F> {
+    fn see(&mut self, _: &Progress) -> bool {
+        (self.keep_going)()
+    }
+
+    fn names(&self) -> Names {
+        self.names
     }
 }
 
@@ -83,13 +100,14 @@ pub fn read_capture(path: &Path) -> Result<Recording> {
         calibration_id: reader.calibration_id().map(str::to_owned),
         ..Recording::default()
     };
-    let (mut health, mut tally) = (Health::default(), Tally::default());
+    let (mut health, mut tally) = (Health::new(&reader.info().axis()), Tally::default());
     let flag = |judged: Judged| judged.flags.bits();
     while let Some(rows) = reader.next_rows()? {
         for sample in rows.samples() {
             recording.push(&sample);
-            tally.count(&sample);
-            recording.flags.extend(health.push(&sample).map(flag));
+            let reading = Reading::from(&sample);
+            tally.count(&reading);
+            recording.flags.extend(health.push(&reading).map(flag));
         }
     }
     recording.flags.extend(std::iter::from_fn(|| health.finish()).map(flag));
@@ -130,5 +148,5 @@ pub fn refuses_output(error: &anyhow::Error) -> bool {
 /// What to say where temperatures from `low_c` to `high_c` leave the span of a calibration.
 #[must_use]
 pub fn extrapolation(calibration: &Calibration, low_c: f64, high_c: f64) -> Option<String> {
-    correct::extrapolation(calibration, low_c, high_c)
+    calibration.validity?.warning(low_c, high_c).map(|warning| warning.to_string())
 }

@@ -1,17 +1,17 @@
 //! The progress bar on stderr: the step in words, how far, how long it still takes. Hidden where stderr is no terminal.
 
+use crate::commands::flag;
 use indicatif::{ProgressBar, ProgressStyle};
-use zerorate::Progress;
+use zerorate::{Names, Progress};
 
 /// Looks on while the procedure runs.
 pub trait Watch {
     /// Sees how far it is, with every 4096th sample; false asks it to end.
     fn see(&mut self, progress: &Progress) -> bool;
-}
 
-impl<F: FnMut() -> bool> Watch for F {
-    fn see(&mut self, _: &Progress) -> bool {
-        self()
+    /// What whoever looks on calls the settings.
+    fn names(&self) -> Names {
+        flag
     }
 }
 

@@ -1,7 +1,7 @@
 //! The table of F-52 as a processor without division and floating point looks into it.
 
 use crate::correction::{Correction, TableError};
-use adis16130::{TEMP_AT_ZERO_CODE_C, TEMP_LSB_PER_C, ZERO_CODE};
+use crate::part::Scale;
 
 /// The table of F-52, (TEMP − T3) × BTC in µ°/s, found by the temperature code: no allocation, no division, no floating point.
 ///
@@ -10,11 +10,11 @@ use adis16130::{TEMP_AT_ZERO_CODE_C, TEMP_LSB_PER_C, ZERO_CODE};
 /// rows whose distances differ by less than 2⁻³² · |temp − T3 as a code| steps may stand for each other.
 ///
 /// ```
-/// use zerorate::{CodeTable, Correction};
+/// use zerorate::{Axis, CodeTable, Correction};
 /// let correction = Correction { pbc_dps: 0.0, btc_dps_per_c: -0.04, t3_c: 25.0 };
 /// let mut rows = [0; 13];
 /// correction.fill_table(0.02, 0.12, &mut rows)?;
-/// let table = CodeTable::new(&rows, 0.02, 25.0);
+/// let table = CodeTable::new(&rows, 0.02, 25.0, &Axis::ADIS16130.temp);
 /// assert_eq!(table.look_up_udps(8_388_608), Some(0));
 /// assert_eq!(table.look_up_udps(8_388_608 + 563), Some(-1600)); // 563 / 14 093 °C are 0.04 °C
 /// assert_eq!(table.look_up_udps(0), None); // the table knows nothing of so low a temperature
@@ -28,10 +28,11 @@ pub struct CodeTable<'a> {
 }
 
 impl<'a> CodeTable<'a> {
-    /// Rows as [`Correction::fill_table`] lays them out, with the step and the T3 that they were made for, °C.
+    /// Rows as [`Correction::fill_table`] lays them out, with the step and the T3 that they were made for, °C, and the scale of the
+    /// temperature.
     #[must_use]
-    pub fn new(rows_udps: &'a [i32], step_c: f64, t3_c: f64) -> Self {
-        Self { rows_udps, index: RowIndex::new(rows_udps.len(), step_c, t3_c) }
+    pub fn new(rows_udps: &'a [i32], step_c: f64, t3_c: f64, temp: &Scale) -> Self {
+        Self { rows_udps, index: RowIndex::new(rows_udps.len(), step_c, t3_c, temp) }
     }
 
     /// The row nearest to the temperature of a 24-bit code, µ°/s, to be added to RATE + PBC. None where the temperature lies more than
@@ -70,14 +71,14 @@ impl RowIndex {
 
     /// For a table of `rows` rows in steps of `step_c` °C around `t3_c` °C. A step below 10⁻⁶ °C counts as that.
     #[must_use]
-    pub fn new(rows: usize, step_c: f64, t3_c: f64) -> Self {
+    pub fn new(rows: usize, step_c: f64, t3_c: f64, temp: &Scale) -> Self {
         let one = (1i64 << Self::Q) as f64;
-        let step_lsb = step_c.max(1e-6) * f64::from(TEMP_LSB_PER_C);
+        let step_lsb = step_c.max(1e-6) * temp.lsb_per_unit;
         let middle = rows.saturating_sub(1) as u32 / 2;
         Self {
             middle_q: (i64::from(middle) << Self::Q) + (1 << (Self::Q - 1)),
             rows_per_code_q: libm::round(one / step_lsb) as i64,
-            t3_code: temp_code(t3_c) as i32,
+            t3_code: temp_code(t3_c, temp) as i32,
         }
     }
 
@@ -90,10 +91,10 @@ impl RowIndex {
     }
 }
 
-/// The 24-bit temperature code nearest to a temperature in °C (F-41); beyond −570.2 … 620.2 °C the first or last one.
+/// The code nearest to a temperature in °C; beyond what 24 bits can say the first or last one.
 #[must_use]
-pub fn temp_code(temp_c: f64) -> u32 {
-    let code = (temp_c - f64::from(TEMP_AT_ZERO_CODE_C)) * f64::from(TEMP_LSB_PER_C) + f64::from(ZERO_CODE);
+pub fn temp_code(temp_c: f64, scale: &Scale) -> u32 {
+    let code = scale.code(temp_c);
     libm::round(code.clamp(0.0, 16_777_215.0)) as u32
 }
 
@@ -123,6 +124,8 @@ impl Correction {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    const TEMP: Scale = crate::Axis::ADIS16130.temp;
 
     /// F-52, all thirteen rows, in millionths.
     #[test]
@@ -155,7 +158,7 @@ mod tests {
     fn codes_find_the_nearest_row() {
         for (step_uc, half) in [(20_000, 100), (20_000, 6), (333_333, 150), (1, 3), (1_000_000, 60)] {
             let rows = 2 * half + 1;
-            let index = RowIndex::new(rows, step_uc as f64 * 1e-6, 31.5123);
+            let index = RowIndex::new(rows, step_uc as f64 * 1e-6, 31.5123, &TEMP);
             for temp in (0..1 << 24).step_by(7).chain(8_300_000..8_600_000) {
                 let row = index.row(temp).clamp(0, rows as i64 - 1) as usize;
                 let of = |row| distance(row, rows, step_uc, index.t3_code, temp);
@@ -172,7 +175,7 @@ mod tests {
         let correction = Correction { pbc_dps: 0.0, btc_dps_per_c: -0.04, t3_c: 25.0 };
         let mut rows = [0; 13];
         correction.fill_table(0.02, 0.12, &mut rows).unwrap();
-        let table = CodeTable::new(&rows, 0.02, 25.0);
+        let table = CodeTable::new(&rows, 0.02, 25.0, &TEMP);
         for code in 8_386_000..8_391_000 {
             let delta_c = f64::from(code as i32 - 8_388_608) / 14_093.0;
             assert_eq!(table.look_up_udps(code).is_some(), delta_c.abs() < 0.13, "{code}");
@@ -181,13 +184,16 @@ mod tests {
         }
         for code in [0, 0x00FF_FFFF] {
             assert_eq!(table.look_up_udps(code), None);
-            assert_eq!(CodeTable::new(&[], 0.02, 25.0).look_up_udps(code), None);
-            assert_eq!(CodeTable::new(&[], 0.02, 25.0).look_up_held_udps(code), 0);
+            assert_eq!(CodeTable::new(&[], 0.02, 25.0, &TEMP).look_up_udps(code), None);
+            assert_eq!(CodeTable::new(&[], 0.02, 25.0, &TEMP).look_up_held_udps(code), 0);
         }
     }
 
     #[test]
     fn codes_of_temperatures() {
-        assert_eq!([25.0, 26.0, -1e9, f64::INFINITY].map(temp_code), [8_388_608, 8_402_701, 0, 16_777_215]);
+        assert_eq!(
+            [25.0, 26.0, -1e9, f64::INFINITY].map(|temp_c| temp_code(temp_c, &TEMP)),
+            [8_388_608, 8_402_701, 0, 16_777_215]
+        );
     }
 }

@@ -1,6 +1,7 @@
 //! The bias correction of F-50, RBC = RATE + PBC + (TEMP − T3) × BTC, in f64, in f32 and in integers, and its table (F-52).
 
-use adis16130::{RATE_LSB_PER_DPS, TEMP_AT_ZERO_CODE_C, TEMP_LSB_PER_C, ZERO_CODE};
+use crate::notice::Warning;
+use crate::part::Axis;
 use alloc::vec::Vec;
 use core::fmt;
 
@@ -39,17 +40,18 @@ impl Correction {
         }
     }
 
-    /// The same on raw codes, see [`IntegerCorrection`].
+    /// The same on the raw codes of an axis, see [`IntegerCorrection`].
     ///
     /// # Errors
-    /// A coefficient that does not fit: |BTC| up to 1.19 °/s/°C, PBC and T3 within what 24-bit codes can express.
-    pub fn to_integer(&self) -> Result<IntegerCorrection, IntegerError> {
+    /// A coefficient that does not fit: |BTC| up to 2 rate codes per temperature code (1.19 °/s/°C for the ADIS16130), PBC and T3
+    /// within what 24-bit codes can express.
+    pub fn to_integer(&self, axis: &Axis) -> Result<IntegerCorrection, IntegerError> {
         let one = f64::from(1u32 << IntegerCorrection::Q);
-        let per_lsb = f64::from(RATE_LSB_PER_DPS) / f64::from(TEMP_LSB_PER_C);
-        let t3_exact = (self.t3_c - f64::from(TEMP_AT_ZERO_CODE_C)) * f64::from(TEMP_LSB_PER_C) + f64::from(ZERO_CODE);
+        let per_lsb = axis.rate.lsb_per_unit / axis.temp.lsb_per_unit;
+        let t3_exact = axis.temp.code(self.t3_c);
         let t3_code = within("t3_c", t3_exact, 0.0, CODE_MAX)?;
         let slope = within("btc_dps_per_c", self.btc_dps_per_c * per_lsb * one, -SLOPE_MAX, SLOPE_MAX)?;
-        let pbc_lsb = self.pbc_dps * f64::from(RATE_LSB_PER_DPS);
+        let pbc_lsb = self.pbc_dps * axis.rate.lsb_per_unit;
         // T3 rounds to a code; what that leaves of (TEMP − T3) × BTC belongs to the offset.
         let offset = (pbc_lsb + (t3_code - t3_exact) * self.btc_dps_per_c * per_lsb) * one;
         let offset = within("pbc_dps", offset, -CODE_MAX * one, CODE_MAX * one)?;
@@ -76,6 +78,35 @@ impl Correction {
             let delta_c = f64::from(steps - row) * step_c;
             TableRow { delta_c, correction_dps: delta_c * btc_dps_per_c }
         }))
+    }
+}
+
+/// Where a correction holds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "file", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+pub struct Validity {
+    /// Lowest temperature seen while measuring, °C.
+    pub temp_min_c: f64,
+    /// Highest temperature seen while measuring, °C.
+    pub temp_max_c: f64,
+}
+
+impl Validity {
+    /// How far a temperature may leave the span unremarked, °C: ten times the noise of a single reading (M-05).
+    pub const MARGIN_C: f64 = 0.5;
+
+    /// Whether the correction holds at a temperature; elsewhere it is an extrapolation.
+    #[must_use]
+    pub fn covers(&self, temp_c: f64) -> bool {
+        (self.temp_min_c - Self::MARGIN_C..=self.temp_max_c + Self::MARGIN_C).contains(&temp_c)
+    }
+
+    /// What to say where temperatures from `low_c` to `high_c` leave the span.
+    #[must_use]
+    pub fn warning(&self, low_c: f64, high_c: f64) -> Option<Warning> {
+        let Self { temp_min_c, temp_max_c } = *self;
+        let inside = self.covers(low_c) && self.covers(high_c);
+        (!inside).then_some(Warning::Extrapolated { low_c, high_c, temp_min_c, temp_max_c })
     }
 }
 
@@ -234,6 +265,8 @@ impl core::error::Error for TableError {}
 mod tests {
     use super::*;
 
+    const ZERO_CODE: u32 = 8_388_608;
+
     const TYPICAL: Correction = Correction { pbc_dps: -0.2537, btc_dps_per_c: -0.04, t3_c: 31.5123 };
 
     /// F-52, all thirteen rows, for a bias coefficient of +0.04 °/s/°C.
@@ -274,7 +307,7 @@ mod tests {
     fn integer_correction_rounds_to_nearest_over_the_whole_range() {
         for btc_dps_per_c in [-0.04, 0.0123, 1.1, -1.1] {
             let correction = Correction { btc_dps_per_c, ..TYPICAL };
-            let integer = correction.to_integer().unwrap();
+            let integer = correction.to_integer(&Axis::ADIS16130).unwrap();
             for (rate, temp) in codes() {
                 let error = f64::from(integer.apply(rate, temp)) - exact_code(&correction, rate, temp);
                 assert!(error.abs() < 0.51, "{rate} at {temp}: {error}");
@@ -284,16 +317,16 @@ mod tests {
 
     #[test]
     fn integer_correction_saturates() {
-        let up = Correction { pbc_dps: 10.0, btc_dps_per_c: 0.0, t3_c: 25.0 }.to_integer().unwrap();
+        let up = Correction { pbc_dps: 10.0, btc_dps_per_c: 0.0, t3_c: 25.0 }.to_integer(&Axis::ADIS16130).unwrap();
         assert_eq!(up.apply(0x00FF_FFFF, ZERO_CODE), 0x00FF_FFFF);
-        let down = Correction { pbc_dps: -10.0, btc_dps_per_c: 0.0, t3_c: 25.0 }.to_integer().unwrap();
+        let down = Correction { pbc_dps: -10.0, btc_dps_per_c: 0.0, t3_c: 25.0 }.to_integer(&Axis::ADIS16130).unwrap();
         assert_eq!(down.apply(3, ZERO_CODE), 0);
         assert_eq!(down.apply(ZERO_CODE, ZERO_CODE), ZERO_CODE - 234_880);
     }
 
     #[test]
     fn coefficients_that_do_not_fit_are_named() {
-        let named = |correction: Correction| correction.to_integer().unwrap_err().coefficient;
+        let named = |correction: Correction| correction.to_integer(&Axis::ADIS16130).unwrap_err().coefficient;
         assert_eq!(named(Correction { btc_dps_per_c: 1.3, ..TYPICAL }), "btc_dps_per_c");
         assert_eq!(named(Correction { pbc_dps: 1e4, ..TYPICAL }), "pbc_dps");
         assert_eq!(named(Correction { t3_c: f64::NAN, ..TYPICAL }), "t3_c");

@@ -3,23 +3,18 @@
 use crate::correction::Correction;
 use crate::hour::{self, Deviation, Findings, Question};
 use crate::ledger::{Adjacent, BLOCK_S, Summary};
-use crate::noise::{FLOOR_PER_B, NoiseModel, TYPICAL_FLICKER_FLOOR_DPS, Window};
-use crate::notice::{Refusal, TYPICAL_BTC_DPS_PER_C, Warning};
+use crate::noise::{FLOOR_PER_B, NoiseModel, Window};
+use crate::notice::{Refusal, Warning};
+use crate::part::Axis;
 use crate::procedure::{Plan, STATES, State};
 use crate::record::{Blocks, Second};
-use crate::stationarity::{self, LARGEST_SUPPLY_STEP_DPS};
+use crate::stationarity;
 use crate::tally::Tally;
 use alloc::vec::Vec;
 
-/// Spread of the curvature of the bias over units, °/s/°C² (M-02).
-pub const TYPICAL_CURVATURE_DPS_PER_C2: f64 = 0.0005;
-/// Half width of the bias hysteresis, °/s (M-02).
-pub const TYPICAL_HYSTERESIS_DPS: f64 = 0.002;
-/// Bandwidth of the part, Hz (F-03).
-pub const BANDWIDTH_HZ: f64 = 300.0;
-
 /// Everything that the result rests on.
 pub(crate) struct Seen<'a> {
+    pub(crate) axis: &'a Axis,
     pub(crate) plan: &'a Plan,
     pub(crate) windows: [Summary; STATES],
     pub(crate) tally: &'a Tally,
@@ -28,6 +23,21 @@ pub(crate) struct Seen<'a> {
 impl Seen<'_> {
     fn window(&self, state: State) -> &Summary {
         &self.windows[state as usize]
+    }
+
+    /// The typical flicker floor; zero where it is not known.
+    fn flicker_floor_dps(&self) -> f64 {
+        self.axis.noise.map_or(0.0, |noise| noise.flicker_floor_dps)
+    }
+
+    /// The typical curvature; zero for a unit that is known to be linear, and where it is not known.
+    fn curvature_dps_per_c2(&self) -> f64 {
+        if self.plan.assume_linear { 0.0 } else { self.axis.bias.curvature_dps_per_c2.unwrap_or(0.0) }
+    }
+
+    /// The typical noise with the white part as measured.
+    fn noise(&self) -> NoiseModel {
+        NoiseModel { white_dps_per_rt_hz: white_density(self), ..self.axis.typical_noise() }
     }
 }
 
@@ -117,19 +127,22 @@ pub struct Noise {
 /// Refuses after step 6 where the span of temperature cannot give the wanted uncertainty of BTC.
 pub(crate) fn span_suffices(seen: &Seen<'_>) -> Result<(), Refusal> {
     let slope = Slope::new(seen)?;
-    let u_noise = slope.u_noise(&NoiseModel { white_dps_per_rt_hz: white_density(seen), ..NoiseModel::TYPICAL });
+    let u_noise = slope.u_noise(&seen.noise());
     // T3 will be no lower than T2 if the part goes on warming, so this is the least that curvature can do.
-    let u_curvature = slope.u_curvature(slope.t2_c, seen.plan);
+    let u_curvature = slope.u_curvature(seen, slope.t2_c);
     slope.accept(u_noise, u_curvature, seen.plan)
 }
 
 /// The warnings that need no more than the windows, each where it applies.
-pub type WindowWarnings = [Option<Warning>; 10];
+pub type WindowWarnings = [Option<Warning>; 12];
 
 /// The result of a procedure that has reached its end and kept its seconds, which show what else the rate did.
 pub(crate) fn outcome_of_hour(seen: &Seen<'_>, blocks: &Blocks) -> Result<Outcome, Refusal> {
     let seconds: Vec<Second> = blocks.seconds().collect();
-    let hour = hour::findings(&seconds, &question(seen)?);
+    let hour = match seen.axis.noise {
+        Some(_) => hour::findings(&seconds, &question(seen)?),
+        None => None,
+    };
     let eighths = match &hour {
         // A step looks like flicker, too, and must not hide behind it.
         Some(hour) => blocks.eighths_less(State::Offset, |start_s, end_s| hour.disturbance_dps(start_s, end_s)),
@@ -154,8 +167,9 @@ fn question(seen: &Seen<'_>) -> Result<Question, Refusal> {
         averages: AVERAGES.map(|state| window(seen, state, 1.0)),
         span_c: slope.span_c(),
         t3_c: Level::new(seen, slope.btc_dps_per_c())?.t3_c,
-        noise: NoiseModel { white_dps_per_rt_hz: white_density(seen), ..NoiseModel::TYPICAL },
-        curvature_dps_per_c2: if seen.plan.assume_linear { 0.0 } else { TYPICAL_CURVATURE_DPS_PER_C2 },
+        noise: seen.noise(),
+        curvature_dps_per_c2: seen.curvature_dps_per_c2(),
+        supply_dps_per_mv: seen.axis.bias.supply_dps_per_mv,
     })
 }
 
@@ -170,7 +184,7 @@ fn outcome<W>(
     let level = Level::new(seen, slope.btc_dps_per_c())?;
     let noise = measured_noise(seen, eighths);
     let uncertainty = uncertainty(seen, &slope, &level, &noise.model, hour);
-    accept(&slope, &level, &noise, &uncertainty, hour, &plan)?;
+    accept(seen, &slope, &level, &noise, &uncertainty, hour)?;
 
     let correction = Correction { pbc_dps: level.pbc_dps, btc_dps_per_c: slope.btc_dps_per_c(), t3_c: level.t3_c };
     let warnings = complete(warnings(seen, &level, &uncertainty, &noise, hour));
@@ -198,29 +212,30 @@ fn outcome<W>(
 
 /// Refuses what must not become a calibration, with the cause: first what the plan asks of any unit, then what this one did.
 fn accept(
+    seen: &Seen<'_>,
     slope: &Slope,
     level: &Level,
     noise: &Noise,
     uncertainty: &Uncertainty,
     hour: Option<&Findings>,
-    plan: &Plan,
 ) -> Result<(), Refusal> {
-    let bias_instability_dps = NoiseModel::TYPICAL.bias_instability_dps;
+    let bias_instability_dps = seen.axis.typical_noise().bias_instability_dps;
     let typical = NoiseModel { bias_instability_dps, ..noise.model };
-    let u_curvature = slope.u_curvature(level.t3_c, plan);
-    slope.accept(slope.u_noise(&typical), u_curvature, plan)?;
+    let u_curvature = slope.u_curvature(seen, level.t3_c);
+    slope.accept(slope.u_noise(&typical), u_curvature, seen.plan)?;
 
-    let wanted_dps_per_c = plan.max_u_btc_dps_per_c;
+    let wanted_dps_per_c = seen.plan.max_u_btc_dps_per_c;
     let u_btc_dps_per_c = libm::hypot(slope.u_noise(&noise.model), u_curvature);
     if u_btc_dps_per_c > wanted_dps_per_c {
         let floor_dps = FLOOR_PER_B * noise.model.bias_instability_dps;
-        let typical_dps = TYPICAL_FLICKER_FLOOR_DPS;
+        let typical_dps = seen.flicker_floor_dps();
         return Err(Refusal::Unsteady { floor_dps, typical_dps, u_btc_dps_per_c, wanted_dps_per_c });
     }
+    let limit_dps = seen.axis.bias.largest_supply_step_dps();
     for finding in hour.iter().flat_map(|hour| &hour.found) {
         match finding.deviation {
-            Deviation::Sway { hz, size_dps } if size_dps > LARGEST_SUPPLY_STEP_DPS => {
-                return Err(Refusal::Swaying { hz, size_dps, limit_dps: LARGEST_SUPPLY_STEP_DPS });
+            Deviation::Sway { hz, size_dps } if size_dps > limit_dps => {
+                return Err(Refusal::Swaying { hz, size_dps, limit_dps });
             }
             _ => {}
         }
@@ -268,18 +283,18 @@ impl Slope {
     }
 
     /// The secant through T1 and T2 against the tangent at T3, for a typical curvature, and two branches of the hysteresis.
-    fn u_curvature(&self, t3_c: f64, plan: &Plan) -> f64 {
-        if plan.assume_linear {
+    fn u_curvature(&self, seen: &Seen<'_>, t3_c: f64) -> f64 {
+        if seen.plan.assume_linear {
             return 0.0;
         }
-        let curvature = TYPICAL_CURVATURE_DPS_PER_C2 * (self.t1_c + self.t2_c - 2.0 * t3_c).abs();
-        let branches = 2.0 * TYPICAL_HYSTERESIS_DPS / libm::sqrt(3.0) / self.span_c().abs();
+        let curvature = seen.curvature_dps_per_c2() * (self.t1_c + self.t2_c - 2.0 * t3_c).abs();
+        let branches = 2.0 * seen.axis.bias.hysteresis_dps.unwrap_or(0.0) / libm::sqrt(3.0) / self.span_c().abs();
         libm::hypot(curvature, branches)
     }
 
     /// The same, or more where the hour shows more; never less, since what it shows rests on a noise model and a few degrees.
-    fn u_curvature_seen(&self, t3_c: f64, plan: &Plan, hour: Option<&Findings>) -> f64 {
-        let typical = self.u_curvature(t3_c, plan);
+    fn u_curvature_seen(&self, seen: &Seen<'_>, t3_c: f64, hour: Option<&Findings>) -> f64 {
+        let typical = self.u_curvature(seen, t3_c);
         hour.map_or(typical, |hour| hour.u_curvature_dps_per_c.max(typical))
     }
 
@@ -311,7 +326,7 @@ impl Level {
     fn new(seen: &Seen<'_>, btc_dps_per_c: f64) -> Result<Self, Refusal> {
         let (rate_dps, mean_c) = means(seen, State::Offset)?;
         let last = seen.window(State::FinalTemperature);
-        let t3_c = last.temp_c().ok_or(Refusal::NoTemperature { window: State::FinalTemperature })?;
+        let t3_c = last.temp_c.ok_or(Refusal::NoTemperature { window: State::FinalTemperature })?;
         let drift_c = t3_c - mean_c;
         let pbc_dps = seen.plan.earth_dps.unwrap_or(0.0) - rate_dps;
         let u_t3_c = u_temp_c(seen, State::FinalTemperature);
@@ -329,7 +344,7 @@ fn uncertainty(
     let steady = noise.without_random_walk();
     let mean = [window(seen, State::Offset, 1.0)];
     let t3_dps = slope.btc_dps_per_c() * level.u_t3_c;
-    let u_curvature_dps_per_c = slope.u_curvature_seen(level.t3_c, seen.plan, hour);
+    let u_curvature_dps_per_c = slope.u_curvature_seen(seen, level.t3_c, hour);
     let (found_pbc, found_btc) = hour.map_or((0.0, 0.0), |hour| (hour.u_pbc_dps, hour.u_btc_dps_per_c));
     let u_pbc_dps = libm::hypot(u_offset_noise(seen, noise), libm::hypot(level.shift_dps, t3_dps));
     let u_btc_dps_per_c = libm::hypot(slope.u_noise(noise), u_curvature_dps_per_c);
@@ -358,8 +373,8 @@ fn u_offset_noise(seen: &Seen<'_>, noise: &NoiseModel) -> f64 {
 
 fn means(seen: &Seen<'_>, state: State) -> Result<(f64, f64), Refusal> {
     let summary = seen.window(state);
-    let rate_dps = summary.rate_dps().ok_or(Refusal::TooFew { window: state, samples: 0, needed: 1 })?;
-    Ok((rate_dps, summary.temp_c().ok_or(Refusal::NoTemperature { window: state })?))
+    let rate_dps = summary.rate_dps.ok_or(Refusal::TooFew { window: state, samples: 0, needed: 1 })?;
+    Ok((rate_dps, summary.temp_c.ok_or(Refusal::NoTemperature { window: state })?))
 }
 
 fn window(seen: &Seen<'_>, state: State, weight: f64) -> Window {
@@ -392,12 +407,15 @@ const SIGNIFICANT_Z: f64 = 3.09;
 
 /// White as measured. Flicker as typical, unless step 8 wanders significantly more than that: then as much as it shows.
 fn measured_noise(seen: &Seen<'_>, eighths: Adjacent) -> Noise {
-    let typical = NoiseModel { white_dps_per_rt_hz: white_density(seen), ..NoiseModel::TYPICAL };
+    let typical = seen.noise();
     let expected = typical.allan_variance(eighths.m as f64 * BLOCK_S);
-    if eighths.variance <= expected * stationarity::allowance(eighths.count.saturating_sub(1), SIGNIFICANT_Z) {
+    let unknown = seen.axis.noise.is_none();
+    if unknown || eighths.variance <= expected * stationarity::allowance(eighths.count.saturating_sub(1), SIGNIFICANT_Z)
+    {
         return Noise { model: typical, flicker_measured: false };
     }
-    let floor = libm::sqrt(eighths.variance - expected + TYPICAL_FLICKER_FLOOR_DPS * TYPICAL_FLICKER_FLOOR_DPS);
+    let floor_dps = seen.flicker_floor_dps();
+    let floor = libm::sqrt(eighths.variance - expected + floor_dps * floor_dps);
     Noise { model: NoiseModel { bias_instability_dps: floor / FLOOR_PER_B, ..typical }, flicker_measured: true }
 }
 
@@ -405,9 +423,6 @@ fn temperature_range(seen: &Seen<'_>) -> (f64, f64) {
     let ranges = seen.windows.iter().map(|window| window.temp_range_c);
     ranges.fold((f64::INFINITY, f64::NEG_INFINITY), |all, range| (all.0.min(range.0), all.1.max(range.1)))
 }
-
-/// Smallest BTC that is not remarkable, °/s/°C: three spreads of M-02 below the typical one.
-const FLAT_DPS_PER_C: f64 = 0.01;
 
 fn warnings(
     seen: &Seen<'_>,
@@ -419,32 +434,42 @@ fn warnings(
     let (plan, model) = (seen.plan, &noise.model);
     let (lost, samples, rate_hz) = (seen.tally.lost, seen.tally.samples, seen.tally.rate_hz());
     let spoilt: u64 = seen.windows.iter().map(|window| window.spoilt).sum();
+    let bias = &seen.axis.bias;
+    let needed_hz = seen.axis.bandwidth_hz.map(|hz| 2.0 * hz);
+    let known = bias.curvature_dps_per_c2.is_some() && bias.hysteresis_dps.is_some();
+    let unjudged = seen.axis.noise.is_none() || bias.largest_tempco_dps_per_c().is_none();
+    let flat = bias.least_tempco_dps_per_c().is_some_and(|least| level.btc_dps_per_c.abs() < least);
     let when = |condition: bool, warning: Warning| condition.then_some(warning);
     [
         Some(plan.earth_dps.map_or(Warning::EarthIncluded, |earth_dps| Warning::EarthSubtracted { earth_dps })),
-        when(!plan.assume_linear, Warning::CurvatureUnseen { u_dps_per_c: uncertainty.u_curvature_dps_per_c }),
+        when(!plan.assume_linear && known, Warning::CurvatureUnseen { u_dps_per_c: uncertainty.u_curvature_dps_per_c }),
         when(
             level.shift_dps.abs() > u_offset_noise(seen, model),
             Warning::Drifting { drift_c: level.drift_c, shift_dps: level.shift_dps, u_pbc_dps: uncertainty.u_pbc_dps },
         ),
         when(
-            plan.offset_s < model.best_averaging_s() / 2.0,
+            seen.axis.noise.is_some() && plan.offset_s < model.best_averaging_s() / 2.0,
             Warning::ShortAverage { average_s: plan.offset_s, best_s: model.best_averaging_s() },
         ),
-        when(rate_hz < 2.0 * BANDWIDTH_HZ, Warning::Aliased { rate_hz, needed_hz: 2.0 * BANDWIDTH_HZ }),
+        needed_hz.filter(|needed_hz| rate_hz < *needed_hz).map(|needed_hz| Warning::Aliased { rate_hz, needed_hz }),
         when(lost > 0, Warning::Lost { lost, fraction: lost as f64 / (lost + samples) as f64 }),
         when(
             noise.flicker_measured,
             Warning::Wandering {
                 floor_dps: FLOOR_PER_B * model.bias_instability_dps,
-                typical_dps: TYPICAL_FLICKER_FLOOR_DPS,
+                typical_dps: seen.flicker_floor_dps(),
             },
         ),
         when(spoilt > 0, Warning::Impossible { count: spoilt, fraction: spoilt as f64 / samples as f64 }),
         when(
-            level.btc_dps_per_c.abs() < FLAT_DPS_PER_C,
-            Warning::Flat { btc_dps_per_c: level.btc_dps_per_c, typical_dps_per_c: TYPICAL_BTC_DPS_PER_C },
+            flat,
+            Warning::Flat {
+                btc_dps_per_c: level.btc_dps_per_c,
+                typical_dps_per_c: -bias.tempco_dps_per_c.unwrap_or(0.0),
+            },
         ),
         when(hour.is_none(), Warning::HourUnchecked),
+        when(unjudged, Warning::RestUnjudged),
+        when(!plan.assume_linear && !known, Warning::CurvatureUnknown),
     ]
 }

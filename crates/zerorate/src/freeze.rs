@@ -1,6 +1,6 @@
 //! Readings that no longer change: a part that has stopped, while data ready goes on.
 
-use adis16130::Sample;
+use crate::reading::Reading;
 
 /// A noisy channel that does not change for this long is frozen, if it was read so often meanwhile.
 const FROZEN_NS: u64 = 100_000_000;
@@ -32,7 +32,7 @@ pub struct Freeze {
 
 #[derive(Clone, Copy, Debug, Default)]
 struct Channel {
-    code: u32,
+    code: i32,
     readings: u64,
     changes: u64,
     changed_ns: u64,
@@ -42,7 +42,7 @@ struct Channel {
 
 impl Channel {
     #[inline]
-    fn watch(&mut self, now_ns: u64, code: u32) {
+    fn watch(&mut self, now_ns: u64, code: i32) {
         self.readings += 1;
         if code != self.code || self.changes == 0 {
             *self = Self {
@@ -72,11 +72,11 @@ impl Channel {
 impl Freeze {
     /// Takes a reading in, and says whether the part is frozen now.
     #[inline]
-    pub fn watch(&mut self, sample: &Sample) -> Option<Frozen> {
-        let now_ns = sample.t_ns;
-        self.rate.watch(now_ns, sample.rate.code());
-        if let Some(temp) = sample.temp {
-            self.temp.watch(now_ns, temp.code());
+    pub fn watch(&mut self, reading: &Reading) -> Option<Frozen> {
+        let now_ns = reading.t_ns;
+        self.rate.watch(now_ns, reading.rate);
+        if let Some(temp) = reading.temp {
+            self.temp.watch(now_ns, temp);
         }
         if now_ns.saturating_sub(self.rate.changed_ns) < FROZEN_NS { None } else { self.judge(now_ns) }
     }

@@ -2,8 +2,9 @@
 
 use crate::freeze::Freeze;
 pub use crate::freeze::Frozen;
+use crate::part::Axis;
 use crate::plausible::{Plausible, Verdict};
-use adis16130::{RateCode, Sample, TempCode};
+use crate::reading::Reading;
 use core::fmt;
 
 /// What is wrong with a reading; nothing, if it is to be believed. `Display` names it, for scripts:
@@ -69,35 +70,28 @@ impl fmt::Display for Flags {
     }
 }
 
-/// A reading beyond the range: by its status (OVR, F-35), which tells with CLAMP = 0 as well, or by a code at the end
-/// of the scale.
-#[must_use]
-pub fn is_out_of_range(sample: &Sample) -> bool {
-    sample.rate.is_at_rail() || sample.status.is_some_and(|status| status.out_of_range())
-}
-
-/// A sample with what was found of it.
+/// A reading with what was found of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Judged {
-    /// The sample, untouched.
-    pub sample: Sample,
+    /// The reading, untouched.
+    pub reading: Reading,
     /// What is wrong with it.
     pub flags: Flags,
 }
 
 impl Judged {
-    /// The rate, if it is to be believed.
+    /// Code of the rate less the zero code, if it is to be believed.
     #[must_use]
     #[inline]
-    pub fn rate(&self) -> Option<RateCode> {
-        self.flags.rate_is_good().then_some(self.sample.rate)
+    pub fn rate(&self) -> Option<i32> {
+        self.flags.rate_is_good().then_some(self.reading.rate)
     }
 
-    /// The temperature, if one was read and is to be believed.
+    /// The same of the temperature, if one was read.
     #[must_use]
     #[inline]
-    pub fn temp(&self) -> Option<TempCode> {
-        self.sample.temp.filter(|_| self.flags.temp_is_good())
+    pub fn temp(&self) -> Option<i32> {
+        self.reading.temp.filter(|_| self.flags.temp_is_good())
     }
 
     /// Whether its rate or its temperature is impossible.
@@ -129,32 +123,26 @@ impl Marks {
     }
 }
 
-/// Judges a stream of samples: hands each on, two samples late, with what is wrong with it.
+/// Judges a stream of readings of one axis: hands each on, two readings late, with what is wrong with it.
 ///
 /// What counts as impossible, and how often that is a false alarm, stands in [`plausible`](crate::plausible).
 ///
 /// ```
-/// use adis16130::{RateCode, Sample, Width};
 /// use zerorate::health::{Flags, Health};
-/// let mut health = Health::default();
-/// let sample = |k: u32, code| Sample {
-///     t_ns: u64::from(k) * 175_667,
-///     seq: k,
-///     rate: RateCode::new(code, Width::Bits24),
-///     status: None,
-///     temp: None,
-///     lost: 0,
-/// };
+/// use zerorate::{Axis, Reading};
+/// let mut health = Health::new(&Axis::ADIS16130);
 /// for k in 0..20 {
-///     let code = if k == 10 { 8_388_608 ^ 1 << 18 } else { 8_388_608 + k % 3 };
-///     if let Some(judged) = health.push(&sample(k, code)) {
-///         assert_eq!(judged.flags == Flags::IMPOSSIBLE, judged.sample.seq == 10);
+///     let rate = if k == 10 { 1 << 18 } else { k as i32 % 3 };
+///     let (t_ns, temp) = (u64::from(k) * 175_667, None);
+///     let reading = Reading { t_ns, seq: k, rate, temp, out_of_range: false, lost: 0 };
+///     if let Some(judged) = health.push(&reading) {
+///         assert_eq!(judged.flags == Flags::IMPOSSIBLE, judged.reading.seq == 10);
 ///     }
 /// }
 /// while health.finish().is_some() {}
 /// assert_eq!(health.marks().impossible, 1);
 /// ```
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Health {
     plausible: Plausible,
     freeze: Freeze,
@@ -163,22 +151,29 @@ pub struct Health {
 }
 
 impl Health {
-    /// Takes a sample in, and hands on the one two before it.
+    /// For readings of this axis.
+    #[must_use]
+    pub fn new(axis: &Axis) -> Self {
+        let (plausible, freeze, marks) = (Plausible::new(axis), Freeze::default(), Marks::default());
+        Self { plausible, freeze, frozen: None, marks }
+    }
+
+    /// Takes a reading in, and hands on the one two before it.
     #[inline]
-    pub fn push(&mut self, sample: &Sample) -> Option<Judged> {
-        self.frozen = self.freeze.watch(sample);
-        let judged = self.plausible.push(sample);
-        judged.map(|(sample, finding)| self.judged(sample, finding.rate, finding.temp_impossible))
+    pub fn push(&mut self, reading: &Reading) -> Option<Judged> {
+        self.frozen = self.freeze.watch(reading);
+        let judged = self.plausible.push(reading);
+        judged.map(|(reading, finding)| self.judged(reading, finding.rate, finding.temp_impossible))
     }
 
     /// Hands on the next of those that still wait, with the neighbours that it has: at the end of a record, or where
     /// its mean ends.
     pub fn finish(&mut self) -> Option<Judged> {
         let judged = self.plausible.early();
-        judged.map(|(sample, finding)| self.judged(sample, finding.rate, finding.temp_impossible))
+        judged.map(|(reading, finding)| self.judged(reading, finding.rate, finding.temp_impossible))
     }
 
-    /// How many samples were taken in and not handed on yet: two at most.
+    /// How many readings were taken in and not handed on yet: two at most.
     #[must_use]
     pub fn waiting(&self) -> u64 {
         self.plausible.waiting()
@@ -203,15 +198,15 @@ impl Health {
     }
 
     #[inline]
-    fn judged(&mut self, sample: Sample, rate: Verdict, temp_impossible: bool) -> Judged {
+    fn judged(&mut self, reading: Reading, rate: Verdict, temp_impossible: bool) -> Judged {
         if rate == Verdict::Possible && !temp_impossible && self.frozen.is_none() {
-            return Judged { sample, flags: Flags::NONE };
+            return Judged { reading, flags: Flags::NONE };
         }
-        self.marked(sample, rate, temp_impossible)
+        self.marked(reading, rate, temp_impossible)
     }
 
     #[inline(never)]
-    fn marked(&mut self, sample: Sample, rate: Verdict, temp_impossible: bool) -> Judged {
+    fn marked(&mut self, reading: Reading, rate: Verdict, temp_impossible: bool) -> Judged {
         let (marks, mut flags) = (&mut self.marks, Flags::NONE);
         let mut note = |applies: bool, count: &mut u64, flag: Flags| {
             *count += u64::from(applies);
@@ -221,9 +216,9 @@ impl Health {
         note(rate == Verdict::OutOfRange, &mut marks.out_of_range, Flags::OUT_OF_RANGE);
         note(rate == Verdict::Unjudged, &mut marks.unjudged, Flags::NONE);
         note(temp_impossible, &mut marks.impossible_temps, Flags::IMPOSSIBLE_TEMP);
-        let frozen = self.frozen.is_some_and(|frozen| sample.t_ns >= frozen.since_ns);
+        let frozen = self.frozen.is_some_and(|frozen| reading.t_ns >= frozen.since_ns);
         note(frozen, &mut marks.frozen, Flags::FROZEN);
-        Judged { sample, flags }
+        Judged { reading, flags }
     }
 }
 

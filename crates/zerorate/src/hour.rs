@@ -14,12 +14,14 @@ use core::f64::consts::PI;
 /// What the rate did beside following the temperature on a line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Deviation {
-    /// A change of level: the supply (F-01), or a platform that was turned.
+    /// A change of level: the supply, or a platform that was turned.
     Step {
         /// When, from the first sample, s.
         at_s: f64,
         /// The level after it less the one before, °/s.
         size_dps: f64,
+        /// The least step of the supply that does so, mV, if that is known.
+        supply_mv: Option<f64>,
     },
     /// The bias bends over temperature.
     Curvature {
@@ -105,6 +107,8 @@ pub(crate) struct Question {
     pub(crate) noise: NoiseModel,
     /// Spread of the curvature over units, °/s/°C²; zero for a unit that is known to be linear.
     pub(crate) curvature_dps_per_c2: f64,
+    /// Bias per supply voltage, at most, °/s/mV.
+    pub(crate) supply_dps_per_mv: Option<f64>,
 }
 
 /// Deviations that are told apart.
@@ -285,7 +289,7 @@ impl<'a> Search<'a> {
             _ => error(self.question, shape),
         };
         Finding {
-            deviation: deviation(shape, size),
+            deviation: self.question.deviation(shape, size),
             pbc_dps: size * worst(Question::pbc_error),
             btc_dps_per_c: size * worst(Question::btc_error),
         }
@@ -336,17 +340,20 @@ fn freedom(shape: &Shape) -> f64 {
     if matches!(shape, Shape::Sway { .. }) { alarm(shape) - alarm(&Shape::step(0.0)) } else { 0.0 }
 }
 
-fn deviation(shape: &Shape, size: f64) -> Deviation {
-    match *shape {
-        Shape::Step { at_s, .. } => Deviation::Step { at_s, size_dps: size },
-        Shape::Curved(_) => Deviation::Curvature { dps_per_c2: size },
-        Shape::Lagged { lag_s, .. } => Deviation::Lag { lag_s },
-        Shape::Held { width_c, .. } => Deviation::Hysteresis { width_c },
-        Shape::Sway { hz, .. } => Deviation::Sway { hz, size_dps: size.abs() },
-    }
-}
-
 impl Question {
+    fn deviation(&self, shape: &Shape, size: f64) -> Deviation {
+        match *shape {
+            Shape::Step { at_s, .. } => {
+                let supply_mv = self.supply_dps_per_mv.map(|dps_per_mv| size.abs() / dps_per_mv);
+                Deviation::Step { at_s, size_dps: size, supply_mv }
+            }
+            Shape::Curved(_) => Deviation::Curvature { dps_per_c2: size },
+            Shape::Lagged { lag_s, .. } => Deviation::Lag { lag_s },
+            Shape::Held { width_c, .. } => Deviation::Hysteresis { width_c },
+            Shape::Sway { hz, .. } => Deviation::Sway { hz, size_dps: size.abs() },
+        }
+    }
+
     /// By how much a shape of size 1 makes PBC wrong.
     fn pbc_error(&self, shape: &Shape) -> f64 {
         let offset = &self.averages[2];
@@ -451,8 +458,9 @@ mod tests {
             averages: [average(0.0, 10.0), average(200.0, 210.0), average(850.0, 999.0)],
             span_c: 5.0,
             t3_c: 33.0,
-            noise: NoiseModel::TYPICAL,
+            noise: crate::Axis::ADIS16130.typical_noise(),
             curvature_dps_per_c2: 0.0005,
+            supply_dps_per_mv: Some(0.0002),
         }
     }
 
@@ -474,7 +482,7 @@ mod tests {
     fn a_step_is_found_up_to_the_end() {
         for (at, share) in [(997.0, 1.0), (925.0, 0.5), (300.0, 0.0)] {
             let finding = strongest(|at_s| if at_s >= at { 0.04 } else { 0.0 });
-            let Deviation::Step { at_s, size_dps } = finding.deviation else { panic!("{finding:?}") };
+            let Deviation::Step { at_s, size_dps, .. } = finding.deviation else { panic!("{finding:?}") };
             assert!((at_s - at).abs() <= 3.0 && (size_dps - 0.04).abs() < 0.012, "{finding:?}");
             assert!((finding.pbc_dps / size_dps - share).abs() < 0.06, "{finding:?}");
         }

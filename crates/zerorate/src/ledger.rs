@@ -1,7 +1,7 @@
 //! What the procedure keeps of its samples, and what it asks of that.
 
-use crate::code_sum::CodeSum;
 use crate::health::Judged;
+use crate::part::Axis;
 use crate::procedure::{STATES, State};
 use crate::stationarity::Verdict;
 
@@ -12,7 +12,10 @@ pub(crate) const BLOCK_NS: u64 = 100_000_000;
 
 /// Keeps the samples of each step: all of them as sums over blocks ([`Blocks`](crate::record::Blocks)), or as much as fits into fixed
 /// memory ([`Running`](crate::running::Running)). Times count from the start of the procedure.
-pub trait Ledger: Clone + core::fmt::Debug + Default {
+pub trait Ledger: Clone + core::fmt::Debug {
+    /// An empty one, for readings of this axis.
+    fn new(axis: &Axis) -> Self;
+
     /// A step begins.
     fn open(&mut self, state: State, start_ns: u64, end_ns: u64);
 
@@ -44,8 +47,10 @@ pub struct Summary {
     pub(crate) overranged: u64,
     /// Readings that are impossible, and are in no sum.
     pub(crate) spoilt: u64,
-    pub(crate) rate: CodeSum,
-    pub(crate) temp: CodeSum,
+    /// Mean rate, °/s: the exact sum of the codes, divided once.
+    pub(crate) rate_dps: Option<f64>,
+    /// Mean temperature, °C.
+    pub(crate) temp_c: Option<f64>,
     /// Block means of the rate: adjacent ones.
     pub(crate) rates: Adjacent,
     /// Block means of the temperature, adjacent ones, °C.
@@ -65,16 +70,4 @@ pub struct Adjacent {
     pub(crate) count: usize,
     /// Half the mean square of their differences, the Allan variance.
     pub(crate) variance: f64,
-}
-
-impl Summary {
-    /// Mean rate, °/s: the exact sum of the codes, divided once.
-    pub(crate) fn rate_dps(&self) -> Option<f64> {
-        self.rate.rate_dps()
-    }
-
-    /// Mean temperature, °C.
-    pub(crate) fn temp_c(&self) -> Option<f64> {
-        self.temp.temp_c()
-    }
 }

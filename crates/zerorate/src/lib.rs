@@ -11,6 +11,7 @@ pub mod calibration;
 mod code_sum;
 mod code_table;
 mod correction;
+mod corrector;
 mod estimate;
 mod freeze;
 mod gls;
@@ -19,9 +20,12 @@ mod hour;
 mod ledger;
 pub mod noise;
 mod notice;
+mod part;
 pub mod plausible;
 mod procedure;
+mod reading;
 mod record;
+mod remedy;
 pub mod resonance;
 mod running;
 mod shape;
@@ -30,13 +34,17 @@ mod tally;
 
 #[cfg(feature = "file")]
 pub use calibration::Calibration;
-pub use code_sum::{CodeSum, rate_dps, temp_c};
+pub use code_sum::CodeSum;
 pub use code_table::{CodeTable, RowIndex, temp_code};
-pub use correction::{Correction, CorrectionF32, IntegerCorrection, IntegerError, TableError, TableRow};
-pub use estimate::{
-    BANDWIDTH_HZ, Noise, Outcome, TYPICAL_CURVATURE_DPS_PER_C2, TYPICAL_HYSTERESIS_DPS, Uncertainty, WindowWarnings,
-};
+pub use correction::{Correction, CorrectionF32, IntegerCorrection, IntegerError, TableError, TableRow, Validity};
+pub use corrector::{Corrected, Corrector, CorrectorConfig};
+pub use estimate::{Noise, Outcome, Uncertainty, WindowWarnings};
 pub use hour::{Deviation, Finding};
-pub use notice::{EARTH_DPS, Refusal, SUPPLY_DPS_PER_MV, Warning};
+pub use notice::{EARTH_DPS, Refusal, Warning};
+#[cfg(feature = "file")]
+pub use part::PartError;
+pub use part::{Axis, NamedAxis, Part, Scale, TypicalBias, TypicalNoise};
 pub use procedure::{Action, Event, FixedProcedure, Plan, PlanError, Procedure, Progress, State};
+pub use reading::Reading;
+pub use remedy::{Names, Remedy, Said, Say, Setting};
 pub use tally::Tally;

@@ -3,14 +3,8 @@
 use alloc::vec::Vec;
 use core::f64::consts::{LN_2, PI};
 
-/// White noise density of the part, one-sided, °/s/√Hz (F-02).
-pub const TYPICAL_WHITE_DPS_PER_RT_HZ: f64 = 0.0125;
-/// Floor of the flicker noise alone in an Allan deviation plot, °/s (M-04): 0.664 B.
-pub const TYPICAL_FLICKER_FLOOR_DPS: f64 = 0.0016;
 /// Lowest frequency of the flicker noise, Hz (M-04).
 pub const FLICKER_CUTOFF_HZ: f64 = 1e-4;
-/// Rate random walk K, °/s/√s (M-04).
-pub const TYPICAL_RATE_RANDOM_WALK_DPS_PER_RT_S: f64 = 1e-4;
 
 /// Highest frequency at which flicker is modelled, Hz: a hundred times above where it meets the white noise of F-02.
 const FLICKER_TOP_HZ: f64 = 10.0;
@@ -30,13 +24,6 @@ pub struct NoiseModel {
 }
 
 impl NoiseModel {
-    /// The part's typical noise (F-02, M-04).
-    pub const TYPICAL: Self = Self {
-        white_dps_per_rt_hz: TYPICAL_WHITE_DPS_PER_RT_HZ,
-        bias_instability_dps: TYPICAL_FLICKER_FLOOR_DPS / FLOOR_PER_B,
-        rate_random_walk_dps_per_rt_s: TYPICAL_RATE_RANDOM_WALK_DPS_PER_RT_S,
-    };
-
     /// Allan variance at τ, (°/s)²: N²/τ + (2 ln 2/π) B² + K²τ/3 with N² = d²/2 (IEEE Std 952-1997 C.1).
     #[must_use]
     pub fn allan_variance(&self, tau_s: f64) -> f64 {
@@ -186,6 +173,7 @@ fn square(x: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::part::Axis;
 
     fn only(white: f64, b: f64, k: f64) -> NoiseModel {
         NoiseModel { white_dps_per_rt_hz: white, bias_instability_dps: b, rate_random_walk_dps_per_rt_s: k }
@@ -203,12 +191,13 @@ mod tests {
 
     #[test]
     fn constants_are_the_facts() {
-        let n_deg_per_rt_h = TYPICAL_WHITE_DPS_PER_RT_HZ / 2f64.sqrt() * 60.0;
+        let typical = Axis::ADIS16130.typical_noise();
+        let n_deg_per_rt_h = typical.white_dps_per_rt_hz / 2f64.sqrt() * 60.0;
         assert!((n_deg_per_rt_h - 0.53).abs() < 0.001, "F-02");
         assert!((FLOOR_PER_B - (2.0 * LN_2 / PI).sqrt()).abs() < 1e-15);
-        assert!((FLOOR_PER_B * NoiseModel::TYPICAL.bias_instability_dps - 0.0016).abs() < 1e-12, "M-04");
+        assert!((FLOOR_PER_B * typical.bias_instability_dps - 0.0016).abs() < 1e-12, "M-04");
         assert_eq!((FLICKER_TOP_HZ / FLICKER_CUTOFF_HZ).log2().mul_add(2.0, 0.0).ceil(), CELLS as f64);
-        assert_eq!((FLICKER_CUTOFF_HZ, TYPICAL_RATE_RANDOM_WALK_DPS_PER_RT_S), (1e-4, 1e-4), "M-04");
+        assert_eq!((FLICKER_CUTOFF_HZ, typical.rate_random_walk_dps_per_rt_s), (1e-4, 1e-4), "M-04");
     }
 
     #[test]
@@ -254,7 +243,7 @@ mod tests {
 
     #[test]
     fn best_averaging_time_is_the_minimum() {
-        let model = NoiseModel::TYPICAL;
+        let model = Axis::ADIS16130.typical_noise();
         let best = model.best_averaging_s();
         assert!((best - 153.1).abs() < 0.1);
         assert!(model.allan_variance(best) < model.allan_variance(best * 1.1));

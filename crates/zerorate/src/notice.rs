@@ -2,16 +2,14 @@
 
 use crate::hour::{Deviation, Finding};
 use crate::procedure::State;
+use crate::remedy::{Names, Remedy, Say, Setting, say_all};
 use core::fmt;
 
 /// Rotation of the Earth, °/s, on an axis parallel to its own (F-16).
 pub const EARTH_DPS: f64 = 0.00418;
-/// Bias per supply voltage, °/s/mV, at most (F-01).
-pub const SUPPLY_DPS_PER_MV: f64 = 0.0002;
-/// Typical BTC, °/s/°C: minus the bias temperature coefficient of F-05.
-pub const TYPICAL_BTC_DPS_PER_C: f64 = -0.04;
 
-/// The result stands, but there is something to know. `Display` says what was seen, why it matters and what to do.
+/// The result stands, but there is something to know. `Display` says what was seen, why it matters and what to do, with the names
+/// of [`Plan`](crate::Plan) for settings; [`Say`] does so with others.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 #[expect(missing_docs, reason = "the fields are the numbers that the text shows, with their units")]
@@ -43,7 +41,13 @@ pub enum Warning {
     /// Readings that the part cannot have measured were left out.
     Impossible { count: u64, fraction: f64 },
     /// The mechanical resonance appears near zero, where it looks like a bias.
-    Resonance { folded_hz: f64, rate_hz: f64, divider: Option<u16> },
+    Resonance { tone_hz: f64, tolerance_hz: f64, folded_hz: f64, rate_hz: f64, divider: Option<u16> },
+    /// A correction was used where it was not measured.
+    Extrapolated { low_c: f64, high_c: f64, temp_min_c: f64, temp_max_c: f64 },
+    /// The typical noise or temperature coefficient of the part is not known: rest was not judged.
+    RestUnjudged,
+    /// The typical curvature or hysteresis of the part is not known, and is in no uncertainty.
+    CurvatureUnknown,
 }
 
 impl Warning {
@@ -65,16 +69,39 @@ impl Warning {
             Self::Wandering { .. } => "wandering-bias",
             Self::Impossible { .. } => "impossible-readings",
             Self::Resonance { .. } => "resonance",
+            Self::Extrapolated { .. } => "extrapolated",
+            Self::RestUnjudged => "rest-unjudged",
+            Self::CurvatureUnknown => "curvature-unknown",
         }
     }
-}
 
-impl fmt::Display for Warning {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    /// What to do about it, the best first.
+    #[must_use]
+    pub fn remedies(&self) -> &'static [Remedy] {
+        match self {
+            Self::EarthIncluded => &[Remedy::GiveEarth],
+            Self::EarthSubtracted { .. } | Self::Lost { .. } | Self::Wandering { .. } => &[],
+            Self::CurvatureUnseen { .. } => &[Remedy::AssumeLinear],
+            Self::Drifting { .. } => &[Remedy::SettleLonger, Remedy::ShieldFromDraughts],
+            Self::Found(finding) => finding.deviation.remedies(),
+            Self::Restless => &[Remedy::FixToStillPlatform, Remedy::LinearSupply],
+            Self::Flat { .. } => &[Remedy::CheckOverWiderRange],
+            Self::HourUnchecked => &[Remedy::RecordAndRecompute],
+            Self::ShortAverage { .. } => &[Remedy::LongerOffset],
+            Self::Aliased { .. } => &[Remedy::SmallerDivider],
+            Self::Impossible { .. } => &[Remedy::SlowerClock, Remedy::ShorterCable],
+            Self::Resonance { .. } => &[Remedy::OtherRate],
+            Self::Extrapolated { .. } => &[Remedy::WiderSpan],
+            Self::RestUnjudged | Self::CurvatureUnknown => &[Remedy::CompletePart],
+        }
+    }
+
+    /// What was seen, and why it matters.
+    fn seen(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
             Self::EarthIncluded => write!(
                 f,
-                "the Earth's rotation is inside PBC and not in its uncertainty: up to ±{EARTH_DPS} °/s, by the direction of the axis; give its component with --earth-dps. {STILL}"
+                "the Earth's rotation is inside PBC and not in its uncertainty: up to ±{EARTH_DPS} °/s, by the direction of the axis. {STILL}"
             ),
             Self::EarthSubtracted { earth_dps } => write!(
                 f,
@@ -82,34 +109,33 @@ impl fmt::Display for Warning {
             ),
             Self::CurvatureUnseen { u_dps_per_c } => write!(
                 f,
-                "two temperatures show no curvature: {u_dps_per_c:.5} °/s/°C in the uncertainty of BTC stands for a typical unit's; use --assume-linear only if this unit is known to be linear"
+                "two temperatures show no curvature: {u_dps_per_c:.5} °/s/°C in the uncertainty of BTC stands for a typical unit's"
             ),
             Self::Drifting { drift_c, shift_dps, u_pbc_dps } => write!(
                 f,
-                "the temperature still drifts: T3 is {drift_c:+.3} °C off the mean of step 8, which shifts PBC by {shift_dps:+.5} °/s (u = {u_pbc_dps:.5}); settle longer or shield the part from draughts"
+                "the temperature still drifts: T3 is {drift_c:+.3} °C off the mean of step 8, which shifts PBC by {shift_dps:+.5} °/s (u = {u_pbc_dps:.5})"
             ),
             Self::Found(Finding { deviation, pbc_dps, btc_dps_per_c }) => write!(
                 f,
-                "{deviation}. It makes PBC wrong by about {pbc_dps:+.4} °/s and BTC by about {btc_dps_per_c:+.4} °/s/°C, which is in their uncertainties; {}",
-                deviation.advice()
+                "{deviation}. It makes PBC wrong by about {pbc_dps:+.4} °/s and BTC by about {btc_dps_per_c:+.4} °/s/°C, which is in their uncertainties"
             ),
             Self::Restless => f.write_str(
-                "the rate moves in more ways than could be told apart, so the uncertainties may be too small; fix the part to a still platform, use a linear supply, and measure again"
+                "the rate moves in more ways than could be told apart, so the uncertainties may be too small"
             ),
             Self::Flat { btc_dps_per_c, typical_dps_per_c } => write!(
                 f,
-                "the bias hardly follows the temperature: BTC is {btc_dps_per_c:+.4} °/s/°C where {typical_dps_per_c} is typical; a wide hysteresis or a long lag looks the same over so few degrees, so check it over a wider range before you rely on it elsewhere than at T3"
+                "the bias hardly follows the temperature: BTC is {btc_dps_per_c:+.4} °/s/°C where {typical_dps_per_c} is typical; a wide hysteresis or a long lag looks the same over so few degrees"
             ),
             Self::HourUnchecked => f.write_str(
-                "steps, lag, curvature, hysteresis and slow motion between the averages were not looked for, since the seconds of the hour were not kept or are too few; record the samples and compute the calibration from them to have that done"
+                "steps, lag, curvature, hysteresis and slow motion between the averages were not looked for, since the seconds of the hour were not kept or are too few"
             ),
             Self::ShortAverage { average_s, best_s } => write!(
                 f,
-                "PBC was averaged for {average_s:.1} s, less than half of the {best_s:.0} s where this part's Allan deviation is least; use a longer --offset"
+                "PBC was averaged for {average_s:.1} s, less than half of the {best_s:.0} s where this part's Allan deviation is least"
             ),
             Self::Aliased { rate_hz, needed_hz } => write!(
                 f,
-                "{rate_hz:.0} rate samples a second are below twice the bandwidth ({needed_hz:.0} Hz): noise folds in; use a smaller divider"
+                "{rate_hz:.0} rate samples a second are below twice the bandwidth ({needed_hz:.0} Hz): noise folds in"
             ),
             Self::Lost { lost, fraction } => {
                 write!(f, "{lost} samples were lost ({:.4} %); the means leave them out", fraction * 100.0)
@@ -120,20 +146,41 @@ impl fmt::Display for Warning {
             ),
             Self::Impossible { count, fraction } => write!(
                 f,
-                "{count} readings ({:.4} %) are impossible for the bandwidth of the part, as after bit errors, and are left out; errors too small to tell from motion may have passed: lower the SPI clock, shorten or shield the cable",
+                "{count} readings ({:.4} %) are impossible for the bandwidth of the part, as after bit errors, and are left out; errors too small to tell from motion may have passed",
                 fraction * 100.0
             ),
-            Self::Resonance { folded_hz, rate_hz, divider } => {
+            Self::Resonance { tone_hz, tolerance_hz, folded_hz, rate_hz, divider } => {
                 write!(
                     f,
-                    "at {rate_hz:.1} samples a second the resonance of about 14.3 kHz (F-07, known to ±50 Hz) appears at {folded_hz:.1} Hz, where averaging may not remove it: up to 0.03 °/s of false bias; "
+                    "at {rate_hz:.1} samples a second the resonance of about {:.1} kHz (known to ±{tolerance_hz:.0} Hz) appears at {folded_hz:.1} Hz, where averaging may not remove it: up to 0.03 °/s of false bias",
+                    tone_hz / 1e3
                 )?;
-                match divider {
-                    Some(divider) => write!(f, "read on every edge number {divider} instead (a divider of {divider})"),
-                    None => f.write_str("read at another rate"),
-                }
+                divider.map_or(Ok(()), |divider| write!(f, "; a divider of {divider} is good"))
             }
+            Self::Extrapolated { low_c, high_c, temp_min_c, temp_max_c } => write!(
+                f,
+                "{low_c:.1} … {high_c:.1} °C leaves the {temp_min_c:.1} … {temp_max_c:.1} °C of the calibration: the correction is extrapolated"
+            ),
+            Self::RestUnjudged => f.write_str(
+                "the part's typical noise or temperature coefficient is not known: whether it was at rest was not judged, and the uncertainties hold the white noise alone"
+            ),
+            Self::CurvatureUnknown => f.write_str(
+                "the part's typical curvature and hysteresis are not known: the uncertainty of BTC holds nothing of what two temperatures cannot show"
+            ),
         }
+    }
+}
+
+impl Say for Warning {
+    fn say(&self, f: &mut fmt::Formatter<'_>, names: Names) -> fmt::Result {
+        self.seen(f)?;
+        say_all(self.remedies(), f, names)
+    }
+}
+
+impl fmt::Display for Warning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.say(f, Setting::name)
     }
 }
 
@@ -154,16 +201,12 @@ impl Deviation {
         }
     }
 
-    fn advice(&self) -> &'static str {
+    fn remedies(&self) -> &'static [Remedy] {
         match self {
-            Self::Step { .. } => "use a linear supply, and check that nothing moved",
-            Self::Curvature { .. } | Self::Hysteresis { .. } => {
-                "a chamber at several temperatures tells more (F-54); check that nothing moved slowly"
-            }
-            Self::Lag { .. } => {
-                "warm and settle longer, more slowly, or use a chamber (F-54); check that nothing moved slowly"
-            }
-            Self::Sway { .. } => "fix the part to a still platform",
+            Self::Step { .. } => &[Remedy::LinearSupply, Remedy::CheckNothingMoved],
+            Self::Curvature { .. } | Self::Hysteresis { .. } => &[Remedy::Chamber, Remedy::CheckNothingMovedSlowly],
+            Self::Lag { .. } => &[Remedy::WarmMoreSlowly, Remedy::Chamber, Remedy::CheckNothingMovedSlowly],
+            Self::Sway { .. } => &[Remedy::FixToStillPlatform],
         }
     }
 }
@@ -171,11 +214,10 @@ impl Deviation {
 impl fmt::Display for Deviation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
-            Self::Step { at_s, size_dps } => write!(
-                f,
-                "the rate stepped by {size_dps:+.4} °/s at {at_s:.0} s: as a supply step that would be at least {:.0} mV",
-                size_dps.abs() / SUPPLY_DPS_PER_MV
-            ),
+            Self::Step { at_s, size_dps, supply_mv } => {
+                write!(f, "the rate stepped by {size_dps:+.4} °/s at {at_s:.0} s")?;
+                supply_mv.map_or(Ok(()), |mv| write!(f, ": as a supply step that would be at least {mv:.0} mV"))
+            }
             Self::Curvature { dps_per_c2 } => {
                 write!(f, "the rate bends over temperature, by {dps_per_c2:+.5} °/s/°C²: a curved bias")
             }
@@ -233,49 +275,77 @@ pub enum Refusal {
     NoTemperature { window: State },
 }
 
-impl fmt::Display for Refusal {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+impl Refusal {
+    /// What to do about it, the best first.
+    #[must_use]
+    pub fn remedies(&self) -> &'static [Remedy] {
+        match self {
+            Self::Moving { .. } | Self::Swaying { .. } => &[Remedy::FixToStillPlatform],
+            Self::Turning { .. } => &[Remedy::KeepStill],
+            Self::Noisy { .. } => &[Remedy::RemoveVibration, Remedy::LinearSupply],
+            Self::Span { .. } => &[Remedy::StartCold, Remedy::LongerWarmUp, Remedy::AcceptMoreUBtc],
+            Self::Curvature { .. } => &[Remedy::AcceptMoreUBtc, Remedy::AssumeLinear],
+            Self::Found { finding, .. } => match finding.deviation {
+                Deviation::Step { .. } => &[Remedy::LinearSupply, Remedy::CheckNothingMoved, Remedy::AcceptMoreUBtc],
+                Deviation::Sway { .. } => &[Remedy::FixToStillPlatform, Remedy::AcceptMoreUBtc],
+                _ => &[Remedy::Chamber, Remedy::CheckNothingMovedSlowly, Remedy::AcceptMoreUBtc],
+            },
+            Self::Unsteady { .. } => &[Remedy::LinearSupply, Remedy::KeepStill, Remedy::AcceptMoreUBtc],
+            Self::Lost { .. } => &[Remedy::ReadTemperatureLess, Remedy::LargerDivider, Remedy::AllowMoreLoss],
+            Self::Overranged { .. } => &[Remedy::KeepStill, Remedy::CheckSupplyAndWiring],
+            Self::Frozen { .. } => &[Remedy::ResetAndCheck],
+            Self::BitErrors { still_moves: true, .. } => {
+                &[Remedy::SlowerClock, Remedy::ShorterCable, Remedy::FixToStillPlatform]
+            }
+            Self::BitErrors { .. } => &[Remedy::SlowerClock, Remedy::ShorterCable],
+            Self::Stuttering { .. } => &[Remedy::CheckDataReady],
+            Self::TooFew { .. } => &[Remedy::CheckDataReady, Remedy::SmallerDivider, Remedy::LongerAverage],
+            Self::NoTemperature { .. } => &[Remedy::ReadTemperatureMore],
+        }
+    }
+
+    /// What was seen, and why it must not become a calibration.
+    fn seen(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
             Self::Moving { window, tau_s, seen_dps, limit_dps } => write!(
                 f,
-                "the part moves: during {window}, means over {tau_s:.1} s vary by {seen_dps:.4} °/s (Allan deviation) where noise and temperature explain at most {limit_dps:.4} °/s; fix the part to a still platform"
+                "the part moves: during {window}, means over {tau_s:.1} s vary by {seen_dps:.4} °/s (Allan deviation) where noise and temperature explain at most {limit_dps:.4} °/s"
             ),
             Self::Turning { window, rate_dps, limit_dps } => write!(
                 f,
-                "the part turns: during {window}, its mean rate is {rate_dps:+.2} °/s, more than the ±{limit_dps} °/s that can be bias; keep the platform still"
+                "the part turns: during {window}, its mean rate is {rate_dps:+.2} °/s, more than the ±{limit_dps} °/s that can be bias"
             ),
             Self::Noisy { window, seen_dps_per_rt_hz, limit_dps_per_rt_hz } => write!(
                 f,
-                "the part shakes or its supply is noisy: during {window}, the noise is {seen_dps_per_rt_hz:.4} °/s/√Hz, above {limit_dps_per_rt_hz:.4} °/s/√Hz; remove the vibration and use a linear supply"
+                "the part shakes or its supply is noisy: during {window}, the noise is {seen_dps_per_rt_hz:.4} °/s/√Hz, above {limit_dps_per_rt_hz:.4} °/s/√Hz"
             ),
             Self::Span { t1_c, t2_c, u_btc_dps_per_c, wanted_dps_per_c } => write!(
                 f,
-                "the temperature hardly changed: from T1 = {t1_c:.3} °C to T2 = {t2_c:.3} °C (by {:.3} °C), so BTC would be uncertain by {u_btc_dps_per_c:.4} °/s/°C where {wanted_dps_per_c} is wanted; start with a part that was off for an hour, wait longer (--warmup), or accept more with --max-u-btc",
+                "the temperature hardly changed: from T1 = {t1_c:.3} °C to T2 = {t2_c:.3} °C (by {:.3} °C), so BTC would be uncertain by {u_btc_dps_per_c:.4} °/s/°C where {wanted_dps_per_c} is wanted",
                 t2_c - t1_c
             ),
             Self::Curvature { u_btc_dps_per_c, u_curvature_dps_per_c, wanted_dps_per_c } => write!(
                 f,
-                "BTC would be uncertain by {u_btc_dps_per_c:.4} °/s/°C where {wanted_dps_per_c} is wanted, {u_curvature_dps_per_c:.4} of it from the curvature that two temperatures cannot show; accept more with --max-u-btc, or use --assume-linear if this unit is known to be linear"
+                "BTC would be uncertain by {u_btc_dps_per_c:.4} °/s/°C where {wanted_dps_per_c} is wanted, {u_curvature_dps_per_c:.4} of it from the curvature that two temperatures cannot show"
             ),
             Self::Found { finding: Finding { deviation, btc_dps_per_c, .. }, u_btc_dps_per_c, wanted_dps_per_c } => {
                 write!(
                     f,
-                    "{deviation}. It makes BTC wrong by about {btc_dps_per_c:+.4} °/s/°C, so that BTC would be uncertain by {u_btc_dps_per_c:.4} °/s/°C where {wanted_dps_per_c} is wanted; {}; or accept more with --max-u-btc",
-                    deviation.advice()
+                    "{deviation}. It makes BTC wrong by about {btc_dps_per_c:+.4} °/s/°C, so that BTC would be uncertain by {u_btc_dps_per_c:.4} °/s/°C where {wanted_dps_per_c} is wanted"
                 )
             }
             Self::Swaying { hz, size_dps, limit_dps } => write!(
                 f,
-                "the part moves: the rate sways by ±{size_dps:.3} °/s once in {:.0} s, more than the {limit_dps} °/s that a result could bear; fix the part to a still platform",
+                "the part moves: the rate sways by ±{size_dps:.3} °/s once in {:.0} s, more than the {limit_dps} °/s that a result could bear",
                 1.0 / hz
             ),
             Self::Unsteady { floor_dps, typical_dps, u_btc_dps_per_c, wanted_dps_per_c } => write!(
                 f,
-                "the rate is unsteady during the offset average (step 8): it wanders or steps as a flicker floor of {floor_dps:.4} °/s would, where {typical_dps} °/s is typical, so BTC would be uncertain by {u_btc_dps_per_c:.4} °/s/°C where {wanted_dps_per_c} is wanted; use a linear supply, keep the part still, or accept more with --max-u-btc"
+                "the rate is unsteady during the offset average (step 8): it wanders or steps as a flicker floor of {floor_dps:.4} °/s would, where {typical_dps} °/s is typical, so BTC would be uncertain by {u_btc_dps_per_c:.4} °/s/°C where {wanted_dps_per_c} is wanted"
             ),
             Self::Lost { window, lost, samples, limit } => write!(
                 f,
-                "{lost} of {} samples were lost during {window}, more than the {} % allowed; read temperature less often (--every-temp), then divide (--divider), or allow more with --max-lost",
+                "{lost} of {} samples were lost during {window}, more than the {} % allowed",
                 lost + samples,
                 limit * 100.0
             ),
@@ -285,32 +355,43 @@ impl fmt::Display for Refusal {
             ),
             Self::BitErrors { window, count, samples, still_moves } => write!(
                 f,
-                "the line carries bit errors: {count} of {samples} readings during {window} are impossible for the bandwidth of the part{}; lower the SPI clock, shorten or shield the cable{}",
+                "the line carries bit errors: {count} of {samples} readings during {window} are impossible for the bandwidth of the part{}",
                 if still_moves {
                     ", and the rest varies more than noise explains, by errors too small to tell from motion or by motion as well"
                 } else {
                     ""
                 },
-                if still_moves { ", and fix the part to a still platform" } else { "" },
             ),
             Self::Stuttering { window, lost, samples, silent_gaps, gaps } => write!(
                 f,
-                "{lost} of {} samples were lost during {window}, and in {silent_gaps} of {gaps} gaps no edge of data ready came: RDY (pin 10) stutters, or the host was deaf to it for that long; check its wire, its level and its pull-up, and only then what else the host does",
+                "{lost} of {} samples were lost during {window}, and in {silent_gaps} of {gaps} gaps no edge of data ready came: the line stutters, or the host was deaf to it for that long",
                 lost + samples
             ),
             Self::Frozen { at_s, for_s, both } => write!(
                 f,
-                "the {} frozen: at {at_s:.1} s the code had not changed for {for_s:.1} s, while noise changes every reading; reset the part and check SDO and the supply",
+                "the {} frozen: at {at_s:.1} s the code had not changed for {for_s:.1} s, while noise changes every reading",
                 if both { "readings are" } else { "rate is" }
             ),
-            Self::TooFew { window, samples, needed } => write!(
-                f,
-                "only {samples} samples during {window}, at least {needed} are needed; check data ready, or use a smaller divider or a longer average"
-            ),
+            Self::TooFew { window, samples, needed } => {
+                write!(f, "only {samples} samples during {window}, at least {needed} are needed")
+            }
             Self::NoTemperature { window } => {
-                write!(f, "no temperature was read during {window}; use a smaller --every-temp")
+                write!(f, "no temperature was read during {window}")
             }
         }
+    }
+}
+
+impl Say for Refusal {
+    fn say(&self, f: &mut fmt::Formatter<'_>, names: Names) -> fmt::Result {
+        self.seen(f)?;
+        say_all(self.remedies(), f, names)
+    }
+}
+
+impl fmt::Display for Refusal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.say(f, Setting::name)
     }
 }
 

@@ -5,7 +5,7 @@
 //!
 //! For five readings y₋₂ … y₂ in a row, with no loss between them, T apart, a reading y₀ is impossible if
 //!
-//! L = |y₀ − (4·(y₋₁ + y₁) − (y₋₂ + y₂))/6| > Θ(T), where Θ(T) = 1.15 °/s · r + 0.35 °/s · r⁴, r = T/175.7 µs,
+//! L = |y₀ − (4·(y₋₁ + y₁) − (y₋₂ + y₂))/6| > Θ(T), where Θ(T) = 1.15 °/s · r + 0.35 °/s · r⁴, r = T/175.7 µs, for the ADIS16130,
 //!
 //! and L also exceeds what is rough about its four neighbours, |y₂ − 2y₁ + 2y₋₁ − y₋₂| and |y₂ − y₁ − y₋₁ + y₋₂|, and
 //! four times what was rough about the readings before (the largest L, which fades by 1/32 with each reading).
@@ -38,23 +38,57 @@
 //! 0.053 °C in a reading, so this is 13 deviations; F-55 expects up to 1 °C/s). A second one in a row that agrees with
 //! it is believed.
 
-use crate::health::is_out_of_range;
-use adis16130::{RATE_LSB_PER_DPS, Sample, TEMP_LSB_PER_C, ZERO_CODE};
+use crate::part::Axis;
+use crate::reading::Reading;
 
-/// Noise part of Θ, codes per µs: 1.15 °/s at 175.7 µs (F-31).
-const NOISE_CODES_PER_US: u64 = 154;
-/// The noise part is no less than that at this distance, µs: a part that converts its rate only is faster.
-const LEAST_US: u64 = 176;
-/// Motion part of Θ, µs⁴ per code: 0.35 °/s at 175.7 µs.
-const MOTION_US4_PER_CODE: u64 = 115_800;
-/// Readings farther apart than this are judged by the loose rule, µs.
-const LONGEST_STRICT_US: u64 = 600;
-/// Slew limit of the loose rule, codes per µs: 2 · 250 °/s · 1194/s.
-const SLEW_CODES_PER_US: u64 = 14_022;
-/// Noise that the loose rule allows for on top, codes.
-const SLEW_NOISE_CODES: u64 = 3 * RATE_LSB_PER_DPS as u64 / 2;
-/// No two codes differ by more.
-const SPAN_CODES: u64 = 1 << 24;
+/// What is possible for an axis, in integers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Limits {
+    /// Noise part of Θ, 2⁻¹⁶ codes per µs.
+    noise_per_us_q16: u64,
+    /// The noise part is no less than that at this distance, µs: a part that converts its rate only is faster.
+    least_us: u64,
+    /// Motion part of Θ, µs⁴ per code.
+    motion_us4_per_code: u64,
+    /// Readings farther apart than this are judged by the loose rule, µs.
+    longest_strict_us: u64,
+    /// Slew limit of the loose rule, codes per µs.
+    slew_codes_per_us: u64,
+    /// Noise that the loose rule allows for on top, codes.
+    slew_noise_codes: u64,
+    /// No two codes differ by more.
+    span_codes: u64,
+}
+
+impl Limits {
+    /// The numbers of the ADIS16130 (1.15 °/s and 0.35 °/s at 175.7 µs, 0.6 ms, 2 · 250 °/s · 1194/s, 1.5 °/s), and for another
+    /// axis what follows by similarity: time goes with 1/bandwidth, motion with the range, noise with its density times
+    /// √bandwidth, and all of them with the codes per °/s. None where range, bandwidth or noise is not known, or the codes are
+    /// too wide for these sums.
+    fn of(axis: &Axis) -> Option<Self> {
+        let (bandwidth, range) = (axis.bandwidth_hz? / 300.0, axis.range_dps? / 250.0);
+        let noise = axis.noise?.white_dps_per_rt_hz / 0.0125 * libm::sqrt(bandwidth);
+        let lsb = axis.rate.lsb_per_unit / 23_488.0;
+        let square = bandwidth * bandwidth;
+        (axis.rate.width_bits <= 24).then(|| Self {
+            noise_per_us_q16: libm::round(154.0 * 65_536.0 * noise * lsb * bandwidth) as u64,
+            least_us: libm::ceil(176.0 / bandwidth) as u64,
+            motion_us4_per_code: libm::round(115_800.0 / (range * lsb * square * square)).max(1.0) as u64,
+            longest_strict_us: (600.0 / bandwidth) as u64,
+            slew_codes_per_us: libm::ceil(14_022.0 * range * lsb * bandwidth) as u64,
+            slew_noise_codes: libm::ceil(35_232.0 * noise * lsb) as u64,
+            span_codes: 1 << axis.rate.width_bits,
+        })
+    }
+
+    /// Θ in codes.
+    #[inline]
+    fn threshold_codes(&self, period_us: u64) -> u64 {
+        let square = period_us * period_us;
+        (self.noise_per_us_q16 * period_us.max(self.least_us) >> 16) + square * square / self.motion_us4_per_code
+    }
+}
+
 /// How much rougher than its past a reading must be.
 const ROUGHNESS: u32 = 4;
 /// A mark counts this much less than its size for the past of the readings after it.
@@ -63,11 +97,6 @@ const MARK_SHARE: u32 = 2;
 const SHOCK_LASTS: u8 = 8;
 /// log₂ of the readings over which the past fades.
 const FADING: u32 = 5;
-/// Noise and quantisation of a temperature, codes: 1 °C.
-const TEMP_STEP_CODES: u64 = TEMP_LSB_PER_C as u64;
-/// Largest slope of the temperature, codes per s: 2 °C/s.
-const TEMP_CODES_PER_S: u64 = 2 * TEMP_LSB_PER_C as u64;
-
 /// Readings that are kept.
 const KEPT: usize = 8;
 /// Those among them that a judgement waits for.
@@ -96,6 +125,7 @@ pub(crate) enum Verdict {
 /// Judges readings by their neighbours, two samples late.
 #[derive(Clone, Debug)]
 pub(crate) struct Plausible {
+    limits: Option<Limits>,
     /// Newest last; what was found impossible is replaced by what its neighbours make of it.
     codes: [i32; KEPT],
     times_ns: [u64; KEPT],
@@ -107,7 +137,7 @@ pub(crate) struct Plausible {
     run: usize,
     /// How many of the newest are not judged yet.
     waiting: usize,
-    samples: [Option<Sample>; AHEAD + 1],
+    readings: [Option<Reading>; AHEAD + 1],
     roughness: u32,
     shock: Shock,
     temps: Temps,
@@ -121,49 +151,49 @@ struct Shock {
     left: u8,
 }
 
-impl Default for Plausible {
-    fn default() -> Self {
+impl Plausible {
+    /// For readings of this axis.
+    pub(crate) fn new(axis: &Axis) -> Self {
         Self {
+            limits: Limits::of(axis),
             codes: [0; KEPT],
             times_ns: [0; KEPT],
             out_of_range: 0,
             filled: 0,
             run: 0,
             waiting: 0,
-            samples: [None; AHEAD + 1],
+            readings: [None; AHEAD + 1],
             roughness: 0,
             shock: Shock::default(),
-            temps: Temps::default(),
+            temps: Temps::new(axis),
         }
     }
-}
 
-impl Plausible {
     /// Takes a reading in, and judges the one two before it.
     #[inline]
-    pub(crate) fn push(&mut self, sample: &Sample) -> Option<(Sample, Finding)> {
+    pub(crate) fn push(&mut self, reading: &Reading) -> Option<(Reading, Finding)> {
         self.codes.copy_within(1.., 0);
         self.times_ns.copy_within(1.., 0);
-        self.samples.copy_within(1.., 0);
-        self.codes[KEPT - 1] = sample.rate.code24() as i32 - ZERO_CODE as i32;
-        self.times_ns[KEPT - 1] = sample.t_ns;
-        self.samples[AHEAD] = Some(*sample);
-        self.out_of_range = self.out_of_range << 1 | u8::from(is_out_of_range(sample));
+        self.readings.copy_within(1.., 0);
+        self.codes[KEPT - 1] = reading.rate;
+        self.times_ns[KEPT - 1] = reading.t_ns;
+        self.readings[AHEAD] = Some(*reading);
+        self.out_of_range = self.out_of_range << 1 | u8::from(reading.out_of_range);
         self.filled = (self.filled + 1).min(KEPT);
-        self.run = if sample.lost == 0 { (self.run + 1).min(KEPT) } else { 1 };
+        self.run = if reading.lost == 0 { (self.run + 1).min(KEPT) } else { 1 };
         self.waiting += 1;
         if self.waiting > AHEAD { self.early() } else { None }
     }
 
     /// Judges the oldest reading that waits, with the neighbours that are there.
-    pub(crate) fn early(&mut self) -> Option<(Sample, Finding)> {
+    pub(crate) fn early(&mut self) -> Option<(Reading, Finding)> {
         let place = KEPT.checked_sub(self.waiting).filter(|place| *place < KEPT)?;
-        let sample = self.samples.get(place - JUDGED).copied().flatten()?;
+        let reading = self.readings.get(place - JUDGED).copied().flatten()?;
         self.waiting -= 1;
         let rate = self.rate(place);
-        let later = [1, 2].map(|after| self.samples.get(place - JUDGED + after).copied().flatten());
-        let temp_impossible = self.temps.is_impossible(&sample, later);
-        Some((sample, Finding { rate, temp_impossible }))
+        let later = [1, 2].map(|after| self.readings.get(place - JUDGED + after).copied().flatten());
+        let temp_impossible = self.temps.is_impossible(&reading, later);
+        Some((reading, Finding { rate, temp_impossible }))
     }
 
     pub(crate) fn waiting(&self) -> u64 {
@@ -172,25 +202,28 @@ impl Plausible {
 
     #[inline]
     fn rate(&mut self, place: usize) -> Verdict {
+        let Some(limits) = self.limits else {
+            return if self.is_out_of_range(place) { Verdict::OutOfRange } else { Verdict::Unjudged };
+        };
         if self.is_out_of_range(place) {
-            return self.beyond(place);
+            return self.beyond(&limits, place);
         }
         let period_us = (self.times_ns[KEPT - 1].wrapping_sub(self.times_ns[KEPT - 5])).div_ceil(4_000);
-        if place == JUDGED && self.run >= 5 && period_us <= LONGEST_STRICT_US {
-            self.strict(period_us)
+        if place == JUDGED && self.run >= 5 && period_us <= limits.longest_strict_us {
+            self.strict(&limits, period_us)
         } else {
-            self.loose(place)
+            self.loose(&limits, place)
         }
     }
 
     /// A part cannot leave its range for one reading only, and be well inside before and after: then the code is
     /// spoilt, or the status.
     #[cold]
-    fn beyond(&mut self, place: usize) -> Verdict {
+    fn beyond(&mut self, limits: &Limits, place: usize) -> Verdict {
         let others = [place.checked_sub(1), Some(place + 1)].map(|other| other.filter(|other| self.is_there(*other)));
         let inside = |other: usize| {
-            let reach = self.reach_codes(place, other) + u64::from(self.codes[other % KEPT].unsigned_abs());
-            !self.is_out_of_range(other) && reach < SPAN_CODES / 2
+            let reach = self.reach_codes(limits, place, other) + u64::from(self.codes[other % KEPT].unsigned_abs());
+            !self.is_out_of_range(other) && reach < limits.span_codes / 2
         };
         let neighbour = others.iter().flatten().copied().next();
         match neighbour.filter(|_| others.iter().flatten().all(|other| inside(*other))) {
@@ -212,14 +245,14 @@ impl Plausible {
     }
 
     #[inline]
-    fn strict(&mut self, period_us: u64) -> Verdict {
+    fn strict(&mut self, limits: &Limits, period_us: u64) -> Verdict {
         self.roughness -= self.roughness >> FADING;
         self.shock.left = self.shock.left.saturating_sub(1);
         if self.run >= KEPT {
             self.roughness = self.roughness.max(six_times_deviation(&self.codes, JUDGED - 3));
         }
         let six_l = six_times_deviation(&self.codes, JUDGED);
-        if u64::from(six_l) <= 6 * threshold_codes(period_us) {
+        if u64::from(six_l) <= 6 * limits.threshold_codes(period_us) {
             Verdict::Possible
         } else {
             self.against_neighbours(six_l)
@@ -241,7 +274,7 @@ impl Plausible {
 
     /// By two neighbours: one on each side, or two on one.
     #[cold]
-    fn loose(&mut self, place: usize) -> Verdict {
+    fn loose(&mut self, limits: &Limits, place: usize) -> Verdict {
         let there = |place: &usize| self.is_there(*place);
         let (before, after) = (place.checked_sub(1).filter(there), Some(place + 1).filter(there));
         let neighbours = match (before, after) {
@@ -250,8 +283,8 @@ impl Plausible {
             (None, Some(after)) if there(&(place + 2)) => [after, place + 2],
             _ => return Verdict::Unjudged,
         };
-        let reach = neighbours.map(|other| self.reach_codes(place, other));
-        if reach.iter().all(|reach| *reach >= SPAN_CODES) {
+        let reach = neighbours.map(|other| self.reach_codes(limits, place, other));
+        if reach.iter().all(|reach| *reach >= limits.span_codes) {
             return Verdict::Unjudged;
         }
         let far = |(other, reach): (usize, u64)| {
@@ -265,9 +298,9 @@ impl Plausible {
     }
 
     /// How far the response can move between two readings.
-    fn reach_codes(&self, place: usize, other: usize) -> u64 {
+    fn reach_codes(&self, limits: &Limits, place: usize, other: usize) -> u64 {
         let us = self.times_ns[place % KEPT].abs_diff(self.times_ns[other % KEPT]).div_ceil(1000);
-        us.saturating_mul(SLEW_CODES_PER_US).saturating_add(SLEW_NOISE_CODES)
+        us.saturating_mul(limits.slew_codes_per_us).saturating_add(limits.slew_noise_codes)
     }
 }
 
@@ -285,16 +318,13 @@ fn six_times_deviation(codes: &[i32; KEPT], place: usize) -> u32 {
     (6 * y2 - 4 * (y1 + y3) + y0 + y4).unsigned_abs()
 }
 
-/// Θ in codes.
-#[inline]
-fn threshold_codes(period_us: u64) -> u64 {
-    let square = period_us * period_us;
-    NOISE_CODES_PER_US * period_us.max(LEAST_US) + square * square / MOTION_US4_PER_CODE
-}
-
 /// Judges temperatures by the last two good ones: an error just below the limit must not make the reading after it look wrong.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 struct Temps {
+    /// Noise and quantisation: 1 °C.
+    step_codes: u64,
+    /// 2 °C/s.
+    codes_per_s: u64,
     good: Option<Temp>,
     before: Option<Temp>,
     /// The last one, if it was found impossible.
@@ -303,30 +333,37 @@ struct Temps {
 
 #[derive(Clone, Copy, Debug)]
 struct Temp {
-    code24: u32,
+    code: i32,
     t_ns: u64,
 }
 
 impl Temp {
-    fn of(sample: &Sample) -> Option<Self> {
-        sample.temp.map(|temp| Self { code24: temp.code24(), t_ns: sample.t_ns })
-    }
-
-    #[inline]
-    fn agrees(&self, other: &Self) -> bool {
-        let apart_ms = self.t_ns.abs_diff(other.t_ns) / 1_000_000;
-        let allowed = TEMP_STEP_CODES + apart_ms.saturating_mul(TEMP_CODES_PER_S) / 1000;
-        u64::from(self.code24.abs_diff(other.code24)) <= allowed
+    fn of(reading: &Reading) -> Option<Self> {
+        reading.temp.map(|code| Self { code, t_ns: reading.t_ns })
     }
 }
 
 impl Temps {
+    fn new(axis: &Axis) -> Self {
+        let step_codes = libm::ceil(axis.temp.lsb_per_unit) as u64;
+        Self { step_codes, codes_per_s: 2 * step_codes, good: None, before: None, odd: None }
+    }
+
     #[inline]
-    fn is_impossible(&mut self, sample: &Sample, later: [Option<Sample>; AHEAD]) -> bool {
-        let Some(temp) = Temp::of(sample) else { return false };
+    fn agree(&self, one: &Temp, other: &Temp) -> bool {
+        let apart_ms = one.t_ns.abs_diff(other.t_ns) / 1_000_000;
+        let allowed = self.step_codes + apart_ms.saturating_mul(self.codes_per_s) / 1000;
+        u64::from(one.code.abs_diff(other.code)) <= allowed
+    }
+
+    #[inline]
+    fn is_impossible(&mut self, reading: &Reading, later: [Option<Reading>; AHEAD]) -> bool {
+        let Some(temp) = Temp::of(reading) else { return false };
         let agrees = match &self.good {
-            Some(good) => temp.agrees(good) || [self.before, self.odd].iter().flatten().any(|one| temp.agrees(one)),
-            None => !contradicted(&temp, later.map(|sample| sample.as_ref().and_then(Temp::of))),
+            Some(good) => {
+                self.agree(&temp, good) || [self.before, self.odd].iter().flatten().any(|one| self.agree(&temp, one))
+            }
+            None => !self.contradicted(&temp, later.map(|reading| reading.as_ref().and_then(Temp::of))),
         };
         if agrees {
             (self.before, self.good, self.odd) = (self.good, Some(temp), None);
@@ -335,32 +372,37 @@ impl Temps {
         }
         !agrees
     }
-}
 
-/// Whether two later temperatures agree with each other and not with the first.
-fn contradicted(first: &Temp, later: [Option<Temp>; AHEAD]) -> bool {
-    let [Some(second), Some(third)] = later else { return false };
-    second.agrees(&third) && !first.agrees(&second) && !first.agrees(&third)
+    /// Whether two later temperatures agree with each other and not with the first.
+    fn contradicted(&self, first: &Temp, later: [Option<Temp>; AHEAD]) -> bool {
+        let [Some(second), Some(third)] = later else { return false };
+        self.agree(&second, &third) && !self.agree(first, &second) && !self.agree(first, &third)
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use adis16130::{ChannelStatus, RateCode, TempCode, Width};
     use alloc::vec::Vec;
     use core::f64::consts::PI;
 
     const PERIOD_NS: u64 = 175_667;
 
-    /// A sample of this rate, °/s.
-    fn sample(k: u64, rate_dps: f64) -> Sample {
-        let code = (rate_dps * f64::from(RATE_LSB_PER_DPS)).round() as i32 + ZERO_CODE as i32;
-        let rate = RateCode::new(code as u32, Width::Bits24);
-        Sample { t_ns: k * PERIOD_NS, seq: k as u32, rate, status: None, temp: None, lost: 0 }
+    /// A reading of this rate, °/s.
+    fn sample(k: u64, rate_dps: f64) -> Reading {
+        let rate = (rate_dps * 23_488.0).round() as i32;
+        Reading {
+            t_ns: k * PERIOD_NS,
+            seq: k as u32,
+            rate,
+            temp: None,
+            out_of_range: rate >> 23 != rate >> 31,
+            lost: 0,
+        }
     }
 
-    fn verdicts(samples: impl IntoIterator<Item = Sample>) -> Vec<Verdict> {
-        let mut judge = Plausible::default();
+    fn verdicts(samples: impl IntoIterator<Item = Reading>) -> Vec<Verdict> {
+        let mut judge = Plausible::new(&Axis::ADIS16130);
         let mut all: Vec<_> = samples.into_iter().filter_map(|sample| judge.push(&sample)).collect();
         while let Some(judged) = judge.early() {
             all.push(judged);
@@ -389,7 +431,7 @@ mod tests {
     }
 
     /// What the part reads of a motion, every `periods` periods.
-    fn readings(count: u64, periods: u64, motion: impl Fn(f64) -> f64) -> Vec<Sample> {
+    fn readings(count: u64, periods: u64, motion: impl Fn(f64) -> f64) -> Vec<Reading> {
         let period_s = (PERIOD_NS * periods) as f64 * 1e-9;
         let mut poles = Poles::default();
         (0..count)
@@ -398,7 +440,7 @@ mod tests {
                 for part in 0..20u32 {
                     rate_dps = poles.step(motion((k as f64 + f64::from(part) / 20.0) * period_s), period_s / 20.0);
                 }
-                Sample { t_ns: k * periods * PERIOD_NS, ..sample(k, rate_dps) }
+                Reading { t_ns: k * periods * PERIOD_NS, ..sample(k, rate_dps) }
             })
             .collect()
     }
@@ -407,7 +449,7 @@ mod tests {
     fn one_wrong_reading_is_marked_at_every_bit_that_matters() {
         for bit in 16..24 {
             let mut samples: Vec<_> = (0..40).map(|k| sample(k, 0.05 * (k as f64).sin())).collect();
-            samples[20].rate = RateCode::new(samples[20].rate.code() ^ 1 << bit, Width::Bits24);
+            samples[20].rate = (samples[20].rate + (1 << 23) ^ 1 << bit) - (1 << 23);
             assert_eq!(marked(&verdicts(samples)), [20], "bit {bit}");
         }
     }
@@ -467,28 +509,25 @@ mod tests {
 
     #[test]
     fn readings_far_apart_are_not_judged() {
-        let slow = |k: u64| Sample { t_ns: k * 4_480_000, ..sample(k, if k == 10 { 300.0 } else { 0.0 }) };
+        let slow = |k: u64| Reading { t_ns: k * 4_480_000, ..sample(k, if k == 10 { 300.0 } else { 0.0 }) };
         assert!(verdicts((0..20).map(slow)).iter().all(|verdict| *verdict == Verdict::Unjudged));
     }
 
     #[test]
     fn beyond_the_range_is_not_called_impossible_but_a_spoilt_status_is() {
-        let over = |k: u64| Sample { status: Some(ChannelStatus::new(0x01)), ..sample(k, -354.0) };
+        let over = |k: u64| Reading { out_of_range: true, ..sample(k, -354.0) };
         let turning = (0..30).map(|k| if k < 15 { sample(k, 3.0) } else { over(k) });
         let found = verdicts(turning);
         assert!(found[15..].iter().all(|verdict| *verdict == Verdict::OutOfRange), "{found:?}");
-        let spoilt = (0..30).map(|k| Sample { status: Some(ChannelStatus::new(u8::from(k == 15))), ..sample(k, 3.0) });
+        let spoilt = (0..30).map(|k| Reading { out_of_range: k == 15, ..sample(k, 3.0) });
         assert_eq!(marked(&verdicts(spoilt)), [15]);
     }
 
     #[test]
     fn a_temperature_cannot_jump() {
-        let with = |k: u64, temp_c: f64| {
-            let code = ((temp_c - 25.0) * f64::from(TEMP_LSB_PER_C)) as i32 + ZERO_CODE as i32;
-            Sample { temp: Some(TempCode::new(code as u32, Width::Bits24)), ..sample(k, 0.0) }
-        };
+        let with = |k: u64, temp_c: f64| Reading { temp: Some(((temp_c - 25.0) * 14_093.0) as i32), ..sample(k, 0.0) };
         let impossible = |temps_c: &[f64]| {
-            let mut judge = Plausible::default();
+            let mut judge = Plausible::new(&Axis::ADIS16130);
             let mut found: Vec<bool> = Vec::new();
             for (k, temp_c) in temps_c.iter().enumerate() {
                 found.extend(judge.push(&with(k as u64, *temp_c)).map(|(_, finding)| finding.temp_impossible));

@@ -6,11 +6,13 @@ use crate::estimate::{self, Outcome, Seen, WindowWarnings};
 use crate::health::{Frozen, Health, Judged};
 use crate::ledger::{BLOCK_S, Ledger};
 use crate::notice::{EARTH_DPS, Refusal};
+use crate::part::Axis;
+use crate::reading::Reading;
 use crate::record::Blocks;
+use crate::remedy::{Names, Say, Setting};
 use crate::running::Running;
 use crate::stationarity::Verdict;
 use crate::tally::Tally;
-use adis16130::Sample;
 use core::fmt;
 
 /// Durations and limits; the default is F-51.
@@ -61,23 +63,23 @@ impl Plan {
 
     /// Every number within what a measurement on Earth can be.
     fn check(&self) -> Result<(), PlanError> {
-        let within = |name, value: f64, least: f64, most: f64, unit| {
-            if (least..=most).contains(&value) { Ok(()) } else { Err(PlanError { name, value, least, most, unit }) }
+        let within = |setting, value: f64, least: f64, most: f64, unit| {
+            if (least..=most).contains(&value) { Ok(()) } else { Err(PlanError { setting, value, least, most, unit }) }
         };
-        within("average", self.average_s, 1.0, DAY_S, "s")?;
-        within("warmup", self.warmup_s, 0.0, DAY_S, "s")?;
-        within("settle", self.settle_s, 0.0, DAY_S, "s")?;
-        within("offset", self.offset_s, 1.0, DAY_S, "s")?;
-        within("final-temp", self.final_temp_s, 0.1, DAY_S, "s")?;
-        within("max-lost", self.max_lost, 0.0, 1.0, "of all samples")?;
-        within("max-u-btc", self.max_u_btc_dps_per_c, LEAST_U_BTC_DPS_PER_C, MOST_U_BTC_DPS_PER_C, "°/s/°C")?;
-        within("earth-dps", self.earth_dps.unwrap_or(0.0), -EARTH_DPS, EARTH_DPS, "°/s (F-16)")
+        within(Setting::Average, self.average_s, 1.0, DAY_S, "s")?;
+        within(Setting::WarmUp, self.warmup_s, 0.0, DAY_S, "s")?;
+        within(Setting::Settle, self.settle_s, 0.0, DAY_S, "s")?;
+        within(Setting::Offset, self.offset_s, 1.0, DAY_S, "s")?;
+        within(Setting::FinalTemperature, self.final_temp_s, 0.1, DAY_S, "s")?;
+        within(Setting::MaxLost, self.max_lost, 0.0, 1.0, "of all samples")?;
+        within(Setting::MaxUBtc, self.max_u_btc_dps_per_c, LEAST_U_BTC_DPS_PER_C, MOST_U_BTC_DPS_PER_C, "°/s/°C")?;
+        within(Setting::Earth, self.earth_dps.unwrap_or(0.0), -EARTH_DPS, EARTH_DPS, "°/s (F-16)")
     }
 }
 
 /// No step of F-51 takes longer than a day, s: the ambient temperature would go round once.
 const DAY_S: f64 = 86_400.0;
-/// An uncertainty of BTC that no hour reaches: the noise of F-02 alone, over a day and the range of F-08, makes ten times as much.
+/// An uncertainty of BTC that no day reaches, °/s/°C: the white noise of a part of this class alone (F-02) makes ten times as much.
 const LEAST_U_BTC_DPS_PER_C: f64 = 1e-8;
 /// An uncertainty of BTC at which it says nothing: 25 times the coefficient itself (F-05).
 const MOST_U_BTC_DPS_PER_C: f64 = 1.0;
@@ -85,27 +87,33 @@ const MOST_U_BTC_DPS_PER_C: f64 = 1.0;
 /// A plan that cannot be carried out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlanError {
-    /// The option's name on the command line.
-    pub name: &'static str,
-    /// What was asked, in the option's unit.
+    /// Which number.
+    pub setting: Setting,
+    /// What was asked, in its unit.
     pub value: f64,
     /// The least that makes sense.
     pub least: f64,
     /// The most that makes sense.
     pub most: f64,
-    /// The option's unit.
+    /// Its unit.
     pub unit: &'static str,
+}
+
+impl Say for PlanError {
+    fn say(&self, f: &mut fmt::Formatter<'_>, names: Names) -> fmt::Result {
+        let Self { setting, value, least, most, unit } = self;
+        write!(f, "{} is {value}; it must be a number from {least} to {most} {unit}", names(*setting))?;
+        let in_dps = value / 3600.0;
+        if *setting == Setting::Earth && value.abs() > 0.1 && in_dps.abs() <= EARTH_DPS {
+            write!(f, ": if that was °/h, give {in_dps:.5}")?;
+        }
+        Ok(())
+    }
 }
 
 impl fmt::Display for PlanError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { name, value, least, most, unit } = self;
-        write!(f, "--{name} is {value}; it must be a number from {least} to {most} {unit}")?;
-        let in_dps = value / 3600.0;
-        if *name == "earth-dps" && value.abs() > 0.1 && in_dps.abs() <= EARTH_DPS {
-            write!(f, ": if that was °/h, give {in_dps:.5}")?;
-        }
-        Ok(())
+        self.say(f, Setting::name)
     }
 }
 
@@ -202,8 +210,8 @@ impl fmt::Display for State {
 pub enum Action {
     /// Initialise the part with F-30 and report [`Event::Initialised`].
     Initialise,
-    /// Hand in samples, as they come, or the time where none come.
-    Sample,
+    /// Hand in readings, as they come, or the time where none come.
+    Read,
     /// Call [`Procedure::finish`].
     Done,
 }
@@ -216,8 +224,8 @@ pub enum Event<'a> {
         /// When.
         t_ns: u64,
     },
-    /// A sample was read.
-    Sample(&'a Sample),
+    /// The part was read.
+    Reading(&'a Reading),
     /// Time went by without one.
     Time {
         /// What the clock says.
@@ -239,14 +247,15 @@ pub struct Progress {
 /// The procedure of F-51, step by step.
 ///
 /// ```
-/// use zerorate::{Action, Plan, Procedure};
-/// let procedure = Procedure::new(Plan::default())?;
+/// use zerorate::{Action, Axis, Plan, Procedure};
+/// let procedure = Procedure::new(&Axis::ADIS16130, Plan::default())?;
 /// assert_eq!(procedure.next(), Action::Initialise);
 /// assert_eq!(procedure.progress().total_s, 10.0 + 600.0 + 10.0 + 2400.0 + 150.0 + 1.0);
 /// # Ok::<(), zerorate::PlanError>(())
 /// ```
 #[derive(Clone, Debug)]
 pub struct Procedure<L = Blocks> {
+    axis: Axis,
     plan: Plan,
     state: State,
     started_ns: u64,
@@ -267,8 +276,8 @@ pub struct Procedure<L = Blocks> {
 /// differently, and their uncertainties differ by a few per cent.)
 ///
 /// ```
-/// use zerorate::{Action, FixedProcedure, Plan};
-/// let procedure = FixedProcedure::on_fixed_memory(Plan::default())?;
+/// use zerorate::{Action, Axis, FixedProcedure, Plan};
+/// let procedure = FixedProcedure::on_fixed_memory(&Axis::ADIS16130, Plan::default())?;
 /// assert_eq!(procedure.next(), Action::Initialise);
 /// assert!(size_of_val(&procedure) < 4096);
 /// # Ok::<(), zerorate::PlanError>(())
@@ -276,12 +285,12 @@ pub struct Procedure<L = Blocks> {
 pub type FixedProcedure = Procedure<Running>;
 
 impl Procedure {
-    /// A procedure that has not begun.
+    /// A procedure for this axis that has not begun.
     ///
     /// # Errors
     /// A duration or limit that makes no sense.
-    pub fn new(plan: Plan) -> Result<Self, PlanError> {
-        Self::with_ledger(plan)
+    pub fn new(axis: &Axis, plan: Plan) -> Result<Self, PlanError> {
+        Self::with_ledger(axis, plan)
     }
 
     /// The result, once [`Procedure::next`] says [`Action::Done`].
@@ -294,12 +303,12 @@ impl Procedure {
 }
 
 impl FixedProcedure {
-    /// A procedure that has not begun.
+    /// A procedure for this axis that has not begun.
     ///
     /// # Errors
     /// A duration or limit that makes no sense.
-    pub fn on_fixed_memory(plan: Plan) -> Result<Self, PlanError> {
-        Self::with_ledger(plan)
+    pub fn on_fixed_memory(axis: &Axis, plan: Plan) -> Result<Self, PlanError> {
+        Self::with_ledger(axis, plan)
     }
 
     /// The result, once [`Procedure::next`] says [`Action::Done`]. The procedure stays as it is.
@@ -312,17 +321,18 @@ impl FixedProcedure {
 }
 
 impl<L: Ledger> Procedure<L> {
-    fn with_ledger(plan: Plan) -> Result<Self, PlanError> {
+    fn with_ledger(axis: &Axis, plan: Plan) -> Result<Self, PlanError> {
         plan.check()?;
         Ok(Self {
+            axis: *axis,
             plan,
             state: State::Start,
             started_ns: 0,
             now_ns: 0,
             ends_ns: 0,
-            ledger: L::default(),
+            ledger: L::new(axis),
             tally: Tally::default(),
-            health: Health::default(),
+            health: Health::new(axis),
         })
     }
 
@@ -338,7 +348,7 @@ impl<L: Ledger> Procedure<L> {
         match self.state {
             State::Start => Action::Initialise,
             State::Done => Action::Done,
-            _ => Action::Sample,
+            _ => Action::Read,
         }
     }
 
@@ -363,12 +373,12 @@ impl<L: Ledger> Procedure<L> {
                 Ok(())
             }
             Event::Time { t_ns } => self.pass_to(t_ns, 0),
-            Event::Sample(sample) => self.take(sample),
+            Event::Reading(reading) => self.take(reading),
         }
     }
 
     fn seen(&self) -> Seen<'_> {
-        Seen { plan: &self.plan, windows: self.ledger.summaries(), tally: &self.tally }
+        Seen { axis: &self.axis, plan: &self.plan, windows: self.ledger.summaries(), tally: &self.tally }
     }
 
     /// Ends the states that are over at `t_ns`. Samples that wait for their neighbours are judged before, but for the newest `keep`.
@@ -386,18 +396,18 @@ impl<L: Ledger> Procedure<L> {
     }
 
     #[inline]
-    fn take(&mut self, sample: &Sample) -> Result<(), Refusal> {
+    fn take(&mut self, reading: &Reading) -> Result<(), Refusal> {
         if self.state == State::Start {
             return Ok(());
         }
-        if let Some(judged) = self.health.push(sample) {
+        if let Some(judged) = self.health.push(reading) {
             self.record(&judged);
         }
-        self.pass_to(sample.t_ns, 1)?;
+        self.pass_to(reading.t_ns, 1)?;
         if self.state == State::Done {
             return Ok(());
         }
-        self.tally.count(sample);
+        self.tally.count(reading);
         match self.health.frozen() {
             None => Ok(()),
             Some(frozen) => Err(self.frozen(frozen)),
@@ -414,7 +424,7 @@ impl<L: Ledger> Procedure<L> {
 
     #[inline]
     fn record(&mut self, judged: &Judged) {
-        self.ledger.push(self.state, judged.sample.t_ns.saturating_sub(self.started_ns), judged);
+        self.ledger.push(self.state, judged.reading.t_ns.saturating_sub(self.started_ns), judged);
     }
 
     #[cold]
@@ -437,9 +447,6 @@ impl<L: Ledger> Procedure<L> {
         Ok(())
     }
 }
-
-/// Ten times the spread of the initial bias over units (M-01), °/s.
-const LARGEST_BIAS_DPS: f64 = 10.0;
 
 impl<L: Ledger> Procedure<L> {
     /// Checks the window that ends now.
@@ -476,9 +483,9 @@ impl<L: Ledger> Procedure<L> {
             return Err(Refusal::BitErrors { window, count, samples, still_moves: false });
         }
         self.temperature_was_read()?;
-        let rate_dps = seen.rate_dps().unwrap_or_default();
-        if rate_dps.abs() > LARGEST_BIAS_DPS {
-            return Err(Refusal::Turning { window, rate_dps, limit_dps: LARGEST_BIAS_DPS });
+        let rate_dps = seen.rate_dps.unwrap_or_default();
+        if let Some(limit_dps) = self.axis.bias.largest_dps().filter(|limit_dps| rate_dps.abs() > *limit_dps) {
+            return Err(Refusal::Turning { window, rate_dps, limit_dps });
         }
         match self.ledger.verdict(window) {
             Verdict::AtRest | Verdict::Step { .. } => Ok(()),
@@ -503,9 +510,9 @@ impl<L: Ledger> Procedure<L> {
     }
 
     fn temperature_was_read(&self) -> Result<(), Refusal> {
-        match self.ledger.summary(self.state).temp.count() {
-            0 => Err(Refusal::NoTemperature { window: self.state }),
-            _ => Ok(()),
+        match self.ledger.summary(self.state).temp_c {
+            None => Err(Refusal::NoTemperature { window: self.state }),
+            Some(_) => Ok(()),
         }
     }
 }
@@ -531,21 +538,21 @@ mod tests {
 
     #[test]
     fn plans_that_make_no_sense_are_refused_by_name() {
-        let named = |plan: Plan| Procedure::new(plan).unwrap_err().name;
-        assert_eq!(named(Plan { average_s: 0.0, ..Plan::default() }), "average");
-        assert_eq!(named(Plan { settle_s: f64::NAN, ..Plan::default() }), "settle");
-        assert_eq!(named(Plan { max_u_btc_dps_per_c: 0.0, ..Plan::default() }), "max-u-btc");
-        assert_eq!(named(Plan { earth_dps: Some(f64::INFINITY), ..Plan::default() }), "earth-dps");
-        assert_eq!(named(Plan { warmup_s: 1e9, ..Plan::default() }), "warmup");
-        assert_eq!(named(Plan { final_temp_s: -1.0, ..Plan::default() }), "final-temp");
-        assert_eq!(named(Plan { max_lost: 1.5, ..Plan::default() }), "max-lost");
-        assert_eq!(named(Plan { max_u_btc_dps_per_c: 2.0, ..Plan::default() }), "max-u-btc");
+        let named = |plan: Plan| Procedure::new(&Axis::ADIS16130, plan).unwrap_err().setting;
+        assert_eq!(named(Plan { average_s: 0.0, ..Plan::default() }), Setting::Average);
+        assert_eq!(named(Plan { settle_s: f64::NAN, ..Plan::default() }), Setting::Settle);
+        assert_eq!(named(Plan { max_u_btc_dps_per_c: 0.0, ..Plan::default() }), Setting::MaxUBtc);
+        assert_eq!(named(Plan { earth_dps: Some(f64::INFINITY), ..Plan::default() }), Setting::Earth);
+        assert_eq!(named(Plan { warmup_s: 1e9, ..Plan::default() }), Setting::WarmUp);
+        assert_eq!(named(Plan { final_temp_s: -1.0, ..Plan::default() }), Setting::FinalTemperature);
+        assert_eq!(named(Plan { max_lost: 1.5, ..Plan::default() }), Setting::MaxLost);
+        assert_eq!(named(Plan { max_u_btc_dps_per_c: 2.0, ..Plan::default() }), Setting::MaxUBtc);
     }
 
     /// 15.04 °/h is the rotation of the Earth, and 0.00418 °/s (F-16).
     #[test]
     fn a_rotation_in_degrees_per_hour_is_refused_with_its_unit() {
-        let given = |dps| Procedure::new(Plan { earth_dps: Some(dps), ..Plan::default() });
+        let given = |dps| Procedure::new(&Axis::ADIS16130, Plan { earth_dps: Some(dps), ..Plan::default() });
         assert!([0.00418, -0.00418, 15.041 / 3600.0, 0.0].map(|dps| given(dps).is_ok()).iter().all(|ok| *ok));
         let text = given(15.04).unwrap_err().to_string();
         assert!(text.contains("-0.00418 to 0.00418 °/s") && text.contains("if that was °/h, give 0.00418"), "{text}");
@@ -556,9 +563,9 @@ mod tests {
 
     #[test]
     fn without_samples_the_first_window_refuses() {
-        let mut procedure = Procedure::new(Plan::default()).unwrap();
+        let mut procedure = Procedure::new(&Axis::ADIS16130, Plan::default()).unwrap();
         procedure.handle(Event::Initialised { t_ns: 5 }).unwrap();
-        assert_eq!(procedure.next(), Action::Sample);
+        assert_eq!(procedure.next(), Action::Read);
         assert!(procedure.handle(Event::Time { t_ns: 9_000_000_000 }).is_ok());
         let refusal = procedure.handle(Event::Time { t_ns: 10_000_000_005 }).unwrap_err();
         assert!(matches!(refusal, Refusal::TooFew { window: State::FirstAverage, samples: 0, .. }));

@@ -3,32 +3,38 @@
 use crate::code_sum::CodeSum;
 use crate::health::{Flags, Judged};
 use crate::ledger::{Adjacent, BLOCK_NS, BLOCK_S, Ledger, Summary};
+use crate::part::Axis;
 use crate::procedure::{STATES, State};
 use crate::stationarity::{self, Verdict, adjacent};
 use alloc::vec::Vec;
 
 /// A ledger that keeps every block of 0.1 s: about a megabyte for the hour of F-51.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Blocks {
+    axis: Axis,
     segments: [Segment; STATES],
 }
 
 impl Blocks {
     /// Means over the whole seconds of all steps, in the order of time.
     pub(crate) fn seconds(&self) -> impl Iterator<Item = Second> + '_ {
-        self.segments.iter().flat_map(Segment::seconds)
+        self.segments.iter().flat_map(|segment| segment.seconds(&self.axis))
     }
 
     /// The eighths of a step (`Summary::eighths`) after something was taken out of the rate: `less` is its mean from a time to another.
     pub(crate) fn eighths_less(&self, state: State, less: impl Fn(f64, f64) -> f64) -> Adjacent {
         let segment = &self.segments[state as usize];
         let start_s = |k: usize| segment.start_s() + k as f64 * BLOCK_S;
-        let left = |(k, block): (usize, &Block)| Some(block.rate_dps()? - less(start_s(k), start_s(k + 1)));
+        let left = |(k, block): (usize, &Block)| Some(block.rate_dps(&self.axis)? - less(start_s(k), start_s(k + 1)));
         eighths(&segment.blocks.iter().enumerate().filter_map(left).collect::<Vec<f64>>())
     }
 }
 
 impl Ledger for Blocks {
+    fn new(axis: &Axis) -> Self {
+        Self { axis: *axis, segments: Default::default() }
+    }
+
     fn open(&mut self, state: State, start_ns: u64, end_ns: u64) {
         self.segments[state as usize] = Segment::new(start_ns, end_ns);
     }
@@ -41,12 +47,12 @@ impl Ledger for Blocks {
     fn close(&mut self, _: State) {}
 
     fn summary(&self, state: State) -> Summary {
-        self.segments[state as usize].summary()
+        self.segments[state as usize].summary(&self.axis)
     }
 
     fn verdict(&self, state: State) -> Verdict {
         let segment = &self.segments[state as usize];
-        stationarity::judge(&segment.block_rates_dps(), segment.temp_slope_c_per_s())
+        stationarity::judge(&self.axis, &segment.block_rates_dps(&self.axis), segment.temp_slope_c_per_s(&self.axis))
     }
 }
 
@@ -63,12 +69,12 @@ impl Block {
         blocks.into_iter().fold(Block::default(), add)
     }
 
-    fn rate_dps(&self) -> Option<f64> {
-        self.rate.rate_dps()
+    fn rate_dps(&self, axis: &Axis) -> Option<f64> {
+        self.rate.mean(&axis.rate)
     }
 
-    fn temp_c(&self) -> Option<f64> {
-        self.temp.temp_c()
+    fn temp_c(&self, axis: &Axis) -> Option<f64> {
+        self.temp.mean(&axis.temp)
     }
 }
 
@@ -118,20 +124,20 @@ impl Segment {
         }
         let block = &mut self.blocks[index];
         if let Some(rate) = judged.rate() {
-            block.rate.push(rate.code24());
+            block.rate.push(rate);
         }
         if let Some(temp) = judged.temp() {
-            block.temp.push(temp.code24());
+            block.temp.push(temp);
         }
         self.samples += 1;
-        self.lost += u64::from(judged.sample.lost);
+        self.lost += u64::from(judged.reading.lost);
         self.overranged += u64::from(judged.flags.has(Flags::OUT_OF_RANGE));
         self.spoilt += u64::from(judged.is_spoilt());
     }
 
-    fn summary(&self) -> Summary {
-        let Block { rate, temp } = Block::merged(&self.blocks);
-        let (rates, temps) = (self.block_rates_dps(), self.block_temps_c());
+    fn summary(&self, axis: &Axis) -> Summary {
+        let all = Block::merged(&self.blocks);
+        let (rates, temps) = (self.block_rates_dps(axis), self.block_temps_c(axis));
         let range = |(low, high): (f64, f64), temp: &f64| (low.min(*temp), high.max(*temp));
         Summary {
             start_s: self.start_s(),
@@ -140,8 +146,8 @@ impl Segment {
             lost: self.lost,
             overranged: self.overranged,
             spoilt: self.spoilt,
-            rate,
-            temp,
+            rate_dps: all.rate_dps(axis),
+            temp_c: all.temp_c(axis),
             eighths: eighths(&rates),
             rates: adjacent(&rates, 1),
             temp_range_c: temps.iter().fold((f64::INFINITY, f64::NEG_INFINITY), range),
@@ -150,29 +156,29 @@ impl Segment {
     }
 
     /// Mean rates of the blocks that hold samples, °/s.
-    fn block_rates_dps(&self) -> Vec<f64> {
-        self.blocks.iter().filter_map(Block::rate_dps).collect()
+    fn block_rates_dps(&self, axis: &Axis) -> Vec<f64> {
+        self.blocks.iter().filter_map(|block| block.rate_dps(axis)).collect()
     }
 
     /// Mean temperatures of the blocks that hold one, °C.
-    fn block_temps_c(&self) -> Vec<f64> {
-        self.blocks.iter().filter_map(Block::temp_c).collect()
+    fn block_temps_c(&self, axis: &Axis) -> Vec<f64> {
+        self.blocks.iter().filter_map(|block| block.temp_c(axis)).collect()
     }
 
     /// Change of temperature over the segment, °C/s, from the means of its two halves.
-    fn temp_slope_c_per_s(&self) -> f64 {
+    fn temp_slope_c_per_s(&self, axis: &Axis) -> f64 {
         let (first, second) = self.blocks.split_at(self.blocks.len() / 2);
-        let halves = (Block::merged(first).temp_c(), Block::merged(second).temp_c());
+        let halves = (Block::merged(first).temp_c(axis), Block::merged(second).temp_c(axis));
         let half_s = (self.end_s() - self.start_s()) / 2.0;
         if let (Some(first), Some(second)) = halves { (second - first) / half_s } else { 0.0 }
     }
 
     /// Means over whole seconds; a second without rate or temperature is left out.
-    fn seconds(&self) -> impl Iterator<Item = Second> + '_ {
-        self.blocks.chunks_exact(10).enumerate().filter_map(|(k, blocks)| {
+    fn seconds<'a>(&'a self, axis: &'a Axis) -> impl Iterator<Item = Second> + 'a {
+        self.blocks.chunks_exact(10).enumerate().filter_map(move |(k, blocks)| {
             let second = Block::merged(blocks);
             let at_s = self.start_s() + k as f64;
-            Some(Second { at_s, rate_dps: second.rate_dps()?, temp_c: second.temp_c()? })
+            Some(Second { at_s, rate_dps: second.rate_dps(axis)?, temp_c: second.temp_c(axis)? })
         })
     }
 }

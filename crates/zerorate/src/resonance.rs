@@ -1,13 +1,12 @@
-//! Where the mechanical resonance of the part appears among the samples (F-07), and whether averaging can remove it
-//! there.
+//! Where a mechanical resonance of a part appears among its samples, and whether averaging can remove it there.
 //!
-//! A tone of `tone_hz`, sampled `rate_hz` times a second, appears at |tone − n·rate| for the nearest n: at 2.778 kHz at
-//! the full rate of 5692.6/s, where any mean removes it. Near zero it looks like a bias. A mean over τ leaves of a tone
+//! A tone of `tone_hz`, sampled `rate_hz` times a second, appears at |tone − n·rate| for the nearest n: that of the ADIS16130 at
+//! 2.778 kHz at the full rate of 5692.6/s (F-07), where any mean removes it. Near zero it looks like a bias. A mean over τ leaves of a tone
 //! of rms a at f no more than √2·a/(π·f·τ), and the white noise of density d leaves d/√(2τ): below f = 2·a/(π·d·√τ) the
 //! tone is the larger one.
 
-use crate::noise::TYPICAL_WHITE_DPS_PER_RT_HZ;
 use crate::notice::Warning;
+use crate::part::Axis;
 use core::f64::consts::PI;
 
 /// A tone that the part adds to its rate, and how well its frequency is known.
@@ -22,15 +21,12 @@ pub struct Tone {
 }
 
 impl Tone {
-    /// The mechanical resonance: about 14.3 kHz (F-07), 0.02 °/s (M-08).
-    pub const RESONANCE: Self = Self { hz: 14_300.0, tolerance_hz: 50.0, rms_dps: 0.02 };
-
     /// Where it appears, Hz: 0 … `rate_hz`/2.
     ///
     /// ```
-    /// use zerorate::resonance::Tone;
-    /// assert!((Tone::RESONANCE.folded_hz(5692.6) - 2777.8).abs() < 0.1); // F-07
-    /// assert_eq!(Tone::RESONANCE.folded_hz(100.0), 0.0);
+    /// let tone = zerorate::Axis::ADIS16130.resonance.expect("it is known");
+    /// assert!((tone.folded_hz(5692.6) - 2777.8).abs() < 0.1); // F-07
+    /// assert_eq!(tone.folded_hz(100.0), 0.0);
     /// ```
     #[must_use]
     pub fn folded_hz(&self, rate_hz: f64) -> f64 {
@@ -39,49 +35,54 @@ impl Tone {
     }
 
     /// Below this it counts as near zero, Hz, for means over `average_s`: where averaging leaves more of it than of the
-    /// white noise, and the tolerance. Where the tolerance is more than an eighth of the rate, that eighth: such rates
+    /// white noise of this density, and the tolerance. Where the tolerance is more than an eighth of the rate, that eighth: such rates
     /// are too low to be sure of any.
     #[must_use]
-    pub fn near_zero_hz(&self, rate_hz: f64, average_s: f64) -> f64 {
-        let averaged_hz = 2.0 * self.rms_dps / (PI * TYPICAL_WHITE_DPS_PER_RT_HZ * libm::sqrt(average_s));
+    pub fn near_zero_hz(&self, rate_hz: f64, average_s: f64, white_dps_per_rt_hz: f64) -> f64 {
+        let averaged_hz = 2.0 * self.rms_dps / (PI * white_dps_per_rt_hz * libm::sqrt(average_s));
         averaged_hz + self.tolerance_hz.min(rate_hz / 8.0)
     }
 
     /// Whether it looks like a bias among samples at `rate_hz`, in means over `average_s`.
     #[must_use]
-    pub fn looks_like_bias(&self, rate_hz: f64, average_s: f64) -> bool {
-        rate_hz > 0.0 && self.folded_hz(rate_hz) < self.near_zero_hz(rate_hz, average_s)
+    pub fn looks_like_bias(&self, rate_hz: f64, average_s: f64, white_dps_per_rt_hz: f64) -> bool {
+        rate_hz > 0.0 && self.folded_hz(rate_hz) < self.near_zero_hz(rate_hz, average_s, white_dps_per_rt_hz)
     }
 }
 
-/// What to say of samples that come at `rate_hz`, as measured, where both channels are read on every `divider`-th edge
-/// of data ready (F-56), in means over `average_s`.
+/// What to say of samples that come at `rate_hz`, as measured, where every `divider`-th edge of data ready is read, in means over
+/// `average_s`. Nothing of a part whose resonance or noise is not known.
 #[must_use]
-pub fn warning(rate_hz: f64, divider: u16, average_s: f64) -> Option<Warning> {
-    let tone = Tone::RESONANCE;
-    tone.looks_like_bias(rate_hz, average_s).then(|| Warning::Resonance {
+pub fn warning(axis: &Axis, rate_hz: f64, divider: u16, average_s: f64) -> Option<Warning> {
+    let (tone, white) = (axis.resonance?, axis.noise?.white_dps_per_rt_hz);
+    let divider = divider.max(1);
+    // F-56: N gives f_conv/(N + 1) where the channels alternate, and so does N = 1, where an edge comes with every pair
+    let extra = if axis.alternates { 1.0 } else { 0.0 };
+    let rate_at = |other: u16| rate_hz * (f64::from(divider) + extra) / (f64::from(other) + extra);
+    tone.looks_like_bias(rate_hz, average_s, white).then(|| Warning::Resonance {
+        tone_hz: tone.hz,
+        tolerance_hz: tone.tolerance_hz,
         folded_hz: tone.folded_hz(rate_hz),
         rate_hz,
-        divider: next_good_divider(&tone, rate_hz, divider, average_s),
+        divider: nearest(divider, |other| !tone.looks_like_bias(rate_at(other), average_s, white)),
     })
 }
 
-/// The divider nearest to this one at which the tone is far from zero, the lower of two; none if there is none up to
-/// four times this one. Divider N gives f_conv/(N + 1) (F-56), and so does N = 1, where an edge comes with every pair.
-fn next_good_divider(tone: &Tone, rate_hz: f64, divider: u16, average_s: f64) -> Option<u16> {
-    let divider = divider.max(1);
-    let conversions_hz = rate_hz * (f64::from(divider) + 1.0);
-    let good = |other: &u16| !tone.looks_like_bias(conversions_hz / (f64::from(*other) + 1.0), average_s);
+/// The divider nearest to this one that is good, the lower of two; none if there is none up to four times this one.
+fn nearest(divider: u16, good: impl Fn(u16) -> bool) -> Option<u16> {
     (1..=divider.saturating_mul(3))
         .flat_map(|apart| [divider.checked_sub(apart), divider.checked_add(apart)])
         .flatten()
-        .filter(|other| *other >= 1)
-        .find(good)
+        .find(|other| *other >= 1 && good(*other))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn warning(rate_hz: f64, divider: u16, average_s: f64) -> Option<Warning> {
+        super::warning(&Axis::ADIS16130, rate_hz, divider, average_s)
+    }
 
     /// F-56 at f_conv = 11 385.2/s.
     fn rate_hz(divider: u16) -> f64 {
@@ -120,8 +121,9 @@ mod tests {
 
     #[test]
     fn longer_means_remove_what_is_nearer_to_zero() {
-        let tone = Tone { tolerance_hz: 0.0, ..Tone::RESONANCE };
+        let tone = Tone { tolerance_hz: 0.0, ..Axis::ADIS16130.resonance.unwrap() };
+        let looks = |average_s| tone.looks_like_bias(99.99, average_s, 0.0125);
         // 14 300 = 143 · 99.99 + 1.43
-        assert!(tone.looks_like_bias(99.99, 0.1) && !tone.looks_like_bias(99.99, 10.0));
+        assert!(looks(0.1) && !looks(10.0));
     }
 }

@@ -3,6 +3,7 @@
 use crate::code_sum::CodeSum;
 use crate::health::{Flags, Judged};
 use crate::ledger::{Adjacent, BLOCK_NS, Ledger, Summary};
+use crate::part::Axis;
 use crate::procedure::{STATES, State};
 use crate::stationarity::{self, Verdict};
 
@@ -13,8 +14,9 @@ const RUNGS: usize = 14;
 ///
 /// Means, and what is refused, are those of [`Blocks`](crate::record::Blocks), with one exception: a single small step of the rate
 /// in a window is refused as motion, since telling the two apart takes all blocks.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Running {
+    axis: Axis,
     closed: [Totals; STATES],
     live: Live,
 }
@@ -102,13 +104,13 @@ impl Live {
     }
 
     /// The block is complete.
-    fn end_block(&mut self, totals: &mut Totals) {
-        if let Some(rate_dps) = core::mem::take(&mut self.rate).rate_dps() {
+    fn end_block(&mut self, axis: &Axis, totals: &mut Totals) {
+        if let Some(rate_dps) = core::mem::take(&mut self.rate).mean(&axis.rate) {
             self.rates.push(rate_dps);
             self.eighths.push(rate_dps);
             self.rungs.iter_mut().for_each(|rung| rung.push(rate_dps));
         }
-        if let Some(temp_c) = core::mem::take(&mut self.temp).temp_c() {
+        if let Some(temp_c) = core::mem::take(&mut self.temp).mean(&axis.temp) {
             self.temps.push(temp_c);
             let (low, high) = totals.temp_range_c.unwrap_or((temp_c, temp_c));
             totals.temp_range_c = Some((low.min(temp_c), high.max(temp_c)));
@@ -122,7 +124,7 @@ impl Live {
 }
 
 impl Totals {
-    fn summary(&self) -> Summary {
+    fn summary(&self, axis: &Axis) -> Summary {
         Summary {
             start_s: self.start_ns as f64 * 1e-9,
             end_s: self.end_ns as f64 * 1e-9,
@@ -130,8 +132,8 @@ impl Totals {
             lost: self.lost,
             overranged: self.overranged,
             spoilt: self.spoilt,
-            rate: self.rate,
-            temp: self.temp,
+            rate_dps: self.rate.mean(&axis.rate),
+            temp_c: self.temp.mean(&axis.temp),
             rates: self.rates,
             temps: self.temps,
             eighths: self.eighths,
@@ -140,14 +142,18 @@ impl Totals {
     }
 
     /// Change of temperature over the step, °C/s, from the means of its two halves.
-    fn temp_slope_c_per_s(&self, first_half: CodeSum) -> f64 {
+    fn temp_slope_c_per_s(&self, axis: &Axis, first_half: CodeSum) -> f64 {
         let half_s = (self.end_ns - self.start_ns) as f64 * 0.5e-9;
-        let halves = (first_half.temp_c(), self.temp.without(first_half).temp_c());
+        let halves = (first_half.mean(&axis.temp), self.temp.without(first_half).mean(&axis.temp));
         if let (Some(first), Some(second)) = halves { (second - first) / half_s } else { 0.0 }
     }
 }
 
 impl Ledger for Running {
+    fn new(axis: &Axis) -> Self {
+        Self { axis: *axis, closed: Default::default(), live: Live::default() }
+    }
+
     fn open(&mut self, state: State, start_ns: u64, end_ns: u64) {
         self.closed[state as usize] = Totals { start_ns, end_ns, ..Totals::default() };
         self.live = Live::new(start_ns, end_ns);
@@ -159,42 +165,41 @@ impl Ledger for Running {
         let since_start_ns = at_ns.saturating_sub(totals.start_ns);
         let in_block_ns = since_start_ns.saturating_sub(live.block * BLOCK_NS);
         if in_block_ns >= BLOCK_NS {
-            live.end_block(totals);
+            live.end_block(&self.axis, totals);
             live.block = since_start_ns / BLOCK_NS;
         }
         if let Some(rate) = judged.rate() {
-            let code = rate.code24();
-            live.rate.push(code);
-            totals.rate.push(code);
+            live.rate.push(rate);
+            totals.rate.push(rate);
         }
         if let Some(temp) = judged.temp() {
-            live.temp.push(temp.code24());
-            totals.temp.push(temp.code24());
+            live.temp.push(temp);
+            totals.temp.push(temp);
             let blocks = (totals.end_ns - totals.start_ns) / BLOCK_NS;
             if live.block < blocks / 2 {
-                live.first_half.push(temp.code24());
+                live.first_half.push(temp);
             }
         }
         totals.samples += 1;
-        totals.lost += u64::from(judged.sample.lost);
+        totals.lost += u64::from(judged.reading.lost);
         totals.overranged += u64::from(judged.flags.has(Flags::OUT_OF_RANGE));
         totals.spoilt += u64::from(judged.is_spoilt());
     }
 
     fn close(&mut self, state: State) {
         let (totals, live) = (&mut self.closed[state as usize], &mut self.live);
-        live.end_block(totals);
+        live.end_block(&self.axis, totals);
         (totals.rates, totals.temps) = (live.rates.adjacent(), live.temps.adjacent());
         totals.eighths = live.eighths.adjacent();
     }
 
     fn summary(&self, state: State) -> Summary {
-        self.closed[state as usize].summary()
+        self.closed[state as usize].summary(&self.axis)
     }
 
     fn verdict(&self, state: State) -> Verdict {
         let totals = &self.closed[state as usize];
-        let slope = totals.temp_slope_c_per_s(self.live.first_half);
-        stationarity::judge_variances(totals.rates, |m| self.live.rung(m), slope)
+        let slope = totals.temp_slope_c_per_s(&self.axis, self.live.first_half);
+        stationarity::judge_variances(&self.axis, totals.rates, |m| self.live.rung(m), slope)
     }
 }

@@ -1,17 +1,14 @@
 //! Was the part at rest? Block means are held against the noise floor, at averaging times from a block to a quarter of the window.
 
 use crate::ledger::{Adjacent, BLOCK_S};
-use crate::noise::{NoiseModel, TYPICAL_WHITE_DPS_PER_RT_HZ};
+use crate::noise::NoiseModel;
+use crate::part::Axis;
 use alloc::vec::Vec;
 
-/// A part is called noisy, not at rest, above this multiple of the white noise of F-02.
+/// A part is called noisy, not at rest, above this multiple of its typical white noise.
 const NOISY: f64 = 3.0;
-/// How far the flicker floor and the random walk of a good unit may lie above their typical values (M-04).
+/// How far the flicker floor and the random walk of a good unit may lie above their typical values.
 const SPREAD: f64 = 2.0;
-/// Bias temperature coefficient that a drifting temperature is allowed to show through, °/s/°C: F-05 and several spreads of M-02.
-const LARGEST_TEMPCO_DPS_PER_C: f64 = 0.1;
-/// A single step up to this size is taken for a change of the supply (500 mV by F-01), °/s.
-pub(crate) const LARGEST_SUPPLY_STEP_DPS: f64 = 0.1;
 /// One-sided normal quantile of the tests: a false alarm in fifty million.
 const ALARM_Z: f64 = 5.5;
 
@@ -38,26 +35,32 @@ pub enum Verdict {
 }
 
 /// Judges a window by its Allan variances alone: of single blocks, and of averages of `m` of them where there are such. A step is
-/// motion then.
+/// motion then. A part whose typical noise or temperature coefficient is not known cannot be judged, and passes.
 pub(crate) fn judge_variances(
+    axis: &Axis,
     blocks: Adjacent,
     averages: impl Fn(usize) -> Option<Adjacent>,
     temp_slope_c_per_s: f64,
 ) -> Verdict {
-    ladder(blocks, averages, LARGEST_TEMPCO_DPS_PER_C * temp_slope_c_per_s)
+    match (axis.noise, axis.bias.largest_tempco_dps_per_c()) {
+        (Some(noise), Some(tempco_dps_per_c)) => {
+            ladder(&noise.model(), blocks, averages, tempco_dps_per_c * temp_slope_c_per_s)
+        }
+        _ => Verdict::AtRest,
+    }
 }
 
 /// Judges the block means of a window whose temperature changes by `temp_slope_c_per_s`.
-pub(crate) fn judge(rates_dps: &[f64], temp_slope_c_per_s: f64) -> Verdict {
+pub(crate) fn judge(axis: &Axis, rates_dps: &[f64], temp_slope_c_per_s: f64) -> Verdict {
     let ladder = |rates_dps: &[f64]| {
         let averages = |m| Some(adjacent(rates_dps, m));
-        judge_variances(adjacent(rates_dps, 1), averages, temp_slope_c_per_s)
+        judge_variances(axis, adjacent(rates_dps, 1), averages, temp_slope_c_per_s)
     };
     match ladder(rates_dps) {
         Verdict::AtRest => Verdict::AtRest,
         moving => {
             let step = Step::best(rates_dps);
-            let small = step.size_dps.abs() <= LARGEST_SUPPLY_STEP_DPS;
+            let small = step.size_dps.abs() <= axis.bias.largest_supply_step_dps();
             if small && ladder(&step.removed_from(rates_dps)) == Verdict::AtRest {
                 Verdict::Step { at_s: step.at as f64 * BLOCK_S, size_dps: step.size_dps }
             } else {
@@ -87,23 +90,27 @@ pub(crate) fn allowance(pairs: usize, z: f64) -> f64 {
     root * root * root
 }
 
-fn ladder(blocks: Adjacent, averages: impl Fn(usize) -> Option<Adjacent>, drift_dps_per_s: f64) -> Verdict {
+fn ladder(
+    typical: &NoiseModel,
+    blocks: Adjacent,
+    averages: impl Fn(usize) -> Option<Adjacent>,
+    drift_dps_per_s: f64,
+) -> Verdict {
     let white = white_density(blocks);
-    let limit = NOISY * TYPICAL_WHITE_DPS_PER_RT_HZ;
+    let limit = NOISY * typical.white_dps_per_rt_hz;
     if white > limit {
         return Verdict::Noisy { seen_dps_per_rt_hz: white, limit_dps_per_rt_hz: limit };
     }
     let lengths = core::iter::successors(Some(2), |m| Some(m * 2)).take_while(|m| m * 4 <= blocks.count);
     lengths
         .map_while(averages)
-        .map(|seen| rung(seen, white, drift_dps_per_s))
+        .map(|seen| rung(typical, seen, white, drift_dps_per_s))
         .find(|v| *v != Verdict::AtRest)
         .unwrap_or(Verdict::AtRest)
 }
 
-fn rung(seen: Adjacent, white_dps_per_rt_hz: f64, drift_dps_per_s: f64) -> Verdict {
+fn rung(typical: &NoiseModel, seen: Adjacent, white_dps_per_rt_hz: f64, drift_dps_per_s: f64) -> Verdict {
     let tau_s = seen.m as f64 * BLOCK_S;
-    let typical = NoiseModel::TYPICAL;
     let noise = NoiseModel {
         white_dps_per_rt_hz,
         bias_instability_dps: SPREAD * typical.bias_instability_dps,
@@ -154,9 +161,15 @@ impl Step {
 mod tests {
     use super::*;
 
+    const WHITE_DPS_PER_RT_HZ: f64 = 0.0125;
+
+    fn judge(rates_dps: &[f64], temp_slope_c_per_s: f64) -> Verdict {
+        super::judge(&Axis::ADIS16130, rates_dps, temp_slope_c_per_s)
+    }
+
     /// White noise of F-02 in block means, from a multiplicative generator and the central limit.
     fn at_rest(blocks: usize, seed: u64) -> Vec<f64> {
-        let sd = TYPICAL_WHITE_DPS_PER_RT_HZ / (2.0 * BLOCK_S).sqrt();
+        let sd = WHITE_DPS_PER_RT_HZ / (2.0 * BLOCK_S).sqrt();
         let mut state = seed * 2 + 1;
         let mut uniform = || {
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
@@ -178,7 +191,7 @@ mod tests {
             assert_eq!(judge(&at_rest(100, seed), 0.0), Verdict::AtRest, "10 s, seed {seed}");
             let rates = at_rest(1500, seed);
             assert_eq!(judge(&rates, 0.0), Verdict::AtRest, "150 s, seed {seed}");
-            assert!((white_density(adjacent(&rates, 1)) / TYPICAL_WHITE_DPS_PER_RT_HZ - 1.0).abs() < 0.15);
+            assert!((white_density(adjacent(&rates, 1)) / WHITE_DPS_PER_RT_HZ - 1.0).abs() < 0.15);
         }
     }
 

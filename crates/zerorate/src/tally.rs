@@ -1,6 +1,6 @@
 //! Counts over a run of samples.
 
-use adis16130::Sample;
+use crate::reading::Reading;
 
 /// How many samples came, how many were lost, and how fast they were.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -22,21 +22,21 @@ pub struct Tally {
 }
 
 impl Tally {
-    /// Counts a sample.
+    /// Counts a reading.
     #[inline]
-    pub fn count(&mut self, sample: &Sample) {
+    pub fn count(&mut self, reading: &Reading) {
         if self.samples == 0 {
-            self.first_ns = sample.t_ns;
+            self.first_ns = reading.t_ns;
         } else {
-            let edges = sample.seq.wrapping_sub(self.last_seq);
+            let edges = reading.seq.wrapping_sub(self.last_seq);
             self.edges += u64::from(edges);
-            self.note_gap(sample.lost, edges);
-            let gap_ns = sample.t_ns.saturating_sub(self.last_ns);
+            self.note_gap(reading.lost, edges);
+            let gap_ns = reading.t_ns.saturating_sub(self.last_ns);
             self.longest_gap_ns = self.longest_gap_ns.max(gap_ns);
         }
-        (self.last_seq, self.last_ns) = (sample.seq, sample.t_ns);
+        (self.last_seq, self.last_ns) = (reading.seq, reading.t_ns);
         self.samples += 1;
-        self.lost += u64::from(sample.lost);
+        self.lost += u64::from(reading.lost);
     }
 
     /// A host that is late counts the edges that it could not handle, and one that reads too slowly loses one sample at

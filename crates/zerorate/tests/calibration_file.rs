@@ -1,8 +1,7 @@
 //! The calibration file: what is written comes back, and nothing that was changed since passes for it.
 
 use zerorate::calibration::{Calibration, FileError, FileWarning, Origin};
-use zerorate::noise::NoiseModel;
-use zerorate::{Correction, Noise, Outcome, Plan, Uncertainty, Warning};
+use zerorate::{Axis, Correction, Noise, Outcome, Plan, Uncertainty, Warning};
 
 fn measured() -> Calibration {
     let outcome = Outcome {
@@ -24,7 +23,7 @@ fn measured() -> Calibration {
             cov_pbc_t3: 2e-8,
             drift_dps: 0.0004,
         },
-        noise: Noise { model: NoiseModel::TYPICAL, flicker_measured: false },
+        noise: Noise { model: Axis::ADIS16130.typical_noise(), flicker_measured: false },
         rdy_hz: 5692.6,
         rate_hz: 5692.6,
         samples: 18_051_234,

@@ -1,13 +1,15 @@
 //! Which readings are believed, measured on the twin against what the twin itself converted.
 
 use adis16130::blocking::Adis16130;
-use adis16130::{Config, Edge, MCLK_HZ, RateCode, Sample, Sampler, SamplerConfig, TempCode, Width};
+use adis16130::{Config, Edge, MCLK_HZ, Sampler, SamplerConfig, Width};
 use adis16130_twin::{Fault, Motion, Spec, Twin};
 use zerorate::health::{Flags, Health, Judged};
-use zerorate::{Action, Event, Outcome, Plan, Procedure, Refusal, Tally};
+use zerorate::{Action, Axis, Event, Outcome, Plan, Procedure, Reading, Refusal, Tally};
+
+const AXIS: Axis = Axis::ADIS16130;
 
 /// Reads a twin for so long, as a driver sees it; what cannot be read is lost.
-fn readings(spec: Spec, config: Config, sampling: SamplerConfig, seconds: f64) -> Vec<Sample> {
+fn readings(spec: Spec, config: Config, sampling: SamplerConfig, seconds: f64) -> Vec<Reading> {
     let twin = Twin::new(spec);
     let mut gyro = Adis16130::new(twin.spi(), twin.rdy(), config);
     let mut sampler = Sampler::new(sampling, &config, MCLK_HZ);
@@ -17,13 +19,13 @@ fn readings(spec: Spec, config: Config, sampling: SamplerConfig, seconds: f64) -
     while twin.now_ns() < end_ns {
         let Some(edge) = twin.next_falling_edge(1_000_000_000) else { break };
         let sample = gyro.sample(&mut sampler, Edge { t_ns: edge.t_ns, seq: edge.seq });
-        samples.extend(sample.ok().flatten());
+        samples.extend(sample.ok().flatten().map(|sample| Reading::from(&sample)));
     }
     samples
 }
 
-fn judged(samples: &[Sample]) -> (Vec<Judged>, Health) {
-    let mut health = Health::default();
+fn judged(samples: &[Reading]) -> (Vec<Judged>, Health) {
+    let mut health = Health::new(&AXIS);
     let mut all: Vec<Judged> = samples.iter().filter_map(|sample| health.push(sample)).collect();
     while let Some(last) = health.finish() {
         all.push(last);
@@ -34,7 +36,7 @@ fn judged(samples: &[Sample]) -> (Vec<Judged>, Health) {
 
 /// The rate and the temperature that stand in the registers at an edge: those of a clean run, whose edges come with the
 /// temperature. An edge half a period earlier comes with the rate.
-fn truth(clean: &[Sample], t_ns: u64) -> Option<(RateCode, TempCode)> {
+fn truth(clean: &[Reading], t_ns: u64) -> Option<(i32, i32)> {
     let next = clean.partition_point(|sample| sample.t_ns < t_ns);
     let newest = clean.partition_point(|sample| sample.t_ns <= t_ns).checked_sub(1)?;
     Some((clean.get(next)?.rate, clean[newest].temp?))
@@ -70,17 +72,17 @@ fn bit_errors_are_marked_at_rest_and_in_motion_and_nothing_else() {
         let rate = 1e-5 * f64::from(divider);
         let (spoilt, _) = judged(&readings(with_bit_errors(&spec, rate), config, sampling, 30.0));
         let allowance_dps = if divider == 1 { 2.0 } else { 6.0 };
-        for Judged { sample, flags } in &spoilt {
-            let Some((rate, temp)) = truth(&clean, sample.t_ns) else { continue };
-            let error_dps = (zerorate::rate_dps(sample.rate) - zerorate::rate_dps(rate)).abs();
+        for Judged { reading, flags } in &spoilt {
+            let Some((rate, temp)) = truth(&clean, reading.t_ns) else { continue };
+            let error_dps = AXIS.rate.value(i64::from(reading.rate - rate)).abs();
             if error_dps > allowance_dps {
                 wrong += 1;
                 found += u32::from(!flags.rate_is_good());
             }
-            let right = error_dps == 0.0 && sample.status.is_none_or(|status| !status.out_of_range());
-            assert!(!right || flags.rate_is_good(), "{motion:?}: a false alarm at {} ns, {flags}", sample.t_ns);
-            if let Some(read) = sample.temp {
-                let error_c = (zerorate::temp_c(read) - zerorate::temp_c(temp)).abs();
+            let right = error_dps == 0.0 && !reading.out_of_range;
+            assert!(!right || flags.rate_is_good(), "{motion:?}: a false alarm at {} ns, {flags}", reading.t_ns);
+            if let Some(read) = reading.temp {
+                let error_c = f64::from(read - temp).abs() / AXIS.temp.lsb_per_unit;
                 assert!(error_c < 1.5 || !flags.temp_is_good(), "{error_c} °C believed");
                 assert!(error_c > 0.0 || flags.temp_is_good(), "a false alarm of temperature");
             }
@@ -94,7 +96,7 @@ fn bit_errors_are_marked_at_rest_and_in_motion_and_nothing_else() {
 fn a_frozen_part_is_known_within_a_fifth_of_a_second() {
     let spec = Spec { fault: Fault::Frozen, fault_at_s: Some(2.0), ..Spec::from_seed(3) };
     let (judged, health) = judged(&readings(spec, Config::default(), SamplerConfig::new(), 3.0));
-    let first = judged.iter().find(|judged| judged.flags.has(Flags::FROZEN)).expect("frozen").sample.t_ns;
+    let first = judged.iter().find(|judged| judged.flags.has(Flags::FROZEN)).expect("frozen").reading.t_ns;
     assert!((2_000_000_000..2_200_000_000).contains(&first), "{first}");
     assert!(health.frozen_at_end().is_some_and(|frozen| frozen.both && frozen.since_ns <= 2_001_000_000));
     assert!(judged.iter().rev().take(1000).all(|judged| !judged.flags.rate_is_good()));
@@ -105,7 +107,7 @@ fn a_frozen_part_is_known_within_a_fifth_of_a_second() {
 fn a_wrapped_code_is_out_of_range() {
     let spec = Spec { rotation_dps: 360.0, sensitivity_error: 0.0, ..Spec::from_seed(4) };
     let samples = readings(spec, Config::default(), SamplerConfig::new(), 0.5);
-    assert!(zerorate::rate_dps(samples[100].rate) < -300.0);
+    assert!(AXIS.rate.value(samples[100].rate.into()) < -300.0);
     let (judged, health) = judged(&samples);
     assert!(judged.iter().all(|judged| judged.flags == Flags::OUT_OF_RANGE));
     assert_eq!(health.marks().out_of_range, judged.len() as u64);
@@ -114,7 +116,7 @@ fn a_wrapped_code_is_out_of_range() {
 /// A line that stutters and a host that is late both lose samples; only one of them is the host's fault.
 #[test]
 fn a_stuttering_line_is_told_from_a_late_host() {
-    let tally = |samples: &[Sample]| {
+    let tally = |samples: &[Reading]| {
         let mut tally = Tally::default();
         samples.iter().for_each(|sample| tally.count(sample));
         tally
@@ -133,7 +135,8 @@ fn a_stuttering_line_is_told_from_a_late_host() {
         if k % 50 == 0 {
             twin.advance_ns(200_000 + k * 37 % 900_000);
         }
-        late.extend(gyro.sample(&mut sampler, Edge { t_ns: edge.t_ns, seq: edge.seq }).ok().flatten());
+        let sample = gyro.sample(&mut sampler, Edge { t_ns: edge.t_ns, seq: edge.seq }).ok().flatten();
+        late.extend(sample.map(|sample| Reading::from(&sample)));
     }
     let host = tally(&late);
     assert!(host.gaps > 50 && !host.data_ready_stutters(), "{host:?}");
@@ -151,19 +154,19 @@ const SHORT: Plan = Plan {
     assume_linear: true,
 };
 
-fn measure(samples: &[Sample], plan: Plan) -> Result<Outcome, Refusal> {
-    let mut procedure = Procedure::new(plan).expect("a plan");
+fn measure(samples: &[Reading], plan: Plan) -> Result<Outcome, Refusal> {
+    let mut procedure = Procedure::new(&AXIS, plan).expect("a plan");
     procedure.handle(Event::Initialised { t_ns: samples[0].t_ns })?;
     for sample in samples {
         if procedure.next() == Action::Done {
             break;
         }
-        procedure.handle(Event::Sample(sample))?;
+        procedure.handle(Event::Reading(sample))?;
     }
     procedure.finish()
 }
 
-fn short_record(spec: Spec) -> Vec<Sample> {
+fn short_record(spec: Spec) -> Vec<Reading> {
     readings(Spec { warmup_s: 10.0, ..spec }, Config::default(), SamplerConfig::new(), SHORT.total_s() + 1.0)
 }
 
@@ -175,7 +178,7 @@ fn spoilt_readings_are_in_no_mean() {
     assert_eq!(expected.impossible_readings, 0);
     let mut spoilt = clean;
     for k in (500..spoilt.len()).step_by(997) {
-        spoilt[k].rate = RateCode::new(spoilt[k].rate.code() ^ 1 << (17 + k % 7), Width::Bits24);
+        spoilt[k].rate = ((spoilt[k].rate + (1 << 23)) ^ 1 << (17 + k % 7)) - (1 << 23);
     }
     let found = measure(&spoilt, SHORT).expect("a good part on a bad line");
     assert!(found.impossible_readings > 300, "{}", found.impossible_readings);
@@ -196,5 +199,5 @@ fn bit_errors_are_not_blamed_on_motion_nor_stutter_on_the_host() {
     let stuttering = Spec { fault: Fault::RdyStutter, ..Spec::from_seed(7) };
     let refusal = measure(&short_record(stuttering), SHORT).unwrap_err();
     assert!(matches!(refusal, Refusal::Stuttering { .. }), "{refusal}");
-    assert!(refusal.to_string().contains("pin 10"));
+    assert!(refusal.to_string().contains("data-ready wire"));
 }

@@ -1,11 +1,11 @@
 //! The procedure, with the driver, on the twin: right numbers from a good unit, and a refusal that names the cause from a bad one.
 
 use adis16130::blocking::Adis16130;
-use adis16130::{Config, Edge, MCLK_HZ, Sample, Sampler, SamplerConfig};
+use adis16130::{Config, Edge, MCLK_HZ, Sampler, SamplerConfig};
 use adis16130_twin::{Fault, Motion, Spec, Truth, Twin, TwinRdy, TwinSpi};
 use zerorate::{
-    Action, Deviation, Event, Finding, FixedProcedure, Outcome, Plan, Procedure, Refusal, State, Warning,
-    WindowWarnings,
+    Action, Axis, Deviation, Event, Finding, FixedProcedure, Outcome, Plan, Procedure, Reading, Refusal, State,
+    Warning, WindowWarnings,
 };
 
 /// A procedure short enough for a test. The part of [`quick`] settles as much faster.
@@ -39,7 +39,7 @@ fn measure_with(spec: Spec, plan: Plan, config: Config, sampling: SamplerConfig)
     let twin = Twin::new(spec);
     let mut gyro = Adis16130::new(twin.spi(), twin.rdy(), config);
     let mut sampler = Sampler::new(sampling, &config, MCLK_HZ);
-    let mut procedure = Procedure::new(plan).expect("a plan that makes sense");
+    let mut procedure = Procedure::new(&Axis::ADIS16130, plan).expect("a plan that makes sense");
     let mut truth = twin.truth();
     loop {
         match procedure.next() {
@@ -47,9 +47,9 @@ fn measure_with(spec: Spec, plan: Plan, config: Config, sampling: SamplerConfig)
                 gyro.init().expect("initialisation");
                 procedure.handle(Event::Initialised { t_ns: twin.now_ns() })?;
             }
-            Action::Sample => {
+            Action::Read => {
                 let before = procedure.progress().state;
-                procedure.handle(Event::Sample(&read(&twin, &mut gyro, &mut sampler)))?;
+                procedure.handle(Event::Reading(&read(&twin, &mut gyro, &mut sampler)))?;
                 if before == State::Offset {
                     truth = twin.truth();
                 }
@@ -59,12 +59,12 @@ fn measure_with(spec: Spec, plan: Plan, config: Config, sampling: SamplerConfig)
     }
 }
 
-fn read(twin: &Twin, gyro: &mut Adis16130<TwinSpi, TwinRdy>, sampler: &mut Sampler) -> Sample {
+fn read(twin: &Twin, gyro: &mut Adis16130<TwinSpi, TwinRdy>, sampler: &mut Sampler) -> Reading {
     loop {
         let edge = twin.next_falling_edge(1_000_000_000).expect("data ready");
         let edge = Edge { t_ns: edge.t_ns, seq: edge.seq };
         if let Some(sample) = gyro.sample(sampler, edge).expect("a reading") {
-            return sample;
+            return Reading::from(&sample);
         }
     }
 }
@@ -199,7 +199,7 @@ fn a_supply_step_is_a_warning_with_its_time_and_widens_what_it_spoils() {
     for (mv, at) in steps {
         let measured = measure(stepped(mv, at), LENIENT).unwrap();
         let seen = found(&measured.outcome);
-        let Some(Deviation::Step { at_s, size_dps }) = seen.first().map(|finding| finding.deviation) else {
+        let Some(Deviation::Step { at_s, size_dps, .. }) = seen.first().map(|finding| finding.deviation) else {
             panic!("{mv} mV at {at} s: {:?}", measured.outcome.warnings)
         };
         assert!(
@@ -298,16 +298,19 @@ fn both(spec: Spec, plan: Plan) -> (Result<Outcome, Refusal>, Result<FixedOutcom
     let mut gyro = Adis16130::new(twin.spi(), twin.rdy(), config);
     let mut sampler = Sampler::new(SamplerConfig::default(), &config, MCLK_HZ);
     gyro.init().expect("initialisation");
-    let (mut full, mut fixed) = (Procedure::new(plan).unwrap(), FixedProcedure::on_fixed_memory(plan).unwrap());
+    let (mut full, mut fixed) = (
+        Procedure::new(&Axis::ADIS16130, plan).unwrap(),
+        FixedProcedure::on_fixed_memory(&Axis::ADIS16130, plan).unwrap(),
+    );
     let started = Event::Initialised { t_ns: twin.now_ns() };
     let mut seen = (full.handle(started), fixed.handle(started));
-    while (seen.0.is_ok() && full.next() == Action::Sample) || (seen.1.is_ok() && fixed.next() == Action::Sample) {
+    while (seen.0.is_ok() && full.next() == Action::Read) || (seen.1.is_ok() && fixed.next() == Action::Read) {
         let sample = read(&twin, &mut gyro, &mut sampler);
         if seen.0.is_ok() {
-            seen.0 = full.handle(Event::Sample(&sample));
+            seen.0 = full.handle(Event::Reading(&sample));
         }
         if seen.1.is_ok() {
-            seen.1 = fixed.handle(Event::Sample(&sample));
+            seen.1 = fixed.handle(Event::Reading(&sample));
         }
         if seen == (Ok(()), Ok(())) {
             assert_eq!((full.next(), full.progress()), (fixed.next(), fixed.progress()));

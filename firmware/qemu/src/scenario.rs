@@ -5,7 +5,7 @@
 use adis16130::blocking::Adis16130;
 use adis16130::{Config, Edge, Framing, MCLK_HZ, RateCode, Sampler, SamplerConfig, TempCode};
 use adis16130_twin::{Spec, Twin, TwinRdy, TwinSpi};
-use zerorate::{CodeTable, Correction, CorrectionF32, IntegerCorrection};
+use zerorate::{Axis, CodeTable, Correction, CorrectionF32, IntegerCorrection};
 
 /// Readings of a run.
 pub const READINGS: usize = 2_000;
@@ -53,12 +53,17 @@ impl Corrections {
         let correction = Correction { pbc_dps: truth.pbc_dps(t3_c), btc_dps_per_c: truth.btc_dps_per_c(t3_c), t3_c };
         let mut rows_udps = [0; ROWS];
         correction.fill_table(TABLE_C.0, TABLE_C.1, &mut rows_udps).ok()?;
-        Some(Self { integer: correction.to_integer().ok()?, single: correction.to_f32(), rows_udps, t3_c })
+        Some(Self {
+            integer: correction.to_integer(&Axis::ADIS16130).ok()?,
+            single: correction.to_f32(),
+            rows_udps,
+            t3_c,
+        })
     }
 
     /// By look-up.
     pub fn table(&self) -> CodeTable<'_> {
-        CodeTable::new(&self.rows_udps, TABLE_C.0, self.t3_c)
+        CodeTable::new(&self.rows_udps, TABLE_C.0, self.t3_c, &Axis::ADIS16130.temp)
     }
 }
 

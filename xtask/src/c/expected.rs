@@ -6,7 +6,8 @@ use adis16130_twin::{Spec, Twin, TwinRdy, TwinSpi};
 use anyhow::{Context, Result, anyhow, ensure};
 use std::fmt::Write;
 use zerorate::{
-    Action, CodeTable, Correction, Event, FixedProcedure, Outcome, Plan, Refusal, Warning, WindowWarnings,
+    Action, Axis, CodeTable, Correction, Event, FixedProcedure, Outcome, Plan, Reading, Refusal, Warning,
+    WindowWarnings,
 };
 
 /// The correction of the test, as a calibration file.
@@ -76,10 +77,10 @@ impl Rig {
 fn samples(text: &mut String, keys: &str) -> Result<()> {
     let mut rig = Rig::new(keys, 6_000_000)?;
     text.push_str("initialise 0\ninteger 0\nsingle 0\ntable 0\n");
-    let (integer, single) = (CORRECTION.to_integer()?, CORRECTION.to_f32());
+    let (integer, single) = (CORRECTION.to_integer(&Axis::ADIS16130)?, CORRECTION.to_f32());
     let mut rows = [0; ROWS];
     CORRECTION.fill_table(0.02, 2.0, &mut rows)?;
-    let table = CodeTable::new(&rows, 0.02, CORRECTION.t3_c);
+    let table = CodeTable::new(&rows, 0.02, CORRECTION.t3_c, &Axis::ADIS16130.temp);
     for _ in 0..SAMPLES {
         let Sample { t_ns, seq, rate, temp, lost, .. } = rig.next()?;
         let temp = temp.context("a sample without temperature")?;
@@ -130,10 +131,10 @@ const PLAN: Plan = Plan {
 fn calibrate(text: &mut String, keys: &str) -> Result<()> {
     let mut rig = Rig::new(keys, 1_000_000)?;
     text.push_str("initialise 0\nbegin 0\ntoo early -2\nfirst 0\n");
-    let mut procedure = FixedProcedure::on_fixed_memory(PLAN)?;
+    let mut procedure = FixedProcedure::on_fixed_memory(&Axis::ADIS16130, PLAN)?;
     let mut seen = procedure.handle(Event::Initialised { t_ns: rig.twin.now_ns() });
     while seen.is_ok() && procedure.next() != Action::Done {
-        seen = procedure.handle(Event::Sample(&rig.next()?));
+        seen = procedure.handle(Event::Reading(&Reading::from(&rig.next()?)));
     }
     let ended = seen.map_or_else(|refusal| number(&refusal), |()| 0);
     let progress = procedure.progress();

@@ -4,6 +4,7 @@ use super::CaptureError;
 use adis16130::{RATE_LSB_PER_DPS, TEMP_LSB_PER_C, Width};
 use arrow::datatypes::Metadata;
 use std::path::Path;
+use zerorate::{Axis, Part};
 
 /// Version of the format that this program writes, and the highest it reads.
 pub const SCHEMA_VERSION: u32 = 2;
@@ -22,6 +23,7 @@ const EVERY_TEMP: &str = "zerorate.every_temp";
 const DIVIDER: &str = "zerorate.divider";
 /// Left out where it is 1, as in every file of programs that did not know it.
 const DIVIDED: &str = "zerorate.divided";
+const BANDWIDTH_HZ: &str = "zerorate.bandwidth_hz";
 const SOFTWARE: &str = "zerorate.software";
 const CREATED: &str = "zerorate.created";
 const SUPPLY_NOTE: &str = "zerorate.supply_note";
@@ -34,7 +36,7 @@ const PART_NAME: &str = "ADIS16130";
 const AXIS: &str = "rate";
 
 /// How a capture was taken.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct CaptureInfo {
     /// Version of the format that the file has.
     pub schema: u32,
@@ -54,6 +56,8 @@ pub struct CaptureInfo {
     pub divider: u16,
     /// The host saw every N-th data-ready edge, because a counter divided them (F-56).
     pub divided: u16,
+    /// −3 dB of the rate, Hz, where it is not the part's own (F-04).
+    pub bandwidth_hz: Option<f64>,
     /// What wrote the capture.
     pub software: String,
     /// When, RFC 3339; empty on a simulated device, whose files depend on nothing but the seed.
@@ -81,6 +85,7 @@ impl CaptureInfo {
             (EVERY_TEMP, Some(self.every_temp.to_string())),
             (DIVIDER, Some(self.divider.to_string())),
             (DIVIDED, (self.divided > 1).then(|| self.divided.to_string())),
+            (BANDWIDTH_HZ, self.bandwidth_hz.map(|hz| hz.to_string())),
             (SOFTWARE, Some(self.software.clone())),
             (CREATED, Some(self.created.clone()).filter(|created| !created.is_empty())),
             (SUPPLY_NOTE, self.supply_note.clone()),
@@ -110,10 +115,33 @@ impl CaptureInfo {
             every_temp: number_or(path, metadata, EVERY_TEMP, 1)?,
             divider: number_or(path, metadata, DIVIDER, 1)?,
             divided: number_or(path, metadata, DIVIDED, 1)?,
+            bandwidth_hz: bandwidth_hz(path, metadata)?,
             software: text(SOFTWARE).unwrap_or_default(),
             created: text(CREATED).unwrap_or_default(),
             supply_note: text(SUPPLY_NOTE),
         })
+    }
+}
+
+impl CaptureInfo {
+    /// The part that was read, as it was set.
+    pub fn part(&self) -> Part {
+        self.bandwidth_hz.map_or(Part::ADIS16130, |hz| Part::ADIS16130.with_bandwidth_hz(hz))
+    }
+
+    /// Its axis.
+    pub fn axis(&self) -> Axis {
+        *self.part().first()
+    }
+}
+
+fn bandwidth_hz(path: &Path, metadata: &Metadata) -> Result<Option<f64>, CaptureError> {
+    if !metadata.contains_key(BANDWIDTH_HZ) {
+        return Ok(None);
+    }
+    match number::<f64>(path, metadata, BANDWIDTH_HZ)? {
+        hz if hz > 0.0 && hz.is_finite() => Ok(Some(hz)),
+        hz => Err(CaptureError::damaged(path, "metadata", format!("{BANDWIDTH_HZ} = {hz}, which no part has"))),
     }
 }
 

@@ -22,6 +22,7 @@ pub(super) fn info() -> CaptureInfo {
         every_temp: 3,
         divider: 1,
         divided: 1,
+        bandwidth_hz: Some(50.0),
         software: "zerorate 0.1.0".to_owned(),
         created: String::new(),
         supply_note: None,

@@ -11,8 +11,8 @@ use arrow::compute::{CastOptions, cast_with_options, concat, nullif};
 use arrow::datatypes::{ArrowPrimitiveType, UInt8Type, UInt32Type, UInt64Type};
 use arrow::error::ArrowError;
 use std::path::Path;
-use zerorate::Tally;
 use zerorate::health::{Health, Judged};
+use zerorate::{Axis, Reading, Tally};
 
 /// The raw columns that judging takes, after those of the numbers.
 pub const NEEDED: [&str; 5] = ["t_ns", "lost", "rate_code", "status", "temp_code"];
@@ -37,13 +37,13 @@ pub struct Judging {
 
 impl Judging {
     /// For the column of this name; none if it holds no readings.
-    pub fn of_column(name: &str, width: Width) -> Option<Self> {
+    pub fn of_column(name: &str, width: Width, axis: &Axis) -> Option<Self> {
         let channel = match name {
             "rate_code" | "rate_dps" | "rate_corrected_dps" => Channel::Rate,
             "temp_code" | "temp_c" => Channel::Temp,
             _ => return None,
         };
-        let (health, tally) = (Health::default(), Tally::default());
+        let (health, tally) = (Health::new(axis), Tally::default());
         Some(Self { channel, width, health, tally, start_ns: None, tail: None })
     }
 
@@ -68,7 +68,7 @@ impl Judging {
             };
             self.start_ns.get_or_insert(sample.t_ns);
             self.tally.samples += 1;
-            believed.extend(self.health.push(&sample).map(|judged| self.believes(&judged)));
+            believed.extend(self.health.push(&Reading::from(&sample)).map(|judged| self.believes(&judged)));
         }
         let values = match self.tail.take() {
             Some(tail) => concat(&[&tail, value])?,

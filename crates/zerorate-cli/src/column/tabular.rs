@@ -10,13 +10,14 @@ use crate::capture::columns::CORRECTED;
 use crate::capture::table::BatchSource;
 use crate::capture::{CaptureError, CaptureInfo, Checked, info};
 use crate::limits::Room;
-use adis16130::{RATE_LSB_PER_DPS, TEMP_LSB_PER_C, Width};
+use adis16130::Width;
 use anyhow::Result;
 use arrow::array::{Array, ArrayRef, AsArray, RecordBatch};
 use arrow::compute::{CastOptions, cast_with_options};
 use arrow::datatypes::{DataType, Float64Type, Int32Type, Int64Type, Schema, TimeUnit as ArrowUnit, UInt32Type};
 use arrow::error::ArrowError;
 use std::path::Path;
+use zerorate::Axis;
 
 /// Reads a column of a table. Of a capture all columns are read, because its checks are over all of them.
 pub fn read(path: &Path, mut source: Box<dyn BatchSource>, room: Room, args: &ColumnArgs) -> Result<Found> {
@@ -59,7 +60,7 @@ impl<'a> Reading<'a> {
         let capture = if is_capture && time.is_none() { Some(Capture::of(path, schema, &name)?) } else { None };
         let mut columns = vec![value];
         columns.extend(time);
-        let judging = capture.as_ref().and_then(|capture| Judging::of_column(&name, capture.code_width));
+        let judging = capture.as_ref().and_then(|capture| Judging::of_column(&name, capture.code_width, &capture.axis));
         let needed = match (&capture, &judging) {
             (None, _) => 0,
             (Some(_), None) => 2,
@@ -222,6 +223,7 @@ fn append_times(times: &mut Times, column: &ArrayRef) -> Result<(), Wrong> {
 struct Capture {
     /// Width of the codes in the column, if it holds codes.
     width: Option<Width>,
+    axis: Axis,
     /// Width of the raw codes.
     code_width: Width,
     scale: Option<f64>,
@@ -232,15 +234,24 @@ struct Capture {
 
 impl Capture {
     fn of(path: &Path, schema: &Schema, name: &str) -> Result<Self, CaptureError> {
-        let width = CaptureInfo::from_metadata(path, schema.metadata())?.width;
+        let info = CaptureInfo::from_metadata(path, schema.metadata())?;
+        let (width, axis) = (info.width, info.axis());
         // F-40, F-41, F-43
         let lsb_per_unit = match name {
-            "rate_code" => Some(RATE_LSB_PER_DPS),
-            "temp_code" => Some(TEMP_LSB_PER_C),
+            "rate_code" => Some(axis.rate.lsb_per_unit),
+            "temp_code" => Some(axis.temp.lsb_per_unit),
             _ => None,
         };
-        let scale = lsb_per_unit.map(|lsb| f64::from(1u32 << (24 - width.bits())) / f64::from(lsb));
-        Ok(Self { width: scale.map(|_| width), code_width: width, scale, span_ns: None, rows: 0, gaps: Vec::new() })
+        let scale = lsb_per_unit.map(|lsb| f64::from(1u32 << (24 - width.bits())) / lsb);
+        Ok(Self {
+            width: scale.map(|_| width),
+            axis,
+            code_width: width,
+            scale,
+            span_ns: None,
+            rows: 0,
+            gaps: Vec::new(),
+        })
     }
 
     fn append(

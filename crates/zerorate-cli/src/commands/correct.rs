@@ -1,7 +1,7 @@
 //! `zerorate correct`: a recorded file, corrected, with its raw columns as they were.
 
 use super::serial::Part;
-use super::warn;
+use super::{flag, warn};
 use crate::believed;
 use crate::capture::columns::{self, Rows};
 use crate::capture::{CaptureInfo, CaptureReader, Format, info, table};
@@ -15,7 +15,7 @@ use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use zerorate::health::{Flags, Health, Judged};
-use zerorate::{Calibration, Correction, Tally};
+use zerorate::{Axis, Calibration, Correction, Corrector, CorrectorConfig, Reading, Say, Tally};
 
 /// Corrects a capture: RATE + PBC + (TEMP − T3) · BTC.
 ///
@@ -56,24 +56,24 @@ pub fn run(args: &CorrectArgs) -> Result<()> {
     let schema = schema(reader.info(), &calibration);
     let format = Format::choose(args.format, &args.output);
     let mut sink = table::create(&args.output, output.file()?, format, &schema)?;
-    let mut corrector = Corrector::new(calibration.correction);
+    let mut correcting = Correcting::new(reader.info().axis(), &calibration);
     while let Some(rows) = reader.next_rows()? {
         ensure!(!interrupt::asked(), "interrupted; nothing written");
-        for batch in corrector.take(rows, &schema)? {
+        for batch in correcting.take(rows, &schema)? {
             sink.write(&batch)?;
         }
     }
-    for batch in corrector.finish(&schema)? {
+    for batch in correcting.finish(&schema)? {
         sink.write(&batch)?;
     }
     sink.finish()?;
     warn(&reader.warnings());
-    corrector.seen.check(args, &calibration)?;
+    correcting.check(args)?;
     output.publish()?;
     say(format_args!(
         "{}: {} samples, corrected with calibration {}",
         args.output.display(),
-        corrector.seen.rows,
+        correcting.seen.rows,
         calibration.id()
     ));
     Ok(())
@@ -89,16 +89,9 @@ pub(super) fn load(path: &Path) -> Result<Calibration> {
     Ok(calibration)
 }
 
-/// What to say where temperatures from `low` to `high`, in °C, leave the span of the calibration.
-pub fn extrapolation(calibration: &Calibration, low: f64, high: f64) -> Option<String> {
-    let span = calibration.validity?;
-    let inside = span.covers(low) && span.covers(high);
-    (!inside).then(|| {
-        format!(
-            "{low:.1} … {high:.1} °C leaves the {:.1} … {:.1} °C of the calibration: the correction is extrapolated; calibrate over a wider span",
-            span.temp_min_c, span.temp_max_c
-        )
-    })
+/// What is to be applied.
+pub(super) fn corrector(calibration: &Calibration) -> Corrector {
+    Corrector::new(CorrectorConfig { correction: calibration.correction, validity: calibration.validity })
 }
 
 fn refuse_corrected(path: &Path, reader: &CaptureReader) -> Result<()> {
@@ -136,28 +129,28 @@ fn schema(info: &CaptureInfo, calibration: &Calibration) -> SchemaRef {
 }
 
 /// Applies a correction row by row, two rows late: so long it takes to judge one.
-struct Corrector {
-    correction: Correction,
-    /// The temperature in force, until the next is read.
-    temp_c: Option<f64>,
+struct Correcting {
+    axis: Axis,
+    corrector: Corrector,
     /// Batches that are not judged to their end yet.
     waiting: VecDeque<Rows>,
     judged: VecDeque<Judged>,
     seen: Seen,
 }
 
-impl Corrector {
-    fn new(correction: Correction) -> Self {
+impl Correcting {
+    fn new(axis: Axis, calibration: &Calibration) -> Self {
         let (waiting, judged) = (VecDeque::new(), VecDeque::new());
-        Self { correction, temp_c: None, waiting, judged, seen: Seen::default() }
+        Self { axis, corrector: corrector(calibration), waiting, judged, seen: Seen::new(&axis) }
     }
 
     /// Takes a batch in, and gives those that are judged.
     fn take(&mut self, rows: Rows, schema: &SchemaRef) -> Result<Vec<RecordBatch>> {
         for sample in rows.samples() {
+            let reading = Reading::from(&sample);
             self.seen.start_ns.get_or_insert(sample.t_ns);
-            self.seen.tally.count(&sample);
-            self.judged.extend(self.seen.health.push(&sample));
+            self.seen.tally.count(&reading);
+            self.judged.extend(self.seen.health.push(&reading));
         }
         self.waiting.push_back(rows);
         self.complete(schema)
@@ -185,17 +178,16 @@ impl Corrector {
     fn correct(&mut self, raw: Vec<ArrayRef>, rows: &[Judged], schema: &SchemaRef) -> Result<RecordBatch> {
         let mut temps_c = Float64Builder::with_capacity(rows.len());
         let mut corrected_dps = Float64Builder::with_capacity(rows.len());
+        let Axis { rate, temp, .. } = self.axis;
         for judged in rows {
-            let read_c = judged.temp().map(zerorate::temp_c);
-            self.temp_c = read_c.or(self.temp_c);
-            self.seen.count(read_c, self.temp_c);
-            temps_c.append_option(self.temp_c);
-            let rate_dps = judged.rate().map(zerorate::rate_dps);
-            let corrected =
-                rate_dps.zip(self.temp_c).map(|(rate_dps, temp_c)| self.correction.apply(rate_dps, temp_c));
-            corrected_dps.append_option(corrected);
+            let read_c = judged.temp().map(|code| temp.value(code.into()));
+            let corrected = self.corrector.take(judged.rate().map(|code| rate.value(code.into())), read_c);
+            self.seen.rows += 1;
+            self.seen.without_temp += u64::from(corrected.temp_c.is_none());
+            temps_c.append_option(corrected.temp_c);
+            corrected_dps.append_option(corrected.rate_dps);
         }
-        let rates_dps = rows.iter().map(|judged| zerorate::rate_dps(judged.sample.rate));
+        let rates_dps = rows.iter().map(|judged| rate.value(judged.reading.rate.into()));
         let derived: [ArrayRef; 4] = [
             Arc::new(Float64Array::from_iter_values(rates_dps)),
             Arc::new(temps_c.finish()),
@@ -207,46 +199,41 @@ impl Corrector {
 }
 
 /// What there was in the capture that its user should know.
-#[derive(Default)]
 struct Seen {
     rows: u64,
     without_temp: u64,
     health: Health,
     tally: Tally,
     start_ns: Option<u64>,
-    temps_c: Option<(f64, f64)>,
 }
 
 impl Seen {
-    fn count(&mut self, read_c: Option<f64>, used_c: Option<f64>) {
-        self.rows += 1;
-        self.without_temp += u64::from(used_c.is_none());
-        if let Some(temp_c) = read_c {
-            let (low, high) = self.temps_c.unwrap_or((temp_c, temp_c));
-            self.temps_c = Some((low.min(temp_c), high.max(temp_c)));
-        }
+    fn new(axis: &Axis) -> Self {
+        Self { rows: 0, without_temp: 0, health: Health::new(axis), tally: Tally::default(), start_ns: None }
     }
+}
 
+impl Correcting {
     /// Warns; without any temperature there is no result.
-    fn check(&self, args: &CorrectArgs, calibration: &Calibration) -> Result<()> {
-        let name = args.capture.display();
-        let Some((low, high)) = self.temps_c else {
+    fn check(&self, args: &CorrectArgs) -> Result<()> {
+        let (name, seen) = (args.capture.display(), &self.seen);
+        if self.corrector.range_c().is_none() {
             ensure!(
-                self.rows == 0,
+                seen.rows == 0,
                 "{name} holds no temperature at all: nothing can be corrected; record with --every-temp 1"
             );
             return Ok(());
-        };
-        if self.without_temp > 0 {
+        }
+        if seen.without_temp > 0 {
             warn(&[format!(
                 "{name}: the first {} rows come before the first temperature and stay uncorrected (empty)",
-                self.without_temp
+                seen.without_temp
             )]);
         }
-        let found = believed::warnings(&self.health, &self.tally, self.start_ns.unwrap_or_default());
+        let found = believed::warnings(&seen.health, &seen.tally, seen.start_ns.unwrap_or_default());
         warn(&found.iter().map(|found| format!("{name}: {found}")).collect::<Vec<_>>());
-        if let Some(extrapolated) = extrapolation(calibration, low, high) {
-            warn(&[format!("{name}: {extrapolated}")]);
+        if let Some(extrapolated) = self.corrector.warning() {
+            warn(&[format!("{name}: {}", extrapolated.with(flag))]);
         }
         Ok(())
     }

@@ -19,7 +19,9 @@ use crate::output::{Stdout, plain, say};
 use anyhow::{Context, Result};
 use serde::Serialize;
 use std::io::Write;
-use zerorate::Warning;
+use zerorate::{Say, Warning};
+
+pub use calibrate::flag;
 
 /// Carries out what the command line asks for.
 pub fn run(cli: &Cli) -> Result<()> {
@@ -58,8 +60,8 @@ fn print_json(value: &impl Serialize) -> Result<()> {
 }
 
 /// A warning as scripts find it: `code: text`.
-fn coded(warning: &Warning) -> String {
-    format!("{}: {warning}", warning.code())
+pub fn coded(warning: &Warning) -> String {
+    format!("{}: {}", warning.code(), warning.with(flag))
 }
 
 /// Prints warnings to stderr.

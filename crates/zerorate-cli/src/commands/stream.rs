@@ -1,8 +1,8 @@
 //! `zerorate stream`: the corrected rate, live.
 
-use super::correct::{extrapolation, load};
+use super::correct::{corrector, load};
 use super::serial::{Part, one_line};
-use super::warn;
+use super::{flag, warn};
 use crate::acquire::Acquisition;
 use crate::believed;
 use crate::cli::{DeviceArgs, SamplingArgs};
@@ -16,7 +16,7 @@ use serde::Serialize;
 use std::io::{self, BufWriter, Write};
 use std::path::PathBuf;
 use zerorate::health::{Flags, Judged};
-use zerorate::{Calibration, CodeSum};
+use zerorate::{Axis, Calibration, CodeSum, Corrected, Corrector, Say};
 
 /// Prints the corrected rate as it comes: columns t_s, rate_dps, temp_c, lost, calibration, flags.
 ///
@@ -69,13 +69,12 @@ pub fn run(args: &StreamArgs) -> Result<()> {
     let mut acquisition = Acquisition::open(&args.device, args.sampling)?;
     check_serial(args, acquisition.device(), &calibration)?;
     acquisition.device().initialise()?;
-    let mut rows = Rows::new(args.format, &calibration, acquisition.is_paced())?;
+    let mut rows = Rows::new(args.format, *acquisition.axis(), &calibration, acquisition.is_paced())?;
     let mut mean = Mean::default();
     let ends_after_ns = args.duration.map_or(u64::MAX, Seconds::nanos);
     let mut first_ns = None;
     while let Some(judged) = acquisition.next_judged()? {
-        let sample = &judged.sample;
-        let t_ns = sample.t_ns - *first_ns.get_or_insert(sample.t_ns);
+        let t_ns = judged.reading.t_ns - *first_ns.get_or_insert(judged.reading.t_ns);
         if mean.belongs_to_next(t_ns / period_ns) {
             rows.write(&mut mean)?;
         }
@@ -97,7 +96,7 @@ pub fn run(args: &StreamArgs) -> Result<()> {
 
 /// The row that says so, then the end: nothing after it would be a measurement.
 #[cold]
-fn stop_frozen(acquisition: &Acquisition, rows: &mut Rows<'_>, mean: &mut Mean) -> Result<()> {
+fn stop_frozen(acquisition: &Acquisition, rows: &mut Rows, mean: &mut Mean) -> Result<()> {
     mean.flags = mean.flags.and(Flags::FROZEN);
     rows.write(mean)?;
     rows.out.flush()?;
@@ -160,12 +159,12 @@ impl Mean {
         self.last_ns = t_ns;
         self.readings += 1;
         if let Some(rate) = judged.rate() {
-            self.rate.push(rate.code24());
+            self.rate.push(rate);
         }
         if let Some(temp) = judged.temp() {
-            self.temp.push(temp.code24());
+            self.temp.push(temp);
         }
-        self.lost += u64::from(judged.sample.lost);
+        self.lost += u64::from(judged.reading.lost);
         self.flags = self.flags.and(judged.flags);
     }
 
@@ -176,13 +175,12 @@ impl Mean {
 }
 
 /// Writes corrected rows.
-struct Rows<'a> {
+struct Rows {
     out: BufWriter<Stdout>,
     form: Form,
-    calibration: &'a Calibration,
+    axis: Axis,
+    corrector: Corrector,
     id: String,
-    /// The temperature in force, until the next is read.
-    temp_c: Option<f64>,
     flush_each: bool,
     warned: Warned,
 }
@@ -203,22 +201,24 @@ struct Row<'a> {
     flags: String,
 }
 
-impl<'a> Rows<'a> {
-    fn new(form: Form, calibration: &'a Calibration, flush_each: bool) -> Result<Self> {
+impl Rows {
+    fn new(form: Form, axis: Axis, calibration: &Calibration, flush_each: bool) -> Result<Self> {
         let mut out = BufWriter::with_capacity(1 << 16, Stdout::lock());
         if let Form::Csv = form {
             writeln!(out, "t_s,rate_dps,temp_c,lost,calibration,flags")?;
         }
-        let id = calibration.id();
-        Ok(Self { out, form, calibration, id, temp_c: None, flush_each, warned: Warned::default() })
+        let (corrector, id) = (corrector(calibration), calibration.id());
+        Ok(Self { out, form, axis, corrector, id, flush_each, warned: Warned::default() })
     }
 
     /// Writes the row of these samples and empties the mean. Before the first temperature there is nothing to correct with.
     fn write(&mut self, mean: &mut Mean) -> Result<()> {
-        self.temp_c = mean.temp.temp_c().or(self.temp_c);
-        if let Some(temp_c) = self.temp_c.filter(|_| !mean.is_empty()) {
-            self.watch(temp_c, mean.flags);
-            let rate_dps = mean.rate.rate_dps().map(|rate_dps| self.calibration.correction.apply(rate_dps, temp_c));
+        let Axis { rate, temp, .. } = &self.axis;
+        let corrected = self.corrector.take(mean.rate.mean(rate), mean.temp.mean(temp));
+        if let Corrected { temp_c: Some(temp_c), rate_dps, extrapolated } = corrected
+            && !mean.is_empty()
+        {
+            self.watch(extrapolated, mean.flags);
             let flags = mean.flags.to_string();
             let row = Row { t_s: mean.t_s(), rate_dps, temp_c, lost: mean.lost, calibration: &self.id, flags };
             match self.form {
@@ -233,10 +233,10 @@ impl<'a> Rows<'a> {
         Ok(())
     }
 
-    fn watch(&mut self, temp_c: f64, flags: Flags) {
-        let outside = if self.warned.span { None } else { extrapolation(self.calibration, temp_c, temp_c) };
-        if let Some(extrapolated) = outside {
-            warn(&[extrapolated]);
+    fn watch(&mut self, extrapolated: bool, flags: Flags) {
+        if extrapolated && !self.warned.span {
+            let said = self.corrector.warning().map(|warning| warning.with(flag).to_string());
+            warn(said.as_slice());
             self.warned.span = true;
         }
         let new = flags != Flags::NONE && !self.warned.flags.has(flags);

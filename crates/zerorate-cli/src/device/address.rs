@@ -4,6 +4,7 @@ use adis16130::{Config, ConversionTime, Framing, MAX_SCLK_HZ, MCLK_HZ, RdyEdge, 
 use std::fmt;
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
+use zerorate::Axis;
 
 /// A part on a Linux SPI bus.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -170,7 +171,11 @@ impl IioAddress {
         for option in options {
             match option.split_once('=') {
                 Some(("hz", text)) => hz = number("hz", text, POLL_RANGE_HZ)?,
-                _ => return Err(format!("`{option}` is no option; there is hz=POLLS_PER_SECOND")),
+                _ => {
+                    return Err(format!(
+                        "`{option}` is no option; there are hz=POLLS_PER_SECOND, roa=none|10nf and bandwidth_hz=HZ (F-04)"
+                    ));
+                }
             }
         }
         Ok(Self { folder: PathBuf::from("/sys/bus/iio/devices").join(name), hz })
@@ -182,9 +187,32 @@ fn split(text: &str) -> (&str, impl Iterator<Item = &str>) {
     (name, options.split('&').filter(|option| !option.is_empty()))
 }
 
+/// The address without what is said of the bandwidth, and that in Hz: `roa=none`, `roa=10nf` (F-04) or `bandwidth_hz=HZ`.
+pub fn without_bandwidth(text: &str) -> Result<(String, Option<f64>), String> {
+    let Some((name, options)) = text.split_once('?') else { return Ok((text.to_owned(), None)) };
+    let mut bandwidth_hz = None;
+    let mut rest = Vec::new();
+    for option in options.split('&') {
+        match option.split_once('=') {
+            Some(("roa", "none")) => bandwidth_hz = None,
+            Some(("roa", "10nf")) => bandwidth_hz = Some(Axis::ADIS16130_ROA_10NF_HZ),
+            Some(("roa", _)) => return Err(format!("`{option}`: there are roa=none and roa=10nf (F-04)")),
+            Some(("bandwidth_hz", text)) => {
+                let hz = text.parse::<f64>().ok().filter(|hz| (0.01..=1e5).contains(hz));
+                let wrong = || format!("`{option}`: bandwidth_hz takes a number from 0.01 to 100000");
+                bandwidth_hz = Some(hz.ok_or_else(wrong)?);
+            }
+            _ => rest.push(option),
+        }
+    }
+    let rest = rest.join("&");
+    Ok((if rest.is_empty() { name.to_owned() } else { format!("{name}?{rest}") }, bandwidth_hz))
+}
+
 /// What [`PartOptions::with`] knows, in words.
 const PART_OPTIONS: &str = "framing=command|byte (F-22), width=24|16, fw=RATE or fw=RATE:TEMP (F-31), chop=0|1, \
-     edge=falling|rising (F-32), divided=N (a counter in the line lets every N-th edge through, F-56)";
+     edge=falling|rising (F-32), divided=N (a counter in the line lets every N-th edge through, F-56), \
+     roa=none|10nf or bandwidth_hz=HZ (F-04)";
 /// Filter words fit into seven bits.
 const FW_RANGE: RangeInclusive<u32> = 0..=0x7F;
 const DIVIDED_RANGE: RangeInclusive<u32> = 1..=u16::MAX as u32;

@@ -14,9 +14,9 @@ mod twin;
 use crate::capture::{CaptureInfo, CaptureReader, info};
 use crate::cli::SamplingArgs;
 use crate::exit::Usage;
-use address::{BridgeAddress, IioAddress, PartOptions, SpiAddress, gpio_line};
+use address::{BridgeAddress, IioAddress, PartOptions, SpiAddress, gpio_line, without_bandwidth};
 use adis16130::{Config, ConversionTime, Framing, MCLK_HZ, Sample, SamplerConfig, SelfTest};
-use adis16130_twin::{Spec, Truth};
+use adis16130_twin::{Roa, Spec, Truth};
 use anyhow::Result;
 use bridge::BridgePart;
 use iio::IioDevice;
@@ -27,6 +27,7 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use twin::TwinDevice;
+use zerorate::Axis;
 
 /// What `--device` names.
 #[derive(Clone, Debug)]
@@ -34,6 +35,8 @@ pub struct DeviceSpec {
     /// As it was given.
     text: String,
     kind: Kind,
+    /// −3 dB of the rate, Hz, where it is not the part's own (F-04).
+    bandwidth_hz: Option<f64>,
 }
 
 #[derive(Clone, Debug)]
@@ -55,7 +58,7 @@ const KINDS: &str = "there are twin:, twin:KEY=VALUE,…, replay:FILE, spi:/dev/
 impl DeviceSpec {
     /// A recording.
     pub fn replay(path: PathBuf) -> Self {
-        Self { text: format!("replay:{}", path.display()), kind: Kind::Replay(path) }
+        Self { text: format!("replay:{}", path.display()), kind: Kind::Replay(path), bandwidth_hz: None }
     }
 
     /// The file that is read, where it is a recording.
@@ -71,8 +74,15 @@ impl FromStr for DeviceSpec {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let kind = match text.split_once(':') {
-            Some(("twin", keys)) => twin(keys)?,
+        // a file may be called what it likes
+        let (address, mut bandwidth_hz) =
+            if text.starts_with("replay:") { (text.to_owned(), None) } else { without_bandwidth(text)? };
+        let kind = match address.split_once(':') {
+            Some(("twin", keys)) => {
+                let (kind, hz) = twin(keys)?;
+                bandwidth_hz = hz;
+                kind
+            }
             Some(("replay", "")) => return Err("replay: needs the file, as in replay:unit.arrows".to_owned()),
             Some(("replay", path)) => Kind::Replay(path.into()),
             Some(("spi", address)) => Kind::Spi(SpiAddress::parse(address)?),
@@ -85,7 +95,7 @@ impl FromStr for DeviceSpec {
             }
             _ => return Err(format!("no such kind of device; {KINDS}")),
         };
-        Ok(Self { text: text.to_owned(), kind })
+        Ok(Self { text: text.to_owned(), kind, bandwidth_hz })
     }
 }
 
@@ -109,6 +119,7 @@ pub struct Bus {
 /// A source of samples, opened.
 pub struct Device {
     name: String,
+    bandwidth_hz: Option<f64>,
     source: Source,
 }
 
@@ -151,7 +162,7 @@ impl Device {
                 Source::Bridge(Box::new(BridgePart::open(address, sampling)?))
             }
         };
-        Ok(Self { name, source })
+        Ok(Self { name, bandwidth_hz: spec.bandwidth_hz, source })
     }
 
     /// Resets the part, initialises it, and reads everything back. Returns the revision; a recording has none, and the
@@ -246,6 +257,7 @@ impl Device {
             every_temp: sampling.every_temp,
             divider: sampling.divider,
             divided: sampling.divided,
+            bandwidth_hz: self.bandwidth_hz,
             software: crate::SOFTWARE.to_owned(),
             created,
             supply_note: None,
@@ -314,8 +326,8 @@ impl Device {
     }
 }
 
-/// `KEY=VALUE,…`: those of the twin, and how the driver configures it.
-fn twin(keys: &str) -> Result<Kind, String> {
+/// `KEY=VALUE,…`: those of the twin, and how the driver configures it; and its bandwidth, if that is not the part's own.
+fn twin(keys: &str) -> Result<(Kind, Option<f64>), String> {
     let (mut part, mut unit) = (PartOptions::new(), Vec::new());
     for item in keys.split(',') {
         match part.with(item.trim())? {
@@ -324,7 +336,8 @@ fn twin(keys: &str) -> Result<Kind, String> {
         }
     }
     let unit = Spec::parse_keys(&unit.join(",")).map_err(|error| error.to_string())?;
-    Ok(Kind::Twin(Box::new(unit), part))
+    let bandwidth_hz = (unit.roa == Roa::TenNanofarad).then_some(Axis::ADIS16130_ROA_10NF_HZ);
+    Ok((Kind::Twin(Box::new(unit), part), bandwidth_hz))
 }
 
 fn sampler_config(sampling: SamplingArgs) -> SamplerConfig {

@@ -2,8 +2,7 @@
 
 use super::{Bench, calibration, installed, run};
 use std::fmt::Write;
-use zerorate::calibration::Validity;
-use zerorate::{CodeTable, Correction};
+use zerorate::{Axis, CodeTable, Correction, Validity};
 
 /// F-52, all thirteen rows, as text.
 #[test]
@@ -25,7 +24,7 @@ fn json_has_coefficients_and_table() {
     bench.write("unit.toml", calibration(0.7312, 0.0387, 33.125));
     let json: serde_json::Value =
         serde_json::from_str(&bench.zerorate("export unit.toml --format json --span-c 0.2").ok()).unwrap();
-    let integer = correction.to_integer().unwrap();
+    let integer = correction.to_integer(&Axis::ADIS16130).unwrap();
     assert_eq!(json["integer"]["offset_q"], integer.offset_q);
     assert_eq!(json["integer"]["slope_q"], integer.slope_q);
     assert_eq!(json["integer"]["t3_code"], integer.t3_code);
@@ -85,11 +84,11 @@ fn measured((pbc_dps, btc_dps_per_c, t3_c): (f64, f64, f64)) -> (String, Validit
 /// whether core and calibration know that temperature, whether the calibration does, and the corrected code of the nearest that it knows.
 fn expected(of: (f64, f64, f64)) -> String {
     let correction = Correction { pbc_dps: of.0, btc_dps_per_c: of.1, t3_c: of.2 };
-    let integer = correction.to_integer().unwrap();
+    let integer = correction.to_integer(&Axis::ADIS16130).unwrap();
     let table = correction.table(0.02, 2.0).unwrap();
     let mut rows = [0; 201];
     correction.fill_table(0.02, 2.0, &mut rows).unwrap();
-    let by_code = CodeTable::new(&rows, 0.02, of.2);
+    let by_code = CodeTable::new(&rows, 0.02, of.2, &Axis::ADIS16130.temp);
     let (_, validity) = measured(of);
     let mut text = String::new();
     for (rate, temp) in codes() {
@@ -101,8 +100,8 @@ fn expected(of: (f64, f64, f64)) -> String {
         let inside = in_range && by_code.look_up_udps(temp).is_some();
         assert_eq!(by_code.look_up_held_udps(temp), udps);
         // the margin of 0.5 °C in codes
-        let held = temp
-            .clamp(zerorate::temp_code(validity.temp_min_c) - 7047, zerorate::temp_code(validity.temp_max_c) + 7047);
+        let code = |temp_c| zerorate::temp_code(temp_c, &Axis::ADIS16130.temp);
+        let held = temp.clamp(code(validity.temp_min_c) - 7047, code(validity.temp_max_c) + 7047);
         let (by_itself, by_held) = (integer.apply(rate, temp), integer.apply(rate, held));
         writeln!(text, "{by_itself} {udps} {} {} {by_held}", i32::from(inside), i32::from(in_range)).unwrap();
     }

@@ -1,7 +1,8 @@
 //! The page of a calibration, as a browser gets it.
 
 use super::{Bench, calibration};
-use zerorate::calibration::{Calibration, Measured, Run, Uncertainties, Validity};
+use zerorate::Validity;
+use zerorate::calibration::{Calibration, Measured, Run, Uncertainties};
 
 /// Everything that a measured calibration has, with texts that are no HTML.
 fn measured() -> String {

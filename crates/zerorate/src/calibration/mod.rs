@@ -8,7 +8,7 @@ mod file;
 pub use file::{FileError, FileWarning};
 
 use crate::noise::{FLICKER_CUTOFF_HZ, FLOOR_PER_B};
-use crate::{Correction, Outcome, Uncertainty};
+use crate::{Correction, Outcome, Uncertainty, Validity};
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 use serde::{Deserialize, Serialize};
@@ -104,27 +104,6 @@ pub struct NoiseRecord {
     pub flicker_source: String,
     pub rate_random_walk_dps_per_rt_s: f64,
     pub rate_random_walk_source: String,
-}
-
-/// Where a calibration holds.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Validity {
-    /// Lowest temperature seen while measuring, °C.
-    pub temp_min_c: f64,
-    /// Highest temperature seen while measuring, °C.
-    pub temp_max_c: f64,
-}
-
-impl Validity {
-    /// How far a temperature may leave the span unremarked, °C: ten times the noise of a single reading (M-05).
-    pub const MARGIN_C: f64 = 0.5;
-
-    /// Whether the correction holds at a temperature; elsewhere it is an extrapolation.
-    #[must_use]
-    pub fn covers(&self, temp_c: f64) -> bool {
-        (self.temp_min_c - Self::MARGIN_C..=self.temp_max_c + Self::MARGIN_C).contains(&temp_c)
-    }
 }
 
 /// How the measurement went.

@@ -21,10 +21,11 @@ use anyhow::Result;
 use clap::{Args, ValueEnum};
 use deliver::Undelivered;
 use plan::PlanArgs;
+pub use plan::flag;
 pub use report::Report;
 use std::path::{Path, PathBuf};
 use zerorate::calibration::Origin;
-use zerorate::{Action, Calibration, Event, Outcome, Procedure, Refusal, State, Warning};
+use zerorate::{Action, Axis, Calibration, Event, Names, Outcome, Procedure, Refusal, Say, State, Warning};
 
 /// Finds the bias of a part and how it changes with temperature.
 ///
@@ -123,15 +124,15 @@ pub fn run_again(args: &RecalibrateArgs) -> Result<()> {
 pub fn measured(args: &CalibrateArgs, watch: &mut dyn Watch) -> Result<(Report, Calibration)> {
     let files = Files::claim(args.device.file(), &args.result, args.log.as_deref())?;
     let device = Device::open(&args.device.device, args.sampling)?;
-    let procedure = procedure(&args.plan)?;
-    let Done { report, calibration, kept } =
-        measure(Acquisition::unpaced(device), procedure, &args.result, files, watch)?;
+    let acquisition = Acquisition::unpaced(device);
+    let procedure = procedure(acquisition.axis(), &args.plan, watch.names())?;
+    let Done { report, calibration, kept } = measure(acquisition, procedure, &args.result, files, watch)?;
     kept.map_err(Undelivered::into_error)?;
     Ok((report, calibration))
 }
 
 fn calibrate(acquisition: Acquisition, plan: &PlanArgs, result: &ResultArgs, files: Files) -> Result<()> {
-    let procedure = procedure(plan)?;
+    let procedure = procedure(acquisition.axis(), plan, flag)?;
     let mut meter = Meter::new(procedure.plan().total_s());
     let done = measure(acquisition, procedure, result, files, &mut meter)?;
     drop(meter);
@@ -144,8 +145,8 @@ fn calibrate(acquisition: Acquisition, plan: &PlanArgs, result: &ResultArgs, fil
     }
 }
 
-fn procedure(plan: &PlanArgs) -> Result<Procedure> {
-    Procedure::new(plan.plan()).map_err(|error| Usage(error.to_string()).into())
+fn procedure(axis: &Axis, plan: &PlanArgs, names: Names) -> Result<Procedure> {
+    Procedure::new(axis, plan.plan()).map_err(|error| Usage(error.with(names).to_string()).into())
 }
 
 fn measure(
@@ -157,11 +158,12 @@ fn measure(
 ) -> Result<Done> {
     let device = acquisition.device();
     let info = device.info(result.serial.as_deref(), result.supply_note.as_deref());
+    let names = watch.names();
     let log = files.log(&info)?;
     let mut measured = Measurement::new(acquisition, procedure, log, watch).run()?;
     measured.outcome.warnings.extend(measured.resonance);
     let calibration = Calibration::new(&measured.outcome, origin(info, measured.capture_sha256));
-    let report = Report::new(&measured.outcome, &calibration, measured.truth.as_ref());
+    let report = Report::new(&measured.outcome, &calibration, measured.truth.as_ref(), names);
     let kept = match measured.log_failed {
         Some(error) => Err(error),
         None => {
@@ -211,11 +213,13 @@ impl Files {
 }
 
 fn origin(info: CaptureInfo, capture_sha256: String) -> Origin {
-    let CaptureInfo { width, rate_conversion, temp_conversion, every_temp, divider, divided, .. } = info;
+    let CaptureInfo { width, rate_conversion, temp_conversion, every_temp, divider, divided, bandwidth_hz, .. } = info;
     let divided = if divided > 1 { format!(", divided {divided}") } else { String::new() };
+    let bandwidth = bandwidth_hz.map_or(String::new(), |hz| format!(", bandwidth {hz} Hz"));
     Origin {
         config: format!(
-            "{} bit, RATECONV {rate_conversion:02X}h, TEMPCONV {temp_conversion:02X}h, every_temp {every_temp}, divider {divider}{divided}",
+            "{} bit, RATECONV {rate_conversion:02X}h, TEMPCONV {temp_conversion:02X}h, every_temp {every_temp}, \
+             divider {divider}{divided}{bandwidth}",
             width.bits()
         ),
         serial: info.serial,
@@ -266,11 +270,11 @@ impl<'a> Measurement<'a> {
             self.lose_log(error.into());
         }
         fed?;
-        let plan = self.procedure.plan();
+        let (plan, names) = (self.procedure.plan(), self.watch.names());
         let resonance = self.acquisition.resonance(plan.average_s.min(plan.offset_s));
         Ok(Measured {
             resonance,
-            outcome: self.procedure.finish().map_err(refused)?,
+            outcome: self.procedure.finish().map_err(|refusal| refused(&refusal, names))?,
             capture_sha256: self.hash.hex(),
             truth: self.truth,
             log_failed: self.log_failed,
@@ -281,7 +285,7 @@ impl<'a> Measurement<'a> {
         loop {
             match self.procedure.next() {
                 Action::Initialise => self.initialise()?,
-                Action::Sample => {
+                Action::Read => {
                     let sample = self.sample()?;
                     self.take(&sample)?;
                 }
@@ -294,7 +298,7 @@ impl<'a> Measurement<'a> {
     fn initialise(&mut self) -> Result<()> {
         self.acquisition.device().initialise()?;
         let first = self.sample()?;
-        self.procedure.handle(Event::Initialised { t_ns: first.t_ns }).map_err(refused)?;
+        self.handle(Event::Initialised { t_ns: first.t_ns })?;
         self.take(&first)
     }
 
@@ -313,7 +317,7 @@ impl<'a> Measurement<'a> {
             self.lose_log(error.into());
         }
         let in_step_8 = self.procedure.progress().state == State::Offset;
-        self.procedure.handle(Event::Sample(sample)).map_err(refused)?;
+        self.handle(Event::Reading(&sample.into()))?;
         if in_step_8 && self.procedure.progress().state != State::Offset {
             self.truth = self.acquisition.device().truth();
         }
@@ -321,6 +325,11 @@ impl<'a> Measurement<'a> {
             return Err(self.interrupted());
         }
         Ok(())
+    }
+
+    #[inline]
+    fn handle(&mut self, event: Event<'_>) -> Result<()> {
+        self.procedure.handle(event).map_err(|refusal| refused(&refusal, self.watch.names()))
     }
 
     /// A log that fails is a failure, but no reason to throw away the measurement.
@@ -351,6 +360,6 @@ impl<'a> Measurement<'a> {
     }
 }
 
-fn refused(refusal: Refusal) -> anyhow::Error {
-    Refused(refusal.to_string()).into()
+fn refused(refusal: &Refusal, names: Names) -> anyhow::Error {
+    Refused(refusal.with(names).to_string()).into()
 }

@@ -2,7 +2,7 @@
 
 use crate::duration::Seconds;
 use clap::Args;
-use zerorate::Plan;
+use zerorate::{Plan, Setting};
 
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Procedure")]
@@ -39,6 +39,23 @@ pub struct PlanArgs {
     /// Take the bias for a straight line over temperature: no allowance for curvature and hysteresis in the uncertainty.
     #[arg(long)]
     assume_linear: bool,
+}
+
+/// What a setting is called on the command line.
+pub fn flag(setting: Setting) -> &'static str {
+    match setting {
+        Setting::Average => "--average",
+        Setting::WarmUp => "--warmup",
+        Setting::Settle => "--settle",
+        Setting::Offset => "--offset",
+        Setting::MaxLost => "--max-lost",
+        Setting::MaxUBtc => "--max-u-btc",
+        Setting::Earth => "--earth-dps",
+        Setting::AssumeLinear => "--assume-linear",
+        Setting::EveryTemp => "--every-temp",
+        Setting::Divider => "--divider",
+        other => other.name(),
+    }
 }
 
 impl PlanArgs {

@@ -5,7 +5,7 @@ use crate::duration::Seconds;
 use adis16130_twin::Truth;
 use serde::Serialize;
 use std::path::Path;
-use zerorate::{Calibration, Outcome, Uncertainty};
+use zerorate::{Calibration, Names, Outcome, Say, Uncertainty};
 
 /// The JSON object of `calibrate --json`; the names are a contract.
 #[derive(Serialize)]
@@ -51,7 +51,7 @@ struct TruthReport {
 
 impl Report {
     /// `truth` is the twin's state at the end of step 8.
-    pub fn new(outcome: &Outcome, calibration: &Calibration, truth: Option<&Truth>) -> Self {
+    pub fn new(outcome: &Outcome, calibration: &Calibration, truth: Option<&Truth>, names: Names) -> Self {
         let t3_c = outcome.correction.t3_c;
         Self {
             b1_dps: outcome.b1_dps,
@@ -78,7 +78,7 @@ impl Report {
             device: calibration.device.clone(),
             calibration_id: calibration.id(),
             capture_sha256: calibration.capture_sha256.clone(),
-            warnings: outcome.warnings.iter().map(super::super::coded).collect(),
+            warnings: outcome.warnings.iter().map(|one| format!("{}: {}", one.code(), one.with(names))).collect(),
             rescued: None,
             truth: truth
                 .map(|truth| TruthReport { pbc_dps: truth.pbc_dps(t3_c), btc_dps_per_c: truth.btc_dps_per_c(t3_c) }),

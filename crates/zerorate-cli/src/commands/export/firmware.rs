@@ -1,12 +1,11 @@
 //! The C header and the Rust module: templates, filled in.
 
-use super::Export;
 use super::layout::Layout;
 use super::prefix::Prefix;
+use super::{AXIS, Export};
 use crate::exit::Usage;
 use anyhow::{Result, ensure};
-use zerorate::calibration::Validity;
-use zerorate::{IntegerCorrection, RowIndex, temp_code};
+use zerorate::{IntegerCorrection, RowIndex, Validity, temp_code};
 
 /// The C header. Without a prefix its names begin with `zerorate`.
 pub fn c(export: &Export, prefix: Option<&Prefix>) -> Result<String> {
@@ -32,7 +31,7 @@ fn entries(export: &Export) -> Result<Vec<(&'static str, String)>> {
     let Export { calibration, integer: IntegerCorrection { offset_q, slope_q, t3_code }, layout, rows } = export;
     let correction = calibration.correction;
     let text = |value: &Option<String>| value.as_deref().map_or("not stated".to_owned(), comment);
-    let index = RowIndex::new(rows.len(), layout.step_c, correction.t3_c);
+    let index = RowIndex::new(rows.len(), layout.step_c, correction.t3_c, &AXIS.temp);
     let codes: Result<Vec<i32>> = rows.iter().map(|row| millionths(row.correction_dps)).collect();
     Ok(vec![
         ("SOFTWARE", crate::SOFTWARE.to_owned()),
@@ -48,8 +47,8 @@ fn entries(export: &Export) -> Result<Vec<(&'static str, String)>> {
         ("SLOPE_Q", slope_q.to_string()),
         ("T3_CODE", t3_code.to_string()),
         ("Q", IntegerCorrection::Q.to_string()),
-        ("LSB_PER_DPS", adis16130::RATE_LSB_PER_DPS.to_string()),
-        ("LSB_PER_C", adis16130::TEMP_LSB_PER_C.to_string()),
+        ("LSB_PER_DPS", AXIS.rate.lsb_per_unit.to_string()),
+        ("LSB_PER_C", AXIS.temp.lsb_per_unit.to_string()),
         ("STEP_C", layout.step_c.to_string()),
         ("SPAN_C", layout.span_c.to_string()),
         ("STEP_UC", whole_millionths("--step-c", layout.step_c)?.to_string()),
@@ -72,10 +71,10 @@ fn valid_range(Layout { valid, stated, .. }: &Layout) -> Vec<(&'static str, Stri
         ("VALID", format!("{temp_min_c:.1} to {temp_max_c:.1} deg C, {whence}")),
         ("TEMP_MIN_C", format!("{temp_min_c:?}")),
         ("TEMP_MAX_C", format!("{temp_max_c:?}")),
-        ("TEMP_MIN_CODE", temp_code(temp_min_c).to_string()),
-        ("TEMP_MAX_CODE", temp_code(temp_max_c).to_string()),
+        ("TEMP_MIN_CODE", temp_code(temp_min_c, &AXIS.temp).to_string()),
+        ("TEMP_MAX_CODE", temp_code(temp_max_c, &AXIS.temp).to_string()),
         ("MARGIN_C", Validity::MARGIN_C.to_string()),
-        ("MARGIN_CODE", (temp_code(25.0 + Validity::MARGIN_C) - temp_code(25.0)).to_string()),
+        ("MARGIN_CODE", (Validity::MARGIN_C * AXIS.temp.lsb_per_unit).round().to_string()),
     ]
 }
 

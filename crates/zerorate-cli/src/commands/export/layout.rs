@@ -2,8 +2,7 @@
 
 use crate::exit::Usage;
 use anyhow::Result;
-use zerorate::calibration::Validity;
-use zerorate::{Calibration, Correction, TableRow};
+use zerorate::{Calibration, Correction, TableRow, Validity};
 
 /// The steps to choose from, millionths of a °C: that of F-52 and coarser ones.
 const STEPS_UC: [u32; 8] = [20_000, 50_000, 100_000, 200_000, 500_000, 1_000_000, 2_000_000, 5_000_000];

@@ -14,7 +14,7 @@ use layout::Layout;
 use prefix::Prefix;
 use serde::Serialize;
 use std::path::PathBuf;
-use zerorate::{Calibration, IntegerCorrection, TableRow, temp_code};
+use zerorate::{Axis, Calibration, IntegerCorrection, TableRow, temp_code};
 
 /// Writes the correction for firmware: C header, Rust module, CSV or JSON.
 ///
@@ -65,6 +65,9 @@ enum Form {
     Json,
 }
 
+/// The axis whose codes are corrected.
+const AXIS: Axis = Axis::ADIS16130;
+
 /// A correction, ready to be written down.
 struct Export {
     calibration: Calibration,
@@ -82,7 +85,7 @@ pub fn run(args: &ExportArgs) -> Result<()> {
     let calibration = load(&args.cal)?;
     let layout = Layout::new(&calibration, args.step_c, args.span_c);
     let rows = layout.rows(&calibration.correction)?;
-    let integer = calibration.correction.to_integer()?;
+    let integer = calibration.correction.to_integer(&AXIS)?;
     warn(&layout.warnings(&calibration.correction));
     let export = Export { calibration, integer, layout, rows };
     let text = match args.format {
@@ -171,8 +174,8 @@ fn json(export: &Export) -> Result<String> {
             stated: layout.stated,
             temp_min_c: valid.temp_min_c,
             temp_max_c: valid.temp_max_c,
-            temp_min_code: temp_code(valid.temp_min_c),
-            temp_max_code: temp_code(valid.temp_max_c),
+            temp_min_code: temp_code(valid.temp_min_c, &AXIS.temp),
+            temp_max_code: temp_code(valid.temp_max_c, &AXIS.temp),
         },
         integer: Integer {
             q: IntegerCorrection::Q,

@@ -9,14 +9,13 @@ use crate::device::Bus;
 use crate::duration::{self, Seconds};
 use crate::interrupt;
 use crate::progress::Meter;
-use adis16130::{Framing, RATE_LSB_PER_DPS, SelfTest, ZERO_CODE};
+use adis16130::{Framing, SelfTest};
 use anyhow::{Result, ensure};
 use clap::Args;
 use serde::Serialize;
 use zerorate::allan::{self, Gap, Input, Stat};
 use zerorate::health::Judged;
-use zerorate::noise::TYPICAL_WHITE_DPS_PER_RT_HZ;
-use zerorate::{CodeSum, Tally};
+use zerorate::{Axis, CodeSum, Tally};
 
 /// Looks whether a part answers, is wired right and delivers.
 ///
@@ -73,6 +72,8 @@ struct Findings {
     duration_s: f64,
     rate_dps: f64,
     white_dps_per_rt_hz: Option<f64>,
+    #[serde(skip)]
+    typical_white_dps_per_rt_hz: Option<f64>,
     temp_c: Option<f64>,
     warnings: Vec<String>,
 }
@@ -126,7 +127,7 @@ impl Seen {
         let mut first_ns = None;
         while let Some(judged) = acquisition.next_judged()? {
             seen.push(&judged);
-            let t_ns = judged.sample.t_ns;
+            let t_ns = judged.reading.t_ns;
             let elapsed_ns = t_ns - *first_ns.get_or_insert(t_ns);
             if elapsed_ns >= duration.nanos() {
                 break;
@@ -142,21 +143,21 @@ impl Seen {
     fn push(&mut self, judged: &Judged) {
         match (judged.rate(), self.gaps.last_mut().filter(|gap| gap.at == self.rate_codes.len())) {
             (Some(rate), _) => {
-                self.rate_codes.push(rate.code24() as i32 - ZERO_CODE as i32);
-                self.rates.push(rate.code24());
+                self.rate_codes.push(rate);
+                self.rates.push(rate);
             }
             (None, Some(gap)) => gap.missing += 1,
             (None, None) => self.gaps.push(Gap { at: self.rate_codes.len(), missing: 1 }),
         }
         if let Some(temp) = judged.temp() {
-            self.temps.push(temp.code24());
+            self.temps.push(temp);
         }
     }
 
     /// One-sided density d of the white noise: at τ well above the filter of the part the Allan deviation is d/√(2τ).
-    fn white_dps_per_rt_hz(&self, rate_hz: f64) -> Option<f64> {
+    fn white_dps_per_rt_hz(&self, axis: &Axis, rate_hz: f64) -> Option<f64> {
         let m = (WHITE_TAU_S * rate_hz).round() as u64;
-        let scale = 1.0 / f64::from(RATE_LSB_PER_DPS);
+        let scale = 1.0 / axis.rate.lsb_per_unit;
         // what is missing before the first sample or after the last is no gap
         let inner = self.gaps.iter().filter(|gap| gap.at > 0 && gap.at < self.rate_codes.len());
         let gaps: Vec<Gap> = inner.copied().collect();
@@ -174,8 +175,10 @@ impl Findings {
         let of_the_samples = acquisition.warnings();
         let tally = *acquisition.tally();
         let is_frozen = acquisition.health().frozen_at_end().is_some();
+        let axis = *acquisition.axis();
         let device = acquisition.device();
-        let white = seen.white_dps_per_rt_hz(tally.rate_hz()).filter(|_| !is_frozen);
+        let white = seen.white_dps_per_rt_hz(&axis, tally.rate_hz()).filter(|_| !is_frozen);
+        let typical_white_dps_per_rt_hz = axis.noise.map(|noise| noise.white_dps_per_rt_hz);
         let taken = tally.samples as f64 / (tally.samples + tally.lost) as f64;
         Self {
             device: device.name(),
@@ -198,10 +201,15 @@ impl Findings {
             lost_samples: tally.lost,
             longest_gap_ms: tally.longest_gap_ms(),
             duration_s: tally.duration_s(),
-            rate_dps: seen.rates.rate_dps().unwrap_or_default(),
+            rate_dps: seen.rates.mean(&axis.rate).unwrap_or_default(),
             white_dps_per_rt_hz: white,
-            temp_c: seen.temps.temp_c(),
-            warnings: [of_the_samples, findings(seen, &tally, device.nominal_rate_hz(), white)].concat(),
+            typical_white_dps_per_rt_hz,
+            temp_c: seen.temps.mean(&axis.temp),
+            warnings: [
+                of_the_samples,
+                findings(seen, &tally, device.nominal_rate_hz(), white.zip(typical_white_dps_per_rt_hz)),
+            ]
+            .concat(),
         }
     }
 
@@ -213,7 +221,7 @@ impl Findings {
         });
         format!(
             "{}\n{part}{}{}{}  data ready    {:.1} Hz\n  samples       {:.1} a second: {} in {}, {} lost, longest gap {:.3} ms\n  \
-             rate          {:+.4} °/s on average\n  white noise   {} (typical {TYPICAL_WHITE_DPS_PER_RT_HZ})\n  temperature   {}\n",
+             rate          {:+.4} °/s on average\n  white noise   {}{}\n  temperature   {}\n",
             self.device,
             self.framing_text(),
             self.bus_text(),
@@ -226,6 +234,7 @@ impl Findings {
             self.longest_gap_ms,
             self.rate_dps,
             shown(self.white_dps_per_rt_hz, "°/s/√Hz"),
+            self.typical_white_dps_per_rt_hz.map_or(String::new(), |typical| format!(" (typical {typical})")),
             shown(self.temp_c, "°C"),
         )
     }
@@ -267,8 +276,9 @@ impl Findings {
 }
 
 /// What does not look like a healthy part at rest: what was seen, and what to do.
-fn findings(seen: &Seen, tally: &Tally, nominal_hz: f64, white: Option<f64>) -> Vec<String> {
-    let white_ratio = white.map_or(1.0, |white| white / TYPICAL_WHITE_DPS_PER_RT_HZ);
+/// `white` is the noise with the typical one.
+fn findings(seen: &Seen, tally: &Tally, nominal_hz: f64, white: Option<(f64, f64)>) -> Vec<String> {
+    let white_ratio = white.map_or(1.0, |(white, typical)| white / typical);
     let expected = [
         (white_ratio > 3.0).then(|| {
             format!("noisy: the noise is {white_ratio:.1} times the typical one; is the part moving, or its supply not a linear one?")

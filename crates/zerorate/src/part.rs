@@ -1,0 +1,213 @@
+//! What is true of one kind of gyroscope: a value that is handed in. [`Part::ADIS16130`] is built in; any other comes from a file
+//! ([`Part::parse`], `docs/formats/part.md`).
+
+use crate::noise::{FLOOR_PER_B, NoiseModel};
+use crate::resonance::Tone;
+use alloc::borrow::Cow;
+
+#[cfg(feature = "file")]
+mod file;
+#[cfg(feature = "file")]
+pub use file::PartError;
+
+/// A kind of gyroscope: its name and its axes, which share one temperature.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Part {
+    /// What captures and calibrations call it.
+    pub name: Cow<'static, str>,
+    /// One at least.
+    pub axes: Cow<'static, [NamedAxis]>,
+}
+
+/// An axis of a [`Part`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct NamedAxis {
+    /// What captures and calibrations call it.
+    pub name: Cow<'static, str>,
+    /// Its numbers.
+    pub axis: Axis,
+}
+
+impl Part {
+    /// The part that this software knows by itself, at its own bandwidth (F-03).
+    pub const ADIS16130: Self = Self {
+        name: Cow::Borrowed("ADIS16130"),
+        axes: Cow::Borrowed(&[NamedAxis { name: Cow::Borrowed("rate"), axis: Axis::ADIS16130 }]),
+    };
+
+    /// The only axis, or the first of several.
+    #[must_use]
+    pub fn first(&self) -> &Axis {
+        self.axes.first().map_or(&Axis::ADIS16130, |named| &named.axis)
+    }
+
+    /// The same with every axis at this bandwidth, Hz.
+    #[must_use]
+    pub fn with_bandwidth_hz(mut self, hz: f64) -> Self {
+        for named in self.axes.to_mut() {
+            named.axis.bandwidth_hz = Some(hz);
+        }
+        self
+    }
+}
+
+/// The numbers of one axis, and of the temperature that belongs to it. What is not known is `None`, and whatever needs it is not
+/// done; where a user has to know that, a warning says so.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Axis {
+    /// Codes to °/s.
+    pub rate: Scale,
+    /// Codes to °C.
+    pub temp: Scale,
+    /// Largest rate that it measures, °/s, in both directions.
+    pub range_dps: Option<f64>,
+    /// −3 dB of its response, Hz, as it is set.
+    pub bandwidth_hz: Option<f64>,
+    /// Typical noise of its rate.
+    pub noise: Option<TypicalNoise>,
+    /// Typical bias and what it follows.
+    pub bias: TypicalBias,
+    /// A tone that sampling may fold to zero.
+    pub resonance: Option<Tone>,
+    /// One converter takes rate and temperature in turn, so that reading every N-th edge gives 1/(N + 1) of its conversions.
+    pub alternates: bool,
+}
+
+/// A linear relation of codes to values: value = (code − zero code)/`lsb_per_unit` + `zero_value`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scale {
+    /// Codes per unit.
+    pub lsb_per_unit: f64,
+    /// The code that stands for `zero_value`.
+    pub zero_code: i64,
+    /// Its value.
+    pub zero_value: f64,
+    /// Bits of a code.
+    pub width_bits: u8,
+}
+
+impl Scale {
+    /// The value of a code less the zero code, divided once.
+    ///
+    /// ```
+    /// let axis = zerorate::Axis::ADIS16130;
+    /// assert_eq!((axis.rate.value(23_488), axis.temp.value(-14_093)), (1.0, 24.0)); // F-40, F-41
+    /// ```
+    #[must_use]
+    pub fn value(&self, from_zero: i64) -> f64 {
+        from_zero as f64 / self.lsb_per_unit + self.zero_value
+    }
+
+    /// The code, not rounded, of a value.
+    #[must_use]
+    pub fn code(&self, value: f64) -> f64 {
+        (value - self.zero_value) * self.lsb_per_unit + self.zero_code as f64
+    }
+
+    /// The largest code less the smallest.
+    #[must_use]
+    pub fn span(&self) -> f64 {
+        libm::exp2(f64::from(self.width_bits)) - 1.0
+    }
+}
+
+/// Noise as a typical unit has it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TypicalNoise {
+    /// One-sided density of the white noise, °/s/√Hz.
+    pub white_dps_per_rt_hz: f64,
+    /// Floor of the flicker noise alone in an Allan deviation plot, °/s: 0.664 B.
+    pub flicker_floor_dps: f64,
+    /// Rate random walk K, °/s/√s.
+    pub rate_random_walk_dps_per_rt_s: f64,
+}
+
+impl TypicalNoise {
+    /// As a model.
+    #[must_use]
+    pub const fn model(&self) -> NoiseModel {
+        NoiseModel {
+            white_dps_per_rt_hz: self.white_dps_per_rt_hz,
+            bias_instability_dps: self.flicker_floor_dps / FLOOR_PER_B,
+            rate_random_walk_dps_per_rt_s: self.rate_random_walk_dps_per_rt_s,
+        }
+    }
+}
+
+/// The bias as a typical unit has it, and how far units spread.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct TypicalBias {
+    /// Standard deviation of the initial bias over units, °/s.
+    pub initial_dps: Option<f64>,
+    /// Typical temperature coefficient of the bias, °/s/°C.
+    pub tempco_dps_per_c: Option<f64>,
+    /// Standard deviation of that coefficient over units, °/s/°C.
+    pub tempco_spread_dps_per_c: Option<f64>,
+    /// Standard deviation of the curvature over units, °/s/°C².
+    pub curvature_dps_per_c2: Option<f64>,
+    /// Half width of the hysteresis, °/s.
+    pub hysteresis_dps: Option<f64>,
+    /// Bias per supply voltage, at most, °/s/mV.
+    pub supply_dps_per_mv: Option<f64>,
+}
+
+impl TypicalBias {
+    /// A rate above this is no bias, °/s: ten times the spread over units.
+    #[must_use]
+    pub fn largest_dps(&self) -> Option<f64> {
+        self.initial_dps.map(|initial_dps| 10.0 * initial_dps)
+    }
+
+    /// The largest temperature coefficient that a unit may have, °/s/°C: six spreads above the typical one.
+    #[must_use]
+    pub fn largest_tempco_dps_per_c(&self) -> Option<f64> {
+        Some(self.tempco_dps_per_c?.abs() + 6.0 * self.tempco_spread_dps_per_c?)
+    }
+
+    /// The smallest temperature coefficient that is not remarkable, °/s/°C: three spreads below the typical one.
+    #[must_use]
+    pub fn least_tempco_dps_per_c(&self) -> Option<f64> {
+        Some(self.tempco_dps_per_c?.abs() - 3.0 * self.tempco_spread_dps_per_c?)
+    }
+
+    /// The largest step of the bias that a change of the supply explains, °/s: 500 mV. Where that is not known, any.
+    #[must_use]
+    pub fn largest_supply_step_dps(&self) -> f64 {
+        self.supply_dps_per_mv.map_or(f64::INFINITY, |dps_per_mv| 500.0 * dps_per_mv)
+    }
+}
+
+impl Axis {
+    /// The ADIS16130 in 24 bit, at its own bandwidth. A 16-bit code counts as 256 of these (F-43).
+    pub const ADIS16130: Self = Self {
+        rate: Scale { lsb_per_unit: 23_488.0, zero_code: 8_388_608, zero_value: 0.0, width_bits: 24 }, // F-40
+        temp: Scale { lsb_per_unit: 14_093.0, zero_code: 8_388_608, zero_value: 25.0, width_bits: 24 }, // F-41
+        range_dps: Some(250.0),                                                                        // F-08
+        bandwidth_hz: Some(300.0),                                                                     // F-03
+        noise: Some(TypicalNoise {
+            white_dps_per_rt_hz: 0.0125,         // F-02
+            flicker_floor_dps: 0.0016,           // M-04
+            rate_random_walk_dps_per_rt_s: 1e-4, // M-04
+        }),
+        bias: TypicalBias {
+            initial_dps: Some(1.0),              // M-01
+            tempco_dps_per_c: Some(0.04),        // F-05
+            tempco_spread_dps_per_c: Some(0.01), // M-02
+            curvature_dps_per_c2: Some(0.0005),  // M-02
+            hysteresis_dps: Some(0.002),         // M-02
+            supply_dps_per_mv: Some(0.0002),     // F-01
+        },
+        resonance: Some(Tone { hz: 14_300.0, tolerance_hz: 50.0, rms_dps: 0.02 }), // F-07, M-08
+        alternates: true,                                                          // F-56
+    };
+    /// Its bandwidth with 0.01 µF between ROA1 and ROA2, Hz (F-04).
+    pub const ADIS16130_ROA_10NF_HZ: f64 = 50.0;
+
+    /// The typical noise as a model; without one, no noise but what is measured.
+    #[must_use]
+    pub fn typical_noise(&self) -> NoiseModel {
+        const NONE: TypicalNoise =
+            TypicalNoise { white_dps_per_rt_hz: 0.0, flicker_floor_dps: 0.0, rate_random_walk_dps_per_rt_s: 0.0 };
+        self.noise.unwrap_or(NONE).model()
+    }
+}
