@@ -410,7 +410,8 @@ fn measured_noise(seen: &Seen<'_>, eighths: Adjacent) -> Noise {
     let typical = seen.noise();
     let expected = typical.allan_variance(eighths.m as f64 * BLOCK_S);
     let unknown = seen.axis.noise.is_none();
-    if unknown || eighths.variance <= expected * stationarity::allowance(eighths.count.saturating_sub(1), SIGNIFICANT_Z)
+    if unknown
+        || eighths.variance <= expected * stationarity::allowance(eighths.count.saturating_sub(1), SIGNIFICANT_Z)
     {
         return Noise { model: typical, flicker_measured: false };
     }
@@ -442,7 +443,10 @@ fn warnings(
     let when = |condition: bool, warning: Warning| condition.then_some(warning);
     [
         Some(plan.earth_dps.map_or(Warning::EarthIncluded, |earth_dps| Warning::EarthSubtracted { earth_dps })),
-        when(!plan.assume_linear && known, Warning::CurvatureUnseen { u_dps_per_c: uncertainty.u_curvature_dps_per_c }),
+        when(
+            !plan.assume_linear && known,
+            Warning::CurvatureUnseen { u_dps_per_c: uncertainty.u_curvature_dps_per_c },
+        ),
         when(
             level.shift_dps.abs() > u_offset_noise(seen, model),
             Warning::Drifting { drift_c: level.drift_c, shift_dps: level.shift_dps, u_pbc_dps: uncertainty.u_pbc_dps },

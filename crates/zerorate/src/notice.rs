@@ -364,7 +364,7 @@ impl Refusal {
             ),
             Self::Stuttering { window, lost, samples, silent_gaps, gaps } => write!(
                 f,
-                "{lost} of {} samples were lost during {window}, and in {silent_gaps} of {gaps} gaps no edge of data ready came: the line stutters, or the host was deaf to it for that long",
+                "{lost} of {} samples were lost during {window}, and in {silent_gaps} of {gaps} gaps no edge of data ready came: data ready stutters, or the host was deaf to it for that long",
                 lost + samples
             ),
             Self::Frozen { at_s, for_s, both } => write!(

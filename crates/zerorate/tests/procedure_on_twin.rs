@@ -369,3 +369,48 @@ fn a_small_step_inside_an_average_is_motion_for_the_one_on_fixed_memory() {
     assert!(codes(&full.unwrap()).contains(&"step"));
     assert!(matches!(fixed, Err(Refusal::Unsteady { .. }) | Ok(_)), "{fixed:?}");
 }
+
+/// What is not known of a part is not used, and each result says so.
+#[test]
+fn a_part_of_which_little_is_known_is_calibrated_with_warnings() {
+    let known = Axis::ADIS16130;
+    let unknown = Axis { range_dps: None, noise: None, bias: zerorate::TypicalBias::default(), ..known };
+    let plan = Plan { warmup_s: 60.0, settle_s: 120.0, offset_s: 20.0, max_u_btc_dps_per_c: 0.2, ..Plan::default() };
+    let outcome = calibrated(&unknown, plan);
+    let codes: Vec<_> = outcome.warnings.iter().map(Warning::code).collect();
+    for code in ["rest-unjudged", "hour-unchecked", "curvature-unknown"] {
+        assert!(codes.contains(&code), "no {code} in {codes:?}");
+    }
+    assert!(!codes.contains(&"curvature-unseen"), "{codes:?}");
+    assert_eq!(outcome.correction, calibrated(&known, plan).correction, "the numbers are those of the samples");
+}
+
+/// A part with half as many codes per °/s turns twice as fast by the same codes.
+#[test]
+fn the_scale_is_that_of_the_part() {
+    let plan = Plan { warmup_s: 60.0, settle_s: 120.0, offset_s: 20.0, max_u_btc_dps_per_c: 0.4, ..Plan::default() };
+    let fine = Axis::ADIS16130;
+    let noise = fine.noise.map(|noise| zerorate::TypicalNoise {
+        white_dps_per_rt_hz: 2.0 * noise.white_dps_per_rt_hz,
+        flicker_floor_dps: 2.0 * noise.flicker_floor_dps,
+        rate_random_walk_dps_per_rt_s: 2.0 * noise.rate_random_walk_dps_per_rt_s,
+    });
+    let rate = zerorate::Scale { lsb_per_unit: fine.rate.lsb_per_unit / 2.0, ..fine.rate };
+    let coarse = Axis { rate, noise, range_dps: Some(500.0), ..fine };
+    let (fine, coarse) = (calibrated(&fine, plan).correction, calibrated(&coarse, plan).correction);
+    assert_eq!(coarse.pbc_dps, 2.0 * fine.pbc_dps);
+    assert_eq!((coarse.btc_dps_per_c, coarse.t3_c), (2.0 * fine.btc_dps_per_c, fine.t3_c));
+}
+
+fn calibrated(axis: &Axis, plan: Plan) -> Outcome {
+    let twin = Twin::new(Spec::from_seed(3));
+    let mut gyro = Adis16130::new(twin.spi(), twin.rdy(), Config::default());
+    let mut sampler = Sampler::new(SamplerConfig::default(), &Config::default(), MCLK_HZ);
+    gyro.init().expect("initialisation");
+    let mut procedure = Procedure::new(axis, plan).expect("a plan that makes sense");
+    procedure.handle(Event::Initialised { t_ns: twin.now_ns() }).expect("a start");
+    while procedure.next() == Action::Read {
+        procedure.handle(Event::Reading(&read(&twin, &mut gyro, &mut sampler))).expect("a part at rest");
+    }
+    procedure.finish().expect("a result")
+}

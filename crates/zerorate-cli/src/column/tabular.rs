@@ -60,7 +60,8 @@ impl<'a> Reading<'a> {
         let capture = if is_capture && time.is_none() { Some(Capture::of(path, schema, &name)?) } else { None };
         let mut columns = vec![value];
         columns.extend(time);
-        let judging = capture.as_ref().and_then(|capture| Judging::of_column(&name, capture.code_width, &capture.axis));
+        let judging =
+            capture.as_ref().and_then(|capture| Judging::of_column(&name, capture.code_width, &capture.axis));
         let needed = match (&capture, &judging) {
             (None, _) => 0,
             (Some(_), None) => 2,

@@ -192,7 +192,7 @@ fn a_stuttering_line_is_not_blamed_on_the_host() {
     let probe = zerorate(&["probe", "--device", "twin:fault=rdy_stutter", "--duration", "1s", "--json"]).ended_with(0);
     let warnings = probe.json()["warnings"].to_string();
     assert!(warnings.contains("data-ready-stutters: ") && !warnings.contains("lost-samples: "), "{warnings}");
-    refused("twin:fault=rdy_stutter", 3, &["refused: ", "RDY (pin 10) stutters"]);
+    refused("twin:fault=rdy_stutter", 3, &["refused: ", "data ready stutters"]);
 }
 
 /// 100 pairs a second fold 14.3 kHz (F-07) to zero: 2 · 527 cycles at 105.4 kHz. So do 220.

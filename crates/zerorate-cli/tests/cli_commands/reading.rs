@@ -283,3 +283,22 @@ fn the_other_edge_of_data_ready_works_where_the_line_is_other() {
         zerorate(&["probe", "--device", device, "--duration", "1s"]).ended_with(0);
     }
 }
+
+/// Tip 2 of AN-1042: 0.01 µF between ROA1 and ROA2 give 50 Hz (F-04), and 223 samples a second are enough then.
+#[test]
+fn the_bandwidth_is_a_setting_that_stays_with_the_recording() {
+    let warnings = |device: &str, options: &[&str]| {
+        let args = [&["probe", "--device", device, "--duration", "1s", "--json"], options].concat();
+        zerorate(&args).ended_with(0).json()["warnings"].to_string()
+    };
+    let divided = ["--divider", "50"];
+    assert!(warnings("twin:", &divided).contains("aliased: "));
+    assert!(!warnings("twin:roa=10nf", &divided).contains("aliased: "));
+    let folder = tempfile::tempdir().expect("a folder");
+    let capture = folder.path().join("slow.csv");
+    let file = capture.to_str().expect("a plain path");
+    let args = ["capture", "--device", "twin:roa=10nf", "--divider", "50", "--duration", "2s", "-o", file];
+    assert!(!zerorate(&args).ended_with(0).stderr.contains("aliased"));
+    assert!(std::fs::read_to_string(&capture).expect("a capture").contains("# zerorate.bandwidth_hz = 50\n"));
+    assert!(!warnings(&format!("replay:{file}"), &[]).contains("aliased: "));
+}

@@ -181,7 +181,9 @@ impl Entry {
         if value.is_finite() && u >= 0.0 && u.is_finite() {
             Ok((value, u))
         } else {
-            Err(PartError::new(format_args!("{key} is {value} with u = {u}; both must be numbers, and u not negative")))
+            Err(PartError::new(format_args!(
+                "{key} is {value} with u = {u}; both must be numbers, and u not negative"
+            )))
         }
     }
 }
