@@ -85,7 +85,8 @@ impl Limits {
     #[inline]
     fn threshold_codes(&self, period_us: u64) -> u64 {
         let square = period_us * period_us;
-        (self.noise_per_us_q16 * period_us.max(self.least_us) >> 16) + square * square / self.motion_us4_per_code
+        let noise_q16 = self.noise_per_us_q16 * period_us.max(self.least_us);
+        (noise_q16 >> 16) + square * square / self.motion_us4_per_code
     }
 }
 
@@ -449,7 +450,7 @@ mod tests {
     fn one_wrong_reading_is_marked_at_every_bit_that_matters() {
         for bit in 16..24 {
             let mut samples: Vec<_> = (0..40).map(|k| sample(k, 0.05 * (k as f64).sin())).collect();
-            samples[20].rate = (samples[20].rate + (1 << 23) ^ 1 << bit) - (1 << 23);
+            samples[20].rate = ((samples[20].rate + (1 << 23)) ^ (1 << bit)) - (1 << 23);
             assert_eq!(marked(&verdicts(samples)), [20], "bit {bit}");
         }
     }

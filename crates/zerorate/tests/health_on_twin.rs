@@ -178,7 +178,7 @@ fn spoilt_readings_are_in_no_mean() {
     assert_eq!(expected.impossible_readings, 0);
     let mut spoilt = clean;
     for k in (500..spoilt.len()).step_by(997) {
-        spoilt[k].rate = ((spoilt[k].rate + (1 << 23)) ^ 1 << (17 + k % 7)) - (1 << 23);
+        spoilt[k].rate = ((spoilt[k].rate + (1 << 23)) ^ (1 << (17 + k % 7))) - (1 << 23);
     }
     let found = measure(&spoilt, SHORT).expect("a good part on a bad line");
     assert!(found.impossible_readings > 300, "{}", found.impossible_readings);

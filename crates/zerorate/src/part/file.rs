@@ -29,7 +29,7 @@ impl Part {
     /// # Errors
     /// No such file: where, and what is wrong.
     pub fn parse(text: &str) -> Result<Self, PartError> {
-        let file: File = toml::from_str(text).map_err(|error| PartError::new(error))?;
+        let file: File = toml::from_str(text).map_err(PartError::new)?;
         if file.schema != SCHEMA {
             return Err(PartError::new(format_args!(
                 "schema {} is unknown; this software reads {SCHEMA}",
