@@ -14,6 +14,9 @@ mod world;
 use crate::app;
 use anyhow::{Context, Result, bail, ensure};
 use bench::Bench;
+use std::collections::BTreeMap;
+use std::fs::OpenOptions;
+use std::io::Write;
 use std::path::PathBuf;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -44,6 +47,9 @@ pub struct Args {
     /// The program to test, instead of building it
     #[arg(long, value_name = "FILE")]
     program: Option<PathBuf>,
+    /// Add each class to this file when it is through, and leave out those that it holds: a campaign may take days
+    #[arg(long, value_name = "FILE")]
+    resume: Option<PathBuf>,
     /// Write docs/reference/reliability.md
     #[arg(long, conflicts_with = "only")]
     update: bool,
@@ -73,12 +79,18 @@ fn classes() -> Vec<Class> {
 pub fn run(args: &Args) -> Result<()> {
     let program = args.program.clone().map_or_else(app::program, Ok)?;
     let bench = Bench::new(std::path::absolute(program)?)?;
+    let mut done = Done::read(args.resume.clone())?;
     let mut counts = Vec::new();
     for class in
         classes().into_iter().filter(|class| args.only.as_deref().is_none_or(|only| class.name.starts_with(only)))
     {
         let started = Instant::now();
-        let count = try_class(args, &bench, &class).with_context(|| class.name)?;
+        let count = match done.take(class.name) {
+            Some(count) => count,
+            None => {
+                try_class(args, &bench, &class).and_then(|count| done.keep(class.name, count)).context(class.name)?
+            }
+        };
         println!("{:28} {count}  ({:.1} s)", class.name, started.elapsed().as_secs_f64());
         counts.push((class, count));
     }
@@ -91,6 +103,32 @@ pub fn run(args: &Args) -> Result<()> {
         bail!("{silent} runs were wrong and silent; each is named above with the command that repeats it");
     }
     Ok(())
+}
+
+/// The classes that are through, as lines of JSON in a file.
+struct Done {
+    path: Option<PathBuf>,
+    counts: BTreeMap<String, Count>,
+}
+
+impl Done {
+    fn read(path: Option<PathBuf>) -> Result<Self> {
+        let text = path.as_deref().filter(|path| path.exists()).map(std::fs::read_to_string).transpose()?;
+        let lines = text.as_deref().unwrap_or_default().lines().map(serde_json::from_str);
+        Ok(Self { path, counts: lines.collect::<Result<Vec<(String, Count)>, _>>()?.into_iter().collect() })
+    }
+
+    fn take(&mut self, class: &str) -> Option<Count> {
+        self.counts.remove(class)
+    }
+
+    fn keep(&self, class: &str, count: Count) -> Result<Count> {
+        if let Some(path) = &self.path {
+            let mut file = OpenOptions::new().create(true).append(true).open(path)?;
+            writeln!(file, "{}", serde_json::to_string(&(class, &count))?)?;
+        }
+        Ok(count)
+    }
 }
 
 /// All runs of a class on a few threads; the counts do not depend on their number.

@@ -1,5 +1,6 @@
 //! How a run ended, seen by its user.
 
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fmt;
 
@@ -22,7 +23,7 @@ pub enum Verdict {
 }
 
 /// The verdicts of a class.
-#[derive(Default)]
+#[derive(Default, Deserialize, Serialize)]
 pub struct Count {
     pub runs: u64,
     pub right: u64,
@@ -31,7 +32,7 @@ pub struct Count {
     pub warned: u64,
     pub unknowable: u64,
     pub silent: u64,
-    pub skipped: Option<&'static str>,
+    pub skipped: Option<String>,
     /// Other causes that were named, and how often.
     pub other_causes: BTreeMap<String, u64>,
 }
@@ -51,7 +52,7 @@ impl Count {
             Verdict::Silent(_) => self.silent += 1,
             Verdict::Skipped(why) => {
                 self.runs -= 1;
-                self.skipped = Some(why);
+                self.skipped = Some((*why).to_owned());
             }
         }
     }
@@ -65,7 +66,7 @@ impl fmt::Display for Count {
             "{runs:4} runs: {right:4} right, {refused:4} refused, {misjudged:3} for another cause, {warned:3} warned, \
              {unknowable:2} unknowable, {silent} silent"
         )?;
-        self.skipped.map_or(Ok(()), |why| write!(f, "; SKIPPED: {why}"))?;
+        self.skipped.as_ref().map_or(Ok(()), |why| write!(f, "; SKIPPED: {why}"))?;
         self.other_causes.iter().try_for_each(|(said, times)| write!(f, "\n    {times} × {said}"))
     }
 }
