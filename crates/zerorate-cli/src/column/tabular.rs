@@ -6,7 +6,8 @@ use super::judged::{self, Judging};
 use super::series::{SeriesBuilder, join, missing_in};
 use super::unit::TimeUnit;
 use super::{Clock, ColumnArgs, Found, Gap, wrong};
-use crate::capture::columns::CORRECTED;
+use crate::capture::columns::{CORRECTED, Rows};
+use crate::capture::succession::Mark;
 use crate::capture::table::BatchSource;
 use crate::capture::{CaptureError, CaptureInfo, Checked, info};
 use crate::limits::Room;
@@ -14,7 +15,7 @@ use adis16130::Width;
 use anyhow::Result;
 use arrow::array::{Array, ArrayRef, AsArray, RecordBatch};
 use arrow::compute::{CastOptions, cast_with_options};
-use arrow::datatypes::{DataType, Float64Type, Int32Type, Int64Type, Schema, TimeUnit as ArrowUnit, UInt32Type};
+use arrow::datatypes::{DataType, Float64Type, Int32Type, Int64Type, Schema, TimeUnit as ArrowUnit};
 use arrow::error::ArrowError;
 use std::path::Path;
 use zerorate::Axis;
@@ -25,7 +26,10 @@ pub fn read(path: &Path, mut source: Box<dyn BatchSource>, room: Room, args: &Co
     let mut reading = Reading::start(path, &schema, room, args)?;
     if info::is_capture(schema.metadata()) {
         let mut capture = Checked::new(path, source)?;
-        capture.by_ref().try_for_each(|batch| reading.take(&batch?))?;
+        while let Some((batch, rows)) = capture.next_rows()? {
+            reading.take(&batch)?;
+            reading.count(&rows);
+        }
         return reading.finish(Some(capture.warnings().join("; ")).filter(|said| !said.is_empty()));
     }
     while let Some(batch) = source.next_batch()? {
@@ -62,12 +66,7 @@ impl<'a> Reading<'a> {
         columns.extend(time);
         let judging =
             capture.as_ref().and_then(|capture| Judging::of_column(&name, capture.code_width, &capture.axis));
-        let needed = match (&capture, &judging) {
-            (None, _) => 0,
-            (Some(_), None) => 2,
-            (Some(_), Some(_)) => judged::NEEDED.len(),
-        };
-        for name in &judged::NEEDED[..needed] {
+        for name in judging.iter().flat_map(|_| judged::NEEDED) {
             let missing = || CaptureError::not_a_capture(path, format!("it has no column `{name}`"));
             columns.push(position(name).ok_or_else(missing)?);
         }
@@ -100,11 +99,6 @@ impl<'a> Reading<'a> {
                 wrong(self.path, format_args!("column {}, row {}", self.time_name, first + row as u64), what)
             })?;
         }
-        if let (Some(capture), [value, t_ns, lost, ..]) = (&mut self.capture, columns) {
-            capture
-                .append(value, t_ns, lost, first)
-                .map_err(|(place, what)| wrong(self.path, format_args!("{place}"), what))?;
-        }
         let values = match &mut self.judging {
             Some(judging) => {
                 judging.take(&columns[0], &columns[1..]).map_err(|error| judged::failed(self.path, &error))?
@@ -112,6 +106,13 @@ impl<'a> Reading<'a> {
             None => columns[0].clone(),
         };
         self.append_values(&values, first)
+    }
+
+    /// Takes what the rows of a capture tell beside the column.
+    fn count(&mut self, rows: &Rows) {
+        if let Some(capture) = &mut self.capture {
+            capture.count(rows);
+        }
     }
 
     fn append_values(&mut self, values: &ArrayRef, first: u64) -> Result<(), CaptureError> {
@@ -222,8 +223,6 @@ fn append_times(times: &mut Times, column: &ArrayRef) -> Result<(), Wrong> {
 
 /// What a capture tells beyond its numbers: it has counted what was lost.
 struct Capture {
-    /// Width of the codes in the column, if it holds codes.
-    width: Option<Width>,
     axis: Axis,
     /// Width of the raw codes.
     code_width: Width,
@@ -244,64 +243,18 @@ impl Capture {
             _ => None,
         };
         let scale = lsb_per_unit.map(|lsb| f64::from(1u32 << (24 - width.bits())) / lsb);
-        Ok(Self {
-            width: scale.map(|_| width),
-            axis,
-            code_width: width,
-            scale,
-            span_ns: None,
-            rows: 0,
-            gaps: Vec::new(),
-        })
+        Ok(Self { axis, code_width: width, scale, span_ns: None, rows: 0, gaps: Vec::new() })
     }
 
-    fn append(
-        &mut self,
-        value: &ArrayRef,
-        t_ns: &ArrayRef,
-        lost: &ArrayRef,
-        first: u64,
-    ) -> Result<(), (String, String)> {
-        let typed = |name: &str, column: &ArrayRef, to: DataType| match cast(column, to) {
-            Ok(column) if column.null_count() == 0 => Ok(column),
-            Ok(_) => Err((format!("column {name}, from row {first}"), "it has empty cells".to_owned())),
-            Err(error) => Err((format!("column {name}, from row {first}"), error.to_string())),
-        };
-        self.check_width(value, first)?;
-        let t_ns = typed("t_ns", t_ns, DataType::Int64)?;
-        for (row, t_ns) in t_ns.as_primitive::<Int64Type>().values().iter().enumerate() {
-            let t_ns = *t_ns as u64;
-            if self.span_ns.is_some_and(|(_, last)| t_ns <= last) {
-                let before = self.span_ns.map_or(0, |(_, last)| last);
-                let what = format!("the time does not increase, from {before} to {t_ns}");
-                return Err((format!("column t_ns, row {}", first + row as u64), what));
-            }
+    /// Takes the times and losses of rows that were checked.
+    fn count(&mut self, rows: &Rows) {
+        for Mark { t_ns, lost, .. } in rows.marks() {
             self.span_ns = Some((self.span_ns.map_or(t_ns, |(start, _)| start), t_ns));
-        }
-        let lost = typed("lost", lost, DataType::UInt32)?;
-        let lost = lost.as_primitive::<UInt32Type>().values();
-        for (row, missing) in lost.iter().enumerate().filter(|(_, missing)| **missing > 0) {
-            let at = self.rows as usize + row;
             // what the first row lost was before the record
-            if at > 0 {
-                join(&mut self.gaps, Gap { at, missing: u64::from(*missing) });
+            if lost > 0 && self.rows > 0 {
+                join(&mut self.gaps, Gap { at: self.rows as usize, missing: u64::from(lost) });
             }
-        }
-        self.rows += lost.len() as u64;
-        Ok(())
-    }
-
-    fn check_width(&self, value: &ArrayRef, first: u64) -> Result<(), (String, String)> {
-        let Some(width) = self.width else { return Ok(()) };
-        let at = |what: String| Err((format!("column of codes, from row {first}"), what));
-        match cast(value, DataType::UInt32) {
-            Ok(codes) => match codes.as_primitive::<UInt32Type>().iter().flatten().max() {
-                Some(code) if code > width.max_code() => {
-                    at(format!("{code} is no code of {} bits, as the metadata states", width.bits()))
-                }
-                _ => Ok(()),
-            },
-            Err(error) => at(error.to_string()),
+            self.rows += 1;
         }
     }
 
