@@ -59,7 +59,8 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         let raw = rms(units.iter().map(|unit| unit.raw_change_dps));
         let corrected = rms(units.iter().map(|unit| unit.corrected_change_dps));
         println!(
-            "  second warm-up after an hour off, change from its first 10 s to its last 150 s, rms: {raw:.4} °/s raw, {corrected:.4} °/s corrected: {:.1}-fold less",
+            "  second warm-up after an hour off, change from its first 10 s to its last 150 s, rms: {raw:.4} °/s raw, \
+             {corrected:.4} °/s corrected: {:.1}-fold less",
             raw / corrected
         );
     }
@@ -89,7 +90,8 @@ fn report_intervals(name: &str, unit: &str, results: impl Iterator<Item = Judged
     let count = ratios.clone().count() as f64;
     let inside = ratios.clone().filter(|ratio| ratio.abs() <= Uncertainty::FACTOR).count() as f64;
     println!(
-        "  {name}: {:.1} % inside the 95 % interval, rms(error/u) {:.3}, mean(error/u) {:+.3}; rms error {:.5} {unit}, rms u {:.5} {unit}",
+        "  {name}: {:.1} % inside the 95 % interval, rms(error/u) {:.3}, mean(error/u) {:+.3}; rms error {:.5} \
+         {unit}, rms u {:.5} {unit}",
         100.0 * inside / count,
         rms(ratios.clone()),
         ratios.sum::<f64>() / count,
@@ -138,7 +140,8 @@ fn default_unit(seed: u64) -> anyhow::Result<DefaultUnit> {
     Ok(DefaultUnit { judged: judge(&outcome, &truth), raw_change_dps, corrected_change_dps })
 }
 
-/// How the mean rate changes from the first 10 s after switching on to the last 150 s of F-51's time, raw and corrected, °/s.
+/// How the mean rate changes from the first 10 s after switching on to the last 150 s of F-51's time, raw and
+/// corrected, °/s.
 fn warm_up(rig: &mut Rig, correction: &Correction) -> anyhow::Result<(f64, f64)> {
     let start_ns = rig.initialise()?;
     let (mut first, mut last) = (Mean::default(), Mean::default());

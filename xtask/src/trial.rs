@@ -1,4 +1,5 @@
-//! Calibrations of the twin against its truth: of ordinary units, and of units to which something happens during the hour.
+//! Calibrations of the twin against its truth: of ordinary units, and of units to which something happens during the
+//! hour.
 
 use adis16130::blocking::Adis16130;
 use adis16130::{Config, Edge, MCLK_HZ, Sample, Sampler, SamplerConfig};

@@ -76,8 +76,9 @@
 #define ZERORATE_WARNING_FLAT 512
 
 /**
- * Always set: steps, lag, curvature, hysteresis and slow motion between the averages were not looked for, since that takes a
- * record of every second, which does not fit into the memory of a controller. `zerorate recalibrate` looks at recorded samples.
+ * Always set: steps, lag, curvature, hysteresis and slow motion between the averages were not looked for, since that
+ * takes a record of every second, which does not fit into the memory of a controller. `zerorate recalibrate` looks at
+ * recorded samples.
  */
 #define ZERORATE_WARNING_HOUR_UNCHECKED 1024
 
@@ -308,8 +309,8 @@ typedef struct zerorate_plan {
    */
   double max_u_btc_dps_per_c;
   /**
-   * The component of the Earth's rotation on the part's axis, deg/s (not deg/h), which is subtracted: within 0.00418 (F-16);
-   * NaN where it is not known.
+   * The component of the Earth's rotation on the part's axis, deg/s (not deg/h), which is subtracted: within
+   * 0.00418 (F-16); NaN where it is not known.
    */
   double earth_dps;
   /**
@@ -319,14 +320,14 @@ typedef struct zerorate_plan {
 } zerorate_plan;
 
 /**
- * A calibration that is going on. The memory is the caller's, the contents are private; begin it with zerorate_procedure_begin. It
- * needs no tear-down.
+ * A calibration that is going on. The memory is the caller's, the contents are private; begin it with
+ * zerorate_procedure_begin. It needs no tear-down.
  */
 typedef struct zerorate_procedure {
   /**
    * Private.
    */
-  uint64_t opaque[400];
+  uint64_t opaque[480];
 } zerorate_procedure;
 
 /**
@@ -448,8 +449,9 @@ typedef struct zerorate_self_test {
 } zerorate_self_test;
 
 /**
- * A table of (temperature - T3) * BTC, without PBC, in millionths of a deg/s. The rows are the caller's and must stay where they are
- * as long as the table is used; looking up only reads, so one table may serve a main loop and interrupts.
+ * A table of (temperature - T3) * BTC, without PBC, in millionths of a deg/s. The rows are the caller's and must stay
+ * where they are as long as the table is used; looking up only reads, so one table may serve a main loop and
+ * interrupts.
  */
 typedef struct zerorate_table {
   /**
@@ -710,8 +712,8 @@ double zerorate_correct(const struct zerorate_correction *correction, double rat
 float zerorate_correct_f32(const struct zerorate_correction_f32 *correction, float rate_dps, float temp_c);
 
 /**
- * The corrected rate code of a rate code and the temperature code taken with it, all of 24 bits; rounded to nearest, held to
- * 0 ... 2^24 - 1. The rate code itself where `correction` is null.
+ * The corrected rate code of a rate code and the temperature code taken with it, all of 24 bits; rounded to nearest,
+ * held to 0 ... 2^24 - 1. The rate code itself where `correction` is null.
  *
  * Required: `correction` is null or points to one.
  */
@@ -824,12 +826,12 @@ zerorate_status zerorate_procedure_next(struct zerorate_procedure *procedure);
 zerorate_status zerorate_procedure_initialised(struct zerorate_procedure *procedure, uint64_t t_ns);
 
 /**
- * A sample was read. At the end of a step this takes some thousand floating-point operations, else about a hundred integer ones.
+ * A sample was read. At the end of a step this takes some thousand floating-point operations, else about a hundred
+ * integer ones.
  *
  * Required: Each pointer is null or points to memory of its type; nothing else uses the procedure meanwhile.
  */
-zerorate_status zerorate_procedure_sample(struct zerorate_procedure *procedure,
-                                          const struct zerorate_sample *sample);
+zerorate_status zerorate_procedure_sample(struct zerorate_procedure *procedure, const struct zerorate_sample *sample);
 
 /**
  * Time went by without a sample.
@@ -839,7 +841,8 @@ zerorate_status zerorate_procedure_sample(struct zerorate_procedure *procedure,
 zerorate_status zerorate_procedure_time(struct zerorate_procedure *procedure, uint64_t t_ns);
 
 /**
- * The step of AN-1042 that is going on: 3 (initialise) to 9 (final temperature), 10 at the end; negative for an error.
+ * The step of AN-1042 that is going on: 3 (initialise) to 9 (final temperature), 10 at the end; negative for an
+ * error.
  *
  * Required: `procedure` is null or points to one that nothing else uses meanwhile.
  */
@@ -892,8 +895,8 @@ zerorate_status zerorate_gyro_self_test(struct zerorate_gyro *gyro,
 const char *zerorate_text(zerorate_status status);
 
 /**
- * Lays the table of a correction out in `memory`, which has room for so many rows, from +`span_c` down to -`span_c` in steps of
- * `step_c`, deg C: 2 * span / step + 1 rows.
+ * Lays the table of a correction out in `memory`, which has room for so many rows, from +`span_c` down to -`span_c`
+ * in steps of `step_c`, deg C: 2 * span / step + 1 rows.
  *
  * Required: Each pointer is null or points to memory of its type, `memory` to `room` numbers of it.
  */
@@ -905,16 +908,16 @@ zerorate_status zerorate_table_lay_out(struct zerorate_table *table,
                                        size_t room);
 
 /**
- * The row nearest to the temperature of a code of 24 bits, in millionths of a deg/s: corrected rate = rate + PBC + row.
+ * The row nearest to the temperature of a code of 24 bits, in millionths of a deg/s: corrected rate = rate + PBC +
+ * row.
  *
- * ZERORATE_E_TABLE_OUTSIDE more than half a step beyond the table. Then, too, the row is written: the first or last one, which is
- * wrong there by BTC times the distance to it. ZERORATE_E_ARGUMENT where there is no table.
+ * ZERORATE_E_TABLE_OUTSIDE more than half a step beyond the table. Then, too, the row is written: the first or last
+ * one, which is wrong there by BTC times the distance to it. ZERORATE_E_ARGUMENT where there is no table.
  *
- * Required: Each pointer is null or points to memory of its type, `table` to one that was laid out and whose rows are still there.
+ * Required: Each pointer is null or points to memory of its type, `table` to one that was laid out and whose rows are still
+ * there.
  */
-zerorate_status zerorate_table_look_up(const struct zerorate_table *table,
-                                       uint32_t temp_code,
-                                       int32_t *row_udps);
+zerorate_status zerorate_table_look_up(const struct zerorate_table *table, uint32_t temp_code, int32_t *row_udps);
 
 #ifdef __cplusplus
 }  // extern "C"

@@ -113,8 +113,8 @@ pub unsafe extern "C" fn zerorate_correct_f32(correction: *const CorrectionF32, 
     })
 }
 
-/// The corrected rate code of a rate code and the temperature code taken with it, all of 24 bits; rounded to nearest, held to
-/// 0 ... 2^24 - 1. The rate code itself where `correction` is null.
+/// The corrected rate code of a rate code and the temperature code taken with it, all of 24 bits; rounded to nearest,
+/// held to 0 ... 2^24 - 1. The rate code itself where `correction` is null.
 ///
 /// # Safety
 /// `correction` is null or points to one.

@@ -9,8 +9,8 @@ use zerorate::{
     Warning, WindowWarnings,
 };
 
-/// A calibration that is going on. The memory is the caller's, the contents are private; begin it with zerorate_procedure_begin. It
-/// needs no tear-down.
+/// A calibration that is going on. The memory is the caller's, the contents are private; begin it with
+/// zerorate_procedure_begin. It needs no tear-down.
 #[repr(C)]
 pub struct Procedure {
     /// Private.
@@ -47,8 +47,8 @@ pub struct Plan {
     pub max_lost: f64,
     /// Largest standard uncertainty of BTC, deg/s per deg C: 0.01.
     pub max_u_btc_dps_per_c: f64,
-    /// The component of the Earth's rotation on the part's axis, deg/s (not deg/h), which is subtracted: within 0.00418 (F-16);
-    /// NaN where it is not known.
+    /// The component of the Earth's rotation on the part's axis, deg/s (not deg/h), which is subtracted: within
+    /// 0.00418 (F-16); NaN where it is not known.
     pub earth_dps: f64,
     /// 1 = the bias is a straight line over temperature: no allowance for curvature and hysteresis.
     pub assume_linear: u8,
@@ -110,8 +110,9 @@ pub const ZERORATE_WARNING_OTHER: u32 = 128;
 pub const ZERORATE_WARNING_EARTH_SUBTRACTED: u32 = 256;
 /// BTC is next to nothing: a wide hysteresis or a long lag would look the same.
 pub const ZERORATE_WARNING_FLAT: u32 = 512;
-/// Always set: steps, lag, curvature, hysteresis and slow motion between the averages were not looked for, since that takes a
-/// record of every second, which does not fit into the memory of a controller. `zerorate recalibrate` looks at recorded samples.
+/// Always set: steps, lag, curvature, hysteresis and slow motion between the averages were not looked for, since that
+/// takes a record of every second, which does not fit into the memory of a controller. `zerorate recalibrate` looks at
+/// recorded samples.
 pub const ZERORATE_WARNING_HOUR_UNCHECKED: u32 = 1024;
 
 /// Initialise the part, then call zerorate_procedure_initialised.
@@ -254,7 +255,8 @@ pub unsafe extern "C" fn zerorate_procedure_initialised(procedure: *mut Procedur
     status::of(unsafe { boundary::state(procedure) }.and_then(|state| state.handle(Event::Initialised { t_ns })))
 }
 
-/// A sample was read. At the end of a step this takes some thousand floating-point operations, else about a hundred integer ones.
+/// A sample was read. At the end of a step this takes some thousand floating-point operations, else about a hundred
+/// integer ones.
 ///
 /// # Safety
 /// Each pointer is null or points to memory of its type; nothing else uses the procedure meanwhile.
@@ -277,7 +279,8 @@ pub unsafe extern "C" fn zerorate_procedure_time(procedure: *mut Procedure, t_ns
     status::of(unsafe { boundary::state(procedure) }.and_then(|state| state.handle(Event::Time { t_ns })))
 }
 
-/// The step of AN-1042 that is going on: 3 (initialise) to 9 (final temperature), 10 at the end; negative for an error.
+/// The step of AN-1042 that is going on: 3 (initialise) to 9 (final temperature), 10 at the end; negative for an
+/// error.
 ///
 /// # Safety
 /// `procedure` is null or points to one that nothing else uses meanwhile.

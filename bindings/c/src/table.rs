@@ -5,8 +5,9 @@ use crate::correction::Correction;
 use crate::status::{self, Numbered, Status, ZERORATE_E_ARGUMENT, ZERORATE_E_NULL, ZERORATE_E_TABLE_OUTSIDE};
 use zerorate::{Axis, RowIndex};
 
-/// A table of (temperature - T3) * BTC, without PBC, in millionths of a deg/s. The rows are the caller's and must stay where they are
-/// as long as the table is used; looking up only reads, so one table may serve a main loop and interrupts.
+/// A table of (temperature - T3) * BTC, without PBC, in millionths of a deg/s. The rows are the caller's and must stay
+/// where they are as long as the table is used; looking up only reads, so one table may serve a main loop and
+/// interrupts.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct Table {
@@ -22,8 +23,8 @@ pub struct Table {
     pub t3_code: i32,
 }
 
-/// Lays the table of a correction out in `memory`, which has room for so many rows, from +`span_c` down to -`span_c` in steps of
-/// `step_c`, deg C: 2 * span / step + 1 rows.
+/// Lays the table of a correction out in `memory`, which has room for so many rows, from +`span_c` down to -`span_c`
+/// in steps of `step_c`, deg C: 2 * span / step + 1 rows.
 ///
 /// # Safety
 /// Each pointer is null or points to memory of its type, `memory` to `room` numbers of it.
@@ -59,13 +60,15 @@ pub unsafe extern "C" fn zerorate_table_lay_out(
     status::of(done)
 }
 
-/// The row nearest to the temperature of a code of 24 bits, in millionths of a deg/s: corrected rate = rate + PBC + row.
+/// The row nearest to the temperature of a code of 24 bits, in millionths of a deg/s: corrected rate = rate + PBC +
+/// row.
 ///
-/// ZERORATE_E_TABLE_OUTSIDE more than half a step beyond the table. Then, too, the row is written: the first or last one, which is
-/// wrong there by BTC times the distance to it. ZERORATE_E_ARGUMENT where there is no table.
+/// ZERORATE_E_TABLE_OUTSIDE more than half a step beyond the table. Then, too, the row is written: the first or last
+/// one, which is wrong there by BTC times the distance to it. ZERORATE_E_ARGUMENT where there is no table.
 ///
 /// # Safety
-/// Each pointer is null or points to memory of its type, `table` to one that was laid out and whose rows are still there.
+/// Each pointer is null or points to memory of its type, `table` to one that was laid out and whose rows are still
+/// there.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn zerorate_table_look_up(table: *const Table, temp_code: u32, row_udps: *mut i32) -> Status {
     // SAFETY: by the contract.

@@ -10,7 +10,8 @@ use std::path::PathBuf;
 use zerorate::{Axis, Scale};
 use zerorate_cli::api;
 
-/// Reads a capture. Returns its columns, and its description under ``width_bits``, ``metadata``, ``calibration_id`` and ``warning``.
+/// Reads a capture. Returns its columns, and its description under ``width_bits``, ``metadata``, ``calibration_id``
+/// and ``warning``.
 ///
 /// Raises ValueError for a file that is no whole capture, OSError for one that cannot be read.
 #[pyfunction]

@@ -143,10 +143,16 @@ impl Acquisition {
     pub fn lost_on_the_way(&self) -> Vec<String> {
         let (samples, frames) = (self.device.overflowed(), self.device.damaged());
         let overflow = (samples > 0).then(|| {
-            format!("queue-overflow: {samples} samples were read but lost, since the disk or the processor was too slow for them; they are counted as lost")
+            format!(
+                "queue-overflow: {samples} samples were read but lost, since the disk or the processor was too \
+                slow for them; they are counted as lost"
+            )
         });
         let damage = (frames > 0).then(|| {
-            format!("damaged-frames: {frames} frames of the bridge were damaged on the way, and their samples are counted as lost; check its cable, or lower the baud rate")
+            format!(
+                "damaged-frames: {frames} frames of the bridge were damaged on the way, and their samples are \
+                counted as lost; check its cable, or lower the baud rate"
+            )
         });
         overflow.into_iter().chain(damage).chain(self.admission.warnings()).collect()
     }

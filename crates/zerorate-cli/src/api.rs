@@ -27,11 +27,13 @@ pub struct Calibrated {
     pub calibration_toml: String,
 }
 
-/// Runs the procedure of F-51 with the options of `zerorate calibrate`, as on the command line but for `--realtime`, `--json` and progress.
-/// `keep_going` is asked with every 4096th sample (1.4 times a second of part time). What is said calls settings by `names`.
+/// Runs the procedure of F-51 with the options of `zerorate calibrate`, as on the command line but for `--realtime`,
+/// `--json` and progress. `keep_going` is asked with every 4096th sample (1.4 times a second of part time). What is
+/// said calls settings by `names`.
 ///
 /// # Errors
-/// [`Usage`] where the options make no sense, [`Refused`] where the samples must not become a calibration, or why the device or a file failed.
+/// [`Usage`] where the options make no sense, [`Refused`] where the samples must not become a calibration, or why the
+/// device or a file failed.
 pub fn calibrate(options: &[String], names: Names, keep_going: impl FnMut() -> bool) -> Result<Calibrated> {
     let words = ["zerorate", "calibrate"].into_iter().chain(options.iter().map(String::as_str));
     match Cli::try_parse_from(words) {
@@ -76,7 +78,8 @@ pub struct Recording {
     pub temp_code: Vec<i32>,
     /// Samples lost right before this one.
     pub lost: Vec<u32>,
-    /// What is wrong with it, 0 for nothing: 1 impossible for the part, 2 out of range, 4 frozen, 8 impossible temperature.
+    /// What is wrong with it, 0 for nothing: 1 impossible for the part, 2 out of range, 4 frozen, 8 impossible
+    /// temperature.
     pub flags: Vec<u8>,
     /// Width of both codes, 16 or 24.
     pub width_bits: u32,
@@ -131,7 +134,8 @@ impl Recording {
     }
 }
 
-/// Writes the text of a calibration file, as `zerorate calibrate -o` does: whole, onto the disk, and over another only if `force`.
+/// Writes the text of a calibration file, as `zerorate calibrate -o` does: whole, onto the disk, and over another only
+/// if `force`.
 ///
 /// # Errors
 /// Why it is refused ([`refuses_output`]), or why it cannot be written.
@@ -139,7 +143,8 @@ pub fn save_calibration(path: &Path, text: &str, force: bool) -> Result<()> {
     Ok(Outputs::new(force).derived(path)?.fill(text.as_bytes())?)
 }
 
-/// Whether the error is that of a file that is there, and stays as it is: another name, or `--force`, is all that it takes.
+/// Whether the error is that of a file that is there, and stays as it is: another name, or `--force`, is all that it
+/// takes.
 #[must_use]
 pub fn refuses_output(error: &anyhow::Error) -> bool {
     exit::refuses_output(error)

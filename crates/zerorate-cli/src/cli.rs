@@ -101,9 +101,9 @@ pub struct DeviceArgs {
     /// (through the kernel's driver; option hz=POLLS), bridge:/dev/ttyACM0 (a microcontroller in between; options
     /// hz=SCLK, mclk=HZ, baud=N) or tcp:HOST:PORT (the same over a socket). All but replay: and iio: take
     /// framing=command|byte (how CS frames the bytes), width=24|16, fw=RATE[:TEMP] and chop=0|1 (the conversion
-    /// words), edge=falling|rising (of RDY; rising behind an inverter), and divided=N (a counter in the line lets every
-    /// N-th edge of RDY through: tip 2 of the note). All but replay: take roa=10nf or bandwidth_hz=HZ (the bandwidth,
-    /// where it is not the part's own; the twin knows roa alone). They stand after ? and & as in
+    /// words), edge=falling|rising (of RDY; rising behind an inverter), and divided=N (a counter in the line lets
+    /// every N-th edge of RDY through: tip 2 of the note). All but replay: take roa=10nf or bandwidth_hz=HZ (the
+    /// bandwidth, where it is not the part's own; the twin knows roa alone). They stand after ? and & as in
     /// spi:…?rdy=gpiochip0:25&width=16, or are keys of twin: .
     #[arg(short, long, value_name = "DEV", default_value = "twin:")]
     pub device: DeviceSpec,

@@ -1,4 +1,5 @@
-//! The progress bar on stderr: the step in words, how far, how long it still takes. Hidden where stderr is no terminal.
+//! The progress bar on stderr: the step in words, how far, how long it still takes. Hidden where stderr is no
+//! terminal.
 
 use crate::commands::flag;
 use indicatif::{ProgressBar, ProgressStyle};

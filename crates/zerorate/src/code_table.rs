@@ -3,11 +3,12 @@
 use crate::correction::{Correction, TableError};
 use crate::part::Scale;
 
-/// The table of F-52, (TEMP − T3) × BTC in µ°/s, found by the temperature code: no allocation, no division, no floating point.
+/// The table of F-52, (TEMP − T3) × BTC in µ°/s, found by the temperature code: no allocation, no division, no
+/// floating point.
 ///
 /// Row r, counted from 0, is for TEMP − T3 = (R − r) · step with 2R + 1 rows. The nearest row is
-/// r = ⌊R + ½ − (temp − T3 as a code) / step⌋ with the step in codes; the reciprocal of the step has 32 fraction bits, so that two
-/// rows whose distances differ by less than 2⁻³² · |temp − T3 as a code| steps may stand for each other.
+/// r = ⌊R + ½ − (temp − T3 as a code) / step⌋ with the step in codes; the reciprocal of the step has 32 fraction bits,
+/// so that two rows whose distances differ by less than 2⁻³² · |temp − T3 as a code| steps may stand for each other.
 ///
 /// ```
 /// use zerorate::{Axis, CodeTable, Correction};
@@ -28,15 +29,15 @@ pub struct CodeTable<'a> {
 }
 
 impl<'a> CodeTable<'a> {
-    /// Rows as [`Correction::fill_table`] lays them out, with the step and the T3 that they were made for, °C, and the scale of the
-    /// temperature.
+    /// Rows as [`Correction::fill_table`] lays them out, with the step and the T3 that they were made for, °C, and the
+    /// scale of the temperature.
     #[must_use]
     pub fn new(rows_udps: &'a [i32], step_c: f64, t3_c: f64, temp: &Scale) -> Self {
         Self { rows_udps, index: RowIndex::new(rows_udps.len(), step_c, t3_c, temp) }
     }
 
-    /// The row nearest to the temperature of a 24-bit code, µ°/s, to be added to RATE + PBC. None where the temperature lies more than
-    /// half a step beyond the first or the last row.
+    /// The row nearest to the temperature of a 24-bit code, µ°/s, to be added to RATE + PBC. None where the
+    /// temperature lies more than half a step beyond the first or the last row.
     #[inline]
     #[must_use]
     pub fn look_up_udps(&self, temp_code: u32) -> Option<i32> {
@@ -44,8 +45,8 @@ impl<'a> CodeTable<'a> {
         self.rows_udps.get(row).copied()
     }
 
-    /// The same, held at the first or last row beyond the table: there it is wrong by BTC times the distance to that row. A table
-    /// without rows corrects nothing.
+    /// The same, held at the first or last row beyond the table: there it is wrong by BTC times the distance to that
+    /// row. A table without rows corrects nothing.
     #[inline]
     #[must_use]
     pub fn look_up_held_udps(&self, temp_code: u32) -> i32 {
@@ -99,8 +100,8 @@ pub fn temp_code(temp_c: f64, scale: &Scale) -> u32 {
 }
 
 impl Correction {
-    /// Lays out the table of F-52 in millionths of a °/s, rounded to nearest, from +`span_c` down to −`span_c`, and returns how
-    /// many rows it has: the first so many of `rows_udps`. The rest stays as it is.
+    /// Lays out the table of F-52 in millionths of a °/s, rounded to nearest, from +`span_c` down to −`span_c`, and
+    /// returns how many rows it has: the first so many of `rows_udps`. The rest stays as it is.
     ///
     /// # Errors
     /// As [`Correction::table`]; a table that does not fit; a correction beyond ±2147 °/s.
@@ -144,8 +145,8 @@ mod tests {
         assert!(matches!(steep.fill_table(0.02, 0.12, &mut [0; 13]), Err(TableError::TooSteep { .. })));
     }
 
-    /// How far row `row` is from the place of a code in the table, in 2⁻⁴⁰ rows, by exact rational arithmetic: steps in millionths
-    /// of a degree, distances in 14 093 · 10⁶ parts of one.
+    /// How far row `row` is from the place of a code in the table, in 2⁻⁴⁰ rows, by exact rational arithmetic: steps
+    /// in millionths of a degree, distances in 14 093 · 10⁶ parts of one.
     fn distance(row: usize, rows: usize, step_uc: i128, t3_code: i32, temp: u32) -> i128 {
         let step = step_uc * 14_093;
         let from_middle = row as i128 - (rows as i128 - 1) / 2;

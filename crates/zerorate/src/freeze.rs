@@ -4,8 +4,8 @@ use crate::reading::Reading;
 
 /// A noisy channel that does not change for this long is frozen, if it was read so often meanwhile.
 const FROZEN_NS: u64 = 100_000_000;
-/// Noise gives the same code twice with a probability below 0.2, even in 16 bits and behind the filter of F-04: that so
-/// many in a row are the same has one below 10⁻²².
+/// Noise gives the same code twice with a probability below 0.2, even in 16 bits and behind the filter of F-04: that
+/// so many in a row are the same has one below 10⁻²².
 const FROZEN_READINGS: u64 = 32;
 /// So are two channels that have never changed for this long, and so many readings.
 const DEAD_NS: u64 = 2_000_000_000;

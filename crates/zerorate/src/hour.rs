@@ -1,7 +1,9 @@
-//! The whole hour against one line over temperature: what else the rate did, from a step to a lag, and what that does to PBC and BTC.
+//! The whole hour against one line over temperature: what else the rate did, from a step to a lag, and what that does
+//! to PBC and BTC.
 //!
-//! The means over seconds are put together into some 300 bins and whitened by the part's noise (`gls.rs`). Of all shapes that the rate
-//! could have (`shape.rs`), the one that explains most is taken into the model, and again, until noise would show what is left as well.
+//! The means over seconds are put together into some 300 bins and whitened by the part's noise (`gls.rs`). Of all
+//! shapes that the rate could have (`shape.rs`), the one that explains most is taken into the model, and again, until
+//! noise would show what is left as well.
 
 use crate::gls::{self, Fit, Whitener, dot};
 use crate::noise::{NoiseModel, Stretch, Window};
@@ -308,8 +310,8 @@ impl<'a> Search<'a> {
         errors.fold((0.0, 0.0), |worst: (f64, f64), error| (worst.0.max(error.0), worst.1.max(error.1)))
     }
 
-    /// Rms error of BTC by a curvature of the typical spread, given what the hour shows of it: the mean and the variance of a normal
-    /// variable that is seen in noise.
+    /// Rms error of BTC by a curvature of the typical spread, given what the hour shows of it: the mean and the
+    /// variance of a normal variable that is seen in noise.
     fn curvature_error(&self) -> f64 {
         let Some(bent) = self.candidates.iter().find(|candidate| matches!(candidate.shape, Shape::Curved(_))) else {
             return 0.0;
@@ -322,7 +324,8 @@ impl<'a> Search<'a> {
     }
 }
 
-/// How much gain a place may lose against the best one to be as good as that: the 95 % point of χ² with one degree of freedom.
+/// How much gain a place may lose against the best one to be as good as that: the 95 % point of χ² with one degree of
+/// freedom.
 const NEARLY: f64 = 3.84;
 
 /// The gain from which a shape is there beyond doubt. Measured on ordinary units: docs/reference/accuracy.md.

@@ -1,5 +1,5 @@
-//! What is true of one kind of gyroscope: a value that is handed in. [`Part::ADIS16130`] is built in; any other comes from a file
-//! ([`Part::parse`], `docs/formats/part.md`).
+//! What is true of one kind of gyroscope: a value that is handed in. [`Part::ADIS16130`] is built in; any other comes
+//! from a file ([`Part::parse`], `docs/formats/part.md`).
 
 use crate::noise::{FLOOR_PER_B, NoiseModel};
 use crate::resonance::Tone;
@@ -51,8 +51,8 @@ impl Part {
     }
 }
 
-/// The numbers of one axis, and of the temperature that belongs to it. What is not known is `None`, and whatever needs it is not
-/// done; where a user has to know that, a warning says so.
+/// The numbers of one axis, and of the temperature that belongs to it. What is not known is `None`, and whatever needs
+/// it is not done; where a user has to know that, a warning says so.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Axis {
     /// Codes to °/s.
@@ -69,7 +69,8 @@ pub struct Axis {
     pub bias: TypicalBias,
     /// A tone that sampling may fold to zero.
     pub resonance: Option<Tone>,
-    /// One converter takes rate and temperature in turn, so that reading every N-th edge gives 1/(N + 1) of its conversions.
+    /// One converter takes rate and temperature in turn, so that reading every N-th edge gives 1/(N + 1) of its
+    /// conversions.
     pub alternates: bool,
 }
 

@@ -1,7 +1,7 @@
 //! What the core takes of a part: one reading of one axis.
 
-/// One reading of one axis, in codes as the part gave them. `From<&Sample>` of the driver's samples comes with the feature
-/// `adis16130`.
+/// One reading of one axis, in codes as the part gave them. `From<&Sample>` of the driver's samples comes with the
+/// feature `adis16130`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Reading {
     /// When, in ns of a clock that runs evenly; its zero does not matter.
@@ -20,8 +20,8 @@ pub struct Reading {
 
 #[cfg(feature = "adis16130")]
 impl From<&adis16130::Sample> for Reading {
-    /// On the 24-bit scale (F-43). Out of range by the status (OVR, F-35), which tells with CLAMP = 0 as well, or by a code at
-    /// the end of the scale.
+    /// On the 24-bit scale (F-43). Out of range by the status (OVR, F-35), which tells with CLAMP = 0 as well, or by a
+    /// code at the end of the scale.
     #[inline]
     fn from(sample: &adis16130::Sample) -> Self {
         let from_zero = |code24: u32| code24 as i32 - adis16130::ZERO_CODE as i32;

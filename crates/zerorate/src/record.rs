@@ -21,7 +21,8 @@ impl Blocks {
         self.segments.iter().flat_map(|segment| segment.seconds(&self.axis))
     }
 
-    /// The eighths of a step (`Summary::eighths`) after something was taken out of the rate: `less` is its mean from a time to another.
+    /// The eighths of a step (`Summary::eighths`) after something was taken out of the rate: `less` is its mean from a
+    /// time to another.
     pub(crate) fn eighths_less(&self, state: State, less: impl Fn(f64, f64) -> f64) -> Adjacent {
         let segment = &self.segments[state as usize];
         let start_s = |k: usize| segment.start_s() + k as f64 * BLOCK_S;

@@ -1,9 +1,9 @@
 //! Where a mechanical resonance of a part appears among its samples, and whether averaging can remove it there.
 //!
-//! A tone of `tone_hz`, sampled `rate_hz` times a second, appears at |tone − n·rate| for the nearest n: that of the ADIS16130 at
-//! 2.778 kHz at the full rate of 5692.6/s (F-07), where any mean removes it. Near zero it looks like a bias. A mean over τ leaves of a tone
-//! of rms a at f no more than √2·a/(π·f·τ), and the white noise of density d leaves d/√(2τ): below f = 2·a/(π·d·√τ) the
-//! tone is the larger one.
+//! A tone of `tone_hz`, sampled `rate_hz` times a second, appears at |tone − n·rate| for the nearest n: that of the
+//! ADIS16130 at 2.778 kHz at the full rate of 5692.6/s (F-07), where any mean removes it. Near zero it looks like a
+//! bias. A mean over τ leaves of a tone of rms a at f no more than √2·a/(π·f·τ), and the white noise of density d
+//! leaves d/√(2τ): below f = 2·a/(π·d·√τ) the tone is the larger one.
 
 use crate::notice::Warning;
 use crate::part::Axis;
@@ -34,9 +34,9 @@ impl Tone {
         (turns - libm::round(turns)).abs() * rate_hz
     }
 
-    /// Below this it counts as near zero, Hz, for means over `average_s`: where averaging leaves more of it than of the
-    /// white noise of this density, and the tolerance. Where the tolerance is more than an eighth of the rate, that eighth: such rates
-    /// are too low to be sure of any.
+    /// Below this it counts as near zero, Hz, for means over `average_s`: where averaging leaves more of it than of
+    /// the white noise of this density, and the tolerance. Where the tolerance is more than an eighth of the rate,
+    /// that eighth: such rates are too low to be sure of any.
     #[must_use]
     pub fn near_zero_hz(&self, rate_hz: f64, average_s: f64, white_dps_per_rt_hz: f64) -> f64 {
         let averaged_hz = 2.0 * self.rms_dps / (PI * white_dps_per_rt_hz * libm::sqrt(average_s));
@@ -50,13 +50,14 @@ impl Tone {
     }
 }
 
-/// What to say of samples that come at `rate_hz`, as measured, where every `divider`-th edge of data ready is read, in means over
-/// `average_s`. Nothing of a part whose resonance or noise is not known.
+/// What to say of samples that come at `rate_hz`, as measured, where every `divider`-th edge of data ready is read, in
+/// means over `average_s`. Nothing of a part whose resonance or noise is not known.
 #[must_use]
 pub fn warning(axis: &Axis, rate_hz: f64, divider: u16, average_s: f64) -> Option<Warning> {
     let (tone, white) = (axis.resonance?, axis.noise?.white_dps_per_rt_hz);
     let divider = divider.max(1);
-    // F-56: N gives f_conv/(N + 1) where the channels alternate, and so does N = 1, where an edge comes with every pair
+    // F-56: N gives f_conv/(N + 1) where the channels alternate, and so does N = 1, where an edge comes with every
+    // pair
     let extra = if axis.alternates { 1.0 } else { 0.0 };
     let rate_at = |other: u16| rate_hz * (f64::from(divider) + extra) / (f64::from(other) + extra);
     tone.looks_like_bias(rate_hz, average_s, white).then(|| Warning::Resonance {

@@ -39,8 +39,8 @@ impl Tally {
         self.lost += u64::from(reading.lost);
     }
 
-    /// A host that is late counts the edges that it could not handle, and one that reads too slowly loses one sample at
-    /// a time (F-33).
+    /// A host that is late counts the edges that it could not handle, and one that reads too slowly loses one sample
+    /// at a time (F-33).
     #[inline]
     fn note_gap(&mut self, lost: u32, edges: u32) {
         if self.least_edges == 0 || edges < self.least_edges {

@@ -169,8 +169,8 @@ impl Normal {
     }
 }
 
-/// The measurement itself, many times: a line over temperature, a mean rate with an error, a T3 with an error as large as that, and a BTC whose
-/// error has to do with the rate's.
+/// The measurement itself, many times: a line over temperature, a mean rate with an error, a T3 with an error as large
+/// as that, and a BTC whose error has to do with the rate's.
 #[test]
 fn the_uncertainty_of_a_correction_is_that_of_many_measurements() {
     const DRAWS: u32 = 40_000;

@@ -34,8 +34,8 @@ fn judged(samples: &[Reading]) -> (Vec<Judged>, Health) {
     (all, health)
 }
 
-/// The rate and the temperature that stand in the registers at an edge: those of a clean run, whose edges come with the
-/// temperature. An edge half a period earlier comes with the rate.
+/// The rate and the temperature that stand in the registers at an edge: those of a clean run, whose edges come with
+/// the temperature. An edge half a period earlier comes with the rate.
 fn truth(clean: &[Reading], t_ns: u64) -> Option<(i32, i32)> {
     let next = clean.partition_point(|sample| sample.t_ns < t_ns);
     let newest = clean.partition_point(|sample| sample.t_ns <= t_ns).checked_sub(1)?;
@@ -47,8 +47,8 @@ fn with_bit_errors(spec: &Spec, rate: f64) -> Spec {
     Spec { fault: Fault::BitErrors, bit_error_rate: rate, fault_at_s: Some(0.5), ..spec.clone() }
 }
 
-/// 1e-5 on the line: every rate that is wrong by more than 2 °/s, and every temperature by more than 1.5 °C, is marked;
-/// nothing else is.
+/// 1e-5 on the line: every rate that is wrong by more than 2 °/s, and every temperature by more than 1.5 °C, is
+/// marked; nothing else is.
 #[test]
 fn bit_errors_are_marked_at_rest_and_in_motion_and_nothing_else() {
     let motions = [

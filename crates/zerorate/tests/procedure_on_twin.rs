@@ -1,4 +1,5 @@
-//! The procedure, with the driver, on the twin: right numbers from a good unit, and a refusal that names the cause from a bad one.
+//! The procedure, with the driver, on the twin: right numbers from a good unit, and a refusal that names the cause
+//! from a bad one.
 
 use adis16130::blocking::Adis16130;
 use adis16130::{Config, Edge, MCLK_HZ, Sampler, SamplerConfig};
@@ -192,7 +193,8 @@ fn stepped(mv: f64, at_s: f64) -> Spec {
 /// A BTC of any uncertainty is accepted, so that there is a result to look at.
 const LENIENT: Plan = Plan { max_u_btc_dps_per_c: 1.0, ..SHORT };
 
-/// Steps at both ends of the hour and of its averages: found where they are, and in the uncertainty as far as they matter.
+/// Steps at both ends of the hour and of its averages: found where they are, and in the uncertainty as far as they
+/// matter.
 #[test]
 fn a_supply_step_is_a_warning_with_its_time_and_widens_what_it_spoils() {
     let steps = [(250.0, 100.0), (400.0, 3.0), (-400.0, 62.5), (200.0, 135.0), (-300.0, 141.5)];

@@ -1,4 +1,5 @@
-//! What controller and host both compute from a seed: a unit of the twin, read through the driver, corrected in three ways.
+//! What controller and host both compute from a seed: a unit of the twin, read through the driver, corrected in three
+//! ways.
 //!
 //! The host includes this file too (`xtask/src/firmware/`).
 
@@ -73,7 +74,8 @@ pub fn corrected_dps(single: &CorrectionF32, rate: RateCode, temp: TempCode) -> 
     single.apply(rate.to_dps(), temp.to_celsius())
 }
 
-/// Reads the unit of a seed and returns its corrections; `take` gets every reading. `None` where the part did not answer.
+/// Reads the unit of a seed and returns its corrections; `take` gets every reading. `None` where the part did not
+/// answer.
 pub fn run(seed: u64, mut take: impl FnMut(Reading)) -> Option<Corrections> {
     let twin = Twin::new(Spec::from_seed(seed));
     let config = Config::new().with_framing(Framing::Command);

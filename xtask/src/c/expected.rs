@@ -1,4 +1,5 @@
-//! What `bindings/c/tests/agree.c` must print, from the Rust crates: driver, corrections, and the procedure on fixed memory.
+//! What `bindings/c/tests/agree.c` must print, from the Rust crates: driver, corrections, and the procedure on fixed
+//! memory.
 
 use adis16130::blocking::Adis16130;
 use adis16130::{Config, Edge, RateCode, Sample, Sampler, SamplerConfig, SelfTestPlan, TempCode, WaitBound};
@@ -19,12 +20,17 @@ const SAMPLES: usize = 500;
 const ROWS: usize = 201;
 
 /// The numbers of bindings/c/src/status.rs, typed again: they may not change.
-const MISUSE: &str = "no settings -1\nno gyro -1\nnot set up -2\nnot begun -2\nseven bits -3\nno transfer -1\nno average -40\n\
-    steep -30\nragged -31\nno room -32\nno table -3\nlaid out 0\nabove -34 -4800\nbelow -34 4800\nno row -1\nno correction 77\n\
+const MISUSE: &str = "no settings -1\nno gyro -1\nnot set up -2\nnot begun -2\nseven bits -3\nno transfer -1\nno \
+    average -40\n\
+    steep -30\nragged -31\nno room -32\nno table -3\nlaid out 0\nabove -34 -4800\nbelow -34 4800\nno row -1\nno \
+    correction 77\n\
     RDY gave no sign of new data in time. unknown status.\n";
-/// What is no reading, with the numbers typed again; and the deadline, 64 periods of 175.7 µs (F-31) after the first question.
-const NO_NUMBERS: &str = "framing 1\nset up 0\nwithout initialisation -25\ninitialise 0\nbefore the first conversion -25\nconverted 0\n\
-    dip -22\ninitialise 0\nbroken -10\nafter it -15\ninitialise 0\nuntouched 7 7\nwhole 0\nheard 0\nquiet 0\nsilent -12\n\
+/// What is no reading, with the numbers typed again; and the deadline, 64 periods of 175.7 µs (F-31) after the first
+/// question.
+const NO_NUMBERS: &str = "framing 1\nset up 0\nwithout initialisation -25\ninitialise 0\nbefore the first conversion \
+    -25\nconverted 0\n\
+    dip -22\ninitialise 0\nbroken -10\nafter it -15\ninitialise 0\nuntouched 7 7\nwhole 0\nheard 0\nquiet 0\nsilent \
+    -12\n\
     initialise 0\nbeyond the scale -24\n";
 const FAULTS: &str = "diagnose 0\nzeros -21\nones -20\ndip -22\nagain 0\ncut -12\n";
 /// Self-tests that fail: wherever the pin was set at all it was set low last, unless that was refused.

@@ -19,9 +19,10 @@ use zerorate::{Axis, Calibration, Correction, Corrector, CorrectorConfig, Readin
 
 /// Corrects a capture: RATE + PBC + (TEMP − T3) · BTC.
 ///
-/// The result keeps all raw columns and adds rate_dps, temp_c, rate_corrected_dps and flags. Readings that are not to be believed, because the
-/// part cannot have made them (bit errors), because they are out of range, or because it had stopped, are flagged and have no corrected rate. A row whose temperature was not read takes the last one read before
-/// it. The result carries the id of the calibration, and is never corrected again.
+/// The result keeps all raw columns and adds rate_dps, temp_c, rate_corrected_dps and flags. Readings that are not to
+/// be believed, because the part cannot have made them (bit errors), because they are out of range, or because it had
+/// stopped, are flagged and have no corrected rate. A row whose temperature was not read takes the last one read
+/// before it. The result carries the id of the calibration, and is never corrected again.
 #[derive(Args, Debug)]
 pub struct CorrectArgs {
     /// The capture, in any of its forms.
@@ -98,7 +99,8 @@ fn refuse_corrected(path: &Path, reader: &CaptureReader) -> Result<()> {
     match reader.calibration_id() {
         None => Ok(()),
         Some(id) => bail!(
-            "{} is corrected already (calibration {id}), and a bias must not be removed twice: give the capture it was made from",
+            "{} is corrected already (calibration {id}), and a bias must not be removed twice: give the capture it \
+             was made from",
             path.display()
         ),
     }

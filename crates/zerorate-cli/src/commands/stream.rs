@@ -24,8 +24,9 @@ use zerorate::{Axis, Calibration, CodeSum, Corrected, Corrector, Say};
 /// calibration that was applied. flags is empty, or says which readings are not to be believed and were left out:
 /// impossible (a bit error: one that a part of 300 Hz cannot have made between its neighbours), out-of-range,
 /// impossible-temperature or frozen, joined by +; a row without any good reading has no rate. Judging takes two
-/// samples more. A part that is frozen ends the stream with exit code 3. Ends after --duration, at the end of a replay, on Ctrl-C, or when the reader of its
-/// output goes away. On the twin give --duration, or --realtime for rows at the speed of a real part.
+/// samples more. A part that is frozen ends the stream with exit code 3. Ends after --duration, at the end of a
+/// replay, on Ctrl-C, or when the reader of its output goes away. On the twin give --duration, or --realtime for rows
+/// at the speed of a real part.
 #[derive(Args, Debug)]
 pub struct StreamArgs {
     #[command(flatten)]
@@ -211,7 +212,8 @@ impl Rows {
         Ok(Self { out, form, axis, corrector, id, flush_each, warned: Warned::default() })
     }
 
-    /// Writes the row of these samples and empties the mean. Before the first temperature there is nothing to correct with.
+    /// Writes the row of these samples and empties the mean. Before the first temperature there is nothing to correct
+    /// with.
     fn write(&mut self, mean: &mut Mean) -> Result<()> {
         let Axis { rate, temp, .. } = &self.axis;
         let corrected = self.corrector.take(mean.rate.mean(rate), mean.temp.mean(temp));

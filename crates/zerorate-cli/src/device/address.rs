@@ -106,7 +106,8 @@ impl SpiAddress {
                     Some(changed) => part = changed,
                     None => {
                         return Err(format!(
-                            "`{option}` is no option; there are rdy=CHIP:LINE, hz=SCLK, mclk=HZ, {PART_OPTIONS}, as in {SPI_EXAMPLE}"
+                            "`{option}` is no option; there are rdy=CHIP:LINE, hz=SCLK, mclk=HZ, {PART_OPTIONS}, as \
+                             in {SPI_EXAMPLE}"
                         ));
                     }
                 },
@@ -173,7 +174,8 @@ impl IioAddress {
                 Some(("hz", text)) => hz = number("hz", text, POLL_RANGE_HZ)?,
                 _ => {
                     return Err(format!(
-                        "`{option}` is no option; there are hz=POLLS_PER_SECOND, roa=none|10nf and bandwidth_hz=HZ (F-04)"
+                        "`{option}` is no option; there are hz=POLLS_PER_SECOND, roa=none|10nf and bandwidth_hz=HZ \
+                         (F-04)"
                     ));
                 }
             }
@@ -187,7 +189,8 @@ fn split(text: &str) -> (&str, impl Iterator<Item = &str>) {
     (name, options.split('&').filter(|option| !option.is_empty()))
 }
 
-/// The address without what is said of the bandwidth, and that in Hz: `roa=none`, `roa=10nf` (F-04) or `bandwidth_hz=HZ`.
+/// The address without what is said of the bandwidth, and that in Hz: `roa=none`, `roa=10nf` (F-04) or
+/// `bandwidth_hz=HZ`.
 pub fn without_bandwidth(text: &str) -> Result<(String, Option<f64>), String> {
     let Some((name, options)) = text.split_once('?') else { return Ok((text.to_owned(), None)) };
     let mut bandwidth_hz = None;

@@ -53,7 +53,8 @@ enum Kind {
     Bridge(BridgeAddress),
 }
 
-const KINDS: &str = "there are twin:, twin:KEY=VALUE,…, replay:FILE, spi:/dev/spidevB.C?rdy=CHIP:LINE, iio:NAME, bridge:/dev/ttyACM0 and tcp:HOST:PORT";
+const KINDS: &str = "there are twin:, twin:KEY=VALUE,…, replay:FILE, spi:/dev/spidevB.C?rdy=CHIP:LINE, iio:NAME, \
+    bridge:/dev/ttyACM0 and tcp:HOST:PORT";
 
 impl DeviceSpec {
     /// A recording.
@@ -151,7 +152,8 @@ impl Device {
             Kind::Spi(address) => open_spi(address, sampling)?,
             Kind::Iio(address) => {
                 if sampling.divider.is_some() {
-                    let why = "--divider counts edges of data ready, which the kernel driver does not show; poll less often with ?hz=";
+                    let why = "--divider counts edges of data ready, which the kernel driver does not show; poll less \
+                        often with ?hz=";
                     return Err(Usage(why.to_owned()).into());
                 }
                 let sampling = sampler_config(sampling);
@@ -187,8 +189,8 @@ impl Device {
         }
     }
 
-    /// What the self-test does to the rate (F-11). `gpio` is the line that its pins are on, where this host has them. To be
-    /// called before the first sample.
+    /// What the self-test does to the rate (F-11). `gpio` is the line that its pins are on, where this host has them.
+    /// To be called before the first sample.
     pub fn self_test(&mut self, gpio: &str) -> Result<SelfTest> {
         let no_gpio = |what: &str| Usage(format!("--self-test takes no GPIO with {what}: leave `{gpio}` out"));
         match &mut self.source {
@@ -302,8 +304,8 @@ impl Device {
         }
     }
 
-    /// Rate samples per second at the nominal master clock: one of 2/(N + 1) conversion pairs where every N-th edge is read
-    /// (F-31, F-56).
+    /// Rate samples per second at the nominal master clock: one of 2/(N + 1) conversion pairs where every N-th edge is
+    /// read (F-31, F-56).
     pub fn nominal_rate_hz(&self) -> f64 {
         if let Source::Iio(device, _) = &self.source {
             return device.rate_hz();
@@ -326,7 +328,8 @@ impl Device {
     }
 }
 
-/// `KEY=VALUE,…`: those of the twin, and how the driver configures it; and its bandwidth, if that is not the part's own.
+/// `KEY=VALUE,…`: those of the twin, and how the driver configures it; and its bandwidth, if that is not the part's
+/// own.
 fn twin(keys: &str) -> Result<(Kind, Option<f64>), String> {
     let (mut part, mut unit) = (PartOptions::new(), Vec::new());
     for item in keys.split(',') {

@@ -9,7 +9,8 @@ use zerorate::{Axis, CodeTable, Correction, Validity};
 fn csv_is_the_table_of_the_note() {
     let bench = Bench::new();
     bench.write("unit.toml", calibration(-0.25, -0.04, 31.5));
-    let expected = "delta_c,correction_dps\n0.12,-0.0048\n0.1,-0.004\n0.08,-0.0032\n0.06,-0.0024\n0.04,-0.0016\n0.02,-0.0008\n0,0\n\
+    let expected = "delta_c,correction_dps\n0.12,-0.0048\n0.1,-0.004\n0.08,-0.0032\n0.06,-0.0024\n0.04,-0.0016\n\
+                    0.02,-0.0008\n0,0\n\
         -0.02,0.0008\n-0.04,0.0016\n-0.06,0.0024\n-0.08,0.0032\n-0.1,0.004\n-0.12,0.0048\n";
     assert_eq!(bench.zerorate("export unit.toml --format csv --step-c 0.02 --span-c 0.12").ok(), expected);
     assert_eq!(bench.zerorate("export unit.toml --format csv --span-c 0.12").ok(), expected);
@@ -80,8 +81,9 @@ fn measured((pbc_dps, btc_dps_per_c, t3_c): (f64, f64, f64)) -> (String, Validit
     (calibration(pbc_dps, btc_dps_per_c, t3_c) + &range, validity)
 }
 
-/// What the exported functions must print for `codes`: the core's corrected code, the row of its table nearest to the temperature,
-/// whether core and calibration know that temperature, whether the calibration does, and the corrected code of the nearest that it knows.
+/// What the exported functions must print for `codes`: the core's corrected code, the row of its table nearest to the
+/// temperature, whether core and calibration know that temperature, whether the calibration does, and the corrected
+/// code of the nearest that it knows.
 fn expected(of: (f64, f64, f64)) -> String {
     let correction = Correction { pbc_dps: of.0, btc_dps_per_c: of.1, t3_c: of.2 };
     let integer = correction.to_integer(&Axis::ADIS16130).unwrap();
@@ -115,11 +117,13 @@ fn c_gives_what_rust_gives() {
     }
     let pairs: String = codes().iter().map(|(rate, temp)| format!("{{{rate}u, {temp}u}},\n")).collect();
     let main = format!(
-        "#include \"unit.h\"\n#include \"unit.h\"\n#include <stdio.h>\nstatic const uint32_t codes[][2] = {{\n{pairs}}};\nint main(void)\n{{\n\
+        "#include \"unit.h\"\n#include \"unit.h\"\n#include <stdio.h>\nstatic const uint32_t codes[][2] = \
+         {{\n{pairs}}};\nint main(void)\n{{\n\
          for (size_t i = 0; i < sizeof codes / sizeof codes[0]; i++) {{\n\
          const uint32_t rate = codes[i][0], temp = codes[i][1];\nint32_t row;\n\
          const bool inside = zerorate_table_lookup_udps(temp, &row);\n\
-         printf(\"%u %d %d %d %u\\n\", (unsigned)zerorate_correct_code(rate, temp), (int)row, inside, zerorate_in_range(temp),\n\
+         printf(\"%u %d %d %d %u\\n\", (unsigned)zerorate_correct_code(rate, temp), (int)row, inside, \
+         zerorate_in_range(temp),\n\
          (unsigned)zerorate_correct_code(rate, zerorate_hold_in_range(temp)));\n}}\nreturn 0;\n}}\n"
     );
     for (pbc, btc, t3) in CORRECTIONS {
@@ -206,7 +210,8 @@ fn two_units_fit_into_one_program() {
         "#include \"left.h\"\n#include \"right.h\"\n#include \"left.h\"\n#include <stdio.h>\n\
          int main(void)\n{\nint32_t row = 0;\n\
          const bool inside = left_table_lookup_udps(RIGHT_2_TEMP_MAX_CODE, &row);\n\
-         printf(\"%u %u %d %ld\\n\", (unsigned)left_correct_code(8388608, LEFT_T3_CODE), (unsigned)Right_2_correct_code(8388608, RIGHT_2_T3_CODE),\n\
+         printf(\"%u %u %d %ld\\n\", (unsigned)left_correct_code(8388608, LEFT_T3_CODE), \
+         (unsigned)Right_2_correct_code(8388608, RIGHT_2_T3_CODE),\n\
          inside, (long)row);\nreturn LEFT_TEMP_MIN_C < RIGHT_2_TEMP_MIN_C ? 0 : 1;\n}\n",
     );
     let flags = ["-Wall", "-Wextra", "-Werror", "-std=c99", "-pedantic"];
@@ -221,7 +226,8 @@ fn two_units_fit_into_one_program() {
     assert!(String::from_utf8_lossy(&refused.stderr).contains("two calibrations under one prefix"));
 }
 
-/// The default covers what the calibration holds for; less is said with its price, and so is a range that nobody stated.
+/// The default covers what the calibration holds for; less is said with its price, and so is a range that nobody
+/// stated.
 #[test]
 fn the_default_table_covers_the_calibration() {
     let bench = Bench::new();

@@ -1,6 +1,7 @@
 //! A calibration of one unit: what was found, how well it is known, where it holds, and where it comes from.
 //!
-//! Its file form is specified in `docs/formats/calibration.md`; [`Calibration::parse`] and [`Calibration::to_toml`] read and write it.
+//! Its file form is specified in `docs/formats/calibration.md`; [`Calibration::parse`] and [`Calibration::to_toml`]
+//! read and write it.
 
 mod check;
 mod file;
@@ -70,7 +71,8 @@ pub struct Measured {
     pub t2_c: f64,
 }
 
-/// [`Uncertainty`] with the coverage of its intervals: value ± `coverage_factor` × u covers the truth with the probability `coverage`.
+/// [`Uncertainty`] with the coverage of its intervals: value ± `coverage_factor` × u covers the truth with the
+/// probability `coverage`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 #[expect(missing_docs, reason = "as the fields of `Uncertainty`")]
@@ -170,7 +172,8 @@ impl Calibration {
         }
     }
 
-    /// Short name of what it corrects, the same for the same unit and numbers: 12 hexadecimal digits. Corrected data carry it.
+    /// Short name of what it corrects, the same for the same unit and numbers: 12 hexadecimal digits. Corrected data
+    /// carry it.
     #[must_use]
     pub fn id(&self) -> String {
         let Correction { pbc_dps, btc_dps_per_c, t3_c } = self.correction;
@@ -182,12 +185,13 @@ impl Calibration {
 }
 
 impl Calibration {
-    /// Standard uncertainty of PBC + (T − T3) · BTC at the temperature T, °C, in °/s: of what is added to the rate, not of the rate itself. None where the
-    /// calibration states no uncertainties.
+    /// Standard uncertainty of PBC + (T − T3) · BTC at the temperature T, °C, in °/s: of what is added to the rate,
+    /// not of the rate itself. None where the calibration states no uncertainties.
     ///
-    /// u² = u_pbc² + d² u_btc² + 2 d cov_pbc_btc with d = T − T3, the first-order propagation of JCGM 100:2008, equation 13, for two
-    /// quantities. T3 is no third one: PBC is what it is *at the T3 that the file states*, so that an error of that reading, ε, is an error −BTC · ε of PBC
-    /// and in u_pbc once already (and in cov_pbc_btc, as far as it has to do with BTC's).
+    /// u² = u_pbc² + d² u_btc² + 2 d cov_pbc_btc with d = T − T3, the first-order propagation of JCGM 100:2008,
+    /// equation 13, for two quantities. T3 is no third one: PBC is what it is *at the T3 that the file states*, so
+    /// that an error of that reading, ε, is an error −BTC · ε of PBC and in u_pbc once already (and in cov_pbc_btc, as
+    /// far as it has to do with BTC's).
     #[must_use]
     pub fn u_correction_dps(&self, temp_c: f64) -> Option<f64> {
         let u = self.uncertainty.as_ref()?;

@@ -349,7 +349,8 @@ impl<'a> Measurement<'a> {
         let progress = self.procedure.progress();
         let (elapsed, total) = (Seconds(progress.elapsed_s), Seconds(progress.total_s));
         anyhow::anyhow!(
-            "the recording ends after {elapsed}, during {}, but the procedure takes {total}: give the durations it was recorded for (--average, --warmup, --settle, --offset)",
+            "the recording ends after {elapsed}, during {}, but the procedure takes {total}: give the durations it \
+             was recorded for (--average, --warmup, --settle, --offset)",
             progress.state
         )
     }

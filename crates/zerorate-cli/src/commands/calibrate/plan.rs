@@ -31,12 +31,13 @@ pub struct PlanArgs {
     #[arg(long, value_name = "U", default_value_t = Plan::default().max_u_btc_dps_per_c)]
     max_u_btc: f64,
 
-    /// The component of the Earth's rotation on the part's axis, °/s, to subtract from the bias: 0.00418 × sin(latitude)
-    /// on a vertical axis [default: it stays inside PBC, and a warning says so].
+    /// The component of the Earth's rotation on the part's axis, °/s, to subtract from the bias: 0.00418 ×
+    /// sin(latitude) on a vertical axis [default: it stays inside PBC, and a warning says so].
     #[arg(long, value_name = "X", allow_negative_numbers = true)]
     earth_dps: Option<f64>,
 
-    /// Take the bias for a straight line over temperature: no allowance for curvature and hysteresis in the uncertainty.
+    /// Take the bias for a straight line over temperature: no allowance for curvature and hysteresis in the
+    /// uncertainty.
     #[arg(long)]
     assume_linear: bool,
 }

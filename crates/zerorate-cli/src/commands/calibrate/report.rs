@@ -141,7 +141,8 @@ impl Report {
         match file.map(Path::display) {
             Some(file) => {
                 format!(
-                    "Written to {file}. Next: zerorate stream --cal {file}{serial}, zerorate export {file} --format c\n"
+                    "Written to {file}. Next: zerorate stream --cal {file}{serial}, zerorate export {file} --format \
+                     c\n"
                 )
             }
             None => "Nothing was written: give -o unit.toml to keep the calibration.\n".to_owned(),

@@ -10,7 +10,8 @@ const STEPS_UC: [u32; 8] = [20_000, 50_000, 100_000, 200_000, 500_000, 1_000_000
 /// Most steps on each side of T3 of a table whose size nobody asked for: 1025 rows, 4.1 kB of flash.
 const MOST_STEPS: u32 = 512;
 
-/// Half the range that a calibration without one is taken to hold in, °C: the warm-up at whose end T3 lies, 8 ± 1 °C (M-03).
+/// Half the range that a calibration without one is taken to hold in, °C: the warm-up at whose end T3 lies, 8 ± 1 °C
+/// (M-03).
 const ASSUMED_C: f64 = 9.0;
 
 /// The temperatures that 24-bit codes can express, °C (F-41).
@@ -57,15 +58,17 @@ impl Layout {
         let mut warnings = Vec::new();
         if !stated {
             warnings.push(format!(
-                "the calibration states no [validity], so nothing says where it holds: the export takes {temp_min_c:.1} … {temp_max_c:.1} °C, T3 ± \
-                 {ASSUMED_C} °C, as valid; state temp_min_c and temp_max_c in the file"
+                "the calibration states no [validity], so nothing says where it holds: the export takes \
+                 {temp_min_c:.1} … {temp_max_c:.1} °C, T3 ± {ASSUMED_C} °C, as valid; state temp_min_c and temp_max_c \
+                 in the file"
             ));
         }
         let beyond_c = reach(&valid, correction.t3_c) - span_c - step_c / 2.0;
         if beyond_c > 0.0 {
             warnings.push(format!(
-                "the table ends {span_c} °C from T3, the calibration holds for {temp_min_c:.1} … {temp_max_c:.1} °C: beyond the table the row at its end \
-                 is wrong by up to {:.2} °/s, and the look-up says that it is outside; leave --span-c out to cover the range",
+                "the table ends {span_c} °C from T3, the calibration holds for {temp_min_c:.1} … {temp_max_c:.1} °C: \
+                 beyond the table the row at its end is wrong by up to {:.2} °/s, and the look-up says that it is \
+                 outside; leave --span-c out to cover the range",
                 beyond_c * correction.btc_dps_per_c.abs()
             ));
         }

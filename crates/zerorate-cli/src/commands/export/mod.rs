@@ -18,9 +18,10 @@ use zerorate::{Axis, Calibration, IntegerCorrection, TableRow, temp_code};
 
 /// Writes the correction for firmware: C header, Rust module, CSV or JSON.
 ///
-/// The table holds (TEMP − T3) · BTC, without PBC, for TEMP − T3 from +span down to −span. The C and Rust forms also hold the integer coefficients, with
-/// a function from raw code to corrected code that needs no table, and the range that the calibration holds for: their look-up says whether a temperature
-/// lies inside. Two units fit into one program under two prefixes; in Rust, two modules do as well.
+/// The table holds (TEMP − T3) · BTC, without PBC, for TEMP − T3 from +span down to −span. The C and Rust forms also
+/// hold the integer coefficients, with a function from raw code to corrected code that needs no table, and the range
+/// that the calibration holds for: their look-up says whether a temperature lies inside. Two units fit into one
+/// program under two prefixes; in Rust, two modules do as well.
 #[derive(Args, Debug)]
 pub struct ExportArgs {
     /// The calibration file.
@@ -31,11 +32,13 @@ pub struct ExportArgs {
     #[arg(long, value_enum)]
     format: Form,
 
-    /// Step of the table, °C [default: 0.02; without --span-c the finest of 0.02, 0.05, 0.1, … that makes at most 1025 rows, 4.1 kB].
+    /// Step of the table, °C [default: 0.02; without --span-c the finest of 0.02, 0.05, 0.1, … that makes at most 1025
+    /// rows, 4.1 kB].
     #[arg(long, value_name = "C")]
     step_c: Option<f64>,
 
-    /// The table reaches this far from T3 on both sides, °C [default: so far that it covers the temperatures that the calibration holds for].
+    /// The table reaches this far from T3 on both sides, °C [default: so far that it covers the temperatures that the
+    /// calibration holds for].
     #[arg(long, value_name = "C")]
     span_c: Option<f64>,
 

@@ -20,9 +20,9 @@ use zerorate::{Axis, CodeSum, Tally};
 /// Looks whether a part answers, is wired right and delivers.
 ///
 /// Resets the part, initialises it, reads every written register back, then reads samples and measures their rate, the
-/// noise, the temperature and how many were lost. Says what to check where something is wrong. On an SPI bus it also tries
-/// faster and faster clocks, and proposes what to leave out if the host cannot take all samples. On a replay only the
-/// samples are looked at.
+/// noise, the temperature and how many were lost. Says what to check where something is wrong. On an SPI bus it also
+/// tries faster and faster clocks, and proposes what to leave out if the host cannot take all samples. On a replay
+/// only the samples are looked at.
 #[derive(Args, Debug)]
 pub struct ProbeArgs {
     #[command(flatten)]
@@ -35,9 +35,9 @@ pub struct ProbeArgs {
     #[arg(long, value_name = "TIME", default_value = "5s", value_parser = duration::above_zero)]
     duration: Seconds,
 
-    /// Also measure what the self-test does to the rate: GPIO is the line that the self-test pins (1-7 and 9 of the part) are
-    /// on, as in gpiochip0:17, for spi: devices; the twin and bridges have their own. Nothing is judged by the result, since
-    /// nobody published the proper size (F-11). The pin is released at the end, also after Ctrl-C.
+    /// Also measure what the self-test does to the rate: GPIO is the line that the self-test pins (1-7 and 9 of the
+    /// part) are on, as in gpiochip0:17, for spi: devices; the twin and bridges have their own. Nothing is judged by
+    /// the result, since nobody published the proper size (F-11). The pin is released at the end, also after Ctrl-C.
     #[arg(long, value_name = "GPIO", num_args = 0..=1, default_missing_value = "")]
     self_test: Option<String>,
 
@@ -220,7 +220,8 @@ impl Findings {
             format!("  part          answers, revision {revision:02X}h; every register written reads back\n")
         });
         format!(
-            "{}\n{part}{}{}{}  data ready    {:.1} Hz\n  samples       {:.1} a second: {} in {}, {} lost, longest gap {:.3} ms\n  \
+            "{}\n{part}{}{}{}  data ready    {:.1} Hz\n  samples       {:.1} a second: {} in {}, {} lost, longest gap \
+             {:.3} ms\n  \
              rate          {:+.4} °/s on average\n  white noise   {}{}\n  temperature   {}\n",
             self.device,
             self.framing_text(),
@@ -245,7 +246,8 @@ impl Findings {
         match self.framing {
             Some("byte") => "  framing       byte: CS rises between all bytes, as the note has it (F-22)\n",
             Some(_) => {
-                "  framing       command: CS stays low for a whole command (F-22); framing=byte in the address is the note's\n"
+                "  framing       command: CS stays low for a whole command (F-22); framing=byte in the address is the \
+                 note's\n"
             }
             None => "",
         }
@@ -254,7 +256,8 @@ impl Findings {
     fn self_test_text(&self) -> String {
         self.self_test.map_or(String::new(), |SelfTested { shift_dps, u_dps, samples }| {
             format!(
-                "  self-test     shifts the rate by {shift_dps:+.4} °/s, u = {u_dps:.4} ({samples} samples without and with; its proper size is not published, F-11)\n"
+                "  self-test     shifts the rate by {shift_dps:+.4} °/s, u = {u_dps:.4} ({samples} samples without \
+                 and with; its proper size is not published, F-11)\n"
             )
         })
     }
@@ -268,7 +271,8 @@ impl Findings {
             .map_or("at none of the clocks tried".to_owned(), |hz| format!("up to {} MHz", mhz(hz)));
         let proposal = self.proposal.as_ref().map_or(String::new(), |options| format!("; try {options}"));
         format!(
-            "  SPI           {} MHz{read}; reads back {fastest}\n  host          takes {:.1} % of the samples{proposal}\n",
+            "  SPI           {} MHz{read}; reads back {fastest}\n  host          takes {:.1} % of the \
+             samples{proposal}\n",
             mhz(sclk_hz),
             self.taken * 100.0
         )
@@ -281,18 +285,33 @@ fn findings(seen: &Seen, tally: &Tally, nominal_hz: f64, white: Option<(f64, f64
     let white_ratio = white.map_or(1.0, |(white, typical)| white / typical);
     let expected = [
         (white_ratio > 3.0).then(|| {
-            format!("noisy: the noise is {white_ratio:.1} times the typical one; is the part moving, or its supply not a linear one?")
+            format!(
+                "noisy: the noise is {white_ratio:.1} times the typical one; is the part moving, or its supply \
+                not a linear one?"
+            )
         }),
         (white_ratio < 0.25).then(|| {
             format!("quiet: the noise is {white_ratio:.2} times the typical one; a part that really senses is noisier")
         }),
         (tally.lost > 0 && !tally.data_ready_stutters()).then(|| {
-            format!("lost-samples: {} samples were lost; raise SCLK, read temperature less often (--every-temp), or check the RDY wire (pin 10)", tally.lost)
+            format!(
+                "lost-samples: {} samples were lost; raise SCLK, read temperature less often (--every-temp), or \
+                check the RDY wire (pin 10)",
+                tally.lost
+            )
         }),
         ((tally.rate_hz() / nominal_hz - 1.0).abs() > 0.05).then(|| {
-            format!("rate: {:.1} samples a second where {nominal_hz:.1} are expected (F-31); check the RDY wire (pin 10) and the SPI clock", tally.rate_hz())
+            format!(
+                "rate: {:.1} samples a second where {nominal_hz:.1} are expected (F-31); check the RDY wire (pin \
+                10) and the SPI clock",
+                tally.rate_hz()
+            )
         }),
-        (seen.temps.count() == 0).then(|| "no-temperature: no temperature was read; use a smaller --every-temp".to_owned()),
+        (seen.temps.count() == 0).then(|| {
+            "no-temperature: no temperature was read; use a smaller \
+            --every-temp"
+                .to_owned()
+        }),
     ];
     expected.into_iter().flatten().collect()
 }
