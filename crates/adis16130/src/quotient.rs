@@ -1,26 +1,27 @@
 //! Division of 64 bits, small rather than fast: the compiler's own takes a kilobyte of a microcontroller's flash, a
 //! quarter of the whole driver, and is needed here for a learned period or a long gap only.
 
-/// ⌊dividend / divisor⌋; 0 for the divisor 0, which no caller has. Takes as many rounds as the quotient has bits.
+/// ⌊dividend / divisor⌋; 0 for the divisor 0, which no caller has. Takes two rounds for each bit of the quotient.
 #[inline(never)]
 pub(crate) const fn quotient(dividend: u64, divisor: u64) -> u64 {
     if divisor == 0 {
         return 0;
     }
-    let mut shift = divisor.leading_zeros().saturating_sub(dividend.leading_zeros());
+    let (mut part, mut bit) = (divisor, 1);
+    while part <= dividend >> 1 {
+        part <<= 1;
+        bit <<= 1;
+    }
     let (mut rest, mut quotient) = (dividend, 0);
-    loop {
-        let part = divisor << shift;
-        quotient <<= 1;
+    while bit > 0 {
         if part <= rest {
             rest -= part;
-            quotient |= 1;
+            quotient |= bit;
         }
-        if shift == 0 {
-            return quotient;
-        }
-        shift -= 1;
+        part >>= 1;
+        bit >>= 1;
     }
+    quotient
 }
 
 #[cfg(test)]

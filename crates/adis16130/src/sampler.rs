@@ -76,7 +76,8 @@ pub struct Due {
     /// Whether to read the temperature last.
     pub temp: bool,
     edge: Edge,
-    index: u64,
+    /// Ticks of the timeline since the one that the sample before goes by.
+    ticks: i32,
     /// Samples without temperature before this one.
     rates_only: u8,
     /// The edge can only be that of a rate update.
@@ -93,7 +94,7 @@ const SUSPICIOUS_SAMPLES: u8 = 8;
 const SILENT_PERIODS: u32 = 64;
 
 /// Samples by which the number of a sample may be ahead of its edge: what late timestamps counted too early.
-const MAX_AHEAD: u64 = 3;
+const MAX_AHEAD: i32 = 3;
 
 /// After so many samples without temperature, with no edge missed, the next edge is that of a rate update: at the edge
 /// before the second of them the temperature was unread (F-32), and nothing has read it since.
@@ -108,9 +109,9 @@ const LONGEST_PAUSE_LOG2: u8 = 10;
 /// The sample before.
 #[derive(Copy, Clone, Debug)]
 struct Taken {
-    edge: Edge,
-    /// Number of the rate update that it is known to hold, or would hold had none been lost.
-    index: u64,
+    /// Time and number of its edge, in ns.
+    t_ns: u32,
+    seq: u32,
     /// None was taken before it.
     first: bool,
 }
@@ -192,7 +193,7 @@ struct Taken {
 /// * MCLK is within 6 % of the nominal one (the part: 2 %), and changes slowly. The period is learned from the first
 ///   edges on, to some 10⁻⁶ after a second.
 /// * After a gap of more than 4096 periods the phase starts anew; the gap is divided by the period that was learned. A
-///   gap above 19.5 h counts as 19.5 h.
+///   gap above 19.5 h counts as 19.5 h, and 2³¹ periods without a sample (4.4 days with F-30) as no more than that.
 /// * With `read_status` off, an edge that comes too early to be new, or after edges that were not seen, makes the
 ///   status due for this sample and the next few.
 ///   So a late host gets no sample twice. With one channel, or with RDYFN = 0, only the status tells that: it is
@@ -237,8 +238,9 @@ struct Rules {
     reads_rate: bool,
     /// An edge is that of a rate or of a temperature update and keeps to it, so that which it is can be found out.
     steady: bool,
-    /// An edge so soon after the one that was read cannot be new.
-    early_ns: u64,
+    /// An edge so soon after the one that was read cannot be new. Times that differ by a multiple of 2³² ns pass for
+    /// equal, which costs a look at the status.
+    early_ns: u32,
     /// Conversions from one reading that is due to the next.
     conversions: u32,
     conversions_per_period: u8,
@@ -266,7 +268,7 @@ impl Rules {
             read_status: sampling.read_status || !pairs || counts_edges,
             reads_rate: !matches!(config.channels(), Channels::Temp),
             steady,
-            early_ns: comb.nominal_eighths_ns(4 * u32::from(divider) + 3),
+            early_ns: u32::try_from(comb.nominal_eighths_ns(4 * u32::from(divider) + 3)).unwrap_or(u32::MAX),
             conversions,
             conversions_per_period,
             counts_edges,
@@ -274,21 +276,26 @@ impl Rules {
         (rules, comb)
     }
 
-    fn lost_between(&self, before: u64, now: u64) -> u64 {
-        if self.divider == 1 {
-            return now.saturating_sub(before + 1);
+    /// Readings lost where so many ticks have passed since the sample before, and the tick that the new one goes by.
+    ///
+    /// A sample whose edge was numbered too low still advances by one: the edge before had a late timestamp, and what
+    /// that counted too much is not counted again. But by no more than a little beyond its edge, so that none is hidden.
+    fn lost_in(&self, ticks: i32) -> (u32, i32) {
+        if self.divider > 1 {
+            (self.readings_in(ticks).saturating_sub(1), ticks)
+        } else if ticks > 0 {
+            (ticks as u32 - 1, ticks)
+        } else {
+            (0, 1.min(ticks + MAX_AHEAD))
         }
-        let (per_tick, step) =
-            if self.counts_edges { (1, self.divider.into()) } else { (self.conversions_per_period, self.conversions) };
-        let (passed, step) = (u64::from(per_tick) * now.saturating_sub(before), u64::from(step));
-        quotient(2 * passed + step, 2 * step).saturating_sub(1)
     }
 
-    /// A sample whose edge was numbered too low still advances by one: the edge before had a late timestamp, and what
-    /// that counted too much is not counted again. But by no more than a little beyond its edge, so that none is
-    /// hidden.
-    fn index_after(&self, before: u64, now: u64) -> u64 {
-        if self.divider == 1 { (before + 1).max(now).min(now + MAX_AHEAD) } else { now }
+    /// Readings that are due in so many ticks of the timeline.
+    fn readings_in(&self, ticks: i32) -> u32 {
+        let (per_tick, step) =
+            if self.counts_edges { (1, self.divider.into()) } else { (self.conversions_per_period, self.conversions) };
+        let (passed, step) = (u64::from(per_tick) * ticks.max(0) as u64, u64::from(step));
+        quotient(2 * passed + step, 2 * step) as u32
     }
 }
 
@@ -315,18 +322,18 @@ impl Sampler {
     #[inline]
     pub fn edge(&mut self, edge: Edge) -> Option<Due> {
         self.heard_ns = Some(edge.t_ns);
-        let index = self.timeline.advance(edge)?;
+        let ticks = self.timeline.advance(edge)?;
         let mut status = self.rules.read_status;
         let rates_only = core::mem::take(&mut self.rates_only);
         let mut is_rate = rates_only >= RATES_ONLY;
         if let Some(taken) = &self.taken {
-            let edges = edge.seq.wrapping_sub(taken.edge.seq);
+            let edges = edge.seq.wrapping_sub(taken.seq);
             let divider = u32::from(self.rules.divider);
             if edges < divider {
                 return None;
             }
-            let early = edge.t_ns.wrapping_sub(taken.edge.t_ns) < self.rules.early_ns;
-            if edges != divider || early || index <= taken.index {
+            let early = (edge.t_ns as u32).wrapping_sub(taken.t_ns) < self.rules.early_ns;
+            if edges != divider || early || ticks <= 0 {
                 self.suspicious = SUSPICIOUS_SAMPLES;
             }
             is_rate &= edges == 1;
@@ -337,7 +344,7 @@ impl Sampler {
         }
         self.pause = self.pause_after_failure();
         status |= self.suspicious > 0;
-        let due = Due { status, temp: self.temp_is_due(is_rate), edge, index, rates_only, is_rate };
+        let due = Due { status, temp: self.temp_is_due(is_rate), edge, ticks, rates_only, is_rate };
         self.rules.reads_rate.then_some(due)
     }
 
@@ -347,31 +354,26 @@ impl Sampler {
         self.suspicious = self.suspicious.saturating_sub(1);
         self.untaken = 0;
         self.pause = 0;
-        let mut index = due.index;
+        let mut ticks = due.ticks;
         if self.rules.steady {
             if due.is_rate {
-                index += u64::from(self.timeline.align());
+                ticks = ticks.saturating_add(self.timeline.align().into());
             }
             self.rates_only = if due.temp { 0 } else { due.rates_only.saturating_add(1) };
         }
         self.until_temp = if due.temp { self.rules.every_temp } else { self.until_temp }.saturating_sub(1);
-        let Some(before) = self.taken else {
-            self.taken = Some(Taken { edge: due.edge, index, first: true });
-            return 0;
-        };
-        let lost = self.rules.lost_between(before.index, index);
-        let index = self.rules.index_after(before.index, index);
-        self.taken = Some(Taken { edge: due.edge, index, first: false });
-        u32::try_from(lost).unwrap_or(u32::MAX)
+        let first = self.taken.is_none();
+        self.taken = Some(Taken { t_ns: due.edge.t_ns as u32, seq: due.edge.seq, first });
+        let (lost, goes_by) = if first { (0, ticks) } else { self.rules.lost_in(ticks) };
+        self.timeline.count_from(goes_by);
+        lost
     }
 
     /// Notes that what was due was not new: the status says that the reading before took it. If that was the first
     /// one, it came late, and what it overtook was lost before it.
     pub fn stale(&mut self) {
-        if let Some(taken) = &mut self.taken
-            && taken.first
-        {
-            taken.index = self.timeline.begin();
+        if self.taken.is_some_and(|taken| taken.first) {
+            self.timeline.begin();
         }
     }
 

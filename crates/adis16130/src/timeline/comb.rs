@@ -53,7 +53,7 @@ impl Comb {
 
     /// So many eighths of the nominal period, in whole ns.
     pub(crate) const fn nominal_eighths_ns(&self, eighths: u32) -> u64 {
-        ((self.period >> 3) as u64 * eighths as u64) >> FRACTION_BITS
+        (self.period >> (FRACTION_BITS + 3)) as u64 * eighths as u64
     }
 
     pub(super) const fn is_divided(&self) -> bool {
@@ -66,9 +66,10 @@ impl Comb {
         if self.is_divided() { LOOP_GEAR } else { TOP_GEAR }
     }
 
-    /// Where the temperature tooth is with this period.
+    /// Where the temperature tooth is with this period, to half a ns. A function of its own, for flash.
+    #[inline(never)]
     pub(super) const fn share_of_temp(&self, period: i64) -> i64 {
-        ((period >> 8) * self.temp_fraction) >> (FRACTION_BITS - 8)
+        (period >> FRACTION_BITS) * self.temp_fraction
     }
 
     /// Periods in a run of edges none of which was followed by a read, after the first: a pair of conversions, then
@@ -135,9 +136,9 @@ const SURE: i64 = 48;
 impl Tooth {
     /// The distance to the tooth that the edge is taken for.
     pub(super) fn error(&mut self, comb: &Comb, (period, temp): (i64, i64), position: i64) -> i64 {
-        let temp = wrapped(position - temp, period);
-        let rate = wrapped(position, period);
-        let (own, other) = if self.on_rate { (rate, temp) } else { (temp, rate) };
+        let (own, to_other) = if self.on_rate { (position, -temp) } else { (position - temp, temp) };
+        let own = wrapped(own, period);
+        let other = wrapped(own + to_other, period);
         if own.abs() <= other.abs() {
             self.doubts = 0;
             self.jitter += (own.abs() - self.jitter) >> 4;

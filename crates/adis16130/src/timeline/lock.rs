@@ -35,8 +35,9 @@ impl Gaps {
 
     /// By how much the period differs from the nominal one.
     pub(super) fn offset(&self, comb: &Comb) -> i64 {
-        let share = quotient(self.excess.unsigned_abs(), (self.nominal >> OFFSET_BITS).max(1) as u64) as i64;
-        (comb.period >> OFFSET_BITS) * share * self.excess.signum()
+        let share = quotient(self.excess.unsigned_abs(), (self.nominal >> OFFSET_BITS) as u64) as i64;
+        let offset = (comb.period >> OFFSET_BITS) * share;
+        if self.excess < 0 { -offset } else { offset }
     }
 }
 

@@ -87,8 +87,8 @@ pub(crate) struct Timeline {
     tooth: Tooth,
     /// Time from the newest tick to the edge before.
     since_tick: i64,
-    /// Running number of the newest tick.
-    index: u64,
+    /// Ticks since the one that the sample before goes by.
+    ticks: i32,
     last: Option<Edge>,
     gear: u32,
     edges_in_gear: u32,
@@ -108,7 +108,7 @@ impl Timeline {
             temp: comb.share_of_temp(comb.period),
             tooth: Tooth::default(),
             since_tick: 0,
-            index: 0,
+            ticks: 0,
             last: None,
             gear: FIRST_GEAR,
             edges_in_gear: 0,
@@ -121,12 +121,12 @@ impl Timeline {
         }
     }
 
-    /// Takes the next edge and returns the number of the newest tick at that time; `None` if it is the edge before
-    /// again.
+    /// Takes the next edge and returns the ticks until then since [`count_from`](Self::count_from); `None` if it is the
+    /// edge before again.
     ///
     /// As long as nobody knows whether the first edge was that of a rate or of a temperature update, this is the lower
     /// of the two numbers that are possible.
-    pub(crate) fn advance(&mut self, edge: Edge) -> Option<u64> {
+    pub(crate) fn advance(&mut self, edge: Edge) -> Option<i32> {
         let Some(last) = self.last.replace(edge) else {
             self.assume_temp_edge();
             return Some(self.number());
@@ -156,8 +156,13 @@ impl Timeline {
         self.aligned
     }
 
-    fn number(&self) -> u64 {
-        self.index.saturating_sub(self.is_ambiguous().into())
+    fn number(&self) -> i32 {
+        self.ticks.saturating_sub(self.is_ambiguous().into())
+    }
+
+    /// Counts from this tick on, which is so many after the one that it counted from before.
+    pub(crate) fn count_from(&mut self, ticks: i32) {
+        self.ticks = self.ticks.saturating_sub(ticks);
     }
 
     /// States that the edge just taken was a rate update, not one of temperature. Only the first time counts: from
@@ -172,10 +177,10 @@ impl Timeline {
         was_ambiguous
     }
 
-    /// States that the edge just taken counts as the first, and returns its number.
-    pub(crate) fn begin(&mut self) -> u64 {
+    /// States that the edge just taken counts as the first.
+    pub(crate) fn begin(&mut self) {
         self.assume_temp_edge();
-        self.index
+        self.ticks = 0;
     }
 
     /// States that the conversions start anew: the next edge has a phase of its own.
@@ -203,60 +208,57 @@ impl Timeline {
         let periods = self.periods_in(position);
         let position = position - periods as i64 * self.period;
         let error = self.tooth.error(&self.comb, (self.period, self.temp), position);
-        self.index += periods;
+        self.ticks = self.ticks.saturating_add(periods as i32);
         self.since_tick = if self.comb.is_divided() { 0 } else { position - (error >> self.gear) };
-        if matches!(self.grip, Grip::Held(_)) {
-            // nothing can be learned
-        } else if self.gear < LOOP_GEAR {
-            self.acquire(elapsed);
-        } else {
-            self.follow(error, periods);
+        if !matches!(self.grip, Grip::Held(_)) {
+            let learned = if self.gear < LOOP_GEAR { self.acquire(elapsed) } else { self.follow(error, periods) };
+            self.period = self.comb.clamped(learned);
         }
-        if let Some(lost) = self.lock.judge(&self.comb, error) {
+        let lost = self.lock.judge(&self.comb, error);
+        if let Some(lost) = lost {
             self.hold(lost);
+        }
+        if self.gear <= LOOP_GEAR || lost.is_some() {
+            self.settle();
         }
     }
 
     /// The period is the mean of the gaps, after 16, 32, 64 and 128 of them.
-    fn acquire(&mut self, elapsed: i64) {
+    fn acquire(&mut self, elapsed: i64) -> i64 {
         self.gaps.push(&self.comb, (self.period, self.temp), elapsed);
-        if self.gaps.count() >= 8 << self.gear {
-            self.period = self.comb.clamped(self.comb.period + self.gaps.offset(&self.comb));
-            self.settle();
-            self.gear += 1;
+        if self.gaps.count() < 8 << self.gear {
+            return self.period;
         }
+        self.gear += 1;
+        self.comb.period + self.gaps.offset(&self.comb)
     }
 
     /// The period takes part of the error, spread over the periods in which it arose.
-    fn follow(&mut self, error: i64, periods: u64) {
-        let spread = if periods > 1 { periods.ilog2() } else { 0 };
-        self.period = self.comb.clamped(self.period + (error >> (2 * self.gear + 1 + spread)));
+    fn follow(&mut self, error: i64, periods: u64) -> i64 {
         if self.gear < self.comb.top_gear() {
             self.edges_in_gear += 1;
-            if self.edges_in_gear >= 4 << self.gear {
-                self.gear += 1;
-                self.edges_in_gear = 0;
-            }
         }
+        let spread = (periods as u32 | 1).ilog2();
+        let learned = self.period + (error >> (2 * self.gear + 1 + spread));
+        if self.edges_in_gear >= 4 << self.gear {
+            self.gear += 1;
+            self.edges_in_gear = 0;
+        }
+        learned
     }
 
     /// Learns anew if the edges do not lie on the comb; if that does not help, the nominal period holds for a while.
     #[cold]
     fn hold(&mut self, lost: bool) {
         self.grip = self.grip.after(lost);
-        match self.grip {
-            Grip::Firm => {}
-            Grip::Loose => self.shift_to(FIRST_GEAR),
+        self.gear = match self.grip {
+            Grip::Firm => return,
+            Grip::Loose => FIRST_GEAR,
             Grip::Held(_) => {
                 self.period = self.comb.period;
-                self.shift_to(LOOP_GEAR);
+                LOOP_GEAR
             }
-        }
-        self.settle();
-    }
-
-    fn shift_to(&mut self, gear: u32) {
-        self.gear = gear;
+        };
         self.edges_in_gear = 0;
         self.gaps = Gaps::default();
     }
@@ -264,10 +266,8 @@ impl Timeline {
     /// Whole periods in `position`, where an edge up to the margin early belongs to the update that it announces.
     fn periods_in(&self, position: i64) -> u64 {
         let position = position + self.comb.margin;
-        if position < self.period {
-            0
-        } else if position < 2 * self.period {
-            1
+        if position < 2 * self.period {
+            (position >= self.period).into()
         } else {
             quotient(position as u64, self.period as u64)
         }
@@ -283,7 +283,8 @@ impl Timeline {
         let went_back = edges > u32::MAX / 2;
         let by_clock_alone = went_back || self.comb.is_divided() && by_time > 0;
         let by_edges = if by_clock_alone { 1 } else { self.comb.periods_of_edges(edges) };
-        self.index += by_time.max(by_edges.into());
+        let by_time = i32::try_from(by_time).unwrap_or(i32::MAX);
+        self.ticks = self.ticks.saturating_add(by_time.max(by_edges as i32));
         self.restarted = false;
         self.gear = self.gear.min(LOOP_GEAR);
         self.edges_in_gear = 0;

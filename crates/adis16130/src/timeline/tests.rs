@@ -216,7 +216,7 @@ fn the_lock_range_is_a_sixteenth() {
             }
         }
         assert!((bench.period_error_ns() / bench.period_ns).abs() < 2e-7, "{ppm} ppm");
-        assert_eq!((bench.timeline.grip, bench.timeline.index), (Grip::Firm, 8_191), "{ppm} ppm");
+        assert_eq!((bench.timeline.grip, bench.timeline.ticks), (Grip::Firm, 8_191), "{ppm} ppm");
     }
     for ppm in [-64_000.0, 64_000.0, 100_000.0] {
         let mut bench = Bench::new(ppm);
@@ -272,7 +272,7 @@ fn a_divided_period_is_the_mean_of_the_gaps() {
                 sum += bench.period_error_ns().powi(2);
             }
         }
-        assert_eq!((bench.timeline.gear, bench.timeline.index), (LOOP_GEAR, 39_999));
+        assert_eq!((bench.timeline.gear, bench.timeline.ticks), (LOOP_GEAR, 39_999));
         let noise_ns = (sum / 20_000.0).sqrt();
         assert_near(noise_ns, JITTER_NS / 2_048.0, 0.1, &std::format!("{ppm} ppm"));
     }
