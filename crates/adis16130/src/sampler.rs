@@ -279,7 +279,8 @@ impl Rules {
     /// Readings lost where so many ticks have passed since the sample before, and the tick that the new one goes by.
     ///
     /// A sample whose edge was numbered too low still advances by one: the edge before had a late timestamp, and what
-    /// that counted too much is not counted again. But by no more than a little beyond its edge, so that none is hidden.
+    /// that counted too much is not counted again. But by no more than a little beyond its edge, so that none is
+    /// hidden.
     fn lost_in(&self, ticks: i32) -> (u32, i32) {
         if self.divider > 1 {
             (self.readings_in(ticks).saturating_sub(1), ticks)

@@ -121,8 +121,8 @@ impl Timeline {
         }
     }
 
-    /// Takes the next edge and returns the ticks until then since [`count_from`](Self::count_from); `None` if it is the
-    /// edge before again.
+    /// Takes the next edge and returns the ticks until then since [`count_from`](Self::count_from); `None` if it is
+    /// the edge before again.
     ///
     /// As long as nobody knows whether the first edge was that of a rate or of a temperature update, this is the lower
     /// of the two numbers that are possible.
