@@ -3,7 +3,7 @@
 
 use adis16130::blocking::Adis16130;
 use adis16130::{Config, Edge, MCLK_HZ, Sample, Sampler, SamplerConfig};
-use adis16130_twin::{Motion, Spec, Truth, Twin, TwinRdy, TwinSpi};
+use adis16130_twin::{Motion, Roa, Spec, Truth, Twin, TwinRdy, TwinSpi};
 use anyhow::{Context, anyhow};
 use zerorate::{Action, Axis, Correction, Event, Outcome, Plan, Procedure, Reading, Refusal, State, Uncertainty};
 
@@ -16,6 +16,7 @@ pub const HOUR_S: f64 = 3171.0;
 pub struct Rig {
     pub twin: Twin,
     gyro: Adis16130<TwinSpi, TwinRdy>,
+    axis: Axis,
     mclk_hz: u32,
     sampler: Sampler,
 }
@@ -25,9 +26,13 @@ impl Rig {
         // a host knows the nominal clock, or that of a part that it slowed down
         let is_nominal = (spec.mclk_hz / f64::from(MCLK_HZ) - 1.0).abs() < 0.05;
         let mclk_hz = if is_nominal { MCLK_HZ } else { spec.mclk_hz as u32 };
+        let bandwidth_hz = match spec.roa {
+            Roa::TenNanofarad => Some(Axis::ADIS16130_ROA_10NF_HZ),
+            Roa::Open => Axis::ADIS16130.bandwidth_hz,
+        };
         let twin = Twin::new(spec);
         let gyro = Adis16130::new(twin.spi(), twin.rdy(), Config::default());
-        Self { twin, gyro, mclk_hz, sampler: new_sampler(mclk_hz) }
+        Self { twin, gyro, axis: Axis { bandwidth_hz, ..Axis::ADIS16130 }, mclk_hz, sampler: new_sampler(mclk_hz) }
     }
 
     pub fn initialise(&mut self) -> anyhow::Result<u64> {
@@ -48,7 +53,7 @@ impl Rig {
 
     /// The result, and the truth at the end of step 8. A refusal is an error that can be had back.
     pub fn calibrate(&mut self, plan: Plan) -> anyhow::Result<(Outcome, Truth)> {
-        let mut procedure = Procedure::new(&Axis::ADIS16130, plan)?;
+        let mut procedure = Procedure::new(&self.axis, plan)?;
         let mut truth = None;
         loop {
             match procedure.next() {

@@ -3,7 +3,7 @@
 use super::faults::WRONG_U;
 use super::{Bench, Class, Verdict};
 use crate::trial::{self, Ended, FAULTS, HOUR_S};
-use adis16130_twin::{Motion, Spec};
+use adis16130_twin::{Motion, Roa, Spec};
 use anyhow::{Context, Result};
 use zerorate::Plan;
 
@@ -41,14 +41,16 @@ const fn classes() -> [Class; FAULTS.len()] {
 const SEEN_MV_SQRT_S: f64 = 300.0;
 /// An hour sees less than a full turn of a slower sway.
 const SEEN_HZ: f64 = 3e-4;
-/// One run in so many has the part's clock. In the others it is a ninth of it: samples still come at more than twice
-/// the bandwidth, what happens in the hour stays as it is, and the run takes a tenth of the time.
+/// One run in so many has the clock and the bandwidth of the part. The others have a fiftieth of the clock and 50 Hz
+/// (F-04): what happens in the hour stays as it is, and the run takes a thirtieth of the time.
 const FULL_RATE: u64 = 25;
 
 fn calibrate(_: &Bench, class: &'static str, seed: u64) -> Result<Verdict> {
     let index = NAMES.iter().position(|name| *name == class).context("no such world")?;
     let mut spec = (FAULTS[index].spec)(seed);
-    spec.mclk_hz /= if seed.is_multiple_of(FULL_RATE) { 1.0 } else { 9.0 };
+    if !seed.is_multiple_of(FULL_RATE) {
+        (spec.mclk_hz, spec.roa) = (spec.mclk_hz / 50.0, Roa::TenNanofarad);
+    }
     let ended = trial::run(spec.clone(), Plan::default())?;
     Ok(match &ended {
         Ended::Refused => Verdict::Refused,
