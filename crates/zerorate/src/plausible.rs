@@ -40,6 +40,7 @@
 
 use crate::part::Axis;
 use crate::reading::Reading;
+use core::num::NonZeroU64;
 
 /// What is possible for an axis, in integers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,7 +50,7 @@ struct Limits {
     /// The noise part is no less than that at this distance, µs: a part that converts its rate only is faster.
     least_us: u64,
     /// Motion part of Θ, µs⁴ per code.
-    motion_us4_per_code: u64,
+    motion_us4_per_code: NonZeroU64,
     /// Readings farther apart than this are judged by the loose rule, µs.
     longest_strict_us: u64,
     /// Slew limit of the loose rule, codes per µs.
@@ -73,7 +74,8 @@ impl Limits {
         (axis.rate.width_bits <= 24).then(|| Self {
             noise_per_us_q16: libm::round(154.0 * 65_536.0 * noise * lsb * bandwidth) as u64,
             least_us: libm::ceil(176.0 / bandwidth) as u64,
-            motion_us4_per_code: libm::round(115_800.0 / (range * lsb * square * square)).max(1.0) as u64,
+            motion_us4_per_code: NonZeroU64::new(libm::round(115_800.0 / (range * lsb * square * square)) as u64)
+                .unwrap_or(NonZeroU64::MIN),
             longest_strict_us: (600.0 / bandwidth) as u64,
             slew_codes_per_us: libm::ceil(14_022.0 * range * lsb * bandwidth) as u64,
             slew_noise_codes: libm::ceil(35_232.0 * noise * lsb) as u64,
