@@ -1,7 +1,7 @@
 /*
  * Samples in the interrupt of RDY, corrects in the main loop: no sample is lost as long as the main loop empties the
  * queue in time, and each that is lost is counted. While the interrupt is enabled, the gyroscope belongs to it alone.
- * Not run on a board: the tests run it on the twin. /
+ * Not run on a board: the tests run it on the twin. */
 #include "board.h"
 #include "zerorate.h"
 

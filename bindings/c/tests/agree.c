@@ -1,7 +1,7 @@
 /*
  * Does with the C interface what xtask/src/c/expected.rs does with the Rust crates, and prints it. Both must print the
  * same, on a host and on a microcontroller. "unit.h" is the header that `zerorate export --format c` writes for the
- * same correction. /
+ * same correction. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
@@ -278,8 +278,7 @@ static int32_t broken_rdy(void *context)
 }
 
 /* A self-test that must fail, and what it leaves: how often the pin was set, its level, and a result that nothing
- * wrote
- * to. */
+ * wrote to. */
 static void failing_test(const char *what, zerorate_gyro *gyro, test_pin pin)
 {
     const zerorate_self_test_pin set = {&pin, set_test_pin};

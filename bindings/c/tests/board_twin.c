@@ -1,6 +1,6 @@
 /*
  * The board of the examples, on the twin: ends after 1000 rates that are believable. After 500 the supply dips, which
- * ends all edges: that must be reported once, and the rates must go on. /
+ * ends all edges: that must be reported once, and the rates must go on. */
 #include "board.h"
 #include "twin.h"
 
