@@ -186,8 +186,8 @@ impl fmt::Display for Warning {
 
 /// What no measurement at rest can see, and what it would take.
 const STILL: &str = "Any other rotation that is constant over the hour, or nearly, looks like bias and is inside PBC, \
-    and so is a step of the supply that comes too late to be seen (200 mV in the last second, 100 mV in the last five, \
-    50 mV in the last twenty): mount the part where nothing turns; to know, calibrate again with its axis turned over: \
+    and so is a step of the supply that comes too late to be seen (up to 350 mV in the last second of step 8, 200 mV in the last five, \
+    100 mV before): mount the part where nothing turns; to know, calibrate again with its axis turned over: \
     half of the difference of the two PBC is rotation";
 
 impl Deviation {
