@@ -1,4 +1,5 @@
-//! The bias correction of F-50, RBC = RATE + PBC + (TEMP − T3) × BTC, in f64, in f32 and in integers, and its table (F-52).
+//! The bias correction of F-50, RBC = RATE + PBC + (TEMP − T3) × BTC, in f64, in f32 and in integers, and its table
+//! (F-52).
 
 use crate::notice::Warning;
 use crate::part::Axis;
@@ -43,8 +44,8 @@ impl Correction {
     /// The same on the raw codes of an axis, see [`IntegerCorrection`].
     ///
     /// # Errors
-    /// A coefficient that does not fit: |BTC| up to 2 rate codes per temperature code (1.19 °/s/°C for the ADIS16130), PBC and T3
-    /// within what 24-bit codes can express.
+    /// A coefficient that does not fit: |BTC| up to 2 rate codes per temperature code (1.19 °/s/°C for the ADIS16130),
+    /// PBC and T3 within what 24-bit codes can express.
     pub fn to_integer(&self, axis: &Axis) -> Result<IntegerCorrection, IntegerError> {
         let one = f64::from(1u32 << IntegerCorrection::Q);
         let per_lsb = axis.rate.lsb_per_unit / axis.temp.lsb_per_unit;
@@ -58,7 +59,8 @@ impl Correction {
         Ok(IntegerCorrection { offset_q: offset as i64, slope_q: slope as i32, t3_code: t3_code as i32 })
     }
 
-    /// The look-up table of F-52: (TEMP − T3) × BTC, without PBC, from +`span_c` down to −`span_c` in steps of `step_c`.
+    /// The look-up table of F-52: (TEMP − T3) × BTC, without PBC, from +`span_c` down to −`span_c` in steps of
+    /// `step_c`.
     ///
     /// # Errors
     /// A step or span that is not positive, a span that is no whole number of steps, or more than 100 001 rows.
@@ -133,7 +135,8 @@ fn steps_in_span(step_c: f64, span_c: f64) -> Result<i32, TableError> {
     Ok(steps as i32)
 }
 
-/// [`Correction`] in f32. Its error against f64 stays below 4e-5 °/s over the whole range, one code of the rate channel.
+/// [`Correction`] in f32. Its error against f64 stays below 4e-5 °/s over the whole range, one code of the rate
+/// channel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CorrectionF32 {
     /// PBC, °/s.
@@ -155,7 +158,8 @@ impl CorrectionF32 {
 /// F-50 on raw 24-bit codes, without division or floating point:
 /// `corrected = (rate · 2³⁰ + offset_q + (temp − t3_code) · slope_q + 2²⁹) >> 30`, held to 0 … 2²⁴ − 1.
 ///
-/// Rounds to nearest; differs from F-50 in f64 by at most 0.51 LSB (1 LSB = 1/23 488 °/s, F-40). A 16-bit code goes in as code × 256.
+/// Rounds to nearest; differs from F-50 in f64 by at most 0.51 LSB (1 LSB = 1/23 488 °/s, F-40). A 16-bit code goes in
+/// as code × 256.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct IntegerCorrection {
     /// PBC in rate codes times 2³⁰.
@@ -207,7 +211,8 @@ impl fmt::Display for IntegerError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "{} does not fit the integer correction (|BTC| up to 1.19 °/s/°C, PBC and T3 within the 24-bit codes); check the calibration",
+            "{} does not fit the integer correction (|BTC| up to 1.19 °/s/°C, PBC and T3 within the 24-bit codes); \
+             check the calibration",
             self.coefficient
         )
     }

@@ -103,8 +103,8 @@ pub struct Uncertainty {
     pub cov_pbc_btc: f64,
     /// Covariance of PBC and T3, °C·°/s.
     pub cov_pbc_t3: f64,
-    /// A part of [`u_pbc_dps`](Self::u_pbc_dps) with a known sign, °/s: PBC belongs to the mean temperature of step 8, as AN-1042 takes
-    /// it, and is that much above what it would be at T3: −BTC × (T3 − mean temperature).
+    /// A part of [`u_pbc_dps`](Self::u_pbc_dps) with a known sign, °/s: PBC belongs to the mean temperature of step 8,
+    /// as AN-1042 takes it, and is that much above what it would be at T3: −BTC × (T3 − mean temperature).
     pub drift_dps: f64,
 }
 
@@ -120,7 +120,8 @@ impl Uncertainty {
 pub struct Noise {
     /// The three noises; white is always measured, the random walk always the part's typical value (M-04).
     pub model: NoiseModel,
-    /// Whether the flicker was measured; else it is the part's typical value (M-04), which so short a record cannot improve.
+    /// Whether the flicker was measured; else it is the part's typical value (M-04), which so short a record cannot
+    /// improve.
     pub flicker_measured: bool,
 }
 
@@ -210,7 +211,8 @@ fn outcome<W>(
     })
 }
 
-/// Refuses what must not become a calibration, with the cause: first what the plan asks of any unit, then what this one did.
+/// Refuses what must not become a calibration, with the cause: first what the plan asks of any unit, then what this
+/// one did.
 fn accept(
     seen: &Seen<'_>,
     slope: &Slope,
@@ -282,7 +284,8 @@ impl Slope {
         libm::hypot(noise.sd(&self.windows), temps_dps) / self.span_c().abs()
     }
 
-    /// The secant through T1 and T2 against the tangent at T3, for a typical curvature, and two branches of the hysteresis.
+    /// The secant through T1 and T2 against the tangent at T3, for a typical curvature, and two branches of the
+    /// hysteresis.
     fn u_curvature(&self, seen: &Seen<'_>, t3_c: f64) -> f64 {
         if seen.plan.assume_linear {
             return 0.0;
@@ -292,7 +295,8 @@ impl Slope {
         libm::hypot(curvature, branches)
     }
 
-    /// The same, or more where the hour shows more; never less, since what it shows rests on a noise model and a few degrees.
+    /// The same, or more where the hour shows more; never less, since what it shows rests on a noise model and a few
+    /// degrees.
     fn u_curvature_seen(&self, seen: &Seen<'_>, t3_c: f64, hour: Option<&Findings>) -> f64 {
         let typical = self.u_curvature(seen, t3_c);
         hour.map_or(typical, |hour| hour.u_curvature_dps_per_c.max(typical))
@@ -405,7 +409,8 @@ fn white_density(seen: &Seen<'_>) -> f64 {
 /// Upper 0.1 % point of the normal distribution.
 const SIGNIFICANT_Z: f64 = 3.09;
 
-/// White as measured. Flicker as typical, unless step 8 wanders significantly more than that: then as much as it shows.
+/// White as measured. Flicker as typical, unless step 8 wanders significantly more than that: then as much as it
+/// shows.
 fn measured_noise(seen: &Seen<'_>, eighths: Adjacent) -> Noise {
     let typical = seen.noise();
     let expected = typical.allan_variance(eighths.m as f64 * BLOCK_S);

@@ -16,8 +16,8 @@ const CELLS: usize = 34;
 pub struct NoiseModel {
     /// One-sided density of the white noise, °/s/√Hz: a mean over T has the variance d²/(2T).
     pub white_dps_per_rt_hz: f64,
-    /// Flicker: bias instability B, °/s, one-sided density B²/(πf) above [`FLICKER_CUTOFF_HZ`] (IEEE Std 952-1997 C.1.3, whose
-    /// density is two-sided). Its Allan deviation alone is flat at 0.664 B.
+    /// Flicker: bias instability B, °/s, one-sided density B²/(πf) above [`FLICKER_CUTOFF_HZ`] (IEEE Std 952-1997
+    /// C.1.3, whose density is two-sided). Its Allan deviation alone is flat at 0.664 B.
     pub bias_instability_dps: f64,
     /// Rate random walk K, °/s/√s: the variance of a change over T is K²T.
     pub rate_random_walk_dps_per_rt_s: f64,
@@ -41,7 +41,8 @@ impl NoiseModel {
 
     /// Covariance of two weighted sums of window means, (°/s)².
     ///
-    /// The random walk has no mean to refer to, so the weights of each sum must add up to zero unless K is zero: a change, not a level.
+    /// The random walk has no mean to refer to, so the weights of each sum must add up to zero unless K is zero: a
+    /// change, not a level.
     #[must_use]
     pub fn covariance(&self, a: &[Window], b: &[Window]) -> f64 {
         let kernel = Kernel::new(self);
@@ -55,8 +56,8 @@ impl NoiseModel {
         libm::sqrt(self.covariance(windows, windows).max(0.0))
     }
 
-    /// Lower triangle of the covariance matrix of means over stretches of whole seconds, which follow each other without overlap; the
-    /// random walk starts from zero at second 0.
+    /// Lower triangle of the covariance matrix of means over stretches of whole seconds, which follow each other
+    /// without overlap; the random walk starts from zero at second 0.
     #[must_use]
     pub(crate) fn covariances(&self, stretches: &[Stretch]) -> Vec<Vec<f64>> {
         let (first, last) = (stretches.first().map_or(0, |s| s.start_s), stretches.last().map_or(0, |s| s.end_s));
@@ -155,8 +156,8 @@ impl Process {
     }
 }
 
-/// Corner frequencies evenly spread over the logarithm from the cutoff to the top, each at the middle of its cell; each cell's
-/// variance is what S(f) = B²/(πf) holds inside it.
+/// Corner frequencies evenly spread over the logarithm from the cutoff to the top, each at the middle of its cell;
+/// each cell's variance is what S(f) = B²/(πf) holds inside it.
 fn flicker_processes(bias_instability_dps: f64) -> [Process; CELLS] {
     let octaves_per_cell = libm::log2(FLICKER_TOP_HZ / FLICKER_CUTOFF_HZ) / CELLS as f64;
     let variance = square(bias_instability_dps) / PI * LN_2 * octaves_per_cell;
@@ -215,8 +216,8 @@ mod tests {
         assert!((model.covariance(&sum, &sum) / (1e-8 * 50.0) - 1.0).abs() < 1e-4);
     }
 
-    /// The formulas of IEEE Std 952 against the windows' covariance. The flicker is 1/f between two corners only, so its Allan
-    /// deviation is flat only between them.
+    /// The formulas of IEEE Std 952 against the windows' covariance. The flicker is 1/f between two corners only, so
+    /// its Allan deviation is flat only between them.
     #[test]
     fn windows_agree_with_the_allan_variance() {
         for model in [only(0.0125, 0.0, 0.0), only(0.0, 0.0, 1e-4), only(0.0, 0.0024, 0.0)] {

@@ -8,8 +8,8 @@ use core::fmt;
 /// Rotation of the Earth, °/s, on an axis parallel to its own (F-16).
 pub const EARTH_DPS: f64 = 0.00418;
 
-/// The result stands, but there is something to know. `Display` says what was seen, why it matters and what to do, with the names
-/// of [`Plan`](crate::Plan) for settings; [`Say`] does so with others.
+/// The result stands, but there is something to know. `Display` says what was seen, why it matters and what to do,
+/// with the names of [`Plan`](crate::Plan) for settings; [`Say`] does so with others.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 #[expect(missing_docs, reason = "the fields are the numbers that the text shows, with their units")]
@@ -101,37 +101,45 @@ impl Warning {
         match *self {
             Self::EarthIncluded => write!(
                 f,
-                "the Earth's rotation is inside PBC and not in its uncertainty: up to ±{EARTH_DPS} °/s, by the direction of the axis. {STILL}"
+                "the Earth's rotation is inside PBC and not in its uncertainty: up to ±{EARTH_DPS} °/s, by the \
+                 direction of the axis. {STILL}"
             ),
             Self::EarthSubtracted { earth_dps } => write!(
                 f,
-                "{earth_dps:+.5} °/s were subtracted for the Earth's rotation (it is ±{EARTH_DPS} °/s at most). {STILL}"
+                "{earth_dps:+.5} °/s were subtracted for the Earth's rotation (it is ±{EARTH_DPS} °/s at most). \
+                 {STILL}"
             ),
             Self::CurvatureUnseen { u_dps_per_c } => write!(
                 f,
-                "two temperatures show no curvature: {u_dps_per_c:.5} °/s/°C in the uncertainty of BTC stands for a typical unit's"
+                "two temperatures show no curvature: {u_dps_per_c:.5} °/s/°C in the uncertainty of BTC stands for a \
+                 typical unit's"
             ),
             Self::Drifting { drift_c, shift_dps, u_pbc_dps } => write!(
                 f,
-                "the temperature still drifts: T3 is {drift_c:+.3} °C off the mean of step 8, which shifts PBC by {shift_dps:+.5} °/s (u = {u_pbc_dps:.5})"
+                "the temperature still drifts: T3 is {drift_c:+.3} °C off the mean of step 8, which shifts PBC by \
+                 {shift_dps:+.5} °/s (u = {u_pbc_dps:.5})"
             ),
             Self::Found(Finding { deviation, pbc_dps, btc_dps_per_c }) => write!(
                 f,
-                "{deviation}. It makes PBC wrong by about {pbc_dps:+.4} °/s and BTC by about {btc_dps_per_c:+.4} °/s/°C, which is in their uncertainties"
+                "{deviation}. It makes PBC wrong by about {pbc_dps:+.4} °/s and BTC by about {btc_dps_per_c:+.4} \
+                 °/s/°C, which is in their uncertainties"
             ),
             Self::Restless => f.write_str(
-                "the rate moves in more ways than could be told apart, so the uncertainties may be too small"
+                "the rate moves in more ways than could be told apart, so the uncertainties may be too small",
             ),
             Self::Flat { btc_dps_per_c, typical_dps_per_c } => write!(
                 f,
-                "the bias hardly follows the temperature: BTC is {btc_dps_per_c:+.4} °/s/°C where {typical_dps_per_c} is typical; a wide hysteresis or a long lag looks the same over so few degrees"
+                "the bias hardly follows the temperature: BTC is {btc_dps_per_c:+.4} °/s/°C where {typical_dps_per_c} \
+                 is typical; a wide hysteresis or a long lag looks the same over so few degrees"
             ),
             Self::HourUnchecked => f.write_str(
-                "steps, lag, curvature, hysteresis and slow motion between the averages were not looked for, since the seconds of the hour were not kept or are too few"
+                "steps, lag, curvature, hysteresis and slow motion between the averages were not looked for, since \
+                 the seconds of the hour were not kept or are too few",
             ),
             Self::ShortAverage { average_s, best_s } => write!(
                 f,
-                "PBC was averaged for {average_s:.1} s, less than half of the {best_s:.0} s where this part's Allan deviation is least"
+                "PBC was averaged for {average_s:.1} s, less than half of the {best_s:.0} s where this part's Allan \
+                 deviation is least"
             ),
             Self::Aliased { rate_hz, needed_hz } => write!(
                 f,
@@ -142,30 +150,37 @@ impl Warning {
             }
             Self::Wandering { floor_dps, typical_dps } => write!(
                 f,
-                "the bias wanders more than a typical unit's: a flicker floor of {floor_dps:.4} °/s where {typical_dps} °/s is typical; the uncertainties follow it"
+                "the bias wanders more than a typical unit's: a flicker floor of {floor_dps:.4} °/s where \
+                 {typical_dps} °/s is typical; the uncertainties follow it"
             ),
             Self::Impossible { count, fraction } => write!(
                 f,
-                "{count} readings ({:.4} %) are impossible for the bandwidth of the part, as after bit errors, and are left out; errors too small to tell from motion may have passed",
+                "{count} readings ({:.4} %) are impossible for the bandwidth of the part, as after bit errors, and \
+                 are left out; errors too small to tell from motion may have passed",
                 fraction * 100.0
             ),
             Self::Resonance { tone_hz, tolerance_hz, folded_hz, rate_hz, divider } => {
                 write!(
                     f,
-                    "at {rate_hz:.1} samples a second the resonance of about {:.1} kHz (known to ±{tolerance_hz:.0} Hz) appears at {folded_hz:.1} Hz, where averaging may not remove it: up to 0.03 °/s of false bias",
+                    "at {rate_hz:.1} samples a second the resonance of about {:.1} kHz (known to ±{tolerance_hz:.0} \
+                     Hz) appears at {folded_hz:.1} Hz, where averaging may not remove it: up to 0.03 °/s of false \
+                     bias",
                     tone_hz / 1e3
                 )?;
                 divider.map_or(Ok(()), |divider| write!(f, "; a divider of {divider} is good"))
             }
             Self::Extrapolated { low_c, high_c, temp_min_c, temp_max_c } => write!(
                 f,
-                "{low_c:.1} … {high_c:.1} °C leaves the {temp_min_c:.1} … {temp_max_c:.1} °C of the calibration: the correction is extrapolated"
+                "{low_c:.1} … {high_c:.1} °C leaves the {temp_min_c:.1} … {temp_max_c:.1} °C of the calibration: the \
+                 correction is extrapolated"
             ),
             Self::RestUnjudged => f.write_str(
-                "the part's typical noise or temperature coefficient is not known: whether it was at rest was not judged, and the uncertainties hold the white noise alone"
+                "the part's typical noise or temperature coefficient is not known: whether it was at rest was not \
+                 judged, and the uncertainties hold the white noise alone",
             ),
             Self::CurvatureUnknown => f.write_str(
-                "the part's typical curvature and hysteresis are not known: the uncertainty of BTC holds nothing of what two temperatures cannot show"
+                "the part's typical curvature and hysteresis are not known: the uncertainty of BTC holds nothing of \
+                 what two temperatures cannot show",
             ),
         }
     }
@@ -186,9 +201,9 @@ impl fmt::Display for Warning {
 
 /// What no measurement at rest can see, and what it would take.
 const STILL: &str = "Any other rotation that is constant over the hour, or nearly, looks like bias and is inside PBC, \
-    and so is a step of the supply that comes too late to be seen (up to 350 mV in the last second of step 8, 200 mV in the last five, \
-    100 mV before): mount the part where nothing turns; to know, calibrate again with its axis turned over: \
-    half of the difference of the two PBC is rotation";
+    and so is a step of the supply that comes too late to be seen (up to 350 mV in the last second of step 8, 200 mV \
+    in the last five, 100 mV before): mount the part where nothing turns; to know, calibrate again with its axis \
+    turned over: half of the difference of the two PBC is rotation";
 
 impl Deviation {
     fn code(&self) -> &'static str {
@@ -229,7 +244,8 @@ impl fmt::Display for Deviation {
             }
             Self::Hysteresis { width_c } => write!(
                 f,
-                "the rate held still until the temperature had changed by about {width_c:.1} °C: a hysteresis, or a step at the start"
+                "the rate held still until the temperature had changed by about {width_c:.1} °C: a hysteresis, or a \
+                 step at the start"
             ),
             Self::Sway { hz, size_dps } => {
                 write!(f, "the rate sways by ±{size_dps:.4} °/s once in {:.0} s: the platform moves", 1.0 / hz)
@@ -309,39 +325,48 @@ impl Refusal {
         match *self {
             Self::Moving { window, tau_s, seen_dps, limit_dps } => write!(
                 f,
-                "the part moves: during {window}, means over {tau_s:.1} s vary by {seen_dps:.4} °/s (Allan deviation) where noise and temperature explain at most {limit_dps:.4} °/s"
+                "the part moves: during {window}, means over {tau_s:.1} s vary by {seen_dps:.4} °/s (Allan deviation) \
+                 where noise and temperature explain at most {limit_dps:.4} °/s"
             ),
             Self::Turning { window, rate_dps, limit_dps } => write!(
                 f,
-                "the part turns: during {window}, its mean rate is {rate_dps:+.2} °/s, more than the ±{limit_dps} °/s that can be bias"
+                "the part turns: during {window}, its mean rate is {rate_dps:+.2} °/s, more than the ±{limit_dps} °/s \
+                 that can be bias"
             ),
             Self::Noisy { window, seen_dps_per_rt_hz, limit_dps_per_rt_hz } => write!(
                 f,
-                "the part shakes or its supply is noisy: during {window}, the noise is {seen_dps_per_rt_hz:.4} °/s/√Hz, above {limit_dps_per_rt_hz:.4} °/s/√Hz"
+                "the part shakes or its supply is noisy: during {window}, the noise is {seen_dps_per_rt_hz:.4} \
+                 °/s/√Hz, above {limit_dps_per_rt_hz:.4} °/s/√Hz"
             ),
             Self::Span { t1_c, t2_c, u_btc_dps_per_c, wanted_dps_per_c } => write!(
                 f,
-                "the temperature hardly changed: from T1 = {t1_c:.3} °C to T2 = {t2_c:.3} °C (by {:.3} °C), so BTC would be uncertain by {u_btc_dps_per_c:.4} °/s/°C where {wanted_dps_per_c} is wanted",
+                "the temperature hardly changed: from T1 = {t1_c:.3} °C to T2 = {t2_c:.3} °C (by {:.3} °C), so BTC \
+                 would be uncertain by {u_btc_dps_per_c:.4} °/s/°C where {wanted_dps_per_c} is wanted",
                 t2_c - t1_c
             ),
             Self::Curvature { u_btc_dps_per_c, u_curvature_dps_per_c, wanted_dps_per_c } => write!(
                 f,
-                "BTC would be uncertain by {u_btc_dps_per_c:.4} °/s/°C where {wanted_dps_per_c} is wanted, {u_curvature_dps_per_c:.4} of it from the curvature that two temperatures cannot show"
+                "BTC would be uncertain by {u_btc_dps_per_c:.4} °/s/°C where {wanted_dps_per_c} is wanted, \
+                 {u_curvature_dps_per_c:.4} of it from the curvature that two temperatures cannot show"
             ),
             Self::Found { finding: Finding { deviation, btc_dps_per_c, .. }, u_btc_dps_per_c, wanted_dps_per_c } => {
                 write!(
                     f,
-                    "{deviation}. It makes BTC wrong by about {btc_dps_per_c:+.4} °/s/°C, so that BTC would be uncertain by {u_btc_dps_per_c:.4} °/s/°C where {wanted_dps_per_c} is wanted"
+                    "{deviation}. It makes BTC wrong by about {btc_dps_per_c:+.4} °/s/°C, so that BTC would be \
+                     uncertain by {u_btc_dps_per_c:.4} °/s/°C where {wanted_dps_per_c} is wanted"
                 )
             }
             Self::Swaying { hz, size_dps, limit_dps } => write!(
                 f,
-                "the part moves: the rate sways by ±{size_dps:.3} °/s once in {:.0} s, more than the {limit_dps} °/s that a result could bear",
+                "the part moves: the rate sways by ±{size_dps:.3} °/s once in {:.0} s, more than the {limit_dps} °/s \
+                 that a result could bear",
                 1.0 / hz
             ),
             Self::Unsteady { floor_dps, typical_dps, u_btc_dps_per_c, wanted_dps_per_c } => write!(
                 f,
-                "the rate is unsteady during the offset average (step 8): it wanders or steps as a flicker floor of {floor_dps:.4} °/s would, where {typical_dps} °/s is typical, so BTC would be uncertain by {u_btc_dps_per_c:.4} °/s/°C where {wanted_dps_per_c} is wanted"
+                "the rate is unsteady during the offset average (step 8): it wanders or steps as a flicker floor of \
+                 {floor_dps:.4} °/s would, where {typical_dps} °/s is typical, so BTC would be uncertain by \
+                 {u_btc_dps_per_c:.4} °/s/°C where {wanted_dps_per_c} is wanted"
             ),
             Self::Lost { window, lost, samples, limit } => write!(
                 f,
@@ -351,25 +376,30 @@ impl Refusal {
             ),
             Self::Overranged { window, count, samples } => write!(
                 f,
-                "{count} of {samples} readings during {window} are out of range: the part turns, or its supply or wiring is wrong"
+                "{count} of {samples} readings during {window} are out of range: the part turns, or its supply or \
+                 wiring is wrong"
             ),
             Self::BitErrors { window, count, samples, still_moves } => write!(
                 f,
-                "the line carries bit errors: {count} of {samples} readings during {window} are impossible for the bandwidth of the part{}",
+                "the line carries bit errors: {count} of {samples} readings during {window} are impossible for the \
+                 bandwidth of the part{}",
                 if still_moves {
-                    ", and the rest varies more than noise explains, by errors too small to tell from motion or by motion as well"
+                    ", and the rest varies more than noise explains, by errors too small to tell from motion or by \
+                     motion as well"
                 } else {
                     ""
                 },
             ),
             Self::Stuttering { window, lost, samples, silent_gaps, gaps } => write!(
                 f,
-                "{lost} of {} samples were lost during {window}, and in {silent_gaps} of {gaps} gaps no edge of data ready came: data ready stutters, or the host was deaf to it for that long",
+                "{lost} of {} samples were lost during {window}, and in {silent_gaps} of {gaps} gaps no edge of data \
+                 ready came: data ready stutters, or the host was deaf to it for that long",
                 lost + samples
             ),
             Self::Frozen { at_s, for_s, both } => write!(
                 f,
-                "the {} frozen: at {at_s:.1} s the code had not changed for {for_s:.1} s, while noise changes every reading",
+                "the {} frozen: at {at_s:.1} s the code had not changed for {for_s:.1} s, while noise changes every \
+                 reading",
                 if both { "readings are" } else { "rate is" }
             ),
             Self::TooFew { window, samples, needed } => {

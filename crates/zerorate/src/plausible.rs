@@ -5,7 +5,8 @@
 //!
 //! For five readings y₋₂ … y₂ in a row, with no loss between them, T apart, a reading y₀ is impossible if
 //!
-//! L = |y₀ − (4·(y₋₁ + y₁) − (y₋₂ + y₂))/6| > Θ(T), where Θ(T) = 1.15 °/s · r + 0.35 °/s · r⁴, r = T/175.7 µs, for the ADIS16130,
+//! L = |y₀ − (4·(y₋₁ + y₁) − (y₋₂ + y₂))/6| > Θ(T), where Θ(T) = 1.15 °/s · r + 0.35 °/s · r⁴, r = T/175.7 µs, for the
+//! ADIS16130,
 //!
 //! and L also exceeds what is rough about its four neighbours, |y₂ − 2y₁ + 2y₋₁ − y₋₂| and |y₂ − y₁ − y₋₁ + y₋₂|, and
 //! four times what was rough about the readings before (the largest L, which fades by 1/32 with each reading).
@@ -30,13 +31,14 @@
 //! impulse response is 1194/s at 0.26 ms), 105 °/s in a sample. Where they are more than 1.2 ms apart even that says
 //! nothing, and the reading is *unjudged*.
 //!
-//! A reading out of range, alone among neighbours from which the end of the range cannot be reached, is impossible too.
+//! A reading out of range, alone among neighbours from which the end of the range cannot be reached, is impossible
+//! too.
 //!
 //! # Temperatures
 //!
-//! A temperature is impossible if it differs from each of the last two good ones by more than 1 °C and 2 °C/s (the noise of M-05 has
-//! 0.053 °C in a reading, so this is 13 deviations; F-55 expects up to 1 °C/s). A second one in a row that agrees with
-//! it is believed.
+//! A temperature is impossible if it differs from each of the last two good ones by more than 1 °C and 2 °C/s (the
+//! noise of M-05 has 0.053 °C in a reading, so this is 13 deviations; F-55 expects up to 1 °C/s). A second one in a
+//! row that agrees with it is believed.
 
 use crate::part::Axis;
 use crate::reading::Reading;
@@ -62,10 +64,10 @@ struct Limits {
 }
 
 impl Limits {
-    /// The numbers of the ADIS16130 (1.15 °/s and 0.35 °/s at 175.7 µs, 0.6 ms, 2 · 250 °/s · 1194/s, 1.5 °/s), and for another
-    /// axis what follows by similarity: time goes with 1/bandwidth, motion with the range, noise with its density times
-    /// √bandwidth, and all of them with the codes per °/s. None where range, bandwidth or noise is not known, or the codes are
-    /// too wide for these sums.
+    /// The numbers of the ADIS16130 (1.15 °/s and 0.35 °/s at 175.7 µs, 0.6 ms, 2 · 250 °/s · 1194/s, 1.5 °/s), and
+    /// for another axis what follows by similarity: time goes with 1/bandwidth, motion with the range, noise with its
+    /// density times √bandwidth, and all of them with the codes per °/s. None where range, bandwidth or noise is not
+    /// known, or the codes are too wide for these sums.
     fn of(axis: &Axis) -> Option<Self> {
         let (bandwidth, range) = (axis.bandwidth_hz? / 300.0, axis.range_dps? / 250.0);
         let noise = axis.noise?.white_dps_per_rt_hz / 0.0125 * libm::sqrt(bandwidth);
@@ -96,7 +98,8 @@ impl Limits {
 const ROUGHNESS: u32 = 4;
 /// A mark counts this much less than its size for the past of the readings after it.
 const MARK_SHARE: u32 = 2;
-/// Judgements after a mark during which it counts for the past: a shock that has begun is in the readings' own past after three.
+/// Judgements after a mark during which it counts for the past: a shock that has begun is in the readings' own past
+/// after three.
 const SHOCK_LASTS: u8 = 8;
 /// log₂ of the readings over which the past fades.
 const FADING: u32 = 5;
@@ -307,7 +310,8 @@ impl Plausible {
     }
 }
 
-/// The reading at a place and two on each side. (The remainders change nothing; with them the compiler sees that nothing can panic.)
+/// The reading at a place and two on each side. (The remainders change nothing; with them the compiler sees that
+/// nothing can panic.)
 #[inline]
 fn around(codes: &[i32; KEPT], place: usize) -> [i32; 5] {
     let at = |k: usize| codes[(place + KEPT - 2 + k) % KEPT];
@@ -321,7 +325,8 @@ fn six_times_deviation(codes: &[i32; KEPT], place: usize) -> u32 {
     (6 * y2 - 4 * (y1 + y3) + y0 + y4).unsigned_abs()
 }
 
-/// Judges temperatures by the last two good ones: an error just below the limit must not make the reading after it look wrong.
+/// Judges temperatures by the last two good ones: an error just below the limit must not make the reading after it
+/// look wrong.
 #[derive(Clone, Copy, Debug)]
 struct Temps {
     /// Noise and quantisation: 1 °C.

@@ -1,4 +1,5 @@
-//! The calibration of F-51 as a state machine without clock or bus: samples and times go in, what to do next comes out.
+//! The calibration of F-51 as a state machine without clock or bus: samples and times go in, what to do next comes
+//! out.
 //!
 //! All transitions stand in [`TABLE`].
 
@@ -79,7 +80,8 @@ impl Plan {
 
 /// No step of F-51 takes longer than a day, s: the ambient temperature would go round once.
 const DAY_S: f64 = 86_400.0;
-/// An uncertainty of BTC that no day reaches, °/s/°C: the white noise of a part of this class alone (F-02) makes ten times as much.
+/// An uncertainty of BTC that no day reaches, °/s/°C: the white noise of a part of this class alone (F-02) makes ten
+/// times as much.
 const LEAST_U_BTC_DPS_PER_C: f64 = 1e-8;
 /// An uncertainty of BTC at which it says nothing: 25 times the coefficient itself (F-05).
 const MOST_U_BTC_DPS_PER_C: f64 = 1.0;
@@ -163,14 +165,22 @@ enum Check {
 /// F-51, steps 3 to 9. Steps 1 and 2, the platform and the supply, are the user's.
 #[rustfmt::skip]
 const TABLE: [Row; STATES] = [
-    Row { from: State::Start, name: "initialisation (step 3)", until: Until::Initialised, check: Check::Nothing, to: State::FirstAverage },
-    Row { from: State::FirstAverage, name: "the first average (step 4)", until: Until::After(|plan| plan.average_s), check: Check::AtRest, to: State::WarmUp },
-    Row { from: State::WarmUp, name: "the warm-up (step 5)", until: Until::After(|plan| plan.warmup_s), check: Check::Nothing, to: State::SecondAverage },
-    Row { from: State::SecondAverage, name: "the second average (step 6)", until: Until::After(|plan| plan.average_s), check: Check::AtRestAndWarmer, to: State::Settle },
-    Row { from: State::Settle, name: "settling (step 7)", until: Until::After(|plan| plan.settle_s), check: Check::Nothing, to: State::Offset },
-    Row { from: State::Offset, name: "the offset average (step 8)", until: Until::After(|plan| plan.offset_s), check: Check::AtRest, to: State::FinalTemperature },
-    Row { from: State::FinalTemperature, name: "the final temperature (step 9)", until: Until::After(|plan| plan.final_temp_s), check: Check::TemperatureWasRead, to: State::Done },
-    Row { from: State::Done, name: "the end", until: Until::Never, check: Check::Nothing, to: State::Done },
+    Row { from: State::Start, name: "initialisation (step 3)",
+          until: Until::Initialised, check: Check::Nothing, to: State::FirstAverage },
+    Row { from: State::FirstAverage, name: "the first average (step 4)",
+          until: Until::After(|plan| plan.average_s), check: Check::AtRest, to: State::WarmUp },
+    Row { from: State::WarmUp, name: "the warm-up (step 5)",
+          until: Until::After(|plan| plan.warmup_s), check: Check::Nothing, to: State::SecondAverage },
+    Row { from: State::SecondAverage, name: "the second average (step 6)",
+          until: Until::After(|plan| plan.average_s), check: Check::AtRestAndWarmer, to: State::Settle },
+    Row { from: State::Settle, name: "settling (step 7)",
+          until: Until::After(|plan| plan.settle_s), check: Check::Nothing, to: State::Offset },
+    Row { from: State::Offset, name: "the offset average (step 8)",
+          until: Until::After(|plan| plan.offset_s), check: Check::AtRest, to: State::FinalTemperature },
+    Row { from: State::FinalTemperature, name: "the final temperature (step 9)",
+          until: Until::After(|plan| plan.final_temp_s), check: Check::TemperatureWasRead, to: State::Done },
+    Row { from: State::Done, name: "the end",
+          until: Until::Never, check: Check::Nothing, to: State::Done },
 ];
 
 /// Each state finds its row by its number.
@@ -269,11 +279,12 @@ pub struct Procedure<L = Blocks> {
 
 /// The procedure on fixed memory, about 3 KB, for a microcontroller: it allocates nothing.
 ///
-/// PBC, BTC and T3 are those of [`Procedure`], bit for bit, and so are uncertainties and refusals, with two differences. It does not
-/// look at the hour as a whole ([`Warning::Found`](crate::Warning::Found)), and says so by
-/// [`Warning::HourUnchecked`](crate::Warning::HourUnchecked); its uncertainties hold nothing of what is found there. And a small step inside an average, which
-/// [`Procedure`] accepts with a warning, is refused as motion or as unsteady. (Where blocks of 0.1 s stayed empty, the two may group the others
-/// differently, and their uncertainties differ by a few per cent.)
+/// PBC, BTC and T3 are those of [`Procedure`], bit for bit, and so are uncertainties and refusals, with two
+/// differences. It does not look at the hour as a whole ([`Warning::Found`](crate::Warning::Found)), and says so by
+/// [`Warning::HourUnchecked`](crate::Warning::HourUnchecked); its uncertainties hold nothing of what is found there.
+/// And a small step inside an average, which [`Procedure`] accepts with a warning, is refused as motion or as
+/// unsteady. (Where blocks of 0.1 s stayed empty, the two may group the others differently, and their uncertainties
+/// differ by a few per cent.)
 ///
 /// ```
 /// use zerorate::{Action, Axis, FixedProcedure, Plan};
@@ -381,7 +392,8 @@ impl<L: Ledger> Procedure<L> {
         Seen { axis: &self.axis, plan: &self.plan, windows: self.ledger.summaries(), tally: &self.tally }
     }
 
-    /// Ends the states that are over at `t_ns`. Samples that wait for their neighbours are judged before, but for the newest `keep`.
+    /// Ends the states that are over at `t_ns`. Samples that wait for their neighbours are judged before, but for the
+    /// newest `keep`.
     #[inline]
     fn pass_to(&mut self, t_ns: u64, keep: u64) -> Result<(), Refusal> {
         if matches!(self.state, State::Start | State::Done) {

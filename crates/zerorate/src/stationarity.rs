@@ -1,4 +1,5 @@
-//! Was the part at rest? Block means are held against the noise floor, at averaging times from a block to a quarter of the window.
+//! Was the part at rest? Block means are held against the noise floor, at averaging times from a block to a quarter of
+//! the window.
 
 use crate::ledger::{Adjacent, BLOCK_S};
 use crate::noise::NoiseModel;
@@ -34,8 +35,9 @@ pub enum Verdict {
     },
 }
 
-/// Judges a window by its Allan variances alone: of single blocks, and of averages of `m` of them where there are such. A step is
-/// motion then. A part whose typical noise or temperature coefficient is not known cannot be judged, and passes.
+/// Judges a window by its Allan variances alone: of single blocks, and of averages of `m` of them where there are
+/// such. A step is motion then. A part whose typical noise or temperature coefficient is not known cannot be judged,
+/// and passes.
 pub(crate) fn judge_variances(
     axis: &Axis,
     blocks: Adjacent,
@@ -82,8 +84,8 @@ pub(crate) fn adjacent(values: &[f64], m: usize) -> Adjacent {
     Adjacent { m, count: means.len(), variance: squares / (2.0 * (means.len().max(2) - 1) as f64) }
 }
 
-/// Factor by which an Allan variance of `pairs` adjacent differences may exceed its expectation at the normal quantile `z`:
-/// χ²/ν by Wilson and Hilferty (1931), with the 2/3 of the pairs that white noise leaves as degrees of freedom.
+/// Factor by which an Allan variance of `pairs` adjacent differences may exceed its expectation at the normal quantile
+/// `z`: χ²/ν by Wilson and Hilferty (1931), with the 2/3 of the pairs that white noise leaves as degrees of freedom.
 pub(crate) fn allowance(pairs: usize, z: f64) -> f64 {
     let spread = 2.0 / (9.0 * (pairs as f64 * 2.0 / 3.0).max(1.0));
     let root = 1.0 - spread + z * libm::sqrt(spread);

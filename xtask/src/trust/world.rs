@@ -36,8 +36,8 @@ const fn classes() -> [Class; FAULTS.len()] {
     classes
 }
 
-/// Noise of a mean over n seconds, as a step of the supply (0.0002 °/s/mV, F-01): white, 0.0088/√n °/s (F-02), and flicker,
-/// some 0.002 °/s however long it is (M-04).
+/// Noise of a mean over n seconds, as a step of the supply (0.0002 °/s/mV, F-01): white, 0.0088/√n °/s (F-02), and
+/// flicker, some 0.002 °/s however long it is (M-04).
 const WHITE_MV: f64 = 44.0;
 const FLICKER_MV: f64 = 10.0;
 /// A step is found at 4.7 deviations (`hour.rs`). With bad luck of the noise, three more are needed.
