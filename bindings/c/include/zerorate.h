@@ -83,6 +83,166 @@
 #define ZERORATE_WARNING_HOUR_UNCHECKED 1024
 
 /**
+ * Give its component on the axis.
+ */
+#define ZERORATE_REMEDY_GIVE_EARTH 1
+
+/**
+ * If this unit is known to be linear, say so.
+ */
+#define ZERORATE_REMEDY_ASSUME_LINEAR 2
+
+/**
+ * Settle longer.
+ */
+#define ZERORATE_REMEDY_SETTLE_LONGER 3
+
+/**
+ * Shield the part from draughts.
+ */
+#define ZERORATE_REMEDY_SHIELD_FROM_DRAUGHTS 4
+
+/**
+ * Use a linear supply.
+ */
+#define ZERORATE_REMEDY_LINEAR_SUPPLY 5
+
+/**
+ * Check that nothing moved.
+ */
+#define ZERORATE_REMEDY_CHECK_NOTHING_MOVED 6
+
+/**
+ * Check that nothing moved slowly.
+ */
+#define ZERORATE_REMEDY_CHECK_NOTHING_MOVED_SLOWLY 7
+
+/**
+ * Measure at several temperatures in a chamber (F-54).
+ */
+#define ZERORATE_REMEDY_CHAMBER 8
+
+/**
+ * Warm and settle longer and more slowly.
+ */
+#define ZERORATE_REMEDY_WARM_MORE_SLOWLY 9
+
+/**
+ * Fix the part to a still platform.
+ */
+#define ZERORATE_REMEDY_FIX_TO_STILL_PLATFORM 10
+
+/**
+ * Check it over a wider range before you rely on it elsewhere than at T3.
+ */
+#define ZERORATE_REMEDY_CHECK_OVER_WIDER_RANGE 11
+
+/**
+ * Record the samples and compute the calibration from them.
+ */
+#define ZERORATE_REMEDY_RECORD_AND_RECOMPUTE 12
+
+/**
+ * Average the offset longer.
+ */
+#define ZERORATE_REMEDY_LONGER_OFFSET 13
+
+/**
+ * Use a smaller divider.
+ */
+#define ZERORATE_REMEDY_SMALLER_DIVIDER 14
+
+/**
+ * Use a larger divider.
+ */
+#define ZERORATE_REMEDY_LARGER_DIVIDER 15
+
+/**
+ * Lower the SPI clock.
+ */
+#define ZERORATE_REMEDY_SLOWER_CLOCK 16
+
+/**
+ * Shorten or shield the cable.
+ */
+#define ZERORATE_REMEDY_SHORTER_CABLE 17
+
+/**
+ * Read at another rate.
+ */
+#define ZERORATE_REMEDY_OTHER_RATE 18
+
+/**
+ * Keep the platform still.
+ */
+#define ZERORATE_REMEDY_KEEP_STILL 19
+
+/**
+ * Remove the vibration.
+ */
+#define ZERORATE_REMEDY_REMOVE_VIBRATION 20
+
+/**
+ * Start with a part that was off for an hour.
+ */
+#define ZERORATE_REMEDY_START_COLD 21
+
+/**
+ * Wait longer.
+ */
+#define ZERORATE_REMEDY_LONGER_WARM_UP 22
+
+/**
+ * Accept more.
+ */
+#define ZERORATE_REMEDY_ACCEPT_MORE_U_BTC 23
+
+/**
+ * Read the temperature less often.
+ */
+#define ZERORATE_REMEDY_READ_TEMPERATURE_LESS 24
+
+/**
+ * Read the temperature more often.
+ */
+#define ZERORATE_REMEDY_READ_TEMPERATURE_MORE 25
+
+/**
+ * Allow more.
+ */
+#define ZERORATE_REMEDY_ALLOW_MORE_LOSS 26
+
+/**
+ * Check supply and wiring.
+ */
+#define ZERORATE_REMEDY_CHECK_SUPPLY_AND_WIRING 27
+
+/**
+ * Check the data-ready wire, its level and its pull-up, and only then what else the host does.
+ */
+#define ZERORATE_REMEDY_CHECK_DATA_READY 28
+
+/**
+ * Reset the part, and check its data wire and its supply.
+ */
+#define ZERORATE_REMEDY_RESET_AND_CHECK 29
+
+/**
+ * Average longer.
+ */
+#define ZERORATE_REMEDY_LONGER_AVERAGE 30
+
+/**
+ * Complete the file of the part.
+ */
+#define ZERORATE_REMEDY_COMPLETE_PART 31
+
+/**
+ * Calibrate over a wider span.
+ */
+#define ZERORATE_REMEDY_WIDER_SPAN 32
+
+/**
  * What a function returns: ZERORATE_OK, a positive number that says something harmless, or a negative one that says
  * what failed. The numbers keep their meaning in all versions.
  */
@@ -817,6 +977,14 @@ zerorate_status zerorate_procedure_begin(struct zerorate_procedure *procedure, c
  * Required: `procedure` is null or points to one that nothing else uses meanwhile.
  */
 zerorate_status zerorate_procedure_next(struct zerorate_procedure *procedure);
+
+/**
+ * What to do about the refusal that ended the measurement: a ZERORATE_REMEDY_..., the best first. 0 where there is no
+ * remedy of this index, counted from 0, or no refusal.
+ *
+ * Required: `procedure` is null or points to one that nothing else uses meanwhile.
+ */
+uint8_t zerorate_procedure_remedy(struct zerorate_procedure *procedure, size_t index);
 
 /**
  * The part was initialised, at a time of the clock that the samples have too.

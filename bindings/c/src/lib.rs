@@ -10,6 +10,7 @@ mod bus;
 mod correction;
 mod gyro;
 mod procedure;
+mod remedy;
 mod runtime;
 mod self_test;
 mod status;

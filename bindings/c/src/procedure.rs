@@ -5,8 +5,8 @@ use crate::correction::Correction;
 use crate::gyro::Sample;
 use crate::status::{self, Numbered, Status, ZERORATE_E_STATE};
 use zerorate::{
-    Action, Axis, Event, FixedProcedure, Outcome as CoreOutcome, Plan as CorePlan, Reading, State as CoreState,
-    Warning, WindowWarnings,
+    Action, Axis, Event, FixedProcedure, Outcome as CoreOutcome, Plan as CorePlan, Reading, Refusal, Remedy,
+    State as CoreState, Warning, WindowWarnings,
 };
 
 /// A calibration that is going on. The memory is the caller's, the contents are private; begin it with
@@ -21,7 +21,7 @@ pub struct Procedure {
 pub struct State {
     procedure: FixedProcedure,
     /// What ended it before its time.
-    refused: Option<Status>,
+    refused: Option<Refusal>,
 }
 
 impl Object for Procedure {
@@ -170,7 +170,7 @@ impl Outcome {
             rate_hz: outcome.rate_hz,
             samples: outcome.samples,
             lost: outcome.lost_samples,
-            warnings: outcome.warnings.iter().flatten().map(flag).fold(0, |all, flag| all | flag),
+            warnings: outcome.warnings.iter().map(flag).fold(0, |all, flag| all | flag),
         }
     }
 }
@@ -194,10 +194,10 @@ fn flag(warning: &Warning) -> u32 {
 impl State {
     /// A refusal is final: it is what every later call returns.
     fn handle(&mut self, event: Event<'_>) -> Result<(), Status> {
-        if let Some(refused) = self.refused {
-            return Err(refused);
+        if let Some(refused) = &self.refused {
+            return Err(refused.status());
         }
-        self.procedure.handle(event).map_err(|refusal| *self.refused.insert(refusal.status()))
+        self.procedure.handle(event).map_err(|refusal| self.refused.insert(refusal).status())
     }
 }
 
@@ -235,7 +235,7 @@ pub unsafe extern "C" fn zerorate_procedure_begin(procedure: *mut Procedure, pla
 pub unsafe extern "C" fn zerorate_procedure_next(procedure: *mut Procedure) -> Status {
     // SAFETY: by the contract.
     match unsafe { boundary::state(procedure) } {
-        Ok(State { refused: Some(refused), .. }) => *refused,
+        Ok(State { refused: Some(refused), .. }) => refused.status(),
         Ok(State { procedure, .. }) => match procedure.next() {
             Action::Initialise => ZERORATE_INITIALISE,
             Action::Read => ZERORATE_SAMPLE,
@@ -243,6 +243,18 @@ pub unsafe extern "C" fn zerorate_procedure_next(procedure: *mut Procedure) -> S
         },
         Err(status) => status,
     }
+}
+
+/// What to do about the refusal that ended the measurement: a ZERORATE_REMEDY_..., the best first. 0 where there is no
+/// remedy of this index, counted from 0, or no refusal.
+///
+/// # Safety
+/// `procedure` is null or points to one that nothing else uses meanwhile.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn zerorate_procedure_remedy(procedure: *mut Procedure, index: usize) -> u8 {
+    // SAFETY: by the contract.
+    let refused = unsafe { boundary::state(procedure) }.ok().and_then(|state| state.refused);
+    refused.and_then(|refusal| refusal.remedies().get(index).copied()).map_or(0, Remedy::code)
 }
 
 /// The part was initialised, at a time of the clock that the samples have too.
@@ -333,7 +345,7 @@ pub unsafe extern "C" fn zerorate_procedure_outcome(procedure: *mut Procedure, o
     let state = unsafe { boundary::state(procedure) };
     status::of(state.and_then(|State { procedure, refused }| {
         if let Some(refused) = refused {
-            return Err(*refused);
+            return Err(refused.status());
         }
         if procedure.next() != Action::Done {
             return Err(ZERORATE_E_STATE);

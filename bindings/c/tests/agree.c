@@ -363,6 +363,8 @@ static void calibrate(const char *keys)
     zerorate_status status;
     double elapsed_s;
     double total_s;
+    size_t index;
+    uint8_t remedy;
 
     zerorate_plan_default(&plan);
     plan.average_s = 2.0;
@@ -387,6 +389,11 @@ static void calibrate(const char *keys)
         zerorate_procedure_sample(&procedure, &sample);
     }
     print_status("ended", status == ZERORATE_DONE ? ZERORATE_OK : status);
+    printf("remedies [");
+    for (index = 0; (remedy = zerorate_procedure_remedy(&procedure, index)) != 0; index++) {
+        printf("%s%u", index > 0 ? "," : "", (unsigned)remedy);
+    }
+    printf("]\n");
     zerorate_procedure_progress(&procedure, &elapsed_s, &total_s);
     printf("step %ld\n", (long)zerorate_procedure_step(&procedure));
     print_f64("elapsed_s", elapsed_s);

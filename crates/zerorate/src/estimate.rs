@@ -135,7 +135,15 @@ pub(crate) fn span_suffices(seen: &Seen<'_>) -> Result<(), Refusal> {
 }
 
 /// The warnings that need no more than the windows, each where it applies.
-pub type WindowWarnings = [Option<Warning>; 12];
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WindowWarnings([Option<Warning>; 12]);
+
+impl WindowWarnings {
+    /// Those that apply.
+    pub fn iter(&self) -> impl Iterator<Item = &Warning> {
+        self.0.iter().flatten()
+    }
+}
 
 /// The result of a procedure that has reached its end and kept its seconds, which show what else the rate did.
 pub(crate) fn outcome_of_hour(seen: &Seen<'_>, blocks: &Blocks) -> Result<Outcome, Refusal> {
@@ -152,7 +160,7 @@ pub(crate) fn outcome_of_hour(seen: &Seen<'_>, blocks: &Blocks) -> Result<Outcom
     outcome(seen, hour.as_ref(), eighths, |warnings| {
         let found = hour.iter().flat_map(Findings::distinct).map(Warning::Found);
         let restless = hour.iter().filter(|hour| hour.unexplained).map(|_| Warning::Restless);
-        warnings.into_iter().flatten().chain(found).chain(restless).collect()
+        warnings.iter().copied().chain(found).chain(restless).collect()
     })
 }
 
@@ -446,7 +454,7 @@ fn warnings(
     let unjudged = seen.axis.noise.is_none() || bias.largest_tempco_dps_per_c().is_none();
     let flat = bias.least_tempco_dps_per_c().is_some_and(|least| level.btc_dps_per_c.abs() < least);
     let when = |condition: bool, warning: Warning| condition.then_some(warning);
-    [
+    WindowWarnings([
         Some(plan.earth_dps.map_or(Warning::EarthIncluded, |earth_dps| Warning::EarthSubtracted { earth_dps })),
         when(
             !plan.assume_linear && known,
@@ -480,5 +488,5 @@ fn warnings(
         when(hour.is_none(), Warning::HourUnchecked),
         when(unjudged, Warning::RestUnjudged),
         when(!plan.assume_linear && !known, Warning::CurvatureUnknown),
-    ]
+    ])
 }

@@ -339,7 +339,7 @@ fn fixed_memory_gives_the_same_numbers_bit_for_bit() {
             (full.samples, full.lost_samples, full.rate_hz),
             (fixed.samples, fixed.lost_samples, fixed.rate_hz)
         );
-        let mut warnings: Vec<Warning> = fixed.warnings.into_iter().flatten().collect();
+        let mut warnings: Vec<Warning> = fixed.warnings.iter().copied().collect();
         assert_eq!(warnings.pop(), Some(Warning::HourUnchecked), "what it does not look for, it says");
         assert_eq!(full.warnings, warnings);
     }

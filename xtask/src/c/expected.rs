@@ -143,8 +143,12 @@ fn calibrate(text: &mut String, keys: &str) -> Result<()> {
         seen = procedure.handle(Event::Reading(&Reading::from(&rig.next()?)));
     }
     let ended = seen.map_or_else(|refusal| number(&refusal), |()| 0);
+    let remedies: Vec<String> = match &seen {
+        Err(refusal) => refusal.remedies().iter().map(|remedy| remedy.code().to_string()).collect(),
+        Ok(()) => Vec::new(),
+    };
     let progress = procedure.progress();
-    writeln!(text, "ended {ended}\nstep {}", 3 + progress.state as u32)?;
+    writeln!(text, "ended {ended}\nremedies [{}]\nstep {}", remedies.join(","), 3 + progress.state as u32)?;
     f64_line(text, "elapsed_s", progress.elapsed_s)?;
     f64_line(text, "total_s", progress.total_s)?;
     writeln!(text, "outcome {ended}")?;
@@ -172,7 +176,7 @@ fn outcome_lines(text: &mut String, outcome: &Outcome<WindowWarnings>) -> Result
     for (name, value) in lines {
         f64_line(text, name, value)?;
     }
-    let warnings: u32 = outcome.warnings.iter().flatten().map(flag).sum();
+    let warnings: u32 = outcome.warnings.iter().map(flag).sum();
     writeln!(text, "samples {} lost {} warnings {warnings}", outcome.samples, outcome.lost_samples)?;
     Ok(())
 }

@@ -1,0 +1,104 @@
+//! What to do about a refusal, in numbers.
+
+use zerorate::Remedy;
+
+/// Give its component on the axis.
+pub const ZERORATE_REMEDY_GIVE_EARTH: u8 = 1;
+/// If this unit is known to be linear, say so.
+pub const ZERORATE_REMEDY_ASSUME_LINEAR: u8 = 2;
+/// Settle longer.
+pub const ZERORATE_REMEDY_SETTLE_LONGER: u8 = 3;
+/// Shield the part from draughts.
+pub const ZERORATE_REMEDY_SHIELD_FROM_DRAUGHTS: u8 = 4;
+/// Use a linear supply.
+pub const ZERORATE_REMEDY_LINEAR_SUPPLY: u8 = 5;
+/// Check that nothing moved.
+pub const ZERORATE_REMEDY_CHECK_NOTHING_MOVED: u8 = 6;
+/// Check that nothing moved slowly.
+pub const ZERORATE_REMEDY_CHECK_NOTHING_MOVED_SLOWLY: u8 = 7;
+/// Measure at several temperatures in a chamber (F-54).
+pub const ZERORATE_REMEDY_CHAMBER: u8 = 8;
+/// Warm and settle longer and more slowly.
+pub const ZERORATE_REMEDY_WARM_MORE_SLOWLY: u8 = 9;
+/// Fix the part to a still platform.
+pub const ZERORATE_REMEDY_FIX_TO_STILL_PLATFORM: u8 = 10;
+/// Check it over a wider range before you rely on it elsewhere than at T3.
+pub const ZERORATE_REMEDY_CHECK_OVER_WIDER_RANGE: u8 = 11;
+/// Record the samples and compute the calibration from them.
+pub const ZERORATE_REMEDY_RECORD_AND_RECOMPUTE: u8 = 12;
+/// Average the offset longer.
+pub const ZERORATE_REMEDY_LONGER_OFFSET: u8 = 13;
+/// Use a smaller divider.
+pub const ZERORATE_REMEDY_SMALLER_DIVIDER: u8 = 14;
+/// Use a larger divider.
+pub const ZERORATE_REMEDY_LARGER_DIVIDER: u8 = 15;
+/// Lower the SPI clock.
+pub const ZERORATE_REMEDY_SLOWER_CLOCK: u8 = 16;
+/// Shorten or shield the cable.
+pub const ZERORATE_REMEDY_SHORTER_CABLE: u8 = 17;
+/// Read at another rate.
+pub const ZERORATE_REMEDY_OTHER_RATE: u8 = 18;
+/// Keep the platform still.
+pub const ZERORATE_REMEDY_KEEP_STILL: u8 = 19;
+/// Remove the vibration.
+pub const ZERORATE_REMEDY_REMOVE_VIBRATION: u8 = 20;
+/// Start with a part that was off for an hour.
+pub const ZERORATE_REMEDY_START_COLD: u8 = 21;
+/// Wait longer.
+pub const ZERORATE_REMEDY_LONGER_WARM_UP: u8 = 22;
+/// Accept more.
+pub const ZERORATE_REMEDY_ACCEPT_MORE_U_BTC: u8 = 23;
+/// Read the temperature less often.
+pub const ZERORATE_REMEDY_READ_TEMPERATURE_LESS: u8 = 24;
+/// Read the temperature more often.
+pub const ZERORATE_REMEDY_READ_TEMPERATURE_MORE: u8 = 25;
+/// Allow more.
+pub const ZERORATE_REMEDY_ALLOW_MORE_LOSS: u8 = 26;
+/// Check supply and wiring.
+pub const ZERORATE_REMEDY_CHECK_SUPPLY_AND_WIRING: u8 = 27;
+/// Check the data-ready wire, its level and its pull-up, and only then what else the host does.
+pub const ZERORATE_REMEDY_CHECK_DATA_READY: u8 = 28;
+/// Reset the part, and check its data wire and its supply.
+pub const ZERORATE_REMEDY_RESET_AND_CHECK: u8 = 29;
+/// Average longer.
+pub const ZERORATE_REMEDY_LONGER_AVERAGE: u8 = 30;
+/// Complete the file of the part.
+pub const ZERORATE_REMEDY_COMPLETE_PART: u8 = 31;
+/// Calibrate over a wider span.
+pub const ZERORATE_REMEDY_WIDER_SPAN: u8 = 32;
+
+/// The numbers are those of the core.
+const _: () = {
+    assert!(ZERORATE_REMEDY_GIVE_EARTH == Remedy::GiveEarth.code());
+    assert!(ZERORATE_REMEDY_ASSUME_LINEAR == Remedy::AssumeLinear.code());
+    assert!(ZERORATE_REMEDY_SETTLE_LONGER == Remedy::SettleLonger.code());
+    assert!(ZERORATE_REMEDY_SHIELD_FROM_DRAUGHTS == Remedy::ShieldFromDraughts.code());
+    assert!(ZERORATE_REMEDY_LINEAR_SUPPLY == Remedy::LinearSupply.code());
+    assert!(ZERORATE_REMEDY_CHECK_NOTHING_MOVED == Remedy::CheckNothingMoved.code());
+    assert!(ZERORATE_REMEDY_CHECK_NOTHING_MOVED_SLOWLY == Remedy::CheckNothingMovedSlowly.code());
+    assert!(ZERORATE_REMEDY_CHAMBER == Remedy::Chamber.code());
+    assert!(ZERORATE_REMEDY_WARM_MORE_SLOWLY == Remedy::WarmMoreSlowly.code());
+    assert!(ZERORATE_REMEDY_FIX_TO_STILL_PLATFORM == Remedy::FixToStillPlatform.code());
+    assert!(ZERORATE_REMEDY_CHECK_OVER_WIDER_RANGE == Remedy::CheckOverWiderRange.code());
+    assert!(ZERORATE_REMEDY_RECORD_AND_RECOMPUTE == Remedy::RecordAndRecompute.code());
+    assert!(ZERORATE_REMEDY_LONGER_OFFSET == Remedy::LongerOffset.code());
+    assert!(ZERORATE_REMEDY_SMALLER_DIVIDER == Remedy::SmallerDivider.code());
+    assert!(ZERORATE_REMEDY_LARGER_DIVIDER == Remedy::LargerDivider.code());
+    assert!(ZERORATE_REMEDY_SLOWER_CLOCK == Remedy::SlowerClock.code());
+    assert!(ZERORATE_REMEDY_SHORTER_CABLE == Remedy::ShorterCable.code());
+    assert!(ZERORATE_REMEDY_OTHER_RATE == Remedy::OtherRate.code());
+    assert!(ZERORATE_REMEDY_KEEP_STILL == Remedy::KeepStill.code());
+    assert!(ZERORATE_REMEDY_REMOVE_VIBRATION == Remedy::RemoveVibration.code());
+    assert!(ZERORATE_REMEDY_START_COLD == Remedy::StartCold.code());
+    assert!(ZERORATE_REMEDY_LONGER_WARM_UP == Remedy::LongerWarmUp.code());
+    assert!(ZERORATE_REMEDY_ACCEPT_MORE_U_BTC == Remedy::AcceptMoreUBtc.code());
+    assert!(ZERORATE_REMEDY_READ_TEMPERATURE_LESS == Remedy::ReadTemperatureLess.code());
+    assert!(ZERORATE_REMEDY_READ_TEMPERATURE_MORE == Remedy::ReadTemperatureMore.code());
+    assert!(ZERORATE_REMEDY_ALLOW_MORE_LOSS == Remedy::AllowMoreLoss.code());
+    assert!(ZERORATE_REMEDY_CHECK_SUPPLY_AND_WIRING == Remedy::CheckSupplyAndWiring.code());
+    assert!(ZERORATE_REMEDY_CHECK_DATA_READY == Remedy::CheckDataReady.code());
+    assert!(ZERORATE_REMEDY_RESET_AND_CHECK == Remedy::ResetAndCheck.code());
+    assert!(ZERORATE_REMEDY_LONGER_AVERAGE == Remedy::LongerAverage.code());
+    assert!(ZERORATE_REMEDY_COMPLETE_PART == Remedy::CompletePart.code());
+    assert!(ZERORATE_REMEDY_WIDER_SPAN == Remedy::WiderSpan.code());
+};
