@@ -48,9 +48,15 @@ def test_the_report_has_the_keys_of_the_command_line(unit: tuple[zerorate.Calibr
     command = [sys.executable, "-m", "zerorate", "recalibrate", str(folder / "unit.arrows"), "--json", "--max-u-btc=1"]
     command += ["--average=10s", "--warmup=1m", "--settle=1m", "--offset=20s"]
     report = json.loads(subprocess.run(command, capture_output=True, check=True, text=True).stdout)
-    different = {"device"}
+    different = {"device", "warnings"}
     for key in report.keys() - different:
         assert getattr(found, key) == report[key], key
+    # the same warnings, but each front end names its own settings
+    assert [warning.split(":")[0] for warning in found.warnings] == [
+        warning.split(":")[0] for warning in report["warnings"]
+    ]
+    assert any("(earth_dps=)" in warning for warning in found.warnings)
+    assert not any("--" in warning for warning in found.warnings)
     assert report.keys() | {"truth", "calibration"} == set(vars(found))
 
 
