@@ -3,6 +3,7 @@
 use crate::hour::{Deviation, Finding};
 use crate::procedure::State;
 use crate::remedy::{Names, Remedy, Say, Setting, say_all};
+use crate::resonance::Tone;
 use core::fmt;
 
 /// Rotation of the Earth, °/s, on an axis parallel to its own (F-16).
@@ -41,7 +42,7 @@ pub enum Warning {
     /// Readings that the part cannot have measured were left out.
     Impossible { count: u64, fraction: f64 },
     /// The mechanical resonance appears near zero, where it looks like a bias.
-    Resonance { tone_hz: f64, tolerance_hz: f64, folded_hz: f64, rate_hz: f64, divider: Option<u16> },
+    Resonance { tone: Tone, folded_hz: f64, rate_hz: f64, divider: Option<u16> },
     /// A correction was used where it was not measured.
     Extrapolated { low_c: f64, high_c: f64, temp_min_c: f64, temp_max_c: f64 },
     /// The typical noise or temperature coefficient of the part is not known: rest was not judged.
@@ -159,13 +160,14 @@ impl Warning {
                  are left out; errors too small to tell from motion may have passed",
                 fraction * 100.0
             ),
-            Self::Resonance { tone_hz, tolerance_hz, folded_hz, rate_hz, divider } => {
+            Self::Resonance { tone: Tone { hz, tolerance_hz, rms_dps }, folded_hz, rate_hz, divider } => {
                 write!(
                     f,
                     "at {rate_hz:.1} samples a second the resonance of about {:.1} kHz (known to ±{tolerance_hz:.0} \
-                     Hz) appears at {folded_hz:.1} Hz, where averaging may not remove it: up to 0.03 °/s of false \
+                     Hz) appears at {folded_hz:.1} Hz, where averaging may not remove it: up to {:.2} °/s of false \
                      bias",
-                    tone_hz / 1e3
+                    hz / 1e3,
+                    core::f64::consts::SQRT_2 * rms_dps
                 )?;
                 divider.map_or(Ok(()), |divider| write!(f, "; a divider of {divider} is good"))
             }

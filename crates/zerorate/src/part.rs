@@ -34,21 +34,6 @@ impl Part {
         name: Cow::Borrowed("ADIS16130"),
         axes: Cow::Borrowed(&[NamedAxis { name: Cow::Borrowed("rate"), axis: Axis::ADIS16130 }]),
     };
-
-    /// The only axis, or the first of several.
-    #[must_use]
-    pub fn first(&self) -> &Axis {
-        self.axes.first().map_or(&Axis::ADIS16130, |named| &named.axis)
-    }
-
-    /// The same with every axis at this bandwidth, Hz.
-    #[must_use]
-    pub fn with_bandwidth_hz(mut self, hz: f64) -> Self {
-        for named in self.axes.to_mut() {
-            named.axis.bandwidth_hz = Some(hz);
-        }
-        self
-    }
 }
 
 /// The numbers of one axis, and of the temperature that belongs to it. What is not known is `None`, and whatever needs

@@ -61,8 +61,7 @@ pub fn warning(axis: &Axis, rate_hz: f64, divider: u16, average_s: f64) -> Optio
     let extra = if axis.alternates { 1.0 } else { 0.0 };
     let rate_at = |other: u16| rate_hz * (f64::from(divider) + extra) / (f64::from(other) + extra);
     tone.looks_like_bias(rate_hz, average_s, white).then(|| Warning::Resonance {
-        tone_hz: tone.hz,
-        tolerance_hz: tone.tolerance_hz,
+        tone,
         folded_hz: tone.folded_hz(rate_hz),
         rate_hz,
         divider: nearest(divider, |other| !tone.looks_like_bias(rate_at(other), average_s, white)),

@@ -1,5 +1,6 @@
 // Bias correction of one ADIS16130 gyroscope, for its own codes only.
 // Written by zerorate 0.1.0; do not edit, export again.
+// A program may use a part of it: hence the allow(dead_code).
 //
 // serial       an example: export your own unit's
 // calibration  fc793a7ef88b
@@ -22,7 +23,8 @@
 #[allow(dead_code)]
 pub const CALIBRATION_ID: &str = "fc793a7ef88b";
 
-/// Lowest temperature for which the correction holds, deg C. 25.0 to 31.6 deg C, seen while measuring; beyond, it is extrapolated.
+/// Lowest temperature for which the correction holds, deg C. 25.0 to 31.6 deg C, seen while measuring; beyond, it is
+/// extrapolated.
 #[allow(dead_code)]
 pub const TEMP_MIN_C: f64 = 25.0;
 
@@ -52,8 +54,8 @@ pub const fn in_range(temp_code: u32) -> bool {
     above && temp <= TEMP_MAX_CODE + TEMP_MARGIN_CODE
 }
 
-/// The temperature code, or that end of the range that is nearer: what [`correct_code`] takes where one wrong temperature must not
-/// move it far.
+/// The temperature code, or that end of the range that is nearer: what [`correct_code`] takes where one wrong
+/// temperature must not move it far.
 #[allow(dead_code)]
 #[inline]
 #[must_use]
@@ -82,8 +84,8 @@ pub const T3_CODE: i64 = 8480213;
 
 /// The corrected rate code of a rate code and the temperature code taken with it.
 ///
-/// Rounds to nearest, holds the result to 0 ... 2^24 - 1. Uses no division and no table. Extrapolates where the temperature is not in
-/// range, and does not say so: ask [`in_range`], or give [`hold_in_range`] of the code.
+/// Rounds to nearest, holds the result to 0 ... 2^24 - 1. Uses no division and no table. Extrapolates where the
+/// temperature is not in range, and does not say so: ask [`in_range`], or give [`hold_in_range`] of the code.
 #[allow(dead_code)]
 #[inline]
 #[must_use]
@@ -122,7 +124,8 @@ pub const TABLE_MIDDLE_Q32: i64 = 1505386037248;
 #[allow(dead_code)]
 pub const TABLE_ROWS_PER_CODE_Q32: i64 = 15237945;
 
-/// (TEMP - T3) * BTC in millionths of a deg/s, for TEMP - T3 from +7 deg C down to -7 deg C in steps of 0.02 deg C: 2804 bytes.
+/// (TEMP - T3) * BTC in millionths of a deg/s, for TEMP - T3 from +7 deg C down to -7 deg C in steps of 0.02 deg C:
+/// 2804 bytes.
 #[allow(dead_code)]
 #[rustfmt::skip]
 pub static TABLE_UDPS: [i32; 701] = [

@@ -4,7 +4,7 @@ use super::CaptureError;
 use adis16130::{RATE_LSB_PER_DPS, TEMP_LSB_PER_C, Width};
 use arrow::datatypes::Metadata;
 use std::path::Path;
-use zerorate::{Axis, Part};
+use zerorate::Axis;
 
 /// Version of the format that this program writes, and the highest it reads.
 pub const SCHEMA_VERSION: u32 = 2;
@@ -124,14 +124,9 @@ impl CaptureInfo {
 }
 
 impl CaptureInfo {
-    /// The part that was read, as it was set.
-    pub fn part(&self) -> Part {
-        self.bandwidth_hz.map_or(Part::ADIS16130, |hz| Part::ADIS16130.with_bandwidth_hz(hz))
-    }
-
-    /// Its axis.
+    /// The axis that was read, as it was set.
     pub fn axis(&self) -> Axis {
-        *self.part().first()
+        Axis { bandwidth_hz: self.bandwidth_hz.or(Axis::ADIS16130.bandwidth_hz), ..Axis::ADIS16130 }
     }
 }
 

@@ -22,7 +22,7 @@ impl Part {
     ///     rate = { lsb_per_dps = 20, zero_code = 0, width_bits = 16, range_dps = 300 }
     ///     temperature = { lsb_per_c = 7.14, zero_code = 0, zero_c = 25, width_bits = 12 }
     /// "#)?;
-    /// assert_eq!((part.axes.len(), part.first().rate.value(20)), (3, 1.0));
+    /// assert_eq!((part.axes.len(), part.axes[0].axis.rate.value(20)), (3, 1.0));
     /// # Ok::<(), zerorate::PartError>(())
     /// ```
     ///
@@ -318,7 +318,7 @@ mod tests {
     #[test]
     fn the_built_in_part_can_be_written_as_a_file() {
         let part = Part::parse(ADIS16130).unwrap();
-        assert_eq!(*part.first(), Axis { alternates: false, ..Axis::ADIS16130 });
+        assert_eq!(part.axes[0].axis, Axis { alternates: false, ..Axis::ADIS16130 });
     }
 
     #[test]
