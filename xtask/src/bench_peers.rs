@@ -97,9 +97,10 @@ fn print_agreement(lines: &[Line]) {
 
 /// From a capture of an hour in Parquet to the table on stdout.
 fn time_program() -> Result<()> {
-    done(Command::new("cargo").args(["build", "--release", "--quiet", "-p", "zerorate-cli"]))?;
+    let build = ["build", "--profile", "dist", "--quiet", "-p", "zerorate-cli", "--target-dir", "target/peers"];
+    done(Command::new("cargo").args(build))?;
     let zerorate = |line: &str| {
-        let mut command = Command::new("target/release/zerorate");
+        let mut command = Command::new("target/peers/dist/zerorate");
         command.args(line.split(' '));
         command
     };
