@@ -3,35 +3,41 @@
 use crate::correction::{Correction, Validity};
 use crate::notice::Warning;
 
-/// What is applied.
+/// What is applied: a correction for each axis, in an array on a microcontroller, in a `Vec` elsewhere.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CorrectorConfig {
-    /// PBC, BTC and T3.
-    pub correction: Correction,
+pub struct CorrectorConfig<C = [Correction; 1]> {
+    /// PBC, BTC and T3 of each axis.
+    pub corrections: C,
     /// Where they hold, if that is stated.
     pub validity: Option<Validity>,
 }
 
-/// Applies a correction: a reading without a temperature takes the last one that was read.
+/// Applies a correction to each axis of a part: rates without a temperature take the last one that was read.
 ///
 /// ```
 /// use zerorate::{Correction, Corrector, CorrectorConfig, Validity};
 /// let correction = Correction { pbc_dps: -0.25, btc_dps_per_c: -0.04, t3_c: 31.5 };
-/// let validity = Some(Validity { temp_min_c: 25.0, temp_max_c: 33.0 });
-/// let mut corrector = Corrector::new(CorrectorConfig { correction, validity });
+/// let validity = Some(Validity { temp_min_c: 25.0, temp_max_c: 33.0, margin_c: 0.5 });
+/// let mut corrector = Corrector::new(CorrectorConfig { corrections: [correction], validity });
 /// assert_eq!(corrector.take(Some(0.25), None).rate_dps, None); // no temperature yet
 /// assert_eq!(corrector.take(Some(0.25), Some(31.5)).rate_dps, Some(0.0));
 /// assert_eq!(corrector.take(Some(1.25), None).rate_dps, Some(1.0));
 /// assert!(corrector.take(Some(0.25), Some(60.0)).extrapolated);
+///
+/// // two axes, one temperature
+/// let other = Correction { pbc_dps: 1.0, ..correction };
+/// let mut corrector = Corrector::new(CorrectorConfig { corrections: [correction, other], validity });
+/// corrector.read(Some(31.5));
+/// assert_eq!([0, 1].map(|axis| corrector.correct(axis, Some(0.25))), [Some(0.0), Some(1.25)]);
 /// ```
 #[derive(Clone, Copy, Debug)]
-pub struct Corrector {
-    config: CorrectorConfig,
+pub struct Corrector<C = [Correction; 1]> {
+    config: CorrectorConfig<C>,
     temp_c: Option<f64>,
     range_c: Option<(f64, f64)>,
 }
 
-/// A reading, corrected.
+/// A reading of one axis, corrected.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Corrected {
     /// F-50, °/s; none without a rate that is believed, and before the first temperature.
@@ -42,28 +48,54 @@ pub struct Corrected {
     pub extrapolated: bool,
 }
 
-impl Corrector {
+impl<C: AsRef<[Correction]>> Corrector<C> {
     /// Before the first reading.
     #[must_use]
-    pub fn new(config: CorrectorConfig) -> Self {
+    pub fn new(config: CorrectorConfig<C>) -> Self {
         Self { config, temp_c: None, range_c: None }
     }
 
-    /// Corrects a rate in °/s, or a mean of rates, with the temperature in °C that was read with it.
+    /// How many axes it corrects.
+    #[must_use]
+    pub fn axes(&self) -> usize {
+        self.config.corrections.as_ref().len()
+    }
+
+    /// Takes in the temperature, °C, that was read with the rates that come next, if one was.
     #[inline]
-    pub fn take(&mut self, rate_dps: Option<f64>, read_c: Option<f64>) -> Corrected {
+    pub fn read(&mut self, read_c: Option<f64>) {
         if let Some(read_c) = read_c {
             let (low, high) = self.range_c.unwrap_or((read_c, read_c));
             (self.temp_c, self.range_c) = (Some(read_c), Some((low.min(read_c), high.max(read_c))));
         }
-        let temp_c = self.temp_c;
-        let apply = |(rate_dps, temp_c)| self.config.correction.apply(rate_dps, temp_c);
+    }
+
+    /// Corrects a rate of an axis, °/s, or a mean of rates: F-50. None without a rate, before the first temperature,
+    /// and for an axis that it has no correction of.
+    #[inline]
+    #[must_use]
+    pub fn correct(&self, axis: usize, rate_dps: Option<f64>) -> Option<f64> {
+        Some(self.config.corrections.as_ref().get(axis)?.apply(rate_dps?, self.temp_c?))
+    }
+
+    /// Both for the only axis: a rate in °/s, or a mean of rates, with the temperature in °C that was read with it.
+    #[inline]
+    pub fn take(&mut self, rate_dps: Option<f64>, read_c: Option<f64>) -> Corrected {
+        self.read(read_c);
+        Corrected { rate_dps: self.correct(0, rate_dps), temp_c: self.temp_c, extrapolated: self.is_extrapolated() }
+    }
+
+    /// The temperature that is used, °C.
+    #[must_use]
+    pub fn temp_c(&self) -> Option<f64> {
+        self.temp_c
+    }
+
+    /// Whether it lies outside the span where the corrections hold.
+    #[must_use]
+    pub fn is_extrapolated(&self) -> bool {
         let outside = |(validity, temp_c): (Validity, f64)| !validity.covers(temp_c);
-        Corrected {
-            rate_dps: rate_dps.zip(temp_c).map(apply),
-            temp_c,
-            extrapolated: self.config.validity.zip(temp_c).is_some_and(outside),
-        }
+        self.config.validity.zip(self.temp_c).is_some_and(outside)
     }
 
     /// Lowest and highest temperature that was read, °C.

@@ -43,7 +43,7 @@ pub use hour::{Deviation, Finding};
 pub use notice::{EARTH_DPS, Refusal, Warning};
 #[cfg(feature = "file")]
 pub use part::PartError;
-pub use part::{Axis, NamedAxis, Part, Scale, TypicalBias, TypicalNoise};
+pub use part::{Axis, MAX_AXES, NamedAxis, NoiseSources, Part, Scale, TypicalBias, TypicalNoise};
 pub use procedure::{Action, Event, FixedProcedure, Plan, PlanError, Procedure, Progress, State};
 pub use reading::Reading;
 pub use remedy::{Names, Remedy, Said, Say, Setting};

@@ -1,6 +1,7 @@
 //! What is true of one kind of gyroscope: a value that is handed in. [`Part::ADIS16130`] is built in; any other comes
 //! from a file ([`Part::parse`], `docs/formats/part.md`).
 
+use crate::correction::Validity;
 use crate::noise::{FLOOR_PER_B, NoiseModel};
 use crate::resonance::Tone;
 use alloc::borrow::Cow;
@@ -9,13 +10,18 @@ use alloc::borrow::Cow;
 mod file;
 #[cfg(feature = "file")]
 pub use file::PartError;
+#[cfg(feature = "file")]
+pub(crate) use file::is_word;
+
+/// Most axes of a part: its readings take that much room.
+pub const MAX_AXES: usize = 8;
 
 /// A kind of gyroscope: its name and its axes, which share one temperature.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Part {
     /// What captures and calibrations call it.
     pub name: Cow<'static, str>,
-    /// One at least.
+    /// One at least, [`MAX_AXES`] at most.
     pub axes: Cow<'static, [NamedAxis]>,
 }
 
@@ -26,13 +32,31 @@ pub struct NamedAxis {
     pub name: Cow<'static, str>,
     /// Its numbers.
     pub axis: Axis,
+    /// Where its typical noise comes from.
+    pub sources: NoiseSources,
+}
+
+/// Where the typical noise of an axis comes from: a fact, a data sheet, a measurement.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct NoiseSources {
+    /// Of its flicker.
+    pub flicker: Option<Cow<'static, str>>,
+    /// Of its rate random walk.
+    pub rate_random_walk: Option<Cow<'static, str>>,
 }
 
 impl Part {
     /// The part that this software knows by itself, at its own bandwidth (F-03).
     pub const ADIS16130: Self = Self {
         name: Cow::Borrowed("ADIS16130"),
-        axes: Cow::Borrowed(&[NamedAxis { name: Cow::Borrowed("rate"), axis: Axis::ADIS16130 }]),
+        axes: Cow::Borrowed(&[NamedAxis {
+            name: Cow::Borrowed("rate"),
+            axis: Axis::ADIS16130,
+            sources: NoiseSources {
+                flicker: Some(Cow::Borrowed("M-04")),
+                rate_random_walk: Some(Cow::Borrowed("M-04")),
+            },
+        }]),
     };
 }
 
@@ -44,6 +68,8 @@ pub struct Axis {
     pub rate: Scale,
     /// Codes to °C.
     pub temp: Scale,
+    /// Noise of a single reading of the temperature, °C.
+    pub temp_noise_c: Option<f64>,
     /// Largest rate that it measures, °/s, in both directions.
     pub range_dps: Option<f64>,
     /// −3 dB of its response, Hz, as it is set.
@@ -70,9 +96,15 @@ pub struct Scale {
     pub zero_value: f64,
     /// Bits of a code.
     pub width_bits: u8,
+    /// Whether codes are two's complement; else they begin at 0.
+    pub signed: bool,
 }
 
 impl Scale {
+    /// 24 bits around 2²³ (F-40, F-41).
+    const OFFSET_24: Self =
+        Self { lsb_per_unit: 1.0, zero_code: 8_388_608, zero_value: 0.0, width_bits: 24, signed: false };
+
     /// The value of a code less the zero code, divided once.
     ///
     /// ```
@@ -90,10 +122,32 @@ impl Scale {
         (value - self.zero_value) * self.lsb_per_unit + self.zero_code as f64
     }
 
+    /// The code nearest to a value; beyond what a code can say the first or last one.
+    #[must_use]
+    pub fn nearest_code(&self, value: f64) -> i64 {
+        let (first, last) = self.codes();
+        libm::round(self.code(value).clamp(first as f64, last as f64)) as i64
+    }
+
+    /// The first and the last code.
+    ///
+    /// ```
+    /// let scale = zerorate::Axis::ADIS16130.rate;
+    /// assert_eq!(scale.codes(), (0, 16_777_215));
+    /// assert_eq!(zerorate::Scale { width_bits: 16, signed: true, ..scale }.codes(), (-32_768, 32_767));
+    /// ```
+    #[must_use]
+    pub const fn codes(&self) -> (i64, i64) {
+        let last = (1 << self.width_bits) - 1;
+        let first = if self.signed { -(1 << (self.width_bits - 1)) } else { 0 };
+        (first, first + last)
+    }
+
     /// The largest code less the smallest.
     #[must_use]
-    pub fn span(&self) -> f64 {
-        libm::exp2(f64::from(self.width_bits)) - 1.0
+    pub const fn span(&self) -> f64 {
+        let (first, last) = self.codes();
+        (last - first) as f64
     }
 }
 
@@ -166,10 +220,11 @@ impl TypicalBias {
 impl Axis {
     /// The ADIS16130 in 24 bit, at its own bandwidth. A 16-bit code counts as 256 of these (F-43).
     pub const ADIS16130: Self = Self {
-        rate: Scale { lsb_per_unit: 23_488.0, zero_code: 8_388_608, zero_value: 0.0, width_bits: 24 }, // F-40
-        temp: Scale { lsb_per_unit: 14_093.0, zero_code: 8_388_608, zero_value: 25.0, width_bits: 24 }, // F-41
-        range_dps: Some(250.0),                                                                        // F-08
-        bandwidth_hz: Some(300.0),                                                                     // F-03
+        rate: Scale { lsb_per_unit: 23_488.0, zero_value: 0.0, ..Scale::OFFSET_24 }, // F-40
+        temp: Scale { lsb_per_unit: 14_093.0, zero_value: 25.0, ..Scale::OFFSET_24 }, // F-41
+        temp_noise_c: Some(0.05),                                                    // M-05
+        range_dps: Some(250.0),                                                      // F-08
+        bandwidth_hz: Some(300.0),                                                   // F-03
         noise: Some(TypicalNoise {
             white_dps_per_rt_hz: 0.0125,         // F-02
             flicker_floor_dps: 0.0016,           // M-04
@@ -188,6 +243,13 @@ impl Axis {
     };
     /// Its bandwidth with 0.01 µF between ROA1 and ROA2, Hz (F-04).
     pub const ADIS16130_ROA_10NF_HZ: f64 = 50.0;
+
+    /// How far a temperature may leave the span of a calibration unremarked, °C: ten times the noise of a reading, or
+    /// [`Validity::MARGIN_C`](crate::Validity::MARGIN_C) where that is not known.
+    #[must_use]
+    pub fn temp_margin_c(&self) -> f64 {
+        self.temp_noise_c.map_or(Validity::MARGIN_C, |noise_c| 10.0 * noise_c)
+    }
 
     /// The typical noise as a model; without one, no noise but what is measured.
     #[must_use]

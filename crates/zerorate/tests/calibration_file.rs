@@ -1,10 +1,10 @@
 //! The calibration file: what is written comes back, and nothing that was changed since passes for it.
 
-use zerorate::calibration::{Calibration, FileError, FileWarning, Origin};
-use zerorate::{Axis, Correction, Noise, Outcome, Plan, Uncertainty, Warning};
+use zerorate::calibration::{CalibratedAxis, Calibration, FileError, FileWarning, Origin};
+use zerorate::{Axis, Correction, Noise, Outcome, Part, Plan, Uncertainty, Warning};
 
-fn measured() -> Calibration {
-    let outcome = Outcome {
+fn outcome() -> Outcome {
+    Outcome {
         b1_dps: 0.123_456_789_012_345_67,
         t1_c: 25.2,
         b2_dps: 0.37,
@@ -34,8 +34,11 @@ fn measured() -> Calibration {
         temp_max_c: 33.2,
         plan: Plan { earth_dps: Some(0.003), ..Plan::default() },
         warnings: vec![Warning::Lost { lost: 3, fraction: 1.7e-7 }],
-    };
-    let origin = Origin {
+    }
+}
+
+fn origin() -> Origin {
+    Origin {
         serial: Some("SN \"17\"".into()),
         created: Some("2026-11-21T10:00:00Z".into()),
         software: "zerorate 0.1.0".into(),
@@ -43,8 +46,11 @@ fn measured() -> Calibration {
         config: "24 bit".into(),
         capture_sha256: "ab".repeat(32),
         supply_note: None,
-    };
-    Calibration::new(&outcome, origin)
+    }
+}
+
+fn measured() -> Calibration {
+    Calibration::new(&Part::ADIS16130, &[outcome()], origin())
 }
 
 fn error(text: &str) -> FileError {
@@ -56,6 +62,7 @@ fn comes_back_bit_for_bit() {
     let calibration = measured();
     let text = calibration.to_toml();
     let (read, warnings) = Calibration::parse(&text).unwrap();
+    assert!(text.contains("schema = 1\n") && !text.contains("axis") && !text.contains("margin_c"), "{text}");
     assert_eq!(read, calibration);
     assert_eq!(read.id(), calibration.id());
     assert!(warnings.is_empty());
@@ -120,14 +127,14 @@ t3_c = 31.5
 #[test]
 fn a_hand_written_file_is_read_with_a_warning() {
     let (calibration, warnings) = Calibration::parse(BY_HAND).unwrap();
-    assert_eq!(calibration.correction, Correction { pbc_dps: -0.25, btc_dps_per_c: -0.04, t3_c: 31.5 });
+    assert_eq!(calibration.axes[0].correction, Correction { pbc_dps: -0.25, btc_dps_per_c: -0.04, t3_c: 31.5 });
     assert_eq!(warnings, [FileWarning::NoChecksum]);
 }
 
 #[test]
 fn mistakes_are_named_with_their_line() {
     let with = |from: &str, to: &str| error(&BY_HAND.replace(from, to));
-    assert!(matches!(with("schema = 1", "schema = 2"), FileError::Newer { line: 1, schema: 2 }));
+    assert!(matches!(with("schema = 1", "schema = 3"), FileError::Newer { line: 1, schema: 3 }));
     assert!(matches!(with("ADIS16130", "ADIS16136"), FileError::Value { line: 2, name: "part", .. }));
     assert!(matches!(with("-0.25", "nan"), FileError::Value { line: 4, name: "pbc_dps", .. }));
     assert!(matches!(with("-0.04", "40"), FileError::Value { line: 5, name: "btc_dps_per_c", .. }));
@@ -151,9 +158,10 @@ fn the_id_follows_the_numbers() {
 fn the_uncertainty_of_a_correction_is_propagated() {
     let calibration = measured();
     let expected = (6.76e-6 + 9.216e-5 + 4e-8_f64).sqrt();
-    let found = calibration.u_correction_dps(calibration.correction.t3_c + 2.0).unwrap();
+    let axis = calibration.axes[0].clone();
+    let found = axis.u_correction_dps(axis.correction.t3_c + 2.0).unwrap();
     assert!((found / expected - 1.0).abs() < 1e-9, "{found} {expected}");
-    assert_eq!(Calibration { uncertainty: None, ..calibration }.u_correction_dps(25.0), None);
+    assert_eq!(CalibratedAxis { uncertainty: None, ..axis }.u_correction_dps(25.0), None);
 }
 
 /// Normal numbers by the central limit, from a multiplicative generator.
@@ -176,7 +184,7 @@ fn the_uncertainty_of_a_correction_is_that_of_many_measurements() {
     const DRAWS: u32 = 40_000;
     let (bias_dps, btc, t3_c) = (0.3, -0.04, 33.0);
     let (u_rate, u_t3, u_btc, shared): (f64, f64, f64, f64) = (0.0026, 0.05, 0.0008, 0.6);
-    let mut calibration = measured();
+    let mut calibration = measured().axes.remove(0);
     let u = calibration.uncertainty.as_mut().unwrap();
     u.u_pbc_dps = (u_rate * u_rate + btc * btc * u_t3 * u_t3).sqrt();
     (u.u_btc_dps_per_c, u.u_t3_c) = (u_btc, u_t3);

@@ -15,7 +15,7 @@ use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use zerorate::health::{Flags, Health, Judged};
-use zerorate::{Axis, Calibration, Correction, Corrector, CorrectorConfig, Reading, Say, Tally};
+use zerorate::{Axis, Calibration, Correction, Corrector, Reading, Say, Tally};
 
 /// Corrects a capture: RATE + PBC + (TEMP − T3) · BTC.
 ///
@@ -57,7 +57,7 @@ pub fn run(args: &CorrectArgs) -> Result<()> {
     let schema = schema(reader.info(), &calibration);
     let format = Format::choose(args.format, &args.output);
     let mut sink = table::create(&args.output, output.file()?, format, &schema)?;
-    let mut correcting = Correcting::new(reader.info().axis(), &calibration);
+    let mut correcting = Correcting::new(reader.info().axis(), corrector(&calibration)?);
     while let Some(rows) = reader.next_rows()? {
         ensure!(!interrupt::asked(), "interrupted; nothing written");
         for batch in correcting.take(rows, &schema)? {
@@ -90,9 +90,10 @@ pub(super) fn load(path: &Path) -> Result<Calibration> {
     Ok(calibration)
 }
 
-/// What is to be applied.
-pub(super) fn corrector(calibration: &Calibration) -> Corrector {
-    Corrector::new(CorrectorConfig { correction: calibration.correction, validity: calibration.validity })
+/// What is to be applied to the only axis of an ADIS16130.
+pub(super) fn corrector(calibration: &Calibration) -> Result<Corrector<Vec<Correction>>> {
+    let zerorate::Part { name, axes } = zerorate::Part::ADIS16130;
+    Ok(calibration.corrector(&name, axes.iter().map(|axis| &*axis.name))?)
 }
 
 fn refuse_corrected(path: &Path, reader: &CaptureReader) -> Result<()> {
@@ -120,20 +121,20 @@ fn check_serial(args: &CorrectArgs, info: &CaptureInfo, calibration: &Calibratio
 }
 
 fn schema(info: &CaptureInfo, calibration: &Calibration) -> SchemaRef {
-    let Correction { pbc_dps, btc_dps_per_c, t3_c } = calibration.correction;
-    let metadata: Metadata = info
-        .to_metadata()
-        .with(info::CALIBRATION_ID, calibration.id())
-        .with("zerorate.pbc_dps", pbc_dps.to_string())
-        .with("zerorate.btc_dps_per_c", btc_dps_per_c.to_string())
-        .with("zerorate.t3_c", t3_c.to_string());
+    let mut metadata: Metadata = info.to_metadata().with(info::CALIBRATION_ID, calibration.id());
+    if let Some(Correction { pbc_dps, btc_dps_per_c, t3_c }) = calibration.axes.first().map(|axis| axis.correction) {
+        metadata = metadata
+            .with("zerorate.pbc_dps", pbc_dps.to_string())
+            .with("zerorate.btc_dps_per_c", btc_dps_per_c.to_string())
+            .with("zerorate.t3_c", t3_c.to_string());
+    }
     columns::schema([columns::raw_fields(), columns::derived_fields()].concat(), metadata)
 }
 
 /// Applies a correction row by row, two rows late: so long it takes to judge one.
 struct Correcting {
     axis: Axis,
-    corrector: Corrector,
+    corrector: Corrector<Vec<Correction>>,
     /// Batches that are not judged to their end yet.
     waiting: VecDeque<Rows>,
     judged: VecDeque<Judged>,
@@ -141,9 +142,9 @@ struct Correcting {
 }
 
 impl Correcting {
-    fn new(axis: Axis, calibration: &Calibration) -> Self {
+    fn new(axis: Axis, corrector: Corrector<Vec<Correction>>) -> Self {
         let (waiting, judged) = (VecDeque::new(), VecDeque::new());
-        Self { axis, corrector: corrector(calibration), waiting, judged, seen: Seen::new(&axis) }
+        Self { axis, corrector, waiting, judged, seen: Seen::new(&axis) }
     }
 
     /// Takes a batch in, and gives those that are judged.

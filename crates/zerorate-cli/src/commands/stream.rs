@@ -16,7 +16,7 @@ use serde::Serialize;
 use std::io::{self, BufWriter, Write};
 use std::path::PathBuf;
 use zerorate::health::{Flags, Judged};
-use zerorate::{Axis, Calibration, CodeSum, Corrected, Corrector, Say};
+use zerorate::{Axis, Calibration, CodeSum, Corrected, Correction, Corrector, Say};
 
 /// Prints the corrected rate as it comes: columns t_s, rate_dps, temp_c, lost, calibration, flags.
 ///
@@ -180,7 +180,7 @@ struct Rows {
     out: BufWriter<Stdout>,
     form: Form,
     axis: Axis,
-    corrector: Corrector,
+    corrector: Corrector<Vec<Correction>>,
     id: String,
     flush_each: bool,
     warned: Warned,
@@ -208,7 +208,7 @@ impl Rows {
         if let Form::Csv = form {
             writeln!(out, "t_s,rate_dps,temp_c,lost,calibration,flags")?;
         }
-        let (corrector, id) = (corrector(calibration), calibration.id());
+        let (corrector, id) = (corrector(calibration)?, calibration.id());
         Ok(Self { out, form, axis, corrector, id, flush_each, warned: Warned::default() })
     }
 

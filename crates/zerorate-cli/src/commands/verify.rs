@@ -115,13 +115,14 @@ fn capture(path: &Path, source: Box<dyn table::BatchSource>) -> Result<Verdict, 
 fn calibration(path: &Path, file: File) -> Result<Verdict, CaptureError> {
     let mut text = String::new();
     let read = file.take(CALIBRATION_BYTES).read_to_string(&mut text);
-    if read.is_err() || !text.contains("[correction]") {
+    let (one, several) = (text.contains("[correction]"), text.contains("axis") && text.contains("correction"));
+    if read.is_err() || !(one || several) {
         return Err(CaptureError::not_a_capture(path, "and it is no calibration file either"));
     }
     let parsed = Calibration::parse(&text);
     Ok(Verdict {
         form: "calibration",
-        schema: Some(1),
+        schema: Some(parsed.as_ref().map_or(if one { 1 } else { 2 }, |(calibration, _)| calibration.schema())),
         checked: parsed.as_ref().is_ok_and(|(_, warnings)| warnings.is_empty()),
         notes: parsed.iter().flat_map(|(_, warnings)| warnings).map(ToString::to_string).collect(),
         damage: parsed.err().map(|error| format!("{}: {error}", path.display())),

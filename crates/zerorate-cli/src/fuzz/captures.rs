@@ -97,15 +97,33 @@ earth_dps = 0.003
 assume_linear = false
 "#;
 
+/// Two axes, one in full and one as short as it can be.
+const AXES: &str = r#"schema = 2
+part = "ADIS16405"
+axis = [{ name = "x", correction = { pbc_dps = 1, btc_dps_per_c = 0, t3_c = 3 } }, { name = "y", warnings = ["one"],
+    rate = { lsb_per_dps = 20, zero_code = 0, width_bits = 16, signed = true },
+    correction = { pbc_dps = -0.25, btc_dps_per_c = -0.04, t3_c = 31.5 } }]
+[temperature]
+lsb_per_c = 7.14
+zero_code = 0
+zero_c = 25
+width_bits = 12
+[validity]
+temp_min_c = 25.0
+temp_max_c = 32.5
+margin_c = 1.4
+"#;
+
 /// What is believed is finite, reads back as it is written, and makes a page.
 #[test]
 fn calibration() {
     let (measured, _) = Calibration::parse(CALIBRATION).expect("a calibration");
-    let seeds = vec![CALIBRATION.as_bytes().to_vec(), measured.to_toml().into_bytes()];
+    let (axes, _) = Calibration::parse(AXES).expect("a calibration");
+    let seeds = [CALIBRATION, &measured.to_toml(), AXES, &axes.to_toml()].map(|text| text.as_bytes().to_vec());
     edited(1500, &seeds, |bytes| {
         let Ok(text) = std::str::from_utf8(bytes) else { return };
         let Ok((calibration, _)) = Calibration::parse(text) else { return };
-        assert!(calibration.correction.apply(0.0, 25.0).is_finite());
+        assert!(calibration.axes.iter().all(|axis| axis.correction.apply(0.0, 25.0).is_finite()));
         let (again, _) = Calibration::parse(&calibration.to_toml()).expect("what is written can be read");
         assert_eq!(again, calibration);
         crate::report::calibration_page(&calibration, "edited").expect("a page");

@@ -5,8 +5,8 @@ use crate::duration::Seconds;
 use crate::plot::{self, CorrectionCurve, CorrectionPoint};
 use anyhow::Result;
 use askama::Template;
-use zerorate::Calibration;
-use zerorate::calibration::{Run, Uncertainties};
+use zerorate::calibration::{CalibratedAxis, Run, Uncertainties};
+use zerorate::{Calibration, Validity};
 
 /// The table of AN-1042 (F-52): its step and its reach, °C.
 const TABLE_C: (f64, f64) = (0.02, 0.12);
@@ -23,12 +23,23 @@ struct Page<'a> {
     software: &'a str,
     file: &'a str,
     warnings: &'a [String],
+    span: String,
+    /// Of the headings below an axis.
+    level: u8,
+    axes: Vec<AxisPart<'a>>,
+    sections: Vec<Section>,
+}
+
+/// What there is to say of one axis.
+struct AxisPart<'a> {
+    /// The only axis has none.
+    name: Option<&'a str>,
+    warnings: &'a [String],
     coverage: String,
     quantities: Vec<Quantity>,
     pbc: String,
     btc: String,
     t3: String,
-    span: String,
     picture: String,
     has_band: bool,
     table: Vec<Row>,
@@ -59,40 +70,53 @@ struct Section {
 /// # Errors
 /// A table that cannot be laid out.
 pub fn calibration_page(calibration: &Calibration, file: &str) -> Result<String> {
-    let correction = &calibration.correction;
     let serial = calibration.serial.as_deref().map_or(String::new(), |serial| format!(", serial {serial}"));
     let created = calibration.created.as_deref().map_or("no date".to_owned(), |created| format!("measured {created}"));
-    let row = |row: zerorate::TableRow| Row {
-        delta: format!("{:+.2}", row.delta_c + 0.0),
-        correction: format!("{:+.6}", row.correction_dps + 0.0),
-    };
+    let several = calibration.axes.len() > 1;
     let page = Page {
         title: format!("Calibration of {}{serial}", calibration.part),
         below: format!("{file}: calibration {}, {created}", calibration.id()),
         software: crate::SOFTWARE,
         file,
         warnings: &calibration.warnings,
-        coverage: coverage(calibration),
-        quantities: quantities(calibration),
-        pbc: signed_term(correction.pbc_dps),
-        btc: format!("{:+.6}", correction.btc_dps_per_c),
-        t3: format!("{:.4}", correction.t3_c),
         span: span(calibration),
-        picture: picture(calibration),
-        has_band: calibration.uncertainty.is_some(),
-        table: correction.table(TABLE_C.0, TABLE_C.1)?.into_iter().map(row).collect(),
+        level: if several { 3 } else { 2 },
+        axes: calibration.axes.iter().map(|axis| axis_part(calibration, axis)).collect::<Result<_>>()?,
         sections: sections(calibration),
     };
     Ok(page.render()?)
 }
 
-fn coverage(calibration: &Calibration) -> String {
-    let coverage = calibration.uncertainty.map_or(zerorate::Uncertainty::COVERAGE, |u| u.coverage);
+fn axis_part<'a>(calibration: &Calibration, axis: &'a CalibratedAxis) -> Result<AxisPart<'a>> {
+    let correction = &axis.correction;
+    let several = calibration.axes.len() > 1;
+    let row = |row: zerorate::TableRow| Row {
+        delta: format!("{:+.2}", row.delta_c + 0.0),
+        correction: format!("{:+.6}", row.correction_dps + 0.0),
+    };
+    let own = [Section { name: "Means", facts: means(axis) }, Section { name: "Noise", facts: noise(axis) }];
+    Ok(AxisPart {
+        name: several.then_some(axis.name.as_str()),
+        warnings: &axis.warnings,
+        coverage: coverage(axis),
+        quantities: quantities(axis),
+        pbc: signed_term(correction.pbc_dps),
+        btc: format!("{:+.6}", correction.btc_dps_per_c),
+        t3: format!("{:.4}", correction.t3_c),
+        picture: picture(axis, calibration.validity),
+        has_band: axis.uncertainty.is_some(),
+        table: correction.table(TABLE_C.0, TABLE_C.1)?.into_iter().map(row).collect(),
+        sections: own.into_iter().filter(|section| several && !section.facts.is_empty()).collect(),
+    })
+}
+
+fn coverage(axis: &CalibratedAxis) -> String {
+    let coverage = axis.uncertainty.map_or(zerorate::Uncertainty::COVERAGE, |u| u.coverage);
     format!("{} % interval", (coverage * 1000.0).round() / 10.0)
 }
 
-fn quantities(calibration: &Calibration) -> Vec<Quantity> {
-    let (correction, u) = (&calibration.correction, calibration.uncertainty);
+fn quantities(axis: &CalibratedAxis) -> Vec<Quantity> {
+    let (correction, u) = (&axis.correction, axis.uncertainty);
     let quantity = |name, value: f64, unit, of: fn(&Uncertainties) -> f64, places: usize| {
         let unknown = || "not stated".to_owned();
         let interval = |u: &Uncertainties| {
@@ -130,18 +154,18 @@ fn span(calibration: &Calibration) -> String {
     }
 }
 
-fn picture(calibration: &Calibration) -> String {
-    let correction = &calibration.correction;
-    let valid_c = calibration.validity.map(|span| (span.temp_min_c, span.temp_max_c));
+fn picture(axis: &CalibratedAxis, validity: Option<Validity>) -> String {
+    let correction = &axis.correction;
+    let valid_c = validity.map(|span| (span.temp_min_c, span.temp_max_c));
     let (coldest, hottest) = valid_c.unwrap_or((correction.t3_c, correction.t3_c));
     let (from, to) = (coldest.min(correction.t3_c) - BEYOND_C, hottest.max(correction.t3_c) + BEYOND_C);
-    let factor = calibration.uncertainty.map_or(0.0, |u| u.coverage_factor);
+    let factor = axis.uncertainty.map_or(0.0, |u| u.coverage_factor);
     let point = |k: u32| {
         let temp_c = from + (to - from) * f64::from(k) / f64::from(POINTS);
         CorrectionPoint {
             temp_c,
             correction_dps: correction.apply(0.0, temp_c),
-            half_dps: factor * calibration.u_correction_dps(temp_c).unwrap_or(0.0),
+            half_dps: factor * axis.u_correction_dps(temp_c).unwrap_or(0.0),
         }
     };
     plot::correction(&CorrectionCurve { points: (0..=POINTS).map(point).collect(), t3_c: correction.t3_c, valid_c })
@@ -149,7 +173,9 @@ fn picture(calibration: &Calibration) -> String {
 
 fn sections(calibration: &Calibration) -> Vec<Section> {
     let mut sections = vec![Section { name: "Measurement", facts: measurement(calibration) }];
-    sections.push(Section { name: "Noise", facts: noise(calibration) });
+    if let [only] = calibration.axes.as_slice() {
+        sections.push(Section { name: "Noise", facts: noise(only) });
+    }
     sections.push(Section { name: "Origin", facts: origin(calibration) });
     sections.retain(|section| !section.facts.is_empty());
     sections
@@ -161,21 +187,28 @@ fn measurement(calibration: &Calibration) -> Vec<Fact> {
         let note = if method == "an1042" { " (procedure of AN-1042)" } else { "" };
         facts.push(Fact::new("method", format!("{method}{note}")));
     }
-    if let Some(means) = calibration.measured {
-        let with =
-            |value: f64, u: Option<f64>| u.map_or(format!("{value:+.5}"), |u| format!("{value:+.5} (u = {u:.5})"));
-        let u = calibration.uncertainty;
-        let mean = |name, dps, u_dps, temp: f64, t: &str| {
-            Fact::new(name, format!("{} °/s at {t} = {temp:.4} °C", with(dps, u_dps)))
-        };
-        facts.push(mean("B1, mean before warming", means.b1_dps, u.map(|u| u.u_b1_dps), means.t1_c, "T1"));
-        facts.push(mean("B2, mean after warming", means.b2_dps, u.map(|u| u.u_b2_dps), means.t2_c, "T2"));
+    if let [only] = calibration.axes.as_slice() {
+        facts.extend(means(only));
     }
     if let Some(span) = calibration.validity {
         facts.push(Fact::new("temperatures", format!("{:.2} … {:.2} °C", span.temp_min_c, span.temp_max_c)));
     }
     facts.extend(calibration.run.iter().flat_map(run));
     facts
+}
+
+/// Steps 4 and 6.
+fn means(axis: &CalibratedAxis) -> Vec<Fact> {
+    let Some(means) = axis.measured else { return Vec::new() };
+    let with = |value: f64, u: Option<f64>| u.map_or(format!("{value:+.5}"), |u| format!("{value:+.5} (u = {u:.5})"));
+    let u = axis.uncertainty;
+    let mean = |name, dps, u_dps, temp: f64, t: &str| {
+        Fact::new(name, format!("{} °/s at {t} = {temp:.4} °C", with(dps, u_dps)))
+    };
+    vec![
+        mean("B1, mean before warming", means.b1_dps, u.map(|u| u.u_b1_dps), means.t1_c, "T1"),
+        mean("B2, mean after warming", means.b2_dps, u.map(|u| u.u_b2_dps), means.t2_c, "T2"),
+    ]
 }
 
 fn run(run: &Run) -> Vec<Fact> {
@@ -203,8 +236,8 @@ fn run(run: &Run) -> Vec<Fact> {
     ]
 }
 
-fn noise(calibration: &Calibration) -> Vec<Fact> {
-    let Some(noise) = &calibration.noise else { return Vec::new() };
+fn noise(axis: &CalibratedAxis) -> Vec<Fact> {
+    let Some(noise) = &axis.noise else { return Vec::new() };
     let fact =
         |name, value: f64, unit, source: &str| Fact::new(name, format!("{} {unit}, {source}", plot::number(value)));
     vec![

@@ -75,8 +75,8 @@ fn codes() -> Vec<(u32, u32)> {
 
 /// A calibration that holds from 3.2 °C below T3, where the table of the tests ends at 2 °C, to 0.7 °C above it.
 fn measured((pbc_dps, btc_dps_per_c, t3_c): (f64, f64, f64)) -> (String, Validity) {
-    let validity = Validity { temp_min_c: t3_c - 3.2, temp_max_c: t3_c + 0.7 };
-    let Validity { temp_min_c, temp_max_c } = validity;
+    let validity = Validity { temp_min_c: t3_c - 3.2, temp_max_c: t3_c + 0.7, margin_c: 0.5 };
+    let Validity { temp_min_c, temp_max_c, .. } = validity;
     let range = format!("[validity]\ntemp_min_c = {temp_min_c:?}\ntemp_max_c = {temp_max_c:?}\n");
     (calibration(pbc_dps, btc_dps_per_c, t3_c) + &range, validity)
 }

@@ -27,6 +27,32 @@ fn calibration(pbc_dps: f64, btc_dps_per_c: f64, t3_c: f64) -> String {
     )
 }
 
+/// A calibration of three axes, written by hand.
+const AXES: &str = r#"schema = 2
+part = "ADIS16405"
+[temperature]
+lsb_per_c = 7.14
+zero_code = 0
+zero_c = 25
+width_bits = 12
+[[axis]]
+name = "x"
+rate = { lsb_per_dps = 20, zero_code = 0, width_bits = 16 }
+correction = { pbc_dps = -0.25, btc_dps_per_c = -0.04, t3_c = 31.5 }
+[[axis]]
+name = "y"
+warnings = ["y < alone"]
+rate = { lsb_per_dps = 20, zero_code = 0, width_bits = 14 }
+correction = { pbc_dps = 0.75, btc_dps_per_c = 0.02, t3_c = 31.25 }
+[[axis]]
+name = "z"
+rate = { lsb_per_dps = 23488, zero_code = 8388608, width_bits = 24 }
+correction = { pbc_dps = 0.1, btc_dps_per_c = -0.01, t3_c = 31.5 }
+[validity]
+temp_min_c = 25.0
+temp_max_c = 32.5
+"#;
+
 /// A CSV capture with this serial number and these rows: t_ns, edge_seq, rate_code, status, temp_code, lost.
 fn capture(serial: &str, rows: &str) -> String {
     format!(

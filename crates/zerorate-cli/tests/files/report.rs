@@ -14,9 +14,9 @@ fn measured() -> String {
     unit.device = Some("spi:/dev/spidev0.0?rdy=gpiochip0:25&hz=4000000".into());
     unit.capture_sha256 = Some("ab".repeat(32));
     unit.warnings = vec!["3 samples < 4 & lost".into()];
-    unit.measured = Some(Measured { b1_dps: 0.1, t1_c: 25.2, b2_dps: 0.37, t2_c: 31.3 });
-    unit.validity = Some(Validity { temp_min_c: 25.1, temp_max_c: 33.2 });
-    unit.uncertainty = Some(Uncertainties {
+    unit.axes[0].measured = Some(Measured { b1_dps: 0.1, t1_c: 25.2, b2_dps: 0.37, t2_c: 31.3 });
+    unit.validity = Some(Validity { temp_min_c: 25.1, temp_max_c: 33.2, margin_c: 0.5 });
+    unit.axes[0].uncertainty = Some(Uncertainties {
         coverage: 0.95,
         coverage_factor: 1.96,
         u_pbc_dps: 0.005,
@@ -102,4 +102,18 @@ fn it_goes_to_a_file() {
     assert!(html.starts_with("<!DOCTYPE html>") && html.trim_end().ends_with("</html>"));
     assert!(bench.zerorate("report absent.toml -o other.html").fails(1).contains("cannot read absent.toml"));
     assert!(!bench.path("other.html").exists());
+}
+
+/// Three axes of another part: each has its section, its warnings and its picture.
+#[test]
+fn every_axis_has_its_section() {
+    let bench = Bench::new();
+    bench.write("unit.toml", super::AXES);
+    let html = bench.zerorate("report unit.toml").ok();
+    assert_eq!(html.matches("<svg").count(), 3);
+    let sections: Vec<&str> = html.split("<h2>Axis ").skip(1).collect();
+    for (section, (name, pbc)) in sections.iter().zip([("x", "-0.25000"), ("y", "+0.75000"), ("z", "+0.10000")]) {
+        assert!(section.starts_with(name) && section.contains(pbc) && section.contains("<h3>Look-up table</h3>"));
+    }
+    assert!(html.contains("Calibration of ADIS16405") && sections[1].contains("Warning: y &#60; alone"), "{html}");
 }

@@ -1,7 +1,10 @@
 //! The calibration as a TOML file.
 
 use super::check::{self, Damage};
-use super::{Calibration, PART, SCHEMA};
+use super::form::Form;
+use super::limits::Inspected;
+use super::places::{Place, Places, line_of};
+use super::{Calibration, SCHEMA};
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 use core::fmt;
@@ -16,7 +19,7 @@ const HEADER: &str = "# A zerorate calibration (docs/formats/calibration.md). To
 #[expect(missing_docs, reason = "the fields are what the text shows")]
 pub enum FileError {
     /// Not TOML, or not the fields of a calibration.
-    Syntax { line: usize, message: String },
+    Syntax { line: usize, axis: Option<String>, message: String },
     /// Written by newer software.
     Newer { line: usize, schema: u32 },
     /// No longer what was written.
@@ -24,13 +27,13 @@ pub enum FileError {
     /// The end is missing.
     Truncated { line: usize },
     /// Another part's, or a number that cannot be.
-    Value { line: usize, name: &'static str, why: &'static str },
+    Value { line: usize, axis: Option<String>, name: &'static str, why: String },
 }
 
 impl fmt::Display for FileError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Syntax { line, message } => write!(f, "line {line}: {message}"),
+            Self::Syntax { line, axis, message } => write!(f, "line {line}{}: {message}", Of(axis)),
             Self::Newer { line, schema } => write!(
                 f,
                 "line {line}: schema {schema} was written by a newer zerorate; this one reads up to schema {SCHEMA}, \
@@ -44,8 +47,17 @@ impl fmt::Display for FileError {
             Self::Truncated { line } => {
                 write!(f, "the file ends at line {line}, but more was written: it is truncated; take the original")
             }
-            Self::Value { line, name, why } => write!(f, "line {line}: {name} {why}"),
+            Self::Value { line, axis, name, why } => write!(f, "line {line}{}: {name} {why}", Of(axis)),
         }
+    }
+}
+
+/// The axis to which a line belongs.
+struct Of<'a>(&'a Option<String>);
+
+impl fmt::Display for Of<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.as_ref().map_or(Ok(()), |axis| write!(f, ", axis {}", axis.escape_default()))
     }
 }
 
@@ -80,7 +92,7 @@ impl Calibration {
     /// let head = "schema = 1\npart = \"ADIS16130\"\n";
     /// let by_hand = format!("{head}[correction]\npbc_dps = -0.25\nbtc_dps_per_c = -0.04\nt3_c = 31.5\n");
     /// let (calibration, warnings) = Calibration::parse(&by_hand)?;
-    /// assert_eq!(calibration.correction.pbc_dps, -0.25);
+    /// assert_eq!(calibration.axes[0].correction.pbc_dps, -0.25);
     /// assert_eq!(warnings, [FileWarning::NoChecksum]);
     /// # Ok::<(), zerorate::calibration::FileError>(())
     /// ```
@@ -91,10 +103,10 @@ impl Calibration {
             Damage::EndsEarly { line } => FileError::Truncated { line },
         })?;
         let fields = check::without_checks(text);
-        let calibration: Self = toml::from_str(&fields).map_err(|error| syntax(text, &error))?;
-        calibration.validate(text)?;
-        validate_all(text, &toml::from_str(&fields).map_err(|error| syntax(text, &error))?)?;
-        Ok((calibration, if checked { Vec::new() } else { [FileWarning::NoChecksum].into() }))
+        let places = Places::new(&fields).map_err(|error| syntax(&fields, None, &error))?;
+        let form: Form = toml::from_str(&fields).map_err(|error| syntax(&fields, Some(&places), &error))?;
+        Inspected { form: &form, places: &places }.check()?;
+        Ok((form.into_calibration(), if checked { Vec::new() } else { [FileWarning::NoChecksum].into() }))
     }
 
     /// The file, with its check lines. Numbers come back bit for bit.
@@ -105,58 +117,6 @@ impl Calibration {
         let body = [HEADER, &fields].concat();
         [HEADER, &check::lines_for(&body), &fields].concat()
     }
-
-    fn validate(&self, text: &str) -> Result<(), FileError> {
-        let require = |name, holds, why| {
-            if holds { Ok(()) } else { Err(FileError::Value { line: line_of(text, name), name, why }) }
-        };
-        let correction = &self.correction;
-        require("part", self.part == PART, "is not ADIS16130: this calibration is another part's")?;
-        require("schema", self.schema >= 1, "must be 1")?;
-        require("pbc_dps", correction.pbc_dps.abs() <= 250.0, "must be a number within the range of ±250 °/s")?;
-        require("btc_dps_per_c", correction.btc_dps_per_c.abs() <= 10.0, "must be a number within ±10 °/s/°C")?;
-        require("t3_c", (-60.0..=150.0).contains(&correction.t3_c), "must be a temperature within −60 … 150 °C")?;
-        let ordered = self.validity.is_none_or(|span| span.temp_min_c <= span.temp_max_c);
-        require("temp_min_c", ordered, "must not lie above temp_max_c")?;
-        for (name, temp_c) in
-            self.validity.iter().flat_map(|s| [("temp_min_c", s.temp_min_c), ("temp_max_c", s.temp_max_c)])
-        {
-            let possible = (-100.0..=200.0).contains(&temp_c);
-            require(name, possible, "must be a temperature within −100 … 200 °C")?;
-        }
-        for (name, share) in self.uncertainty.iter().map(|u| ("coverage", u.coverage)) {
-            require(name, share > 0.0 && share < 1.0, "must be a probability between 0 and 1")?;
-        }
-        Ok(())
-    }
-}
-
-/// No number of a calibration is larger, whatever its unit.
-const LARGEST: f64 = 1e9;
-
-/// What holds for every value, wherever it stands: numbers are such that one can compute with them, and texts are one
-/// line each, because the check lines count lines.
-fn validate_all(text: &str, table: &toml::Table) -> Result<(), FileError> {
-    let refused = |name: &str, what: &str| {
-        Err(FileError::Syntax { line: line_of(text, name), message: alloc::format!("`{name}` {what}") })
-    };
-    for (name, value) in table {
-        let texts = match value {
-            toml::Value::Array(texts) => texts.as_slice(),
-            one => core::slice::from_ref(one),
-        };
-        match value {
-            toml::Value::Table(inner) => validate_all(text, inner)?,
-            toml::Value::Float(number) if number.is_nan() || number.abs() > LARGEST => {
-                return refused(name, "is no number that a measurement can have");
-            }
-            _ if texts.iter().filter_map(toml::Value::as_str).any(|text| text.contains(char::is_control)) => {
-                return refused(name, "holds control characters; it must be one line of plain text");
-            }
-            _ => {}
-        }
-    }
-    Ok(())
 }
 
 /// All that is asked of a newer file before it is refused.
@@ -166,20 +126,19 @@ struct Head {
 }
 
 fn refuse_newer(text: &str) -> Result<(), FileError> {
-    let head: Head = toml::from_str(text).map_err(|error| syntax(text, &error))?;
+    let head: Head = toml::from_str(text).map_err(|error| syntax(text, None, &error))?;
     match head.schema {
-        Some(schema) if schema > SCHEMA => Err(FileError::Newer { line: line_of(text, "schema"), schema }),
+        Some(schema) if schema > SCHEMA => {
+            let places = Places::new(text).map_err(|error| syntax(text, None, &error))?;
+            Err(FileError::Newer { line: places.of(None, &["schema"]).line, schema })
+        }
         _ => Ok(()),
     }
 }
 
-fn syntax(text: &str, error: &toml::de::Error) -> FileError {
-    let start = error.span().map_or(0, |span| span.start).min(text.len());
-    let line = text.as_bytes()[..start].iter().filter(|byte| **byte == b'\n').count() + 1;
-    FileError::Syntax { line, message: error.message().to_string() }
-}
-
-fn line_of(text: &str, key: &str) -> usize {
-    let is_key = |line: &str| line.split('=').next().is_some_and(|name| name.trim() == key);
-    text.lines().position(is_key).map_or(1, |index| index + 1)
+fn syntax(text: &str, places: Option<&Places<'_>>, error: &toml::de::Error) -> FileError {
+    let byte = error.span().map_or(0, |span| span.start);
+    let at = |places: &Places<'_>| places.at(byte);
+    let Place { line, axis } = places.map_or_else(|| Place { line: line_of(text, byte), axis: None }, at);
+    FileError::Syntax { line, axis, message: error.message().to_string() }
 }

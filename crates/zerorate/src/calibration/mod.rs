@@ -1,31 +1,33 @@
-//! A calibration of one unit: what was found, how well it is known, where it holds, and where it comes from.
+//! A calibration of one unit: what was found of each axis, how well it is known, where it holds, and where it comes
+//! from.
 //!
 //! Its file form is specified in `docs/formats/calibration.md`; [`Calibration::parse`] and [`Calibration::to_toml`]
 //! read and write it.
 
 mod check;
 mod file;
+mod form;
+mod limits;
+mod places;
 
 pub use file::{FileError, FileWarning};
 
+use crate::estimate::Noise;
 use crate::noise::{FLICKER_CUTOFF_HZ, FLOOR_PER_B};
-use crate::{Correction, Outcome, Uncertainty, Validity};
+use crate::part::{NamedAxis, Part, Scale};
+use crate::{Correction, Corrector, CorrectorConfig, Outcome, Uncertainty, Validity, Warning};
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
+use core::fmt;
 use serde::{Deserialize, Serialize};
 
-/// Version of the file form that this software writes, and the newest that it reads.
-pub const SCHEMA: u32 = 1;
-/// The only part that this software calibrates.
-pub const PART: &str = "ADIS16130";
+/// The newest version of the file form that this software reads and writes.
+pub const SCHEMA: u32 = 2;
 
-/// One unit's calibration. Only the correction must be there; a measured calibration has everything.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+/// One unit's calibration. Only part and corrections must be there; a measured calibration has everything.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Calibration {
-    /// Version of the file form.
-    pub schema: u32,
-    /// Always [`PART`].
+    /// Which kind of part.
     pub part: String,
     /// Serial number of the unit.
     pub serial: Option<String>,
@@ -43,9 +45,27 @@ pub struct Calibration {
     pub capture_sha256: Option<String>,
     /// What the user noted of the supply.
     pub supply_note: Option<String>,
-    /// Texts of the measurement's warnings.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    /// Texts of the measurement's warnings that concern all axes.
     pub warnings: Vec<String>,
+    /// Scale of the codes of the temperature that all axes share.
+    pub temp: Option<Scale>,
+    /// What was found of each axis: one at least, [`MAX_AXES`](crate::MAX_AXES) at most.
+    pub axes: Vec<CalibratedAxis>,
+    /// Where the corrections hold.
+    pub validity: Option<Validity>,
+    /// The run itself.
+    pub run: Option<Run>,
+}
+
+/// What was found of one axis.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CalibratedAxis {
+    /// What the part and its captures call it.
+    pub name: String,
+    /// Texts of the warnings that concern it alone.
+    pub warnings: Vec<String>,
+    /// Scale of its codes.
+    pub rate: Option<Scale>,
     /// PBC, BTC and T3 (F-50).
     pub correction: Correction,
     /// The means it rests on.
@@ -54,10 +74,6 @@ pub struct Calibration {
     pub uncertainty: Option<Uncertainties>,
     /// The noise behind them.
     pub noise: Option<NoiseRecord>,
-    /// Where the correction holds.
-    pub validity: Option<Validity>,
-    /// The run itself.
-    pub run: Option<Run>,
 }
 
 /// Steps 4 and 6 of F-51.
@@ -97,7 +113,7 @@ pub struct Uncertainties {
 /// The noise model, and which of it was measured.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-#[expect(missing_docs, reason = "as the fields of `NoiseModel`; a source is `measured` or `typical (M-04)`")]
+#[expect(missing_docs, reason = "as the fields of `NoiseModel`; a source is `measured`, `typical (…)` or `unknown`")]
 pub struct NoiseRecord {
     pub white_dps_per_rt_hz: f64,
     pub white_source: String,
@@ -143,12 +159,13 @@ pub struct Origin {
 }
 
 impl Calibration {
-    /// The calibration that a measurement amounts to.
+    /// The calibration that a measurement of all axes of a part amounts to: the outcomes in the order of its axes.
     #[must_use]
-    pub fn new(outcome: &Outcome, origin: Origin) -> Self {
+    pub fn new(part: &Part, outcomes: &[Outcome], origin: Origin) -> Self {
+        let shared = |warning: &&Warning| outcomes.iter().all(|outcome| outcome.warnings.contains(warning));
+        let common: Vec<&Warning> = outcomes.iter().take(1).flat_map(|one| &one.warnings).filter(shared).collect();
         Self {
-            schema: SCHEMA,
-            part: PART.to_string(),
+            part: part.name.to_string(),
             serial: origin.serial.as_deref().map(one_line),
             created: origin.created.as_deref().map(one_line),
             method: Some("an1042".to_string()),
@@ -157,18 +174,38 @@ impl Calibration {
             config: Some(one_line(&origin.config)),
             capture_sha256: Some(origin.capture_sha256),
             supply_note: origin.supply_note.as_deref().map(one_line),
-            warnings: outcome.warnings.iter().map(|warning| one_line(&warning.to_string())).collect(),
-            correction: outcome.correction,
-            measured: Some(Measured {
-                b1_dps: outcome.b1_dps,
-                t1_c: outcome.t1_c,
-                b2_dps: outcome.b2_dps,
-                t2_c: outcome.t2_c,
-            }),
-            uncertainty: Some(outcome.uncertainty.into()),
-            noise: Some(noise_record(outcome)),
-            validity: Some(Validity { temp_min_c: outcome.temp_min_c, temp_max_c: outcome.temp_max_c }),
-            run: Some(run(outcome)),
+            warnings: common.iter().map(|warning| one_line(&warning.to_string())).collect(),
+            temp: part.axes.first().map(|first| first.axis.temp),
+            axes: part.axes.iter().zip(outcomes).map(|(axis, outcome)| calibrated(axis, outcome, &common)).collect(),
+            validity: validity(part, outcomes),
+            run: outcomes.first().map(run),
+        }
+    }
+
+    /// The axis of this name.
+    #[must_use]
+    pub fn axis(&self, name: &str) -> Option<&CalibratedAxis> {
+        self.axes.iter().find(|axis| axis.name == name)
+    }
+
+    /// A corrector of these axes of a part, in their order.
+    ///
+    /// # Errors
+    /// The calibration is of another part, or has no such axis.
+    pub fn corrector<'a>(
+        &self,
+        part: &str,
+        axes: impl IntoIterator<Item = &'a str>,
+    ) -> Result<Corrector<Vec<Correction>>, OtherPart> {
+        let known = self.axes.iter().map(|axis| axis.name.as_str()).collect::<Vec<_>>().join(", ");
+        if self.part != part {
+            return Err(OtherPart::Part { calibrated: self.part.clone(), axes: known, part: part.into() });
+        }
+        let correction = |name| self.axis(name).map(|axis| axis.correction).ok_or(name);
+        let corrections: Result<Vec<Correction>, &str> = axes.into_iter().map(correction).collect();
+        match corrections {
+            Ok(corrections) => Ok(Corrector::new(CorrectorConfig { corrections, validity: self.validity })),
+            Err(name) => Err(OtherPart::Axis { axis: name.into(), axes: known }),
         }
     }
 
@@ -176,15 +213,49 @@ impl Calibration {
     /// carry it.
     #[must_use]
     pub fn id(&self) -> String {
-        let Correction { pbc_dps, btc_dps_per_c, t3_c } = self.correction;
+        let part = &self.part;
         let serial = self.serial.as_deref().unwrap_or_default();
         let created = self.created.as_deref().unwrap_or_default();
-        let content = alloc::format!("{PART}|{serial}|{created}|{pbc_dps:?}|{btc_dps_per_c:?}|{t3_c:?}");
+        let mut content = alloc::format!("{part}|{serial}|{created}");
+        for CalibratedAxis { name, correction, .. } in &self.axes {
+            let Correction { pbc_dps, btc_dps_per_c, t3_c } = correction;
+            if self.schema() > 1 {
+                content.extend(["|", name]);
+            }
+            content += &alloc::format!("|{pbc_dps:?}|{btc_dps_per_c:?}|{t3_c:?}");
+        }
         check::sha256_hex(&content)[..12].to_string()
     }
 }
 
-impl Calibration {
+/// A calibration that is of something else than what is to be corrected.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[expect(missing_docs, reason = "the fields are the names that the text shows")]
+pub enum OtherPart {
+    /// Of another kind of part.
+    Part { calibrated: String, axes: String, part: String },
+    /// Of other axes.
+    Axis { axis: String, axes: String },
+}
+
+impl fmt::Display for OtherPart {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Part { calibrated, axes, part } => write!(
+                f,
+                "the calibration is of an {calibrated} (axes {axes}), not of an {part}: its numbers mean nothing there"
+            ),
+            Self::Axis { axis, axes } => write!(
+                f,
+                "the calibration has no axis {axis:?}: it is of {axes}; calibrate that axis, or leave it out"
+            ),
+        }
+    }
+}
+
+impl core::error::Error for OtherPart {}
+
+impl CalibratedAxis {
     /// Standard uncertainty of PBC + (T − T3) · BTC at the temperature T, °C, in °/s: of what is added to the rate,
     /// not of the rate itself. None where the calibration states no uncertainties.
     ///
@@ -235,17 +306,50 @@ fn one_line(text: &str) -> String {
     line
 }
 
-fn noise_record(outcome: &Outcome) -> NoiseRecord {
-    let model = &outcome.noise.model;
-    let source = |measured| if measured { "measured" } else { "typical (M-04)" }.to_string();
+fn calibrated(axis: &NamedAxis, outcome: &Outcome, common: &[&Warning]) -> CalibratedAxis {
+    let own = outcome.warnings.iter().filter(|warning| !common.contains(warning));
+    CalibratedAxis {
+        name: axis.name.to_string(),
+        warnings: own.map(|warning| one_line(&warning.to_string())).collect(),
+        rate: Some(axis.axis.rate),
+        correction: outcome.correction,
+        measured: Some(Measured {
+            b1_dps: outcome.b1_dps,
+            t1_c: outcome.t1_c,
+            b2_dps: outcome.b2_dps,
+            t2_c: outcome.t2_c,
+        }),
+        uncertainty: Some(outcome.uncertainty.into()),
+        noise: Some(noise_record(axis, &outcome.noise)),
+    }
+}
+
+/// The temperatures that all axes were measured at.
+fn validity(part: &Part, outcomes: &[Outcome]) -> Option<Validity> {
+    let temp_min_c = outcomes.iter().map(|outcome| outcome.temp_min_c).reduce(f64::max)?;
+    let temp_max_c = outcomes.iter().map(|outcome| outcome.temp_max_c).reduce(f64::min)?;
+    let margin_c = part.axes.first()?.axis.temp_margin_c();
+    Some(Validity { temp_min_c, temp_max_c, margin_c })
+}
+
+fn noise_record(axis: &NamedAxis, noise: &Noise) -> NoiseRecord {
+    let typical = |source: &Option<_>| match (axis.axis.noise, source) {
+        (None, _) => "unknown".to_string(),
+        (Some(_), None) => "typical".to_string(),
+        (Some(_), Some(source)) => alloc::format!("typical ({source})"),
+    };
+    let flicker_source = match noise.flicker_measured {
+        true => "measured".to_string(),
+        false => typical(&axis.sources.flicker),
+    };
     NoiseRecord {
-        white_dps_per_rt_hz: model.white_dps_per_rt_hz,
-        white_source: source(true),
-        flicker_floor_dps: FLOOR_PER_B * model.bias_instability_dps,
+        white_dps_per_rt_hz: noise.model.white_dps_per_rt_hz,
+        white_source: "measured".to_string(),
+        flicker_floor_dps: FLOOR_PER_B * noise.model.bias_instability_dps,
         flicker_cutoff_hz: FLICKER_CUTOFF_HZ,
-        flicker_source: source(outcome.noise.flicker_measured),
-        rate_random_walk_dps_per_rt_s: model.rate_random_walk_dps_per_rt_s,
-        rate_random_walk_source: source(false),
+        flicker_source,
+        rate_random_walk_dps_per_rt_s: noise.model.rate_random_walk_dps_per_rt_s,
+        rate_random_walk_source: typical(&axis.sources.rate_random_walk),
     }
 }
 

@@ -1,8 +1,9 @@
 //! A [`Part`] from a file (`docs/formats/part.md`).
 
-use super::{Axis, NamedAxis, Part, Scale, TypicalBias, TypicalNoise};
+use super::{Axis, MAX_AXES, NamedAxis, NoiseSources, Part, Scale, TypicalBias, TypicalNoise};
 use crate::resonance::Tone;
 use alloc::borrow::Cow;
+use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
 use core::fmt;
@@ -38,6 +39,9 @@ impl Part {
         }
         if file.axis.is_empty() {
             return Err(PartError::new("it has no [[axis]]; give each axis a name"));
+        }
+        if file.axis.len() > MAX_AXES {
+            return Err(PartError::new(format_args!("it has {} axes; {MAX_AXES} is the most", file.axis.len())));
         }
         let axes: Vec<NamedAxis> = file.axis.iter().map(|entry| file.named(entry)).collect::<Result<_, _>>()?;
         for (k, one) in axes.iter().enumerate() {
@@ -96,6 +100,7 @@ struct Rate {
     lsb_per_dps: Entry,
     zero_code: i64,
     width_bits: u8,
+    signed: Option<bool>,
     range_dps: Option<Entry>,
     bandwidth_hz: Option<Entry>,
 }
@@ -107,6 +112,8 @@ struct Temperature {
     zero_code: i64,
     zero_c: f64,
     width_bits: u8,
+    signed: Option<bool>,
+    noise_c: Option<Entry>,
 }
 
 #[derive(Clone, Deserialize)]
@@ -148,7 +155,6 @@ struct Known {
     value: f64,
     #[serde(default)]
     u: f64,
-    #[expect(dead_code, reason = "for whoever reads the file")]
     source: Option<String>,
 }
 
@@ -157,6 +163,13 @@ impl Entry {
         match self {
             Self::Value(value) => *value,
             Self::Known(known) => known.value,
+        }
+    }
+
+    fn source(&self) -> Option<Cow<'static, str>> {
+        match self {
+            Self::Value(_) => None,
+            Self::Known(known) => known.source.clone().map(Cow::Owned),
         }
     }
 
@@ -193,10 +206,11 @@ impl File {
         let rate = entry.rate.as_ref().unwrap_or(&self.rate);
         let noise = entry.noise.as_ref().or(self.noise.as_ref());
         let bias = entry.bias.as_ref().or(self.bias.as_ref());
-        let positive = |entry: &Option<Entry>, key| entry.as_ref().map(|entry| entry.positive(key)).transpose();
+        let sources = noise.map(Noise::sources).unwrap_or_default();
         let axis = Axis {
-            rate: scale("lsb_per_dps", &rate.lsb_per_dps, rate.zero_code, 0.0, rate.width_bits)?,
+            rate: rate.scale()?,
             temp: self.temperature.scale()?,
+            temp_noise_c: positive(&self.temperature.noise_c, "noise_c")?,
             range_dps: positive(&rate.range_dps, "range_dps")?,
             bandwidth_hz: positive(&rate.bandwidth_hz, "bandwidth_hz")?,
             noise: noise.map(Noise::typical).transpose()?,
@@ -204,20 +218,38 @@ impl File {
             resonance: self.resonance.as_ref().map(Resonance::tone).transpose()?,
             alternates: false,
         };
-        Ok(NamedAxis { name: Cow::Owned(word("an axis", &entry.name)?), axis })
+        Ok(NamedAxis { name: Cow::Owned(word("an axis", &entry.name)?), axis, sources })
+    }
+}
+
+impl Rate {
+    fn scale(&self) -> Result<Scale, PartError> {
+        let &Self { zero_code, width_bits, signed, .. } = self;
+        let lsb_per_unit = self.lsb_per_dps.positive("lsb_per_dps")?;
+        Scale::checked(lsb_per_unit, 0.0, zero_code, width_bits, signed).map_err(PartError::new)
     }
 }
 
 impl Temperature {
     fn scale(&self) -> Result<Scale, PartError> {
-        if !self.zero_c.is_finite() {
-            return Err(PartError::new("zero_c is no number"));
-        }
-        scale("lsb_per_c", &self.lsb_per_c, self.zero_code, self.zero_c, self.width_bits)
+        let &Self { zero_code, zero_c, width_bits, signed, .. } = self;
+        let lsb_per_unit = self.lsb_per_c.positive("lsb_per_c")?;
+        Scale::checked(lsb_per_unit, zero_c, zero_code, width_bits, signed).map_err(PartError::new)
     }
 }
 
+fn positive(entry: &Option<Entry>, key: &str) -> Result<Option<f64>, PartError> {
+    entry.as_ref().map(|entry| entry.positive(key)).transpose()
+}
+
 impl Noise {
+    fn sources(&self) -> NoiseSources {
+        NoiseSources {
+            flicker: self.flicker_floor_dps.source(),
+            rate_random_walk: self.rate_random_walk_dps_per_rt_s.source(),
+        }
+    }
+
     fn typical(&self) -> Result<TypicalNoise, PartError> {
         let not_negative = |entry: &Entry, key| match entry.number(key)?.0 {
             value if value >= 0.0 => Ok(value),
@@ -259,25 +291,43 @@ impl Resonance {
     }
 }
 
-fn scale(key: &str, lsb: &Entry, zero_code: i64, zero_value: f64, width_bits: u8) -> Result<Scale, PartError> {
-    if !(1..=32).contains(&width_bits) {
-        return Err(PartError::new(format_args!("width_bits is {width_bits}; it must be 1 to 32")));
+impl Scale {
+    /// A scale out of a file, if codes can have it.
+    pub(crate) fn checked(
+        lsb_per_unit: f64,
+        zero_value: f64,
+        zero_code: i64,
+        width_bits: u8,
+        signed: Option<bool>,
+    ) -> Result<Self, String> {
+        let signed = signed.unwrap_or(zero_code <= 0);
+        if !(lsb_per_unit > 0.0 && lsb_per_unit.is_finite() && zero_value.is_finite()) {
+            return Err(format!("{lsb_per_unit} codes per unit around {zero_value} are no scale"));
+        }
+        if !(1..=32).contains(&width_bits) {
+            return Err(format!("width_bits is {width_bits}; it must be 1 to 32"));
+        }
+        if zero_code.unsigned_abs() > 1 << 32 {
+            return Err(format!("zero_code is {zero_code}; no code of 32 bits is so large"));
+        }
+        Ok(Self { lsb_per_unit, zero_code, zero_value, width_bits, signed })
     }
-    if zero_code.unsigned_abs() > 1 << 32 {
-        return Err(PartError::new(format_args!("zero_code is {zero_code}; no code of 32 bits is so large")));
-    }
-    Ok(Scale { lsb_per_unit: lsb.positive(key)?, zero_code, zero_value, width_bits })
 }
 
 /// A name that can stand in a file name and in a column of a table.
 fn word(what: &str, name: &str) -> Result<String, PartError> {
-    let good = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
-    if name.is_empty() || name.len() > 40 || !name.chars().all(good) {
+    if !is_word(name) {
         return Err(PartError::new(format_args!(
             "{what} is called {name:?}; use up to 40 letters, digits, -, _ and ."
         )));
     }
     Ok(String::from(name))
+}
+
+/// Up to 40 letters, digits, `-`, `_` and `.`.
+pub(crate) fn is_word(name: &str) -> bool {
+    let good = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
+    !name.is_empty() && name.len() <= 40 && name.chars().all(good)
 }
 
 #[cfg(test)]
@@ -300,10 +350,11 @@ mod tests {
         zero_code = 8388608
         zero_c = 25
         width_bits = 24
+        noise_c = 0.05
         [noise]
         white_dps_per_rt_hz = 0.0125
-        flicker_floor_dps = 0.0016
-        rate_random_walk_dps_per_rt_s = 1e-4
+        flicker_floor_dps = { value = 0.0016, source = "M-04" }
+        rate_random_walk_dps_per_rt_s = { value = 1e-4, source = "M-04" }
         [bias]
         initial_dps = { value = 0, u = 1 }
         tempco_dps_per_c = { value = 0.04, u = 0.01 }
@@ -318,7 +369,9 @@ mod tests {
     #[test]
     fn the_built_in_part_can_be_written_as_a_file() {
         let part = Part::parse(ADIS16130).unwrap();
-        assert_eq!(part.axes[0].axis, Axis { alternates: false, ..Axis::ADIS16130 });
+        let NamedAxis { axis, sources, .. } = &part.axes[0];
+        assert_eq!(*axis, Axis { alternates: false, ..Axis::ADIS16130 });
+        assert_eq!(*sources, Part::ADIS16130.axes[0].sources);
     }
 
     #[test]
@@ -332,6 +385,7 @@ mod tests {
             ("range_dps = 250", "range_dsp = 250", "range_dsp"),
             ("u = 0.01", "u = -1", "u not negative"),
             ("width_bits = 24", "width_bits = 64", "width_bits is 64"),
+            ("noise_c = 0.05", "noise_c = -1", "noise_c is -1; it must be above zero"),
         ] {
             let error = Part::parse(&ADIS16130.replace(from, to)).unwrap_err().to_string();
             assert!(error.contains(said), "{to}: {error}");

@@ -24,8 +24,9 @@ use plan::PlanArgs;
 pub use plan::flag;
 pub use report::Report;
 use std::path::{Path, PathBuf};
+use std::slice;
 use zerorate::calibration::Origin;
-use zerorate::{Action, Axis, Calibration, Event, Names, Outcome, Procedure, Refusal, Say, State, Warning};
+use zerorate::{Action, Axis, Calibration, Event, Names, Outcome, Part, Procedure, Refusal, Say, State, Warning};
 
 /// Finds the bias of a part and how it changes with temperature.
 ///
@@ -162,7 +163,8 @@ fn measure(
     let log = files.log(&info)?;
     let mut measured = Measurement::new(acquisition, procedure, log, watch).run()?;
     measured.outcome.warnings.extend(measured.resonance);
-    let calibration = Calibration::new(&measured.outcome, origin(info, measured.capture_sha256));
+    let calibration =
+        Calibration::new(&Part::ADIS16130, slice::from_ref(&measured.outcome), origin(info, measured.capture_sha256));
     let report = Report::new(&measured.outcome, &calibration, measured.truth.as_ref(), names);
     let kept = match measured.log_failed {
         Some(error) => Err(error),

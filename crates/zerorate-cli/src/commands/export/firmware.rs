@@ -28,8 +28,8 @@ fn fill(template: &str, export: &Export, prefixes: [(&'static str, String); 2]) 
 }
 
 fn entries(export: &Export) -> Result<Vec<(&'static str, String)>> {
-    let Export { calibration, integer: IntegerCorrection { offset_q, slope_q, t3_code }, layout, rows } = export;
-    let correction = calibration.correction;
+    let Export { calibration, correction, integer: IntegerCorrection { offset_q, slope_q, t3_code }, layout, rows } =
+        export;
     let text = |value: &Option<String>| value.as_deref().map_or("not stated".to_owned(), comment);
     let index = RowIndex::new(rows.len(), layout.step_c, correction.t3_c, &AXIS.temp);
     let codes: Result<Vec<i32>> = rows.iter().map(|row| millionths(row.correction_dps)).collect();
@@ -65,7 +65,7 @@ fn entries(export: &Export) -> Result<Vec<(&'static str, String)>> {
 
 /// Where the correction holds, in words, in °C and as codes.
 fn valid_range(Layout { valid, stated, .. }: &Layout) -> Vec<(&'static str, String)> {
-    let Validity { temp_min_c, temp_max_c } = *valid;
+    let Validity { temp_min_c, temp_max_c, .. } = *valid;
     let whence = if *stated { "seen while measuring" } else { "assumed, the calibration states none" };
     vec![
         ("VALID", format!("{temp_min_c:.1} to {temp_max_c:.1} deg C, {whence}")),

@@ -31,7 +31,7 @@ pub struct Layout {
 impl Layout {
     /// As asked for; what is not asked for, so that the table covers the range of the calibration.
     pub fn new(calibration: &Calibration, step_c: Option<f64>, span_c: Option<f64>) -> Self {
-        let t3_c = calibration.correction.t3_c;
+        let t3_c = calibration.axes[0].correction.t3_c;
         let valid = valid_range(calibration);
         let reach_c = reach(&valid, t3_c);
         let (step_c, span_c) = match (step_c, span_c) {
@@ -54,7 +54,7 @@ impl Layout {
     /// What to say of it.
     pub fn warnings(&self, correction: &Correction) -> Vec<String> {
         let Self { step_c, span_c, valid, stated } = *self;
-        let Validity { temp_min_c, temp_max_c } = valid;
+        let Validity { temp_min_c, temp_max_c, .. } = valid;
         let mut warnings = Vec::new();
         if !stated {
             warnings.push(format!(
@@ -77,11 +77,12 @@ impl Layout {
 }
 
 fn valid_range(calibration: &Calibration) -> Validity {
-    let t3_c = calibration.correction.t3_c;
-    let assumed = Validity { temp_min_c: t3_c - ASSUMED_C, temp_max_c: t3_c + ASSUMED_C };
-    let Validity { temp_min_c, temp_max_c } = calibration.validity.unwrap_or(assumed);
+    let t3_c = calibration.axes[0].correction.t3_c;
+    let margin_c = Validity::MARGIN_C;
+    let assumed = Validity { temp_min_c: t3_c - ASSUMED_C, temp_max_c: t3_c + ASSUMED_C, margin_c };
+    let valid = calibration.validity.unwrap_or(assumed);
     let (low, high) = SENSOR_C;
-    Validity { temp_min_c: temp_min_c.clamp(low, high), temp_max_c: temp_max_c.clamp(low, high) }
+    Validity { temp_min_c: valid.temp_min_c.clamp(low, high), temp_max_c: valid.temp_max_c.clamp(low, high), ..valid }
 }
 
 /// From T3 to the farthest temperature at which the correction holds, °C.
@@ -108,7 +109,8 @@ mod tests {
             "schema = 1\npart = \"ADIS16130\"\n[correction]\npbc_dps = 0\nbtc_dps_per_c = -0.04\nt3_c = {t3_c:?}\n"
         );
         let (mut calibration, _) = Calibration::parse(&text).unwrap();
-        calibration.validity = validity.map(|(temp_min_c, temp_max_c)| Validity { temp_min_c, temp_max_c });
+        calibration.validity =
+            validity.map(|(temp_min_c, temp_max_c)| Validity { temp_min_c, temp_max_c, margin_c: 0.5 });
         calibration
     }
 
@@ -119,11 +121,11 @@ mod tests {
             [(32.4, 25.0, 32.5), (24.0, 23.9, 33.0), (25.0, -40.0, 85.0), (31.5, 31.5, 31.5), (31.5, 50.0, 60.0)]
         {
             let layout = Layout::new(&calibration(t3_c, Some((low, high))), None, None);
-            let rows = layout.rows(&calibration(t3_c, None).correction).unwrap();
+            let rows = layout.rows(&calibration(t3_c, None).axes[0].correction).unwrap();
             assert!(rows.len() <= 1025, "{layout:?}");
             assert!(t3_c + rows[0].delta_c >= high + 0.5 && t3_c - rows[0].delta_c <= low - 0.5, "{layout:?}");
             assert_eq!(layout.step_c == 0.02, layout.span_c <= 512.0 * 0.02, "{layout:?}");
-            assert_eq!(layout.warnings(&calibration(t3_c, None).correction), [""; 0]);
+            assert_eq!(layout.warnings(&calibration(t3_c, None).axes[0].correction), [""; 0]);
         }
     }
 
@@ -131,11 +133,11 @@ mod tests {
     fn hostile_ranges_lay_out_a_table_or_are_refused() {
         for (low, high) in [(f64::NEG_INFINITY, f64::INFINITY), (-1e300, 1e300), (1e9, 1e9)] {
             let layout = Layout::new(&calibration(31.5, Some((low, high))), None, None);
-            assert!(layout.rows(&calibration(31.5, None).correction).unwrap().len() <= 1025, "{layout:?}");
+            assert!(layout.rows(&calibration(31.5, None).axes[0].correction).unwrap().len() <= 1025, "{layout:?}");
         }
         for step_c in [0.0, -1.0, f64::NAN, 1e-300, f64::INFINITY] {
             let layout = Layout::new(&calibration(31.5, Some((25.0, 33.0))), Some(step_c), None);
-            assert!(layout.rows(&calibration(31.5, None).correction).is_err(), "{layout:?}");
+            assert!(layout.rows(&calibration(31.5, None).axes[0].correction).is_err(), "{layout:?}");
         }
     }
 
@@ -144,11 +146,11 @@ mod tests {
         let by_hand = calibration(31.5, None);
         let layout = Layout::new(&by_hand, None, None);
         assert_eq!((layout.step_c, layout.span_c, layout.stated), (0.02, 9.5, false));
-        assert!(layout.warnings(&by_hand.correction)[0].contains("22.5 … 40.5 °C"));
+        assert!(layout.warnings(&by_hand.axes[0].correction)[0].contains("22.5 … 40.5 °C"));
         let measured = calibration(32.5, Some((25.0, 32.5)));
         let layout = Layout::new(&measured, None, Some(0.12));
         assert_eq!(layout.step_c, 0.02);
         // 8 °C to the far end, 0.13 °C of them in the table
-        assert!(layout.warnings(&measured.correction)[0].contains("wrong by up to 0.31 °/s"));
+        assert!(layout.warnings(&measured.axes[0].correction)[0].contains("wrong by up to 0.31 °/s"));
     }
 }

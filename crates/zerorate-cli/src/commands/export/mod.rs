@@ -14,7 +14,7 @@ use layout::Layout;
 use prefix::Prefix;
 use serde::Serialize;
 use std::path::PathBuf;
-use zerorate::{Axis, Calibration, IntegerCorrection, TableRow, temp_code};
+use zerorate::{Axis, Calibration, Correction, IntegerCorrection, TableRow, temp_code};
 
 /// Writes the correction for firmware: C header, Rust module, CSV or JSON.
 ///
@@ -74,6 +74,7 @@ const AXIS: Axis = Axis::ADIS16130;
 /// A correction, ready to be written down.
 struct Export {
     calibration: Calibration,
+    correction: Correction,
     integer: IntegerCorrection,
     layout: Layout,
     rows: Vec<TableRow>,
@@ -86,11 +87,13 @@ pub fn run(args: &ExportArgs) -> Result<()> {
     );
     let mut outputs = Outputs::new(args.force).reading([&*args.cal])?;
     let calibration = load(&args.cal)?;
+    ensure!(calibration.schema() == 1, "{}: several axes cannot be exported yet", args.cal.display());
+    let correction = calibration.axes[0].correction;
     let layout = Layout::new(&calibration, args.step_c, args.span_c);
-    let rows = layout.rows(&calibration.correction)?;
-    let integer = calibration.correction.to_integer(&AXIS)?;
-    warn(&layout.warnings(&calibration.correction));
-    let export = Export { calibration, integer, layout, rows };
+    let rows = layout.rows(&correction)?;
+    let integer = correction.to_integer(&AXIS)?;
+    warn(&layout.warnings(&correction));
+    let export = Export { calibration, correction, integer, layout, rows };
     let text = match args.format {
         Form::C => firmware::c(&export, args.prefix.as_ref())?,
         Form::Rust => firmware::rust(&export, args.prefix.as_ref())?,
@@ -162,15 +165,15 @@ struct JsonRow {
 }
 
 fn json(export: &Export) -> Result<String> {
-    let Export { calibration, integer, layout, .. } = export;
+    let Export { calibration, correction, integer, layout, .. } = export;
     let valid = layout.valid;
     let row = |row: &TableRow| JsonRow { delta_c: tidy(row.delta_c), correction_dps: tidy(row.correction_dps) };
     let object = Json {
         calibration_id: calibration.id(),
         serial: calibration.serial.as_deref(),
-        pbc_dps: calibration.correction.pbc_dps,
-        btc_dps_per_c: calibration.correction.btc_dps_per_c,
-        t3_c: calibration.correction.t3_c,
+        pbc_dps: correction.pbc_dps,
+        btc_dps_per_c: correction.btc_dps_per_c,
+        t3_c: correction.t3_c,
         temp_min_c: calibration.validity.map(|span| span.temp_min_c),
         temp_max_c: calibration.validity.map(|span| span.temp_max_c),
         valid: Valid {

@@ -1,0 +1,233 @@
+//! The tables of the file, and what they mean.
+
+use super::{CalibratedAxis, Calibration, Measured, NoiseRecord, Run, SCHEMA, Uncertainties};
+use crate::part::{Part, Scale};
+use crate::{Correction, Validity};
+use alloc::string::String;
+use alloc::vec::Vec;
+use serde::{Deserialize, Serialize, Serializer};
+
+/// Every key of both schemas, in the order in which they are written.
+#[derive(Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Form {
+    pub(super) schema: u32,
+    pub(super) part: String,
+    serial: Option<String>,
+    created: Option<String>,
+    method: Option<String>,
+    software: Option<String>,
+    device: Option<String>,
+    config: Option<String>,
+    capture_sha256: Option<String>,
+    supply_note: Option<String>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    warnings: Vec<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) temperature: Option<TempScale>,
+    /// Schema 1: of the only axis.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) correction: Option<Correction>,
+    pub(super) measured: Option<Measured>,
+    pub(super) uncertainty: Option<Uncertainties>,
+    pub(super) noise: Option<NoiseRecord>,
+    pub(super) validity: Option<Span>,
+    run: Option<Run>,
+    /// Schema 2.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) axis: Option<Vec<AxisForm>>,
+}
+
+#[derive(Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct AxisForm {
+    pub(super) name: String,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    warnings: Vec<String>,
+    pub(super) rate: Option<RateScale>,
+    pub(super) correction: Correction,
+    measured: Option<Measured>,
+    pub(super) uncertainty: Option<Uncertainties>,
+    noise: Option<NoiseRecord>,
+}
+
+#[derive(Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RateScale {
+    lsb_per_dps: f64,
+    zero_code: i64,
+    width_bits: u8,
+    signed: Option<bool>,
+}
+
+#[derive(Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct TempScale {
+    lsb_per_c: f64,
+    zero_code: i64,
+    zero_c: f64,
+    width_bits: u8,
+    signed: Option<bool>,
+}
+
+#[derive(Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Span {
+    pub(super) temp_min_c: f64,
+    pub(super) temp_max_c: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) margin_c: Option<f64>,
+}
+
+impl RateScale {
+    pub(super) fn scale(&self) -> Result<Scale, String> {
+        let &Self { lsb_per_dps, zero_code, width_bits, signed } = self;
+        Scale::checked(lsb_per_dps, 0.0, zero_code, width_bits, signed)
+    }
+}
+
+impl TempScale {
+    pub(super) fn scale(&self) -> Result<Scale, String> {
+        let &Self { lsb_per_c, zero_code, zero_c, width_bits, signed } = self;
+        Scale::checked(lsb_per_c, zero_c, zero_code, width_bits, signed)
+    }
+}
+
+impl From<Scale> for RateScale {
+    fn from(Scale { lsb_per_unit, zero_code, width_bits, signed, .. }: Scale) -> Self {
+        Self { lsb_per_dps: lsb_per_unit, zero_code, width_bits, signed: Some(signed) }
+    }
+}
+
+impl From<Scale> for TempScale {
+    fn from(Scale { lsb_per_unit, zero_code, zero_value, width_bits, signed }: Scale) -> Self {
+        Self { lsb_per_c: lsb_per_unit, zero_code, zero_c: zero_value, width_bits, signed: Some(signed) }
+    }
+}
+
+impl Form {
+    /// What the tables mean, once they are known to be sound.
+    pub(super) fn into_calibration(self) -> Calibration {
+        let only = Part::ADIS16130.axes[0].clone();
+        let (temp, axes) = match self.axis {
+            Some(axes) => {
+                let temp = self.temperature.and_then(|scale| scale.scale().ok());
+                (temp, axes.into_iter().map(AxisForm::into_axis).collect())
+            }
+            None => {
+                let axis = self.correction.map(|correction| CalibratedAxis {
+                    name: only.name.into_owned(),
+                    warnings: Vec::new(),
+                    rate: Some(only.axis.rate),
+                    correction,
+                    measured: self.measured,
+                    uncertainty: self.uncertainty,
+                    noise: self.noise,
+                });
+                (Some(only.axis.temp), axis.into_iter().collect())
+            }
+        };
+        Calibration {
+            part: self.part,
+            serial: self.serial,
+            created: self.created,
+            method: self.method,
+            software: self.software,
+            device: self.device,
+            config: self.config,
+            capture_sha256: self.capture_sha256,
+            supply_note: self.supply_note,
+            warnings: self.warnings,
+            temp,
+            axes,
+            validity: self.validity.map(|span| span.validity()),
+            run: self.run,
+        }
+    }
+}
+
+impl AxisForm {
+    fn into_axis(self) -> CalibratedAxis {
+        CalibratedAxis {
+            name: self.name,
+            warnings: self.warnings,
+            rate: self.rate.and_then(|scale| scale.scale().ok()),
+            correction: self.correction,
+            measured: self.measured,
+            uncertainty: self.uncertainty,
+            noise: self.noise,
+        }
+    }
+
+    fn new(axis: &CalibratedAxis) -> Self {
+        let CalibratedAxis { name, warnings, rate, correction, measured, uncertainty, noise } = axis.clone();
+        Self { name, warnings, rate: rate.map(RateScale::from), correction, measured, uncertainty, noise }
+    }
+}
+
+impl Span {
+    fn validity(&self) -> Validity {
+        let &Self { temp_min_c, temp_max_c, margin_c } = self;
+        Validity { temp_min_c, temp_max_c, margin_c: margin_c.unwrap_or(Validity::MARGIN_C) }
+    }
+}
+
+impl Calibration {
+    /// The version of its file form: the oldest that can say all of it.
+    #[must_use]
+    pub fn schema(&self) -> u32 {
+        if self.fits_schema_1() { 1 } else { SCHEMA }
+    }
+
+    /// Nothing but an ADIS16130 as it is.
+    fn fits_schema_1(&self) -> bool {
+        let Part { name, axes } = &Part::ADIS16130;
+        let known = &axes[0];
+        let same = |axis: &CalibratedAxis| {
+            axis.name == known.name && axis.rate == Some(known.axis.rate) && axis.warnings.is_empty()
+        };
+        let margin_c = self.validity.map_or(Validity::MARGIN_C, |validity| validity.margin_c);
+        self.part == *name
+            && self.temp == Some(known.axis.temp)
+            && margin_c == Validity::MARGIN_C
+            && matches!(self.axes.as_slice(), [only] if same(only))
+    }
+
+    pub(super) fn form(&self) -> Form {
+        let Self { validity, run, .. } = *self;
+        let schema = self.schema();
+        let only = self.axes.first().filter(|_| schema == 1);
+        Form {
+            schema,
+            part: self.part.clone(),
+            serial: self.serial.clone(),
+            created: self.created.clone(),
+            method: self.method.clone(),
+            software: self.software.clone(),
+            device: self.device.clone(),
+            config: self.config.clone(),
+            capture_sha256: self.capture_sha256.clone(),
+            supply_note: self.supply_note.clone(),
+            warnings: self.warnings.clone(),
+            temperature: self.temp.filter(|_| schema > 1).map(TempScale::from),
+            correction: only.map(|axis| axis.correction),
+            measured: only.and_then(|axis| axis.measured),
+            uncertainty: only.and_then(|axis| axis.uncertainty),
+            noise: only.and_then(|axis| axis.noise.clone()),
+            validity: validity.map(|Validity { temp_min_c, temp_max_c, margin_c }| Span {
+                temp_min_c,
+                temp_max_c,
+                margin_c: Some(margin_c).filter(|_| schema > 1),
+            }),
+            run,
+            axis: (schema > 1).then(|| self.axes.iter().map(AxisForm::new).collect()),
+        }
+    }
+}
+
+impl Serialize for Calibration {
+    /// As its file has it.
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.form().serialize(serializer)
+    }
+}

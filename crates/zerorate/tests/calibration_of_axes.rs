@@ -1,0 +1,253 @@
+//! Schema 2 of the calibration file: several axes of any part.
+
+use zerorate::calibration::{Calibration, FileError, FileWarning, NoiseRecord, Origin};
+use zerorate::{Axis, Correction, Noise, Outcome, Part, Plan, Uncertainty, Warning};
+
+const PART: &str = r#"
+    schema = 1
+    name = "ADIS16405"
+    axis = [{ name = "x" }, { name = "y" }, { name = "z", rate = { lsb_per_dps = 40, zero_code = 0, width_bits = 14 } }]
+    rate = { lsb_per_dps = 20, zero_code = 0, width_bits = 16, range_dps = 300 }
+    temperature = { lsb_per_c = 7.14, zero_code = 0, zero_c = 25, width_bits = 12, noise_c = 0.14 }
+    [noise]
+    white_dps_per_rt_hz = 0.05
+    flicker_floor_dps = { value = 0.007, source = "data sheet" }
+    rate_random_walk_dps_per_rt_s = 3e-4
+"#;
+
+fn outcome(pbc_dps: f64, own: Warning) -> Outcome {
+    Outcome {
+        b1_dps: 0.123_456_789_012_345_67,
+        t1_c: 25.2,
+        b2_dps: 0.37,
+        t2_c: 31.3,
+        correction: Correction { pbc_dps, btc_dps_per_c: -0.040_1, t3_c: 1.0 / 3.0 + 32.0 },
+        uncertainty: Uncertainty {
+            u_b1_dps: 0.004,
+            u_b2_dps: 0.004,
+            u_t1_c: 0.0002,
+            u_t2_c: 0.0002,
+            u_pbc_dps: 0.0026,
+            u_btc_dps_per_c: 0.0048,
+            u_curvature_dps_per_c: 0.0047,
+            u_t3_c: 0.0007,
+            cov_pbc_btc: 1e-8,
+            cov_pbc_t3: 2e-8,
+            drift_dps: 0.0004,
+        },
+        noise: Noise { model: Axis::ADIS16130.typical_noise(), flicker_measured: false },
+        rdy_hz: 819.2,
+        rate_hz: 819.2,
+        samples: 2_600_000,
+        lost_samples: 3,
+        impossible_readings: 0,
+        duration_s: 3171.0,
+        temp_min_c: 25.1,
+        temp_max_c: 33.2,
+        plan: Plan::default(),
+        warnings: vec![Warning::EarthIncluded, own],
+    }
+}
+
+fn measured() -> Calibration {
+    let outcomes = [
+        outcome(-0.253_712_345_678_901_2, Warning::Restless),
+        outcome(0.7, Warning::CurvatureUnknown),
+        outcome(0.1, Warning::RestUnjudged),
+    ];
+    let origin = Origin { serial: Some("SN \"17\"".into()), device: "replay:imu.csv".into(), ..Origin::default() };
+    Calibration::new(&Part::parse(PART).unwrap(), &outcomes, origin)
+}
+
+#[test]
+fn three_axes_come_back_bit_for_bit() {
+    let calibration = measured();
+    let text = calibration.to_toml();
+    let (read, warnings) = Calibration::parse(&text).unwrap();
+    assert_eq!(read, calibration, "{text}");
+    assert_eq!((read.id(), read.schema()), (calibration.id(), 2));
+    assert!(warnings.is_empty());
+    let z = read.axis("z").unwrap();
+    assert_eq!((z.rate.unwrap().codes(), z.correction.pbc_dps), ((-8192, 8191), 0.1));
+    assert_eq!(read.temp.unwrap().value(714), 125.0);
+    assert_eq!(read.validity.unwrap().margin_c, 10.0 * 0.14);
+}
+
+#[test]
+fn what_concerns_all_axes_stands_once() {
+    let calibration = measured();
+    assert_eq!(calibration.warnings, [Warning::EarthIncluded.to_string()]);
+    let own = calibration.axes.iter().map(|axis| axis.warnings.as_slice());
+    let expected = [Warning::Restless, Warning::CurvatureUnknown, Warning::RestUnjudged].map(|one| [one.to_string()]);
+    assert!(own.eq(expected.iter().map(|one| &one[..])));
+}
+
+/// Sources are those of the part's file; where it has none, that is said.
+#[test]
+fn noise_says_where_it_comes_from() {
+    let NoiseRecord { white_source, flicker_source, rate_random_walk_source, .. } =
+        measured().axes[1].noise.clone().unwrap();
+    assert_eq!(
+        [white_source, flicker_source, rate_random_walk_source],
+        ["measured", "typical (data sheet)", "typical"]
+    );
+    let unknown = PART.split("[noise]").next().unwrap();
+    let outcomes = [(); 3].map(|()| outcome(0.1, Warning::Restless));
+    let calibration = Calibration::new(&Part::parse(unknown).unwrap(), &outcomes, Origin::default());
+    assert_eq!(calibration.axes[0].noise.as_ref().unwrap().flicker_source, "unknown");
+}
+
+const BY_HAND: &str = r#"schema = 2
+part = "ADIS16405"
+[temperature]
+lsb_per_c = 7.14
+zero_code = 0
+zero_c = 25
+width_bits = 12
+[[axis]]
+name = "x"
+correction = { pbc_dps = -0.25, btc_dps_per_c = -0.04, t3_c = 31.5 }
+[[axis]]
+name = "y"
+[axis.rate]
+lsb_per_dps = 20
+zero_code = 0
+width_bits = 16
+[axis.correction]
+pbc_dps = 0.75
+btc_dps_per_c = 0.02
+t3_c = 31.25
+[validity]
+temp_min_c = 25
+temp_max_c = 33
+"#;
+
+const VALIDITY: &str = "[validity]\ntemp_min_c = 25\ntemp_max_c = 33";
+
+#[test]
+fn by_hand_scales_may_be_missing() {
+    let (calibration, warnings) = Calibration::parse(BY_HAND).unwrap();
+    assert_eq!(warnings, [FileWarning::NoChecksum]);
+    assert_eq!((calibration.axes[0].rate, calibration.axes[1].rate.unwrap().lsb_per_unit), (None, 20.0));
+    assert_eq!(calibration.validity.unwrap().margin_c, 0.5);
+    let (again, _) = Calibration::parse(&calibration.to_toml()).unwrap();
+    assert_eq!(again, calibration);
+    let mut corrector = calibration.corrector("ADIS16405", ["x", "y"]).unwrap();
+    corrector.read(Some(33.5));
+    assert_eq!(corrector.correct(1, Some(1.0)), Some(1.0 + 0.75 + 2.25 * 0.02));
+    assert!(!corrector.is_extrapolated() && corrector.correct(2, Some(1.0)).is_none());
+}
+
+/// Line, axis, and what is said.
+#[test]
+fn every_mistake_is_named_with_its_line_and_axis() {
+    for (from, to, line, axis, said) in [
+        ("schema = 2", "schema = 3", 1, None, "newer"),
+        ("schema = 2", "schema = 1", 8, Some("x"), "axis belongs to schema 2"),
+        ("\"ADIS16405\"", "\"a b\"", 2, None, "up to 40 letters"),
+        ("width_bits = 12", "width_bits = 40", 3, None, "width_bits is 40"),
+        ("lsb_per_c = 7.14", "lsb_per_c = 0", 3, None, "no scale"),
+        ("lsb_per_c = 7.14", "lsb_per_k = 7.14", 4, None, "lsb_per_k"),
+        ("pbc_dps = -0.25", "pbc_dps = nan", 10, Some("x"), "pbc_dps must be a number within ±100000 °/s"),
+        ("pbc_dps = -0.25", "pbc_dsp = -0.25", 10, Some("x"), "pbc_dsp"),
+        ("pbc_dps = -0.25, ", "", 10, Some("x"), "missing field `pbc_dps`"),
+        ("name = \"x\"", "name = \"y\"", 12, Some("y"), "is that of another axis"),
+        ("name = \"y\"", "name = \"\\u0007\"", 12, Some("\u{7}"), "up to 40 letters"),
+        ("name = \"y\"", "name = 5", 12, Some("2"), "invalid type"),
+        ("name = \"y\"", "serial = 5", 12, Some("2"), "serial"),
+        ("lsb_per_dps = 20", "lsb_per_dps = -20", 13, Some("y"), "no scale"),
+        ("width_bits = 16", "width_bits = 0", 13, Some("y"), "width_bits is 0"),
+        // 65 535 codes of 1/20 °/s
+        ("pbc_dps = 0.75", "pbc_dps = 3277", 18, Some("y"), "pbc_dps must be a number within ±3277 °/s"),
+        ("btc_dps_per_c = 0.02", "btc_dps_per_c = -inf", 19, Some("y"), "btc_dps_per_c must be a number"),
+        // 2047 codes of 1/7.14 °C are 287 °C
+        ("t3_c = 31.25", "t3_c = 200.5", 20, Some("y"), "t3_c must be a temperature within -100 … 200 °C"),
+        ("t3_c = 31.25", "t3_c = 31.25\nt3_c = 3", 21, None, "duplicate key"),
+        ("temp_min_c = 25", "temp_min_c = 34", 22, None, "must not lie above"),
+        ("temp_min_c = 25", "margin_c = -1\ntemp_min_c = 25", 22, None, "margin_c must be"),
+        (VALIDITY, "[run]", 21, None, "missing field"),
+        (VALIDITY, "[correction]\npbc_dps = 0\nbtc_dps_per_c = 0\nt3_c = 25", 21, None, "belongs into an [[axis]]"),
+    ] {
+        let text = BY_HAND.replace(from, to);
+        assert_ne!(text, BY_HAND, "{from}");
+        let error = Calibration::parse(&text).expect_err(to);
+        let (at, of) = match &error {
+            FileError::Syntax { line, axis, .. } | FileError::Value { line, axis, .. } => (*line, axis.as_deref()),
+            FileError::Newer { line, .. } => (*line, None),
+            other => panic!("{other:?}"),
+        };
+        assert_eq!((at, of), (line, axis), "{to}: {error}");
+        assert!(error.to_string().contains(said), "{to}: {error}");
+        if let Some(axis) = of.filter(|axis| *axis != "\u{7}") {
+            assert!(error.to_string().starts_with(&format!("line {line}, axis {axis}: ")), "{error}");
+        }
+        assert!(!error.to_string().contains(|c: char| c.is_control() && c != '\n'), "{error:?}");
+    }
+}
+
+#[test]
+fn one_axis_at_least_and_eight_at_most() {
+    let axis = "[[axis]]\nname = \"NAME\"\ncorrection = { pbc_dps = 0, btc_dps_per_c = 0, t3_c = 25 }\n";
+    let with = |count: usize| {
+        let axes = (0..count).map(|k| axis.replace("NAME", &format!("a{k}")));
+        Calibration::parse(&axes.fold("schema = 2\npart = \"P\"\n".to_owned(), |text, axis| text + &axis))
+    };
+    assert!(with(0).unwrap_err().to_string().contains("there is no [[axis]]"));
+    assert_eq!(with(8).unwrap().0.axes.len(), 8);
+    assert!(with(9).unwrap_err().to_string().contains("axis stands 9 times; 1 to 8 can be"));
+    let none = Calibration::parse("schema = 2\npart = \"P\"\naxis = []\n").unwrap_err().to_string();
+    assert!(none.contains("axis stands 0 times"), "{none}");
+}
+
+#[test]
+fn every_changed_digit_is_found() {
+    let text = measured().to_toml();
+    let lines: Vec<&str> = text.lines().collect();
+    for (index, line) in lines.iter().enumerate().filter(|(_, line)| line.contains(" = ")) {
+        let Some(at) = line.rfind(|c: char| c.is_ascii_digit()) else { continue };
+        let mut edited: Vec<String> = lines.iter().map(ToString::to_string).collect();
+        edited[index].replace_range(at..=at, if line.as_bytes()[at] == b'7' { "6" } else { "7" });
+        let error = Calibration::parse(&edited.join("\n")).unwrap_err();
+        assert!(matches!(error, FileError::Edited { .. } | FileError::Newer { .. }), "{line}: {error}");
+    }
+}
+
+/// An ADIS16130 on another scale, or with an axis of another name, cannot be said in schema 1.
+#[test]
+fn schema_1_is_written_for_what_it_can_say_alone() {
+    let one = |change: fn(&mut Calibration)| {
+        let outcomes = [outcome(0.1, Warning::Restless)];
+        let mut calibration = Calibration::new(&Part::ADIS16130, &outcomes, Origin::default());
+        change(&mut calibration);
+        let (read, _) = Calibration::parse(&calibration.to_toml()).unwrap();
+        assert_eq!(read, calibration);
+        read.schema()
+    };
+    assert_eq!(one(|_| ()), 1);
+    assert_eq!(one(|it| it.axes[0].name = "z".into()), 2);
+    assert_eq!(one(|it| it.axes[0].rate.as_mut().unwrap().lsb_per_unit = 91.75), 2);
+    assert_eq!(one(|it| it.axes[0].warnings.push("own".into())), 2);
+    assert_eq!(one(|it| it.part = "ADIS16136".into()), 2);
+    assert_eq!(one(|it| it.temp = None), 2);
+    assert_eq!(one(|it| it.validity.as_mut().unwrap().margin_c = 0.25), 2);
+}
+
+#[test]
+fn the_id_follows_names_and_numbers_of_every_axis() {
+    let id = |from: &str, to: &str| Calibration::parse(&BY_HAND.replace(from, to)).unwrap().0.id();
+    let ids =
+        [id("", ""), id("31.25", "31.5"), id("\"y\"", "\"z\""), id("ADIS16405", "ADIS16400"), id("-0.25", "-0.5")];
+    assert!((1..ids.len()).all(|k| !ids[..k].contains(&ids[k])), "{ids:?}");
+}
+
+/// A log may hold axes in another order, or fewer; another part, or an axis that was not calibrated, is an error.
+#[test]
+fn axes_are_found_by_name() {
+    let (calibration, _) = Calibration::parse(BY_HAND).unwrap();
+    let mut corrector = calibration.corrector("ADIS16405", ["y"]).unwrap();
+    corrector.read(Some(31.25));
+    assert_eq!((corrector.axes(), corrector.correct(0, Some(0.0))), (1, Some(0.75)));
+    let said = |part, axis| calibration.corrector(part, [axis]).unwrap_err().to_string();
+    assert!(said("ADIS16130", "x").contains("the calibration is of an ADIS16405 (axes x, y), not of an ADIS16130"));
+    assert!(said("ADIS16405", "z").contains("no axis \"z\": it is of x, y"), "{}", said("ADIS16405", "z"));
+}
