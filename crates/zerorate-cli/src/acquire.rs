@@ -1,7 +1,5 @@
 //! Samples out of a device, one after the other: paced to the wall clock if wanted, ended by Ctrl-C, counted.
 
-use crate::believed;
-use crate::capture::admission::Admission;
 use crate::cli::{DeviceArgs, SamplingArgs};
 use crate::commands::coded;
 use crate::device::Device;
@@ -11,6 +9,8 @@ use anyhow::Result;
 use std::time::{Duration, Instant};
 use zerorate::health::{Health, Judged};
 use zerorate::{Axis, Reading, Tally, Warning, resonance};
+use zerorate_data::believed;
+use zerorate_data::capture::admission::Admission;
 
 /// A device that is being read.
 pub struct Acquisition {

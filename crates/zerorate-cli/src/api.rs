@@ -4,11 +4,10 @@
 
 pub use crate::exit::{Refused, Usage};
 
-use crate::believed;
-use crate::capture::CaptureReader;
 use crate::cli::{Cli, Command};
 use crate::commands::calibrate;
 use crate::exit;
+use crate::files;
 use crate::output::Outputs;
 use crate::progress::Watch;
 use adis16130::Sample;
@@ -17,6 +16,7 @@ use clap::Parser;
 use std::path::Path;
 use zerorate::health::{Health, Judged};
 use zerorate::{Calibration, Names, Progress, Reading, Tally};
+use zerorate_data::believed;
 
 /// A calibration with its report.
 #[derive(Clone, Debug)]
@@ -96,7 +96,7 @@ pub struct Recording {
 /// # Errors
 /// Why the file cannot be read, or what in it is wrong and where.
 pub fn read_capture(path: &Path) -> Result<Recording> {
-    let mut reader = CaptureReader::open(path)?;
+    let mut reader = files::capture(path)?;
     let mut recording = Recording {
         width_bits: reader.info().width.bits(),
         metadata: reader.info().to_metadata().into_iter().collect(),

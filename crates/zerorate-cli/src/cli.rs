@@ -14,10 +14,11 @@ use crate::commands::{
     verify::VerifyArgs,
 };
 use crate::device::DeviceSpec;
-use crate::limits::{self, Bytes};
+use crate::memory;
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
 use std::path::{Path, PathBuf};
+use zerorate_data::limits::{self, Bytes};
 
 /// Takes an ADIS16130 gyroscope from its pins to a bias-free angular rate, and tells how well it did so.
 #[derive(Parser, Debug)]
@@ -45,7 +46,7 @@ pub struct Cli {
 impl Cli {
     /// Puts the limits in force.
     pub fn set_limits(&self) {
-        if let Some(bytes) = self.max_memory {
+        if let Some(bytes) = self.max_memory.or_else(memory::half) {
             limits::set_max_memory(bytes);
         }
     }

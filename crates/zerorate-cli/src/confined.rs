@@ -5,7 +5,6 @@
 //! ends, and there is nothing to catch. Therefore a command that reads files of unknown origin runs in a child, and
 //! its parent says what became of it.
 
-use crate::limits::{self, Bytes};
 use crate::output::say;
 use rustix::process::{Pid, Resource, Rlimit, Signal, kill_process, set_parent_process_death_signal, setrlimit};
 use signal_hook::consts::{SIGHUP, SIGINT, SIGPIPE, SIGTERM};
@@ -15,6 +14,7 @@ use std::os::unix::process::{CommandExt, ExitStatusExt};
 use std::path::Path;
 use std::process::{Command, ExitCode, ExitStatus};
 use std::{io, thread};
+use zerorate_data::limits::{self, Bytes};
 
 /// Tells the child that it is one.
 const MARK: &str = "ZERORATE_CONFINED";

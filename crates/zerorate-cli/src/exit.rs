@@ -2,6 +2,7 @@
 
 use crate::output::{OutputError, reader_left, say};
 use std::process::ExitCode;
+use zerorate_data::LogError;
 
 /// The measurement was refused: the numbers exist, but they must not become a calibration. Exit code 3.
 #[derive(Debug, thiserror::Error)]
@@ -19,9 +20,10 @@ pub fn report(error: &anyhow::Error) -> ExitCode {
     if reader_left(error) {
         return ExitCode::SUCCESS;
     }
-    let (label, code) = if error.is::<Refused>() {
+    let log = error.downcast_ref::<LogError>();
+    let (label, code) = if error.is::<Refused>() || matches!(log, Some(LogError::Refused(_))) {
         ("refused", 3)
-    } else if error.is::<Usage>() || refuses_output(error) {
+    } else if error.is::<Usage>() || matches!(log, Some(LogError::Ask(_))) || refuses_output(error) {
         ("error", 2)
     } else {
         ("error", 1)
@@ -48,7 +50,9 @@ mod tests {
         let pipe =
             Err::<(), _>(std::io::Error::from(std::io::ErrorKind::BrokenPipe)).context("writing rows").unwrap_err();
         let exists = anyhow::Error::from(OutputError::Exists { path: "x".into() }).context("saving");
-        let expected = [(refused, 3), (usage, 2), (exists, 2), (failed, 1), (pipe, 1)];
+        let log = |error: LogError| anyhow::Error::from(error).context("gz");
+        let (asked, gapped) = (log(LogError::Ask("which?".into())), log(LogError::Refused("gaps".into())));
+        let expected = [(asked, 2), (gapped, 3), (refused, 3), (usage, 2), (exists, 2), (failed, 1), (pipe, 1)];
         for (error, code) in expected {
             assert_eq!(report(&error), ExitCode::from(code), "{error:#}");
         }

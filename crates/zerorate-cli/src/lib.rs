@@ -10,25 +10,21 @@
 
 mod acquire;
 pub mod api;
-mod believed;
-mod capture;
 mod cli;
 mod column;
 mod commands;
 #[cfg(target_os = "linux")]
 mod confined;
 mod device;
-mod duration;
 mod exit;
+mod files;
 #[cfg(test)]
+#[expect(clippy::print_stderr, reason = "its replay is for whoever runs the tests")]
 mod fuzz;
 mod interrupt;
-mod limits;
+mod memory;
 mod output;
-pub mod plot;
 mod progress;
-pub mod report;
-mod survive;
 #[cfg(unix)]
 mod usb;
 

@@ -3,11 +3,9 @@
 use super::print_json;
 use super::serial::one_line;
 use crate::acquire::Acquisition;
-use crate::believed;
-use crate::capture::{CaptureWriter, Format};
 use crate::cli::{DeviceArgs, SamplingArgs};
-use crate::duration::{self, Seconds};
 use crate::exit::Refused;
+use crate::files::Recorder;
 use crate::interrupt;
 use crate::output::Outputs;
 use crate::progress::Meter;
@@ -16,6 +14,9 @@ use anyhow::{Context, Result};
 use clap::Args;
 use serde::Serialize;
 use std::path::PathBuf;
+use zerorate_data::believed;
+use zerorate_data::capture::Format;
+use zerorate_view::duration::{self, Seconds};
 
 /// Records raw codes with timestamps.
 ///
@@ -94,7 +95,7 @@ pub fn run(args: &CaptureArgs) -> Result<()> {
     acquisition.device().initialise()?;
     let info = acquisition.device().info(args.serial.as_deref(), args.supply_note.as_deref());
     let format = Format::choose(args.format, &args.output);
-    let mut writer = CaptureWriter::create(outputs.recording(&args.output)?, format, &info)?;
+    let mut writer = Recorder::create(outputs.recording(&args.output)?, format, &info)?;
     let recorded = record(args, &mut acquisition, |sample| Ok(writer.push(sample)?));
     let saved = writer.finish()?.samples;
     recorded.with_context(|| format!("{} ends after {saved} samples", args.output.display()))?;

@@ -2,20 +2,22 @@
 
 use super::serial::Part;
 use super::{flag, warn};
-use crate::believed;
-use crate::capture::columns::{self, Rows};
-use crate::capture::{CaptureInfo, CaptureReader, Format, info, table};
+use crate::files;
 use crate::interrupt;
 use crate::output::{Outputs, say};
 use anyhow::{Context, Result, bail, ensure};
-use arrow::array::{ArrayRef, Float64Array, Float64Builder, RecordBatch, UInt8Array};
-use arrow::datatypes::{Metadata, SchemaRef};
+use arrow_array::builder::Float64Builder;
+use arrow_array::{ArrayRef, Float64Array, RecordBatch, UInt8Array};
+use arrow_schema::{Metadata, SchemaRef};
 use clap::Args;
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use zerorate::health::{Flags, Health, Judged};
 use zerorate::{Axis, Calibration, Correction, Corrector, Reading, Say, Tally};
+use zerorate_data::believed;
+use zerorate_data::capture::columns::{self, Rows};
+use zerorate_data::capture::{CALIBRATION_ID, CaptureInfo, CaptureReader, Format, table};
 
 /// Corrects a capture: RATE + PBC + (TEMP − T3) · BTC.
 ///
@@ -50,13 +52,13 @@ pub fn run(args: &CorrectArgs) -> Result<()> {
     interrupt::listen();
     let mut outputs = Outputs::new(args.force).reading([&*args.capture, &*args.cal])?;
     let calibration = load(&args.cal)?;
-    let mut reader = CaptureReader::open(&args.capture)?;
+    let mut reader = files::capture(&args.capture)?;
     refuse_corrected(&args.capture, &reader)?;
     check_serial(args, reader.info(), &calibration)?;
     let output = outputs.derived(&args.output)?;
     let schema = schema(reader.info(), &calibration);
     let format = Format::choose(args.format, &args.output);
-    let mut sink = table::create(&args.output, output.file()?, format, &schema)?;
+    let mut sink = table::create(&args.output, Box::new(output.file()?), format, &schema)?;
     let mut correcting = Correcting::new(reader.info().axis(), corrector(&calibration)?);
     while let Some(rows) = reader.next_rows()? {
         ensure!(!interrupt::asked(), "interrupted; nothing written");
@@ -121,7 +123,7 @@ fn check_serial(args: &CorrectArgs, info: &CaptureInfo, calibration: &Calibratio
 }
 
 fn schema(info: &CaptureInfo, calibration: &Calibration) -> SchemaRef {
-    let mut metadata: Metadata = info.to_metadata().with(info::CALIBRATION_ID, calibration.id());
+    let mut metadata: Metadata = info.to_metadata().with(CALIBRATION_ID, calibration.id());
     if let Some(Correction { pbc_dps, btc_dps_per_c, t3_c }) = calibration.axes.first().map(|axis| axis.correction) {
         metadata = metadata
             .with("zerorate.pbc_dps", pbc_dps.to_string())

@@ -1,16 +1,17 @@
 //! `zerorate repair`: what is whole of a capture, in a new file.
 
 use super::{print, warn};
-use crate::capture::columns::{self, RAW, Rows};
-use crate::capture::table::{self, Opened};
-use crate::capture::{CaptureError, Checked, Format, chain};
+use crate::files;
 use crate::interrupt;
 use crate::output::Outputs;
 use anyhow::{Result, ensure};
-use arrow::array::RecordBatch;
-use arrow::datatypes::{Field, Metadata, SchemaRef};
+use arrow_array::RecordBatch;
+use arrow_schema::{Field, Metadata, SchemaRef};
 use clap::Args;
 use std::path::{Path, PathBuf};
+use zerorate_data::capture::columns::{self, RAW, Rows};
+use zerorate_data::capture::table::{self, Opened};
+use zerorate_data::capture::{CaptureError, Checked, Format};
 
 /// Metadata of a repaired capture: what is missing.
 const REPAIRED: &str = "zerorate.repaired";
@@ -47,7 +48,7 @@ pub fn run(args: &RepairArgs) -> Result<()> {
     let mut table = open(&args.capture)?;
     let schema = schema(&table, missing.what.as_deref());
     let format = Format::choose(args.format, &args.output);
-    let mut sink = table::create(&args.output, output.file()?, format, &schema)?;
+    let mut sink = table::create(&args.output, Box::new(output.file()?), format, &schema)?;
     while table.found().rows < missing.rows {
         ensure!(!interrupt::asked(), "interrupted; nothing written");
         let Some((batch, rows)) = table.next_rows()? else { break };
@@ -90,7 +91,7 @@ impl Kept {
 }
 
 fn open(path: &Path) -> Result<Checked, CaptureError> {
-    match table::open(path)? {
+    match table::recognise(path, files::open(path)?)? {
         Opened::Table(source) => Checked::new(path, source),
         Opened::Text(_) => Err(CaptureError::not_a_capture(path, "only captures are repaired")),
     }
@@ -99,10 +100,7 @@ fn open(path: &Path) -> Result<Checked, CaptureError> {
 /// The columns as they are, and the description as this version writes it.
 fn schema(table: &Checked, missing: Option<&str>) -> SchemaRef {
     let found = table.schema();
-    let kept =
-        found.metadata().iter().filter(|(key, _)| key.starts_with("zerorate.") && !key.starts_with(chain::CHECKS));
-    let kept = kept.map(|(key, value)| (key.clone(), value.clone()));
-    let mut metadata: Metadata = kept.chain(table.info().to_metadata()).collect();
+    let mut metadata: Metadata = table.description().into_iter().chain(table.info().to_metadata()).collect();
     if let Some(missing) = missing {
         metadata.insert(REPAIRED, missing.replace(['\r', '\n'], " ").trim());
     }

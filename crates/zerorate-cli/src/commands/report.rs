@@ -3,10 +3,10 @@
 use super::correct::load;
 use super::print;
 use crate::output::Outputs;
-use crate::report;
 use anyhow::Result;
 use clap::Args;
 use std::path::PathBuf;
+use zerorate_view::report;
 
 /// Writes a calibration as one self-contained HTML page.
 ///

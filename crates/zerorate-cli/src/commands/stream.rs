@@ -4,10 +4,8 @@ use super::correct::{corrector, load};
 use super::serial::{Part, one_line};
 use super::{flag, warn};
 use crate::acquire::Acquisition;
-use crate::believed;
 use crate::cli::{DeviceArgs, SamplingArgs};
 use crate::device::Device;
-use crate::duration::Seconds;
 use crate::exit::{Refused, Usage};
 use crate::output::{Outputs, Stdout};
 use anyhow::{Result, bail, ensure};
@@ -17,6 +15,8 @@ use std::io::{self, BufWriter, Write};
 use std::path::PathBuf;
 use zerorate::health::{Flags, Judged};
 use zerorate::{Axis, Calibration, CodeSum, Corrected, Correction, Corrector, Say};
+use zerorate_data::believed;
+use zerorate_view::duration::Seconds;
 
 /// Prints the corrected rate as it comes: columns t_s, rate_dps, temp_c, lost, calibration, flags.
 ///

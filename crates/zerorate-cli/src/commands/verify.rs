@@ -1,17 +1,18 @@
 //! `zerorate verify`: is a file whole, and does it say the truth about itself?
 
 use super::{print, print_json};
-use crate::capture::table::{self, Opened};
-use crate::capture::{CaptureError, Checked};
-use crate::duration::Seconds;
+use crate::files;
 use anyhow::{Result, ensure};
 use clap::Args;
 use serde::Serialize;
 use std::fmt::Write;
-use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use zerorate::Calibration;
+use zerorate_data::Input;
+use zerorate_data::capture::table::{self, Opened};
+use zerorate_data::capture::{CaptureError, Checked};
+use zerorate_view::duration::Seconds;
 
 /// Bytes of a calibration file at most: a bound on memory where a file is something else.
 const CALIBRATION_BYTES: u64 = 1 << 20;
@@ -78,7 +79,7 @@ pub fn run(args: &VerifyArgs) -> Result<()> {
 
 fn verdict(path: &Path) -> Verdict {
     let file = path.display().to_string();
-    let found = match table::open(path) {
+    let found = match files::open(path).and_then(|input| table::recognise(path, input)) {
         Ok(Opened::Table(source)) => capture(path, source),
         Ok(Opened::Text(text)) => calibration(path, text),
         Err(error) => Err(error),
@@ -112,7 +113,7 @@ fn capture(path: &Path, source: Box<dyn table::BatchSource>) -> Result<Verdict, 
     })
 }
 
-fn calibration(path: &Path, file: File) -> Result<Verdict, CaptureError> {
+fn calibration(path: &Path, file: Input) -> Result<Verdict, CaptureError> {
     let mut text = String::new();
     let read = file.take(CALIBRATION_BYTES).read_to_string(&mut text);
     let (one, several) = (text.contains("[correction]"), text.contains("axis") && text.contains("correction"));

@@ -11,9 +11,9 @@ mod replay;
 mod spi;
 mod twin;
 
-use crate::capture::{CaptureInfo, CaptureReader, info};
 use crate::cli::SamplingArgs;
 use crate::exit::Usage;
+use crate::files;
 use address::{BridgeAddress, IioAddress, PartOptions, SpiAddress, gpio_line, without_bandwidth};
 use adis16130::{Config, ConversionTime, Framing, MCLK_HZ, Sample, SamplerConfig, SelfTest};
 use adis16130_twin::{Roa, Spec, Truth};
@@ -28,6 +28,7 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use twin::TwinDevice;
 use zerorate::Axis;
+use zerorate_data::capture::{CaptureInfo, SCHEMA_VERSION};
 
 /// What `--device` names.
 #[derive(Clone, Debug)]
@@ -147,7 +148,7 @@ impl Device {
                     let why = "--every-temp and --divider were decided when the recording was made; leave them out";
                     return Err(Usage(why.to_owned()).into());
                 }
-                Source::Replay(Box::new(Replay::new(CaptureReader::open(path)?)))
+                Source::Replay(Box::new(Replay::new(files::capture(path)?)))
             }
             Kind::Spi(address) => open_spi(address, sampling)?,
             Kind::Iio(address) => {
@@ -250,7 +251,7 @@ impl Device {
 
     fn info_of(&self, (config, sampling): (Config, SamplerConfig), created: String) -> CaptureInfo {
         CaptureInfo {
-            schema: info::SCHEMA_VERSION,
+            schema: SCHEMA_VERSION,
             device: self.name.clone(),
             serial: None,
             width: config.width(),

@@ -1,9 +1,9 @@
 //! A recording in place of a part.
 
-use crate::capture::CaptureReader;
 use crate::output::say;
 use adis16130::Sample;
 use anyhow::Result;
+use zerorate_data::capture::CaptureReader;
 
 /// A recording.
 pub struct Replay {

@@ -1,87 +1,11 @@
-//! Damaged input into every reader and decoder: none may panic, and none may keep more than the input has room for.
-//!
-//! Each target takes whole small files, as this program or others write them, and edits them at random: the same edits
-//! on every machine, and as many as the target says. Others and more are tried with
-//!
-//! ```sh
-//! ZERORATE_FUZZ_SEED=7 ZERORATE_FUZZ_ITERATIONS=100000 cargo test -p zerorate-cli --lib fuzz::
-//! ```
-//!
-//! and a failure prints the seed and the number that replay it.
+//! Damaged input into every decoder of the program: none may panic. The harness is that of `zerorate-data`.
 
-mod captures;
+mod calibrations;
+#[path = "../../../zerorate-data/src/fuzz/edit.rs"]
 mod edit;
-mod logs;
+#[path = "../../../zerorate-data/src/fuzz/harness.rs"]
+mod harness;
 mod wires;
 mod words;
 
-use crate::output::say;
-use edit::{Draw, Edits};
-use rand_xoshiro::Xoshiro256PlusPlus;
-use rand_xoshiro::rand_core::{Rng, SeedableRng};
-use std::cell::RefCell;
-use std::fs;
-use std::path::Path;
-use tempfile::NamedTempFile;
-
-/// Reads `seeds` with edits, at least `iterations` times unless the environment says otherwise.
-fn edited(iterations: u64, seeds: &[Vec<u8>], read: impl Fn(&[u8])) {
-    let seed = from_environment("ZERORATE_FUZZ_SEED").unwrap_or(1);
-    let iterations = from_environment("ZERORATE_FUZZ_ITERATIONS").unwrap_or(iterations);
-    let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
-    for iteration in 0..iterations {
-        let mut draw = [0; size_of::<Draw>()];
-        random.fill_bytes(&mut draw);
-        let which = random.next_u32() as usize % seeds.len();
-        let edits = Edits::of(&draw);
-        let _failure = Replay { seed, iteration, which, edits: &edits };
-        read(&edits.apply(&seeds[which]));
-    }
-}
-
-fn from_environment(name: &str) -> Option<u64> {
-    std::env::var(name).ok()?.parse().ok()
-}
-
-/// Says what replays a failure.
-struct Replay<'a> {
-    seed: u64,
-    iteration: u64,
-    which: usize,
-    edits: &'a Edits,
-}
-
-impl Drop for Replay<'_> {
-    fn drop(&mut self) {
-        if std::thread::panicking() {
-            let Self { seed, iteration, which, edits } = self;
-            let iterations = *iteration + 1;
-            let how = format!("ZERORATE_FUZZ_SEED={seed} ZERORATE_FUZZ_ITERATIONS={iterations}");
-            say(format_args!("{how} replays it: file {which}, {edits:?}"));
-        }
-    }
-}
-
-/// Calls `read` with the name of a file that holds these bytes.
-fn with_file<T>(bytes: &[u8], read: impl FnOnce(&Path) -> T) -> T {
-    thread_local! {
-        static FILE: RefCell<Option<NamedTempFile>> = const { RefCell::new(None) };
-    }
-    FILE.with_borrow_mut(|file| {
-        let file = file.get_or_insert_with(|| NamedTempFile::new().expect("a temporary file"));
-        fs::write(file.path(), bytes).expect("it can be written");
-        read(file.path())
-    })
-}
-
-/// Most edits change something, none adds more than it says, and no length is too short for them.
-#[test]
-fn edits_are_edits() {
-    let seed: Vec<u8> = (0..=255).collect();
-    let changed = std::cell::Cell::new(0);
-    edited(500, &[seed.clone(), Vec::new()], |bytes| {
-        assert!(bytes.len() <= seed.len() + edit::MOST_ADDED);
-        changed.set(changed.get() + u32::from(*bytes != *seed && !bytes.is_empty()));
-    });
-    assert!(changed.get() > 200, "{}", changed.get());
-}
+use harness::edited;

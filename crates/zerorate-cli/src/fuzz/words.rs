@@ -1,12 +1,12 @@
 //! Words of the command line and of files: addresses, keys, durations, units, sizes.
 
 use super::edited;
-use crate::column::Unit;
 use crate::device::DeviceSpec;
-use crate::duration::Seconds;
-use crate::limits::Bytes;
 use adis16130_twin::Spec;
 use zerorate::allan::Taus;
+use zerorate_data::column::Unit;
+use zerorate_data::limits::Bytes;
+use zerorate_view::duration::Seconds;
 
 fn words(words: &[&str]) -> Vec<Vec<u8>> {
     words.iter().map(|word| word.as_bytes().to_vec()).collect()

@@ -22,12 +22,13 @@ pub use staged::Staged;
 pub use stdio::{Stdout, reader_left, say};
 pub use temporary::remove_all_for_good;
 
-use crate::capture::{CaptureError, CaptureReader};
+use crate::files;
 use identity::Identity;
 use place::Place;
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
+use zerorate_data::CaptureError;
 
 /// The files of one run of a command.
 #[derive(Debug)]
@@ -113,7 +114,7 @@ impl Outputs {
 /// A capture cannot be had again. One that carries a calibration's id can: from the capture that it was made from.
 fn refuse_capture(path: &Path) -> Result<(), OutputError> {
     let failed = |source| OutputError::io("look at", path, source);
-    let is_capture = match CaptureReader::open(path) {
+    let is_capture = match files::capture(path) {
         Ok(reader) => reader.calibration_id().is_none(),
         Err(CaptureError::NotACapture { .. }) => was_capture(path).map_err(failed)?,
         Err(CaptureError::Io { source, .. }) => return Err(failed(source)),

@@ -133,7 +133,7 @@ fn what_ends_the_process_is_reported_by_its_parent() {
 /// Rows that take nothing in a file: 6 million times the same number.
 #[test]
 fn rows_of_parquet_are_bounded() {
-    use arrow::array::{ArrayRef, Int32Array, RecordBatch};
+    use arrow_array::{ArrayRef, Int32Array, RecordBatch};
     let bench = Bench::new();
     let column: ArrayRef = std::sync::Arc::new(Int32Array::from(vec![7; 1 << 20]));
     let batch = RecordBatch::try_from_iter([("x", column)]).unwrap();

@@ -4,9 +4,9 @@ use super::picture;
 use super::record::Record;
 use super::units::{Named, coefficients, deviation_unit, noise};
 use crate::output::Staged;
-use crate::plot::number;
-use crate::report::{self, AllanPage, AllanRow, Coefficient, CoefficientValue, Fact, allan_page};
 use anyhow::Result;
+use zerorate_view::plot::number;
+use zerorate_view::report::{self, AllanPage, AllanRow, Coefficient, CoefficientValue, Fact, allan_page};
 
 /// Writes the page of all records.
 pub fn write(file: Staged, records: &[Record]) -> Result<()> {

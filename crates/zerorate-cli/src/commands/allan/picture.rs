@@ -4,9 +4,9 @@ use super::record::Record;
 use super::units::{self, Named, coefficients, deviation_unit};
 use crate::exit::Usage;
 use crate::output::Staged;
-use crate::plot::{self, Curve, Minimum, PowerLaw, number};
 use anyhow::Result;
 use std::path::Path;
+use zerorate_view::plot::{self, Curve, Minimum, PowerLaw, number};
 
 /// Form of a picture.
 #[derive(Clone, Copy, Debug)]

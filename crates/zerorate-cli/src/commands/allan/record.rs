@@ -2,11 +2,11 @@
 
 use super::units;
 use super::{AllanArgs, Data};
-use crate::column::{self, Column, Series};
 use crate::exit::Refused;
 use anyhow::{Context, Result, ensure};
 use std::path::{Path, PathBuf};
 use zerorate::allan::{self, AllanWarning, Analysis, Averaging, Deviation, Fit, FitError, Input, Options, Stat, Taus};
+use zerorate_data::column::{Column, Series};
 
 /// A log and what was found in it.
 pub struct Record {
@@ -23,7 +23,7 @@ pub struct Record {
 impl Record {
     /// Reads a log and analyses it.
     pub fn read(args: &AllanArgs, file: &Path) -> Result<Self> {
-        let mut column = column::read(file, &args.column)?;
+        let mut column = args.column.read(file)?;
         let mut warnings = std::mem::take(&mut column.warnings);
         warnings.extend(gaps(args, file, &mut column));
         let samples = column.series.len();
@@ -170,7 +170,7 @@ fn changes(values: impl Iterator<Item = f64>) -> (usize, usize, usize) {
 fn phase(args: &AllanArgs, file: &Path, column: &Column) -> Result<Option<Vec<f64>>> {
     match args.data {
         Data::Rate => Ok(None),
-        Data::Phase => column.points(file).map(Some),
+        Data::Phase => Ok(Some(column.points(file)?)),
     }
 }
 

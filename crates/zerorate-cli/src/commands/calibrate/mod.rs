@@ -7,11 +7,10 @@ mod report;
 use super::serial::one_line;
 use super::warn;
 use crate::acquire::Acquisition;
-use crate::capture::{CaptureInfo, CaptureWriter, Format, SampleHash};
 use crate::cli::{DeviceArgs, SamplingArgs};
 use crate::device::{Device, DeviceSpec};
-use crate::duration::Seconds;
 use crate::exit::{Refused, Usage};
+use crate::files::Recorder;
 use crate::interrupt;
 use crate::output::{Outputs, Staged};
 use crate::progress::{Meter, Watch};
@@ -27,6 +26,8 @@ use std::path::{Path, PathBuf};
 use std::slice;
 use zerorate::calibration::Origin;
 use zerorate::{Action, Axis, Calibration, Event, Names, Outcome, Part, Procedure, Refusal, Say, State, Warning};
+use zerorate_data::capture::{CaptureInfo, Format, SampleHash};
+use zerorate_view::duration::Seconds;
 
 /// Finds the bias of a part and how it changes with temperature.
 ///
@@ -205,10 +206,10 @@ impl Files {
     }
 
     /// Starts the log, once there is something to record.
-    fn log(&mut self, info: &CaptureInfo) -> Result<Option<CaptureWriter>> {
+    fn log(&mut self, info: &CaptureInfo) -> Result<Option<Recorder>> {
         let start = |path: PathBuf| {
             let file = self.outputs.recording(&path)?;
-            Ok(CaptureWriter::create(file, Format::choose(None, &path), info)?)
+            Ok(Recorder::create(file, Format::choose(None, &path), info)?)
         };
         self.log.take().map(start).transpose()
     }
@@ -237,7 +238,7 @@ fn origin(info: CaptureInfo, capture_sha256: String) -> Origin {
 struct Measurement<'a> {
     acquisition: Acquisition,
     procedure: Procedure,
-    log: Option<CaptureWriter>,
+    log: Option<Recorder>,
     log_failed: Option<anyhow::Error>,
     hash: SampleHash,
     /// The twin's truth at the end of step 8.
@@ -256,19 +257,14 @@ struct Measured {
 }
 
 impl<'a> Measurement<'a> {
-    fn new(
-        acquisition: Acquisition,
-        procedure: Procedure,
-        log: Option<CaptureWriter>,
-        watch: &'a mut dyn Watch,
-    ) -> Self {
+    fn new(acquisition: Acquisition, procedure: Procedure, log: Option<Recorder>, watch: &'a mut dyn Watch) -> Self {
         Self { acquisition, procedure, log, log_failed: None, hash: SampleHash::new(), truth: None, watch }
     }
 
     fn run(mut self) -> Result<Measured> {
         let fed = self.feed();
         // Whatever happened, the log stays whole.
-        if let Some(Err(error)) = self.log.take().map(CaptureWriter::finish) {
+        if let Some(Err(error)) = self.log.take().map(Recorder::finish) {
             self.lose_log(error.into());
         }
         fed?;

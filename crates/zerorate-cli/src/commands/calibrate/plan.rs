@@ -1,8 +1,8 @@
 //! The durations and limits of F-51 on the command line. The defaults are those of the core.
 
-use crate::duration::Seconds;
 use clap::Args;
 use zerorate::{Plan, Setting};
+use zerorate_view::duration::Seconds;
 
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Procedure")]

@@ -1,11 +1,11 @@
 //! The result of a calibration, for scripts (JSON) and for people (text).
 
 use super::deliver::Rescued;
-use crate::duration::Seconds;
 use adis16130_twin::Truth;
 use serde::Serialize;
 use std::path::Path;
 use zerorate::{Calibration, Names, Outcome, Say, Uncertainty};
+use zerorate_view::duration::Seconds;
 
 /// The JSON object of `calibrate --json`; the names are a contract.
 #[derive(Serialize)]

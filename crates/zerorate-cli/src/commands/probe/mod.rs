@@ -6,7 +6,6 @@ use super::{print_json, print_lines, warn};
 use crate::acquire::Acquisition;
 use crate::cli::{DeviceArgs, SamplingArgs};
 use crate::device::Bus;
-use crate::duration::{self, Seconds};
 use crate::interrupt;
 use crate::progress::Meter;
 use adis16130::{Framing, SelfTest};
@@ -16,6 +15,7 @@ use serde::Serialize;
 use zerorate::allan::{self, Gap, Input, Stat};
 use zerorate::health::Judged;
 use zerorate::{Axis, CodeSum, Tally};
+use zerorate_view::duration::{self, Seconds};
 
 /// Looks whether a part answers, is wired right and delivers.
 ///

@@ -1,0 +1,76 @@
+//! Which numbers of a log are meant, as options.
+
+use crate::files;
+use clap::Args;
+use std::path::Path;
+use zerorate_data::LogError;
+use zerorate_data::column::{self, Column, ColumnOptions, Decimal, RawType, TimeUnit, Unit};
+
+/// Which numbers of a log are meant, and what the log does not say about them itself.
+#[derive(Args, Debug, Default)]
+pub struct ColumnArgs {
+    /// The column, by its name or its number counted from 0 [default: the rate of a capture, or the only column].
+    ///
+    /// In a ROS bag x, y or z (of angular_velocity), or TOPIC.angular_velocity.z where there are several IMUs.
+    #[arg(long, value_name = "NAME|INDEX", conflicts_with = "raw")]
+    column: Option<String>,
+
+    /// The column with the time of each row: it tells the rate, and where samples are missing.
+    #[arg(long, value_name = "NAME|INDEX", conflicts_with_all = ["raw", "rate"])]
+    time_column: Option<String>,
+
+    /// The unit of the time column [default: the one that its name or type states, as in t_ns or `timestamp [ms]`].
+    #[arg(long, value_enum, requires = "time_column")]
+    time_unit: Option<TimeUnit>,
+
+    /// Samples per second [default: as the time column, the timestamps of a capture or the stamps of a bag tell]. With
+    /// it, the stamps of a bag are not looked at.
+    #[arg(long, value_name = "HZ", value_parser = positive)]
+    rate: Option<f64>,
+
+    /// The unit of the column: dps, mdps, deg/min, deg/h, rad/s, mrad/s or urad/s [default: the one that its name
+    /// states, as in gyro_z_dps or `gz [rad/s]`].
+    #[arg(long, value_name = "UNIT")]
+    unit: Option<Unit>,
+
+    /// What a step of 1 in the column is, in the unit of --unit [default: 1] or else in °/s [default: the scale of the
+    /// part for the codes of a capture].
+    #[arg(long, value_name = "X", value_parser = positive)]
+    scale: Option<f64>,
+
+    /// What stands before the decimals in a text file [default: a point, or a comma where it can be nothing else].
+    #[arg(long, value_enum, value_name = "MARK")]
+    decimal: Option<Decimal>,
+
+    /// The file is nothing but numbers of this type, little endian.
+    #[arg(long, value_enum)]
+    raw: Option<RawType>,
+}
+
+impl ColumnArgs {
+    /// Reads the column of the file at `path`.
+    pub fn read(&self, path: &Path) -> Result<Column, LogError> {
+        column::read(path, files::open(path)?, &self.options())
+    }
+
+    fn options(&self) -> ColumnOptions {
+        let Self { column, time_column, time_unit, rate, unit, scale, decimal, raw } = self;
+        ColumnOptions {
+            column: column.clone(),
+            time_column: time_column.clone(),
+            time_unit: *time_unit,
+            rate: *rate,
+            unit: *unit,
+            scale: *scale,
+            decimal: *decimal,
+            raw: *raw,
+        }
+    }
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    text.parse()
+        .ok()
+        .filter(|number: &f64| *number > 0.0 && number.is_finite())
+        .ok_or_else(|| "must be a number above zero".to_owned())
+}

@@ -1,0 +1,51 @@
+//! Captures and logs on disk.
+
+use crate::output::Recording;
+use adis16130::Sample;
+use std::fs::File;
+use std::io;
+use std::path::Path;
+use zerorate_data::capture::{CaptureInfo, CaptureReader, CaptureSummary, CaptureWriter, Format};
+use zerorate_data::{CaptureError, Input};
+
+/// Opens a file to be read.
+pub fn open(path: &Path) -> Result<Input, CaptureError> {
+    let file = File::open(path).map_err(|error| CaptureError::io("read", path, error))?;
+    Ok(file.into())
+}
+
+/// Opens a capture, in any of its forms.
+pub fn capture(path: &Path) -> Result<CaptureReader, CaptureError> {
+    CaptureReader::open(path, open(path)?)
+}
+
+/// Records samples into a file, and puts it onto the disk. Dropping it closes the file as well, but only
+/// [`Recorder::finish`] tells whether that worked.
+pub struct Recorder {
+    writer: CaptureWriter,
+    file: Recording,
+}
+
+impl Recorder {
+    /// Starts a capture in an empty file.
+    pub fn create(file: Recording, format: Format, info: &CaptureInfo) -> Result<Self, CaptureError> {
+        let writable = file.file().map_err(|error| CaptureError::io("write", file.path(), error))?;
+        let writer = CaptureWriter::create(file.path(), Box::new(writable), format, info)?;
+        Ok(Self { writer, file })
+    }
+
+    /// Records a sample. Whole batches go to the system at once.
+    pub fn push(&mut self, sample: &Sample) -> Result<(), CaptureError> {
+        self.writer.push(sample)
+    }
+
+    /// Writes what is left and puts the file onto the disk.
+    pub fn finish(self) -> Result<CaptureSummary, CaptureError> {
+        let path = self.file.path().to_owned();
+        let put = |error: io::Error| CaptureError::io("put onto the disk:", &path, error);
+        let summary = self.writer.finish();
+        let synced = self.file.finish().map_err(put);
+        let summary = summary?;
+        synced.map(|()| summary)
+    }
+}

@@ -1,0 +1,251 @@
+//! A capture being read, with everything checked that it states about itself: its description, each block, its end,
+//! and whether the rows agree with each other.
+
+use super::CaptureError;
+use super::chain::{self, Chain, End};
+use super::columns::Rows;
+use super::info::{self, CaptureInfo};
+use super::succession::{Break, Succession};
+use super::table::BatchSource;
+use arrow_array::RecordBatch;
+use arrow_schema::{Metadata, SchemaRef};
+use std::path::{Path, PathBuf};
+
+/// Reads a table that claims to be a capture.
+pub struct Checked {
+    path: PathBuf,
+    info: CaptureInfo,
+    source: Box<dyn BatchSource>,
+    checks: Checks,
+    succession: Succession,
+    found: Found,
+    ended: bool,
+}
+
+/// What the file has to say for itself.
+enum Checks {
+    /// Schema 1: nothing.
+    Absent,
+    /// Schema 2, and no block was read yet.
+    Expected(Chain),
+    /// Each block is checked.
+    Chained(Chain),
+    /// Schema 2 that other software has written again: description and columns stayed, the checks of the rows did not.
+    Stripped,
+}
+
+/// What was read so far.
+#[derive(Clone, Debug, Default)]
+pub struct Found {
+    /// Rows.
+    pub rows: u64,
+    /// Sum of their losses.
+    pub lost: u64,
+    /// `t_ns` of the first row, and of the last.
+    pub span_ns: Option<(u64, u64)>,
+    /// Rows whose `edge_seq` contradicts the time, in a file that is otherwise whole.
+    edges_out_of_place: u64,
+}
+
+impl Checked {
+    /// Checks the description.
+    pub fn new(path: &Path, source: Box<dyn BatchSource>) -> Result<Self, CaptureError> {
+        let schema = source.stated().schema.clone();
+        let info = CaptureInfo::from_metadata(path, schema.metadata())?;
+        let stated = schema.metadata().get(chain::HEAD);
+        let damaged = |what: &str| Err(CaptureError::damaged(path, "metadata", what));
+        let checks = match (info.schema, stated) {
+            (1, None) if !schema.metadata().contains_key(info::AXES) => Checks::Absent,
+            (1, _) => return damaged("it calls itself version 1, which has neither checks nor axes"),
+            (_, None) => return damaged(&format!("`{}` is missing", chain::HEAD)),
+            (_, Some(stated)) if *stated != chain::head(&schema) => {
+                return damaged(
+                    "the description or the columns are not those that were recorded (their check differs)",
+                );
+            }
+            _ => Checks::Expected(Chain::new(&schema)),
+        };
+        Rows::from_batch(path, "columns", &RecordBatch::new_empty(schema), info.width)?;
+        Ok(Self {
+            path: path.to_owned(),
+            info,
+            source,
+            checks,
+            succession: Succession::default(),
+            found: Found::default(),
+            ended: false,
+        })
+    }
+
+    /// How the capture was taken.
+    pub fn info(&self) -> &CaptureInfo {
+        &self.info
+    }
+
+    /// Columns and metadata.
+    pub fn schema(&self) -> SchemaRef {
+        self.source.stated().schema.clone()
+    }
+
+    /// What the file states about itself, without its checks.
+    pub fn description(&self) -> Metadata {
+        let schema = self.schema();
+        let entries = schema.metadata().iter().filter(|(key, _)| chain::describes(key));
+        entries.map(|(key, value)| (key.clone(), value.clone())).collect()
+    }
+
+    /// What was read so far.
+    pub fn found(&self) -> &Found {
+        &self.found
+    }
+
+    /// Whether checks vouch for every row read so far.
+    pub fn is_checked(&self) -> bool {
+        matches!(self.checks, Checks::Expected(_) | Checks::Chained(_))
+    }
+
+    /// Whether the file ends where no end should be.
+    pub fn is_torn(&self) -> bool {
+        self.source.stated().torn
+    }
+
+    /// What is to be said once all rows were read.
+    pub fn warnings(&self) -> Vec<String> {
+        let name = self.path.display();
+        let unchecked = match self.checks {
+            Checks::Absent => Some(format!(
+                "{name} is a capture of version 1, and nothing in it can be checked: damage may pass unnoticed"
+            )),
+            Checks::Stripped => Some(format!(
+                "{name} was written again by other software, and its rows cannot be checked: prefer the original"
+            )),
+            _ => None,
+        };
+        let edges = (self.found.edges_out_of_place > 0).then(|| {
+            format!(
+                "{name}: edge_seq contradicts the time in {} rows, so the rate of data ready is not to be believed",
+                self.found.edges_out_of_place
+            )
+        });
+        self.source.stated().warning.clone().into_iter().chain(unchecked).chain(edges).collect()
+    }
+
+    /// The next rows, with the batch that they stand in.
+    pub fn next_rows(&mut self) -> Result<Option<(RecordBatch, Rows)>, CaptureError> {
+        if self.ended {
+            return Ok(None);
+        }
+        let place = format!("batch at row {}", self.found.rows);
+        let Some(batch) = self.source.next_batch()? else {
+            self.ended = true;
+            self.check_end()?;
+            return Ok(None);
+        };
+        let rows = Rows::from_batch(&self.path, &place, &batch, self.info.width)?;
+        self.check_block(&place, &batch, &rows)?;
+        self.count(&place, &rows)?;
+        Ok(Some((batch, rows)))
+    }
+
+    fn check_block(&mut self, place: &str, batch: &RecordBatch, rows: &Rows) -> Result<(), CaptureError> {
+        let stated = self.source.stated().check.as_deref();
+        self.checks = match (std::mem::replace(&mut self.checks, Checks::Absent), stated) {
+            (Checks::Expected(_), None) if self.source.may_be_stripped() => Checks::Stripped,
+            (Checks::Expected(mut chain) | Checks::Chained(mut chain), stated) => {
+                chain.take(rows, batch);
+                let what = match stated {
+                    Some(stated) if *stated == chain.seal() => None,
+                    Some(_) => Some("its check differs: values were changed, or batches removed, repeated or moved"),
+                    None => Some("it has no check, though it should"),
+                };
+                if let Some(what) = what {
+                    return Err(CaptureError::damaged(&self.path, place, what));
+                }
+                Checks::Chained(chain)
+            }
+            (Checks::Stripped, Some(_)) => {
+                return Err(CaptureError::damaged(&self.path, place, "it has a check, and those before have none"));
+            }
+            (unchecked, _) => unchecked,
+        };
+        Ok(())
+    }
+
+    fn check_end(&mut self) -> Result<(), CaptureError> {
+        if self.info.schema == 1 {
+            return self.succession.review().map_err(|what| self.contradiction("the first rows", &what));
+        }
+        let (chain, end) = match (&self.checks, self.source.stated().end.as_ref()) {
+            (Checks::Expected(chain) | Checks::Chained(chain), Some(end)) => (chain, end),
+            (Checks::Stripped, None) if !self.source.stated().torn => return Ok(()),
+            (Checks::Expected(_) | Checks::Chained(_), None) if self.source.stated().torn => return Ok(()),
+            _ => {
+                return Err(self.wrong_end(
+                    "it was closed, and what stands at the end of a closed capture is missing: \
+                    rows may be missing as well"
+                        .to_owned(),
+                ));
+            }
+        };
+        let computed = chain.end();
+        if *end != computed {
+            return Err(self.wrong_end(format!(
+                "it ends after {} rows with the sample hash {}, its end states {} and {}",
+                computed.rows, computed.samples_sha256, end.rows, end.samples_sha256
+            )));
+        }
+        Ok(())
+    }
+
+    fn wrong_end(&self, what: String) -> CaptureError {
+        CaptureError::damaged(&self.path, format!("end, after row {}", self.found.rows), what)
+    }
+
+    /// Holds the rows against each other, and counts them.
+    fn count(&mut self, place: &str, rows: &Rows) -> Result<(), CaptureError> {
+        let strict = self.info.schema == 1;
+        for mark in rows.marks() {
+            let was_learning = self.succession.is_learning();
+            match self.succession.follow(mark) {
+                Err(Break::EdgesJump { .. }) if !strict => self.found.edges_out_of_place += 1,
+                Err(what) => return Err(self.contradiction(&format!("{place}, row {}", self.found.rows), &what)),
+                Ok(()) => {}
+            }
+            if strict && was_learning && !self.succession.is_learning() {
+                self.succession.review().map_err(|what| self.contradiction("the first rows", &what))?;
+            }
+            self.found.rows += 1;
+            self.found.lost += u64::from(mark.lost);
+            let start = self.found.span_ns.map_or(mark.t_ns, |(start, _)| start);
+            self.found.span_ns = Some((start, mark.t_ns));
+        }
+        Ok(())
+    }
+
+    fn contradiction(&self, place: &str, what: &Break) -> CaptureError {
+        CaptureError::damaged(&self.path, place, what.to_string())
+    }
+
+    /// The sample hash of the rows read so far, where checks were followed.
+    pub fn samples_sha256(&self) -> Option<String> {
+        match &self.checks {
+            Checks::Expected(chain) | Checks::Chained(chain) => Some(chain.samples_sha256()),
+            Checks::Absent | Checks::Stripped => None,
+        }
+    }
+
+    /// What the file states at its end, once all rows were read.
+    pub fn end(&self) -> Option<&End> {
+        self.source.stated().end.as_ref()
+    }
+}
+
+impl Iterator for Checked {
+    type Item = Result<RecordBatch, CaptureError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let next = self.next_rows().transpose();
+        self.ended |= !matches!(next, Some(Ok(_)));
+        next.map(|rows| rows.map(|(batch, _)| batch))
+    }
+}

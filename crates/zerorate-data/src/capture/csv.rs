@@ -1,0 +1,325 @@
+//! The CSV form: the description as comment lines, a header, then the rows.
+
+use super::CaptureError;
+use super::chain::{self, End};
+use super::columns::{MAX_ROWS, derived_fields, raw_fields};
+use super::delimited::{Delimiter, Lines};
+use super::table::{BatchSource, BlockSink, Out, Stated};
+use crate::Input;
+use arrow_array::builder::PrimitiveBuilder;
+use arrow_array::cast::AsArray;
+use arrow_array::types::{Float64Type, UInt8Type, UInt32Type, UInt64Type};
+use arrow_array::{Array, ArrayRef, ArrowPrimitiveType, RecordBatch, downcast_integer_array};
+use arrow_schema::{ArrowError, DataType, Field, Metadata, Schema, SchemaRef};
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+use std::sync::Arc;
+
+/// How every CSV capture starts.
+pub const PREAMBLE: &str = "# zerorate.";
+
+/// Bytes of a few batches.
+const WRITE_BUFFER: usize = 1 << 20;
+
+/// Writes a CSV file.
+pub struct Sink {
+    path: PathBuf,
+    out: BufWriter<Out>,
+}
+
+impl Sink {
+    /// Writes the description and the header.
+    pub fn create(path: &Path, out: Out, schema: &SchemaRef) -> Result<Self, CaptureError> {
+        let mut sink = Self { path: path.to_owned(), out: BufWriter::with_capacity(WRITE_BUFFER, out) };
+        schema.metadata().iter().try_for_each(|(key, value)| sink.state(key, value))?;
+        let names: Vec<&str> = schema.fields().iter().map(|field| field.name().as_str()).collect();
+        sink.text(&(names.join(",") + "\n"))?;
+        Ok(sink)
+    }
+
+    /// Writes a comment line.
+    fn state(&mut self, key: &str, value: &str) -> Result<(), CaptureError> {
+        self.text(&format!("# {key} = {value}\n"))
+    }
+
+    fn rows(&mut self, rows: &RecordBatch) -> Result<(), CaptureError> {
+        let written: Result<Vec<_>, _> = rows.columns().iter().map(written).collect();
+        let written = written.map_err(|error| CaptureError::arrow("write", &self.path, error))?;
+        let mut line = String::new();
+        for row in 0..rows.num_rows() {
+            line.clear();
+            for (index, column) in written.iter().enumerate() {
+                line.push_str(if index == 0 { "" } else { "," });
+                column(row, &mut line);
+            }
+            line.push('\n');
+            self.text(&line)?;
+        }
+        Ok(())
+    }
+
+    fn text(&mut self, text: &str) -> Result<(), CaptureError> {
+        self.out.write_all(text.as_bytes()).map_err(|error| CaptureError::io("write", &self.path, error))
+    }
+
+    fn flush(&mut self) -> Result<(), CaptureError> {
+        self.out.flush().map_err(|error| CaptureError::io("write", &self.path, error))
+    }
+}
+
+impl BlockSink for Sink {
+    fn write(&mut self, rows: &RecordBatch, check: Option<&str>) -> Result<(), CaptureError> {
+        self.rows(rows)?;
+        check.map_or(Ok(()), |check| self.state(chain::BATCH, check))?;
+        self.flush()
+    }
+
+    fn finish(mut self: Box<Self>, check: Option<&str>, end: &End) -> Result<(), CaptureError> {
+        check.map_or(Ok(()), |check| self.state(chain::BATCH, check))?;
+        self.state(chain::END, &end.to_text())?;
+        self.flush()
+    }
+}
+
+/// Reads a CSV capture.
+pub struct Source {
+    path: PathBuf,
+    lines: Lines,
+    /// For each column of the file, in order: its builder, or none if its name is unknown.
+    columns: Vec<NamedColumn>,
+    /// Whether its rows carry checks: version 2 of the format.
+    is_checked: bool,
+    stated: Stated,
+}
+
+/// What a line below the header is.
+enum Entry {
+    /// A row, which is in the columns now.
+    Row,
+    /// The check of the rows before.
+    Check(String),
+    /// The end.
+    End(End),
+    /// A comment of somebody.
+    Comment,
+    /// The file ends, perhaps with a line that is cut short.
+    Nothing,
+}
+
+impl Source {
+    /// Reads the description and the header.
+    pub fn open(path: &Path, input: Input) -> Result<Self, CaptureError> {
+        let mut lines = Lines::new(path, input);
+        let mut description = Metadata::new();
+        let header = loop {
+            let Some(line) = lines.next()? else {
+                return Err(CaptureError::not_a_capture(path, "it has no header line"));
+            };
+            let Some(comment) = line.text.strip_prefix('#') else {
+                break line.text.to_owned();
+            };
+            if let Some((key, value)) = comment.split_once('=') {
+                description.insert(key.trim().to_owned(), value.trim().to_owned());
+            }
+        };
+        let known: Vec<Field> = raw_fields().into_iter().chain(derived_fields()).collect();
+        let field = |name: &str| known.iter().find(|field| field.name() == name);
+        let names: Vec<&str> = Delimiter::Comma.cells(&header).collect();
+        let fields: Vec<Field> =
+            names.iter().filter_map(|name| field(name)).map(|field| field.clone().with_nullable(true)).collect();
+        let columns = names
+            .iter()
+            .map(|name| ((*name).to_owned(), field(name).map(|field| cell_column(field.data_type()))))
+            .collect();
+        Ok(Self {
+            path: path.to_owned(),
+            lines,
+            is_checked: description.contains_key(chain::HEAD),
+            columns,
+            stated: Stated::new(Arc::new(Schema::new(fields).with_metadata(description))),
+        })
+    }
+
+    /// Reads a line, a row into the columns.
+    fn read_entry(&mut self) -> Result<Entry, CaptureError> {
+        let Some(line) = self.lines.next()? else {
+            return Ok(Entry::Nothing);
+        };
+        let place = format!("line {}", line.number);
+        if let Some(comment) = line.text.strip_prefix('#') {
+            let entry = statement(comment);
+            return match entry {
+                Some(Entry::Check(_)) | None if !line.ended => Ok(Entry::Nothing),
+                Some(entry) => Ok(entry),
+                None => Err(CaptureError::damaged(&self.path, place, "what it states about the end is malformed")),
+            };
+        }
+        if !line.ended {
+            self.stated.warning = Some(format!(
+                "{} does not end with a line end: its last line may be cut short and is dropped",
+                self.path.display()
+            ));
+            return Ok(Entry::Nothing);
+        }
+        push_cells(&self.path, &place, line.text, &mut self.columns)?;
+        Ok(Entry::Row)
+    }
+
+    /// The file ended before the capture did.
+    fn torn(&mut self, rows: usize) {
+        self.stated.torn = true;
+        self.stated.warning = Some(format!(
+            "{} was not closed, or its end was removed: every whole block of rows is read, {rows} rows behind the \
+             last one are dropped",
+            self.path.display()
+        ));
+    }
+
+    fn damaged(&self, what: &str) -> CaptureError {
+        CaptureError::damaged(&self.path, format!("line {}", self.lines.number()), what)
+    }
+}
+
+/// What a comment states; none if that is malformed.
+fn statement(comment: &str) -> Option<Entry> {
+    let entry = comment.split_once('=').map(|(key, value)| (key.trim(), value.trim()));
+    match entry {
+        Some((chain::BATCH, check)) => Some(Entry::Check(check.to_owned())),
+        Some((chain::END, end)) => End::parse(end).map(Entry::End),
+        _ => Some(Entry::Comment),
+    }
+}
+
+type NamedColumn = (String, Option<Box<dyn CellColumn>>);
+
+/// Puts the cells of a line into the columns.
+fn push_cells(path: &Path, place: &str, line: &str, columns: &mut [NamedColumn]) -> Result<(), CaptureError> {
+    let mut cells = Delimiter::Comma.cells(line);
+    for (name, column) in columns {
+        let wrong = |what: String| CaptureError::damaged(path, format!("{place}, column {name}"), what);
+        let cell = cells.next().ok_or_else(|| wrong("the line ends before this cell".to_owned()))?;
+        if column.as_mut().is_some_and(|column| !column.push(cell)) {
+            return Err(wrong(format!("`{cell}` is no number in the range of this column")));
+        }
+    }
+    match cells.next() {
+        Some(_) => Err(CaptureError::damaged(path, place, "more cells than the header has")),
+        None => Ok(()),
+    }
+}
+
+impl BatchSource for Source {
+    fn form(&self) -> &'static str {
+        "CSV"
+    }
+
+    fn stated(&self) -> &Stated {
+        &self.stated
+    }
+
+    fn stated_mut(&mut self) -> &mut Stated {
+        &mut self.stated
+    }
+
+    fn read_batch(&mut self) -> Result<Option<RecordBatch>, CaptureError> {
+        let mut rows = 0;
+        self.stated.check = None;
+        while !self.stated.ended && self.stated.check.is_none() && (self.is_checked || rows < MAX_ROWS) {
+            match self.read_entry()? {
+                Entry::Row if self.stated.end.is_some() => return Err(self.damaged("rows follow behind its end")),
+                Entry::Row if rows == MAX_ROWS => return Err(self.damaged("a check is missing among its rows")),
+                Entry::Row => rows += 1,
+                Entry::Check(_) if rows == 0 => return Err(self.damaged("a check without rows")),
+                Entry::Check(check) => self.stated.check = Some(check),
+                Entry::End(_) if rows > 0 => return Err(self.damaged("the check of its last rows is missing")),
+                Entry::End(end) => self.stated.end = Some(end),
+                Entry::Comment => {}
+                Entry::Nothing => self.stated.ended = true,
+            }
+        }
+        if self.is_checked && self.stated.ended && self.stated.end.is_none() {
+            self.torn(rows);
+            return Ok(None);
+        }
+        if rows == 0 {
+            return Ok(None);
+        }
+        let columns = self.columns.iter_mut().filter_map(|(_, column)| Some(column.as_mut()?.finish())).collect();
+        let batch = RecordBatch::try_new(self.stated.schema.clone(), columns);
+        batch.map(Some).map_err(|error| CaptureError::arrow("read", &self.path, error))
+    }
+
+    fn may_be_stripped(&self) -> bool {
+        false
+    }
+}
+
+/// Writes a cell of a column into a line; nothing for a null.
+type WriteCell<'a> = Box<dyn Fn(usize, &mut String) + 'a>;
+
+fn written(column: &ArrayRef) -> Result<WriteCell<'_>, ArrowError> {
+    downcast_integer_array! {
+        column => {
+            Ok(Box::new(|row, line| {
+                if column.is_valid(row) {
+                    line.push_str(&column.value(row).to_string());
+                }
+            }))
+        }
+        DataType::Float64 => {
+            let column = column.as_primitive::<Float64Type>();
+            Ok(Box::new(|row, line| {
+                if column.is_valid(row) {
+                    push_float(column.value(row), line);
+                }
+            }))
+        }
+        other => Err(ArrowError::CsvError(format!("{other} is no type of a capture's column")))
+    }
+}
+
+/// With as many digits as bring the same number back, and always a point.
+fn push_float(value: f64, line: &mut String) {
+    let plain = value == 0.0 || (1e-5..1e9).contains(&value.abs());
+    let text = if plain || !value.is_finite() { value.to_string() } else { format!("{value:e}") };
+    let (mantissa, exponent) = text.split_at(text.find('e').unwrap_or(text.len()));
+    line.push_str(mantissa);
+    line.push_str(if mantissa.contains('.') || !value.is_finite() { "" } else { ".0" });
+    line.push_str(exponent);
+}
+
+/// A column that grows by cells of text.
+trait CellColumn {
+    /// Adds a cell; an empty one is a null. False if it is no number of the type.
+    fn push(&mut self, cell: &str) -> bool;
+
+    /// Takes the column out.
+    fn finish(&mut self) -> ArrayRef;
+}
+
+impl<T: ArrowPrimitiveType> CellColumn for PrimitiveBuilder<T>
+where
+    T::Native: FromStr,
+{
+    fn push(&mut self, cell: &str) -> bool {
+        if cell.is_empty() {
+            self.append_null();
+            return true;
+        }
+        cell.parse().map(|value| self.append_value(value)).is_ok()
+    }
+
+    fn finish(&mut self) -> ArrayRef {
+        Arc::new(PrimitiveBuilder::finish(self))
+    }
+}
+
+fn cell_column(data_type: &DataType) -> Box<dyn CellColumn> {
+    match data_type {
+        DataType::UInt64 => Box::new(PrimitiveBuilder::<UInt64Type>::new()),
+        DataType::UInt32 => Box::new(PrimitiveBuilder::<UInt32Type>::new()),
+        DataType::UInt8 => Box::new(PrimitiveBuilder::<UInt8Type>::new()),
+        _ => Box::new(PrimitiveBuilder::<Float64Type>::new()),
+    }
+}

@@ -1,0 +1,174 @@
+//! Lines and cells of delimited text, with line numbers for messages.
+
+use super::CaptureError;
+use crate::Input;
+use std::io::{BufRead, BufReader};
+use std::path::{Path, PathBuf};
+
+/// Bytes that a read asks the system for.
+const READ_BUFFER: usize = 1 << 18;
+
+/// The longest line, a bound on memory when a file is no text at all.
+const MAX_LINE: u64 = 1 << 20;
+
+/// Reads a text file line by line.
+pub struct Lines {
+    path: PathBuf,
+    reader: BufReader<Input>,
+    bytes: Vec<u8>,
+    number: u64,
+}
+
+/// A line, without its end.
+#[derive(Clone, Copy)]
+pub struct Line<'a> {
+    /// Counted from 1.
+    pub number: u64,
+    /// Without the line feed and without blanks around.
+    pub text: &'a str,
+    /// Whether a line feed ended it.
+    pub ended: bool,
+}
+
+impl Lines {
+    /// Lines of `input`, which `path` names in messages.
+    pub fn new(path: &Path, input: Input) -> Self {
+        Self {
+            path: path.to_owned(),
+            reader: BufReader::with_capacity(READ_BUFFER, input),
+            bytes: Vec::new(),
+            number: 0,
+        }
+    }
+
+    /// The number of the line read last.
+    pub fn number(&self) -> u64 {
+        self.number
+    }
+
+    /// The next line that is not blank.
+    pub fn next(&mut self) -> Result<Option<Line<'_>>, CaptureError> {
+        self.next_where(|_| true)
+    }
+
+    /// The next line that is not blank and whose text is `wanted`.
+    pub fn next_where(&mut self, wanted: impl Fn(&str) -> bool) -> Result<Option<Line<'_>>, CaptureError> {
+        loop {
+            if !self.read()? {
+                return Ok(None);
+            }
+            let text = self.text()?;
+            if !text.is_empty() && wanted(text) {
+                break;
+            }
+        }
+        Ok(Some(Line { number: self.number, text: self.text()?, ended: self.bytes.ends_with(b"\n") }))
+    }
+
+    fn read(&mut self) -> Result<bool, CaptureError> {
+        self.bytes.clear();
+        self.number += 1;
+        let mut bounded = std::io::Read::take(&mut self.reader, MAX_LINE);
+        let read =
+            bounded.read_until(b'\n', &mut self.bytes).map_err(|error| CaptureError::io("read", &self.path, error))?;
+        if read as u64 == MAX_LINE {
+            return Err(self.wrong("the line is longer than 1 MB: is this a text file?"));
+        }
+        Ok(read > 0)
+    }
+
+    fn text(&self) -> Result<&str, CaptureError> {
+        let text = std::str::from_utf8(&self.bytes)
+            .map_err(|_| self.wrong("not UTF-8 text: for raw binary columns give --raw"))?;
+        Ok(text.strip_prefix('\u{FEFF}').unwrap_or(text).trim_ascii())
+    }
+
+    fn wrong(&self, what: &str) -> CaptureError {
+        CaptureError::damaged(&self.path, format!("line {}", self.number), what)
+    }
+}
+
+/// What separates the cells of a line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Delimiter {
+    /// `,`
+    Comma,
+    /// `;`
+    Semicolon,
+    /// A tab.
+    Tab,
+    /// Any run of blanks.
+    Blanks,
+}
+
+impl Delimiter {
+    /// The delimiter of a line of data: the first of tab, semicolon, comma, blank that it contains.
+    pub fn detect(line: &str) -> Self {
+        match line {
+            line if line.contains('\t') => Self::Tab,
+            line if line.contains(';') => Self::Semicolon,
+            line if line.contains(',') => Self::Comma,
+            line if line.contains(' ') => Self::Blanks,
+            _ => Self::Comma,
+        }
+    }
+
+    /// The cells of a line, without quotes and blanks around them.
+    pub fn cells(self, line: &str) -> Cells<'_> {
+        Cells { rest: Some(line), delimiter: self }
+    }
+
+    fn splits(self, character: char) -> bool {
+        match self {
+            Self::Comma => character == ',',
+            Self::Semicolon => character == ';',
+            Self::Tab => character == '\t',
+            Self::Blanks => character == ' ' || character == '\t',
+        }
+    }
+}
+
+/// The cells of a line.
+pub struct Cells<'a> {
+    rest: Option<&'a str>,
+    delimiter: Delimiter,
+}
+
+impl<'a> Iterator for Cells<'a> {
+    type Item = &'a str;
+
+    fn next(&mut self) -> Option<&'a str> {
+        let rest = self.rest?.trim_start_matches([' ', '\u{A0}']);
+        let quoted = rest.strip_prefix('"').and_then(|inner| inner.split_once('"'));
+        let (cell, tail) = quoted.map_or((None, rest), |(cell, tail)| (Some(cell), tail));
+        let (before, after) = match tail.split_once(|c| self.delimiter.splits(c)) {
+            Some((before, after)) if self.delimiter == Delimiter::Blanks => (before, Some(after.trim_start())),
+            Some((before, after)) => (before, Some(after)),
+            None => (tail, None),
+        };
+        self.rest = after;
+        Some(cell.unwrap_or(before).trim())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cells_of_every_delimiter() {
+        let lines = ["1, 2 ,x", "1;2;x", "1\t2\tx", "  1   2 x", "\"1\",\"2\",\"x\"", "\"1\" 2 \"x\""];
+        for line in lines {
+            let cells: Vec<_> = Delimiter::detect(line).cells(line.trim()).collect();
+            assert_eq!(cells, ["1", "2", "x"], "{line:?}");
+        }
+    }
+
+    #[test]
+    fn empty_and_quoted_cells_keep_their_place() {
+        let cells: Vec<_> = Delimiter::Comma.cells("a,,\"b, c\",").collect();
+        assert_eq!(cells, ["a", "", "b, c", ""]);
+        let cells: Vec<_> = Delimiter::Tab.cells("a\t\tb").collect();
+        assert_eq!(cells, ["a", "", "b"]);
+    }
+}

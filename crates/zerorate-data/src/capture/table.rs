@@ -1,0 +1,203 @@
+//! Tables in any of the three forms: which form a file has, and batches into and out of it.
+
+use super::chain::{Chain, End};
+use super::columns::{MAX_ROWS, Rows};
+use super::{CaptureError, CaptureInfo, arrows, csv, parquet};
+use crate::Input;
+use adis16130::Width;
+use arrow_array::RecordBatch;
+use arrow_schema::SchemaRef;
+use std::io::{Read, Seek, Write};
+use std::path::{Path, PathBuf};
+
+/// The form of a capture on disk.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
+pub enum Format {
+    /// Arrow IPC stream: survives a power cut.
+    Arrows,
+    /// Parquet: the smallest.
+    Parquet,
+    /// CSV with the description as comments.
+    Csv,
+}
+
+impl Format {
+    /// The form asked for, or else the one that the name of the file says, or else a stream.
+    pub fn choose(asked: Option<Self>, path: &Path) -> Self {
+        let by_name = || match path.extension()?.to_str()? {
+            "parquet" => Some(Self::Parquet),
+            "csv" => Some(Self::Csv),
+            _ => None,
+        };
+        asked.or_else(by_name).unwrap_or(Self::Arrows)
+    }
+}
+
+/// Takes blocks of rows in one of the forms.
+pub trait BlockSink {
+    /// Writes rows, as far as the form allows out of the program's hands. `check` ends the block.
+    fn write(&mut self, rows: &RecordBatch, check: Option<&str>) -> Result<(), CaptureError>;
+
+    /// Ends the block of the rows before, if `check` is given, and writes what the form has at its end.
+    fn finish(self: Box<Self>, check: Option<&str>, end: &End) -> Result<(), CaptureError>;
+}
+
+/// What a source has stated so far, beside its rows.
+pub struct Stated {
+    /// Columns and metadata.
+    pub schema: SchemaRef,
+    /// The check of the batch given last.
+    pub check: Option<String>,
+    /// The end, once all batches were read.
+    pub end: Option<End>,
+    /// No batch follows.
+    pub ended: bool,
+    /// The file ended where no end should be.
+    pub torn: bool,
+    /// What is to be said after the last batch: a tail that was torn off.
+    pub warning: Option<String>,
+}
+
+impl Stated {
+    /// Nothing but the schema, as before the first batch.
+    pub fn new(schema: SchemaRef) -> Self {
+        Self { schema, check: None, end: None, ended: false, torn: false, warning: None }
+    }
+}
+
+/// Gives batches.
+pub trait BatchSource {
+    /// What the form is called.
+    fn form(&self) -> &'static str {
+        "table"
+    }
+
+    /// What was stated so far.
+    fn stated(&self) -> &Stated;
+
+    /// The same, to be added to.
+    fn stated_mut(&mut self) -> &mut Stated;
+
+    /// The next batch of the form, if there is one. It is not called again behind the end or an error.
+    fn read_batch(&mut self) -> Result<Option<RecordBatch>, CaptureError>;
+
+    /// Whether common software keeps the description when it writes such a file, and drops the checks of the rows.
+    fn may_be_stripped(&self) -> bool {
+        true
+    }
+
+    /// The next batch; none behind the last one, and behind an error.
+    fn next_batch(&mut self) -> Result<Option<RecordBatch>, CaptureError> {
+        if self.stated().ended {
+            return Ok(None);
+        }
+        let batch = self.read_batch();
+        self.stated_mut().ended |= !matches!(batch, Ok(Some(_)));
+        batch
+    }
+}
+
+/// Writes a capture, and the checks into it.
+pub struct Sink {
+    path: PathBuf,
+    form: Box<dyn BlockSink>,
+    chain: Chain,
+    blocks: Blocks,
+    width: Width,
+}
+
+/// Where a block ends.
+enum Blocks {
+    /// With each batch, which has so many rows at most.
+    Batches { rows: usize },
+    /// After so many rows; `open` of them are written.
+    Rows { rows: usize, open: usize },
+}
+
+/// Where a capture goes.
+pub type Out = Box<dyn Write + Send>;
+
+/// Starts a capture; `path` names it in messages.
+pub fn create(path: &Path, out: Out, format: Format, schema: &SchemaRef) -> Result<Sink, CaptureError> {
+    let width = CaptureInfo::from_metadata(path, schema.metadata())?.width;
+    let form: Box<dyn BlockSink> = match format {
+        Format::Arrows => Box::new(arrows::Sink::create(path, out, schema)?),
+        Format::Parquet => Box::new(parquet::Sink::create(path, out, schema)?),
+        Format::Csv => Box::new(csv::Sink::create(path, out, schema)?),
+    };
+    let blocks = match format {
+        Format::Parquet => Blocks::Rows { rows: parquet::BLOCK, open: 0 },
+        Format::Arrows | Format::Csv => Blocks::Batches { rows: MAX_ROWS },
+    };
+    Ok(Sink { path: path.to_owned(), form, chain: Chain::new(schema), blocks, width })
+}
+
+impl Sink {
+    /// Writes rows.
+    pub fn write(&mut self, batch: &RecordBatch) -> Result<(), CaptureError> {
+        let mut first = 0;
+        while first < batch.num_rows() {
+            let room = match self.blocks {
+                Blocks::Batches { rows } => rows,
+                Blocks::Rows { rows, open } => rows - open,
+            };
+            let piece = batch.slice(first, room.min(batch.num_rows() - first));
+            first += piece.num_rows();
+            self.write_piece(&piece)?;
+        }
+        Ok(())
+    }
+
+    /// Writes rows that all belong to one block.
+    fn write_piece(&mut self, piece: &RecordBatch) -> Result<(), CaptureError> {
+        let rows = Rows::from_batch(&self.path, "rows to be written", piece, self.width)?;
+        self.chain.take(&rows, piece);
+        let is_full = match &mut self.blocks {
+            Blocks::Batches { .. } => true,
+            Blocks::Rows { rows, open } => {
+                *open = (*open + piece.num_rows()) % *rows;
+                *open == 0
+            }
+        };
+        let check = is_full.then(|| self.chain.seal());
+        self.form.write(piece, check.as_deref())
+    }
+
+    /// Closes the file.
+    pub fn finish(mut self) -> Result<(), CaptureError> {
+        let is_open = matches!(self.blocks, Blocks::Rows { open, .. } if open > 0);
+        let check = is_open.then(|| self.chain.seal());
+        self.form.finish(check.as_deref(), &self.chain.end())
+    }
+}
+
+/// What a file turned out to be.
+pub enum Opened {
+    /// Columns with names and types.
+    Table(Box<dyn BatchSource>),
+    /// Text that is no capture: perhaps the log of some other gyroscope.
+    Text(Input),
+}
+
+/// Finds out what a file contains, whatever its name: `path` names it in messages.
+pub fn recognise(path: &Path, mut input: Input) -> Result<Opened, CaptureError> {
+    let failed = |error| CaptureError::io("read", path, error);
+    if input.is_directory().map_err(failed)? {
+        return Err(CaptureError::not_a_capture(path, "it is a directory; name the file"));
+    }
+    let mut start = Vec::new();
+    (&mut input).take(csv::PREAMBLE.len() as u64).read_to_end(&mut start).map_err(failed)?;
+    input.rewind().map_err(failed)?;
+    match start.as_slice() {
+        [] => Err(CaptureError::not_a_capture(path, "it is empty")),
+        [0xFF, 0xFF, 0xFF, 0xFF, ..] => Ok(Opened::Table(Box::new(arrows::Source::open(path, input)?))),
+        [b'P', b'A', b'R', b'1', ..] => Ok(Opened::Table(Box::new(parquet::Source::open(path, input)?))),
+        [b'A', b'R', b'R', b'O', b'W', b'1', ..] => Err(CaptureError::not_a_capture(
+            path,
+            "it is an Arrow file; convert it to an Arrow stream, to Parquet or to CSV",
+        )),
+        text if text == csv::PREAMBLE.as_bytes() => Ok(Opened::Table(Box::new(csv::Source::open(path, input)?))),
+        _ => Ok(Opened::Text(input)),
+    }
+}

@@ -1,0 +1,195 @@
+//! `sensor_msgs/Imu`, the message in which ROS carries gyroscopes: decoded from its bytes, and collected into a
+//! column.
+
+use super::clock::Times;
+use super::series::SeriesBuilder;
+use super::unit::{TimeUnit, Unit};
+use super::{Clock, ColumnOptions, Found, LogError, Result, wrong};
+use crate::capture::CaptureError;
+use crate::limits::Room;
+use std::collections::BTreeSet;
+use std::path::Path;
+
+/// What can be asked of a message, as ROS calls it, and where it stands after the header: orientation and its
+/// covariance are 13 numbers, each vector is followed by a covariance of 9.
+const QUANTITIES: [(&str, usize); 6] = [
+    ("angular_velocity.x", 13),
+    ("angular_velocity.y", 14),
+    ("angular_velocity.z", 15),
+    ("linear_acceleration.x", 25),
+    ("linear_acceleration.y", 26),
+    ("linear_acceleration.z", 27),
+];
+
+/// How many numbers follow the header.
+const NUMBERS: usize = 37;
+
+/// The first bytes of whatever Zstandard packed: a bag may pack each message.
+const ZSTD: [u8; 4] = [0x28, 0xB5, 0x2F, 0xFD];
+
+#[cfg(feature = "zstd")]
+/// The longest message: a frame name and 37 numbers, with much to spare.
+const MAX_MESSAGE: usize = 1 << 16;
+
+/// How a message is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Encoding {
+    /// Common Data Representation of OMG, as in ROS 2: numbers aligned to their size.
+    Cdr,
+    /// ROS 1: little endian, no alignment.
+    Ros1,
+}
+
+impl Encoding {
+    /// By its name in a bag.
+    pub fn of(name: &str) -> Option<Self> {
+        match name {
+            "cdr" => Some(Self::Cdr),
+            "ros1" => Some(Self::Ros1),
+            _ => None,
+        }
+    }
+}
+
+/// Whether a message type is the one.
+pub fn is_imu(type_name: &str) -> bool {
+    matches!(type_name, "sensor_msgs/msg/Imu" | "sensor_msgs/Imu")
+}
+
+/// Which quantity of which topic is meant.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Wanted {
+    /// The topic with the IMU.
+    pub topic: String,
+    quantity: &'static str,
+    position: usize,
+}
+
+impl Wanted {
+    /// `wanted` is a quantity, or a topic and a quantity; x, y and z are those of angular_velocity.
+    pub fn choose(path: &Path, topics: &BTreeSet<String>, wanted: Option<&str>) -> Result<Self> {
+        if topics.is_empty() {
+            return Err(
+                CaptureError::not_a_log(path, "it is a bag without a topic of type sensor_msgs/msg/Imu").into()
+            );
+        }
+        let only = || topics.first().filter(|_| topics.len() == 1).map(String::as_str);
+        let split = wanted.and_then(|wanted| {
+            let of_topic = topics
+                .iter()
+                .find_map(|topic| Some((topic.as_str(), wanted.strip_prefix(topic.as_str())?.strip_prefix('.')?)));
+            of_topic.or_else(|| Some((only()?, wanted)))
+        });
+        let found = split.and_then(|(topic, quantity)| {
+            let long = if quantity.len() == 1 { format!("angular_velocity.{quantity}") } else { quantity.to_owned() };
+            let (quantity, position) = QUANTITIES.into_iter().find(|(name, _)| *name == long)?;
+            Some(Self { topic: topic.to_owned(), quantity, position })
+        });
+        found.ok_or_else(|| {
+            let all: Vec<String> = topics
+                .iter()
+                .flat_map(|topic| ["x", "y", "z"].map(|axis| format!("{topic}.angular_velocity.{axis}")))
+                .collect();
+            let why = match wanted {
+                Some(wanted) => format!("has no column `{wanted}`"),
+                None => "has several columns".to_owned(),
+            };
+            LogError::Ask(format!("{} {why}; choose with --column one of: {}", path.display(), all.join(", ")))
+        })
+    }
+}
+
+/// Collects messages into a column.
+pub struct Collector<'a> {
+    path: &'a Path,
+    wanted: Wanted,
+    values: SeriesBuilder,
+    /// None if a rate was given.
+    times: Option<Times>,
+}
+
+impl<'a> Collector<'a> {
+    /// No message yet.
+    pub fn new(path: &'a Path, wanted: Wanted, room: Room, args: &ColumnOptions) -> Self {
+        let times = args.rate.is_none().then(Times::new);
+        Self { path, wanted, values: SeriesBuilder::new(room), times }
+    }
+
+    /// Adds a message.
+    pub fn push(&mut self, encoding: Encoding, message: &[u8]) -> Result<(), CaptureError> {
+        let number = self.values.rows();
+        let at = |what: String| wrong(self.path, format_args!("topic {}, message {number}", self.wanted.topic), what);
+        self.values.check_room(1).map_err(|why| CaptureError::no_room(self.path, why))?;
+        let unpacked;
+        let message = if message.starts_with(&ZSTD) {
+            unpacked = unpacked_message(message).map_err(at)?;
+            &unpacked
+        } else {
+            message
+        };
+        let Imu { stamp_ns, numbers } = decode(encoding, message)
+            .ok_or_else(|| at(format!("its {} bytes are no sensor_msgs/Imu in {encoding:?}", message.len())))?;
+        if let Some(times) = &mut self.times {
+            times.push_integer(stamp_ns).map_err(|what| at(format!("header.stamp: {what}")))?;
+        }
+        if !self.values.push_number(numbers[self.wanted.position]) {
+            return Err(at(format!("{} is infinite, which cannot be averaged", self.wanted.quantity)));
+        }
+        Ok(())
+    }
+
+    /// All messages were read.
+    pub fn finish(self, warning: Option<String>) -> Found {
+        let Self { wanted, values, times, .. } = self;
+        let clock = times.map_or(Clock::Silent, |mut times| {
+            times.unit = Some(TimeUnit::Ns);
+            Clock::Column(format!("{}.header.stamp", wanted.topic), times)
+        });
+        // REP-103 of ROS; an acceleration is no angular rate
+        let scale = wanted.quantity.starts_with("angular").then(|| Unit::RadPerS.dps());
+        Found { name: format!("{}.{}", wanted.topic, wanted.quantity), values, clock, scale, warning }
+    }
+}
+
+#[cfg(feature = "zstd")]
+fn unpacked_message(message: &[u8]) -> Result<Vec<u8>, String> {
+    zstd::bulk::decompress(message, MAX_MESSAGE).map_err(|error| error.to_string())
+}
+
+#[cfg(not(feature = "zstd"))]
+fn unpacked_message(_: &[u8]) -> Result<Vec<u8>, String> {
+    Err("it is packed by Zstandard, which this build does not read".to_owned())
+}
+
+struct Imu {
+    stamp_ns: i64,
+    numbers: [f64; NUMBERS],
+}
+
+/// `std_msgs/Header header; Quaternion orientation; float64[9]; Vector3 angular_velocity; float64[9]; Vector3
+/// linear_acceleration; float64[9]`.
+fn decode(encoding: Encoding, message: &[u8]) -> Option<Imu> {
+    let (big_endian, body) = match encoding {
+        Encoding::Ros1 => (false, message.get(4..)?),
+        Encoding::Cdr => match message.get(..4)? {
+            [0, endian @ (0 | 1), ..] => (*endian == 0, &message[4..]),
+            _ => return None,
+        },
+    };
+    let u32_at = |at: usize| {
+        let bytes = *body.get(at..)?.first_chunk()?;
+        Some(if big_endian { u32::from_be_bytes(bytes) } else { u32::from_le_bytes(bytes) })
+    };
+    let f64_at = |at: usize| {
+        let bytes = *body.get(at..)?.first_chunk()?;
+        Some(if big_endian { f64::from_be_bytes(bytes) } else { f64::from_le_bytes(bytes) })
+    };
+    let (sec, nanosec, frame_len) = (u32_at(0)? as i32, u32_at(4)?, u32_at(8)? as usize);
+    let end = frame_len.checked_add(12).filter(|end| *end <= body.len())?;
+    let start = if encoding == Encoding::Cdr { end.next_multiple_of(8) } else { end };
+    let mut numbers = [0.0; NUMBERS];
+    for (number, at) in numbers.iter_mut().zip((start..).step_by(8)) {
+        *number = f64_at(at)?;
+    }
+    Some(Imu { stamp_ns: i64::from(sec) * 1_000_000_000 + i64::from(nanosec), numbers })
+}

@@ -1,0 +1,133 @@
+//! ROS bags in MCAP.
+
+use super::imu::{Collector, Encoding, Wanted, is_imu};
+use super::open::Log;
+use super::{ColumnOptions, Found, Result};
+use crate::Input;
+use crate::capture::CaptureError;
+use crate::limits::{NoRoom, Room};
+use crate::survive::survive;
+use mcap::io::MessageReader;
+use mcap::sans_io::LinearReaderOptions;
+use mcap::{Channel, McapError, Message};
+use std::collections::BTreeSet;
+use std::io::{BufReader, Seek};
+use std::path::Path;
+
+/// Bytes that a read asks the system for.
+const BUFFER: usize = 1 << 18;
+
+/// Reads a quantity of the IMU messages of an MCAP file.
+pub fn read(log: Log<'_>, args: &ColumnOptions) -> Result<Found> {
+    let (path, mut file) = (log.path, log.input);
+    let topics = topics(path, &mut file, log.room)?;
+    let wanted = Wanted::choose(path, &topics, args.column.as_deref())?;
+    let topic = wanted.topic.clone();
+    file.rewind().map_err(|error| CaptureError::io("read", path, error))?;
+    let mut collector = Collector::new(path, wanted, log.room, args);
+    let mut warning = None;
+    for message in Messages::new(&mut file, log.room) {
+        match message {
+            Ok(message) if message.channel.topic == topic => {
+                collector.push(encoding(path, &message.channel)?, &message.data)?;
+            }
+            Ok(_) => {}
+            Err(Torn::NoRoom(why)) => return Err(CaptureError::no_room(path, why).into()),
+            Err(error) => warning = Some(torn(path, &error)),
+        }
+    }
+    Ok(collector.finish(warning))
+}
+
+/// The messages of an MCAP file, up to where it is torn or damaged.
+struct Messages<'a> {
+    reader: Option<MessageReader<BufReader<&'a mut Input>>>,
+    room: Room,
+    bytes: u64,
+}
+
+/// Why there are no more messages.
+#[derive(Debug, thiserror::Error)]
+enum Torn {
+    #[error(transparent)]
+    Format(#[from] McapError),
+    #[error("a record makes no sense")]
+    Nonsense,
+    #[error(transparent)]
+    NoRoom(#[from] NoRoom),
+}
+
+/// What a message takes besides its data: the head of its record.
+const MESSAGE_HEAD: u64 = 31;
+
+impl<'a> Messages<'a> {
+    /// A record is as long as the room at most, whatever length it states.
+    fn new(file: &'a mut Input, room: Room) -> Self {
+        let longest = usize::try_from(room.bytes()).unwrap_or(usize::MAX);
+        let options = LinearReaderOptions::default().with_record_length_limit(longest);
+        let reader = MessageReader::new_with_options(BufReader::with_capacity(BUFFER, file), options);
+        Self { reader: Some(reader), room, bytes: 0 }
+    }
+
+    fn read(&mut self) -> Option<Result<Message<'static>, Torn>> {
+        let reader = self.reader.as_mut()?;
+        let Some(message) = survive(|| reader.next()) else {
+            return Some(Err(Torn::Nonsense));
+        };
+        let message = message?;
+        Some(message.map_err(Torn::from).and_then(|message| {
+            self.bytes = self.bytes.saturating_add(MESSAGE_HEAD + message.data.len() as u64);
+            self.room.check_on_disk(self.bytes)?;
+            Ok(message)
+        }))
+    }
+}
+
+impl Iterator for Messages<'_> {
+    type Item = Result<Message<'static>, Torn>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let message = self.read();
+        if !matches!(message, Some(Ok(_))) {
+            self.reader = None;
+        }
+        message
+    }
+}
+
+/// The topics with an IMU. Their channels stand anywhere before their first message, so the file is read for them.
+fn topics(path: &Path, file: &mut Input, room: Room) -> Result<BTreeSet<String>> {
+    let mut topics = BTreeSet::new();
+    let mut first = true;
+    for message in Messages::new(file, room) {
+        match message {
+            Ok(message) => {
+                let schema = message.channel.schema.as_ref();
+                if schema.is_some_and(|schema| is_imu(&schema.name)) && !topics.contains(&message.channel.topic) {
+                    topics.insert(message.channel.topic.clone());
+                }
+            }
+            Err(error) if first => {
+                return Err(CaptureError::damaged(path, "as an MCAP file", error.to_string()).into());
+            }
+            // whatever is whole will be read
+            Err(_) => {}
+        }
+        first = false;
+    }
+    Ok(topics)
+}
+
+fn encoding(path: &Path, channel: &Channel<'_>) -> Result<Encoding, CaptureError> {
+    Encoding::of(&channel.message_encoding).ok_or_else(|| {
+        let what = format!("its messages are encoded in `{}`; cdr and ros1 are read", channel.message_encoding);
+        CaptureError::damaged(path, format!("topic {}", channel.topic), what)
+    })
+}
+
+fn torn(path: &Path, error: &Torn) -> String {
+    format!(
+        "{} was not closed or is damaged ({error}): what stands before is read, the rest is dropped",
+        path.display()
+    )
+}

@@ -1,0 +1,256 @@
+//! One column of numbers out of any gyroscope's log, with its rate, its gaps and its unit.
+//!
+//! Nothing is guessed: what a file does not state must be given on the command line, or is said to be unknown.
+
+mod arrow_file;
+mod choice;
+mod clock;
+mod imu;
+mod judged;
+mod mcap_bag;
+mod npy;
+mod number;
+mod open;
+mod parquet;
+mod raw;
+mod series;
+#[cfg(feature = "sqlite")]
+mod sqlite_bag;
+mod tabular;
+#[cfg(test)]
+pub(crate) mod tests;
+mod text;
+mod unit;
+
+pub use raw::RawType;
+pub use series::Series;
+pub use unit::{TimeUnit, Unit};
+
+use crate::Input;
+use crate::capture::CaptureError;
+use crate::capture::table::{self, Opened};
+use arrow_file::ArrowFile;
+use clock::{Beat, Times};
+use open::{Form, Log};
+use series::SeriesBuilder;
+use std::path::Path;
+use zerorate::allan::Gap;
+
+/// Which numbers of a log are meant, and what the log does not say about them itself.
+#[derive(Clone, Debug, Default)]
+pub struct ColumnOptions {
+    /// The column, by its name or its number counted from 0; none: the rate of a capture, or the only column.
+    ///
+    /// In a ROS bag x, y or z (of angular_velocity), or TOPIC.angular_velocity.z where there are several IMUs.
+    pub column: Option<String>,
+
+    /// The column with the time of each row: it tells the rate, and where samples are missing.
+    pub time_column: Option<String>,
+
+    /// The unit of the time column ; none: the one that its name or type states, as in t_ns or `timestamp [ms]`.
+    pub time_unit: Option<TimeUnit>,
+
+    /// Samples per second; none: as the time column, the timestamps of a capture or the stamps of a bag tell. With it,
+    /// the stamps of a bag are not looked at.
+    pub rate: Option<f64>,
+
+    /// The unit of the column; none: the one that its name states, as in gyro_z_dps or `gz [rad/s]`.
+    pub unit: Option<Unit>,
+
+    /// What a step of 1 in the column is, in its unit, or else in °/s; none: 1, or the scale of the part for the codes of
+    /// a capture.
+    pub scale: Option<f64>,
+
+    /// What stands before the decimals in a text file; none: a point, or a comma where it can be nothing else.
+    pub decimal: Option<Decimal>,
+
+    /// The file is nothing but numbers of this type, little endian.
+    pub raw: Option<RawType>,
+}
+
+/// Why a column cannot be had.
+#[derive(Debug, thiserror::Error)]
+pub enum LogError {
+    /// The file cannot be read, or is damaged.
+    #[error(transparent)]
+    File(#[from] CaptureError),
+    /// It does not say enough, or has nothing of what was asked for.
+    #[error("{0}")]
+    Ask(String),
+    /// The numbers are there, but must not become a result.
+    #[error("{0}")]
+    Refused(String),
+}
+
+/// What reading a log gives.
+pub type Result<T, E = LogError> = std::result::Result<T, E>;
+
+/// A decimal mark.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
+pub enum Decimal {
+    /// 1.5
+    Point,
+    /// 1,5
+    Comma,
+}
+
+/// A column, and what is known about it.
+#[derive(Debug, PartialEq)]
+pub struct Column {
+    /// Its name, or its number where columns have no names.
+    pub name: String,
+    /// The numbers in order. Missing samples are NaN among numbers.
+    pub series: Series,
+    /// Missing samples among codes.
+    pub gaps: Vec<Gap>,
+    /// Mean rate of the samples, those that are missing included.
+    pub rate_hz: f64,
+    /// °/s per step of the numbers, or 1 if their unit is not known.
+    pub scale: f64,
+    /// Whether `scale` is in °/s: a unit or a scale was given, or the file states it.
+    pub unit_known: bool,
+    /// What is to be said about the file: a tail that was torn off, a unit that is not known.
+    pub warnings: Vec<String>,
+}
+
+impl Column {
+    /// How many samples are missing.
+    pub fn missing(&self) -> u64 {
+        match &self.series {
+            Series::Codes(_) => series::missing_in(&self.gaps),
+            Series::Numbers(numbers) => numbers.iter().filter(|number| number.is_nan()).count() as u64,
+        }
+    }
+
+    /// A number for each sample of the log in the file `path`, NaN where it is missing.
+    pub fn points(&self, path: &Path) -> Result<Vec<f64>> {
+        match &self.series {
+            Series::Numbers(numbers) => Ok(numbers.clone()),
+            Series::Codes(codes) => series::with_gaps(codes, &self.gaps).map_err(|missing| too_many(path, missing)),
+        }
+    }
+
+    /// Closes up all gaps, as if no time had passed in them.
+    pub fn close_gaps(&mut self) {
+        self.gaps.clear();
+        if let Series::Numbers(numbers) = &mut self.series {
+            numbers.retain(|number| !number.is_nan());
+        }
+    }
+}
+
+/// Reads a column of a log, whatever form it has, packed or not; `path` names it in messages.
+pub fn read(path: &Path, input: Input, args: &ColumnOptions) -> Result<Column> {
+    let log = open::open(path, input)?;
+    let found = match args.raw {
+        Some(raw) => raw::read(log, raw)?,
+        None => found(log, args)?,
+    };
+    found.finish(path, args)
+}
+
+fn found(log: Log<'_>, args: &ColumnOptions) -> Result<Found> {
+    let path = log.path;
+    match log.form()? {
+        Form::Parquet => parquet::read(log, args),
+        Form::ArrowFile => {
+            let source = ArrowFile::open(path, log.input, log.room)?;
+            tabular::read(path, Box::new(source), log.room, args)
+        }
+        Form::Npy => npy::read(log, args),
+        Form::Mcap => mcap_bag::read(log, args),
+        #[cfg(feature = "sqlite")]
+        Form::Sqlite => sqlite_bag::read(log, args),
+        #[cfg(not(feature = "sqlite"))]
+        Form::Sqlite => {
+            Err(CaptureError::not_a_log(path, "this build does not read SQLite; convert the bag to MCAP").into())
+        }
+        Form::Other => match table::recognise(path, log.input)? {
+            Opened::Table(source) => tabular::read(path, source, log.room, args),
+            Opened::Text(input) => text::read(path, input, log.room, args),
+        },
+    }
+}
+
+/// A column as it stands in its file.
+struct Found {
+    name: String,
+    values: SeriesBuilder,
+    clock: Clock,
+    /// °/s per step, where that is a property of the form.
+    scale: Option<f64>,
+    warning: Option<String>,
+}
+
+/// What a file tells about time.
+enum Clock {
+    /// Nothing.
+    Silent,
+    /// The name of a column, and the times in it.
+    Column(String, Times),
+    /// Rate and gaps, as counted by whatever wrote the file.
+    Counted { rate_hz: Option<f64>, gaps: Vec<Gap> },
+}
+
+impl Clock {
+    fn beat(self, path: &Path, args: &ColumnOptions) -> Result<(Option<f64>, Vec<Gap>)> {
+        match self {
+            Self::Silent => Ok((None, Vec::new())),
+            Self::Counted { rate_hz, gaps } => Ok((rate_hz, gaps)),
+            Self::Column(name, times) => {
+                let unit = args.time_unit.or(times.unit).or_else(|| TimeUnit::of_column(&name)).ok_or_else(|| {
+                    let why = format!("does not state the unit of its time column `{name}`");
+                    LogError::Ask(format!("{} {why}; give --time-unit s, ms, us or ns", path.display()))
+                })?;
+                let beat = times.beat(unit);
+                let Beat { rate_hz, gaps } =
+                    beat.map_err(|why| LogError::Refused(format!("{}, column {name}: {why}", path.display())))?;
+                Ok((Some(rate_hz), gaps))
+            }
+        }
+    }
+}
+
+impl Found {
+    fn finish(self, path: &Path, args: &ColumnOptions) -> Result<Column> {
+        let Self { name, values, clock, scale, warning } = self;
+        let (measured, lost) = clock.beat(path, args)?;
+        let rate_hz = args.rate.or(measured).ok_or_else(|| {
+            let remedy = "give --rate HZ, or --time-column NAME if a column holds the time";
+            LogError::Ask(format!("{} does not say how fast it was sampled: {remedy}", path.display()))
+        })?;
+        let (series, gaps) = values.finish(&lost).map_err(|missing| too_many(path, missing))?;
+        let declared = match (args.scale, args.unit) {
+            (None, None) => scale.or_else(|| Unit::of_column(&name).map(Unit::dps)),
+            (scale, unit) => Some(scale.unwrap_or(1.0) * unit.unwrap_or(Unit::Dps).dps()),
+        };
+        let unknown = declared.is_none().then(|| {
+            let remedy = "give --unit dps, rad/s … or --scale";
+            format!(
+                "{}: the unit of column {name} is not stated, so the result is in its own unit; {remedy}",
+                path.display()
+            )
+        });
+        Ok(Column {
+            name,
+            series,
+            gaps,
+            rate_hz,
+            scale: declared.unwrap_or(1.0),
+            unit_known: declared.is_some(),
+            warnings: warning.into_iter().chain(unknown).collect(),
+        })
+    }
+}
+
+/// More samples are missing than can be written out.
+fn too_many(path: &Path, missing: u64) -> LogError {
+    let remedy = "cut the log at its longest gap, or give --rate HZ and no time column";
+    LogError::Refused(format!("{}: {missing} samples are missing between its rows; {remedy}", path.display()))
+}
+
+/// An error in a column of the file at `path`.
+fn wrong(path: &Path, place: std::fmt::Arguments<'_>, what: impl Into<String>) -> CaptureError {
+    CaptureError::damaged(path, place.to_string(), what)
+}

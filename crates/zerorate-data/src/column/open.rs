@@ -1,0 +1,175 @@
+//! Opens a log by what it contains, whatever its name, and unpacks it.
+
+use crate::Input;
+use crate::capture::CaptureError;
+use crate::limits::{NoRoom, Room};
+use crate::survive::survive;
+use flate2::read::MultiGzDecoder;
+use lzma_rust2::XzReader;
+use std::io::{self, BufReader, Read, Seek};
+use std::path::Path;
+
+/// As many bytes as the longest mark at a file's start has.
+const MARK: u64 = 16;
+
+/// Bytes that a read asks the system for.
+const BUFFER: usize = 1 << 18;
+
+/// An opened log.
+pub struct Log<'a> {
+    /// Its name, for messages.
+    pub path: &'a Path,
+    /// Its content, from the start.
+    pub input: Input,
+    /// What reading it may take.
+    pub room: Room,
+    /// Whether the content was unpacked, so that it is not in the file of this name.
+    pub unpacked: bool,
+    start: Vec<u8>,
+}
+
+/// What is in a log.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Form {
+    /// Parquet.
+    Parquet,
+    /// An Arrow file, also called Feather.
+    ArrowFile,
+    /// A NumPy array.
+    Npy,
+    /// MCAP.
+    Mcap,
+    /// A SQLite database.
+    Sqlite,
+    /// An Arrow stream, a capture or text.
+    Other,
+}
+
+/// Looks at how a log begins, and unpacks it if it is packed.
+pub fn open(path: &Path, input: Input) -> Result<Log<'_>, CaptureError> {
+    let failed = |error| CaptureError::io("read", path, error);
+    if input.is_directory().map_err(failed)? {
+        return Err(CaptureError::not_a_log(
+            path,
+            "it is a directory; name the file (of a ROS 2 bag the .mcap or .db3 in it)",
+        ));
+    }
+    let room = Room::of(input.length().map_err(failed)?);
+    let (input, start) = marked(input).map_err(failed)?;
+    let Some(packing) = Packing::of(&start) else {
+        return Ok(Log { path, input, room, unpacked: false, start });
+    };
+    let unpacked = packing.unpack(&input, room).map_err(|error| match error {
+        Unpacking::NoRoom(why) => CaptureError::no_room(path, why),
+        Unpacking::Failed(error) => {
+            let what = format!("it cannot be unpacked ({error}); was it cut short?");
+            CaptureError::damaged(path, format!("as {packing:?}"), what)
+        }
+    })?;
+    let (input, start) = marked(unpacked).map_err(failed)?;
+    match Packing::of(&start) {
+        Some(_) => Err(CaptureError::not_a_log(path, "it is packed twice; unpack it once")),
+        None => Ok(Log { path, input, room, unpacked: true, start }),
+    }
+}
+
+impl Log<'_> {
+    /// What is in it; what cannot be read comes with advice.
+    pub fn form(&self) -> Result<Form, CaptureError> {
+        let starts = |mark: &[u8]| self.start.starts_with(mark);
+        let foreign = FOREIGN.iter().find(|(mark, _)| starts(mark));
+        match foreign {
+            Some((_, advice)) => Err(CaptureError::not_a_log(self.path, *advice)),
+            None if self.start.is_empty() => Err(CaptureError::not_a_log(self.path, "it is empty")),
+            None if starts(b"PAR1") => Ok(Form::Parquet),
+            None if starts(b"ARROW1") => Ok(Form::ArrowFile),
+            None if starts(b"\x93NUMPY") => Ok(Form::Npy),
+            None if starts(b"\x89MCAP0\r\n") => Ok(Form::Mcap),
+            None if starts(b"SQLite format 3\0") => Ok(Form::Sqlite),
+            None => Ok(Form::Other),
+        }
+    }
+}
+
+/// Files that people have, and what to do with them.
+const FOREIGN: &[(&[u8], &str)] = &[
+    (
+        b"#ROSBAG V",
+        "it is a bag of ROS 1; convert it with `rosbags-convert --src FILE --dst FOLDER`, or with `mcap convert`",
+    ),
+    (b"PK\x03\x04", "it is a zip or .npz archive; unpack it and name a file in it"),
+    (b"\x89HDF\r\n\x1A\n", "it is an HDF5 file; export the column as .npy, Parquet or CSV"),
+    (b"MATLAB 5.0 MAT", "it is a MATLAB file; export the column as .npy, Parquet or CSV"),
+    (b"ULog\x01\x12\x35", "it is a PX4 log; convert it with `ulog2csv`"),
+    (b"BZh", "it is packed by bzip2; unpack it"),
+    (b"\x04\x22\x4D\x18", "it is packed by lz4; unpack it"),
+    (b"7z\xBC\xAF\x27\x1C", "it is a 7z archive; unpack it and name a file in it"),
+];
+
+/// How a file is packed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Packing {
+    Gzip,
+    Xz,
+    Zstd,
+}
+
+impl Packing {
+    fn of(start: &[u8]) -> Option<Self> {
+        match start {
+            [0x1F, 0x8B, 8, flags, ..] if *flags < 0x20 => Some(Self::Gzip),
+            [0xFD, b'7', b'z', b'X', b'Z', 0, ..] => Some(Self::Xz),
+            [0x28, 0xB5, 0x2F, 0xFD, ..] => Some(Self::Zstd),
+            _ => None,
+        }
+    }
+
+    /// Unpacks all of it, because some forms are not read from start to end.
+    fn unpack(self, packed: &Input, room: Room) -> Result<Input, Unpacking> {
+        let most = if packed.is_file() { room.bytes_on_disk() } else { room.bytes() };
+        packed.unpacked(|unpacked| {
+            let copied = survive(|| {
+                let content = self.content(BufReader::with_capacity(BUFFER, packed.try_clone()?))?;
+                io::copy(&mut content.take(most.saturating_add(1)), unpacked)
+            });
+            let bytes = copied.unwrap_or_else(|| Err(io::Error::other("its content makes no sense")))?;
+            if packed.is_file() { room.check_on_disk(bytes) } else { room.check(bytes) }.map_err(Unpacking::NoRoom)
+        })
+    }
+
+    fn content(self, packed: BufReader<Input>) -> io::Result<Box<dyn Read>> {
+        Ok(match self {
+            Self::Gzip => Box::new(MultiGzDecoder::new(packed)),
+            Self::Xz => Box::new(XzReader::new_mem_limit(packed, true, MAX_WINDOW_KB)),
+            // its own limit is the same
+            #[cfg(feature = "zstd")]
+            Self::Zstd => Box::new(zstd::Decoder::with_buffer(packed)?),
+            #[cfg(not(feature = "zstd"))]
+            Self::Zstd => return Err(io::Error::other("this build does not read Zstandard; unpack it")),
+        })
+    }
+}
+
+/// Why a file could not be unpacked.
+enum Unpacking {
+    NoRoom(NoRoom),
+    Failed(io::Error),
+}
+
+impl From<io::Error> for Unpacking {
+    fn from(error: io::Error) -> Self {
+        Self::Failed(error)
+    }
+}
+
+/// Of the content, what a packer may refer back to: 128 MiB, twice what `xz -9` does, and all that `zstd` does without
+/// `--ultra`.
+const MAX_WINDOW_KB: u32 = 128 << 10;
+
+/// Bytes and how they start.
+fn marked(mut input: Input) -> io::Result<(Input, Vec<u8>)> {
+    let mut start = Vec::new();
+    (&mut input).take(MARK).read_to_end(&mut start)?;
+    input.rewind()?;
+    Ok((input, start))
+}

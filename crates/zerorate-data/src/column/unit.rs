@@ -1,0 +1,218 @@
+//! Units of angular rate: as asked for, or as a column's name states them.
+
+use std::f64::consts::PI;
+use std::fmt;
+use std::str::FromStr;
+
+/// A unit of angular rate.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unit {
+    /// °/s.
+    Dps,
+    /// 0.001 °/s.
+    Mdps,
+    /// °/min.
+    DegPerMin,
+    /// °/h.
+    DegPerH,
+    /// rad/s.
+    RadPerS,
+    /// 0.001 rad/s.
+    MradPerS,
+    /// 0.000 001 rad/s.
+    UradPerS,
+}
+
+impl Unit {
+    /// All of them.
+    pub const ALL: [Self; 7] =
+        [Self::Dps, Self::Mdps, Self::DegPerMin, Self::DegPerH, Self::RadPerS, Self::MradPerS, Self::UradPerS];
+
+    /// What it is called here.
+    pub fn name(self) -> &'static str {
+        self.names()[0]
+    }
+
+    /// °/s in one of it. 1 rad = 180°/π.
+    pub fn dps(self) -> f64 {
+        match self {
+            Self::Dps => 1.0,
+            Self::Mdps => 1e-3,
+            Self::DegPerMin => 1.0 / 60.0,
+            Self::DegPerH => 1.0 / 3600.0,
+            Self::RadPerS => 180.0 / PI,
+            Self::MradPerS => 0.18 / PI,
+            Self::UradPerS => 0.000_18 / PI,
+        }
+    }
+
+    /// What others call it, in small letters and without blanks.
+    fn names(self) -> &'static [&'static str] {
+        match self {
+            Self::Dps => &["dps", "deg/s", "°/s", "º/s", "deg/sec", "degs/s", "degps", "deg*s^-1", "degs^-1"],
+            Self::Mdps => &["mdps", "mdeg/s", "m°/s"],
+            Self::DegPerMin => &["deg/min", "°/min", "dpm"],
+            Self::DegPerH => &["deg/h", "dph", "°/h", "deg/hr", "deg/hour"],
+            Self::RadPerS => &["rad/s", "radps", "rad/sec", "rads^-1", "rad*s^-1", "rads-1"],
+            Self::MradPerS => &["mrad/s", "mradps"],
+            Self::UradPerS => &["urad/s", "µrad/s", "μrad/s", "uradps"],
+        }
+    }
+
+    /// How it ends a name that has no room for a slash.
+    fn endings(self) -> &'static [&'static str] {
+        match self {
+            Self::Dps => &["dps", "deg_s", "deg_per_s", "deg_per_sec", "degps"],
+            Self::Mdps => &["mdps", "mdeg_s", "mdeg_per_s"],
+            Self::DegPerMin => &["dpm", "deg_min", "deg_per_min"],
+            Self::DegPerH => &["dph", "deg_h", "deg_hr", "deg_per_h", "deg_per_hr", "deg_per_hour"],
+            Self::RadPerS => &["rad_s", "rads", "radps", "rad_per_s", "rad_per_sec"],
+            Self::MradPerS => &["mrad_s", "mrads", "mradps", "mrad_per_s"],
+            Self::UradPerS => &["urad_s", "urads", "uradps", "urad_per_s"],
+        }
+    }
+
+    /// The unit that the name of a column states: in brackets, after an underscore, or because ROS calls it so.
+    /// REP-103 of ROS fixes the unit of an `angular_velocity` at rad/s.
+    pub fn of_column(name: &str) -> Option<Self> {
+        if let Some(unit) = bracketed(name).and_then(|inner| inner.parse().ok()) {
+            return Some(unit);
+        }
+        let name = name.to_lowercase();
+        if name.contains("angular_velocity") {
+            return Some(Self::RadPerS);
+        }
+        let ends = |unit: &Self| unit.endings().iter().any(|ending| has_ending(&name, ending));
+        Self::ALL.into_iter().find(ends)
+    }
+}
+
+impl FromStr for Unit {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let plain: String = text.to_lowercase().chars().filter(|c| !c.is_whitespace()).collect();
+        Self::ALL.into_iter().find(|unit| unit.names().contains(&plain.as_str())).ok_or_else(|| {
+            let names: Vec<&str> = Self::ALL.into_iter().map(Self::name).collect();
+            format!("`{text}` is no unit of angular rate; choose {}", names.join(", "))
+        })
+    }
+}
+
+impl fmt::Display for Unit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// A unit of time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
+pub enum TimeUnit {
+    /// Seconds.
+    S,
+    /// Milliseconds.
+    Ms,
+    /// Microseconds.
+    Us,
+    /// Nanoseconds.
+    Ns,
+}
+
+impl TimeUnit {
+    /// How many of it are a second.
+    pub fn per_s(self) -> f64 {
+        match self {
+            Self::S => 1.0,
+            Self::Ms => 1e3,
+            Self::Us => 1e6,
+            Self::Ns => 1e9,
+        }
+    }
+
+    /// The unit that the name of a column states: in brackets or after an underscore.
+    pub fn of_column(name: &str) -> Option<Self> {
+        let lower = name.to_lowercase();
+        let named = |names: &[&str]| match bracketed(&lower) {
+            Some(inner) => names.contains(&inner.trim()),
+            None => names.iter().any(|ending| has_ending(&lower, ending)),
+        };
+        [
+            (Self::S, &["s", "sec", "secs", "seconds"][..]),
+            (Self::Ms, &["ms", "msec", "millis", "milliseconds"]),
+            (Self::Us, &["us", "µs", "μs", "usec", "micros", "microseconds"]),
+            (Self::Ns, &["ns", "nsec", "nanos", "nanoseconds", "nanosec"]),
+        ]
+        .into_iter()
+        .find(|(_, names)| named(names))
+        .map(|(unit, _)| unit)
+    }
+}
+
+/// What stands in the last pair of brackets.
+fn bracketed(name: &str) -> Option<&str> {
+    [('[', ']'), ('(', ')')].into_iter().find_map(|(open, close)| {
+        let (_, rest) = name.rsplit_once(open)?;
+        Some(rest.split_once(close)?.0)
+    })
+}
+
+/// Whether `name` ends with `ending` as a word of its own.
+fn has_ending(name: &str, ending: &str) -> bool {
+    name.strip_suffix(ending).is_some_and(|rest| rest.ends_with(['_', '.', ' ', '-', '/']))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_that_state_a_unit() {
+        let cases = [
+            ("gyro_z_dps", Some(Unit::Dps)),
+            ("rate_corrected_dps", Some(Unit::Dps)),
+            ("gz [rad/s]", Some(Unit::RadPerS)),
+            ("GyroX (deg/s)", Some(Unit::Dps)),
+            ("w_RS_S_x [rad s^-1]", Some(Unit::RadPerS)),
+            ("/imu.angular_velocity.z", Some(Unit::RadPerS)),
+            ("gyro_mrad_s", Some(Unit::MradPerS)),
+            ("gyro_mdps", Some(Unit::Mdps)),
+            ("drift (°/h)", Some(Unit::DegPerH)),
+            ("gyro_rad_s", Some(Unit::RadPerS)),
+            ("gz", None),
+            ("holidays", None),
+            ("adps", None),
+            ("temp_c", None),
+            ("gz [m/s^2]", None),
+        ];
+        for (name, unit) in cases {
+            assert_eq!(Unit::of_column(name), unit, "{name}");
+        }
+    }
+
+    #[test]
+    fn names_that_state_a_unit_of_time() {
+        let cases = [
+            ("t_ns", Some(TimeUnit::Ns)),
+            ("time_us", Some(TimeUnit::Us)),
+            ("timestamp [ms]", Some(TimeUnit::Ms)),
+            ("#timestamp [ns]", Some(TimeUnit::Ns)),
+            ("Time (s)", Some(TimeUnit::S)),
+            ("time_s", Some(TimeUnit::S)),
+            ("time", None),
+            ("ticks", None),
+            ("items", None),
+            ("t [min]", None),
+        ];
+        for (name, unit) in cases {
+            assert_eq!(TimeUnit::of_column(name), unit, "{name}");
+        }
+    }
+
+    #[test]
+    fn scales_to_degrees_per_second() {
+        assert_eq!("deg/h".parse::<Unit>().unwrap().dps() * 3600.0, 1.0);
+        assert_eq!(" Rad/s".parse::<Unit>().unwrap().dps(), 1f64.to_degrees());
+        assert!("furlong".parse::<Unit>().unwrap_err().contains("dps, mdps"));
+    }
+}

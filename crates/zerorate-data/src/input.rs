@@ -1,0 +1,148 @@
+//! Bytes that were opened by somebody else.
+
+use bytes::Bytes;
+use parquet::errors::ParquetError;
+use parquet::file::reader::{ChunkReader, Length};
+use std::fs::File;
+use std::io::{self, BufReader, Cursor, Read, Seek, SeekFrom};
+
+/// Bytes to be read, from the start: those of an open file, or some in memory.
+#[derive(Debug)]
+pub struct Input(Kind);
+
+#[derive(Debug)]
+enum Kind {
+    File(File),
+    Memory(Cursor<Bytes>),
+}
+
+impl From<File> for Input {
+    fn from(file: File) -> Self {
+        Self(Kind::File(file))
+    }
+}
+
+impl From<Vec<u8>> for Input {
+    fn from(bytes: Vec<u8>) -> Self {
+        Self(Kind::Memory(Cursor::new(bytes.into())))
+    }
+}
+
+impl Input {
+    /// How many bytes there are.
+    pub(crate) fn length(&self) -> io::Result<u64> {
+        match &self.0 {
+            Kind::File(file) => Ok(file.metadata()?.len()),
+            Kind::Memory(bytes) => Ok(bytes.get_ref().len() as u64),
+        }
+    }
+
+    /// Whether they lie in a file, which can be opened again by its name.
+    #[cfg_attr(not(feature = "sqlite"), expect(dead_code, reason = "a database is opened by its name"))]
+    pub(crate) fn is_file(&self) -> bool {
+        matches!(self.0, Kind::File(_))
+    }
+
+    /// Whether it is a directory, which can be opened but not read.
+    pub(crate) fn is_directory(&self) -> io::Result<bool> {
+        match &self.0 {
+            Kind::File(file) => Ok(file.metadata()?.is_dir()),
+            Kind::Memory(_) => Ok(false),
+        }
+    }
+
+    /// The same bytes once more. Where it is a file, the two share one position.
+    pub(crate) fn try_clone(&self) -> io::Result<Self> {
+        Ok(Self(match &self.0 {
+            Kind::File(file) => Kind::File(file.try_clone()?),
+            Kind::Memory(bytes) => Kind::Memory(bytes.clone()),
+        }))
+    }
+
+    /// What `fill` writes: to a nameless file where this is a file, into memory where it is in memory.
+    pub(crate) fn unpacked<E: From<io::Error>>(
+        &self,
+        fill: impl FnOnce(&mut dyn io::Write) -> Result<(), E>,
+    ) -> Result<Self, E> {
+        #[cfg(not(target_family = "wasm"))]
+        if let Kind::File(_) = &self.0 {
+            let mut file = io::BufWriter::new(tempfile::tempfile()?);
+            fill(&mut file)?;
+            let mut file = file.into_inner().map_err(io::IntoInnerError::into_error)?;
+            file.rewind()?;
+            return Ok(file.into());
+        }
+        let mut bytes = Vec::new();
+        fill(&mut bytes)?;
+        Ok(bytes.into())
+    }
+}
+
+impl Read for Input {
+    fn read(&mut self, buf: &mut [u8]) -> io::Result<usize> {
+        match &mut self.0 {
+            Kind::File(file) => file.read(buf),
+            Kind::Memory(bytes) => bytes.read(buf),
+        }
+    }
+}
+
+impl Seek for Input {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        match &mut self.0 {
+            Kind::File(file) => file.seek(to),
+            Kind::Memory(bytes) => bytes.seek(to),
+        }
+    }
+}
+
+impl Length for Input {
+    fn len(&self) -> u64 {
+        self.length().unwrap_or_default()
+    }
+}
+
+impl ChunkReader for Input {
+    type T = BufReader<Self>;
+
+    fn get_read(&self, start: u64) -> Result<Self::T, ParquetError> {
+        let mut input = self.try_clone()?;
+        input.seek(SeekFrom::Start(start))?;
+        Ok(BufReader::new(input))
+    }
+
+    fn get_bytes(&self, start: u64, length: usize) -> Result<Bytes, ParquetError> {
+        match &self.0 {
+            Kind::File(file) => file.get_bytes(start, length),
+            Kind::Memory(bytes) => {
+                let bytes = bytes.get_ref();
+                let range = usize::try_from(start).ok().and_then(|start| Some(start..start.checked_add(length)?));
+                let range = range.filter(|range| range.end <= bytes.len());
+                let outside = || ParquetError::EOF(format!("{length} bytes at {start} are not there"));
+                range.map(|range| bytes.slice(range)).ok_or_else(outside)
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn memory_and_file_are_the_same_bytes() {
+        let packed = |input: &Input| input.unpacked(|out| out.write_all(b"0123456789")).map_err(|e: io::Error| e);
+        let memory = packed(&Vec::new().into()).expect("memory");
+        let file = packed(&tempfile::tempfile().expect("a file").into()).expect("a file");
+        assert!(file.is_file() && !memory.is_file());
+        for mut input in [memory, file] {
+            assert_eq!((input.length().expect("bytes"), input.get_bytes(3, 4).expect("bytes")), (10, "3456".into()));
+            assert!(input.get_bytes(8, 3).is_err() && input.get_bytes(u64::MAX, 1).is_err());
+            let mut read = String::new();
+            input.get_read(7).expect("a reader").read_to_string(&mut read).expect("text");
+            input.seek(SeekFrom::End(-2)).expect("a place");
+            input.read_to_string(&mut read).expect("text");
+            assert_eq!(read, "78989");
+        }
+    }
+}

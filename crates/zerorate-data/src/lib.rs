@@ -1,0 +1,18 @@
+//! Captures and logs of gyroscopes: bytes to columns, and back.
+//!
+//! Every form is known by what is in it, whatever a file is called. Nothing here opens a file: [`Input`] is bytes that
+//! somebody else has opened, so that the same readers serve a browser.
+
+pub mod believed;
+pub mod capture;
+mod cells;
+pub mod column;
+#[cfg(test)]
+mod fuzz;
+mod input;
+pub mod limits;
+mod survive;
+
+pub use capture::CaptureError;
+pub use column::LogError;
+pub use input::Input;

@@ -1,0 +1,153 @@
+//! How much memory a file may take. What it holds shows only while it is read, and what it states of itself may be
+//! wrong.
+
+use std::fmt;
+use std::str::FromStr;
+use std::sync::OnceLock;
+
+/// What any file may take, however small.
+pub const FREE_BYTES: u64 = 64 << 20;
+
+/// What it may take on top of that, as a multiple of its size on disk. The best that packs a log of noise is some 20
+/// to 1.
+pub const FACTOR: u64 = 256;
+
+/// What the commands take at least: their threads, and a batch of each form.
+const LEAST_BYTES: u64 = 256 << 20;
+
+/// The default where nobody has set it.
+const DEFAULT_BYTES: u64 = 1 << 30;
+
+static MAX_MEMORY: OnceLock<u64> = OnceLock::new();
+
+/// A number of bytes, as people write it: `512M`, `2G`, or a bare number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Bytes(pub u64);
+
+impl FromStr for Bytes {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let text = text.trim();
+        let digits = text.trim_end_matches(|c: char| !c.is_ascii_digit());
+        let unit = match text[digits.len()..].trim().to_ascii_lowercase().as_str() {
+            "" | "b" => 0,
+            "k" | "kb" | "kib" => 10,
+            "m" | "mb" | "mib" => 20,
+            "g" | "gb" | "gib" => 30,
+            _ => return Err("write it like 512M or 2G".to_owned()),
+        };
+        let number: u64 = digits.parse().map_err(|_| "write it like 512M or 2G".to_owned())?;
+        let bytes = number.checked_mul(1 << unit).ok_or("it is more than any machine has")?;
+        if bytes < LEAST_BYTES {
+            return Err(format!("at least {} are needed", Self(LEAST_BYTES)));
+        }
+        Ok(Self(bytes))
+    }
+}
+
+impl fmt::Display for Bytes {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mebibytes = self.0.div_ceil(1 << 20);
+        match mebibytes {
+            0..10_240 => write!(f, "{mebibytes} MiB"),
+            _ => write!(f, "{} GiB", mebibytes / 1024),
+        }
+    }
+}
+
+/// Sets what the process may take, once, before anything is read; the commands need some at least.
+pub fn set_max_memory(bytes: Bytes) {
+    let _ = MAX_MEMORY.set(bytes.0.max(LEAST_BYTES));
+}
+
+/// What the process may take, as set.
+pub fn max_memory() -> u64 {
+    *MAX_MEMORY.get_or_init(|| DEFAULT_BYTES)
+}
+
+/// What one file may take in memory, or unpacked on disk.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Room {
+    bytes: u64,
+    max_memory: u64,
+}
+
+/// A file asks for more than its room.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum NoRoom {
+    /// More than any log of its size holds.
+    #[error(
+        "it grows to more than {} in memory, {} plus {FACTOR} times its size on disk: it is damaged, or made to fill \
+         a machine",
+        Bytes(*.0), Bytes(FREE_BYTES)
+    )]
+    ForItsSize(u64),
+    /// More than the process may take.
+    #[error("it takes more memory than the {} of --max-memory: give more, or cut the log", Bytes(*.0))]
+    InMemory(u64),
+}
+
+impl Room {
+    /// Of a file of so many bytes, as they are on disk.
+    pub fn of(file_bytes: u64) -> Self {
+        Self { bytes: for_size(file_bytes), max_memory: max_memory() }
+    }
+
+    /// All of it, in bytes.
+    pub fn bytes(self) -> u64 {
+        self.bytes.min(self.max_memory)
+    }
+
+    /// Whether so many bytes fit in.
+    pub fn check(self, bytes: u64) -> Result<(), NoRoom> {
+        match bytes {
+            _ if bytes > self.bytes => Err(NoRoom::ForItsSize(self.bytes)),
+            _ if bytes > self.max_memory => Err(NoRoom::InMemory(self.max_memory)),
+            _ => Ok(()),
+        }
+    }
+
+    /// What it may take on disk, where the memory of the machine is no bound.
+    pub fn bytes_on_disk(self) -> u64 {
+        self.bytes
+    }
+
+    /// Whether they fit on disk, where the memory of the machine is no bound.
+    pub fn check_on_disk(self, bytes: u64) -> Result<(), NoRoom> {
+        Self { max_memory: u64::MAX, ..self }.check(bytes)
+    }
+}
+
+/// What files of so many bytes may take, however much memory there is.
+pub fn for_size(file_bytes: u64) -> u64 {
+    FREE_BYTES.saturating_add(file_bytes.saturating_mul(FACTOR))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_as_people_write_them() {
+        for (text, bytes) in [("512M", 512 << 20), ("2G", 2 << 30), ("1 GiB", 1 << 30), ("268435456", 1 << 28)] {
+            assert_eq!(text.parse(), Ok(Bytes(bytes)), "{text}");
+        }
+        for text in ["", "G", "-1G", "1.5G", "12", "63M", "1T", "99999999999999999999G", "18446744073709551615G"] {
+            assert!(text.parse::<Bytes>().is_err(), "{text}");
+        }
+        assert_eq!(Bytes(512 << 20).to_string(), "512 MiB");
+        assert_eq!(Bytes(20 << 30).to_string(), "20 GiB");
+    }
+
+    #[test]
+    fn the_room_of_a_file_grows_with_it_up_to_a_limit() {
+        let room = Room { bytes: for_size(1000), max_memory: 1 << 30 };
+        assert_eq!(room.check(FREE_BYTES + 256_000), Ok(()));
+        assert_eq!(room.check(FREE_BYTES + 256_001), Err(NoRoom::ForItsSize(FREE_BYTES + 256_000)));
+        let large = Room { bytes: for_size(1 << 40), max_memory: 1 << 30 };
+        assert_eq!((large.check((1 << 30) + 1), large.bytes()), (Err(NoRoom::InMemory(1 << 30)), 1 << 30));
+        assert_eq!(large.check_on_disk(1 << 31), Ok(()));
+        assert_eq!(for_size(u64::MAX), u64::MAX);
+    }
+}

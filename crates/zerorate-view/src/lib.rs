@@ -1,0 +1,10 @@
+//! Results as pictures and pages: numbers and words come in, SVG, PNG and HTML go out.
+
+pub mod duration;
+pub mod plot;
+pub mod report;
+
+pub use duration::Seconds;
+
+/// What stands in the pages that this software writes.
+const SOFTWARE: &str = concat!("zerorate ", env!("CARGO_PKG_VERSION"));

@@ -1,0 +1,22 @@
+//! Pictures that one would put in a data sheet: SVG, and PNG made from it. Numbers and labels come in, a picture goes
+//! out; no file, no analysis.
+//!
+//! Text stays text in the SVG, so it can be searched; the PNG is drawn with a font of this program and looks the same
+//! on every machine.
+
+mod allan;
+mod axes;
+mod canvas;
+mod correction;
+mod curve;
+mod label;
+#[cfg(feature = "png")]
+mod raster;
+#[cfg(test)]
+mod tests;
+
+pub use allan::{Curve, Mark, Minimum, Options, Point, PowerLaw, allan};
+pub use axes::number;
+pub use correction::{CorrectionCurve, CorrectionPoint, correction};
+#[cfg(feature = "png")]
+pub use raster::png;
