@@ -57,8 +57,8 @@ impl fmt::Display for Step {
 /// All steps, in the order in which they fail most cheaply.
 ///
 /// thumbv7em-none-eabihf is a Cortex-M4F. thumbv6m-none-eabi is a Cortex-M0: it has no compare-and-swap, which the
-/// TOML parser behind the core's feature `file` needs.
-const STEPS: [Step; 34] = [
+/// TOML parser behind the core's feature `file` needs. wasm32-unknown-unknown is the browser.
+const STEPS: [Step; 35] = [
     Step::new("fmt", "fmt --all --check"),
     Step::new("clippy", "clippy --workspace --all-targets --all-features -- -D warnings"),
     Step::new("clippy-driver", "clippy -p adis16130 --all-targets -- -D warnings"),
@@ -107,6 +107,7 @@ const STEPS: [Step; 34] = [
         "build -p adis16130 -p zerorate -p adis16130-twin --features adis16130/async,zerorate/file --target \
          thumbv7em-none-eabihf",
     ),
+    Step::new("wasm", "check -p zerorate-data -p zerorate-view --no-default-features --target wasm32-unknown-unknown"),
     Step::new("test", "test --workspace --exclude xtask --all-features"),
     Step::new("test-xtask", "test -p xtask"),
     Step::new("test-driver", "test -p adis16130"),

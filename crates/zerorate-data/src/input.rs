@@ -38,7 +38,6 @@ impl Input {
     }
 
     /// Whether they lie in a file, which can be opened again by its name.
-    #[cfg_attr(not(feature = "sqlite"), expect(dead_code, reason = "a database is opened by its name"))]
     pub(crate) fn is_file(&self) -> bool {
         matches!(self.0, Kind::File(_))
     }

@@ -24,6 +24,7 @@ pub struct Log<'a> {
     /// What reading it may take.
     pub room: Room,
     /// Whether the content was unpacked, so that it is not in the file of this name.
+    #[cfg_attr(not(feature = "sqlite"), expect(dead_code, reason = "a database is opened by its name"))]
     pub unpacked: bool,
     start: Vec<u8>,
 }
