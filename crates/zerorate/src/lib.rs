@@ -21,6 +21,7 @@ mod ledger;
 pub mod noise;
 mod notice;
 mod part;
+mod part_procedure;
 pub mod plausible;
 mod procedure;
 mod reading;
@@ -44,7 +45,8 @@ pub use notice::{EARTH_DPS, Refusal, Warning};
 #[cfg(feature = "file")]
 pub use part::PartError;
 pub use part::{Axis, MAX_AXES, NamedAxis, NoiseSources, Part, Scale, TypicalBias, TypicalNoise};
+pub use part_procedure::{AxisRefusal, PartProcedure};
 pub use procedure::{Action, Event, FixedProcedure, Plan, PlanError, Procedure, Progress, State};
-pub use reading::Reading;
+pub use reading::{Reading, Scan};
 pub use remedy::{Names, Remedy, Said, Say, Setting};
 pub use tally::Tally;

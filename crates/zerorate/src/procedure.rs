@@ -226,16 +226,17 @@ pub enum Action {
     Done,
 }
 
-/// What the caller saw. Times are nanoseconds of one clock, never going back.
+/// What the caller saw. Times are nanoseconds of one clock, never going back. `R` is a [`Reading`] of one axis, or a
+/// [`Scan`](crate::Scan) of all.
 #[derive(Clone, Copy, Debug)]
-pub enum Event<'a> {
+pub enum Event<'a, R = Reading> {
     /// The part was initialised.
     Initialised {
         /// When.
         t_ns: u64,
     },
     /// The part was read.
-    Reading(&'a Reading),
+    Reading(&'a R),
     /// Time went by without one.
     Time {
         /// What the clock says.

@@ -1,4 +1,6 @@
-//! What the core takes of a part: one reading of one axis.
+//! What the core takes of a part: a reading of one axis, or of all its axes at one time.
+
+use crate::part::MAX_AXES;
 
 /// One reading of one axis, in codes as the part gave them. `From<&Sample>` of the driver's samples comes with the
 /// feature `adis16130`.
@@ -16,6 +18,94 @@ pub struct Reading {
     pub out_of_range: bool,
     /// Readings lost since the one before.
     pub lost: u32,
+}
+
+/// One reading of all axes of a part at one time, in codes as the part gave them: a [`Reading`] for each axis, with what
+/// they share in common. It has room for [`MAX_AXES`] axes, whatever the part has, so that it needs no memory of its
+/// own.
+///
+/// ```
+/// use zerorate::Scan;
+/// let scan = Scan::new(1_000, 7, &[12, -5, 0]).expect("three axes").with_temp(Some(93)).with_out_of_range(1);
+/// let y = scan.reading(1).expect("the second axis");
+/// assert_eq!((y.t_ns, y.rate, y.temp, y.out_of_range), (1_000, -5, Some(93), true));
+/// assert!(scan.reading(3).is_none() && Scan::new(0, 0, &[0; 9]).is_none());
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Scan {
+    /// When, as in [`Reading`].
+    pub t_ns: u64,
+    /// Running number, as in [`Reading`].
+    pub seq: u32,
+    /// Readings lost since the one before: of all axes together.
+    pub lost: u32,
+    /// Code of the one temperature less the zero code, if it was read.
+    pub temp: Option<i32>,
+    rates: [i32; MAX_AXES],
+    axes: u8,
+    /// A bit for each axis.
+    out_of_range: u8,
+}
+
+/// A bit for each axis fits into a byte.
+const _: () = assert!(MAX_AXES <= u8::BITS as usize);
+
+impl Scan {
+    /// With the code of each axis less its zero code, without a temperature; none lost, none out of range. None where
+    /// there are more than [`MAX_AXES`].
+    #[must_use]
+    #[inline]
+    pub fn new(t_ns: u64, seq: u32, rates: &[i32]) -> Option<Self> {
+        let mut all = [0; MAX_AXES];
+        all.get_mut(..rates.len())?.copy_from_slice(rates);
+        Some(Self { t_ns, seq, lost: 0, temp: None, rates: all, axes: rates.len() as u8, out_of_range: 0 })
+    }
+
+    /// With this temperature.
+    #[must_use]
+    pub fn with_temp(self, temp: Option<i32>) -> Self {
+        Self { temp, ..self }
+    }
+
+    /// With so many readings lost before it.
+    #[must_use]
+    pub fn with_lost(self, lost: u32) -> Self {
+        Self { lost, ..self }
+    }
+
+    /// With this axis out of range, as in [`Reading`].
+    #[must_use]
+    pub fn with_out_of_range(self, axis: usize) -> Self {
+        let bit = if axis < MAX_AXES { 1 << axis } else { 0 };
+        Self { out_of_range: self.out_of_range | bit, ..self }
+    }
+
+    /// The code of each axis less its zero code.
+    #[must_use]
+    #[inline]
+    pub fn rates(&self) -> &[i32] {
+        &self.rates[..usize::from(self.axes).min(MAX_AXES)]
+    }
+
+    /// What was read of one axis.
+    #[must_use]
+    #[inline]
+    pub fn reading(&self, axis: usize) -> Option<Reading> {
+        let &Self { t_ns, seq, lost, temp, out_of_range, .. } = self;
+        let &rate = self.rates().get(axis)?;
+        Some(Reading { t_ns, seq, rate, temp, out_of_range: out_of_range >> axis & 1 == 1, lost })
+    }
+}
+
+impl From<&Reading> for Scan {
+    /// Of a part with one axis.
+    #[inline]
+    fn from(reading: &Reading) -> Self {
+        let &Reading { t_ns, seq, rate, temp, out_of_range, lost } = reading;
+        let mut rates = [0; MAX_AXES];
+        rates[0] = rate;
+        Self { t_ns, seq, lost, temp, rates, axes: 1, out_of_range: u8::from(out_of_range) }
+    }
 }
 
 #[cfg(feature = "adis16130")]

@@ -1,0 +1,127 @@
+//! The procedure for all axes of a part in one hour: a [`Procedure`] for each, which see the same times and the same
+//! temperature.
+
+use crate::estimate::Outcome;
+use crate::notice::Refusal;
+use crate::part::Part;
+use crate::procedure::{Action, Event, Plan, PlanError, Procedure, Progress, State};
+use crate::reading::Scan;
+use crate::remedy::{Names, Say, Setting};
+use alloc::borrow::Cow;
+use alloc::vec::Vec;
+use core::fmt;
+
+/// The procedure of F-51 for all axes of a part.
+///
+/// It takes [`Scan`]s as [`Procedure`] takes readings, and is used in the same way. Where one axis is refused, all are:
+/// a part that moves moves whole, and a calibration that lacks an axis would pass for one of a part that has fewer.
+///
+/// ```
+/// use zerorate::{Action, Part, PartProcedure, Plan};
+/// let procedure = PartProcedure::new(&Part::ADIS16130, Plan::default())?;
+/// assert_eq!((procedure.next(), procedure.progress().total_s), (Action::Initialise, 3171.0));
+/// # Ok::<(), zerorate::PlanError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct PartProcedure {
+    plan: Plan,
+    axes: Vec<(Cow<'static, str>, Procedure)>,
+}
+
+impl PartProcedure {
+    /// A procedure for this part that has not begun.
+    ///
+    /// # Errors
+    /// A duration or limit that makes no sense.
+    pub fn new(part: &Part, plan: Plan) -> Result<Self, PlanError> {
+        let procedure = |axis: &crate::NamedAxis| Ok((axis.name.clone(), Procedure::new(&axis.axis, plan)?));
+        Ok(Self { plan, axes: part.axes.iter().map(procedure).collect::<Result<_, _>>()? })
+    }
+
+    /// The durations and limits it was made with.
+    #[must_use]
+    pub fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    /// What to do next. All axes are at the same step.
+    #[must_use]
+    pub fn next(&self) -> Action {
+        self.axes.first().map_or(Action::Done, |(_, first)| first.next())
+    }
+
+    /// How far it has come.
+    #[must_use]
+    pub fn progress(&self) -> Progress {
+        let total_s = self.plan.total_s();
+        let none = Progress { state: State::Done, elapsed_s: 0.0, total_s };
+        self.axes.first().map_or(none, |(_, first)| first.progress())
+    }
+
+    /// Takes in what was seen. A refusal is final: the measurement is over. An axis that a scan does not have was not
+    /// read at its time.
+    ///
+    /// # Errors
+    /// What was measured of an axis must not become a calibration.
+    #[inline]
+    pub fn handle(&mut self, event: Event<'_, Scan>) -> Result<(), AxisRefusal> {
+        let several = self.axes.len() > 1;
+        for (index, (name, procedure)) in self.axes.iter_mut().enumerate() {
+            let handled = match event {
+                Event::Initialised { t_ns } => procedure.handle(Event::Initialised { t_ns }),
+                Event::Time { t_ns } => procedure.handle(Event::Time { t_ns }),
+                Event::Reading(scan) => match scan.reading(index) {
+                    Some(reading) => procedure.handle(Event::Reading(&reading)),
+                    None => procedure.handle(Event::Time { t_ns: scan.t_ns }),
+                },
+            };
+            handled.map_err(|refusal| AxisRefusal::new(several, name, refusal))?;
+        }
+        Ok(())
+    }
+
+    /// What came out for each axis, in the order of the part, once [`PartProcedure::next`] says [`Action::Done`].
+    ///
+    /// # Errors
+    /// As [`PartProcedure::handle`]; before the end, the window that is still short of samples.
+    pub fn finish(self) -> Result<Vec<Outcome>, AxisRefusal> {
+        let several = self.axes.len() > 1;
+        let finish = |(name, procedure): (Cow<'static, str>, Procedure)| {
+            procedure.finish().map_err(|refusal| AxisRefusal::new(several, &name, refusal))
+        };
+        self.axes.into_iter().map(finish).collect()
+    }
+}
+
+/// The measurement must not become a calibration, because of one axis.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AxisRefusal {
+    /// Its name; none where it is the only one.
+    pub axis: Option<Cow<'static, str>>,
+    /// Why.
+    pub refusal: Refusal,
+}
+
+impl AxisRefusal {
+    #[cold]
+    fn new(several: bool, name: &Cow<'static, str>, refusal: Refusal) -> Self {
+        Self { axis: several.then(|| name.clone()), refusal }
+    }
+}
+
+impl Say for AxisRefusal {
+    fn say(&self, f: &mut fmt::Formatter<'_>, names: Names) -> fmt::Result {
+        if let Some(axis) = &self.axis {
+            write!(f, "axis {axis}: ")?;
+        }
+        self.refusal.say(f, names)
+    }
+}
+
+impl fmt::Display for AxisRefusal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.say(f, Setting::name)
+    }
+}
+
+impl core::error::Error for AxisRefusal {}

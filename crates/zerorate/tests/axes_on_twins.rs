@@ -1,0 +1,188 @@
+//! A part with three axes: three twins on one clock and one temperature, through one procedure.
+
+use adis16130::blocking::Adis16130;
+use adis16130::{Config, Edge, MCLK_HZ, Sampler, SamplerConfig};
+use adis16130_twin::{Fault, Motion, Spec, Truth, Twin, TwinRdy, TwinSpi};
+use std::borrow::Cow;
+use zerorate::calibration::{Calibration, Origin};
+use zerorate::{
+    Action, Axis, AxisRefusal, Event, NamedAxis, NoiseSources, Outcome, Part, PartProcedure, Plan, Procedure, Reading,
+    Refusal, Scan, State,
+};
+
+/// A procedure short enough for a test; the units below settle as much faster.
+const SHORT: Plan = Plan {
+    average_s: 2.0,
+    warmup_s: 60.0,
+    settle_s: 40.0,
+    offset_s: 20.0,
+    final_temp_s: 1.0,
+    max_lost: 0.001,
+    max_u_btc_dps_per_c: 0.01,
+    earth_dps: None,
+    assume_linear: true,
+};
+
+fn part() -> Part {
+    let axis = |name| NamedAxis { name: Cow::Borrowed(name), axis: Axis::ADIS16130, sources: NoiseSources::default() };
+    Part { name: Cow::Borrowed("THREE"), axes: Cow::Owned(["x", "y", "z"].map(axis).to_vec()) }
+}
+
+/// One die with three elements: same clock and same warming, each with its own bias, coefficient and noise.
+fn units(changed: impl Fn(usize, Spec) -> Spec) -> [Unit; 3] {
+    let die = Spec::from_seed(1);
+    [0, 1, 2].map(|index| {
+        let own = Spec::from_seed(21 + index as u64);
+        let spec = Spec {
+            mclk_hz: f64::from(MCLK_HZ),
+            ambient_wander_c: 0.0,
+            warmup_s: 25.0,
+            warmup_c: die.warmup_c,
+            ambient_c: die.ambient_c,
+            curvature_dps_per_c2: 0.0,
+            hysteresis_dps: 0.0,
+            ..own
+        };
+        Unit::new(changed(index, spec))
+    })
+}
+
+struct Unit {
+    twin: Twin,
+    gyro: Adis16130<TwinSpi, TwinRdy>,
+    sampler: Sampler,
+}
+
+impl Unit {
+    fn new(spec: Spec) -> Self {
+        let (twin, config) = (Twin::new(spec), Config::default());
+        let gyro = Adis16130::new(twin.spi(), twin.rdy(), config);
+        Self { twin, gyro, sampler: Sampler::new(SamplerConfig::default(), &config, MCLK_HZ) }
+    }
+
+    fn read(&mut self) -> Reading {
+        loop {
+            let edge = self.twin.next_falling_edge(1_000_000_000).expect("data ready");
+            let edge = Edge { t_ns: edge.t_ns, seq: edge.seq };
+            if let Some(sample) = self.gyro.sample(&mut self.sampler, edge).expect("a reading") {
+                return Reading::from(&sample);
+            }
+        }
+    }
+}
+
+/// All of them at one time: the temperature is that of the first.
+fn scan(units: &mut [Unit; 3]) -> Scan {
+    let readings = units.each_mut().map(Unit::read);
+    let [x, y, z] = readings;
+    assert!(x.t_ns == y.t_ns && x.t_ns == z.t_ns && x.seq == y.seq, "one clock: {readings:?}");
+    let scan = Scan::new(x.t_ns, x.seq, &readings.map(|one| one.rate)).unwrap().with_temp(x.temp).with_lost(x.lost);
+    let out_of_range = (0..3).filter(|axis| readings[*axis].out_of_range);
+    out_of_range.fold(scan, Scan::with_out_of_range)
+}
+
+struct Measured {
+    outcomes: Vec<Outcome>,
+    truths: [Truth; 3],
+    /// What a procedure for the first axis alone finds.
+    alone: Outcome,
+}
+
+fn measure(mut units: [Unit; 3]) -> Result<Measured, AxisRefusal> {
+    let mut procedure = PartProcedure::new(&part(), SHORT).expect("a plan that makes sense");
+    let mut alone = Procedure::new(&Axis::ADIS16130, SHORT).expect("a plan that makes sense");
+    let mut truths = units.each_ref().map(|unit| unit.twin.truth());
+    loop {
+        match procedure.next() {
+            Action::Initialise => {
+                units.iter_mut().for_each(|unit| unit.gyro.init().expect("initialisation"));
+                let t_ns = units[0].twin.now_ns();
+                procedure.handle(Event::Initialised { t_ns })?;
+                alone.handle(Event::Initialised { t_ns }).expect("the same");
+            }
+            Action::Read => {
+                let before = procedure.progress().state;
+                let scan = scan(&mut units);
+                procedure.handle(Event::Reading(&scan))?;
+                alone.handle(Event::Reading(&scan.reading(0).unwrap())).expect("the same");
+                if before == State::Offset {
+                    truths = units.each_ref().map(|unit| unit.twin.truth());
+                }
+            }
+            Action::Done => {
+                return Ok(Measured {
+                    outcomes: procedure.finish()?,
+                    truths,
+                    alone: alone.finish().expect("the same"),
+                });
+            }
+        }
+    }
+}
+
+/// Each axis comes out with its own bias and coefficient, within its uncertainty; the first as it would alone.
+#[test]
+fn three_axes_are_calibrated_in_one_hour() {
+    let Measured { outcomes, truths, alone } = measure(units(|_, spec| spec)).unwrap();
+    assert_eq!(outcomes[0], alone);
+    for (name, (outcome, truth)) in ["x", "y", "z"].iter().zip(outcomes.iter().zip(&truths)) {
+        let (correction, u) = (outcome.correction, outcome.uncertainty);
+        let pbc = (correction.pbc_dps - truth.pbc_dps(correction.t3_c)) / u.u_pbc_dps;
+        let btc = (correction.btc_dps_per_c - truth.btc_dps_per_c(correction.t3_c)) / u.u_btc_dps_per_c;
+        assert!(pbc.abs() < 4.0 && btc.abs() < 4.0, "axis {name}: {pbc} u, {btc} u");
+        assert!(u.u_pbc_dps < 0.005 && u.u_btc_dps_per_c < 0.004, "axis {name}: {u:?}");
+        assert_eq!(correction.t3_c, alone.correction.t3_c, "one temperature");
+    }
+    let biases: Vec<f64> = outcomes.iter().map(|outcome| outcome.correction.pbc_dps).collect();
+    assert!((biases[0] - biases[1]).abs() > 0.01 && (biases[1] - biases[2]).abs() > 0.01, "{biases:?}");
+
+    let calibration = Calibration::new(&part(), &outcomes, Origin::default());
+    let (read, _) = Calibration::parse(&calibration.to_toml()).unwrap();
+    assert_eq!(read, calibration);
+    let mut corrector = read.corrector("THREE", ["z", "x"]).unwrap();
+    corrector.read(Some(alone.correction.t3_c));
+    let at_rest = corrector.correct(0, Some(truths[2].bias_dps(alone.correction.t3_c))).unwrap();
+    assert!(at_rest.abs() < 4.0 * outcomes[2].uncertainty.u_pbc_dps, "{at_rest}");
+}
+
+#[test]
+fn one_axis_that_moves_refuses_the_part_by_its_name() {
+    let sway = |spec| Spec { motion: Motion::Sway, sway_dps: 0.3, sway_hz: 0.4, ..spec };
+    let moving = |index, spec| if index == 1 { sway(spec) } else { spec };
+    let refusal = measure(units(moving)).err().expect("refused");
+    assert!(matches!(refusal.refusal, Refusal::Moving { .. }), "{refusal:?}");
+    assert_eq!(refusal.axis.as_deref(), Some("y"));
+    assert!(refusal.to_string().starts_with("axis y: the part moves"), "{refusal}");
+}
+
+#[test]
+fn one_axis_that_freezes_refuses_the_part_by_its_name() {
+    let freeze = |spec| Spec { fault: Fault::Frozen, fault_at_s: Some(10.0), ..spec };
+    let broken = |index, spec| if index == 2 { freeze(spec) } else { spec };
+    let refusal = measure(units(broken)).err().expect("refused");
+    assert!(matches!(refusal.refusal, Refusal::Frozen { .. }), "{refusal:?}");
+    assert_eq!(refusal.axis.as_deref(), Some("z"));
+}
+
+/// Scans with fewer axes than the part: what was not read is missing, by name.
+#[test]
+fn an_axis_that_is_not_read_is_missed() {
+    let mut procedure = PartProcedure::new(&part(), SHORT).unwrap();
+    procedure.handle(Event::Initialised { t_ns: 0 }).unwrap();
+    let two = |k: u32| {
+        let wiggle = (k % 7) as i32 * 40;
+        Scan::new(u64::from(k) * 175_667, k, &[wiggle, wiggle]).unwrap().with_temp(Some(wiggle))
+    };
+    let refusal = (0..20_000).find_map(|k| procedure.handle(Event::Reading(&two(k))).err()).expect("refused");
+    assert!(matches!(refusal.refusal, Refusal::TooFew { samples: 0, .. }), "{refusal:?}");
+    assert_eq!(refusal.axis.as_deref(), Some("z"));
+}
+
+/// The only axis of a part has no name worth saying.
+#[test]
+fn a_single_axis_is_refused_as_ever() {
+    let mut procedure = PartProcedure::new(&Part::ADIS16130, SHORT).unwrap();
+    procedure.handle(Event::Initialised { t_ns: 0 }).unwrap();
+    let refusal = procedure.handle(Event::Time { t_ns: 3_000_000_000 }).unwrap_err();
+    assert_eq!(refusal.to_string(), refusal.refusal.to_string());
+}
