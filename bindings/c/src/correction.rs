@@ -84,8 +84,9 @@ pub unsafe extern "C" fn zerorate_correction_to_integer(
 ) -> Status {
     // SAFETY: by the contract.
     status::of(unsafe { boundary::input(from) }.and_then(|from| {
+        const ADIS16130: zerorate::Axis = zerorate::Axis::ADIS16130;
         let zerorate::IntegerCorrection { offset_q, slope_q, t3_code } =
-            from.to_core().to_integer(&zerorate::Axis::ADIS16130).map_err(|error| error.status())?;
+            from.to_core().to_integer(&ADIS16130.rate, &ADIS16130.temp).map_err(|error| error.status())?;
         // SAFETY: by the contract.
         unsafe { boundary::output(to, CorrectionInteger { offset_q30: offset_q, slope_q30: slope_q, t3_code }) }
     }))

@@ -62,7 +62,7 @@ pub struct RowIndex {
     pub middle_q: i64,
     /// Rows per temperature code, times 2³².
     pub rows_per_code_q: i64,
-    /// T3 as a 24-bit temperature code.
+    /// T3 as a temperature code.
     pub t3_code: i32,
 }
 
@@ -79,7 +79,7 @@ impl RowIndex {
         Self {
             middle_q: (i64::from(middle) << Self::Q) + (1 << (Self::Q - 1)),
             rows_per_code_q: libm::round(one / step_lsb) as i64,
-            t3_code: temp_code(t3_c, temp) as i32,
+            t3_code: temp.nearest_code(t3_c).clamp(i32::MIN.into(), i32::MAX.into()) as i32,
         }
     }
 
@@ -90,13 +90,6 @@ impl RowIndex {
         let below_t3 = self.t3_code - (temp_code & 0x00FF_FFFF) as i32;
         (self.middle_q + below_t3 as i64 * self.rows_per_code_q) >> Self::Q
     }
-}
-
-/// The code nearest to a temperature in °C; beyond what 24 bits can say the first or last one.
-#[must_use]
-pub fn temp_code(temp_c: f64, scale: &Scale) -> u32 {
-    let code = scale.code(temp_c);
-    libm::round(code.clamp(0.0, 16_777_215.0)) as u32
 }
 
 impl Correction {
@@ -193,7 +186,7 @@ mod tests {
     #[test]
     fn codes_of_temperatures() {
         assert_eq!(
-            [25.0, 26.0, -1e9, f64::INFINITY].map(|temp_c| temp_code(temp_c, &TEMP)),
+            [25.0, 26.0, -1e9, f64::INFINITY].map(|temp_c| TEMP.nearest_code(temp_c)),
             [8_388_608, 8_402_701, 0, 16_777_215]
         );
     }

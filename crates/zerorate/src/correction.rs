@@ -1,8 +1,6 @@
-//! The bias correction of F-50, RBC = RATE + PBC + (TEMP − T3) × BTC, in f64, in f32 and in integers, and its table
-//! (F-52).
+//! The bias correction of F-50, RBC = RATE + PBC + (TEMP − T3) × BTC, in f64 and in f32, and its table (F-52).
 
 use crate::notice::Warning;
-use crate::part::Axis;
 use alloc::vec::Vec;
 use core::fmt;
 
@@ -39,24 +37,6 @@ impl Correction {
             btc_dps_per_c: self.btc_dps_per_c as f32,
             t3_c: self.t3_c as f32,
         }
-    }
-
-    /// The same on the raw codes of an axis, see [`IntegerCorrection`].
-    ///
-    /// # Errors
-    /// A coefficient that does not fit: |BTC| up to 2 rate codes per temperature code (1.19 °/s/°C for the ADIS16130),
-    /// PBC and T3 within what 24-bit codes can express.
-    pub fn to_integer(&self, axis: &Axis) -> Result<IntegerCorrection, IntegerError> {
-        let one = f64::from(1u32 << IntegerCorrection::Q);
-        let per_lsb = axis.rate.lsb_per_unit / axis.temp.lsb_per_unit;
-        let t3_exact = axis.temp.code(self.t3_c);
-        let t3_code = within("t3_c", t3_exact, 0.0, CODE_MAX)?;
-        let slope = within("btc_dps_per_c", self.btc_dps_per_c * per_lsb * one, -SLOPE_MAX, SLOPE_MAX)?;
-        let pbc_lsb = self.pbc_dps * axis.rate.lsb_per_unit;
-        // T3 rounds to a code; what that leaves of (TEMP − T3) × BTC belongs to the offset.
-        let offset = (pbc_lsb + (t3_code - t3_exact) * self.btc_dps_per_c * per_lsb) * one;
-        let offset = within("pbc_dps", offset, -CODE_MAX * one, CODE_MAX * one)?;
-        Ok(IntegerCorrection { offset_q: offset as i64, slope_q: slope as i32, t3_code: t3_code as i32 })
     }
 
     /// The look-up table of F-52: (TEMP − T3) × BTC, without PBC, from +`span_c` down to −`span_c` in steps of
@@ -114,15 +94,6 @@ impl Validity {
     }
 }
 
-const CODE_MAX: f64 = 16_777_215.0;
-const SLOPE_MAX: f64 = i32::MAX as f64;
-
-fn within(name: &'static str, value: f64, low: f64, high: f64) -> Result<f64, IntegerError> {
-    let rounded = libm::round(value);
-    // NaN is in no range
-    if (low..=high).contains(&rounded) { Ok(rounded) } else { Err(IntegerError { coefficient: name }) }
-}
-
 fn steps_in_span(step_c: f64, span_c: f64) -> Result<i32, TableError> {
     if !(step_c > 0.0 && span_c > 0.0 && step_c.is_finite() && span_c.is_finite()) {
         return Err(TableError::NotPositive { step_c, span_c });
@@ -157,42 +128,6 @@ impl CorrectionF32 {
     }
 }
 
-/// F-50 on raw 24-bit codes, without division or floating point:
-/// `corrected = (rate · 2³⁰ + offset_q + (temp − t3_code) · slope_q + 2²⁹) >> 30`, held to 0 … 2²⁴ − 1.
-///
-/// Rounds to nearest; differs from F-50 in f64 by at most 0.51 LSB (1 LSB = 1/23 488 °/s, F-40). A 16-bit code goes in
-/// as code × 256.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct IntegerCorrection {
-    /// PBC in rate codes times 2³⁰.
-    pub offset_q: i64,
-    /// BTC in rate codes per temperature code, times 2³⁰.
-    pub slope_q: i32,
-    /// T3 as a 24-bit temperature code.
-    pub t3_code: i32,
-}
-
-impl IntegerCorrection {
-    /// Fraction bits of `offset_q` and `slope_q`.
-    pub const Q: u32 = 30;
-
-    /// The corrected 24-bit rate code of a 24-bit rate code and the temperature code taken with it.
-    #[inline]
-    #[must_use]
-    pub const fn apply(&self, rate_code: u32, temp_code: u32) -> u32 {
-        let (rate, temp) = ((rate_code & 0x00FF_FFFF) as i64, (temp_code & 0x00FF_FFFF) as i64);
-        let bias = self.offset_q + (temp - self.t3_code as i64) * self.slope_q as i64;
-        let corrected = rate + ((bias + (1 << (Self::Q - 1))) >> Self::Q);
-        if corrected < 0 {
-            0
-        } else if corrected > 0x00FF_FFFF {
-            0x00FF_FFFF
-        } else {
-            corrected as u32
-        }
-    }
-}
-
 /// A row of the look-up table of F-52.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TableRow {
@@ -201,26 +136,6 @@ pub struct TableRow {
     /// (TEMP − T3) × BTC, °/s, to be added to RATE + PBC.
     pub correction_dps: f64,
 }
-
-/// A coefficient that 24-bit integer arithmetic cannot carry.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct IntegerError {
-    /// The calibration's name for it.
-    pub coefficient: &'static str,
-}
-
-impl fmt::Display for IntegerError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(
-            f,
-            "{} does not fit the integer correction (|BTC| up to 1.19 °/s/°C, PBC and T3 within the 24-bit codes); \
-             check the calibration",
-            self.coefficient
-        )
-    }
-}
-
-impl core::error::Error for IntegerError {}
 
 /// A table that cannot be laid out as asked.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -272,8 +187,6 @@ impl core::error::Error for TableError {}
 mod tests {
     use super::*;
 
-    const ZERO_CODE: u32 = 8_388_608;
-
     const TYPICAL: Correction = Correction { pbc_dps: -0.2537, btc_dps_per_c: -0.04, t3_c: 31.5123 };
 
     /// F-52, all thirteen rows, for a bias coefficient of +0.04 °/s/°C.
@@ -302,41 +215,6 @@ mod tests {
     /// Codes spread over the whole range by a multiplicative sequence.
     fn codes() -> impl Iterator<Item = (u32, u32)> {
         (0..100_000u32).map(|i| (i.wrapping_mul(2_654_435_761) >> 8, i.wrapping_mul(2_246_822_519) >> 8))
-    }
-
-    fn exact_code(correction: &Correction, rate: u32, temp: u32) -> f64 {
-        let rate_dps = (f64::from(rate) - 8_388_608.0) / 23_488.0;
-        let temp_c = (f64::from(temp) - 8_388_608.0) / 14_093.0 + 25.0;
-        (correction.apply(rate_dps, temp_c) * 23_488.0 + 8_388_608.0).clamp(0.0, CODE_MAX)
-    }
-
-    #[test]
-    fn integer_correction_rounds_to_nearest_over_the_whole_range() {
-        for btc_dps_per_c in [-0.04, 0.0123, 1.1, -1.1] {
-            let correction = Correction { btc_dps_per_c, ..TYPICAL };
-            let integer = correction.to_integer(&Axis::ADIS16130).unwrap();
-            for (rate, temp) in codes() {
-                let error = f64::from(integer.apply(rate, temp)) - exact_code(&correction, rate, temp);
-                assert!(error.abs() < 0.51, "{rate} at {temp}: {error}");
-            }
-        }
-    }
-
-    #[test]
-    fn integer_correction_saturates() {
-        let up = Correction { pbc_dps: 10.0, btc_dps_per_c: 0.0, t3_c: 25.0 }.to_integer(&Axis::ADIS16130).unwrap();
-        assert_eq!(up.apply(0x00FF_FFFF, ZERO_CODE), 0x00FF_FFFF);
-        let down = Correction { pbc_dps: -10.0, btc_dps_per_c: 0.0, t3_c: 25.0 }.to_integer(&Axis::ADIS16130).unwrap();
-        assert_eq!(down.apply(3, ZERO_CODE), 0);
-        assert_eq!(down.apply(ZERO_CODE, ZERO_CODE), ZERO_CODE - 234_880);
-    }
-
-    #[test]
-    fn coefficients_that_do_not_fit_are_named() {
-        let named = |correction: Correction| correction.to_integer(&Axis::ADIS16130).unwrap_err().coefficient;
-        assert_eq!(named(Correction { btc_dps_per_c: 1.3, ..TYPICAL }), "btc_dps_per_c");
-        assert_eq!(named(Correction { pbc_dps: 1e4, ..TYPICAL }), "pbc_dps");
-        assert_eq!(named(Correction { t3_c: f64::NAN, ..TYPICAL }), "t3_c");
     }
 
     #[test]

@@ -17,6 +17,7 @@ mod freeze;
 mod gls;
 pub mod health;
 mod hour;
+mod integer;
 mod ledger;
 pub mod noise;
 mod notice;
@@ -36,11 +37,12 @@ mod tally;
 #[cfg(feature = "file")]
 pub use calibration::Calibration;
 pub use code_sum::CodeSum;
-pub use code_table::{CodeTable, RowIndex, temp_code};
-pub use correction::{Correction, CorrectionF32, IntegerCorrection, IntegerError, TableError, TableRow, Validity};
+pub use code_table::{CodeTable, RowIndex};
+pub use correction::{Correction, CorrectionF32, TableError, TableRow, Validity};
 pub use corrector::{Corrected, Corrector, CorrectorConfig};
 pub use estimate::{Noise, Outcome, Uncertainty, WindowWarnings};
 pub use hour::{Deviation, Finding};
+pub use integer::{IntegerCorrection, IntegerError, IntegerForm};
 pub use notice::{EARTH_DPS, Refusal, Warning};
 #[cfg(feature = "file")]
 pub use part::PartError;

@@ -8,6 +8,7 @@ use crate::procedure::{Action, Event, Plan, PlanError, Procedure, Progress, Stat
 use crate::reading::Scan;
 use crate::remedy::{Names, Say, Setting};
 use alloc::borrow::Cow;
+use alloc::string::String;
 use alloc::vec::Vec;
 use core::fmt;
 
@@ -97,15 +98,15 @@ impl PartProcedure {
 #[derive(Clone, Debug, PartialEq)]
 pub struct AxisRefusal {
     /// Its name; none where it is the only one.
-    pub axis: Option<Cow<'static, str>>,
+    pub axis: Option<String>,
     /// Why.
     pub refusal: Refusal,
 }
 
 impl AxisRefusal {
     #[cold]
-    fn new(several: bool, name: &Cow<'static, str>, refusal: Refusal) -> Self {
-        Self { axis: several.then(|| name.clone()), refusal }
+    fn new(several: bool, name: &str, refusal: Refusal) -> Self {
+        Self { axis: several.then(|| name.into()), refusal }
     }
 }
 

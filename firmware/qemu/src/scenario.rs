@@ -55,7 +55,7 @@ impl Corrections {
         let mut rows_udps = [0; ROWS];
         correction.fill_table(TABLE_C.0, TABLE_C.1, &mut rows_udps).ok()?;
         Some(Self {
-            integer: correction.to_integer(&Axis::ADIS16130).ok()?,
+            integer: correction.to_integer(&Axis::ADIS16130.rate, &Axis::ADIS16130.temp).ok()?,
             single: correction.to_f32(),
             rows_udps,
             t3_c,

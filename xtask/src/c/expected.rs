@@ -83,7 +83,8 @@ impl Rig {
 fn samples(text: &mut String, keys: &str) -> Result<()> {
     let mut rig = Rig::new(keys, 6_000_000)?;
     text.push_str("initialise 0\ninteger 0\nsingle 0\ntable 0\n");
-    let (integer, single) = (CORRECTION.to_integer(&Axis::ADIS16130)?, CORRECTION.to_f32());
+    let (integer, single) =
+        (CORRECTION.to_integer(&Axis::ADIS16130.rate, &Axis::ADIS16130.temp)?, CORRECTION.to_f32());
     let mut rows = [0; ROWS];
     CORRECTION.fill_table(0.02, 2.0, &mut rows)?;
     let table = CodeTable::new(&rows, 0.02, CORRECTION.t3_c, &Axis::ADIS16130.temp);

@@ -25,7 +25,7 @@ fn json_has_coefficients_and_table() {
     bench.write("unit.toml", calibration(0.7312, 0.0387, 33.125));
     let json: serde_json::Value =
         serde_json::from_str(&bench.zerorate("export unit.toml --format json --span-c 0.2").ok()).unwrap();
-    let integer = correction.to_integer(&Axis::ADIS16130).unwrap();
+    let integer = correction.to_integer(&Axis::ADIS16130.rate, &Axis::ADIS16130.temp).unwrap();
     assert_eq!(json["integer"]["offset_q"], integer.offset_q);
     assert_eq!(json["integer"]["slope_q"], integer.slope_q);
     assert_eq!(json["integer"]["t3_code"], integer.t3_code);
@@ -86,7 +86,7 @@ fn measured((pbc_dps, btc_dps_per_c, t3_c): (f64, f64, f64)) -> (String, Validit
 /// code of the nearest that it knows.
 fn expected(of: (f64, f64, f64)) -> String {
     let correction = Correction { pbc_dps: of.0, btc_dps_per_c: of.1, t3_c: of.2 };
-    let integer = correction.to_integer(&Axis::ADIS16130).unwrap();
+    let integer = correction.to_integer(&Axis::ADIS16130.rate, &Axis::ADIS16130.temp).unwrap();
     let table = correction.table(0.02, 2.0).unwrap();
     let mut rows = [0; 201];
     correction.fill_table(0.02, 2.0, &mut rows).unwrap();
@@ -102,7 +102,7 @@ fn expected(of: (f64, f64, f64)) -> String {
         let inside = in_range && by_code.look_up_udps(temp).is_some();
         assert_eq!(by_code.look_up_held_udps(temp), udps);
         // the margin of 0.5 °C in codes
-        let code = |temp_c| zerorate::temp_code(temp_c, &Axis::ADIS16130.temp);
+        let code = |temp_c| Axis::ADIS16130.temp.nearest_code(temp_c) as u32;
         let held = temp.clamp(code(validity.temp_min_c) - 7047, code(validity.temp_max_c) + 7047);
         let (by_itself, by_held) = (integer.apply(rate, temp), integer.apply(rate, held));
         writeln!(text, "{by_itself} {udps} {} {} {by_held}", i32::from(inside), i32::from(in_range)).unwrap();

@@ -5,7 +5,7 @@ use super::prefix::Prefix;
 use super::{AXIS, Export};
 use crate::exit::Usage;
 use anyhow::{Result, ensure};
-use zerorate::{IntegerCorrection, RowIndex, Validity, temp_code};
+use zerorate::{IntegerCorrection, RowIndex, Validity};
 
 /// The C header. Without a prefix its names begin with `zerorate`.
 pub fn c(export: &Export, prefix: Option<&Prefix>) -> Result<String> {
@@ -71,8 +71,8 @@ fn valid_range(Layout { valid, stated, .. }: &Layout) -> Vec<(&'static str, Stri
         ("VALID", format!("{temp_min_c:.1} to {temp_max_c:.1} deg C, {whence}")),
         ("TEMP_MIN_C", format!("{temp_min_c:?}")),
         ("TEMP_MAX_C", format!("{temp_max_c:?}")),
-        ("TEMP_MIN_CODE", temp_code(temp_min_c, &AXIS.temp).to_string()),
-        ("TEMP_MAX_CODE", temp_code(temp_max_c, &AXIS.temp).to_string()),
+        ("TEMP_MIN_CODE", AXIS.temp.nearest_code(temp_min_c).to_string()),
+        ("TEMP_MAX_CODE", AXIS.temp.nearest_code(temp_max_c).to_string()),
         ("MARGIN_C", Validity::MARGIN_C.to_string()),
         ("MARGIN_CODE", (Validity::MARGIN_C * AXIS.temp.lsb_per_unit).round().to_string()),
     ]

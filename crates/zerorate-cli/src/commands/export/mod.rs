@@ -14,7 +14,7 @@ use layout::Layout;
 use prefix::Prefix;
 use serde::Serialize;
 use std::path::PathBuf;
-use zerorate::{Axis, Calibration, Correction, IntegerCorrection, TableRow, temp_code};
+use zerorate::{Axis, Calibration, Correction, IntegerCorrection, TableRow};
 
 /// Writes the correction for firmware: C header, Rust module, CSV or JSON.
 ///
@@ -91,7 +91,7 @@ pub fn run(args: &ExportArgs) -> Result<()> {
     let correction = calibration.axes[0].correction;
     let layout = Layout::new(&calibration, args.step_c, args.span_c);
     let rows = layout.rows(&correction)?;
-    let integer = correction.to_integer(&AXIS)?;
+    let integer = correction.to_integer(&AXIS.rate, &AXIS.temp)?;
     warn(&layout.warnings(&correction));
     let export = Export { calibration, correction, integer, layout, rows };
     let text = match args.format {
@@ -147,8 +147,8 @@ struct Valid {
     stated: bool,
     temp_min_c: f64,
     temp_max_c: f64,
-    temp_min_code: u32,
-    temp_max_code: u32,
+    temp_min_code: i64,
+    temp_max_code: i64,
 }
 
 #[derive(Serialize)]
@@ -180,8 +180,8 @@ fn json(export: &Export) -> Result<String> {
             stated: layout.stated,
             temp_min_c: valid.temp_min_c,
             temp_max_c: valid.temp_max_c,
-            temp_min_code: temp_code(valid.temp_min_c, &AXIS.temp),
-            temp_max_code: temp_code(valid.temp_max_c, &AXIS.temp),
+            temp_min_code: AXIS.temp.nearest_code(valid.temp_min_c),
+            temp_max_code: AXIS.temp.nearest_code(valid.temp_max_c),
         },
         integer: Integer {
             q: IntegerCorrection::Q,
