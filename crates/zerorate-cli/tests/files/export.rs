@@ -2,7 +2,7 @@
 
 use super::{Bench, calibration, installed, run};
 use std::fmt::Write;
-use zerorate::{Axis, CodeTable, Correction, Validity};
+use zerorate::{Axis, Calibration, CodeTable, Correction, IntegerForm, Validity};
 
 /// F-52, all thirteen rows, as text.
 #[test]
@@ -294,4 +294,171 @@ fn what_cannot_be_exported_is_explained() {
     }
     assert!(bench.zerorate("export unit.toml --format csv --prefix left").fails(2).contains("--prefix"));
     assert!(bench.zerorate("export unit.toml --format pdf").fails(2).contains("pdf"));
+}
+
+/// The axes of the calibration of three: name, smallest and largest code of its rate.
+const CODES: [(&str, i64, i64); 3] = [("x", -32_768, 32_767), ("y", -8_192, 8_191), ("z", 0, 16_777_215)];
+
+/// Every temperature code with rates all over each scale, and words beyond them.
+fn codes_of_axes() -> Vec<(i32, [i32; 3])> {
+    let mut state = 99_u64;
+    let mut random = move || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) as i64
+    };
+    let mut of = |first: i64, last: i64| (first + random() % (last - first + 1)) as i32;
+    (-2060..2060).map(|temp| (temp, CODES.map(|(_, first, last)| of(first - 9, last + 9)))).collect()
+}
+
+/// What the functions of the three axes must print: by the core, which is held against exact arithmetic, and rows by
+/// distance in f64 (no code of 1/7.14 °C lies half-way between two rows of 0.2 °C).
+fn expected_of_axes() -> String {
+    let (calibration, _) = Calibration::parse(super::AXES).unwrap();
+    let (temp_scale, validity) = (calibration.temp.unwrap(), calibration.validity.unwrap());
+    let mut text = String::new();
+    for (temp, rates) in codes_of_axes() {
+        let held = i64::from(temp.clamp(-2048, 2047));
+        let temp_c = held as f64 / 7.14 + 25.0;
+        let in_range = validity.covers(temp_c) && i64::from(temp) == held;
+        write!(text, "{}", i32::from(in_range)).unwrap();
+        for (axis, rate) in calibration.axes.iter().zip(rates) {
+            let scale = axis.rate.unwrap();
+            let integer = axis.correction.to_integer(&scale, &temp_scale).unwrap();
+            let code = integer.apply_as(&IntegerForm::new(&scale, &temp_scale), rate.into(), temp.into());
+            // the row of the nearest step of 0.2 °C from T3 as a code, on 16 °C to both sides
+            let delta_c = (held - temp_scale.nearest_code(axis.correction.t3_c)) as f64 / 7.14;
+            let place = (16.0 - delta_c) / 0.2;
+            let row = (place + 0.5).floor().clamp(0.0, 160.0);
+            let udps = ((16.0 - row * 0.2) * axis.correction.btc_dps_per_c * 1e6).round() as i32;
+            let inside = in_range && (0.0..161.0).contains(&(place + 0.5));
+            write!(text, " {code} {udps} {}", i32::from(inside)).unwrap();
+        }
+        text.push('\n');
+    }
+    text
+}
+
+#[test]
+fn three_axes_in_c() {
+    if !installed("gcc") {
+        return;
+    }
+    let bench = Bench::new();
+    bench.write("unit.toml", super::AXES);
+    bench.zerorate("export unit.toml --format c --span-c 16 --prefix imu -o unit.h").ok();
+    let rows: String =
+        codes_of_axes().iter().map(|(temp, [x, y, z])| format!("{{{temp}, {x}, {y}, {z}}},\n")).collect();
+    let axis = |index, name| {
+        format!(
+            "inside = imu_{name}_table_lookup_udps(it[0], &row);\n\
+             printf(\" %ld %ld %d\", (long)imu_{name}_correct_code(it[{index}], it[0]), (long)row, inside);\n"
+        )
+    };
+    bench.write(
+        "main.c",
+        format!(
+            "#include \"unit.h\"\n#include \"unit.h\"\n#include <stdio.h>\nstatic const int32_t codes[][4] = {{\n{rows}}};\n\
+             int main(void)\n{{\nfor (size_t i = 0; i < sizeof codes / sizeof codes[0]; i++) {{\n\
+             const int32_t *it = codes[i];\nint32_t row;\nbool inside;\nprintf(\"%d\", imu_in_range(it[0]));\n\
+             {}{}{}printf(\"\\n\");\n}}\nreturn 0;\n}}\n",
+            axis(1, "x"),
+            axis(2, "y"),
+            axis(3, "z")
+        ),
+    );
+    bench.write("alone.c", "#include \"unit.h\"\nint nothing;\n");
+    let flags = ["-Wall", "-Wextra", "-Werror", "-std=c99", "-pedantic", "-Wconversion", "-O1", "-ftrapv"];
+    run("gcc", &[&flags[..], &["-c", "alone.c", "-o", "alone.o"]].concat(), bench.dir.path());
+    run("gcc", &[&flags[..], &["main.c", "-o", "main"]].concat(), bench.dir.path());
+    same_lines(&run(bench.path("main"), &[], bench.dir.path()));
+}
+
+#[test]
+fn three_axes_in_rust() {
+    if !installed("rustc") {
+        return;
+    }
+    let bench = Bench::new();
+    bench.write("unit.toml", super::AXES);
+    bench.zerorate("export unit.toml --format rust --span-c 16 -o unit.rs").ok();
+    bench.zerorate("export unit.toml --format rust --prefix left -o left.rs").ok();
+    bench.zerorate("export unit.toml --format rust --prefix Right_2 -o right.rs").ok();
+    bench.write(
+        "unused.rs",
+        "mod unit;\nmod both {\ninclude!(\"left.rs\");\ninclude!(\"right.rs\");\n}\nfn main() {}\n",
+    );
+    bench.write(
+        "lib.rs",
+        "#![no_std]\n#![deny(missing_docs, warnings)]\n//! The module alone.\n/// Exported.\npub mod unit;\n",
+    );
+    has_no_warning(&bench);
+    let axis = |index, name| {
+        format!(
+            "let row = unit::{name}_table_lookup_held_udps(it[0]);\nlet found = unit::{name}_table_lookup_udps(it[0]);\n\
+             assert!(found.map_or(true, |found| found == row));\n\
+             print!(\" {{}} {{row}} {{}}\", unit::{name}_correct_code(it[{index}], it[0]), i32::from(found.is_some()));\n"
+        )
+    };
+    let rows: String = codes_of_axes().iter().map(|(temp, [x, y, z])| format!("[{temp}, {x}, {y}, {z}],\n")).collect();
+    bench.write(
+        "main.rs",
+        format!(
+            "mod unit;\nconst CODES: &[[i32; 4]] = &[{rows}];\nfn main() {{\nfor it in CODES {{\n\
+             print!(\"{{}}\", i32::from(unit::in_range(it[0])));\n{}{}{}println!();\n}}\n}}\n",
+            axis(1, "x"),
+            axis(2, "y"),
+            axis(3, "z")
+        ),
+    );
+    run("rustc", &["--edition=2021", "-Copt-level=1", "main.rs"], bench.dir.path());
+    same_lines(&run(bench.path("main"), &[], bench.dir.path()));
+}
+
+/// Compares with what is expected of the three axes, line by line.
+#[track_caller]
+fn same_lines(printed: &str) {
+    let expected = expected_of_axes();
+    for ((found, wanted), (temp, rates)) in printed.lines().zip(expected.lines()).zip(codes_of_axes()) {
+        assert_eq!(found, wanted, "rates {rates:?} at {temp}");
+    }
+    assert_eq!(printed.lines().count(), expected.lines().count());
+}
+
+/// One column for each axis, one object for each axis, and the coefficients where the scale is known.
+#[test]
+fn csv_and_json_of_three_axes() {
+    let bench = Bench::new();
+    bench.write("unit.toml", super::AXES);
+    let expected = "delta_c,x_correction_dps,y_correction_dps,z_correction_dps\n0.4,-0.016,0.008,-0.004\n\
+                    0.2,-0.008,0.004,-0.002\n0,0,0,0\n-0.2,0.008,-0.004,0.002\n-0.4,0.016,-0.008,0.004\n";
+    assert_eq!(bench.zerorate("export unit.toml --format csv --span-c 0.4").ok(), expected);
+    let text = bench.zerorate("export unit.toml --format json --span-c 0.4").ok();
+    let json: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let names: Vec<_> = json["axes"].as_array().unwrap().iter().map(|axis| axis["name"].clone()).collect();
+    assert_eq!((names, &json["part"]), (vec!["x".into(), "y".into(), "z".into()], &"ADIS16405".into()));
+    let y = &json["axes"][1];
+    // 12 bits of temperature and 6: BTC · 20 / 7.14 · 2¹⁸ and PBC · 20 · 2¹⁸ with what T3 = 31.25 °C leaves of its code
+    let (slope, t3): (f64, f64) = (0.02 * 20.0 / 7.14 * 262_144.0, 6.25 * 7.14);
+    assert_eq!((&y["integer"]["q"], &y["integer"]["t3_code"]), (&18.into(), &45.into()));
+    assert_eq!(y["integer"]["slope_q"], slope.round() as i64);
+    assert_eq!(y["integer"]["offset_q"], (0.75_f64 * 20.0 * 262_144.0 + (45.0 - t3) * slope).round() as i64);
+    assert_eq!((&y["integer"]["rate_first_code"], &y["integer"]["rate_last_code"]), (&(-8192).into(), &8191.into()));
+    assert_eq!((&json["valid"]["temp_min_code"], &json["valid"]["stated"]), (&0.into(), &true.into()));
+}
+
+#[test]
+fn what_is_missing_of_an_axis_is_named() {
+    let bench = Bench::new();
+    let rate = "rate = { lsb_per_dps = 20, zero_code = 0, width_bits = 14 }\n";
+    bench.write("bare.toml", super::AXES.replace(rate, ""));
+    let said = bench.zerorate("export bare.toml --format c").fails(1);
+    assert!(said.contains("scale of the codes of axis y") && said.contains("--format csv"), "{said}");
+    assert!(bench.zerorate("export bare.toml --format csv").ok().starts_with("delta_c,x_correction_dps,y_"));
+    assert!(bench.zerorate("export bare.toml --format json").ok().contains("\"integer\": null"));
+    bench.write("steeper.toml", super::AXES.replace("btc_dps_per_c = -0.01", "btc_dps_per_c = 7.0"));
+    let said = bench.zerorate("export steeper.toml --format c --span-c 16").fails(1);
+    assert!(said.contains("axis z: btc_dps_per_c does not fit"), "{said}");
+    bench.write("same.toml", super::AXES.replace("\"y\"", "\"X\""));
+    let said = bench.zerorate("export same.toml --format rust").fails(1);
+    assert!(said.contains("axes x and X have the same name"), "{said}");
 }

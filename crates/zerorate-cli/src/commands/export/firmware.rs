@@ -1,81 +1,244 @@
 //! The C header and the Rust module: templates, filled in.
 
+use super::Export;
+use super::codes::Codes;
 use super::layout::Layout;
 use super::prefix::Prefix;
-use super::{AXIS, Export};
 use crate::exit::Usage;
-use anyhow::{Result, ensure};
-use zerorate::{IntegerCorrection, RowIndex, Validity};
+use anyhow::{Context, Result, bail, ensure};
+use zerorate::calibration::CalibratedAxis;
+use zerorate::{IntegerCorrection, RowIndex, Scale, TableRow, Validity};
+
+/// What stands for a `@KEY@` of a template.
+type Entries = Vec<(&'static str, String)>;
+
+/// How a language writes what the templates leave open.
+struct Language {
+    /// The only axis of an ADIS16130.
+    one: &'static str,
+    /// Any number of axes of any part: what they share, and what each has.
+    common: &'static str,
+    axis: &'static str,
+    /// Integers that hold codes of 32 bits, with and without a sign.
+    integers: [&'static str; 2],
+    /// An integer of 64 bits.
+    constant: fn(i64) -> String,
+    function_case: fn(&str) -> String,
+}
+
+const C: Language = Language {
+    one: include_str!("calibration.h.in"),
+    common: include_str!("axes.h.in"),
+    axis: include_str!("axis.h.in"),
+    integers: ["int32_t", "uint32_t"],
+    constant: |code| format!("INT64_C({code})"),
+    function_case: str::to_owned,
+};
+
+const RUST: Language = Language {
+    one: include_str!("calibration.rs.in"),
+    common: include_str!("axes.rs.in"),
+    axis: include_str!("axis.rs.in"),
+    integers: ["i32", "u32"],
+    constant: |code| code.to_string(),
+    function_case: str::to_ascii_lowercase,
+};
 
 /// The C header. Without a prefix its names begin with `zerorate`.
 pub fn c(export: &Export, prefix: Option<&Prefix>) -> Result<String> {
     let functions = prefix.map_or("zerorate_".to_owned(), Prefix::of_functions);
     let constants = prefix.map_or("ZERORATE_".to_owned(), Prefix::of_constants);
-    fill(include_str!("calibration.h.in"), export, [("f", functions), ("C", constants)])
+    written(&C, export, functions, constants)
 }
 
 /// The Rust module. Without a prefix its name tells units apart.
 pub fn rust(export: &Export, prefix: Option<&Prefix>) -> Result<String> {
     let functions = prefix.map_or_else(String::new, Prefix::of_functions_in_rust);
     let constants = prefix.map_or_else(String::new, Prefix::of_constants);
-    fill(include_str!("calibration.rs.in"), export, [("f", functions), ("C", constants)])
+    written(&RUST, export, functions, constants)
 }
 
-/// Replaces each `@KEY@` of the template, the prefixes first: what follows them may look like a key.
-fn fill(template: &str, export: &Export, prefixes: [(&'static str, String); 2]) -> Result<String> {
-    let entries = [&prefixes[..], &entries(export)?, &valid_range(&export.layout)].concat();
-    Ok(entries.iter().fold(template.to_owned(), |text, (key, value)| text.replace(&format!("@{key}@"), value)))
+fn written(language: &Language, export: &Export, functions: String, constants: String) -> Result<String> {
+    let axes: Vec<AxisCodes> =
+        export.calibration.axes.iter().map(|axis| AxisCodes::new(export, axis)).collect::<Result<_>>()?;
+    let names = names(&axes)?;
+    let first = axes.first().context("the calibration has no axis")?;
+    let common = [origin(export), range(&export.layout, &first.codes.temp), layout(export, &axes)?].concat();
+    let common = [vec![("f", functions.clone()), ("C", constants.clone())], common].concat();
+    if export.calibration.schema() == 1 {
+        return Ok(fill(language.one, &[common, first.entries(&export.tables[0])?].concat()));
+    }
+    let mut each = String::new();
+    for ((axis, name), rows) in axes.iter().zip(names).zip(&export.tables) {
+        let own = vec![
+            ("a", format!("{functions}{}_", (language.function_case)(&name))),
+            ("A", format!("{constants}{}_", name.to_ascii_uppercase())),
+        ];
+        let typed = axis.codes.typed(language);
+        each += &fill(language.axis, &[own, axis.entries(rows)?, typed, common.clone()].concat());
+    }
+    let names = export.calibration.axes.iter().map(|axis| axis.name.as_str()).collect::<Vec<_>>().join(", ");
+    let names = if axes.len() == 1 { format!("axis {names}") } else { format!("axes {names}") };
+    let last = vec![("NAMES", names), ("EACH_AXIS", each.trim_end().to_owned())];
+    Ok(fill(language.common, &[common, first.codes.typed(language), last].concat()))
 }
 
-fn entries(export: &Export) -> Result<Vec<(&'static str, String)>> {
-    let Export { calibration, correction, integer: IntegerCorrection { offset_q, slope_q, t3_code }, layout, rows } =
-        export;
+/// Replaces each `@KEY@` of the template, the first entries first: what follows a prefix may look like a key.
+fn fill(template: &str, entries: &[(&'static str, String)]) -> String {
+    entries.iter().fold(template.to_owned(), |text, (key, value)| text.replace(&format!("@{key}@"), value))
+}
+
+/// The names of the axes as parts of identifiers, told apart.
+fn names(axes: &[AxisCodes]) -> Result<Vec<String>> {
+    let mut names: Vec<String> = Vec::new();
+    for AxisCodes { axis, .. } in axes {
+        let words = axis.name.split(|c: char| !c.is_ascii_alphanumeric()).filter(|word| !word.is_empty());
+        let word = words.collect::<Vec<_>>().join("_");
+        let named = word.starts_with(|c: char| c.is_ascii_alphabetic());
+        let name = if named { word } else { format!("axis_{word}") };
+        let same = names.iter().position(|other| other.eq_ignore_ascii_case(&name));
+        if let Some(other) = same {
+            bail!(
+                "axes {} and {} have the same name in C and Rust, {name}: rename one in the calibration",
+                axes[other].axis.name,
+                axis.name
+            );
+        }
+        names.push(name);
+    }
+    Ok(names)
+}
+
+/// An axis whose codes are known.
+struct AxisCodes<'a> {
+    axis: &'a CalibratedAxis,
+    codes: Codes,
+    step_c: f64,
+}
+
+impl<'a> AxisCodes<'a> {
+    fn new(export: &Export, axis: &'a CalibratedAxis) -> Result<Self> {
+        let name = &axis.name;
+        let codes = Codes::of(&export.calibration, axis)?.with_context(|| {
+            format!(
+                "the calibration does not state the scale of the codes of axis {name}, and C and Rust correct codes: \
+                 add [axis.rate] and [temperature] to the file (docs/formats/calibration.md), or take --format csv"
+            )
+        })?;
+        Ok(Self { axis, codes, step_c: export.layout.step_c })
+    }
+
+    fn entries(&self, rows: &[TableRow]) -> Result<Entries> {
+        let Self { axis, codes, step_c } = self;
+        let IntegerCorrection { offset_q, slope_q, t3_code } = codes.integer;
+        let correction = axis.correction;
+        let rows: Result<Vec<i32>> = rows.iter().map(|row| millionths(row.correction_dps)).collect();
+        Ok(vec![
+            ("AXIS", axis.name.clone()),
+            ("PBC", correction.pbc_dps.to_string()),
+            ("BTC", correction.btc_dps_per_c.to_string()),
+            ("T3", correction.t3_c.to_string()),
+            ("PBC_UDPS", millionths(correction.pbc_dps)?.to_string()),
+            ("OFFSET_Q", offset_q.to_string()),
+            ("SLOPE_Q", slope_q.to_string()),
+            ("T3_CODE", t3_code.to_string()),
+            ("Q", codes.form.q.to_string()),
+            ("LSB_PER_DPS", codes.rate.lsb_per_unit.to_string()),
+            ("RATE_ZERO", codes.rate.zero_code.to_string()),
+            ("RATE_CODES", in_words(&codes.rate)),
+            ("STEP_DPS", format!("{:.5}", correction.btc_dps_per_c.abs() * step_c / 2.0)),
+            ("TABLE", lines(&rows?)),
+        ])
+    }
+}
+
+impl Codes {
+    /// Types and constants of the codes.
+    fn typed(&self, language: &Language) -> Entries {
+        let integer = |scale: &Scale| {
+            let fits = scale.codes().1 <= i64::from(i32::MAX);
+            language.integers[usize::from(!fits)].to_owned()
+        };
+        let constant = |code| (language.constant)(code);
+        vec![
+            ("RATE_T", integer(&self.rate)),
+            ("TEMP_T", integer(&self.temp)),
+            ("RATE_FIRST", constant(self.form.rate_codes.0)),
+            ("RATE_LAST", constant(self.form.rate_codes.1)),
+            ("TEMP_FIRST", constant(self.form.temp_codes.0)),
+            ("TEMP_LAST", constant(self.form.temp_codes.1)),
+        ]
+    }
+}
+
+/// Where the numbers come from.
+fn origin(export: &Export) -> Entries {
+    let calibration = &export.calibration;
     let text = |value: &Option<String>| value.as_deref().map_or("not stated".to_owned(), comment);
-    let index = RowIndex::new(rows.len(), layout.step_c, correction.t3_c, &AXIS.temp);
-    let codes: Result<Vec<i32>> = rows.iter().map(|row| millionths(row.correction_dps)).collect();
-    Ok(vec![
+    vec![
         ("SOFTWARE", crate::SOFTWARE.to_owned()),
+        ("PART", comment(&calibration.part)),
         ("SERIAL", text(&calibration.serial)),
         ("CREATED", text(&calibration.created)),
         ("METHOD", text(&calibration.method)),
         ("ID", calibration.id()),
-        ("PBC", correction.pbc_dps.to_string()),
-        ("BTC", correction.btc_dps_per_c.to_string()),
-        ("T3", correction.t3_c.to_string()),
-        ("PBC_UDPS", millionths(correction.pbc_dps)?.to_string()),
-        ("OFFSET_Q", offset_q.to_string()),
-        ("SLOPE_Q", slope_q.to_string()),
-        ("T3_CODE", t3_code.to_string()),
-        ("Q", IntegerCorrection::Q.to_string()),
-        ("LSB_PER_DPS", AXIS.rate.lsb_per_unit.to_string()),
-        ("LSB_PER_C", AXIS.temp.lsb_per_unit.to_string()),
+    ]
+}
+
+/// No table has so many rows that its middle, times 2³², is larger.
+const MIDDLE_MOST: i64 = 1 << 50;
+
+/// What the tables of all axes have in common.
+fn layout(export: &Export, axes: &[AxisCodes]) -> Result<Entries> {
+    let Export { layout, tables, .. } = export;
+    let (rows, temp) = (tables[0].len(), &axes[0].codes.temp);
+    let index = RowIndex::new(rows, layout.step_c, axes[0].axis.correction.t3_c, temp);
+    let fits = i128::from(index.rows_per_code_q) * (temp.span() as i128 + 1) < i128::from(i64::MAX - MIDDLE_MOST);
+    let fine = || Usage(format!("--step-c {} is far finer than a code of the temperature", layout.step_c));
+    ensure!(fits, fine());
+    Ok(vec![
         ("STEP_C", layout.step_c.to_string()),
         ("SPAN_C", layout.span_c.to_string()),
         ("STEP_UC", whole_millionths("--step-c", layout.step_c)?.to_string()),
         ("SPAN_UC", whole_millionths("--span-c", layout.span_c)?.to_string()),
-        ("STEP_DPS", format!("{:.5}", correction.btc_dps_per_c.abs() * layout.step_c / 2.0)),
         ("MIDDLE_Q", index.middle_q.to_string()),
         ("ROWS_PER_CODE_Q", index.rows_per_code_q.to_string()),
         ("ROW_Q", RowIndex::Q.to_string()),
-        ("ROWS", rows.len().to_string()),
-        ("BYTES", (4 * rows.len()).to_string()),
-        ("TABLE", lines(&codes?)),
+        ("ROWS", rows.to_string()),
+        ("BYTES", (4 * rows).to_string()),
     ])
 }
 
-/// Where the correction holds, in words, in °C and as codes.
-fn valid_range(Layout { valid, stated, .. }: &Layout) -> Vec<(&'static str, String)> {
-    let Validity { temp_min_c, temp_max_c, .. } = *valid;
+/// Where the corrections hold, in words, in °C and as codes, and the scale of those.
+fn range(Layout { valid, stated, .. }: &Layout, temp: &Scale) -> Entries {
+    let Validity { temp_min_c, temp_max_c, margin_c } = *valid;
+    let (first, last) = temp.codes();
+    // the codes of the temperatures within, and of none beyond
+    let least = (temp.code(temp_min_c - margin_c).ceil() as i64).clamp(first, last);
+    let most = (temp.code(temp_max_c + margin_c).floor() as i64).clamp(first, last);
     let whence = if *stated { "seen while measuring" } else { "assumed, the calibration states none" };
     vec![
         ("VALID", format!("{temp_min_c:.1} to {temp_max_c:.1} deg C, {whence}")),
         ("TEMP_MIN_C", format!("{temp_min_c:?}")),
         ("TEMP_MAX_C", format!("{temp_max_c:?}")),
-        ("TEMP_MIN_CODE", AXIS.temp.nearest_code(temp_min_c).to_string()),
-        ("TEMP_MAX_CODE", AXIS.temp.nearest_code(temp_max_c).to_string()),
-        ("MARGIN_C", Validity::MARGIN_C.to_string()),
-        ("MARGIN_CODE", (Validity::MARGIN_C * AXIS.temp.lsb_per_unit).round().to_string()),
+        ("TEMP_MIN_CODE", temp.nearest_code(temp_min_c).to_string()),
+        ("TEMP_MAX_CODE", temp.nearest_code(temp_max_c).to_string()),
+        ("TEMP_LEAST_CODE", least.to_string()),
+        ("TEMP_MOST_CODE", most.max(least).to_string()),
+        ("MARGIN_C", margin_c.to_string()),
+        ("MARGIN_CODE", (margin_c * temp.lsb_per_unit).round().to_string()),
+        ("LSB_PER_C", temp.lsb_per_unit.to_string()),
+        ("TEMP_ZERO", temp.zero_code.to_string()),
+        ("ZERO_C", temp.zero_value.to_string()),
+        ("TEMP_CODES", in_words(temp)),
     ]
+}
+
+/// What codes are, in words.
+fn in_words(scale: &Scale) -> String {
+    let (first, last) = scale.codes();
+    let coding = if scale.signed { "two's complement" } else { "without a sign" };
+    format!("{first} to {last}, {} bits, {coding}", scale.width_bits)
 }
 
 /// In millionths of its unit, to nearest.

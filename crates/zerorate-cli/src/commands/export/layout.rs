@@ -14,9 +14,6 @@ const MOST_STEPS: u32 = 512;
 /// (M-03).
 const ASSUMED_C: f64 = 9.0;
 
-/// The temperatures that 24-bit codes can express, °C (F-41).
-const SENSOR_C: (f64, f64) = (-570.0, 620.0);
-
 /// Step and reach of a table, and the range that it is to cover.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Layout {
@@ -29,65 +26,84 @@ pub struct Layout {
 }
 
 impl Layout {
-    /// As asked for; what is not asked for, so that the table covers the range of the calibration.
+    /// As asked for; what is not asked for, so that the table of every axis covers the range of the calibration, in no
+    /// finer steps than the temperature has.
     pub fn new(calibration: &Calibration, step_c: Option<f64>, span_c: Option<f64>) -> Self {
-        let t3_c = calibration.axes[0].correction.t3_c;
         let valid = valid_range(calibration);
-        let reach_c = reach(&valid, t3_c);
+        let reach_c = calibration.axes.iter().map(|axis| reach(&valid, axis.correction.t3_c)).fold(0.0, f64::max);
+        let code_c = calibration.temp.map_or(0.0, |temp| 1.0 / temp.lsb_per_unit);
         let (step_c, span_c) = match (step_c, span_c) {
-            (step_c, Some(span_c)) => (step_c.unwrap_or(uc(STEPS_UC[0])), span_c),
+            (step_c, Some(span_c)) => (step_c.unwrap_or_else(|| finest(code_c)), span_c),
             (Some(step_c), None) => (step_c, covering(reach_c, step_c)),
             (None, None) => {
-                let fits = |step: &&u32| reach_c <= uc(**step) * f64::from(MOST_STEPS);
-                let step_c = uc(*STEPS_UC.iter().find(fits).unwrap_or(&STEPS_UC[STEPS_UC.len() - 1]));
+                let step_c = finest(code_c.max(reach_c / f64::from(MOST_STEPS)));
                 (step_c, covering(reach_c, step_c))
             }
         };
         Self { step_c, span_c, valid, stated: calibration.validity.is_some() }
     }
 
-    /// The table.
+    /// The table of an axis.
     pub fn rows(&self, correction: &Correction) -> Result<Vec<TableRow>> {
         Ok(correction.table(self.step_c, self.span_c).map_err(|error| Usage(error.to_string()))?)
     }
 
     /// What to say of it.
-    pub fn warnings(&self, correction: &Correction) -> Vec<String> {
-        let Self { step_c, span_c, valid, stated } = *self;
-        let Validity { temp_min_c, temp_max_c, .. } = valid;
+    pub fn warnings(&self, calibration: &Calibration) -> Vec<String> {
+        let Validity { temp_min_c, temp_max_c, .. } = self.valid;
         let mut warnings = Vec::new();
-        if !stated {
+        if !self.stated {
             warnings.push(format!(
                 "the calibration states no [validity], so nothing says where it holds: the export takes \
                  {temp_min_c:.1} … {temp_max_c:.1} °C, T3 ± {ASSUMED_C} °C, as valid; state temp_min_c and temp_max_c \
                  in the file"
             ));
         }
+        let several = calibration.axes.len() > 1;
+        for axis in &calibration.axes {
+            let name = if several { format!("axis {}: ", axis.name) } else { String::new() };
+            warnings.extend(self.beyond(&axis.correction).map(|warning| name + &warning));
+        }
+        warnings
+    }
+
+    /// What to say where the table ends before the calibration.
+    fn beyond(&self, correction: &Correction) -> Option<String> {
+        let Self { step_c, span_c, valid, .. } = *self;
+        let Validity { temp_min_c, temp_max_c, .. } = valid;
         let beyond_c = reach(&valid, correction.t3_c) - span_c - step_c / 2.0;
-        if beyond_c > 0.0 {
-            warnings.push(format!(
+        (beyond_c > 0.0).then(|| {
+            format!(
                 "the table ends {span_c} °C from T3, the calibration holds for {temp_min_c:.1} … {temp_max_c:.1} °C: \
                  beyond the table the row at its end is wrong by up to {:.2} °/s, and the look-up says that it is \
                  outside; leave --span-c out to cover the range",
                 beyond_c * correction.btc_dps_per_c.abs()
-            ));
-        }
-        warnings
+            )
+        })
     }
 }
 
+/// The finest step that is no finer than this, °C; else the coarsest.
+fn finest(least_c: f64) -> f64 {
+    uc(*STEPS_UC.iter().find(|step| uc(**step) >= least_c).unwrap_or(&STEPS_UC[STEPS_UC.len() - 1]))
+}
+
+/// Where the calibration holds, as far as its codes can say it.
 fn valid_range(calibration: &Calibration) -> Validity {
-    let t3_c = calibration.axes[0].correction.t3_c;
+    let t3_c = calibration.axes.first().map_or(0.0, |axis| axis.correction.t3_c);
     let margin_c = Validity::MARGIN_C;
     let assumed = Validity { temp_min_c: t3_c - ASSUMED_C, temp_max_c: t3_c + ASSUMED_C, margin_c };
     let valid = calibration.validity.unwrap_or(assumed);
-    let (low, high) = SENSOR_C;
+    let (low, high) = calibration.temp.map_or((f64::MIN, f64::MAX), |temp| {
+        let (first, last) = temp.codes();
+        (temp.value(first - temp.zero_code), temp.value(last - temp.zero_code))
+    });
     Validity { temp_min_c: valid.temp_min_c.clamp(low, high), temp_max_c: valid.temp_max_c.clamp(low, high), ..valid }
 }
 
 /// From T3 to the farthest temperature at which the correction holds, °C.
 fn reach(valid: &Validity, t3_c: f64) -> f64 {
-    (t3_c - valid.temp_min_c).max(valid.temp_max_c - t3_c) + Validity::MARGIN_C
+    (t3_c - valid.temp_min_c).max(valid.temp_max_c - t3_c) + valid.margin_c
 }
 
 /// Whole steps that reach so far; what is no step comes back unchanged, to be refused.
@@ -125,7 +141,7 @@ mod tests {
             assert!(rows.len() <= 1025, "{layout:?}");
             assert!(t3_c + rows[0].delta_c >= high + 0.5 && t3_c - rows[0].delta_c <= low - 0.5, "{layout:?}");
             assert_eq!(layout.step_c == 0.02, layout.span_c <= 512.0 * 0.02, "{layout:?}");
-            assert_eq!(layout.warnings(&calibration(t3_c, None).axes[0].correction), [""; 0]);
+            assert_eq!(layout.warnings(&calibration(t3_c, None)), [""; 0]);
         }
     }
 
@@ -146,11 +162,11 @@ mod tests {
         let by_hand = calibration(31.5, None);
         let layout = Layout::new(&by_hand, None, None);
         assert_eq!((layout.step_c, layout.span_c, layout.stated), (0.02, 9.5, false));
-        assert!(layout.warnings(&by_hand.axes[0].correction)[0].contains("22.5 … 40.5 °C"));
+        assert!(layout.warnings(&by_hand)[0].contains("22.5 … 40.5 °C"));
         let measured = calibration(32.5, Some((25.0, 32.5)));
         let layout = Layout::new(&measured, None, Some(0.12));
         assert_eq!(layout.step_c, 0.02);
         // 8 °C to the far end, 0.13 °C of them in the table
-        assert!(layout.warnings(&measured.axes[0].correction)[0].contains("wrong by up to 0.31 °/s"));
+        assert!(layout.warnings(&measured)[0].contains("wrong by up to 0.31 °/s"));
     }
 }

@@ -1,6 +1,8 @@
 //! `zerorate export`: a calibration in the form that firmware takes: table and integer coefficients.
 
+mod codes;
 mod firmware;
+mod json;
 mod layout;
 mod prefix;
 
@@ -12,16 +14,16 @@ use anyhow::{Result, ensure};
 use clap::{Args, ValueEnum};
 use layout::Layout;
 use prefix::Prefix;
-use serde::Serialize;
 use std::path::PathBuf;
-use zerorate::{Axis, Calibration, Correction, IntegerCorrection, TableRow};
+use zerorate::{Calibration, TableRow};
 
 /// Writes the correction for firmware: C header, Rust module, CSV or JSON.
 ///
 /// The table holds (TEMP − T3) · BTC, without PBC, for TEMP − T3 from +span down to −span. The C and Rust forms also
 /// hold the integer coefficients, with a function from raw code to corrected code that needs no table, and the range
 /// that the calibration holds for: their look-up says whether a temperature lies inside. Two units fit into one
-/// program under two prefixes; in Rust, two modules do as well.
+/// program under two prefixes; in Rust, two modules do as well. Where a calibration has several axes, all are in one
+/// file, and their names carry that of the axis: zerorate_x_correct_code.
 #[derive(Args, Debug)]
 pub struct ExportArgs {
     /// The calibration file.
@@ -62,22 +64,18 @@ enum Form {
     C,
     /// A Rust module without dependencies, no_std.
     Rust,
-    /// The table: delta_c,correction_dps.
+    /// The table: delta_c,correction_dps; several axes: delta_c,x_correction_dps,y_correction_dps,…
     Csv,
     /// Coefficients and table.
     Json,
 }
 
-/// The axis whose codes are corrected.
-const AXIS: Axis = Axis::ADIS16130;
-
-/// A correction, ready to be written down.
+/// Corrections, ready to be written down.
 struct Export {
     calibration: Calibration,
-    correction: Correction,
-    integer: IntegerCorrection,
     layout: Layout,
-    rows: Vec<TableRow>,
+    /// The table of each axis of the calibration.
+    tables: Vec<Vec<TableRow>>,
 }
 
 pub fn run(args: &ExportArgs) -> Result<()> {
@@ -87,18 +85,15 @@ pub fn run(args: &ExportArgs) -> Result<()> {
     );
     let mut outputs = Outputs::new(args.force).reading([&*args.cal])?;
     let calibration = load(&args.cal)?;
-    ensure!(calibration.schema() == 1, "{}: several axes cannot be exported yet", args.cal.display());
-    let correction = calibration.axes[0].correction;
     let layout = Layout::new(&calibration, args.step_c, args.span_c);
-    let rows = layout.rows(&correction)?;
-    let integer = correction.to_integer(&AXIS.rate, &AXIS.temp)?;
-    warn(&layout.warnings(&correction));
-    let export = Export { calibration, correction, integer, layout, rows };
+    let tables = calibration.axes.iter().map(|axis| layout.rows(&axis.correction)).collect::<Result<_>>()?;
+    warn(&layout.warnings(&calibration));
+    let export = Export { calibration, layout, tables };
     let text = match args.format {
         Form::C => firmware::c(&export, args.prefix.as_ref())?,
         Form::Rust => firmware::rust(&export, args.prefix.as_ref())?,
         Form::Csv => csv(&export),
-        Form::Json => json(&export)?,
+        Form::Json => json::text(&export)?,
     };
     match &args.output {
         None => print(&text),
@@ -106,9 +101,20 @@ pub fn run(args: &ExportArgs) -> Result<()> {
     }
 }
 
+/// One column for the only axis of an ADIS16130; else one for each axis, under its name.
 fn csv(export: &Export) -> String {
-    let row = |row: &TableRow| format!("{},{}\n", tidy(row.delta_c), tidy(row.correction_dps));
-    std::iter::once("delta_c,correction_dps\n".to_owned()).chain(export.rows.iter().map(row)).collect()
+    let Export { calibration, tables, .. } = export;
+    let names = calibration.axes.iter().map(|axis| format!(",{}_correction_dps", axis.name));
+    let header = if calibration.schema() == 1 { ",correction_dps".to_owned() } else { names.collect() };
+    let mut text = format!("delta_c{header}\n");
+    for (index, row) in tables.first().into_iter().flatten().enumerate() {
+        text += &tidy(row.delta_c).to_string();
+        for corrections in tables {
+            text += &format!(",{}", tidy(corrections[index].correction_dps));
+        }
+        text.push('\n');
+    }
+    text
 }
 
 /// Twelve significant digits, the shortest decimal that has them, and no negative zero: 3 · 0.02 is 0.06.
@@ -116,82 +122,6 @@ fn tidy(value: f64) -> f64 {
     // formatted numbers parse
     let rounded = format!("{value:.11e}").parse().unwrap_or(value);
     if rounded == 0.0 { 0.0 } else { rounded }
-}
-
-#[derive(Serialize)]
-struct Json<'a> {
-    calibration_id: String,
-    serial: Option<&'a str>,
-    pbc_dps: f64,
-    btc_dps_per_c: f64,
-    t3_c: f64,
-    temp_min_c: Option<f64>,
-    temp_max_c: Option<f64>,
-    valid: Valid,
-    integer: Integer,
-    table: Table,
-}
-
-#[derive(Serialize)]
-struct Integer {
-    q: u32,
-    offset_q: i64,
-    slope_q: i32,
-    t3_code: i32,
-}
-
-/// Where the correction is taken to hold.
-#[derive(Serialize)]
-struct Valid {
-    /// Whether the calibration says so; else it is assumed.
-    stated: bool,
-    temp_min_c: f64,
-    temp_max_c: f64,
-    temp_min_code: i64,
-    temp_max_code: i64,
-}
-
-#[derive(Serialize)]
-struct Table {
-    step_c: f64,
-    span_c: f64,
-    rows: Vec<JsonRow>,
-}
-
-#[derive(Serialize)]
-struct JsonRow {
-    delta_c: f64,
-    correction_dps: f64,
-}
-
-fn json(export: &Export) -> Result<String> {
-    let Export { calibration, correction, integer, layout, .. } = export;
-    let valid = layout.valid;
-    let row = |row: &TableRow| JsonRow { delta_c: tidy(row.delta_c), correction_dps: tidy(row.correction_dps) };
-    let object = Json {
-        calibration_id: calibration.id(),
-        serial: calibration.serial.as_deref(),
-        pbc_dps: correction.pbc_dps,
-        btc_dps_per_c: correction.btc_dps_per_c,
-        t3_c: correction.t3_c,
-        temp_min_c: calibration.validity.map(|span| span.temp_min_c),
-        temp_max_c: calibration.validity.map(|span| span.temp_max_c),
-        valid: Valid {
-            stated: layout.stated,
-            temp_min_c: valid.temp_min_c,
-            temp_max_c: valid.temp_max_c,
-            temp_min_code: AXIS.temp.nearest_code(valid.temp_min_c),
-            temp_max_code: AXIS.temp.nearest_code(valid.temp_max_c),
-        },
-        integer: Integer {
-            q: IntegerCorrection::Q,
-            offset_q: integer.offset_q,
-            slope_q: integer.slope_q,
-            t3_code: integer.t3_code,
-        },
-        table: Table { step_c: layout.step_c, span_c: layout.span_c, rows: export.rows.iter().map(row).collect() },
-    };
-    Ok(serde_json::to_string_pretty(&object)? + "\n")
 }
 
 #[cfg(test)]

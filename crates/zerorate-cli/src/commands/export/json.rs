@@ -1,0 +1,165 @@
+//! Coefficients and tables as a JSON object.
+
+use super::codes::Codes;
+use super::{Export, Layout, tidy};
+use anyhow::Result;
+use serde::Serialize;
+use zerorate::calibration::CalibratedAxis;
+use zerorate::{Calibration, Scale, TableRow};
+
+/// The only axis of an ADIS16130.
+#[derive(Serialize)]
+struct One<'a> {
+    calibration_id: String,
+    serial: Option<&'a str>,
+    pbc_dps: f64,
+    btc_dps_per_c: f64,
+    t3_c: f64,
+    temp_min_c: Option<f64>,
+    temp_max_c: Option<f64>,
+    valid: Valid,
+    integer: Option<Integer>,
+    table: Table,
+}
+
+/// The axes of any part.
+#[derive(Serialize)]
+struct Several<'a> {
+    calibration_id: String,
+    part: &'a str,
+    serial: Option<&'a str>,
+    temp_min_c: Option<f64>,
+    temp_max_c: Option<f64>,
+    valid: Valid,
+    axes: Vec<Axis<'a>>,
+}
+
+#[derive(Serialize)]
+struct Axis<'a> {
+    name: &'a str,
+    pbc_dps: f64,
+    btc_dps_per_c: f64,
+    t3_c: f64,
+    /// Null where the calibration does not state the scale of the codes.
+    integer: Option<Integer>,
+    table: Table,
+}
+
+#[derive(Serialize)]
+struct Integer {
+    q: u32,
+    offset_q: i64,
+    slope_q: i32,
+    t3_code: i32,
+    /// Not of the ADIS16130, whose codes are known.
+    #[serde(flatten, skip_serializing_if = "Option::is_none")]
+    codes: Option<Ranges>,
+}
+
+/// The codes that there are.
+#[derive(Serialize)]
+struct Ranges {
+    rate_first_code: i64,
+    rate_last_code: i64,
+    temp_first_code: i64,
+    temp_last_code: i64,
+}
+
+/// Where the correction is taken to hold.
+#[derive(Serialize)]
+struct Valid {
+    /// Whether the calibration says so; else it is assumed.
+    stated: bool,
+    temp_min_c: f64,
+    temp_max_c: f64,
+    temp_min_code: Option<i64>,
+    temp_max_code: Option<i64>,
+}
+
+#[derive(Serialize)]
+struct Table {
+    step_c: f64,
+    span_c: f64,
+    rows: Vec<Row>,
+}
+
+#[derive(Serialize)]
+struct Row {
+    delta_c: f64,
+    correction_dps: f64,
+}
+
+pub fn text(export: &Export) -> Result<String> {
+    let Export { calibration, layout, tables } = export;
+    let axes = calibration.axes.iter().zip(tables);
+    let mut axes: Vec<Axis> =
+        axes.map(|(axis, rows)| self::axis(calibration, axis, layout, rows)).collect::<Result<_>>()?;
+    let (calibration_id, serial) = (calibration.id(), calibration.serial.as_deref());
+    let temp_min_c = calibration.validity.map(|span| span.temp_min_c);
+    let temp_max_c = calibration.validity.map(|span| span.temp_max_c);
+    let valid = valid(layout, calibration.temp.as_ref());
+    let text = if calibration.schema() == 1 {
+        let Axis { pbc_dps, btc_dps_per_c, t3_c, integer, table, .. } = axes.remove(0);
+        serde_json::to_string_pretty(&One {
+            calibration_id,
+            serial,
+            pbc_dps,
+            btc_dps_per_c,
+            t3_c,
+            temp_min_c,
+            temp_max_c,
+            valid,
+            integer,
+            table,
+        })?
+    } else {
+        let part = &calibration.part;
+        serde_json::to_string_pretty(&Several { calibration_id, part, serial, temp_min_c, temp_max_c, valid, axes })?
+    };
+    Ok(text + "\n")
+}
+
+fn axis<'a>(
+    calibration: &Calibration,
+    axis: &'a CalibratedAxis,
+    layout: &Layout,
+    rows: &[TableRow],
+) -> Result<Axis<'a>> {
+    let codes = Codes::of(calibration, axis)?;
+    let row = |row: &TableRow| Row { delta_c: tidy(row.delta_c), correction_dps: tidy(row.correction_dps) };
+    Ok(Axis {
+        name: &axis.name,
+        pbc_dps: axis.correction.pbc_dps,
+        btc_dps_per_c: axis.correction.btc_dps_per_c,
+        t3_c: axis.correction.t3_c,
+        integer: codes.map(|codes| integer(&codes, calibration.schema() > 1)),
+        table: Table { step_c: layout.step_c, span_c: layout.span_c, rows: rows.iter().map(row).collect() },
+    })
+}
+
+fn integer(codes: &Codes, with_ranges: bool) -> Integer {
+    let (rate, temp) = (codes.form.rate_codes, codes.form.temp_codes);
+    Integer {
+        q: codes.form.q,
+        offset_q: codes.integer.offset_q,
+        slope_q: codes.integer.slope_q,
+        t3_code: codes.integer.t3_code,
+        codes: with_ranges.then_some(Ranges {
+            rate_first_code: rate.0,
+            rate_last_code: rate.1,
+            temp_first_code: temp.0,
+            temp_last_code: temp.1,
+        }),
+    }
+}
+
+fn valid(layout: &Layout, temp: Option<&Scale>) -> Valid {
+    let valid = layout.valid;
+    Valid {
+        stated: layout.stated,
+        temp_min_c: valid.temp_min_c,
+        temp_max_c: valid.temp_max_c,
+        temp_min_code: temp.map(|temp| temp.nearest_code(valid.temp_min_c)),
+        temp_max_code: temp.map(|temp| temp.nearest_code(valid.temp_max_c)),
+    }
+}
