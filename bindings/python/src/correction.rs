@@ -4,18 +4,52 @@ use crate::error::exception;
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use serde_json::{Value, json};
 use std::path::PathBuf;
-use zerorate::{Calibration, Correction};
+use zerorate::calibration::CalibratedAxis;
+use zerorate::{Calibration, Correction, Scale};
 use zerorate_cli::api;
 
-/// Reads a calibration file out of its text. Returns it as JSON, its id, and what there is to know of it.
+/// Keys of the file that belong to an axis, or are called otherwise in Python.
+const OF_AXES: [&str; 6] = ["axis", "temperature", "correction", "measured", "uncertainty", "noise"];
+
+/// Reads a calibration file out of its text. Returns it as JSON, in one form for both schemas, its id, and what there
+/// is to know of it.
 ///
 /// Raises ValueError with the line that is wrong.
 #[pyfunction]
 pub fn parse_calibration(text: &str) -> PyResult<(String, String, Vec<String>)> {
     let (calibration, warnings) = parse(text)?;
-    let json = serde_json::to_string(&calibration).map_err(|error| PyValueError::new_err(error.to_string()))?;
-    Ok((json, calibration.id(), warnings))
+    let mut fields = serde_json::to_value(&calibration).map_err(|error| PyValueError::new_err(error.to_string()))?;
+    if let Some(fields) = fields.as_object_mut() {
+        fields.retain(|key, _| !OF_AXES.contains(&key.as_str()));
+        fields.insert("temp".to_owned(), calibration.temp.as_ref().map_or(Value::Null, scale));
+        fields.insert("axes".to_owned(), calibration.axes.iter().map(axis).collect());
+    }
+    Ok((fields.to_string(), calibration.id(), warnings))
+}
+
+fn axis(axis: &CalibratedAxis) -> Value {
+    json!({
+        "name": axis.name,
+        "warnings": axis.warnings,
+        "rate": axis.rate.as_ref().map(scale),
+        "correction": axis.correction,
+        "measured": axis.measured,
+        "uncertainty": axis.uncertainty,
+        "noise": axis.noise,
+    })
+}
+
+fn scale(of: &Scale) -> Value {
+    let Scale { lsb_per_unit, zero_code, zero_value, width_bits, signed } = of;
+    json!({
+        "lsb_per_unit": lsb_per_unit,
+        "zero_code": zero_code,
+        "zero_value": zero_value,
+        "width_bits": width_bits,
+        "signed": signed,
+    })
 }
 
 /// Writes the text of a calibration file to ``path``: whole, onto the disk, and over another file only with ``force``.
@@ -59,3 +93,59 @@ pub fn correct<'py>(
     let apply = || rates.iter().zip(temps).map(|(rate, temp)| correction.apply(*rate, *temp)).collect();
     Ok(PyArray1::from_vec(py, py.detach(apply)))
 }
+
+/// Corrects a stream of rates with the temperature that was read last.
+#[pyclass(module = "zerorate._zerorate")]
+pub struct Corrector {
+    inner: zerorate::Corrector<Vec<Correction>>,
+}
+
+#[pymethods]
+impl Corrector {
+    /// Of these axes of the calibration in ``text``.
+    ///
+    /// Raises ValueError for an axis that it does not have.
+    #[new]
+    fn new(text: &str, axes: Vec<String>) -> PyResult<Self> {
+        let (calibration, _) = parse(text)?;
+        let inner = calibration.corrector(&calibration.part, axes.iter().map(String::as_str));
+        Ok(Self { inner: inner.map_err(|error| PyValueError::new_err(error.to_string()))? })
+    }
+
+    /// Corrects rates, °/s, of all axes for each time, one time after the other, with the temperatures, °C, that were
+    /// read at these times; NaN is none. Returns the corrected rates, the temperatures used, and whether these lie
+    /// outside the span.
+    ///
+    /// Raises ValueError if there is not a rate of each axis for each temperature.
+    fn take<'py>(
+        &mut self,
+        py: Python<'py>,
+        rates_dps: PyReadonlyArray1<'py, f64>,
+        temps_c: PyReadonlyArray1<'py, f64>,
+    ) -> PyResult<Taken<'py>> {
+        let (rates, temps) = (rates_dps.as_slice()?, temps_c.as_slice()?);
+        if rates.len() != temps.len() * self.inner.axes() {
+            let why = format!("{} rates and {} temperatures of {} axes", rates.len(), temps.len(), self.inner.axes());
+            return Err(PyValueError::new_err(why));
+        }
+        let there = |value: f64| Some(value).filter(|value| !value.is_nan());
+        let mut corrected = Vec::with_capacity(rates.len());
+        let (mut used, mut outside) = (Vec::with_capacity(temps.len()), Vec::with_capacity(temps.len()));
+        for (row, temp) in rates.chunks(self.inner.axes().max(1)).zip(temps) {
+            self.inner.read(there(*temp));
+            let rate = |(axis, rate): (usize, &f64)| self.inner.correct(axis, there(*rate)).unwrap_or(f64::NAN);
+            corrected.extend(row.iter().enumerate().map(rate));
+            used.push(self.inner.temp_c().unwrap_or(f64::NAN));
+            outside.push(self.inner.is_extrapolated());
+        }
+        Ok((PyArray1::from_vec(py, corrected), PyArray1::from_vec(py, used), PyArray1::from_vec(py, outside)))
+    }
+
+    /// What to say where a temperature left the span.
+    fn warning(&self) -> Option<String> {
+        self.inner.warning().map(|warning| warning.to_string())
+    }
+}
+
+/// Corrected rates, the temperatures used, and whether they lie outside the span.
+type Taken<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<bool>>);

@@ -19,7 +19,7 @@ mod _zerorate {
     #[pymodule_export]
     use super::capture::{rate_dps, read_capture, temp_c};
     #[pymodule_export]
-    use super::correction::{correct, extrapolation, parse_calibration, save_calibration};
+    use super::correction::{Corrector, correct, extrapolation, parse_calibration, save_calibration};
     #[pymodule_export]
     use super::error::Refused;
     #[pymodule_export]

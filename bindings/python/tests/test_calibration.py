@@ -119,6 +119,86 @@ def test_correct_is_the_formula_of_the_note() -> None:
         calibration.correct([1.0, 2.0], [1.0, 2.0, 3.0])
 
 
+AXES = """schema = 2
+part = "ADIS16405"
+[temperature]
+lsb_per_c = 7.14
+zero_code = 0
+zero_c = 25
+width_bits = 12
+[[axis]]
+name = "x"
+correction = { pbc_dps = -0.25, btc_dps_per_c = -0.04, t3_c = 31.5 }
+[[axis]]
+name = "y"
+warnings = ["own"]
+rate = { lsb_per_dps = 20, zero_code = 0, width_bits = 14 }
+correction = { pbc_dps = 0.75, btc_dps_per_c = 0.02, t3_c = 31.25 }
+[validity]
+temp_min_c = 25.0
+temp_max_c = 35.0
+margin_c = 1.5
+"""
+
+
+@pytest.fixture
+def two() -> zerorate.Calibration:
+    with pytest.warns(UserWarning, match="no checksum"):
+        return zerorate.Calibration.parse(AXES)
+
+
+def test_the_only_axis_is_the_calibration() -> None:
+    with pytest.warns(UserWarning, match="no checksum"):
+        calibration = zerorate.Calibration.parse(BY_HAND)
+    assert calibration["rate"].correction == calibration.correction == zerorate.Correction(-0.25, -0.04, 31.5)
+    assert calibration["rate"].rate == zerorate.Scale(23488, 2**23, 0, 24, False)
+    assert calibration.validity == zerorate.Validity(25, 35)
+
+
+def test_axes_are_called_by_their_names(two: zerorate.Calibration) -> None:
+    assert (two.schema, two.part, [axis.name for axis in two.axes]) == (2, "ADIS16405", ["x", "y"])
+    assert two["y"].correction == zerorate.Correction(0.75, 0.02, 31.25) and two["y"].warnings == ["own"]
+    assert two["x"].rate is None and two["y"].rate == zerorate.Scale(20, 0, 0, 14, True)
+    assert two.temp == zerorate.Scale(7.14, 0, 25, 12, True)
+    with pytest.raises(KeyError, match="it is of x, y"):
+        two["z"]
+    with pytest.raises(ValueError, match=r"calibration\['x'\]\.correction"):
+        two.correction  # noqa: B018
+    with pytest.raises(ValueError, match="line 15, axis y: pbc_dps"):
+        zerorate.Calibration.parse(AXES.replace("pbc_dps = 0.75", "pbc_dps = nan"))
+
+
+def test_several_axes_are_corrected_at_once(two: zerorate.Calibration) -> None:
+    rates = np.linspace(-1, 1, 8).reshape(4, 2)
+    temps = np.array([30.0, 31.0, 32.0, 36.0])
+    corrected = two.correct(rates, temps)
+    np.testing.assert_allclose(corrected[:, 0], rates[:, 0] - 0.25 - 0.04 * (temps - 31.5), rtol=0, atol=1e-15)
+    np.testing.assert_allclose(corrected[:, 1], rates[:, 1] + 0.75 + 0.02 * (temps - 31.25), rtol=0, atol=1e-15)
+    np.testing.assert_array_equal(two.correct(rates[0], 31.5), two.correct(rates[:1], 31.5)[0])
+    with pytest.raises(ValueError, match="2 axes x, y"):
+        two.correct(rates[:, :1], temps)
+    with pytest.raises(ValueError, match="2 axes x, y"):
+        two.correct(1.0, 25.0)
+
+
+def test_a_stream_takes_the_last_temperature(two: zerorate.Calibration) -> None:
+    nan = float("nan")
+    corrector = zerorate.Corrector(two, ["y"])
+    first = corrector.take([1.0, 1.0, 1.0], [nan, 31.25, nan])
+    np.testing.assert_array_equal(first.rate_dps, [nan, 1.75, 1.75])
+    np.testing.assert_array_equal(first.temp_c, [nan, 31.25, 31.25])
+    second = corrector.take([0.0, nan], [nan, 36.6])
+    np.testing.assert_array_equal(second.rate_dps, [0.75, nan])
+    assert second.extrapolated.tolist() == [False, True] and first.extrapolated.dtype == np.bool_
+    assert corrector.warning is not None and "36.6" in corrector.warning
+    both = zerorate.Corrector(two).take([[0.0, 0.0]], [31.5])
+    np.testing.assert_array_equal(both.rate_dps, two.correct([[0.0, 0.0]], 31.5))
+    with pytest.raises(ValueError, match="no axis"):
+        zerorate.Corrector(two, ["z"])
+    with pytest.raises(ValueError, match="a row of 2 rates"):
+        zerorate.Corrector(two).take([0.0], [31.5])
+
+
 def test_what_is_wrong_is_said(tmp_path: Path) -> None:
     with pytest.raises(FileNotFoundError):
         zerorate.Calibration.load(tmp_path / "none.toml")

@@ -4,6 +4,7 @@
 `allan`              Allan deviation of a record at rest, with limits and noise coefficients
 `calibrate`          the procedure of AN-1042 on a `Twin`, with the uncertainty it has
 `Calibration`        a calibration file; `Calibration.correct` takes the bias out
+`Corrector`          the same for a stream that reads the temperature now and then
 `read_capture`       a recording of raw codes as numpy columns
 `Twin`               a part in software, drawn from a seed
 `allantools_compat`  the functions of allantools: change the import, keep the program
@@ -17,11 +18,15 @@ from importlib.metadata import version
 
 from ._allan import Allan, Coefficient, Fit, Unavailable, allan
 from ._calibration import (
+    CalibratedAxis,
     Calibration,
+    Corrected,
     Correction,
+    Corrector,
     Measured,
     NoiseRecord,
     Run,
+    Scale,
     Uncertainties,
     Validity,
 )
@@ -35,15 +40,19 @@ __version__ = version("zerorate")
 __all__ = [
     "Allan",
     "Calibrated",
+    "CalibratedAxis",
     "Calibration",
     "Capture",
     "Coefficient",
+    "Corrected",
     "Correction",
+    "Corrector",
     "Fit",
     "Measured",
     "NoiseRecord",
     "Refused",
     "Run",
+    "Scale",
     "Truth",
     "Twin",
     "TwinKey",

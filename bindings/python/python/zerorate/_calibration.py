@@ -14,6 +14,8 @@ import numpy as np
 from . import _zerorate
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import ArrayLike, NDArray
 
 
@@ -109,6 +111,44 @@ class Validity:
     """Lowest temperature, °C."""
     temp_max_c: float
     """Highest temperature, °C."""
+    margin_c: float = 0.5
+    """How far a temperature may leave them unremarked, °C."""
+
+
+@dataclass(frozen=True)
+class Scale:
+    """Codes to values: value = (code − ``zero_code``) / ``lsb_per_unit`` + ``zero_value``."""
+
+    lsb_per_unit: float
+    """Codes per °/s, or per °C."""
+    zero_code: int
+    """The code of ``zero_value``."""
+    zero_value: float
+    """Its value, °/s or °C."""
+    width_bits: int
+    """Bits of a code."""
+    signed: bool
+    """Whether codes are two's complement; else they begin at 0."""
+
+
+@dataclass(frozen=True)
+class CalibratedAxis:
+    """What was found of one axis. Only name and correction are always there."""
+
+    name: str
+    """What the part calls it; ``rate`` is the only one of an ADIS16130."""
+    correction: Correction
+    """PBC, BTC and T3."""
+    warnings: list[str] = field(default_factory=list)
+    """Warnings that concern this axis alone."""
+    rate: Scale | None = None
+    """The scale of its codes."""
+    measured: Measured | None = None
+    """The means it rests on."""
+    uncertainty: Uncertainties | None = None
+    """How well it is known."""
+    noise: NoiseRecord | None = None
+    """The noise behind that."""
 
 
 @dataclass(frozen=True)
@@ -145,14 +185,18 @@ class Run:
 
 @dataclass(frozen=True)
 class Calibration:
-    """A calibration, as its file holds it. Only ``correction`` is always there."""
+    """A calibration, as its file holds it. Only part and ``axes`` are always there.
+
+    Where there is one axis, ``correction``, ``measured``, ``uncertainty`` and ``noise`` are that axis's. Where there
+    are several, each is ``calibration["x"]``.
+    """
 
     schema: int
     """Version of the file form."""
     part: str
-    """``ADIS16130``."""
-    correction: Correction
-    """PBC, BTC and T3."""
+    """Which kind of part: ``ADIS16130``."""
+    axes: list[CalibratedAxis]
+    """What was found of each axis."""
     id: str
     """Short name of what it corrects: 12 hexadecimal digits."""
     serial: str | None = None
@@ -172,13 +216,9 @@ class Calibration:
     supply_note: str | None = None
     """What was noted of the supply."""
     warnings: list[str] = field(default_factory=list)
-    """The measurement's warnings."""
-    measured: Measured | None = None
-    """The means it rests on."""
-    uncertainty: Uncertainties | None = None
-    """How well it is known."""
-    noise: NoiseRecord | None = None
-    """The noise behind that."""
+    """The measurement's warnings; of several axes, those that concern all."""
+    temp: Scale | None = None
+    """The scale of the temperature's codes."""
     validity: Validity | None = None
     """Where it holds."""
     run: Run | None = None
@@ -211,12 +251,50 @@ class Calibration:
         for note in notes:
             warnings.warn(note, stacklevel=3)
         fields: dict[str, Any] = json.loads(fields_json)
-        tables = {
-            name: kind(**fields.pop(name))
-            for name, kind in _TABLES.items()
-            if fields.get(name) is not None
-        }
-        return cls(**{**fields, **tables, "id": id, "text": text})
+        axes = [CalibratedAxis(**_tables(axis)) for axis in fields.pop("axes")]
+        return cls(**_tables(fields), axes=axes, id=id, text=text)
+
+    def __getitem__(self, name: str) -> CalibratedAxis:
+        """The axis of this name.
+
+        Raises
+        ------
+        KeyError
+            If there is none.
+        """
+        for axis in self.axes:
+            if axis.name == name:
+                return axis
+        raise KeyError(f"no axis {name!r}; it is of {self._names()}")
+
+    @property
+    def correction(self) -> Correction:
+        """PBC, BTC and T3 of the only axis."""
+        return self._only("correction").correction
+
+    @property
+    def measured(self) -> Measured | None:
+        """The means that the only axis rests on."""
+        return self._only("measured").measured
+
+    @property
+    def uncertainty(self) -> Uncertainties | None:
+        """How well the only axis is known."""
+        return self._only("uncertainty").uncertainty
+
+    @property
+    def noise(self) -> NoiseRecord | None:
+        """The noise behind that."""
+        return self._only("noise").noise
+
+    def _only(self, what: str) -> CalibratedAxis:
+        if len(self.axes) == 1:
+            return self.axes[0]
+        example = f"calibration[{self.axes[0].name!r}].{what}"
+        raise ValueError(f"it is of several axes, {self._names()}: take one of them, as {example}")
+
+    def _names(self) -> str:
+        return ", ".join(axis.name for axis in self.axes)
 
     def save(self, path: str | os.PathLike[str], *, force: bool = False) -> None:
         """Writes the calibration file, with its check lines if it was read with them.
@@ -249,9 +327,11 @@ class Calibration:
         Parameters
         ----------
         rate_dps
-            Rate of the uncorrected part, °/s: a number or an array of any shape.
+            Rate of the uncorrected part, °/s: a number or an array of any shape. Of several axes an array whose last
+            dimension is the axes, in the order of ``axes``.
         temp_c
-            Temperature of the part, °C, read with the rate: a number or an array that broadcasts against it.
+            Temperature of the part, °C, read with the rate: a number or an array that broadcasts against it (against
+            its other dimensions, of several axes).
 
         Returns
         -------
@@ -266,21 +346,21 @@ class Calibration:
         Raises
         ------
         ValueError
-            If the shapes do not broadcast.
+            If the shapes do not broadcast, or the last dimension is not the axes.
         """
-        rates, temps = np.broadcast_arrays(
-            np.asarray(rate_dps, dtype=np.float64), np.asarray(temp_c, dtype=np.float64)
-        )
+        rates = np.asarray(rate_dps, dtype=np.float64)
+        temps = np.asarray(temp_c, dtype=np.float64)
+        if len(self.axes) == 1:
+            corrected = _correct(self.axes[0].correction, rates, temps)
+            self._warn_outside(temps)
+            return corrected if corrected.shape else float(corrected)
+        if rates.ndim == 0 or rates.shape[-1] != len(self.axes):
+            raise ValueError(
+                f"rates of shape {rates.shape}: the last dimension must be the {len(self.axes)} axes {self._names()}"
+            )
+        columns = [_correct(axis.correction, rates[..., k], temps) for k, axis in enumerate(self.axes)]
         self._warn_outside(temps)
-        known = self.correction
-        corrected = _zerorate.correct(
-            np.ascontiguousarray(rates).reshape(-1),
-            np.ascontiguousarray(temps).reshape(-1),
-            known.pbc_dps,
-            known.btc_dps_per_c,
-            known.t3_c,
-        )
-        return corrected.reshape(rates.shape) if rates.shape else float(corrected[0])
+        return np.stack(columns, axis=-1)
 
     def _warn_outside(self, temps: NDArray[np.float64]) -> None:
         seen = temps[np.isfinite(temps)]
@@ -290,7 +370,98 @@ class Calibration:
                 warnings.warn(outside, stacklevel=3)
 
 
+@dataclass(frozen=True)
+class Corrected:
+    """Rates after a `Corrector`."""
+
+    rate_dps: NDArray[np.float64]
+    """The corrected rates, °/s; NaN before the first temperature."""
+    temp_c: NDArray[np.float64]
+    """The temperature that each was corrected with, °C: the last that was read."""
+    extrapolated: NDArray[np.bool_]
+    """Whether it lies outside the span where the calibration holds."""
+
+
+class Corrector:
+    """Corrects a stream of rates, block by block: a rate without a temperature takes the last one that was read.
+
+    The same corrector as that of ``zerorate stream`` and ``zerorate correct``.
+
+    Parameters
+    ----------
+    calibration
+        What to apply.
+    axes
+        The axes to correct, by name, in the order of the rates; all if not given.
+
+    Raises
+    ------
+    ValueError
+        If the calibration has no such axis.
+    """
+
+    def __init__(self, calibration: Calibration, axes: Sequence[str] | None = None) -> None:
+        names = [axis.name for axis in calibration.axes] if axes is None else list(axes)
+        self._inner = _zerorate.Corrector(calibration.text, names)
+        self._names = names
+
+    def take(self, rate_dps: ArrayLike, temp_c: ArrayLike) -> Corrected:
+        """Corrects the next rates.
+
+        Parameters
+        ----------
+        rate_dps
+            Rates, °/s: one for each time, or of several axes an array of times by axes. NaN is a rate that is not to
+            be believed.
+        temp_c
+            The temperature read at each time, °C; NaN where none was.
+
+        Raises
+        ------
+        ValueError
+            If the shapes do not fit.
+        """
+        rates = np.ascontiguousarray(rate_dps, dtype=np.float64)
+        temps = np.ascontiguousarray(temp_c, dtype=np.float64)
+        by_axis = rates[:, np.newaxis] if rates.ndim == 1 and len(self._names) == 1 else rates
+        if by_axis.shape != (temps.size, len(self._names)) or temps.ndim != 1:
+            raise ValueError(
+                f"rates of shape {rates.shape} and temperatures of shape {temps.shape}: give a row of "
+                f"{len(self._names)} rates and a temperature for each time"
+            )
+        corrected, used, outside = self._inner.take(by_axis.reshape(-1), temps)
+        return Corrected(corrected.reshape(rates.shape), used, outside)
+
+    @property
+    def warning(self) -> str | None:
+        """What to say where a temperature left the span of the calibration; None where none did."""
+        return self._inner.warning()
+
+
+def _correct(
+    known: Correction, rates: NDArray[np.float64], temps: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Both broadcast, corrected."""
+    rates, temps = np.broadcast_arrays(rates, temps)
+    corrected = _zerorate.correct(
+        np.ascontiguousarray(rates).reshape(-1),
+        np.ascontiguousarray(temps).reshape(-1),
+        known.pbc_dps,
+        known.btc_dps_per_c,
+        known.t3_c,
+    )
+    return corrected.reshape(rates.shape)
+
+
+def _tables(fields: dict[str, Any]) -> dict[str, Any]:
+    """The same with a data class for each table."""
+    known = {name: kind(**fields[name]) for name, kind in _TABLES.items() if fields.get(name) is not None}
+    return {**fields, **known}
+
+
 _TABLES: dict[str, Any] = {
+    "temp": Scale,
+    "rate": Scale,
     "correction": Correction,
     "measured": Measured,
     "uncertainty": Uncertainties,

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import os
-from typing import Any, TypedDict
+from typing import Any, TypedDict, final
 
 import numpy as np
 from numpy.typing import NDArray
 
 __all__ = [
+    "Corrector",
     "Refused",
     "analyse",
     "calibrate",
@@ -30,6 +31,14 @@ __all__ = [
 ]
 
 class Refused(ValueError): ...
+
+@final
+class Corrector:
+    def __new__(cls, text: str, axes: list[str]) -> Corrector: ...
+    def take(
+        self, rates_dps: NDArray[np.float64], temps_c: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]]: ...
+    def warning(self) -> str | None: ...
 
 class _Columns(TypedDict):
     t_ns: NDArray[np.uint64]
