@@ -80,6 +80,14 @@ pub struct Outcome<W = Vec<Warning>> {
     pub warnings: W,
 }
 
+impl Outcome {
+    /// The warnings that the outcomes of all axes of a part share, number for number.
+    pub fn shared_warnings(outcomes: &[Self]) -> impl Iterator<Item = &Warning> {
+        let by_all = |warning: &&Warning| outcomes.iter().all(|outcome| outcome.warnings.contains(warning));
+        outcomes.iter().take(1).flat_map(|first| &first.warnings).filter(by_all)
+    }
+}
+
 /// Standard uncertainties and covariances (k = 1).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Uncertainty {

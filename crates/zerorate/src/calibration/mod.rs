@@ -162,8 +162,7 @@ impl Calibration {
     /// The calibration that a measurement of all axes of a part amounts to: the outcomes in the order of its axes.
     #[must_use]
     pub fn new(part: &Part, outcomes: &[Outcome], origin: Origin) -> Self {
-        let shared = |warning: &&Warning| outcomes.iter().all(|outcome| outcome.warnings.contains(warning));
-        let common: Vec<&Warning> = outcomes.iter().take(1).flat_map(|one| &one.warnings).filter(shared).collect();
+        let common: Vec<&Warning> = Outcome::shared_warnings(outcomes).collect();
         Self {
             part: part.name.to_string(),
             serial: origin.serial.as_deref().map(one_line),

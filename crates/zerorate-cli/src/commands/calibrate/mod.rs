@@ -139,7 +139,7 @@ fn calibrate(acquisition: Acquisition, plan: &PlanArgs, result: &ResultArgs, fil
     let done = measure(acquisition, procedure, result, files, &mut meter)?;
     drop(meter);
     if !result.json {
-        warn(&done.report.warnings);
+        warn(&done.report.warnings());
     }
     match done.kept {
         Ok(()) => deliver::print_result(&done.report, &done.calibration, result),
@@ -166,7 +166,7 @@ fn measure(
     measured.outcome.warnings.extend(measured.resonance);
     let calibration =
         Calibration::new(&Part::ADIS16130, slice::from_ref(&measured.outcome), origin(info, measured.capture_sha256));
-    let report = Report::new(&measured.outcome, &calibration, measured.truth.as_ref(), names);
+    let report = Report::new(slice::from_ref(&measured.outcome), &calibration, measured.truth.as_slice(), names);
     let kept = match measured.log_failed {
         Some(error) => Err(error),
         None => {
