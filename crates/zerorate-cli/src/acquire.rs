@@ -1,22 +1,29 @@
-//! Samples out of a device, one after the other: paced to the wall clock if wanted, ended by Ctrl-C, counted.
+//! Samples of a device as the commands take them: one after the other, all of them, counted and judged.
 
 use crate::cli::{DeviceArgs, SamplingArgs};
-use crate::commands::coded;
-use crate::device::Device;
+use crate::commands::{coded, warn};
 use crate::interrupt;
-use adis16130::Sample;
+use adis16130::{Sample, SelfTest};
+use adis16130_twin::Truth;
 use anyhow::Result;
-use std::time::{Duration, Instant};
+use std::sync::Arc;
 use zerorate::health::{Health, Judged};
 use zerorate::{Axis, Reading, Tally, Warning, resonance};
 use zerorate_data::believed;
-use zerorate_data::capture::admission::Admission;
+use zerorate_data::capture::CaptureInfo;
+use zerorate_host::{Batch, Bus, DeviceSpec, Everything, Facts, Hub, Losses, Pace, Sampling, Stop};
 
 /// A device that is being read.
 pub struct Acquisition {
-    device: Device,
-    pace: Option<Pace>,
-    admission: Admission,
+    hub: Hub,
+    everything: Everything,
+    pace: Pace,
+    /// None before the first sample was asked for.
+    batch: Option<Arc<Batch>>,
+    taken: usize,
+    marks_ns: Vec<u64>,
+    losses: Losses,
+    doubts: Vec<String>,
     tally: Tally,
     health: Health,
     axis: Axis,
@@ -27,21 +34,67 @@ impl Acquisition {
     /// Opens the device and, from here on, takes Ctrl-C as the wish to end cleanly.
     pub fn open(device: &DeviceArgs, sampling: SamplingArgs) -> Result<Self> {
         interrupt::listen();
-        let opened = Device::open(&device.device, sampling)?;
-        let pace = (device.realtime && !opened.is_real()).then(Pace::default);
-        Ok(Self { pace, ..Self::unpaced(opened) })
+        let pace = if device.realtime { Pace::RealTime } else { Pace::Free };
+        Ok(Self { pace, ..Self::unpaced(&device.device, sampling.plain(), interrupt::stop())? })
     }
 
-    /// Over a device that is open already, as fast as it goes. Ctrl-C stays what it was.
-    pub fn unpaced(device: Device) -> Self {
-        let axis = device.info(None, None).axis();
-        let (admission, tally, health) = (Admission::default(), Tally::default(), Health::new(&axis));
-        Self { device, pace: None, admission, tally, health, axis, start_ns: None }
+    /// As fast as it goes, until `stop` is asked. Ctrl-C stays what it was.
+    pub fn unpaced(device: &DeviceSpec, sampling: Sampling, stop: &Stop) -> Result<Self> {
+        let hub = Hub::open(device, sampling, stop)?;
+        let (everything, axis) = (hub.everything(), hub.facts().info.axis());
+        Ok(Self {
+            hub,
+            everything,
+            pace: Pace::Free,
+            batch: None,
+            taken: 0,
+            marks_ns: Vec::new(),
+            losses: Losses::default(),
+            doubts: Vec::new(),
+            tally: Tally::default(),
+            health: Health::new(&axis),
+            axis,
+            start_ns: None,
+        })
     }
 
-    /// The device itself.
-    pub fn device(&mut self) -> &mut Device {
-        &mut self.device
+    /// What is read, and how.
+    pub fn facts(&self) -> &Facts {
+        self.hub.facts()
+    }
+
+    /// How the samples are taken; the serial number and the note are those given, or else those of the recording.
+    pub fn info(&self, serial: Option<&str>, supply_note: Option<&str>) -> CaptureInfo {
+        let mut info = self.facts().info.clone();
+        info.serial = serial.map(str::to_owned).or(info.serial);
+        info.supply_note = supply_note.map(str::to_owned).or(info.supply_note);
+        info
+    }
+
+    /// Resets the part, initialises it, and reads everything back. Returns the revision, where there is one.
+    pub fn initialise(&self) -> Result<Option<u8>> {
+        Ok(self.hub.with(|source| source.initialise())?)
+    }
+
+    /// Tries the bus, if there is one. To be called before the first sample; leaves the part configured.
+    pub fn try_bus(&self) -> Result<Option<Bus>> {
+        Ok(self.hub.with(|source| source.try_bus())?)
+    }
+
+    /// What the self-test does to the rate (F-11). To be called before the first sample.
+    pub fn self_test(&self, gpio: &str) -> Result<SelfTest> {
+        let gpio = gpio.to_owned();
+        Ok(self.hub.with(move |source| source.self_test(&gpio))?)
+    }
+
+    /// Asks for the twin's truth at the first sample so many ns after the very first.
+    pub fn mark(&mut self, after_ns: u64) {
+        self.marks_ns.push(after_ns);
+    }
+
+    /// The twin's truth at the sample that was taken last, if it was marked.
+    pub fn truth(&self) -> Option<Truth> {
+        self.batch.as_ref().filter(|batch| batch.samples.len() == self.taken)?.truth
     }
 
     /// What was read so far.
@@ -49,21 +102,35 @@ impl Acquisition {
         &self.tally
     }
 
-    /// The next sample; `None` at the end of a replay or after Ctrl-C ([`interrupt::asked`] tells which).
+    /// The next sample; `None` at the end of a recording or where the reading was stopped.
     #[inline]
     pub fn next(&mut self) -> Result<Option<Sample>> {
-        if interrupt::asked() {
+        if self.hub.stop().asked() {
             return Ok(None);
         }
-        let sample = self.next_admitted()?;
-        if let Some(sample) = &sample {
-            self.tally.count(&sample.into());
-            self.start_ns.get_or_insert(sample.t_ns);
-            if let Some(pace) = &mut self.pace {
-                pace.keep(sample.t_ns);
+        loop {
+            if let Some(sample) = self.batch.as_ref().and_then(|batch| batch.samples.get(self.taken)) {
+                self.taken += 1;
+                self.tally.count(&sample.into());
+                self.start_ns.get_or_insert(sample.t_ns);
+                return Ok(Some(*sample));
+            }
+            if !self.next_batch()? {
+                return Ok(None);
             }
         }
-        Ok(sample)
+    }
+
+    fn next_batch(&mut self) -> Result<bool> {
+        if self.batch.is_none() {
+            self.hub.read(self.pace, std::mem::take(&mut self.marks_ns))?;
+        }
+        let Some(batch) = self.everything.next()? else { return Ok(false) };
+        warn(&batch.notes);
+        (self.losses, self.taken) = (batch.losses, 0);
+        self.doubts.clone_from(&batch.doubts);
+        self.batch = Some(batch);
+        Ok(true)
     }
 
     /// The next sample with what is wrong with it, two samples late; at the end, those that are left.
@@ -112,20 +179,9 @@ impl Acquisition {
 
     /// F-07: whether the resonance looks like a bias at the rate that was measured, in means over `average_s`.
     pub fn resonance(&self, average_s: f64) -> Option<Warning> {
-        let edges = self.device.info(None, None).edges_per_reading();
+        let edges = self.facts().info.edges_per_reading();
         let rate_hz = self.tally.sampling_hz();
         (self.tally.samples > 1).then(|| resonance::warning(&self.axis, rate_hz, edges, average_s)).flatten()
-    }
-
-    /// The next sample that may stand in a capture.
-    #[inline]
-    fn next_admitted(&mut self) -> Result<Option<Sample>> {
-        while let Some(sample) = self.device.next()? {
-            if let Some(admitted) = self.admission.admit(sample)? {
-                return Ok(Some(admitted));
-            }
-        }
-        Ok(None)
     }
 
     /// Whether progress is to be shown with this sample: with every 4096th, 1.4 times a second of part time.
@@ -136,25 +192,25 @@ impl Acquisition {
 
     /// Whether the samples come at the speed of the wall clock.
     pub fn is_paced(&self) -> bool {
-        self.pace.is_some() || self.device.is_real()
+        self.pace == Pace::RealTime || self.facts().is_real
     }
 
     /// What is to be said of samples that were read, but lost before they came here.
-    pub fn lost_on_the_way(&self) -> Vec<String> {
-        let (samples, frames) = (self.device.overflowed(), self.device.damaged());
-        let overflow = (samples > 0).then(|| {
+    fn lost_on_the_way(&self) -> Vec<String> {
+        let Losses { overflowed, damaged } = self.losses;
+        let overflow = (overflowed > 0).then(|| {
             format!(
-                "queue-overflow: {samples} samples were read but lost, since the disk or the processor was too \
+                "queue-overflow: {overflowed} samples were read but lost, since the disk or the processor was too \
                 slow for them; they are counted as lost"
             )
         });
-        let damage = (frames > 0).then(|| {
+        let damage = (damaged > 0).then(|| {
             format!(
-                "damaged-frames: {frames} frames of the bridge were damaged on the way, and their samples are \
+                "damaged-frames: {damaged} frames of the bridge were damaged on the way, and their samples are \
                 counted as lost; check its cable, or lower the baud rate"
             )
         });
-        overflow.into_iter().chain(damage).chain(self.admission.warnings()).collect()
+        overflow.into_iter().chain(damage).chain(self.doubts.iter().cloned()).collect()
     }
 }
 
@@ -166,35 +222,3 @@ pub fn aliasing(axis: &Axis, tally: &Tally) -> Option<Warning> {
     let (rate_hz, needed_hz) = (tally.rate_hz(), 2.0 * axis.bandwidth_hz?);
     (tally.samples > 1 && rate_hz < needed_hz).then_some(Warning::Aliased { rate_hz, needed_hz })
 }
-
-/// Keeps part time from running ahead of the wall clock; looks at the clock once per [`PACE_NS`] of part time.
-#[derive(Default)]
-struct Pace {
-    started: Option<(Instant, u64)>,
-    due_ns: u64,
-}
-
-impl Pace {
-    #[inline]
-    fn keep(&mut self, t_ns: u64) {
-        if t_ns >= self.due_ns {
-            self.wait(t_ns);
-        }
-    }
-
-    fn wait(&mut self, t_ns: u64) {
-        let (wall, part_ns) = *self.started.get_or_insert_with(|| (Instant::now(), t_ns));
-        let target = Duration::from_nanos(t_ns.saturating_sub(part_ns));
-        while let Some(early) = target.checked_sub(wall.elapsed()).filter(|d| !d.is_zero()) {
-            if interrupt::asked() {
-                break;
-            }
-            std::thread::sleep(early.min(LONGEST_SLEEP));
-        }
-        self.due_ns = t_ns + PACE_NS;
-    }
-}
-
-const PACE_NS: u64 = 10_000_000;
-/// Ctrl-C is heeded at least this often.
-const LONGEST_SLEEP: Duration = Duration::from_millis(100);

@@ -7,7 +7,6 @@ pub use crate::exit::{Refused, Usage};
 use crate::cli::{Cli, Command};
 use crate::commands::calibrate;
 use crate::exit;
-use crate::files;
 use crate::output::Outputs;
 use crate::progress::Watch;
 use adis16130::Sample;
@@ -17,6 +16,7 @@ use std::path::Path;
 use zerorate::health::{Health, Judged};
 use zerorate::{Calibration, Names, Progress, Reading, Tally};
 use zerorate_data::believed;
+use zerorate_host::files;
 
 /// A calibration with its report.
 #[derive(Clone, Debug)]

@@ -13,12 +13,12 @@ use crate::commands::{
     twin::{self, TwinArgs},
     verify::VerifyArgs,
 };
-use crate::device::DeviceSpec;
 use crate::memory;
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
 use std::path::{Path, PathBuf};
 use zerorate_data::limits::{self, Bytes};
+use zerorate_host::{DeviceSpec, Sampling};
 
 /// Takes an ADIS16130 gyroscope from its pins to a bias-free angular rate, and tells how well it did so.
 #[derive(Parser, Debug)]
@@ -135,8 +135,10 @@ pub struct SamplingArgs {
 }
 
 impl SamplingArgs {
-    /// For a recording.
-    pub const AS_RECORDED: Self = Self { every_temp: None, divider: None };
+    /// For whoever opens the device.
+    pub fn plain(self) -> Sampling {
+        Sampling { every_temp: self.every_temp, divider: self.divider }
+    }
 }
 
 #[cfg(test)]

@@ -1,10 +1,10 @@
 //! Which numbers of a log are meant, as options.
 
-use crate::files;
 use clap::Args;
 use std::path::Path;
 use zerorate_data::LogError;
 use zerorate_data::column::{self, Column, ColumnOptions, Decimal, RawType, TimeUnit, Unit};
+use zerorate_host::files;
 
 /// Which numbers of a log are meant, and what the log does not say about them itself.
 #[derive(Args, Debug, Default)]

@@ -3,6 +3,7 @@
 use crate::output::{OutputError, reader_left, say};
 use std::process::ExitCode;
 use zerorate_data::LogError;
+use zerorate_host::{Cause, DeviceError};
 
 /// The measurement was refused: the numbers exist, but they must not become a calibration. Exit code 3.
 #[derive(Debug, thiserror::Error)]
@@ -20,10 +21,11 @@ pub fn report(error: &anyhow::Error) -> ExitCode {
     if reader_left(error) {
         return ExitCode::SUCCESS;
     }
+    let is_request = error.downcast_ref().is_some_and(|error: &DeviceError| error.cause() == Cause::Request);
     let log = error.downcast_ref::<LogError>();
     let (label, code) = if error.is::<Refused>() || matches!(log, Some(LogError::Refused(_))) {
         ("refused", 3)
-    } else if error.is::<Usage>() || matches!(log, Some(LogError::Ask(_))) || refuses_output(error) {
+    } else if error.is::<Usage>() || matches!(log, Some(LogError::Ask(_))) || is_request || refuses_output(error) {
         ("error", 2)
     } else {
         ("error", 1)

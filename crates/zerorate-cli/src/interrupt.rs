@@ -7,10 +7,11 @@ use anyhow::Context;
 use std::io;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
+use zerorate_host::Stop;
 
 static HANDLED: OnceLock<()> = OnceLock::new();
 static LISTENED_TO: AtomicBool = AtomicBool::new(false);
-static ASKED: AtomicBool = AtomicBool::new(false);
+static STOP: OnceLock<Stop> = OnceLock::new();
 
 /// Added to the number of the signal that ended a program, this is its exit code, as shells report it.
 const BY_SIGNAL: i32 = 128;
@@ -24,19 +25,25 @@ pub fn handle() -> anyhow::Result<()> {
     Ok(())
 }
 
-/// From here on the first signal only sets the flag that [`asked`] reads.
+/// What the first signal asks, once somebody listens.
+pub fn stop() -> &'static Stop {
+    STOP.get_or_init(Stop::default)
+}
+
+/// From here on the first signal only asks [`stop`].
 pub fn listen() {
     LISTENED_TO.store(true, Ordering::Relaxed);
 }
 
-/// Whether the user asked to stop. One relaxed load: fit for the per-sample path.
-#[inline]
+/// Whether the user asked to stop.
 pub fn asked() -> bool {
-    ASKED.load(Ordering::Relaxed)
+    stop().asked()
 }
 
 fn heed(signal: i32) {
-    if !LISTENED_TO.load(Ordering::Relaxed) || ASKED.swap(true, Ordering::Relaxed) {
+    let again = asked();
+    stop().ask();
+    if !LISTENED_TO.load(Ordering::Relaxed) || again {
         output::remove_all_for_good();
         std::process::exit(BY_SIGNAL + signal);
     }

@@ -15,9 +15,7 @@ mod column;
 mod commands;
 #[cfg(target_os = "linux")]
 mod confined;
-mod device;
 mod exit;
-mod files;
 #[cfg(test)]
 #[expect(clippy::print_stderr, reason = "its replay is for whoever runs the tests")]
 mod fuzz;
@@ -25,15 +23,13 @@ mod interrupt;
 mod memory;
 mod output;
 mod progress;
+mod recorder;
 #[cfg(unix)]
 mod usb;
 
 use clap::Parser;
 use std::ffi::OsString;
 use std::process::ExitCode;
-
-/// What stands in the files that this program writes.
-const SOFTWARE: &str = concat!("zerorate ", env!("CARGO_PKG_VERSION"));
 
 /// Runs the command line `args`, program name first, to its exit code: 0 done, 1 failed, 2 usage, 3 refused.
 ///

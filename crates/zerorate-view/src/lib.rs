@@ -5,6 +5,3 @@ pub mod plot;
 pub mod report;
 
 pub use duration::Seconds;
-
-/// What stands in the pages that this software writes.
-const SOFTWARE: &str = concat!("zerorate ", env!("CARGO_PKG_VERSION"));

@@ -52,3 +52,6 @@ pub use procedure::{Action, Event, FixedProcedure, Plan, PlanError, Procedure, P
 pub use reading::{Reading, Scan};
 pub use remedy::{Names, Remedy, Said, Say, Setting};
 pub use tally::Tally;
+
+/// What stands in the files that this software writes.
+pub const SOFTWARE: &str = concat!("zerorate ", env!("CARGO_PKG_VERSION"));

@@ -55,11 +55,23 @@ impl Default for Plan {
     }
 }
 
+/// Rounded to whole ones.
+fn ns(seconds: f64) -> u64 {
+    libm::round(seconds * 1e9) as u64
+}
+
 impl Plan {
     /// Duration of the whole procedure, s.
     #[must_use]
     pub fn total_s(&self) -> f64 {
         2.0 * self.average_s + self.warmup_s + self.settle_s + self.offset_s + self.final_temp_s
+    }
+
+    /// End of step 8, ns after the initialisation: the correction holds from there.
+    #[must_use]
+    pub fn offset_ends_ns(&self) -> u64 {
+        let steps_s = [self.average_s, self.warmup_s, self.average_s, self.settle_s, self.offset_s];
+        steps_s.into_iter().map(ns).sum()
     }
 
     /// Every number within what a measurement on Earth can be.
@@ -454,7 +466,7 @@ impl<L: Ledger> Procedure<L> {
         self.state = row.to;
         let start_ns = self.ends_ns;
         if let Until::After(duration_s) = self.state.row().until {
-            self.ends_ns = start_ns + libm::round(duration_s(&self.plan) * 1e9) as u64;
+            self.ends_ns = start_ns + ns(duration_s(&self.plan));
         }
         self.ledger.open(self.state, start_ns, self.ends_ns);
         Ok(())

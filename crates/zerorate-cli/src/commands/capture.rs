@@ -5,10 +5,10 @@ use super::serial::one_line;
 use crate::acquire::Acquisition;
 use crate::cli::{DeviceArgs, SamplingArgs};
 use crate::exit::Refused;
-use crate::files::Recorder;
 use crate::interrupt;
 use crate::output::Outputs;
 use crate::progress::Meter;
+use crate::recorder::Recorder;
 use adis16130::Sample;
 use anyhow::{Context, Result};
 use clap::Args;
@@ -92,8 +92,8 @@ struct Summary {
 pub fn run(args: &CaptureArgs) -> Result<()> {
     let mut outputs = Outputs::new(args.force).printing().reading(args.device.file())?;
     let mut acquisition = Acquisition::open(&args.device, args.sampling)?;
-    acquisition.device().initialise()?;
-    let info = acquisition.device().info(args.serial.as_deref(), args.supply_note.as_deref());
+    acquisition.initialise()?;
+    let info = acquisition.info(args.serial.as_deref(), args.supply_note.as_deref());
     let format = Format::choose(args.format, &args.output);
     let mut writer = Recorder::create(outputs.recording(&args.output)?, format, &info)?;
     let recorded = record(args, &mut acquisition, |sample| Ok(writer.push(sample)?));

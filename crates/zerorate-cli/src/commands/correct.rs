@@ -2,7 +2,6 @@
 
 use super::serial::Part;
 use super::{flag, warn};
-use crate::files;
 use crate::interrupt;
 use crate::output::{Outputs, say};
 use anyhow::{Context, Result, bail, ensure};
@@ -18,6 +17,7 @@ use zerorate::{Axis, Calibration, Correction, Corrector, Reading, Say, Tally};
 use zerorate_data::believed;
 use zerorate_data::capture::columns::{self, Rows};
 use zerorate_data::capture::{CALIBRATION_ID, CaptureInfo, CaptureReader, Format, table};
+use zerorate_host::files;
 
 /// Corrects a capture: RATE + PBC + (TEMP − T3) · BTC.
 ///

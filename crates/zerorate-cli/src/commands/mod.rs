@@ -65,7 +65,7 @@ pub fn coded(warning: &Warning) -> String {
 }
 
 /// Prints warnings to stderr.
-fn warn(warnings: &[String]) {
+pub fn warn(warnings: &[String]) {
     for warning in warnings {
         say(format_args!("warning: {warning}"));
     }

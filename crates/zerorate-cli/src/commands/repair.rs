@@ -1,7 +1,6 @@
 //! `zerorate repair`: what is whole of a capture, in a new file.
 
 use super::{print, warn};
-use crate::files;
 use crate::interrupt;
 use crate::output::Outputs;
 use anyhow::{Result, ensure};
@@ -12,6 +11,7 @@ use std::path::{Path, PathBuf};
 use zerorate_data::capture::columns::{self, RAW, Rows};
 use zerorate_data::capture::table::{self, Opened};
 use zerorate_data::capture::{CaptureError, Checked, Format};
+use zerorate_host::files;
 
 /// Metadata of a repaired capture: what is missing.
 const REPAIRED: &str = "zerorate.repaired";

@@ -5,7 +5,6 @@ use super::serial::{Part, one_line};
 use super::{flag, warn};
 use crate::acquire::Acquisition;
 use crate::cli::{DeviceArgs, SamplingArgs};
-use crate::device::Device;
 use crate::exit::{Refused, Usage};
 use crate::output::{Outputs, Stdout};
 use anyhow::{Result, bail, ensure};
@@ -16,6 +15,7 @@ use std::path::PathBuf;
 use zerorate::health::{Flags, Judged};
 use zerorate::{Axis, Calibration, CodeSum, Corrected, Correction, Corrector, Say};
 use zerorate_data::believed;
+use zerorate_host::Facts;
 use zerorate_view::duration::Seconds;
 
 /// Prints the corrected rate as it comes: columns t_s, rate_dps, temp_c, lost, calibration, flags.
@@ -68,8 +68,8 @@ pub fn run(args: &StreamArgs) -> Result<()> {
     let period_ns = args.rate.map(period_ns).transpose()?.unwrap_or(1);
     Outputs::new(false).reading(args.device.file().into_iter().chain([&*args.cal]))?;
     let mut acquisition = Acquisition::open(&args.device, args.sampling)?;
-    check_serial(args, acquisition.device(), &calibration)?;
-    acquisition.device().initialise()?;
+    check_serial(args, acquisition.facts(), &calibration)?;
+    acquisition.initialise()?;
     let mut rows = Rows::new(args.format, *acquisition.axis(), &calibration, acquisition.is_paced())?;
     let mut mean = Mean::default();
     let ends_after_ns = args.duration.map_or(u64::MAX, Seconds::nanos);
@@ -107,17 +107,16 @@ fn stop_frozen(acquisition: &Acquisition, rows: &mut Rows, mean: &mut Mean) -> R
 }
 
 /// A serial number that is given must be that of the calibration, and that of the recording where one is read.
-fn check_serial(args: &StreamArgs, device: &Device, calibration: &Calibration) -> Result<()> {
-    let (given, recorded) = (args.serial.as_deref(), device.info(None, None).serial);
-    if let (Some(given), Some(recorded)) = (given, &recorded) {
+fn check_serial(args: &StreamArgs, facts: &Facts, calibration: &Calibration) -> Result<()> {
+    let (given, recorded) = (args.serial.as_deref(), facts.info.serial.as_deref());
+    if let (Some(given), Some(recorded)) = (given, recorded) {
         ensure!(given == recorded, "{} was recorded from part {recorded}, not from part {given}", args.device.device);
     }
     if let (Some(given), None) = (given, &calibration.serial) {
         bail!("{} is the calibration of a part without a serial number, not of part {given}", args.cal.display());
     }
     let name = args.device.device.to_string();
-    let part =
-        Part { name: &name, serial: given.or(recorded.as_deref()), advice: "give --serial SN to have it checked" };
+    let part = Part { name: &name, serial: given.or(recorded), advice: "give --serial SN to have it checked" };
     warn(part.check(calibration, &args.cal)?.as_slice());
     Ok(())
 }

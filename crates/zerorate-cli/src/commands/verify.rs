@@ -1,7 +1,6 @@
 //! `zerorate verify`: is a file whole, and does it say the truth about itself?
 
 use super::{print, print_json};
-use crate::files;
 use anyhow::{Result, ensure};
 use clap::Args;
 use serde::Serialize;
@@ -12,6 +11,7 @@ use zerorate::Calibration;
 use zerorate_data::Input;
 use zerorate_data::capture::table::{self, Opened};
 use zerorate_data::capture::{CaptureError, Checked};
+use zerorate_host::files;
 use zerorate_view::duration::Seconds;
 
 /// Bytes of a calibration file at most: a bound on memory where a file is something else.

@@ -1,11 +1,11 @@
 //! Words of the command line and of files: addresses, keys, durations, units, sizes.
 
 use super::edited;
-use crate::device::DeviceSpec;
 use adis16130_twin::Spec;
 use zerorate::allan::Taus;
 use zerorate_data::column::Unit;
 use zerorate_data::limits::Bytes;
+use zerorate_host::DeviceSpec;
 use zerorate_view::duration::Seconds;
 
 fn words(words: &[&str]) -> Vec<Vec<u8>> {

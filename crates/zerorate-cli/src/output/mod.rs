@@ -22,13 +22,13 @@ pub use staged::Staged;
 pub use stdio::{Stdout, reader_left, say};
 pub use temporary::remove_all_for_good;
 
-use crate::files;
 use identity::Identity;
 use place::Place;
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use zerorate_data::CaptureError;
+use zerorate_host::files;
 
 /// The files of one run of a command.
 #[derive(Debug)]

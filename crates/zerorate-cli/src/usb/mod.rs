@@ -48,7 +48,7 @@ pub fn serve(socket: &Path, setup: Setup) -> Result<Final> {
         wanted: VecDeque::new(),
         waiting: VecDeque::new(),
     };
-    plug.stream.write_all(&Connection::hello_packet(crate::SOFTWARE))?;
+    plug.stream.write_all(&Connection::hello_packet(zerorate::SOFTWARE))?;
     while !interrupt::asked() && plug.turn()? {}
     // The other end may be gone already.
     let _ = plug.stream.write_all(&plug.connection.disconnect_packet());

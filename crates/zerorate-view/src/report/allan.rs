@@ -117,7 +117,7 @@ struct Page<'a> {
 pub fn allan_page(page: &AllanPage) -> Result<String> {
     let names: Vec<&str> = page.records.iter().map(|record| record.name.as_str()).collect();
     let title = format!("Allan analysis of {}", names.join(", "));
-    Ok(Page { title, software: crate::SOFTWARE, page }.render()?)
+    Ok(Page { title, software: zerorate::SOFTWARE, page }.render()?)
 }
 
 #[cfg(test)]

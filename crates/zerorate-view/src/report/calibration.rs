@@ -76,7 +76,7 @@ pub fn calibration_page(calibration: &Calibration, file: &str) -> Result<String>
     let page = Page {
         title: format!("Calibration of {}{serial}", calibration.part),
         below: format!("{file}: calibration {}, {created}", calibration.id()),
-        software: crate::SOFTWARE,
+        software: zerorate::SOFTWARE,
         file,
         warnings: &calibration.warnings,
         span: span(calibration),

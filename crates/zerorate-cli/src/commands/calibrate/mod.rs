@@ -8,12 +8,11 @@ use super::serial::one_line;
 use super::warn;
 use crate::acquire::Acquisition;
 use crate::cli::{DeviceArgs, SamplingArgs};
-use crate::device::{Device, DeviceSpec};
 use crate::exit::{Refused, Usage};
-use crate::files::Recorder;
 use crate::interrupt;
 use crate::output::{Outputs, Staged};
 use crate::progress::{Meter, Watch};
+use crate::recorder::Recorder;
 use adis16130::Sample;
 use adis16130_twin::Truth;
 use anyhow::Result;
@@ -27,6 +26,7 @@ use std::slice;
 use zerorate::calibration::Origin;
 use zerorate::{Action, Axis, Calibration, Event, Names, Outcome, Part, Procedure, Refusal, Say, State, Warning};
 use zerorate_data::capture::{CaptureInfo, Format, SampleHash};
+use zerorate_host::{DeviceSpec, Sampling, Stop};
 use zerorate_view::duration::Seconds;
 
 /// Finds the bias of a part and how it changes with temperature.
@@ -118,15 +118,15 @@ pub fn run(args: &CalibrateArgs) -> Result<()> {
 pub fn run_again(args: &RecalibrateArgs) -> Result<()> {
     interrupt::listen();
     let files = Files::claim(Some(&args.capture), &args.result, None)?;
-    let device = Device::open(&DeviceSpec::replay(args.capture.clone()), SamplingArgs::AS_RECORDED)?;
-    calibrate(Acquisition::unpaced(device), &args.plan, &args.result, files)
+    let recording = DeviceSpec::replay(args.capture.clone());
+    let acquisition = Acquisition::unpaced(&recording, Sampling::default(), interrupt::stop())?;
+    calibrate(acquisition, &args.plan, &args.result, files)
 }
 
 /// The measurement alone, for another program: prints nothing, leaves Ctrl-C alone, and ends when `watch` says so.
 pub fn measured(args: &CalibrateArgs, watch: &mut dyn Watch) -> Result<(Report, Calibration)> {
     let files = Files::claim(args.device.file(), &args.result, args.log.as_deref())?;
-    let device = Device::open(&args.device.device, args.sampling)?;
-    let acquisition = Acquisition::unpaced(device);
+    let acquisition = Acquisition::unpaced(&args.device.device, args.sampling.plain(), &Stop::default())?;
     let procedure = procedure(acquisition.axis(), &args.plan, watch.names())?;
     let Done { report, calibration, kept } = measure(acquisition, procedure, &args.result, files, watch)?;
     kept.map_err(Undelivered::into_error)?;
@@ -158,8 +158,8 @@ fn measure(
     mut files: Files,
     watch: &mut dyn Watch,
 ) -> Result<Done> {
-    let device = acquisition.device();
-    let info = device.info(result.serial.as_deref(), result.supply_note.as_deref());
+    acquisition.mark(procedure.plan().offset_ends_ns());
+    let info = acquisition.info(result.serial.as_deref(), result.supply_note.as_deref());
     let names = watch.names();
     let log = files.log(&info)?;
     let mut measured = Measurement::new(acquisition, procedure, log, watch).run()?;
@@ -227,7 +227,7 @@ fn origin(info: CaptureInfo, capture_sha256: String) -> Origin {
         ),
         serial: info.serial,
         created: Some(info.created).filter(|created| !created.is_empty()),
-        software: crate::SOFTWARE.to_owned(),
+        software: zerorate::SOFTWARE.to_owned(),
         device: info.device,
         capture_sha256,
         supply_note: info.supply_note,
@@ -294,7 +294,7 @@ impl<'a> Measurement<'a> {
 
     /// The procedure's time starts with the first sample, so that a recording of the samples is all there is to know.
     fn initialise(&mut self) -> Result<()> {
-        self.acquisition.device().initialise()?;
+        self.acquisition.initialise()?;
         let first = self.sample()?;
         self.handle(Event::Initialised { t_ns: first.t_ns })?;
         self.take(&first)
@@ -317,7 +317,7 @@ impl<'a> Measurement<'a> {
         let in_step_8 = self.procedure.progress().state == State::Offset;
         self.handle(Event::Reading(&sample.into()))?;
         if in_step_8 && self.procedure.progress().state != State::Offset {
-            self.truth = self.acquisition.device().truth();
+            self.truth = self.acquisition.truth();
         }
         if self.acquisition.is_time_to_show() && !self.watch.see(&self.procedure.progress()) {
             return Err(self.interrupted());

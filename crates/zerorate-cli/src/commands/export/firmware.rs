@@ -176,7 +176,7 @@ fn origin(export: &Export) -> Entries {
     let calibration = &export.calibration;
     let text = |value: &Option<String>| value.as_deref().map_or("not stated".to_owned(), comment);
     vec![
-        ("SOFTWARE", crate::SOFTWARE.to_owned()),
+        ("SOFTWARE", zerorate::SOFTWARE.to_owned()),
         ("PART", comment(&calibration.part)),
         ("SERIAL", text(&calibration.serial)),
         ("CREATED", text(&calibration.created)),

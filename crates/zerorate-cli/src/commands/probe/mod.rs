@@ -5,7 +5,6 @@ mod host;
 use super::{print_json, print_lines, warn};
 use crate::acquire::Acquisition;
 use crate::cli::{DeviceArgs, SamplingArgs};
-use crate::device::Bus;
 use crate::interrupt;
 use crate::progress::Meter;
 use adis16130::{Framing, SelfTest};
@@ -15,6 +14,7 @@ use serde::Serialize;
 use zerorate::allan::{self, Gap, Input, Stat};
 use zerorate::health::Judged;
 use zerorate::{Axis, CodeSum, Tally};
+use zerorate_host::Bus;
 use zerorate_view::duration::{self, Seconds};
 
 /// Looks whether a part answers, is wired right and delivers.
@@ -90,12 +90,12 @@ struct SelfTested {
 
 pub fn run(args: &ProbeArgs) -> Result<()> {
     let mut acquisition = Acquisition::open(&args.device, args.sampling)?;
-    let revision = acquisition.device().initialise()?;
-    let bus = acquisition.device().try_bus()?;
+    let revision = acquisition.initialise()?;
+    let bus = acquisition.try_bus()?;
     let self_test = match &args.self_test {
         None => None,
         Some(gpio) => {
-            let SelfTest { shift_dps, u_dps, n } = acquisition.device().self_test(gpio)?;
+            let SelfTest { shift_dps, u_dps, n } = acquisition.self_test(gpio)?;
             Some(SelfTested { shift_dps, u_dps, samples: n })
         }
     };
@@ -176,14 +176,14 @@ impl Findings {
         let tally = *acquisition.tally();
         let is_frozen = acquisition.health().frozen_at_end().is_some();
         let axis = *acquisition.axis();
-        let device = acquisition.device();
+        let facts = acquisition.facts();
         let white = seen.white_dps_per_rt_hz(&axis, tally.rate_hz()).filter(|_| !is_frozen);
         let typical_white_dps_per_rt_hz = axis.noise.map(|noise| noise.white_dps_per_rt_hz);
         let taken = tally.samples as f64 / (tally.samples + tally.lost) as f64;
         Self {
-            device: device.name(),
+            device: facts.name.clone(),
             revision,
-            framing: device.framing().map(|framing| match framing {
+            framing: facts.framing.map(|framing| match framing {
                 Framing::PerByte => "byte",
                 Framing::Command => "command",
             }),
@@ -192,9 +192,7 @@ impl Findings {
             fastest_clean_sclk_hz: bus.and_then(|bus| bus.fastest_clean_hz),
             read_us: bus.and_then(|bus| bus.read_s).map(|read_s| read_s * 1e6),
             taken,
-            proposal: bus
-                .and_then(|bus| bus.read_s)
-                .and_then(|read_s| host::proposal(taken, read_s, device.mclk_hz())),
+            proposal: bus.and_then(|bus| bus.read_s).and_then(|read_s| host::proposal(taken, read_s, facts.mclk_hz)),
             rdy_hz: tally.rdy_hz(),
             rate_hz: tally.rate_hz(),
             samples: tally.samples,
@@ -205,11 +203,8 @@ impl Findings {
             white_dps_per_rt_hz: white,
             typical_white_dps_per_rt_hz,
             temp_c: seen.temps.mean(&axis.temp),
-            warnings: [
-                of_the_samples,
-                findings(seen, &tally, device.nominal_rate_hz(), white.zip(typical_white_dps_per_rt_hz)),
-            ]
-            .concat(),
+            warnings: [of_the_samples, findings(seen, &tally, facts.rate_hz, white.zip(typical_white_dps_per_rt_hz))]
+                .concat(),
         }
     }
 

@@ -1,12 +1,13 @@
 //! A part that is read as it converts: the driver, and a source of edges of its data-ready line.
 
-use super::pin::{Pause, Ready};
-use crate::interrupt;
+use crate::Stop;
+use crate::error::{Cause, Told};
+use crate::pin::{Pause, Ready};
 use adis16130::blocking::Adis16130;
 use adis16130::{
     Config, Edge, Fault, MAX_SCLK_HZ, RdyEdge, Sample, SampleError, Sampler, SamplerConfig, SelfTest, SelfTestPlan,
 };
-use anyhow::{Result, anyhow, ensure};
+use anyhow::{Result, ensure};
 use embedded_hal::digital::OutputPin;
 use embedded_hal::spi::SpiDevice;
 use std::cell::RefCell;
@@ -35,6 +36,7 @@ pub struct Live<S, E> {
     pub sampling: SamplerConfig,
     sampler: Sampler,
     mclk_hz: u32,
+    stop: Stop,
     /// Time of the last sample, if there was one since the initialisation.
     alive_ns: Option<u64>,
 }
@@ -60,10 +62,10 @@ const UNPLUGGED: &str = "the part is unplugged or has no power: data ready (pin 
 
 impl<S: SpiDevice<Error: Debug + Send + Sync + 'static>, E: Edges> Live<S, E> {
     /// A part whose master clock is nominally `mclk_hz`; sends nothing.
-    pub fn new(spi: S, edges: E, config: Config, sampling: SamplerConfig, mclk_hz: u32) -> Self {
+    pub fn new(spi: S, edges: E, config: Config, sampling: SamplerConfig, mclk_hz: u32, stop: &Stop) -> Self {
         let part = Adis16130::new(spi, (), config);
         let sampler = Sampler::new(sampling, &config, mclk_hz);
-        Self { part, edges, config, sampling, sampler, mclk_hz, alive_ns: None }
+        Self { part, edges, config, sampling, sampler, mclk_hz, stop: stop.clone(), alive_ns: None }
     }
 
     /// Resets the part, initialises it, reads everything back. Returns the revision.
@@ -76,7 +78,7 @@ impl<S: SpiDevice<Error: Debug + Send + Sync + 'static>, E: Edges> Live<S, E> {
                     "data ready comes (pin 10), so the part is alive and hears, but does not answer as it should",
                 ))
             }
-            Err(error) => Err(error.context(UNPLUGGED)),
+            Err(error) => Err(error.context(Told::new(Cause::Gone, UNPLUGGED))),
         }
     }
 
@@ -90,7 +92,7 @@ impl<S: SpiDevice<Error: Debug + Send + Sync + 'static>, E: Edges> Live<S, E> {
     pub fn fastest_clean_hz(&mut self, mut set: impl FnMut(u32) -> Result<u32>) -> Result<Option<u32>> {
         let mut fastest = None;
         for hz in CLOCKS_HZ {
-            ensure!(!interrupt::asked(), "interrupted");
+            ensure!(!self.stop.asked(), Told::new(Cause::Stopped, "interrupted"));
             let hz = set(hz)?;
             if fastest == Some(hz) {
                 continue;
@@ -112,7 +114,7 @@ impl<S: SpiDevice<Error: Debug + Send + Sync + 'static>, E: Edges> Live<S, E> {
         let edges = RefCell::new(&mut self.edges);
         // whichever edge says so: RDY is heard as edges
         let config = self.config.with_rdy_edge(RdyEdge::Falling);
-        let mut part = Adis16130::new(self.part.bus_mut(), Ready(&edges), config);
+        let mut part = Adis16130::new(self.part.bus_mut(), Ready { edges: &edges, stop: &self.stop }, config);
         part.reset()?;
         part.init()?;
         let tested = part.self_test(pin, &mut Pause(&edges), SelfTestPlan::new(SELF_TEST_SAMPLES))?;
@@ -189,12 +191,13 @@ impl<S: SpiDevice<Error: Debug + Send + Sync + 'static>, E: Edges> Live<S, E> {
     #[cold]
     pub fn why_silent(&mut self) -> anyhow::Error {
         let fault = match self.part.diagnose() {
-            Ok(None) => anyhow!(
-                "no data ready: the part answers and is configured, but RDY (pin 10) brought no new data for a \
-                 second; check the RDY wire"
-            ),
+            Ok(None) => {
+                let words = "no data ready: the part answers and is configured, but RDY (pin 10) brought no new data \
+                    for a second; check the RDY wire";
+                Told::new(Cause::Silent, words).into()
+            }
             Ok(Some(fault @ (Fault::StuckHigh(_) | Fault::StuckLow(_)))) => {
-                anyhow::Error::new(fault).context(UNPLUGGED)
+                anyhow::Error::new(fault).context(Told::new(Cause::Gone, UNPLUGGED))
             }
             Ok(Some(fault)) => fault.into(),
             Err(error) => error.into(),

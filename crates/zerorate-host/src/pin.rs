@@ -1,7 +1,7 @@
 //! The pins that the driver's self-test wants, of a part whose edges come by themselves.
 
-use super::live::Edges;
-use crate::interrupt;
+use crate::Stop;
+use crate::live::Edges;
 use embedded_hal::delay::DelayNs;
 use embedded_hal::digital::{Error, ErrorKind, ErrorType, InputPin};
 use std::cell::RefCell;
@@ -32,7 +32,10 @@ impl Error for PinError {
 }
 
 /// RDY as a level: low, as for a falling edge, when an edge has come that nobody has looked at.
-pub struct Ready<'a, E>(pub &'a RefCell<&'a mut E>);
+pub struct Ready<'a, E> {
+    pub edges: &'a RefCell<&'a mut E>,
+    pub stop: &'a Stop,
+}
 
 impl<E> ErrorType for Ready<'_, E> {
     type Error = PinError;
@@ -40,10 +43,10 @@ impl<E> ErrorType for Ready<'_, E> {
 
 impl<E: Edges> InputPin for Ready<'_, E> {
     fn is_low(&mut self) -> Result<bool, PinError> {
-        if interrupt::asked() {
+        if self.stop.asked() {
             return Err(PinError::new("interrupted"));
         }
-        self.0.borrow_mut().next(LOOK_NS).map(|edge| edge.is_some()).map_err(PinError::new)
+        self.edges.borrow_mut().next(LOOK_NS).map(|edge| edge.is_some()).map_err(PinError::new)
     }
 
     fn is_high(&mut self) -> Result<bool, PinError> {

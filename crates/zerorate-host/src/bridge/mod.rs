@@ -1,16 +1,21 @@
 //! The part behind a bridge: a microcontroller that reads it and streams the samples (docs/formats/bridge.md).
 
+mod address;
 mod link;
 mod progress;
 mod wire;
 
-use super::Bus;
-use super::address::BridgeAddress;
-use super::live::{Edges, Live};
-use super::pin::PinError;
-use super::reader::{Reader, WhenFull};
+use crate::Stop;
+use crate::error::{Cause, Told};
+use crate::live::{Edges, Live};
+use crate::pin::PinError;
+use crate::reader::{Reader, WhenFull};
+use crate::source::{Bus, Facts, Losses, Sampling, Source};
+pub use address::BridgeAddress;
+#[cfg(test)]
+pub use address::Port;
 use adis16130::bridge::{Ask, Continuity, PROTOCOL, Refusal, Settings};
-use adis16130::{Config, Edge, Sample, SamplerConfig, SelfTest};
+use adis16130::{Edge, Sample, SamplerConfig, SelfTest};
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use embedded_hal::digital::{self, OutputPin};
 use embedded_hal::spi::{ErrorType, Operation, SpiDevice};
@@ -23,6 +28,7 @@ use wire::Wire;
 /// The part, and the thread that takes its samples once the first was asked for.
 pub struct BridgePart {
     address: BridgeAddress,
+    name: String,
     sampling: SamplerConfig,
     link: Shared,
     state: State,
@@ -36,32 +42,24 @@ enum State {
 
 impl BridgePart {
     /// Opens the port, ends whatever the bridge was doing, and sets its SPI clock.
-    pub fn open(address: &BridgeAddress, sampling: SamplerConfig) -> Result<Self> {
+    fn open(address: &BridgeAddress, name: &str, sampling: Sampling, stop: &Stop) -> Result<Self> {
+        let sampling = sampling.config(address.part.divided);
         let link = Shared(Arc::new(Mutex::new(Link::new(Wire::open(&address.port)?))));
         greet(&link, address).map_err(|error| link.explain(error, address))?;
         let edges = LastEdges { link: link.clone(), last: None };
-        let live = Live::new(Transfers(link.clone()), edges, address.part.config, sampling, address.mclk_hz);
-        Ok(Self { address: address.clone(), sampling, link, state: State::Ready(Box::new(live)) })
-    }
-
-    /// What the driver is told of the clock, Hz.
-    pub fn mclk_hz(&self) -> u32 {
-        self.address.mclk_hz
-    }
-
-    /// How the part is configured, and how it is sampled.
-    pub fn settings(&self) -> (Config, SamplerConfig) {
-        (self.address.part.config, self.sampling)
+        let live = Live::new(Transfers(link.clone()), edges, address.part.config, sampling, address.mclk_hz, stop);
+        let (address, name) = (address.clone(), name.to_owned());
+        Ok(Self { address, name, sampling, link, state: State::Ready(Box::new(live)) })
     }
 
     /// Resets the part, initialises it, reads everything back. Returns the revision.
-    pub fn initialise(&mut self) -> Result<u8> {
+    fn initialise_part(&mut self) -> Result<u8> {
         let State::Ready(live) = &mut self.state else { bail!("the part is being read already") };
         live.initialise().map_err(|error| self.link.explain(error, &self.address))
     }
 
     /// Tries faster and faster clocks of the bridge. Leaves the part configured.
-    pub fn try_bus(&mut self) -> Result<Bus> {
+    fn try_its_bus(&mut self) -> Result<Bus> {
         let State::Ready(live) = &mut self.state else { bail!("the part is being read already") };
         let (link, address) = (&self.link, &self.address);
         let mut tried = || -> Result<Bus> {
@@ -74,7 +72,7 @@ impl BridgePart {
     }
 
     /// What the self-test does to the rate.
-    pub fn self_test(&mut self) -> Result<SelfTest> {
+    fn test_itself(&mut self) -> Result<SelfTest> {
         let State::Ready(live) = &mut self.state else { bail!("the part is being read already") };
         let mut pin = SelfTestWire(self.link.clone());
         match pin.set(false) {
@@ -90,7 +88,7 @@ impl BridgePart {
     }
 
     /// The next sample.
-    pub fn next(&mut self) -> Result<Sample> {
+    fn next_sample(&mut self) -> Result<Sample> {
         if let State::Ready(_) = self.state {
             self.start()?;
         }
@@ -98,11 +96,6 @@ impl BridgePart {
             State::Reading(reader) => reader.next(),
             _ => bail!("the part is no longer read"),
         }
-    }
-
-    /// Frames that were damaged between the bridge and here.
-    pub fn damaged(&self) -> u64 {
-        self.link.damaged()
     }
 
     fn start(&mut self) -> Result<()> {
@@ -121,6 +114,37 @@ impl BridgePart {
         let next = move || stream.next().map_err(|error| link.explain(error, &address));
         self.state = State::Reading(Reader::start(WhenFull::Wait, || (), next)?);
         Ok(())
+    }
+}
+
+impl Source for BridgePart {
+    fn facts(&self) -> Facts {
+        let settings = (self.address.part.config, self.sampling);
+        Facts::of_part(&self.name, settings, self.address.mclk_hz).with_bandwidth_hz(self.address.bandwidth_hz)
+    }
+
+    fn initialise(&mut self) -> crate::Result<Option<u8>> {
+        Ok(self.initialise_part().map(Some)?)
+    }
+
+    fn next(&mut self) -> crate::Result<Option<Sample>> {
+        Ok(self.next_sample().map(Some)?)
+    }
+
+    fn try_bus(&mut self) -> crate::Result<Option<Bus>> {
+        Ok(self.try_its_bus().map(Some)?)
+    }
+
+    fn self_test(&mut self, gpio: &str) -> crate::Result<SelfTest> {
+        if !gpio.is_empty() {
+            let why = "--self-test takes no GPIO with a bridge, whose firmware knows the pin";
+            return Err(Told::request(format!("{why}: leave `{gpio}` out")).into());
+        }
+        Ok(self.test_itself()?)
+    }
+
+    fn losses(&self) -> Losses {
+        Losses { damaged: self.link.damaged(), ..Losses::default() }
     }
 }
 
@@ -230,14 +254,15 @@ impl Shared {
     fn explain(&self, error: impl Into<anyhow::Error>, address: &BridgeAddress) -> anyhow::Error {
         let error = error.into();
         match self.lock().why_gone() {
-            Some(why) => anyhow!(why).context(format!(
-                "{address} is gone: its cable was pulled, or the bridge has no power; connect it and start again"
-            )),
-            None if error.chain().any(|cause| matches!(cause.downcast_ref(), Some(LinkError::Silent))) => error
-                .context(format!(
-                    "{address} does not answer: is it a bridge (docs/formats/bridge.md) whose firmware runs, and does \
-                     nobody else read it?"
-                )),
+            Some(why) => {
+                let gone = "is gone: its cable was pulled, or the bridge has no power; connect it and start again";
+                anyhow!(why).context(Told::new(Cause::Gone, format!("{address} {gone}")))
+            }
+            None if error.chain().any(|cause| matches!(cause.downcast_ref(), Some(LinkError::Silent))) => {
+                let silent = "does not answer: is it a bridge (docs/formats/bridge.md) whose firmware runs, and does \
+                    nobody else read it?";
+                error.context(Told::new(Cause::Silent, format!("{address} {silent}")))
+            }
             None => error,
         }
     }

@@ -1,23 +1,10 @@
-//! Captures and logs on disk.
+//! Recordings on disk.
 
 use crate::output::Recording;
 use adis16130::Sample;
-use std::fs::File;
 use std::io;
-use std::path::Path;
-use zerorate_data::capture::{CaptureInfo, CaptureReader, CaptureSummary, CaptureWriter, Format};
-use zerorate_data::{CaptureError, Input};
-
-/// Opens a file to be read.
-pub fn open(path: &Path) -> Result<Input, CaptureError> {
-    let file = File::open(path).map_err(|error| CaptureError::io("read", path, error))?;
-    Ok(file.into())
-}
-
-/// Opens a capture, in any of its forms.
-pub fn capture(path: &Path) -> Result<CaptureReader, CaptureError> {
-    CaptureReader::open(path, open(path)?)
-}
+use zerorate_data::CaptureError;
+use zerorate_data::capture::{CaptureInfo, CaptureSummary, CaptureWriter, Format};
 
 /// Records samples into a file, and puts it onto the disk. Dropping it closes the file as well, but only
 /// [`Recorder::finish`] tells whether that worked.

@@ -1,6 +1,6 @@
 //! What carries the bytes: a serial port (USB CDC, UART) or a TCP connection.
 
-use crate::device::address::Port;
+use super::address::Port;
 use anyhow::{Context, Result};
 use serialport::SerialPort;
 use std::collections::VecDeque;

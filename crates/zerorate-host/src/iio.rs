@@ -3,12 +3,18 @@
 //! That driver holds the bus and gives single readings: no data ready, no status, no time of an edge. So nobody can
 //! tell whether a reading is new, or how many were never read; `lost` counts polls that came too late.
 
-use super::address::IioAddress;
-use adis16130::{RATE_LSB_PER_DPS, RateCode, Sample, TEMP_LSB_PER_C, TempCode, Width, ZERO_CODE};
+use crate::Stop;
+use crate::error::Told;
+use crate::kinds::{Address, Parsed};
+use crate::options::{number, split, without_bandwidth};
+use crate::source::{Facts, Sampling, Source};
+use adis16130::{Config, MCLK_HZ, RATE_LSB_PER_DPS, RateCode, Sample, TEMP_LSB_PER_C, TempCode, Width, ZERO_CODE};
 use anyhow::{Context, Result, bail, ensure};
 use std::fs;
-use std::path::Path;
+use std::ops::RangeInclusive;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// The driver's name, as sysfs gives it.
@@ -18,10 +24,64 @@ const TEMP: &str = "in_temp0";
 /// The kernel prints scales with nine decimals; that of the rate then has three digits.
 const SCALE_TOLERANCE: f64 = 0.005;
 
+/// A part that the kernel's IIO driver reads.
+#[derive(Clone, Debug, PartialEq)]
+pub struct IioAddress {
+    /// The device's folder in sysfs.
+    pub folder: PathBuf,
+    /// How often it is polled, per second.
+    pub hz: u32,
+    /// −3 dB of the rate, Hz, where it is not the part's own (F-04).
+    pub bandwidth_hz: Option<f64>,
+}
+
+const POLL_RANGE_HZ: RangeInclusive<u32> = 1..=10_000;
+const DEFAULT_POLL_HZ: u32 = 100;
+
+impl IioAddress {
+    /// Reads what follows `iio:`.
+    pub fn parse(text: &str) -> Parsed {
+        Ok(Arc::new(Self::read(text)?))
+    }
+
+    pub(crate) fn read(text: &str) -> std::result::Result<Self, String> {
+        let (text, bandwidth_hz) = without_bandwidth(text)?;
+        let (name, options) = split(&text);
+        if name.is_empty() || name.contains('/') {
+            return Err("iio: needs the device's name, as in iio:iio:device0 (ls /sys/bus/iio/devices)".to_owned());
+        }
+        let mut hz = DEFAULT_POLL_HZ;
+        for option in options {
+            match option.split_once('=') {
+                Some(("hz", text)) => hz = number("hz", text, POLL_RANGE_HZ)?,
+                _ => {
+                    return Err(format!(
+                        "`{option}` is no option; there are hz=POLLS_PER_SECOND, roa=none|10nf and bandwidth_hz=HZ \
+                         (F-04)"
+                    ));
+                }
+            }
+        }
+        Ok(Self { folder: PathBuf::from("/sys/bus/iio/devices").join(name), hz, bandwidth_hz })
+    }
+}
+
+impl Address for IioAddress {
+    fn open(&self, name: &str, sampling: Sampling, _: &Stop) -> crate::Result<Box<dyn Source>> {
+        if sampling.divider.is_some() {
+            let why = "--divider counts edges of data ready, which the kernel driver does not show; poll less often \
+                with ?hz=";
+            return Err(Told::request(why).into());
+        }
+        Ok(Box::new(IioDevice::open(self, name, sampling)?))
+    }
+}
+
 /// The part, being polled.
-pub struct IioDevice {
+struct IioDevice {
     address: IioAddress,
-    every_temp: u16,
+    name: String,
+    sampling: Sampling,
     /// What makes a raw reading a 24-bit code.
     rate_shift: i64,
     temp_shift: i64,
@@ -33,7 +93,7 @@ pub struct IioDevice {
 
 impl IioDevice {
     /// Reads the driver's scales and offsets, and makes sure that its readings are codes of F-40 and F-41.
-    pub fn open(address: &IioAddress, every_temp: u16) -> Result<Self> {
+    fn open(address: &IioAddress, device: &str, sampling: Sampling) -> Result<Self> {
         let folder = &address.folder;
         ensure!(
             folder.is_dir(),
@@ -49,7 +109,8 @@ impl IioDevice {
         let temp_shift = shift(folder, TEMP, 1000.0 / f64::from(TEMP_LSB_PER_C), temp_zero)?;
         Ok(Self {
             address: address.clone(),
-            every_temp,
+            name: device.to_owned(),
+            sampling,
             rate_shift,
             temp_shift,
             started: Instant::now(),
@@ -58,13 +119,8 @@ impl IioDevice {
         })
     }
 
-    /// Polls per second.
-    pub fn rate_hz(&self) -> f64 {
-        self.address.hz.into()
-    }
-
     /// The next reading, at its time.
-    pub fn next(&mut self) -> Result<Sample> {
+    fn poll(&mut self) -> Result<Sample> {
         let period = Duration::from_secs(1) / self.address.hz;
         let elapsed = self.started.elapsed();
         let due = period * self.next;
@@ -79,7 +135,7 @@ impl IioDevice {
         self.next = slot + 1;
         let t_ns = self.started.elapsed().as_nanos() as u64;
         let rate = RateCode::new(self.code(RATE, self.rate_shift)?, Width::Bits24);
-        let with_temp = self.taken.is_multiple_of(self.every_temp.into());
+        let with_temp = self.taken.is_multiple_of(self.sampling.every_temp.unwrap_or(1).into());
         let temp = with_temp.then(|| self.code(TEMP, self.temp_shift)).transpose()?;
         let temp = temp.map(|code| TempCode::new(code, Width::Bits24));
         self.taken += 1;
@@ -91,6 +147,18 @@ impl IioDevice {
         let code = raw + shift;
         ensure!((0..1 << 24).contains(&code), "{channel}_raw is {raw}, which is no reading of 24 bits");
         Ok(code as u32)
+    }
+}
+
+impl Source for IioDevice {
+    fn facts(&self) -> Facts {
+        let facts = Facts::of_part(&self.name, (Config::new(), self.sampling.config(1)), MCLK_HZ);
+        let facts = Facts { framing: None, rate_hz: self.address.hz.into(), ..facts };
+        facts.with_bandwidth_hz(self.address.bandwidth_hz)
+    }
+
+    fn next(&mut self) -> crate::Result<Option<Sample>> {
+        Ok(self.poll().map(Some)?)
     }
 }
 
@@ -140,24 +208,29 @@ mod tests {
         folder
     }
 
+    fn address(folder: &Path) -> IioAddress {
+        IioAddress { folder: folder.to_owned(), hz: 1000, bandwidth_hz: None }
+    }
+
     #[test]
     fn raw_readings_are_the_codes_of_the_part() {
         let folder = folder("0.000000743");
-        let address = IioAddress { folder: folder.path().to_owned(), hz: 1000 };
-        let mut device = IioDevice::open(&address, 2).expect("a device");
-        let samples: Vec<_> = (0..3).map(|_| device.next().expect("a sample")).collect();
+        let address = address(folder.path());
+        let mut device =
+            IioDevice::open(&address, "iio:x", Sampling { every_temp: Some(2), divider: None }).expect("a device");
+        let samples: Vec<_> = (0..3).map(|_| device.poll().expect("a sample")).collect();
         assert!(samples.iter().all(|sample| sample.rate.code24() == 8_388_622 && sample.status.is_none()));
         let temps: Vec<_> = samples.iter().map(|sample| sample.temp.map(TempCode::code24)).collect();
         assert_eq!(temps, [Some(8_388_609), None, Some(8_388_609)]);
         fs::remove_file(folder.path().join("in_anglvel_z_raw")).expect("removed");
-        assert!(format!("{:#}", device.next().unwrap_err()).contains("unplugged"));
+        assert!(format!("{:#}", device.poll().unwrap_err()).contains("unplugged"));
     }
 
     #[test]
     fn another_part_is_refused() {
         let folder = folder("0.000000500");
-        let address = IioAddress { folder: folder.path().to_owned(), hz: 1000 };
-        let error = IioDevice::open(&address, 1).err().expect("no device").to_string();
+        let address = address(folder.path());
+        let error = IioDevice::open(&address, "iio:x", Sampling::default()).err().expect("no device").to_string();
         assert!(error.contains("another part"), "{error}");
     }
 }

@@ -1,13 +1,17 @@
 //! The part on a Linux SPI bus: spidev for the bus, the GPIO character device for the edges of RDY.
 
-use super::Bus;
-use super::address::SpiAddress;
-use super::live::{Edges, Live};
-use super::pin::PinError;
-use super::reader::{Reader, WhenFull};
-use crate::output::say;
-use adis16130::{Config, Edge, Framing, MAX_SCLK_HZ, RdyEdge, Sample, SamplerConfig, SelfTest};
-use anyhow::{Context, Result, anyhow, bail};
+use crate::Stop;
+use crate::error::{Cause, Told};
+use crate::kinds::{Address, Parsed};
+use crate::live::{Edges, Live};
+use crate::options::{
+    DEFAULT_HZ, MCLK_RANGE_HZ, PART_OPTIONS, PartOptions, SLOWEST_HZ, gpio_line, number, split, without_bandwidth,
+};
+use crate::pin::PinError;
+use crate::reader::{Reader, WhenFull};
+use crate::source::{Bus, Facts, Losses, Sampling, Source};
+use adis16130::{Edge, Framing, MAX_SCLK_HZ, MCLK_HZ, RdyEdge, Sample, SamplerConfig, SelfTest};
+use anyhow::{Context, Result, bail};
 use embedded_hal::digital::{self, OutputPin};
 use embedded_hal::spi::{Error, ErrorKind, ErrorType, Operation, SpiDevice};
 use gpiocdev::Request;
@@ -19,8 +23,8 @@ use spidev::{SpiModeFlags, Spidev, SpidevOptions, SpidevTransfer};
 use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::atomic::{AtomicI32, AtomicU32, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 use thread_priority::{
     RealtimeThreadSchedulePolicy, ThreadPriority, ThreadSchedulePolicy, set_thread_priority_and_policy,
@@ -39,13 +43,82 @@ const NOT_REALTIME: &str = "allow it with `sudo setcap cap_sys_nice,cap_ipc_lock
 /// Reads whose time is taken.
 const TIMED_READS: u32 = 200;
 
+const SPI_EXAMPLE: &str = "spi:/dev/spidev0.0?rdy=gpiochip0:25&hz=4000000";
+
+/// `spi:/dev/spidevB.C?rdy=CHIP:LINE`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SpiAddress {
+    /// The spidev file.
+    pub spi: PathBuf,
+    /// The file of the GPIO chip that RDY is connected to.
+    pub chip: PathBuf,
+    /// Its line there.
+    pub line: u32,
+    /// SPI clock, Hz.
+    pub hz: u32,
+    /// How the part is configured, and how it is wired.
+    pub part: PartOptions,
+    /// Nominal master clock of the part, Hz.
+    pub mclk_hz: u32,
+    /// −3 dB of the rate, Hz, where it is not the part's own (F-04).
+    pub bandwidth_hz: Option<f64>,
+}
+
+impl SpiAddress {
+    /// Reads what follows `spi:`.
+    pub fn parse(text: &str) -> Parsed {
+        Ok(Arc::new(Self::read(text)?))
+    }
+
+    pub(crate) fn read(text: &str) -> Result<Self, String> {
+        let (text, bandwidth_hz) = without_bandwidth(text)?;
+        let (spi, options) = split(&text);
+        if !spi.starts_with('/') {
+            return Err(format!("spi: needs the spidev file and the RDY line, as in {SPI_EXAMPLE}"));
+        }
+        let mut rdy = None;
+        let (mut hz, mut part, mut mclk_hz) = (DEFAULT_HZ, PartOptions::of_host(), MCLK_HZ);
+        for option in options {
+            match option.split_once('=') {
+                Some(("rdy", line)) => rdy = Some(gpio_line(line)?),
+                Some(("hz", text)) => hz = number("hz", text, SLOWEST_HZ..=MAX_SCLK_HZ)?,
+                Some(("mclk", text)) => mclk_hz = number("mclk", text, MCLK_RANGE_HZ)?,
+                _ => match part.with(option)? {
+                    Some(changed) => part = changed,
+                    None => {
+                        return Err(format!(
+                            "`{option}` is no option; there are rdy=CHIP:LINE, hz=SCLK, mclk=HZ, {PART_OPTIONS}, as \
+                             in {SPI_EXAMPLE}"
+                        ));
+                    }
+                },
+            }
+        }
+        let (chip, line) =
+            rdy.ok_or_else(|| format!("which line is RDY (pin 10)? give rdy=CHIP:LINE, as in {SPI_EXAMPLE}"))?;
+        Ok(Self { spi: spi.into(), chip, line, hz, part, mclk_hz, bandwidth_hz })
+    }
+}
+
+impl Address for SpiAddress {
+    fn open(&self, name: &str, sampling: Sampling, stop: &Stop) -> crate::Result<Box<dyn Source>> {
+        Ok(Box::new(SpiPart::open(self, name, sampling, stop)?))
+    }
+}
+
 /// The part, and the thread that reads it once the first sample was asked for.
-pub struct SpiPart {
+struct SpiPart {
     address: SpiAddress,
+    name: String,
     clock: Arc<AtomicU32>,
     sampling: SamplerConfig,
+    failed: LastErrno,
+    notes: Notes,
     state: State,
 }
+
+/// What the reading thread has to say.
+type Notes = Arc<Mutex<Vec<String>>>;
 
 enum State {
     Ready(Box<Live<SpiBus, GpioEdges>>),
@@ -55,36 +128,28 @@ enum State {
 
 impl SpiPart {
     /// Opens both files; sends nothing.
-    pub fn open(address: &SpiAddress, sampling: SamplerConfig) -> Result<Self> {
-        let clock = Arc::new(AtomicU32::new(address.hz));
-        let bus = SpiBus::open(address, Arc::clone(&clock))?;
+    fn open(address: &SpiAddress, name: &str, sampling: Sampling, stop: &Stop) -> Result<Self> {
+        let sampling = sampling.config(address.part.divided);
+        let (clock, failed) = (Arc::new(AtomicU32::new(address.hz)), LastErrno::default());
+        let bus = SpiBus::open(address, Arc::clone(&clock), failed.clone())?;
         let edges = GpioEdges::open(address)?;
         // the commands go as one frame each; where CS is to rise between bytes, the bus splits them
         let config = address.part.config.with_framing(Framing::Command);
-        let live = Live::new(bus, edges, config, sampling, address.mclk_hz);
-        Ok(Self { address: address.clone(), clock, sampling, state: State::Ready(Box::new(live)) })
-    }
-
-    /// What the driver is told of the clock, Hz.
-    pub fn mclk_hz(&self) -> u32 {
-        self.address.mclk_hz
-    }
-
-    /// How the part is configured, and how it is sampled.
-    pub fn settings(&self) -> (Config, SamplerConfig) {
-        (self.address.part.config, self.sampling)
+        let live = Live::new(bus, edges, config, sampling, address.mclk_hz, stop);
+        let (address, name, notes) = (address.clone(), name.to_owned(), Notes::default());
+        Ok(Self { address, name, clock, sampling, failed, notes, state: State::Ready(Box::new(live)) })
     }
 
     /// Resets the part, initialises it, reads everything back. Returns the revision.
-    pub fn initialise(&mut self) -> Result<u8> {
+    fn initialise_part(&mut self) -> Result<u8> {
         match &mut self.state {
-            State::Ready(live) => live.initialise().map_err(|error| explain(error, &self.address)),
+            State::Ready(live) => live.initialise().map_err(|error| explain(error, &self.address, &self.failed)),
             _ => bail!("the part is being read already"),
         }
     }
 
     /// Tries faster and faster clocks, and times a read at the one that was asked for. Leaves the part configured.
-    pub fn try_bus(&mut self) -> Result<Bus> {
+    fn try_its_bus(&mut self) -> Result<Bus> {
         let State::Ready(live) = &mut self.state else { bail!("the part is being read already") };
         let fastest_clean_hz = live.fastest_clean_hz(|hz| {
             self.clock.store(hz, Ordering::Relaxed);
@@ -97,25 +162,26 @@ impl SpiPart {
             live.read_often(TIMED_READS)?;
             Ok(started.elapsed().as_secs_f64() / f64::from(TIMED_READS))
         };
-        let read_s = timed().map_err(|error| explain(error, &self.address))?;
+        let read_s = timed().map_err(|error| explain(error, &self.address, &self.failed))?;
         Ok(Bus { sclk_hz: self.address.hz, fastest_clean_hz, read_s: Some(read_s) })
     }
 
     /// What the self-test does to the rate; its pins are on this line.
-    pub fn self_test(&mut self, (chip, line): (PathBuf, u32)) -> Result<SelfTest> {
+    fn test_itself(&mut self, (chip, line): (PathBuf, u32)) -> Result<SelfTest> {
         let State::Ready(live) = &mut self.state else { bail!("the part is being read already") };
         let mut pin = GpioOutput::open(&chip, line)?;
-        live.self_test(&mut pin).map_err(|error| explain(error, &self.address))
+        live.self_test(&mut pin).map_err(|error| explain(error, &self.address, &self.failed))
     }
 
     /// The next sample.
-    pub fn next(&mut self) -> Result<Sample> {
+    fn next_sample(&mut self) -> Result<Sample> {
         loop {
             match std::mem::replace(&mut self.state, State::Ended) {
                 State::Ready(mut live) => {
-                    let address = self.address.clone();
-                    let next = move || live.next().map_err(|error| explain(error, &address));
-                    self.state = State::Reading(Reader::start(WhenFull::Drop, become_realtime, next)?);
+                    let (address, failed, notes) = (self.address.clone(), self.failed.clone(), self.notes.clone());
+                    let next = move || live.next().map_err(|error| explain(error, &address, &failed));
+                    let prepare = move || become_realtime(&notes);
+                    self.state = State::Reading(Reader::start(WhenFull::Drop, prepare, next)?);
                 }
                 State::Reading(reader) => {
                     let sample = reader.next();
@@ -126,75 +192,115 @@ impl SpiPart {
             }
         }
     }
+}
 
-    /// Samples that were read but could not be stored in time.
-    pub fn overflowed(&self) -> u64 {
-        match &self.state {
+impl Source for SpiPart {
+    fn facts(&self) -> Facts {
+        let settings = (self.address.part.config, self.sampling);
+        Facts::of_part(&self.name, settings, self.address.mclk_hz).with_bandwidth_hz(self.address.bandwidth_hz)
+    }
+
+    fn initialise(&mut self) -> crate::Result<Option<u8>> {
+        Ok(self.initialise_part().map(Some)?)
+    }
+
+    fn next(&mut self) -> crate::Result<Option<Sample>> {
+        Ok(self.next_sample().map(Some)?)
+    }
+
+    fn try_bus(&mut self) -> crate::Result<Option<Bus>> {
+        Ok(self.try_its_bus().map(Some)?)
+    }
+
+    fn self_test(&mut self, gpio: &str) -> crate::Result<SelfTest> {
+        let line = gpio_line(gpio).map_err(|why| Told::request(format!("--self-test: {why}")))?;
+        Ok(self.test_itself(line)?)
+    }
+
+    fn losses(&self) -> Losses {
+        let overflowed = match &self.state {
             State::Reading(reader) => reader.overflowed(),
             _ => 0,
-        }
+        };
+        Losses { overflowed, ..Losses::default() }
+    }
+
+    fn take_notes(&mut self) -> Vec<String> {
+        std::mem::take(&mut *self.notes.lock().unwrap_or_else(PoisonError::into_inner))
     }
 }
 
 /// Priority and locked memory, or a word on how to allow them.
-fn become_realtime() {
+fn become_realtime(notes: &Notes) {
+    let say = |note: String| notes.lock().unwrap_or_else(PoisonError::into_inner).push(note);
     let fifo = ThreadSchedulePolicy::Realtime(RealtimeThreadSchedulePolicy::Fifo);
     let priority = ThreadPriority::try_from(PRIORITY).map_err(|why| why.to_owned());
     let set = priority.and_then(|priority| {
         set_thread_priority_and_policy(thread_native_id(), priority, fifo).map_err(|error| error.to_string())
     });
     if set.is_err() {
-        say(format_args!(
-            "warning: no-realtime-priority: other programs can delay the reading and cost samples; {NOT_REALTIME}"
-        ));
+        say(format!("no-realtime-priority: other programs can delay the reading and cost samples; {NOT_REALTIME}"));
     }
     if mlockall(MlockAllFlags::CURRENT | MlockAllFlags::FUTURE | MlockAllFlags::ONFAULT).is_err() {
-        say(format_args!(
-            "warning: memory-not-locked: the reading thread may have to wait for memory that was swapped out; \
+        say(format!(
+            "memory-not-locked: the reading thread may have to wait for memory that was swapped out; \
              {NOT_REALTIME}"
         ));
     }
 }
 
-/// Says which file failed and what to do, where the system said why.
-fn explain(error: anyhow::Error, address: &SpiAddress) -> anyhow::Error {
-    let spi = address.spi.display();
-    let gone = [Errno::NODEV, Errno::SHUTDOWN, Errno::NXIO, Errno::NOENT];
-    let text = format!("{error:#}");
-    match gone.iter().find(|errno| text.contains(&os_text(**errno))) {
-        Some(_) => error.context(format!(
-            "{spi} is gone: the SPI adapter was unplugged or its driver unbound; plug it in and start again"
-        )),
-        None if text.contains(&os_text(Errno::TIMEDOUT)) => {
-            error.context(format!("{spi} does not finish its transfers: check the SPI adapter (dmesg tells more)"))
-        }
-        None => error,
+/// What the system said last about a transfer or an edge that failed. The driver's errors do not carry it.
+#[derive(Clone, Debug, Default)]
+struct LastErrno(Arc<AtomicI32>);
+
+impl LastErrno {
+    fn set(&self, raw: i32) {
+        self.0.store(raw, Ordering::Relaxed);
+    }
+
+    fn get(&self) -> Option<Errno> {
+        let raw = self.0.load(Ordering::Relaxed);
+        (raw > 0).then(|| Errno::from_raw_os_error(raw))
     }
 }
 
-fn os_text(errno: Errno) -> String {
-    format!("os error {}", errno.raw_os_error())
+/// Says which file failed and what to do, where the system said why.
+fn explain(error: anyhow::Error, address: &SpiAddress, failed: &LastErrno) -> anyhow::Error {
+    let spi = address.spi.display();
+    let told = match failed.get() {
+        Some(Errno::NODEV | Errno::SHUTDOWN | Errno::NXIO | Errno::NOENT) => Told::new(
+            Cause::Gone,
+            format!("{spi} is gone: the SPI adapter was unplugged or its driver unbound; plug it in and start again"),
+        ),
+        Some(Errno::TIMEDOUT) => Told::new(
+            Cause::Silent,
+            format!("{spi} does not finish its transfers: check the SPI adapter (dmesg tells more)"),
+        ),
+        _ => return error,
+    };
+    error.context(told)
 }
 
 // ---- the bus ----
 
 /// A spidev file as an embedded-hal device.
-pub struct SpiBus {
+struct SpiBus {
     spi: Spidev,
     clock: Arc<AtomicU32>,
+    failed: LastErrno,
     /// CS rises after every byte of a command (F-22).
     split: bool,
 }
 
 impl SpiBus {
-    fn open(address: &SpiAddress, clock: Arc<AtomicU32>) -> Result<Self> {
+    fn open(address: &SpiAddress, clock: Arc<AtomicU32>, failed: LastErrno) -> Result<Self> {
         let path = &address.spi;
         let mut spi = Spidev::open(path).map_err(|error| why_no_spi(path, error))?;
         flock(spi.inner(), FlockOperation::NonBlockingLockExclusive).map_err(|_| {
-            anyhow!(
-                "{} is busy: another zerorate is reading this part; end it first (fuser {})",
-                path.display(),
-                path.display()
+            let file = path.display();
+            Told::new(
+                Cause::Busy,
+                format!("{file} is busy: another zerorate is reading this part; end it first (fuser {file})"),
             )
         })?;
         let options = SpidevOptions::new()
@@ -204,7 +310,7 @@ impl SpiBus {
             .lsb_first(false)
             .build();
         spi.configure(&options).map_err(|error| why_not_configured(path, error))?;
-        Ok(Self { spi, clock, split: address.part.config.framing() == Framing::PerByte })
+        Ok(Self { spi, clock, failed, split: address.part.config.framing() == Framing::PerByte })
     }
 
     /// One message to the kernel: one frame of CS, or one per byte.
@@ -260,14 +366,18 @@ impl SpiDevice for SpiBus {
         loop {
             match self.message(operations) {
                 Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
-                done => return done.map_err(SpiError),
+                Ok(()) => return Ok(()),
+                Err(error) => {
+                    self.failed.set(error.raw_os_error().unwrap_or_default());
+                    return Err(SpiError(error));
+                }
             }
         }
     }
 }
 
 /// What the system says about a failed transfer.
-pub struct SpiError(io::Error);
+struct SpiError(io::Error);
 
 impl fmt::Debug for SpiError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -303,7 +413,8 @@ fn why_no_spi(path: &Path, error: io::Error) -> anyhow::Error {
         io::ErrorKind::ResourceBusy => format!("{file} is busy: another driver or program holds it (fuser {file})"),
         _ => format!("cannot open {file}"),
     };
-    anyhow::Error::new(error).context(remedy)
+    let told = Told::of_system(&error, remedy);
+    anyhow::Error::new(error).context(told)
 }
 
 /// The driver that is bound to the SPI device which `/dev/spidevB.C` would be, if that is another one.
@@ -328,7 +439,7 @@ fn why_not_configured(path: &Path, error: io::Error) -> anyhow::Error {
 // ---- the edges ----
 
 /// The RDY line at the GPIO character device.
-pub struct GpioEdges {
+struct GpioEdges {
     request: Request,
     name: String,
     buffer: Vec<u64>,
@@ -381,7 +492,7 @@ impl Edges for GpioEdges {
         let edge = match came {
             Ok(true) => self.newest().with_context(|| format!("reading the RDY line, {}", self.name))?,
             Ok(false) => None,
-            Err(error) if error.to_string().contains(&os_text(Errno::INTR)) => return self.next(timeout_ns),
+            Err(error) if errno(&error) == Some(Errno::INTR) => return self.next(timeout_ns),
             Err(error) => return Err(error).with_context(|| format!("waiting for the RDY line, {}", self.name)),
         };
         if let Some(edge) = edge {
@@ -432,19 +543,35 @@ impl OutputPin for GpioOutput {
 
 fn why_no_line(chip: &Path, line: u32, error: gpiocdev::Error) -> anyhow::Error {
     let file = chip.display();
-    let text = format!("{error}");
-    let is = |errno: Errno| text.contains(&os_text(errno));
-    let remedy = if is(Errno::BUSY) {
-        format!("line {line} of {file} is busy: gpioinfo shows who uses it; RDY needs a line of its own")
-    } else if is(Errno::ACCESS) || is(Errno::PERM) || text.contains("not have permission") {
-        format!(
-            "no permission to open {file}: sudo usermod -aG gpio \"$USER\", then log in again (ls -l {file} shows the \
-             group)"
-        )
-    } else if is(Errno::INVAL) {
-        format!("{file} has no line {line} that can raise interrupts: gpioinfo lists its lines")
-    } else {
-        format!("no GPIO chip {file}: ls /dev/gpiochip* lists them; RDY (pin 10) needs one of their lines")
+    let (cause, remedy) = match errno(&error) {
+        Some(Errno::BUSY) => (
+            Cause::Busy,
+            format!("line {line} of {file} is busy: gpioinfo shows who uses it; RDY needs a line of its own"),
+        ),
+        Some(Errno::ACCESS | Errno::PERM) => (
+            Cause::Permission,
+            format!(
+                "no permission to open {file}: sudo usermod -aG gpio \"$USER\", then log in again (ls -l {file} shows \
+                 the group)"
+            ),
+        ),
+        Some(Errno::INVAL) => {
+            (Cause::Missing, format!("{file} has no line {line} that can raise interrupts: gpioinfo lists its lines"))
+        }
+        _ => (
+            Cause::Missing,
+            format!("no GPIO chip {file}: ls /dev/gpiochip* lists them; RDY (pin 10) needs one of their lines"),
+        ),
     };
-    anyhow::Error::new(error).context(remedy)
+    anyhow::Error::new(error).context(Told::new(cause, remedy))
+}
+
+/// What the system said.
+fn errno(error: &gpiocdev::Error) -> Option<Errno> {
+    match error {
+        gpiocdev::Error::Os(errno) | gpiocdev::Error::Uapi(_, gpiocdev_uapi::Error::Os(errno)) => {
+            Some(Errno::from_raw_os_error(errno.0))
+        }
+        _ => None,
+    }
 }

@@ -1,0 +1,116 @@
+//! Where a bridge is, and how its part is set.
+
+use super::BridgePart;
+use crate::Stop;
+use crate::kinds::{Address, Parsed};
+use crate::options::{
+    DEFAULT_HZ, MCLK_RANGE_HZ, PART_OPTIONS, PartOptions, SLOWEST_HZ, number, split, without_bandwidth,
+};
+use crate::source::{Sampling, Source};
+use adis16130::{MAX_SCLK_HZ, MCLK_HZ};
+use std::fmt;
+use std::ops::RangeInclusive;
+use std::sync::Arc;
+
+/// A part behind a bridge.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BridgeAddress {
+    /// Where the bridge is.
+    pub port: Port,
+    /// SPI clock of the bridge, Hz.
+    pub hz: u32,
+    /// How the part is configured, and how it is wired.
+    pub part: PartOptions,
+    /// Nominal master clock of the part, Hz.
+    pub mclk_hz: u32,
+    /// −3 dB of the rate, Hz, where it is not the part's own (F-04).
+    pub bandwidth_hz: Option<f64>,
+}
+
+/// Where a bridge is.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Port {
+    /// At a serial port; USB ignores the baud rate.
+    Serial {
+        /// Its file, or its name on systems where ports are no files.
+        path: String,
+        /// Of a UART.
+        baud: u32,
+    },
+    /// At HOST:PORT.
+    Tcp(String),
+}
+
+impl fmt::Display for BridgeAddress {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.port {
+            Port::Serial { path, .. } => write!(f, "bridge:{path}"),
+            Port::Tcp(address) => write!(f, "tcp:{address}"),
+        }
+    }
+}
+
+/// Baud rate unless given: enough for the full rate with every temperature.
+const DEFAULT_BAUD: u32 = 3_000_000;
+const BAUD_RANGE: RangeInclusive<u32> = 9_600..=12_000_000;
+
+impl BridgeAddress {
+    /// Reads what follows `bridge:`.
+    pub fn parse_serial(text: &str) -> Parsed {
+        Ok(Arc::new(Self::read_serial(text)?))
+    }
+
+    pub(crate) fn read_serial(text: &str) -> Result<Self, String> {
+        let (text, bandwidth_hz) = without_bandwidth(text)?;
+        let (path, options) = split(&text);
+        if path.is_empty() {
+            return Err("bridge: needs the serial port, as in bridge:/dev/ttyACM0".to_owned());
+        }
+        let mut baud = DEFAULT_BAUD;
+        let rest: Vec<&str> = options.collect();
+        let (bauds, rest): (Vec<&str>, Vec<&str>) = rest.into_iter().partition(|option| option.starts_with("baud="));
+        for option in bauds {
+            baud = number("baud", option.trim_start_matches("baud="), BAUD_RANGE)?;
+        }
+        let port = Port::Serial { path: path.to_owned(), baud };
+        Ok(Self { bandwidth_hz, ..Self::with_options(port, &rest, "baud=N, hz=SCLK, mclk=HZ")? })
+    }
+
+    /// Reads what follows `tcp:`.
+    pub fn parse_tcp(text: &str) -> Parsed {
+        Ok(Arc::new(Self::read_tcp(text)?))
+    }
+
+    pub(crate) fn read_tcp(text: &str) -> Result<Self, String> {
+        let (text, bandwidth_hz) = without_bandwidth(text)?;
+        let (address, options) = split(&text);
+        let port = address.rsplit_once(':').filter(|(host, _)| !host.is_empty());
+        if port.and_then(|(_, port)| port.parse::<u16>().ok()).is_none() {
+            return Err("tcp: needs host and port of the bridge, as in tcp:127.0.0.1:16130".to_owned());
+        }
+        let port = Port::Tcp(address.to_owned());
+        Ok(Self { bandwidth_hz, ..Self::with_options(port, &options.collect::<Vec<_>>(), "hz=SCLK, mclk=HZ")? })
+    }
+
+    fn with_options(port: Port, options: &[&str], known: &str) -> Result<Self, String> {
+        let part = PartOptions::of_host();
+        let mut address = Self { port, hz: DEFAULT_HZ, part, mclk_hz: MCLK_HZ, bandwidth_hz: None };
+        for option in options {
+            match option.split_once('=') {
+                Some(("hz", text)) => address.hz = number("hz", text, SLOWEST_HZ..=MAX_SCLK_HZ)?,
+                Some(("mclk", text)) => address.mclk_hz = number("mclk", text, MCLK_RANGE_HZ)?,
+                _ => match address.part.with(option)? {
+                    Some(changed) => address.part = changed,
+                    None => return Err(format!("`{option}` is no option; there are {known}, {PART_OPTIONS}")),
+                },
+            }
+        }
+        Ok(address)
+    }
+}
+
+impl Address for BridgeAddress {
+    fn open(&self, name: &str, sampling: Sampling, stop: &Stop) -> crate::Result<Box<dyn Source>> {
+        Ok(Box::new(BridgePart::open(self, name, sampling, stop)?))
+    }
+}

@@ -1,0 +1,150 @@
+//! Why a device cannot be read: a cause that a program can act on, and words that a person can.
+
+use adis16130::Fault;
+use std::error::Error;
+use std::{fmt, io};
+use zerorate_data::CaptureError;
+use zerorate_data::capture::admission::Disbelief;
+
+/// Why a device cannot be read. Its text and those of its sources say what was seen and what to do.
+#[derive(Debug)]
+pub struct DeviceError {
+    cause: Cause,
+    told: anyhow::Error,
+}
+
+/// What kind of failure it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Cause {
+    /// What was asked for makes no sense at this device.
+    Request,
+    /// It is not there.
+    Missing,
+    /// We may not open it.
+    Permission,
+    /// Somebody else has it.
+    Busy,
+    /// It was there, and is no more: a cable was pulled, a driver unbound.
+    Gone,
+    /// It is there and says nothing.
+    Silent,
+    /// The part itself shows a fault.
+    Part,
+    /// The recording cannot be read, or is damaged.
+    File,
+    /// It was asked to stop.
+    Stopped,
+    /// Anything else.
+    Other,
+}
+
+impl DeviceError {
+    /// What kind of failure it is.
+    #[must_use]
+    pub fn cause(&self) -> Cause {
+        self.cause
+    }
+}
+
+impl DeviceError {
+    /// The same for somebody else.
+    pub(crate) fn again(&self) -> Self {
+        Self { cause: self.cause, told: anyhow::anyhow!("{:#}", self.told) }
+    }
+}
+
+impl fmt::Display for DeviceError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.told.fmt(f)
+    }
+}
+
+impl Error for DeviceError {
+    fn source(&self) -> Option<&(dyn Error + 'static)> {
+        self.told.chain().nth(1)
+    }
+}
+
+impl From<anyhow::Error> for DeviceError {
+    fn from(told: anyhow::Error) -> Self {
+        Self { cause: cause(&told), told }
+    }
+}
+
+impl From<Disbelief> for DeviceError {
+    fn from(error: Disbelief) -> Self {
+        anyhow::Error::new(error).into()
+    }
+}
+
+impl From<CaptureError> for DeviceError {
+    fn from(error: CaptureError) -> Self {
+        anyhow::Error::new(error).into()
+    }
+}
+
+/// Words for a failure whose cause is known.
+#[derive(Debug, thiserror::Error)]
+#[error("{words}")]
+pub(crate) struct Told {
+    cause: Cause,
+    words: String,
+}
+
+impl Told {
+    pub fn new(cause: Cause, words: impl Into<String>) -> Self {
+        Self { cause, words: words.into() }
+    }
+
+    pub fn request(words: impl Into<String>) -> anyhow::Error {
+        Self::new(Cause::Request, words).into()
+    }
+
+    /// What the system said about a file.
+    pub fn of_system(error: &io::Error, words: impl Into<String>) -> Self {
+        Self::new(of_system(error), words)
+    }
+}
+
+fn cause(error: &anyhow::Error) -> Cause {
+    if let Some(told) = error.downcast_ref::<Told>() {
+        return told.cause;
+    }
+    let of_part = error.downcast_ref::<Fault>().map(|_| Cause::Part);
+    let of_file = error.downcast_ref::<CaptureError>().map(|_| Cause::File);
+    let of_system = error.chain().find_map(|source| source.downcast_ref()).map(of_system);
+    of_part.or(of_file).or(of_system).unwrap_or(Cause::Other)
+}
+
+fn of_system(error: &io::Error) -> Cause {
+    match error.kind() {
+        io::ErrorKind::NotFound => Cause::Missing,
+        io::ErrorKind::PermissionDenied => Cause::Permission,
+        io::ErrorKind::ResourceBusy => Cause::Busy,
+        io::ErrorKind::UnexpectedEof | io::ErrorKind::BrokenPipe | io::ErrorKind::ConnectionReset => Cause::Gone,
+        io::ErrorKind::TimedOut => Cause::Silent,
+        _ => Cause::Other,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use anyhow::Context;
+
+    #[test]
+    fn the_cause_is_told_and_the_words_stay() {
+        let gone = Err::<(), _>(io::Error::from(io::ErrorKind::NotFound))
+            .context("reading register 8")
+            .context(Told::new(Cause::Gone, "the adapter was unplugged"))
+            .context("12.0 s after the first edge")
+            .unwrap_err();
+        let words = format!("{gone:#}");
+        let error = DeviceError::from(gone);
+        assert_eq!(error.cause(), Cause::Gone);
+        assert_eq!(format!("{:#}", anyhow::Error::from(error)), words);
+        let missing = anyhow::Error::from(io::Error::from(io::ErrorKind::NotFound)).context("opening it");
+        assert_eq!(DeviceError::from(missing).cause(), Cause::Missing);
+    }
+}

@@ -1,0 +1,386 @@
+//! One thread reads a device, for everybody.
+//!
+//! Whoever must have every sample (a recorder, the procedure) subscribes to [`Everything`], and the thread waits for
+//! it; what is lost then is lost in front of the thread, where the samples count it. A [`Watcher`] is never waited for:
+//! what does not fit into its queue it has missed, and is told how much that was.
+
+use crate::source::{Facts, Losses, Source};
+use crate::{DeviceError, DeviceSpec, Result, Sampling, Stop};
+use adis16130::Sample;
+use adis16130_twin::Truth;
+use anyhow::{Context, anyhow};
+use std::sync::mpsc::{Receiver, Sender, SyncSender, TrySendError, channel, sync_channel};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant};
+use zerorate_data::capture::admission::Admission;
+
+/// Samples of a batch at most: 0.7 s at the full rate.
+const BATCH: usize = 4096;
+/// Part time of a batch at most, ns, where it is that of the wall clock: a watcher sees samples this late.
+const LIVE_BATCH_NS: u64 = 20_000_000;
+/// Batches that wait for whoever takes everything.
+const QUEUE: usize = 16;
+
+/// How fast simulated or recorded time goes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Pace {
+    /// As fast as it is taken.
+    Free,
+    /// No faster than the wall clock.
+    RealTime,
+}
+
+/// Samples in a row.
+#[derive(Debug, Default)]
+pub struct Batch {
+    /// In order of time, as they may stand in a capture.
+    pub samples: Vec<Sample>,
+    /// What there is to say since the batch before.
+    pub notes: Vec<String>,
+    /// What there is to say of the times of all samples so far.
+    pub doubts: Vec<String>,
+    /// What was lost between the part and here, since the beginning.
+    pub losses: Losses,
+    /// The twin's truth after the last sample.
+    pub truth: Option<Truth>,
+}
+
+/// Reads a device in a thread of its own.
+#[derive(Debug)]
+pub struct Hub {
+    facts: Facts,
+    requests: Sender<Request>,
+    subscribers: Subscribers,
+    stop: Stop,
+    ended: Stop,
+    thread: Option<JoinHandle<()>>,
+}
+
+/// Takes every sample: the thread waits for it.
+#[derive(Debug)]
+pub struct Everything(Receiver<Given>);
+
+/// Takes what it can: the thread never waits for it.
+#[derive(Debug)]
+pub struct Watcher(Receiver<Watched>);
+
+/// What a watcher gets.
+#[derive(Clone, Debug)]
+pub struct Watched {
+    /// Samples in a row.
+    pub batch: Arc<Batch>,
+    /// Samples right before them for which there was no room.
+    pub missed: u64,
+}
+
+/// A batch, or why there are no more.
+type Given = Result<Arc<Batch>, DeviceError>;
+
+type Subscribers = Arc<Mutex<Vec<Subscriber>>>;
+
+#[derive(Debug)]
+enum Subscriber {
+    Everything(SyncSender<Given>),
+    Watcher { queue: SyncSender<Watched>, missed: u64 },
+}
+
+type Work = Box<dyn FnOnce(&mut dyn Source) + Send>;
+
+/// What the thread is to do before it reads samples.
+enum Request {
+    Do(Work),
+    Read { pace: Pace, marks_ns: Vec<u64> },
+}
+
+impl Hub {
+    /// Opens the device in a thread of its own; sends nothing to the part yet. `stop` ends the reading as if the
+    /// recording ended there.
+    ///
+    /// # Errors
+    /// Why it cannot be opened.
+    pub fn open(spec: &DeviceSpec, sampling: Sampling, stop: &Stop) -> Result<Self> {
+        let (spec, inner) = (spec.clone(), stop.clone());
+        Self::start(move || spec.open(sampling, &inner), stop)
+    }
+
+    /// The same for a source that `open` makes in the thread: it need not be `Send`.
+    ///
+    /// # Errors
+    /// Why it cannot be opened.
+    pub fn start(open: impl FnOnce() -> Result<Box<dyn Source>> + Send + 'static, stop: &Stop) -> Result<Self> {
+        let (requests, wanted) = channel();
+        let (tell, told) = channel();
+        let subscribers = Subscribers::default();
+        let ended = Stop::default();
+        let reading = Reading { subscribers: subscribers.clone(), stop: stop.clone(), ended: ended.clone() };
+        let body = move || match open() {
+            Ok(mut source) => {
+                let _ = tell.send(Ok(source.facts()));
+                reading.serve(source.as_mut(), &wanted);
+            }
+            Err(error) => drop(tell.send(Err(error))),
+        };
+        let thread =
+            thread::Builder::new().name("hub".to_owned()).spawn(body).context("starting the reading thread")?;
+        let facts = told.recv().map_err(|_| died())??;
+        Ok(Self { facts, requests, subscribers, stop: stop.clone(), ended, thread: Some(thread) })
+    }
+
+    /// What does not change while the device is read.
+    #[must_use]
+    pub fn facts(&self) -> &Facts {
+        &self.facts
+    }
+
+    /// What ends the reading.
+    #[must_use]
+    pub fn stop(&self) -> &Stop {
+        &self.stop
+    }
+
+    /// Does something with the source, in its thread. To be called before [`Hub::read`].
+    ///
+    /// # Errors
+    /// What `work` failed with, or that the device is being read already.
+    pub fn with<T: Send + 'static>(
+        &self,
+        work: impl FnOnce(&mut dyn Source) -> Result<T> + Send + 'static,
+    ) -> Result<T> {
+        let (tell, told) = channel();
+        let request = Request::Do(Box::new(move |source| drop(tell.send(work(source)))));
+        self.requests.send(request).map_err(|_| died())?;
+        told.recv().map_err(|_| anyhow!("the device is being read already"))?
+    }
+
+    /// From here on every sample, until the queue is dropped. Who subscribes before [`Hub::read`] has all of them.
+    #[must_use]
+    pub fn everything(&self) -> Everything {
+        let (queue, batches) = sync_channel(QUEUE);
+        self.add(Subscriber::Everything(queue));
+        Everything(batches)
+    }
+
+    /// From here on what fits into a queue of so many batches.
+    #[must_use]
+    pub fn watch(&self, queue: usize) -> Watcher {
+        let (queue, batches) = sync_channel(queue.max(1));
+        self.add(Subscriber::Watcher { queue, missed: 0 });
+        Watcher(batches)
+    }
+
+    fn add(&self, subscriber: Subscriber) {
+        lock(&self.subscribers).push(subscriber);
+    }
+
+    /// Begins to read samples. A batch ends with the first sample so many ns after the very first, for each of
+    /// `marks_ns` in ascending order, so that what it states (the truth) is of that sample.
+    ///
+    /// # Errors
+    /// That the thread is gone.
+    pub fn read(&self, pace: Pace, marks_ns: Vec<u64>) -> Result<()> {
+        let begun = self.requests.send(Request::Read { pace, marks_ns });
+        begun.map_err(|_| died().into())
+    }
+}
+
+impl Drop for Hub {
+    fn drop(&mut self) {
+        self.ended.ask();
+        let (closed, _) = channel();
+        self.requests = closed;
+        let _ = self.thread.take().map(JoinHandle::join);
+    }
+}
+
+fn lock(subscribers: &Subscribers) -> std::sync::MutexGuard<'_, Vec<Subscriber>> {
+    subscribers.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+fn died() -> anyhow::Error {
+    anyhow!("the reading thread has ended")
+}
+
+impl Everything {
+    /// The next samples; waits for them. None at the end of a recording, and when the reading was stopped.
+    ///
+    /// # Errors
+    /// Why the device cannot be read any more.
+    pub fn next(&self) -> Result<Option<Arc<Batch>>> {
+        self.0.recv().map_or(Ok(None), |given| given.map(Some))
+    }
+}
+
+impl Watcher {
+    /// The next samples; waits for them. None at the end, whatever it was: who takes everything is told.
+    #[must_use]
+    pub fn next(&self) -> Option<Watched> {
+        self.0.recv().ok()
+    }
+}
+
+/// The thread.
+struct Reading {
+    subscribers: Subscribers,
+    /// Somebody wants the reading to end.
+    stop: Stop,
+    /// The hub is gone.
+    ended: Stop,
+}
+
+impl Reading {
+    /// Does what is asked for, then reads until the end, and hangs up.
+    fn serve(self, source: &mut dyn Source, wanted: &Receiver<Request>) {
+        while let Ok(request) = wanted.recv() {
+            match request {
+                Request::Do(work) => work(source),
+                Request::Read { pace, marks_ns } => {
+                    let clock = (pace == Pace::RealTime && !source.facts().is_real).then(WallClock::default);
+                    if let Err(error) = self.read(source, clock, marks_ns) {
+                        self.fail(&error);
+                    }
+                    lock(&self.subscribers).clear();
+                    return;
+                }
+            }
+        }
+    }
+
+    fn read(&self, source: &mut dyn Source, mut clock: Option<WallClock>, marks_ns: Vec<u64>) -> Result<()> {
+        let is_live = clock.is_some() || source.facts().is_real;
+        let mut marks = marks_ns.into_iter().peekable();
+        let mut admission = Admission::default();
+        let mut start_ns = None;
+        loop {
+            let mut batch = Batch::default();
+            let end = loop {
+                let sample = match admitted(source, &mut admission) {
+                    Ok(Some(sample)) if !self.is_over() => sample,
+                    Ok(_) => break Some(Ok(())),
+                    Err(error) => break Some(Err(error)),
+                };
+                if let Some(clock) = &mut clock {
+                    clock.keep(sample.t_ns, || self.is_over());
+                }
+                batch.samples.push(sample);
+                let since_ns = sample.t_ns - *start_ns.get_or_insert(sample.t_ns);
+                let first_ns = batch.samples.first().map_or(sample.t_ns, |first| first.t_ns);
+                let is_marked = marks.next_if(|mark_ns| since_ns >= *mark_ns).is_some();
+                let is_late = is_live && sample.t_ns - first_ns >= LIVE_BATCH_NS;
+                if is_marked || is_late || batch.samples.len() == BATCH {
+                    break None;
+                }
+            };
+            (batch.notes, batch.doubts) = (source.take_notes(), admission.warnings().collect());
+            (batch.losses, batch.truth) = (source.losses(), source.truth());
+            let is_heard = self.give(batch);
+            if let Some(end) = end {
+                return end;
+            }
+            if !is_heard && !is_live {
+                return Ok(());
+            }
+        }
+    }
+
+    fn is_over(&self) -> bool {
+        self.stop.asked() || self.ended.asked()
+    }
+
+    /// False where nobody is there.
+    fn give(&self, batch: Batch) -> bool {
+        let batch = Arc::new(batch);
+        // whoever must have everything is waited for: not while new subscribers wait for the lock
+        let mut subscribers = std::mem::take(&mut *lock(&self.subscribers));
+        subscribers.retain_mut(|subscriber| subscriber.give(&batch, &self.ended));
+        let mut all = lock(&self.subscribers);
+        subscribers.append(&mut all);
+        *all = subscribers;
+        !all.is_empty()
+    }
+
+    /// Only who must have everything is told why there is no more.
+    fn fail(&self, error: &DeviceError) {
+        for subscriber in std::mem::take(&mut *lock(&self.subscribers)) {
+            if let Subscriber::Everything(queue) = subscriber {
+                wait_for_room(&queue, Err(error.again()), &self.ended);
+            }
+        }
+    }
+}
+
+/// Waits until there is room, or the hub is gone; false if nobody will take it.
+fn wait_for_room(queue: &SyncSender<Given>, given: Given, ended: &Stop) -> bool {
+    let mut given = given;
+    loop {
+        match queue.try_send(given) {
+            Ok(()) => return true,
+            Err(TrySendError::Full(back)) if !ended.asked() => given = back,
+            Err(_) => return false,
+        }
+        thread::sleep(FULL_QUEUE);
+    }
+}
+
+/// So long is slept where a queue is full: short against what is in it.
+const FULL_QUEUE: Duration = Duration::from_micros(200);
+
+impl Subscriber {
+    /// False once it is gone.
+    fn give(&mut self, batch: &Arc<Batch>, ended: &Stop) -> bool {
+        match self {
+            Self::Everything(queue) => wait_for_room(queue, Ok(Arc::clone(batch)), ended),
+            Self::Watcher { queue, missed } => {
+                match queue.try_send(Watched { batch: Arc::clone(batch), missed: *missed }) {
+                    Ok(()) => *missed = 0,
+                    Err(TrySendError::Full(_)) => *missed += batch.samples.len() as u64,
+                    Err(TrySendError::Disconnected(_)) => return false,
+                }
+                true
+            }
+        }
+    }
+}
+
+/// The next sample that may stand in a capture.
+#[inline]
+fn admitted(source: &mut dyn Source, admission: &mut Admission) -> Result<Option<Sample>> {
+    while let Some(sample) = source.next()? {
+        if let Some(admitted) = admission.admit(sample)? {
+            return Ok(Some(admitted));
+        }
+    }
+    Ok(None)
+}
+
+/// Keeps part time from running ahead of the wall clock; looks at the clock once per [`PACE_NS`] of part time.
+#[derive(Default)]
+struct WallClock {
+    started: Option<(Instant, u64)>,
+    due_ns: u64,
+}
+
+impl WallClock {
+    #[inline]
+    fn keep(&mut self, t_ns: u64, is_over: impl Fn() -> bool) {
+        if t_ns >= self.due_ns {
+            self.wait(t_ns, is_over);
+        }
+    }
+
+    fn wait(&mut self, t_ns: u64, is_over: impl Fn() -> bool) {
+        let (wall, part_ns) = *self.started.get_or_insert_with(|| (Instant::now(), t_ns));
+        let target = Duration::from_nanos(t_ns.saturating_sub(part_ns));
+        while let Some(early) = target.checked_sub(wall.elapsed()).filter(|early| !early.is_zero()) {
+            if is_over() {
+                break;
+            }
+            thread::sleep(early.min(LONGEST_SLEEP));
+        }
+        self.due_ns = t_ns + PACE_NS;
+    }
+}
+
+const PACE_NS: u64 = 10_000_000;
+/// A wish to end is heeded at least this often.
+const LONGEST_SLEEP: Duration = Duration::from_millis(100);

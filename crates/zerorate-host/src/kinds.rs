@@ -1,0 +1,112 @@
+//! The kinds of devices, and their addresses.
+
+use crate::bridge::BridgeAddress;
+use crate::iio::IioAddress;
+use crate::replay::ReplayAddress;
+use crate::source::{Sampling, Source};
+use crate::twin::TwinAddress;
+use crate::{Result, Stop};
+use std::fmt;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+use std::sync::Arc;
+
+#[cfg(target_os = "linux")]
+use crate::spi::SpiAddress;
+
+/// A kind of device.
+#[derive(Clone, Copy, Debug)]
+pub struct Kind {
+    /// What its addresses begin with, before the colon.
+    pub name: &'static str,
+    /// How they look.
+    pub form: &'static str,
+    parse: fn(&str) -> Parsed,
+}
+
+/// An address, or what is wrong with it.
+pub(crate) type Parsed = Result<Arc<dyn Address>, String>;
+
+/// All that there are. A new kind is a file with its address and its source, and a row in here.
+pub const KINDS: &[Kind] = &[
+    Kind { name: "twin", form: "twin:, twin:KEY=VALUE,…", parse: TwinAddress::parse },
+    Kind { name: "replay", form: "replay:FILE", parse: ReplayAddress::parse },
+    #[cfg(target_os = "linux")]
+    Kind { name: "spi", form: "spi:/dev/spidevB.C?rdy=CHIP:LINE", parse: SpiAddress::parse },
+    #[cfg(not(target_os = "linux"))]
+    Kind { name: "spi", form: "spi:/dev/spidevB.C?rdy=CHIP:LINE (Linux)", parse: no_spi },
+    Kind { name: "iio", form: "iio:NAME", parse: IioAddress::parse },
+    Kind { name: "bridge", form: "bridge:/dev/ttyACM0", parse: BridgeAddress::parse_serial },
+    Kind { name: "tcp", form: "tcp:HOST:PORT", parse: BridgeAddress::parse_tcp },
+];
+
+#[cfg(not(target_os = "linux"))]
+fn no_spi(_: &str) -> Parsed {
+    Err("spi: devices are read through spidev, which is a part of Linux; on this system use twin: or replay:"
+        .to_owned())
+}
+
+/// What follows the colon, understood.
+pub(crate) trait Address: fmt::Debug + Send + Sync {
+    /// Opens the device that was called `name`; sends nothing to the part yet. `stop` ends whatever takes long.
+    fn open(&self, name: &str, sampling: Sampling, stop: &Stop) -> Result<Box<dyn Source>>;
+
+    /// The file that is read, where it is a recording.
+    fn file(&self) -> Option<&Path> {
+        None
+    }
+}
+
+/// What `--device` names.
+#[derive(Clone, Debug)]
+pub struct DeviceSpec {
+    /// As it was given.
+    text: String,
+    address: Arc<dyn Address>,
+}
+
+impl DeviceSpec {
+    /// A recording.
+    #[must_use]
+    pub fn replay(path: PathBuf) -> Self {
+        Self { text: format!("replay:{}", path.display()), address: Arc::new(ReplayAddress { path }) }
+    }
+
+    /// The file that is read, where it is a recording.
+    #[must_use]
+    pub fn file(&self) -> Option<&Path> {
+        self.address.file()
+    }
+
+    /// Opens the device; sends nothing to the part yet. `stop` ends whatever takes long.
+    ///
+    /// # Errors
+    /// Why it cannot be opened.
+    pub fn open(&self, sampling: Sampling, stop: &Stop) -> Result<Box<dyn Source>> {
+        self.address.open(&self.text, sampling, stop)
+    }
+}
+
+impl FromStr for DeviceSpec {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let parts = text.split_once(':');
+        let kind = parts.and_then(|(name, rest)| Some((KINDS.iter().find(|kind| kind.name == name)?, rest)));
+        match kind {
+            Some((kind, rest)) => Ok(Self { text: text.to_owned(), address: (kind.parse)(rest)? }),
+            None if text == "twin" => Err("write twin: with the colon".to_owned()),
+            None if Path::new(text).is_file() => Err(format!("that is a file; to replay it write replay:{text}")),
+            None => {
+                let forms: Vec<&str> = KINDS.iter().map(|kind| kind.form).collect();
+                Err(format!("no such kind of device; there are {}", forms.join(", ")))
+            }
+        }
+    }
+}
+
+impl fmt::Display for DeviceSpec {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.text)
+    }
+}

@@ -1,0 +1,34 @@
+//! Gyroscopes at a computer: what `--device` names, and the [`Hub`] that reads one of them for everybody.
+//!
+//! No argument parser, no output and no global state are in here: what there is to say comes as values, and a
+//! [`Stop`] ends what it was given to.
+
+#![deny(clippy::print_stderr, clippy::print_stdout, reason = "what there is to say comes as values")]
+
+mod bridge;
+mod error;
+pub mod files;
+mod hub;
+mod iio;
+mod kinds;
+mod live;
+mod options;
+mod pin;
+mod reader;
+mod replay;
+mod source;
+#[cfg(target_os = "linux")]
+mod spi;
+mod stop;
+#[cfg(all(test, target_os = "linux"))]
+mod tests;
+mod twin;
+
+pub use error::{Cause, DeviceError};
+pub use hub::{Batch, Everything, Hub, Pace, Watched, Watcher};
+pub use kinds::{DeviceSpec, KINDS, Kind};
+pub use source::{Bus, Facts, Losses, Sampling, Source};
+pub use stop::Stop;
+
+/// What is given back by whatever may fail at a device.
+pub type Result<T, E = DeviceError> = std::result::Result<T, E>;

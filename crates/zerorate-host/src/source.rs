@@ -1,0 +1,148 @@
+//! What every kind of device gives.
+
+use crate::Result;
+use crate::error::Told;
+use adis16130::{Config, ConversionTime, Framing, Sample, SamplerConfig, SelfTest};
+use adis16130_twin::Truth;
+use zerorate_data::capture::{CaptureInfo, SCHEMA_VERSION};
+
+/// How often a part is read. A recording has decided that already.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Sampling {
+    /// Temperature with every N-th rate sample (F-55); none: with each.
+    pub every_temp: Option<u16>,
+    /// On every N-th edge that is seen (F-56); none: on each.
+    pub divider: Option<u16>,
+}
+
+impl Sampling {
+    /// For the driver, behind a counter that lets every `divided`-th edge through.
+    pub(crate) fn config(self, divided: u16) -> SamplerConfig {
+        SamplerConfig::new()
+            .with_every_temp(self.every_temp.unwrap_or(1))
+            .with_divider(self.divider.unwrap_or(1))
+            .with_divided(divided)
+    }
+}
+
+/// An open device. It need not be `Send`: the [`Hub`](crate::Hub) opens it in the thread that reads it.
+pub trait Source {
+    /// What does not change while it is read.
+    fn facts(&self) -> Facts;
+
+    /// Resets the part, initialises it, and reads everything back. Returns the revision; a recording has none, and the
+    /// kernel's drivers keep it to themselves.
+    fn initialise(&mut self) -> Result<Option<u8>> {
+        Ok(None)
+    }
+
+    /// The next sample; `None` at the end of a recording.
+    fn next(&mut self) -> Result<Option<Sample>>;
+
+    /// Tries the bus, if there is one. To be called before the first sample; leaves the part configured.
+    fn try_bus(&mut self) -> Result<Option<Bus>> {
+        Ok(None)
+    }
+
+    /// What the self-test does to the rate (F-11). `gpio` is the line that its pins are on, where this host has them.
+    /// To be called before the first sample.
+    fn self_test(&mut self, gpio: &str) -> Result<SelfTest> {
+        let _ = gpio;
+        Err(Told::request("--self-test needs the part itself: twin:, spi:, bridge: or tcp:").into())
+    }
+
+    /// What was lost on its way here.
+    fn losses(&self) -> Losses {
+        Losses::default()
+    }
+
+    /// The twin's truth about its slow bias now.
+    fn truth(&self) -> Option<Truth> {
+        None
+    }
+
+    /// What there is to say since this was asked last.
+    fn take_notes(&mut self) -> Vec<String> {
+        Vec::new()
+    }
+}
+
+/// What does not change while a device is read.
+#[derive(Clone, Debug)]
+pub struct Facts {
+    /// What is read.
+    pub name: String,
+    /// How the samples are taken.
+    pub info: CaptureInfo,
+    /// How CS frames the bytes (F-22), where it is this program that decides.
+    pub framing: Option<Framing>,
+    /// Whether it is a part whose time is that of the wall clock.
+    pub is_real: bool,
+    /// Samples per second, nominally.
+    pub rate_hz: f64,
+    /// The nominal master clock, Hz.
+    pub mclk_hz: u32,
+}
+
+impl Facts {
+    /// Of a part that the driver reads: one of 2/(N + 1) conversion pairs where every N-th edge is read (F-31, F-56).
+    pub(crate) fn of_part(name: &str, (config, sampling): (Config, SamplerConfig), mclk_hz: u32) -> Self {
+        let info = CaptureInfo {
+            schema: SCHEMA_VERSION,
+            device: name.to_owned(),
+            serial: None,
+            width: config.width(),
+            rate_conversion: config.rate_conversion().bits(),
+            temp_conversion: config.temp_conversion().bits(),
+            every_temp: sampling.every_temp,
+            divider: sampling.divider,
+            divided: sampling.divided,
+            bandwidth_hz: None,
+            software: zerorate::SOFTWARE.to_owned(),
+            created: now(),
+            supply_note: None,
+        };
+        let rate_hz = nominal_rate_hz(&info, mclk_hz);
+        let framing = Some(config.framing());
+        Self { name: name.to_owned(), info, framing, is_real: true, rate_hz, mclk_hz }
+    }
+
+    /// At this bandwidth, Hz, where it is not the part's own (F-04).
+    pub(crate) fn with_bandwidth_hz(mut self, bandwidth_hz: Option<f64>) -> Self {
+        self.info.bandwidth_hz = bandwidth_hz;
+        self
+    }
+}
+
+/// At the nominal master clock.
+pub(crate) fn nominal_rate_hz(info: &CaptureInfo, mclk_hz: u32) -> f64 {
+    let cycles = [info.rate_conversion, info.temp_conversion].map(|bits| ConversionTime::new(bits).cycles(true));
+    let pairs_hz = f64::from(mclk_hz) / f64::from(cycles[0] + cycles[1]);
+    pairs_hz * 2.0 / (f64::from(info.edges_per_reading()) + 1.0)
+}
+
+/// What was found of an SPI bus.
+#[derive(Clone, Copy, Debug)]
+pub struct Bus {
+    /// The clock that was asked for, Hz.
+    pub sclk_hz: u32,
+    /// The fastest clock tried at which the configuration reads back right; none if it does at no clock.
+    pub fastest_clean_hz: Option<u32>,
+    /// Time from one read of a register to the next, s; not known behind a bridge.
+    pub read_s: Option<f64>,
+}
+
+/// What was lost between the part and here; it is counted in the samples' `lost` as well.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Losses {
+    /// Samples that were read, but nobody took in time.
+    pub overflowed: u64,
+    /// Frames of a bridge that arrived damaged.
+    pub damaged: u64,
+}
+
+/// The time of day, for the record.
+fn now() -> String {
+    let now = jiff::Timestamp::now();
+    now.round(jiff::Unit::Second).unwrap_or(now).to_string()
+}
