@@ -8,6 +8,7 @@
 mod boundary;
 mod bus;
 mod correction;
+mod corrector;
 mod gyro;
 mod procedure;
 mod remedy;

@@ -86,7 +86,7 @@ pub const ZERORATE_E_REFUSED: Status = -60;
 pub extern "C" fn zerorate_text(status: Status) -> *const c_char {
     let text: &'static CStr = match status {
         ZERORATE_OK => c"done",
-        ZERORATE_NOTHING => c"nothing was due, or the edge was stale",
+        ZERORATE_NOTHING => c"nothing was due, the edge was stale, or no temperature was read yet",
         ZERORATE_E_NULL => c"a pointer is null",
         ZERORATE_E_STATE => c"the object has not been set up",
         ZERORATE_E_ARGUMENT => c"an argument is out of range",

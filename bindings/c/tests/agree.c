@@ -146,6 +146,36 @@ static void misuse(void)
     printf("%s. %s.\n", zerorate_text(ZERORATE_E_TIMEOUT), zerorate_text(12345));
 }
 
+static void take(zerorate_corrector *corrector, double rate_dps, double temp_c)
+{
+    zerorate_corrected corrected = {7.0, 7.0, 7};
+
+    print_status("taken", zerorate_corrector_take(corrector, rate_dps, temp_c, &corrected));
+    print_f64("rate_dps", corrected.rate_dps);
+    print_f64("temp_c", corrected.temp_c);
+    printf("extrapolated %u\n", (unsigned)corrected.extrapolated);
+}
+
+/* A stream: no temperature yet, one, the last one, a rate that is not to be believed, and beyond the span. */
+static void stream(void)
+{
+    const zerorate_validity valid = {25.0, 33.0, 0.5};
+    zerorate_corrector corrector;
+
+    memset(&corrector, 0, sizeof corrector);
+    take(&corrector, 0.5, 30.0);
+    print_status("no correction", zerorate_corrector_begin(&corrector, NULL, &valid));
+    print_status("begin", zerorate_corrector_begin(&corrector, &CORRECTION, &valid));
+    take(&corrector, 0.5, (double)NAN);
+    take(&corrector, 0.5, 30.0);
+    take(&corrector, -0.25, (double)NAN);
+    take(&corrector, (double)NAN, 33.25);
+    take(&corrector, 0.125, 34.0);
+    print_status("begin", zerorate_corrector_begin(&corrector, &CORRECTION, NULL));
+    take(&corrector, 0.125, 34.0);
+    print_status("nowhere", zerorate_corrector_take(&corrector, 0.5, 30.0, NULL));
+}
+
 /* What must not be taken for a reading: nothing converted yet, wrapped codes, and what comes after a transfer that
  * failed. */
 static void no_numbers(void)
@@ -428,6 +458,7 @@ int main(int argc, char **argv)
     char keys[160];
 
     misuse();
+    stream();
     no_numbers();
     snprintf(keys, sizeof keys, "seed=%s", seed);
     samples(keys);

@@ -33,10 +33,10 @@ impl IntegerForm {
     }
 
     /// The largest slope: of 31 bits, and such that no temperature takes it beyond 61.
-    const fn slope_max(&self) -> f64 {
+    fn slope_max(&self) -> f64 {
         let (first, last) = self.temp_codes;
-        let most = (1 << 61) / (last - first + 1);
-        if most < i32::MAX as i64 { most as f64 } else { i32::MAX as f64 }
+        let most = libm::exp2(61.0) / ((last - first) as f64 + 1.0);
+        most.min(i32::MAX.into())
     }
 }
 

@@ -94,7 +94,7 @@ pub struct Scale {
     pub zero_code: i64,
     /// Its value.
     pub zero_value: f64,
-    /// Bits of a code.
+    /// Bits of a code, 1 to 32.
     pub width_bits: u8,
     /// Whether codes are two's complement; else they begin at 0.
     pub signed: bool,

@@ -7,8 +7,8 @@ use adis16130_twin::{Spec, Twin, TwinRdy, TwinSpi};
 use anyhow::{Context, Result, anyhow, ensure};
 use std::fmt::Write;
 use zerorate::{
-    Action, Axis, CodeTable, Correction, Event, FixedProcedure, Outcome, Plan, Reading, Refusal, Warning,
-    WindowWarnings,
+    Action, Axis, CodeTable, Corrected, Correction, Corrector, CorrectorConfig, Event, FixedProcedure, Outcome, Plan,
+    Reading, Refusal, Validity, Warning, WindowWarnings,
 };
 
 /// The correction of the test, as a calibration file.
@@ -43,12 +43,49 @@ const SELF_TEST_FAULTS: &str = "no pin -1\nno plan -1\nno result -1\nno function
 /// Everything that the test prints.
 pub fn text(seed: u64) -> Result<String> {
     let quick = "mclk_hz=1000000,warmup_s=10,curvature=0,hysteresis=0";
-    let mut text = [MISUSE, NO_NUMBERS].concat();
+    let mut text = MISUSE.to_owned();
+    stream(&mut text)?;
+    text.push_str(NO_NUMBERS);
     samples(&mut text, &format!("seed={seed}"))?;
     self_test(&mut text, &format!("seed={seed}"))?;
     calibrate(&mut text, &format!("seed={seed},{quick}"))?;
     calibrate(&mut text, &format!("seed={seed},{quick},motion=sway"))?;
     Ok(text)
+}
+
+/// A stream, with the numbers of the statuses typed again; what is not written stays 7.
+fn stream(text: &mut String) -> Result<()> {
+    let validity = Some(Validity { temp_min_c: 25.0, temp_max_c: 33.0, margin_c: 0.5 });
+    let mut corrector = Corrector::new(CorrectorConfig { corrections: [CORRECTION], validity });
+    let mut take = |text: &mut String, rate_dps, read_c| {
+        let Corrected { rate_dps, temp_c, extrapolated } = corrector.take(rate_dps, read_c);
+        match rate_dps.zip(temp_c) {
+            Some((rate_dps, temp_c)) => line(text, 0, rate_dps, temp_c, extrapolated.into()),
+            None => line(text, 1, 7.0, 7.0, 7),
+        }
+    };
+    line(text, -2, 7.0, 7.0, 7)?;
+    text.push_str("no correction -1\nbegin 0\n");
+    for (rate_dps, read_c) in [
+        (Some(0.5), None),
+        (Some(0.5), Some(30.0)),
+        (Some(-0.25), None),
+        (None, Some(33.25)),
+        (Some(0.125), Some(34.0)),
+    ] {
+        take(text, rate_dps, read_c)?;
+    }
+    text.push_str("begin 0\n");
+    line(text, 0, CORRECTION.apply(0.125, 34.0), 34.0, 0)?;
+    text.push_str("nowhere -1\n");
+    Ok(())
+}
+
+fn line(text: &mut String, status: i32, rate_dps: f64, temp_c: f64, extrapolated: u8) -> Result<()> {
+    writeln!(text, "taken {status}")?;
+    f64_line(text, "rate_dps", rate_dps)?;
+    f64_line(text, "temp_c", temp_c)?;
+    Ok(writeln!(text, "extrapolated {extrapolated}")?)
 }
 
 struct Rig {
