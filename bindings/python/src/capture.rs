@@ -2,13 +2,13 @@
 
 use crate::error::exception;
 use adis16130::Width;
-use numpy::{PyArray1, PyReadonlyArray1, ToPyArray};
+use numpy::{Element, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, ToPyArray};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyTuple};
 use std::path::PathBuf;
-use zerorate::{Axis, Scale};
-use zerorate_cli::api;
+use zerorate::{Axis, Part, Scale};
+use zerorate_cli::api::{self, Recording};
 
 /// Reads a capture. Returns its columns, and its description under ``width_bits``, ``metadata``, ``calibration_id``
 /// and ``warning``.
@@ -18,20 +18,54 @@ use zerorate_cli::api;
 pub fn read_capture(py: Python<'_>, path: PathBuf) -> PyResult<Bound<'_, PyDict>> {
     let recording = py.detach(|| api::read_capture(&path)).map_err(|error| exception(&error))?;
     let capture = PyDict::new(py);
-    capture.set_item("t_ns", PyArray1::from_vec(py, recording.t_ns))?;
-    capture.set_item("edge_seq", PyArray1::from_vec(py, recording.edge_seq))?;
-    capture.set_item("rate_code", PyArray1::from_vec(py, recording.rate_code))?;
-    capture.set_item("status", PyArray1::from_vec(py, recording.status))?;
-    capture.set_item("temp_code", PyArray1::from_vec(py, recording.temp_code))?;
-    capture.set_item("lost", PyArray1::from_vec(py, recording.lost))?;
-    capture.set_item("flags", PyArray1::from_vec(py, recording.flags))?;
-    capture.set_item("width_bits", recording.width_bits)?;
+    capture.set_item("t_ns", recording.t_ns.to_pyarray(py))?;
+    capture.set_item("edge_seq", recording.edge_seq.to_pyarray(py))?;
+    set_axes(py, &capture, &recording)?;
+    capture.set_item("lost", recording.lost.to_pyarray(py))?;
     let metadata = PyDict::new(py);
     recording.metadata.iter().try_for_each(|(key, value)| metadata.set_item(key, value))?;
     capture.set_item("metadata", metadata)?;
     capture.set_item("calibration_id", recording.calibration_id)?;
     capture.set_item("warning", recording.warning)?;
     Ok(capture)
+}
+
+/// Stands for a temperature that was not read, where −1 may be a code.
+const NOT_READ: i64 = i64::MIN;
+
+/// What there is of each axis. Of an ADIS16130 it is a column in the type of its codes; of another part a table with a
+/// column for each axis, and the scales of the codes.
+fn set_axes(py: Python<'_>, capture: &Bound<'_, PyDict>, recording: &Recording) -> PyResult<()> {
+    let axes = &recording.axes;
+    capture.set_item("axes", PyTuple::new(py, axes.iter().map(|axis| axis.name.as_str()))?)?;
+    capture.set_item("width_bits", axes.first().map_or(0, |axis| axis.scale.width_bits))?;
+    let temps = recording.temp_code.iter();
+    if let ([axis], true) = (&axes[..], recording.part == Part::ADIS16130.name) {
+        // its codes have 24 bits at most, its status 8
+        let codes = axis.codes.iter().map(|code| *code as u32);
+        let status = recording.status.iter().map(|status| *status as i16);
+        let temps = temps.map(|code| code.map_or(-1, |code| code as i32));
+        capture.set_item("rate_code", PyArray1::from_iter(py, codes))?;
+        capture.set_item("status", PyArray1::from_iter(py, status))?;
+        capture.set_item("temp_code", PyArray1::from_iter(py, temps))?;
+        return capture.set_item("flags", axis.flags.to_pyarray(py));
+    }
+    let codes: Vec<&[i64]> = axes.iter().map(|axis| &axis.codes[..]).collect();
+    let flags: Vec<&[u8]> = axes.iter().map(|axis| &axis.flags[..]).collect();
+    capture.set_item("rate_code", table(py, &codes, recording.t_ns.len())?)?;
+    capture.set_item("flags", table(py, &flags, recording.t_ns.len())?)?;
+    capture.set_item("status", recording.status.to_pyarray(py))?;
+    capture.set_item("temp_code", PyArray1::from_iter(py, temps.map(|code| code.unwrap_or(NOT_READ))))?;
+    let scales = axes.iter().map(|axis| (axis.scale.lsb_per_unit, axis.scale.zero_code));
+    capture.set_item("rate_scales", PyTuple::new(py, scales.collect::<Vec<_>>())?)?;
+    let temp = recording.temp.map(|temp| (temp.lsb_per_unit, temp.zero_code, temp.zero_value));
+    capture.set_item("temp_scale", temp)
+}
+
+/// A row for each sample, a column for each axis.
+fn table<'py, T: Element + Copy>(py: Python<'py>, columns: &[&[T]], rows: usize) -> PyResult<Bound<'py, PyArray2<T>>> {
+    let cells = (0..rows).flat_map(|row| columns.iter().map(move |column| column[row]));
+    PyArray1::from_iter(py, cells).reshape([rows, columns.len()])
 }
 
 /// Rate codes in °/s, before any correction (F-40).

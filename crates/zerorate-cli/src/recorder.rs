@@ -23,7 +23,7 @@ impl Recorder {
 
     /// Records a sample. Whole batches go to the system at once.
     pub fn push(&mut self, sample: &Sample) -> Result<(), CaptureError> {
-        self.writer.push(sample)
+        self.writer.push(&sample.into())
     }
 
     /// Writes what is left and puts the file onto the disk.

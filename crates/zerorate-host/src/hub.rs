@@ -346,8 +346,8 @@ impl Subscriber {
 #[inline]
 fn admitted(source: &mut dyn Source, admission: &mut Admission) -> Result<Option<Sample>> {
     while let Some(sample) = source.next()? {
-        if let Some(admitted) = admission.admit(sample)? {
-            return Ok(Some(admitted));
+        if let Some(row) = admission.admit((&sample).into())? {
+            return Ok(Some(Sample { lost: row.lost, ..sample }));
         }
     }
     Ok(None)

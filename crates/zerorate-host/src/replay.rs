@@ -4,10 +4,10 @@ use crate::error::Told;
 use crate::kinds::{Address, Parsed};
 use crate::source::{Facts, Sampling, Source, nominal_rate_hz};
 use crate::{Result, Stop, files};
-use adis16130::{MCLK_HZ, Sample};
+use adis16130::{ChannelStatus, MCLK_HZ, RateCode, Sample, TempCode};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use zerorate_data::capture::CaptureReader;
+use zerorate_data::capture::{CaptureReader, Converter, Row};
 
 /// `replay:FILE`; the file may be called what it likes.
 #[derive(Clone, Debug)]
@@ -30,7 +30,14 @@ impl Address for ReplayAddress {
             let why = "--every-temp and --divider were decided when the recording was made; leave them out";
             return Err(Told::request(why).into());
         }
-        Ok(Box::new(Replay { reader: files::capture(&self.path)?, notes: Vec::new() }))
+        let reader = files::capture(&self.path)?;
+        let Some(converter) = reader.info().converter else {
+            let part = reader.info().layout.part_name();
+            return Err(
+                Told::request(format!("a capture of an ADIS16130 is replayed, and that is one of an {part}")).into()
+            );
+        };
+        Ok(Box::new(Replay { reader, converter, notes: Vec::new() }))
     }
 
     fn file(&self) -> Option<&Path> {
@@ -41,6 +48,7 @@ impl Address for ReplayAddress {
 /// A recording.
 struct Replay {
     reader: CaptureReader,
+    converter: Converter,
     notes: Vec<String>,
 }
 
@@ -48,20 +56,33 @@ impl Source for Replay {
     fn facts(&self) -> Facts {
         let info = self.reader.info().clone();
         let name = format!("recording of {}", info.device);
-        let rate_hz = nominal_rate_hz(&info, MCLK_HZ);
+        let rate_hz = nominal_rate_hz(&info, self.converter, MCLK_HZ);
         Facts { name, info, framing: None, is_real: false, rate_hz, mclk_hz: MCLK_HZ }
     }
 
     #[inline]
     fn next(&mut self) -> Result<Option<Sample>> {
-        let sample = self.reader.next().transpose()?;
-        if sample.is_none() {
+        let row = self.reader.next().transpose()?;
+        if row.is_none() {
             self.notes = self.reader.warnings();
         }
-        Ok(sample)
+        Ok(row.map(|row| sample(&row, self.converter)))
     }
 
     fn take_notes(&mut self) -> Vec<String> {
         std::mem::take(&mut self.notes)
+    }
+}
+
+/// The codes of an ADIS16130 have 24 bits at most, its status 8.
+#[inline]
+fn sample(row: &Row, Converter { width, .. }: Converter) -> Sample {
+    Sample {
+        t_ns: row.t_ns,
+        seq: row.edge_seq,
+        rate: RateCode::new(row.codes().first().map_or(0, |code| *code as u32), width),
+        status: row.status.map(|status| ChannelStatus::new(status as u8)),
+        temp: row.temp_code.map(|code| TempCode::new(code as u32, width)),
+        lost: row.lost,
     }
 }

@@ -4,7 +4,7 @@ use crate::Result;
 use crate::error::Told;
 use adis16130::{Config, ConversionTime, Framing, Sample, SamplerConfig, SelfTest};
 use adis16130_twin::Truth;
-use zerorate_data::capture::{CaptureInfo, SCHEMA_VERSION};
+use zerorate_data::capture::{CaptureInfo, Converter};
 
 /// How often a part is read. A recording has decided that already.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -87,22 +87,21 @@ pub struct Facts {
 impl Facts {
     /// Of a part that the driver reads: one of 2/(N + 1) conversion pairs where every N-th edge is read (F-31, F-56).
     pub(crate) fn of_part(name: &str, (config, sampling): (Config, SamplerConfig), mclk_hz: u32) -> Self {
-        let info = CaptureInfo {
-            schema: SCHEMA_VERSION,
-            device: name.to_owned(),
-            serial: None,
+        let converter = Converter {
             width: config.width(),
             rate_conversion: config.rate_conversion().bits(),
             temp_conversion: config.temp_conversion().bits(),
+        };
+        let info = CaptureInfo {
+            device: name.to_owned(),
             every_temp: sampling.every_temp,
             divider: sampling.divider,
             divided: sampling.divided,
-            bandwidth_hz: None,
             software: zerorate::SOFTWARE.to_owned(),
             created: now(),
-            supply_note: None,
+            ..CaptureInfo::adis16130(converter)
         };
-        let rate_hz = nominal_rate_hz(&info, mclk_hz);
+        let rate_hz = nominal_rate_hz(&info, converter, mclk_hz);
         let framing = Some(config.framing());
         Self { name: name.to_owned(), info, framing, is_real: true, rate_hz, mclk_hz }
     }
@@ -115,8 +114,8 @@ impl Facts {
 }
 
 /// At the nominal master clock.
-pub(crate) fn nominal_rate_hz(info: &CaptureInfo, mclk_hz: u32) -> f64 {
-    let cycles = [info.rate_conversion, info.temp_conversion].map(|bits| ConversionTime::new(bits).cycles(true));
+pub(crate) fn nominal_rate_hz(info: &CaptureInfo, set: Converter, mclk_hz: u32) -> f64 {
+    let cycles = [set.rate_conversion, set.temp_conversion].map(|bits| ConversionTime::new(bits).cycles(true));
     let pairs_hz = f64::from(mclk_hz) / f64::from(cycles[0] + cycles[1]);
     pairs_hz * 2.0 / (f64::from(info.edges_per_reading()) + 1.0)
 }

@@ -18,18 +18,22 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Capture:
-    """A capture as columns of equal length, one row per rate sample."""
+    """A capture as columns of equal length, one row per rate sample.
+
+    Of a part with several axes, `rate_code`, `flags`, `good` and `rate_dps` are tables with a column for each axis, in
+    the order of `axes`.
+    """
 
     t_ns: NDArray[np.uint64]
     """Time of the data-ready edge, ns."""
     edge_seq: NDArray[np.uint32]
     """Number of the edge."""
-    rate_code: NDArray[np.uint32]
+    rate_code: NDArray[np.uint32] | NDArray[np.int64]
     """Raw rate code."""
-    status: NDArray[np.int16]
+    status: NDArray[np.int16] | NDArray[np.int64]
     """Status register of the channel; −1 where it was not read."""
-    temp_code: NDArray[np.int32]
-    """Raw temperature code; −1 where it was not read."""
+    temp_code: NDArray[np.int32] | NDArray[np.int64]
+    """Raw temperature code; −1 where it was not read, or −2⁶³ of another part than the ADIS16130."""
     lost: NDArray[np.uint32]
     """Samples lost right before the row."""
     flags: NDArray[np.uint8]
@@ -37,13 +41,19 @@ class Capture:
     range), 4 (frozen) and 8 (impossible temperature). The codes stay as they were read; `good` says which rates to
     use."""
     width_bits: int
-    """Width of both codes: 16 or 24."""
+    """Width of the rate codes: of an ADIS16130 16 or 24, and that of the temperature codes as well."""
     metadata: dict[str, str] = field(repr=False)
     """The description in the file: device, serial number, registers, …"""
     calibration_id: str | None = None
     """The calibration that was applied, if the file is a corrected one; its raw columns are untouched."""
     warning: str | None = None
     """What is to be said of the file: a tail that was torn off by a power cut, rows that nothing checks."""
+    axes: tuple[str, ...] = ("rate",)
+    """The axes of the part."""
+    rate_scales: tuple[tuple[float, int], ...] | None = field(default=None, repr=False)
+    """Codes per °/s and code at zero of each axis; None for an ADIS16130."""
+    temp_scale: tuple[float, int, float] | None = field(default=None, repr=False)
+    """Codes per °C, a code and the temperature that it stands for; None for an ADIS16130."""
 
     @cached_property
     def good(self) -> NDArray[np.bool_]:
@@ -71,35 +81,60 @@ class Capture:
     def rate_dps(self) -> NDArray[np.float64]:
         """Rate before any correction, °/s: (code − 2²³) / 23 488 for 24-bit codes (data sheet); NaN where it is not
         to be believed."""
-        rates = _zerorate.rate_dps(self.rate_code, self.width_bits)
+        rates = self._rates_dps(self.rate_code)
         return np.where(self.good, rates, np.nan)
 
     @cached_property
     def temp_c(self) -> NDArray[np.float64]:
         """Temperature, °C: (code − 2²³) / 14 093 + 25 for 24-bit codes (data sheet); NaN where it was not read or is
         impossible."""
-        temps = _zerorate.temp_c(self.temp_code, self.width_bits)
-        return np.where(self.flags & 8, np.nan, temps)
+        if self.temp_scale is None:
+            temps = _zerorate.temp_c(np.asarray(self.temp_code, dtype=np.int32), self.width_bits)
+        else:
+            lsb_per_c, zero_code, zero_c = self.temp_scale
+            temps = (self.temp_code - np.float64(zero_code)) / lsb_per_c + zero_c
+        return np.where(self._temp_read, temps, np.nan)
+
+    @cached_property
+    def _temp_read(self) -> NDArray[np.bool_]:
+        """Where a temperature was read that is possible. All axes judge the same one."""
+        not_read = -1 if self.temp_scale is None else np.iinfo(np.int64).min
+        flags = self.flags if self.flags.ndim == 1 else self.flags[:, 0]
+        return np.asarray((self.temp_code != not_read) & (flags & 8 == 0), dtype=np.bool_)
 
     @cached_property
     def temp_held_c(self) -> NDArray[np.float64]:
         """Temperature, °C, with the last one read standing in where it was not; NaN before the first."""
-        read = np.where((self.temp_code >= 0) & (self.flags & 8 == 0), np.arange(len(self)), -1)
+        read = np.where(self._temp_read, np.arange(len(self)), -1)
         last = np.maximum.accumulate(read) if len(read) else read
         return np.where(last >= 0, self.temp_c[np.maximum(last, 0)], np.nan)
 
     @property
     def _dps_per_code(self) -> float:
+        self._check_single()
+        if self.rate_scales is not None:
+            return 1 / self.rate_scales[0][0]
         step = np.array([0, 1], dtype=np.uint32)
         return float(np.diff(_zerorate.rate_dps(step, self.width_bits))[0])
 
+    def _rates_dps(self, codes: NDArray[np.uint32] | NDArray[np.int64]) -> NDArray[np.float64]:
+        if self.rate_scales is None:
+            return _zerorate.rate_dps(np.asarray(codes, dtype=np.uint32), self.width_bits)
+        lsb_per_dps, zero_code = np.array(self.rate_scales, dtype=np.float64).T
+        return np.asarray((codes - zero_code) / lsb_per_dps, dtype=np.float64)
+
+    def _check_single(self) -> None:
+        if len(self.axes) > 1:
+            raise ValueError(f"the capture has the axes {', '.join(self.axes)}; give a column of its rate_dps")
+
     def _codes(self) -> tuple[NDArray[np.int32], list[tuple[int, int]]]:
         """The rate codes, and where samples are missing between them: index of the next row, how many."""
+        self._check_single()
         good = np.flatnonzero(self.good)
         before = np.cumsum(self.lost, dtype=np.int64) + np.cumsum(~self.good)
         missing = np.diff(before[good])
         at = np.flatnonzero(missing) + 1
-        return self.rate_code[good].astype(np.int32), list(zip(at.tolist(), missing[at - 1].tolist()))
+        return self.rate_code.ravel()[good].astype(np.int32), list(zip(at.tolist(), missing[at - 1].tolist()))
 
 
 def read_capture(path: str | os.PathLike[str]) -> Capture:

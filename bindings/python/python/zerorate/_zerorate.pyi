@@ -7,6 +7,7 @@ from typing import Any, TypedDict, final
 
 import numpy as np
 from numpy.typing import NDArray
+from typing_extensions import NotRequired
 
 __all__ = [
     "Corrector",
@@ -41,11 +42,14 @@ class Corrector:
     def warning(self) -> str | None: ...
 
 class _Columns(TypedDict):
+    axes: tuple[str, ...]
+    rate_scales: NotRequired[tuple[tuple[float, int], ...]]
+    temp_scale: NotRequired[tuple[float, int, float]]
     t_ns: NDArray[np.uint64]
     edge_seq: NDArray[np.uint32]
-    rate_code: NDArray[np.uint32]
-    status: NDArray[np.int16]
-    temp_code: NDArray[np.int32]
+    rate_code: NDArray[np.uint32] | NDArray[np.int64]
+    status: NDArray[np.int16] | NDArray[np.int64]
+    temp_code: NDArray[np.int32] | NDArray[np.int64]
     lost: NDArray[np.uint32]
     flags: NDArray[np.uint8]
     width_bits: int

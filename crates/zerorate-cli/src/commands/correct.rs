@@ -12,16 +12,17 @@ use clap::Args;
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use zerorate::health::{Flags, Health, Judged};
-use zerorate::{Axis, Calibration, Correction, Corrector, Reading, Say, Tally};
+use zerorate::health::{Health, Judged};
+use zerorate::{Axis, Calibration, Correction, Corrector, NamedAxis, Say, Tally};
 use zerorate_data::believed;
 use zerorate_data::capture::columns::{self, Rows};
-use zerorate_data::capture::{CALIBRATION_ID, CaptureInfo, CaptureReader, Format, table};
+use zerorate_data::capture::{CALIBRATION_ID, CaptureInfo, CaptureReader, Format, Layout, table};
 use zerorate_host::files;
 
 /// Corrects a capture: RATE + PBC + (TEMP − T3) · BTC.
 ///
-/// The result keeps all raw columns and adds rate_dps, temp_c, rate_corrected_dps and flags. Readings that are not to
+/// The result keeps all raw columns and adds rate_dps, temp_c, rate_corrected_dps and flags; of a part with several
+/// axes NAME_dps, NAME_corrected_dps and NAME_flags of each. Readings that are not to
 /// be believed, because the part cannot have made them (bit errors), because they are out of range, or because it had
 /// stopped, are flagged and have no corrected rate. A row whose temperature was not read takes the last one read
 /// before it. The result carries the id of the calibration, and is never corrected again.
@@ -59,7 +60,7 @@ pub fn run(args: &CorrectArgs) -> Result<()> {
     let schema = schema(reader.info(), &calibration);
     let format = Format::choose(args.format, &args.output);
     let mut sink = table::create(&args.output, Box::new(output.file()?), format, &schema)?;
-    let mut correcting = Correcting::new(reader.info().axis(), corrector(&calibration)?);
+    let mut correcting = Correcting::new(reader.info(), &calibration)?;
     while let Some(rows) = reader.next_rows()? {
         ensure!(!interrupt::asked(), "interrupted; nothing written");
         for batch in correcting.take(rows, &schema)? {
@@ -76,7 +77,7 @@ pub fn run(args: &CorrectArgs) -> Result<()> {
     say(format_args!(
         "{}: {} samples, corrected with calibration {}",
         args.output.display(),
-        correcting.seen.rows,
+        correcting.rows,
         calibration.id()
     ));
     Ok(())
@@ -124,38 +125,75 @@ fn check_serial(args: &CorrectArgs, info: &CaptureInfo, calibration: &Calibratio
 
 fn schema(info: &CaptureInfo, calibration: &Calibration) -> SchemaRef {
     let mut metadata: Metadata = info.to_metadata().with(CALIBRATION_ID, calibration.id());
-    if let Some(Correction { pbc_dps, btc_dps_per_c, t3_c }) = calibration.axes.first().map(|axis| axis.correction) {
+    let axes = info.layout.axes();
+    for name in axes.iter().map(|axis| &axis.name) {
+        let Some(Correction { pbc_dps, btc_dps_per_c, t3_c }) = calibration.axis(name).map(|axis| axis.correction)
+        else {
+            continue;
+        };
+        let key = if axes.len() == 1 { "zerorate".to_owned() } else { format!("zerorate.axis.{name}") };
         metadata = metadata
-            .with("zerorate.pbc_dps", pbc_dps.to_string())
-            .with("zerorate.btc_dps_per_c", btc_dps_per_c.to_string())
-            .with("zerorate.t3_c", t3_c.to_string());
+            .with(format!("{key}.pbc_dps"), pbc_dps.to_string())
+            .with(format!("{key}.btc_dps_per_c"), btc_dps_per_c.to_string())
+            .with(format!("{key}.t3_c"), t3_c.to_string());
     }
-    columns::schema([columns::raw_fields(), columns::derived_fields()].concat(), metadata)
+    columns::schema([info.layout.raw_fields(), info.layout.derived_fields()].concat(), metadata)
 }
 
 /// Applies a correction row by row, two rows late: so long it takes to judge one.
 struct Correcting {
-    axis: Axis,
+    layout: Layout,
+    axes: Vec<JudgedAxis>,
     corrector: Corrector<Vec<Correction>>,
     /// Batches that are not judged to their end yet.
     waiting: VecDeque<Rows>,
+    rows: u64,
+    without_temp: u64,
+    tally: Tally,
+    start_ns: Option<u64>,
+}
+
+/// An axis, and its readings that are judged and not corrected yet.
+struct JudgedAxis {
+    name: String,
+    axis: Axis,
+    health: Health,
     judged: VecDeque<Judged>,
-    seen: Seen,
+}
+
+impl JudgedAxis {
+    fn new(named: &NamedAxis) -> Self {
+        let (name, axis) = (named.name.to_string(), named.axis);
+        Self { name, axis, health: Health::new(&axis), judged: VecDeque::new() }
+    }
 }
 
 impl Correcting {
-    fn new(axis: Axis, corrector: Corrector<Vec<Correction>>) -> Self {
-        let (waiting, judged) = (VecDeque::new(), VecDeque::new());
-        Self { axis, corrector, waiting, judged, seen: Seen::new(&axis) }
+    fn new(info: &CaptureInfo, calibration: &Calibration) -> Result<Self> {
+        let (layout, part) = (info.layout.clone(), info.part());
+        Ok(Self {
+            corrector: calibration.corrector(&part.name, part.axes.iter().map(|axis| &*axis.name))?,
+            layout,
+            axes: part.axes.iter().map(JudgedAxis::new).collect(),
+            waiting: VecDeque::new(),
+            rows: 0,
+            without_temp: 0,
+            tally: Tally::default(),
+            start_ns: None,
+        })
     }
 
     /// Takes a batch in, and gives those that are judged.
     fn take(&mut self, rows: Rows, schema: &SchemaRef) -> Result<Vec<RecordBatch>> {
-        for sample in rows.samples() {
-            let reading = Reading::from(&sample);
-            self.seen.start_ns.get_or_insert(sample.t_ns);
-            self.seen.tally.count(&reading);
-            self.judged.extend(self.seen.health.push(&reading));
+        for row in rows.iter() {
+            self.start_ns.get_or_insert(row.t_ns);
+            for (index, axis) in self.axes.iter_mut().enumerate() {
+                let Some(reading) = self.layout.reading(&row, index) else { continue };
+                if index == 0 {
+                    self.tally.count(&reading);
+                }
+                axis.judged.extend(axis.health.push(&reading));
+            }
         }
         self.waiting.push_back(rows);
         self.complete(schema)
@@ -163,79 +201,84 @@ impl Correcting {
 
     /// The batches that are left.
     fn finish(&mut self, schema: &SchemaRef) -> Result<Vec<RecordBatch>> {
-        while let Some(last) = self.seen.health.finish() {
-            self.judged.push_back(last);
+        for axis in &mut self.axes {
+            while let Some(last) = axis.health.finish() {
+                axis.judged.push_back(last);
+            }
         }
         self.complete(schema)
     }
 
     fn complete(&mut self, schema: &SchemaRef) -> Result<Vec<RecordBatch>> {
         let mut batches = Vec::new();
-        while let Some(rows) = self.waiting.front().filter(|rows| rows.len() <= self.judged.len()) {
-            let columns = rows.columns();
-            let judged: Vec<Judged> = self.judged.drain(..rows.len()).collect();
+        while let Some(rows) = self.waiting.front().filter(|rows| self.are_judged(rows.len())) {
+            let (columns, len) = (rows.columns()?, rows.len());
             self.waiting.pop_front();
-            batches.push(self.correct(columns, &judged, schema)?);
+            batches.push(self.correct(columns, len, schema)?);
         }
         Ok(batches)
     }
 
-    fn correct(&mut self, raw: Vec<ArrayRef>, rows: &[Judged], schema: &SchemaRef) -> Result<RecordBatch> {
-        let mut temps_c = Float64Builder::with_capacity(rows.len());
-        let mut corrected_dps = Float64Builder::with_capacity(rows.len());
-        let Axis { rate, temp, .. } = self.axis;
-        for judged in rows {
-            let read_c = judged.temp().map(|code| temp.value(code.into()));
-            let corrected = self.corrector.take(judged.rate().map(|code| rate.value(code.into())), read_c);
-            self.seen.rows += 1;
-            self.seen.without_temp += u64::from(corrected.temp_c.is_none());
-            temps_c.append_option(corrected.temp_c);
-            corrected_dps.append_option(corrected.rate_dps);
+    fn are_judged(&self, rows: usize) -> bool {
+        self.axes.iter().all(|axis| axis.judged.len() >= rows)
+    }
+
+    fn correct(&mut self, raw: Vec<ArrayRef>, rows: usize, schema: &SchemaRef) -> Result<RecordBatch> {
+        let judged: Vec<Vec<Judged>> = self.axes.iter_mut().map(|axis| axis.judged.drain(..rows).collect()).collect();
+        let mut temps_c = Float64Builder::with_capacity(rows);
+        let mut corrected_dps: Vec<_> = judged.iter().map(|_| Float64Builder::with_capacity(rows)).collect();
+        for row in 0..rows {
+            // all axes have the same temperature
+            let read = judged.first().zip(self.axes.first());
+            let read_c = read.and_then(|(judged, first)| Some(first.axis.temp.value(judged[row].temp()?.into())));
+            self.corrector.read(read_c);
+            self.without_temp += u64::from(self.corrector.temp_c().is_none());
+            temps_c.append_option(self.corrector.temp_c());
+            for (index, (judged, axis)) in judged.iter().zip(&self.axes).enumerate() {
+                let rate_dps = judged[row].rate().map(|code| axis.axis.rate.value(code.into()));
+                corrected_dps[index].append_option(self.corrector.correct(index, rate_dps));
+            }
         }
-        let rates_dps = rows.iter().map(|judged| rate.value(judged.reading.rate.into()));
-        let derived: [ArrayRef; 4] = [
-            Arc::new(Float64Array::from_iter_values(rates_dps)),
-            Arc::new(temps_c.finish()),
-            Arc::new(corrected_dps.finish()),
-            Arc::new(UInt8Array::from_iter_values(rows.iter().map(|judged| Flags::bits(judged.flags)))),
-        ];
-        Ok(RecordBatch::try_new(schema.clone(), raw.into_iter().chain(derived).collect())?)
+        self.rows += rows as u64;
+        let rates = self.axes.iter().zip(&judged).map(|(axis, judged)| axis.rates_dps(judged));
+        let corrected = corrected_dps.iter_mut().map(|column| -> ArrayRef { Arc::new(column.finish()) });
+        let derived = rates.chain([Arc::new(temps_c.finish()) as ArrayRef]).chain(corrected);
+        let columns = raw.into_iter().chain(derived).chain(judged.iter().map(|judged| flags(judged))).collect();
+        Ok(RecordBatch::try_new(schema.clone(), columns)?)
     }
 }
 
-/// What there was in the capture that its user should know.
-struct Seen {
-    rows: u64,
-    without_temp: u64,
-    health: Health,
-    tally: Tally,
-    start_ns: Option<u64>,
+impl JudgedAxis {
+    /// As they were measured.
+    fn rates_dps(&self, judged: &[Judged]) -> ArrayRef {
+        let rates_dps = judged.iter().map(|judged| self.axis.rate.value(judged.reading.rate.into()));
+        Arc::new(Float64Array::from_iter_values(rates_dps))
+    }
 }
 
-impl Seen {
-    fn new(axis: &Axis) -> Self {
-        Self { rows: 0, without_temp: 0, health: Health::new(axis), tally: Tally::default(), start_ns: None }
-    }
+fn flags(judged: &[Judged]) -> ArrayRef {
+    Arc::new(UInt8Array::from_iter_values(judged.iter().map(|judged| judged.flags.bits())))
 }
 
 impl Correcting {
     /// Warns; without any temperature there is no result.
     fn check(&self, args: &CorrectArgs) -> Result<()> {
-        let (name, seen) = (args.capture.display(), &self.seen);
+        let name = args.capture.display();
         if self.corrector.range_c().is_none() {
             ensure!(
-                seen.rows == 0,
+                self.rows == 0,
                 "{name} holds no temperature at all: nothing can be corrected; record with --every-temp 1"
             );
             return Ok(());
         }
-        if seen.without_temp > 0 {
+        if self.without_temp > 0 {
             warn(&[format!(
                 "{name}: the first {} rows come before the first temperature and stay uncorrected (empty)",
-                seen.without_temp
+                self.without_temp
             )]);
         }
-        let found = believed::warnings(&seen.health, &seen.tally, seen.start_ns.unwrap_or_default());
+        let axes = self.axes.iter().map(|axis| (axis.name.as_str(), &axis.health));
+        let found = believed::of_axes(axes, &self.tally, self.start_ns.unwrap_or_default());
         warn(&found.iter().map(|found| format!("{name}: {found}")).collect::<Vec<_>>());
         if let Some(extrapolated) = self.corrector.warning() {
             warn(&[format!("{name}: {}", extrapolated.with(flag))]);

@@ -8,9 +8,9 @@ use arrow_array::RecordBatch;
 use arrow_schema::{Field, Metadata, SchemaRef};
 use clap::Args;
 use std::path::{Path, PathBuf};
-use zerorate_data::capture::columns::{self, RAW, Rows};
+use zerorate_data::capture::columns::{self, Rows};
 use zerorate_data::capture::table::{self, Opened};
-use zerorate_data::capture::{CaptureError, Checked, Format};
+use zerorate_data::capture::{CaptureError, Checked, Format, Layout};
 use zerorate_host::files;
 
 /// Metadata of a repaired capture: what is missing.
@@ -52,7 +52,7 @@ pub fn run(args: &RepairArgs) -> Result<()> {
     while table.found().rows < missing.rows {
         ensure!(!interrupt::asked(), "interrupted; nothing written");
         let Some((batch, rows)) = table.next_rows()? else { break };
-        sink.write(&rewritten(&schema, &batch, &rows)?)?;
+        sink.write(&rewritten(&schema, &table.info().layout, &batch, &rows)?)?;
     }
     sink.finish()?;
     output.publish()?;
@@ -104,14 +104,18 @@ fn schema(table: &Checked, missing: Option<&str>) -> SchemaRef {
     if let Some(missing) = missing {
         metadata.insert(REPAIRED, missing.replace(['\r', '\n'], " ").trim());
     }
-    let others = found.fields().iter().filter(|field| !RAW.contains(&field.name().as_str()));
-    let fields: Vec<Field> = columns::raw_fields().into_iter().chain(others.map(|field| (**field).clone())).collect();
-    columns::schema(fields, metadata)
+    let raw = table.info().layout.raw_fields();
+    let others = found.fields().iter().filter(|field| !is_in(&raw, field)).map(|field| (**field).clone());
+    columns::schema(raw.iter().cloned().chain(others).collect(), metadata)
 }
 
-fn rewritten(schema: &SchemaRef, batch: &RecordBatch, rows: &Rows) -> Result<RecordBatch> {
-    let names = batch.schema();
-    let others = names.fields().iter().zip(batch.columns()).filter(|(field, _)| !RAW.contains(&field.name().as_str()));
-    let columns = rows.columns().into_iter().chain(others.map(|(_, column)| column.clone())).collect();
+fn is_in(fields: &[Field], wanted: &Field) -> bool {
+    fields.iter().any(|field| field.name() == wanted.name())
+}
+
+fn rewritten(schema: &SchemaRef, layout: &Layout, batch: &RecordBatch, rows: &Rows) -> Result<RecordBatch> {
+    let (names, raw) = (batch.schema(), layout.raw_fields());
+    let others = names.fields().iter().zip(batch.columns()).filter(|(field, _)| !is_in(&raw, field));
+    let columns = rows.columns()?.into_iter().chain(others.map(|(_, column)| column.clone())).collect();
     Ok(RecordBatch::try_new(schema.clone(), columns)?)
 }

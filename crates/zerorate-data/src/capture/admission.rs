@@ -1,8 +1,8 @@
 //! What of a device's samples may become a capture: nothing that a reader of the file would refuse
 //! (docs/formats/capture.md, "What must agree").
 
-use super::succession::{Break, Mark, Succession};
-use adis16130::Sample;
+use super::row::Row;
+use super::succession::{Break, Succession};
 
 /// Samples in a row whose time does not increase, before the device is given up: 0.7 s at the full rate.
 const STANDING: u32 = 4096;
@@ -33,11 +33,10 @@ pub enum Disbelief {
 }
 
 impl Admission {
-    /// The sample as it may be recorded; none if it must be left out, and then the next one counts it as lost.
-    pub fn admit(&mut self, sample: Sample) -> Result<Option<Sample>, Disbelief> {
-        let lost = sample.lost.saturating_add(self.owed);
-        let mark = Mark { t_ns: sample.t_ns, edge_seq: sample.seq, lost };
-        let lost = match self.succession.follow(mark) {
+    /// The row as it may be recorded; none if it must be left out, and then the next one counts it as lost.
+    pub fn admit(&mut self, row: Row) -> Result<Option<Row>, Disbelief> {
+        let lost = row.lost.saturating_add(self.owed);
+        let lost = match self.succession.follow(row.with_lost(lost).mark()) {
             Ok(()) | Err(Break::EdgesJump { .. }) => lost,
             Err(what @ Break::NotLater { .. }) => return self.leave_out(lost, what).map(|()| None),
             Err(Break::RowsMissing { missing, .. } | Break::ClockJump { missing, .. }) => {
@@ -47,7 +46,7 @@ impl Admission {
             Err(what @ Break::LostTooMany { .. }) => return Err(Disbelief::Losses(what)),
         };
         (self.owed, self.standing) = (0, 0);
-        Ok(Some(Sample { lost, ..sample }))
+        Ok(Some(row.with_lost(lost)))
     }
 
     fn leave_out(&mut self, lost: u32, what: Break) -> Result<(), Disbelief> {
@@ -79,34 +78,32 @@ impl Admission {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use adis16130::{RateCode, Width};
 
-    fn sample(i: u32) -> Sample {
-        let rate = RateCode::new(8_388_608, Width::Bits24);
-        Sample { t_ns: 1_000 + u64::from(i) * 175_667, seq: i, rate, status: None, temp: None, lost: 0 }
+    fn row(i: u32) -> Row {
+        Row::new(1_000 + u64::from(i) * 175_667, i, &[8_388_608]).unwrap()
     }
 
     /// After so many even samples.
     fn after(n: u32) -> Admission {
         let mut admission = Admission::default();
-        assert!((0..n).all(|i| admission.admit(sample(i)) == Ok(Some(sample(i)))));
+        assert!((0..n).all(|i| admission.admit(row(i)) == Ok(Some(row(i)))));
         admission
     }
 
     #[test]
     fn a_repeated_time_is_left_out_and_counted() {
         let mut admission = after(100);
-        assert_eq!(admission.admit(Sample { t_ns: sample(99).t_ns, lost: 2, ..sample(100) }), Ok(None));
-        assert_eq!(admission.admit(Sample { t_ns: 5, ..sample(101) }), Ok(None));
-        let next = Sample { t_ns: sample(104).t_ns, ..sample(102) };
-        assert_eq!(admission.admit(next), Ok(Some(Sample { lost: 4, ..next })));
+        assert_eq!(admission.admit(Row { t_ns: row(99).t_ns, lost: 2, ..row(100) }), Ok(None));
+        assert_eq!(admission.admit(Row { t_ns: 5, ..row(101) }), Ok(None));
+        let next = Row { t_ns: row(104).t_ns, ..row(102) };
+        assert_eq!(admission.admit(next), Ok(Some(Row { lost: 4, ..next })));
         assert!(admission.warnings().next().unwrap().contains("clock-stands: 2 samples"));
     }
 
     #[test]
     fn a_clock_that_stands_ends_in_bounded_time() {
         let mut admission = after(100);
-        let still = |seq| Sample { seq, ..sample(99) };
+        let still = |edge_seq| Row { edge_seq, ..row(99) };
         let refused = (0..STANDING + 10).position(|i| admission.admit(still(i)).is_err());
         assert_eq!(refused, Some(STANDING as usize - 1));
     }
@@ -114,7 +111,7 @@ mod tests {
     #[test]
     fn a_jump_of_the_clock_counts_as_lost() {
         let mut admission = after(100);
-        let jumped = Sample { t_ns: sample(99).t_ns + 3_600_000_000_000, ..sample(100) };
+        let jumped = Row { t_ns: row(99).t_ns + 3_600_000_000_000, ..row(100) };
         let lost = admission.admit(jumped).unwrap().unwrap().lost;
         assert!((20_493_000..20_493_600).contains(&lost), "{lost}");
         assert!(admission.warnings().next().unwrap().contains("clock-jump"));
@@ -123,15 +120,15 @@ mod tests {
     #[test]
     fn losses_saturate() {
         let mut admission = after(100);
-        for seq in 0..2 {
-            assert_eq!(admission.admit(Sample { t_ns: 0, seq, lost: u32::MAX - 1, ..sample(0) }), Ok(None));
+        for edge_seq in 0..2 {
+            assert_eq!(admission.admit(Row { t_ns: 0, edge_seq, lost: u32::MAX - 1, ..row(0) }), Ok(None));
         }
-        assert_eq!(admission.admit(sample(200)).unwrap().unwrap().lost, u32::MAX);
+        assert_eq!(admission.admit(row(200)).unwrap().unwrap().lost, u32::MAX);
     }
 
     #[test]
     fn invented_losses_end_it() {
-        let refused = after(100).admit(Sample { lost: 1_000_000, ..sample(100) });
+        let refused = after(100).admit(Row { lost: 1_000_000, ..row(100) });
         assert!(matches!(refused, Err(Disbelief::Losses(_))));
     }
 }

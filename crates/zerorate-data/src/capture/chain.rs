@@ -1,8 +1,9 @@
 //! The checks of a capture: each block of rows carries one over everything before it (docs/formats/capture.md,
 //! "Checks").
 
-use super::columns::{RAW, Rows};
+use super::columns::Rows;
 use super::hash::SampleHash;
+use super::layout::Layout;
 use arrow_array::cast::AsArray;
 use arrow_array::{Array, ArrayRef, RecordBatch};
 use arrow_schema::{DataType, Schema};
@@ -67,23 +68,26 @@ impl End {
 pub struct Chain {
     link: [u8; 32],
     samples: SampleHash,
+    raw: Vec<String>,
     others: Sha256,
     rows: u64,
 }
 
 impl Chain {
     /// No row yet. The first link is the description.
-    pub fn new(schema: &Schema) -> Self {
-        Self { link: head_digest(schema), samples: SampleHash::new(), others: Sha256::new(), rows: 0 }
+    pub fn new(schema: &Schema, layout: &Layout) -> Self {
+        let raw = layout.raw_fields().iter().map(|field| field.name().clone()).collect();
+        let (link, samples) = (head_digest(schema), SampleHash::new(layout));
+        Self { link, samples, raw, others: Sha256::new(), rows: 0 }
     }
 
     /// Takes in the next rows of a table whose raw columns are `rows`.
     pub fn take(&mut self, rows: &Rows, table: &RecordBatch) {
-        rows.samples().for_each(|sample| self.samples.update(&sample));
+        rows.iter().for_each(|row| self.samples.update(&row));
         self.rows += rows.len() as u64;
         let names = table.schema();
         let others: Vec<Cells> = (names.fields().iter().zip(table.columns()))
-            .filter(|(field, _)| !RAW.contains(&field.name().as_str()))
+            .filter(|(field, _)| !self.raw.contains(field.name()))
             .map(|(_, column)| Cells::of(column))
             .collect();
         for row in 0..if others.is_empty() { 0 } else { table.num_rows() } {

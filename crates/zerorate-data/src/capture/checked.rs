@@ -4,7 +4,8 @@
 use super::CaptureError;
 use super::chain::{self, Chain, End};
 use super::columns::Rows;
-use super::info::{self, CaptureInfo};
+use super::info::CaptureInfo;
+use super::layout::AXES;
 use super::succession::{Break, Succession};
 use super::table::BatchSource;
 use arrow_array::RecordBatch;
@@ -55,7 +56,7 @@ impl Checked {
         let stated = schema.metadata().get(chain::HEAD);
         let damaged = |what: &str| Err(CaptureError::damaged(path, "metadata", what));
         let checks = match (info.schema, stated) {
-            (1, None) if !schema.metadata().contains_key(info::AXES) => Checks::Absent,
+            (1, None) if !schema.metadata().contains_key(AXES) => Checks::Absent,
             (1, _) => return damaged("it calls itself version 1, which has neither checks nor axes"),
             (_, None) => return damaged(&format!("`{}` is missing", chain::HEAD)),
             (_, Some(stated)) if *stated != chain::head(&schema) => {
@@ -63,9 +64,9 @@ impl Checked {
                     "the description or the columns are not those that were recorded (their check differs)",
                 );
             }
-            _ => Checks::Expected(Chain::new(&schema)),
+            _ => Checks::Expected(Chain::new(&schema, &info.layout)),
         };
-        Rows::from_batch(path, "columns", &RecordBatch::new_empty(schema), info.width)?;
+        Rows::from_batch(path, "columns", &RecordBatch::new_empty(schema), &info.layout)?;
         Ok(Self {
             path: path.to_owned(),
             info,
@@ -141,7 +142,7 @@ impl Checked {
             self.check_end()?;
             return Ok(None);
         };
-        let rows = Rows::from_batch(&self.path, &place, &batch, self.info.width)?;
+        let rows = Rows::from_batch(&self.path, &place, &batch, &self.info.layout)?;
         self.check_block(&place, &batch, &rows)?;
         self.count(&place, &rows)?;
         Ok(Some((batch, rows)))

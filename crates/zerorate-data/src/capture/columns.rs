@@ -1,50 +1,24 @@
 //! The columns of a capture in memory: samples to record batches, and back.
 
+use super::layout::Layout;
+use super::row::Row;
 use super::succession::Mark;
 use super::{CaptureError, chain};
 use crate::cells::integers;
-use adis16130::{ChannelStatus, RateCode, Sample, TempCode, Width};
-use arrow_array::builder::{UInt8Builder, UInt32Builder};
-use arrow_array::types::{UInt8Type, UInt32Type, UInt64Type};
-use arrow_array::{Array, ArrayRef, ArrowPrimitiveType, PrimitiveArray, RecordBatch, UInt8Array, UInt32Array};
+use arrow_array::builder::{PrimitiveBuilder, UInt32Builder};
+use arrow_array::types::{Int32Type, UInt8Type, UInt16Type, UInt32Type, UInt64Type};
+use arrow_array::{Array, ArrayRef, ArrowPrimitiveType, Int32Array, PrimitiveArray, RecordBatch, UInt32Array};
 use arrow_buffer::ScalarBuffer;
-use arrow_schema::{DataType, Field, Metadata, Schema, SchemaRef};
+use arrow_schema::{ArrowError, DataType, Field, Metadata, Schema, SchemaRef};
 use std::path::Path;
 use std::sync::Arc;
+use zerorate::{MAX_AXES, Scale};
 
 /// Rows in a batch at most: a bound on memory.
 pub const MAX_ROWS: usize = 8192;
 
 /// Time a batch spans at most: what a killed process costs.
 const MAX_SPAN_NS: u64 = 1_000_000_000;
-
-/// Names of the raw columns.
-pub const RAW: [&str; 6] = ["t_ns", "edge_seq", "rate_code", "status", "temp_code", "lost"];
-
-/// The raw columns.
-pub fn raw_fields() -> Vec<Field> {
-    vec![
-        Field::new("t_ns", DataType::UInt64, false),
-        Field::new("edge_seq", DataType::UInt32, false),
-        Field::new("rate_code", DataType::UInt32, false),
-        Field::new("status", DataType::UInt8, true),
-        Field::new("temp_code", DataType::UInt32, true),
-        Field::new("lost", DataType::UInt32, false),
-    ]
-}
-
-/// The columns that a corrected capture has after the raw ones.
-pub fn derived_fields() -> Vec<Field> {
-    vec![
-        Field::new("rate_dps", DataType::Float64, false),
-        Field::new("temp_c", DataType::Float64, true),
-        Field::new(CORRECTED, DataType::Float64, true),
-        Field::new("flags", DataType::UInt8, false),
-    ]
-}
-
-/// The column that only a corrected capture has.
-pub const CORRECTED: &str = "rate_corrected_dps";
 
 /// The schema of a capture to be written: these columns, the metadata of the file, and the check over both.
 pub fn schema(fields: Vec<Field>, metadata: Metadata) -> SchemaRef {
@@ -55,23 +29,25 @@ pub fn schema(fields: Vec<Field>, metadata: Metadata) -> SchemaRef {
 
 /// The rows of the open batch.
 pub(crate) struct OpenBatch {
+    fields: Vec<Field>,
     t_ns: Vec<u64>,
     edge_seq: Vec<u32>,
-    rate_code: Vec<u32>,
-    status: UInt8Builder,
-    temp_code: UInt32Builder,
+    codes: Vec<CodeBuilder>,
+    status: UInt32Builder,
+    temp_code: CodeBuilder,
     lost: Vec<u32>,
 }
 
 impl OpenBatch {
     /// No row yet.
-    pub fn new() -> Self {
+    pub fn new(layout: &Layout) -> Self {
         Self {
+            fields: layout.raw_fields(),
             t_ns: Vec::with_capacity(MAX_ROWS),
             edge_seq: Vec::with_capacity(MAX_ROWS),
-            rate_code: Vec::with_capacity(MAX_ROWS),
-            status: UInt8Builder::with_capacity(MAX_ROWS),
-            temp_code: UInt32Builder::with_capacity(MAX_ROWS),
+            codes: layout.axes().iter().map(|axis| CodeBuilder::new(&axis.scale)).collect(),
+            status: UInt32Builder::with_capacity(MAX_ROWS),
+            temp_code: CodeBuilder::new(layout.temp()),
             lost: Vec::with_capacity(MAX_ROWS),
         }
     }
@@ -87,63 +63,151 @@ impl OpenBatch {
             || self.t_ns.first().is_some_and(|first| t_ns.saturating_sub(*first) >= MAX_SPAN_NS)
     }
 
-    /// Adds a row.
-    pub fn push(&mut self, sample: &Sample) {
-        self.t_ns.push(sample.t_ns);
-        self.edge_seq.push(sample.seq);
-        self.rate_code.push(sample.rate.code());
-        self.status.append_option(sample.status.map(ChannelStatus::bits));
-        self.temp_code.append_option(sample.temp.map(TempCode::code));
-        self.lost.push(sample.lost);
+    /// Adds a row of the layout.
+    pub fn push(&mut self, row: &Row) {
+        self.t_ns.push(row.t_ns);
+        self.edge_seq.push(row.edge_seq);
+        self.codes.iter_mut().zip(row.codes()).for_each(|(column, code)| column.append(Some(*code)));
+        self.status.append_option(row.status);
+        self.temp_code.append(row.temp_code);
+        self.lost.push(row.lost);
     }
 
     /// Takes the rows out.
-    pub fn close(&mut self) -> Vec<ArrayRef> {
-        let mut rows = std::mem::replace(self, Self::new());
-        vec![
-            column::<UInt64Type>(rows.t_ns),
-            column::<UInt32Type>(rows.edge_seq),
-            column::<UInt32Type>(rows.rate_code),
-            Arc::new(rows.status.finish()),
-            Arc::new(rows.temp_code.finish()),
-            column::<UInt32Type>(rows.lost),
-        ]
+    pub fn close(&mut self) -> Result<Vec<ArrayRef>, ArrowError> {
+        let ends = [column::<UInt64Type>(&mut self.t_ns), column::<UInt32Type>(&mut self.edge_seq)];
+        let codes = self.codes.iter_mut().map(CodeBuilder::finish);
+        let status: ArrayRef = Arc::new(self.status.finish());
+        let status = narrowed(&status, &self.fields)?;
+        let after = [status, self.temp_code.finish(), column::<UInt32Type>(&mut self.lost)];
+        Ok(ends.into_iter().chain(codes).chain(after).collect())
     }
 }
 
-fn column<T: ArrowPrimitiveType>(values: Vec<T::Native>) -> ArrayRef
+fn column<T: ArrowPrimitiveType>(values: &mut Vec<T::Native>) -> ArrayRef
 where
     ScalarBuffer<T::Native>: From<Vec<T::Native>>,
 {
+    let values = std::mem::replace(values, Vec::with_capacity(MAX_ROWS));
     Arc::new(PrimitiveArray::<T>::new(values.into(), None))
+}
+
+/// The status in the type of its column.
+fn narrowed(status: &ArrayRef, fields: &[Field]) -> Result<ArrayRef, ArrowError> {
+    let field = fields.iter().find(|field| field.name() == "status");
+    Ok(match field.map(Field::data_type) {
+        Some(DataType::UInt8) => Arc::new(integers::<UInt8Type>(status)?),
+        Some(DataType::UInt16) => Arc::new(integers::<UInt16Type>(status)?),
+        _ => status.clone(),
+    })
+}
+
+/// A growing column of codes.
+enum CodeBuilder {
+    Unsigned(PrimitiveBuilder<UInt32Type>),
+    Signed(PrimitiveBuilder<Int32Type>),
+}
+
+impl CodeBuilder {
+    fn new(scale: &Scale) -> Self {
+        if scale.signed {
+            Self::Signed(PrimitiveBuilder::with_capacity(MAX_ROWS))
+        } else {
+            Self::Unsigned(PrimitiveBuilder::with_capacity(MAX_ROWS))
+        }
+    }
+
+    /// A code of the layout has 32 bits at most.
+    fn append(&mut self, code: Option<i64>) {
+        match self {
+            Self::Unsigned(codes) => codes.append_option(code.map(|code| code as u32)),
+            Self::Signed(codes) => codes.append_option(code.map(|code| code as i32)),
+        }
+    }
+
+    fn finish(&mut self) -> ArrayRef {
+        match self {
+            Self::Unsigned(codes) => Arc::new(codes.finish()),
+            Self::Signed(codes) => Arc::new(codes.finish()),
+        }
+    }
+}
+
+/// A column of codes that was read.
+enum Codes {
+    Unsigned(UInt32Array),
+    Signed(Int32Array),
+}
+
+impl Codes {
+    #[inline]
+    fn get(&self, row: usize) -> Option<i64> {
+        match self {
+            Self::Unsigned(codes) => codes.is_valid(row).then(|| codes.value(row).into()),
+            Self::Signed(codes) => codes.is_valid(row).then(|| codes.value(row).into()),
+        }
+    }
+
+    /// Of a column without nulls.
+    #[inline]
+    fn value(&self, row: usize) -> i64 {
+        match self {
+            Self::Unsigned(codes) => codes.value(row).into(),
+            Self::Signed(codes) => codes.value(row).into(),
+        }
+    }
+
+    fn null_count(&self) -> usize {
+        match self {
+            Self::Unsigned(codes) => codes.null_count(),
+            Self::Signed(codes) => codes.null_count(),
+        }
+    }
+
+    fn to_array(&self) -> ArrayRef {
+        match self {
+            Self::Unsigned(codes) => Arc::new(codes.clone()),
+            Self::Signed(codes) => Arc::new(codes.clone()),
+        }
+    }
+
+    /// The first that is no code of this scale.
+    fn misfit(&self, scale: &Scale) -> Option<i64> {
+        let (first, last) = scale.codes();
+        let outside = |code: &i64| !(first..=last).contains(code);
+        match self {
+            Self::Unsigned(codes) => codes.iter().flatten().map(i64::from).find(outside),
+            Self::Signed(codes) => codes.iter().flatten().map(i64::from).find(outside),
+        }
+    }
 }
 
 /// The rows of a batch that was read: checked, typed, raw.
 pub struct Rows {
     t_ns: ScalarBuffer<u64>,
     edge_seq: ScalarBuffer<u32>,
-    rate_code: ScalarBuffer<u32>,
-    status: UInt8Array,
-    temp_code: UInt32Array,
+    codes: Vec<Codes>,
+    status: UInt32Array,
+    temp_code: Codes,
     lost: ScalarBuffer<u32>,
-    width: Width,
+    fields: Vec<Field>,
 }
 
 impl Rows {
     /// The raw columns of a batch of the capture at `path`; `place` says which batch, should it be damaged.
-    pub fn from_batch(path: &Path, place: &str, batch: &RecordBatch, width: Width) -> Result<Self, CaptureError> {
-        let source = Source { path, place, batch };
+    pub fn from_batch(path: &Path, place: &str, batch: &RecordBatch, layout: &Layout) -> Result<Self, CaptureError> {
+        let found = Batch { path, place, batch };
+        let codes = layout.axes().iter().map(|axis| found.required_codes(&axis.code_column(), &axis.scale));
         let rows = Self {
-            t_ns: source.required::<UInt64Type>("t_ns")?,
-            edge_seq: source.required::<UInt32Type>("edge_seq")?,
-            rate_code: source.required::<UInt32Type>("rate_code")?,
-            status: source.column::<UInt8Type>("status")?,
-            temp_code: source.column::<UInt32Type>("temp_code")?,
-            lost: source.required::<UInt32Type>("lost")?,
-            width,
+            t_ns: found.required::<UInt64Type>("t_ns")?,
+            edge_seq: found.required::<UInt32Type>("edge_seq")?,
+            codes: codes.collect::<Result<_, _>>()?,
+            status: found.column::<UInt32Type>("status")?,
+            temp_code: found.codes("temp_code", layout.temp())?,
+            lost: found.required::<UInt32Type>("lost")?,
+            fields: layout.raw_fields(),
         };
-        source.check_codes("rate_code", rows.rate_code.iter().copied(), width)?;
-        source.check_codes("temp_code", rows.temp_code.iter().flatten(), width)?;
+        found.check_status(&rows.status, layout.status_bits())?;
         Ok(rows)
     }
 
@@ -163,44 +227,47 @@ impl Rows {
         rows.map(|((t_ns, edge_seq), lost)| Mark { t_ns: *t_ns, edge_seq: *edge_seq, lost: *lost })
     }
 
-    /// The sample in row `i`, which must be below [`Rows::len`].
-    pub fn sample(&self, i: usize) -> Sample {
-        Sample {
-            t_ns: self.t_ns[i],
-            seq: self.edge_seq[i],
-            rate: RateCode::new(self.rate_code[i], self.width),
-            status: self.status.is_valid(i).then(|| ChannelStatus::new(self.status.value(i))),
-            temp: self.temp_code.is_valid(i).then(|| TempCode::new(self.temp_code.value(i), self.width)),
-            lost: self.lost[i],
-        }
+    /// Row `i`, which must be below [`Rows::len`].
+    #[inline]
+    pub fn row(&self, i: usize) -> Row {
+        let mut codes = [0; MAX_AXES];
+        codes.iter_mut().zip(&self.codes).for_each(|(code, column)| *code = column.value(i));
+        let status = self.status.is_valid(i).then(|| self.status.value(i));
+        Row::with_codes(self.t_ns[i], self.edge_seq[i], codes, self.codes.len())
+            .with_lost(self.lost[i])
+            .with_status(status)
+            .with_temp_code(self.temp_code.get(i))
     }
 
-    /// All samples, in order.
-    pub fn samples(&self) -> impl Iterator<Item = Sample> {
-        (0..self.len()).map(|i| self.sample(i))
+    /// All rows, in order.
+    pub fn iter(&self) -> impl Iterator<Item = Row> {
+        (0..self.len()).map(|i| self.row(i))
     }
 
     /// The raw columns as they were.
-    pub fn columns(&self) -> Vec<ArrayRef> {
-        vec![
+    pub fn columns(&self) -> Result<Vec<ArrayRef>, ArrowError> {
+        let status: ArrayRef = Arc::new(self.status.clone());
+        let before: [ArrayRef; 2] = [
             Arc::new(PrimitiveArray::<UInt64Type>::new(self.t_ns.clone(), None)),
             Arc::new(PrimitiveArray::<UInt32Type>::new(self.edge_seq.clone(), None)),
-            Arc::new(PrimitiveArray::<UInt32Type>::new(self.rate_code.clone(), None)),
-            Arc::new(self.status.clone()),
-            Arc::new(self.temp_code.clone()),
+        ];
+        let after: [ArrayRef; 3] = [
+            narrowed(&status, &self.fields)?,
+            self.temp_code.to_array(),
             Arc::new(PrimitiveArray::<UInt32Type>::new(self.lost.clone(), None)),
-        ]
+        ];
+        Ok(before.into_iter().chain(self.codes.iter().map(Codes::to_array)).chain(after).collect())
     }
 }
 
 /// A batch, and where it stands.
-struct Source<'a> {
+struct Batch<'a> {
     path: &'a Path,
     place: &'a str,
     batch: &'a RecordBatch,
 }
 
-impl Source<'_> {
+impl Batch<'_> {
     /// A column by name, in the type of the format: other software may have widened it.
     fn column<T: ArrowPrimitiveType<Native: TryFrom<i128>>>(
         &self,
@@ -219,17 +286,40 @@ impl Source<'_> {
         name: &str,
     ) -> Result<ScalarBuffer<T::Native>, CaptureError> {
         let column = self.column::<T>(name)?;
-        match column.null_count() {
-            0 => Ok(column.values().clone()),
-            empty => Err(self.damaged(format!("column {name} has {empty} empty cells"))),
+        self.check_whole(name, column.null_count())?;
+        Ok(column.values().clone())
+    }
+
+    /// A column of codes of this scale.
+    fn codes(&self, name: &str, scale: &Scale) -> Result<Codes, CaptureError> {
+        let codes = if scale.signed {
+            Codes::Signed(self.column::<Int32Type>(name)?)
+        } else {
+            Codes::Unsigned(self.column::<UInt32Type>(name)?)
+        };
+        match codes.misfit(scale) {
+            Some(code) => {
+                let bits = scale.width_bits;
+                Err(self.damaged(format!("{name} {code} is no code of {bits} bits, as the metadata states")))
+            }
+            None => Ok(codes),
         }
     }
 
-    fn check_codes(&self, name: &str, mut codes: impl Iterator<Item = u32>, width: Width) -> Result<(), CaptureError> {
-        match codes.find(|code| *code > width.max_code()) {
-            Some(code) => {
-                Err(self.damaged(format!("{name} {code} is no code of {} bits, as the metadata states", width.bits())))
-            }
+    /// The same, without nulls.
+    fn required_codes(&self, name: &str, scale: &Scale) -> Result<Codes, CaptureError> {
+        let codes = self.codes(name, scale)?;
+        self.check_whole(name, codes.null_count())?;
+        Ok(codes)
+    }
+
+    fn check_whole(&self, name: &str, empty: usize) -> Result<(), CaptureError> {
+        if empty == 0 { Ok(()) } else { Err(self.damaged(format!("column {name} has {empty} empty cells"))) }
+    }
+
+    fn check_status(&self, status: &UInt32Array, bits: u8) -> Result<(), CaptureError> {
+        match status.iter().flatten().find(|status| u64::from(*status) >> bits > 0) {
+            Some(status) => Err(self.damaged(format!("status {status} has more than {bits} bits"))),
             None => Ok(()),
         }
     }

@@ -2,13 +2,14 @@
 
 use super::CaptureError;
 use super::chain::{self, End};
-use super::columns::{MAX_ROWS, derived_fields, raw_fields};
+use super::columns::MAX_ROWS;
 use super::delimited::{Delimiter, Lines};
+use super::info::CaptureInfo;
 use super::table::{BatchSource, BlockSink, Out, Stated};
 use crate::Input;
 use arrow_array::builder::PrimitiveBuilder;
 use arrow_array::cast::AsArray;
-use arrow_array::types::{Float64Type, UInt8Type, UInt32Type, UInt64Type};
+use arrow_array::types::{Float64Type, Int32Type, UInt8Type, UInt16Type, UInt32Type, UInt64Type};
 use arrow_array::{Array, ArrayRef, ArrowPrimitiveType, RecordBatch, downcast_integer_array};
 use arrow_schema::{ArrowError, DataType, Field, Metadata, Schema, SchemaRef};
 use std::io::{BufWriter, Write};
@@ -123,7 +124,8 @@ impl Source {
                 description.insert(key.trim().to_owned(), value.trim().to_owned());
             }
         };
-        let known: Vec<Field> = raw_fields().into_iter().chain(derived_fields()).collect();
+        let layout = CaptureInfo::from_metadata(path, &description)?.layout;
+        let known = [layout.raw_fields(), layout.derived_fields()].concat();
         let field = |name: &str| known.iter().find(|field| field.name() == name);
         let names: Vec<&str> = Delimiter::Comma.cells(&header).collect();
         let fields: Vec<Field> =
@@ -319,6 +321,8 @@ fn cell_column(data_type: &DataType) -> Box<dyn CellColumn> {
     match data_type {
         DataType::UInt64 => Box::new(PrimitiveBuilder::<UInt64Type>::new()),
         DataType::UInt32 => Box::new(PrimitiveBuilder::<UInt32Type>::new()),
+        DataType::UInt16 => Box::new(PrimitiveBuilder::<UInt16Type>::new()),
+        DataType::Int32 => Box::new(PrimitiveBuilder::<Int32Type>::new()),
         DataType::UInt8 => Box::new(PrimitiveBuilder::<UInt8Type>::new()),
         _ => Box::new(PrimitiveBuilder::<Float64Type>::new()),
     }

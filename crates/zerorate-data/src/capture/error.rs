@@ -31,10 +31,10 @@ pub enum CaptureError {
     #[error("{}: {why}", path.display())]
     NoRoom { path: PathBuf, why: NoRoom },
 
-    /// A capture that this version of the program cannot hold.
-    #[error("{} is a capture of part `{part}` with the axes `{axes}`, and this program reads the one axis `rate` of \
-        an ADIS16130: use a newer zerorate", path.display())]
-    OtherPart { path: PathBuf, part: String, axes: String },
+    /// A capture of something that this version of the program does not know.
+    #[error("{} holds the axis `{axis}` in `{unit}`, which is no unit of angular rate that this program knows: use a \
+        newer zerorate", path.display())]
+    OtherQuantity { path: PathBuf, axis: String, unit: String },
 
     /// A capture, or another table, whose content is wrong.
     #[error("{}, {place}: {what}", path.display())]

@@ -1,38 +1,52 @@
 //! The hash that names the samples of a capture (docs/formats/capture.md, "The sample hash").
 
 use super::chain::hex;
-use adis16130::{Sample, Width};
+use super::layout::Layout;
+use super::row::Row;
 use sha2::{Digest, Sha256};
+use zerorate::MAX_AXES;
 
-const PREFIX: &[u8] = b"zerorate.samples.v1\n";
-const ROW: usize = 26;
+/// Of one axis with a status of eight bits.
+const ONE_AXIS: &str = "zerorate.samples.v1\n";
+/// Of all others; their names follow.
+const AXES: &str = "zerorate.samples.v2 ";
 
-/// SHA-256 over the canonical encoding of samples: the same live, from a log of it, and from any form of the log.
+/// Bytes of the longest row.
+const LONGEST: usize = 8 + 4 + 4 * MAX_AXES + 4 + 4 + 4 + 1;
+
+/// SHA-256 over the canonical encoding of rows: the same live, from a log of it, and from any form of the log.
 #[derive(Clone, Debug)]
 pub struct SampleHash {
     digest: Sha256,
     pending: Vec<u8>,
-}
-
-impl Default for SampleHash {
-    fn default() -> Self {
-        Self::new()
-    }
+    status_bytes: usize,
+    has_24_bits: bool,
 }
 
 impl SampleHash {
-    /// The hash of no sample yet.
-    pub fn new() -> Self {
-        Self { digest: Sha256::new_with_prefix(PREFIX), pending: Vec::with_capacity(ROW * 512) }
+    /// The hash of no row yet.
+    pub fn new(layout: &Layout) -> Self {
+        let axes: Vec<&str> = layout.axes().iter().map(|axis| axis.name.as_str()).collect();
+        let digest = match (&axes[..], layout.status_bits()) {
+            ([_], 8) => Sha256::new_with_prefix(ONE_AXIS),
+            _ => Sha256::new_with_prefix(format!("{AXES}{}\n", axes.join(","))),
+        };
+        Self {
+            digest,
+            pending: Vec::with_capacity(LONGEST * 256),
+            status_bytes: usize::from(layout.status_bits() / 8),
+            has_24_bits: layout.axes().first().is_some_and(|axis| axis.scale.width_bits == 24),
+        }
     }
 
-    /// Takes in the next sample.
-    pub fn update(&mut self, sample: &Sample) {
-        if self.pending.len() == self.pending.capacity() {
+    /// Takes in the next row.
+    #[inline]
+    pub fn update(&mut self, row: &Row) {
+        if self.pending.len() + LONGEST > self.pending.capacity() {
             self.digest.update(&self.pending);
             self.pending.clear();
         }
-        self.pending.extend_from_slice(&encode(sample));
+        self.encode(row);
     }
 
     /// The hash so far.
@@ -44,17 +58,22 @@ impl SampleHash {
     pub fn hex(&self) -> String {
         hex(&self.digest())
     }
+
+    #[inline]
+    fn encode(&mut self, row: &Row) {
+        let row_bytes = &mut self.pending;
+        row_bytes.extend_from_slice(&row.t_ns.to_le_bytes());
+        row_bytes.extend_from_slice(&row.edge_seq.to_le_bytes());
+        row.codes().iter().for_each(|code| row_bytes.extend_from_slice(&low_bytes(*code)));
+        row_bytes.extend_from_slice(&low_bytes(row.temp_code.unwrap_or(0)));
+        row_bytes.extend_from_slice(&row.lost.to_le_bytes());
+        row_bytes.extend_from_slice(&row.status.unwrap_or(0).to_le_bytes()[..self.status_bytes]);
+        let present = u8::from(row.status.is_some()) | u8::from(row.temp_code.is_some()) << 1;
+        row_bytes.push(present | u8::from(self.has_24_bits) << 2);
+    }
 }
 
-fn encode(sample: &Sample) -> [u8; ROW] {
-    let mut row = [0; ROW];
-    row[0..8].copy_from_slice(&sample.t_ns.to_le_bytes());
-    row[8..12].copy_from_slice(&sample.seq.to_le_bytes());
-    row[12..16].copy_from_slice(&sample.rate.code().to_le_bytes());
-    row[16..20].copy_from_slice(&sample.temp.map_or(0, |temp| temp.code()).to_le_bytes());
-    row[20..24].copy_from_slice(&sample.lost.to_le_bytes());
-    row[24] = sample.status.map_or(0, |status| status.bits());
-    let wide = sample.rate.width() == Width::Bits24;
-    row[25] = u8::from(sample.status.is_some()) | u8::from(sample.temp.is_some()) << 1 | u8::from(wide) << 2;
-    row
+/// A code as a column holds it: u32, or i32 in two's complement.
+fn low_bytes(code: i64) -> [u8; 4] {
+    (code as u32).to_le_bytes()
 }

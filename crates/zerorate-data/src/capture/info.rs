@@ -1,10 +1,11 @@
 //! The description of a capture, and its form as metadata (docs/formats/capture.md).
 
 use super::CaptureError;
-use adis16130::{RATE_LSB_PER_DPS, TEMP_LSB_PER_C, Width};
+use super::layout::{Layout, PART, number, number_or, stated};
+use adis16130::Width;
 use arrow_schema::Metadata;
 use std::path::Path;
-use zerorate::Axis;
+use zerorate::{Axis, NamedAxis, Part};
 
 /// Version of the format that this program writes, and the highest it reads.
 pub const SCHEMA_VERSION: u32 = 2;
@@ -16,7 +17,6 @@ const CAPTURE_SCHEMA: &str = "zerorate.capture_schema";
 const WIDTH_BITS: &str = "zerorate.width_bits";
 const RATE_CONVERSION: &str = "zerorate.rate_conversion";
 const TEMP_CONVERSION: &str = "zerorate.temp_conversion";
-const PART: &str = "zerorate.part";
 const DEVICE: &str = "zerorate.device";
 const SERIAL: &str = "zerorate.serial";
 const EVERY_TEMP: &str = "zerorate.every_temp";
@@ -28,28 +28,19 @@ const SOFTWARE: &str = "zerorate.software";
 const CREATED: &str = "zerorate.created";
 const SUPPLY_NOTE: &str = "zerorate.supply_note";
 
-/// Names of the axes. Version 1 has none.
-pub const AXES: &str = "zerorate.axes";
-
-/// The part and the axis that this program writes and reads.
-const PART_NAME: &str = "ADIS16130";
-const AXIS: &str = "rate";
-
 /// How a capture was taken.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CaptureInfo {
     /// Version of the format that the file has.
     pub schema: u32,
+    /// The part, its axes, and what their codes mean.
+    pub layout: Layout,
     /// Where the samples came from, as given on the command line.
     pub device: String,
     /// Serial number, as given.
     pub serial: Option<String>,
-    /// Width of both codes.
-    pub width: Width,
-    /// RATECONV as configured: b7 chop, b6–0 FW (F-31).
-    pub rate_conversion: u8,
-    /// TEMPCONV, likewise.
-    pub temp_conversion: u8,
+    /// How the converter of an ADIS16130 was set; another part has none.
+    pub converter: Option<Converter>,
     /// Temperature was read with every N-th rate sample (F-55).
     pub every_temp: u16,
     /// The part was read on every N-th data-ready edge that the host saw (F-56).
@@ -66,7 +57,52 @@ pub struct CaptureInfo {
     pub supply_note: Option<String>,
 }
 
+/// Settings of an ADIS16130.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Converter {
+    /// Width of both codes.
+    pub width: Width,
+    /// RATECONV as configured: b7 chop, b6–0 FW (F-31).
+    pub rate_conversion: u8,
+    /// TEMPCONV, likewise.
+    pub temp_conversion: u8,
+}
+
+/// A part that is not the one of a capture.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("it is a capture of the part {found} with the axes {axes}, and what was given describes {given}")]
+pub struct NotThePart {
+    found: String,
+    axes: String,
+    given: String,
+}
+
 impl CaptureInfo {
+    /// Of a part of which nothing else is known: every reading has a temperature, no edge was left out.
+    #[must_use]
+    pub fn new(layout: Layout) -> Self {
+        Self {
+            schema: SCHEMA_VERSION,
+            layout,
+            device: String::new(),
+            serial: None,
+            converter: None,
+            every_temp: 1,
+            divider: 1,
+            divided: 1,
+            bandwidth_hz: None,
+            software: String::new(),
+            created: String::new(),
+            supply_note: None,
+        }
+    }
+
+    /// Of an ADIS16130 that is set like this.
+    #[must_use]
+    pub fn adis16130(converter: Converter) -> Self {
+        Self { converter: Some(converter), ..Self::new(Layout::adis16130(converter.width)) }
+    }
+
     /// Edges of the part's data ready from one reading to the next, all in all.
     pub fn edges_per_reading(&self) -> u16 {
         self.divider.max(1).saturating_mul(self.divided.max(1))
@@ -74,12 +110,12 @@ impl CaptureInfo {
 
     /// The metadata that states this.
     pub fn to_metadata(&self) -> Metadata {
+        let converter = self.converter.as_ref();
         let known = [
             (CAPTURE_SCHEMA, Some(SCHEMA_VERSION.to_string())),
-            (WIDTH_BITS, Some(self.width.bits().to_string())),
-            (RATE_CONVERSION, Some(self.rate_conversion.to_string())),
-            (TEMP_CONVERSION, Some(self.temp_conversion.to_string())),
-            (PART, Some(PART_NAME.to_owned())),
+            (WIDTH_BITS, converter.map(|set| set.width.bits().to_string())),
+            (RATE_CONVERSION, converter.map(|set| set.rate_conversion.to_string())),
+            (TEMP_CONVERSION, converter.map(|set| set.temp_conversion.to_string())),
             (DEVICE, Some(self.device.clone())),
             (SERIAL, self.serial.clone()),
             (EVERY_TEMP, Some(self.every_temp.to_string())),
@@ -91,27 +127,28 @@ impl CaptureInfo {
             (SUPPLY_NOTE, self.supply_note.clone()),
         ];
         let known = known.into_iter().filter_map(|(key, value)| Some((key.to_owned(), one_line(&value?))));
-        known.chain(channels(self.width)).collect()
+        known.chain(self.layout.to_metadata()).collect()
     }
 
     /// Reads the description of the capture at `path` out of its metadata.
     pub fn from_metadata(path: &Path, metadata: &Metadata) -> Result<Self, CaptureError> {
         let schema = version(path, metadata)?;
         let text = |key: &str| metadata.get(key).cloned();
-        if schema > 1 {
-            check_part(path, metadata)?;
-        }
-        let width = width(path, number(path, metadata, WIDTH_BITS)?)?;
-        if schema > 1 {
-            check_channels(path, metadata, width)?;
+        let is_adis16130 = schema == 1 || *stated(path, metadata, PART)? == Part::ADIS16130.name;
+        let converter = is_adis16130.then(|| Converter::from_metadata(path, metadata)).transpose()?;
+        let layout = match converter {
+            Some(converter) => Layout::adis16130(converter.width),
+            None => Layout::from_metadata(path, metadata)?,
+        };
+        if schema > 1 && is_adis16130 {
+            check_layout(path, metadata, &layout)?;
         }
         Ok(Self {
             schema,
+            layout,
             device: text(DEVICE).unwrap_or_default(),
             serial: text(SERIAL),
-            width,
-            rate_conversion: number(path, metadata, RATE_CONVERSION)?,
-            temp_conversion: number(path, metadata, TEMP_CONVERSION)?,
+            converter,
             every_temp: number_or(path, metadata, EVERY_TEMP, 1)?,
             divider: number_or(path, metadata, DIVIDER, 1)?,
             divided: number_or(path, metadata, DIVIDED, 1)?,
@@ -124,9 +161,62 @@ impl CaptureInfo {
 }
 
 impl CaptureInfo {
-    /// The axis that was read, as it was set.
+    /// The part that was read, as it was set. Of a part that is not built in, nothing is known but what the capture
+    /// states: what its codes mean, and its bandwidth if that was set.
+    #[must_use]
+    pub fn part(&self) -> Part {
+        self.set(self.layout.part())
+    }
+
+    /// The same, with all that is known of a part of this name. What codes mean, and the bandwidth if it was set, is as
+    /// the capture states it.
+    ///
+    /// # Errors
+    /// The capture is of another part, or of other axes.
+    pub fn part_from(&self, known: &Part) -> Result<Part, NotThePart> {
+        let mut part = self.layout.part();
+        let of_name = |name: &str| known.axes.iter().find(|axis| axis.name == name);
+        if part.name != known.name || part.axes.iter().any(|axis| of_name(&axis.name).is_none()) {
+            return Err(NotThePart {
+                found: part.name.to_string(),
+                axes: axis_names(&part),
+                given: format!("{} with the axes {}", known.name, axis_names(known)),
+            });
+        }
+        for here in part.axes.to_mut() {
+            if let Some(NamedAxis { axis, sources, .. }) = of_name(&here.name) {
+                here.axis = Axis { rate: here.axis.rate, temp: here.axis.temp, ..*axis };
+                here.sources = sources.clone();
+            }
+        }
+        Ok(self.set(part))
+    }
+
+    fn set(&self, mut part: Part) -> Part {
+        if let Some(hz) = self.bandwidth_hz {
+            part.axes.to_mut().iter_mut().for_each(|axis| axis.axis.bandwidth_hz = Some(hz));
+        }
+        part
+    }
+
+    /// The first axis that was read, as it was set.
+    #[must_use]
     pub fn axis(&self) -> Axis {
-        Axis { bandwidth_hz: self.bandwidth_hz.or(Axis::ADIS16130.bandwidth_hz), ..Axis::ADIS16130 }
+        self.part().axes.first().map_or(Axis::ADIS16130, |first| first.axis)
+    }
+}
+
+fn axis_names(part: &Part) -> String {
+    part.axes.iter().map(|axis| &*axis.name).collect::<Vec<_>>().join(", ")
+}
+
+impl Converter {
+    fn from_metadata(path: &Path, metadata: &Metadata) -> Result<Self, CaptureError> {
+        Ok(Self {
+            width: width(path, number(path, metadata, WIDTH_BITS)?)?,
+            rate_conversion: number(path, metadata, RATE_CONVERSION)?,
+            temp_conversion: number(path, metadata, TEMP_CONVERSION)?,
+        })
     }
 }
 
@@ -150,37 +240,12 @@ fn one_line(value: &str) -> String {
     value.replace(['\r', '\n'], " ").trim().to_owned()
 }
 
-/// What the codes of each channel mean (F-40, F-41, F-43).
-fn channels(width: Width) -> impl Iterator<Item = (String, String)> {
-    let dropped = f64::from(1u32 << (24 - width.bits()));
-    let channel = |name: String, unit: &str, lsb_per_unit: u32| {
-        [
-            (format!("{name}.unit"), unit.to_owned()),
-            (format!("{name}.width_bits"), width.bits().to_string()),
-            (format!("{name}.zero_code"), (1u32 << (width.bits() - 1)).to_string()),
-            (format!("{name}.lsb_per_unit"), (f64::from(lsb_per_unit) / dropped).to_string()),
-        ]
-    };
-    let rate = channel(format!("zerorate.axis.{AXIS}"), "dps", RATE_LSB_PER_DPS);
-    let temp = channel("zerorate.temp".to_owned(), "c", TEMP_LSB_PER_C);
-    let whole = [(AXES.to_owned(), AXIS.to_owned()), ("zerorate.temp.zero_value".to_owned(), "25".to_owned())];
-    rate.into_iter().chain(temp).chain(whole)
-}
-
-fn check_part(path: &Path, metadata: &Metadata) -> Result<(), CaptureError> {
-    let stated = |key: &str| metadata.get(key).map_or("", |value| value).to_owned();
-    let (part, axes) = (stated(PART), stated(AXES));
-    if part == PART_NAME && axes == AXIS {
-        return Ok(());
-    }
-    Err(CaptureError::OtherPart { path: path.to_owned(), part, axes })
-}
-
-fn check_channels(path: &Path, metadata: &Metadata, width: Width) -> Result<(), CaptureError> {
-    let wrong = channels(width).find(|(key, expected)| metadata.get(key) != Some(expected));
+/// Of an ADIS16130 it is known what the metadata must state.
+fn check_layout(path: &Path, metadata: &Metadata, layout: &Layout) -> Result<(), CaptureError> {
+    let wrong = layout.to_metadata().find(|(key, expected)| metadata.get(key) != Some(expected));
     wrong.map_or(Ok(()), |(key, expected)| {
         let found = metadata.get(&key).map_or("absent", |value| value);
-        let what = format!("{key} is {found}, where an {PART_NAME} has {expected}");
+        let what = format!("{key} is {found}, where an {} has {expected}", layout.part_name());
         Err(CaptureError::damaged(path, "metadata", what))
     })
 }
@@ -203,19 +268,4 @@ fn width(path: &Path, bits: u32) -> Result<Width, CaptureError> {
         .into_iter()
         .find(|width| width.bits() == bits)
         .ok_or_else(|| CaptureError::damaged(path, "metadata", format!("{WIDTH_BITS} = {bits}, expected 16 or 24")))
-}
-
-fn number<T: std::str::FromStr>(path: &Path, metadata: &Metadata, key: &str) -> Result<T, CaptureError> {
-    let wrong = |what: String| CaptureError::damaged(path, "metadata", what);
-    let text = metadata.get(key).ok_or_else(|| wrong(format!("`{key}` is missing")))?;
-    text.parse().map_err(|_| wrong(format!("{key} = {text}, which is no number in its range")))
-}
-
-fn number_or<T: std::str::FromStr>(
-    path: &Path,
-    metadata: &Metadata,
-    key: &str,
-    default: T,
-) -> Result<T, CaptureError> {
-    if metadata.contains_key(key) { number(path, metadata, key) } else { Ok(default) }
 }

@@ -1,10 +1,12 @@
 //! Captures: raw codes on disk, as docs/formats/capture.md specifies them.
 //!
-//! [`CaptureWriter`] and [`CaptureReader`] move samples, in any of three forms, in constant memory. A capture is the
+//! [`CaptureWriter`] and [`CaptureReader`] move rows of any number of axes, in any of three forms, in constant memory. A capture is the
 //! truth: whatever is computed from a live part comes out the same from its capture.
 
 pub mod admission;
 pub(crate) mod arrows;
+#[cfg(test)]
+mod axes;
 pub(crate) mod chain;
 mod checked;
 pub mod columns;
@@ -15,8 +17,10 @@ pub(crate) mod delimited;
 mod error;
 mod hash;
 pub(crate) mod info;
+mod layout;
 pub(crate) mod messages;
 pub(crate) mod parquet;
+mod row;
 pub mod succession;
 pub mod table;
 #[cfg(test)]
@@ -25,21 +29,23 @@ pub(crate) mod tests;
 pub use checked::Checked;
 pub use error::CaptureError;
 pub use hash::SampleHash;
-pub use info::{CALIBRATION_ID, CaptureInfo, SCHEMA_VERSION};
+pub use info::{CALIBRATION_ID, CaptureInfo, Converter, NotThePart, SCHEMA_VERSION};
+pub use layout::{CodedAxis, Layout, LayoutError};
+pub use row::Row;
 pub use table::Format;
 
 use crate::Input;
-use adis16130::Sample;
 use arrow_array::RecordBatch;
 use arrow_schema::SchemaRef;
-use columns::{CORRECTED, OpenBatch, Rows};
+use columns::{OpenBatch, Rows};
 use std::path::{Path, PathBuf};
 use table::{BatchSource, Opened, Out};
 
-/// Records samples. Dropping it closes the file as well, but only [`CaptureWriter::finish`] tells whether that worked.
+/// Records rows. Dropping it closes the file as well, but only [`CaptureWriter::finish`] tells whether that worked.
 pub struct CaptureWriter {
     path: PathBuf,
     schema: SchemaRef,
+    layout: Layout,
     sink: Option<table::Sink>,
     open: OpenBatch,
     summary: CaptureSummary,
@@ -57,25 +63,28 @@ pub struct CaptureSummary {
 impl CaptureWriter {
     /// Starts a capture; `path` names it in messages.
     pub fn create(path: &Path, out: Out, format: Format, info: &CaptureInfo) -> Result<Self, CaptureError> {
-        let schema = columns::schema(columns::raw_fields(), info.to_metadata());
+        let schema = columns::schema(info.layout.raw_fields(), info.to_metadata());
         let sink = table::create(path, out, format, &schema)?;
         Ok(Self {
             path: path.to_owned(),
             schema,
+            layout: info.layout.clone(),
             sink: Some(sink),
-            open: OpenBatch::new(),
+            open: OpenBatch::new(&info.layout),
             summary: CaptureSummary::default(),
         })
     }
 
-    /// Records a sample. Whole batches go to the system at once.
-    pub fn push(&mut self, sample: &Sample) -> Result<(), CaptureError> {
-        if self.open.is_full_for(sample.t_ns) {
+    /// Records a row. Whole batches go to the system at once.
+    pub fn push(&mut self, row: &Row) -> Result<(), CaptureError> {
+        let misfit = |what| CaptureError::damaged(&self.path, "row to be written", what);
+        self.layout.check_row(row).map_err(misfit)?;
+        if self.open.is_full_for(row.t_ns) {
             self.write_open()?;
         }
-        self.open.push(sample);
+        self.open.push(row);
         self.summary.samples += 1;
-        self.summary.lost += u64::from(sample.lost);
+        self.summary.lost += u64::from(row.lost);
         Ok(())
     }
 
@@ -94,7 +103,7 @@ impl CaptureWriter {
         let Some(sink) = self.sink.as_mut().filter(|_| !self.open.is_empty()) else {
             return Ok(());
         };
-        let batch = RecordBatch::try_new(self.schema.clone(), self.open.close());
+        let batch = self.open.close().and_then(|columns| RecordBatch::try_new(self.schema.clone(), columns));
         sink.write(&batch.map_err(|error| CaptureError::arrow("write", &self.path, error))?)
     }
 }
@@ -106,7 +115,7 @@ impl Drop for CaptureWriter {
     }
 }
 
-/// Reads the samples of a capture, in any form, corrected or not. Each block is checked before its rows are given out.
+/// Reads the rows of a capture, in any form, corrected or not. Each block is checked before its rows are given out.
 pub struct CaptureReader {
     calibration_id: Option<String>,
     table: Checked,
@@ -130,7 +139,9 @@ impl CaptureReader {
     pub fn from_source(path: &Path, source: Box<dyn BatchSource>) -> Result<Self, CaptureError> {
         let schema = source.stated().schema.clone();
         let table = Checked::new(path, source)?;
-        let unnamed = || schema.column_with_name(CORRECTED).map(|_| "unknown".to_owned());
+        let corrected = table.info().layout.axes().iter().map(CodedAxis::corrected_column);
+        let is_there = |name: String| schema.column_with_name(&name).map(|_| "unknown".to_owned());
+        let unnamed = || corrected.filter_map(is_there).next();
         let calibration_id = schema.metadata().get(CALIBRATION_ID).cloned().or_else(unnamed);
         Ok(Self { calibration_id, table, rows: None, next_row: 0 })
     }
@@ -156,11 +167,11 @@ impl CaptureReader {
         Ok(self.table.next_rows()?.map(|(_, rows)| rows))
     }
 
-    fn next_sample(&mut self) -> Result<Option<Sample>, CaptureError> {
+    fn next_row(&mut self) -> Result<Option<Row>, CaptureError> {
         loop {
             if let Some(rows) = self.rows.as_ref().filter(|rows| self.next_row < rows.len()) {
                 self.next_row += 1;
-                return Ok(Some(rows.sample(self.next_row - 1)));
+                return Ok(Some(rows.row(self.next_row - 1)));
             }
             self.rows = self.next_rows()?;
             self.next_row = 0;
@@ -172,9 +183,9 @@ impl CaptureReader {
 }
 
 impl Iterator for CaptureReader {
-    type Item = Result<Sample, CaptureError>;
+    type Item = Result<Row, CaptureError>;
 
     fn next(&mut self) -> Option<Self::Item> {
-        self.next_sample().transpose()
+        self.next_row().transpose()
     }
 }

@@ -72,11 +72,11 @@ fn properties(schema: &SchemaRef) -> WriterProperties {
 /// Timestamps and codes differ little from row to row; f64 hardly ever repeat.
 fn encoding(properties: WriterPropertiesBuilder, name: &str, data_type: &DataType) -> WriterPropertiesBuilder {
     let column = ColumnPath::from(name);
-    match (name, data_type) {
-        ("t_ns" | "edge_seq" | "rate_code" | "temp_code", _) => properties
+    match data_type {
+        _ if matches!(name, "t_ns" | "edge_seq") || name.ends_with("_code") => properties
             .set_column_dictionary_enabled(column.clone(), false)
             .set_column_encoding(column, Encoding::DELTA_BINARY_PACKED),
-        (_, DataType::Float64) => properties.set_column_dictionary_enabled(column, false),
+        DataType::Float64 => properties.set_column_dictionary_enabled(column, false),
         _ => properties,
     }
 }

@@ -2,9 +2,9 @@
 
 use super::chain::{Chain, End};
 use super::columns::{MAX_ROWS, Rows};
+use super::layout::Layout;
 use super::{CaptureError, CaptureInfo, arrows, csv, parquet};
 use crate::Input;
-use adis16130::Width;
 use arrow_array::RecordBatch;
 use arrow_schema::SchemaRef;
 use std::io::{Read, Seek, Write};
@@ -104,7 +104,7 @@ pub struct Sink {
     form: Box<dyn BlockSink>,
     chain: Chain,
     blocks: Blocks,
-    width: Width,
+    layout: Layout,
 }
 
 /// Where a block ends.
@@ -120,7 +120,7 @@ pub type Out = Box<dyn Write + Send>;
 
 /// Starts a capture; `path` names it in messages.
 pub fn create(path: &Path, out: Out, format: Format, schema: &SchemaRef) -> Result<Sink, CaptureError> {
-    let width = CaptureInfo::from_metadata(path, schema.metadata())?.width;
+    let layout = CaptureInfo::from_metadata(path, schema.metadata())?.layout;
     let form: Box<dyn BlockSink> = match format {
         Format::Arrows => Box::new(arrows::Sink::create(path, out, schema)?),
         Format::Parquet => Box::new(parquet::Sink::create(path, out, schema)?),
@@ -130,7 +130,7 @@ pub fn create(path: &Path, out: Out, format: Format, schema: &SchemaRef) -> Resu
         Format::Parquet => Blocks::Rows { rows: parquet::BLOCK, open: 0 },
         Format::Arrows | Format::Csv => Blocks::Batches { rows: MAX_ROWS },
     };
-    Ok(Sink { path: path.to_owned(), form, chain: Chain::new(schema), blocks, width })
+    Ok(Sink { path: path.to_owned(), form, chain: Chain::new(schema, &layout), blocks, layout })
 }
 
 impl Sink {
@@ -151,7 +151,7 @@ impl Sink {
 
     /// Writes rows that all belong to one block.
     fn write_piece(&mut self, piece: &RecordBatch) -> Result<(), CaptureError> {
-        let rows = Rows::from_batch(&self.path, "rows to be written", piece, self.width)?;
+        let rows = Rows::from_batch(&self.path, "rows to be written", piece, &self.layout)?;
         self.chain.take(&rows, piece);
         let is_full = match &mut self.blocks {
             Blocks::Batches { .. } => true,

@@ -4,19 +4,15 @@ use super::wrong;
 use super::{LogError, Result as LogResult};
 use crate::believed;
 use crate::capture::CaptureError;
-use crate::cells::integers;
-use adis16130::{ChannelStatus, RateCode, Sample, TempCode, Width};
-use arrow_array::types::{UInt8Type, UInt32Type, UInt64Type};
+use crate::capture::columns::Rows;
+use crate::capture::{CaptureInfo, Layout};
 use arrow_array::{Array, ArrayRef, BooleanArray};
 use arrow_schema::ArrowError;
 use arrow_select::concat::concat;
 use arrow_select::nullif::nullif;
 use std::path::Path;
+use zerorate::Tally;
 use zerorate::health::{Health, Judged};
-use zerorate::{Axis, Reading, Tally};
-
-/// The raw columns that judging takes, after those of the numbers.
-pub const NEEDED: [&str; 5] = ["t_ns", "lost", "rate_code", "status", "temp_code"];
 
 /// Which readings a column is made of.
 #[derive(Clone, Copy, Debug)]
@@ -28,7 +24,8 @@ enum Channel {
 /// Judges the rows of a capture while one of its columns is read.
 pub struct Judging {
     channel: Channel,
-    width: Width,
+    axis: usize,
+    layout: Layout,
     health: Health,
     tally: Tally,
     start_ns: Option<u64>,
@@ -37,39 +34,31 @@ pub struct Judging {
 }
 
 impl Judging {
-    /// For the column of this name; none if it holds no readings.
-    pub fn of_column(name: &str, width: Width, axis: &Axis) -> Option<Self> {
-        let channel = match name {
-            "rate_code" | "rate_dps" | "rate_corrected_dps" => Channel::Rate,
-            "temp_code" | "temp_c" => Channel::Temp,
-            _ => return None,
+    /// For the column of this name; none if it holds no readings. A temperature is judged with the first axis.
+    pub fn of_column(name: &str, info: &CaptureInfo) -> Option<Self> {
+        let layout = info.layout.clone();
+        let of_axis = layout.axes().iter().position(|axis| {
+            [axis.code_column(), axis.rate_column(), axis.corrected_column()].contains(&name.to_owned())
+        });
+        let (channel, axis) = match (of_axis, name) {
+            (Some(axis), _) => (Channel::Rate, axis),
+            (None, "temp_code" | "temp_c") => (Channel::Temp, 0),
+            (None, _) => return None,
         };
-        let (health, tally) = (Health::new(axis), Tally::default());
-        Some(Self { channel, width, health, tally, start_ns: None, tail: None })
+        let (health, tally) = (Health::new(&info.part().axes.get(axis)?.axis), Tally::default());
+        Some(Self { channel, axis, layout, health, tally, start_ns: None, tail: None })
     }
 
-    /// Takes a piece in: the values, and the columns that are [`NEEDED`]. Gives the values that are judged by now, in
+    /// Takes a piece in: the values, and the rows that they stand in. Gives the values that are judged by now, in
     /// their order, without those that are not to be believed.
-    pub fn take(&mut self, value: &ArrayRef, needed: &[ArrayRef]) -> Result<ArrayRef, ArrowError> {
-        let [t_ns, lost, rate, status, temp] = needed else {
-            return Err(ArrowError::SchemaError("a raw column is missing".to_owned()));
-        };
-        let (t_ns, lost) = (integers::<UInt64Type>(t_ns)?, integers::<UInt32Type>(lost)?);
-        let (rate, status, temp) =
-            (integers::<UInt32Type>(rate)?, integers::<UInt8Type>(status)?, integers::<UInt32Type>(temp)?);
+    pub fn take(&mut self, value: &ArrayRef, rows: &Rows) -> Result<ArrayRef, ArrowError> {
         let mut believed = Vec::with_capacity(value.len() + 2);
-        for row in 0..value.len() {
-            let sample = Sample {
-                t_ns: t_ns.value(row),
-                seq: row as u32,
-                rate: RateCode::new(rate.value(row), self.width),
-                status: status.is_valid(row).then(|| ChannelStatus::new(status.value(row))),
-                temp: temp.is_valid(row).then(|| TempCode::new(temp.value(row), self.width)),
-                lost: lost.value(row),
-            };
-            self.start_ns.get_or_insert(sample.t_ns);
+        for row in rows.iter() {
+            self.start_ns.get_or_insert(row.t_ns);
             self.tally.samples += 1;
-            believed.extend(self.health.push(&Reading::from(&sample)).map(|judged| self.believes(&judged)));
+            let reading = self.layout.reading(&row, self.axis);
+            let judged = reading.and_then(|reading| self.health.push(&reading));
+            believed.extend(judged.map(|judged| self.believes(&judged)));
         }
         let values = match self.tail.take() {
             Some(tail) => concat(&[&tail, value])?,

@@ -46,7 +46,7 @@ pub fn read(log: Log<'_>, args: &ColumnOptions) -> Result<Found> {
         let decoded: Vec<_> =
             (first..groups.len().min(first + at_once)).into_par_iter().map(|group| groups.decode(group)).collect();
         for pieces in decoded {
-            pieces?.iter().try_for_each(|piece| reading.append(piece))?;
+            pieces?.iter().try_for_each(|piece| reading.append(piece, None))?;
         }
     }
     reading.finish(None)

@@ -6,18 +6,16 @@ use super::judged::{self, Judging};
 use super::series::{SeriesBuilder, join, missing_in};
 use super::unit::TimeUnit;
 use super::{Clock, ColumnOptions, Found, Gap, Result, wrong};
-use crate::capture::columns::{CORRECTED, Rows};
+use crate::capture::columns::Rows;
 use crate::capture::succession::Mark;
 use crate::capture::table::BatchSource;
-use crate::capture::{CaptureError, CaptureInfo, Checked, info};
+use crate::capture::{CaptureError, CaptureInfo, Checked, Layout, info};
 use crate::cells::{floats, integers};
 use crate::limits::Room;
-use adis16130::Width;
 use arrow_array::types::{Int32Type, Int64Type};
 use arrow_array::{Array, ArrayRef, RecordBatch};
 use arrow_schema::{DataType, Schema, TimeUnit as ArrowUnit};
 use std::path::Path;
-use zerorate::Axis;
 
 /// Reads a column of a table. Of a capture all columns are read, because its checks are over all of them.
 pub fn read(path: &Path, mut source: Box<dyn BatchSource>, room: Room, args: &ColumnOptions) -> Result<Found> {
@@ -26,13 +24,12 @@ pub fn read(path: &Path, mut source: Box<dyn BatchSource>, room: Room, args: &Co
     if info::is_capture(schema.metadata()) {
         let mut capture = Checked::new(path, source)?;
         while let Some((batch, rows)) = capture.next_rows()? {
-            reading.take(&batch)?;
-            reading.count(&rows);
+            reading.take(&batch, Some(&rows))?;
         }
         return reading.finish(Some(capture.warnings().join("; ")).filter(|said| !said.is_empty()));
     }
     while let Some(batch) = source.next_batch()? {
-        reading.take(&batch)?;
+        reading.take(&batch, None)?;
     }
     reading.finish(source.stated().warning.clone())
 }
@@ -55,27 +52,23 @@ impl<'a> Reading<'a> {
     pub fn start(path: &'a Path, schema: &Schema, room: Room, args: &ColumnOptions) -> Result<Self> {
         let names: Vec<&str> = schema.fields().iter().map(|field| field.name().as_str()).collect();
         let position = |wanted: &str| names.iter().position(|name| *name == wanted);
-        let is_capture = info::is_capture(schema.metadata());
-        let default = is_capture.then(|| position(CORRECTED).or_else(|| position("rate_code"))).flatten();
+        let metadata = schema.metadata();
+        let info = info::is_capture(metadata).then(|| CaptureInfo::from_metadata(path, metadata)).transpose()?;
+        let default = info.as_ref().and_then(|info| only_rate(&info.layout, position));
         let numeric = schema.fields().iter().map(|field| field.data_type().is_numeric()).collect();
         let Choice { value, time } = Columns { path, names: names.clone(), numeric }.choose(args, default)?;
         let name = names[value].to_owned();
-        let capture = if is_capture && time.is_none() { Some(Capture::of(path, schema, &name)?) } else { None };
-        let mut columns = vec![value];
-        columns.extend(time);
-        let judging =
-            capture.as_ref().and_then(|capture| Judging::of_column(&name, capture.code_width, &capture.axis));
-        for name in judging.iter().flat_map(|_| judged::NEEDED) {
-            let missing = || CaptureError::not_a_capture(path, format!("it has no column `{name}`"));
-            columns.push(position(name).ok_or_else(missing)?);
-        }
+        let info = info.filter(|_| time.is_none());
+        let capture = info.as_ref().map(|info| Capture::of(&info.layout, &name));
+        let judging = info.as_ref().and_then(|info| Judging::of_column(&name, info));
+        let columns = [value].into_iter().chain(time).collect();
         let mut values = SeriesBuilder::new(room);
         values.reserve(0, schema.field(value).data_type().is_integer());
         let mut times = time.map(|_| Times::new());
         if let (Some(times), Some(time)) = (&mut times, time) {
             times.unit = unit_of(schema.field(time).data_type());
         }
-        let time_name = columns.get(1).map_or_else(String::new, |index| names[*index].to_owned());
+        let time_name = time.map_or_else(String::new, |index| names[index].to_owned());
         Ok(Self { path, columns, name, time_name, values, times, capture, judging })
     }
 
@@ -84,13 +77,13 @@ impl<'a> Reading<'a> {
         self.values.reserve(rows, data_type.is_integer());
     }
 
-    fn take(&mut self, batch: &RecordBatch) -> Result<(), CaptureError> {
+    fn take(&mut self, batch: &RecordBatch, rows: Option<&Rows>) -> Result<(), CaptureError> {
         let columns: Vec<ArrayRef> = self.columns.iter().map(|index| batch.column(*index).clone()).collect();
-        self.append(&columns)
+        self.append(&columns, rows)
     }
 
-    /// Adds a piece of the columns.
-    pub fn append(&mut self, columns: &[ArrayRef]) -> Result<(), CaptureError> {
+    /// Adds a piece of the columns; of a capture, with its rows.
+    pub fn append(&mut self, columns: &[ArrayRef], rows: Option<&Rows>) -> Result<(), CaptureError> {
         let first = self.values.rows();
         self.check_room(columns.first().map_or(0, |column| column.len() as u64))?;
         if let (Some(times), Some(column)) = (&mut self.times, columns.get(1)) {
@@ -98,20 +91,16 @@ impl<'a> Reading<'a> {
                 wrong(self.path, format_args!("column {}, row {}", self.time_name, first + row as u64), what)
             })?;
         }
-        let values = match &mut self.judging {
-            Some(judging) => {
-                judging.take(&columns[0], &columns[1..]).map_err(|error| judged::failed(self.path, &error))?
-            }
-            None => columns[0].clone(),
-        };
-        self.append_values(&values, first)
-    }
-
-    /// Takes what the rows of a capture tell beside the column.
-    fn count(&mut self, rows: &Rows) {
-        if let Some(capture) = &mut self.capture {
+        if let (Some(capture), Some(rows)) = (&mut self.capture, rows) {
             capture.count(rows);
         }
+        let values = match (&mut self.judging, rows) {
+            (Some(judging), Some(rows)) => {
+                judging.take(&columns[0], rows).map_err(|error| judged::failed(self.path, &error))?
+            }
+            _ => columns[0].clone(),
+        };
+        self.append_values(&values, first)
     }
 
     fn append_values(&mut self, values: &ArrayRef, first: u64) -> Result<(), CaptureError> {
@@ -214,11 +203,15 @@ fn append_times(times: &mut Times, column: &ArrayRef) -> Result<(), Wrong> {
     Ok(())
 }
 
+/// The column with the rate of a capture of one axis, corrected if it is.
+fn only_rate(layout: &Layout, position: impl Fn(&str) -> Option<usize>) -> Option<usize> {
+    let [axis] = layout.axes() else { return None };
+    position(&axis.corrected_column()).or_else(|| position(&axis.code_column()))
+}
+
 /// What a capture tells beyond its numbers: it has counted what was lost.
 struct Capture {
-    axis: Axis,
-    /// Width of the raw codes.
-    code_width: Width,
+    /// °/s or °C in a step of the code, where the column holds codes.
     scale: Option<f64>,
     span_ns: Option<(u64, u64)>,
     rows: u64,
@@ -226,17 +219,11 @@ struct Capture {
 }
 
 impl Capture {
-    fn of(path: &Path, schema: &Schema, name: &str) -> Result<Self, CaptureError> {
-        let info = CaptureInfo::from_metadata(path, schema.metadata())?;
-        let (width, axis) = (info.width, info.axis());
-        // F-40, F-41, F-43
-        let lsb_per_unit = match name {
-            "rate_code" => Some(axis.rate.lsb_per_unit),
-            "temp_code" => Some(axis.temp.lsb_per_unit),
-            _ => None,
-        };
-        let scale = lsb_per_unit.map(|lsb| f64::from(1u32 << (24 - width.bits())) / lsb);
-        Ok(Self { axis, code_width: width, scale, span_ns: None, rows: 0, gaps: Vec::new() })
+    fn of(layout: &Layout, name: &str) -> Self {
+        let of_axis = layout.axes().iter().find(|axis| axis.code_column() == name);
+        let of_axis = of_axis.map(|axis| 1.0 / axis.scale_dps().lsb_per_unit);
+        let of_temp = (name == "temp_code").then(|| 1.0 / layout.temp().lsb_per_unit);
+        Self { scale: of_axis.or(of_temp), span_ns: None, rows: 0, gaps: Vec::new() }
     }
 
     /// Takes the times and losses of rows that were checked.

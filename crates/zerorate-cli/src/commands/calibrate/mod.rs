@@ -25,7 +25,7 @@ use std::path::{Path, PathBuf};
 use std::slice;
 use zerorate::calibration::Origin;
 use zerorate::{Action, Axis, Calibration, Event, Names, Outcome, Part, Procedure, Refusal, Say, State, Warning};
-use zerorate_data::capture::{CaptureInfo, Format, SampleHash};
+use zerorate_data::capture::{CaptureInfo, Converter, Format, SampleHash};
 use zerorate_host::{DeviceSpec, Sampling, Stop};
 use zerorate_view::duration::Seconds;
 
@@ -216,15 +216,14 @@ impl Files {
 }
 
 fn origin(info: CaptureInfo, capture_sha256: String) -> Origin {
-    let CaptureInfo { width, rate_conversion, temp_conversion, every_temp, divider, divided, bandwidth_hz, .. } = info;
+    let CaptureInfo { converter, every_temp, divider, divided, bandwidth_hz, .. } = info;
+    let converter = converter.map_or(String::new(), |Converter { width, rate_conversion, temp_conversion }| {
+        format!("{} bit, RATECONV {rate_conversion:02X}h, TEMPCONV {temp_conversion:02X}h, ", width.bits())
+    });
     let divided = if divided > 1 { format!(", divided {divided}") } else { String::new() };
     let bandwidth = bandwidth_hz.map_or(String::new(), |hz| format!(", bandwidth {hz} Hz"));
     Origin {
-        config: format!(
-            "{} bit, RATECONV {rate_conversion:02X}h, TEMPCONV {temp_conversion:02X}h, every_temp {every_temp}, \
-             divider {divider}{divided}{bandwidth}",
-            width.bits()
-        ),
+        config: format!("{converter}every_temp {every_temp}, divider {divider}{divided}{bandwidth}"),
         serial: info.serial,
         created: Some(info.created).filter(|created| !created.is_empty()),
         software: zerorate::SOFTWARE.to_owned(),
@@ -258,7 +257,8 @@ struct Measured {
 
 impl<'a> Measurement<'a> {
     fn new(acquisition: Acquisition, procedure: Procedure, log: Option<Recorder>, watch: &'a mut dyn Watch) -> Self {
-        Self { acquisition, procedure, log, log_failed: None, hash: SampleHash::new(), truth: None, watch }
+        let hash = SampleHash::new(&acquisition.facts().info.layout);
+        Self { acquisition, procedure, log, log_failed: None, hash, truth: None, watch }
     }
 
     fn run(mut self) -> Result<Measured> {
@@ -310,7 +310,7 @@ impl<'a> Measurement<'a> {
 
     #[inline]
     fn take(&mut self, sample: &Sample) -> Result<()> {
-        self.hash.update(sample);
+        self.hash.update(&sample.into());
         if let Some(Err(error)) = self.log.as_mut().map(|log| log.push(sample)) {
             self.lose_log(error.into());
         }

@@ -1,0 +1,427 @@
+//! What the columns of a capture are: the axes of its part, and what their codes mean (docs/formats/capture.md,
+//! "Axes").
+
+use super::CaptureError;
+use super::row::Row;
+use crate::column::Unit;
+use adis16130::{ChannelStatus, RATE_LSB_PER_DPS, TEMP_LSB_PER_C, Width};
+use arrow_schema::{DataType, Field, Metadata};
+use std::fmt::Display;
+use std::path::Path;
+use std::str::FromStr;
+use zerorate::{Axis, MAX_AXES, NamedAxis, NoiseSources, Part, Reading, Scale, Scan};
+
+/// Names of the axes. Version 1 of the format has none.
+pub const AXES: &str = "zerorate.axes";
+
+pub(super) const PART: &str = "zerorate.part";
+const STATUS_BITS: &str = "zerorate.status_bits";
+const TEMP: &str = "zerorate.temp";
+
+/// The longest name of a part or of an axis (docs/formats/part.md).
+const LONGEST_NAME: usize = 40;
+
+/// The axes of a part, and what its codes mean.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Layout {
+    part: String,
+    axes: Vec<CodedAxis>,
+    temp: Scale,
+    status_bits: u8,
+    /// Bits that a code lacks beside those that the core counts in: the 16-bit codes of an ADIS16130 (F-43).
+    dropped_bits: u8,
+}
+
+/// An axis, as its codes are recorded.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CodedAxis {
+    /// What the part calls it: its columns begin with that.
+    pub name: String,
+    /// The unit that its scale leads to.
+    pub unit: Unit,
+    /// Codes to that unit.
+    pub scale: Scale,
+}
+
+/// Why there can be no such layout.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[expect(missing_docs, reason = "the fields are the words of the message")]
+pub enum LayoutError {
+    /// As many axes.
+    #[error("{0} axes; a capture has 1 to {MAX_AXES}")]
+    Axes(usize),
+    /// A name that cannot be one.
+    #[error("{0:?} is no name: use up to {LONGEST_NAME} letters, digits, -, _ and .")]
+    Name(String),
+    /// Two columns of one name.
+    #[error("two columns would be called `{0}`: give the axes other names")]
+    Column(String),
+    /// Codes that no reading can hold.
+    #[error("the codes of `{name}` go from {first} to {last}: so far from the zero code {zero} none can be taken")]
+    Codes { name: String, first: i64, last: i64, zero: i64 },
+    /// A status register of a width that there is no column for.
+    #[error("a status of {0} bits; it has 8, 16 or 32")]
+    Status(u8),
+}
+
+impl Layout {
+    /// That of an ADIS16130, whose codes have this width (F-40, F-41, F-43).
+    #[must_use]
+    pub fn adis16130(width: Width) -> Self {
+        let Part { name, axes } = Part::ADIS16130;
+        let dropped_bits = (24 - width.bits()) as u8;
+        let narrow = |scale: Scale, lsb: u32| Scale {
+            lsb_per_unit: f64::from(lsb) / f64::from(1u32 << dropped_bits),
+            zero_code: scale.zero_code >> dropped_bits,
+            width_bits: scale.width_bits - dropped_bits,
+            ..scale
+        };
+        let coded = |NamedAxis { name, axis, .. }: &NamedAxis| CodedAxis {
+            name: name.to_string(),
+            unit: Unit::Dps,
+            scale: narrow(axis.rate, RATE_LSB_PER_DPS),
+        };
+        Self {
+            part: name.into_owned(),
+            axes: axes.iter().map(coded).collect(),
+            temp: narrow(Axis::ADIS16130.temp, TEMP_LSB_PER_C),
+            status_bits: 8,
+            dropped_bits,
+        }
+    }
+
+    /// That of another part, whose codes are in the scales that it states. The status has 8 bits.
+    ///
+    /// # Errors
+    /// What in the part no capture can have.
+    pub fn of_part(part: &Part) -> Result<Self, LayoutError> {
+        let temp = part.axes.first().ok_or(LayoutError::Axes(0))?.axis.temp;
+        let coded = |NamedAxis { name, axis, .. }: &NamedAxis| CodedAxis {
+            name: name.to_string(),
+            unit: Unit::Dps,
+            scale: axis.rate,
+        };
+        Self::new(part.name.to_string(), part.axes.iter().map(coded).collect(), temp, 8)
+    }
+
+    fn new(part: String, axes: Vec<CodedAxis>, temp: Scale, status_bits: u8) -> Result<Self, LayoutError> {
+        let layout = Self { part, axes, temp, status_bits, dropped_bits: 0 };
+        layout.check()?;
+        Ok(layout)
+    }
+
+    /// With a status register of so many bits: 8, 16 or 32.
+    ///
+    /// # Errors
+    /// Another width.
+    pub fn with_status_bits(self, status_bits: u8) -> Result<Self, LayoutError> {
+        let layout = Self { status_bits, ..self };
+        layout.check()?;
+        Ok(layout)
+    }
+
+    fn check(&self) -> Result<(), LayoutError> {
+        if !(1..=MAX_AXES).contains(&self.axes.len()) {
+            return Err(LayoutError::Axes(self.axes.len()));
+        }
+        let names = self.axes.iter().map(|axis| &axis.name).chain([&self.part]);
+        if let Some(name) = names.into_iter().find(|name| !is_name(name)) {
+            return Err(LayoutError::Name(name.clone()));
+        }
+        let mut columns = [self.raw_fields(), self.derived_fields()].concat();
+        columns.sort_by(|one, next| one.name().cmp(next.name()));
+        if let Some(pair) = columns.windows(2).find(|pair| pair[0].name() == pair[1].name()) {
+            return Err(LayoutError::Column(pair[0].name().clone()));
+        }
+        let scales = self.axes.iter().map(|axis| (axis.name.as_str(), &axis.scale)).chain([("temp", &self.temp)]);
+        for (name, scale) in scales {
+            let ((first, last), zero) = (scale.codes(), scale.zero_code);
+            if [first, last].iter().any(|code| i32::try_from(code.saturating_sub(zero)).is_err()) {
+                return Err(LayoutError::Codes { name: name.to_owned(), first, last, zero });
+            }
+        }
+        if matches!(self.status_bits, 8 | 16 | 32) { Ok(()) } else { Err(LayoutError::Status(self.status_bits)) }
+    }
+
+    /// The part.
+    #[must_use]
+    pub fn part_name(&self) -> &str {
+        &self.part
+    }
+
+    /// Its axes, in the order of their columns.
+    #[must_use]
+    pub fn axes(&self) -> &[CodedAxis] {
+        &self.axes
+    }
+
+    /// Codes of the temperature to °C.
+    #[must_use]
+    pub fn temp(&self) -> &Scale {
+        &self.temp
+    }
+
+    /// Bits of the status register.
+    #[must_use]
+    pub fn status_bits(&self) -> u8 {
+        self.status_bits
+    }
+
+    /// The part as far as its codes tell; what else there is to know of it is unknown, but for an ADIS16130.
+    #[must_use]
+    pub fn part(&self) -> Part {
+        if self.is_adis16130() {
+            return Part::ADIS16130;
+        }
+        let axis = |coded: &CodedAxis| NamedAxis {
+            name: coded.name.clone().into(),
+            axis: Axis {
+                rate: coded.scale_dps(),
+                temp: self.temp,
+                temp_noise_c: None,
+                range_dps: None,
+                bandwidth_hz: None,
+                noise: None,
+                bias: zerorate::TypicalBias::default(),
+                resonance: None,
+                alternates: false,
+            },
+            sources: NoiseSources::default(),
+        };
+        Part { name: self.part.clone().into(), axes: self.axes.iter().map(axis).collect() }
+    }
+
+    fn is_adis16130(&self) -> bool {
+        self.part == Part::ADIS16130.name
+    }
+
+    /// The row as the core takes it, in the scales of [`Layout::part`].
+    #[must_use]
+    #[inline]
+    pub fn scan(&self, row: &Row) -> Scan {
+        let mut rates = [0; MAX_AXES];
+        let axes = rates.iter_mut().zip(&self.axes).zip(row.codes());
+        axes.for_each(|((rate, axis), code)| *rate = self.core_code(&axis.scale, *code));
+        let scan = Scan::new(row.t_ns, row.edge_seq, &rates[..self.axes.len().min(row.codes().len())]);
+        // there is room for the axes of any row, so there is a scan
+        let scan = scan.unwrap_or_else(|| Scan::from(&NO_READING)).with_lost(row.lost);
+        let outside = (0..self.axes.len()).filter(|axis| self.is_out_of_range(row, *axis));
+        let temp = row.temp_code.map(|code| self.core_code(&self.temp, code));
+        outside.fold(scan.with_temp(temp), Scan::with_out_of_range)
+    }
+
+    /// The same of one axis; none where it has no such axis.
+    #[must_use]
+    #[inline]
+    pub fn reading(&self, row: &Row, axis: usize) -> Option<Reading> {
+        let (coded, code) = (self.axes.get(axis)?, *row.codes().get(axis)?);
+        Some(Reading {
+            t_ns: row.t_ns,
+            seq: row.edge_seq,
+            rate: self.core_code(&coded.scale, code),
+            temp: row.temp_code.map(|code| self.core_code(&self.temp, code)),
+            out_of_range: self.is_out_of_range(row, axis),
+            lost: row.lost,
+        })
+    }
+
+    #[inline]
+    fn core_code(&self, scale: &Scale, code: i64) -> i32 {
+        ((code - scale.zero_code) << self.dropped_bits) as i32
+    }
+
+    /// By a code at the end of the scale, or by the status of an ADIS16130 (OVR, F-35).
+    #[inline]
+    fn is_out_of_range(&self, row: &Row, axis: usize) -> bool {
+        let at_end = |(coded, code): (&CodedAxis, &i64)| {
+            let (first, last) = coded.scale.codes();
+            *code <= first || *code >= last
+        };
+        let told = |status: u32| self.is_adis16130() && ChannelStatus::new(status as u8).out_of_range();
+        self.axes.get(axis).zip(row.codes().get(axis)).is_some_and(at_end) || row.status.is_some_and(told)
+    }
+
+    /// Whether the row can stand in a capture of this layout; if not, what is wrong with it.
+    #[inline]
+    pub(super) fn check_row(&self, row: &Row) -> Result<(), String> {
+        let fits = |scale: &Scale, code: i64| {
+            let (first, last) = scale.codes();
+            (first..=last).contains(&code)
+        };
+        let codes = row.codes();
+        let all = codes.len() == self.axes.len()
+            && self.axes.iter().zip(codes).all(|(axis, code)| fits(&axis.scale, *code))
+            && row.temp_code.is_none_or(|code| fits(&self.temp, code))
+            && row.status.is_none_or(|status| u64::from(status) >> self.status_bits == 0);
+        if all { Ok(()) } else { Err(self.misfit(row)) }
+    }
+
+    #[cold]
+    fn misfit(&self, row: &Row) -> String {
+        let (part, axes, found) = (&self.part, self.axes.len(), row.codes());
+        format!("{row:?} is no row of an {part}, for it has {found:?} in place of {axes} codes of its width")
+    }
+
+    /// The raw columns.
+    #[must_use]
+    pub fn raw_fields(&self) -> Vec<Field> {
+        let codes = self.axes.iter().map(|axis| Field::new(axis.code_column(), code_type(&axis.scale), false));
+        let before = [Field::new("t_ns", DataType::UInt64, false), Field::new("edge_seq", DataType::UInt32, false)];
+        let status = match self.status_bits {
+            16 => DataType::UInt16,
+            32 => DataType::UInt32,
+            _ => DataType::UInt8,
+        };
+        let after = [
+            Field::new("status", status, true),
+            Field::new("temp_code", code_type(&self.temp), true),
+            Field::new("lost", DataType::UInt32, false),
+        ];
+        before.into_iter().chain(codes).chain(after).collect()
+    }
+
+    /// The columns that a corrected capture has after the raw ones.
+    #[must_use]
+    pub fn derived_fields(&self) -> Vec<Field> {
+        let rates = self.axes.iter().map(|axis| Field::new(axis.rate_column(), DataType::Float64, false));
+        let temp = Field::new("temp_c", DataType::Float64, true);
+        let corrected = self.axes.iter().map(|axis| Field::new(axis.corrected_column(), DataType::Float64, true));
+        let flags = (0..self.axes.len()).map(|axis| Field::new(self.flags_column(axis), DataType::UInt8, false));
+        rates.chain([temp]).chain(corrected).chain(flags).collect()
+    }
+
+    /// The column that says what is wrong with the readings of an axis.
+    pub fn flags_column(&self, axis: usize) -> String {
+        match &self.axes[..] {
+            [_] => "flags".to_owned(),
+            axes => format!("{}_flags", axes.get(axis).map_or("", |axis| &axis.name)),
+        }
+    }
+
+    /// The metadata that states the axes and the meaning of their codes.
+    pub(super) fn to_metadata(&self) -> impl Iterator<Item = (String, String)> {
+        let scale = |key: String, unit: &str, scale: &Scale| {
+            let signed = scale.signed.then(|| (format!("{key}.signed"), "true".to_owned()));
+            let stated = [
+                (format!("{key}.unit"), unit.to_owned()),
+                (format!("{key}.width_bits"), scale.width_bits.to_string()),
+                (format!("{key}.zero_code"), scale.zero_code.to_string()),
+                (format!("{key}.lsb_per_unit"), scale.lsb_per_unit.to_string()),
+            ];
+            stated.into_iter().chain(signed)
+        };
+        let names: Vec<&str> = self.axes.iter().map(|axis| axis.name.as_str()).collect();
+        let status = (self.status_bits != 8).then(|| (STATUS_BITS.to_owned(), self.status_bits.to_string()));
+        let whole = [
+            (PART.to_owned(), self.part.clone()),
+            (AXES.to_owned(), names.join(",")),
+            (format!("{TEMP}.zero_value"), self.temp.zero_value.to_string()),
+        ];
+        let axes = self.axes.iter().flat_map(move |axis| scale(axis.key(), axis.unit.name(), &axis.scale));
+        axes.chain(scale(TEMP.to_owned(), "c", &self.temp)).chain(whole).chain(status)
+    }
+
+    /// Reads what [`Layout::to_metadata`] states, of another part than an ADIS16130.
+    pub(super) fn from_metadata(path: &Path, metadata: &Metadata) -> Result<Self, CaptureError> {
+        let names = stated(path, metadata, AXES)?.split(',').map(str::trim);
+        let axes = names.map(|name| CodedAxis::from_metadata(path, metadata, name)).collect::<Result<_, _>>()?;
+        let zero_c = number(path, metadata, &format!("{TEMP}.zero_value"))?;
+        let temp = scale(path, metadata, TEMP, zero_c)?;
+        let status_bits = number_or(path, metadata, STATUS_BITS, 8)?;
+        let layout = Self::new(stated(path, metadata, PART)?.clone(), axes, temp, status_bits);
+        layout.map_err(|what| CaptureError::damaged(path, "metadata", what.to_string()))
+    }
+}
+
+const NO_READING: Reading = Reading { t_ns: 0, seq: 0, rate: 0, temp: None, out_of_range: false, lost: 0 };
+
+impl CodedAxis {
+    fn key(&self) -> String {
+        format!("zerorate.axis.{}", self.name)
+    }
+
+    fn from_metadata(path: &Path, metadata: &Metadata, name: &str) -> Result<Self, CaptureError> {
+        let key = format!("zerorate.axis.{name}");
+        let unit = stated(path, metadata, &format!("{key}.unit"))?;
+        let known = Unit::from_str(unit).map_err(|_| CaptureError::OtherQuantity {
+            path: path.to_owned(),
+            axis: name.to_owned(),
+            unit: unit.clone(),
+        });
+        Ok(Self { name: name.to_owned(), unit: known?, scale: scale(path, metadata, &key, 0.0)? })
+    }
+
+    /// Codes to °/s.
+    #[must_use]
+    pub fn scale_dps(&self) -> Scale {
+        Scale { lsb_per_unit: self.scale.lsb_per_unit / self.unit.dps(), ..self.scale }
+    }
+
+    /// The column of its codes.
+    #[must_use]
+    pub fn code_column(&self) -> String {
+        format!("{}_code", self.name)
+    }
+
+    /// The column of its rate as it was measured, °/s.
+    #[must_use]
+    pub fn rate_column(&self) -> String {
+        format!("{}_dps", self.name)
+    }
+
+    /// The column of its corrected rate, °/s, which only a corrected capture has.
+    #[must_use]
+    pub fn corrected_column(&self) -> String {
+        format!("{}_corrected_dps", self.name)
+    }
+}
+
+fn is_name(name: &str) -> bool {
+    let good = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
+    (1..=LONGEST_NAME).contains(&name.len()) && name.chars().all(good)
+}
+
+/// The type of the column of such codes.
+fn code_type(scale: &Scale) -> DataType {
+    if scale.signed { DataType::Int32 } else { DataType::UInt32 }
+}
+
+fn scale(path: &Path, metadata: &Metadata, key: &str, zero_value: f64) -> Result<Scale, CaptureError> {
+    let entry = |name: &str| format!("{key}.{name}");
+    let scale = Scale {
+        lsb_per_unit: number(path, metadata, &entry("lsb_per_unit"))?,
+        zero_code: number(path, metadata, &entry("zero_code"))?,
+        zero_value,
+        width_bits: number(path, metadata, &entry("width_bits"))?,
+        signed: number_or(path, metadata, &entry("signed"), false)?,
+    };
+    let has_scale = scale.lsb_per_unit > 0.0 && scale.lsb_per_unit.is_finite() && scale.zero_value.is_finite();
+    if !(has_scale && (1..=32).contains(&scale.width_bits)) {
+        let (lsb, bits) = (scale.lsb_per_unit, scale.width_bits);
+        let what = format!("`{key}`: {lsb} codes of {bits} bits per unit are no scale");
+        return Err(CaptureError::damaged(path, "metadata", what));
+    }
+    Ok(scale)
+}
+
+/// What the metadata say under a key.
+pub(super) fn stated<'a>(path: &Path, metadata: &'a Metadata, key: &str) -> Result<&'a String, CaptureError> {
+    metadata.get(key).ok_or_else(|| CaptureError::damaged(path, "metadata", format!("`{key}` is missing")))
+}
+
+/// The same as a number.
+pub(super) fn number<T: FromStr>(path: &Path, metadata: &Metadata, key: &str) -> Result<T, CaptureError> {
+    let text = stated(path, metadata, key)?;
+    let wrong = || CaptureError::damaged(path, "metadata", format!("{key} = {text}, which is no number in its range"));
+    text.parse().map_err(|_| wrong())
+}
+
+/// The same, where it may be absent.
+pub(super) fn number_or<T: FromStr + Display>(
+    path: &Path,
+    metadata: &Metadata,
+    key: &str,
+    default: T,
+) -> Result<T, CaptureError> {
+    if metadata.contains_key(key) { number(path, metadata, key) } else { Ok(default) }
+}
