@@ -243,6 +243,11 @@
 #define ZERORATE_REMEDY_WIDER_SPAN 32
 
 /**
+ * Raise the SPI clock.
+ */
+#define ZERORATE_REMEDY_FASTER_CLOCK 33
+
+/**
  * What a function returns: ZERORATE_OK, a positive number that says something harmless, or a negative one that says
  * what failed. The numbers keep their meaning in all versions.
  */

@@ -66,6 +66,8 @@ pub const ZERORATE_REMEDY_LONGER_AVERAGE: u8 = 30;
 pub const ZERORATE_REMEDY_COMPLETE_PART: u8 = 31;
 /// Calibrate over a wider span.
 pub const ZERORATE_REMEDY_WIDER_SPAN: u8 = 32;
+/// Raise the SPI clock.
+pub const ZERORATE_REMEDY_FASTER_CLOCK: u8 = 33;
 
 /// The numbers are those of the core.
 const _: () = {
@@ -101,4 +103,5 @@ const _: () = {
     assert!(ZERORATE_REMEDY_LONGER_AVERAGE == Remedy::LongerAverage.code());
     assert!(ZERORATE_REMEDY_COMPLETE_PART == Remedy::CompletePart.code());
     assert!(ZERORATE_REMEDY_WIDER_SPAN == Remedy::WiderSpan.code());
+    assert!(ZERORATE_REMEDY_FASTER_CLOCK == Remedy::FasterClock.code());
 };

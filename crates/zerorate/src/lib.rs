@@ -8,6 +8,7 @@ extern crate std;
 pub mod allan;
 #[cfg(feature = "file")]
 pub mod calibration;
+mod checkup;
 mod code_sum;
 mod code_table;
 mod correction;
@@ -36,6 +37,7 @@ mod tally;
 
 #[cfg(feature = "file")]
 pub use calibration::Calibration;
+pub use checkup::{Checkup, Limits};
 pub use code_sum::CodeSum;
 pub use code_table::{CodeTable, RowIndex};
 pub use correction::{Correction, CorrectionF32, TableError, TableRow, Validity};

@@ -49,6 +49,16 @@ pub enum Warning {
     RestUnjudged,
     /// The typical curvature or hysteresis of the part is not known, and is in no uncertainty.
     CurvatureUnknown,
+    /// The white noise is far above the typical one.
+    Noisy { ratio: f64 },
+    /// It is far below.
+    Quiet { ratio: f64 },
+    /// Samples are being lost.
+    Losing { lost: u64 },
+    /// The samples do not come as fast as they should.
+    RateOff { rate_hz: f64, nominal_hz: f64 },
+    /// No temperature was read.
+    NoTemperature,
 }
 
 impl Warning {
@@ -66,13 +76,17 @@ impl Warning {
             Self::HourUnchecked => "hour-unchecked",
             Self::ShortAverage { .. } => "short-average",
             Self::Aliased { .. } => "aliased",
-            Self::Lost { .. } => "lost-samples",
+            Self::Lost { .. } | Self::Losing { .. } => "lost-samples",
             Self::Wandering { .. } => "wandering-bias",
             Self::Impossible { .. } => "impossible-readings",
             Self::Resonance { .. } => "resonance",
             Self::Extrapolated { .. } => "extrapolated",
             Self::RestUnjudged => "rest-unjudged",
             Self::CurvatureUnknown => "curvature-unknown",
+            Self::Noisy { .. } => "noisy",
+            Self::Quiet { .. } => "quiet",
+            Self::RateOff { .. } => "rate",
+            Self::NoTemperature => "no-temperature",
         }
     }
 
@@ -94,6 +108,11 @@ impl Warning {
             Self::Resonance { .. } => &[Remedy::OtherRate],
             Self::Extrapolated { .. } => &[Remedy::WiderSpan],
             Self::RestUnjudged | Self::CurvatureUnknown => &[Remedy::CompletePart],
+            Self::Noisy { .. } => &[Remedy::KeepStill, Remedy::LinearSupply],
+            Self::Quiet { .. } => &[Remedy::ResetAndCheck],
+            Self::Losing { .. } => &[Remedy::FasterClock, Remedy::ReadTemperatureLess, Remedy::CheckDataReady],
+            Self::RateOff { .. } => &[Remedy::CheckDataReady, Remedy::FasterClock],
+            Self::NoTemperature => &[Remedy::ReadTemperatureMore],
         }
     }
 
@@ -184,6 +203,17 @@ impl Warning {
                 "the part's typical curvature and hysteresis are not known: the uncertainty of BTC holds nothing of \
                  what two temperatures cannot show",
             ),
+            Self::Noisy { ratio } => {
+                write!(f, "the noise is {ratio:.1} times the typical one: the part moves, or its supply is not linear")
+            }
+            Self::Quiet { ratio } => {
+                write!(f, "the noise is {ratio:.2} times the typical one; a part that really senses is noisier")
+            }
+            Self::Losing { lost } => write!(f, "{lost} samples were lost"),
+            Self::RateOff { rate_hz, nominal_hz } => {
+                write!(f, "{rate_hz:.1} samples a second where {nominal_hz:.1} are expected")
+            }
+            Self::NoTemperature => f.write_str("no temperature was read"),
         }
     }
 }

@@ -81,6 +81,7 @@ pub enum Remedy {
     LongerAverage,
     CompletePart,
     WiderSpan,
+    FasterClock,
 }
 
 impl Remedy {
@@ -145,6 +146,7 @@ impl Remedy {
             Self::LongerAverage => "average longer",
             Self::CompletePart => "complete the file of the part",
             Self::WiderSpan => "calibrate over a wider span",
+            Self::FasterClock => "raise the SPI clock",
         }
     }
 }

@@ -2,7 +2,7 @@
 
 mod host;
 
-use super::{print_json, print_lines, warn};
+use super::{coded, print_json, print_lines, warn};
 use crate::acquire::Acquisition;
 use crate::cli::{DeviceArgs, SamplingArgs};
 use crate::interrupt;
@@ -11,9 +11,7 @@ use adis16130::{Framing, SelfTest};
 use anyhow::{Result, ensure};
 use clap::Args;
 use serde::Serialize;
-use zerorate::allan::{self, Gap, Input, Stat};
-use zerorate::health::Judged;
-use zerorate::{Axis, CodeSum, Tally};
+use zerorate::{Checkup, Limits};
 use zerorate_host::Bus;
 use zerorate_view::duration::{self, Seconds};
 
@@ -99,9 +97,9 @@ pub fn run(args: &ProbeArgs) -> Result<()> {
             Some(SelfTested { shift_dps, u_dps, samples: n })
         }
     };
-    let seen = Seen::read(&mut acquisition, args.duration)?;
+    let checkup = read(&mut acquisition, args.duration)?;
     ensure!(acquisition.tally().samples > 0, "no samples were read");
-    let findings = Findings { self_test, ..Findings::new(acquisition, revision, bus, &seen) };
+    let findings = Findings { self_test, ..Findings::new(acquisition, revision, bus, &checkup) };
     if args.json {
         return print_json(&findings);
     }
@@ -109,76 +107,37 @@ pub fn run(args: &ProbeArgs) -> Result<()> {
     print_lines(&findings.text())
 }
 
-/// The samples, as far as they are looked at.
-#[derive(Default)]
-struct Seen {
-    /// From the zero code.
-    rate_codes: Vec<i32>,
-    /// Readings among them that are not to be believed.
-    gaps: Vec<Gap>,
-    rates: CodeSum,
-    temps: CodeSum,
+/// Reads samples for so long.
+fn read(acquisition: &mut Acquisition, duration: Seconds) -> Result<Checkup> {
+    let meter = Meter::new(duration.0);
+    let mut checkup = Checkup::default();
+    let mut first_ns = None;
+    while let Some(judged) = acquisition.next_judged()? {
+        checkup.push(&judged);
+        let t_ns = judged.reading.t_ns;
+        let elapsed_ns = t_ns - *first_ns.get_or_insert(t_ns);
+        if elapsed_ns >= duration.nanos() {
+            break;
+        }
+        if acquisition.is_time_to_show() {
+            meter.show(elapsed_ns as f64 * 1e-9, "reading samples".to_owned());
+        }
+    }
+    ensure!(!interrupt::asked(), "interrupted");
+    Ok(checkup)
 }
-
-impl Seen {
-    fn read(acquisition: &mut Acquisition, duration: Seconds) -> Result<Self> {
-        let meter = Meter::new(duration.0);
-        let mut seen = Self::default();
-        let mut first_ns = None;
-        while let Some(judged) = acquisition.next_judged()? {
-            seen.push(&judged);
-            let t_ns = judged.reading.t_ns;
-            let elapsed_ns = t_ns - *first_ns.get_or_insert(t_ns);
-            if elapsed_ns >= duration.nanos() {
-                break;
-            }
-            if acquisition.is_time_to_show() {
-                meter.show(elapsed_ns as f64 * 1e-9, "reading samples".to_owned());
-            }
-        }
-        ensure!(!interrupt::asked(), "interrupted");
-        Ok(seen)
-    }
-
-    fn push(&mut self, judged: &Judged) {
-        match (judged.rate(), self.gaps.last_mut().filter(|gap| gap.at == self.rate_codes.len())) {
-            (Some(rate), _) => {
-                self.rate_codes.push(rate);
-                self.rates.push(rate);
-            }
-            (None, Some(gap)) => gap.missing += 1,
-            (None, None) => self.gaps.push(Gap { at: self.rate_codes.len(), missing: 1 }),
-        }
-        if let Some(temp) = judged.temp() {
-            self.temps.push(temp);
-        }
-    }
-
-    /// One-sided density d of the white noise: at τ well above the filter of the part the Allan deviation is d/√(2τ).
-    fn white_dps_per_rt_hz(&self, axis: &Axis, rate_hz: f64) -> Option<f64> {
-        let m = (WHITE_TAU_S * rate_hz).round() as u64;
-        let scale = 1.0 / axis.rate.lsb_per_unit;
-        // what is missing before the first sample or after the last is no gap
-        let inner = self.gaps.iter().filter(|gap| gap.at > 0 && gap.at < self.rate_codes.len());
-        let gaps: Vec<Gap> = inner.copied().collect();
-        let codes = Input::Codes { codes: &self.rate_codes, gaps: &gaps };
-        let point = allan::deviations(&codes, rate_hz, Stat::Oadev, &[m])[0].ok()?;
-        Some(point.dev * scale * (2.0 * m as f64 / rate_hz).sqrt())
-    }
-}
-
-/// Averaging time for the white noise, s: long against the filter (F-03, F-04), short against flicker and drift.
-const WHITE_TAU_S: f64 = 0.05;
 
 impl Findings {
-    fn new(mut acquisition: Acquisition, revision: Option<u8>, bus: Option<Bus>, seen: &Seen) -> Self {
+    fn new(mut acquisition: Acquisition, revision: Option<u8>, bus: Option<Bus>, checkup: &Checkup) -> Self {
         let of_the_samples = acquisition.warnings();
         let tally = *acquisition.tally();
         let is_frozen = acquisition.health().frozen_at_end().is_some();
         let axis = *acquisition.axis();
         let facts = acquisition.facts();
-        let white = seen.white_dps_per_rt_hz(&axis, tally.rate_hz()).filter(|_| !is_frozen);
+        let white = checkup.white_dps_per_rt_hz(&axis, tally.rate_hz()).filter(|_| !is_frozen);
         let typical_white_dps_per_rt_hz = axis.noise.map(|noise| noise.white_dps_per_rt_hz);
+        let of_the_part = checkup.warnings(&axis, &tally, white, facts.rate_hz, &Limits::default());
+        let of_the_part: Vec<String> = of_the_part.iter().map(coded).collect();
         let taken = tally.samples as f64 / (tally.samples + tally.lost) as f64;
         Self {
             device: facts.name.clone(),
@@ -199,12 +158,11 @@ impl Findings {
             lost_samples: tally.lost,
             longest_gap_ms: tally.longest_gap_ms(),
             duration_s: tally.duration_s(),
-            rate_dps: seen.rates.mean(&axis.rate).unwrap_or_default(),
+            rate_dps: checkup.rate_dps(&axis).unwrap_or_default(),
             white_dps_per_rt_hz: white,
             typical_white_dps_per_rt_hz,
-            temp_c: seen.temps.mean(&axis.temp),
-            warnings: [of_the_samples, findings(seen, &tally, facts.rate_hz, white.zip(typical_white_dps_per_rt_hz))]
-                .concat(),
+            temp_c: checkup.temp_c(&axis),
+            warnings: of_the_samples.into_iter().chain(of_the_part).collect(),
         }
     }
 
@@ -272,41 +230,4 @@ impl Findings {
             self.taken * 100.0
         )
     }
-}
-
-/// What does not look like a healthy part at rest: what was seen, and what to do.
-/// `white` is the noise with the typical one.
-fn findings(seen: &Seen, tally: &Tally, nominal_hz: f64, white: Option<(f64, f64)>) -> Vec<String> {
-    let white_ratio = white.map_or(1.0, |(white, typical)| white / typical);
-    let expected = [
-        (white_ratio > 3.0).then(|| {
-            format!(
-                "noisy: the noise is {white_ratio:.1} times the typical one; is the part moving, or its supply \
-                not a linear one?"
-            )
-        }),
-        (white_ratio < 0.25).then(|| {
-            format!("quiet: the noise is {white_ratio:.2} times the typical one; a part that really senses is noisier")
-        }),
-        (tally.lost > 0 && !tally.data_ready_stutters()).then(|| {
-            format!(
-                "lost-samples: {} samples were lost; raise SCLK, read temperature less often (--every-temp), or \
-                check the RDY wire (pin 10)",
-                tally.lost
-            )
-        }),
-        ((tally.rate_hz() / nominal_hz - 1.0).abs() > 0.05).then(|| {
-            format!(
-                "rate: {:.1} samples a second where {nominal_hz:.1} are expected (F-31); check the RDY wire (pin \
-                10) and the SPI clock",
-                tally.rate_hz()
-            )
-        }),
-        (seen.temps.count() == 0).then(|| {
-            "no-temperature: no temperature was read; use a smaller \
-            --every-temp"
-                .to_owned()
-        }),
-    ];
-    expected.into_iter().flatten().collect()
 }

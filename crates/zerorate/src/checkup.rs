@@ -1,0 +1,127 @@
+//! Does a part at rest look like a healthy one? What `probe` judges, with its limits.
+
+use crate::allan::{self, Gap, Input, Stat};
+use crate::code_sum::CodeSum;
+use crate::health::Judged;
+use crate::notice::Warning;
+use crate::part::Axis;
+use crate::tally::Tally;
+use alloc::vec::Vec;
+
+/// From where on a part is remarkable.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limits {
+    /// White noise less than this, in typical ones: too quiet for a part that senses.
+    pub least_noise: f64,
+    /// White noise more than this, in typical ones.
+    pub most_noise: f64,
+    /// The rate of samples may be off by this, relative to the nominal one.
+    pub rate_error: f64,
+}
+
+impl Default for Limits {
+    /// A quarter to three times the typical noise; a rate within 5 %, where the clock of an ADIS16130 is good to 1 %
+    /// (F-32).
+    fn default() -> Self {
+        Self { least_noise: 0.25, most_noise: 3.0, rate_error: 0.05 }
+    }
+}
+
+/// Readings of some seconds at rest.
+///
+/// ```
+/// use zerorate::health::Health;
+/// use zerorate::{Axis, Checkup, Limits, Reading, Tally};
+/// let axis = Axis::ADIS16130;
+/// let (mut checkup, mut health, mut tally) = (Checkup::default(), Health::new(&axis), Tally::default());
+/// for i in 0..6000 {
+///     let rate = [4_000, -4_000, 2_500, -2_500, 1_000][i as usize % 5]; // far from white, but a rate of 5.7 kHz
+///     let t_ns = u64::from(i) * 175_667;
+///     let reading = Reading { t_ns, seq: i, rate, temp: None, out_of_range: false, lost: 0 };
+///     tally.count(&reading);
+///     health.push(&reading).map(|judged| checkup.push(&judged));
+/// }
+/// let white = checkup.white_dps_per_rt_hz(&axis, tally.rate_hz());
+/// let warnings = checkup.warnings(&axis, &tally, white, 5692.6, &Limits::default());
+/// let codes: Vec<_> = warnings.iter().map(|warning| warning.code()).collect();
+/// assert_eq!(codes, ["quiet", "no-temperature"]); // its sum over 50 ms hardly changes
+/// ```
+#[derive(Clone, Debug, Default)]
+pub struct Checkup {
+    /// From the zero code.
+    rate_codes: Vec<i32>,
+    /// Readings among them that are not to be believed.
+    gaps: Vec<Gap>,
+    rates: CodeSum,
+    temps: CodeSum,
+}
+
+impl Checkup {
+    /// Takes a reading in.
+    pub fn push(&mut self, judged: &Judged) {
+        match (judged.rate(), self.gaps.last_mut().filter(|gap| gap.at == self.rate_codes.len())) {
+            (Some(rate), _) => {
+                self.rate_codes.push(rate);
+                self.rates.push(rate);
+            }
+            (None, Some(gap)) => gap.missing += 1,
+            (None, None) => self.gaps.push(Gap { at: self.rate_codes.len(), missing: 1 }),
+        }
+        if let Some(temp) = judged.temp() {
+            self.temps.push(temp);
+        }
+    }
+
+    /// Mean rate, °/s.
+    #[must_use]
+    pub fn rate_dps(&self, axis: &Axis) -> Option<f64> {
+        self.rates.mean(&axis.rate)
+    }
+
+    /// Mean temperature, °C.
+    #[must_use]
+    pub fn temp_c(&self, axis: &Axis) -> Option<f64> {
+        self.temps.mean(&axis.temp)
+    }
+
+    /// One-sided density d of the white noise, °/s/√Hz, of samples at `rate_hz`: at τ well above the filter of the part
+    /// the Allan deviation is d/√(2τ).
+    #[must_use]
+    pub fn white_dps_per_rt_hz(&self, axis: &Axis, rate_hz: f64) -> Option<f64> {
+        let m = libm::round(WHITE_TAU_S * rate_hz) as u64;
+        let scale = 1.0 / axis.rate.lsb_per_unit;
+        // what is missing before the first sample or after the last is no gap
+        let inner = self.gaps.iter().filter(|gap| gap.at > 0 && gap.at < self.rate_codes.len());
+        let gaps: Vec<Gap> = inner.copied().collect();
+        let codes = Input::Codes { codes: &self.rate_codes, gaps: &gaps };
+        let point = allan::deviations(&codes, rate_hz, Stat::Oadev, &[m])[0].ok()?;
+        Some(point.dev * scale * libm::sqrt(2.0 * m as f64 / rate_hz))
+    }
+
+    /// What does not look like a healthy part at rest, with the white noise that was measured, if it is to be believed.
+    /// `nominal_hz` is how many samples a second there should be.
+    #[must_use]
+    pub fn warnings(
+        &self,
+        axis: &Axis,
+        tally: &Tally,
+        white_dps_per_rt_hz: Option<f64>,
+        nominal_hz: f64,
+        limits: &Limits,
+    ) -> Vec<Warning> {
+        let rate_hz = tally.rate_hz();
+        let ratio = white_dps_per_rt_hz.zip(axis.noise).map(|(white, typical)| white / typical.white_dps_per_rt_hz);
+        let found = [
+            ratio.filter(|ratio| *ratio > limits.most_noise).map(|ratio| Warning::Noisy { ratio }),
+            ratio.filter(|ratio| *ratio < limits.least_noise).map(|ratio| Warning::Quiet { ratio }),
+            (tally.lost > 0 && !tally.data_ready_stutters()).then_some(Warning::Losing { lost: tally.lost }),
+            ((rate_hz / nominal_hz - 1.0).abs() > limits.rate_error)
+                .then_some(Warning::RateOff { rate_hz, nominal_hz }),
+            (self.temps.count() == 0).then_some(Warning::NoTemperature),
+        ];
+        found.into_iter().flatten().collect()
+    }
+}
+
+/// Averaging time for the white noise, s: long against the filter (F-03, F-04), short against flicker and drift.
+const WHITE_TAU_S: f64 = 0.05;
