@@ -1,7 +1,41 @@
 //! Which of a file's columns are meant.
 
+use super::unit::Unit;
 use super::{ColumnOptions, LogError, Result};
 use std::path::Path;
+
+/// Which columns of a log are meant, each by its name or its number counted from 0.
+#[derive(Clone, Copy, Debug)]
+pub enum Wanted<'a> {
+    /// This one; none: the rate of a capture, or the only column.
+    One(Option<&'a str>),
+    /// These, in this order.
+    Listed(&'a [String]),
+    /// The rates of a capture, the six quantities of a bag's IMU, or else all that hold numbers but for the time.
+    All,
+    /// The one that each of these describes, in this order.
+    Described(&'a [Described]),
+}
+
+/// A column that is described by something else than the user's word.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Described {
+    /// What it is, for messages: `axis x`.
+    pub what: String,
+    /// What it is called.
+    pub name: String,
+    /// Whether it is called so to the letter; if not, `_code` or a unit may follow, as in `x_dps` or `x [rad/s]`.
+    pub is_exact: bool,
+}
+
+impl Described {
+    /// Whether a column of this name may be meant, the name to the letter aside.
+    fn fits(&self, column: &str) -> bool {
+        let rest = column.strip_prefix(&self.name).filter(|_| !self.is_exact);
+        let has_unit = |rest: &str| rest.starts_with(['_', ' ', '[', '(']) && Unit::of_column(column).is_some();
+        rest.is_some_and(|rest| matches!(rest, "_code" | "_c") || has_unit(rest))
+    }
+}
 
 /// The columns of a file, as there are to choose from.
 pub struct Columns<'a> {
@@ -14,41 +48,82 @@ pub struct Columns<'a> {
 }
 
 /// The columns that were chosen.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Choice {
-    /// The one with the numbers.
-    pub value: usize,
+    /// Those with the numbers, in the order in which they were asked for.
+    pub values: Vec<usize>,
     /// The one with the time.
     pub time: Option<usize>,
 }
 
 impl Columns<'_> {
-    /// The columns that were asked for; without a name the column in `default`, or else the only one that there is.
-    pub fn choose(&self, args: &ColumnOptions, default: Option<usize>) -> Result<Choice> {
+    /// The columns that were asked for; where nobody says which, those in `default` go before all others.
+    pub fn choose(&self, wanted: Wanted<'_>, args: &ColumnOptions, default: &[usize]) -> Result<Choice> {
         let time = args.time_column.as_deref().map(|wanted| self.position(wanted, "--time-column")).transpose()?;
-        let value = match (args.column.as_deref(), default) {
-            (Some(wanted), _) => self.position(wanted, "--column")?,
-            (None, Some(default)) => default,
-            (None, None) => self.only(time)?,
+        let values = match (wanted, default) {
+            (Wanted::One(Some(wanted)), _) => vec![self.position(wanted, "--column")?],
+            (Wanted::One(None), [only]) => vec![*only],
+            (Wanted::One(None), _) => vec![self.only(time)?],
+            (Wanted::Listed(names), _) => {
+                names.iter().map(|wanted| self.position(wanted, "--column")).collect::<Result<_>>()?
+            }
+            (Wanted::All, []) => self.all(time),
+            (Wanted::All, rates) => rates.to_vec(),
+            (Wanted::Described(columns), _) => {
+                columns.iter().map(|column| self.described(column)).collect::<Result<_>>()?
+            }
         };
-        if !self.numeric[value] {
-            return Err(self.ambiguous(&format!("holds no numbers in `{}`", self.names[value]), "--column"));
+        self.check(&values, time)?;
+        Ok(Choice { values, time })
+    }
+
+    fn check(&self, values: &[usize], time: Option<usize>) -> Result<()> {
+        let fails = |why: &str, column: usize| {
+            Err(self.ambiguous(&format!("{why} `{}`", self.names.get(column).unwrap_or(&"")), "--column"))
+        };
+        if values.is_empty() {
+            return Err(self.ambiguous("has no column of numbers", "--column"));
         }
-        if time == Some(value) {
-            return Err(
-                self.ambiguous(&format!("cannot have both time and rate in `{}`", self.names[value]), "--column")
-            );
+        for (at, value) in values.iter().enumerate() {
+            if !self.numeric[*value] {
+                return fails("holds no numbers in", *value);
+            }
+            if time == Some(*value) {
+                return fails("cannot have both time and rate in", *value);
+            }
+            if values[..at].contains(value) {
+                return fails("is asked twice for", *value);
+            }
         }
-        Ok(Choice { value, time })
+        Ok(())
+    }
+
+    fn all(&self, time: Option<usize>) -> Vec<usize> {
+        (0..self.names.len()).filter(|index| self.numeric[*index] && Some(*index) != time).collect()
     }
 
     /// The only column with numbers that is not the time.
     fn only(&self, time: Option<usize>) -> Result<usize> {
-        let candidates = (0..self.names.len()).filter(|index| self.numeric[*index] && Some(*index) != time);
-        match candidates.collect::<Vec<_>>()[..] {
+        match self.all(time)[..] {
             [only] => Ok(only),
             [] => Err(self.ambiguous("has no column of numbers", "--column")),
             _ => Err(self.ambiguous("has several columns", "--column")),
+        }
+    }
+
+    /// A name to the letter goes before one with a unit behind it.
+    fn described(&self, wanted: &Described) -> Result<usize> {
+        let all = || self.names.iter().enumerate();
+        let exact: Vec<usize> = all().filter(|(_, name)| **name == wanted.name).map(|(at, _)| at).collect();
+        let found = match exact[..] {
+            [] => all().filter(|(_, name)| wanted.fits(name)).map(|(at, _)| at).collect(),
+            _ => exact,
+        };
+        let Described { what, name, .. } = wanted;
+        match found[..] {
+            [only] => Ok(only),
+            [] => Err(self.unknown(&format!("has no column `{name}` for the {what}"))),
+            _ => Err(self.unknown(&format!("has several columns that may be the {what}"))),
         }
     }
 
@@ -69,8 +144,16 @@ impl Columns<'_> {
 
     /// Says which columns there are to choose from.
     fn ambiguous(&self, why: &str, option: &str) -> LogError {
-        let listed: Vec<String> =
-            self.names.iter().enumerate().map(|(number, name)| format!("{number} `{name}`")).collect();
-        LogError::Ask(format!("{} {why}; choose with {option} one of: {}", self.path.display(), listed.join(", ")))
+        LogError::Ask(format!("{} {why}; choose with {option} one of: {}", self.path.display(), self.listed()))
+    }
+
+    fn unknown(&self, why: &str) -> LogError {
+        let remedy = "say in the file of the part which it is, as `column = \"…\"`; there are";
+        LogError::Ask(format!("{} {why}; {remedy} {}", self.path.display(), self.listed()))
+    }
+
+    fn listed(&self) -> String {
+        let listed = self.names.iter().enumerate().map(|(number, name)| format!("{number} `{name}`"));
+        listed.collect::<Vec<_>>().join(", ")
     }
 }

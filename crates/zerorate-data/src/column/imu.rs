@@ -1,10 +1,10 @@
-//! `sensor_msgs/Imu`, the message in which ROS carries gyroscopes: decoded from its bytes, and collected into a
-//! column.
+//! `sensor_msgs/Imu`, the message in which ROS carries gyroscopes: decoded from its bytes, and collected into
+//! columns.
 
 use super::clock::Times;
 use super::series::SeriesBuilder;
 use super::unit::{TimeUnit, Unit};
-use super::{Clock, ColumnOptions, Found, LogError, Result, wrong};
+use super::{Asked, Clock, ColumnOptions, Found, FoundColumn, LogError, Result, Wanted, wrong};
 use crate::capture::CaptureError;
 use crate::limits::Room;
 use std::collections::BTreeSet;
@@ -56,23 +56,42 @@ pub fn is_imu(type_name: &str) -> bool {
     matches!(type_name, "sensor_msgs/msg/Imu" | "sensor_msgs/Imu")
 }
 
-/// Which quantity of which topic is meant.
+/// Which quantities of which topic are meant.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Wanted {
+pub struct Quantities {
     /// The topic with the IMU.
     pub topic: String,
-    quantity: &'static str,
-    position: usize,
+    /// Names, and where they stand in a message.
+    all: Vec<(&'static str, usize)>,
 }
 
-impl Wanted {
-    /// `wanted` is a quantity, or a topic and a quantity; x, y and z are those of angular_velocity.
-    pub fn choose(path: &Path, topics: &BTreeSet<String>, wanted: Option<&str>) -> Result<Self> {
+impl Quantities {
+    /// Those that are wanted; all of one topic.
+    pub fn choose(path: &Path, topics: &BTreeSet<String>, asked: &Asked<'_>) -> Result<Self> {
         if topics.is_empty() {
             return Err(
                 CaptureError::not_a_log(path, "it is a bag without a topic of type sensor_msgs/msg/Imu").into()
             );
         }
+        let names: Vec<Option<&str>> = match asked.wanted {
+            Wanted::One(name) => vec![name],
+            Wanted::Listed(names) => names.iter().map(|name| Some(name.as_str())).collect(),
+            Wanted::Described(columns) => columns.iter().map(|column| Some(column.name.as_str())).collect(),
+            Wanted::All => QUANTITIES.iter().map(|(name, _)| Some(*name)).collect(),
+        };
+        let chosen = names.into_iter().map(|name| Self::choose_one(path, topics, name));
+        let chosen: Vec<Self> = chosen.collect::<Result<_>>()?;
+        let topic = chosen.first().map(|first| first.topic.clone()).unwrap_or_default();
+        if let Some(other) = chosen.iter().find(|one| one.topic != topic) {
+            let why =
+                format!("the columns are of two topics, `{topic}` and `{}`, which keep different time", other.topic);
+            return Err(LogError::Ask(format!("{}: {why}; read one at a time", path.display())));
+        }
+        Ok(Self { topic, all: chosen.into_iter().flat_map(|one| one.all).collect() })
+    }
+
+    /// `wanted` is a quantity, or a topic and a quantity; x, y and z are those of angular_velocity.
+    fn choose_one(path: &Path, topics: &BTreeSet<String>, wanted: Option<&str>) -> Result<Self> {
         let only = || topics.first().filter(|_| topics.len() == 1).map(String::as_str);
         let split = wanted.and_then(|wanted| {
             let of_topic = topics
@@ -83,7 +102,7 @@ impl Wanted {
         let found = split.and_then(|(topic, quantity)| {
             let long = if quantity.len() == 1 { format!("angular_velocity.{quantity}") } else { quantity.to_owned() };
             let (quantity, position) = QUANTITIES.into_iter().find(|(name, _)| *name == long)?;
-            Some(Self { topic: topic.to_owned(), quantity, position })
+            Some(Self { topic: topic.to_owned(), all: vec![(quantity, position)] })
         });
         found.ok_or_else(|| {
             let all: Vec<String> = topics
@@ -99,27 +118,30 @@ impl Wanted {
     }
 }
 
-/// Collects messages into a column.
+/// Collects messages into columns.
 pub struct Collector<'a> {
     path: &'a Path,
-    wanted: Wanted,
-    values: SeriesBuilder,
+    wanted: Quantities,
+    values: Vec<SeriesBuilder>,
+    messages: u64,
     /// None if a rate was given.
     times: Option<Times>,
 }
 
 impl<'a> Collector<'a> {
     /// No message yet.
-    pub fn new(path: &'a Path, wanted: Wanted, room: Room, args: &ColumnOptions) -> Self {
+    pub fn new(path: &'a Path, wanted: Quantities, room: Room, args: &ColumnOptions) -> Self {
         let times = args.rate.is_none().then(Times::new);
-        Self { path, wanted, values: SeriesBuilder::new(room), times }
+        let values = wanted.all.iter().map(|_| SeriesBuilder::sharing(room, wanted.all.len())).collect();
+        Self { path, wanted, values, messages: 0, times }
     }
 
     /// Adds a message.
     pub fn push(&mut self, encoding: Encoding, message: &[u8]) -> Result<(), CaptureError> {
-        let number = self.values.rows();
+        let number = self.messages;
         let at = |what: String| wrong(self.path, format_args!("topic {}, message {number}", self.wanted.topic), what);
-        self.values.check_room(1).map_err(|why| CaptureError::no_room(self.path, why))?;
+        let room = self.values.first().map_or(Ok(()), |first| first.check_room(1));
+        room.map_err(|why| CaptureError::no_room(self.path, why))?;
         let unpacked;
         let message = if message.starts_with(&ZSTD) {
             unpacked = unpacked_message(message).map_err(at)?;
@@ -132,9 +154,12 @@ impl<'a> Collector<'a> {
         if let Some(times) = &mut self.times {
             times.push_integer(stamp_ns).map_err(|what| at(format!("header.stamp: {what}")))?;
         }
-        if !self.values.push_number(numbers[self.wanted.position]) {
-            return Err(at(format!("{} is infinite, which cannot be averaged", self.wanted.quantity)));
+        for ((quantity, position), values) in self.wanted.all.iter().zip(&mut self.values) {
+            if !values.push_number(numbers[*position]) {
+                return Err(at(format!("{quantity} is infinite, which cannot be averaged")));
+            }
         }
+        self.messages += 1;
         Ok(())
     }
 
@@ -145,9 +170,14 @@ impl<'a> Collector<'a> {
             times.unit = Some(TimeUnit::Ns);
             Clock::Column(format!("{}.header.stamp", wanted.topic), times)
         });
-        // REP-103 of ROS; an acceleration is no angular rate
-        let scale = wanted.quantity.starts_with("angular").then(|| Unit::RadPerS.dps());
-        Found { name: format!("{}.{}", wanted.topic, wanted.quantity), values, clock, scale, warning }
+        let column = |((quantity, _), values): ((&str, usize), SeriesBuilder)| FoundColumn {
+            name: format!("{}.{quantity}", wanted.topic),
+            values,
+            // REP-103 of ROS; an acceleration is no angular rate
+            scale: quantity.starts_with("angular").then(|| Unit::RadPerS.dps()),
+            warning: None,
+        };
+        Found { columns: wanted.all.into_iter().zip(values).map(column).collect(), clock, warning }
     }
 }
 

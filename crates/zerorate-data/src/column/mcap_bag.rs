@@ -1,8 +1,8 @@
 //! ROS bags in MCAP.
 
-use super::imu::{Collector, Encoding, Wanted, is_imu};
+use super::imu::{Collector, Encoding, Quantities, is_imu};
 use super::open::Log;
-use super::{ColumnOptions, Found, Result};
+use super::{Asked, Found, Result};
 use crate::Input;
 use crate::capture::CaptureError;
 use crate::limits::{NoRoom, Room};
@@ -17,14 +17,14 @@ use std::path::Path;
 /// Bytes that a read asks the system for.
 const BUFFER: usize = 1 << 18;
 
-/// Reads a quantity of the IMU messages of an MCAP file.
-pub fn read(log: Log<'_>, args: &ColumnOptions) -> Result<Found> {
+/// Reads quantities of the IMU messages of an MCAP file.
+pub fn read(log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
     let (path, mut file) = (log.path, log.input);
     let topics = topics(path, &mut file, log.room)?;
-    let wanted = Wanted::choose(path, &topics, args.column.as_deref())?;
+    let wanted = Quantities::choose(path, &topics, asked)?;
     let topic = wanted.topic.clone();
     file.rewind().map_err(|error| CaptureError::io("read", path, error))?;
-    let mut collector = Collector::new(path, wanted, log.room, args);
+    let mut collector = Collector::new(path, wanted, log.room, asked.args);
     let mut warning = None;
     for message in Messages::new(&mut file, log.room) {
         match message {

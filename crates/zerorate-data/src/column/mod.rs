@@ -1,4 +1,5 @@
-//! One column of numbers out of any gyroscope's log, with its rate, its gaps and its unit.
+//! Columns of numbers out of any gyroscope's log, with their rate, their gaps and their units: all that are wanted in
+//! one pass over the file.
 //!
 //! Nothing is guessed: what a file does not state must be given on the command line, or is said to be unknown.
 
@@ -14,6 +15,8 @@ mod open;
 mod parquet;
 mod raw;
 mod series;
+#[cfg(test)]
+mod several;
 #[cfg(feature = "sqlite")]
 mod sqlite_bag;
 mod tabular;
@@ -22,6 +25,7 @@ pub(crate) mod tests;
 mod text;
 mod unit;
 
+pub use choice::{Described, Wanted};
 pub use raw::RawType;
 pub use series::Series;
 pub use unit::{TimeUnit, Unit};
@@ -142,45 +146,75 @@ impl Column {
 
 /// Reads a column of a log, whatever form it has, packed or not; `path` names it in messages.
 pub fn read(path: &Path, input: Input, args: &ColumnOptions) -> Result<Column> {
-    let log = open::open(path, input)?;
-    let found = match args.raw {
-        Some(raw) => raw::read(log, raw)?,
-        None => found(log, args)?,
-    };
-    found.finish(path, args)
+    let columns = read_all(path, input, Wanted::One(args.column.as_deref()), args)?;
+    columns.into_iter().next().ok_or_else(|| LogError::Ask(format!("{} has no column", path.display())))
 }
 
-fn found(log: Log<'_>, args: &ColumnOptions) -> Result<Found> {
+/// Reads the columns that are wanted in one pass over the file, whatever `args.column` says. All have one rate; what is
+/// to be said of the file as a whole is said with the first.
+pub fn read_all(path: &Path, input: Input, wanted: Wanted<'_>, args: &ColumnOptions) -> Result<Vec<Column>> {
+    find(path, input, wanted, args)?.finish(path, args)
+}
+
+/// The columns as they stand in the file.
+fn find(path: &Path, input: Input, wanted: Wanted<'_>, args: &ColumnOptions) -> Result<Found> {
+    let log = open::open(path, input)?;
+    let asked = Asked { wanted, args };
+    match args.raw {
+        Some(raw) => raw::read(log, raw),
+        None => found(log, &asked),
+    }
+}
+
+/// Which columns, and what is known of them.
+struct Asked<'a> {
+    wanted: Wanted<'a>,
+    args: &'a ColumnOptions,
+}
+
+fn found(log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
     let path = log.path;
     match log.form()? {
-        Form::Parquet => parquet::read(log, args),
+        Form::Parquet => parquet::read(log, asked),
         Form::ArrowFile => {
             let source = ArrowFile::open(path, log.input, log.room)?;
-            tabular::read(path, Box::new(source), log.room, args)
+            tabular::read(path, Box::new(source), log.room, asked)
         }
-        Form::Npy => npy::read(log, args),
-        Form::Mcap => mcap_bag::read(log, args),
+        Form::Npy => npy::read(log, asked),
+        Form::Mcap => mcap_bag::read(log, asked),
         #[cfg(feature = "sqlite")]
-        Form::Sqlite => sqlite_bag::read(log, args),
+        Form::Sqlite => sqlite_bag::read(log, asked),
         #[cfg(not(feature = "sqlite"))]
         Form::Sqlite => {
             Err(CaptureError::not_a_log(path, "this build does not read SQLite; convert the bag to MCAP").into())
         }
         Form::Other => match table::recognise(path, log.input)? {
-            Opened::Table(source) => tabular::read(path, source, log.room, args),
-            Opened::Text(input) => text::read(path, input, log.room, args),
+            Opened::Table(source) => tabular::read(path, source, log.room, asked),
+            Opened::Text(input) => text::read(path, input, log.room, asked),
         },
     }
 }
 
-/// A column as it stands in its file.
+/// Columns as they stand in their file.
 struct Found {
+    columns: Vec<FoundColumn>,
+    clock: Clock,
+    warning: Option<String>,
+}
+
+/// One of them.
+struct FoundColumn {
     name: String,
     values: SeriesBuilder,
-    clock: Clock,
     /// °/s per step, where that is a property of the form.
     scale: Option<f64>,
     warning: Option<String>,
+}
+
+impl FoundColumn {
+    fn new(name: String, values: SeriesBuilder) -> Self {
+        Self { name, values, scale: None, warning: None }
+    }
 }
 
 /// What a file tells about time.
@@ -213,14 +247,27 @@ impl Clock {
 }
 
 impl Found {
-    fn finish(self, path: &Path, args: &ColumnOptions) -> Result<Column> {
-        let Self { name, values, clock, scale, warning } = self;
+    fn finish(self, path: &Path, args: &ColumnOptions) -> Result<Vec<Column>> {
+        let Self { columns, clock, warning } = self;
         let (measured, lost) = clock.beat(path, args)?;
         let rate_hz = args.rate.or(measured).ok_or_else(|| {
             let remedy = "give --rate HZ, or --time-column NAME if a column holds the time";
             LogError::Ask(format!("{} does not say how fast it was sampled: {remedy}", path.display()))
         })?;
-        let (series, gaps) = values.finish(&lost).map_err(|missing| too_many(path, missing))?;
+        let mut of_file = warning;
+        let finish = |column: FoundColumn| {
+            let said = [of_file.take(), column.warning.clone()].into_iter().flatten();
+            let warning = said.reduce(|all, more| format!("{all}; {more}"));
+            FoundColumn { warning, ..column }.finish(path, rate_hz, &lost, args)
+        };
+        columns.into_iter().map(finish).collect()
+    }
+}
+
+impl FoundColumn {
+    fn finish(self, path: &Path, rate_hz: f64, lost: &[Gap], args: &ColumnOptions) -> Result<Column> {
+        let Self { name, values, scale, warning } = self;
+        let (series, gaps) = values.finish(lost).map_err(|missing| too_many(path, missing))?;
         let declared = match (args.scale, args.unit) {
             (None, None) => scale.or_else(|| Unit::of_column(&name).map(Unit::dps)),
             (scale, unit) => Some(scale.unwrap_or(1.0) * unit.unwrap_or(Unit::Dps).dps()),

@@ -1,11 +1,11 @@
-//! A column of a NumPy array: one dimension, a column of two, or a field of a structured array.
+//! Columns of a NumPy array: one dimension, a column of two, or a field of a structured array.
 
 use super::choice::{Choice, Columns};
 use super::clock::Times;
 use super::open::Log;
 use super::series::SeriesBuilder;
 use super::unit::TimeUnit;
-use super::{Clock, ColumnOptions, Found, Result, wrong};
+use super::{Asked, Clock, Found, FoundColumn, Result, wrong};
 use crate::Input;
 use crate::capture::CaptureError;
 use crate::survive::survive;
@@ -16,8 +16,8 @@ use std::path::Path;
 /// Bytes that a read asks the system for.
 const BUFFER: usize = 1 << 18;
 
-/// Reads a column.
-pub fn read(log: Log<'_>, args: &ColumnOptions) -> Result<Found> {
+/// Reads columns.
+pub fn read(log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
     let path = log.path;
     let mut file = BufReader::with_capacity(BUFFER, log.input);
     let failed = |error| CaptureError::io("read", path, error);
@@ -28,34 +28,39 @@ pub fn read(log: Log<'_>, args: &ColumnOptions) -> Result<Found> {
     check_length(path, &header, file.get_ref().length().map_err(failed)?.saturating_sub(start))?;
     let numeric = fields.iter().map(|field| field.kind.is_some_and(|kind| kind != Kind::Time)).collect();
     let names: Vec<&str> = fields.iter().map(|field| field.name.as_str()).collect();
-    let Choice { value, time } = Columns { path, names, numeric }.choose(args, None)?;
-    let mut values = SeriesBuilder::new(log.room);
-    values.check_room(rows).map_err(|why| CaptureError::no_room(path, why))?;
-    let name = fields[value].name.clone();
-    each(path, &mut file, start, rows, &fields[value], |cell| match cell {
-        Cell::Integer(integer) => {
-            values.push_integer(integer);
-            Ok(())
-        }
-        Cell::Number(number) if values.push_number(number) => Ok(()),
-        Cell::Number(_) => Err("it is infinite, which cannot be averaged".to_owned()),
+    let Choice { values: chosen, time } = Columns { path, names, numeric }.choose(asked.wanted, asked.args, &[])?;
+    let mut values: Vec<_> = chosen.iter().map(|_| SeriesBuilder::sharing(log.room, chosen.len())).collect();
+    values.iter().try_for_each(|values| values.check_room(rows)).map_err(|why| CaptureError::no_room(path, why))?;
+    let mut times = Times::new();
+    times.unit = time.and_then(|time| fields[time].time_unit);
+    let wanted: Vec<&Field> = chosen.iter().chain(&time).map(|index| &fields[*index]).collect();
+    each(path, &mut file, start, rows, &wanted, |column, cell| match values.get_mut(column) {
+        Some(values) => push_value(values, cell),
+        None => push_time(&mut times, cell, wanted[column]),
     })?;
-    let clock = match time.map(|time| &fields[time]) {
-        None => Clock::Silent,
-        Some(field) => {
-            let mut times = Times::new();
-            times.unit = field.time_unit;
-            each(path, &mut file, start, rows, field, |cell| match cell {
-                Cell::Integer(i64::MIN) if field.kind == Some(Kind::Time) => {
-                    Err("no time; every row must have one".to_owned())
-                }
-                Cell::Integer(time) => times.push_integer(time),
-                Cell::Number(time) => times.push_number(time),
-            })?;
-            Clock::Column(field.name.clone(), times)
+    let clock = time.map_or(Clock::Silent, |time| Clock::Column(fields[time].name.clone(), times));
+    let columns =
+        chosen.iter().zip(values).map(|(index, values)| FoundColumn::new(fields[*index].name.clone(), values));
+    Ok(Found { columns: columns.collect(), clock, warning: None })
+}
+
+fn push_value(values: &mut SeriesBuilder, cell: Cell) -> Result<(), String> {
+    match cell {
+        Cell::Integer(integer) => values.push_integer(integer),
+        Cell::Number(number) if values.push_number(number) => {}
+        Cell::Number(_) => return Err("it is infinite, which cannot be averaged".to_owned()),
+    }
+    Ok(())
+}
+
+fn push_time(times: &mut Times, cell: Cell, field: &Field) -> Result<(), String> {
+    match cell {
+        Cell::Integer(i64::MIN) if field.kind == Some(Kind::Time) => {
+            Err("no time; every row must have one".to_owned())
         }
-    };
-    Ok(Found { name, values, clock, scale: None, warning: None })
+        Cell::Integer(time) => times.push_integer(time),
+        Cell::Number(time) => times.push_number(time),
+    }
 }
 
 /// Reads the header, a literal of Python behind its length. The library takes the length for granted and parses nested
@@ -228,26 +233,62 @@ enum Cell {
     Number(f64),
 }
 
-/// Calls `take` with every number of a column.
+/// Calls `take` with every number of these columns: row by row in one pass, where a row stands in one place.
 fn each(
     path: &Path,
     file: &mut BufReader<Input>,
     start: u64,
     rows: u64,
-    field: &Field,
-    mut take: impl FnMut(Cell) -> Result<(), String>,
+    fields: &[&Field],
+    mut take: impl FnMut(usize, Cell) -> Result<(), String>,
 ) -> Result<(), CaptureError> {
-    let failed = |error| CaptureError::io("read", path, error);
-    file.seek(SeekFrom::Start(start + field.offset)).map_err(failed)?;
-    let mut bytes = vec![0; field.size];
-    let skipped = (field.stride - field.size as u64) as i64;
-    for row in 0..rows {
-        file.read_exact(&mut bytes).map_err(failed)?;
-        take(field.decode(&bytes))
-            .map_err(|what| wrong(path, format_args!("column {}, row {row}", field.name), what))?;
-        if skipped > 0 && row + 1 < rows {
-            file.seek_relative(skipped).map_err(failed)?;
-        }
+    let mut array = Array { path, file, start, rows };
+    if span(fields) <= fields.first().map_or(0, |field| field.stride) {
+        return array.each_row(fields, take);
     }
-    Ok(())
+    // one column behind the other
+    let mut columns = fields.iter().enumerate();
+    columns.try_for_each(|(column, field)| array.each_row(&[*field], |_, cell| take(column, cell)))
+}
+
+/// Bytes from the start of the first of these columns to the end of the last, in a row.
+fn span(fields: &[&Field]) -> u64 {
+    let end = fields.iter().map(|field| field.offset.saturating_add(field.size as u64)).max().unwrap_or_default();
+    end - fields.iter().map(|field| field.offset).min().unwrap_or_default()
+}
+
+/// The data of a file.
+struct Array<'a> {
+    path: &'a Path,
+    file: &'a mut BufReader<Input>,
+    start: u64,
+    rows: u64,
+}
+
+impl Array<'_> {
+    fn each_row(
+        &mut self,
+        fields: &[&Field],
+        mut take: impl FnMut(usize, Cell) -> Result<(), String>,
+    ) -> Result<(), CaptureError> {
+        let Self { path, file, start, rows } = self;
+        let failed = |error| CaptureError::io("read", path, error);
+        let first = fields.iter().map(|field| field.offset).min().unwrap_or_default();
+        let stride = fields.first().map_or(0, |field| field.stride);
+        file.seek(SeekFrom::Start(*start + first)).map_err(failed)?;
+        let mut bytes = vec![0; span(fields) as usize];
+        let skipped = (stride - bytes.len() as u64) as i64;
+        for row in 0..*rows {
+            file.read_exact(&mut bytes).map_err(failed)?;
+            for (column, field) in fields.iter().enumerate() {
+                let cell = field.decode(&bytes[(field.offset - first) as usize..][..field.size]);
+                take(column, cell)
+                    .map_err(|what| wrong(path, format_args!("column {}, row {row}", field.name), what))?;
+            }
+            if skipped > 0 && row + 1 < *rows {
+                file.seek_relative(skipped).map_err(failed)?;
+            }
+        }
+        Ok(())
+    }
 }

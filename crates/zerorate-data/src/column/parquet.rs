@@ -1,9 +1,9 @@
-//! A column of a Parquet file: only the columns that are needed are read and decoded, several row groups at a time.
+//! Columns of a Parquet file: only the columns that are needed are read and decoded, several row groups at a time.
 
 use super::open::Log;
 use super::series::ROW_BYTES;
-use super::tabular::{self, Reading};
-use super::{ColumnOptions, Found, Result};
+use super::tabular::{self, TableColumns};
+use super::{Asked, Found, Result};
 use crate::Input;
 use crate::capture::parquet::{Source, guarded};
 use crate::capture::{CaptureError, info};
@@ -23,24 +23,25 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// Rows per piece.
 const PIECE: usize = 1 << 16;
 
-/// Reads a column.
-pub fn read(log: Log<'_>, args: &ColumnOptions) -> Result<Found> {
+/// Reads columns.
+pub fn read(log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
     let Log { path, input: file, room, .. } = log;
     let metadata = guarded(path, || ArrowReaderMetadata::load(&file, ArrowReaderOptions::default()))?;
     let schema = metadata.schema().clone();
     if info::is_capture(schema.metadata()) {
-        return tabular::read(path, Box::new(Source::open(path, file)?), room, args);
+        return tabular::read(path, Box::new(Source::open(path, file)?), room, asked);
     }
-    let mut reading = Reading::start(path, &schema, room, args)?;
+    let mut reading = TableColumns::start(path, &schema, room, asked)?;
     let groups = Groups {
         path,
         file: Mutex::new(file),
         metadata,
         columns: reading.columns.clone(),
+        row_bytes: ROW_BYTES.saturating_mul(reading.len() as u64),
         room,
         rows_read: AtomicU64::new(0),
     };
-    reading.reserve(groups.rows(), schema.field(reading.columns[0]).data_type());
+    reading.reserve(groups.rows(), &schema);
     let at_once = rayon::current_num_threads();
     for first in (0..groups.len()).step_by(at_once) {
         let decoded: Vec<_> =
@@ -58,6 +59,8 @@ struct Groups<'a> {
     file: Mutex<Input>,
     metadata: ArrowReaderMetadata,
     columns: Vec<usize>,
+    /// What a row of all of them takes.
+    row_bytes: u64,
     room: Room,
     /// Rows of all groups that were decoded so far: a page of a few bytes may state any number of them.
     rows_read: AtomicU64,
@@ -99,7 +102,7 @@ impl Groups<'_> {
         let pieces = reader.map(|batch| {
             let piece = batch?.column(0).clone();
             let rows = piece.len() as u64 + self.rows_read.fetch_add(piece.len() as u64, Ordering::Relaxed);
-            let bytes = rows.saturating_mul(ROW_BYTES) / self.columns.len() as u64;
+            let bytes = rows.saturating_mul(self.row_bytes) / self.columns.len() as u64;
             self.room.check(bytes).map_err(|why| ParquetError::External(Box::new(why)))?;
             Ok(piece)
         });

@@ -2,7 +2,7 @@
 
 use super::open::Log;
 use super::series::SeriesBuilder;
-use super::{Clock, Found, Result, wrong};
+use super::{Clock, Found, FoundColumn, Result, wrong};
 use crate::capture::CaptureError;
 use std::io::Read;
 
@@ -70,7 +70,8 @@ pub fn read(log: Log<'_>, raw: RawType) -> Result<Found> {
             wrong(log.path, format_args!("number {}", first + at as u64), "it is infinite: is --raw right?")
         })?;
     }
-    Ok(Found { name: "raw".to_owned(), values, clock: Clock::Silent, scale: None, warning: None })
+    let columns = vec![FoundColumn::new("raw".to_owned(), values)];
+    Ok(Found { columns, clock: Clock::Silent, warning: None })
 }
 
 fn numbers<const N: usize, T>(block: &[u8], decode: impl Fn([u8; N]) -> T) -> Vec<T> {

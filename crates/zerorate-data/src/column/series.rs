@@ -41,18 +41,31 @@ pub struct SeriesBuilder {
     gaps: Vec<Gap>,
     rows: u64,
     room: Room,
+    /// How many series share the room.
+    sharing: u64,
 }
 
 impl SeriesBuilder {
     /// No number yet.
     pub fn new(room: Room) -> Self {
-        Self { series: Series::Codes(Vec::new()), gaps: Vec::new(), rows: 0, room }
+        Self::sharing(room, 1)
+    }
+
+    /// The same, of so many series in one room, which grow together.
+    pub fn sharing(room: Room, series: usize) -> Self {
+        let sharing = series.max(1) as u64;
+        Self { series: Series::Codes(Vec::new()), gaps: Vec::new(), rows: 0, room, sharing }
+    }
+
+    /// What a row of all of them costs.
+    fn row_bytes(&self) -> u64 {
+        ROW_BYTES.saturating_mul(self.sharing)
     }
 
     /// Whether there is room for `more` rows. To be asked before rows are added that the file need not hold byte for
     /// byte.
     pub fn check_room(&self, more: u64) -> Result<(), NoRoom> {
-        self.room.check(self.rows.saturating_add(more).saturating_mul(ROW_BYTES))
+        self.room.check(self.rows.saturating_add(more).saturating_mul(self.row_bytes()))
     }
 
     /// How many rows there were, with those that were empty.
@@ -110,7 +123,7 @@ impl SeriesBuilder {
 
     /// Makes room for `additional` rows of codes or, if they are not integers, of numbers.
     pub fn reserve(&mut self, additional: usize, integers: bool) {
-        let additional = additional.min((self.room.bytes() / ROW_BYTES) as usize);
+        let additional = additional.min((self.room.bytes() / self.row_bytes()) as usize);
         if !integers {
             self.numbers();
         }
@@ -123,11 +136,12 @@ impl SeriesBuilder {
     /// The series, with samples missing between its rows as well: before row `at`, empty rows counted, `missing` were
     /// lost. `Err` is how many they are, should that be more than can be filled in.
     pub fn finish(mut self, between_rows: &[Gap]) -> Result<(Series, Vec<Gap>), u64> {
+        let row_bytes = self.row_bytes();
         let gaps = match &mut self.series {
             Series::Codes(codes) => inner(merged(&self.gaps, between_rows), codes.len()),
             Series::Numbers(_) if between_rows.is_empty() => Vec::new(),
             Series::Numbers(numbers) => {
-                *numbers = filled(numbers, between_rows, self.room)?;
+                *numbers = filled(numbers, between_rows, self.room, row_bytes)?;
                 Vec::new()
             }
         };
@@ -196,13 +210,13 @@ fn inner(mut gaps: Vec<Gap>, len: usize) -> Vec<Gap> {
 /// be too many.
 pub fn with_gaps(codes: &[i32], gaps: &[Gap]) -> Result<Vec<f64>, u64> {
     let numbers: Vec<f64> = codes.iter().map(|code| f64::from(*code)).collect();
-    filled(&numbers, gaps, Room::of(codes.len() as u64))
+    filled(&numbers, gaps, Room::of(codes.len() as u64), ROW_BYTES)
 }
 
-fn filled(numbers: &[f64], between_rows: &[Gap], room: Room) -> Result<Vec<f64>, u64> {
+fn filled(numbers: &[f64], between_rows: &[Gap], room: Room, row_bytes: u64) -> Result<Vec<f64>, u64> {
     let missing = missing_in(between_rows);
     let all = missing.saturating_add(numbers.len() as u64);
-    if missing > MAX_FILLED || room.check(all.saturating_mul(ROW_BYTES)).is_err() {
+    if missing > MAX_FILLED || room.check(all.saturating_mul(row_bytes)).is_err() {
         return Err(missing);
     }
     let mut all = Vec::with_capacity(numbers.len() + missing as usize);

@@ -1,16 +1,16 @@
 //! ROS bags in SQLite, as ROS 2 made them before Iron.
 
-use super::imu::{Collector, Encoding, Wanted, is_imu};
+use super::imu::{Collector, Encoding, Quantities, is_imu};
 use super::open::Log;
-use super::{ColumnOptions, Found, Result};
+use super::{Asked, Found, Result};
 use crate::capture::CaptureError;
 use rusqlite::config::DbConfig;
 use rusqlite::limits::Limit;
 use rusqlite::{Connection, OpenFlags, types::ValueRef};
 use std::collections::BTreeSet;
 
-/// Reads a quantity of the IMU messages.
-pub fn read(log: Log<'_>, args: &ColumnOptions) -> Result<Found> {
+/// Reads quantities of the IMU messages.
+pub fn read(log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
     let (path, room) = (log.path, log.room);
     let failed = |error: rusqlite::Error| {
         let remedy = "if it is a bag of ROS 2, `ros2 bag convert` or `ros2 bag reindex` may help";
@@ -19,9 +19,9 @@ pub fn read(log: Log<'_>, args: &ColumnOptions) -> Result<Found> {
     let bag = open(log, failed)?;
     let topics = topics_of(&bag).map_err(failed)?;
     let names: BTreeSet<String> = topics.iter().map(|(_, name, _)| name.clone()).collect();
-    let wanted = Wanted::choose(path, &names, args.column.as_deref())?;
+    let wanted = Quantities::choose(path, &names, asked)?;
     let ids = topics.iter().filter(|(_, name, _)| *name == wanted.topic);
-    let mut collector = Collector::new(path, wanted.clone(), room, args);
+    let mut collector = Collector::new(path, wanted.clone(), room, asked.args);
     for (id, topic, format) in ids {
         let encoding = Encoding::of(format).ok_or_else(|| {
             let what = format!("its messages are encoded in `{format}`; cdr is read");

@@ -1,15 +1,15 @@
-//! A column of a table with names and types: an Arrow stream or file, Parquet, a capture or not.
+//! Columns of a table with names and types: an Arrow stream or file, Parquet, a capture or not.
 
 use super::choice::{Choice, Columns};
 use super::clock::Times;
 use super::judged::{self, Judging};
 use super::series::{SeriesBuilder, join, missing_in};
 use super::unit::TimeUnit;
-use super::{Clock, ColumnOptions, Found, Gap, Result, wrong};
+use super::{Asked, Clock, Found, FoundColumn, Gap, Result, wrong};
 use crate::capture::columns::Rows;
 use crate::capture::succession::Mark;
 use crate::capture::table::BatchSource;
-use crate::capture::{CaptureError, CaptureInfo, Checked, Layout, info};
+use crate::capture::{CaptureError, CaptureInfo, Checked, CodedAxis, Layout, info};
 use crate::cells::{floats, integers};
 use crate::limits::Room;
 use arrow_array::types::{Int32Type, Int64Type};
@@ -17,10 +17,10 @@ use arrow_array::{Array, ArrayRef, RecordBatch};
 use arrow_schema::{DataType, Schema, TimeUnit as ArrowUnit};
 use std::path::Path;
 
-/// Reads a column of a table. Of a capture all columns are read, because its checks are over all of them.
-pub fn read(path: &Path, mut source: Box<dyn BatchSource>, room: Room, args: &ColumnOptions) -> Result<Found> {
+/// Reads columns of a table. Of a capture all columns are read, because its checks are over all of them.
+pub fn read(path: &Path, mut source: Box<dyn BatchSource>, room: Room, asked: &Asked<'_>) -> Result<Found> {
     let schema = source.stated().schema.clone();
-    let mut reading = Reading::start(path, &schema, room, args)?;
+    let mut reading = TableColumns::start(path, &schema, room, asked)?;
     if info::is_capture(schema.metadata()) {
         let mut capture = Checked::new(path, source)?;
         while let Some((batch, rows)) = capture.next_rows()? {
@@ -34,47 +34,68 @@ pub fn read(path: &Path, mut source: Box<dyn BatchSource>, room: Room, args: &Co
     reading.finish(source.stated().warning.clone())
 }
 
-/// A column being read, with its time.
-pub struct Reading<'a> {
+/// Columns being read, with their time.
+pub struct TableColumns<'a> {
     path: &'a Path,
-    /// The columns to be read: the numbers; the time, or time and losses of a capture.
+    /// The columns to be read: the numbers, and behind them the time.
     pub columns: Vec<usize>,
-    name: String,
-    time_name: String,
-    values: SeriesBuilder,
-    times: Option<Times>,
+    values: Vec<TableColumn>,
+    time: Option<(String, Times)>,
     capture: Option<Capture>,
+}
+
+/// One of them.
+struct TableColumn {
+    name: String,
+    values: SeriesBuilder,
+    scale: Option<f64>,
     judging: Option<Judging>,
 }
 
-impl<'a> Reading<'a> {
+impl<'a> TableColumns<'a> {
     /// Chooses the columns.
-    pub fn start(path: &'a Path, schema: &Schema, room: Room, args: &ColumnOptions) -> Result<Self> {
+    pub fn start(path: &'a Path, schema: &Schema, room: Room, asked: &Asked<'_>) -> Result<Self> {
         let names: Vec<&str> = schema.fields().iter().map(|field| field.name().as_str()).collect();
-        let position = |wanted: &str| names.iter().position(|name| *name == wanted);
         let metadata = schema.metadata();
         let info = info::is_capture(metadata).then(|| CaptureInfo::from_metadata(path, metadata)).transpose()?;
-        let default = info.as_ref().and_then(|info| only_rate(&info.layout, position));
+        let default = info.as_ref().map_or_else(Vec::new, |info| rates(&info.layout, &names));
         let numeric = schema.fields().iter().map(|field| field.data_type().is_numeric()).collect();
-        let Choice { value, time } = Columns { path, names: names.clone(), numeric }.choose(args, default)?;
-        let name = names[value].to_owned();
+        let all = Columns { path, names: names.clone(), numeric };
+        let Choice { values, time } = all.choose(asked.wanted, asked.args, &default)?;
+        // with a time column it is a table as any other
         let info = info.filter(|_| time.is_none());
-        let capture = info.as_ref().map(|info| Capture::of(&info.layout, &name));
-        let judging = info.as_ref().and_then(|info| Judging::of_column(&name, info));
-        let columns = [value].into_iter().chain(time).collect();
-        let mut values = SeriesBuilder::new(room);
-        values.reserve(0, schema.field(value).data_type().is_integer());
-        let mut times = time.map(|_| Times::new());
-        if let (Some(times), Some(time)) = (&mut times, time) {
+        let column = |index: &usize| {
+            let name = names[*index].to_owned();
+            let mut series = SeriesBuilder::sharing(room, values.len());
+            series.reserve(0, schema.field(*index).data_type().is_integer());
+            let scale = info.as_ref().and_then(|info| code_scale(&info.layout, &name));
+            let judging = info.as_ref().and_then(|info| Judging::of_column(&name, info));
+            TableColumn { name, values: series, scale, judging }
+        };
+        let time_column = time.map(|time| {
+            let mut times = Times::new();
             times.unit = unit_of(schema.field(time).data_type());
-        }
-        let time_name = time.map_or_else(String::new, |index| names[index].to_owned());
-        Ok(Self { path, columns, name, time_name, values, times, capture, judging })
+            (names[time].to_owned(), times)
+        });
+        Ok(Self {
+            path,
+            values: values.iter().map(column).collect(),
+            columns: values.iter().copied().chain(time).collect(),
+            time: time_column,
+            capture: info.map(|_| Capture::default()),
+        })
+    }
+
+    /// How many columns of numbers there are.
+    pub fn len(&self) -> usize {
+        self.values.len()
     }
 
     /// Makes room for so many rows.
-    pub fn reserve(&mut self, rows: usize, data_type: &DataType) {
-        self.values.reserve(rows, data_type.is_integer());
+    pub fn reserve(&mut self, rows: usize, schema: &Schema) {
+        for (column, index) in self.values.iter_mut().zip(&self.columns) {
+            column.values.reserve(rows, schema.field(*index).data_type().is_integer());
+        }
     }
 
     fn take(&mut self, batch: &RecordBatch, rows: Option<&Rows>) -> Result<(), CaptureError> {
@@ -84,54 +105,59 @@ impl<'a> Reading<'a> {
 
     /// Adds a piece of the columns; of a capture, with its rows.
     pub fn append(&mut self, columns: &[ArrayRef], rows: Option<&Rows>) -> Result<(), CaptureError> {
-        let first = self.values.rows();
-        self.check_room(columns.first().map_or(0, |column| column.len() as u64))?;
-        if let (Some(times), Some(column)) = (&mut self.times, columns.get(1)) {
+        let Some(first) = self.values.first() else { return Ok(()) };
+        let (first, more) = (first.values.rows(), columns.first().map_or(0, |column| column.len() as u64));
+        self.values[0].values.check_room(more).map_err(|why| CaptureError::no_room(self.path, why))?;
+        if let (Some((name, times)), Some(column)) = (&mut self.time, columns.get(self.values.len())) {
             append_times(times, column).map_err(|(row, what)| {
-                wrong(self.path, format_args!("column {}, row {}", self.time_name, first + row as u64), what)
+                wrong(self.path, format_args!("column {name}, row {}", first + row as u64), what)
             })?;
         }
         if let (Some(capture), Some(rows)) = (&mut self.capture, rows) {
             capture.count(rows);
         }
-        let values = match (&mut self.judging, rows) {
-            (Some(judging), Some(rows)) => {
-                judging.take(&columns[0], rows).map_err(|error| judged::failed(self.path, &error))?
-            }
-            _ => columns[0].clone(),
-        };
-        self.append_values(&values, first)
-    }
-
-    fn append_values(&mut self, values: &ArrayRef, first: u64) -> Result<(), CaptureError> {
-        append_values(&mut self.values, values).map_err(|(row, what)| {
-            wrong(self.path, format_args!("column {}, row {}", self.name, first + row as u64), what)
-        })
-    }
-
-    /// Whether there is room for `more` rows.
-    pub fn check_room(&self, more: u64) -> Result<(), CaptureError> {
-        self.values.check_room(more).map_err(|why| CaptureError::no_room(self.path, why))
+        self.values.iter_mut().zip(columns).try_for_each(|(column, values)| column.append(self.path, values, rows))
     }
 
     /// All rows were read.
-    pub fn finish(mut self, warning: Option<String>) -> Result<Found> {
-        let mut found = None;
-        if let Some(mut judging) = self.judging.take() {
-            let last = judging.finish().map_err(|error| judged::failed(self.path, &error))?;
-            let first = self.values.rows();
-            last.map_or(Ok(()), |last| self.append_values(&last, first))?;
-            found = judging.found(self.path)?;
-        }
-        let warning = [warning, found].into_iter().flatten().reduce(|all, more| format!("{all}; {more}"));
-        let Self { name, time_name, values, times, capture, .. } = self;
-        let scale = capture.as_ref().and_then(|capture| capture.scale);
-        let clock = match (times, capture) {
-            (Some(times), _) => Clock::Column(time_name, times),
+    pub fn finish(self, warning: Option<String>) -> Result<Found> {
+        let Self { path, values, time, capture, .. } = self;
+        let clock = match (time, capture) {
+            (Some((name, times)), _) => Clock::Column(name, times),
             (None, Some(capture)) => capture.clock(),
             (None, None) => Clock::Silent,
         };
-        Ok(Found { name, values, clock, scale, warning })
+        let columns = values.into_iter().map(|column| column.finish(path)).collect::<Result<_>>()?;
+        Ok(Found { columns, clock, warning })
+    }
+}
+
+impl TableColumn {
+    fn append(&mut self, path: &Path, values: &ArrayRef, rows: Option<&Rows>) -> Result<(), CaptureError> {
+        match (&mut self.judging, rows) {
+            (Some(judging), Some(rows)) => {
+                let judged = judging.take(values, rows).map_err(|error| judged::failed(path, &error))?;
+                self.append_values(path, &judged)
+            }
+            _ => self.append_values(path, values),
+        }
+    }
+
+    fn append_values(&mut self, path: &Path, values: &ArrayRef) -> Result<(), CaptureError> {
+        let first = self.values.rows();
+        append_values(&mut self.values, values)
+            .map_err(|(row, what)| wrong(path, format_args!("column {}, row {}", self.name, first + row as u64), what))
+    }
+
+    fn finish(mut self, path: &Path) -> Result<FoundColumn> {
+        let mut warning = None;
+        if let Some(mut judging) = self.judging.take() {
+            let last = judging.finish().map_err(|error| judged::failed(path, &error))?;
+            last.map_or(Ok(()), |last| self.append_values(path, &last))?;
+            warning = judging.found(path)?;
+        }
+        let Self { name, values, scale, .. } = self;
+        Ok(FoundColumn { name, values, scale, warning })
     }
 }
 
@@ -203,29 +229,29 @@ fn append_times(times: &mut Times, column: &ArrayRef) -> Result<(), Wrong> {
     Ok(())
 }
 
-/// The column with the rate of a capture of one axis, corrected if it is.
-fn only_rate(layout: &Layout, position: impl Fn(&str) -> Option<usize>) -> Option<usize> {
-    let [axis] = layout.axes() else { return None };
-    position(&axis.corrected_column()).or_else(|| position(&axis.code_column()))
+/// The columns with the rates of a capture, corrected if they are.
+fn rates(layout: &Layout, names: &[&str]) -> Vec<usize> {
+    let position = |wanted: String| names.iter().position(|name| *name == wanted);
+    let rate = |axis: &CodedAxis| position(axis.corrected_column()).or_else(|| position(axis.code_column()));
+    layout.axes().iter().filter_map(rate).collect()
+}
+
+/// °/s or °C in a step of the code, where the column of a capture holds codes.
+fn code_scale(layout: &Layout, name: &str) -> Option<f64> {
+    let of_axis = layout.axes().iter().find(|axis| axis.code_column() == name);
+    let of_axis = of_axis.map(|axis| 1.0 / axis.scale_dps().lsb_per_unit);
+    of_axis.or_else(|| (name == "temp_code").then(|| 1.0 / layout.temp().lsb_per_unit))
 }
 
 /// What a capture tells beyond its numbers: it has counted what was lost.
+#[derive(Default)]
 struct Capture {
-    /// °/s or °C in a step of the code, where the column holds codes.
-    scale: Option<f64>,
     span_ns: Option<(u64, u64)>,
     rows: u64,
     gaps: Vec<Gap>,
 }
 
 impl Capture {
-    fn of(layout: &Layout, name: &str) -> Self {
-        let of_axis = layout.axes().iter().find(|axis| axis.code_column() == name);
-        let of_axis = of_axis.map(|axis| 1.0 / axis.scale_dps().lsb_per_unit);
-        let of_temp = (name == "temp_code").then(|| 1.0 / layout.temp().lsb_per_unit);
-        Self { scale: of_axis.or(of_temp), span_ns: None, rows: 0, gaps: Vec::new() }
-    }
-
     /// Takes the times and losses of rows that were checked.
     fn count(&mut self, rows: &Rows) {
         for Mark { t_ns, lost, .. } in rows.marks() {

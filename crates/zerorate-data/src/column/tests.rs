@@ -190,7 +190,7 @@ fn parquet_of(columns: &[(&str, ArrayRef)]) -> Vec<u8> {
 }
 
 /// A table as Parquet in several row groups, as an Arrow stream and as an Arrow file.
-fn tables(columns: &[(&str, ArrayRef)]) -> [Vec<u8>; 3] {
+pub fn tables(columns: &[(&str, ArrayRef)]) -> [Vec<u8>; 3] {
     let batch = batch(columns);
     let (mut stream, mut file) = (Vec::new(), Vec::new());
     let mut writer = StreamWriter::try_new(&mut stream, &batch.schema()).unwrap();

@@ -1,22 +1,22 @@
-//! A column of delimited text, with or without a header.
+//! Columns of delimited text, with or without a header.
 
 use super::choice::{Choice, Columns};
 use super::clock::Times;
 use super::number::{Number, Numerals};
 use super::series::SeriesBuilder;
 use super::unit::TimeUnit;
-use super::{Clock, ColumnOptions, Decimal, Found, Result, wrong};
+use super::{Asked, Clock, Decimal, Found, FoundColumn, Result, wrong};
 use crate::Input;
 use crate::capture::CaptureError;
 use crate::capture::delimited::{Delimiter, Line, Lines};
 use crate::limits::Room;
 use std::path::Path;
 
-/// Reads a column of text.
-pub fn read(path: &Path, input: Input, room: Room, args: &ColumnOptions) -> Result<Found> {
+/// Reads columns of text.
+pub fn read(path: &Path, input: Input, room: Room, asked: &Asked<'_>) -> Result<Found> {
     let mut lines = Lines::new(path, input);
     let head = Head::read(&mut lines)?;
-    let mut reading = Reading::start(path, &head, room, args)?;
+    let mut reading = TextColumns::start(path, &head, room, asked)?;
     let mut warning = None;
     for (number, text, ended) in head.lines.iter().skip(usize::from(reading.has_header)) {
         reading.append_or_drop(Line { number: *number, text, ended: *ended }, &mut warning)?;
@@ -56,23 +56,34 @@ impl Head {
     }
 }
 
-/// A text being read.
-struct Reading<'a> {
+/// Columns of a text being read.
+struct TextColumns<'a> {
     path: &'a Path,
     delimiter: Delimiter,
     has_header: bool,
-    choice: Choice,
-    name: String,
-    time_name: String,
+    /// In the order in which they stand in a line.
+    columns: Vec<TextColumn>,
+    time: Option<(usize, String)>,
     numerals: Numerals,
-    values: SeriesBuilder,
+    /// The numbers of a line.
+    line: Vec<Number>,
     times: Option<Times>,
 }
 
-impl<'a> Reading<'a> {
+/// One of them.
+struct TextColumn {
+    index: usize,
+    /// Place among those that were asked for.
+    place: usize,
+    name: String,
+    values: SeriesBuilder,
+}
+
+impl<'a> TextColumns<'a> {
     /// The second line is data if there is any, so it shows the delimiter. The first is a header if it holds a word
     /// where the second holds a number; if there is none, the comment above the data may be one.
-    fn start(path: &'a Path, head: &Head, room: Room, args: &ColumnOptions) -> Result<Self> {
+    fn start(path: &'a Path, head: &Head, room: Room, asked: &Asked<'_>) -> Result<Self> {
+        let args = asked.args;
         let (Some((_, first, _)), Some((_, data, _))) = (head.lines.first(), head.lines.last()) else {
             return Err(CaptureError::damaged(path, "as a text file", "it holds no line of data").into());
         };
@@ -99,24 +110,36 @@ impl<'a> Reading<'a> {
             .iter()
             .enumerate()
             .map(|(at, _)| head.lines.len() < 2 || data.get(at).is_none_or(|cell| !is_word(cell)));
-        let choice = Columns { path, numeric: numeric.collect(), names: names.clone() }.choose(args, None)?;
+        let columns = Columns { path, numeric: numeric.collect(), names: names.clone() };
+        let Choice { values, time } = columns.choose(asked.wanted, args, &[])?;
+        let column = |(place, index): (usize, &usize)| TextColumn {
+            index: *index,
+            place,
+            name: names[*index].to_owned(),
+            values: SeriesBuilder::sharing(room, values.len()),
+        };
+        let mut columns: Vec<TextColumn> = values.iter().enumerate().map(column).collect();
+        columns.sort_by_key(|column| column.index);
         Ok(Self {
             path,
             delimiter,
             has_header,
-            choice,
-            name: names[choice.value].to_owned(),
-            time_name: choice.time.map_or_else(String::new, |time| names[time].to_owned()),
+            line: Vec::with_capacity(columns.len()),
+            columns,
+            time: time.map(|time| (time, names[time].to_owned())),
             numerals: Numerals::new(args.decimal),
-            values: SeriesBuilder::new(room),
-            times: choice.time.map(|_| Times::new()),
+            times: time.map(|_| Times::new()),
         })
+    }
+
+    fn rows(&self) -> u64 {
+        self.columns.first().map_or(0, |first| first.values.rows())
     }
 
     /// A last line that no line feed ended may have been cut short, so that an error in it is none of the log.
     fn append_or_drop(&mut self, line: Line<'_>, warning: &mut Option<String>) -> Result<(), CaptureError> {
         match self.append(line) {
-            Err(error) if !line.ended && self.values.rows() > 0 => {
+            Err(error) if !line.ended && self.rows() > 0 => {
                 *warning = Some(format!("{error}: the file was cut short, so this line is dropped"));
                 Ok(())
             }
@@ -126,34 +149,46 @@ impl<'a> Reading<'a> {
 
     fn append(&mut self, line: Line<'_>) -> Result<(), CaptureError> {
         let number = line.number;
-        self.values.check_room(1).map_err(|why| CaptureError::no_room(self.path, why))?;
+        let room = self.columns.first().map_or(Ok(()), |first| first.values.check_room(1));
+        room.map_err(|why| CaptureError::no_room(self.path, why))?;
         let at = |name: &str, what: String| wrong(self.path, format_args!("line {number}, column {name}"), what);
-        let cell = |index: usize, name: &str| {
-            let cell = self.delimiter.cells(line.text).nth(index);
-            cell.ok_or_else(|| at(name, "the line ends before this cell".to_owned()))
-        };
-        let value = cell(self.choice.value, &self.name)?;
-        let time = self.choice.time.map(|index| cell(index, &self.time_name)).transpose()?;
-        let value = self.numerals.read(value, number).map_err(|what| at(&self.name, what))?;
-        if let (Some(times), Some(time)) = (&mut self.times, time) {
-            push_time(times, &mut self.numerals, time, number).map_err(|what| at(&self.time_name, what))?;
+        let ends = |name: &str| at(name, "the line ends before this cell".to_owned());
+        let mut cells = self.delimiter.cells(line.text);
+        let mut next = 0;
+        self.line.clear();
+        for TextColumn { index, name, .. } in &self.columns {
+            let cell = cells.nth(*index - next).ok_or_else(|| ends(name))?;
+            next = index + 1;
+            let value = self.numerals.read(cell, number).map_err(|what| at(name, what))?;
+            if matches!(value, Number::Decimal(value) if value.is_infinite()) {
+                return Err(at(name, "it is infinite, which cannot be averaged".to_owned()));
+            }
+            self.line.push(value);
         }
-        match value {
-            Number::Missing => self.values.push_missing(),
-            Number::Integer(integer) => self.values.push_integer(integer),
-            Number::Decimal(value) if self.values.push_number(value) => {}
-            Number::Decimal(_) => return Err(at(&self.name, "it is infinite, which cannot be averaged".to_owned())),
+        if let (Some(times), Some((index, name))) = (&mut self.times, &self.time) {
+            let time = self.delimiter.cells(line.text).nth(*index).ok_or_else(|| ends(name))?;
+            push_time(times, &mut self.numerals, time, number).map_err(|what| at(name, what))?;
+        }
+        for (column, value) in self.columns.iter_mut().zip(&self.line) {
+            match *value {
+                Number::Missing => column.values.push_missing(),
+                Number::Integer(integer) => column.values.push_integer(integer),
+                // it is finite
+                Number::Decimal(value) => drop(column.values.push_number(value)),
+            }
         }
         Ok(())
     }
 
     fn finish(self, warning: Option<String>) -> Result<Found> {
-        let Self { path, name, time_name, numerals, values, times, .. } = self;
+        let Self { path, time, numerals, mut columns, times, .. } = self;
         if let Some((line, what)) = numerals.doubt() {
             return Err(wrong(path, format_args!("line {line}"), what).into());
         }
-        let clock = times.map_or(Clock::Silent, |times| Clock::Column(time_name, times));
-        Ok(Found { name, values, clock, scale: None, warning })
+        let clock = time.zip(times).map_or(Clock::Silent, |((_, name), times)| Clock::Column(name, times));
+        columns.sort_by_key(|column| column.place);
+        let columns = columns.into_iter().map(|column| FoundColumn::new(column.name, column.values)).collect();
+        Ok(Found { columns, clock, warning })
     }
 }
 
