@@ -8,7 +8,7 @@ use adis16130_twin::Truth;
 use anyhow::Result;
 use std::sync::Arc;
 use zerorate::health::{Health, Judged};
-use zerorate::{Axis, Reading, Tally, Warning, resonance};
+use zerorate::{Axis, Part, Reading, Tally, Warning, resonance};
 use zerorate_data::believed;
 use zerorate_data::capture::CaptureInfo;
 use zerorate_host::{Batch, Bus, DeviceSpec, Everything, Facts, Hub, Losses, Pace, Sampling, Stop};
@@ -151,6 +151,11 @@ impl Acquisition {
     #[inline]
     pub fn judge(&mut self, sample: &Sample) {
         self.health.push(&sample.into());
+    }
+
+    /// The part that is read, as it was set.
+    pub fn part(&self) -> Part {
+        self.hub.facts().info.part()
     }
 
     /// The axis that is read.

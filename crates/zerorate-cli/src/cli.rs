@@ -14,9 +14,11 @@ use crate::commands::{
     verify::VerifyArgs,
 };
 use crate::memory;
+use anyhow::Context;
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
 use std::path::{Path, PathBuf};
+use zerorate::Part;
 use zerorate_data::limits::{self, Bytes};
 use zerorate_host::{DeviceSpec, Sampling};
 
@@ -118,6 +120,27 @@ impl DeviceArgs {
     /// The file that is read, where the device is a recording.
     pub fn file(&self) -> Option<&Path> {
         self.device.file()
+    }
+}
+
+/// What is known of the part beside what its recording states.
+#[derive(Args, Debug)]
+pub struct PartArgs {
+    /// What is true of the part: adis16130, or a file (docs/formats/part.md). Needed where a capture is of another part:
+    /// without its typical noise nothing tells rest from motion.
+    #[arg(long, value_name = "FILE", default_value = "adis16130")]
+    part: PathBuf,
+}
+
+impl PartArgs {
+    /// What was given; none where it is the built-in part.
+    pub fn known(&self) -> anyhow::Result<Option<Part>> {
+        if self.part.as_os_str().eq_ignore_ascii_case(Part::ADIS16130.name.as_ref()) {
+            return Ok(None);
+        }
+        let name = self.part.display();
+        let text = std::fs::read_to_string(&self.part).with_context(|| format!("cannot read {name}"))?;
+        Ok(Some(Part::parse(&text).with_context(|| name.to_string())?))
     }
 }
 

@@ -1,10 +1,9 @@
 //! Recordings on disk.
 
 use crate::output::Recording;
-use adis16130::Sample;
 use std::io;
 use zerorate_data::CaptureError;
-use zerorate_data::capture::{CaptureInfo, CaptureSummary, CaptureWriter, Format};
+use zerorate_data::capture::{CaptureInfo, CaptureSummary, CaptureWriter, Format, Row};
 
 /// Records samples into a file, and puts it onto the disk. Dropping it closes the file as well, but only
 /// [`Recorder::finish`] tells whether that worked.
@@ -21,9 +20,9 @@ impl Recorder {
         Ok(Self { writer, file })
     }
 
-    /// Records a sample. Whole batches go to the system at once.
-    pub fn push(&mut self, sample: &Sample) -> Result<(), CaptureError> {
-        self.writer.push(&sample.into())
+    /// Records a row. Whole batches go to the system at once.
+    pub fn push(&mut self, row: &Row) -> Result<(), CaptureError> {
+        self.writer.push(row)
     }
 
     /// Writes what is left and puts the file onto the disk.

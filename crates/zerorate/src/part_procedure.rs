@@ -7,8 +7,7 @@ use crate::part::Part;
 use crate::procedure::{Action, Event, Plan, PlanError, Procedure, Progress, State};
 use crate::reading::Scan;
 use crate::remedy::{Names, Say, Setting};
-use alloc::borrow::Cow;
-use alloc::string::String;
+use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 use core::fmt;
 
@@ -25,8 +24,10 @@ use core::fmt;
 /// ```
 #[derive(Clone, Debug)]
 pub struct PartProcedure {
+    part: Part,
     plan: Plan,
-    axes: Vec<(Cow<'static, str>, Procedure)>,
+    /// In the order of the part.
+    axes: Vec<Procedure>,
 }
 
 impl PartProcedure {
@@ -35,8 +36,14 @@ impl PartProcedure {
     /// # Errors
     /// A duration or limit that makes no sense.
     pub fn new(part: &Part, plan: Plan) -> Result<Self, PlanError> {
-        let procedure = |axis: &crate::NamedAxis| Ok((axis.name.clone(), Procedure::new(&axis.axis, plan)?));
-        Ok(Self { plan, axes: part.axes.iter().map(procedure).collect::<Result<_, _>>()? })
+        let axes = part.axes.iter().map(|axis| Procedure::new(&axis.axis, plan)).collect::<Result<_, _>>()?;
+        Ok(Self { part: part.clone(), plan, axes })
+    }
+
+    /// What it was made for.
+    #[must_use]
+    pub fn part(&self) -> &Part {
+        &self.part
     }
 
     /// The durations and limits it was made with.
@@ -48,7 +55,7 @@ impl PartProcedure {
     /// What to do next. All axes are at the same step.
     #[must_use]
     pub fn next(&self) -> Action {
-        self.axes.first().map_or(Action::Done, |(_, first)| first.next())
+        self.axes.first().map_or(Action::Done, Procedure::next)
     }
 
     /// How far it has come.
@@ -56,7 +63,7 @@ impl PartProcedure {
     pub fn progress(&self) -> Progress {
         let total_s = self.plan.total_s();
         let none = Progress { state: State::Done, elapsed_s: 0.0, total_s };
-        self.axes.first().map_or(none, |(_, first)| first.progress())
+        self.axes.first().map_or(none, Procedure::progress)
     }
 
     /// Takes in what was seen. A refusal is final: the measurement is over. An axis that a scan does not have was not
@@ -66,8 +73,7 @@ impl PartProcedure {
     /// What was measured of an axis must not become a calibration.
     #[inline]
     pub fn handle(&mut self, event: Event<'_, Scan>) -> Result<(), AxisRefusal> {
-        let several = self.axes.len() > 1;
-        for (index, (name, procedure)) in self.axes.iter_mut().enumerate() {
+        for (index, procedure) in self.axes.iter_mut().enumerate() {
             let handled = match event {
                 Event::Initialised { t_ns } => procedure.handle(Event::Initialised { t_ns }),
                 Event::Time { t_ns } => procedure.handle(Event::Time { t_ns }),
@@ -76,7 +82,7 @@ impl PartProcedure {
                     None => procedure.handle(Event::Time { t_ns: scan.t_ns }),
                 },
             };
-            handled.map_err(|refusal| AxisRefusal::new(several, name, refusal))?;
+            handled.map_err(|refusal| AxisRefusal::new(&self.part, index, refusal))?;
         }
         Ok(())
     }
@@ -86,11 +92,11 @@ impl PartProcedure {
     /// # Errors
     /// As [`PartProcedure::handle`]; before the end, the window that is still short of samples.
     pub fn finish(self) -> Result<Vec<Outcome>, AxisRefusal> {
-        let several = self.axes.len() > 1;
-        let finish = |(name, procedure): (Cow<'static, str>, Procedure)| {
-            procedure.finish().map_err(|refusal| AxisRefusal::new(several, &name, refusal))
+        let Self { part, axes, .. } = self;
+        let finish = |(index, procedure): (usize, Procedure)| {
+            procedure.finish().map_err(|refusal| AxisRefusal::new(&part, index, refusal))
         };
-        self.axes.into_iter().map(finish).collect()
+        axes.into_iter().enumerate().map(finish).collect()
     }
 }
 
@@ -105,8 +111,9 @@ pub struct AxisRefusal {
 
 impl AxisRefusal {
     #[cold]
-    fn new(several: bool, name: &str, refusal: Refusal) -> Self {
-        Self { axis: several.then(|| name.into()), refusal }
+    fn new(part: &Part, index: usize, refusal: Refusal) -> Self {
+        let named = part.axes.get(index).filter(|_| part.axes.len() > 1);
+        Self { axis: named.map(|axis| axis.name.to_string()), refusal }
     }
 }
 

@@ -96,7 +96,7 @@ pub fn run(args: &CaptureArgs) -> Result<()> {
     let info = acquisition.info(args.serial.as_deref(), args.supply_note.as_deref());
     let format = Format::choose(args.format, &args.output);
     let mut writer = Recorder::create(outputs.recording(&args.output)?, format, &info)?;
-    let recorded = record(args, &mut acquisition, |sample| Ok(writer.push(sample)?));
+    let recorded = record(args, &mut acquisition, |sample| Ok(writer.push(&sample.into())?));
     let saved = writer.finish()?.samples;
     recorded.with_context(|| format!("{} ends after {saved} samples", args.output.display()))?;
     summarise(args, &mut acquisition)?;

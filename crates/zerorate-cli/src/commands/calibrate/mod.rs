@@ -1,31 +1,33 @@
 //! `zerorate calibrate` and `recalibrate`: the procedure of F-51, on a part or on its recording.
 
 mod deliver;
+mod feed;
 mod plan;
 mod report;
 
 use super::serial::one_line;
 use super::warn;
 use crate::acquire::Acquisition;
-use crate::cli::{DeviceArgs, SamplingArgs};
+use crate::cli::{DeviceArgs, PartArgs, SamplingArgs};
 use crate::exit::{Refused, Usage};
 use crate::interrupt;
 use crate::output::{Outputs, Staged};
 use crate::progress::{Meter, Watch};
 use crate::recorder::Recorder;
-use adis16130::Sample;
 use adis16130_twin::Truth;
 use anyhow::Result;
 use clap::{Args, ValueEnum};
 use deliver::Undelivered;
+use feed::Feed;
 use plan::PlanArgs;
 pub use plan::flag;
 pub use report::Report;
 use std::path::{Path, PathBuf};
-use std::slice;
 use zerorate::calibration::Origin;
-use zerorate::{Action, Axis, Calibration, Event, Names, Outcome, Part, Procedure, Refusal, Say, State, Warning};
-use zerorate_data::capture::{CaptureInfo, Converter, Format, SampleHash};
+use zerorate::{
+    Action, AxisRefusal, Calibration, Event, Names, Outcome, Part, PartProcedure, Say, Scan, State, Warning,
+};
+use zerorate_data::capture::{CaptureInfo, Converter, Format, Layout, Row, SampleHash};
 use zerorate_host::{DeviceSpec, Sampling, Stop};
 use zerorate_view::duration::Seconds;
 
@@ -47,6 +49,9 @@ pub struct CalibrateArgs {
     sampling: SamplingArgs,
 
     #[command(flatten)]
+    part: PartArgs,
+
+    #[command(flatten)]
     plan: PlanArgs,
 
     #[command(flatten)]
@@ -65,6 +70,9 @@ pub struct RecalibrateArgs {
     /// The capture, from `zerorate calibrate --log` or `zerorate capture`.
     #[arg(value_name = "CAPTURE")]
     pub capture: PathBuf,
+
+    #[command(flatten)]
+    part: PartArgs,
 
     #[command(flatten)]
     plan: PlanArgs,
@@ -111,32 +119,56 @@ enum Method {
 
 pub fn run(args: &CalibrateArgs) -> Result<()> {
     let files = Files::claim(args.device.file(), &args.result, args.log.as_deref())?;
-    let acquisition = Acquisition::open(&args.device, args.sampling)?;
-    calibrate(acquisition, &args.plan, &args.result, files)
+    calibrate(feed(args, interrupt::stop(), true)?, &args.plan, &args.result, files)
 }
 
 pub fn run_again(args: &RecalibrateArgs) -> Result<()> {
     interrupt::listen();
     let files = Files::claim(Some(&args.capture), &args.result, None)?;
-    let recording = DeviceSpec::replay(args.capture.clone());
-    let acquisition = Acquisition::unpaced(&recording, Sampling::default(), interrupt::stop())?;
-    calibrate(acquisition, &args.plan, &args.result, files)
+    let (known, stop) = (args.part.known()?, interrupt::stop());
+    let feed = match Feed::of_another_part(&args.capture, known.as_ref(), stop)? {
+        Some(feed) => feed,
+        None => {
+            let recording = DeviceSpec::replay(args.capture.clone());
+            Feed::device(Acquisition::unpaced(&recording, Sampling::default(), stop)?, known.as_ref())?
+        }
+    };
+    calibrate(feed, &args.plan, &args.result, files)
 }
 
 /// The measurement alone, for another program: prints nothing, leaves Ctrl-C alone, and ends when `watch` says so.
 pub fn measured(args: &CalibrateArgs, watch: &mut dyn Watch) -> Result<(Report, Calibration)> {
     let files = Files::claim(args.device.file(), &args.result, args.log.as_deref())?;
-    let acquisition = Acquisition::unpaced(&args.device.device, args.sampling.plain(), &Stop::default())?;
-    let procedure = procedure(acquisition.axis(), &args.plan, watch.names())?;
-    let Done { report, calibration, kept } = measure(acquisition, procedure, &args.result, files, watch)?;
+    let feed = feed(args, &Stop::default(), false)?;
+    let procedure = procedure(&feed.part(), &args.plan, watch.names())?;
+    let Done { report, calibration, kept } = measure(feed, procedure, &args.result, files, watch)?;
     kept.map_err(Undelivered::into_error)?;
     Ok((report, calibration))
 }
 
-fn calibrate(acquisition: Acquisition, plan: &PlanArgs, result: &ResultArgs, files: Files) -> Result<()> {
-    let procedure = procedure(acquisition.axis(), plan, flag)?;
+/// What is to be measured. `listens`: Ctrl-C is the wish to end cleanly from here on.
+fn feed(args: &CalibrateArgs, stop: &Stop, listens: bool) -> Result<Feed> {
+    let known = args.part.known()?;
+    let sampling = args.sampling.plain();
+    if let Some(path) = args.device.file().filter(|_| sampling == Sampling::default() && !args.device.realtime)
+        && let Some(feed) = Feed::of_another_part(path, known.as_ref(), stop)?
+    {
+        if listens {
+            interrupt::listen();
+        }
+        return Ok(feed);
+    }
+    let acquisition = match listens {
+        true => Acquisition::open(&args.device, args.sampling)?,
+        false => Acquisition::unpaced(&args.device.device, sampling, stop)?,
+    };
+    Feed::device(acquisition, known.as_ref())
+}
+
+fn calibrate(feed: Feed, plan: &PlanArgs, result: &ResultArgs, files: Files) -> Result<()> {
+    let procedure = procedure(&feed.part(), plan, flag)?;
     let mut meter = Meter::new(procedure.plan().total_s());
-    let done = measure(acquisition, procedure, result, files, &mut meter)?;
+    let done = measure(feed, procedure, result, files, &mut meter)?;
     drop(meter);
     if !result.json {
         warn(&done.report.warnings());
@@ -147,26 +179,25 @@ fn calibrate(acquisition: Acquisition, plan: &PlanArgs, result: &ResultArgs, fil
     }
 }
 
-fn procedure(axis: &Axis, plan: &PlanArgs, names: Names) -> Result<Procedure> {
-    Procedure::new(axis, plan.plan()).map_err(|error| Usage(error.with(names).to_string()).into())
+fn procedure(part: &Part, plan: &PlanArgs, names: Names) -> Result<PartProcedure> {
+    PartProcedure::new(part, plan.plan()).map_err(|error| Usage(error.with(names).to_string()).into())
 }
 
 fn measure(
-    mut acquisition: Acquisition,
-    procedure: Procedure,
+    mut feed: Feed,
+    procedure: PartProcedure,
     result: &ResultArgs,
     mut files: Files,
     watch: &mut dyn Watch,
 ) -> Result<Done> {
-    acquisition.mark(procedure.plan().offset_ends_ns());
-    let info = acquisition.info(result.serial.as_deref(), result.supply_note.as_deref());
+    feed.mark(procedure.plan().offset_ends_ns());
+    let info = feed.info(result.serial.as_deref(), result.supply_note.as_deref());
     let names = watch.names();
     let log = files.log(&info)?;
-    let mut measured = Measurement::new(acquisition, procedure, log, watch).run()?;
-    measured.outcome.warnings.extend(measured.resonance);
-    let calibration =
-        Calibration::new(&Part::ADIS16130, slice::from_ref(&measured.outcome), origin(info, measured.capture_sha256));
-    let report = Report::new(slice::from_ref(&measured.outcome), &calibration, measured.truth.as_slice(), names);
+    let mut measured = Measurement::new(feed, procedure, log, watch).run()?;
+    measured.outcomes.iter_mut().for_each(|outcome| outcome.warnings.extend(measured.resonance));
+    let calibration = Calibration::new(&measured.part, &measured.outcomes, origin(info, measured.capture_sha256));
+    let report = Report::new(&measured.outcomes, &calibration, measured.truth.as_slice(), names);
     let kept = match measured.log_failed {
         Some(error) => Err(error),
         None => {
@@ -235,8 +266,9 @@ fn origin(info: CaptureInfo, capture_sha256: String) -> Origin {
 
 /// The procedure, being fed.
 struct Measurement<'a> {
-    acquisition: Acquisition,
-    procedure: Procedure,
+    feed: Feed,
+    layout: Layout,
+    procedure: PartProcedure,
     log: Option<Recorder>,
     log_failed: Option<anyhow::Error>,
     hash: SampleHash,
@@ -247,7 +279,9 @@ struct Measurement<'a> {
 
 /// What it came to.
 struct Measured {
-    outcome: Outcome,
+    part: Part,
+    /// Of each axis.
+    outcomes: Vec<Outcome>,
     capture_sha256: String,
     truth: Option<Truth>,
     /// F-07: whether the resonance looks like a bias at the rate that was measured.
@@ -256,9 +290,10 @@ struct Measured {
 }
 
 impl<'a> Measurement<'a> {
-    fn new(acquisition: Acquisition, procedure: Procedure, log: Option<Recorder>, watch: &'a mut dyn Watch) -> Self {
-        let hash = SampleHash::new(&acquisition.facts().info.layout);
-        Self { acquisition, procedure, log, log_failed: None, hash, truth: None, watch }
+    fn new(feed: Feed, procedure: PartProcedure, log: Option<Recorder>, watch: &'a mut dyn Watch) -> Self {
+        let layout = feed.layout();
+        let hash = SampleHash::new(&layout);
+        Self { feed, layout, procedure, log, log_failed: None, hash, truth: None, watch }
     }
 
     fn run(mut self) -> Result<Measured> {
@@ -269,10 +304,11 @@ impl<'a> Measurement<'a> {
         }
         fed?;
         let (plan, names) = (self.procedure.plan(), self.watch.names());
-        let resonance = self.acquisition.resonance(plan.average_s.min(plan.offset_s));
+        let resonance = self.feed.resonance(plan.average_s.min(plan.offset_s));
         Ok(Measured {
             resonance,
-            outcome: self.procedure.finish().map_err(|refusal| refused(&refusal, names))?,
+            part: self.procedure.part().clone(),
+            outcomes: self.procedure.finish().map_err(|refusal| refused(&refusal, names))?,
             capture_sha256: self.hash.hex(),
             truth: self.truth,
             log_failed: self.log_failed,
@@ -284,49 +320,49 @@ impl<'a> Measurement<'a> {
             match self.procedure.next() {
                 Action::Initialise => self.initialise()?,
                 Action::Read => {
-                    let sample = self.sample()?;
-                    self.take(&sample)?;
+                    let row = self.row()?;
+                    self.take(&row)?;
                 }
                 Action::Done => return Ok(()),
             }
         }
     }
 
-    /// The procedure's time starts with the first sample, so that a recording of the samples is all there is to know.
+    /// The procedure's time starts with the first row, so that a recording of the rows is all there is to know.
     fn initialise(&mut self) -> Result<()> {
-        self.acquisition.initialise()?;
-        let first = self.sample()?;
+        self.feed.initialise()?;
+        let first = self.row()?;
         self.handle(Event::Initialised { t_ns: first.t_ns })?;
         self.take(&first)
     }
 
     #[inline]
-    fn sample(&mut self) -> Result<Sample> {
-        match self.acquisition.next()? {
-            Some(sample) => Ok(sample),
+    fn row(&mut self) -> Result<Row> {
+        match self.feed.next()? {
+            Some(row) => Ok(row),
             None => Err(self.ended_early()),
         }
     }
 
     #[inline]
-    fn take(&mut self, sample: &Sample) -> Result<()> {
-        self.hash.update(&sample.into());
-        if let Some(Err(error)) = self.log.as_mut().map(|log| log.push(sample)) {
+    fn take(&mut self, row: &Row) -> Result<()> {
+        self.hash.update(row);
+        if let Some(Err(error)) = self.log.as_mut().map(|log| log.push(row)) {
             self.lose_log(error.into());
         }
         let in_step_8 = self.procedure.progress().state == State::Offset;
-        self.handle(Event::Reading(&sample.into()))?;
+        self.handle(Event::Reading(&self.layout.scan(row)))?;
         if in_step_8 && self.procedure.progress().state != State::Offset {
-            self.truth = self.acquisition.truth();
+            self.truth = self.feed.truth();
         }
-        if self.acquisition.is_time_to_show() && !self.watch.see(&self.procedure.progress()) {
+        if self.feed.is_time_to_show() && !self.watch.see(&self.procedure.progress()) {
             return Err(self.interrupted());
         }
         Ok(())
     }
 
     #[inline]
-    fn handle(&mut self, event: Event<'_>) -> Result<()> {
+    fn handle(&mut self, event: Event<'_, Scan>) -> Result<()> {
         self.procedure.handle(event).map_err(|refusal| refused(&refusal, self.watch.names()))
     }
 
@@ -359,6 +395,6 @@ impl<'a> Measurement<'a> {
     }
 }
 
-fn refused(refusal: &Refusal, names: Names) -> anyhow::Error {
+fn refused(refusal: &AxisRefusal, names: Names) -> anyhow::Error {
     Refused(refusal.with(names).to_string()).into()
 }
