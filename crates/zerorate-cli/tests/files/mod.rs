@@ -2,6 +2,7 @@
 
 mod allan;
 mod analysis;
+mod axes;
 mod correct;
 mod durable;
 mod export;

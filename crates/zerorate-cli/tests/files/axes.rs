@@ -1,0 +1,157 @@
+//! Another gyroscope with three axes, from a recording to corrected rates and firmware, without a line of code.
+
+use super::Bench;
+use rand_xoshiro::Xoshiro256PlusPlus;
+use rand_xoshiro::rand_core::{Rng, SeedableRng};
+use std::fs::File;
+use std::path::Path;
+use zerorate::{Calibration, Part};
+use zerorate_data::capture::{CaptureInfo, CaptureWriter, Format, Layout, Row};
+
+/// The scales are those of its data sheet, the noise is about that of its real log.
+const PART: &str = r#"
+schema = 1
+name = "ADIS16405"
+axis = [{ name = "x" }, { name = "y" }, { name = "z" }]
+[rate]
+lsb_per_dps = 20
+zero_code = 0
+width_bits = 16
+range_dps = 300
+bandwidth_hz = 330
+[temperature]
+lsb_per_c = 7.14
+zero_code = 0
+zero_c = 25
+width_bits = 12
+noise_c = 0.1
+[noise]
+white_dps_per_rt_hz = { value = 0.05, source = "data sheet" }
+flicker_floor_dps = 0.007
+rate_random_walk_dps_per_rt_s = 1e-5
+[bias]
+initial_dps = { value = 0, u = 3 }
+tempco_dps_per_c = { value = 0, u = 0.05 }
+curvature_dps_per_c2 = { value = 0, u = 0.0005 }
+hysteresis_dps = 0.002
+"#;
+
+/// Bias at 25 °C, °/s, and its coefficient, °/s/°C, of each axis.
+const BIAS: [(f64, f64); 3] = [(0.8, 0.04), (-1.2, -0.02), (0.3, 0.1)];
+const RATE_HZ: f64 = 100.0;
+/// A hundredth of the hour, but for the averages.
+const PLAN: &str = "--average 10s --warmup 40s --settle 30s --offset 60s";
+const ROWS: u32 = 15_200;
+
+/// Normal numbers by the central limit.
+fn normal(random: &mut Xoshiro256PlusPlus) -> f64 {
+    (0..12).map(|_| (random.next_u64() >> 11) as f64 / (1u64 << 53) as f64).sum::<f64>() - 6.0
+}
+
+/// A part at rest that warms by 8 °C; `moving` sways about its y axis.
+fn record(path: &Path, moving: bool) {
+    let layout = Layout::of_part(&Part::parse(PART).unwrap()).unwrap();
+    let info = CaptureInfo { serial: Some("IMU-7".into()), ..CaptureInfo::new(layout) };
+    let out = Box::new(File::create(path).unwrap());
+    let mut writer = CaptureWriter::create(path, out, Format::Arrows, &info).unwrap();
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(1);
+    for k in 0..ROWS {
+        let t_s = f64::from(k) / RATE_HZ;
+        let warmed_c = 8.0 * (1.0 - (-t_s / 25.0).exp());
+        let sway_dps = if moving { 2.0 * (2.0 * t_s).sin() } else { 0.0 };
+        let rates = [0, 1, 2].map(|axis| {
+            let (bias_dps, per_c) = BIAS[axis];
+            // 0.05 °/s/√Hz up to 50 Hz
+            let noise_dps = 0.05 * 50_f64.sqrt() * normal(&mut random);
+            let dps = bias_dps + per_c * warmed_c + noise_dps + if axis == 1 { sway_dps } else { 0.0 };
+            (dps * 20.0).round() as i64
+        });
+        let temp = ((warmed_c + 0.1 * normal(&mut random)) * 7.14).round() as i64;
+        let row = Row::new(u64::from(k) * 10_000_000, k, &rates).unwrap().with_temp_code(Some(temp));
+        writer.push(&row).unwrap();
+    }
+    writer.finish().unwrap();
+}
+
+#[test]
+fn another_part_is_calibrated_corrected_and_exported() {
+    let bench = Bench::new();
+    bench.write("part.toml", PART);
+    record(&bench.path("imu.arrows"), false);
+    let said = bench.zerorate(&format!("calibrate --device replay:imu.arrows --part part.toml {PLAN} -o unit.toml"));
+    assert!(said.stdout.contains("axis y\n  PBC") && said.code == Some(0), "{said:?}");
+    let text = std::fs::read_to_string(bench.path("unit.toml")).unwrap();
+    let (unit, warnings) = Calibration::parse(&text).unwrap();
+    assert!(warnings.is_empty());
+    assert_eq!((unit.part.as_str(), unit.serial.as_deref(), unit.axes.len()), ("ADIS16405", Some("IMU-7"), 3));
+    for (axis, (bias_dps, per_c)) in unit.axes.iter().zip(BIAS) {
+        let (found, u) = (axis.correction, axis.uncertainty.unwrap());
+        let pbc = (found.pbc_dps + bias_dps + per_c * (found.t3_c - 25.0)) / u.u_pbc_dps;
+        let btc = (found.btc_dps_per_c + per_c) / u.u_btc_dps_per_c;
+        assert!(pbc.abs() < 4.0 && btc.abs() < 4.0, "axis {}: {pbc} u, {btc} u", axis.name);
+        assert!(u.u_pbc_dps < 0.02 && u.u_btc_dps_per_c < 0.01, "{u:?}");
+        assert_eq!(axis.noise.as_ref().unwrap().rate_random_walk_source, "typical");
+    }
+    // the recording is all there is to know
+    bench.zerorate(&format!("recalibrate imu.arrows --part part.toml {PLAN} -o again.toml")).ok();
+    assert_eq!(std::fs::read_to_string(bench.path("again.toml")).unwrap(), text);
+    let json = bench.zerorate(&format!("recalibrate imu.arrows --part part.toml {PLAN} --json")).ok();
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert_eq!(json["axes"][2]["pbc_dps"], unit.axes[2].correction.pbc_dps);
+
+    bench.zerorate("correct imu.arrows --cal unit.toml -o corrected.csv").ok();
+    let corrected = std::fs::read_to_string(bench.path("corrected.csv")).unwrap();
+    let mut rows = corrected.lines().filter(|line| !line.starts_with('#'));
+    let columns: Vec<&str> = rows.next().unwrap().split(',').collect();
+    let last: Vec<Vec<&str>> = rows.map(|row| row.split(',').collect()).skip(ROWS as usize - 6_000).collect();
+    for axis in ["x", "y", "z"] {
+        let column = columns.iter().position(|name| *name == format!("{axis}_corrected_dps")).unwrap();
+        let sum: f64 = last.iter().map(|row| row[column].parse::<f64>().unwrap()).sum();
+        assert!((sum / 6_000.0).abs() < 0.02, "{axis}: {}", sum / 6_000.0);
+    }
+    let header = bench.zerorate("export unit.toml --format c").ok();
+    assert!(header.contains("int32_t zerorate_z_correct_code(int32_t rate_code, int32_t temp_code)"), "{header}");
+    bench.zerorate("report unit.toml -o unit.html").ok();
+}
+
+/// Without the part's file the numbers are the same, and what was not judged is said.
+#[test]
+fn what_nobody_stated_of_a_part_is_not_judged() {
+    let bench = Bench::new();
+    record(&bench.path("imu.arrows"), false);
+    let run = bench.zerorate(&format!("recalibrate imu.arrows {PLAN} -o unit.toml"));
+    assert!(run.stderr.contains("rest-unjudged") && run.code == Some(0), "{run:?}");
+    let (unit, _) = Calibration::parse(&std::fs::read_to_string(bench.path("unit.toml")).unwrap()).unwrap();
+    assert_eq!(unit.axes[0].noise.as_ref().unwrap().flicker_source, "unknown");
+}
+
+#[test]
+fn one_axis_that_moves_refuses_all_by_its_name() {
+    let bench = Bench::new();
+    bench.write("part.toml", PART);
+    record(&bench.path("imu.arrows"), true);
+    let said = bench.zerorate(&format!("recalibrate imu.arrows --part part.toml {PLAN} -o unit.toml")).fails(3);
+    assert!(said.contains("axis y: the part moves"), "{said}");
+    assert!(!bench.path("unit.toml").exists());
+}
+
+#[test]
+fn the_wrong_part_is_named() {
+    let bench = Bench::new();
+    bench.write("part.toml", PART.replace("ADIS16405", "ADIS16400"));
+    bench.write("broken.toml", PART.replace("lsb_per_c = 7.14", "lsb_per_c = 0"));
+    record(&bench.path("imu.arrows"), false);
+    let said = bench.zerorate("recalibrate imu.arrows --part part.toml").fails(1);
+    assert!(said.contains("ADIS16405 with the axes x, y, z") && said.contains("ADIS16400"), "{said}");
+    let said = bench.zerorate("recalibrate imu.arrows --part broken.toml").fails(1);
+    assert!(said.contains("broken.toml") && said.contains("lsb_per_c is 0"), "{said}");
+    let said = bench.zerorate("recalibrate imu.arrows --part none.toml").fails(1);
+    assert!(said.contains("cannot read none.toml"), "{said}");
+    let said = bench.zerorate("calibrate --device twin:seed=1 --part part.toml").fails(1);
+    assert!(said.contains("describes an ADIS16400") && said.contains("is an ADIS16130"), "{said}");
+    // a calibration of another part corrects nothing
+    bench.write("unit.toml", super::calibration(-0.25, -0.04, 31.5));
+    let said = bench.zerorate("correct imu.arrows --cal unit.toml --force -o corrected.csv").fails(1);
+    assert!(said.contains("of an ADIS16130 (axes rate), not of an ADIS16405"), "{said}");
+    assert!(!bench.path("corrected.csv").exists());
+}
