@@ -3,15 +3,16 @@
 use crate::cli::{DeviceArgs, SamplingArgs};
 use crate::commands::{coded, warn};
 use crate::interrupt;
-use adis16130::{Sample, SelfTest};
+use adis16130::SelfTest;
 use adis16130_twin::Truth;
 use anyhow::Result;
+use std::collections::VecDeque;
 use std::sync::Arc;
-use zerorate::health::{Health, Judged};
-use zerorate::{Axis, Part, Reading, Tally, Warning, resonance};
+use zerorate::health::{Frozen, Health, Judged};
+use zerorate::{Axis, NamedAxis, Part, Tally, Warning, resonance};
 use zerorate_data::believed;
-use zerorate_data::capture::CaptureInfo;
-use zerorate_host::{Batch, Bus, DeviceSpec, Everything, Facts, Hub, Losses, Pace, Sampling, Stop};
+use zerorate_data::capture::{CaptureInfo, Layout, Row};
+use zerorate_host::{Batch, Bus, DeviceSpec, Everything, Facts, Hub, Losses, Pace, Setup, Stop};
 
 /// A device that is being read.
 pub struct Acquisition {
@@ -25,9 +26,17 @@ pub struct Acquisition {
     losses: Losses,
     doubts: Vec<String>,
     tally: Tally,
-    health: Health,
-    axis: Axis,
+    layout: Layout,
+    axes: Vec<JudgedAxis>,
     start_ns: Option<u64>,
+}
+
+/// What was read of an axis, and is judged and not taken yet.
+struct JudgedAxis {
+    name: String,
+    axis: Axis,
+    health: Health,
+    judged: VecDeque<Judged>,
 }
 
 impl Acquisition {
@@ -35,13 +44,15 @@ impl Acquisition {
     pub fn open(device: &DeviceArgs, sampling: SamplingArgs) -> Result<Self> {
         interrupt::listen();
         let pace = if device.realtime { Pace::RealTime } else { Pace::Free };
-        Ok(Self { pace, ..Self::unpaced(&device.device, sampling.plain(), interrupt::stop())? })
+        Ok(Self { pace, ..Self::unpaced(&device.device, device.setup(sampling), interrupt::stop())? })
     }
 
     /// As fast as it goes, until `stop` is asked. Ctrl-C stays what it was.
-    pub fn unpaced(device: &DeviceSpec, sampling: Sampling, stop: &Stop) -> Result<Self> {
-        let hub = Hub::open(device, sampling, stop)?;
-        let (everything, axis) = (hub.everything(), hub.facts().info.axis());
+    pub fn unpaced(device: &DeviceSpec, setup: Setup, stop: &Stop) -> Result<Self> {
+        let hub = Hub::open(device, setup, stop)?;
+        let everything = hub.everything();
+        let Facts { info, part, .. } = hub.facts();
+        let (layout, axes) = (info.layout.clone(), part.axes.iter().map(JudgedAxis::new).collect());
         Ok(Self {
             hub,
             everything,
@@ -52,8 +63,8 @@ impl Acquisition {
             losses: Losses::default(),
             doubts: Vec::new(),
             tally: Tally::default(),
-            health: Health::new(&axis),
-            axis,
+            layout,
+            axes,
             start_ns: None,
         })
     }
@@ -94,7 +105,7 @@ impl Acquisition {
 
     /// The twin's truth at the sample that was taken last, if it was marked.
     pub fn truth(&self) -> Option<Truth> {
-        self.batch.as_ref().filter(|batch| batch.samples.len() == self.taken)?.truth
+        self.batch.as_ref().filter(|batch| batch.rows.len() == self.taken)?.truth
     }
 
     /// What was read so far.
@@ -104,16 +115,18 @@ impl Acquisition {
 
     /// The next sample; `None` at the end of a recording or where the reading was stopped.
     #[inline]
-    pub fn next(&mut self) -> Result<Option<Sample>> {
+    pub fn next(&mut self) -> Result<Option<Row>> {
         if self.hub.stop().asked() {
             return Ok(None);
         }
         loop {
-            if let Some(sample) = self.batch.as_ref().and_then(|batch| batch.samples.get(self.taken)) {
+            if let Some(row) = self.batch.as_ref().and_then(|batch| batch.rows.get(self.taken)) {
                 self.taken += 1;
-                self.tally.count(&sample.into());
-                self.start_ns.get_or_insert(sample.t_ns);
-                return Ok(Some(*sample));
+                if let Some(first) = self.layout.reading(row, 0) {
+                    self.tally.count(&first);
+                }
+                self.start_ns.get_or_insert(row.t_ns);
+                return Ok(Some(*row));
             }
             if !self.next_batch()? {
                 return Ok(None);
@@ -133,39 +146,59 @@ impl Acquisition {
         Ok(true)
     }
 
-    /// The next sample with what is wrong with it, two samples late; at the end, those that are left.
+    /// What the next sample tells of each axis, with what is wrong with it, two samples late; at the end, those that are
+    /// left. Empty behind the last.
     #[inline]
-    pub fn next_judged(&mut self) -> Result<Option<Judged>> {
-        loop {
-            let judged = match self.next()? {
-                Some(sample) => self.health.push(&Reading::from(&sample)),
-                None => return Ok(self.health.finish()),
-            };
-            if judged.is_some() {
-                return Ok(judged);
+    pub fn next_judged(&mut self, judged: &mut Vec<Judged>) -> Result<bool> {
+        judged.clear();
+        while self.axes.iter().any(|axis| axis.judged.is_empty()) {
+            match self.next()? {
+                Some(row) => self.judge(&row, true),
+                None => {
+                    for axis in &mut self.axes {
+                        axis.judged.extend(axis.health.finish());
+                    }
+                    break;
+                }
             }
+        }
+        judged.extend(self.axes.iter_mut().filter_map(|axis| axis.judged.pop_front()));
+        Ok(judged.len() == self.axes.len())
+    }
+
+    /// Judges a sample that goes on as it is; `keep`: what becomes of it will be taken.
+    #[inline]
+    fn judge(&mut self, row: &Row, keep: bool) {
+        for (index, axis) in self.axes.iter_mut().enumerate() {
+            let judged = self.layout.reading(row, index).and_then(|reading| axis.health.push(&reading));
+            axis.judged.extend(judged.filter(|_| keep));
         }
     }
 
     /// Judges a sample that goes on as it is.
     #[inline]
-    pub fn judge(&mut self, sample: &Sample) {
-        self.health.push(&sample.into());
+    pub fn look_at(&mut self, row: &Row) {
+        self.judge(row, false);
     }
 
     /// The part that is read, as it was set.
-    pub fn part(&self) -> Part {
-        self.hub.facts().info.part()
+    pub fn part(&self) -> &Part {
+        &self.facts().part
     }
 
-    /// The axis that is read.
-    pub fn axis(&self) -> &Axis {
-        &self.axis
+    /// Its axes, as they are judged.
+    pub fn healths(&self) -> impl Iterator<Item = &Health> {
+        self.axes.iter().map(|axis| &axis.health)
     }
 
-    /// What was found of the samples that were judged.
-    pub fn health(&self) -> &Health {
-        &self.health
+    /// What is found frozen at the end, if anything is.
+    pub fn frozen_at_end(&self) -> Option<Frozen> {
+        self.healths().find_map(Health::frozen_at_end)
+    }
+
+    /// What is found frozen by now.
+    pub fn frozen(&self) -> Option<Frozen> {
+        self.healths().find_map(Health::frozen)
     }
 
     /// Time of the first sample.
@@ -175,18 +208,27 @@ impl Acquisition {
 
     /// What there is to say of the samples: all of them are judged then.
     pub fn warnings(&mut self) -> Vec<String> {
-        while self.health.finish().is_some() {}
-        let found = believed::warnings(&self.health, &self.tally, self.start_ns());
-        let of_the_rate = aliasing(&self.axis, &self.tally).into_iter().chain(self.resonance(SHORTEST_AVERAGE_S));
+        for axis in &mut self.axes {
+            while axis.health.finish().is_some() {}
+        }
+        let aliased = self.axes.first().and_then(|first| aliasing(&first.axis, &self.tally));
+        let of_the_rate = aliased.into_iter().chain(self.resonance(SHORTEST_AVERAGE_S));
         let of_the_rate = of_the_rate.map(|warning| coded(&warning));
-        of_the_rate.chain(found).chain(self.lost_on_the_way()).collect()
+        of_the_rate.chain(self.disbelief()).chain(self.lost_on_the_way()).collect()
+    }
+
+    /// What there is to say of readings that are not to be believed.
+    pub fn disbelief(&self) -> Vec<String> {
+        let axes = self.axes.iter().map(|axis| (axis.name.as_str(), &axis.health));
+        believed::of_axes(axes, &self.tally, self.start_ns())
     }
 
     /// F-07: whether the resonance looks like a bias at the rate that was measured, in means over `average_s`.
     pub fn resonance(&self, average_s: f64) -> Option<Warning> {
         let edges = self.facts().info.edges_per_reading();
         let rate_hz = self.tally.sampling_hz();
-        (self.tally.samples > 1).then(|| resonance::warning(&self.axis, rate_hz, edges, average_s)).flatten()
+        let first = self.axes.first().filter(|_| self.tally.samples > 1)?;
+        resonance::warning(&first.axis, rate_hz, edges, average_s)
     }
 
     /// Whether progress is to be shown with this sample: with every 4096th, 1.4 times a second of part time.
@@ -216,6 +258,13 @@ impl Acquisition {
             )
         });
         overflow.into_iter().chain(damage).chain(self.doubts.iter().cloned()).collect()
+    }
+}
+
+impl JudgedAxis {
+    fn new(named: &NamedAxis) -> Self {
+        let (name, axis) = (named.name.to_string(), named.axis);
+        Self { name, axis, health: Health::new(&axis), judged: VecDeque::new() }
     }
 }
 

@@ -14,13 +14,12 @@ use crate::commands::{
     verify::VerifyArgs,
 };
 use crate::memory;
-use anyhow::Context;
+use crate::part::PartArgs;
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
 use std::path::{Path, PathBuf};
-use zerorate::Part;
 use zerorate_data::limits::{self, Bytes};
-use zerorate_host::{DeviceSpec, Sampling};
+use zerorate_host::{DeviceSpec, Sampling, Setup};
 
 /// Takes an ADIS16130 gyroscope from its pins to a bias-free angular rate, and tells how well it did so.
 #[derive(Parser, Debug)]
@@ -111,36 +110,23 @@ pub struct DeviceArgs {
     #[arg(short, long, value_name = "DEV", default_value = "twin:")]
     pub device: DeviceSpec,
 
+    #[command(flatten)]
+    pub part: PartArgs,
+
     /// Pace simulated or replayed time to the wall clock; without it they run as fast as they can.
     #[arg(long)]
     pub realtime: bool,
 }
 
 impl DeviceArgs {
+    /// How it is to be read.
+    pub fn setup(&self, sampling: SamplingArgs) -> Setup {
+        Setup { sampling: sampling.plain(), part: self.part.part.clone() }
+    }
+
     /// The file that is read, where the device is a recording.
     pub fn file(&self) -> Option<&Path> {
         self.device.file()
-    }
-}
-
-/// What is known of the part beside what its recording states.
-#[derive(Args, Debug)]
-pub struct PartArgs {
-    /// What is true of the part: adis16130, or a file (docs/formats/part.md). Needed where a capture is of another part:
-    /// without its typical noise nothing tells rest from motion.
-    #[arg(long, value_name = "FILE", default_value = "adis16130")]
-    part: PathBuf,
-}
-
-impl PartArgs {
-    /// What was given; none where it is the built-in part.
-    pub fn known(&self) -> anyhow::Result<Option<Part>> {
-        if self.part.as_os_str().eq_ignore_ascii_case(Part::ADIS16130.name.as_ref()) {
-            return Ok(None);
-        }
-        let name = self.part.display();
-        let text = std::fs::read_to_string(&self.part).with_context(|| format!("cannot read {name}"))?;
-        Ok(Some(Part::parse(&text).with_context(|| name.to_string())?))
     }
 }
 
@@ -158,8 +144,7 @@ pub struct SamplingArgs {
 }
 
 impl SamplingArgs {
-    /// For whoever opens the device.
-    pub fn plain(self) -> Sampling {
+    fn plain(self) -> Sampling {
         Sampling { every_temp: self.every_temp, divider: self.divider }
     }
 }

@@ -22,6 +22,7 @@ mod fuzz;
 mod interrupt;
 mod memory;
 mod output;
+mod part;
 mod progress;
 mod recorder;
 #[cfg(unix)]

@@ -20,7 +20,7 @@ impl Recorder {
         Ok(Self { writer, file })
     }
 
-    /// Records a row. Whole batches go to the system at once.
+    /// Records a sample. Whole batches go to the system at once.
     pub fn push(&mut self, row: &Row) -> Result<(), CaptureError> {
         self.writer.push(row)
     }

@@ -5,14 +5,14 @@
 //! what does not fit into its queue it has missed, and is told how much that was.
 
 use crate::source::{Facts, Losses, Source};
-use crate::{DeviceError, DeviceSpec, Result, Sampling, Stop};
-use adis16130::Sample;
+use crate::{DeviceError, DeviceSpec, Result, Setup, Stop};
 use adis16130_twin::Truth;
 use anyhow::{Context, anyhow};
 use std::sync::mpsc::{Receiver, Sender, SyncSender, TrySendError, channel, sync_channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
+use zerorate_data::capture::Row;
 use zerorate_data::capture::admission::Admission;
 
 /// Samples of a batch at most: 0.7 s at the full rate.
@@ -35,7 +35,7 @@ pub enum Pace {
 #[derive(Debug, Default)]
 pub struct Batch {
     /// In order of time, as they may stand in a capture.
-    pub samples: Vec<Sample>,
+    pub rows: Vec<Row>,
     /// What there is to say since the batch before.
     pub notes: Vec<String>,
     /// What there is to say of the times of all samples so far.
@@ -99,9 +99,9 @@ impl Hub {
     ///
     /// # Errors
     /// Why it cannot be opened.
-    pub fn open(spec: &DeviceSpec, sampling: Sampling, stop: &Stop) -> Result<Self> {
+    pub fn open(spec: &DeviceSpec, setup: Setup, stop: &Stop) -> Result<Self> {
         let (spec, inner) = (spec.clone(), stop.clone());
-        Self::start(move || spec.open(sampling, &inner), stop)
+        Self::start(move || spec.open(&setup, &inner), stop)
     }
 
     /// The same for a source that `open` makes in the thread: it need not be `Send`.
@@ -254,20 +254,20 @@ impl Reading {
         loop {
             let mut batch = Batch::default();
             let end = loop {
-                let sample = match admitted(source, &mut admission) {
-                    Ok(Some(sample)) if !self.is_over() => sample,
+                let row = match admitted(source, &mut admission) {
+                    Ok(Some(row)) if !self.is_over() => row,
                     Ok(_) => break Some(Ok(())),
                     Err(error) => break Some(Err(error)),
                 };
                 if let Some(clock) = &mut clock {
-                    clock.keep(sample.t_ns, || self.is_over());
+                    clock.keep(row.t_ns, || self.is_over());
                 }
-                batch.samples.push(sample);
-                let since_ns = sample.t_ns - *start_ns.get_or_insert(sample.t_ns);
-                let first_ns = batch.samples.first().map_or(sample.t_ns, |first| first.t_ns);
+                batch.rows.push(row);
+                let since_ns = row.t_ns - *start_ns.get_or_insert(row.t_ns);
+                let first_ns = batch.rows.first().map_or(row.t_ns, |first| first.t_ns);
                 let is_marked = marks.next_if(|mark_ns| since_ns >= *mark_ns).is_some();
-                let is_late = is_live && sample.t_ns - first_ns >= LIVE_BATCH_NS;
-                if is_marked || is_late || batch.samples.len() == BATCH {
+                let is_late = is_live && row.t_ns - first_ns >= LIVE_BATCH_NS;
+                if is_marked || is_late || batch.rows.len() == BATCH {
                     break None;
                 }
             };
@@ -333,7 +333,7 @@ impl Subscriber {
             Self::Watcher { queue, missed } => {
                 match queue.try_send(Watched { batch: Arc::clone(batch), missed: *missed }) {
                     Ok(()) => *missed = 0,
-                    Err(TrySendError::Full(_)) => *missed += batch.samples.len() as u64,
+                    Err(TrySendError::Full(_)) => *missed += batch.rows.len() as u64,
                     Err(TrySendError::Disconnected(_)) => return false,
                 }
                 true
@@ -344,10 +344,10 @@ impl Subscriber {
 
 /// The next sample that may stand in a capture.
 #[inline]
-fn admitted(source: &mut dyn Source, admission: &mut Admission) -> Result<Option<Sample>> {
-    while let Some(sample) = source.next()? {
-        if let Some(row) = admission.admit((&sample).into())? {
-            return Ok(Some(Sample { lost: row.lost, ..sample }));
+fn admitted(source: &mut dyn Source, admission: &mut Admission) -> Result<Option<Row>> {
+    while let Some(row) = source.next()? {
+        if let Some(admitted) = admission.admit(row)? {
+            return Ok(Some(admitted));
         }
     }
     Ok(None)

@@ -7,7 +7,7 @@ use crate::Stop;
 use crate::error::Told;
 use crate::kinds::{Address, Parsed};
 use crate::options::{number, split, without_bandwidth};
-use crate::source::{Facts, Sampling, Source};
+use crate::source::{Facts, Sampling, Setup, Source};
 use adis16130::{Config, MCLK_HZ, RATE_LSB_PER_DPS, RateCode, Sample, TEMP_LSB_PER_C, TempCode, Width, ZERO_CODE};
 use anyhow::{Context, Result, bail, ensure};
 use std::fs;
@@ -16,6 +16,7 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
+use zerorate_data::capture::Row;
 
 /// The driver's name, as sysfs gives it.
 const DRIVER: &str = "adis16130";
@@ -67,20 +68,20 @@ impl IioAddress {
 }
 
 impl Address for IioAddress {
-    fn open(&self, name: &str, sampling: Sampling, _: &Stop) -> crate::Result<Box<dyn Source>> {
-        if sampling.divider.is_some() {
+    fn open(&self, name: &str, setup: &Setup, _: &Stop) -> crate::Result<Box<dyn Source>> {
+        if setup.sampling.divider.is_some() {
             let why = "--divider counts edges of data ready, which the kernel driver does not show; poll less often \
                 with ?hz=";
             return Err(Told::request(why).into());
         }
-        Ok(Box::new(IioDevice::open(self, name, sampling)?))
+        Ok(Box::new(IioDevice::open(self, name, setup)?))
     }
 }
 
 /// The part, being polled.
 struct IioDevice {
     address: IioAddress,
-    name: String,
+    facts: Facts,
     sampling: Sampling,
     /// What makes a raw reading a 24-bit code.
     rate_shift: i64,
@@ -93,7 +94,14 @@ struct IioDevice {
 
 impl IioDevice {
     /// Reads the driver's scales and offsets, and makes sure that its readings are codes of F-40 and F-41.
-    fn open(address: &IioAddress, device: &str, sampling: Sampling) -> Result<Self> {
+    fn open(address: &IioAddress, device: &str, setup: &Setup) -> crate::Result<Self> {
+        let settings = (Config::new(), setup.sampling.config(1));
+        let facts = Facts::of_part(device, settings, MCLK_HZ, address.bandwidth_hz, setup.part.as_ref())?;
+        let facts = Facts { framing: None, rate_hz: Some(address.hz.into()), ..facts };
+        Ok(Self::with_facts(address, setup.sampling, facts)?)
+    }
+
+    fn with_facts(address: &IioAddress, sampling: Sampling, facts: Facts) -> Result<Self> {
         let folder = &address.folder;
         ensure!(
             folder.is_dir(),
@@ -109,7 +117,7 @@ impl IioDevice {
         let temp_shift = shift(folder, TEMP, 1000.0 / f64::from(TEMP_LSB_PER_C), temp_zero)?;
         Ok(Self {
             address: address.clone(),
-            name: device.to_owned(),
+            facts,
             sampling,
             rate_shift,
             temp_shift,
@@ -152,13 +160,11 @@ impl IioDevice {
 
 impl Source for IioDevice {
     fn facts(&self) -> Facts {
-        let facts = Facts::of_part(&self.name, (Config::new(), self.sampling.config(1)), MCLK_HZ);
-        let facts = Facts { framing: None, rate_hz: self.address.hz.into(), ..facts };
-        facts.with_bandwidth_hz(self.address.bandwidth_hz)
+        self.facts.clone()
     }
 
-    fn next(&mut self) -> crate::Result<Option<Sample>> {
-        Ok(self.poll().map(Some)?)
+    fn next(&mut self) -> crate::Result<Option<Row>> {
+        Ok(self.poll().map(|sample| Some(Row::from(&sample)))?)
     }
 }
 
@@ -216,8 +222,9 @@ mod tests {
     fn raw_readings_are_the_codes_of_the_part() {
         let folder = folder("0.000000743");
         let address = address(folder.path());
-        let mut device =
-            IioDevice::open(&address, "iio:x", Sampling { every_temp: Some(2), divider: None }).expect("a device");
+        let sampling = Sampling { every_temp: Some(2), divider: None };
+        let every_other = Setup { sampling, part: None };
+        let mut device = IioDevice::open(&address, "iio:x", &every_other).expect("a device");
         let samples: Vec<_> = (0..3).map(|_| device.poll().expect("a sample")).collect();
         assert!(samples.iter().all(|sample| sample.rate.code24() == 8_388_622 && sample.status.is_none()));
         let temps: Vec<_> = samples.iter().map(|sample| sample.temp.map(TempCode::code24)).collect();
@@ -230,7 +237,7 @@ mod tests {
     fn another_part_is_refused() {
         let folder = folder("0.000000500");
         let address = address(folder.path());
-        let error = IioDevice::open(&address, "iio:x", Sampling::default()).err().expect("no device").to_string();
+        let error = IioDevice::open(&address, "iio:x", &Setup::default()).err().expect("no device").to_string();
         assert!(error.contains("another part"), "{error}");
     }
 }

@@ -3,7 +3,7 @@
 use crate::bridge::BridgeAddress;
 use crate::iio::IioAddress;
 use crate::replay::ReplayAddress;
-use crate::source::{Sampling, Source};
+use crate::source::{Setup, Source};
 use crate::twin::TwinAddress;
 use crate::{Result, Stop};
 use std::fmt;
@@ -49,7 +49,7 @@ fn no_spi(_: &str) -> Parsed {
 /// What follows the colon, understood.
 pub(crate) trait Address: fmt::Debug + Send + Sync {
     /// Opens the device that was called `name`; sends nothing to the part yet. `stop` ends whatever takes long.
-    fn open(&self, name: &str, sampling: Sampling, stop: &Stop) -> Result<Box<dyn Source>>;
+    fn open(&self, name: &str, setup: &Setup, stop: &Stop) -> Result<Box<dyn Source>>;
 
     /// The file that is read, where it is a recording.
     fn file(&self) -> Option<&Path> {
@@ -82,8 +82,8 @@ impl DeviceSpec {
     ///
     /// # Errors
     /// Why it cannot be opened.
-    pub fn open(&self, sampling: Sampling, stop: &Stop) -> Result<Box<dyn Source>> {
-        self.address.open(&self.text, sampling, stop)
+    pub fn open(&self, setup: &Setup, stop: &Stop) -> Result<Box<dyn Source>> {
+        self.address.open(&self.text, setup, stop)
     }
 }
 

@@ -27,7 +27,7 @@ mod twin;
 pub use error::{Cause, DeviceError};
 pub use hub::{Batch, Everything, Hub, Pace, Watched, Watcher};
 pub use kinds::{DeviceSpec, KINDS, Kind};
-pub use source::{Bus, Facts, Losses, Sampling, Source};
+pub use source::{Bus, Facts, Losses, Sampling, Setup, Source};
 pub use stop::Stop;
 
 /// What is given back by whatever may fail at a device.

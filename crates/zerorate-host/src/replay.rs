@@ -2,12 +2,13 @@
 
 use crate::error::Told;
 use crate::kinds::{Address, Parsed};
-use crate::source::{Facts, Sampling, Source, nominal_rate_hz};
+use crate::source::{Facts, Sampling, Setup, Source, nominal_rate_hz, part_of};
 use crate::{Result, Stop, files};
-use adis16130::{ChannelStatus, MCLK_HZ, RateCode, Sample, TempCode};
+use adis16130::MCLK_HZ;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use zerorate_data::capture::{CaptureReader, Converter, Row};
+use zerorate::Part;
+use zerorate_data::capture::{CaptureReader, Row};
 
 /// `replay:FILE`; the file may be called what it likes.
 #[derive(Clone, Debug)]
@@ -25,19 +26,14 @@ impl ReplayAddress {
 }
 
 impl Address for ReplayAddress {
-    fn open(&self, _: &str, sampling: Sampling, _: &Stop) -> Result<Box<dyn Source>> {
-        if sampling != Sampling::default() {
+    fn open(&self, _: &str, setup: &Setup, _: &Stop) -> Result<Box<dyn Source>> {
+        if setup.sampling != Sampling::default() {
             let why = "--every-temp and --divider were decided when the recording was made; leave them out";
             return Err(Told::request(why).into());
         }
         let reader = files::capture(&self.path)?;
-        let Some(converter) = reader.info().converter else {
-            let part = reader.info().layout.part_name();
-            return Err(
-                Told::request(format!("a capture of an ADIS16130 is replayed, and that is one of an {part}")).into()
-            );
-        };
-        Ok(Box::new(Replay { reader, converter, notes: Vec::new() }))
+        let part = part_of(reader.info(), setup.part.as_ref())?;
+        Ok(Box::new(Replay { reader, part, notes: Vec::new() }))
     }
 
     fn file(&self) -> Option<&Path> {
@@ -48,7 +44,7 @@ impl Address for ReplayAddress {
 /// A recording.
 struct Replay {
     reader: CaptureReader,
-    converter: Converter,
+    part: Part,
     notes: Vec<String>,
 }
 
@@ -56,33 +52,20 @@ impl Source for Replay {
     fn facts(&self) -> Facts {
         let info = self.reader.info().clone();
         let name = format!("recording of {}", info.device);
-        let rate_hz = nominal_rate_hz(&info, self.converter, MCLK_HZ);
-        Facts { name, info, framing: None, is_real: false, rate_hz, mclk_hz: MCLK_HZ }
+        let rate_hz = nominal_rate_hz(&info, MCLK_HZ);
+        Facts { name, info, part: self.part.clone(), framing: None, is_real: false, rate_hz, mclk_hz: MCLK_HZ }
     }
 
     #[inline]
-    fn next(&mut self) -> Result<Option<Sample>> {
+    fn next(&mut self) -> Result<Option<Row>> {
         let row = self.reader.next().transpose()?;
         if row.is_none() {
             self.notes = self.reader.warnings();
         }
-        Ok(row.map(|row| sample(&row, self.converter)))
+        Ok(row)
     }
 
     fn take_notes(&mut self) -> Vec<String> {
         std::mem::take(&mut self.notes)
-    }
-}
-
-/// The codes of an ADIS16130 have 24 bits at most, its status 8.
-#[inline]
-fn sample(row: &Row, Converter { width, .. }: Converter) -> Sample {
-    Sample {
-        t_ns: row.t_ns,
-        seq: row.edge_seq,
-        rate: RateCode::new(row.codes().first().map_or(0, |code| *code as u32), width),
-        status: row.status.map(|status| ChannelStatus::new(status as u8)),
-        temp: row.temp_code.map(|code| TempCode::new(code as u32, width)),
-        lost: row.lost,
     }
 }

@@ -2,9 +2,10 @@
 
 use crate::Result;
 use crate::error::Told;
-use adis16130::{Config, ConversionTime, Framing, Sample, SamplerConfig, SelfTest};
+use adis16130::{Config, ConversionTime, Framing, SamplerConfig, SelfTest};
 use adis16130_twin::Truth;
-use zerorate_data::capture::{CaptureInfo, Converter};
+use zerorate::Part;
+use zerorate_data::capture::{CaptureInfo, Converter, Row};
 
 /// How often a part is read. A recording has decided that already.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -25,6 +26,15 @@ impl Sampling {
     }
 }
 
+/// How a device is to be read.
+#[derive(Clone, Debug, Default)]
+pub struct Setup {
+    /// How often.
+    pub sampling: Sampling,
+    /// What is known of the part; none: an ADIS16130, or what a recording states of its own.
+    pub part: Option<Part>,
+}
+
 /// An open device. It need not be `Send`: the [`Hub`](crate::Hub) opens it in the thread that reads it.
 pub trait Source {
     /// What does not change while it is read.
@@ -37,7 +47,7 @@ pub trait Source {
     }
 
     /// The next sample; `None` at the end of a recording.
-    fn next(&mut self) -> Result<Option<Sample>>;
+    fn next(&mut self) -> Result<Option<Row>>;
 
     /// Tries the bus, if there is one. To be called before the first sample; leaves the part configured.
     fn try_bus(&mut self) -> Result<Option<Bus>> {
@@ -74,19 +84,27 @@ pub struct Facts {
     pub name: String,
     /// How the samples are taken.
     pub info: CaptureInfo,
+    /// What is known of the part, as it is set.
+    pub part: Part,
     /// How CS frames the bytes (F-22), where it is this program that decides.
     pub framing: Option<Framing>,
     /// Whether it is a part whose time is that of the wall clock.
     pub is_real: bool,
-    /// Samples per second, nominally.
-    pub rate_hz: f64,
-    /// The nominal master clock, Hz.
+    /// Samples per second, nominally; not known of a recording of any other part.
+    pub rate_hz: Option<f64>,
+    /// The nominal master clock of an ADIS16130, Hz.
     pub mclk_hz: u32,
 }
 
 impl Facts {
-    /// Of a part that the driver reads: one of 2/(N + 1) conversion pairs where every N-th edge is read (F-31, F-56).
-    pub(crate) fn of_part(name: &str, (config, sampling): (Config, SamplerConfig), mclk_hz: u32) -> Self {
+    /// Of an ADIS16130 that the driver reads at this bandwidth, Hz, if it is not its own (F-04).
+    pub(crate) fn of_part(
+        name: &str,
+        (config, sampling): (Config, SamplerConfig),
+        mclk_hz: u32,
+        bandwidth_hz: Option<f64>,
+        known: Option<&Part>,
+    ) -> Result<Self> {
         let converter = Converter {
             width: config.width(),
             rate_conversion: config.rate_conversion().bits(),
@@ -99,25 +117,28 @@ impl Facts {
             divided: sampling.divided,
             software: zerorate::SOFTWARE.to_owned(),
             created: now(),
+            bandwidth_hz,
             ..CaptureInfo::adis16130(converter)
         };
-        let rate_hz = nominal_rate_hz(&info, converter, mclk_hz);
+        let part = part_of(&info, known)?;
+        let rate_hz = nominal_rate_hz(&info, mclk_hz);
         let framing = Some(config.framing());
-        Self { name: name.to_owned(), info, framing, is_real: true, rate_hz, mclk_hz }
-    }
-
-    /// At this bandwidth, Hz, where it is not the part's own (F-04).
-    pub(crate) fn with_bandwidth_hz(mut self, bandwidth_hz: Option<f64>) -> Self {
-        self.info.bandwidth_hz = bandwidth_hz;
-        self
+        Ok(Self { name: name.to_owned(), info, part, framing, is_real: true, rate_hz, mclk_hz })
     }
 }
 
-/// At the nominal master clock.
-pub(crate) fn nominal_rate_hz(info: &CaptureInfo, set: Converter, mclk_hz: u32) -> f64 {
+/// The part that a device or a recording is of, with what is known of it beside.
+pub(crate) fn part_of(info: &CaptureInfo, known: Option<&Part>) -> Result<Part> {
+    let Some(known) = known else { return Ok(info.part()) };
+    info.part_from(known).map_err(|error| Told::request(error.to_string()).into())
+}
+
+/// At the nominal master clock: one of 2/(N + 1) conversion pairs where every N-th edge is read (F-31, F-56).
+pub(crate) fn nominal_rate_hz(info: &CaptureInfo, mclk_hz: u32) -> Option<f64> {
+    let set = info.converter?;
     let cycles = [set.rate_conversion, set.temp_conversion].map(|bits| ConversionTime::new(bits).cycles(true));
     let pairs_hz = f64::from(mclk_hz) / f64::from(cycles[0] + cycles[1]);
-    pairs_hz * 2.0 / (f64::from(info.edges_per_reading()) + 1.0)
+    Some(pairs_hz * 2.0 / (f64::from(info.edges_per_reading()) + 1.0))
 }
 
 /// What was found of an SPI bus.

@@ -9,8 +9,8 @@ use crate::options::{
 };
 use crate::pin::PinError;
 use crate::reader::{Reader, WhenFull};
-use crate::source::{Bus, Facts, Losses, Sampling, Source};
-use adis16130::{Edge, Framing, MAX_SCLK_HZ, MCLK_HZ, RdyEdge, Sample, SamplerConfig, SelfTest};
+use crate::source::{Bus, Facts, Losses, Setup, Source};
+use adis16130::{Edge, Framing, MAX_SCLK_HZ, MCLK_HZ, RdyEdge, Sample, SelfTest};
 use anyhow::{Context, Result, bail};
 use embedded_hal::digital::{self, OutputPin};
 use embedded_hal::spi::{Error, ErrorKind, ErrorType, Operation, SpiDevice};
@@ -30,6 +30,7 @@ use thread_priority::{
     RealtimeThreadSchedulePolicy, ThreadPriority, ThreadSchedulePolicy, set_thread_priority_and_policy,
     thread_native_id,
 };
+use zerorate_data::capture::Row;
 
 /// Edges that the kernel keeps until they are read; it allows no more for one line.
 const KERNEL_EDGES: u32 = 1024;
@@ -101,17 +102,16 @@ impl SpiAddress {
 }
 
 impl Address for SpiAddress {
-    fn open(&self, name: &str, sampling: Sampling, stop: &Stop) -> crate::Result<Box<dyn Source>> {
-        Ok(Box::new(SpiPart::open(self, name, sampling, stop)?))
+    fn open(&self, name: &str, setup: &Setup, stop: &Stop) -> crate::Result<Box<dyn Source>> {
+        Ok(Box::new(SpiPart::open(self, name, setup, stop)?))
     }
 }
 
 /// The part, and the thread that reads it once the first sample was asked for.
 struct SpiPart {
     address: SpiAddress,
-    name: String,
+    facts: Facts,
     clock: Arc<AtomicU32>,
-    sampling: SamplerConfig,
     failed: LastErrno,
     notes: Notes,
     state: State,
@@ -128,16 +128,18 @@ enum State {
 
 impl SpiPart {
     /// Opens both files; sends nothing.
-    fn open(address: &SpiAddress, name: &str, sampling: Sampling, stop: &Stop) -> Result<Self> {
-        let sampling = sampling.config(address.part.divided);
+    fn open(address: &SpiAddress, name: &str, setup: &Setup, stop: &Stop) -> crate::Result<Self> {
+        let sampling = setup.sampling.config(address.part.divided);
+        let settings = (address.part.config, sampling);
+        let facts = Facts::of_part(name, settings, address.mclk_hz, address.bandwidth_hz, setup.part.as_ref())?;
         let (clock, failed) = (Arc::new(AtomicU32::new(address.hz)), LastErrno::default());
         let bus = SpiBus::open(address, Arc::clone(&clock), failed.clone())?;
         let edges = GpioEdges::open(address)?;
         // the commands go as one frame each; where CS is to rise between bytes, the bus splits them
         let config = address.part.config.with_framing(Framing::Command);
         let live = Live::new(bus, edges, config, sampling, address.mclk_hz, stop);
-        let (address, name, notes) = (address.clone(), name.to_owned(), Notes::default());
-        Ok(Self { address, name, clock, sampling, failed, notes, state: State::Ready(Box::new(live)) })
+        let (address, notes) = (address.clone(), Notes::default());
+        Ok(Self { address, facts, clock, failed, notes, state: State::Ready(Box::new(live)) })
     }
 
     /// Resets the part, initialises it, reads everything back. Returns the revision.
@@ -196,16 +198,15 @@ impl SpiPart {
 
 impl Source for SpiPart {
     fn facts(&self) -> Facts {
-        let settings = (self.address.part.config, self.sampling);
-        Facts::of_part(&self.name, settings, self.address.mclk_hz).with_bandwidth_hz(self.address.bandwidth_hz)
+        self.facts.clone()
     }
 
     fn initialise(&mut self) -> crate::Result<Option<u8>> {
         Ok(self.initialise_part().map(Some)?)
     }
 
-    fn next(&mut self) -> crate::Result<Option<Sample>> {
-        Ok(self.next_sample().map(Some)?)
+    fn next(&mut self) -> crate::Result<Option<Row>> {
+        Ok(self.next_sample().map(|sample| Some(Row::from(&sample)))?)
     }
 
     fn try_bus(&mut self) -> crate::Result<Option<Bus>> {

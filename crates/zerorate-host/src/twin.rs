@@ -4,12 +4,13 @@ use crate::error::Told;
 use crate::kinds::{Address, Parsed};
 use crate::live::{Edges, Live};
 use crate::options::PartOptions;
-use crate::source::{Facts, Sampling, Source};
+use crate::source::{Facts, Setup, Source};
 use crate::{Result, Stop};
-use adis16130::{Edge, MCLK_HZ, RdyEdge, Sample, SelfTest};
+use adis16130::{Edge, MCLK_HZ, RdyEdge, SelfTest};
 use adis16130_twin::{Roa, Spec, Truth, Twin, TwinSpi};
 use std::sync::Arc;
 use zerorate::Axis;
+use zerorate_data::capture::{CaptureInfo, Row};
 
 /// `twin:KEY=VALUE,…`: the unit, and how the driver configures it.
 #[derive(Clone, Debug)]
@@ -33,33 +34,32 @@ impl TwinAddress {
 }
 
 impl Address for TwinAddress {
-    fn open(&self, name: &str, sampling: Sampling, stop: &Stop) -> Result<Box<dyn Source>> {
-        let sampling = sampling.config(self.part.divided);
+    fn open(&self, name: &str, setup: &Setup, stop: &Stop) -> Result<Box<dyn Source>> {
+        let sampling = setup.sampling.config(self.part.divided);
         let mclk_hz = told_mclk_hz(self.unit.mclk_hz);
         let bandwidth_hz = (self.unit.roa == Roa::TenNanofarad).then_some(Axis::ADIS16130_ROA_10NF_HZ);
+        let settings = (self.part.config, sampling);
+        let facts = Facts::of_part(name, settings, mclk_hz, bandwidth_hz, setup.part.as_ref())?;
+        // its files depend on nothing but the seed: they have no time of day
+        let info = CaptureInfo { created: String::new(), ..facts.info };
+        let facts = Facts { info, is_real: false, ..facts };
         let twin = Twin::new(self.unit.clone());
         let rising = self.part.config.rdy_edge() == RdyEdge::Rising;
         let edges = TwinEdges { rising, divided: sampling.divided.max(1).into(), counted: 0, twin };
         let live = Live::new(edges.twin.spi(), edges, self.part.config, sampling, mclk_hz, stop);
-        Ok(Box::new(TwinPart { name: name.to_owned(), bandwidth_hz, mclk_hz, live }))
+        Ok(Box::new(TwinPart { facts, live }))
     }
 }
 
 /// The driver, reading the twin.
 struct TwinPart {
-    name: String,
-    bandwidth_hz: Option<f64>,
-    mclk_hz: u32,
+    facts: Facts,
     live: Live<TwinSpi, TwinEdges>,
 }
 
 impl Source for TwinPart {
-    /// Its files depend on nothing but the seed: they have no time of day.
     fn facts(&self) -> Facts {
-        let facts = Facts::of_part(&self.name, (self.live.config, self.live.sampling), self.mclk_hz);
-        let mut facts = Facts { is_real: false, ..facts.with_bandwidth_hz(self.bandwidth_hz) };
-        facts.info.created.clear();
-        facts
+        self.facts.clone()
     }
 
     fn initialise(&mut self) -> Result<Option<u8>> {
@@ -67,8 +67,8 @@ impl Source for TwinPart {
     }
 
     #[inline]
-    fn next(&mut self) -> Result<Option<Sample>> {
-        Ok(self.live.next().map(Some)?)
+    fn next(&mut self) -> Result<Option<Row>> {
+        Ok(self.live.next().map(|sample| Some(Row::from(&sample)))?)
     }
 
     fn self_test(&mut self, gpio: &str) -> Result<SelfTest> {

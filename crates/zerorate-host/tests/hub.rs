@@ -4,11 +4,11 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
-use zerorate_host::{Batch, Cause, DeviceSpec, Everything, Hub, Pace, Sampling, Stop, Watcher};
+use zerorate_host::{Batch, Cause, DeviceSpec, Everything, Hub, Pace, Sampling, Setup, Stop, Watcher};
 
 fn hub(device: &str, stop: &Stop) -> Hub {
     let spec: DeviceSpec = device.parse().expect("a device");
-    let hub = Hub::open(&spec, Sampling::default(), stop).expect("a hub");
+    let hub = Hub::open(&spec, Setup::default(), stop).expect("a hub");
     hub.with(|source| source.initialise()).expect("a part");
     hub
 }
@@ -17,15 +17,15 @@ fn hub(device: &str, stop: &Stop) -> Hub {
 fn recorded(everything: &Everything, mut go_on: impl FnMut(&Batch) -> bool) -> (u64, u64, f64) {
     let (mut samples, mut lost, mut span_ns) = (0, 0, None);
     while let Some(batch) = everything.next().expect("samples") {
-        for sample in &batch.samples {
-            let (first_ns, last_seq) = *span_ns.get_or_insert((sample.t_ns, sample.seq));
-            assert!(samples == 0 || sample.seq > last_seq, "each sample once, in order");
-            span_ns = Some((first_ns, sample.seq));
+        for sample in &batch.rows {
+            let (first_ns, last_seq) = *span_ns.get_or_insert((sample.t_ns, sample.edge_seq));
+            assert!(samples == 0 || sample.edge_seq > last_seq, "each sample once, in order");
+            span_ns = Some((first_ns, sample.edge_seq));
             samples += 1;
             lost += u64::from(sample.lost);
         }
         let (first_ns, _) = span_ns.expect("a sample");
-        let now_ns = batch.samples.last().map_or(first_ns, |last| last.t_ns);
+        let now_ns = batch.rows.last().map_or(first_ns, |last| last.t_ns);
         if !go_on(&batch) || now_ns - first_ns >= SECONDS * 1_000_000_000 {
             return (samples, lost, (now_ns - first_ns) as f64 * 1e-9);
         }
@@ -42,7 +42,7 @@ const QUEUE: usize = 8;
 fn watched(watcher: &Watcher) -> (u64, u64) {
     let (mut got, mut missed) = (0, 0);
     while let Some(watched) = watcher.next() {
-        got += watched.batch.samples.len() as u64;
+        got += watched.batch.rows.len() as u64;
         missed += watched.missed;
     }
     (got, missed)
@@ -109,7 +109,7 @@ fn a_watcher_that_comes_late_or_sleeps_is_told_what_it_missed() {
     hub.read(Pace::Free, Vec::new()).expect("a thread");
     let mut seen = 0;
     for _ in 0..10 {
-        seen += everything.next().expect("samples").expect("a batch").samples.len() as u64;
+        seen += everything.next().expect("samples").expect("a batch").rows.len() as u64;
     }
     let late = hub.watch(2);
     let (first, second) = (watcher.next().expect("a batch"), watcher.next().expect("a batch"));
@@ -120,7 +120,7 @@ fn a_watcher_that_comes_late_or_sleeps_is_told_what_it_missed() {
         third = Some(watcher.next().expect("a batch"));
     }
     let third = third.expect("a batch");
-    let gap = third.batch.samples[0].seq - second.batch.samples.last().expect("a sample").seq;
+    let gap = third.batch.rows[0].edge_seq - second.batch.rows.last().expect("a sample").edge_seq;
     assert!(third.missed >= seen / 2 && u64::from(gap) > third.missed, "{} missed, {gap} edges", third.missed);
     while everything.next().is_ok_and(|batch| batch.is_some()) && late.next().is_none() {}
 }
@@ -148,7 +148,7 @@ fn a_fault_reaches_everybody_who_must_know_behind_the_last_sample() {
         samples = 0;
         let error = loop {
             match everything.next() {
-                Ok(Some(batch)) => samples += batch.samples.len(),
+                Ok(Some(batch)) => samples += batch.rows.len(),
                 Ok(None) => panic!("it ended without a word"),
                 Err(error) => break error,
             }
@@ -166,7 +166,7 @@ fn a_marked_batch_ends_with_its_sample_and_states_the_truth_of_it() {
     let mut start_ns = None;
     loop {
         let batch = everything.next().expect("samples").expect("a batch");
-        let (first, last) = (batch.samples[0].t_ns, batch.samples[batch.samples.len() - 1].t_ns);
+        let (first, last) = (batch.rows[0].t_ns, batch.rows[batch.rows.len() - 1].t_ns);
         let start_ns = *start_ns.get_or_insert(first);
         if last - start_ns >= 1_500_000_000 {
             assert!(last - start_ns < 1_500_400_000 && batch.truth.is_some(), "{} ns", last - start_ns);
@@ -179,11 +179,13 @@ fn a_marked_batch_ends_with_its_sample_and_states_the_truth_of_it() {
 fn what_cannot_be_opened_says_why_in_the_thread_that_asked() {
     let open = |device: &str| {
         let spec: DeviceSpec = device.parse().expect("an address");
-        Hub::open(&spec, Sampling::default(), &Stop::default()).map(drop).expect_err("nothing is there")
+        Hub::open(&spec, Setup::default(), &Stop::default()).map(drop).expect_err("nothing is there")
     };
     assert_eq!(open("replay:/nowhere/x.arrows").cause(), Cause::File);
     let spec: DeviceSpec = "replay:x".parse().expect("an address");
     let sampling = Sampling { divider: Some(2), every_temp: None };
-    let error = Hub::open(&spec, sampling, &Stop::default()).map(drop).expect_err("decided when it was recorded");
+    let error = Hub::open(&spec, Setup { sampling, part: None }, &Stop::default())
+        .map(drop)
+        .expect_err("decided when it was recorded");
     assert_eq!(error.cause(), Cause::Request);
 }

@@ -41,10 +41,11 @@ impl Default for Limits {
 ///     tally.count(&reading);
 ///     health.push(&reading).map(|judged| checkup.push(&judged));
 /// }
-/// let white = checkup.white_dps_per_rt_hz(&axis, tally.rate_hz());
-/// let warnings = checkup.warnings(&axis, &tally, white, 5692.6, &Limits::default());
-/// let codes: Vec<_> = warnings.iter().map(|warning| warning.code()).collect();
-/// assert_eq!(codes, ["quiet", "no-temperature"]); // its sum over 50 ms hardly changes
+/// let (limits, white) = (Limits::default(), checkup.white_dps_per_rt_hz(&axis, tally.rate_hz()).unwrap());
+/// let noise = Checkup::noise_warning(&axis, white, &limits).map(|warning| warning.code());
+/// assert_eq!(noise, Some("quiet")); // its sum over 50 ms hardly changes
+/// let warnings = checkup.warnings(&tally, Some(5692.6), &limits);
+/// assert_eq!(warnings.iter().map(|warning| warning.code()).collect::<Vec<_>>(), ["no-temperature"]);
 /// ```
 #[derive(Clone, Debug, Default)]
 pub struct Checkup {
@@ -98,25 +99,25 @@ impl Checkup {
         Some(point.dev * scale * libm::sqrt(2.0 * m as f64 / rate_hz))
     }
 
-    /// What does not look like a healthy part at rest, with the white noise that was measured, if it is to be believed.
-    /// `nominal_hz` is how many samples a second there should be.
+    /// Whether white noise that was measured of this axis is that of a healthy part at rest.
     #[must_use]
-    pub fn warnings(
-        &self,
-        axis: &Axis,
-        tally: &Tally,
-        white_dps_per_rt_hz: Option<f64>,
-        nominal_hz: f64,
-        limits: &Limits,
-    ) -> Vec<Warning> {
+    pub fn noise_warning(axis: &Axis, white_dps_per_rt_hz: f64, limits: &Limits) -> Option<Warning> {
+        let ratio = white_dps_per_rt_hz / axis.noise?.white_dps_per_rt_hz;
+        match ratio {
+            ratio if ratio > limits.most_noise => Some(Warning::Noisy { ratio }),
+            ratio if ratio < limits.least_noise => Some(Warning::Quiet { ratio }),
+            _ => None,
+        }
+    }
+
+    /// What is wrong with how the samples come. `nominal_hz` is how many a second there should be, if that is known.
+    #[must_use]
+    pub fn warnings(&self, tally: &Tally, nominal_hz: Option<f64>, limits: &Limits) -> Vec<Warning> {
         let rate_hz = tally.rate_hz();
-        let ratio = white_dps_per_rt_hz.zip(axis.noise).map(|(white, typical)| white / typical.white_dps_per_rt_hz);
+        let is_off = |nominal_hz: &f64| (rate_hz / nominal_hz - 1.0).abs() > limits.rate_error;
         let found = [
-            ratio.filter(|ratio| *ratio > limits.most_noise).map(|ratio| Warning::Noisy { ratio }),
-            ratio.filter(|ratio| *ratio < limits.least_noise).map(|ratio| Warning::Quiet { ratio }),
             (tally.lost > 0 && !tally.data_ready_stutters()).then_some(Warning::Losing { lost: tally.lost }),
-            ((rate_hz / nominal_hz - 1.0).abs() > limits.rate_error)
-                .then_some(Warning::RateOff { rate_hz, nominal_hz }),
+            nominal_hz.filter(is_off).map(|nominal_hz| Warning::RateOff { rate_hz, nominal_hz }),
             (self.temps.count() == 0).then_some(Warning::NoTemperature),
         ];
         found.into_iter().flatten().collect()

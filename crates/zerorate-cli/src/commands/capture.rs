@@ -9,13 +9,13 @@ use crate::interrupt;
 use crate::output::Outputs;
 use crate::progress::Meter;
 use crate::recorder::Recorder;
-use adis16130::Sample;
 use anyhow::{Context, Result};
 use clap::Args;
 use serde::Serialize;
 use std::path::PathBuf;
+use zerorate::health::{Health, Marks};
 use zerorate_data::believed;
-use zerorate_data::capture::Format;
+use zerorate_data::capture::{Format, Row};
 use zerorate_view::duration::{self, Seconds};
 
 /// Records raw codes with timestamps.
@@ -96,7 +96,7 @@ pub fn run(args: &CaptureArgs) -> Result<()> {
     let info = acquisition.info(args.serial.as_deref(), args.supply_note.as_deref());
     let format = Format::choose(args.format, &args.output);
     let mut writer = Recorder::create(outputs.recording(&args.output)?, format, &info)?;
-    let recorded = record(args, &mut acquisition, |sample| Ok(writer.push(&sample.into())?));
+    let recorded = record(args, &mut acquisition, |row| Ok(writer.push(row)?));
     let saved = writer.finish()?.samples;
     recorded.with_context(|| format!("{} ends after {saved} samples", args.output.display()))?;
     summarise(args, &mut acquisition)?;
@@ -104,19 +104,15 @@ pub fn run(args: &CaptureArgs) -> Result<()> {
 }
 
 /// Hands on samples until enough were read, the replay ends, or Ctrl-C.
-fn record(
-    args: &CaptureArgs,
-    acquisition: &mut Acquisition,
-    mut take: impl FnMut(&Sample) -> Result<()>,
-) -> Result<()> {
+fn record(args: &CaptureArgs, acquisition: &mut Acquisition, mut take: impl FnMut(&Row) -> Result<()>) -> Result<()> {
     let wanted = args.samples.unwrap_or(u64::MAX);
     let ends_after_ns = args.samples.map_or(args.duration.nanos(), |_| u64::MAX);
     let meter = Meter::new(args.samples.map_or(args.duration.0, |n| n as f64));
     let mut first_ns = None;
-    while let Some(sample) = acquisition.next()? {
-        take(&sample)?;
-        acquisition.judge(&sample);
-        let elapsed_ns = sample.t_ns - *first_ns.get_or_insert(sample.t_ns);
+    while let Some(row) = acquisition.next()? {
+        take(&row)?;
+        acquisition.look_at(&row);
+        let elapsed_ns = row.t_ns - *first_ns.get_or_insert(row.t_ns);
         let read = acquisition.tally().samples;
         if read >= wanted || elapsed_ns >= ends_after_ns {
             break;
@@ -131,7 +127,8 @@ fn record(
 
 fn summarise(args: &CaptureArgs, acquisition: &mut Acquisition) -> Result<()> {
     let warnings = acquisition.warnings();
-    let marks = acquisition.health().marks();
+    let marks: Vec<&Marks> = acquisition.healths().map(Health::marks).collect();
+    let sum = |count: fn(&Marks) -> u64| marks.iter().copied().map(count).sum();
     let tally = acquisition.tally();
     let summary = Summary {
         file: args.output.display().to_string(),
@@ -141,11 +138,11 @@ fn summarise(args: &CaptureArgs, acquisition: &mut Acquisition) -> Result<()> {
         rdy_hz: tally.rdy_hz(),
         duration_s: tally.duration_s(),
         interrupted: interrupt::asked(),
-        impossible_readings: marks.impossible,
-        impossible_temps: marks.impossible_temps,
-        out_of_range: marks.out_of_range,
-        unjudged: marks.unjudged,
-        frozen: acquisition.health().frozen_at_end().is_some(),
+        impossible_readings: sum(|marks| marks.impossible),
+        impossible_temps: sum(|marks| marks.impossible_temps),
+        out_of_range: sum(|marks| marks.out_of_range),
+        unjudged: sum(|marks| marks.unjudged),
+        frozen: acquisition.frozen_at_end().is_some(),
         warnings,
     };
     if args.json {
@@ -162,7 +159,7 @@ fn summarise(args: &CaptureArgs, acquisition: &mut Acquisition) -> Result<()> {
 
 /// The recording is whole and stays; but what it ends with is no measurement.
 fn refuse_frozen(args: &CaptureArgs, acquisition: &Acquisition) -> Result<()> {
-    match acquisition.health().frozen_at_end() {
+    match acquisition.frozen_at_end() {
         None => Ok(()),
         Some(frozen) => {
             let why = believed::frozen_text(&frozen, acquisition.start_ns());

@@ -4,6 +4,7 @@ use super::serial::Part;
 use super::{flag, warn};
 use crate::interrupt;
 use crate::output::{Outputs, say};
+use crate::part::PartArgs;
 use anyhow::{Context, Result, bail, ensure};
 use arrow_array::builder::Float64Builder;
 use arrow_array::{ArrayRef, Float64Array, RecordBatch, UInt8Array};
@@ -44,6 +45,9 @@ pub struct CorrectArgs {
     #[arg(long, value_enum)]
     format: Option<Format>,
 
+    #[command(flatten)]
+    part: PartArgs,
+
     /// Overwrite an existing file; and correct even if the calibration is of another serial number, with a warning.
     #[arg(long)]
     force: bool,
@@ -60,7 +64,8 @@ pub fn run(args: &CorrectArgs) -> Result<()> {
     let schema = schema(reader.info(), &calibration);
     let format = Format::choose(args.format, &args.output);
     let mut sink = table::create(&args.output, Box::new(output.file()?), format, &schema)?;
-    let mut correcting = Correcting::new(reader.info(), &calibration)?;
+    let part = args.part.of(reader.info())?;
+    let mut correcting = Correcting::new(reader.info(), &part, &calibration)?;
     while let Some(rows) = reader.next_rows()? {
         ensure!(!interrupt::asked(), "interrupted; nothing written");
         for batch in correcting.take(rows, &schema)? {
@@ -91,12 +96,6 @@ pub(super) fn load(path: &Path) -> Result<Calibration> {
     let warnings: Vec<String> = warnings.iter().map(|warning| format!("{name}: {warning}")).collect();
     warn(&warnings);
     Ok(calibration)
-}
-
-/// What is to be applied to the only axis of an ADIS16130.
-pub(super) fn corrector(calibration: &Calibration) -> Result<Corrector<Vec<Correction>>> {
-    let zerorate::Part { name, axes } = zerorate::Part::ADIS16130;
-    Ok(calibration.corrector(&name, axes.iter().map(|axis| &*axis.name))?)
 }
 
 fn refuse_corrected(path: &Path, reader: &CaptureReader) -> Result<()> {
@@ -169,11 +168,10 @@ impl JudgedAxis {
 }
 
 impl Correcting {
-    fn new(info: &CaptureInfo, calibration: &Calibration) -> Result<Self> {
-        let (layout, part) = (info.layout.clone(), info.part());
+    fn new(info: &CaptureInfo, part: &zerorate::Part, calibration: &Calibration) -> Result<Self> {
         Ok(Self {
             corrector: calibration.corrector(&part.name, part.axes.iter().map(|axis| &*axis.name))?,
-            layout,
+            layout: info.layout.clone(),
             axes: part.axes.iter().map(JudgedAxis::new).collect(),
             waiting: VecDeque::new(),
             rows: 0,

@@ -1,6 +1,6 @@
 //! `zerorate stream`: the corrected rate, live.
 
-use super::correct::{corrector, load};
+use super::correct::load;
 use super::serial::{Part, one_line};
 use super::{flag, warn};
 use crate::acquire::Acquisition;
@@ -9,16 +9,17 @@ use crate::exit::{Refused, Usage};
 use crate::output::{Outputs, Stdout};
 use anyhow::{Result, bail, ensure};
 use clap::{Args, ValueEnum};
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 use std::io::{self, BufWriter, Write};
 use std::path::PathBuf;
 use zerorate::health::{Flags, Judged};
-use zerorate::{Axis, Calibration, CodeSum, Corrected, Correction, Corrector, Say};
+use zerorate::{Axis, Calibration, CodeSum, Correction, Corrector, Say};
 use zerorate_data::believed;
 use zerorate_host::Facts;
 use zerorate_view::duration::Seconds;
 
-/// Prints the corrected rate as it comes: columns t_s, rate_dps, temp_c, lost, calibration, flags.
+/// Prints the corrected rate as it comes: columns t_s, rate_dps, temp_c, lost, calibration, flags. A part with several
+/// axes has a column NAME_dps for each.
 ///
 /// t_s counts from the first sample; lost counts the samples lost since the row before; calibration names the
 /// calibration that was applied. flags is empty, or says which readings are not to be believed and were left out:
@@ -70,12 +71,14 @@ pub fn run(args: &StreamArgs) -> Result<()> {
     let mut acquisition = Acquisition::open(&args.device, args.sampling)?;
     check_serial(args, acquisition.facts(), &calibration)?;
     acquisition.initialise()?;
-    let mut rows = Rows::new(args.format, *acquisition.axis(), &calibration, acquisition.is_paced())?;
+    let mut rows = Rows::new(args.format, acquisition.part(), &calibration, acquisition.is_paced())?;
     let mut mean = Mean::default();
+    let mut judged = Vec::new();
     let ends_after_ns = args.duration.map_or(u64::MAX, Seconds::nanos);
     let mut first_ns = None;
-    while let Some(judged) = acquisition.next_judged()? {
-        let t_ns = judged.reading.t_ns - *first_ns.get_or_insert(judged.reading.t_ns);
+    while acquisition.next_judged(&mut judged)? {
+        let now_ns = judged.first().map_or(0, |first| first.reading.t_ns);
+        let t_ns = now_ns - *first_ns.get_or_insert(now_ns);
         if mean.belongs_to_next(t_ns / period_ns) {
             rows.write(&mut mean)?;
         }
@@ -83,7 +86,7 @@ pub fn run(args: &StreamArgs) -> Result<()> {
             break;
         }
         mean.push(t_ns, t_ns / period_ns, &judged);
-        if acquisition.health().frozen().is_some() {
+        if acquisition.frozen().is_some() {
             return stop_frozen(&acquisition, &mut rows, &mut mean);
         }
     }
@@ -91,7 +94,7 @@ pub fn run(args: &StreamArgs) -> Result<()> {
         rows.write(&mut mean)?;
     }
     rows.out.flush()?;
-    warn(&believed::warnings(acquisition.health(), acquisition.tally(), acquisition.start_ns()));
+    warn(&acquisition.disbelief());
     Ok(())
 }
 
@@ -101,7 +104,7 @@ fn stop_frozen(acquisition: &Acquisition, rows: &mut Rows, mean: &mut Mean) -> R
     mean.flags = mean.flags.and(Flags::FROZEN);
     rows.write(mean)?;
     rows.out.flush()?;
-    let frozen = acquisition.health().frozen();
+    let frozen = acquisition.frozen();
     let why = frozen.map(|frozen| believed::frozen_text(&frozen, acquisition.start_ns())).unwrap_or_default();
     Err(Refused(why).into())
 }
@@ -135,7 +138,8 @@ struct Mean {
     readings: u64,
     first_ns: u64,
     last_ns: u64,
-    rate: CodeSum,
+    /// Of each axis.
+    rates: Vec<CodeSum>,
     temp: CodeSum,
     lost: u64,
     flags: Flags,
@@ -152,20 +156,26 @@ impl Mean {
     }
 
     #[inline]
-    fn push(&mut self, t_ns: u64, slot: u64, judged: &Judged) {
+    fn push(&mut self, t_ns: u64, slot: u64, axes: &[Judged]) {
         if self.is_empty() {
             (self.slot, self.first_ns) = (slot, t_ns);
         }
         self.last_ns = t_ns;
         self.readings += 1;
-        if let Some(rate) = judged.rate() {
-            self.rate.push(rate);
+        self.rates.resize_with(axes.len(), CodeSum::default);
+        for (sum, judged) in self.rates.iter_mut().zip(axes) {
+            if let Some(rate) = judged.rate() {
+                sum.push(rate);
+            }
+            self.flags = self.flags.and(judged.flags);
         }
-        if let Some(temp) = judged.temp() {
-            self.temp.push(temp);
+        // temperature and losses are those of all axes
+        if let Some(first) = axes.first() {
+            if let Some(temp) = first.temp() {
+                self.temp.push(temp);
+            }
+            self.lost += u64::from(first.reading.lost);
         }
-        self.lost += u64::from(judged.reading.lost);
-        self.flags = self.flags.and(judged.flags);
     }
 
     /// Middle of the samples, s.
@@ -178,7 +188,9 @@ impl Mean {
 struct Rows {
     out: BufWriter<Stdout>,
     form: Form,
-    axis: Axis,
+    axes: Vec<Axis>,
+    /// Of the columns with their rates.
+    names: Vec<String>,
     corrector: Corrector<Vec<Correction>>,
     id: String,
     flush_each: bool,
@@ -194,34 +206,56 @@ struct Warned {
 #[derive(Serialize)]
 struct Row<'a> {
     t_s: f64,
-    rate_dps: Option<f64>,
+    /// By the names of their columns.
+    #[serde(flatten)]
+    rates_dps: Rates<'a>,
     temp_c: f64,
     lost: u64,
     calibration: &'a str,
     flags: String,
 }
 
+/// Corrected rates of all axes.
+struct Rates<'a> {
+    names: &'a [String],
+    rates_dps: Vec<Option<f64>>,
+}
+
+impl Serialize for Rates<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(self.names.iter().zip(&self.rates_dps))
+    }
+}
+
 impl Rows {
-    fn new(form: Form, axis: Axis, calibration: &Calibration, flush_each: bool) -> Result<Self> {
+    fn new(form: Form, part: &zerorate::Part, calibration: &Calibration, flush_each: bool) -> Result<Self> {
         let mut out = BufWriter::with_capacity(1 << 16, Stdout::lock());
+        let names = match &*part.axes {
+            [_] => vec!["rate_dps".to_owned()],
+            axes => axes.iter().map(|axis| format!("{}_dps", axis.name)).collect(),
+        };
         if let Form::Csv = form {
-            writeln!(out, "t_s,rate_dps,temp_c,lost,calibration,flags")?;
+            writeln!(out, "t_s,{},temp_c,lost,calibration,flags", names.join(","))?;
         }
-        let (corrector, id) = (corrector(calibration)?, calibration.id());
-        Ok(Self { out, form, axis, corrector, id, flush_each, warned: Warned::default() })
+        let corrector = calibration.corrector(&part.name, part.axes.iter().map(|axis| &*axis.name))?;
+        let (axes, id) = (part.axes.iter().map(|axis| axis.axis).collect(), calibration.id());
+        Ok(Self { out, form, axes, names, corrector, id, flush_each, warned: Warned::default() })
     }
 
     /// Writes the row of these samples and empties the mean. Before the first temperature there is nothing to correct
     /// with.
     fn write(&mut self, mean: &mut Mean) -> Result<()> {
-        let Axis { rate, temp, .. } = &self.axis;
-        let corrected = self.corrector.take(mean.rate.mean(rate), mean.temp.mean(temp));
-        if let Corrected { temp_c: Some(temp_c), rate_dps, extrapolated } = corrected
+        // all axes have the same temperature
+        self.corrector.read(self.axes.first().and_then(|first| mean.temp.mean(&first.temp)));
+        if let Some(temp_c) = self.corrector.temp_c()
             && !mean.is_empty()
         {
-            self.watch(extrapolated, mean.flags);
+            self.watch(self.corrector.is_extrapolated(), mean.flags);
             let flags = mean.flags.to_string();
-            let row = Row { t_s: mean.t_s(), rate_dps, temp_c, lost: mean.lost, calibration: &self.id, flags };
+            let means = mean.rates.iter().zip(&self.axes).map(|(sum, axis)| sum.mean(&axis.rate)).enumerate();
+            let rates_dps = means.map(|(index, rate_dps)| self.corrector.correct(index, rate_dps)).collect();
+            let rates_dps = Rates { names: &self.names, rates_dps };
+            let row = Row { t_s: mean.t_s(), rates_dps, temp_c, lost: mean.lost, calibration: &self.id, flags };
             match self.form {
                 Form::Csv => row.csv(&mut self.out)?,
                 Form::Jsonl => row.jsonl(&mut self.out)?,
@@ -250,9 +284,12 @@ impl Rows {
 
 impl Row<'_> {
     fn csv(&self, out: &mut impl Write) -> io::Result<()> {
-        let Self { t_s, rate_dps, temp_c, lost, calibration, flags } = self;
-        write!(out, "{t_s:.6},")?;
-        rate_dps.map_or(Ok(()), |rate_dps| write!(out, "{rate_dps:.6}"))?;
+        let Self { t_s, rates_dps: Rates { rates_dps, .. }, temp_c, lost, calibration, flags } = self;
+        write!(out, "{t_s:.6}")?;
+        for rate_dps in rates_dps {
+            write!(out, ",")?;
+            rate_dps.map_or(Ok(()), |rate_dps| write!(out, "{rate_dps:.6}"))?;
+        }
         writeln!(out, ",{temp_c:.4},{lost},{calibration},{flags}")
     }
 

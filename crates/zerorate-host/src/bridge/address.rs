@@ -6,7 +6,7 @@ use crate::kinds::{Address, Parsed};
 use crate::options::{
     DEFAULT_HZ, MCLK_RANGE_HZ, PART_OPTIONS, PartOptions, SLOWEST_HZ, number, split, without_bandwidth,
 };
-use crate::source::{Sampling, Source};
+use crate::source::{Setup, Source};
 use adis16130::{MAX_SCLK_HZ, MCLK_HZ};
 use std::fmt;
 use std::ops::RangeInclusive;
@@ -110,7 +110,7 @@ impl BridgeAddress {
 }
 
 impl Address for BridgeAddress {
-    fn open(&self, name: &str, sampling: Sampling, stop: &Stop) -> crate::Result<Box<dyn Source>> {
-        Ok(Box::new(BridgePart::open(self, name, sampling, stop)?))
+    fn open(&self, name: &str, setup: &Setup, stop: &Stop) -> crate::Result<Box<dyn Source>> {
+        Ok(Box::new(BridgePart::open(self, name, setup, stop)?))
     }
 }

@@ -10,7 +10,7 @@ use crate::error::{Cause, Told};
 use crate::live::{Edges, Live};
 use crate::pin::PinError;
 use crate::reader::{Reader, WhenFull};
-use crate::source::{Bus, Facts, Losses, Sampling, Source};
+use crate::source::{Bus, Facts, Losses, Setup, Source};
 pub use address::BridgeAddress;
 #[cfg(test)]
 pub use address::Port;
@@ -24,11 +24,12 @@ use progress::Progress;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 use wire::Wire;
+use zerorate_data::capture::Row;
 
 /// The part, and the thread that takes its samples once the first was asked for.
 pub struct BridgePart {
     address: BridgeAddress,
-    name: String,
+    facts: Facts,
     sampling: SamplerConfig,
     link: Shared,
     state: State,
@@ -42,14 +43,16 @@ enum State {
 
 impl BridgePart {
     /// Opens the port, ends whatever the bridge was doing, and sets its SPI clock.
-    fn open(address: &BridgeAddress, name: &str, sampling: Sampling, stop: &Stop) -> Result<Self> {
-        let sampling = sampling.config(address.part.divided);
+    fn open(address: &BridgeAddress, name: &str, setup: &Setup, stop: &Stop) -> crate::Result<Self> {
+        let sampling = setup.sampling.config(address.part.divided);
+        let settings = (address.part.config, sampling);
+        let facts = Facts::of_part(name, settings, address.mclk_hz, address.bandwidth_hz, setup.part.as_ref())?;
         let link = Shared(Arc::new(Mutex::new(Link::new(Wire::open(&address.port)?))));
         greet(&link, address).map_err(|error| link.explain(error, address))?;
         let edges = LastEdges { link: link.clone(), last: None };
         let live = Live::new(Transfers(link.clone()), edges, address.part.config, sampling, address.mclk_hz, stop);
-        let (address, name) = (address.clone(), name.to_owned());
-        Ok(Self { address, name, sampling, link, state: State::Ready(Box::new(live)) })
+        let address = address.clone();
+        Ok(Self { address, facts, sampling, link, state: State::Ready(Box::new(live)) })
     }
 
     /// Resets the part, initialises it, reads everything back. Returns the revision.
@@ -119,16 +122,15 @@ impl BridgePart {
 
 impl Source for BridgePart {
     fn facts(&self) -> Facts {
-        let settings = (self.address.part.config, self.sampling);
-        Facts::of_part(&self.name, settings, self.address.mclk_hz).with_bandwidth_hz(self.address.bandwidth_hz)
+        self.facts.clone()
     }
 
     fn initialise(&mut self) -> crate::Result<Option<u8>> {
         Ok(self.initialise_part().map(Some)?)
     }
 
-    fn next(&mut self) -> crate::Result<Option<Sample>> {
-        Ok(self.next_sample().map(Some)?)
+    fn next(&mut self) -> crate::Result<Option<Row>> {
+        Ok(self.next_sample().map(|sample| Some(Row::from(&sample)))?)
     }
 
     fn try_bus(&mut self) -> crate::Result<Option<Bus>> {

@@ -1,24 +1,23 @@
 //! `zerorate calibrate` and `recalibrate`: the procedure of F-51, on a part or on its recording.
 
 mod deliver;
-mod feed;
 mod plan;
 mod report;
 
 use super::serial::one_line;
 use super::warn;
 use crate::acquire::Acquisition;
-use crate::cli::{DeviceArgs, PartArgs, SamplingArgs};
+use crate::cli::{DeviceArgs, SamplingArgs};
 use crate::exit::{Refused, Usage};
 use crate::interrupt;
 use crate::output::{Outputs, Staged};
+use crate::part::PartArgs;
 use crate::progress::{Meter, Watch};
 use crate::recorder::Recorder;
 use adis16130_twin::Truth;
 use anyhow::Result;
 use clap::{Args, ValueEnum};
 use deliver::Undelivered;
-use feed::Feed;
 use plan::PlanArgs;
 pub use plan::flag;
 pub use report::Report;
@@ -28,7 +27,7 @@ use zerorate::{
     Action, AxisRefusal, Calibration, Event, Names, Outcome, Part, PartProcedure, Say, Scan, State, Warning,
 };
 use zerorate_data::capture::{CaptureInfo, Converter, Format, Layout, Row, SampleHash};
-use zerorate_host::{DeviceSpec, Sampling, Stop};
+use zerorate_host::{DeviceSpec, Setup, Stop};
 use zerorate_view::duration::Seconds;
 
 /// Finds the bias of a part and how it changes with temperature.
@@ -47,9 +46,6 @@ pub struct CalibrateArgs {
 
     #[command(flatten)]
     sampling: SamplingArgs,
-
-    #[command(flatten)]
-    part: PartArgs,
 
     #[command(flatten)]
     plan: PlanArgs,
@@ -119,56 +115,34 @@ enum Method {
 
 pub fn run(args: &CalibrateArgs) -> Result<()> {
     let files = Files::claim(args.device.file(), &args.result, args.log.as_deref())?;
-    calibrate(feed(args, interrupt::stop(), true)?, &args.plan, &args.result, files)
+    let acquisition = Acquisition::open(&args.device, args.sampling)?;
+    calibrate(acquisition, &args.plan, &args.result, files)
 }
 
 pub fn run_again(args: &RecalibrateArgs) -> Result<()> {
     interrupt::listen();
     let files = Files::claim(Some(&args.capture), &args.result, None)?;
-    let (known, stop) = (args.part.known()?, interrupt::stop());
-    let feed = match Feed::of_another_part(&args.capture, known.as_ref(), stop)? {
-        Some(feed) => feed,
-        None => {
-            let recording = DeviceSpec::replay(args.capture.clone());
-            Feed::device(Acquisition::unpaced(&recording, Sampling::default(), stop)?, known.as_ref())?
-        }
-    };
-    calibrate(feed, &args.plan, &args.result, files)
+    let recording = DeviceSpec::replay(args.capture.clone());
+    let setup = Setup { part: args.part.part.clone(), ..Setup::default() };
+    let acquisition = Acquisition::unpaced(&recording, setup, interrupt::stop())?;
+    calibrate(acquisition, &args.plan, &args.result, files)
 }
 
 /// The measurement alone, for another program: prints nothing, leaves Ctrl-C alone, and ends when `watch` says so.
 pub fn measured(args: &CalibrateArgs, watch: &mut dyn Watch) -> Result<(Report, Calibration)> {
     let files = Files::claim(args.device.file(), &args.result, args.log.as_deref())?;
-    let feed = feed(args, &Stop::default(), false)?;
-    let procedure = procedure(&feed.part(), &args.plan, watch.names())?;
-    let Done { report, calibration, kept } = measure(feed, procedure, &args.result, files, watch)?;
+    let setup = args.device.setup(args.sampling);
+    let acquisition = Acquisition::unpaced(&args.device.device, setup, &Stop::default())?;
+    let procedure = procedure(acquisition.part(), &args.plan, watch.names())?;
+    let Done { report, calibration, kept } = measure(acquisition, procedure, &args.result, files, watch)?;
     kept.map_err(Undelivered::into_error)?;
     Ok((report, calibration))
 }
 
-/// What is to be measured. `listens`: Ctrl-C is the wish to end cleanly from here on.
-fn feed(args: &CalibrateArgs, stop: &Stop, listens: bool) -> Result<Feed> {
-    let known = args.part.known()?;
-    let sampling = args.sampling.plain();
-    if let Some(path) = args.device.file().filter(|_| sampling == Sampling::default() && !args.device.realtime)
-        && let Some(feed) = Feed::of_another_part(path, known.as_ref(), stop)?
-    {
-        if listens {
-            interrupt::listen();
-        }
-        return Ok(feed);
-    }
-    let acquisition = match listens {
-        true => Acquisition::open(&args.device, args.sampling)?,
-        false => Acquisition::unpaced(&args.device.device, sampling, stop)?,
-    };
-    Feed::device(acquisition, known.as_ref())
-}
-
-fn calibrate(feed: Feed, plan: &PlanArgs, result: &ResultArgs, files: Files) -> Result<()> {
-    let procedure = procedure(&feed.part(), plan, flag)?;
+fn calibrate(acquisition: Acquisition, plan: &PlanArgs, result: &ResultArgs, files: Files) -> Result<()> {
+    let procedure = procedure(acquisition.part(), plan, flag)?;
     let mut meter = Meter::new(procedure.plan().total_s());
-    let done = measure(feed, procedure, result, files, &mut meter)?;
+    let done = measure(acquisition, procedure, result, files, &mut meter)?;
     drop(meter);
     if !result.json {
         warn(&done.report.warnings());
@@ -184,17 +158,17 @@ fn procedure(part: &Part, plan: &PlanArgs, names: Names) -> Result<PartProcedure
 }
 
 fn measure(
-    mut feed: Feed,
+    mut acquisition: Acquisition,
     procedure: PartProcedure,
     result: &ResultArgs,
     mut files: Files,
     watch: &mut dyn Watch,
 ) -> Result<Done> {
-    feed.mark(procedure.plan().offset_ends_ns());
-    let info = feed.info(result.serial.as_deref(), result.supply_note.as_deref());
+    acquisition.mark(procedure.plan().offset_ends_ns());
+    let info = acquisition.info(result.serial.as_deref(), result.supply_note.as_deref());
     let names = watch.names();
     let log = files.log(&info)?;
-    let mut measured = Measurement::new(feed, procedure, log, watch).run()?;
+    let mut measured = Measurement::new(acquisition, procedure, log, watch).run()?;
     measured.outcomes.iter_mut().for_each(|outcome| outcome.warnings.extend(measured.resonance));
     let calibration = Calibration::new(&measured.part, &measured.outcomes, origin(info, measured.capture_sha256));
     let report = Report::new(&measured.outcomes, &calibration, measured.truth.as_slice(), names);
@@ -266,7 +240,7 @@ fn origin(info: CaptureInfo, capture_sha256: String) -> Origin {
 
 /// The procedure, being fed.
 struct Measurement<'a> {
-    feed: Feed,
+    acquisition: Acquisition,
     layout: Layout,
     procedure: PartProcedure,
     log: Option<Recorder>,
@@ -290,10 +264,15 @@ struct Measured {
 }
 
 impl<'a> Measurement<'a> {
-    fn new(feed: Feed, procedure: PartProcedure, log: Option<Recorder>, watch: &'a mut dyn Watch) -> Self {
-        let layout = feed.layout();
+    fn new(
+        acquisition: Acquisition,
+        procedure: PartProcedure,
+        log: Option<Recorder>,
+        watch: &'a mut dyn Watch,
+    ) -> Self {
+        let layout = acquisition.facts().info.layout.clone();
         let hash = SampleHash::new(&layout);
-        Self { feed, layout, procedure, log, log_failed: None, hash, truth: None, watch }
+        Self { acquisition, layout, procedure, log, log_failed: None, hash, truth: None, watch }
     }
 
     fn run(mut self) -> Result<Measured> {
@@ -304,7 +283,7 @@ impl<'a> Measurement<'a> {
         }
         fed?;
         let (plan, names) = (self.procedure.plan(), self.watch.names());
-        let resonance = self.feed.resonance(plan.average_s.min(plan.offset_s));
+        let resonance = self.acquisition.resonance(plan.average_s.min(plan.offset_s));
         Ok(Measured {
             resonance,
             part: self.procedure.part().clone(),
@@ -330,7 +309,7 @@ impl<'a> Measurement<'a> {
 
     /// The procedure's time starts with the first row, so that a recording of the rows is all there is to know.
     fn initialise(&mut self) -> Result<()> {
-        self.feed.initialise()?;
+        self.acquisition.initialise()?;
         let first = self.row()?;
         self.handle(Event::Initialised { t_ns: first.t_ns })?;
         self.take(&first)
@@ -338,7 +317,7 @@ impl<'a> Measurement<'a> {
 
     #[inline]
     fn row(&mut self) -> Result<Row> {
-        match self.feed.next()? {
+        match self.acquisition.next()? {
             Some(row) => Ok(row),
             None => Err(self.ended_early()),
         }
@@ -353,9 +332,9 @@ impl<'a> Measurement<'a> {
         let in_step_8 = self.procedure.progress().state == State::Offset;
         self.handle(Event::Reading(&self.layout.scan(row)))?;
         if in_step_8 && self.procedure.progress().state != State::Offset {
-            self.truth = self.feed.truth();
+            self.truth = self.acquisition.truth();
         }
-        if self.feed.is_time_to_show() && !self.watch.see(&self.procedure.progress()) {
+        if self.acquisition.is_time_to_show() && !self.watch.see(&self.procedure.progress()) {
             return Err(self.interrupted());
         }
         Ok(())

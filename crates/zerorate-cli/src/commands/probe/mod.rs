@@ -2,7 +2,7 @@
 
 mod host;
 
-use super::{coded, print_json, print_lines, warn};
+use super::{coded, flag, print_json, print_lines, warn};
 use crate::acquire::Acquisition;
 use crate::cli::{DeviceArgs, SamplingArgs};
 use crate::interrupt;
@@ -11,7 +11,7 @@ use adis16130::{Framing, SelfTest};
 use anyhow::{Result, ensure};
 use clap::Args;
 use serde::Serialize;
-use zerorate::{Checkup, Limits};
+use zerorate::{Axis, Checkup, Limits, NamedAxis, Say};
 use zerorate_host::Bus;
 use zerorate_view::duration::{self, Seconds};
 
@@ -68,12 +68,24 @@ struct Findings {
     lost_samples: u64,
     longest_gap_ms: f64,
     duration_s: f64,
+    /// Of a part with one axis; else it stands in `axes`.
+    #[serde(flatten)]
+    only: Option<AxisFindings>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    axes: Vec<AxisFindings>,
+    temp_c: Option<f64>,
+    warnings: Vec<String>,
+}
+
+/// What was found of an axis.
+#[derive(Serialize)]
+struct AxisFindings {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    name: Option<String>,
     rate_dps: f64,
     white_dps_per_rt_hz: Option<f64>,
     #[serde(skip)]
     typical_white_dps_per_rt_hz: Option<f64>,
-    temp_c: Option<f64>,
-    warnings: Vec<String>,
 }
 
 /// What the self-test did to the rate.
@@ -97,9 +109,9 @@ pub fn run(args: &ProbeArgs) -> Result<()> {
             Some(SelfTested { shift_dps, u_dps, samples: n })
         }
     };
-    let checkup = read(&mut acquisition, args.duration)?;
+    let checkups = read(&mut acquisition, args.duration)?;
     ensure!(acquisition.tally().samples > 0, "no samples were read");
-    let findings = Findings { self_test, ..Findings::new(acquisition, revision, bus, &checkup) };
+    let findings = Findings { self_test, ..Findings::new(acquisition, revision, bus, &checkups) };
     if args.json {
         return print_json(&findings);
     }
@@ -108,13 +120,14 @@ pub fn run(args: &ProbeArgs) -> Result<()> {
 }
 
 /// Reads samples for so long.
-fn read(acquisition: &mut Acquisition, duration: Seconds) -> Result<Checkup> {
+fn read(acquisition: &mut Acquisition, duration: Seconds) -> Result<Vec<Checkup>> {
     let meter = Meter::new(duration.0);
-    let mut checkup = Checkup::default();
+    let mut checkups = vec![Checkup::default(); acquisition.part().axes.len()];
+    let mut judged = Vec::new();
     let mut first_ns = None;
-    while let Some(judged) = acquisition.next_judged()? {
-        checkup.push(&judged);
-        let t_ns = judged.reading.t_ns;
+    while acquisition.next_judged(&mut judged)? {
+        checkups.iter_mut().zip(&judged).for_each(|(checkup, judged)| checkup.push(judged));
+        let t_ns = judged.first().map_or(0, |first| first.reading.t_ns);
         let elapsed_ns = t_ns - *first_ns.get_or_insert(t_ns);
         if elapsed_ns >= duration.nanos() {
             break;
@@ -124,20 +137,26 @@ fn read(acquisition: &mut Acquisition, duration: Seconds) -> Result<Checkup> {
         }
     }
     ensure!(!interrupt::asked(), "interrupted");
-    Ok(checkup)
+    Ok(checkups)
 }
 
 impl Findings {
-    fn new(mut acquisition: Acquisition, revision: Option<u8>, bus: Option<Bus>, checkup: &Checkup) -> Self {
+    fn new(mut acquisition: Acquisition, revision: Option<u8>, bus: Option<Bus>, checkups: &[Checkup]) -> Self {
         let of_the_samples = acquisition.warnings();
         let tally = *acquisition.tally();
-        let is_frozen = acquisition.health().frozen_at_end().is_some();
-        let axis = *acquisition.axis();
         let facts = acquisition.facts();
-        let white = checkup.white_dps_per_rt_hz(&axis, tally.rate_hz()).filter(|_| !is_frozen);
-        let typical_white_dps_per_rt_hz = axis.noise.map(|noise| noise.white_dps_per_rt_hz);
-        let of_the_part = checkup.warnings(&axis, &tally, white, facts.rate_hz, &Limits::default());
-        let of_the_part: Vec<String> = of_the_part.iter().map(coded).collect();
+        let frozen = acquisition.healths().map(|health| health.frozen_at_end().is_some());
+        let several = checkups.len() > 1;
+        let named = facts.part.axes.iter().zip(checkups).zip(frozen);
+        let mut axes: Vec<AxisFindings> = named
+            .map(|((named, checkup), frozen)| AxisFindings::new(several, named, checkup, tally.rate_hz(), frozen))
+            .collect();
+        let first = checkups.first().zip(facts.part.axes.first());
+        let of_the_part = first.map(|(first, _)| first.warnings(&tally, facts.rate_hz, &Limits::default()));
+        let of_the_part: Vec<String> = of_the_part.iter().flatten().map(coded).collect();
+        let of_the_noise: Vec<String> =
+            axes.iter().zip(&*facts.part.axes).filter_map(|(found, named)| found.noise_warning(&named.axis)).collect();
+        let temp_c = first.and_then(|(first, named)| first.temp_c(&named.axis));
         let taken = tally.samples as f64 / (tally.samples + tally.lost) as f64;
         Self {
             device: facts.name.clone(),
@@ -158,24 +177,20 @@ impl Findings {
             lost_samples: tally.lost,
             longest_gap_ms: tally.longest_gap_ms(),
             duration_s: tally.duration_s(),
-            rate_dps: checkup.rate_dps(&axis).unwrap_or_default(),
-            white_dps_per_rt_hz: white,
-            typical_white_dps_per_rt_hz,
-            temp_c: checkup.temp_c(&axis),
-            warnings: of_the_samples.into_iter().chain(of_the_part).collect(),
+            only: if several { None } else { axes.pop() },
+            axes,
+            temp_c,
+            warnings: of_the_samples.into_iter().chain(of_the_noise).chain(of_the_part).collect(),
         }
     }
 
     fn text(&self) -> String {
-        let shown =
-            |value: Option<f64>, unit: &str| value.map_or("not measured".to_owned(), |v| format!("{v:.4} {unit}"));
         let part = self.revision.map_or(String::new(), |revision| {
             format!("  part          answers, revision {revision:02X}h; every register written reads back\n")
         });
         format!(
             "{}\n{part}{}{}{}  data ready    {:.1} Hz\n  samples       {:.1} a second: {} in {}, {} lost, longest gap \
-             {:.3} ms\n  \
-             rate          {:+.4} °/s on average\n  white noise   {}{}\n  temperature   {}\n",
+             {:.3} ms\n{}  temperature   {}\n",
             self.device,
             self.framing_text(),
             self.bus_text(),
@@ -186,11 +201,41 @@ impl Findings {
             Seconds(self.duration_s),
             self.lost_samples,
             self.longest_gap_ms,
-            self.rate_dps,
-            shown(self.white_dps_per_rt_hz, "°/s/√Hz"),
-            self.typical_white_dps_per_rt_hz.map_or(String::new(), |typical| format!(" (typical {typical})")),
+            self.only.iter().chain(&self.axes).map(AxisFindings::text).collect::<String>(),
             shown(self.temp_c, "°C"),
         )
+    }
+}
+
+/// A value that may not have been measured.
+fn shown(value: Option<f64>, unit: &str) -> String {
+    value.map_or("not measured".to_owned(), |value| format!("{value:.4} {unit}"))
+}
+
+impl AxisFindings {
+    fn new(several: bool, named: &NamedAxis, checkup: &Checkup, rate_hz: f64, is_frozen: bool) -> Self {
+        Self {
+            name: several.then(|| named.name.to_string()),
+            rate_dps: checkup.rate_dps(&named.axis).unwrap_or_default(),
+            white_dps_per_rt_hz: checkup.white_dps_per_rt_hz(&named.axis, rate_hz).filter(|_| !is_frozen),
+            typical_white_dps_per_rt_hz: named.axis.noise.map(|noise| noise.white_dps_per_rt_hz),
+        }
+    }
+
+    fn noise_warning(&self, axis: &Axis) -> Option<String> {
+        let warning = Checkup::noise_warning(axis, self.white_dps_per_rt_hz?, &Limits::default())?;
+        Some(match &self.name {
+            Some(name) => format!("{}: axis {name}: {}", warning.code(), warning.with(flag)),
+            None => coded(&warning),
+        })
+    }
+
+    fn text(&self) -> String {
+        let typical =
+            self.typical_white_dps_per_rt_hz.map_or(String::new(), |typical| format!(" (typical {typical})"));
+        let white = shown(self.white_dps_per_rt_hz, "°/s/√Hz");
+        let name = self.name.as_ref().map_or(String::new(), |name| format!("  axis          {name}\n"));
+        format!("{name}  rate          {:+.4} °/s on average\n  white noise   {white}{typical}\n", self.rate_dps)
     }
 }
 
