@@ -23,6 +23,8 @@ pub struct Part {
     pub name: Cow<'static, str>,
     /// One at least, [`MAX_AXES`] at most.
     pub axes: Cow<'static, [NamedAxis]>,
+    /// What logs call the column of the temperature, where it is not `temp`.
+    pub temp_column: Option<Cow<'static, str>>,
 }
 
 /// An axis of a [`Part`].
@@ -30,6 +32,8 @@ pub struct Part {
 pub struct NamedAxis {
     /// What captures and calibrations call it.
     pub name: Cow<'static, str>,
+    /// What logs call its column, where it is not the name.
+    pub column: Option<Cow<'static, str>>,
     /// Its numbers.
     pub axis: Axis,
     /// Where its typical noise comes from.
@@ -51,12 +55,14 @@ impl Part {
         name: Cow::Borrowed("ADIS16130"),
         axes: Cow::Borrowed(&[NamedAxis {
             name: Cow::Borrowed("rate"),
+            column: None,
             axis: Axis::ADIS16130,
             sources: NoiseSources {
                 flicker: Some(Cow::Borrowed("M-04")),
                 rate_random_walk: Some(Cow::Borrowed("M-04")),
             },
         }]),
+        temp_column: None,
     };
 }
 

@@ -24,8 +24,13 @@ const SHORT: Plan = Plan {
 };
 
 fn part() -> Part {
-    let axis = |name| NamedAxis { name: Cow::Borrowed(name), axis: Axis::ADIS16130, sources: NoiseSources::default() };
-    Part { name: Cow::Borrowed("THREE"), axes: Cow::Owned(["x", "y", "z"].map(axis).to_vec()) }
+    let axis = |name| NamedAxis {
+        name: Cow::Borrowed(name),
+        column: None,
+        axis: Axis::ADIS16130,
+        sources: NoiseSources::default(),
+    };
+    Part { name: Cow::Borrowed("THREE"), axes: Cow::Owned(["x", "y", "z"].map(axis).to_vec()), temp_column: None }
 }
 
 /// One die with three elements: same clock and same warming, each with its own bias, coefficient and noise.

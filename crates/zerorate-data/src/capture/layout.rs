@@ -62,13 +62,16 @@ pub enum LayoutError {
     /// A status register of a width that there is no column for.
     #[error("a status of {0} bits; it has 8, 16 or 32")]
     Status(u8),
+    /// The part that is built in, described by somebody else.
+    #[error("an {0} is built in, and its captures state how its converter was set: give the part another name")]
+    BuiltIn(String),
 }
 
 impl Layout {
     /// That of an ADIS16130, whose codes have this width (F-40, F-41, F-43).
     #[must_use]
     pub fn adis16130(width: Width) -> Self {
-        let Part { name, axes } = Part::ADIS16130;
+        let Part { name, axes, .. } = Part::ADIS16130;
         let dropped_bits = (24 - width.bits()) as u8;
         let narrow = |scale: Scale, lsb: u32| Scale {
             lsb_per_unit: f64::from(lsb) / f64::from(1u32 << dropped_bits),
@@ -95,6 +98,9 @@ impl Layout {
     /// # Errors
     /// What in the part no capture can have.
     pub fn of_part(part: &Part) -> Result<Self, LayoutError> {
+        if part.name == Part::ADIS16130.name {
+            return Err(LayoutError::BuiltIn(part.name.to_string()));
+        }
         let temp = part.axes.first().ok_or(LayoutError::Axes(0))?.axis.temp;
         let coded = |NamedAxis { name, axis, .. }: &NamedAxis| CodedAxis {
             name: name.to_string(),
@@ -175,6 +181,7 @@ impl Layout {
         }
         let axis = |coded: &CodedAxis| NamedAxis {
             name: coded.name.clone().into(),
+            column: None,
             axis: Axis {
                 rate: coded.scale_dps(),
                 temp: self.temp,
@@ -188,7 +195,7 @@ impl Layout {
             },
             sources: NoiseSources::default(),
         };
-        Part { name: self.part.clone().into(), axes: self.axes.iter().map(axis).collect() }
+        Part { name: self.part.clone().into(), axes: self.axes.iter().map(axis).collect(), temp_column: None }
     }
 
     fn is_adis16130(&self) -> bool {

@@ -1,6 +1,6 @@
 //! Which of a file's columns are meant.
 
-use super::unit::Unit;
+use super::unit::{TimeUnit, Unit, is_celsius};
 use super::{ColumnOptions, LogError, Result};
 use std::path::Path;
 
@@ -32,8 +32,8 @@ impl Described {
     /// Whether a column of this name may be meant, the name to the letter aside.
     fn fits(&self, column: &str) -> bool {
         let rest = column.strip_prefix(&self.name).filter(|_| !self.is_exact);
-        let has_unit = |rest: &str| rest.starts_with(['_', ' ', '[', '(']) && Unit::of_column(column).is_some();
-        rest.is_some_and(|rest| matches!(rest, "_code" | "_c") || has_unit(rest))
+        let states_unit = Unit::of_column(column).is_some() || is_celsius(column);
+        rest.is_some_and(|rest| rest == "_code" || states_unit && rest.starts_with(['_', ' ', '[', '(']))
     }
 }
 
@@ -73,8 +73,17 @@ impl Columns<'_> {
                 columns.iter().map(|column| self.described(column)).collect::<Result<_>>()?
             }
         };
+        let described = matches!(wanted, Wanted::Described(_)) && args.rate.is_none();
+        let time = time.or_else(|| self.stated_time(&values).filter(|_| described));
         self.check(&values, time)?;
         Ok(Choice { values, time })
+    }
+
+    /// The only other column whose name states a unit of time.
+    fn stated_time(&self, values: &[usize]) -> Option<usize> {
+        let states = |index: &usize| !values.contains(index) && TimeUnit::of_column(self.names[*index]).is_some();
+        let mut stating = (0..self.names.len()).filter(states);
+        stating.next().filter(|_| stating.next().is_none())
     }
 
     fn check(&self, values: &[usize], time: Option<usize>) -> Result<()> {

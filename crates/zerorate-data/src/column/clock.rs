@@ -76,6 +76,21 @@ impl Times {
         }
     }
 
+    /// Time of each row in ns, since the origin of the file's clock or, where that cannot be told in ns, since the first
+    /// row.
+    pub fn nanoseconds(&self, unit: TimeUnit) -> Vec<u64> {
+        let ns_per_unit = 1e9 / unit.per_s();
+        let first_ns = match self.origin {
+            Some(Origin::Integer(first)) => i128::from(first) * ns_per_unit as i128,
+            Some(Origin::Number(first)) => (first * ns_per_unit).round() as i128,
+            None => 0,
+        };
+        let last_ns = self.since_first.last().map_or(0, |last| (last * ns_per_unit).round() as i128);
+        let fits = first_ns >= 0 && u64::try_from(first_ns + last_ns).is_ok();
+        let first_ns = if fits { first_ns as u64 } else { 0 };
+        self.since_first.iter().map(|since| first_ns.saturating_add((since * ns_per_unit).round() as u64)).collect()
+    }
+
     /// Rate and gaps, if the clock is even enough for both to be beyond doubt.
     pub fn beat(&self, unit: TimeUnit) -> Result<Beat, String> {
         let interval = self.interval().ok_or("a time column of a single row tells no rate; give --rate HZ")?;

@@ -13,6 +13,7 @@ mod npy;
 mod number;
 mod open;
 mod parquet;
+mod part_log;
 mod raw;
 mod series;
 #[cfg(test)]
@@ -26,6 +27,7 @@ mod text;
 mod unit;
 
 pub use choice::{Described, Wanted};
+pub use part_log::PartLog;
 pub use raw::RawType;
 pub use series::Series;
 pub use unit::{TimeUnit, Unit};
@@ -233,13 +235,9 @@ impl Clock {
             Self::Silent => Ok((None, Vec::new())),
             Self::Counted { rate_hz, gaps } => Ok((rate_hz, gaps)),
             Self::Column(name, times) => {
-                let unit = args.time_unit.or(times.unit).or_else(|| TimeUnit::of_column(&name)).ok_or_else(|| {
-                    let why = format!("does not state the unit of its time column `{name}`");
-                    LogError::Ask(format!("{} {why}; give --time-unit s, ms, us or ns", path.display()))
-                })?;
-                let beat = times.beat(unit);
-                let Beat { rate_hz, gaps } =
-                    beat.map_err(|why| LogError::Refused(format!("{}, column {name}: {why}", path.display())))?;
+                let unit = args.time_unit.or(times.unit).or_else(|| TimeUnit::of_column(&name));
+                let beat = times.beat(unit.ok_or_else(|| no_time_unit(path, &name))?);
+                let Beat { rate_hz, gaps } = beat.map_err(|why| unsteady(path, &name, &why))?;
                 Ok((Some(rate_hz), gaps))
             }
         }
@@ -250,10 +248,7 @@ impl Found {
     fn finish(self, path: &Path, args: &ColumnOptions) -> Result<Vec<Column>> {
         let Self { columns, clock, warning } = self;
         let (measured, lost) = clock.beat(path, args)?;
-        let rate_hz = args.rate.or(measured).ok_or_else(|| {
-            let remedy = "give --rate HZ, or --time-column NAME if a column holds the time";
-            LogError::Ask(format!("{} does not say how fast it was sampled: {remedy}", path.display()))
-        })?;
+        let rate_hz = args.rate.or(measured).ok_or_else(|| no_rate(path))?;
         let mut of_file = warning;
         let finish = |column: FoundColumn| {
             let said = [of_file.take(), column.warning.clone()].into_iter().flatten();
@@ -289,6 +284,20 @@ impl FoundColumn {
             warnings: warning.into_iter().chain(unknown).collect(),
         })
     }
+}
+
+fn no_time_unit(path: &Path, column: &str) -> LogError {
+    let why = format!("does not state the unit of its time column `{column}`");
+    LogError::Ask(format!("{} {why}; give --time-unit s, ms, us or ns", path.display()))
+}
+
+fn unsteady(path: &Path, column: &str, why: &str) -> LogError {
+    LogError::Refused(format!("{}, column {column}: {why}", path.display()))
+}
+
+fn no_rate(path: &Path) -> LogError {
+    let remedy = "give --rate HZ, or --time-column NAME if a column holds the time";
+    LogError::Ask(format!("{} does not say how fast it was sampled: {remedy}", path.display()))
 }
 
 /// More samples are missing than can be written out.

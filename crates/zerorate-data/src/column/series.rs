@@ -148,6 +148,11 @@ impl SeriesBuilder {
         Ok((self.series, gaps))
     }
 
+    /// A number for each row, NaN where it has none.
+    pub fn into_rows(mut self) -> Vec<f64> {
+        std::mem::take(self.numbers())
+    }
+
     /// The numbers; integers become numbers here.
     fn numbers(&mut self) -> &mut Vec<f64> {
         if let Series::Codes(codes) = &self.series {

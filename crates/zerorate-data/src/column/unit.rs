@@ -149,6 +149,15 @@ impl TimeUnit {
     }
 }
 
+/// Whether the name of a column states °C: in brackets or after an underscore.
+pub fn is_celsius(name: &str) -> bool {
+    let lower = name.to_lowercase();
+    match bracketed(&lower) {
+        Some(inner) => ["c", "°c", "ºc", "degc", "deg c", "celsius"].contains(&inner.trim()),
+        None => ["c", "degc", "deg_c", "celsius"].iter().any(|ending| has_ending(&lower, ending)),
+    }
+}
+
 /// What stands in the last pair of brackets.
 fn bracketed(name: &str) -> Option<&str> {
     [('[', ']'), ('(', ')')].into_iter().find_map(|(open, close)| {

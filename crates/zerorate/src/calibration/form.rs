@@ -181,7 +181,7 @@ impl Calibration {
 
     /// Nothing but an ADIS16130 as it is.
     fn fits_schema_1(&self) -> bool {
-        let Part { name, axes } = &Part::ADIS16130;
+        let Part { name, axes, .. } = &Part::ADIS16130;
         let known = &axes[0];
         let same = |axis: &CalibratedAxis| {
             axis.name == known.name && axis.rate == Some(known.axis.rate) && axis.warnings.is_empty()

@@ -49,7 +49,8 @@ impl Part {
                 return Err(PartError::new(format_args!("two axes are called {:?}", one.name)));
             }
         }
-        Ok(Self { name: Cow::Owned(word("name", &file.name)?), axes: Cow::Owned(axes) })
+        let temp_column = file.temperature.column.clone().map(Cow::Owned);
+        Ok(Self { name: Cow::Owned(word("name", &file.name)?), axes: Cow::Owned(axes), temp_column })
     }
 }
 
@@ -89,6 +90,7 @@ struct File {
 #[serde(deny_unknown_fields)]
 struct AxisEntry {
     name: String,
+    column: Option<String>,
     rate: Option<Rate>,
     noise: Option<Noise>,
     bias: Option<Bias>,
@@ -114,6 +116,7 @@ struct Temperature {
     width_bits: u8,
     signed: Option<bool>,
     noise_c: Option<Entry>,
+    column: Option<String>,
 }
 
 #[derive(Clone, Deserialize)]
@@ -218,7 +221,8 @@ impl File {
             resonance: self.resonance.as_ref().map(Resonance::tone).transpose()?,
             alternates: false,
         };
-        Ok(NamedAxis { name: Cow::Owned(word("an axis", &entry.name)?), axis, sources })
+        let column = entry.column.clone().map(Cow::Owned);
+        Ok(NamedAxis { name: Cow::Owned(word("an axis", &entry.name)?), column, axis, sources })
     }
 }
 
@@ -390,6 +394,15 @@ mod tests {
             let error = Part::parse(&ADIS16130.replace(from, to)).unwrap_err().to_string();
             assert!(error.contains(said), "{to}: {error}");
         }
+    }
+
+    #[test]
+    fn a_log_may_have_other_names() {
+        let text = ADIS16130
+            .replace("{ name = \"rate\" }", "{ name = \"rate\", column = \"gz [rad/s]\" }")
+            .replace("zero_c = 25", "zero_c = 25\n        column = \"T\"");
+        let part = Part::parse(&text).unwrap();
+        assert_eq!((part.axes[0].column.as_deref(), part.temp_column.as_deref()), (Some("gz [rad/s]"), Some("T")));
     }
 
     #[test]
