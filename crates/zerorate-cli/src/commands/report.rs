@@ -1,11 +1,14 @@
 //! `zerorate report`: a calibration as one page, to be read, printed and filed.
 
+use super::allan::picture::{self, Kind};
 use super::correct::load;
 use super::print;
+use crate::exit::Usage;
 use crate::output::Outputs;
 use anyhow::Result;
 use clap::Args;
 use std::path::PathBuf;
+use zerorate::Calibration;
 use zerorate_view::report;
 
 /// Writes a calibration as one self-contained HTML page.
@@ -19,7 +22,8 @@ pub struct ReportArgs {
     #[arg(value_name = "CALIBRATION")]
     cal: PathBuf,
 
-    /// The file to write [default: stdout].
+    /// The file to write [default: stdout]. If it ends in .svg or .png, that is the picture of the page alone: the
+    /// correction over temperature.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
 
@@ -31,9 +35,26 @@ pub struct ReportArgs {
 pub fn run(args: &ReportArgs) -> Result<()> {
     let mut outputs = Outputs::new(args.force).reading([&*args.cal])?;
     let calibration = load(&args.cal)?;
-    let page = report::calibration_page(&calibration, &args.cal.display().to_string())?;
+    let page = || report::calibration_page(&calibration, &args.cal.display().to_string());
     match &args.output {
-        None => print(&page),
-        Some(path) => Ok(outputs.derived(path)?.fill(page.as_bytes())?),
+        None => print(&page()?),
+        Some(path) => match Kind::of(path) {
+            Ok(kind) => {
+                let svg = correction(&calibration)?;
+                picture::write(kind, outputs.derived(path)?, &svg)
+            }
+            Err(_) => Ok(outputs.derived(path)?.fill(page()?.as_bytes())?),
+        },
+    }
+}
+
+fn correction(calibration: &Calibration) -> Result<String> {
+    match calibration.axes.as_slice() {
+        [only] => Ok(report::calibration_picture(only, calibration.validity)),
+        axes => Err(Usage(format!(
+            "a picture shows one axis, and this calibration has {}: write a page (.html), which has a picture of each",
+            axes.len()
+        ))
+        .into()),
     }
 }

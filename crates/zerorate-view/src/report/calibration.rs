@@ -103,7 +103,7 @@ fn axis_part<'a>(calibration: &Calibration, axis: &'a CalibratedAxis) -> Result<
         pbc: signed_term(correction.pbc_dps),
         btc: format!("{:+.6}", correction.btc_dps_per_c),
         t3: format!("{:.4}", correction.t3_c),
-        picture: picture(axis, calibration.validity),
+        picture: calibration_picture(axis, calibration.validity),
         has_band: axis.uncertainty.is_some(),
         table: correction.table(TABLE_C.0, TABLE_C.1)?.into_iter().map(row).collect(),
         sections: own.into_iter().filter(|section| several && !section.facts.is_empty()).collect(),
@@ -154,7 +154,9 @@ fn span(calibration: &Calibration) -> String {
     }
 }
 
-fn picture(axis: &CalibratedAxis, validity: Option<Validity>) -> String {
+/// The picture of that page alone, as SVG: the correction of an axis over temperature, with its interval and the span
+/// of the measurement, °/s over °C.
+pub fn calibration_picture(axis: &CalibratedAxis, validity: Option<Validity>) -> String {
     let correction = &axis.correction;
     let valid_c = validity.map(|span| (span.temp_min_c, span.temp_max_c));
     let (coldest, hottest) = valid_c.unwrap_or((correction.t3_c, correction.t3_c));

@@ -4,7 +4,7 @@ mod allan;
 mod calibration;
 
 pub use allan::{AllanPage, AllanRow, Coefficient, CoefficientValue, Record, allan_page};
-pub use calibration::calibration_page;
+pub use calibration::{calibration_page, calibration_picture};
 
 /// A line of a table of facts.
 #[derive(Clone, Debug, PartialEq)]

@@ -3,7 +3,7 @@
 mod imu_yaml;
 mod json;
 mod page;
-mod picture;
+pub mod picture;
 mod record;
 mod table;
 mod units;
@@ -141,7 +141,7 @@ impl Files {
 
     fn write(self, records: &[Record]) -> Result<()> {
         for (kind, file) in self.pictures {
-            picture::write(kind, file, records)?;
+            picture::write(kind, file, &picture::svg(records))?;
         }
         if let Some(file) = self.page {
             page::write(file, records)?;

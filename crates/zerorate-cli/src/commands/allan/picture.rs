@@ -26,12 +26,11 @@ impl Kind {
     }
 }
 
-/// Draws all records in one picture.
-pub fn write(kind: Kind, file: Staged, records: &[Record]) -> Result<()> {
-    let svg = svg(records);
+/// Writes a picture in its form.
+pub fn write(kind: Kind, file: Staged, svg: &str) -> Result<()> {
     match kind {
         Kind::Svg => Ok(file.fill(svg.as_bytes())?),
-        Kind::Png => Ok(file.fill(&plot::png(&svg)?)?),
+        Kind::Png => Ok(file.fill(&plot::png(svg)?)?),
     }
 }
 
