@@ -1,11 +1,17 @@
 //! `cargo xtask test`: every check that a change must pass.
 //!
+//! Steps that use one core or wait run side by side. Each must pass on a busy machine; only the rig keeps the time,
+//! and has the machine for itself.
+//!
 //! The steps share what they build: clippy and the documentation use the same checked dependencies; the tests, the
 //! program that other steps run, and the Python package the same libraries. xtask is tested by itself, since its own
 //! dependencies ask for features of shared ones, with which all of them would be built once more.
 
 use std::fmt;
-use std::process::Command;
+use std::io::{Write, stdout};
+use std::process::{Command, Stdio};
+use std::sync::Mutex;
+use std::thread;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
@@ -18,6 +24,9 @@ pub struct Args {
     /// Run only these steps; default: all
     #[arg(value_name = "STEP", value_parser = clap::builder::PossibleValuesParser::new(STEPS.map(|step| step.name)))]
     only: Vec<String>,
+    /// Leave out what takes longest and finds least while one works: bridge, python, trust, rig. CI runs all
+    #[arg(long, conflicts_with = "only")]
+    quick: bool,
 }
 
 /// One cargo command.
@@ -25,11 +34,40 @@ struct Step {
     name: &'static str,
     env: Option<(&'static str, &'static str)>,
     args: &'static str,
+    pace: Pace,
+}
+
+/// What a step does with the machine.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Pace {
+    /// Uses all cores, or keeps the time: nothing runs beside it.
+    Alone,
+    /// Uses one core, and that for less than half a minute: runs beside its neighbours.
+    Beside,
+    /// Waits, or uses one core, for longer: the same, and `--quick` leaves it out.
+    Slow,
+    /// Keeps the time and is slow: nothing runs beside it, and `--quick` leaves it out.
+    SlowAlone,
+}
+
+impl Pace {
+    fn is_slow(self) -> bool {
+        matches!(self, Self::Slow | Self::SlowAlone)
+    }
+
+    fn has_company(self) -> bool {
+        matches!(self, Self::Beside | Self::Slow)
+    }
 }
 
 impl Step {
     const fn new(name: &'static str, args: &'static str) -> Self {
-        Self { name, env: None, args }
+        Self { name, env: None, args, pace: Pace::Alone }
+    }
+
+    const fn at(mut self, pace: Pace) -> Self {
+        self.pace = pace;
+        self
     }
 
     const fn with_env(mut self, key: &'static str, value: &'static str) -> Self {
@@ -136,47 +174,119 @@ const STEPS: [Step; 35] = [
         "build --manifest-path firmware/examples/Cargo.toml --locked --release --target-dir target/firmware --target \
          thumbv6m-none-eabi --features rp2040",
     ),
-    Step::new("deny", "xtask deny"),
-    Step::new("firmware", "xtask firmware"),
-    Step::new("c", "xtask c"),
-    Step::new("bridge", "xtask bridge"),
-    Step::new("rig", "xtask rig"),
-    Step::new("python", "xtask python"),
-    Step::new("trust", "xtask trust --quick"),
+    // the longest first, so that none is left alone at the end
+    Step::new("python", "xtask python").at(Pace::Slow),
+    Step::new("bridge", "xtask bridge").at(Pace::Slow),
+    Step::new("trust", "xtask trust --quick").at(Pace::Slow),
+    Step::new("firmware", "xtask firmware").at(Pace::Beside),
+    Step::new("c", "xtask c").at(Pace::Beside),
+    Step::new("deny", "xtask deny").at(Pace::Beside),
+    Step::new("rig", "xtask rig").at(Pace::SlowAlone),
 ];
 
-/// Runs the steps in order and stops at the first that fails.
+/// Runs the steps in order, those side by side that allow it, and stops at the first that fails.
 pub fn run(args: &Args) -> Result<()> {
-    let chosen: Vec<&Step> =
-        STEPS.iter().filter(|step| args.only.is_empty() || args.only.iter().any(|name| name == step.name)).collect();
+    let wanted = |step: &&Step| match args.only.as_slice() {
+        [] => !(args.quick && step.pace.is_slow()),
+        only => only.iter().any(|name| name == step.name),
+    };
+    let chosen: Vec<&Step> = STEPS.iter().filter(wanted).collect();
     targets::add_missing(chosen.iter().flat_map(|step| step.targets()))?;
+    let start = Instant::now();
     let mut passed = Vec::new();
-    for (index, step) in chosen.iter().enumerate() {
-        println!("\n=== {} of {}: {}: {step}", index + 1, chosen.len(), step.name);
-        let start = Instant::now();
-        let ok = execute(step)?;
-        println!("=== {}: {} in {}", step.name, if ok { "passed" } else { "FAILED" }, clock(start.elapsed()));
-        if !ok {
-            summarise(&passed);
-            bail!("{} failed; to repeat it alone: {step}", step.name);
+    for group in chosen.chunk_by(|a, b| a.pace.has_company() && b.pace.has_company()) {
+        println!("\n=== {} of {}: {}", passed.len() + 1, chosen.len(), names(group));
+        let ended = match group {
+            [step] => vec![watched(step)?],
+            _ => side_by_side(group)?,
+        };
+        let failed: Vec<&Step> = ended.iter().filter(|ended| !ended.ok).map(|ended| ended.step).collect();
+        passed.extend(ended.iter().filter(|ended| ended.ok).map(|ended| (ended.step.name, ended.time)));
+        if let Some(step) = failed.first() {
+            summarise(&passed, start.elapsed());
+            bail!("{} failed; to repeat it alone: {step}", names(&failed));
         }
-        passed.push((step.name, start.elapsed()));
     }
-    summarise(&passed);
+    summarise(&passed, start.elapsed());
     Ok(())
 }
 
-fn execute(step: &Step) -> Result<bool> {
-    let status = Command::new("cargo").args(step.args.split(' ')).envs(step.env).status();
-    Ok(status.with_context(|| format!("cannot run `{step}`"))?.success())
+fn names(steps: &[&Step]) -> String {
+    match steps {
+        [step] => format!("{}: {step}", step.name),
+        _ => steps.iter().map(|step| step.name).collect::<Vec<_>>().join(", "),
+    }
 }
 
-fn summarise(passed: &[(&str, Duration)]) {
+/// A step that has run.
+struct Ended<'a> {
+    step: &'a Step,
+    ok: bool,
+    time: Duration,
+}
+
+/// Runs a step whose output is seen as it comes.
+fn watched(step: &Step) -> Result<Ended<'_>> {
+    let start = Instant::now();
+    let status = command(step).status().with_context(|| format!("cannot run `{step}`"))?;
+    let ended = Ended { step, ok: status.success(), time: start.elapsed() };
+    announce(&ended);
+    Ok(ended)
+}
+
+/// Runs steps in as many threads as there are cores; the output of each is shown when it ends. What is under way when
+/// one fails runs to its end, and nothing is begun.
+fn side_by_side<'a>(steps: &[&'a Step]) -> Result<Vec<Ended<'a>>> {
+    let waiting = Mutex::new(steps.iter().copied());
+    let ended = Mutex::new(Vec::new());
+    let threads = thread::available_parallelism().map_or(1, usize::from).min(steps.len());
+    let work = || -> Result<()> {
+        loop {
+            let next = waiting.lock().expect("no thread panics").next();
+            let failed = ended.lock().expect("no thread panics").iter().any(|ended: &Ended| !ended.ok);
+            let Some(step) = next.filter(|_| !failed) else { return Ok(()) };
+            let done = unwatched(step)?;
+            ended.lock().expect("no thread panics").push(done);
+        }
+    };
+    thread::scope(|scope| {
+        let threads: Vec<_> = (0..threads).map(|_| scope.spawn(work)).collect();
+        threads.into_iter().try_for_each(|thread| thread.join().expect("no thread panics"))
+    })?;
+    Ok(ended.into_inner().expect("no thread panics"))
+}
+
+/// Runs a step and shows what it printed, errors after the rest.
+fn unwatched(step: &Step) -> Result<Ended<'_>> {
+    let start = Instant::now();
+    let output = command(step).stdin(Stdio::null()).output().with_context(|| format!("cannot run `{step}`"))?;
+    let ended = Ended { step, ok: output.status.success(), time: start.elapsed() };
+    let mut out = stdout().lock();
+    writeln!(out, "\n=== {}: {step}", step.name)?;
+    out.write_all(&output.stdout)?;
+    out.write_all(&output.stderr)?;
+    drop(out);
+    announce(&ended);
+    Ok(ended)
+}
+
+fn announce(ended: &Ended) {
+    let verdict = if ended.ok { "passed" } else { "FAILED" };
+    println!("=== {}: {verdict} in {}", ended.step.name, clock(ended.time));
+}
+
+fn command(step: &Step) -> Command {
+    let mut command = Command::new("cargo");
+    command.args(step.args.split(' ')).envs(step.env);
+    command
+}
+
+fn summarise(passed: &[(&str, Duration)], together: Duration) {
     println!("\nPassed {} of the steps:", passed.len());
     for (name, time) in passed {
         println!("  {name:24} {:>12}", clock(*time));
     }
-    println!("  {:24} {:>12}", "together", clock(passed.iter().map(|(_, time)| *time).sum()));
+    println!("  {:24} {:>12}", "from first to last", clock(together));
 }
 
 /// `7 min 05 s`, or `5.3 s` below a minute.
