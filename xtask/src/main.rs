@@ -6,16 +6,17 @@
 mod app;
 mod bench_peers;
 mod bridge;
+mod build_time;
 mod c;
 mod coverage;
 mod coverage_allan;
 mod deny;
+mod dist;
 mod firmware;
 mod python;
 mod rig;
 mod targets;
 mod test;
-mod third_party;
 mod tools;
 mod trial;
 mod trust;
@@ -55,9 +56,11 @@ enum Task {
     Trust(trust::Args),
     /// Check the dependencies: advisories, licences, sources
     Deny,
-    /// Write the page with the licences of all that the program contains
-    ThirdParty(third_party::Args),
-    /// Make the file that a Raspberry Pi Pico takes from an image of the bridge
+    /// Measure how long the first command takes from nothing, and after a change; print sizes
+    BuildTime,
+    /// Make what is handed out, into target/dist: programs, packages, wheels, libraries, firmware, pictures, licences
+    Dist(dist::Args),
+    /// Make the file that a Pico, or a board with TinyUF2, takes from an image of the bridge
     Uf2(uf2::Args),
     /// Build the Python wheel and test it: its tests, types, notebook, and allantools' own tests
     Python(python::Args),
@@ -75,7 +78,8 @@ fn main() -> ExitCode {
         Task::Rig(args) => rig::run(&args),
         Task::Trust(args) => trust::run(&args),
         Task::Deny => deny::run(),
-        Task::ThirdParty(args) => third_party::run(&args),
+        Task::BuildTime => build_time::run(),
+        Task::Dist(args) => dist::run(&args),
         Task::Uf2(args) => uf2::run(&args),
         Task::Python(args) => python::run(&args),
     };

@@ -1,0 +1,12 @@
+set(PACKAGE_VERSION "@VERSION@")
+# Before 1.0, each minor version may differ from the one before.
+string(REGEX MATCH "^[0-9]+\\.[0-9]+" zerorate_minor "${PACKAGE_VERSION}")
+if(PACKAGE_FIND_VERSION MATCHES "^${zerorate_minor}(\\.|$)" AND NOT PACKAGE_FIND_VERSION VERSION_GREATER PACKAGE_VERSION)
+    set(PACKAGE_VERSION_COMPATIBLE TRUE)
+    if(PACKAGE_FIND_VERSION VERSION_EQUAL PACKAGE_VERSION)
+        set(PACKAGE_VERSION_EXACT TRUE)
+    endif()
+else()
+    set(PACKAGE_VERSION_COMPATIBLE FALSE)
+endif()
+unset(zerorate_minor)

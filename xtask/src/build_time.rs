@@ -1,0 +1,89 @@
+//! `cargo xtask build-time`: how long a build takes and how large the program is, as docs/reference/build.md states.
+
+use crate::app::target_folder;
+use anyhow::{Context, Result, ensure};
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+use std::time::Instant;
+
+/// What is built first by whoever reads the README.
+const FIRST: &str = "build --quiet --release --locked -p zerorate-cli";
+/// A source file of the program on which nothing but the program depends.
+const TOUCHED: &str = "crates/zerorate-cli/src/lib.rs";
+
+/// Builds from nothing in a folder of its own, then once more after a change.
+pub fn run() -> Result<()> {
+    let folder = target_folder()?.join("build-time");
+    if folder.exists() {
+        fs::remove_dir_all(&folder)?;
+    }
+    println!("{}", machine()?);
+    println!("{:44} {:>8} {:>14}", "", "wall, s", "processor, s");
+    let first = timed(&folder)?;
+    first.print("first command, cold");
+    fs::File::options().append(true).open(TOUCHED)?.set_modified(std::time::SystemTime::now())?;
+    timed(&folder)?.print("the same after a change in the program");
+    let program = folder.join("release/zerorate");
+    println!("{:44} {:8.1} MB", "the program, profile release", program.metadata()?.len() as f64 / 1e6);
+    for entry in fs::read_dir(target_folder()?.join("dist")).into_iter().flatten() {
+        let (name, size) = (entry.as_ref().map(fs::DirEntry::file_name), entry.as_ref().map(fs::DirEntry::metadata));
+        if let (Ok(name), Ok(Ok(size))) = (name, size)
+            && name.to_string_lossy().ends_with("-linux")
+        {
+            println!("{:44} {:8.1} MB", name.to_string_lossy(), size.len() as f64 / 1e6);
+        }
+    }
+    Ok(fs::remove_dir_all(&folder)?)
+}
+
+struct Time {
+    wall_s: f64,
+    processor_s: f64,
+}
+
+impl Time {
+    fn print(&self, what: &str) {
+        println!("{what:44} {:8.1} {:14.1}", self.wall_s, self.processor_s);
+    }
+}
+
+/// The first command, into `folder`. The shell knows what its children took of the processors.
+fn timed(folder: &Path) -> Result<Time> {
+    let start = Instant::now();
+    let line = format!("cargo {FIRST} --target-dir '{}' && times", folder.display());
+    let output = Command::new("sh").args(["-c", &line]).stderr(std::process::Stdio::inherit()).output()?;
+    let wall_s = start.elapsed().as_secs_f64();
+    ensure!(output.status.success(), "`cargo {FIRST}` failed");
+    let text = String::from_utf8(output.stdout)?;
+    let children = text.lines().nth(1).context("`times` prints two lines")?;
+    let processor_s = children.split_whitespace().map(seconds).sum::<Option<f64>>().context("`times` prints times")?;
+    Ok(Time { wall_s, processor_s })
+}
+
+/// `2m3.45s`
+fn seconds(time: &str) -> Option<f64> {
+    let (minutes, seconds) = time.strip_suffix('s')?.split_once('m')?;
+    Some(60.0 * minutes.parse::<f64>().ok()? + seconds.parse::<f64>().ok()?)
+}
+
+/// How many cores there are, and how busy they were: a busy machine takes longer, and more of the processor.
+fn machine() -> Result<String> {
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let load = fs::read_to_string("/proc/loadavg").unwrap_or_default();
+    let load = load.split(' ').next().unwrap_or("unknown");
+    let rustc = crate::venv::printed(Command::new("rustc").arg("--version"))?;
+    Ok(format!("{cores} cores, load {load} before, {}", rustc.trim()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::seconds;
+
+    #[test]
+    fn times_are_read_as_a_shell_prints_them() {
+        assert_eq!(seconds("2m3.45s"), Some(123.45));
+        assert_eq!(seconds("0m0.000000s"), Some(0.0));
+        assert_eq!(seconds("3.45"), None);
+    }
+}

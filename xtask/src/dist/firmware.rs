@@ -1,0 +1,76 @@
+//! The bridge for both boards: ELF for a debug probe, UF2 for a boot loader.
+
+use super::{Folder, TARGET_DIR, VERSION, without_paths};
+use crate::firmware::image::Image;
+use crate::venv::done;
+use crate::{targets, uf2};
+use anyhow::{Context, Result, ensure};
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// A board, and what is built for it.
+struct Board {
+    name: &'static str,
+    target: &'static str,
+    bin: &'static str,
+    features: &'static str,
+    forms: &'static [&'static str],
+}
+
+/// A Black Pill has flash at another address behind a boot loader.
+const BOARDS: [Board; 3] = [
+    Board { name: "pico", target: "thumbv6m-none-eabi", bin: "rp2040", features: "rp2040", forms: &["elf", "uf2"] },
+    Board { name: "blackpill", target: "thumbv7em-none-eabihf", bin: "stm32f4", features: "stm32f4", forms: &["elf"] },
+    Board {
+        name: "blackpill-tinyuf2",
+        target: "thumbv7em-none-eabihf",
+        bin: "stm32f4",
+        features: "stm32f4,uf2",
+        forms: &["uf2"],
+    },
+];
+
+fn name(board: &Board, form: &str) -> String {
+    format!("zerorate-bridge-{VERSION}-{}.{form}", board.name)
+}
+
+/// Builds all of them.
+pub fn make(folder: &Folder) -> Result<()> {
+    targets::add_missing(BOARDS.iter().map(|board| board.target))?;
+    for board in &BOARDS {
+        let image = fs::read(build(board)?)?;
+        for form in board.forms {
+            let bytes = if *form == "uf2" { uf2::convert(&image)? } else { image.clone() };
+            fs::write(folder.of(name(board, form)), bytes)?;
+        }
+    }
+    Ok(())
+}
+
+fn build(board: &Board) -> Result<PathBuf> {
+    let mut cargo = Command::new("cargo");
+    cargo.args(["build", "--quiet", "--locked", "--release", "--manifest-path", "firmware/bridge/Cargo.toml"]);
+    cargo.args(["--target", board.target, "--features", board.features]);
+    cargo.args(["--target-dir", TARGET_DIR]);
+    done(cargo.env("RUSTFLAGS", without_paths()?))?;
+    Ok(Path::new(TARGET_DIR).join(board.target).join("release").join(board.bin))
+}
+
+/// Holds the files to their forms: no board is here to take them.
+pub fn check(folder: &Folder) -> Result<()> {
+    for board in &BOARDS {
+        for form in board.forms {
+            let path = folder.of(name(board, form));
+            if *form == "elf" {
+                ensure!(Image::read(&path)?.memory()?.flash > 0, "{} has no program", path.display());
+            } else {
+                let file = fs::read(&path).with_context(|| path.display().to_string())?;
+                let starts = file.chunks(512).all(|block| block.starts_with(b"UF2\n"));
+                ensure!(starts && !file.is_empty() && file.len() % 512 == 0, "{} is no UF2", path.display());
+            }
+            println!("{}: well formed; tried on no board", name(board, form));
+        }
+    }
+    Ok(())
+}

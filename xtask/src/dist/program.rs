@@ -1,0 +1,111 @@
+//! The program `zerorate` as one file without shared libraries, for each machine.
+//!
+//! It has Debian's glibc inside of it. With musl it took 10 to 40 % longer (docs/reference/build.md).
+
+use super::machine::{MACHINES, Machine};
+use super::root::Root;
+use super::trial::{self, Seen};
+use super::{Folder, TARGET_DIR, VERSION, without_paths};
+use crate::targets;
+use crate::tools::available;
+use crate::venv::done;
+use anyhow::{Result, ensure};
+use object::read::elf::{FileHeader, ProgramHeader};
+use object::{Endianness, elf};
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// Its name among the files that are handed out.
+pub fn name(machine: &Machine) -> String {
+    format!("zerorate-{VERSION}-{}-linux", machine.name)
+}
+
+/// Builds it for all machines.
+pub fn make(folder: &Folder) -> Result<()> {
+    targets::add_missing(MACHINES.iter().map(|machine| machine.target))?;
+    if !available(&MACHINES.map(|machine| machine.compiler), "programs for other machines")? {
+        return Ok(());
+    }
+    for machine in &MACHINES {
+        let built = build(machine)?;
+        fs::copy(&built, folder.of(name(machine)))?;
+        println!("{}: {:.1} MB", name(machine), built.metadata()?.len() as f64 / 1e6);
+    }
+    Ok(())
+}
+
+/// What cargo left for a machine.
+fn build(machine: &Machine) -> Result<PathBuf> {
+    let linker = format!("CARGO_TARGET_{}_LINKER", machine.target.to_uppercase().replace('-', "_"));
+    let mut cargo = Command::new("cargo");
+    cargo.env(linker, machine.compiler.program);
+    cargo.env("RUSTFLAGS", format!("-C target-feature=+crt-static {}", without_paths()?));
+    cargo.args(["build", "--locked", "--profile", "dist", "--package", "zerorate-cli", "--target", machine.target]);
+    done(cargo.args(["--target-dir", TARGET_DIR]))?;
+    Ok(Path::new(TARGET_DIR).join(machine.target).join("dist/zerorate"))
+}
+
+/// Runs each where it belongs: this computer's in a bare Debian, the others' under emulators. All must print the same
+/// and write the same bytes.
+pub fn check(folder: &Folder) -> Result<()> {
+    let inputs = folder.empty("trial")?;
+    trial::lay_out(&inputs)?;
+    let mut first: Option<Seen> = None;
+    for machine in &MACHINES {
+        ensure!(is_static(&folder.of(name(machine)))?, "{} needs shared libraries", name(machine));
+        let Some(seen) = try_out(folder, machine, &inputs)? else { continue };
+        println!("{}: {} outputs are as they should be", name(machine), seen.len());
+        let first = first.get_or_insert_with(|| seen.clone());
+        for ((what, theirs), (_, ours)) in first.iter().zip(&seen) {
+            ensure!(ours == theirs, "{}: `zerorate {what}` is not what other machines have", machine.name);
+        }
+    }
+    Ok(())
+}
+
+/// What it printed and wrote; none where it cannot be run here.
+fn try_out(folder: &Folder, machine: &Machine, inputs: &Path) -> Result<Option<Seen>> {
+    let program = folder.of(name(machine));
+    if machine.emulator.is_none() {
+        let Some(root) = Root::unpack(folder)? else { return Ok(None) };
+        root.copy(&program, "usr/bin/zerorate")?;
+        let here = root.path("trial");
+        copy_all(inputs, &here)?;
+        return trial::run(|| root.command_in("trial", "/usr/bin/zerorate"), &here).map(Some);
+    }
+    if !machine.runs_here()? {
+        return Ok(None);
+    }
+    let here = folder.empty(&format!("trial-{}", machine.name))?;
+    copy_all(inputs, &here)?;
+    let command = || {
+        let mut command = machine.command(&program);
+        command.current_dir(&here);
+        command
+    };
+    trial::run(command, &here).map(Some)
+}
+
+fn copy_all(from: &Path, to: &Path) -> Result<()> {
+    fs::create_dir_all(to)?;
+    for entry in fs::read_dir(from)? {
+        let entry = entry?;
+        fs::copy(entry.path(), to.join(entry.file_name()))?;
+    }
+    Ok(())
+}
+
+/// Whether no loader of shared libraries is named in an ELF file.
+fn is_static(program: &Path) -> Result<bool> {
+    fn interpreted<H: FileHeader<Endian = Endianness>>(data: &[u8]) -> Result<bool> {
+        let header = H::parse(data)?;
+        let endian = header.endian()?;
+        Ok(header.program_headers(endian, data)?.iter().any(|segment| segment.p_type(endian) == elf::PT_INTERP))
+    }
+    let data = fs::read(program)?;
+    Ok(!match data.get(4) {
+        Some(&elf::ELFCLASS32) => interpreted::<elf::FileHeader32<Endianness>>(&data)?,
+        _ => interpreted::<elf::FileHeader64<Endianness>>(&data)?,
+    })
+}

@@ -1,0 +1,73 @@
+//! A bare Debian 12: what a user has who has installed nothing yet, and no Rust.
+
+use super::Folder;
+use crate::tools::{Tool, available, is_root};
+use crate::venv::done;
+use anyhow::{Result, ensure};
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+const TOOLS: [Tool; 1] = [Tool { program: "mmdebstrap", package: "mmdebstrap" }];
+/// Made once; `rm` it for a newer one.
+const ARCHIVE: &str = "bookworm.tar";
+
+/// Its root folder.
+pub struct Root(PathBuf);
+
+impl Root {
+    /// A fresh one, or none where that needs root and we are not.
+    pub fn unpack(folder: &Folder) -> Result<Option<Self>> {
+        if !is_root() {
+            eprintln!("SKIPPED: a bare Debian to try things in: this needs root");
+            return Ok(None);
+        }
+        if !available(&TOOLS, "a bare Debian to try things in")? {
+            return Ok(None);
+        }
+        let archive = folder.work.join(ARCHIVE);
+        if !archive.exists() {
+            let part = archive.with_extension("part.tar");
+            let mut make = Command::new("mmdebstrap");
+            done(make.args(["--quiet", "--variant=minbase", "--include=adduser", "bookworm"]).arg(&part))?;
+            fs::rename(part, &archive)?;
+        }
+        let root = folder.empty("root")?;
+        done(Command::new("tar").arg("--extract").arg("--file").arg(archive).arg("--directory").arg(&root))?;
+        Ok(Some(Self(root)))
+    }
+
+    /// Where a path of it lies here.
+    pub fn path(&self, path: impl AsRef<Path>) -> PathBuf {
+        self.0.join(path)
+    }
+
+    /// Copies a file into it.
+    pub fn copy(&self, from: &Path, to: &str) -> Result<()> {
+        fs::create_dir_all(self.path(to).parent().unwrap_or(&self.0))?;
+        fs::copy(from, self.path(to))?;
+        Ok(())
+    }
+
+    /// A command inside of it, with processes of its own and without any network.
+    pub fn command(&self, program: &str) -> Command {
+        self.command_in("/", program)
+    }
+
+    /// The same, in a folder of it.
+    pub fn command_in(&self, folder: &str, program: &str) -> Command {
+        let mut command = Command::new("unshare");
+        command.args(["--mount", "--pid", "--net", "--fork", "--kill-child"]);
+        command.arg(format!("--mount-proc={}", self.path("proc").display()));
+        command.arg("chroot").arg(&self.0).args(["/usr/bin/env", "--chdir", folder, program]);
+        command.env_clear().env("PATH", "/usr/sbin:/usr/bin:/sbin:/bin").env("LC_ALL", "C.UTF-8");
+        command
+    }
+
+    /// Runs a script of `sh` inside of it.
+    pub fn script(&self, script: &str) -> Result<()> {
+        let status = self.command("/bin/sh").args(["-euc", script]).status()?;
+        ensure!(status.success(), "in a bare Debian, `{script}` ended with {status}");
+        Ok(())
+    }
+}

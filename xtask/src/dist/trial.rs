@@ -1,0 +1,59 @@
+//! What the program must do wherever it is put: the twin, files of every kind with a foreign decoder behind them, and
+//! a picture. All machines must print the same and write the same bytes.
+
+use anyhow::{Context, Result, ensure};
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+/// The smallest calibration that the twin allows.
+const PLAN: &str = "--average 5s --warmup 30s --settle 10s --offset 15s --max-u-btc 0.05";
+/// Files written by others: a bag whose chunks are compressed by zstd, and one that no bag is inside of SQLite.
+const FOREIGN: [(&str, &str); 1] = [("bag.mcap", "crates/zerorate-cli/tests/files/fixtures/imu_zstd.mcap")];
+
+/// The command lines, the exit code that each must have, and the files that it writes.
+fn steps() -> Vec<(String, i32, &'static [&'static str])> {
+    let device = "--device twin:seed=1,warmup_s=20";
+    vec![
+        ("--version".to_owned(), 0, &[]),
+        (format!("calibrate {device} {PLAN} --json -o unit.toml --serial SN17"), 0, &["unit.toml"]),
+        ("calibrate --device twin:motion=sway --average 5s --warmup 5s --settle 5s --offset 5s".to_owned(), 3, &[]),
+        (format!("capture {device} --duration 20s --divider 57 -o rest.parquet"), 0, &[]),
+        (format!("capture {device} --duration 2s -o rest.csv"), 0, &["rest.csv"]),
+        ("verify rest.parquet unit.toml".to_owned(), 0, &[]),
+        ("allan rest.parquet --fit --json".to_owned(), 0, &[]),
+        ("allan bag.mcap --column z --json".to_owned(), 0, &[]),
+        ("allan none.db3 --column z".to_owned(), 1, &[]),
+        ("allan rest.parquet --fit --plot rest.png".to_owned(), 0, &["rest.png"]),
+        ("export unit.toml --format c".to_owned(), 0, &[]),
+        ("report unit.toml -o unit.html".to_owned(), 0, &["unit.html"]),
+        ("completions bash".to_owned(), 0, &[]),
+    ]
+}
+
+/// What was seen: what was done, and what it printed or wrote.
+pub type Seen = Vec<(String, Vec<u8>)>;
+
+/// Puts the files of others into `here`.
+pub fn lay_out(here: &Path) -> Result<()> {
+    for (name, from) in FOREIGN {
+        fs::copy(from, here.join(name)).with_context(|| from.to_owned())?;
+    }
+    let make = "import sqlite3; sqlite3.connect('none.db3').execute('create table notes (text)')";
+    crate::venv::done(Command::new("python3").current_dir(here).args(["-c", make]))
+}
+
+/// Runs all steps by `zerorate`, in the folder that is `here` for us.
+pub fn run(zerorate: impl Fn() -> Command, here: &Path) -> Result<Seen> {
+    let mut seen = Seen::new();
+    for (line, code, files) in steps() {
+        let output = zerorate().args(line.split(' ')).output().with_context(|| line.clone())?;
+        let said = String::from_utf8_lossy(&output.stderr);
+        ensure!(output.status.code() == Some(code), "zerorate {line}: {}, not exit {code}: {said}", output.status);
+        seen.push((line.clone(), output.stdout));
+        for file in files {
+            seen.push((format!("{line}: {file}"), fs::read(here.join(file))?));
+        }
+    }
+    Ok(seen)
+}

@@ -1,0 +1,74 @@
+//! What is handed out fits together: versions agree, and the files of `packaging/` name what there is.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+#[test]
+fn everything_that_is_handed_out_has_the_version_of_the_workspace() {
+    for manifest in ["bindings/c/Cargo.toml", "firmware/bridge/Cargo.toml"] {
+        let text = read(manifest);
+        let version = text.lines().find_map(|line| line.strip_prefix("version = ")).unwrap();
+        assert_eq!(version.trim_matches('"'), env!("CARGO_PKG_VERSION"), "{manifest}");
+    }
+    assert!(read("bindings/python/pyproject.toml").contains("dynamic = [\"version\"]"));
+    assert!(read("packaging/c/trial/CMakeLists.txt").contains(&format!("find_package(zerorate {} ", minor())));
+}
+
+#[test]
+fn every_file_of_packaging_goes_somewhere() {
+    let code: String = ["deb", "c_library", "mod"].map(|name| read(&format!("xtask/src/dist/{name}.rs"))).concat();
+    let packaging = root().join("packaging");
+    let mut open = vec![packaging.clone()];
+    while let Some(path) = open.pop() {
+        if path.is_dir() {
+            open.extend(fs::read_dir(&path).unwrap().map(|entry| entry.unwrap().path()));
+            continue;
+        }
+        let name = path.file_name().unwrap().to_str().unwrap();
+        let folder = path.parent().unwrap().file_name().unwrap().to_str().unwrap();
+        let used =
+            code.contains(&format!("{folder}/{name}")) || code.contains(&format!("\"{name}\"")) || folder == "trial";
+        assert!(used, "nothing takes {}", path.display());
+    }
+}
+
+#[test]
+fn what_the_packages_say_is_what_the_program_has() {
+    let unit = read("packaging/systemd/zerorate@.service");
+    let advice = "AmbientCapabilities=CAP_SYS_NICE CAP_IPC_LOCK";
+    assert!(unit.lines().any(|line| line == advice), "the unit lets the program read in real time");
+    let told = sources("crates").into_iter().any(|text| text.contains(advice));
+    assert!(told, "the program names those capabilities where it lacks them");
+    let rules = read("packaging/udev/60-zerorate.rules");
+    assert!(rules.contains("ATTRS{idVendor}==\"1209\", ATTRS{idProduct}==\"0001\""));
+    let bridge = sources("firmware/bridge/src").concat();
+    assert!(bridge.contains("0x1209, 0x0001"), "the bridge has the USB ID that the rules know it by");
+    assert!(read("packaging/c/zerorate.pc").contains("-lzerorate_c"));
+    assert!(read("packaging/c/zerorate-config.cmake").contains("libzerorate_c.a"));
+    assert!(read("bindings/c/Cargo.toml").contains("name = \"zerorate_c\""));
+}
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap().to_owned()
+}
+
+fn read(path: &str) -> String {
+    fs::read_to_string(root().join(path)).unwrap()
+}
+
+fn minor() -> &'static str {
+    env!("CARGO_PKG_VERSION").rsplit_once('.').unwrap().0
+}
+
+/// All Rust sources below a folder.
+fn sources(folder: &str) -> Vec<String> {
+    let (mut found, mut open) = (Vec::new(), vec![root().join(folder)]);
+    while let Some(path) = open.pop() {
+        if path.is_dir() {
+            open.extend(fs::read_dir(&path).unwrap().map(|entry| entry.unwrap().path()));
+        } else if path.extension().is_some_and(|extension| extension == "rs") {
+            found.push(fs::read_to_string(path).unwrap());
+        }
+    }
+    found
+}
