@@ -143,6 +143,7 @@ impl Scale {
     /// assert_eq!(zerorate::Scale { width_bits: 16, signed: true, ..scale }.codes(), (-32_768, 32_767));
     /// ```
     #[must_use]
+    #[inline]
     pub const fn codes(&self) -> (i64, i64) {
         let last = (1 << self.width_bits) - 1;
         let first = if self.signed { -(1 << (self.width_bits - 1)) } else { 0 };

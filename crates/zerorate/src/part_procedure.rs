@@ -54,12 +54,14 @@ impl PartProcedure {
 
     /// What to do next. All axes are at the same step.
     #[must_use]
+    #[inline]
     pub fn next(&self) -> Action {
         self.axes.first().map_or(Action::Done, Procedure::next)
     }
 
     /// How far it has come.
     #[must_use]
+    #[inline]
     pub fn progress(&self) -> Progress {
         let total_s = self.plan.total_s();
         let none = Progress { state: State::Done, elapsed_s: 0.0, total_s };

@@ -63,6 +63,7 @@ fn ns(seconds: f64) -> u64 {
 impl Plan {
     /// Duration of the whole procedure, s.
     #[must_use]
+    #[inline]
     pub fn total_s(&self) -> f64 {
         2.0 * self.average_s + self.warmup_s + self.settle_s + self.offset_s + self.final_temp_s
     }
@@ -368,6 +369,7 @@ impl<L: Ledger> Procedure<L> {
 
     /// What to do next.
     #[must_use]
+    #[inline]
     pub fn next(&self) -> Action {
         match self.state {
             State::Start => Action::Initialise,
@@ -378,6 +380,7 @@ impl<L: Ledger> Procedure<L> {
 
     /// How far it has come.
     #[must_use]
+    #[inline]
     pub fn progress(&self) -> Progress {
         Progress { state: self.state, elapsed_s: self.now_ns as f64 * 1e-9, total_s: self.plan.total_s() }
     }

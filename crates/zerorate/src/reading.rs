@@ -63,18 +63,21 @@ impl Scan {
 
     /// With this temperature.
     #[must_use]
+    #[inline]
     pub fn with_temp(self, temp: Option<i32>) -> Self {
         Self { temp, ..self }
     }
 
     /// With so many readings lost before it.
     #[must_use]
+    #[inline]
     pub fn with_lost(self, lost: u32) -> Self {
         Self { lost, ..self }
     }
 
     /// With this axis out of range, as in [`Reading`].
     #[must_use]
+    #[inline]
     pub fn with_out_of_range(self, axis: usize) -> Self {
         let bit = if axis < MAX_AXES { 1 << axis } else { 0 };
         Self { out_of_range: self.out_of_range | bit, ..self }
