@@ -100,7 +100,8 @@ pub enum Command {
 pub struct DeviceArgs {
     /// The part to read: twin: (simulated), twin:KEY=VALUE,… (see `zerorate twin`), replay:FILE (a capture),
     /// spi:/dev/spidevB.C?rdy=gpiochipN:LINE (Linux; options hz=SCLK, mclk=HZ), iio:iio:deviceN
-    /// (through the kernel's driver; option hz=POLLS), bridge:/dev/ttyACM0 (a microcontroller in between; options
+    /// (any gyroscope that a driver of the Linux kernel reads: through its buffer where it has one, else polled 100
+    /// times a second, or hz=POLLS times), bridge:/dev/ttyACM0 (a microcontroller in between; options
     /// hz=SCLK, mclk=HZ, baud=N) or tcp:HOST:PORT (the same over a socket). All but replay: and iio: take
     /// framing=command|byte (how CS frames the bytes), width=24|16, fw=RATE[:TEMP] and chop=0|1 (the conversion
     /// words), edge=falling|rising (of RDY; rising behind an inverter), and divided=N (a counter in the line lets

@@ -162,7 +162,7 @@ pub struct Losses {
 }
 
 /// The time of day, for the record.
-fn now() -> String {
+pub(crate) fn now() -> String {
     let now = jiff::Timestamp::now();
     now.round(jiff::Unit::Second).unwrap_or(now).to_string()
 }

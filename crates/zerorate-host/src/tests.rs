@@ -23,7 +23,7 @@ fn an_address_is_read_whole() {
     let plain = SpiAddress::read("/dev/spidev0.0?rdy=/dev/gpiochip0:3").expect("an address");
     assert_eq!((plain.hz, plain.part.config.framing(), plain.mclk_hz), (5_000_000, Framing::Command, 6_000_000));
     let iio = IioAddress::read("iio:device0?hz=50").expect("an address");
-    assert_eq!((iio.folder.to_str(), iio.hz), (Some("/sys/bus/iio/devices/iio:device0"), 50));
+    assert_eq!((iio.folder.to_str(), iio.hz), (Some("/sys/bus/iio/devices/iio:device0"), Some(50)));
 }
 
 #[test]

@@ -70,7 +70,7 @@ pub struct Converter {
 
 /// A part that is not the one of a capture.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("what is read is an {found} with the axes {axes}, and --part describes an {given}")]
+#[error("what is read is an {found} with the axes {axes}, and what was given describes an {given}")]
 pub struct NotThePart {
     found: String,
     axes: String,

@@ -1,147 +1,56 @@
-//! The part behind the kernel's own driver `adis16130`, polled through sysfs.
+//! An ADIS16130 behind the kernel's own driver for it, polled through sysfs.
 //!
 //! That driver holds the bus and gives single readings: no data ready, no status, no time of an edge. So nobody can
 //! tell whether a reading is new, or how many were never read; `lost` counts polls that came too late.
 
-use crate::Stop;
-use crate::error::Told;
-use crate::kinds::{Address, Parsed};
-use crate::options::{number, split, without_bandwidth};
+use super::sysfs::read;
+use super::{DEFAULT_POLL_HZ, IioAddress, Poll, Polls};
 use crate::source::{Facts, Sampling, Setup, Source};
 use adis16130::{Config, MCLK_HZ, RATE_LSB_PER_DPS, RateCode, Sample, TEMP_LSB_PER_C, TempCode, Width, ZERO_CODE};
-use anyhow::{Context, Result, bail, ensure};
-use std::fs;
-use std::ops::RangeInclusive;
-use std::path::{Path, PathBuf};
-use std::str::FromStr;
-use std::sync::Arc;
-use std::time::{Duration, Instant};
+use anyhow::{Result, bail, ensure};
+use std::path::Path;
 use zerorate_data::capture::Row;
 
-/// The driver's name, as sysfs gives it.
-const DRIVER: &str = "adis16130";
 const RATE: &str = "in_anglvel_z";
 const TEMP: &str = "in_temp0";
 /// The kernel prints scales with nine decimals; that of the rate then has three digits.
 const SCALE_TOLERANCE: f64 = 0.005;
 
-/// A part that the kernel's IIO driver reads.
-#[derive(Clone, Debug, PartialEq)]
-pub struct IioAddress {
-    /// The device's folder in sysfs.
-    pub folder: PathBuf,
-    /// How often it is polled, per second.
-    pub hz: u32,
-    /// −3 dB of the rate, Hz, where it is not the part's own (F-04).
-    pub bandwidth_hz: Option<f64>,
-}
-
-const POLL_RANGE_HZ: RangeInclusive<u32> = 1..=10_000;
-const DEFAULT_POLL_HZ: u32 = 100;
-
-impl IioAddress {
-    /// Reads what follows `iio:`.
-    pub fn parse(text: &str) -> Parsed {
-        Ok(Arc::new(Self::read(text)?))
-    }
-
-    pub(crate) fn read(text: &str) -> std::result::Result<Self, String> {
-        let (text, bandwidth_hz) = without_bandwidth(text)?;
-        let (name, options) = split(&text);
-        if name.is_empty() || name.contains('/') {
-            return Err("iio: needs the device's name, as in iio:iio:device0 (ls /sys/bus/iio/devices)".to_owned());
-        }
-        let mut hz = DEFAULT_POLL_HZ;
-        for option in options {
-            match option.split_once('=') {
-                Some(("hz", text)) => hz = number("hz", text, POLL_RANGE_HZ)?,
-                _ => {
-                    return Err(format!(
-                        "`{option}` is no option; there are hz=POLLS_PER_SECOND, roa=none|10nf and bandwidth_hz=HZ \
-                         (F-04)"
-                    ));
-                }
-            }
-        }
-        Ok(Self { folder: PathBuf::from("/sys/bus/iio/devices").join(name), hz, bandwidth_hz })
-    }
-}
-
-impl Address for IioAddress {
-    fn open(&self, name: &str, setup: &Setup, _: &Stop) -> crate::Result<Box<dyn Source>> {
-        if setup.sampling.divider.is_some() {
-            let why = "--divider counts edges of data ready, which the kernel driver does not show; poll less often \
-                with ?hz=";
-            return Err(Told::request(why).into());
-        }
-        Ok(Box::new(IioDevice::open(self, name, setup)?))
-    }
-}
-
 /// The part, being polled.
-struct IioDevice {
+pub struct Adis16130 {
     address: IioAddress,
     facts: Facts,
     sampling: Sampling,
     /// What makes a raw reading a 24-bit code.
     rate_shift: i64,
     temp_shift: i64,
-    started: Instant,
-    /// Number of the next poll.
-    next: u32,
+    polls: Polls,
     taken: u64,
 }
 
-impl IioDevice {
+impl Adis16130 {
     /// Reads the driver's scales and offsets, and makes sure that its readings are codes of F-40 and F-41.
-    fn open(address: &IioAddress, device: &str, setup: &Setup) -> crate::Result<Self> {
+    pub fn open(address: &IioAddress, device: &str, setup: &Setup) -> crate::Result<Self> {
         let settings = (Config::new(), setup.sampling.config(1));
         let facts = Facts::of_part(device, settings, MCLK_HZ, address.bandwidth_hz, setup.part.as_ref())?;
-        let facts = Facts { framing: None, rate_hz: Some(address.hz.into()), ..facts };
+        let facts = Facts { framing: None, rate_hz: Some(address.hz.unwrap_or(DEFAULT_POLL_HZ).into()), ..facts };
         Ok(Self::with_facts(address, setup.sampling, facts)?)
     }
 
     fn with_facts(address: &IioAddress, sampling: Sampling, facts: Facts) -> Result<Self> {
         let folder = &address.folder;
-        ensure!(
-            folder.is_dir(),
-            "no {}: is the driver bound? see ls /sys/bus/iio/devices; modprobe {DRIVER}",
-            folder.display()
-        );
-        let name = read_text(folder, "name")?;
-        ensure!(name == DRIVER, "{} is {name}, not an {DRIVER}", folder.display());
+        let hz = address.hz.unwrap_or(DEFAULT_POLL_HZ);
         let dps = std::f64::consts::PI / 180.0; // the kernel's unit is rad/s
         let rate_shift = shift(folder, RATE, dps / f64::from(RATE_LSB_PER_DPS), i64::from(ZERO_CODE))?;
         // its unit is 0.001 °C, and its offset counts from 0 °C: 25 · 14093 codes below the zero code (F-41)
         let temp_zero = i64::from(ZERO_CODE) - 25 * i64::from(TEMP_LSB_PER_C);
         let temp_shift = shift(folder, TEMP, 1000.0 / f64::from(TEMP_LSB_PER_C), temp_zero)?;
-        Ok(Self {
-            address: address.clone(),
-            facts,
-            sampling,
-            rate_shift,
-            temp_shift,
-            started: Instant::now(),
-            next: 0,
-            taken: 0,
-        })
+        Ok(Self { address: address.clone(), facts, sampling, rate_shift, temp_shift, polls: Polls::new(hz), taken: 0 })
     }
 
     /// The next reading, at its time.
     fn poll(&mut self) -> Result<Sample> {
-        let period = Duration::from_secs(1) / self.address.hz;
-        let elapsed = self.started.elapsed();
-        let due = period * self.next;
-        let slot = match due.checked_sub(elapsed) {
-            Some(early) => {
-                std::thread::sleep(early);
-                self.next
-            }
-            None => (elapsed.as_nanos() / period.as_nanos()) as u32,
-        };
-        let lost = slot - self.next;
-        self.next = slot + 1;
-        let t_ns = self.started.elapsed().as_nanos() as u64;
+        let Poll { slot, lost, t_ns } = self.polls.wait();
         let rate = RateCode::new(self.code(RATE, self.rate_shift)?, Width::Bits24);
         let with_temp = self.taken.is_multiple_of(self.sampling.every_temp.unwrap_or(1).into());
         let temp = with_temp.then(|| self.code(TEMP, self.temp_shift)).transpose()?;
@@ -158,7 +67,7 @@ impl IioDevice {
     }
 }
 
-impl Source for IioDevice {
+impl Source for Adis16130 {
     fn facts(&self) -> Facts {
         self.facts.clone()
     }
@@ -180,22 +89,10 @@ fn shift(folder: &Path, channel: &str, expected_scale: f64, zero: i64) -> Result
     Ok(zero + offset)
 }
 
-fn read<T: FromStr<Err: std::error::Error + Send + Sync + 'static>>(folder: &Path, name: &str) -> Result<T> {
-    let text = read_text(folder, name)?;
-    text.parse().with_context(|| format!("{}/{name} reads {text:?}", folder.display()))
-}
-
-fn read_text(folder: &Path, name: &str) -> Result<String> {
-    let path = folder.join(name);
-    let text = fs::read_to_string(&path).with_context(|| {
-        format!("reading {}: was the part unplugged, or its driver unbound? (ls /sys/bus/iio/devices)", path.display())
-    })?;
-    Ok(text.trim().to_owned())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::fs;
 
     /// What the driver of Linux 6.12 shows.
     fn folder(rate_scale: &str) -> tempfile::TempDir {
@@ -215,7 +112,7 @@ mod tests {
     }
 
     fn address(folder: &Path) -> IioAddress {
-        IioAddress { folder: folder.to_owned(), hz: 1000, bandwidth_hz: None }
+        IioAddress { folder: folder.to_owned(), hz: Some(1000), bandwidth_hz: None }
     }
 
     #[test]
@@ -224,7 +121,7 @@ mod tests {
         let address = address(folder.path());
         let sampling = Sampling { every_temp: Some(2), divider: None };
         let every_other = Setup { sampling, part: None };
-        let mut device = IioDevice::open(&address, "iio:x", &every_other).expect("a device");
+        let mut device = Adis16130::open(&address, "iio:x", &every_other).expect("a device");
         let samples: Vec<_> = (0..3).map(|_| device.poll().expect("a sample")).collect();
         assert!(samples.iter().all(|sample| sample.rate.code24() == 8_388_622 && sample.status.is_none()));
         let temps: Vec<_> = samples.iter().map(|sample| sample.temp.map(TempCode::code24)).collect();
@@ -237,7 +134,7 @@ mod tests {
     fn another_part_is_refused() {
         let folder = folder("0.000000500");
         let address = address(folder.path());
-        let error = IioDevice::open(&address, "iio:x", &Setup::default()).err().expect("no device").to_string();
+        let error = Adis16130::open(&address, "iio:x", &Setup::default()).err().expect("no device").to_string();
         assert!(error.contains("another part"), "{error}");
     }
 }

@@ -1,0 +1,379 @@
+//! Any gyroscope that the kernel has a driver for, in the scales that its driver states.
+
+use super::channel::{Channel, Element};
+use super::sysfs::{first, read_text, write};
+use super::{DEFAULT_POLL_HZ, IioAddress, Poll, Polls};
+use crate::error::Told;
+use crate::source::{Facts, Sampling, Setup, Source, part_of};
+use adis16130::MCLK_HZ;
+use anyhow::{Context, Result, ensure};
+use std::fs::File;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+use zerorate::{Axis, NamedAxis, NoiseSources, Part, Scale, TypicalBias};
+use zerorate_data::capture::{CaptureInfo, Layout, Row};
+
+/// Scans that the kernel keeps until they are read.
+const BUFFERED: u32 = 4096;
+
+/// Opens the device, through its buffer where it has one and no polls were asked for.
+pub fn open(address: &IioAddress, name: &str, driver: &str, setup: &Setup) -> crate::Result<Box<dyn Source>> {
+    let device = Device::find(address, name, driver, setup)?;
+    match address.hz {
+        None if device.has_buffer() => Ok(Box::new(Buffered::open(device, &dev_file(&address.folder))?)),
+        hz => Ok(Box::new(Polled::new(device, hz.unwrap_or(DEFAULT_POLL_HZ), setup.sampling))),
+    }
+}
+
+/// Its file in `/dev` has the name of its folder.
+fn dev_file(folder: &Path) -> PathBuf {
+    Path::new("/dev").join(folder.file_name().unwrap_or_default())
+}
+
+/// What a driver shows.
+struct Device {
+    folder: PathBuf,
+    rates: Vec<Channel>,
+    temp: Option<Channel>,
+    facts: Facts,
+}
+
+impl Device {
+    fn find(address: &IioAddress, name: &str, driver: &str, setup: &Setup) -> crate::Result<Self> {
+        let folder = &address.folder;
+        // the kernel's unit is rad/s
+        let rate = |axis: &str| Channel::read(folder, &format!("in_anglvel_{axis}"), "in_anglvel", 1f64.to_radians());
+        let there = |axis: &&str| folder.join(format!("in_anglvel_{axis}_raw")).exists();
+        let axes: Vec<&str> = ["x", "y", "z"].into_iter().filter(there).collect();
+        if axes.is_empty() {
+            let why = format!("{driver} in {} is no gyroscope: it has no in_anglvel_x, _y or _z", folder.display());
+            return Err(Told::request(why).into());
+        }
+        let rates = axes.iter().map(|axis| rate(axis)).collect::<Result<Vec<_>>>()?;
+        let named = ["in_temp", "in_temp0"].into_iter().find(|name| folder.join(format!("{name}_raw")).exists());
+        // the kernel's unit is 0.001 °C
+        let temp = named.map(|name| Channel::read(folder, name, "in_temp", 1000.0)).transpose()?;
+        let part = part(driver, &axes, &rates, temp.as_ref(), setup.part.as_ref());
+        let layout = Layout::of_part(&part).map_err(anyhow::Error::new)?;
+        let info = CaptureInfo {
+            device: name.to_owned(),
+            every_temp: setup.sampling.every_temp.unwrap_or(1),
+            bandwidth_hz: address.bandwidth_hz,
+            software: zerorate::SOFTWARE.to_owned(),
+            created: crate::source::now(),
+            ..CaptureInfo::new(layout)
+        };
+        let part =
+            part_of(&info, setup.part.as_ref().map(|known| Part { name: part.name, ..known.clone() }).as_ref())?;
+        let rate_hz = address.hz.map(f64::from);
+        let facts =
+            Facts { name: name.to_owned(), info, part, framing: None, is_real: true, rate_hz, mclk_hz: MCLK_HZ };
+        Ok(Self { folder: folder.clone(), rates, temp, facts })
+    }
+
+    fn has_buffer(&self) -> bool {
+        self.folder.join("buffer/enable").exists() && self.rates.iter().all(|channel| channel.element.is_some())
+    }
+}
+
+/// What the driver states. It calls parts by lower-case letters; who has a file of the part writes its name as it is.
+fn part(driver: &str, axes: &[&str], rates: &[Channel], temp: Option<&Channel>, known: Option<&Part>) -> Part {
+    const NO_TEMP: Scale = Scale { lsb_per_unit: 1.0, zero_code: 0, zero_value: 0.0, width_bits: 16, signed: true };
+    let known = known.filter(|known| known.name.eq_ignore_ascii_case(driver));
+    let axis = |(name, channel): (&&str, &Channel)| NamedAxis {
+        name: (*name).to_owned().into(),
+        axis: Axis {
+            rate: channel.scale,
+            temp: temp.map_or(NO_TEMP, |temp| temp.scale),
+            temp_noise_c: None,
+            range_dps: None,
+            bandwidth_hz: None,
+            noise: None,
+            bias: TypicalBias::default(),
+            resonance: None,
+            alternates: false,
+        },
+        sources: NoiseSources::default(),
+    };
+    Part {
+        name: known.map_or_else(|| driver.to_owned().into(), |known| known.name.clone()),
+        axes: axes.iter().zip(rates).map(axis).collect(),
+    }
+}
+
+/// Its channels, read one by one at even times. Nobody can tell whether a reading is new.
+struct Polled {
+    device: Device,
+    polls: Polls,
+    sampling: Sampling,
+    taken: u64,
+}
+
+impl Polled {
+    fn new(mut device: Device, hz: u32, sampling: Sampling) -> Self {
+        device.facts.rate_hz = Some(hz.into());
+        Self { device, polls: Polls::new(hz), sampling, taken: 0 }
+    }
+
+    fn poll(&mut self) -> Result<Row> {
+        let Poll { slot, lost, t_ns } = self.polls.wait();
+        let Device { folder, rates, temp, .. } = &self.device;
+        let codes = rates.iter().map(|channel| channel.poll(folder)).collect::<Result<Vec<_>>>()?;
+        let with_temp = self.taken.is_multiple_of(self.sampling.every_temp.unwrap_or(1).into());
+        let temp = temp.as_ref().filter(|_| with_temp).map(|temp| temp.poll(folder)).transpose()?;
+        self.taken += 1;
+        let row = Row::new(t_ns, slot, &codes).context("more axes than a row has room for")?;
+        Ok(row.with_temp_code(temp).with_lost(lost))
+    }
+}
+
+impl Source for Polled {
+    fn facts(&self) -> Facts {
+        self.device.facts.clone()
+    }
+
+    fn next(&mut self) -> crate::Result<Option<Row>> {
+        Ok(self.poll().map(Some)?)
+    }
+}
+
+/// Its scans, as the kernel took them, with their time stamps.
+struct Buffered {
+    device: Device,
+    scans: File,
+    /// Where each rate stands in a scan; the temperature; the time.
+    rates: Vec<(usize, Element)>,
+    temp: Option<(usize, Element)>,
+    time: (usize, Element),
+    scan: Vec<u8>,
+    period_ns: Option<f64>,
+    last_ns: Option<u64>,
+    taken: u32,
+}
+
+impl Buffered {
+    fn open(device: Device, file: &Path) -> Result<Self> {
+        let folder = device.folder.clone();
+        let time = Element::read(&folder, "in_timestamp")?;
+        let time = time.context("its driver stamps no scan with its time; poll it with ?hz=N")?;
+        let mut enabled: Vec<(&str, Element)> = device
+            .rates
+            .iter()
+            .chain(&device.temp)
+            .filter_map(|one| Some((one.name.as_str(), one.element?)))
+            .collect();
+        enabled.push(("in_timestamp", time));
+        write(&folder, "buffer/enable", "0")?;
+        for (name, _) in &enabled {
+            write(&folder, &format!("scan_elements/{name}_en"), "1")?;
+        }
+        write(&folder, "buffer/length", &BUFFERED.to_string())?;
+        require_trigger(&folder)?;
+        let (places, bytes) = places(&enabled);
+        let place =
+            |name: &str| enabled.iter().position(|(one, _)| *one == name).map(|at| (places[at], enabled[at].1));
+        let rates = device.rates.iter().filter_map(|channel| place(&channel.name)).collect();
+        let temp = device.temp.as_ref().and_then(|channel| place(&channel.name));
+        let time = place("in_timestamp").context("no time stamp")?;
+        let scans = File::open(file).with_context(|| format!("opening {}", file.display()))?;
+        write(&folder, "buffer/enable", "1")?;
+        let rate_hz: Option<f64> = first(&folder, &["in_anglvel_sampling_frequency", "sampling_frequency"])?;
+        let rate_hz = rate_hz.filter(|hz| *hz > 0.0);
+        let facts = Facts { rate_hz, ..device.facts };
+        let device = Device { facts, ..device };
+        let period_ns = rate_hz.map(|hz| 1e9 / hz);
+        Ok(Self { device, scans, rates, temp, time, scan: vec![0; bytes], period_ns, last_ns: None, taken: 0 })
+    }
+
+    fn read(&mut self) -> Result<Row> {
+        self.scans.read_exact(&mut self.scan).context("reading the buffer: was the part unplugged?")?;
+        let value = |(at, element): &(usize, Element)| element.value(&self.scan[*at..at + element.bytes]);
+        let t_ns = u64::try_from(value(&self.time)).context("a time stamp before the beginning of time")?;
+        let codes: Vec<i64> = self.rates.iter().map(value).collect();
+        let passed_ns = self.last_ns.map_or(0, |last_ns| t_ns.saturating_sub(last_ns));
+        // what the kernel had no room for it does not count
+        let periods = self.period_ns.map_or(1.0, |period_ns| (passed_ns as f64 / period_ns).round());
+        let lost = (periods - 1.0).max(0.0) as u32;
+        self.last_ns = Some(t_ns);
+        self.taken = self.taken.wrapping_add(1).wrapping_add(lost);
+        let row = Row::new(t_ns, self.taken, &codes).context("more axes than a row has room for")?;
+        Ok(row.with_temp_code(self.temp.as_ref().map(value)).with_lost(lost))
+    }
+}
+
+/// A buffer is filled when something triggers; some drivers bring a trigger of their own.
+fn require_trigger(folder: &Path) -> Result<()> {
+    if !folder.join("trigger/current_trigger").exists() {
+        return Ok(());
+    }
+    let trigger = read_text(folder, "trigger/current_trigger")?;
+    ensure!(
+        !trigger.is_empty(),
+        "nothing triggers its scans: write the name of a trigger (cat /sys/bus/iio/devices/trigger*/name) into \
+         {}/trigger/current_trigger, or poll with ?hz=N",
+        folder.display()
+    );
+    Ok(())
+}
+
+/// Where each stands in a scan, and how long that is: in the order of their indices, each at a multiple of its size.
+fn places(enabled: &[(&str, Element)]) -> (Vec<usize>, usize) {
+    let mut order: Vec<usize> = (0..enabled.len()).collect();
+    order.sort_by_key(|at| enabled[*at].1.index);
+    let mut places = vec![0; enabled.len()];
+    let (mut end, mut widest) = (0usize, 1);
+    for at in order {
+        let bytes = enabled[at].1.bytes;
+        places[at] = end.next_multiple_of(bytes);
+        end = places[at] + bytes;
+        widest = widest.max(bytes);
+    }
+    (places, end.next_multiple_of(widest))
+}
+
+impl Source for Buffered {
+    fn facts(&self) -> Facts {
+        self.device.facts.clone()
+    }
+
+    fn next(&mut self) -> crate::Result<Option<Row>> {
+        Ok(self.read().map(Some)?)
+    }
+}
+
+impl Drop for Buffered {
+    fn drop(&mut self) {
+        // a device that is gone needs no end
+        let _ = write(&self.device.folder, "buffer/enable", "0");
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs;
+
+    /// What a HID gyroscope shows (`hid-sensor-gyro-3d`), with a temperature beside.
+    fn folder(more: &[(&str, &str)]) -> tempfile::TempDir {
+        let folder = tempfile::tempdir().expect("a folder");
+        for (name, text) in [
+            ("name", "gyro_3d"),
+            ("in_anglvel_x_raw", "100"),
+            ("in_anglvel_y_raw", "-200"),
+            ("in_anglvel_z_raw", "5"),
+            ("in_anglvel_scale", "0.001"),
+            ("in_temp_raw", "2500"),
+            ("in_temp_scale", "10"),
+            ("in_temp_offset", "-100"),
+        ]
+        .iter()
+        .chain(more)
+        {
+            let path = folder.path().join(name);
+            fs::create_dir_all(path.parent().expect("a folder")).expect("made");
+            fs::write(path, format!("{text}\n")).expect("written");
+        }
+        folder
+    }
+
+    const BUFFER: &[(&str, &str)] = &[
+        ("buffer/enable", "0"),
+        ("buffer/length", "2"),
+        ("trigger/current_trigger", "gyro_3d-dev0"),
+        ("in_anglvel_sampling_frequency", "100.0"),
+        ("scan_elements/in_anglvel_x_index", "0"),
+        ("scan_elements/in_anglvel_x_type", "le:s16/16>>0"),
+        ("scan_elements/in_anglvel_y_index", "1"),
+        ("scan_elements/in_anglvel_y_type", "le:s16/16>>0"),
+        ("scan_elements/in_anglvel_z_index", "2"),
+        ("scan_elements/in_anglvel_z_type", "be:s24/32>>8"),
+        ("scan_elements/in_temp_index", "3"),
+        ("scan_elements/in_temp_type", "le:s16/16>>0"),
+        ("scan_elements/in_timestamp_index", "4"),
+        ("scan_elements/in_timestamp_type", "le:s64/64>>0"),
+    ];
+
+    fn find(folder: &Path, hz: Option<u32>, part: Option<Part>) -> crate::Result<Device> {
+        let address = IioAddress { folder: folder.to_owned(), hz, bandwidth_hz: None };
+        let driver = read_text(folder, "name")?;
+        Device::find(&address, "iio:x", &driver, &Setup { part, ..Setup::default() })
+    }
+
+    #[test]
+    fn polls_are_codes_in_the_scales_that_the_driver_states() {
+        let folder = folder(&[]);
+        let device = find(folder.path(), Some(1000), None).expect("a gyroscope");
+        assert!(!device.has_buffer());
+        let mut polled = Polled::new(device, 1000, Sampling { every_temp: Some(2), divider: None });
+        let (one, next) = (polled.poll().expect("a row"), polled.poll().expect("a row"));
+        assert_eq!((one.codes(), one.temp_code, next.temp_code), (&[100, -200, 5][..], Some(2500), None));
+        let Facts { info, part, .. } = polled.facts();
+        assert_eq!((&*part.name, part.axes.len(), &*part.axes[1].name), ("gyro_3d", 3, "y"));
+        let scan = info.layout.scan(&one);
+        let Axis { rate, temp, .. } = part.axes[1].axis;
+        let y_dps = rate.value(scan.rates()[1].into());
+        assert!((y_dps - (-0.2f64).to_degrees()).abs() < 1e-9, "{y_dps} °/s");
+        assert!((temp.value(scan.temp.expect("a temperature").into()) - 24.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn scans_of_the_buffer_have_their_time_and_count_what_is_missing() {
+        let folder = folder(BUFFER);
+        // 2 + 2 + 4 + 2 bytes, and 6 until the time may begin
+        let scan = |x: i16, y: i16, z: i32, temp: i16, t_ns: i64| {
+            let z = (z << 8).to_be_bytes();
+            [&x.to_le_bytes()[..], &y.to_le_bytes(), &z, &temp.to_le_bytes(), &[0; 6], &t_ns.to_le_bytes()].concat()
+        };
+        let t0 = 1_700_000_000_000_000_000;
+        let scans =
+            [scan(1, -2, -70_000, 2500, t0), scan(3, 4, 5, 2600, t0 + 9_900_000), scan(0, 0, 0, 0, t0 + 40_100_000)];
+        let file = folder.path().join("dev");
+        fs::write(&file, scans.concat()).expect("written");
+        let device = find(folder.path(), None, None).expect("a gyroscope");
+        assert!(device.has_buffer());
+        let mut buffered = Buffered::open(device, &file).expect("a buffer");
+        assert_eq!(buffered.facts().rate_hz, Some(100.0));
+        let rows: Vec<Row> = (0..3).map(|_| buffered.read().expect("a row")).collect();
+        assert_eq!((rows[0].codes(), rows[0].temp_code), (&[1, -2, -70_000][..], Some(2500)));
+        assert_eq!((rows[1].t_ns - rows[0].t_ns, rows[1].lost, rows[2].lost), (9_900_000, 0, 2));
+        assert_eq!(rows[2].edge_seq - rows[1].edge_seq, 3);
+        assert!(format!("{:#}", buffered.read().unwrap_err()).contains("unplugged"));
+        let set = |name: &str| read_text(folder.path(), name).expect("an attribute");
+        assert_eq!((set("scan_elements/in_anglvel_y_en"), set("buffer/enable")), ("1".into(), "1".into()));
+        drop(buffered);
+        assert_eq!(set("buffer/enable"), "0");
+    }
+
+    #[test]
+    fn what_is_known_of_the_part_is_added_by_its_name() {
+        let folder = folder(&[]);
+        let text = "schema = 1\nname = \"GYRO_3D\"\naxis = [{ name = \"x\" }, { name = \"y\" }, { name = \"z\" }]\n\
+            rate = { lsb_per_dps = 1, zero_code = 0, width_bits = 16, range_dps = 500 }\n\
+            temperature = { lsb_per_c = 1, zero_code = 0, zero_c = 0, width_bits = 16 }\n";
+        let device = find(folder.path(), None, Some(Part::parse(text).expect("a part"))).expect("a gyroscope");
+        let axis = &device.facts.part.axes[2].axis;
+        assert_eq!((&*device.facts.part.name, axis.range_dps), ("GYRO_3D", Some(500.0)));
+        assert!((axis.rate.lsb_per_unit - 1f64.to_radians() / 0.001).abs() < 1e-9, "the driver knows its scale");
+    }
+
+    #[test]
+    fn what_is_no_gyroscope_or_cannot_be_converted_is_refused() {
+        let fails = |remove: &str, more: &[(&str, &str)]| {
+            let folder = folder(more);
+            for axis in ["x", "y", "z"].into_iter().filter(|_| remove == "rates") {
+                fs::remove_file(folder.path().join(format!("in_anglvel_{axis}_raw"))).expect("removed");
+            }
+            if remove == "scale" {
+                fs::remove_file(folder.path().join("in_anglvel_scale")).expect("removed");
+            }
+            find(folder.path(), None, None).map(drop).expect_err("nothing to read").to_string()
+        };
+        assert!(fails("rates", &[]).contains("no gyroscope"));
+        assert!(fails("scale", &[]).contains("in_anglvel_x states no scale"));
+        assert!(fails("", &[("in_anglvel_scale", "0")]).contains("nothing can be converted"));
+        let idle = folder(&[BUFFER, &[("trigger/current_trigger", "")]].concat());
+        let device = find(idle.path(), None, None).expect("a gyroscope");
+        let error = Buffered::open(device, &idle.path().join("dev")).map(drop).expect_err("no trigger").to_string();
+        assert!(error.contains("nothing triggers"), "{error}");
+    }
+}

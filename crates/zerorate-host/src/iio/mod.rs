@@ -1,0 +1,117 @@
+//! Gyroscopes behind drivers of the Linux kernel (Industrial I/O).
+//!
+//! [`generic`] reads any of them in the scales that its driver states, through its buffer where it has one, with time
+//! stamps, or polled; [`adis16130`] reads the one part whose codes are known, polled, for that driver has no buffer.
+
+mod adis16130;
+mod channel;
+mod generic;
+mod sysfs;
+
+use crate::Stop;
+use crate::error::{Cause, Told};
+use crate::kinds::{Address, Parsed};
+use crate::options::{number, split, without_bandwidth};
+use crate::source::{Setup, Source};
+use std::ops::RangeInclusive;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// A gyroscope that a driver of the kernel reads: `iio:iio:device0`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct IioAddress {
+    /// The device's folder in sysfs.
+    pub folder: PathBuf,
+    /// How often it is polled, per second; none: read through its buffer, where it has one.
+    pub hz: Option<u32>,
+    /// −3 dB of the rate, Hz, where it is not the part's own (F-04).
+    pub bandwidth_hz: Option<f64>,
+}
+
+const POLL_RANGE_HZ: RangeInclusive<u32> = 1..=10_000;
+const DEFAULT_POLL_HZ: u32 = 100;
+
+impl IioAddress {
+    /// Reads what follows `iio:`.
+    pub fn parse(text: &str) -> Parsed {
+        Ok(Arc::new(Self::read(text)?))
+    }
+
+    pub(crate) fn read(text: &str) -> Result<Self, String> {
+        let (text, bandwidth_hz) = without_bandwidth(text)?;
+        let (name, options) = split(&text);
+        if name.is_empty() || name.contains('/') {
+            return Err("iio: needs the device's name, as in iio:iio:device0 (ls /sys/bus/iio/devices)".to_owned());
+        }
+        let mut hz = None;
+        for option in options {
+            match option.split_once('=') {
+                Some(("hz", text)) => hz = Some(number("hz", text, POLL_RANGE_HZ)?),
+                _ => {
+                    return Err(format!(
+                        "`{option}` is no option; there are hz=POLLS_PER_SECOND, roa=none|10nf and bandwidth_hz=HZ \
+                         (F-04)"
+                    ));
+                }
+            }
+        }
+        Ok(Self { folder: PathBuf::from("/sys/bus/iio/devices").join(name), hz, bandwidth_hz })
+    }
+}
+
+impl Address for IioAddress {
+    fn open(&self, name: &str, setup: &Setup, _: &Stop) -> crate::Result<Box<dyn Source>> {
+        if setup.sampling.divider.is_some() {
+            let why = "--divider counts edges of data ready, which the kernel driver does not show; poll less often \
+                with ?hz=";
+            return Err(Told::request(why).into());
+        }
+        if !self.folder.is_dir() {
+            let folder = self.folder.display();
+            let words = format!("no {folder}: is its driver bound? see ls /sys/bus/iio/devices");
+            return Err(anyhow::Error::new(Told::new(Cause::Missing, words)).into());
+        }
+        match sysfs::read_text(&self.folder, "name")?.as_str() {
+            "adis16130" => Ok(Box::new(adis16130::Adis16130::open(self, name, setup)?)),
+            driver => Ok(generic::open(self, name, driver, setup)?),
+        }
+    }
+}
+
+/// Polls at even times.
+struct Polls {
+    period: Duration,
+    started: Instant,
+    /// Number of the next poll.
+    next: u32,
+}
+
+/// A poll that is due.
+struct Poll {
+    slot: u32,
+    /// Polls that came too late, and were left out.
+    lost: u32,
+    t_ns: u64,
+}
+
+impl Polls {
+    fn new(hz: u32) -> Self {
+        Self { period: Duration::from_secs(1) / hz, started: Instant::now(), next: 0 }
+    }
+
+    /// Waits for the next.
+    fn wait(&mut self) -> Poll {
+        let elapsed = self.started.elapsed();
+        let slot = match (self.period * self.next).checked_sub(elapsed) {
+            Some(early) => {
+                std::thread::sleep(early);
+                self.next
+            }
+            None => (elapsed.as_nanos() / self.period.as_nanos()) as u32,
+        };
+        let lost = slot - self.next;
+        self.next = slot + 1;
+        Poll { slot, lost, t_ns: self.started.elapsed().as_nanos() as u64 }
+    }
+}
