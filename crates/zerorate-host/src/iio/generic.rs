@@ -94,10 +94,12 @@ fn part(driver: &str, axes: &[&str], rates: &[Channel], temp: Option<&Channel>, 
             alternates: false,
         },
         sources: NoiseSources::default(),
+        column: None,
     };
     Part {
         name: known.map_or_else(|| driver.to_owned().into(), |known| known.name.clone()),
         axes: axes.iter().zip(rates).map(axis).collect(),
+        temp_column: None,
     }
 }
 
