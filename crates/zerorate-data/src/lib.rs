@@ -11,8 +11,10 @@ pub mod column;
 mod fuzz;
 mod input;
 pub mod limits;
+mod row_reader;
 mod survive;
 
 pub use capture::CaptureError;
 pub use column::LogError;
 pub use input::Input;
+pub use row_reader::RowReader;

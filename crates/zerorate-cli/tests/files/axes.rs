@@ -6,7 +6,7 @@ use rand_xoshiro::rand_core::{Rng, SeedableRng};
 use std::fs::File;
 use std::path::Path;
 use zerorate::{Calibration, Part};
-use zerorate_data::capture::{CaptureInfo, CaptureWriter, Format, Layout, Row};
+use zerorate_data::capture::{CaptureInfo, CaptureReader, CaptureWriter, Format, Layout, Row};
 
 /// The scales are those of its data sheet, the noise is about that of its real log.
 const PART: &str = r#"
@@ -154,4 +154,64 @@ fn the_wrong_part_is_named() {
     let said = bench.zerorate("correct imu.arrows --cal unit.toml --force -o corrected.csv").fails(1);
     assert!(said.contains("of an ADIS16130 (axes rate), not of an ADIS16405"), "{said}");
     assert!(!bench.path("corrected.csv").exists());
+}
+
+/// The same as a log of values, such as another program writes: it is read through the file of the part.
+#[test]
+fn a_log_is_as_good_as_a_capture() {
+    let bench = Bench::new();
+    bench.write("part.toml", PART);
+    record(&bench.path("imu.arrows"), false);
+    let reader = CaptureReader::open(Path::new("imu"), File::open(bench.path("imu.arrows")).unwrap().into()).unwrap();
+    let mut log = "time [ms],y_dps,x_dps,z_dps,temp_code\n".to_owned();
+    for row in reader.map(Result::unwrap) {
+        let [x, y, z] = [0, 1, 2].map(|axis| row.codes()[axis] as f64 / 20.0);
+        log += &format!("{},{y},{x},{z},{}\n", row.t_ns / 1_000_000, row.temp_code.unwrap());
+    }
+    bench.write("log.csv", log);
+    bench.zerorate(&format!("calibrate --device replay:log.csv --part part.toml {PLAN} -o log.toml")).ok();
+    bench.zerorate(&format!("recalibrate imu.arrows --part part.toml {PLAN} -o unit.toml")).ok();
+    let [log, unit] = ["log.toml", "unit.toml"].map(|name| {
+        let text = std::fs::read_to_string(bench.path(name)).unwrap();
+        Calibration::parse(&text).unwrap().0
+    });
+    assert_eq!((log.capture_sha256, &log.axes), (unit.capture_sha256, &unit.axes));
+    let said = bench.zerorate("calibrate --device replay:log.csv").fails(1);
+    assert!(said.contains("log.csv is not a capture"), "{said}");
+    bench.write("short.csv", "t_s,x,y,temp\n0,1,2,3\n");
+    let said = bench.zerorate("calibrate --device replay:short.csv --part part.toml").fails(2);
+    assert!(said.contains("has no column `z` for the axis z"), "{said}");
+}
+
+/// What is torn off is said, the rest is kept, and every axis can be analysed.
+#[test]
+fn captures_of_axes_are_verified_repaired_and_analysed() {
+    let bench = Bench::new();
+    record(&bench.path("imu.arrows"), false);
+    let whole = bench.zerorate("verify imu.arrows --json").ok();
+    let whole: serde_json::Value = serde_json::from_str(&whole).unwrap();
+    assert_eq!((&whole["whole"], &whole["files"][0]["rows"]), (&true.into(), &ROWS.into()));
+    let bytes = std::fs::read(bench.path("imu.arrows")).unwrap();
+    bench.write("torn.arrows", &bytes[..bytes.len() / 2]);
+    let torn = bench.zerorate("verify torn.arrows");
+    assert!(torn.code == Some(1) && torn.stdout.contains("TORN"), "{torn:?}");
+    bench.zerorate("repair torn.arrows -o mended.parquet").ok();
+    bench.zerorate("verify mended.parquet").ok();
+    for column in ["x_code", "z_code", "temp_code"] {
+        bench.zerorate(&format!("allan mended.parquet --column {column} --json")).ok();
+    }
+    let said = bench.zerorate("allan mended.parquet").fails(2);
+    assert!(said.contains("several columns") && said.contains("`y_code`"), "{said}");
+}
+
+#[test]
+fn a_capture_of_axes_as_columns() {
+    let bench = Bench::new();
+    record(&bench.path("imu.arrows"), false);
+    let recording = zerorate_cli::api::read_capture(&bench.path("imu.arrows")).unwrap();
+    let names: Vec<&str> = recording.axes.iter().map(|axis| axis.name.as_str()).collect();
+    assert_eq!((recording.part.as_str(), names), ("ADIS16405", vec!["x", "y", "z"]));
+    let rows = ROWS as usize;
+    assert!(recording.axes.iter().all(|axis| (axis.codes.len(), axis.flags.len()) == (rows, rows)));
+    assert_eq!((recording.temp_code.len(), recording.axes[1].scale.value(20)), (rows, 1.0));
 }
