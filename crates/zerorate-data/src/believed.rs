@@ -40,8 +40,13 @@ fn of_readings(health: &Health, samples: u64, start_ns: u64) -> Vec<(&'static st
             ("out-of-range", text)
         }),
         (2 * marks.unjudged > samples).then(|| {
-            let text = "the readings are too far apart to tell impossible ones from motion (bit errors would pass); \
-                use a smaller divider";
+            let text = if health.can_judge() {
+                "the readings are too far apart to tell impossible ones from motion (bit errors would pass); use a \
+                 smaller divider"
+            } else {
+                "too little is known of the part (its range, bandwidth and noise) to tell impossible readings from \
+                 motion (bit errors would pass); state them in the file of the part"
+            };
             ("unjudged", text.to_owned())
         }),
     ];

@@ -158,6 +158,12 @@ impl Health {
         Self { plausible, freeze, frozen: None, marks }
     }
 
+    /// Whether enough is known of the axis (range, bandwidth, noise) to tell impossible rates from motion.
+    #[must_use]
+    pub fn can_judge(&self) -> bool {
+        self.plausible.has_limits()
+    }
+
     /// Takes a reading in, and hands on the one two before it.
     #[inline]
     pub fn push(&mut self, reading: &Reading) -> Option<Judged> {

@@ -175,6 +175,11 @@ impl Plausible {
         }
     }
 
+    /// Whether enough is known of the axis to judge its rates.
+    pub(crate) fn has_limits(&self) -> bool {
+        self.limits.is_some()
+    }
+
     /// Takes a reading in, and judges the one two before it.
     #[inline]
     pub(crate) fn push(&mut self, reading: &Reading) -> Option<(Reading, Finding)> {

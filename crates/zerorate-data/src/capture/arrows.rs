@@ -25,13 +25,13 @@ const WRITE_BUFFER: usize = 1 << 20;
 const SCAN: u64 = 1 << 16;
 
 /// Writes a stream.
-pub struct Sink {
+pub struct StreamSink {
     path: PathBuf,
     schema: SchemaRef,
     writer: StreamWriter<BufWriter<Out>>,
 }
 
-impl Sink {
+impl StreamSink {
     /// Writes the schema, so that even a capture without a row can be read.
     pub fn create(path: &Path, out: Out, schema: &SchemaRef) -> Result<Self, CaptureError> {
         let wrong = |error| CaptureError::arrow("write", path, error);
@@ -41,7 +41,7 @@ impl Sink {
     }
 }
 
-impl Sink {
+impl StreamSink {
     /// A batch in one piece, with what is stated about it.
     fn write_noted(&mut self, batch: &RecordBatch, key: &str, note: &str) -> Result<(), CaptureError> {
         let options = IpcWriteOptions::default();
@@ -57,7 +57,7 @@ impl Sink {
     }
 }
 
-impl BlockSink for Sink {
+impl BlockSink for StreamSink {
     fn write(&mut self, rows: &RecordBatch, check: Option<&str>) -> Result<(), CaptureError> {
         self.write_noted(rows, chain::BATCH, check.unwrap_or_default())
     }
@@ -70,7 +70,7 @@ impl BlockSink for Sink {
 }
 
 /// Reads a stream, up to the last whole batch.
-pub struct Source {
+pub struct StreamReader {
     path: PathBuf,
     messages: Messages<BufReader<Input>>,
     decoder: StreamDecoder,
@@ -81,7 +81,7 @@ pub struct Source {
     stated: Stated,
 }
 
-impl Source {
+impl StreamReader {
     /// Reads the schema.
     pub fn open(path: &Path, input: Input) -> Result<Self, CaptureError> {
         let failed = |error| CaptureError::io("read", path, error);
@@ -178,7 +178,7 @@ pub fn decode(decoder: &mut StreamDecoder, bytes: Vec<u8>) -> Result<Option<Reco
     decoded.ok_or_else(|| "its batch makes no sense".to_owned())?.map_err(|error| error.to_string())
 }
 
-impl BatchSource for Source {
+impl BatchSource for StreamReader {
     fn form(&self) -> &'static str {
         "Arrow stream"
     }

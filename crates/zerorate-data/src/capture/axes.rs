@@ -13,7 +13,27 @@ fn imu() -> CaptureInfo {
     CaptureInfo { device: "replay:log.csv".to_owned(), ..CaptureInfo::new(layout) }
 }
 
-fn part() -> Part {
+fn rows(n: u32) -> Vec<Row> {
+    let row = |i: u32| {
+        let code = |seed: u32| i64::from((i.wrapping_mul(seed) >> 16) as i16);
+        Row::new(10_000_000 * u64::from(i + 1), i, &[code(2_654_435_761), code(40_503_761), -32_768 + i64::from(i)])
+            .unwrap()
+            .with_status((i % 5 != 1).then_some(0x2400 + i))
+            .with_temp_code((i % 3 != 2).then_some(i64::from(i % 40) - 20))
+    };
+    (0..n).map(row).collect()
+}
+
+/// A capture of so many rows.
+pub fn bytes(format: Format, count: u32) -> Vec<u8> {
+    let dir = TempDir::new().unwrap();
+    let path = dir.path().join("capture");
+    write(&path, format, &rows(count));
+    fs::read(&path).unwrap()
+}
+
+/// An ADIS16405.
+pub fn part() -> Part {
     Part::parse(
         r#"
         schema = 1
@@ -24,17 +44,6 @@ fn part() -> Part {
         "#,
     )
     .unwrap()
-}
-
-fn rows(n: u32) -> Vec<Row> {
-    let row = |i: u32| {
-        let code = |seed: u32| i64::from((i.wrapping_mul(seed) >> 16) as i16);
-        Row::new(10_000_000 * u64::from(i + 1), i, &[code(2_654_435_761), code(40_503_761), -32_768 + i64::from(i)])
-            .unwrap()
-            .with_status((i % 5 != 1).then_some(0x2400 + i))
-            .with_temp_code((i % 3 != 2).then_some(i64::from(i % 40) - 20))
-    };
-    (0..n).map(row).collect()
 }
 
 fn write(path: &Path, format: Format, rows: &[Row]) {
@@ -110,20 +119,15 @@ fn columns_and_metadata_of_the_document() {
 
 #[test]
 fn no_flipped_bit_is_believed() {
-    let dir = TempDir::new().unwrap();
-    let path = dir.path().join("flipped");
-    let rows = rows(60);
     for format in FORMATS {
-        write(&path, format, &rows);
-        let whole = fs::read(&path).unwrap();
-        for at in (0..whole.len()).step_by(3) {
+        let whole = bytes(format, 60);
+        for at in 0..whole.len() {
             let mut bytes = whole.clone();
             bytes[at] ^= 1 << (at % 8);
-            fs::write(&path, bytes).unwrap();
-            let Ok(reader) = open(&path) else { continue };
+            let Ok(reader) = CaptureReader::open(Path::new("flipped"), bytes.into()) else { continue };
             let same = reader.info() == &imu();
             if let Ok(found) = reader.collect::<Result<Vec<_>, _>>() {
-                assert!(same && found == rows, "{format:?}, byte {at}");
+                assert!(same && found == rows(60), "{format:?}, byte {at}");
             }
         }
     }

@@ -24,12 +24,12 @@ pub const PREAMBLE: &str = "# zerorate.";
 const WRITE_BUFFER: usize = 1 << 20;
 
 /// Writes a CSV file.
-pub struct Sink {
+pub struct CsvSink {
     path: PathBuf,
     out: BufWriter<Out>,
 }
 
-impl Sink {
+impl CsvSink {
     /// Writes the description and the header.
     pub fn create(path: &Path, out: Out, schema: &SchemaRef) -> Result<Self, CaptureError> {
         let mut sink = Self { path: path.to_owned(), out: BufWriter::with_capacity(WRITE_BUFFER, out) };
@@ -69,7 +69,7 @@ impl Sink {
     }
 }
 
-impl BlockSink for Sink {
+impl BlockSink for CsvSink {
     fn write(&mut self, rows: &RecordBatch, check: Option<&str>) -> Result<(), CaptureError> {
         self.rows(rows)?;
         check.map_or(Ok(()), |check| self.state(chain::BATCH, check))?;
@@ -84,7 +84,7 @@ impl BlockSink for Sink {
 }
 
 /// Reads a CSV capture.
-pub struct Source {
+pub struct CsvReader {
     path: PathBuf,
     lines: Lines,
     /// For each column of the file, in order: its builder, or none if its name is unknown.
@@ -108,7 +108,7 @@ enum Entry {
     Nothing,
 }
 
-impl Source {
+impl CsvReader {
     /// Reads the description and the header.
     pub fn open(path: &Path, input: Input) -> Result<Self, CaptureError> {
         let mut lines = Lines::new(path, input);
@@ -211,7 +211,7 @@ fn push_cells(path: &Path, place: &str, line: &str, columns: &mut [NamedColumn])
     }
 }
 
-impl BatchSource for Source {
+impl BatchSource for CsvReader {
     fn form(&self) -> &'static str {
         "CSV"
     }

@@ -6,7 +6,7 @@
 pub mod admission;
 pub(crate) mod arrows;
 #[cfg(test)]
-mod axes;
+pub(crate) mod axes;
 pub(crate) mod chain;
 mod checked;
 pub mod columns;
@@ -46,7 +46,7 @@ pub struct CaptureWriter {
     path: PathBuf,
     schema: SchemaRef,
     layout: Layout,
-    sink: Option<table::Sink>,
+    sink: Option<table::CheckedSink>,
     open: OpenBatch,
     summary: CaptureSummary,
 }

@@ -25,13 +25,13 @@ const ROW_GROUP: usize = 1 << 20;
 pub const BLOCK: usize = 1 << 16;
 
 /// Writes a Parquet file.
-pub struct Sink {
+pub struct ParquetSink {
     path: PathBuf,
     writer: ArrowWriter<Out>,
     checks: Vec<String>,
 }
 
-impl Sink {
+impl ParquetSink {
     /// Starts a file with the columns and the metadata of `schema`.
     pub fn create(path: &Path, out: Out, schema: &SchemaRef) -> Result<Self, CaptureError> {
         let writer = ArrowWriter::try_new(out, schema.clone(), Some(properties(schema)))
@@ -40,7 +40,7 @@ impl Sink {
     }
 }
 
-impl BlockSink for Sink {
+impl BlockSink for ParquetSink {
     fn write(&mut self, rows: &RecordBatch, check: Option<&str>) -> Result<(), CaptureError> {
         self.checks.extend(check.map(str::to_owned));
         self.writer.write(rows).map_err(|error| CaptureError::parquet("write", &self.path, error))
@@ -82,7 +82,7 @@ fn encoding(properties: WriterPropertiesBuilder, name: &str, data_type: &DataTyp
 }
 
 /// Reads any Parquet file, batch by batch.
-pub struct Source {
+pub struct ParquetReader {
     path: PathBuf,
     reader: ParquetRecordBatchReader,
     /// Of the batches that follow.
@@ -90,7 +90,7 @@ pub struct Source {
     stated: Stated,
 }
 
-impl Source {
+impl ParquetReader {
     /// Reads the index at the end of the file.
     pub fn open(path: &Path, input: Input) -> Result<Self, CaptureError> {
         let builder = guarded(path, || ParquetRecordBatchReaderBuilder::try_new(input))?;
@@ -130,7 +130,7 @@ fn no_room(error: &ParquetError) -> Option<NoRoom> {
     }
 }
 
-impl BatchSource for Source {
+impl BatchSource for ParquetReader {
     fn form(&self) -> &'static str {
         "Parquet"
     }

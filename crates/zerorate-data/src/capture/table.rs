@@ -99,7 +99,7 @@ pub trait BatchSource {
 }
 
 /// Writes a capture, and the checks into it.
-pub struct Sink {
+pub struct CheckedSink {
     path: PathBuf,
     form: Box<dyn BlockSink>,
     chain: Chain,
@@ -119,21 +119,21 @@ enum Blocks {
 pub type Out = Box<dyn Write + Send>;
 
 /// Starts a capture; `path` names it in messages.
-pub fn create(path: &Path, out: Out, format: Format, schema: &SchemaRef) -> Result<Sink, CaptureError> {
+pub fn create(path: &Path, out: Out, format: Format, schema: &SchemaRef) -> Result<CheckedSink, CaptureError> {
     let layout = CaptureInfo::from_metadata(path, schema.metadata())?.layout;
     let form: Box<dyn BlockSink> = match format {
-        Format::Arrows => Box::new(arrows::Sink::create(path, out, schema)?),
-        Format::Parquet => Box::new(parquet::Sink::create(path, out, schema)?),
-        Format::Csv => Box::new(csv::Sink::create(path, out, schema)?),
+        Format::Arrows => Box::new(arrows::StreamSink::create(path, out, schema)?),
+        Format::Parquet => Box::new(parquet::ParquetSink::create(path, out, schema)?),
+        Format::Csv => Box::new(csv::CsvSink::create(path, out, schema)?),
     };
     let blocks = match format {
         Format::Parquet => Blocks::Rows { rows: parquet::BLOCK, open: 0 },
         Format::Arrows | Format::Csv => Blocks::Batches { rows: MAX_ROWS },
     };
-    Ok(Sink { path: path.to_owned(), form, chain: Chain::new(schema, &layout), blocks, layout })
+    Ok(CheckedSink { path: path.to_owned(), form, chain: Chain::new(schema, &layout), blocks, layout })
 }
 
-impl Sink {
+impl CheckedSink {
     /// Writes rows.
     pub fn write(&mut self, batch: &RecordBatch) -> Result<(), CaptureError> {
         let mut first = 0;
@@ -191,13 +191,13 @@ pub fn recognise(path: &Path, mut input: Input) -> Result<Opened, CaptureError> 
     input.rewind().map_err(failed)?;
     match start.as_slice() {
         [] => Err(CaptureError::not_a_capture(path, "it is empty")),
-        [0xFF, 0xFF, 0xFF, 0xFF, ..] => Ok(Opened::Table(Box::new(arrows::Source::open(path, input)?))),
-        [b'P', b'A', b'R', b'1', ..] => Ok(Opened::Table(Box::new(parquet::Source::open(path, input)?))),
+        [0xFF, 0xFF, 0xFF, 0xFF, ..] => Ok(Opened::Table(Box::new(arrows::StreamReader::open(path, input)?))),
+        [b'P', b'A', b'R', b'1', ..] => Ok(Opened::Table(Box::new(parquet::ParquetReader::open(path, input)?))),
         [b'A', b'R', b'R', b'O', b'W', b'1', ..] => Err(CaptureError::not_a_capture(
             path,
             "it is an Arrow file; convert it to an Arrow stream, to Parquet or to CSV",
         )),
-        text if text == csv::PREAMBLE.as_bytes() => Ok(Opened::Table(Box::new(csv::Source::open(path, input)?))),
+        text if text == csv::PREAMBLE.as_bytes() => Ok(Opened::Table(Box::new(csv::CsvReader::open(path, input)?))),
         _ => Ok(Opened::Text(input)),
     }
 }

@@ -5,7 +5,7 @@ use super::series::ROW_BYTES;
 use super::tabular::{self, TableColumns};
 use super::{Asked, Found, Result};
 use crate::Input;
-use crate::capture::parquet::{Source, guarded};
+use crate::capture::parquet::{ParquetReader, guarded};
 use crate::capture::{CaptureError, info};
 use crate::limits::Room;
 use arrow_array::ArrayRef;
@@ -29,7 +29,7 @@ pub fn read(log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
     let metadata = guarded(path, || ArrowReaderMetadata::load(&file, ArrowReaderOptions::default()))?;
     let schema = metadata.schema().clone();
     if info::is_capture(schema.metadata()) {
-        return tabular::read(path, Box::new(Source::open(path, file)?), room, asked);
+        return tabular::read(path, Box::new(ParquetReader::open(path, file)?), room, asked);
     }
     let mut reading = TableColumns::start(path, &schema, room, asked)?;
     let groups = Groups {

@@ -1,7 +1,7 @@
 //! Captures in every form.
 
 use super::edited;
-use crate::capture::{CaptureReader, Format, tests as forms};
+use crate::capture::{CaptureReader, Format, axes, tests as forms};
 use std::path::Path;
 
 /// Samples come out in order of time, whatever the file holds.
@@ -10,6 +10,14 @@ fn read(bytes: &[u8]) {
     let samples: Vec<_> = reader.by_ref().map_while(Result::ok).collect();
     assert!(samples.is_sorted_by(|one, next| one.t_ns < next.t_ns));
     let _ = reader.warnings();
+}
+
+/// Three axes, whose codes count both ways.
+#[test]
+fn axes() {
+    let seeds: Vec<Vec<u8>> =
+        [Format::Arrows, Format::Parquet, Format::Csv].map(|form| axes::bytes(form, 30)).to_vec();
+    edited(700, &seeds, read);
 }
 
 fn seed(format: Format) -> Vec<Vec<u8>> {

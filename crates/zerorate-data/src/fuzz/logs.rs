@@ -1,8 +1,9 @@
 //! Logs of every form that `zerorate allan` reads.
 
 use super::edited;
+use crate::capture::{Row, axes};
 use crate::column::tests::options;
-use crate::column::{self, tests as forms};
+use crate::column::{self, ColumnOptions, PartLog, tests as forms};
 use crate::limits::Room;
 use arrow_array::RecordBatch;
 use arrow_array::types::Int8Type;
@@ -28,6 +29,27 @@ fn read(bytes: &[u8], ways: &[&str]) {
             assert!(column.rate_hz > 0.0 || column.rate_hz.is_nan(), "{way}: {} Hz", column.rate_hz);
         }
     }
+}
+
+/// As the log of a part: times increase, and every row has all codes of its scales.
+fn read_as_part(bytes: &[u8]) {
+    let part = axes::part();
+    let Ok(log) = PartLog::open(Path::new("edited"), bytes.to_vec().into(), &part, &ColumnOptions::default()) else {
+        return;
+    };
+    let rows: Vec<Row> = log.collect();
+    assert!(rows.is_sorted_by(|one, next| one.t_ns < next.t_ns));
+    let code = |code: &i64| (-32_768..=32_767).contains(code);
+    assert!(rows.iter().all(|row| row.codes().len() == 3 && row.codes().iter().all(code)));
+}
+
+#[test]
+fn of_a_part() {
+    let texts = [
+        "t_ms,x,y,z,temp\n0,1,-2,3,4\n10,5,,-7,8\n40,9,10,11,\n50,12,13,14,15\n",
+        "time [s];x_dps;y [rad/s];z;temp_c\n0;0,05;0,0001;3;25,5\n0,01;-1,5;-0,002;4;26\n0,02;1;0;5;27\n",
+    ];
+    edited(1500, &texts.map(|text| text.as_bytes().to_vec()), read_as_part);
 }
 
 fn columns() -> Vec<(&'static str, ArrayRef)> {
