@@ -21,15 +21,20 @@ pub fn report(error: &anyhow::Error) -> ExitCode {
     if reader_left(error) {
         return ExitCode::SUCCESS;
     }
-    let is_request = error.downcast_ref().is_some_and(|error: &DeviceError| error.cause() == Cause::Request);
+    let cause = error.downcast_ref().map(DeviceError::cause);
     let log = error.downcast_ref::<LogError>();
-    let (label, code) = if error.is::<Refused>() || matches!(log, Some(LogError::Refused(_))) {
-        ("refused", 3)
-    } else if error.is::<Usage>() || matches!(log, Some(LogError::Ask(_))) || is_request || refuses_output(error) {
-        ("error", 2)
-    } else {
-        ("error", 1)
-    };
+    let (label, code) =
+        if error.is::<Refused>() || matches!(log, Some(LogError::Refused(_))) || cause == Some(Cause::Refused) {
+            ("refused", 3)
+        } else if error.is::<Usage>()
+            || matches!(log, Some(LogError::Ask(_)))
+            || cause == Some(Cause::Request)
+            || refuses_output(error)
+        {
+            ("error", 2)
+        } else {
+            ("error", 1)
+        };
     say(format_args!("{label}: {error:#}"));
     ExitCode::from(code)
 }

@@ -3,8 +3,8 @@
 use adis16130::Fault;
 use std::error::Error;
 use std::{fmt, io};
-use zerorate_data::CaptureError;
 use zerorate_data::capture::admission::Disbelief;
+use zerorate_data::{CaptureError, LogError};
 
 /// Why a device cannot be read. Its text and those of its sources say what was seen and what to do.
 #[derive(Debug)]
@@ -33,6 +33,8 @@ pub enum Cause {
     Part,
     /// The recording cannot be read, or is damaged.
     File,
+    /// What is in it must not become a measurement.
+    Refused,
     /// It was asked to stop.
     Stopped,
     /// Anything else.
@@ -75,6 +77,17 @@ impl From<anyhow::Error> for DeviceError {
 impl From<Disbelief> for DeviceError {
     fn from(error: Disbelief) -> Self {
         anyhow::Error::new(error).into()
+    }
+}
+
+impl From<LogError> for DeviceError {
+    fn from(error: LogError) -> Self {
+        let cause = match error {
+            LogError::File(_) => Cause::File,
+            LogError::Ask(_) => Cause::Request,
+            LogError::Refused(_) => Cause::Refused,
+        };
+        Self { cause, told: error.into() }
     }
 }
 

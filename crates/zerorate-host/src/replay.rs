@@ -8,8 +8,8 @@ use adis16130::MCLK_HZ;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use zerorate::Part;
+use zerorate_data::RowReader;
 use zerorate_data::capture::Row;
-use zerorate_data::{LogError, RowReader};
 
 /// `replay:FILE`; the file may be called what it likes.
 #[derive(Clone, Debug)]
@@ -32,11 +32,7 @@ impl Address for ReplayAddress {
             let why = "--every-temp and --divider were decided when the recording was made; leave them out";
             return Err(Told::request(why).into());
         }
-        let reader = files::rows(&self.path, setup.part.as_ref()).map_err(|error| match error {
-            LogError::File(error) => error.into(),
-            LogError::Ask(words) => Told::request(words),
-            refused @ LogError::Refused(_) => refused.into(),
-        })?;
+        let reader = files::rows(&self.path, setup.part.as_ref())?;
         let part = part_of(reader.info(), setup.part.as_ref())?;
         Ok(Box::new(Replay { reader, part, notes: Vec::new() }))
     }

@@ -55,7 +55,7 @@ fn published_allan_variance_of_a_real_gyroscope() {
 }
 
 /// The folder with recordings that are not shipped; without it the test says so.
-fn reference_data() -> Option<PathBuf> {
+pub fn reference_data() -> Option<PathBuf> {
     let beside_project = || PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
     let folder = std::env::var_os("ZERORATE_REFERENCE_DATA").map_or_else(beside_project, PathBuf::from);
     if !folder.join("adis16405").is_dir() {

@@ -1,9 +1,11 @@
 //! Another gyroscope with three axes, from a recording to corrected rates and firmware, without a line of code.
 
 use super::Bench;
+use lzma_rust2::XzReader;
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::{Rng, SeedableRng};
 use std::fs::File;
+use std::io::Read;
 use std::path::Path;
 use zerorate::{Calibration, Part};
 use zerorate_data::capture::{CaptureInfo, CaptureReader, CaptureWriter, Format, Layout, Row};
@@ -181,6 +183,42 @@ fn a_log_is_as_good_as_a_capture() {
     bench.write("short.csv", "t_s,x,y,temp\n0,1,2,3\n");
     let said = bench.zerorate("calibrate --device replay:short.csv --part part.toml").fails(2);
     assert!(said.contains("has no column `z` for the axis z"), "{said}");
+}
+
+/// The log of a real part at rest, its temperature simulated: its z axis steps, and is refused by its name; whoever
+/// accepts that has the bias of all axes, which a plain mean shows as well.
+#[test]
+fn a_real_log_goes_all_the_way() {
+    let Some(folder) = super::allan::reference_data() else { return };
+    let bench = Bench::new();
+    bench.write("part.toml", PART);
+    let axes = ["x", "y", "z"].map(|axis| {
+        let packed = File::open(folder.join(format!("adis16405/adis16405_imu1_gyro_{axis}.i16le.xz"))).unwrap();
+        let mut bytes = Vec::new();
+        XzReader::new(packed, false).take(2 * 320_000).read_to_end(&mut bytes).unwrap();
+        bytes.as_chunks().0.iter().map(|code| i16::from_le_bytes(*code)).collect::<Vec<i16>>()
+    });
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(1);
+    let mut log = "t_s,x,y,z,temp\n".to_owned();
+    for row in 0..axes[0].len() {
+        let t_s = row as f64 / RATE_HZ;
+        let warmed_c = 8.0 * (1.0 - (-t_s / 400.0).exp()) + 0.1 * normal(&mut random);
+        let [x, y, z] = axes.each_ref().map(|codes| codes[row]);
+        log += &format!("{t_s:.2},{x},{y},{z},{}\n", (warmed_c * 7.14).round());
+    }
+    bench.write("log.csv", log);
+    let said = bench.zerorate("calibrate --device replay:log.csv --part part.toml -o unit.toml").fails(3);
+    assert!(said.contains("axis z: the rate stepped"), "{said}");
+    bench.zerorate("capture --device replay:log.csv --part part.toml --duration 2h -o imu.parquet").ok();
+    bench.zerorate("calibrate --device replay:imu.parquet --part part.toml --max-u-btc 0.05 -o unit.toml").ok();
+    bench.zerorate("correct imu.parquet --part part.toml --cal unit.toml -o corrected.arrows").ok();
+    bench.zerorate("export unit.toml --format rust").ok();
+    let unit = Calibration::parse(&std::fs::read_to_string(bench.path("unit.toml")).unwrap()).unwrap().0;
+    for (axis, codes) in unit.axes.iter().zip(&axes) {
+        let end: f64 = codes[302_100..317_000].iter().map(|code| f64::from(*code)).sum::<f64>() / 14_900.0 / 20.0;
+        let off_dps = axis.correction.pbc_dps + end;
+        assert!(off_dps.abs() < 0.002, "axis {}: {off_dps} °/s off the mean of step 8", axis.name);
+    }
 }
 
 /// What is torn off is said, the rest is kept, and every axis can be analysed.
