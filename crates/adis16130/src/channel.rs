@@ -37,9 +37,9 @@ impl Channel {
 /// The channels that are known to have converted since MODE was written: only of these the reset code can be a
 /// reading.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Seen(u8);
+pub(crate) struct Converted(u8);
 
-impl Seen {
+impl Converted {
     pub(crate) const NOTHING: Self = Self(0);
 
     #[inline]

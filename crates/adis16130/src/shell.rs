@@ -5,7 +5,7 @@ macro_rules! shell {
     ([$($async:tt)*] [$($await:tt)*]) => {
         use embedded_hal::digital::OutputPin;
 
-        use crate::channel::{Channel, Seen};
+        use crate::channel::{Channel, Converted};
         use crate::codes::{RateCode, TempCode};
         use crate::config::{Config, Write};
         use crate::diagnosis::{
@@ -39,7 +39,7 @@ macro_rules! shell {
             rdy: RDY,
             config: Config,
             written: Written,
-            seen: Seen,
+            seen: Converted,
             /// The command that has begun and is not known to have ended.
             in_flight: Option<Address>,
         }
@@ -48,7 +48,7 @@ macro_rules! shell {
             /// Takes the bus ([`crate::SPI_MODE`], at most [`crate::MAX_SCLK_HZ`]) and the RDY pin. Sends nothing:
             /// call [`restart`](Self::restart).
             pub const fn new(spi: SPI, rdy: RDY, config: Config) -> Self {
-                Self { spi, rdy, config, written: Written::NOTHING, seen: Seen::NOTHING, in_flight: None }
+                Self { spi, rdy, config, written: Written::NOTHING, seen: Converted::NOTHING, in_flight: None }
             }
 
             /// Gives bus and pin back. The part goes on converting.
@@ -58,7 +58,7 @@ macro_rules! shell {
 
             /// The bus, for settings such as its clock. After commands of your own, [`restart`](Self::restart).
             pub const fn bus_mut(&mut self) -> &mut SPI {
-                self.seen = Seen::NOTHING;
+                self.seen = Converted::NOTHING;
                 &mut self.spi
             }
 
@@ -86,7 +86,7 @@ macro_rules! shell {
                 sent.map_err(|error| BusError::Transfer { register: Address::Com, error })?;
                 self.in_flight = None;
                 self.written = Written::NOTHING;
-                self.seen = Seen::NOTHING;
+                self.seen = Converted::NOTHING;
                 Ok(())
             }
 
@@ -379,7 +379,7 @@ macro_rules! shell {
             $($async)* fn send(&mut self, write: Write) -> Result<(), BusError<SPI::Error>> {
                 self.exchange(write.address, write.frame)$($await)*?;
                 if self.written.record(write.address, write.frame.answer()) {
-                    self.seen = Seen::NOTHING;
+                    self.seen = Converted::NOTHING;
                 }
                 Ok(())
             }

@@ -26,7 +26,7 @@ mod part;
 mod progress;
 mod recorder;
 #[cfg(unix)]
-mod usb;
+mod twin_usb;
 
 use clap::Parser;
 use std::ffi::OsString;

@@ -113,7 +113,7 @@ impl Hub {
         let (tell, told) = channel();
         let subscribers = Subscribers::default();
         let ended = Stop::default();
-        let reading = Reading { subscribers: subscribers.clone(), stop: stop.clone(), ended: ended.clone() };
+        let reading = Worker { subscribers: subscribers.clone(), stop: stop.clone(), ended: ended.clone() };
         let body = move || match open() {
             Ok(mut source) => {
                 let _ = tell.send(Ok(source.facts()));
@@ -220,7 +220,7 @@ impl Watcher {
 }
 
 /// The thread.
-struct Reading {
+struct Worker {
     subscribers: Subscribers,
     /// Somebody wants the reading to end.
     stop: Stop,
@@ -228,7 +228,7 @@ struct Reading {
     ended: Stop,
 }
 
-impl Reading {
+impl Worker {
     /// Does what is asked for, then reads until the end, and hangs up.
     fn serve(self, source: &mut dyn Source, wanted: &Receiver<Request>) {
         while let Ok(request) = wanted.recv() {

@@ -1,5 +1,6 @@
 //! From the recorded windows to PBC, BTC and T3, each with its standard uncertainty.
 
+use crate::blocks::{Blocks, Second};
 use crate::correction::Correction;
 use crate::hour::{self, Deviation, Findings, Question};
 use crate::ledger::{Adjacent, BLOCK_S, Summary};
@@ -7,20 +8,19 @@ use crate::noise::{FLOOR_PER_B, NoiseModel, Window};
 use crate::notice::{Refusal, Warning};
 use crate::part::Axis;
 use crate::procedure::{Plan, STATES, State};
-use crate::record::{Blocks, Second};
 use crate::stationarity;
 use crate::tally::Tally;
 use alloc::vec::Vec;
 
 /// Everything that the result rests on.
-pub(crate) struct Seen<'a> {
+pub(crate) struct Evidence<'a> {
     pub(crate) axis: &'a Axis,
     pub(crate) plan: &'a Plan,
     pub(crate) windows: [Summary; STATES],
     pub(crate) tally: &'a Tally,
 }
 
-impl Seen<'_> {
+impl Evidence<'_> {
     fn window(&self, state: State) -> &Summary {
         &self.windows[state as usize]
     }
@@ -134,7 +134,7 @@ pub struct Noise {
 }
 
 /// Refuses after step 6 where the span of temperature cannot give the wanted uncertainty of BTC.
-pub(crate) fn span_suffices(seen: &Seen<'_>) -> Result<(), Refusal> {
+pub(crate) fn span_suffices(seen: &Evidence<'_>) -> Result<(), Refusal> {
     let slope = Slope::new(seen)?;
     let u_noise = slope.u_noise(&seen.noise());
     // T3 will be no lower than T2 if the part goes on warming, so this is the least that curvature can do.
@@ -154,7 +154,7 @@ impl WindowWarnings {
 }
 
 /// The result of a procedure that has reached its end and kept its seconds, which show what else the rate did.
-pub(crate) fn outcome_of_hour(seen: &Seen<'_>, blocks: &Blocks) -> Result<Outcome, Refusal> {
+pub(crate) fn outcome_of_hour(seen: &Evidence<'_>, blocks: &Blocks) -> Result<Outcome, Refusal> {
     let seconds: Vec<Second> = blocks.seconds().collect();
     let hour = match seen.axis.noise {
         Some(_) => hour::findings(&seconds, &question(seen)?),
@@ -173,12 +173,12 @@ pub(crate) fn outcome_of_hour(seen: &Seen<'_>, blocks: &Blocks) -> Result<Outcom
 }
 
 /// The result of a procedure that has reached its end and kept the windows alone.
-pub(crate) fn outcome_of_windows(seen: &Seen<'_>) -> Result<Outcome<WindowWarnings>, Refusal> {
+pub(crate) fn outcome_of_windows(seen: &Evidence<'_>) -> Result<Outcome<WindowWarnings>, Refusal> {
     outcome(seen, None, seen.window(State::Offset).eighths, |warnings| warnings)
 }
 
 /// What the hour is asked.
-fn question(seen: &Seen<'_>) -> Result<Question, Refusal> {
+fn question(seen: &Evidence<'_>) -> Result<Question, Refusal> {
     let slope = Slope::new(seen)?;
     Ok(Question {
         averages: AVERAGES.map(|state| window(seen, state, 1.0)),
@@ -191,7 +191,7 @@ fn question(seen: &Seen<'_>) -> Result<Question, Refusal> {
 }
 
 fn outcome<W>(
-    seen: &Seen<'_>,
+    seen: &Evidence<'_>,
     hour: Option<&Findings>,
     eighths: Adjacent,
     complete: impl FnOnce(WindowWarnings) -> W,
@@ -230,7 +230,7 @@ fn outcome<W>(
 /// Refuses what must not become a calibration, with the cause: first what the plan asks of any unit, then what this
 /// one did.
 fn accept(
-    seen: &Seen<'_>,
+    seen: &Evidence<'_>,
     slope: &Slope,
     level: &Level,
     noise: &Noise,
@@ -278,7 +278,7 @@ struct Slope {
 }
 
 impl Slope {
-    fn new(seen: &Seen<'_>) -> Result<Self, Refusal> {
+    fn new(seen: &Evidence<'_>) -> Result<Self, Refusal> {
         let (b1_dps, t1_c) = means(seen, State::FirstAverage)?;
         let (b2_dps, t2_c) = means(seen, State::SecondAverage)?;
         let windows = [window(seen, State::FirstAverage, -1.0), window(seen, State::SecondAverage, 1.0)];
@@ -302,7 +302,7 @@ impl Slope {
 
     /// The secant through T1 and T2 against the tangent at T3, for a typical curvature, and two branches of the
     /// hysteresis.
-    fn u_curvature(&self, seen: &Seen<'_>, t3_c: f64) -> f64 {
+    fn u_curvature(&self, seen: &Evidence<'_>, t3_c: f64) -> f64 {
         if seen.plan.assume_linear {
             return 0.0;
         }
@@ -313,7 +313,7 @@ impl Slope {
 
     /// The same, or more where the hour shows more; never less, since what it shows rests on a noise model and a few
     /// degrees.
-    fn u_curvature_seen(&self, seen: &Seen<'_>, t3_c: f64, hour: Option<&Findings>) -> f64 {
+    fn u_curvature_seen(&self, seen: &Evidence<'_>, t3_c: f64, hour: Option<&Findings>) -> f64 {
         let typical = self.u_curvature(seen, t3_c);
         hour.map_or(typical, |hour| hour.u_curvature_dps_per_c.max(typical))
     }
@@ -343,7 +343,7 @@ struct Level {
 }
 
 impl Level {
-    fn new(seen: &Seen<'_>, btc_dps_per_c: f64) -> Result<Self, Refusal> {
+    fn new(seen: &Evidence<'_>, btc_dps_per_c: f64) -> Result<Self, Refusal> {
         let (rate_dps, mean_c) = means(seen, State::Offset)?;
         let last = seen.window(State::FinalTemperature);
         let t3_c = last.temp_c.ok_or(Refusal::NoTemperature { window: State::FinalTemperature })?;
@@ -355,7 +355,7 @@ impl Level {
 }
 
 fn uncertainty(
-    seen: &Seen<'_>,
+    seen: &Evidence<'_>,
     slope: &Slope,
     level: &Level,
     noise: &NoiseModel,
@@ -384,26 +384,26 @@ fn uncertainty(
 }
 
 /// White noise and flicker of the mean of step 8, and how far the bias walks from that mean to its end, °/s.
-fn u_offset_noise(seen: &Seen<'_>, noise: &NoiseModel) -> f64 {
+fn u_offset_noise(seen: &Evidence<'_>, noise: &NoiseModel) -> f64 {
     let mean = window(seen, State::Offset, 1.0);
     let end = Window { start_s: mean.end_s - 1e-3, end_s: mean.end_s + 1e-3, weight: -1.0 };
     let walk = NoiseModel { white_dps_per_rt_hz: 0.0, bias_instability_dps: 0.0, ..*noise };
     libm::hypot(noise.without_random_walk().sd(&[mean]), walk.sd(&[mean, end]))
 }
 
-fn means(seen: &Seen<'_>, state: State) -> Result<(f64, f64), Refusal> {
+fn means(seen: &Evidence<'_>, state: State) -> Result<(f64, f64), Refusal> {
     let summary = seen.window(state);
     let rate_dps = summary.rate_dps.ok_or(Refusal::TooFew { window: state, samples: 0, needed: 1 })?;
     Ok((rate_dps, summary.temp_c.ok_or(Refusal::NoTemperature { window: state })?))
 }
 
-fn window(seen: &Seen<'_>, state: State, weight: f64) -> Window {
+fn window(seen: &Evidence<'_>, state: State, weight: f64) -> Window {
     let &Summary { start_s, end_s, .. } = seen.window(state);
     Window { start_s, end_s, weight }
 }
 
 /// Standard uncertainty of the mean temperature of a window, °C, from how much adjacent readings differ.
-fn u_temp_c(seen: &Seen<'_>, state: State) -> f64 {
+fn u_temp_c(seen: &Evidence<'_>, state: State) -> f64 {
     let temps = seen.window(state).temps;
     libm::sqrt(temps.variance / temps.count.max(1) as f64)
 }
@@ -411,7 +411,7 @@ fn u_temp_c(seen: &Seen<'_>, state: State) -> f64 {
 const AVERAGES: [State; 3] = [State::FirstAverage, State::SecondAverage, State::Offset];
 
 /// White noise density over the averages so far, °/s/√Hz.
-fn white_density(seen: &Seen<'_>) -> f64 {
+fn white_density(seen: &Evidence<'_>) -> f64 {
     let (mut squares, mut blocks) = (0.0, 0.0);
     for state in AVERAGES {
         let rates = seen.window(state).rates;
@@ -427,7 +427,7 @@ const SIGNIFICANT_Z: f64 = 3.09;
 
 /// White as measured. Flicker as typical, unless step 8 wanders significantly more than that: then as much as it
 /// shows.
-fn measured_noise(seen: &Seen<'_>, eighths: Adjacent) -> Noise {
+fn measured_noise(seen: &Evidence<'_>, eighths: Adjacent) -> Noise {
     let typical = seen.noise();
     let expected = typical.allan_variance(eighths.m as f64 * BLOCK_S);
     let unknown = seen.axis.noise.is_none();
@@ -441,13 +441,13 @@ fn measured_noise(seen: &Seen<'_>, eighths: Adjacent) -> Noise {
     Noise { model: NoiseModel { bias_instability_dps: floor / FLOOR_PER_B, ..typical }, flicker_measured: true }
 }
 
-fn temperature_range(seen: &Seen<'_>) -> (f64, f64) {
+fn temperature_range(seen: &Evidence<'_>) -> (f64, f64) {
     let ranges = seen.windows.iter().map(|window| window.temp_range_c);
     ranges.fold((f64::INFINITY, f64::NEG_INFINITY), |all, range| (all.0.min(range.0), all.1.max(range.1)))
 }
 
 fn warnings(
-    seen: &Seen<'_>,
+    seen: &Evidence<'_>,
     level: &Level,
     uncertainty: &Uncertainty,
     noise: &Noise,

@@ -5,9 +5,9 @@
 //! shapes that the rate could have (`shape.rs`), the one that explains most is taken into the model, and again, until
 //! noise would show what is left as well.
 
+use crate::blocks::Second;
 use crate::gls::{self, Fit, Whitener, dot};
 use crate::noise::{NoiseModel, Stretch, Window};
-use crate::record::Second;
 use crate::shape::{self, Shape};
 use alloc::vec;
 use alloc::vec::Vec;

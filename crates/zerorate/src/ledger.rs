@@ -10,7 +10,7 @@ pub(crate) const BLOCK_S: f64 = 0.1;
 /// The same, ns.
 pub(crate) const BLOCK_NS: u64 = 100_000_000;
 
-/// Keeps the samples of each step: all of them as sums over blocks ([`Blocks`](crate::record::Blocks)), or as much as
+/// Keeps the samples of each step: all of them as sums over blocks ([`Blocks`](crate::blocks::Blocks)), or as much as
 /// fits into fixed memory ([`Running`](crate::running::Running)). Times count from the start of the procedure.
 pub trait Ledger: Clone + core::fmt::Debug {
     /// An empty one, for readings of this axis.

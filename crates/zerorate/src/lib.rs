@@ -6,6 +6,7 @@ extern crate alloc;
 extern crate std;
 
 pub mod allan;
+mod blocks;
 #[cfg(feature = "file")]
 pub mod calibration;
 mod checkup;
@@ -27,7 +28,6 @@ mod part_procedure;
 pub mod plausible;
 mod procedure;
 mod reading;
-mod record;
 mod remedy;
 pub mod resonance;
 mod running;

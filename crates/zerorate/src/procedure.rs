@@ -3,13 +3,13 @@
 //!
 //! All transitions stand in [`TABLE`].
 
-use crate::estimate::{self, Outcome, Seen, WindowWarnings};
+use crate::blocks::Blocks;
+use crate::estimate::{self, Evidence, Outcome, WindowWarnings};
 use crate::health::{Frozen, Health, Judged};
 use crate::ledger::{BLOCK_S, Ledger};
 use crate::notice::{EARTH_DPS, Refusal};
 use crate::part::Axis;
 use crate::reading::Reading;
-use crate::record::Blocks;
 use crate::remedy::{Names, Say, Setting};
 use crate::running::Running;
 use crate::stationarity::Verdict;
@@ -404,8 +404,8 @@ impl<L: Ledger> Procedure<L> {
         }
     }
 
-    fn seen(&self) -> Seen<'_> {
-        Seen { axis: &self.axis, plan: &self.plan, windows: self.ledger.summaries(), tally: &self.tally }
+    fn seen(&self) -> Evidence<'_> {
+        Evidence { axis: &self.axis, plan: &self.plan, windows: self.ledger.summaries(), tally: &self.tally }
     }
 
     /// Ends the states that are over at `t_ns`. Samples that wait for their neighbours are judged before, but for the

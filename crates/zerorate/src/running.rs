@@ -12,7 +12,7 @@ const RUNGS: usize = 14;
 
 /// A ledger of about 3 KB that never grows.
 ///
-/// Means, and what is refused, are those of [`Blocks`](crate::record::Blocks), with one exception: a single small step
+/// Means, and what is refused, are those of [`Blocks`](crate::blocks::Blocks), with one exception: a single small step
 /// of the rate in a window is refused as motion, since telling the two apart takes all blocks.
 #[derive(Clone, Debug)]
 pub struct Running {

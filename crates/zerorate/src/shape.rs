@@ -1,7 +1,7 @@
 //! Shapes over time that a rate may follow beside the temperature, each of size 1.
 
+use crate::blocks::Second;
 use crate::noise::Stretch;
-use crate::record::Second;
 use alloc::vec::Vec;
 use core::f64::consts::PI;
 

@@ -12,7 +12,7 @@ use std::str::FromStr;
 use std::time::Duration;
 
 /// Everything that was seen, by both sides.
-pub struct Seen {
+pub struct Observed {
     /// The guest's files.
     pub files: PathBuf,
     pub iio: Record,
@@ -105,7 +105,7 @@ const CYCLES_OF_A_PAIR: f64 = 1054.0;
 const UNREPORTED: f64 = 3.0;
 
 impl Findings {
-    pub fn new(seed: u64, seen: &Seen, duration: Duration) -> Result<Self> {
+    pub fn new(seed: u64, seen: &Observed, duration: Duration) -> Result<Self> {
         let files = Files(&seen.files);
         let kernel_driver = KernelDriver::new(&files, &seen.iio)?;
         let slow = SLOW_CAPTURES.map(|name| Stream::new(&files, name, &seen.spi));
@@ -128,7 +128,7 @@ impl Findings {
         Ok(findings)
     }
 
-    fn check(&mut self, files: &Files, seen: &Seen) -> Result<()> {
+    fn check(&mut self, files: &Files, seen: &Observed) -> Result<()> {
         let driver = &self.kernel_driver;
         let mut checks = Vec::new();
         let mut check = |holds: bool, statement: String| checks.push(Check { holds, statement });
@@ -274,7 +274,7 @@ fn run_of<'a>(codes: &[u32], readings: &'a [Reading]) -> &'a [Reading] {
 }
 
 impl Calibration {
-    fn new(files: &Files, seen: &Seen) -> Result<Self> {
+    fn new(files: &Files, seen: &Observed) -> Result<Self> {
         let guest: Value = serde_json::from_str(&files.text("calibrate.json")?).context("calibrate.json")?;
         let host = &seen.host;
         let number = |value: &Value, key: &str| value[key].as_f64().with_context(|| format!("{key} in {value}"));

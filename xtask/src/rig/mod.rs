@@ -13,7 +13,7 @@ mod part;
 use crate::app::{Args, target_folder};
 use crate::tools::{Tool, available, is_root};
 use anyhow::{Context, Result};
-use checks::{Findings, Seen};
+use checks::{Findings, Observed};
 use kernel::Kernel;
 use machine::Machine;
 use part::{Plugged, Record};
@@ -72,7 +72,7 @@ pub fn run(args: &Args) -> Result<()> {
 }
 
 /// Boots the guest, plugs in one part after the other as its script asks for them, and collects what both sides saw.
-fn experiment(seed: u64, program: &Path, folder: &Path, kernel: &Kernel) -> Result<Seen> {
+fn experiment(seed: u64, program: &Path, folder: &Path, kernel: &Kernel) -> Result<Observed> {
     let run = folder.join("run");
     if run.exists() {
         fs::remove_dir_all(&run)?;
@@ -103,7 +103,7 @@ fn experiment(seed: u64, program: &Path, folder: &Path, kernel: &Kernel) -> Resu
         as_csv(program, &files, capture)?;
     }
     let host = calibrate_in_process(program, &keys)?;
-    Ok(Seen { files, iio, spi, fast, calibrate, cut, replug, host })
+    Ok(Observed { files, iio, spi, fast, calibrate, cut, replug, host })
 }
 
 fn as_csv(program: &Path, files: &Path, capture: &str) -> Result<()> {

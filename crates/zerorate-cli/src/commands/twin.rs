@@ -72,7 +72,7 @@ mod hardware {
 mod hardware {
     use super::*;
     use crate::output::{Outputs, say};
-    use crate::usb::{self, Final, Seen, Setup};
+    use crate::twin_usb::{self, Final, Served, Setup};
     use adis16130_twin::ChannelLosses;
     use serde::Serialize;
     use std::path::Path;
@@ -84,7 +84,7 @@ mod hardware {
         mclk_hz: f64,
         duration_s: f64,
         #[serde(flatten)]
-        seen: Seen,
+        seen: Served,
         lost_rate: Losses,
         lost_temp: Losses,
         truth: TruthReport,
@@ -117,7 +117,7 @@ mod hardware {
         let mut outputs = Outputs::new(args.force).printing();
         let wire = args.wire.as_deref().map(|path| outputs.recording(path)).transpose()?;
         let setup = Setup { spec, initialised: args.initialised, wire };
-        let Final { seen, lost, truth } = usb::serve(socket, setup)?;
+        let Final { seen, lost, truth } = twin_usb::serve(socket, setup)?;
         let summary = Summary {
             seed,
             mclk_hz,
@@ -135,7 +135,7 @@ mod hardware {
         if args.json {
             return crate::commands::print_json(&summary);
         }
-        let Seen { spi_frames, rate_reads, temp_reads, edges, edges_reported } = seen;
+        let Served { spi_frames, rate_reads, temp_reads, edges, edges_reported } = seen;
         say(format_args!(
             "unplugged after {:.1} s: {spi_frames} SPI frames, {rate_reads} rates and {temp_reads} temperatures read, \
              {edges_reported} of {edges} edges of RDY reported",

@@ -1,8 +1,8 @@
 //! Bytes from wires: the bridge, and the other end of a USB redirection.
 
 use super::edited;
-use crate::usb::ljca::{Board, LONGEST_MESSAGE, Ljca};
-use crate::usb::redir::{Connection, LONGEST_PACKET, Request};
+use crate::twin_usb::ljca::{Board, LONGEST_MESSAGE, Ljca};
+use crate::twin_usb::redir::{Connection, LONGEST_PACKET, Request};
 use adis16130::bridge::{Answer, Ask, Decoder, MAX_FRAME, Message, Reading, Request as BridgeRequest, encode};
 
 fn frame(message: &impl serde::Serialize) -> Vec<u8> {

@@ -7,7 +7,7 @@ pub mod ljca;
 mod part;
 pub mod redir;
 
-pub use part::{Final, Seen};
+pub use part::{Final, Served};
 
 use crate::interrupt;
 use crate::output::{Recording, say};

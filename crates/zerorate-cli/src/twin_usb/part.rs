@@ -24,13 +24,13 @@ pub struct WallPart {
     spi: TwinSpi,
     rdy: TwinRdy,
     switched_on: Instant,
-    seen: Seen,
+    seen: Served,
     wire: Option<Wire>,
 }
 
 /// What the part saw of the bus.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
-pub struct Seen {
+pub struct Served {
     pub spi_frames: u64,
     pub rate_reads: u64,
     pub temp_reads: u64,
@@ -42,7 +42,7 @@ pub struct Seen {
 
 /// The state of the part at the end.
 pub struct Final {
-    pub seen: Seen,
+    pub seen: Served,
     pub lost: LostUnread,
     pub truth: Truth,
 }
@@ -56,7 +56,7 @@ impl WallPart {
             let Ok(()) = spi.write(&INITIALISATION);
         }
         let wire = wire.map(Wire::create).transpose()?;
-        Ok(Self { twin, spi, rdy, switched_on: Instant::now(), seen: Seen::default(), wire })
+        Ok(Self { twin, spi, rdy, switched_on: Instant::now(), seen: Served::default(), wire })
     }
 
     /// Lets everything happen that is due, and says whether RDY has fallen since the last call.
