@@ -95,6 +95,10 @@ impl MessageBytes {
     /// The schema that this message carries.
     pub fn schema(&self) -> Result<SchemaRef, String> {
         let schema = self.message()?.header_as_schema().ok_or("it does not start with an Arrow schema")?;
+        // what a wrong length takes for its body is the message behind it
+        if self.bytes.len() > self.metadata.end {
+            return Err(format!("its Arrow schema states a body of {} bytes", self.bytes.len() - self.metadata.end));
+        }
         let schema: Option<Result<Schema, _>> = survive(|| try_fb_to_schema(schema));
         let schema = schema.ok_or("its Arrow schema makes no sense")?.map_err(|error| error.to_string())?;
         Ok(Arc::new(schema))
@@ -109,9 +113,8 @@ impl MessageBytes {
             return Err(format!("a message states a body of {} bytes", message.bodyLength()));
         }
         let dictionary = || message.header_as_dictionary_batch().and_then(|dictionary| dictionary.data());
-        let Some(batch) = message.header_as_record_batch().or_else(dictionary) else {
-            return Ok(());
-        };
+        let batch = message.header_as_record_batch().or_else(dictionary);
+        let batch = batch.ok_or_else(|| "a message is no batch of rows".to_owned())?;
         let unpacked = check_buffers(batch, body)?;
         room.check(unpacked).map_err(|why| why.to_string())?;
         check_rows(batch, unpacked)
