@@ -103,9 +103,10 @@ impl Acquisition {
         self.marks_ns.push(after_ns);
     }
 
-    /// The twin's truth at the sample that was taken last, if it was marked.
-    pub fn truth(&self) -> Option<Truth> {
-        self.batch.as_ref().filter(|batch| batch.rows.len() == self.taken)?.truth
+    /// The twin's truth at the sample that was taken last, of each axis, if it was marked.
+    pub fn truths(&self) -> Vec<Truth> {
+        let last = self.batch.as_ref().filter(|batch| batch.rows.len() == self.taken);
+        last.map_or_else(Vec::new, |batch| batch.truths.clone())
     }
 
     /// What was read so far.

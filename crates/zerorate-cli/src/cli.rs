@@ -98,7 +98,8 @@ pub enum Command {
 /// Which part to read.
 #[derive(Args, Debug)]
 pub struct DeviceArgs {
-    /// The part to read: twin: (simulated), twin:KEY=VALUE,… (see `zerorate twin`), replay:FILE (a capture,
+    /// The part to read: twin: (simulated), twin:KEY=VALUE,… (see `zerorate twin`; axes=3: three of them on one clock,
+    /// with the seeds that follow each other, as the axes of one part), replay:FILE (a capture,
     /// or with --part a log of that part, as docs/formats/part.md describes it),
     /// spi:/dev/spidevB.C?rdy=gpiochipN:LINE (Linux; options hz=SCLK, mclk=HZ), iio:iio:deviceN
     /// (any gyroscope that a driver of the Linux kernel reads: through its buffer where it has one, else polled 100

@@ -42,8 +42,8 @@ pub struct Batch {
     pub doubts: Vec<String>,
     /// What was lost between the part and here, since the beginning.
     pub losses: Losses,
-    /// The twin's truth after the last sample.
-    pub truth: Option<Truth>,
+    /// The twin's truth after the last sample, of each axis.
+    pub truths: Vec<Truth>,
 }
 
 /// Reads a device in a thread of its own.
@@ -272,7 +272,7 @@ impl Worker {
                 }
             };
             (batch.notes, batch.doubts) = (source.take_notes(), admission.warnings().collect());
-            (batch.losses, batch.truth) = (source.losses(), source.truth());
+            (batch.losses, batch.truths) = (source.losses(), source.truths());
             let is_heard = self.give(batch);
             if let Some(end) = end {
                 return end;

@@ -66,9 +66,9 @@ pub trait Source {
         Losses::default()
     }
 
-    /// The twin's truth about its slow bias now.
-    fn truth(&self) -> Option<Truth> {
-        None
+    /// The twin's truth about its slow bias now, of each axis; of a part that is no twin, none.
+    fn truths(&self) -> Vec<Truth> {
+        Vec::new()
     }
 
     /// What there is to say since this was asked last.

@@ -4,7 +4,7 @@ use crate::bridge::{BridgeAddress, Port};
 use crate::iio::IioAddress;
 use crate::options::PartOptions;
 use crate::spi::SpiAddress;
-use crate::{DeviceSpec, KINDS};
+use crate::{DeviceSpec, KINDS, Setup, Stop};
 use adis16130::{Config, ConversionTime, Framing, RdyEdge, Width};
 
 #[test]
@@ -96,4 +96,34 @@ fn each_kind_is_named_where_none_fits() {
     }
     let bandwidth = "bridge:/dev/ttyACM0?roa=10nf&hz=4000000".parse::<DeviceSpec>().expect("an address");
     assert!(format!("{bandwidth:?}").contains("bandwidth_hz: Some(50.0)"), "{bandwidth:?}");
+}
+
+/// What is drawn is each axis's own, what is given holds for all; clock and warmth are one.
+#[test]
+fn a_twin_may_have_several_axes() {
+    for (wrong, hint) in [("axes=0", "1, 2 or 3"), ("axes=4", "1, 2 or 3"), ("axes=three", "1, 2 or 3")] {
+        let error = format!("twin:seed=3,{wrong}").parse::<DeviceSpec>().unwrap_err();
+        assert!(error.to_string().contains(hint), "{wrong}: {error}");
+    }
+    let device: DeviceSpec = "twin:seed=3,axes=3,tempco_dps_per_c=0.07,width=16".parse().expect("an address");
+    let mut source = device.open(&Setup::default(), &Stop::default()).expect("a twin");
+    source.initialise().expect("three parts");
+    let truths = source.truths();
+    assert_eq!(truths.len(), 3);
+    assert!(truths.iter().all(|truth| truth.tempco_dps_per_c == 0.07 && truth.ambient_c == truths[0].ambient_c));
+    assert!((1..3).all(|axis| truths[axis].initial_dps != truths[0].initial_dps));
+    let facts = source.facts();
+    let layout = &facts.info.layout;
+    assert_eq!((layout.axes().len(), layout.axes()[2].scale.width_bits, facts.part.axes.len()), (3, 16, 3));
+    for axis in 0..3 {
+        assert_eq!(facts.part.axes[axis].axis.noise, zerorate::Axis::ADIS16130.noise);
+    }
+    let rows: Vec<_> = (0..1000).map(|_| source.next().expect("a row").expect("a row")).collect();
+    assert!(rows.windows(2).all(|pair| pair[0].t_ns < pair[1].t_ns && pair[1].lost == 0));
+    for (axis, truth) in truths.iter().enumerate() {
+        let sum: f64 = rows.iter().map(|row| row.codes()[axis] as f64 - 32_768.0).sum();
+        // 91.75 codes per °/s; 0.2 s of 0.0125 °/s/√Hz, and what warms up meanwhile
+        let off = sum / 1000.0 / 91.75 - truth.bias_dps(truth.sensor_c);
+        assert!(off.abs() < 0.15, "axis {axis}: {off}");
+    }
 }

@@ -4,50 +4,160 @@ use crate::error::Told;
 use crate::kinds::{Address, Parsed};
 use crate::live::{Edges, Live};
 use crate::options::PartOptions;
-use crate::source::{Facts, Setup, Source};
+use crate::source::{Facts, Setup, Source, part_of};
 use crate::{Result, Stop};
-use adis16130::{Edge, MCLK_HZ, RdyEdge, SelfTest};
-use adis16130_twin::{Roa, Spec, Truth, Twin, TwinSpi};
+use adis16130::{Edge, MCLK_HZ, RdyEdge, Sample, SelfTest, Width};
+use adis16130_twin::{Roa, Spec, SpecError, Truth, Twin, TwinSpi};
+use std::borrow::Cow;
 use std::sync::Arc;
-use zerorate::Axis;
-use zerorate_data::capture::{CaptureInfo, Row};
+use zerorate::{Axis, NamedAxis, Part, Scale};
+use zerorate_data::capture::{CaptureInfo, Layout, Row};
 
 /// `twin:KEY=VALUE,…`: the unit, and how the driver configures it.
 #[derive(Clone, Debug)]
 pub struct TwinAddress {
-    unit: Spec,
+    /// Of each axis.
+    units: Vec<Spec>,
     part: PartOptions,
 }
 
+/// What the axes of several twins on one clock are called.
+const AXES: [&str; 3] = ["x", "y", "z"];
+
 impl TwinAddress {
     pub fn parse(keys: &str) -> Parsed {
-        let (mut part, mut unit) = (PartOptions::new(), Vec::new());
+        let (mut part, mut axes, mut unit) = (PartOptions::new(), 1, Vec::new());
         for item in keys.split(',') {
+            if let Some(text) = item.trim().strip_prefix("axes=") {
+                let count = text.parse().ok().filter(|count| (1..=AXES.len()).contains(count));
+                axes = count.ok_or_else(|| format!("`axes={text}`: a twin has 1, 2 or 3 axes"))?;
+                continue;
+            }
             match part.with(item.trim())? {
                 Some(changed) => part = changed,
                 None => unit.push(item),
             }
         }
-        let unit = Spec::parse_keys(&unit.join(",")).map_err(|error| error.to_string())?;
-        Ok(Arc::new(Self { unit, part }))
+        let units = (0..axes).map(|axis| unit_of(axis, axes, &unit)).collect::<Result<_, _>>();
+        Ok(Arc::new(Self { units: units.map_err(|error| error.to_string())?, part }))
     }
+
+    fn live(&self, axis: usize, setup: &Setup, stop: &Stop) -> Live<TwinSpi, TwinEdges> {
+        let sampling = setup.sampling.config(self.part.divided);
+        let twin = Twin::new(self.units[axis].clone());
+        let rising = self.part.config.rdy_edge() == RdyEdge::Rising;
+        let edges = TwinEdges { rising, divided: sampling.divided.max(1).into(), counted: 0, twin };
+        Live::new(edges.twin.spi(), edges, self.part.config, sampling, self.mclk_hz(), stop)
+    }
+}
+
+impl TwinAddress {
+    /// What the driver is told of the clock that all share.
+    fn mclk_hz(&self) -> u32 {
+        told_mclk_hz(self.units[0].mclk_hz)
+    }
+}
+
+/// The unit of an axis: what is drawn for it is its own, but for the clock and the warmth, which are those of the first
+/// and do not wander where there are several.
+fn unit_of(axis: usize, axes: usize, keys: &[&str]) -> Result<Spec, SpecError> {
+    let first = Spec::parse_keys(&keys.join(","))?;
+    if axes == 1 {
+        return Ok(first);
+    }
+    let seed = format!("seed={}", first.seed.wrapping_add(axis as u64));
+    let others = keys.iter().copied().filter(|key| !key.trim().starts_with("seed="));
+    let own = Spec::parse_keys(&others.chain([seed.as_str()]).collect::<Vec<_>>().join(","))?;
+    Ok(Spec {
+        mclk_hz: first.mclk_hz,
+        ambient_c: first.ambient_c,
+        ambient_wander_c: 0.0,
+        warmup_c: first.warmup_c,
+        warmup_s: first.warmup_s,
+        ..own
+    })
 }
 
 impl Address for TwinAddress {
     fn open(&self, name: &str, setup: &Setup, stop: &Stop) -> Result<Box<dyn Source>> {
-        let sampling = setup.sampling.config(self.part.divided);
-        let mclk_hz = told_mclk_hz(self.unit.mclk_hz);
-        let bandwidth_hz = (self.unit.roa == Roa::TenNanofarad).then_some(Axis::ADIS16130_ROA_10NF_HZ);
-        let settings = (self.part.config, sampling);
-        let facts = Facts::of_part(name, settings, mclk_hz, bandwidth_hz, setup.part.as_ref())?;
+        let settings = (self.part.config, setup.sampling.config(self.part.divided));
+        let (axes, roa) = (self.units.len(), self.units[0].roa);
+        let bandwidth_hz = (roa == Roa::TenNanofarad).then_some(Axis::ADIS16130_ROA_10NF_HZ);
+        let known = setup.part.as_ref().filter(|_| axes == 1);
+        let facts = Facts::of_part(name, settings, self.mclk_hz(), bandwidth_hz, known)?;
         // its files depend on nothing but the seed: they have no time of day
         let info = CaptureInfo { created: String::new(), ..facts.info };
         let facts = Facts { info, is_real: false, ..facts };
-        let twin = Twin::new(self.unit.clone());
-        let rising = self.part.config.rdy_edge() == RdyEdge::Rising;
-        let edges = TwinEdges { rising, divided: sampling.divided.max(1).into(), counted: 0, twin };
-        let live = Live::new(edges.twin.spi(), edges, self.part.config, sampling, mclk_hz, stop);
-        Ok(Box::new(TwinPart { facts, live }))
+        if axes == 1 {
+            return Ok(Box::new(TwinPart { facts, live: self.live(0, setup, stop) }));
+        }
+        let part = several(axes, self.part.config.width());
+        let layout = Layout::of_part(&part).map_err(|error| Told::request(error.to_string()))?;
+        let info = CaptureInfo { converter: None, layout, ..facts.info };
+        let part = part_of(&info, Some(setup.part.as_ref().unwrap_or(&part)))?;
+        let units = (0..axes).map(|axis| self.live(axis, setup, stop)).collect();
+        Ok(Box::new(Twins { facts: Facts { info, part, ..facts }, units }))
+    }
+}
+
+/// A part with so many of an ADIS16130's axes, in codes of this width.
+fn several(axes: usize, width: Width) -> Part {
+    let in_width = |scale: Scale| match width {
+        Width::Bits24 => scale,
+        // F-43
+        Width::Bits16 => {
+            let (lsb_per_unit, zero_code) = (scale.lsb_per_unit / 256.0, scale.zero_code >> 8);
+            Scale { lsb_per_unit, zero_code, width_bits: 16, ..scale }
+        }
+    };
+    let one = &Part::ADIS16130.axes[0];
+    let axis = Axis { rate: in_width(one.axis.rate), temp: in_width(one.axis.temp), ..one.axis };
+    let named = |name: &&'static str| NamedAxis { name: Cow::Borrowed(name), axis, ..one.clone() };
+    let axes: Vec<NamedAxis> = AXES[..axes].iter().map(named).collect();
+    Part { name: format!("ADIS16130x{}", axes.len()).into(), axes: axes.into(), ..Part::ADIS16130 }
+}
+
+/// Several twins on one clock, as the axes of one part: the temperature and all that stands once is that of the first.
+struct Twins {
+    facts: Facts,
+    units: Vec<Live<TwinSpi, TwinEdges>>,
+}
+
+impl Source for Twins {
+    fn facts(&self) -> Facts {
+        self.facts.clone()
+    }
+
+    fn initialise(&mut self) -> Result<Option<u8>> {
+        let mut revision = None;
+        for unit in &mut self.units {
+            revision = Some(unit.initialise()?);
+        }
+        Ok(revision)
+    }
+
+    /// Where a twin has lost samples, those of the others that belong to no row are lost with them.
+    fn next(&mut self) -> Result<Option<Row>> {
+        let mut samples = Vec::with_capacity(self.units.len());
+        for unit in &mut self.units {
+            samples.push(unit.next()?);
+        }
+        while let Some(latest_ns) = samples.iter().map(|sample| sample.t_ns).max()
+            && samples.iter().any(|sample| sample.t_ns < latest_ns)
+        {
+            for (unit, sample) in self.units.iter_mut().zip(&mut samples).filter(|(_, one)| one.t_ns < latest_ns) {
+                let next = unit.next()?;
+                *sample = Sample { lost: sample.lost.saturating_add(next.lost).saturating_add(1), ..next };
+            }
+        }
+        let codes: Vec<i64> = samples.iter().map(|sample| sample.rate.code().into()).collect();
+        let first = Row::from(&samples[0]);
+        let row = Row::new(first.t_ns, first.edge_seq, &codes);
+        Ok(row.map(|row| row.with_status(first.status).with_temp_code(first.temp_code).with_lost(first.lost)))
+    }
+
+    fn truths(&self) -> Vec<Truth> {
+        self.units.iter().map(|unit| unit.edges.twin.truth()).collect()
     }
 }
 
@@ -80,8 +190,8 @@ impl Source for TwinPart {
         Ok(self.live.self_test(&mut pin)?)
     }
 
-    fn truth(&self) -> Option<Truth> {
-        Some(self.live.edges.twin.truth())
+    fn truths(&self) -> Vec<Truth> {
+        vec![self.live.edges.twin.truth()]
     }
 }
 

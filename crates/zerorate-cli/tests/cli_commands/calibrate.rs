@@ -56,6 +56,37 @@ fn a_recording_gives_the_same_file_byte_for_byte() {
     assert!(live.contains("serial = \"SN-42\"") && live.contains("supply_note = \"bench 3\""), "{live}");
 }
 
+/// Three twins on one clock: each axis is found within its uncertainty, and the recording gives the same.
+#[test]
+fn a_part_with_three_axes_is_calibrated_in_one_go() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let [live, log, again] = ["live.toml", "log.arrows", "again.toml"].map(|name| file(&folder, name));
+    let device = "twin:seed=11,axes=3,warmup_s=20,curvature=0,hysteresis=0";
+    let args = ["--device", device, "--assume-linear", "--log", path(&log), "-o", path(&live), "--json"];
+    let result = calibrate(&args).ended_with(0).json();
+    let axes = result["axes"].as_array().expect("axes");
+    assert_eq!(axes.iter().map(|axis| axis["name"].as_str().unwrap_or_default()).collect::<String>(), "xyz");
+    for axis in axes {
+        let off = |key: &str, u: &str| (number(axis, key) - number(&axis["truth"], key)) / number(axis, u);
+        let (pbc, btc) = (off("pbc_dps", "u_pbc_dps"), off("btc_dps_per_c", "u_btc_dps_per_c"));
+        assert!(pbc.abs() < 4.0 && btc.abs() < 4.0, "{pbc} u, {btc} u: {axis}");
+    }
+    assert!((number(&axes[0], "pbc_dps") - number(&axes[2], "pbc_dps")).abs() > 0.01, "{result}");
+    zerorate(&[&["recalibrate", path(&log), "--assume-linear", "-o", path(&again)], SHORT].concat()).ended_with(0);
+    let [live_text, again] = [&live, &again].map(|file| std::fs::read_to_string(file).expect("a calibration"));
+    // what is known of a twin is in no capture
+    let numbers = |text: &str| {
+        let of = |line: &&str| {
+            ["b1_dps", "t1_c", "b2_dps", "t2_c", "pbc_dps", "t3_c"].iter().any(|key| line.starts_with(key))
+        };
+        text.lines().filter(of).map(str::to_owned).collect::<Vec<_>>()
+    };
+    assert_eq!(numbers(&live_text).len(), 18, "{live_text}");
+    assert_eq!(numbers(&live_text), numbers(&again));
+    let stream = ["stream", "--device", device, "--cal", path(&live), "--duration", "2s", "--rate", "2"];
+    assert!(zerorate(&stream).ended_with(0).stdout.starts_with("t_s,x_dps,y_dps,z_dps"));
+}
+
 #[test]
 fn recalibrating_for_other_durations_says_what_to_give() {
     let folder = tempfile::tempdir().expect("a folder");

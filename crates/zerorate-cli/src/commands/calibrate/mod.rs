@@ -171,7 +171,7 @@ fn measure(
     let mut measured = Measurement::new(acquisition, procedure, log, watch).run()?;
     measured.outcomes.iter_mut().for_each(|outcome| outcome.warnings.extend(measured.resonance));
     let calibration = Calibration::new(&measured.part, &measured.outcomes, origin(info, measured.capture_sha256));
-    let report = Report::new(&measured.outcomes, &calibration, measured.truth.as_slice(), names);
+    let report = Report::new(&measured.outcomes, &calibration, &measured.truths, names);
     let kept = match measured.log_failed {
         Some(error) => Err(error),
         None => {
@@ -246,8 +246,8 @@ struct Measurement<'a> {
     log: Option<Recorder>,
     log_failed: Option<anyhow::Error>,
     hash: SampleHash,
-    /// The twin's truth at the end of step 8.
-    truth: Option<Truth>,
+    /// The twin's truth at the end of step 8, of each axis.
+    truths: Vec<Truth>,
     watch: &'a mut dyn Watch,
 }
 
@@ -257,7 +257,7 @@ struct Measured {
     /// Of each axis.
     outcomes: Vec<Outcome>,
     capture_sha256: String,
-    truth: Option<Truth>,
+    truths: Vec<Truth>,
     /// F-07: whether the resonance looks like a bias at the rate that was measured.
     resonance: Option<Warning>,
     log_failed: Option<anyhow::Error>,
@@ -272,7 +272,7 @@ impl<'a> Measurement<'a> {
     ) -> Self {
         let layout = acquisition.facts().info.layout.clone();
         let hash = SampleHash::new(&layout);
-        Self { acquisition, layout, procedure, log, log_failed: None, hash, truth: None, watch }
+        Self { acquisition, layout, procedure, log, log_failed: None, hash, truths: Vec::new(), watch }
     }
 
     fn run(mut self) -> Result<Measured> {
@@ -289,7 +289,7 @@ impl<'a> Measurement<'a> {
             part: self.procedure.part().clone(),
             outcomes: self.procedure.finish().map_err(|refusal| refused(&refusal, names))?,
             capture_sha256: self.hash.hex(),
-            truth: self.truth,
+            truths: self.truths,
             log_failed: self.log_failed,
         })
     }
@@ -332,7 +332,7 @@ impl<'a> Measurement<'a> {
         let in_step_8 = self.procedure.progress().state == State::Offset;
         self.handle(Event::Reading(&self.layout.scan(row)))?;
         if in_step_8 && self.procedure.progress().state != State::Offset {
-            self.truth = self.acquisition.truth();
+            self.truths = self.acquisition.truths();
         }
         if self.acquisition.is_time_to_show() && !self.watch.see(&self.procedure.progress()) {
             return Err(self.interrupted());
