@@ -147,8 +147,8 @@ impl Acquisition {
         Ok(true)
     }
 
-    /// What the next sample tells of each axis, with what is wrong with it, two samples late; at the end, those that are
-    /// left. Empty behind the last.
+    /// What the next sample tells of each axis, with what is wrong with it, two samples late; at the end, those that
+    /// are left. Empty behind the last.
     #[inline]
     pub fn next_judged(&mut self, judged: &mut Vec<Judged>) -> Result<bool> {
         judged.clear();

@@ -85,8 +85,8 @@ impl Checkup {
         self.temps.mean(&axis.temp)
     }
 
-    /// One-sided density d of the white noise, °/s/√Hz, of samples at `rate_hz`: at τ well above the filter of the part
-    /// the Allan deviation is d/√(2τ).
+    /// One-sided density d of the white noise, °/s/√Hz, of samples at `rate_hz`: at τ well above the filter of the
+    /// part the Allan deviation is d/√(2τ).
     #[must_use]
     pub fn white_dps_per_rt_hz(&self, axis: &Axis, rate_hz: f64) -> Option<f64> {
         let m = libm::round(WHITE_TAU_S * rate_hz) as u64;

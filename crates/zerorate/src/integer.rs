@@ -41,7 +41,8 @@ impl IntegerForm {
 }
 
 /// F-50 on codes, without division or floating point:
-/// `corrected = (rate · 2^q + offset_q + (temp − t3_code) · slope_q + 2^(q−1)) >> q`, held to the codes that there are.
+/// `corrected = (rate · 2^q + offset_q + (temp − t3_code) · slope_q + 2^(q−1)) >> q`, held to the codes that there
+/// are.
 ///
 /// Rounds to nearest; differs from F-50 in f64 by at most 0.51 codes (0.51/23 488 °/s for the ADIS16130, F-40) where a
 /// temperature has up to 24 bits, and by at most ½ + 2^(w − q − 1) where it has w > 24. A 16-bit code of the ADIS16130

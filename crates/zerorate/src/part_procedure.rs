@@ -13,8 +13,9 @@ use core::fmt;
 
 /// The procedure of F-51 for all axes of a part.
 ///
-/// It takes [`Scan`]s as [`Procedure`] takes readings, and is used in the same way. Where one axis is refused, all are:
-/// a part that moves moves whole, and a calibration that lacks an axis would pass for one of a part that has fewer.
+/// It takes [`Scan`]s as [`Procedure`] takes readings, and is used in the same way. Where one axis is refused, all
+/// are: a part that moves moves whole, and a calibration that lacks an axis would pass for one of a part that has
+/// fewer.
 ///
 /// ```
 /// use zerorate::{Action, Part, PartProcedure, Plan};

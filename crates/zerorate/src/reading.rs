@@ -20,9 +20,9 @@ pub struct Reading {
     pub lost: u32,
 }
 
-/// One reading of all axes of a part at one time, in codes as the part gave them: a [`Reading`] for each axis, with what
-/// they share in common. It has room for [`MAX_AXES`] axes, whatever the part has, so that it needs no memory of its
-/// own.
+/// One reading of all axes of a part at one time, in codes as the part gave them: a [`Reading`] for each axis, with
+/// what they share in common. It has room for [`MAX_AXES`] axes, whatever the part has, so that it needs no memory of
+/// its own.
 ///
 /// ```
 /// use zerorate::Scan;

@@ -6,7 +6,8 @@ use zerorate::{Axis, Correction, Noise, Outcome, Part, Plan, Uncertainty, Warnin
 const PART: &str = r#"
     schema = 1
     name = "ADIS16405"
-    axis = [{ name = "x" }, { name = "y" }, { name = "z", rate = { lsb_per_dps = 40, zero_code = 0, width_bits = 14 } }]
+    axis = [{ name = "x" }, { name = "y" },
+            { name = "z", rate = { lsb_per_dps = 40, zero_code = 0, width_bits = 14 } }]
     rate = { lsb_per_dps = 20, zero_code = 0, width_bits = 16, range_dps = 300 }
     temperature = { lsb_per_c = 7.14, zero_code = 0, zero_c = 25, width_bits = 12, noise_c = 0.14 }
     [noise]

@@ -117,7 +117,8 @@ fn c_gives_what_rust_gives() {
     }
     let pairs: String = codes().iter().map(|(rate, temp)| format!("{{{rate}u, {temp}u}},\n")).collect();
     let main = format!(
-        "#include \"unit.h\"\n#include \"unit.h\"\n#include <stdio.h>\nstatic const uint32_t codes[][2] = \
+        "#include \"unit.h\"\n#include \"unit.h\"\n#include <stdio.h>\n\
+             static const uint32_t codes[][2] = \
          {{\n{pairs}}};\nint main(void)\n{{\n\
          for (size_t i = 0; i < sizeof codes / sizeof codes[0]; i++) {{\n\
          const uint32_t rate = codes[i][0], temp = codes[i][1];\nint32_t row;\n\
@@ -394,9 +395,11 @@ fn three_axes_in_rust() {
     has_no_warning(&bench);
     let axis = |index, name| {
         format!(
-            "let row = unit::{name}_table_lookup_held_udps(it[0]);\nlet found = unit::{name}_table_lookup_udps(it[0]);\n\
+            "let row = unit::{name}_table_lookup_held_udps(it[0]);\n\
+             let found = unit::{name}_table_lookup_udps(it[0]);\n\
              assert!(found.map_or(true, |found| found == row));\n\
-             print!(\" {{}} {{row}} {{}}\", unit::{name}_correct_code(it[{index}], it[0]), i32::from(found.is_some()));\n"
+             print!(\" {{}} {{row}} {{}}\", unit::{name}_correct_code(it[{index}], it[0]), \
+             i32::from(found.is_some()));\n"
         )
     };
     let rows: String = codes_of_axes().iter().map(|(temp, [x, y, z])| format!("[{temp}, {x}, {y}, {z}],\n")).collect();
@@ -437,7 +440,8 @@ fn csv_and_json_of_three_axes() {
     let names: Vec<_> = json["axes"].as_array().unwrap().iter().map(|axis| axis["name"].clone()).collect();
     assert_eq!((names, &json["part"]), (vec!["x".into(), "y".into(), "z".into()], &"ADIS16405".into()));
     let y = &json["axes"][1];
-    // 12 bits of temperature and 6: BTC · 20 / 7.14 · 2¹⁸ and PBC · 20 · 2¹⁸ with what T3 = 31.25 °C leaves of its code
+    // 12 bits of temperature and 6: BTC · 20 / 7.14 · 2¹⁸ and PBC · 20 · 2¹⁸ with what T3 = 31.25 °C leaves of its
+    // code
     let (slope, t3): (f64, f64) = (0.02 * 20.0 / 7.14 * 262_144.0, 6.25 * 7.14);
     assert_eq!((&y["integer"]["q"], &y["integer"]["t3_code"]), (&18.into(), &45.into()));
     assert_eq!(y["integer"]["slope_q"], slope.round() as i64);

@@ -168,8 +168,8 @@ impl CaptureInfo {
         self.set(self.layout.part())
     }
 
-    /// The same, with all that is known of a part of this name. What codes mean, and the bandwidth if it was set, is as
-    /// the capture states it.
+    /// The same, with all that is known of a part of this name. What codes mean, and the bandwidth if it was set, is
+    /// as the capture states it.
     ///
     /// # Errors
     /// The capture is of another part, or of other axes.

@@ -1,7 +1,7 @@
 //! Captures: raw codes on disk, as docs/formats/capture.md specifies them.
 //!
-//! [`CaptureWriter`] and [`CaptureReader`] move rows of any number of axes, in any of three forms, in constant memory. A capture is the
-//! truth: whatever is computed from a live part comes out the same from its capture.
+//! [`CaptureWriter`] and [`CaptureReader`] move rows of any number of axes, in any of three forms, in constant
+//! memory. A capture is the truth: whatever is computed from a live part comes out the same from its capture.
 
 pub mod admission;
 pub(crate) mod arrows;

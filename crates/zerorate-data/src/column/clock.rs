@@ -76,8 +76,8 @@ impl Times {
         }
     }
 
-    /// Time of each row in ns, since the origin of the file's clock or, where that cannot be told in ns, since the first
-    /// row.
+    /// Time of each row in ns, since the origin of the file's clock or, where that cannot be told in ns, since the
+    /// first row.
     pub fn nanoseconds(&self, unit: TimeUnit) -> Vec<u64> {
         let ns_per_unit = 1e9 / unit.per_s();
         let first_ns = match self.origin {

@@ -63,8 +63,8 @@ pub struct ColumnOptions {
     /// The unit of the column; none: the one that its name states, as in gyro_z_dps or `gz [rad/s]`.
     pub unit: Option<Unit>,
 
-    /// What a step of 1 in the column is, in its unit, or else in °/s; none: 1, or the scale of the part for the codes of
-    /// a capture.
+    /// What a step of 1 in the column is, in its unit, or else in °/s; none: 1, or the scale of the part for the
+    /// codes of a capture.
     pub scale: Option<f64>,
 
     /// What stands before the decimals in a text file; none: a point, or a comma where it can be nothing else.
@@ -152,8 +152,8 @@ pub fn read(path: &Path, input: Input, args: &ColumnOptions) -> Result<Column> {
     columns.into_iter().next().ok_or_else(|| LogError::Ask(format!("{} has no column", path.display())))
 }
 
-/// Reads the columns that are wanted in one pass over the file, whatever `args.column` says. All have one rate; what is
-/// to be said of the file as a whole is said with the first.
+/// Reads the columns that are wanted in one pass over the file, whatever `args.column` says. All have one rate; what
+/// is to be said of the file as a whole is said with the first.
 pub fn read_all(path: &Path, input: Input, wanted: Wanted<'_>, args: &ColumnOptions) -> Result<Vec<Column>> {
     find(path, input, wanted, args)?.finish(path, args)
 }

@@ -37,8 +37,8 @@ pub struct PartLog {
 }
 
 impl PartLog {
-    /// Reads a log of any form; `path` names it in messages. Everything in it is checked here. Where neither time column
-    /// nor rate is given, the time is the only other column whose name states a unit of time, as in `t_ns`.
+    /// Reads a log of any form; `path` names it in messages. Everything in it is checked here. Where neither time
+    /// column nor rate is given, the time is the only other column whose name states a unit of time, as in `t_ns`.
     ///
     /// # Errors
     /// The file cannot be read; it lacks an axis, the temperature, a unit or the time; or its values are none of the
@@ -176,7 +176,8 @@ impl Coding<'_> {
         if off > ON_GRID {
             let by = off / self.scale.lsb_per_unit;
             warnings.push(format!(
-                "{}: column {name} does not lie on the codes of the part; values are rounded to the nearest, by {by:.3e} \
+                "{}: column {name} does not lie on the codes of the part; values are rounded to the nearest, by \
+                 {by:.3e} \
                  {} at most ({off:.2} codes)",
                 self.path.display(),
                 self.name
@@ -200,7 +201,8 @@ impl Coding<'_> {
         }
         let bits = self.scale.width_bits;
         Err(LogError::Refused(format!(
-            "{}, column {name}, row {row}: {value} is beyond the codes of the part, which have {bits} bits and go from \
+            "{}, column {name}, row {row}: {value} is beyond the codes of the part, which have {bits} bits and go \
+             from \
              {first} to {last}; is it the column, and the unit?",
             self.path.display()
         )))

@@ -30,9 +30,9 @@ pub struct Element {
 }
 
 impl Channel {
-    /// The channel of this name, such as `in_anglvel_x`. `kind` is what its attributes are called where all channels of a
-    /// kind share them (`in_anglvel`); `per_unit` is how many of the kernel's units make one of ours, and `zero` the
-    /// value at its zero.
+    /// The channel of this name, such as `in_anglvel_x`. `kind` is what its attributes are called where all channels
+    /// of a kind share them (`in_anglvel`); `per_unit` is how many of the kernel's units make one of ours, and `zero`
+    /// the value at its zero.
     pub fn read(folder: &Path, name: &str, kind: &str, per_unit: f64) -> Result<Self> {
         let attribute = |what: &str| [format!("{name}_{what}"), format!("{kind}_{what}")];
         let number = |what: &str| first(folder, &attribute(what).each_ref().map(String::as_str));

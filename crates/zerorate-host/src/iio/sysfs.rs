@@ -32,7 +32,8 @@ pub fn write(folder: &Path, name: &str, value: &str) -> Result<()> {
     let path = folder.join(name);
     fs::write(&path, value).with_context(|| {
         format!(
-            "writing {value} to {}: run it as root, or poll with ?hz=N, which only reads; another program may hold the \
+            "writing {value} to {}: run it as root, or poll with ?hz=N, which only reads; another program may hold \
+             the \
              buffer, too",
             path.display()
         )
