@@ -48,6 +48,16 @@ fn what_the_packages_say_is_what_the_program_has() {
     assert!(read("bindings/c/Cargo.toml").contains("name = \"zerorate_c\""));
 }
 
+#[test]
+fn what_trials_and_licences_read_is_there() {
+    let trial = read("xtask/src/dist/trial.rs");
+    let cited = trial.split('"').filter(|text| text.starts_with("crates/"));
+    assert_eq!(cited.filter(|path| root().join(path).is_file()).count(), 1, "the log that every machine reads");
+    for licence in ["LICENSE-MIT", "LICENSE-APACHE", "LICENSE-OFL-Inter.txt"] {
+        assert!(root().join("bindings/python").join(licence).is_file(), "{licence} of the wheel leads nowhere");
+    }
+}
+
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap().to_owned()
 }

@@ -124,6 +124,20 @@ pub fn check(folder: &Folder) -> Result<()> {
         root.script("dpkg --purge zerorate && test ! -e /usr/bin/zerorate")?;
         println!("{}: installed, used and removed in a bare Debian 12", name(machine));
     }
+    unit(folder)
+}
+
+/// systemd takes the unit, for the example that comes with it.
+fn unit(folder: &Folder) -> Result<()> {
+    let Some(root) = Root::with(folder, "adduser,systemd,udev")? else { return Ok(()) };
+    let package = name(&MACHINES[0]);
+    root.copy(&folder.of(&package), &package)?;
+    root.script(&format!("dpkg --install /{package}"))?;
+    root.script(
+        "mkdir /etc/zerorate && cp /usr/share/doc/zerorate/examples/rest.conf /etc/zerorate &&
+         systemd-analyze verify --man=no zerorate@rest.service",
+    )?;
+    println!("{package}: systemd takes its unit");
     Ok(())
 }
 

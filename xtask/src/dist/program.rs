@@ -39,7 +39,9 @@ pub fn make(folder: &Folder) -> Result<()> {
 fn build(machine: &Machine) -> Result<PathBuf> {
     let linker = format!("CARGO_TARGET_{}_LINKER", machine.target.to_uppercase().replace('-', "_"));
     let mut cargo = Command::new("cargo");
-    cargo.env(linker, machine.compiler.program);
+    if machine.emulator.is_some() {
+        cargo.env(linker, machine.compiler.program);
+    }
     cargo.env("RUSTFLAGS", format!("-C target-feature=+crt-static {}", without_paths()?));
     cargo.args(["build", "--locked", "--profile", "dist", "--package", "zerorate-cli", "--target", machine.target]);
     done(cargo.args(["--target-dir", TARGET_DIR]))?;

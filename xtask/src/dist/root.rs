@@ -9,8 +9,8 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 const TOOLS: [Tool; 1] = [Tool { program: "mmdebstrap", package: "mmdebstrap" }];
-/// Made once; `rm` it for a newer one.
-const ARCHIVE: &str = "bookworm.tar";
+/// What any package may ask for.
+const BARE: &str = "adduser";
 
 /// Its root folder.
 pub struct Root(PathBuf);
@@ -18,6 +18,11 @@ pub struct Root(PathBuf);
 impl Root {
     /// A fresh one, or none where that needs root and we are not.
     pub fn unpack(folder: &Folder) -> Result<Option<Self>> {
+        Self::with(folder, BARE)
+    }
+
+    /// The same with these packages, whose names have commas between them. It is made once, and kept as an archive.
+    pub fn with(folder: &Folder, packages: &str) -> Result<Option<Self>> {
         if !is_root() {
             eprintln!("SKIPPED: a bare Debian to try things in: this needs root");
             return Ok(None);
@@ -25,11 +30,12 @@ impl Root {
         if !available(&TOOLS, "a bare Debian to try things in")? {
             return Ok(None);
         }
-        let archive = folder.work.join(ARCHIVE);
+        let archive = folder.work.join(format!("bookworm-{packages}.tar"));
         if !archive.exists() {
             let part = archive.with_extension("part.tar");
             let mut make = Command::new("mmdebstrap");
-            done(make.args(["--quiet", "--variant=minbase", "--include=adduser", "bookworm"]).arg(&part))?;
+            make.args(["--quiet", "--variant=minbase", &format!("--include={packages}"), "bookworm"]);
+            done(make.arg(&part))?;
             fs::rename(part, &archive)?;
         }
         let root = folder.empty("root")?;
