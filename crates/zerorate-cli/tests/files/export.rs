@@ -358,7 +358,8 @@ fn three_axes_in_c() {
     bench.write(
         "main.c",
         format!(
-            "#include \"unit.h\"\n#include \"unit.h\"\n#include <stdio.h>\nstatic const int32_t codes[][4] = {{\n{rows}}};\n\
+            "#include \"unit.h\"\n#include \"unit.h\"\n#include <stdio.h>\n\
+             static const int32_t codes[][4] = {{\n{rows}}};\n\
              int main(void)\n{{\nfor (size_t i = 0; i < sizeof codes / sizeof codes[0]; i++) {{\n\
              const int32_t *it = codes[i];\nint32_t row;\nbool inside;\nprintf(\"%d\", imu_in_range(it[0]));\n\
              {}{}{}printf(\"\\n\");\n}}\nreturn 0;\n}}\n",
