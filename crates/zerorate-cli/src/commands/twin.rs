@@ -151,7 +151,8 @@ pub fn keys_help() -> String {
     format!(
         "Keys of --device twin:KEY=VALUE,KEY=VALUE,… (drawn: by the seed, so every seed is another unit)\n\n{}\n\n\
          For example: zerorate calibrate --device twin:seed=7,bias_dps=0.8\n\
-         axes=3 makes a part with the axes x, y and z of it: its own bias and noise for each, one clock, one temperature",
+         axes=3 makes a part with the axes x, y and z of it: its own bias and noise for each, one clock, one \
+         temperature",
         keys.join("\n")
     )
 }
