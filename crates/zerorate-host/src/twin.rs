@@ -58,8 +58,8 @@ impl TwinAddress {
     }
 }
 
-/// The unit of an axis: what is drawn for it is its own, but for the clock and the warmth, which are those of the first
-/// and do not wander where there are several.
+/// The unit of an axis: what is drawn for it is its own, but for the clock and the warmth, which are those of the
+/// first and do not wander where there are several.
 fn unit_of(axis: usize, axes: usize, keys: &[&str]) -> Result<Spec, SpecError> {
     let first = Spec::parse_keys(&keys.join(","))?;
     if axes == 1 {
