@@ -3,13 +3,13 @@
 use crate::cli::{DeviceArgs, SamplingArgs};
 use crate::commands::{coded, warn};
 use crate::interrupt;
+use crate::judged::JudgedAxis;
 use adis16130::SelfTest;
 use adis16130_twin::Truth;
 use anyhow::Result;
-use std::collections::VecDeque;
 use std::sync::Arc;
 use zerorate::health::{Frozen, Health, Judged};
-use zerorate::{Axis, NamedAxis, Part, Tally, Warning, resonance};
+use zerorate::{Axis, Part, Tally, Warning, resonance};
 use zerorate_data::believed;
 use zerorate_data::capture::{CaptureInfo, Layout, Row};
 use zerorate_host::{Batch, Bus, DeviceSpec, Everything, Facts, Hub, Losses, Pace, Setup, Stop};
@@ -29,14 +29,6 @@ pub struct Acquisition {
     layout: Layout,
     axes: Vec<JudgedAxis>,
     start_ns: Option<u64>,
-}
-
-/// What was read of an axis, and is judged and not taken yet.
-struct JudgedAxis {
-    name: String,
-    axis: Axis,
-    health: Health,
-    judged: VecDeque<Judged>,
 }
 
 impl Acquisition {
@@ -259,13 +251,6 @@ impl Acquisition {
             )
         });
         overflow.into_iter().chain(damage).chain(self.doubts.iter().cloned()).collect()
-    }
-}
-
-impl JudgedAxis {
-    fn new(named: &NamedAxis) -> Self {
-        let (name, axis) = (named.name.to_string(), named.axis);
-        Self { name, axis, health: Health::new(&axis), judged: VecDeque::new() }
     }
 }
 

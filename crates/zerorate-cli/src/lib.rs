@@ -20,6 +20,7 @@ mod exit;
 #[expect(clippy::print_stderr, reason = "its replay is for whoever runs the tests")]
 mod fuzz;
 mod interrupt;
+mod judged;
 mod memory;
 mod output;
 mod part;

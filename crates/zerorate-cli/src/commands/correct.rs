@@ -3,6 +3,7 @@
 use super::serial::Part;
 use super::{flag, warn};
 use crate::interrupt;
+use crate::judged::JudgedAxis;
 use crate::output::{Outputs, say};
 use crate::part::PartArgs;
 use anyhow::{Context, Result, bail, ensure};
@@ -13,8 +14,8 @@ use clap::Args;
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use zerorate::health::{Health, Judged};
-use zerorate::{Axis, Calibration, Correction, Corrector, NamedAxis, Say, Tally};
+use zerorate::health::Judged;
+use zerorate::{Axis, Calibration, Correction, Corrector, Say, Tally};
 use zerorate_data::believed;
 use zerorate_data::capture::columns::{self, Rows};
 use zerorate_data::capture::{CALIBRATION_ID, CaptureInfo, CaptureReader, Format, Layout, table};
@@ -152,21 +153,6 @@ struct Correcting {
     start_ns: Option<u64>,
 }
 
-/// An axis, and its readings that are judged and not corrected yet.
-struct JudgedAxis {
-    name: String,
-    axis: Axis,
-    health: Health,
-    judged: VecDeque<Judged>,
-}
-
-impl JudgedAxis {
-    fn new(named: &NamedAxis) -> Self {
-        let (name, axis) = (named.name.to_string(), named.axis);
-        Self { name, axis, health: Health::new(&axis), judged: VecDeque::new() }
-    }
-}
-
 impl Correcting {
     fn new(info: &CaptureInfo, part: &zerorate::Part, calibration: &Calibration) -> Result<Self> {
         Ok(Self {
@@ -238,7 +224,7 @@ impl Correcting {
             }
         }
         self.rows += rows as u64;
-        let rates = self.axes.iter().zip(&judged).map(|(axis, judged)| axis.rates_dps(judged));
+        let rates = self.axes.iter().zip(&judged).map(|(axis, judged)| rates_dps(&axis.axis, judged));
         let corrected = corrected_dps.iter_mut().map(|column| -> ArrayRef { Arc::new(column.finish()) });
         let derived = rates.chain([Arc::new(temps_c.finish()) as ArrayRef]).chain(corrected);
         let columns = raw.into_iter().chain(derived).chain(judged.iter().map(|judged| flags(judged))).collect();
@@ -246,12 +232,10 @@ impl Correcting {
     }
 }
 
-impl JudgedAxis {
-    /// As they were measured.
-    fn rates_dps(&self, judged: &[Judged]) -> ArrayRef {
-        let rates_dps = judged.iter().map(|judged| self.axis.rate.value(judged.reading.rate.into()));
-        Arc::new(Float64Array::from_iter_values(rates_dps))
-    }
+/// As they were measured.
+fn rates_dps(axis: &Axis, judged: &[Judged]) -> ArrayRef {
+    let rates_dps = judged.iter().map(|judged| axis.rate.value(judged.reading.rate.into()));
+    Arc::new(Float64Array::from_iter_values(rates_dps))
 }
 
 fn flags(judged: &[Judged]) -> ArrayRef {
