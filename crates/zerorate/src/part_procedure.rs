@@ -4,7 +4,8 @@
 use crate::estimate::Outcome;
 use crate::notice::Refusal;
 use crate::part::Part;
-use crate::procedure::{Action, Event, Plan, PlanError, Procedure, Progress, State};
+use crate::plan::{Plan, PlanError};
+use crate::procedure::{Action, Event, Procedure, Progress, State};
 use crate::reading::Scan;
 use crate::remedy::{Names, Say, Setting};
 use alloc::string::{String, ToString};

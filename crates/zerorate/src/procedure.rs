@@ -7,132 +7,14 @@ use crate::blocks::Blocks;
 use crate::estimate::{self, Evidence, Outcome, WindowWarnings};
 use crate::health::{Frozen, Health, Judged};
 use crate::ledger::{BLOCK_S, Ledger};
-use crate::notice::{EARTH_DPS, Refusal};
+use crate::notice::Refusal;
 use crate::part::Axis;
+use crate::plan::{Plan, PlanError, ns};
 use crate::reading::Reading;
-use crate::remedy::{Names, Say, Setting};
 use crate::running::Running;
 use crate::stationarity::Verdict;
 use crate::tally::Tally;
 use core::fmt;
-
-/// Durations and limits; the default is F-51.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Plan {
-    /// Average of steps 4 and 6, s.
-    pub average_s: f64,
-    /// Warming up by itself, step 5, s.
-    pub warmup_s: f64,
-    /// Settling, step 7, s.
-    pub settle_s: f64,
-    /// Average of step 8, s.
-    pub offset_s: f64,
-    /// Average of the temperature of step 9, s.
-    pub final_temp_s: f64,
-    /// Largest share of lost samples in an average, 0 … 1.
-    pub max_lost: f64,
-    /// Largest standard uncertainty of BTC, °/s/°C.
-    pub max_u_btc_dps_per_c: f64,
-    /// The component of the Earth's rotation on the part's axis, °/s, which is subtracted from the bias (F-16).
-    pub earth_dps: Option<f64>,
-    /// The bias is a straight line over temperature: no allowance for curvature and hysteresis.
-    pub assume_linear: bool,
-}
-
-impl Default for Plan {
-    fn default() -> Self {
-        Self {
-            average_s: 10.0,
-            warmup_s: 600.0,
-            settle_s: 2400.0,
-            offset_s: 150.0,
-            final_temp_s: 1.0,
-            max_lost: 0.001,
-            max_u_btc_dps_per_c: 0.01,
-            earth_dps: None,
-            assume_linear: false,
-        }
-    }
-}
-
-/// Rounded to whole ones.
-fn ns(seconds: f64) -> u64 {
-    libm::round(seconds * 1e9) as u64
-}
-
-impl Plan {
-    /// Duration of the whole procedure, s.
-    #[must_use]
-    #[inline]
-    pub fn total_s(&self) -> f64 {
-        2.0 * self.average_s + self.warmup_s + self.settle_s + self.offset_s + self.final_temp_s
-    }
-
-    /// End of step 8, ns after the initialisation: the correction holds from there.
-    #[must_use]
-    pub fn offset_ends_ns(&self) -> u64 {
-        let steps_s = [self.average_s, self.warmup_s, self.average_s, self.settle_s, self.offset_s];
-        steps_s.into_iter().map(ns).sum()
-    }
-
-    /// Every number within what a measurement on Earth can be.
-    fn check(&self) -> Result<(), PlanError> {
-        let within = |setting, value: f64, least: f64, most: f64, unit| {
-            if (least..=most).contains(&value) { Ok(()) } else { Err(PlanError { setting, value, least, most, unit }) }
-        };
-        within(Setting::Average, self.average_s, 1.0, DAY_S, "s")?;
-        within(Setting::WarmUp, self.warmup_s, 0.0, DAY_S, "s")?;
-        within(Setting::Settle, self.settle_s, 0.0, DAY_S, "s")?;
-        within(Setting::Offset, self.offset_s, 1.0, DAY_S, "s")?;
-        within(Setting::FinalTemperature, self.final_temp_s, 0.1, DAY_S, "s")?;
-        within(Setting::MaxLost, self.max_lost, 0.0, 1.0, "of all samples")?;
-        within(Setting::MaxUBtc, self.max_u_btc_dps_per_c, LEAST_U_BTC_DPS_PER_C, MOST_U_BTC_DPS_PER_C, "°/s/°C")?;
-        within(Setting::Earth, self.earth_dps.unwrap_or(0.0), -EARTH_DPS, EARTH_DPS, "°/s (F-16)")
-    }
-}
-
-/// No step of F-51 takes longer than a day, s: the ambient temperature would go round once.
-const DAY_S: f64 = 86_400.0;
-/// An uncertainty of BTC that no day reaches, °/s/°C: the white noise of a part of this class alone (F-02) makes ten
-/// times as much.
-const LEAST_U_BTC_DPS_PER_C: f64 = 1e-8;
-/// An uncertainty of BTC at which it says nothing: 25 times the coefficient itself (F-05).
-const MOST_U_BTC_DPS_PER_C: f64 = 1.0;
-
-/// A plan that cannot be carried out.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PlanError {
-    /// Which number.
-    pub setting: Setting,
-    /// What was asked, in its unit.
-    pub value: f64,
-    /// The least that makes sense.
-    pub least: f64,
-    /// The most that makes sense.
-    pub most: f64,
-    /// Its unit.
-    pub unit: &'static str,
-}
-
-impl Say for PlanError {
-    fn say(&self, f: &mut fmt::Formatter<'_>, names: Names) -> fmt::Result {
-        let Self { setting, value, least, most, unit } = self;
-        write!(f, "{} is {value}; it must be a number from {least} to {most} {unit}", names(*setting))?;
-        let in_dps = value / 3600.0;
-        if *setting == Setting::Earth && value.abs() > 0.1 && in_dps.abs() <= EARTH_DPS {
-            write!(f, ": if that was °/h, give {in_dps:.5}")?;
-        }
-        Ok(())
-    }
-}
-
-impl fmt::Display for PlanError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.say(f, Setting::name)
-    }
-}
-
-impl core::error::Error for PlanError {}
 
 /// Where the procedure stands. `Display` names it as a user would.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -548,6 +430,7 @@ impl<L: Ledger> Procedure<L> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::remedy::Setting;
     use alloc::string::ToString;
 
     #[test]
