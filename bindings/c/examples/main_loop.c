@@ -15,7 +15,7 @@ int main(void)
     const zerorate_bus bus = {NULL, board_spi_transfer, board_rdy, board_delay_us};
     zerorate_settings settings;
     zerorate_correction_integer correction;
-    zerorate_reading reading;
+    zerorate_codes reading;
     zerorate_status status;
 
     zerorate_settings_default(&settings);

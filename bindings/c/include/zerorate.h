@@ -436,7 +436,7 @@ typedef struct zerorate_bus {
 /**
  * Rate and temperature, as codes of 24 bits; with 16-bit registers they are multiples of 256.
  */
-typedef struct zerorate_reading {
+typedef struct zerorate_codes {
   /**
    * Rate = (code - 2^23) / 23488 deg/s (F-40).
    */
@@ -445,7 +445,7 @@ typedef struct zerorate_reading {
    * Temperature = (code - 2^23) / 14093 + 25 deg C (F-41).
    */
   uint32_t temp_code;
-} zerorate_reading;
+} zerorate_codes;
 
 /**
  * A sample of the rate, with the temperature where that was due.
@@ -987,7 +987,7 @@ zerorate_status zerorate_gyro_initialise(struct zerorate_gyro *gyro);
  *
  * Required: Each pointer is null or points to memory of its type; nothing else uses the gyroscope meanwhile.
  */
-zerorate_status zerorate_gyro_read(struct zerorate_gyro *gyro, struct zerorate_reading *reading);
+zerorate_status zerorate_gyro_read(struct zerorate_gyro *gyro, struct zerorate_codes *reading);
 
 /**
  * Waits until RDY says that data waits: looks at the line every 5 us, for `timeout_us` and a little more at most.

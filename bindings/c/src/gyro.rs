@@ -60,7 +60,7 @@ pub struct Settings {
 /// Rate and temperature, as codes of 24 bits; with 16-bit registers they are multiples of 256.
 #[repr(C)]
 #[derive(Clone, Copy)]
-pub struct Reading {
+pub struct Codes {
     /// Rate = (code - 2^23) / 23488 deg/s (F-40).
     pub rate_code: u32,
     /// Temperature = (code - 2^23) / 14093 + 25 deg C (F-41).
@@ -209,10 +209,10 @@ pub unsafe extern "C" fn zerorate_gyro_initialise(gyro: *mut Gyro) -> Status {
 /// # Safety
 /// Each pointer is null or points to memory of its type; nothing else uses the gyroscope meanwhile.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn zerorate_gyro_read(gyro: *mut Gyro, reading: *mut Reading) -> Status {
+pub unsafe extern "C" fn zerorate_gyro_read(gyro: *mut Gyro, reading: *mut Codes) -> Status {
     let read = |state: &mut State| {
         let (rate, temp) = state.driver.read_in_range().map_err(|error| error.status())?;
-        Ok(Reading { rate_code: rate.code24(), temp_code: temp.code24() })
+        Ok(Codes { rate_code: rate.code24(), temp_code: temp.code24() })
     };
     // SAFETY: by the contract.
     status::of(unsafe { boundary::state(gyro).and_then(read).and_then(|value| boundary::output(reading, value)) })

@@ -110,7 +110,7 @@ static void misuse(void)
     zerorate_gyro gyro;
     zerorate_settings settings;
     zerorate_bus bus = bus_of(NULL);
-    zerorate_reading reading;
+    zerorate_codes reading;
     zerorate_plan plan;
     zerorate_procedure procedure;
     zerorate_correction steep = {0.0, 2.0, 25.0};
@@ -181,7 +181,7 @@ static void stream(void)
 static void no_numbers(void)
 {
     zerorate_gyro gyro;
-    zerorate_reading reading = {7, 7};
+    zerorate_codes reading = {7, 7};
     zerorate_settings settings;
     void *rig = zerorate_twin_new("seed=1");
     zerorate_bus bus = bus_of(rig);
@@ -224,7 +224,7 @@ static void samples(const char *keys)
 {
     zerorate_gyro gyro;
     zerorate_sample sample;
-    zerorate_reading reading;
+    zerorate_codes reading;
     zerorate_correction_integer integer;
     zerorate_correction_f32 single;
     zerorate_table table;

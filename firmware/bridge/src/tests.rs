@@ -13,7 +13,7 @@ use std::rc::Rc;
 use std::string::String;
 use std::vec::Vec;
 
-use adis16130::bridge::{Ask, Bus, Continuity, Decoder, MAX_FRAME, Message, Reading, Request, encode};
+use adis16130::bridge::{Ask, Bus, Continuity, Decoder, MAX_FRAME, Message, Request, WireSample, encode};
 use adis16130::{Edge, RdyEdge};
 use adis16130_twin::{Fault, Spec, Twin, TwinSpi};
 use embassy_time::MockDriver;
@@ -259,7 +259,7 @@ impl Bench {
         self.decoded(|message| format!("{message:?}"))
     }
 
-    fn readings(&mut self) -> Vec<Reading> {
+    fn readings(&mut self) -> Vec<WireSample> {
         self.decoded(|message| match message {
             Message::Sample(reading) => reading,
             other => panic!("{other:?}"),

@@ -44,9 +44,9 @@ pub struct Truth {
     pub curvature_dps_per_c2: f64,
 }
 
-/// A reading of a data register, as it went over the wire.
+/// A data register that was read, as it went over the wire.
 #[derive(Clone, Copy, Debug)]
-pub struct Reading {
+pub struct RegisterRead {
     pub code: u32,
     /// Rate readings that were lost before it since power-on.
     pub lost_rate: u64,
@@ -57,8 +57,8 @@ pub struct Reading {
 /// All that the part knows of its time on the bus.
 pub struct Record {
     pub summary: Summary,
-    pub rates: Vec<Reading>,
-    pub temps: Vec<Reading>,
+    pub rates: Vec<RegisterRead>,
+    pub temps: Vec<RegisterRead>,
 }
 
 impl Plugged {
@@ -80,7 +80,7 @@ impl Plugged {
         ensure!(status.success(), "zerorate twin --usb ended with {status}");
         let summary = serde_json::from_str(&fs::read_to_string(&self.summary)?)?;
         let wire = fs::read_to_string(&self.wire)?;
-        Ok(Record { summary, rates: readings(&wire, "48"), temps: readings(&wire, "4a") })
+        Ok(Record { summary, rates: reads(&wire, "48"), temps: reads(&wire, "4a") })
     }
 }
 
@@ -93,13 +93,13 @@ impl Drop for Plugged {
 }
 
 /// The 24-bit reads with this COM byte (F-24) in a log of the wire: t_ns,mosi,miso,lost_rate,edges.
-fn readings(wire: &str, com: &str) -> Vec<Reading> {
+fn reads(wire: &str, com: &str) -> Vec<RegisterRead> {
     let frame = |line: &str| {
         let mut fields = line.split(',').skip(1);
         let (mosi, miso, lost, edges) = (fields.next()?, fields.next()?, fields.next()?, fields.next()?);
         let is_read = mosi.len() == 8 && mosi.starts_with(com);
         let code = u32::from_str_radix(miso.get(2..8)?, 16).ok().filter(|_| is_read)?;
-        Some(Reading { code, lost_rate: lost.parse().ok()?, edges: edges.parse().ok()? })
+        Some(RegisterRead { code, lost_rate: lost.parse().ok()?, edges: edges.parse().ok()? })
     };
     wire.lines().filter_map(frame).collect()
 }
@@ -112,8 +112,8 @@ mod tests {
     fn reads_are_found_in_the_log() {
         let wire = "t_ns,mosi,miso,lost_rate,edges\n5,2000,0000,1,0\n9,48000000,00808809,7,2\n\
                     11,48,00,7,2\n12,4a000000,00801ea6,8,3\n";
-        let rates: Vec<_> = readings(wire, "48").iter().map(|r| (r.code, r.lost_rate, r.edges)).collect();
+        let rates: Vec<_> = reads(wire, "48").iter().map(|r| (r.code, r.lost_rate, r.edges)).collect();
         assert_eq!(rates, [(0x80_8809, 7, 2)]);
-        assert_eq!(readings(wire, "4a").len(), 1);
+        assert_eq!(reads(wire, "4a").len(), 1);
     }
 }

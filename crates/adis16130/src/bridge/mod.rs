@@ -3,7 +3,7 @@
 //!
 //! The bytes are specified in `docs/formats/bridge.md` of the project. A host asks, the bridge answers; while it
 //! samples, it sends every sample by itself, as fast as they come. Nothing is sent twice: what is lost on the way
-//! shows in the numbers of the samples ([`Reading`]), and [`Continuity`] counts it.
+//! shows in the numbers of the samples ([`WireSample`]), and [`Continuity`] counts it.
 //!
 //! A firmware hands bytes to a [`Decoder`], its requests and the edges of RDY to a [`Station`], and what that returns
 //! to [`encode`]. Both ends of the link in one place, on a bus that a firmware would make of its SPI:
@@ -147,7 +147,7 @@ pub enum Message<'a> {
         answer: Answer<'a>,
     },
     /// A sample.
-    Sample(Reading),
+    Sample(WireSample),
     /// Sampling has ended, because the part no longer answers as it should. Transfers show why.
     Ended,
 }
@@ -213,7 +213,7 @@ pub enum Refusal {
 
 /// A sample on the wire, its codes on the 24-bit scale: a 16-bit code times 256.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Reading {
+pub struct WireSample {
     /// Running number of the sample since [`Ask::Start`], from 0.
     pub number: u32,
     /// Samples that the bridge has lost since [`Ask::Start`], before this one (F-33).
@@ -230,7 +230,7 @@ pub struct Reading {
     pub temp: Option<u32>,
 }
 
-impl Reading {
+impl WireSample {
     fn new(number: u32, lost: u32, sample: &Sample) -> Self {
         Self {
             number,
@@ -272,7 +272,7 @@ impl Continuity {
     }
 
     /// The sample of a reading. Its `lost` counts everything since the reading before.
-    pub fn sample(&mut self, reading: &Reading) -> Sample {
+    pub fn sample(&mut self, reading: &WireSample) -> Sample {
         let lost = reading.position().wrapping_sub(self.next_position);
         self.missing = self.missing.wrapping_add(reading.number.wrapping_sub(self.next_number));
         self.next_number = reading.number.wrapping_add(1);

@@ -1,6 +1,6 @@
 //! The bridge itself, without its pins: what it does at a request and at an edge of RDY.
 
-use super::{Answer, Ask, MAX_TRANSFER, Message, PROTOCOL, Reading, Refusal, Request, Settings};
+use super::{Answer, Ask, MAX_TRANSFER, Message, PROTOCOL, Refusal, Request, Settings, WireSample};
 use crate::asynch::Adis16130;
 use crate::config::{Config, RdyEdge};
 use crate::error::{InitError, SampleError};
@@ -160,9 +160,9 @@ impl<S: Bus> Station<S> {
 }
 
 impl Sampling {
-    fn reading(&mut self, sample: &crate::sample::Sample) -> Reading {
+    fn reading(&mut self, sample: &crate::sample::Sample) -> WireSample {
         self.lost = self.lost.wrapping_add(sample.lost);
-        let reading = Reading::new(self.number, self.lost, sample);
+        let reading = WireSample::new(self.number, self.lost, sample);
         self.number = self.number.wrapping_add(1);
         reading
     }

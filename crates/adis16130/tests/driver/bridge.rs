@@ -6,15 +6,15 @@ use std::pin::pin;
 use std::task::{Context, Poll, Waker};
 
 use adis16130::bridge::{
-    Answer, Ask, Bus, Continuity, Damaged, Decoder, MAX_FRAME, Message, Reading, Refusal, Request, Settings, Station,
-    encode,
+    Answer, Ask, Bus, Continuity, Damaged, Decoder, MAX_FRAME, Message, Refusal, Request, Settings, Station,
+    WireSample, encode,
 };
 use adis16130::{Config, ConversionTime, Edge, RdyEdge, Width};
 
 use crate::part::{F30, Line, Part, Wire};
 
 const START: Ask<'static> = Ask::Start { every_temp: 1, divider: 1, mclk_hz: 6_000_000 };
-const READING: Reading = Reading {
+const READING: WireSample = WireSample {
     number: 3,
     lost: 1,
     t_ns: 1_000_000_000,
@@ -86,7 +86,7 @@ fn frames_are_those_of_the_specification() {
 
 #[test]
 fn the_longest_reading_fits() {
-    let longest = Reading {
+    let longest = WireSample {
         number: u32::MAX,
         lost: u32::MAX,
         t_ns: u64::MAX,
@@ -196,7 +196,7 @@ fn a_host_chooses_the_configuration_of_the_next_start() {
     let rising = Settings::from(&config.with_rdy_edge(RdyEdge::Rising));
     assert_eq!(refusal(&mut station, Ask::Configure(rising)), Some(Refusal::NoSuchWire), "unless its bus can");
     assert!(!station.is_sampling(), "what is configured anew begins anew");
-    let reading = Reading { rate: 0x80_8800, temp: Some(0x80_1E00), ..READING };
+    let reading = WireSample { rate: 0x80_8800, temp: Some(0x80_1E00), ..READING };
     let sample = Continuity::new(Width::Bits16).sample(&reading);
     assert_eq!((sample.rate.code(), sample.temp.map(|temp| temp.code())), (0x8088, Some(0x801E)));
 }
@@ -283,7 +283,7 @@ fn what_is_missing_is_counted_once() {
     let mut continuity = Continuity::default();
     // two lost before the first; then one lost by the bridge and three on the way
     let readings = [(0, 2), (1, 2), (5, 3), (6, 3)];
-    let samples = readings.map(|(number, lost)| continuity.sample(&Reading { number, lost, ..READING }));
+    let samples = readings.map(|(number, lost)| continuity.sample(&WireSample { number, lost, ..READING }));
     assert_eq!(samples.map(|sample| sample.lost), [2, 0, 4, 0]);
     assert_eq!(continuity.missing(), 3);
     let sample = samples[0];

@@ -3,7 +3,7 @@
 use super::edited;
 use crate::twin_usb::ljca::{Board, LONGEST_MESSAGE, Ljca};
 use crate::twin_usb::redir::{Connection, LONGEST_PACKET, Request};
-use adis16130::bridge::{Answer, Ask, Decoder, MAX_FRAME, Message, Reading, Request as BridgeRequest, encode};
+use adis16130::bridge::{Answer, Ask, Decoder, MAX_FRAME, Message, Request as BridgeRequest, WireSample, encode};
 
 fn frame(message: &impl serde::Serialize) -> Vec<u8> {
     encode(message, &mut [0; MAX_FRAME]).expect("it fits").to_vec()
@@ -12,7 +12,7 @@ fn frame(message: &impl serde::Serialize) -> Vec<u8> {
 /// What a bridge says: whatever the bytes, there is at most one message to a zero.
 #[test]
 fn bridge_messages() {
-    let reading = Reading {
+    let reading = WireSample {
         number: 7,
         lost: 1,
         t_ns: 123_456_789,
@@ -25,7 +25,7 @@ fn bridge_messages() {
     let messages = vec![
         frame(&Message::Sample(reading)),
         frame(&Message::Answer { tag: 3, answer: hello }),
-        [frame(&Message::Ended), frame(&Message::Sample(Reading { status: None, temp: None, ..reading }))].concat(),
+        [frame(&Message::Ended), frame(&Message::Sample(WireSample { status: None, temp: None, ..reading }))].concat(),
     ];
     edited(3000, &messages, |bytes| {
         let mut decoder = Decoder::new();

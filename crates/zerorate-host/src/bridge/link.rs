@@ -2,7 +2,7 @@
 
 use super::wire::Wire;
 use adis16130::Edge;
-use adis16130::bridge::{Answer, Ask, Decoder, MAX_FRAME, Message, Reading, Refusal, Request, encode};
+use adis16130::bridge::{Answer, Ask, Decoder, MAX_FRAME, Message, Refusal, Request, WireSample, encode};
 use embedded_hal::spi::ErrorKind;
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
@@ -16,7 +16,7 @@ const ATTEMPTS: u32 = 3;
 pub enum Heard {
     /// With the tag of its request.
     Answer(u8, Reply),
-    Sample(Reading),
+    Sample(WireSample),
     Ended,
 }
 
