@@ -1,7 +1,6 @@
 //! The kinds of devices, and their addresses.
 
 use crate::bridge::BridgeAddress;
-use crate::iio::IioAddress;
 use crate::replay::ReplayAddress;
 use crate::source::{Setup, Source};
 use crate::twin::TwinAddress;
@@ -12,7 +11,7 @@ use std::str::FromStr;
 use std::sync::Arc;
 
 #[cfg(target_os = "linux")]
-use crate::spi::SpiAddress;
+use crate::{iio::IioAddress, spi::SpiAddress};
 
 /// A kind of device.
 #[derive(Clone, Copy, Debug)]
@@ -34,15 +33,19 @@ pub const KINDS: &[Kind] = &[
     #[cfg(target_os = "linux")]
     Kind { name: "spi", form: "spi:/dev/spidevB.C?rdy=CHIP:LINE", parse: SpiAddress::parse },
     #[cfg(not(target_os = "linux"))]
-    Kind { name: "spi", form: "spi:/dev/spidevB.C?rdy=CHIP:LINE (Linux)", parse: no_spi },
+    Kind { name: "spi", form: "spi:/dev/spidevB.C?rdy=CHIP:LINE (Linux)", parse: only_linux },
+    #[cfg(target_os = "linux")]
     Kind { name: "iio", form: "iio:NAME", parse: IioAddress::parse },
+    #[cfg(not(target_os = "linux"))]
+    Kind { name: "iio", form: "iio:NAME (Linux)", parse: only_linux },
     Kind { name: "bridge", form: "bridge:/dev/ttyACM0", parse: BridgeAddress::parse_serial },
     Kind { name: "tcp", form: "tcp:HOST:PORT", parse: BridgeAddress::parse_tcp },
 ];
 
 #[cfg(not(target_os = "linux"))]
-fn no_spi(_: &str) -> Parsed {
-    Err("spi: devices are read through spidev, which is a part of Linux; on this system use twin: or replay:"
+fn only_linux(_: &str) -> Parsed {
+    Err("spi: and iio: devices are read through the kernel of Linux; on this system use bridge:, tcp:, twin: or \
+        replay:"
         .to_owned())
 }
 

@@ -9,6 +9,7 @@ mod bridge;
 mod error;
 pub mod files;
 mod hub;
+#[cfg(target_os = "linux")]
 mod iio;
 mod kinds;
 mod live;

@@ -3,24 +3,43 @@
 use super::channel::{Channel, Element};
 use super::sysfs::{first, read_text, write};
 use super::{DEFAULT_POLL_HZ, IioAddress, Poll, Polls};
-use crate::error::Told;
+use crate::Stop;
+use crate::error::{Cause, Told};
 use crate::source::{Facts, Sampling, Setup, Source, part_of};
 use adis16130::MCLK_HZ;
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result, bail, ensure};
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use rustix::io::Errno;
 use std::fs::File;
-use std::io::Read;
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 use zerorate::{Axis, NamedAxis, NoiseSources, Part, Scale, TypicalBias};
 use zerorate_data::capture::{CaptureInfo, Layout, Row};
 
 /// Scans that the kernel keeps until they are read.
 const BUFFERED: u32 = 4096;
+/// So long without a scan is a failure, and no less than so many periods.
+const SILENCE: Duration = Duration::from_secs(1);
+const SILENT_PERIODS: f64 = 20.0;
+/// The same where the driver does not say how often it scans.
+const UNKNOWN_SILENCE: Duration = Duration::from_secs(10);
+/// A wish to end is heeded at least this often.
+const STOP_POLL: Timespec = Timespec { tv_sec: 0, tv_nsec: 100_000_000 };
+/// Any other clock of the kernel may step back, as the time of day does, where `t_ns` of a capture never does.
+const CLOCK: &str = "monotonic";
 
 /// Opens the device, through its buffer where it has one and no polls were asked for.
-pub fn open(address: &IioAddress, name: &str, driver: &str, setup: &Setup) -> crate::Result<Box<dyn Source>> {
+pub fn open(
+    address: &IioAddress,
+    name: &str,
+    driver: &str,
+    setup: &Setup,
+    stop: &Stop,
+) -> crate::Result<Box<dyn Source>> {
     let device = Device::find(address, name, driver, setup)?;
     match address.hz {
-        None if device.has_buffer() => Ok(Box::new(Buffered::open(device, &dev_file(&address.folder))?)),
+        None if device.has_buffer() => Ok(Box::new(Buffered::open(device, &dev_file(&address.folder), stop)?)),
         hz => Ok(Box::new(Polled::new(device, hz.unwrap_or(DEFAULT_POLL_HZ), setup.sampling))),
     }
 }
@@ -149,13 +168,17 @@ struct Buffered {
     time: (usize, Element),
     scan: Vec<u8>,
     period_ns: Option<f64>,
+    silence: Duration,
     last_ns: Option<u64>,
     taken: u32,
+    stop: Stop,
 }
 
 impl Buffered {
-    fn open(device: Device, file: &Path) -> Result<Self> {
+    fn open(device: Device, file: &Path, stop: &Stop) -> Result<Self> {
         let folder = device.folder.clone();
+        // before anything is set: the kernel opens it for one program at a time
+        let scans = File::open(file).map_err(|error| why_not_open(file, error))?;
         let time = Element::read(&folder, "in_timestamp")?;
         let time = time.context("its driver stamps no scan with its time; poll it with ?hz=N")?;
         let mut enabled: Vec<(&str, Element)> = device
@@ -165,30 +188,31 @@ impl Buffered {
             .filter_map(|one| Some((one.name.as_str(), one.element?)))
             .collect();
         enabled.push(("in_timestamp", time));
-        write(&folder, "buffer/enable", "0")?;
-        for (name, _) in &enabled {
-            write(&folder, &format!("scan_elements/{name}_en"), "1")?;
-        }
-        write(&folder, "buffer/length", &BUFFERED.to_string())?;
-        require_trigger(&folder)?;
+        set_up(&folder, &enabled)?;
         let (places, bytes) = places(&enabled);
         let place =
             |name: &str| enabled.iter().position(|(one, _)| *one == name).map(|at| (places[at], enabled[at].1));
         let rates = device.rates.iter().filter_map(|channel| place(&channel.name)).collect();
         let temp = device.temp.as_ref().and_then(|channel| place(&channel.name));
         let time = place("in_timestamp").context("no time stamp")?;
-        let scans = File::open(file).with_context(|| format!("opening {}", file.display()))?;
         write(&folder, "buffer/enable", "1")?;
         let rate_hz: Option<f64> = first(&folder, &["in_anglvel_sampling_frequency", "sampling_frequency"])?;
         let rate_hz = rate_hz.filter(|hz| *hz > 0.0);
         let facts = Facts { rate_hz, ..device.facts };
         let device = Device { facts, ..device };
         let period_ns = rate_hz.map(|hz| 1e9 / hz);
-        Ok(Self { device, scans, rates, temp, time, scan: vec![0; bytes], period_ns, last_ns: None, taken: 0 })
+        let periods = rate_hz.and_then(|hz| Duration::try_from_secs_f64(SILENT_PERIODS / hz).ok());
+        let silence = periods.map_or(UNKNOWN_SILENCE, |periods| periods.max(SILENCE));
+        let (scan, stop) = (vec![0; bytes], stop.clone());
+        Ok(Self { device, scans, rates, temp, time, scan, period_ns, silence, last_ns: None, taken: 0, stop })
     }
 
-    fn read(&mut self) -> Result<Row> {
-        self.scans.read_exact(&mut self.scan).context("reading the buffer: was the part unplugged?")?;
+    /// The next scan; none if it was asked to stop.
+    fn read(&mut self) -> Result<Option<Row>> {
+        if !self.wait()? {
+            return Ok(None);
+        }
+        self.scans.read_exact(&mut self.scan).with_context(gone)?;
         let value = |(at, element): &(usize, Element)| element.value(&self.scan[*at..at + element.bytes]);
         let t_ns = u64::try_from(value(&self.time)).context("a time stamp before the beginning of time")?;
         let codes: Vec<i64> = self.rates.iter().map(value).collect();
@@ -199,8 +223,69 @@ impl Buffered {
         self.last_ns = Some(t_ns);
         self.taken = self.taken.wrapping_add(1).wrapping_add(lost);
         let row = Row::new(t_ns, self.taken, &codes).context("more axes than a row has room for")?;
-        Ok(row.with_temp_code(self.temp.as_ref().map(value)).with_lost(lost))
+        Ok(Some(row.with_temp_code(self.temp.as_ref().map(value)).with_lost(lost)))
     }
+
+    /// Waits for a scan, within bounds; false if it was asked to stop.
+    fn wait(&self) -> Result<bool> {
+        let since = Instant::now();
+        while !self.stop.asked() {
+            match poll(&mut [PollFd::new(&self.scans, PollFlags::IN)], Some(&STOP_POLL)) {
+                Ok(0) => self.require_alive(since.elapsed())?,
+                Err(Errno::INTR) => {}
+                Err(error) => return Err(error).context("waiting for the buffer"),
+                Ok(_) => return Ok(true),
+            }
+        }
+        Ok(false)
+    }
+
+    /// The kernel does not wake who polls the buffer of a device that goes.
+    fn require_alive(&self, silent: Duration) -> Result<()> {
+        ensure!(self.device.folder.exists(), gone());
+        if silent < self.silence {
+            return Ok(());
+        }
+        let (folder, s) = (self.device.folder.display(), self.silence.as_secs_f64());
+        let words = format!(
+            "no scan came for {s} s: what triggers them has stopped (cat {folder}/trigger/current_trigger), the part \
+             sleeps, or it reports changes only (echo 0 > {folder}/in_anglvel_hysteresis); ?hz=N polls it instead"
+        );
+        bail!(Told::new(Cause::Silent, words))
+    }
+}
+
+/// Makes scans of these channels and no others, whatever was in them before.
+fn set_up(folder: &Path, enabled: &[(&str, Element)]) -> Result<()> {
+    write(folder, "buffer/enable", "0")?;
+    if folder.join("current_timestamp_clock").exists() {
+        write(folder, "current_timestamp_clock", CLOCK)?;
+    }
+    for entry in folder.join("scan_elements").read_dir().context("looking for scan_elements")? {
+        let name = entry?.file_name();
+        let Some(channel) = name.to_str().and_then(|name| name.strip_suffix("_en")) else { continue };
+        let wanted = enabled.iter().any(|(one, _)| *one == channel);
+        write(folder, &format!("scan_elements/{channel}_en"), if wanted { "1" } else { "0" })?;
+    }
+    write(folder, "buffer/length", &BUFFERED.to_string())?;
+    require_trigger(folder)
+}
+
+fn why_not_open(file: &Path, error: io::Error) -> anyhow::Error {
+    let file = file.display();
+    let words = match error.kind() {
+        io::ErrorKind::ResourceBusy => format!("{file} is busy: another program reads it (fuser {file})"),
+        io::ErrorKind::PermissionDenied => {
+            format!("no permission to open {file}: run it as root, or poll with ?hz=N, which needs no buffer")
+        }
+        _ => format!("cannot open {file}; ?hz=N polls it instead"),
+    };
+    let told = Told::of_system(&error, words);
+    anyhow::Error::new(error).context(told)
+}
+
+fn gone() -> Told {
+    Told::new(Cause::Gone, "reading the buffer: the device is gone; was the part unplugged, or its driver unbound?")
 }
 
 /// A buffer is filled when something triggers; some drivers bring a trigger of their own.
@@ -239,7 +324,7 @@ impl Source for Buffered {
     }
 
     fn next(&mut self) -> crate::Result<Option<Row>> {
-        Ok(self.read().map(Some)?)
+        Ok(self.read()?)
     }
 }
 
@@ -253,6 +338,7 @@ impl Drop for Buffered {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rustix::fs::{CWD, FileType, Mode, mknodat};
     use std::fs;
 
     /// What a HID gyroscope shows (`hid-sensor-gyro-3d`), with a temperature beside.
@@ -281,8 +367,15 @@ mod tests {
     const BUFFER: &[(&str, &str)] = &[
         ("buffer/enable", "0"),
         ("buffer/length", "2"),
+        ("current_timestamp_clock", "realtime"),
         ("trigger/current_trigger", "gyro_3d-dev0"),
         ("in_anglvel_sampling_frequency", "100.0"),
+        ("scan_elements/in_accel_x_en", "1"),
+        ("scan_elements/in_anglvel_x_en", "0"),
+        ("scan_elements/in_anglvel_y_en", "0"),
+        ("scan_elements/in_anglvel_z_en", "0"),
+        ("scan_elements/in_temp_en", "0"),
+        ("scan_elements/in_timestamp_en", "0"),
         ("scan_elements/in_anglvel_x_index", "0"),
         ("scan_elements/in_anglvel_x_type", "le:s16/16>>0"),
         ("scan_elements/in_anglvel_y_index", "1"),
@@ -333,17 +426,41 @@ mod tests {
         fs::write(&file, scans.concat()).expect("written");
         let device = find(folder.path(), None, None).expect("a gyroscope");
         assert!(device.has_buffer());
-        let mut buffered = Buffered::open(device, &file).expect("a buffer");
+        let mut buffered = Buffered::open(device, &file, &Stop::default()).expect("a buffer");
         assert_eq!(buffered.facts().rate_hz, Some(100.0));
-        let rows: Vec<Row> = (0..3).map(|_| buffered.read().expect("a row")).collect();
+        let rows: Vec<Row> = (0..3).map(|_| buffered.read().expect("a scan").expect("a row")).collect();
         assert_eq!((rows[0].codes(), rows[0].temp_code), (&[1, -2, -70_000][..], Some(2500)));
         assert_eq!((rows[1].t_ns - rows[0].t_ns, rows[1].lost, rows[2].lost), (9_900_000, 0, 2));
         assert_eq!(rows[2].edge_seq - rows[1].edge_seq, 3);
-        assert!(format!("{:#}", buffered.read().unwrap_err()).contains("unplugged"));
+        let gone = crate::DeviceError::from(buffered.read().expect_err("the end of the file"));
+        assert_eq!((gone.cause(), gone.to_string().contains("unplugged")), (Cause::Gone, true));
         let set = |name: &str| read_text(folder.path(), name).expect("an attribute");
         assert_eq!((set("scan_elements/in_anglvel_y_en"), set("buffer/enable")), ("1".into(), "1".into()));
+        assert_eq!(set("scan_elements/in_accel_x_en"), "0", "somebody else wanted it");
+        assert_eq!(set("current_timestamp_clock"), "monotonic", "the time of day steps");
         drop(buffered);
         assert_eq!(set("buffer/enable"), "0");
+    }
+
+    #[test]
+    fn a_buffer_that_stays_empty_ends_in_bounded_time_or_when_asked_to() {
+        let folder = folder(BUFFER);
+        let pipe = folder.path().join("dev");
+        mknodat(CWD, &pipe, FileType::Fifo, Mode::RUSR | Mode::WUSR, 0).expect("a pipe");
+        let _open = File::options().read(true).write(true).open(&pipe).expect("somebody who could write");
+        let stop = Stop::default();
+        let device = find(folder.path(), None, None).expect("a gyroscope");
+        let mut buffered = Buffered::open(device, &pipe, &stop).expect("a buffer");
+        assert_eq!(buffered.silence, SILENCE);
+        buffered.silence = Duration::from_millis(1);
+        let silent = crate::DeviceError::from(buffered.read().expect_err("no scan"));
+        assert_eq!((silent.cause(), silent.to_string().contains("in_anglvel_hysteresis")), (Cause::Silent, true));
+        buffered.silence = Duration::from_secs(3600);
+        let there = std::mem::replace(&mut buffered.device.folder, "/there/is/none".into());
+        assert_eq!(crate::DeviceError::from(buffered.read().expect_err("no device")).cause(), Cause::Gone);
+        buffered.device.folder = there;
+        stop.ask();
+        assert!(buffered.read().expect("no failure").is_none());
     }
 
     #[test]
@@ -373,9 +490,17 @@ mod tests {
         assert!(fails("rates", &[]).contains("no gyroscope"));
         assert!(fails("scale", &[]).contains("in_anglvel_x states no scale"));
         assert!(fails("", &[("in_anglvel_scale", "0")]).contains("nothing can be converted"));
+        let busy = folder(&[BUFFER, &[("buffer/enable", "1")]].concat());
+        let device = find(busy.path(), None, None).expect("a gyroscope");
+        let error = Buffered::open(device, &busy.path().join("none"), &Stop::default());
+        assert_eq!(crate::DeviceError::from(error.map(drop).expect_err("no file")).cause(), Cause::Missing);
+        let enable = read_text(busy.path(), "buffer/enable").expect("an attribute");
+        assert_eq!(enable, "1", "whoever reads it goes on");
         let idle = folder(&[BUFFER, &[("trigger/current_trigger", "")]].concat());
         let device = find(idle.path(), None, None).expect("a gyroscope");
-        let error = Buffered::open(device, &idle.path().join("dev")).map(drop).expect_err("no trigger").to_string();
+        fs::write(idle.path().join("dev"), "").expect("written");
+        let error = Buffered::open(device, &idle.path().join("dev"), &Stop::default());
+        let error = error.map(drop).expect_err("no trigger").to_string();
         assert!(error.contains("nothing triggers"), "{error}");
     }
 }

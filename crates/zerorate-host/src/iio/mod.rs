@@ -61,7 +61,7 @@ impl IioAddress {
 }
 
 impl Address for IioAddress {
-    fn open(&self, name: &str, setup: &Setup, _: &Stop) -> crate::Result<Box<dyn Source>> {
+    fn open(&self, name: &str, setup: &Setup, stop: &Stop) -> crate::Result<Box<dyn Source>> {
         if setup.sampling.divider.is_some() {
             let why = "--divider counts edges of data ready, which the kernel driver does not show; poll less often \
                 with ?hz=";
@@ -74,7 +74,7 @@ impl Address for IioAddress {
         }
         match sysfs::read_text(&self.folder, "name")?.as_str() {
             "adis16130" => Ok(Box::new(adis16130::Adis16130::open(self, name, setup)?)),
-            driver => Ok(generic::open(self, name, driver, setup)?),
+            driver => Ok(generic::open(self, name, driver, setup, stop)?),
         }
     }
 }
