@@ -1,14 +1,14 @@
 //! Does what the guest saw agree with what the part sent, and what it measured with the truth?
 
 use super::SLOW_CAPTURES;
-use super::part::{Reading, Record, Truth};
-use anyhow::{Context, Result, bail, ensure};
+use super::files::{Files, run_of};
+use super::hid::Hid;
+use super::part::{Record, RegisterRead, Truth};
+use anyhow::{Context, Result, bail};
 use serde::Serialize;
 use serde_json::Value;
 use std::fmt::Write;
-use std::fs;
-use std::path::{Path, PathBuf};
-use std::str::FromStr;
+use std::path::PathBuf;
 use std::time::Duration;
 
 /// Everything that was seen, by both sides.
@@ -32,6 +32,7 @@ pub struct Findings {
     seed: u64,
     duration_s: f64,
     kernel_driver: KernelDriver,
+    hid: Hid,
     slow: Vec<Stream>,
     fast: Stream,
     calibration: Calibration,
@@ -108,6 +109,7 @@ impl Findings {
     pub fn new(seed: u64, seen: &Observed, duration: Duration) -> Result<Self> {
         let files = Files(&seen.files);
         let kernel_driver = KernelDriver::new(&files, &seen.iio)?;
+        let hid = Hid::new(&files)?;
         let slow = SLOW_CAPTURES.map(|name| Stream::new(&files, name, &seen.spi));
         let slow = slow.into_iter().collect::<Result<Vec<_>>>()?;
         let fast = Stream::new(&files, "fast", &seen.fast)?;
@@ -118,6 +120,7 @@ impl Findings {
             seed,
             duration_s: duration.as_secs_f64(),
             kernel_driver,
+            hid,
             slow,
             fast,
             calibration,
@@ -145,6 +148,7 @@ impl Findings {
             scales == ["0.000000743", "-8388608", "0.070957212", "-8036283"],
             format!("its scales and offsets are those of F-40 and F-41: {scales:?}"),
         );
+        self.hid.check(files, &mut check)?;
         for (name, code) in [
             ("iio", 0),
             ("probe", 0),
@@ -157,10 +161,8 @@ impl Findings {
             ("cut", 1),
             ("replug", 0),
         ] {
-            let ended = files.text(&format!("{name}.code"))?;
-            let complaint =
-                if ended == code.to_string() { String::new() } else { files.text(&format!("{name}.err"))? };
-            check(ended == code.to_string(), format!("{name}: zerorate ended with {ended} {complaint}"));
+            let (holds, statement) = files.ending(name, code)?;
+            check(holds, statement);
         }
         for stream in &self.slow {
             check(stream.samples > 0 && stream.is_complete(), format!("at 100 Hz {}", stream.losses()));
@@ -209,7 +211,7 @@ impl KernelDriver {
     fn new(files: &Files, record: &Record) -> Result<Self> {
         let (rate_codes_guest, temp_codes_guest) = (files.numbers("iio.rate")?, files.numbers("iio.temp")?);
         // the script's readings come first, then those of zerorate through the same driver
-        let first = |readings: &[Reading], count: usize| readings.iter().take(count).map(|r| r.code).collect();
+        let first = |readings: &[RegisterRead], count: usize| readings.iter().take(count).map(|r| r.code).collect();
         Ok(Self {
             rate_scale: files.text("iio.in_anglvel_z_scale")?,
             rate_offset: files.text("iio.in_anglvel_z_offset")?,
@@ -226,12 +228,13 @@ impl KernelDriver {
 impl Stream {
     fn new(files: &Files, capture: &str, record: &Record) -> Result<Self> {
         let rows = files.rows(capture)?;
-        let codes_guest: Vec<u32> = rows.iter().map(|row| row.code).collect();
-        let sent = run_of(&codes_guest, &record.rates);
+        let codes = rows.iter().map(|row| row.codes.first().and_then(|code| u32::try_from(*code).ok()));
+        let codes_guest = codes.collect::<Option<Vec<u32>>>().context("a capture of another part")?;
+        let sent = run_of(&codes_guest, &record.rates, |read| read.code);
         let (first, last) = (rows.first().context("an empty capture")?, rows.last().context("an empty capture")?);
         let span_s = (last.t_ns - first.t_ns) as f64 * 1e-9;
-        let lost = |readings: &[Reading]| Some(readings.last()?.lost_rate - readings.first()?.lost_rate);
-        let edges = |readings: &[Reading]| Some(readings.last()?.edges - readings.first()?.edges);
+        let lost = |readings: &[RegisterRead]| Some(readings.last()?.lost_rate - readings.first()?.lost_rate);
+        let edges = |readings: &[RegisterRead]| Some(readings.last()?.edges - readings.first()?.edges);
         let pairs_hz = record.summary.mclk_hz / CYCLES_OF_A_PAIR;
         Ok(Self {
             updates: span_s * pairs_hz,
@@ -265,12 +268,6 @@ impl Stream {
     fn edges(&self) -> String {
         format!("{} of {} edges", self.edges_guest, self.edges_of_part)
     }
-}
-
-/// The readings, one after the other, that gave `codes`; nothing if there are none.
-fn run_of<'a>(codes: &[u32], readings: &'a [Reading]) -> &'a [Reading] {
-    let mut windows = readings.windows(codes.len().max(1));
-    windows.find(|window| window.iter().map(|r| r.code).eq(codes.iter().copied())).unwrap_or(&[])
 }
 
 impl Calibration {
@@ -320,59 +317,5 @@ impl Calibration {
         ] {
             check(difference.abs() <= limit, format!("{what}: {difference:+.5} within ±{limit:.5}"));
         }
-    }
-}
-
-/// The guest's files.
-struct Files<'a>(&'a Path);
-
-/// A row of a capture.
-struct Row {
-    t_ns: u64,
-    edge: u32,
-    code: u32,
-    lost: u64,
-}
-
-impl Files<'_> {
-    fn text(&self, name: &str) -> Result<String> {
-        let path = self.0.join(name);
-        Ok(fs::read_to_string(&path).with_context(|| format!("the guest left no {name}"))?.trim().to_owned())
-    }
-
-    fn numbers<T: FromStr>(&self, name: &str) -> Result<Vec<T>> {
-        let text = self.text(name)?;
-        let numbers = text.lines().map(|line| line.parse().ok());
-        numbers.collect::<Option<_>>().with_context(|| format!("{name} holds something else than numbers"))
-    }
-
-    /// docs/formats/capture.md: t_ns,edge_seq,rate_code,status,temp_code,lost below comments and a header.
-    fn rows(&self, capture: &str) -> Result<Vec<Row>> {
-        let text = self.text(&format!("{capture}.csv"))?;
-        let rows = text.lines().filter(|line| line.starts_with(|c: char| c.is_ascii_digit())).map(|line| {
-            let fields: Vec<&str> = line.split(',').collect();
-            ensure!(fields.len() >= 6, "{capture}: {line}");
-            Ok(Row {
-                t_ns: fields[0].parse()?,
-                edge: fields[1].parse()?,
-                code: fields[2].parse()?,
-                lost: fields[5].parse()?,
-            })
-        });
-        rows.collect()
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_run_is_found_only_whole_and_in_order() {
-        let readings: Vec<_> =
-            [5, 6, 7, 7, 8].map(|code| Reading { code, lost_rate: u64::from(code), edges: code }).to_vec();
-        assert_eq!(run_of(&[7, 7, 8], &readings).len(), 3);
-        assert!(run_of(&[7, 8, 7], &readings).is_empty());
-        assert!(run_of(&[1; 9], &readings).is_empty());
     }
 }

@@ -69,9 +69,29 @@ while [ $i -lt 50 ]; do
 done
 run iio probe --device "iio:iio:device0?hz=50" --duration 2s --json
 rmmod adis16130
+
+# (b) a gyroscope of another kind, through its own driver: in the buffer, while the time of day steps back; polled;
+# when it stops; when it goes
+gyro /out/hid.sent &
+gyro=$!
+until_there $IIO/scan_elements/in_timestamp_type
+for file in name in_anglvel_scale in_anglvel_offset in_anglvel_sampling_frequency; do
+    cat $IIO/$file > /out/hid.$file
+done
+cat $IIO/scan_elements/in_anglvel_z_type > /out/hid.in_anglvel_z_type
+(sleep 2; date -s @1000000000) > /dev/null &
+run hid capture --device iio:iio:device0 --duration 5s -o /out/hid.arrows --json
+run hidprobe probe --device iio:iio:device0 --part /gyro.toml --duration 2s --json
+run hidpolled capture --device "iio:iio:device0?hz=50" --part /gyro.toml --duration 2s -o /out/hidpolled.arrows --json
+(until_there /out/hidsilent.arrows; sleep 2; kill -STOP $gyro) &
+run hidsilent capture --device iio:iio:device0 --duration 60s -o /out/hidsilent.arrows --json
+kill -CONT $gyro
+# somebody else wants it, too
+(until_there /out/hidcut.arrows; run hidbusy probe --device iio:iio:device0 --json; sleep 2; kill $gyro) &
+run hidcut capture --device iio:iio:device0 --duration 60s -o /out/hidcut.arrows --json
 finished iio
 
-# (b) the program on spidev and the GPIO chip: at a rate that the emulated bus can follow, and at one that it cannot
+# (c) the program on spidev and the GPIO chip: at a rate that the emulated bus can follow, and at one that it cannot
 as_spidev
 run probe probe --device "$ADDRESS&mclk=$SLOW_HZ" --duration 3s --json
 run bytes probe --device "$ADDRESS&mclk=$SLOW_HZ&framing=byte" --duration 2s --json
@@ -88,7 +108,7 @@ as_spidev
 run calibrate calibrate --device "$ADDRESS&mclk=$SLOW_HZ" $PLAN --log /out/calibrate.arrows -o /out/unit.toml --json
 finished calibrate
 
-# (c) unplugged in mid-capture, and plugged in again
+# (d) unplugged in mid-capture, and plugged in again
 as_spidev
 run cut capture --device "$ADDRESS&mclk=$SLOW_HZ" --duration 60s -o /out/cut.arrows --json &
 until_there /out/cut.arrows

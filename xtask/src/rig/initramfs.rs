@@ -1,4 +1,5 @@
-//! The guest's file system: busybox, the kernel's modules, the program with its libraries, and the script.
+//! The guest's file system: busybox, the kernel's modules, the program with its libraries, the gyroscope of another
+//! kind, and the script.
 
 use super::kernel::Kernel;
 use crate::venv::{done, printed};
@@ -8,8 +9,12 @@ use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-const MODULES: [&str; 5] = ["xhci_pci", "usb_ljca", "spi_ljca", "gpio_ljca", "adis16130"];
+const MODULES: [&str; 8] =
+    ["xhci_pci", "usb_ljca", "spi_ljca", "gpio_ljca", "adis16130", "uhid", "hid_sensor_hub", "hid_sensor_gyro_3d"];
 const SCRIPT: &str = include_str!("guest.sh");
+const GYRO: &str = include_str!("gyro.rs");
+/// What is known of it beyond what its driver states.
+const GYRO_PART: &str = include_str!("gyro.toml");
 /// The script's settings stand before this line of it.
 const FIRST_LINE: &str = "#!/bin/busybox sh\n";
 
@@ -26,6 +31,8 @@ pub fn build(folder: &Path, kernel: &Kernel, program: &Path, settings: &[(&str, 
     let stripped = folder.join("zerorate");
     done(Command::new("strip").arg("-o").arg(&stripped).arg(program))?;
     add_program(&root, &stripped, "zerorate")?;
+    add_program(&root, &gyro(folder)?, "gyro")?;
+    fs::write(root.join("gyro.toml"), GYRO_PART)?;
     add_modules(&root, &kernel.module_files(&MODULES)?)?;
     let variables: String = settings.iter().map(|(name, value)| format!("{name}='{value}'\n")).collect();
     let script = SCRIPT.replacen(FIRST_LINE, &format!("{FIRST_LINE}{variables}"), 1);
@@ -34,7 +41,17 @@ pub fn build(folder: &Path, kernel: &Kernel, program: &Path, settings: &[(&str, 
     pack(&root, &folder.join("initramfs"))
 }
 
-/// Copies a program, and the libraries that it was linked with to where it looks for them.
+/// Compiles the gyroscope, without the libraries of this host.
+fn gyro(folder: &Path) -> Result<PathBuf> {
+    let (source, program) = (folder.join("gyro.rs"), folder.join("gyro"));
+    fs::write(&source, GYRO)?;
+    let mut rustc = Command::new("rustc");
+    rustc.args(["--edition", "2024", "-O", "-C", "target-feature=+crt-static", "-C", "strip=symbols", "-o"]);
+    done(rustc.arg(&program).arg(&source))?;
+    Ok(program)
+}
+
+/// Copies a program, and the libraries that it was linked with to where it looks for them; a static one has none.
 fn add_program(root: &Path, program: &Path, name: &str) -> Result<()> {
     fs::copy(program, root.join("bin").join(name)).with_context(|| format!("copying {}", program.display()))?;
     let libraries = Command::new("ldd").arg(program).stderr(Stdio::null()).output()?;

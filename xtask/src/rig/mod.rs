@@ -1,10 +1,15 @@
 //! `cargo xtask rig`: a stock Linux kernel in QEMU, and the twin as hardware on its USB port.
 //!
-//! Nothing in the guest is ours but the program under test and a shell script; nothing in the kernel is patched. The
-//! kernel's own ADIS16130 driver reads the part, then the program does over spidev and the GPIO chip, and both must
-//! have seen what the part says that it sent.
+//! Nothing in the guest is ours but the program under test, a shell script, and a gyroscope of another kind that the
+//! kernel takes for a HID sensor (`gyro.rs`); nothing in the kernel is patched. The kernel's own ADIS16130 driver reads
+//! the part, its driver for HID gyroscopes the other one, then the program reads the part over spidev and the GPIO
+//! chip, and all must have seen what part and gyroscope say that they sent.
 
 mod checks;
+mod files;
+#[cfg(test)]
+mod gyro;
+mod hid;
 mod initramfs;
 mod kernel;
 mod machine;
@@ -99,7 +104,7 @@ fn experiment(seed: u64, program: &Path, folder: &Path, kernel: &Kernel) -> Resu
     let replug = stage("replug", &slow)?;
     let files = run.join("guest");
     machine.files(&files)?;
-    for capture in SLOW_CAPTURES.iter().chain(&["fast", "cut"]) {
+    for capture in SLOW_CAPTURES.iter().chain(&["fast", "cut"]).chain(&hid::CAPTURES) {
         as_csv(program, &files, capture)?;
     }
     let host = calibrate_in_process(program, &keys)?;

@@ -1,0 +1,102 @@
+//! What the guest left.
+
+use anyhow::{Context, Result, ensure};
+use std::fs;
+use std::path::Path;
+use std::str::FromStr;
+
+/// The guest's files.
+pub struct Files<'a>(pub &'a Path);
+
+/// A row of a capture.
+pub struct Row {
+    pub t_ns: u64,
+    pub edge: u32,
+    /// Of each axis.
+    pub codes: Vec<i64>,
+    pub lost: u64,
+}
+
+impl Files<'_> {
+    pub fn text(&self, name: &str) -> Result<String> {
+        let path = self.0.join(name);
+        Ok(fs::read_to_string(&path).with_context(|| format!("the guest left no {name}"))?.trim().to_owned())
+    }
+
+    pub fn numbers<T: FromStr>(&self, name: &str) -> Result<Vec<T>> {
+        let text = self.text(name)?;
+        let numbers = text.lines().map(|line| line.parse().ok());
+        numbers.collect::<Option<_>>().with_context(|| format!("{name} holds something else than numbers"))
+    }
+
+    /// How `zerorate` ended, with what it complained of where that is not the expected way.
+    pub fn ending(&self, name: &str, expected: u8) -> Result<(bool, String)> {
+        let ended = self.text(&format!("{name}.code"))?;
+        let holds = ended == expected.to_string();
+        let complaint = if holds { String::new() } else { self.text(&format!("{name}.err"))? };
+        Ok((holds, format!("{name}: zerorate ended with {ended} {complaint}")))
+    }
+
+    /// docs/formats/capture.md: a header below comments, then the rows; `NAME_code` is an axis.
+    pub fn rows(&self, capture: &str) -> Result<Vec<Row>> {
+        let text = self.text(&format!("{capture}.csv"))?;
+        let mut lines = text.lines().filter(|line| !line.starts_with('#'));
+        let header: Vec<&str> = lines.next().context("an empty capture")?.split(',').collect();
+        let place =
+            |name: &str| header.iter().position(|column| *column == name).with_context(|| format!("no {name}"));
+        let (t_ns, edge, lost) = (place("t_ns")?, place("edge_seq")?, place("lost")?);
+        let is_axis = |at: &usize| header[*at].ends_with("_code") && header[*at] != "temp_code";
+        let axes: Vec<usize> = (0..header.len()).filter(is_axis).collect();
+        let rows = lines.map(|line| {
+            let fields: Vec<&str> = line.split(',').collect();
+            ensure!(fields.len() == header.len(), "{capture}: {line}");
+            let codes = axes.iter().map(|at| fields[*at].parse().map_err(anyhow::Error::new));
+            Ok(Row {
+                t_ns: fields[t_ns].parse()?,
+                edge: fields[edge].parse()?,
+                codes: codes.collect::<Result<_>>()?,
+                lost: fields[lost].parse()?,
+            })
+        });
+        rows.collect()
+    }
+
+    /// What the head of a capture says of `key`.
+    pub fn said(&self, capture: &str, key: &str) -> Result<String> {
+        let text = self.text(&format!("{capture}.csv"))?;
+        let start = format!("# zerorate.{key} = ");
+        let said = text.lines().find_map(|line| line.strip_prefix(&start)).map(str::to_owned);
+        said.with_context(|| format!("{capture} does not say its {key}"))
+    }
+}
+
+/// Of `all`, those one after the other that are `wanted`; nothing if there are none.
+pub fn run_of<'a, T, K: PartialEq>(wanted: &[K], all: &'a [T], of: impl Fn(&T) -> K) -> &'a [T] {
+    let mut windows = all.windows(wanted.len().max(1));
+    windows.find(|window| window.iter().zip(wanted).all(|(one, wanted)| of(one) == *wanted)).unwrap_or(&[])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_run_is_found_only_whole_and_in_order() {
+        let run = |wanted: &[u32]| run_of(wanted, &[5, 6, 7, 7, 8], |one| *one).len();
+        assert_eq!(run(&[7, 7, 8]), 3);
+        assert_eq!((run(&[7, 8, 7]), run(&[1; 9])), (0, 0));
+    }
+
+    #[test]
+    fn axes_and_what_the_head_says_are_found_by_their_names() {
+        let folder = std::env::temp_dir().join(format!("zerorate-rig-{}", std::process::id()));
+        fs::create_dir_all(&folder).expect("a folder");
+        let text = "# zerorate.part = gyro_3d\nt_ns,edge_seq,x_code,y_code,temp_code,lost\n7,1,-5,6,,0\n9,4,7,8,,2\n";
+        fs::write(folder.join("hid.csv"), text).expect("written");
+        let files = Files(&folder);
+        let rows = files.rows("hid").expect("rows");
+        assert_eq!((rows.len(), &rows[0].codes[..], rows[1].lost, rows[1].edge), (2, &[-5, 6][..], 2, 4));
+        assert_eq!(files.said("hid", "part").expect("said"), "gyro_3d");
+        fs::remove_dir_all(folder).expect("removed");
+    }
+}
