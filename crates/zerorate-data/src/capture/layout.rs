@@ -3,7 +3,7 @@
 
 use super::CaptureError;
 use super::row::Row;
-use crate::column::Unit;
+use crate::column::{Quantity, Unit};
 use adis16130::{ChannelStatus, RATE_LSB_PER_DPS, TEMP_LSB_PER_C, Width};
 use arrow_schema::{DataType, Field, Metadata};
 use std::fmt::Display;
@@ -350,7 +350,8 @@ impl CodedAxis {
     fn from_metadata(path: &Path, metadata: &Metadata, name: &str) -> Result<Self, CaptureError> {
         let key = format!("zerorate.axis.{name}");
         let unit = stated(path, metadata, &format!("{key}.unit"))?;
-        let known = Unit::from_str(unit).map_err(|_| CaptureError::OtherQuantity {
+        let known = Unit::from_str(unit).ok().filter(|unit| unit.quantity() == Quantity::AngularRate);
+        let known = known.ok_or_else(|| CaptureError::OtherQuantity {
             path: path.to_owned(),
             axis: name.to_owned(),
             unit: unit.clone(),
@@ -361,7 +362,7 @@ impl CodedAxis {
     /// Codes to °/s.
     #[must_use]
     pub fn scale_dps(&self) -> Scale {
-        Scale { lsb_per_unit: self.scale.lsb_per_unit / self.unit.dps(), ..self.scale }
+        Scale { lsb_per_unit: self.scale.lsb_per_unit / self.unit.in_results(), ..self.scale }
     }
 
     /// The column of its codes.

@@ -3,7 +3,7 @@
 
 use super::clock::Times;
 use super::series::SeriesBuilder;
-use super::unit::{TimeUnit, Unit};
+use super::unit::{Quantity, TimeUnit, Unit};
 use super::{Asked, Clock, ColumnOptions, Found, FoundColumn, LogError, Result, Wanted, wrong};
 use crate::capture::CaptureError;
 use crate::limits::Room;
@@ -173,8 +173,11 @@ impl<'a> Collector<'a> {
         let column = |((quantity, _), values): ((&str, usize), SeriesBuilder)| FoundColumn {
             name: format!("{}.{quantity}", wanted.topic),
             values,
-            // REP-103 of ROS; an acceleration is no angular rate
-            scale: quantity.starts_with("angular").then(|| Unit::RadPerS.dps()),
+            // REP-103 of ROS
+            stated: Some(match quantity.starts_with("angular") {
+                true => (Quantity::AngularRate, Unit::RadPerS.in_results()),
+                false => (Quantity::Acceleration, Unit::MPerS2.in_results()),
+            }),
             warning: None,
         };
         Found { columns: wanted.all.into_iter().zip(values).map(column).collect(), clock, warning }

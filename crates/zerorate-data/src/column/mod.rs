@@ -30,7 +30,7 @@ pub use choice::{Described, Wanted};
 pub use part_log::PartLog;
 pub use raw::RawType;
 pub use series::Series;
-pub use unit::{TimeUnit, Unit};
+pub use unit::{Quantity, STANDARD_GRAVITY, TimeUnit, Unit};
 
 use crate::Input;
 use crate::capture::CaptureError;
@@ -63,8 +63,8 @@ pub struct ColumnOptions {
     /// The unit of the column; none: the one that its name states, as in gyro_z_dps or `gz [rad/s]`.
     pub unit: Option<Unit>,
 
-    /// What a step of 1 in the column is, in its unit, or else in °/s; none: 1, or the scale of the part for the
-    /// codes of a capture.
+    /// What a step of 1 in the column is, in its unit, or else in °/s, or m/s² for what states that it is an
+    /// acceleration; none: 1, or the scale of the part for the codes of a capture.
     pub scale: Option<f64>,
 
     /// What stands before the decimals in a text file; none: a point, or a comma where it can be nothing else.
@@ -112,10 +112,10 @@ pub struct Column {
     pub gaps: Vec<Gap>,
     /// Mean rate of the samples, those that are missing included.
     pub rate_hz: f64,
-    /// °/s per step of the numbers, or 1 if their unit is not known.
+    /// What it measures, if the file states its unit, or a unit or a scale was given.
+    pub quantity: Option<Quantity>,
+    /// What a step of the numbers is, in the unit of that quantity's results; 1 if their unit is not known.
     pub scale: f64,
-    /// Whether `scale` is in °/s: a unit or a scale was given, or the file states it.
-    pub unit_known: bool,
     /// What is to be said about the file: a tail that was torn off, a unit that is not known.
     pub warnings: Vec<String>,
 }
@@ -208,14 +208,14 @@ struct Found {
 struct FoundColumn {
     name: String,
     values: SeriesBuilder,
-    /// °/s per step, where that is a property of the form.
-    scale: Option<f64>,
+    /// What it measures, and what a step is in the unit of its results, where that is a property of the form.
+    stated: Option<(Quantity, f64)>,
     warning: Option<String>,
 }
 
 impl FoundColumn {
     fn new(name: String, values: SeriesBuilder) -> Self {
-        Self { name, values, scale: None, warning: None }
+        Self { name, values, stated: None, warning: None }
     }
 }
 
@@ -261,14 +261,20 @@ impl Found {
 
 impl FoundColumn {
     fn finish(self, path: &Path, rate_hz: f64, lost: &[Gap], args: &ColumnOptions) -> Result<Column> {
-        let Self { name, values, scale, warning } = self;
+        let Self { name, values, stated, warning } = self;
         let (series, gaps) = values.finish(lost).map_err(|missing| too_many(path, missing))?;
-        let declared = match (args.scale, args.unit) {
-            (None, None) => scale.or_else(|| Unit::of_column(&name).map(Unit::dps)),
-            (scale, unit) => Some(scale.unwrap_or(1.0) * unit.unwrap_or(Unit::Dps).dps()),
+        let stated = stated.or_else(|| Quantity::of_column(&name));
+        let given = args.unit.map(|unit| (unit.quantity(), unit.in_results()));
+        let declared = match args.scale {
+            None => given.or(stated),
+            Some(scale) => {
+                let quantity = stated.map_or(Quantity::AngularRate, |(quantity, _)| quantity);
+                let (quantity, per_unit) = given.unwrap_or((quantity, 1.0));
+                Some((quantity, scale * per_unit))
+            }
         };
         let unknown = declared.is_none().then(|| {
-            let remedy = "give --unit dps, rad/s … or --scale";
+            let remedy = "give --unit dps, rad/s, m/s², g … or --scale";
             format!(
                 "{}: the unit of column {name} is not stated, so the result is in its own unit; {remedy}",
                 path.display()
@@ -279,8 +285,8 @@ impl FoundColumn {
             series,
             gaps,
             rate_hz,
-            scale: declared.unwrap_or(1.0),
-            unit_known: declared.is_some(),
+            quantity: declared.map(|(quantity, _)| quantity),
+            scale: declared.map_or(1.0, |(_, scale)| scale),
             warnings: warning.into_iter().chain(unknown).collect(),
         })
     }

@@ -3,8 +3,8 @@
 
 use super::choice::Described;
 use super::clock::Beat;
-use super::unit::{TimeUnit, is_celsius};
-use super::{Clock, ColumnOptions, Found, FoundColumn, Gap, LogError, Result, Unit, Wanted, find};
+use super::unit::{Quantity, TimeUnit, is_celsius};
+use super::{Clock, ColumnOptions, Found, FoundColumn, Gap, LogError, Result, Wanted, find};
 use crate::Input;
 use crate::capture::{CaptureInfo, Layout, Row};
 use std::path::Path;
@@ -52,7 +52,9 @@ impl PartLog {
         let temp = temp.ok_or_else(|| LogError::Ask(format!("{} has one column only", path.display())))?;
         let mut warnings: Vec<String> = warning.into_iter().collect();
         let axes = columns.into_iter().zip(&part.axes[..]).map(|(column, axis)| {
-            let unit = column.scale.or_else(|| args.unit.or_else(|| Unit::of_column(&column.name)).map(Unit::dps));
+            let given = args.unit.map(|unit| (unit.quantity(), unit.in_results()));
+            let stated = column.stated.or(given).or_else(|| Quantity::of_column(&column.name));
+            let unit = rate_unit(path, &column.name, stated)?;
             Coding { path, scale: axis.axis.rate, unit, name: "°/s", remedy: "`gx [rad/s]` or `x_dps`" }
                 .codes(column, &mut warnings)
         });
@@ -144,6 +146,21 @@ fn described(part: &Part) -> Vec<Described> {
     let axis = |axis: &zerorate::NamedAxis| column(format!("axis {}", axis.name), axis.column.as_deref(), &axis.name);
     let temp = column("temperature".to_owned(), part.temp_column.as_deref(), TEMP);
     part.axes.iter().map(axis).chain([temp]).collect()
+}
+
+/// What a step of a column is in °/s, if that is stated; nothing else is a rate.
+fn rate_unit(path: &Path, column: &str, stated: Option<(Quantity, f64)>) -> Result<Option<f64>> {
+    match stated {
+        Some((Quantity::AngularRate, dps)) => Ok(Some(dps)),
+        Some((other, _)) => {
+            let why = format!("is in {}, and the axis of a gyroscope in °/s", other.unit());
+            Err(LogError::Ask(format!(
+                "{}: column {column} {why}; name another in the file of the part",
+                path.display()
+            )))
+        }
+        None => Ok(None),
+    }
 }
 
 /// How the values of a column become codes.

@@ -45,7 +45,7 @@ fn columns_of_tables() {
         let columns = same(&content, &["z_dps", "x", "y"], "--time-column t_ms");
         assert!(columns.iter().all(|column| (column.rate_hz - 100.0).abs() < 1e-9));
         assert_eq!(columns.iter().map(Column::missing).collect::<Vec<_>>(), [2, 2, 3]);
-        assert_eq!((columns[0].unit_known, columns[1].unit_known), (true, false));
+        assert_eq!((columns[0].quantity, columns[1].quantity), (Some(Quantity::AngularRate), None));
         let found = all(&content, Wanted::All, "--time-column t_ms").unwrap();
         assert_eq!(found.iter().map(|column| column.name.as_str()).collect::<Vec<_>>(), ["x", "y", "z_dps"]);
     }
@@ -86,8 +86,14 @@ fn quantities_of_bags() {
     let mcap = mcap_packed(None, &["/imu"], "cdr", |i| imu(true, false, i * 10_000_000, i as f64));
     for bag in [mcap, sqlite_bag()] {
         let columns = same(&bag, &["z", "x", "linear_acceleration.y"], "");
-        assert_eq!((columns[1].name.as_str(), columns[1].unit_known), ("/imu.angular_velocity.x", true));
-        assert_eq!((columns[2].name.as_str(), columns[2].unit_known), ("/imu.linear_acceleration.y", false));
+        assert_eq!(
+            (columns[1].name.as_str(), columns[1].quantity),
+            ("/imu.angular_velocity.x", Some(Quantity::AngularRate))
+        );
+        assert_eq!(
+            (columns[2].name.as_str(), columns[2].quantity),
+            ("/imu.linear_acceleration.y", Some(Quantity::Acceleration))
+        );
         assert_eq!(all(&bag, Wanted::All, "").unwrap().len(), 6);
     }
     let two = mcap_packed(None, &["/one", "/two"], "cdr", |i| imu(true, false, i * 10_000_000, i as f64));

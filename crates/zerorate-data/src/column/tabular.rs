@@ -4,7 +4,7 @@ use super::choice::{Choice, Columns};
 use super::clock::Times;
 use super::judged::{self, Judging};
 use super::series::{SeriesBuilder, join, missing_in};
-use super::unit::TimeUnit;
+use super::unit::{Quantity, TimeUnit};
 use super::{Asked, Clock, Found, FoundColumn, Gap, Result, wrong};
 use crate::capture::columns::Rows;
 use crate::capture::succession::Mark;
@@ -48,7 +48,7 @@ pub struct TableColumns<'a> {
 struct TableColumn {
     name: String,
     values: SeriesBuilder,
-    scale: Option<f64>,
+    stated: Option<(Quantity, f64)>,
     judging: Option<Judging>,
 }
 
@@ -68,9 +68,9 @@ impl<'a> TableColumns<'a> {
             let name = names[*index].to_owned();
             let mut series = SeriesBuilder::sharing(room, values.len());
             series.reserve(0, schema.field(*index).data_type().is_integer());
-            let scale = info.as_ref().and_then(|info| code_scale(&info.layout, &name));
+            let stated = info.as_ref().and_then(|info| of_code(&info.layout, &name));
             let judging = info.as_ref().and_then(|info| Judging::of_column(&name, info));
-            TableColumn { name, values: series, scale, judging }
+            TableColumn { name, values: series, stated, judging }
         };
         let time_column = time.map(|time| {
             let mut times = Times::new();
@@ -156,8 +156,8 @@ impl TableColumn {
             last.map_or(Ok(()), |last| self.append_values(path, &last))?;
             warning = judging.found(path)?;
         }
-        let Self { name, values, scale, .. } = self;
-        Ok(FoundColumn { name, values, scale, warning })
+        let Self { name, values, stated, .. } = self;
+        Ok(FoundColumn { name, values, stated, warning })
     }
 }
 
@@ -237,10 +237,10 @@ fn rates(layout: &Layout, names: &[&str]) -> Vec<usize> {
 }
 
 /// °/s or °C in a step of the code, where the column of a capture holds codes.
-fn code_scale(layout: &Layout, name: &str) -> Option<f64> {
+fn of_code(layout: &Layout, name: &str) -> Option<(Quantity, f64)> {
     let of_axis = layout.axes().iter().find(|axis| axis.code_column() == name);
-    let of_axis = of_axis.map(|axis| 1.0 / axis.scale_dps().lsb_per_unit);
-    of_axis.or_else(|| (name == "temp_code").then(|| 1.0 / layout.temp().lsb_per_unit))
+    let of_axis = of_axis.map(|axis| (Quantity::AngularRate, 1.0 / axis.scale_dps().lsb_per_unit));
+    of_axis.or_else(|| (name == "temp_code").then(|| (Quantity::Temperature, 1.0 / layout.temp().lsb_per_unit)))
 }
 
 /// What a capture tells beyond its numbers: it has counted what was lost.

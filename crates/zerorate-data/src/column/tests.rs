@@ -223,7 +223,7 @@ fn tables_of_every_form() {
         assert_eq!(column.series, Series::Codes(vec![1, 2, 4, 7]));
         // the empty third row and the missing one after it are one gap
         assert_eq!(column.gaps, [Gap { at: 2, missing: 2 }, Gap { at: 3, missing: 2 }]);
-        assert_eq!((column.rate_hz, column.unit_known, column.missing()), (100.0, false, 4));
+        assert_eq!((column.rate_hz, column.quantity, column.missing()), (100.0, None, 4));
         let column = folder.read(&table, "--column gz_mdps --time-column t").unwrap();
         assert_eq!(there(&column), [Some(0.5), None, Some(1.5), None, None, Some(2.5), Some(3.5), Some(4.5)]);
         assert_eq!((column.scale, column.missing(), &column.gaps), (1e-3, 3, &vec![]));
@@ -339,8 +339,8 @@ fn units_are_declared_or_said_to_be_unknown() {
     let folder = Folder::new();
     let scale = |name: &str, options: &str| {
         let column = folder.read(format!("{name}\n1\n2\n3\n"), &format!("--rate 1 {options}")).unwrap();
-        assert_eq!(column.unit_known, column.warnings.is_empty());
-        column.unit_known.then_some(column.scale)
+        assert_eq!(column.quantity.is_some(), column.warnings.is_empty());
+        column.quantity.map(|_| column.scale)
     };
     assert_eq!(scale("gz", ""), None);
     assert_eq!(scale("gz", "--scale 0.05"), Some(0.05));
@@ -369,7 +369,7 @@ fn bags_of_an_independent_writer() {
             Series::Numbers(vec![-0.5; 8])
         );
         let gravity = folder.read(bag, "--column linear_acceleration.z").unwrap();
-        assert_eq!((numbers(&gravity)[0], gravity.unit_known), (9.81, false));
+        assert_eq!((numbers(&gravity)[0], gravity.quantity), (9.81, Some(Quantity::Acceleration)));
         let asked = folder.fails(bag, "");
         assert!(
             asked.contains("choose with --column one of: /imu.angular_velocity.x, /imu.angular_velocity.y"),
@@ -502,7 +502,7 @@ fn a_capture_tells_what_it_lost() {
     let rows = "0,1,8388608,8,8400000,7\n10000000,2,8388610,8,,0\n40000000,5,8388609,8,,2\n50000000,6,8388611,8,,0\n";
     let column = folder.read(format!("{head}{rows}"), "").unwrap();
     assert_eq!((column.gaps.as_slice(), column.rate_hz), (&[Gap { at: 2, missing: 2 }][..], 100.0));
-    assert_eq!((column.scale, column.missing(), column.unit_known), (1.0 / 23_488.0, 2, true));
+    assert_eq!((column.scale, column.missing(), column.quantity), (1.0 / 23_488.0, 2, Some(Quantity::AngularRate)));
     let mut closed = column;
     closed.close_gaps();
     assert_eq!((closed.missing(), closed.series.len()), (0, 4));

@@ -1,10 +1,41 @@
-//! Units of angular rate: as asked for, or as a column's name states them.
+//! Units of angular rate and of acceleration: as asked for, or as a column's name states them.
 
 use std::f64::consts::PI;
 use std::fmt;
 use std::str::FromStr;
 
-/// A unit of angular rate.
+/// What a column measures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    /// Of a gyroscope; its results are in °/s.
+    AngularRate,
+    /// Of an accelerometer; its results are in m/s².
+    Acceleration,
+    /// Its results are in °C.
+    Temperature,
+}
+
+impl Quantity {
+    /// The unit of its results.
+    pub const fn unit(self) -> &'static str {
+        match self {
+            Self::AngularRate => "°/s",
+            Self::Acceleration => "m/s²",
+            Self::Temperature => "°C",
+        }
+    }
+
+    /// What the name of a column states: the quantity, and how much of the unit of its results a step is.
+    pub fn of_column(name: &str) -> Option<(Self, f64)> {
+        let unit = Unit::of_column(name).map(|unit| (unit.quantity(), unit.in_results()));
+        unit.or_else(|| is_celsius(name).then_some((Self::Temperature, 1.0)))
+    }
+}
+
+/// Standard gravity, m/s² (CGPM 1901).
+pub const STANDARD_GRAVITY: f64 = 9.806_65;
+
+/// A unit of angular rate or of acceleration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unit {
     /// °/s.
@@ -21,20 +52,47 @@ pub enum Unit {
     MradPerS,
     /// 0.000 001 rad/s.
     UradPerS,
+    /// m/s².
+    MPerS2,
+    /// Standard gravity, 9.806 65 m/s².
+    G,
+    /// 0.001 g.
+    MilliG,
+    /// 0.000 001 g.
+    MicroG,
 }
 
 impl Unit {
     /// All of them.
-    pub const ALL: [Self; 7] =
-        [Self::Dps, Self::Mdps, Self::DegPerMin, Self::DegPerH, Self::RadPerS, Self::MradPerS, Self::UradPerS];
+    pub const ALL: [Self; 11] = [
+        Self::Dps,
+        Self::Mdps,
+        Self::DegPerMin,
+        Self::DegPerH,
+        Self::RadPerS,
+        Self::MradPerS,
+        Self::UradPerS,
+        Self::MPerS2,
+        Self::G,
+        Self::MilliG,
+        Self::MicroG,
+    ];
+
+    /// What it is a unit of.
+    pub fn quantity(self) -> Quantity {
+        match self {
+            Self::MPerS2 | Self::G | Self::MilliG | Self::MicroG => Quantity::Acceleration,
+            _ => Quantity::AngularRate,
+        }
+    }
 
     /// What it is called here.
     pub fn name(self) -> &'static str {
         self.names()[0]
     }
 
-    /// °/s in one of it. 1 rad = 180°/π.
-    pub fn dps(self) -> f64 {
+    /// °/s or m/s² in one of it. 1 rad = 180°/π.
+    pub fn in_results(self) -> f64 {
         match self {
             Self::Dps => 1.0,
             Self::Mdps => 1e-3,
@@ -43,6 +101,10 @@ impl Unit {
             Self::RadPerS => 180.0 / PI,
             Self::MradPerS => 0.18 / PI,
             Self::UradPerS => 0.000_18 / PI,
+            Self::MPerS2 => 1.0,
+            Self::G => STANDARD_GRAVITY,
+            Self::MilliG => STANDARD_GRAVITY * 1e-3,
+            Self::MicroG => STANDARD_GRAVITY * 1e-6,
         }
     }
 
@@ -56,6 +118,10 @@ impl Unit {
             Self::RadPerS => &["rad/s", "radps", "rad/sec", "rads^-1", "rad*s^-1", "rads-1"],
             Self::MradPerS => &["mrad/s", "mradps"],
             Self::UradPerS => &["urad/s", "µrad/s", "μrad/s", "uradps"],
+            Self::MPerS2 => &["m/s²", "m/s^2", "m/s2", "m/s/s", "ms^-2", "m*s^-2", "ms-2", "mps2", "m/sec^2"],
+            Self::G => &["g", "gn", "g0"],
+            Self::MilliG => &["mg"],
+            Self::MicroG => &["ug", "µg", "μg"],
         }
     }
 
@@ -69,11 +135,15 @@ impl Unit {
             Self::RadPerS => &["rad_s", "rads", "radps", "rad_per_s", "rad_per_sec"],
             Self::MradPerS => &["mrad_s", "mrads", "mradps", "mrad_per_s"],
             Self::UradPerS => &["urad_s", "urads", "uradps", "urad_per_s"],
+            Self::MPerS2 => &["m_s2", "mps2", "m_per_s2", "ms2", "m_s_s"],
+            Self::G => &["g"],
+            Self::MilliG => &["mg"],
+            Self::MicroG => &["ug"],
         }
     }
 
     /// The unit that the name of a column states: in brackets, after an underscore, or because ROS calls it so.
-    /// REP-103 of ROS fixes the unit of an `angular_velocity` at rad/s.
+    /// REP-103 of ROS fixes the units of an `angular_velocity` at rad/s, of a `linear_acceleration` at m/s².
     pub fn of_column(name: &str) -> Option<Self> {
         if let Some(unit) = bracketed(name).and_then(|inner| inner.parse().ok()) {
             return Some(unit);
@@ -81,6 +151,9 @@ impl Unit {
         let name = name.to_lowercase();
         if name.contains("angular_velocity") {
             return Some(Self::RadPerS);
+        }
+        if name.contains("linear_acceleration") {
+            return Some(Self::MPerS2);
         }
         let ends = |unit: &Self| unit.endings().iter().any(|ending| has_ending(&name, ending));
         Self::ALL.into_iter().find(ends)
@@ -94,7 +167,7 @@ impl FromStr for Unit {
         let plain: String = text.to_lowercase().chars().filter(|c| !c.is_whitespace()).collect();
         Self::ALL.into_iter().find(|unit| unit.names().contains(&plain.as_str())).ok_or_else(|| {
             let names: Vec<&str> = Self::ALL.into_iter().map(Self::name).collect();
-            format!("`{text}` is no unit of angular rate; choose {}", names.join(", "))
+            format!("`{text}` is no unit of angular rate or acceleration; choose {}", names.join(", "))
         })
     }
 }
@@ -192,7 +265,13 @@ mod tests {
             ("holidays", None),
             ("adps", None),
             ("temp_c", None),
-            ("gz [m/s^2]", None),
+            ("gz [m/s^2]", Some(Unit::MPerS2)),
+            ("a_RS_S_x [m s^-2]", Some(Unit::MPerS2)),
+            ("/imu.linear_acceleration.x", Some(Unit::MPerS2)),
+            ("AccX (g)", Some(Unit::G)),
+            ("acc_x_mg", Some(Unit::MilliG)),
+            ("ax_g", Some(Unit::G)),
+            ("temp [K]", None),
         ];
         for (name, unit) in cases {
             assert_eq!(Unit::of_column(name), unit, "{name}");
@@ -219,9 +298,12 @@ mod tests {
     }
 
     #[test]
-    fn scales_to_degrees_per_second() {
-        assert_eq!("deg/h".parse::<Unit>().unwrap().dps() * 3600.0, 1.0);
-        assert_eq!(" Rad/s".parse::<Unit>().unwrap().dps(), 1f64.to_degrees());
+    fn scales_to_the_units_of_results() {
+        assert_eq!("mg".parse::<Unit>().unwrap().in_results(), 9.806_65e-3);
+        assert_eq!("m/s^2".parse::<Unit>().unwrap().quantity(), Quantity::Acceleration);
+        assert_eq!(Quantity::of_column("temp_c"), Some((Quantity::Temperature, 1.0)));
+        assert_eq!("deg/h".parse::<Unit>().unwrap().in_results() * 3600.0, 1.0);
+        assert_eq!(" Rad/s".parse::<Unit>().unwrap().in_results(), 1f64.to_degrees());
         assert!("furlong".parse::<Unit>().unwrap_err().contains("dps, mdps"));
     }
 }

@@ -5,6 +5,7 @@ use crate::exit::Usage;
 use crate::output::{Staged, plain};
 use anyhow::{Result, anyhow};
 use std::fmt::Write;
+use zerorate_data::column::Quantity;
 
 /// Writes the gyroscope's part of the file. The accelerometer's is left to be filled in: no gyroscope can tell it.
 pub fn write(file: Staged, records: &[Record]) -> Result<()> {
@@ -14,8 +15,8 @@ pub fn write(file: Staged, records: &[Record]) -> Result<()> {
 /// Kalibr's continuous-time noise: N in rad/s/√Hz and K in rad/s²/√Hz. Their Allan variances are N²/τ and K²τ/3, so
 /// both are the coefficients of the fit in radians, without a factor.
 fn yaml(records: &[Record]) -> Result<String> {
-    if let Some(unknown) = records.iter().find(|record| !record.unit_known) {
-        let why = "the unit of the column is not stated, and imu.yaml needs rad/s; give --unit or --scale";
+    if let Some(unknown) = records.iter().find(|record| record.quantity != Some(Quantity::AngularRate)) {
+        let why = "the column is not stated to be an angular rate, and the file has no place for anything else; give --unit or --scale";
         return Err(Usage(format!("{}: {why}", unknown.label())).into());
     }
     let mut text =

@@ -6,14 +6,14 @@ use crate::exit::Refused;
 use anyhow::{Context, Result, ensure};
 use std::path::{Path, PathBuf};
 use zerorate::allan::{self, AllanWarning, Analysis, Averaging, Deviation, Fit, FitError, Input, Options, Stat, Taus};
-use zerorate_data::column::{Column, Series};
+use zerorate_data::column::{Column, Quantity, STANDARD_GRAVITY, Series};
 
 /// A log and what was found in it.
 pub struct Record {
     pub file: PathBuf,
     pub column: String,
-    /// Whether the deviations are in °/s.
-    pub unit_known: bool,
+    /// Of what the deviations are, in the unit of its results; none: in a unit that nobody stated.
+    pub quantity: Option<Quantity>,
     pub confidence: f64,
     pub analysis: Analysis,
     pub fit: Result<Fit, FitError>,
@@ -44,7 +44,7 @@ impl Record {
         Ok(Self {
             file: file.to_owned(),
             column: column.name,
-            unit_known: column.unit_known,
+            quantity: column.quantity,
             confidence: args.confidence,
             analysis,
             fit,
@@ -108,7 +108,12 @@ impl Record {
     }
 
     fn in_words(&self, dev: f64) -> String {
-        if self.unit_known { format!("{dev:.3e} °/s ({:.3} °/h)", dev * 3600.0) } else { format!("{dev:.3e}") }
+        match self.quantity {
+            Some(Quantity::AngularRate) => format!("{dev:.3e} °/s ({:.3} °/h)", dev * 3600.0),
+            Some(Quantity::Acceleration) => format!("{dev:.3e} m/s² ({:.3} µg)", dev / STANDARD_GRAVITY * 1e6),
+            Some(Quantity::Temperature) => format!("{dev:.3e} °C"),
+            None => format!("{dev:.3e}"),
+        }
     }
 }
 

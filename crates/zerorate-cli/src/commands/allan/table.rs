@@ -87,7 +87,11 @@ pub fn csv(records: &[Record]) -> Result<String> {
 fn suffix(record: &Record) -> &'static str {
     match units::deviation_unit(record) {
         Some("°/s") => "_dps",
-        Some(_) => "_deg",
+        Some("°") => "_deg",
+        Some("m/s²") => "_mps2",
+        Some("m/s") => "_mps",
+        Some("°C") => "_c",
+        Some(_) => "_c_s",
         None => "",
     }
 }

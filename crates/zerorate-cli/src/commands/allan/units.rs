@@ -3,6 +3,7 @@
 use super::record::Record;
 use zerorate::allan::Coefficient;
 use zerorate::noise::FLOOR_PER_B;
+use zerorate_data::column::{Quantity, STANDARD_GRAVITY};
 
 /// A coefficient by name and units, its main unit first.
 pub struct Named<'a> {
@@ -20,29 +21,50 @@ pub struct Named<'a> {
     pub units: Vec<(String, f64)>,
 }
 
-/// Units of a coefficient, given as those of a fit in °/s and as those of a fit in no known unit.
+/// Units of a coefficient, given as those of fits in °/s and in m/s², and as what follows any other unit.
 struct Units {
-    dps: &'static [(&'static str, f64)],
-    unknown: &'static str,
+    rate: &'static [(&'static str, f64)],
+    acceleration: &'static [(&'static str, f64)],
+    other: &'static str,
 }
 
 const SQRT_2: f64 = std::f64::consts::SQRT_2;
 
+/// µg in 1 m/s².
+const MICRO_G: f64 = 1e6 / STANDARD_GRAVITY;
+
 /// 1 °/√s = 60 °/√h; a one-sided density is √2 N. 1 °/s/√s = 3600 · 60 °/h/√h.
-const N: Units =
-    Units { dps: &[("°/√h", 60.0), ("°/√s", 1.0), ("°/s/√Hz, one-sided", SQRT_2)], unknown: "·√s" };
-const B: Units = Units { dps: &[("°/h", 3600.0), ("°/s", 1.0)], unknown: "" };
-const K: Units = Units { dps: &[("°/h/√h", 216_000.0), ("°/s/√s", 1.0)], unknown: "/√s" };
-const Q: Units = Units { dps: &[("°", 1.0), ("″", 3600.0)], unknown: "·s" };
-const R: Units = Units { dps: &[("°/h/h", 12_960_000.0), ("°/s/s", 1.0)], unknown: "/s" };
+const N: Units = Units {
+    rate: &[("°/√h", 60.0), ("°/√s", 1.0), ("°/s/√Hz, one-sided", SQRT_2)],
+    acceleration: &[("m/s/√h", 60.0), ("m/s/√s", 1.0), ("µg/√Hz, one-sided", SQRT_2 * MICRO_G)],
+    other: "·√s",
+};
+const B: Units = Units {
+    rate: &[("°/h", 3600.0), ("°/s", 1.0)],
+    acceleration: &[("µg", MICRO_G), ("mg", MICRO_G / 1e3), ("m/s²", 1.0)],
+    other: "",
+};
+const K: Units = Units {
+    rate: &[("°/h/√h", 216_000.0), ("°/s/√s", 1.0)],
+    acceleration: &[("µg/√h", 60.0 * MICRO_G), ("m/s²/√s", 1.0)],
+    other: "/√s",
+};
+const Q: Units = Units { rate: &[("°", 1.0), ("″", 3600.0)], acceleration: &[("m/s", 1.0)], other: "·s" };
+const R: Units = Units {
+    rate: &[("°/h/h", 12_960_000.0), ("°/s/s", 1.0)],
+    acceleration: &[("µg/h", 3600.0 * MICRO_G), ("m/s²/s", 1.0)],
+    other: "/s",
+};
 
 impl Units {
     fn of(&self, record: &Record) -> Vec<(String, f64)> {
-        if record.unit_known {
-            self.dps.iter().map(|(unit, factor)| ((*unit).to_owned(), *factor)).collect()
-        } else {
-            vec![(format!("unit{}", self.unknown), 1.0)]
-        }
+        let known = match record.quantity {
+            Some(Quantity::AngularRate) => self.rate,
+            Some(Quantity::Acceleration) => self.acceleration,
+            Some(Quantity::Temperature) => return vec![(format!("°C{}", self.other), 1.0)],
+            None => return vec![(format!("unit{}", self.other), 1.0)],
+        };
+        known.iter().map(|(unit, factor)| ((*unit).to_owned(), *factor)).collect()
     }
 }
 
@@ -103,7 +125,15 @@ pub fn span(seconds: f64) -> String {
 
 /// The unit of the deviations of a record, for people; none if nobody stated it.
 pub fn deviation_unit(record: &Record) -> Option<&'static str> {
-    record.unit_known.then_some(if record.analysis.stat.is_times_s() { "°" } else { "°/s" })
+    let quantity = record.quantity?;
+    if !record.analysis.stat.is_times_s() {
+        return Some(quantity.unit());
+    }
+    Some(match quantity {
+        Quantity::AngularRate => "°",
+        Quantity::Acceleration => "m/s",
+        Quantity::Temperature => "°C·s",
+    })
 }
 
 /// The noise with the exponent α of the rate's density, as gyroscope people call it.
