@@ -10,7 +10,7 @@ use std::f64::consts::{LN_2, PI};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
-use zerorate::allan::{Coefficient, Deviation, Input, Stat, deviations, fit, octaves};
+use zerorate::allan::{Coefficient, Deviation, Input, Stat, deviations, fit_curve, octaves};
 use zerorate::noise::FLICKER_CUTOFF_HZ;
 
 /// What to run.
@@ -172,7 +172,7 @@ fn one(scenario: &Scenario, fft: &Arc<dyn Fft<f64>>, rng: &mut SmallRng) -> anyh
     let points = deviations(&Input::Rate(&rate), RATE_HZ, Stat::Oadev, &octaves(rate.len()));
     let curve: Vec<Deviation> = points.into_iter().flatten().collect();
     let start = Instant::now();
-    let fit = fit(&curve, RATE_HZ, rate.len() as u64)?;
+    let fit = fit_curve(&curve, RATE_HZ, rate.len() as u64)?;
     let fit_s = start.elapsed().as_secs_f64();
     let warnings = fit.warnings.iter().map(|warning| warning.code()).collect();
     Ok(Run { curve, fitted: [fit.n, fit.b, fit.k], warnings, fit_s })

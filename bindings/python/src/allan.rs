@@ -6,9 +6,9 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::fmt::Display;
 use zerorate::allan::{
-    Analysis, Coefficient, Deviation, Difference, Fit, FitError, Gap, Input, Options, Stat, Taus,
+    Analysis, Coefficient, Difference, Estimate, Expected, Fit, FitOptions, Gap, Input, Options, Stat, Taus, Term,
     analyse as analyse_input, deviations as of_input, edf as edf_of, finite_difference_edf as edf_of_difference, fit,
-    interval as limits, octaves,
+    interval as limits,
 };
 
 type Column<'py, T> = Bound<'py, PyArray1<T>>;
@@ -55,7 +55,9 @@ impl Times {
     }
 }
 
-/// The deviation with its limits at each averaging time, what could not be computed, and the noise coefficients.
+/// The deviation with its limits at each averaging time, what could not be computed, and the noise model.
+///
+/// ``cleaning`` says whether glitches and steps are taken out before the fit; without it there is none.
 ///
 /// Other threads run meanwhile. Raises ValueError for arguments that nothing can be computed with.
 #[pyfunction]
@@ -70,36 +72,49 @@ pub fn analyse<'py>(
     taus: Times,
     confidence: f64,
     scale: f64,
+    cleaning: Option<(bool, bool)>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let gaps: Vec<Gap> = gaps.into_iter().map(|(at, missing)| Gap { at, missing }).collect();
     let input = record.input(phase, &gaps)?;
     let options = Options { stat: stat.parse().map_err(refused)?, taus: taus.taus()?, confidence, scale };
-    let (analysis, fit) = py
+    let found = py
         .detach(|| {
-            let analysis = analyse_input(&input, rate_hz, &options)?;
-            let fit = coefficients(&input, &analysis, &options);
-            Ok((analysis, fit))
+            let fit = cleaning.map(|(cut_glitches, remove_steps)| {
+                fit(&input, rate_hz, &FitOptions { scale: options.scale, cut_glitches, remove_steps })
+            });
+            // the curve is of the record that was fitted
+            let cleaned = fit.iter().flatten().find_map(|fit| fit.cleaned.rate.as_deref());
+            let analysis = match cleaned {
+                Some(rate) => analyse_input(&Input::Rate(rate), rate_hz, &Options { scale: 1.0, ..options }),
+                None => analyse_input(&input, rate_hz, &options),
+            };
+            Ok((analysis?, fit))
         })
         .map_err(|error: zerorate::allan::AnalysisError| refused(error))?;
+    let (analysis, fit) = found;
     let result = PyDict::new(py);
     columns(&result, &analysis)?;
     match fit {
-        Ok(fit) => result.set_item("fit", fit_dict(py, &fit)?)?,
-        Err(error) => result.set_item("no_fit", error.to_string())?,
+        Some(Ok(fit)) => {
+            expected(&result, &analysis, &fit)?;
+            result.set_item("fit", fit_dict(py, &fit)?)?;
+            let steps: Vec<(f64, f64)> = fit.cleaned.steps.iter().map(|step| (step.at_s, step.size)).collect();
+            result.set_item("cleaned", (fit.cleaned.glitches, steps))?;
+        }
+        Some(Err(error)) => result.set_item("no_fit", error.to_string())?,
+        None => {}
     }
     Ok(result)
 }
 
-/// The fit of the overlapping Allan deviation at octaves, whatever was asked for.
-fn coefficients(input: &Input<'_>, analysis: &Analysis, options: &Options) -> Result<Fit, FitError> {
-    let curve: Vec<Deviation> = if (options.stat, &options.taus) == (Stat::Oadev, &Taus::Octave) {
-        analysis.points.iter().map(|point| Deviation { m: point.m, dev: point.dev, n: point.n }).collect()
-    } else {
-        let octaves = octaves(usize::try_from(analysis.samples).unwrap_or(usize::MAX));
-        let found = of_input(input, analysis.rate_hz, Stat::Oadev, &octaves).into_iter().flatten();
-        found.map(|found| Deviation { dev: found.dev * options.scale, ..found }).collect()
-    };
-    fit(&curve, analysis.rate_hz, analysis.samples)
+/// The model at each averaging time and the band around it; nothing for statistics that it does not speak of.
+fn expected(result: &Bound<'_, PyDict>, analysis: &Analysis, fit: &Fit) -> PyResult<()> {
+    let py = result.py();
+    let points: Option<Vec<Expected>> = analysis.points.iter().map(|point| fit.expected(analysis, point)).collect();
+    let Some(points) = points else { return Ok(()) };
+    result.set_item("model", PyArray1::from_iter(py, points.iter().map(|point| point.dev)))?;
+    result.set_item("model_lo", PyArray1::from_iter(py, points.iter().map(|point| point.lo)))?;
+    result.set_item("model_hi", PyArray1::from_iter(py, points.iter().map(|point| point.hi)))
 }
 
 fn columns(result: &Bound<'_, PyDict>, analysis: &Analysis) -> PyResult<()> {
@@ -131,7 +146,39 @@ fn fit_dict<'py>(py: Python<'py>, fit: &Fit) -> PyResult<Bound<'py, PyDict>> {
         let coefficient = coefficient.as_ref().map(|found| coefficient_dict(py, found)).transpose()?;
         result.set_item(name, coefficient)?;
     }
+    result.set_item("model_error", fit.model_error)?;
+    result.set_item("p_value", fit.p_value)?;
+    result.set_item("rejected", fit.is_rejected)?;
+    result.set_item("terms", fit.terms.iter().map(|term| term_dict(py, term)).collect::<PyResult<Vec<_>>>()?)?;
     result.set_item("warnings", fit.warnings.iter().map(|it| format!("{}: {it}", it.code())).collect::<Vec<_>>())?;
+    Ok(result)
+}
+
+fn term_dict<'py>(py: Python<'py>, term: &Term) -> PyResult<Bound<'py, PyDict>> {
+    let result = PyDict::new(py);
+    let limits = |&Estimate { value, lo, hi }: &Estimate| (value, lo, hi);
+    match term {
+        Term::GaussMarkov { sigma, tau_s } => {
+            result.set_item("kind", "gauss-markov")?;
+            result.set_item("sigma", limits(sigma))?;
+            result.set_item("tau_s", limits(tau_s))?;
+        }
+        Term::BandShape { cosines } => {
+            result.set_item("kind", "band-shape")?;
+            result.set_item("cosines", cosines)?;
+        }
+        Term::Line(line) => {
+            result.set_item("kind", "line")?;
+            result.set_item("frequency_hz", line.frequency_hz)?;
+            result.set_item("width_hz", line.width_hz)?;
+            result.set_item("rms", line.rms)?;
+        }
+        Term::WarmUp { size, tau_s } => {
+            result.set_item("kind", "warm-up")?;
+            result.set_item("size", limits(size))?;
+            result.set_item("tau_s", tau_s)?;
+        }
+    }
     Ok(result)
 }
 

@@ -52,7 +52,42 @@ def test_white_noise_has_an_angle_random_walk_and_nothing_else() -> None:
     assert (fit.n.unit, fit.b.unit, fit.k.unit) == ("°/s·√s", "°/s", "°/s/√s")
     assert fit.n.needed_s is None
     assert not fit.k.identified and fit.k.needed_s is not None and fit.k.needed_s > 2000
-    assert fit.dev(1.0) == pytest.approx(0.1, rel=0.1)
+    result = zerorate.allan(white(200_000), rate_hz=100.0, taus=[1.0])
+    assert result.model is not None and result.model[0] == pytest.approx(0.1, rel=0.05)
+    assert result.model_lo is not None and result.model_hi is not None
+    assert result.model_lo[0] < result.model[0] < result.model_hi[0]
+    assert zerorate.allan(white(1000), rate_hz=1.0, stat="mdev").model is None
+
+
+def test_what_is_in_a_record_has_its_term() -> None:
+    rate = white(200_000)
+    rate += 2.0 * np.sin(2 * np.pi * 3.0 * np.arange(len(rate)) / 100.0)
+    rate[1000] = 1e4
+    rate[100_000:] += 0.5
+    result = zerorate.allan(rate, rate_hz=100.0)
+    assert result.fit is not None and result.cleaned is not None
+    assert result.fit.n.value == pytest.approx(0.1, rel=0.01) and not result.fit.rejected
+    lines = [term for term in result.fit.terms if isinstance(term, zerorate.Line)]
+    assert lines[0].frequency_hz == pytest.approx(3.0, rel=1e-3) and lines[0].rms == pytest.approx(2**0.5, rel=0.02)
+    assert result.cleaned.glitches == 1
+    [(at_s, size)] = result.cleaned.steps
+    assert at_s == pytest.approx(1000.0, rel=0.01) and size == pytest.approx(0.5, rel=0.2)
+    kept = zerorate.allan(rate, rate_hz=100.0, glitches="keep", steps="keep")
+    assert kept.dev[0] > 5 * result.dev[0] and kept.cleaned == zerorate.Cleaned(0, [])
+    bare = zerorate.allan(rate, rate_hz=100.0, fit=False)
+    assert bare.fit is None and bare.no_fit is None and bare.cleaned is None and bare.dev[0] == kept.dev[0]
+
+
+def test_a_memory_is_a_gauss_markov_term() -> None:
+    rng = np.random.default_rng(3)
+    memory, level = np.empty(100_000), 0.0
+    for i, draw in enumerate(rng.normal(size=len(memory))):
+        level = 0.998 * level + draw * np.sqrt(1 - 0.998**2)
+        memory[i] = level
+    fit = zerorate.allan(memory + rng.normal(size=len(memory)), rate_hz=100.0).fit
+    assert fit is not None
+    [term] = [term for term in fit.terms if isinstance(term, zerorate.GaussMarkov)]
+    assert term.sigma.lo < 1.0 < term.sigma.hi and term.tau_s.lo < 5.0 < term.tau_s.hi
 
 
 def test_a_record_too_short_for_coefficients_says_so() -> None:
@@ -129,6 +164,8 @@ def test_missing_samples_are_gaps() -> None:
         ("confidence", [1.0, 2.0], {"confidence": 1.5}),
         ("scale", [1.0, 2.0], {"scale": 0.0}),
         ("data='angle'", [1.0, 2.0], {"data": "angle"}),
+        ("glitches='drop'", [1.0, 2.0], {"glitches": "drop"}),
+        ("steps='cut'", [1.0, 2.0], {"steps": "cut"}),
         ("one column", [[1.0, 2.0]], {}),
         ("not real numbers", ["a", "b"], {}),
         ("not real numbers", [1j, 2j], {}),

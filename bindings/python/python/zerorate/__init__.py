@@ -1,7 +1,7 @@
 """Allan deviation of any gyroscope, and the calibration of the ADIS16130 with its part in software.
 
 ===================  ==================================================================
-`allan`              Allan deviation of a record at rest, with limits and noise coefficients
+`allan`              Allan deviation of a record at rest, with limits and a noise model
 `calibrate`          the procedure of AN-1042 on a `Twin`, with the uncertainty it has
 `Calibration`        a calibration file; `Calibration.correct` takes the bias out
 `Corrector`          the same for a stream that reads the temperature now and then
@@ -16,7 +16,19 @@ ValueError with what to do; a measurement that must not become a calibration rai
 
 from importlib.metadata import version
 
-from ._allan import Allan, Coefficient, Fit, Unavailable, allan
+from ._allan import (
+    Allan,
+    BandShape,
+    Cleaned,
+    Coefficient,
+    Estimate,
+    Fit,
+    GaussMarkov,
+    Line,
+    Unavailable,
+    WarmUp,
+    allan,
+)
 from ._calibration import (
     CalibratedAxis,
     Calibration,
@@ -39,15 +51,20 @@ __version__ = version("zerorate")
 
 __all__ = [
     "Allan",
+    "BandShape",
     "Calibrated",
     "CalibratedAxis",
     "Calibration",
     "Capture",
+    "Cleaned",
     "Coefficient",
     "Corrected",
     "Correction",
     "Corrector",
+    "Estimate",
     "Fit",
+    "GaussMarkov",
+    "Line",
     "Measured",
     "NoiseRecord",
     "Refused",
@@ -59,6 +76,7 @@ __all__ = [
     "Unavailable",
     "Uncertainties",
     "Validity",
+    "WarmUp",
     "__version__",
     "allan",
     "calibrate",

@@ -40,11 +40,77 @@ class Coefficient:
 
 
 @dataclass(frozen=True)
-class Fit:
-    """Noise coefficients: σ²(τ) = 3Q²/τ² + N²/τ + (2 ln 2/π)B² + K²τ/3 + R²τ²/2 (IEEE Std 952-1997 C.1).
+class Estimate:
+    """A parameter with its 95 % interval."""
 
-    Fitted to the overlapping Allan deviation at octaves, whatever statistic was asked for, by least squares with the
-    covariance that the fitted noise gives the estimates.
+    value: float
+    """The most likely value."""
+    lo: float
+    """Lower end of the 95 % interval."""
+    hi: float
+    """Upper end of the 95 % interval."""
+
+
+@dataclass(frozen=True)
+class GaussMarkov:
+    """Noise with a memory: a Gauss–Markov process of first order."""
+
+    sigma: Estimate
+    """Its standard deviation, in the unit of the rate."""
+    tau_s: Estimate
+    """Its correlation time, s."""
+
+
+@dataclass(frozen=True)
+class BandShape:
+    """White noise behind a filter: its density is N² exp Σ a_j (cos 2πjf/rate − 1)."""
+
+    cosines: list[float]
+    """a_1, a_2 …"""
+
+
+@dataclass(frozen=True)
+class Line:
+    """A disturbance or resonance; it was left out of the coefficients."""
+
+    frequency_hz: float
+    """Where it is, or where it folds to."""
+    width_hz: float
+    """How broad it is."""
+    rms: float
+    """Root mean square, in the unit of the rate."""
+
+
+@dataclass(frozen=True)
+class WarmUp:
+    """The level goes as ``size · exp(−t/tau_s)`` from the start."""
+
+    size: Estimate
+    """In the unit of the rate."""
+    tau_s: float
+    """Time constant, one of a few that are tried, s."""
+
+
+Term = Union[GaussMarkov, BandShape, Line, WarmUp]
+"""What a record has beside N, B, K, Q and R."""
+
+
+@dataclass(frozen=True)
+class Cleaned:
+    """What was taken out of the record before the fit, and so out of the deviations."""
+
+    glitches: int
+    """Glitches whose samples were replaced by the line between their neighbours."""
+    steps: list[tuple[float, float]]
+    """Jumps of the level: when, s, and by how much, in the unit of the rate."""
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A noise model, from the likelihood of the record's cosine spectrum.
+
+    The Allan variance of its coefficients is 3Q²/τ² + N²/τ + (2 ln 2/π)B² + K²τ/3 + R²τ²/2 (IEEE Std 952-1997 C.1);
+    `Allan.model` has that of all terms.
     """
 
     n: Coefficient
@@ -58,18 +124,16 @@ class Fit:
     """Angle quantisation Q, only where significant."""
     r: Coefficient | None
     """Rate ramp R, only where significant."""
+    model_error: float
+    """The spectrum scatters about the model as if this were off by so much: 0.016 is 1.6 %."""
+    p_value: float
+    """Probability of more scatter than there is, `model_error` included."""
+    rejected: bool
+    """The model is off by more than 10 %: nothing is identified."""
+    terms: list[Term] = field(default_factory=list)
+    """Gauss–Markov terms, the sensor's band, lines, warm-up, where significant."""
     warnings: list[str] = field(default_factory=list)
     """``code: text`` each: what was seen, why it matters, what to do."""
-
-    def dev(self, tau_s: ArrayLike) -> NDArray[np.float64]:
-        """The Allan deviation of the fitted noise at the averaging times `tau_s`, in the unit of B."""
-        tau = np.asarray(tau_s, dtype=np.float64)
-        n, b, k = self.n.value, self.b.value, self.k.value
-        q = 0.0 if self.q is None else self.q.value
-        r = 0.0 if self.r is None else self.r.value
-        flicker = 2 * np.log(2) / np.pi * b**2
-        variance = 3 * q**2 / tau**2 + n**2 / tau + flicker + k**2 * tau / 3 + r**2 * tau**2 / 2
-        return np.asarray(np.sqrt(variance))
 
 
 @dataclass(frozen=True)
@@ -116,9 +180,17 @@ class Allan:
     unavailable: list[Unavailable] = field(repr=False)
     """Averaging times without a deviation, with the reason."""
     fit: Fit | None = field(repr=False)
-    """Noise coefficients; None where the record is too short for any."""
+    """The noise model; None where it was not asked for, or the record is too short."""
     no_fit: str | None = field(default=None, repr=False)
-    """Why there are none."""
+    """Why there is none."""
+    model: NDArray[np.float64] | None = field(default=None, repr=False)
+    """The model's deviations; None without a model, and for statistics that it does not speak of."""
+    model_lo: NDArray[np.float64] | None = field(default=None, repr=False)
+    """Lower end of the band in which the model expects 95 % of the deviations."""
+    model_hi: NDArray[np.float64] | None = field(default=None, repr=False)
+    """Upper end of that band."""
+    cleaned: Cleaned | None = field(default=None, repr=False)
+    """What was taken out before; None without a model."""
 
 
 def allan(
@@ -131,8 +203,11 @@ def allan(
     confidence: float = 0.683,
     scale: float | None = None,
     unit: str = "°/s",
+    fit: bool = True,
+    glitches: Literal["cut", "keep"] = "cut",
+    steps: Literal["remove", "keep"] = "remove",
 ) -> Allan:
-    """Allan deviation of a record at rest, with confidence limits and noise coefficients.
+    """Allan deviation of a record at rest, with confidence limits and a noise model.
 
     Other threads run meanwhile.
 
@@ -157,6 +232,12 @@ def allan(
         What one step of the values is in `unit`; 1 unless given.
     unit
         Unit of the rate, for the units of the coefficients.
+    fit
+        Whether to fit a noise model. Without one nothing is taken out of the record.
+    glitches
+        ``cut``: before the fit, samples that cannot be noise are replaced. ``keep`` them.
+    steps
+        ``remove``: before the fit, up to three jumps of the level are taken out. ``keep`` them.
 
     Returns
     -------
@@ -197,12 +278,26 @@ def allan(
         taus if isinstance(taus, str) else np.asarray(taus, dtype=np.float64).reshape(-1).tolist(),
         float(confidence),
         1.0 if scale is None else float(scale),
+        _cleaning(glitches, steps) if fit else None,
     )
-    fit = found.pop("fit", None)
+    model = found.pop("fit", None)
+    cleaned = found.pop("cleaned", None)
     unavailable = [Unavailable(*point) for point in found.pop("unavailable")]
     return Allan(
-        **found, confidence=confidence, unavailable=unavailable, fit=None if fit is None else _fit(fit, unit)
+        **found,
+        confidence=confidence,
+        unavailable=unavailable,
+        fit=None if model is None else _fit(model, unit),
+        cleaned=None if cleaned is None else Cleaned(*cleaned),
     )
+
+
+def _cleaning(glitches: str, steps: str) -> tuple[bool, bool]:
+    if glitches not in ("cut", "keep"):
+        raise ValueError(f"glitches={glitches!r}: give 'cut' or 'keep'")
+    if steps not in ("remove", "keep"):
+        raise ValueError(f"steps={steps!r}: give 'remove' or 'keep'")
+    return glitches == "cut", steps == "remove"
 
 
 def _is_phase(data: str) -> bool:
@@ -246,4 +341,13 @@ def _fit(found: _zerorate._Fit, unit: str) -> Fit:
     coefficients = {
         name: None if values[name] is None else Coefficient(**values[name], unit=units[name]) for name in units
     }
-    return Fit(**coefficients, warnings=values["warnings"])  # type: ignore[arg-type]
+    others = {name: values[name] for name in ("model_error", "p_value", "rejected", "warnings")}
+    return Fit(**coefficients, **others, terms=[_term(**term) for term in values["terms"]])  # type: ignore[arg-type]
+
+
+def _term(kind: str, **values: Any) -> Term:
+    if kind == "gauss-markov":
+        return GaussMarkov(Estimate(*values["sigma"]), Estimate(*values["tau_s"]))
+    if kind == "warm-up":
+        return WarmUp(Estimate(*values["size"]), values["tau_s"])
+    return BandShape(**values) if kind == "band-shape" else Line(**values)

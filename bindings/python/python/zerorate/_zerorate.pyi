@@ -70,6 +70,10 @@ class _Fit(TypedDict):
     k: _Coefficient
     q: _Coefficient | None
     r: _Coefficient | None
+    model_error: float
+    p_value: float
+    rejected: bool
+    terms: list[dict[str, Any]]
     warnings: list[str]
 
 def analyse(
@@ -81,6 +85,7 @@ def analyse(
     taus: str | list[float],
     confidence: float,
     scale: float,
+    cleaning: tuple[bool, bool] | None,
 ) -> dict[str, Any]: ...
 def deviations(
     numbers: NDArray[np.float64], phase: bool, rate_hz: float, stat: str, m: list[int]

@@ -205,7 +205,9 @@ fn escapes_for_terminals_are_shown() {
 #[test]
 fn a_name_adds_nothing_to_imu_yaml() {
     let bench = Bench::new();
-    let rows: String = (0..4000u64).map(|i| format!("{}\n", (i * 7919) % 1009)).collect();
+    let next = |state: &u64| Some(16_807 * state % 2_147_483_647);
+    let rows: String =
+        std::iter::successors(Some(1), next).skip(9).take(4000).map(|state| format!("{}\n", state % 1009)).collect();
     let name = "log\nevil:\n#.csv";
     bench.write(name, format!("x_dps\n{rows}"));
     bench.zerorate(&format!("allan {name} --rate 100 --imu-yaml imu.yaml")).ok();

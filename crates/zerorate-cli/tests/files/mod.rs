@@ -11,6 +11,7 @@ mod golden;
 mod hostile;
 mod interop;
 mod logs;
+mod noise_models;
 mod outputs;
 mod report;
 mod verify;

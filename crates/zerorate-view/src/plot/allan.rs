@@ -14,8 +14,9 @@ pub struct Curve {
     pub label: String,
     /// By averaging time; the picture leaves out what has no logarithm.
     pub points: Vec<Point>,
-    /// The fitted noise, one line for each coefficient; empty without a fit. Their root sum of squares is drawn over
-    /// the points.
+    /// The fitted deviations with the band in which the model expects the measured ones; empty without a fit.
+    pub model: Vec<Point>,
+    /// The fitted noise, one line for each coefficient; empty without a fit.
     pub laws: Vec<PowerLaw>,
     /// Where averaging helps most.
     pub minimum: Option<Minimum>,
@@ -150,12 +151,16 @@ fn drawable(curve: &Curve) -> Curve {
         hi: if point.hi.is_nan() { point.dev } else { point.hi },
         ..*point
     };
-    let mut points: Vec<Point> =
-        curve.points.iter().filter(|point| known(point.tau_s, point.dev)).map(bounded).collect();
-    points.sort_by(|a, b| a.tau_s.total_cmp(&b.tau_s));
+    let sorted = |points: &[Point]| {
+        let mut points: Vec<Point> =
+            points.iter().filter(|point| known(point.tau_s, point.dev)).map(bounded).collect();
+        points.sort_by(|a, b| a.tau_s.total_cmp(&b.tau_s));
+        points
+    };
+    let (points, model) = (sorted(&curve.points), sorted(&curve.model));
     let laws = curve.laws.iter().filter(|law| known(1.0, law.at_1s) && law.slope.is_finite()).cloned().collect();
     let minimum = curve.minimum.filter(|lowest| known(lowest.tau_s, lowest.dev));
-    Curve { label: curve.label.clone(), points, laws, minimum }
+    Curve { label: curve.label.clone(), points, model, laws, minimum }
 }
 
 /// Averaging times and deviations to be shown; a decade around 1 for nothing at all.
@@ -225,7 +230,7 @@ impl Picture<'_> {
     fn lines(&self) -> Group {
         let mut group = canvas::clipped();
         for (curve, (colour, _)) in self.curves.iter().zip(styles()) {
-            group = group.add(self.scales.band(curve, colour));
+            group = group.add(self.scales.band(&curve.points, colour)).add(self.scales.band(&curve.model, INK));
         }
         if let [only] = &self.curves[..] {
             for (law, colour) in only.laws.iter().zip(LAW_COLOURS) {
@@ -234,7 +239,7 @@ impl Picture<'_> {
             }
         }
         for curve in &self.curves {
-            group = group.add(stroke(canvas::path(self.scales.total(curve)), INK, 1.6));
+            group = group.add(stroke(canvas::path(self.scales.model(curve)), INK, 1.6));
         }
         // not clipped: a dot on the frame stays whole
         let mut group = Group::new().add(group);
@@ -260,7 +265,7 @@ impl Picture<'_> {
     }
 
     fn direct_labels(&self, curve: &Curve, mut labels: Labels) -> Group {
-        let total = self.scales.total(curve);
+        let total = self.scales.model(curve);
         labels.avoid(&total);
         let laws: Vec<Vec<(f64, f64)>> = curve.laws.iter().map(|law| self.scales.law(law)).collect();
         laws.iter().for_each(|law| labels.avoid(law));

@@ -1,6 +1,6 @@
 //! What stands inside the frame: bands, curves, points, power laws.
 
-use super::allan::{Curve, PowerLaw};
+use super::allan::{Curve, Point, PowerLaw};
 use super::axes::Axis;
 use super::canvas::{self, path, px, stroke};
 use svg::node::element::{Circle, Group, Path};
@@ -29,14 +29,10 @@ impl Scales {
         self.sampled(self.x.ends(), |tau_s| law.dev(tau_s))
     }
 
-    /// The fitted curve over the averaging times of a record: the root of the sum of squares of its power laws. Empty
-    /// unless there are two.
-    pub fn total(&self, curve: &Curve) -> Vec<(f64, f64)> {
-        match &curve.points[..] {
-            [first, .., last] if curve.laws.len() > 1 => {
-                let dev = |tau_s| curve.laws.iter().map(|law| law.dev(tau_s).powi(2)).sum::<f64>().sqrt();
-                self.sampled((self.x.at(first.tau_s), self.x.at(last.tau_s)), dev)
-            }
+    /// The fitted curve. Empty unless there are two points.
+    pub fn model(&self, curve: &Curve) -> Vec<(f64, f64)> {
+        match &curve.model[..] {
+            points @ [_, _, ..] => points.iter().map(|point| self.at(point.tau_s, point.dev)).collect(),
             _ => Vec::new(),
         }
     }
@@ -51,10 +47,10 @@ impl Scales {
         (0..=steps).map(at).collect()
     }
 
-    /// The confidence band.
-    pub fn band(&self, curve: &Curve, colour: &str) -> Path {
-        let upper = curve.points.iter().map(|point| self.at(point.tau_s, point.hi));
-        let lower = curve.points.iter().rev().map(|point| self.at(point.tau_s, point.lo));
+    /// Between the limits of some points.
+    pub fn band(&self, points: &[Point], colour: &str) -> Path {
+        let upper = points.iter().map(|point| self.at(point.tau_s, point.hi));
+        let lower = points.iter().rev().map(|point| self.at(point.tau_s, point.lo));
         Path::new().set("d", path(upper.chain(lower)).close()).set("fill", colour).set("fill-opacity", 0.18)
     }
 

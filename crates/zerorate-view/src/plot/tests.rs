@@ -18,7 +18,8 @@ fn fitted() -> Curve {
     let law = |label: &str, at_1s, slope| PowerLaw { label: label.to_owned(), at_1s, slope };
     let laws =
         vec![law("N = 0.6 °/√h", 0.01, -0.5), law("B = 3.8 °/h", 7e-4, 0.0), law("K = 2·10⁻⁵ °/s/√s", 1e-5, 0.5)];
-    Curve { laws, minimum: Some(Minimum { tau_s: 1000.0, dev: 0.01 / 1000f64.sqrt() }), ..white("unit.arrows") }
+    let model = white("").points;
+    Curve { laws, model, minimum: Some(Minimum { tau_s: 1000.0, dev: 0.01 / 1000f64.sqrt() }), ..white("unit.arrows") }
 }
 
 fn texts(svg: &str) -> Vec<String> {
@@ -121,7 +122,8 @@ fn what_has_no_logarithm_is_left_out() {
     let points = strange.map(|(tau_s, dev, lo, hi)| Point { tau_s, dev, lo, hi }).to_vec();
     let laws = [0.0, f64::NAN, 1e-3].map(|at_1s| PowerLaw { label: String::new(), at_1s, slope: -0.5 }).to_vec();
     let minimum = Some(Minimum { tau_s: 0.0, dev: f64::NAN });
-    for curves in [vec![Curve { points, laws, minimum, ..Curve::default() }], vec![Curve::default()], vec![]] {
+    let model = points.clone();
+    for curves in [vec![Curve { points, model, laws, minimum, ..Curve::default() }], vec![Curve::default()], vec![]] {
         let svg = allan(&curves, &Options::default());
         assert!(!svg.contains("NaN") && !svg.contains("inf"), "{svg}");
         Document::parse(&svg).unwrap();

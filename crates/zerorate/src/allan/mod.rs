@@ -1,25 +1,35 @@
 //! Allan deviation and its relatives: how much the mean over τ moves from one stretch to the next.
 
+#[cfg(feature = "std")]
 mod advice;
 mod analysis;
 mod chi2;
+mod curve_fit;
 mod edf;
+#[cfg(feature = "std")]
 mod fit;
 mod input;
 mod interval;
 mod kernels;
 mod lag1;
+mod linear;
 mod noise_id;
 mod phase_points;
 mod stat;
 mod stream;
 mod taus;
+mod warning;
 
-pub use advice::{AN1042_TAUS_S, Advice, AllanWarning, Averaging, advice};
+#[cfg(feature = "std")]
+pub use advice::{AN1042_TAUS_S, Advice, Averaging, advice};
 pub use analysis::{Analysis, AnalysisError, Options, Point, Unavailable, analyse};
 pub use chi2::chi2_quantile;
+pub use curve_fit::{Coefficient, CurveError, CurveFit, Noise, fit_curve};
 pub use edf::{Difference, edf, finite_difference_edf};
-pub use fit::{Coefficient, Fit, FitError, Noise, fit};
+#[cfg(feature = "std")]
+pub use fit::{
+    Cleaned, Estimate, Expected, FEWEST_SAMPLES, Fit, FitError, FitOptions, Line, MOST_ERROR, Model, Step, Term, fit,
+};
 pub use input::{Gap, Input};
 pub use interval::interval;
 pub use kernels::{Deviation, Reason, deviations};
@@ -27,6 +37,7 @@ pub use noise_id::noise_types;
 pub use stat::{Stat, UnknownStat};
 pub use stream::{NotAdjacent, Stream};
 pub use taus::{Taus, TausError, longest};
+pub use warning::AllanWarning;
 
 /// Averages of 1, 2, 4 … samples, as long as at least one difference of two adjacent averages fits into `len` samples:
 /// [`Taus::Octave`] of [`Stat::Oadev`].

@@ -1,9 +1,9 @@
 //! `imu.yaml`, as Kalibr made it common: the noise of an IMU for visual-inertial odometry.
 
 use super::record::Record;
-use crate::exit::Usage;
+use crate::exit::{Refused, Usage};
 use crate::output::{Staged, plain};
-use anyhow::{Result, anyhow};
+use anyhow::Result;
 use std::fmt::Write;
 use zerorate_data::column::Quantity;
 
@@ -24,9 +24,8 @@ fn yaml(records: &[Record]) -> Result<String> {
     let (mut density, mut walk, mut rate_hz) = (0.0f64, 0.0f64, 0.0f64);
     for record in records {
         let fit = record
-            .fit
-            .as_ref()
-            .map_err(|why| anyhow!("{}: imu.yaml needs the noise coefficients: {why}", record.label()))?;
+            .believed()
+            .map_err(|why| Refused(format!("{}: imu.yaml needs the noise coefficients: {why}", record.label())))?;
         let (n, k) = (fit.n.value.to_radians(), fit.k.value.to_radians());
         let doubt = if fit.k.identified {
             String::new()

@@ -31,8 +31,9 @@ pub struct Report<'a> {
     confidence: f64,
     points: Vec<Row>,
     unavailable: Vec<Missing>,
-    fit: BTreeMap<char, Coefficient>,
+    fit: Fit,
     fit_error: Option<String>,
+    cleaned: Cleaned,
     advice: Vec<String>,
     warnings: &'a [String],
 }
@@ -47,6 +48,50 @@ struct Row {
     edf: f64,
     alpha: i32,
     n: u64,
+    /// The fitted deviation, and the band in which the model expects 95 % of the measured ones.
+    model: Option<f64>,
+    model_lo: Option<f64>,
+    model_hi: Option<f64>,
+}
+
+#[derive(Serialize)]
+struct Fit {
+    #[serde(flatten)]
+    coefficients: BTreeMap<char, Coefficient>,
+    /// ε: by how much the model is off.
+    model_error: Option<f64>,
+    p_value: Option<f64>,
+    /// Off by too much: nothing is identified.
+    rejected: bool,
+    terms: Vec<Term>,
+}
+
+#[derive(Serialize)]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+enum Term {
+    GaussMarkov { sigma: Estimate, tau_s: Estimate },
+    BandShape { cosines: Vec<f64> },
+    Line { frequency_hz: f64, width_hz: f64, rms: f64 },
+    WarmUp { size: Estimate, tau_s: f64 },
+}
+
+#[derive(Serialize)]
+struct Estimate {
+    value: f64,
+    lo: f64,
+    hi: f64,
+}
+
+#[derive(Default, Serialize)]
+struct Cleaned {
+    glitches: u64,
+    steps: Vec<Step>,
+}
+
+#[derive(Serialize)]
+struct Step {
+    at_s: f64,
+    size: f64,
 }
 
 #[derive(Serialize)]
@@ -71,7 +116,9 @@ impl<'a> Report<'a> {
         let analysis = &record.analysis;
         let row = |point: &Point| {
             let &Point { tau_s, m, dev, lo, hi, edf, alpha, n } = point;
-            Row { tau_s, m, dev, lo, hi, edf, alpha, n }
+            let model = record.expected(point);
+            let [model, model_lo, model_hi] = [model.map(|m| m.dev), model.map(|m| m.lo), model.map(|m| m.hi)];
+            Row { tau_s, m, dev, lo, hi, edf, alpha, n, model, model_lo, model_hi }
         };
         let missing =
             |Unavailable { tau_s, reason }: &Unavailable| Missing { tau_s: *tau_s, reason: reason.to_string() };
@@ -87,26 +134,55 @@ impl<'a> Report<'a> {
             points: analysis.points.iter().map(row).collect(),
             unavailable: analysis.unavailable.iter().map(missing).collect(),
             fit: fit(record),
-            fit_error: record.fit.as_ref().err().map(ToString::to_string),
+            fit_error: record.fit.as_ref().and_then(|fit| fit.as_ref().err()).map(ToString::to_string),
+            cleaned: record.model().map(|fit| cleaned(&fit.cleaned)).unwrap_or_default(),
             advice: record.advice(),
             warnings: &record.warnings,
         }
     }
 }
 
+fn fit(record: &Record) -> Fit {
+    let model = record.model();
+    Fit {
+        coefficients: letters(record),
+        model_error: model.map(|fit| fit.model_error),
+        p_value: model.map(|fit| fit.p_value),
+        rejected: model.is_some_and(|fit| fit.is_rejected),
+        terms: model.iter().flat_map(|fit| &fit.terms).map(term).collect(),
+    }
+}
+
 /// In the base unit of each coefficient, which is the one without a factor. Where there is no fit, zeros that nothing
 /// is known about.
-fn fit(record: &Record) -> BTreeMap<char, Coefficient> {
+fn letters(record: &Record) -> BTreeMap<char, Coefficient> {
     let base = |named: Named<'_>| {
         let unit = named.units.iter().find(|(_, factor)| *factor == 1.0).map(|(unit, _)| unit.clone());
         let &allan::Coefficient { value, lo, hi, identified, needed_s, .. } = named.coefficient;
         let unit = unit.unwrap_or_default();
         (named.letter.to_ascii_lowercase(), Coefficient { value, lo, hi: Some(hi), unit, identified, needed_s })
     };
-    if record.fit.is_ok() {
+    if record.model().is_some() {
         return coefficients(record).into_iter().map(base).collect();
     }
     let unknown =
         || Coefficient { value: 0.0, lo: 0.0, hi: None, unit: String::new(), identified: false, needed_s: None };
     ['n', 'b', 'k'].map(|letter| (letter, unknown())).into()
+}
+
+fn term(term: &allan::Term) -> Term {
+    let estimate = |&allan::Estimate { value, lo, hi }: &allan::Estimate| Estimate { value, lo, hi };
+    match term {
+        allan::Term::GaussMarkov { sigma, tau_s } => {
+            Term::GaussMarkov { sigma: estimate(sigma), tau_s: estimate(tau_s) }
+        }
+        allan::Term::BandShape { cosines } => Term::BandShape { cosines: cosines.clone() },
+        allan::Term::WarmUp { size, tau_s } => Term::WarmUp { size: estimate(size), tau_s: *tau_s },
+        &allan::Term::Line(allan::Line { frequency_hz, width_hz, rms }) => Term::Line { frequency_hz, width_hz, rms },
+    }
+}
+
+fn cleaned(cleaned: &allan::Cleaned) -> Cleaned {
+    let steps = cleaned.steps.iter().map(|&allan::Step { at_s, size }| Step { at_s, size }).collect();
+    Cleaned { glitches: cleaned.glitches, steps }
 }

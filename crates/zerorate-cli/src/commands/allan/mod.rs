@@ -10,13 +10,14 @@ mod units;
 
 use super::{print, print_json, print_lines, warn};
 use crate::column::ColumnArgs;
+use crate::exit::Refused;
 use crate::output::{Outputs, Staged, say};
 use anyhow::Result;
 use clap::{Args, ValueEnum};
 use record::Record;
 use serde::Serialize;
 use std::path::PathBuf;
-use zerorate::allan::{Options, Stat, Taus};
+use zerorate::allan::{FitOptions, Options, Stat, Taus};
 
 /// Computes the Allan deviation of a gyroscope's log, taken at rest: a capture, or the log of any other part.
 ///
@@ -53,12 +54,26 @@ pub struct AllanArgs {
     #[arg(long, default_value_t = 0.683, value_parser = probability, value_name = "P")]
     confidence: f64,
 
-    /// Fit the noise coefficients N (angle random walk), B (bias instability), K (rate random walk), and Q
-    /// (quantisation) and R (ramp) where they are significant.
+    /// Fit a noise model: N (angle random walk), B (bias instability), K (rate random walk), and Q (quantisation), R
+    /// (ramp), Gauss–Markov terms, the sensor's band and lines where they are significant. Glitches and steps are taken
+    /// out first, and out of the deviations too; warnings say which. A model that is off by more than 10 % is rejected:
+    /// exit code 3.
     #[arg(long)]
     fit: bool,
 
-    /// Draw the deviations with their intervals, the fit and the averaging times of AN-1042: a file that ends in .svg
+    /// Take samples out that cannot be noise (knocks, bit errors) before a fit. It is what happens anyway.
+    #[arg(long, conflicts_with = "keep_glitches")]
+    cut_glitches: bool,
+
+    /// Leave such samples in.
+    #[arg(long)]
+    keep_glitches: bool,
+
+    /// What to do before a fit where the level jumps and stays, up to three times.
+    #[arg(long, value_enum, default_value = "remove")]
+    steps: Steps,
+
+    /// Draw the deviations with their intervals, the fit with its band and the averaging times of AN-1042: a .svg
     /// or .png.
     #[arg(long, value_name = "PICTURE")]
     plot: Vec<PathBuf>,
@@ -103,7 +118,25 @@ enum Data {
     Phase,
 }
 
+/// What to do with jumps of the level.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Steps {
+    /// Leave them in: a random walk has to explain them.
+    Keep,
+    /// Take them out.
+    Remove,
+}
+
 impl AllanArgs {
+    /// Whatever shows or uses noise coefficients needs the fit.
+    fn wants_fit(&self) -> bool {
+        self.fit || self.json || !self.plot.is_empty() || self.report.is_some() || self.imu_yaml.is_some()
+    }
+
+    fn fit_options(&self, scale: f64) -> FitOptions {
+        FitOptions { scale, cut_glitches: !self.keep_glitches, remove_steps: self.steps == Steps::Remove }
+    }
+
     fn options(&self, scale: f64) -> Options {
         Options { stat: self.stat, taus: self.taus.clone(), confidence: self.confidence, scale }
     }
@@ -116,7 +149,13 @@ pub fn run(args: &AllanArgs) -> Result<()> {
         warn(&record.warnings);
     }
     print_records(args, &records)?;
-    files.write(&records)
+    files.write(&records)?;
+    match records.iter().find(|record| args.fit && record.model().is_some_and(|fit| fit.is_rejected)) {
+        Some(record) => {
+            Err(Refused(format!("{}: {}", record.label(), record.believed().err().unwrap_or_default())).into())
+        }
+        None => Ok(()),
+    }
 }
 
 /// The files that were asked for, claimed before hours of data are read.

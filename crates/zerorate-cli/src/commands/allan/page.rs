@@ -2,9 +2,10 @@
 
 use super::picture;
 use super::record::Record;
-use super::units::{Named, coefficients, deviation_unit, noise};
+use super::units::{self, deviation_unit, noise};
 use crate::output::Staged;
 use anyhow::Result;
+use zerorate::allan::Estimate;
 use zerorate_view::plot::number;
 use zerorate_view::report::{self, AllanPage, AllanRow, Coefficient, CoefficientValue, Fact, allan_page};
 
@@ -25,6 +26,8 @@ pub fn write(file: Staged, records: &[Record]) -> Result<()> {
 
 fn section(record: &Record) -> report::Record {
     let analysis = &record.analysis;
+    let model =
+        record.model().map(|fit| Fact::new("noise model", format!("holds to {:.1} %", fit.model_error * 100.0)));
     let facts = [
         Fact::new("column", &record.column),
         Fact::new("samples", analysis.samples.to_string()),
@@ -41,23 +44,21 @@ fn section(record: &Record) -> report::Record {
     };
     report::Record {
         name: record.file.display().to_string(),
-        facts: facts.into(),
+        facts: facts.into_iter().chain(model).collect(),
         warnings: record.warnings.clone(),
         advice: record.advice(),
-        coefficients: coefficients(record).iter().map(coefficient).collect(),
+        coefficients: units::rows(record).into_iter().map(coefficient).collect(),
         points: analysis.points.iter().map(row).collect(),
         unavailable: analysis.unavailable.iter().map(unavailable).collect(),
     }
 }
 
-fn coefficient(named: &Named<'_>) -> Coefficient {
-    let value = |(index, (unit, _)): (usize, &(String, f64))| {
-        let (value, lo, hi) = named.in_unit(index);
-        CoefficientValue { value: number(value), lo: number(lo), hi: number(hi), unit: unit.clone() }
+fn coefficient(row: units::Row) -> Coefficient {
+    let value = |(Estimate { value, lo, hi }, unit): (Estimate, String)| CoefficientValue {
+        value: number(value),
+        lo: number(lo),
+        hi: number(hi),
+        unit,
     };
-    Coefficient {
-        name: format!("{}, {}", named.letter, named.name),
-        values: named.units.iter().enumerate().map(value).collect(),
-        remark: named.remark(),
-    }
+    Coefficient { name: row.name, values: row.values.into_iter().map(value).collect(), remark: row.remark }
 }

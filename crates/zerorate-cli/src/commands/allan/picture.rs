@@ -6,6 +6,7 @@ use crate::exit::Usage;
 use crate::output::Staged;
 use anyhow::Result;
 use std::path::Path;
+use zerorate::allan::{Expected, Term};
 use zerorate_view::plot::{self, Curve, Minimum, PowerLaw, number};
 
 /// Form of a picture.
@@ -43,11 +44,28 @@ pub fn svg(records: &[Record]) -> String {
         [only] => Some(only.label()),
         _ => None,
     };
-    let subtitle = records.first().map(|record| format!("{}, {}", record.title(), units::interval(record.confidence)));
+    let subtitle = records.first().map(subtitle);
     plot::allan(
         &curves,
         &plot::Options { title, subtitle, quantity, unit: unit.to_owned(), ..plot::Options::default() },
     )
+}
+
+/// What is drawn, and what was left out of it.
+fn subtitle(record: &Record) -> String {
+    let mut text = format!("{}, {}", record.title(), units::interval(record.confidence));
+    let Some(fit) = record.model() else { return text };
+    let lines = fit.terms.iter().filter(|term| matches!(term, Term::Line(_))).count();
+    let (glitches, steps) = (fit.cleaned.glitches as usize, fit.cleaned.steps.len());
+    let counted = [
+        (glitches, "glitch out", "glitches out"),
+        (steps, "step out", "steps out"),
+        (lines, "line masked", "lines masked"),
+    ];
+    for (count, one, more) in counted.into_iter().filter(|(count, ..)| *count > 0) {
+        text += &format!(", {count} {}", if count == 1 { one } else { more });
+    }
+    text
 }
 
 fn curve(record: &Record) -> Curve {
@@ -55,7 +73,7 @@ fn curve(record: &Record) -> Curve {
     let points = points.map(|point| plot::Point { tau_s: point.tau_s, dev: point.dev, lo: point.lo, hi: point.hi });
     let found = coefficients(record).into_iter().filter(|_| record.analysis.stat.is_allan());
     let law = |named: Named<'_>| {
-        let (value, ..) = named.in_unit(0);
+        let value = named.in_unit(0).value;
         let doubt = if named.coefficient.identified { "" } else { " (not identified)" };
         PowerLaw {
             label: format!("{} = {} {}{doubt}", named.letter, number(value), named.units[0].0),
@@ -65,5 +83,9 @@ fn curve(record: &Record) -> Curve {
     };
     let laws = found.filter(|named| named.coefficient.value > 0.0).map(law).collect();
     let minimum = record.minimum().map(|(tau_s, dev)| Minimum { tau_s, dev });
-    Curve { label: record.label(), points: points.collect(), laws, minimum }
+    let expected = record.analysis.points.iter().filter_map(|point| {
+        let Expected { dev, lo, hi } = record.expected(point)?;
+        Some(plot::Point { tau_s: point.tau_s, dev, lo, hi })
+    });
+    Curve { label: record.label(), points: points.collect(), model: expected.collect(), laws, minimum }
 }

@@ -5,7 +5,7 @@ use super::{AllanArgs, Data};
 use crate::exit::Refused;
 use anyhow::{Context, Result, ensure};
 use std::path::{Path, PathBuf};
-use zerorate::allan::{self, AllanWarning, Analysis, Averaging, Deviation, Fit, FitError, Input, Options, Stat, Taus};
+use zerorate::allan::{self, AllanWarning, Analysis, Averaging, Expected, Fit, FitError, Input, Point};
 use zerorate_data::column::{Column, Quantity, STANDARD_GRAVITY, Series};
 
 /// A log and what was found in it.
@@ -16,7 +16,8 @@ pub struct Record {
     pub quantity: Option<Quantity>,
     pub confidence: f64,
     pub analysis: Analysis,
-    pub fit: Result<Fit, FitError>,
+    /// None where nobody asked for it.
+    pub fit: Option<Result<Fit, FitError>>,
     pub warnings: Vec<String>,
 }
 
@@ -35,11 +36,15 @@ impl Record {
             (None, Series::Codes(codes)) => Input::Codes { codes, gaps: &column.gaps },
             (None, Series::Numbers(numbers)) => Input::Rate(numbers),
         };
-        let options = args.options(column.scale);
-        let analysis = allan::analyse(&input, column.rate_hz, &options)
-            .with_context(|| format!("cannot analyse {}", file.display()))?;
-        let fit = fit(&input, &analysis, &options);
-        let seen = fit.iter().flat_map(|fit| &fit.warnings);
+        let fit = args.wants_fit().then(|| allan::fit(&input, column.rate_hz, &args.fit_options(column.scale)));
+        // what was taken out before the fit is not in the curve either, or the two could not be compared
+        let cleaned = fit.iter().flatten().find_map(|fit| fit.cleaned.rate.as_deref());
+        let analysis = match cleaned {
+            Some(rate) => allan::analyse(&Input::Rate(rate), column.rate_hz, &args.options(1.0)),
+            None => allan::analyse(&input, column.rate_hz, &args.options(column.scale)),
+        };
+        let analysis = analysis.with_context(|| format!("cannot analyse {}", file.display()))?;
+        let seen = fit.iter().flatten().flat_map(|fit| &fit.warnings);
         warnings.extend(seen.map(|warning: &AllanWarning| format!("{}: {warning}", warning.code())));
         Ok(Self {
             file: file.to_owned(),
@@ -62,11 +67,34 @@ impl Record {
         self.analysis.stat.title()
     }
 
+    /// The model, if there is one.
+    pub fn model(&self) -> Option<&Fit> {
+        self.fit.as_ref()?.as_ref().ok()
+    }
+
+    /// The model, if it is not rejected: what may be called a result and go into files.
+    pub fn believed(&self) -> Result<&Fit, String> {
+        match &self.fit {
+            Some(Ok(fit)) if fit.is_rejected => Err(format!(
+                "the noise model is off by {:.0} %, so none of its coefficients is a result",
+                fit.model_error * 100.0
+            )),
+            Some(Ok(fit)) => Ok(fit),
+            Some(Err(why)) => Err(why.to_string()),
+            None => Err("no noise model was asked for".to_owned()),
+        }
+    }
+
+    /// What the model says of a point, if there is a model and it speaks of this statistic.
+    pub fn expected(&self, point: &Point) -> Option<Expected> {
+        self.model()?.expected(&self.analysis, point)
+    }
+
     /// Averaging time and deviation of the minimum: that of the fit, or of the points where the fit is of another
     /// statistic.
     pub fn minimum(&self) -> Option<(f64, f64)> {
-        if let (true, Ok(fit)) = (self.analysis.stat.is_allan(), &self.fit) {
-            return match allan::advice(fit).averaging {
+        if let (true, Ok(fit)) = (self.analysis.stat.is_allan(), self.believed()) {
+            return match allan::advice(fit)?.averaging {
                 Averaging::Minimum { tau_s, dev } => Some((tau_s, dev)),
                 _ => None,
             };
@@ -77,10 +105,9 @@ impl Record {
         inside.then_some((least.tau_s, least.dev))
     }
 
-    /// What the fit advises, a sentence each.
+    /// What the fit advises, a sentence each; nothing where it is rejected.
     pub fn advice(&self) -> Vec<String> {
-        let Ok(fit) = &self.fit else { return Vec::new() };
-        let advice = allan::advice(fit);
+        let Some(advice) = self.model().and_then(allan::advice) else { return Vec::new() };
         let at_rest = |dev: f64| self.in_words(dev);
         let averaging = match advice.averaging {
             Averaging::Minimum { tau_s, dev } => format!(
@@ -177,16 +204,4 @@ fn phase(args: &AllanArgs, file: &Path, column: &Column) -> Result<Option<Vec<f6
         Data::Rate => Ok(None),
         Data::Phase => Ok(Some(column.points(file)?)),
     }
-}
-
-/// The fit is one of overlapping Allan deviations at octaves, whatever the table shows.
-fn fit(input: &Input<'_>, shown: &Analysis, options: &Options) -> Result<Fit, FitError> {
-    let at_octaves = Options { stat: Stat::Oadev, taus: Taus::Octave, ..options.clone() };
-    let again = (at_octaves != *options).then(|| allan::analyse(input, shown.rate_hz, &at_octaves));
-    let points = match &again {
-        Some(Ok(analysis)) => &analysis.points,
-        _ => &shown.points,
-    };
-    let octaves: Vec<Deviation> = points.iter().map(Deviation::from).collect();
-    allan::fit(&octaves, shown.rate_hz, shown.samples)
 }

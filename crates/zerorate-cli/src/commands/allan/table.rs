@@ -1,10 +1,10 @@
 //! The result as text and as CSV.
 
 use super::record::Record;
-use super::units::{self, coefficients, noise};
+use super::units::{self, Row, noise};
 use anyhow::Result;
 use std::fmt::Write;
-use zerorate::allan::Point;
+use zerorate::allan::{Estimate, Point};
 
 /// The line above the table.
 pub fn heading(record: &Record) -> String {
@@ -43,20 +43,27 @@ pub fn text(record: &Record) -> Result<String> {
     Ok(text)
 }
 
-/// The coefficients with their intervals, then advice.
+/// The noise model with its intervals, then advice.
 pub fn coefficients_text(record: &Record) -> Result<String> {
     let mut text = String::from("\nNoise coefficients with their 95 % intervals\n");
-    if let Err(why) = &record.fit {
+    if let Some(Err(why)) = &record.fit {
         writeln!(text, "  none: {why}")?;
     }
-    for named in coefficients(record) {
-        for (index, (unit, _)) in named.units.iter().enumerate() {
-            let (value, lo, hi) = named.in_unit(index);
-            let title = if index == 0 { format!("{}  {}", named.letter, named.name) } else { String::new() };
-            let remark = if index == 0 { named.remark() } else { String::new() };
+    for row in units::rows(record) {
+        let Row { name, values, remark } = row;
+        for (index, (Estimate { value, lo, hi }, unit)) in values.iter().enumerate() {
+            let (title, remark) = if index == 0 { (&*name, &*remark) } else { ("", "") };
             let line = format!("  {title:22} {value:>11.4e}  [{lo:.3e}, {hi:.3e}] {unit}  {remark}");
             writeln!(text, "{}", line.trim_end())?;
         }
+        if values.is_empty() {
+            writeln!(text, "  {name:22} {remark}")?;
+        }
+    }
+    if let Some(fit) = record.model() {
+        let error = fit.model_error * 100.0;
+        let verdict = if fit.is_rejected { "and is rejected" } else { "of the spectrum" };
+        writeln!(text, "\nThe model holds to {error:.1} % {verdict} (p = {:.2} with that).", fit.p_value)?;
     }
     text.push('\n');
     record.advice().iter().try_for_each(|advice| writeln!(text, "{advice}"))?;

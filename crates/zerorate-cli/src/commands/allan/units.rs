@@ -1,7 +1,7 @@
 //! Noise coefficients in the units that data sheets, standards and users have them in.
 
 use super::record::Record;
-use zerorate::allan::Coefficient;
+use zerorate::allan::{Coefficient, Estimate, Line, Term};
 use zerorate::noise::FLOOR_PER_B;
 use zerorate_data::column::{Quantity, STANDARD_GRAVITY};
 
@@ -70,7 +70,7 @@ impl Units {
 
 /// The coefficients of a record, those that every fit has first.
 pub fn coefficients(record: &Record) -> Vec<Named<'_>> {
-    let Ok(fit) = &record.fit else { return Vec::new() };
+    let Some(fit) = record.model() else { return Vec::new() };
     let named = |letter, name, slope, at_1s, coefficient, units: &Units| Named {
         letter,
         name,
@@ -89,12 +89,68 @@ pub fn coefficients(record: &Record) -> Vec<Named<'_>> {
     always.into_iter().chain(quantisation).chain(ramp).collect()
 }
 
+/// What a table says of a coefficient or another term: in each unit value, limits and the unit.
+pub struct Row {
+    pub name: String,
+    pub values: Vec<(Estimate, String)>,
+    pub remark: String,
+}
+
+/// All that the model of a record has, the coefficients first.
+pub fn rows(record: &Record) -> Vec<Row> {
+    let Some(fit) = record.model() else { return Vec::new() };
+    let coefficient = |named: Named<'_>| Row {
+        name: format!("{}  {}", named.letter, named.name),
+        values: (0..named.units.len()).map(|index| (named.in_unit(index), named.units[index].0.clone())).collect(),
+        remark: if fit.is_rejected { "model rejected".to_owned() } else { named.remark() },
+    };
+    coefficients(record)
+        .into_iter()
+        .map(coefficient)
+        .chain(fit.terms.iter().map(|term| of_term(record, term)))
+        .collect()
+}
+
+fn of_term(record: &Record, term: &Term) -> Row {
+    let rate = B.of(record);
+    let in_rate = |estimate: &Estimate| {
+        let scaled = |(unit, factor): &(String, f64)| {
+            let &Estimate { value, lo, hi } = estimate;
+            (Estimate { value: value * factor, lo: lo * factor, hi: hi * factor }, unit.clone())
+        };
+        scaled(&rate[0])
+    };
+    let exact = |value: f64| Estimate { value, lo: value, hi: value };
+    match term {
+        Term::GaussMarkov { sigma, tau_s } => Row {
+            name: "Gauss–Markov σ, T".to_owned(),
+            values: vec![in_rate(sigma), (*tau_s, "s".to_owned())],
+            remark: String::new(),
+        },
+        Term::BandShape { cosines } => Row {
+            name: "band shape".to_owned(),
+            values: Vec::new(),
+            remark: format!("of order {}: the white noise has a filter behind it", cosines.len()),
+        },
+        Term::Line(Line { frequency_hz, width_hz, rms }) => Row {
+            name: "line, left out".to_owned(),
+            values: vec![in_rate(&exact(*rms))],
+            remark: format!("at {frequency_hz:.4} Hz, {width_hz:.4} Hz wide"),
+        },
+        Term::WarmUp { size, tau_s } => Row {
+            name: "warm-up".to_owned(),
+            values: vec![in_rate(size)],
+            remark: format!("with a time constant of {}", span(*tau_s)),
+        },
+    }
+}
+
 impl Named<'_> {
     /// Value and limits in the unit at `index`.
-    pub fn in_unit(&self, index: usize) -> (f64, f64, f64) {
+    pub fn in_unit(&self, index: usize) -> Estimate {
         let factor = self.units[index].1;
         let Coefficient { value, lo, hi, .. } = self.coefficient;
-        (value * factor, lo * factor, hi * factor)
+        Estimate { value: value * factor, lo: lo * factor, hi: hi * factor }
     }
 
     /// What is to be said of a coefficient that is not identified.

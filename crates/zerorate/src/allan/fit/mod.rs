@@ -1,229 +1,356 @@
-//! Noise coefficients from an Allan deviation curve: N, B, K, and Q and R where the data show them.
+//! A noise model of a record at rest, from the likelihood of its cosine spectrum.
 //!
-//! The model is `σ²(τ) = 3Q²/τ² + N²/τ + (2 ln 2/π)B² + K²τ/3 + R²τ²/2` (IEEE Std 952-1997 C.1). The estimates of σ²
-//! at octaves of τ are correlated and, at the longest τ, few: their covariance is computed from the model, for the
-//! record's length, and the coefficients are its generalised non-negative least squares, iterated until covariance and
-//! coefficients agree. Measured error and coverage stand in `docs/reference/allan.md`.
+//! Every octave of an Allan variance mixes the whole spectrum; a line, a resonance or a low-pass bends six to ten of
+//! them. In the spectrum the same things are local, and its coefficients are independent. So the model is fitted there,
+//! and the Allan variance is what it is shown and checked with. The cosine transform has no jump at the ends: for white
+//! noise and a random walk it is the exact diagonalisation. Densities are two-sided, unit²/Hz: white noise of
+//! coefficient N has N².
 //!
-//! ```
-//! use zerorate::allan::{Deviation, fit};
-//! // An hour at 100 Hz of white noise alone: σ² = N²/τ
-//! let curve: Vec<Deviation> = (0..=17)
-//!     .map(|k| (1u64 << k, 0.01 / ((1u64 << k) as f64 / 100.0).sqrt()))
-//!     .map(|(m, dev)| Deviation { m, dev, n: 360_000 - 2 * m + 1 })
-//!     .collect();
-//! let fit = fit(&curve, 100.0, 360_000)?;
-//! assert!((fit.n.value / 0.01 - 1.0).abs() < 1e-6 && fit.n.identified);
-//! assert!(!fit.b.identified && !fit.k.identified);
-//! # Ok::<(), zerorate::allan::FitError>(())
-//! ```
+//! What the terms are, what they cannot tell apart, and measured errors: `docs/noise-models.md`.
 
-mod interval;
-mod linear;
+mod bins;
+mod coefficients;
+mod density;
+mod glitches;
+mod lines;
+mod masked;
 mod model;
+mod profile;
 mod record_length;
+mod remarks;
+mod samples;
+mod scoring;
 mod select;
-mod solve;
+mod spectrum;
+mod steadiness;
+mod steps;
 #[cfg(test)]
 mod tests;
+mod transform;
 
-use super::advice::AllanWarning;
-use super::{Deviation, Point};
+use super::chi2::chi2_above;
+use super::{AllanWarning, Analysis, Coefficient, Input, Point, Stat};
 use alloc::vec::Vec;
+use coefficients::Coefficients;
 use core::fmt;
-use model::{B, K, N, Q, R};
+use density::{Drift, Table};
+pub use lines::Line;
+use masked::Masked;
+pub use model::Model;
+use realfft::FftError;
+use remarks::{Raw, remarks};
+use samples::{check, cut_glitches, enough, rates};
+use scoring::{B2, N2, Q2};
 use select::Selection;
+use spectrum::Spectrum;
+pub use steps::Step;
 
-/// One of the noises of the model.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Noise {
-    /// Angle quantisation Q.
-    Quantisation,
-    /// Angle random walk N: white noise of the rate.
-    AngleRandomWalk,
-    /// Bias instability B: flicker noise of the rate.
-    BiasInstability,
-    /// Rate random walk K.
-    RateRandomWalk,
-    /// Rate ramp R.
-    RateRamp,
+/// What to do before the fit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FitOptions {
+    /// What one step of the input is in the unit of the result, as in [`Options`](super::Options).
+    pub scale: f64,
+    /// Put a straight line where single samples cannot be noise. One of 250 °/s in two million of a quiet gyroscope
+    /// otherwise doubles N.
+    pub cut_glitches: bool,
+    /// Take jumps of the level out. One of 0.05 °/s in an hour otherwise makes five times the random walk.
+    pub remove_steps: bool,
 }
 
-/// A noise coefficient with its 95 % interval.
+impl Default for FitOptions {
+    /// Unit of the input, without glitches and steps.
+    fn default() -> Self {
+        Self { scale: 1.0, cut_glitches: true, remove_steps: true }
+    }
+}
+
+/// A parameter with its 95 % interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Coefficient {
-    /// Best value, never NaN. Of N, B, Q and R the least squares value, zero where the best fit has none of this
-    /// noise. Of K, which rests on few independent differences, the mean of its confidence distribution: it has less
-    /// error and no zeros.
+pub struct Estimate {
+    /// The most likely value.
     pub value: f64,
     /// Lower end of the 95 % interval.
     pub lo: f64,
     /// Upper end of the 95 % interval.
     pub hi: f64,
-    /// Zero is outside the interval.
-    pub identified: bool,
-    /// How long a record must be, s, so that a coefficient of `value` or `hi / 2`, whichever is more, would be
-    /// identified in four of five records; none where it is identified.
-    pub needed_s: Option<f64>,
 }
 
-/// Noise coefficients of a record at rest, in the unit of its rate.
+/// What a record has beside N, B, K, Q and R.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Term {
+    /// Noise with a memory: a Gauss–Markov process of first order.
+    GaussMarkov {
+        /// Standard deviation, in the unit of the rate.
+        sigma: Estimate,
+        /// Correlation time, s.
+        tau_s: Estimate,
+    },
+    /// The white noise is not white: its density is N²·exp Σ a_j (cos 2πjf·dt − 1).
+    BandShape {
+        /// a_1, a_2 …
+        cosines: Vec<f64>,
+    },
+    /// A disturbance or resonance; it was left out.
+    Line(Line),
+    /// The level goes as `size`·e^(−t/`tau_s`) from the start.
+    WarmUp {
+        /// In the unit of the rate.
+        size: Estimate,
+        /// One of a few that are tried, s.
+        tau_s: f64,
+    },
+}
+
+/// What was taken out of the record before the fit.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Cleaned {
+    /// Glitches whose samples were replaced; what touches is one.
+    pub glitches: u64,
+    /// Jumps that were taken out.
+    pub steps: Vec<Step>,
+    /// The record without both, in the unit of the result; none where nothing was taken out. NaN is a missing sample.
+    pub rate: Option<Vec<f64>>,
+}
+
+/// The noise of a record at rest, in the unit of its rate.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fit {
-    /// Angle random walk N, unit·√s: N²/τ. The one-sided density of the white noise is √2·N unit/√Hz.
+    /// Angle random walk N, unit·√s: N²/τ. The one-sided density of the white noise is √2·N unit/√Hz. It is the plateau
+    /// of the spectrum, whatever a low-pass does above.
     pub n: Coefficient,
     /// Bias instability B, unit: (2 ln 2/π)B². The floor of the curve is 0.664·B.
     pub b: Coefficient,
     /// Rate random walk K, unit/√s: K²τ/3.
     pub k: Coefficient,
-    /// Angle quantisation Q, unit·s: 3Q²/τ²; only where significant.
+    /// Angle quantisation Q, unit·s: 3Q²/τ²; only where the spectrum rises to its upper end as f² does.
     pub q: Option<Coefficient>,
     /// Rate ramp R, unit/s: R²τ²/2; only where significant.
     pub r: Option<Coefficient>,
-    /// Shortest and longest averaging time that entered, s.
+    /// The other terms.
+    pub terms: Vec<Term>,
+    /// What the terms make of an Allan variance.
+    pub model: Model,
+    /// ε: the spectrum scatters about the model as if this were wrong by so much; 0 where chance explains all.
+    pub model_error: f64,
+    /// Probability of more scatter than there is, ε included.
+    pub p_value: f64,
+    /// The model is wrong by more than [`MOST_ERROR`]: nothing is identified.
+    pub is_rejected: bool,
+    /// Shortest and longest averaging time that the model speaks of, s.
     pub span_s: (f64, f64),
-    /// Sum of squared residuals, decorrelated by the model's covariance: χ² with `freedom` degrees of freedom.
-    pub chi2: f64,
-    /// Points less coefficients.
-    pub freedom: usize,
-    /// What there is to know about this curve.
+    /// What was taken out before.
+    pub cleaned: Cleaned,
+    /// What there is to know about this record.
     pub warnings: Vec<AllanWarning>,
 }
 
+/// What a model says of one averaging time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Expected {
+    /// The fitted deviation.
+    pub dev: f64,
+    /// Lower end of the band in which the model expects 95 % of the measured deviations.
+    pub lo: f64,
+    /// Upper end of it.
+    pub hi: f64,
+}
+
 impl Fit {
-    /// The fitted Allan variance at τ, unit²: the model with the coefficients' values.
+    /// The fitted Allan deviation of averages of `m` samples.
     #[must_use]
-    pub fn allan_variance(&self, tau_s: f64) -> f64 {
-        let square = |coefficient: &Coefficient| coefficient.value * coefficient.value;
-        let optional = |coefficient: &Option<Coefficient>| coefficient.as_ref().map_or(0.0, square);
-        let squares = [optional(&self.q), square(&self.n), square(&self.b), square(&self.k), optional(&self.r)];
-        model::variance(&squares, tau_s)
+    pub fn deviation(&self, m: u64) -> f64 {
+        libm::sqrt(self.model.allan_variance(m))
+    }
+
+    /// What the model expects of a measured point; none for a statistic that is not the Allan deviation. The band is
+    /// the model's own for the overlapping deviation, and of the point's degrees of freedom for the others.
+    #[must_use]
+    pub fn expected(&self, analysis: &Analysis, point: &Point) -> Option<Expected> {
+        let (lo, hi) = match analysis.stat {
+            stat if !stat.is_allan() => return None,
+            Stat::Oadev => self.model.band(point.m, analysis.samples),
+            _ => self.model.band_of(point.m, point.edf),
+        };
+        Some(Expected { dev: self.deviation(point.m), lo, hi })
     }
 }
 
-/// Why there are no coefficients.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// A model that is wrong by more is rejected.
+pub const MOST_ERROR: f64 = 0.1;
+/// Samples that a fit needs.
+pub const FEWEST_SAMPLES: u64 = 256;
+/// More steps are the noise itself.
+const MOST_STEPS: usize = 3;
+/// A step's score: 1 of 200 hours without a step has more.
+const STEP_LIMIT: f64 = 5.0;
+
+/// Why there is no model.
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum FitError {
-    /// Fewer usable averaging times than the fit needs. A deviation of zero is not usable.
-    TooFew {
-        /// Usable averaging times that are at least an octave apart.
-        points: usize,
-        /// How many are needed.
-        needed: usize,
+    /// Too few samples.
+    TooShort {
+        /// Samples that are there.
+        samples: u64,
     },
-    /// No noise model explains the curve: its values span more than numbers can.
-    Degenerate,
+    /// Most of the record is missing.
+    Gaps {
+        /// Samples that are there.
+        present: u64,
+        /// Samples from the first to the last.
+        samples: u64,
+    },
+    /// All samples are the same, or so many that parts of the spectrum are empty.
+    Constant,
+    /// Numbers beyond the range of f64.
+    NotFinite,
 }
 
 impl fmt::Display for FitError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::TooFew { points, needed } => write!(
+            Self::TooShort { samples } => write!(
                 f,
-                "{points} averaging times with a deviation, at least an octave apart, are too few for noise \
-                 coefficients; {needed} are needed: record longer, and check that the readings change"
+                "{samples} samples are too few for a noise model; {FEWEST_SAMPLES} are needed: record longer"
             ),
-            Self::Degenerate => write!(f, "no noise explains this curve; check the unit and the readings"),
+            Self::Gaps { present, samples } => write!(
+                f,
+                "only {present} of {samples} samples are there, too few for a noise model, which needs a quarter of \
+                 them: record without the losses"
+            ),
+            Self::Constant => write!(
+                f,
+                "the readings do not change enough for a noise model; check the sensor, or record with a finer step"
+            ),
+            Self::NotFinite => write!(f, "no noise explains these numbers; check the unit and the readings"),
         }
     }
 }
 
 impl core::error::Error for FitError {}
 
-/// Fits the coefficients to an overlapping Allan deviation of `samples` rate samples (lost ones included) at
-/// `rate_hz`; points of [`Stat::Oadev`](super::Stat) only.
+impl From<FftError> for FitError {
+    /// Only lengths that do not fit together are an error there.
+    fn from(_: FftError) -> Self {
+        Self::NotFinite
+    }
+}
+
+/// Fits a noise model to a record sampled `rate_hz` times per second. The same record gives the same bits.
 ///
-/// `n` of a point is the terms that entered; where gaps left fewer than the record's length has, the point counts for
-/// less. From points closer than an octave it takes every one that is an octave above the last taken. The intervals
-/// hold for noise that the model describes; where the curve does not follow it, there is a warning.
+/// ```
+/// use zerorate::allan::{FitOptions, Input, fit};
+/// let mut state = 1u64;
+/// let mut uniform = || {
+///     state = 16_807 * state % 2_147_483_647;
+///     state as f64 / 2_147_483_647.0 - 0.5
+/// };
+/// // white noise of variance 1 at 100 Hz has N = 0.1
+/// let rate: Vec<f64> = (0..20_000).map(|_| (0..12).map(|_| uniform()).sum()).collect();
+/// let fit = fit(&Input::Rate(&rate), 100.0, &FitOptions::default())?;
+/// assert!(fit.n.lo < 0.1 && 0.1 < fit.n.hi && !fit.b.identified && !fit.k.identified);
+/// # Ok::<(), zerorate::allan::FitError>(())
+/// ```
 ///
 /// # Errors
 ///
-/// [`FitError`] for fewer than four usable points, or numbers beyond the range of f64.
-pub fn fit(points: &[Deviation], rate_hz: f64, samples: u64) -> Result<Fit, FitError> {
-    let curve = select::curve(points, rate_hz, samples)?;
-    let full_start_s = curve.geometry.tau_s(0);
-    let chosen = select::select(curve).ok_or(FitError::Degenerate)?;
-    let optional = |which| {
-        (chosen.model.has[which] && !(which == Q && chosen.model.rolls_off)).then(|| coefficient(&chosen, which))
-    };
-    let at = &chosen.curve.geometry;
-    let (chi2, freedom) = chosen.chi2();
-    let mut fit = Fit {
-        n: coefficient(&chosen, N),
-        b: coefficient(&chosen, B),
-        k: coefficient(&chosen, K),
-        q: optional(Q),
-        r: optional(R),
-        span_s: (at.tau_s(0), at.tau_s(at.m.len() - 1)),
-        chi2,
-        freedom,
-        warnings: Vec::new(),
-    };
-    fit.warnings = warnings(&fit, &chosen, full_start_s);
+/// [`FitError`] for too few samples, samples that do not change, and numbers beyond the range of f64.
+pub fn fit(input: &Input<'_>, rate_hz: f64, options: &FitOptions) -> Result<Fit, FitError> {
+    enough(input.len() - input.missing(), input.len())?;
+    let mut rate = rates(input, rate_hz, options.scale);
+    let present = rate.iter().filter(|value| !value.is_nan()).count();
+    enough(present as u64, rate.len() as u64)?;
+    check(&rate)?;
+    let raw = Raw { record_s: rate.len() as f64 / rate_hz, missing: rate.len() - present };
+    let mut warnings = Vec::new();
+    let mut cleaned = Cleaned::default();
+    if options.cut_glitches {
+        cleaned.glitches = cut_glitches(&mut rate, &mut warnings);
+    }
+    let (found, many) = without_steps(&mut rate, rate_hz, options.remove_steps, &mut cleaned.steps)?;
+    warnings.extend(cleaned.steps.iter().map(|step| AllanWarning::Step { at_s: step.at_s, size: step.size }));
+    if many {
+        warnings.push(AllanWarning::ManySteps { most: MOST_STEPS });
+    }
+    let mut fit = described(&rate, rate_hz, found, raw, warnings)?;
+    if cleaned.glitches > 0 || !cleaned.steps.is_empty() {
+        cleaned.rate = Some(rate);
+    }
+    fit.cleaned = cleaned;
     Ok(fit)
 }
 
-impl From<&Point> for Deviation {
-    fn from(point: &Point) -> Self {
-        Self { m: point.m, dev: point.dev, n: point.n }
+/// The model without the steps that it shows to be none of its noise; whether they were so many that all were put back.
+fn without_steps(
+    rate: &mut Vec<f64>,
+    rate_hz: f64,
+    remove: bool,
+    steps: &mut Vec<Step>,
+) -> Result<((Spectrum, Selection), bool), FitError> {
+    let first = selected(rate, rate_hz)?;
+    if !remove {
+        return Ok((first, false));
     }
+    let (mut whole, mut now) = (None, first.clone());
+    while let Some(step) = steps::largest(rate, rate_hz, &now)?.filter(|step| libm::fabs(step.score) > STEP_LIMIT) {
+        if steps.len() == MOST_STEPS {
+            steps.clear();
+            *rate = whole.unwrap_or_default();
+            return Ok((first, true));
+        }
+        whole.get_or_insert_with(|| rate.clone());
+        rate[step.index..].iter_mut().for_each(|value| *value -= step.size);
+        steps.push(Step { at_s: step.index as f64 / rate_hz, size: step.size });
+        now = selected(rate, rate_hz)?;
+    }
+    steps.sort_by(|a, b| a.at_s.total_cmp(&b.at_s));
+    Ok((now, false))
 }
 
-fn coefficient(chosen: &Selection, which: usize) -> Coefficient {
-    let Selection { curve, model, best, .. } = chosen;
-    let (lo, hi) = interval::interval(curve, model, best, which);
-    let (lo, hi, best_value) = (libm::sqrt(lo), libm::sqrt(hi), libm::sqrt(best[which].max(0.0)));
-    let value = if which == K { interval::confidence_mean(curve, model, best, which, hi * hi) } else { best_value };
-    let identified = lo > 0.0;
-    let needed_s = (!identified).then(|| {
-        let mut truth = *best;
-        let taken = value.max(hi / 2.0);
-        truth[which] = taken * taken;
-        record_length::needed_s(curve, model, &truth, which)
-    });
-    Coefficient { value, lo: lo.min(value), hi: hi.max(value), identified, needed_s }
+fn selected(rate: &[f64], rate_hz: f64) -> Result<(Spectrum, Selection), FitError> {
+    let spectrum = Spectrum::of(rate, rate_hz)?;
+    if spectrum.bins.iter().any(|bin| !(bin.power > 0.0 && bin.power.is_finite())) {
+        return Err(FitError::Constant);
+    }
+    let (mask, _) = lines::broad(&spectrum.bins);
+    let kept = spectrum.bins.iter().zip(&mask).filter(|(_, masked)| !**masked).map(|(bin, _)| *bin);
+    let table = Table::new(kept, &spectrum.low, spectrum.samples, rate_hz);
+    let selection = select::select(table).ok_or(FitError::NotFinite)?;
+    Ok((spectrum, selection))
 }
 
-/// χ² beyond this many standard deviations above its mean says that the model does not describe the curve.
-const MISFIT_LIMIT: f64 = 6.0;
-
-fn warnings(fit: &Fit, chosen: &Selection, full_start_s: f64) -> Vec<AllanWarning> {
-    let at = &chosen.curve.geometry;
-    let record_s = at.samples / at.rate_hz;
-    let mut warnings = Vec::new();
-    if chosen.model.rolls_off {
-        warnings.push(AllanWarning::ShortEndExcluded {
-            points: chosen.excluded,
-            from_s: full_start_s,
-            used_from_s: fit.span_s.0,
-        });
-    }
-    if let Some(q) = fit.q {
-        let below_s = 3.0 * q.value * q.value / (fit.n.value * fit.n.value).max(f64::MIN_POSITIVE);
-        warnings.push(AllanWarning::QuantisationLimited { q: q.value, below_s: below_s.min(fit.span_s.1) });
-    }
-    if let Some(r) = fit.r {
-        warnings.push(AllanWarning::Drift { r: r.value, over_record: r.value * record_s });
-    }
-    let excess = (fit.chi2 - fit.freedom as f64) / libm::sqrt(2.0 * fit.freedom as f64);
-    match chosen.hump() {
-        Some(hump) => warnings.push(AllanWarning::Periodic {
-            tau_s: at.tau_s(hump.index),
-            ratio: libm::sqrt(hump.ratio),
-            frequency_hz: SINE_HUMP / at.tau_s(hump.index),
-        }),
-        None if excess > MISFIT_LIMIT => warnings.push(AllanWarning::Misfit { chi2: fit.chi2, freedom: fit.freedom }),
-        None => {}
-    }
-    let coefficients =
-        [(Noise::AngleRandomWalk, fit.n), (Noise::BiasInstability, fit.b), (Noise::RateRandomWalk, fit.k)];
-    let missing = coefficients.into_iter().filter_map(|(noise, c)| Some((noise, c.needed_s?)));
-    warnings.extend(missing.map(|(noise, needed_s)| AllanWarning::NotIdentified { noise, record_s, needed_s }));
-    warnings
+fn described(
+    rate: &[f64],
+    rate_hz: f64,
+    (spectrum, chosen): (Spectrum, Selection),
+    raw: Raw,
+    mut warnings: Vec<AllanWarning>,
+) -> Result<Fit, FitError> {
+    let masked = Masked::of(&spectrum, &chosen, rate_hz);
+    let sines = masked.sines.iter().copied();
+    let narrow = spectrum.narrow.iter().map(|line| (line.rms * line.rms, line.frequency_hz));
+    let model = Model::new(&chosen.found, sines.chain(narrow).collect(), rate_hz, raw.record_s)?;
+    let is_rejected = chosen.problem.error > MOST_ERROR;
+    let coefficients = Coefficients { spectrum: &spectrum, chosen: &chosen, rate_hz, is_rejected };
+    let own = &chosen.found;
+    let widening = libm::sqrt(steadiness::variance_of_ln_n(rate, rate_hz, own.at[N2], &model));
+    let (chi2, freedom) = select::chi2(&chosen.problem, own);
+    let lines: Vec<Line> = spectrum.narrow.iter().chain(&masked.lines).copied().collect();
+    let fit = Fit {
+        n: coefficients.n(widening, masked.tail_at_zero),
+        b: coefficients.of(B2),
+        k: coefficients.k(),
+        q: own.form.quantised.then(|| coefficients.of(Q2)),
+        r: (own.form.drift == Some(Drift::Ramp)).then(|| coefficients.ramp()),
+        terms: coefficients.terms(&lines),
+        model,
+        model_error: chosen.problem.error,
+        p_value: chi2_above(chi2, freedom),
+        is_rejected,
+        span_s: (1.0 / rate_hz, raw.record_s / 2.0),
+        cleaned: Cleaned::default(),
+        warnings: Vec::new(),
+    };
+    warnings.extend(remarks(&fit, &chosen, rate, rate_hz, raw));
+    Ok(Fit { warnings, ..fit })
 }
-
-/// A sine of frequency f lifts the Allan variance by A² sin⁴(πfτ)/(πfτ)², most at fτ = 0.371 (IEEE Std 952-1997
-/// C.1.7).
-const SINE_HUMP: f64 = 0.371;

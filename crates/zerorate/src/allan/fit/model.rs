@@ -1,176 +1,177 @@
-//! The five noises: what each adds to an Allan variance, and the covariance of Allan variances at two averaging times.
+//! The Allan variance of a fitted model, and the variance of its overlapping estimate.
 
-use super::linear::Square;
+use super::density::Drift;
+use super::scoring::{B2, Found, K2, N2, Q2, SHAPE, shape};
+use super::transform::autocovariance;
+use crate::allan::{chi2_quantile, interval};
+use crate::noise::FLOOR_PER_B;
+use alloc::vec;
 use alloc::vec::Vec;
-use core::f64::consts::{LN_2, PI};
+use core::f64::consts::PI;
+use realfft::FftError;
 
-/// Q², N², B², K², R²: the coefficients of the Allan variance, in this order.
-pub(super) type Coefficients = [f64; 5];
+/// Lags of the autocovariance of the short noise (white, with its band shape, and quantisation).
+const LAGS: usize = 256;
+/// Up to so many samples the covariance of two estimates is summed lag by lag from the autocovariance itself.
+const LONGEST_EXACT: u64 = 64;
+/// Lags per averaging time beyond, and averaging times that they reach.
+const STEPS_PER_TAU: u64 = 8;
+const REACH: u64 = 40;
 
-pub(super) const Q: usize = 0;
-pub(super) const N: usize = 1;
-pub(super) const B: usize = 2;
-pub(super) const K: usize = 3;
-pub(super) const R: usize = 4;
-
-/// Beyond this ratio of averaging times the covariance is left out: its correlation falls with the 3/2nd power.
-const WIDEST_RATIO: f64 = 40.0;
-/// Steps of the lag per shorter averaging time.
-const STEPS_PER_TAU: f64 = 8.0;
-/// How far beyond the overlap of the two differences the flicker's covariance is followed.
-const REACH: f64 = 3.0;
-
-/// σ²(τ) = 3Q²/τ² + N²/τ + (2 ln 2/π)B² + K²τ/3 + R²τ²/2 (IEEE Std 952-1997 C.1): the factor of each coefficient.
-pub(super) fn terms(tau_s: f64) -> Coefficients {
-    [3.0 / (tau_s * tau_s), 1.0 / tau_s, 2.0 * LN_2 / PI, tau_s / 3.0, tau_s * tau_s / 2.0]
+/// What a record is made of, by what each term adds to an Allan variance.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Model {
+    rate_hz: f64,
+    record_s: f64,
+    short: Vec<f64>,
+    b2: f64,
+    k2: f64,
+    /// Variance and correlation time.
+    markovs: Vec<(f64, f64)>,
+    drift: Option<(Drift, f64)>,
+    /// Variance and frequency.
+    sines: Vec<(f64, f64)>,
 }
 
-pub(super) fn variance(coefficients: &Coefficients, tau_s: f64) -> f64 {
-    coefficients.iter().zip(terms(tau_s)).map(|(coefficient, term)| coefficient * term).sum()
-}
-
-/// Where a record was looked at: averaging lengths in samples and the terms that entered each.
-#[derive(Clone, Debug)]
-pub(super) struct Geometry {
-    pub(super) rate_hz: f64,
-    pub(super) samples: f64,
-    pub(super) m: Vec<f64>,
-    pub(super) terms: Vec<f64>,
-}
-
-impl Geometry {
-    pub(super) fn tau_s(&self, i: usize) -> f64 {
-        self.m[i] / self.rate_hz
-    }
-
-    /// Differences that a record without gaps has.
-    fn full(&self, i: usize) -> f64 {
-        (self.samples - 2.0 * self.m[i] + 1.0).max(1.0)
-    }
-}
-
-/// The covariance of the Allan variances as a quadratic form in the coefficients.
-///
-/// The second differences d of the phase are normal, so cov(Σd²ₐ, Σd²_b) = Σᵢⱼ 2C² + 4μₐμ_b·C with C their covariance
-/// and μ = Rτ² their mean. C is a fourth difference of the phase's generalised autocovariance: Q²δ, −N²|t|/2, B²t²
-/// ln|t|/2π, K²|t|³/12.
-#[derive(Clone, Debug)]
-pub(super) struct Covariance {
-    n: usize,
-    pairs: Vec<Pair>,
-}
-
-/// For one pair of averaging times: the factors of coefficient c times coefficient d.
-type Pair = [[f64; 5]; 5];
-
-impl Covariance {
-    pub(super) fn new(at: &Geometry) -> Self {
-        let n = at.m.len();
-        let mut pairs = alloc::vec![[[0.0; 5]; 5]; n * n];
-        for a in 0..n {
-            for b in a..n {
-                if at.m[b] <= WIDEST_RATIO * at.m[a] {
-                    pairs[a * n + b] = pair(at, a, b);
-                    pairs[b * n + a] = pairs[a * n + b];
-                }
-            }
-        }
-        Self { n, pairs }
-    }
-
-    pub(super) fn of(&self, coefficients: &Coefficients) -> Square {
-        let positive = coefficients.map(|c| c.max(0.0));
-        Square::from_fn(self.n, |a, b| {
-            let pair = &self.pairs[a * self.n + b];
-            let rows = pair.iter().zip(positive);
-            rows.map(|(row, c)| c * row.iter().zip(positive).map(|(cell, d)| cell * d).sum::<f64>()).sum()
+impl Model {
+    pub(super) fn new(found: &Found, sines: Vec<(f64, f64)>, rate_hz: f64, record_s: f64) -> Result<Self, FftError> {
+        let form = &found.form;
+        let density = |i: usize| {
+            let angle = PI * i as f64 / LAGS as f64;
+            let sin = libm::sin(angle / 2.0);
+            found.at[N2] * shape(&found.at[SHAPE..SHAPE + form.cosines], angle)
+                + found.at[Q2] * 4.0 * sin * sin * rate_hz * rate_hz
+        };
+        let densities: Vec<f64> = (0..=LAGS).map(density).collect();
+        let mut short = autocovariance(&densities, rate_hz)?;
+        short.truncate(LAGS);
+        let markov = |index| {
+            let place = form.markov(index);
+            (found.at[place], libm::exp(found.at[place + 1]))
+        };
+        Ok(Self {
+            rate_hz,
+            record_s,
+            short,
+            b2: found.at[B2],
+            k2: found.at[K2],
+            markovs: (0..form.markovs).map(markov).collect(),
+            drift: form.drift.map(|drift| (drift, found.drift * found.drift)),
+            sines,
         })
     }
-}
 
-fn pair(at: &Geometry, a: usize, b: usize) -> Pair {
-    let (m, n) = ((at.m[a], at.m[b]), (at.full(a), at.full(b)));
-    let mut sums = [[0.0; 5]; 5];
-    smooth_lags(m, n, at.rate_hz, &mut sums);
-    quantised_lags(m, n, at.rate_hz, &mut sums);
-    let (ta, tb) = (at.tau_s(a), at.tau_s(b));
-    let terms = libm::sqrt(n.0 * n.1 * at.terms[a] * at.terms[b]);
-    let scale = 1.0 / (4.0 * ta * ta * tb * tb * terms);
-    let ramp = 4.0 * ta * ta * tb * tb;
-    Pair::map(sums, |row| row.map(|cell| cell * scale)).map(|mut row| {
-        row[R] *= ramp;
-        row
-    })
-}
+    /// The Allan variance of averages of `m` samples, unit².
+    #[must_use]
+    pub fn allan_variance(&self, m: u64) -> f64 {
+        let tau_s = m as f64 / self.rate_hz;
+        let markov = |&(variance, t): &(f64, f64)| {
+            let bend = 3.0 - 4.0 * libm::exp(-tau_s / t) + libm::exp(-2.0 * tau_s / t);
+            2.0 * variance * t / tau_s * (1.0 - t / (2.0 * tau_s) * bend)
+        };
+        let drift = self.drift.map_or(0.0, |(drift, square)| square * drift.allan_variance(tau_s, self.record_s));
+        self.short_variance(m)
+            + FLOOR_PER_B * FLOOR_PER_B * self.b2
+            + self.k2 * tau_s / 3.0
+            + self.markovs.iter().map(markov).sum::<f64>()
+            + drift
+    }
 
-/// Pairs of differences that are `lag` samples apart.
-fn count(lag: f64, n: (f64, f64)) -> f64 {
-    (n.0.min(n.1 - lag) - (-lag).max(0.0)).max(0.0)
-}
+    /// Of white noise, quantisation and lines: 2 (V(m) − V(2m)), V the variance of a mean.
+    fn short_variance(&self, m: u64) -> f64 {
+        let of_mean = |m: f64| {
+            let lags = self.short.iter().enumerate().skip(1).take_while(|(k, _)| (*k as f64) < m);
+            let sum: f64 = lags.map(|(k, covariance)| (m - k as f64) * covariance).sum();
+            (m * self.short[0] + 2.0 * sum) / (m * m)
+        };
+        let m = m as f64;
+        let sine = |&(variance, hz): &(f64, f64)| {
+            let sin = libm::sin(PI * hz / self.rate_hz);
+            let square = libm::pow(libm::sin(PI * m * hz / self.rate_hz), 2.0);
+            2.0 * variance * square * square / (m * m * sin * sin)
+        };
+        2.0 * (of_mean(m) - of_mean(2.0 * m)) + self.sines.iter().map(sine).sum::<f64>()
+    }
 
-fn smooth_lags(m: (f64, f64), n: (f64, f64), rate_hz: f64, sums: &mut Pair) {
-    let per_tau = m.0.min(STEPS_PER_TAU);
-    let step = m.0 / per_tau;
-    let shift = per_tau as usize;
-    let reach = libm::ceil(REACH * (m.0 + m.1) / step) * step;
-    let first = (m.0 - m.1 - reach).max(-libm::floor(n.0 / step) * step);
-    let last = (m.0 - m.1 + reach).min(n.1);
-    let steps = ((last - first) / step) as usize;
-    let halves: Vec<[f64; 3]> = (0..=steps + 2 * shift)
-        .map(|k| second_difference(first + (k as f64 - 2.0 * per_tau) * step, m.1, rate_hz))
-        .collect();
-    for k in 0..=steps {
-        let c = |noise: usize| halves[k + 2 * shift][noise] - 2.0 * halves[k + shift][noise] + halves[k][noise];
-        let weight = step * count(first + k as f64 * step, n);
-        add(sums, &[0.0, c(0), c(1), c(2)], weight);
+    /// Between what the model expects 95 % of the overlapping Allan deviations of a record of `samples` samples.
+    pub(super) fn band(&self, m: u64, samples: u64) -> (f64, f64) {
+        let variance = self.allan_variance(m);
+        let edf = self.freedom(m, samples);
+        let limit = |p: f64| libm::sqrt(variance * chi2_quantile(p, edf) / edf);
+        (limit(0.025), limit(0.975))
+    }
+
+    /// Degrees of freedom of the overlapping Allan variance: 2σ⁴/var(σ̂²), at least 1.
+    pub(super) fn freedom(&self, m: u64, samples: u64) -> f64 {
+        let variance = self.allan_variance(m);
+        let terms = (samples + 1).saturating_sub(2 * m).max(1);
+        let step = (m / STEPS_PER_TAU).max(1);
+        let last = (if m > LONGEST_EXACT { REACH * m } else { LONGEST_EXACT * m + 200 }).min(terms - 1);
+        let white = if m > LONGEST_EXACT { self.short_variance(m) } else { 0.0 };
+        let exact =
+            if m > LONGEST_EXACT { Vec::new() } else { self.short_covariances(m as usize, last as usize, step) };
+        let sum: f64 = (0..=last / step)
+            .map(|index| {
+                let lag = index * step;
+                let c = self.slow_covariance(lag, m, white) + exact.get(index as usize).unwrap_or(&0.0);
+                let twice = if lag == 0 { 1.0 } else { 2.0 };
+                twice * step as f64 * (1.0 - lag as f64 / terms as f64) * c * c
+            })
+            .sum();
+        (4.0 * variance * variance * terms as f64 / sum).max(1.0)
+    }
+
+    /// Covariance of two differences of averages `lag` samples apart, without what is short: the fourth difference of
+    /// the phase's generalised autocovariance. `white` is the Allan variance of what is taken for white.
+    fn slow_covariance(&self, lag: u64, m: u64, white: f64) -> f64 {
+        let tau_s = m as f64 / self.rate_hz;
+        let phase = |t: f64| {
+            let t = libm::fabs(t);
+            let log = if t > 0.0 { libm::log(t) } else { 0.0 };
+            let markov = |&(variance, c): &(f64, f64)| variance * c * (t - c * (1.0 - libm::exp(-t / c)));
+            self.b2 * t * t * log / (2.0 * PI) + self.k2 * t * t * t / 12.0
+                - white * tau_s * t / 2.0
+                - self.markovs.iter().map(markov).sum::<f64>()
+        };
+        let lag_s = lag as f64 / self.rate_hz;
+        let fourth = [(1.0, -2.0), (-4.0, -1.0), (6.0, 0.0), (-4.0, 1.0), (1.0, 2.0)];
+        fourth.iter().map(|(weight, k)| weight * phase(lag_s + k * tau_s)).sum::<f64>() / (tau_s * tau_s)
+    }
+
+    /// The same of what is short, from its autocovariance, at every `step`-th lag.
+    fn short_covariances(&self, m: usize, last: usize, step: u64) -> Vec<f64> {
+        let len = last + 4 * m + 2;
+        let mut covariance = vec![0.0; len];
+        covariance.iter_mut().zip(&self.short).for_each(|(cell, short)| *cell = *short);
+        for &(variance, hz) in &self.sines {
+            add_cosine(&mut covariance, variance, 2.0 * PI * hz / self.rate_hz);
+        }
+        // The weights of a difference of averages are −1 and 1 over m; their own correlation is piecewise linear.
+        let weight = |shift: usize| {
+            let (shift, m) = (shift as f64, m as f64);
+            if shift < m { (2.0 * m - 3.0 * shift) / (m * m) } else { (shift - 2.0 * m) / (m * m) }
+        };
+        let at = |lag: usize| {
+            let shifted = |shift: usize| covariance[lag + shift] + covariance[lag.abs_diff(shift)];
+            weight(0) * covariance[lag] + (1..2 * m).map(|shift| weight(shift) * shifted(shift)).sum::<f64>()
+        };
+        (0..=last).step_by(step as usize).map(at).collect()
+    }
+
+    /// Limits of another deviation than the overlapping one: by its own degrees of freedom.
+    pub(super) fn band_of(&self, m: u64, edf: f64) -> (f64, f64) {
+        let dev = libm::sqrt(self.allan_variance(m));
+        let (lo, hi) = interval(dev, edf, 0.95);
+        (dev * dev / hi, dev * dev / lo)
     }
 }
 
-/// Adds the products of the covariances of N, B and K, and their ramp terms, to the sums.
-fn add(sums: &mut Pair, c: &[f64; 4], weight: f64) {
-    for first in Q..=K {
-        for second in Q..=K {
-            sums[first][second] += 2.0 * weight * c[first] * c[second];
-        }
-        sums[first][R] += weight * c[first];
-    }
-}
-
-/// Σ c_q G(lag + q·m) with c = 1, −2, 1, for white rate, flicker and random walk.
-fn second_difference(lag: f64, m: f64, rate_hz: f64) -> [f64; 3] {
-    let (a, b, c) = (kernels(lag / rate_hz), kernels((lag + m) / rate_hz), kernels((lag + 2.0 * m) / rate_hz));
-    core::array::from_fn(|i| a[i] - 2.0 * b[i] + c[i])
-}
-
-/// Generalised autocovariance of the phase per N², B² and K².
-fn kernels(lag_s: f64) -> [f64; 3] {
-    let t = lag_s.abs();
-    let log = if t > 0.0 { libm::log(t) } else { 0.0 };
-    [-t / 2.0, t * t * log / (2.0 * PI), t * t * t / 12.0]
-}
-
-/// White phase has covariance only where two of its points coincide, so its sums run over single lags, not over steps.
-fn quantised_lags(m: (f64, f64), n: (f64, f64), rate_hz: f64, sums: &mut Pair) {
-    const DIFFERENCE: [f64; 3] = [1.0, -2.0, 1.0];
-    let mut lags: Vec<(f64, f64)> = Vec::new();
-    for (p, cp) in DIFFERENCE.iter().enumerate() {
-        for (q, cq) in DIFFERENCE.iter().enumerate() {
-            let lag = p as f64 * m.0 - q as f64 * m.1;
-            match lags.iter_mut().find(|known| known.0 == lag) {
-                Some(known) => known.1 += cp * cq,
-                None => lags.push((lag, cp * cq)),
-            }
-        }
-    }
-    for (lag, quantised) in lags {
-        let weight = count(lag, n);
-        let halves = [0.0, 1.0, 2.0].map(|p| second_difference(lag - p * m.0, m.1, rate_hz));
-        let c: [f64; 3] = core::array::from_fn(|i| halves[0][i] - 2.0 * halves[1][i] + halves[2][i]);
-        for (i, smooth) in c.iter().enumerate() {
-            sums[Q][i + 1] += 2.0 * weight * quantised * smooth;
-            sums[i + 1][Q] += 2.0 * weight * quantised * smooth;
-        }
-        sums[Q][Q] += 2.0 * weight * quantised * quantised;
-        sums[Q][R] += weight * quantised;
+/// variance·cos(i·angle) to the i-th cell, by recurrence.
+fn add_cosine(cells: &mut [f64], variance: f64, angle: f64) {
+    let twice = 2.0 * libm::cos(angle);
+    let (mut now, mut before) = (variance, variance * libm::cos(angle));
+    for cell in cells {
+        *cell += now;
+        (now, before) = (twice * now - before, now);
     }
 }

@@ -1,187 +1,244 @@
-//! Which points and which terms enter the fit.
+//! Which terms a record has: N, B and K always, the others where they earn their price.
 
-use super::super::Deviation;
-use super::FitError;
-use super::interval::quantile;
-use super::model::{Coefficients, Covariance, Geometry, Q, R};
-use super::solve::{Curve, Model, Problem, iterate};
+use super::density::{Drift, MOST_COSINES, Table};
+use super::scoring::{B2, Form, Found, K2, LONGEST, N2, Problem, SHAPE, SHORTEST};
+use alloc::vec;
 use alloc::vec::Vec;
 
-/// Averaging times that the fit needs: three coefficients and one to spare.
-pub(super) const FEWEST_POINTS: usize = 4;
-/// Averaging times without which no further term is looked for, and no further point is left out.
-const POINTS_FOR_MORE: usize = 6;
-/// Quantisation and roll-off are believed at this many standard deviations, and so is each point that a low-pass
-/// bends.
-const SHORT_END_LIMIT: f64 = 4.0;
-/// A ramp is believed at this many (normal equivalent) standard deviations.
-const RAMP_LIMIT: f64 = 3.3;
-/// A point that lies this many (normal equivalent) standard deviations above the others' fit is a hump.
-const HUMP_LIMIT: f64 = 5.0;
-/// Relative variance beyond which a point says nothing about a low-pass.
-const MOST_UNCERTAIN: f64 = 0.05;
+/// What −2 ln L must fall by. Gauss–Markov: the 1 % point of χ² with two degrees of freedom; ramp: the 0.1 % point with
+/// one; warm-up: that with two. A cosine of the shape costs ln of all degrees of freedom. How often each is taken
+/// where there is none was measured: docs/reference/allan.md.
+const MARKOV_PRICE: f64 = 9.21;
+const RAMP_PRICE: f64 = 10.8;
+const WARM_UP_PRICE: f64 = 13.8;
+const MOST_MARKOVS: usize = 2;
+/// Starts of T, from so many samples to this part of the record, logarithmic: the deviance has several minima.
+const STARTS: u32 = 18;
+const FIRST_START: f64 = 25.0;
+const LAST_START: f64 = 1.0 / 6.0;
+/// Of those the best go on.
+const SURVIVORS: usize = 3;
+/// Time constants of a warm-up that are tried, in records. A shorter one is over before anything slow can be seen.
+const WARM_UPS: [f64; 5] = [0.03, 0.06, 0.12, 0.25, 0.5];
+/// Steps of a first look and of a descent, with the gain at which they end.
+const LOOK: (usize, f64) = (8, 1e-2);
+pub(super) const DESCENT: (usize, f64) = (60, 1e-5);
+/// The model error shows where bins hold many coefficients: above this part of the rate.
+const ERROR_ABOVE: f64 = 1.0 / 128.0;
+/// Standard deviations of the scatter beyond which the model is in error.
+const ERROR_LIMIT: f64 = 3.0;
+/// A Gauss–Markov term so near to a bound is none.
+const AT_BOUND: f64 = 1.1;
 
-/// The terms that the data show, with the points that they hold for.
+/// The model with its terms.
 #[derive(Clone, Debug)]
 pub(super) struct Selection {
-    pub(super) curve: Curve,
-    pub(super) model: Model,
-    pub(super) best: Coefficients,
-    /// Points left out at the short end.
-    pub(super) excluded: usize,
+    pub(super) problem: Problem,
+    pub(super) found: Found,
+    /// By how much the next best choice of slow terms is worse, where it is another one.
+    pub(super) runner_up: Option<(Form, f64)>,
 }
 
-/// A point far above what the others explain.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Hump {
-    pub(super) index: usize,
-    /// Squared deviation over the fitted one.
-    pub(super) ratio: f64,
+/// A model and what it costs.
+#[derive(Clone, Debug)]
+struct Priced {
+    found: Found,
+    price: f64,
 }
 
-/// Points at least an octave apart, from the shortest averaging time.
-pub(super) fn curve(points: &[Deviation], rate_hz: f64, samples: u64) -> Result<Curve, FitError> {
-    let mut usable: Vec<&Deviation> =
-        points.iter().filter(|p| p.m > 0 && p.n > 0 && p.dev.is_finite() && p.dev > 0.0).collect();
-    usable.sort_by_key(|p| p.m);
-    let mut kept: Vec<&Deviation> = Vec::new();
-    for point in usable {
-        if kept.last().is_none_or(|last| point.m / 2 >= last.m) {
-            kept.push(point);
+/// None where no model has a finite likelihood.
+pub(super) fn select(table: Table) -> Option<Selection> {
+    let ideal = Problem::new(table, 0.0);
+    let families = families(&ideal);
+    let error = families.iter().map(|best| model_error(&ideal, &best.found)).fold(f64::INFINITY, f64::min);
+    let (problem, families) = match error > 0.0 && error.is_finite() {
+        true => {
+            let problem = Problem::new(ideal.table, error);
+            let families = self::families(&problem);
+            (problem, families)
         }
-    }
-    if kept.len() < FEWEST_POINTS {
-        return Err(FitError::TooFew { points: kept.len(), needed: FEWEST_POINTS });
-    }
-    let geometry = Geometry {
-        rate_hz,
-        samples: samples as f64,
-        m: kept.iter().map(|p| p.m as f64).collect(),
-        terms: kept.iter().map(|p| p.n as f64).collect(),
+        false => (ideal, families),
     };
-    let covariance = Covariance::new(&geometry);
-    Ok(Curve { geometry, variance: kept.iter().map(|p| p.dev * p.dev).collect(), covariance })
+    let further = families.iter().flat_map(|best| variants(&problem, best));
+    let mut all: Vec<Priced> = families.iter().cloned().chain(further).collect();
+    all.retain(|candidate| is_sound(&problem, &candidate.found));
+    all.sort_by(|a, b| a.price.total_cmp(&b.price));
+    let best = all.first()?.clone();
+    let slow = |form: &Form| (form.markovs, form.drift.is_some());
+    let other = all.iter().find(|other| slow(&other.found.form) != slow(&best.found.form));
+    let runner_up = other.map(|other| (other.found.form, other.price - best.price));
+    best.price.is_finite().then_some(Selection { problem, found: best.found, runner_up })
 }
 
-/// Fits N, B and K, and what is significant beside them; none where no covariance can be inverted.
-pub(super) fn select(curve: Curve) -> Option<Selection> {
-    let (curve, bent) = without_bent_points(curve);
-    let plain = Selection { excluded: bent, ..Selection::of(curve, [false, true, true, true, false], false)? };
-    let mut chosen = plain.clone();
-    if chosen.curve.variance.len() < POINTS_FOR_MORE {
-        return Some(chosen);
-    }
-    let free =
-        Selection { excluded: bent, ..Selection::of(chosen.curve.clone(), [true, true, true, true, false], true)? };
-    let quantisation = free.score(Q, SHORT_END_LIMIT)?;
-    if bent > 0 || quantisation < -SHORT_END_LIMIT {
-        chosen = free.without_short_end()?;
-    } else if quantisation > SHORT_END_LIMIT {
-        chosen = Selection::of(chosen.curve, [true, true, true, true, false], false)?;
-    }
-    if chosen.score(R, RAMP_LIMIT)? > RAMP_LIMIT {
-        let (has, rolls_off, excluded) = (chosen.model.has, chosen.model.rolls_off, chosen.excluded);
-        let ramp = Selection::of(chosen.curve, [has[Q], true, true, true, true], rolls_off)?;
-        chosen = Selection { excluded, ..ramp };
-    }
-    // A disturbance looks like any term that lifts the curve beside it: where a hump remains, the terms explain
-    // nothing.
-    let in_vain = !chosen.model.rolls_off && chosen.model != plain.model && chosen.hump().is_some();
-    Some(if in_vain { plain } else { chosen })
+fn priced(problem: &Problem, found: Found) -> Priced {
+    let form = &found.form;
+    let drift = match form.drift {
+        None => 0.0,
+        Some(Drift::Ramp) => RAMP_PRICE,
+        Some(Drift::WarmUp { .. }) => WARM_UP_PRICE,
+    };
+    let shape = problem.price() * (form.cosines + usize::from(form.quantised)) as f64;
+    let price = found.deviance + shape + MARKOV_PRICE * form.markovs as f64 + drift;
+    Priced { found, price }
 }
 
-impl Selection {
-    fn of(curve: Curve, has: [bool; 5], rolls_off: bool) -> Option<Self> {
-        let model = Model { has, rolls_off };
-        let best = iterate(&curve, &model, None, None)?;
-        Some(Self { curve, model, best, excluded: 0 })
+/// The best shape for no, one, two Gauss–Markov terms; a second one is looked for only where the first is taken. The
+/// shape is chosen anew for each: chosen before, it swallows a Gauss–Markov term.
+fn families(problem: &Problem) -> Vec<Priced> {
+    let mut found: Vec<Priced> = Vec::new();
+    let mut fewer: Vec<Found> = Vec::new();
+    for markovs in 0..=MOST_MARKOVS {
+        let (best, all) = family(problem, markovs, &fewer);
+        let Some(best) = best else { break };
+        let taken = found.last().is_none_or(|before| best.price < before.price);
+        found.push(best);
+        if !taken {
+            break;
+        }
+        fewer = all;
     }
+    found
+}
 
-    /// The estimate of a coefficient in a model that has it, in standard deviations, scaled so that `limit` is where
-    /// it is for a normal estimate.
-    fn score(&self, which: usize, limit: f64) -> Option<f64> {
-        let at = Problem::new(&self.curve, &self.best)?.linear(&self.model, which)?;
-        let raw = at.value / at.sd;
-        Some(raw * limit / quantile(limit * raw.signum(), at.skewness).abs())
-    }
-
-    /// White noise behind a low-pass has the Allan variance N²/τ − c/τ² for τ well above the filter's memory, so a
-    /// free term in τ⁻² follows it; shorter averages leave until the first one agrees with the others.
-    fn without_short_end(mut self) -> Option<Self> {
-        loop {
-            let (pulls, _) = Problem::new(&self.curve, &self.best)?.misfit(&self.model, &self.best);
-            if pulls[0].abs() < SHORT_END_LIMIT || self.curve.variance.len() <= POINTS_FOR_MORE {
-                return Some(self);
+/// Shapes of growing order until two in turn were not worth it.
+fn family(problem: &Problem, markovs: usize, fewer: &[Found]) -> (Option<Priced>, Vec<Found>) {
+    let mut all: Vec<Found> = Vec::new();
+    let mut best: Option<Priced> = None;
+    let mut worse = 0;
+    for cosines in 0..=MOST_COSINES {
+        let mut tried: Vec<Found> = all.last().map(|before| with_cosine(problem, before)).into_iter().collect();
+        match (markovs, fewer.get(cosines)) {
+            (0, _) => {
+                tried.push(problem.descend(Form { cosines, ..Form::PLAIN }, &start(problem, cosines), None, DESCENT))
             }
-            let shorter = Self::of(self.curve.without_first(), self.model.has, true)?;
-            self = Self { excluded: self.excluded + 1, ..shorter };
+            (_, Some(fewer)) => tried.extend(with_markov(problem, fewer)),
+            (_, None) => break,
+        }
+        let Some(found) = tried.into_iter().min_by(|a, b| a.deviance.total_cmp(&b.deviance)) else { break };
+        all.push(found.clone());
+        let candidate = priced(problem, found);
+        match &best {
+            Some(best) if best.price <= candidate.price => worse += 1,
+            _ => (best, worse) = (Some(candidate), 0),
+        }
+        if worse == 2 {
+            break;
         }
     }
+    (best, all)
+}
 
-    /// The point that lies farthest above the others' fit, where that is far.
-    pub(super) fn hump(&self) -> Option<Hump> {
-        let (pulls, _) = Problem::new(&self.curve, &self.best)?.misfit(&self.model, &self.best);
-        let sigma = self.curve.covariance.of(&self.best);
-        let fitted = |i: usize| super::model::variance(&self.best, self.curve.geometry.tau_s(i));
-        let skewness = |i: usize| 2.0 * libm::sqrt(sigma.at(i, i)) / fitted(i);
-        let beyond = |i: usize| pulls[i] / quantile(HUMP_LIMIT, skewness(i));
-        let index = (0..pulls.len()).max_by(|&a, &b| beyond(a).total_cmp(&beyond(b)))?;
-        let hump = Hump { index, ratio: self.curve.variance[index] / fitted(index) };
-        (beyond(index) > 1.0).then_some(hump)
+/// The median of the upper band is white, the first coefficients are flicker and random walk.
+fn start(problem: &Problem, cosines: usize) -> Vec<f64> {
+    let rows = &problem.table.rows;
+    let mut upper: Vec<f64> = rows.iter().filter(|row| is_upper(problem, row.f_hz)).map(|row| row.bin.power).collect();
+    upper.sort_unstable_by(f64::total_cmp);
+    let first = &rows[..rows.len().min(6)];
+    let level = first.iter().map(|row| row.bin.power).sum::<f64>() / first.len().max(1) as f64;
+    let low = level * rows.get(2).map_or(1.0, |row| row.f_hz);
+    let mut at = vec![0.0; SHAPE + cosines];
+    at[N2] = upper.get(upper.len() / 2).copied().unwrap_or(level);
+    at[B2] = low * core::f64::consts::PI;
+    at[K2] = low * 5.0 * rows.get(2).map_or(1.0, |row| row.f_hz);
+    at
+}
+
+fn is_upper(problem: &Problem, f_hz: f64) -> bool {
+    f_hz > ERROR_ABOVE * problem.table.rate_hz
+}
+
+fn with_cosine(problem: &Problem, before: &Found) -> Found {
+    let mut at = before.at.clone();
+    at.insert(SHAPE + before.form.cosines, 0.0);
+    problem.descend(Form { cosines: before.form.cosines + 1, ..before.form }, &at, None, DESCENT)
+}
+
+/// One more Gauss–Markov term, from every start a short way and from the best to the end.
+fn with_markov(problem: &Problem, fewer: &Found) -> Vec<Found> {
+    let table = &problem.table;
+    let (first, last) = (FIRST_START / table.rate_hz, LAST_START * table.span_s);
+    if last <= first {
+        return Vec::new();
     }
+    let form = Form { markovs: fewer.form.markovs + 1, ..fewer.form };
+    let look = |start: u32| {
+        let tau_s = first * libm::pow(last / first, f64::from(start) / f64::from(STARTS - 1));
+        let variance = 0.3 * level_near(table, 1.0 / (2.0 * core::f64::consts::PI * tau_s)) / tau_s;
+        let at: Vec<f64> = fewer.at.iter().copied().chain([variance, libm::log(tau_s)]).collect();
+        problem.descend(form, &at, None, LOOK)
+    };
+    let mut looks: Vec<Found> = (0..STARTS).map(look).collect();
+    looks.sort_by(|a, b| a.deviance.total_cmp(&b.deviance));
+    looks.truncate(SURVIVORS);
+    looks.iter().map(|found| problem.descend(form, &found.at, None, DESCENT)).collect()
+}
 
-    /// χ² of the fit and its degrees of freedom.
-    pub(super) fn chi2(&self) -> (f64, usize) {
-        let problem = Problem::new(&self.curve, &self.best);
-        let chi2 = problem.map_or(0.0, |problem| problem.misfit(&self.model, &self.best).1);
-        (chi2, self.curve.variance.len() - self.model.has.iter().filter(|&&has| has).count())
+fn level_near(table: &Table, f_hz: f64) -> f64 {
+    let nearest = table.rows.partition_point(|row| row.f_hz < f_hz);
+    let part = &table.rows[nearest.saturating_sub(3)..(nearest + 4).min(table.rows.len())];
+    part.iter().map(|row| row.bin.power).sum::<f64>() / part.len().max(1) as f64
+}
+
+/// The same with a drift, and with quantisation of the angle in place of a shape.
+fn variants(problem: &Problem, best: &Priced) -> Vec<Priced> {
+    let found = &best.found;
+    let drifts = WARM_UPS.map(|part| Drift::WarmUp { tau_s: part * problem.table.span_s });
+    let with_drift = |drift| {
+        let form = Form { drift: Some(drift), ..found.form };
+        problem.descend(form, &found.at, None, DESCENT)
+    };
+    let enough = problem.table.singles() > 4;
+    let mut all: Vec<Found> = core::iter::once(Drift::Ramp).chain(drifts).filter(|_| enough).map(with_drift).collect();
+    if found.form.cosines > 0 {
+        let mut at = found.at.clone();
+        at.drain(SHAPE..SHAPE + found.form.cosines);
+        at[super::scoring::Q2] = at[N2] / (problem.table.rate_hz * problem.table.rate_hz);
+        all.push(problem.descend(Form { cosines: 0, quantised: true, ..found.form }, &at, None, DESCENT));
     }
+    all.into_iter().map(|found| priced(problem, found)).collect()
 }
 
-impl Curve {
-    fn without_first(&self) -> Self {
-        let mut geometry = self.geometry.clone();
-        geometry.m.remove(0);
-        geometry.terms.remove(0);
-        let covariance = Covariance::new(&geometry);
-        Self { geometry, variance: self.variance[1..].to_vec(), covariance }
+fn is_sound(problem: &Problem, found: &Found) -> bool {
+    let table = &problem.table;
+    let (shortest, longest) = (AT_BOUND * SHORTEST / table.rate_hz, LONGEST * table.span_s / AT_BOUND);
+    let tau_s = |index| libm::exp(found.at[found.form.markov(index) + 1]);
+    (0..found.form.markovs).all(|index| tau_s(index) > shortest && tau_s(index) < longest)
+}
+
+/// The relative error of the model that makes the scatter of the bins what it should be; 0 if it is.
+pub(super) fn model_error(problem: &Problem, found: &Found) -> f64 {
+    let rows = problem.table.rows.iter().zip(&found.density).filter(|(row, _)| is_upper(problem, row.f_hz));
+    let pulls: Vec<(f64, f64)> = rows
+        .map(|(row, density)| {
+            let off = row.bin.power / density - 1.0;
+            (off * off, row.bin.freedom)
+        })
+        .collect();
+    let freedom = pulls.len() as f64 - found.form.cosines as f64 - 1.0;
+    let scatter = |error: f64| pulls.iter().map(|(square, nu)| square / (2.0 / nu + error * error)).sum::<f64>();
+    if freedom < 1.0 || scatter(0.0) - freedom < ERROR_LIMIT * libm::sqrt(2.0 * freedom) {
+        return 0.0;
     }
+    let (mut low, mut high) = (0.0, 1.0);
+    while scatter(high) > freedom && high < 1e6 {
+        (low, high) = (high, 2.0 * high);
+    }
+    for _ in 0..40 {
+        let middle = f64::midpoint(low, high);
+        if scatter(middle) > freedom { low = middle } else { high = middle }
+    }
+    high
 }
 
-/// ln σ²τ is convex in ln τ for every sum of the five noises. Behind a low-pass it rises from the first octave on and
-/// then bends level; averages up to there leave. (At a hump it bends down.) How many left is returned beside the rest.
-fn without_bent_points(mut curve: Curve) -> (Curve, usize) {
-    let spare = curve.variance.len().saturating_sub(POINTS_FOR_MORE);
-    let bent =
-        if rises(&curve, 0) { (0..spare).rev().find(|&i| bends_level(&curve, i)).map_or(0, |i| i + 1) } else { 0 };
-    (0..bent).for_each(|_| curve = curve.without_first());
-    (curve, bent)
-}
-
-/// How fast ln σ²τ rises from one point to the next, per octave, and the variance of that.
-fn rise(curve: &Curve, i: usize) -> (f64, f64) {
-    let at = &curve.geometry;
-    let level = |i: usize| libm::log(curve.variance[i] * at.tau_s(i));
-    let octaves = libm::log2(at.m[i + 1] / at.m[i]);
-    (
-        (level(i + 1) - level(i)) / octaves,
-        (relative_variance(at, i) + relative_variance(at, i + 1)) / (octaves * octaves),
-    )
-}
-
-/// Of an Allan variance: 2/edf, to within a third.
-fn relative_variance(at: &Geometry, i: usize) -> f64 {
-    (2.0 * at.m[i] + 1.0) / at.terms[i]
-}
-
-fn rises(curve: &Curve, i: usize) -> bool {
-    let (rise, variance) = rise(curve, i);
-    rise > SHORT_END_LIMIT * libm::sqrt(variance)
-}
-
-fn bends_level(curve: &Curve, i: usize) -> bool {
-    let ((first, before), (second, after)) = (rise(curve, i), rise(curve, i + 1));
-    let is_level = second > -libm::sqrt(after);
-    let bends = first - second > SHORT_END_LIMIT * libm::sqrt(before + after);
-    bends && is_level && rises(curve, i) && relative_variance(&curve.geometry, i + 2) < MOST_UNCERTAIN
+/// χ² of the bins with their model error, and its degrees of freedom.
+pub(super) fn chi2(problem: &Problem, found: &Found) -> (f64, f64) {
+    let error = problem.error;
+    let term = |(row, density): (&super::density::Row, &f64)| {
+        let off = row.bin.power / density - 1.0;
+        off * off / (2.0 / row.bin.freedom + error * error)
+    };
+    let chi2 = problem.table.rows.iter().zip(&found.density).filter(|(row, _)| is_upper(problem, row.f_hz)).map(term);
+    let (mut sum, mut count) = (0.0, 0);
+    chi2.for_each(|term| (sum, count) = (sum + term, count + 1));
+    (sum, (f64::from(count) - found.form.cosines as f64 - 1.0).max(1.0))
 }

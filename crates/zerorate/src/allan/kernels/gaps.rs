@@ -22,7 +22,7 @@ pub(super) fn squares(input: &Input<'_>, kernel: Kernel, m: &[usize]) -> Vec<Res
 }
 
 /// NaN where samples were lost.
-fn expanded(codes: &[i32], gaps: &[Gap]) -> Vec<f64> {
+pub(in crate::allan) fn expanded(codes: &[i32], gaps: &[Gap]) -> Vec<f64> {
     let mut rate = Vec::new();
     let mut next = 0;
     for gap in gaps {

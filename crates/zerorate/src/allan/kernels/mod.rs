@@ -14,6 +14,8 @@ mod sweep;
 mod tests;
 mod threads;
 
+#[cfg(feature = "std")]
+pub(super) use gaps::expanded;
 pub(super) use kernel::{Kernel, Order, Plain};
 
 use super::stat::{Factor, Row};

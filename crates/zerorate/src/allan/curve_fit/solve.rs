@@ -1,7 +1,7 @@
 //! Generalised non-negative least squares with the covariance of the fitted model itself, iterated.
 
-use super::linear::{Cholesky, Square, dot};
 use super::model::{Coefficients, Covariance, Geometry, N, Q, terms, variance};
+use crate::allan::linear::{Cholesky, Square, dot};
 use alloc::vec::Vec;
 
 /// Iterations of weights and coefficients.

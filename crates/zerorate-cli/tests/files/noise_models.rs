@@ -1,0 +1,245 @@
+//! Noise models of real sensors at rest, against an independent implementation.
+//!
+//! The numbers are those of the prototype of the method, written in Python with numpy and scipy: other code, another
+//! solver (logarithms as parameters), the same mathematics. `python3 reference.py` beside the reference data prints them.
+
+use super::Bench;
+use super::allan::reference_data;
+use lzma_rust2::XzReader;
+use serde_json::Value;
+use std::fs::File;
+use std::io::Read;
+
+/// What the prototype has of an axis, in the unit of the log.
+struct Axis {
+    file: &'static str,
+    options: &'static str,
+    n: f64,
+    b: f64,
+    /// Root of the median density from 1 to 5 Hz.
+    plateau: f64,
+    error: f64,
+    /// σ and T.
+    gauss_markov: Option<(f64, f64)>,
+    steps: usize,
+    octaves: usize,
+    /// Model at 64 and 4096 samples.
+    model: [f64; 2],
+    inside: usize,
+}
+
+const GYRO: &str = "--raw i16 --rate 100 --scale 0.05";
+const ACCEL: &str = "--raw i16 --rate 100 --scale 3.33";
+
+const AXES: [Axis; 7] = [
+    Axis {
+        file: "adis16405/adis16405_imu1_gyro_x.i16le.xz",
+        options: GYRO,
+        n: 4.041479e-2,
+        b: 7.461984e-3,
+        plateau: 4.032305e-2,
+        error: 0.0,
+        gauss_markov: None,
+        steps: 0,
+        octaves: 19,
+        model: [5.061622e-2, 8.264997e-3],
+        inside: 18,
+    },
+    Axis {
+        file: "adis16405/adis16405_imu1_gyro_y.i16le.xz",
+        options: GYRO,
+        n: 4.248092e-2,
+        b: 9.632041e-3,
+        plateau: 4.249921e-2,
+        error: 0.01226,
+        gauss_markov: None,
+        steps: 0,
+        octaves: 19,
+        model: [5.333893e-2, 9.478360e-3],
+        inside: 19,
+    },
+    Axis {
+        file: "adis16405/adis16405_imu1_gyro_z.i16le.xz",
+        options: GYRO,
+        n: 3.792118e-2,
+        b: 7.687789e-3,
+        plateau: 3.799380e-2,
+        error: 0.0,
+        gauss_markov: None,
+        steps: 0,
+        octaves: 19,
+        model: [4.798052e-2, 8.422658e-3],
+        inside: 18,
+    },
+    Axis {
+        file: "adis16405/adis16405_imu1_accel_x.i16le.xz",
+        options: ACCEL,
+        n: 4.442451e-1,
+        b: 3.038739e-1,
+        plateau: 4.487203e-1,
+        error: 0.01584,
+        gauss_markov: Some((0.327547, 25.9189)),
+        steps: 0,
+        octaves: 19,
+        model: [9.155901e-1, 3.242065e-1],
+        inside: 19,
+    },
+    Axis {
+        file: "adis16405/adis16405_imu1_accel_y.i16le.xz",
+        options: ACCEL,
+        n: 3.675303e-1,
+        b: 2.228510e-1,
+        plateau: 3.667990e-1,
+        error: 0.02186,
+        gauss_markov: Some((0.435307, 95.5001)),
+        steps: 0,
+        octaves: 19,
+        model: [6.457323e-1, 2.587731e-1],
+        inside: 18,
+    },
+    Axis {
+        file: "adis16405/adis16405_imu1_accel_z.i16le.xz",
+        options: ACCEL,
+        n: 4.645922e-1,
+        b: 2.565783e-1,
+        plateau: 4.685772e-1,
+        error: 0.01948,
+        gauss_markov: Some((0.239299, 103.9085)),
+        steps: 2,
+        octaves: 19,
+        model: [7.823250e-1, 2.136300e-1],
+        inside: 16,
+    },
+    Axis {
+        file: "mtig/cont_imu1_gyro_x.f32le.xz",
+        options: "--raw f32 --rate 100 --unit rad/s",
+        n: 3.033398e-2,
+        b: 0.0,
+        plateau: 3.037371e-2,
+        error: 0.0,
+        gauss_markov: Some((0.0171461, 2.84726)),
+        steps: 0,
+        octaves: 18,
+        model: [3.840681e-2, 7.687778e-3],
+        inside: 17,
+    },
+];
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or(f64::NAN)
+}
+
+fn near(value: &Value, truth: f64, relative: f64) -> bool {
+    (number(value) - truth).abs() <= relative * truth.abs()
+}
+
+/// Figures to meet: N within 1.5 % of the plateau, 94 % of all octaves inside the band.
+#[test]
+fn seven_real_axes() {
+    let Some(folder) = reference_data() else { return };
+    let bench = Bench::new();
+    let (mut inside, mut octaves) = (0, 0);
+    for axis in &AXES {
+        let mut samples = Vec::new();
+        let packed = File::open(folder.join(axis.file)).unwrap();
+        XzReader::new(packed, true).read_to_end(&mut samples).unwrap();
+        bench.write("axis.raw", samples);
+        let text = bench.zerorate(&format!("allan axis.raw {} --json", axis.options)).ok();
+        let report: Value = serde_json::from_str(&text).unwrap();
+        let (file, fit) = (axis.file, &report["fit"]);
+        assert!(near(&fit["n"]["value"], axis.n, 2e-3), "{file}: N {} for {}", fit["n"]["value"], axis.n);
+        assert!(near(&fit["n"]["value"], axis.plateau, 0.015), "{file}: N {}", fit["n"]["value"]);
+        assert!(axis.b == 0.0 || near(&fit["b"]["value"], axis.b, 5e-3), "{file}: B {}", fit["b"]["value"]);
+        assert_eq!(fit["b"]["identified"], axis.b > 0.0, "{file}");
+        assert!((number(&fit["model_error"]) - axis.error).abs() < 1e-3, "{file}: ε {}", fit["model_error"]);
+        let terms = fit["terms"].as_array().unwrap().iter();
+        let found: Vec<&Value> = terms.filter(|term| term["kind"] == "gauss-markov").collect();
+        assert_eq!(found.len(), usize::from(axis.gauss_markov.is_some()), "{file}");
+        if let Some((sigma, tau_s)) = axis.gauss_markov {
+            assert!(near(&found[0]["sigma"]["value"], sigma, 5e-3), "{file}: σ {}", found[0]["sigma"]);
+            assert!(near(&found[0]["tau_s"]["value"], tau_s, 1e-2), "{file}: T {}", found[0]["tau_s"]);
+        }
+        assert_eq!(report["cleaned"]["steps"].as_array().unwrap().len(), axis.steps, "{file}");
+        let points = report["points"].as_array().unwrap();
+        assert!(near(&points[6]["model"], axis.model[0], 3e-3) && near(&points[12]["model"], axis.model[1], 5e-3));
+        let within = |point: &&Value| {
+            let dev = number(&point["dev"]);
+            number(&point["model_lo"]) <= dev && dev <= number(&point["model_hi"])
+        };
+        let here = points.iter().filter(within).count();
+        assert_eq!((here, points.len()), (axis.inside, axis.octaves), "{file}");
+        (inside, octaves) = (inside + here, octaves + points.len());
+    }
+    assert!(inside as f64 >= 0.94 * octaves as f64, "{inside} of {octaves} octaves");
+}
+
+/// White noise of a quarter of an hour at 100 Hz with a glitch, a step and losses.
+#[test]
+fn what_was_taken_out_is_said_and_can_be_kept() {
+    let bench = Bench::new();
+    let mut state = 5u64;
+    let mut uniform = move || {
+        state = 16_807 * state % 2_147_483_647;
+        state as f64 / 2_147_483_647.0 - 0.5
+    };
+    let mut rate: Vec<f64> = (0..90_000).map(|_| (0..12).map(|_| uniform()).sum::<f64>() * 0.06).collect();
+    rate[1000] = 250.0;
+    rate[50_000..].iter_mut().for_each(|rate| *rate += 0.05);
+    bench.write("log.f64", rate.iter().flat_map(|rate| rate.to_le_bytes()).collect::<Vec<_>>());
+    let of = |options: &str| {
+        let run = bench.zerorate(&format!("allan log.f64 --raw f64 --rate 100 --unit dps {options}--json"));
+        let said = run.stderr.clone();
+        (serde_json::from_str::<Value>(&run.ok()).unwrap(), said)
+    };
+    let (clean, said) = of("");
+    assert_eq!(clean["cleaned"]["glitches"], 1);
+    let step = &clean["cleaned"]["steps"][0];
+    assert!(near(&step["at_s"], 500.0, 0.01) && near(&step["size"], 0.05, 0.1), "{step}");
+    assert!(near(&clean["fit"]["n"]["value"], 0.006, 0.01) && clean["fit"]["k"]["identified"] == false);
+    assert!(near(&clean["points"][0]["dev"], 0.06, 0.02), "the curve is of the record without both");
+    assert!(said.contains("warning: glitches: 1 glitches") && said.contains("warning: step: at 500"), "{said}");
+    let (kept, _) = of("--keep-glitches --steps keep ");
+    assert!(number(&kept["points"][0]["dev"]) > 0.5 && kept["cleaned"]["steps"].as_array().unwrap().is_empty());
+    let (jumps, _) = of("--steps keep ");
+    assert!(number(&jumps["fit"]["k"]["value"]) > 5e-4, "{}", jumps["fit"]["k"]);
+    bench.zerorate("allan log.f64 --raw f64 --rate 100 --cut-glitches --keep-glitches").fails(2);
+    let picture = "allan log.f64 --raw f64 --rate 100 --unit dps --plot plot.svg --report page.html";
+    bench.zerorate(picture).ok();
+    let svg = std::fs::read_to_string(bench.path("plot.svg")).unwrap();
+    assert!(svg.contains("1 glitch out, 1 step out"), "{svg}");
+    assert!(std::fs::read_to_string(bench.path("page.html")).unwrap().contains("holds to 0.0 %"));
+    let csv = bench.zerorate("allan log.f64 --raw f64 --rate 100 --taus 0.01 --csv").ok();
+    let dev: f64 = csv.lines().nth(1).unwrap().split(',').nth(2).unwrap().parse().unwrap();
+    assert!(dev > 0.5, "without a fit nothing is taken out: {dev}");
+}
+
+/// An echo: a comb that no term follows. Nothing of it is a result, and nothing is written.
+#[test]
+fn a_rejected_model_is_no_result() {
+    let bench = Bench::new();
+    let mut state = 7u64;
+    let mut uniform = move || {
+        state = 16_807 * state % 2_147_483_647;
+        state as f64 / 2_147_483_647.0 - 0.5
+    };
+    let white: Vec<f64> = (0..60_000).map(|_| (0..12).map(|_| uniform()).sum::<f64>()).collect();
+    let echo = (40..60_000).flat_map(|i| (white[i] + 0.9 * white[i - 40]).to_le_bytes());
+    bench.write("echo.f64", echo.collect::<Vec<_>>());
+    let line = "allan echo.f64 --raw f64 --rate 100 --unit dps";
+    let run = bench.zerorate(&format!("{line} --fit --imu-yaml imu.yaml"));
+    let run = run.ended_with(3);
+    assert!(
+        run.stderr.contains("refused: ") && run.stderr.contains("none of its coefficients is a result"),
+        "{run:?}"
+    );
+    assert!(run.stdout.contains("model rejected") && !run.stdout.contains("To find the bias"), "{}", run.stdout);
+    assert!(!bench.path("imu.yaml").exists());
+    bench.zerorate(&format!("{line} --fit")).ended_with(3);
+    let report: Value = serde_json::from_str(&bench.zerorate(&format!("{line} --json")).ok()).unwrap();
+    assert_eq!(report["fit"]["rejected"], true);
+    assert!(["n", "b", "k"].iter().all(|letter| report["fit"][letter]["identified"] == false));
+    assert!(report["advice"].as_array().unwrap().is_empty());
+    bench.write("short.csv", "1\n3\n2\n4\n".repeat(5));
+    bench.zerorate("allan short.csv --rate 100 --unit dps --imu-yaml imu.yaml").ended_with(3);
+    assert!(!bench.path("imu.yaml").exists());
+}

@@ -1,0 +1,211 @@
+//! What each noise adds to the expected power of a bin.
+
+use super::bins::Bin;
+use alloc::vec::Vec;
+use core::f64::consts::PI;
+
+/// Most cosines of the white noise's band shape.
+pub(super) const MOST_COSINES: usize = 6;
+/// Coefficients in which the phase of a drift is looked at.
+pub(super) const LOW: usize = 64;
+/// E(c_k²) of 1/f noise over its density at f_k, k = 1, 2 …, and 1 beyond: ∫|Φ_k|²/f df, Φ_k the transform of the
+/// cosine.
+const FLICKER: [f64; 20] = [
+    0.7737, 0.9028, 0.9311, 0.9499, 0.9592, 0.9664, 0.9709, 0.9747, 0.9774, 0.9798, 0.9815, 0.9831, 0.9844, 0.9855,
+    0.9865, 0.9873, 0.9881, 0.9887, 0.9893, 0.9899,
+];
+
+/// The bins that are fitted, with all that does not depend on the parameters.
+#[derive(Clone, Debug)]
+pub(super) struct Table {
+    pub(super) rate_hz: f64,
+    /// Length of the record, s.
+    pub(super) span_s: f64,
+    pub(super) rows: Vec<Row>,
+    /// The first coefficients times √dt.
+    pub(super) low: Vec<f64>,
+}
+
+/// A bin, with the density of each noise per squared coefficient.
+#[derive(Clone, Debug)]
+pub(super) struct Row {
+    pub(super) bin: Bin,
+    /// Middle and ends, Hz.
+    pub(super) f_hz: f64,
+    from_hz: f64,
+    to_hz: f64,
+    pub(super) walk: f64,
+    pub(super) flicker: f64,
+    pub(super) quantisation: f64,
+    pub(super) cosines: [f64; MOST_COSINES],
+}
+
+impl Table {
+    pub(super) fn new(bins: impl Iterator<Item = Bin>, low: &[f64], samples: usize, rate_hz: f64) -> Self {
+        let span_s = samples as f64 / rate_hz;
+        let rows = bins.map(|bin| Row::new(bin, span_s, rate_hz)).collect();
+        Self { rate_hz, span_s, rows, low: low[..low.len().min(LOW)].to_vec() }
+    }
+
+    /// Rows of one coefficient each that a drift is looked for in, by their coefficient: they come first.
+    pub(super) fn singles(&self) -> usize {
+        self.rows.iter().take_while(|row| row.bin.is_single() && row.bin.first <= self.low.len()).count()
+    }
+}
+
+impl Row {
+    fn new(bin: Bin, span_s: f64, rate_hz: f64) -> Self {
+        let hz = 1.0 / (2.0 * span_s);
+        let (from_hz, to_hz) = ((bin.first as f64 - 0.5) * hz, (bin.end as f64 - 0.5) * hz);
+        let f_hz = bin.middle() * hz;
+        let half_angle = PI * f_hz / rate_hz;
+        let sin = libm::sin(half_angle);
+        let (walk, flicker) = match bin.is_single() {
+            true => (1.0 / (f_hz * f_hz), FLICKER.get(bin.first - 1).unwrap_or(&1.0) / f_hz),
+            false => (1.0 / (from_hz * to_hz), libm::log(to_hz / from_hz) / (to_hz - from_hz)),
+        };
+        let sampled = half_angle / sin;
+        Self {
+            bin,
+            f_hz,
+            from_hz,
+            to_hz,
+            walk: walk / (4.0 * PI * PI) * sampled * sampled,
+            flicker: flicker / (2.0 * PI),
+            quantisation: 4.0 * sin * sin * rate_hz * rate_hz,
+            cosines: core::array::from_fn(|j| libm::cos((j + 1) as f64 * 2.0 * half_angle) - 1.0),
+        }
+    }
+
+    /// A Gauss–Markov process of variance 1 and correlation time `tau_s` in a record of `span_s`: exact for one
+    /// coefficient, else the mean over the bin; and its slope by ln `tau_s`.
+    pub(super) fn gauss_markov(&self, tau_s: f64, span_s: f64) -> (f64, f64) {
+        if self.bin.is_single() {
+            let w = 2.0 * PI * self.f_hz * tau_s;
+            let lorentz = 1.0 + w * w;
+            let (a, slope) = (2.0 * tau_s / lorentz, 2.0 * tau_s * (1.0 - w * w) / (lorentz * lorentz));
+            let sign = if self.bin.first.is_multiple_of(2) { 1.0 } else { -1.0 };
+            let rest = sign * libm::exp(-span_s / tau_s);
+            let end = 1.0 - rest;
+            let end_slope = -rest * span_s / tau_s;
+            return (
+                a * (1.0 - end * a / span_s),
+                slope * (1.0 - 2.0 * end * a / span_s) - end_slope * a * a / span_s,
+            );
+        }
+        let (w0, w1) = (2.0 * PI * self.from_hz * tau_s, 2.0 * PI * self.to_hz * tau_s);
+        let per_width = 1.0 / (PI * (self.to_hz - self.from_hz));
+        // atan(w1) − atan(w0) without the difference of two numbers near π/2
+        let wide = per_width * libm::atan((w1 - w0) / (1.0 + w0 * w1));
+        let slope = per_width * (w1 / (1.0 + w1 * w1) - w0 / (1.0 + w0 * w0));
+        (wide * (1.0 - wide / span_s), slope * (1.0 - 2.0 * wide / span_s))
+    }
+}
+
+/// What is no noise but moves the rate all the time, in the first coefficients.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Drift {
+    /// Evenly: R·t.
+    Ramp,
+    /// By e^(−t/τ) from the start.
+    WarmUp {
+        /// Time constant τ, s.
+        tau_s: f64,
+    },
+}
+
+impl Drift {
+    /// The level at a time, at size 1.
+    pub(super) fn at(self, t_s: f64) -> f64 {
+        match self {
+            Self::Ramp => t_s,
+            Self::WarmUp { tau_s } => libm::exp(-t_s / tau_s),
+        }
+    }
+
+    /// c_k·√dt of a drift of size 1, k = 1, 2 …
+    pub(super) fn coefficients(self, span_s: f64, count: usize) -> Vec<f64> {
+        let one = |k: usize| {
+            let (odd, angle) = (k % 2 == 1, k as f64 * PI);
+            match self {
+                Self::Ramp if odd => -4.0 * span_s / (angle * angle) * libm::sqrt(span_s / 2.0),
+                Self::Ramp => 0.0,
+                Self::WarmUp { tau_s } => {
+                    let (decay, end) = (span_s / tau_s, libm::exp(-span_s / tau_s));
+                    let rest = if odd { 1.0 + end } else { 1.0 - end };
+                    libm::sqrt(2.0 * span_s) * decay * rest / (decay * decay + angle * angle)
+                }
+            }
+        };
+        (1..=count).map(one).collect()
+    }
+
+    /// The Allan variance that it makes at size 1: half the mean square of the difference of two averages.
+    pub(super) fn allan_variance(self, tau_s: f64, record_s: f64) -> f64 {
+        match self {
+            Self::Ramp => tau_s * tau_s / 2.0,
+            Self::WarmUp { tau_s: decay_s } => {
+                let fall = -libm::expm1(-tau_s / decay_s);
+                let difference = decay_s / tau_s * fall * fall;
+                let starts_s = (record_s - 2.0 * tau_s).max(1e-3 * record_s);
+                let mean = decay_s / 2.0 * -libm::expm1(-2.0 * starts_s / decay_s) / starts_s;
+                difference * difference * mean / 2.0
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::bins::{Bin, Response};
+    use super::super::transform::cosine_transform;
+    use super::*;
+
+    fn bin(first: usize, end: usize) -> Bin {
+        Bin { first, end, freedom: (end - first) as f64, power: 1.0, response: Response::WHOLE }
+    }
+
+    /// Each by the transform of the samples themselves.
+    #[test]
+    fn drifts_are_their_transform() {
+        let (n, rate_hz) = (20_000, 10.0);
+        let span_s = n as f64 / rate_hz;
+        for drift in [Drift::Ramp, Drift::WarmUp { tau_s: 300.0 }] {
+            let samples: Vec<f64> = (0..n).map(|i| drift.at((i as f64 + 0.5) / rate_hz)).collect();
+            let found = cosine_transform(&samples).unwrap();
+            let largest = found.iter().fold(0.0f64, |most, c| most.max(c.abs()));
+            for (expected, found) in drift.coefficients(span_s, 20).into_iter().zip(&found) {
+                assert!((expected * rate_hz.sqrt() - found).abs() < 1e-5 * largest, "{drift:?}: {expected} {found}");
+            }
+        }
+    }
+
+    /// The exact variance of a coefficient: Σ of the covariance matrix e^(−|i−j|dt/T), written out.
+    #[test]
+    fn gauss_markov_is_exact_for_a_coefficient() {
+        let (n, rate_hz, tau_s) = (400usize, 10.0, 8.0);
+        for k in [1usize, 2, 5] {
+            let w = |i: usize| (2.0 / n as f64).sqrt() * (PI * (k * (2 * i + 1)) as f64 / (2 * n) as f64).cos();
+            let correlation = |i: usize, j: usize| (-(i.abs_diff(j) as f64) / rate_hz / tau_s).exp();
+            let pairs = (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));
+            let exact: f64 = pairs.map(|(i, j)| w(i) * w(j) * correlation(i, j)).sum::<f64>() / rate_hz;
+            let row = Row::new(bin(k, k + 1), n as f64 / rate_hz, rate_hz);
+            let (found, slope) = row.gauss_markov(tau_s, 40.0);
+            assert!((found / exact - 1.0).abs() < 2e-3, "{k}: {found} for {exact}");
+            let beside = row.gauss_markov(tau_s * 1e-4f64.exp(), 40.0).0;
+            assert!(((beside - found) / 1e-4 - slope).abs() < 1e-3 * found, "{k}: slope {slope}");
+        }
+    }
+
+    #[test]
+    fn wide_bins_are_means_over_their_coefficients() {
+        let (span_s, rate_hz) = (100.0, 100.0);
+        let wide = Row::new(bin(200, 240), span_s, rate_hz);
+        let singles: Vec<Row> = (200..240).map(|k| Row::new(bin(k, k + 1), span_s, rate_hz)).collect();
+        let mean = |of: &dyn Fn(&Row) -> f64| singles.iter().map(of).sum::<f64>() / 40.0;
+        assert!((wide.walk / mean(&|row| row.walk) - 1.0).abs() < 1e-4);
+        assert!((wide.flicker / mean(&|row| row.flicker) - 1.0).abs() < 1e-4);
+        let of = |row: &Row| row.gauss_markov(0.3, span_s).0;
+        assert!((of(&wide) / mean(&of) - 1.0).abs() < 1e-4);
+    }
+}

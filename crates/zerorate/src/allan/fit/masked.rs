@@ -1,0 +1,98 @@
+//! What was left out of the fit because it is in a line.
+
+use super::bins::Bin;
+use super::density::Table;
+use super::lines::Line;
+use super::scoring::{Form, N2, Problem};
+use super::select::Selection;
+use super::spectrum::Spectrum;
+use alloc::vec;
+use alloc::vec::Vec;
+use core::f64::consts::PI;
+
+/// What the masked bins hold above the model.
+pub(super) struct Masked {
+    /// Variance and frequency.
+    pub(super) sines: Vec<(f64, f64)>,
+    pub(super) lines: Vec<Line>,
+    /// First coefficient of each of these, and one past its last.
+    runs: Vec<(usize, usize)>,
+    /// What the tails of broad lines near the upper end add to the density at frequency 0.
+    pub(super) tail_at_zero: f64,
+}
+
+/// A resonance this near to half the rate, in octaves, has a tail that N cannot be told from.
+const NEAR_THE_END: f64 = 2.0;
+
+/// A line this many times as strong as the white noise within its frequency is seen in a quarter of its period.
+const SEEN: f64 = 8.0;
+
+/// Where a line stands out of the noise while it lasts a quarter of a period, so that its ends look like steps: the
+/// coefficients of all lines, since some are its tails. The first of each and one past its last.
+pub(super) fn loud(spectrum: &Spectrum, chosen: &Selection, rate_hz: f64) -> Vec<(usize, usize)> {
+    let hz = rate_hz / (2.0 * spectrum.samples as f64);
+    let narrow = spectrum.narrow.iter().map(|line| {
+        let (middle, half) = (line.frequency_hz / hz, line.width_hz / hz);
+        (line, (libm::floor(middle - half).max(1.0) as usize, libm::ceil(middle + half) as usize + 1))
+    });
+    let masked = Masked::of(spectrum, chosen, rate_hz);
+    let broad = masked.lines.iter().zip(masked.runs.iter().copied());
+    let stands_out =
+        |(line, _): &(&Line, (usize, usize))| line.rms * line.rms > SEEN * line.frequency_hz * chosen.found.at[N2];
+    let all: Vec<(&Line, (usize, usize))> = narrow.chain(broad).collect();
+    if all.iter().any(stands_out) { all.into_iter().map(|(_, run)| run).collect() } else { Vec::new() }
+}
+
+impl Masked {
+    pub(super) fn of(spectrum: &Spectrum, chosen: &Selection, rate_hz: f64) -> Self {
+        let kept = |bin: &Bin| chosen.problem.table.rows.iter().any(|row| row.bin.first == bin.first);
+        let masked: Vec<Bin> = spectrum.bins.iter().filter(|bin| !kept(bin)).copied().collect();
+        let table = Table::new(masked.iter().copied(), &[], spectrum.samples, rate_hz);
+        let own = &chosen.found;
+        let smooth = Problem::new(table, 0.0).density(&Form { drift: None, ..own.form }, &own.at);
+        let hz = rate_hz / (2.0 * spectrum.samples as f64);
+        let mut found = Self { sines: Vec::new(), lines: Vec::new(), runs: Vec::new(), tail_at_zero: 0.0 };
+        let mut runs: Vec<Vec<(f64, Bin)>> = Vec::new();
+        for (bin, smooth) in masked.iter().zip(smooth) {
+            let width_hz = (bin.end - bin.first) as f64 * hz;
+            let variance = 2.0 * (bin.power - smooth) * width_hz;
+            let from_hz = (bin.first as f64 - 0.5) * hz;
+            found.sines.extend((0..4).map(|i| (variance / 4.0, from_hz + (f64::from(i) + 0.5) / 4.0 * width_hz)));
+            match runs.last_mut() {
+                Some(run) if run.last().is_some_and(|(_, last)| last.end == bin.first) => run.push((variance, *bin)),
+                _ => runs.push(vec![(variance, *bin)]),
+            }
+        }
+        found.runs = runs.iter().map(|run| (run[0].1.first, run[run.len() - 1].1.end)).collect();
+        found.lines = runs.iter().map(|run| line(run, hz)).collect();
+        found.tail_at_zero = found.lines.iter().map(|line| tail(line, rate_hz)).sum();
+        found
+    }
+}
+
+/// Adjacent masked bins as one line: where its power is, and half of it in so many Hz.
+fn line(run: &[(f64, Bin)], hz: f64) -> Line {
+    let total = variance_of(run);
+    let at = |part: f64| {
+        let mut sum = 0.0;
+        let reaches = |(variance, _): &&(f64, Bin)| {
+            sum += variance.max(0.0);
+            sum >= part * total
+        };
+        run.iter().find(reaches).map_or(0.0, |(_, bin)| bin.middle() * hz)
+    };
+    let narrowest = run.iter().map(|(_, bin)| (bin.end - bin.first) as f64 * hz).fold(f64::INFINITY, f64::min);
+    Line { frequency_hz: at(0.5), width_hz: (at(0.75) - at(0.25)).max(narrowest), rms: libm::sqrt(total) }
+}
+
+fn variance_of(run: &[(f64, Bin)]) -> f64 {
+    run.iter().map(|(variance, _)| variance.max(0.0)).sum()
+}
+
+/// Density at 0 of a resonance of this power and width (half of its power lies within it): P·w/(π(f² + w²)).
+fn tail(line: &Line, rate_hz: f64) -> f64 {
+    let near = line.frequency_hz > rate_hz / 2.0 / libm::exp2(NEAR_THE_END);
+    let half = line.width_hz / 2.0;
+    let square = line.frequency_hz * line.frequency_hz + half * half;
+    if near { line.rms * line.rms * half / (PI * square) } else { 0.0 }
+}

@@ -1,0 +1,64 @@
+//! What there is to know about a record and its model.
+
+use super::lines::Line;
+use super::select::Selection;
+use super::{Fit, MOST_ERROR, Term, steadiness};
+use crate::allan::{AllanWarning, Noise};
+use alloc::vec::Vec;
+
+/// What is said of the record as it came.
+#[derive(Clone, Copy)]
+pub(super) struct Raw {
+    pub(super) record_s: f64,
+    pub(super) missing: usize,
+}
+
+/// Two choices of terms that differ by less in price cannot be told apart.
+const CLOSE: f64 = 6.0;
+
+pub(super) fn remarks(fit: &Fit, chosen: &Selection, rate: &[f64], rate_hz: f64, raw: Raw) -> Vec<AllanWarning> {
+    let mut warnings = Vec::new();
+    if fit.is_rejected {
+        warnings.push(AllanWarning::Rejected { error: fit.model_error, most: MOST_ERROR });
+    }
+    if raw.missing > 0 {
+        warnings.push(AllanWarning::Gaps { missing: raw.missing as u64, samples: rate.len() as u64 });
+    }
+    let lines = fit.terms.iter().filter_map(|term| if let Term::Line(line) = term { Some(line) } else { None });
+    if let Some(strongest) = lines.clone().max_by(|a, b| a.rms.total_cmp(&b.rms)) {
+        let Line { frequency_hz, rms, .. } = *strongest;
+        warnings.push(AllanWarning::Lines { count: lines.count(), frequency_hz, rms });
+    }
+    if let Some(q) = fit.q {
+        let below_s = 3.0 * q.value * q.value / (fit.n.value * fit.n.value).max(f64::MIN_POSITIVE);
+        warnings.push(AllanWarning::QuantisationLimited { q: q.value, below_s: below_s.min(fit.span_s.1) });
+    }
+    if let Some(r) = fit.r {
+        warnings.push(AllanWarning::Drift { r: r.value, over_record: r.value * raw.record_s });
+    }
+    warnings.extend(fit.terms.iter().filter_map(|term| match term {
+        Term::WarmUp { size, tau_s } => Some(AllanWarning::WarmUp { size: size.value, tau_s: *tau_s }),
+        _ => None,
+    }));
+    if let Some((form, worse)) = chosen.runner_up.filter(|(_, worse)| *worse < CLOSE) {
+        let own = &chosen.found.form;
+        let memory = form.markovs != own.markovs;
+        warnings.push(if memory {
+            AllanWarning::MemoryOrFlicker { markovs: own.markovs, others: form.markovs, worse }
+        } else {
+            AllanWarning::DriftOrWalk { has_drift: own.drift.is_some(), worse }
+        });
+    }
+    if let Some(steadiness::Difference { tau_s, ratio }) = steadiness::halves(rate, rate_hz, &fit.model) {
+        warnings.push(AllanWarning::Unsteady { tau_s, ratio });
+    }
+    let coefficients =
+        [(Noise::AngleRandomWalk, fit.n), (Noise::BiasInstability, fit.b), (Noise::RateRandomWalk, fit.k)];
+    let missing = coefficients.into_iter().filter_map(|(noise, c)| Some((noise, c.needed_s?)));
+    warnings.extend(missing.map(|(noise, needed_s)| AllanWarning::NotIdentified {
+        noise,
+        record_s: raw.record_s,
+        needed_s,
+    }));
+    warnings
+}

@@ -1,0 +1,171 @@
+//! From a record to its bins: one transform of a record that is complete, two bands of one with gaps.
+
+use super::bins::{Bin, Response, bins, empty_bins};
+use super::density::LOW;
+use super::lines::{Line, take_out_narrow};
+use super::transform::{cosine_transform, smooth_length};
+use alloc::vec::Vec;
+use realfft::FftError;
+
+/// A record's cosine spectrum.
+#[derive(Clone, Debug)]
+pub(super) struct Spectrum {
+    pub(super) bins: Vec<Bin>,
+    /// The first coefficients times √dt.
+    pub(super) low: Vec<f64>,
+    /// What left the bins.
+    pub(super) narrow: Vec<Line>,
+    /// Samples that entered, lost ones included.
+    pub(super) samples: usize,
+}
+
+/// Samples of an average of the slow band, and averages that there shall be at least.
+const SLOT: usize = 256;
+const FEWEST_SLOTS: usize = 1024;
+/// The slow band ends at this part of the averages' rate, the fast one begins at this multiple of it.
+const SLOW_BELOW: f64 = 1.0 / 6.0;
+const FAST_ABOVE: f64 = 4.0;
+/// Lags over which it is judged whether samples are lost one by one or in bursts.
+const NEIGHBOURS: usize = 16;
+
+impl Spectrum {
+    /// Of a rate; NaN is a missing sample.
+    pub(super) fn of(rate: &[f64], rate_hz: f64) -> Result<Self, FftError> {
+        match rate.iter().any(|value| value.is_nan()) {
+            false => Self::whole(&rate[..smooth_length(rate.len())], rate_hz),
+            true => Self::with_gaps(rate, rate_hz),
+        }
+    }
+
+    fn whole(rate: &[f64], rate_hz: f64) -> Result<Self, FftError> {
+        let coefficients = cosine_transform(&centred(rate))?;
+        let power: Vec<f64> = coefficients.iter().map(|c| c * c / rate_hz).collect();
+        let mut bins = bins(&power);
+        let narrow = take_out_narrow(&power, &mut bins, rate_hz / (2.0 * rate.len() as f64));
+        let low = coefficients.iter().take(LOW).map(|c| c / libm::sqrt(rate_hz)).collect();
+        Ok(Self { bins, low, narrow, samples: rate.len() })
+    }
+
+    /// Slow: the transform of averages over what is there. Fast: that of the rest, zero where samples are missing.
+    fn with_gaps(rate: &[f64], rate_hz: f64) -> Result<Self, FftError> {
+        let slot = slot_length(rate.len());
+        let slots = smooth_length(rate.len() / slot);
+        let samples = slots * slot;
+        let averages = Averages::of(&rate[..samples], slot);
+        let slot_rate_hz = rate_hz / slot as f64;
+        let coefficients = cosine_transform(&centred(&averages.means))?;
+        let power: Vec<f64> = coefficients.iter().map(|c| c * c / slot_rate_hz).collect();
+        let low = coefficients.iter().take(LOW).map(|c| c / libm::sqrt(slot_rate_hz)).collect();
+        let slow_end = (2.0 * SLOW_BELOW * slots as f64) as usize;
+        let (fast, narrow) = fast_band(&rate[..samples], &averages, rate_hz)?;
+        let slow = empty_bins(samples).into_iter().filter(|bin| bin.end <= slow_end).map(|bin| {
+            let mean = power[bin.first - 1..bin.end - 1].iter().sum::<f64>() / bin.freedom;
+            let angle = core::f64::consts::PI * bin.middle() / (2 * slots) as f64;
+            let sinc = libm::sin(angle) / angle;
+            let response = Response { offset: 0.0, slow: sinc * sinc, white: averages.white };
+            Bin { power: mean, response, freedom: bin.freedom * averages.present, ..bin }
+        });
+        Ok(Self { bins: slow.chain(fast).collect(), low, narrow, samples })
+    }
+}
+
+/// Samples of an average, a power of two.
+pub(super) fn slot_length(samples: usize) -> usize {
+    core::iter::successors(Some(SLOT), |slot| Some(slot / 2))
+        .find(|slot| *slot <= 4 || samples / slot >= FEWEST_SLOTS)
+        .unwrap_or(4)
+}
+
+/// Averages over what is there; where nothing is, the line between the neighbours.
+pub(super) struct Averages {
+    slot: usize,
+    pub(super) means: Vec<f64>,
+    /// Factor of white noise in them: slot·⟨1/count⟩.
+    pub(super) white: f64,
+    /// Part of them that have a sample.
+    present: f64,
+}
+
+impl Averages {
+    pub(super) fn of(rate: &[f64], slot: usize) -> Self {
+        let slots = rate.chunks_exact(slot).map(|slot| {
+            let there = || slot.iter().filter(|value| !value.is_nan());
+            (there().sum::<f64>() / there().count() as f64, there().count())
+        });
+        let (mut means, counts): (Vec<f64>, Vec<usize>) = slots.unzip();
+        let full = counts.iter().filter(|count| **count > 0);
+        let inverse: f64 = full.clone().map(|count| 1.0 / *count as f64).sum();
+        let there = full.count().max(1) as f64;
+        fill_gaps(&mut means);
+        Self { slot, white: slot as f64 * inverse / there, present: there / means.len() as f64, means }
+    }
+
+    /// The line through the averages at a sample.
+    fn at(&self, sample: usize) -> f64 {
+        let at = (sample as f64 + 0.5) / self.slot as f64 - 0.5;
+        let before = (libm::floor(at).max(0.0) as usize).min(self.means.len().saturating_sub(2));
+        match self.means.get(before + 1) {
+            Some(next) => self.means[before] + (next - self.means[before]) * (at - before as f64).clamp(0.0, 1.0),
+            None => self.means[before],
+        }
+    }
+}
+
+/// Losses mix the spectrum with white noise of the same variance, as far as they are not neighbours.
+fn fast_band(
+    rate: &[f64],
+    averages: &Averages,
+    rate_hz: f64,
+) -> Result<(impl Iterator<Item = Bin> + use<>, Vec<Line>), FftError> {
+    let n = rate.len();
+    let rest = |(i, value): (usize, &f64)| if value.is_nan() { 0.0 } else { value - averages.at(i) };
+    let rest: Vec<f64> = rate.iter().enumerate().map(rest).collect();
+    let there = rate.iter().filter(|value| !value.is_nan()).count() as f64;
+    let variance = rest.iter().map(|rest| rest * rest).sum::<f64>() / there;
+    let part = there / n as f64;
+    let kept = neighbours(rate) / part;
+    let coefficients = cosine_transform(&rest)?;
+    let power: Vec<f64> = coefficients.iter().map(|c| c * c / rate_hz / part).collect();
+    let from = (FAST_ABOVE * 2.0 * n as f64 / averages.slot as f64) as usize;
+    let mut bins: Vec<Bin> = bins(&power).into_iter().filter(|bin| bin.first >= from).collect();
+    let narrow = take_out_narrow(&power, &mut bins, rate_hz / (2.0 * n as f64));
+    let response = Response { offset: (1.0 - kept) * variance / rate_hz, slow: kept, white: kept };
+    Ok((bins.into_iter().map(move |bin| Bin { response, freedom: bin.freedom * part, ..bin }), narrow))
+}
+
+/// How often a sample and one of the next few are both there.
+fn neighbours(rate: &[f64]) -> f64 {
+    let both = |lag: usize| {
+        let pairs = rate.iter().zip(&rate[lag..]);
+        pairs.filter(|(a, b)| !a.is_nan() && !b.is_nan()).count() as f64 / (rate.len() - lag) as f64
+    };
+    (1..=NEIGHBOURS).map(both).sum::<f64>() / NEIGHBOURS as f64
+}
+
+/// Straight lines where values are missing, level at the ends.
+pub(super) fn fill_gaps(values: &mut [f64]) {
+    let mut last = None;
+    for i in 0..values.len() {
+        if values[i].is_nan() {
+            continue;
+        }
+        match last {
+            Some(before) if before + 1 < i => {
+                let (a, b): (f64, f64) = (values[before], values[i]);
+                let step = (b - a) / (i - before) as f64;
+                (before + 1..i).for_each(|j| values[j] = a + step * (j - before) as f64);
+            }
+            None => (0..i).for_each(|j| values[j] = values[i]),
+            _ => {}
+        }
+        last = Some(i);
+    }
+    if let Some(before) = last {
+        (before + 1..values.len()).for_each(|j| values[j] = values[before]);
+    }
+}
+
+fn centred(values: &[f64]) -> Vec<f64> {
+    let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
+    values.iter().map(|value| value - mean).collect()
+}

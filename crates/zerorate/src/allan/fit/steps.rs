@@ -1,0 +1,110 @@
+//! Steps: the level jumps and stays.
+
+use super::bins::at_coefficients;
+use super::density::Table;
+use super::masked::loud;
+use super::scoring::Problem;
+use super::select::Selection;
+use super::spectrum::{Averages, Spectrum, slot_length};
+use super::transform::{cosine_transform, series, smooth_length};
+use alloc::vec::Vec;
+use core::f64::consts::PI;
+use realfft::FftError;
+
+/// A jump of the level.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Step {
+    /// When, s from the start of the record. The time is certain to some tenths of a second at best, the size is.
+    pub at_s: f64,
+    /// By how much, in the unit of the rate.
+    pub size: f64,
+}
+
+/// The most significant step that the model's noise does not explain.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Candidate {
+    /// The first sample after it.
+    pub(super) index: usize,
+    pub(super) size: f64,
+    /// In standard deviations.
+    pub(super) score: f64,
+}
+
+/// Steps are not looked for so near to the ends.
+const MARGIN: usize = 10;
+
+/// The score of a step at every time, under the noise of the model with its flicker and random walk: generalised least
+/// squares of the step's size, by one transform. With c_k, d_k = 2 sin(πk/2n) and the density S_k per sample, a unit
+/// step at t has the coefficients −√(2/n) sin(πkt/n)/d_k.
+/// Loud lines do not count.
+pub(super) fn largest(
+    rate: &[f64],
+    rate_hz: f64,
+    (spectrum, chosen): &(Spectrum, Selection),
+) -> Result<Option<Candidate>, FftError> {
+    let left_out = loud(spectrum, chosen, rate_hz);
+    let level =
+        |i: usize| chosen.found.form.drift.map_or(0.0, |drift| chosen.found.drift * drift.at(i as f64 / rate_hz));
+    let rate: Vec<f64> = rate.iter().enumerate().map(|(i, value)| value - level(i)).collect();
+    if rate.iter().any(|value| value.is_nan()) {
+        let slot = slot_length(rate.len());
+        let slots = smooth_length(rate.len() / slot);
+        let averages = Averages::of(&rate[..slots * slot], slot);
+        let density = density_of_averages(chosen, slots, rate_hz / slot as f64, averages.white);
+        let found = scan(&averages.means, &density, &left_out)?;
+        return Ok(found.map(|step| Candidate { index: step.index * slot, ..step }));
+    }
+    let n = smooth_length(rate.len());
+    let rows = chosen.problem.table.rows.iter();
+    let density = at_coefficients(rows.map(|row| row.bin.middle()), &chosen.found.density, n - 1);
+    scan(&rate[..n], &density.iter().map(|density| density * rate_hz).collect::<Vec<f64>>(), &left_out)
+}
+
+fn density_of_averages(chosen: &Selection, slots: usize, slot_rate_hz: f64, white: f64) -> Vec<f64> {
+    let bins = super::bins::empty_bins(slots).into_iter().map(|mut bin| {
+        bin.response.white = white;
+        bin
+    });
+    let table = Table::new(bins, &[], slots, slot_rate_hz);
+    let middles: Vec<f64> = table.rows.iter().map(|row| row.bin.middle()).collect();
+    let mut form = chosen.found.form;
+    let mut at = chosen.found.at.clone();
+    at.drain(super::scoring::SHAPE..super::scoring::SHAPE + form.cosines);
+    (form.cosines, form.drift) = (0, None);
+    let density = Problem::new(table, 0.0).density(&form, &at);
+    at_coefficients(middles.into_iter(), &density, slots - 1).into_iter().map(|s| s * slot_rate_hz).collect()
+}
+
+fn scan(x: &[f64], density: &[f64], left_out: &[(usize, usize)]) -> Result<Option<Candidate>, FftError> {
+    let n = x.len();
+    let mean = x.iter().sum::<f64>() / n.max(1) as f64;
+    let coefficients = cosine_transform(&x.iter().map(|x| x - mean).collect::<Vec<f64>>())?;
+    let half_angle = PI / (2 * n) as f64;
+    let weigh = |(k, (c, s)): (usize, (&f64, &f64))| {
+        let d = 2.0 * libm::sin(half_angle * (k + 1) as f64);
+        (1.0 / (s * d * d), c / (s * d))
+    };
+    let mut pairs: Vec<(f64, f64)> = coefficients.iter().zip(density).enumerate().map(weigh).collect();
+    for &(first, end) in left_out {
+        let end = end.min(n);
+        pairs[first.min(end) - 1..end - 1].fill((0.0, 0.0));
+    }
+    let total: f64 = pairs.iter().map(|(w, _)| w).sum();
+    let sums = series(&pairs)?;
+    let even = |t: usize| (sums[t] + sums[2 * n - t]) / 2.0;
+    let at = |t: usize| {
+        let over = -libm::sqrt(2.0 / n as f64) * (sums[t] - sums[2 * n - t]) / 2.0;
+        let under = (total - even((2 * t).min(2 * n - 2 * t))) / n as f64;
+        (over, under)
+    };
+    let score = |t: usize| {
+        let (over, under) = at(t);
+        over / libm::sqrt(under)
+    };
+    let inside = MARGIN.min(n)..n.saturating_sub(MARGIN);
+    let best = inside.max_by(|&a, &b| libm::fabs(score(a)).total_cmp(&libm::fabs(score(b))));
+    Ok(best.map(|index| {
+        let (over, under) = at(index);
+        Candidate { index, size: over / under, score: over / libm::sqrt(under) }
+    }))
+}
