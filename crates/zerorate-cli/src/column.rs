@@ -3,7 +3,7 @@
 use clap::Args;
 use std::path::Path;
 use zerorate_data::LogError;
-use zerorate_data::column::{self, Column, ColumnOptions, Decimal, RawType, TimeUnit, Unit};
+use zerorate_data::column::{self, Column, ColumnOptions, Decimal, Names, RawType, Setting, TimeUnit, Unit};
 use zerorate_host::files;
 
 /// Which numbers of a log are meant, and what the log does not say about them itself.
@@ -45,6 +45,11 @@ pub struct ColumnArgs {
     /// The file is nothing but numbers of this type, little endian.
     #[arg(long, value_enum)]
     raw: Option<RawType>,
+
+    /// Broken lines of a text file that are skipped and counted, as a share of all; with more it is refused
+    /// [default: 0.01].
+    #[arg(long, value_name = "SHARE", value_parser = share)]
+    max_bad: Option<f64>,
 }
 
 impl ColumnArgs {
@@ -54,7 +59,7 @@ impl ColumnArgs {
     }
 
     fn options(&self) -> ColumnOptions {
-        let Self { column, time_column, time_unit, rate, unit, scale, decimal, raw } = self;
+        let Self { column, time_column, time_unit, rate, unit, scale, decimal, raw, max_bad } = self;
         ColumnOptions {
             column: column.clone(),
             time_column: time_column.clone(),
@@ -64,8 +69,31 @@ impl ColumnArgs {
             scale: *scale,
             decimal: *decimal,
             raw: *raw,
+            max_bad: *max_bad,
+            names: Names(flag),
         }
     }
+}
+
+/// What the options are called here.
+fn flag(setting: Setting) -> &'static str {
+    match setting {
+        Setting::Column => "--column",
+        Setting::TimeColumn => "--time-column",
+        Setting::TimeUnit => "--time-unit",
+        Setting::Rate => "--rate",
+        Setting::Unit => "--unit",
+        Setting::Scale => "--scale",
+        Setting::Decimal => "--decimal",
+        Setting::Raw => "--raw",
+        Setting::MaxBad => "--max-bad",
+        other => other.name(),
+    }
+}
+
+fn share(text: &str) -> Result<f64, String> {
+    let share = text.parse().ok().filter(|share: &f64| (0.0..1.0).contains(share));
+    share.ok_or_else(|| "must be a share from 0 to below 1, such as 0.05".to_owned())
 }
 
 fn positive(text: &str) -> Result<f64, String> {

@@ -84,7 +84,7 @@ pub enum NoRoom {
     )]
     ForItsSize(u64),
     /// More than the process may take.
-    #[error("it takes more memory than the {} of --max-memory: give more, or cut the log", Bytes(*.0))]
+    #[error("it takes more memory than the {} of max_memory: give more, or cut the log", Bytes(*.0))]
     InMemory(u64),
 }
 

@@ -153,7 +153,7 @@ fn the_memory_of_a_large_log_is_a_choice() {
     File::create(bench.path("huge.bin")).unwrap().set_len(40 << 30).unwrap();
     bench.refuses(
         "allan huge.bin --raw i16 --rate 10 --max-memory 256M",
-        "huge.bin: it takes more memory than the 256 MiB of --max-memory: give more, or cut the log",
+        "huge.bin: it takes more memory than the 256 MiB of max_memory: give more, or cut the log",
     );
     for size in ["1", "63M", "many", "1.5G"] {
         let said = bench.zerorate(&format!("allan huge.bin --raw i16 --rate 10 --max-memory {size}")).fails(2);

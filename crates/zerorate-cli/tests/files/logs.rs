@@ -12,7 +12,7 @@ fn what_is_wrong_with_a_log_is_named() {
         ("thousands.csv", b"t;x\n0;1,500\n1;2,500\n"),
         ("short.csv", b"t,x\n0,1\n1\n2,3\n"),
         ("back.csv", b"t_s,x\n0,1\n1,2\n0.5,3\n"),
-        ("still.csv", b"t_s,x\n0,1\n1,2\n1,3\n"),
+        ("still.csv", b"t_s,x\n1,1\n1,2\n1,3\n"),
         ("untimed.csv", b"t_s,x\n0,1\n,2\n2,3\n"),
         ("bursts.csv", b"t_ms,x\n0,1\n1,2\n2,3\n10,4\n11,5\n13,6\n20,7\n21,8\n22,9\n30,10\n31,11\n34,12\n40,13\n"),
         ("twice.csv", b"x,x\n0,1\n1,2\n"),
@@ -36,8 +36,12 @@ fn what_is_wrong_with_a_log_is_named() {
             "thousands.csv, line 2: `1,500` is 1.500 or 1500; give --decimal comma",
         ),
         ("short.csv --column x --rate 9", 1, "short.csv, line 3, column x: the line ends before this cell"),
-        ("back.csv --column x --time-column t_s", 1, "back.csv, line 4, column t_s: the time goes back by 0.5 to 0.5"),
-        ("still.csv --column x --time-column t_s", 1, "still.csv, line 4, column t_s: the time stands still at 1"),
+        (
+            "back.csv --column x --time-column t_s",
+            3,
+            "back.csv, column t_s: the time goes back by 0.5, at row 2 from 1 to 0.5",
+        ),
+        ("still.csv --column x --time-column t_s", 3, "still.csv, column t_s: the time stands still at 1"),
         ("untimed.csv --column x --time-column t_s", 1, "untimed.csv, line 3, column t_s: no time"),
         (
             "bursts.csv --column x --time-column t_ms",

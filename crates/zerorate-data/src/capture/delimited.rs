@@ -79,7 +79,7 @@ impl Lines {
 
     fn text(&self) -> Result<&str, CaptureError> {
         let text = std::str::from_utf8(&self.bytes)
-            .map_err(|_| self.wrong("not UTF-8 text: for raw binary columns give --raw"))?;
+            .map_err(|_| self.wrong("not UTF-8 text: columns of raw numbers need their type"))?;
         Ok(text.strip_prefix('\u{FEFF}').unwrap_or(text).trim_ascii())
     }
 
@@ -118,12 +118,20 @@ impl Delimiter {
         Cells { rest: Some(line), delimiter: self }
     }
 
-    fn splits(self, character: char) -> bool {
+    /// The byte that separates cells; none where it is a run of blanks.
+    pub fn byte(self) -> Option<u8> {
         match self {
-            Self::Comma => character == ',',
-            Self::Semicolon => character == ';',
-            Self::Tab => character == '\t',
-            Self::Blanks => character == ' ' || character == '\t',
+            Self::Comma => Some(b','),
+            Self::Semicolon => Some(b';'),
+            Self::Tab => Some(b'\t'),
+            Self::Blanks => None,
+        }
+    }
+
+    fn split(self, line: &str) -> Option<(&str, &str)> {
+        match self.byte() {
+            Some(byte) => line.split_once(char::from(byte)),
+            None => line.split_once([' ', '\t']).map(|(before, after)| (before, after.trim_start())),
         }
     }
 }
@@ -141,8 +149,7 @@ impl<'a> Iterator for Cells<'a> {
         let rest = self.rest?.trim_start_matches([' ', '\u{A0}']);
         let quoted = rest.strip_prefix('"').and_then(|inner| inner.split_once('"'));
         let (cell, tail) = quoted.map_or((None, rest), |(cell, tail)| (Some(cell), tail));
-        let (before, after) = match tail.split_once(|c| self.delimiter.splits(c)) {
-            Some((before, after)) if self.delimiter == Delimiter::Blanks => (before, Some(after.trim_start())),
+        let (before, after) = match self.delimiter.split(tail) {
             Some((before, after)) => (before, Some(after)),
             None => (tail, None),
         };

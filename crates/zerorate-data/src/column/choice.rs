@@ -1,7 +1,7 @@
 //! Which of a file's columns are meant.
 
 use super::unit::{TimeUnit, Unit, is_celsius};
-use super::{ColumnOptions, LogError, Result};
+use super::{ColumnOptions, LogError, Names, Result, Setting};
 use std::path::Path;
 
 /// Which columns of a log are meant, each by its name or its number counted from 0.
@@ -45,6 +45,8 @@ pub struct Columns<'a> {
     pub names: Vec<&'a str>,
     /// Whether each holds numbers.
     pub numeric: Vec<bool>,
+    /// What messages call the options.
+    pub settings: Names,
 }
 
 /// The columns that were chosen.
@@ -59,13 +61,13 @@ pub struct Choice {
 impl Columns<'_> {
     /// The columns that were asked for; where nobody says which, those in `default` go before all others.
     pub fn choose(&self, wanted: Wanted<'_>, args: &ColumnOptions, default: &[usize]) -> Result<Choice> {
-        let time = args.time_column.as_deref().map(|wanted| self.position(wanted, "--time-column")).transpose()?;
+        let time = args.time_column.as_deref().map(|wanted| self.position(wanted, Setting::TimeColumn)).transpose()?;
         let values = match (wanted, default) {
-            (Wanted::One(Some(wanted)), _) => vec![self.position(wanted, "--column")?],
+            (Wanted::One(Some(wanted)), _) => vec![self.position(wanted, Setting::Column)?],
             (Wanted::One(None), [only]) => vec![*only],
             (Wanted::One(None), _) => vec![self.only(time)?],
             (Wanted::Listed(names), _) => {
-                names.iter().map(|wanted| self.position(wanted, "--column")).collect::<Result<_>>()?
+                names.iter().map(|wanted| self.position(wanted, Setting::Column)).collect::<Result<_>>()?
             }
             (Wanted::All, []) => self.all(time),
             (Wanted::All, rates) => rates.to_vec(),
@@ -88,10 +90,10 @@ impl Columns<'_> {
 
     fn check(&self, values: &[usize], time: Option<usize>) -> Result<()> {
         let fails = |why: &str, column: usize| {
-            Err(self.ambiguous(&format!("{why} `{}`", self.names.get(column).unwrap_or(&"")), "--column"))
+            Err(self.ambiguous(&format!("{why} `{}`", self.names.get(column).unwrap_or(&"")), Setting::Column))
         };
         if values.is_empty() {
-            return Err(self.ambiguous("has no column of numbers", "--column"));
+            return Err(self.ambiguous("has no column of numbers", Setting::Column));
         }
         for (at, value) in values.iter().enumerate() {
             if !self.numeric[*value] {
@@ -115,8 +117,8 @@ impl Columns<'_> {
     fn only(&self, time: Option<usize>) -> Result<usize> {
         match self.all(time)[..] {
             [only] => Ok(only),
-            [] => Err(self.ambiguous("has no column of numbers", "--column")),
-            _ => Err(self.ambiguous("has several columns", "--column")),
+            [] => Err(self.ambiguous("has no column of numbers", Setting::Column)),
+            _ => Err(self.ambiguous("has several columns", Setting::Column)),
         }
     }
 
@@ -137,23 +139,29 @@ impl Columns<'_> {
     }
 
     /// A name goes before a number.
-    fn position(&self, wanted: &str, option: &str) -> Result<usize> {
+    fn position(&self, wanted: &str, setting: Setting) -> Result<usize> {
         let mut named = self.names.iter().enumerate().filter(|(_, name)| **name == wanted).map(|(at, _)| at);
         match (named.next(), named.next()) {
             (Some(at), None) => Ok(at),
             (Some(_), Some(_)) => {
-                Err(self.ambiguous(&format!("has several columns `{wanted}`, so it takes their number"), option))
+                Err(self.ambiguous(&format!("has several columns `{wanted}`, so it takes their number"), setting))
             }
             (None, _) => {
                 let number = wanted.parse().ok().filter(|number| *number < self.names.len());
-                number.ok_or_else(|| self.ambiguous(&format!("has no column `{wanted}`"), option))
+                number.ok_or_else(|| self.ambiguous(&format!("has no column `{wanted}`"), setting))
             }
         }
     }
 
     /// Says which columns there are to choose from.
-    fn ambiguous(&self, why: &str, option: &str) -> LogError {
-        LogError::Ask(format!("{} {why}; choose with {option} one of: {}", self.path.display(), self.listed()))
+    fn ambiguous(&self, why: &str, setting: Setting) -> LogError {
+        let (path, option) = (self.path.display(), self.settings.of(setting));
+        LogError::Ask(match self.names[..] {
+            [] => format!("{path} {why}: it has no column at all"),
+            [only] if is_number(only, 0) => format!("{path} {why}: it has one column, without a name"),
+            [only] => format!("{path} {why}: its only column is `{only}`"),
+            _ => format!("{path} {why}; choose with {option} one of: {}", self.listed()),
+        })
     }
 
     fn unknown(&self, why: &str) -> LogError {
@@ -162,7 +170,15 @@ impl Columns<'_> {
     }
 
     fn listed(&self) -> String {
-        let listed = self.names.iter().enumerate().map(|(number, name)| format!("{number} `{name}`"));
+        let listed = self.names.iter().enumerate().map(|(number, name)| match is_number(name, number) {
+            true => format!("{number}"),
+            false => format!("{number} `{name}`"),
+        });
         listed.collect::<Vec<_>>().join(", ")
     }
+}
+
+/// Whether a column has no name but its number.
+fn is_number(name: &str, number: usize) -> bool {
+    name.parse() == Ok(number)
 }

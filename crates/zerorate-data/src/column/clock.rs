@@ -1,12 +1,15 @@
 //! The time column of a log: how fast it was sampled, and where samples are missing.
 
-use super::Gap;
 use super::series::{join, missing_in};
 use super::unit::TimeUnit;
+use super::{Gap, Names, Setting};
 
-/// Root mean square of what may be between a timestamp and an even clock, in sampling intervals. A clock that counts
-/// in steps of 0.69 intervals has as much from rounding alone.
-const MAX_JITTER: f64 = 0.2;
+/// Root mean square of what is between a timestamp and an even clock, in sampling intervals, up to which one late row
+/// is told from a missing one by itself: a row that is late by more than 1 − [`EARLY`] intervals is one in 10¹⁰.
+const CLEAR_JITTER: f64 = 0.1;
+
+/// The same, up to which that is told by the rows around. Beyond, half of the rows are nearer to the place of another.
+const MAX_JITTER: f64 = 0.5;
 
 /// A timestamp may be this much of an interval early before the sample before it counts as missing no more.
 const EARLY: f64 = 0.35;
@@ -17,6 +20,9 @@ const MAX_GAPS: f64 = 0.05;
 
 /// How fast the even clock follows the timestamps: it forgets an offset within some ten samples.
 const FOLLOW: f64 = 0.1;
+
+/// Rows on each side of a place that tell whether samples are missing there: their median has a fifth of the jitter.
+const AROUND: usize = 32;
 
 /// Times of rows, relative to the first, in the unit of the file.
 pub struct Times {
@@ -39,41 +45,45 @@ impl Times {
         Self { origin: None, since_first: Vec::new(), unit: None }
     }
 
-    /// Adds the time of the next row; `Err` tells why that cannot be one.
-    pub fn push_integer(&mut self, time: i64) -> Result<(), String> {
-        match *self.origin.get_or_insert(Origin::Integer(time)) {
-            Origin::Integer(first) => self.push((i128::from(time) - i128::from(first)) as f64, &time),
-            Origin::Number(first) => self.push(time as f64 - first, &time),
-        }
+    /// Adds the time of the next row.
+    pub fn push_integer(&mut self, time: i64) {
+        let since_first = match *self.origin.get_or_insert(Origin::Integer(time)) {
+            Origin::Integer(first) => (i128::from(time) - i128::from(first)) as f64,
+            Origin::Number(first) => time as f64 - first,
+        };
+        self.since_first.push(since_first);
     }
 
-    /// The same, of a time that is no integer.
+    /// The same, of a time that is no integer; `Err` tells why it cannot be one.
     pub fn push_number(&mut self, time: f64) -> Result<(), String> {
         if !time.is_finite() {
             return Err("no time; every row must have one".to_owned());
         }
-        match *self.origin.get_or_insert(Origin::Number(time)) {
-            Origin::Integer(first) => self.push(time - first as f64, &time),
-            Origin::Number(first) => self.push(time - first, &time),
+        let since_first = match *self.origin.get_or_insert(Origin::Number(time)) {
+            Origin::Integer(first) => time - first as f64,
+            Origin::Number(first) => time - first,
+        };
+        self.since_first.push(since_first);
+        Ok(())
+    }
+
+    /// The time of the first row.
+    pub fn first(&self) -> f64 {
+        match self.origin {
+            Some(Origin::Integer(first)) => first as f64,
+            Some(Origin::Number(first)) => first,
+            None => 0.0,
         }
     }
 
-    fn push(&mut self, since_first: f64, time: &dyn std::fmt::Display) -> Result<(), String> {
-        match self.since_first.last() {
-            Some(last) if since_first == *last => Err(format!(
-                "the time stands still at {time}; give --rate HZ and no time column if the samples are evenly spaced \
-                 all the same"
-            )),
-            Some(last) if since_first < *last => Err(format!(
-                "the time goes back by {} to {time} (a counter that wrapped around, or two logs in one file?); cut \
-                 the log there, or give --rate HZ and no time column",
-                last - since_first
-            )),
-            _ => {
-                self.since_first.push(since_first);
-                Ok(())
-            }
-        }
+    /// Times since the first row, in the unit of the file.
+    pub fn since_first(&self) -> &[f64] {
+        &self.since_first
+    }
+
+    /// Puts other times in their place, which begin at zero.
+    pub fn replace(&mut self, since_first: Vec<f64>) {
+        self.since_first = since_first;
     }
 
     /// Time of each row in ns, since the origin of the file's clock or, where that cannot be told in ns, since the
@@ -91,34 +101,39 @@ impl Times {
         self.since_first.iter().map(|since| first_ns.saturating_add((since * ns_per_unit).round() as u64)).collect()
     }
 
-    /// Rate and gaps, if the clock is even enough for both to be beyond doubt.
-    pub fn beat(&self, unit: TimeUnit) -> Result<Beat, String> {
-        let interval = self.interval().ok_or("a time column of a single row tells no rate; give --rate HZ")?;
-        let mut beat = Tracking { interval, even: 0.0, steps: 0, squares: 0.0, gaps: Vec::new() };
+    /// Rate and gaps, if the clock is even enough for both to be beyond doubt. `names` is what options are called.
+    pub fn beat(&self, unit: TimeUnit, names: Names) -> Result<Beat, String> {
+        let rate = names.of(Setting::Rate);
+        let interval = self.interval();
+        let interval = interval.ok_or_else(|| format!("a time column of a single row tells no rate; give {rate}"))?;
+        let rows = self.since_first.len();
+        let mut tracking = Tracking { interval, even: 0.0, steps: 0, squares: 0.0, gaps: Vec::new() };
         for (row, time) in self.since_first.iter().enumerate().skip(1) {
-            beat.step(row, *time);
+            tracking.step(row, *time);
         }
-        let jitter = (beat.squares / (self.since_first.len() - 1) as f64).sqrt();
+        let jitter = (tracking.squares / (rows - 1) as f64).sqrt();
+        let (jitter, gaps, steps) = match jitter > CLEAR_JITTER {
+            true => self.among_late_rows(),
+            false => (jitter, tracking.gaps, tracking.steps),
+        };
+        let missing = missing_in(&gaps);
+        if missing > rows as u64 && gaps.len() as f64 > MAX_GAPS * rows as f64 {
+            let why = format!("{missing} samples would be missing in {} places among {rows}", gaps.len());
+            return Err(self.unsteady(unit, &why, rate));
+        }
         if jitter > MAX_JITTER {
             let (off, most) = (jitter * 100.0, MAX_JITTER * 100.0);
-            return Err(self.unsteady(
-                unit,
-                &format!("the timestamps are off an even clock by {off:.0} % of an interval (at most {most:.0} %)"),
-            ));
+            let why =
+                format!("the timestamps are off an even clock by {off:.0} % of an interval (at most {most:.0} %)");
+            return Err(self.unsteady(unit, &why, rate));
         }
-        let (rows, missing) = (self.since_first.len(), missing_in(&beat.gaps));
-        if missing > rows as u64 && beat.gaps.len() as f64 > MAX_GAPS * rows as f64 {
-            return Err(self.unsteady(
-                unit,
-                &format!("{missing} samples would be missing in {} places among {rows}", beat.gaps.len()),
-            ));
-        }
-        Ok(Beat { rate_hz: beat.steps as f64 * unit.per_s() / self.since_first[rows - 1], gaps: beat.gaps })
+        let rate_hz = steps as f64 * unit.per_s() / self.since_first[rows - 1];
+        Ok(Beat { rate_hz, gaps, jitter })
     }
 
     /// The usual interval: the mean of those near the median, which is exact for a clock that rounds, too.
-    fn interval(&self) -> Option<f64> {
-        let mut intervals: Vec<f64> = self.intervals().collect();
+    pub fn interval(&self) -> Option<f64> {
+        let mut intervals: Vec<f64> = self.intervals().filter(|interval| *interval > 0.0).collect();
         let middle = intervals.len().checked_sub(1)? / 2;
         let median = *intervals.select_nth_unstable_by(middle, f64::total_cmp).1;
         let near = |interval: &f64| (0.5 * median..=1.5 * median).contains(interval);
@@ -130,16 +145,62 @@ impl Times {
         self.since_first.windows(2).map(|pair| pair[1] - pair[0])
     }
 
-    fn unsteady(&self, unit: TimeUnit, why: &str) -> String {
+    /// Jitter, gaps and steps of a clock of which single rows are late by as much as a missing sample would make them.
+    /// A late row is one row; behind a missing sample all rows are later, which the medians of the rows around show.
+    fn among_late_rows(&self) -> (f64, Vec<Gap>, u64) {
+        let times = &self.since_first;
+        let span = AROUND.min(times.len() / 2).max(1);
+        let mut over: Vec<f64> = times.windows(span + 1).map(|rows| (rows[span] - rows[0]) / span as f64).collect();
+        let interval = median(&mut over);
+        // how late each row is, in intervals
+        let late: Vec<f64> = times.iter().enumerate().map(|(row, time)| time / interval - row as f64).collect();
+        let mut buffer = Vec::with_capacity(AROUND);
+        let mut middle = |rows: &[f64]| {
+            buffer.clear();
+            buffer.extend_from_slice(rows);
+            median(&mut buffer)
+        };
+        let mut gaps: Vec<Gap> = Vec::new();
+        let mut best = (0, 0.0);
+        let (mut squares, mut steps) = (0.0, 0u64);
+        for row in 1..late.len() {
+            let before = middle(&late[row.saturating_sub(AROUND)..row]);
+            let after = middle(&late[row..late.len().min(row + AROUND)]);
+            squares += (late[row] - after).abs().min((late[row] - before).abs()).powi(2);
+            let shift = after - before;
+            let leap = late[row] - late[row - 1];
+            if shift.round() >= 1.0 && leap > 0.0 {
+                if best.0 == 0 || leap > best.1 {
+                    best = (row, leap);
+                }
+                if gaps.last().is_none_or(|last: &Gap| row > last.at + AROUND) {
+                    gaps.push(Gap { at: row, missing: shift.round() as u64 });
+                } else if let Some(last) = gaps.last_mut().filter(|_| best.0 == row) {
+                    *last = Gap { at: row, missing: shift.round() as u64 };
+                }
+            } else if shift.round() < 1.0 {
+                best = (0, 0.0);
+            }
+        }
+        steps = steps.saturating_add(times.len() as u64 - 1).saturating_add(missing_in(&gaps));
+        ((squares / (times.len() - 1) as f64).sqrt(), gaps, steps)
+    }
+
+    fn unsteady(&self, unit: TimeUnit, why: &str, rate: &str) -> String {
         let shortest = self.intervals().fold(f64::INFINITY, f64::min);
         let longest = self.intervals().fold(0.0, f64::max);
         let [shortest, usual, longest] =
             [shortest, self.interval().unwrap_or_default(), longest].map(|dt| dt / unit.per_s());
         format!(
             "the clock is unsteady: intervals of {shortest:.6} s to {longest:.6} s around {usual:.6} s, and {why}; \
-             give --rate HZ and no time column if the samples themselves are evenly spaced"
+             give {rate} and no time column if the samples themselves are evenly spaced"
         )
     }
+}
+
+fn median(numbers: &mut [f64]) -> f64 {
+    let middle = numbers.len() / 2;
+    if numbers.is_empty() { 0.0 } else { *numbers.select_nth_unstable_by(middle, f64::total_cmp).1 }
 }
 
 /// What a clock tells.
@@ -149,6 +210,38 @@ pub struct Beat {
     pub rate_hz: f64,
     /// Before row `at`, `missing` samples were lost.
     pub gaps: Vec<Gap>,
+    /// Root mean square of what is between the timestamps and an even clock, in intervals.
+    pub jitter: f64,
+}
+
+/// Of a deviation, the relative error that is none.
+const NO_ERROR: f64 = 0.01;
+
+impl Beat {
+    /// What jitter means, if there is enough to be said. The samples are taken as evenly spaced. If they were really
+    /// taken when the timestamps say, each is w(t + δ) in place of w(t), with δ of rms j intervals τ₀:
+    ///
+    /// * white noise has no memory, so nothing changes;
+    /// * a random walk differs by a variance of K²·E|δ| ≤ K²·j·τ₀, independent from sample to sample, and the mean of
+    ///   m by that over m, beside an Allan variance of K²·m·τ₀/3: the deviation by 3·j/m²/2 at most;
+    /// * flicker noise up to the Nyquist frequency differs by a variance of π/4·j²·B², beside 2·ln 2/π·B²: the
+    ///   deviation by 0.89·j²/m.
+    pub fn jitter_text(&self) -> Option<String> {
+        let Self { rate_hz, jitter, .. } = *self;
+        let error = |m: f64| 1.5 * jitter / (m * m) + 0.89 * jitter * jitter / m;
+        let enough = (0..30).map(|power| f64::from(1u32 << power)).find(|m| error(*m) < NO_ERROR);
+        (jitter > CLEAR_JITTER).then(|| {
+            format!(
+                "the timestamps are off an even clock by {:.3e} s ({:.0} % of an interval, rms); the samples are taken as \
+                 even at their mean rate of {rate_hz:.6} Hz: of the deviations that changes nothing of white noise, and of \
+                 the rest less than {:.0} % at one interval and less than 1 % from {:.3e} s on",
+                jitter / rate_hz,
+                100.0 * jitter,
+                (100.0 * error(1.0)).ceil(),
+                enough.unwrap_or_default() / rate_hz
+            )
+        })
+    }
 }
 
 /// An even clock that follows the timestamps, so that one late row is no lost sample.
@@ -185,7 +278,17 @@ mod tests {
         for time in times {
             all.push_number(time)?;
         }
-        all.beat(TimeUnit::S)
+        all.beat(TimeUnit::S, Names::default())
+    }
+
+    /// Numbers of a normal distribution, nearly: sums of twelve.
+    fn normal(count: usize) -> impl Iterator<Item = f64> {
+        let mut state = 1u64;
+        let mut uniform = move || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1u64 << 53) as f64
+        };
+        (0..count).map(move |_| (0..12).map(|_| uniform()).sum::<f64>() - 6.0)
     }
 
     #[test]
@@ -198,9 +301,9 @@ mod tests {
     fn an_epoch_in_nanoseconds_is_exact() {
         let mut times = Times::new();
         for i in 0..100 {
-            times.push_integer(1_700_000_000_000_000_000 + i * 175_439).unwrap();
+            times.push_integer(1_700_000_000_000_000_000 + i * 175_439);
         }
-        assert!((times.beat(TimeUnit::Ns).unwrap().rate_hz * 175_439e-9 - 1.0).abs() < 1e-15);
+        assert!((times.beat(TimeUnit::Ns, Names::default()).unwrap().rate_hz * 175_439e-9 - 1.0).abs() < 1e-15);
     }
 
     /// Rows 300..305 and 700 are missing.
@@ -235,17 +338,69 @@ mod tests {
         assert!(found.gaps.is_empty());
     }
 
+    /// 200 Hz with a jitter of 1 ms, and of 2 ms: no sample is missing, and 7 are found where 7 are.
+    #[test]
+    fn jitter_is_no_gap() {
+        for (jitter_s, said) in [(0.001, "1.0"), (0.002, "2.0")] {
+            let late: Vec<f64> = normal(20_000).map(|z| z * jitter_s).collect();
+            let stamps = |missing: std::ops::Range<usize>| {
+                let there = (0..20_000).filter(move |i| !missing.contains(i));
+                let mut times: Vec<f64> = there.map(|i| i as f64 / 200.0 + late[i]).collect();
+                times.sort_by(f64::total_cmp);
+                times
+            };
+            let whole = beat(stamps(0..0)).unwrap();
+            assert!(whole.gaps.is_empty(), "{:?}", whole.gaps);
+            assert!((whole.rate_hz / 200.0 - 1.0).abs() < 1e-4, "{}", whole.rate_hz);
+            let text = whole.jitter_text().unwrap();
+            assert!(text.contains(&format!("{}", &said[..1])) && text.contains("nothing of white noise"), "{text}");
+            let found = beat(stamps(9_000..9_007)).unwrap();
+            assert_eq!(missing_in(&found.gaps), 7, "{:?}", found.gaps);
+            assert!(found.gaps.iter().all(|gap| gap.at.abs_diff(9_000) < 3), "{:?}", found.gaps);
+        }
+        assert_eq!(beat((0..1000).map(f64::from)).unwrap().jitter_text(), None);
+    }
+
+    /// What the text says of a random walk, against one that was simulated: at one interval, and from where it is 1 %.
+    #[test]
+    fn the_bound_on_jitter_holds() {
+        const FINE: usize = 16;
+        let (rows, jitter) = (20_000usize, 0.25);
+        let mut walk = vec![0.0];
+        walk.extend(normal(rows * FINE + 10 * FINE).scan(0.0, |sum, z| {
+            *sum += z;
+            Some(*sum)
+        }));
+        let even: Vec<f64> = (0..rows).map(|i| walk[(i + 4) * FINE]).collect();
+        let late: Vec<f64> = normal(rows).map(|z| z * jitter * FINE as f64).collect();
+        let taken: Vec<f64> =
+            (0..rows).map(|i| walk[((i + 4) * FINE).saturating_add_signed(late[i] as isize)]).collect();
+        let variance = |numbers: &[f64], m: usize| {
+            let means: Vec<f64> = numbers.chunks_exact(m).map(|some| some.iter().sum::<f64>() / m as f64).collect();
+            means.windows(2).map(|pair| (pair[1] - pair[0]).powi(2)).sum::<f64>() / (2 * (means.len() - 1)) as f64
+        };
+        for m in [1usize, 2, 4, 8, 16] {
+            let off = (variance(&taken, m) / variance(&even, m)).sqrt() - 1.0;
+            let bound = 1.5 * jitter / (m * m) as f64 + 0.89 * jitter * jitter / m as f64;
+            assert!(off.abs() < bound + 0.005, "m {m}: {off} {bound}");
+        }
+    }
+
     #[test]
     fn clocks_without_a_beat_are_refused() {
-        assert!(beat([0.0, 1.0, 2.0, 1.5]).unwrap_err().contains("goes back by 0.5 to 1.5"));
-        assert!(beat([0.0, 1.0, 1.0]).unwrap_err().contains("stands still at 1"));
         assert!(beat([0.0]).unwrap_err().contains("single row"));
         assert!(beat([]).unwrap_err().contains("single row"));
         // rows that arrive in bursts of ten
         let bursts = (0..1000).map(|i| f64::from(i / 10) + f64::from(i % 10) * 0.002);
         let said = beat(bursts).unwrap_err();
         assert!(said.contains("unsteady: intervals of 0.002000 s to 0.982000 s around 0.002000 s"), "{said}");
-        let noise = (0..1000).map(|i| f64::from(i) + f64::from(i * 7919 % 13) / 13.0);
-        assert!(beat(noise).unwrap_err().contains("% of an interval (at most 20 %)"));
+        assert!(said.contains("samples would be missing in 99 places") && said.contains("give rate"), "{said}");
+        // intervals of any length: nothing is even
+        let random = normal(5000).scan(0.0, |sum, z| {
+            *sum += z * z;
+            Some(*sum)
+        });
+        let said = beat(random).unwrap_err();
+        assert!(said.contains("% of an interval (at most 50 %)"), "{said}");
     }
 }

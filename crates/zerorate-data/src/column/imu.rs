@@ -4,7 +4,7 @@
 use super::clock::Times;
 use super::series::SeriesBuilder;
 use super::unit::{Quantity, TimeUnit, Unit};
-use super::{Asked, Clock, ColumnOptions, Found, FoundColumn, LogError, Result, Wanted, wrong};
+use super::{Asked, Clock, ColumnOptions, Found, FoundColumn, LogError, Names, Result, Setting, Wanted, wrong};
 use crate::capture::CaptureError;
 use crate::limits::Room;
 use std::collections::BTreeSet;
@@ -79,7 +79,7 @@ impl Quantities {
             Wanted::Described(columns) => columns.iter().map(|column| Some(column.name.as_str())).collect(),
             Wanted::All => QUANTITIES.iter().map(|(name, _)| Some(*name)).collect(),
         };
-        let chosen = names.into_iter().map(|name| Self::choose_one(path, topics, name));
+        let chosen = names.into_iter().map(|name| Self::choose_one(path, topics, name, asked.args.names));
         let chosen: Vec<Self> = chosen.collect::<Result<_>>()?;
         let topic = chosen.first().map(|first| first.topic.clone()).unwrap_or_default();
         if let Some(other) = chosen.iter().find(|one| one.topic != topic) {
@@ -91,7 +91,7 @@ impl Quantities {
     }
 
     /// `wanted` is a quantity, or a topic and a quantity; x, y and z are those of angular_velocity.
-    fn choose_one(path: &Path, topics: &BTreeSet<String>, wanted: Option<&str>) -> Result<Self> {
+    fn choose_one(path: &Path, topics: &BTreeSet<String>, wanted: Option<&str>, names: Names) -> Result<Self> {
         let only = || topics.first().filter(|_| topics.len() == 1).map(String::as_str);
         let split = wanted.and_then(|wanted| {
             let of_topic = topics
@@ -113,7 +113,8 @@ impl Quantities {
                 Some(wanted) => format!("has no column `{wanted}`"),
                 None => "has several columns".to_owned(),
             };
-            LogError::Ask(format!("{} {why}; choose with --column one of: {}", path.display(), all.join(", ")))
+            let option = names.of(Setting::Column);
+            LogError::Ask(format!("{} {why}; choose with {option} one of: {}", path.display(), all.join(", ")))
         })
     }
 }
@@ -152,7 +153,7 @@ impl<'a> Collector<'a> {
         let Imu { stamp_ns, numbers } = decode(encoding, message)
             .ok_or_else(|| at(format!("its {} bytes are no sensor_msgs/Imu in {encoding:?}", message.len())))?;
         if let Some(times) = &mut self.times {
-            times.push_integer(stamp_ns).map_err(|what| at(format!("header.stamp: {what}")))?;
+            times.push_integer(stamp_ns);
         }
         for ((quantity, position), values) in self.wanted.all.iter().zip(&mut self.values) {
             if !values.push_number(numbers[*position]) {

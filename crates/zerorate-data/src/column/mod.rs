@@ -1,7 +1,7 @@
 //! Columns of numbers out of any gyroscope's log, with their rate, their gaps and their units: all that are wanted in
 //! one pass over the file.
 //!
-//! Nothing is guessed: what a file does not state must be given on the command line, or is said to be unknown.
+//! Nothing is guessed: what a file does not state must be given as an option, or is said to be unknown.
 
 mod arrow_file;
 mod choice;
@@ -12,10 +12,12 @@ mod mcap_bag;
 mod npy;
 mod number;
 mod open;
+mod order;
 mod parquet;
 mod part_log;
 mod raw;
 mod series;
+mod setting;
 #[cfg(test)]
 mod several;
 #[cfg(feature = "sqlite")]
@@ -30,6 +32,7 @@ pub use choice::{Described, Wanted};
 pub use part_log::PartLog;
 pub use raw::RawType;
 pub use series::Series;
+pub use setting::{Names, Setting};
 pub use unit::{Quantity, STANDARD_GRAVITY, TimeUnit, Unit};
 
 use crate::Input;
@@ -72,7 +75,17 @@ pub struct ColumnOptions {
 
     /// The file is nothing but numbers of this type, little endian.
     pub raw: Option<RawType>,
+
+    /// Broken lines of a text file that are skipped and counted, as a share of all; none: [`MAX_BAD`].
+    pub max_bad: Option<f64>,
+
+    /// What messages call these options.
+    pub names: Names,
 }
+
+/// Broken lines of a text file that are skipped unless told otherwise, as a share of all: a bad cable breaks fewer, and
+/// what breaks more is no cable but another form.
+pub const MAX_BAD: f64 = 0.01;
 
 /// Why a column cannot be had.
 #[derive(Debug, thiserror::Error)]
@@ -133,7 +146,9 @@ impl Column {
     pub fn points(&self, path: &Path) -> Result<Vec<f64>> {
         match &self.series {
             Series::Numbers(numbers) => Ok(numbers.clone()),
-            Series::Codes(codes) => series::with_gaps(codes, &self.gaps).map_err(|missing| too_many(path, missing)),
+            Series::Codes(codes) => {
+                series::with_gaps(codes, &self.gaps).map_err(|missing| too_many(path, missing, Names::default()))
+            }
         }
     }
 
@@ -163,7 +178,7 @@ fn find(path: &Path, input: Input, wanted: Wanted<'_>, args: &ColumnOptions) -> 
     let log = open::open(path, input)?;
     let asked = Asked { wanted, args };
     match args.raw {
-        Some(raw) => raw::read(log, raw),
+        Some(raw) => raw::read(log, raw, args.names),
         None => found(log, &asked),
     }
 }
@@ -230,25 +245,48 @@ enum Clock {
 }
 
 impl Clock {
-    fn beat(self, path: &Path, args: &ColumnOptions) -> Result<(Option<f64>, Vec<Gap>)> {
-        match self {
-            Self::Silent => Ok((None, Vec::new())),
-            Self::Counted { rate_hz, gaps } => Ok((rate_hz, gaps)),
-            Self::Column(name, times) => {
-                let unit = args.time_unit.or(times.unit).or_else(|| TimeUnit::of_column(&name));
-                let beat = times.beat(unit.ok_or_else(|| no_time_unit(path, &name))?);
-                let Beat { rate_hz, gaps } = beat.map_err(|why| unsteady(path, &name, &why))?;
-                Ok((Some(rate_hz), gaps))
-            }
-        }
+    /// The unit of the times, and what they tell.
+    fn beat(&self, path: &Path, args: &ColumnOptions) -> Result<Option<(TimeUnit, Beat)>> {
+        let Self::Column(name, times) = self else { return Ok(None) };
+        let unit = args.time_unit.or(times.unit).or_else(|| TimeUnit::of_column(name));
+        let unit = unit.ok_or_else(|| no_time_unit(path, name, args.names))?;
+        let beat = times.beat(unit, args.names).map_err(|why| unsteady(path, name, &why))?;
+        Ok(Some((unit, beat)))
     }
 }
 
 impl Found {
-    fn finish(self, path: &Path, args: &ColumnOptions) -> Result<Vec<Column>> {
+    /// Puts the rows in the order of their times, and says what of those is not as it should be.
+    fn mend(&mut self, path: &Path, args: &ColumnOptions) -> Result<()> {
+        let Clock::Column(name, times) = &mut self.clock else { return Ok(()) };
+        let said = order::mend(times, &mut self.columns).map_err(|why| {
+            let rate = args.names.of(Setting::Rate);
+            let remedy = "two logs in one file, or a clock that was set? Cut the log there";
+            let or = format!("give {rate} and no time column if the samples are evenly spaced all the same");
+            LogError::Refused(format!("{}, column {name}: {why} ({remedy}, or {or})", path.display()))
+        })?;
+        let said = said.into_iter().map(|said| format!("{}, column {name}: {said}", path.display()));
+        self.warning = self.warning.take().into_iter().chain(said).reduce(|all, more| format!("{all}; {more}"));
+        Ok(())
+    }
+
+    fn say(&mut self, more: String) {
+        self.warning = Some(self.warning.take().map_or(more.clone(), |said| format!("{said}; {more}")));
+    }
+
+    fn finish(mut self, path: &Path, args: &ColumnOptions) -> Result<Vec<Column>> {
+        self.mend(path, args)?;
+        let beat = self.clock.beat(path, args)?.map(|(_, beat)| beat);
+        if let Some(said) = beat.as_ref().and_then(Beat::jitter_text) {
+            self.say(format!("{}: {said}", path.display()));
+        }
         let Self { columns, clock, warning } = self;
-        let (measured, lost) = clock.beat(path, args)?;
-        let rate_hz = args.rate.or(measured).ok_or_else(|| no_rate(path))?;
+        let (measured, lost) = match (beat, clock) {
+            (Some(Beat { rate_hz, gaps, .. }), _) => (Some(rate_hz), gaps),
+            (None, Clock::Counted { rate_hz, gaps }) => (rate_hz, gaps),
+            (None, _) => (None, Vec::new()),
+        };
+        let rate_hz = args.rate.or(measured).ok_or_else(|| no_rate(path, args.names))?;
         let mut of_file = warning;
         let finish = |column: FoundColumn| {
             let said = [of_file.take(), column.warning.clone()].into_iter().flatten();
@@ -262,7 +300,7 @@ impl Found {
 impl FoundColumn {
     fn finish(self, path: &Path, rate_hz: f64, lost: &[Gap], args: &ColumnOptions) -> Result<Column> {
         let Self { name, values, stated, warning } = self;
-        let (series, gaps) = values.finish(lost).map_err(|missing| too_many(path, missing))?;
+        let (series, gaps) = values.finish(lost).map_err(|missing| too_many(path, missing, args.names))?;
         let stated = stated.or_else(|| Quantity::of_column(&name));
         let given = args.unit.map(|unit| (unit.quantity(), unit.in_results()));
         let declared = match args.scale {
@@ -274,9 +312,10 @@ impl FoundColumn {
             }
         };
         let unknown = declared.is_none().then(|| {
-            let remedy = "give --unit dps, rad/s, m/s², g … or --scale";
+            let [unit, scale] = [Setting::Unit, Setting::Scale].map(|setting| args.names.of(setting));
             format!(
-                "{}: the unit of column {name} is not stated, so the result is in its own unit; {remedy}",
+                "{}: the unit of column {name} is not stated, so the result is in its own unit; give {unit} (dps, \
+                 rad/s, m/s², g …) or {scale}",
                 path.display()
             )
         });
@@ -292,23 +331,24 @@ impl FoundColumn {
     }
 }
 
-fn no_time_unit(path: &Path, column: &str) -> LogError {
+fn no_time_unit(path: &Path, column: &str, names: Names) -> LogError {
     let why = format!("does not state the unit of its time column `{column}`");
-    LogError::Ask(format!("{} {why}; give --time-unit s, ms, us or ns", path.display()))
+    LogError::Ask(format!("{} {why}; give {} s, ms, us or ns", path.display(), names.of(Setting::TimeUnit)))
 }
 
 fn unsteady(path: &Path, column: &str, why: &str) -> LogError {
     LogError::Refused(format!("{}, column {column}: {why}", path.display()))
 }
 
-fn no_rate(path: &Path) -> LogError {
-    let remedy = "give --rate HZ, or --time-column NAME if a column holds the time";
+fn no_rate(path: &Path, names: Names) -> LogError {
+    let [rate, time] = [Setting::Rate, Setting::TimeColumn].map(|setting| names.of(setting));
+    let remedy = format!("give {rate} in Hz, or {time} if a column holds the time");
     LogError::Ask(format!("{} does not say how fast it was sampled: {remedy}", path.display()))
 }
 
 /// More samples are missing than can be written out.
-fn too_many(path: &Path, missing: u64) -> LogError {
-    let remedy = "cut the log at its longest gap, or give --rate HZ and no time column";
+fn too_many(path: &Path, missing: u64, names: Names) -> LogError {
+    let remedy = format!("cut the log at its longest gap, or give {} and no time column", names.of(Setting::Rate));
     LogError::Refused(format!("{}: {missing} samples are missing between its rows; {remedy}", path.display()))
 }
 

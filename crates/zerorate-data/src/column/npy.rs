@@ -28,7 +28,8 @@ pub fn read(log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
     check_length(path, &header, file.get_ref().length().map_err(failed)?.saturating_sub(start))?;
     let numeric = fields.iter().map(|field| field.kind.is_some_and(|kind| kind != Kind::Time)).collect();
     let names: Vec<&str> = fields.iter().map(|field| field.name.as_str()).collect();
-    let Choice { values: chosen, time } = Columns { path, names, numeric }.choose(asked.wanted, asked.args, &[])?;
+    let Choice { values: chosen, time } =
+        Columns { path, names, numeric, settings: asked.args.names }.choose(asked.wanted, asked.args, &[])?;
     let mut values: Vec<_> = chosen.iter().map(|_| SeriesBuilder::sharing(log.room, chosen.len())).collect();
     values.iter().try_for_each(|values| values.check_room(rows)).map_err(|why| CaptureError::no_room(path, why))?;
     let mut times = Times::new();
@@ -58,7 +59,10 @@ fn push_time(times: &mut Times, cell: Cell, field: &Field) -> Result<(), String>
         Cell::Integer(i64::MIN) if field.kind == Some(Kind::Time) => {
             Err("no time; every row must have one".to_owned())
         }
-        Cell::Integer(time) => times.push_integer(time),
+        Cell::Integer(time) => {
+            times.push_integer(time);
+            Ok(())
+        }
         Cell::Number(time) => times.push_number(time),
     }
 }

@@ -13,7 +13,15 @@ pub enum Number {
     Decimal(f64),
 }
 
+impl Number {
+    /// Whether there is one.
+    pub fn is_there(self) -> bool {
+        self != Self::Missing
+    }
+}
+
 /// Reads numbers, and learns from them which decimal mark the text uses.
+#[derive(Clone, Debug)]
 pub struct Numerals {
     decimal: Option<Decimal>,
     /// A line and a cell in it that may have either mark, as long as no other cell tells.
@@ -26,8 +34,19 @@ impl Numerals {
         Self { decimal, doubtful: None }
     }
 
+    /// The mark, as far as it is known by now.
+    pub fn decimal(&self) -> Option<Decimal> {
+        self.decimal
+    }
+
     /// Reads a cell; `Err` tells why it is no number.
     pub fn read(&mut self, cell: &str, line: u64) -> Result<Number, String> {
+        if let Some(number) = plain(cell.as_bytes()) {
+            return match number {
+                Number::Decimal(_) => self.with_point(cell).map(|()| number),
+                _ => Ok(number),
+            };
+        }
         if let Ok(integer) = cell.parse() {
             return Ok(Number::Integer(integer));
         }
@@ -39,26 +58,39 @@ impl Numerals {
         }
         let number = cell.parse().map_err(|_| format!("`{cell}` is no number"))?;
         if cell.contains('.') {
-            match self.decimal {
-                Some(Decimal::Comma) => {
-                    return Err(format!("`{cell}` has a decimal point where other numbers have a decimal comma"));
-                }
-                _ => self.decimal = Some(Decimal::Point),
-            }
+            self.with_point(cell)?;
         }
         Ok(Number::Decimal(number))
     }
 
-    /// A cell that could be read in two ways, with what to do about it.
-    pub fn doubt(&self) -> Option<(u64, String)> {
+    /// Takes in what other lines have told, `lines` behind the start; false if they tell the other mark.
+    pub fn join(&mut self, other: Self, lines: u64) -> bool {
+        if self.doubtful.is_none() {
+            self.doubtful = other.doubtful.map(|(line, cell)| (line + lines, cell));
+        }
+        let differ = matches!((self.decimal, other.decimal), (Some(one), Some(other)) if one != other);
+        self.decimal = self.decimal.or(other.decimal);
+        !differ
+    }
+
+    /// A cell that could be read in two ways, with what to do about it; `option` is what the decimal mark is called.
+    pub fn doubt(&self, option: &str) -> Option<(u64, String)> {
         let (line, cell) = self.doubtful.as_ref().filter(|_| self.decimal.is_none())?;
         let (decimal, thousand) = (cell.replace(',', "."), cell.replace(',', ""));
         Some((
             *line,
             format!(
-                "`{cell}` is {decimal} or {thousand}; give --decimal comma if it is {decimal}, else remove the comma"
+                "`{cell}` is {decimal} or {thousand}; give {option} comma if it is {decimal}, else remove the comma"
             ),
         ))
+    }
+
+    fn with_point(&mut self, cell: &str) -> Result<(), String> {
+        if self.decimal == Some(Decimal::Comma) {
+            return Err(format!("`{cell}` has a decimal point where other numbers have a decimal comma"));
+        }
+        self.decimal = Some(Decimal::Point);
+        Ok(())
     }
 
     fn with_comma(&mut self, cell: &str, line: u64) -> Result<Number, String> {
@@ -76,6 +108,48 @@ impl Numerals {
     }
 }
 
+/// The largest integer below which an f64 holds every one.
+const EXACT: u64 = 1 << 53;
+
+/// Powers of ten that an f64 holds exactly.
+const TENS: [f64; 23] = [
+    1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19,
+    1e20, 1e21, 1e22,
+];
+
+/// Digits that a u64 holds, whatever they are.
+const DIGITS: usize = 18;
+
+/// A number of a sign, digits and a point at most, which is what nearly all are. An integer over a power of ten, both
+/// exact, is rounded once, as the slow way rounds it (W. D. Clinger, How to read floating point numbers accurately,
+/// PLDI 1990).
+fn plain(cell: &[u8]) -> Option<Number> {
+    let (negative, digits) = match cell {
+        [b'-', rest @ ..] => (true, rest),
+        [b'+', rest @ ..] => (false, rest),
+        _ => (false, cell),
+    };
+    let (mut all, mut point) = (0u64, None);
+    for (at, byte) in digits.iter().enumerate() {
+        match byte {
+            b'0'..=b'9' => all = all.wrapping_mul(10).wrapping_add(u64::from(byte - b'0')),
+            b'.' if point.is_none() => point = Some(digits.len() - 1 - at),
+            _ => return None,
+        }
+    }
+    let count = digits.len() - usize::from(point.is_some());
+    if count == 0 || count > DIGITS {
+        return None;
+    }
+    match point {
+        None => Some(Number::Integer(if negative { -(all as i64) } else { all as i64 })),
+        Some(decimals) if all <= EXACT => {
+            let number = all as f64 / TENS[decimals];
+            Some(Number::Decimal(if negative { -number } else { number }))
+        }
+        Some(_) => None,
+    }
+}
 /// 1,234 could be; 0,123 and 1,5 and 1,234e5 could not.
 fn could_be_thousands(cell: &str) -> bool {
     let is_digits = |part: &str| part.bytes().all(|byte| byte.is_ascii_digit());
@@ -102,7 +176,7 @@ mod tests {
     fn read(cells: &[&str]) -> (Numbers, Option<(u64, String)>) {
         let mut numerals = Numerals::new(None);
         let numbers = cells.iter().zip(1..).map(|(cell, line)| numerals.read(cell, line)).collect();
-        (numbers, numerals.doubt())
+        (numbers, numerals.doubt("--decimal"))
     }
 
     #[test]
@@ -136,6 +210,32 @@ mod tests {
         assert_eq!(line, 2);
         assert!(what.contains("`1,234` is 1.234 or 1234") && what.contains("--decimal comma"), "{what}");
         let mut declared = Numerals::new(Some(Decimal::Comma));
-        assert_eq!((declared.read("1,234", 1), declared.doubt()), (Ok(Number::Decimal(1.234)), None));
+        assert_eq!((declared.read("1,234", 1), declared.doubt("--decimal")), (Ok(Number::Decimal(1.234)), None));
+    }
+
+    /// The fast way gives what the slow one of the standard library gives, to the last bit.
+    #[test]
+    fn plain_numbers_are_rounded_once() {
+        let mut cells: Vec<String> =
+            ["0.1", "-0.0", "+.5", "7.", "9007199254740993.0", "0.000000000000000001", "123456789.123456789"]
+                .map(str::to_owned)
+                .to_vec();
+        let mut random = 1u64;
+        for _ in 0..20_000 {
+            random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            let digits = (random >> 33).to_string();
+            let at = (random >> 20) as usize % digits.len();
+            cells.push(format!("{}.{}", &digits[..at], &digits[at..]));
+        }
+        for cell in cells {
+            let slow: f64 = cell.parse().unwrap();
+            let Ok(Number::Decimal(fast)) = read(&[&cell]).0[0] else { panic!("{cell}") };
+            assert_eq!(fast.to_bits(), slow.to_bits(), "{cell}");
+        }
+        for (cell, integer) in [("-7", -7), ("+12", 12), ("999999999999999999", 999_999_999_999_999_999)] {
+            assert_eq!(read(&[cell]).0, [Ok(Number::Integer(integer))]);
+        }
+        assert_eq!(read(&["-9223372036854775808"]).0, [Ok(Number::Integer(i64::MIN))]);
+        assert!(read(&["."]).0[0].is_err() && read(&["+"]).0[0].is_err() && read(&["1.2.3"]).0[0].is_err());
     }
 }

@@ -3,7 +3,7 @@
 
 use super::choice::Described;
 use super::clock::Beat;
-use super::unit::{Quantity, TimeUnit, is_celsius};
+use super::unit::{Quantity, is_celsius};
 use super::{Clock, ColumnOptions, Found, FoundColumn, Gap, LogError, Result, Wanted, find};
 use crate::Input;
 use crate::capture::{CaptureInfo, Layout, Row};
@@ -47,7 +47,9 @@ impl PartLog {
         let layout = Layout::of_part(part)
             .map_err(|what| LogError::Ask(format!("no capture can have the part {}: {what}", part.name)))?;
         let described = described(part);
-        let Found { mut columns, clock, warning } = find(path, input, Wanted::Described(&described), args)?;
+        let mut found = find(path, input, Wanted::Described(&described), args)?;
+        found.mend(path, args)?;
+        let Found { mut columns, clock, warning } = found;
         let temp = columns.pop().filter(|_| columns.len() == part.axes.len());
         let temp = temp.ok_or_else(|| LogError::Ask(format!("{} has one column only", path.display())))?;
         let mut warnings: Vec<String> = warning.into_iter().collect();
@@ -231,14 +233,10 @@ fn times(path: &Path, clock: Clock, rows: usize, args: &ColumnOptions) -> Result
     let silent = |rate_hz: f64| (0..rows).map(|row| (row as f64 * 1e9 / rate_hz).round() as u64).collect();
     let (t_ns, gaps): (Vec<u64>, Vec<Gap>) = match (args.rate, clock) {
         (Some(rate_hz), _) => (silent(rate_hz), Vec::new()),
-        (None, Clock::Column(name, times)) => {
-            let unit = args.time_unit.or(times.unit).or_else(|| TimeUnit::of_column(&name));
-            let unit = unit.ok_or_else(|| super::no_time_unit(path, &name))?;
-            let beat = times.beat(unit);
-            let Beat { gaps, .. } = beat.map_err(|why| super::unsteady(path, &name, &why))?;
-            (times.nanoseconds(unit), gaps)
-        }
-        (None, _) => return Err(super::no_rate(path)),
+        (None, clock) => match (clock.beat(path, args)?, clock) {
+            (Some((unit, Beat { gaps, .. })), Clock::Column(_, times)) => (times.nanoseconds(unit), gaps),
+            _ => return Err(super::no_rate(path, args.names)),
+        },
     };
     if t_ns.windows(2).any(|pair| pair[1] <= pair[0]) {
         let why = "its rows are less than a nanosecond apart; is it the rate, and the unit of the time?";

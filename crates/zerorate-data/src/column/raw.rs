@@ -2,7 +2,7 @@
 
 use super::open::Log;
 use super::series::SeriesBuilder;
-use super::{Clock, Found, FoundColumn, Result, wrong};
+use super::{Clock, Found, FoundColumn, Names, Result, Setting, wrong};
 use crate::capture::CaptureError;
 use std::io::Read;
 
@@ -46,12 +46,13 @@ impl RawType {
 }
 
 /// Reads the whole file as one column.
-pub fn read(log: Log<'_>, raw: RawType) -> Result<Found> {
+pub fn read(log: Log<'_>, raw: RawType, names: Names) -> Result<Found> {
+    let setting = names.of(Setting::Raw);
     let failed = |error| CaptureError::io("read", log.path, error);
     let bytes = log.input.length().map_err(failed)?;
     let size = raw.bytes();
     if !bytes.is_multiple_of(size as u64) {
-        let what = format!("{bytes} bytes are no whole number of {size}-byte numbers: is --raw right?");
+        let what = format!("{bytes} bytes are no whole number of {size}-byte numbers: is {setting} right?");
         return Err(CaptureError::damaged(log.path, "as raw numbers", what).into());
     }
     let mut values = SeriesBuilder::new(log.room);
@@ -67,7 +68,8 @@ pub fn read(log: Log<'_>, raw: RawType) -> Result<Found> {
         let first = values.rows();
         values.check_room((block.len() / size) as u64).map_err(|why| CaptureError::no_room(log.path, why))?;
         raw.append(&mut values, &block).map_err(|at| {
-            wrong(log.path, format_args!("number {}", first + at as u64), "it is infinite: is --raw right?")
+            let what = format!("it is infinite: is {setting} right?");
+            wrong(log.path, format_args!("number {}", first + at as u64), what)
         })?;
     }
     let columns = vec![FoundColumn::new("raw".to_owned(), values)];

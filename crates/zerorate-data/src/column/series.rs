@@ -101,6 +101,25 @@ impl SeriesBuilder {
         true
     }
 
+    /// Adds numbers that are finite, or NaN where one is missing; `are_codes` if all that are there are codes.
+    pub fn extend_cells(&mut self, added: &[f64], are_codes: bool) {
+        self.rows += added.len() as u64;
+        if !are_codes {
+            return self.numbers().extend_from_slice(added);
+        }
+        match &mut self.series {
+            Series::Numbers(numbers) => numbers.extend_from_slice(added),
+            Series::Codes(codes) => {
+                for number in added {
+                    match number.is_nan() {
+                        true => join(&mut self.gaps, Gap { at: codes.len(), missing: 1 }),
+                        false => codes.push(*number as i32),
+                    }
+                }
+            }
+        }
+    }
+
     /// Adds codes.
     pub fn extend_codes(&mut self, added: &[i32]) {
         self.rows += added.len() as u64;
@@ -149,6 +168,25 @@ impl SeriesBuilder {
     }
 
     /// A number for each row, NaN where it has none.
+    pub fn rows_as_numbers(&self) -> Vec<f64> {
+        match &self.series {
+            Series::Numbers(numbers) => numbers.clone(),
+            Series::Codes(codes) => spread(codes, &self.gaps),
+        }
+    }
+
+    /// These rows in this order, and no others.
+    pub fn reorder(&mut self, order: &[usize]) {
+        let are_codes = matches!(self.series, Series::Codes(_));
+        let all = self.rows_as_numbers();
+        let rows: Vec<f64> = order.iter().map(|row| all[*row]).collect();
+        self.series = Series::Codes(Vec::new());
+        self.gaps.clear();
+        self.rows = 0;
+        self.extend_cells(&rows, are_codes);
+    }
+
+    /// The same, of all rows.
     pub fn into_rows(mut self) -> Vec<f64> {
         std::mem::take(self.numbers())
     }
@@ -156,21 +194,29 @@ impl SeriesBuilder {
     /// The numbers; integers become numbers here.
     fn numbers(&mut self) -> &mut Vec<f64> {
         if let Series::Codes(codes) = &self.series {
-            let mut numbers = Vec::with_capacity(codes.capacity());
-            let mut done = 0;
-            for gap in self.gaps.drain(..) {
-                numbers.extend(codes[done..gap.at].iter().map(|code| f64::from(*code)));
-                numbers.extend((0..gap.missing).map(|_| f64::NAN));
-                done = gap.at;
-            }
-            numbers.extend(codes[done..].iter().map(|code| f64::from(*code)));
+            let mut numbers = spread(codes, &self.gaps);
+            numbers.reserve_exact(codes.capacity() - codes.len());
             self.series = Series::Numbers(numbers);
+            self.gaps.clear();
         }
         match &mut self.series {
             Series::Numbers(numbers) => numbers,
             Series::Codes(_) => unreachable!("codes became numbers just now"),
         }
     }
+}
+
+/// Codes as numbers, NaN in each gap.
+fn spread(codes: &[i32], gaps: &[Gap]) -> Vec<f64> {
+    let mut numbers = Vec::with_capacity(codes.len());
+    let mut done = 0;
+    for gap in gaps {
+        numbers.extend(codes[done..gap.at].iter().map(|code| f64::from(*code)));
+        numbers.extend((0..gap.missing).map(|_| f64::NAN));
+        done = gap.at;
+    }
+    numbers.extend(codes[done..].iter().map(|code| f64::from(*code)));
+    numbers
 }
 
 /// Adds a gap at or after the last one.

@@ -60,7 +60,7 @@ impl<'a> TableColumns<'a> {
         let info = info::is_capture(metadata).then(|| CaptureInfo::from_metadata(path, metadata)).transpose()?;
         let default = info.as_ref().map_or_else(Vec::new, |info| rates(&info.layout, &names));
         let numeric = schema.fields().iter().map(|field| field.data_type().is_numeric()).collect();
-        let all = Columns { path, names: names.clone(), numeric };
+        let all = Columns { path, names: names.clone(), numeric, settings: asked.args.names };
         let Choice { values, time } = all.choose(asked.wanted, asked.args, &default)?;
         // with a time column it is a table as any other
         let info = info.filter(|_| time.is_none());
@@ -216,7 +216,7 @@ fn append_times(times: &mut Times, column: &ArrayRef) -> Result<(), Wrong> {
     if column.data_type().is_integer() || times.unit.is_some() {
         let found = integers::<Int64Type>(column).map_err(|error| (0, error.to_string()))?;
         for (row, time) in found.iter().enumerate() {
-            time.ok_or_else(missing).and_then(|time| times.push_integer(time)).map_err(at(row))?;
+            times.push_integer(time.ok_or_else(missing).map_err(at(row))?);
         }
     } else if column.data_type().is_numeric() {
         let found = floats(column).map_err(|error| (0, error.to_string()))?;
@@ -224,7 +224,7 @@ fn append_times(times: &mut Times, column: &ArrayRef) -> Result<(), Wrong> {
             time.ok_or_else(missing).and_then(|time| times.push_number(time)).map_err(at(row))?;
         }
     } else {
-        return Err((0, format!("it holds {} and no time; choose another with --time-column", column.data_type())));
+        return Err((0, format!("it holds {} and no time; choose another column", column.data_type())));
     }
     Ok(())
 }

@@ -1,0 +1,61 @@
+//! What each option of a column is called, so that a message can say which to give.
+
+use std::fmt;
+
+/// An option of [`ColumnOptions`](super::ColumnOptions), for which each front end has its own name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+#[expect(missing_docs, reason = "the fields of `ColumnOptions`")]
+pub enum Setting {
+    Column,
+    TimeColumn,
+    TimeUnit,
+    Rate,
+    Unit,
+    Scale,
+    Decimal,
+    Raw,
+    MaxBad,
+}
+
+impl Setting {
+    /// Its name as a field of [`ColumnOptions`](super::ColumnOptions).
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Column => "column",
+            Self::TimeColumn => "time_column",
+            Self::TimeUnit => "time_unit",
+            Self::Rate => "rate",
+            Self::Unit => "unit",
+            Self::Scale => "scale",
+            Self::Decimal => "decimal",
+            Self::Raw => "raw",
+            Self::MaxBad => "max_bad",
+        }
+    }
+}
+
+/// What a front end calls an option: its field, unless it says otherwise.
+#[derive(Clone, Copy)]
+pub struct Names(pub fn(Setting) -> &'static str);
+
+impl Names {
+    /// The name of one.
+    #[must_use]
+    pub fn of(self, setting: Setting) -> &'static str {
+        (self.0)(setting)
+    }
+}
+
+impl Default for Names {
+    fn default() -> Self {
+        Self(Setting::name)
+    }
+}
+
+impl fmt::Debug for Names {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "Names({}, …)", self.of(Setting::Column))
+    }
+}

@@ -1,0 +1,167 @@
+//! Columns of delimited text, with or without a header.
+
+mod blocks;
+mod head;
+mod rows;
+mod survey;
+#[cfg(test)]
+mod tests;
+
+use super::choice::{Choice, Columns};
+use super::clock::Times;
+use super::number::Numerals;
+use super::series::SeriesBuilder;
+use super::unit::TimeUnit;
+use super::{Asked, Clock, Found, FoundColumn, LogError, Result, Setting, Wanted};
+use crate::Input;
+use crate::capture::CaptureError;
+use crate::limits::Room;
+use blocks::{Block, Blocks};
+use head::{Head, Open};
+use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
+use rows::{Broken, Cut, Piece, Time, at_line};
+use std::io::Seek;
+use std::path::Path;
+
+/// Reads columns of text.
+pub fn read(path: &Path, mut input: Input, room: Room, asked: &Asked<'_>) -> Result<Found> {
+    let failed = |error| CaptureError::io("read", path, error);
+    let head = head(path, &mut input, asked)?;
+    input.rewind().map_err(failed)?;
+    let names = head.names.iter().map(String::as_str).collect();
+    let columns = Columns { path, numeric: head.numeric.clone(), names, settings: asked.args.names };
+    let Choice { values, time } = columns.choose(asked.wanted, asked.args, &[])?;
+    let cut = rows::cut(path, &head, &values, time);
+    let mut reading = TextColumns::new(&cut, room, &head);
+    let mut blocks = Blocks::new(path, input);
+    loop {
+        let several = blocks.several(rayon::current_num_threads())?;
+        let Some(last) = several.last() else { break };
+        let is_last = last.is_last;
+        let is_first = reading.lines == 0;
+        let whole =
+            |block: &Block| cut.read(block, Numerals::new(head.decimal), is_first && std::ptr::eq(block, &several[0]));
+        let pieces: Vec<Piece> = several.par_iter().map(whole).collect();
+        pieces.into_iter().try_for_each(|piece| reading.append(piece))?;
+        if is_last {
+            break;
+        }
+    }
+    reading.finish(head, asked)
+}
+
+/// How the text starts, and what of that only all of it can tell.
+fn head(path: &Path, input: &mut Input, asked: &Asked<'_>) -> Result<Head> {
+    let failed = |error| CaptureError::io("read", path, error);
+    let clone = |input: &Input| input.try_clone().map_err(failed);
+    let start = Blocks::new(path, clone(input)?).next()?;
+    let start = start.map(|block| block.bytes).unwrap_or_default();
+    let mut head = Head::read(path, &String::from_utf8_lossy(&start), asked.args)?;
+    // who asks for a second column, or for a time, knows that there are two
+    let one = match asked.wanted {
+        Wanted::One(name) => name.is_none_or(|name| name == "0") && asked.args.time_column.is_none(),
+        _ => false,
+    };
+    if head.open == Open::OneNameLess || head.open == Open::TwoOrDecimals && one {
+        input.rewind().map_err(failed)?;
+        survey::settle(path, clone(input)?, &mut head, asked.args)?;
+    }
+    Ok(head)
+}
+
+/// Columns of a text being read.
+struct TextColumns<'a> {
+    cut: &'a Cut<'a>,
+    columns: Vec<SeriesBuilder>,
+    times: Option<Times>,
+    numerals: Numerals,
+    lines: u64,
+    broken: Broken,
+    warning: Option<String>,
+}
+
+impl<'a> TextColumns<'a> {
+    fn new(cut: &'a Cut<'a>, room: Room, head: &Head) -> Self {
+        let count = cut.names.len() - usize::from(cut.time.is_some());
+        Self {
+            cut,
+            columns: (0..count).map(|_| SeriesBuilder::sharing(room, count)).collect(),
+            times: cut.time.map(|_| Times::new()),
+            numerals: Numerals::new(head.decimal),
+            lines: 0,
+            broken: Broken::default(),
+            warning: None,
+        }
+    }
+
+    fn append(&mut self, piece: Piece) -> Result<(), CaptureError> {
+        let path = self.cut.path;
+        let Piece { columns, times, lines, rows, bad, first_bad, fatal, cut, numerals } = piece;
+        let line = |(line, what): (u64, String)| (line + self.lines, what);
+        if let Some((line, what)) = fatal.map(line) {
+            return Err(at_line(path, line, &what));
+        }
+        self.broken.rows += rows;
+        self.broken.bad += bad;
+        self.broken.first = self.broken.first.take().or(first_bad.map(line));
+        if let Some((line, what)) = cut.map(line) {
+            if self.rows() == 0 && columns.first().is_none_or(|(values, _)| values.is_empty()) {
+                return Err(at_line(path, line, &what));
+            }
+            let error = at_line(path, line, &what);
+            self.warning = Some(format!("{error}: the file was cut short, so this line is dropped"));
+        }
+        if !self.numerals.join(numerals, self.lines) {
+            let what = "some numbers have a decimal point and others a decimal comma";
+            return Err(CaptureError::damaged(path, "as a text file", what));
+        }
+        for (builder, (values, are_codes)) in self.columns.iter_mut().zip(columns) {
+            builder.check_room(values.len() as u64).map_err(|why| CaptureError::no_room(path, why))?;
+            builder.extend_cells(&values, are_codes);
+        }
+        if let Some(all) = &mut self.times {
+            times.iter().try_for_each(|time| push_time(all, *time)).map_err(|what| {
+                CaptureError::damaged(path, format!("column {}", self.cut.names[self.columns.len()]), what)
+            })?;
+        }
+        self.lines += lines;
+        Ok(())
+    }
+
+    fn rows(&self) -> u64 {
+        self.columns.first().map_or(0, SeriesBuilder::rows)
+    }
+
+    fn finish(self, head: Head, asked: &Asked<'_>) -> Result<Found> {
+        let Self { cut, columns, times, numerals, broken, warning, .. } = self;
+        let (path, names) = (cut.path, asked.args.names);
+        if let Some((line, what)) = numerals.doubt(names.of(Setting::Decimal)) {
+            return Err(LogError::File(at_line(path, line, &what)));
+        }
+        let skipped = head.skipped.map(|(lines, first)| {
+            let are = if lines == 1 { "line" } else { "lines" };
+            format!(
+                "{}: {lines} {are} above the data are no header and skipped (the first: `{first}`)",
+                path.display()
+            )
+        });
+        let broken = broken.judge(path, asked.args.max_bad, names.of(Setting::MaxBad), cut.time.is_none())?;
+        let warning = [skipped, broken, warning].into_iter().flatten().reduce(|all, more| format!("{all}; {more}"));
+        let time = cut.time.map(|time| cut.names[time].clone());
+        let clock = time.zip(times).map_or(Clock::Silent, |(name, times)| Clock::Column(name, times));
+        let columns = cut.names.iter().zip(columns).map(|(name, values)| FoundColumn::new(name.clone(), values));
+        Ok(Found { columns: columns.collect(), clock, warning })
+    }
+}
+
+fn push_time(times: &mut Times, time: Time) -> Result<(), String> {
+    match time {
+        Time::Integer(time) => times.push_integer(time),
+        Time::Number(time) => return times.push_number(time),
+        Time::Date(ns) => {
+            times.unit = Some(TimeUnit::Ns);
+            times.push_integer(ns);
+        }
+    }
+    Ok(())
+}
