@@ -157,7 +157,7 @@ fn what_is_wrong_is_named() {
     bench.write("odd.i16", [1, 2, 3]);
     bench.write("binary", [b'x', 0xC0, 0x80, 1, b'\n']);
     let cases = [
-        ("short.csv --column t", 2, "give --rate in Hz"),
+        ("short.csv --column x --max-bad 0.5", 2, "give --rate in Hz"),
         ("log.csv --column x --rate 100", 1, "log.csv, line 4, column x: `abc` is no number"),
         ("log.csv --rate 100", 2, "choose with --column one of: 0 `t`, 1 `x`"),
         ("log.csv --rate 100 --column z", 2, "no column `z`"),

@@ -112,9 +112,10 @@ impl Times {
             tracking.step(row, *time);
         }
         let jitter = (tracking.squares / (rows - 1) as f64).sqrt();
-        let (jitter, gaps, steps) = match jitter > CLEAR_JITTER {
-            true => self.among_late_rows(),
-            false => (jitter, tracking.gaps, tracking.steps),
+        let is_clear = jitter <= CLEAR_JITTER;
+        let (jitter, gaps, steps) = match is_clear {
+            true => (jitter, tracking.gaps, tracking.steps),
+            false => self.among_late_rows(),
         };
         let missing = missing_in(&gaps);
         if missing > rows as u64 && gaps.len() as f64 > MAX_GAPS * rows as f64 {
@@ -127,7 +128,10 @@ impl Times {
                 format!("the timestamps are off an even clock by {off:.0} % of an interval (at most {most:.0} %)");
             return Err(self.unsteady(unit, &why, rate));
         }
-        let rate_hz = steps as f64 * unit.per_s() / self.since_first[rows - 1];
+        let rate_hz = match is_clear {
+            true => steps as f64 * unit.per_s() / self.since_first[rows - 1],
+            false => unit.per_s() / self.slope(&gaps),
+        };
         Ok(Beat { rate_hz, gaps, jitter })
     }
 
@@ -184,6 +188,23 @@ impl Times {
         }
         steps = steps.saturating_add(times.len() as u64 - 1).saturating_add(missing_in(&gaps));
         ((squares / (times.len() - 1) as f64).sqrt(), gaps, steps)
+    }
+
+    /// Time from sample to sample, by least squares: what the first and the last row are late by does not count.
+    fn slope(&self, gaps: &[Gap]) -> f64 {
+        let (mut missing, mut gaps) = (0, gaps.iter().peekable());
+        let place = self.since_first.iter().enumerate().map(|(row, time)| {
+            while let Some(gap) = gaps.next_if(|gap| gap.at <= row) {
+                missing += gap.missing;
+            }
+            (row as f64 + missing as f64, *time)
+        });
+        let places: Vec<(f64, f64)> = place.collect();
+        let rows = places.len() as f64;
+        let (x, y) = places.iter().fold((0.0, 0.0), |(x, y), place| (x + place.0 / rows, y + place.1 / rows));
+        let sums = places.iter().map(|place| ((place.0 - x) * (place.1 - y), (place.0 - x).powi(2)));
+        let (both, square) = sums.fold((0.0, 0.0), |sum, one| (sum.0 + one.0, sum.1 + one.1));
+        both / square
     }
 
     fn unsteady(&self, unit: TimeUnit, why: &str, rate: &str) -> String {
@@ -351,7 +372,7 @@ mod tests {
             };
             let whole = beat(stamps(0..0)).unwrap();
             assert!(whole.gaps.is_empty(), "{:?}", whole.gaps);
-            assert!((whole.rate_hz / 200.0 - 1.0).abs() < 1e-4, "{}", whole.rate_hz);
+            assert!((whole.rate_hz / 200.0 - 1.0).abs() < 2e-6, "{}", whole.rate_hz);
             let text = whole.jitter_text().unwrap();
             assert!(text.contains(&format!("{}", &said[..1])) && text.contains("nothing of white noise"), "{text}");
             let found = beat(stamps(9_000..9_007)).unwrap();
