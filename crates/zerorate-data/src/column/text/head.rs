@@ -234,13 +234,13 @@ impl Rows {
         };
         let integer = |cell: &&str| cell.parse::<i64>().is_ok();
         let first = first + usize::from(is_numbered(&rows[first]) && rows.len() > first + 1);
-        let all_integers = rows[first..].iter().flatten().all(|cell| integer(&cell));
+        let all_integers = rows[first..].iter().flatten().all(integer);
         Self { first, numeric, all_integers, decimal: decimal.or(learned) }
     }
 }
 
 /// Names that are an empty one and then 0, 1, 2 …, as pandas writes them.
-fn is_numbered(row: &Vec<&str>) -> bool {
+fn is_numbered(row: &[&str]) -> bool {
     row.len() > 1 && row[0].is_empty() && row[1..].iter().zip(0..).all(|(cell, at)| cell.parse() == Ok(at))
 }
 
