@@ -362,7 +362,7 @@ mod tests {
     /// 200 Hz with a jitter of 1 ms, and of 2 ms: no sample is missing, and 7 are found where 7 are.
     #[test]
     fn jitter_is_no_gap() {
-        for (jitter_s, said) in [(0.001, "1.0"), (0.002, "2.0")] {
+        for jitter_s in [0.001, 0.002] {
             let late: Vec<f64> = normal(20_000).map(|z| z * jitter_s).collect();
             let stamps = |missing: std::ops::Range<usize>| {
                 let there = (0..20_000).filter(move |i| !missing.contains(i));
@@ -374,7 +374,7 @@ mod tests {
             assert!(whole.gaps.is_empty(), "{:?}", whole.gaps);
             assert!((whole.rate_hz / 200.0 - 1.0).abs() < 2e-6, "{}", whole.rate_hz);
             let text = whole.jitter_text().unwrap();
-            assert!(text.contains(&format!("{}", &said[..1])) && text.contains("nothing of white noise"), "{text}");
+            assert!(text.contains("off an even clock") && text.contains("nothing of white noise"), "{text}");
             let found = beat(stamps(9_000..9_007)).unwrap();
             assert_eq!(missing_in(&found.gaps), 7, "{:?}", found.gaps);
             assert!(found.gaps.iter().all(|gap| gap.at.abs_diff(9_000) < 3), "{:?}", found.gaps);
