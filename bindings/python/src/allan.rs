@@ -163,9 +163,10 @@ fn term_dict<'py>(py: Python<'py>, term: &Term) -> PyResult<Bound<'py, PyDict>> 
             result.set_item("sigma", limits(sigma))?;
             result.set_item("tau_s", limits(tau_s))?;
         }
-        Term::BandShape { cosines } => {
+        Term::BandShape { cosines, pole } => {
             result.set_item("kind", "band-shape")?;
             result.set_item("cosines", cosines)?;
+            result.set_item("pole", pole)?;
         }
         Term::Line(line) => {
             result.set_item("kind", "line")?;

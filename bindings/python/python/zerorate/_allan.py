@@ -63,10 +63,13 @@ class GaussMarkov:
 
 @dataclass(frozen=True)
 class BandShape:
-    """White noise behind a filter: its density is N² exp Σ a_j (cos 2πjf/rate − 1)."""
+    """White noise behind a filter: its density is N² exp Σ a_j (cos 2πjf/rate − 1), and with a pole p that times
+    (1 − p)²/(1 + p² − 2p cos 2πf/rate)."""
 
     cosines: list[float]
     """a_1, a_2 …"""
+    pole: float | None
+    """p, of a low-pass of the first order."""
 
 
 @dataclass(frozen=True)

@@ -127,10 +127,13 @@ fn of_term(record: &Record, term: &Term) -> Row {
             values: vec![in_rate(sigma), (*tau_s, "s".to_owned())],
             remark: String::new(),
         },
-        Term::BandShape { cosines } => Row {
+        Term::BandShape { cosines, pole } => Row {
             name: "band shape".to_owned(),
             values: Vec::new(),
-            remark: format!("of order {}: the white noise has a filter behind it", cosines.len()),
+            remark: format!(
+                "of order {}: the white noise has a filter behind it",
+                cosines.len() + usize::from(pole.is_some())
+            ),
         },
         Term::Line(Line { frequency_hz, width_hz, rms }) => Row {
             name: "line, left out".to_owned(),

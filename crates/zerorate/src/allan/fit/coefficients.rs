@@ -20,14 +20,14 @@ pub(super) struct Coefficients<'a> {
 }
 
 impl Coefficients<'_> {
-    fn profile(&self, place: usize, bounds: (f64, f64)) -> Profile<'_> {
-        Profile { problem: &self.chosen.problem, best: &self.chosen.found, place, bounds }
+    fn square(&self, place: usize) -> Profile<'_> {
+        Profile::of_square(&self.chosen.problem, &self.chosen.found, place)
     }
 
     /// Of a squared coefficient.
     pub(super) fn of(&self, place: usize) -> Coefficient {
         let value = libm::sqrt(self.chosen.found.at[place]);
-        let (lo, hi) = self.profile(place, (0.0, f64::INFINITY)).interval();
+        let (lo, hi) = self.square(place).interval();
         self.finished(place, value, (libm::sqrt(lo), libm::sqrt(hi)))
     }
 
@@ -56,7 +56,7 @@ impl Coefficients<'_> {
 
     /// K rests on few coefficients: its value is the mean of its confidence distribution.
     pub(super) fn k(&self) -> Coefficient {
-        let profile = self.profile(K2, (0.0, f64::INFINITY));
+        let profile = self.square(K2);
         let (lo, hi) = profile.interval();
         self.finished(K2, profile.mean_of_root(hi), (libm::sqrt(lo), libm::sqrt(hi)))
     }
@@ -82,15 +82,16 @@ impl Coefficients<'_> {
         let range = (libm::log(SHORTEST / self.rate_hz), libm::log(LONGEST * table.span_s));
         let markov = |index| {
             let place = found.form.markov(index);
-            let (lo, hi) = self.profile(place, (0.0, f64::INFINITY)).interval();
+            let (lo, hi) = self.square(place).interval();
             let variance = Estimate { value: found.at[place], lo, hi };
-            let (lo, hi) = self.profile(place + 1, range).interval();
+            let (lo, hi) = Profile::between(&self.chosen.problem, found, place + 1, range).interval();
             let log = Estimate { value: found.at[place + 1], lo, hi };
             Term::GaussMarkov { sigma: variance.map(libm::sqrt), tau_s: log.map(libm::exp) }
         };
         let mut terms: Vec<Term> = (0..found.form.markovs).map(markov).collect();
-        if found.form.cosines > 0 {
-            terms.push(Term::BandShape { cosines: found.at[SHAPE..SHAPE + found.form.cosines].to_vec() });
+        if found.form.shape() > 0 {
+            let (cosines, pole) = found.at[SHAPE..SHAPE + found.form.shape()].split_at(found.form.cosines);
+            terms.push(Term::BandShape { cosines: cosines.to_vec(), pole: pole.first().copied() });
         }
         if let Some(Drift::WarmUp { tau_s }) = found.form.drift {
             terms.push(Term::WarmUp { size: self.drift(), tau_s });

@@ -23,6 +23,8 @@ pub(super) struct Masked {
 
 /// A resonance this near to half the rate, in octaves, has a tail that N cannot be told from.
 const NEAR_THE_END: f64 = 2.0;
+/// Half widths of a resonance that are masked at least; a line without flanks is none.
+const LEAST_REACH: f64 = 1.0;
 
 /// A line this many times as strong as the white noise within its frequency is seen in a quarter of its period.
 const SEEN: f64 = 8.0;
@@ -65,7 +67,9 @@ impl Masked {
         }
         found.runs = runs.iter().map(|run| (run[0].1.first, run[run.len() - 1].1.end)).collect();
         found.lines = runs.iter().map(|run| line(run, hz)).collect();
-        found.tail_at_zero = found.lines.iter().map(|line| tail(line, rate_hz)).sum();
+        let reach = |&(first, end): &(usize, usize)| (end - first) as f64 * hz / 2.0;
+        let reaches = found.runs.iter().map(reach);
+        found.tail_at_zero = found.lines.iter().zip(reaches).map(|(line, reach)| tail(line, reach, rate_hz)).sum();
         found
     }
 }
@@ -89,10 +93,17 @@ fn variance_of(run: &[(f64, Bin)]) -> f64 {
     run.iter().map(|(variance, _)| variance.max(0.0)).sum()
 }
 
-/// Density at 0 of a resonance of this power and width (half of its power lies within it): P·w/(π(f² + w²)).
-fn tail(line: &Line, rate_hz: f64) -> f64 {
-    let near = line.frequency_hz > rate_hz / 2.0 / libm::exp2(NEAR_THE_END);
-    let half = line.width_hz / 2.0;
-    let square = line.frequency_hz * line.frequency_hz + half * half;
-    if near { line.rms * line.rms * half / (PI * square) } else { 0.0 }
+/// Density at 0 of a resonance: P·w/(π(f² + w²)), w its half width and P its power.
+///
+/// Of both the line has what lies within `reach_hz`: with x = reach/w the part (2/π)·atan x of the power, half of which
+/// lies within w′ = reach/(1 + √(1 + x²)).
+fn tail(line: &Line, reach_hz: f64, rate_hz: f64) -> f64 {
+    if line.frequency_hz <= rate_hz / 2.0 / libm::exp2(NEAR_THE_END) {
+        return 0.0;
+    }
+    let ratio = (2.0 * reach_hz / line.width_hz - 1.0).max(1.0);
+    let x = libm::sqrt(ratio * ratio - 1.0).max(LEAST_REACH);
+    let half_hz = reach_hz / x;
+    let power = line.rms * line.rms * PI / 2.0 / libm::atan(x);
+    power * half_hz / (PI * (line.frequency_hz * line.frequency_hz + half_hz * half_hz))
 }

@@ -85,10 +85,13 @@ pub enum Term {
         /// Correlation time, s.
         tau_s: Estimate,
     },
-    /// The white noise is not white: its density is N²·exp Σ a_j (cos 2πjf·dt − 1).
+    /// The white noise is not white: its density is N²·exp Σ a_j (cos 2πjf·dt − 1), and with a pole p that times
+    /// (1 − p)²/(1 + p² − 2p cos 2πf·dt).
     BandShape {
         /// a_1, a_2 …
         cosines: Vec<f64>,
+        /// p, of a low-pass of the first order.
+        pole: Option<f64>,
     },
     /// A disturbance or resonance; it was left out.
     Line(Line),

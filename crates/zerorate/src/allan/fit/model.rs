@@ -1,7 +1,7 @@
 //! The Allan variance of a fitted model, and the variance of its overlapping estimate.
 
 use super::density::Drift;
-use super::scoring::{B2, Found, K2, N2, Q2, SHAPE, shape};
+use super::scoring::{B2, Found, K2, N2, Q2, shape};
 use super::transform::autocovariance;
 use crate::allan::{chi2_quantile, interval};
 use crate::noise::FLOOR_PER_B;
@@ -39,8 +39,7 @@ impl Model {
         let density = |i: usize| {
             let angle = PI * i as f64 / LAGS as f64;
             let sin = libm::sin(angle / 2.0);
-            found.at[N2] * shape(&found.at[SHAPE..SHAPE + form.cosines], angle)
-                + found.at[Q2] * 4.0 * sin * sin * rate_hz * rate_hz
+            found.at[N2] * shape(form, &found.at, angle) + found.at[Q2] * 4.0 * sin * sin * rate_hz * rate_hz
         };
         let densities: Vec<f64> = (0..=LAGS).map(density).collect();
         let mut short = autocovariance(&densities, rate_hz)?;

@@ -4,7 +4,7 @@
 //! −Σ ν (P − S)/S² ∂S, its expected curvature Σ ν ∂S∂Sᵀ/S². Squared coefficients enter S as they are, so a noise can be
 //! exactly zero and leave zero again.
 
-use super::density::{Drift, MOST_COSINES, Table};
+use super::density::{Drift, Table};
 use crate::allan::linear::{Cholesky, Square};
 use alloc::vec;
 use alloc::vec::Vec;
@@ -14,11 +14,15 @@ use alloc::vec::Vec;
 pub(super) struct Form {
     /// Cosines of the band shape.
     pub(super) cosines: usize,
+    /// A pole of the band shape: a low-pass of the first order, which cosines follow only slowly.
+    pub(super) pole: bool,
     /// Gauss–Markov terms.
     pub(super) markovs: usize,
     /// Quantisation of the angle.
     pub(super) quantised: bool,
     pub(super) drift: Option<Drift>,
+    /// A squared coefficient that may be negative, as the estimate without bias of one that is zero is half of the time.
+    pub(super) signed: Option<usize>,
 }
 
 /// Places of the parameters: the squared coefficients, then the shape, then variance and ln T of each Gauss–Markov
@@ -30,10 +34,16 @@ pub(super) const Q2: usize = 3;
 pub(super) const SHAPE: usize = 4;
 
 impl Form {
-    pub(super) const PLAIN: Self = Self { cosines: 0, markovs: 0, quantised: false, drift: None };
+    pub(super) const PLAIN: Self =
+        Self { cosines: 0, pole: false, markovs: 0, quantised: false, drift: None, signed: None };
+
+    /// Parameters of the band shape: the cosines, then the pole.
+    pub(super) fn shape(&self) -> usize {
+        self.cosines + usize::from(self.pole)
+    }
 
     pub(super) fn len(&self) -> usize {
-        SHAPE + self.cosines + 2 * self.markovs
+        self.markov(self.markovs)
     }
 
     /// Whether the density is proportional to a parameter: a squared coefficient or a variance.
@@ -43,7 +53,7 @@ impl Form {
 
     /// Place of the variance of a Gauss–Markov term; its ln T is the next.
     pub(super) fn markov(&self, index: usize) -> usize {
-        SHAPE + self.cosines + 2 * index
+        SHAPE + self.shape() + 2 * index
     }
 }
 
@@ -53,6 +63,8 @@ pub(super) const SHORTEST: f64 = 20.0;
 pub(super) const LONGEST: f64 = 0.25;
 /// Largest cosine of the shape.
 const STEEPEST: f64 = 6.0;
+/// A pole nearer to the unit circle is a Gauss–Markov term.
+const NEAREST_POLE: f64 = 0.95;
 /// White noise never vanishes: this part of the median power.
 const LEAST_WHITE: f64 = 1e-6;
 /// Most that a cosine and a ln T move in a step.
@@ -90,8 +102,10 @@ impl Problem {
         match place {
             N2 => (self.least_white, f64::INFINITY),
             Q2 if !form.quantised => (0.0, 0.0),
+            _ if form.signed == Some(place) => (f64::NEG_INFINITY, f64::INFINITY),
             _ if form.is_square(place) => (0.0, f64::INFINITY),
-            _ if place < form.markov(0) => (-STEEPEST, STEEPEST),
+            _ if place < SHAPE + form.cosines => (-STEEPEST, STEEPEST),
+            _ if place < form.markov(0) => (-NEAREST_POLE, NEAREST_POLE),
             _ => (libm::log(SHORTEST / self.table.rate_hz), libm::log(LONGEST * self.table.span_s)),
         }
     }
@@ -186,12 +200,17 @@ impl Problem {
             let response = row.bin.response;
             let mut exponent = 0.0;
             (0..form.cosines).for_each(|j| exponent += at[SHAPE + j] * row.cosines[j]);
-            let shape = libm::exp(exponent) * response.white;
+            let pole = if form.pole { at[SHAPE + form.cosines] } else { 0.0 };
+            let (low_pass, low_pass_slope) = if form.pole { one_pole(pole, row.cosines[0]) } else { (1.0, 0.0) };
+            let shape = libm::exp(exponent) * low_pass * response.white;
             let white = at[N2] * shape;
             let (b, k, q) = (row.flicker * response.slow, row.walk * response.slow, row.quantisation * response.white);
             let mut sum = response.offset + white + at[B2] * b + at[K2] * k + at[Q2] * q;
             (slopes[N2][i], slopes[B2][i], slopes[K2][i], slopes[Q2][i]) = (shape, b, k, q);
             (0..form.cosines).for_each(|j| slopes[SHAPE + j][i] = white * row.cosines[j]);
+            if form.pole {
+                slopes[SHAPE + form.cosines][i] = white * low_pass_slope;
+            }
             for index in 0..form.markovs {
                 let place = form.markov(index);
                 let (g, slope) = row.gauss_markov(libm::exp(at[place + 1]), self.table.span_s);
@@ -207,7 +226,8 @@ impl Problem {
             // measured against the powers as they are, so that models with and without a drift compare
             self.nu[i] * (libm::log(s / p) + state.power(self, i) / s - 1.0)
         };
-        state.deviance = (0..rows.len()).map(term).sum();
+        let positive = state.density.iter().all(|s| *s > 0.0);
+        state.deviance = if positive { (0..rows.len()).map(term).sum() } else { f64::INFINITY };
         state
     }
 
@@ -278,10 +298,16 @@ impl Problem {
         self.table.rows.iter_mut().zip(powers).for_each(|(row, power)| row.bin.power = *power);
     }
 
-    /// Expected curvature of D at what was found.
-    pub(super) fn curvature(&self, found: &Found) -> Square {
+    /// Expected curvature and negative gradient of D at what was found.
+    pub(super) fn slope(&self, found: &Found) -> (Square, Vec<f64>) {
         let template = found.form.drift.map(|drift| drift.coefficients(self.table.span_s, self.table.low.len()));
-        self.normal(&found.form, &self.state(&found.form, &found.at, template.as_deref())).0
+        self.normal(&found.form, &self.state(&found.form, &found.at, template.as_deref()))
+    }
+
+    /// Whether a parameter can move.
+    pub(super) fn is_free(&self, found: &Found, place: usize) -> bool {
+        let (lower, upper) = self.bounds(&found.form, place);
+        found.at[place] > lower && found.at[place] < upper
     }
 }
 
@@ -355,9 +381,16 @@ fn solve_free(h: &Square, g: &[f64], fixed: &[Option<f64>]) -> Vec<f64> {
     x
 }
 
+/// Density of a low-pass with the pole `a` over its level at frequency 0, (1 − a)²/(1 + a² − 2a cos), and the slope of its
+/// logarithm by `a`; `cosine` is cos − 1.
+fn one_pole(a: f64, cosine: f64) -> (f64, f64) {
+    let (square, under) = ((1.0 - a) * (1.0 - a), (1.0 - a) * (1.0 - a) - 2.0 * a * cosine);
+    (square / under, 2.0 * (cosine + 1.0 - a) / under - 2.0 / (1.0 - a))
+}
+
 /// The shape of the white noise over its level at frequency 0, at the angle 2πf·dt.
-pub(super) fn shape(cosines: &[f64], angle: f64) -> f64 {
-    debug_assert!(cosines.len() <= MOST_COSINES);
-    let term = |(j, a): (usize, &f64)| a * (libm::cos((j + 1) as f64 * angle) - 1.0);
-    libm::exp(cosines.iter().enumerate().map(term).sum())
+pub(super) fn shape(form: &Form, at: &[f64], angle: f64) -> f64 {
+    let term = |j: usize| at[SHAPE + j] * (libm::cos((j + 1) as f64 * angle) - 1.0);
+    let low_pass = if form.pole { one_pole(at[SHAPE + form.cosines], libm::cos(angle) - 1.0).0 } else { 1.0 };
+    libm::exp((0..form.cosines).map(term).sum()) * low_pass
 }

@@ -1,7 +1,7 @@
 //! Which terms a record has: N, B and K always, the others where they earn their price.
 
 use super::density::{Drift, MOST_COSINES, Table};
-use super::scoring::{B2, Form, Found, K2, LONGEST, N2, Problem, SHAPE, SHORTEST};
+use super::scoring::{B2, Form, Found, K2, LONGEST, N2, Problem, Q2, SHAPE, SHORTEST};
 use alloc::vec;
 use alloc::vec::Vec;
 
@@ -9,6 +9,8 @@ use alloc::vec::Vec;
 /// one; warm-up: that with two. A cosine of the shape costs ln of all degrees of freedom. How often each is taken
 /// where there is none was measured: docs/reference/allan.md.
 const MARKOV_PRICE: f64 = 9.21;
+/// More for one that leaves no flicker: a few of them are flicker, and where both fit the rule says flicker.
+const INSTEAD_OF_FLICKER: f64 = 6.0;
 const RAMP_PRICE: f64 = 10.8;
 const WARM_UP_PRICE: f64 = 13.8;
 const MOST_MARKOVS: usize = 2;
@@ -77,8 +79,9 @@ fn priced(problem: &Problem, found: Found) -> Priced {
         Some(Drift::Ramp) => RAMP_PRICE,
         Some(Drift::WarmUp { .. }) => WARM_UP_PRICE,
     };
-    let shape = problem.price() * (form.cosines + usize::from(form.quantised)) as f64;
-    let price = found.deviance + shape + MARKOV_PRICE * form.markovs as f64 + drift;
+    let shape = problem.price() * (form.shape() + usize::from(form.quantised)) as f64;
+    let instead = if form.markovs > 0 && found.at[B2] <= 0.0 { INSTEAD_OF_FLICKER } else { 0.0 };
+    let price = found.deviance + shape + MARKOV_PRICE * form.markovs as f64 + instead + drift;
     Priced { found, price }
 }
 
@@ -179,23 +182,44 @@ fn level_near(table: &Table, f_hz: f64) -> f64 {
     part.iter().map(|row| row.bin.power).sum::<f64>() / part.len().max(1) as f64
 }
 
-/// The same with a drift, and with quantisation of the angle in place of a shape.
+/// The same with a pole or quantisation of the angle in place of cosines, and each of these with a drift.
 fn variants(problem: &Problem, best: &Priced) -> Vec<Priced> {
-    let found = &best.found;
+    let shapes = other_shapes(problem, &best.found).into_iter().map(|found| priced(problem, found));
+    let shapes: Vec<Priced> = shapes.filter(|other| other.price < best.price).collect();
+    let least = shapes.iter().min_by(|a, b| a.price.total_cmp(&b.price)).unwrap_or(best);
     let drifts = WARM_UPS.map(|part| Drift::WarmUp { tau_s: part * problem.table.span_s });
-    let with_drift = |drift| {
-        let form = Form { drift: Some(drift), ..found.form };
-        problem.descend(form, &found.at, None, DESCENT)
-    };
     let enough = problem.table.singles() > 4;
-    let mut all: Vec<Found> = core::iter::once(Drift::Ramp).chain(drifts).filter(|_| enough).map(with_drift).collect();
-    if found.form.cosines > 0 {
-        let mut at = found.at.clone();
-        at.drain(SHAPE..SHAPE + found.form.cosines);
-        at[super::scoring::Q2] = at[N2] / (problem.table.rate_hz * problem.table.rate_hz);
-        all.push(problem.descend(Form { cosines: 0, quantised: true, ..found.form }, &at, None, DESCENT));
+    let drifts = core::iter::once(Drift::Ramp).chain(drifts).filter(|_| enough).map(|drift| {
+        let form = Form { drift: Some(drift), ..least.found.form };
+        priced(problem, problem.descend(form, &least.found.at, None, DESCENT))
+    });
+    drifts.chain(shapes.iter().cloned()).collect()
+}
+
+/// Few cosines are as good as any other shape.
+const MANY_COSINES: usize = 2;
+
+fn other_shapes(problem: &Problem, found: &Found) -> Vec<Found> {
+    let mut all = Vec::new();
+    if found.form.cosines == 0 {
+        return all;
     }
-    all.into_iter().map(|found| priced(problem, found)).collect()
+    let mut at = found.at.clone();
+    let cosines: Vec<f64> = at.drain(SHAPE..SHAPE + found.form.cosines).collect();
+    let mut quantised = at.clone();
+    quantised[Q2] = at[N2] / (problem.table.rate_hz * problem.table.rate_hz);
+    let form = Form { cosines: 0, quantised: true, ..found.form };
+    all.push(problem.descend(form, &quantised, None, DESCENT));
+    if cosines.len() > MANY_COSINES {
+        // the first cosine of a pole p is 2p
+        at.insert(SHAPE, (cosines[0] / 2.0).clamp(-0.9, 0.9));
+        let mut last = problem.descend(Form { cosines: 0, pole: true, ..found.form }, &at, None, DESCENT);
+        for _ in 0..cosines.len() - 1 {
+            all.push(last.clone());
+            last = with_cosine(problem, &last);
+        }
+    }
+    all
 }
 
 fn is_sound(problem: &Problem, found: &Found) -> bool {
@@ -214,7 +238,7 @@ pub(super) fn model_error(problem: &Problem, found: &Found) -> f64 {
             (off * off, row.bin.freedom)
         })
         .collect();
-    let freedom = pulls.len() as f64 - found.form.cosines as f64 - 1.0;
+    let freedom = pulls.len() as f64 - found.form.shape() as f64 - 1.0;
     let scatter = |error: f64| pulls.iter().map(|(square, nu)| square / (2.0 / nu + error * error)).sum::<f64>();
     if freedom < 1.0 || scatter(0.0) - freedom < ERROR_LIMIT * libm::sqrt(2.0 * freedom) {
         return 0.0;
@@ -240,5 +264,5 @@ pub(super) fn chi2(problem: &Problem, found: &Found) -> (f64, f64) {
     let chi2 = problem.table.rows.iter().zip(&found.density).filter(|(row, _)| is_upper(problem, row.f_hz)).map(term);
     let (mut sum, mut count) = (0.0, 0);
     chi2.for_each(|term| (sum, count) = (sum + term, count + 1));
-    (sum, (f64::from(count) - found.form.cosines as f64 - 1.0).max(1.0))
+    (sum, (f64::from(count) - found.form.shape() as f64 - 1.0).max(1.0))
 }

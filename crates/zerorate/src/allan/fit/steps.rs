@@ -3,7 +3,7 @@
 use super::bins::at_coefficients;
 use super::density::Table;
 use super::masked::loud;
-use super::scoring::Problem;
+use super::scoring::{Problem, SHAPE};
 use super::select::Selection;
 use super::spectrum::{Averages, Spectrum, slot_length};
 use super::transform::{cosine_transform, series, smooth_length};
@@ -69,8 +69,8 @@ fn density_of_averages(chosen: &Selection, slots: usize, slot_rate_hz: f64, whit
     let middles: Vec<f64> = table.rows.iter().map(|row| row.bin.middle()).collect();
     let mut form = chosen.found.form;
     let mut at = chosen.found.at.clone();
-    at.drain(super::scoring::SHAPE..super::scoring::SHAPE + form.cosines);
-    (form.cosines, form.drift) = (0, None);
+    at.drain(SHAPE..SHAPE + form.shape());
+    (form.cosines, form.pole, form.drift) = (0, false, None);
     let density = Problem::new(table, 0.0).density(&form, &at);
     at_coefficients(middles.into_iter(), &density, slots - 1).into_iter().map(|s| s * slot_rate_hz).collect()
 }
