@@ -3,7 +3,7 @@
 use clap::Args;
 use std::path::Path;
 use zerorate_data::LogError;
-use zerorate_data::column::{self, Column, ColumnOptions, Decimal, Names, RawType, Setting, TimeUnit, Unit};
+use zerorate_data::column::{self, Column, ColumnOptions, Decimal, Names, RawType, Setting, TimeUnit, Unit, Wanted};
 use zerorate_host::files;
 
 /// Which numbers of a log are meant, and what the log does not say about them itself.
@@ -55,7 +55,13 @@ pub struct ColumnArgs {
 impl ColumnArgs {
     /// Reads the column of the file at `path`.
     pub fn read(&self, path: &Path) -> Result<Column, LogError> {
-        column::read(path, files::open(path)?, &self.options())
+        let columns = self.read_all(path, Wanted::One(self.column.as_deref()))?;
+        columns.into_iter().next().ok_or_else(|| LogError::Ask(format!("{} has no column", path.display())))
+    }
+
+    /// Reads the columns that are wanted of the log at `path`: a file, standard input or a folder.
+    pub fn read_all(&self, path: &Path, wanted: Wanted<'_>) -> Result<Vec<Column>, LogError> {
+        column::read_parts(path, files::log(path)?, wanted, &self.options())
     }
 
     fn options(&self) -> ColumnOptions {

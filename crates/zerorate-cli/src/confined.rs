@@ -15,6 +15,7 @@ use std::path::Path;
 use std::process::{Command, ExitCode, ExitStatus};
 use std::{io, thread};
 use zerorate_data::limits::{self, Bytes};
+use zerorate_host::files as on_disk;
 
 /// Tells the child that it is one.
 const MARK: &str = "ZERORATE_CONFINED";
@@ -49,8 +50,7 @@ pub fn run(args: &[OsString], files: &[&Path]) -> Role {
 
 /// What all the files together may take.
 fn limit(files: &[&Path]) -> Bytes {
-    let size = |path: &&Path| path.metadata().map_or(0, |metadata| metadata.len());
-    let sizes = files.iter().map(size).fold(0, u64::saturating_add);
+    let sizes = files.iter().map(|path| on_disk::log_length(path)).fold(0, u64::saturating_add);
     Bytes(limits::for_size(sizes).saturating_add(PROGRAM_BYTES - limits::FREE_BYTES).min(limits::max_memory()))
 }
 

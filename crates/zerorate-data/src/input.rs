@@ -13,6 +13,8 @@ pub struct Input(Kind);
 #[derive(Debug)]
 enum Kind {
     File(File),
+    /// What has no name by which it could be opened again.
+    Nameless(File),
     Memory(Cursor<Bytes>),
 }
 
@@ -32,13 +34,25 @@ impl Input {
     /// How many bytes there are.
     pub(crate) fn length(&self) -> io::Result<u64> {
         match &self.0 {
-            Kind::File(file) => Ok(file.metadata()?.len()),
+            Kind::File(file) | Kind::Nameless(file) => Ok(file.metadata()?.len()),
             Kind::Memory(bytes) => Ok(bytes.get_ref().len() as u64),
         }
     }
 
-    /// Whether they lie in a file, which can be opened again by its name.
+    /// Of a file without a name, as what was piped into a program is spooled to.
+    #[must_use]
+    pub fn nameless(file: File) -> Self {
+        Self(Kind::Nameless(file))
+    }
+
+    /// Whether they lie in a file and not in memory.
     pub(crate) fn is_file(&self) -> bool {
+        !matches!(self.0, Kind::Memory(_))
+    }
+
+    /// Whether they can be opened again by their name.
+    #[cfg(feature = "sqlite")]
+    pub(crate) fn has_name(&self) -> bool {
         matches!(self.0, Kind::File(_))
     }
 
@@ -46,7 +60,7 @@ impl Input {
     pub(crate) fn is_directory(&self) -> io::Result<bool> {
         match &self.0 {
             Kind::File(file) => Ok(file.metadata()?.is_dir()),
-            Kind::Memory(_) => Ok(false),
+            Kind::Nameless(_) | Kind::Memory(_) => Ok(false),
         }
     }
 
@@ -54,6 +68,7 @@ impl Input {
     pub(crate) fn try_clone(&self) -> io::Result<Self> {
         Ok(Self(match &self.0 {
             Kind::File(file) => Kind::File(file.try_clone()?),
+            Kind::Nameless(file) => Kind::Nameless(file.try_clone()?),
             Kind::Memory(bytes) => Kind::Memory(bytes.clone()),
         }))
     }
@@ -64,12 +79,12 @@ impl Input {
         fill: impl FnOnce(&mut dyn io::Write) -> Result<(), E>,
     ) -> Result<Self, E> {
         #[cfg(not(target_family = "wasm"))]
-        if let Kind::File(_) = &self.0 {
+        if self.is_file() {
             let mut file = io::BufWriter::new(tempfile::tempfile()?);
             fill(&mut file)?;
             let mut file = file.into_inner().map_err(io::IntoInnerError::into_error)?;
             file.rewind()?;
-            return Ok(file.into());
+            return Ok(Self::nameless(file));
         }
         let mut bytes = Vec::new();
         fill(&mut bytes)?;
@@ -80,7 +95,7 @@ impl Input {
 impl Read for Input {
     fn read(&mut self, buf: &mut [u8]) -> io::Result<usize> {
         match &mut self.0 {
-            Kind::File(file) => file.read(buf),
+            Kind::File(file) | Kind::Nameless(file) => file.read(buf),
             Kind::Memory(bytes) => bytes.read(buf),
         }
     }
@@ -89,7 +104,7 @@ impl Read for Input {
 impl Seek for Input {
     fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
         match &mut self.0 {
-            Kind::File(file) => file.seek(to),
+            Kind::File(file) | Kind::Nameless(file) => file.seek(to),
             Kind::Memory(bytes) => bytes.seek(to),
         }
     }
@@ -112,7 +127,7 @@ impl ChunkReader for Input {
 
     fn get_bytes(&self, start: u64, length: usize) -> Result<Bytes, ParquetError> {
         match &self.0 {
-            Kind::File(file) => file.get_bytes(start, length),
+            Kind::File(file) | Kind::Nameless(file) => file.get_bytes(start, length),
             Kind::Memory(bytes) => {
                 let bytes = bytes.get_ref();
                 let range = usize::try_from(start).ok().and_then(|start| Some(start..start.checked_add(length)?));

@@ -140,7 +140,10 @@ impl Columns<'_> {
 
     /// A name goes before a number.
     fn position(&self, wanted: &str, setting: Setting) -> Result<usize> {
-        let mut named = self.names.iter().enumerate().filter(|(_, name)| **name == wanted).map(|(at, _)| at);
+        // a header in a comment may be asked for as it stands there
+        let bare = wanted.trim_start_matches(['#', '%', ' ']);
+        let is_named = |(_, name): &(usize, &&str)| **name == wanted || !bare.is_empty() && **name == bare;
+        let mut named = self.names.iter().enumerate().filter(is_named).map(|(at, _)| at);
         match (named.next(), named.next()) {
             (Some(at), None) => Ok(at),
             (Some(_), Some(_)) => {

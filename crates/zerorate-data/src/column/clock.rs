@@ -67,6 +67,17 @@ impl Times {
         Ok(())
     }
 
+    /// Adds the times of another file of the same clock.
+    pub fn append(&mut self, next: &Self) {
+        let Some(origin) = next.origin else { return };
+        let mine = *self.origin.get_or_insert(origin);
+        let shift = match (mine, origin) {
+            (Origin::Integer(mine), Origin::Integer(next)) => (i128::from(next) - i128::from(mine)) as f64,
+            _ => next.first() - self.first(),
+        };
+        self.since_first.extend(next.since_first.iter().map(|time| time + shift));
+    }
+
     /// The time of the first row.
     pub fn first(&self) -> f64 {
         match self.origin {

@@ -6,8 +6,11 @@
 mod arrow_file;
 mod choice;
 mod clock;
+#[cfg(test)]
+mod foreign;
 mod imu;
 mod judged;
+mod mat;
 mod mcap_bag;
 mod npy;
 mod number;
@@ -16,6 +19,7 @@ mod order;
 mod parquet;
 mod part_log;
 mod raw;
+mod rosbag;
 mod series;
 mod setting;
 #[cfg(test)]
@@ -26,7 +30,9 @@ mod tabular;
 #[cfg(test)]
 pub(crate) mod tests;
 mod text;
+mod ulog;
 mod unit;
+mod wide;
 
 pub use choice::{Described, Wanted};
 pub use part_log::PartLog;
@@ -42,7 +48,7 @@ use arrow_file::ArrowFile;
 use clock::{Beat, Times};
 use open::{Form, Log};
 use series::SeriesBuilder;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use zerorate::allan::Gap;
 
 /// Which numbers of a log are meant, and what the log does not say about them itself.
@@ -173,6 +179,26 @@ pub fn read_all(path: &Path, input: Input, wanted: Wanted<'_>, args: &ColumnOpti
     find(path, input, wanted, args)?.finish(path, args)
 }
 
+/// The same of a log that lies in several files, one behind the other, each with its name: a bag of ROS 2 that was
+/// split. `path` names the log in messages.
+pub fn read_parts(
+    path: &Path,
+    parts: Vec<(PathBuf, Input)>,
+    wanted: Wanted<'_>,
+    args: &ColumnOptions,
+) -> Result<Vec<Column>> {
+    let mut all: Option<Found> = None;
+    for (part, input) in parts {
+        let found = find(&part, input, wanted, args)?;
+        match &mut all {
+            None => all = Some(found),
+            Some(all) => all.append(&part, found)?,
+        }
+    }
+    let all = all.ok_or_else(|| LogError::Ask(format!("{} has no file with a log", path.display())))?;
+    all.finish(path, args)
+}
+
 /// The columns as they stand in the file.
 fn find(path: &Path, input: Input, wanted: Wanted<'_>, args: &ColumnOptions) -> Result<Found> {
     let log = open::open(path, input)?;
@@ -198,6 +224,10 @@ fn found(log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
             tabular::read(path, Box::new(source), log.room, asked)
         }
         Form::Npy => npy::read(log, asked),
+        Form::Npz => npy::read_archive(log, asked),
+        Form::RosBag => rosbag::read(log, asked),
+        Form::ULog => ulog::read(log, asked),
+        Form::Mat => mat::read(log, asked),
         Form::Mcap => mcap_bag::read(log, asked),
         #[cfg(feature = "sqlite")]
         Form::Sqlite => sqlite_bag::read(log, asked),
@@ -205,7 +235,7 @@ fn found(log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
         Form::Sqlite => {
             Err(CaptureError::not_a_log(path, "this build does not read SQLite; convert the bag to MCAP").into())
         }
-        Form::Other => match table::recognise(path, log.input)? {
+        Form::Other => match table::recognise(path, wide::narrowed(path, log.input, log.room)?)? {
             Opened::Table(source) => tabular::read(path, source, log.room, asked),
             Opened::Text(input) => text::read(path, input, log.room, asked),
         },
@@ -256,6 +286,25 @@ impl Clock {
 }
 
 impl Found {
+    /// Adds what the next file of the same log holds.
+    fn append(&mut self, part: &Path, next: Self) -> Result<()> {
+        let names = |found: &Self| found.columns.iter().map(|column| column.name.clone()).collect::<Vec<_>>();
+        let (mine, others) = (names(self), names(&next));
+        if mine != others {
+            let why = format!("it has {} where the file before has {}", others.join(", "), mine.join(", "));
+            return Err(LogError::Ask(format!("{}: {why}", part.display())));
+        }
+        for (column, next) in self.columns.iter_mut().zip(next.columns) {
+            let are_codes = column.values.are_codes() && next.values.are_codes();
+            column.values.extend_cells(&next.values.into_rows(), are_codes);
+        }
+        if let (Clock::Column(_, times), Clock::Column(_, next)) = (&mut self.clock, next.clock) {
+            times.append(&next);
+        }
+        next.warning.into_iter().for_each(|said| self.say(said));
+        Ok(())
+    }
+
     /// Puts the rows in the order of their times, and says what of those is not as it should be.
     fn mend(&mut self, path: &Path, args: &ColumnOptions) -> Result<()> {
         let Clock::Column(name, times) = &mut self.clock else { return Ok(()) };

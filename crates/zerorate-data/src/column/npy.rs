@@ -1,47 +1,136 @@
-//! Columns of a NumPy array: one dimension, a column of two, or a field of a structured array.
+//! Columns of NumPy arrays: one dimension, a column of two, or a field of a structured array; of one array, or of all
+//! in an archive (`.npz`).
 
 use super::choice::{Choice, Columns};
 use super::clock::Times;
-use super::open::Log;
+use super::open::{Log, Unpacking};
 use super::series::SeriesBuilder;
 use super::unit::TimeUnit;
-use super::{Asked, Clock, Found, FoundColumn, Result, wrong};
+use super::{Asked, Clock, Found, FoundColumn, LogError, Result, wrong};
 use crate::Input;
 use crate::capture::CaptureError;
+use crate::limits::Room;
 use crate::survive::survive;
 use npyz::{DType, Endianness, NpyHeader, Order, TimeUnits, TypeChar, TypeStr};
-use std::io::{BufReader, Read, Seek, SeekFrom};
+use std::io::{self, BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
+use zip::ZipArchive;
+use zip::result::ZipError;
 
 /// Bytes that a read asks the system for.
 const BUFFER: usize = 1 << 18;
 
-/// Reads columns.
+/// Reads columns of an array.
 pub fn read(log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
-    let path = log.path;
-    let mut file = BufReader::with_capacity(BUFFER, log.input);
-    let failed = |error| CaptureError::io("read", path, error);
-    let header = header(&mut file).map_err(|what| CaptureError::damaged(path, "as an NPY file", what))?;
-    let start = file.stream_position().map_err(failed)?;
-    let fields = fields(path, &header)?;
-    let rows = header.shape().first().copied().unwrap_or_default();
-    check_length(path, &header, file.get_ref().length().map_err(failed)?.saturating_sub(start))?;
+    let array = OpenArray::new(log.path, log.input, "")?;
+    read_arrays(log.path, log.room, vec![array], asked)
+}
+
+/// Reads columns of the arrays of an archive, each by the name of its array.
+pub fn read_archive(log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
+    let Log { path, input, room, .. } = log;
+    let foreign = |error: ZipError| CaptureError::damaged(path, "as an archive", error.to_string());
+    let again = input.try_clone().map_err(|error| CaptureError::io("read", path, error))?;
+    let opened = survive(|| ZipArchive::new(BufReader::with_capacity(BUFFER, input)));
+    let opened = opened.ok_or_else(|| CaptureError::damaged(path, "as an archive", "its index makes no sense"))?;
+    let mut archive = opened.map_err(foreign)?;
+    let names = archive.file_names().filter_map(|name| Some(name.ok()?.into_owned()));
+    let names: Vec<String> = names.filter(|name| name.ends_with(".npy")).collect();
+    if names.is_empty() {
+        let why = "it is a zip archive without arrays of NumPy; unpack it and name a file in it";
+        return Err(CaptureError::not_a_log(path, why).into());
+    }
+    let mut bytes = 0;
+    let mut arrays = Vec::new();
+    for name in names {
+        let unpacked = again.unpacked(|out| unpack(&mut archive, &name, room, &mut bytes, out));
+        let unpacked = unpacked.map_err(|why| why.in_file(path, &format!("array {name}")))?;
+        let array = OpenArray::new(path, unpacked, name.trim_end_matches(".npy"))?;
+        // a single number is none of the log's columns
+        arrays.extend((!array.fields.is_empty()).then_some(array));
+    }
+    read_arrays(path, room, arrays, asked)
+}
+
+fn unpack(
+    archive: &mut ZipArchive<BufReader<Input>>,
+    name: &str,
+    room: Room,
+    bytes: &mut u64,
+    out: &mut dyn io::Write,
+) -> Result<(), Unpacking> {
+    let copied = survive(|| {
+        let file = archive.by_name(name).map_err(io::Error::other)?;
+        io::copy(&mut file.take(room.bytes_on_disk().saturating_sub(*bytes).saturating_add(1)), out)
+    });
+    *bytes += copied.unwrap_or_else(|| Err(io::Error::other("its content makes no sense")))?;
+    room.check_on_disk(*bytes).map_err(Unpacking::NoRoom)
+}
+
+/// An array whose header was read.
+struct OpenArray {
+    file: BufReader<Input>,
+    fields: Vec<Field>,
+    rows: u64,
+    start: u64,
+}
+
+impl OpenArray {
+    /// `name` is that of the array in its archive.
+    fn new(path: &Path, input: Input, name: &str) -> Result<Self, CaptureError> {
+        let mut file = BufReader::with_capacity(BUFFER, input);
+        let failed = |error| CaptureError::io("read", path, error);
+        let place = if name.is_empty() { "as an NPY file".to_owned() } else { format!("array {name}") };
+        let header = header(&mut file).map_err(|what| CaptureError::damaged(path, place, what))?;
+        let start = file.stream_position().map_err(failed)?;
+        let rows = header.shape().first().copied().unwrap_or_default();
+        check_length(path, &header, file.get_ref().length().map_err(failed)?.saturating_sub(start))?;
+        let fields = match (header.shape(), name) {
+            ([], name) if !name.is_empty() => Vec::new(),
+            (_, "") => fields(path, &header)?,
+            // what is no column is none that can be asked for
+            (shape, name) => {
+                fields(path, &header).unwrap_or_default().into_iter().map(|field| field.of(name, shape)).collect()
+            }
+        };
+        Ok(Self { file, fields, rows, start })
+    }
+}
+
+fn read_arrays(path: &Path, room: Room, mut arrays: Vec<OpenArray>, asked: &Asked<'_>) -> Result<Found> {
+    let all = |arrays: &[OpenArray]| -> Vec<(usize, usize)> {
+        let of_array = |(at, array): (usize, &OpenArray)| (0..array.fields.len()).map(move |field| (at, field));
+        arrays.iter().enumerate().flat_map(of_array).collect()
+    };
+    let places = all(&arrays);
+    let field = |at: &usize| &arrays[places[*at].0].fields[places[*at].1];
+    let fields: Vec<&Field> = (0..places.len()).map(|at| field(&at)).collect();
     let numeric = fields.iter().map(|field| field.kind.is_some_and(|kind| kind != Kind::Time)).collect();
     let names: Vec<&str> = fields.iter().map(|field| field.name.as_str()).collect();
-    let Choice { values: chosen, time } =
-        Columns { path, names, numeric, settings: asked.args.names }.choose(asked.wanted, asked.args, &[])?;
-    let mut values: Vec<_> = chosen.iter().map(|_| SeriesBuilder::sharing(log.room, chosen.len())).collect();
-    values.iter().try_for_each(|values| values.check_room(rows)).map_err(|why| CaptureError::no_room(path, why))?;
+    let columns = Columns { path, names, numeric, settings: asked.args.names };
+    let Choice { values: chosen, time } = columns.choose(asked.wanted, asked.args, &[])?;
+    let wanted: Vec<usize> = chosen.iter().chain(&time).copied().collect();
+    let names: Vec<String> = wanted.iter().map(|at| field(at).name.clone()).collect();
+    let rows: Vec<u64> = wanted.iter().map(|at| arrays[places[*at].0].rows).collect();
+    if let Some(other) = rows.iter().position(|count| *count != rows[0]) {
+        let (one, two) = (rows[0], rows[other]);
+        let why = format!("`{}` has {one} rows and `{}` has {two}: they are not of one log", names[0], names[other]);
+        return Err(LogError::Ask(format!("{}: {why}; read one at a time", path.display())));
+    }
+    let mut values: Vec<_> = chosen.iter().map(|_| SeriesBuilder::sharing(room, chosen.len())).collect();
+    values.iter().try_for_each(|values| values.check_room(rows[0])).map_err(|why| CaptureError::no_room(path, why))?;
     let mut times = Times::new();
-    times.unit = time.and_then(|time| fields[time].time_unit);
-    let wanted: Vec<&Field> = chosen.iter().chain(&time).map(|index| &fields[*index]).collect();
-    each(path, &mut file, start, rows, &wanted, |column, cell| match values.get_mut(column) {
-        Some(values) => push_value(values, cell),
-        None => push_time(&mut times, cell, wanted[column]),
-    })?;
-    let clock = time.map_or(Clock::Silent, |time| Clock::Column(fields[time].name.clone(), times));
-    let columns =
-        chosen.iter().zip(values).map(|(index, values)| FoundColumn::new(fields[*index].name.clone(), values));
+    times.unit = time.and_then(|time| field(&time).time_unit);
+    for (at, OpenArray { file, fields, rows, start }) in arrays.iter_mut().enumerate() {
+        let here: Vec<usize> = (0..wanted.len()).filter(|column| places[wanted[*column]].0 == at).collect();
+        let of_here: Vec<&Field> = here.iter().map(|column| &fields[places[wanted[*column]].1]).collect();
+        each(path, file, *start, *rows, &of_here, |column, cell| match values.get_mut(here[column]) {
+            Some(values) => push_value(values, cell),
+            None => push_time(&mut times, cell, of_here[column]),
+        })?;
+    }
+    let clock = time.map_or(Clock::Silent, |_| Clock::Column(names[chosen.len()].clone(), times));
+    let columns = names.into_iter().zip(values).map(|(name, values)| FoundColumn::new(name, values));
     Ok(Found { columns: columns.collect(), clock, warning: None })
 }
 
@@ -146,6 +235,15 @@ impl Field {
         Self { name, kind: kind(plain, size), big_endian, size, offset, stride, time_unit: time_unit(plain) }
     }
 
+    /// The same, of an array with a name: a column of two dimensions by the name and its number.
+    fn of(self, array: &str, shape: &[u64]) -> Self {
+        let name = match (shape, self.name.parse::<u64>()) {
+            ([_], Ok(0)) => array.to_owned(),
+            _ => format!("{array}.{}", self.name),
+        };
+        Self { name, ..self }
+    }
+
     /// The number in these bytes.
     fn decode(&self, bytes: &[u8]) -> Cell {
         // little endian, extended to eight bytes
@@ -246,6 +344,9 @@ fn each(
     fields: &[&Field],
     mut take: impl FnMut(usize, Cell) -> Result<(), String>,
 ) -> Result<(), CaptureError> {
+    if fields.is_empty() {
+        return Ok(());
+    }
     let mut array = Array { path, file, start, rows };
     if span(fields) <= fields.first().map_or(0, |field| field.stride) {
         return array.each_row(fields, take);

@@ -1,10 +1,13 @@
 //! Opens a log by what it contains, whatever its name, and unpacks it.
 
+use super::rosbag;
 use crate::Input;
 use crate::capture::CaptureError;
 use crate::limits::{NoRoom, Room};
 use crate::survive::survive;
+use bzip2::read::MultiBzDecoder;
 use flate2::read::MultiGzDecoder;
+use lz4_flex::frame::FrameDecoder;
 use lzma_rust2::XzReader;
 use std::io::{self, BufReader, Read, Seek};
 use std::path::Path;
@@ -23,9 +26,6 @@ pub struct Log<'a> {
     pub input: Input,
     /// What reading it may take.
     pub room: Room,
-    /// Whether the content was unpacked, so that it is not in the file of this name.
-    #[cfg_attr(not(feature = "sqlite"), expect(dead_code, reason = "a database is opened by its name"))]
-    pub unpacked: bool,
     start: Vec<u8>,
 }
 
@@ -38,8 +38,16 @@ pub enum Form {
     ArrowFile,
     /// A NumPy array.
     Npy,
+    /// NumPy arrays in a zip archive.
+    Npz,
     /// MCAP.
     Mcap,
+    /// A bag of ROS 1.
+    RosBag,
+    /// A log of PX4.
+    ULog,
+    /// A MATLAB file of version 5 to 7.2.
+    Mat,
     /// A SQLite database.
     Sqlite,
     /// An Arrow stream, a capture or text.
@@ -50,27 +58,18 @@ pub enum Form {
 pub fn open(path: &Path, input: Input) -> Result<Log<'_>, CaptureError> {
     let failed = |error| CaptureError::io("read", path, error);
     if input.is_directory().map_err(failed)? {
-        return Err(CaptureError::not_a_log(
-            path,
-            "it is a directory; name the file (of a ROS 2 bag the .mcap or .db3 in it)",
-        ));
+        return Err(CaptureError::not_a_log(path, "it is a directory and no bag of ROS 2; name the file"));
     }
     let room = Room::of(input.length().map_err(failed)?);
     let (input, start) = marked(input).map_err(failed)?;
     let Some(packing) = Packing::of(&start) else {
-        return Ok(Log { path, input, room, unpacked: false, start });
+        return Ok(Log { path, input, room, start });
     };
-    let unpacked = packing.unpack(&input, room).map_err(|error| match error {
-        Unpacking::NoRoom(why) => CaptureError::no_room(path, why),
-        Unpacking::Failed(error) => {
-            let what = format!("it cannot be unpacked ({error}); was it cut short?");
-            CaptureError::damaged(path, format!("as {packing:?}"), what)
-        }
-    })?;
+    let unpacked = packing.unpack(&input, room).map_err(|why| why.in_file(path, &format!("as {packing:?}")))?;
     let (input, start) = marked(unpacked).map_err(failed)?;
     match Packing::of(&start) {
         Some(_) => Err(CaptureError::not_a_log(path, "it is packed twice; unpack it once")),
-        None => Ok(Log { path, input, room, unpacked: true, start }),
+        None => Ok(Log { path, input, room, start }),
     }
 }
 
@@ -85,7 +84,11 @@ impl Log<'_> {
             None if starts(b"PAR1") => Ok(Form::Parquet),
             None if starts(b"ARROW1") => Ok(Form::ArrowFile),
             None if starts(b"\x93NUMPY") => Ok(Form::Npy),
+            None if starts(b"PK\x03\x04") => Ok(Form::Npz),
             None if starts(b"\x89MCAP0\r\n") => Ok(Form::Mcap),
+            None if starts(rosbag::MARK) => Ok(Form::RosBag),
+            None if starts(b"ULog\x01\x12\x35") => Ok(Form::ULog),
+            None if starts(b"MATLAB 5.0 MAT") => Ok(Form::Mat),
             None if starts(b"SQLite format 3\0") => Ok(Form::Sqlite),
             None => Ok(Form::Other),
         }
@@ -94,23 +97,22 @@ impl Log<'_> {
 
 /// Files that people have, and what to do with them.
 const FOREIGN: &[(&[u8], &str)] = &[
-    (
-        b"#ROSBAG V",
-        "it is a bag of ROS 1; convert it with `rosbags-convert --src FILE --dst FOLDER`, or with `mcap convert`",
-    ),
-    (b"PK\x03\x04", "it is a zip or .npz archive; unpack it and name a file in it"),
-    (b"\x89HDF\r\n\x1A\n", "it is an HDF5 file; export the column as .npy, Parquet or CSV"),
-    (b"MATLAB 5.0 MAT", "it is a MATLAB file; export the column as .npy, Parquet or CSV"),
-    (b"ULog\x01\x12\x35", "it is a PX4 log; convert it with `ulog2csv`"),
-    (b"BZh", "it is packed by bzip2; unpack it"),
-    (b"\x04\x22\x4D\x18", "it is packed by lz4; unpack it"),
+    (b"#ROSBAG V1", "it is a bag of ROS 1 in its old version 1; convert it with `rosbag fix FILE NEW.bag`"),
+    (b"\x89HDF\r\n\x1A\n", HDF5),
+    (b"MATLAB 7.3 MAT", HDF5),
     (b"7z\xBC\xAF\x27\x1C", "it is a 7z archive; unpack it and name a file in it"),
 ];
+
+const HDF5: &str = "it is an HDF5 file (MATLAB calls it -v7.3), which no library of this program reads; convert it: in \
+                    MATLAB with `save('log.mat', '-v7')`, in Python with `numpy.save('log.npy', \
+                    h5py.File('FILE')['NAME'][:])`";
 
 /// How a file is packed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Packing {
+    Bzip2,
     Gzip,
+    Lz4,
     Xz,
     Zstd,
 }
@@ -119,6 +121,8 @@ impl Packing {
     fn of(start: &[u8]) -> Option<Self> {
         match start {
             [0x1F, 0x8B, 8, flags, ..] if *flags < 0x20 => Some(Self::Gzip),
+            [b'B', b'Z', b'h', b'1'..=b'9', ..] => Some(Self::Bzip2),
+            [0x04, 0x22, 0x4D, 0x18, ..] => Some(Self::Lz4),
             [0xFD, b'7', b'z', b'X', b'Z', 0, ..] => Some(Self::Xz),
             [0x28, 0xB5, 0x2F, 0xFD, ..] => Some(Self::Zstd),
             _ => None,
@@ -140,7 +144,9 @@ impl Packing {
 
     fn content(self, packed: BufReader<Input>) -> io::Result<Box<dyn Read>> {
         Ok(match self {
+            Self::Bzip2 => Box::new(MultiBzDecoder::new(packed)),
             Self::Gzip => Box::new(MultiGzDecoder::new(packed)),
+            Self::Lz4 => Box::new(FrameDecoder::new(packed)),
             Self::Xz => Box::new(XzReader::new_mem_limit(packed, true, MAX_WINDOW_KB)),
             // its own limit is the same
             #[cfg(feature = "zstd")]
@@ -152,9 +158,23 @@ impl Packing {
 }
 
 /// Why a file could not be unpacked.
-enum Unpacking {
+pub enum Unpacking {
+    /// It holds more than it may.
     NoRoom(NoRoom),
+    /// It is damaged.
     Failed(io::Error),
+}
+
+impl Unpacking {
+    /// The same, of the file at `path`.
+    pub fn in_file(self, path: &Path, place: &str) -> CaptureError {
+        match self {
+            Self::NoRoom(why) => CaptureError::no_room(path, why),
+            Self::Failed(error) => {
+                CaptureError::damaged(path, place, format!("it cannot be unpacked ({error}); was it cut short?"))
+            }
+        }
+    }
 }
 
 impl From<io::Error> for Unpacking {

@@ -167,6 +167,11 @@ impl SeriesBuilder {
         Ok((self.series, gaps))
     }
 
+    /// Whether all numbers are codes so far.
+    pub fn are_codes(&self) -> bool {
+        matches!(self.series, Series::Codes(_))
+    }
+
     /// A number for each row, NaN where it has none.
     pub fn rows_as_numbers(&self) -> Vec<f64> {
         match &self.series {
@@ -177,7 +182,7 @@ impl SeriesBuilder {
 
     /// These rows in this order, and no others.
     pub fn reorder(&mut self, order: &[usize]) {
-        let are_codes = matches!(self.series, Series::Codes(_));
+        let are_codes = self.are_codes();
         let all = self.rows_as_numbers();
         let rows: Vec<f64> = order.iter().map(|row| all[*row]).collect();
         self.series = Series::Codes(Vec::new());

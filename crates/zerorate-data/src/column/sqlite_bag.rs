@@ -45,7 +45,7 @@ pub fn read(log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
 
 /// Opens a bag as a set of tables and nothing more: its schema is somebody else's program.
 fn open(log: Log<'_>, failed: impl Fn(rusqlite::Error) -> CaptureError) -> Result<Connection, CaptureError> {
-    let bag = if log.unpacked || !log.input.is_file() {
+    let bag = if !log.input.has_name() {
         // a database is opened by its name, and what was unpacked has none
         let length = log.input.length().map_err(|error| CaptureError::io("read", log.path, error))?;
         log.room.check(length).map_err(|why| CaptureError::no_room(log.path, why))?;

@@ -99,6 +99,16 @@ pub const XZ: &[u8] = b"\
 pub const ZSTD: &[u8] =
     b"\x28\xB5\x2F\xFD\x20\x10\x81\x00\x00\x30\x2E\x35\x0A\x30\x2E\x32\x35\x0A\x2D\x31\x2E\x35\x0A\x32\x0A";
 
+/// Logs by other people's writers (`fixtures/make.py`).
+pub const NPZ: &[u8] = include_bytes!("fixtures/imu.npz");
+pub const NPZ_PACKED: &[u8] = include_bytes!("fixtures/imu_packed.npz");
+pub const MAT: &[u8] = include_bytes!("fixtures/imu.mat");
+pub const MAT_PACKED: &[u8] = include_bytes!("fixtures/imu_packed.mat");
+pub const ROSBAG: &[u8] = include_bytes!("fixtures/imu_none.bag");
+pub const ROSBAG_BZ2: &[u8] = include_bytes!("fixtures/imu_bz2.bag");
+pub const ROSBAG_LZ4: &[u8] = include_bytes!("fixtures/imu_lz4.bag");
+pub const ULOG: &[u8] = include_bytes!("fixtures/imu.ulg");
+
 #[test]
 fn packed_files_are_known_by_their_content() {
     let folder = Folder::new();

@@ -87,6 +87,10 @@ fn text() {
         "  1   0.5\n  2   null\n% note\n  3   -1.25\n  4   3.0\n",
         "2024-01-02 03:04:05,0.5\n2024-01-02 03:04:06,\n2024-01-02 03:04:07,-1.25\n",
         "t_s,x\n0,1\n1,2\n2,4\n9000000000,5\n",
+        "\"gx\" \"gy\"\n\"1\" 0.5 0.25\n\"2\" -1 0.5\n\"3\" 0 1.5\n",
+        "boot v1\nready\nt,gx\nms,deg/s\n0,0.5\n10,0.2\n1\n20,0.125,7\n",
+        "gz\n0,5\n-1,25\n3\n2,0\n",
+        "t,x\n4294967290,1\n4294967295,2\n4,3\n4,3\n9,4\n19,5\n14,6\n24,7\n",
     ];
     let texts = texts.map(|text| text.as_bytes().to_vec()).to_vec();
     let ways = &["--rate 10", "--column 1 --time-column 0 --time-unit s", "--column 1 --decimal comma --rate 1"];
@@ -173,6 +177,38 @@ fn mcap_bag() {
 #[test]
 fn sqlite_bag() {
     edited(150, &[forms::sqlite_bag()], |bytes| read(bytes, &["--column z"]));
+}
+
+/// What other people's writers made, and pieces of it that tests of the forms know.
+#[test]
+fn of_others() {
+    let files = [forms::ROSBAG, forms::ROSBAG_BZ2, forms::ROSBAG_LZ4].map(<[u8]>::to_vec);
+    edited(300, &files, |bytes| read(bytes, &["--column z", "--column x --rate 10"]));
+    let files = [forms::NPZ, forms::NPZ_PACKED].map(<[u8]>::to_vec);
+    edited(250, &files, |bytes| read(bytes, &["--column gz_rad_s --time-column t_ns", "--column gyro.1 --rate 10"]));
+    let files = [forms::MAT, forms::MAT_PACKED].map(<[u8]>::to_vec);
+    edited(300, &files, |bytes| {
+        read(bytes, &["--column gz --time-column t --time-unit s", "--column imu.gx --rate 10"])
+    });
+    let ways = &["--column sensor_gyro#1.z", "--column sensor_combined.gyro_rad[2] --rate 10"];
+    edited(300, &[forms::ULOG.to_vec()], |bytes| read(bytes, ways));
+}
+
+#[test]
+fn wide_text() {
+    let text = "t_ms;gz_dps\r\n0;0,5\r\n10;0,25\r\n20;1,5\r\n";
+    let wide = |to_bytes: fn(u16) -> [u8; 2]| {
+        "\u{FEFF}"
+            .chars()
+            .chain(text.chars())
+            .collect::<String>()
+            .encode_utf16()
+            .flat_map(to_bytes)
+            .collect::<Vec<u8>>()
+    };
+    edited(300, &[wide(u16::to_le_bytes), wide(u16::to_be_bytes)], |bytes| {
+        read(bytes, &["--column 1 --time-column 0"])
+    });
 }
 
 #[test]

@@ -1,0 +1,235 @@
+//! Bags of ROS 1, version 2.0 (<https://wiki.ros.org/Bags/Format/2.0>): records with a head of named fields, most of
+//! them in chunks that may be packed. No library reads them without mapping the file into memory.
+
+use super::imu::{Collector, Encoding, Quantities, is_imu};
+use super::open::Log;
+use super::{Asked, Found, Result};
+use crate::Input;
+use crate::capture::CaptureError;
+use crate::limits::{NoRoom, Room};
+use crate::survive::survive;
+use std::collections::{BTreeMap, BTreeSet};
+use std::io::{self, BufReader, Read, Seek, SeekFrom};
+use std::path::Path;
+
+/// The first line of a bag.
+pub const MARK: &[u8] = b"#ROSBAG V2.0\n";
+
+/// Bytes that a read asks the system for.
+const BUFFER: usize = 1 << 18;
+
+/// The longest head of a record: a connection names a topic and a type.
+const MAX_HEAD: u32 = 1 << 16;
+
+const MESSAGE: u8 = 2;
+const CHUNK: u8 = 5;
+const CONNECTION: u8 = 7;
+
+/// Reads quantities of the IMU messages.
+pub fn read(log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
+    let (path, room) = (log.path, log.room);
+    let mut file = BufReader::with_capacity(BUFFER, log.input);
+    let topics = topics(path, &mut file, room)?;
+    let names: BTreeSet<String> = topics.values().cloned().collect();
+    let wanted = Quantities::choose(path, &names, asked)?;
+    let topic = wanted.topic.clone();
+    let mut collector = Collector::new(path, wanted, room, asked.args);
+    let mut records = Records { path, file: &mut file, room, bytes: 0 };
+    let torn = records.each(false, |record| {
+        let is_wanted = || record.number(b"conn").and_then(|conn| topics.get(&conn)) == Some(&topic);
+        if record.op() == Some(MESSAGE) && is_wanted() {
+            collector.push(Encoding::Ros1, &record.data)?;
+        }
+        Ok(())
+    })?;
+    let warning = torn.map(|why| {
+        let path = path.display();
+        format!("{path} was not closed or is damaged ({why}): what stands before is read, the rest is dropped")
+    });
+    Ok(collector.finish(warning))
+}
+
+/// The topics with an IMU by the number of their connection. A bag that was closed lists its connections behind its
+/// chunks; in one that was not they stand in them.
+fn topics(path: &Path, file: &mut BufReader<Input>, room: Room) -> Result<BTreeMap<u32, String>> {
+    let mut connections = BTreeMap::new();
+    let mut all = 0;
+    for skip_chunks in [true, false] {
+        let torn = Records { path, file, room, bytes: 0 }.each(skip_chunks, |record| {
+            all += u64::from(record.op() == Some(CONNECTION));
+            connections
+                .extend(record.connection().filter(|(_, _, kind)| is_imu(kind)).map(|(at, topic, _)| (at, topic)));
+            Ok(())
+        })?;
+        if all > 0 && torn.is_none() {
+            break;
+        }
+    }
+    Ok(connections)
+}
+
+/// The head of a record and what follows it.
+struct Record {
+    head: Vec<u8>,
+    data: Vec<u8>,
+}
+
+impl Record {
+    fn op(&self) -> Option<u8> {
+        field(&self.head, b"op")?.first().copied()
+    }
+
+    fn number(&self, name: &[u8]) -> Option<u32> {
+        Some(u32::from_le_bytes(*field(&self.head, name)?.first_chunk()?))
+    }
+
+    /// Number, topic and type of a connection.
+    fn connection(&self) -> Option<(u32, String, String)> {
+        let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+        let conn = self.number(b"conn").filter(|_| self.op() == Some(CONNECTION))?;
+        Some((conn, text(field(&self.head, b"topic")?), text(field(&self.data, b"type")?)))
+    }
+}
+
+/// The value of a field among `length name=value` of any number.
+fn field<'a>(mut fields: &'a [u8], wanted: &[u8]) -> Option<&'a [u8]> {
+    loop {
+        let (length, rest) = fields.split_first_chunk()?;
+        let (field, rest) = rest.split_at_checked(u32::from_le_bytes(*length) as usize)?;
+        match field.strip_prefix(wanted).and_then(|rest| rest.strip_prefix(b"=")) {
+            Some(value) => return Some(value),
+            None => fields = rest,
+        }
+    }
+}
+
+/// The records of a bag.
+struct Records<'a> {
+    path: &'a Path,
+    file: &'a mut BufReader<Input>,
+    room: Room,
+    /// What all chunks unpacked to.
+    bytes: u64,
+}
+
+/// Why there are no more records.
+enum Stop {
+    Torn(String),
+    Failed(CaptureError),
+}
+
+impl From<io::Error> for Stop {
+    fn from(error: io::Error) -> Self {
+        Self::Torn(match error.kind() {
+            io::ErrorKind::UnexpectedEof => "it ends inside a record".to_owned(),
+            _ => error.to_string(),
+        })
+    }
+}
+
+impl Records<'_> {
+    /// Calls `take` with each record, those in chunks as well unless they are skipped; gives why it ended early.
+    fn each(
+        &mut self,
+        skip_chunks: bool,
+        mut take: impl FnMut(&Record) -> Result<(), CaptureError>,
+    ) -> Result<Option<String>, CaptureError> {
+        let failed = |error| CaptureError::io("read", self.path, error);
+        self.file.seek(SeekFrom::Start(MARK.len() as u64)).map_err(failed)?;
+        let length = self.file.get_ref().length().map_err(failed)?;
+        loop {
+            match self.next(length, skip_chunks, &mut take) {
+                Ok(true) => {}
+                Ok(false) => return Ok(None),
+                Err(Stop::Torn(why)) => return Ok(Some(why)),
+                Err(Stop::Failed(error)) => return Err(error),
+            }
+        }
+    }
+
+    fn next(
+        &mut self,
+        length: u64,
+        skip_chunks: bool,
+        take: &mut impl FnMut(&Record) -> Result<(), CaptureError>,
+    ) -> Result<bool, Stop> {
+        let here = self.file.stream_position()?;
+        if here >= length {
+            return Ok(false);
+        }
+        let head = self.piece(length, Some(MAX_HEAD))?;
+        let mut record = Record { head, data: Vec::new() };
+        let op = record.op();
+        if !matches!(op, Some(MESSAGE | CONNECTION)) && (op != Some(CHUNK) || skip_chunks) {
+            let mut bytes = [0; 4];
+            self.file.read_exact(&mut bytes)?;
+            self.file.seek_relative(u32::from_le_bytes(bytes).into())?;
+            return Ok(true);
+        }
+        record.data = self.piece(length, None)?;
+        if op == Some(CHUNK) {
+            let chunk = self.unpacked(&record)?;
+            in_chunk(&chunk, take)?;
+        } else {
+            take(&record).map_err(Stop::Failed)?;
+        }
+        Ok(true)
+    }
+
+    /// Bytes behind their length.
+    fn piece(&mut self, end: u64, most: Option<u32>) -> Result<Vec<u8>, Stop> {
+        let mut length = [0; 4];
+        self.file.read_exact(&mut length)?;
+        let length = u32::from_le_bytes(length);
+        let left = end.saturating_sub(self.file.stream_position()?);
+        if u64::from(length) > left || most.is_some_and(|most| length > most) {
+            return Err(Stop::Torn(format!("a record states {length} bytes")));
+        }
+        let mut bytes = vec![0; length as usize];
+        self.file.read_exact(&mut bytes)?;
+        Ok(bytes)
+    }
+
+    fn unpacked(&mut self, chunk: &Record) -> Result<Vec<u8>, Stop> {
+        let size = chunk.number(b"size").ok_or_else(|| Stop::Torn("a chunk does not state its size".to_owned()))?;
+        self.bytes = self.bytes.saturating_add(size.into());
+        let no_room = |why: NoRoom| Stop::Failed(CaptureError::no_room(self.path, why));
+        self.room.check(size.into()).map_err(no_room)?;
+        self.room.check_on_disk(self.bytes).map_err(no_room)?;
+        let packed = chunk.data.as_slice();
+        let mut bytes = Vec::new();
+        let mut unpack = |from: &mut dyn Read| from.take(size.into()).read_to_end(&mut bytes);
+        let done = match field(&chunk.head, b"compression") {
+            Some(b"none") => return Ok(chunk.data.clone()),
+            Some(b"bz2") => survive(|| unpack(&mut bzip2::read::BzDecoder::new(packed))),
+            Some(b"lz4") => survive(|| unpack(&mut lz4_flex::frame::FrameDecoder::new(packed))),
+            other => {
+                let name = String::from_utf8_lossy(other.unwrap_or_default()).into_owned();
+                return Err(Stop::Torn(format!("a chunk is packed by `{}`", name.escape_debug())));
+            }
+        };
+        match done {
+            Some(Ok(_)) => Ok(bytes),
+            Some(Err(error)) => Err(Stop::Torn(format!("a chunk cannot be unpacked: {error}"))),
+            None => Err(Stop::Torn("a chunk makes no sense".to_owned())),
+        }
+    }
+}
+
+fn in_chunk(mut chunk: &[u8], take: &mut impl FnMut(&Record) -> Result<(), CaptureError>) -> Result<(), Stop> {
+    let mut piece = || {
+        let (length, rest) = chunk.split_first_chunk()?;
+        let (bytes, rest) = rest.split_at_checked(u32::from_le_bytes(*length) as usize)?;
+        chunk = rest;
+        Some((bytes.to_vec(), rest.is_empty()))
+    };
+    loop {
+        let torn = || Stop::Torn("a chunk ends inside a record".to_owned());
+        let Some((head, _)) = piece() else { return Ok(()) };
+        let (data, is_last) = piece().ok_or_else(torn)?;
+        take(&Record { head, data }).map_err(Stop::Failed)?;
+        if is_last {
+            return Ok(());
+        }
+    }
+}
