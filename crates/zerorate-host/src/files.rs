@@ -54,31 +54,42 @@ fn spooled(mut piped: impl Read) -> std::io::Result<Input> {
     Ok(Input::nameless(file))
 }
 
-/// The files of a bag of ROS 2, in their order: those that end in .mcap or .db3, packed or not, with their numbers at the
-/// end of their names (`bag_0.mcap`, `bag_1.mcap`).
+/// The description of a bag of ROS 2, in its folder.
+const METADATA: &str = "metadata.yaml";
+
+/// As much of it as is looked at.
+const MAX_METADATA: u64 = 1 << 20;
+
+/// The files of a bag of ROS 2 in the order of its description, or the only bag in a folder without one.
 fn parts(folder: &Path) -> Result<Vec<PathBuf>, CaptureError> {
     let failed = |error| CaptureError::io("read", folder, error);
+    if let Ok(file) = File::open(folder.join(METADATA)) {
+        let mut text = String::new();
+        file.take(MAX_METADATA).read_to_string(&mut text).map_err(failed)?;
+        let listed: Vec<PathBuf> = listed(&text).map(|name| folder.join(name)).collect();
+        if !listed.is_empty() {
+            return Ok(listed);
+        }
+    }
     let all = folder.read_dir().map_err(failed)?.map(|entry| Ok(entry?.path()));
     let all: Vec<PathBuf> = all.collect::<std::io::Result<_>>().map_err(failed)?;
-    let ends =
-        |path: &Path, end: &str| path.to_str().is_some_and(|name| name.trim_end_matches(".zstd").ends_with(end));
-    let of_kind = |end: &str| all.iter().filter(|path| ends(path, end)).cloned().collect::<Vec<_>>();
-    let mut found = of_kind(".mcap");
-    if found.is_empty() {
-        found = of_kind(".db3");
-    }
-    if found.is_empty() {
-        let why = "it is a directory and no bag of ROS 2 (it has no .mcap and no .db3 file); name the file";
-        return Err(CaptureError::not_a_log(folder, why));
-    }
-    found.sort_by_key(|path| (number(path), path.clone()));
-    Ok(found)
+    let is_bag = |path: &PathBuf| path.extension().is_some_and(|end| end == "mcap" || end == "db3" || end == "bag");
+    let bags: Vec<PathBuf> = all.into_iter().filter(is_bag).collect();
+    let why = match bags.len() {
+        1 => return Ok(bags),
+        0 => "it is a directory and no bag of ROS 2 (it has neither a metadata.yaml nor a bag); name the file",
+        _ => "it is a directory with several bags and without a metadata.yaml that orders them; name one of them",
+    };
+    Err(CaptureError::not_a_log(folder, why))
 }
 
-/// The number at the end of a file's name, without what stands behind its first point.
-fn number(path: &Path) -> Option<u64> {
-    let name = path.file_name()?.to_str()?.split('.').next()?;
-    name.rsplit('_').next()?.parse().ok()
+/// The names of files in the description of a bag: the list of `relative_file_paths`. A folder before the name is that
+/// of the bag.
+fn listed(metadata: &str) -> impl Iterator<Item = &str> {
+    let lines = metadata.lines().map(str::trim).skip_while(|line| *line != "relative_file_paths:").skip(1);
+    let names = lines.map_while(|line| line.strip_prefix("- "));
+    let bare = names.map(|name| name.trim().trim_matches(['"', '\'']));
+    bare.filter_map(|name| Path::new(name).file_name()?.to_str())
 }
 
 /// Opens a capture, in any of its forms.

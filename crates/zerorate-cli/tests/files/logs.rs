@@ -1,6 +1,9 @@
 //! Logs that are wrong: the message names the file and the place, and says what to do.
 
 use super::Bench;
+use crate::harness::Run;
+use std::fs::{self, File};
+use std::path::Path;
 
 #[test]
 fn what_is_wrong_with_a_log_is_named() {
@@ -16,9 +19,9 @@ fn what_is_wrong_with_a_log_is_named() {
         ("untimed.csv", b"t_s,x\n0,1\n,2\n2,3\n"),
         ("bursts.csv", b"t_ms,x\n0,1\n1,2\n2,3\n10,4\n11,5\n13,6\n20,7\n21,8\n22,9\n30,10\n31,11\n34,12\n40,13\n"),
         ("twice.csv", b"x,x\n0,1\n1,2\n"),
-        ("ros1.bag", b"#ROSBAG V2.0\n"),
+        ("ros1.bag", b"#ROSBAG V1.2\n"),
         ("log.npz", b"PK\x03\x04rest"),
-        ("log.mat", b"MATLAB 5.0 MAT-file"),
+        ("log.mat", b"MATLAB 7.3 MAT-file"),
         ("log.npy", b"\x93NUMPY\x01\x00\x05\x00{}   "),
         ("log.parquet", b"PAR1 and no more"),
         ("log.gz", b"\x1F\x8B\x08\x00\x00\x00\x00\x00\x02\x03\x33"),
@@ -56,12 +59,16 @@ fn what_is_wrong_with_a_log_is_named() {
             "no column `when`; choose with --time-column one of: 0 `t`, 1 `x`",
         ),
         ("twice.csv --column x --rate 9", 2, "several columns `x`, so it takes their number"),
-        ("inf.csv --rate 9 --unit knots", 2, "`knots` is no unit of angular rate; choose dps"),
+        ("inf.csv --rate 9 --unit knots", 2, "`knots` is no unit of angular rate or acceleration; choose dps"),
         ("inf.csv --time-column 0 --rate 9", 2, "--rate"),
         ("inf.csv --time-unit s", 2, "--time-column"),
-        ("ros1.bag --rate 9", 1, "ros1.bag cannot be read as a log: it is a bag of ROS 1; convert it"),
-        ("log.npz --rate 9", 1, "archive; unpack it"),
-        ("log.mat --rate 9", 1, "MATLAB file; export"),
+        (
+            "ros1.bag --rate 9",
+            1,
+            "ros1.bag cannot be read as a log: it is a bag of ROS 1 in its old version 1; convert",
+        ),
+        ("log.npz --rate 9", 1, "log.npz, as an archive"),
+        ("log.mat --rate 9", 1, "it is an HDF5 file (MATLAB calls it -v7.3), which no"),
         ("log.npy --rate 9", 1, "log.npy, as an NPY file"),
         ("log.parquet --rate 9", 1, "log.parquet, as a Parquet file"),
         ("log.gz --rate 9", 1, "log.gz, as Gzip: it cannot be unpacked"),
@@ -82,4 +89,44 @@ fn a_unit_that_is_not_stated_is_said_so() {
     let run = bench.zerorate("allan log.csv --rate 100 --unit rad/s --json");
     assert!(!run.stderr.contains("not stated"));
     run.ok();
+}
+
+/// The folder of a bag of ROS 2, which is read in the order that it states.
+#[test]
+fn bags_in_folders() {
+    let bench = Bench::new();
+    let fixtures = Path::new(env!("CARGO_MANIFEST_DIR")).join("../zerorate-data/src/column/fixtures/bag_of_two");
+    let folder = bench.path("bag");
+    fs::create_dir(&folder).unwrap();
+    for (from, to) in [("bag_of_two_0.mcap", "a_1.mcap"), ("bag_of_two_1.mcap", "a_0.mcap")] {
+        fs::copy(fixtures.join(from), folder.join(to)).unwrap();
+    }
+    let said = bench.zerorate("allan bag --column z").fails(1);
+    assert!(said.contains("several bags and without a metadata.yaml"), "{said}");
+    let files = "rosbag2_bagfile_information:\n  version: 5\n  relative_file_paths:\n    - a_1.mcap\n    - \"a_0.mcap\"\n  \
+                 duration:\n";
+    fs::write(folder.join("metadata.yaml"), files).unwrap();
+    let run = bench.zerorate("allan bag --column z --json");
+    assert!(run.stderr.contains("bag: 1 samples are missing among 20"), "{}", run.stderr);
+    let report: serde_json::Value = serde_json::from_str(&run.ok()).unwrap();
+    assert_eq!(report["rate_hz"], 200.0);
+    fs::remove_file(folder.join("a_0.mcap")).unwrap();
+    assert!(bench.zerorate("allan bag --column z").fails(1).contains("a_0.mcap"));
+    fs::create_dir(bench.path("none")).unwrap();
+    assert!(bench.zerorate("allan none --rate 1").fails(1).contains("neither a metadata.yaml nor a bag"));
+}
+
+/// What is piped in is a log like any other, in any of the forms.
+#[test]
+fn a_log_from_standard_input() {
+    let bench = Bench::new();
+    bench.write("log.csv", "t_ms,gz_dps\n0,0.5\n10,1.5\n20,0.25\n30,2.5\n");
+    let said = |log: &Path, options: &str| {
+        let piped = File::open(log).unwrap();
+        let run = Run::of(bench.command(&format!("allan - {options} --json")).stdin(piped));
+        serde_json::from_str::<serde_json::Value>(&run.ok()).unwrap()
+    };
+    assert_eq!(said(&bench.path("log.csv"), "--column 1 --time-column 0")["rate_hz"], 100.0);
+    let bag = Path::new(env!("CARGO_MANIFEST_DIR")).join("../zerorate-data/src/column/fixtures/imu_lz4.bag");
+    assert_eq!(said(&bag, "--column z")["rate_hz"], 200.0);
 }
