@@ -171,7 +171,7 @@ impl Fit {
     pub fn expected(&self, analysis: &Analysis, point: &Point) -> Option<Expected> {
         let (lo, hi) = match analysis.stat {
             stat if !stat.is_allan() => return None,
-            Stat::Oadev => self.model.band(point.m, analysis.samples),
+            Stat::Oadev => self.model.band(point, analysis.samples),
             _ => self.model.band_of(point.m, point.edf),
         };
         Some(Expected { dev: self.deviation(point.m), lo, hi })

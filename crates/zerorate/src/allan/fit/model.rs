@@ -3,7 +3,7 @@
 use super::density::Drift;
 use super::scoring::{B2, Found, K2, N2, Q2, shape};
 use super::transform::autocovariance;
-use crate::allan::{chi2_quantile, interval};
+use crate::allan::{Point, chi2_quantile, interval};
 use crate::noise::FLOOR_PER_B;
 use alloc::vec;
 use alloc::vec::Vec;
@@ -92,10 +92,12 @@ impl Model {
         2.0 * (of_mean(m) - of_mean(2.0 * m)) + self.sines.iter().map(sine).sum::<f64>()
     }
 
-    /// Between what the model expects 95 % of the overlapping Allan deviations of a record of `samples` samples.
-    pub(super) fn band(&self, m: u64, samples: u64) -> (f64, f64) {
-        let variance = self.allan_variance(m);
-        let edf = self.freedom(m, samples);
+    /// Between what the model expects 95 % of the overlapping Allan deviations of a record of `samples` samples; where gaps
+    /// left fewer terms, of so much less freedom.
+    pub(super) fn band(&self, point: &Point, samples: u64) -> (f64, f64) {
+        let variance = self.allan_variance(point.m);
+        let terms = (samples + 1).saturating_sub(2 * point.m).max(1);
+        let edf = (self.freedom(point.m, samples) * point.n as f64 / terms as f64).max(1.0);
         let limit = |p: f64| libm::sqrt(variance * chi2_quantile(p, edf) / edf);
         (limit(0.025), limit(0.975))
     }

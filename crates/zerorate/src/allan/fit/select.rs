@@ -10,7 +10,7 @@ use alloc::vec::Vec;
 /// where there is none was measured: docs/reference/allan.md.
 const MARKOV_PRICE: f64 = 9.21;
 /// More for one that leaves no flicker: a few of them are flicker, and where both fit the rule says flicker.
-const INSTEAD_OF_FLICKER: f64 = 6.0;
+const INSTEAD_OF_FLICKER: f64 = 9.0;
 const RAMP_PRICE: f64 = 10.8;
 const WARM_UP_PRICE: f64 = 13.8;
 const MOST_MARKOVS: usize = 2;

@@ -44,15 +44,17 @@ fn sum(record: &impl Record, kernel: Kernel, m: usize) -> Result<Squares, Reason
     let mut valid = Valid::default();
     match kernel {
         Kernel::Plain(Plain { order: Order::Second, .. }) => {
-            starts.for_each(|i| valid.add(record.second(i as isize, m)));
+            starts.for_each(|i| valid.add_square(record.square(i as isize, m)));
         }
         Kernel::Plain(Plain { order: Order::Third, .. }) => {
             starts.for_each(|i| valid.add(record.third(i as isize, m)));
         }
-        Kernel::Reflected => starts.for_each(|i| valid.add(record.second(i as isize + 1 - m as isize, m))),
+        Kernel::Reflected => starts.for_each(|i| valid.add_square(record.square(i as isize + 1 - m as isize, m))),
         Kernel::Modified => modified(record, m, starts, &mut valid),
     }
     match valid.n {
+        // what losses add was more than all
+        _ if valid.sum < 0.0 => Err(Reason::Gaps),
         0 => Err(Reason::Gaps),
         n => Ok(Squares { sum: valid.sum, n, per: 1.0 }),
     }
@@ -78,8 +80,12 @@ struct Valid {
 
 impl Valid {
     fn add(&mut self, difference: Option<f64>) {
-        if let Some(difference) = difference {
-            self.sum += difference * difference;
+        self.add_square(difference.map(|difference| difference * difference));
+    }
+
+    fn add_square(&mut self, square: Option<f64>) {
+        if let Some(square) = square {
+            self.sum += square;
             self.n += 1;
         }
     }
@@ -114,6 +120,10 @@ impl Inner {
 trait Record {
     fn points(&self) -> usize;
     fn second(&self, i: isize, m: usize) -> Option<f64>;
+    /// The square that the second difference of complete averages would have on average.
+    fn square(&self, i: isize, m: usize) -> Option<f64> {
+        self.second(i, m).map(|difference| difference * difference)
+    }
     fn third(&self, i: isize, m: usize) -> Option<f64> {
         Some(self.second(i + m as isize, m)? - self.second(i, m)?)
     }
@@ -148,8 +158,32 @@ impl Record for Points<'_> {
 
 /// Running sums over the samples that are there.
 struct Present {
-    sum: Vec<f64>,
-    count: Vec<usize>,
+    sums: Vec<Sums>,
+}
+
+#[derive(Clone, Copy, Default)]
+struct Sums {
+    sum: f64,
+    squares: f64,
+    count: isize,
+}
+
+impl Sums {
+    fn plus(self, other: Self, times: f64) -> Self {
+        Self {
+            sum: self.sum + times * other.sum,
+            squares: self.squares + times * other.squares,
+            count: self.count + times as isize * other.count,
+        }
+    }
+}
+
+/// A mean over what is there.
+struct Average {
+    mean: f64,
+    /// How much the square of its error exceeds that of the complete one, on average; none where one sample stands for
+    /// several.
+    excess: Option<f64>,
 }
 
 impl Present {
@@ -157,49 +191,55 @@ impl Present {
         let present = |value: &f64| !value.is_nan();
         let count = rate.iter().filter(|value| present(value)).count().max(1);
         let mean = rate.iter().filter(|value| present(value)).sum::<f64>() / count as f64;
-        let (mut sum, mut count) = (vec![0.0], vec![0]);
-        let (mut last_sum, mut last_count) = (0.0, 0);
-        for value in rate {
+        let mut last = Sums::default();
+        let next = rate.iter().map(|value| {
             if present(value) {
-                last_sum += value - mean;
-                last_count += 1;
+                let value = value - mean;
+                last = last.plus(Sums { sum: value, squares: value * value, count: 1 }, 1.0);
             }
-            sum.push(last_sum);
-            count.push(last_count);
-        }
-        Self { sum, count }
+            last
+        });
+        Self { sums: core::iter::once(Sums::default()).chain(next).collect() }
     }
 
-    /// Sum and count up to a point; before the first sample and after the last the record runs backwards.
-    fn up_to(&self, i: isize) -> (f64, isize) {
-        let at = |i: usize| (self.sum[i], self.count[i] as isize);
-        let last = self.sum.len() - 1;
+    /// Sums up to a point; before the first sample and after the last the record runs backwards.
+    fn up_to(&self, i: isize) -> Sums {
+        let last = self.sums.len() - 1;
         match usize::try_from(i) {
-            Err(_) => {
-                let (sum, count) = at(i.unsigned_abs());
-                (-sum, -count)
-            }
-            Ok(i) if i > last => {
-                let ((end, ends), (sum, count)) = (at(last), at(2 * last - i));
-                (2.0 * end - sum, 2 * ends - count)
-            }
-            Ok(i) => at(i),
+            Err(_) => Sums::default().plus(self.sums[i.unsigned_abs()], -1.0),
+            Ok(i) if i > last => Sums::default().plus(self.sums[last], 2.0).plus(self.sums[2 * last - i], -1.0),
+            Ok(i) => self.sums[i],
         }
     }
 
-    fn average(&self, i: isize, m: usize) -> Option<f64> {
-        let ((from, before), (to, after)) = (self.up_to(i), self.up_to(i + m as isize));
-        let count = after - before;
-        (2 * count >= m as isize).then(|| (to - from) / count as f64)
+    fn average(&self, i: isize, m: usize) -> Option<Average> {
+        let Sums { sum, squares, count } = self.up_to(i + m as isize).plus(self.up_to(i), -1.0);
+        (2 * count >= m as isize).then(|| {
+            let (c, m) = (count as f64, m as f64);
+            let mean = sum / c;
+            let excess = match count {
+                _ if c == m => Some(0.0),
+                // as of a sample without replacement
+                2.. => Some((squares - sum * mean).max(0.0) / (c - 1.0) * (1.0 / c - 1.0 / m)),
+                _ => None,
+            };
+            Average { mean, excess }
+        })
     }
 }
 
 impl Record for Present {
     fn points(&self) -> usize {
-        self.sum.len()
+        self.sums.len()
     }
 
     fn second(&self, i: isize, m: usize) -> Option<f64> {
-        Some(self.average(i + m as isize, m)? - self.average(i, m)?)
+        Some(self.average(i + m as isize, m)?.mean - self.average(i, m)?.mean)
+    }
+
+    fn square(&self, i: isize, m: usize) -> Option<f64> {
+        let (first, second) = (self.average(i, m)?, self.average(i + m as isize, m)?);
+        let difference = second.mean - first.mean;
+        Some(difference * difference - first.excess? - second.excess?)
     }
 }
