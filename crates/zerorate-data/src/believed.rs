@@ -33,7 +33,7 @@ fn of_readings(health: &Health, samples: u64, start_ns: u64) -> Vec<(&'static st
         (marks.spoilt() > 0).then(|| (impossible.code(), impossible.to_string())),
         (marks.out_of_range > 0).then(|| {
             let text = format!(
-                "{} readings are beyond the range (F-35): the part turns, its supply is wrong, or the line carries \
+                "{} readings are beyond the range of the part: it turns, its supply is wrong, or the line carries \
                  errors; they are not to be used",
                 marks.out_of_range
             );
@@ -56,8 +56,8 @@ fn of_readings(health: &Health, samples: u64, start_ns: u64) -> Vec<(&'static st
 fn of_edges(tally: &Tally) -> Option<String> {
     tally.data_ready_stutters().then(|| {
         format!(
-            "data-ready-stutters: in {} of {} gaps no edge of data ready came: RDY (pin 10) stutters, or the host was \
-             deaf to it for that long; check its wire, its level and its pull-up, and only then what else the \
+            "data-ready-stutters: in {} of {} gaps no edge of data ready came: its line (ADIS16130: RDY, pin 10) \
+             stutters, or the host was deaf to it for that long; check its wire, its level and its pull-up, and only then what else the \
              host does",
             tally.silent_gaps, tally.gaps
         )
@@ -70,6 +70,6 @@ pub fn frozen_text(frozen: &Frozen, start_ns: u64) -> String {
     let what = if frozen.both { "the readings have" } else { "the rate has" };
     format!(
         "{what} not changed since {since_s:.1} s, while noise changes every reading: the part is frozen; reset it and \
-         check SDO (pin 12) and the supply (pins 11, 13, 15)"
+         check its data line and its supply (ADIS16130: SDO is pin 12, the supply pins 11, 13, 15)"
     )
 }

@@ -8,10 +8,12 @@ use crate::source::{Facts, Losses, Source};
 use crate::{DeviceError, DeviceSpec, Result, Setup, Stop};
 use adis16130_twin::Truth;
 use anyhow::{Context, anyhow};
+use std::iter::Peekable;
 use std::sync::mpsc::{Receiver, Sender, SyncSender, TrySendError, channel, sync_channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
+use std::vec::IntoIter;
 use zerorate_data::capture::Row;
 use zerorate_data::capture::admission::Admission;
 
@@ -219,6 +221,41 @@ impl Watcher {
     }
 }
 
+/// Rows on their way into batches.
+struct Gathering {
+    /// Time passes while nobody reads.
+    is_live: bool,
+    clock: Option<WallClock>,
+    /// Where batches must end, since the first row.
+    marks: Peekable<IntoIter<u64>>,
+    admission: Admission,
+    start_ns: Option<u64>,
+}
+
+impl Gathering {
+    /// Fills a batch until it is large, late or at a mark; else says how the reading ended.
+    fn fill(&mut self, batch: &mut Batch, source: &mut dyn Source, is_over: impl Fn() -> bool) -> Option<Result<()>> {
+        loop {
+            let row = match admitted(source, &mut self.admission) {
+                Ok(Some(row)) if !is_over() => row,
+                Ok(_) => return Some(Ok(())),
+                Err(error) => return Some(Err(error)),
+            };
+            if let Some(clock) = &mut self.clock {
+                clock.keep(row.t_ns, &is_over);
+            }
+            batch.rows.push(row);
+            let since_ns = row.t_ns - *self.start_ns.get_or_insert(row.t_ns);
+            let first_ns = batch.rows.first().map_or(row.t_ns, |first| first.t_ns);
+            let is_marked = self.marks.next_if(|mark_ns| since_ns >= *mark_ns).is_some();
+            let is_late = self.is_live && row.t_ns - first_ns >= LIVE_BATCH_NS;
+            if is_marked || is_late || batch.rows.len() == BATCH {
+                return None;
+            }
+        }
+    }
+}
+
 /// The thread.
 struct Worker {
     subscribers: Subscribers,
@@ -246,32 +283,14 @@ impl Worker {
         }
     }
 
-    fn read(&self, source: &mut dyn Source, mut clock: Option<WallClock>, marks_ns: Vec<u64>) -> Result<()> {
+    fn read(&self, source: &mut dyn Source, clock: Option<WallClock>, marks_ns: Vec<u64>) -> Result<()> {
         let is_live = clock.is_some() || source.facts().is_real;
-        let mut marks = marks_ns.into_iter().peekable();
-        let mut admission = Admission::default();
-        let mut start_ns = None;
+        let marks = marks_ns.into_iter().peekable();
+        let mut gathering = Gathering { is_live, clock, marks, admission: Admission::default(), start_ns: None };
         loop {
             let mut batch = Batch::default();
-            let end = loop {
-                let row = match admitted(source, &mut admission) {
-                    Ok(Some(row)) if !self.is_over() => row,
-                    Ok(_) => break Some(Ok(())),
-                    Err(error) => break Some(Err(error)),
-                };
-                if let Some(clock) = &mut clock {
-                    clock.keep(row.t_ns, || self.is_over());
-                }
-                batch.rows.push(row);
-                let since_ns = row.t_ns - *start_ns.get_or_insert(row.t_ns);
-                let first_ns = batch.rows.first().map_or(row.t_ns, |first| first.t_ns);
-                let is_marked = marks.next_if(|mark_ns| since_ns >= *mark_ns).is_some();
-                let is_late = is_live && row.t_ns - first_ns >= LIVE_BATCH_NS;
-                if is_marked || is_late || batch.rows.len() == BATCH {
-                    break None;
-                }
-            };
-            (batch.notes, batch.doubts) = (source.take_notes(), admission.warnings().collect());
+            let end = gathering.fill(&mut batch, source, || self.is_over());
+            (batch.notes, batch.doubts) = (source.take_notes(), gathering.admission.warnings().collect());
             (batch.losses, batch.truths) = (source.losses(), source.truths());
             let is_heard = self.give(batch);
             if let Some(end) = end {
