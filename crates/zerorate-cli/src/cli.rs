@@ -6,6 +6,7 @@ use crate::commands::{
     capture::CaptureArgs,
     correct::CorrectArgs,
     export::ExportArgs,
+    imu::ImuArgs,
     probe::ProbeArgs,
     repair::RepairArgs,
     report::ReportArgs,
@@ -56,6 +57,7 @@ impl Cli {
     pub fn foreign_files(&self) -> Vec<&Path> {
         match &self.command {
             Command::Allan(args) => args.files.iter().map(PathBuf::as_path).collect(),
+            Command::Imu(args) => vec![&args.log],
             Command::Correct(args) => vec![&args.capture],
             Command::Recalibrate(args) => vec![&args.capture],
             Command::Verify(args) => args.files.iter().map(PathBuf::as_path).collect(),
@@ -82,6 +84,7 @@ pub enum Command {
     Export(ExportArgs),
     Report(ReportArgs),
     Allan(AllanArgs),
+    Imu(ImuArgs),
     #[command(after_help = twin::keys_help())]
     Twin(TwinArgs),
     /// Prints the completion script for a shell.

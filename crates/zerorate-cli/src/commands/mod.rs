@@ -5,6 +5,7 @@ pub mod calibrate;
 pub mod capture;
 pub mod correct;
 pub mod export;
+pub mod imu;
 pub mod man;
 pub mod probe;
 pub mod repair;
@@ -37,6 +38,7 @@ pub fn run(cli: &Cli) -> Result<()> {
         Command::Export(args) => export::run(args),
         Command::Report(args) => report::run(args),
         Command::Allan(args) => allan::run(args),
+        Command::Imu(args) => imu::run(args),
         Command::Twin(args) => twin::run(args),
         Command::Completions { shell } => man::completions(*shell),
         Command::Man => man::man(),

@@ -218,7 +218,7 @@ fn a_name_adds_nothing_to_imu_yaml() {
         _ => None,
     });
     let keys: Vec<String> = scalars.step_by(2).collect();
-    assert_eq!(keys, ["gyroscope_noise_density", "gyroscope_random_walk", "update_rate"], "{yaml}");
+    assert_eq!(keys, ["gyroscope_noise_density", "gyroscope_random_walk", "rostopic", "update_rate"], "{yaml}");
 }
 
 #[test]

@@ -9,6 +9,7 @@ mod export;
 mod failing;
 mod golden;
 mod hostile;
+mod imu;
 mod interop;
 mod logs;
 mod noise_models;

@@ -89,16 +89,21 @@ pub struct Options {
     pub size: (u32, u32),
 }
 
+/// Marks at the averaging times that AN-1042 has for an ADIS16130 (F-51).
+pub fn an1042() -> Vec<Mark> {
+    let mark = |tau_s: f64| Mark { tau_s, label: format!("AN-1042: {tau_s} s") };
+    vec![mark(10.0), mark(150.0)]
+}
+
 impl Default for Options {
-    /// A deviation in °/s, with the averaging times of AN-1042 (F-51) marked.
+    /// A deviation in °/s, with no averaging time marked.
     fn default() -> Self {
-        let mark = |tau_s: f64| Mark { tau_s, label: format!("AN-1042: {tau_s} s") };
         Self {
             title: None,
             subtitle: None,
             quantity: "Allan deviation".to_owned(),
             unit: "°/s".to_owned(),
-            marks: vec![mark(10.0), mark(150.0)],
+            marks: Vec::new(),
             size: (960, 640),
         }
     }

@@ -15,7 +15,7 @@ mod raster;
 #[cfg(test)]
 mod tests;
 
-pub use allan::{Curve, Mark, Minimum, Options, Point, PowerLaw, allan};
+pub use allan::{Curve, Mark, Minimum, Options, Point, PowerLaw, allan, an1042};
 pub use axes::number;
 pub use correction::{CorrectionCurve, CorrectionPoint, correction};
 #[cfg(feature = "png")]

@@ -36,7 +36,8 @@ fn attribute(svg: &str, tag: &str, name: &str) -> Vec<f64> {
 
 #[test]
 fn all_that_is_said_is_text() {
-    let options = Options { title: Some("A title".into()), subtitle: Some("a line".into()), ..Options::default() };
+    let (title, subtitle) = (Some("A title".into()), Some("a line".into()));
+    let options = Options { title, subtitle, marks: an1042(), ..Options::default() };
     let found = texts(&allan(&[fitted()], &options));
     for expected in [
         "A title",

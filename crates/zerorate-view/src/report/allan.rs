@@ -12,14 +12,12 @@ pub struct AllanPage {
     pub command: String,
     /// What is in the tables, such as `overlapping Allan deviation`.
     pub quantity: String,
-    /// The unit of the deviations; with °/s, the tables also have °/h.
-    pub unit: String,
     /// What the intervals of the deviations are, such as `68.3 % interval`.
     pub interval: String,
     /// What the intervals of the coefficients are.
     pub coefficient_interval: String,
-    /// The picture of all records, SVG as of [`crate::plot::allan`]: it goes into the page as it is.
-    pub picture: String,
+    /// The pictures of all records, SVG as of [`crate::plot::allan`]: they go into the page as they are.
+    pub pictures: Vec<String>,
     /// One for each file.
     pub records: Vec<Record>,
 }
@@ -29,6 +27,8 @@ pub struct AllanPage {
 pub struct Record {
     /// The file.
     pub name: String,
+    /// The unit of the deviations; with °/s, the table also has °/h.
+    pub unit: String,
     /// Column, samples, rate, losses.
     pub facts: Vec<Fact>,
     /// What is wrong with the record or the result.
@@ -81,7 +81,7 @@ pub struct AllanRow {
     pub noise: String,
 }
 
-impl AllanPage {
+impl Record {
     fn hourly(&self) -> bool {
         self.unit == "°/s"
     }
@@ -137,15 +137,15 @@ mod tests {
             advice: vec!["average for 46 s".into()],
             coefficients: vec![Coefficient { name: "N".into(), values: vec![value], remark: "identified".into() }],
             points: vec![row],
+            unit: "°/s".into(),
             unavailable: vec![Fact::new("4096 s", "the record is too short")],
         };
         let page = AllanPage {
             command: "zerorate allan '\"><script>'".into(),
             quantity: "overlapping Allan deviation".into(),
-            unit: "°/s".into(),
             interval: "68.3 % interval".into(),
             coefficient_interval: "95 % interval".into(),
-            picture: "<svg><path/></svg>".into(),
+            pictures: vec!["<svg><path/></svg>".into()],
             records: vec![record],
         };
         let html = allan_page(&page).unwrap();

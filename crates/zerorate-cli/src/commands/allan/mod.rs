@@ -1,12 +1,12 @@
 //! `zerorate allan`: how much the mean of a rate at rest moves, over how long it is taken.
 
 mod imu_yaml;
-mod json;
-mod page;
+pub mod json;
+pub mod page;
 pub mod picture;
-mod record;
+pub mod record;
 mod table;
-mod units;
+pub mod units;
 
 use super::{print, print_json, print_lines, warn};
 use crate::column::ColumnArgs;
@@ -14,7 +14,7 @@ use crate::exit::Refused;
 use crate::output::{Outputs, Staged, say};
 use anyhow::Result;
 use clap::{Args, ValueEnum};
-use record::Record;
+use record::{Record, Way};
 use serde::Serialize;
 use std::path::PathBuf;
 use zerorate::allan::{FitOptions, Options, Stat, Taus};
@@ -111,7 +111,7 @@ fn statistics() -> String {
 /// What a column holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
 #[serde(rename_all = "lowercase")]
-enum Data {
+pub enum Data {
     /// Rate.
     Rate,
     /// Its integral over time: for a gyroscope the angle.
@@ -133,18 +133,19 @@ impl AllanArgs {
         self.fit || self.json || !self.plot.is_empty() || self.report.is_some() || self.imu_yaml.is_some()
     }
 
-    fn fit_options(&self, scale: f64) -> FitOptions {
-        FitOptions { scale, cut_glitches: !self.keep_glitches, remove_steps: self.steps == Steps::Remove }
-    }
-
-    fn options(&self, scale: f64) -> Options {
-        Options { stat: self.stat, taus: self.taus.clone(), confidence: self.confidence, scale }
+    fn way(&self) -> Way {
+        let options = Options { stat: self.stat, taus: self.taus.clone(), confidence: self.confidence, scale: 1.0 };
+        let remove_steps = self.steps == Steps::Remove;
+        let fit = FitOptions { scale: 1.0, cut_glitches: !self.keep_glitches, remove_steps };
+        Way { data: self.data, closes_gaps: self.ignore_gaps, options, fit: self.wants_fit().then_some(fit) }
     }
 }
 
 pub fn run(args: &AllanArgs) -> Result<()> {
     let files = Files::claim(args)?;
-    let records: Vec<Record> = args.files.iter().map(|file| Record::read(args, file)).collect::<Result<_>>()?;
+    let way = args.way();
+    let read = |file: &PathBuf| Record::of(args.column.read(file)?, file, &way);
+    let records: Vec<Record> = args.files.iter().map(read).collect::<Result<_>>()?;
     for record in &records {
         warn(&record.warnings);
     }
@@ -183,7 +184,7 @@ impl Files {
             picture::write(kind, file, &picture::svg(records))?;
         }
         if let Some(file) = self.page {
-            page::write(file, records)?;
+            page::write(file, &[records])?;
         }
         if let Some(file) = self.imu_yaml {
             imu_yaml::write(file, records)?;

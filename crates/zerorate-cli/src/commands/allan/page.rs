@@ -9,17 +9,17 @@ use zerorate::allan::Estimate;
 use zerorate_view::plot::number;
 use zerorate_view::report::{self, AllanPage, AllanRow, Coefficient, CoefficientValue, Fact, allan_page};
 
-/// Writes the page of all records.
-pub fn write(file: Staged, records: &[Record]) -> Result<()> {
-    let first = records.first();
+/// Writes the page of all records, with a picture for each group of them.
+pub fn write(file: Staged, groups: &[&[Record]]) -> Result<()> {
+    let records = || groups.iter().flat_map(|group| *group);
+    let first = records().next();
     let page = AllanPage {
         command: std::iter::once("zerorate".to_owned()).chain(std::env::args().skip(1)).collect::<Vec<_>>().join(" "),
         quantity: first.map(Record::title).unwrap_or_default().to_owned(),
-        unit: first.and_then(deviation_unit).unwrap_or_default().to_owned(),
         interval: first.map(|record| super::units::interval(record.confidence)).unwrap_or_default(),
         coefficient_interval: "95 % intervals".to_owned(),
-        picture: picture::svg(records),
-        records: records.iter().map(section).collect(),
+        pictures: groups.iter().map(|group| picture::svg(group)).collect(),
+        records: records().map(section).collect(),
     };
     Ok(file.fill(allan_page(&page)?.as_bytes())?)
 }
@@ -29,7 +29,6 @@ fn section(record: &Record) -> report::Record {
     let model =
         record.model().map(|fit| Fact::new("noise model", format!("holds to {:.1} %", fit.model_error * 100.0)));
     let facts = [
-        Fact::new("column", &record.column),
         Fact::new("samples", analysis.samples.to_string()),
         Fact::new("missing", analysis.missing.to_string()),
         Fact::new("sample rate", format!("{:.6} Hz", analysis.rate_hz)),
@@ -37,13 +36,14 @@ fn section(record: &Record) -> report::Record {
     ];
     let row = |point: &zerorate::allan::Point| {
         let &zerorate::allan::Point { tau_s, dev, lo, hi, edf, alpha, n, .. } = point;
-        AllanRow { tau_s, dev, lo, hi, edf, n, noise: noise(alpha).to_owned() }
+        AllanRow { tau_s, dev, lo, hi, edf, n, noise: noise(alpha, record.quantity).to_owned() }
     };
     let unavailable = |missing: &zerorate::allan::Unavailable| {
         Fact::new(format!("{} s", number(missing.tau_s)), missing.reason.to_string())
     };
     report::Record {
-        name: record.file.display().to_string(),
+        name: record.label(),
+        unit: deviation_unit(record).unwrap_or_default().to_owned(),
         facts: facts.into_iter().chain(model).collect(),
         warnings: record.warnings.clone(),
         advice: record.advice(),

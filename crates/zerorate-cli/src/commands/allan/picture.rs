@@ -45,9 +45,10 @@ pub fn svg(records: &[Record]) -> String {
         _ => None,
     };
     let subtitle = records.first().map(subtitle);
+    let marks = if records.iter().any(Record::is_of_adis16130) { plot::an1042() } else { Vec::new() };
     plot::allan(
         &curves,
-        &plot::Options { title, subtitle, quantity, unit: unit.to_owned(), ..plot::Options::default() },
+        &plot::Options { title, subtitle, quantity, unit: unit.to_owned(), marks, ..plot::Options::default() },
     )
 }
 
@@ -74,9 +75,10 @@ fn curve(record: &Record) -> Curve {
     let found = coefficients(record).into_iter().filter(|_| record.analysis.stat.is_allan());
     let law = |named: Named<'_>| {
         let value = named.in_unit(0).value;
+        let floor = if named.letter == 'B' { ", drawn at 0.664 B" } else { "" };
         let doubt = if named.coefficient.identified { "" } else { " (not identified)" };
         PowerLaw {
-            label: format!("{} = {} {}{doubt}", named.letter, number(value), named.units[0].0),
+            label: format!("{} = {} {}{floor}{doubt}", named.letter, number(value), named.units[0].0),
             at_1s: named.coefficient.value * named.at_1s,
             slope: named.slope,
         }

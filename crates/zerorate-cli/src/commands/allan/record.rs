@@ -1,11 +1,13 @@
 //! One log on its way from file to result.
 
+use super::Data;
 use super::units;
-use super::{AllanArgs, Data};
 use crate::exit::Refused;
 use anyhow::{Context, Result, ensure};
 use std::path::{Path, PathBuf};
-use zerorate::allan::{self, AllanWarning, Analysis, Averaging, Expected, Fit, FitError, Input, Point};
+use zerorate::allan::{
+    self, AllanWarning, Analysis, Averaging, Expected, Fit, FitError, FitOptions, Input, Options, Point,
+};
 use zerorate_data::column::{Column, Quantity, STANDARD_GRAVITY, Series};
 
 /// A log and what was found in it.
@@ -21,27 +23,39 @@ pub struct Record {
     pub warnings: Vec<String>,
 }
 
+/// How a column is analysed.
+pub struct Way {
+    /// What it holds.
+    pub data: Data,
+    /// Its gaps are closed up.
+    pub closes_gaps: bool,
+    /// In the unit of the column.
+    pub options: Options,
+    /// Before a fit; none: no fit.
+    pub fit: Option<FitOptions>,
+}
+
 impl Record {
-    /// Reads a log and analyses it.
-    pub fn read(args: &AllanArgs, file: &Path) -> Result<Self> {
-        let mut column = args.column.read(file)?;
+    /// Analyses a column of the log `file`.
+    pub fn of(mut column: Column, file: &Path, way: &Way) -> Result<Self> {
         let mut warnings = std::mem::take(&mut column.warnings);
-        warnings.extend(gaps(args, file, &mut column));
+        warnings.extend(gaps(way, file, &mut column));
         let samples = column.series.len();
         ensure!(samples >= 2, "{}: {samples} samples are too few, at least 2 are needed", file.display());
         warnings.extend(stopped(file, &column)?);
-        let phase = phase(args, file, &column)?;
+        let phase = phase(way, file, &column)?;
         let input = match (&phase, &column.series) {
             (Some(phase), _) => Input::Phase(phase),
             (None, Series::Codes(codes)) => Input::Codes { codes, gaps: &column.gaps },
             (None, Series::Numbers(numbers)) => Input::Rate(numbers),
         };
-        let fit = args.wants_fit().then(|| allan::fit(&input, column.rate_hz, &args.fit_options(column.scale)));
+        let options = |scale| Options { scale, ..way.options.clone() };
+        let fit = way.fit.map(|fit| allan::fit(&input, column.rate_hz, &FitOptions { scale: column.scale, ..fit }));
         // what was taken out before the fit is not in the curve either, or the two could not be compared
         let cleaned = fit.iter().flatten().find_map(|fit| fit.cleaned.rate.as_deref());
         let analysis = match cleaned {
-            Some(rate) => allan::analyse(&Input::Rate(rate), column.rate_hz, &args.options(1.0)),
-            None => allan::analyse(&input, column.rate_hz, &args.options(column.scale)),
+            Some(rate) => allan::analyse(&Input::Rate(rate), column.rate_hz, &options(1.0)),
+            None => allan::analyse(&input, column.rate_hz, &options(column.scale)),
         };
         let analysis = analysis.with_context(|| format!("cannot analyse {}", file.display()))?;
         let seen = fit.iter().flatten().flat_map(|fit| &fit.warnings);
@@ -50,7 +64,7 @@ impl Record {
             file: file.to_owned(),
             column: column.name,
             quantity: column.quantity,
-            confidence: args.confidence,
+            confidence: way.options.confidence,
             analysis,
             fit,
             warnings,
@@ -60,6 +74,11 @@ impl Record {
     /// What tells this log from others: the file, and the column.
     pub fn label(&self) -> String {
         format!("{}, column {}", self.file.display(), self.column)
+    }
+
+    /// Whether it is of the part that AN-1042 is about, as the columns of captures and corrections of it are called.
+    pub fn is_of_adis16130(&self) -> bool {
+        matches!(self.column.as_str(), "rate_code" | "rate_corrected_dps")
     }
 
     /// What the deviation is called.
@@ -127,7 +146,7 @@ impl Record {
                 at_rest(dev)
             ),
         };
-        let times = allan::AN1042_TAUS_S.into_iter().zip(advice.an1042);
+        let times = allan::AN1042_TAUS_S.into_iter().zip(advice.an1042).filter(|_| self.is_of_adis16130());
         let times = times.filter_map(|(tau_s, dev)| Some(format!("{tau_s} s give {}", at_rest(dev?))));
         let times = times.collect::<Vec<_>>().join(", ");
         let note = (!times.is_empty()).then(|| format!("AN-1042's averaging times: {times}."));
@@ -145,12 +164,12 @@ impl Record {
 }
 
 /// What is missing, and what is done about it.
-fn gaps(args: &AllanArgs, file: &Path, column: &mut Column) -> Option<String> {
+fn gaps(way: &Way, file: &Path, column: &mut Column) -> Option<String> {
     let missing = column.missing();
     let seen = format!("{}: {missing} samples are missing among {}", file.display(), column.series.len());
     match missing {
         0 => None,
-        _ if args.ignore_gaps => {
+        _ if way.closes_gaps => {
             column.close_gaps();
             Some(format!("{seen}; the gaps are closed up, which changes the result"))
         }
@@ -199,8 +218,8 @@ fn changes(values: impl Iterator<Item = f64>) -> (usize, usize, usize) {
 }
 
 /// The numbers as phase, if that is what they are. A lost phase point is a point that is not there.
-fn phase(args: &AllanArgs, file: &Path, column: &Column) -> Result<Option<Vec<f64>>> {
-    match args.data {
+fn phase(way: &Way, file: &Path, column: &Column) -> Result<Option<Vec<f64>>> {
+    match way.data {
         Data::Rate => Ok(None),
         Data::Phase => Ok(Some(column.points(file)?)),
     }

@@ -35,7 +35,7 @@ pub fn text(record: &Record) -> Result<String> {
         if per_hour {
             write!(text, " {:>13.6e}", dev * 3600.0)?;
         }
-        writeln!(text, " {edf:>9.1} {n:>10}  {}", noise(*alpha))?;
+        writeln!(text, " {edf:>9.1} {n:>10}  {}", noise(*alpha, record.quantity))?;
     }
     for missing in &record.analysis.unavailable {
         writeln!(text, "{:>14.6} not computed: {}", missing.tau_s, missing.reason)?;

@@ -79,13 +79,17 @@ pub fn coefficients(record: &Record) -> Vec<Named<'_>> {
         coefficient,
         units: units.of(record),
     };
+    let names = match record.quantity {
+        Some(Quantity::Acceleration) => ("velocity random walk", "acceleration random walk"),
+        _ => ("angle random walk", "rate random walk"),
+    };
     let always = [
-        named('N', "angle random walk", -0.5, 1.0, &fit.n, &N),
+        named('N', names.0, -0.5, 1.0, &fit.n, &N),
         named('B', "bias instability", 0.0, FLOOR_PER_B, &fit.b, &B),
-        named('K', "rate random walk", 0.5, 1.0 / 3f64.sqrt(), &fit.k, &K),
+        named('K', names.1, 0.5, 1.0 / 3f64.sqrt(), &fit.k, &K),
     ];
     let quantisation = fit.q.iter().map(|q| named('Q', "quantisation", -1.0, 3f64.sqrt(), q, &Q));
-    let ramp = fit.r.iter().map(|r| named('R', "rate ramp", 1.0, 1.0 / SQRT_2, r, &R));
+    let ramp = fit.r.iter().map(|r| named('R', "ramp", 1.0, 1.0 / SQRT_2, r, &R));
     always.into_iter().chain(quantisation).chain(ramp).collect()
 }
 
@@ -195,9 +199,13 @@ pub fn deviation_unit(record: &Record) -> Option<&'static str> {
     })
 }
 
-/// The noise with the exponent α of the rate's density, as gyroscope people call it.
-pub fn noise(alpha: i32) -> &'static str {
+/// The noise with the exponent α of the density of what is measured, as people call it there.
+pub fn noise(alpha: i32, quantity: Option<Quantity>) -> &'static str {
     match alpha {
+        2 if quantity == Some(Quantity::Acceleration) => "white velocity",
+        1 if quantity == Some(Quantity::Acceleration) => "flicker velocity",
+        0 if quantity == Some(Quantity::Acceleration) => "velocity random walk",
+        -2 if quantity == Some(Quantity::Acceleration) => "acceleration random walk",
         2 => "white angle",
         1 => "flicker angle",
         0 => "angle random walk",

@@ -1,0 +1,173 @@
+//! `zerorate imu`: the log of an IMU at rest becomes the noise that a filter takes.
+
+mod axes;
+pub mod consumer;
+mod json;
+pub mod numbers;
+mod text;
+
+use super::allan::record::{Record, Way};
+use super::allan::{Data, page};
+use super::{print_json, print_lines, warn};
+use crate::exit::{Refused, Usage};
+use crate::output::{Outputs, Staged, say};
+use anyhow::Result;
+use axes::{Axes, Kind};
+use clap::{Args, ValueEnum};
+use consumer::Format;
+use numbers::{Choice, Numbers};
+use std::path::PathBuf;
+use zerorate::allan::{FitOptions, Options};
+use zerorate_data::column::{Column, TimeUnit, Unit};
+
+/// Fits noise models to all axes of an IMU's log, taken at rest, and writes the file for the filter that will use
+/// them.
+///
+/// Reads the log once: a sensor_msgs/Imu topic of a bag, or the columns whose names and units say what they are, in any
+/// form that `zerorate allan` reads. Gravity is no error: a mean does not matter. Each number in the file says in a
+/// comment which coefficient of which axis it is; where the random walk K is not identified, it is the upper end of
+/// its 95 % interval. Which number goes where, and why: docs/imu.md.
+///
+/// Where a model is rejected (exit code 3), or a record is too short for one, there is no file.
+#[derive(Args, Debug)]
+pub struct ImuArgs {
+    /// The log.
+    #[arg(value_name = "LOG")]
+    pub log: PathBuf,
+
+    /// The file to be written.
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+
+    /// Who reads that file.
+    #[arg(long, value_enum, default_value = "kalibr")]
+    format: Format,
+
+    /// What stands for all axes of a kind, where the reader takes one number.
+    #[arg(long, value_enum, default_value = "worst")]
+    combine: Combine,
+
+    /// Multiply all noise by F, for what a record at rest does not show: vibration, temperature, scale errors. Filters
+    /// are often tuned with 5 to 20.
+    #[arg(long, value_name = "F", default_value_t = 1.0, value_parser = factor)]
+    inflate: f64,
+
+    /// The topic, where a bag has several IMUs.
+    #[arg(long, value_name = "TOPIC")]
+    topic: Option<String>,
+
+    /// Samples per second [default: as the log's stamps or its time column tell].
+    #[arg(long, value_name = "HZ", value_parser = factor)]
+    rate: Option<f64>,
+
+    /// The column with the time of each row.
+    #[arg(long, value_name = "NAME|INDEX", conflicts_with = "rate")]
+    time_column: Option<String>,
+
+    /// The unit of the time column [default: the one that its name or type states].
+    #[arg(long, value_enum, requires = "time_column")]
+    time_unit: Option<TimeUnit>,
+
+    /// The unit of the gyroscope's columns [default: the one that their names state].
+    #[arg(long, value_name = "UNIT")]
+    gyro_unit: Option<Unit>,
+
+    /// The unit of the accelerometer's columns: m/s², g, mg or µg [default: the one that their names state].
+    #[arg(long, value_name = "UNIT")]
+    accel_unit: Option<Unit>,
+
+    /// What a step of 1 in the gyroscope's columns is, in its unit.
+    #[arg(long, value_name = "X", value_parser = factor, requires = "gyro_unit")]
+    gyro_scale: Option<f64>,
+
+    /// What a step of 1 in the accelerometer's columns is, in its unit.
+    #[arg(long, value_name = "X", value_parser = factor, requires = "accel_unit")]
+    accel_scale: Option<f64>,
+
+    /// Write one self-contained HTML page: a picture of each kind, tables, coefficients.
+    #[arg(long, value_name = "PAGE")]
+    report: Option<PathBuf>,
+
+    /// Print the result as one JSON object.
+    #[arg(long)]
+    json: bool,
+
+    /// Overwrite files that exist, and write a file of numbers that are no result; it says so inside.
+    #[arg(long)]
+    force: bool,
+}
+
+/// What stands for several axes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Combine {
+    /// The largest.
+    Worst,
+    /// Their mean.
+    Mean,
+}
+
+pub fn run(args: &ImuArgs) -> Result<()> {
+    let mut outputs = Outputs::new(args.force).printing().reading([args.log.as_path()])?;
+    let file = args.output.as_ref().map(|path| outputs.derived(path)).transpose()?;
+    let page = args.report.as_ref().map(|path| outputs.derived(path)).transpose()?;
+    let Axes { columns, topic, warnings } = Axes::read(args, &args.log)?;
+    warn(&warnings);
+    check_format(args, &columns)?;
+    let fit = Some(FitOptions::default());
+    let way = Way { data: Data::Rate, closes_gaps: false, options: Options::default(), fit };
+    let analyse = |column| Record::of(column, &args.log, &way);
+    let axes: Vec<Record> = columns.into_iter().map(analyse).collect::<Result<_>>()?;
+    for axis in &axes {
+        axis.warnings.iter().for_each(|warning| say(format_args!("warning: {}: {warning}", axis.column)));
+    }
+    if args.json {
+        print_json(&json::Report::new(&axes))?;
+    } else {
+        print_lines(&text::table(&axes)?)?;
+    }
+    if let Some(page) = page {
+        let kinds: Vec<&[Record]> = axes.chunk_by(|a, b| a.quantity == b.quantity).collect();
+        page::write(page, &kinds)?;
+    }
+    deliver(args, &axes, topic, file)
+}
+
+/// Writes the file, if its numbers are results or were asked for nonetheless.
+fn deliver(args: &ImuArgs, axes: &[Record], topic: Option<String>, file: Option<Staged>) -> Result<()> {
+    let doubt = |axis: &Record| Some(format!("{}: {}", axis.column, axis.believed().err()?));
+    let doubts: Vec<String> = axes.iter().filter_map(doubt).collect();
+    if !doubts.is_empty() {
+        let refused = Refused(format!("{}: {}", args.log.display(), doubts.join("; ")));
+        if !args.force || axes.iter().any(|axis| axis.model().is_none()) {
+            return Err(refused.into());
+        }
+        say(format_args!("warning: {refused}; written all the same (--force)"));
+    }
+    let Some(file) = file else { return Ok(()) };
+    let ImuArgs { combine, inflate, .. } = *args;
+    let choice = Choice { log: args.log.display().to_string(), topic, combine, inflate, doubts };
+    Ok(file.fill(args.format.text(&Numbers::new(choice, axes)).as_bytes())?)
+}
+
+/// What takes a number by axis needs three of a kind.
+fn check_format(args: &ImuArgs, columns: &[Column]) -> Result<(), Usage> {
+    for kind in Kind::ALL {
+        let count = columns.iter().filter(|column| column.quantity == Some(kind.quantity())).count();
+        let name = kind.name();
+        if args.output.is_some() && args.format.is_by_axis() && !matches!(count, 0 | 3) {
+            let why = "and the format takes three; choose another";
+            return Err(Usage(format!("the log has {count} axes of its {name}, {why}")));
+        }
+        if count == 0 {
+            say(format_args!("warning: the log has no {name}: its numbers are left to be filled in"));
+        }
+    }
+    Ok(())
+}
+
+fn factor(text: &str) -> Result<f64, String> {
+    text.parse()
+        .ok()
+        .filter(|number: &f64| *number > 0.0 && number.is_finite())
+        .ok_or_else(|| "must be a number above zero".to_owned())
+}

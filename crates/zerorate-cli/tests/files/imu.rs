@@ -1,0 +1,231 @@
+//! `zerorate imu`: all axes of a log at once, and a file for each filter.
+
+use super::Bench;
+use saphyr_parser::{Event, Parser};
+use serde_json::Value;
+use std::collections::BTreeMap;
+
+const RATE_HZ: f64 = 100.0;
+/// Standard deviations of single samples: °/s and m/s².
+const SIGMAS: [f64; 6] = [0.10, 0.12, 0.08, 0.020, 0.025, 0.030];
+const HEAD: &str = "t_s,gyro_x_dps,gyro_y_dps,gyro_z_dps,ax [m/s^2],ay [m/s^2],az [m/s^2],mag_x,temp_c";
+
+/// White noise of each axis; the last stands on gravity.
+fn log() -> String {
+    let mut state = 7u64;
+    let mut uniform = move || {
+        state = 16_807 * state % 2_147_483_647;
+        state as f64 / 2_147_483_647.0 - 0.5
+    };
+    let mut text = format!("{HEAD}\n");
+    for row in 0..20_000 {
+        let axes = SIGMAS.map(|sigma| sigma * (0..12).map(|_| uniform()).sum::<f64>());
+        let [x, y, z, ax, ay, az] = axes.map(|value| format!("{value:.6}"));
+        let az = az.parse::<f64>().unwrap() + 9.81;
+        text += &format!("{:.2},{x},{y},{z},{ax},{ay},{az:.6},{},25.0\n", f64::from(row) / RATE_HZ, row % 7);
+    }
+    text
+}
+
+/// Bench with the log, and the options that it takes.
+fn bench() -> Bench {
+    let bench = Bench::new();
+    bench.write("imu.csv", log());
+    bench
+}
+
+const LINE: &str = "imu imu.csv --time-column t_s";
+
+/// Scalars of a YAML file by their path; numbers of a list by their place.
+fn scalars(yaml: &str) -> BTreeMap<String, String> {
+    let mut found = BTreeMap::new();
+    // the key or the place of each open collection; a mapping waits for a key or for its value
+    let mut open: Vec<(bool, Option<String>, usize)> = Vec::new();
+    for event in Parser::new_from_str(yaml) {
+        match event.unwrap().0 {
+            Event::MappingStart(..) => open.push((true, None, 0)),
+            Event::SequenceStart(..) => open.push((false, None, 0)),
+            Event::MappingEnd | Event::SequenceEnd => {
+                open.pop();
+                if let Some(parent) = open.last_mut() {
+                    (parent.1, parent.2) = (None, parent.2 + 1);
+                }
+            }
+            Event::Scalar(text, ..) => {
+                let Some(inner) = open.last_mut() else { continue };
+                if inner.0 && inner.1.is_none() {
+                    inner.1 = Some(text.into_owned());
+                    continue;
+                }
+                let part = |(is_map, key, place): &(bool, Option<String>, usize)| {
+                    if *is_map { key.clone().unwrap() } else { place.to_string() }
+                };
+                let path = open.iter().map(part).collect::<Vec<_>>().join("/");
+                found.insert(path, text.into_owned());
+                let inner = open.last_mut().unwrap();
+                (inner.1, inner.2) = (None, inner.2 + 1);
+            }
+            _ => {}
+        }
+    }
+    found
+}
+
+/// N in rad/√s or m/s/√s, of the axis at `index`.
+fn n(index: usize) -> f64 {
+    let n = SIGMAS[index] / RATE_HZ.sqrt();
+    if index < 3 { n.to_radians() } else { n }
+}
+
+#[test]
+fn every_filter_gets_its_numbers() {
+    let bench = bench();
+    let rate = RATE_HZ.sqrt();
+    let expected = [
+        ("kalibr", vec![("gyroscope_noise_density", n(1)), ("accelerometer_noise_density", n(5))]),
+        ("openvins", vec![("imu0/gyroscope_noise_density", n(1)), ("imu0/accelerometer_noise_density", n(5))]),
+        ("vins", vec![("gyr_n", n(1) * rate), ("acc_n", n(5) * rate)]),
+        ("orbslam3", vec![("IMU.NoiseGyro", n(1)), ("IMU.NoiseAcc", n(5)), ("IMU.Frequency", RATE_HZ)]),
+        (
+            "kf-gins",
+            vec![
+                ("imunoise/arw/0", n(0).to_degrees() * 60.0),
+                ("imunoise/arw/2", n(2).to_degrees() * 60.0),
+                ("imunoise/vrw/1", n(4) * 60.0),
+            ],
+        ),
+        (
+            "ros",
+            vec![
+                ("angular_velocity_covariance/0", n(0) * n(0) * RATE_HZ),
+                ("linear_acceleration_covariance/8", n(5) * n(5) * RATE_HZ),
+            ],
+        ),
+    ];
+    for (format, numbers) in expected {
+        bench.zerorate(&format!("{LINE} --format {format} -o {format}.yaml")).ok();
+        let yaml = std::fs::read_to_string(bench.path(&format!("{format}.yaml"))).unwrap();
+        let found = scalars(&yaml);
+        for (key, expected) in numbers {
+            let value: f64 = found[key].parse().unwrap();
+            let most = if format == "ros" { 0.04 } else { 0.02 };
+            assert!((value / expected - 1.0).abs() < most, "{format} {key}: {value}, not {expected}\n{yaml}");
+        }
+        // as PyYAML and YAML 1.1 want it: a point, and a sign in the exponent
+        let is_odd = |text: &&String| {
+            text.parse::<f64>().is_ok()
+                && !(text.contains('.') && (!text.contains('e') || text.contains("e-") || text.contains("e+")))
+        };
+        assert_eq!(found.values().filter(is_odd).collect::<Vec<_>>(), Vec::<&String>::new(), "{format}");
+    }
+}
+
+/// An identified K is itself, any other its upper limit: never next to nothing.
+#[test]
+fn a_random_walk_that_is_not_told_is_an_upper_limit() {
+    let bench = bench();
+    let report: Value = serde_json::from_str(&bench.zerorate(&format!("{LINE} --json -o imu.yaml")).ok()).unwrap();
+    let axes = report["axes"].as_array().unwrap();
+    let kinds: Vec<_> =
+        axes.iter().map(|axis| (axis["name"].as_str().unwrap(), axis["kind"].as_str().unwrap())).collect();
+    let names = HEAD.split(',').skip(1).take(6);
+    let all = names.zip(["gyroscope"; 3].into_iter().chain(["accelerometer"; 3])).collect::<Vec<_>>();
+    assert_eq!(kinds, all);
+    assert_eq!((report["rate_hz"].as_f64(), report["samples"].as_u64()), (Some(RATE_HZ), Some(20_000)));
+    assert_eq!((axes[0]["unit"].as_str(), axes[5]["unit"].as_str()), (Some("°/s"), Some("m/s²")));
+    let most = |range: std::ops::Range<usize>| {
+        let k = |axis: &Value| {
+            let k = &axis["fit"]["k"];
+            if k["identified"] == true { k["value"].as_f64().unwrap() } else { k["hi"].as_f64().unwrap() }
+        };
+        axes[range].iter().map(k).fold(0.0, f64::max)
+    };
+    let yaml = std::fs::read_to_string(bench.path("imu.yaml")).unwrap();
+    assert!(yaml.contains("upper 95 % limit of K of"), "{yaml}");
+    let found = scalars(&yaml);
+    for (key, expected) in
+        [("gyroscope_random_walk", most(0..3).to_radians()), ("accelerometer_random_walk", most(3..6))]
+    {
+        let value: f64 = found[key].parse().unwrap();
+        assert!(value > 1e-7 && (value / expected - 1.0).abs() < 1e-5, "{key}: {value}, not {expected}");
+    }
+    bench.zerorate(&format!("{LINE} --combine mean --inflate 10 -o mean.yaml")).ok();
+    let mean = scalars(&std::fs::read_to_string(bench.path("mean.yaml")).unwrap());
+    let value: f64 = mean["gyroscope_noise_density"].parse().unwrap();
+    assert!((value / 10.0 / n(0) - 1.0).abs() < 0.02, "the mean of 0.10, 0.12 and 0.08, ten times: {value}");
+}
+
+#[test]
+fn what_is_no_axis_is_left_out_and_named() {
+    let bench = bench();
+    let run = bench.zerorate(LINE);
+    let run = run.ended_with(0);
+    assert!(run.stderr.contains("neither gyroscope nor accelerometer: mag_x, temp_c"), "{}", run.stderr);
+    assert!(
+        run.stdout.contains("°/√h") && run.stdout.contains("m/s/√h") && run.stdout.contains("µg"),
+        "{}",
+        run.stdout
+    );
+    bench.write("none.csv", "t_s,height,weight\n0,1,2\n1,2,3\n");
+    let run = bench.zerorate("imu none.csv --time-column t_s").ended_with(2);
+    assert!(run.stderr.contains("it has: height, weight"), "{}", run.stderr);
+}
+
+#[test]
+fn units_are_asked_for_and_never_guessed() {
+    let bench = Bench::new();
+    let named = log().replacen(HEAD, "t_s,wx,wy,wz,ax,ay,az,mag_x,temp_c", 1);
+    bench.write("imu.csv", named);
+    let run = bench.zerorate(LINE).ended_with(2);
+    assert!(run.stderr.contains("the unit of column wx is not stated"), "{}", run.stderr);
+    let run = bench.zerorate(&format!("{LINE} --gyro-unit m/s^2")).ended_with(2);
+    assert!(run.stderr.contains("is no unit for gyroscopes"));
+    bench.zerorate(&format!("{LINE} --gyro-unit dps --accel-unit m/s^2 -o units.yaml")).ok();
+    let found = scalars(&std::fs::read_to_string(bench.path("units.yaml")).unwrap());
+    let value: f64 = found["gyroscope_noise_density"].parse().unwrap();
+    assert!((value / n(1) - 1.0).abs() < 0.02, "{value}");
+}
+
+#[test]
+fn no_file_is_made_of_what_is_no_result() {
+    let bench = bench();
+    let short: String = log().lines().take(21).map(|line| format!("{line}\n")).collect();
+    bench.write("imu.csv", short);
+    bench.zerorate(&format!("{LINE} -o imu.yaml")).ended_with(3);
+    let constant: String = log()
+        .lines()
+        .map(|line| match line.split_once(',') {
+            Some((t, _)) if line != HEAD => format!("{t},1,2,3,4,5,6,7,8\n"),
+            _ => format!("{line}\n"),
+        })
+        .collect();
+    bench.write("imu.csv", constant);
+    bench.zerorate(&format!("{LINE} -o imu.yaml")).ended_with(3);
+    assert!(!bench.path("imu.yaml").exists());
+    bench.write("imu.yaml", "mine");
+    bench.zerorate(&format!("{LINE} -o imu.yaml")).ended_with(2);
+    assert_eq!(std::fs::read_to_string(bench.path("imu.yaml")).unwrap(), "mine");
+}
+
+/// A log of gyroscopes alone makes a file that says what is to be filled in, and no format by axis makes up axes.
+#[test]
+fn a_gyroscope_alone_leaves_the_rest_open() {
+    let bench = Bench::new();
+    let three: String =
+        log().lines().map(|line| line.split(',').take(3).collect::<Vec<_>>().join(",") + "\n").collect();
+    bench.write("imu.csv", three);
+    bench.zerorate(&format!("{LINE} -o imu.yaml")).ok();
+    let yaml = std::fs::read_to_string(bench.path("imu.yaml")).unwrap();
+    assert!(yaml.contains("# accelerometer_noise_density:   # m/s²/√Hz: the log has no such axes"), "{yaml}");
+    let run = bench.zerorate(&format!("{LINE} --format ros -o ros.yaml")).ended_with(2);
+    assert!(run.stderr.contains("2 axes of its gyroscope"), "{}", run.stderr);
+}
+
+#[test]
+fn the_page_has_a_picture_of_each_kind() {
+    let bench = bench();
+    bench.zerorate(&format!("{LINE} --report imu.html")).ok();
+    let page = std::fs::read_to_string(bench.path("imu.html")).unwrap();
+    assert_eq!(page.matches("<svg").count(), 2);
+    assert!(page.contains("velocity random walk") && page.contains("angle random walk") && !page.contains("AN-1042"));
+}
