@@ -57,8 +57,8 @@ fn of_edges(tally: &Tally) -> Option<String> {
     tally.data_ready_stutters().then(|| {
         format!(
             "data-ready-stutters: in {} of {} gaps no edge of data ready came: its line (ADIS16130: RDY, pin 10) \
-             stutters, or the host was deaf to it for that long; check its wire, its level and its pull-up, and only then what else the \
-             host does",
+             stutters, or the host was deaf to it for that long; check its wire, its level and its pull-up, and only \
+             then what else the host does",
             tally.silent_gaps, tally.gaps
         )
     })

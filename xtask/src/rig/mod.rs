@@ -1,9 +1,9 @@
 //! `cargo xtask rig`: a stock Linux kernel in QEMU, and the twin as hardware on its USB port.
 //!
 //! Nothing in the guest is ours but the program under test, a shell script, and a gyroscope of another kind that the
-//! kernel takes for a HID sensor (`gyro.rs`); nothing in the kernel is patched. The kernel's own ADIS16130 driver reads
-//! the part, its driver for HID gyroscopes the other one, then the program reads the part over spidev and the GPIO
-//! chip, and all must have seen what part and gyroscope say that they sent.
+//! kernel takes for a HID sensor (`gyro.rs`); nothing in the kernel is patched. The kernel's own ADIS16130 driver
+//! reads the part, its driver for HID gyroscopes the other one, then the program reads the part over spidev and the
+//! GPIO chip, and all must have seen what part and gyroscope say that they sent.
 
 mod checks;
 mod files;

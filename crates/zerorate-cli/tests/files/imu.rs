@@ -34,7 +34,8 @@ fn bench() -> Bench {
     bench
 }
 
-const LINE: &str = "imu imu.csv --time-column t_s";
+/// The time is in the column whose name says so.
+const LINE: &str = "imu imu.csv";
 
 /// Scalars of a YAML file by their path; numbers of a list by their place.
 fn scalars(yaml: &str) -> BTreeMap<String, String> {
@@ -167,7 +168,7 @@ fn what_is_no_axis_is_left_out_and_named() {
         run.stdout
     );
     bench.write("none.csv", "t_s,height,weight\n0,1,2\n1,2,3\n");
-    let run = bench.zerorate("imu none.csv --time-column t_s").ended_with(2);
+    let run = bench.zerorate("imu none.csv").ended_with(2);
     assert!(run.stderr.contains("it has: height, weight"), "{}", run.stderr);
 }
 

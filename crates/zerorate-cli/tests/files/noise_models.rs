@@ -1,7 +1,8 @@
 //! Noise models of real sensors at rest, against an independent implementation.
 //!
 //! The numbers are those of the prototype of the method, written in Python with numpy and scipy: other code, another
-//! solver (logarithms as parameters), the same mathematics. `python3 reference.py` beside the reference data prints them.
+//! solver (logarithms as parameters), the same mathematics. `python3 reference.py` beside the reference data prints
+//! them.
 
 use super::Bench;
 use super::allan::reference_data;

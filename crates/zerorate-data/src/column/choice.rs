@@ -62,6 +62,9 @@ impl Columns<'_> {
     /// The columns that were asked for; where nobody says which, those in `default` go before all others.
     pub fn choose(&self, wanted: Wanted<'_>, args: &ColumnOptions, default: &[usize]) -> Result<Choice> {
         let time = args.time_column.as_deref().map(|wanted| self.position(wanted, Setting::TimeColumn)).transpose()?;
+        let is_open = args.rate.is_none() && time.is_none();
+        let is_all = matches!((wanted, default), (Wanted::All, []));
+        let time = if is_open && is_all { self.stated_time(&[]) } else { time };
         let values = match (wanted, default) {
             (Wanted::One(Some(wanted)), _) => vec![self.position(wanted, Setting::Column)?],
             (Wanted::One(None), [only]) => vec![*only],
@@ -75,15 +78,18 @@ impl Columns<'_> {
                 columns.iter().map(|column| self.described(column)).collect::<Result<_>>()?
             }
         };
-        let described = matches!(wanted, Wanted::Described(_)) && args.rate.is_none();
-        let time = time.or_else(|| self.stated_time(&values).filter(|_| described));
+        let is_described = matches!(wanted, Wanted::Described(_));
+        let time = if is_open && is_described { self.stated_time(&values) } else { time };
         self.check(&values, time)?;
         Ok(Choice { values, time })
     }
 
     /// The only other column whose name states a unit of time.
     fn stated_time(&self, values: &[usize]) -> Option<usize> {
-        let states = |index: &usize| !values.contains(index) && TimeUnit::of_column(self.names[*index]).is_some();
+        let states = |index: &usize| {
+            let name = self.names[*index];
+            !values.contains(index) && TimeUnit::of_column(name).is_some() && Unit::of_column(name).is_none()
+        };
         let mut stating = (0..self.names.len()).filter(states);
         stating.next().filter(|_| stating.next().is_none())
     }

@@ -264,9 +264,9 @@ impl Beat {
         let enough = (0..30).map(|power| f64::from(1u32 << power)).find(|m| error(*m) < NO_ERROR);
         (jitter > CLEAR_JITTER).then(|| {
             format!(
-                "the timestamps are off an even clock by {:.3e} s ({:.0} % of an interval, rms); the samples are taken as \
-                 even at their mean rate of {rate_hz:.6} Hz: of the deviations that changes nothing of white noise, and of \
-                 the rest less than {:.0} % at one interval and less than 1 % from {:.3e} s on",
+                "the timestamps are off an even clock by {:.3e} s ({:.0} % of an interval, rms); the samples are \
+                 taken as even at their mean rate of {rate_hz:.6} Hz: of the deviations that changes nothing of \
+                 white noise, and of the rest less than {:.0} % at one interval and less than 1 % from {:.3e} s on",
                 jitter / rate_hz,
                 100.0 * jitter,
                 (100.0 * error(1.0)).ceil(),

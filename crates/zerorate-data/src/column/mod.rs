@@ -89,8 +89,8 @@ pub struct ColumnOptions {
     pub names: Names,
 }
 
-/// Broken lines of a text file that are skipped unless told otherwise, as a share of all: a bad cable breaks fewer, and
-/// what breaks more is no cable but another form.
+/// Broken lines of a text file that are skipped unless told otherwise, as a share of all: a bad cable breaks fewer,
+/// and what breaks more is no cable but another form.
 pub const MAX_BAD: f64 = 0.01;
 
 /// Why a column cannot be had.

@@ -46,7 +46,8 @@ const FLAT_WITHIN: f64 = 1.05;
 /// Steps per octave of the search for the minimum.
 const STEPS_PER_OCTAVE: f64 = 32.0;
 
-/// Reads a fit as advice (F-53: how long to average is read off the Allan deviation); none where the model is rejected.
+/// Reads a fit as advice (F-53: how long to average is read off the Allan deviation); none where the model is
+/// rejected.
 #[must_use]
 pub fn advice(fit: &Fit) -> Option<Advice> {
     let within = |tau_s: f64| tau_s >= fit.span_s.0 && tau_s <= fit.span_s.1;

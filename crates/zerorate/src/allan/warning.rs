@@ -114,19 +114,19 @@ impl fmt::Display for AllanWarning {
             ),
             Self::Glitches { glitches, samples, ratio } => write!(
                 f,
-                "{glitches} glitches cannot be noise (knocks, bit errors): {samples} samples were replaced by the line \
-                 between their neighbours; with them the difference from one sample to the next is {ratio:.3} times as \
-                 large, and N grows with it; look at them, or keep them if they are what you measure"
+                "{glitches} glitches cannot be noise (knocks, bit errors): {samples} samples were replaced by the \
+                 line between their neighbours; with them the difference from one sample to the next is {ratio:.3} \
+                 times as large, and N grows with it; look at them, or keep them if they are what you measure"
             ),
             Self::Step { at_s, size } => write!(
                 f,
-                "at {at_s:.1} s the level jumps by {size:.3e} and stays: it was taken out, since a random walk would be \
-                 seen in its place; look for a knock, a switched supply or a table that gave way"
+                "at {at_s:.1} s the level jumps by {size:.3e} and stays: it was taken out, since a random walk would \
+                 be seen in its place; look for a knock, a switched supply or a table that gave way"
             ),
             Self::ManySteps { most } => write!(
                 f,
-                "the level jumps more than {most} times: nothing was taken out, and K, B or a Gauss–Markov term describes \
-                 wander that is made of jumps; record where nothing moves"
+                "the level jumps more than {most} times: nothing was taken out, and K, B or a Gauss–Markov term \
+                 describes wander that is made of jumps; record where nothing moves"
             ),
             Self::Gaps { missing, samples } => write!(
                 f,
@@ -135,20 +135,21 @@ impl fmt::Display for AllanWarning {
             ),
             Self::Lines { count, frequency_hz, rms } => write!(
                 f,
-                "the spectrum has {count} line{} (the strongest at {frequency_hz:.3} Hz, {rms:.3e} rms): disturbances or \
-                 resonances, left out of N, B and K but part of the curve; find their source, or record without it",
+                "the spectrum has {count} line{} (the strongest at {frequency_hz:.3} Hz, {rms:.3e} rms): \
+                 disturbances or resonances, left out of N, B and K but part of the curve; find their source, or \
+                 record without it",
                 if count == 1 { "" } else { "s" }
             ),
             Self::WarmUp { size, tau_s } => write!(
                 f,
-                "the level falls by {size:.3e} with a time constant of about {tau_s:.0} s: that is warm-up rather than \
-                 noise, and it hides K; let the part settle, or cut the beginning"
+                "the level falls by {size:.3e} with a time constant of about {tau_s:.0} s: that is warm-up rather \
+                 than noise, and it hides K; let the part settle, or cut the beginning"
             ),
             Self::MemoryOrFlicker { markovs, others, worse } => write!(
                 f,
-                "{markovs} Gauss–Markov terms were taken, and {others} with another B explain the record about as well \
-                 (−2 ln L and price differ by {worse:.1}): this record cannot tell them apart; both give the same curve \
-                 within it, so do not extrapolate beyond a quarter of its length"
+                "{markovs} Gauss–Markov terms were taken, and {others} with another B explain the record about as \
+                 well (−2 ln L and price differ by {worse:.1}): this record cannot tell them apart; both give the \
+                 same curve within it, so do not extrapolate beyond a quarter of its length"
             ),
             Self::DriftOrWalk { has_drift, worse } => write!(
                 f,
@@ -159,8 +160,8 @@ impl fmt::Display for AllanWarning {
             ),
             Self::Unsteady { tau_s, ratio } => write!(
                 f,
-                "the noise is not steady: at {tau_s:.3} s the {} half of the record has {:.2} times the deviation of the \
-                 {} half; the model is of the whole, and will not predict another record; let the part settle and \
+                "the noise is not steady: at {tau_s:.3} s the {} half of the record has {:.2} times the deviation of \
+                 the {} half; the model is of the whole, and will not predict another record; let the part settle and \
                  record again",
                 if ratio > 1.0 { "first" } else { "second" },
                 ratio.max(1.0 / ratio),

@@ -55,9 +55,9 @@ pub struct AllanArgs {
     confidence: f64,
 
     /// Fit a noise model: N (angle random walk), B (bias instability), K (rate random walk), and Q (quantisation), R
-    /// (ramp), Gauss–Markov terms, the sensor's band and lines where they are significant. Glitches and steps are taken
-    /// out first, and out of the deviations too; warnings say which. A model that is off by more than 10 % is rejected:
-    /// exit code 3.
+    /// (ramp), Gauss–Markov terms, the sensor's band and lines where they are significant. Glitches and steps are
+    /// taken out first, and out of the deviations too; warnings say which. A model that is off by more than 10 % is
+    /// rejected: exit code 3.
     #[arg(long)]
     fit: bool,
 

@@ -23,9 +23,9 @@ use zerorate_data::column::{Column, TimeUnit, Unit};
 /// Fits noise models to all axes of an IMU's log, taken at rest, and writes the file for the filter that will use
 /// them.
 ///
-/// Reads the log once: a sensor_msgs/Imu topic of a bag, or the columns whose names and units say what they are, in any
-/// form that `zerorate allan` reads. Gravity is no error: a mean does not matter. Each number in the file says in a
-/// comment which coefficient of which axis it is; where the random walk K is not identified, it is the upper end of
+/// Reads the log once: a sensor_msgs/Imu topic of a bag, or the columns whose names and units say what they are, in
+/// any form that `zerorate allan` reads. Gravity is no error: a mean does not matter. Each number in the file says in
+/// a comment which coefficient of which axis it is; where the random walk K is not identified, it is the upper end of
 /// its 95 % interval. Which number goes where, and why: docs/imu.md.
 ///
 /// Where a model is rejected (exit code 3), or a record is too short for one, there is no file.
@@ -60,7 +60,7 @@ pub struct ImuArgs {
     #[arg(long, value_name = "HZ", value_parser = factor)]
     rate: Option<f64>,
 
-    /// The column with the time of each row.
+    /// The column with the time of each row [default: the only one whose name states a unit of time, as in t_ns].
     #[arg(long, value_name = "NAME|INDEX", conflicts_with = "rate")]
     time_column: Option<String>,
 

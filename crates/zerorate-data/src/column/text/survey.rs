@@ -1,4 +1,5 @@
-//! What only a whole text can tell: whether its first column is an index, and whether its commas are those of decimals.
+//! What only a whole text can tell: whether its first column is an index, and whether its commas are those of
+//! decimals.
 
 use super::super::ColumnOptions;
 use super::super::number::Numerals;
@@ -44,8 +45,8 @@ pub fn settle(path: &Path, input: Input, head: &mut Head, args: &ColumnOptions) 
             (true, true) => {
                 let name = &head.names[0];
                 return Err(ask(format!(
-                    "the header has one name, `{name}`, and the rows are cut by a comma: as decimals (1,5 is 1.5; give \
-                     {decimal} comma), or behind a number of the row (give that column a name)"
+                    "the header has one name, `{name}`, and the rows are cut by a comma: as decimals (1,5 is 1.5; \
+                     give {decimal} comma), or behind a number of the row (give that column a name)"
                 )));
             }
             (false, false) => return Err(head.miscounted(path, head.lines, head.names.len())),

@@ -21,8 +21,8 @@ pub(super) struct Bin {
     pub(super) response: Response,
 }
 
-/// The expected power of a bin is `offset` + `slow`·(S − W) + `white`·W where the noise has the density S, of which W is
-/// white.
+/// The expected power of a bin is `offset` + `slow`·(S − W) + `white`·W where the noise has the density S, of which W
+/// is white.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Response {
     pub(super) offset: f64,

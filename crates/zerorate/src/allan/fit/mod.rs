@@ -1,10 +1,10 @@
 //! A noise model of a record at rest, from the likelihood of its cosine spectrum.
 //!
 //! Every octave of an Allan variance mixes the whole spectrum; a line, a resonance or a low-pass bends six to ten of
-//! them. In the spectrum the same things are local, and its coefficients are independent. So the model is fitted there,
-//! and the Allan variance is what it is shown and checked with. The cosine transform has no jump at the ends: for white
-//! noise and a random walk it is the exact diagonalisation. Densities are two-sided, unit²/Hz: white noise of
-//! coefficient N has N².
+//! them. In the spectrum the same things are local, and its coefficients are independent. So the model is fitted
+//! there, and the Allan variance is what it is shown and checked with. The cosine transform has no jump at the ends:
+//! for white noise and a random walk it is the exact diagonalisation. Densities are two-sided, unit²/Hz: white noise
+//! of coefficient N has N².
 //!
 //! What the terms are, what they cannot tell apart, and measured errors: `docs/noise-models.md`.
 
@@ -118,8 +118,8 @@ pub struct Cleaned {
 /// The noise of a record at rest, in the unit of its rate.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fit {
-    /// Angle random walk N, unit·√s: N²/τ. The one-sided density of the white noise is √2·N unit/√Hz. It is the plateau
-    /// of the spectrum, whatever a low-pass does above.
+    /// Angle random walk N, unit·√s: N²/τ. The one-sided density of the white noise is √2·N unit/√Hz. It is the
+    /// plateau of the spectrum, whatever a low-pass does above.
     pub n: Coefficient,
     /// Bias instability B, unit: (2 ln 2/π)B². The floor of the curve is 0.664·B.
     pub b: Coefficient,
@@ -283,7 +283,8 @@ pub fn fit(input: &Input<'_>, rate_hz: f64, options: &FitOptions) -> Result<Fit,
     Ok(fit)
 }
 
-/// The model without the steps that it shows to be none of its noise; whether they were so many that all were put back.
+/// The model without the steps that it shows to be none of its noise; whether they were so many that all were put
+/// back.
 fn without_steps(
     rate: &mut Vec<f64>,
     rate_hz: f64,

@@ -12,8 +12,8 @@ const ENOUGH: f64 = 7.849;
 
 /// The length of a record in which zero would be outside the 95 % interval in four of five cases, s.
 ///
-/// `value` is how large the parameter at `place` is taken to be. The length is between the two doublings between which it
-/// falls, linear in logarithms.
+/// `value` is how large the parameter at `place` is taken to be. The length is between the two doublings between which
+/// it falls, linear in logarithms.
 pub(super) fn needed_s(found: &Found, samples: usize, rate_hz: f64, place: usize, value: f64) -> f64 {
     let length_s = samples as f64 / rate_hz;
     let mut at = found.at.clone();

@@ -1,8 +1,8 @@
 //! The most likely parameters of a model: Fisher scoring with bounds.
 //!
 //! D = Σ ν (ln S/P + P/S − 1), −2 ln of the likelihood of powers P that are χ²_ν·S/ν. Its gradient is
-//! −Σ ν (P − S)/S² ∂S, its expected curvature Σ ν ∂S∂Sᵀ/S². Squared coefficients enter S as they are, so a noise can be
-//! exactly zero and leave zero again.
+//! −Σ ν (P − S)/S² ∂S, its expected curvature Σ ν ∂S∂Sᵀ/S². Squared coefficients enter S as they are, so a noise can
+//! be exactly zero and leave zero again.
 
 use super::density::{Drift, Table};
 use crate::allan::linear::{Cholesky, Square};

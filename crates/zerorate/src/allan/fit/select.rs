@@ -5,8 +5,8 @@ use super::scoring::{B2, Form, Found, K2, LONGEST, N2, Problem, Q2, SHAPE, SHORT
 use alloc::vec;
 use alloc::vec::Vec;
 
-/// What −2 ln L must fall by. Gauss–Markov: the 1 % point of χ² with two degrees of freedom; ramp: the 0.1 % point with
-/// one; warm-up: that with two. A cosine of the shape costs ln of all degrees of freedom. How often each is taken
+/// What −2 ln L must fall by. Gauss–Markov: the 1 % point of χ² with two degrees of freedom; ramp: the 0.1 % point
+/// with one; warm-up: that with two. A cosine of the shape costs ln of all degrees of freedom. How often each is taken
 /// where there is none was measured: docs/reference/allan.md.
 const MARKOV_PRICE: f64 = 9.21;
 /// More for one that leaves no flicker: a few of them are flicker, and where both fit the rule says flicker.
