@@ -4,9 +4,12 @@ use super::series::{join, missing_in};
 use super::unit::TimeUnit;
 use super::{Gap, Names, Setting};
 
-/// Root mean square of what is between a timestamp and an even clock, in sampling intervals, up to which one late row
-/// is told from a missing one by itself: a row that is late by more than 1 − [`EARLY`] intervals is one in 10¹⁰.
-const CLEAR_JITTER: f64 = 0.1;
+/// Root mean square of what is between a timestamp and an even clock, in sampling intervals, from which it is said.
+const SAID_JITTER: f64 = 0.1;
+
+/// The same, up to which each row by itself tells whether samples are missing before it. A clock that counts in steps of
+/// 0.69 intervals has as much from rounding alone.
+const CLEAR_JITTER: f64 = 0.2;
 
 /// The same, up to which that is told by the rows around. Beyond, half of the rows are nearer to the place of another.
 const MAX_JITTER: f64 = 0.5;
@@ -18,11 +21,17 @@ const EARLY: f64 = 0.35;
 /// bursts look so.
 const MAX_GAPS: f64 = 0.05;
 
+/// One gap of more than so many times the rows is none: a clock that was set, or another log.
+const MAX_LEAP: u64 = 100;
+
 /// How fast the even clock follows the timestamps: it forgets an offset within some ten samples.
 const FOLLOW: f64 = 0.1;
 
 /// Rows on each side of a place that tell whether samples are missing there: their median has a fifth of the jitter.
 const AROUND: usize = 32;
+
+/// A row that comes less than this later than expected, in intervals, has no gap before it.
+const LEAP: f64 = 0.25;
 
 /// Times of rows, relative to the first, in the unit of the file.
 pub struct Times {
@@ -133,13 +142,21 @@ impl Times {
             let why = format!("{missing} samples would be missing in {} places among {rows}", gaps.len());
             return Err(self.unsteady(unit, &why, rate));
         }
+        if let Some(leap) = gaps.iter().find(|gap| gap.missing > MAX_LEAP.saturating_mul(rows as u64)) {
+            let by = (self.since_first[leap.at] - self.since_first[leap.at - 1]) / unit.per_s();
+            return Err(format!(
+                "the time leaps forward by {by:.3} s at row {}, and {rows} rows are all there is: a clock that was set, or two \
+                 logs in one file? Cut the log there, or give {rate} and no time column",
+                leap.at
+            ));
+        }
         if jitter > MAX_JITTER {
             let (off, most) = (jitter * 100.0, MAX_JITTER * 100.0);
             let why =
                 format!("the timestamps are off an even clock by {off:.0} % of an interval (at most {most:.0} %)");
             return Err(self.unsteady(unit, &why, rate));
         }
-        let rate_hz = match is_clear {
+        let rate_hz = match jitter <= SAID_JITTER {
             true => steps as f64 * unit.per_s() / self.since_first[rows - 1],
             false => unit.per_s() / self.slope(&gaps),
         };
@@ -170,34 +187,41 @@ impl Times {
         // how late each row is, in intervals
         let late: Vec<f64> = times.iter().enumerate().map(|(row, time)| time / interval - row as f64).collect();
         let mut buffer = Vec::with_capacity(AROUND);
-        let mut middle = |rows: &[f64]| {
-            buffer.clear();
-            buffer.extend_from_slice(rows);
-            median(&mut buffer)
-        };
-        let mut gaps: Vec<Gap> = Vec::new();
-        let mut best = (0, 0.0);
-        let (mut squares, mut steps) = (0.0, 0u64);
-        for row in 1..late.len() {
+        let mut around = |row: usize| {
+            let mut middle = |rows: &[f64]| {
+                buffer.clear();
+                buffer.extend_from_slice(rows);
+                median(&mut buffer)
+            };
             let before = middle(&late[row.saturating_sub(AROUND)..row]);
-            let after = middle(&late[row..late.len().min(row + AROUND)]);
-            squares += (late[row] - after).abs().min((late[row] - before).abs()).powi(2);
-            let shift = after - before;
+            (before, middle(&late[row..late.len().min(row + AROUND)]))
+        };
+        let mut squares = 0.0;
+        for first in (1..late.len()).step_by(AROUND / 2) {
+            let (before, after) = around(first);
+            let rows = &late[first..late.len().min(first + AROUND / 2)];
+            squares += rows.iter().map(|late| (late - after).abs().min((late - before).abs()).powi(2)).sum::<f64>();
+        }
+        let mut gaps: Vec<Gap> = Vec::new();
+        let mut widest = 0.0;
+        for row in 1..late.len() {
             let leap = late[row] - late[row - 1];
-            if shift.round() >= 1.0 && leap > 0.0 {
-                if best.0 == 0 || leap > best.1 {
-                    best = (row, leap);
+            if leap < LEAP {
+                continue;
+            }
+            let (before, after) = around(row);
+            let missing = (after - before).round();
+            // the rows around a gap see it as well; it is where the leap is widest
+            let is_new = gaps.last().is_none_or(|last| row > last.at + AROUND / 2);
+            if missing >= 1.0 && (is_new || leap > widest) {
+                if !is_new {
+                    gaps.pop();
                 }
-                if gaps.last().is_none_or(|last: &Gap| row > last.at + AROUND) {
-                    gaps.push(Gap { at: row, missing: shift.round() as u64 });
-                } else if let Some(last) = gaps.last_mut().filter(|_| best.0 == row) {
-                    *last = Gap { at: row, missing: shift.round() as u64 };
-                }
-            } else if shift.round() < 1.0 {
-                best = (0, 0.0);
+                gaps.push(Gap { at: row, missing: missing as u64 });
+                widest = leap;
             }
         }
-        steps = steps.saturating_add(times.len() as u64 - 1).saturating_add(missing_in(&gaps));
+        let steps = (times.len() as u64 - 1).saturating_add(missing_in(&gaps));
         ((squares / (times.len() - 1) as f64).sqrt(), gaps, steps)
     }
 
@@ -262,7 +286,7 @@ impl Beat {
         let Self { rate_hz, jitter, .. } = *self;
         let error = |m: f64| 1.5 * jitter / (m * m) + 0.89 * jitter * jitter / m;
         let enough = (0..30).map(|power| f64::from(1u32 << power)).find(|m| error(*m) < NO_ERROR);
-        (jitter > CLEAR_JITTER).then(|| {
+        (jitter > SAID_JITTER).then(|| {
             format!(
                 "the timestamps are off an even clock by {:.3e} s ({:.0} % of an interval, rms); the samples are \
                  taken as even at their mean rate of {rate_hz:.6} Hz: of the deviations that changes nothing of \
@@ -287,7 +311,18 @@ struct Tracking {
 
 impl Tracking {
     fn step(&mut self, row: usize, time: f64) {
-        let steps = ((time - self.even) / self.interval + EARLY).floor().max(1.0);
+        let steps = |even: f64| ((time - even) / self.interval + EARLY).floor();
+        let near = self.gaps.last_mut().filter(|gap| gap.at + AROUND > row);
+        if time - self.even < 0.5 * self.interval
+            && let Some(gap) = near
+        {
+            // the rows before were late, and none was missing
+            gap.missing -= 1;
+            self.even -= self.interval;
+            self.steps = self.steps.saturating_sub(1);
+        }
+        self.gaps.pop_if(|gap| gap.missing == 0);
+        let steps = steps(self.even).max(1.0);
         self.even += steps * self.interval;
         let off = time - self.even;
         self.squares += (off / self.interval).powi(2);
@@ -418,6 +453,22 @@ mod tests {
         }
     }
 
+    /// Rows that wait for each other: one that is late by 0.9 intervals, and five that come at once.
+    #[test]
+    fn rows_that_were_late_are_no_gap() {
+        let time = |i: i32| match i {
+            300 => 300.9,
+            500..=504 => 504.0 + 0.01 * f64::from(i - 500),
+            _ => f64::from(i),
+        };
+        let found = beat((0..1000).map(time)).unwrap();
+        assert!(found.gaps.is_empty() && (found.rate_hz - 1.0).abs() < 1e-9, "{:?}", found.gaps);
+        // beside some that are really missing, four of ten by chance
+        let there = |i: &i32| i % 1000 == 0 || (i * i % 1009 * 7919) % 97 < 58;
+        let found = beat((0..=10_000).filter(there).map(|i| (f64::from(i) * 2.5).floor())).unwrap();
+        assert!((found.rate_hz * 2.5 - 1.0).abs() < 1e-4, "{}", found.rate_hz);
+    }
+
     #[test]
     fn clocks_without_a_beat_are_refused() {
         assert!(beat([0.0]).unwrap_err().contains("single row"));
@@ -427,6 +478,9 @@ mod tests {
         let said = beat(bursts).unwrap_err();
         assert!(said.contains("unsteady: intervals of 0.002000 s to 0.982000 s around 0.002000 s"), "{said}");
         assert!(said.contains("samples would be missing in 99 places") && said.contains("give rate"), "{said}");
+        // a clock that was set while it ran
+        let said = beat((0..1000).map(|i| f64::from(i) + if i < 600 { 0.0 } else { 1.7e9 })).unwrap_err();
+        assert!(said.contains("leaps forward by 1700000001.000 s at row 600"), "{said}");
         // intervals of any length: nothing is even
         let random = normal(5000).scan(0.0, |sum, z| {
             *sum += z * z;

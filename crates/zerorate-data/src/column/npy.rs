@@ -119,6 +119,9 @@ fn read_arrays(path: &Path, room: Room, mut arrays: Vec<OpenArray>, asked: &Aske
     }
     let mut values: Vec<_> = chosen.iter().map(|_| SeriesBuilder::sharing(room, chosen.len())).collect();
     values.iter().try_for_each(|values| values.check_room(rows[0])).map_err(|why| CaptureError::no_room(path, why))?;
+    for (values, at) in values.iter_mut().zip(&chosen) {
+        values.reserve(rows[0] as usize, field(at).kind != Some(Kind::Float));
+    }
     let mut times = Times::new();
     times.unit = time.and_then(|time| field(&time).time_unit);
     for (at, OpenArray { file, fields, rows, start }) in arrays.iter_mut().enumerate() {
@@ -246,6 +249,9 @@ impl Field {
 
     /// The number in these bytes.
     fn decode(&self, bytes: &[u8]) -> Cell {
+        if let (Some(Kind::Float), false, [b0, b1, b2, b3, b4, b5, b6, b7]) = (self.kind, self.big_endian, bytes) {
+            return Cell::Number(f64::from_le_bytes([*b0, *b1, *b2, *b3, *b4, *b5, *b6, *b7]));
+        }
         // little endian, extended to eight bytes
         let mut wide = [0; 8];
         wide[..self.size].copy_from_slice(bytes);
@@ -381,17 +387,22 @@ impl Array<'_> {
         let first = fields.iter().map(|field| field.offset).min().unwrap_or_default();
         let stride = fields.first().map_or(0, |field| field.stride);
         file.seek(SeekFrom::Start(*start + first)).map_err(failed)?;
-        let mut bytes = vec![0; span(fields) as usize];
-        let skipped = (stride - bytes.len() as u64) as i64;
-        for row in 0..*rows {
+        let span = span(fields) as usize;
+        let at_once = (BUFFER as u64 / stride.max(1)).max(1);
+        let mut bytes = Vec::new();
+        for from in (0..*rows).step_by(at_once as usize) {
+            let some = at_once.min(*rows - from);
+            bytes.resize((some - 1) as usize * stride as usize + span, 0);
             file.read_exact(&mut bytes).map_err(failed)?;
-            for (column, field) in fields.iter().enumerate() {
-                let cell = field.decode(&bytes[(field.offset - first) as usize..][..field.size]);
-                take(column, cell)
-                    .map_err(|what| wrong(path, format_args!("column {}, row {row}", field.name), what))?;
+            for (row, bytes) in (from..from + some).zip(bytes.chunks(stride as usize)) {
+                for (column, field) in fields.iter().enumerate() {
+                    let cell = field.decode(&bytes[(field.offset - first) as usize..][..field.size]);
+                    take(column, cell)
+                        .map_err(|what| wrong(path, format_args!("column {}, row {row}", field.name), what))?;
+                }
             }
-            if skipped > 0 && row + 1 < *rows {
-                file.seek_relative(skipped).map_err(failed)?;
+            if from + some < *rows {
+                file.seek_relative((stride - span as u64) as i64).map_err(failed)?;
             }
         }
         Ok(())
