@@ -46,12 +46,8 @@ impl Coefficients<'_> {
         let n = self.of(N2);
         let steady = 1.96 * unsteady;
         let doubt = tail / (2.0 * self.chosen.found.at[N2]);
-        let wider = |end: f64| {
-            let ratio = libm::fabs(libm::log(end / n.value));
-            let ratio = ratio.max(steady) + doubt;
-            if end < n.value { n.value * libm::exp(-ratio) } else { n.value * libm::exp(ratio) }
-        };
-        Coefficient { lo: wider(n.lo), hi: wider(n.hi), ..n }
+        let wider = |ratio: f64| libm::exp(libm::log(ratio).max(steady) + doubt);
+        Coefficient { lo: n.value / wider(n.value / n.lo), hi: n.value * wider(n.hi / n.value), ..n }
     }
 
     /// K rests on few coefficients: its value is the mean of its confidence distribution.

@@ -1,7 +1,7 @@
 //! Intervals from the profile of the likelihood: every value that is less than 1.96 standard deviations from the best,
 //! all other parameters fitted again.
 
-use super::scoring::{Form, Found, Problem};
+use super::scoring::{B2, Form, Found, K2, Problem};
 use super::select::DESCENT;
 use crate::allan::linear::{Cholesky, Square};
 use alloc::vec::Vec;
@@ -31,14 +31,11 @@ pub(super) struct Profile<'a> {
 }
 
 impl<'a> Profile<'a> {
-    /// Of a squared coefficient.
+    /// Of a squared coefficient. Where B or K is zero it may be less here: held there it would take from the other.
     pub(super) fn of_square(problem: &'a Problem, found: &Found, place: usize) -> Self {
-        let best = match found.at[place] > 0.0 {
+        let best = match found.at[B2] > 0.0 && found.at[K2] > 0.0 {
             true => found.clone(),
-            false => {
-                let form = Form { signed: Some(place), ..found.form };
-                problem.descend(form, &found.at, None, DESCENT)
-            }
+            false => problem.descend(Form { signed: true, ..found.form }, &found.at, None, DESCENT),
         };
         Self { problem, best, place, bounds: (0.0, f64::INFINITY) }
     }

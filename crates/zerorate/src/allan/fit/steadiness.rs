@@ -28,6 +28,9 @@ pub(super) fn variance_of_ln_n(rate: &[f64], rate_hz: f64, n2: f64, model: &Mode
     let blocks: Vec<Vec<f64>> = rate.chunks_exact(len).map(|block| logs(block, rate_hz, near)).collect();
     let extra = |(i, m): (usize, &u64)| {
         let values: Vec<f64> = blocks.iter().filter_map(|block| block.get(i).copied()).collect();
+        if values.len() < 2 {
+            return 0.0;
+        }
         let mean = values.iter().sum::<f64>() / values.len() as f64;
         let variance = values.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / (values.len() - 1) as f64;
         (variance - 2.0 / model.freedom(*m, len as u64)).max(0.0)
@@ -51,6 +54,7 @@ pub(super) fn halves(rate: &[f64], rate_hz: f64, model: &Model) -> Option<Differ
     let lengths = super::super::octaves(first.len());
     let of = |half| deviations(&Input::Rate(half), rate_hz, Stat::Oadev, &lengths);
     let pairs = of(first).into_iter().zip(of(second)).filter_map(|(a, b)| Some((a.ok()?, b.ok()?)));
+    let pairs = pairs.filter(|(a, b)| a.dev > 0.0 && b.dev > 0.0);
     let score = |(a, b): &(Deviation, Deviation)| {
         let spread = libm::sqrt(4.0 / model.freedom(a.m, first.len() as u64));
         libm::fabs(2.0 * libm::log(a.dev / b.dev)) / spread
@@ -63,5 +67,5 @@ pub(super) fn halves(rate: &[f64], rate_hz: f64, model: &Model) -> Option<Differ
 /// ln σ² at each length that can be computed.
 fn logs(rate: &[f64], rate_hz: f64, lengths: &[u64]) -> Vec<f64> {
     let found = deviations(&Input::Rate(rate), rate_hz, Stat::Oadev, lengths);
-    found.into_iter().flatten().map(|found| 2.0 * libm::log(found.dev)).collect()
+    found.into_iter().flatten().filter(|found| found.dev > 0.0).map(|found| 2.0 * libm::log(found.dev)).collect()
 }
