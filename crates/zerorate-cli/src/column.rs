@@ -12,6 +12,7 @@ pub struct ColumnArgs {
     /// The column, by its name or its number counted from 0 [default: the rate of a capture, or the only column].
     ///
     /// In a ROS bag x, y or z (of angular_velocity), or TOPIC.angular_velocity.z where there are several IMUs.
+    /// `allan` takes several, in one pass over the file: gx,gy,gz or all.
     #[arg(long, value_name = "NAME|INDEX", conflicts_with = "raw")]
     column: Option<String>,
 
@@ -59,6 +60,18 @@ impl ColumnArgs {
         columns.into_iter().next().ok_or_else(|| LogError::Ask(format!("{} has no column", path.display())))
     }
 
+    /// Whether several columns are to be read, by whoever takes several.
+    pub fn is_list(&self) -> bool {
+        self.column.as_deref().is_some_and(|column| column == ALL || column.contains(','))
+    }
+
+    /// Reads them.
+    pub fn read_list(&self, path: &Path) -> Result<Vec<Column>, LogError> {
+        let list = self.column.as_deref().filter(|list| *list != ALL);
+        let names: Option<Vec<String>> = list.map(|list| list.split(',').map(|name| name.trim().to_owned()).collect());
+        self.read_all(path, names.as_deref().map_or(Wanted::All, Wanted::Listed))
+    }
+
     /// Reads the columns that are wanted of the log at `path`: a file, standard input or a folder.
     pub fn read_all(&self, path: &Path, wanted: Wanted<'_>) -> Result<Vec<Column>, LogError> {
         column::read_parts(path, files::log(path)?, wanted, &self.options())
@@ -81,8 +94,11 @@ impl ColumnArgs {
     }
 }
 
+/// All columns with numbers.
+const ALL: &str = "all";
+
 /// What the options are called here.
-fn flag(setting: Setting) -> &'static str {
+pub fn flag(setting: Setting) -> &'static str {
     match setting {
         Setting::Column => "--column",
         Setting::TimeColumn => "--time-column",

@@ -22,7 +22,7 @@ fn log() -> String {
         let axes = SIGMAS.map(|sigma| sigma * (0..12).map(|_| uniform()).sum::<f64>());
         let [x, y, z, ax, ay, az] = axes.map(|value| format!("{value:.6}"));
         let az = az.parse::<f64>().unwrap() + 9.81;
-        text += &format!("{:.2},{x},{y},{z},{ax},{ay},{az:.6},{},25.0\n", f64::from(row) / RATE_HZ, row % 7);
+        text += &format!("{:.2},{x},{y},{z},{ax},{ay},{az:.6},{},25.{}\n", f64::from(row) / RATE_HZ, row % 7, row % 5);
     }
     text
 }
@@ -229,4 +229,24 @@ fn the_page_has_a_picture_of_each_kind() {
     let page = std::fs::read_to_string(bench.path("imu.html")).unwrap();
     assert_eq!(page.matches("<svg").count(), 2);
     assert!(page.contains("velocity random walk") && page.contains("angle random walk") && !page.contains("AN-1042"));
+}
+
+/// `allan` takes several columns of a file, in one pass.
+#[test]
+fn allan_takes_several_columns() {
+    let bench = bench();
+    let line = "allan imu.csv --time-column t_s";
+    let all: Value = serde_json::from_str(&bench.zerorate(&format!("{line} --column all --json")).ok()).unwrap();
+    let names: Vec<&str> = all["axes"].as_array().unwrap().iter().map(|axis| axis["name"].as_str().unwrap()).collect();
+    let columns: Vec<&str> = HEAD.split(',').skip(1).collect();
+    assert_eq!(names, columns);
+    let two = "--column gyro_z_dps,gyro_x_dps";
+    let axes: Value = serde_json::from_str(&bench.zerorate(&format!("{line} {two} --json")).ok()).unwrap();
+    let one: Value =
+        serde_json::from_str(&bench.zerorate(&format!("{line} --column gyro_z_dps --json")).ok()).unwrap();
+    assert_eq!((&axes["axes"][0]["points"], &axes["axes"][0]["name"]), (&one["points"], &"gyro_z_dps".into()));
+    let csv = bench.zerorate(&format!("{line} {two} --csv")).ok();
+    assert!(csv.starts_with("file,column,tau_s,m,dev_dps,") && csv.contains("imu.csv,gyro_x_dps,"), "{csv}");
+    let mixed = bench.zerorate(&format!("{line} --column gyro_x_dps,3,4 --plot x.svg"));
+    assert!(mixed.fails(2).contains("different quantities"));
 }

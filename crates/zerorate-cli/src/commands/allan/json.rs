@@ -18,6 +18,26 @@ impl<'a> Reports<'a> {
     }
 }
 
+/// Several columns.
+#[derive(Serialize)]
+pub struct Axes<'a> {
+    axes: Vec<Axis<'a>>,
+}
+
+#[derive(Serialize)]
+struct Axis<'a> {
+    name: &'a str,
+    #[serde(flatten)]
+    report: Report<'a>,
+}
+
+impl<'a> Axes<'a> {
+    pub fn new(records: &'a [Record]) -> Self {
+        let axis = |record: &'a Record| Axis { name: &record.column, report: Report::new(record) };
+        Self { axes: records.iter().map(axis).collect() }
+    }
+}
+
 /// One log. `fit` is in the unit of the deviations: N in unit·√s, B in unit, K in unit/√s.
 #[derive(Serialize)]
 pub struct Report<'a> {

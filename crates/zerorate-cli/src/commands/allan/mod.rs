@@ -10,14 +10,16 @@ pub mod units;
 
 use super::{print, print_json, print_lines, warn};
 use crate::column::ColumnArgs;
-use crate::exit::Refused;
+use crate::exit::{Refused, Usage};
 use crate::output::{Outputs, Staged, say};
 use anyhow::Result;
 use clap::{Args, ValueEnum};
 use record::{Record, Way};
 use serde::Serialize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use zerorate::allan::{FitOptions, Options, Stat, Taus};
+use zerorate_data::LogError;
+use zerorate_data::column::Column;
 
 /// Computes the Allan deviation of a gyroscope's log, taken at rest: a capture, or the log of any other part.
 ///
@@ -133,6 +135,11 @@ impl AllanArgs {
         self.fit || self.json || !self.plot.is_empty() || self.report.is_some() || self.imu_yaml.is_some()
     }
 
+    /// One of each file, unless several were asked for.
+    fn columns(&self, file: &Path) -> Result<Vec<Column>, LogError> {
+        if self.column.is_list() { self.column.read_list(file) } else { Ok(vec![self.column.read(file)?]) }
+    }
+
     fn way(&self) -> Way {
         let options = Options { stat: self.stat, taus: self.taus.clone(), confidence: self.confidence, scale: 1.0 };
         let remove_steps = self.steps == Steps::Remove;
@@ -144,8 +151,13 @@ impl AllanArgs {
 pub fn run(args: &AllanArgs) -> Result<()> {
     let files = Files::claim(args)?;
     let way = args.way();
-    let read = |file: &PathBuf| Record::of(args.column.read(file)?, file, &way);
-    let records: Vec<Record> = args.files.iter().map(read).collect::<Result<_>>()?;
+    let mut records = Vec::new();
+    for file in &args.files {
+        for column in args.columns(file)? {
+            records.push(Record::of(column, file, &way)?);
+        }
+    }
+    check_units(args, &records)?;
     for record in &records {
         warn(&record.warnings);
     }
@@ -157,6 +169,15 @@ pub fn run(args: &AllanArgs) -> Result<()> {
         }
         None => Ok(()),
     }
+}
+
+/// A picture and a table have one unit.
+fn check_units(args: &AllanArgs, records: &[Record]) -> Result<(), Usage> {
+    let mixed = records.windows(2).find(|pair| pair[0].quantity != pair[1].quantity);
+    mixed.filter(|_| args.csv || !args.plot.is_empty()).map_or(Ok(()), |pair| {
+        let names = format!("{} and {} are of different quantities", pair[0].label(), pair[1].label());
+        Err(Usage(format!("{names}, and a picture or a CSV table has one unit; make one for each, or --report")))
+    })
 }
 
 /// The files that were asked for, claimed before hours of data are read.
@@ -184,7 +205,8 @@ impl Files {
             picture::write(kind, file, &picture::svg(records))?;
         }
         if let Some(file) = self.page {
-            page::write(file, &[records])?;
+            let kinds: Vec<&[Record]> = records.chunk_by(|a, b| a.quantity == b.quantity).collect();
+            page::write(file, &kinds)?;
         }
         if let Some(file) = self.imu_yaml {
             imu_yaml::write(file, records)?;
@@ -195,6 +217,7 @@ impl Files {
 
 fn print_records(args: &AllanArgs, records: &[Record]) -> Result<()> {
     match records {
+        _ if args.json && args.column.is_list() => print_json(&json::Axes::new(records)),
         [only] if args.json => print_json(&json::Report::new(only)),
         _ if args.json => print_json(&json::Reports::new(records)),
         _ if args.csv => print(&table::csv(records)?),

@@ -70,21 +70,25 @@ pub fn coefficients_text(record: &Record) -> Result<String> {
     Ok(text)
 }
 
-/// All records in one table; the file's name is a column where there are several.
+/// All records in one table; the file's name is a column where there are several records, and the column's where there
+/// are several of a file.
 pub fn csv(records: &[Record]) -> Result<String> {
     let several = records.len() > 1;
+    let of_columns = records.windows(2).any(|pair| pair[0].file == pair[1].file);
     let suffix = records.first().map(suffix).unwrap_or_default();
     let mut rows = csv::Writer::from_writer(Vec::new());
     let head = ["tau_s", "m", "dev", "lo", "hi", "edf", "alpha", "n"];
     let named =
         head.map(|name| if matches!(name, "dev" | "lo" | "hi") { format!("{name}{suffix}") } else { name.to_owned() });
-    rows.write_record(several.then(|| "file".to_owned()).into_iter().chain(named))?;
+    let [file, column] = [(several, "file"), (of_columns, "column")].map(|(is_there, name)| is_there.then_some(name));
+    rows.write_record(file.into_iter().chain(column).map(str::to_owned).chain(named))?;
     for record in records {
         for Point { tau_s, m, dev, lo, hi, edf, alpha, n } in &record.analysis.points {
             let file = several.then(|| record.file.display().to_string());
             let cells = [tau_s.to_string(), m.to_string(), dev.to_string(), lo.to_string(), hi.to_string()];
             let last = [edf.to_string(), alpha.to_string(), n.to_string()];
-            rows.write_record(file.into_iter().chain(cells).chain(last))?;
+            let column = of_columns.then(|| record.column.clone());
+            rows.write_record(file.into_iter().chain(column).chain(cells).chain(last))?;
         }
     }
     Ok(String::from_utf8(rows.into_inner()?)?)

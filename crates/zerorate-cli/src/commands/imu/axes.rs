@@ -1,11 +1,12 @@
 //! Which columns of a log are axes of an IMU, and of which kind.
 
 use super::ImuArgs;
+use crate::column::flag;
 use crate::exit::Usage;
 use anyhow::Result;
 use serde::Serialize;
 use std::path::Path;
-use zerorate_data::column::{self, Column, ColumnOptions, Quantity, Unit, Wanted};
+use zerorate_data::column::{self, Column, ColumnOptions, Names, Quantity, Unit, Wanted};
 use zerorate_host::files;
 
 /// What an axis is of.
@@ -98,9 +99,10 @@ impl Axes {
             rate: args.rate,
             time_column: args.time_column.clone(),
             time_unit: args.time_unit,
+            names: Names(flag),
             ..ColumnOptions::default()
         };
-        let columns = column::read_all(path, files::open(path)?, wanted, &options)?;
+        let columns = column::read_parts(path, files::log(path)?, wanted, &options)?;
         let (mut axes, mut left_out, mut warnings) = (Vec::new(), Vec::new(), Vec::new());
         for mut column in columns {
             let Some(kind) = Kind::of_column(&column) else {
