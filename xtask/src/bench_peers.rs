@@ -10,6 +10,7 @@ use std::time::Instant;
 
 const DATA: &str = "target/bench-peers.f64";
 const CAPTURE: &str = "target/bench-peers.parquet";
+const LOGS: &str = "target/bench-peers";
 
 /// What to run.
 #[derive(clap::Args)]
@@ -55,7 +56,11 @@ pub fn run(args: &Args) -> Result<()> {
         println!("peak memory, oadev: {who} {:.2} x the input", memory.unwrap_or(f64::NAN));
     }
     std::fs::remove_file(DATA)?;
-    if args.no_cli { Ok(()) } else { time_program() }
+    if args.no_cli {
+        return Ok(());
+    }
+    time_program()?;
+    time_files(args.samples, &python)
 }
 
 fn parse(text: &str) -> Result<Vec<Line>> {
@@ -117,6 +122,44 @@ fn time_program() -> Result<()> {
         seconds.len()
     );
     Ok(std::fs::remove_file(CAPTURE)?)
+}
+
+/// Files, and how many times as fast as polars or NumPy and allantools the program is to be with each.
+const FILES: [(&str, f64); 4] = [("one.csv", 6.0), ("seven.csv", 6.0), ("seven.parquet", 15.0), ("one.npy", 15.0)];
+
+/// From a log of noise to the table: the whole program beside a whole program in Python, each the best of three.
+fn time_files(samples: u64, python: &Path) -> Result<()> {
+    std::fs::create_dir_all(LOGS)?;
+    let peers = || {
+        let mut command = Command::new(python);
+        command.arg("xtask/peers/files.py");
+        command
+    };
+    done(peers().args(["make", LOGS]).arg(samples.to_string()))?;
+    for (file, goal) in FILES {
+        let path = format!("{LOGS}/{file}");
+        let theirs = best_of_three(|| printed(peers().args([path.as_str(), "gx"])))?;
+        let column = if file == "one.npy" { "0" } else { "gx" };
+        let line = ["allan", path.as_str(), "--column", column, "--rate", "1"];
+        let ours = best_of_three(|| printed(Command::new("target/peers/dist/zerorate").args(line)))?;
+        let times = theirs / ours;
+        let missed = if times < goal { ", GOAL MISSED" } else { "" };
+        println!(
+            "zerorate allan {file}, {samples} rows, from file to text: {ours:.2} s; in Python {theirs:.2} s, {times:.1} times \
+             (goal {goal}{missed})"
+        );
+    }
+    Ok(std::fs::remove_dir_all(LOGS)?)
+}
+
+fn best_of_three(mut run: impl FnMut() -> Result<String>) -> Result<f64> {
+    let mut best = f64::INFINITY;
+    for _ in 0..3 {
+        let start = Instant::now();
+        run()?;
+        best = best.min(start.elapsed().as_secs_f64());
+    }
+    Ok(best)
 }
 
 /// The processor and how many of it there are.

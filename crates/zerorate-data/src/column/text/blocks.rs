@@ -3,6 +3,7 @@
 use crate::Input;
 use crate::capture::CaptureError;
 use memchr::memrchr;
+use std::borrow::Cow;
 use std::io::Read;
 use std::path::Path;
 
@@ -22,6 +23,14 @@ pub struct Block {
     pub bytes: Vec<u8>,
     /// Whether the text ends with it.
     pub is_last: bool,
+}
+
+impl Block {
+    /// Its text; what is no UTF-8 is replaced, so that a line that a cable broke is one broken line.
+    pub fn text(&self) -> Cow<'_, str> {
+        // to look first is fast where all is as it should be
+        std::str::from_utf8(&self.bytes).map_or_else(|_| String::from_utf8_lossy(&self.bytes), Cow::Borrowed)
+    }
 }
 
 /// Reads blocks.

@@ -66,7 +66,7 @@ pub enum Time {
 impl Cut<'_> {
     /// Reads the lines of a block; `lines` of the text, if known, stand before it.
     pub fn read(&self, block: &Block, numerals: Numerals, is_first: bool) -> Piece {
-        let text = String::from_utf8_lossy(&block.bytes);
+        let text = block.text();
         let has_quotes = memchr(b'"', text.as_bytes()).is_some();
         let columns = self.names.len() - usize::from(self.time.is_some());
         let mut reading = Reading {

@@ -90,7 +90,7 @@ impl Survey {
         let mut blocks = Blocks::new(path, input);
         let mut line_number = 0;
         while let Some(block) = blocks.next()? {
-            for line in String::from_utf8_lossy(&block.bytes).lines() {
+            for line in block.text().lines() {
                 line_number += 1;
                 let line = line.trim_ascii();
                 if line_number > head.lines && !line.is_empty() && !is_comment(line) {

@@ -1,0 +1,43 @@
+"""Logs of noise for `cargo xtask bench-peers`, and what reads them beside zerorate: polars and NumPy, then allantools.
+
+`files.py make FOLDER ROWS` writes one.csv, seven.csv, seven.parquet and one.npy. `files.py FILE COLUMN` reads a column
+and prints its overlapping Allan deviation at octaves.
+"""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+
+NAMES = ["gx", "gy", "gz", "ax", "ay", "az"]
+
+
+def make(folder, rows):
+    import polars
+
+    noise = np.random.default_rng(1).normal(size=(rows, len(NAMES))).round(6)
+    table = polars.DataFrame({"t_s": np.arange(rows) / 200} | {name: noise[:, at] for at, name in enumerate(NAMES)})
+    table.write_csv(folder / "seven.csv", float_precision=6)
+    table.select("gx").write_csv(folder / "one.csv", float_precision=6)
+    table.write_parquet(folder / "seven.parquet", compression="snappy")
+    np.save(folder / "one.npy", noise[:, 0])
+
+
+def read(path, column):
+    if path.endswith(".npy"):
+        return np.load(path)
+    import polars
+
+    table = polars.read_csv if path.endswith(".csv") else polars.read_parquet
+    return table(path, columns=[column])[column].to_numpy()
+
+
+if sys.argv[1] == "make":
+    make(Path(sys.argv[2]), int(sys.argv[3]))
+else:
+    import allantools
+
+    rate = read(sys.argv[1], sys.argv[2])
+    octaves = [2.0**k for k in range(64) if 2 * 2**k <= len(rate)]
+    for tau, dev in zip(*allantools.oadev(rate, rate=1.0, data_type="freq", taus=octaves)[:2]):
+        print(tau, dev)
