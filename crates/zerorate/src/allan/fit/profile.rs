@@ -1,7 +1,7 @@
 //! Intervals from the profile of the likelihood: every value that is less than 1.96 standard deviations from the best,
 //! all other parameters fitted again.
 
-use super::scoring::{B2, Form, Found, K2, Problem};
+use super::scoring::{Form, Found, Problem};
 use super::select::DESCENT;
 use crate::allan::linear::{Cholesky, Square};
 use alloc::vec::Vec;
@@ -31,11 +31,12 @@ pub(super) struct Profile<'a> {
 }
 
 impl<'a> Profile<'a> {
-    /// Of a squared coefficient. Where B or K is zero it may be less here: held there it would take from the other.
+    /// Of a squared coefficient. Its own estimate may be below zero; the others' may not, or B and K that are not there
+    /// would trade with a Gauss–Markov term.
     pub(super) fn of_square(problem: &'a Problem, found: &Found, place: usize) -> Self {
-        let best = match found.at[B2] > 0.0 && found.at[K2] > 0.0 {
+        let best = match found.at[place] > 0.0 {
             true => found.clone(),
-            false => problem.descend(Form { signed: true, ..found.form }, &found.at, None, DESCENT),
+            false => problem.descend(Form { signed: Some(place), ..found.form }, &found.at, None, DESCENT),
         };
         Self { problem, best, place, bounds: (0.0, f64::INFINITY) }
     }

@@ -21,8 +21,8 @@ pub(super) struct Form {
     /// Quantisation of the angle.
     pub(super) quantised: bool,
     pub(super) drift: Option<Drift>,
-    /// B² and K² may be negative, as estimates without bias of what is zero are half of the time.
-    pub(super) signed: bool,
+    /// A squared coefficient that may be negative, as the estimate without bias of one that is zero is half of the time.
+    pub(super) signed: Option<usize>,
 }
 
 /// Places of the parameters: the squared coefficients, then the shape, then variance and ln T of each Gauss–Markov
@@ -35,7 +35,7 @@ pub(super) const SHAPE: usize = 4;
 
 impl Form {
     pub(super) const PLAIN: Self =
-        Self { cosines: 0, pole: false, markovs: 0, quantised: false, drift: None, signed: false };
+        Self { cosines: 0, pole: false, markovs: 0, quantised: false, drift: None, signed: None };
 
     /// Parameters of the band shape: the cosines, then the pole.
     pub(super) fn shape(&self) -> usize {
@@ -102,7 +102,7 @@ impl Problem {
         match place {
             N2 => (self.least_white, f64::INFINITY),
             Q2 if !form.quantised => (0.0, 0.0),
-            B2 | K2 if form.signed => (f64::NEG_INFINITY, f64::INFINITY),
+            _ if form.signed == Some(place) => (f64::NEG_INFINITY, f64::INFINITY),
             _ if form.is_square(place) => (0.0, f64::INFINITY),
             _ if place < SHAPE + form.cosines => (-STEEPEST, STEEPEST),
             _ if place < form.markov(0) => (-NEAREST_POLE, NEAREST_POLE),
