@@ -62,6 +62,10 @@ pub fn is_comment(line: &str) -> bool {
 impl Head {
     /// Of the lines of `text`, with which the file begins.
     pub fn read(path: &Path, text: &str, args: &ColumnOptions) -> Result<Self> {
+        if text.contains('\r') && !text.contains('\n') {
+            let what = "its lines end with a carriage return alone; convert it with `tr '\\r' '\\n' < FILE`";
+            return Err(CaptureError::damaged(path, "as a text file", what).into());
+        }
         let lines = text.lines().zip(1..).map(|(line, number)| (number, line.trim_ascii()));
         let lines = lines.map(|(number, line)| (number, line.strip_prefix('\u{FEFF}').unwrap_or(line)));
         let lines: Vec<Numbered<'_>> = lines.filter(|(_, line)| !line.is_empty()).take(LINES).collect();

@@ -18,7 +18,7 @@ use crate::capture::CaptureError;
 use crate::limits::Room;
 use blocks::{Block, Blocks};
 use head::{Head, Open};
-use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
+use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator};
 use rows::{Broken, Cut, Piece, Time, at_line};
 use std::io::Seek;
 use std::path::Path;
@@ -34,18 +34,20 @@ pub fn read(path: &Path, mut input: Input, room: Room, asked: &Asked<'_>) -> Res
     let cut = rows::cut(path, &head, &values, time);
     let mut reading = TextColumns::new(&cut, room, &head);
     let mut blocks = Blocks::new(path, input);
-    loop {
-        let several = blocks.several(rayon::current_num_threads())?;
-        let Some(last) = several.last() else { break };
-        let is_last = last.is_last;
-        let is_first = reading.lines == 0;
-        let whole =
-            |block: &Block| cut.read(block, Numerals::new(head.decimal), is_first && std::ptr::eq(block, &several[0]));
-        let pieces: Vec<Piece> = several.par_iter().map(whole).collect();
+    let at_once = rayon::current_num_threads();
+    let mut several = blocks.several(at_once)?;
+    let mut is_first = true;
+    while !several.is_empty() {
+        let numerals = || Numerals::new(head.decimal);
+        let read = |(at, block): (usize, &Block)| cut.read(block, numerals(), is_first && at == 0);
+        // the next are read while these are taken apart
+        let (pieces, next) = rayon::join(
+            || several.par_iter().enumerate().map(read).collect::<Vec<Piece>>(),
+            || blocks.several(at_once),
+        );
         pieces.into_iter().try_for_each(|piece| reading.append(piece))?;
-        if is_last {
-            break;
-        }
+        several = next?;
+        is_first = false;
     }
     reading.finish(head, asked)
 }
@@ -55,8 +57,7 @@ fn head(path: &Path, input: &mut Input, asked: &Asked<'_>) -> Result<Head> {
     let failed = |error| CaptureError::io("read", path, error);
     let clone = |input: &Input| input.try_clone().map_err(failed);
     let start = Blocks::new(path, clone(input)?).next()?;
-    let start = start.map(|block| block.bytes).unwrap_or_default();
-    let mut head = Head::read(path, &String::from_utf8_lossy(&start), asked.args)?;
+    let mut head = Head::read(path, &start.as_ref().map(Block::text).unwrap_or_default(), asked.args)?;
     // who asks for a second column, or for a time, knows that there are two
     let one = match asked.wanted {
         Wanted::One(name) => name.is_none_or(|name| name == "0") && asked.args.time_column.is_none(),

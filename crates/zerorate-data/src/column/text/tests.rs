@@ -110,6 +110,7 @@ fn choices_that_a_file_offers() {
     );
     assert!(fails("gz\n0.25\n1.5\n", "--column gx --rate 1").contains("has no column `gx`: its only column is `gz`"));
     assert!(fails("1,2.5\n3,4.5\n", "--rate 1").contains("choose with --column one of: 0, 1"));
+    assert!(fails("gx,gy\r1,2\r3,4\r", "--column gy --rate 1").contains("tr '\\r' '\\n' < FILE"));
     let said = fails("hello\nworld, this is\nno log\n", "--rate 1");
     assert!(said.contains("none of its first 3 lines holds a number (`hello`)"), "{said}");
 }
