@@ -20,8 +20,8 @@ pub fn open(path: &Path) -> Result<Input, CaptureError> {
 /// What stands for standard input among the names of logs.
 const STDIN: &str = "-";
 
-/// Opens a log: a file, what is piped into the program (`-`), or the folder of a bag of ROS 2, which has several files.
-/// Each comes with its name.
+/// Opens a log: a file, what is piped into the program (`-`), or the folder of a bag of ROS 2, which has several
+/// files. Each comes with its name.
 ///
 /// # Errors
 /// Why that cannot be.

@@ -7,8 +7,8 @@ use super::{Gap, Names, Setting};
 /// Root mean square of what is between a timestamp and an even clock, in sampling intervals, from which it is said.
 const SAID_JITTER: f64 = 0.1;
 
-/// The same, up to which each row by itself tells whether samples are missing before it. A clock that counts in steps of
-/// 0.69 intervals has as much from rounding alone.
+/// The same, up to which each row by itself tells whether samples are missing before it. A clock that counts in steps
+/// of 0.69 intervals has as much from rounding alone.
 const CLEAR_JITTER: f64 = 0.2;
 
 /// The same, up to which that is told by the rows around. Beyond, half of the rows are nearer to the place of another.
@@ -145,8 +145,8 @@ impl Times {
         if let Some(leap) = gaps.iter().find(|gap| gap.missing > MAX_LEAP.saturating_mul(rows as u64)) {
             let by = (self.since_first[leap.at] - self.since_first[leap.at - 1]) / unit.per_s();
             return Err(format!(
-                "the time leaps forward by {by:.3} s at row {}, and {rows} rows are all there is: a clock that was set, or two \
-                 logs in one file? Cut the log there, or give {rate} and no time column",
+                "the time leaps forward by {by:.3} s at row {}, and {rows} rows are all there is: a clock that was set, \
+                 or two logs in one file? Cut the log there, or give {rate} and no time column",
                 leap.at
             ));
         }

@@ -103,8 +103,8 @@ const FOREIGN: &[(&[u8], &str)] = &[
     (b"7z\xBC\xAF\x27\x1C", "it is a 7z archive; unpack it and name a file in it"),
 ];
 
-const HDF5: &str = "it is an HDF5 file (MATLAB calls it -v7.3), which no library of this program reads; convert it: in \
-                    MATLAB with `save('log.mat', '-v7')`, in Python with `numpy.save('log.npy', \
+const HDF5: &str = "it is an HDF5 file (MATLAB calls it -v7.3), which no library of this program reads; convert it: \
+                    in MATLAB with `save('log.mat', '-v7')`, in Python with `numpy.save('log.npy', \
                     h5py.File('FILE')['NAME'][:])`";
 
 /// How a file is packed.

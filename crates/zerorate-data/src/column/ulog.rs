@@ -101,7 +101,8 @@ impl<'a> Messages<'a> {
         Ok(Self { path, file })
     }
 
-    /// Calls `take` with each message until it says no; gives the input, from its start. `torn` says why it ended early.
+    /// Calls `take` with each message until it says no; gives the input, from its start. `torn` says why it ended
+    /// early.
     fn all(
         &mut self,
         torn: &mut Option<String>,
