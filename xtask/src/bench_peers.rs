@@ -145,8 +145,8 @@ fn time_files(samples: u64, python: &Path) -> Result<()> {
         let times = theirs / ours;
         let missed = if times < goal { ", GOAL MISSED" } else { "" };
         println!(
-            "zerorate allan {file}, {samples} rows, from file to text: {ours:.2} s; in Python {theirs:.2} s, {times:.1} \
-             times (goal {goal}{missed})"
+            "zerorate allan {file}, {samples} rows, from file to text: {ours:.2} s; in Python {theirs:.2} s, \
+             {times:.1} times (goal {goal}{missed})"
         );
     }
     Ok(std::fs::remove_dir_all(LOGS)?)

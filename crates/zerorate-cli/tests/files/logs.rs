@@ -103,8 +103,8 @@ fn bags_in_folders() {
     }
     let said = bench.zerorate("allan bag --column z").fails(1);
     assert!(said.contains("several bags and without a metadata.yaml"), "{said}");
-    let files = "rosbag2_bagfile_information:\n  version: 5\n  relative_file_paths:\n    - a_1.mcap\n    - \"a_0.mcap\"\n  \
-                 duration:\n";
+    let files = "rosbag2_bagfile_information:\n  version: 5\n  relative_file_paths:\n    - a_1.mcap\n    \
+                 - \"a_0.mcap\"\n  duration:\n";
     fs::write(folder.join("metadata.yaml"), files).unwrap();
     let run = bench.zerorate("allan bag --column z --json");
     assert!(run.stderr.contains("bag: 1 samples are missing among 20"), "{}", run.stderr);

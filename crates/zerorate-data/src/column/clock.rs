@@ -145,8 +145,8 @@ impl Times {
         if let Some(leap) = gaps.iter().find(|gap| gap.missing > MAX_LEAP.saturating_mul(rows as u64)) {
             let by = (self.since_first[leap.at] - self.since_first[leap.at - 1]) / unit.per_s();
             return Err(format!(
-                "the time leaps forward by {by:.3} s at row {}, and {rows} rows are all there is: a clock that was set, \
-                 or two logs in one file? Cut the log there, or give {rate} and no time column",
+                "the time leaps forward by {by:.3} s at row {}, and {rows} rows are all there is: a clock that was \
+                 set, or two logs in one file? Cut the log there, or give {rate} and no time column",
                 leap.at
             ));
         }
