@@ -95,8 +95,8 @@ fn variance_of(run: &[(f64, Bin)]) -> f64 {
 
 /// Density at 0 of a resonance: P·w/(π(f² + w²)), w its half width and P its power.
 ///
-/// Of both the line has what lies within `reach_hz`: with x = reach/w the part (2/π)·atan x of the power, half of which
-/// lies within w′ = reach/(1 + √(1 + x²)).
+/// Of both the line has what lies within `reach_hz`: with x = reach/w the part (2/π)·atan x of the power, half of
+/// which lies within w′ = reach/(1 + √(1 + x²)).
 fn tail(line: &Line, reach_hz: f64, rate_hz: f64) -> f64 {
     if line.frequency_hz <= rate_hz / 2.0 / libm::exp2(NEAR_THE_END) {
         return 0.0;

@@ -92,8 +92,8 @@ impl Model {
         2.0 * (of_mean(m) - of_mean(2.0 * m)) + self.sines.iter().map(sine).sum::<f64>()
     }
 
-    /// Between what the model expects 95 % of the overlapping Allan deviations of a record of `samples` samples; where gaps
-    /// left fewer terms, of so much less freedom.
+    /// Between what the model expects 95 % of the overlapping Allan deviations of a record of `samples` samples; where
+    /// gaps left fewer terms, of so much less freedom.
     pub(super) fn band(&self, point: &Point, samples: u64) -> (f64, f64) {
         let variance = self.allan_variance(point.m);
         let terms = (samples + 1).saturating_sub(2 * point.m).max(1);

@@ -31,8 +31,8 @@ pub(super) struct Profile<'a> {
 }
 
 impl<'a> Profile<'a> {
-    /// Of a squared coefficient. Its own estimate may be below zero; the others' may not, or B and K that are not there
-    /// would trade with a Gauss–Markov term.
+    /// Of a squared coefficient. Its own estimate may be below zero; the others' may not, or B and K that are not
+    /// there would trade with a Gauss–Markov term.
     pub(super) fn of_square(problem: &'a Problem, found: &Found, place: usize) -> Self {
         let best = match found.at[place] > 0.0 {
             true => found.clone(),

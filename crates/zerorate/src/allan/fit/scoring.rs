@@ -21,7 +21,8 @@ pub(super) struct Form {
     /// Quantisation of the angle.
     pub(super) quantised: bool,
     pub(super) drift: Option<Drift>,
-    /// A squared coefficient that may be negative, as the estimate without bias of one that is zero is half of the time.
+    /// A squared coefficient that may be negative, as the estimate without bias of one that is zero is half of the
+    /// time.
     pub(super) signed: Option<usize>,
 }
 
@@ -381,8 +382,8 @@ fn solve_free(h: &Square, g: &[f64], fixed: &[Option<f64>]) -> Vec<f64> {
     x
 }
 
-/// Density of a low-pass with the pole `a` over its level at frequency 0, (1 − a)²/(1 + a² − 2a cos), and the slope of its
-/// logarithm by `a`; `cosine` is cos − 1.
+/// Density of a low-pass with the pole `a` over its level at frequency 0, (1 − a)²/(1 + a² − 2a cos), and the slope of
+/// its logarithm by `a`; `cosine` is cos − 1.
 fn one_pole(a: f64, cosine: f64) -> (f64, f64) {
     let (square, under) = ((1.0 - a) * (1.0 - a), (1.0 - a) * (1.0 - a) - 2.0 * a * cosine);
     (square / under, 2.0 * (cosine + 1.0 - a) / under - 2.0 / (1.0 - a))

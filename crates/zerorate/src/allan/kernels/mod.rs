@@ -90,10 +90,10 @@ struct Squares {
 /// With missing samples an average is the mean of those that are there and enters if they are at least half; a
 /// difference enters if all its averages do; the inner mean of MDEV and TDEV is taken over the differences that do, if
 /// they are at least half. Means of fewer samples scatter more: ADEV, OADEV and TOTDEV are without that,
-/// σ² = ½⟨(ȳ₂ − ȳ₁)² − s₁²(1/c₁ − 1/m) − s₂²(1/c₂ − 1/m)⟩, s² the variance of the c samples of an average, as of a sample
-/// without replacement (40 % lost one by one: within 1 % instead of 25 to 40 % too large); an average of one sample in
-/// place of two does not enter there. The other statistics are not corrected. A missing point of phase takes out the
-/// differences that it is part of.
+/// σ² = ½⟨(ȳ₂ − ȳ₁)² − s₁²(1/c₁ − 1/m) − s₂²(1/c₂ − 1/m)⟩, s² the variance of the c samples of an average, as of a
+/// sample without replacement (40 % lost one by one: within 1 % instead of 25 to 40 % too large); an average of one
+/// sample in place of two does not enter there. The other statistics are not corrected. A missing point of phase takes
+/// out the differences that it is part of.
 ///
 /// ```
 /// use zerorate::allan::{Input, Stat, deviations};
