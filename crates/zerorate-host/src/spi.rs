@@ -250,7 +250,7 @@ fn become_realtime(notes: &Notes) {
     }
 }
 
-/// What the system said last about a transfer or an edge that failed. The driver's errors do not carry it.
+/// What the system said last about a transfer that failed. The driver's errors do not carry it.
 #[derive(Clone, Debug, Default)]
 struct LastErrno(Arc<AtomicI32>);
 
@@ -268,7 +268,8 @@ impl LastErrno {
 /// Says which file failed and what to do, where the system said why.
 fn explain(error: anyhow::Error, address: &SpiAddress, failed: &LastErrno) -> anyhow::Error {
     let spi = address.spi.display();
-    let told = match failed.get() {
+    let of_line = error.chain().find_map(|source| source.downcast_ref()).and_then(errno);
+    let told = match of_line.or_else(|| failed.get()) {
         Some(Errno::NODEV | Errno::SHUTDOWN | Errno::NXIO | Errno::NOENT) => Told::new(
             Cause::Gone,
             format!("{spi} is gone: the SPI adapter was unplugged or its driver unbound; plug it in and start again"),
@@ -574,5 +575,28 @@ fn errno(error: &gpiocdev::Error) -> Option<Errno> {
             Some(Errno::from_raw_os_error(errno.0))
         }
         _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A pulled cable is seen by whatever waits just then: the bus, or the line of data ready.
+    #[test]
+    fn a_pulled_cable_is_one_wherever_it_is_seen() {
+        let address = SpiAddress::read("/dev/spidev0.0?rdy=gpiochip0:3").unwrap();
+        let seen = |raw| {
+            let os = gpiocdev::Error::Os(gpiocdev_uapi::Errno(raw));
+            let error =
+                explain(anyhow::Error::new(os).context("reading the RDY line"), &address, &LastErrno::default());
+            crate::DeviceError::from(error).cause()
+        };
+        assert_eq!(seen(Errno::NODEV.raw_os_error()), Cause::Gone);
+        assert_eq!(seen(Errno::IO.raw_os_error()), Cause::Other);
+        let of_bus = LastErrno::default();
+        of_bus.set(Errno::SHUTDOWN.raw_os_error());
+        let error = explain(anyhow::anyhow!("transfer"), &address, &of_bus);
+        assert!(error.to_string().contains("/dev/spidev0.0 is gone"), "{error}");
     }
 }

@@ -16,7 +16,7 @@ const TARGET_DIR: &str = "target/wheels";
 const MACHINES: [(&str, &str); 2] = [("x86_64-unknown-linux-gnu", "x86_64"), ("aarch64-unknown-linux-gnu", "aarch64")];
 
 fn name(machine: &str) -> String {
-    format!("zerorate-{VERSION}-cp39-abi3-manylinux_2_17_{machine}.manylinux2014_{machine}.whl")
+    format!("zerorate-{VERSION}-cp39-abi3-manylinux2014_{machine}.manylinux_2_17_{machine}.whl")
 }
 
 /// Builds both.
