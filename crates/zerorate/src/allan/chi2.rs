@@ -30,10 +30,12 @@ pub fn chi2_quantile(p: f64, degrees: f64) -> f64 {
     }
 }
 
-/// The probability that a χ² variable with `degrees` > 0 degrees of freedom is above `value`.
+/// The probability that a χ² variable with `degrees` > 0 degrees of freedom is above `value`, to 12 places: beyond
+/// them the incomplete gamma function is not the same on all machines.
 #[cfg(feature = "std")]
 pub(super) fn chi2_above(value: f64, degrees: f64) -> f64 {
-    (1.0 - (value / 2.0).max(0.0).inc_gamma(degrees / 2.0)).clamp(0.0, 1.0)
+    let above = (1.0 - (value / 2.0).max(0.0).inc_gamma(degrees / 2.0)).clamp(0.0, 1.0);
+    libm::round(above * 1e12) / 1e12
 }
 
 /// The value that a standard normal variable stays below with probability `p`.
