@@ -594,9 +594,7 @@ mod tests {
         };
         assert_eq!(seen(Errno::NODEV.raw_os_error()), Cause::Gone);
         assert_eq!(seen(Errno::IO.raw_os_error()), Cause::Other);
-        let of_bus = LastErrno::default();
-        of_bus.set(Errno::SHUTDOWN.raw_os_error());
-        let error = explain(anyhow::anyhow!("transfer"), &address, &of_bus);
-        assert!(error.to_string().contains("/dev/spidev0.0 is gone"), "{error}");
+        let of_bus = LastErrno(Arc::new(AtomicI32::new(Errno::SHUTDOWN.raw_os_error())));
+        assert!(explain(Told::request("transfer"), &address, &of_bus).to_string().contains("/dev/spidev0.0 is gone"));
     }
 }

@@ -181,7 +181,10 @@ fn units_are_asked_for_and_never_guessed() {
     assert!(run.stderr.contains("the unit of column wx is not stated"), "{}", run.stderr);
     let run = bench.zerorate(&format!("{LINE} --gyro-unit m/s^2")).ended_with(2);
     assert!(run.stderr.contains("is no unit for gyroscopes"));
-    bench.zerorate(&format!("{LINE} --gyro-unit dps --accel-unit m/s^2 -o units.yaml")).ok();
+    let broken = std::fs::read_to_string(bench.path("imu.csv")).unwrap().replacen("\n50.00,", "\nreset\n50.00,", 1);
+    bench.write("imu.csv", broken);
+    let run = bench.zerorate(&format!("{LINE} --gyro-unit dps --accel-unit m/s^2 -o units.yaml")).ended_with(0);
+    assert!(run.stderr.contains("skipped") && !run.stderr.contains("not stated"), "{}", run.stderr);
     let found = scalars(&std::fs::read_to_string(bench.path("units.yaml")).unwrap());
     let value: f64 = found["gyroscope_noise_density"].parse().unwrap();
     assert!((value / n(1) - 1.0).abs() < 0.02, "{value}");

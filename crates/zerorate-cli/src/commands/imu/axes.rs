@@ -136,16 +136,20 @@ fn give_unit(args: &ImuArgs, path: &Path, kind: Kind, column: &mut Column, warni
     }
     let is_known = column.quantity.is_some();
     match (unit, scale) {
-        (None, None) if is_known => warnings.append(&mut column.warnings),
+        (None, None) if is_known => {}
         (None, None) => {
             let seen = format!("{}: the unit of column {} is not stated", path.display(), column.name);
             return Err(Usage(format!("{seen}, though its name says {}; give {option}", kind.name())).into());
         }
         (unit, scale) => {
-            column.warnings.clear();
+            if !is_known {
+                // the last says that the unit is not known
+                column.warnings.pop();
+            }
             column.scale = unit.map_or(1.0, Unit::in_results) * scale.unwrap_or(1.0);
         }
     }
+    warnings.append(&mut column.warnings);
     column.quantity = Some(kind.quantity());
     Ok(())
 }
