@@ -109,6 +109,9 @@ pub fn flag(setting: Setting) -> &'static str {
         Setting::Decimal => "--decimal",
         Setting::Raw => "--raw",
         Setting::MaxBad => "--max-bad",
+        Setting::GyroUnit => "--gyro-unit",
+        Setting::AccelUnit => "--accel-unit",
+        Setting::Combine => "--combine",
         other => other.name(),
     }
 }

@@ -9,8 +9,10 @@ mod cells;
 pub mod column;
 #[cfg(test)]
 mod fuzz;
+pub mod imu;
 mod input;
 pub mod limits;
+pub mod plain;
 mod row_reader;
 mod survive;
 

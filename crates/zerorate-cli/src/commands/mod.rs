@@ -16,11 +16,12 @@ pub mod twin;
 pub mod verify;
 
 use crate::cli::{Cli, Command};
-use crate::output::{Stdout, plain, say};
+use crate::output::{Stdout, say};
 use anyhow::{Context, Result};
 use serde::Serialize;
 use std::io::Write;
 use zerorate::{Say, Warning};
+use zerorate_data::plain;
 
 pub use calibrate::flag;
 

@@ -8,7 +8,6 @@ mod disk;
 mod error;
 mod identity;
 mod place;
-pub mod plain;
 mod recording;
 mod rescue;
 mod staged;

@@ -1,11 +1,11 @@
 //! The standard streams: stdout, whose reader may leave, and stderr, which may be full.
 
 use super::identity::Identity;
-use super::plain;
 use std::fmt::Display;
 use std::io::{self, ErrorKind, StdoutLock, Write};
 #[cfg(unix)]
 use std::path::Path;
+use zerorate_data::plain;
 
 /// What stdout is called in messages.
 pub const STDOUT: &str = "stdout";

@@ -5,7 +5,7 @@ use std::fmt;
 /// An option of [`ColumnOptions`](super::ColumnOptions), for which each front end has its own name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
-#[expect(missing_docs, reason = "the fields of `ColumnOptions`")]
+#[expect(missing_docs, reason = "the fields of `ColumnOptions`, and of `ImuOptions` and `Choice`")]
 pub enum Setting {
     Column,
     TimeColumn,
@@ -16,6 +16,9 @@ pub enum Setting {
     Decimal,
     Raw,
     MaxBad,
+    GyroUnit,
+    AccelUnit,
+    Combine,
 }
 
 impl Setting {
@@ -32,6 +35,9 @@ impl Setting {
             Self::Decimal => "decimal",
             Self::Raw => "raw",
             Self::MaxBad => "max_bad",
+            Self::GyroUnit => "gyro_unit",
+            Self::AccelUnit => "accel_unit",
+            Self::Combine => "combine",
         }
     }
 }

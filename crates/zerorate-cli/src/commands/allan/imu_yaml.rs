@@ -1,13 +1,12 @@
 //! `imu.yaml`, as Kalibr made it common, of the gyroscope alone: `zerorate imu` has all axes and other readers.
 
 use super::record::Record;
-use crate::commands::imu::Combine;
-use crate::commands::imu::consumer::Format;
-use crate::commands::imu::numbers::{Choice, Numbers};
+use crate::column::flag;
 use crate::exit::{Refused, Usage};
 use crate::output::Staged;
 use anyhow::Result;
-use zerorate_data::column::Quantity;
+use zerorate_data::column::{Names, Quantity};
+use zerorate_data::imu::{Axis, Choice, Combine, Format, Numbers};
 
 /// Writes the gyroscope's part of the file; of several logs the worst.
 pub fn write(file: Staged, records: &[Record]) -> Result<()> {
@@ -20,6 +19,8 @@ pub fn write(file: Staged, records: &[Record]) -> Result<()> {
         return Err(Refused(format!("{}: imu.yaml needs the noise coefficients: {why}", record.label())).into());
     }
     let log = records.iter().map(|record| record.file.display().to_string()).collect::<Vec<_>>().join(", ");
-    let choice = Choice { log, topic: None, combine: Combine::Worst, inflate: 1.0, doubts: Vec::new() };
-    Ok(file.fill(Format::Kalibr.text(&Numbers::new(choice, records)).as_bytes())?)
+    let names = Names(flag);
+    let choice = Choice { log, topic: None, combine: Combine::Worst, inflate: 1.0, doubts: Vec::new(), names };
+    let axes: Vec<Axis<'_>> = records.iter().filter_map(Record::axis).collect();
+    Ok(file.fill(Format::Kalibr.text(&Numbers::new(choice, &axes)).as_bytes())?)
 }

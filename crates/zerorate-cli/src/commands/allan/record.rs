@@ -9,6 +9,7 @@ use zerorate::allan::{
     self, AllanWarning, Analysis, Averaging, Expected, Fit, FitError, FitOptions, Input, Options, Point,
 };
 use zerorate_data::column::{Column, Quantity, STANDARD_GRAVITY, Series};
+use zerorate_data::imu::{self, Axis, Kind};
 
 /// A log and what was found in it.
 pub struct Record {
@@ -94,14 +95,20 @@ impl Record {
     /// The model, if it is not rejected: what may be called a result and go into files.
     pub fn believed(&self) -> Result<&Fit, String> {
         match &self.fit {
-            Some(Ok(fit)) if fit.is_rejected => Err(format!(
-                "the noise model is off by {:.0} %, so none of its coefficients is a result",
-                fit.model_error * 100.0
-            )),
-            Some(Ok(fit)) => Ok(fit),
+            Some(Ok(fit)) => imu::doubt(fit).map_or(Ok(fit), Err),
             Some(Err(why)) => Err(why.to_string()),
             None => Err("no noise model was asked for".to_owned()),
         }
+    }
+
+    /// Itself with its model, where it has one and is an axis of an IMU.
+    pub fn axis(&self) -> Option<Axis<'_>> {
+        let kind = Kind::of(self.quantity?)?;
+        let si = match kind {
+            Kind::Gyroscope => 1f64.to_radians(),
+            Kind::Accelerometer => 1.0,
+        };
+        Some(Axis { name: &self.column, kind, rate_hz: self.analysis.rate_hz, fit: self.model()?, si })
     }
 
     /// What the model says of a point, if there is a model and it speaks of this statistic.

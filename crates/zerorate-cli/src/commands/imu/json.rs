@@ -1,9 +1,9 @@
 //! The result as one JSON object.
 
-use super::axes::Kind;
 use crate::commands::allan::json;
 use crate::commands::allan::record::Record;
 use serde::Serialize;
+use zerorate_data::imu::Kind;
 
 /// All axes of a log.
 #[derive(Serialize)]
@@ -16,7 +16,7 @@ pub struct Report<'a> {
 #[derive(Serialize)]
 struct OfAxis<'a> {
     name: &'a str,
-    kind: Option<Kind>,
+    kind: Option<&'static str>,
     #[serde(flatten)]
     report: json::Report<'a>,
 }
@@ -26,7 +26,7 @@ impl<'a> Report<'a> {
         let first = axes.first().map(|axis| &axis.analysis);
         let of = |axis: &'a Record| OfAxis {
             name: &axis.column,
-            kind: axis.quantity.and_then(Kind::of),
+            kind: axis.quantity.and_then(Kind::of).map(Kind::name),
             report: json::Report::new(axis),
         };
         Self {

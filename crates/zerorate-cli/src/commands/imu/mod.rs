@@ -1,24 +1,21 @@
 //! `zerorate imu`: the log of an IMU at rest becomes the noise that a filter takes.
 
-mod axes;
-pub mod consumer;
 mod json;
-pub mod numbers;
 mod text;
 
 use super::allan::record::{Record, Way};
 use super::allan::{Data, page};
 use super::{print_json, print_lines, warn};
+use crate::column::flag;
 use crate::exit::{Refused, Usage};
 use crate::output::{Outputs, Staged, say};
 use anyhow::Result;
-use axes::{Axes, Kind};
-use clap::{Args, ValueEnum};
-use consumer::Format;
-use numbers::{Choice, Numbers};
+use clap::Args;
 use std::path::PathBuf;
 use zerorate::allan::{FitOptions, Options};
-use zerorate_data::column::{Column, TimeUnit, Unit};
+use zerorate_data::column::{Column, ColumnOptions, Names, TimeUnit, Unit};
+use zerorate_data::imu::{Axes, Axis, Choice, Combine, Format, ImuOptions, Kind, Numbers, Said};
+use zerorate_host::files;
 
 /// Fits noise models to all axes of an IMU's log, taken at rest, and writes the file for the filter that will use
 /// them.
@@ -97,20 +94,29 @@ pub struct ImuArgs {
     force: bool,
 }
 
-/// What stands for several axes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Combine {
-    /// The largest.
-    Worst,
-    /// Their mean.
-    Mean,
+impl ImuArgs {
+    /// What the log may not say of itself.
+    fn options(&self) -> ImuOptions {
+        ImuOptions {
+            topic: self.topic.clone(),
+            gyro: Said { unit: self.gyro_unit, scale: self.gyro_scale },
+            accel: Said { unit: self.accel_unit, scale: self.accel_scale },
+            log: ColumnOptions {
+                rate: self.rate,
+                time_column: self.time_column.clone(),
+                time_unit: self.time_unit,
+                names: Names(flag),
+                ..ColumnOptions::default()
+            },
+        }
+    }
 }
 
 pub fn run(args: &ImuArgs) -> Result<()> {
     let mut outputs = Outputs::new(args.force).printing().reading([args.log.as_path()])?;
     let file = args.output.as_ref().map(|path| outputs.derived(path)).transpose()?;
     let page = args.report.as_ref().map(|path| outputs.derived(path)).transpose()?;
-    let Axes { columns, topic, warnings } = Axes::read(args, &args.log)?;
+    let Axes { columns, topic, warnings } = Axes::read(&args.log, files::log(&args.log)?, &args.options())?;
     warn(&warnings);
     check_format(args, &columns)?;
     let fit = Some(FitOptions::default());
@@ -145,8 +151,10 @@ fn deliver(args: &ImuArgs, axes: &[Record], topic: Option<String>, file: Option<
     }
     let Some(file) = file else { return Ok(()) };
     let ImuArgs { combine, inflate, .. } = *args;
-    let choice = Choice { log: args.log.display().to_string(), topic, combine, inflate, doubts };
-    Ok(file.fill(args.format.text(&Numbers::new(choice, axes)).as_bytes())?)
+    let names = Names(flag);
+    let choice = Choice { log: args.log.display().to_string(), topic, combine, inflate, doubts, names };
+    let axes: Vec<Axis<'_>> = axes.iter().filter_map(Record::axis).collect();
+    Ok(file.fill(args.format.text(&Numbers::new(choice, &axes)).as_bytes())?)
 }
 
 /// What takes a number by axis needs three of a kind.

@@ -1,12 +1,12 @@
 //! The result as text.
 
-use super::axes::Kind;
 use crate::commands::allan::record::Record;
 use crate::commands::allan::units::{coefficients, span};
 use anyhow::Result;
 use std::fmt::Write;
 use zerorate::allan::{Estimate, Term};
 use zerorate_data::column::STANDARD_GRAVITY;
+use zerorate_data::imu::Kind;
 
 /// For each kind a table with a row for each axis.
 pub fn table(axes: &[Record]) -> Result<String> {

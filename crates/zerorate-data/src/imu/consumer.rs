@@ -3,11 +3,11 @@
 //! Which number goes where, and where that is known from: `docs/imu.md`.
 
 use super::numbers::{AxisNumbers, Choice, Chosen, Memory, Numbers, Sensor};
-use crate::output::plain;
-use clap::ValueEnum;
+use crate::plain;
 
 /// Who reads the file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
 pub enum Format {
     /// Kalibr: imu.yaml, continuous densities.
     Kalibr,
@@ -24,8 +24,25 @@ pub enum Format {
 }
 
 impl Format {
+    /// All of them.
+    pub const ALL: [Self; 6] = [Self::Kalibr, Self::Openvins, Self::Vins, Self::Orbslam3, Self::KfGins, Self::Ros];
+
+    /// What it is called as an option.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Kalibr => "kalibr",
+            Self::Openvins => "openvins",
+            Self::Vins => "vins",
+            Self::Orbslam3 => "orbslam3",
+            Self::KfGins => "kf-gins",
+            Self::Ros => "ros",
+        }
+    }
+
     /// Whether it takes a number for each of three axes.
-    pub fn is_by_axis(self) -> bool {
+    #[must_use]
+    pub const fn is_by_axis(self) -> bool {
         matches!(self, Self::KfGins | Self::Ros)
     }
 
@@ -42,6 +59,7 @@ impl Format {
     }
 
     /// The text of the file.
+    #[must_use]
     pub fn text(self, numbers: &Numbers) -> String {
         let mut file = Text::default();
         match self {
@@ -194,11 +212,11 @@ impl Text {
     /// What the file is, how its numbers were chosen, and what stands behind them.
     fn head(&mut self, numbers: &Numbers, format: Format, meaning: &str) {
         let (reader, is_by_axis) = (format.reader(), format.is_by_axis());
-        let Choice { log, combine, inflate, doubts, .. } = &numbers.choice;
+        let Choice { log, combine, inflate, doubts, names, .. } = &numbers.choice;
         self.line(&format!("# Noise of an IMU for {reader}, by {} from {}.", zerorate::SOFTWARE, plain::line(log)));
         self.line(&format!("# {meaning}."));
         if !is_by_axis {
-            self.line(&format!("# Of the axes of a kind {}.", combine.words()));
+            self.line(&format!("# Of the axes of a kind {}.", combine.words(*names)));
         }
         if *inflate != 1.0 {
             self.line(&format!("# All noise is multiplied by {inflate}, for what a record at rest does not show."));
