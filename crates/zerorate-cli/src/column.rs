@@ -11,10 +11,14 @@ use zerorate_host::files;
 pub struct ColumnArgs {
     /// The column, by its name or its number counted from 0 [default: the rate of a capture, or the only column].
     ///
-    /// In a ROS bag x, y or z (of angular_velocity), or TOPIC.angular_velocity.z where there are several IMUs.
+    /// In a ROS bag x, y or z (of angular_velocity), linear_acceleration.z, or either behind a topic and a point.
     /// `allan` takes several, in one pass over the file: gx,gy,gz or all.
     #[arg(long, value_name = "NAME|INDEX", conflicts_with = "raw")]
     column: Option<String>,
+
+    /// The topic of a bag or of a PX4 log, where it has several IMUs.
+    #[arg(long, value_name = "TOPIC", conflicts_with = "raw")]
+    topic: Option<String>,
 
     /// The column with the time of each row: it tells the rate, and where samples are missing.
     #[arg(long, value_name = "NAME|INDEX", conflicts_with_all = ["raw", "rate"])]
@@ -67,8 +71,7 @@ impl ColumnArgs {
 
     /// Reads them.
     pub fn read_list(&self, path: &Path) -> Result<Vec<Column>, LogError> {
-        let list = self.column.as_deref().filter(|list| *list != ALL);
-        let names: Option<Vec<String>> = list.map(|list| list.split(',').map(|name| name.trim().to_owned()).collect());
+        let names = self.column.as_deref().and_then(listed);
         self.read_all(path, names.as_deref().map_or(Wanted::All, Wanted::Listed))
     }
 
@@ -78,9 +81,10 @@ impl ColumnArgs {
     }
 
     fn options(&self) -> ColumnOptions {
-        let Self { column, time_column, time_unit, rate, unit, scale, decimal, raw, max_bad } = self;
+        let Self { column, topic, time_column, time_unit, rate, unit, scale, decimal, raw, max_bad } = self;
         ColumnOptions {
             column: column.clone(),
+            topic: topic.clone(),
             time_column: time_column.clone(),
             time_unit: *time_unit,
             rate: *rate,
@@ -97,10 +101,16 @@ impl ColumnArgs {
 /// All columns with numbers.
 const ALL: &str = "all";
 
+/// The names of a list with commas; none: all.
+pub fn listed(list: &str) -> Option<Vec<String>> {
+    (list != ALL).then(|| list.split(',').map(|name| name.trim().to_owned()).collect())
+}
+
 /// What the options are called here.
 pub fn flag(setting: Setting) -> &'static str {
     match setting {
         Setting::Column => "--column",
+        Setting::Topic => "--topic",
         Setting::TimeColumn => "--time-column",
         Setting::TimeUnit => "--time-unit",
         Setting::Rate => "--rate",
@@ -116,7 +126,7 @@ pub fn flag(setting: Setting) -> &'static str {
     }
 }
 
-fn share(text: &str) -> Result<f64, String> {
+pub fn share(text: &str) -> Result<f64, String> {
     let share = text.parse().ok().filter(|share: &f64| (0.0..1.0).contains(share));
     share.ok_or_else(|| "must be a share from 0 to below 1, such as 0.05".to_owned())
 }

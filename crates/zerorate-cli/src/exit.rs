@@ -27,7 +27,7 @@ pub fn report(error: &anyhow::Error) -> ExitCode {
         if error.is::<Refused>() || matches!(log, Some(LogError::Refused(_))) || cause == Some(Cause::Refused) {
             ("refused", 3)
         } else if error.is::<Usage>()
-            || matches!(log, Some(LogError::Ask(_)))
+            || matches!(log, Some(LogError::Ask(_) | LogError::Choose(..)))
             || cause == Some(Cause::Request)
             || refuses_output(error)
         {
@@ -35,7 +35,14 @@ pub fn report(error: &anyhow::Error) -> ExitCode {
         } else {
             ("error", 1)
         };
-    say(format_args!("{label}: {error:#}"));
+    match log {
+        // each row is a line, whatever stands in it
+        Some(LogError::Choose(question, table)) => {
+            say(format_args!("{label}: {question}"));
+            table.iter().for_each(say);
+        }
+        _ => say(format_args!("{label}: {error:#}")),
+    }
     ExitCode::from(code)
 }
 
@@ -59,7 +66,9 @@ mod tests {
         let exists = anyhow::Error::from(OutputError::Exists { path: "x".into() }).context("saving");
         let log = |error: LogError| anyhow::Error::from(error).context("gz");
         let (asked, gapped) = (log(LogError::Ask("which?".into())), log(LogError::Refused("gaps".into())));
-        let expected = [(asked, 2), (gapped, 3), (refused, 3), (usage, 2), (exists, 2), (failed, 1), (pipe, 1)];
+        let several = log(LogError::Choose("which?".into(), vec!["topic".into()]));
+        let expected =
+            [(several, 2), (asked, 2), (gapped, 3), (refused, 3), (usage, 2), (exists, 2), (failed, 1), (pipe, 1)];
         for (error, code) in expected {
             assert_eq!(report(&error), ExitCode::from(code), "{error:#}");
         }

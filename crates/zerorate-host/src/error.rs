@@ -84,7 +84,7 @@ impl From<LogError> for DeviceError {
     fn from(error: LogError) -> Self {
         let cause = match error {
             LogError::File(_) => Cause::File,
-            LogError::Ask(_) => Cause::Request,
+            LogError::Ask(_) | LogError::Choose(..) => Cause::Request,
             LogError::Refused(_) => Cause::Refused,
         };
         Self { cause, told: error.into() }

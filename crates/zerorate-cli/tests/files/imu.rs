@@ -190,6 +190,34 @@ fn units_are_asked_for_and_never_guessed() {
     assert!((value / n(1) - 1.0).abs() < 0.02, "{value}");
 }
 
+/// A log of several IMUs is a table to choose from, and no text names an option that `imu` has not.
+#[test]
+fn several_imus_are_a_table() {
+    let bench = Bench::new();
+    bench.write("px4.ulg", include_bytes!("../../../zerorate-data/src/column/fixtures/imu.ulg"));
+    let asked = bench.zerorate("imu px4.ulg --topic /imu").fails(2);
+    assert!(asked.contains("choose one with --topic:\n  topic ") && asked.contains("sensor_gyro#1"), "{asked}");
+    let asked = bench.zerorate("allan px4.ulg --topic /imu --column all").fails(2);
+    assert!(asked.contains("choose one with --topic:"), "{asked}");
+    let log = log();
+    let unknown: String = log.lines().map(|line| line.split_once(',').unwrap().1.to_owned() + "\n").collect();
+    for (name, content, said) in [
+        ("no-time.csv", unknown.as_bytes(), "give --rate in Hz, or --time-column"),
+        ("words.csv", b"a,b\nc,d\n", "is it a log?"),
+        ("codes.bin", &[0x9f, 0x01, 0xfe, 0x82, 0xff, 0x03][..], "`zerorate allan --raw`"),
+    ] {
+        bench.write(name, content);
+        let run = bench.zerorate(&format!("imu {name} -o x.yaml"));
+        assert!(run.code != Some(0) && run.stderr.contains(said), "{name}: {run:?}");
+    }
+    assert!(!bench.path("x.yaml").exists());
+    bench.write("imu.csv", log);
+    let run = bench.zerorate("imu imu.csv --column gyro_x_dps,5 --json").ok();
+    let report: Value = serde_json::from_str(&run).unwrap();
+    let names = report["axes"].as_array().unwrap().iter().map(|axis| axis["name"].as_str().unwrap());
+    assert_eq!(names.collect::<Vec<_>>(), ["gyro_x_dps", "ay [m/s^2]"]);
+}
+
 #[test]
 fn no_file_is_made_of_what_is_no_result() {
     let bench = bench();

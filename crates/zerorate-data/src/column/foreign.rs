@@ -120,6 +120,13 @@ fn logs_of_px4() {
     let names: Vec<&str> = all.iter().map(|column| column.name.as_str()).collect();
     assert_eq!((names.len(), names[3]), (6, "sensor_combined.accelerometer_m_s2[0]"));
     assert_eq!(all[5].quantity, Some(Quantity::Acceleration));
+    let of_topic = read_all(Path::new("log"), ULOG.to_vec().into(), Wanted::All, &options("--topic sensor_gyro#0"));
+    assert_eq!(of_topic.unwrap()[2].name, "sensor_gyro#0.z");
+    let said = read_all(Path::new("log"), ULOG.to_vec().into(), Wanted::All, &options("--topic chat")).unwrap_err();
+    let rows: Vec<Vec<String>> =
+        said.to_string().lines().map(|line| line.split_whitespace().map(str::to_owned).collect()).collect();
+    let row = rows.iter().find(|row| row[0] == "sensor_gyro#0").expect("the row of a topic");
+    assert_eq!(row[1..5], ["sensor_gyro", "19", "189.47", "Hz"].map(str::to_owned), "{said}");
     let said = folder.fails(ULOG, "");
     assert!(said.contains("one of: sensor_combined.gyro_rad[0]") && said.contains("sensor_gyro#1.z"), "{said}");
     cut(ULOG, "--column sensor_gyro#0.z");

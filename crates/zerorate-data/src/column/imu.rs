@@ -3,6 +3,7 @@
 
 use super::clock::Times;
 use super::series::SeriesBuilder;
+use super::topics::Survey;
 use super::unit::{Quantity, TimeUnit, Unit};
 use super::{Asked, Clock, ColumnOptions, Found, FoundColumn, LogError, Names, Result, Setting, Wanted, wrong};
 use crate::capture::CaptureError;
@@ -66,8 +67,13 @@ pub struct Quantities {
 }
 
 impl Quantities {
-    /// Those that are wanted; all of one topic.
-    pub fn choose(path: &Path, topics: &BTreeSet<String>, asked: &Asked<'_>) -> Result<Self> {
+    /// Those that are wanted; all of one topic. Where it is open which, `survey` says what there is.
+    pub fn choose(
+        path: &Path,
+        topics: &BTreeSet<String>,
+        asked: &Asked<'_>,
+        survey: impl FnOnce() -> Survey,
+    ) -> Result<Self> {
         if topics.is_empty() {
             return Err(
                 CaptureError::not_a_log(path, "it is a bag without a topic of type sensor_msgs/msg/Imu").into()
@@ -79,8 +85,16 @@ impl Quantities {
             Wanted::Described(columns) => columns.iter().map(|column| Some(column.name.as_str())).collect(),
             Wanted::All => QUANTITIES.iter().map(|(name, _)| Some(*name)).collect(),
         };
-        let chosen = names.into_iter().map(|name| Self::choose_one(path, topics, name, asked.args.names));
-        let chosen: Vec<Self> = chosen.collect::<Result<_>>()?;
+        let only = match &asked.args.topic {
+            Some(topic) => topics.get(topic).map(String::as_str),
+            None => topics.first().filter(|_| topics.len() == 1).map(String::as_str),
+        };
+        let chosen = names.iter().map(|name| Self::choose_one(topics, only, *name).ok_or(*name));
+        let chosen: Vec<Self> = match chosen.collect() {
+            Ok(chosen) => chosen,
+            Err(_) if only.is_none() => return Err(several(path, asked, &survey())),
+            Err(wanted) => return Err(unknown(path, only.unwrap_or_default(), wanted, asked.args.names)),
+        };
         let topic = chosen.first().map(|first| first.topic.clone()).unwrap_or_default();
         if let Some(other) = chosen.iter().find(|one| one.topic != topic) {
             let why =
@@ -91,32 +105,37 @@ impl Quantities {
     }
 
     /// `wanted` is a quantity, or a topic and a quantity; x, y and z are those of angular_velocity.
-    fn choose_one(path: &Path, topics: &BTreeSet<String>, wanted: Option<&str>, names: Names) -> Result<Self> {
-        let only = || topics.first().filter(|_| topics.len() == 1).map(String::as_str);
-        let split = wanted.and_then(|wanted| {
-            let of_topic = topics
-                .iter()
-                .find_map(|topic| Some((topic.as_str(), wanted.strip_prefix(topic.as_str())?.strip_prefix('.')?)));
-            of_topic.or_else(|| Some((only()?, wanted)))
-        });
-        let found = split.and_then(|(topic, quantity)| {
-            let long = if quantity.len() == 1 { format!("angular_velocity.{quantity}") } else { quantity.to_owned() };
-            let (quantity, position) = QUANTITIES.into_iter().find(|(name, _)| *name == long)?;
-            Some(Self { topic: topic.to_owned(), all: vec![(quantity, position)] })
-        });
-        found.ok_or_else(|| {
-            let all: Vec<String> = topics
-                .iter()
-                .flat_map(|topic| ["x", "y", "z"].map(|axis| format!("{topic}.angular_velocity.{axis}")))
-                .collect();
-            let why = match wanted {
-                Some(wanted) => format!("has no column `{wanted}`"),
-                None => "has several columns".to_owned(),
-            };
-            let option = names.of(Setting::Column);
-            LogError::Ask(format!("{} {why}; choose with {option} one of: {}", path.display(), all.join(", ")))
-        })
+    fn choose_one(topics: &BTreeSet<String>, only: Option<&str>, wanted: Option<&str>) -> Option<Self> {
+        let wanted = wanted?;
+        let of_topic = topics
+            .iter()
+            .find_map(|topic| Some((topic.as_str(), wanted.strip_prefix(topic.as_str())?.strip_prefix('.')?)));
+        let (topic, quantity) = of_topic.or_else(|| Some((only?, wanted)))?;
+        let long = if quantity.len() == 1 { format!("angular_velocity.{quantity}") } else { quantity.to_owned() };
+        let (quantity, position) = QUANTITIES.into_iter().find(|(name, _)| *name == long)?;
+        Some(Self { topic: topic.to_owned(), all: vec![(quantity, position)] })
     }
+}
+
+/// Several IMUs, and none of them was meant.
+pub fn several(path: &Path, asked: &Asked<'_>, survey: &Survey) -> LogError {
+    let (path, option) = (path.display(), asked.args.names.of(Setting::Topic));
+    let why = match &asked.args.topic {
+        Some(topic) => format!("has no IMU on a topic `{topic}`"),
+        None => "has several IMUs".to_owned(),
+    };
+    LogError::Choose(format!("{path} {why}; choose one with {option}:"), survey.table())
+}
+
+/// A quantity that messages do not have, or that was not named.
+fn unknown(path: &Path, topic: &str, wanted: Option<&str>, names: Names) -> LogError {
+    let why = match wanted {
+        Some(wanted) => format!("has no column `{wanted}`"),
+        None => "has several columns".to_owned(),
+    };
+    let all = QUANTITIES.map(|(name, _)| format!("{topic}.{name}"));
+    let option = names.of(Setting::Column);
+    LogError::Ask(format!("{} {why}; choose with {option} one of: {}", path.display(), all.join(", ")))
 }
 
 /// Collects messages into columns.
@@ -200,30 +219,81 @@ struct Imu {
     numbers: [f64; NUMBERS],
 }
 
+/// The header of a message: when, and in which frame.
+#[derive(Debug, PartialEq)]
+pub struct Head {
+    pub stamp_ns: i64,
+    pub frame: String,
+}
+
+impl Head {
+    /// None of what is no such message.
+    pub fn of(encoding: Encoding, message: &[u8]) -> Option<Self> {
+        let unpacked;
+        let message = if message.starts_with(&ZSTD) {
+            unpacked = unpacked_message(message).ok()?;
+            &unpacked
+        } else {
+            message
+        };
+        let body = Body::of(encoding, message)?;
+        let (frame, _) = body.frame()?;
+        // CDR counts the zero at the end
+        let frame = String::from_utf8_lossy(frame.strip_suffix(&[0]).unwrap_or(frame)).into_owned();
+        Some(Self { stamp_ns: body.stamp_ns()?, frame })
+    }
+}
+
+/// What follows the mark of the encoding.
+struct Body<'a> {
+    bytes: &'a [u8],
+    encoding: Encoding,
+    big_endian: bool,
+}
+
+impl<'a> Body<'a> {
+    fn of(encoding: Encoding, message: &'a [u8]) -> Option<Self> {
+        let (big_endian, bytes) = match encoding {
+            Encoding::Ros1 => (false, message.get(4..)?),
+            Encoding::Cdr => match message.get(..4)? {
+                [0, endian @ (0 | 1), ..] => (*endian == 0, &message[4..]),
+                _ => return None,
+            },
+        };
+        Some(Self { bytes, encoding, big_endian })
+    }
+
+    fn u32_at(&self, at: usize) -> Option<u32> {
+        let bytes = *self.bytes.get(at..)?.first_chunk()?;
+        Some(if self.big_endian { u32::from_be_bytes(bytes) } else { u32::from_le_bytes(bytes) })
+    }
+
+    fn f64_at(&self, at: usize) -> Option<f64> {
+        let bytes = *self.bytes.get(at..)?.first_chunk()?;
+        Some(if self.big_endian { f64::from_be_bytes(bytes) } else { f64::from_le_bytes(bytes) })
+    }
+
+    fn stamp_ns(&self) -> Option<i64> {
+        let (sec, nanosec) = (self.u32_at(0)? as i32, self.u32_at(4)?);
+        Some(i64::from(sec) * 1_000_000_000 + i64::from(nanosec))
+    }
+
+    /// The name of the frame, and where the numbers begin.
+    fn frame(&self) -> Option<(&'a [u8], usize)> {
+        let end = (self.u32_at(8)? as usize).checked_add(12)?;
+        let frame = self.bytes.get(12..end)?;
+        Some((frame, if self.encoding == Encoding::Cdr { end.next_multiple_of(8) } else { end }))
+    }
+}
+
 /// `std_msgs/Header header; Quaternion orientation; float64[9]; Vector3 angular_velocity; float64[9]; Vector3
 /// linear_acceleration; float64[9]`.
 fn decode(encoding: Encoding, message: &[u8]) -> Option<Imu> {
-    let (big_endian, body) = match encoding {
-        Encoding::Ros1 => (false, message.get(4..)?),
-        Encoding::Cdr => match message.get(..4)? {
-            [0, endian @ (0 | 1), ..] => (*endian == 0, &message[4..]),
-            _ => return None,
-        },
-    };
-    let u32_at = |at: usize| {
-        let bytes = *body.get(at..)?.first_chunk()?;
-        Some(if big_endian { u32::from_be_bytes(bytes) } else { u32::from_le_bytes(bytes) })
-    };
-    let f64_at = |at: usize| {
-        let bytes = *body.get(at..)?.first_chunk()?;
-        Some(if big_endian { f64::from_be_bytes(bytes) } else { f64::from_le_bytes(bytes) })
-    };
-    let (sec, nanosec, frame_len) = (u32_at(0)? as i32, u32_at(4)?, u32_at(8)? as usize);
-    let end = frame_len.checked_add(12).filter(|end| *end <= body.len())?;
-    let start = if encoding == Encoding::Cdr { end.next_multiple_of(8) } else { end };
+    let body = Body::of(encoding, message)?;
+    let (_, start) = body.frame()?;
     let mut numbers = [0.0; NUMBERS];
     for (number, at) in numbers.iter_mut().zip((start..).step_by(8)) {
-        *number = f64_at(at)?;
+        *number = body.f64_at(at)?;
     }
-    Some(Imu { stamp_ns: i64::from(sec) * 1_000_000_000 + i64::from(nanosec), numbers })
+    Some(Imu { stamp_ns: body.stamp_ns()?, numbers })
 }

@@ -2,6 +2,7 @@
 
 use super::imu::{Collector, Encoding, Quantities, is_imu};
 use super::open::Log;
+use super::topics::Survey;
 use super::{Asked, Found, Result};
 use crate::Input;
 use crate::capture::CaptureError;
@@ -21,7 +22,7 @@ const BUFFER: usize = 1 << 18;
 pub fn read(log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
     let (path, mut file) = (log.path, log.input);
     let topics = topics(path, &mut file, log.room)?;
-    let wanted = Quantities::choose(path, &topics, asked)?;
+    let wanted = Quantities::choose(path, &topics, asked, || survey(&mut file, log.room))?;
     let topic = wanted.topic.clone();
     file.rewind().map_err(|error| CaptureError::io("read", path, error))?;
     let mut collector = Collector::new(path, wanted, log.room, asked.args);
@@ -116,6 +117,20 @@ fn topics(path: &Path, file: &mut Input, room: Room) -> Result<BTreeSet<String>>
         first = false;
     }
     Ok(topics)
+}
+
+/// What there is of them, as far as the file is whole.
+fn survey(file: &mut Input, room: Room) -> Survey {
+    let mut survey = Survey::default();
+    if file.rewind().is_err() {
+        return survey;
+    }
+    for message in Messages::new(file, room).flatten() {
+        let Some(schema) = message.channel.schema.as_ref().filter(|schema| is_imu(&schema.name)) else { continue };
+        let encoding = Encoding::of(&message.channel.message_encoding);
+        survey.message(&message.channel.topic, &schema.name, encoding, &message.data);
+    }
+    survey
 }
 
 fn encoding(path: &Path, channel: &Channel<'_>) -> Result<Encoding, CaptureError> {

@@ -30,6 +30,7 @@ mod tabular;
 #[cfg(test)]
 pub(crate) mod tests;
 mod text;
+mod topics;
 mod ulog;
 mod unit;
 mod wide;
@@ -58,6 +59,9 @@ pub struct ColumnOptions {
     ///
     /// In a ROS bag x, y or z (of angular_velocity), or TOPIC.angular_velocity.z where there are several IMUs.
     pub column: Option<String>,
+
+    /// The topic of the log that columns are of; none: the only one with an IMU.
+    pub topic: Option<String>,
 
     /// The column with the time of each row: it tells the rate, and where samples are missing.
     pub time_column: Option<String>,
@@ -102,6 +106,9 @@ pub enum LogError {
     /// It does not say enough, or has nothing of what was asked for.
     #[error("{0}")]
     Ask(String),
+    /// It has several of what was asked for: the question, and a table with a head to choose from.
+    #[error("{0}\n{table}", table = .1.join("\n"))]
+    Choose(String, Vec<String>),
     /// The numbers are there, but must not become a result.
     #[error("{0}")]
     Refused(String),

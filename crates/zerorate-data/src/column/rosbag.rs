@@ -3,6 +3,7 @@
 
 use super::imu::{Collector, Encoding, Quantities, is_imu};
 use super::open::Log;
+use super::topics::Survey;
 use super::{Asked, Found, Result};
 use crate::Input;
 use crate::capture::CaptureError;
@@ -21,6 +22,9 @@ const BUFFER: usize = 1 << 18;
 /// The longest head of a record: a connection names a topic and a type.
 const MAX_HEAD: u32 = 1 << 16;
 
+/// What ROS 1 calls the message.
+const IMU: &str = "sensor_msgs/Imu";
+
 const MESSAGE: u8 = 2;
 const CHUNK: u8 = 5;
 const CONNECTION: u8 = 7;
@@ -31,7 +35,8 @@ pub fn read(log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
     let mut file = BufReader::with_capacity(BUFFER, log.input);
     let topics = topics(path, &mut file, room)?;
     let names: BTreeSet<String> = topics.values().cloned().collect();
-    let wanted = Quantities::choose(path, &names, asked)?;
+    let seen = || survey(&mut Records { path, file: &mut file, room, bytes: 0 }, &topics);
+    let wanted = Quantities::choose(path, &names, asked, seen)?;
     let topic = wanted.topic.clone();
     let mut collector = Collector::new(path, wanted, room, asked.args);
     let mut records = Records { path, file: &mut file, room, bytes: 0 };
@@ -66,6 +71,21 @@ fn topics(path: &Path, file: &mut BufReader<Input>, room: Room) -> Result<BTreeM
         }
     }
     Ok(connections)
+}
+
+/// What there is of them, as far as the file is whole.
+fn survey(records: &mut Records<'_>, topics: &BTreeMap<u32, String>) -> Survey {
+    let mut survey = Survey::default();
+    topics.values().for_each(|topic| survey.topic(topic, IMU));
+    let seen = records.each(false, |record| {
+        let topic = record.number(b"conn").and_then(|conn| topics.get(&conn));
+        if let Some(topic) = topic.filter(|_| record.op() == Some(MESSAGE)) {
+            survey.message(topic, IMU, Some(Encoding::Ros1), &record.data);
+        }
+        Ok(())
+    });
+    drop(seen);
+    survey
 }
 
 /// The head of a record and what follows it.

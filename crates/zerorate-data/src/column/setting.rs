@@ -8,6 +8,7 @@ use std::fmt;
 #[expect(missing_docs, reason = "the fields of `ColumnOptions`, and of `ImuOptions` and `Choice`")]
 pub enum Setting {
     Column,
+    Topic,
     TimeColumn,
     TimeUnit,
     Rate,
@@ -27,6 +28,7 @@ impl Setting {
     pub const fn name(self) -> &'static str {
         match self {
             Self::Column => "column",
+            Self::Topic => "topic",
             Self::TimeColumn => "time_column",
             Self::TimeUnit => "time_unit",
             Self::Rate => "rate",

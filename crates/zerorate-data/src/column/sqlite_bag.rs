@@ -2,6 +2,7 @@
 
 use super::imu::{Collector, Encoding, Quantities, is_imu};
 use super::open::Log;
+use super::topics::Survey;
 use super::{Asked, Found, Result};
 use crate::capture::CaptureError;
 use rusqlite::config::DbConfig;
@@ -18,11 +19,11 @@ pub fn read(log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
     };
     let bag = open(log, failed)?;
     let topics = topics_of(&bag).map_err(failed)?;
-    let names: BTreeSet<String> = topics.iter().map(|(_, name, _)| name.clone()).collect();
-    let wanted = Quantities::choose(path, &names, asked)?;
-    let ids = topics.iter().filter(|(_, name, _)| *name == wanted.topic);
+    let names: BTreeSet<String> = topics.iter().map(|topic| topic.name.clone()).collect();
+    let wanted = Quantities::choose(path, &names, asked, || survey(&bag, &topics))?;
+    let ids = topics.iter().filter(|topic| topic.name == wanted.topic);
     let mut collector = Collector::new(path, wanted.clone(), room, asked.args);
-    for (id, topic, format) in ids {
+    for Topic { id, name: topic, format, .. } in ids {
         let encoding = Encoding::of(format).ok_or_else(|| {
             let what = format!("its messages are encoded in `{format}`; cdr is read");
             CaptureError::damaged(path, format!("topic {topic}"), what)
@@ -63,12 +64,34 @@ fn open(log: Log<'_>, failed: impl Fn(rusqlite::Error) -> CaptureError) -> Resul
     Ok(bag)
 }
 
-/// Number, name and format of the topics with an IMU.
-fn topics_of(bag: &Connection) -> rusqlite::Result<Vec<(i64, String, String)>> {
+/// A topic with an IMU.
+struct Topic {
+    id: i64,
+    name: String,
+    kind: String,
+    format: String,
+}
+
+fn topics_of(bag: &Connection) -> rusqlite::Result<Vec<Topic>> {
     let mut query = bag.prepare("SELECT id, name, type, serialization_format FROM topics")?;
     let topics = query.query_map([], |row| {
-        let type_name: String = row.get(2)?;
-        Ok((is_imu(&type_name), (row.get(0)?, row.get(1)?, row.get(3)?)))
+        Ok(Topic { id: row.get(0)?, name: row.get(1)?, kind: row.get(2)?, format: row.get(3)? })
     })?;
-    topics.filter_map(|topic| topic.map(|(is_imu, topic)| is_imu.then_some(topic)).transpose()).collect()
+    topics.filter(|topic| topic.as_ref().map_or(true, |topic| is_imu(&topic.kind))).collect()
+}
+
+/// What there is of them, as far as it can be read.
+fn survey(bag: &Connection, topics: &[Topic]) -> Survey {
+    let mut survey = Survey::default();
+    for Topic { id, name, kind, format } in topics {
+        survey.topic(name, kind);
+        let Ok(mut query) = bag.prepare("SELECT data FROM messages WHERE topic_id = ?1") else { continue };
+        let Ok(mut rows) = query.query([id]) else { continue };
+        while let Ok(Some(row)) = rows.next() {
+            if let Ok(ValueRef::Blob(message)) = row.get_ref(0) {
+                survey.message(name, kind, Encoding::of(format), message);
+            }
+        }
+    }
+    survey
 }

@@ -27,6 +27,7 @@ pub fn options(text: &str) -> ColumnOptions {
             "--rate" => options.rate = number(),
             "--unit" => options.unit = Some(value.parse().unwrap()),
             "--scale" => options.scale = number(),
+            "--topic" => options.topic = Some(value.to_owned()),
             "--max-bad" => options.max_bad = number(),
             "--decimal" => options.decimal = Some(if value == "comma" { Decimal::Comma } else { Decimal::Point }),
             "--raw" => {
@@ -46,6 +47,7 @@ fn flag(setting: Setting) -> &'static str {
         Setting::Column => "--column",
         Setting::TimeColumn => "--time-column",
         Setting::TimeUnit => "--time-unit",
+        Setting::Topic => "--topic",
         Setting::Decimal => "--decimal",
         Setting::MaxBad => "--max-bad",
         other => other.name(),
@@ -461,7 +463,14 @@ fn messages_in_every_encoding() {
         assert_eq!((numbers(&column), column.rate_hz), ((0..20).map(f64::from).collect(), 100.0));
     }
     let two = mcap(&["/a", "/b"], "cdr", |i| imu(true, false, i * 10_000_000, i as f64));
-    assert!(folder.fails(&two, "--column z").contains("/b.angular_velocity.z"));
+    let asked = folder.fails(&two, "--column z");
+    let head = ["topic", "type", "messages", "rate", "duration", "frame_id"];
+    let row = ["/b", "sensor_msgs/msg/Imu", "20", "100.00", "Hz", "0.2", "s", "imu"];
+    let rows: Vec<Vec<&str>> = asked.lines().map(|line| line.split_whitespace().collect()).collect();
+    assert!(asked.contains("several IMUs; choose one with --topic") && rows[1] == head && rows[3] == row, "{asked}");
+    assert_eq!(folder.read(&two, "--column z --topic /b").unwrap().name, "/b.angular_velocity.z");
+    assert!(folder.fails(&two, "--column z --topic /c").contains("no IMU on a topic `/c`"));
+    assert!(folder.fails(&two, "--column w --topic /b").contains("one of: /b.angular_velocity.x"));
     assert_eq!(folder.read(&two, "--column /b.angular_velocity.z").unwrap().series.len(), 20);
     let short = mcap(&["/imu"], "cdr", |_| vec![0, 1, 0, 0, 5]);
     assert!(

@@ -2,8 +2,10 @@
 //! messages, subscriptions that name topics, and data. Times are µs since the start of the flight controller.
 
 use super::clock::Times;
+use super::imu::several;
 use super::open::Log;
 use super::series::SeriesBuilder;
+use super::topics::Survey;
 use super::unit::{Quantity, TimeUnit, Unit};
 use super::{Asked, Clock, Found, FoundColumn, LogError, Result, Setting, Wanted, wrong};
 use crate::Input;
@@ -142,6 +144,8 @@ struct Topics {
     formats: BTreeMap<String, Vec<(String, String)>>,
     /// Name and instance by the number in messages.
     logged: BTreeMap<u16, (String, u8)>,
+    /// How many messages of each there are, and the times of the first and the last, µs.
+    seen: BTreeMap<u16, (u64, i64, i64)>,
 }
 
 /// A field in a message.
@@ -189,6 +193,14 @@ impl Topics {
                 let (head, name) = body.split_first_chunk::<3>()?;
                 let id = u16::from_le_bytes([head[1], head[2]]);
                 self.logged.insert(id, (std::str::from_utf8(name).ok()?.to_owned(), head[0]));
+            }
+            // the time comes first in every message
+            b'D' => {
+                if let Some((id, data)) = body.split_first_chunk::<2>() {
+                    let time = data.first_chunk::<8>().map_or(0, |bytes| i64::from_le_bytes(*bytes));
+                    let seen = self.seen.entry(u16::from_le_bytes(*id)).or_insert((0, time, time));
+                    *seen = (seen.0 + 1, seen.1, time);
+                }
             }
             _ => {}
         }
@@ -251,23 +263,25 @@ impl Topics {
             LogError::Ask(format!("{} {why}; choose with {option} one of: {}", path.display(), self.offered()))
         };
         if wanted.is_empty() {
-            let only = names
-                .iter()
-                .filter(|(name, _)| name.as_str() == "sensor_combined")
-                .map(|(name, id)| (name, *id))
-                .next();
-            let (topic, id) = only
-                .filter(|_| matches!(asked.wanted, Wanted::All))
-                .ok_or_else(|| ask("has several columns".to_owned()))?;
-            let fields = self.fields(id).unwrap_or_default();
-            let fields = fields.into_iter().filter(|field| stated(topic, &field.name).is_some());
-            let fields = fields.map(|field| (format!("{topic}.{}", field.name), field)).collect();
+            if !matches!(asked.wanted, Wanted::All) {
+                return Err(ask("has several columns".to_owned()));
+            }
+            let topic = asked.args.topic.as_deref().unwrap_or("sensor_combined");
+            let fields = |id: &u16| {
+                let fields = self.fields(*id).unwrap_or_default().into_iter();
+                let fields = fields.filter(|field| stated(topic, &field.name).is_some());
+                fields.map(|field| (format!("{topic}.{}", field.name), field)).collect::<Vec<_>>()
+            };
+            let chosen = names.get(topic).map(|id| (*id, fields(id))).filter(|(_, fields)| !fields.is_empty());
+            let Some((id, fields)) = chosen else { return Err(self.several(path, asked)) };
             return self.chosen(path, topic, id, fields);
         }
         let mut found: Vec<(String, u16, (String, Field))> = Vec::new();
         for wanted in wanted {
             let split = names.iter().find_map(|(topic, id)| {
-                let field = wanted.strip_prefix(topic.as_str())?.strip_prefix('.')?;
+                let of_topic = || wanted.strip_prefix(topic.as_str())?.strip_prefix('.');
+                let is_chosen = asked.args.topic.as_ref() == Some(topic);
+                let field = of_topic().or(is_chosen.then_some(wanted))?;
                 let field = self.fields(*id)?.into_iter().find(|one| one.name == field)?;
                 Some((topic.clone(), *id, (wanted.to_owned(), field)))
             });
@@ -288,6 +302,19 @@ impl Topics {
         let time = named("timestamp_sample").or_else(|| named("timestamp"));
         let time = time.ok_or_else(|| wrong(path, format_args!("topic {topic}"), "it has no timestamp"))?;
         Ok(Chosen { id, topic: topic.to_owned(), time, fields })
+    }
+
+    /// No topic was meant, or none with an IMU.
+    fn several(&self, path: &Path, asked: &Asked<'_>) -> LogError {
+        let mut survey = Survey::default();
+        for (topic, id) in self.names() {
+            let kind = topic.split('#').next().unwrap_or(&topic);
+            if IMUS.iter().any(|(name, ..)| *name == kind) {
+                let (messages, first, last) = self.seen.get(&id).copied().unwrap_or_default();
+                survey.counted(&topic, kind, messages, [first, last].map(|time_us| time_us.saturating_mul(1000)));
+            }
+        }
+        several(path, asked, &survey)
     }
 
     /// The readings of IMUs; any other field can be asked for as well.

@@ -2,19 +2,19 @@
 
 use super::Kind;
 use crate::Input;
-use crate::column::{self, Column, ColumnOptions, LogError, Names, Quantity, Setting, Unit, Wanted};
+use crate::column::{self, Column, ColumnOptions, LogError, Quantity, Setting, Unit, Wanted};
 use std::path::{Path, PathBuf};
 
 /// What a log may not say of its axes itself.
 #[derive(Clone, Debug, Default)]
 pub struct ImuOptions {
-    /// The topic, where a bag has several IMUs.
-    pub topic: Option<String>,
+    /// The columns, by name or number; none: all that are axes.
+    pub columns: Option<Vec<String>>,
     /// Of the gyroscope.
     pub gyro: Said,
     /// Of the accelerometer.
     pub accel: Said,
-    /// Rate, time and names of the options.
+    /// Topic, rate, time and names of the options.
     pub log: ColumnOptions,
 }
 
@@ -37,15 +37,8 @@ pub struct Axes {
     pub warnings: Vec<String>,
 }
 
-/// The six quantities of `sensor_msgs/Imu`.
-const QUANTITIES: [&str; 6] = [
-    "angular_velocity.x",
-    "angular_velocity.y",
-    "angular_velocity.z",
-    "linear_acceleration.x",
-    "linear_acceleration.y",
-    "linear_acceleration.z",
-];
+/// The end of the first column's name in a bag.
+const FIRST: &str = ".angular_velocity.x";
 
 impl Axes {
     /// Reads all of them in one pass; `path` names the log in messages.
@@ -53,8 +46,7 @@ impl Axes {
     /// # Errors
     /// As [`column::read_parts`], and where no column is one, or the unit of one is not known.
     pub fn read(path: &Path, parts: Vec<(PathBuf, Input)>, options: &ImuOptions) -> column::Result<Self> {
-        let of_topic = options.topic.as_ref().map(|topic| QUANTITIES.map(|name| format!("{topic}.{name}")));
-        let wanted = of_topic.as_ref().map_or(Wanted::All, |names| Wanted::Listed(names));
+        let wanted = options.columns.as_deref().map_or(Wanted::All, Wanted::Listed);
         Self::of(path, column::read_parts(path, parts, wanted, &options.log)?, options)
     }
 
@@ -73,7 +65,7 @@ impl Axes {
             axes.push(column);
         }
         if axes.is_empty() {
-            return Err(no_axes(path, &left_out, options.log.names));
+            return Err(no_axes(path, &left_out));
         }
         axes.sort_by_key(|column| column.quantity != Some(Quantity::AngularRate));
         if !left_out.is_empty() {
@@ -122,18 +114,17 @@ fn give_unit(
     Ok(())
 }
 
-fn no_axes(path: &Path, found: &[String], names: Names) -> LogError {
+fn no_axes(path: &Path, found: &[String]) -> LogError {
     let found = if found.is_empty() { "no numbers at all".to_owned() } else { found.join(", ") };
     LogError::Ask(format!(
         "{} has no column whose name or unit says that it is an axis of an IMU (such as gyro_x, wx, `ax [m/s^2]`); it \
-         has: {found}; rename them, or let `allan` analyse one ({})",
+         has: {found}; rename those that are",
         path.display(),
-        names.of(Setting::Column)
     ))
 }
 
 /// `/imu0` of `/imu0.angular_velocity.x`.
 fn topic_of(column: &str) -> Option<String> {
-    let topic = column.strip_suffix(QUANTITIES[0])?.strip_suffix('.')?;
+    let topic = column.strip_suffix(FIRST)?;
     topic.starts_with('/').then(|| topic.to_owned())
 }

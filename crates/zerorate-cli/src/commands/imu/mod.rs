@@ -6,14 +6,14 @@ mod text;
 use super::allan::record::{Record, Way};
 use super::allan::{Data, page};
 use super::{print_json, print_lines, warn};
-use crate::column::flag;
+use crate::column::{flag, listed, share};
 use crate::exit::{Refused, Usage};
 use crate::output::{Outputs, Staged, say};
 use anyhow::Result;
 use clap::Args;
 use std::path::PathBuf;
 use zerorate::allan::{FitOptions, Options};
-use zerorate_data::column::{Column, ColumnOptions, Names, TimeUnit, Unit};
+use zerorate_data::column::{Column, ColumnOptions, Decimal, Names, Setting, TimeUnit, Unit};
 use zerorate_data::imu::{Axes, Axis, Choice, Combine, Format, ImuOptions, Kind, Numbers, Said};
 use zerorate_host::files;
 
@@ -53,6 +53,10 @@ pub struct ImuArgs {
     #[arg(long, value_name = "TOPIC")]
     topic: Option<String>,
 
+    /// The columns, by name or number counted from 0, as in gx,gy,gz,ax,ay,az [default: all that are axes].
+    #[arg(long, value_name = "LIST")]
+    column: Option<String>,
+
     /// Samples per second [default: as the log's stamps or its time column tell].
     #[arg(long, value_name = "HZ", value_parser = factor)]
     rate: Option<f64>,
@@ -64,6 +68,14 @@ pub struct ImuArgs {
     /// The unit of the time column [default: the one that its name or type states].
     #[arg(long, value_enum, requires = "time_column")]
     time_unit: Option<TimeUnit>,
+
+    /// What stands before the decimals in a text file [default: a point, or a comma where it can be nothing else].
+    #[arg(long, value_enum, value_name = "MARK")]
+    decimal: Option<Decimal>,
+
+    /// Broken lines of a text file that are skipped and counted, as a share of all [default: 0.01].
+    #[arg(long, value_name = "SHARE", value_parser = share)]
+    max_bad: Option<f64>,
 
     /// The unit of the gyroscope's columns [default: the one that their names state].
     #[arg(long, value_name = "UNIT")]
@@ -98,17 +110,30 @@ impl ImuArgs {
     /// What the log may not say of itself.
     fn options(&self) -> ImuOptions {
         ImuOptions {
-            topic: self.topic.clone(),
+            columns: self.column.as_deref().and_then(listed),
             gyro: Said { unit: self.gyro_unit, scale: self.gyro_scale },
             accel: Said { unit: self.accel_unit, scale: self.accel_scale },
             log: ColumnOptions {
+                topic: self.topic.clone(),
                 rate: self.rate,
                 time_column: self.time_column.clone(),
                 time_unit: self.time_unit,
-                names: Names(flag),
+                decimal: self.decimal,
+                max_bad: self.max_bad,
+                names: Names(option),
                 ..ColumnOptions::default()
             },
         }
+    }
+}
+
+/// What the options are called here: a unit and a scale are of a kind, and plain numbers have no axes.
+fn option(setting: Setting) -> &'static str {
+    match setting {
+        Setting::Unit => "--gyro-unit or --accel-unit",
+        Setting::Scale => "--gyro-scale or --accel-scale",
+        Setting::Raw => "`zerorate allan --raw`",
+        other => flag(other),
     }
 }
 
@@ -151,7 +176,7 @@ fn deliver(args: &ImuArgs, axes: &[Record], topic: Option<String>, file: Option<
     }
     let Some(file) = file else { return Ok(()) };
     let ImuArgs { combine, inflate, .. } = *args;
-    let names = Names(flag);
+    let names = Names(option);
     let choice = Choice { log: args.log.display().to_string(), topic, combine, inflate, doubts, names };
     let axes: Vec<Axis<'_>> = axes.iter().filter_map(Record::axis).collect();
     Ok(file.fill(args.format.text(&Numbers::new(choice, &axes)).as_bytes())?)
