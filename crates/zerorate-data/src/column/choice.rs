@@ -78,8 +78,9 @@ impl Columns<'_> {
                 columns.iter().map(|column| self.described(column)).collect::<Result<_>>()?
             }
         };
-        let is_described = matches!(wanted, Wanted::Described(_));
-        let time = if is_open && is_described { self.stated_time(&values) } else { time };
+        // a capture counts its samples itself
+        let are_named = matches!((wanted, default), (Wanted::Described(_), _) | (Wanted::Listed(_), []));
+        let time = if is_open && are_named { self.stated_time(&values) } else { time };
         self.check(&values, time)?;
         Ok(Choice { values, time })
     }
