@@ -27,6 +27,18 @@ fn octaves(len: usize) -> Vec<u64> {
     (0..).map(|k| 1 << k).take_while(|m| 2 * m <= len as u64).collect()
 }
 
+/// 1, 2, 3, then four to an octave, as `Taus::Fine`.
+fn fine(len: usize) -> Vec<u64> {
+    let octaves = (0..).flat_map(|k| [4, 5, 6, 7].map(|m| m << k));
+    [1, 2, 3].into_iter().chain(octaves.take_while(|m| 2 * m <= len as u64)).collect()
+}
+
+#[divan::bench(args = [Stat::Oadev, Stat::Mdev, Stat::Ohdev, Stat::Totdev], sample_count = 3, sample_size = 1)]
+fn hour_f64_fine(bencher: Bencher<'_, '_>, stat: Stat) {
+    let (rate, m) = (rate(HOUR), fine(HOUR));
+    bencher.bench_local(|| deviations(&Input::Rate(black_box(&rate)), 5700.0, stat, &m));
+}
+
 #[divan::bench(args = Stat::ALL, sample_count = 3, sample_size = 1)]
 fn hour_f64_octaves(bencher: Bencher<'_, '_>, stat: Stat) {
     let (rate, m) = (rate(HOUR), octaves(HOUR));

@@ -18,7 +18,7 @@ Stat = Literal["adev", "oadev", "mdev", "tdev", "hdev", "ohdev", "totdev"]
 """The deviations. `oadev` is the one to use unless you know better."""
 
 Taus = Union[str, Sequence[float], "NDArray[np.float64]"]
-"""Averaging times: ``octave``, ``decade``, ``all``, ``log:N``, or seconds."""
+"""Averaging times: ``octave``, ``fine``, ``decade``, ``all``, ``log:N``, or seconds."""
 
 
 @dataclass(frozen=True)
@@ -225,7 +225,7 @@ def allan(
     stat
         ``adev``, ``oadev``, ``mdev``, ``tdev``, ``hdev``, ``ohdev``, ``totdev``.
     taus
-        Averaging times: ``octave``, ``decade``, ``all``, ``log:N`` for N of them, or seconds. What cannot be computed
+        Averaging times: ``octave``, ``fine``, ``decade``, ``all``, ``log:N`` for N of them, or seconds. What cannot be computed
         is in `Allan.unavailable`.
     data
         ``rate``, or ``phase`` if the values are the integral of the rate (for a gyroscope: the angle).

@@ -11,6 +11,9 @@ use core::str::FromStr;
 pub enum Taus {
     /// 1, 2, 4, 8 … samples.
     Octave,
+    /// 1, 2, 3, then 4, 5, 6, 7, 8, 10, 12, 14, 16, 20 … samples: four to an octave, for a picture. Lengths that double
+    /// share most of what they read, so they cost less than as many others.
+    Fine,
     /// 1, 2, 4, 10, 20, 40, 100 … samples.
     Decade,
     /// This many lengths, evenly spaced in the logarithm from one sample to the longest. Where rounding to whole
@@ -26,11 +29,12 @@ pub enum Taus {
 impl FromStr for Taus {
     type Err = TausError;
 
-    /// `octave`, `decade`, `log:100`, `all`, or seconds with commas: `0.1,1,10`.
+    /// `octave`, `fine`, `decade`, `log:100`, `all`, or seconds with commas: `0.1,1,10`.
     fn from_str(text: &str) -> Result<Self, TausError> {
         let lower = text.trim().to_ascii_lowercase();
         match (lower.as_str(), lower.strip_prefix("log:")) {
             ("octave", _) => Ok(Self::Octave),
+            ("fine", _) => Ok(Self::Fine),
             ("decade", _) => Ok(Self::Decade),
             ("all", _) => Ok(Self::All),
             (_, Some(count)) => match count.trim().parse() {
@@ -65,7 +69,8 @@ impl fmt::Display for TausError {
             Self::Count(text) => write!(f, "{text:?} is no number of averaging times")?,
         }
         f.write_str(
-            "; give octave, decade, all, log:N with N from 1, or seconds above 0 separated by commas (0.1,1,10)",
+            "; give octave, fine, decade, all, log:N with N from 1, or seconds above 0 separated by commas \
+             (0.1,1,10)",
         )
     }
 }
@@ -88,6 +93,10 @@ impl Taus {
         let up_to = |m: &u64| *m <= longest;
         match self {
             Self::Octave => core::iter::successors(Some(1u64), |m| m.checked_mul(2)).take_while(up_to).collect(),
+            Self::Fine => {
+                let octaves = (0..u64::BITS - 2).flat_map(|k| (4..8).map(move |quarter| quarter << k));
+                (1..4).chain(octaves).take_while(up_to).collect()
+            }
             Self::Decade => core::iter::successors(Some(1u64), |ten| ten.checked_mul(10))
                 .take_while(up_to)
                 .flat_map(|ten| [1, 2, 4].into_iter().filter_map(move |digit| ten.checked_mul(digit)))
@@ -120,6 +129,7 @@ mod tests {
     #[test]
     fn words_and_lists() {
         assert_eq!("octave".parse(), Ok(Taus::Octave));
+        assert_eq!("fine".parse(), Ok(Taus::Fine));
         assert_eq!(" Decade".parse(), Ok(Taus::Decade));
         assert_eq!("ALL".parse(), Ok(Taus::All));
         assert_eq!("log:100".parse(), Ok(Taus::Log(100)));
@@ -137,22 +147,24 @@ mod tests {
             assert_eq!(text.parse::<Taus>(), Err(TausError::Count(part.to_string())), "{text}");
         }
         let said = "fast".parse::<Taus>().unwrap_err().to_string();
-        assert!(said.contains("\"fast\"") && said.contains("octave, decade, all, log:N"), "{said}");
+        assert!(said.contains("\"fast\"") && said.contains("octave, fine, decade, all, log:N"), "{said}");
     }
 
     #[test]
     fn lengths_end_at_the_longest() {
         assert_eq!(Taus::Octave.lengths(9), [1, 2, 4, 8]);
+        assert_eq!(Taus::Fine.lengths(29), [1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 14, 16, 20, 24, 28]);
         assert_eq!(Taus::Decade.lengths(45), [1, 2, 4, 10, 20, 40]);
         assert_eq!(Taus::All.lengths(4), [1, 2, 3, 4]);
         assert_eq!(Taus::Log(4).lengths(1000), [1, 10, 100, 1000]);
         assert_eq!(Taus::Log(1).lengths(1000), [1]);
         assert_eq!(Taus::Log(u32::MAX).lengths(3), [1, 2, 3]);
         assert_eq!(Taus::Log(9).lengths(10), [1, 2, 3, 4, 6, 7, 10]);
-        for taus in [Taus::Octave, Taus::Decade, Taus::All, Taus::Log(10)] {
+        for taus in [Taus::Octave, Taus::Fine, Taus::Decade, Taus::All, Taus::Log(10)] {
             assert_eq!(taus.lengths(0), []);
         }
         assert_eq!(Taus::Octave.lengths(u64::MAX).len(), 64);
+        assert_eq!(Taus::Fine.lengths(u64::MAX).last(), Some(&(7 << 61)));
         assert_eq!(Taus::Decade.lengths(u64::MAX).last(), Some(&10_000_000_000_000_000_000));
     }
 

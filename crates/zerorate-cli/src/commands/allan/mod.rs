@@ -44,10 +44,10 @@ pub struct AllanArgs {
     #[arg(long, default_value = "oadev", help = statistics())]
     stat: Stat,
 
-    /// The averaging times: octave, decade (1, 2, 4, 10 … samples), log:N (N of them, evenly spaced in the logarithm),
-    /// all, or a list in seconds such as 0.1,1,10.
-    #[arg(long, default_value = "octave")]
-    taus: Taus,
+    /// The averaging times: octave, fine (four to an octave), decade (1, 2, 4, 10 … samples), log:N (N of them, evenly
+    /// spaced in the logarithm), all, or a list in seconds such as 0.1,1,10 [default: octave, in pictures fine]
+    #[arg(long)]
+    taus: Option<Taus>,
 
     /// What the column holds: the rate, or the phase, its integral (the angle).
     #[arg(long, value_enum, default_value = "rate")]
@@ -142,10 +142,18 @@ impl AllanArgs {
     }
 
     fn way(&self) -> Way {
-        let options = Options { stat: self.stat, taus: self.taus.clone(), confidence: self.confidence, scale: 1.0 };
+        let taus = self.taus.clone().unwrap_or(Taus::Octave);
+        let options = Options { stat: self.stat, taus, confidence: self.confidence, scale: 1.0 };
+        let draws = !self.plot.is_empty() || self.report.is_some();
         let remove_steps = self.steps == Steps::Remove;
         let fit = FitOptions { scale: 1.0, cut_glitches: !self.keep_glitches, remove_steps };
-        Way { data: self.data, closes_gaps: self.ignore_gaps, options, fit: self.wants_fit().then_some(fit) }
+        Way {
+            data: self.data,
+            closes_gaps: self.ignore_gaps,
+            options,
+            draws_finely: draws && self.taus.is_none(),
+            fit: self.wants_fit().then_some(fit),
+        }
     }
 }
 

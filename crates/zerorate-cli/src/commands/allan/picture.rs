@@ -70,7 +70,7 @@ fn subtitle(record: &Record) -> String {
 }
 
 fn curve(record: &Record) -> Curve {
-    let points = record.analysis.points.iter();
+    let points = record.drawn().points.iter();
     let points = points.map(|point| plot::Point { tau_s: point.tau_s, dev: point.dev, lo: point.lo, hi: point.hi });
     let found = coefficients(record).into_iter().filter(|_| record.analysis.stat.is_allan());
     let law = |named: Named<'_>| {
@@ -85,8 +85,8 @@ fn curve(record: &Record) -> Curve {
     };
     let laws = found.filter(|named| named.coefficient.value > 0.0).map(law).collect();
     let minimum = record.minimum().map(|(tau_s, dev)| Minimum { tau_s, dev });
-    let expected = record.analysis.points.iter().filter_map(|point| {
-        let Expected { dev, lo, hi } = record.expected(point)?;
+    let expected = record.drawn().points.iter().filter_map(|point| {
+        let Expected { dev, lo, hi } = record.model()?.expected(record.drawn(), point)?;
         Some(plot::Point { tau_s: point.tau_s, dev, lo, hi })
     });
     Curve { label: record.label(), points: points.collect(), model: expected.collect(), laws, minimum }

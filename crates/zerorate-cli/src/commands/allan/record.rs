@@ -6,7 +6,7 @@ use crate::exit::Refused;
 use anyhow::{Context, Result, ensure};
 use std::path::{Path, PathBuf};
 use zerorate::allan::{
-    self, AllanWarning, Analysis, Averaging, Expected, Fit, FitError, FitOptions, Input, Options, Point,
+    self, AllanWarning, Analysis, Averaging, Expected, Fit, FitError, FitOptions, Input, Options, Point, Taus,
 };
 use zerorate_data::column::{Column, Quantity, STANDARD_GRAVITY, Series};
 use zerorate_data::imu::{self, Axis, Kind};
@@ -19,6 +19,8 @@ pub struct Record {
     pub quantity: Option<Quantity>,
     pub confidence: f64,
     pub analysis: Analysis,
+    /// The same at the averaging times of pictures, where those are others.
+    finer: Option<Analysis>,
     /// None where nobody asked for it.
     pub fit: Option<Result<Fit, FitError>>,
     pub warnings: Vec<String>,
@@ -32,6 +34,8 @@ pub struct Way {
     pub closes_gaps: bool,
     /// In the unit of the column.
     pub options: Options,
+    /// Pictures have more averaging times than the options say.
+    pub draws_finely: bool,
     /// Before a fit; none: no fit.
     pub fit: Option<FitOptions>,
 }
@@ -50,15 +54,17 @@ impl Record {
             (None, Series::Codes(codes)) => Input::Codes { codes, gaps: &column.gaps },
             (None, Series::Numbers(numbers)) => Input::Rate(numbers),
         };
-        let options = |scale| Options { scale, ..way.options.clone() };
         let fit = way.fit.map(|fit| allan::fit(&input, column.rate_hz, &FitOptions { scale: column.scale, ..fit }));
         // what was taken out before the fit is not in the curve either, or the two could not be compared
         let cleaned = fit.iter().flatten().find_map(|fit| fit.cleaned.rate.as_deref());
-        let analysis = match cleaned {
-            Some(rate) => allan::analyse(&Input::Rate(rate), column.rate_hz, &options(1.0)),
-            None => allan::analyse(&input, column.rate_hz, &options(column.scale)),
+        let (input, scale) = cleaned.map_or((input, column.scale), |rate| (Input::Rate(rate), 1.0));
+        let analyse = |taus: &Taus| {
+            let options = Options { scale, taus: taus.clone(), ..way.options };
+            let analysis = allan::analyse(&input, column.rate_hz, &options);
+            analysis.with_context(|| format!("cannot analyse {}", file.display()))
         };
-        let analysis = analysis.with_context(|| format!("cannot analyse {}", file.display()))?;
+        let analysis = analyse(&way.options.taus)?;
+        let finer = way.draws_finely.then(|| analyse(&Taus::Fine)).transpose()?;
         let seen = fit.iter().flatten().flat_map(|fit| &fit.warnings);
         warnings.extend(seen.map(|warning: &AllanWarning| format!("{}: {warning}", warning.code())));
         Ok(Self {
@@ -67,6 +73,7 @@ impl Record {
             quantity: column.quantity,
             confidence: way.options.confidence,
             analysis,
+            finer,
             fit,
             warnings,
         })
@@ -85,6 +92,11 @@ impl Record {
     /// What the deviation is called.
     pub fn title(&self) -> &'static str {
         self.analysis.stat.title()
+    }
+
+    /// What pictures show.
+    pub fn drawn(&self) -> &Analysis {
+        self.finer.as_ref().unwrap_or(&self.analysis)
     }
 
     /// The model, if there is one.

@@ -145,7 +145,8 @@ pub fn run(args: &ImuArgs) -> Result<()> {
     warn(&warnings);
     check_format(args, &columns)?;
     let fit = Some(FitOptions::default());
-    let way = Way { data: Data::Rate, closes_gaps: false, options: Options::default(), fit };
+    let draws_finely = page.is_some();
+    let way = Way { data: Data::Rate, closes_gaps: false, options: Options::default(), draws_finely, fit };
     let analyse = |column| Record::of(column, &args.log, &way);
     let axes: Vec<Record> = columns.into_iter().map(analyse).collect::<Result<_>>()?;
     for axis in &axes {

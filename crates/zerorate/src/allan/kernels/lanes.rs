@@ -10,7 +10,14 @@ use alloc::vec::Vec;
 const LANES: usize = 16;
 
 /// Second differences of f64. The lanes are independent sums and their number is fixed, so every machine rounds alike.
-#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx2+fma", "aarch64+neon")))]
+#[cfg_attr(
+    feature = "std",
+    multiversion::multiversion(targets(
+        "x86_64+avx512f+avx512dq+avx512vl+avx2+fma",
+        "x86_64+avx2+fma",
+        "aarch64+neon"
+    ))
+)]
 pub(super) fn second_f64(a: &[f64], b: &[f64], c: &[f64]) -> f64 {
     let mut sums = [0.0; LANES];
     let ((a, a_rest), (b, b_rest), (c, c_rest)) = (a.as_chunks(), b.as_chunks(), c.as_chunks());
@@ -29,7 +36,14 @@ pub(super) fn second_f64(a: &[f64], b: &[f64], c: &[f64]) -> f64 {
 }
 
 /// Sum of the values less an offset.
-#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx2+fma", "aarch64+neon")))]
+#[cfg_attr(
+    feature = "std",
+    multiversion::multiversion(targets(
+        "x86_64+avx512f+avx512dq+avx512vl+avx2+fma",
+        "x86_64+avx2+fma",
+        "aarch64+neon"
+    ))
+)]
 pub(super) fn sum_f64(values: &[f64], offset: f64) -> f64 {
     let mut sums = [0.0; LANES];
     let (chunks, rest) = values.as_chunks();
@@ -44,7 +58,14 @@ pub(super) fn sum_f64(values: &[f64], offset: f64) -> f64 {
 }
 
 /// Third differences of f64.
-#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx2+fma", "aarch64+neon")))]
+#[cfg_attr(
+    feature = "std",
+    multiversion::multiversion(targets(
+        "x86_64+avx512f+avx512dq+avx512vl+avx2+fma",
+        "x86_64+avx2+fma",
+        "aarch64+neon"
+    ))
+)]
 pub(super) fn third_f64(a: &[f64], b: &[f64], c: &[f64], d: &[f64]) -> f64 {
     let mut sums = [0.0; LANES];
     let ((a, a_rest), (b, b_rest), (c, c_rest), (d, d_rest)) =
@@ -74,7 +95,14 @@ pub(super) struct Survey {
     pub sums: Vec<i64>,
 }
 
-#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx2+fma", "aarch64+neon")))]
+#[cfg_attr(
+    feature = "std",
+    multiversion::multiversion(targets(
+        "x86_64+avx512f+avx512dq+avx512vl+avx2+fma",
+        "x86_64+avx2+fma",
+        "aarch64+neon"
+    ))
+)]
 pub(super) fn survey(codes: &[i32]) -> Survey {
     let mut survey = Survey { low: i32::MAX, high: i32::MIN, sums: vec![0; codes.len().div_ceil(SHORT)] };
     for (short, sum) in codes.chunks(SHORT).zip(&mut survey.sums) {
@@ -93,7 +121,14 @@ pub(super) fn survey(codes: &[i32]) -> Survey {
 const RUN: usize = 256;
 
 /// Second differences of i32 modulo 2^32, all of which are below 2^28.
-#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx2+fma", "aarch64+neon")))]
+#[cfg_attr(
+    feature = "std",
+    multiversion::multiversion(targets(
+        "x86_64+avx512f+avx512dq+avx512vl+avx2+fma",
+        "x86_64+avx2+fma",
+        "aarch64+neon"
+    ))
+)]
 pub(super) fn second_i32(a: &[i32], b: &[i32], c: &[i32]) -> ExactSum {
     let mut sum = 0u128;
     for ((a, b), c) in a.chunks(RUN).zip(b.chunks(RUN)).zip(c.chunks(RUN)) {
@@ -108,7 +143,14 @@ pub(super) fn second_i32(a: &[i32], b: &[i32], c: &[i32]) -> ExactSum {
 }
 
 /// Third differences of i32 modulo 2^32, all of which are below 2^28.
-#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx2+fma", "aarch64+neon")))]
+#[cfg_attr(
+    feature = "std",
+    multiversion::multiversion(targets(
+        "x86_64+avx512f+avx512dq+avx512vl+avx2+fma",
+        "x86_64+avx2+fma",
+        "aarch64+neon"
+    ))
+)]
 pub(super) fn third_i32(a: &[i32], b: &[i32], c: &[i32], d: &[i32]) -> ExactSum {
     let mut sum = 0u128;
     for (((a, b), c), d) in a.chunks(RUN).zip(b.chunks(RUN)).zip(c.chunks(RUN)).zip(d.chunks(RUN)) {
@@ -154,7 +196,14 @@ impl Parts {
 }
 
 /// Second differences of i64 modulo 2^64, all of which are below 2^56; at most 2^16 of them.
-#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx2+fma", "aarch64+neon")))]
+#[cfg_attr(
+    feature = "std",
+    multiversion::multiversion(targets(
+        "x86_64+avx512f+avx512dq+avx512vl+avx2+fma",
+        "x86_64+avx2+fma",
+        "aarch64+neon"
+    ))
+)]
 pub(super) fn second_i64(a: &[i64], b: &[i64], c: &[i64]) -> ExactSum {
     let mut sum = 0;
     for ((a, b), c) in a.chunks(LONG_RUN).zip(b.chunks(LONG_RUN)).zip(c.chunks(LONG_RUN)) {
@@ -168,7 +217,14 @@ pub(super) fn second_i64(a: &[i64], b: &[i64], c: &[i64]) -> ExactSum {
 }
 
 /// Third differences of i64 modulo 2^64, all of which are below 2^56; at most 2^16 of them.
-#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx2+fma", "aarch64+neon")))]
+#[cfg_attr(
+    feature = "std",
+    multiversion::multiversion(targets(
+        "x86_64+avx512f+avx512dq+avx512vl+avx2+fma",
+        "x86_64+avx2+fma",
+        "aarch64+neon"
+    ))
+)]
 pub(super) fn third_i64(a: &[i64], b: &[i64], c: &[i64], d: &[i64]) -> ExactSum {
     let mut sum = 0;
     let chunks = a.chunks(LONG_RUN).zip(b.chunks(LONG_RUN)).zip(c.chunks(LONG_RUN)).zip(d.chunks(LONG_RUN));
@@ -184,7 +240,14 @@ pub(super) fn third_i64(a: &[i64], b: &[i64], c: &[i64], d: &[i64]) -> ExactSum 
 }
 
 /// Third differences of fixed point, squared in f64.
-#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx2+fma", "aarch64+neon")))]
+#[cfg_attr(
+    feature = "std",
+    multiversion::multiversion(targets(
+        "x86_64+avx512f+avx512dq+avx512vl+avx2+fma",
+        "x86_64+avx2+fma",
+        "aarch64+neon"
+    ))
+)]
 pub(super) fn third_fixed(a: &[i64], b: &[i64], c: &[i64], d: &[i64]) -> f64 {
     let mut sums = [0.0; LANES];
     let third = |a: i64, b: i64, c: i64, d: i64| {
