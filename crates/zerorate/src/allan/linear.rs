@@ -19,6 +19,30 @@ impl Square {
     pub(super) fn at(&self, row: usize, column: usize) -> f64 {
         self.cells[row * self.n + column]
     }
+
+    /// By elimination with row pivots.
+    #[cfg(feature = "std")]
+    pub(super) fn determinant(mut self) -> f64 {
+        let n = self.n;
+        let mut determinant = 1.0;
+        for column in 0..n {
+            let size = |row: &usize| libm::fabs(self.at(*row, column));
+            let pivot = (column..n).max_by(|a, b| size(a).total_cmp(&size(b))).unwrap_or(column);
+            if self.at(pivot, column) == 0.0 {
+                return 0.0;
+            }
+            if pivot != column {
+                (0..n).for_each(|k| self.cells.swap(pivot * n + k, column * n + k));
+                determinant = -determinant;
+            }
+            determinant *= self.at(column, column);
+            for row in column + 1..n {
+                let factor = self.at(row, column) / self.at(column, column);
+                (column..n).for_each(|k| self.cells[row * n + k] -= factor * self.at(column, k));
+            }
+        }
+        determinant
+    }
 }
 
 /// L with L·Lᵀ = the matrix.
@@ -41,6 +65,12 @@ impl Cholesky {
             }
         }
         Some(Self(l))
+    }
+
+    /// ln of the determinant of the matrix.
+    #[cfg(feature = "std")]
+    pub(super) fn ln_determinant(&self) -> f64 {
+        (0..self.0.n).map(|i| 2.0 * libm::log(self.0.at(i, i))).sum()
     }
 
     /// L⁻¹·b

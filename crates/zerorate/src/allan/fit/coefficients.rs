@@ -50,11 +50,11 @@ impl Coefficients<'_> {
         Coefficient { lo: n.value / wider(n.value / n.lo), hi: n.value * wider(n.hi / n.value), ..n }
     }
 
-    /// K rests on few coefficients: its value is the mean of its confidence distribution.
+    /// K rests on few coefficients: its square is the mean of its confidence distribution.
     pub(super) fn k(&self) -> Coefficient {
         let profile = self.square(K2);
         let (lo, hi) = profile.interval();
-        self.finished(K2, profile.mean_of_root(hi), (libm::sqrt(lo), libm::sqrt(hi)))
+        self.finished(K2, libm::sqrt(profile.mean(hi)), (libm::sqrt(lo), libm::sqrt(hi)))
     }
 
     fn drift(&self) -> Estimate {

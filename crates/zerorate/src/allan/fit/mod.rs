@@ -11,6 +11,7 @@
 mod bins;
 mod coefficients;
 mod density;
+mod departure;
 mod glitches;
 mod lines;
 mod masked;

@@ -1,7 +1,8 @@
 //! Intervals from the profile of the likelihood: every value that is less than 1.96 standard deviations from the best,
 //! all other parameters fitted again.
 
-use super::scoring::{Form, Found, Problem};
+use super::departure::departure;
+use super::scoring::{Form, Found, Local, Problem};
 use super::select::DESCENT;
 use crate::allan::linear::{Cholesky, Square};
 use alloc::vec::Vec;
@@ -18,13 +19,14 @@ const BEYOND_THE_INTERVAL: f64 = 2.0;
 /// A descent beside the best parameters.
 const BESIDE: (usize, f64) = (30, 1e-5);
 /// Nearer to the best value the root needs no correction, and it is never more than so much.
-const LEAST_ROOT: f64 = 0.15;
+const LEAST_ROOT: f64 = 0.05;
 const MOST_CORRECTION: f64 = 1.0;
 
 /// The likelihood along one parameter.
 pub(super) struct Profile<'a> {
     problem: &'a Problem,
     best: Found,
+    local: Local,
     place: usize,
     /// What the parameter cannot leave.
     bounds: (f64, f64),
@@ -38,12 +40,12 @@ impl<'a> Profile<'a> {
             true => found.clone(),
             false => problem.descend(Form { signed: Some(place), ..found.form }, &found.at, None, DESCENT),
         };
-        Self { problem, best, place, bounds: (0.0, f64::INFINITY) }
+        Self { problem, local: problem.local(&best), best, place, bounds: (0.0, f64::INFINITY) }
     }
 
     /// Of any other parameter, between bounds.
     pub(super) fn between(problem: &'a Problem, found: &Found, place: usize, bounds: (f64, f64)) -> Self {
-        Self { problem, best: found.clone(), place, bounds }
+        Self { problem, local: problem.local(found), best: found.clone(), place, bounds }
     }
 
     fn value(&self) -> f64 {
@@ -52,19 +54,22 @@ impl<'a> Profile<'a> {
 
     /// How far the best value is above this one, in standard deviations of a normal distribution.
     ///
-    /// r = ±√(D − D_min) is normal where there is much data; of a scale with ν degrees of freedom it is not, and
-    /// r + ln(u/r)/r is, with the score u = ½∂D/∂θ over the root of its variance at the held value (Barndorff-Nielsen,
-    /// Biometrika 73, 1986; for one scale u = √(ν/2)(P/S − 1)).
+    /// r = ±√(D − D_min) is normal where there is much data; of a parameter that rests on a few coefficients it is not,
+    /// and r + ln(u/r)/r is (Barndorff-Nielsen, Biometrika 73, 1986). Its [`departure`] u knows that the other
+    /// parameters were fitted: without that K came out 4 % low in the hour.
     fn score(&self, value: f64) -> f64 {
         let mut start = self.best.at.clone();
         start[self.place] = value;
         let found = self.problem.descend(self.best.form, &start, Some(self.place), BESIDE);
         let r = libm::sqrt((found.deviance - self.best.deviance).max(0.0));
         let r = if value > self.value() { -r } else { r };
-        let (curvature, gradient) = self.problem.slope(&found);
-        let Some(variance) = self.marginal_variance(&curvature, &found) else { return r };
-        let u = gradient[self.place] * libm::sqrt(variance) / 2.0;
-        let correction = if libm::fabs(r) > LEAST_ROOT && u / r > 0.0 { libm::log(u / r) / r } else { 0.0 };
+        if libm::fabs(r) < LEAST_ROOT {
+            return r;
+        }
+        let can_move = |i: usize| self.problem.is_free(&found, i) && self.problem.is_free(&self.best, i);
+        let free: Vec<usize> = (0..found.at.len()).filter(|&i| i == self.place || can_move(i)).collect();
+        let u = departure(&self.problem.nu, &self.local, &self.problem.local(&found), &free, self.place);
+        let correction = u.filter(|u| u / r > 0.0).map_or(0.0, |u| libm::log(u / r) / r);
         r + correction.clamp(-MOST_CORRECTION, MOST_CORRECTION)
     }
 
@@ -76,7 +81,7 @@ impl<'a> Profile<'a> {
 
     /// The standard deviation that the curvature suggests.
     fn step(&self) -> f64 {
-        let (curvature, _) = self.problem.slope(&self.best);
+        let curvature = self.problem.information(&self.best);
         let own = curvature.at(self.place, self.place).max(f64::MIN_POSITIVE);
         let conditional = libm::sqrt(2.0 / own);
         let variance = self.marginal_variance(&curvature, &self.best);
@@ -120,16 +125,17 @@ impl<'a> Profile<'a> {
         within(f64::midpoint(inside, outside))
     }
 
-    /// Mean of the root of the parameter over its confidence distribution, whose distribution function H at a value is
-    /// the probability of more than was found if it were true: ∫ (1 − H) d√v. Unlike the best value it is never zero,
-    /// and its error is smaller.
-    pub(super) fn mean_of_root(&self, hi: f64) -> f64 {
+    /// Mean of the parameter over its confidence distribution, whose distribution function H at a value is the
+    /// probability of more than was found if it were true: ∫ (1 − H) dv. Unlike the best value it is never zero, and
+    /// its error is smaller: the rms error of K in the hour is 35 %, where the mean of its root has 38 and the best
+    /// value 42 %.
+    pub(super) fn mean(&self, hi: f64) -> f64 {
         let width = BEYOND_THE_INTERVAL * libm::sqrt(hi) / f64::from(CELLS);
-        let above = |cell: u32| {
+        let slice = |cell: u32| {
             let root = width * (f64::from(cell) + 0.5);
-            libm::erfc(-self.score(root * root) / core::f64::consts::SQRT_2) / 2.0
+            root * libm::erfc(-self.score(root * root) / core::f64::consts::SQRT_2)
         };
-        (0..CELLS).map(above).sum::<f64>() * width
+        (0..CELLS).map(slice).sum::<f64>() * width
     }
 
     /// Of the parameter where the curvature of D is this, what can move free; none where that cannot be told.

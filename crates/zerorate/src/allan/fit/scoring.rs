@@ -78,7 +78,7 @@ const HALVINGS: usize = 12;
 pub(super) struct Problem {
     pub(super) table: Table,
     /// Degrees of freedom of each row: those of the bin, less what the model error takes.
-    nu: Vec<f64>,
+    pub(super) nu: Vec<f64>,
     /// Relative error of the model, ε.
     pub(super) error: f64,
     least_white: f64,
@@ -122,6 +122,12 @@ pub(super) struct Found {
     pub(super) density: Vec<f64>,
     /// Size of the drift, 0 without one.
     pub(super) drift: f64,
+}
+
+/// The expected powers at some parameters, and their slopes by each of them.
+pub(super) struct Local {
+    pub(super) density: Vec<f64>,
+    pub(super) slopes: Vec<Vec<f64>>,
 }
 
 /// The model at some parameters.
@@ -299,10 +305,20 @@ impl Problem {
         self.table.rows.iter_mut().zip(powers).for_each(|(row, power)| row.bin.power = *power);
     }
 
-    /// Expected curvature and negative gradient of D at what was found.
-    pub(super) fn slope(&self, found: &Found) -> (Square, Vec<f64>) {
+    /// Expected curvature of D at what was found.
+    pub(super) fn information(&self, found: &Found) -> Square {
+        self.normal(&found.form, &self.state_of(found)).0
+    }
+
+    /// Densities and slopes at what was found.
+    pub(super) fn local(&self, found: &Found) -> Local {
+        let State { density, slopes, .. } = self.state_of(found);
+        Local { density, slopes }
+    }
+
+    fn state_of(&self, found: &Found) -> State {
         let template = found.form.drift.map(|drift| drift.coefficients(self.table.span_s, self.table.low.len()));
-        self.normal(&found.form, &self.state(&found.form, &found.at, template.as_deref()))
+        self.state(&found.form, &found.at, template.as_deref())
     }
 
     /// Whether a parameter can move.

@@ -82,7 +82,8 @@ fn a_spectrum_without_scatter_gives_its_coefficients() {
         let fit = fit(&Input::Rate(&scaled), RATE_HZ, &FitOptions { remove_steps: false, ..FitOptions::default() });
         let fit = fit.unwrap();
         assert!(near(fit.n.value, HOUR.n * scale, 1e-3) && near(fit.b.value, HOUR.b * scale, 0.03), "{fit:?}");
-        assert!(near(fit.k.value, HOUR.k * scale, 0.1), "{fit:?}");
+        // the mean of K² lies above its best value
+        assert!(near(fit.k.value, HOUR.k * scale, 0.15), "{fit:?}");
         assert!(fit.terms.is_empty() && fit.q.is_none() && fit.r.is_none() && fit.model_error == 0.0, "{fit:?}");
         assert!(fit.n.lo < HOUR.n * scale && HOUR.n * scale < fit.n.hi && fit.n.identified && fit.b.identified);
     }
