@@ -190,6 +190,45 @@ fn units_are_asked_for_and_never_guessed() {
     assert!((value / n(1) - 1.0).abs() < 0.02, "{value}");
 }
 
+/// What several axes have in common is one line, below the table, and the important first; `--json` has all of it.
+#[test]
+fn findings_are_a_line_for_each_kind() {
+    let bench = Bench::new();
+    let knocked: String = log()
+        .lines()
+        .enumerate()
+        .map(|(row, line)| {
+            let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
+            if row == 5000 {
+                (cells[4], cells[5]) = ("3.5".to_owned(), "-4.5".to_owned());
+            }
+            cells.join(",") + "\n"
+        })
+        .collect();
+    bench.write("imu.csv", knocked);
+    let run = bench.zerorate(&format!("{LINE} -o imu.yaml")).ended_with(0);
+    let lines: Vec<&str> = run.stderr.lines().collect();
+    assert!(
+        lines[0].starts_with("warning: glitches: ")
+            && lines[0].ends_with("ax [m/s^2] (1, 1 samples), ay [m/s^2] (1, 1 samples)"),
+        "{lines:?}"
+    );
+    let codes: Vec<&str> = lines.iter().filter_map(|line| line.strip_prefix("warning: ")?.split(':').next()).collect();
+    let unique: std::collections::BTreeSet<&str> = codes.iter().copied().collect();
+    assert_eq!(codes.len(), unique.len(), "{codes:?}");
+    assert!(codes.contains(&"not-identified") && lines.len() < 8, "{lines:?}");
+    assert_eq!(
+        lines[lines.len() - 1],
+        "imu.yaml is for Kalibr (imu.yaml): of the axes of a kind the worst was taken (--combine worst)"
+    );
+    assert!(run.stdout.contains("\n  gyro_x_dps  ") && run.stdout.contains("B, µg"), "{}", run.stdout);
+    let report: Value = serde_json::from_str(&bench.zerorate(&format!("{LINE} --json")).ok()).unwrap();
+    for axis in [3, 4] {
+        let warnings = report["axes"][axis]["warnings"].as_array().unwrap();
+        assert!(warnings.iter().any(|warning| warning.as_str().unwrap().starts_with("glitches: 1 glitches cannot")));
+    }
+}
+
 /// A log of several IMUs is a table to choose from, and no text names an option that `imu` has not.
 #[test]
 fn several_imus_are_a_table() {

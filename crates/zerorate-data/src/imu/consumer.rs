@@ -47,7 +47,8 @@ impl Format {
     }
 
     /// What reads it, for people.
-    fn reader(self) -> &'static str {
+    #[must_use]
+    pub fn reader(self) -> &'static str {
         match self {
             Self::Kalibr => "Kalibr (imu.yaml)",
             Self::Openvins => "OpenVINS (kalibr_imu_chain.yaml)",

@@ -227,7 +227,8 @@ impl Combine {
     }
 
     /// What was done, for the file.
-    pub(super) fn words(self, names: Names) -> String {
+    #[must_use]
+    pub fn words(self, names: Names) -> String {
         let taken = self.name();
         format!("the {taken} was taken ({} {taken})", names.of(Setting::Combine))
     }

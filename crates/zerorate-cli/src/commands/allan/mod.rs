@@ -1,5 +1,6 @@
 //! `zerorate allan`: how much the mean of a rate at rest moves, over how long it is taken.
 
+pub mod findings;
 mod imu_yaml;
 pub mod json;
 pub mod page;
@@ -167,8 +168,9 @@ pub fn run(args: &AllanArgs) -> Result<()> {
         }
     }
     check_units(args, &records)?;
-    for record in &records {
-        warn(&record.warnings);
+    match args.column.is_list() {
+        true => warn(&findings::condensed(&records)),
+        false => records.iter().for_each(|record| warn(&record.warnings)),
     }
     print_records(args, &records)?;
     files.write(&records)?;

@@ -79,6 +79,12 @@ impl Record {
         })
     }
 
+    /// What there is to know: of the log, in words, and of the model.
+    pub fn findings(&self) -> (&[String], &[AllanWarning]) {
+        let of_model = self.model().map_or(&[][..], |fit| &fit.warnings);
+        (&self.warnings[..self.warnings.len() - of_model.len()], of_model)
+    }
+
     /// What tells this log from others: the file, and the column.
     pub fn label(&self) -> String {
         format!("{}, column {}", self.file.display(), self.column)

@@ -22,7 +22,7 @@ pub struct Named<'a> {
 }
 
 /// Units of a coefficient, given as those of fits in °/s and in m/s², and as what follows any other unit.
-struct Units {
+pub struct Units {
     rate: &'static [(&'static str, f64)],
     acceleration: &'static [(&'static str, f64)],
     other: &'static str,
@@ -39,7 +39,7 @@ const N: Units = Units {
     acceleration: &[("m/s/√h", 60.0), ("m/s/√s", 1.0), ("µg/√Hz, one-sided", SQRT_2 * MICRO_G)],
     other: "·√s",
 };
-const B: Units = Units {
+pub const B: Units = Units {
     rate: &[("°/h", 3600.0), ("°/s", 1.0)],
     acceleration: &[("µg", MICRO_G), ("mg", MICRO_G / 1e3), ("m/s²", 1.0)],
     other: "",
@@ -57,7 +57,7 @@ const R: Units = Units {
 };
 
 impl Units {
-    fn of(&self, record: &Record) -> Vec<(String, f64)> {
+    pub fn of(&self, record: &Record) -> Vec<(String, f64)> {
         let known = match record.quantity {
             Some(Quantity::AngularRate) => self.rate,
             Some(Quantity::Acceleration) => self.acceleration,

@@ -4,7 +4,7 @@ mod json;
 mod text;
 
 use super::allan::record::{Record, Way};
-use super::allan::{Data, page};
+use super::allan::{Data, findings, page};
 use super::{print_json, print_lines, warn};
 use crate::column::{flag, listed, share};
 use crate::exit::{Refused, Usage};
@@ -142,21 +142,20 @@ pub fn run(args: &ImuArgs) -> Result<()> {
     let file = args.output.as_ref().map(|path| outputs.derived(path)).transpose()?;
     let page = args.report.as_ref().map(|path| outputs.derived(path)).transpose()?;
     let Axes { columns, topic, warnings } = Axes::read(&args.log, files::log(&args.log)?, &args.options())?;
-    warn(&warnings);
     check_format(args, &columns)?;
     let fit = Some(FitOptions::default());
     let draws_finely = page.is_some();
     let way = Way { data: Data::Rate, closes_gaps: false, options: Options::default(), draws_finely, fit };
     let analyse = |column| Record::of(column, &args.log, &way);
     let axes: Vec<Record> = columns.into_iter().map(analyse).collect::<Result<_>>()?;
-    for axis in &axes {
-        axis.warnings.iter().for_each(|warning| say(format_args!("warning: {}: {warning}", axis.column)));
-    }
     if args.json {
         print_json(&json::Report::new(&axes))?;
     } else {
         print_lines(&text::table(&axes)?)?;
     }
+    let findings = findings::condensed(&axes);
+    warn(&findings);
+    warn(&warnings);
     if let Some(page) = page {
         let kinds: Vec<&[Record]> = axes.chunk_by(|a, b| a.quantity == b.quantity).collect();
         page::write(page, &kinds)?;
@@ -180,7 +179,15 @@ fn deliver(args: &ImuArgs, axes: &[Record], topic: Option<String>, file: Option<
     let names = Names(option);
     let choice = Choice { log: args.log.display().to_string(), topic, combine, inflate, doubts, names };
     let axes: Vec<Axis<'_>> = axes.iter().filter_map(Record::axis).collect();
-    Ok(file.fill(args.format.text(&Numbers::new(choice, &axes)).as_bytes())?)
+    file.fill(args.format.text(&Numbers::new(choice, &axes)).as_bytes())?;
+    if let Some(path) = &args.output {
+        let chosen = match args.format.is_by_axis() {
+            true => "each axis by itself".to_owned(),
+            false => format!("of the axes of a kind {}", combine.words(Names(option))),
+        };
+        say(format_args!("{} is for {}: {chosen}", path.display(), args.format.reader()));
+    }
+    Ok(())
 }
 
 /// What takes a number by axis needs three of a kind.

@@ -1,11 +1,10 @@
 //! The result as text.
 
 use crate::commands::allan::record::Record;
-use crate::commands::allan::units::{coefficients, span};
+use crate::commands::allan::units::{B, coefficients, span};
 use anyhow::Result;
 use std::fmt::Write;
 use zerorate::allan::{Estimate, Term};
-use zerorate_data::column::STANDARD_GRAVITY;
 use zerorate_data::imu::Kind;
 
 /// For each kind a table with a row for each axis.
@@ -15,6 +14,7 @@ pub fn table(axes: &[Record]) -> Result<String> {
         let (samples, rate_hz) = (record.analysis.samples, record.analysis.rate_hz);
         let length = span(samples as f64 / rate_hz);
         writeln!(text, "{}: {samples} samples at {rate_hz:.6} Hz, {length}", record.file.display())?;
+        writeln!(text, "value [95 % interval]; < upper limit where it cannot be told from zero")?;
     }
     for kind in Kind::ALL {
         let of_kind: Vec<&Record> = axes.iter().filter(|axis| axis.quantity == Some(kind.quantity())).collect();
@@ -22,41 +22,73 @@ pub fn table(axes: &[Record]) -> Result<String> {
             write!(text, "\n{}", of_group(kind, &of_kind)?)?;
         }
     }
-    Ok(text.trim_end().to_owned() + "\n")
+    Ok(text)
 }
 
-/// As B has it.
-fn bias_unit(kind: Kind) -> (&'static str, f64) {
-    match kind {
-        Kind::Gyroscope => ("°/h", 3600.0),
-        Kind::Accelerometer => ("µg", 1e6 / STANDARD_GRAVITY),
-    }
-}
-
+/// N, B and K side by side, what else a model has below.
 fn of_group(kind: Kind, axes: &[&Record]) -> Result<String> {
-    let mut text = format!("{}: value [95 % interval]; in brackets alone: not told from zero\n", kind.name());
-    let width = axes.iter().map(|axis| axis.column.chars().count()).max().unwrap_or(0);
+    let mut rows = vec![vec![kind.name().to_owned()]];
     for record in axes {
-        write!(text, "  {:width$}", record.column)?;
-        for named in coefficients(record) {
-            let Estimate { value, lo, hi } = named.in_unit(0);
-            let (letter, unit) = (named.letter, &named.units[0].0);
-            match named.coefficient.identified {
-                true => write!(text, "  {letter} {value:.4e} [{lo:.3e}, {hi:.3e}] {unit}")?,
-                false => write!(text, "  {letter} [{lo:.3e}, {hi:.3e}] {unit}")?,
-            }
+        let all = coefficients(record);
+        let (columns, others) = all.split_at(all.len().min(3));
+        if rows[0].len() == 1 {
+            rows[0].extend(columns.iter().map(|named| format!("{}, {}", named.letter, named.units[0].0)));
+            rows[0].extend((!columns.is_empty()).then(|| "model holds to".to_owned()));
         }
-        writeln!(text)?;
-        if let Err(why) = record.believed() {
-            writeln!(text, "  {:width$}  NOT A RESULT: {why}", "")?;
+        let mut row = vec![record.column.clone()];
+        row.extend(columns.iter().map(|named| value(named.in_unit(0), named.coefficient.identified)));
+        row.extend(record.model().map(|fit| format!("{:.1} %", fit.model_error * 100.0)));
+        rows.push(row);
+        for named in others {
+            let value = value(named.in_unit(0), named.coefficient.identified);
+            rows.push(vec![String::new(), format!("{} {value} {}", named.letter, named.units[0].0)]);
         }
         for term in record.model().iter().flat_map(|fit| &fit.terms) {
             if let Term::GaussMarkov { sigma, tau_s } = term {
-                let (unit, factor) = bias_unit(kind);
-                let sigma = sigma.value * factor;
-                writeln!(text, "  {:width$}  Gauss–Markov σ {sigma:.4} {unit}, T {:.3} s", "", tau_s.value)?;
+                let (unit, factor) = &B.of(record)[0];
+                let sigma = significant(sigma.value * factor);
+                let text = format!("Gauss–Markov σ {sigma} {unit}, T {} s", significant(tau_s.value));
+                rows.push(vec![String::new(), text]);
             }
         }
+        if let Err(why) = record.believed() {
+            rows.push(vec![String::new(), format!("NOT A RESULT: {why}")]);
+        }
     }
-    Ok(text)
+    Ok(aligned(&rows))
+}
+
+fn value(Estimate { value, lo, hi }: Estimate, is_identified: bool) -> String {
+    match is_identified {
+        true => format!("{} [{}, {}]", significant(value), significant(lo), significant(hi)),
+        false => format!("< {}", significant(hi)),
+    }
+}
+
+/// Four significant digits.
+fn significant(value: f64) -> String {
+    match value.abs().log10().floor() {
+        k if (-3.0..=4.0).contains(&k) => format!("{value:.*}", (3.0 - k).max(0.0) as usize),
+        _ if value == 0.0 => "0".to_owned(),
+        _ => format!("{value:.3e}"),
+    }
+}
+
+/// Columns of one width; a row with two cells has its second across the rest.
+fn aligned(rows: &[Vec<String>]) -> String {
+    let width = |column: usize| {
+        let cells = rows.iter().filter(|row| row.len() > 2 || column == 0).filter_map(|row| row.get(column));
+        cells.map(|cell| cell.chars().count()).max().unwrap_or(0)
+    };
+    let mut text = String::new();
+    for (index, row) in rows.iter().enumerate() {
+        let indent = if index == 0 { "" } else { "  " };
+        let cells = row.iter().enumerate().map(|(column, cell)| {
+            let width = width(column) + if column == 0 { 2 - indent.len() } else { 0 };
+            format!("{cell:width$}")
+        });
+        text += format!("{indent}{}", cells.collect::<Vec<_>>().join("  ")).trim_end();
+        text.push('\n');
+    }
+    text
 }

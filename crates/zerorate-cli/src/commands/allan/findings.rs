@@ -1,0 +1,132 @@
+//! What there is to know about several axes, a line for each kind of finding and the important first.
+
+use super::record::Record;
+use super::units::{deviation_unit, span};
+use zerorate::allan::AllanWarning;
+use zerorate_view::plot::number;
+
+/// Codes of findings, those that spoil most first. What is not among them comes before all: it is of the log.
+const BY_WEIGHT: [&str; 13] = [
+    "model-rejected",
+    "many-steps",
+    "step",
+    "glitches",
+    "warm-up",
+    "drift",
+    "unsteady",
+    "gaps",
+    "lines",
+    "memory-or-flicker",
+    "drift-or-walk",
+    "quantisation-limited",
+    "not-identified",
+];
+
+/// One kind of finding, and where it was made.
+struct Finding {
+    weight: usize,
+    /// What tells it from others: the code of a finding of the model, or a whole text.
+    key: String,
+    /// The axes, each with its numbers.
+    axes: Vec<String>,
+    /// What it means, and what to do.
+    meaning: String,
+}
+
+/// A line for each kind of finding.
+pub fn condensed(records: &[Record]) -> Vec<String> {
+    let mut all: Vec<Finding> = Vec::new();
+    let mut add = |finding: Finding| match all.iter_mut().find(|one| one.key == finding.key) {
+        Some(same) => same.axes.extend(finding.axes),
+        None => all.push(finding),
+    };
+    for record in records {
+        let (of_log, of_model) = record.findings();
+        let whole = |text: &String| Finding {
+            weight: 0,
+            key: text.clone(),
+            axes: vec![record.column.clone()],
+            meaning: text.clone(),
+        };
+        of_log.iter().map(whole).for_each(&mut add);
+        of_model.iter().map(|warning| Finding::of(record, warning)).for_each(&mut add);
+    }
+    all.sort_by_key(|finding| finding.weight);
+    all.into_iter().map(|finding| finding.line(records.len())).collect()
+}
+
+impl Finding {
+    fn of(record: &Record, warning: &AllanWarning) -> Self {
+        let unit = deviation_unit(record).unwrap_or("of its unit");
+        let (detail, meaning) = condensed_words(warning, unit);
+        let code = warning.code();
+        let weight = BY_WEIGHT.iter().position(|known| *known == code).map_or(0, |place| place + 1);
+        let axis = if detail.is_empty() { record.column.clone() } else { format!("{} ({detail})", record.column) };
+        Self { weight, key: code.to_owned(), axes: vec![axis], meaning: format!("{code}: {meaning}") }
+    }
+
+    fn line(&self, axes: usize) -> String {
+        let Self { meaning, .. } = self;
+        match self.axes.len() {
+            // what every axis shares is of the log
+            count if count == axes && self.key == self.meaning => meaning.clone(),
+            _ => format!("{meaning}: {}", self.axes.join(", ")),
+        }
+    }
+}
+
+/// The numbers of one axis, and what they mean on any.
+fn condensed_words(warning: &AllanWarning, unit: &str) -> (String, String) {
+    let said = |detail: String, meaning: &str| (detail, meaning.to_owned());
+    match *warning {
+        AllanWarning::Rejected { error, most } => (
+            format!("off by {:.0} %", error * 100.0),
+            format!("off by more than {:.0} %, no coefficient is a result; look for motion", most * 100.0),
+        ),
+        AllanWarning::ManySteps { most } => (
+            String::new(),
+            format!("the level jumps more than {most} times; K, B and Gauss–Markov terms describe that"),
+        ),
+        AllanWarning::Step { at_s, size } => said(
+            format!("{} {unit} at {at_s:.1} s", number(size)),
+            "the level jumps and stays; taken out, look for a knock",
+        ),
+        AllanWarning::Glitches { glitches, samples, .. } => {
+            said(format!("{glitches}, {samples} samples"), "no noise (knocks, bit errors); replaced by straight lines")
+        }
+        AllanWarning::WarmUp { size, tau_s } => said(
+            format!("{} {unit} in {}", number(size), span(tau_s)),
+            "it hides K; let the part settle, or cut the beginning",
+        ),
+        AllanWarning::Drift { over_record, .. } => said(
+            format!("{} {unit} in all", number(over_record)),
+            "temperature or warm-up rather than noise, and it hides K; let the part settle",
+        ),
+        AllanWarning::Unsteady { tau_s, ratio } => {
+            let noisier = if ratio > 1.0 { "first" } else { "second" };
+            let detail = format!("{noisier} half {:.2} times, at {}", ratio.max(1.0 / ratio), span(tau_s));
+            said(detail, "the halves differ; this record does not predict another")
+        }
+        AllanWarning::Gaps { missing, samples } => said(
+            format!("{missing} of {samples}"),
+            "missing samples; allowed for if the losses do not depend on the rate",
+        ),
+        AllanWarning::Lines { count, frequency_hz, rms } => said(
+            format!("{count}, strongest {frequency_hz:.3} Hz, {} {unit} rms", number(rms)),
+            "disturbances or resonances, left out of N, B and K but part of the curve",
+        ),
+        AllanWarning::MemoryOrFlicker { .. } => said(
+            String::new(),
+            "Gauss–Markov terms and B explain the record about as well; do not extrapolate beyond a quarter of it",
+        ),
+        AllanWarning::DriftOrWalk { has_drift, .. } => said(
+            if has_drift { "a drift was taken" } else { "a random walk was taken" }.to_owned(),
+            "one record cannot tell drift, warm-up and random walk apart; record again",
+        ),
+        AllanWarning::NotIdentified { noise, needed_s, .. } => {
+            let letter = noise.name().rsplit(' ').next().unwrap_or_default();
+            said(format!("{letter}, record {}", span(needed_s)), "cannot be told from zero in so short a record")
+        }
+        ref other => (String::new(), other.to_string()),
+    }
+}
