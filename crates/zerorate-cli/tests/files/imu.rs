@@ -217,6 +217,7 @@ fn findings_are_a_line_for_each_kind() {
     let unique: std::collections::BTreeSet<&str> = codes.iter().copied().collect();
     assert_eq!(codes.len(), unique.len(), "{codes:?}");
     assert!(codes.contains(&"not-identified") && lines.len() < 8, "{lines:?}");
+    assert!(lines[0].contains("), ay [m/s^2] (1, ") && lines[1].matches("az [m/s^2]").count() == 1, "{lines:?}");
     assert_eq!(
         lines[lines.len() - 1],
         "imu.yaml is for Kalibr (imu.yaml): of the axes of a kind the worst was taken (--combine worst)"

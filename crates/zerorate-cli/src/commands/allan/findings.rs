@@ -28,7 +28,7 @@ struct Finding {
     /// What tells it from others: the code of a finding of the model, or a whole text.
     key: String,
     /// The axes, each with its numbers.
-    axes: Vec<String>,
+    axes: Vec<(String, Vec<String>)>,
     /// What it means, and what to do.
     meaning: String,
 }
@@ -37,7 +37,7 @@ struct Finding {
 pub fn condensed(records: &[Record]) -> Vec<String> {
     let mut all: Vec<Finding> = Vec::new();
     let mut add = |finding: Finding| match all.iter_mut().find(|one| one.key == finding.key) {
-        Some(same) => same.axes.extend(finding.axes),
+        Some(same) => same.join(finding),
         None => all.push(finding),
     };
     for record in records {
@@ -45,7 +45,7 @@ pub fn condensed(records: &[Record]) -> Vec<String> {
         let whole = |text: &String| Finding {
             weight: 0,
             key: text.clone(),
-            axes: vec![record.column.clone()],
+            axes: vec![(record.column.clone(), Vec::new())],
             meaning: text.clone(),
         };
         of_log.iter().map(whole).for_each(&mut add);
@@ -61,16 +61,31 @@ impl Finding {
         let (detail, meaning) = condensed_words(warning, unit);
         let code = warning.code();
         let weight = BY_WEIGHT.iter().position(|known| *known == code).map_or(0, |place| place + 1);
-        let axis = if detail.is_empty() { record.column.clone() } else { format!("{} ({detail})", record.column) };
-        Self { weight, key: code.to_owned(), axes: vec![axis], meaning: format!("{code}: {meaning}") }
+        let axes =
+            vec![(record.column.clone(), Some(detail).filter(|detail| !detail.is_empty()).into_iter().collect())];
+        Self { weight, key: code.to_owned(), axes, meaning: format!("{code}: {meaning}") }
+    }
+
+    /// Adds the same kind of finding, of another axis or of the same.
+    fn join(&mut self, other: Self) {
+        for (name, details) in other.axes {
+            match self.axes.iter_mut().find(|(known, _)| *known == name) {
+                Some((_, known)) => known.extend(details),
+                None => self.axes.push((name, details)),
+            }
+        }
     }
 
     fn line(&self, axes: usize) -> String {
         let Self { meaning, .. } = self;
+        let named = |(name, details): &(String, Vec<String>)| match details.is_empty() {
+            true => name.clone(),
+            false => format!("{name} ({})", details.join("; ")),
+        };
         match self.axes.len() {
             // what every axis shares is of the log
             count if count == axes && self.key == self.meaning => meaning.clone(),
-            _ => format!("{meaning}: {}", self.axes.join(", ")),
+            _ => format!("{meaning}: {}", self.axes.iter().map(named).collect::<Vec<_>>().join(", ")),
         }
     }
 }
