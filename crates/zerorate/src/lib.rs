@@ -14,6 +14,8 @@ mod code_sum;
 mod code_table;
 mod correction;
 mod corrector;
+#[cfg(all(feature = "file", feature = "std"))]
+pub mod datasheet;
 mod estimate;
 mod freeze;
 mod gls;
@@ -43,6 +45,8 @@ pub use code_sum::CodeSum;
 pub use code_table::{CodeTable, RowIndex};
 pub use correction::{Correction, CorrectionF32, TableError, TableRow, Validity};
 pub use corrector::{Corrected, Corrector, CorrectorConfig};
+#[cfg(all(feature = "file", feature = "std"))]
+pub use datasheet::{DataSheet, DataSheetError};
 pub use estimate::{Noise, Outcome, Uncertainty, WindowWarnings};
 pub use hour::{Deviation, Finding};
 pub use integer::{IntegerCorrection, IntegerError, IntegerForm};

@@ -190,6 +190,46 @@ fn units_are_asked_for_and_never_guessed() {
     assert!((value / n(1) - 1.0).abs() < 0.02, "{value}");
 }
 
+/// N of the gyroscopes is 0.60, 0.72 and 0.48 °/√h, the one-sided density of the accelerometers 0.29, 0.36, 0.43 mg/√Hz.
+#[test]
+fn axes_beside_a_data_sheet() {
+    let bench = bench();
+    bench.write(
+        "sheet.toml",
+        "schema = 1\nname = \"X\"\nsource = \"none\"\n[gyroscope]\nangle_random_walk = { typical = 0.60, unit = \
+         \"deg/rt(hr)\" }\n[accelerometer]\nnoise_density = { maximum = 0.4, unit = \"mg/√Hz\", source = \"p. 3\" }\n",
+    );
+    let run = bench.zerorate(&format!("{LINE} --datasheet sheet.toml --report imu.html")).ok();
+    let rows: Vec<&str> = run.lines().filter(|line| line.contains("typical") || line.contains("at most")).collect();
+    let ends = ["within", "worse, 1.20 times", "better, 0.80 times", "within", "within", "worse, 1.09 times"];
+    assert_eq!(rows.len(), ends.len(), "{run}");
+    for (row, end) in rows.iter().zip(ends) {
+        assert!(row.trim_end().ends_with(end), "{end}: {row}");
+    }
+    let json = bench.zerorate(&format!("{LINE} --datasheet sheet.toml --json")).json();
+    assert_eq!(
+        (json["data_sheet"]["name"].as_str(), json["data_sheet"]["source"].as_str()),
+        (Some("X"), Some("none"))
+    );
+    let line = &json["axes"][5]["data_sheet"][0];
+    assert_eq!(
+        (line["limit"].as_str(), line["source"].as_str(), line["verdict"].as_str()),
+        (Some("maximum"), Some("p. 3"), Some("worse"))
+    );
+    assert!((line["measured"].as_f64().unwrap() / (2f64.sqrt() * n(5) / 9.806_65e-3) - 1.0).abs() < 0.02, "{line}");
+    let whole = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/formats/adis16405.toml");
+    let run = bench.zerorate(&format!("{LINE} --datasheet {whole}")).ok();
+    assert!(run.contains("Beside the data sheet of ADIS16405") && run.contains("typical 0.05 °/s/√Hz"), "{run}");
+    bench.write(
+        "sheet.toml",
+        "schema = 1\nname = \"X\"\n[gyroscope]\nangle_random_walk = { typical = 1, unit = \"mg\" }\n",
+    );
+    let said = bench.zerorate(&format!("{LINE} --datasheet sheet.toml -o imu.yaml")).fails(2);
+    assert!(said.contains("sheet.toml: not the file of a data sheet") && said.contains("use °/√h"), "{said}");
+    let said = bench.zerorate(&format!("{LINE} --datasheet none.toml -o imu.yaml")).fails(1);
+    assert!(said.contains("cannot read none.toml") && !bench.path("imu.yaml").exists(), "{said}");
+}
+
 /// What several axes have in common is one line, below the table, and the important first; `--json` has all of it.
 #[test]
 fn findings_are_a_line_for_each_kind() {

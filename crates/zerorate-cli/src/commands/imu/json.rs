@@ -1,8 +1,10 @@
 //! The result as one JSON object.
 
+use super::datasheet::{Comparison, Row};
 use crate::commands::allan::json;
 use crate::commands::allan::record::Record;
 use serde::Serialize;
+use zerorate::DataSheet;
 use zerorate_data::imu::Kind;
 
 /// All axes of a log.
@@ -10,28 +12,41 @@ use zerorate_data::imu::Kind;
 pub struct Report<'a> {
     rate_hz: f64,
     samples: u64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    data_sheet: Option<Sheet<'a>>,
     axes: Vec<OfAxis<'a>>,
+}
+
+#[derive(Serialize)]
+struct Sheet<'a> {
+    name: &'a str,
+    source: Option<&'a str>,
 }
 
 #[derive(Serialize)]
 struct OfAxis<'a> {
     name: &'a str,
     kind: Option<&'static str>,
+    /// Beside each line of the data sheet.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    data_sheet: Vec<Row<'a>>,
     #[serde(flatten)]
     report: json::Report<'a>,
 }
 
 impl<'a> Report<'a> {
-    pub fn new(axes: &'a [Record]) -> Self {
+    pub fn new(axes: &'a [Record], sheet: Option<&'a DataSheet>, compared: &[Comparison<'a>]) -> Self {
         let first = axes.first().map(|axis| &axis.analysis);
         let of = |axis: &'a Record| OfAxis {
             name: &axis.column,
             kind: axis.quantity.and_then(Kind::of).map(Kind::name),
+            data_sheet: compared.iter().filter(|one| one.axis == axis.column).map(Row::new).collect(),
             report: json::Report::new(axis),
         };
         Self {
             rate_hz: first.map_or(0.0, |analysis| analysis.rate_hz),
             samples: first.map_or(0, |analysis| analysis.samples),
+            data_sheet: sheet.map(|sheet| Sheet { name: &sheet.name, source: sheet.source.as_deref() }),
             axes: axes.iter().map(of).collect(),
         }
     }

@@ -1,5 +1,6 @@
 //! `zerorate imu`: the log of an IMU at rest becomes the noise that a filter takes.
 
+mod datasheet;
 mod json;
 mod text;
 
@@ -97,6 +98,10 @@ pub struct ImuArgs {
     #[arg(long, value_name = "PAGE")]
     report: Option<PathBuf>,
 
+    /// Compare with the noise that a data sheet states: a TOML file as in docs/formats/datasheet.md.
+    #[arg(long, value_name = "TOML")]
+    datasheet: Option<PathBuf>,
+
     /// Print the result as one JSON object.
     #[arg(long)]
     json: bool,
@@ -138,9 +143,12 @@ fn option(setting: Setting) -> &'static str {
 }
 
 pub fn run(args: &ImuArgs) -> Result<()> {
-    let mut outputs = Outputs::new(args.force).printing().reading([args.log.as_path()])?;
+    let mut outputs = Outputs::new(args.force)
+        .printing()
+        .reading(std::iter::once(&args.log).chain(&args.datasheet).map(PathBuf::as_path))?;
     let file = args.output.as_ref().map(|path| outputs.derived(path)).transpose()?;
     let page = args.report.as_ref().map(|path| outputs.derived(path)).transpose()?;
+    let sheet = args.datasheet.as_deref().map(datasheet::read).transpose()?;
     let Axes { columns, topic, warnings } = Axes::read(&args.log, files::log(&args.log)?, &args.options())?;
     check_format(args, &columns)?;
     let fit = Some(FitOptions::default());
@@ -148,10 +156,12 @@ pub fn run(args: &ImuArgs) -> Result<()> {
     let way = Way { data: Data::Rate, closes_gaps: false, options: Options::default(), draws_finely, fit };
     let analyse = |column| Record::of(column, &args.log, &way);
     let axes: Vec<Record> = columns.into_iter().map(analyse).collect::<Result<_>>()?;
+    let compared = sheet.as_ref().map(|sheet| datasheet::compare(sheet, &axes)).unwrap_or_default();
     if args.json {
-        print_json(&json::Report::new(&axes))?;
+        print_json(&json::Report::new(&axes, sheet.as_ref(), &compared))?;
     } else {
         print_lines(&text::table(&axes)?)?;
+        sheet.as_ref().map_or(Ok(()), |sheet| print_lines(&text::comparison(sheet, &compared)))?;
     }
     let findings = findings::condensed(&axes);
     warn(&findings);

@@ -1,9 +1,11 @@
 //! The result as text.
 
+use super::datasheet::Comparison;
 use crate::commands::allan::record::Record;
 use crate::commands::allan::units::{B, coefficients, span};
 use anyhow::Result;
 use std::fmt::Write;
+use zerorate::DataSheet;
 use zerorate::allan::{Estimate, Term};
 use zerorate_data::imu::Kind;
 
@@ -23,6 +25,16 @@ pub fn table(axes: &[Record]) -> Result<String> {
         }
     }
     Ok(text)
+}
+
+/// The axes beside a data sheet: a row for each line and axis.
+pub fn comparison(sheet: &DataSheet, all: &[Comparison<'_>]) -> String {
+    let head = ["figure", "data sheet", "axis", "measured", ""].map(str::to_owned).to_vec();
+    let row = |one: &Comparison<'_>| {
+        vec![one.figure().to_owned(), one.stated(), one.axis.to_owned(), one.found(), one.judged()]
+    };
+    let rows: Vec<Vec<String>> = std::iter::once(head).chain(all.iter().map(row)).collect();
+    format!("\nBeside the data sheet of {}\n{}", sheet.name, aligned(&rows))
 }
 
 /// N, B and K side by side, what else a model has below.
