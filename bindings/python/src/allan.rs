@@ -3,13 +3,36 @@
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyNone, PyTuple, PyType};
 use std::fmt::Display;
 use zerorate::allan::{
-    Analysis, Coefficient, Difference, Estimate, Expected, Fit, FitOptions, Gap, Input, Options, Stat, Taus, Term,
-    analyse as analyse_input, deviations as of_input, edf as edf_of, finite_difference_edf as edf_of_difference, fit,
-    interval as limits,
+    Analysis, Coefficient, Deviation, Difference, Estimate, Expected, Fit, FitOptions, Gap, Input, Options, Reason,
+    Stat, Taus, Term, analyse as analyse_input, deviations as of_input, edf as edf_of,
+    finite_difference_edf as edf_of_difference, fit, interval as limits, mtie as mtie_of,
 };
+
+/// The noise model of a record as the core has it, for the files that are made of it.
+#[pyclass(module = "zerorate._zerorate", frozen)]
+pub struct Model {
+    pub fit: Fit,
+    pub rate_hz: f64,
+}
+
+#[pymethods]
+impl Model {
+    fn __copy__(slf: Py<Self>) -> Py<Self> {
+        slf
+    }
+
+    fn __deepcopy__(slf: Py<Self>, _memo: &Bound<'_, PyAny>) -> Py<Self> {
+        slf
+    }
+
+    /// Another process has the numbers, but not this.
+    fn __reduce__<'py>(&self, py: Python<'py>) -> (Bound<'py, PyType>, Bound<'py, PyTuple>) {
+        (PyNone::get(py).get_type(), PyTuple::empty(py))
+    }
+}
 
 type Column<'py, T> = Bound<'py, PyArray1<T>>;
 /// Order, overlapped, modified.
@@ -100,6 +123,7 @@ pub fn analyse<'py>(
             result.set_item("fit", fit_dict(py, &fit)?)?;
             let steps: Vec<(f64, f64)> = fit.cleaned.steps.iter().map(|step| (step.at_s, step.size)).collect();
             result.set_item("cleaned", (fit.cleaned.glitches, steps))?;
+            result.set_item("core", Model { fit, rate_hz })?;
         }
         Some(Err(error)) => result.set_item("no_fit", error.to_string())?,
         None => {}
@@ -206,10 +230,25 @@ pub fn deviations<'py>(
 ) -> PyResult<(Column<'py, f64>, Column<'py, i64>)> {
     let (stat, numbers) = (stat.parse().map_err(refused)?, numbers.as_slice()?);
     let input = if phase { Input::Phase(numbers) } else { Input::Rate(numbers) };
-    let found = py.detach(|| of_input(&input, rate_hz, stat, &m));
+    Ok(values(py, &py.detach(|| of_input(&input, rate_hz, stat, &m))))
+}
+
+/// MTIE of a phase and the windows in it at the lengths ``m``; NaN and 0 where there is none.
+#[pyfunction]
+pub fn mtie<'py>(
+    py: Python<'py>,
+    phase: PyReadonlyArray1<'py, f64>,
+    m: Vec<u64>,
+) -> PyResult<(Column<'py, f64>, Column<'py, i64>)> {
+    let phase = phase.as_slice()?;
+    Ok(values(py, &py.detach(|| mtie_of(phase, &m))))
+}
+
+/// What was found at each length; NaN and 0 where there is nothing.
+fn values<'py>(py: Python<'py>, found: &[Result<Deviation, Reason>]) -> (Column<'py, f64>, Column<'py, i64>) {
     let (dev, n): (Vec<f64>, Vec<i64>) =
         found.iter().map(|found| found.as_ref().map_or((f64::NAN, 0), |found| (found.dev, found.n as i64))).unzip();
-    Ok((PyArray1::from_vec(py, dev), PyArray1::from_vec(py, n)))
+    (PyArray1::from_vec(py, dev), PyArray1::from_vec(py, n))
 }
 
 /// The name of every statistic, with order, overlapped and modified of the differences that give its degrees of

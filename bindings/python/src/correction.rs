@@ -1,11 +1,9 @@
 //! Calibrations and what they do to a rate.
 
-use crate::error::exception;
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use serde_json::{Value, json};
-use std::path::PathBuf;
 use zerorate::calibration::CalibratedAxis;
 use zerorate::{Calibration, Correction, Scale};
 use zerorate_cli::api;
@@ -50,14 +48,6 @@ fn scale(of: &Scale) -> Value {
         "width_bits": width_bits,
         "signed": signed,
     })
-}
-
-/// Writes the text of a calibration file to ``path``: whole, onto the disk, and over another file only with ``force``.
-///
-/// Raises FileExistsError where it would overwrite one, OSError where it cannot be written.
-#[pyfunction]
-pub fn save_calibration(path: PathBuf, text: &str, force: bool) -> PyResult<()> {
-    api::save_calibration(&path, text, force).map_err(|error| exception(&error))
 }
 
 /// What to say where temperatures from ``low_c`` to ``high_c`` leave the span of the calibration in ``text``.

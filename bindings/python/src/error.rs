@@ -5,6 +5,7 @@ use pyo3::exceptions::{PyFileExistsError, PyFileNotFoundError, PyOSError, PyPerm
 use pyo3::prelude::*;
 use std::io::{self, ErrorKind};
 use zerorate_cli::api;
+use zerorate_data::LogError;
 
 create_exception!(
     _zerorate,
@@ -18,11 +19,11 @@ create_exception!(
 /// that of the command line.
 pub fn exception(error: &anyhow::Error) -> PyErr {
     let text = format!("{error:#}");
-    if error.is::<api::Refused>() {
+    if error.is::<api::Refused>() || matches!(error.downcast_ref(), Some(LogError::Refused(_))) {
         return Refused::new_err(text);
     }
     if api::refuses_output(error) {
-        return PyFileExistsError::new_err(text);
+        return PyFileExistsError::new_err(text.replace("--force", "force=True"));
     }
     match error.chain().find_map(|cause| cause.downcast_ref::<io::Error>()).map(io::Error::kind) {
         None => PyValueError::new_err(text),

@@ -7,6 +7,8 @@ mod allan;
 mod capture;
 mod correction;
 mod error;
+mod imu;
+mod log;
 mod twin;
 
 use pyo3::prelude::*;
@@ -15,13 +17,17 @@ use pyo3::prelude::*;
 #[pymodule]
 mod _zerorate {
     #[pymodule_export]
-    use super::allan::{analyse, deviations, edf, finite_difference_edf, interval, statistics};
+    use super::allan::{Model, analyse, deviations, edf, finite_difference_edf, interval, mtie, statistics};
     #[pymodule_export]
     use super::capture::{rate_dps, read_capture, temp_c};
     #[pymodule_export]
-    use super::correction::{Corrector, correct, extrapolation, parse_calibration, save_calibration};
+    use super::correction::{Corrector, correct, extrapolation, parse_calibration};
     #[pymodule_export]
     use super::error::Refused;
+    #[pymodule_export]
+    use super::imu::{column_unit, imu_file, save_text, unit_kind};
+    #[pymodule_export]
+    use super::log::{read_columns, read_imu};
     #[pymodule_export]
     use super::main;
     #[pymodule_export]

@@ -6,7 +6,6 @@ Prints which tests pass and which are for what is not offered, by name. Fails if
 
 from __future__ import annotations
 
-import os
 import sys
 from collections import defaultdict
 from collections.abc import Generator
@@ -51,11 +50,8 @@ class Outcomes:
 def main(source: Path) -> int:
     here = Path(__file__).resolve().parent
     sys.path[:0] = [str(here / "shim"), str(source / "tests")]
-    os.environ["ALLANTOOLS_SOURCE"] = str(source)
     outcomes = Outcomes()
-    own_noise = source / "tests" / "functional_tests" / "test_noise.py"
-    outcomes.skipped["not offered: noise"].append(f"{own_noise.relative_to(source)} (all of it)")
-    arguments = [f"--ignore={own_noise}", "-q", "--no-header", "--tb=short", "--no-summary", "-p", "no:cacheprovider"]
+    arguments = ["-q", "--no-header", "--tb=short", "--no-summary", "-p", "no:cacheprovider"]
     arguments.append(f"--rootdir={source}")
     status = pytest.main([*arguments, "-c", str(source / "pytest.ini"), str(source / "tests")], plugins=[outcomes])
     print(f"\nallantools' own tests against zerorate.allantools_compat, {source.name}")

@@ -200,11 +200,11 @@ def test_other_threads_run_meanwhile() -> None:
 
 def test_a_contiguous_record_is_not_copied() -> None:
     rate = white(1000)
-    from zerorate._allan import _record
+    from zerorate._records import record
 
-    assert np.shares_memory(_record(rate, "rate"), rate)
+    assert np.shares_memory(record(rate), rate)
     codes = np.arange(1000, dtype=np.int32)
-    assert np.shares_memory(_record(codes, "rate"), codes)
+    assert np.shares_memory(record(codes), codes)
     rate.flags.writeable = False
     assert len(zerorate.allan(rate, rate_hz=1.0).dev) == 9
 

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -71,4 +73,95 @@ def test_a_dataset_keeps_its_results(tmp_path: pytest.TempPathFactory) -> None:
     assert dataset.compute("oadev") is dataset.out
     assert dataset.out["stat"][0] == pytest.approx(91.22945)
     with pytest.raises(AttributeError):
-        dataset.compute("mtie")
+        dataset.compute("theo1")
+    assert dataset.compute("mtie")["stat"][0] == pytest.approx(145.0 - 0.11111, rel=0.01)
+
+
+def theirs() -> Any:
+    """allantools itself."""
+    return pytest.importorskip("allantools")
+
+
+@pytest.mark.parametrize("taus", [None, "all", "decade", [1, 3, 7, 100]])
+@pytest.mark.parametrize("data_type", ["phase", "freq"])
+def test_mtie_is_that_of_allantools(taus: Any, data_type: str) -> None:
+    data = np.random.default_rng(1).normal(size=700)
+    data = np.cumsum(data) if data_type == "phase" else data
+    arguments = {"rate": 10.0, "data_type": data_type, "taus": taus}
+    for mine, known in zip(at.mtie(data, **arguments), theirs().mtie(data, **arguments)):
+        np.testing.assert_allclose(mine, known, rtol=1e-12)
+
+
+def test_mtie_by_its_definition() -> None:
+    taus, dev, err, n = at.mtie(PHASE, taus=[1, 2, 9])
+    # the largest step, 166.44 to 48.56 to −96.33; all of it within nine, which is a single window and left out
+    assert taus.tolist() == [1.0, 2.0] and n.tolist() == [9, 8]
+    np.testing.assert_allclose(dev, [144.88888, 262.77777], rtol=1e-6)
+    np.testing.assert_allclose(err, dev / np.sqrt(n))
+    with_gap = np.array(PHASE)
+    with_gap[5] = np.nan
+    assert at.mtie(with_gap, taus=[2])[1][0] == pytest.approx(166.44444 + 96.33333, rel=1e-6)
+
+
+@pytest.mark.parametrize("taus", [None, "all", [1, 3, 7, 100]])
+def test_gradev_is_that_of_allantools(taus: Any) -> None:
+    phase = np.cumsum(np.random.default_rng(2).normal(size=900))
+    for gap in (slice(100, 160), slice(500, 501), slice(700, 704)):
+        phase[gap] = np.nan
+    with np.errstate(all="ignore"):
+        known = theirs().gradev(phase, rate=10.0, taus=taus)
+    mine = at.gradev(phase, rate=10.0, taus=taus)
+    for place in (0, 1, 3):
+        np.testing.assert_allclose(mine[place], known[place], rtol=1e-9)
+
+
+def test_gradev_has_limits() -> None:
+    phase = np.cumsum(np.random.default_rng(2).normal(size=900))
+    phase[100:160] = np.nan
+    taus, dev, (below, above), n = at.gradev(phase, ci=0.9, noisetype="wf")
+    for tau, one, down, up in zip(taus, dev, below, above):
+        lo, hi = at.confidence_interval(one, at.edf_simple(840, tau, 0), 0.9)
+        assert (one - lo, hi - one) == (pytest.approx(down), pytest.approx(up))
+    wider = at.gradev(phase, ci=0.99, noisetype="wf")[2]
+    assert (wider[0] > below).all() and (wider[1] > above).all()
+    by_frequency = at.gradev(np.diff(np.cumsum(np.ones(50)) ** 1.5), data_type="freq", noisetype="?")
+    assert len(by_frequency[0]) and (by_frequency[2][1] > 0).all()
+    with pytest.raises(Exception, match="data_type"):
+        at.gradev(phase, data_type="angle")
+
+
+@pytest.mark.parametrize(
+    ("name", "arguments"),
+    [
+        ("white", {"num_points": 50, "b0": 3.0, "fs": 7.0}),
+        ("brown", {"num_points": 50, "b_minus2": 2.0, "fs": 3.0}),
+        ("violet", {"num_points": 50, "b2": 2.0, "fs": 5.0}),
+        ("pink", {"num_points": 500, "depth": 80}),
+        ("pink", {"num_points": 7, "depth": 3}),
+        ("pink", {"num_points": 7, "depth": 1}),
+    ],
+)
+def test_noise_is_that_of_allantools(name: str, arguments: dict[str, Any]) -> None:
+    np.random.seed(5)
+    known = getattr(theirs().noise, name)(**arguments)
+    np.random.seed(5)
+    np.testing.assert_array_equal(getattr(at.noise, name)(**arguments), known)
+
+
+def test_noise_has_the_density_that_is_asked_for() -> None:
+    np.random.seed(1)
+    white, brown, violet = (make(2**16, 3.0, 10.0) for make in (at.noise.white, at.noise.brown, at.noise.violet))
+    # f² times the density is that of the derivative over 4π², 1/f² times it that of 4π² times the integral
+    for of in (white, np.diff(brown) * 10.0 / (2 * np.pi), np.cumsum(violet) / 10.0 * (2 * np.pi)):
+        frequencies, density = at.noise.numpy_psd(of - of.mean(), 10.0)
+        assert frequencies[-1] == 5.0 and density.mean() == pytest.approx(3.0, rel=0.03)
+    endless = at.noise.iterpink(depth=8)
+    np.random.seed(2)
+    first = [next(endless) for _ in range(100)]
+    np.random.seed(2)
+    np.testing.assert_array_equal(at.noise.pink(100, depth=8), first)
+    assert len(at.noise.pink(0)) == 0
+    with pytest.raises(ValueError, match="depth=0"):
+        at.noise.pink(8, depth=0)
+    welch = at.noise.scipy_psd(at.noise.white(4096, 2.0, 10.0), 10.0)[1]
+    assert welch.mean() == pytest.approx(2.0, rel=0.1)

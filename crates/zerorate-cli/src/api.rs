@@ -168,12 +168,12 @@ impl RecordedAxis {
     }
 }
 
-/// Writes the text of a calibration file, as `zerorate calibrate -o` does: whole, onto the disk, and over another only
+/// Writes a text (a calibration, a filter's file), as the program does: whole, onto the disk, and over another only
 /// if `force`.
 ///
 /// # Errors
 /// Why it is refused ([`refuses_output`]), or why it cannot be written.
-pub fn save_calibration(path: &Path, text: &str, force: bool) -> Result<()> {
+pub fn save_text(path: &Path, text: &str, force: bool) -> Result<()> {
     Ok(Outputs::new(force).derived(path)?.fill(text.as_bytes())?)
 }
 

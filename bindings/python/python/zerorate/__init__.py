@@ -1,7 +1,9 @@
 """Allan deviation of any gyroscope, and the calibration of the ADIS16130 with its part in software.
 
 ===================  ==================================================================
-`allan`              Allan deviation of a record at rest, with limits and a noise model
+`allan`              Allan deviation of a record or a log at rest, with limits and a noise model
+`imu`                the same of all axes of an IMU, and the files for the filters
+`read_log`           columns of a log in any form
 `calibrate`          the procedure of AN-1042 on a `Twin`, with the uncertainty it has
 `Calibration`        a calibration file; `Calibration.correct` takes the bias out
 `Corrector`          the same for a stream that reads the temperature now and then
@@ -16,19 +18,7 @@ ValueError with what to do; a measurement that must not become a calibration rai
 
 from importlib.metadata import version
 
-from ._allan import (
-    Allan,
-    BandShape,
-    Cleaned,
-    Coefficient,
-    Estimate,
-    Fit,
-    GaussMarkov,
-    Line,
-    Unavailable,
-    WarmUp,
-    allan,
-)
+from ._allan import Allan, AllanAxes, Unavailable, allan
 from ._calibration import (
     CalibratedAxis,
     Calibration,
@@ -43,6 +33,9 @@ from ._calibration import (
     Validity,
 )
 from ._capture import Capture, read_capture
+from ._imu import Imu, imu
+from ._log import Log, read_log
+from ._model import BandShape, Cleaned, Coefficient, Estimate, Fit, GaussMarkov, Line, WarmUp
 from ._procedure import Calibrated, Truth, calibrate
 from ._twin import Twin, TwinKey
 from ._zerorate import Refused
@@ -51,6 +44,7 @@ __version__ = version("zerorate")
 
 __all__ = [
     "Allan",
+    "AllanAxes",
     "BandShape",
     "Calibrated",
     "CalibratedAxis",
@@ -64,7 +58,9 @@ __all__ = [
     "Estimate",
     "Fit",
     "GaussMarkov",
+    "Imu",
     "Line",
+    "Log",
     "Measured",
     "NoiseRecord",
     "Refused",
@@ -80,5 +76,7 @@ __all__ = [
     "__version__",
     "allan",
     "calibrate",
+    "imu",
     "read_capture",
+    "read_log",
 ]

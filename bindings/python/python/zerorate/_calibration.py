@@ -313,7 +313,7 @@ class Calibration:
         OSError
             If it cannot be written.
         """
-        _zerorate.save_calibration(path, self.text, force)
+        _zerorate.save_text(path, self.text, force)
 
     @overload
     def correct(self, rate_dps: float, temp_c: float) -> float: ...

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from typing import Any, TypedDict, final
+from typing import Any, Literal, TypedDict, Union, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,24 +11,31 @@ from typing_extensions import NotRequired
 
 __all__ = [
     "Corrector",
+    "Model",
     "Refused",
     "analyse",
     "calibrate",
+    "column_unit",
     "correct",
     "deviations",
     "edf",
     "extrapolation",
     "finite_difference_edf",
+    "imu_file",
     "interval",
     "main",
+    "mtie",
     "parse_calibration",
     "rate_dps",
     "read_capture",
-    "save_calibration",
+    "read_columns",
+    "read_imu",
+    "save_text",
     "statistics",
     "temp_c",
     "twin_device",
     "twin_keys",
+    "unit_kind",
 ]
 
 class Refused(ValueError): ...
@@ -40,6 +47,35 @@ class Corrector:
         self, rates_dps: NDArray[np.float64], temps_c: NDArray[np.float64]
     ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]]: ...
     def warning(self) -> str | None: ...
+
+@final
+class Model:
+    def __copy__(self) -> Model: ...
+    def __deepcopy__(self, _memo: Any) -> Model: ...
+    def __reduce__(self) -> tuple[type[None], tuple[()]]: ...
+
+_Cells = Union[NDArray[np.int32], NDArray[np.float64], NDArray[np.int64], int]
+_Source = Union[str, tuple[str, list[tuple[str, _Cells]]]]
+
+class _Options(TypedDict):
+    topic: str | None
+    rate_hz: float | None
+    time_column: str | None
+    time_unit: str | None
+    unit: str | None
+    scale: float | None
+    decimal: str | None
+    raw: str | None
+    max_bad: float | None
+
+class _Column(TypedDict):
+    name: str
+    values: NDArray[np.float64] | NDArray[np.int32]
+    gaps: list[tuple[int, int]]
+    rate_hz: float
+    unit: str | None
+    scale: float
+    warnings: list[str]
 
 class _Columns(TypedDict):
     axes: tuple[str, ...]
@@ -90,6 +126,28 @@ def analyse(
 def deviations(
     numbers: NDArray[np.float64], phase: bool, rate_hz: float, stat: str, m: list[int]
 ) -> tuple[NDArray[np.float64], NDArray[np.int64]]: ...
+def mtie(phase: NDArray[np.float64], m: list[int]) -> tuple[NDArray[np.float64], NDArray[np.int64]]: ...
+def read_columns(
+    source: _Source, names: list[str] | None, every: bool, points: bool, options: _Options
+) -> list[_Column]: ...
+def read_imu(
+    source: _Source,
+    names: list[str] | None,
+    gyro: tuple[str | None, float | None],
+    accel: tuple[str | None, float | None],
+    options: _Options,
+) -> tuple[list[_Column], str | None, list[str]]: ...
+def imu_file(
+    format: str,
+    axes: list[tuple[str, str, Model]],
+    log: str,
+    topic: str | None,
+    combine: str,
+    inflate: float,
+    force: bool,
+) -> tuple[str, list[str]]: ...
+def unit_kind(unit: str) -> Literal["gyroscope", "accelerometer"] | None: ...
+def column_unit(name: str) -> str | None: ...
 def edf(stat: str, alpha: int, m: int, phase_points: int) -> float: ...
 def finite_difference_edf(
     order: int, overlapped: bool, modified: bool, alpha: int, m: int, phase_points: int
@@ -100,7 +158,7 @@ def main(args: list[str]) -> int: ...
 def twin_device(keys: str) -> str: ...
 def twin_keys() -> list[tuple[str, str, str, str]]: ...
 def calibrate(options: list[str]) -> tuple[str, str]: ...
-def save_calibration(path: str | os.PathLike[str], text: str, force: bool) -> None: ...
+def save_text(path: str | os.PathLike[str], text: str, force: bool) -> None: ...
 def parse_calibration(text: str) -> tuple[str, str, list[str]]: ...
 def extrapolation(text: str, low_c: float, high_c: float) -> str | None: ...
 def correct(

@@ -45,6 +45,8 @@ pub use unit::{Quantity, STANDARD_GRAVITY, TimeUnit, Unit};
 use crate::Input;
 use crate::capture::CaptureError;
 use crate::capture::table::{self, Opened};
+use crate::limits::Room;
+use arrow_array::RecordBatch;
 use arrow_file::ArrowFile;
 use clock::{Beat, Times};
 use open::{Form, Log};
@@ -204,6 +206,17 @@ pub fn read_parts(
     }
     let all = all.ok_or_else(|| LogError::Ask(format!("{} has no file with a log", path.display())))?;
     all.finish(path, args)
+}
+
+/// The same of columns in memory; `path` is what messages call them.
+///
+/// # Errors
+/// As of a file.
+pub fn read_table(path: &Path, table: &RecordBatch, wanted: Wanted<'_>, args: &ColumnOptions) -> Result<Vec<Column>> {
+    let room = Room::of(table.get_array_memory_size() as u64);
+    let mut columns = tabular::TableColumns::start(path, &table.schema(), room, &Asked { wanted, args })?;
+    columns.take(table, None)?;
+    columns.finish(None)?.finish(path, args)
 }
 
 /// The columns as they stand in the file.

@@ -98,7 +98,8 @@ impl<'a> TableColumns<'a> {
         }
     }
 
-    fn take(&mut self, batch: &RecordBatch, rows: Option<&Rows>) -> Result<(), CaptureError> {
+    /// Adds rows of the whole table; of a capture, with what they are.
+    pub fn take(&mut self, batch: &RecordBatch, rows: Option<&Rows>) -> Result<(), CaptureError> {
         let columns: Vec<ArrayRef> = self.columns.iter().map(|index| batch.column(*index).clone()).collect();
         self.append(&columns, rows)
     }

@@ -13,6 +13,7 @@ mod interval;
 mod kernels;
 mod lag1;
 mod linear;
+mod mtie;
 mod noise_id;
 mod phase_points;
 mod stat;
@@ -33,6 +34,7 @@ pub use fit::{
 pub use input::{Gap, Input};
 pub use interval::interval;
 pub use kernels::{Deviation, Reason, deviations};
+pub use mtie::mtie;
 pub use noise_id::noise_types;
 pub use stat::{Stat, UnknownStat};
 pub use stream::{NotAdjacent, Stream};

@@ -17,6 +17,7 @@ New programs should call `zerorate.allan`, which states confidence limits and no
 
 from __future__ import annotations
 
+from . import noise
 from ._confidence import (
     ONE_SIGMA_CI,
     autocorr_noise_id,
@@ -30,8 +31,10 @@ from ._convert import frequency2fractional, frequency2phase, phase2frequency, ph
 from ._dataset import Dataset
 from ._deviations import (
     adev,
+    gradev,
     hdev,
     mdev,
+    mtie,
     oadev,
     ohdev,
     remove_small_ns,
@@ -56,8 +59,11 @@ __all__ = [
     "edf_totdev",
     "frequency2fractional",
     "frequency2phase",
+    "gradev",
     "hdev",
     "mdev",
+    "mtie",
+    "noise",
     "oadev",
     "ohdev",
     "phase2frequency",

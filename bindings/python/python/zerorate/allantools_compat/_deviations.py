@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _zerorate
-from ._convert import trim_data
+from ._confidence import confidence_interval, edf_simple
+from ._convert import frequency2phase, trim_data
 from ._taus import tau_generator
 
 Floats = NDArray[np.float64]
@@ -87,6 +88,72 @@ def ohdev(data: Any, rate: float = 1.0, data_type: str = "phase", taus: Any = No
 def totdev(data: Any, rate: float = 1.0, data_type: str = "phase", taus: Any = None) -> Result:
     """Total deviation, NIST SP 1065 equation 25. Arguments and result as of `adev`."""
     return _deviation("totdev", data, rate, data_type, taus)
+
+
+def mtie(data: Any, rate: float = 1.0, data_type: str = "phase", taus: Any = None) -> Result:
+    """Maximum time interval error, s: the largest excursion of the phase within any τ (ITU-T G.810). Arguments and
+    result as of `adev`.
+
+    A missing value of the phase (NaN) is left out of its windows; in allantools the result is NaN then. A missing
+    frequency makes all phase after it unknown.
+    """
+    phase = np.ascontiguousarray(_phase(data, rate, data_type))
+    _, lengths, used = tau_generator(phase, rate, taus)
+    devs, ns = _zerorate.mtie(phase, lengths.astype(np.int64).tolist())
+    terms = ns.astype(np.float64)
+    return remove_small_ns(used, devs, devs / np.sqrt(np.maximum(terms, 1.0)), terms)
+
+
+_EXPONENTS = {"wp": 2.0, "fp": 1.0, "wf": 0.0, "ff": -1.0, "rf": -2.0}
+"""Of the density of the frequency."""
+
+
+def gradev(
+    data: Any,
+    rate: float = 1.0,
+    data_type: str = "phase",
+    taus: Any = None,
+    ci: float = 0.9,
+    noisetype: str = "wp",
+) -> tuple[Floats, Floats, list[Floats], Floats]:
+    """Overlapping Allan deviation of a record with gaps (NaN): of the differences all of whose points are there.
+
+    Parameters
+    ----------
+    data, rate, data_type, taus
+        As of `adev`. Give phase if you can: a missing frequency makes all phase after it unknown. `zerorate.allan` is
+        better off with gaps in a rate.
+    ci
+        Probability of the interval.
+    noisetype
+        The noise that the interval is for: ``wp``, ``fp``, ``wf``, ``ff``, ``rf`` (white and flicker phase, white,
+        flicker and random walk frequency). Any other: as many degrees of freedom as points less one.
+
+    Returns
+    -------
+    (taus, dev, [err_lo, err_hi], n)
+        As of `adev`, and how far the limits are below and above the deviation. (allantools 2024.6 says so, but hands
+        the degrees of freedom over for the probability, and returns NaN.)
+    """
+    phase = np.ascontiguousarray(_phase(data, rate, data_type))
+    _, lengths, used = tau_generator(phase, rate, taus)
+    devs, ns = _zerorate.deviations(phase, True, float(rate), "oadev", lengths.astype(np.int64).tolist())
+    points = int(np.count_nonzero(~np.isnan(phase)))
+    alpha = _EXPONENTS.get(noisetype, np.nan)
+    limits = np.array([_limits(dev, points, m, alpha, ci) if n > 1 else (dev, dev) for dev, n, m in zip(devs, ns, lengths)])
+    errors = [devs - limits.reshape(-1, 2)[:, 0], limits.reshape(-1, 2)[:, 1] - devs]
+    times, dev, errs, terms = remove_small_ns(used, devs, errors, ns.astype(np.float64))
+    return times, dev, errs, terms
+
+
+def _limits(dev: float, points: int, m: float, alpha: float, ci: float) -> tuple[float, float]:
+    return confidence_interval(dev, max(edf_simple(points, m, alpha), 1.0), ci)
+
+
+def _phase(data: Any, rate: float, data_type: str) -> Floats:
+    if data_type not in ("phase", "freq"):
+        raise Exception(f"unknown data_type: {data_type}")  # what allantools raises
+    return np.asarray(data, dtype=np.float64) if data_type == "phase" else frequency2phase(data, rate)
 
 
 def remove_small_ns(taus: Any, devs: Any, deverrs: Any, ns: Any) -> Result:

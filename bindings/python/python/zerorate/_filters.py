@@ -1,0 +1,53 @@
+"""Files for the filters that take the noise of an IMU."""
+
+from __future__ import annotations
+
+import os
+import warnings
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Literal
+
+from . import _zerorate
+
+if TYPE_CHECKING:
+    from ._allan import Allan
+
+Format = Literal["kalibr", "openvins", "vins", "orbslam3", "kf-gins", "ros"]
+"""Who reads the file."""
+
+Combine = Literal["worst", "mean"]
+"""What stands for several axes."""
+
+
+def file(
+    axes: Sequence[Allan],
+    path: str | os.PathLike[str] | None,
+    log: str,
+    format: str,
+    combine: str,
+    inflate: float,
+    topic: str | None,
+    force: bool,
+) -> str:
+    """The text of the file, written to `path` if there is one."""
+    modelled = []
+    for axis in axes:
+        if axis.kind is None:
+            raise ValueError(f"{axis.name} is in {axis.unit}, which is of no axis of an IMU: give unit= (rad/s, m/s² …)")
+        if axis._core is None:
+            raise _no_model(axis)
+        modelled.append((axis.name, axis.unit, axis._core))
+    text, doubts = _zerorate.imu_file(format, modelled, log, topic, combine, float(inflate), force)
+    if doubts and not force:
+        raise _zerorate.Refused("; ".join(doubts))
+    if doubts:
+        warnings.warn("; ".join(doubts) + "; made all the same (force=True)", stacklevel=3)
+    if path is not None:
+        _zerorate.save_text(path, text, force)
+    return text
+
+
+def _no_model(axis: Allan) -> ValueError:
+    if axis.fit is not None:
+        return ValueError(f"{axis.name}: the result came from another process, which keeps its model: make the file there")
+    return _zerorate.Refused(f"{axis.name}: {axis.no_fit or 'no noise model was asked for: give fit=True'}")

@@ -1,0 +1,210 @@
+"""The axes of an IMU."""
+
+from __future__ import annotations
+
+import os
+import warnings as python_warnings
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Literal
+
+from . import _filters, _log, _plot, _records, _zerorate
+from ._allan import Allan, AllanAxes, Stat, Taus, Way, _cleaning, side_by_side
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from numpy.typing import ArrayLike
+
+
+@dataclass(frozen=True, eq=False)
+class Imu:
+    """What `imu` found: the deviation and the noise model of every axis."""
+
+    axes: AllanAxes
+    """By the names of their columns, gyroscopes first. Each has `name`, `kind`, `unit`, the points, and its `fit`."""
+    rate_hz: float
+    """Samples per second."""
+    topic: str | None
+    """The topic of a bag."""
+    log: str
+    """What was read."""
+    warnings: list[str] = field(repr=False)
+    """What is to be said of the log, and of the noise of each axis."""
+
+    def __repr__(self) -> str:
+        return f"<Imu {self.log}, {len(self.warnings)} warnings: {self.axes!r}>"
+
+    @property
+    def gyroscope(self) -> AllanAxes:
+        """The axes of the gyroscope."""
+        return AllanAxes({name: axis for name, axis in self.axes.items() if axis.kind == "gyroscope"})
+
+    @property
+    def accelerometer(self) -> AllanAxes:
+        """The axes of the accelerometer."""
+        return AllanAxes({name: axis for name, axis in self.axes.items() if axis.kind == "accelerometer"})
+
+    def to_yaml(
+        self,
+        path: str | os.PathLike[str] | None = None,
+        *,
+        format: _filters.Format = "kalibr",
+        combine: _filters.Combine = "worst",
+        inflate: float = 1.0,
+        topic: str | None = None,
+        force: bool = False,
+    ) -> str:
+        """The file for a filter: what ``zerorate imu LOG -o FILE`` writes. Each number says in a comment what it is.
+
+        Parameters
+        ----------
+        path
+            The file to be written; without one the text is only returned.
+        format
+            Who reads it: ``kalibr``, ``openvins``, ``vins``, ``orbslam3``, ``kf-gins``, ``ros``. Which number goes
+            where, and why: docs/imu.md.
+        combine
+            What stands for all axes of a kind, where the reader takes one number: the ``worst``, or their ``mean``.
+        inflate
+            Factor on all noise, for what a record at rest does not show.
+        topic
+            The topic that the file names; that of the bag unless given.
+        force
+            Overwrite an existing file, and make one of numbers that are no result; it says so inside.
+
+        Returns
+        -------
+        str
+            The text.
+
+        Raises
+        ------
+        Refused
+            If an axis has no noise model, or a rejected one.
+        ValueError
+            For a format that does not take so many axes.
+        FileExistsError
+            If the file exists.
+        """
+        axes, topic = list(self.axes.values()), self.topic if topic is None else topic
+        return _filters.file(axes, path, self.log, format, combine, inflate, topic, force)
+
+    def to_frame(self, library: _log.Library = "pandas") -> Any:
+        """A DataFrame with a row for each axis and averaging time, as of `AllanAxes.to_frame`."""
+        return self.axes.to_frame(library)
+
+    def plot(self) -> Figure:
+        """Draws a new figure with a picture for each kind of axis.
+
+        Raises
+        ------
+        ImportError
+            If matplotlib is not installed.
+        """
+        return _plot.kinds([list(of.values()) for of in (self.gyroscope, self.accelerometer) if of])
+
+
+def imu(
+    log: str | os.PathLike[str] | Mapping[str, ArrayLike] | ArrayLike | Any,
+    *,
+    column: Sequence[str | int] | None = None,
+    columns: Sequence[str] | None = None,
+    rate_hz: float | None = None,
+    topic: str | None = None,
+    gyro_unit: str | None = None,
+    accel_unit: str | None = None,
+    gyro_scale: float | None = None,
+    accel_scale: float | None = None,
+    time_column: str | int | None = None,
+    time_unit: Literal["s", "ms", "us", "ns"] | None = None,
+    decimal: Literal[".", ","] | None = None,
+    max_bad: float | None = None,
+    stat: Stat = "oadev",
+    taus: Taus = "octave",
+    confidence: float = 0.683,
+    glitches: Literal["cut", "keep"] = "cut",
+    steps: Literal["remove", "keep"] = "remove",
+) -> Imu:
+    """Deviations and noise models of all axes of an IMU at rest, and the file for the filter that will use them.
+
+    Gravity is no error: a mean does not matter. Other threads run meanwhile.
+
+    Parameters
+    ----------
+    log
+        The path of a log in any form that `read_log` reads, read once: a ``sensor_msgs/Imu`` topic of a bag, or the
+        columns whose names and units say what they are (``gyro_x``, ``wx``, ``ax [m/s^2]``). Or a DataFrame or a
+        dictionary of such columns, in which a block of three columns is x, y and z:
+        ``{"gyro": w, "accel": a}``. Or an array with times along axis 0 and axes along axis 1.
+    column
+        The axes, by name or by number counted from 0; else all columns that are one.
+    columns
+        Names for the axes of an array: ``["gx", "gy", "gz", "ax", "ay", "az"]``.
+    rate_hz
+        Samples per second; else a DatetimeIndex, `time_column`, or the log tells, as it tells where samples are
+        missing.
+    topic
+        The topic, where a bag has several IMUs.
+    gyro_unit, accel_unit
+        Unit of the columns, where their names do not state it, and of the results: ``rad/s``, ``°/s``, ``m/s²``,
+        ``g``, ``mg`` …
+    gyro_scale, accel_scale
+        What a step of 1 is in that unit.
+    time_column, time_unit
+        The column with the time of each row, and its unit; else as the only name says that states a unit of time.
+    decimal, max_bad
+        As of `read_log`.
+    stat, taus, confidence, glitches, steps
+        As of `allan`.
+
+    Returns
+    -------
+    Imu
+
+    Raises
+    ------
+    ValueError
+        If nothing is an axis, or the log does not say enough; the text says what to give.
+    Refused
+        If the numbers are there, but must not become a result.
+    OSError
+        If the log cannot be read.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> rest = np.random.default_rng(1).normal(size=(20_000, 3))
+    >>> found = imu({"gyro": 1e-3 * rest}, rate_hz=100.0, gyro_unit="rad/s")
+    >>> list(found.axes), found.axes["gyro_x"].fit.n.unit
+    (['gyro_x', 'gyro_y', 'gyro_z'], 'rad/s·√s')
+    >>> print(found.to_yaml().splitlines()[3].split()[0])
+    gyroscope_noise_density:
+    """
+    if not _records.is_path(log) and not _records.is_table(log) and columns is None:
+        raise ValueError(
+            "an array does not say which column is which axis: give columns=, such as "
+            "['gx', 'gy', 'gz', 'ax', 'ay', 'az'], or a dictionary {'gyro': …, 'accel': …}"
+        )
+    way = Way(stat, taus, False, confidence, _cleaning(glitches, steps))
+    source = _records.table(log, columns)
+    given = _log.options(rate_hz, time_column, time_unit, None, None, decimal, None, max_bad, topic)
+    found, of_bag, said = _zerorate.read_imu(
+        source,
+        None if column is None else [str(name) for name in _log.listed(column)],
+        (gyro_unit, _number(gyro_scale)),
+        (accel_unit, _number(accel_scale)),
+        _log.with_time(source, given),
+    )
+    for text in said:
+        python_warnings.warn(text, stacklevel=2)
+    units = {"gyroscope": gyro_unit, "accelerometer": accel_unit}
+    found = [{**one, "unit": units[_zerorate.unit_kind(one["unit"] or "") or "gyroscope"] or one["unit"]} for one in found]
+    analysed = side_by_side(way.of_column, found)
+    axes: dict[str, Allan] = _log.by_name({"name": axis.name, "of": axis} for axis in analysed)
+    of_axes = [f"{name}: {text}" for name, axis in axes.items() if axis.fit for text in axis.fit.warnings]
+    name = source if isinstance(source, str) else source[0]
+    return Imu(AllanAxes(axes), found[0]["rate_hz"], of_bag, name, said + of_axes)
+
+
+def _number(scale: float | None) -> float | None:
+    return None if scale is None else float(scale)

@@ -1,0 +1,207 @@
+"""Logs of any form, as columns."""
+
+from __future__ import annotations
+
+import os
+import warnings
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Literal, Union
+
+import numpy as np
+
+from . import _frame, _records, _zerorate
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+Column = Union[str, int, Sequence[Union[str, int]]]
+"""A column by its name or its number counted from 0, several of them, or ``"all"``."""
+
+ALL = "all"
+"""All columns that hold numbers."""
+
+Library = Literal["pandas", "polars"]
+"""Whose DataFrame is made."""
+
+
+@dataclass(frozen=True, eq=False)
+class Log(Mapping[str, "NDArray[np.float64]"]):
+    """Columns of a log, by their names: a number for each sample, NaN where one is missing."""
+
+    columns: dict[str, NDArray[np.float64]]
+    """The numbers, in the unit that the log states."""
+    units: dict[str, str | None]
+    """The unit of each; None where nothing states it."""
+    rate_hz: float
+    """Samples per second, the missing ones counted."""
+    warnings: list[str] = field(repr=False)
+    """What is to be said of the log."""
+
+    def __getitem__(self, name: str) -> NDArray[np.float64]:
+        return self.columns[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.columns)
+
+    def __len__(self) -> int:
+        return len(self.columns)
+
+    @property
+    def t_s(self) -> NDArray[np.float64]:
+        """Time of each sample since the first on an even clock, s."""
+        samples = max((len(column) for column in self.columns.values()), default=0)
+        return np.arange(samples) / self.rate_hz
+
+    def to_frame(self, library: Library = "pandas") -> Any:
+        """A DataFrame with `t_s` and the columns, of pandas or polars.
+
+        Raises
+        ------
+        ImportError
+            If the library is not installed.
+        """
+        return _frame.frame({"t_s": self.t_s, **self.columns}, library)
+
+
+def read_log(
+    log: str | os.PathLike[str],
+    column: Column | None = ALL,
+    *,
+    rate_hz: float | None = None,
+    time_column: str | int | None = None,
+    time_unit: Literal["s", "ms", "us", "ns"] | None = None,
+    unit: str | None = None,
+    scale: float | None = None,
+    decimal: Literal[".", ","] | None = None,
+    raw: Literal["i16", "i32", "f32", "f64"] | None = None,
+    max_bad: float | None = None,
+    topic: str | None = None,
+) -> Log:
+    """Reads columns of a log, in every form that ``zerorate allan`` reads, in one pass.
+
+    Captures, CSV and text of any dialect, Parquet, Arrow, NumPy, MATLAB up to 7.2, bags of ROS 1 and 2 (files and
+    folders), PX4 ULog; packed or not. What each form tells is in docs/logs.md.
+
+    Parameters
+    ----------
+    log
+        The file, or the folder of a bag.
+    column
+        A name, a number counted from 0, a list of these, or ``"all"``. None: the only one.
+    rate_hz
+        Samples per second; else the time column or the stamps tell.
+    time_column, time_unit
+        The column with the time of each row, and its unit: ``s``, ``ms``, ``us``, ``ns``; else as its name states.
+    unit
+        Unit of the columns: ``°/s``, ``rad/s``, ``m/s²``, ``g`` …; else as each states.
+    scale
+        What a step of 1 is in that unit.
+    decimal
+        What stands before the decimals of a text: ``.`` or ``,``.
+    raw
+        The file is nothing but numbers of this type, little endian: ``i16``, ``i32``, ``f32``, ``f64``.
+    max_bad
+        Broken lines of a text that are skipped, as a share of all; 0.01 unless given.
+    topic
+        The topic of a bag, where it has several IMUs.
+
+    Returns
+    -------
+    Log
+
+    Raises
+    ------
+    ValueError
+        If the log does not say enough, or has no such column; the text says what to give.
+    Refused
+        If the numbers are there, but must not become a result.
+    OSError
+        If it cannot be read.
+    """
+    given = options(rate_hz, time_column, time_unit, unit, scale, decimal, raw, max_bad, topic)
+    found = columns_of(_records.table(log), column, True, given)
+    said = [text for one in found for text in one["warnings"]]
+    for text in said:
+        warnings.warn(text, stacklevel=2)
+    return Log(
+        columns=by_name({"name": one["name"], "of": one["values"] * one["scale"]} for one in found),
+        units={one["name"]: one["unit"] for one in found},
+        rate_hz=found[0]["rate_hz"],
+        warnings=said,
+    )
+
+
+def options(
+    rate_hz: float | None,
+    time_column: str | int | None,
+    time_unit: str | None,
+    unit: str | None,
+    scale: float | None,
+    decimal: str | None,
+    raw: str | None,
+    max_bad: float | None,
+    topic: str | None,
+) -> _zerorate._Options:
+    """What a log may not say itself, as the extension takes it."""
+    return {
+        "rate_hz": None if rate_hz is None else float(rate_hz),
+        "time_column": None if time_column is None else str(time_column),
+        "time_unit": time_unit,
+        "unit": unit,
+        "scale": None if scale is None else float(scale),
+        "decimal": decimal,
+        "raw": raw,
+        "max_bad": None if max_bad is None else float(max_bad),
+        "topic": topic,
+    }
+
+
+def with_time(source: _records.Source, given: _zerorate._Options) -> _zerorate._Options:
+    """The same, with the only column of a table that holds instants as the time, where nothing else is."""
+    if isinstance(source, str) or given["rate_hz"] is not None or given["time_column"] is not None:
+        return given
+    times = [name for name, cells in source[1] if not isinstance(cells, int) and cells.dtype == np.int64]
+    if len(times) > 1:
+        raise ValueError(f"{source[0]} has the time in several columns, {', '.join(times)}: give time_column=")
+    return {**given, "time_column": times[0]} if times else given
+
+
+def columns_of(
+    source: _records.Source, column: Column | None, points: bool, given: _zerorate._Options
+) -> list[_zerorate._Column]:
+    """The columns that are asked for."""
+    names = None if column is None or is_all(column) else [str(name) for name in listed(column)]
+    given = with_time(source, given)
+    return _zerorate.read_columns(source, names, column is not None and is_all(column), points, given)
+
+
+def is_all(column: Column) -> bool:
+    """Whether all columns are asked for."""
+    return isinstance(column, str) and column == ALL
+
+
+def is_several(column: Column | None) -> bool:
+    """Whether the answer has a name for each column."""
+    return column is not None and (is_all(column) or not isinstance(column, (str, int)))
+
+
+def listed(column: Column) -> list[str | int]:
+    """The columns one by one."""
+    return [column] if isinstance(column, (str, int)) else list(column)
+
+
+def by_name(found: Any) -> dict[str, Any]:
+    """What is ``of`` each, under its name.
+
+    Raises
+    ------
+    ValueError
+        For two of the same name.
+    """
+    named: dict[str, Any] = {}
+    for one in found:
+        if one["name"] in named:
+            raise ValueError(f"there are two columns {one['name']}: read one by its number, or rename them")
+        named[one["name"]] = one["of"]
+    return named

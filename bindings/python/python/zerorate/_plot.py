@@ -1,0 +1,102 @@
+"""Pictures, by matplotlib."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from . import _frame
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from ._allan import Allan
+    from ._model import Fit
+
+_FLOOR_PER_B = np.sqrt(2 * np.log(2) / np.pi)
+"""The floor of a curve in B, IEEE Std 952-1997 C.1.3."""
+
+_TITLES = {
+    "adev": "Allan deviation",
+    "oadev": "overlapping Allan deviation",
+    "mdev": "modified Allan deviation",
+    "tdev": "time deviation",
+    "hdev": "Hadamard deviation",
+    "ohdev": "overlapping Hadamard deviation",
+    "totdev": "total deviation",
+}
+
+
+def curves(axes: Sequence[Allan], ax: Axes | None) -> Axes:
+    """Deviations in one picture, each with its limits and its model."""
+    if ax is None:
+        figure = _frame.needed("matplotlib.pyplot", "plot()").figure(figsize=(7.5, 5.0), layout="constrained")
+        ax = figure.add_subplot()
+    units = sorted({axis.unit for axis in axes})
+    if len(units) > 1:
+        raise ValueError(f"their units differ ({', '.join(units)}), so they have no common picture: draw each by itself")
+    for axis in axes:
+        _curve(ax, axis, len(axes) == 1)
+    stats = {axis.stat for axis in axes}
+    unit = "".join(units) + ("·s" if stats == {"tdev"} else "")
+    ax.set_xscale("log")
+    ax.set_yscale("log")
+    ax.set_xlabel("averaging time τ / s")
+    ax.set_ylabel(f"{_TITLES[next(iter(stats))] if len(stats) == 1 else 'deviation'} / {unit}")
+    ax.grid(True, which="major", alpha=0.35)
+    ax.grid(True, which="minor", alpha=0.12)
+    if axes:
+        drawn, labels = ax.get_legend_handles_labels()
+        # the curves before their models
+        order = sorted(range(len(drawn)), key=lambda at: not isinstance(drawn[at], tuple))
+        title = None if len(axes) == 1 else "points: measured, lines: models with 95 % bands"
+        ax.legend(
+            [drawn[at] for at in order], [labels[at] for at in order], fontsize="small", title=title,
+            title_fontsize="small", framealpha=0.85,
+        )
+    return ax
+
+
+def kinds(groups: Sequence[Sequence[Allan]]) -> Figure:
+    """A picture for each kind of axis, side by side."""
+    pyplot = _frame.needed("matplotlib.pyplot", "plot()")
+    figure = pyplot.figure(figsize=(6.5 * max(len(groups), 1), 5.0), layout="constrained")
+    for at, group in enumerate(groups, start=1):
+        ax = figure.add_subplot(1, len(groups), at)
+        curves(group, ax)
+        ax.set_title(group[0].kind or "")
+    return figure  # type: ignore[no-any-return]
+
+
+def _curve(ax: Axes, axis: Allan, is_alone: bool) -> None:
+    percent = f"{100 * axis.confidence:.4g} %"
+    label = f"{axis.name}, limits of {percent}" if is_alone else axis.name
+    errors = np.array([axis.dev - axis.lo, axis.hi - axis.dev])
+    drawn = ax.errorbar(axis.tau_s, axis.dev, yerr=errors, fmt="o", markersize=3.5, capsize=2, linewidth=1, label=label)
+    colour = drawn.lines[0].get_color()
+    if axis.model is None or axis.model_lo is None or axis.model_hi is None or axis.fit is None:
+        return
+    name = "model, REJECTED" if axis.fit.rejected else "model"
+    ax.plot(axis.tau_s, axis.model, color=colour, linewidth=1.2, label=f"{name} and its 95 % band" if is_alone else None)
+    alpha = 0.15 if is_alone else 0.08
+    ax.fill_between(axis.tau_s, axis.model_lo, axis.model_hi, color=colour, alpha=alpha, linewidth=0)
+    if is_alone and not axis.fit.rejected:
+        _coefficients(ax, axis, axis.fit)
+
+
+def _coefficients(ax: Axes, axis: Allan, fit: Fit) -> None:
+    """The lines of N, B and K, where they are identified."""
+    tau = axis.tau_s
+    lines = [
+        ("N", fit.n, fit.n.value / np.sqrt(tau), "N/√τ"),
+        ("B", fit.b, np.full(len(tau), _FLOOR_PER_B * fit.b.value), "0.664·B"),
+        ("K", fit.k, fit.k.value * np.sqrt(tau / 3), "K·√(τ/3)"),
+    ]
+    for (name, coefficient, line, formula), style in zip(lines, ("--", ":", "-.")):
+        if coefficient.identified:
+            inside = (line >= axis.lo.min() / 2) & (line <= axis.hi.max() * 2)
+            text = f"{formula}, {name} = {coefficient.value:.3g} {coefficient.unit}"
+            ax.plot(tau[inside], line[inside], style, color="0.35", linewidth=1, label=text)

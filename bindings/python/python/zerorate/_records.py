@@ -1,0 +1,192 @@
+"""What is given as a record, brought into the form in which the extension takes it."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, Union
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Cells = Union[NDArray[np.int32], NDArray[np.float64], NDArray[np.int64], int]
+    """Codes, numbers, times in ns, or how many rows there are of something else."""
+    Source = Union[str, tuple[str, list[tuple[str, Cells]]]]
+    """The path of a log, or a table: what messages call it, and its columns."""
+
+TIME_INDEX = "index"
+"""What the index of a Series or DataFrame is called among its columns, where it has no name."""
+
+LETTERS = "xyz"
+"""The axes of a block of three columns."""
+
+
+def is_path(data: Any) -> bool:
+    """Whether it names a log."""
+    return isinstance(data, (str, os.PathLike))
+
+
+def is_table(data: Any) -> bool:
+    """Whether it has columns with names: a dictionary, a DataFrame, a structured array."""
+    if isinstance(data, np.ndarray):
+        return data.dtype.names is not None
+    return isinstance(data, Mapping) or (hasattr(data, "columns") and hasattr(data, "__getitem__"))
+
+
+def has_time_index(data: Any) -> bool:
+    """Whether it is a Series or DataFrame of pandas with instants, or times since a start, in its index."""
+    return getattr(getattr(getattr(data, "index", None), "dtype", None), "kind", "") in ("M", "m")
+
+
+def is_wide(data: Any) -> bool:
+    """Whether it is an array of several columns."""
+    return not is_table(data) and not isinstance(data, (list, tuple)) and np.ndim(data) == 2
+
+
+def record(values: Any, data: str = "rate", what: str = "the record") -> NDArray[Any]:
+    """One column as the extension takes it: contiguous int32 or float64, without a copy where it is that."""
+    array = _array(values)
+    if array.ndim != 1:
+        raise ValueError(f"{what} has the shape {array.shape}: give one column, for example record[:, 0]")
+    if array.dtype.kind not in "iuf" and array.size:
+        raise ValueError(f"{what} holds {array.dtype}, not real numbers: convert it to numbers first")
+    if data == "rate" and array.dtype.kind in "iu" and _fits_int32(array):
+        return np.ascontiguousarray(array, dtype=np.int32)
+    numbers = np.ascontiguousarray(array, dtype=np.float64)
+    infinite = np.isinf(numbers)
+    if infinite.any():
+        at = int(np.argmax(infinite))
+        raise ValueError(f"{what} is infinite at sample {at}, which cannot be averaged: NaN is a missing sample")
+    return numbers
+
+
+def table(data: Any, columns: Any = None) -> Source:
+    """Columns with names, and the time in the index, if that holds any.
+
+    `columns` names those of a two-dimensional array, whose rows are times.
+    """
+    if is_path(data):
+        return os.fspath(data) if isinstance(os.fspath(data), str) else os.fsdecode(data)
+    if not is_table(data):
+        return "the array", list(array_columns(data, columns).items())
+    if columns is not None:
+        raise ValueError("columns= names those of an array; these have names: choose with column=")
+    name = type(data).__name__
+    named = [(str(key), data[key]) for key in _keys(data)]
+    found = [pair for key, values in named for pair in _columns_of(key, values, f"the {name}")]
+    if has_time_index(data):
+        found.insert(0, (str(data.index.name or TIME_INDEX), _times(data.index)))
+    _check_names([key for key, _ in found], name)
+    lengths = {key: cells if isinstance(cells, int) else len(cells) for key, cells in found}
+    if len(set(lengths.values())) > 1:
+        told = ", ".join(f"{key} {length}" for key, length in lengths.items())
+        raise ValueError(f"the columns of the {name} differ in length ({told}): give those of one record")
+    return f"the {name}", found
+
+
+def indexed(series: Any, name: str) -> Source:
+    """A Series with the time in its index."""
+    time = str(series.index.name or TIME_INDEX)
+    return "the Series", [(time, _times(series.index)), (name, record(series))]
+
+
+def _keys(data: Any) -> list[Any]:
+    if isinstance(data, np.ndarray):
+        return list(data.dtype.names or ())
+    return list(data) if isinstance(data, Mapping) else list(data.columns)
+
+
+def _columns_of(key: str, values: Any, name: str) -> list[tuple[str, Cells]]:
+    """A column, or a block of columns under one name: three of them are x, y and z."""
+    array = _array(values)
+    what = f"column {key} of {name}"
+    if array.ndim == 2:
+        _check_shape(array, what)
+        letters = LETTERS if array.shape[1] == len(LETTERS) else [str(at) for at in range(array.shape[1])]
+        return [(f"{key}_{letter}", record(array[:, at], what=what)) for at, letter in enumerate(letters)]
+    if array.ndim != 1:
+        raise ValueError(f"{what} has the shape {array.shape}: give one value for each row")
+    if array.dtype.kind in "Mm":
+        return [(key, _times(values))]
+    if array.dtype.kind not in "iuf":
+        return [(key, len(array))]
+    return [(key, record(array, what=what))]
+
+
+def array_columns(data: Any, columns: Any) -> dict[str, Cells]:
+    """The columns of an array, under names that are given or their numbers."""
+    array = _array(data)
+    if array.ndim == 1:
+        array = array.reshape(-1, 1)
+    _check_shape(array, "the array")
+    names = [str(at) for at in range(array.shape[1])] if columns is None else [str(name) for name in columns]
+    if len(names) != array.shape[1]:
+        raise ValueError(f"columns= has {len(names)} names for an array of {array.shape[1]} columns")
+    _check_names(names, "array")
+    return {name: record(array[:, at], what=f"column {name}") for at, name in enumerate(names)}
+
+
+def _check_shape(array: NDArray[Any], what: str) -> None:
+    """Rows are times. An array that may be lying on its side is not guessed at."""
+    if array.ndim != 2:
+        raise ValueError(f"{what} has the shape {array.shape}: give times along axis 0 and axes along axis 1")
+    rows, columns = array.shape
+    if columns == 0 or rows <= columns:
+        raise ValueError(
+            f"{what} has {rows} rows and {columns} columns, and rows are times here: if these are {rows} channels, "
+            "give its transpose, array.T"
+        )
+
+
+def _check_names(names: list[str], what: str) -> None:
+    twice = sorted({name for name in names if names.count(name) > 1})
+    if twice:
+        raise ValueError(f"the {what} has several columns {', '.join(twice)}: rename them")
+
+
+def _array(values: Any) -> NDArray[Any]:
+    """As numpy has it; what is masked or missing is NaN."""
+    if isinstance(values, np.ma.MaskedArray):
+        return _unmasked(values)
+    array = np.asarray(values.to_numpy() if hasattr(values, "to_numpy") else values)
+    if array.dtype.kind == "O" and array.size:  # pandas' missing values, mixed lists
+        try:
+            return _floats(values, array)
+        except (TypeError, ValueError):
+            pass
+    return array
+
+
+def _floats(values: Any, array: NDArray[Any]) -> NDArray[Any]:
+    if hasattr(values, "dt"):  # instants with a time zone
+        return np.asarray(values.dt.tz_convert(None).to_numpy())
+    try:
+        return array.astype(np.float64)
+    except TypeError:
+        return np.asarray(values.to_numpy(dtype=np.float64, na_value=np.nan))
+
+
+def _unmasked(values: Any) -> NDArray[Any]:
+    if values.dtype.kind not in "iuf" or not np.ma.is_masked(values):
+        return np.asarray(values.data)
+    return np.asarray(values.astype(np.float64).filled(np.nan))
+
+
+def _times(values: Any) -> NDArray[np.int64]:
+    """Instants or durations in ns."""
+    if getattr(values, "tz", None) is not None:
+        values = values.tz_convert(None)
+    array = _array(values)
+    if np.isnat(array).any():
+        raise ValueError(f"row {int(np.argmax(np.isnat(array)))} has no time: every row must have one")
+    unit = "datetime64[ns]" if array.dtype.kind == "M" else "timedelta64[ns]"
+    return np.ascontiguousarray(array.astype(unit)).view(np.int64)
+
+
+def _fits_int32(array: NDArray[Any]) -> bool:
+    limits = np.iinfo(np.int32)
+    if array.dtype.itemsize < 4 or array.dtype == np.int32 or not array.size:
+        return True
+    return bool(array.min() >= limits.min and array.max() <= limits.max)

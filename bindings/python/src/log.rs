@@ -1,0 +1,267 @@
+//! Columns of logs, and of tables in memory, which are read by the same rules.
+
+use crate::error::exception;
+use arrow_array::{ArrayRef, DurationNanosecondArray, Float64Array, Int32Array, NullArray, RecordBatch};
+use arrow_schema::{Field, Schema};
+use numpy::{PyArray1, PyReadonlyArray1};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use zerorate_data::column::{
+    self, Column, ColumnOptions, Decimal, Names, Quantity, RawType, Series, Setting, TimeUnit, Unit, Wanted,
+};
+use zerorate_data::imu::{Axes, ImuOptions, Said};
+use zerorate_host::files;
+
+/// Where numbers come from.
+#[derive(FromPyObject)]
+pub enum Source<'py> {
+    /// A table: what messages call it, and its columns.
+    Table(String, Vec<(String, Cells<'py>)>),
+    /// A log.
+    File(PathBuf),
+}
+
+/// A column of a table. Times are counted in ns.
+#[derive(FromPyObject)]
+pub enum Cells<'py> {
+    Codes(PyReadonlyArray1<'py, i32>),
+    Numbers(PyReadonlyArray1<'py, f64>),
+    Times(PyReadonlyArray1<'py, i64>),
+    /// No numbers; so many rows.
+    Other(usize),
+}
+
+/// The fields of [`ColumnOptions`] as Python has them.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct Options {
+    topic: Option<String>,
+    time_column: Option<String>,
+    time_unit: Option<String>,
+    rate_hz: Option<f64>,
+    unit: Option<String>,
+    scale: Option<f64>,
+    decimal: Option<String>,
+    raw: Option<String>,
+    max_bad: Option<f64>,
+}
+
+/// Unit and scale, as somebody says.
+type Given = (Option<String>, Option<f64>);
+
+/// The axes, the topic, what is to be said.
+type Found<'py> = (Vec<Bound<'py, PyDict>>, Option<String>, Vec<String>);
+
+/// What the options are called in Python.
+pub fn argument(setting: Setting) -> &'static str {
+    match setting {
+        Setting::Column => "column=",
+        Setting::Topic => "topic=",
+        Setting::TimeColumn => "time_column=",
+        Setting::TimeUnit => "time_unit=",
+        Setting::Rate => "rate_hz=",
+        Setting::Unit => "unit=",
+        Setting::Scale => "scale=",
+        Setting::Decimal => "decimal=",
+        Setting::Raw => "raw=",
+        Setting::MaxBad => "max_bad=",
+        Setting::GyroUnit => "gyro_unit=",
+        Setting::AccelUnit => "accel_unit=",
+        other => other.name(),
+    }
+}
+
+/// Reads columns of a log: those that are named, ``None`` for the only one, or all where ``every``. ``points`` asks for
+/// a number for each sample, whatever the log has. Returns a dictionary for each.
+#[pyfunction]
+pub fn read_columns<'py>(
+    py: Python<'py>,
+    source: Source<'py>,
+    names: Option<Vec<String>>,
+    every: bool,
+    points: bool,
+    options: Options,
+) -> PyResult<Vec<Bound<'py, PyDict>>> {
+    let (options, given) = (options.checked()?, options.unit()?);
+    let wanted = match &names {
+        None if every => Wanted::All,
+        None => Wanted::One(None),
+        Some(names) => Wanted::Listed(names),
+    };
+    let (path, columns) = match opened(source)? {
+        Opened::Table(path, table) => {
+            (path.clone(), py.detach(|| column::read_table(&path, &table, wanted, &options)))
+        }
+        Opened::File(path) => {
+            let read = || column::read_parts(&path, files::log(&path)?, wanted, &options);
+            (path.clone(), py.detach(read))
+        }
+    };
+    let columns = columns.map_err(|error| exception(&error.into()))?;
+    columns.into_iter().map(|column| described(py, &path, column, given, points)).collect()
+}
+
+/// Reads the axes of an IMU's log, or of the columns that are named. Returns a dictionary for each, the topic of a bag, and what is to be said of the
+/// log.
+#[pyfunction]
+pub fn read_imu<'py>(
+    py: Python<'py>,
+    source: Source<'py>,
+    names: Option<Vec<String>>,
+    gyro: Given,
+    accel: Given,
+    options: Options,
+) -> PyResult<Found<'py>> {
+    let said = |(unit, scale): &Given| Ok::<_, PyErr>(Said { unit: parsed(unit, "unit")?, scale: positive(*scale)? });
+    let (gyro, accel) = (said(&gyro)?, said(&accel)?);
+    let options = ImuOptions { columns: names, gyro, accel, log: options.checked()? };
+    let (path, axes) = match opened(source)? {
+        Opened::Table(path, table) => {
+            let wanted = options.columns.as_deref().map_or(Wanted::All, Wanted::Listed);
+            let read = || Axes::of(&path, column::read_table(&path, &table, wanted, &options.log)?, &options);
+            (path.clone(), py.detach(read))
+        }
+        Opened::File(path) => (path.clone(), py.detach(|| Axes::read(&path, files::log(&path)?, &options))),
+    };
+    let Axes { columns, topic, warnings } = axes.map_err(|error| exception(&error.into()))?;
+    let of_kind = |column: &Column| match column.quantity {
+        Some(Quantity::Acceleration) => accel.unit,
+        _ => gyro.unit,
+    };
+    let columns = columns.into_iter().map(|column| {
+        let given = of_kind(&column);
+        described(py, &path, column, given, false)
+    });
+    Ok((columns.collect::<PyResult<_>>()?, topic, warnings))
+}
+
+impl Options {
+    fn checked(&self) -> PyResult<ColumnOptions> {
+        let max_bad = self.max_bad;
+        if let Some(share) = max_bad.filter(|share| !(0.0..1.0).contains(share)) {
+            return Err(PyValueError::new_err(format!(
+                "max_bad={share}: give a share from 0 to below 1, such as 0.05"
+            )));
+        }
+        Ok(ColumnOptions {
+            column: None,
+            topic: self.topic.clone(),
+            time_column: self.time_column.clone(),
+            time_unit: chosen(&self.time_unit, "time_unit", &TIME_UNITS)?,
+            rate: positive(self.rate_hz)?,
+            unit: self.unit()?,
+            scale: positive(self.scale)?,
+            decimal: chosen(&self.decimal, "decimal", &DECIMALS)?,
+            raw: chosen(&self.raw, "raw", &RAW)?,
+            max_bad,
+            names: Names(argument),
+        })
+    }
+
+    fn unit(&self) -> PyResult<Option<Unit>> {
+        parsed(&self.unit, "unit")
+    }
+}
+
+const TIME_UNITS: [(&str, TimeUnit); 4] =
+    [("s", TimeUnit::S), ("ms", TimeUnit::Ms), ("us", TimeUnit::Us), ("ns", TimeUnit::Ns)];
+const DECIMALS: [(&str, Decimal); 4] =
+    [(".", Decimal::Point), (",", Decimal::Comma), ("point", Decimal::Point), ("comma", Decimal::Comma)];
+const RAW: [(&str, RawType); 4] =
+    [("i16", RawType::I16), ("i32", RawType::I32), ("f32", RawType::F32), ("f64", RawType::F64)];
+
+/// One of a few words.
+fn chosen<T: Copy>(word: &Option<String>, name: &str, all: &[(&str, T)]) -> PyResult<Option<T>> {
+    let Some(word) = word else { return Ok(None) };
+    let found = all.iter().find(|(known, _)| known == word).map(|(_, value)| *value);
+    let words = || all.iter().map(|(known, _)| format!("'{known}'")).collect::<Vec<_>>().join(", ");
+    found.map(Some).ok_or_else(|| PyValueError::new_err(format!("{name}='{word}': give {}", words())))
+}
+
+fn parsed(unit: &Option<String>, name: &str) -> PyResult<Option<Unit>> {
+    let parse = |unit: &String| unit.parse().map_err(|why| PyValueError::new_err(format!("{name}=: {why}")));
+    unit.as_ref().map(parse).transpose()
+}
+
+fn positive(number: Option<f64>) -> PyResult<Option<f64>> {
+    match number.filter(|number| !(*number > 0.0 && number.is_finite())) {
+        Some(number) => Err(PyValueError::new_err(format!("{number} as a rate or a scale: give a number above zero"))),
+        None => Ok(number),
+    }
+}
+
+/// A source, ready to be read without Python.
+enum Opened {
+    Table(PathBuf, RecordBatch),
+    File(PathBuf),
+}
+
+fn opened(source: Source<'_>) -> PyResult<Opened> {
+    let (name, columns) = match source {
+        Source::File(path) => return Ok(Opened::File(path)),
+        Source::Table(name, columns) => (name, columns),
+    };
+    let arrays = columns.iter().map(|(_, cells)| cells.array()).collect::<PyResult<Vec<ArrayRef>>>()?;
+    let field =
+        |((name, _), array): (&(String, Cells<'_>), &ArrayRef)| Field::new(name, array.data_type().clone(), true);
+    let fields: Vec<Field> = columns.iter().zip(&arrays).map(field).collect();
+    let table = RecordBatch::try_new(Arc::new(Schema::new(fields)), arrays);
+    let table = table.map_err(|error| PyValueError::new_err(format!("{name}: {error}")))?;
+    Ok(Opened::Table(name.into(), table))
+}
+
+impl Cells<'_> {
+    fn array(&self) -> PyResult<ArrayRef> {
+        Ok(match self {
+            Self::Codes(codes) => Arc::new(Int32Array::from(codes.as_slice()?.to_vec())),
+            Self::Numbers(numbers) => Arc::new(Float64Array::from(numbers.as_slice()?.to_vec())),
+            Self::Times(times) => Arc::new(DurationNanosecondArray::from(times.as_slice()?.to_vec())),
+            Self::Other(rows) => Arc::new(NullArray::new(*rows)),
+        })
+    }
+}
+
+/// A column for Python: its numbers in the unit that they came in.
+fn described<'py>(
+    py: Python<'py>,
+    path: &Path,
+    column: Column,
+    given: Option<Unit>,
+    points: bool,
+) -> PyResult<Bound<'py, PyDict>> {
+    let result = PyDict::new(py);
+    let unit = given.or_else(|| unit_of(&column));
+    let (name, per_unit) = match unit {
+        Some(unit) => (Some(label(unit)), unit.in_results()),
+        None => (column.quantity.map(Quantity::unit), 1.0),
+    };
+    result.set_item("unit", name)?;
+    result.set_item("scale", column.scale / per_unit)?;
+    result.set_item("name", &column.name)?;
+    result.set_item("rate_hz", column.rate_hz)?;
+    result.set_item("gaps", column.gaps.iter().map(|gap| (gap.at, gap.missing)).collect::<Vec<_>>())?;
+    result.set_item("warnings", &column.warnings)?;
+    match column.series {
+        Series::Codes(codes) if !points => result.set_item("values", PyArray1::from_vec(py, codes))?,
+        Series::Numbers(numbers) => result.set_item("values", PyArray1::from_vec(py, numbers))?,
+        Series::Codes(_) => {
+            let numbers = column.points(path).map_err(|error| exception(&error.into()))?;
+            result.set_item("values", PyArray1::from_vec(py, numbers))?;
+        }
+    }
+    Ok(result)
+}
+
+/// What a unit is called in results.
+pub fn label(unit: Unit) -> &'static str {
+    if unit == Unit::Dps { Quantity::AngularRate.unit() } else { unit.name() }
+}
+
+/// The unit of which a step is one.
+fn unit_of(column: &Column) -> Option<Unit> {
+    let quantity = column.quantity?;
+    Unit::ALL.into_iter().find(|unit| unit.quantity() == quantity && unit.in_results() == column.scale)
+}

@@ -1,0 +1,233 @@
+"""Logs by their path, and `zerorate.imu`: every axis, and the files for the filters."""
+
+from __future__ import annotations
+
+import copy
+import pickle
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import yaml
+from numpy.typing import NDArray
+
+import zerorate
+
+RATE_HZ = 100.0
+GYRO = ["gx [rad/s]", "gy [rad/s]", "gz [rad/s]"]
+ACCEL = ["ax [m/s^2]", "ay [m/s^2]", "az [m/s^2]"]
+N_GYRO, N_ACCEL = (1e-4, 2e-4, 3e-4), (1e-3, 2e-3, 1.5e-3)
+
+
+def rest(n: int = 20_000) -> NDArray[np.float64]:
+    """White noise of known densities: σ = N √rate."""
+    white: NDArray[np.float64] = np.random.default_rng(3).normal(size=(n, 6))
+    return np.asarray(white * np.array(N_GYRO + N_ACCEL) * np.sqrt(RATE_HZ), dtype=np.float64)
+
+
+def table(array: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
+    return dict(zip(GYRO + ACCEL, array.T))
+
+
+@pytest.fixture(scope="module")
+def log(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("log") / "six.csv"
+    rows = np.column_stack([np.arange(20_000) / RATE_HZ, rest(), np.full(20_000, 25.0)])
+    header = ",".join(["t_s", *GYRO, *ACCEL, "temp_c"])
+    np.savetxt(path, rows, delimiter=",", header=header, comments="", fmt="%.17g")
+    return path
+
+
+@pytest.fixture(scope="module")
+def found(log: Path) -> zerorate.Imu:
+    with pytest.warns(UserWarning, match="left out, being neither gyroscope nor accelerometer: temp_c"):
+        return zerorate.imu(log)
+
+
+def test_every_axis_is_found(found: zerorate.Imu, log: Path) -> None:
+    assert list(found.axes) == GYRO + ACCEL and (found.rate_hz, found.topic) == (RATE_HZ, None)
+    assert list(found.gyroscope) == GYRO and list(found.accelerometer) == ACCEL
+    for name, axis, density in zip(GYRO + ACCEL, found.axes.values(), N_GYRO + N_ACCEL):
+        assert axis.name == name and axis.unit == ("rad/s" if name in GYRO else "m/s²")
+        assert axis.kind == ("gyroscope" if name in GYRO else "accelerometer")
+        assert axis.fit is not None and axis.fit.n.value == pytest.approx(density, rel=0.03)
+        np.testing.assert_array_equal(zerorate.allan(log, column=name, time_column="t_s").dev, axis.dev)
+    assert any("temp_c" in text for text in found.warnings) and str(log) in repr(found)
+
+
+def test_what_is_in_memory_is_read_as_a_log(found: zerorate.Imu) -> None:
+    pandas, polars = (pytest.importorskip(name) for name in ("pandas", "polars"))
+    named = table(rest())
+    times = pandas.to_timedelta(np.arange(20_000) * 10, unit="ms")
+    inputs: list[tuple[Any, dict[str, Any]]] = [
+        (named, {"rate_hz": RATE_HZ}),
+        (pandas.DataFrame(named, index=times), {}),
+        (polars.DataFrame({"t_s": np.arange(20_000) / RATE_HZ, **named}), {}),
+        (rest(), {"rate_hz": RATE_HZ, "columns": GYRO + ACCEL}),
+        (named, {"rate_hz": RATE_HZ, "column": [GYRO[0], 1]}),
+        (rest()[:, :3], {"rate_hz": RATE_HZ, "columns": ["wx", "wy", "wz"], "gyro_unit": "rad/s"}),
+    ]
+    for data, options in inputs:
+        again = zerorate.imu(data, **options)
+        for axis, known in zip(again.axes.values(), found.axes.values()):
+            np.testing.assert_allclose(axis.dev, known.dev, rtol=1e-12)
+            assert axis.unit == known.unit
+    blocks = {"gyro": np.degrees(rest()[:, :3]), "accel": rest()[:, 3:] / 9.80665}
+    other = zerorate.imu(blocks, rate_hz=RATE_HZ, gyro_unit="deg/s", accel_unit="g")
+    assert list(other.axes) == [f"{kind}_{axis}" for kind in ("gyro", "accel") for axis in "xyz"]
+    assert {axis.unit for axis in other.axes.values()} == {"deg/s", "g"}
+    mine, theirs = (yaml.safe_load(of.to_yaml()) for of in (other, found))
+    for key in ("gyroscope_noise_density", "accelerometer_noise_density", "accelerometer_random_walk"):
+        assert mine[key] == pytest.approx(theirs[key], rel=1e-3), key
+
+
+FORMATS = {
+    "kalibr": ("gyroscope_noise_density", 3e-4),
+    "openvins": ("accelerometer_noise_density", 2e-3),
+    "vins": ("gyr_n", 3e-3),
+    "orbslam3": ("IMU.NoiseAcc", 2e-3),
+    "kf-gins": ("vrw", [60 * n for n in N_ACCEL]),
+    "ros": ("angular_velocity_covariance", [N_GYRO[0] ** 2 * 100, 0, 0, 0, N_GYRO[1] ** 2 * 100, 0, 0, 0, N_GYRO[2] ** 2 * 100]),
+}
+
+
+def read(text: str) -> dict[str, Any]:
+    """As PyYAML reads it, below `imu0` or `imunoise` where that is."""
+    all_of: dict[str, Any] = yaml.safe_load(text.removeprefix("%YAML 1.0\n---\n"))
+    inner = all_of.get("imu0", all_of.get("imunoise", all_of))
+    assert isinstance(inner, dict)
+    return inner
+
+
+@pytest.mark.parametrize("name", FORMATS)
+def test_every_filter_gets_its_numbers(found: zerorate.Imu, name: Any) -> None:
+    key, known = FORMATS[name]
+    assert read(found.to_yaml(format=name))[key] == pytest.approx(known, rel=0.03, abs=1e-12)
+    twice = read(found.to_yaml(format=name, inflate=2.0))[key]
+    factor = 4 if name == "ros" else 2
+    assert twice == pytest.approx(factor * np.array(known), rel=0.06, abs=1e-12)
+
+
+def test_the_file_is_that_of_the_program(found: zerorate.Imu, log: Path, tmp_path: Path) -> None:
+    by_program, by_package = tmp_path / "program.yaml", tmp_path / "package.yaml"
+    command = [sys.executable, "-m", "zerorate", "imu", str(log), "-o", str(by_program), "--combine", "mean"]
+    subprocess.run(command, check=True, capture_output=True)
+    text = found.to_yaml(by_package, combine="mean")
+    assert by_package.read_text(encoding="utf-8") == text
+    theirs, mine = (yaml.safe_load(path.read_text(encoding="utf-8")) for path in (by_program, by_package))
+    assert theirs.pop("rostopic") == mine.pop("rostopic") and theirs == pytest.approx(mine, rel=1e-3)
+    with pytest.raises(FileExistsError, match="force=True"):
+        found.to_yaml(by_package)
+    assert "imu7" in found.to_yaml(by_package, topic="/imu7", force=True)
+
+
+def test_what_makes_no_file_says_why(found: zerorate.Imu) -> None:
+    wrong: list[tuple[str, dict[str, Any]]] = [
+        ("format='kalib': give 'kalibr', 'openvins'", {"format": "kalib"}),
+        ("combine='best'", {"combine": "best"}),
+        ("inflate=0", {"inflate": 0}),
+    ]
+    for match, options in wrong:
+        with pytest.raises(ValueError, match=match):
+            found.to_yaml(**options)
+    two = zerorate.imu(rest()[:, :2], rate_hz=RATE_HZ, columns=["gx_dps", "gy_dps"])
+    with pytest.raises(ValueError, match="2 axes of the gyroscope, and format='ros' takes three"):
+        two.to_yaml(format="ros")
+    short = zerorate.imu(rest(20), rate_hz=RATE_HZ, columns=GYRO + ACCEL)
+    with pytest.raises(zerorate.Refused, match="20 samples are too few"):
+        short.to_yaml(force=True)
+    array = rest(4000)[:, :1]
+    array[:, 0] = 1.0
+    with pytest.raises(zerorate.Refused, match="do not change"):
+        zerorate.imu(array, rate_hz=RATE_HZ, columns=["gx_dps"]).to_yaml()
+    assert copy.deepcopy(found).to_yaml() == found.to_yaml()
+    with pytest.raises(ValueError, match="another process"):
+        pickle.loads(pickle.dumps(found)).to_yaml()
+    one = zerorate.allan(rest()[:, 0], rate_hz=RATE_HZ, unit="rad/s")
+    assert read(one.to_yaml())["gyroscope_noise_density"] == pytest.approx(1e-4, rel=0.03)
+    with pytest.raises(ValueError, match="V, which is of no axis"):
+        zerorate.allan(rest()[:, 0], rate_hz=RATE_HZ, unit="V").to_yaml()
+    with pytest.raises(zerorate.Refused, match="fit=True"):
+        zerorate.allan(rest()[:, 0], rate_hz=RATE_HZ, fit=False).to_yaml()
+
+
+def test_a_rejected_model_is_no_file_unless_forced() -> None:
+    t = np.arange(40_000) / RATE_HZ
+    rng = np.random.default_rng(8)
+    growing = rng.normal(size=len(t)) * np.exp(4 * np.sin(2 * np.pi * t / 50)) + np.sign(np.sin(t)) * 3
+    found = zerorate.imu(np.column_stack([growing]), rate_hz=RATE_HZ, columns=["gx_dps"], glitches="keep", steps="keep")
+    fit = found.axes[0].fit
+    assert fit is not None and fit.rejected and "rejected" in repr(found)
+    with pytest.raises(zerorate.Refused, match="off by .* %, so none of its coefficients is a result"):
+        found.to_yaml()
+    with pytest.warns(UserWarning, match="made all the same"):
+        assert "NOT A RESULT" in found.to_yaml(force=True)
+
+
+@pytest.mark.parametrize(
+    ("match", "data", "options"),
+    [
+        ("columns=", rest(300), {}),
+        ("no column whose name or unit says", {"u": rest(300)[:, 0]}, {}),
+        ("gyro_unit=", {"gyro": rest(300)[:, :3]}, {}),
+        ("accel_unit=", {"acc_x": rest(300)[:, 0]}, {}),
+        ("is no unit for gyroscopes", {"gyro": rest(300)[:, :3]}, {"gyro_unit": "g"}),
+        ("`furlong` is no unit", {"gyro": rest(300)[:, :3]}, {"gyro_unit": "furlong"}),
+        ("above zero", {"gyro": rest(300)[:, :3]}, {"gyro_unit": "dps", "gyro_scale": -1.0}),
+        ("rate_hz=", {"gx_dps": rest(300)[:, 0]}, {"rate_hz": None}),
+        ("time_unit='h'", {"t": np.arange(300.0), "gx_dps": rest(300)[:, 0]}, {"time_column": "t", "time_unit": "h"}),
+    ],
+)
+def test_what_is_wrong_speaks_of_arguments(match: str, data: Any, options: dict[str, Any]) -> None:
+    with pytest.raises(ValueError, match=match) as error:
+        zerorate.imu(data, **{"rate_hz": None if "time_column" in options else RATE_HZ, **options})
+    assert "--" not in str(error.value)
+
+
+def test_logs_are_read_by_their_path(log: Path, tmp_path: Path) -> None:
+    whole = zerorate.read_log(log, time_column="t_s")
+    assert list(whole) == [*GYRO, *ACCEL, "temp_c"] and whole.rate_hz == RATE_HZ
+    assert [whole.units[name] for name in ("gx [rad/s]", "az [m/s^2]", "temp_c")] == ["rad/s", "m/s²", "°C"]
+    np.testing.assert_array_equal(whole["gy [rad/s]"], rest()[:, 1])
+    frame = whole.to_frame()
+    assert list(frame.columns) == ["t_s", *whole] and frame["t_s"].iloc[-1] == pytest.approx(199.99)
+    two = zerorate.read_log(str(log), column=["gz [rad/s]", 4], rate_hz=50.0)
+    assert list(two) == ["gz [rad/s]", "ax [m/s^2]"] and two.rate_hz == 50.0
+    axes = zerorate.allan(log, column=["gx [rad/s]", "gy [rad/s]"], time_column="t_s", fit=False)
+    assert [axis.unit for axis in axes.values()] == ["rad/s", "rad/s"]
+    np.save(tmp_path / "one.npy", np.round(rest()[:, 0] * 1e5).astype(np.int32))
+    codes = zerorate.allan(tmp_path / "one.npy", rate_hz=RATE_HZ, unit="rad/s", scale=1e-5)
+    assert codes.fit is not None and codes.fit.n.value == pytest.approx(1e-4, rel=0.03) and codes.unit == "rad/s"
+    phase = zerorate.allan(tmp_path / "one.npy", rate_hz=RATE_HZ, unit="rad/s", data="phase", fit=False)
+    assert phase.samples == 20_000
+    (tmp_path / "raw.bin").write_bytes(rest()[:, 0].astype("<f8").tobytes())
+    raw = zerorate.allan(tmp_path / "raw.bin", rate_hz=RATE_HZ, unit="rad/s", raw="f64")
+    np.testing.assert_allclose(raw.dev, zerorate.allan(rest()[:, 0], rate_hz=RATE_HZ).dev, rtol=1e-12)
+
+
+def test_a_log_that_does_not_say_enough_asks_for_arguments(log: Path, tmp_path: Path) -> None:
+    np.save(tmp_path / "one.npy", rest(300)[:, 0])
+    wrong: list[tuple[type[Exception], str, Any, dict[str, Any]]] = [
+        (ValueError, "choose with column= one of: 0 `t_s`", log, {"rate_hz": 1.0}),
+        (ValueError, "rate_hz= in Hz, or time_column=", tmp_path / "one.npy", {}),
+        (ValueError, "is no unit", log, {"column": 1, "rate_hz": 1.0, "unit": "rads"}),
+        (ValueError, "decimal=';'", log, {"column": 1, "rate_hz": 1.0, "decimal": ";"}),
+        (ValueError, "max_bad=2", log, {"column": 1, "rate_hz": 1.0, "max_bad": 2}),
+        (FileNotFoundError, "none.csv", tmp_path / "none.csv", {}),
+        (ValueError, "two-dimensional", log, {"columns": ["a"]}),
+    ]
+    for kind, match, path, options in wrong:
+        with pytest.raises(kind, match=match) as error:
+            zerorate.allan(path, **options)
+        assert "--" not in str(error.value)
+    (tmp_path / "junk").write_bytes(bytes(range(256)) * 10)
+    with pytest.raises(ValueError, match="junk"):
+        zerorate.read_log(tmp_path / "junk")
+    backwards = tmp_path / "back.csv"
+    t = np.r_[np.arange(500), np.arange(500)] / 100.0
+    np.savetxt(backwards, np.column_stack([t, rest(1000)[:, 0]]), delimiter=",", header="t_s,gx_dps", comments="")
+    with pytest.raises(zerorate.Refused, match="rate_hz="):
+        zerorate.imu(backwards)

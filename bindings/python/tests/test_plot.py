@@ -1,0 +1,54 @@
+"""Pictures: what is drawn, read from the axes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import matplotlib
+import numpy as np
+import pytest
+
+import zerorate
+
+matplotlib.use("Agg")
+from matplotlib import pyplot  # noqa: E402
+
+
+@pytest.fixture(autouse=True)
+def closed() -> Iterator[None]:
+    yield
+    pyplot.close("all")
+
+
+def test_a_deviation_with_its_model_and_coefficients(tmp_path: Path) -> None:
+    rate = np.random.default_rng(1).normal(size=20_000)
+    found = zerorate.allan(rate, rate_hz=100.0)
+    ax = found.plot()
+    assert (ax.get_xscale(), ax.get_yscale()) == ("log", "log")
+    assert ax.get_xlabel() == "averaging time τ / s" and ax.get_ylabel() == "overlapping Allan deviation / °/s"
+    legend = ax.get_legend()
+    assert legend is not None and found.fit is not None
+    labels = [text.get_text() for text in legend.get_texts()]
+    assert labels == ["rate, limits of 68.3 %", "model and its 95 % band", f"N/√τ, N = {found.fit.n.value:.3g} °/s·√s"]
+    np.testing.assert_array_equal(np.asarray(ax.lines[0].get_ydata()), found.dev)
+    pyplot.savefig(tmp_path / "allan.png")
+    assert (tmp_path / "allan.png").read_bytes().startswith(b"\x89PNG")
+    into = pyplot.figure().add_subplot()
+    assert zerorate.allan(rate, rate_hz=100.0, stat="tdev").plot(into) is into
+    assert into.get_ylabel() == "time deviation / °/s·s"
+    assert zerorate.allan([], rate_hz=1.0).plot().get_legend() is not None
+
+
+def test_all_axes_of_a_kind_are_in_one_picture() -> None:
+    rest = np.random.default_rng(1).normal(size=(2000, 6))
+    names = ["gx_dps", "gy_dps", "gz_dps", "ax_mg", "ay_mg", "az_mg"]
+    figure = zerorate.imu(rest, rate_hz=100.0, columns=names).plot()
+    assert [ax.get_title() for ax in figure.axes] == ["gyroscope", "accelerometer"]
+    assert [ax.get_ylabel().rpartition(" ")[2] for ax in figure.axes] == ["°/s", "mg"]
+    for ax, of_kind in zip(figure.axes, (names[:3], names[3:])):
+        legend = ax.get_legend()
+        assert legend is not None and [text.get_text() for text in legend.get_texts()] == of_kind
+    table = dict(zip(names, rest.T))
+    with pytest.raises(ValueError, match="units differ"):
+        zerorate.allan(table, rate_hz=100.0, column="all").plot()
