@@ -20,7 +20,8 @@ pub struct ColumnArgs {
     #[arg(long, value_name = "TOPIC", conflicts_with = "raw")]
     topic: Option<String>,
 
-    /// The column with the time of each row: it tells the rate, and where samples are missing.
+    /// The column with the time of each row: it tells the rate, and where samples are missing [default: the only one
+    /// whose name states a unit of time, as t_ns does].
     #[arg(long, value_name = "NAME|INDEX", conflicts_with_all = ["raw", "rate"])]
     time_column: Option<String>,
 

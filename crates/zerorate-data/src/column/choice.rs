@@ -63,8 +63,8 @@ impl Columns<'_> {
     pub fn choose(&self, wanted: Wanted<'_>, args: &ColumnOptions, default: &[usize]) -> Result<Choice> {
         let time = args.time_column.as_deref().map(|wanted| self.position(wanted, Setting::TimeColumn)).transpose()?;
         let is_open = args.rate.is_none() && time.is_none();
-        let is_all = matches!((wanted, default), (Wanted::All, []));
-        let time = if is_open && is_all { self.stated_time(&[]) } else { time };
+        let is_any = matches!((wanted, default), (Wanted::All | Wanted::One(None), []));
+        let time = if is_open && is_any { self.stated_time(&[]) } else { time };
         let values = match (wanted, default) {
             (Wanted::One(Some(wanted)), _) => vec![self.position(wanted, Setting::Column)?],
             (Wanted::One(None), [only]) => vec![*only],
@@ -79,7 +79,8 @@ impl Columns<'_> {
             }
         };
         // a capture counts its samples itself
-        let are_named = matches!((wanted, default), (Wanted::Described(_), _) | (Wanted::Listed(_), []));
+        let are_named =
+            matches!((wanted, default), (Wanted::Described(_), _) | (Wanted::Listed(_) | Wanted::One(Some(_)), []));
         let time = if is_open && are_named { self.stated_time(&values) } else { time };
         self.check(&values, time)?;
         Ok(Choice { values, time })

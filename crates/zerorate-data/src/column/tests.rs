@@ -345,6 +345,10 @@ fn a_time_column_gives_rate_and_gaps() {
         assert!((column.rate_hz - 100.0).abs() < 1e-9);
         assert_eq!(column.gaps, [Gap { at: 50, missing: 3 }]);
     }
+    let named = |options: &str| folder.read(rows(1e3, "timestamp [ms],gz\n"), options).unwrap();
+    assert_eq!(named("").gaps, named("--column gz").gaps);
+    assert_eq!((named("--column gz").rate_hz, named("--column gz --rate 7").rate_hz), (named("").rate_hz, 7.0));
+    assert!(folder.fails("t_s,b_ms,gz\n0,0,1\n1,1,2\n2,2,1\n", "--column gz").contains("give rate in Hz"));
     let iso = "when,gz\n2024-02-28T23:59:59.5,1\n2024-02-29T00:00:00,2\n2024-02-29T00:00:00.5,3\n";
     assert_eq!(folder.read(iso, "--column gz --time-column when").unwrap().rate_hz, 2.0);
     assert!(
