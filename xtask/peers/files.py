@@ -1,9 +1,12 @@
 """Logs of noise for `cargo xtask bench-peers`, and what reads them beside zerorate: polars and NumPy, then allantools.
 
 `files.py make FOLDER ROWS` writes one.csv, seven.csv, seven.parquet and one.npy. `files.py FILE COLUMN` reads a column
-and prints its overlapping Allan deviation at octaves.
+and prints its overlapping Allan deviation at octaves. `files.py peak PROGRAM ARGUMENT…` prints the most memory that a
+program had, in bytes.
 """
 
+import resource
+import subprocess
 import sys
 from pathlib import Path
 
@@ -34,6 +37,9 @@ def read(path, column):
 
 if sys.argv[1] == "make":
     make(Path(sys.argv[2]), int(sys.argv[3]))
+elif sys.argv[1] == "peak":
+    subprocess.run(sys.argv[2:], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss * 1024)
 else:
     import allantools
 

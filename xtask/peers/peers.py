@@ -34,6 +34,12 @@ def hundred(samples):
     return sorted({float(round(m)) for m in lengths})
 
 
+def fine(samples):
+    """1, 2, 3, then four to an octave."""
+    octaves = (float(quarter << k) for k in range(60) for quarter in (4, 5, 6, 7))
+    return [1.0, 2.0, 3.0] + [m for m in octaves if 2 * m <= samples]
+
+
 def time_all(rate):
     timed("numpy copy", "copy", rate.copy, repeats=7)
     for name in ("oadev", "mdev", "ohdev", "totdev"):
@@ -41,6 +47,7 @@ def time_all(rate):
         timed("allantools", name, lambda: run(rate, rate=1.0, data_type="freq", taus=octaves(len(rate))))
     oadev = functools.partial(allantools.oadev, rate=1.0, data_type="freq")
     timed("allantools", "oadev, 100 times", lambda: oadev(rate, taus=hundred(len(rate))))
+    timed("allantools", "oadev, fine", lambda: oadev(rate, taus=fine(len(rate))))
     short = rate[:SHORT]
     timed("allantools", "oadev, short", lambda: oadev(short, taus=octaves(len(short))), repeats=5)
 

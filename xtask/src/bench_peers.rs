@@ -11,6 +11,8 @@ use std::time::Instant;
 const DATA: &str = "target/bench-peers.f64";
 const CAPTURE: &str = "target/bench-peers.parquet";
 const LOGS: &str = "target/bench-peers";
+const PROGRAM: &str = "target/peers/dist/zerorate";
+const AXES: &str = "gx,gy,gz,ax,ay,az";
 
 /// What to run.
 #[derive(clap::Args)]
@@ -49,6 +51,7 @@ pub fn run(args: &Args) -> Result<()> {
     let mut lines = parse(&printed(allantools().arg(DATA))?)?;
     lines.extend(parse(&printed(peers().args(["time", DATA]))?)?);
     print_times(&lines);
+    print_goals(&lines);
     print_agreement(&lines);
     let memory =
         parse(&(printed(allantools().args([DATA, "--memory"]))? + &printed(peers().args(["memory", DATA]))?))?;
@@ -79,6 +82,25 @@ fn print_times(lines: &[Line]) {
     }
 }
 
+/// Work, and how many times as fast as allantools zerorate is to be on two threads.
+const GOALS: [(&str, f64); 5] =
+    [("oadev", 45.0), ("oadev, fine", 60.0), ("mdev", 40.0), ("ohdev", 40.0), ("totdev", 40.0)];
+
+fn print_goals(lines: &[Line]) {
+    for (work, goal) in GOALS {
+        let seconds = |who: &str| {
+            let line = lines.iter().find(|line| line.who.starts_with(who) && line.work == work);
+            line.and_then(|line| line.seconds).unwrap_or(f64::NAN)
+        };
+        let times = seconds("allantools") / seconds("zerorate, 2");
+        println!("{work}: {times:.0} times as fast as allantools (goal {goal}{})", missed(times >= goal));
+    }
+}
+
+fn missed(is_met: bool) -> &'static str {
+    if is_met { "" } else { ", MISSED" }
+}
+
 /// The best peer that did the same work, codes standing for the rates that they are.
 fn peer_of<'a>(lines: &'a [Line], ours: &Line) -> Option<(&'a str, f64)> {
     let work = ours.work.trim_end_matches(" of codes");
@@ -105,7 +127,7 @@ fn time_program() -> Result<()> {
     let build = ["build", "--profile", "dist", "--quiet", "-p", "zerorate-cli", "--target-dir", "target/peers"];
     done(Command::new("cargo").args(build))?;
     let zerorate = |line: &str| {
-        let mut command = Command::new("target/peers/dist/zerorate");
+        let mut command = Command::new(PROGRAM);
         command.args(line.split(' '));
         command
     };
@@ -140,16 +162,37 @@ fn time_files(samples: u64, python: &Path) -> Result<()> {
         let path = format!("{LOGS}/{file}");
         let theirs = best_of_three(|| printed(peers().args([path.as_str(), "gx"])))?;
         let column = if file == "one.npy" { "0" } else { "gx" };
-        let line = ["allan", path.as_str(), "--column", column, "--rate", "1"];
-        let ours = best_of_three(|| printed(Command::new("target/peers/dist/zerorate").args(line)))?;
+        let ours = best_of_three(|| printed(Command::new(PROGRAM).args(analysis(&path, column))))?;
         let times = theirs / ours;
-        let missed = if times < goal { ", GOAL MISSED" } else { "" };
         println!(
             "zerorate allan {file}, {samples} rows, from file to text: {ours:.2} s; in Python {theirs:.2} s, \
-             {times:.1} times (goal {goal}{missed})"
+             {times:.1} times (goal {goal}{})",
+            missed(times >= goal)
         );
+        print_peak(python, &path, column, samples)?;
+        if file.starts_with("seven") {
+            let six = best_of_three(|| printed(Command::new(PROGRAM).args(analysis(&path, AXES))))?;
+            let times = six / ours;
+            println!("  all six axes: {six:.2} s, {times:.2} times one (goal 2{})", missed(times < 2.0));
+            print_peak(python, &path, AXES, samples)?;
+        }
     }
     Ok(std::fs::remove_dir_all(LOGS)?)
+}
+
+fn analysis<'a>(path: &'a str, columns: &'a str) -> [&'a str; 6] {
+    ["allan", path, "--column", columns, "--rate", "1"]
+}
+
+/// The most memory of the program, beside that of the columns as f64.
+fn print_peak(python: &Path, path: &str, columns: &str, samples: u64) -> Result<()> {
+    let mut command = Command::new(python);
+    command.args(["xtask/peers/files.py", "peak", PROGRAM]).args(analysis(path, columns));
+    let peak: f64 = printed(&mut command)?.trim().parse()?;
+    let asked = columns.split(',').count() as f64 * samples as f64 * 8.0;
+    let times = peak / asked;
+    println!("  peak memory: {times:.2} times the columns that were asked for (goal 1.1{})", missed(times <= 1.1));
+    Ok(())
 }
 
 fn best_of_three(mut run: impl FnMut() -> Result<String>) -> Result<f64> {

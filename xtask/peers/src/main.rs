@@ -63,6 +63,12 @@ fn hundred(samples: usize) -> Vec<u64> {
     lengths
 }
 
+/// Those of `--taus fine`: 1, 2, 3, then four to an octave.
+fn fine(samples: usize) -> Vec<u64> {
+    let octaves = (0..60).flat_map(|k| (4..8).map(move |quarter| quarter << k));
+    (1..4).chain(octaves).take_while(|m| 2 * m <= samples as u64).collect()
+}
+
 /// 1, 2, 4, 10, 20, 40 …: the densest spacing that the crate `allan` can do up to the longest averages.
 fn decades(longest: u64) -> Vec<u64> {
     let decade = std::iter::successors(Some(1), |step| Some(step * 10)).take_while(|step| *step <= longest);
@@ -80,6 +86,7 @@ fn zerorate(rate: &[f64], codes: &[i32], threads: usize) {
     run("oadev", Input::Rate(rate), Stat::Oadev, &long);
     run("oadev of codes", Input::Codes { codes, gaps: &[] }, Stat::Oadev, &long);
     run("oadev, 100 times", Input::Rate(rate), Stat::Oadev, &hundred(rate.len()));
+    run("oadev, fine", Input::Rate(rate), Stat::Oadev, &fine(rate.len()));
     run("oadev, 1-2-4 decades", Input::Rate(rate), Stat::Oadev, &decades(rate.len() as u64 / 3));
     for (work, stat) in [("mdev", Stat::Mdev), ("ohdev", Stat::Ohdev), ("totdev", Stat::Totdev)] {
         run(work, Input::Rate(rate), stat, &long);
