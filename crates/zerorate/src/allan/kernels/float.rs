@@ -1,5 +1,6 @@
 use super::array::Array;
 use super::kernel::{Kernel, Plain};
+use super::lanes::Line;
 use super::sweep::Fixed;
 use super::{Reason, Squares, lanes, sweep, threads};
 use alloc::vec;
@@ -97,65 +98,45 @@ fn modified(x: &[f64], m: &[usize]) -> Vec<f64> {
 /// What bounds the inner sums: the range of x less the straight line between its ends, and that of its first
 /// differences.
 struct Bounds {
-    start: f64,
-    slope: f64,
+    line: Line,
     x: f64,
     differences: f64,
 }
 
 impl Bounds {
     fn of(x: &[f64]) -> Self {
-        let (start, steps) = (x[0], x.len() - 1);
-        let slope = (x[steps] - start) / steps.max(1) as f64;
-        let line = Self { start, slope, x: 0.0, differences: 0.0 };
-        let pieces = threads::map(x.len().div_ceil(PIECE), |piece| {
+        let steps = x.len() - 1;
+        let line = Line { start: x[0], slope: (x[steps] - x[0]) / steps.max(1) as f64 };
+        let reach = threads::map(x.len().div_ceil(PIECE), |piece| {
             let first = piece * PIECE;
-            let mut before = line.level(first, x[first]);
-            let mut largest = (libm::fabs(before), 0.0);
-            for (i, &value) in x.iter().enumerate().skip(first).take(PIECE + 1) {
-                let value = line.level(i, value);
-                largest = (larger(largest.0, libm::fabs(value)), larger(largest.1, libm::fabs(value - before)));
-                before = value;
-            }
-            largest
+            lanes::reach(line, first, &x[first..x.len().min(first + PIECE + 1)])
         });
-        let join = |bounds: Self, (x, differences)| {
-            let (x, differences) = (larger(bounds.x, x), larger(bounds.differences, differences));
-            Self { x, differences, ..bounds }
-        };
-        pieces.into_iter().fold(line, join)
-    }
-
-    fn level(&self, i: usize, x: f64) -> f64 {
-        x - self.start - self.slope * i as f64
+        let largest = |all: &mut dyn Iterator<Item = f64>| all.fold(0.0, f64::max);
+        let is_finite = line.slope.is_finite();
+        let or_nan = |bound: f64| if is_finite { bound } else { f64::NAN };
+        Self {
+            line,
+            x: or_nan(largest(&mut reach.iter().map(|reach| reach.level))),
+            differences: or_nan(largest(&mut reach.iter().map(|reach| reach.difference))),
+        }
     }
 
     /// A power of two, so that x and the inner sums of averages of `m` are below 2^62 steps; NaN for infinite numbers.
     fn step(&self, m: usize) -> f64 {
         let m = m as f64;
-        let largest = larger(self.x, m * f64::min(4.0 * self.x, 2.0 * m * self.differences));
+        let largest = self.x.max(m * f64::min(4.0 * self.x, 2.0 * m * self.differences));
         let exponent = libm::ilogb(largest).clamp(-900, 1100);
         if largest.is_finite() { libm::exp2(f64::from(exponent - 60)) } else { f64::NAN }
     }
 
     fn sum_sums(&self, x: &[f64], step: f64, out: &mut [i64]) {
         let per_step = 1.0 / step;
-        threads::fill(out, PIECE, |piece, out| {
-            let first = piece * PIECE;
-            let mut sum = 0i64;
-            for (i, (out, &x)) in out.iter_mut().zip(&x[first..]).enumerate() {
-                sum = sum.wrapping_add(libm::rint(self.level(first + i, x) * per_step) as i64);
-                *out = sum;
-            }
-        });
-        let totals = out.chunks(PIECE).map(|piece| piece.last().copied().unwrap_or(0));
+        let pieces: Vec<&[f64]> = x.chunks(PIECE).collect();
+        let totals = threads::map(pieces.len(), |i| lanes::sum_steps(self.line, per_step, i * PIECE, pieces[i]));
         let before: Vec<i64> =
-            totals.scan(0i64, |sum, total| Some(core::mem::replace(sum, sum.wrapping_add(total)))).collect();
-        threads::fill(out, PIECE, |piece, out| out.iter_mut().for_each(|out| *out = out.wrapping_add(before[piece])));
+            totals.iter().scan(0i64, |sum, total| Some(core::mem::replace(sum, sum.wrapping_add(*total)))).collect();
+        threads::fill(out, PIECE, |i, out| {
+            lanes::run_steps(self.line, per_step, i * PIECE, pieces[i], before[i], out);
+        });
     }
-}
-
-/// NaN wins.
-fn larger(a: f64, b: f64) -> f64 {
-    if b > a || b.is_nan() { b } else { a }
 }

@@ -10,14 +10,7 @@ use alloc::vec::Vec;
 const LANES: usize = 16;
 
 /// Second differences of f64. The lanes are independent sums and their number is fixed, so every machine rounds alike.
-#[cfg_attr(
-    feature = "std",
-    multiversion::multiversion(targets(
-        "x86_64+avx512f+avx512dq+avx512vl+avx2+fma",
-        "x86_64+avx2+fma",
-        "aarch64+neon"
-    ))
-)]
+#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx512dq", "x86_64+avx2+fma", "aarch64+neon")))]
 pub(super) fn second_f64(a: &[f64], b: &[f64], c: &[f64]) -> f64 {
     let mut sums = [0.0; LANES];
     let ((a, a_rest), (b, b_rest), (c, c_rest)) = (a.as_chunks(), b.as_chunks(), c.as_chunks());
@@ -36,14 +29,7 @@ pub(super) fn second_f64(a: &[f64], b: &[f64], c: &[f64]) -> f64 {
 }
 
 /// Sum of the values less an offset.
-#[cfg_attr(
-    feature = "std",
-    multiversion::multiversion(targets(
-        "x86_64+avx512f+avx512dq+avx512vl+avx2+fma",
-        "x86_64+avx2+fma",
-        "aarch64+neon"
-    ))
-)]
+#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx512dq", "x86_64+avx2+fma", "aarch64+neon")))]
 pub(super) fn sum_f64(values: &[f64], offset: f64) -> f64 {
     let mut sums = [0.0; LANES];
     let (chunks, rest) = values.as_chunks();
@@ -57,15 +43,94 @@ pub(super) fn sum_f64(values: &[f64], offset: f64) -> f64 {
     sums.iter().sum()
 }
 
+/// A straight line through phase.
+#[derive(Clone, Copy)]
+pub(super) struct Line {
+    pub start: f64,
+    /// By sample.
+    pub slope: f64,
+}
+
+impl Line {
+    /// What x is above it. `first` + `i` is exact.
+    #[inline(always)]
+    fn level(self, first: f64, i: usize, x: f64) -> f64 {
+        x - self.start - self.slope * (first + f64::from(i as u32))
+    }
+}
+
+/// How far phase goes from a line.
+pub(super) struct Reach {
+    /// At most.
+    pub level: f64,
+    /// From one point to the next.
+    pub difference: f64,
+}
+
+/// Of points from number `first` on; differences are those between them.
+#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx512dq", "x86_64+avx2+fma", "aarch64+neon")))]
+pub(super) fn reach(line: Line, first: usize, x: &[f64]) -> Reach {
+    let first = first as f64;
+    let (mut levels, mut differences) = ([0.0; LANES], [0.0; LANES]);
+    let larger = |a: &mut f64, b: f64| *a = if b > *a { b } else { *a };
+    for (at, x) in x.windows(LANES + 1).step_by(LANES).enumerate() {
+        let x: &[f64; LANES + 1] = x.try_into().unwrap_or(&[0.0; LANES + 1]);
+        for l in 0..LANES {
+            let (before, level) =
+                (line.level(first, at * LANES + l, x[l]), line.level(first, at * LANES + l + 1, x[l + 1]));
+            larger(&mut levels[l], before.abs());
+            larger(&mut differences[l], (level - before).abs());
+        }
+    }
+    let mut reach = Reach { level: 0.0, difference: 0.0 };
+    let rest = x.len().saturating_sub(1) / LANES * LANES;
+    for i in rest..x.len() {
+        let level = line.level(first, i, x[i]);
+        larger(&mut reach.level, level.abs());
+        if i > rest {
+            larger(&mut reach.difference, (level - line.level(first, i - 1, x[i - 1])).abs());
+        }
+    }
+    levels.iter().for_each(|level| larger(&mut reach.level, *level));
+    differences.iter().for_each(|difference| larger(&mut reach.difference, *difference));
+    reach
+}
+
+/// In whole steps.
+#[inline(always)]
+fn steps(line: Line, per_step: f64, first: f64, i: usize, x: f64) -> i64 {
+    /// From here on there are only whole numbers.
+    const WHOLE: f64 = 4_503_599_627_370_496.0;
+    let exact = line.level(first, i, x) * per_step;
+    let whole = WHOLE.copysign(exact);
+    let rounded = (exact + whole) - whole;
+    (if exact.abs() < WHOLE { rounded } else { exact }) as i64
+}
+
+/// Sum of the levels of points from number `first` on, in steps, modulo 2^64.
+#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx512dq", "x86_64+avx2+fma", "aarch64+neon")))]
+pub(super) fn sum_steps(line: Line, per_step: f64, first: usize, x: &[f64]) -> i64 {
+    let first = first as f64;
+    let of = |(i, x): (usize, &f64)| steps(line, per_step, first, i, *x);
+    x.iter().enumerate().map(of).fold(0, i64::wrapping_add)
+}
+
+/// The running sum of the same, from `before` on.
+#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx512dq", "x86_64+avx2+fma", "aarch64+neon")))]
+pub(super) fn run_steps(line: Line, per_step: f64, first: usize, x: &[f64], before: i64, out: &mut [i64]) {
+    let mut sum = before;
+    for (at, (x, out)) in x.chunks(SHORT).zip(out.chunks_mut(SHORT)).enumerate() {
+        let first = (first + at * SHORT) as f64;
+        x.iter().enumerate().zip(&mut *out).for_each(|((i, x), out)| *out = steps(line, per_step, first, i, *x));
+        for out in out {
+            sum = sum.wrapping_add(*out);
+            *out = sum;
+        }
+    }
+}
+
 /// Third differences of f64.
-#[cfg_attr(
-    feature = "std",
-    multiversion::multiversion(targets(
-        "x86_64+avx512f+avx512dq+avx512vl+avx2+fma",
-        "x86_64+avx2+fma",
-        "aarch64+neon"
-    ))
-)]
+#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx512dq", "x86_64+avx2+fma", "aarch64+neon")))]
 pub(super) fn third_f64(a: &[f64], b: &[f64], c: &[f64], d: &[f64]) -> f64 {
     let mut sums = [0.0; LANES];
     let ((a, a_rest), (b, b_rest), (c, c_rest), (d, d_rest)) =
@@ -95,14 +160,7 @@ pub(super) struct Survey {
     pub sums: Vec<i64>,
 }
 
-#[cfg_attr(
-    feature = "std",
-    multiversion::multiversion(targets(
-        "x86_64+avx512f+avx512dq+avx512vl+avx2+fma",
-        "x86_64+avx2+fma",
-        "aarch64+neon"
-    ))
-)]
+#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx512dq", "x86_64+avx2+fma", "aarch64+neon")))]
 pub(super) fn survey(codes: &[i32]) -> Survey {
     let mut survey = Survey { low: i32::MAX, high: i32::MIN, sums: vec![0; codes.len().div_ceil(SHORT)] };
     for (short, sum) in codes.chunks(SHORT).zip(&mut survey.sums) {
@@ -121,14 +179,7 @@ pub(super) fn survey(codes: &[i32]) -> Survey {
 const RUN: usize = 256;
 
 /// Second differences of i32 modulo 2^32, all of which are below 2^28.
-#[cfg_attr(
-    feature = "std",
-    multiversion::multiversion(targets(
-        "x86_64+avx512f+avx512dq+avx512vl+avx2+fma",
-        "x86_64+avx2+fma",
-        "aarch64+neon"
-    ))
-)]
+#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx512dq", "x86_64+avx2+fma", "aarch64+neon")))]
 pub(super) fn second_i32(a: &[i32], b: &[i32], c: &[i32]) -> ExactSum {
     let mut sum = 0u128;
     for ((a, b), c) in a.chunks(RUN).zip(b.chunks(RUN)).zip(c.chunks(RUN)) {
@@ -143,14 +194,7 @@ pub(super) fn second_i32(a: &[i32], b: &[i32], c: &[i32]) -> ExactSum {
 }
 
 /// Third differences of i32 modulo 2^32, all of which are below 2^28.
-#[cfg_attr(
-    feature = "std",
-    multiversion::multiversion(targets(
-        "x86_64+avx512f+avx512dq+avx512vl+avx2+fma",
-        "x86_64+avx2+fma",
-        "aarch64+neon"
-    ))
-)]
+#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx512dq", "x86_64+avx2+fma", "aarch64+neon")))]
 pub(super) fn third_i32(a: &[i32], b: &[i32], c: &[i32], d: &[i32]) -> ExactSum {
     let mut sum = 0u128;
     for (((a, b), c), d) in a.chunks(RUN).zip(b.chunks(RUN)).zip(c.chunks(RUN)).zip(d.chunks(RUN)) {
@@ -196,14 +240,7 @@ impl Parts {
 }
 
 /// Second differences of i64 modulo 2^64, all of which are below 2^56; at most 2^16 of them.
-#[cfg_attr(
-    feature = "std",
-    multiversion::multiversion(targets(
-        "x86_64+avx512f+avx512dq+avx512vl+avx2+fma",
-        "x86_64+avx2+fma",
-        "aarch64+neon"
-    ))
-)]
+#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx512dq", "x86_64+avx2+fma", "aarch64+neon")))]
 pub(super) fn second_i64(a: &[i64], b: &[i64], c: &[i64]) -> ExactSum {
     let mut sum = 0;
     for ((a, b), c) in a.chunks(LONG_RUN).zip(b.chunks(LONG_RUN)).zip(c.chunks(LONG_RUN)) {
@@ -217,14 +254,7 @@ pub(super) fn second_i64(a: &[i64], b: &[i64], c: &[i64]) -> ExactSum {
 }
 
 /// Third differences of i64 modulo 2^64, all of which are below 2^56; at most 2^16 of them.
-#[cfg_attr(
-    feature = "std",
-    multiversion::multiversion(targets(
-        "x86_64+avx512f+avx512dq+avx512vl+avx2+fma",
-        "x86_64+avx2+fma",
-        "aarch64+neon"
-    ))
-)]
+#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx512dq", "x86_64+avx2+fma", "aarch64+neon")))]
 pub(super) fn third_i64(a: &[i64], b: &[i64], c: &[i64], d: &[i64]) -> ExactSum {
     let mut sum = 0;
     let chunks = a.chunks(LONG_RUN).zip(b.chunks(LONG_RUN)).zip(c.chunks(LONG_RUN)).zip(d.chunks(LONG_RUN));
@@ -240,14 +270,7 @@ pub(super) fn third_i64(a: &[i64], b: &[i64], c: &[i64], d: &[i64]) -> ExactSum 
 }
 
 /// Third differences of fixed point, squared in f64.
-#[cfg_attr(
-    feature = "std",
-    multiversion::multiversion(targets(
-        "x86_64+avx512f+avx512dq+avx512vl+avx2+fma",
-        "x86_64+avx2+fma",
-        "aarch64+neon"
-    ))
-)]
+#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx512dq", "x86_64+avx2+fma", "aarch64+neon")))]
 pub(super) fn third_fixed(a: &[i64], b: &[i64], c: &[i64], d: &[i64]) -> f64 {
     let mut sums = [0.0; LANES];
     let third = |a: i64, b: i64, c: i64, d: i64| {
