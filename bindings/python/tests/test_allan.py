@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 import threading
 import time
 from typing import Any
@@ -196,6 +198,19 @@ def test_other_threads_run_meanwhile() -> None:
         time.sleep(0.001)
     worker.join()
     assert ticks > 20
+
+
+def test_ctrl_c_ends_a_long_one() -> None:
+    program = """
+import os, threading, numpy, zerorate
+begun = threading.Timer(1.0, lambda: os.kill(os.getpid(), 2))
+begun.start()
+try:
+    zerorate.allan(numpy.random.default_rng(1).normal(size=3_000_000), rate_hz=1.0, taus="all", stat="mdev")
+except KeyboardInterrupt:
+    os._exit(7)
+"""
+    assert subprocess.run([sys.executable, "-c", program], timeout=60).returncode == 7
 
 
 def test_a_contiguous_record_is_not_copied() -> None:

@@ -148,6 +148,21 @@ def test_noise_is_that_of_allantools(name: str, arguments: dict[str, Any]) -> No
     np.testing.assert_array_equal(getattr(at.noise, name)(**arguments), known)
 
 
+@pytest.mark.parametrize("b", [0, -1, -2, -3, -4])
+def test_power_law_noise_is_that_of_allantools(b: int) -> None:
+    mine, known = at.Noise(nr=256, qd=2e-20, b=b), theirs().Noise(nr=256, qd=2e-20, b=b)
+    for noise in (mine, known):
+        np.random.seed(7)
+        noise.generateNoise()
+    np.testing.assert_allclose(mine.time_series, known.time_series, rtol=1e-9, atol=1e-16)
+    for name in ("phase_psd_from_qd", "frequency_psd_from_qd"):
+        assert getattr(mine, name)(0.1) == pytest.approx(getattr(known, name)(0.1))
+    for name in ("adev", "mdev", "adev_from_qd", "mdev_from_qd", "pdev_from_qd"):
+        assert getattr(mine, name)(0.1, 3.0) == pytest.approx(getattr(known, name)(0.1, 3.0)), name
+    with pytest.raises(ValueError, match="b=1"):
+        at.Noise(b=1).c_avar()
+
+
 def test_noise_has_the_density_that_is_asked_for() -> None:
     np.random.seed(1)
     white, brown, violet = (make(2**16, 3.0, 10.0) for make in (at.noise.white, at.noise.brown, at.noise.violet))

@@ -90,7 +90,7 @@ FORMATS = {
     "vins": ("gyr_n", 3e-3),
     "orbslam3": ("IMU.NoiseAcc", 2e-3),
     "kf-gins": ("vrw", [60 * n for n in N_ACCEL]),
-    "ros": ("angular_velocity_covariance", [N_GYRO[0] ** 2 * 100, 0, 0, 0, N_GYRO[1] ** 2 * 100, 0, 0, 0, N_GYRO[2] ** 2 * 100]),
+    "ros": ("angular_velocity_covariance", (np.diag(N_GYRO) ** 2 * RATE_HZ).ravel().tolist()),
 }
 
 
@@ -171,6 +171,7 @@ def test_a_rejected_model_is_no_file_unless_forced() -> None:
     ("match", "data", "options"),
     [
         ("columns=", rest(300), {}),
+        ("one value of the type NoneType", None, {}),
         ("no column whose name or unit says", {"u": rest(300)[:, 0]}, {}),
         ("gyro_unit=", {"gyro": rest(300)[:, :3]}, {}),
         ("accel_unit=", {"acc_x": rest(300)[:, 0]}, {}),
@@ -189,11 +190,17 @@ def test_what_is_wrong_speaks_of_arguments(match: str, data: Any, options: dict[
 
 def test_logs_are_read_by_their_path(log: Path, tmp_path: Path) -> None:
     whole = zerorate.read_log(log, time_column="t_s")
+    assert repr(whole).startswith("<Log of 20000 samples at 100 Hz: gx [rad/s] (rad/s), ")
     assert list(whole) == [*GYRO, *ACCEL, "temp_c"] and whole.rate_hz == RATE_HZ
     assert [whole.units[name] for name in ("gx [rad/s]", "az [m/s^2]", "temp_c")] == ["rad/s", "m/s²", "°C"]
     np.testing.assert_array_equal(whole["gy [rad/s]"], rest()[:, 1])
     frame = whole.to_frame()
     assert list(frame.columns) == ["t_s", *whole] and frame["t_s"].iloc[-1] == pytest.approx(199.99)
+    with pytest.warns(UserWarning, match="left out.*temp_c"):
+        of_log = zerorate.imu(whole)
+    assert [axis.unit for axis in of_log.axes.values()] == ["rad/s"] * 3 + ["m/s²"] * 3
+    again = zerorate.allan(whole, column="gx [rad/s]")
+    assert (again.unit, again.rate_hz) == ("rad/s", RATE_HZ)
     two = zerorate.read_log(str(log), column=["gz [rad/s]", 4], rate_hz=50.0)
     assert list(two) == ["gz [rad/s]", "ax [m/s^2]"] and two.rate_hz == 50.0
     axes = zerorate.allan(log, column=["gx [rad/s]", "gy [rad/s]"], time_column="t_s", fit=False)
@@ -203,6 +210,7 @@ def test_logs_are_read_by_their_path(log: Path, tmp_path: Path) -> None:
     assert codes.fit is not None and codes.fit.n.value == pytest.approx(1e-4, rel=0.03) and codes.unit == "rad/s"
     phase = zerorate.allan(tmp_path / "one.npy", rate_hz=RATE_HZ, unit="rad/s", data="phase", fit=False)
     assert phase.samples == 20_000
+    assert zerorate.read_log(tmp_path / "one.npy", rate_hz=1.0).units == {"0": None}
     (tmp_path / "raw.bin").write_bytes(rest()[:, 0].astype("<f8").tobytes())
     raw = zerorate.allan(tmp_path / "raw.bin", rate_hz=RATE_HZ, unit="rad/s", raw="f64")
     np.testing.assert_allclose(raw.dev, zerorate.allan(rest()[:, 0], rate_hz=RATE_HZ).dev, rtol=1e-12)

@@ -36,7 +36,8 @@ def test_an_array_of_columns_has_a_result_for_each() -> None:
     chosen = zerorate.allan(rest, rate_hz=RATE_HZ, columns=["gx", "gy", "gz"], column=["gz", "0"])
     assert list(chosen) == ["gz", "gx"]
     codes: Any = np.round(rest * 100).astype(np.int16)
-    np.testing.assert_array_equal(zerorate.allan(codes, rate_hz=RATE_HZ, scale=0.01)["1"].dev, one(codes[:, 1], scale=0.01))
+    in_steps = zerorate.allan(codes, rate_hz=RATE_HZ, scale=0.01)
+    np.testing.assert_array_equal(in_steps["1"].dev, one(codes[:, 1], scale=0.01))
     running: Any = np.cumsum(codes, axis=0)
     phase = zerorate.allan(running, rate_hz=1.0, data="phase")
     assert phase["0"].samples == len(rest)
@@ -48,12 +49,16 @@ def test_an_array_of_columns_has_a_result_for_each() -> None:
         ("rows are times", np.zeros((3, 1000)), {}),
         ("array.T", np.zeros((3, 3)), {}),
         ("rows are times", np.zeros((10, 0)), {}),
+        ("the array has no rows", np.zeros((0, 3)), {}),
         (r"shape \(4, 3, 2\)", np.zeros((4, 3, 2)), {}),
-        (r"shape \(\)", 1.0, {}),
+        ("one value of the type float", 1.0, {}),
+        ("one value of the type NoneType", None, {}),
+        ("one value of the type generator", (x for x in (1.0, 2.0)), {}),
+        ("the dict has no columns", {}, {}),
         ("2 names for an array of 3", np.zeros((9, 3)), {"columns": ["a", "b"]}),
         ("several columns a", np.zeros((9, 2)), {"columns": ["a", "a"]}),
         ("no column 'z'", np.zeros((9, 2)), {"column": "z"}),
-        ("no column 2", np.zeros((9, 2)), {"column": 2}),
+        ("there is no column 2; choose with column= one of 0, 1", np.zeros((9, 2)), {"column": 2}),
         ("two-dimensional", np.zeros(9), {"columns": ["a"]}),
         ("the record is one column", np.zeros(9), {"column": "a"}),
         ("infinite at sample 1", np.array([0.0, np.inf, 1.0]), {}),
@@ -124,7 +129,8 @@ def test_an_index_of_instants_tells_rate_and_gaps() -> None:
     rate, times = white(4096)[:, 0], even(4096)
     known = one(rate)
     stamps = pandas.DatetimeIndex(times)
-    indices = [stamps, stamps.tz_localize("Europe/Berlin"), stamps.as_unit("us"), pandas.TimedeltaIndex(times - times[0])]
+    since = pandas.TimedeltaIndex(times - times[0])
+    indices = [stamps, stamps.tz_localize("Europe/Berlin"), stamps.as_unit("us"), since]
     for index in indices:
         found = zerorate.allan(pandas.Series(rate, index=index))
         assert found.rate_hz == pytest.approx(RATE_HZ, rel=1e-12) and found.unit == "°/s" and found.name == "rate"

@@ -273,8 +273,8 @@ def allan(
     rate
         The record. One value per sample: numpy array (a contiguous one of float64 or int32 is used in place), list,
         pandas or polars Series, xarray DataArray, or a `Capture`. Or several columns: a two-dimensional array with
-        times along axis 0 and columns along axis 1, a DataFrame, a dictionary of arrays. Or the path of a log
-        (`read_log` says which). Integers are summed exactly; give their `scale`. What is NaN or masked is a missing
+        times along axis 0 and columns along axis 1, a DataFrame, a dictionary of arrays. Or a log: its path, or what
+        `read_log` made of it. Integers are summed exactly; give their `scale`. What is NaN or masked is a missing
         sample and stays a gap.
     rate_hz
         Samples per second. A `Capture` knows it; else a DatetimeIndex, `time_column`, or the log tells it, as it tells
@@ -287,8 +287,8 @@ def allan(
     stat
         ``adev``, ``oadev``, ``mdev``, ``tdev``, ``hdev``, ``ohdev``, ``totdev``.
     taus
-        Averaging times: ``octave``, ``fine``, ``decade``, ``all``, ``log:N`` for N of them, or seconds. What cannot be computed
-        is in `Allan.unavailable`.
+        Averaging times: ``octave``, ``fine``, ``decade``, ``all``, ``log:N`` for N of them, or seconds. What cannot be
+        computed is in `Allan.unavailable`.
     data
         ``rate``, or ``phase`` if the values are the integral of the rate (for a gyroscope: the angle).
     confidence
@@ -340,11 +340,14 @@ def allan(
         codes, gaps = rate._codes()
         scale = rate._dps_per_code if scale is None else scale
         return way.analysed(codes, rate.rate_hz if rate_hz is None else rate_hz, gaps, scale, "rate", unit or "°/s")
-    if _records.is_wide(rate):
-        chosen = _chosen(_records.array_columns(rate, columns), column)
+    if isinstance(rate, _log.Log) or _records.is_wide(rate):
+        log = rate if isinstance(rate, _log.Log) else None
+        chosen = _chosen(_records.array_columns(rate, columns) if log is None else log.columns, column)
+        hz = log.rate_hz if log is not None and rate_hz is None else rate_hz
 
         def analysed(name: str) -> Allan:
-            return way.analysed(_records.record(chosen[name], data), rate_hz, [], scale, name, unit or "°/s")
+            stated = "°/s" if log is None else log.units[name] or "unit"
+            return way.analysed(_records.record(chosen[name], data), hz, [], scale, name, unit or stated)
 
         each = dict(zip(chosen, side_by_side(analysed, list(chosen))))
         return AllanAxes(each) if column is None or _log.is_several(column) else each[next(iter(each))]
@@ -362,11 +365,12 @@ def allan(
         return way.read(indexed, name, {**given, "unit": unit})[0]["of"]  # type: ignore[no-any-return]
     if column is not None:
         raise ValueError(f"column={column!r}: the record is one column")
-    return way.analysed(_records.record(rate, data), rate_hz, [], scale, name, unit)
+    values = _records.record(rate, data)
+    return side_by_side(lambda of: way.analysed(of, rate_hz, [], scale, name, unit), [values])[0]
 
 
 def _chosen(each: dict[str, Any], column: _log.Column | None) -> dict[str, Any]:
-    """Those of the columns of an array that are asked for, by name or by number."""
+    """Those of several columns that are asked for, by name or by number."""
     if column is None or _log.is_all(column):
         return each
     names = list(each)
@@ -375,7 +379,7 @@ def _chosen(each: dict[str, Any], column: _log.Column | None) -> dict[str, Any]:
         at = int(wanted) if str(wanted).isdecimal() and str(wanted) not in each else -1
         name = names[at] if 0 <= at < len(names) else str(wanted)
         if name not in each:
-            raise ValueError(f"the array has no column {wanted!r}; choose with column= one of {', '.join(names)}")
+            raise ValueError(f"there is no column {wanted!r}; choose with column= one of {', '.join(names)}")
         return name
 
     return {name: each[name] for name in map(name_of, _log.listed(column))}

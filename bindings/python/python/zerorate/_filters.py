@@ -33,7 +33,8 @@ def file(
     modelled = []
     for axis in axes:
         if axis.kind is None:
-            raise ValueError(f"{axis.name} is in {axis.unit}, which is of no axis of an IMU: give unit= (rad/s, m/s² …)")
+            what = f"{axis.name} is in {axis.unit}, which is of no axis of an IMU"
+            raise ValueError(f"{what}: give unit= (rad/s, m/s² …)")
         if axis._core is None:
             raise _no_model(axis)
         modelled.append((axis.name, axis.unit, axis._core))
@@ -49,5 +50,6 @@ def file(
 
 def _no_model(axis: Allan) -> ValueError:
     if axis.fit is not None:
-        return ValueError(f"{axis.name}: the result came from another process, which keeps its model: make the file there")
+        why = "the result came from another process, which keeps its model: make the file there"
+        return ValueError(f"{axis.name}: {why}")
     return _zerorate.Refused(f"{axis.name}: {axis.no_fit or 'no noise model was asked for: give fit=True'}")

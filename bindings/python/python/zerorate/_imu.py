@@ -135,7 +135,7 @@ def imu(
         The path of a log in any form that `read_log` reads, read once: a ``sensor_msgs/Imu`` topic of a bag, or the
         columns whose names and units say what they are (``gyro_x``, ``wx``, ``ax [m/s^2]``). Or a DataFrame or a
         dictionary of such columns, in which a block of three columns is x, y and z:
-        ``{"gyro": w, "accel": a}``. Or an array with times along axis 0 and axes along axis 1.
+        ``{"gyro": w, "accel": a}``. Or what `read_log` read, or an array with times along axis 0 and axes along axis 1.
     column
         The axes, by name or by number counted from 0; else all columns that are one.
     columns
@@ -180,11 +180,14 @@ def imu(
     >>> print(found.to_yaml().splitlines()[3].split()[0])
     gyroscope_noise_density:
     """
-    if not _records.is_path(log) and not _records.is_table(log) and columns is None:
+    if _records.is_array(log) and columns is None:
         raise ValueError(
             "an array does not say which column is which axis: give columns=, such as "
             "['gx', 'gy', 'gz', 'ax', 'ay', 'az'], or a dictionary {'gyro': …, 'accel': …}"
         )
+    if isinstance(log, _log.Log):
+        rate_hz = log.rate_hz if rate_hz is None else rate_hz
+        log = log._stating_units()
     way = Way(stat, taus, False, confidence, _cleaning(glitches, steps))
     source = _records.table(log, columns)
     given = _log.options(rate_hz, time_column, time_unit, None, None, decimal, None, max_bad, topic)
@@ -197,8 +200,10 @@ def imu(
     )
     for text in said:
         python_warnings.warn(text, stacklevel=2)
-    units = {"gyroscope": gyro_unit, "accelerometer": accel_unit}
-    found = [{**one, "unit": units[_zerorate.unit_kind(one["unit"] or "") or "gyroscope"] or one["unit"]} for one in found]
+    given_units = {"gyroscope": gyro_unit, "accelerometer": accel_unit}
+    for one in found:
+        kind = _zerorate.unit_kind(one["unit"] or "")
+        one["unit"] = (given_units[kind] if kind else None) or one["unit"]
     analysed = side_by_side(way.of_column, found)
     axes: dict[str, Allan] = _log.by_name({"name": axis.name, "of": axis} for axis in analysed)
     of_axes = [f"{name}: {text}" for name, axis in axes.items() if axis.fit for text in axis.fit.warnings]

@@ -38,6 +38,10 @@ class Log(Mapping[str, "NDArray[np.float64]"]):
     warnings: list[str] = field(repr=False)
     """What is to be said of the log."""
 
+    def __repr__(self) -> str:
+        columns = ", ".join(f"{name} ({self.units[name] or 'no unit'})" for name in self)
+        return f"<Log of {max(map(len, self.columns.values()), default=0)} samples at {self.rate_hz:.6g} Hz: {columns}>"
+
     def __getitem__(self, name: str) -> NDArray[np.float64]:
         return self.columns[name]
 
@@ -52,6 +56,12 @@ class Log(Mapping[str, "NDArray[np.float64]"]):
         """Time of each sample since the first on an even clock, s."""
         samples = max((len(column) for column in self.columns.values()), default=0)
         return np.arange(samples) / self.rate_hz
+
+    def _stating_units(self) -> dict[str, NDArray[np.float64]]:
+        """The columns under names that state their units."""
+        units = {name: self.units[name] for name in self if _zerorate.column_unit(name) is None}
+        names = {name: f"{name} [{unit}]" for name, unit in units.items() if unit and _zerorate.unit_kind(unit)}
+        return {names.get(name, name): column for name, column in self.items()}
 
     def to_frame(self, library: Library = "pandas") -> Any:
         """A DataFrame with `t_s` and the columns, of pandas or polars.
@@ -121,7 +131,8 @@ def read_log(
     """
     given = options(rate_hz, time_column, time_unit, unit, scale, decimal, raw, max_bad, topic)
     found = columns_of(_records.table(log), column, True, given)
-    said = [text for one in found for text in one["warnings"]]
+    # where no unit is known the last is that, which `Log.units` says
+    said = [text for one in found for text in one["warnings"][: None if one["unit"] else -1]]
     for text in said:
         warnings.warn(text, stacklevel=2)
     return Log(

@@ -37,7 +37,8 @@ def curves(axes: Sequence[Allan], ax: Axes | None) -> Axes:
         ax = figure.add_subplot()
     units = sorted({axis.unit for axis in axes})
     if len(units) > 1:
-        raise ValueError(f"their units differ ({', '.join(units)}), so they have no common picture: draw each by itself")
+        told = ", ".join(units)
+        raise ValueError(f"their units differ ({told}), so they have no common picture: draw each by itself")
     for axis in axes:
         _curve(ax, axis, len(axes) == 1)
     stats = {axis.stat for axis in axes}
@@ -80,7 +81,8 @@ def _curve(ax: Axes, axis: Allan, is_alone: bool) -> None:
     if axis.model is None or axis.model_lo is None or axis.model_hi is None or axis.fit is None:
         return
     name = "model, REJECTED" if axis.fit.rejected else "model"
-    ax.plot(axis.tau_s, axis.model, color=colour, linewidth=1.2, label=f"{name} and its 95 % band" if is_alone else None)
+    label = f"{name} and its 95 % band" if is_alone else ""
+    ax.plot(axis.tau_s, axis.model, color=colour, linewidth=1.2, label=label or None)
     alpha = 0.15 if is_alone else 0.08
     ax.fill_between(axis.tau_s, axis.model_lo, axis.model_hi, color=colour, alpha=alpha, linewidth=0)
     if is_alone and not axis.fit.rejected:

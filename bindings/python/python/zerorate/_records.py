@@ -40,14 +40,21 @@ def has_time_index(data: Any) -> bool:
     return getattr(getattr(getattr(data, "index", None), "dtype", None), "kind", "") in ("M", "m")
 
 
+def is_array(data: Any) -> bool:
+    """Whether it is numbers without names."""
+    return not is_path(data) and not is_table(data) and np.ndim(data) > 0
+
+
 def is_wide(data: Any) -> bool:
     """Whether it is an array of several columns."""
-    return not is_table(data) and not isinstance(data, (list, tuple)) and np.ndim(data) == 2
+    return is_array(data) and not isinstance(data, (list, tuple)) and np.ndim(data) == 2
 
 
 def record(values: Any, data: str = "rate", what: str = "the record") -> NDArray[Any]:
     """One column as the extension takes it: contiguous int32 or float64, without a copy where it is that."""
     array = _array(values)
+    if array.ndim == 0:
+        raise ValueError(f"{what} is one value of the type {type(values).__name__}: give an array, a table or a path")
     if array.ndim != 1:
         raise ValueError(f"{what} has the shape {array.shape}: give one column, for example record[:, 0]")
     if array.dtype.kind not in "iuf" and array.size:
@@ -75,6 +82,8 @@ def table(data: Any, columns: Any = None) -> Source:
         raise ValueError("columns= names those of an array; these have names: choose with column=")
     name = type(data).__name__
     named = [(str(key), data[key]) for key in _keys(data)]
+    if not named:
+        raise ValueError(f"the {name} has no columns")
     found = [pair for key, values in named for pair in _columns_of(key, values, f"the {name}")]
     if has_time_index(data):
         found.insert(0, (str(data.index.name or TIME_INDEX), _times(data.index)))
@@ -118,6 +127,8 @@ def _columns_of(key: str, values: Any, name: str) -> list[tuple[str, Cells]]:
 def array_columns(data: Any, columns: Any) -> dict[str, Cells]:
     """The columns of an array, under names that are given or their numbers."""
     array = _array(data)
+    if array.ndim == 0:
+        return {"": record(data)}
     if array.ndim == 1:
         array = array.reshape(-1, 1)
     _check_shape(array, "the array")
@@ -133,6 +144,8 @@ def _check_shape(array: NDArray[Any], what: str) -> None:
     if array.ndim != 2:
         raise ValueError(f"{what} has the shape {array.shape}: give times along axis 0 and axes along axis 1")
     rows, columns = array.shape
+    if rows == 0:
+        raise ValueError(f"{what} has no rows")
     if columns == 0 or rows <= columns:
         raise ValueError(
             f"{what} has {rows} rows and {columns} columns, and rows are times here: if these are {rows} channels, "
@@ -165,6 +178,8 @@ def _floats(values: Any, array: NDArray[Any]) -> NDArray[Any]:
     try:
         return array.astype(np.float64)
     except TypeError:
+        if not hasattr(values, "to_numpy"):
+            raise
         return np.asarray(values.to_numpy(dtype=np.float64, na_value=np.nan))
 
 

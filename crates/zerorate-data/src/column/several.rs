@@ -3,7 +3,7 @@
 use super::tests::{imu, mcap_packed, npy, options, sqlite_bag, tables};
 use super::*;
 use crate::capture::{Format, tests as captures};
-use arrow_array::{ArrayRef, Float64Array, Int32Array, Int64Array};
+use arrow_array::{ArrayRef, DurationNanosecondArray, Float64Array, Int32Array, Int64Array, NullArray};
 use std::sync::Arc;
 
 fn all(content: &[u8], wanted: Wanted<'_>, said: &str) -> Result<Vec<Column>> {
@@ -26,6 +26,25 @@ fn same(content: &[u8], names: &[&str], said: &str) -> Vec<Column> {
         assert_eq!(format!("{together:?}"), format!("{alone:?}"));
     }
     all(content, Wanted::Listed(&names), said).unwrap()
+}
+
+/// What is in memory goes the way of a file: names, time, gaps and what is no number.
+#[test]
+fn a_table_in_memory_is_a_log() {
+    let since_ns = [0, 10, 20, 50, 60].map(|ms| ms * 1_000_000_i64).to_vec();
+    let columns: Vec<(&str, ArrayRef)> = vec![
+        ("index", Arc::new(DurationNanosecondArray::from(since_ns))),
+        ("label", Arc::new(NullArray::new(5))),
+        ("gz [rad/s]", Arc::new(Float64Array::from(vec![1.0, 2.0, f64::NAN, 4.0, 5.0]))),
+    ];
+    let table =
+        RecordBatch::try_from_iter_with_nullable(columns.into_iter().map(|(name, of)| (name, of, true))).unwrap();
+    let read = |wanted, said| read_table(Path::new("the table"), &table, wanted, &options(said));
+    let [gz] = &read(Wanted::All, "--time-column index").unwrap()[..] else { panic!("not one column") };
+    assert_eq!((gz.name.as_str(), gz.rate_hz, gz.missing()), ("gz [rad/s]", 100.0, 3));
+    assert_eq!((gz.quantity, gz.scale), (Some(Quantity::AngularRate), 1f64.to_degrees()));
+    let error = read(Wanted::One(Some("label")), "--rate 100").unwrap_err();
+    assert!(error.to_string().contains("the table holds no numbers in `label`"), "{error}");
 }
 
 /// Rows 3 and 4 of x are missing in the log, row 5 of y is empty.

@@ -42,12 +42,14 @@ from ._deviations import (
     three_cornered_hat_phase,
     totdev,
 )
+from ._kasdin import Noise
 from ._offer import NOT_OFFERED, NotOffered
 from ._taus import tau_generator, tau_reduction
 
 __all__ = [
     "NOT_OFFERED",
     "Dataset",
+    "Noise",
     "NotOffered",
     "ONE_SIGMA_CI",
     "adev",

@@ -140,14 +140,14 @@ def gradev(
     devs, ns = _zerorate.deviations(phase, True, float(rate), "oadev", lengths.astype(np.int64).tolist())
     points = int(np.count_nonzero(~np.isnan(phase)))
     alpha = _EXPONENTS.get(noisetype, np.nan)
-    limits = np.array([_limits(dev, points, m, alpha, ci) if n > 1 else (dev, dev) for dev, n, m in zip(devs, ns, lengths)])
-    errors = [devs - limits.reshape(-1, 2)[:, 0], limits.reshape(-1, 2)[:, 1] - devs]
+
+    def limits(dev: float, n: int, m: float) -> tuple[float, float]:
+        return confidence_interval(dev, max(edf_simple(points, m, alpha), 1.0), ci) if n > 1 else (dev, dev)
+
+    around = np.array([limits(*of) for of in zip(devs, ns, lengths)]).reshape(-1, 2)
+    errors = [devs - around[:, 0], around[:, 1] - devs]
     times, dev, errs, terms = remove_small_ns(used, devs, errors, ns.astype(np.float64))
     return times, dev, errs, terms
-
-
-def _limits(dev: float, points: int, m: float, alpha: float, ci: float) -> tuple[float, float]:
-    return confidence_interval(dev, max(edf_simple(points, m, alpha), 1.0), ci)
 
 
 def _phase(data: Any, rate: float, data_type: str) -> Floats:

@@ -1,7 +1,6 @@
 """What is not here."""
 
 NOT_OFFERED = (
-    "Noise",
     "Plot",
     "calc_hdev_phase",
     "calc_htotdev_freq",
