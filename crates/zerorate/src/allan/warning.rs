@@ -21,6 +21,8 @@ pub enum AllanWarning {
     ShortEndExcluded { points: usize, from_s: f64, used_from_s: f64 },
     /// Samples were replaced.
     Glitches { glitches: u64, samples: u64, ratio: f64 },
+    /// So many samples stand out that none was replaced.
+    ManyGlitches { most: f64 },
     /// A jump of the level was taken out.
     Step { at_s: f64, size: f64 },
     /// More jumps than are taken out.
@@ -54,6 +56,7 @@ impl AllanWarning {
             Self::Drift { .. } => "drift",
             Self::ShortEndExcluded { .. } => "short-end-excluded",
             Self::Glitches { .. } => "glitches",
+            Self::ManyGlitches { .. } => "many-glitches",
             Self::Step { .. } => "step",
             Self::ManySteps { .. } => "many-steps",
             Self::Gaps { .. } => "gaps",
@@ -117,6 +120,12 @@ impl fmt::Display for AllanWarning {
                 "{glitches} glitches cannot be noise (knocks, bit errors): {samples} samples were replaced by the \
                  line between their neighbours; with them the difference from one sample to the next is {ratio:.3} \
                  times as large, and N grows with it; look at them, or keep them if they are what you measure"
+            ),
+            Self::ManyGlitches { most } => write!(
+                f,
+                "more than {:.0} % of the samples stand out of their neighbours: nothing was replaced, and N has them \
+                 in it; look at the readings for bit errors, or at a sensor whose noise is no bell curve",
+                most * 100.0
             ),
             Self::Step { at_s, size } => write!(
                 f,

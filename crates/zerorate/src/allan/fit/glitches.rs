@@ -1,6 +1,7 @@
 //! Single samples, and a few in a row, that no noise explains.
 
 use super::lines::median;
+use super::spectrum::fill_gaps;
 use crate::allan::chi2::normal_quantile;
 use alloc::vec;
 use alloc::vec::Vec;
@@ -9,8 +10,10 @@ use alloc::vec::Vec;
 const WIDTHS: [usize; 4] = [1, 2, 4, 8];
 /// False alarms per record.
 const ALARM: f64 = 0.01;
+/// Looks at each width; only what lies beside what was found needs more than two.
+const LOOKS: usize = 8;
 /// Where more than this part of the samples is flagged, these are no glitches but the noise itself.
-const MOST: f64 = 0.01;
+pub(super) const MOST: f64 = 0.01;
 /// What is beyond so many standard deviations does not enter them, and how much of them that takes away.
 const CLIP: f64 = 4.0;
 const CLIPPED: f64 = 0.99946;
@@ -23,17 +26,33 @@ const SIGMA_PER_MAD: f64 = 1.4826;
 /// many.
 ///
 /// The mean of w samples is held against the means of the w before and the w after. That is linear, so the rate of
-/// false alarms holds for noise with a memory as well: a median against its window gave 270 times as many.
+/// false alarms holds for noise with a memory as well: a median against its window gave 270 times as many. The
+/// narrowest come first, and what is found is replaced before the next look: one sample would take eight with it, and
+/// hide the one beside it.
 ///
 /// Missing samples are closed up for this: lines in their place would scatter less than noise does.
-pub(super) fn glitches(rate: &[f64]) -> Vec<usize> {
+pub(super) fn glitches(rate: &[f64]) -> Option<Vec<usize>> {
     let there: Vec<usize> = (0..rate.len()).filter(|&i| !rate[i].is_nan()).collect();
-    let sums = sums(&there.iter().map(|&i| rate[i]).collect::<Vec<f64>>());
+    let mut values: Vec<f64> = there.iter().map(|&i| rate[i]).collect();
     let limit = -normal_quantile(ALARM / (2 * there.len() * WIDTHS.len()) as f64);
     let mut bad = vec![false; there.len()];
-    WIDTHS.iter().filter(|width| 3 * **width < there.len()).for_each(|&width| flag(&sums, width, limit, &mut bad));
-    let found: Vec<usize> = there.iter().zip(&bad).filter(|(_, bad)| **bad).map(|(i, _)| *i).collect();
-    if found.len() as f64 > MOST * there.len() as f64 { Vec::new() } else { found }
+    let is_bad = |bad: &[bool]| bad.iter().filter(|bad| **bad).count();
+    for width in WIDTHS.into_iter().filter(|width| 3 * *width < there.len()) {
+        for _ in 0..LOOKS {
+            let before = is_bad(&bad);
+            flag(&sums(&values), width, limit, &mut bad);
+            let now = is_bad(&bad);
+            if now as f64 > MOST * there.len() as f64 {
+                return None;
+            }
+            if now == before {
+                break;
+            }
+            values.iter_mut().zip(&bad).filter(|(_, bad)| **bad).for_each(|(value, _)| *value = f64::NAN);
+            fill_gaps(&mut values);
+        }
+    }
+    Some(there.iter().zip(&bad).filter(|(_, bad)| **bad).map(|(i, _)| *i).collect())
 }
 
 /// Running sums about the mean.

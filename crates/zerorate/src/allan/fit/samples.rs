@@ -45,7 +45,10 @@ pub(super) fn cut_glitches(rate: &mut [f64], warnings: &mut Vec<AllanWarning>) -
         let (sum, count) = pairs.fold((0.0, 0u64), |(sum, count), step| (sum + step * step, count + 1));
         sum / count.max(1) as f64
     };
-    let found = glitches::glitches(rate);
+    let Some(found) = glitches::glitches(rate) else {
+        warnings.push(AllanWarning::ManyGlitches { most: glitches::MOST });
+        return 0;
+    };
     if found.is_empty() {
         return 0;
     }
