@@ -59,6 +59,13 @@ def test_all_have_one_temperature(capture: zerorate.Capture) -> None:
     np.testing.assert_allclose(capture.temp_held_c, [25, 25, *expected[2:]], rtol=1e-15)
 
 
-def test_a_single_analysis_takes_a_column(capture: zerorate.Capture) -> None:
-    with pytest.raises(ValueError, match="axes x, y, z; give a column of its rate_dps"):
-        zerorate.allan(capture)
+def test_each_axis_is_analysed(capture: zerorate.Capture) -> None:
+    found = zerorate.allan(capture, column="all")
+    assert list(found) == ["x", "y", "z"]
+    # lost rows are missing of all axes, what is out of range of its own
+    assert [(axis.samples, axis.missing) for axis in found.values()] == [(7, 2), (7, 2), (7, 3)]
+    # z is 3, 4 and 6, 7: differences of a code of 1/20 °/s
+    assert zerorate.allan(capture, column="z").dev[0] == pytest.approx(0.05 / 2**0.5)
+    assert list(zerorate.imu(capture).gyroscope) == ["x", "y", "z"]
+    with pytest.raises(ValueError, match="no column 'w'; choose with column= one of x, y, z"):
+        zerorate.allan(capture, column="w")

@@ -280,8 +280,9 @@ def allan(
         Samples per second. A `Capture` knows it; else a DatetimeIndex, `time_column`, or the log tells it, as it tells
         where samples are missing.
     column
-        Which column of a log, DataFrame or dictionary: its name, or its number counted from 0. A list or ``"all"``
-        gives an `AllanAxes`, and so do several columns without it. A log with one column needs none.
+        Which column of a log, DataFrame or dictionary, or axis of a `Capture`: its name, or its number counted from 0.
+        A list or ``"all"`` gives an `AllanAxes`, and so do several columns in memory without it. A log with one column
+        needs none.
     columns
         Names for the columns of a two-dimensional array.
     stat
@@ -337,9 +338,16 @@ def allan(
     way = Way(stat, taus, _is_phase(data), confidence, _cleaning(glitches, steps) if fit else None)
     given = _log.options(rate_hz, time_column, time_unit, unit, scale, decimal, raw, max_bad, topic)
     if isinstance(rate, Capture):
-        codes, gaps = rate._codes()
-        scale = rate._dps_per_code if scale is None else scale
-        return way.analysed(codes, rate.rate_hz if rate_hz is None else rate_hz, gaps, scale, "rate", unit or "°/s")
+        of_axes = _chosen({name: at for at, name in enumerate(rate.axes)}, column)
+
+        def of_capture(name: str) -> Allan:
+            codes, gaps = rate._codes(of_axes[name])
+            step = rate._dps_per_code(of_axes[name]) if scale is None else scale
+            return way.analysed(codes, rate.rate_hz if rate_hz is None else rate_hz, gaps, step, name, unit or "°/s")
+
+        found = dict(zip(of_axes, side_by_side(of_capture, list(of_axes))))
+        is_several = len(rate.axes) > 1 if column is None else _log.is_several(column)
+        return AllanAxes(found) if is_several else found[next(iter(found))]
     if isinstance(rate, _log.Log) or _records.is_wide(rate):
         log = rate if isinstance(rate, _log.Log) else None
         chosen = _chosen(_records.array_columns(rate, columns) if log is None else log.columns, column)
@@ -355,8 +363,8 @@ def allan(
         raise ValueError("columns= names those of a two-dimensional array; choose others with column=")
     if _records.is_path(rate) or _records.is_table(rate):
         is_several = _log.is_several(column) or (column is None and not _records.is_path(rate))
-        found = way.read(_records.table(rate), "all" if column is None and is_several else column, given)
-        return AllanAxes(_log.by_name(found)) if is_several else found[0]["of"]
+        read = way.read(_records.table(rate), "all" if column is None and is_several else column, given)
+        return AllanAxes(_log.by_name(read)) if is_several else read[0]["of"]
     name = getattr(rate, "name", None)
     name = name if isinstance(name, str) and name else "rate"
     unit = unit or _zerorate.column_unit(name) or "°/s"

@@ -109,32 +109,27 @@ class Capture:
         last = np.maximum.accumulate(read) if len(read) else read
         return np.where(last >= 0, self.temp_c[np.maximum(last, 0)], np.nan)
 
-    @property
-    def _dps_per_code(self) -> float:
-        self._check_single()
-        if self.rate_scales is not None:
-            return 1 / self.rate_scales[0][0]
-        step = np.array([0, 1], dtype=np.uint32)
-        return float(np.diff(_zerorate.rate_dps(step, self.width_bits))[0])
-
     def _rates_dps(self, codes: NDArray[np.uint32] | NDArray[np.int64]) -> NDArray[np.float64]:
         if self.rate_scales is None:
             return _zerorate.rate_dps(np.asarray(codes, dtype=np.uint32), self.width_bits)
         lsb_per_dps, zero_code = np.array(self.rate_scales, dtype=np.float64).T
         return np.asarray((codes - zero_code) / lsb_per_dps, dtype=np.float64)
 
-    def _check_single(self) -> None:
-        if len(self.axes) > 1:
-            raise ValueError(f"the capture has the axes {', '.join(self.axes)}; give a column of its rate_dps")
+    def _dps_per_code(self, axis: int) -> float:
+        if self.rate_scales is not None:
+            return 1 / self.rate_scales[axis][0]
+        step = np.array([0, 1], dtype=np.uint32)
+        return float(np.diff(_zerorate.rate_dps(step, self.width_bits))[0])
 
-    def _codes(self) -> tuple[NDArray[np.int32], list[tuple[int, int]]]:
-        """The rate codes, and where samples are missing between them: index of the next row, how many."""
-        self._check_single()
-        good = np.flatnonzero(self.good)
-        before = np.cumsum(self.lost, dtype=np.int64) + np.cumsum(~self.good)
+    def _codes(self, axis: int = 0) -> tuple[NDArray[np.int32], list[tuple[int, int]]]:
+        """The rate codes of an axis, and where samples are missing between them: index of the next row, how many."""
+        is_good = self.good.reshape(len(self), -1)[:, axis]
+        codes = self.rate_code.reshape(len(self), -1)[:, axis]
+        good = np.flatnonzero(is_good)
+        before = np.cumsum(self.lost, dtype=np.int64) + np.cumsum(~is_good)
         missing = np.diff(before[good])
         at = np.flatnonzero(missing) + 1
-        return self.rate_code.ravel()[good].astype(np.int32), list(zip(at.tolist(), missing[at - 1].tolist()))
+        return codes[good].astype(np.int32), list(zip(at.tolist(), missing[at - 1].tolist()))
 
 
 def read_capture(path: str | os.PathLike[str]) -> Capture:

@@ -9,7 +9,8 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal
 
 from . import _filters, _log, _plot, _records, _zerorate
-from ._allan import Allan, AllanAxes, Stat, Taus, Way, _cleaning, side_by_side
+from ._allan import Allan, AllanAxes, Stat, Taus, Way, _cleaning, allan, side_by_side
+from ._capture import Capture
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -135,7 +136,8 @@ def imu(
         The path of a log in any form that `read_log` reads, read once: a ``sensor_msgs/Imu`` topic of a bag, or the
         columns whose names and units say what they are (``gyro_x``, ``wx``, ``ax [m/s^2]``). Or a DataFrame or a
         dictionary of such columns, in which a block of three columns is x, y and z:
-        ``{"gyro": w, "accel": a}``. Or what `read_log` read, or an array with times along axis 0 and axes along axis 1.
+        ``{"gyro": w, "accel": a}``. Or what `read_log` or `read_capture` read, or an array with times along axis 0 and
+        axes along axis 1.
     column
         The axes, by name or by number counted from 0; else all columns that are one.
     columns
@@ -185,6 +187,11 @@ def imu(
             "an array does not say which column is which axis: give columns=, such as "
             "['gx', 'gy', 'gz', 'ax', 'ay', 'az'], or a dictionary {'gyro': …, 'accel': …}"
         )
+    if isinstance(log, Capture):
+        every = allan(
+            log, column="all", rate_hz=rate_hz, stat=stat, taus=taus, confidence=confidence, glitches=glitches, steps=steps
+        )
+        return Imu(every, log.rate_hz if rate_hz is None else rate_hz, None, "the capture", _said(every))
     if isinstance(log, _log.Log):
         rate_hz = log.rate_hz if rate_hz is None else rate_hz
         log = log._stating_units()
@@ -206,9 +213,12 @@ def imu(
         one["unit"] = (given_units[kind] if kind else None) or one["unit"]
     analysed = side_by_side(way.of_column, found)
     axes: dict[str, Allan] = _log.by_name({"name": axis.name, "of": axis} for axis in analysed)
-    of_axes = [f"{name}: {text}" for name, axis in axes.items() if axis.fit for text in axis.fit.warnings]
     name = source if isinstance(source, str) else source[0]
-    return Imu(AllanAxes(axes), found[0]["rate_hz"], of_bag, name, said + of_axes)
+    return Imu(AllanAxes(axes), found[0]["rate_hz"], of_bag, name, said + _said(axes))
+
+
+def _said(axes: Mapping[str, Allan]) -> list[str]:
+    return [f"{name}: {text}" for name, axis in axes.items() if axis.fit for text in axis.fit.warnings]
 
 
 def _number(scale: float | None) -> float | None:
