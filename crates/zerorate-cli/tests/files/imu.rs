@@ -190,7 +190,8 @@ fn units_are_asked_for_and_never_guessed() {
     assert!((value / n(1) - 1.0).abs() < 0.02, "{value}");
 }
 
-/// N of the gyroscopes is 0.60, 0.72 and 0.48 °/√h, the one-sided density of the accelerometers 0.29, 0.36, 0.43 mg/√Hz.
+/// N of the gyroscopes is 0.60, 0.72 and 0.48 °/√h, the one-sided density of the accelerometers 0.29, 0.36 and
+/// 0.43 mg/√Hz.
 #[test]
 fn axes_beside_a_data_sheet() {
     let bench = bench();
@@ -329,13 +330,47 @@ fn a_gyroscope_alone_leaves_the_rest_open() {
     assert!(run.stderr.contains("2 axes of its gyroscope"), "{}", run.stderr);
 }
 
+/// Curves, spectra and records of both kinds, with what stands out named; a page of six axes is no burden.
 #[test]
-fn the_page_has_a_picture_of_each_kind() {
-    let bench = bench();
+fn the_page_shows_record_spectrum_and_curves() {
+    let bench = Bench::new();
+    // 0.05 °/s rms at 12.5 Hz on the z axis
+    let disturbed: String = log()
+        .lines()
+        .enumerate()
+        .map(|(row, line)| {
+            let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
+            if let Ok(rate_dps) = cells[3].parse::<f64>() {
+                let sine = 0.05 * 2f64.sqrt() * (std::f64::consts::PI / 4.0 * row as f64).sin();
+                cells[3] = format!("{:.6}", rate_dps + sine);
+            }
+            cells.join(",") + "\n"
+        })
+        .collect();
+    bench.write("imu.csv", disturbed);
     bench.zerorate(&format!("{LINE} --report imu.html")).ok();
     let page = std::fs::read_to_string(bench.path("imu.html")).unwrap();
-    assert_eq!(page.matches("<svg").count(), 2);
-    assert!(page.contains("velocity random walk") && page.contains("angle random walk") && !page.contains("AN-1042"));
+    assert_eq!(page.matches("<svg").count(), 6);
+    for said in [
+        "velocity random walk",
+        "angle random walk",
+        "Coefficients by axis",
+        "What stands out of the spectrum",
+        "<td>gyro_z_dps</td>",
+        "12.5 Hz, 0.0",
+        "B is drawn at 0.664 B",
+        "density, °/s/√Hz",
+        "density, m/s²/√Hz",
+        "deviation from the mean, m/s²",
+        "time, s",
+    ] {
+        assert!(page.contains(said), "{said}");
+    }
+    assert!(!page.contains("AN-1042") && page.len() < 600_000, "{}", page.len());
+    let line = "allan imu.csv --time-column t_s --column gyro_x_dps,gyro_y_dps --report two.html";
+    bench.zerorate(line).ok();
+    let page = std::fs::read_to_string(bench.path("two.html")).unwrap();
+    assert_eq!((page.matches("<svg").count(), page.contains("Gyroscope: spectrum")), (3, true));
 }
 
 /// `allan` takes several columns of a file, in one pass.

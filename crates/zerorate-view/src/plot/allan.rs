@@ -110,11 +110,11 @@ impl Default for Options {
 }
 
 /// Colours that stay apart for the colour-blind (Okabe and Ito), the pale ones last.
-const COLOURS: [&str; 7] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#000000", "#e69f00", "#56b4e9"];
+pub const COLOURS: [&str; 7] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#000000", "#e69f00", "#56b4e9"];
 /// After all colours comes the next dash.
 const DASHES: [&str; 4] = ["none", "8 4", "2 3", "8 3 2 3"];
 /// Of the lines of a fit: dark enough to be read as text.
-const LAW_COLOURS: [&str; 5] = ["#c04a00", "#00785a", "#9a3f75", "#7d6000", "#555555"];
+pub const LAW_COLOURS: [&str; 5] = ["#c04a00", "#00785a", "#9a3f75", "#7d6000", "#555555"];
 /// A band that is wider than this, in decades beyond all deviations, does not stretch the axis.
 const BAND_DECADES: f64 = 0.7;
 /// The floor of a fit is shown if it lies no deeper below all deviations than this factor.
@@ -149,7 +149,7 @@ pub fn allan(curves: &[Curve], options: &Options) -> String {
 }
 
 /// A curve without what a logarithmic axis does not know.
-fn drawable(curve: &Curve) -> Curve {
+pub fn drawable(curve: &Curve) -> Curve {
     let known = |tau_s: f64, dev: f64| [tau_s, dev].iter().all(|value| value.is_normal() && *value > 0.0);
     let bounded = |point: &Point| Point {
         lo: if point.lo > 0.0 { point.lo } else { 0.0 },
@@ -169,7 +169,7 @@ fn drawable(curve: &Curve) -> Curve {
 }
 
 /// Averaging times and deviations to be shown; a decade around 1 for nothing at all.
-fn ranges(curves: &[Curve]) -> ((f64, f64), (f64, f64)) {
+pub fn ranges(curves: &[Curve]) -> ((f64, f64), (f64, f64)) {
     let points = || curves.iter().flat_map(|curve| &curve.points);
     let range = |values: &mut dyn Iterator<Item = f64>| {
         let (low, high) = values.fold((f64::MAX, 0.0f64), |(low, high), value| (low.min(value), high.max(value)));
@@ -199,12 +199,12 @@ impl Picture<'_> {
             area: self.area,
             x: &self.scales.x,
             y: &self.scales.y,
-            x_name: "averaging time τ, s",
-            y_name: &y_name,
+            x_name: Some("averaging time τ, s"),
+            y_name: Some(&y_name),
         };
         let names: Vec<&str> = self.curves.iter().map(|curve| curve.label.as_str()).collect();
         let room = self.area.right - self.area.left;
-        canvas::paper(*size, &format!("{quantity} of {}", names.join(", ")), &self.area)
+        canvas::paper(*size, &format!("{quantity} of {}", names.join(", ")))
             .add(canvas::headings(self.area.left, title.as_deref(), subtitle.as_deref(), room))
             .add(frame.draw())
     }
@@ -233,7 +233,7 @@ impl Picture<'_> {
     }
 
     fn lines(&self) -> Group {
-        let mut group = canvas::clipped();
+        let mut group = canvas::clipped(&self.area);
         for (curve, (colour, _)) in self.curves.iter().zip(styles()) {
             group = group.add(self.scales.band(&curve.points, colour)).add(self.scales.band(&curve.model, INK));
         }
@@ -318,7 +318,7 @@ fn styles() -> impl Iterator<Item = (&'static str, &'static str)> {
 }
 
 /// Places around a point, further and further away.
-fn around((x, y): (f64, f64)) -> Vec<((f64, f64), Anchor)> {
+pub fn around((x, y): (f64, f64)) -> Vec<((f64, f64), Anchor)> {
     let ring = |away: f64| {
         [
             ((x, y + away + SMALL), Anchor::Middle),

@@ -1,5 +1,8 @@
 //! Axes: from values to pixels, and the ticks that people read.
 
+/// Pixels that a tick of a linear axis has for itself, at least.
+const ROOM: f64 = 24.0;
+
 /// One axis, linear or logarithmic.
 #[derive(Clone, Debug)]
 pub struct Axis {
@@ -99,7 +102,8 @@ impl Axis {
     }
 
     fn steps(&self) -> Vec<Tick> {
-        let step = round_125((self.high - self.low) / 7.0, f64::ceil);
+        let most = ((self.span.1 - self.span.0).abs() / ROOM).clamp(2.0, 7.0).floor();
+        let step = round_125((self.high - self.low) / most, f64::ceil);
         let places = usize::try_from(-exponent(step)).unwrap_or(0);
         let first = (self.low / step - 1e-9).ceil() as i64;
         let last = (self.high / step + 1e-9).floor() as i64;
@@ -214,7 +218,10 @@ mod tests {
         assert_eq!(labels(&Axis::log(0.01, 1000.0, (0.0, 1.0))), ["0.01", "0.1", "1", "10", "100", "1000"]);
         assert_eq!(labels(&Axis::log(1e-5, 0.01, (0.0, 1.0))), ["10⁻⁵", "10⁻⁴", "10⁻³", "10⁻²"]);
         assert_eq!(labels(&Axis::log(2e-6, 3e-5, (0.0, 1.0))), ["2·10⁻⁶", "5·10⁻⁶", "10⁻⁵", "2·10⁻⁵", "5·10⁻⁵"]);
-        assert_eq!(labels(&Axis::linear(-0.21, 0.4, (0.0, 1.0))), ["−0.2", "−0.1", "0.0", "0.1", "0.2", "0.3", "0.4"]);
+        assert_eq!(
+            labels(&Axis::linear(-0.21, 0.4, (0.0, 400.0))),
+            ["−0.2", "−0.1", "0.0", "0.1", "0.2", "0.3", "0.4"]
+        );
         assert!(labels(&Axis::log(1e-30, 1e30, (0.0, 1.0))).len() < 12);
     }
 

@@ -8,9 +8,6 @@ use svg::node::element::{ClipPath, Definitions, Group, Line, Path, Rectangle, Te
 const FONTS: &str = "Inter, 'Noto Sans', 'DejaVu Sans', 'Segoe UI', Helvetica, Arial, sans-serif";
 /// Mean width of a character in units of the size of the type; generous for ordinary text.
 const CHARACTER: f64 = 0.58;
-/// Name of the clip path that is the inside of the frame.
-const INSIDE: &str = "url(#inside)";
-
 pub const INK: &str = "#222222";
 const MAJOR: &str = "#cccccc";
 const MINOR: &str = "#ebebeb";
@@ -105,9 +102,8 @@ pub fn px(value: f64) -> f64 {
 }
 
 /// White paper; `title` is what a screen reader says. Room for heading lines is the caller's.
-pub fn paper(size: (u32, u32), title: &str, area: &Area) -> Document {
+pub fn paper(size: (u32, u32), title: &str) -> Document {
     let (width, height) = size;
-    let inside = ClipPath::new().set("id", "inside").add(rectangle(area));
     Document::new()
         .set("viewBox", (0, 0, width, height))
         .set("width", width)
@@ -117,7 +113,6 @@ pub fn paper(size: (u32, u32), title: &str, area: &Area) -> Document {
         .set("font-size", SMALL)
         .set("fill", INK)
         .add(Title::new(printable(title)))
-        .add(Definitions::new().add(inside))
         .add(Rectangle::new().set("width", width).set("height", height).set("fill", "white"))
 }
 
@@ -169,9 +164,13 @@ pub fn stroke(data: Data, colour: &str, width: f64) -> Path {
         .set("stroke-linejoin", "round")
 }
 
-/// What is drawn in here ends at the frame.
-pub fn clipped() -> Group {
-    Group::new().set("clip-path", INSIDE)
+/// What is drawn in here ends at the frame. A page with several pictures has one space of names, so each frame has a
+/// name of its own.
+pub fn clipped(area: &Area) -> Group {
+    let Area { left, right, top, bottom } = area;
+    let name = format!("inside-{left:.0}-{right:.0}-{top:.0}-{bottom:.0}");
+    let inside = ClipPath::new().set("id", name.as_str()).add(rectangle(area));
+    Group::new().set("clip-path", format!("url(#{name})")).add(Definitions::new().add(inside))
 }
 
 pub fn rectangle(area: &Area) -> Rectangle {
@@ -187,8 +186,10 @@ pub struct Frame<'a> {
     pub area: Area,
     pub x: &'a Axis,
     pub y: &'a Axis,
-    pub x_name: &'a str,
-    pub y_name: &'a str,
+    /// None: neither name nor numbers.
+    pub x_name: Option<&'a str>,
+    /// The same; an empty name: numbers alone.
+    pub y_name: Option<&'a str>,
 }
 
 impl Frame<'_> {
@@ -218,18 +219,19 @@ impl Frame<'_> {
 
     fn lettering(&self, x_ticks: &[Tick], y_ticks: &[Tick]) -> Group {
         let Area { left, right, top, bottom } = self.area;
-        let below = x_ticks.iter().filter_map(|tick| {
+        let below = x_ticks.iter().filter(|_| self.x_name.is_some()).filter_map(|tick| {
             Some(text(tick.label.as_ref()?, (self.x.at(tick.value), bottom + 20.0), Anchor::Middle))
         });
-        let beside = y_ticks.iter().filter_map(|tick| {
+        let beside = y_ticks.iter().filter(|_| self.y_name.is_some()).filter_map(|tick| {
             Some(text(tick.label.as_ref()?, (left - 8.0, self.y.at(tick.value) + 4.5), Anchor::End))
         });
-        let x_name = text(self.x_name, (0.5 * (left + right), bottom + 48.0), Anchor::Middle);
-        below.chain(beside).fold(Group::new(), Group::add).add(x_name.set("font-size", LETTERING)).add(upright(
-            self.y_name,
-            left - 66.0,
-            0.5 * (top + bottom),
-        ))
+        let x_name = self
+            .x_name
+            .filter(|name| !name.is_empty())
+            .map(|name| text(name, (0.5 * (left + right), bottom + 48.0), Anchor::Middle).set("font-size", LETTERING));
+        let y_name = self.y_name.filter(|name| !name.is_empty());
+        let y_name = y_name.map(|name| upright(name, left - 66.0, 0.5 * (top + bottom)));
+        below.chain(beside).chain(x_name).chain(y_name).fold(Group::new(), Group::add)
     }
 }
 
@@ -246,7 +248,7 @@ pub fn right_scale(area: &Area, axis: &Axis, name: &str) -> Group {
 }
 
 /// The name of an axis, read from below.
-fn upright(name: &str, x: f64, y: f64) -> Text {
+pub fn upright(name: &str, x: f64, y: f64) -> Text {
     text(name, (x, y), Anchor::Middle)
         .set("font-size", LETTERING)
         .set("transform", format!("rotate(-90 {} {})", px(x), px(y)))

@@ -40,11 +40,11 @@ pub fn correction(curve: &CorrectionCurve) -> String {
     let margin = (0.06 * (high - low)).max(1e-6);
     let x = Axis::linear(coldest, hottest, (area.left, area.right));
     let y = Axis::linear(low - margin, high + margin, (area.bottom, area.top));
-    let frame = Frame { area, x: &x, y: &y, x_name: "temperature, °C", y_name: "correction, °/s" };
-    canvas::paper(SIZE, "Correction over temperature", &area)
+    let frame = Frame { area, x: &x, y: &y, x_name: Some("temperature, °C"), y_name: Some("correction, °/s") };
+    canvas::paper(SIZE, "Correction over temperature")
         .add(span(curve, &area, &x))
         .add(frame.draw())
-        .add(lines(curve, &x, &y))
+        .add(lines(curve, &area, &x, &y))
         .add(reference(curve, &area, &x))
         .to_string()
 }
@@ -64,13 +64,13 @@ fn span(curve: &CorrectionCurve, area: &Area, x: &Axis) -> Group {
     Group::new().add(canvas::rectangle(&inside).set("fill", SPAN)).add(name.set("fill", "#00785a"))
 }
 
-fn lines(curve: &CorrectionCurve, x: &Axis, y: &Axis) -> Group {
+fn lines(curve: &CorrectionCurve, area: &Area, x: &Axis, y: &Axis) -> Group {
     let edge = |sign: f64| {
         move |point: &CorrectionPoint| (x.at(point.temp_c), y.at(point.correction_dps + sign * point.half_dps))
     };
     let outline = curve.points.iter().map(edge(1.0)).chain(curve.points.iter().rev().map(edge(-1.0)));
     let band = Path::new().set("d", path(outline).close()).set("fill", BLUE).set("fill-opacity", 0.18);
-    canvas::clipped().add(band).add(stroke(path(curve.points.iter().map(edge(0.0))), BLUE, 2.0))
+    canvas::clipped(area).add(band).add(stroke(path(curve.points.iter().map(edge(0.0))), BLUE, 2.0))
 }
 
 fn reference(curve: &CorrectionCurve, area: &Area, x: &Axis) -> Group {

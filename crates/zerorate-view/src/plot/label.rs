@@ -19,6 +19,11 @@ impl Labels {
         self.ink.extend(densely(points).into_iter().filter(|point| self.area.contains(*point)));
     }
 
+    /// A place that is taken.
+    pub fn take(&mut self, place: Area) {
+        self.taken.push(place);
+    }
+
     /// Takes the best of these places for a text, the earlier the better; none if all leave the frame or cover another
     /// label.
     pub fn place(

@@ -10,13 +10,20 @@ mod canvas;
 mod correction;
 mod curve;
 mod label;
+mod multiples;
 #[cfg(feature = "png")]
 mod raster;
+mod signal;
+mod spectrum;
+mod stack;
 #[cfg(test)]
 mod tests;
 
 pub use allan::{Curve, Mark, Minimum, Options, Point, PowerLaw, allan, an1042};
 pub use axes::number;
 pub use correction::{CorrectionCurve, CorrectionPoint, correction};
+pub use multiples::allan_multiples;
 #[cfg(feature = "png")]
 pub use raster::png;
+pub use signal::{Envelope, Signal, signals};
+pub use spectrum::{Spectrum, Tone, spectra};

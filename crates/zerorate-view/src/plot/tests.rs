@@ -160,3 +160,76 @@ fn the_correction_is_drawn_over_its_span() {
         "{svg}"
     );
 }
+
+/// Two pictures in one page do not share the name of a clip path unless they share the frame.
+#[test]
+fn frames_of_one_page_have_names_of_their_own() {
+    let ids = |svg: &str| {
+        let xml = Document::parse(svg).unwrap();
+        let paths = xml.descendants().filter(|node| node.has_tag_name("clipPath"));
+        let ids: Vec<String> = paths.filter_map(|node| node.attribute("id")).map(str::to_owned).collect();
+        ids.iter().for_each(|id| assert!(svg.contains(&format!("url(#{id})")), "{id}"));
+        ids
+    };
+    let one = ids(&allan(&[white("w")], &Options::default()));
+    let titled = Options { title: Some("t".into()), ..Options::default() };
+    assert_ne!(one, ids(&allan(&[white("w")], &titled)));
+    let three = ids(&allan_multiples(&[white("x"), white("y"), white("z"), white("w")], &titled));
+    assert_eq!(three.iter().collect::<std::collections::BTreeSet<_>>().len(), 4);
+}
+
+#[test]
+fn axes_side_by_side_have_their_coefficients() {
+    let curves = [fitted(), Curve { label: "gyro <y>".into(), ..fitted() }, white("z"), Curve::default()];
+    let found = texts(&allan_multiples(&curves, &Options { marks: an1042(), ..Options::default() }));
+    assert_eq!(found.iter().filter(|text| *text == "N = 0.6 °/√h").count(), 2);
+    for expected in ["unit.arrows", "gyro <y>", "z", "averaging time τ, s", "Allan deviation, °/s"] {
+        assert!(found.iter().any(|text| text == expected), "{expected} in {found:?}");
+    }
+    Document::parse(&allan_multiples(&[], &Options::default())).unwrap();
+}
+
+#[test]
+fn a_record_of_any_length_is_its_envelope() {
+    let mut samples: Vec<f64> = (0..100_000).map(|i| f64::from(i % 10) - 4.5).collect();
+    samples[50_050] = 99.0;
+    samples[60_000..70_000].fill(f64::NAN);
+    let envelope = Envelope::new(&samples, 100.0);
+    assert_eq!((envelope.span_s, envelope.stretches.len()), (1000.0, 840));
+    assert_eq!(envelope.stretches[0], Some((-4.5, 4.5)));
+    assert_eq!(envelope.stretches.iter().flatten().filter(|(_, high)| *high == 99.0).count(), 1);
+    assert!(envelope.stretches.iter().filter(|stretch| stretch.is_none()).count() > 80);
+    let signal = Signal { label: "a<b".into(), envelope, marks_s: vec![300.0] };
+    let svg = signals("The record", &[signal.clone(), signal], "°/s");
+    let found = texts(&svg);
+    for expected in ["time, min", "deviation from the mean, °/s", "15"] {
+        assert!(found.iter().any(|text| text == expected), "{expected} in {found:?}");
+    }
+    assert!(found.iter().any(|text| text.starts_with("a<b, mean 0.00")) && svg.len() < 60_000, "{}", svg.len());
+    // before and behind what is missing
+    let xml = Document::parse(&svg).unwrap();
+    let bands = xml.descendants().filter_map(|node| node.attribute("d")).filter(|d| d.matches('M').count() == 2);
+    assert_eq!(bands.count(), 2);
+    for empty in [Envelope::default(), Envelope::new(&[f64::NAN], 1.0), Envelope::new(&[1.0], 1.0)] {
+        let svg = signals("", &[Signal { envelope: empty, ..Signal::default() }], "°/s");
+        assert!(!svg.contains("NaN") && !svg.contains("inf"), "{svg}");
+    }
+}
+
+#[test]
+fn what_stands_out_of_a_spectrum_is_named_once() {
+    let point = |k: i32| (10f64.powf(f64::from(k) / 50.0), if k == 50 { 1.0 } else { 0.01 });
+    let points: Vec<(f64, f64)> = (-100..100).map(point).collect();
+    let tone = |frequency_hz, rms, label: &str| Tone { frequency_hz, rms, label: label.into() };
+    let tones =
+        vec![tone(10.0, 0.5, "10.0 Hz, 0.5 °/s rms"), tone(10.4, 0.01, "its foot"), tone(50.0, 0.1, "50.0 Hz")];
+    let model = vec![(0.01, 0.01), (1.0, 0.01), (0.0, f64::NAN)];
+    let svg = spectra("Spectrum", &[Spectrum { label: "x".into(), points, model, tones }], "°/s/√Hz");
+    let found = texts(&svg);
+    for expected in ["10.0 Hz, 0.5 °/s rms", "50.0 Hz", "frequency, Hz", "density, °/s/√Hz", "x"] {
+        assert!(found.iter().any(|text| text == expected), "{expected} in {found:?}");
+    }
+    assert!(!found.iter().any(|text| text == "its foot") && !svg.contains("NaN"));
+    assert_eq!(attribute(&svg, "circle", "r").len(), 2);
+    Document::parse(&spectra("", &[Spectrum::default()], "")).unwrap();
+}

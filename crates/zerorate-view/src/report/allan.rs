@@ -8,6 +8,8 @@ use askama::Template;
 /// All that the page says.
 #[derive(Clone, Debug, Default)]
 pub struct AllanPage {
+    /// The heading.
+    pub title: String,
     /// The command line that made it.
     pub command: String,
     /// What is in the tables, such as `overlapping Allan deviation`.
@@ -16,10 +18,40 @@ pub struct AllanPage {
     pub interval: String,
     /// What the intervals of the coefficients are.
     pub coefficient_interval: String,
-    /// The pictures of all records, SVG as of [`crate::plot::allan`]: they go into the page as they are.
-    pub pictures: Vec<String>,
-    /// One for each file.
+    /// Of the log as a whole.
+    pub facts: Vec<Fact>,
+    /// What is wrong with several of its axes.
+    pub warnings: Vec<String>,
+    /// Tables of the whole, such as the comparison with a data sheet.
+    pub tables: Vec<Table>,
+    /// What belongs together.
+    pub groups: Vec<Group>,
+    /// One for each file or axis.
     pub records: Vec<Record>,
+}
+
+/// Records of one quantity.
+#[derive(Clone, Debug, Default)]
+pub struct Group {
+    /// Its heading; none where it is empty.
+    pub name: String,
+    /// Such as the coefficients by axis.
+    pub tables: Vec<Table>,
+    /// SVG, as of [`crate::plot`]: they go into the page as they are.
+    pub pictures: Vec<String>,
+}
+
+/// A table of words and numbers.
+#[derive(Clone, Debug, Default)]
+pub struct Table {
+    /// What stands above it.
+    pub title: String,
+    /// Names of the columns.
+    pub head: Vec<String>,
+    /// Cells; the first of a row names it.
+    pub rows: Vec<Vec<String>>,
+    /// What stands below it.
+    pub note: String,
 }
 
 /// What was found in a file.
@@ -105,7 +137,7 @@ fn six_digits(value: f64) -> String {
 #[derive(Template)]
 #[template(path = "allan.html")]
 struct Page<'a> {
-    title: String,
+    title: &'a str,
     software: &'a str,
     page: &'a AllanPage,
 }
@@ -115,9 +147,7 @@ struct Page<'a> {
 /// # Errors
 /// None that is known: the template is compiled.
 pub fn allan_page(page: &AllanPage) -> Result<String> {
-    let names: Vec<&str> = page.records.iter().map(|record| record.name.as_str()).collect();
-    let title = format!("Allan analysis of {}", names.join(", "));
-    Ok(Page { title, software: zerorate::SOFTWARE, page }.render()?)
+    Ok(Page { title: &page.title, software: zerorate::SOFTWARE, page }.render()?)
 }
 
 #[cfg(test)]
@@ -140,12 +170,23 @@ mod tests {
             unit: "°/s".into(),
             unavailable: vec![Fact::new("4096 s", "the record is too short")],
         };
+        let table = Table {
+            title: "Beside <b>".into(),
+            head: vec!["axis".into()],
+            rows: vec![vec!["gyro x".into(), "<i>".into()]],
+            note: "a note".into(),
+        };
+        let pictures = vec!["<svg><path/></svg>".into()];
         let page = AllanPage {
+            title: "of <u>".into(),
+            facts: vec![Fact::new("length", "2.8 h")],
+            warnings: vec!["three <axes>".into()],
+            tables: vec![table.clone()],
+            groups: vec![Group { name: "Gyroscope".into(), tables: vec![table], pictures }],
             command: "zerorate allan '\"><script>'".into(),
             quantity: "overlapping Allan deviation".into(),
             interval: "68.3 % interval".into(),
             coefficient_interval: "95 % interval".into(),
-            pictures: vec!["<svg><path/></svg>".into()],
             records: vec![record],
         };
         let html = allan_page(&page).unwrap();
@@ -159,10 +200,14 @@ mod tests {
             "337", // °/h
             "the record is too short",
             "68.3 % interval",
+            "<h2>Gyroscope</h2>",
+            "2.8 h",
+            "a note",
+            "gyro x",
         ] {
             assert!(html.contains(expected), "{expected} in {html}");
         }
-        for hostile in ["<img", "<script", "<short>"] {
+        for hostile in ["<img", "<script", "<short>", "<axes>", "<b>", "<i>", "<u>"] {
             assert!(!html.contains(hostile), "{hostile} in {html}");
         }
         assert!(!html.contains("http"), "no external resource");

@@ -3,7 +3,7 @@
 mod allan;
 mod calibration;
 
-pub use allan::{AllanPage, AllanRow, Coefficient, CoefficientValue, Record, allan_page};
+pub use allan::{AllanPage, AllanRow, Coefficient, CoefficientValue, Group, Record, Table, allan_page};
 pub use calibration::{calibration_page, calibration_picture};
 
 /// A line of a table of facts.

@@ -20,6 +20,8 @@ mod stat;
 mod stream;
 mod taus;
 mod warning;
+#[cfg(feature = "std")]
+mod welch;
 
 #[cfg(feature = "std")]
 pub use advice::{AN1042_TAUS_S, Advice, Averaging, advice};
@@ -40,6 +42,8 @@ pub use stat::{Stat, UnknownStat};
 pub use stream::{NotAdjacent, Stream};
 pub use taus::{Taus, TausError, longest};
 pub use warning::AllanWarning;
+#[cfg(feature = "std")]
+pub use welch::{Density, welch};
 
 /// Averages of 1, 2, 4 … samples, as long as at least one difference of two adjacent averages fits into `len` samples:
 /// [`Taus::Octave`] of [`Stat::Oadev`].

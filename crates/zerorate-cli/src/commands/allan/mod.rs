@@ -154,6 +154,7 @@ impl AllanArgs {
             options,
             draws_finely: draws && self.taus.is_none(),
             fit: self.wants_fit().then_some(fit),
+            draws: self.report.is_some(),
         }
     }
 }
@@ -216,8 +217,10 @@ impl Files {
             picture::write(kind, file, &picture::svg(records))?;
         }
         if let Some(file) = self.page {
-            let kinds: Vec<&[Record]> = records.chunk_by(|a, b| a.quantity == b.quantity).collect();
-            page::write(file, &kinds)?;
+            let names: Vec<String> = records.iter().map(Record::label).collect();
+            let head =
+                page::Head { title: format!("Allan analysis of {}", names.join(", ")), ..page::Head::default() };
+            page::write(file, head, records)?;
         }
         if let Some(file) = self.imu_yaml {
             imu_yaml::write(file, records)?;

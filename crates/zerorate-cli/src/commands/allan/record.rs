@@ -6,10 +6,11 @@ use crate::exit::Refused;
 use anyhow::{Context, Result, ensure};
 use std::path::{Path, PathBuf};
 use zerorate::allan::{
-    self, AllanWarning, Analysis, Averaging, Expected, Fit, FitError, FitOptions, Input, Options, Point, Taus,
+    self, AllanWarning, Analysis, Averaging, Density, Expected, Fit, FitError, FitOptions, Input, Options, Point, Taus,
 };
 use zerorate_data::column::{Column, Quantity, STANDARD_GRAVITY, Series};
 use zerorate_data::imu::{self, Axis, Kind};
+use zerorate_view::plot::Envelope;
 
 /// A log and what was found in it.
 pub struct Record {
@@ -24,6 +25,25 @@ pub struct Record {
     /// None where nobody asked for it.
     pub fit: Option<Result<Fit, FitError>>,
     pub warnings: Vec<String>,
+    /// What is drawn of it beside its curve; none unless that was asked for, and of a rate.
+    pub look: Option<Look>,
+}
+
+/// A record as one looks at it.
+pub struct Look {
+    /// As it was read.
+    pub envelope: Envelope,
+    /// Without what was taken out before the fit.
+    pub spectrum: Vec<Density>,
+}
+
+impl Look {
+    fn of(column: &Column, file: &Path, cleaned: Option<&[f64]>) -> Result<Self> {
+        let mut samples = column.points(file)?;
+        samples.iter_mut().for_each(|sample| *sample *= column.scale);
+        let spectrum = allan::welch(cleaned.unwrap_or(&samples), column.rate_hz)?;
+        Ok(Self { envelope: Envelope::new(&samples, column.rate_hz), spectrum })
+    }
 }
 
 /// How a column is analysed.
@@ -38,6 +58,8 @@ pub struct Way {
     pub draws_finely: bool,
     /// Before a fit; none: no fit.
     pub fit: Option<FitOptions>,
+    /// Whether the record itself is drawn, and its spectrum.
+    pub draws: bool,
 }
 
 impl Record {
@@ -65,6 +87,8 @@ impl Record {
         };
         let analysis = analyse(&way.options.taus)?;
         let finer = way.draws_finely.then(|| analyse(&Taus::Fine)).transpose()?;
+        let draws = way.draws && way.data == Data::Rate;
+        let look = draws.then(|| Look::of(&column, file, cleaned)).transpose()?;
         let seen = fit.iter().flatten().flat_map(|fit| &fit.warnings);
         warnings.extend(seen.map(|warning: &AllanWarning| format!("{}: {warning}", warning.code())));
         Ok(Self {
@@ -76,6 +100,7 @@ impl Record {
             finer,
             fit,
             warnings,
+            look,
         })
     }
 

@@ -10,6 +10,7 @@ use zerorate::allan::Estimate;
 use zerorate::datasheet::{Figure, Line, Verdict};
 use zerorate_data::imu::Kind;
 use zerorate_view::plot::number;
+use zerorate_view::report::Table;
 
 /// A line of a data sheet beside an axis.
 pub struct Comparison<'a> {
@@ -97,6 +98,22 @@ impl Comparison<'_> {
         }
     }
 }
+
+/// All of them, for the page.
+pub fn table(sheet: &DataSheet, all: &[Comparison<'_>]) -> Table {
+    let row = |one: &Comparison<'_>| {
+        vec![one.figure().to_owned(), one.stated(), one.axis.to_owned(), one.found(), one.judged()]
+    };
+    Table {
+        title: format!("Beside the data sheet of {}", sheet.name),
+        head: HEAD.map(str::to_owned).to_vec(),
+        rows: all.iter().map(row).collect(),
+        note: sheet.source.as_ref().map(|source| format!("Source: {source}")).unwrap_or_default(),
+    }
+}
+
+/// Names of the columns of that table.
+const HEAD: [&str; 5] = ["figure", "data sheet", "axis", "measured [95 % interval]", "verdict"];
 
 /// A comparison in JSON.
 #[derive(Serialize)]

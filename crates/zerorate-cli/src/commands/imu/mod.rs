@@ -5,6 +5,7 @@ mod json;
 mod text;
 
 use super::allan::record::{Record, Way};
+use super::allan::units::span;
 use super::allan::{Data, findings, page};
 use super::{print_json, print_lines, warn};
 use crate::column::{flag, listed, share};
@@ -12,11 +13,14 @@ use crate::exit::{Refused, Usage};
 use crate::output::{Outputs, Staged, say};
 use anyhow::Result;
 use clap::Args;
+use datasheet::Comparison;
 use std::path::PathBuf;
+use zerorate::DataSheet;
 use zerorate::allan::{FitOptions, Options};
 use zerorate_data::column::{Column, ColumnOptions, Decimal, Names, Setting, TimeUnit, Unit};
 use zerorate_data::imu::{Axes, Axis, Choice, Combine, Format, ImuOptions, Kind, Numbers, Said};
 use zerorate_host::files;
+use zerorate_view::report::Fact;
 
 /// Fits noise models to all axes of an IMU's log, taken at rest, and writes the file for the filter that will use
 /// them.
@@ -151,9 +155,9 @@ pub fn run(args: &ImuArgs) -> Result<()> {
     let sheet = args.datasheet.as_deref().map(datasheet::read).transpose()?;
     let Axes { columns, topic, warnings } = Axes::read(&args.log, files::log(&args.log)?, &args.options())?;
     check_format(args, &columns)?;
-    let fit = Some(FitOptions::default());
-    let draws_finely = page.is_some();
-    let way = Way { data: Data::Rate, closes_gaps: false, options: Options::default(), draws_finely, fit };
+    let (fit, draws) = (Some(FitOptions::default()), page.is_some());
+    let options = Options::default();
+    let way = Way { data: Data::Rate, closes_gaps: false, options, draws_finely: draws, fit, draws };
     let analyse = |column| Record::of(column, &args.log, &way);
     let axes: Vec<Record> = columns.into_iter().map(analyse).collect::<Result<_>>()?;
     let compared = sheet.as_ref().map(|sheet| datasheet::compare(sheet, &axes)).unwrap_or_default();
@@ -161,16 +165,41 @@ pub fn run(args: &ImuArgs) -> Result<()> {
         print_json(&json::Report::new(&axes, sheet.as_ref(), &compared))?;
     } else {
         print_lines(&text::table(&axes)?)?;
-        sheet.as_ref().map_or(Ok(()), |sheet| print_lines(&text::comparison(sheet, &compared)))?;
+        sheet.as_ref().map_or(Ok(()), |sheet| print_lines(&text::comparison(&datasheet::table(sheet, &compared))))?;
     }
-    let findings = findings::condensed(&axes);
-    warn(&findings);
+    let warnings = [findings::condensed(&axes), warnings].concat();
     warn(&warnings);
     if let Some(page) = page {
-        let kinds: Vec<&[Record]> = axes.chunk_by(|a, b| a.quantity == b.quantity).collect();
-        page::write(page, &kinds)?;
+        page::write(page, head(args, &axes, topic.as_deref(), sheet.as_ref(), &compared, warnings), &axes)?;
     }
     deliver(args, &axes, topic, file)
+}
+
+/// What the page says of the log as a whole.
+fn head(
+    args: &ImuArgs,
+    axes: &[Record],
+    topic: Option<&str>,
+    sheet: Option<&DataSheet>,
+    compared: &[Comparison<'_>],
+    warnings: Vec<String>,
+) -> page::Head {
+    let log = args.log.display().to_string();
+    let of_axis = axes.first().map(|axis| {
+        let (samples, rate_hz) = (axis.analysis.samples, axis.analysis.rate_hz);
+        [
+            Fact::new("samples", samples.to_string()),
+            Fact::new("sample rate", format!("{rate_hz:.6} Hz")),
+            Fact::new("length", span(samples as f64 / rate_hz)),
+        ]
+    });
+    let topic = topic.map(|topic| Fact::new("topic", topic));
+    page::Head {
+        title: format!("Noise of the IMU in {log}"),
+        facts: topic.into_iter().chain(of_axis.into_iter().flatten()).collect(),
+        warnings,
+        tables: sheet.map(|sheet| datasheet::table(sheet, compared)).into_iter().collect(),
+    }
 }
 
 /// Writes the file, if its numbers are results or were asked for nonetheless.

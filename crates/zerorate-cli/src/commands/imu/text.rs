@@ -1,13 +1,12 @@
 //! The result as text.
 
-use super::datasheet::Comparison;
 use crate::commands::allan::record::Record;
 use crate::commands::allan::units::{B, coefficients, span};
 use anyhow::Result;
 use std::fmt::Write;
-use zerorate::DataSheet;
 use zerorate::allan::{Estimate, Term};
 use zerorate_data::imu::Kind;
+use zerorate_view::report::Table;
 
 /// For each kind a table with a row for each axis.
 pub fn table(axes: &[Record]) -> Result<String> {
@@ -28,13 +27,9 @@ pub fn table(axes: &[Record]) -> Result<String> {
 }
 
 /// The axes beside a data sheet: a row for each line and axis.
-pub fn comparison(sheet: &DataSheet, all: &[Comparison<'_>]) -> String {
-    let head = ["figure", "data sheet", "axis", "measured", ""].map(str::to_owned).to_vec();
-    let row = |one: &Comparison<'_>| {
-        vec![one.figure().to_owned(), one.stated(), one.axis.to_owned(), one.found(), one.judged()]
-    };
-    let rows: Vec<Vec<String>> = std::iter::once(head).chain(all.iter().map(row)).collect();
-    format!("\nBeside the data sheet of {}\n{}", sheet.name, aligned(&rows))
+pub fn comparison(table: &Table) -> String {
+    let rows: Vec<Vec<String>> = std::iter::once(&table.head).chain(&table.rows).cloned().collect();
+    format!("\n{}\n{}", table.title, aligned(&rows))
 }
 
 /// N, B and K side by side, what else a model has below.

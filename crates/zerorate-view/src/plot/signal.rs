@@ -1,0 +1,123 @@
+//! Records over time: between the smallest and the largest sample of each stretch, a panel for each axis.
+
+use super::allan::COLOURS;
+use super::axes::{Axis, number};
+use super::canvas::{clipped, line, path, px, stroke};
+use super::stack::Stack;
+use svg::node::element::{Group, Path, path::Data};
+
+/// What is drawn of a record of any length.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Envelope {
+    /// Length of the record, s.
+    pub span_s: f64,
+    /// Mean of what is there.
+    pub mean: f64,
+    /// Smallest and largest sample of each of as many stretches of one length; none where all are missing.
+    pub stretches: Vec<Option<(f64, f64)>>,
+}
+
+impl Envelope {
+    /// Stretches at most: pixels of the picture.
+    const STRETCHES: usize = 840;
+
+    /// Of samples, NaN where they are missing.
+    #[must_use]
+    pub fn new(samples: &[f64], rate_hz: f64) -> Self {
+        let there = || samples.iter().filter(|value| value.is_finite());
+        let count = samples.len().min(Self::STRETCHES);
+        let stretch = |index: usize| {
+            let part = &samples[index * samples.len() / count..(index + 1) * samples.len() / count];
+            let there = part.iter().filter(|value| value.is_finite());
+            let (low, high) =
+                there.fold((f64::MAX, f64::MIN), |(low, high), value| (low.min(*value), high.max(*value)));
+            (low <= high).then_some((low, high))
+        };
+        Self {
+            span_s: samples.len() as f64 / rate_hz,
+            mean: there().sum::<f64>() / there().count().max(1) as f64,
+            stretches: (0..count).map(stretch).collect(),
+        }
+    }
+}
+
+/// The record of an axis.
+#[derive(Clone, Debug, Default)]
+pub struct Signal {
+    /// What it is called.
+    pub label: String,
+    /// Its samples.
+    pub envelope: Envelope,
+    /// Times at which something was taken out, s.
+    pub marks_s: Vec<f64>,
+}
+
+const HEIGHT: f64 = 120.0;
+
+/// The records less their means as SVG; all on one scale, in `unit`.
+#[must_use]
+pub fn signals(title: &str, signals: &[Signal], unit: &str) -> String {
+    let span_s = signals.iter().map(|signal| signal.envelope.span_s).fold(0.0, f64::max);
+    let (per_s, time) = match span_s {
+        s if s <= 600.0 => (1.0, "time, s"),
+        s if s <= 10_800.0 => (1.0 / 60.0, "time, min"),
+        _ => (1.0 / 3600.0, "time, h"),
+    };
+    let is_marked = signals.iter().any(|signal| !signal.marks_s.is_empty());
+    let marks = if is_marked { "; dashed: steps, taken out before the fit" } else { "" };
+    let stack = Stack {
+        title,
+        subtitle: &format!("less its mean, smallest and largest sample of each pixel{marks}"),
+        x_name: time,
+        y_name: &format!("deviation from the mean, {unit}"),
+        panels: signals.len(),
+        height: HEIGHT,
+    };
+    let x = Axis::linear(0.0, span_s * per_s, stack.across());
+    let (low, high) = range(signals);
+    let mut paper = stack.paper();
+    for (index, (signal, colour)) in signals.iter().zip(COLOURS.into_iter().cycle()).enumerate() {
+        let y = Axis::linear(low, high, stack.upright(index));
+        let area = stack.area(index);
+        let rules = signal.marks_s.iter().map(|at_s| {
+            let at = x.at(at_s * per_s);
+            line((at, area.top), (at, area.bottom)).set("stroke", "#222222").set("stroke-dasharray", "5 4")
+        });
+        let rules = rules.fold(Group::new(), Group::add);
+        let text = format!("{}, mean {} {unit}", signal.label, number(signal.envelope.mean));
+        let (name, _) = stack.name(index, &text);
+        let band = clipped(&area).add(band(&signal.envelope, per_s, &x, &y, colour));
+        paper = paper.add(stack.frame(index, &x, &y)).add(band).add(rules).add(name);
+    }
+    paper.to_string()
+}
+
+/// Of all less their means, with room for the names.
+fn range(signals: &[Signal]) -> (f64, f64) {
+    let ends = signals.iter().flat_map(|signal| {
+        let mean = signal.envelope.mean;
+        signal.envelope.stretches.iter().flatten().flat_map(move |(low, high)| [low - mean, high - mean])
+    });
+    let (low, high) = ends.fold((f64::MAX, f64::MIN), |(low, high), end| (low.min(end), high.max(end)));
+    if low < high { (low - 0.05 * (high - low), high + 0.3 * (high - low)) } else { (-1.0, 1.0) }
+}
+
+/// One area for each run of stretches without a hole.
+fn band(envelope: &Envelope, per_s: f64, x: &Axis, y: &Axis, colour: &str) -> Path {
+    let Envelope { span_s, mean, stretches } = envelope;
+    let width_s = span_s / stretches.len().max(1) as f64;
+    let at = |index: usize| x.at((index as f64 + 0.5) * width_s * per_s);
+    let tenth = |value: f64| (value * 10.0).round() / 10.0;
+    let numbered: Vec<(usize, Option<(f64, f64)>)> = stretches.iter().copied().enumerate().collect();
+    let mut all = Data::new();
+    for run in numbered.split(|(_, ends)| ends.is_none()).filter(|run| !run.is_empty()) {
+        let ends = || run.iter().filter_map(|(index, ends)| ends.map(|(low, high)| (*index, low - mean, high - mean)));
+        let upper = ends().map(|(index, _, high)| (tenth(at(index)), tenth(y.at(high))));
+        let lower = ends().rev().map(|(index, low, _)| (tenth(at(index)), tenth(y.at(low))));
+        for command in path(upper.chain(lower)).close().iter() {
+            all.append(command.clone());
+        }
+    }
+    let width = px(0.8);
+    stroke(all, colour, width).set("fill", colour).set("fill-opacity", 0.5)
+}

@@ -1,0 +1,110 @@
+//! Densities over frequency, log-log, a panel for each axis, with what stands out named.
+
+use super::allan::{COLOURS, around};
+use super::axes::Axis;
+use super::canvas::{INK, clipped, label, path, stroke};
+use super::label::Labels;
+use super::stack::Stack;
+use svg::node::element::{Circle, Group};
+
+/// The spectrum of an axis. Densities are one-sided and of amplitude, in the unit of the picture.
+#[derive(Clone, Debug, Default)]
+pub struct Spectrum {
+    /// What it is called.
+    pub label: String,
+    /// Frequency, Hz, and density.
+    pub points: Vec<(f64, f64)>,
+    /// The same of the fitted model; empty without one.
+    pub model: Vec<(f64, f64)>,
+    /// What stands out.
+    pub tones: Vec<Tone>,
+}
+
+/// A disturbance or a resonance.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tone {
+    /// Hz.
+    pub frequency_hz: f64,
+    /// How strong; the strongest are named.
+    pub rms: f64,
+    /// What stands beside it.
+    pub label: String,
+}
+
+const HEIGHT: f64 = 170.0;
+/// Tones that are named in a panel.
+const NAMED: usize = 4;
+/// A tone is marked at the highest density within this factor of its frequency.
+const NEAR: f64 = 1.04;
+
+/// The spectra as SVG, all on one scale.
+#[must_use]
+pub fn spectra(title: &str, spectra: &[Spectrum], unit: &str) -> String {
+    let drawn = |&(hz, density): &(f64, f64)| hz > 0.0 && density > 0.0 && hz.is_finite() && density.is_finite();
+    let points = || spectra.iter().flat_map(|spectrum| &spectrum.points).copied().filter(drawn);
+    let range = |values: &mut dyn Iterator<Item = f64>| {
+        let (low, high) = values.fold((f64::MAX, 0.0f64), |(low, high), value| (low.min(value), high.max(value)));
+        if low <= high { (low, high) } else { (1.0, 1.0) }
+    };
+    let (frequency, density) = (range(&mut points().map(|point| point.0)), range(&mut points().map(|point| point.1)));
+    let stack = Stack {
+        title,
+        subtitle: "one-sided density (Welch, Hann's window), and the model in black, without the lines that are named",
+        x_name: "frequency, Hz",
+        y_name: &format!("density, {unit}"),
+        panels: spectra.len(),
+        height: HEIGHT,
+    };
+    let x = Axis::log(frequency.0, frequency.1, stack.across());
+    let mut paper = stack.paper();
+    for (index, (spectrum, colour)) in spectra.iter().zip(COLOURS.into_iter().cycle()).enumerate() {
+        // room for what is named above the curve
+        let y = Axis::log(density.0, density.1 * 1.6, stack.upright(index));
+        let place = |point: &(f64, f64)| (x.at(point.0), y.at(point.1));
+        let track: Vec<(f64, f64)> = spectrum.points.iter().filter(|point| drawn(point)).map(place).collect();
+        let model: Vec<(f64, f64)> = spectrum.model.iter().filter(|point| drawn(point)).map(place).collect();
+        let (name, taken) = stack.name(index, &spectrum.label);
+        let mut labels = Labels::new(stack.area(index));
+        labels.take(taken);
+        labels.avoid(&track);
+        labels.avoid(&model);
+        let curves =
+            clipped(&stack.area(index)).add(stroke(path(track), colour, 1.2)).add(stroke(path(model), INK, 1.4));
+        paper = paper.add(stack.frame(index, &x, &y)).add(curves).add(tones(spectrum, place, labels)).add(name);
+    }
+    paper.to_string()
+}
+
+/// Rings at all of them, names at the strongest.
+fn tones(spectrum: &Spectrum, place: impl Fn(&(f64, f64)) -> (f64, f64), mut labels: Labels) -> Group {
+    let mut sorted: Vec<&Tone> = spectrum.tones.iter().collect();
+    sorted.sort_by(|a, b| b.rms.total_cmp(&a.rms));
+    // the foot of a strong one is no second one
+    let mut strongest: Vec<&Tone> = Vec::new();
+    for tone in sorted {
+        let apart = |other: &&Tone| {
+            let ratio = tone.frequency_hz / other.frequency_hz;
+            ratio.max(1.0 / ratio) > NEAR * NEAR
+        };
+        if strongest.iter().all(apart) {
+            strongest.push(tone);
+        }
+    }
+    let peak = |tone: &Tone| {
+        let near = |point: &&(f64, f64)| {
+            (point.0 / tone.frequency_hz).max(tone.frequency_hz / point.0) < NEAR && point.1 > 0.0
+        };
+        spectrum.points.iter().filter(near).max_by(|a, b| a.1.total_cmp(&b.1)).map(&place)
+    };
+    let mut group = Group::new();
+    for (rank, tone) in strongest.into_iter().enumerate() {
+        let Some((cx, cy)) = peak(tone) else { continue };
+        let ring = Circle::new().set("cx", cx).set("cy", cy).set("r", 5).set("fill", "none").set("stroke", INK);
+        group = group.add(ring);
+        let named = (rank < NAMED).then(|| labels.place(&tone.label, around((cx, cy)))).flatten();
+        if let Some((at, anchor)) = named {
+            group = group.add(label(&tone.label, at, anchor, INK));
+        }
+    }
+    group
+}

@@ -1,0 +1,68 @@
+//! Panels one below the other, on one horizontal axis.
+
+use super::axes::Axis;
+use super::canvas::{self, Anchor, Area, Frame, SMALL};
+use svg::Document;
+use svg::node::element::Group;
+
+/// Pixels of the picture, and around its panels.
+const WIDTH: f64 = 960.0;
+const LEFT: f64 = 92.0;
+const RIGHT: f64 = 28.0;
+const HEAD: f64 = 62.0;
+const FOOT: f64 = 68.0;
+const GAP: f64 = 20.0;
+
+/// The panels, each as high as the others.
+pub struct Stack<'a> {
+    pub title: &'a str,
+    pub subtitle: &'a str,
+    pub x_name: &'a str,
+    pub y_name: &'a str,
+    pub panels: usize,
+    pub height: f64,
+}
+
+impl Stack<'_> {
+    /// Where a panel lies.
+    pub fn area(&self, index: usize) -> Area {
+        let top = HEAD + (self.height + GAP) * index as f64;
+        Area { left: LEFT, right: WIDTH - RIGHT, top, bottom: top + self.height }
+    }
+
+    /// First and last pixel of all panels.
+    pub fn across(&self) -> (f64, f64) {
+        (LEFT, WIDTH - RIGHT)
+    }
+
+    /// Upper and lower end of a panel, the lower one first, as axes take it.
+    pub fn upright(&self, index: usize) -> (f64, f64) {
+        let Area { top, bottom, .. } = self.area(index);
+        (bottom, top)
+    }
+
+    /// Paper with headings and the name of the vertical axes.
+    pub fn paper(&self) -> Document {
+        let bottom = self.area(self.panels.saturating_sub(1)).bottom;
+        let all = Area { bottom, ..self.area(0) };
+        let size = (WIDTH as u32, (bottom + FOOT) as u32);
+        canvas::paper(size, &format!("{}: {}", self.title, self.subtitle))
+            .add(canvas::headings(LEFT, Some(self.title), Some(self.subtitle), WIDTH - LEFT - RIGHT))
+            .add(canvas::upright(self.y_name, LEFT - 66.0, 0.5 * (all.top + all.bottom)))
+    }
+
+    /// Grid and numbers of a panel; the last has those of the horizontal axis.
+    pub fn frame(&self, index: usize, x: &Axis, y: &Axis) -> Group {
+        let x_name = (index + 1 == self.panels).then_some(self.x_name);
+        Frame { area: self.area(index), x, y, x_name, y_name: Some("") }.draw()
+    }
+
+    /// What a panel is of, in its corner, and the place that this takes.
+    pub fn name(&self, index: usize, name: &str) -> (Group, Area) {
+        let area = self.area(index);
+        let at = (area.left + 10.0, area.top + 6.0 + SMALL);
+        let name = canvas::shortened(name, 70);
+        let label = canvas::label(&name, at, Anchor::Start, canvas::INK).set("font-weight", 600);
+        (Group::new().add(label), Area::of_text(&name, at, Anchor::Start))
+    }
+}

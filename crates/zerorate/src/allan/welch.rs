@@ -1,0 +1,182 @@
+//! The density of a record's spectrum as one draws it: Welch's estimate, averaged evenly in the logarithm of frequency.
+
+use super::{Fit, Term};
+use alloc::vec;
+use alloc::vec::Vec;
+use core::f64::consts::PI;
+use realfft::{FftError, RealFftPlanner};
+
+/// The density at a frequency.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Density {
+    /// Hz.
+    pub frequency_hz: f64,
+    /// Two-sided, unit²/Hz: N² of white noise. The one-sided density is twice that.
+    pub density: f64,
+}
+
+/// Segments that a record has at least, so that each frequency is an average.
+const SEGMENTS: usize = 4;
+/// Longest and shortest segment.
+const LENGTHS: core::ops::RangeInclusive<usize> = 64..=1 << 20;
+/// Frequencies to a decade.
+const PER_DECADE: f64 = 60.0;
+/// The first coefficient of a segment without its mean is too small, and leaks into the next.
+const FIRST: usize = 2;
+
+/// Welch's estimate (1967) of a rate, NaN where samples are missing: Hann's window, segments that overlap by half,
+/// each without its mean. Missing samples count as its mean, and segments that lack half of them are left out. Empty
+/// for less than 256 samples.
+///
+/// # Errors
+/// None that is known: the lengths fit together.
+pub fn welch(rate: &[f64], rate_hz: f64) -> Result<Vec<Density>, FftError> {
+    let most = (rate.len() / SEGMENTS).min(*LENGTHS.end());
+    let Some(length) = (0..usize::BITS).rev().map(|k| 1usize << k).find(|length| *length <= most) else {
+        return Ok(Vec::new());
+    };
+    if length < *LENGTHS.start() {
+        return Ok(Vec::new());
+    }
+    let window: Vec<f64> =
+        (0..length).map(|i| 0.5 - 0.5 * libm::cos(2.0 * PI * (i as f64 + 0.5) / length as f64)).collect();
+    let fft = RealFftPlanner::<f64>::new().plan_fft_forward(length);
+    let (mut lines, mut scratch) = (fft.make_output_vec(), fft.make_scratch_vec());
+    let (mut power, mut segments) = (vec![0.0; length / 2 + 1], 0.0);
+    for start in (0..=rate.len() - length).step_by(length / 2) {
+        let Some((mut segment, norm)) = windowed(&rate[start..start + length], &window) else { continue };
+        fft.process_with_scratch(&mut segment, &mut lines, &mut scratch)?;
+        let weight = 1.0 / (norm * rate_hz);
+        power.iter_mut().zip(&lines).for_each(|(power, line)| *power += weight * line.norm_sqr());
+        segments += 1.0;
+    }
+    power.iter_mut().for_each(|power| *power /= segments);
+    Ok(if segments > 0.0 { averaged(&power, rate_hz / length as f64) } else { Vec::new() })
+}
+
+/// A segment under the window, and the sum of the window's squares over what is there.
+fn windowed(segment: &[f64], window: &[f64]) -> Option<(Vec<f64>, f64)> {
+    let there = || segment.iter().filter(|value| !value.is_nan());
+    let count = there().count();
+    if 2 * count < segment.len() {
+        return None;
+    }
+    let mean = there().sum::<f64>() / count as f64;
+    let weighted = |(value, window): (&f64, &f64)| if value.is_nan() { 0.0 } else { (value - mean) * window };
+    let squares = |(value, window): (&f64, &f64)| if value.is_nan() { 0.0 } else { window * window };
+    let norm = segment.iter().zip(window).map(squares).sum();
+    Some((segment.iter().zip(window).map(weighted).collect(), norm))
+}
+
+/// Means over steps of the same factor.
+fn averaged(power: &[f64], step_hz: f64) -> Vec<Density> {
+    let factor = libm::pow(10.0, 1.0 / PER_DECADE);
+    let mut all = Vec::new();
+    let mut from = FIRST;
+    while from < power.len() - 1 {
+        let to = (libm::ceil(from as f64 * factor) as usize).max(from + 1).min(power.len() - 1);
+        let count = (to - from) as f64;
+        let density = power[from..to].iter().sum::<f64>() / count;
+        all.push(Density { frequency_hz: step_hz * ((from + to - 1) as f64 / 2.0), density });
+        from = to;
+    }
+    all
+}
+
+impl Fit {
+    /// The density that the model has at a frequency of a record sampled `rate_hz` times per second: two-sided,
+    /// unit²/Hz, without lines, ramp and warm-up.
+    #[must_use]
+    pub fn density(&self, frequency_hz: f64, rate_hz: f64) -> f64 {
+        let omega = 2.0 * PI * frequency_hz;
+        let half = PI * frequency_hz / rate_hz;
+        let sinc = half / libm::sin(half);
+        let square = |x: f64| x * x;
+        let of_term = |term: &Term| match term {
+            Term::GaussMarkov { sigma, tau_s } => {
+                2.0 * square(sigma.value) * tau_s.value / (1.0 + square(omega * tau_s.value))
+            }
+            _ => 0.0,
+        };
+        let shape = |term: &Term| match term {
+            Term::BandShape { cosines, pole } => {
+                let cosine = |(j, a): (usize, &f64)| a * (libm::cos(2.0 * (j + 1) as f64 * half) - 1.0);
+                let low_pass = |p: f64| square(1.0 - p) / (1.0 + p * p - 2.0 * p * libm::cos(2.0 * half));
+                libm::exp(cosines.iter().enumerate().map(cosine).sum()) * pole.map_or(1.0, low_pass)
+            }
+            _ => 1.0,
+        };
+        square(self.n.value) * self.terms.iter().map(shape).product::<f64>()
+            + self.q.as_ref().map_or(0.0, |q| square(2.0 * q.value * rate_hz * libm::sin(half)))
+            + square(self.b.value) / omega
+            + square(self.k.value * sinc / omega)
+            + self.terms.iter().map(of_term).sum::<f64>()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{FitOptions, Input, fit};
+    use super::*;
+
+    /// White noise of variance 1 at 100 Hz, density 0.01, and a sine of 2 rms at 12.5 Hz.
+    fn record(sine: f64) -> Vec<f64> {
+        let mut state = 1u64;
+        let mut uniform = || {
+            state = 16_807 * state % 2_147_483_647;
+            state as f64 / 2_147_483_647.0 - 0.5
+        };
+        let noise = (0..40_000).map(|_| (0..12).map(|_| uniform()).sum::<f64>());
+        noise.enumerate().map(|(i, noise)| 5.0 + noise + sine * SINE * libm::sin(PI * i as f64 / 4.0)).collect()
+    }
+
+    const SINE: f64 = core::f64::consts::SQRT_2;
+
+    #[test]
+    fn white_noise_and_a_sine_have_their_power() {
+        let density = welch(&record(0.0), 100.0).unwrap();
+        let upper: Vec<f64> = density.iter().filter(|one| one.frequency_hz > 5.0).map(|one| one.density).collect();
+        let mean = upper.iter().sum::<f64>() / upper.len() as f64;
+        assert!((mean / 0.01 - 1.0).abs() < 0.02, "{mean}");
+        assert!(density.len() < 250 && density[0].frequency_hz < 0.05, "{}", density.len());
+        let density = welch(&record(2.0), 100.0).unwrap();
+        let peak = density.iter().max_by(|a, b| a.density.total_cmp(&b.density)).unwrap();
+        assert!((peak.frequency_hz / 12.5 - 1.0).abs() < 0.03, "{peak:?}");
+        // two-sided: half of 4 at each of ±12.5 Hz
+        let width = peak.frequency_hz * (libm::pow(10.0, 1.0 / PER_DECADE) - 1.0);
+        assert!((peak.density * width / 2.0 - 1.0).abs() < 0.1, "{peak:?}");
+    }
+
+    #[test]
+    fn what_is_missing_does_not_count() {
+        let mut rate = record(0.0);
+        rate.iter_mut().step_by(3).for_each(|value| *value = f64::NAN);
+        let density = welch(&rate, 100.0).unwrap();
+        let upper: Vec<f64> = density.iter().filter(|one| one.frequency_hz > 5.0).map(|one| one.density).collect();
+        let mean = upper.iter().sum::<f64>() / upper.len() as f64;
+        assert!((mean / 0.01 - 1.0).abs() < 0.03, "{mean}");
+        assert!(welch(&[f64::NAN; 1000], 100.0).unwrap().is_empty());
+        assert!(welch(&[1.0; 255], 100.0).unwrap().is_empty());
+    }
+
+    /// The density that is drawn is that which was fitted.
+    #[test]
+    fn the_model_lies_on_the_estimate() {
+        let rate = record(0.0);
+        // a low-pass of the first order, and a random walk
+        let (mut low, mut walk) = (0.0, 0.0);
+        let rate: Vec<f64> = rate
+            .iter()
+            .map(|white| {
+                low += 0.6 * (white - low);
+                walk += 0.02 * (white - 5.0);
+                low + walk
+            })
+            .collect();
+        let fit = fit(&Input::Rate(&rate), 100.0, &FitOptions::default()).unwrap();
+        for one in welch(&rate, 100.0).unwrap().iter().filter(|one| one.frequency_hz > 0.3) {
+            let ratio = one.density / fit.density(one.frequency_hz, 100.0);
+            assert!((0.5..2.0).contains(&ratio), "{one:?}: {ratio}");
+        }
+    }
+}
