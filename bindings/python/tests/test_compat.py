@@ -1,5 +1,5 @@
 """`zerorate.allantools_compat`: the conventions. Its numbers are tested by allantools' own tests
-(`cargo xtask allantools`)."""
+(`cargo xtask python allantools`)."""
 
 from __future__ import annotations
 

@@ -34,6 +34,8 @@ def test_a_deviation_with_its_model_and_coefficients(tmp_path: Path) -> None:
     np.testing.assert_array_equal(np.asarray(ax.lines[0].get_ydata()), found.dev)
     pyplot.savefig(tmp_path / "allan.png")
     assert (tmp_path / "allan.png").read_bytes().startswith(b"\x89PNG")
+    low, high = ax.get_ylim()
+    assert found.lo.min() / 2 < low < found.lo.min() and found.hi.max() < high < 2 * found.hi.max()
     into = pyplot.figure().add_subplot()
     assert zerorate.allan(rate, rate_hz=100.0, stat="tdev").plot(into) is into
     assert into.get_ylabel() == "time deviation / °/s·s"

@@ -18,7 +18,7 @@ ValueError with what to do; a measurement that must not become a calibration rai
 
 from importlib.metadata import version
 
-from ._allan import Allan, AllanAxes, Unavailable, allan
+from ._allan import allan
 from ._calibration import (
     CalibratedAxis,
     Calibration,
@@ -37,6 +37,7 @@ from ._imu import Imu, imu
 from ._log import Log, read_log
 from ._model import BandShape, Cleaned, Coefficient, Estimate, Fit, GaussMarkov, Line, WarmUp
 from ._procedure import Calibrated, Truth, calibrate
+from ._result import Allan, AllanAxes, Unavailable
 from ._twin import Twin, TwinKey
 from ._zerorate import Refused
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Literal
 from . import _zerorate
 
 if TYPE_CHECKING:
-    from ._allan import Allan
+    from ._result import Allan
 
 Format = Literal["kalibr", "openvins", "vins", "orbslam3", "kf-gins", "ros"]
 """Who reads the file."""

@@ -9,8 +9,9 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal
 
 from . import _filters, _log, _plot, _records, _zerorate
-from ._allan import Allan, AllanAxes, Stat, Taus, Way, _cleaning, allan, side_by_side
 from ._capture import Capture
+from ._result import Allan, AllanAxes
+from ._way import Stat, Taus, Way, side_by_side
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -187,15 +188,15 @@ def imu(
             "an array does not say which column is which axis: give columns=, such as "
             "['gx', 'gy', 'gz', 'ax', 'ay', 'az'], or a dictionary {'gyro': …, 'accel': …}"
         )
+    way = Way.of(stat, taus, "rate", confidence, True, glitches, steps)
     if isinstance(log, Capture):
-        every = allan(
-            log, column="all", rate_hz=rate_hz, stat=stat, taus=taus, confidence=confidence, glitches=glitches, steps=steps
-        )
-        return Imu(every, log.rate_hz if rate_hz is None else rate_hz, None, "the capture", _said(every))
+        hz = log.rate_hz if rate_hz is None else rate_hz
+        of_axes = side_by_side(lambda at: way.capture(log, at, hz, None, "°/s"), range(len(log.axes)))
+        every = AllanAxes({axis.name: axis for axis in of_axes})
+        return Imu(every, hz, None, "the capture", _said(every))
     if isinstance(log, _log.Log):
         rate_hz = log.rate_hz if rate_hz is None else rate_hz
         log = log._stating_units()
-    way = Way(stat, taus, False, confidence, _cleaning(glitches, steps))
     source = _records.table(log, columns)
     given = _log.options(rate_hz, time_column, time_unit, None, None, decimal, None, max_bad, topic)
     found, of_bag, said = _zerorate.read_imu(
@@ -211,8 +212,7 @@ def imu(
     for one in found:
         kind = _zerorate.unit_kind(one["unit"] or "")
         one["unit"] = (given_units[kind] if kind else None) or one["unit"]
-    analysed = side_by_side(way.of_column, found)
-    axes: dict[str, Allan] = _log.by_name({"name": axis.name, "of": axis} for axis in analysed)
+    axes = _log.by_name((axis.name, axis) for axis in side_by_side(way.of_column, found))
     name = source if isinstance(source, str) else source[0]
     return Imu(AllanAxes(axes), found[0]["rate_hz"], of_bag, name, said + _said(axes))
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Literal, Union
+from typing import TYPE_CHECKING, Any, Literal, TypeVar, Union
 
 import numpy as np
 
@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 
 Column = Union[str, int, Sequence[Union[str, int]]]
 """A column by its name or its number counted from 0, several of them, or ``"all"``."""
+
+_T = TypeVar("_T")
 
 ALL = "all"
 """All columns that hold numbers."""
@@ -136,7 +138,7 @@ def read_log(
     for text in said:
         warnings.warn(text, stacklevel=2)
     return Log(
-        columns=by_name({"name": one["name"], "of": one["values"] * one["scale"]} for one in found),
+        columns=by_name((one["name"], np.asarray(one["values"] * one["scale"], dtype=np.float64)) for one in found),
         units={one["name"]: one["unit"] for one in found},
         rate_hz=found[0]["rate_hz"],
         warnings=said,
@@ -202,17 +204,17 @@ def listed(column: Column) -> list[str | int]:
     return [column] if isinstance(column, (str, int)) else list(column)
 
 
-def by_name(found: Any) -> dict[str, Any]:
-    """What is ``of`` each, under its name.
+def by_name(found: Iterable[tuple[str, _T]]) -> dict[str, _T]:
+    """A dictionary of names and what is called so.
 
     Raises
     ------
     ValueError
         For two of the same name.
     """
-    named: dict[str, Any] = {}
-    for one in found:
-        if one["name"] in named:
-            raise ValueError(f"there are two columns {one['name']}: read one by its number, or rename them")
-        named[one["name"]] = one["of"]
+    named: dict[str, _T] = {}
+    for name, one in found:
+        if name in named:
+            raise ValueError(f"there are two columns {name}: read one by its number, or rename them")
+        named[name] = one
     return named

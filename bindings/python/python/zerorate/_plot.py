@@ -13,8 +13,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from ._allan import Allan
     from ._model import Fit
+    from ._result import Allan
 
 _FLOOR_PER_B = np.sqrt(2 * np.log(2) / np.pi)
 """The floor of a curve in B, IEEE Std 952-1997 C.1.3."""
@@ -32,6 +32,7 @@ _TITLES = {
 
 def curves(axes: Sequence[Allan], ax: Axes | None) -> Axes:
     """Deviations in one picture, each with its limits and its model."""
+    is_own = ax is None
     if ax is None:
         figure = _frame.needed("matplotlib.pyplot", "plot()").figure(figsize=(7.5, 5.0), layout="constrained")
         ax = figure.add_subplot()
@@ -47,6 +48,10 @@ def curves(axes: Sequence[Allan], ax: Axes | None) -> Axes:
     ax.set_yscale("log")
     ax.set_xlabel("averaging time τ / s")
     ax.set_ylabel(f"{_TITLES[next(iter(stats))] if len(stats) == 1 else 'deviation'} / {unit}")
+    points = [axis for axis in axes if len(axis.dev) and (axis.dev > 0).all()]
+    if is_own and points:
+        # a band that reaches down to nothing has no say
+        ax.set_ylim(min(axis.lo.min() for axis in points) / 1.8, max(axis.hi.max() for axis in points) * 1.8)
     ax.grid(True, which="major", alpha=0.35)
     ax.grid(True, which="minor", alpha=0.12)
     if axes:

@@ -1,0 +1,191 @@
+"""Results: a deviation over averaging time, of one column or of several."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+
+from . import _filters, _frame, _log, _plot, _zerorate
+from ._model import Cleaned, Fit
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes as Picture
+    from numpy.typing import NDArray
+
+
+@dataclass(frozen=True)
+class Unavailable:
+    """An averaging time that was asked for and has no deviation."""
+
+    tau_s: float
+    """Averaging time, s."""
+    reason: str
+    """Why."""
+
+
+@dataclass(frozen=True, eq=False)
+class Allan:
+    """A deviation over averaging time: arrays of equal length, one element per averaging time, ascending."""
+
+    tau_s: NDArray[np.float64]
+    """Averaging time, s."""
+    dev: NDArray[np.float64]
+    """Deviation: unit of the rate; TDEV that times s."""
+    lo: NDArray[np.float64]
+    """Lower confidence limit, same unit."""
+    hi: NDArray[np.float64]
+    """Upper confidence limit, same unit."""
+    edf: NDArray[np.float64]
+    """Equivalent degrees of freedom behind the limits."""
+    alpha: NDArray[np.int64]
+    """Exponent of the noise S_y(f) ∝ f^α identified there: 0 white, −1 flicker, −2 random walk of the rate, 1 and 2
+    phase noise."""
+    n: NDArray[np.int64]
+    """Terms that entered."""
+    m: NDArray[np.int64]
+    """Samples in each average."""
+    stat: str
+    """The statistic."""
+    rate_hz: float
+    """Samples per second."""
+    samples: int
+    """Samples (phase: points) from the first to the last, the missing ones included."""
+    missing: int
+    """Samples that are missing."""
+    confidence: float
+    """Probability with which the limits enclose the true deviation."""
+    unavailable: list[Unavailable] = field(repr=False)
+    """Averaging times without a deviation, with the reason."""
+    fit: Fit | None = field(repr=False)
+    """The noise model; None where it was not asked for, or the record is too short."""
+    no_fit: str | None = field(default=None, repr=False)
+    """Why there is none."""
+    model: NDArray[np.float64] | None = field(default=None, repr=False)
+    """The model's deviations; None without a model, and for statistics that it does not speak of."""
+    model_lo: NDArray[np.float64] | None = field(default=None, repr=False)
+    """Lower end of the band in which the model expects 95 % of the deviations."""
+    model_hi: NDArray[np.float64] | None = field(default=None, repr=False)
+    """Upper end of that band."""
+    cleaned: Cleaned | None = field(default=None, repr=False)
+    """What was taken out before; None without a model."""
+    name: str = "rate"
+    """What was analysed: the name of the column or of the Series."""
+    unit: str = "°/s"
+    """Unit of the rate, and so of `dev` and of the coefficients."""
+    warnings: list[str] = field(default_factory=list, repr=False)
+    """What is to be said of the log; what there is to say of its noise is in `Fit.warnings`."""
+    _core: _zerorate.Model | None = field(default=None, repr=False)
+
+    def __repr__(self) -> str:
+        fit = self.fit
+        known = [] if fit is None else [(name, getattr(fit, name)) for name in "nbk" if getattr(fit, name).identified]
+        told = "".join(f", {name.upper()} = {of.value:.4g} {of.unit}" for name, of in known)
+        told = ", model rejected" if fit is not None and fit.rejected else told
+        span = f"{len(self.dev)} points of {self.stat} from {self.samples} samples at {self.rate_hz:.6g} Hz"
+        return f"<Allan {self.name}: {span}{told}>"
+
+    @property
+    def kind(self) -> Literal["gyroscope", "accelerometer"] | None:
+        """What `unit` is of."""
+        return _zerorate.unit_kind(self.unit)
+
+    def to_frame(self, library: _log.Library = "pandas") -> Any:
+        """A DataFrame with a row for each averaging time, of pandas or polars.
+
+        Raises
+        ------
+        ImportError
+            If the library is not installed.
+        """
+        names = ["tau_s", "m", "dev", "lo", "hi", "edf", "alpha", "n"]
+        names += ["model", "model_lo", "model_hi"] if self.model is not None else []
+        return _frame.frame({name: getattr(self, name) for name in names}, library)
+
+    def plot(self, ax: Picture | None = None) -> Picture:
+        """Draws deviation with limits, model with its band, and coefficients into `ax`, or into a new figure.
+
+        Needs matplotlib. Returns the axes, so that ``result.plot().figure.savefig("allan.png")`` writes a file.
+
+        Raises
+        ------
+        ImportError
+            If matplotlib is not installed.
+        """
+        return _plot.curves([self], ax)
+
+    def to_yaml(
+        self,
+        path: str | os.PathLike[str] | None = None,
+        *,
+        format: _filters.Format = "kalibr",
+        inflate: float = 1.0,
+        topic: str | None = None,
+        force: bool = False,
+    ) -> str:
+        """The file for a filter, of this one axis. Arguments and result as of `Imu.to_yaml`."""
+        return _filters.file([self], path, self.name, format, "worst", inflate, topic, force)
+
+
+@dataclass(frozen=True, eq=False)
+class AllanAxes(Mapping[str, Allan]):
+    """The deviations of several columns, by their names, in their order."""
+
+    axes: dict[str, Allan]
+    """Each by itself."""
+
+    def __repr__(self) -> str:
+        return "".join(["<AllanAxes", *(f"\n  {axis!r}" for axis in self.axes.values()), ">"])
+
+    def __getitem__(self, name: str | int) -> Allan:
+        """By name, or by number counted from 0."""
+        return list(self.axes.values())[name] if isinstance(name, int) else self.axes[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.axes)
+
+    def __len__(self) -> int:
+        return len(self.axes)
+
+    def to_frame(self, library: _log.Library = "pandas") -> Any:
+        """A DataFrame with a row for each column and averaging time: `name`, `unit`, and the columns of
+        `Allan.to_frame`; NaN for what there is no model of.
+
+        Raises
+        ------
+        ImportError
+            If the library is not installed.
+        """
+        return _frame.frame(_long(self.axes), library)
+
+    def plot(self, ax: Picture | None = None) -> Picture:
+        """Draws all into one picture, as `Allan.plot` does. They must have one unit.
+
+        Raises
+        ------
+        ImportError
+            If matplotlib is not installed.
+        ValueError
+            If their units differ.
+        """
+        return _plot.curves(list(self.axes.values()), ax)
+
+
+_COLUMNS = ("tau_s", "m", "dev", "lo", "hi", "edf", "alpha", "n", "model", "model_lo", "model_hi")
+
+
+def _long(axes: Mapping[str, Allan]) -> dict[str, Any]:
+    def column(name: str) -> NDArray[Any]:
+        parts = [getattr(axis, name) for axis in axes.values()]
+        there = [np.full(len(axis.dev), np.nan) if part is None else part for axis, part in zip(axes.values(), parts)]
+        return np.concatenate(there) if there else np.empty(0)
+
+    rows = [(name, axis.unit) for name, axis in axes.items() for _ in axis.dev]
+    return {
+        "name": [name for name, _ in rows],
+        "unit": [unit for _, unit in rows],
+        **{name: column(name) for name in _COLUMNS},
+    }

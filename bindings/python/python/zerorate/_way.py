@@ -1,0 +1,145 @@
+"""From records to results."""
+
+from __future__ import annotations
+
+import os
+import warnings
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal, TypeVar, Union
+
+import numpy as np
+
+from . import _log, _records, _zerorate
+from ._capture import Capture
+from ._model import Cleaned, fitted
+from ._result import Allan, Unavailable
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+Stat = Literal["adev", "oadev", "mdev", "tdev", "hdev", "ohdev", "totdev"]
+"""The deviations. `oadev` is the one to use unless you know better."""
+
+Taus = Union[str, Sequence[float], "NDArray[np.float64]"]
+"""Averaging times: ``octave``, ``fine``, ``decade``, ``all``, ``log:N``, or seconds."""
+
+_Of = TypeVar("_Of")
+_To = TypeVar("_To")
+
+
+def side_by_side(work: Callable[[_Of], _To], all_of: Sequence[_Of]) -> list[_To]:
+    """Work that leaves the interpreter to others, on as many threads as there are processors. Ctrl-C ends it after
+    what has begun."""
+    pool = ThreadPoolExecutor(max_workers=max(1, min(len(all_of), os.cpu_count() or 1)))
+    try:
+        return [begun.result() for begun in [pool.submit(work, one) for one in all_of]]
+    finally:
+        pool.shutdown(wait=False, cancel_futures=True)
+
+
+@dataclass(frozen=True)
+class Way:
+    """How records are analysed."""
+
+    stat: str
+    taus: Taus
+    is_phase: bool
+    confidence: float
+    cleaning: tuple[bool, bool] | None
+
+    @classmethod
+    def of(cls, stat: str, taus: Taus, data: str, confidence: float, fit: bool, glitches: str, steps: str) -> Way:
+        """As the arguments of `allan` say."""
+        return cls(stat, taus, _is_phase(data), confidence, _cleaning(glitches, steps) if fit else None)
+
+
+    def read(
+        self, source: _records.Source, column: _log.Column | None, given: _zerorate._Options
+    ) -> list[Allan]:
+        """Of columns of a log or table."""
+        label = given["unit"]
+        is_other = label is not None and not isinstance(source, str) and _zerorate.unit_kind(label) is None
+        if is_other:
+            # of a table in memory a unit of any other quantity is a name
+            given = {**given, "unit": None, "scale": given["scale"] or 1.0}
+        found = _log.columns_of(source, column, self.is_phase, given)
+        if label is not None:
+            scales = [given["scale"] or 1.0 if is_other else one["scale"] for one in found]
+            found = [{**one, "unit": label, "scale": scale} for one, scale in zip(found, scales)]
+        for text in (text for one in found for text in one["warnings"]):
+            warnings.warn(text, stacklevel=3)
+        return side_by_side(self.of_column, found)
+
+    def of_column(self, column: _zerorate._Column) -> Allan:
+        """Of a column that was read."""
+        return self.analysed(
+            column["values"],
+            column["rate_hz"],
+            column["gaps"],
+            column["scale"],
+            column["name"],
+            column["unit"] or "unit",
+            column["warnings"],
+        )
+
+    def analysed(
+        self,
+        values: NDArray[Any],
+        rate_hz: float | None,
+        gaps: list[tuple[int, int]],
+        scale: float | None,
+        name: str,
+        unit: str,
+        said: list[str] | None = None,
+    ) -> Allan:
+        """Of a record as the extension takes it."""
+        if rate_hz is None:
+            raise ValueError("the record does not say how fast it was sampled: give rate_hz=, samples per second")
+        taus = self.taus
+        found = _zerorate.analyse(
+            values,
+            self.is_phase,
+            gaps,
+            float(rate_hz),
+            self.stat,
+            taus if isinstance(taus, str) else np.asarray(taus, dtype=np.float64).reshape(-1).tolist(),
+            float(self.confidence),
+            1.0 if scale is None else float(scale),
+            self.cleaning,
+        )
+        model, cleaned, core = (found.pop(key, None) for key in ("fit", "cleaned", "core"))
+        unavailable = [Unavailable(*point) for point in found.pop("unavailable")]
+        return Allan(
+            **found,
+            unavailable=unavailable,
+            confidence=self.confidence,
+            fit=None if model is None else fitted(model, unit),
+            cleaned=None if cleaned is None else Cleaned(*cleaned),
+            name=name,
+            unit=unit,
+            warnings=said or [],
+            _core=core,
+        )
+
+    def capture(self, capture: Capture, at: int, rate_hz: float | None, scale: float | None, unit: str) -> Allan:
+        """Of an axis of a capture."""
+        codes, gaps = capture._codes(at)
+        step = capture._dps_per_code(at) if scale is None else scale
+        hz = capture.rate_hz if rate_hz is None else rate_hz
+        return self.analysed(codes, hz, gaps, step, capture.axes[at], unit)
+
+
+def _cleaning(glitches: str, steps: str) -> tuple[bool, bool]:
+    if glitches not in ("cut", "keep"):
+        raise ValueError(f"glitches={glitches!r}: give 'cut' or 'keep'")
+    if steps not in ("remove", "keep"):
+        raise ValueError(f"steps={steps!r}: give 'remove' or 'keep'")
+    return glitches == "cut", steps == "remove"
+
+
+def _is_phase(data: str) -> bool:
+    if data not in ("rate", "phase"):
+        raise ValueError(f"data={data!r}: give 'rate', or 'phase' for the integral of the rate")
+    return data == "phase"
