@@ -190,10 +190,7 @@ def imu(
         )
     way = Way.of(stat, taus, "rate", confidence, True, glitches, steps)
     if isinstance(log, Capture):
-        hz = log.rate_hz if rate_hz is None else rate_hz
-        of_axes = side_by_side(lambda at: way.capture(log, at, hz, None, "°/s"), range(len(log.axes)))
-        every = AllanAxes({axis.name: axis for axis in of_axes})
-        return Imu(every, hz, None, "the capture", _said(every))
+        return _of_capture(log, way, log.rate_hz if rate_hz is None else rate_hz)
     if isinstance(log, _log.Log):
         rate_hz = log.rate_hz if rate_hz is None else rate_hz
         log = log._stating_units()
@@ -215,6 +212,13 @@ def imu(
     axes = _log.by_name((axis.name, axis) for axis in side_by_side(way.of_column, found))
     name = source if isinstance(source, str) else source[0]
     return Imu(AllanAxes(axes), found[0]["rate_hz"], of_bag, name, said + _said(axes))
+
+
+def _of_capture(capture: Capture, way: Way, rate_hz: float) -> Imu:
+    """Of all axes of a capture, which are in °/s."""
+    found = side_by_side(lambda at: way.capture(capture, at, rate_hz, None, "°/s"), range(len(capture.axes)))
+    axes = {axis.name: axis for axis in found}
+    return Imu(AllanAxes(axes), rate_hz, None, "the capture", _said(axes))
 
 
 def _said(axes: Mapping[str, Allan]) -> list[str]:
