@@ -108,8 +108,13 @@ def test_tables_are_read_by_their_names() -> None:
 
 
 def test_columns_that_are_no_numbers_are_not_asked_for_by_chance() -> None:
-    pandas = pytest.importorskip("pandas")
-    table = pandas.DataFrame({"label": ["a"] * 512, "gx_dps": white(512)[:, 0]})
+    pandas, polars = (pytest.importorskip(name) for name in ("pandas", "polars"))
+    columns = {"label": ["a"] * 512, "gx_dps": white(512)[:, 0], "is_ok": [True] * 512, "none": [None] * 512}
+    for table in (pandas.DataFrame(columns), polars.DataFrame(columns), columns):
+        assert list(zerorate.allan(table, rate_hz=1.0, column=["gx_dps"])) == ["gx_dps"]
+        with pytest.raises(ValueError, match="holds no numbers"):
+            zerorate.allan(table, rate_hz=1.0, column="is_ok")
+    table = pandas.DataFrame({"label": ["a"] * 512, "gx_dps": columns["gx_dps"]})
     assert list(zerorate.allan(table, rate_hz=1.0)) == ["gx_dps"]
     for wrong, match in (("label", "holds no numbers"), ("gz", "choose with column= one of: 0 `label`, 1 `gx_dps`")):
         with pytest.raises(ValueError, match=match):

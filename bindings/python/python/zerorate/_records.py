@@ -173,7 +173,7 @@ def _array(values: Any) -> NDArray[Any]:
 
 
 def _floats(values: Any, array: NDArray[Any]) -> NDArray[Any]:
-    if hasattr(values, "dt"):  # instants with a time zone
+    if hasattr(getattr(values, "dt", None), "tz_convert"):  # instants with a time zone
         return np.asarray(values.dt.tz_convert(None).to_numpy())
     try:
         return array.astype(np.float64)

@@ -292,3 +292,23 @@ fn quoted(word: &str) -> String {
     let is_plain = word.starts_with('/') && word.chars().all(|c| c.is_ascii_alphanumeric() || "/_-.".contains(c));
     if is_plain { word.to_owned() } else { format!("'{}'", plain::line(word).replace('\'', "''")) }
 }
+
+#[cfg(all(test, feature = "clap"))]
+mod tests {
+    use super::Format;
+    use crate::imu::Combine;
+    use clap::ValueEnum;
+
+    /// Python has these names, the command line those of clap.
+    #[test]
+    fn front_ends_have_the_same_names() {
+        let of_clap = |value: Option<clap::builder::PossibleValue>| value.map(|value| value.get_name().to_owned());
+        assert_eq!(Format::value_variants(), Format::ALL);
+        for format in Format::ALL {
+            assert_eq!(of_clap(format.to_possible_value()).as_deref(), Some(format.name()));
+        }
+        for combine in Combine::value_variants() {
+            assert_eq!(of_clap(combine.to_possible_value()).as_deref(), Some(combine.name()));
+        }
+    }
+}
