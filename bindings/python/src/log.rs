@@ -104,8 +104,8 @@ pub fn read_columns<'py>(
     columns.into_iter().map(|column| described(py, &path, column, given, points)).collect()
 }
 
-/// Reads the axes of an IMU's log, or of the columns that are named. Returns a dictionary for each, the topic of a bag,
-/// and what is to be said of the log.
+/// Reads the axes of an IMU's log, or of the columns that are named. Returns a dictionary for each, the topic of a
+/// bag, and what is to be said of the log.
 #[pyfunction]
 pub fn read_imu<'py>(
     py: Python<'py>,

@@ -158,7 +158,7 @@ def test_a_rejected_model_is_no_file_unless_forced() -> None:
     t = np.arange(40_000) / RATE_HZ
     rng = np.random.default_rng(8)
     growing = rng.normal(size=len(t)) * np.exp(4 * np.sin(2 * np.pi * t / 50)) + np.sign(np.sin(t)) * 3
-    found = zerorate.imu(np.column_stack([growing]), rate_hz=RATE_HZ, columns=["gx_dps"], glitches="keep", steps="keep")
+    found = zerorate.imu({"gx_dps": growing}, rate_hz=RATE_HZ, glitches="keep", steps="keep")
     fit = found.axes[0].fit
     assert fit is not None and fit.rejected and "rejected" in repr(found)
     with pytest.raises(zerorate.Refused, match="off by .* %, so none of its coefficients is a result"):

@@ -42,7 +42,7 @@ class Log(Mapping[str, "NDArray[np.float64]"]):
 
     def __repr__(self) -> str:
         columns = ", ".join(f"{name} ({self.units[name] or 'no unit'})" for name in self)
-        return f"<Log of {max(map(len, self.columns.values()), default=0)} samples at {self.rate_hz:.6g} Hz: {columns}>"
+        return f"<Log of {self._samples} samples at {self.rate_hz:.6g} Hz: {columns}>"
 
     def __getitem__(self, name: str) -> NDArray[np.float64]:
         return self.columns[name]
@@ -56,8 +56,11 @@ class Log(Mapping[str, "NDArray[np.float64]"]):
     @property
     def t_s(self) -> NDArray[np.float64]:
         """Time of each sample since the first on an even clock, s."""
-        samples = max((len(column) for column in self.columns.values()), default=0)
-        return np.arange(samples) / self.rate_hz
+        return np.arange(self._samples) / self.rate_hz
+
+    @property
+    def _samples(self) -> int:
+        return max(map(len, self.columns.values()), default=0)
 
     def _stating_units(self) -> dict[str, NDArray[np.float64]]:
         """The columns under names that state their units."""

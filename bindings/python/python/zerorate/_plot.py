@@ -81,7 +81,9 @@ def _curve(ax: Axes, axis: Allan, is_alone: bool) -> None:
     percent = f"{100 * axis.confidence:.4g} %"
     label = f"{axis.name}, limits of {percent}" if is_alone else axis.name
     errors = np.array([axis.dev - axis.lo, axis.hi - axis.dev])
-    drawn = ax.errorbar(axis.tau_s, axis.dev, yerr=errors, fmt="o", markersize=3.5, capsize=2, linewidth=1, label=label)
+    drawn = ax.errorbar(
+        axis.tau_s, axis.dev, yerr=errors, fmt="o", markersize=3.5, capsize=2, linewidth=1, label=label
+    )
     colour = drawn.lines[0].get_color()
     if axis.model is None or axis.model_lo is None or axis.model_hi is None or axis.fit is None:
         return
