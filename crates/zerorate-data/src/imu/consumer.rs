@@ -90,7 +90,7 @@ fn kalibr(file: &mut Text, numbers: &Numbers, indent: &str) {
     file.number(&format!("{indent}accelerometer_random_walk"), accelerometer.map(|all| &all.k), "m/s³/√Hz");
     let topic = match &numbers.choice.topic {
         Some(topic) => format!("{}   # of the log", quoted(topic)),
-        None => "/imu0   # the log does not state it: put yours here".to_owned(),
+        None => format!("{}   # the log does not state it: put yours here", quoted("/imu0")),
     };
     file.line(&format!("{indent}rostopic: {topic}"));
     file.plain(&format!("{indent}update_rate"), numbers.rate_hz, "Hz, as recorded");
@@ -287,10 +287,9 @@ fn decimal(value: f64) -> String {
     if short.ends_with('.') { format!("{short}0") } else { short.to_owned() }
 }
 
-/// A word as YAML takes it, whatever is in it.
+/// A word as YAML takes it, whatever is in it. OpenCV takes the comment behind a word without quotes for a part of it.
 fn quoted(word: &str) -> String {
-    let is_plain = word.starts_with('/') && word.chars().all(|c| c.is_ascii_alphanumeric() || "/_-.".contains(c));
-    if is_plain { word.to_owned() } else { format!("'{}'", plain::line(word).replace('\'', "''")) }
+    format!("\"{}\"", plain::line(word).replace('\\', "\\\\").replace('"', "\\\""))
 }
 
 #[cfg(all(test, feature = "clap"))]

@@ -1,4 +1,4 @@
-//! The density of a record's spectrum as one draws it: Welch's estimate, averaged evenly in the logarithm of frequency.
+//! The density of a spectrum as one draws it: Welch's estimate, averaged evenly in the logarithm of frequency.
 
 use super::{Fit, Term};
 use alloc::vec;
