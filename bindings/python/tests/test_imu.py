@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 import zerorate
 
 RATE_HZ = 100.0
+FIXTURES = Path(__file__).resolve().parents[3] / "crates" / "zerorate-data" / "src" / "column" / "fixtures"
 GYRO = ["gx [rad/s]", "gy [rad/s]", "gz [rad/s]"]
 ACCEL = ["ax [m/s^2]", "ay [m/s^2]", "az [m/s^2]"]
 N_GYRO, N_ACCEL = (1e-4, 2e-4, 3e-4), (1e-3, 2e-3, 1.5e-3)
@@ -214,6 +215,15 @@ def test_logs_are_read_by_their_path(log: Path, tmp_path: Path) -> None:
     (tmp_path / "raw.bin").write_bytes(rest()[:, 0].astype("<f8").tobytes())
     raw = zerorate.allan(tmp_path / "raw.bin", rate_hz=RATE_HZ, unit="rad/s", raw="f64")
     np.testing.assert_allclose(raw.dev, zerorate.allan(rest()[:, 0], rate_hz=RATE_HZ).dev, rtol=1e-12)
+
+
+@pytest.mark.parametrize("name", ["imu_bz2.bag", "imu_lz4.mcap"])
+def test_a_bag_states_all_that_is_asked(name: str) -> None:
+    found = zerorate.imu(FIXTURES / name, taus=[0.005])
+    assert (found.topic, round(found.rate_hz)) == ("/imu", 200)
+    assert [axis.unit for axis in found.axes.values()] == ["rad/s"] * 3 + ["m/s²"] * 3
+    with pytest.raises(ValueError, match="topic"):
+        zerorate.imu(FIXTURES / name, topic="/other")
 
 
 def test_a_log_that_does_not_say_enough_asks_for_arguments(log: Path, tmp_path: Path) -> None:

@@ -32,7 +32,9 @@ def test_an_array_of_columns_has_a_result_for_each() -> None:
             np.testing.assert_array_equal(axis.dev, one(rest[:, at]))
         np.testing.assert_array_equal(found[1].dev, found["gy"].dev)
     assert list(zerorate.allan(rest, rate_hz=RATE_HZ)) == ["0", "1", "2"]
-    assert isinstance(zerorate.allan(rest, rate_hz=RATE_HZ, column=2), zerorate.Allan)
+    numbers: list[Any] = [2, np.int64(2), "2"]
+    for last in numbers:
+        assert isinstance(zerorate.allan(rest, rate_hz=RATE_HZ, column=last), zerorate.Allan)
     chosen = zerorate.allan(rest, rate_hz=RATE_HZ, columns=["gx", "gy", "gz"], column=["gz", "0"])
     assert list(chosen) == ["gz", "gx"]
     codes: Any = np.round(rest * 100).astype(np.int16)

@@ -199,12 +199,12 @@ def is_all(column: Column) -> bool:
 
 def is_several(column: Column | None) -> bool:
     """Whether the answer has a name for each column."""
-    return column is not None and (is_all(column) or not isinstance(column, (str, int)))
+    return column is not None and (is_all(column) or not isinstance(column, (str, int, np.integer)))
 
 
 def listed(column: Column) -> list[str | int]:
     """The columns one by one."""
-    return [column] if isinstance(column, (str, int)) else list(column)
+    return [column] if isinstance(column, (str, int, np.integer)) else list(column)
 
 
 def by_name(found: Iterable[tuple[str, _T]]) -> dict[str, _T]:
