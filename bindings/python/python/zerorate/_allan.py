@@ -156,7 +156,17 @@ def allan(
         return _of_arrays(way, rate, column, columns, rate_hz, scale, unit)
     if columns is not None:
         raise ValueError("columns= names those of a two-dimensional array; choose others with column=")
-    given = _log.options(rate_hz, time_column, time_unit, unit, scale, decimal, raw, max_bad, topic)
+    given = _log.options(
+        rate_hz=rate_hz,
+        time_column=time_column,
+        time_unit=time_unit,
+        unit=unit,
+        scale=scale,
+        decimal=decimal,
+        raw=raw,
+        max_bad=max_bad,
+        topic=topic,
+    )
     if _records.is_path(rate) or _records.is_table(rate):
         is_several = _log.is_several(column) or (column is None and not _records.is_path(rate))
         wanted = _log.ALL if column is None and is_several else column

@@ -195,7 +195,14 @@ def imu(
         rate_hz = log.rate_hz if rate_hz is None else rate_hz
         log = log._stating_units()
     source = _records.table(log, columns)
-    given = _log.options(rate_hz, time_column, time_unit, None, None, decimal, None, max_bad, topic)
+    given = _log.options(
+        rate_hz=rate_hz,
+        time_column=time_column,
+        time_unit=time_unit,
+        decimal=decimal,
+        max_bad=max_bad,
+        topic=topic,
+    )
     found, of_bag, said = _zerorate.read_imu(
         source,
         None if column is None else [str(name) for name in _log.listed(column)],

@@ -134,7 +134,17 @@ def read_log(
     OSError
         If it cannot be read.
     """
-    given = options(rate_hz, time_column, time_unit, unit, scale, decimal, raw, max_bad, topic)
+    given = options(
+        rate_hz=rate_hz,
+        time_column=time_column,
+        time_unit=time_unit,
+        unit=unit,
+        scale=scale,
+        decimal=decimal,
+        raw=raw,
+        max_bad=max_bad,
+        topic=topic,
+    )
     found = columns_of(_records.table(log), column, True, given)
     # where no unit is known the last is that, which `Log.units` says
     said = [text for one in found for text in one["warnings"][: None if one["unit"] else -1]]
@@ -149,15 +159,16 @@ def read_log(
 
 
 def options(
-    rate_hz: float | None,
-    time_column: str | int | None,
-    time_unit: str | None,
-    unit: str | None,
-    scale: float | None,
-    decimal: str | None,
-    raw: str | None,
-    max_bad: float | None,
-    topic: str | None,
+    *,
+    rate_hz: float | None = None,
+    time_column: str | int | None = None,
+    time_unit: str | None = None,
+    unit: str | None = None,
+    scale: float | None = None,
+    decimal: str | None = None,
+    raw: str | None = None,
+    max_bad: float | None = None,
+    topic: str | None = None,
 ) -> _zerorate._Options:
     """What a log may not say itself, as the extension takes it."""
     return {

@@ -54,10 +54,7 @@ class Way:
         """As the arguments of `allan` say."""
         return cls(stat, taus, _is_phase(data), confidence, _cleaning(glitches, steps) if fit else None)
 
-
-    def read(
-        self, source: _records.Source, column: _log.Column | None, given: _zerorate._Options
-    ) -> list[Allan]:
+    def read(self, source: _records.Source, column: _log.Column | None, given: _zerorate._Options) -> list[Allan]:
         """Of columns of a log or table."""
         label = given["unit"]
         is_other = label is not None and not isinstance(source, str) and _zerorate.unit_kind(label) is None
