@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal, Union, overload
 from . import _log, _records, _zerorate
 from ._capture import Capture
 from ._result import Allan, AllanAxes
-from ._way import Stat, Taus, Way, side_by_side
+from ._way import LONG, Stat, Taus, Way, side_by_side
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -179,6 +179,8 @@ def allan(
     if _records.has_time_index(rate) and rate_hz is None:
         return way.read(_records.indexed(rate, name), name, {**given, "unit": unit})[0]
     values = _records.record(rate, data)
+    if len(values) < LONG:
+        return way.analysed(values, rate_hz, [], scale, name, unit)
     return side_by_side(lambda of: way.analysed(of, rate_hz, [], scale, name, unit), [values])[0]
 
 

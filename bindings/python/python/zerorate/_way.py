@@ -25,6 +25,9 @@ Stat = Literal["adev", "oadev", "mdev", "tdev", "hdev", "ohdev", "totdev"]
 Taus = Union[str, Sequence[float], "NDArray[np.float64]"]
 """Averaging times: ``octave``, ``fine``, ``decade``, ``all``, ``log:N``, or seconds."""
 
+LONG = 50_000
+"""Samples from which on a thread that listens to Ctrl-C costs nothing beside the work."""
+
 _Of = TypeVar("_Of")
 _To = TypeVar("_To")
 
