@@ -63,6 +63,7 @@ def test_an_array_of_columns_has_a_result_for_each() -> None:
         ("there is no column 2; choose with column= one of 0, 1", np.zeros((9, 2)), {"column": 2}),
         ("two-dimensional", np.zeros(9), {"columns": ["a"]}),
         ("the record is one column", np.zeros(9), {"column": "a"}),
+        ("the record is one column", np.zeros(9), {"time_column": "t"}),
         ("infinite at sample 1", np.array([0.0, np.inf, 1.0]), {}),
         ("not real numbers", np.array([True, False]), {}),
         ("not real numbers", np.array(["2026-01-01"], dtype="datetime64[s]"), {}),
@@ -149,6 +150,11 @@ def test_an_index_of_instants_tells_rate_and_gaps() -> None:
     seconds = {"t": np.arange(4096) / RATE_HZ, "gx_dps": rate}
     by_column = zerorate.allan(seconds, column="gx_dps", time_column="t", time_unit="s")
     np.testing.assert_allclose(by_column.dev, known, rtol=1e-12)
+    array = np.column_stack([np.arange(4096) / RATE_HZ, rate])
+    for options in ({"columns": ["t_s", "gx_dps"]}, {"columns": ["t", "gx_dps"], "time_column": "t", "time_unit": "s"}):
+        of_array: Any = zerorate.allan(array, **options)
+        np.testing.assert_array_equal(of_array["gx_dps"].dev, by_column.dev)
+    assert zerorate.allan(array, rate_hz=1.0, columns=["a [g]", "b"])["a [g]"].unit == "g"
     # without rows 1000 to 1099
     kept = np.r_[0:1000, 1100:4096]
     gapped = zerorate.allan(pandas.Series(rate[kept], index=stamps[kept]))

@@ -96,7 +96,8 @@ def allan(
         A list or ``"all"`` gives an `AllanAxes`, and so do several columns in memory without it. A log with one column
         needs none.
     columns
-        Names for the columns of a two-dimensional array.
+        Names for the columns of a two-dimensional array. Without `rate_hz`, the one that states a unit of time
+        (``t_s``) is the time.
     stat
         ``adev``, ``oadev``, ``mdev``, ``tdev``, ``hdev``, ``ohdev``, ``totdev``.
     taus
@@ -152,9 +153,10 @@ def allan(
         axes = _chosen({name: at for at, name in enumerate(rate.axes)}, column)
         found = side_by_side(lambda at: way.capture(rate, at, rate_hz, scale, unit or "°/s"), list(axes.values()))
         return _answer(found, len(rate.axes) > 1 if column is None else _log.is_several(column))
-    if isinstance(rate, _log.Log) or _records.is_wide(rate):
+    is_timed = time_column is not None or (columns is not None and rate_hz is None)
+    if isinstance(rate, _log.Log) or (_records.is_wide(rate) and not is_timed):
         return _of_arrays(way, rate, column, columns, rate_hz, scale, unit)
-    if columns is not None:
+    if columns is not None and not _records.is_wide(rate):
         raise ValueError("columns= names those of a two-dimensional array; choose others with column=")
     given = _log.options(
         rate_hz=rate_hz,
@@ -167,12 +169,12 @@ def allan(
         max_bad=max_bad,
         topic=topic,
     )
-    if _records.is_path(rate) or _records.is_table(rate):
+    if _records.is_path(rate) or _records.is_table(rate) or _records.is_wide(rate):
         is_several = _log.is_several(column) or (column is None and not _records.is_path(rate))
         wanted = _log.ALL if column is None and is_several else column
-        return _answer(way.read(_records.table(rate), wanted, given), is_several)
-    if column is not None:
-        raise ValueError(f"column={column!r}: the record is one column")
+        return _answer(way.read(_records.table(rate, columns), wanted, given), is_several)
+    if column is not None or time_column is not None:
+        raise ValueError("the record is one column: column= and time_column= choose of several")
     name = getattr(rate, "name", None)
     name = name if isinstance(name, str) and name else "rate"
     unit = unit or _zerorate.column_unit(name) or "°/s"
@@ -199,7 +201,7 @@ def _of_arrays(
     hz = log.rate_hz if log is not None and rate_hz is None else rate_hz
 
     def analysed(name: str) -> Allan:
-        stated = "°/s" if log is None else log.units[name] or "unit"
+        stated = _zerorate.column_unit(name) or "°/s" if log is None else log.units[name] or "unit"
         values = _records.record(chosen[name], "phase" if way.is_phase else "rate")
         return way.analysed(values, hz, [], scale, name, unit or stated)
 
