@@ -124,6 +124,11 @@ def test_gradev_has_limits() -> None:
         assert (one - lo, hi - one) == (pytest.approx(down), pytest.approx(up))
     wider = at.gradev(phase, ci=0.99, noisetype="wf")[2]
     assert (wider[0] > below).all() and (wider[1] > above).all()
+    sparse = np.where(np.random.default_rng(1).random(900) < 0.6, np.nan, np.cumsum(np.ones(900)) ** 1.5)
+    for noise in ("wp", "fp", "wf", "ff", "rf", "?"):
+        with np.errstate(all="raise"):
+            errors = at.gradev(sparse, taus="all", noisetype=noise)[2]
+        assert np.isfinite(errors).all() and (np.array(errors) >= 0).all()
     by_frequency = at.gradev(np.diff(np.cumsum(np.ones(50)) ** 1.5), data_type="freq", noisetype="?")
     assert len(by_frequency[0]) and (by_frequency[2][1] > 0).all()
     with pytest.raises(Exception, match="data_type"):

@@ -142,7 +142,9 @@ def gradev(
     alpha = _EXPONENTS.get(noisetype, np.nan)
 
     def limits(dev: float, n: int, m: float) -> tuple[float, float]:
-        return confidence_interval(dev, max(edf_simple(points, m, alpha), 1.0), ci) if n > 1 else (dev, dev)
+        # the formulas are for more points than a difference spans
+        edf = max(edf_simple(points, m, alpha), 1.0) if points > 2 * m else 1.0
+        return confidence_interval(dev, edf, ci) if n > 1 else (dev, dev)
 
     around = np.array([limits(*of) for of in zip(devs, ns, lengths)]).reshape(-1, 2)
     errors = [devs - around[:, 0], around[:, 1] - devs]
