@@ -1,7 +1,8 @@
 """The six files of `zerorate imu`, each read by the parser of whoever takes it.
 
-Kalibr reads with PyYAML; OpenVINS, VINS and ORB-SLAM3 with OpenCV's `FileStorage`, which wants `%YAML 1.0`; KF-GINS with
-yaml-cpp, whose place ruamel.yaml takes here (both are YAML 1.2). Which number goes where is written down once more, from docs/imu.md.
+Kalibr reads with PyYAML; OpenVINS, VINS and ORB-SLAM3 with OpenCV's `FileStorage`, which wants `%YAML 1.0`; KF-GINS
+with yaml-cpp, whose place ruamel.yaml takes here (both are YAML 1.2). Which number goes where is written down once
+more, from docs/imu.md.
 """
 
 from __future__ import annotations

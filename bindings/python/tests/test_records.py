@@ -151,7 +151,9 @@ def test_an_index_of_instants_tells_rate_and_gaps() -> None:
     by_column = zerorate.allan(seconds, column="gx_dps", time_column="t", time_unit="s")
     np.testing.assert_allclose(by_column.dev, known, rtol=1e-12)
     array = np.column_stack([np.arange(4096) / RATE_HZ, rate])
-    for options in ({"columns": ["t_s", "gx_dps"]}, {"columns": ["t", "gx_dps"], "time_column": "t", "time_unit": "s"}):
+    named = {"columns": ["t_s", "gx_dps"]}
+    stated = {"columns": ["t", "gx_dps"], "time_column": "t", "time_unit": "s"}
+    for options in (named, stated):
         of_array: Any = zerorate.allan(array, **options)
         np.testing.assert_array_equal(of_array["gx_dps"].dev, by_column.dev)
     assert zerorate.allan(array, rate_hz=1.0, columns=["a [g]", "b"])["a [g]"].unit == "g"

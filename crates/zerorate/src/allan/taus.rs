@@ -11,8 +11,8 @@ use core::str::FromStr;
 pub enum Taus {
     /// 1, 2, 4, 8 … samples.
     Octave,
-    /// 1, 2, 3, then 4, 5, 6, 7, 8, 10, 12, 14, 16, 20 … samples: four to an octave, for a picture. Lengths that double
-    /// share most of what they read, so they cost less than as many others.
+    /// 1, 2, 3, then 4, 5, 6, 7, 8, 10, 12, 14, 16, 20 … samples: four to an octave, for a picture. Lengths that
+    /// double share most of what they read, so they cost less than as many others.
     Fine,
     /// 1, 2, 4, 10, 20, 40, 100 … samples.
     Decade,

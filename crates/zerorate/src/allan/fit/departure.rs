@@ -53,8 +53,8 @@ mod tests {
         }
     }
 
-    /// The variance of p samples of white noise about a level that takes one freedom: r* must know of that one. Here as
-    /// rows of one scale and a second parameter, which only the last row has and which takes all of it.
+    /// The variance of p samples of white noise about a level that takes one freedom: r* must know of that one. Here
+    /// as rows of one scale and a second parameter, which only the last row has and which takes all of it.
     #[test]
     fn a_parameter_that_is_fitted_takes_its_freedom() {
         let nu = [4.0, 1.0];

@@ -54,8 +54,8 @@ impl<'a> Profile<'a> {
 
     /// How far the best value is above this one, in standard deviations of a normal distribution.
     ///
-    /// r = ±√(D − D_min) is normal where there is much data; of a parameter that rests on a few coefficients it is not,
-    /// and r + ln(u/r)/r is (Barndorff-Nielsen, Biometrika 73, 1986). Its [`departure`] u knows that the other
+    /// r = ±√(D − D_min) is normal where there is much data; of a parameter that rests on a few coefficients it is
+    /// not, and r + ln(u/r)/r is (Barndorff-Nielsen, Biometrika 73, 1986). Its [`departure`] u knows that the other
     /// parameters were fitted: without that K came out 4 % low in the hour.
     fn score(&self, value: f64) -> f64 {
         let mut start = self.best.at.clone();
