@@ -46,7 +46,7 @@ pub fn read(path: &Path, mut input: Input, room: Room, asked: &Asked<'_>) -> Res
             || blocks.several(at_once),
         );
         pieces.into_iter().try_for_each(|piece| reading.append(piece))?;
-        several = next?;
+        blocks.reuse(std::mem::replace(&mut several, next?));
         is_first = false;
     }
     reading.finish(head, asked)

@@ -75,7 +75,7 @@ impl Cut<'_> {
             cells: vec![""; self.names.len()],
             values: vec![Number::Missing; columns],
             piece: Piece {
-                columns: vec![(Vec::with_capacity(block.bytes.len() / (4 * self.width + 4)), true); columns],
+                columns: vec![(Vec::with_capacity(block.bytes().len() / (4 * self.width + 4)), true); columns],
                 times: Vec::new(),
                 lines: 0,
                 rows: 0,
@@ -184,18 +184,23 @@ impl<'t> Reading<'_, 't> {
     }
 
     fn split_plain(&mut self, line: &'t str, delimiter: u8) -> usize {
-        let mut wanted = self.cut.wanted.iter();
-        let mut next = wanted.next();
-        let (mut width, mut start, mut last) = (0, 0, 0);
-        for end in memchr_iter(delimiter, line.as_bytes()).chain([line.len()]) {
-            if let Some((_, at)) = next.filter(|(place, _)| *place == width) {
-                self.cells[*at] = trimmed(&line[start..end]);
-                next = wanted.next();
+        let mut ends = memchr_iter(delimiter, line.as_bytes());
+        let (mut width, mut start, mut is_whole) = (0, 0, false);
+        for (place, at) in &self.cut.wanted {
+            while width <= *place && !is_whole {
+                let end = ends.next();
+                if width == *place {
+                    self.cells[*at] = trimmed(&line[start..end.unwrap_or(line.len())]);
+                }
+                width += 1;
+                (start, is_whole) = end.map_or((start, true), |end| (end + 1, false));
             }
-            (width, last, start) = (width + 1, end - start, end + 1);
         }
+        // the rest is counted, which is faster than to look at each
+        let width = if is_whole { width } else { width + ends.count() + 1 };
         // what ends with a delimiter has no cell more
-        if last == 0 && width == self.cut.width + 1 { width - 1 } else { width }
+        let ends_empty = line.as_bytes().last() == Some(&delimiter);
+        if ends_empty && width == self.cut.width + 1 { width - 1 } else { width }
     }
 
     fn split_quoted(&mut self, line: &'t str) -> usize {
