@@ -244,3 +244,63 @@ fn a_rejected_model_is_no_result() {
     bench.zerorate("allan short.csv --rate 100 --unit dps --imu-yaml imu.yaml").ended_with(3);
     assert!(!bench.path("imu.yaml").exists());
 }
+
+/// White noise of so many samples and this size.
+fn white(samples: usize, size: f64, seed: u64) -> Vec<f64> {
+    let mut state = seed;
+    let mut uniform = move || {
+        state = 16_807 * state % 2_147_483_647;
+        state as f64 / 2_147_483_647.0 - 0.5
+    };
+    (0..samples).map(|_| (0..12).map(|_| uniform()).sum::<f64>() * size).collect()
+}
+
+/// Three units of one type and a louder one: one model, the spread, and the one that does not fit by name.
+#[test]
+fn a_pool_of_logs_is_one_model() {
+    let bench = Bench::new();
+    let log = |name: &str, size, seed| {
+        bench.write(name, white(60_000, size, seed).iter().flat_map(|rate| rate.to_le_bytes()).collect::<Vec<_>>());
+    };
+    [("a.f64", 0.098, 3), ("b.f64", 0.1, 5), ("c.f64", 0.102, 7), ("d.f64", 0.2, 9)]
+        .into_iter()
+        .for_each(|(name, size, seed)| log(name, size, seed));
+    let options = "--raw f64 --rate 100 --unit dps --pool";
+    let run = bench.zerorate(&format!("allan a.f64 b.f64 c.f64 d.f64 {options} --json"));
+    assert!(run.stderr.contains("warning: not-alike: d.f64") && run.stderr.contains("1.99 times the N"), "{run:?}");
+    let report: Value = serde_json::from_str(&run.ok()).unwrap();
+    let pool = &report["pool"];
+    assert_eq!((report["files"].as_array().unwrap().len(), pool["records"].as_array().unwrap().len()), (4, 3));
+    assert!(near(&pool["fit"]["n"]["value"], 0.01, 0.02) && pool["fit"]["n"]["identified"] == true, "{pool}");
+    let width = number(&pool["fit"]["n"]["hi"]) - number(&pool["fit"]["n"]["lo"]);
+    assert!(width > 2e-4 && width < 8e-4, "the spread is in the interval: {width}");
+    assert!(near(&pool["spread"]["n"]["relative"], 0.017, 0.3), "{}", pool["spread"]);
+    assert_eq!(pool["apart"][0]["left_out"], true);
+    let text = bench.zerorate(&format!("allan a.f64 b.f64 c.f64 {options} --imu-yaml imu.yaml --plot pool.svg")).ok();
+    assert!(text.contains("One model of 3 records") && text.contains("Spread between them"), "{text}");
+    assert!(bench.path("imu.yaml").exists() && bench.path("pool.svg").exists());
+    bench.zerorate(&format!("allan a.f64 {options}")).fails(2);
+    bench.zerorate(&format!("allan a.f64 b.f64 {options} --stat hdev")).fails(2);
+    bench.zerorate(&format!("allan a.f64 d.f64 {options}")).ended_with(3);
+}
+
+/// Two axes jump at the same second: that is said before what each of them has.
+#[test]
+fn axes_that_jump_together_are_motion() {
+    let bench = Bench::new();
+    let axes: Vec<Vec<f64>> = [(3, 30_000), (5, 30_004), (7, 45_000)]
+        .into_iter()
+        .map(|(seed, at)| {
+            let mut rate = white(60_000, 0.05, seed);
+            rate[at..].iter_mut().for_each(|rate| *rate += 0.05);
+            rate
+        })
+        .collect();
+    let rows = (0..60_000).map(|i| format!("{},{},{}\n", axes[0][i], axes[1][i], axes[2][i]));
+    bench.write("axes.csv", format!("gx,gy,gz\n{}", rows.collect::<String>()));
+    let run = bench.zerorate("allan axes.csv --rate 100 --unit dps --column gx,gy,gz --json");
+    assert!(run.stderr.contains("motion: several axes jump together at 300.0 s (gx, gy)"), "{}", run.stderr);
+    let report: Value = serde_json::from_str(&run.ok()).unwrap();
+    assert_eq!(report["motion"].as_array().unwrap().len(), 1);
+    assert_eq!(report["motion"][0]["axes"], serde_json::json!(["gx", "gy"]));
+}

@@ -31,7 +31,8 @@ pub use curve_fit::{Coefficient, CurveError, CurveFit, Noise, fit_curve};
 pub use edf::{Difference, edf, finite_difference_edf};
 #[cfg(feature = "std")]
 pub use fit::{
-    Cleaned, Estimate, Expected, FEWEST_SAMPLES, Fit, FitError, FitOptions, Line, MOST_ERROR, Model, Step, Term, fit,
+    Apart, Cleaned, Differs, Estimate, Expected, FEWEST_SAMPLES, Fit, FitError, FitOptions, Line, MOST_ERROR, Model,
+    Motion, Pool, PoolError, PoolRecord, Spread, Step, Term, fit, fit_pool, motion,
 };
 pub use input::{Gap, Input};
 pub use interval::interval;

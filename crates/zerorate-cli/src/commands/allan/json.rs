@@ -1,5 +1,7 @@
 //! The result as one JSON object.
 
+use super::motion::{self, Motion};
+use super::pool::{self, Pool};
 use super::record::Record;
 use super::units::{Named, coefficients, deviation_unit};
 use serde::Serialize;
@@ -18,10 +20,33 @@ impl<'a> Reports<'a> {
     }
 }
 
+/// Several logs and their common model.
+#[derive(Serialize)]
+pub struct Pooled<'a> {
+    files: Vec<Report<'a>>,
+    pool: PoolReport<'a>,
+}
+
+#[derive(Serialize)]
+struct PoolReport<'a> {
+    #[serde(flatten)]
+    report: Report<'a>,
+    #[serde(flatten)]
+    records: pool::Json<'a>,
+}
+
+impl<'a> Pooled<'a> {
+    pub fn new(records: &'a [Record], pool: &'a Pool) -> Self {
+        let report = PoolReport { report: Report::new(&pool.record), records: pool.json() };
+        Self { files: records.iter().map(Report::new).collect(), pool: report }
+    }
+}
+
 /// Several columns.
 #[derive(Serialize)]
 pub struct Axes<'a> {
     axes: Vec<Axis<'a>>,
+    motion: Vec<Motion>,
 }
 
 #[derive(Serialize)]
@@ -34,7 +59,8 @@ struct Axis<'a> {
 impl<'a> Axes<'a> {
     pub fn new(records: &'a [Record]) -> Self {
         let axis = |record: &'a Record| Axis { name: &record.column, report: Report::new(record) };
-        Self { axes: records.iter().map(axis).collect() }
+        let of_files = records.chunk_by(|a, b| a.file == b.file);
+        Self { axes: records.iter().map(axis).collect(), motion: of_files.flat_map(motion::of).collect() }
     }
 }
 

@@ -3,8 +3,10 @@
 pub mod findings;
 mod imu_yaml;
 pub mod json;
+pub mod motion;
 pub mod page;
 pub mod picture;
+mod pool;
 pub mod record;
 mod table;
 pub mod units;
@@ -15,6 +17,7 @@ use crate::exit::{Refused, Usage};
 use crate::output::{Outputs, Staged, say};
 use anyhow::Result;
 use clap::{Args, ValueEnum};
+use pool::Pool;
 use record::{Record, Way};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -64,6 +67,12 @@ pub struct AllanArgs {
     /// rejected: exit code 3.
     #[arg(long)]
     fit: bool,
+
+    /// Fit one model to all the logs, which are of one type at rest: the likelihoods are added, the spread between the
+    /// records is stated, and those that do not fit are named. Text, picture, page and YAML are then of that model;
+    /// --json has every log as well.
+    #[arg(long)]
+    pool: bool,
 
     /// Take samples out that cannot be noise (knocks, bit errors) before a fit. It is what happens anyway.
     #[arg(long, conflicts_with = "keep_glitches")]
@@ -134,7 +143,7 @@ enum Steps {
 impl AllanArgs {
     /// Whatever shows or uses noise coefficients needs the fit.
     fn wants_fit(&self) -> bool {
-        self.fit || self.json || !self.plot.is_empty() || self.report.is_some() || self.imu_yaml.is_some()
+        self.fit || self.pool || self.json || !self.plot.is_empty() || self.report.is_some() || self.imu_yaml.is_some()
     }
 
     /// One of each file, unless several were asked for.
@@ -155,11 +164,15 @@ impl AllanArgs {
             draws_finely: draws && self.taus.is_none(),
             fit: self.wants_fit().then_some(fit),
             draws: self.report.is_some(),
+            keeps_rate: self.pool,
         }
     }
 }
 
 pub fn run(args: &AllanArgs) -> Result<()> {
+    if args.pool {
+        pool::check_statistic(args.stat)?;
+    }
     let files = Files::claim(args)?;
     let way = args.way();
     let mut records = Vec::new();
@@ -170,17 +183,45 @@ pub fn run(args: &AllanArgs) -> Result<()> {
     }
     check_units(args, &records)?;
     match args.column.is_list() {
-        true => warn(&findings::condensed(&records)),
+        true => {
+            let of_files = records.chunk_by(|a, b| a.file == b.file);
+            warn(&of_files.filter_map(motion::line).collect::<Vec<_>>());
+            warn(&findings::condensed(&records));
+        }
         false => records.iter().for_each(|record| warn(&record.warnings)),
+    }
+    if args.pool {
+        return pooled(args, &records, files);
     }
     print_records(args, &records)?;
     files.write(&records)?;
     match records.iter().find(|record| args.fit && record.model().is_some_and(|fit| fit.is_rejected)) {
-        Some(record) => {
-            Err(Refused(format!("{}: {}", record.label(), record.believed().err().unwrap_or_default())).into())
-        }
+        Some(record) => Err(no_result(record).into()),
         None => Ok(()),
     }
+}
+
+fn no_result(record: &Record) -> Refused {
+    Refused(format!("{}: {}", record.label(), record.believed().err().unwrap_or_default()))
+}
+
+/// One model of all records.
+fn pooled(args: &AllanArgs, records: &[Record], files: Files) -> Result<()> {
+    let pool = Pool::of(records)?;
+    warn(&pool.record.warnings);
+    match (args.json, args.csv) {
+        (true, _) => print_json(&json::Pooled::new(records, &pool))?,
+        (_, true) => print(&table::csv(std::slice::from_ref(&pool.record))?)?,
+        _ => {
+            say(table::heading(&pool.record));
+            print_lines(&table::text(&pool.record)?)?;
+            print_lines(&table::coefficients_text(&pool.record)?)?;
+            print_lines(&pool.text()?)?;
+        }
+    }
+    let is_rejected = pool.record.model().is_some_and(|fit| fit.is_rejected);
+    files.write(std::slice::from_ref(&pool.record))?;
+    if is_rejected { Err(no_result(&pool.record).into()) } else { Ok(()) }
 }
 
 /// A picture and a table have one unit.

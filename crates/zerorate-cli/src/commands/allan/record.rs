@@ -21,9 +21,11 @@ pub struct Record {
     pub confidence: f64,
     pub analysis: Analysis,
     /// The same at the averaging times of pictures, where those are others.
-    finer: Option<Analysis>,
+    pub(super) finer: Option<Analysis>,
     /// None where nobody asked for it.
     pub fit: Option<Result<Fit, FitError>>,
+    /// The rate in the unit of the results; only where it is fitted once more, and nothing was taken out before.
+    pub(super) rate: Option<Vec<f64>>,
     pub warnings: Vec<String>,
     /// What is drawn of it beside its curve; none unless that was asked for, and of a rate.
     pub look: Option<Look>,
@@ -60,6 +62,8 @@ pub struct Way {
     pub fit: Option<FitOptions>,
     /// Whether the record itself is drawn, and its spectrum.
     pub draws: bool,
+    /// The rate is needed for a model of several records.
+    pub keeps_rate: bool,
 }
 
 impl Record {
@@ -86,6 +90,7 @@ impl Record {
             analysis.with_context(|| format!("cannot analyse {}", file.display()))
         };
         let analysis = analyse(&way.options.taus)?;
+        let rate = (way.keeps_rate && cleaned.is_none()).then(|| input.rates(column.rate_hz, scale));
         let finer = way.draws_finely.then(|| analyse(&Taus::Fine)).transpose()?;
         let draws = way.draws && way.data == Data::Rate;
         let look = draws.then(|| Look::of(&column, file, cleaned)).transpose()?;
@@ -99,6 +104,7 @@ impl Record {
             analysis,
             finer,
             fit,
+            rate,
             warnings,
             look,
         })

@@ -6,7 +6,7 @@ mod text;
 
 use super::allan::record::{Record, Way};
 use super::allan::units::span;
-use super::allan::{Data, findings, page};
+use super::allan::{Data, findings, motion, page};
 use super::{print_json, print_lines, warn};
 use crate::column::{flag, listed, share};
 use crate::exit::{Refused, Usage};
@@ -157,7 +157,8 @@ pub fn run(args: &ImuArgs) -> Result<()> {
     check_format(args, &columns)?;
     let (fit, draws) = (Some(FitOptions::default()), page.is_some());
     let options = Options::default();
-    let way = Way { data: Data::Rate, closes_gaps: false, options, draws_finely: draws, fit, draws };
+    let way =
+        Way { data: Data::Rate, closes_gaps: false, options, draws_finely: draws, fit, draws, keeps_rate: false };
     let analyse = |column| Record::of(column, &args.log, &way);
     let axes: Vec<Record> = columns.into_iter().map(analyse).collect::<Result<_>>()?;
     let compared = sheet.as_ref().map(|sheet| datasheet::compare(sheet, &axes)).unwrap_or_default();
@@ -167,7 +168,8 @@ pub fn run(args: &ImuArgs) -> Result<()> {
         print_lines(&text::table(&axes)?)?;
         sheet.as_ref().map_or(Ok(()), |sheet| print_lines(&text::comparison(&datasheet::table(sheet, &compared))))?;
     }
-    let warnings = [findings::condensed(&axes), warnings].concat();
+    let findings = motion::line(&axes).into_iter().chain(findings::condensed(&axes));
+    let warnings: Vec<String> = findings.chain(warnings).collect();
     warn(&warnings);
     if let Some(page) = page {
         page::write(page, head(args, &axes, topic.as_deref(), sheet.as_ref(), &compared, warnings), &axes)?;

@@ -6,14 +6,14 @@ use super::profile::Profile;
 use super::record_length;
 use super::scoring::{K2, LONGEST, N2, SHAPE, SHORTEST};
 use super::select::Selection;
-use super::spectrum::Spectrum;
 use super::{Estimate, Term};
 use crate::allan::Coefficient;
 use alloc::vec::Vec;
 
 /// From parameters to coefficients with their intervals.
 pub(super) struct Coefficients<'a> {
-    pub(super) spectrum: &'a Spectrum,
+    /// Length of the record, in samples.
+    pub(super) samples: usize,
     pub(super) chosen: &'a Selection,
     pub(super) rate_hz: f64,
     pub(super) is_rejected: bool,
@@ -35,8 +35,7 @@ impl Coefficients<'_> {
         let identified = lo > 0.0 && !self.is_rejected;
         let needed_s = (lo <= 0.0 && !self.is_rejected).then(|| {
             let taken = value.max(hi / 2.0);
-            let (found, samples) = (&self.chosen.found, self.spectrum.samples);
-            record_length::needed_s(found, samples, self.rate_hz, place, taken * taken)
+            record_length::needed_s(&self.chosen.found, self.samples, self.rate_hz, place, taken * taken)
         });
         Coefficient { value, lo: lo.min(value), hi: hi.max(value), identified, needed_s }
     }

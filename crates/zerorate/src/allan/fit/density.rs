@@ -30,6 +30,8 @@ pub(super) struct Table {
 #[derive(Clone, Debug)]
 pub(super) struct Row {
     pub(super) bin: Bin,
+    /// Length of its record, s.
+    span_s: f64,
     /// Middle and ends, Hz.
     pub(super) f_hz: f64,
     from_hz: f64,
@@ -45,6 +47,26 @@ impl Table {
         let span_s = samples as f64 / rate_hz;
         let rows = bins.map(|bin| Row::new(bin, span_s, rate_hz)).collect();
         Self { rate_hz, span_s, rows, low: low[..low.len().min(LOW)].to_vec() }
+    }
+
+    /// All rows of several records, from the lowest frequency on; the phase of drifts is not looked at.
+    pub(super) fn pooled(tables: &[&Self]) -> Self {
+        let mut rows: Vec<Row> = tables.iter().flat_map(|table| table.rows.iter().cloned()).collect();
+        rows.sort_by(|a, b| a.f_hz.total_cmp(&b.f_hz));
+        let span_s = tables.iter().map(|table| table.span_s).fold(0.0, f64::max);
+        let rate_hz = tables.iter().map(|table| table.rate_hz).sum::<f64>() / tables.len().max(1) as f64;
+        Self { rate_hz, span_s, rows, low: Vec::new() }
+    }
+
+    /// Takes a drift of this size out of the first coefficients.
+    pub(super) fn remove(&mut self, drift: Drift, size: f64) {
+        let template = drift.coefficients(self.span_s, self.low.len());
+        for row in 0..self.singles() {
+            let k = self.rows[row].bin.first - 1;
+            let rest = self.low[k] - size * template[k];
+            // what is left of a coefficient is never nothing
+            self.rows[row].bin.power = (rest * rest).max(f64::MIN_POSITIVE);
+        }
     }
 
     /// Rows of one coefficient each that a drift is looked for in, by their coefficient: they come first.
@@ -67,6 +89,7 @@ impl Row {
         let sampled = half_angle / sin;
         Self {
             bin,
+            span_s,
             f_hz,
             from_hz,
             to_hz,
@@ -77,9 +100,10 @@ impl Row {
         }
     }
 
-    /// A Gauss–Markov process of variance 1 and correlation time `tau_s` in a record of `span_s`: exact for one
-    /// coefficient, else the mean over the bin; and its slope by ln `tau_s`.
-    pub(super) fn gauss_markov(&self, tau_s: f64, span_s: f64) -> (f64, f64) {
+    /// A Gauss–Markov process of variance 1 and correlation time `tau_s`: exact for one coefficient of its record, else
+    /// the mean over the bin; and its slope by ln `tau_s`.
+    pub(super) fn gauss_markov(&self, tau_s: f64) -> (f64, f64) {
+        let span_s = self.span_s;
         if self.bin.is_single() {
             let w = 2.0 * PI * self.f_hz * tau_s;
             let lorentz = 1.0 + w * w;
@@ -190,9 +214,9 @@ mod tests {
             let pairs = (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));
             let exact: f64 = pairs.map(|(i, j)| w(i) * w(j) * correlation(i, j)).sum::<f64>() / rate_hz;
             let row = Row::new(bin(k, k + 1), n as f64 / rate_hz, rate_hz);
-            let (found, slope) = row.gauss_markov(tau_s, 40.0);
+            let (found, slope) = row.gauss_markov(tau_s);
             assert!((found / exact - 1.0).abs() < 2e-3, "{k}: {found} for {exact}");
-            let beside = row.gauss_markov(tau_s * 1e-4f64.exp(), 40.0).0;
+            let beside = row.gauss_markov(tau_s * 1e-4f64.exp()).0;
             assert!(((beside - found) / 1e-4 - slope).abs() < 1e-3 * found, "{k}: slope {slope}");
         }
     }
@@ -205,7 +229,7 @@ mod tests {
         let mean = |of: &dyn Fn(&Row) -> f64| singles.iter().map(of).sum::<f64>() / 40.0;
         assert!((wide.walk / mean(&|row| row.walk) - 1.0).abs() < 1e-4);
         assert!((wide.flicker / mean(&|row| row.flicker) - 1.0).abs() < 1e-4);
-        let of = |row: &Row| row.gauss_markov(0.3, span_s).0;
+        let of = |row: &Row| row.gauss_markov(0.3).0;
         assert!((of(&wide) / mean(&of) - 1.0).abs() < 1e-4);
     }
 }

@@ -16,6 +16,8 @@ mod glitches;
 mod lines;
 mod masked;
 mod model;
+mod motion;
+mod pool;
 mod profile;
 mod record_length;
 mod remarks;
@@ -38,9 +40,11 @@ use density::{Drift, Table};
 pub use lines::Line;
 use masked::Masked;
 pub use model::Model;
+pub use motion::{Motion, motion};
+pub use pool::{Apart, Differs, Pool, PoolError, PoolRecord, Spread, fit_pool};
 use realfft::FftError;
 use remarks::{Raw, remarks};
-use samples::{check, cut_glitches, enough, rates};
+use samples::{check, cut_glitches, enough};
 use scoring::{B2, N2, Q2};
 use select::Selection;
 use spectrum::Spectrum;
@@ -112,6 +116,8 @@ pub struct Cleaned {
     pub glitches: u64,
     /// Jumps that were taken out.
     pub steps: Vec<Step>,
+    /// Those that were found first of so many that all were put back.
+    pub put_back: Vec<Step>,
     /// The record without both, in the unit of the result; none where nothing was taken out. NaN is a missing sample.
     pub rate: Option<Vec<f64>>,
 }
@@ -261,7 +267,7 @@ impl From<FftError> for FitError {
 /// [`FitError`] for too few samples, samples that do not change, and numbers beyond the range of f64.
 pub fn fit(input: &Input<'_>, rate_hz: f64, options: &FitOptions) -> Result<Fit, FitError> {
     enough(input.len() - input.missing(), input.len())?;
-    let mut rate = rates(input, rate_hz, options.scale);
+    let mut rate = input.rates(rate_hz, options.scale);
     let present = rate.iter().filter(|value| !value.is_nan()).count();
     enough(present as u64, rate.len() as u64)?;
     check(&rate)?;
@@ -271,9 +277,9 @@ pub fn fit(input: &Input<'_>, rate_hz: f64, options: &FitOptions) -> Result<Fit,
     if options.cut_glitches {
         cleaned.glitches = cut_glitches(&mut rate, &mut warnings);
     }
-    let (found, many) = without_steps(&mut rate, rate_hz, options.remove_steps, &mut cleaned.steps)?;
+    let found = without_steps(&mut rate, rate_hz, options.remove_steps, &mut cleaned)?;
     warnings.extend(cleaned.steps.iter().map(|step| AllanWarning::Step { at_s: step.at_s, size: step.size }));
-    if many {
+    if !cleaned.put_back.is_empty() {
         warnings.push(AllanWarning::ManySteps { most: MOST_STEPS });
     }
     let mut fit = described(&rate, rate_hz, found, raw, warnings)?;
@@ -284,24 +290,24 @@ pub fn fit(input: &Input<'_>, rate_hz: f64, options: &FitOptions) -> Result<Fit,
     Ok(fit)
 }
 
-/// The model without the steps that it shows to be none of its noise; whether they were so many that all were put
+/// The model without the steps that it shows to be none of its noise. Where they are so many that they are, all are put
 /// back.
 fn without_steps(
     rate: &mut Vec<f64>,
     rate_hz: f64,
     remove: bool,
-    steps: &mut Vec<Step>,
-) -> Result<((Spectrum, Selection), bool), FitError> {
+    cleaned: &mut Cleaned,
+) -> Result<(Spectrum, Selection), FitError> {
     let first = selected(rate, rate_hz)?;
     if !remove {
-        return Ok((first, false));
+        return Ok(first);
     }
-    let (mut whole, mut now) = (None, first.clone());
+    let (mut whole, mut now, mut steps) = (None, first.clone(), Vec::new());
     while let Some(step) = steps::largest(rate, rate_hz, &now)?.filter(|step| libm::fabs(step.score) > STEP_LIMIT) {
         if steps.len() == MOST_STEPS {
-            steps.clear();
+            cleaned.put_back = steps;
             *rate = whole.unwrap_or_default();
-            return Ok((first, true));
+            return Ok(first);
         }
         whole.get_or_insert_with(|| rate.clone());
         rate[step.index..].iter_mut().for_each(|value| *value -= step.size);
@@ -309,10 +315,18 @@ fn without_steps(
         now = selected(rate, rate_hz)?;
     }
     steps.sort_by(|a, b| a.at_s.total_cmp(&b.at_s));
-    Ok((now, false))
+    cleaned.steps = steps;
+    Ok(now)
 }
 
 fn selected(rate: &[f64], rate_hz: f64) -> Result<(Spectrum, Selection), FitError> {
+    let (spectrum, table) = fitted(rate, rate_hz)?;
+    let selection = select::select(table).ok_or(FitError::NotFinite)?;
+    Ok((spectrum, selection))
+}
+
+/// The spectrum, and what of it is fitted.
+fn fitted(rate: &[f64], rate_hz: f64) -> Result<(Spectrum, Table), FitError> {
     let spectrum = Spectrum::of(rate, rate_hz)?;
     if spectrum.bins.iter().any(|bin| !(bin.power > 0.0 && bin.power.is_finite())) {
         return Err(FitError::Constant);
@@ -320,8 +334,7 @@ fn selected(rate: &[f64], rate_hz: f64) -> Result<(Spectrum, Selection), FitErro
     let (mask, _) = lines::broad(&spectrum.bins);
     let kept = spectrum.bins.iter().zip(&mask).filter(|(_, masked)| !**masked).map(|(bin, _)| *bin);
     let table = Table::new(kept, &spectrum.low, spectrum.samples, rate_hz);
-    let selection = select::select(table).ok_or(FitError::NotFinite)?;
-    Ok((spectrum, selection))
+    Ok((spectrum, table))
 }
 
 fn described(
@@ -336,7 +349,7 @@ fn described(
     let narrow = spectrum.narrow.iter().map(|line| (line.rms * line.rms, line.frequency_hz));
     let model = Model::new(&chosen.found, sines.chain(narrow).collect(), rate_hz, raw.record_s)?;
     let is_rejected = chosen.problem.error > MOST_ERROR;
-    let coefficients = Coefficients { spectrum: &spectrum, chosen: &chosen, rate_hz, is_rejected };
+    let coefficients = Coefficients { samples: spectrum.samples, chosen: &chosen, rate_hz, is_rejected };
     let own = &chosen.found;
     let widening = libm::sqrt(steadiness::variance_of_ln_n(rate, rate_hz, own.at[N2], &model));
     let (chi2, freedom) = select::chi2(&chosen.problem, own);

@@ -28,7 +28,7 @@ pub struct Model {
     k2: f64,
     /// Variance and correlation time.
     markovs: Vec<(f64, f64)>,
-    drift: Option<(Drift, f64)>,
+    pub(super) drift: Option<(Drift, f64)>,
     /// Variance and frequency.
     sines: Vec<(f64, f64)>,
 }
@@ -55,7 +55,7 @@ impl Model {
             b2: found.at[B2],
             k2: found.at[K2],
             markovs: (0..form.markovs).map(markov).collect(),
-            drift: form.drift.map(|drift| (drift, found.drift * found.drift)),
+            drift: form.drift.map(|drift| (drift, found.drift)),
             sines,
         })
     }
@@ -68,7 +68,7 @@ impl Model {
             let bend = 3.0 - 4.0 * libm::exp(-tau_s / t) + libm::exp(-2.0 * tau_s / t);
             2.0 * variance * t / tau_s * (1.0 - t / (2.0 * tau_s) * bend)
         };
-        let drift = self.drift.map_or(0.0, |(drift, square)| square * drift.allan_variance(tau_s, self.record_s));
+        let drift = self.drift.map_or(0.0, |(drift, size)| size * size * drift.allan_variance(tau_s, self.record_s));
         self.short_variance(m)
             + FLOOR_PER_B * FLOOR_PER_B * self.b2
             + self.k2 * tau_s / 3.0

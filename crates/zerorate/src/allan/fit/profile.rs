@@ -30,6 +30,8 @@ pub(super) struct Profile<'a> {
     place: usize,
     /// What the parameter cannot leave.
     bounds: (f64, f64),
+    /// Where the best value would be below zero, the best that is not.
+    at_zero: Option<Found>,
 }
 
 impl<'a> Profile<'a> {
@@ -40,12 +42,13 @@ impl<'a> Profile<'a> {
             true => found.clone(),
             false => problem.descend(Form { signed: Some(place), ..found.form }, &found.at, None, DESCENT),
         };
-        Self { problem, local: problem.local(&best), best, place, bounds: (0.0, f64::INFINITY) }
+        let at_zero = (found.at[place] <= 0.0).then(|| found.clone());
+        Self { problem, local: problem.local(&best), best, place, bounds: (0.0, f64::INFINITY), at_zero }
     }
 
     /// Of any other parameter, between bounds.
     pub(super) fn between(problem: &'a Problem, found: &Found, place: usize, bounds: (f64, f64)) -> Self {
-        Self { problem, local: problem.local(found), best: found.clone(), place, bounds }
+        Self { problem, local: problem.local(found), best: found.clone(), place, bounds, at_zero: None }
     }
 
     fn value(&self) -> f64 {
@@ -73,8 +76,13 @@ impl<'a> Profile<'a> {
         r + correction.clamp(-MOST_CORRECTION, MOST_CORRECTION)
     }
 
-    /// The ends of the 95 % interval.
+    /// The ends of the 95 % interval. From a best value below zero the upper end can be zero itself, which is no limit:
+    /// then it is counted from zero.
     pub(super) fn interval(&self) -> (f64, f64) {
+        if let Some(found) = &self.at_zero {
+            let counted = Self::between(self.problem, found, self.place, self.bounds);
+            return (self.bounds.0, counted.end(counted.step()));
+        }
         let step = self.step();
         (self.end(-step), self.end(step))
     }

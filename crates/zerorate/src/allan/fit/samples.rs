@@ -7,12 +7,18 @@ use alloc::vec::Vec;
 /// Part of the samples that must be there.
 const FEWEST_PRESENT: f64 = 0.25;
 
-/// Samples of the rate; NaN is a missing one.
-pub(super) fn rates(input: &Input<'_>, rate_hz: f64, scale: f64) -> Vec<f64> {
-    match input {
-        Input::Rate(rate) => rate.iter().map(|value| value * scale).collect(),
-        Input::Phase(phase) => phase.windows(2).map(|pair| (pair[1] - pair[0]) * rate_hz * scale).collect(),
-        Input::Codes { codes, gaps } => kernels::expanded(codes, gaps).into_iter().map(|code| code * scale).collect(),
+impl Input<'_> {
+    /// The rate of a record sampled `rate_hz` times per second, times `scale`; NaN is a missing sample. What is lost in
+    /// gaps is written out.
+    #[must_use]
+    pub fn rates(&self, rate_hz: f64, scale: f64) -> Vec<f64> {
+        match self {
+            Self::Rate(rate) => rate.iter().map(|value| value * scale).collect(),
+            Self::Phase(phase) => phase.windows(2).map(|pair| (pair[1] - pair[0]) * rate_hz * scale).collect(),
+            Self::Codes { codes, gaps } => {
+                kernels::expanded(codes, gaps).into_iter().map(|code| code * scale).collect()
+            }
+        }
     }
 }
 

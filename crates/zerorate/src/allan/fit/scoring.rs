@@ -220,7 +220,7 @@ impl Problem {
             }
             for index in 0..form.markovs {
                 let place = form.markov(index);
-                let (g, slope) = row.gauss_markov(libm::exp(at[place + 1]), self.table.span_s);
+                let (g, slope) = row.gauss_markov(libm::exp(at[place + 1]));
                 (slopes[place][i], slopes[place + 1][i]) = (g * response.slow, at[place] * slope * response.slow);
                 sum += at[place] * g * response.slow;
             }

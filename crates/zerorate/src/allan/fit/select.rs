@@ -146,7 +146,7 @@ fn start(problem: &Problem, cosines: usize) -> Vec<f64> {
     at
 }
 
-fn is_upper(problem: &Problem, f_hz: f64) -> bool {
+pub(super) fn is_upper(problem: &Problem, f_hz: f64) -> bool {
     f_hz > ERROR_ABOVE * problem.table.rate_hz
 }
 
