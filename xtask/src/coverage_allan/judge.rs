@@ -64,7 +64,7 @@ pub fn judge(column: &[Coefficient], truth: f64) -> Judged {
 
 impl std::fmt::Display for Judged {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Self { error, inside, above, below, identified } = self;
+        let Self { error, inside, above, below, identified, .. } = self;
         write!(
             f,
             "{error}; interval holds in {inside:.1} % (too high {above:.1}, too low {below:.1}), identified \
