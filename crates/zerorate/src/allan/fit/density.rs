@@ -100,8 +100,8 @@ impl Row {
         }
     }
 
-    /// A Gauss–Markov process of variance 1 and correlation time `tau_s`: exact for one coefficient of its record, else
-    /// the mean over the bin; and its slope by ln `tau_s`.
+    /// A Gauss–Markov process of variance 1 and correlation time `tau_s`: exact for one coefficient of its record,
+    /// else the mean over the bin; and its slope by ln `tau_s`.
     pub(super) fn gauss_markov(&self, tau_s: f64) -> (f64, f64) {
         let span_s = self.span_s;
         if self.bin.is_single() {

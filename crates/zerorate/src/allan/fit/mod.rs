@@ -290,8 +290,8 @@ pub fn fit(input: &Input<'_>, rate_hz: f64, options: &FitOptions) -> Result<Fit,
     Ok(fit)
 }
 
-/// The model without the steps that it shows to be none of its noise. Where they are so many that they are, all are put
-/// back.
+/// The model without the steps that it shows to be none of its noise. Where they are so many that they are, all are
+/// put back.
 fn without_steps(
     rate: &mut Vec<f64>,
     rate_hz: f64,

@@ -76,8 +76,8 @@ impl<'a> Profile<'a> {
         r + correction.clamp(-MOST_CORRECTION, MOST_CORRECTION)
     }
 
-    /// The ends of the 95 % interval. From a best value below zero the upper end can be zero itself, which is no limit:
-    /// then it is counted from zero.
+    /// The ends of the 95 % interval. From a best value below zero the upper end can be zero itself, which is no
+    /// limit: then it is counted from zero.
     pub(super) fn interval(&self) -> (f64, f64) {
         if let Some(found) = &self.at_zero {
             let counted = Self::between(self.problem, found, self.place, self.bounds);

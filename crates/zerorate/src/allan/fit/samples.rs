@@ -8,8 +8,8 @@ use alloc::vec::Vec;
 const FEWEST_PRESENT: f64 = 0.25;
 
 impl Input<'_> {
-    /// The rate of a record sampled `rate_hz` times per second, times `scale`; NaN is a missing sample. What is lost in
-    /// gaps is written out.
+    /// The rate of a record sampled `rate_hz` times per second, times `scale`; NaN is a missing sample. What is lost
+    /// in gaps is written out.
     #[must_use]
     pub fn rates(&self, rate_hz: f64, scale: f64) -> Vec<f64> {
         match self {
