@@ -316,6 +316,85 @@ fn no_file_is_made_of_what_is_no_result() {
     assert_eq!(std::fs::read_to_string(bench.path("imu.yaml")).unwrap(), "mine");
 }
 
+/// A gyroscope with an echo, which no model follows, beside one that is well: no file, unless it is forced, and then
+/// the file says what it is worth.
+#[test]
+fn a_rejected_axis_is_no_file_unless_it_is_forced() {
+    let bench = Bench::new();
+    let rows: Vec<Vec<f64>> =
+        log().lines().skip(1).map(|line| line.split(',').map(|cell| cell.parse().unwrap()).collect()).collect();
+    let row = |i: usize| format!("{},{},{}\n", rows[i][0], rows[i][1], rows[i][2] + 0.9 * rows[i - 40][2]);
+    let echo: String = (40..rows.len()).map(row).collect();
+    bench.write("imu.csv", format!("t_s,good_gyro_dps,bad_gyro_dps\n{echo}"));
+    let run = bench.zerorate(&format!("{LINE} -o imu.yaml")).ended_with(3);
+    let said = "refused: imu.csv: bad_gyro_dps: the noise model is off by ";
+    assert!(run.stderr.contains(said) && !bench.path("imu.yaml").exists(), "{}", run.stderr);
+    assert!(run.stderr.starts_with("warning: model-rejected: ") && run.stdout.contains("NOT A RESULT"), "{run:?}");
+    let run = bench.zerorate(&format!("{LINE} -o imu.yaml --force")).ended_with(0);
+    assert!(run.stderr.contains("written all the same (--force)"), "{}", run.stderr);
+    let yaml = std::fs::read_to_string(bench.path("imu.yaml")).unwrap();
+    assert!(yaml.contains("# NOT A RESULT: bad_gyro_dps: the noise model is off by "), "{yaml}");
+}
+
+/// Whatever keeps a file from being made, its reason is said, and nothing is left behind.
+#[test]
+fn what_makes_no_file_says_why() {
+    let bench = Bench::new();
+    let constant: String = log()
+        .lines()
+        .map(|line| {
+            let mut cells: Vec<&str> = line.split(',').collect();
+            if cells[0] != "t_s" {
+                cells[2] = "0.5";
+            }
+            cells.join(",") + "\n"
+        })
+        .collect();
+    let short: String = log().lines().take(21).map(|line| format!("{line}\n")).collect();
+    for (name, content, code, said) in [
+        ("short.csv", short.as_bytes(), 3, "20 samples are too few for a noise model"),
+        ("constant.csv", constant.as_bytes(), 3, "all 20000 samples of column gyro_y_dps are the same"),
+        ("picture.png", b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0", 1, "picture.png"),
+        ("empty.csv", b"", 1, "empty.csv"),
+        ("bag.mcap", b"\x89MCAP0\r\n", 1, "bag.mcap"),
+    ] {
+        bench.write(name, content);
+        let run = bench.zerorate(&format!("imu {name} -o imu.yaml")).ended_with(code);
+        assert!(run.stderr.contains(said), "{name}: {}", run.stderr);
+    }
+    let run = bench.zerorate("imu no-such.csv -o imu.yaml").fails(1);
+    assert!(run.contains("no-such.csv"), "{run}");
+    let left: Vec<String> = std::fs::read_dir(bench.dir.path())
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .filter(|name| name.contains("imu"))
+        .collect();
+    assert_eq!(left, Vec::<String>::new());
+}
+
+/// Ctrl-C while a log is piped in, and does not end: as shells report it, and nothing is left behind.
+#[cfg(unix)]
+#[test]
+fn ctrl_c_leaves_nothing_behind() {
+    use std::io::Write;
+    use std::os::unix::process::CommandExt;
+    use std::process::{Command, Stdio};
+    let bench = Bench::new();
+    let mut command = bench.command("imu - -o imu.yaml");
+    // a terminal sends Ctrl-C to all processes of a group
+    let mut child =
+        command.process_group(0).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let mut pipe = child.stdin.take().unwrap();
+    // more than a pipe holds: once it is written, the program is reading
+    pipe.write_all(log().as_bytes()).unwrap();
+    let sent = Command::new("sh").args(["-c", &format!("kill -INT -{}", child.id())]).status().unwrap();
+    assert!(sent.success());
+    let run = crate::harness::Run::from(child.wait_with_output().unwrap());
+    drop(pipe);
+    assert_eq!((run.code, run.stdout.as_str()), (Some(130), ""), "{}", run.stderr);
+    assert_eq!(std::fs::read_dir(bench.dir.path()).unwrap().count(), 0);
+}
+
 /// A log of gyroscopes alone makes a file that says what is to be filled in, and no format by axis makes up axes.
 #[test]
 fn a_gyroscope_alone_leaves_the_rest_open() {

@@ -155,6 +155,7 @@ pub fn run(args: &ImuArgs) -> Result<()> {
     let sheet = args.datasheet.as_deref().map(datasheet::read).transpose()?;
     let Axes { columns, topic, warnings } = Axes::read(&args.log, files::log(&args.log)?, &args.options())?;
     check_format(args, &columns)?;
+    let absent = absent(&columns);
     let (fit, draws) = (Some(FitOptions::default()), page.is_some());
     let options = Options::default();
     let way =
@@ -169,7 +170,7 @@ pub fn run(args: &ImuArgs) -> Result<()> {
         sheet.as_ref().map_or(Ok(()), |sheet| print_lines(&text::comparison(&datasheet::table(sheet, &compared))))?;
     }
     let findings = motion::line(&axes).into_iter().chain(findings::condensed(&axes));
-    let warnings: Vec<String> = findings.chain(warnings).collect();
+    let warnings: Vec<String> = findings.chain(warnings).chain(absent).collect();
     warn(&warnings);
     if let Some(page) = page {
         page::write(page, head(args, &axes, topic.as_deref(), sheet.as_ref(), &compared, warnings), &axes)?;
@@ -234,17 +235,24 @@ fn deliver(args: &ImuArgs, axes: &[Record], topic: Option<String>, file: Option<
 /// What takes a number by axis needs three of a kind.
 fn check_format(args: &ImuArgs, columns: &[Column]) -> Result<(), Usage> {
     for kind in Kind::ALL {
-        let count = columns.iter().filter(|column| column.quantity == Some(kind.quantity())).count();
-        let name = kind.name();
+        let count = count(columns, kind);
         if args.output.is_some() && args.format.is_by_axis() && !matches!(count, 0 | 3) {
             let why = "and the format takes three; choose another";
-            return Err(Usage(format!("the log has {count} axes of its {name}, {why}")));
-        }
-        if count == 0 {
-            say(format_args!("warning: the log has no {name}: its numbers are left to be filled in"));
+            return Err(Usage(format!("the log has {count} axes of its {}, {why}", kind.name())));
         }
     }
     Ok(())
+}
+
+/// The kinds that the log has nothing of.
+fn absent(columns: &[Column]) -> Vec<String> {
+    let none = |kind: &Kind| count(columns, *kind) == 0;
+    let words = |kind: Kind| format!("the log has no {}: its numbers are left to be filled in", kind.name());
+    Kind::ALL.into_iter().filter(none).map(words).collect()
+}
+
+fn count(columns: &[Column], kind: Kind) -> usize {
+    columns.iter().filter(|column| column.quantity == Some(kind.quantity())).count()
 }
 
 fn factor(text: &str) -> Result<f64, String> {
