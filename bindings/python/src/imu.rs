@@ -7,7 +7,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use std::path::PathBuf;
 use zerorate_cli::api;
-use zerorate_data::column::{Names, Unit};
+use zerorate_data::column::{Names, TimeUnit, Unit};
 use zerorate_data::imu::{Axis, Choice, Combine, Format, Kind, Numbers, doubt};
 
 /// Name, unit and model of an axis.
@@ -52,6 +52,12 @@ pub fn unit_kind(unit: &str) -> Option<&'static str> {
 #[pyfunction]
 pub fn column_unit(name: &str) -> Option<&'static str> {
     Unit::of_column(name).map(label)
+}
+
+/// Whether the name of a column states a unit of time.
+#[pyfunction]
+pub fn is_time(name: &str) -> bool {
+    Unit::of_column(name).is_none() && TimeUnit::of_column(name).is_some()
 }
 
 /// Writes a text to ``path``: whole, onto the disk, and over another file only with ``force``.

@@ -25,7 +25,7 @@ mod _zerorate {
     #[pymodule_export]
     use super::error::Refused;
     #[pymodule_export]
-    use super::imu::{column_unit, imu_file, save_text, unit_kind};
+    use super::imu::{column_unit, imu_file, is_time, save_text, unit_kind};
     #[pymodule_export]
     use super::log::{read_columns, read_imu};
     #[pymodule_export]

@@ -152,7 +152,7 @@ def test_what_makes_no_file_says_why(found: zerorate.Imu) -> None:
     with pytest.raises(ValueError, match="V, which is of no axis"):
         zerorate.allan(rest()[:, 0], rate_hz=RATE_HZ, unit="V").to_yaml()
     with pytest.raises(zerorate.Refused, match="fit=True"):
-        zerorate.allan(rest()[:, 0], rate_hz=RATE_HZ, fit=False).to_yaml()
+        zerorate.allan(rest()[:, 0], rate_hz=RATE_HZ, unit="°/s", fit=False).to_yaml()
 
 
 def test_a_rejected_model_is_no_file_unless_forced() -> None:

@@ -145,7 +145,12 @@ def test_an_index_of_instants_tells_rate_and_gaps() -> None:
         np.testing.assert_allclose(found.dev, known, rtol=1e-12)
         frame = zerorate.allan(pandas.DataFrame({"gx_dps": rate}, index=index))
         np.testing.assert_array_equal(frame["gx_dps"].dev, found.dev)
+    counted = pandas.Index(np.arange(4096) / RATE_HZ, name="t_s")
+    np.testing.assert_allclose(zerorate.allan(pandas.Series(rate, index=counted)).dev, known, rtol=1e-12)
+    frame = zerorate.allan(pandas.DataFrame({"gx_dps": rate}, index=counted))
+    assert list(frame) == ["gx_dps"] and frame["gx_dps"].rate_hz == pytest.approx(RATE_HZ, rel=1e-12)
     in_column = polars.DataFrame({"when": times, "gx_dps": rate})
+    np.testing.assert_array_equal(zerorate.allan(in_column.lazy())["gx_dps"].dev, zerorate.allan(in_column)[0].dev)
     np.testing.assert_allclose(zerorate.allan(in_column)["gx_dps"].dev, known, rtol=1e-12)
     seconds = {"t": np.arange(4096) / RATE_HZ, "gx_dps": rate}
     by_column = zerorate.allan(seconds, column="gx_dps", time_column="t", time_unit="s")
@@ -197,6 +202,12 @@ def test_the_unit_that_goes_in_comes_out() -> None:
     assert in_rad.n.value == pytest.approx(np.radians(in_dps.n.value), rel=1e-6)
     named = zerorate.allan(pandas.Series(np.radians(rest), name="gz [rad/s]"), rate_hz=RATE_HZ)
     assert (named.name, named.unit) == ("gz [rad/s]", "rad/s")
+    assert "gyroscope_noise_density" in named.to_yaml()
+    series = pandas.Series(rest, name="gz", index=pandas.date_range("2026", periods=len(rest), freq="10ms"))
+    unnamed = zerorate.allan(white(), rate_hz=RATE_HZ)["0"]
+    for guessed in (unnamed, zerorate.allan(rest, rate_hz=RATE_HZ), zerorate.allan(series)):
+        with pytest.raises(ValueError, match="nothing states its unit, so °/s is a guess: give unit="):
+            guessed.to_yaml()
 
 
 def test_results_become_frames() -> None:

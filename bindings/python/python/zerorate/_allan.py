@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Literal, Union, overload
 
 from . import _log, _records, _zerorate
@@ -34,6 +35,9 @@ if TYPE_CHECKING:
         topic: str | None
 
     Several = Union[Literal["all"], list[str], list[int], tuple[str, ...], tuple[int, ...]]
+
+ASSUMED_UNIT = "°/s"
+"""Of values without a name."""
 
 
 @overload
@@ -177,13 +181,14 @@ def allan(
         raise ValueError("the record is one column: column= and time_column= choose of several")
     name = getattr(rate, "name", None)
     name = name if isinstance(name, str) and name else "rate"
-    unit = unit or _zerorate.column_unit(name) or "°/s"
+    stated = unit or _zerorate.column_unit(name)
+    unit = stated or ASSUMED_UNIT
     if _records.has_time_index(rate) and rate_hz is None:
-        return way.read(_records.indexed(rate, name), name, {**given, "unit": unit})[0]
+        return _guessed(way.read(_records.indexed(rate, name), name, {**given, "unit": unit})[0], stated)
     values = _records.record(rate, data)
     if len(values) < LONG:
-        return way.analysed(values, rate_hz, [], scale, name, unit)
-    return side_by_side(lambda of: way.analysed(of, rate_hz, [], scale, name, unit), [values])[0]
+        return _guessed(way.analysed(values, rate_hz, [], scale, name, unit), stated)
+    return _guessed(side_by_side(lambda of: way.analysed(of, rate_hz, [], scale, name, unit), [values])[0], stated)
 
 
 def _of_arrays(
@@ -201,11 +206,16 @@ def _of_arrays(
     hz = log.rate_hz if log is not None and rate_hz is None else rate_hz
 
     def analysed(name: str) -> Allan:
-        stated = _zerorate.column_unit(name) or "°/s" if log is None else log.units[name] or "unit"
+        stated = unit or (_zerorate.column_unit(name) if log is None else log.units[name] or "unit")
         values = _records.record(chosen[name], "phase" if way.is_phase else "rate")
-        return way.analysed(values, hz, [], scale, name, unit or stated)
+        return _guessed(way.analysed(values, hz, [], scale, name, stated or ASSUMED_UNIT), stated)
 
     return _answer(side_by_side(analysed, list(chosen)), column is None or _log.is_several(column))
+
+
+def _guessed(found: Allan, stated: str | None) -> Allan:
+    """With a mark where nothing stated the unit."""
+    return found if stated else replace(found, _is_unit_assumed=True)
 
 
 def _answer(found: Sequence[Allan], is_several: bool) -> Allan | AllanAxes:

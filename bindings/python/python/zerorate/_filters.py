@@ -32,6 +32,8 @@ def file(
     """The text of the file, written to `path` if there is one."""
     modelled = []
     for axis in axes:
+        if axis._is_unit_assumed:
+            raise ValueError(f"{axis.name}: nothing states its unit, so {axis.unit} is a guess: give unit= to allan()")
         if axis.kind is None:
             what = f"{axis.name} is in {axis.unit}, which is of no axis of an IMU"
             raise ValueError(f"{what}: give unit= (rad/s, m/s² …)")

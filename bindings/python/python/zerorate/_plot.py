@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -32,37 +32,13 @@ _TITLES = {
 
 def curves(axes: Sequence[Allan], ax: Axes | None) -> Axes:
     """Deviations in one picture, each with its limits and its model."""
-    is_own = ax is None
-    if ax is None:
-        figure = _frame.needed("matplotlib.pyplot", "plot()").figure(figsize=(7.5, 5.0), layout="constrained")
-        ax = figure.add_subplot()
-    units = sorted({axis.unit for axis in axes})
-    if len(units) > 1:
-        told = ", ".join(units)
-        raise ValueError(f"their units differ ({told}), so they have no common picture: draw each by itself")
-    for axis in axes:
-        _curve(ax, axis, len(axes) == 1)
-    stats = {axis.stat for axis in axes}
-    unit = "".join(units) + ("·s" if stats == {"tdev"} else "")
-    ax.set_xscale("log")
-    ax.set_yscale("log")
-    ax.set_xlabel("averaging time τ / s")
-    ax.set_ylabel(f"{_TITLES[next(iter(stats))] if len(stats) == 1 else 'deviation'} / {unit}")
-    points = [axis for axis in axes if len(axis.dev) and (axis.dev > 0).all()]
-    if is_own and points:
-        # a band that reaches down to nothing has no say
-        ax.set_ylim(min(axis.lo.min() for axis in points) / 1.8, max(axis.hi.max() for axis in points) * 1.8)
-    ax.grid(True, which="major", alpha=0.35)
-    ax.grid(True, which="minor", alpha=0.12)
-    if axes:
-        drawn, labels = ax.get_legend_handles_labels()
-        # the curves before their models
-        order = sorted(range(len(drawn)), key=lambda at: not isinstance(drawn[at], tuple))
-        title = None if len(axes) == 1 else "points: measured, lines: models with 95 % bands"
-        ax.legend(
-            [drawn[at] for at in order], [labels[at] for at in order], fontsize="small", title=title,
-            title_fontsize="small", framealpha=0.85,
-        )
+    if ax is not None:
+        _draw(axes, ax)
+        return ax
+    figure = _frame.needed("matplotlib.pyplot", "plot()").figure(figsize=(7.5, 5.0), layout="constrained")
+    ax = figure.add_subplot()
+    _draw(axes, ax)
+    _settle(axes, ax)
     return ax
 
 
@@ -72,9 +48,51 @@ def kinds(groups: Sequence[Sequence[Allan]]) -> Figure:
     figure = pyplot.figure(figsize=(6.5 * max(len(groups), 1), 5.0), layout="constrained")
     for at, group in enumerate(groups, start=1):
         ax = figure.add_subplot(1, len(groups), at)
-        curves(group, ax)
+        _draw(group, ax)
+        _settle(group, ax)
         ax.set_title(group[0].kind or "")
     return figure  # type: ignore[no-any-return]
+
+
+def _draw(axes: Sequence[Allan], ax: Axes) -> None:
+    units = sorted({axis.unit for axis in axes})
+    if len(units) > 1:
+        told = ", ".join(units)
+        raise ValueError(f"their units differ ({told}), so they have no common picture: draw each by itself")
+    if not any((axis.dev > 0).any() for axis in axes):
+        whose = ", ".join(axis.name for axis in axes)
+        raise ValueError(f"there is nothing to draw: no deviation of {whose} is above zero")
+    for axis in axes:
+        _curve(ax, axis, len(axes) == 1)
+    stats = {axis.stat for axis in axes}
+    unit = "".join(units) + ("·s" if stats == {"tdev"} else "")
+    ax.set_xscale("log")
+    ax.set_yscale("log")
+    ax.set_xlabel("averaging time τ / s")
+    ax.set_ylabel(f"{_TITLES[next(iter(stats))] if len(stats) == 1 else 'deviation'} / {unit}")
+    ax.grid(True, which="major", alpha=0.35)
+    ax.grid(True, which="minor", alpha=0.12)
+    drawn, labels = ax.get_legend_handles_labels()
+    # the curves before their models
+    order = sorted(range(len(drawn)), key=lambda at: not isinstance(drawn[at], tuple))
+    title = None if len(axes) == 1 else "points: measured, lines: models with 95 % bands"
+    ax.legend(
+        [drawn[at] for at in order], [labels[at] for at in order], fontsize="small", title=title,
+        title_fontsize="small", framealpha=0.85, loc=_free_corner(axes),
+    )
+
+
+def _settle(axes: Sequence[Allan], ax: Axes) -> None:
+    """Limits from what was measured: a band that reaches down to nothing has no say."""
+    points = [axis for axis in axes if len(axis.dev) and (axis.dev > 0).all()]
+    if points:
+        ax.set_ylim(min(axis.lo.min() for axis in points) / 1.8, max(axis.hi.max() for axis in points) * 1.8)
+
+
+def _free_corner(axes: Sequence[Allan]) -> Literal["lower left", "upper left"]:
+    """Below the beginning of curves that fall, above that of curves that rise."""
+    falling = sum(float(np.sign(axis.dev[0] - np.median(axis.dev))) for axis in axes if len(axis.dev))
+    return "lower left" if falling >= 0 else "upper left"
 
 
 def _curve(ax: Axes, axis: Allan, is_alone: bool) -> None:

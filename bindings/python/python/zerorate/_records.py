@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any, Union
 
 import numpy as np
 
+from . import _zerorate
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -32,12 +34,15 @@ def is_table(data: Any) -> bool:
     """Whether it has columns with names: a dictionary, a DataFrame, a structured array."""
     if isinstance(data, np.ndarray):
         return data.dtype.names is not None
-    return isinstance(data, Mapping) or (hasattr(data, "columns") and hasattr(data, "__getitem__"))
+    return isinstance(data, Mapping) or _is_lazy(data) or (hasattr(data, "columns") and hasattr(data, "__getitem__"))
 
 
 def has_time_index(data: Any) -> bool:
-    """Whether it is a Series or DataFrame of pandas with instants, or times since a start, in its index."""
-    return getattr(getattr(getattr(data, "index", None), "dtype", None), "kind", "") in ("M", "m")
+    """Whether it is a Series or DataFrame of pandas with instants, or times since a start, in its index; or with
+    numbers there, under a name that states a unit of time."""
+    index = getattr(data, "index", None)
+    kind, name = getattr(getattr(index, "dtype", None), "kind", ""), getattr(index, "name", None)
+    return kind in ("M", "m") or (kind in ("i", "u", "f") and isinstance(name, str) and _zerorate.is_time(name))
 
 
 def is_array(data: Any) -> bool:
@@ -80,13 +85,15 @@ def table(data: Any, columns: Any = None) -> Source:
         return "the array", list(array_columns(data, columns).items())
     if columns is not None:
         raise ValueError("columns= names those of an array; these have names: choose with column=")
+    if _is_lazy(data):
+        data = data.collect()
     name = type(data).__name__
     named = [(str(key), data[key]) for key in _keys(data)]
     if not named:
         raise ValueError(f"the {name} has no columns")
     found = [pair for key, values in named for pair in _columns_of(key, values, f"the {name}")]
     if has_time_index(data):
-        found.insert(0, (str(data.index.name or TIME_INDEX), _times(data.index)))
+        found.insert(0, _index(data))
     _check_names([key for key, _ in found], name)
     lengths = {key: cells if isinstance(cells, int) else len(cells) for key, cells in found}
     if len(set(lengths.values())) > 1:
@@ -97,13 +104,25 @@ def table(data: Any, columns: Any = None) -> Source:
 
 def indexed(series: Any, name: str) -> Source:
     """A Series with the time in its index."""
-    time = str(series.index.name or TIME_INDEX)
-    return "the Series", [(time, _times(series.index)), (name, record(series))]
+    return "the Series", [_index(series), (name, record(series))]
+
+
+def _index(data: Any) -> tuple[str, Cells]:
+    """The time, out of the index."""
+    index, name = data.index, str(data.index.name or TIME_INDEX)
+    return name, _times(index) if index.dtype.kind in ("M", "m") else record(index, what=f"the index {name}")
+
+
+def _is_lazy(data: Any) -> bool:
+    """Whether it is a LazyFrame of polars."""
+    return hasattr(data, "collect_schema") and hasattr(data, "lazy") and not hasattr(data, "to_numpy")
 
 
 def _keys(data: Any) -> list[Any]:
     if isinstance(data, np.ndarray):
         return list(data.dtype.names or ())
+    if hasattr(data, "column_names"):  # a table of pyarrow
+        return list(data.column_names)
     return list(data) if isinstance(data, Mapping) else list(data.columns)
 
 

@@ -79,6 +79,7 @@ class Allan:
     warnings: list[str] = field(default_factory=list, repr=False)
     """What is to be said of the log; what there is to say of its noise is in `Fit.warnings`."""
     _core: _zerorate.Model | None = field(default=None, repr=False)
+    _is_unit_assumed: bool = field(default=False, repr=False)
 
     def __repr__(self) -> str:
         fit = self.fit
@@ -114,6 +115,8 @@ class Allan:
         ------
         ImportError
             If matplotlib is not installed.
+        ValueError
+            If no deviation is above zero.
         """
         return _plot.curves([self], ax)
 
@@ -126,7 +129,13 @@ class Allan:
         topic: str | None = None,
         force: bool = False,
     ) -> str:
-        """The file for a filter, of this one axis. Arguments and result as of `Imu.to_yaml`."""
+        """The file for a filter, of this one axis. Arguments and result as of `Imu.to_yaml`.
+
+        Raises
+        ------
+        ValueError
+            If nothing stated the unit: the °/s that are assumed then may be °/s or rad/s.
+        """
         return _filters.file([self], path, self.name, format, "worst", inflate, topic, force)
 
 
@@ -169,7 +178,7 @@ class AllanAxes(Mapping[str, Allan]):
         ImportError
             If matplotlib is not installed.
         ValueError
-            If their units differ.
+            If their units differ, or no deviation is above zero.
         """
         return _plot.curves(list(self.axes.values()), ax)
 
