@@ -330,7 +330,12 @@ fn a_rejected_axis_is_no_file_unless_it_is_forced() {
     let said = "refused: imu.csv: bad_gyro_dps: the noise model is off by ";
     assert!(run.stderr.contains(said) && !bench.path("imu.yaml").exists(), "{}", run.stderr);
     assert!(run.stderr.starts_with("warning: model-rejected: ") && run.stdout.contains("NOT A RESULT"), "{run:?}");
-    let run = bench.zerorate(&format!("{LINE} -o imu.yaml --force")).ended_with(0);
+    assert!(run.stdout.contains("bad_gyro_dps   –"), "{}", run.stdout);
+    let run = bench.zerorate(&format!("{LINE} -o imu.yaml --force --report imu.html")).ended_with(0);
+    let page = std::fs::read_to_string(bench.path("imu.html")).unwrap();
+    for said in ["rejected: off by ", "%: rejected</td>", "</td><td>–</td><td>°/√h</td>"] {
+        assert!(page.contains(said), "{said}");
+    }
     assert!(run.stderr.contains("written all the same (--force)"), "{}", run.stderr);
     let yaml = std::fs::read_to_string(bench.path("imu.yaml")).unwrap();
     assert!(yaml.contains("# NOT A RESULT: bad_gyro_dps: the noise model is off by "), "{yaml}");
@@ -435,7 +440,7 @@ fn the_page_shows_record_spectrum_and_curves() {
         "angle random walk",
         "Coefficients by axis",
         "What stands out of the spectrum",
-        "<td>gyro_z_dps</td>",
+        " Hz</th><td>–</td><td>–</td><td>0.0",
         "12.5 Hz, 0.0",
         "B is drawn at 0.664 B",
         "density, °/s/√Hz",
@@ -470,4 +475,10 @@ fn allan_takes_several_columns() {
     assert!(csv.starts_with("file,column,tau_s,m,dev_dps,") && csv.contains("imu.csv,gyro_x_dps,"), "{csv}");
     let mixed = bench.zerorate(&format!("{line} --column gyro_x_dps,3,4 --plot x.svg"));
     assert!(mixed.fails(2).contains("different quantities"));
+    let log = log().replace("gyro_x_dps,gyro_y_dps", "gx,gy");
+    bench.write("unnamed.csv", log);
+    let said = bench.zerorate("allan unnamed.csv --column gx,gy,gyro_z_dps").ended_with(0).stderr;
+    assert!(said.contains("the unit of these columns is not stated") && said.contains(": gx, gy\n"), "{said}");
+    let said = bench.zerorate("allan unnamed.csv --column gx,gyro_z_dps").ended_with(0).stderr;
+    assert!(said.contains("the unit of column gx is not stated") && !said.contains(": gx\n"), "{said}");
 }

@@ -20,6 +20,8 @@ pub struct Curve {
     pub laws: Vec<PowerLaw>,
     /// Where averaging helps most.
     pub minimum: Option<Minimum>,
+    /// What else there is to say of the fit; only beside other axes.
+    pub remarks: Vec<String>,
 }
 
 /// A deviation with its interval, all in [`Options::unit`].
@@ -165,7 +167,7 @@ pub fn drawable(curve: &Curve) -> Curve {
     let (points, model) = (sorted(&curve.points), sorted(&curve.model));
     let laws = curve.laws.iter().filter(|law| known(1.0, law.at_1s) && law.slope.is_finite()).cloned().collect();
     let minimum = curve.minimum.filter(|lowest| known(lowest.tau_s, lowest.dev));
-    Curve { label: curve.label.clone(), points, model, laws, minimum }
+    Curve { label: curve.label.clone(), points, model, laws, minimum, remarks: curve.remarks.clone() }
 }
 
 /// Averaging times and deviations to be shown; a decade around 1 for nothing at all.

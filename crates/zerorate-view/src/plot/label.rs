@@ -43,6 +43,20 @@ impl Labels {
         Some((at, anchor))
     }
 
+    /// The first of these places that covers nothing at all.
+    pub fn place_clear(
+        &mut self,
+        text: &str,
+        candidates: impl IntoIterator<Item = ((f64, f64), Anchor)>,
+    ) -> Option<((f64, f64), Anchor)> {
+        let is_clear = |(at, anchor): &((f64, f64), Anchor)| {
+            let place = Area::of_text(text, *at, *anchor);
+            !self.ink.iter().any(|point| place.contains(*point))
+        };
+        let clear: Vec<_> = candidates.into_iter().filter(is_clear).collect();
+        self.place(text, clear)
+    }
+
     /// The corner where a box of this size covers least.
     pub fn corner(&self, (width, height): (f64, f64)) -> Area {
         let Area { left, right, top, bottom } = self.area;
@@ -81,6 +95,9 @@ mod tests {
         assert_eq!(labels.place("label", candidates), Some(((100.0, 200.0), Anchor::Start)), "off line and border");
         assert_eq!(labels.place("label", candidates), Some(((100.0, 100.0), Anchor::Start)), "rather on a line");
         assert_eq!(labels.place("label", candidates), None, "than on a label");
+        let on_line = [((200.0, 100.0), Anchor::Start), ((200.0, 250.0), Anchor::Start)];
+        assert_eq!(labels.place_clear("clear", on_line), Some(on_line[1]), "where nothing is");
+        assert_eq!(labels.place_clear("clear", on_line), None, "or nowhere");
     }
 
     #[test]

@@ -78,19 +78,19 @@ fn panel(curve: &Curve, colour: &str, scales: &Scales, area: Area, marks: &[Mark
     Group::new().add(inside).add(legend(curve, &labels))
 }
 
-/// The coefficients in the colours of their lines, where the panel is emptiest.
+/// The coefficients in the colours of their lines, and the remarks, where the panel is emptiest.
 fn legend(curve: &Curve, labels: &Labels) -> Group {
-    let mut group = Group::new();
-    if curve.laws.is_empty() {
-        return group;
+    let laws = curve.laws.iter().zip(LAW_COLOURS).map(|(law, colour)| (&law.label, colour));
+    let rows: Vec<(&String, &str)> = laws.chain(curve.remarks.iter().map(|remark| (remark, INK))).collect();
+    if rows.is_empty() {
+        return Group::new();
     }
-    let widest = curve.laws.iter().map(|law| canvas::width(&law.label, SMALL)).fold(0.0, f64::max);
-    let row = 19.0;
-    let place = labels.corner((widest + 8.0, row * curve.laws.len() as f64 + 6.0));
-    group = group.add(canvas::rectangle(&place).set("fill", "white").set("fill-opacity", 0.85));
-    for (k, (law, colour)) in curve.laws.iter().zip(LAW_COLOURS).enumerate() {
-        let at = (place.left + 4.0, place.top + row * (k as f64 + 0.5) + 7.0);
-        group = group.add(canvas::text(&law.label, at, Anchor::Start).set("fill", colour));
-    }
-    group
+    let widest = rows.iter().map(|(text, _)| canvas::width(text, SMALL)).fold(0.0, f64::max);
+    let height = 19.0;
+    let place = labels.corner((widest + 8.0, height * rows.len() as f64 + 6.0));
+    let paper = Group::new().add(canvas::rectangle(&place).set("fill", "white").set("fill-opacity", 0.85));
+    rows.iter().enumerate().fold(paper, |group, (k, (text, colour))| {
+        let at = (place.left + 4.0, place.top + height * (k as f64 + 0.5) + 7.0);
+        group.add(canvas::text(text, at, Anchor::Start).set("fill", *colour))
+    })
 }

@@ -79,13 +79,14 @@ pub fn signals(title: &str, signals: &[Signal], unit: &str) -> String {
     for (index, (signal, colour)) in signals.iter().zip(COLOURS.into_iter().cycle()).enumerate() {
         let y = Axis::linear(low, high, stack.upright(index));
         let area = stack.area(index);
+        let text = format!("{}, mean {} {unit}", signal.label, number(signal.envelope.mean));
+        let (name, written) = stack.name(index, &text);
         let rules = signal.marks_s.iter().map(|at_s| {
             let at = x.at(at_s * per_s);
-            line((at, area.top), (at, area.bottom)).set("stroke", "#222222").set("stroke-dasharray", "5 4")
+            let top = if at < written.right + 4.0 { written.bottom } else { area.top };
+            line((at, top), (at, area.bottom)).set("stroke", "#222222").set("stroke-dasharray", "5 4")
         });
         let rules = rules.fold(Group::new(), Group::add);
-        let text = format!("{}, mean {} {unit}", signal.label, number(signal.envelope.mean));
-        let (name, _) = stack.name(index, &text);
         let band = clipped(&area).add(band(&signal.envelope, per_s, &x, &y, colour));
         paper = paper.add(stack.frame(index, &x, &y)).add(band).add(rules).add(name);
     }

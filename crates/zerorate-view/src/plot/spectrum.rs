@@ -101,7 +101,12 @@ fn tones(spectrum: &Spectrum, place: impl Fn(&(f64, f64)) -> (f64, f64), mut lab
         let Some((cx, cy)) = peak(tone) else { continue };
         let ring = Circle::new().set("cx", cx).set("cy", cy).set("r", 5).set("fill", "none").set("stroke", INK);
         group = group.add(ring);
-        let named = (rank < NAMED).then(|| labels.place(&tone.label, around((cx, cy)))).flatten();
+        let candidates = around((cx, cy));
+        let named = match rank {
+            0 => labels.place(&tone.label, candidates),
+            1..NAMED => labels.place_clear(&tone.label, candidates),
+            _ => None,
+        };
         if let Some((at, anchor)) = named {
             group = group.add(label(&tone.label, at, anchor, INK));
         }

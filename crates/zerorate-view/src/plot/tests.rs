@@ -180,10 +180,11 @@ fn frames_of_one_page_have_names_of_their_own() {
 
 #[test]
 fn axes_side_by_side_have_their_coefficients() {
-    let curves = [fitted(), Curve { label: "gyro <y>".into(), ..fitted() }, white("z"), Curve::default()];
+    let remarked = Curve { remarks: vec!["rejected".into()], ..white("z") };
+    let curves = [fitted(), Curve { label: "gyro <y>".into(), ..fitted() }, remarked, Curve::default()];
     let found = texts(&allan_multiples(&curves, &Options { marks: an1042(), ..Options::default() }));
     assert_eq!(found.iter().filter(|text| *text == "N = 0.6 °/√h").count(), 2);
-    for expected in ["unit.arrows", "gyro <y>", "z", "averaging time τ, s", "Allan deviation, °/s"] {
+    for expected in ["unit.arrows", "gyro <y>", "z", "rejected", "averaging time τ, s", "Allan deviation, °/s"] {
         assert!(found.iter().any(|text| text == expected), "{expected} in {found:?}");
     }
     Document::parse(&allan_multiples(&[], &Options::default())).unwrap();

@@ -1,5 +1,6 @@
 //! What there is to know about several axes, a line for each kind of finding and the important first.
 
+use super::picture;
 use super::record::Record;
 use super::units::{deviation_unit, span};
 use zerorate::allan::AllanWarning;
@@ -31,6 +32,8 @@ struct Finding {
     axes: Vec<(String, Vec<String>)>,
     /// What it means, and what to do.
     meaning: String,
+    /// The same where it is of one axis, and names it.
+    of_one: Option<String>,
 }
 
 /// A line for each kind of finding.
@@ -40,30 +43,36 @@ pub fn condensed(records: &[Record]) -> Vec<String> {
         Some(same) => same.join(finding),
         None => all.push(finding),
     };
+    let is_of_one_log = picture::are_axes(records);
     for record in records {
+        let name = picture::name(is_of_one_log, record);
         let (of_log, of_model) = record.findings();
-        let whole = |text: &String| Finding {
-            weight: 0,
-            key: text.clone(),
-            axes: vec![(record.column.clone(), Vec::new())],
-            meaning: text.clone(),
+        let column = format!("column {}", record.column);
+        let whole = |text: &String| {
+            let meaning = text.replace(&column, "these columns");
+            Finding {
+                weight: 0,
+                key: meaning.clone(),
+                axes: vec![(name.clone(), Vec::new())],
+                of_one: (meaning != *text).then(|| text.clone()),
+                meaning,
+            }
         };
         of_log.iter().map(whole).for_each(&mut add);
-        of_model.iter().map(|warning| Finding::of(record, warning)).for_each(&mut add);
+        of_model.iter().map(|warning| Finding::of(record, &name, warning)).for_each(&mut add);
     }
     all.sort_by_key(|finding| finding.weight);
     all.into_iter().map(|finding| finding.line(records.len())).collect()
 }
 
 impl Finding {
-    fn of(record: &Record, warning: &AllanWarning) -> Self {
+    fn of(record: &Record, name: &str, warning: &AllanWarning) -> Self {
         let unit = deviation_unit(record).unwrap_or("of its unit");
         let (detail, meaning) = condensed_words(warning, unit);
         let code = warning.code();
         let weight = BY_WEIGHT.iter().position(|known| *known == code).map_or(0, |place| place + 1);
-        let axes =
-            vec![(record.column.clone(), Some(detail).filter(|detail| !detail.is_empty()).into_iter().collect())];
-        Self { weight, key: code.to_owned(), axes, meaning: format!("{code}: {meaning}") }
+        let axes = vec![(name.to_owned(), Some(detail).filter(|detail| !detail.is_empty()).into_iter().collect())];
+        Self { weight, key: code.to_owned(), axes, meaning: format!("{code}: {meaning}"), of_one: None }
     }
 
     /// Adds the same kind of finding, of another axis or of the same.
@@ -77,14 +86,16 @@ impl Finding {
     }
 
     fn line(&self, axes: usize) -> String {
-        let Self { meaning, .. } = self;
+        let Self { meaning, of_one, .. } = self;
         let named = |(name, details): &(String, Vec<String>)| match details.is_empty() {
             true => name.clone(),
             false => format!("{name} ({})", details.join("; ")),
         };
-        match self.axes.len() {
+        let is_of_log = self.axes.len() == axes && self.key == self.meaning;
+        match of_one {
+            Some(text) if self.axes.len() == 1 => text.clone(),
             // what every axis shares is of the log
-            count if count == axes && self.key == self.meaning => meaning.clone(),
+            None if is_of_log => meaning.clone(),
             _ => format!("{meaning}: {}", self.axes.iter().map(named).collect::<Vec<_>>().join(", ")),
         }
     }

@@ -182,22 +182,27 @@ pub fn run(args: &AllanArgs) -> Result<()> {
         }
     }
     check_units(args, &records)?;
-    match args.column.is_list() {
-        true => {
-            let of_files = records.chunk_by(|a, b| a.file == b.file);
-            warn(&of_files.filter_map(motion::line).collect::<Vec<_>>());
-            warn(&findings::condensed(&records));
-        }
-        false => records.iter().for_each(|record| warn(&record.warnings)),
-    }
+    let warnings = warnings(args, &records);
+    warn(&warnings);
     if args.pool {
         return pooled(args, &records, files);
     }
     print_records(args, &records)?;
-    files.write(&records)?;
+    files.write(&records, warnings)?;
     match records.iter().find(|record| args.fit && record.model().is_some_and(|fit| fit.is_rejected)) {
         Some(record) => Err(no_result(record).into()),
         None => Ok(()),
+    }
+}
+
+/// Of a record alone each in full; of several a line for each kind.
+fn warnings(args: &AllanArgs, records: &[Record]) -> Vec<String> {
+    match records {
+        [only] if !args.column.is_list() => only.warnings.clone(),
+        several => {
+            let of_files = several.chunk_by(|a, b| a.file == b.file);
+            of_files.filter_map(motion::line).chain(findings::condensed(several)).collect()
+        }
     }
 }
 
@@ -220,7 +225,7 @@ fn pooled(args: &AllanArgs, records: &[Record], files: Files) -> Result<()> {
         }
     }
     let is_rejected = pool.record.model().is_some_and(|fit| fit.is_rejected);
-    files.write(std::slice::from_ref(&pool.record))?;
+    files.write(std::slice::from_ref(&pool.record), Vec::new())?;
     if is_rejected { Err(no_result(&pool.record).into()) } else { Ok(()) }
 }
 
@@ -253,21 +258,28 @@ impl Files {
         })
     }
 
-    fn write(self, records: &[Record]) -> Result<()> {
+    fn write(self, records: &[Record], warnings: Vec<String>) -> Result<()> {
         for (kind, file) in self.pictures {
             picture::write(kind, file, &picture::svg(records))?;
         }
         if let Some(file) = self.page {
-            let names: Vec<String> = records.iter().map(Record::label).collect();
-            let head =
-                page::Head { title: format!("Allan analysis of {}", names.join(", ")), ..page::Head::default() };
-            page::write(file, head, records)?;
+            page::write(file, head(records, warnings), records)?;
         }
         if let Some(file) = self.imu_yaml {
             imu_yaml::write(file, records)?;
         }
         Ok(())
     }
+}
+
+/// What the page says of all records together; a record alone has its warnings below.
+fn head(records: &[Record], warnings: Vec<String>) -> page::Head {
+    let title = match records {
+        [first, ..] if picture::are_axes(records) => first.file.display().to_string(),
+        records => records.iter().map(Record::label).collect::<Vec<_>>().join(", "),
+    };
+    let warnings = if records.len() > 1 { warnings } else { Vec::new() };
+    page::Head { title: format!("Allan analysis of {title}"), warnings, ..page::Head::default() }
 }
 
 fn print_records(args: &AllanArgs, records: &[Record]) -> Result<()> {

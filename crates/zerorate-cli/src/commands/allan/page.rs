@@ -1,15 +1,13 @@
 //! The result as one HTML page.
 
-use super::picture;
+use super::picture::Group;
 use super::record::Record;
 use super::units::{self, deviation_unit, noise};
 use crate::output::Staged;
 use anyhow::Result;
-use zerorate::allan::{Estimate, Term};
+use zerorate::allan::{Estimate, Fit, Line, Term};
 use zerorate_view::plot::number;
-use zerorate_view::report::{
-    self, AllanPage, AllanRow, Coefficient, CoefficientValue, Fact, Group, Table, allan_page,
-};
+use zerorate_view::report::{self, AllanPage, AllanRow, Coefficient, CoefficientValue, Fact, Table, allan_page};
 
 /// What the page says of all records together.
 #[derive(Default)]
@@ -24,7 +22,6 @@ pub struct Head {
 pub fn write(file: Staged, head: Head, records: &[Record]) -> Result<()> {
     let Head { title, facts, warnings, tables } = head;
     let first = records.first();
-    let groups: Vec<&[Record]> = records.chunk_by(|a, b| a.quantity == b.quantity).collect();
     let page = AllanPage {
         title,
         command: std::iter::once("zerorate".to_owned()).chain(std::env::args().skip(1)).collect::<Vec<_>>().join(" "),
@@ -34,66 +31,98 @@ pub fn write(file: Staged, head: Head, records: &[Record]) -> Result<()> {
         facts,
         warnings,
         tables,
-        groups: groups.into_iter().map(group).collect(),
+        groups: Group::all(records).iter().map(|group| of_group(group, records.len() > 1)).collect(),
         records: records.iter().map(section).collect(),
     };
     Ok(file.fill(allan_page(&page)?.as_bytes())?)
 }
 
-/// Curves, spectra and the records themselves of one quantity. A record alone has its coefficients below.
-fn group(records: &[Record]) -> Group {
-    let curves = if picture::are_axes(records) { picture::multiples(records) } else { picture::svg(records) };
-    let pictures = std::iter::once(curves).chain(picture::spectra(records)).chain(picture::signals(records));
-    let tables = match records {
-        [_] => Vec::new(),
-        several => [by_axis(several), lines(several)].into_iter().filter(|table| !table.rows.is_empty()).collect(),
+/// Tables and pictures of one quantity. A record alone has its coefficients below.
+fn of_group(group: &Group<'_>, is_one_of_several: bool) -> report::Group {
+    let tables = match is_one_of_several {
+        true => [by_axis(group), lines(group)].into_iter().filter(|table| !table.rows.is_empty()).collect(),
+        false => Vec::new(),
     };
-    let name = if records.len() > 1 { picture::heading(records) } else { "" };
-    Group { name: name.to_owned(), tables, pictures: pictures.collect() }
+    let name = if is_one_of_several { group.heading() } else { "" };
+    report::Group { name: name.to_owned(), tables, pictures: group.pictures() }
 }
 
 /// A row for each coefficient in each unit, a column for each axis.
-fn by_axis(records: &[Record]) -> Table {
-    let name = |record: &Record| picture::name(records, record);
-    let all: Vec<_> = records.iter().map(units::coefficients).collect();
+fn by_axis(group: &Group<'_>) -> Table {
+    let models: Vec<_> = group.records.iter().map(Record::model).collect();
+    let all: Vec<_> = group.records.iter().map(units::coefficients).collect();
     let mut rows = Vec::new();
-    let letters = ['N', 'B', 'K', 'Q', 'R'];
-    for letter in letters {
+    for letter in ['N', 'B', 'K', 'Q', 'R'] {
         let of_axes: Vec<_> = all.iter().map(|named| named.iter().find(|one| one.letter == letter)).collect();
         let Some(some) = of_axes.iter().flatten().next() else { continue };
         for (index, (unit, _)) in some.units.iter().enumerate() {
             let title = if index == 0 { format!("{letter}, {}", some.name) } else { String::new() };
-            let cell = |named: &Option<&units::Named<'_>>| match named {
-                Some(named) => value(&named.in_unit(index), named.coefficient.identified),
-                None => "–".to_owned(),
+            let cell = |(named, model): (&Option<&units::Named<'_>>, &Option<&Fit>)| match named {
+                Some(named) if model.is_some_and(|fit| !fit.is_rejected) => {
+                    value(&named.in_unit(index), named.coefficient.identified)
+                }
+                _ => NONE.to_owned(),
             };
-            rows.push(std::iter::once(title).chain(of_axes.iter().map(cell)).chain([unit.clone()]).collect());
+            rows.push(row(title, of_axes.iter().zip(&models).map(cell), unit));
         }
     }
     if rows.is_empty() {
         return Table::default();
     }
-    let error = |record: &Record| match record.model() {
+    rows.extend(gauss_markov(group));
+    let error = |model: &Option<&Fit>| match model {
         Some(fit) if fit.is_rejected => format!("{:.1} %: rejected", fit.model_error * 100.0),
         Some(fit) => format!("{:.1} %", fit.model_error * 100.0),
         None => "no model".to_owned(),
     };
-    rows.push(
-        std::iter::once("the model holds to".to_owned())
-            .chain(records.iter().map(error))
-            .chain([String::new()])
-            .collect(),
-    );
-    let head = std::iter::once(String::new()).chain(records.iter().map(name)).chain(["unit".to_owned()]);
+    rows.push(row("the model holds to".to_owned(), models.iter().map(error), ""));
     Table {
         title: "Coefficients by axis".to_owned(),
-        head: head.collect(),
+        head: head("", group),
         rows,
         note:
             "In brackets 95 % intervals; < upper limit where the coefficient cannot be told from zero. B is drawn at \
                0.664·B, where its floor lies."
                 .to_owned(),
     }
+}
+
+/// What an axis has not.
+const NONE: &str = "–";
+
+fn head(title: &str, group: &Group<'_>) -> Vec<String> {
+    row(title.to_owned(), group.names().into_iter(), "unit")
+}
+
+fn row(title: String, cells: impl Iterator<Item = String>, unit: &str) -> Vec<String> {
+    std::iter::once(title).chain(cells).chain([unit.to_owned()]).collect()
+}
+
+/// Two rows for each Gauss–Markov term that an axis has.
+fn gauss_markov(group: &Group<'_>) -> Vec<Vec<String>> {
+    let of = |record: &Record| -> Vec<(Estimate, Estimate)> {
+        let terms = record.believed().map_or(&[][..], |fit| &fit.terms);
+        let term = |term: &Term| match term {
+            Term::GaussMarkov { sigma, tau_s } => Some((*sigma, *tau_s)),
+            _ => None,
+        };
+        terms.iter().filter_map(term).collect()
+    };
+    let all: Vec<_> = group.records.iter().map(of).collect();
+    let Some((unit, factor)) = group.records.first().and_then(|record| units::B.of(record).into_iter().next()) else {
+        return Vec::new();
+    };
+    let scaled = |estimate: &Estimate, factor: f64| {
+        let &Estimate { value, lo, hi } = estimate;
+        self::value(&Estimate { value: value * factor, lo: lo * factor, hi: hi * factor }, true)
+    };
+    let cell = |said: Option<String>| said.unwrap_or_else(|| NONE.to_owned());
+    let rows = (0..all.iter().map(Vec::len).max().unwrap_or(0)).flat_map(|index| {
+        let sigma = all.iter().map(|terms| cell(terms.get(index).map(|(sigma, _)| scaled(sigma, factor))));
+        let tau = all.iter().map(|terms| cell(terms.get(index).map(|(_, tau_s)| scaled(tau_s, 1.0))));
+        [row("Gauss–Markov σ".to_owned(), sigma, &unit), row("its correlation time".to_owned(), tau, "s")]
+    });
+    rows.collect()
 }
 
 fn value(Estimate { value, lo, hi }: &Estimate, is_identified: bool) -> String {
@@ -103,29 +132,40 @@ fn value(Estimate { value, lo, hi }: &Estimate, is_identified: bool) -> String {
     }
 }
 
-/// What stands out of the spectra, by frequency.
-fn lines(records: &[Record]) -> Table {
-    let unit = records.first().map_or("", picture::unit);
-    let mut found: Vec<(f64, Vec<String>)> = Vec::new();
-    for record in records {
-        for term in record.model().iter().flat_map(|fit| &fit.terms) {
-            if let Term::Line(line) = term {
-                let frequency = format!("{:.4} Hz", line.frequency_hz);
-                let (width, rms) = (format!("{:.4} Hz", line.width_hz), format!("{} {unit}", number(line.rms)));
-                found.push((line.frequency_hz, vec![frequency, picture::name(records, record), width, rms]));
+/// What stands out of the spectra, by frequency: a row for what lies side by side, with all that an axis has of it.
+fn lines(group: &Group<'_>) -> Table {
+    let of_axis = |(axis, record)| Record::lines(record).map(move |line| (axis, line));
+    let mut found: Vec<(usize, &Line)> = group.records.iter().enumerate().flat_map(of_axis).collect();
+    found.sort_by(|(_, a), (_, b)| a.frequency_hz.total_cmp(&b.frequency_hz));
+    let is_beside = |(_, a): &(usize, &Line), (_, b): &(usize, &Line)| {
+        b.frequency_hz - a.frequency_hz <= (0.5 * a.width_hz.max(b.width_hz)).max(BESIDE * a.frequency_hz)
+    };
+    let stretch = |lines: &[(usize, &Line)]| {
+        let strongest = lines.iter().max_by(|(_, a), (_, b)| a.rms.total_cmp(&b.rms));
+        let frequency = strongest.map(|(_, line)| format!("{:.4} Hz", line.frequency_hz)).unwrap_or_default();
+        let cell = |axis| {
+            let of_axis = || lines.iter().filter(move |(of, _)| *of == axis);
+            let rms = of_axis().map(|(_, line)| line.rms * line.rms).sum::<f64>().sqrt();
+            match of_axis().count() {
+                0 => NONE.to_owned(),
+                1 => number(rms),
+                count => format!("{} ({count})", number(rms)),
             }
-        }
-    }
-    found.sort_by(|a, b| a.0.total_cmp(&b.0));
+        };
+        row(frequency, (0..group.records.len()).map(cell), &format!("{} rms", group.unit()))
+    };
     Table {
         title: "What stands out of the spectrum".to_owned(),
-        head: ["frequency", "axis", "width", "rms"].map(str::to_owned).to_vec(),
-        rows: found.into_iter().map(|(_, row)| row).collect(),
-        note: "Disturbances or resonances: left out of N, B and K, part of the curve. What all axes have comes from \
-               the table they stand on."
+        head: head("frequency", group),
+        rows: found.chunk_by(is_beside).map(stretch).collect(),
+        note: "Disturbances or resonances: left out of N, B and K, part of the curve. In brackets how many lines lie \
+               side by side, the strongest at that frequency. What all axes have comes from the table they stand on."
             .to_owned(),
     }
 }
+
+/// How far from each other, as a share of their frequency, lines are one to a reader.
+const BESIDE: f64 = 0.01;
 
 fn section(record: &Record) -> report::Record {
     let analysis = &record.analysis;

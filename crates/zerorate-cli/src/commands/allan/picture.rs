@@ -6,7 +6,7 @@ use crate::exit::Usage;
 use crate::output::Staged;
 use anyhow::Result;
 use std::path::Path;
-use zerorate::allan::{Expected, Fit, Line, Term};
+use zerorate::allan::{Expected, Fit, Line};
 use zerorate_data::column::Quantity;
 use zerorate_view::plot::{self, Curve, Minimum, PowerLaw, Signal, Spectrum, Tone, number};
 
@@ -38,18 +38,27 @@ pub fn write(kind: Kind, file: Staged, svg: &str) -> Result<()> {
 
 /// The picture of all records. The fit is one of Allan deviations, so another statistic is drawn without it.
 pub fn svg(records: &[Record]) -> String {
-    let curves: Vec<Curve> = records.iter().map(curve).collect();
+    let is_of_one_log = are_axes(records);
+    let named = |record: &Record| Curve { label: name(is_of_one_log, record), ..curve(record) };
+    let curves: Vec<Curve> = records.iter().map(named).collect();
     let quantity = records.first().map(Record::title).unwrap_or_default().to_owned();
     let unit = records.first().and_then(deviation_unit).unwrap_or_default();
     let title = match records {
         [only] => Some(only.label()),
+        [first, ..] if is_of_one_log => Some(first.file.display().to_string()),
         _ => None,
     };
-    let subtitle = records.first().map(subtitle);
-    let marks = if records.iter().any(Record::is_of_adis16130) { plot::an1042() } else { Vec::new() };
+    let subtitle = Some(subtitle(records)).filter(|text| !text.is_empty());
     plot::allan(
         &curves,
-        &plot::Options { title, subtitle, quantity, unit: unit.to_owned(), marks, ..plot::Options::default() },
+        &plot::Options {
+            title,
+            subtitle,
+            quantity,
+            unit: unit.to_owned(),
+            marks: marks(records),
+            ..plot::Options::default()
+        },
     )
 }
 
@@ -58,112 +67,164 @@ pub fn are_axes(records: &[Record]) -> bool {
     records.len() > 1 && records.windows(2).all(|pair| pair[0].file == pair[1].file)
 }
 
-/// What tells a record from the others in a picture.
-pub fn name(records: &[Record], record: &Record) -> String {
-    if are_axes(records) { record.column.clone() } else { record.label() }
+/// What tells a record from the others.
+pub fn name(is_of_one_log: bool, record: &Record) -> String {
+    if is_of_one_log { record.column.clone() } else { record.label() }
 }
 
-/// What records of a quantity are of.
-pub fn heading(records: &[Record]) -> &'static str {
-    match records.first().and_then(|record| record.quantity) {
-        Some(Quantity::AngularRate) => "Gyroscope",
-        Some(Quantity::Acceleration) => "Accelerometer",
-        Some(Quantity::Temperature) => "Temperature",
-        None => "Of no stated unit",
+/// AN-1042's averaging times, beside the part that it is about.
+fn marks(records: &[Record]) -> Vec<plot::Mark> {
+    if records.iter().any(Record::is_of_adis16130) { plot::an1042() } else { Vec::new() }
+}
+
+/// Records of one quantity, among all that a page shows.
+pub struct Group<'a> {
+    pub records: &'a [Record],
+    is_of_one_log: bool,
+}
+
+impl<'a> Group<'a> {
+    /// Records that follow each other and are of one quantity.
+    pub fn all(records: &'a [Record]) -> Vec<Self> {
+        let is_of_one_log = are_axes(records);
+        let groups = records.chunk_by(|a, b| a.quantity == b.quantity);
+        groups.map(|records| Self { records, is_of_one_log }).collect()
+    }
+
+    /// What tells each record from the others.
+    pub fn names(&self) -> Vec<String> {
+        self.records.iter().map(|record| name(self.is_of_one_log, record)).collect()
+    }
+
+    /// What the records are of.
+    pub fn heading(&self) -> &'static str {
+        match self.records.first().and_then(|record| record.quantity) {
+            Some(Quantity::AngularRate) => "Gyroscope",
+            Some(Quantity::Acceleration) => "Accelerometer",
+            Some(Quantity::Temperature) => "Temperature",
+            None => "Of no stated unit",
+        }
+    }
+
+    /// The unit of what was recorded.
+    pub fn unit(&self) -> &'static str {
+        self.records.first().and_then(|record| record.quantity).map_or("unit", Quantity::unit)
+    }
+
+    /// Curves, spectra and the records themselves.
+    pub fn pictures(&self) -> Vec<String> {
+        let is_of_axes = self.is_of_one_log && self.records.len() > 1;
+        let curves = if is_of_axes { self.multiples() } else { svg(self.records) };
+        std::iter::once(curves).chain(self.spectra()).chain(self.signals()).collect()
+    }
+
+    /// A panel for each of several axes.
+    fn multiples(&self) -> String {
+        let panel = |(record, label): (&Record, String)| {
+            let laws = believed(record).iter().map(law).collect();
+            Curve { label, laws, remarks: remarks(record), ..curve(record) }
+        };
+        let curves: Vec<Curve> = self.records.iter().zip(self.names()).map(panel).collect();
+        let (first, heading) = (self.records.first(), self.heading());
+        let interval = first.map(|record| units::interval(record.confidence)).unwrap_or_default();
+        let has_memory = curves.iter().flat_map(|curve| &curve.remarks).any(|remark| remark.starts_with(MEMORY));
+        let memory = if has_memory { "; GM: Gauss–Markov σ and time" } else { "" };
+        let options = plot::Options {
+            title: Some(format!("{heading}: {}", first.map(Record::title).unwrap_or_default())),
+            subtitle: Some(format!("{interval}; black: the model and its 95 % band; B is drawn at 0.664 B{memory}")),
+            quantity: "deviation".to_owned(),
+            unit: first.and_then(deviation_unit).unwrap_or_default().to_owned(),
+            marks: marks(self.records),
+            ..plot::Options::default()
+        };
+        plot::allan_multiples(&curves, &options)
+    }
+
+    /// The spectra, where all records have one.
+    fn spectra(&self) -> Option<String> {
+        let unit = self.unit();
+        let spectrum = |(record, label)| spectrum(record, label, unit);
+        let all: Vec<Spectrum> = self.records.iter().zip(self.names()).map(spectrum).collect::<Option<_>>()?;
+        Some(plot::spectra(&format!("{}: spectrum", self.heading()), &all, &format!("{unit}/√Hz")))
+    }
+
+    /// The records over time, where they were kept.
+    fn signals(&self) -> Option<String> {
+        let signal = |(record, label): (&Record, String)| {
+            let steps = record.model().map_or(&[][..], |fit| &fit.cleaned.steps);
+            let envelope = record.look.as_ref()?.envelope.clone();
+            Some(Signal { label, envelope, marks_s: steps.iter().map(|step| step.at_s).collect() })
+        };
+        let all: Vec<Signal> = self.records.iter().zip(self.names()).map(signal).collect::<Option<_>>()?;
+        Some(plot::signals(&format!("{}: the record", self.heading()), &all, self.unit()))
     }
 }
 
-/// The unit of what was recorded.
-pub fn unit(record: &Record) -> &'static str {
-    record.quantity.map_or("unit", Quantity::unit)
-}
-
-/// A panel for each of several axes.
-pub fn multiples(records: &[Record]) -> String {
-    let short = |record: &Record| {
-        let mut curve = curve(record);
-        curve.label = name(records, record);
-        for (law, named) in curve.laws.iter_mut().zip(drawn(record)) {
-            let (letter, unit) = (named.letter, &named.units[0].0);
-            law.label = match named.coefficient.identified {
-                true => format!("{letter} {} {unit}", number(named.in_unit(0).value)),
-                false => format!("{letter} < {} {unit}", number(named.in_unit(0).hi)),
-            };
-        }
-        curve
-    };
-    let curves: Vec<Curve> = records.iter().map(short).collect();
-    let interval = records.first().map(|record| units::interval(record.confidence)).unwrap_or_default();
-    let options = plot::Options {
-        title: Some(format!("{}: {}", heading(records), records.first().map(Record::title).unwrap_or_default())),
-        subtitle: Some(format!("{interval}; black: the model and its 95 % band; B is drawn at 0.664 B")),
-        quantity: "deviation".to_owned(),
-        unit: records.first().and_then(deviation_unit).unwrap_or_default().to_owned(),
-        marks: if records.iter().any(Record::is_of_adis16130) { plot::an1042() } else { Vec::new() },
-        ..plot::Options::default()
-    };
-    plot::allan_multiples(&curves, &options)
-}
-
-/// The spectra, where all records have one.
-pub fn spectra(records: &[Record]) -> Option<String> {
-    let unit = records.first().map(unit)?;
+fn spectrum(record: &Record, label: String, unit: &str) -> Option<Spectrum> {
     let amplitude = |density: f64| (2.0 * density).sqrt();
-    let spectrum = |record: &Record| {
-        let look = record.look.as_ref().filter(|look| !look.spectrum.is_empty())?;
-        let points = look.spectrum.iter().map(|one| (one.frequency_hz, amplitude(one.density)));
-        let rate_hz = record.analysis.rate_hz;
-        let model = |fit: &Fit| {
-            let of_model = |hz: f64| (hz, amplitude(fit.density(hz, rate_hz)));
-            look.spectrum.iter().step_by(3).map(|one| of_model(one.frequency_hz)).collect()
-        };
-        let tone = |term: &Term| match term {
-            &Term::Line(Line { frequency_hz, rms, .. }) => Some(Tone {
-                frequency_hz,
-                rms,
-                label: format!("{} Hz, {} {unit} rms", number(frequency_hz), number(rms)),
-            }),
-            _ => None,
-        };
-        let terms = record.model().map_or(&[][..], |fit| &fit.terms);
-        Some(Spectrum {
-            label: name(records, record),
-            points: points.collect(),
-            model: record.model().map(model).unwrap_or_default(),
-            tones: terms.iter().filter_map(tone).collect(),
-        })
+    let look = record.look.as_ref().filter(|look| !look.spectrum.is_empty())?;
+    let points = look.spectrum.iter().map(|one| (one.frequency_hz, amplitude(one.density)));
+    let rate_hz = record.analysis.rate_hz;
+    let model = |fit: &Fit| {
+        let of_model = |hz: f64| (hz, amplitude(fit.density(hz, rate_hz)));
+        look.spectrum.iter().step_by(3).map(|one| of_model(one.frequency_hz)).collect()
     };
-    let all: Vec<Spectrum> = records.iter().map(spectrum).collect::<Option<_>>()?;
-    Some(plot::spectra(&format!("{}: spectrum", heading(records)), &all, &format!("{unit}/√Hz")))
+    let tone = |&Line { frequency_hz, rms, .. }: &Line| {
+        let label = format!("{} Hz, {} {unit} rms", number(frequency_hz), number(rms));
+        Tone { frequency_hz, rms, label }
+    };
+    Some(Spectrum {
+        label,
+        points: points.collect(),
+        model: record.model().map(model).unwrap_or_default(),
+        tones: record.lines().map(tone).collect(),
+    })
 }
 
-/// The records over time, where they were kept.
-pub fn signals(records: &[Record]) -> Option<String> {
-    let signal = |record: &Record| {
-        let steps = record.model().map_or(&[][..], |fit| &fit.cleaned.steps);
-        Some(Signal {
-            label: name(records, record),
-            envelope: record.look.as_ref()?.envelope.clone(),
-            marks_s: steps.iter().map(|step| step.at_s).collect(),
-        })
+/// A line of a panel, at the limit of what is not identified.
+fn law(named: &Named<'_>) -> PowerLaw {
+    let (letter, unit, coefficient) = (named.letter, &named.units[0].0, named.coefficient);
+    let (label, value) = match coefficient.identified {
+        true => (format!("{letter} {} {unit}", number(named.in_unit(0).value)), coefficient.value),
+        false => (format!("{letter} < {} {unit}", number(named.in_unit(0).hi)), coefficient.hi),
     };
-    let all: Vec<Signal> = records.iter().map(signal).collect::<Option<_>>()?;
-    Some(plot::signals(&format!("{}: the record", heading(records)), &all, records.first().map(unit)?))
+    PowerLaw { label, at_1s: value * named.at_1s, slope: named.slope }
+}
+
+/// Gauss–Markov, in few letters.
+const MEMORY: &str = "GM";
+
+/// What a model has beside its coefficients, or that it is none.
+fn remarks(record: &Record) -> Vec<String> {
+    match (&record.fit, record.model()) {
+        (None, _) => Vec::new(),
+        (Some(_), None) => vec!["no model".to_owned()],
+        (_, Some(fit)) if fit.is_rejected => vec![format!("rejected: off by {:.0} %", fit.model_error * 100.0)],
+        _ => units::gauss_markov(record).iter().map(|term| format!("{MEMORY} {term}")).collect(),
+    }
 }
 
 /// What is drawn, and what was left out of it.
-fn subtitle(record: &Record) -> String {
-    let mut text = format!("{}, {}", record.title(), units::interval(record.confidence));
-    let Some(fit) = record.model() else { return text };
-    let lines = fit.terms.iter().filter(|term| matches!(term, Term::Line(_))).count();
-    let (glitches, steps) = (fit.cleaned.glitches as usize, fit.cleaned.steps.len());
+fn subtitle(records: &[Record]) -> String {
+    let Some(first) = records.first() else { return String::new() };
+    let interval = units::interval(first.confidence);
+    let mut text = if records.len() > 1 { interval } else { format!("{}, {interval}", first.title()) };
+    let models = || records.iter().filter_map(Record::model);
     let counted = [
-        (glitches, "glitch out", "glitches out"),
-        (steps, "step out", "steps out"),
-        (lines, "line masked", "lines masked"),
+        (models().map(|fit| fit.cleaned.glitches as usize).sum(), "glitch out", "glitches out"),
+        (models().map(|fit| fit.cleaned.steps.len()).sum(), "step out", "steps out"),
+        (records.iter().flat_map(Record::lines).count(), "line masked", "lines masked"),
     ];
     for (count, one, more) in counted.into_iter().filter(|(count, ..)| *count > 0) {
         text += &format!(", {count} {}", if count == 1 { one } else { more });
+    }
+    match models().filter(|fit| fit.is_rejected).count() {
+        0 => {}
+        count if records.len() > 1 => text += &format!(", {count} of the models rejected"),
+        _ => text += ", the model rejected",
+    }
+    if records.len() > 1 && first.analysis.stat.is_allan() && models().next().is_some() {
+        text += "; black: models, 95 % bands, minima";
     }
     text
 }
@@ -187,11 +248,19 @@ fn curve(record: &Record) -> Curve {
         let Expected { dev, lo, hi } = record.model()?.expected(record.drawn(), point)?;
         Some(plot::Point { tau_s: point.tau_s, dev, lo, hi })
     });
-    Curve { label: record.label(), points: points.collect(), model: expected.collect(), laws, minimum }
+    let (points, model) = (points.collect(), expected.collect());
+    Curve { label: record.label(), points, model, laws, minimum, remarks: Vec::new() }
 }
 
 /// The coefficients that have a line: of Allan deviations, and above zero.
 fn drawn(record: &Record) -> Vec<Named<'_>> {
-    let is_drawn = |named: &Named<'_>| record.analysis.stat.is_allan() && named.coefficient.value > 0.0;
-    coefficients(record).into_iter().filter(is_drawn).collect()
+    believed(record).into_iter().filter(|named| named.coefficient.value > 0.0).collect()
+}
+
+/// Those of Allan deviations with a model that is not rejected.
+fn believed(record: &Record) -> Vec<Named<'_>> {
+    match record.analysis.stat.is_allan() && record.believed().is_ok() {
+        true => coefficients(record),
+        false => Vec::new(),
+    }
 }

@@ -6,7 +6,8 @@ use crate::exit::Refused;
 use anyhow::{Context, Result, ensure};
 use std::path::{Path, PathBuf};
 use zerorate::allan::{
-    self, AllanWarning, Analysis, Averaging, Density, Expected, Fit, FitError, FitOptions, Input, Options, Point, Taus,
+    self, AllanWarning, Analysis, Averaging, Density, Expected, Fit, FitError, FitOptions, Input, Line, Options,
+    Point, Taus, Term,
 };
 use zerorate_data::column::{Column, Quantity, STANDARD_GRAVITY, Series};
 use zerorate_data::imu::{self, Axis, Kind};
@@ -139,6 +140,12 @@ impl Record {
     /// The model, if there is one.
     pub fn model(&self) -> Option<&Fit> {
         self.fit.as_ref()?.as_ref().ok()
+    }
+
+    /// What stands out of its spectrum.
+    pub fn lines(&self) -> impl Iterator<Item = &Line> {
+        let terms = self.model().map_or(&[][..], |fit| &fit.terms);
+        terms.iter().filter_map(|term| if let Term::Line(line) = term { Some(line) } else { None })
     }
 
     /// The model, if it is not rejected: what may be called a result and go into files.

@@ -4,6 +4,7 @@ use super::record::Record;
 use zerorate::allan::{Coefficient, Estimate, Line, Term};
 use zerorate::noise::FLOOR_PER_B;
 use zerorate_data::column::{Quantity, STANDARD_GRAVITY};
+use zerorate_view::plot::number;
 
 /// A coefficient by name and units, its main unit first.
 pub struct Named<'a> {
@@ -150,6 +151,19 @@ fn of_term(record: &Record, term: &Term) -> Row {
             remark: format!("with a time constant of {}", span(*tau_s)),
         },
     }
+}
+
+/// The Gauss–Markov terms of a model, as one says them: `328 µg, 25.9 s`.
+pub fn gauss_markov(record: &Record) -> Vec<String> {
+    let (unit, factor) = &B.of(record)[0];
+    let terms = record.model().map_or(&[][..], |fit| &fit.terms);
+    let said = |term: &Term| match term {
+        Term::GaussMarkov { sigma, tau_s } => {
+            Some(format!("{} {unit}, {} s", number(sigma.value * factor), number(tau_s.value)))
+        }
+        _ => None,
+    };
+    terms.iter().filter_map(said).collect()
 }
 
 impl Named<'_> {

@@ -1,10 +1,10 @@
 //! The result as text.
 
 use crate::commands::allan::record::Record;
-use crate::commands::allan::units::{B, coefficients, span};
+use crate::commands::allan::units::{B, Named, coefficients, span};
 use anyhow::Result;
 use std::fmt::Write;
-use zerorate::allan::{Estimate, Term};
+use zerorate::allan::{Estimate, Fit, Term};
 use zerorate_data::imu::Kind;
 use zerorate_view::report::Table;
 
@@ -43,26 +43,37 @@ fn of_group(kind: Kind, axes: &[&Record]) -> Result<String> {
             rows[0].extend((!columns.is_empty()).then(|| "model holds to".to_owned()));
         }
         let mut row = vec![record.column.clone()];
-        row.extend(columns.iter().map(|named| value(named.in_unit(0), named.coefficient.identified)));
+        let is_rejected = record.model().is_some_and(|fit| fit.is_rejected);
+        row.extend(columns.iter().map(|named| match is_rejected {
+            true => "–".to_owned(),
+            false => value(named.in_unit(0), named.coefficient.identified),
+        }));
         row.extend(record.model().map(|fit| format!("{:.1} %", fit.model_error * 100.0)));
         rows.push(row);
-        for named in others {
-            let value = value(named.in_unit(0), named.coefficient.identified);
-            rows.push(vec![String::new(), format!("{} {value} {}", named.letter, named.units[0].0)]);
-        }
-        for term in record.model().iter().flat_map(|fit| &fit.terms) {
-            if let Term::GaussMarkov { sigma, tau_s } = term {
-                let (unit, factor) = &B.of(record)[0];
-                let sigma = significant(sigma.value * factor);
-                let text = format!("Gauss–Markov σ {sigma} {unit}, T {} s", significant(tau_s.value));
-                rows.push(vec![String::new(), text]);
-            }
-        }
-        if let Err(why) = record.believed() {
-            rows.push(vec![String::new(), format!("NOT A RESULT: {why}")]);
+        match record.believed() {
+            Ok(fit) => rows.extend(further(record, others, fit)),
+            Err(why) => rows.push(vec![String::new(), format!("NOT A RESULT: {why}")]),
         }
     }
     Ok(aligned(&rows))
+}
+
+/// What a model has beside N, B and K, a row each.
+fn further(record: &Record, others: &[Named<'_>], fit: &Fit) -> Vec<Vec<String>> {
+    let coefficient = |named: &Named<'_>| {
+        let value = value(named.in_unit(0), named.coefficient.identified);
+        format!("{} {value} {}", named.letter, named.units[0].0)
+    };
+    let (unit, factor) = &B.of(record)[0];
+    let memory = |term: &Term| match term {
+        Term::GaussMarkov { sigma, tau_s } => {
+            let (sigma, tau_s) = (significant(sigma.value * factor), significant(tau_s.value));
+            Some(format!("Gauss–Markov σ {sigma} {unit}, T {tau_s} s"))
+        }
+        _ => None,
+    };
+    let all = others.iter().map(coefficient).chain(fit.terms.iter().filter_map(memory));
+    all.map(|text| vec![String::new(), text]).collect()
 }
 
 fn value(Estimate { value, lo, hi }: Estimate, is_identified: bool) -> String {
