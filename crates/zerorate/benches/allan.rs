@@ -1,7 +1,7 @@
-//! Allan deviations of an hour at 5.7 kSPS and of 150 s.
+//! Allan deviations of an hour at 5.7 kSPS and of 150 s; noise models of a million samples.
 
 use divan::{Bencher, black_box};
-use zerorate::allan::{Input, Stat, deviations};
+use zerorate::allan::{FitOptions, Input, Stat, deviations, fit};
 
 const HOUR: usize = 20_520_000;
 const STEP_8: usize = 855_000;
@@ -62,4 +62,31 @@ fn hour_f64_100_times(bencher: Bencher<'_, '_>) {
 fn step_8_f64_octaves(bencher: Bencher<'_, '_>) {
     let (rate, m) = (rate(STEP_8), octaves(STEP_8));
     bencher.bench_local(|| deviations(&Input::Rate(black_box(&rate)), 5700.0, Stat::Oadev, &m));
+}
+
+/// A million samples, as 2.8 h at 100 Hz: normal noise with a slow wander.
+fn record() -> Vec<f64> {
+    let uniform = rate(12_000_000);
+    let mut walk = 0.0;
+    let sample = |twelve: &[f64]| {
+        let white = twelve.iter().sum::<f64>() - 12.0 * 10_000.0 / 23_425.0;
+        walk += 1e-3 * white;
+        white + walk
+    };
+    uniform.chunks_exact(12).map(sample).collect()
+}
+
+/// With the search for glitches and steps.
+#[divan::bench(sample_count = 5, sample_size = 1)]
+fn noise_model(bencher: Bencher<'_, '_>) {
+    let record = record();
+    bencher.bench_local(|| fit(&Input::Rate(black_box(&record)), 100.0, &FitOptions::default()));
+}
+
+/// The spectrum alone: one transform, the choice of the terms and their intervals.
+#[divan::bench(sample_count = 5, sample_size = 1)]
+fn noise_model_of_the_spectrum(bencher: Bencher<'_, '_>) {
+    let record = record();
+    let options = FitOptions { cut_glitches: false, remove_steps: false, ..FitOptions::default() };
+    bencher.bench_local(|| fit(&Input::Rate(black_box(&record)), 100.0, &options));
 }

@@ -46,6 +46,11 @@ pub fn scatter(share: f64, records: usize) -> f64 {
     CHANCE * (share * (100.0 - share) / records.max(1) as f64).sqrt()
 }
 
+/// What the rms error of so many records may be off by, as a factor.
+fn rms_scatter(records: usize) -> f64 {
+    1.0 + CHANCE / (2.0 * records.max(1) as f64).sqrt()
+}
+
 /// The share of something among all, %.
 pub fn share<T>(all: &[T], holds: impl Fn(&T) -> bool) -> f64 {
     100.0 * all.iter().filter(|one| holds(one)).count() as f64 / all.len().max(1) as f64
@@ -84,7 +89,7 @@ impl Judged {
         [
             (!covers, format!("interval holds in {:.1} %, not {} to {most} %", self.inside, coverage.0)),
             (
-                self.error.truth > 0.0 && self.error.rms > rms[which],
+                self.error.truth > 0.0 && self.error.rms > rms[which] * rms_scatter(self.records),
                 format!("rms error {:.3} % above {} %", self.error.rms, rms[which]),
             ),
             (!seen, format!("identified in {:.1} % only", self.identified)),

@@ -18,6 +18,7 @@ mod masked;
 mod model;
 mod motion;
 mod pool;
+mod prediction;
 mod profile;
 mod record_length;
 mod remarks;
@@ -31,7 +32,7 @@ mod steps;
 mod tests;
 mod transform;
 
-use super::chi2::chi2_above;
+use super::chi2::{chi2_above, chi2_quantile};
 use super::{AllanWarning, Analysis, Coefficient, Input, Point, Stat};
 use alloc::vec::Vec;
 use coefficients::Coefficients;
@@ -42,12 +43,14 @@ use masked::Masked;
 pub use model::Model;
 pub use motion::{Motion, motion};
 pub use pool::{Apart, Differs, Pool, PoolError, PoolRecord, Spread, fit_pool};
+use prediction::Doubt;
 use realfft::FftError;
 use remarks::{Raw, remarks};
 use samples::{check, cut_glitches, enough};
 use scoring::{B2, N2, Q2};
 use select::Selection;
 use spectrum::Spectrum;
+use steadiness::Scatter;
 pub use steps::Step;
 
 /// What to do before the fit.
@@ -183,10 +186,28 @@ impl Fit {
         };
         Some(Expected { dev: self.deviation(point.m), lo, hi })
     }
+
+    /// What the model expects of the overlapping Allan deviation of averages of `m` samples in *another* record of
+    /// `samples` samples of this sensor at rest: wider than the band of its own by what the fit leaves open, and by
+    /// what differs from one eighth of the record to the next. How often it holds: docs/reference/allan.md.
+    #[must_use]
+    pub fn predicted(&self, m: u64, samples: u64) -> Expected {
+        let (dev, edf) = (self.deviation(m), self.model.freedom(m, samples));
+        let doubt = self.model.doubt(m);
+        // of ln σ; chance and the fit's own error are independent, that the record is not steady comes on top
+        let limit = |p: f64| {
+            let chance = libm::log(chi2_quantile(p, edf) / edf);
+            let known = libm::sqrt(chance * chance + TWO_SIDED_95 * TWO_SIDED_95 * doubt.own);
+            (known + TWO_SIDED_95 * libm::sqrt(doubt.scatter)) / 2.0
+        };
+        Expected { dev, lo: dev * libm::exp(-limit(0.025)), hi: dev * libm::exp(limit(0.975)) }
+    }
 }
 
 /// A model that is wrong by more is rejected.
 pub const MOST_ERROR: f64 = 0.1;
+/// The normal quantile at 97.5 %.
+const TWO_SIDED_95: f64 = 1.959963984540054;
 /// Samples that a fit needs.
 pub const FEWEST_SAMPLES: u64 = 256;
 /// More steps are the noise itself.
@@ -351,7 +372,9 @@ fn described(
     let is_rejected = chosen.problem.error > MOST_ERROR;
     let coefficients = Coefficients { samples: spectrum.samples, chosen: &chosen, rate_hz, is_rejected };
     let own = &chosen.found;
-    let widening = libm::sqrt(steadiness::variance_of_ln_n(rate, rate_hz, own.at[N2], &model));
+    let scatter = Scatter::of(rate, rate_hz, &model);
+    let widening = libm::sqrt(scatter.variance_of_ln_n(rate_hz, own.at[N2], &model));
+    let doubt = Doubt::of((&chosen.problem, own), &model, Some(&scatter), (rate_hz, raw.record_s))?;
     let (chi2, freedom) = select::chi2(&chosen.problem, own);
     let lines: Vec<Line> = spectrum.narrow.iter().chain(&masked.lines).copied().collect();
     let fit = Fit {
@@ -361,7 +384,7 @@ fn described(
         q: own.form.quantised.then(|| coefficients.of(Q2)),
         r: (own.form.drift == Some(Drift::Ramp)).then(|| coefficients.ramp()),
         terms: coefficients.terms(&lines),
-        model,
+        model: model.with(doubt),
         model_error: chosen.problem.error,
         p_value: chi2_above(chi2, freedom),
         is_rejected,

@@ -1,6 +1,7 @@
 //! The Allan variance of a fitted model, and the variance of its overlapping estimate.
 
 use super::density::Drift;
+use super::prediction::{Doubt, Variances};
 use super::scoring::{B2, Found, K2, N2, Q2, shape};
 use super::transform::autocovariance;
 use crate::allan::{Point, chi2_quantile, interval};
@@ -31,6 +32,7 @@ pub struct Model {
     pub(super) drift: Option<(Drift, f64)>,
     /// Variance and frequency.
     sines: Vec<(f64, f64)>,
+    doubt: Doubt,
 }
 
 impl Model {
@@ -57,7 +59,17 @@ impl Model {
             markovs: (0..form.markovs).map(markov).collect(),
             drift: form.drift.map(|drift| (drift, found.drift)),
             sines,
+            doubt: Doubt::default(),
         })
+    }
+
+    pub(super) fn with(self, doubt: Doubt) -> Self {
+        Self { doubt, ..self }
+    }
+
+    /// What is not known of another record.
+    pub(super) fn doubt(&self, m: u64) -> Variances {
+        self.doubt.at(m)
     }
 
     /// The Allan variance of averages of `m` samples, unit².

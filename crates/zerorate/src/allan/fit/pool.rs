@@ -7,10 +7,11 @@
 use super::coefficients::Coefficients;
 use super::density::Table;
 use super::model::Model;
+use super::prediction::Doubt;
 use super::remarks::{Raw, remarks};
 use super::scoring::{B2, N2, Problem};
 use super::select::{DESCENT, Selection, chi2, is_upper, select};
-use super::{Cleaned, Fit, FitError, MOST_ERROR, fitted, lines::median};
+use super::{Cleaned, Fit, FitError, MOST_ERROR, TWO_SIDED_95, fitted, lines::median};
 use crate::allan::chi2::chi2_above;
 use crate::allan::{Coefficient, Noise};
 use alloc::vec::Vec;
@@ -251,9 +252,6 @@ fn spreads(records: &[&PoolRecord<'_>]) -> Vec<Spread> {
         .collect()
 }
 
-/// The normal quantile at 97.5 %.
-const TWO_SIDED_95: f64 = 1.959963984540054;
-
 /// The model with its intervals, which are of the mean of units that differ.
 fn common(records: &[&PoolRecord<'_>], chosen: &Selection, spread: &[Spread]) -> Result<Fit, FitError> {
     let found = &chosen.found;
@@ -267,6 +265,8 @@ fn common(records: &[&PoolRecord<'_>], chosen: &Selection, spread: &[Spread]) ->
         own.map_or(0.0, |spread| spread.relative / libm::sqrt(spread.records as f64))
     };
     let (chi2, freedom) = chi2(&chosen.problem, found);
+    let model = Model::new(found, Vec::new(), rate_hz, record_s)?;
+    let doubt = Doubt::of((&chosen.problem, found), &model, None, (rate_hz, record_s))?;
     let fit = Fit {
         n: wider(coefficients.n(0.0, 0.0), of_mean(Noise::AngleRandomWalk)),
         b: wider(coefficients.of(B2), of_mean(Noise::BiasInstability)),
@@ -274,7 +274,7 @@ fn common(records: &[&PoolRecord<'_>], chosen: &Selection, spread: &[Spread]) ->
         q: found.form.quantised.then(|| coefficients.of(super::Q2)),
         r: None,
         terms: coefficients.terms(&[]),
-        model: Model::new(found, Vec::new(), rate_hz, record_s)?,
+        model: model.with(doubt),
         model_error: chosen.problem.error,
         p_value: chi2_above(chi2, freedom),
         is_rejected,

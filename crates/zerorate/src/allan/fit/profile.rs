@@ -1,14 +1,13 @@
 //! Intervals from the profile of the likelihood: every value that is less than 1.96 standard deviations from the best,
 //! all other parameters fitted again.
 
+use super::TWO_SIDED_95;
 use super::departure::departure;
 use super::scoring::{Form, Found, Local, Problem};
 use super::select::DESCENT;
 use crate::allan::linear::{Cholesky, Square};
 use alloc::vec::Vec;
 
-/// The normal quantile at 97.5 %.
-const TWO_SIDED_95: f64 = 1.959963984540054;
 /// How near to it an end is found, steps until it is, and doublings until it is enclosed.
 const NEAR: f64 = 2e-3;
 const STEPS: usize = 16;

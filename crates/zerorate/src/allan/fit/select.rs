@@ -9,8 +9,11 @@ use alloc::vec::Vec;
 /// with one; warm-up: that with two. A cosine of the shape costs ln of all degrees of freedom. How often each is taken
 /// where there is none was measured: docs/reference/allan.md.
 const MARKOV_PRICE: f64 = 9.21;
-/// More for one that leaves no flicker: a few of them are flicker, and where both fit the rule says flicker.
+/// More for one that leaves no flicker, or none that is identified: a few of them are flicker, and where both fit the
+/// rule says flicker.
 const INSTEAD_OF_FLICKER: f64 = 9.0;
+/// The 5 % point of χ² with one degree of freedom: what a coefficient that is identified gains.
+const IDENTIFIED: f64 = 3.84;
 const RAMP_PRICE: f64 = 10.8;
 const WARM_UP_PRICE: f64 = 13.8;
 const MOST_MARKOVS: usize = 2;
@@ -80,9 +83,17 @@ fn priced(problem: &Problem, found: Found) -> Priced {
         Some(Drift::WarmUp { .. }) => WARM_UP_PRICE,
     };
     let shape = problem.price() * (form.shape() + usize::from(form.quantised)) as f64;
-    let instead = if form.markovs > 0 && found.at[B2] <= 0.0 { INSTEAD_OF_FLICKER } else { 0.0 };
+    let instead = if form.markovs > 0 && !has_flicker(problem, &found) { INSTEAD_OF_FLICKER } else { 0.0 };
     let price = found.deviance + shape + MARKOV_PRICE * form.markovs as f64 + instead + drift;
     Priced { found, price }
+}
+
+/// Whether flicker gains what one that is identified does.
+fn has_flicker(problem: &Problem, found: &Found) -> bool {
+    let mut at = found.at.clone();
+    at[B2] = 0.0;
+    let without = || problem.descend(found.form, &at, Some(B2), DESCENT).deviance;
+    found.at[B2] > 0.0 && without() - found.deviance > IDENTIFIED
 }
 
 /// The best shape for no, one, two Gauss–Markov terms; a second one is looked for only where the first is taken. The

@@ -80,9 +80,12 @@ fn scan(x: &[f64], density: &[f64], left_out: &[(usize, usize)]) -> Result<Optio
     let mean = x.iter().sum::<f64>() / n.max(1) as f64;
     let coefficients = cosine_transform(&x.iter().map(|x| x - mean).collect::<Vec<f64>>())?;
     let half_angle = PI / (2 * n) as f64;
+    // One transform of both: where the unit is so large that c·d is nothing beside 1, this would drown.
+    let unit = libm::sqrt(density.iter().sum::<f64>() / n as f64);
     let weigh = |(k, (c, s)): (usize, (&f64, &f64))| {
         let d = 2.0 * libm::sin(half_angle * (k + 1) as f64);
-        (1.0 / (s * d * d), c / (s * d))
+        let s = s / (unit * unit);
+        (1.0 / (s * d * d), c / unit / (s * d))
     };
     let mut pairs: Vec<(f64, f64)> = coefficients.iter().zip(density).enumerate().map(weigh).collect();
     for &(first, end) in left_out {
@@ -105,6 +108,6 @@ fn scan(x: &[f64], density: &[f64], left_out: &[(usize, usize)]) -> Result<Optio
     let best = inside.max_by(|&a, &b| libm::fabs(score(a)).total_cmp(&libm::fabs(score(b))));
     Ok(best.map(|index| {
         let (over, under) = at(index);
-        Candidate { index, size: over / under, score: over / libm::sqrt(under) }
+        Candidate { index, size: over / under * unit, score: over / libm::sqrt(under) }
     }))
 }

@@ -1,6 +1,6 @@
 use super::transform::series;
 use super::*;
-use crate::allan::{Averaging, Noise, Options, advice, analyse};
+use crate::allan::{Averaging, Deviation, Noise, Options, advice, analyse, deviations, octaves};
 use core::f64::consts::PI;
 use std::string::ToString;
 use std::vec;
@@ -126,6 +126,18 @@ fn a_gauss_markov_process_is_found() {
     assert!(near(fit.deviation(500), expected, 0.1), "{} for {expected}", fit.deviation(500));
 }
 
+/// A few Gauss–Markov terms are flicker, and where both explain a record the rule says flicker: six of a thousand
+/// hours of N + B + K lost B to one.
+#[test]
+fn what_may_be_flicker_is_flicker() {
+    let truth = Truth { n: HOUR.n, b: 1.3e-3, k: 1e-4, sigma: 0.0042, tau_s: 10.0, ..HOUR };
+    let mut draw = uniform(31);
+    let rate = truth.record(360_000, || if draw() < 0.5 { -1.0 } else { 1.0 });
+    let fit = of(&rate);
+    assert!(fit.terms.is_empty() && fit.b.identified, "{:?} {:?}", fit.terms, fit.b);
+    assert!(codes(&fit).contains(&"memory-or-flicker"), "{:?}", codes(&fit));
+}
+
 #[test]
 fn quantisation_has_its_letter_and_a_low_pass_has_a_shape() {
     let fit = of(&Truth { q: 2e-4, ..HOUR }.noise(180_000, 4));
@@ -186,6 +198,18 @@ fn a_step_is_taken_out_and_said() {
     assert!(fit.k.value < 5e-4 && codes(&fit).contains(&"step"), "{fit:?}");
     let kept = super::fit(&Input::Rate(&rate), RATE_HZ, &FitOptions { remove_steps: false, ..FitOptions::default() });
     assert!(kept.unwrap().k.value > 5e-4);
+}
+
+/// With a unit so small that all rates are 1e-13 the sums of the search drowned, and it found jumps everywhere.
+#[test]
+fn steps_do_not_depend_on_the_unit() {
+    let rate = HOUR.noise(100_000, 33);
+    let steps = |scale| {
+        let options = FitOptions { scale, ..FitOptions::default() };
+        let cleaned = fit(&Input::Rate(&rate), RATE_HZ, &options).unwrap().cleaned;
+        (cleaned.steps.len(), cleaned.put_back.len())
+    };
+    assert_eq!([1e-12, 1.0, 1e12].map(steps), [(0, 0); 3]);
 }
 
 /// 40 % one by one: averages over what is left have more white noise, by which N was 27 % too large.
@@ -367,6 +391,28 @@ fn the_measured_curve_is_in_the_band() {
     let gappy: Vec<f64> = rate.iter().map(|rate| if draw() < 0.4 { f64::NAN } else { *rate }).collect();
     let (inside, all) = inside(&gappy, &of(&gappy));
     assert!(inside + 2 >= all, "{inside} of {all}");
+}
+
+/// The band for another record is wider than that of its own, and holds for one of the same noise, but not for a
+/// louder.
+#[test]
+fn another_record_is_predicted() {
+    let fit = of(&HOUR.noise(200_000, 35));
+    let inside = |rate: &[f64]| {
+        let found = deviations(&Input::Rate(rate), RATE_HZ, Stat::Oadev, &octaves(rate.len()));
+        let holds = |point: &Deviation| {
+            let expected = fit.predicted(point.m, rate.len() as u64);
+            expected.lo < point.dev && point.dev < expected.hi
+        };
+        found.into_iter().flatten().map(|point| holds(&point)).collect::<Vec<bool>>()
+    };
+    let same = inside(&HOUR.noise(200_000, 36));
+    assert!(same.len() == 17 && same.iter().filter(|holds| **holds).count() >= 16, "{same:?}");
+    let louder = inside(&Truth { n: 1.03 * HOUR.n, ..HOUR }.noise(200_000, 37));
+    assert!(louder[..6].iter().all(|holds| !holds), "{louder:?}");
+    // half as long, an octave is known half as well
+    let width = |samples| fit.predicted(4096, samples).hi / fit.predicted(4096, samples).lo;
+    assert!(width(100_000) > width(200_000));
 }
 
 /// F-51, F-53: the minimum of N and K is at √3·N/K.
