@@ -117,8 +117,11 @@ impl Columns<'_> {
         Ok(())
     }
 
+    /// All that hold numbers, without the time and what has no name among names: an index.
     fn all(&self, time: Option<usize>) -> Vec<usize> {
-        (0..self.names.len()).filter(|index| self.numeric[*index] && Some(*index) != time).collect()
+        let are_named = self.names.iter().any(|name| !name.is_empty());
+        let is_meant = |index: &usize| !(are_named && self.names[*index].is_empty());
+        (0..self.names.len()).filter(|index| self.numeric[*index] && Some(*index) != time).filter(is_meant).collect()
     }
 
     /// The only column with numbers that is not the time.

@@ -56,7 +56,7 @@ impl Numerals {
         if is_missing(cell) {
             return Ok(Number::Missing);
         }
-        let number = cell.parse().map_err(|_| format!("`{cell}` is no number"))?;
+        let number = cell.parse().ok().or_else(|| of_fortran(cell)).ok_or_else(|| format!("`{cell}` is no number"))?;
         if cell.contains('.') {
             self.with_point(cell)?;
         }
@@ -94,8 +94,17 @@ impl Numerals {
     }
 
     fn with_comma(&mut self, cell: &str, line: u64) -> Result<Number, String> {
+        let not_with_point = || format!("`{cell}` is no number with a decimal point, as the others are");
+        if let Some((mark, number)) = in_thousands(cell) {
+            match (mark, self.decimal) {
+                (Decimal::Point, _) => self.with_point(cell)?,
+                (Decimal::Comma, Some(Decimal::Point)) => return Err(not_with_point()),
+                (Decimal::Comma, _) => self.decimal = Some(Decimal::Comma),
+            }
+            return Ok(Number::Decimal(number));
+        }
         if self.decimal == Some(Decimal::Point) {
-            return Err(format!("`{cell}` is no number with a decimal point, as the others are"));
+            return Err(not_with_point());
         }
         let number = cell.replacen(',', ".", 1).parse();
         let number = number.ok().filter(|_| !cell.contains('.')).ok_or_else(|| format!("`{cell}` is no number"))?;
@@ -150,6 +159,27 @@ fn plain(cell: &[u8]) -> Option<Number> {
         Some(_) => None,
     }
 }
+
+/// A number such as 1,234.5 or 1.234,5, which can be read in one way only, and its decimal mark.
+fn in_thousands(cell: &str) -> Option<(Decimal, f64)> {
+    let (mark, thousand) =
+        if cell.rfind('.') > cell.rfind(',') { (Decimal::Point, ',') } else { (Decimal::Comma, '.') };
+    let (whole, decimals) = cell.split_once(if mark == Decimal::Point { '.' } else { ',' })?;
+    let mut groups = whole.trim_start_matches(['+', '-']).split(thousand);
+    let is_digits = |part: &str| part.bytes().all(|byte| byte.is_ascii_digit());
+    let head = groups.next().filter(|head| (1..=3).contains(&head.len()) && is_digits(head));
+    let tail: Vec<&str> = groups.collect();
+    let fits = head.is_some() && !tail.is_empty() && tail.iter().all(|group| group.len() == 3 && is_digits(group));
+    let number = format!("{}.{decimals}", whole.replace(thousand, ""));
+    number.parse().ok().filter(|_| fits).map(|number| (mark, number))
+}
+
+/// A number of Fortran in double precision, such as 1.5D-03.
+fn of_fortran(cell: &str) -> Option<f64> {
+    let is_one = cell.contains('.') && cell.contains(['d', 'D']);
+    is_one.then(|| cell.replacen(['d', 'D'], "e", 1).parse().ok())?
+}
+
 /// 1,234 could be; 0,123 and 1,5 and 1,234e5 could not.
 fn could_be_thousands(cell: &str) -> bool {
     let is_digits = |part: &str| part.bytes().all(|byte| byte.is_ascii_digit());
@@ -199,8 +229,24 @@ mod tests {
     fn both_marks_are_a_mistake() {
         assert!(read(&["1.5", "1,5"]).0[1].as_ref().unwrap_err().contains("`1,5` is no number with a decimal point"));
         assert!(read(&["1,5", "1.5"]).0[1].as_ref().unwrap_err().contains("decimal comma"));
-        assert!(read(&["1.234,5"]).0[0].as_ref().unwrap_err().contains("no number"));
+        for cell in ["1.2345,6", "1234.567,5", "1,23.5", "1.234,5,6", ",123.5"] {
+            assert!(read(&[cell]).0[0].as_ref().unwrap_err().contains("no number"), "{cell}");
+        }
+        assert!(read(&["1,234.5", "1.234,5"]).0[1].is_err() && read(&["1.234,5", "1,234.5"]).0[1].is_err());
         assert!(read(&["1,2,3"]).0[0].as_ref().unwrap_err().contains("no number"));
+    }
+
+    #[test]
+    fn thousands_beside_decimals_can_be_nothing_else() {
+        let number = |value| Ok(Number::Decimal(value));
+        assert_eq!(read(&["1,234.5", "-12,345,678.25", "7"]).0[..2], [number(1234.5), number(-12_345_678.25)]);
+        assert_eq!(read(&["0,5", "-1.234,5", "12.345.678,25"]).0[1..], [number(-1234.5), number(12_345_678.25)]);
+    }
+
+    #[test]
+    fn exponents_of_fortran() {
+        assert_eq!(read(&["1.5D-03", "-2.5d+02"]).0, [Ok(Number::Decimal(1.5e-3)), Ok(Number::Decimal(-250.0))]);
+        assert!(read(&["3D"]).0[0].is_err() && read(&["a.d"]).0[0].is_err());
     }
 
     #[test]

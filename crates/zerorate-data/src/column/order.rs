@@ -5,9 +5,22 @@
 use super::FoundColumn;
 use super::clock::Times;
 
-/// Where counters wrap around, in their own unit: those of 16, 24 and 32 bits, and one of 32 bits in µs that was
-/// written in s or ms.
-const MODULI: [f64; 5] = [65_536.0, 16_777_216.0, 4_294_967_296.0, 4_294.967_296, 4_294_967.296];
+/// Where counters wrap around, in their own unit: those of 16, 24 and 32 bits, one of 32 bits in µs that was written
+/// in s or ms, and times of a day and of a week.
+const MODULI: [f64; 12] = [
+    65_536.0,
+    16_777_216.0,
+    4_294_967_296.0,
+    4_294.967_296,
+    4_294_967.296,
+    86_400.0,
+    8.64e7,
+    8.64e10,
+    8.64e13,
+    604_800.0,
+    6.048e8,
+    6.048e11,
+];
 
 /// Intervals before and behind the place where a counter wraps within which the rows around it lie.
 const AT_WRAP: f64 = 1000.0;
@@ -17,6 +30,9 @@ const NEAR: usize = 64;
 
 /// Share of the rows that may be out of order.
 const MAX_SWAPPED: f64 = 0.05;
+
+/// Share of the rows whose stamps may be of no use: what a bad cable breaks.
+const MAX_STRAY: f64 = 0.01;
 
 /// Share of the whole time by which a clock may be set back: more is rather another log.
 const MAX_STEP: f64 = 0.01;
@@ -44,6 +60,7 @@ pub fn mend(times: &mut Times, columns: &mut [FoundColumn]) -> Result<Vec<String
     let mut said = Vec::new();
     let mut rows: Vec<Row> =
         times.since_first().iter().enumerate().map(|(row, time)| Row { row, time: *time }).collect();
+    said.extend(restamp(&mut rows, interval));
     said.extend(unwrap(&mut rows, first, interval));
     said.extend(sort(&mut rows, first, interval)?);
     said.extend(separate(&mut rows, columns, interval));
@@ -63,7 +80,24 @@ struct Row {
     time: f64,
 }
 
-/// Adds what a counter lost when it wrapped around.
+/// Gives rows whose stamp is not between those around them, where there is room for just one row, a time there.
+fn restamp(rows: &mut [Row], interval: f64) -> Option<String> {
+    let is_stray = |around: &[Row]| {
+        let [before, time, next] = [around[0].time, around[1].time, around[2].time];
+        let room = (next - before) / interval;
+        (1.5..2.5).contains(&room) && (time < before - 0.5 * interval || time > next + 0.5 * interval)
+    };
+    let stray: Vec<usize> = (1..rows.len().saturating_sub(1)).filter(|at| is_stray(&rows[at - 1..at + 2])).collect();
+    let first = stray.first().filter(|_| stray.len() as f64 <= (MAX_STRAY * rows.len() as f64).max(1.0))?;
+    stray.iter().for_each(|at| rows[*at].time = 0.5 * (rows[at - 1].time + rows[at + 1].time));
+    Some(format!(
+        "{} rows have a stamp far from those of the rows around: it is wrong, the samples count (the first: row \
+         {first})",
+        stray.len()
+    ))
+}
+
+/// Adds what a counter lost when it wrapped around: one that counts from zero, or from less than that as far up.
 fn unwrap(rows: &mut [Row], first: f64, interval: f64) -> Option<String> {
     let margin = AT_WRAP * interval;
     let (mut added, mut found) = (0.0, Vec::new());
@@ -72,8 +106,12 @@ fn unwrap(rows: &mut [Row], first: f64, interval: f64) -> Option<String> {
         let now = row.time;
         if now < before {
             let modulus = MODULI.into_iter().find(|modulus| {
-                let near_end = first + before <= *modulus && first + before > modulus - margin.min(modulus / 2.0);
-                near_end && first + now < margin.min(modulus / 2.0) && now + modulus > before
+                let margin = margin.min(modulus / 2.0);
+                let from = |start: f64| {
+                    let (before, now) = (first + before - start, first + now - start);
+                    before <= *modulus && before > modulus - margin && (-interval..margin).contains(&now)
+                };
+                (from(0.0) || from(-modulus / 2.0)) && now + modulus > before
             });
             if let Some(modulus) = modulus {
                 added += modulus;
@@ -163,13 +201,15 @@ fn separate(rows: &mut Vec<Row>, columns: &[FoundColumn], interval: f64) -> Vec<
     };
     let equal = rows.windows(2).filter(|pair| pair[0].time == pair[1].time && same(pair[0], pair[1])).count();
     let is_coarse = shared as f64 > COARSE * rows.len() as f64 && (equal as f64) < 0.9 * shared as f64;
+    let fine = if is_coarse { fine_interval(rows) } else { interval };
     let mut kept: Vec<Row> = Vec::with_capacity(rows.len());
     let (mut dropped, mut wrong) = (Vec::new(), Vec::new());
     let mut start = 0;
     while start < rows.len() {
         let time = rows[start].time;
         let end = start + rows[start..].iter().take_while(|row| row.time == time).count();
-        let until = rows.get(end).map_or(interval, |next| next.time - time);
+        let last = if is_coarse { fine * (end - start) as f64 } else { interval };
+        let until = rows.get(end).map_or(last, |next| next.time - time);
         let room = ((until / interval).round().max(1.0)).min((end - start) as f64) as usize;
         let mut surplus = if is_coarse { 0 } else { end - start - room };
         let first = kept.len();
@@ -182,11 +222,14 @@ fn separate(rows: &mut Vec<Row>, columns: &[FoundColumn], interval: f64) -> Vec<
             }
         }
         let own = kept.len() - first;
-        let step = (until / own as f64).min(interval);
-        for (at, row) in kept[first..].iter_mut().enumerate().skip(1) {
-            row.time = time + step * at as f64;
-            wrong.push(row.row);
+        let step = Some(until / own as f64).filter(|step| *step < 1.5 * fine).unwrap_or(fine);
+        // a coarse clock had begun its first step before the log began
+        let begin = if is_coarse && start == 0 { (until - fine * own as f64).max(0.0) } else { 0.0 };
+        let step = if begin > 0.0 { fine } else { step };
+        for (at, row) in kept[first..].iter_mut().enumerate() {
+            row.time = time + begin + step * at as f64;
         }
+        wrong.extend(kept[first..].iter().skip(1).map(|row| row.row));
         start = end;
     }
     *rows = kept;
@@ -202,6 +245,23 @@ fn separate(rows: &mut Vec<Row>, columns: &[FoundColumn], interval: f64) -> Vec<
         format!("{count} rows have the stamp of the row before: {why}, the samples count (the first: row {row})")
     });
     dropped.into_iter().chain(wrong).collect()
+}
+
+/// The interval of the samples under a clock of coarse steps: of the steps that are not longer than usual, the whole
+/// time over the rows in it, without the first and the last step, which may not be whole.
+fn fine_interval(rows: &[Row]) -> f64 {
+    let starts: Vec<usize> =
+        (0..rows.len()).filter(|at| *at == 0 || rows[*at].time > rows[at - 1].time).skip(1).collect();
+    let steps = || starts.windows(2).map(|pair| (rows[pair[1]].time - rows[pair[0]].time, pair[1] - pair[0]));
+    let mut lengths: Vec<f64> = steps().map(|(time, _)| time).collect();
+    lengths.sort_unstable_by(f64::total_cmp);
+    let usual = lengths.get(lengths.len() / 2).copied().unwrap_or_default();
+    let whole = steps().filter(|(time, _)| *time < 1.5 * usual);
+    let (time, count) = whole.fold((0.0, 0), |(time, count), (more, rows)| (time + more, count + rows));
+    match count {
+        0 => rows.last().map_or(1.0, |last| last.time / rows.len() as f64),
+        count => time / count as f64,
+    }
 }
 
 #[cfg(test)]
@@ -288,6 +348,45 @@ mod tests {
             assert!(times.windows(2).all(|pair| ((pair[1] - pair[0]) / step - 1.0).abs() < 1e-6), "{modulus}");
             assert!(said.contains(&format!("wraps around at {modulus} (1 times, first at row 301)")), "{said}");
         }
+    }
+
+    /// A counter with a sign, and the time of a day.
+    #[test]
+    fn counters_wrap_below_zero_and_at_midnight() {
+        for (start, modulus) in [(-32_768.0, 65_536.0), (-2_147_483_648.0, 4_294_967_296.0), (0.0, 86_400.0)] {
+            let rows: Vec<_> =
+                (0..600).map(|row| (start + (modulus - 300.5 + f64::from(row)) % modulus, f64::from(row))).collect();
+            let (times, _, said) = mended(&rows).unwrap();
+            assert!(is_even(&times, 600) && said.contains(&format!("wraps around at {modulus} (1 times")), "{said}");
+        }
+    }
+
+    /// A digit that a cable broke, or lost.
+    #[test]
+    fn a_stamp_that_cannot_be_is_no_leap_of_the_clock() {
+        for stray in [0.0, 5.0, 1e9, 300.0] {
+            let mut rows = even(400);
+            rows[100].0 = stray;
+            let (times, values, said) = mended(&rows).unwrap();
+            assert!(is_even(&times, 400) && values.is_sorted(), "{said}");
+            assert!(
+                said.contains("1 rows have a stamp far from those of the rows around") && said.contains("row 100")
+            );
+        }
+    }
+
+    /// A clock in whole seconds over 200 samples a second, of which a log begins and ends in the middle, and two
+    /// seconds are missing.
+    #[test]
+    fn a_coarse_clock_loses_nothing() {
+        let of = |rows: std::ops::Range<i32>| rows.map(|row| ((f64::from(row) / 200.0).floor(), f64::from(row)));
+        let times = |rows: Vec<(f64, f64)>| mended(&rows).unwrap().0;
+        let steps = |times: &[f64]| times.windows(2).map(|pair| pair[1] - pair[0]).collect::<Vec<_>>();
+        let all = steps(&times(of(24..2130).collect()));
+        assert!(all.len() == 2105 && all.iter().all(|step| (step - 0.005).abs() < 1e-9), "{all:?}");
+        let gapped = steps(&times(of(24..1000).chain(of(1400..2130)).collect()));
+        let longest = gapped.iter().copied().fold(0.0, f64::max);
+        assert!((longest - 2.005).abs() < 1e-6 && gapped.iter().filter(|step| **step > 0.0051).count() == 1);
     }
 
     #[test]

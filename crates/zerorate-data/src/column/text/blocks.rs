@@ -37,6 +37,19 @@ impl Block {
         // to look first is fast where all is as it should be
         std::str::from_utf8(self.bytes()).map_or_else(|_| String::from_utf8_lossy(self.bytes()), Cow::Borrowed)
     }
+
+    /// The same, with what may be Latin-1 read as that, as Excel writes `°/s`: for names.
+    pub fn legible(&self) -> Cow<'_, str> {
+        let of_line = |line: &[u8]| {
+            let is_text = line.iter().all(|byte| matches!(byte, b'\t' | b'\r' | b'\n' | b' '..=b'~' | 0xA0..));
+            match std::str::from_utf8(line) {
+                Err(_) if is_text => line.iter().map(|byte| char::from(*byte)).collect(),
+                _ => String::from_utf8_lossy(line).into_owned(),
+            }
+        };
+        let by_lines = || self.bytes().split_inclusive(|byte| *byte == b'\n').map(of_line).collect();
+        std::str::from_utf8(self.bytes()).map_or_else(|_| Cow::Owned(by_lines()), Cow::Borrowed)
+    }
 }
 
 /// Reads blocks.

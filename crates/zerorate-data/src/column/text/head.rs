@@ -79,7 +79,8 @@ impl Head {
         let rows = Rows::of(shape, &lines, args.decimal);
         let (above, data) = lines.split_at(rows.first);
         let start = data.first().map_or(0, |(number, _)| *number);
-        let comment = comments.iter().rfind(|(number, _)| *number < start).map(|(_, line)| *line);
+        let comments: Vec<&str> =
+            comments.iter().take_while(|(number, _)| *number < start).map(|(_, line)| *line).collect();
         let mut head = Self {
             delimiter: shape.delimiter,
             width: shape.width,
@@ -91,7 +92,7 @@ impl Head {
             index: false,
             open: Open::Nothing,
         };
-        let used = head.name(path, above, comment)?;
+        let used = head.name(path, above, &comments)?;
         let skipped = &above[..above.len() - used];
         head.skipped = skipped.first().map(|(_, line)| (skipped.len(), shortened(line)));
         let undecided = args.decimal.is_none() && shape == Shape { delimiter: Delimiter::Comma, width: 2 };
@@ -119,13 +120,16 @@ impl Head {
         Err(CaptureError::damaged(path, "as a text file", what).into())
     }
 
-    /// Takes the names out of the lines above the data, or out of the comment there; gives how many lines that took.
-    fn name(&mut self, path: &Path, above: &[Numbered<'_>], comment: Option<&str>) -> Result<usize> {
+    /// Takes the names out of the lines above the data, or out of the comments there; gives how many lines that took.
+    fn name(&mut self, path: &Path, above: &[Numbered<'_>], comments: &[&str]) -> Result<usize> {
         let cells = |line: &str| self.delimiter.cells(line).map(str::to_owned).collect::<Vec<_>>();
         let Some((number, last)) = above.last() else {
-            let comment = comment.unwrap_or_default().trim_start_matches(['#', '%', ' ']);
-            let names = cells(comment);
-            if names.len() == self.width && names.iter().all(|cell| is_word(cell)) && names.len() > 1 {
+            let fit = |names: &Vec<String>| names.len() == self.width && names.iter().all(|cell| is_word(cell));
+            // what is cut at blanks may be a sentence, except where names use to stand
+            let looked_at = if self.delimiter == Delimiter::Blanks { 1 } else { comments.len() };
+            let comments = comments.iter().rev().take(looked_at);
+            let mut named = comments.map(|line| cells(line.trim_start_matches(['#', '%', ' ']))).filter(fit);
+            if let Some(names) = named.next().filter(|names| names.len() > 1) {
                 self.names = names;
             }
             return Ok(0);
@@ -221,8 +225,10 @@ impl Rows {
         let numeric: Vec<bool> = (0..shape.width).map(numeric).collect();
         let is_data = |row: &Vec<&str>| fits(&row) && row.iter().zip(&numeric).all(|(cell, n)| !n || !is_word(cell));
         let with_number = |row: &Vec<&str>| is_data(row) && row.iter().any(|cell| is_number(cell));
+        // names above columns of which none holds numbers only
+        let is_title = |row: &[&str]| is_numbered(row) || row.len() > 1 && row.iter().all(|cell| is_word(cell));
         let found = rows.iter().position(with_number).unwrap_or_default();
-        let above = rows[..found].iter().rev().take_while(|row| is_data(row) && !is_numbered(row)).count();
+        let above = rows[..found].iter().rev().take_while(|row| is_data(row) && !is_title(row)).count();
         let first = found - above;
         let mut learned = [0usize; 2];
         for cell in rows[first..].iter().filter(fits).flatten() {

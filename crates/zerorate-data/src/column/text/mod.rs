@@ -57,7 +57,7 @@ fn head(path: &Path, input: &mut Input, asked: &Asked<'_>) -> Result<Head> {
     let failed = |error| CaptureError::io("read", path, error);
     let clone = |input: &Input| input.try_clone().map_err(failed);
     let start = Blocks::new(path, clone(input)?).next()?;
-    let mut head = Head::read(path, &start.as_ref().map(Block::text).unwrap_or_default(), asked.args)?;
+    let mut head = Head::read(path, &start.as_ref().map(Block::legible).unwrap_or_default(), asked.args)?;
     // who asks for a second column, or for a time, knows that there are two
     let one = match asked.wanted {
         Wanted::One(name) => name.is_none_or(|name| name == "0") && asked.args.time_column.is_none(),

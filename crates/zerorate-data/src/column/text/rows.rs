@@ -7,6 +7,7 @@ use super::head::{Head, is_comment};
 use crate::capture::CaptureError;
 use crate::capture::delimited::Delimiter;
 use memchr::{memchr, memchr_iter};
+use std::borrow::Cow;
 use std::path::Path;
 
 /// Which cells of a line are wanted.
@@ -234,12 +235,29 @@ fn read_time(numerals: &mut Numerals, cell: &str, line: u64) -> Result<Time, Str
         Ok(_) => return Err("no time; every row must have one".to_owned()),
         Err(unreadable) => unreadable,
     };
-    let stamp: Option<jiff::Timestamp> = cell.parse().ok().or_else(|| {
+    let no_time = || format!("{unreadable}, and no time such as 2026-03-01 12:00:00.25 or 12:00:00.25");
+    date(cell).or_else(|| time_of_day(cell)).map(Time::Date).ok_or_else(no_time)
+}
+
+/// ns since the epoch. A date without a zone is taken as UTC, which matters to no interval.
+fn date(cell: &str) -> Option<i64> {
+    let is_slashed = cell.get(4..5) == Some("/") && cell.get(7..8) == Some("/");
+    let cell = if is_slashed { Cow::Owned(cell.replacen('/', "-", 2)) } else { Cow::Borrowed(cell) };
+    let cell = [" UTC", " GMT"].iter().find_map(|zone| cell.strip_suffix(zone)).unwrap_or(&cell);
+    let stamp: jiff::Timestamp = cell.parse().ok().or_else(|| {
         let local: jiff::civil::DateTime = cell.parse().ok()?;
         Some(local.to_zoned(jiff::tz::TimeZone::UTC).ok()?.timestamp())
-    });
-    let ns = stamp.and_then(|stamp| i64::try_from(stamp.as_nanosecond()).ok()).ok_or(unreadable)?;
-    Ok(Time::Date(ns))
+    })?;
+    i64::try_from(stamp.as_nanosecond()).ok()
+}
+
+/// ns since midnight.
+fn time_of_day(cell: &str) -> Option<i64> {
+    let is_short = cell.get(1..2) == Some(":");
+    let cell = if is_short { Cow::Owned(format!("0{cell}")) } else { Cow::Borrowed(cell) };
+    let time: jiff::civil::Time = cell.parse().ok()?;
+    let s = i64::from(time.hour()) * 3600 + i64::from(time.minute()) * 60 + i64::from(time.second());
+    Some(s * 1_000_000_000 + i64::from(time.subsec_nanosecond()))
 }
 
 /// Broken lines of a text so far.
@@ -273,10 +291,10 @@ impl Broken {
             };
             return Err(at_line(path, line, &format!("{what}{why}")));
         }
-        let (are, each) = if bad == 1 { ("line is", "it counts") } else { ("lines are", "each counts") };
+        let (are, each) = if bad == 1 { ("is", "it counts") } else { ("are", "each counts") };
         let means = if counts { format!("; {each} as a missing sample") } else { String::new() };
         Ok(Some(format!(
-            "{}: {bad} of {rows} {are} broken and skipped{means} (the first: line {line}, {what})",
+            "{}: {bad} of {rows} lines {are} broken and skipped{means} (the first: line {line}, {what})",
             path.display()
         )))
     }

@@ -64,6 +64,54 @@ fn one_column_with_decimal_commas() {
 }
 
 #[test]
+fn thousands_beside_decimals() {
+    let rows: String = (0..300).map(|row| format!("{row},\"1,{:03}.5\"\n", row * 3)).collect();
+    let column = read(&format!("t_s,gz\n{rows}"), "--column gz");
+    assert_eq!((column.rate_hz, numbers(&column)[2]), (1.0, 1006.5));
+    // a header above columns of which none holds numbers only is one all the same
+    let said = fails("t_s,gz\n900,901\n1'000,2'000\n2'000,2'001\n3'000,2'002\n", "--column gz");
+    assert!(said.contains("holds no numbers in `gz`"), "{said}");
+}
+
+/// pandas' `to_csv` writes the index without a name.
+#[test]
+fn an_index_without_a_name_is_not_asked_for() {
+    let text = ",t_ms,gz\n0,0,0.5\n1,10,0.25\n2,20,1.5\n";
+    assert_eq!(numbers(&read(text, "")), [0.5, 0.25, 1.5]);
+    assert_eq!(numbers(&read(text, "--column 0")), [0.0, 1.0, 2.0]);
+}
+
+#[test]
+fn names_in_a_comment_above_others() {
+    let text = "# made yesterday\n# t_s,gz\n# of sensor 7\n0,0.5\n1,0.25\n2,1.5\n";
+    assert_eq!(numbers(&read(text, "--column gz")), [0.5, 0.25, 1.5]);
+}
+
+/// Excel writes Latin-1 unless asked for UTF-8.
+#[test]
+fn names_in_latin_1() {
+    let bytes: Vec<u8> = b"Zeit (s);Rate (\xB0/s)\n0;0,5\n1;0,25\n2;1,5\n".to_vec();
+    let column = Folder::new().read(bytes, "--column 1").unwrap();
+    assert_eq!((column.name.as_str(), column.scale, numbers(&column)[1]), ("Rate (°/s)", 1.0, 0.25));
+    assert!(column.warnings.is_empty(), "{:?}", column.warnings);
+}
+
+#[test]
+fn times_as_clocks_show_them() {
+    for times in [
+        ["2026/03/01 23:59:59.99", "2026/03/02 00:00:00.00", "2026/03/02 00:00:00.01"],
+        ["2026-03-01 23:59:59.99 UTC", "2026-03-02 00:00:00 UTC", "2026-03-02 00:00:00.01 UTC"],
+        ["23:59:59.99", "00:00:00", "0:00:00.01"],
+    ] {
+        let rows: String = times.iter().map(|time| format!("{time},0.5\n")).collect();
+        let column = read(&format!("time,gz\n{rows}"), "--column gz --time-column time");
+        assert!((column.rate_hz - 100.0).abs() < 1e-6 && column.missing() == 0, "{times:?}");
+    }
+    let said = fails("time,gz\n05/06/2026 07:08 AM,1\n05/06/2026 07:09 AM,2\n", "--column gz --time-column time");
+    assert!(said.contains("is no number, and no time such as 2026-03-01 12:00:00.25"), "{said}");
+}
+
+#[test]
 fn names_above_units() {
     let text = "Time,Gyro_X,Gyro_Z,Temp\n(ms),(deg/s),[rad/s],°C\n0,0.5,1.5,20\n10,0.25,2.5,20\n20,1,3.5,20\n";
     let column = read(text, "--column 2 --time-column 0");
