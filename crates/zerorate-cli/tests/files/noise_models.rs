@@ -296,6 +296,8 @@ fn a_rejected_model_is_no_result() {
     assert!(run.stdout.contains("model rejected") && !run.stdout.contains("To find the bias"), "{}", run.stdout);
     assert!(!bench.path("imu.yaml").exists());
     bench.zerorate(&format!("{line} --fit")).ended_with(3);
+    let asked = bench.zerorate(&format!("{line} --fit --json")).ended_with(3);
+    assert!(serde_json::from_str::<Value>(&asked.stdout).is_ok_and(|report| report["fit"]["rejected"] == true));
     let report: Value = serde_json::from_str(&bench.zerorate(&format!("{line} --json")).ok()).unwrap();
     assert_eq!(report["fit"]["rejected"], true);
     assert!(["n", "b", "k"].iter().all(|letter| report["fit"][letter]["identified"] == false));

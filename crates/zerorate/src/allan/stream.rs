@@ -9,6 +9,10 @@ use core::fmt;
 /// both. From sample 0 the result is that of [`Stat::Adev`](super::Stat::Adev) (NIST SP 1065 equation 10). All sums
 /// are integers; with codes of 32 bits they are exact for 2^37 samples at least.
 ///
+/// What can be told from its deviations is what [`fit_curve`](super::fit_curve) tells: N, B and K (and Q and R where
+/// they are strong), if nothing else is in the noise. Gauss–Markov terms, lines, a low-pass, glitches and steps spoil
+/// all three, and none of them can be seen without the record: where it can be kept, `fit` is for it.
+///
 /// ```
 /// use zerorate::allan::Stream;
 /// let mut whole = Stream::<24>::starting_at(0);

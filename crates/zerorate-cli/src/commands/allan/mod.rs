@@ -111,7 +111,8 @@ pub struct AllanArgs {
     #[arg(long, conflicts_with = "json")]
     csv: bool,
 
-    /// Print the result as one JSON object.
+    /// Print the result as one JSON object, with the noise model. One that is rejected says so in it; it is exit code
+    /// 3 where it was asked for, with --fit or --pool.
     #[arg(long)]
     json: bool,
 }
