@@ -192,9 +192,15 @@ fn same_rates(records: &[PoolRecord<'_>]) -> Result<(), PoolError> {
     other.map_or(Ok(()), |other| Err(PoolError::Rates { first_hz, other_hz: other.rate_hz }))
 }
 
+impl PoolRecord<'_> {
+    /// Without what was taken out.
+    fn cleaned(&self) -> &[f64] {
+        self.fit.cleaned.rate.as_deref().unwrap_or(self.rate)
+    }
+}
+
 fn table(record: &PoolRecord<'_>) -> Result<Table, FitError> {
-    let rate = record.fit.cleaned.rate.as_deref().unwrap_or(record.rate);
-    let (_, mut table) = fitted(rate, record.rate_hz)?;
+    let (_, mut table) = fitted(record.cleaned(), record.rate_hz)?;
     if let Some((drift, size)) = record.fit.model.drift {
         table.remove(drift, size);
     }
@@ -256,7 +262,7 @@ fn spreads(records: &[&PoolRecord<'_>]) -> Vec<Spread> {
 fn common(records: &[&PoolRecord<'_>], chosen: &Selection, spread: &[Spread]) -> Result<Fit, FitError> {
     let found = &chosen.found;
     let rate_hz = chosen.problem.table.rate_hz;
-    let samples = records.iter().map(|record| record.rate.len()).max().unwrap_or(0);
+    let samples = records.iter().map(|record| record.cleaned().len()).max().unwrap_or(0);
     let record_s = samples as f64 / rate_hz;
     let is_rejected = chosen.problem.error > MOST_ERROR;
     let coefficients = Coefficients { samples, chosen, rate_hz, is_rejected };

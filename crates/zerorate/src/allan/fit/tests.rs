@@ -483,8 +483,10 @@ fn nothing_panics() {
 
 fn pool_of(rates: &[Vec<f64>]) -> Result<Pool, PoolError> {
     let fits: Vec<Fit> = rates.iter().map(|rate| of(rate)).collect();
+    // of a record that was cleaned nothing else is kept
+    let kept = rates.iter().zip(&fits).map(|(rate, fit)| if fit.cleaned.rate.is_some() { &[][..] } else { rate });
     let record = |(rate, fit)| PoolRecord { rate, rate_hz: RATE_HZ, fit };
-    fit_pool(&rates.iter().map(Vec::as_slice).zip(&fits).map(record).collect::<Vec<_>>())
+    fit_pool(&kept.zip(&fits).map(record).collect::<Vec<_>>())
 }
 
 /// Four units of one type know K twice as well as one.
@@ -541,6 +543,25 @@ fn a_pool_is_of_records_of_one_setting() {
     assert_eq!(fit_pool(&[at(100.0)]).unwrap_err(), PoolError::TooFew { records: 1 });
     let rates = fit_pool(&[at(100.0), at(200.0)]).unwrap_err();
     assert!(rates.to_string().contains("100.000 and 200.000 Hz"), "{rates}");
+}
+
+/// Every record has a glitch, and the model a Gauss–Markov term whose bound goes with the length of the longest.
+#[test]
+fn a_pool_of_cleaned_records_knows_their_length() {
+    let truth = Truth { n: 0.03, sigma: 0.02, tau_s: 3.0, ..Truth::default() };
+    let rate = |seed| {
+        let mut rate = truth.noise(100_000, seed);
+        rate[50_000] = 50.0;
+        rate
+    };
+    let fit = pool_of(&[rate(78), rate(79)]).unwrap().fit;
+    assert_eq!(fit.span_s, (0.01, 500.0));
+    assert!(fit.k.needed_s.unwrap() > 1000.0, "{:?}", fit.k);
+    assert!(
+        matches!(fit.terms[..], [Term::GaussMarkov { tau_s, .. }] if near(tau_s.value, 3.0, 0.3)),
+        "{:?}",
+        fit.terms
+    );
 }
 
 /// A warm-up of one of them is none of the type.
