@@ -127,9 +127,9 @@ fn read_arrays(path: &Path, room: Room, mut arrays: Vec<OpenArray>, asked: &Aske
     for (at, OpenArray { file, fields, rows, start }) in arrays.iter_mut().enumerate() {
         let here: Vec<usize> = (0..wanted.len()).filter(|column| places[wanted[*column]].0 == at).collect();
         let of_here: Vec<&Field> = here.iter().map(|column| &fields[places[wanted[*column]].1]).collect();
-        each(path, file, *start, *rows, &of_here, |column, cell| match values.get_mut(here[column]) {
-            Some(values) => push_value(values, cell),
-            None => push_time(&mut times, cell, of_here[column]),
+        each(path, file, *start, *rows, &of_here, |column, cells| match values.get_mut(here[column]) {
+            Some(values) => push_values(values, cells, of_here[column]),
+            None => push_times(&mut times, cells, of_here[column]),
         })?;
     }
     let clock = time.map_or(Clock::Silent, |_| Clock::Column(names[chosen.len()].clone(), times));
@@ -137,26 +137,35 @@ fn read_arrays(path: &Path, room: Room, mut arrays: Vec<OpenArray>, asked: &Aske
     Ok(Found { columns: columns.collect(), clock, warning: None })
 }
 
-fn push_value(values: &mut SeriesBuilder, cell: Cell) -> Result<(), String> {
-    match cell {
-        Cell::Integer(integer) => values.push_integer(integer),
-        Cell::Number(number) if values.push_number(number) => {}
-        Cell::Number(_) => return Err("it is infinite, which cannot be averaged".to_owned()),
+/// What is wrong, and in which of the rows at hand.
+type Wrong = (usize, String);
+
+fn push_values(values: &mut SeriesBuilder, cells: &Cells<'_>, field: &Field) -> Result<(), Wrong> {
+    let infinite = |row| (row, "it is infinite, which cannot be averaged".to_owned());
+    if field.is_plain() {
+        return values.extend_numbers(&cells.plain()).map_err(infinite);
+    }
+    for (row, cell) in cells.iter().enumerate() {
+        match field.decode(cell) {
+            Cell::Integer(integer) => values.push_integer(integer),
+            Cell::Number(number) if values.push_number(number) => {}
+            Cell::Number(_) => return Err(infinite(row)),
+        }
     }
     Ok(())
 }
 
-fn push_time(times: &mut Times, cell: Cell, field: &Field) -> Result<(), String> {
-    match cell {
-        Cell::Integer(i64::MIN) if field.kind == Some(Kind::Time) => {
-            Err("no time; every row must have one".to_owned())
+fn push_times(times: &mut Times, cells: &Cells<'_>, field: &Field) -> Result<(), Wrong> {
+    for (row, cell) in cells.iter().enumerate() {
+        match field.decode(cell) {
+            Cell::Integer(i64::MIN) if field.kind == Some(Kind::Time) => {
+                return Err((row, "no time; every row must have one".to_owned()));
+            }
+            Cell::Integer(time) => times.push_integer(time),
+            Cell::Number(time) => times.push_number(time).map_err(|what| (row, what))?,
         }
-        Cell::Integer(time) => {
-            times.push_integer(time);
-            Ok(())
-        }
-        Cell::Number(time) => times.push_number(time),
     }
+    Ok(())
 }
 
 /// Reads the header, a literal of Python behind its length. The library takes the length for granted and parses nested
@@ -247,11 +256,13 @@ impl Field {
         Self { name, ..self }
     }
 
+    /// Whether it holds f64 in the order of bytes of nearly all machines.
+    fn is_plain(&self) -> bool {
+        self.kind == Some(Kind::Float) && self.size == 8 && !self.big_endian
+    }
+
     /// The number in these bytes.
     fn decode(&self, bytes: &[u8]) -> Cell {
-        if let (Some(Kind::Float), false, [b0, b1, b2, b3, b4, b5, b6, b7]) = (self.kind, self.big_endian, bytes) {
-            return Cell::Number(f64::from_le_bytes([*b0, *b1, *b2, *b3, *b4, *b5, *b6, *b7]));
-        }
         // little endian, extended to eight bytes
         let mut wide = [0; 8];
         wide[..self.size].copy_from_slice(bytes);
@@ -341,25 +352,48 @@ enum Cell {
     Number(f64),
 }
 
-/// Calls `take` with every number of these columns: row by row in one pass, where a row stands in one place.
+/// Cells of a column in some rows, one behind the other.
+struct Cells<'a> {
+    /// From the first on.
+    bytes: &'a [u8],
+    stride: usize,
+    size: usize,
+}
+
+impl Cells<'_> {
+    fn iter(&self) -> impl Iterator<Item = &[u8]> {
+        self.bytes.chunks(self.stride).map(|row| &row[..self.size])
+    }
+
+    /// Of [plain](Field::is_plain) cells the numbers.
+    fn plain(&self) -> Vec<f64> {
+        let (packed, rest) = self.bytes.as_chunks();
+        if self.stride == size_of::<f64>() && rest.is_empty() {
+            return packed.iter().map(|cell| f64::from_le_bytes(*cell)).collect();
+        }
+        self.iter().filter_map(<[u8]>::first_chunk).map(|cell| f64::from_le_bytes(*cell)).collect()
+    }
+}
+
+/// Calls `take` with some cells of these columns after the other: in one pass, where a row stands in one place.
 fn each(
     path: &Path,
     file: &mut BufReader<Input>,
     start: u64,
     rows: u64,
     fields: &[&Field],
-    mut take: impl FnMut(usize, Cell) -> Result<(), String>,
+    mut take: impl FnMut(usize, &Cells<'_>) -> Result<(), Wrong>,
 ) -> Result<(), CaptureError> {
     if fields.is_empty() {
         return Ok(());
     }
     let mut array = Array { path, file, start, rows };
     if span(fields) <= fields.first().map_or(0, |field| field.stride) {
-        return array.each_row(fields, take);
+        return array.each_block(fields, take);
     }
     // one column behind the other
     let mut columns = fields.iter().enumerate();
-    columns.try_for_each(|(column, field)| array.each_row(&[*field], |_, cell| take(column, cell)))
+    columns.try_for_each(|(column, field)| array.each_block(&[*field], |_, cells| take(column, cells)))
 }
 
 /// Bytes from the start of the first of these columns to the end of the last, in a row.
@@ -377,10 +411,10 @@ struct Array<'a> {
 }
 
 impl Array<'_> {
-    fn each_row(
+    fn each_block(
         &mut self,
         fields: &[&Field],
-        mut take: impl FnMut(usize, Cell) -> Result<(), String>,
+        mut take: impl FnMut(usize, &Cells<'_>) -> Result<(), Wrong>,
     ) -> Result<(), CaptureError> {
         let Self { path, file, start, rows } = self;
         let failed = |error| CaptureError::io("read", path, error);
@@ -394,12 +428,12 @@ impl Array<'_> {
             let some = at_once.min(*rows - from);
             bytes.resize((some - 1) as usize * stride as usize + span, 0);
             file.read_exact(&mut bytes).map_err(failed)?;
-            for (row, bytes) in (from..from + some).zip(bytes.chunks(stride as usize)) {
-                for (column, field) in fields.iter().enumerate() {
-                    let cell = field.decode(&bytes[(field.offset - first) as usize..][..field.size]);
-                    take(column, cell)
-                        .map_err(|what| wrong(path, format_args!("column {}, row {row}", field.name), what))?;
-                }
+            for (column, field) in fields.iter().enumerate() {
+                let offset = (field.offset - first) as usize;
+                let cells = Cells { bytes: &bytes[offset..], stride: stride as usize, size: field.size };
+                take(column, &cells).map_err(|(row, what)| {
+                    wrong(path, format_args!("column {}, row {}", field.name, from + row as u64), what)
+                })?;
             }
             if from + some < *rows {
                 file.seek_relative((stride - span as u64) as i64).map_err(failed)?;

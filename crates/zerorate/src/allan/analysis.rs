@@ -1,6 +1,6 @@
 //! The whole analysis of a record: deviations, noise types, degrees of freedom and limits.
 
-use super::kernels::{Deviation, Reason, deviations};
+use super::kernels::{Deviation, Reason, deviations, join};
 use super::noise_id::{Identified, identify};
 use super::phase_points::phase_points;
 use super::taus::{longest, nearest};
@@ -119,7 +119,9 @@ pub fn analyse(input: &Input<'_>, rate_hz: f64, options: &Options) -> Result<Ana
     let requests = requests(input, rate_hz, options);
     let (first, again): (Vec<Request>, Vec<Request>) = requests.into_iter().partition(|request| request.is_first);
     let lengths: Vec<u64> = first.iter().map(|request| request.m).collect();
-    let deviations = deviations(input, rate_hz, options.stat, &lengths);
+    let positive: Vec<u64> = lengths.iter().copied().filter(|m| *m > 0).collect();
+    let (deviations, noise) =
+        join(|| deviations(input, rate_hz, options.stat, &lengths), || identify(input, options.stat, &positive));
     let mut unavailable: Vec<Unavailable> = first
         .iter()
         .zip(&deviations)
@@ -128,13 +130,15 @@ pub fn analyse(input: &Input<'_>, rate_hz: f64, options: &Options) -> Result<Ana
     unavailable.extend(
         again.iter().map(|request| Unavailable { tau_s: request.tau_s, reason: Reason::SameLength { m: request.m } }),
     );
-    let found: Vec<Deviation> = deviations.into_iter().flatten().collect();
+    let mut noise = positive.into_iter().zip(noise);
+    let found = deviations.into_iter().flatten();
+    let found = found.filter_map(|deviation| Some((deviation, noise.find(|(m, _)| *m == deviation.m)?.1))).collect();
     Ok(Analysis {
         stat: options.stat,
         rate_hz,
         samples: input.len(),
         missing: input.missing(),
-        points: points(input, rate_hz, options, &found),
+        points: points(input, rate_hz, options, found),
         unavailable,
     })
 }
@@ -179,19 +183,18 @@ fn requests(input: &Input<'_>, rate_hz: f64, options: &Options) -> Vec<Request> 
     requests
 }
 
-fn points(input: &Input<'_>, rate_hz: f64, options: &Options, found: &[Deviation]) -> Vec<Point> {
+fn points(input: &Input<'_>, rate_hz: f64, options: &Options, found: Vec<(Deviation, Identified)>) -> Vec<Point> {
     let stat = options.stat;
     let total = phase_points(input);
-    let lengths: Vec<u64> = found.iter().map(|deviation| deviation.m).collect();
-    let point = |(deviation, noise): (&Deviation, Identified)| {
-        let &Deviation { m, dev, n } = deviation;
+    let point = |(deviation, noise): (Deviation, Identified)| {
+        let Deviation { m, dev, n } = deviation;
         let dev = dev * options.scale;
         let left = n as f64 / stat.row().kernel.terms(total, m).max(1) as f64;
         let edf = (edf(stat, noise.cautious, m, total) * left).max(1.0);
         let (lo, hi) = interval(dev, edf, options.confidence);
         Point { tau_s: m as f64 / rate_hz, m, dev, lo, hi, edf, alpha: noise.alpha, n }
     };
-    found.iter().zip(identify(input, stat, &lengths)).map(point).collect()
+    found.into_iter().map(point).collect()
 }
 
 #[cfg(test)]

@@ -248,17 +248,31 @@ const STOPPED_SAMPLES: usize = 1000;
 /// A column of one value is no noise but a dead sensor. One that stops changing is said: a log of another part need
 /// not have stopped with it.
 fn stopped(file: &Path, column: &Column) -> Result<Option<String>> {
-    let (len, changes, last_change) = match &column.series {
-        Series::Codes(codes) => changes(codes.iter().map(|code| f64::from(*code))),
-        Series::Numbers(numbers) => changes(numbers.iter().copied().filter(|number| !number.is_nan())),
-    };
-    if changes == 0 {
+    match &column.series {
+        Series::Codes(codes) => stopped_values(file, column, codes.iter()),
+        Series::Numbers(numbers) => stopped_values(file, column, numbers.iter().filter(|number| !number.is_nan())),
+    }
+}
+
+fn stopped_values<T: PartialEq>(
+    file: &Path,
+    column: &Column,
+    values: impl DoubleEndedIterator<Item = T> + Clone,
+) -> Result<Option<String>> {
+    // from its end a record that goes on is told by its last samples
+    let last = values.clone().next_back();
+    let same = values.clone().rev().take_while(|value| Some(value) == last.as_ref()).count();
+    if same < STOPPED_SAMPLES && values.clone().rev().nth(same).is_some() {
+        return Ok(None);
+    }
+    let len = values.clone().count();
+    if same == len {
         let what = format!("{}: all {len} samples of column {} are the same", file.display(), column.name);
         return Err(Refused(format!("{what}: a dead or frozen sensor, and no noise that could be analysed")).into());
     }
-    let same = len - last_change;
-    let stopped = same >= STOPPED_SAMPLES && changes * 2 > last_change;
-    Ok(stopped.then(|| {
+    let changes = values.clone().zip(values.skip(1)).filter(|(one, next)| one != next).count();
+    let has_stopped = changes * 2 > len - same;
+    Ok(has_stopped.then(|| {
         format!(
             "frozen: {}: the last {same} of {len} samples of column {} are the same, while it changed most of the \
             time before; the sensor may have stopped: cut the log there",
@@ -266,18 +280,6 @@ fn stopped(file: &Path, column: &Column) -> Result<Option<String>> {
             column.name
         )
     }))
-}
-
-/// How many values, how many changes among them, and where the last one was.
-fn changes(values: impl Iterator<Item = f64>) -> (usize, usize, usize) {
-    let (mut len, mut changes, mut last_change, mut before) = (0, 0, 0, None);
-    for value in values {
-        if before.is_some_and(|before| before != value) {
-            (changes, last_change) = (changes + 1, len);
-        }
-        (len, before) = (len + 1, Some(value));
-    }
-    (len, changes, last_change)
 }
 
 /// The numbers as phase, if that is what they are. A lost phase point is a point that is not there.

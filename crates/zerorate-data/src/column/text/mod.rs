@@ -18,10 +18,13 @@ use crate::capture::CaptureError;
 use crate::limits::Room;
 use blocks::{Block, Blocks};
 use head::{Head, Open};
-use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator};
+use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, IntoParallelRefMutIterator, ParallelIterator};
 use rows::{Broken, Cut, Piece, Time, at_line};
 use std::io::Seek;
 use std::path::Path;
+
+/// Blocks for each thread: with a single one, who reads the next ones is late with his.
+const AT_ONCE: usize = 2;
 
 /// Reads columns of text.
 pub fn read(path: &Path, mut input: Input, room: Room, asked: &Asked<'_>) -> Result<Found> {
@@ -34,21 +37,26 @@ pub fn read(path: &Path, mut input: Input, room: Room, asked: &Asked<'_>) -> Res
     let cut = rows::cut(path, &head, &values, time);
     let mut reading = TextColumns::new(&cut, room, &head);
     let mut blocks = Blocks::new(path, input);
-    let at_once = rayon::current_num_threads();
+    let at_once = AT_ONCE * rayon::current_num_threads();
     let mut several = blocks.several(at_once)?;
+    let columns = reading.columns.len();
+    let pieces = || (0..at_once).map(|_| Piece::new(columns)).collect::<Vec<Piece>>();
+    let (mut pieces, mut before) = (pieces(), pieces());
     let mut is_first = true;
     while !several.is_empty() {
-        let numerals = || Numerals::new(head.decimal);
-        let read = |(at, block): (usize, &Block)| cut.read(block, numerals(), is_first && at == 0);
-        // the next are read while these are taken apart
-        let (pieces, next) = rayon::join(
-            || several.par_iter().enumerate().map(read).collect::<Vec<Piece>>(),
-            || blocks.several(at_once),
+        pieces.iter_mut().for_each(|piece| piece.clear(Numerals::new(head.decimal)));
+        let read = |(at, (block, piece)): (usize, (&Block, &mut Piece))| cut.read(block, is_first && at == 0, piece);
+        // the next are read, and those before put away, while these are taken apart
+        let ((), (next, is_away)) = rayon::join(
+            || several.par_iter().zip(&mut pieces).enumerate().for_each(read),
+            || (blocks.several(at_once), reading.append(&before)),
         );
-        pieces.into_iter().try_for_each(|piece| reading.append(piece))?;
+        is_away?;
+        std::mem::swap(&mut pieces, &mut before);
         blocks.reuse(std::mem::replace(&mut several, next?));
         is_first = false;
     }
+    reading.append(&before)?;
     reading.finish(head, asked)
 }
 
@@ -95,30 +103,40 @@ impl<'a> TextColumns<'a> {
         }
     }
 
-    fn append(&mut self, piece: Piece) -> Result<(), CaptureError> {
+    fn append(&mut self, pieces: &[Piece]) -> Result<(), CaptureError> {
         let path = self.cut.path;
-        let Piece { columns, times, lines, rows, bad, first_bad, fatal, cut, numerals } = piece;
-        let line = |(line, what): (u64, String)| (line + self.lines, what);
-        if let Some((line, what)) = fatal.map(line) {
-            return Err(at_line(path, line, &what));
+        self.columns.par_iter_mut().enumerate().try_for_each(|(at, builder)| {
+            pieces.iter().map(|piece| &piece.columns[at]).try_for_each(|(values, are_codes)| {
+                builder.check_room(values.len() as u64).map_err(|why| CaptureError::no_room(path, why))?;
+                builder.extend_cells(values, *are_codes);
+                Ok(())
+            })
+        })?;
+        pieces.iter().try_for_each(|piece| self.learn(piece))
+    }
+
+    /// What a piece holds beside its numbers.
+    fn learn(&mut self, piece: &Piece) -> Result<(), CaptureError> {
+        let path = self.cut.path;
+        let Piece { times, lines, rows, bad, first_bad, fatal, cut, numerals, .. } = piece;
+        if let Some((line, what)) = fatal {
+            return Err(at_line(path, self.lines + line, what));
         }
         self.broken.rows += rows;
         self.broken.bad += bad;
-        self.broken.first = self.broken.first.take().or(first_bad.map(line));
-        if let Some((line, what)) = cut.map(line) {
-            if self.rows() == 0 && columns.first().is_none_or(|(values, _)| values.is_empty()) {
-                return Err(at_line(path, line, &what));
+        if let (None, Some((line, what))) = (&self.broken.first, first_bad) {
+            self.broken.first = Some((self.lines + line, what.clone()));
+        }
+        if let Some((line, what)) = cut {
+            let error = at_line(path, self.lines + line, what);
+            if self.rows() == 0 {
+                return Err(error);
             }
-            let error = at_line(path, line, &what);
             self.warning = Some(format!("{error}: the file was cut short, so this line is dropped"));
         }
-        if !self.numerals.join(numerals, self.lines) {
+        if !self.numerals.join(numerals.clone(), self.lines) {
             let what = "some numbers have a decimal point and others a decimal comma";
             return Err(CaptureError::damaged(path, "as a text file", what));
-        }
-        for (builder, (values, are_codes)) in self.columns.iter_mut().zip(columns) {
-            builder.check_room(values.len() as u64).map_err(|why| CaptureError::no_room(path, why))?;
-            builder.extend_cells(&values, are_codes);
         }
         if let Some(all) = &mut self.times {
             times.iter().try_for_each(|time| push_time(all, *time)).map_err(|what| {

@@ -8,6 +8,7 @@ use crate::capture::CaptureError;
 use crate::capture::delimited::Delimiter;
 use memchr::{memchr, memchr_iter};
 use std::borrow::Cow;
+use std::mem::take;
 use std::path::Path;
 
 /// Which cells of a line are wanted.
@@ -64,28 +65,45 @@ pub enum Time {
     Date(i64),
 }
 
+impl Piece {
+    /// Of no line, of so many columns.
+    pub fn new(columns: usize) -> Self {
+        Self {
+            columns: vec![(Vec::new(), true); columns],
+            times: Vec::new(),
+            lines: 0,
+            rows: 0,
+            bad: 0,
+            first_bad: None,
+            fatal: None,
+            cut: None,
+            numerals: Numerals::new(None),
+        }
+    }
+
+    /// The same of no line again, in the memory that it has: what is new costs as much as what is read into it.
+    pub fn clear(&mut self, numerals: Numerals) {
+        self.columns.iter_mut().for_each(|(column, are_codes)| {
+            column.clear();
+            *are_codes = true;
+        });
+        self.times.clear();
+        let (columns, times) = (take(&mut self.columns), take(&mut self.times));
+        *self = Self { columns, times, numerals, ..Self::new(0) };
+    }
+}
+
 impl Cut<'_> {
-    /// Reads the lines of a block; `lines` of the text, if known, stand before it.
-    pub fn read(&self, block: &Block, numerals: Numerals, is_first: bool) -> Piece {
+    /// Reads the lines of a block into a piece that is clear.
+    pub fn read(&self, block: &Block, is_first: bool, piece: &mut Piece) {
         let text = block.text();
         let has_quotes = memchr(b'"', text.as_bytes()).is_some();
-        let columns = self.names.len() - usize::from(self.time.is_some());
         let mut reading = Reading {
             cut: self,
             plain: self.delimiter.byte().filter(|_| !has_quotes),
             cells: vec![""; self.names.len()],
-            values: vec![Number::Missing; columns],
-            piece: Piece {
-                columns: vec![(Vec::with_capacity(block.bytes().len() / (4 * self.width + 4)), true); columns],
-                times: Vec::new(),
-                lines: 0,
-                rows: 0,
-                bad: 0,
-                first_bad: None,
-                fatal: None,
-                cut: None,
-                numerals,
-            },
+            values: vec![Number::Missing; piece.columns.len()],
+            piece,
         };
         let mut start = 0;
         for end in memchr_iter(b'\n', text.as_bytes()) {
@@ -95,7 +113,6 @@ impl Cut<'_> {
         if start < text.len() {
             reading.line(&text[start..], is_first, !block.is_last);
         }
-        reading.piece
     }
 }
 
@@ -105,7 +122,7 @@ struct Reading<'a, 't> {
     plain: Option<u8>,
     cells: Vec<&'t str>,
     values: Vec<Number>,
-    piece: Piece,
+    piece: &'a mut Piece,
 }
 
 impl<'t> Reading<'_, 't> {

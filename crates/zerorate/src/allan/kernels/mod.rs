@@ -17,6 +17,7 @@ mod threads;
 #[cfg(feature = "std")]
 pub(super) use gaps::expanded;
 pub(super) use kernel::{Kernel, Order, Plain};
+pub(super) use threads::join;
 
 use super::stat::{Factor, Row};
 use super::{Input, Stat};

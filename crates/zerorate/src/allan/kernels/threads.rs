@@ -2,6 +2,18 @@
 
 use alloc::vec::Vec;
 
+/// The results of both.
+#[cfg(feature = "std")]
+pub fn join<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + Send) -> (A, B) {
+    rayon::join(a, b)
+}
+
+/// The results of both.
+#[cfg(not(feature = "std"))]
+pub fn join<A, B>(a: impl FnOnce() -> A, b: impl FnOnce() -> B) -> (A, B) {
+    (a(), b())
+}
+
 /// The results of `f(0)`, `f(1)` … in this order.
 #[cfg(feature = "std")]
 pub(super) fn map<R: Send>(pieces: usize, f: impl Fn(usize) -> R + Sync + Send) -> Vec<R> {
