@@ -37,6 +37,8 @@ mod running;
 mod shape;
 mod stationarity;
 mod tally;
+#[cfg(feature = "file")]
+mod toml_error;
 
 #[cfg(feature = "file")]
 pub use calibration::Calibration;

@@ -47,6 +47,10 @@ pub enum OutputError {
     #[error("cannot write {}: it is a folder", path.display())]
     Folder { path: PathBuf },
 
+    /// Nothing can be put where there is no folder.
+    #[error("cannot write {}: there is no folder {}; make it, or choose another", path.display(), folder.display())]
+    NoFolder { path: PathBuf, folder: PathBuf },
+
     /// The file system said no.
     #[error("cannot {action} {}", path.display())]
     Io { action: &'static str, path: PathBuf, source: io::Error },
@@ -56,7 +60,7 @@ impl OutputError {
     /// Whether another name, or `--force`, is all that it takes: exit code 2.
     #[must_use]
     pub fn is_refusal(&self) -> bool {
-        !matches!(self, Self::Io { .. } | Self::Folder { .. } | Self::TakenMeanwhile { .. })
+        !matches!(self, Self::Io { .. } | Self::Folder { .. } | Self::NoFolder { .. } | Self::TakenMeanwhile { .. })
     }
 
     /// An I/O error, with what was being done to which file.

@@ -47,9 +47,11 @@ impl Place {
     }
 
     fn named(path: &Path, at: &Path, replaces: Option<Identity>) -> Result<Self, OutputError> {
-        let failed = |error| OutputError::io("write", path, error);
         let name = at.file_name().ok_or_else(|| OutputError::Folder { path: path.to_owned() })?;
-        let folder = folder_of(at).canonicalize().map_err(failed)?;
+        let folder = folder_of(at).canonicalize().map_err(|error| match error.kind() {
+            ErrorKind::NotFound => OutputError::NoFolder { path: path.to_owned(), folder: folder_of(at).to_owned() },
+            _ => OutputError::io("write", path, error),
+        })?;
         Ok(Self::Name { folder, name: name.to_owned(), replaces })
     }
 

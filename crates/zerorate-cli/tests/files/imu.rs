@@ -178,7 +178,7 @@ fn units_are_asked_for_and_never_guessed() {
     let named = log().replacen(HEAD, "t_s,wx,wy,wz,ax,ay,az,mag_x,temp_c", 1);
     bench.write("imu.csv", named);
     let run = bench.zerorate(LINE).ended_with(2);
-    assert!(run.stderr.contains("the unit of column wx is not stated"), "{}", run.stderr);
+    assert!(run.stderr.contains("columns wx, wy, wz (gyroscope) state no unit"), "{}", run.stderr);
     let run = bench.zerorate(&format!("{LINE} --gyro-unit m/s^2")).ended_with(2);
     assert!(run.stderr.contains("is no unit for gyroscopes"));
     let broken = std::fs::read_to_string(bench.path("imu.csv")).unwrap().replacen("\n50.00,", "\nreset\n50.00,", 1);
@@ -400,6 +400,42 @@ fn ctrl_c_leaves_nothing_behind() {
     assert_eq!(std::fs::read_dir(bench.dir.path()).unwrap().count(), 0);
 }
 
+/// What a researcher gets wrong is named with what to do, and whatever is said of the log is true of it.
+#[test]
+fn what_leads_on() {
+    let bench = bench();
+    let plain = log().replace("t_s,gyro_x_dps,gyro_y_dps,gyro_z_dps", "time,gx,gy,gz");
+    bench.write("plain.csv", plain.replace(" [m/s^2]", ""));
+    bench.write("sheet.toml", "schema = 1\nname = \"x\"\n[gyroscope]\nnoise_densty = 1\n");
+    bench.write("binary.toml", b"\xff\xfe");
+    for (line, said) in [
+        ("imu plain.csv", "give --rate in Hz, or --time-column with --time-unit if `time` is the time"),
+        ("imu plain.csv --rate 100", "columns gx, gy, gz (gyroscope) state no unit; give --gyro-unit"),
+        ("imu plain.csv --rate 100", "; columns ax, ay, az (accelerometer) state no unit; give --accel-unit"),
+        (
+            "imu imu.csv --datasheet sheet.toml",
+            "docs/formats/datasheet.md): line 4, `noise_densty = 1`: unknown field `noise_densty`, expected one of",
+        ),
+        ("imu imu.csv --datasheet binary.toml", "binary.toml: not the file of a data sheet: it is no text"),
+        (
+            "imu imu.csv -o x.yaml --format kf-gins --column 1,2",
+            "2 gyroscope axes, and KF-GINS takes three; choose three with --column",
+        ),
+        ("imu imu.csv -o x.yaml --format kalbr", "tip: a similar value exists: 'kalibr'"),
+    ] {
+        let run = bench.zerorate(line).fails(2);
+        assert!(run.contains(said), "{line}: {run}");
+    }
+    let run = bench.zerorate("imu imu.csv -o none/imu.yaml").fails(1);
+    assert!(run.contains("cannot write none/imu.yaml: there is no folder none; make it"), "{run}");
+    let run = bench.zerorate("imu imu.csv --column 1,2,3 --format VINS").ended_with(0);
+    assert!(run.stderr.contains("warning: --column names no accelerometer"), "{}", run.stderr);
+    let several = log().replacen("t_s,gyro_x_dps,gyro_y_dps,gyro_z_dps,ax [m/s^2]", "t_s,a_dps,b_dps,c_dps,d_dps", 1);
+    bench.write("several.csv", several);
+    let run = bench.zerorate("imu several.csv").ended_with(0);
+    assert!(run.stderr.contains("4 columns are gyroscopes, and an IMU has three"), "{}", run.stderr);
+}
+
 /// A log of gyroscopes alone makes a file that says what is to be filled in, and no format by axis makes up axes.
 #[test]
 fn a_gyroscope_alone_leaves_the_rest_open() {
@@ -409,9 +445,9 @@ fn a_gyroscope_alone_leaves_the_rest_open() {
     bench.write("imu.csv", three);
     bench.zerorate(&format!("{LINE} -o imu.yaml")).ok();
     let yaml = std::fs::read_to_string(bench.path("imu.yaml")).unwrap();
-    assert!(yaml.contains("# accelerometer_noise_density:   # m/s²/√Hz: the log has no such axes"), "{yaml}");
+    assert!(yaml.contains("# accelerometer_noise_density:   # m/s²/√Hz: no such axes were read"), "{yaml}");
     let run = bench.zerorate(&format!("{LINE} --format ros -o ros.yaml")).ended_with(2);
-    assert!(run.stderr.contains("2 axes of its gyroscope"), "{}", run.stderr);
+    assert!(run.stderr.contains("2 gyroscope axes, and ROS"), "{}", run.stderr);
 }
 
 /// Curves, spectra and records of both kinds, with what stands out named; a page of six axes is no burden.

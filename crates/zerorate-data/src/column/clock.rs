@@ -125,7 +125,8 @@ impl Times {
     pub fn beat(&self, unit: TimeUnit, names: Names) -> Result<Beat, String> {
         let rate = names.of(Setting::Rate);
         let interval = self.interval();
-        let interval = interval.ok_or_else(|| format!("a time column of a single row tells no rate; give {rate}"))?;
+        let interval =
+            interval.ok_or_else(|| format!("a time column of fewer than two rows tells no rate; give {rate}"))?;
         let rows = self.since_first.len();
         let mut tracking = Tracking { interval, even: 0.0, steps: 0, squares: 0.0, gaps: Vec::new() };
         for (row, time) in self.since_first.iter().enumerate().skip(1) {
@@ -471,8 +472,8 @@ mod tests {
 
     #[test]
     fn clocks_without_a_beat_are_refused() {
-        assert!(beat([0.0]).unwrap_err().contains("single row"));
-        assert!(beat([]).unwrap_err().contains("single row"));
+        assert!(beat([0.0]).unwrap_err().contains("fewer than two rows"));
+        assert!(beat([]).unwrap_err().contains("fewer than two rows"));
         // rows that arrive in bursts of ten
         let bursts = (0..1000).map(|i| f64::from(i / 10) + f64::from(i % 10) * 0.002);
         let said = beat(bursts).unwrap_err();

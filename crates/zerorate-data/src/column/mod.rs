@@ -355,7 +355,10 @@ impl Found {
             (None, Clock::Counted { rate_hz, gaps }) => (rate_hz, gaps),
             (None, _) => (None, Vec::new()),
         };
-        let rate_hz = args.rate.or(measured).ok_or_else(|| no_rate(path, args.names))?;
+        let rate_hz = args.rate.or(measured).ok_or_else(|| {
+            let names: Vec<&str> = columns.iter().map(|column| column.name.as_str()).collect();
+            no_rate(path, &names, args.names)
+        })?;
         let mut of_file = warning;
         let finish = |column: FoundColumn| {
             let said = [of_file.take(), column.warning.clone()].into_iter().flatten();
@@ -409,9 +412,17 @@ fn unsteady(path: &Path, column: &str, why: &str) -> LogError {
     LogError::Refused(format!("{}, column {column}: {why}", path.display()))
 }
 
-fn no_rate(path: &Path, names: Names) -> LogError {
-    let [rate, time] = [Setting::Rate, Setting::TimeColumn].map(|setting| names.of(setting));
-    let remedy = format!("give {rate} in Hz, or {time} if a column holds the time");
+/// Of `columns`, those that may hold the time are named.
+fn no_rate(path: &Path, columns: &[&str], names: Names) -> LogError {
+    let [rate, time, unit] = [Setting::Rate, Setting::TimeColumn, Setting::TimeUnit].map(|setting| names.of(setting));
+    let is_like_time = |name: &str| {
+        let name = name.to_lowercase();
+        name == "t" || name.contains("time") || name.contains("stamp")
+    };
+    let remedy = match columns.iter().find(|name| is_like_time(name)) {
+        Some(column) => format!("give {rate} in Hz, or {time} with {unit} if `{column}` is the time"),
+        None => format!("give {rate} in Hz, or {time} if a column holds the time"),
+    };
     LogError::Ask(format!("{} does not say how fast it was sampled: {remedy}", path.display()))
 }
 

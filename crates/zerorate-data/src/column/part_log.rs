@@ -235,7 +235,7 @@ fn times(path: &Path, clock: Clock, rows: usize, args: &ColumnOptions) -> Result
         (Some(rate_hz), _) => (silent(rate_hz), Vec::new()),
         (None, clock) => match (clock.beat(path, args)?, clock) {
             (Some((unit, Beat { gaps, .. })), Clock::Column(_, times)) => (times.nanoseconds(unit), gaps),
-            _ => return Err(super::no_rate(path, args.names)),
+            _ => return Err(super::no_rate(path, &[], args.names)),
         },
     };
     if t_ns.windows(2).any(|pair| pair[1] <= pair[0]) {

@@ -56,17 +56,22 @@ impl Axes {
     /// Where no column is one, or the unit of one is not known.
     pub fn of(path: &Path, columns: Vec<Column>, options: &ImuOptions) -> column::Result<Self> {
         let (mut axes, mut left_out, mut warnings) = (Vec::new(), Vec::new(), Vec::new());
-        for mut column in columns {
-            let Some(kind) = Kind::of_column(&column) else {
-                left_out.push(column.name);
-                continue;
-            };
-            give_unit(options, path, kind, &mut column, &mut warnings)?;
-            axes.push(column);
+        for column in columns {
+            match Kind::of_column(&column) {
+                Some(kind) => axes.push((kind, column)),
+                None => left_out.push(column.name),
+            }
         }
         if axes.is_empty() {
             return Err(no_axes(path, &left_out));
         }
+        check_units(options, path, &axes)?;
+        if options.columns.is_none() {
+            let column = options.log.names.of(Setting::Column);
+            warnings.extend(Kind::ALL.into_iter().filter_map(|kind| too_many(kind, &axes, column)));
+        }
+        let give_unit = |(kind, column)| give_unit(options, kind, column, &mut warnings);
+        let mut axes: Vec<Column> = axes.into_iter().map(give_unit).collect();
         axes.sort_by_key(|column| column.quantity != Some(Quantity::AngularRate));
         if !left_out.is_empty() {
             let names = left_out.join(", ");
@@ -77,41 +82,76 @@ impl Axes {
     }
 }
 
-/// The unit that was given, where the log states none.
-fn give_unit(
-    options: &ImuOptions,
-    path: &Path,
-    kind: Kind,
-    column: &mut Column,
-    warnings: &mut Vec<String>,
-) -> column::Result<()> {
-    let (said, setting, units) = match kind {
-        Kind::Gyroscope => (options.gyro, Setting::GyroUnit, "dps, rad/s …"),
-        Kind::Accelerometer => (options.accel, Setting::AccelUnit, "m/s², g, mg …"),
-    };
-    let Said { unit, scale } = said;
-    let remedy = format!("give {} {units}", options.log.names.of(setting));
-    if let Some(unit) = unit.filter(|unit| unit.quantity() != kind.quantity()) {
-        return Err(LogError::Ask(format!("{unit} is no unit for {}; {remedy}", kind.plural())));
+impl ImuOptions {
+    fn said(&self, kind: Kind) -> Said {
+        match kind {
+            Kind::Gyroscope => self.gyro,
+            Kind::Accelerometer => self.accel,
+        }
     }
-    let is_known = column.quantity.is_some();
-    match (unit, scale) {
-        (None, None) if is_known => {}
-        (None, None) => {
-            let seen = format!("{}: the unit of column {} is not stated", path.display(), column.name);
-            return Err(LogError::Ask(format!("{seen}, though its name says {}; {remedy}", kind.name())));
+
+    fn remedy(&self, kind: Kind) -> String {
+        let (setting, units) = match kind {
+            Kind::Gyroscope => (Setting::GyroUnit, "dps, rad/s …"),
+            Kind::Accelerometer => (Setting::AccelUnit, "m/s², g, mg …"),
+        };
+        format!("give {} {units}", self.log.names.of(setting))
+    }
+}
+
+/// That each kind has a unit, and one of its own.
+fn check_units(options: &ImuOptions, path: &Path, axes: &[(Kind, Column)]) -> column::Result<()> {
+    let mut unknown = Vec::new();
+    for kind in Kind::ALL {
+        let Said { unit, scale } = options.said(kind);
+        let mut of_kind = axes.iter().filter(|(of, _)| *of == kind).map(|(_, column)| column).peekable();
+        if of_kind.peek().is_none() {
+            continue;
         }
-        (unit, scale) => {
-            if !is_known {
-                // the last says that the unit is not known
-                column.warnings.pop();
-            }
-            column.scale = unit.map_or(1.0, Unit::in_results) * scale.unwrap_or(1.0);
+        if let Some(unit) = unit.filter(|unit| unit.quantity() != kind.quantity()) {
+            return Err(LogError::Ask(format!("{unit} is no unit for {}; {}", kind.plural(), options.remedy(kind))));
         }
+        let unstated: Vec<&str> =
+            of_kind.filter(|column| column.quantity.is_none()).map(|column| column.name.as_str()).collect();
+        if unit.is_none() && scale.is_none() && !unstated.is_empty() {
+            let seen = match &unstated[..] {
+                [only] => format!("column {only} ({}) states no unit", kind.name()),
+                several => format!("columns {} ({}) state no unit", several.join(", "), kind.name()),
+            };
+            unknown.push(format!("{seen}; {}", options.remedy(kind)));
+        }
+    }
+    match unknown.is_empty() {
+        true => Ok(()),
+        false => Err(LogError::Ask(format!("{}: {}", path.display(), unknown.join("; ")))),
+    }
+}
+
+/// Axes of an IMU in each kind.
+const AXES: usize = 3;
+
+/// What is to be said where one IMU cannot have that many.
+fn too_many(kind: Kind, axes: &[(Kind, Column)], column: &str) -> Option<String> {
+    let count = axes.iter().filter(|(of, _)| *of == kind).count();
+    (count > AXES).then(|| {
+        let kind = kind.plural();
+        format!("{count} columns are {kind}, and an IMU has three: are they of several? choose with {column}")
+    })
+}
+
+/// The unit that was given, where the log states none.
+fn give_unit(options: &ImuOptions, kind: Kind, mut column: Column, warnings: &mut Vec<String>) -> Column {
+    let Said { unit, scale } = options.said(kind);
+    if unit.is_some() || scale.is_some() {
+        if column.quantity.is_none() {
+            // the last says that the unit is not known
+            column.warnings.pop();
+        }
+        column.scale = unit.map_or(1.0, Unit::in_results) * scale.unwrap_or(1.0);
     }
     warnings.append(&mut column.warnings);
     column.quantity = Some(kind.quantity());
-    Ok(())
+    column
 }
 
 fn no_axes(path: &Path, found: &[String]) -> LogError {

@@ -238,7 +238,7 @@ impl Text {
 
     /// A comment in the place of what the log does not tell.
     fn missing(&mut self, key: &str, unit: &str) {
-        self.line(&format!("# {}:   # {unit}: the log has no such axes; fill it in", key.trim_start()));
+        self.line(&format!("# {}:   # {unit}: no such axes were read; fill it in", key.trim_start()));
     }
 
     fn plain(&mut self, key: &str, value: f64, what: &str) {

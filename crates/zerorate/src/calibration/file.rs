@@ -3,8 +3,9 @@
 use super::check::{self, Damage};
 use super::form::Form;
 use super::limits::Inspected;
-use super::places::{Place, Places, line_of};
+use super::places::{Place, Places};
 use super::{Calibration, SCHEMA};
+use crate::toml_error::line_of;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 use core::fmt;

@@ -1,5 +1,6 @@
 //! Where things stand in the text of a calibration: lines, and the axes that they belong to.
 
+use crate::toml_error::line_of;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 use core::ops::Range;
@@ -80,9 +81,4 @@ impl<'t> Places<'t> {
         let text = name.and_then(|(_, name)| name.get_ref().as_str());
         text.map_or_else(|| (axis + 1).to_string(), ToString::to_string)
     }
-}
-
-/// The line of a byte, from 1.
-pub(super) fn line_of(text: &str, byte: usize) -> usize {
-    text.as_bytes()[..byte.min(text.len())].iter().filter(|byte| **byte == b'\n').count() + 1
 }

@@ -2,6 +2,7 @@
 
 use super::unit::{Of, Unit};
 use super::{DataSheet, Figure, Line};
+use crate::toml_error::syntax;
 use alloc::string::String;
 use alloc::vec::Vec;
 use core::fmt;
@@ -29,7 +30,7 @@ impl DataSheet {
     /// # Errors
     /// No such file: where, and what is wrong.
     pub fn parse(text: &str) -> Result<Self, DataSheetError> {
-        let file: File = toml::from_str(text).map_err(DataSheetError::new)?;
+        let file: File = toml::from_str(text).map_err(|error| DataSheetError::new(syntax(text, &error)))?;
         if file.schema != SCHEMA {
             let what = format_args!("schema {} is unknown; this software reads {SCHEMA}", file.schema);
             return Err(DataSheetError::new(what));

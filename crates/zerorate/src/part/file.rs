@@ -2,6 +2,7 @@
 
 use super::{Axis, MAX_AXES, NamedAxis, NoiseSources, Part, Scale, TypicalBias, TypicalNoise};
 use crate::resonance::Tone;
+use crate::toml_error::syntax;
 use alloc::borrow::Cow;
 use alloc::format;
 use alloc::string::String;
@@ -30,7 +31,7 @@ impl Part {
     /// # Errors
     /// No such file: where, and what is wrong.
     pub fn parse(text: &str) -> Result<Self, PartError> {
-        let file: File = toml::from_str(text).map_err(PartError::new)?;
+        let file: File = toml::from_str(text).map_err(|error| PartError::new(syntax(text, &error)))?;
         if file.schema != SCHEMA {
             return Err(PartError::new(format_args!(
                 "schema {} is unknown; this software reads {SCHEMA}",

@@ -43,7 +43,7 @@ pub fn condensed(records: &[Record]) -> Vec<String> {
         Some(same) => same.join(finding),
         None => all.push(finding),
     };
-    let is_of_one_log = picture::are_axes(records);
+    let is_of_one_log = records.len() == 1 || picture::are_axes(records);
     for record in records {
         let name = picture::name(is_of_one_log, record);
         let (of_log, of_model) = record.findings();

@@ -23,7 +23,9 @@ pub struct Comparison<'a> {
 
 /// Reads the file at `path`.
 pub fn read(path: &Path) -> Result<DataSheet> {
-    let text = std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
+    let bytes = std::fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
+    let no_text = |_| Usage(format!("{}: not the file of a data sheet: it is no text in UTF-8", path.display()));
+    let text = String::from_utf8(bytes).map_err(no_text)?;
     DataSheet::parse(&text).map_err(|error| Usage(format!("{}: {error}", path.display())).into())
 }
 

@@ -42,7 +42,7 @@ pub struct ImuArgs {
     output: Option<PathBuf>,
 
     /// Who reads that file.
-    #[arg(long, value_enum, default_value = "kalibr")]
+    #[arg(long, value_enum, default_value = "kalibr", ignore_case = true)]
     format: Format,
 
     /// What stands for all axes of a kind, where the reader takes one number.
@@ -155,7 +155,7 @@ pub fn run(args: &ImuArgs) -> Result<()> {
     let sheet = args.datasheet.as_deref().map(datasheet::read).transpose()?;
     let Axes { columns, topic, warnings } = Axes::read(&args.log, files::log(&args.log)?, &args.options())?;
     check_format(args, &columns)?;
-    let absent = absent(&columns);
+    let absent = absent(args, &columns);
     let (fit, draws) = (Some(FitOptions::default()), page.is_some());
     let options = Options::default();
     let way =
@@ -237,17 +237,20 @@ fn check_format(args: &ImuArgs, columns: &[Column]) -> Result<(), Usage> {
     for kind in Kind::ALL {
         let count = count(columns, kind);
         if args.output.is_some() && args.format.is_by_axis() && !matches!(count, 0 | 3) {
-            let why = "and the format takes three; choose another";
-            return Err(Usage(format!("the log has {count} axes of its {}, {why}", kind.name())));
+            let (format, name) = (args.format.reader(), kind.name());
+            let why = format!("{format} takes three; choose three with --column, or another --format");
+            let axes = if count == 1 { "axis" } else { "axes" };
+            return Err(Usage(format!("{}: {count} {name} {axes}, and {why}", args.log.display())));
         }
     }
     Ok(())
 }
 
 /// The kinds that the log has nothing of.
-fn absent(columns: &[Column]) -> Vec<String> {
+fn absent(args: &ImuArgs, columns: &[Column]) -> Vec<String> {
     let none = |kind: &Kind| count(columns, *kind) == 0;
-    let words = |kind: Kind| format!("the log has no {}: its numbers are left to be filled in", kind.name());
+    let seen = if args.column.is_some() { "--column names no" } else { "the log has no" };
+    let words = |kind: Kind| format!("{seen} {}: its numbers are left to be filled in", kind.name());
     Kind::ALL.into_iter().filter(none).map(words).collect()
 }
 
