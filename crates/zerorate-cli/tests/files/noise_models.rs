@@ -355,6 +355,7 @@ fn axes_that_jump_together_are_motion() {
         .map(|(seed, at)| {
             let mut rate = white(60_000, 0.05, seed);
             rate[at..].iter_mut().for_each(|rate| *rate += 0.05);
+            rate[20_000] += 20.0;
             rate
         })
         .collect();
@@ -362,7 +363,9 @@ fn axes_that_jump_together_are_motion() {
     bench.write("axes.csv", format!("gx,gy,gz\n{}", rows.collect::<String>()));
     let run = bench.zerorate("allan axes.csv --rate 100 --unit dps --column gx,gy,gz --json");
     assert!(run.stderr.contains("motion: several axes jump together at 300.0 s (gx, gy)"), "{}", run.stderr);
+    assert!(run.stderr.contains("have a glitch together at 200.0 s (gx, gy, gz)"), "{}", run.stderr);
     let report: Value = serde_json::from_str(&run.ok()).unwrap();
-    assert_eq!(report["motion"].as_array().unwrap().len(), 1);
+    assert_eq!(report["motion"].as_array().unwrap().len(), 2);
     assert_eq!(report["motion"][0]["axes"], serde_json::json!(["gx", "gy"]));
+    assert_eq!(report["motion"][1], serde_json::json!({"at_s": 200.0, "axes": ["gx", "gy", "gz"], "kind": "knock"}));
 }

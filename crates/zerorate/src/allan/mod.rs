@@ -32,7 +32,7 @@ pub use edf::{Difference, edf, finite_difference_edf};
 #[cfg(feature = "std")]
 pub use fit::{
     Apart, Cleaned, Differs, Estimate, Expected, FEWEST_SAMPLES, Fit, FitError, FitOptions, Line, MOST_ERROR, Model,
-    Motion, Pool, PoolError, PoolRecord, Spread, Step, Term, fit, fit_pool, motion,
+    Motion, MotionKind, Pool, PoolError, PoolRecord, Spread, Step, Term, fit, fit_pool, motion,
 };
 pub use input::{Gap, Input};
 pub use interval::interval;

@@ -202,7 +202,7 @@ fn warnings(args: &AllanArgs, records: &[Record]) -> Vec<String> {
         [only] if !args.column.is_list() => only.warnings.clone(),
         several => {
             let of_files = several.chunk_by(|a, b| a.file == b.file);
-            of_files.filter_map(motion::line).chain(findings::condensed(several)).collect()
+            of_files.flat_map(motion::lines).chain(findings::condensed(several)).collect()
         }
     }
 }

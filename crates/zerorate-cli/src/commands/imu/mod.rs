@@ -169,7 +169,7 @@ pub fn run(args: &ImuArgs) -> Result<()> {
         print_lines(&text::table(&axes)?)?;
         sheet.as_ref().map_or(Ok(()), |sheet| print_lines(&text::comparison(&datasheet::table(sheet, &compared))))?;
     }
-    let findings = motion::line(&axes).into_iter().chain(findings::condensed(&axes));
+    let findings = motion::lines(&axes).into_iter().chain(findings::condensed(&axes));
     let warnings: Vec<String> = findings.chain(warnings).chain(absent).collect();
     warn(&warnings);
     if let Some(page) = page {

@@ -41,7 +41,7 @@ use density::{Drift, Table};
 pub use lines::Line;
 use masked::Masked;
 pub use model::Model;
-pub use motion::{Motion, motion};
+pub use motion::{Motion, MotionKind, motion};
 pub use pool::{Apart, Differs, Pool, PoolError, PoolRecord, Spread, fit_pool};
 use prediction::Doubt;
 use realfft::FftError;
@@ -117,6 +117,8 @@ pub enum Term {
 pub struct Cleaned {
     /// Glitches whose samples were replaced; what touches is one.
     pub glitches: u64,
+    /// When each began, s from the start of the record.
+    pub glitches_s: Vec<f64>,
     /// Jumps that were taken out.
     pub steps: Vec<Step>,
     /// Those that were found first of so many that all were put back.
@@ -296,7 +298,9 @@ pub fn fit(input: &Input<'_>, rate_hz: f64, options: &FitOptions) -> Result<Fit,
     let mut warnings = Vec::new();
     let mut cleaned = Cleaned::default();
     if options.cut_glitches {
-        cleaned.glitches = cut_glitches(&mut rate, &mut warnings);
+        let firsts = cut_glitches(&mut rate, &mut warnings);
+        cleaned.glitches = firsts.len() as u64;
+        cleaned.glitches_s = firsts.into_iter().map(|first| first as f64 / rate_hz).collect();
     }
     let found = without_steps(&mut rate, rate_hz, options.remove_steps, &mut cleaned)?;
     warnings.extend(cleaned.steps.iter().map(|step| AllanWarning::Step { at_s: step.at_s, size: step.size }));

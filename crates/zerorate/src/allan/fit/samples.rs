@@ -45,7 +45,8 @@ pub(super) fn check(rate: &[f64]) -> Result<(), FitError> {
     if square.is_finite() && least.is_normal() { Ok(()) } else { Err(FitError::NotFinite) }
 }
 
-pub(super) fn cut_glitches(rate: &mut [f64], warnings: &mut Vec<AllanWarning>) -> u64 {
+/// Returns the first sample of each.
+pub(super) fn cut_glitches(rate: &mut [f64], warnings: &mut Vec<AllanWarning>) -> Vec<usize> {
     let power = |rate: &[f64]| {
         let pairs = rate.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| !step.is_nan());
         let (sum, count) = pairs.fold((0.0, 0u64), |(sum, count), step| (sum + step * step, count + 1));
@@ -53,10 +54,10 @@ pub(super) fn cut_glitches(rate: &mut [f64], warnings: &mut Vec<AllanWarning>) -
     };
     let Some(found) = glitches::glitches(rate) else {
         warnings.push(AllanWarning::ManyGlitches { most: glitches::MOST });
-        return 0;
+        return Vec::new();
     };
     if found.is_empty() {
-        return 0;
+        return found;
     }
     let before = power(rate);
     let missing: Vec<usize> = (0..rate.len()).filter(|&i| rate[i].is_nan()).collect();
@@ -65,7 +66,7 @@ pub(super) fn cut_glitches(rate: &mut [f64], warnings: &mut Vec<AllanWarning>) -
     missing.into_iter().for_each(|i| rate[i] = f64::NAN);
     let ratio = libm::sqrt(before / power(rate).max(f64::MIN_POSITIVE));
     // what touches is one
-    let glitches = 1 + found.windows(2).filter(|pair| pair[1] > pair[0] + 1).count() as u64;
-    warnings.push(AllanWarning::Glitches { glitches, samples: found.len() as u64, ratio });
-    glitches
+    let firsts: Vec<usize> = found.chunk_by(|a, b| *b == a + 1).map(|glitch| glitch[0]).collect();
+    warnings.push(AllanWarning::Glitches { glitches: firsts.len() as u64, samples: found.len() as u64, ratio });
+    firsts
 }
