@@ -8,6 +8,8 @@
 mod bridge;
 mod error;
 pub mod files;
+#[cfg(target_os = "linux")]
+mod gpio;
 mod hub;
 #[cfg(target_os = "linux")]
 mod iio;

@@ -1,21 +1,18 @@
-//! The part on a Linux SPI bus: spidev for the bus, the GPIO character device for the edges of RDY.
+//! The part on a Linux SPI bus.
 
 use crate::Stop;
 use crate::error::{Cause, Told};
+use crate::gpio::{GpioEdges, GpioOutput, errno};
 use crate::kinds::{Address, Parsed};
-use crate::live::{Edges, Live};
+use crate::live::Live;
 use crate::options::{
     DEFAULT_HZ, MCLK_RANGE_HZ, PART_OPTIONS, PartOptions, SLOWEST_HZ, gpio_line, number, split, without_bandwidth,
 };
-use crate::pin::PinError;
 use crate::reader::{Reader, WhenFull};
 use crate::source::{Bus, Facts, Losses, Setup, Source};
-use adis16130::{Edge, Framing, MAX_SCLK_HZ, MCLK_HZ, RdyEdge, Sample, SelfTest};
-use anyhow::{Context, Result, bail};
-use embedded_hal::digital::{self, OutputPin};
+use adis16130::{Framing, MAX_SCLK_HZ, MCLK_HZ, Sample, SelfTest};
+use anyhow::{Result, bail};
 use embedded_hal::spi::{Error, ErrorKind, ErrorType, Operation, SpiDevice};
-use gpiocdev::Request;
-use gpiocdev::line::{EdgeDetection, Value};
 use rustix::fs::{FlockOperation, flock};
 use rustix::io::Errno;
 use rustix::mm::{MlockAllFlags, mlockall};
@@ -25,17 +22,13 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicI32, AtomicU32, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 use thread_priority::{
     RealtimeThreadSchedulePolicy, ThreadPriority, ThreadSchedulePolicy, set_thread_priority_and_policy,
     thread_native_id,
 };
 use zerorate_data::capture::Row;
 
-/// Edges that the kernel keeps until they are read; it allows no more for one line.
-const KERNEL_EDGES: u32 = 1024;
-/// Edges fetched at once.
-const EDGES_AT_ONCE: usize = 64;
 /// SCHED_FIFO priority of the reading thread: above everything ordinary, below the kernel's interrupt threads (50).
 const PRIORITY: u8 = 40;
 const NOT_REALTIME: &str = "allow it with `sudo setcap cap_sys_nice,cap_ipc_lock+ep \"$(command -v zerorate)\"`, or \
@@ -134,7 +127,7 @@ impl SpiPart {
         let facts = Facts::of_part(name, settings, address.mclk_hz, address.bandwidth_hz, setup.part.as_ref())?;
         let (clock, failed) = (Arc::new(AtomicU32::new(address.hz)), LastErrno::default());
         let bus = SpiBus::open(address, Arc::clone(&clock), failed.clone())?;
-        let edges = GpioEdges::open(address)?;
+        let edges = GpioEdges::open(&address.chip, address.line, address.part.config.rdy_edge())?;
         // the commands go as one frame each; where CS is to rise between bytes, the bus splits them
         let config = address.part.config.with_framing(Framing::Command);
         let live = Live::new(bus, edges, config, sampling, address.mclk_hz, stop);
@@ -282,8 +275,6 @@ fn explain(error: anyhow::Error, address: &SpiAddress, failed: &LastErrno) -> an
     };
     error.context(told)
 }
-
-// ---- the bus ----
 
 /// A spidev file as an embedded-hal device.
 struct SpiBus {
@@ -436,146 +427,6 @@ fn why_not_configured(path: &Path, error: io::Error) -> anyhow::Error {
         _ => format!("{file} is no spidev device: name the file as ls /dev/spidev* lists it"),
     };
     anyhow::Error::new(error).context(text)
-}
-
-// ---- the edges ----
-
-/// The RDY line at the GPIO character device.
-struct GpioEdges {
-    request: Request,
-    name: String,
-    buffer: Vec<u64>,
-    first_ns: Option<u64>,
-    last_ns: u64,
-}
-
-impl GpioEdges {
-    fn open(address: &SpiAddress) -> Result<Self> {
-        let (chip, line) = (&address.chip, address.line);
-        let edge = match address.part.config.rdy_edge() {
-            RdyEdge::Falling => EdgeDetection::FallingEdge,
-            RdyEdge::Rising => EdgeDetection::RisingEdge,
-        };
-        let request = Request::builder()
-            .on_chip(chip)
-            .with_consumer("zerorate RDY")
-            .with_line(line)
-            .as_input()
-            .with_edge_detection(edge)
-            .with_kernel_event_buffer_size(KERNEL_EDGES)
-            .request()
-            .map_err(|error| why_no_line(chip, line, error))?;
-        let buffer = vec![0; EDGES_AT_ONCE * request.edge_event_u64_size()];
-        Ok(Self { request, name: format!("{} line {line}", chip.display()), buffer, first_ns: None, last_ns: 0 })
-    }
-
-    /// The newest of the edges that wait in the kernel. It counts them all, also those that it had no room for.
-    fn newest(&mut self) -> Result<Option<Edge>> {
-        let size = self.request.edge_event_u64_size();
-        let mut newest = None;
-        // at most as many as the kernel keeps: new ones that come meanwhile can wait
-        for _ in 0..KERNEL_EDGES as usize / EDGES_AT_ONCE {
-            let words = self.request.read_edge_events_into_slice(&mut self.buffer)?;
-            if let Some(last) = words.checked_sub(size) {
-                let event = self.request.edge_event_from_slice(&self.buffer[last..words])?;
-                newest = Some(Edge { t_ns: event.timestamp_ns, seq: event.line_seqno });
-            }
-            if words < self.buffer.len() || !self.request.has_edge_event()? {
-                break;
-            }
-        }
-        Ok(newest)
-    }
-}
-
-impl Edges for GpioEdges {
-    fn next(&mut self, timeout_ns: u64) -> Result<Option<Edge>> {
-        let came = self.request.wait_edge_event(Duration::from_nanos(timeout_ns));
-        let edge = match came {
-            Ok(true) => self.newest().with_context(|| format!("reading the RDY line, {}", self.name))?,
-            Ok(false) => None,
-            Err(error) if errno(&error) == Some(Errno::INTR) => return self.next(timeout_ns),
-            Err(error) => return Err(error).with_context(|| format!("waiting for the RDY line, {}", self.name)),
-        };
-        if let Some(edge) = edge {
-            self.first_ns.get_or_insert(edge.t_ns);
-            self.last_ns = edge.t_ns;
-        }
-        Ok(edge)
-    }
-
-    fn now(&self) -> String {
-        let elapsed_ns = self.last_ns.saturating_sub(self.first_ns.unwrap_or(self.last_ns));
-        format!("{:.1} s after the first edge", elapsed_ns as f64 * 1e-9)
-    }
-}
-
-/// A line that drives the self-test pins, inactive at first; the kernel lets it go when the program ends.
-struct GpioOutput {
-    request: Request,
-    line: u32,
-}
-
-impl GpioOutput {
-    fn open(chip: &Path, line: u32) -> Result<Self> {
-        let request = Request::builder()
-            .on_chip(chip)
-            .with_consumer("zerorate self-test")
-            .with_line(line)
-            .as_output(Value::Inactive)
-            .request()
-            .map_err(|error| why_no_line(chip, line, error))?;
-        Ok(Self { request, line })
-    }
-}
-
-impl digital::ErrorType for GpioOutput {
-    type Error = PinError;
-}
-
-impl OutputPin for GpioOutput {
-    fn set_low(&mut self) -> Result<(), PinError> {
-        self.request.set_value(self.line, Value::Inactive).map(drop).map_err(PinError::new)
-    }
-
-    fn set_high(&mut self) -> Result<(), PinError> {
-        self.request.set_value(self.line, Value::Active).map(drop).map_err(PinError::new)
-    }
-}
-
-fn why_no_line(chip: &Path, line: u32, error: gpiocdev::Error) -> anyhow::Error {
-    let file = chip.display();
-    let (cause, remedy) = match errno(&error) {
-        Some(Errno::BUSY) => (
-            Cause::Busy,
-            format!("line {line} of {file} is busy: gpioinfo shows who uses it; RDY needs a line of its own"),
-        ),
-        Some(Errno::ACCESS | Errno::PERM) => (
-            Cause::Permission,
-            format!(
-                "no permission to open {file}: sudo usermod -aG gpio \"$USER\", then log in again (ls -l {file} shows \
-                 the group)"
-            ),
-        ),
-        Some(Errno::INVAL) => {
-            (Cause::Missing, format!("{file} has no line {line} that can raise interrupts: gpioinfo lists its lines"))
-        }
-        _ => (
-            Cause::Missing,
-            format!("no GPIO chip {file}: ls /dev/gpiochip* lists them; RDY (pin 10) needs one of their lines"),
-        ),
-    };
-    anyhow::Error::new(error).context(Told::new(cause, remedy))
-}
-
-/// What the system said.
-fn errno(error: &gpiocdev::Error) -> Option<Errno> {
-    match error {
-        gpiocdev::Error::Os(errno) | gpiocdev::Error::Uapi(_, gpiocdev_uapi::Error::Os(errno)) => {
-            Some(Errno::from_raw_os_error(errno.0))
-        }
-        _ => None,
-    }
 }
 
 #[cfg(test)]
