@@ -43,6 +43,10 @@ pub enum OutputError {
              file itself", path.display(), target.display())]
     ForeignLink { path: PathBuf, target: PathBuf, uid: u32 },
 
+    /// Elsewhere that is stdout; here results for people are printed there.
+    #[error("`-` is no file, and stdout is for what the command prints: give the file a name")]
+    Dash,
+
     /// No file can have that name.
     #[error("cannot write {}: it is a folder", path.display())]
     Folder { path: PathBuf },

@@ -87,6 +87,9 @@ impl Outputs {
     }
 
     fn claim(&mut self, path: &Path) -> Result<Place, OutputError> {
+        if path == Path::new("-") {
+            return Err(OutputError::Dash);
+        }
         let place = Place::of(path)?;
         let Some(identity) = place.identity() else {
             return Ok(place);

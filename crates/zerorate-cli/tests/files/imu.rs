@@ -357,7 +357,12 @@ fn what_makes_no_file_says_why() {
         .collect();
     let short: String = log().lines().take(21).map(|line| format!("{line}\n")).collect();
     for (name, content, code, said) in [
-        ("short.csv", short.as_bytes(), 3, "20 samples are too few for a noise model"),
+        (
+            "short.csv",
+            short.as_bytes(),
+            3,
+            "gyro_y_dps, gyro_z_dps, ax [m/s^2], ay [m/s^2], az [m/s^2]: 20 samples are too few",
+        ),
         ("constant.csv", constant.as_bytes(), 3, "all 20000 samples of column gyro_y_dps are the same"),
         ("picture.png", b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0", 1, "picture.png"),
         ("empty.csv", b"", 1, "empty.csv"),
@@ -428,12 +433,39 @@ fn what_leads_on() {
     }
     let run = bench.zerorate("imu imu.csv -o none/imu.yaml").fails(1);
     assert!(run.contains("cannot write none/imu.yaml: there is no folder none; make it"), "{run}");
+    let run = bench.zerorate("imu imu.csv -o -").fails(2);
+    assert!(run.contains("give the file a name") && !bench.path("-").exists(), "{run}");
     let run = bench.zerorate("imu imu.csv --column 1,2,3 --format VINS").ended_with(0);
     assert!(run.stderr.contains("warning: --column names no accelerometer"), "{}", run.stderr);
     let several = log().replacen("t_s,gyro_x_dps,gyro_y_dps,gyro_z_dps,ax [m/s^2]", "t_s,a_dps,b_dps,c_dps,d_dps", 1);
     bench.write("several.csv", several);
     let run = bench.zerorate("imu several.csv").ended_with(0);
     assert!(run.stderr.contains("4 columns are gyroscopes, and an IMU has three"), "{}", run.stderr);
+}
+
+/// 0.05 °/s with a memory of 1 s beside white noise: text, table and picture have the Gauss–Markov term.
+#[test]
+fn a_gauss_markov_term_is_shown() {
+    let bench = Bench::new();
+    let (mut text, mut memory) = ("t_s,memory_gyro_dps,white_gyro_dps\n".to_owned(), 0.0);
+    for row in log().lines().skip(1) {
+        let cells: Vec<f64> = row.split(',').map(|cell| cell.parse().unwrap()).collect();
+        let phi = (-1.0 / RATE_HZ).exp();
+        memory = phi * memory + (1.0 - phi * phi).sqrt() * 0.05 / SIGMAS[1] * cells[2];
+        text += &format!("{},{:.6},{}\n", cells[0], cells[1] + memory, cells[3]);
+    }
+    bench.write("imu.csv", text);
+    let table = bench.zerorate(&format!("{LINE} --report imu.html")).ok();
+    let said = table.split("Gauss–Markov σ ").nth(1).unwrap_or_else(|| panic!("{table}"));
+    let (sigma, rest) = said.split_once(" °/h, T ").unwrap();
+    let tau_s: f64 = rest.split_once(" s").unwrap().0.parse().unwrap();
+    let sigma_dps = sigma.parse::<f64>().unwrap() / 3600.0;
+    assert!((0.04..0.06).contains(&sigma_dps) && (0.6..1.6).contains(&tau_s), "{table}");
+    let page = std::fs::read_to_string(bench.path("imu.html")).unwrap();
+    for said in ["<th>Gauss–Markov σ</th>", "]</td><td>–</td><td>s</td>", "GM: Gauss–Markov σ and time", "\nGM 1"]
+    {
+        assert!(page.contains(said), "{said}");
+    }
 }
 
 /// A log of gyroscopes alone makes a file that says what is to be filled in, and no format by axis makes up axes.

@@ -207,8 +207,7 @@ fn head(
 
 /// Writes the file, if its numbers are results or were asked for nonetheless.
 fn deliver(args: &ImuArgs, axes: &[Record], topic: Option<String>, file: Option<Staged>) -> Result<()> {
-    let doubt = |axis: &Record| Some(format!("{}: {}", axis.column, axis.believed().err()?));
-    let doubts: Vec<String> = axes.iter().filter_map(doubt).collect();
+    let doubts = doubts(axes);
     if !doubts.is_empty() {
         let refused = Refused(format!("{}: {}", args.log.display(), doubts.join("; ")));
         if !args.force || axes.iter().any(|axis| axis.model().is_none()) {
@@ -230,6 +229,18 @@ fn deliver(args: &ImuArgs, axes: &[Record], topic: Option<String>, file: Option<
         say(format_args!("{} is for {}: {chosen}", path.display(), args.format.reader()));
     }
     Ok(())
+}
+
+/// Why there is no result, each reason with the axes that have it.
+fn doubts(axes: &[Record]) -> Vec<String> {
+    let mut all: Vec<(String, Vec<&str>)> = Vec::new();
+    for (axis, why) in axes.iter().filter_map(|axis| Some((axis, axis.believed().err()?))) {
+        match all.iter_mut().find(|(same, _)| *same == why) {
+            Some((_, names)) => names.push(&axis.column),
+            None => all.push((why, vec![&axis.column])),
+        }
+    }
+    all.into_iter().map(|(why, names)| format!("{}: {why}", names.join(", "))).collect()
 }
 
 /// What takes a number by axis needs three of a kind.
