@@ -342,6 +342,7 @@ fn a_pool_of_logs_is_one_model() {
     assert!(text.contains("One model of 3 records") && text.contains("Spread between them"), "{text}");
     assert!(bench.path("imu.yaml").exists() && bench.path("pool.svg").exists());
     bench.zerorate(&format!("allan a.f64 {options}")).fails(2);
+    bench.zerorate(&format!("allan a.f64 b.f64 a.f64 {options}")).fails(2);
     bench.zerorate(&format!("allan a.f64 b.f64 {options} --stat hdev")).fails(2);
     bench.zerorate(&format!("allan a.f64 d.f64 {options}")).ended_with(3);
 }

@@ -126,6 +126,14 @@ struct Misfit {
 }
 
 fn check(records: &[Record]) -> Result<(), Usage> {
+    let is_again =
+        |(i, record): &(usize, &Record)| records[..*i].iter().any(|before| before.label() == record.label());
+    if let Some((_, record)) = records.iter().enumerate().find(is_again) {
+        return Err(Usage(format!(
+            "--pool: {} is given twice, which would count its noise twice; give each record once",
+            record.label()
+        )));
+    }
     let mixed = records.windows(2).find(|pair| pair[0].quantity != pair[1].quantity);
     mixed.map_or(Ok(()), |pair| {
         Err(Usage(format!(
