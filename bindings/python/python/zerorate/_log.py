@@ -95,7 +95,7 @@ def read_log(
 ) -> Log:
     """Reads columns of a log, in every form that ``zerorate allan`` reads, in one pass.
 
-    Captures, CSV and text of any dialect, Parquet, Arrow, NumPy, MATLAB up to 7.2, bags of ROS 1 and 2 (files and
+    Captures, CSV and text of any dialect, Parquet, Arrow, NumPy, MATLAB, HDF5, bags of ROS 1 and 2 (files and
     folders), PX4 ULog; packed or not. What each form tells is in docs/logs.md.
 
     Parameters

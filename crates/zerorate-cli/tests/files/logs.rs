@@ -68,7 +68,7 @@ fn what_is_wrong_with_a_log_is_named() {
             "ros1.bag cannot be read as a log: it is a bag of ROS 1 in its old version 1; convert",
         ),
         ("log.npz --rate 9", 1, "log.npz, as an archive"),
-        ("log.mat --rate 9", 1, "it is an HDF5 file (MATLAB calls it -v7.3), which no"),
+        ("log.mat --rate 9", 1, "log.mat, as an HDF5 file"),
         ("log.npy --rate 9", 1, "log.npy, as an NPY file"),
         ("log.parquet --rate 9", 1, "log.parquet, as a Parquet file"),
         ("log.gz --rate 9", 1, "log.gz, as Gzip: it cannot be unpacked"),

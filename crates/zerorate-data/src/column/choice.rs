@@ -4,6 +4,9 @@ use super::unit::{TimeUnit, Unit, is_celsius};
 use super::{ColumnOptions, LogError, Names, Result, Setting};
 use std::path::Path;
 
+/// Columns that a message lists.
+const LISTED: usize = 100;
+
 /// Which columns of a log are meant, each by its name or its number counted from 0.
 #[derive(Clone, Copy, Debug)]
 pub enum Wanted<'a> {
@@ -188,8 +191,20 @@ impl Columns<'_> {
             true => format!("{number}"),
             false => format!("{number} `{name}`"),
         });
-        listed.collect::<Vec<_>>().join(", ")
+        let listed = listed.take(LISTED).collect::<Vec<_>>().join(", ");
+        match self.names.len().saturating_sub(LISTED) {
+            0 => listed,
+            more => format!("{listed} … and {more} more"),
+        }
     }
+}
+
+/// Checks that columns which may be of any length are of one log.
+pub fn same_length<'a>(path: &Path, mut columns: impl Iterator<Item = (&'a str, u64)>) -> Result<()> {
+    let Some((one, rows)) = columns.next() else { return Ok(()) };
+    let Some((other, two)) = columns.find(|(_, other)| *other != rows) else { return Ok(()) };
+    let why = format!("`{one}` has {rows} rows and `{other}` has {two}: they are not of one log");
+    Err(LogError::Ask(format!("{}: {why}; read one at a time", path.display())))
 }
 
 /// Whether a column has no name but its number.

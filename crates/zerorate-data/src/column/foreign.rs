@@ -1,7 +1,8 @@
 //! Logs by other people's writers: 20 samples at 200 Hz, the thirteenth missing, z = 0.25·n (`fixtures/make.py`).
 
 use super::tests::{
-    Folder, MAT, MAT_PACKED, NPZ, NPZ_PACKED, ROSBAG, ROSBAG_BZ2, ROSBAG_LZ4, ULOG, numbers, options, there,
+    Folder, HDF5, HDF5_LATEST, MAT, MAT_73, MAT_PACKED, NPZ, NPZ_PACKED, ROSBAG, ROSBAG_BZ2, ROSBAG_LZ4, ULOG,
+    numbers, options, there,
 };
 use super::*;
 
@@ -101,10 +102,34 @@ fn matrices_of_matlab() {
         );
         cut(file, "--column gz --rate 1");
     }
-    assert!(
-        folder.fails([b"MATLAB 7.3 MAT-file".as_slice(), &[0; 600]].concat(), "").contains("save('log.mat', '-v7')")
-    );
-    assert!(folder.fails(b"\x89HDF\r\n\x1A\nxxxxxxxxx", "").contains("numpy.save('log.npy'"));
+}
+
+/// As h5py writes it in its oldest and its newest form, and hdf5storage for MATLAB.
+#[test]
+fn data_sets_of_hdf5() {
+    let folder = Folder::new();
+    for file in [HDF5, HDF5_LATEST] {
+        is_z(&folder.read(file, "--column imu/gz --time-column t_s").unwrap(), "imu/gz");
+        is_z(&folder.read(file, "--column table.gz --time-column table.t_ns").unwrap(), "table.gz");
+        for name in ["imu/gyro.1", "lying.1"] {
+            let column = folder.read(file, &format!("--column {name} --rate 10")).unwrap();
+            assert_eq!((column.series.len(), numbers(&column)[3]), (19, -3.0), "{name}");
+            assert!(matches!(column.series, Series::Codes(_)));
+        }
+        let said = folder.fails(file, "--rate 10");
+        assert!(said.contains("0 `imu/gyro.0`, 1 `imu/gyro.1`, 2 `imu/gyro.2`, 3 `imu/gz`, 4 `lying.0`"), "{said}");
+        assert!(!said.contains("`note`") && !said.contains("`fs`") && !said.contains("table.name"), "{said}");
+        cut(file, "--column imu/gz --rate 1");
+    }
+    for (name, time) in [("gz", "--time-column t --time-unit s"), ("imu.gx", "--time-column imu.t_s")] {
+        is_z(&folder.read(MAT_73, &format!("--column {name} {time}")).unwrap(), name);
+    }
+    let said = folder.fails(MAT_73, "--rate 10");
+    assert!(said.contains("`gyro.2`") && !said.contains("note") && !said.contains('#'), "{said}");
+    let short = folder.fails(&HDF5[..HDF5.len() / 2], "--column imu/gz --rate 1");
+    assert!(short.contains("as an HDF5 file"), "{short}");
+    assert!(folder.fails(b"\x89HDF\r\n\x1A\nxxxxxxxxx", "").contains("as an HDF5 file"));
+    assert!(folder.fails([b"MATLAB 7.3 MAT-file".as_slice(), &[0; 600]].concat(), "").contains("as an HDF5 file"));
 }
 
 #[test]

@@ -1,11 +1,11 @@
 //! MATLAB files of version 5 to 7.2 (MathWorks, MAT-File Format, R2023b): matrices of real numbers, by the name of the
 //! variable, and those in structures of one element by `variable.field`. Any other variable is none of the log's.
 
-use super::choice::{Choice, Columns};
+use super::choice::{Choice, Columns, same_length};
 use super::clock::Times;
 use super::open::Log;
 use super::series::SeriesBuilder;
-use super::{Asked, Clock, Found, FoundColumn, LogError, Result};
+use super::{Asked, Clock, Found, FoundColumn, Result};
 use crate::capture::CaptureError;
 use crate::limits::Room;
 use flate2::read::ZlibDecoder;
@@ -42,12 +42,7 @@ pub fn read(log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
     let all = Columns { path, names, numeric: vec![true; columns.len()], settings: asked.args.names };
     let Choice { values: chosen, time } = all.choose(asked.wanted, asked.args, &[])?;
     let wanted: Vec<&Variable<'_>> = chosen.iter().chain(&time).map(|at| &columns[*at]).collect();
-    let rows = wanted.first().map_or(0, |first| first.rows());
-    if let Some(other) = wanted.iter().find(|other| other.rows() != rows) {
-        let (one, two) = (&wanted[0].name, other.rows());
-        let why = format!("`{one}` has {rows} rows and `{}` has {two}: they are not of one log", other.name);
-        return Err(LogError::Ask(format!("{}: {why}; read one at a time", path.display())));
-    }
+    same_length(path, wanted.iter().map(|column| (column.name.as_str(), column.rows() as u64)))?;
     let found = chosen.iter().map(|at| columns[*at].values(path, room, chosen.len()));
     let found = found.collect::<Result<Vec<_>, _>>()?;
     let clock = match time.map(|time| &columns[time]) {

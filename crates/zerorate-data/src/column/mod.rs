@@ -8,6 +8,7 @@ mod choice;
 mod clock;
 #[cfg(test)]
 mod foreign;
+mod hdf5;
 mod imu;
 mod judged;
 mod mat;
@@ -248,6 +249,7 @@ fn found(log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
         Form::RosBag => rosbag::read(log, asked),
         Form::ULog => ulog::read(log, asked),
         Form::Mat => mat::read(log, asked),
+        Form::Hdf5 => hdf5::read(log, asked),
         Form::Mcap => mcap_bag::read(log, asked),
         #[cfg(feature = "sqlite")]
         Form::Sqlite => sqlite_bag::read(log, asked),

@@ -1,12 +1,12 @@
 //! Columns of NumPy arrays: one dimension, a column of two, or a field of a structured array; of one array, or of all
 //! in an archive (`.npz`).
 
-use super::choice::{Choice, Columns};
+use super::choice::{Choice, Columns, same_length};
 use super::clock::Times;
 use super::open::{Log, Unpacking};
 use super::series::SeriesBuilder;
 use super::unit::TimeUnit;
-use super::{Asked, Clock, Found, FoundColumn, LogError, Result, wrong};
+use super::{Asked, Clock, Found, FoundColumn, Result, wrong};
 use crate::Input;
 use crate::capture::CaptureError;
 use crate::limits::Room;
@@ -35,9 +35,12 @@ pub fn read_archive(log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
     let opened = opened.ok_or_else(|| CaptureError::damaged(path, "as an archive", "its index makes no sense"))?;
     let mut archive = opened.map_err(foreign)?;
     let names = archive.file_names().filter_map(|name| Some(name.ok()?.into_owned()));
-    let names: Vec<String> = names.filter(|name| name.ends_with(".npy")).collect();
+    let (names, others): (Vec<String>, Vec<String>) = names.partition(|name| name.ends_with(".npy"));
     if names.is_empty() {
-        let why = "it is a zip archive without arrays of NumPy; unpack it and name a file in it";
+        let why = match others.iter().any(|name| name == "xl/workbook.xml") {
+            true => "it is a workbook of Excel; save the sheet as CSV",
+            false => "it is a zip archive without arrays of NumPy; unpack it and name a file in it",
+        };
         return Err(CaptureError::not_a_log(path, why).into());
     }
     let mut bytes = 0;
@@ -112,11 +115,7 @@ fn read_arrays(path: &Path, room: Room, mut arrays: Vec<OpenArray>, asked: &Aske
     let wanted: Vec<usize> = chosen.iter().chain(&time).copied().collect();
     let names: Vec<String> = wanted.iter().map(|at| field(at).name.clone()).collect();
     let rows: Vec<u64> = wanted.iter().map(|at| arrays[places[*at].0].rows).collect();
-    if let Some(other) = rows.iter().position(|count| *count != rows[0]) {
-        let (one, two) = (rows[0], rows[other]);
-        let why = format!("`{}` has {one} rows and `{}` has {two}: they are not of one log", names[0], names[other]);
-        return Err(LogError::Ask(format!("{}: {why}; read one at a time", path.display())));
-    }
+    same_length(path, names.iter().map(String::as_str).zip(rows.iter().copied()))?;
     let mut values: Vec<_> = chosen.iter().map(|_| SeriesBuilder::sharing(room, chosen.len())).collect();
     values.iter().try_for_each(|values| values.check_room(rows[0])).map_err(|why| CaptureError::no_room(path, why))?;
     for (values, at) in values.iter_mut().zip(&chosen) {

@@ -48,6 +48,8 @@ pub enum Form {
     ULog,
     /// A MATLAB file of version 5 to 7.2.
     Mat,
+    /// HDF5, which MATLAB from version 7.3 on writes behind a head of its own.
+    Hdf5,
     /// A SQLite database.
     Sqlite,
     /// An Arrow stream, a capture or text.
@@ -89,6 +91,7 @@ impl Log<'_> {
             None if starts(rosbag::MARK) => Ok(Form::RosBag),
             None if starts(b"ULog\x01\x12\x35") => Ok(Form::ULog),
             None if starts(b"MATLAB 5.0 MAT") => Ok(Form::Mat),
+            None if starts(b"\x89HDF\r\n\x1A\n") || starts(b"MATLAB 7.3 MAT") => Ok(Form::Hdf5),
             None if starts(b"SQLite format 3\0") => Ok(Form::Sqlite),
             None => Ok(Form::Other),
         }
@@ -98,14 +101,8 @@ impl Log<'_> {
 /// Files that people have, and what to do with them.
 const FOREIGN: &[(&[u8], &str)] = &[
     (b"#ROSBAG V1", "it is a bag of ROS 1 in its old version 1; convert it with `rosbag fix FILE NEW.bag`"),
-    (b"\x89HDF\r\n\x1A\n", HDF5),
-    (b"MATLAB 7.3 MAT", HDF5),
     (b"7z\xBC\xAF\x27\x1C", "it is a 7z archive; unpack it and name a file in it"),
 ];
-
-const HDF5: &str = "it is an HDF5 file (MATLAB calls it -v7.3), which no library of this program reads; convert it: \
-                    in MATLAB with `save('log.mat', '-v7')`, in Python with `numpy.save('log.npy', \
-                    h5py.File('FILE')['NAME'][:])`";
 
 /// How a file is packed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -27,8 +27,8 @@ use zerorate_data::column::Column;
 
 /// Computes the Allan deviation of a gyroscope's log, taken at rest: a capture, or the log of any other part.
 ///
-/// Reads captures, Parquet, Arrow, NumPy (npy, npz), MATLAB, bags of ROS 1 and 2 (files and folders), PX4 logs, text
-/// of any dialect and, with --raw, plain binary numbers, packed or not; - is what is piped in. Samples that are
+/// Reads captures, Parquet, Arrow, NumPy (npy, npz), MATLAB, HDF5, bags of ROS 1 and 2 (files and folders), PX4 logs,
+/// text of any dialect and, with --raw, plain binary numbers, packed or not; - is what is piped in. Samples that are
 /// missing (lost in a capture, empty cells, NaN, jumps of the time column) are gaps: an average enters if at least
 /// half of its samples are there.
 ///
