@@ -249,15 +249,16 @@ fn findings_are_a_line_for_each_kind() {
     bench.write("imu.csv", knocked);
     let run = bench.zerorate(&format!("{LINE} -o imu.yaml")).ended_with(0);
     let lines: Vec<&str> = run.stderr.lines().collect();
-    assert!(lines[0].starts_with("warning: glitches: ") && lines[0].contains("ax [m/s^2] (1, "), "{lines:?}");
+    assert!(lines[0].starts_with("warning: motion: several axes have a glitch together at 50.0 s"), "{lines:?}");
+    assert!(lines[1].starts_with("warning: glitches: ") && lines[1].contains("ax [m/s^2] (1, "), "{lines:?}");
     let codes: Vec<&str> = lines.iter().filter_map(|line| line.strip_prefix("warning: ")?.split(':').next()).collect();
     let unique: std::collections::BTreeSet<&str> = codes.iter().copied().collect();
     assert_eq!(codes.len(), unique.len(), "{codes:?}");
     assert!(codes.contains(&"not-identified") && lines.len() < 8, "{lines:?}");
-    assert!(lines[0].contains("), ay [m/s^2] (1, ") && lines[1].matches("az [m/s^2]").count() == 1, "{lines:?}");
+    assert!(lines[1].contains("), ay [m/s^2] (1, ") && lines[2].matches("az [m/s^2]").count() == 1, "{lines:?}");
     assert_eq!(
         lines[lines.len() - 1],
-        "imu.yaml is for Kalibr (imu.yaml): of the axes of a kind the worst was taken (--combine worst)"
+        "wrote imu.yaml for Kalibr (imu.yaml): of the axes of a kind the worst was taken (--combine worst)"
     );
     assert!(run.stdout.contains("\n  gyro_x_dps  ") && run.stdout.contains("B, µg"), "{}", run.stdout);
     let report: Value = serde_json::from_str(&bench.zerorate(&format!("{LINE} --json")).ok()).unwrap();
@@ -291,6 +292,7 @@ fn several_imus_are_a_table() {
     bench.write("imu.csv", log);
     let run = bench.zerorate("imu imu.csv --column gyro_x_dps,5 --json").ok();
     let report: Value = serde_json::from_str(&run).unwrap();
+    assert_eq!((&report["topic"], &report["motion"]), (&Value::Null, &serde_json::json!([])));
     let names = report["axes"].as_array().unwrap().iter().map(|axis| axis["name"].as_str().unwrap());
     assert_eq!(names.collect::<Vec<_>>(), ["gyro_x_dps", "ay [m/s^2]"]);
 }

@@ -248,38 +248,77 @@ const STOPPED_SAMPLES: usize = 1000;
 /// A column of one value is no noise but a dead sensor. One that stops changing is said: a log of another part need
 /// not have stopped with it.
 fn stopped(file: &Path, column: &Column) -> Result<Option<String>> {
-    match &column.series {
-        Series::Codes(codes) => stopped_values(file, column, codes.iter()),
-        Series::Numbers(numbers) => stopped_values(file, column, numbers.iter().filter(|number| !number.is_nan())),
-    }
-}
-
-fn stopped_values<T: PartialEq>(
-    file: &Path,
-    column: &Column,
-    values: impl DoubleEndedIterator<Item = T> + Clone,
-) -> Result<Option<String>> {
-    // from its end a record that goes on is told by its last samples
-    let last = values.clone().next_back();
-    let same = values.clone().rev().take_while(|value| Some(value) == last.as_ref()).count();
-    if same < STOPPED_SAMPLES && values.clone().rev().nth(same).is_some() {
-        return Ok(None);
-    }
-    let len = values.clone().count();
-    if same == len {
+    let changes = match &column.series {
+        Series::Codes(codes) => Changes::of(codes.iter().map(|code| f64::from(*code))),
+        Series::Numbers(numbers) => Changes::of(numbers.iter().copied()),
+    };
+    let Changes { len, count, longest: Run { start, len: same, samples } } = changes;
+    if count == 0 {
         let what = format!("{}: all {len} samples of column {} are the same", file.display(), column.name);
         return Err(Refused(format!("{what}: a dead or frozen sensor, and no noise that could be analysed")).into());
     }
-    let changes = values.clone().zip(values.skip(1)).filter(|(one, next)| one != next).count();
-    let has_stopped = changes * 2 > len - same;
-    Ok(has_stopped.then(|| {
-        format!(
-            "frozen: {}: the last {same} of {len} samples of column {} are the same, while it changed most of the \
-            time before; the sensor may have stopped: cut the log there",
-            file.display(),
-            column.name
-        )
+    let is_frozen = same >= STOPPED_SAMPLES && count * 2 > len - same;
+    let is_last = start + samples == column.series.len();
+    let (name, file) = (&column.name, file.display());
+    // among codes what is missing stands beside them
+    let lost: u64 = column.gaps.iter().filter(|gap| gap.at <= start).map(|gap| gap.missing).sum();
+    let from_s = (start as u64 + lost) as f64 / column.rate_hz;
+    Ok(is_frozen.then(|| match is_last {
+        true => format!(
+            "frozen: {file}: the last {same} of {len} samples of column {name} are the same, while it changed most of \
+             the time before; the sensor may have stopped: cut the log there"
+        ),
+        false => format!(
+            "frozen: {file}: {same} of {len} samples of column {name} are the same, from {from_s:.1} s on, while it \
+             changed most of the time otherwise; the sensor or its bus may have hung: analyse what is before \
+             and after"
+        ),
     }))
+}
+
+/// Samples of one value, one after the other.
+#[derive(Clone, Copy, Default)]
+struct Run {
+    /// Where the first is in the record.
+    start: usize,
+    /// How many there are.
+    len: usize,
+    /// With the missing ones between and behind them.
+    samples: usize,
+}
+
+/// How a column changes.
+#[derive(Default)]
+struct Changes {
+    /// Samples that are there.
+    len: usize,
+    /// Changes from one to the next.
+    count: usize,
+    /// The longest stretch without a change.
+    longest: Run,
+}
+
+impl Changes {
+    fn of(values: impl Iterator<Item = f64>) -> Self {
+        let (mut all, mut run, mut before) = (Self::default(), Run::default(), None);
+        for (index, value) in values.enumerate() {
+            if value.is_nan() {
+                run.samples += 1;
+            } else {
+                all.len += 1;
+                if before.is_some_and(|before| before != value) {
+                    all.count += 1;
+                    run = Run { start: index, ..Run::default() };
+                }
+                before = Some(value);
+                run = Run { len: run.len + 1, samples: run.samples + 1, ..run };
+            }
+            if run.len >= all.longest.len {
+                all.longest = run;
+            }
+        }
+        all
+    }
 }
 
 /// The numbers as phase, if that is what they are. A lost phase point is a point that is not there.

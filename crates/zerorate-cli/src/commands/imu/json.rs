@@ -2,6 +2,7 @@
 
 use super::datasheet::{Comparison, Row};
 use crate::commands::allan::json;
+use crate::commands::allan::motion::{self, Motion};
 use crate::commands::allan::record::Record;
 use serde::Serialize;
 use zerorate::DataSheet;
@@ -12,6 +13,11 @@ use zerorate_data::imu::Kind;
 pub struct Report<'a> {
     rate_hz: f64,
     samples: u64,
+    /// Of a bag.
+    topic: Option<&'a str>,
+    /// Of the log; those of an axis are with it.
+    warnings: &'a [String],
+    motion: Vec<Motion>,
     #[serde(skip_serializing_if = "Option::is_none")]
     data_sheet: Option<Sheet<'a>>,
     axes: Vec<OfAxis<'a>>,
@@ -35,7 +41,13 @@ struct OfAxis<'a> {
 }
 
 impl<'a> Report<'a> {
-    pub fn new(axes: &'a [Record], sheet: Option<&'a DataSheet>, compared: &[Comparison<'a>]) -> Self {
+    pub fn new(
+        log: (Option<&'a str>, &'a [String]),
+        axes: &'a [Record],
+        sheet: Option<&'a DataSheet>,
+        compared: &[Comparison<'a>],
+    ) -> Self {
+        let (topic, warnings) = log;
         let first = axes.first().map(|axis| &axis.analysis);
         let of = |axis: &'a Record| OfAxis {
             name: &axis.column,
@@ -46,6 +58,9 @@ impl<'a> Report<'a> {
         Self {
             rate_hz: first.map_or(0.0, |analysis| analysis.rate_hz),
             samples: first.map_or(0, |analysis| analysis.samples),
+            topic,
+            warnings,
+            motion: motion::of(axes),
             data_sheet: sheet.map(|sheet| Sheet { name: &sheet.name, source: sheet.source.as_deref() }),
             axes: axes.iter().map(of).collect(),
         }

@@ -33,7 +33,7 @@ use zerorate_view::report::Fact;
 /// Where a model is rejected (exit code 3), or a record is too short for one, there is no file.
 #[derive(Args, Debug)]
 pub struct ImuArgs {
-    /// The log.
+    /// The log; - is what is piped in.
     #[arg(value_name = "LOG")]
     pub log: PathBuf,
 
@@ -54,7 +54,7 @@ pub struct ImuArgs {
     #[arg(long, value_name = "F", default_value_t = 1.0, value_parser = factor)]
     inflate: f64,
 
-    /// The topic, where a bag has several IMUs.
+    /// The topic of a bag or of a PX4 log, where it has several IMUs.
     #[arg(long, value_name = "TOPIC")]
     topic: Option<String>,
 
@@ -82,7 +82,7 @@ pub struct ImuArgs {
     #[arg(long, value_name = "SHARE", value_parser = share)]
     max_bad: Option<f64>,
 
-    /// The unit of the gyroscope's columns [default: the one that their names state].
+    /// The unit of the gyroscope's columns: dps, rad/s, deg/h … [default: the one that their names state].
     #[arg(long, value_name = "UNIT")]
     gyro_unit: Option<Unit>,
 
@@ -98,7 +98,7 @@ pub struct ImuArgs {
     #[arg(long, value_name = "X", value_parser = factor, requires = "accel_unit")]
     accel_scale: Option<f64>,
 
-    /// Write one self-contained HTML page: a picture of each kind, tables, coefficients.
+    /// Write one self-contained HTML page: coefficients by axis, and for each kind its curves, spectra and records.
     #[arg(long, value_name = "PAGE")]
     report: Option<PathBuf>,
 
@@ -155,7 +155,7 @@ pub fn run(args: &ImuArgs) -> Result<()> {
     let sheet = args.datasheet.as_deref().map(datasheet::read).transpose()?;
     let Axes { columns, topic, warnings } = Axes::read(&args.log, files::log(&args.log)?, &args.options())?;
     check_format(args, &columns)?;
-    let absent = absent(args, &columns);
+    let of_log = [warnings, absent(args, &columns)].concat();
     let (fit, draws) = (Some(FitOptions::default()), page.is_some());
     let options = Options::default();
     let way =
@@ -164,13 +164,13 @@ pub fn run(args: &ImuArgs) -> Result<()> {
     let axes: Vec<Record> = columns.into_iter().map(analyse).collect::<Result<_>>()?;
     let compared = sheet.as_ref().map(|sheet| datasheet::compare(sheet, &axes)).unwrap_or_default();
     if args.json {
-        print_json(&json::Report::new(&axes, sheet.as_ref(), &compared))?;
+        print_json(&json::Report::new((topic.as_deref(), &of_log), &axes, sheet.as_ref(), &compared))?;
     } else {
         print_lines(&text::table(&axes)?)?;
         sheet.as_ref().map_or(Ok(()), |sheet| print_lines(&text::comparison(&datasheet::table(sheet, &compared))))?;
     }
     let findings = motion::lines(&axes).into_iter().chain(findings::condensed(&axes));
-    let warnings: Vec<String> = findings.chain(warnings).chain(absent).collect();
+    let warnings: Vec<String> = findings.chain(of_log).collect();
     warn(&warnings);
     if let Some(page) = page {
         page::write(page, head(args, &axes, topic.as_deref(), sheet.as_ref(), &compared, warnings), &axes)?;
@@ -226,7 +226,7 @@ fn deliver(args: &ImuArgs, axes: &[Record], topic: Option<String>, file: Option<
             true => "each axis by itself".to_owned(),
             false => format!("of the axes of a kind {}", combine.words(Names(option))),
         };
-        say(format_args!("{} is for {}: {chosen}", path.display(), args.format.reader()));
+        say(format_args!("wrote {} for {}: {chosen}", path.display(), args.format.reader()));
     }
     Ok(())
 }
