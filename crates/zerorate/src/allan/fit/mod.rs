@@ -192,6 +192,7 @@ impl Fit {
     /// What the model expects of the overlapping Allan deviation of averages of `m` samples in *another* record of
     /// `samples` samples of this sensor at rest: wider than the band of its own by what the fit leaves open, and by
     /// what differs from one eighth of the record to the next. How often it holds: docs/reference/allan.md.
+    /// The model of a pool does not know how steady its records are, nor how far another unit is from them.
     #[must_use]
     pub fn predicted(&self, m: u64, samples: u64) -> Expected {
         let (dev, edf) = (self.deviation(m), self.model.freedom(m, samples));
