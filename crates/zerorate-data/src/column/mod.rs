@@ -20,6 +20,7 @@ mod order;
 mod parquet;
 mod part_log;
 mod raw;
+mod resampled;
 mod rosbag;
 mod series;
 mod setting;
@@ -393,6 +394,7 @@ impl FoundColumn {
                 path.display()
             )
         });
+        let resampled = resampled::doubt(&series).map(|said| format!("{}, column {name}: {said}", path.display()));
         Ok(Column {
             name,
             series,
@@ -400,7 +402,7 @@ impl FoundColumn {
             rate_hz,
             quantity: declared.map(|(quantity, _)| quantity),
             scale: declared.map_or(1.0, |(_, scale)| scale),
-            warnings: warning.into_iter().chain(unknown).collect(),
+            warnings: warning.into_iter().chain(resampled).chain(unknown).collect(),
         })
     }
 }

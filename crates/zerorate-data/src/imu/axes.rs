@@ -57,7 +57,8 @@ impl Axes {
     pub fn of(path: &Path, columns: Vec<Column>, options: &ImuOptions) -> column::Result<Self> {
         let (mut axes, mut left_out, mut warnings) = (Vec::new(), Vec::new(), Vec::new());
         for column in columns {
-            match Kind::of_column(&column) {
+            let is_meant = options.columns.is_some() || !Kind::is_beside(&column.name);
+            match Kind::of_column(&column).filter(|_| is_meant) {
                 Some(kind) => axes.push((kind, column)),
                 None => left_out.push(column.name),
             }

@@ -51,6 +51,15 @@ impl Kind {
         column.quantity.map_or_else(|| Self::named(&column.name), Self::of)
     }
 
+    /// Whether a column is of a gyroscope or an accelerometer, but none of its axes: what ROS, PX4 and phyphox write
+    /// beside them.
+    pub(super) fn is_beside(name: &str) -> bool {
+        let name = name.to_lowercase();
+        ["covariance", "integral", "clipping", "calibration", "timestamp", "absolute", "magnitude"]
+            .iter()
+            .any(|word| name.contains(word))
+    }
+
     /// `gyro_x`, `wx`, `omega.x`; `acc_x`, `ax`, `f_y`.
     fn named(name: &str) -> Option<Self> {
         let name = name.to_lowercase();
@@ -73,6 +82,14 @@ impl Kind {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_stands_beside_axes() {
+        for name in ["field.angular_velocity_covariance0", "gyro_integral_dt", "Absolute (rad/s)", "gyro_clipping"] {
+            assert!(Kind::is_beside(name), "{name}");
+        }
+        assert!(!["gyro_rad[0]", "field.angular_velocity.x", "ax [m/s^2]"].into_iter().any(Kind::is_beside));
+    }
 
     #[test]
     fn names_say_what_they_are() {

@@ -1,0 +1,109 @@
+//! Logs that were resampled, filled in, or read from a sensor faster than it converts: their noise is not that of the
+//! sensor.
+
+use super::series::Series;
+
+/// Samples that are looked at.
+const LOOKED_AT: usize = 1 << 17;
+
+/// Samples from which on a share says something.
+const ENOUGH: usize = 500;
+
+/// Share of the samples from which it is said.
+const SAID: f64 = 0.02;
+
+/// Steps of the numbers in the usual difference between samples, from which equal ones are no chance: with Gaussian
+/// differences 1 in 370 then.
+const FINE: f64 = 100.0;
+
+/// What is to be said of samples that repeat the one before, or lie on the line between their neighbours, to the last
+/// digit. Of numbers too coarse to tell nothing is said.
+pub fn doubt(series: &Series) -> Option<String> {
+    let samples: Vec<f64> = match series {
+        Series::Codes(codes) => codes.iter().take(LOOKED_AT).map(|code| f64::from(*code)).collect(),
+        Series::Numbers(numbers) => numbers.iter().take(LOOKED_AT).copied().collect(),
+    };
+    let first = samples.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|step| step.is_finite());
+    let first: Vec<f64> = first.collect();
+    let step = first.iter().copied().filter(|step| *step > 0.0).fold(f64::INFINITY, f64::min);
+    let repeats = share(&first, step, 0.0);
+    let of_lines = || {
+        let second = samples.windows(3).map(|three| (three[2] - 2.0 * three[1] + three[0]).abs());
+        // rounding of two sums
+        let size = samples.iter().fold(0.0_f64, |most, sample| most.max(sample.abs()));
+        share(
+            &second.filter(|step| step.is_finite()).collect::<Vec<_>>(),
+            step,
+            2.0 * step + 8.0 * f64::EPSILON * size,
+        )
+    };
+    let (share, how) = match repeats {
+        Some(share) => (share, "repeat the one before"),
+        None => (of_lines()?, "lie on the line between their neighbours"),
+    };
+    Some(format!(
+        "{:.0} % of the samples {how} to the last digit, as noise does not: the log was resampled or filled in, or \
+         the sensor converts more slowly than it is read; what is found is the noise of such a log, and N is another: \
+         take the log as the sensor gave it",
+        100.0 * share
+    ))
+}
+
+/// Share of the differences that are none, if that is much, and all others are so large that none is by chance.
+fn share(differences: &[f64], step: f64, none: f64) -> Option<f64> {
+    let mut others: Vec<f64> = differences.iter().copied().filter(|difference| *difference > none).collect();
+    let share = 1.0 - others.len() as f64 / differences.len() as f64;
+    if differences.len() < ENOUGH || others.len() < ENOUGH / 10 || share < SAID {
+        return None;
+    }
+    let middle = others.len() / 2;
+    let usual = *others.select_nth_unstable_by(middle, f64::total_cmp).1;
+    (usual >= FINE * step.max(none)).then_some(share)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Noise of a triangular distribution with so many steps.
+    fn noise(count: usize, steps: f64) -> Vec<f64> {
+        let mut random = 7u64;
+        let mut next = move || {
+            random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (random >> 40) as f64 / (1u64 << 24) as f64
+        };
+        (0..count).map(|_| ((next() + next()) * steps).round()).collect()
+    }
+
+    fn said(samples: Vec<f64>) -> String {
+        doubt(&Series::Numbers(samples)).unwrap_or_default()
+    }
+
+    #[test]
+    fn noise_as_it_is() {
+        for steps in [1.0, 3.0, 20.0, 300.0, 1e6] {
+            assert_eq!(said(noise(5000, steps)), "", "{steps}");
+        }
+        // band-limited, and as codes
+        let slow: Vec<f64> =
+            noise(5000, 1e4).windows(50).map(|part| (part.iter().sum::<f64>() / 50.0).round()).collect();
+        assert_eq!(said(slow), "");
+        assert_eq!(doubt(&Series::Codes(noise(5000, 1e5).iter().map(|code| *code as i32).collect())), None);
+        assert_eq!(said(vec![1.0; 5000]), "", "a constant is said elsewhere");
+    }
+
+    #[test]
+    fn held_and_filled_in() {
+        let held: Vec<f64> = noise(3000, 1e5).into_iter().flat_map(|sample| [sample, sample]).collect();
+        assert!(said(held).starts_with("50 % of the samples repeat the one before"));
+        let mut filled = noise(6000, 1e5);
+        (3..6000).step_by(10).for_each(|at| filled[at] = filled[at - 1]);
+        assert!(said(filled).starts_with("10 % of the samples repeat"));
+        let mut drawn = noise(6000, 1e5);
+        (3..5999).step_by(10).for_each(|at| drawn[at] = 0.5 * (drawn[at - 1] + drawn[at + 1]));
+        assert!(said(drawn.iter().map(|sample| sample.round()).collect()).contains("lie on the line between"));
+        assert!(
+            said(drawn.iter().map(|sample| sample * 1e-7 + 9.81).collect()).starts_with("10 % of the samples lie")
+        );
+    }
+}
