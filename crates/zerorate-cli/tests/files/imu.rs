@@ -368,6 +368,7 @@ fn what_makes_no_file_says_why() {
         ("constant.csv", constant.as_bytes(), 3, "all 20000 samples of column gyro_y_dps are the same"),
         ("picture.png", b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0", 1, "picture.png"),
         ("empty.csv", b"", 1, "empty.csv"),
+        ("none.csv", b"t_s,gx_dps,gy_dps\n0,1,\n1,2,\n2,1,\n", 1, "none.csv, column gy_dps: 0 samples are too few"),
         ("bag.mcap", b"\x89MCAP0\r\n", 1, "bag.mcap"),
     ] {
         bench.write(name, content);

@@ -73,7 +73,12 @@ impl Record {
         let mut warnings = std::mem::take(&mut column.warnings);
         warnings.extend(gaps(way, file, &mut column));
         let samples = column.series.len();
-        ensure!(samples >= 2, "{}: {samples} samples are too few, at least 2 are needed", file.display());
+        ensure!(
+            samples >= 2,
+            "{}, column {}: {samples} samples are too few, at least 2 are needed",
+            file.display(),
+            column.name
+        );
         warnings.extend(stopped(file, &column)?);
         let phase = phase(way, file, &column)?;
         let input = match (&phase, &column.series) {
