@@ -50,6 +50,11 @@ pub struct PowerLaw {
 }
 
 impl PowerLaw {
+    /// That of its line and label.
+    pub(super) fn colour(&self) -> &'static str {
+        LAW_COLOURS.into_iter().find(|(slope, _)| *slope == self.slope).map_or(OTHER_LAW, |(_, colour)| colour)
+    }
+
     /// The deviation at an averaging time.
     pub fn dev(&self, tau_s: f64) -> f64 {
         self.at_1s * tau_s.powf(self.slope)
@@ -115,8 +120,10 @@ impl Default for Options {
 pub const COLOURS: [&str; 7] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#000000", "#e69f00", "#56b4e9"];
 /// After all colours comes the next dash.
 const DASHES: [&str; 4] = ["none", "8 4", "2 3", "8 3 2 3"];
-/// Of the lines of a fit: dark enough to be read as text.
-pub const LAW_COLOURS: [&str; 5] = ["#c04a00", "#00785a", "#9a3f75", "#7d6000", "#555555"];
+/// Of the lines of a fit, by slope, so that a coefficient has one colour everywhere: dark enough to be read as text.
+const LAW_COLOURS: [(f64, &str); 4] = [(-0.5, "#c04a00"), (0.0, "#00785a"), (0.5, "#9a3f75"), (-1.0, "#7d6000")];
+/// Of those of another slope.
+const OTHER_LAW: &str = "#555555";
 /// A band that is wider than this, in decades beyond all deviations, does not stretch the axis.
 const BAND_DECADES: f64 = 0.7;
 /// The floor of a fit is shown if it lies no deeper below all deviations than this factor.
@@ -240,8 +247,8 @@ impl Picture<'_> {
             group = group.add(self.scales.band(&curve.points, colour)).add(self.scales.band(&curve.model, INK));
         }
         if let [only] = &self.curves[..] {
-            for (law, colour) in only.laws.iter().zip(LAW_COLOURS) {
-                let line = stroke(canvas::path(self.scales.law(law)), colour, 1.4);
+            for law in &only.laws {
+                let line = stroke(canvas::path(self.scales.law(law)), law.colour(), 1.4);
                 group = group.add(line.set("stroke-dasharray", "7 4"));
             }
         }
@@ -284,8 +291,8 @@ impl Picture<'_> {
             .minimum
             .map(|lowest| (self.minimum_text(lowest), around(self.scales.at(lowest.tau_s, lowest.dev)), INK));
         let beside_law =
-            |((law, line), colour): ((&PowerLaw, &Vec<_>), _)| (law.label.clone(), self.along(line, curve), colour);
-        let laws = curve.laws.iter().zip(&laws).zip(LAW_COLOURS).map(beside_law);
+            |(law, line): (&PowerLaw, &Vec<_>)| (law.label.clone(), self.along(line, curve), law.colour());
+        let laws = curve.laws.iter().zip(&laws).map(beside_law);
         let fit = (!total.is_empty()).then(|| ("fit".to_owned(), self.along(&total, curve), INK));
         minimum.into_iter().chain(laws).chain(fit).fold(Group::new(), |group, (text, candidates, colour)| match labels
             .place(&text, candidates)

@@ -1,6 +1,6 @@
 //! Allan deviations side by side, a panel for each axis on common scales, with model, band and coefficients.
 
-use super::allan::{COLOURS, Curve, LAW_COLOURS, Mark, Options, drawable, ranges};
+use super::allan::{COLOURS, Curve, Mark, Options, drawable, ranges};
 use super::axes::Axis;
 use super::canvas::{self, Anchor, Area, Frame, INK, SMALL, clipped, line, path, stroke};
 use super::curve::Scales;
@@ -68,8 +68,8 @@ fn panel(curve: &Curve, colour: &str, scales: &Scales, area: Area, marks: &[Mark
         let rule = line((x, area.top), (x, area.bottom));
         inside = inside.add(rule.set("stroke", "#777777").set("stroke-dasharray", "5 4"));
     }
-    for (law, colour) in curve.laws.iter().zip(LAW_COLOURS) {
-        inside = inside.add(stroke(path(scales.law(law)), colour, 1.3).set("stroke-dasharray", "6 4"));
+    for law in &curve.laws {
+        inside = inside.add(stroke(path(scales.law(law)), law.colour(), 1.3).set("stroke-dasharray", "6 4"));
     }
     inside = inside.add(stroke(path(scales.model(curve)), INK, 1.6)).add(scales.line(curve, colour, "none"));
     let mut labels = Labels::new(area);
@@ -80,7 +80,7 @@ fn panel(curve: &Curve, colour: &str, scales: &Scales, area: Area, marks: &[Mark
 
 /// The coefficients in the colours of their lines, and the remarks, where the panel is emptiest.
 fn legend(curve: &Curve, labels: &Labels) -> Group {
-    let laws = curve.laws.iter().zip(LAW_COLOURS).map(|(law, colour)| (&law.label, colour));
+    let laws = curve.laws.iter().map(|law| (&law.label, law.colour()));
     let rows: Vec<(&String, &str)> = laws.chain(curve.remarks.iter().map(|remark| (remark, INK))).collect();
     if rows.is_empty() {
         return Group::new();

@@ -191,6 +191,20 @@ fn axes_side_by_side_have_their_coefficients() {
 }
 
 #[test]
+fn a_coefficient_has_its_colour_without_the_others() {
+    let whole = fitted();
+    let k = whole.laws.iter().position(|law| law.slope == 0.5).unwrap();
+    let alone = Curve { laws: vec![whole.laws[k].clone()], ..whole.clone() };
+    let colour = whole.laws[k].colour();
+    assert!(whole.laws.iter().enumerate().all(|(index, law)| index == k || law.colour() != colour));
+    for svg in
+        [allan(std::slice::from_ref(&alone), &Options::default()), allan_multiples(&[alone], &Options::default())]
+    {
+        assert!(svg.contains(colour), "{colour}");
+    }
+}
+
+#[test]
 fn a_record_of_any_length_is_its_envelope() {
     let mut samples: Vec<f64> = (0..100_000).map(|i| f64::from(i % 10) - 4.5).collect();
     samples[50_050] = 99.0;
