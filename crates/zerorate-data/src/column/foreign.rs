@@ -160,6 +160,20 @@ fn logs_of_px4() {
 }
 
 #[test]
+fn what_is_no_log_says_what_to_do() {
+    let folder = Folder::new();
+    for (start, said) in [
+        (&b"{\"t\":0,\"gz\":1}\n"[..], "in Python `pandas.read_json('FILE').to_csv('log.csv')`"),
+        (b"[{\"t\":0}]", "it is JSON"),
+        (b"\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1....", "save the sheet as CSV"),
+        (b"\x80\x05\x95....", "a pickle of Python"),
+    ] {
+        let fails = folder.fails(start, "--rate 1");
+        assert!(fails.contains(said), "{fails}");
+    }
+}
+
+#[test]
 fn text_of_two_bytes_to_a_character() {
     let text = "t_ms;gz_°/s\r\n0;0,5\r\n10;-1,25\r\n20;3,0\r\n";
     let wide = |mark: &str, to_bytes: fn(u16) -> [u8; 2]| -> Vec<u8> {

@@ -169,3 +169,26 @@ fn topic_of(column: &str) -> Option<String> {
     let topic = column.strip_suffix(FIRST)?;
     topic.starts_with('/').then(|| topic.to_owned())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// As `rostopic echo -p` writes it: the variances of an angular velocity are none, unless somebody asks for them.
+    #[test]
+    fn what_stands_beside_axes_is_left_out() {
+        let text = "%time,field.angular_velocity.x,field.angular_velocity_covariance0,gyro_clipping\n\
+                    1000,0.5,0.0,0\n2000,0.25,0.0,0\n3000,1.5,0.0,1\n";
+        let read = |columns: Option<Vec<String>>| {
+            let log = ColumnOptions { rate: Some(200.0), ..ColumnOptions::default() };
+            let options = ImuOptions { columns, log, ..ImuOptions::default() };
+            let parts = vec![(PathBuf::from("imu.csv"), text.as_bytes().to_vec().into())];
+            Axes::read(Path::new("imu.csv"), parts, &options).unwrap()
+        };
+        let found = read(None);
+        assert_eq!(found.columns.len(), 1);
+        assert_eq!(found.columns[0].name, "field.angular_velocity.x");
+        assert!(found.warnings.iter().any(|said| said.contains("left out") && said.contains("gyro_clipping")));
+        assert_eq!(read(Some(vec!["field.angular_velocity_covariance0".to_owned()])).columns.len(), 1);
+    }
+}
