@@ -1,7 +1,7 @@
 """Logs of noise for `cargo xtask bench-peers`, and what reads them beside zerorate: polars and NumPy, then allantools.
 
-`files.py make FOLDER ROWS` writes one.csv, seven.csv, seven.parquet and one.npy. `files.py FILE COLUMN` reads a column
-and prints its overlapping Allan deviation at octaves. `files.py peak PROGRAM ARGUMENT…` prints the most memory that a
+`files.py make FOLDER ROWS` writes one.csv, seven.csv, seven.parquet and one.npy. `files.py FILE COLUMN,…` reads columns
+and prints their overlapping Allan deviations at octaves. `files.py peak PROGRAM ARGUMENT…` prints the most memory that a
 program had, in bytes.
 """
 
@@ -26,13 +26,14 @@ def make(folder, rows):
     np.save(folder / "one.npy", noise[:, 0])
 
 
-def read(path, column):
+def read(path, columns):
     if path.endswith(".npy"):
-        return np.load(path)
+        return [np.load(path)]
     import polars
 
-    table = polars.read_csv if path.endswith(".csv") else polars.read_parquet
-    return table(path, columns=[column])[column].to_numpy()
+    read_table = polars.read_csv if path.endswith(".csv") else polars.read_parquet
+    table = read_table(path, columns=columns)
+    return [table[column].to_numpy() for column in columns]
 
 
 if sys.argv[1] == "make":
@@ -43,7 +44,7 @@ elif sys.argv[1] == "peak":
 else:
     import allantools
 
-    rate = read(sys.argv[1], sys.argv[2])
-    octaves = [2.0**k for k in range(64) if 2 * 2**k <= len(rate)]
-    for tau, dev in zip(*allantools.oadev(rate, rate=1.0, data_type="freq", taus=octaves)[:2]):
-        print(tau, dev)
+    for rate in read(sys.argv[1], sys.argv[2].split(",")):
+        octaves = [2.0**k for k in range(64) if 2 * 2**k <= len(rate)]
+        for tau, dev in zip(*allantools.oadev(rate, rate=1.0, data_type="freq", taus=octaves)[:2]):
+            print(tau, dev)
