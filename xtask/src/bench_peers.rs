@@ -5,7 +5,7 @@ use crate::venv::{self, done, printed};
 use anyhow::{Context, Result};
 use serde::Deserialize;
 use std::path::Path;
-use std::process::Command;
+use std::process::{Command, Stdio};
 use std::time::Instant;
 
 const DATA: &str = "target/bench-peers.f64";
@@ -135,7 +135,7 @@ fn time_program() -> Result<()> {
     let mut seconds = Vec::new();
     for _ in 0..5 {
         let start = Instant::now();
-        printed(&mut zerorate(&format!("allan {CAPTURE}")))?;
+        silently(&mut zerorate(&format!("allan {CAPTURE}")))?;
         seconds.push(start.elapsed().as_secs_f64());
     }
     let best = seconds.iter().copied().fold(f64::INFINITY, f64::min);
@@ -160,10 +160,11 @@ fn time_files(samples: u64, python: &Path) -> Result<()> {
     done(peers().args(["make", LOGS]).arg(samples.to_string()))?;
     for (file, goal) in FILES {
         let path = format!("{LOGS}/{file}");
-        let theirs = |columns| best_of_three(|| printed(peers().args([path.as_str(), columns])));
+        let theirs = |columns| best_of_three(peers().args([path.as_str(), columns]));
         let in_python = theirs("gx")?;
         let column = if file == "one.npy" { "0" } else { "gx" };
-        let ours = best_of_three(|| printed(Command::new(PROGRAM).args(analysis(&path, column))))?;
+        let zerorate = |columns| best_of_three(Command::new(PROGRAM).args(analysis(&path, columns)));
+        let ours = zerorate(column)?;
         let times = in_python / ours;
         println!(
             "zerorate allan {file}, {samples} rows, from file to text: {ours:.2} s; in Python {in_python:.2} s, \
@@ -172,7 +173,7 @@ fn time_files(samples: u64, python: &Path) -> Result<()> {
         );
         print_peak(python, &path, column, samples)?;
         if file.starts_with("seven") {
-            let six = best_of_three(|| printed(Command::new(PROGRAM).args(analysis(&path, AXES))))?;
+            let six = zerorate(AXES)?;
             let (times, in_python) = (six / ours, theirs(AXES)?);
             println!(
                 "  all six axes: {six:.2} s, {times:.2} times one (goal 2{}); in Python {in_python:.2} s, {:.1} times",
@@ -185,8 +186,8 @@ fn time_files(samples: u64, python: &Path) -> Result<()> {
     Ok(std::fs::remove_dir_all(LOGS)?)
 }
 
-fn analysis<'a>(path: &'a str, columns: &'a str) -> [&'a str; 6] {
-    ["allan", path, "--column", columns, "--rate", "1"]
+fn analysis<'a>(path: &'a str, columns: &'a str) -> [&'a str; 8] {
+    ["allan", path, "--column", columns, "--rate", "1", "--unit", "dps"]
 }
 
 /// The most memory of the program, beside that of the columns as f64.
@@ -200,11 +201,15 @@ fn print_peak(python: &Path, path: &str, columns: &str, samples: u64) -> Result<
     Ok(())
 }
 
-fn best_of_three(mut run: impl FnMut() -> Result<String>) -> Result<f64> {
+fn silently(command: &mut Command) -> Result<()> {
+    done(command.stdout(Stdio::null()).stderr(Stdio::null()))
+}
+
+fn best_of_three(command: &mut Command) -> Result<f64> {
     let mut best = f64::INFINITY;
     for _ in 0..3 {
         let start = Instant::now();
-        run()?;
+        silently(command)?;
         best = best.min(start.elapsed().as_secs_f64());
     }
     Ok(best)
