@@ -42,7 +42,7 @@ pub use noise_id::noise_types;
 pub use stat::{Stat, UnknownStat};
 pub use stream::{NotAdjacent, Stream};
 pub use taus::{Taus, TausError, longest};
-pub use warning::AllanWarning;
+pub use warning::{AllanWarning, LONGEST_RECORD_S};
 #[cfg(feature = "std")]
 pub use welch::{Density, welch};
 

@@ -1,7 +1,12 @@
 //! What there is to know about a curve or a noise model.
 
 use super::Noise;
+use alloc::format;
+use alloc::string::String;
 use core::fmt;
+
+/// A record that would have to be longer, s, nobody makes: a thousand hours.
+pub const LONGEST_RECORD_S: f64 = 3.6e6;
 
 /// The coefficients stand, but there is something to know. `Display` says what was seen, why it matters and what to
 /// do; a number without a unit is in the unit of the rate.
@@ -39,6 +44,10 @@ pub enum AllanWarning {
     DriftOrWalk { has_drift: bool, worse: f64 },
     /// The halves of the record differ.
     Unsteady { tau_s: f64, ratio: f64 },
+    /// So few samples do not show the sensor's band.
+    ShortRecord { samples: u64, needed: u64 },
+    /// The measured curve is not the model's.
+    OffCurve { tau_s: f64, ratio: f64, octaves: usize },
     /// The model is wrong by more than it may be.
     Rejected { error: f64, most: f64 },
     /// The record is too short to tell a coefficient from zero.
@@ -65,6 +74,8 @@ impl AllanWarning {
             Self::MemoryOrFlicker { .. } => "memory-or-flicker",
             Self::DriftOrWalk { .. } => "drift-or-walk",
             Self::Unsteady { .. } => "unsteady",
+            Self::ShortRecord { .. } => "short-record",
+            Self::OffCurve { .. } => "off-curve",
             Self::Rejected { .. } => "model-rejected",
             Self::NotIdentified { .. } => "not-identified",
         }
@@ -176,6 +187,18 @@ impl fmt::Display for AllanWarning {
                 ratio.max(1.0 / ratio),
                 if ratio > 1.0 { "second" } else { "first" }
             ),
+            Self::ShortRecord { samples, needed } => write!(
+                f,
+                "{samples} samples are too few to see how the sensor's filter bends its noise: N may be off by a \
+                 quarter, and by more beside a resonance, whatever its interval says; record {needed} or more"
+            ),
+            Self::OffCurve { tau_s, ratio, octaves } => write!(
+                f,
+                "at {tau_s:.3} s the measured deviation is {ratio:.2} times the model's, and {octaves} octaves are \
+                 off by more than chance: the model error, which is of the spectrum without its lines, does not \
+                 show it; do not use the model at these averaging times, and look at the plot for slow motion or a \
+                 strong disturbance"
+            ),
             Self::Rejected { error, most } => write!(
                 f,
                 "the noise model is off by {:.0} %, more than the {:.0} % at which it is rejected: no coefficient is \
@@ -186,11 +209,18 @@ impl fmt::Display for AllanWarning {
             ),
             Self::NotIdentified { noise, record_s, needed_s } => write!(
                 f,
-                "{} cannot be told from zero in {record_s:.0} s: its value is a guess within its interval; record \
-                 about {needed_s:.0} s ({:.1} h)",
+                "{} cannot be told from zero in {record_s:.0} s: its value is a guess within its interval; {}",
                 noise.name(),
-                needed_s / 3600.0
+                longer(needed_s)
             ),
         }
+    }
+}
+
+/// What to record so that a coefficient is identified.
+fn longer(needed_s: f64) -> String {
+    match needed_s <= LONGEST_RECORD_S {
+        true => format!("record about {needed_s:.0} s ({:.1} h)", needed_s / 3600.0),
+        false => String::from("no record of practical length would tell, and where it is so small it does not matter"),
     }
 }

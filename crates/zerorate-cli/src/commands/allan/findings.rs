@@ -3,12 +3,14 @@
 use super::picture;
 use super::record::Record;
 use super::units::{deviation_unit, span};
-use zerorate::allan::AllanWarning;
+use zerorate::allan::{AllanWarning, LONGEST_RECORD_S};
 use zerorate_view::plot::number;
 
 /// Codes of findings, those that spoil most first. What is not among them comes before all: it is of the log.
-const BY_WEIGHT: [&str; 13] = [
+const BY_WEIGHT: [&str; 15] = [
     "model-rejected",
+    "short-record",
+    "off-curve",
     "many-steps",
     "step",
     "glitches",
@@ -109,6 +111,14 @@ fn condensed_words(warning: &AllanWarning, unit: &str) -> (String, String) {
             format!("off by {:.0} %", error * 100.0),
             format!("off by more than {:.0} %, no coefficient is a result; look for motion", most * 100.0),
         ),
+        AllanWarning::ShortRecord { samples, needed } => (
+            format!("{samples} samples"),
+            format!("too few to see the sensor's band, N may be off by a quarter; record {needed} samples or more"),
+        ),
+        AllanWarning::OffCurve { tau_s, ratio, octaves } => said(
+            format!("{octaves} octaves, {ratio:.2} times at {}", span(tau_s)),
+            "the measured deviation is not the model's; do not use the model there",
+        ),
         AllanWarning::ManySteps { most } => (
             String::new(),
             format!("the level jumps more than {most} times; K, B and Gauss–Markov terms describe that"),
@@ -151,7 +161,11 @@ fn condensed_words(warning: &AllanWarning, unit: &str) -> (String, String) {
         ),
         AllanWarning::NotIdentified { noise, needed_s, .. } => {
             let letter = noise.name().rsplit(' ').next().unwrap_or_default();
-            said(format!("{letter}, record {}", span(needed_s)), "cannot be told from zero in so short a record")
+            let detail = match needed_s <= LONGEST_RECORD_S {
+                true => format!("{letter}, record {}", span(needed_s)),
+                false => format!("{letter}, no record is long enough"),
+            };
+            said(detail, "cannot be told from zero in so short a record")
         }
         ref other => (String::new(), other.to_string()),
     }

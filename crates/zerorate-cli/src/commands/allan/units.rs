@@ -1,7 +1,7 @@
 //! Noise coefficients in the units that data sheets, standards and users have them in.
 
 use super::record::Record;
-use zerorate::allan::{Coefficient, Estimate, Line, Term};
+use zerorate::allan::{Coefficient, Estimate, LONGEST_RECORD_S, Line, Term};
 use zerorate::noise::FLOOR_PER_B;
 use zerorate_data::column::{Quantity, STANDARD_GRAVITY};
 use zerorate_view::plot::number;
@@ -178,6 +178,9 @@ impl Named<'_> {
     pub fn remark(&self) -> String {
         match (self.coefficient.identified, self.coefficient.needed_s) {
             (true, _) => String::new(),
+            (false, Some(needed_s)) if needed_s > LONGEST_RECORD_S => {
+                "not identified: no record of practical length would tell".to_owned()
+            }
             (false, Some(needed_s)) => format!("not identified: record about {}", span(needed_s)),
             (false, None) => "not identified".to_owned(),
         }

@@ -39,23 +39,44 @@ pub(super) fn broad(bins: &[Bin]) -> (Vec<bool>, Vec<f64>) {
     (above(bins, &base), base)
 }
 
-/// Takes narrow lines out of the bins of `power` (coefficients 1, 2 …, `hz` apart).
-pub(super) fn take_out_narrow(power: &[f64], bins: &mut [Bin], hz: f64) -> Vec<Line> {
+/// A line that left the bins.
+#[derive(Clone, Debug)]
+pub(super) struct Narrow {
+    pub(super) line: Line,
+    /// Its first coefficient, and one past its last: no bin has any of them.
+    pub(super) run: (usize, usize),
+    /// Variance and frequency of what it is in the model: a quarter of its power each.
+    pub(super) sines: [(f64, f64); 4],
+}
+
+/// Takes narrow lines out of the bins of `power` (coefficients 1, 2 …, `hz` apart). What they leave less than a
+/// quarter of leaves with them: a coefficient is in a bin or in a line, and never in both.
+pub(super) fn take_out_narrow(power: &[f64], bins: &mut Vec<Bin>, hz: f64) -> Vec<Narrow> {
     let (mask, base) = broad(bins);
     let base = base_of_coefficients(power, bins, &base, &mask);
-    let runs = stretches(&narrow(power, &base));
-    for bin in bins.iter_mut() {
-        without(bin, power, &runs);
-    }
-    let line = |&(from, to): &(usize, usize)| {
-        let (power, base) = (&power[from..to], &base[from..to]);
-        let excess: f64 = power.iter().zip(base).map(|(p, b)| p - b).sum();
-        let weight: f64 = power.iter().sum();
-        let middle: f64 = power.iter().zip(from..).map(|(p, i)| p * (i + 1) as f64).sum::<f64>() / weight;
-        let rms = libm::sqrt((excess * 2.0 * hz).max(0.0));
-        Line { frequency_hz: middle * hz, width_hz: (to - from) as f64 * hz, rms }
+    let mut flag = narrow(power, &base);
+    bins.retain_mut(|bin| without(bin, power, &mut flag));
+    stretches(&flag).into_iter().map(|run| narrow_line(run, power, &base, hz)).collect()
+}
+
+fn narrow_line((from, to): (usize, usize), power: &[f64], base: &[f64], hz: f64) -> Narrow {
+    let (power, base) = (&power[from..to], &base[from..to]);
+    let excess: f64 = power.iter().zip(base).map(|(p, b)| p - b).sum();
+    let weight: f64 = power.iter().sum();
+    let middle: f64 = power.iter().zip(from..).map(|(p, i)| p * (i + 1) as f64).sum::<f64>() / weight;
+    let variance = (excess * 2.0 * hz).max(0.0);
+    let line = Line { frequency_hz: middle * hz, width_hz: (to - from) as f64 * hz, rms: libm::sqrt(variance) };
+    // where an eighth of the power is reached, three eighths …
+    let at = |part: f64| {
+        let mut sum = 0.0;
+        let below = |p: &&f64| {
+            sum += **p;
+            sum < part * weight
+        };
+        (from + 1 + power.iter().take_while(below).count()) as f64 * hz
     };
-    runs.iter().map(line).collect()
+    let sines = [0.125, 0.375, 0.625, 0.875].map(|part| (variance / 4.0, at(part)));
+    Narrow { line, run: (from + 1, to + 1), sines }
 }
 
 /// Running median over an octave to either side of what is not masked; at the ends less the slope.
@@ -149,17 +170,25 @@ fn stretches(flag: &[bool]) -> Vec<(usize, usize)> {
     found
 }
 
-/// A bin of which less than a quarter is left stays as it is: it is masked as a whole.
-fn without(bin: &mut Bin, power: &[f64], runs: &[(usize, usize)]) {
-    let (first, end) = (bin.first - 1, bin.end - 1);
-    let inside = runs.iter().map(|&(from, to)| (from.max(first), to.min(end))).filter(|(from, to)| from < to);
-    let (lost, count) = inside
-        .fold((0.0, 0), |(lost, count), (from, to)| (lost + power[from..to].iter().sum::<f64>(), count + to - from));
-    let width = (end - first) as f64;
-    let left = width - count as f64;
-    if count > 0 && left >= (width / 4.0).max(1.0) {
-        *bin = Bin { power: (bin.power * width - lost) / left, freedom: bin.freedom * left / width, ..*bin };
+/// Takes what is flagged out of a bin. Where less than a quarter would be left, all of it is flagged, and the bin is
+/// no more.
+fn without(bin: &mut Bin, power: &[f64], flag: &mut [bool]) -> bool {
+    let inside = bin.first - 1..bin.end - 1;
+    let lost = || power[inside.clone()].iter().zip(&flag[inside.clone()]).filter(|(_, out)| **out).map(|(p, _)| p);
+    let (count, width) = (lost().count() as f64, inside.len() as f64);
+    let left = width - count;
+    if left < (width / 4.0).max(1.0) {
+        flag[inside].fill(true);
+        return false;
     }
+    if count > 0.0 {
+        *bin = Bin {
+            power: (bin.power * width - lost().sum::<f64>()) / left,
+            freedom: bin.freedom * left / width,
+            ..*bin
+        };
+    }
+    true
 }
 
 /// A function whose argument is mostly the one before.

@@ -2,7 +2,7 @@
 
 use super::bins::Bin;
 use super::density::Table;
-use super::lines::Line;
+use super::lines::{Line, Narrow};
 use super::scoring::{Form, N2, Problem};
 use super::select::Selection;
 use super::spectrum::Spectrum;
@@ -12,9 +12,9 @@ use core::f64::consts::PI;
 
 /// What the masked bins hold above the model.
 pub(super) struct Masked {
-    /// Variance and frequency.
-    pub(super) sines: Vec<(f64, f64)>,
-    pub(super) lines: Vec<Line>,
+    lines: Vec<Line>,
+    /// Variance and frequency of what each of these is in the model.
+    sines: Vec<Vec<(f64, f64)>>,
     /// First coefficient of each of these, and one past its last.
     runs: Vec<(usize, usize)>,
     /// What the tails of broad lines near the upper end add to the density at frequency 0.
@@ -32,10 +32,9 @@ const SEEN: f64 = 8.0;
 /// Where a line stands out of the noise while it lasts a quarter of a period, so that its ends look like steps: the
 /// coefficients of all lines, since some are its tails. The first of each and one past its last.
 pub(super) fn loud(spectrum: &Spectrum, chosen: &Selection, rate_hz: f64) -> Vec<(usize, usize)> {
-    let hz = rate_hz / (2.0 * spectrum.samples as f64);
-    let narrow = spectrum.narrow.iter().map(|line| {
-        let (middle, half) = (line.frequency_hz / hz, line.width_hz / hz);
-        (line, (libm::floor(middle - half).max(1.0) as usize, libm::ceil(middle + half) as usize + 1))
+    let narrow = spectrum.narrow.iter().map(|narrow| {
+        let ((first, end), half) = (narrow.run, (narrow.run.1 - narrow.run.0).div_ceil(2));
+        (&narrow.line, (first.saturating_sub(half).max(1), end + half))
     });
     let masked = Masked::of(spectrum, chosen, rate_hz);
     let broad = masked.lines.iter().zip(masked.runs.iter().copied());
@@ -45,7 +44,57 @@ pub(super) fn loud(spectrum: &Spectrum, chosen: &Selection, rate_hz: f64) -> Vec
     if all.iter().any(stands_out) { all.into_iter().map(|(_, run)| run).collect() } else { Vec::new() }
 }
 
+/// Factor on the most that a sine leaks, which is without noise.
+const LEAK_MARGIN: f64 = 2.0;
+
+/// A line with all that it has in the spectrum.
+pub(super) struct Whole {
+    pub(super) line: Line,
+    /// Variance and frequency of what it is in the model.
+    pub(super) sines: Vec<(f64, f64)>,
+    run: (usize, usize),
+    /// It is narrow, and may be a sine.
+    leaks: bool,
+}
+
+impl Whole {
+    fn leaks_into(&self, weak: &Self) -> bool {
+        let most = LEAK_MARGIN * self.line.rms * self.line.rms * leak(self.run, weak.run);
+        self.leaks && weak.line.rms * weak.line.rms <= most
+    }
+
+    fn add(&mut self, rms: f64) {
+        let ratio = 1.0 + rms * rms / (self.line.rms * self.line.rms).max(f64::MIN_POSITIVE);
+        self.sines.iter_mut().for_each(|(variance, _)| *variance *= ratio);
+        self.line.rms *= libm::sqrt(ratio);
+    }
+}
+
 impl Masked {
+    /// All lines of the record with their sines. What a sine that begins and ends with the record leaks into
+    /// coefficients further on is none of its own: its power is that of the line that it is of.
+    pub(super) fn with_narrow(self, narrow: &[Narrow]) -> Vec<Whole> {
+        let own = narrow.iter().map(|narrow| Whole {
+            line: narrow.line,
+            sines: narrow.sines.to_vec(),
+            run: narrow.run,
+            leaks: true,
+        });
+        let broad = self.lines.into_iter().zip(self.sines).zip(self.runs);
+        let broad = broad.map(|((line, sines), run)| Whole { line, sines, run, leaks: false });
+        let mut rest: Vec<Whole> = own.chain(broad).collect();
+        rest.sort_by(|a, b| b.line.rms.total_cmp(&a.line.rms));
+        let mut found: Vec<Whole> = Vec::new();
+        for weak in rest {
+            match found.iter_mut().find(|strong| strong.leaks_into(&weak)) {
+                Some(strong) => strong.add(weak.line.rms),
+                None => found.push(weak),
+            }
+        }
+        found.sort_by(|a, b| a.line.frequency_hz.total_cmp(&b.line.frequency_hz));
+        found
+    }
+
     pub(super) fn of(spectrum: &Spectrum, chosen: &Selection, rate_hz: f64) -> Self {
         let kept = |bin: &Bin| chosen.problem.table.rows.iter().any(|row| row.bin.first == bin.first);
         let masked: Vec<Bin> = spectrum.bins.iter().filter(|bin| !kept(bin)).copied().collect();
@@ -58,8 +107,6 @@ impl Masked {
         for (bin, smooth) in masked.iter().zip(smooth) {
             let width_hz = (bin.end - bin.first) as f64 * hz;
             let variance = 2.0 * (bin.power - smooth) * width_hz;
-            let from_hz = (bin.first as f64 - 0.5) * hz;
-            found.sines.extend((0..4).map(|i| (variance / 4.0, from_hz + (f64::from(i) + 0.5) / 4.0 * width_hz)));
             match runs.last_mut() {
                 Some(run) if run.last().is_some_and(|(_, last)| last.end == bin.first) => run.push((variance, *bin)),
                 _ => runs.push(vec![(variance, *bin)]),
@@ -67,11 +114,30 @@ impl Masked {
         }
         found.runs = runs.iter().map(|run| (run[0].1.first, run[run.len() - 1].1.end)).collect();
         found.lines = runs.iter().map(|run| line(run, hz)).collect();
+        found.sines = runs.iter().map(|run| run.iter().flat_map(|part| sines(part, hz)).collect()).collect();
         let reach = |&(first, end): &(usize, usize)| (end - first) as f64 * hz / 2.0;
         let reaches = found.runs.iter().map(reach);
         found.tail_at_zero = found.lines.iter().zip(reaches).map(|(line, reach)| tail(line, reach, rate_hz)).sum();
         found
     }
+}
+
+/// The most of its power that a sine in the middle of a run has in another run: of the coefficients d further on every
+/// second has 4/(πd)² of it, if the sine is at zero at the ends of the record.
+fn leak((first, end): (usize, usize), (from, to): (usize, usize)) -> f64 {
+    let middle = (first + end - 1) as f64 / 2.0;
+    let (near, far) = if from as f64 > middle {
+        (from as f64 - middle, to as f64 - middle)
+    } else {
+        (middle + 1.0 - to as f64, middle + 1.0 - from as f64)
+    };
+    if near < 1.0 { 1.0 } else { 2.0 / (PI * PI) * (1.0 / (near - 0.5) - 1.0 / (far - 0.5)) }
+}
+
+/// A masked bin as four sines.
+fn sines((variance, bin): &(f64, Bin), hz: f64) -> [(f64, f64); 4] {
+    let (from, width) = (bin.first as f64 - 0.5, (bin.end - bin.first) as f64);
+    [0.125, 0.375, 0.625, 0.875].map(|part| (variance / 4.0, (from + part * width) * hz))
 }
 
 /// Adjacent masked bins as one line: where its power is, and half of it in so many Hz.

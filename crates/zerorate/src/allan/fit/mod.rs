@@ -371,9 +371,11 @@ fn described(
     mut warnings: Vec<AllanWarning>,
 ) -> Result<Fit, FitError> {
     let masked = Masked::of(&spectrum, &chosen, rate_hz);
-    let sines = masked.sines.iter().copied();
-    let narrow = spectrum.narrow.iter().map(|line| (line.rms * line.rms, line.frequency_hz));
-    let model = Model::new(&chosen.found, sines.chain(narrow).collect(), rate_hz, raw.record_s)?;
+    let tail_at_zero = masked.tail_at_zero;
+    let all = masked.with_narrow(&spectrum.narrow);
+    let sines = all.iter().flat_map(|whole| whole.sines.iter().copied()).collect();
+    let lines: Vec<Line> = all.iter().map(|whole| whole.line).collect();
+    let model = Model::new(&chosen.found, sines, rate_hz, raw.record_s)?;
     let is_rejected = chosen.problem.error > MOST_ERROR;
     let coefficients = Coefficients { samples: spectrum.samples, chosen: &chosen, rate_hz, is_rejected };
     let own = &chosen.found;
@@ -381,9 +383,8 @@ fn described(
     let widening = libm::sqrt(scatter.variance_of_ln_n(rate_hz, own.at[N2], &model));
     let doubt = Doubt::of((&chosen.problem, own), &model, Some(&scatter), (rate_hz, raw.record_s))?;
     let (chi2, freedom) = select::chi2(&chosen.problem, own);
-    let lines: Vec<Line> = spectrum.narrow.iter().chain(&masked.lines).copied().collect();
     let fit = Fit {
-        n: coefficients.n(widening, masked.tail_at_zero),
+        n: coefficients.n(widening, tail_at_zero),
         b: coefficients.of(B2),
         k: coefficients.k(),
         q: own.form.quantised.then(|| coefficients.of(Q2)),

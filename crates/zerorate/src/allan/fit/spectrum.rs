@@ -2,7 +2,7 @@
 
 use super::bins::{Bin, Response, bins, empty_bins};
 use super::density::LOW;
-use super::lines::{Line, take_out_narrow};
+use super::lines::{Narrow, take_out_narrow};
 use super::transform::{cosine_transform, smooth_length};
 use alloc::vec::Vec;
 use realfft::FftError;
@@ -14,7 +14,7 @@ pub(super) struct Spectrum {
     /// The first coefficients times √dt.
     pub(super) low: Vec<f64>,
     /// What left the bins.
-    pub(super) narrow: Vec<Line>,
+    pub(super) narrow: Vec<Narrow>,
     /// Samples that entered, lost ones included.
     pub(super) samples: usize,
 }
@@ -159,7 +159,7 @@ fn fast_band(
     rate: &[f64],
     averages: &Averages,
     rate_hz: f64,
-) -> Result<(impl Iterator<Item = Bin> + use<>, Vec<Line>), FftError> {
+) -> Result<(impl Iterator<Item = Bin> + use<>, Vec<Narrow>), FftError> {
     let n = rate.len();
     let rest = |(i, value): (usize, &f64)| if value.is_nan() { 0.0 } else { value - averages.at(i) };
     let rest: Vec<f64> = rate.iter().enumerate().map(rest).collect();

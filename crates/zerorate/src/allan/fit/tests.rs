@@ -5,6 +5,8 @@ use core::f64::consts::PI;
 use std::string::ToString;
 use std::vec;
 
+mod lines;
+
 const RATE_HZ: f64 = 100.0;
 
 /// Densities as IEEE Std 952-1997 C.1 has them, two-sided, and one Gauss–Markov term: not the code under test.
