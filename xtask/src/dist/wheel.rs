@@ -102,4 +102,4 @@ import numpy, zerorate
 rate = numpy.cumsum(numpy.sin(numpy.arange(4096.0) ** 2))
 result = zerorate.allan(rate, rate_hz=100.0)
 unit = zerorate.calibrate(zerorate.Twin(seed=7), average=5, warmup=30, settle=10, offset=15, max_u_btc=1)
-print(zerorate.__version__, [round(dev, 12) for dev in result.dev], unit.calibration.id)";
+print(zerorate.__version__, [round(dev, 12) for dev in result.dev.tolist()], unit.calibration.id)";
