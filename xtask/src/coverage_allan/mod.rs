@@ -53,7 +53,7 @@ struct Run {
 }
 
 /// Warnings that say that a coefficient may be off. That something was found and taken out says no such thing.
-const TELLING: [&str; 10] = [
+const TELLING: [&str; 11] = [
     "many-glitches",
     "many-steps",
     "warm-up",
@@ -62,6 +62,7 @@ const TELLING: [&str; 10] = [
     "memory-or-flicker",
     "drift-or-walk",
     "model-rejected",
+    "leakage",
     "off-curve",
     "short-record",
 ];

@@ -46,6 +46,8 @@ pub enum AllanWarning {
     Unsteady { tau_s: f64, ratio: f64 },
     /// So few samples do not show the sensor's band.
     ShortRecord { samples: u64, needed: u64 },
+    /// A line is so strong that what it leaks into the spectrum may be taken for noise: up to this share of it.
+    Leakage { frequency_hz: f64, share: f64 },
     /// The measured curve is not the model's.
     OffCurve { tau_s: f64, ratio: f64, octaves: usize },
     /// The model is wrong by more than it may be.
@@ -75,6 +77,7 @@ impl AllanWarning {
             Self::DriftOrWalk { .. } => "drift-or-walk",
             Self::Unsteady { .. } => "unsteady",
             Self::ShortRecord { .. } => "short-record",
+            Self::Leakage { .. } => "leakage",
             Self::OffCurve { .. } => "off-curve",
             Self::Rejected { .. } => "model-rejected",
             Self::NotIdentified { .. } => "not-identified",
@@ -191,6 +194,13 @@ impl fmt::Display for AllanWarning {
                 f,
                 "{samples} samples are too few to see how the sensor's filter bends its noise: N may be off by a \
                  quarter, and by more beside a resonance, whatever its interval says; record {needed} or more"
+            ),
+            Self::Leakage { frequency_hz, share } => write!(
+                f,
+                "the line at {frequency_hz:.3} Hz is so strong that up to {:.0} % of what the noise is fitted to may \
+                 be what it leaks there: N may be too large, B and K by more, and steps may be none; record without \
+                 it",
+                share * 100.0
             ),
             Self::OffCurve { tau_s, ratio, octaves } => write!(
                 f,

@@ -7,9 +7,10 @@ use zerorate::allan::{AllanWarning, LONGEST_RECORD_S};
 use zerorate_view::plot::number;
 
 /// Codes of findings, those that spoil most first. What is not among them comes before all: it is of the log.
-const BY_WEIGHT: [&str; 15] = [
+const BY_WEIGHT: [&str; 16] = [
     "model-rejected",
     "short-record",
+    "leakage",
     "off-curve",
     "many-steps",
     "step",
@@ -114,6 +115,10 @@ fn condensed_words(warning: &AllanWarning, unit: &str) -> (String, String) {
         AllanWarning::ShortRecord { samples, needed } => (
             format!("{samples} samples"),
             format!("too few to see the sensor's band, N may be off by a quarter; record {needed} samples or more"),
+        ),
+        AllanWarning::Leakage { frequency_hz, share } => said(
+            format!("{frequency_hz:.3} Hz, up to {:.0} %", share * 100.0),
+            "a line so strong that what it leaks may be taken for noise; record without it",
         ),
         AllanWarning::OffCurve { tau_s, ratio, octaves } => said(
             format!("{octaves} octaves, {ratio:.2} times at {}", span(tau_s)),

@@ -1,7 +1,7 @@
 //! What was left out of the fit because it is in a line.
 
 use super::bins::Bin;
-use super::density::Table;
+use super::density::{Row, Table};
 use super::lines::{Line, Narrow};
 use super::scoring::{Form, N2, Problem};
 use super::select::Selection;
@@ -120,6 +120,20 @@ impl Masked {
         found.tail_at_zero = found.lines.iter().zip(reaches).map(|(line, reach)| tail(line, reach, rate_hz)).sum();
         found
     }
+}
+
+/// The strongest of the lines that may leak into the rows that the model is fitted to, and how much of these rows'
+/// power that is at most, on the mean.
+pub(super) fn leakage(lines: &[Whole], rows: &[Row], hz: f64) -> Option<(Line, f64)> {
+    let strongest = lines.iter().filter(|whole| whole.leaks);
+    let strongest = strongest.max_by(|a, b| a.line.rms.total_cmp(&b.line.rms))?;
+    let share = |bin: &Bin| {
+        let variance = 2.0 * bin.power * (bin.end - bin.first) as f64 * hz;
+        let leaks = |whole: &Whole| whole.line.rms * whole.line.rms * leak(whole.run, (bin.first, bin.end));
+        (lines.iter().filter(|whole| whole.leaks).map(leaks).sum::<f64>() / variance).min(1.0)
+    };
+    let freedom: f64 = rows.iter().map(|row| row.bin.freedom).sum();
+    Some((strongest.line, rows.iter().map(|row| row.bin.freedom * share(&row.bin)).sum::<f64>() / freedom))
 }
 
 /// The most of its power that a sine in the middle of a run has in another run: of the coefficients d further on every

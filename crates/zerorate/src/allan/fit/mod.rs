@@ -363,6 +363,9 @@ fn fitted(rate: &[f64], rate_hz: f64) -> Result<(Spectrum, Table), FitError> {
     Ok((spectrum, table))
 }
 
+/// What lines may leak into the rest of the spectrum, as a part of its power, without a word.
+const MOST_LEAKAGE: f64 = 0.02;
+
 fn described(
     rate: &[f64],
     rate_hz: f64,
@@ -398,6 +401,9 @@ fn described(
         cleaned: Cleaned::default(),
         warnings: Vec::new(),
     };
+    let hz = rate_hz / (2.0 * spectrum.samples as f64);
+    let leakage = masked::leakage(&all, &chosen.problem.table.rows, hz).filter(|(_, share)| *share > MOST_LEAKAGE);
+    warnings.extend(leakage.map(|(line, share)| AllanWarning::Leakage { frequency_hz: line.frequency_hz, share }));
     warnings.extend(remarks(&fit, &chosen, rate, rate_hz, raw));
     Ok(Fit { warnings, ..fit })
 }

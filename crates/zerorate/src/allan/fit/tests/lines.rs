@@ -43,6 +43,20 @@ fn the_power_of_a_sine_is_counted_once() {
     }
 }
 
+/// A sine of 200 times the noise leaks all over the spectrum, and N is several times too large.
+#[test]
+fn a_line_that_drowns_the_noise_is_said() {
+    let said = |amplitude| {
+        let fit = of(&with_sine(60_000, 100.0, 5.003, amplitude));
+        let said = fit.warnings.iter().find(|warning| warning.code() == "leakage").map(ToString::to_string);
+        (fit.n.value * 100f64.sqrt(), said)
+    };
+    let (n, strong) = said(200.0);
+    assert!(n > 1.5 && strong.unwrap().contains("the line at 5.00"), "{n}");
+    let (n, weak) = said(3.0);
+    assert!(near(n, 1.0, 0.02) && weak.is_none(), "{n} {weak:?}");
+}
+
 /// Of a sine this slow no line is made, and the spectrum without its first coefficients knows nothing of it.
 #[test]
 fn a_curve_that_the_model_does_not_follow_is_said() {
