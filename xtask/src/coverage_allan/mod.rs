@@ -53,7 +53,7 @@ struct Run {
 }
 
 /// Warnings that say that a coefficient may be off. That something was found and taken out says no such thing.
-const TELLING: [&str; 11] = [
+const TELLING: [&str; 8] = [
     "many-glitches",
     "many-steps",
     "warm-up",
@@ -62,9 +62,6 @@ const TELLING: [&str; 11] = [
     "memory-or-flicker",
     "drift-or-walk",
     "model-rejected",
-    "leakage",
-    "off-curve",
-    "short-record",
 ];
 /// A coefficient is wrong where the truth is so many half widths of its interval away.
 const WRONG: f64 = 3.0;
