@@ -1,0 +1,104 @@
+//! One model of several records.
+
+use super::*;
+
+fn pool_of(rates: &[Vec<f64>]) -> Result<Pool, PoolError> {
+    let fits: Vec<Fit> = rates.iter().map(|rate| of(rate)).collect();
+    // of a record that was cleaned nothing else is kept
+    let kept = rates.iter().zip(&fits).map(|(rate, fit)| if fit.cleaned.rate.is_some() { &[][..] } else { rate });
+    let record = |(rate, fit)| PoolRecord { rate, rate_hz: RATE_HZ, fit };
+    fit_pool(&kept.zip(&fits).map(record).collect::<Vec<_>>())
+}
+
+/// Four units of one type know K twice as well as one.
+#[test]
+fn a_pool_is_surer_than_its_records() {
+    let rates: Vec<Vec<f64>> = (60..64).map(|seed| HOUR.noise(180_000 + 1000 * seed as usize, seed)).collect();
+    let pool = pool_of(&rates).unwrap();
+    let one = of(&rates[0]);
+    assert!(pool.used == [0, 1, 2, 3] && pool.apart.is_empty(), "{:?}", pool.apart);
+    let width = |c: Coefficient| (c.hi - c.lo) / c.value;
+    assert!(width(pool.fit.n) < 0.7 * width(one.n) && width(pool.fit.b) < 0.7 * width(one.b), "{pool:?}");
+    for (found, truth) in [(pool.fit.n, HOUR.n), (pool.fit.b, HOUR.b), (pool.fit.k, HOUR.k)] {
+        assert!(found.lo < truth && truth < found.hi, "{found:?} {truth}");
+    }
+    assert!(pool.fit.model_error < 0.01 && pool.fit.terms.is_empty() && !pool.fit.is_rejected);
+    let n = pool.spread.iter().find(|spread| spread.noise == Noise::AngleRandomWalk).unwrap();
+    assert!(n.records == 4 && n.relative < 3e-3, "{n:?}");
+}
+
+/// Units whose N differs by 3 % are one type; the interval of their mean knows of it, and one that has twice the noise
+/// or another slow noise is named.
+#[test]
+fn a_pool_states_its_spread_and_names_who_does_not_fit() {
+    let unit = |part: f64, seed: u64| Truth { n: HOUR.n * part, ..HOUR }.noise(180_000, seed);
+    let mut rates = vec![unit(0.97, 70), unit(1.0, 71), unit(1.03, 72)];
+    let pool = pool_of(&rates).unwrap();
+    let n = pool.spread[0];
+    assert!(n.noise == Noise::AngleRandomWalk && n.relative > 0.02 && n.relative < 0.045, "{n:?}");
+    assert!(
+        pool.fit.n.lo < 0.98 * HOUR.n && pool.fit.n.hi > 1.02 * HOUR.n && pool.fit.n.identified,
+        "{:?}",
+        pool.fit.n
+    );
+    rates.push(unit(2.0, 73));
+    rates.push(Truth { k: 3e-3, ..HOUR }.noise(180_000, 74));
+    let pool = pool_of(&rates).unwrap();
+    assert_eq!(pool.used, [0, 1, 2]);
+    let [white, slow] = pool.apart[..] else { panic!("{:?}", pool.apart) };
+    assert!(matches!(white.differs, Differs::White { ratio } if near(ratio, 2.0, 0.05)), "{white:?}");
+    assert!(matches!(slow.differs, Differs::Slow { gain } if gain > 18.5), "{slow:?}");
+    assert!((white.record, slow.record) == (3, 4) && white.is_left_out && slow.is_left_out, "{white:?} {slow:?}");
+    // of two that differ nobody knows which is right
+    let pool = pool_of(&rates[3..]);
+    assert_eq!(pool.unwrap_err(), PoolError::NothingInCommon);
+    let pool = pool_of(&[rates[0].clone(), rates[4].clone()]).unwrap();
+    assert!(pool.used == [0, 1] && pool.apart.len() == 1 && !pool.apart[0].is_left_out, "{:?}", pool.apart);
+}
+
+#[test]
+fn a_pool_is_of_records_of_one_setting() {
+    let rate = HOUR.noise(20_000, 75);
+    let fit = of(&rate);
+    let at = |rate_hz| PoolRecord { rate: &rate, rate_hz, fit: &fit };
+    assert_eq!(fit_pool(&[at(100.0)]).unwrap_err(), PoolError::TooFew { records: 1 });
+    let rates = fit_pool(&[at(100.0), at(200.0)]).unwrap_err();
+    assert!(rates.to_string().contains("100.000 and 200.000 Hz"), "{rates}");
+}
+
+/// Every record has a glitch, and the model a Gauss–Markov term whose bound goes with the length of the longest.
+#[test]
+fn a_pool_of_cleaned_records_knows_their_length() {
+    let truth = Truth { n: 0.03, sigma: 0.02, tau_s: 3.0, ..Truth::default() };
+    let rate = |seed| {
+        let mut rate = truth.noise(100_000, seed);
+        rate[50_000] = 50.0;
+        rate
+    };
+    let fit = pool_of(&[rate(78), rate(79)]).unwrap().fit;
+    assert_eq!(fit.span_s, (0.01, 500.0));
+    assert!(fit.k.needed_s.unwrap() > 1000.0, "{:?}", fit.k);
+    assert!(
+        matches!(fit.terms[..], [Term::GaussMarkov { tau_s, .. }] if near(tau_s.value, 3.0, 0.3)),
+        "{:?}",
+        fit.terms
+    );
+}
+
+/// A warm-up of one of them is none of the type.
+#[test]
+fn a_pool_has_no_drift_of_one_record() {
+    let still = Truth { k: 0.0, ..HOUR };
+    let mut rates: Vec<Vec<f64>> = (76..79).map(|seed| still.noise(180_000, seed)).collect();
+    let clean = pool_of(&rates).unwrap();
+    rates[1].iter_mut().enumerate().for_each(|(i, rate)| *rate += 0.1 * (-(i as f64) / RATE_HZ / 300.0).exp());
+    let pool = pool_of(&rates).unwrap();
+    assert!(
+        pool.used == [0, 1, 2] && near(pool.fit.b.value, clean.fit.b.value, 0.15),
+        "{:?} {:?}",
+        pool.apart,
+        pool.fit.b
+    );
+    // with the warm-up in it the pool had K = 1e-3
+    assert!(pool.fit.k.value < 4e-4, "{:?}", pool.fit.k);
+}
