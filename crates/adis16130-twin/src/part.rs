@@ -302,21 +302,7 @@ impl Part {
     }
 
     pub(crate) fn truth(&mut self) -> Truth {
-        let point = self.gyro.slow.at(self.now_ps);
-        Truth {
-            t_ns: self.now_ps / 1000,
-            initial_dps: self.spec.bias_dps,
-            tempco_dps_per_c: self.spec.tempco_dps_per_c,
-            curvature_dps_per_c2: self.spec.curvature_dps_per_c2,
-            supply_dps: point.supply_dps,
-            random_walk_dps: point.walk_dps,
-            branch_dps: point.branch_dps,
-            flicker_dps: point.flicker_dps,
-            sensitivity_error: self.spec.sensitivity_error,
-            ambient_c: point.ambient_c,
-            sensor_c: point.sensor_c,
-            element_c: point.element_c,
-        }
+        Truth::new(&self.spec, self.now_ps, &self.gyro.slow.at(self.now_ps))
     }
 
     /// The supply may have come or gone; either way the registers start from reset.

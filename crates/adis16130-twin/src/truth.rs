@@ -1,6 +1,8 @@
 //! What the twin knows about itself and a measurement can only estimate.
 
 use crate::facts::TEMP_AT_ZERO_CODE_C;
+use crate::gyro::slow::Point;
+use crate::spec::Spec;
 
 /// The state of the slow bias at one instant.
 ///
@@ -40,6 +42,23 @@ pub struct Truth {
 }
 
 impl Truth {
+    pub(crate) fn new(spec: &Spec, t_ps: u64, point: &Point) -> Self {
+        Self {
+            t_ns: t_ps / 1000,
+            initial_dps: spec.bias_dps,
+            tempco_dps_per_c: spec.tempco_dps_per_c,
+            curvature_dps_per_c2: spec.curvature_dps_per_c2,
+            supply_dps: point.supply_dps,
+            random_walk_dps: point.walk_dps,
+            branch_dps: point.branch_dps,
+            flicker_dps: point.flicker_dps,
+            sensitivity_error: spec.sensitivity_error,
+            ambient_c: point.ambient_c,
+            sensor_c: point.sensor_c,
+            element_c: point.element_c,
+        }
+    }
+
     /// The slow bias at the output at a reported temperature, in °/s.
     pub fn bias_dps(&self, temp_c: f64) -> f64 {
         let d = temp_c - TEMP_AT_ZERO_CODE_C;

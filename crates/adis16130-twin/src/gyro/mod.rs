@@ -30,7 +30,7 @@ impl Gyro {
     pub(crate) fn new(spec: &Spec) -> Self {
         let layers = Rc::new(Layers::new());
         Self {
-            slow: Slow::new(spec, &layers),
+            slow: Slow::new(spec, slow::TICK_PS, &layers),
             white: White::new(spec, &layers),
             resonance: Resonance::new(spec),
             temperature: Normal::with_layers(spec.seed, Process::Temperature, &layers),

@@ -8,9 +8,8 @@ use crate::facts;
 use crate::spec::Spec;
 use alloc::rc::Rc;
 
-/// The tick, in ps; between two ticks everything is a straight line.
+/// The tick of the part, in ps; between two ticks everything is a straight line.
 pub(crate) const TICK_PS: u64 = 4_000_000_000;
-const TICK_S: f64 = TICK_PS as f64 * 1e-12;
 
 /// The slow quantities at one instant.
 #[derive(Copy, Clone, Default)]
@@ -33,6 +32,8 @@ pub(crate) struct Slow {
     right: Point,
     left_ps: u64,
     ticks: u64,
+    tick_ps: u64,
+    per_tick: f64,
     thermal: Thermal,
     temperature_bias: TemperatureBias,
     pub(crate) platform: Platform,
@@ -45,17 +46,20 @@ pub(crate) struct Slow {
 }
 
 impl Slow {
-    pub(crate) fn new(spec: &Spec, layers: &Rc<Layers>) -> Self {
-        let thermal = Thermal::new(spec, TICK_S, layers);
+    pub(crate) fn new(spec: &Spec, tick_ps: u64, layers: &Rc<Layers>) -> Self {
+        let tick_s = seconds(tick_ps);
+        let thermal = Thermal::new(spec, tick_s, layers);
         let mut slow = Self {
             left: Point::default(),
             right: Point::default(),
             left_ps: 0,
             ticks: 0,
+            tick_ps,
+            per_tick: 1.0 / tick_ps as f64,
             temperature_bias: TemperatureBias::new(spec, thermal.element_c),
             thermal,
             platform: Platform::new(spec),
-            noises: spec.noise.then(|| (Flicker::new(spec, TICK_S, layers), RandomWalk::new(spec, TICK_S, layers))),
+            noises: spec.noise.then(|| (Flicker::new(spec, tick_s, layers), RandomWalk::new(spec, tick_s, layers))),
             bias_dps: spec.bias_dps,
             supply_dps: (spec.supply_mv - facts::SUPPLY_NOMINAL_MV) * facts::SUPPLY_DPS_PER_MV,
             supply_step_dps: spec.supply_step_mv * facts::SUPPLY_DPS_PER_MV,
@@ -71,7 +75,7 @@ impl Slow {
     /// Follows to `t_ps`, which must not lie before the tick reached.
     #[inline]
     pub(crate) fn follow(&mut self, t_ps: u64) {
-        while t_ps - self.left_ps >= TICK_PS {
+        while t_ps - self.left_ps >= self.tick_ps {
             self.step();
         }
     }
@@ -115,15 +119,15 @@ impl Slow {
 
     #[inline]
     fn share(&self, t_ps: u64) -> f64 {
-        (t_ps - self.left_ps) as f64 * (1.0 / TICK_PS as f64)
+        (t_ps - self.left_ps) as f64 * self.per_tick
     }
 
     #[cold]
     #[inline(never)]
     fn step(&mut self) {
-        self.left_ps = self.ticks * TICK_PS;
+        self.left_ps = self.ticks * self.tick_ps;
         self.ticks += 1;
-        let t_s = self.ticks as f64 * TICK_S;
+        let t_s = self.ticks as f64 * seconds(self.tick_ps);
         self.thermal.step(t_s);
         if let Some((flicker, walk)) = &mut self.noises {
             flicker.step();
@@ -155,6 +159,10 @@ impl Slow {
             supply_dps,
         }
     }
+}
+
+const fn seconds(ps: u64) -> f64 {
+    ps as f64 * 1e-12
 }
 
 #[inline]
