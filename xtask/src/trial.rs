@@ -88,7 +88,7 @@ pub struct Unit {
 }
 
 pub fn judge(outcome: &Outcome, truth: &Truth) -> Unit {
-    let Correction { pbc_dps, btc_dps_per_c, t3_c } = outcome.correction;
+    let Correction { pbc_dps, btc_dps_per_c, t3_c, .. } = outcome.correction;
     let uncertainty = &outcome.uncertainty;
     Unit {
         pbc: Judged { error: pbc_dps - truth.pbc_dps(t3_c), u: uncertainty.u_pbc_dps },

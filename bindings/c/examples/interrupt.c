@@ -57,7 +57,7 @@ static void restart_if_silent(void)
 
 int main(void)
 {
-    static const zerorate_correction CORRECTION = {-0.25, -0.04, 31.5};
+    static const zerorate_correction CORRECTION = {.pbc_dps = -0.25, .btc_dps_per_c = -0.04, .t3_c = 31.5};
     const zerorate_bus bus = {NULL, board_spi_transfer, NULL, NULL};
     zerorate_settings settings;
     zerorate_correction_integer correction;

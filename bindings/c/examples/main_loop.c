@@ -8,7 +8,7 @@
 static zerorate_gyro gyro;
 
 /* From your calibration: `zerorate export --format c` has it ready-made, too. */
-static const zerorate_correction CORRECTION = {-0.25, -0.04, 31.5};
+static const zerorate_correction CORRECTION = {.pbc_dps = -0.25, .btc_dps_per_c = -0.04, .t3_c = 31.5};
 
 int main(void)
 {

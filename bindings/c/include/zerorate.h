@@ -255,7 +255,8 @@
 typedef int32_t zerorate_status;
 
 /**
- * Corrected rate = rate + PBC + (temperature - T3) * BTC (F-50).
+ * Corrected rate = rate + PBC + d * (BTC + d * (BTC2 + d * BTC3)) with d = temperature - T3. A line (F-50) has BTC2
+ * and BTC3 zero.
  */
 typedef struct zerorate_correction {
   /**
@@ -270,6 +271,14 @@ typedef struct zerorate_correction {
    * T3, deg C, as the part's own sensor reads it.
    */
   double t3_c;
+  /**
+   * BTC2, deg/s per (deg C)^2; zero for a line.
+   */
+  double btc2_dps_per_c2;
+  /**
+   * BTC3, deg/s per (deg C)^3; zero for a line.
+   */
+  double btc3_dps_per_c3;
 } zerorate_correction;
 
 /**
@@ -288,6 +297,14 @@ typedef struct zerorate_correction_f32 {
    * T3, deg C.
    */
   float t3_c;
+  /**
+   * BTC2, deg/s per (deg C)^2; zero for a line.
+   */
+  float btc2_dps_per_c2;
+  /**
+   * BTC3, deg/s per (deg C)^3; zero for a line.
+   */
+  float btc3_dps_per_c3;
 } zerorate_correction_f32;
 
 /**

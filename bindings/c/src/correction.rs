@@ -1,10 +1,11 @@
-//! F-50, in three forms.
+//! F-50 and its curves, in three forms.
 
 use crate::boundary;
 use crate::status::{self, Numbered, Status};
 use adis16130::{RateCode, TempCode, Width};
 
-/// Corrected rate = rate + PBC + (temperature - T3) * BTC (F-50).
+/// Corrected rate = rate + PBC + d * (BTC + d * (BTC2 + d * BTC3)) with d = temperature - T3. A line (F-50) has BTC2
+/// and BTC3 zero.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct Correction {
@@ -14,12 +15,23 @@ pub struct Correction {
     pub btc_dps_per_c: f64,
     /// T3, deg C, as the part's own sensor reads it.
     pub t3_c: f64,
+    /// BTC2, deg/s per (deg C)^2; zero for a line.
+    pub btc2_dps_per_c2: f64,
+    /// BTC3, deg/s per (deg C)^3; zero for a line.
+    pub btc3_dps_per_c3: f64,
 }
 
 impl Correction {
     /// As the core has it.
     pub fn to_core(self) -> zerorate::Correction {
-        zerorate::Correction { pbc_dps: self.pbc_dps, btc_dps_per_c: self.btc_dps_per_c, t3_c: self.t3_c }
+        let Self { pbc_dps, btc_dps_per_c, t3_c, btc2_dps_per_c2, btc3_dps_per_c3 } = self;
+        zerorate::Correction { pbc_dps, btc_dps_per_c, t3_c, btc2_dps_per_c2, btc3_dps_per_c3 }
+    }
+
+    /// Of what the core has.
+    pub fn from_core(of: zerorate::Correction) -> Self {
+        let zerorate::Correction { pbc_dps, btc_dps_per_c, t3_c, btc2_dps_per_c2, btc3_dps_per_c3 } = of;
+        Self { pbc_dps, btc_dps_per_c, t3_c, btc2_dps_per_c2, btc3_dps_per_c3 }
     }
 }
 
@@ -33,6 +45,10 @@ pub struct CorrectionF32 {
     pub btc_dps_per_c: f32,
     /// T3, deg C.
     pub t3_c: f32,
+    /// BTC2, deg/s per (deg C)^2; zero for a line.
+    pub btc2_dps_per_c2: f32,
+    /// BTC3, deg/s per (deg C)^3; zero for a line.
+    pub btc3_dps_per_c3: f32,
 }
 
 /// The same on codes of 24 bits, without floating point or division.
@@ -67,9 +83,12 @@ pub extern "C" fn zerorate_temp_c(temp_code: u32) -> f32 {
 pub unsafe extern "C" fn zerorate_correction_to_f32(from: *const Correction, to: *mut CorrectionF32) -> Status {
     // SAFETY: by the contract.
     status::of(unsafe { boundary::input(from) }.and_then(|from| {
-        let zerorate::CorrectionF32 { pbc_dps, btc_dps_per_c, t3_c } = from.to_core().to_f32();
+        let zerorate::CorrectionF32 { pbc_dps, btc_dps_per_c, t3_c, btc2_dps_per_c2, btc3_dps_per_c3 } =
+            from.to_core().to_f32();
         // SAFETY: by the contract.
-        unsafe { boundary::output(to, CorrectionF32 { pbc_dps, btc_dps_per_c, t3_c }) }
+        unsafe {
+            boundary::output(to, CorrectionF32 { pbc_dps, btc_dps_per_c, t3_c, btc2_dps_per_c2, btc3_dps_per_c3 })
+        }
     }))
 }
 
@@ -109,8 +128,10 @@ pub unsafe extern "C" fn zerorate_correct(correction: *const Correction, rate_dp
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn zerorate_correct_f32(correction: *const CorrectionF32, rate_dps: f32, temp_c: f32) -> f32 {
     // SAFETY: by the contract.
-    unsafe { boundary::input(correction) }.map_or(rate_dps, |&CorrectionF32 { pbc_dps, btc_dps_per_c, t3_c }| {
-        zerorate::CorrectionF32 { pbc_dps, btc_dps_per_c, t3_c }.apply(rate_dps, temp_c)
+    unsafe { boundary::input(correction) }.map_or(rate_dps, |correction| {
+        let &CorrectionF32 { pbc_dps, btc_dps_per_c, t3_c, btc2_dps_per_c2, btc3_dps_per_c3 } = correction;
+        zerorate::CorrectionF32 { pbc_dps, btc_dps_per_c, t3_c, btc2_dps_per_c2, btc3_dps_per_c3 }
+            .apply(rate_dps, temp_c)
     })
 }
 

@@ -154,9 +154,8 @@ impl Plan {
 
 impl Outcome {
     fn new(outcome: &CoreOutcome<WindowWarnings>) -> Self {
-        let zerorate::Correction { pbc_dps, btc_dps_per_c, t3_c } = outcome.correction;
         Self {
-            correction: Correction { pbc_dps, btc_dps_per_c, t3_c },
+            correction: Correction::from_core(outcome.correction),
             u_pbc_dps: outcome.uncertainty.u_pbc_dps,
             u_btc_dps_per_c: outcome.uncertainty.u_btc_dps_per_c,
             u_t3_c: outcome.uncertainty.u_t3_c,

@@ -14,7 +14,7 @@
 #define SAMPLES 500
 #define ROWS 201
 
-static const zerorate_correction CORRECTION = {-0.25, -0.04, 26.0};
+static const zerorate_correction CORRECTION = {.pbc_dps = -0.25, .btc_dps_per_c = -0.04, .t3_c = 26.0};
 
 static void print_f64(const char *name, double value)
 {
@@ -113,7 +113,7 @@ static void misuse(void)
     zerorate_codes reading;
     zerorate_plan plan;
     zerorate_procedure procedure;
-    zerorate_correction steep = {0.0, 2.0, 25.0};
+    zerorate_correction steep = {.pbc_dps = 0.0, .btc_dps_per_c = 2.0, .t3_c = 25.0};
     zerorate_correction_integer integer;
     zerorate_table table;
     int32_t rows[13];

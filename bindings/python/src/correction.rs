@@ -62,7 +62,8 @@ fn parse(text: &str) -> PyResult<(Calibration, Vec<String>)> {
     Ok((calibration, warnings.iter().map(ToString::to_string).collect()))
 }
 
-/// RATE + PBC + (TEMP − T3) · BTC (F-50) for each pair of a rate, °/s, and the temperature that was read with it, °C.
+/// RATE + PBC + d · (BTC + d · (BTC2 + d · BTC3)) with d = TEMP − T3 (F-50 where the last two are zero) for each pair
+/// of a rate, °/s, and the temperature that was read with it, °C; the five coefficients in the order of `Correction`.
 ///
 /// Raises ValueError if the arrays differ in length.
 #[pyfunction]
@@ -70,11 +71,10 @@ pub fn correct<'py>(
     py: Python<'py>,
     rate_dps: PyReadonlyArray1<'py, f64>,
     temp_c: PyReadonlyArray1<'py, f64>,
-    pbc_dps: f64,
-    btc_dps_per_c: f64,
-    t3_c: f64,
+    coefficients: (f64, f64, f64, f64, f64),
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-    let correction = Correction { pbc_dps, btc_dps_per_c, t3_c };
+    let (pbc_dps, btc_dps_per_c, t3_c, btc2_dps_per_c2, btc3_dps_per_c3) = coefficients;
+    let correction = Correction { pbc_dps, btc_dps_per_c, t3_c, btc2_dps_per_c2, btc3_dps_per_c3 };
     let (rates, temps) = (rate_dps.as_slice()?, temp_c.as_slice()?);
     if rates.len() != temps.len() {
         let why = format!("{} rates and {} temperatures: give a temperature for each rate", rates.len(), temps.len());

@@ -12,7 +12,7 @@ use crate::part::Scale;
 ///
 /// ```
 /// use zerorate::{Axis, CodeTable, Correction};
-/// let correction = Correction { pbc_dps: 0.0, btc_dps_per_c: -0.04, t3_c: 25.0 };
+/// let correction = Correction::line(0.0, -0.04, 25.0);
 /// let mut rows = [0; 13];
 /// correction.fill_table(0.02, 0.12, &mut rows)?;
 /// let table = CodeTable::new(&rows, 0.02, 25.0, &Axis::ADIS16130.temp);
@@ -125,7 +125,7 @@ mod tests {
     #[test]
     fn table_of_the_note() {
         let mut rows = [7; 15];
-        let correction = Correction { pbc_dps: 1.0, btc_dps_per_c: -0.04, t3_c: 25.0 };
+        let correction = Correction::line(1.0, -0.04, 25.0);
         assert_eq!(correction.fill_table(0.02, 0.12, &mut rows), Ok(13));
         let published = [-4800, -4000, -3200, -2400, -1600, -800, 0, 800, 1600, 2400, 3200, 4000, 4800];
         assert_eq!((&rows[..13], &rows[13..]), (&published[..], &[7, 7][..]));
@@ -133,7 +133,7 @@ mod tests {
 
     #[test]
     fn what_does_not_fit_is_refused() {
-        let steep = Correction { pbc_dps: 0.0, btc_dps_per_c: 1e6, t3_c: 25.0 };
+        let steep = Correction::line(0.0, 1e6, 25.0);
         assert_eq!(steep.fill_table(0.02, 0.12, &mut [0; 12]), Err(TableError::NoRoom { needed: 13, room: 12 }));
         assert!(matches!(steep.fill_table(0.02, 0.12, &mut [0; 13]), Err(TableError::TooSteep { .. })));
     }
@@ -166,7 +166,7 @@ mod tests {
     /// Half a step beyond its first and its last row the table ends, for every code around both ends.
     #[test]
     fn outside_is_told_and_held() {
-        let correction = Correction { pbc_dps: 0.0, btc_dps_per_c: -0.04, t3_c: 25.0 };
+        let correction = Correction::line(0.0, -0.04, 25.0);
         let mut rows = [0; 13];
         correction.fill_table(0.02, 0.12, &mut rows).unwrap();
         let table = CodeTable::new(&rows, 0.02, 25.0, &TEMP);

@@ -1,15 +1,21 @@
-//! The bias correction of F-50, RBC = RATE + PBC + (TEMP − T3) × BTC, in f64 and in f32, and its table (F-52).
+//! The bias correction of F-50, RBC = RATE + PBC + (TEMP − T3) × BTC, in f64 and in f32, its table (F-52), and
+//! the same with a quadratic and a cubic term.
 
 use crate::notice::Warning;
 use alloc::vec::Vec;
 use core::fmt;
 
-/// The three numbers of F-50. Both coefficients are *added*: each is minus the bias that it removes.
+/// The three numbers of F-50, and two more where the bias follows the temperature along a curve:
+/// RATE + PBC + d·BTC + d²·BTC2 + d³·BTC3 with d = TEMP − T3. All coefficients are *added*: each is minus the bias
+/// that it removes.
 ///
 /// ```
-/// let correction = zerorate::Correction { pbc_dps: -0.25, btc_dps_per_c: -0.04, t3_c: 31.5 };
+/// let correction = zerorate::Correction::line(-0.25, -0.04, 31.5);
 /// // two degrees above T3 the part reads 0.25 + 2 × 0.04 °/s at rest
 /// assert!(correction.apply(0.33, 33.5).abs() < 1e-15);
+///
+/// let curved = zerorate::Correction { btc2_dps_per_c2: 0.001, ..correction };
+/// assert!((curved.apply(0.33, 33.5) - 2.0 * 2.0 * 0.001).abs() < 1e-15);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "file", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
@@ -20,13 +26,73 @@ pub struct Correction {
     pub btc_dps_per_c: f64,
     /// Reference temperature T3, °C, as the part's own sensor reads it.
     pub t3_c: f64,
+    /// Quadratic term over TEMP − T3, °/s/°C²: zero for F-50.
+    #[cfg_attr(feature = "file", serde(default, skip_serializing_if = "is_zero"))]
+    pub btc2_dps_per_c2: f64,
+    /// Cubic term over TEMP − T3, °/s/°C³: zero for F-50.
+    #[cfg_attr(feature = "file", serde(default, skip_serializing_if = "is_zero"))]
+    pub btc3_dps_per_c3: f64,
+}
+
+/// What a file leaves out.
+#[cfg(feature = "file")]
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
 }
 
 impl Correction {
-    /// F-50 in physical units: the corrected rate in °/s of a rate in °/s taken at a temperature in °C.
+    /// That of F-50.
+    #[must_use]
+    pub const fn line(pbc_dps: f64, btc_dps_per_c: f64, t3_c: f64) -> Self {
+        Self { pbc_dps, btc_dps_per_c, t3_c, btc2_dps_per_c2: 0.0, btc3_dps_per_c3: 0.0 }
+    }
+
+    /// Whether it is that of F-50, without a quadratic and a cubic term.
+    #[must_use]
+    pub const fn is_line(&self) -> bool {
+        self.btc2_dps_per_c2 == 0.0 && self.btc3_dps_per_c3 == 0.0
+    }
+
+    /// The corrected rate in °/s of a rate in °/s taken at a temperature in °C.
+    #[inline]
     #[must_use]
     pub fn apply(&self, rate_dps: f64, temp_c: f64) -> f64 {
-        rate_dps + self.pbc_dps + (temp_c - self.t3_c) * self.btc_dps_per_c
+        rate_dps + self.pbc_dps + self.rise_dps(temp_c - self.t3_c)
+    }
+
+    /// What is added to a rate at a temperature in °C: minus the bias there, °/s.
+    #[must_use]
+    pub fn at(&self, temp_c: f64) -> f64 {
+        self.pbc_dps + self.rise_dps(temp_c - self.t3_c)
+    }
+
+    /// What is added beside PBC at TEMP − T3 = `delta_c`, °/s.
+    #[inline]
+    fn rise_dps(&self, delta_c: f64) -> f64 {
+        delta_c * (self.btc_dps_per_c + delta_c * (self.btc2_dps_per_c2 + delta_c * self.btc3_dps_per_c3))
+    }
+
+    /// How much it changes in 1 °C at TEMP − T3 = `delta_c`, °/s/°C: BTC everywhere, of a line.
+    #[must_use]
+    pub fn slope_dps_per_c(&self, delta_c: f64) -> f64 {
+        self.btc_dps_per_c + delta_c * (2.0 * self.btc2_dps_per_c2 + delta_c * 3.0 * self.btc3_dps_per_c3)
+    }
+
+    /// The steepest slope within `reach_c` of T3, as an amount, °/s/°C.
+    #[must_use]
+    pub fn steepest_dps_per_c(&self, reach_c: f64) -> f64 {
+        // the slope is a parabola: steepest at an end or where it turns
+        let turn_c = -self.btc2_dps_per_c2 / (3.0 * self.btc3_dps_per_c3);
+        let turn_c = if turn_c.abs() <= reach_c { turn_c } else { reach_c };
+        [-reach_c, reach_c, turn_c].iter().map(|delta_c| self.slope_dps_per_c(*delta_c).abs()).fold(0.0, f64::max)
+    }
+
+    /// The most that a straight line between rows of a table in steps of `step_c` misses within `reach_c` of T3, °/s:
+    /// step² / 8 times the largest second derivative. Nothing, of a line.
+    #[must_use]
+    pub fn bend_dps(&self, step_c: f64, reach_c: f64) -> f64 {
+        let second = 2.0 * self.btc2_dps_per_c2.abs() + 6.0 * self.btc3_dps_per_c3.abs() * reach_c;
+        step_c * step_c / 8.0 * second
     }
 
     /// The same in single precision, for a processor with a small floating point unit.
@@ -36,11 +102,13 @@ impl Correction {
             pbc_dps: self.pbc_dps as f32,
             btc_dps_per_c: self.btc_dps_per_c as f32,
             t3_c: self.t3_c as f32,
+            btc2_dps_per_c2: self.btc2_dps_per_c2 as f32,
+            btc3_dps_per_c3: self.btc3_dps_per_c3 as f32,
         }
     }
 
-    /// The look-up table of F-52: (TEMP − T3) × BTC, without PBC, from +`span_c` down to −`span_c` in steps of
-    /// `step_c`.
+    /// The look-up table of F-52: what is added beside PBC, of a line (TEMP − T3) × BTC, from `span_c` down to
+    /// −`span_c` in steps of `step_c`.
     ///
     /// # Errors
     /// A step or span that is not positive, a span that is no whole number of steps, or more than 100 001 rows.
@@ -55,10 +123,10 @@ impl Correction {
         span_c: f64,
     ) -> Result<impl ExactSizeIterator<Item = TableRow> + use<>, TableError> {
         let steps = steps_in_span(step_c, span_c)?;
-        let btc_dps_per_c = self.btc_dps_per_c;
+        let correction = *self;
         Ok((0..2 * steps + 1).map(move |row| {
             let delta_c = f64::from(steps - row) * step_c;
-            TableRow { delta_c, correction_dps: delta_c * btc_dps_per_c }
+            TableRow { delta_c, correction_dps: correction.rise_dps(delta_c) }
         }))
     }
 }
@@ -118,13 +186,20 @@ pub struct CorrectionF32 {
     pub btc_dps_per_c: f32,
     /// T3, °C.
     pub t3_c: f32,
+    /// Quadratic term, °/s/°C²: zero for F-50.
+    pub btc2_dps_per_c2: f32,
+    /// Cubic term, °/s/°C³: zero for F-50.
+    pub btc3_dps_per_c3: f32,
 }
 
 impl CorrectionF32 {
-    /// F-50: rate in °/s, temperature in °C, corrected rate in °/s.
+    /// Rate in °/s, temperature in °C, corrected rate in °/s.
+    #[inline]
     #[must_use]
     pub fn apply(&self, rate_dps: f32, temp_c: f32) -> f32 {
-        rate_dps + self.pbc_dps + (temp_c - self.t3_c) * self.btc_dps_per_c
+        let delta_c = temp_c - self.t3_c;
+        let slope = self.btc_dps_per_c + delta_c * (self.btc2_dps_per_c2 + delta_c * self.btc3_dps_per_c3);
+        rate_dps + self.pbc_dps + delta_c * slope
     }
 }
 
@@ -133,7 +208,7 @@ impl CorrectionF32 {
 pub struct TableRow {
     /// TEMP − T3, °C.
     pub delta_c: f64,
-    /// (TEMP − T3) × BTC, °/s, to be added to RATE + PBC.
+    /// What is added to RATE + PBC there, °/s: for a line (TEMP − T3) × BTC.
     pub correction_dps: f64,
 }
 
@@ -187,12 +262,12 @@ impl core::error::Error for TableError {}
 mod tests {
     use super::*;
 
-    const TYPICAL: Correction = Correction { pbc_dps: -0.2537, btc_dps_per_c: -0.04, t3_c: 31.5123 };
+    const TYPICAL: Correction = Correction::line(-0.2537, -0.04, 31.5123);
 
     /// F-52, all thirteen rows, for a bias coefficient of +0.04 °/s/°C.
     #[test]
     fn table_of_the_note() {
-        let rows = Correction { pbc_dps: 1.0, btc_dps_per_c: -0.04, t3_c: 25.0 }.table(0.02, 0.12).unwrap();
+        let rows = Correction::line(1.0, -0.04, 25.0).table(0.02, 0.12).unwrap();
         let published = [
             -0.0048, -0.0040, -0.0032, -0.0024, -0.0016, -0.0008, 0.0, 0.0008, 0.0016, 0.0024, 0.0032, 0.0040, 0.0048,
         ];
@@ -210,6 +285,60 @@ mod tests {
         assert!(matches!(TYPICAL.table(0.02, 0.13), Err(TableError::Ragged { .. })));
         assert!(matches!(TYPICAL.table(0.02, 0.005), Err(TableError::Ragged { .. })));
         assert!(matches!(TYPICAL.table(1e-6, 1.0), Err(TableError::TooLong { .. })));
+    }
+
+    const CURVED: Correction = Correction { btc2_dps_per_c2: 0.0007, btc3_dps_per_c3: -2e-5, ..TYPICAL };
+
+    /// Against the sum of powers, from −40 to 85 °C.
+    #[test]
+    fn a_curve_adds_its_terms() {
+        for temp_c in (-400..850).map(|tenth| f64::from(tenth) / 10.0) {
+            let d = temp_c - 31.5123;
+            let expected = -0.2537 - 0.04 * d + 0.0007 * d.powi(2) - 2e-5 * d.powi(3);
+            assert!((CURVED.at(temp_c) - expected).abs() < 1e-12, "{temp_c}");
+            assert!((CURVED.apply(1.5, temp_c) - 1.5 - expected).abs() < 1e-12, "{temp_c}");
+            assert!((f64::from(CURVED.to_f32().apply(0.0, temp_c as f32)) - expected).abs() < 4e-5, "{temp_c}");
+            let row = CURVED.table(d.abs().max(0.1), d.abs().max(0.1)).unwrap()[usize::from(d < 0.0) * 2];
+            assert!(d.abs() < 0.1 || (row.correction_dps - (expected + 0.2537)).abs() < 1e-12, "{temp_c}: {row:?}");
+        }
+    }
+
+    /// A line is computed as before there were curves, bit for bit.
+    #[test]
+    fn a_line_is_what_it_was() {
+        let single = TYPICAL.to_f32();
+        for (rate, temp) in codes() {
+            let rate_dps = (f64::from(rate) - 8_388_608.0) / 23_488.0;
+            let temp_c = (f64::from(temp) - 8_388_608.0) / 14_093.0 + 25.0;
+            let expected = rate_dps + TYPICAL.pbc_dps + (temp_c - TYPICAL.t3_c) * TYPICAL.btc_dps_per_c;
+            assert_eq!(TYPICAL.apply(rate_dps, temp_c).to_bits(), expected.to_bits());
+            let (rate_dps, temp_c) = (rate_dps as f32, temp_c as f32);
+            let expected = rate_dps + single.pbc_dps + (temp_c - single.t3_c) * single.btc_dps_per_c;
+            assert_eq!(single.apply(rate_dps, temp_c).to_bits(), expected.to_bits());
+        }
+    }
+
+    /// What tables lose is what a fine search finds: half a step off the nearest row, and between rows joined by
+    /// straight lines.
+    #[test]
+    fn what_a_table_loses_is_bounded() {
+        let (step_c, reach_c) = (0.5, 20.0);
+        let parabola = Correction { btc2_dps_per_c2: 0.0007, ..TYPICAL };
+        for correction in [TYPICAL, parabola, CURVED, Correction { btc2_dps_per_c2: 0.0, ..CURVED }] {
+            let (mut steepest, mut bend) = (0.0_f64, 0.0_f64);
+            for k in -400_i32..400 {
+                let at = |offset: f64| correction.rise_dps((f64::from(k) + offset) * 0.05);
+                steepest = steepest.max((at(1.0) - at(0.0)).abs() / 0.05);
+                let low = f64::from(k.div_euclid(10)) * step_c;
+                let share = (f64::from(k) * 0.05 - low) / step_c;
+                let (from, to) = (correction.rise_dps(low), correction.rise_dps(low + step_c));
+                bend = bend.max((from + share * (to - from) - at(0.0)).abs());
+            }
+            let stated = correction.steepest_dps_per_c(reach_c);
+            assert!(stated >= steepest - 1e-12 && stated <= 1.01 * steepest, "{correction:?}: {stated} {steepest}");
+            let stated = correction.bend_dps(step_c, reach_c);
+            assert!(stated >= bend - 1e-12 && stated <= 1.1 * bend + 1e-12, "{correction:?}: {stated} {bend}");
+        }
     }
 
     /// Codes spread over the whole range by a multiplicative sequence.

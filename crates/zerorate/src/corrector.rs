@@ -16,7 +16,7 @@ pub struct CorrectorConfig<C = [Correction; 1]> {
 ///
 /// ```
 /// use zerorate::{Correction, Corrector, CorrectorConfig, Validity};
-/// let correction = Correction { pbc_dps: -0.25, btc_dps_per_c: -0.04, t3_c: 31.5 };
+/// let correction = Correction::line(-0.25, -0.04, 31.5);
 /// let validity = Some(Validity { temp_min_c: 25.0, temp_max_c: 33.0, margin_c: 0.5 });
 /// let mut corrector = Corrector::new(CorrectorConfig { corrections: [correction], validity });
 /// assert_eq!(corrector.take(Some(0.25), None).rate_dps, None); // no temperature yet

@@ -204,7 +204,7 @@ fn outcome<W>(
     let uncertainty = uncertainty(seen, &slope, &level, &noise.model, hour);
     accept(seen, &slope, &level, &noise, &uncertainty, hour)?;
 
-    let correction = Correction { pbc_dps: level.pbc_dps, btc_dps_per_c: slope.btc_dps_per_c(), t3_c: level.t3_c };
+    let correction = Correction::line(level.pbc_dps, slope.btc_dps_per_c(), level.t3_c);
     let warnings = complete(warnings(seen, &level, &uncertainty, &noise, hour));
     let (tally, (temp_min_c, temp_max_c)) = (seen.tally, temperature_range(seen));
     Ok(Outcome {

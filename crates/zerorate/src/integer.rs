@@ -77,7 +77,7 @@ impl IntegerCorrection {
     /// // two's complement of 16 bits in 1/20 °/s, and of 12 bits in 1/8 °C from 25 °C
     /// let rate = Scale { lsb_per_unit: 20.0, zero_code: 0, width_bits: 16, signed: true, ..Axis::ADIS16130.rate };
     /// let temp = Scale { lsb_per_unit: 8.0, zero_code: 0, width_bits: 12, signed: true, ..Axis::ADIS16130.temp };
-    /// let integer = Correction { pbc_dps: -1.0, btc_dps_per_c: 0.5, t3_c: 25.0 }.to_integer(&rate, &temp)?;
+    /// let integer = Correction::line(-1.0, 0.5, 25.0).to_integer(&rate, &temp)?;
     /// assert_eq!(integer.apply_as(&IntegerForm::new(&rate, &temp), 0, 16), -20 + 20); // 2 °C above T3
     /// # Ok::<(), zerorate::IntegerError>(())
     /// ```
@@ -106,7 +106,7 @@ impl Correction {
     /// The same on the codes of an axis, see [`IntegerCorrection`] and [`IntegerForm`].
     ///
     /// # Errors
-    /// A coefficient that does not fit: |BTC| up to 2³¹⁻q rate codes per temperature code (1.2 °/s/°C for the
+    /// A curve; a coefficient that does not fit: |BTC| up to 2³¹⁻q rate codes per temperature code (1.2 °/s/°C of the
     /// ADIS16130), PBC within the span of the rate's codes, T3 within those of the temperature and within 32 bits.
     pub fn to_integer(&self, rate: &Scale, temp: &Scale) -> Result<IntegerCorrection, IntegerError> {
         let form = IntegerForm::new(rate, temp);
@@ -123,6 +123,9 @@ impl Correction {
             if (low..=high).contains(&rounded) { Ok(rounded) } else { Err(error(name)) }
         };
         let one = f64::from(1_u32 << form.q);
+        for (name, term) in [("btc2_dps_per_c2", self.btc2_dps_per_c2), ("btc3_dps_per_c3", self.btc3_dps_per_c3)] {
+            within(name, term, 0.0, 0.0)?;
+        }
         let (t3_exact, (first, last)) = (temp.code(self.t3_c), form.temp_codes);
         let last = last.min(i32::MAX.into());
         let t3_code = within("t3_c", t3_exact, first as f64, last as f64)?;
@@ -173,7 +176,7 @@ mod tests {
 
     const ZERO_CODE: u32 = 8_388_608;
 
-    const TYPICAL: Correction = Correction { pbc_dps: -0.2537, btc_dps_per_c: -0.04, t3_c: 31.5123 };
+    const TYPICAL: Correction = Correction::line(-0.2537, -0.04, 31.5123);
     const RATE: Scale = Axis::ADIS16130.rate;
     const TEMP: Scale = Axis::ADIS16130.temp;
 
@@ -206,9 +209,9 @@ mod tests {
 
     #[test]
     fn it_saturates() {
-        let up = adis16130(Correction { pbc_dps: 10.0, btc_dps_per_c: 0.0, t3_c: 25.0 }).unwrap();
+        let up = adis16130(Correction::line(10.0, 0.0, 25.0)).unwrap();
         assert_eq!(up.apply(0x00FF_FFFF, ZERO_CODE), 0x00FF_FFFF);
-        let down = adis16130(Correction { pbc_dps: -10.0, btc_dps_per_c: 0.0, t3_c: 25.0 }).unwrap();
+        let down = adis16130(Correction::line(-10.0, 0.0, 25.0)).unwrap();
         assert_eq!(down.apply(3, ZERO_CODE), 0);
         assert_eq!(down.apply(ZERO_CODE, ZERO_CODE), ZERO_CODE - 234_880);
     }
@@ -259,12 +262,11 @@ mod tests {
                 // no more than the scale, and than the largest slope
                 let offset = offset % (1 << (40 + rate_scale.width_bits - 1));
                 let slope = slope % ((form.slope_max() * libm::exp2(40.0 - f64::from(form.q))) as i128);
-                let correction = Correction {
-                    pbc_dps: offset as f64 * libm::exp2(-40.0) / rate_scale.lsb_per_unit,
-                    btc_dps_per_c: slope as f64 * libm::exp2(-40.0) * temp_scale.lsb_per_unit
-                        / rate_scale.lsb_per_unit,
-                    t3_c: temp_scale.value(t3 - temp_scale.zero_code),
-                };
+                let correction = Correction::line(
+                    offset as f64 * libm::exp2(-40.0) / rate_scale.lsb_per_unit,
+                    slope as f64 * libm::exp2(-40.0) * temp_scale.lsb_per_unit / rate_scale.lsb_per_unit,
+                    temp_scale.value(t3 - temp_scale.zero_code),
+                );
                 let integer = correction.to_integer(&rate_scale, &temp_scale).unwrap();
                 for (rate, temp) in words() {
                     let of = |word: u32, scale: &Scale| scale.codes().0 + i64::from(word >> (32 - scale.width_bits));
@@ -307,7 +309,7 @@ mod tests {
     #[test]
     fn the_limit_follows_from_the_scales() {
         for (rate, temp) in scales() {
-            let steep = Correction { pbc_dps: 0.0, btc_dps_per_c: f64::INFINITY, t3_c: temp.zero_value };
+            let steep = Correction::line(0.0, f64::INFINITY, temp.zero_value);
             let error = steep.to_integer(&rate, &temp).unwrap_err();
             let at = |factor| Correction { btc_dps_per_c: factor * error.largest_btc_dps_per_c, ..steep };
             assert!(at(0.9999).to_integer(&rate, &temp).is_ok(), "{error}");

@@ -9,7 +9,7 @@ fn outcome() -> Outcome {
         t1_c: 25.2,
         b2_dps: 0.37,
         t2_c: 31.3,
-        correction: Correction { pbc_dps: -0.253_712_345_678_901_2, btc_dps_per_c: -0.040_1, t3_c: 1.0 / 3.0 + 32.0 },
+        correction: Correction::line(-0.253_712_345_678_901_2, -0.040_1, 1.0 / 3.0 + 32.0),
         uncertainty: Uncertainty {
             u_b1_dps: 0.004,
             u_b2_dps: 0.004,
@@ -127,14 +127,52 @@ t3_c = 31.5
 #[test]
 fn a_hand_written_file_is_read_with_a_warning() {
     let (calibration, warnings) = Calibration::parse(BY_HAND).unwrap();
-    assert_eq!(calibration.axes[0].correction, Correction { pbc_dps: -0.25, btc_dps_per_c: -0.04, t3_c: 31.5 });
+    assert_eq!(calibration.axes[0].correction, Correction::line(-0.25, -0.04, 31.5));
     assert_eq!(warnings, [FileWarning::NoChecksum]);
+}
+
+const CURVED: &str = "schema = 3
+part = \"ADIS16130\"
+[correction]
+pbc_dps = -0.25
+btc_dps_per_c = -0.04
+t3_c = 31.5
+btc2_dps_per_c2 = 0.0005
+btc3_dps_per_c3 = -1e-6
+";
+
+/// The terms of a curve make a file schema 3, without them it is what it was; each term counts for the id.
+#[test]
+fn a_curve_is_schema_3() {
+    let (curved, _) = Calibration::parse(CURVED).unwrap();
+    let line = Correction::line(-0.25, -0.04, 31.5);
+    let curve = Correction { btc2_dps_per_c2: 0.0005, btc3_dps_per_c3: -1e-6, ..line };
+    assert_eq!((curved.axes[0].correction, curved.schema(), curved.is_plain()), (curve, 3, true));
+    let text = curved.to_toml();
+    assert!(text.contains("\nschema = 3\n") && text.contains("\n[correction]\n"), "{text}");
+    assert_eq!(Calibration::parse(&text).unwrap(), (curved.clone(), Vec::new()));
+    let (straight, _) = Calibration::parse(&CURVED.replace("0.0005", "0").replace("-1e-6", "0")).unwrap();
+    assert_eq!(straight, Calibration::parse(BY_HAND).unwrap().0);
+    assert_eq!(straight.schema(), 1);
+    assert!(!straight.to_toml().contains("btc2"));
+    let id = |from: &str, to: &str| Calibration::parse(&CURVED.replace(from, to)).unwrap().0.id();
+    let ids = [straight.id(), id("", ""), id("0.0005", "0.0006"), id("-1e-6", "-2e-6")];
+    assert!((1..ids.len()).all(|k| !ids[..k].contains(&ids[k])), "{ids:?}");
+    for (from, to, line, said) in [
+        ("schema = 3", "schema = 1", 7, "btc2_dps_per_c2 belongs to schema 3"),
+        ("schema = 3", "schema = 2", 1, "there is no [[axis]]"),
+        ("0.0005", "11", 7, "btc2_dps_per_c2 must be a number within ±10 °/s/°C²"),
+        ("-1e-6", "nan", 8, "btc3_dps_per_c3 must be a number within ±10 °/s/°C³"),
+    ] {
+        let error = error(&CURVED.replace(from, to)).to_string();
+        assert!(error.starts_with(&format!("line {line}: ")) && error.contains(said), "{error}");
+    }
 }
 
 #[test]
 fn mistakes_are_named_with_their_line() {
     let with = |from: &str, to: &str| error(&BY_HAND.replace(from, to));
-    assert!(matches!(with("schema = 1", "schema = 3"), FileError::Newer { line: 1, schema: 3 }));
+    assert!(matches!(with("schema = 1", "schema = 4"), FileError::Newer { line: 1, schema: 4 }));
     assert!(matches!(with("ADIS16130", "ADIS16136"), FileError::Value { line: 2, name: "part", .. }));
     assert!(matches!(with("-0.25", "nan"), FileError::Value { line: 4, name: "pbc_dps", .. }));
     assert!(matches!(with("-0.04", "40"), FileError::Value { line: 5, name: "btc_dps_per_c", .. }));
@@ -197,11 +235,11 @@ fn the_uncertainty_of_a_correction_is_that_of_many_measurements() {
     let temps_c = [t3_c - 6.0, t3_c, t3_c + 4.0];
     for _ in 0..DRAWS {
         let (rate, t3, own) = (normal.draw(), normal.draw(), normal.draw());
-        let found = Correction {
-            pbc_dps: -(bias_dps + u_rate * rate),
-            btc_dps_per_c: btc + u_btc * (shared * rate + (1.0 - shared * shared).sqrt() * own),
-            t3_c: t3_c + u_t3 * t3,
-        };
+        let found = Correction::line(
+            -(bias_dps + u_rate * rate),
+            btc + u_btc * (shared * rate + (1.0 - shared * shared).sqrt() * own),
+            t3_c + u_t3 * t3,
+        );
         let bias_at = |temp_c: f64| bias_dps - btc * (temp_c - t3_c);
         for (square, temp_c) in squares.iter_mut().zip(temps_c) {
             *square += found.apply(bias_at(temp_c), temp_c).powi(2);

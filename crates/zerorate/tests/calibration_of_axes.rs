@@ -22,7 +22,7 @@ fn outcome(pbc_dps: f64, own: Warning) -> Outcome {
         t1_c: 25.2,
         b2_dps: 0.37,
         t2_c: 31.3,
-        correction: Correction { pbc_dps, btc_dps_per_c: -0.040_1, t3_c: 1.0 / 3.0 + 32.0 },
+        correction: Correction::line(pbc_dps, -0.040_1, 1.0 / 3.0 + 32.0),
         uncertainty: Uncertainty {
             u_b1_dps: 0.004,
             u_b2_dps: 0.004,
@@ -143,7 +143,8 @@ fn by_hand_scales_may_be_missing() {
 #[test]
 fn every_mistake_is_named_with_its_line_and_axis() {
     for (from, to, line, axis, said) in [
-        ("schema = 2", "schema = 3", 1, None, "newer"),
+        ("schema = 2", "schema = 4", 1, None, "newer"),
+        ("t3_c = 31.25", "t3_c = 31.25\nbtc3_dps_per_c3 = 1", 21, Some("y"), "btc3_dps_per_c3 belongs to schema 3"),
         ("schema = 2", "schema = 1", 8, Some("x"), "axis belongs to schema 2"),
         ("\"ADIS16405\"", "\"a b\"", 2, None, "up to 40 letters"),
         ("width_bits = 12", "width_bits = 40", 3, None, "width_bits is 40"),
@@ -230,6 +231,8 @@ fn schema_1_is_written_for_what_it_can_say_alone() {
     assert_eq!(one(|it| it.axes[0].warnings.push("own".into())), 2);
     assert_eq!(one(|it| it.part = "ADIS16136".into()), 2);
     assert_eq!(one(|it| it.temp = None), 2);
+    assert_eq!(one(|it| it.axes[0].correction.btc2_dps_per_c2 = 1e-4), 3);
+    assert_eq!(one(|it| (it.temp, it.axes[0].correction.btc3_dps_per_c3) = (None, 1e-6)), 3);
     assert_eq!(one(|it| it.validity.as_mut().unwrap().margin_c = 0.25), 2);
 }
 

@@ -51,7 +51,7 @@ impl Corrections {
     pub fn of(twin: &Twin) -> Option<Self> {
         let truth = twin.truth();
         let t3_c = truth.sensor_c;
-        let correction = Correction { pbc_dps: truth.pbc_dps(t3_c), btc_dps_per_c: truth.btc_dps_per_c(t3_c), t3_c };
+        let correction = Correction::line(truth.pbc_dps(t3_c), truth.btc_dps_per_c(t3_c), t3_c);
         let mut rows_udps = [0; ROWS];
         correction.fill_table(TABLE_C.0, TABLE_C.1, &mut rows_udps).ok()?;
         Some(Self {

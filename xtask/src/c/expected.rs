@@ -15,7 +15,7 @@ use zerorate::{
 pub const CALIBRATION: &str =
     "schema = 1\npart = \"ADIS16130\"\n[correction]\npbc_dps = -0.25\nbtc_dps_per_c = -0.04\nt3_c = 26.0\n";
 
-const CORRECTION: Correction = Correction { pbc_dps: -0.25, btc_dps_per_c: -0.04, t3_c: 26.0 };
+const CORRECTION: Correction = Correction::line(-0.25, -0.04, 26.0);
 const SAMPLES: usize = 500;
 const ROWS: usize = 201;
 

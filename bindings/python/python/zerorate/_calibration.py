@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 import warnings
-from dataclasses import dataclass, field
+from dataclasses import astuple, dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, overload
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Correction:
-    """corrected rate = RATE + PBC + (TEMP − T3) · BTC."""
+    """corrected rate = RATE + PBC + d · (BTC + d · (BTC2 + d · BTC3)) with d = TEMP − T3; BTC2, BTC3 of curves."""
 
     pbc_dps: float
     """PBC, °/s: the negative of the bias at T3."""
@@ -29,6 +29,10 @@ class Correction:
     """BTC, °/s/°C."""
     t3_c: float
     """T3, °C."""
+    btc2_dps_per_c2: float = 0.0
+    """Quadratic term BTC2, °/s/°C²; 0 for a line."""
+    btc3_dps_per_c3: float = 0.0
+    """Cubic term BTC3, °/s/°C³; 0 for a line."""
 
 
 @dataclass(frozen=True)
@@ -322,7 +326,7 @@ class Calibration:
     def correct(self, rate_dps: ArrayLike, temp_c: ArrayLike) -> NDArray[np.float64]: ...
 
     def correct(self, rate_dps: ArrayLike, temp_c: ArrayLike) -> float | NDArray[np.float64]:
-        """Takes the bias out of a rate: RATE + PBC + (TEMP − T3) · BTC.
+        """Takes the bias out of a rate: RATE + PBC + (TEMP − T3) · BTC, and the terms of a curve where it has them.
 
         Parameters
         ----------
@@ -446,9 +450,7 @@ def _correct(
     corrected = _zerorate.correct(
         np.ascontiguousarray(rates).reshape(-1),
         np.ascontiguousarray(temps).reshape(-1),
-        known.pbc_dps,
-        known.btc_dps_per_c,
-        known.t3_c,
+        astuple(known),
     )
     return corrected.reshape(rates.shape)
 

@@ -21,7 +21,8 @@ use zerorate_data::capture::columns::{self, Rows};
 use zerorate_data::capture::{CALIBRATION_ID, CaptureInfo, CaptureReader, Format, Layout, table};
 use zerorate_host::files;
 
-/// Corrects a capture: RATE + PBC + (TEMP − T3) · BTC.
+/// Corrects a capture: RATE + PBC + d · BTC, with d = TEMP − T3, and + d² · BTC2 + d³ · BTC3 where the calibration has
+/// these terms.
 ///
 /// The result keeps all raw columns and adds rate_dps, temp_c, rate_corrected_dps and flags; of a part with several
 /// axes NAME_dps, NAME_corrected_dps and NAME_flags of each. Readings that are not to
@@ -127,15 +128,18 @@ fn schema(info: &CaptureInfo, calibration: &Calibration) -> SchemaRef {
     let mut metadata: Metadata = info.to_metadata().with(CALIBRATION_ID, calibration.id());
     let axes = info.layout.axes();
     for name in axes.iter().map(|axis| &axis.name) {
-        let Some(Correction { pbc_dps, btc_dps_per_c, t3_c }) = calibration.axis(name).map(|axis| axis.correction)
-        else {
-            continue;
-        };
+        let Some(correction) = calibration.axis(name).map(|axis| axis.correction) else { continue };
+        let Correction { pbc_dps, btc_dps_per_c, t3_c, btc2_dps_per_c2, btc3_dps_per_c3 } = correction;
         let key = if axes.len() == 1 { "zerorate".to_owned() } else { format!("zerorate.axis.{name}") };
         metadata = metadata
             .with(format!("{key}.pbc_dps"), pbc_dps.to_string())
             .with(format!("{key}.btc_dps_per_c"), btc_dps_per_c.to_string())
             .with(format!("{key}.t3_c"), t3_c.to_string());
+        if !correction.is_line() {
+            metadata = metadata
+                .with(format!("{key}.btc2_dps_per_c2"), btc2_dps_per_c2.to_string())
+                .with(format!("{key}.btc3_dps_per_c3"), btc3_dps_per_c3.to_string());
+        }
     }
     columns::schema([info.layout.raw_fields(), info.layout.derived_fields()].concat(), metadata)
 }

@@ -21,7 +21,7 @@ fn csv_is_the_table_of_the_note() {
 #[test]
 fn json_has_coefficients_and_table() {
     let bench = Bench::new();
-    let correction = Correction { pbc_dps: 0.7312, btc_dps_per_c: 0.0387, t3_c: 33.125 };
+    let correction = Correction::line(0.7312, 0.0387, 33.125);
     bench.write("unit.toml", calibration(0.7312, 0.0387, 33.125));
     let json: serde_json::Value =
         serde_json::from_str(&bench.zerorate("export unit.toml --format json --span-c 0.2").ok()).unwrap();
@@ -85,7 +85,7 @@ fn measured((pbc_dps, btc_dps_per_c, t3_c): (f64, f64, f64)) -> (String, Validit
 /// temperature, whether core and calibration know that temperature, whether the calibration does, and the corrected
 /// code of the nearest that it knows.
 fn expected(of: (f64, f64, f64)) -> String {
-    let correction = Correction { pbc_dps: of.0, btc_dps_per_c: of.1, t3_c: of.2 };
+    let correction = Correction::line(of.0, of.1, of.2);
     let integer = correction.to_integer(&Axis::ADIS16130.rate, &Axis::ADIS16130.temp).unwrap();
     let table = correction.table(0.02, 2.0).unwrap();
     let mut rows = [0; 201];

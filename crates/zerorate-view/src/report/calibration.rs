@@ -6,7 +6,7 @@ use crate::plot::{self, CorrectionCurve, CorrectionPoint};
 use anyhow::Result;
 use askama::Template;
 use zerorate::calibration::{CalibratedAxis, Run, Uncertainties};
-use zerorate::{Calibration, Validity};
+use zerorate::{Calibration, Correction, Validity};
 
 /// The table of AN-1042 (F-52): its step and its reach, °C.
 const TABLE_C: (f64, f64) = (0.02, 0.12);
@@ -40,6 +40,9 @@ struct AxisPart<'a> {
     pbc: String,
     btc: String,
     t3: String,
+    /// What a curve has beside the line, in symbols and in numbers; nothing, of a line.
+    symbols: &'static str,
+    terms: String,
     picture: String,
     has_band: bool,
     table: Vec<Row>,
@@ -103,6 +106,8 @@ fn axis_part<'a>(calibration: &Calibration, axis: &'a CalibratedAxis) -> Result<
         pbc: signed_term(correction.pbc_dps),
         btc: format!("{:+.6}", correction.btc_dps_per_c),
         t3: format!("{:.4}", correction.t3_c),
+        symbols: if correction.is_line() { "" } else { " + (TEMP − T3)² · BTC2 + (TEMP − T3)³ · BTC3" },
+        terms: terms(correction),
         picture: calibration_picture(axis, calibration.validity),
         has_band: axis.uncertainty.is_some(),
         table: correction.table(TABLE_C.0, TABLE_C.1)?.into_iter().map(row).collect(),
@@ -113,6 +118,16 @@ fn axis_part<'a>(calibration: &Calibration, axis: &'a CalibratedAxis) -> Result<
 fn coverage(axis: &CalibratedAxis) -> String {
     let coverage = axis.uncertainty.map_or(zerorate::Uncertainty::COVERAGE, |u| u.coverage);
     format!("{} % interval", (coverage * 1000.0).round() / 10.0)
+}
+
+fn terms(correction: &Correction) -> String {
+    let Correction { t3_c, btc2_dps_per_c2: second, btc3_dps_per_c3: third, .. } = *correction;
+    match correction.is_line() {
+        true => String::new(),
+        false => format!(
+            " + (TEMP − {t3_c:.4} °C)² · ({second:+.4e} °/s/°C²) + (TEMP − {t3_c:.4} °C)³ · ({third:+.4e} °/s/°C³)"
+        ),
+    }
 }
 
 fn quantities(axis: &CalibratedAxis) -> Vec<Quantity> {
@@ -131,11 +146,24 @@ fn quantities(axis: &CalibratedAxis) -> Vec<Quantity> {
             interval: u.as_ref().map_or_else(unknown, interval),
         }
     };
-    vec![
+    let mut all = vec![
         quantity("PBC, precision bias correction", correction.pbc_dps, "°/s", |u| u.u_pbc_dps, 5),
         quantity("BTC, bias temperature correction", correction.btc_dps_per_c, "°/s/°C", |u| u.u_btc_dps_per_c, 6),
         quantity("T3, reference temperature", correction.t3_c, "°C", |u| u.u_t3_c, 4),
-    ]
+    ];
+    let stated = if u.is_some() { "in the band below" } else { "not stated" };
+    let term = |name, value: f64, unit| Quantity {
+        name,
+        value: format!("{value:+.4e}"),
+        unit,
+        uncertainty: stated.to_owned(),
+        interval: stated.to_owned(),
+    };
+    if !correction.is_line() {
+        all.push(term("BTC2, quadratic term", correction.btc2_dps_per_c2, "°/s/°C²"));
+        all.push(term("BTC3, cubic term", correction.btc3_dps_per_c3, "°/s/°C³"));
+    }
+    all
 }
 
 /// `+ 0.25` or `− 0.25`, as a term of a sum.

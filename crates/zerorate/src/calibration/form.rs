@@ -1,13 +1,19 @@
 //! The tables of the file, and what they mean.
 
-use super::{CalibratedAxis, Calibration, Measured, NoiseRecord, Run, SCHEMA, Uncertainties};
+use super::{CalibratedAxis, Calibration, Measured, NoiseRecord, Run, Uncertainties};
 use crate::part::{Part, Scale};
 use crate::{Correction, Validity};
 use alloc::string::String;
 use alloc::vec::Vec;
 use serde::{Deserialize, Serialize, Serializer};
 
-/// Every key of both schemas, in the order in which they are written.
+/// The schema that brought several axes, and any part.
+pub(super) const SEVERAL: u32 = 2;
+
+/// The schema that brought the terms of a curve, in either form.
+pub(super) const CURVED: u32 = 3;
+
+/// Every key of all schemas, in the order in which they are written.
 #[derive(Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Form {
@@ -25,7 +31,7 @@ pub(super) struct Form {
     warnings: Vec<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) temperature: Option<TempScale>,
-    /// Schema 1: of the only axis.
+    /// The plain form: of the only axis.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) correction: Option<Correction>,
     pub(super) measured: Option<Measured>,
@@ -33,7 +39,7 @@ pub(super) struct Form {
     pub(super) noise: Option<NoiseRecord>,
     pub(super) validity: Option<Span>,
     run: Option<Run>,
-    /// Schema 2.
+    /// The form of several axes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) axis: Option<Vec<AxisForm>>,
 }
@@ -176,11 +182,16 @@ impl Calibration {
     /// The version of its file form: the oldest that can say all of it.
     #[must_use]
     pub fn schema(&self) -> u32 {
-        if self.fits_schema_1() { 1 } else { SCHEMA }
+        match self.axes.iter().all(|axis| axis.correction.is_line()) {
+            false => CURVED,
+            true if self.is_plain() => 1,
+            true => SEVERAL,
+        }
     }
 
-    /// Nothing but an ADIS16130 as it is.
-    fn fits_schema_1(&self) -> bool {
+    /// Whether it is of nothing but an ADIS16130 as it is, so that its file and its exports need name no axis.
+    #[must_use]
+    pub fn is_plain(&self) -> bool {
         let Part { name, axes, .. } = &Part::ADIS16130;
         let known = &axes[0];
         let same = |axis: &CalibratedAxis| {
@@ -195,10 +206,10 @@ impl Calibration {
 
     pub(super) fn form(&self) -> Form {
         let Self { validity, run, .. } = *self;
-        let schema = self.schema();
-        let only = self.axes.first().filter(|_| schema == 1);
+        let plain = self.is_plain();
+        let only = self.axes.first().filter(|_| plain);
         Form {
-            schema,
+            schema: self.schema(),
             part: self.part.clone(),
             serial: self.serial.clone(),
             created: self.created.clone(),
@@ -209,7 +220,7 @@ impl Calibration {
             capture_sha256: self.capture_sha256.clone(),
             supply_note: self.supply_note.clone(),
             warnings: self.warnings.clone(),
-            temperature: self.temp.filter(|_| schema > 1).map(TempScale::from),
+            temperature: self.temp.filter(|_| !plain).map(TempScale::from),
             correction: only.map(|axis| axis.correction),
             measured: only.and_then(|axis| axis.measured),
             uncertainty: only.and_then(|axis| axis.uncertainty),
@@ -217,10 +228,10 @@ impl Calibration {
             validity: validity.map(|Validity { temp_min_c, temp_max_c, margin_c }| Span {
                 temp_min_c,
                 temp_max_c,
-                margin_c: Some(margin_c).filter(|_| schema > 1),
+                margin_c: Some(margin_c).filter(|_| !plain),
             }),
             run,
-            axis: (schema > 1).then(|| self.axes.iter().map(AxisForm::new).collect()),
+            axis: (!plain).then(|| self.axes.iter().map(AxisForm::new).collect()),
         }
     }
 }

@@ -1,6 +1,6 @@
 //! What the numbers of a calibration can be.
 
-use super::form::{AxisForm, Form};
+use super::form::{AxisForm, CURVED, Form, SEVERAL};
 use super::places::{Place, Places};
 use super::{FileError, SCHEMA, Uncertainties};
 use crate::Correction;
@@ -24,6 +24,9 @@ struct Limits {
     btc_dps_per_c: f64,
     t3_c: RangeInclusive<f64>,
 }
+
+/// The terms of a curve, as the file calls them.
+const CURVE: [&str; 2] = ["btc2_dps_per_c2", "btc3_dps_per_c3"];
 
 impl Limits {
     /// The range of the part (F-08), 250 times its temperature coefficient (F-05), and temperatures around those it is
@@ -59,24 +62,25 @@ impl Inspected<'_> {
     /// Whether this is a calibration that one can compute with.
     pub(super) fn check(&self) -> Result<(), FileError> {
         match &self.form.axis {
-            None if self.form.schema < SCHEMA => self.check_only_axis()?,
-            Some(axes) if self.form.schema == SCHEMA => self.check_axes(axes)?,
-            Some(_) => self.require(None, &["axis"], false, || format!("belongs to schema {SCHEMA}"))?,
+            None if self.form.schema != SEVERAL => self.check_only_axis()?,
+            Some(axes) if self.form.schema >= SEVERAL => self.check_axes(axes)?,
+            Some(_) => self.require(None, &["axis"], false, || format!("belongs to schema {SEVERAL}"))?,
             None => self.require(None, &["schema"], false, || "says several axes, but there is no [[axis]]".into())?,
         }
         self.check_span()?;
         self.places.each(plain)
     }
 
-    /// Schema 1.
+    /// The plain form: schema 1, or 3 of a curve.
     fn check_only_axis(&self) -> Result<(), FileError> {
         let Form { schema, part, correction, uncertainty, temperature, validity, .. } = self.form;
-        let other = || format!("is not {}: schema 1 is of that part alone", Part::ADIS16130.name);
+        let other =
+            || format!("is not {}: schema {schema} without [[axis]] is of that part alone", Part::ADIS16130.name);
         self.require(None, &["part"], *part == Part::ADIS16130.name, other)?;
         self.require(None, &["schema"], *schema >= 1, || format!("must be 1 to {SCHEMA}"))?;
-        self.require(None, &["temperature"], temperature.is_none(), || format!("belongs to schema {SCHEMA}"))?;
+        let belongs = || format!("belongs to schema {SEVERAL}, into a file with [[axis]]");
+        self.require(None, &["temperature"], temperature.is_none(), belongs)?;
         let margin_c = validity.as_ref().and_then(|span| span.margin_c);
-        let belongs = || format!("belongs to schema {SCHEMA}");
         self.require(None, &["validity", "margin_c"], margin_c.is_none(), belongs)?;
         let Some(correction) = correction else {
             return self.require(None, &["correction"], false, || "is missing".into());
@@ -85,7 +89,7 @@ impl Inspected<'_> {
         self.check_coverage(None, uncertainty.as_ref())
     }
 
-    /// Schema 2.
+    /// The form of several axes: schema 2, or 3 of curves.
     fn check_axes(&self, axes: &[AxisForm]) -> Result<(), FileError> {
         let Form { part, temperature, correction, measured, uncertainty, noise, .. } = self.form;
         let spelt = || "must be up to 40 letters, digits, -, _ and .".into();
@@ -122,6 +126,13 @@ impl Inspected<'_> {
         check("btc_dps_per_c", of.btc_dps_per_c.abs() <= *btc_dps_per_c, &|| {
             format!("must be a number within ±{btc_dps_per_c:.0} °/s/°C")
         })?;
+        let belongs = || format!("belongs to schema {CURVED}");
+        for (name, value, unit) in [(CURVE[0], of.btc2_dps_per_c2, "C²"), (CURVE[1], of.btc3_dps_per_c3, "C³")] {
+            check(name, value == 0.0 || self.form.schema >= CURVED, &belongs)?;
+            check(name, value.abs() <= *btc_dps_per_c, &|| {
+                format!("must be a number within ±{btc_dps_per_c:.0} °/s/°{unit}")
+            })?;
+        }
         check("t3_c", t3_c.contains(&of.t3_c), &|| {
             format!("must be a temperature within {:.0} … {:.0} °C", t3_c.start(), t3_c.end())
         })

@@ -22,7 +22,7 @@ use core::fmt;
 use serde::{Deserialize, Serialize};
 
 /// The newest version of the file form that this software reads and writes.
-pub const SCHEMA: u32 = 2;
+pub const SCHEMA: u32 = 3;
 
 /// One unit's calibration. Only part and corrections must be there; a measured calibration has everything.
 #[derive(Clone, Debug, PartialEq)]
@@ -66,7 +66,7 @@ pub struct CalibratedAxis {
     pub warnings: Vec<String>,
     /// Scale of its codes.
     pub rate: Option<Scale>,
-    /// PBC, BTC and T3 (F-50).
+    /// PBC, BTC and T3 (F-50), and the terms of a curve.
     pub correction: Correction,
     /// The means it rests on.
     pub measured: Option<Measured>,
@@ -217,11 +217,14 @@ impl Calibration {
         let created = self.created.as_deref().unwrap_or_default();
         let mut content = alloc::format!("{part}|{serial}|{created}");
         for CalibratedAxis { name, correction, .. } in &self.axes {
-            let Correction { pbc_dps, btc_dps_per_c, t3_c } = correction;
-            if self.schema() > 1 {
+            let Correction { pbc_dps, btc_dps_per_c, t3_c, btc2_dps_per_c2, btc3_dps_per_c3 } = correction;
+            if !self.is_plain() {
                 content.extend(["|", name]);
             }
             content += &alloc::format!("|{pbc_dps:?}|{btc_dps_per_c:?}|{t3_c:?}");
+            if !correction.is_line() {
+                content += &alloc::format!("|{btc2_dps_per_c2:?}|{btc3_dps_per_c3:?}");
+            }
         }
         check::sha256_hex(&content)[..12].to_string()
     }

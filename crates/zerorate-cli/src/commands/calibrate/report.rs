@@ -230,7 +230,7 @@ mod tests {
             t1_c: 25.0,
             b2_dps: 0.3,
             t2_c: 31.0,
-            correction: Correction { pbc_dps, btc_dps_per_c: -0.04, t3_c: 32.0 },
+            correction: Correction::line(pbc_dps, -0.04, 32.0),
             uncertainty: Uncertainty {
                 u_b1_dps: 0.004,
                 u_b2_dps: 0.004,

@@ -65,7 +65,7 @@ fn written(language: &Language, export: &Export, functions: String, constants: S
     let first = axes.first().context("the calibration has no axis")?;
     let common = [origin(export), range(&export.layout, &first.codes.temp), layout(export, &axes)?].concat();
     let common = [vec![("f", functions.clone()), ("C", constants.clone())], common].concat();
-    if export.calibration.schema() == 1 {
+    if export.calibration.is_plain() {
         return Ok(fill(language.one, &[common, first.entries(&export.tables[0])?].concat()));
     }
     let mut each = String::new();
@@ -114,6 +114,7 @@ struct AxisCodes<'a> {
     axis: &'a CalibratedAxis,
     codes: Codes,
     step_c: f64,
+    span_c: f64,
 }
 
 impl<'a> AxisCodes<'a> {
@@ -125,11 +126,11 @@ impl<'a> AxisCodes<'a> {
                  add [axis.rate] and [temperature] to the file (docs/formats/calibration.md), or take --format csv"
             )
         })?;
-        Ok(Self { axis, codes, step_c: export.layout.step_c })
+        Ok(Self { axis, codes, step_c: export.layout.step_c, span_c: export.layout.span_c })
     }
 
     fn entries(&self, rows: &[TableRow]) -> Result<Entries> {
-        let Self { axis, codes, step_c } = self;
+        let Self { axis, codes, step_c, span_c } = self;
         let IntegerCorrection { offset_q, slope_q, t3_code } = codes.integer;
         let correction = axis.correction;
         let rows: Result<Vec<i32>> = rows.iter().map(|row| millionths(row.correction_dps)).collect();
@@ -146,7 +147,7 @@ impl<'a> AxisCodes<'a> {
             ("LSB_PER_DPS", codes.rate.lsb_per_unit.to_string()),
             ("RATE_ZERO", codes.rate.zero_code.to_string()),
             ("RATE_CODES", in_words(&codes.rate)),
-            ("STEP_DPS", format!("{:.5}", correction.btc_dps_per_c.abs() * step_c / 2.0)),
+            ("STEP_DPS", format!("{:.5}", correction.steepest_dps_per_c(*span_c) * step_c / 2.0)),
             ("TABLE", lines(&rows?)),
         ])
     }

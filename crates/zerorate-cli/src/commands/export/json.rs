@@ -5,7 +5,7 @@ use super::{Export, Layout, tidy};
 use anyhow::Result;
 use serde::Serialize;
 use zerorate::calibration::CalibratedAxis;
-use zerorate::{Calibration, Scale, TableRow};
+use zerorate::{Calibration, Correction, Scale, TableRow};
 
 /// The only axis of an ADIS16130.
 #[derive(Serialize)]
@@ -15,11 +15,20 @@ struct One<'a> {
     pbc_dps: f64,
     btc_dps_per_c: f64,
     t3_c: f64,
+    #[serde(flatten)]
+    curve: Option<Curve>,
     temp_min_c: Option<f64>,
     temp_max_c: Option<f64>,
     valid: Valid,
     integer: Option<Integer>,
     table: Table,
+}
+
+/// The terms of a curve; a line has none.
+#[derive(Serialize)]
+struct Curve {
+    btc2_dps_per_c2: f64,
+    btc3_dps_per_c3: f64,
 }
 
 /// The axes of any part.
@@ -40,6 +49,8 @@ struct Axis<'a> {
     pbc_dps: f64,
     btc_dps_per_c: f64,
     t3_c: f64,
+    #[serde(flatten)]
+    curve: Option<Curve>,
     /// Null where the calibration does not state the scale of the codes.
     integer: Option<Integer>,
     table: Table,
@@ -98,14 +109,15 @@ pub fn text(export: &Export) -> Result<String> {
     let temp_min_c = calibration.validity.map(|span| span.temp_min_c);
     let temp_max_c = calibration.validity.map(|span| span.temp_max_c);
     let valid = valid(layout, calibration.temp.as_ref());
-    let text = if calibration.schema() == 1 {
-        let Axis { pbc_dps, btc_dps_per_c, t3_c, integer, table, .. } = axes.remove(0);
+    let text = if calibration.is_plain() {
+        let Axis { pbc_dps, btc_dps_per_c, t3_c, curve, integer, table, .. } = axes.remove(0);
         serde_json::to_string_pretty(&One {
             calibration_id,
             serial,
             pbc_dps,
             btc_dps_per_c,
             t3_c,
+            curve,
             temp_min_c,
             temp_max_c,
             valid,
@@ -132,9 +144,15 @@ fn axis<'a>(
         pbc_dps: axis.correction.pbc_dps,
         btc_dps_per_c: axis.correction.btc_dps_per_c,
         t3_c: axis.correction.t3_c,
-        integer: codes.map(|codes| integer(&codes, calibration.schema() > 1)),
+        curve: curve(&axis.correction),
+        integer: codes.map(|codes| integer(&codes, !calibration.is_plain())),
         table: Table { step_c: layout.step_c, span_c: layout.span_c, rows: rows.iter().map(row).collect() },
     })
+}
+
+fn curve(correction: &Correction) -> Option<Curve> {
+    let Correction { btc2_dps_per_c2, btc3_dps_per_c3, .. } = *correction;
+    (!correction.is_line()).then_some(Curve { btc2_dps_per_c2, btc3_dps_per_c3 })
 }
 
 fn integer(codes: &Codes, with_ranges: bool) -> Integer {

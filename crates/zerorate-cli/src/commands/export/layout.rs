@@ -77,7 +77,7 @@ impl Layout {
                 "the table ends {span_c} °C from T3, the calibration holds for {temp_min_c:.1} … {temp_max_c:.1} °C: \
                  beyond the table the row at its end is wrong by up to {:.2} °/s, and the look-up says that it is \
                  outside; leave --span-c out to cover the range",
-                beyond_c * correction.btc_dps_per_c.abs()
+                beyond_c * correction.steepest_dps_per_c(reach(&valid, correction.t3_c))
             )
         })
     }

@@ -19,11 +19,12 @@ use zerorate::{Calibration, TableRow};
 
 /// Writes the correction for firmware: C header, Rust module, CSV or JSON.
 ///
-/// The table holds (TEMP − T3) · BTC, without PBC, for TEMP − T3 from +span down to −span. The C and Rust forms also
-/// hold the integer coefficients, with a function from raw code to corrected code that needs no table, and the range
-/// that the calibration holds for: their look-up says whether a temperature lies inside. Two units fit into one
-/// program under two prefixes; in Rust, two modules do as well. Where a calibration has several axes, all are in one
-/// file, and their names carry that of the axis: zerorate_x_correct_code.
+/// The table holds what is added beside PBC, (TEMP − T3) · BTC and the terms of a curve, for TEMP − T3 from +span
+/// down to −span. The C and Rust forms also hold the integer coefficients, with a function from raw code to
+/// corrected code that needs no table, and the range that the calibration holds for: their look-up says whether a
+/// temperature lies inside. Two units fit into one program under two prefixes; in Rust, two modules do as well.
+/// Where a calibration has several axes, all are in one file, and their names carry that of the axis:
+/// zerorate_x_correct_code.
 #[derive(Args, Debug)]
 pub struct ExportArgs {
     /// The calibration file.
@@ -105,7 +106,7 @@ pub fn run(args: &ExportArgs) -> Result<()> {
 fn csv(export: &Export) -> String {
     let Export { calibration, tables, .. } = export;
     let names = calibration.axes.iter().map(|axis| format!(",{}_correction_dps", axis.name));
-    let header = if calibration.schema() == 1 { ",correction_dps".to_owned() } else { names.collect() };
+    let header = if calibration.is_plain() { ",correction_dps".to_owned() } else { names.collect() };
     let mut text = format!("delta_c{header}\n");
     for (index, row) in tables.first().into_iter().flatten().enumerate() {
         text += &tidy(row.delta_c).to_string();
