@@ -96,6 +96,12 @@ impl Means {
         self.slow.set_powered(powered, self.now_ps);
     }
 
+    /// The air around it goes to a temperature, in °C, in a straight line over so many s (from within 0.2 s on), as
+    /// [`Twin::set_ambient`](crate::Twin::set_ambient) has it.
+    pub fn set_ambient(&mut self, temp_c: f64, over_s: f64) {
+        self.slow.set_ambient(temp_c, over_s, self.now_ps);
+    }
+
     /// Moves the platform from now on (within 0.2 s), or brings it to rest.
     pub fn set_motion(&mut self, motion: Motion) {
         self.slow.platform.set_motion(motion, self.now_ps as f64 * 1e-12);

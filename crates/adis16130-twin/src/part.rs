@@ -301,6 +301,10 @@ impl Part {
         self.gyro.slow.platform.set_motion(motion, now_s);
     }
 
+    pub(crate) fn set_ambient(&mut self, temp_c: f64, over_s: f64) {
+        self.gyro.slow.set_ambient(temp_c, over_s, self.now_ps);
+    }
+
     pub(crate) fn truth(&mut self) -> Truth {
         Truth::new(&self.spec, self.now_ps, &self.gyro.slow.at(self.now_ps))
     }

@@ -141,6 +141,12 @@ impl Twin {
         self.part.borrow_mut().replug();
     }
 
+    /// The air around it goes to a temperature, in °C, in a straight line over so many s (from within 8 ms on), and
+    /// stays there; the wander goes on. From here on [`Spec::profile`] has no part in it: a chamber sets it.
+    pub fn set_ambient(&self, temp_c: f64, over_s: f64) {
+        self.part.borrow_mut().set_ambient(temp_c, over_s);
+    }
+
     /// Moves the platform from now on (within 8 ms), or brings it to rest.
     pub fn set_motion(&self, motion: Motion) {
         self.part.borrow_mut().set_motion(motion);

@@ -9,6 +9,7 @@ pub mod allan;
 mod blocks;
 #[cfg(feature = "file")]
 pub mod calibration;
+pub mod chamber;
 mod checkup;
 mod code_sum;
 mod code_table;

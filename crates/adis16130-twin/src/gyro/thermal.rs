@@ -48,6 +48,12 @@ impl Thermal {
         self.powered = powered;
     }
 
+    /// From `t_s` on the ambient goes to `to_c` within `over_s`, whatever the profile says.
+    pub(crate) fn set_ambient(&mut self, to_c: f64, over_s: f64, t_s: f64) {
+        let from_c = self.ambient.at(t_s);
+        self.ambient.outside = Some(Outside { from_c, to_c, from_s: t_s, over_s: over_s.max(0.0) });
+    }
+
     /// One tick on, to `t_s`.
     pub(crate) fn step(&mut self, t_s: f64) {
         self.ambient_c = self.ambient.at(t_s) + self.wander.step(&mut self.normal);
@@ -82,14 +88,38 @@ struct Ambient {
     profile: Profile,
     start_c: f64,
     ramp_c_per_s: f64,
+    /// Set from outside, in place of the profile.
+    outside: Option<Outside>,
+}
+
+/// A straight line to a temperature, which then stays.
+struct Outside {
+    from_c: f64,
+    to_c: f64,
+    from_s: f64,
+    over_s: f64,
+}
+
+impl Outside {
+    fn at(&self, t_s: f64) -> f64 {
+        let since_s = t_s - self.from_s;
+        if since_s >= self.over_s {
+            return self.to_c;
+        }
+        self.from_c + (self.to_c - self.from_c) * (since_s / self.over_s).max(0.0)
+    }
 }
 
 impl Ambient {
     fn new(spec: &Spec) -> Self {
-        Self { profile: spec.profile, start_c: spec.ambient_c, ramp_c_per_s: spec.ramp_c_per_min / 60.0 }
+        let ramp_c_per_s = spec.ramp_c_per_min / 60.0;
+        Self { profile: spec.profile, start_c: spec.ambient_c, ramp_c_per_s, outside: None }
     }
 
     fn at(&self, t_s: f64) -> f64 {
+        if let Some(outside) = &self.outside {
+            return outside.at(t_s);
+        }
         match self.profile {
             Profile::Constant => self.start_c,
             // The range of F-08; a start outside it does not move.

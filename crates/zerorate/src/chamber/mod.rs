@@ -1,0 +1,18 @@
+//! A part in a temperature chamber: what the chamber is to do ([`ChamberPlan`]), and the measurement that goes with it
+//! ([`ChamberProcedure`]), without clock, bus or chamber.
+
+#[cfg(feature = "file")]
+mod file;
+mod plan;
+mod procedure;
+mod record;
+mod refusal;
+#[cfg(feature = "file")]
+mod saved;
+
+pub use plan::{ChamberPlan, ChamberPlanError, Step, StepEnd};
+pub use procedure::{ChamberAction, ChamberProcedure, ChamberProgress, ChamberState};
+pub use record::{Record, Soak};
+pub use refusal::{ChamberRefusal, Disturbance};
+#[cfg(feature = "file")]
+pub use saved::{Saved, SavedError};

@@ -1,0 +1,227 @@
+//! What a chamber is to do, and when a part has followed it.
+
+use crate::part::Part;
+use alloc::string::String;
+use alloc::vec::Vec;
+use core::fmt;
+
+/// The steps of a measurement in a chamber; its file form is `docs/formats/plan.md`.
+///
+/// ```
+/// # #[cfg(feature = "file")] {
+/// let plan = zerorate::chamber::ChamberPlan::parse(r#"
+///     schema = 1
+///     [[step]]
+///     to_c = 15
+///     [[step]]
+///     to_c = 55
+///     c_per_min = 2
+/// "#)?;
+/// assert_eq!((plan.steps.len(), plan.steps[1].ramp_s(15.0)), (2, 1200.0));
+/// # }
+/// # Ok::<(), zerorate::chamber::ChamberPlanError>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct ChamberPlan {
+    /// What people call it.
+    pub name: String,
+    /// All steps in their order, those of every cycle.
+    pub steps: Vec<Step>,
+    /// Largest drift of the part's own temperature at a soak point, °C/min; none: as little as hides below the noise
+    /// of the average ([`ChamberPlan::drift_c_per_s`]).
+    pub drift_c_per_min: Option<f64>,
+    /// Over so long that drift is measured, s.
+    pub window_s: f64,
+    /// A part that has not settled this long after the set point was there never will, s.
+    pub settle_timeout_s: f64,
+    /// How far the air may go beyond the coldest and the warmest set point, °C.
+    pub overshoot_c: f64,
+    /// Where the chamber is left, °C.
+    pub safe_c: f64,
+}
+
+/// One step: the air goes to a temperature, and stays there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Step {
+    /// Set point, °C.
+    pub to_c: f64,
+    /// How fast the set point goes there, °C/min; none: at once.
+    pub c_per_min: Option<f64>,
+    /// When the step is over.
+    pub end: StepEnd,
+}
+
+/// When a step is over.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum StepEnd {
+    /// So long after the set point was there, whatever the part does, s.
+    Hold(f64),
+    /// When the part has settled and was averaged for so long, s; none: as long as its Allan deviation says.
+    Average(Option<f64>),
+}
+
+impl Step {
+    /// How long the set point takes from another, s.
+    #[must_use]
+    pub fn ramp_s(&self, from_c: f64) -> f64 {
+        self.c_per_min.map_or(0.0, |c_per_min| (self.to_c - from_c).abs() / c_per_min * 60.0)
+    }
+}
+
+/// An average of `auto` is never shorter or longer than this, s.
+const AVERAGE_S: (f64, f64) = (30.0, 3600.0);
+/// Drift that is allowed where the part's noise or temperature coefficient is not known, °C/min.
+const DRIFT_C_PER_MIN: f64 = 0.05;
+
+impl ChamberPlan {
+    /// Set points at the beginning of a step and at its end, °C: the first step begins where it ends.
+    #[must_use]
+    pub fn course_c(&self, step: usize) -> (f64, f64) {
+        let to_c = |index: usize| self.steps.get(index).map_or(self.safe_c, |step| step.to_c);
+        (to_c(step.saturating_sub(1)), to_c(step))
+    }
+
+    /// Coldest and warmest set point, °C.
+    #[must_use]
+    pub fn span_c(&self) -> (f64, f64) {
+        let temps = self.steps.iter().map(|step| step.to_c);
+        temps.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), c| (low.min(c), high.max(c)))
+    }
+
+    /// Length of an average, s: as it is planned, or where the Allan deviation of this part is lowest
+    /// ([`NoiseModel::best_averaging_s`](crate::noise::NoiseModel::best_averaging_s)) with the white noise of each
+    /// axis as it was measured; the longest of all axes.
+    #[must_use]
+    pub fn average_s(&self, planned_s: Option<f64>, part: &Part, white_dps_per_rt_hz: &[Option<f64>]) -> f64 {
+        let best_s = |(axis, white): (&crate::NamedAxis, &Option<f64>)| {
+            let mut noise = axis.axis.typical_noise();
+            noise.white_dps_per_rt_hz = white.unwrap_or(noise.white_dps_per_rt_hz);
+            noise.best_averaging_s()
+        };
+        let best_s = || part.axes.iter().zip(white_dps_per_rt_hz).map(best_s).fold(0.0, f64::max);
+        planned_s.unwrap_or_else(|| libm::ceil(best_s().clamp(AVERAGE_S.0, AVERAGE_S.1)))
+    }
+
+    /// Largest drift of the part's own temperature at a soak point, °C/s: as planned, or so little that it changes the
+    /// bias over an average by no more than the noise of that average, σ(τ)/(|tempco| τ) with the typical noise and
+    /// coefficient of the most sensitive axis.
+    #[must_use]
+    pub fn drift_c_per_s(&self, average_s: f64, part: &Part) -> f64 {
+        if let Some(c_per_min) = self.drift_c_per_min {
+            return c_per_min / 60.0;
+        }
+        let least = part.axes.iter().filter_map(|axis| {
+            let (noise, tempco) = (axis.axis.noise?.model(), axis.axis.bias.tempco_dps_per_c?.abs());
+            (tempco > 0.0).then(|| libm::sqrt(noise.allan_variance(average_s)) / (tempco * average_s))
+        });
+        least.reduce(f64::min).unwrap_or(DRIFT_C_PER_MIN / 60.0)
+    }
+
+    /// How long it takes at least from a step on, s: a soak point settles within one window and is averaged for as
+    /// long as a typical part needs.
+    #[must_use]
+    pub fn least_s(&self, from_step: usize, part: &Part) -> f64 {
+        let typical: Vec<Option<f64>> = part.axes.iter().map(|_| None).collect();
+        let of_step = |index: usize| {
+            let (from_c, _) = self.course_c(index);
+            let step = &self.steps[index];
+            step.ramp_s(from_c)
+                + match step.end {
+                    StepEnd::Hold(hold_s) => hold_s,
+                    StepEnd::Average(planned_s) => self.window_s + self.average_s(planned_s, part, &typical),
+                }
+        };
+        (from_step..self.steps.len()).map(of_step).sum()
+    }
+
+    /// Whether a part can be measured by this plan at all.
+    ///
+    /// # Errors
+    /// An average of `auto` for a part whose noise is not known.
+    pub fn fits(&self, part: &Part) -> Result<(), ChamberPlanError> {
+        let auto = self.steps.iter().any(|step| step.end == StepEnd::Average(None));
+        match part.axes.iter().find(|axis| axis.axis.noise.is_none()) {
+            Some(axis) if auto => Err(ChamberPlanError::unplaced(alloc::format!(
+                "average_s = \"auto\" needs the noise of the part, and axis {} of {} states none: give average_s as a \
+                 number of seconds, or [noise] in the file of the part (docs/formats/part.md)",
+                axis.name,
+                part.name
+            ))),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// Why a plan cannot be carried out.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ChamberPlanError {
+    line: Option<usize>,
+    what: String,
+}
+
+impl ChamberPlanError {
+    #[cfg(feature = "file")]
+    pub(super) fn at(line: usize, what: impl Into<String>) -> Self {
+        Self { line: Some(line), what: what.into() }
+    }
+
+    pub(super) fn unplaced(what: impl Into<String>) -> Self {
+        Self { line: None, what: what.into() }
+    }
+}
+
+impl fmt::Display for ChamberPlanError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(line) = self.line {
+            write!(f, "line {line}: ")?;
+        }
+        f.write_str(self.what.trim_end())
+    }
+}
+
+impl core::error::Error for ChamberPlanError {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use alloc::vec;
+
+    fn plan() -> ChamberPlan {
+        let soak = |to_c| Step { to_c, c_per_min: Some(2.0), end: StepEnd::Average(None) };
+        ChamberPlan {
+            name: String::new(),
+            steps: vec![soak(15.0), soak(55.0)],
+            drift_c_per_min: None,
+            window_s: 120.0,
+            settle_timeout_s: 5400.0,
+            overshoot_c: 5.0,
+            safe_c: 25.0,
+        }
+    }
+
+    /// √1.5 · 0.0125/10⁻⁴ = 153.1 s (F-02, M-04); there the Allan deviation is √(N²/τ + floor² + K²τ/3) = 0.00189 °/s,
+    /// which 0.04 °/s/°C (F-05) over 154 s makes of 0.0184 °C/min.
+    #[test]
+    fn averages_are_as_long_as_the_allan_deviation_says_and_drift_hides_below_it() {
+        let (plan, part) = (plan(), Part::ADIS16130);
+        assert_eq!(plan.average_s(None, &part, &[None]), 154.0);
+        assert_eq!(plan.average_s(None, &part, &[Some(0.025)]), 307.0);
+        assert_eq!(plan.average_s(Some(20.0), &part, &[None]), 20.0);
+        let drift_c_per_min = plan.drift_c_per_s(154.0, &part) * 60.0;
+        assert!((drift_c_per_min - 0.0184).abs() < 1e-4, "{drift_c_per_min}");
+        let wide = ChamberPlan { drift_c_per_min: Some(0.3), ..plan };
+        assert_eq!(wide.drift_c_per_s(154.0, &part), 0.3 / 60.0);
+    }
+
+    #[test]
+    fn a_part_without_noise_needs_its_averages_stated() {
+        let axis = crate::NamedAxis {
+            axis: crate::Axis { noise: None, ..crate::Axis::ADIS16130 },
+            ..Part::ADIS16130.axes[0].clone()
+        };
+        let part = Part { axes: vec![axis].into(), ..Part::ADIS16130 };
+        let text = alloc::format!("{}", plan().fits(&part).unwrap_err());
+        assert!(text.contains("give average_s as a number of seconds"), "{text}");
+        assert!(plan().fits(&Part::ADIS16130).is_ok());
+    }
+}

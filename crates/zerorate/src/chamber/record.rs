@@ -1,0 +1,111 @@
+//! What a measurement in a chamber leaves behind: means over seconds of all of it, and its soak points.
+
+use alloc::vec::Vec;
+
+/// Means over whole seconds. All lists are as long as `start_s`, and a second without a reading is in none of them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Record {
+    /// Beginning of each second, s from the start of the measurement.
+    pub start_s: Vec<f64>,
+    /// Mean of the part's own temperature, °C.
+    pub temp_c: Vec<f64>,
+    /// Mean rate of each axis, °/s.
+    pub rates_dps: Vec<Vec<f64>>,
+    /// Whether the part was at rest, as far as its rate tells.
+    pub at_rest: Vec<bool>,
+    /// The soak points.
+    pub soaks: Vec<Soak>,
+    /// Rate samples that it was made of.
+    pub samples: u64,
+    /// Rate samples lost.
+    pub lost: u64,
+    /// Readings that are impossible for the part, and in no mean.
+    pub impossible: u64,
+}
+
+/// The mean of a step: of its average, or of the last part of a timed one.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "file", derive(serde::Serialize, serde::Deserialize))]
+pub struct Soak {
+    /// Its step, from 0.
+    pub step: usize,
+    /// Set point, °C.
+    pub set_c: f64,
+    /// Beginning, s from the start of the measurement.
+    pub start_s: f64,
+    /// End, s.
+    pub end_s: f64,
+    /// Mean of the part's own temperature, °C.
+    pub temp_c: f64,
+    /// Drift of that, °C/min.
+    pub drift_c_per_min: f64,
+    /// Whether it drifted by less than the limit.
+    pub settled: bool,
+    /// Mean rate of each axis, °/s.
+    pub rates_dps: Vec<f64>,
+}
+
+impl Record {
+    pub(super) fn new(axes: usize) -> Self {
+        Self { rates_dps: alloc::vec![Vec::new(); axes], ..Self::default() }
+    }
+
+    /// Number of seconds.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.start_s.len()
+    }
+
+    /// Whether there is none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.start_s.is_empty()
+    }
+
+    /// Share of the seconds in which the part was not at rest.
+    #[must_use]
+    pub fn restless(&self) -> f64 {
+        let moving = self.at_rest.iter().filter(|at_rest| !**at_rest).count();
+        moving as f64 / self.len().max(1) as f64
+    }
+
+    /// The first second that begins at or after a time.
+    pub(super) fn index_of(&self, start_s: f64) -> usize {
+        self.start_s.partition_point(|at_s| *at_s < start_s)
+    }
+
+    /// Drift of the temperature over the seconds from an index on, °C/s, and its standard uncertainty from how these
+    /// scatter about it; none of fewer than ten.
+    pub(super) fn drift(&self, from: usize) -> Option<Drift> {
+        let (times, temps) = (self.start_s.get(from..)?, self.temp_c.get(from..)?);
+        let n = times.len() as f64;
+        if times.len() < 10 {
+            return None;
+        }
+        let mean = |values: &[f64]| values.iter().sum::<f64>() / n;
+        let (mid_s, mean_c) = (mean(times), mean(temps));
+        let spread: f64 = times.iter().map(|s| (s - mid_s) * (s - mid_s)).sum();
+        let c_per_s = times.iter().zip(temps).map(|(s, c)| (s - mid_s) * (c - mean_c)).sum::<f64>() / spread;
+        let left = |(s, c): (&f64, &f64)| {
+            let off = c - mean_c - c_per_s * (s - mid_s);
+            off * off
+        };
+        let variance = times.iter().zip(temps).map(left).sum::<f64>() / (n - 2.0);
+        Some(Drift { c_per_s, u_c_per_s: libm::sqrt(variance / spread), mean_c })
+    }
+}
+
+/// How a temperature moves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Drift {
+    pub c_per_s: f64,
+    pub u_c_per_s: f64,
+    pub mean_c: f64,
+}
+
+impl Drift {
+    /// Whether it is below a limit, with the probability of 97.7 %.
+    pub fn is_below(&self, limit_c_per_s: f64) -> bool {
+        self.c_per_s.abs() + 2.0 * self.u_c_per_s <= limit_c_per_s
+    }
+}

@@ -1,0 +1,186 @@
+//! The measurement in a chamber, on a unit that is seen through means of 0.1 s and stands in a chamber of this test.
+
+use adis16130_twin::{Means, Motion, Spec};
+use zerorate::chamber::{
+    ChamberAction, ChamberPlan, ChamberProcedure, ChamberRefusal, ChamberState, Disturbance, Record, Step, StepEnd,
+};
+use zerorate::{Axis, Part, Scan};
+
+const PART: Part = Part::ADIS16130;
+
+/// A unit that warms itself within seconds, in air that does not wander.
+fn quick(seed: u64) -> Spec {
+    Spec { warmup_s: 30.0, ambient_wander_c: 0.0, ..Spec::from_seed(seed) }
+}
+
+fn soak(to_c: f64) -> Step {
+    Step { to_c, c_per_min: None, end: StepEnd::Average(Some(60.0)) }
+}
+
+fn plan(steps: &[Step]) -> ChamberPlan {
+    ChamberPlan {
+        name: "test".into(),
+        steps: steps.into(),
+        drift_c_per_min: None,
+        window_s: 30.0,
+        settle_timeout_s: 1800.0,
+        overshoot_c: 5.0,
+        safe_c: 25.0,
+    }
+}
+
+/// A unit in a chamber whose air follows the set point with 30 s.
+struct Bench {
+    unit: Means,
+    air_c: f64,
+    /// From when to when its door is open, s.
+    door_s: (f64, f64),
+    now_s: f64,
+    readings: u32,
+}
+
+impl Bench {
+    fn new(spec: &Spec) -> Self {
+        Self { unit: Means::new(spec, 1), air_c: spec.ambient_c, door_s: (0.0, 0.0), now_s: 0.0, readings: 0 }
+    }
+
+    /// The next 0.1 s, as the part reads them.
+    fn scan(&mut self, set_c: f64) -> Scan {
+        let is_open = self.now_s >= self.door_s.0 && self.now_s < self.door_s.1;
+        let to_c = if is_open { 22.0 } else { set_c };
+        self.air_c += (to_c - self.air_c) * 0.1 / 30.0;
+        self.unit.set_ambient(self.air_c, 0.1);
+        let mean = self.unit.next_mean();
+        let from_zero =
+            |value: f64, scale: zerorate::Scale| (scale.code(value).round() as i64 - scale.zero_code) as i32;
+        let Axis { rate, temp, .. } = Axis::ADIS16130;
+        self.now_s += 0.1;
+        self.readings += 1;
+        let t_ns = u64::from(self.readings) * 100_000_000 + 50_000_000;
+        let scan = Scan::new(t_ns, self.readings, &[from_zero(mean.rate_dps, rate)]).expect("one axis");
+        scan.with_temp(Some(from_zero(mean.temp_c, temp)))
+    }
+
+    fn run(
+        &mut self,
+        procedure: &mut ChamberProcedure,
+        while_in: impl Fn(&ChamberProcedure) -> bool,
+    ) -> Result<(), ChamberRefusal> {
+        while procedure.next() != ChamberAction::Done && while_in(procedure) {
+            let scan = self.scan(procedure.set_point_c());
+            procedure.begin(scan.t_ns);
+            procedure.take(&scan)?;
+            if self.readings.is_multiple_of(10) {
+                procedure.air(self.air_c)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+fn procedure(steps: &[Step]) -> ChamberProcedure {
+    ChamberProcedure::new(&PART, plan(steps), 0.001).expect("a plan that fits")
+}
+
+fn measured(bench: &mut Bench, steps: &[Step]) -> Result<Record, ChamberRefusal> {
+    let mut procedure = procedure(steps);
+    bench.run(&mut procedure, |_| true)?;
+    procedure.finish()
+}
+
+#[test]
+fn soak_points_are_taken_where_the_part_has_settled() {
+    let mut bench = Bench::new(&quick(3));
+    let record = measured(&mut bench, &[soak(10.0), soak(45.0), soak(10.0)]).expect("a good unit");
+    assert_eq!(record.soaks.len(), 3);
+    for soak in &record.soaks {
+        let off_c = soak.temp_c - soak.set_c;
+        assert!((off_c - bench.unit.truth().sensor_c + bench.air_c).abs() < 0.1, "own warmth: {soak:?}");
+        assert!(soak.settled && soak.drift_c_per_min.abs() < 0.1 && soak.end_s - soak.start_s == 60.0, "{soak:?}");
+        let truth_dps = bench.unit.truth().bias_dps(soak.temp_c);
+        assert!((soak.rates_dps[0] - truth_dps).abs() < 0.015, "{soak:?} {truth_dps}");
+    }
+    assert_eq!((record.lost, record.restless()), (0, 0.0));
+}
+
+#[test]
+fn ramps_and_holds_go_by_the_clock() {
+    let ramp = Step { to_c: 31.0, c_per_min: Some(6.0), end: StepEnd::Hold(90.0) };
+    let hold = Step { to_c: 25.0, c_per_min: None, end: StepEnd::Hold(30.0) };
+    let mut bench = Bench::new(&quick(4));
+    let mut procedure = procedure(&[hold, ramp]);
+    bench.run(&mut procedure, |p| p.progress().elapsed_s < 60.0).expect("a good unit");
+    assert_eq!((procedure.progress().state, procedure.set_point_c()), (ChamberState::Approach, 28.0));
+    bench.run(&mut procedure, |_| true).expect("a good unit");
+    assert_eq!(procedure.set_point_c(), 25.0, "the safe set point");
+    assert_eq!(procedure.finish().expect("a record").len(), 30 + 60 + 90);
+}
+
+/// What was measured before an interruption stays, and the time in between counts.
+#[test]
+fn a_measurement_goes_on_after_the_last_finished_step() {
+    let steps = [soak(15.0), soak(40.0)];
+    let mut bench = Bench::new(&quick(5));
+    let mut first = procedure(&steps);
+    bench.run(&mut first, |p| p.steps_done() == 0).expect("a good unit");
+    let (record, done) = first.finished_steps();
+    assert_eq!((record.soaks.len(), done), (1, 1));
+    let mut second = procedure(&steps).resumed(record.clone(), done, 600.0);
+    assert_eq!(second.set_point_c(), 40.0);
+    Bench::new(&quick(5)).run(&mut second, |_| true).expect("a good unit");
+    let whole = second.finish().expect("a record");
+    assert_eq!((whole.soaks.len(), &whole.soaks[0]), (2, &record.soaks[0]));
+    let last_s = record.start_s[record.len() - 1];
+    assert_eq!(whole.start_s[record.len()], last_s + 601.0);
+    assert!(whole.samples > record.samples);
+}
+
+#[test]
+fn a_door_that_stays_open_is_named() {
+    let mut bench = Bench { door_s: (0.0, 1e9), ..Bench::new(&quick(6)) };
+    let refusal = measured(&mut bench, &[soak(60.0)]).expect_err("it is at 22 °C");
+    assert!(matches!(refusal, ChamberRefusal::NotReached { step: 1, .. } | ChamberRefusal::NotSettled { .. }));
+    assert!(refusal.to_string().to_lowercase().contains("close its door"), "{refusal}");
+}
+
+/// A door opened during an average spoils that average, and not the measurement.
+#[test]
+fn a_door_opened_in_between_costs_an_average() {
+    let steps = [soak(60.0)];
+    let mut bench = Bench::new(&quick(7));
+    let mut procedure = procedure(&steps);
+    bench.run(&mut procedure, |p| p.progress().state != ChamberState::Average).expect("a good unit");
+    bench.door_s = (bench.now_s + 10.0, bench.now_s + 40.0);
+    bench.run(&mut procedure, |p| p.progress().state == ChamberState::Average).expect("not yet");
+    assert_eq!(procedure.progress().state, ChamberState::Settle);
+    bench.run(&mut procedure, |_| true).expect("it settles again");
+    let record = procedure.finish().expect("a record");
+    assert!((record.soaks[0].temp_c - 60.0 - 8.0).abs() < 4.0 && record.soaks[0].settled, "{:?}", record.soaks);
+}
+
+#[test]
+fn a_part_that_is_shaken_is_refused() {
+    let mut bench = Bench::new(&Spec { sway_dps: 0.05, ..quick(8) });
+    bench.unit.set_motion(Motion::Sway);
+    let refusal = measured(&mut bench, &[soak(30.0)]).expect_err("it sways");
+    assert!(matches!(refusal, ChamberRefusal::Disturbed { why: Disturbance::Motion { axis: 0 }, .. }), "{refusal}");
+}
+
+#[test]
+fn air_beyond_the_plan_and_silence_end_it() {
+    let mut bench = Bench::new(&quick(9));
+    let mut procedure = procedure(&[soak(25.0), soak(30.0)]);
+    bench.run(&mut procedure, |p| p.steps_done() == 0).expect("a good unit");
+    assert!(procedure.air(36.0).is_ok(), "once may be a slip of the wire");
+    let refusal = procedure.air(36.0).expect_err("5 °C above 30 °C is the most");
+    assert!(matches!(refusal, ChamberRefusal::Overshoot { step: 2, high_c: 35.0, .. }), "{refusal}");
+
+    let mut late = bench.scan(30.0);
+    late.t_ns += 120_000_000_000;
+    let mut after = late;
+    (after.t_ns, after.seq) = (late.t_ns + 100_000_000, late.seq + 1);
+    let mut last = after;
+    (last.t_ns, last.seq) = (after.t_ns + 100_000_000, after.seq + 1);
+    let refusal = [late, after, last].iter().find_map(|scan| procedure.take(scan).err());
+    assert!(matches!(refusal, Some(ChamberRefusal::Silent { step: 2, .. })), "{refusal:?}");
+}
