@@ -36,6 +36,21 @@ impl Whitener {
         }
         white
     }
+
+    /// The solution x of C x = `values`, C being the covariance matrix.
+    pub(crate) fn solve(&self, values: impl IntoIterator<Item = f64>) -> Vec<f64> {
+        let mut solution = self.whiten(values);
+        for i in (0..solution.len()).rev() {
+            let below: f64 = (i + 1..solution.len()).map(|k| self.rows[k][i] * solution[k]).sum();
+            solution[i] = (solution[i] - below) / self.rows[i][i];
+        }
+        solution
+    }
+
+    /// Logarithm of the determinant of the covariance matrix.
+    pub(crate) fn log_determinant(&self) -> f64 {
+        self.rows.iter().enumerate().map(|(i, row)| 2.0 * libm::log(row[i])).sum()
+    }
 }
 
 /// Coefficients of whitened columns, and how well they are known.
@@ -50,11 +65,7 @@ impl Fit {
         let products =
             |(i, column): (usize, &Vec<f64>)| columns[..=i].iter().map(|other| dot(column, other)).collect();
         let information = Whitener::new(columns.iter().enumerate().map(products).collect())?;
-        let mut coefficients = information.whiten(columns.iter().map(|column| dot(column, values)));
-        for i in (0..coefficients.len()).rev() {
-            let below: f64 = (i + 1..coefficients.len()).map(|k| information.rows[k][i] * coefficients[k]).sum();
-            coefficients[i] = (coefficients[i] - below) / information.rows[i][i];
-        }
+        let coefficients = information.solve(columns.iter().map(|column| dot(column, values)));
         Some(Self { coefficients, information })
     }
 

@@ -38,6 +38,7 @@ mod running;
 mod shape;
 mod stationarity;
 mod tally;
+pub mod thermal;
 #[cfg(feature = "file")]
 mod toml_error;
 

@@ -1,0 +1,216 @@
+//! What is not known beforehand and is no coefficient: how strong the slow noises are, how late and with how much play
+//! the bias follows the temperature, and which of the steps that stand out are there. All combinations that matter.
+
+use super::filter::Filter;
+use super::posterior::{Posterior, Record};
+use super::{Assumed, Following, Noise};
+use crate::noise::NoiseModel;
+use alloc::vec::Vec;
+
+/// A combination whose evidence is so much below the best one's logarithm does not matter.
+const NEGLIGIBLE: f64 = 5.0;
+/// Ratio of one lag to the next.
+const LAG_RATIO: f64 = 1.25;
+/// Shortest lag that is tried, s.
+const SHORTEST_LAG_S: f64 = 2.0;
+/// Ratio of one play to the next.
+const PLAY_RATIO: f64 = 2.0;
+/// Smallest half width of play that is tried, °C.
+const LEAST_PLAY_C: f64 = 0.0125;
+/// Ratio of one B to the next.
+const B_RATIO: f64 = core::f64::consts::SQRT_2;
+/// Ratio of one K to the next, of which a recording tells less.
+const K_RATIO: f64 = 2.0;
+/// Steps of noise, up and down, that are tried.
+const NOISE_REACH: i32 = 20;
+/// Spread over units of the logarithms of B and K, where the part states typical values; and where it does not.
+const TYPICAL_SPREAD: [f64; 2] = [0.5, 0.7];
+const UNKNOWN_SPREAD: [f64; 2] = [1.0, 1.5];
+/// How likely a step is in a recording.
+const STEP_PROBABILITY: f64 = 0.02;
+
+/// One combination.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Hypothesis {
+    pub(super) noise: Noise,
+    pub(super) following: Following,
+    /// So many of the steps, the strongest first, are there.
+    pub(super) steps: usize,
+    log_prior: f64,
+}
+
+/// A model with its weight among all: posterior probabilities that add up to 1.
+pub(super) struct Weighed {
+    pub(super) weight: f64,
+    pub(super) hypothesis: Hypothesis,
+    pub(super) posterior: Posterior,
+}
+
+/// All models that matter. Empty where none can be computed.
+pub(super) fn weigh(record: &Record<'_>, assumed: &Assumed<'_>) -> Vec<Weighed> {
+    let lattice = Lattice::new(record, assumed);
+    let (mut noises, mut paths) = (Vec::from([(0, 0)]), Vec::from([(Following::default(), 0)]));
+    for _ in 0..ROUNDS {
+        paths = lattice.relevant_paths(noises[0]);
+        let Some(best) = paths.first() else { return Vec::new() };
+        noises = lattice.relevant_noises(best);
+    }
+    let mut models = Vec::new();
+    for noise in &noises {
+        let filter = lattice.filter(*noise);
+        models.extend(paths.iter().flat_map(|path| lattice.models(&filter, *noise, path)));
+    }
+    let best = models.iter().map(score).fold(f64::NEG_INFINITY, f64::max);
+    models.iter_mut().for_each(|model| model.weight = libm::exp(score(model) - best));
+    let total: f64 = models.iter().map(|model| model.weight).sum();
+    models.iter_mut().for_each(|model| model.weight /= total);
+    models
+}
+
+/// The paths are chosen under the noise, and the noise on the best of the paths; after this often nothing changes.
+const ROUNDS: usize = 2;
+
+fn score(model: &Weighed) -> f64 {
+    model.posterior.log_evidence + model.hypothesis.log_prior
+}
+
+/// What the bias follows, and how many steps there are.
+type Path = (Following, usize);
+
+struct Lattice<'a> {
+    record: &'a Record<'a>,
+    /// The middle of the noises.
+    noise: NoiseModel,
+    spread: [f64; 2],
+    gauss_markov: &'a [(f64, f64)],
+    paths: Vec<Path>,
+    lags: usize,
+}
+
+impl<'a> Lattice<'a> {
+    fn new(record: &'a Record<'a>, assumed: &Assumed<'a>) -> Self {
+        let white_dps_per_rt_hz = assumed.white_dps_per_rt_hz;
+        let spread = if assumed.axis.noise.is_some() { TYPICAL_SPREAD } else { UNKNOWN_SPREAD };
+        let typical = assumed.axis.noise.map_or(unknown(white_dps_per_rt_hz), |noise| noise.model());
+        let lags = lags(record);
+        let plays = plays(record);
+        let followings =
+            lags.iter().flat_map(|lag_s| plays.iter().map(move |play_c| Following { lag_s: *lag_s, play_c: *play_c }));
+        let steps = record.steps_s.len();
+        Self {
+            record,
+            noise: NoiseModel { white_dps_per_rt_hz, ..typical },
+            spread,
+            gauss_markov: assumed.gauss_markov,
+            paths: followings.flat_map(|following| (0..=steps).map(move |steps| (following, steps))).collect(),
+            lags: lags.len(),
+        }
+    }
+
+    /// The paths that matter under a noise, the best first.
+    fn relevant_paths(&self, noise: (i32, i32)) -> Vec<Path> {
+        let filter = self.filter(noise);
+        relevant(self.paths.iter().map(|path| (self.score(&filter, noise, path), *path)).collect())
+    }
+
+    /// The noises that matter on a path, the best first: uphill from the middle, and from there to where it is over.
+    fn relevant_noises(&self, path: &Path) -> Vec<(i32, i32)> {
+        let score = |noise| self.score(&self.filter(noise), noise, path);
+        let mut known: Vec<(f64, (i32, i32))> = Vec::from([(score((0, 0)), (0, 0))]);
+        let mut open = 0;
+        while open < known.len() {
+            let (here, (b, k)) = known[open];
+            let best = known.iter().map(|(score, _)| *score).fold(f64::NEG_INFINITY, f64::max);
+            open += 1;
+            if here < best - NEGLIGIBLE {
+                continue;
+            }
+            for next in [(b - 1, k), (b + 1, k), (b, k - 1), (b, k + 1)] {
+                let inside = next.0.abs() <= NOISE_REACH && next.1.abs() <= NOISE_REACH;
+                if inside && known.iter().all(|(_, seen)| *seen != next) {
+                    known.push((score(next), next));
+                }
+            }
+        }
+        relevant(known)
+    }
+
+    fn filter(&self, noise: (i32, i32)) -> Filter {
+        Filter::new(&self.noise(noise), self.record.blocks)
+    }
+
+    fn score(&self, filter: &Filter, noise: (i32, i32), path: &Path) -> f64 {
+        let scores = self.models(filter, noise, path).map(|model| score(&model));
+        log_sum(&scores.collect::<Vec<f64>>())
+    }
+
+    /// The models of all orders.
+    fn models(&self, filter: &Filter, noise: (i32, i32), path: &Path) -> impl Iterator<Item = Weighed> {
+        let hypothesis = self.hypothesis(noise, path);
+        let posteriors = self.record.posteriors(filter, &hypothesis).into_iter();
+        posteriors.map(move |posterior| Weighed { weight: 0.0, hypothesis: hypothesis.clone(), posterior })
+    }
+
+    fn noise(&self, (b, k): (i32, i32)) -> Noise {
+        Noise {
+            white_dps_per_rt_hz: self.noise.white_dps_per_rt_hz,
+            bias_instability_dps: self.noise.bias_instability_dps * libm::pow(B_RATIO, f64::from(b)),
+            rate_random_walk_dps_per_rt_s: self.noise.rate_random_walk_dps_per_rt_s * libm::pow(K_RATIO, f64::from(k)),
+            gauss_markov: self.gauss_markov.to_vec(),
+        }
+    }
+
+    fn hypothesis(&self, (b, k): (i32, i32), &(following, steps): &Path) -> Hypothesis {
+        let off = |index: i32, ratio: f64, spread: f64| {
+            let sds = f64::from(index) * libm::log(ratio) / spread;
+            -0.5 * sds * sds
+        };
+        let late = if following.lag_s > 0.0 { 0.5 / (self.lags - 1) as f64 } else { 0.5 };
+        let step = libm::log(STEP_PROBABILITY / self.record.blocks.len() as f64);
+        let noise = off(b, B_RATIO, self.spread[0]) + off(k, K_RATIO, self.spread[1]);
+        let log_prior = noise + libm::log(late) + step * steps as f64;
+        Hypothesis { noise: self.noise((b, k)), following, steps, log_prior }
+    }
+}
+
+/// Where nothing is stated of the slow noises, what MEMS gyroscopes have beside their white noise: flicker that meets it
+/// after some 100 s, and a walk that does so after some 300 s.
+fn unknown(white_dps_per_rt_hz: f64) -> NoiseModel {
+    NoiseModel {
+        white_dps_per_rt_hz,
+        bias_instability_dps: 0.15 * white_dps_per_rt_hz,
+        rate_random_walk_dps_per_rt_s: 4e-3 * white_dps_per_rt_hz,
+    }
+}
+
+/// No lag, and those from 2 s to a tenth of the recording.
+fn lags(record: &Record<'_>) -> Vec<f64> {
+    let length_s = record.length_s();
+    core::iter::once(0.0).chain(geometric(SHORTEST_LAG_S, length_s / 10.0, LAG_RATIO)).collect()
+}
+
+/// No play, and plays to a quarter of the span; none where play shows nowhere.
+fn plays(record: &Record<'_>) -> Vec<f64> {
+    core::iter::once(0.0).chain(geometric(LEAST_PLAY_C, record.basis.half_span_c() / 2.0, PLAY_RATIO)).collect()
+}
+
+fn geometric(first: f64, end: f64, ratio: f64) -> impl Iterator<Item = f64> {
+    core::iter::successors(Some(first), move |value| Some(value * ratio)).take_while(move |value| *value < end)
+}
+
+/// Those whose score is not negligible, the best first.
+fn relevant<T>(mut scored: Vec<(f64, T)>) -> Vec<T> {
+    scored.retain(|(score, _)| score.is_finite());
+    scored.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let best = scored.first().map_or(0.0, |(score, _)| *score);
+    scored.into_iter().take_while(|(score, _)| *score > best - NEGLIGIBLE).map(|(_, value)| value).collect()
+}
+
+/// ln Σ exp.
+fn log_sum(values: &[f64]) -> f64 {
+    let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    if most == f64::NEG_INFINITY {
+        return most;
+    }
+    most + libm::log(values.iter().map(|value| libm::exp(value - most)).sum())
+}

@@ -1,0 +1,251 @@
+//! The bias over temperature from a whole recording at rest: generalised least squares over every block of it, under
+//! the noise that it has.
+//!
+//! rate = bias(T) + flicker + random walk + white noise. The bias is a polynomial of order 0 to 3 in the temperature
+//! that it follows (`follow.rs`), the noises are the states of a Kalman filter (`filter.rs`), and the bias that is
+//! wanted is that at the end, the walk included. The order, the strength of the slow noises, lag and play are not known
+//! beforehand: each combination is a model with an evidence (`posterior.rs`, `lattice.rs`), the order that has most
+//! evidence is taken, and the uncertainty is that of all models together. So what the recording cannot tell apart
+//! widens it (Hoeting et al., Bayesian Model Averaging, Statistical Science 14, 1999).
+
+mod basis;
+mod filter;
+mod follow;
+mod lattice;
+mod posterior;
+#[cfg(test)]
+mod tests;
+
+use crate::correction::Correction;
+use crate::noise::NoiseModel;
+use crate::part::{Axis, TypicalBias};
+use alloc::vec::Vec;
+use basis::Basis;
+pub use follow::Following;
+use lattice::{Weighed, weigh};
+use posterior::{Powers, Record};
+
+/// Coefficients of a bias over temperature, from the constant to the cubic one.
+pub const TERMS: usize = 4;
+
+/// The mean over a stretch of a recording. All of a recording have the same length, and there may be gaps between.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Block {
+    /// Its beginning, s.
+    pub start_s: f64,
+    /// Its length, s.
+    pub length_s: f64,
+    /// Mean rate, °/s.
+    pub rate_dps: f64,
+    /// Mean temperature, °C.
+    pub temp_c: f64,
+}
+
+impl Block {
+    fn middle_s(&self) -> f64 {
+        self.start_s + self.length_s / 2.0
+    }
+
+    fn end_s(&self) -> f64 {
+        self.start_s + self.length_s
+    }
+
+    /// How much of it lies after a time.
+    fn share_after(&self, at_s: f64) -> f64 {
+        ((self.end_s() - at_s) / self.length_s).clamp(0.0, 1.0)
+    }
+}
+
+/// The noise of a model.
+#[derive(Clone, Debug, PartialEq)]
+struct Noise {
+    white_dps_per_rt_hz: f64,
+    bias_instability_dps: f64,
+    rate_random_walk_dps_per_rt_s: f64,
+    /// Gauss–Markov processes: standard deviation, °/s, and correlation time, s.
+    gauss_markov: Vec<(f64, f64)>,
+}
+
+/// What is known of a recording beside its blocks.
+#[derive(Clone, Copy, Debug)]
+pub struct Assumed<'a> {
+    /// What is typical of the axis: beforehand probabilities of coefficients and noises.
+    pub axis: &'a Axis,
+    /// One-sided density of the white noise of this recording, °/s/√Hz.
+    pub white_dps_per_rt_hz: f64,
+    /// Gauss–Markov processes in it: standard deviation, °/s, and correlation time, s.
+    pub gauss_markov: &'a [(f64, f64)],
+    /// When the level seems to have changed, s, the strongest first; the models decide.
+    pub steps_s: &'a [f64],
+    /// The highest order that is tried, 0 to 3.
+    pub max_order: usize,
+    /// The temperature that the coefficients refer to, °C.
+    pub t3_c: f64,
+}
+
+/// The bias at the end of a recording over temperature.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BiasCurve {
+    /// What is added to a rate: minus the bias.
+    pub correction: Correction,
+    /// Covariance of PBC and the coefficients of the first to third order: of °/s/°Cⁿ each.
+    pub covariance: [[f64; TERMS]; TERMS],
+    /// The order that has the most evidence.
+    pub order: usize,
+    /// Posterior probability of each order.
+    pub order_weights: [f64; TERMS],
+    /// How the bias follows the temperature: the mean over all models.
+    pub following: Following,
+    /// The noise: white as given, B and K the geometric means over all models.
+    pub noise: NoiseModel,
+    /// Steps that are more likely there than not.
+    pub steps: Vec<Step>,
+    /// Lowest and highest temperature of the blocks, °C.
+    pub span_c: (f64, f64),
+}
+
+/// A change of the level that was taken out.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Step {
+    /// When, s.
+    pub at_s: f64,
+    /// The level after it less the one before, °/s.
+    pub size_dps: f64,
+    /// Standard uncertainty of that, °/s.
+    pub u_dps: f64,
+}
+
+/// Why there is no curve.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ThermalError {
+    /// Fewer blocks than a model has parameters.
+    TooFew {
+        /// How many there are.
+        blocks: usize,
+        /// How many there must be.
+        needed: usize,
+    },
+    /// A rate or temperature is not a finite number, or nothing varies.
+    Degenerate,
+}
+
+/// Fewest blocks of which anything can be said.
+const FEWEST: usize = 40;
+
+/// Finds the bias over temperature at the end of a recording.
+///
+/// # Errors
+/// Too few blocks, or blocks that no model can explain.
+pub fn fit(blocks: &[Block], assumed: &Assumed<'_>) -> Result<BiasCurve, ThermalError> {
+    if blocks.len() < FEWEST {
+        return Err(ThermalError::TooFew { blocks: blocks.len(), needed: FEWEST });
+    }
+    let basis = Basis::over(blocks);
+    let prior_dps = prior(&assumed.axis.bias, &basis, blocks);
+    let (steps_s, t3_c, max_order) = (assumed.steps_s, assumed.t3_c, assumed.max_order.min(TERMS - 1));
+    let record = Record { blocks, basis: &basis, steps_s, t3_c, prior_dps, max_order };
+    let models = weigh(&record, assumed);
+    if models.is_empty() { Err(ThermalError::Degenerate) } else { Ok(average(&record, &models)) }
+}
+
+/// The most likely temperature coefficient where a part states none: such that the span changes the rate by as much as
+/// the rate is seen to change. A tenth of that is quadratic, as in the parts that state it, and a fiftieth cubic.
+fn prior(typical: &TypicalBias, basis: &Basis, blocks: &[Block]) -> [f64; TERMS] {
+    let half_span_c = basis.half_span_c();
+    let rates = || blocks.iter().map(|block| block.rate_dps);
+    let seen_dps = rates().fold(f64::MIN, f64::max) - rates().fold(f64::MAX, f64::min);
+    let tempco = typical.tempco_dps_per_c.zip(typical.tempco_spread_dps_per_c);
+    let linear_dps = tempco.map_or(seen_dps, |(typical, spread)| libm::hypot(typical, spread) * half_span_c);
+    let quadratic_dps =
+        typical.curvature_dps_per_c2.map_or(linear_dps / 10.0, |curvature| curvature * half_span_c * half_span_c);
+    let cubic_dps =
+        typical.curvature_dps_per_c2.map_or(linear_dps / 50.0, |_| quadratic_dps * half_span_c / HALF_RANGE_C);
+    [0.0, linear_dps, quadratic_dps, cubic_dps]
+}
+
+/// At this distance, °C, a typical cubic term is as large as a typical quadratic one: half of the range that parts are
+/// specified for (F-08).
+const HALF_RANGE_C: f64 = 62.5;
+
+/// The mean over the models of the most likely order, and the covariance of all about it.
+fn average(record: &Record<'_>, models: &[Weighed]) -> BiasCurve {
+    let mut order_weights = [0.0; TERMS];
+    models.iter().for_each(|model| order_weights[model.posterior.order] += model.weight);
+    let order = (0..TERMS).max_by(|a, b| order_weights[*a].total_cmp(&order_weights[*b])).unwrap_or(0);
+    let of_order = || models.iter().filter(|model| model.posterior.order == order);
+    let mut bias = [0.0; TERMS];
+    for model in of_order() {
+        let share = model.weight / order_weights[order];
+        bias.iter_mut().zip(&model.posterior.bias).for_each(|(mean, value)| *mean += share * value);
+    }
+    let mut covariance = [[0.0; TERMS]; TERMS];
+    for Weighed { weight, posterior, .. } in models {
+        let off: Powers = core::array::from_fn(|k| posterior.bias[k] - bias[k]);
+        for (i, row) in covariance.iter_mut().enumerate() {
+            for (j, value) in row.iter_mut().enumerate() {
+                *value += weight * (posterior.covariance[i][j] + off[i] * off[j]);
+            }
+        }
+    }
+    let mean = |of: fn(&Weighed) -> f64| models.iter().map(|model| model.weight * of(model)).sum::<f64>();
+    let noise = |of: fn(&Noise) -> f64| {
+        let logarithms = models.iter().map(|model| model.weight * libm::log(of(&model.hypothesis.noise)));
+        libm::exp(logarithms.sum())
+    };
+    BiasCurve {
+        correction: Correction {
+            pbc_dps: -bias[0],
+            btc_dps_per_c: -bias[1],
+            t3_c: record.t3_c,
+            btc2_dps_per_c2: -bias[2],
+            btc3_dps_per_c3: -bias[3],
+        },
+        covariance,
+        order,
+        order_weights,
+        following: Following {
+            lag_s: mean(|model| model.hypothesis.following.lag_s),
+            play_c: mean(|model| model.hypothesis.following.play_c),
+        },
+        noise: NoiseModel {
+            white_dps_per_rt_hz: noise(|noise| noise.white_dps_per_rt_hz),
+            bias_instability_dps: noise(|noise| noise.bias_instability_dps),
+            rate_random_walk_dps_per_rt_s: noise(|noise| noise.rate_random_walk_dps_per_rt_s),
+        },
+        steps: steps(record, models),
+        span_c: record.span_c(),
+    }
+}
+
+/// The steps that are more likely there than not, with their mean sizes.
+fn steps(record: &Record<'_>, models: &[Weighed]) -> Vec<Step> {
+    let step = |index: usize| {
+        let with = || models.iter().filter(move |model| model.posterior.steps.len() > index);
+        let weight: f64 = with().map(|model| model.weight).sum();
+        let mean = |of: &dyn Fn(f64, f64) -> f64| {
+            let size = |model: &Weighed| of(model.posterior.steps[index].0, model.posterior.steps[index].1);
+            with().map(|model| model.weight * size(model)).sum::<f64>() / weight
+        };
+        let size_dps = mean(&|size, _| size);
+        let variance = mean(&|size, variance| variance + (size - size_dps) * (size - size_dps));
+        (weight > 0.5).then_some(Step { at_s: record.steps_s[index], size_dps, u_dps: libm::sqrt(variance) })
+    };
+    (0..record.steps_s.len()).filter_map(step).collect()
+}
+
+impl BiasCurve {
+    /// Standard uncertainty of what is added at a temperature, °/s.
+    #[must_use]
+    pub fn u_dps(&self, temp_c: f64) -> f64 {
+        u_dps(&self.covariance, temp_c - self.correction.t3_c)
+    }
+}
+
+/// Standard uncertainty of a polynomial at a distance from its reference, from the covariance of its coefficients.
+#[must_use]
+pub fn u_dps(covariance: &[[f64; TERMS]; TERMS], distance_c: f64) -> f64 {
+    let powers = [1.0, distance_c, distance_c * distance_c, distance_c * distance_c * distance_c];
+    let row = |row: &[f64; TERMS]| row.iter().zip(&powers).map(|(value, power)| value * power).sum::<f64>();
+    let variance: f64 = covariance.iter().zip(&powers).map(|(values, power)| row(values) * power).sum();
+    libm::sqrt(variance.max(0.0))
+}

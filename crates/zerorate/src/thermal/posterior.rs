@@ -1,0 +1,126 @@
+//! One model of a recording: what it says of the bias, and how well it explains the rates.
+
+use super::basis::Basis;
+use super::filter::{Filter, Filtered};
+use super::lattice::Hypothesis;
+use super::{Block, TERMS};
+use crate::gls::Whitener;
+use alloc::vec;
+use alloc::vec::Vec;
+
+/// Coefficients in powers of the temperature over T3.
+pub(super) type Powers = [f64; TERMS];
+
+/// The bias at the end of the recording over temperature, by one model.
+#[derive(Clone, Debug)]
+pub(super) struct Posterior {
+    pub(super) order: usize,
+    /// Logarithm of the evidence: the density of the rates under this model.
+    pub(super) log_evidence: f64,
+    pub(super) bias: Powers,
+    pub(super) covariance: [Powers; TERMS],
+    /// Size and variance of each step.
+    pub(super) steps: Vec<(f64, f64)>,
+}
+
+/// What does not change from one model to another.
+pub(super) struct Record<'a> {
+    pub(super) blocks: &'a [Block],
+    pub(super) basis: &'a Basis,
+    /// When the level changes, s.
+    pub(super) steps_s: &'a [f64],
+    pub(super) t3_c: f64,
+    /// Standard deviations of the coefficients of the basis beforehand, °/s, from the first degree on.
+    pub(super) prior_dps: [f64; TERMS],
+    pub(super) max_order: usize,
+}
+
+/// Spread of a step beforehand, °/s: that of a supply that changes by some tenths of a volt (F-01).
+const STEP_DPS: f64 = 0.05;
+
+impl Record<'_> {
+    pub(super) fn length_s(&self) -> f64 {
+        self.blocks.first().zip(self.blocks.last()).map_or(0.0, |(first, last)| last.end_s() - first.start_s)
+    }
+
+    /// Lowest and highest temperature, °C.
+    pub(super) fn span_c(&self) -> (f64, f64) {
+        let temps = self.blocks.iter().map(|block| block.temp_c);
+        temps.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), temp_c| (low.min(temp_c), high.max(temp_c)))
+    }
+
+    /// The posteriors of all orders under one hypothesis.
+    pub(super) fn posteriors(&self, filter: &Filter, hypothesis: &Hypothesis) -> Vec<Posterior> {
+        let steps_s = &self.steps_s[..hypothesis.steps];
+        let followed = hypothesis.following.temps_c(self.blocks);
+        let rates = self.blocks.iter().map(|block| block.rate_dps).collect();
+        let polynomial = |degree| followed.iter().map(|temp_c| self.basis.at(degree, *temp_c)).collect();
+        let step = |at_s: &f64| self.blocks.iter().map(|block| block.share_after(*at_s)).collect();
+        let degrees = (0..=self.max_order).map(polynomial);
+        let series: Vec<Vec<f64>> = core::iter::once(rates).chain(degrees).chain(steps_s.iter().map(step)).collect();
+        let Some(filtered) = filter.run(&series) else { return Vec::new() };
+        let held = followed.last().zip(self.blocks.last()).map_or((0.0, 0.0), |(held, block)| (*held, block.temp_c));
+        let constants = self.constants(&filtered, steps_s.len(), held);
+        (0..=self.max_order).filter_map(|order| self.posterior(order, &filtered, &constants)).collect()
+    }
+
+    /// What a unit of each column adds to the bias at the end, in powers of the temperature over T3: less what the walk
+    /// has taken of it, and with the distance at which the play holds it.
+    fn constants(&self, filtered: &Filtered, steps: usize, (held_c, end_c): (f64, f64)) -> Vec<Powers> {
+        let polynomial = |degree| {
+            let mut powers = self.basis.about(degree, self.t3_c);
+            powers[0] += self.basis.at(degree, held_c) - self.basis.at(degree, end_c);
+            powers
+        };
+        let columns = (0..=self.max_order).map(polynomial).chain((0..steps).map(|_| [1.0, 0.0, 0.0, 0.0]));
+        let less_walk = |(mut powers, walk): (Powers, &f64)| {
+            powers[0] -= walk;
+            powers
+        };
+        columns.zip(&filtered.walk[1..]).map(less_walk).collect()
+    }
+
+    fn posterior(&self, order: usize, filtered: &Filtered, constants: &[Powers]) -> Option<Posterior> {
+        let columns: Vec<usize> = (0..=order).chain(self.max_order + 1..constants.len()).collect();
+        let precision = |column: usize| match column {
+            0 => 0.0,
+            degree if degree <= order => 1.0 / (self.prior_dps[degree] * self.prior_dps[degree]),
+            _ => 1.0 / (STEP_DPS * STEP_DPS),
+        };
+        let gram = |row: usize, column: usize| filtered.gram[row.max(column)][row.min(column)];
+        let information = |(i, row): (usize, &usize)| {
+            let mut products: Vec<f64> = columns[..=i].iter().map(|column| gram(row + 1, column + 1)).collect();
+            products[i] += precision(*row);
+            products
+        };
+        let information = Whitener::new(columns.iter().enumerate().map(information).collect())?;
+        let right: Vec<f64> = columns.iter().map(|column| gram(column + 1, 0)).collect();
+        let sizes = information.solve(right.iter().copied());
+        let explained: f64 = sizes.iter().zip(&right).map(|(size, product)| size * product).sum();
+        let log_prior: f64 = columns[1..].iter().map(|column| libm::log(precision(*column))).sum();
+        let log_evidence =
+            -0.5 * (gram(0, 0) - explained + filtered.log_determinant + information.log_determinant() - log_prior);
+        let inverse: Vec<Vec<f64>> = (0..columns.len()).map(|k| information.solve(unit(k, columns.len()))).collect();
+
+        let mut bias = [0.0; TERMS];
+        bias[0] = filtered.walk[0];
+        let mut covariance = [[0.0; TERMS]; TERMS];
+        covariance[0][0] = filtered.walk_variance;
+        for (i, column) in columns.iter().enumerate() {
+            (0..TERMS).for_each(|k| bias[k] += sizes[i] * constants[*column][k]);
+            for (j, other) in columns.iter().enumerate() {
+                for (row, a) in covariance.iter_mut().zip(&constants[*column]) {
+                    row.iter_mut().zip(&constants[*other]).for_each(|(value, b)| *value += inverse[i][j] * a * b);
+                }
+            }
+        }
+        let steps = (order + 1..columns.len()).map(|k| (sizes[k], inverse[k][k])).collect();
+        Some(Posterior { order, log_evidence, bias, covariance, steps })
+    }
+}
+
+fn unit(index: usize, length: usize) -> Vec<f64> {
+    let mut unit = vec![0.0; length];
+    unit[index] = 1.0;
+    unit
+}
