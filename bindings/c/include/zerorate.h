@@ -326,6 +326,26 @@ typedef struct zerorate_correction_integer {
 } zerorate_correction_integer;
 
 /**
+ * A curve on codes of 24 bits, without floating point or division: for a line as well, which takes fewer instructions
+ * as zerorate_correction_integer.
+ */
+typedef struct zerorate_correction_curve {
+  /**
+   * What is added at T3, and the terms of order 1, 2 and 3 over (temperature code - t3_code) * 2^10 / 2^32, in rate
+   * codes times 2^fraction.
+   */
+  int32_t terms[4];
+  /**
+   * T3 as a temperature code.
+   */
+  int32_t t3_code;
+  /**
+   * Fraction bits of the terms, 1 to 16.
+   */
+  uint32_t fraction;
+} zerorate_correction_curve;
+
+/**
  * A correction with the temperature that was read last. The memory is the caller's, the contents are private; begin
  * it with zerorate_corrector_begin. It needs no tear-down.
  */
@@ -920,12 +940,22 @@ float zerorate_temp_c(uint32_t temp_code);
 zerorate_status zerorate_correction_to_f32(const struct zerorate_correction *from, struct zerorate_correction_f32 *to);
 
 /**
- * A correction in integers; ZERORATE_E_COEFFICIENT where it does not fit.
+ * A correction in integers; ZERORATE_E_COEFFICIENT where it does not fit, and where it is a curve: that is one for
+ * zerorate_correction_to_curve.
  *
  * Required: Each pointer is null or points to memory of its type.
  */
 zerorate_status zerorate_correction_to_integer(const struct zerorate_correction *from,
                                                struct zerorate_correction_integer *to);
+
+/**
+ * A correction of order 3 in integers; ZERORATE_E_COEFFICIENT where it does not fit. Within 148 deg C of T3 it is off
+ * by at most 1/2 + 2.69 / 2^fraction codes.
+ *
+ * Required: Each pointer is null or points to memory of its type.
+ */
+zerorate_status zerorate_correction_to_curve(const struct zerorate_correction *from,
+                                             struct zerorate_correction_curve *to);
 
 /**
  * The corrected rate, deg/s; the rate itself where `correction` is null.
@@ -950,6 +980,13 @@ float zerorate_correct_f32(const struct zerorate_correction_f32 *correction, flo
 uint32_t zerorate_correct_integer(const struct zerorate_correction_integer *correction,
                                   uint32_t rate_code,
                                   uint32_t temp_code);
+
+/**
+ * The same by a curve. Farther than 148 deg C from T3, the temperature counts as that at the end of this reach.
+ *
+ * Required: `curve` is null or points to one.
+ */
+uint32_t zerorate_correct_curve(const struct zerorate_correction_curve *curve, uint32_t rate_code, uint32_t temp_code);
 
 /**
  * Begins a stream, before its first temperature. `valid` may be null: then nothing is extrapolated.

@@ -63,6 +63,20 @@ pub struct CorrectionInteger {
     pub t3_code: i32,
 }
 
+/// A curve on codes of 24 bits, without floating point or division: for a line as well, which takes fewer instructions
+/// as zerorate_correction_integer.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct CorrectionCurve {
+    /// What is added at T3, and the terms of order 1, 2 and 3 over (temperature code - t3_code) * 2^10 / 2^32, in rate
+    /// codes times 2^fraction.
+    pub terms: [i32; 4],
+    /// T3 as a temperature code.
+    pub t3_code: i32,
+    /// Fraction bits of the terms, 1 to 16.
+    pub fraction: u32,
+}
+
 /// The rate of a code of 24 bits, deg/s (F-40).
 #[unsafe(no_mangle)]
 pub extern "C" fn zerorate_rate_dps(rate_code: u32) -> f32 {
@@ -92,7 +106,8 @@ pub unsafe extern "C" fn zerorate_correction_to_f32(from: *const Correction, to:
     }))
 }
 
-/// A correction in integers; ZERORATE_E_COEFFICIENT where it does not fit.
+/// A correction in integers; ZERORATE_E_COEFFICIENT where it does not fit, and where it is a curve: that is one for
+/// zerorate_correction_to_curve.
 ///
 /// # Safety
 /// Each pointer is null or points to memory of its type.
@@ -108,6 +123,23 @@ pub unsafe extern "C" fn zerorate_correction_to_integer(
             from.to_core().to_integer(&ADIS16130.rate, &ADIS16130.temp).map_err(|error| error.status())?;
         // SAFETY: by the contract.
         unsafe { boundary::output(to, CorrectionInteger { offset_q30: offset_q, slope_q30: slope_q, t3_code }) }
+    }))
+}
+
+/// A correction of order 3 in integers; ZERORATE_E_COEFFICIENT where it does not fit. Within 148 deg C of T3 it is off
+/// by at most 1/2 + 2.69 / 2^fraction codes.
+///
+/// # Safety
+/// Each pointer is null or points to memory of its type.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn zerorate_correction_to_curve(from: *const Correction, to: *mut CorrectionCurve) -> Status {
+    // SAFETY: by the contract.
+    status::of(unsafe { boundary::input(from) }.and_then(|from| {
+        const ADIS16130: zerorate::Axis = zerorate::Axis::ADIS16130;
+        let zerorate::IntegerCurve { terms, t3_code, fraction } =
+            from.to_core().to_integer_curve(&ADIS16130.rate, &ADIS16130.temp).map_err(|error| error.status())?;
+        // SAFETY: by the contract.
+        unsafe { boundary::output(to, CorrectionCurve { terms, t3_code, fraction }) }
     }))
 }
 
@@ -154,4 +186,23 @@ pub unsafe extern "C" fn zerorate_correct_integer(
             integer.apply(rate_code, temp_code)
         },
     )
+}
+
+/// The same by a curve. Farther than 148 deg C from T3, the temperature counts as that at the end of this reach.
+///
+/// # Safety
+/// `curve` is null or points to one.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn zerorate_correct_curve(
+    curve: *const CorrectionCurve,
+    rate_code: u32,
+    temp_code: u32,
+) -> u32 {
+    // SAFETY: by the contract.
+    unsafe { boundary::input(curve) }.map_or(rate_code, |&CorrectionCurve { terms, t3_code, fraction }| {
+        let (least, most) = zerorate::IntegerCurve::FRACTION;
+        // memory that nothing was written to must not shift by more than there are bits
+        let fraction = fraction.clamp(least, most);
+        zerorate::IntegerCurve { terms, t3_code, fraction }.apply(rate_code, temp_code)
+    })
 }

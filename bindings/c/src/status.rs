@@ -2,7 +2,7 @@
 
 use adis16130::{BusError, Fault, InitError, ReadError, SampleError, SelfTestError, VerifyError, WaitError};
 use core::ffi::{CStr, c_char};
-use zerorate::{IntegerError, PlanError, Refusal, TableError};
+use zerorate::{CurveError, IntegerError, PlanError, Refusal, TableError};
 
 /// What a function returns: ZERORATE_OK, a positive number that says something harmless, or a negative one that says
 /// what failed. The numbers keep their meaning in all versions.
@@ -218,6 +218,12 @@ impl<E, R, P> Numbered for SelfTestError<E, R, P> {
             Self::Wait(error) => error.status(),
             Self::Pin(_) => ZERORATE_E_SELF_TEST_PIN,
         }
+    }
+}
+
+impl Numbered for CurveError {
+    fn status(&self) -> Status {
+        ZERORATE_E_COEFFICIENT
     }
 }
 

@@ -14,6 +14,8 @@
 #define SAMPLES 500
 #define ROWS 201
 
+static const zerorate_correction CURVED = {
+    .pbc_dps = -0.25, .btc_dps_per_c = -0.04, .t3_c = 26.0, .btc2_dps_per_c2 = 0.0005, .btc3_dps_per_c3 = -2e-6};
 static const zerorate_correction CORRECTION = {.pbc_dps = -0.25, .btc_dps_per_c = -0.04, .t3_c = 26.0};
 
 static void print_f64(const char *name, double value)
@@ -115,6 +117,7 @@ static void misuse(void)
     zerorate_procedure procedure;
     zerorate_correction steep = {.pbc_dps = 0.0, .btc_dps_per_c = 2.0, .t3_c = 25.0};
     zerorate_correction_integer integer;
+    zerorate_correction_curve curve;
     zerorate_table table;
     int32_t rows[13];
 
@@ -135,6 +138,9 @@ static void misuse(void)
     plan.average_s = 0.0;
     print_status("no average", zerorate_procedure_begin(&procedure, &plan));
     print_status("steep", zerorate_correction_to_integer(&steep, &integer));
+    print_status("curved", zerorate_correction_to_integer(&CURVED, &integer));
+    steep.btc2_dps_per_c2 = 20.0;
+    print_status("steep curve", zerorate_correction_to_curve(&steep, &curve));
     print_status("ragged", zerorate_table_lay_out(&table, &CORRECTION, 0.02, 0.03, rows, 3));
     print_status("no room", zerorate_table_lay_out(&table, &CORRECTION, 0.02, 0.12, rows, 3));
     print_status("no table", zerorate_table_look_up(&table, 1, rows));
@@ -226,13 +232,16 @@ static void samples(const char *keys)
     zerorate_sample sample;
     zerorate_codes reading;
     zerorate_correction_integer integer;
-    zerorate_correction_f32 single;
+    zerorate_correction_curve curve;
+    zerorate_correction_f32 single, curved;
     zerorate_table table;
     static int32_t rows[ROWS];
     void *rig = started(keys, 6000000, &gyro);
     int i;
 
     print_status("integer", zerorate_correction_to_integer(&CORRECTION, &integer));
+    print_status("curve", zerorate_correction_to_curve(&CURVED, &curve));
+    print_status("curved", zerorate_correction_to_f32(&CURVED, &curved));
     print_status("single", zerorate_correction_to_f32(&CORRECTION, &single));
     print_status("table", zerorate_table_lay_out(&table, &CORRECTION, 0.02, 2.0, rows, ROWS));
     for (i = 0; i < SAMPLES; i++) {
@@ -260,8 +269,17 @@ static void samples(const char *keys)
                (long)by_library,
                zerorate_correct_code(sample.rate_code, sample.temp_code),
                (long)by_header);
+        corrected_dps =
+            zerorate_correct_f32(&curved, zerorate_rate_dps(sample.rate_code), zerorate_temp_c(sample.temp_code));
+        memcpy(&bits, &corrected_dps, sizeof bits);
+        printf("curve %" PRIu32 " %" PRIx32 "\n",
+               zerorate_correct_curve(&curve, sample.rate_code, sample.temp_code), bits);
     }
     print_f64("f64", zerorate_correct(&CORRECTION, 0.33, 33.5));
+    print_f64("curved f64", zerorate_correct(&CURVED, 0.33, 33.5));
+    printf("no curve %lu\n", (unsigned long)zerorate_correct_curve(NULL, 77, 1));
+    print_status("curved table", zerorate_table_lay_out(&table, &CURVED, 0.02, 2.0, rows, ROWS));
+    print_row("curved row", &table, UINT32_C(8416794));
     print_status("wait", zerorate_gyro_wait_ready(&gyro, 1000));
     print_status("read", zerorate_gyro_read(&gyro, &reading));
     printf("%" PRIu32 " %" PRIu32 "\n", reading.rate_code, reading.temp_code);

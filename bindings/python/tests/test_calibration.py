@@ -155,6 +155,20 @@ def test_the_only_axis_is_the_calibration() -> None:
     assert calibration.validity == zerorate.Validity(25, 35)
 
 
+def test_a_curve_has_its_terms() -> None:
+    text = BY_HAND.replace("schema = 1", "schema = 3").replace(
+        "t3_c = 31.5\n", "t3_c = 31.5\nbtc2_dps_per_c2 = 0.001\nbtc3_dps_per_c3 = -1e-5\n"
+    )
+    with pytest.warns(UserWarning, match="no checksum"):
+        curved = zerorate.Calibration.parse(text)
+    assert (curved.schema, curved.correction) == (3, zerorate.Correction(-0.25, -0.04, 31.5, 0.001, -1e-5))
+    d = np.array([-4.0, 0.0, 2.5])
+    wanted = 1.0 - 0.25 - 0.04 * d + 0.001 * d**2 - 1e-5 * d**3
+    np.testing.assert_allclose(curved.correct(np.ones(3), 31.5 + d), wanted, rtol=0, atol=1e-12)
+    taken = zerorate.Corrector(curved).take(np.ones(3), 31.5 + d)
+    np.testing.assert_allclose(taken.rate_dps, wanted, rtol=0, atol=1e-12)
+
+
 def test_axes_are_called_by_their_names(two: zerorate.Calibration) -> None:
     assert (two.schema, two.part, [axis.name for axis in two.axes]) == (2, "ADIS16405", ["x", "y"])
     assert two["y"].correction == zerorate.Correction(0.75, 0.02, 31.25) and two["y"].warnings == ["own"]

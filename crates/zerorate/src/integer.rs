@@ -92,7 +92,7 @@ impl IntegerCorrection {
 
 /// The nearest that there is.
 #[inline]
-const fn held(code: i64, (first, last): (i64, i64)) -> i64 {
+pub(crate) const fn held(code: i64, (first, last): (i64, i64)) -> i64 {
     if code < first {
         first
     } else if code > last {
@@ -124,7 +124,9 @@ impl Correction {
         };
         let one = f64::from(1_u32 << form.q);
         for (name, term) in [("btc2_dps_per_c2", self.btc2_dps_per_c2), ("btc3_dps_per_c3", self.btc3_dps_per_c3)] {
-            within(name, term, 0.0, 0.0)?;
+            if term != 0.0 {
+                return Err(error(name));
+            }
         }
         let (t3_exact, (first, last)) = (temp.code(self.t3_c), form.temp_codes);
         let last = last.min(i32::MAX.into());
@@ -154,6 +156,9 @@ pub struct IntegerError {
 impl fmt::Display for IntegerError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { coefficient, largest_btc_dps_per_c: largest, rate_bits, temp_bits } = *self;
+        if coefficient.starts_with("btc2") || coefficient.starts_with("btc3") {
+            return write!(f, "{coefficient} belongs to a curve, and this integer correction is a line");
+        }
         // three digits, the last rounded down
         let digit = libm::exp10(libm::floor(libm::log10(largest)) - 2.0);
         let digits = libm::round(2.0 - libm::log10(digit * 100.0)).max(0.0) as usize;
@@ -222,6 +227,8 @@ mod tests {
         assert_eq!(named(Correction { btc_dps_per_c: 1.3, ..TYPICAL }), "btc_dps_per_c");
         assert_eq!(named(Correction { pbc_dps: 1e4, ..TYPICAL }), "pbc_dps");
         assert_eq!(named(Correction { t3_c: f64::NAN, ..TYPICAL }), "t3_c");
+        assert_eq!(named(Correction { btc2_dps_per_c2: 1e-9, ..TYPICAL }), "btc2_dps_per_c2");
+        assert_eq!(named(Correction { btc3_dps_per_c3: f64::NAN, ..TYPICAL }), "btc3_dps_per_c3");
     }
 
     fn signed(width_bits: u8, lsb_per_unit: f64, zero_value: f64) -> Scale {

@@ -23,6 +23,7 @@ mod gls;
 pub mod health;
 mod hour;
 mod integer;
+mod integer_curve;
 mod ledger;
 pub mod noise;
 mod notice;
@@ -54,6 +55,7 @@ pub use datasheet::{DataSheet, DataSheetError};
 pub use estimate::{Noise, Outcome, Uncertainty, WindowWarnings};
 pub use hour::{Deviation, Finding};
 pub use integer::{IntegerCorrection, IntegerError, IntegerForm};
+pub use integer_curve::{CurveError, CurveForm, IntegerCurve};
 pub use notice::{EARTH_DPS, Refusal, Warning};
 #[cfg(feature = "file")]
 pub use part::PartError;

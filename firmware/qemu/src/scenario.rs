@@ -1,4 +1,4 @@
-//! What controller and host both compute from a seed: a unit of the twin, read through the driver, corrected in three
+//! What controller and host both compute from a seed: a unit of the twin, read through the driver, corrected in four
 //! ways.
 //!
 //! The host includes this file too (`xtask/src/firmware/`).
@@ -6,7 +6,7 @@
 use adis16130::blocking::Adis16130;
 use adis16130::{Config, Edge, Framing, MCLK_HZ, RateCode, Sampler, SamplerConfig, TempCode};
 use adis16130_twin::{Spec, Twin, TwinRdy, TwinSpi};
-use zerorate::{Axis, CodeTable, Correction, CorrectionF32, IntegerCorrection};
+use zerorate::{Axis, CodeTable, Correction, CorrectionF32, IntegerCorrection, IntegerCurve};
 
 /// Readings of a run.
 pub const READINGS: usize = 2_000;
@@ -17,10 +17,14 @@ pub const TABLE_C: (f64, f64) = (0.02, 2.0);
 /// Rows of that table.
 pub const ROWS: usize = 201;
 
+/// Quadratic and cubic term of the curve, °/s/°C² and °/s/°C³: the spread of curvature (M-02), and a cubic term that
+/// adds as much 250 °C from T3.
+const CURVE: (f64, f64) = (0.0005, -2e-6);
+
 /// A part that gives no edge for this long is dead.
 const NO_EDGE_NS: u64 = 100_000_000;
 
-/// A reading and what the three corrections make of it.
+/// A reading and what the corrections make of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Reading {
     /// The rate, as the part gave it.
@@ -29,6 +33,8 @@ pub struct Reading {
     pub temp_code: u32,
     /// The corrected rate, in integers.
     pub corrected_code: u32,
+    /// The same by a curve of order 3.
+    pub curved_code: u32,
     /// The row of the table, µ°/s.
     pub table_udps: i32,
     /// The corrected rate in single precision, °/s, bit by bit.
@@ -40,6 +46,8 @@ pub struct Reading {
 pub struct Corrections {
     /// On codes.
     pub integer: IntegerCorrection,
+    /// On codes, with a quadratic and a cubic term.
+    pub curve: IntegerCurve,
     /// In single precision.
     pub single: CorrectionF32,
     rows_udps: [i32; ROWS],
@@ -52,10 +60,12 @@ impl Corrections {
         let truth = twin.truth();
         let t3_c = truth.sensor_c;
         let correction = Correction::line(truth.pbc_dps(t3_c), truth.btc_dps_per_c(t3_c), t3_c);
+        let curve = Correction { btc2_dps_per_c2: CURVE.0, btc3_dps_per_c3: CURVE.1, ..correction };
         let mut rows_udps = [0; ROWS];
         correction.fill_table(TABLE_C.0, TABLE_C.1, &mut rows_udps).ok()?;
         Some(Self {
             integer: correction.to_integer(&Axis::ADIS16130.rate, &Axis::ADIS16130.temp).ok()?,
+            curve: curve.to_integer_curve(&Axis::ADIS16130.rate, &Axis::ADIS16130.temp).ok()?,
             single: correction.to_f32(),
             rows_udps,
             t3_c,
@@ -91,6 +101,7 @@ pub fn run(seed: u64, mut take: impl FnMut(Reading)) -> Option<Corrections> {
             rate_code: rate.code24(),
             temp_code: temp.code24(),
             corrected_code: corrections.integer.apply(rate.code24(), temp.code24()),
+            curved_code: corrections.curve.apply(rate.code24(), temp.code24()),
             table_udps: table.look_up_held_udps(temp.code24()),
             corrected_f32_bits: corrected_dps(&corrections.single, rate, temp).to_bits(),
         });

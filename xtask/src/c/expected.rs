@@ -16,13 +16,15 @@ pub const CALIBRATION: &str =
     "schema = 1\npart = \"ADIS16130\"\n[correction]\npbc_dps = -0.25\nbtc_dps_per_c = -0.04\nt3_c = 26.0\n";
 
 const CORRECTION: Correction = Correction::line(-0.25, -0.04, 26.0);
+const CURVED: Correction = Correction { btc2_dps_per_c2: 0.0005, btc3_dps_per_c3: -2e-6, ..CORRECTION };
 const SAMPLES: usize = 500;
 const ROWS: usize = 201;
 
 /// The numbers of bindings/c/src/status.rs, typed again: they may not change.
 const MISUSE: &str = "no settings -1\nno gyro -1\nnot set up -2\nnot begun -2\nseven bits -3\nno transfer -1\nno \
     average -40\n\
-    steep -30\nragged -31\nno room -32\nno table -3\nlaid out 0\nabove -34 -4800\nbelow -34 4800\nno row -1\nno \
+    steep -30\ncurved -30\nsteep curve -30\n\
+    ragged -31\nno room -32\nno table -3\nlaid out 0\nabove -34 -4800\nbelow -34 4800\nno row -1\nno \
     correction 77\n\
     RDY gave no sign of new data in time. unknown status.\n";
 /// What is no reading, with the numbers typed again; and the deadline, 64 periods of 175.7 µs (F-31) after the first
@@ -119,9 +121,10 @@ impl Rig {
 
 fn samples(text: &mut String, keys: &str) -> Result<()> {
     let mut rig = Rig::new(keys, 6_000_000)?;
-    text.push_str("initialise 0\ninteger 0\nsingle 0\ntable 0\n");
-    let (integer, single) =
-        (CORRECTION.to_integer(&Axis::ADIS16130.rate, &Axis::ADIS16130.temp)?, CORRECTION.to_f32());
+    text.push_str("initialise 0\ninteger 0\ncurve 0\ncurved 0\nsingle 0\ntable 0\n");
+    let Axis { rate, temp, .. } = Axis::ADIS16130;
+    let (integer, single) = (CORRECTION.to_integer(&rate, &temp)?, CORRECTION.to_f32());
+    let (curve, curved) = (CURVED.to_integer_curve(&rate, &temp)?, CURVED.to_f32());
     let mut rows = [0; ROWS];
     CORRECTION.fill_table(0.02, 2.0, &mut rows)?;
     let table = CodeTable::new(&rows, 0.02, CORRECTION.t3_c, &Axis::ADIS16130.temp);
@@ -137,8 +140,16 @@ fn samples(text: &mut String, keys: &str) -> Result<()> {
             text,
             "{time} {seq} {rate_code} {temp_code} {lost} {corrected} {f32_bits:x} {row} {corrected} {row}"
         )?;
+        let f32_bits = curved.apply(rate.to_dps(), temp.to_celsius()).to_bits();
+        writeln!(text, "curve {} {f32_bits:x}", curve.apply(rate_code, temp_code))?;
     }
     f64_line(text, "f64", CORRECTION.apply(0.33, 33.5))?;
+    f64_line(text, "curved f64", CURVED.apply(0.33, 33.5))?;
+    CURVED.fill_table(0.02, 2.0, &mut rows)?;
+    let table = CodeTable::new(&rows, 0.02, CURVED.t3_c, &Axis::ADIS16130.temp);
+    // 27 °C, one above its T3
+    let row = table.look_up_udps(8_416_794).context("beyond the table")?;
+    writeln!(text, "no curve 77\ncurved table 0\ncurved row 0 {row}")?;
     let ready = rig.gyro.wait_ready(&mut rig.twin.delay(), WaitBound::from_us(1000));
     ready.map_err(|error| anyhow!("{error}"))?;
     let (rate, temp): (RateCode, TempCode) = rig.gyro.read_in_range().map_err(|error| anyhow!("{error}"))?;

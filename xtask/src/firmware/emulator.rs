@@ -55,8 +55,9 @@ impl Report {
                     rate_code: number(1)? as u32,
                     temp_code: number(2)? as u32,
                     corrected_code: number(3)? as u32,
-                    table_udps: number(4)? as i32,
-                    corrected_f32_bits: number(5)? as u32,
+                    curved_code: number(4)? as u32,
+                    table_udps: number(5)? as i32,
+                    corrected_f32_bits: number(6)? as u32,
                 }),
                 ["ticks", name, ..] => drop(ticks.insert(name.to_owned(), (number(2)?, number(3)?))),
                 ["bytes", name, ..] => drop(report.bytes.insert(name.to_owned(), number(2)? as u64)),
@@ -97,7 +98,7 @@ mod tests {
 
     #[test]
     fn a_report_is_read() {
-        let text = "reading 1 2 3 -4 5\nticks empty 25 25\nticks work 281 537\nbytes driver 20\n";
+        let text = "reading 1 2 3 6 -4 5\nticks empty 25 25\nticks work 281 537\nbytes driver 20\n";
         let report = Report::parse(text).unwrap();
         assert_eq!(report.readings[0].table_udps, -4);
         assert_eq!((report.instructions["work"], report.bytes["driver"]), ((10, 20), 20));

@@ -145,6 +145,7 @@ fn counted(report: &Report) -> Result<Vec<Figure>> {
     };
     Ok(vec![
         instructions("integer correction, code to code", "integer_correction", Some(40))?,
+        instructions("integer correction by a curve of order 3, code to code", "integer_curve", Some(60))?,
         instructions("table look-up, code to µ°/s", "table_look_up", Some(40))?,
         instructions("f32 correction, °/s to °/s", "f32_correction", None)?,
         instructions("f32 correction with conversion, codes to °/s", "f32_correction_of_codes", None)?,
@@ -165,7 +166,7 @@ fn show(args: &Args, outcome: &Outcome) -> Result<()> {
         return Ok(());
     }
     if let Some(count) = outcome.readings_agreed {
-        println!("seed {}: {count} readings, corrected in three ways, are the same on controller and host", args.seed);
+        println!("seed {}: {count} readings, corrected in four ways, are the same on controller and host", args.seed);
     }
     println!("no panic is linked into the driver");
     for Figure { what, value, unit, goal } in &outcome.figures {

@@ -129,6 +129,15 @@ fn stream_prints_corrected_rows() {
         assert!(["t_s", "rate_dps", "temp_c", "lost"].iter().all(|key| row[*key].is_number()), "{row}");
     }
     assert_eq!(lines.lines().count(), 4);
+    // and by a curve
+    let curve =
+        CALIBRATION.replace("schema = 1", "schema = 3") + "btc2_dps_per_c2 = 0.002\nbtc3_dps_per_c3 = -0.0001\n";
+    std::fs::write(&cal, curve).expect("written");
+    for row in zerorate(&args).ended_with(0).stdout.lines().skip(1) {
+        let row: Vec<f64> = row.split(',').take(3).map(|cell| cell.parse().expect("a number")).collect();
+        let d = row[2] - 31.5;
+        assert!((row[1] - (0.5 - 0.04 * d + 0.002 * d * d - 0.0001 * d * d * d)).abs() < 1e-4, "{row:?}");
+    }
 }
 
 #[test]

@@ -37,6 +37,28 @@ fn the_formula_of_the_note_row_by_row() {
     }
 }
 
+/// The same rows with a curve, by hand: d is 2 and 1 °C.
+#[test]
+fn a_curve_row_by_row() {
+    let bench = Bench::new();
+    let curve = "schema = 3\npart = \"ADIS16130\"\n[correction]\npbc_dps = -0.25\nbtc_dps_per_c = -0.04\nt3_c = 24\n\
+                 btc2_dps_per_c2 = 0.01\nbtc3_dps_per_c3 = -0.001\n";
+    bench.write("unit.toml", curve);
+    bench.write("rest.csv", capture("A1", ROWS));
+    bench.zerorate("correct rest.csv --cal unit.toml -o done.csv").ok();
+    let done = fs::read_to_string(bench.path("done.csv")).unwrap();
+    for entry in ["# zerorate.btc2_dps_per_c2 = 0.01", "# zerorate.btc3_dps_per_c3 = -0.001"] {
+        assert!(done.contains(entry), "{entry} is missing");
+    }
+    let rows = done.lines().filter(|line| !line.starts_with('#')).skip(1);
+    let corrected: Vec<f64> = rows.map(|row| row.split(',').nth(8).unwrap().parse().unwrap()).collect();
+    let (at_26, at_25) = (-0.25 - 0.08 + 0.04 - 0.008, -0.25 - 0.04 + 0.01 - 0.001);
+    for (found, expected) in corrected.iter().zip([10.0 + at_26, at_26, -10.0 + at_25]) {
+        assert!((found - expected).abs() < 1e-12, "{corrected:?}");
+    }
+    assert_eq!(corrected.len(), 3);
+}
+
 #[test]
 fn a_bias_is_never_removed_twice() {
     let bench = Bench::new();

@@ -2,7 +2,7 @@
 
 use super::{Bench, calibration, installed, run};
 use std::fmt::Write;
-use zerorate::{Axis, Calibration, CodeTable, Correction, IntegerForm, Validity};
+use zerorate::{Axis, Calibration, CodeTable, Correction, CurveForm, IntegerForm, Validity};
 
 /// F-52, all thirteen rows, as text.
 #[test]
@@ -43,6 +43,49 @@ fn json_has_coefficients_and_table() {
     }
 }
 
+/// What a curve has beside a line: its terms, the integer form of order 3, rows along it. A line has none of it.
+#[test]
+fn json_and_csv_of_a_curve() {
+    let bench = Bench::new();
+    let correction = CORRECTIONS[4];
+    bench.write("unit.toml", measured(&correction).0);
+    let text = bench.zerorate("export unit.toml --format json --step-c 0.5 --span-c 4").ok();
+    let json: serde_json::Value = serde_json::from_str(&text).unwrap();
+    assert_eq!((&json["btc2_dps_per_c2"], &json["btc3_dps_per_c3"]), (&0.0005.into(), &(-3e-6).into()));
+    let integer = correction.to_integer_curve(&Axis::ADIS16130.rate, &Axis::ADIS16130.temp).unwrap();
+    assert_eq!(json["integer"]["terms"], serde_json::json!(integer.terms));
+    assert_eq!((&json["integer"]["fraction"], &json["integer"]["temp_shift"]), (&integer.fraction.into(), &10.into()));
+    assert_eq!(json["integer"]["t3_code"], integer.t3_code);
+    let csv = bench.zerorate("export unit.toml --format csv --step-c 0.5 --span-c 4").ok();
+    let rows = json["table"]["rows"].as_array().unwrap();
+    assert_eq!((rows.len(), csv.lines().count(), csv.lines().next()), (17, 18, Some("delta_c,correction_dps")));
+    for (row, line) in rows.iter().zip(csv.lines().skip(1)) {
+        let d = row["delta_c"].as_f64().unwrap();
+        let wanted = -0.04 * d + 0.0005 * d * d - 3e-6 * d * d * d;
+        let found: f64 = line.split(',').nth(1).unwrap().parse().unwrap();
+        assert!((found - wanted).abs() < 1e-11 && row["correction_dps"] == found, "{line}: {wanted}");
+    }
+    // the steepest slope is 0.044 °/s/°C, half a step of 0.5 °C from the nearest row; second derivative 0.00107
+    assert!((json["table"]["nearest_dps"].as_f64().unwrap() - 0.25 * 0.044_144).abs() < 1e-6, "{}", json["table"]);
+    assert!((json["table"]["linear_dps"].as_f64().unwrap() - 0.25 / 8.0 * 0.001_072).abs() < 1e-9, "{text}");
+    bench.write("line.toml", measured(&CORRECTIONS[0]).0);
+    let line = bench.zerorate("export line.toml --format json --span-c 4").ok();
+    assert!(!line.contains("btc2") && !line.contains("_dps\": 0.0000"), "{line}");
+}
+
+/// A correction that no integer form carries is refused with the term that is too large.
+#[test]
+fn a_curve_that_does_not_fit_codes_is_refused() {
+    let bench = Bench::new();
+    let steep = Correction { btc3_dps_per_c3: 0.01, ..CORRECTIONS[0] };
+    bench.write("unit.toml", measured(&steep).0);
+    for form in ["c", "rust", "json"] {
+        let said = bench.zerorate(&format!("export unit.toml --format {form} --span-c 4")).fails(1);
+        assert!(said.contains("btc3_dps_per_c3 does not fit the integer correction of a curve"), "{said}");
+    }
+    bench.zerorate("export unit.toml --format csv --span-c 4").ok();
+}
+
 /// The examples of firmware hold what this version exports.
 #[test]
 fn the_examples_have_their_export() {
@@ -53,9 +96,34 @@ fn the_examples_have_their_export() {
     assert!(exported == std::fs::read_to_string(examples.join("src/unit.rs")).unwrap(), "export src/unit.rs again");
 }
 
-/// Corrections with both signs, with large coefficients and with none.
-const CORRECTIONS: [(f64, f64, f64); 4] =
-    [(-0.25, -0.04, 31.5), (1.2345, 0.0317, -12.75), (-249.9, 1.19, 85.0), (0.0, 0.0, 25.0)];
+/// Corrections with both signs, with large coefficients and with none; lines and curves.
+const CORRECTIONS: [Correction; 7] = [
+    Correction::line(-0.25, -0.04, 31.5),
+    Correction::line(1.2345, 0.0317, -12.75),
+    Correction::line(-249.9, 1.19, 85.0),
+    Correction::line(0.0, 0.0, 25.0),
+    Correction { btc2_dps_per_c2: 0.0005, btc3_dps_per_c3: -3e-6, ..Correction::line(-0.25, -0.04, 31.5) },
+    Correction { btc2_dps_per_c2: -0.01, btc3_dps_per_c3: 1e-4, ..Correction::line(249.9, -0.9, -40.0) },
+    Correction { btc2_dps_per_c2: 0.0, btc3_dps_per_c3: 1e-6, ..Correction::line(0.0, 0.0, 25.0) },
+];
+
+/// The corrected code, by the form that the export takes.
+fn by_the_core(correction: &Correction, rate: u32, temp: u32) -> u32 {
+    let Axis { rate: rate_scale, temp: temp_scale, .. } = Axis::ADIS16130;
+    match correction.is_line() {
+        true => correction.to_integer(&rate_scale, &temp_scale).unwrap().apply(rate, temp),
+        false => correction.to_integer_curve(&rate_scale, &temp_scale).unwrap().apply(rate, temp),
+    }
+}
+
+/// A file of it, as it is written.
+fn file_of(correction: &Correction, validity: Validity) -> String {
+    let text = calibration(correction.pbc_dps, correction.btc_dps_per_c, correction.t3_c);
+    let (mut calibration, _) = Calibration::parse(&text).unwrap();
+    calibration.axes[0].correction = *correction;
+    calibration.validity = Some(validity);
+    calibration.to_toml()
+}
 
 /// 10 000 random codes with all extremes among them: rate and temperature.
 fn codes() -> Vec<(u32, u32)> {
@@ -74,27 +142,25 @@ fn codes() -> Vec<(u32, u32)> {
 }
 
 /// A calibration that holds from 3.2 °C below T3, where the table of the tests ends at 2 °C, to 0.7 °C above it.
-fn measured((pbc_dps, btc_dps_per_c, t3_c): (f64, f64, f64)) -> (String, Validity) {
+fn measured(correction: &Correction) -> (String, Validity) {
+    let t3_c = correction.t3_c;
     let validity = Validity { temp_min_c: t3_c - 3.2, temp_max_c: t3_c + 0.7, margin_c: 0.5 };
-    let Validity { temp_min_c, temp_max_c, .. } = validity;
-    let range = format!("[validity]\ntemp_min_c = {temp_min_c:?}\ntemp_max_c = {temp_max_c:?}\n");
-    (calibration(pbc_dps, btc_dps_per_c, t3_c) + &range, validity)
+    (file_of(correction, validity), validity)
 }
 
 /// What the exported functions must print for `codes`: the core's corrected code, the row of its table nearest to the
 /// temperature, whether core and calibration know that temperature, whether the calibration does, and the corrected
 /// code of the nearest that it knows.
-fn expected(of: (f64, f64, f64)) -> String {
-    let correction = Correction::line(of.0, of.1, of.2);
-    let integer = correction.to_integer(&Axis::ADIS16130.rate, &Axis::ADIS16130.temp).unwrap();
+fn expected(correction: &Correction) -> String {
+    let t3_code = Axis::ADIS16130.temp.nearest_code(correction.t3_c) as i32;
     let table = correction.table(0.02, 2.0).unwrap();
     let mut rows = [0; 201];
     correction.fill_table(0.02, 2.0, &mut rows).unwrap();
-    let by_code = CodeTable::new(&rows, 0.02, of.2, &Axis::ADIS16130.temp);
-    let (_, validity) = measured(of);
+    let by_code = CodeTable::new(&rows, 0.02, correction.t3_c, &Axis::ADIS16130.temp);
+    let (_, validity) = measured(correction);
     let mut text = String::new();
     for (rate, temp) in codes() {
-        let delta_c = f64::from(temp as i32 - integer.t3_code) / 14_093.0;
+        let delta_c = f64::from(temp as i32 - t3_code) / 14_093.0;
         let row = ((2.0 - delta_c) / 0.02).round().clamp(0.0, 200.0) as usize;
         let udps = (table[row].correction_dps * 1e6).round() as i32;
         let temp_c = (f64::from(temp) - 8_388_608.0) / 14_093.0 + 25.0;
@@ -103,8 +169,16 @@ fn expected(of: (f64, f64, f64)) -> String {
         assert_eq!(by_code.look_up_held_udps(temp), udps);
         // the margin of 0.5 °C in codes
         let code = |temp_c| Axis::ADIS16130.temp.nearest_code(temp_c) as u32;
-        let held = temp.clamp(code(validity.temp_min_c) - 7047, code(validity.temp_max_c) + 7047);
-        let (by_itself, by_held) = (integer.apply(rate, temp), integer.apply(rate, held));
+        let (low, high) = match correction.is_line() {
+            true => (code(validity.temp_min_c) - 7047, code(validity.temp_max_c) + 7047),
+            // as any part's: the codes inside the margin
+            false => {
+                let exact = |temp_c: f64| Axis::ADIS16130.temp.code(temp_c);
+                (exact(validity.temp_min_c - 0.5).ceil() as u32, exact(validity.temp_max_c + 0.5).floor() as u32)
+            }
+        };
+        let held = temp.clamp(low, high);
+        let (by_itself, by_held) = (by_the_core(correction, rate, temp), by_the_core(correction, rate, held));
         writeln!(text, "{by_itself} {udps} {} {} {by_held}", i32::from(inside), i32::from(in_range)).unwrap();
     }
     text
@@ -127,9 +201,9 @@ fn c_gives_what_rust_gives() {
          zerorate_in_range(temp),\n\
          (unsigned)zerorate_correct_code(rate, zerorate_hold_in_range(temp)));\n}}\nreturn 0;\n}}\n"
     );
-    for (pbc, btc, t3) in CORRECTIONS {
+    for correction in &CORRECTIONS {
         let bench = Bench::new();
-        bench.write("unit.toml", measured((pbc, btc, t3)).0);
+        bench.write("unit.toml", measured(correction).0);
         bench.write("main.c", &main);
         // included alone and unused, the header must not warn either
         bench.write("alone.c", "#include \"unit.h\"\nint nothing;\n");
@@ -137,7 +211,7 @@ fn c_gives_what_rust_gives() {
         let flags = ["-Wall", "-Wextra", "-Werror", "-std=c99", "-pedantic", "-Wconversion", "-O1", "-ftrapv"];
         run("gcc", &[&flags[..], &["-c", "alone.c", "-o", "alone.o"]].concat(), bench.dir.path());
         run("gcc", &[&flags[..], &["main.c", "-o", "main"]].concat(), bench.dir.path());
-        assert!(run(bench.path("main"), &[], bench.dir.path()) == expected((pbc, btc, t3)), "{pbc} {btc} {t3}");
+        assert!(run(bench.path("main"), &[], bench.dir.path()) == expected(correction), "{correction:?}");
     }
 }
 
@@ -159,20 +233,20 @@ fn rust_gives_what_rust_gives() {
     // a program that uses nothing of it, and one module with both units
     let unused = "mod unit;\nmod both {\ninclude!(\"left.rs\");\ninclude!(\"right.rs\");\n}\nfn main() {}\n";
     let library = "#![no_std]\n#![deny(missing_docs, warnings)]\n//! The module alone.\npub mod unit;\n";
-    for (pbc, btc, t3) in CORRECTIONS {
+    for correction in &CORRECTIONS {
         let bench = Bench::new();
-        bench.write("unit.toml", measured((pbc, btc, t3)).0);
+        bench.write("unit.toml", measured(correction).0);
         bench.write("main.rs", &main);
         bench.write("lib.rs", library.replace("pub mod", "/// Exported.\npub mod"));
         bench.write("unused.rs", unused);
         bench.zerorate("export unit.toml --format rust --span-c 2 -o unit.rs").ok();
         bench.zerorate("export unit.toml --format rust --prefix left -o left.rs").ok();
         bench.zerorate("export unit.toml --format rust --prefix Right_2 -o right.rs").ok();
-        if pbc < 0.0 && t3 < 50.0 {
+        if correction.pbc_dps < 0.0 && correction.t3_c < 50.0 {
             has_no_warning(&bench);
         }
         run("rustc", &["--edition=2021", "-Copt-level=1", "main.rs"], bench.dir.path());
-        assert!(run(bench.path("main"), &[], bench.dir.path()) == expected((pbc, btc, t3)), "{pbc} {btc} {t3}");
+        assert!(run(bench.path("main"), &[], bench.dir.path()) == expected(correction), "{correction:?}");
     }
 }
 
@@ -300,6 +374,13 @@ fn what_cannot_be_exported_is_explained() {
 /// The axes of the calibration of three: name, smallest and largest code of its rate.
 const CODES: [(&str, i64, i64); 3] = [("x", -32_768, 32_767), ("y", -8_192, 8_191), ("z", 0, 16_777_215)];
 
+/// The same with curves: y has both terms, z a cubic one alone, x stays a line.
+fn curved_axes() -> String {
+    let file = super::AXES.replace("schema = 2", "schema = 3");
+    let file = file.replace("t3_c = 31.25", "t3_c = 31.25, btc2_dps_per_c2 = 0.0015, btc3_dps_per_c3 = -2e-5");
+    file.replace("-0.01, t3_c = 31.5", "-0.01, t3_c = 31.5, btc3_dps_per_c3 = 3e-6")
+}
+
 /// Every temperature code with rates all over each scale, and words beyond them.
 fn codes_of_axes() -> Vec<(i32, [i32; 3])> {
     let mut state = 99_u64;
@@ -313,8 +394,8 @@ fn codes_of_axes() -> Vec<(i32, [i32; 3])> {
 
 /// What the functions of the three axes must print: by the core, which is held against exact arithmetic, and rows by
 /// distance in f64 (no code of 1/7.14 °C lies half-way between two rows of 0.2 °C).
-fn expected_of_axes() -> String {
-    let (calibration, _) = Calibration::parse(super::AXES).unwrap();
+fn expected_of_axes(file: &str) -> String {
+    let (calibration, _) = Calibration::parse(file).unwrap();
     let (temp_scale, validity) = (calibration.temp.unwrap(), calibration.validity.unwrap());
     let mut text = String::new();
     for (temp, rates) in codes_of_axes() {
@@ -324,13 +405,19 @@ fn expected_of_axes() -> String {
         write!(text, "{}", i32::from(in_range)).unwrap();
         for (axis, rate) in calibration.axes.iter().zip(rates) {
             let scale = axis.rate.unwrap();
-            let integer = axis.correction.to_integer(&scale, &temp_scale).unwrap();
-            let code = integer.apply_as(&IntegerForm::new(&scale, &temp_scale), rate.into(), temp.into());
+            let code = if axis.correction.is_line() {
+                let integer = axis.correction.to_integer(&scale, &temp_scale).unwrap();
+                integer.apply_as(&IntegerForm::new(&scale, &temp_scale), rate.into(), temp.into())
+            } else {
+                let integer = axis.correction.to_integer_curve(&scale, &temp_scale).unwrap();
+                integer.apply_as(&CurveForm::new(&scale, &temp_scale), rate.into(), temp.into())
+            };
             // the row of the nearest step of 0.2 °C from T3 as a code, on 16 °C to both sides
             let delta_c = (held - temp_scale.nearest_code(axis.correction.t3_c)) as f64 / 7.14;
             let place = (16.0 - delta_c) / 0.2;
             let row = (place + 0.5).floor().clamp(0.0, 160.0);
-            let udps = ((16.0 - row * 0.2) * axis.correction.btc_dps_per_c * 1e6).round() as i32;
+            let row_c = axis.correction.t3_c + 16.0 - row * 0.2;
+            let udps = ((axis.correction.at(row_c) - axis.correction.pbc_dps) * 1e6).round() as i32;
             let inside = in_range && (0.0..161.0).contains(&(place + 0.5));
             write!(text, " {code} {udps} {}", i32::from(inside)).unwrap();
         }
@@ -341,11 +428,15 @@ fn expected_of_axes() -> String {
 
 #[test]
 fn three_axes_in_c() {
-    if !installed("gcc") {
-        return;
+    if installed("gcc") {
+        three_in_c(super::AXES);
+        three_in_c(&curved_axes());
     }
+}
+
+fn three_in_c(file: &str) {
     let bench = Bench::new();
-    bench.write("unit.toml", super::AXES);
+    bench.write("unit.toml", file);
     bench.zerorate("export unit.toml --format c --span-c 16 --prefix imu -o unit.h").ok();
     let rows: String =
         codes_of_axes().iter().map(|(temp, [x, y, z])| format!("{{{temp}, {x}, {y}, {z}}},\n")).collect();
@@ -372,16 +463,20 @@ fn three_axes_in_c() {
     let flags = ["-Wall", "-Wextra", "-Werror", "-std=c99", "-pedantic", "-Wconversion", "-O1", "-ftrapv"];
     run("gcc", &[&flags[..], &["-c", "alone.c", "-o", "alone.o"]].concat(), bench.dir.path());
     run("gcc", &[&flags[..], &["main.c", "-o", "main"]].concat(), bench.dir.path());
-    same_lines(&run(bench.path("main"), &[], bench.dir.path()));
+    same_lines(&run(bench.path("main"), &[], bench.dir.path()), file);
 }
 
 #[test]
 fn three_axes_in_rust() {
-    if !installed("rustc") {
-        return;
+    if installed("rustc") {
+        three_in_rust(super::AXES);
+        three_in_rust(&curved_axes());
     }
+}
+
+fn three_in_rust(file: &str) {
     let bench = Bench::new();
-    bench.write("unit.toml", super::AXES);
+    bench.write("unit.toml", file);
     bench.zerorate("export unit.toml --format rust --span-c 16 -o unit.rs").ok();
     bench.zerorate("export unit.toml --format rust --prefix left -o left.rs").ok();
     bench.zerorate("export unit.toml --format rust --prefix Right_2 -o right.rs").ok();
@@ -415,13 +510,13 @@ fn three_axes_in_rust() {
         ),
     );
     run("rustc", &["--edition=2021", "-Copt-level=1", "main.rs"], bench.dir.path());
-    same_lines(&run(bench.path("main"), &[], bench.dir.path()));
+    same_lines(&run(bench.path("main"), &[], bench.dir.path()), file);
 }
 
 /// Compares with what is expected of the three axes, line by line.
 #[track_caller]
-fn same_lines(printed: &str) {
-    let expected = expected_of_axes();
+fn same_lines(printed: &str, file: &str) {
+    let expected = expected_of_axes(file);
     for ((found, wanted), (temp, rates)) in printed.lines().zip(expected.lines()).zip(codes_of_axes()) {
         assert_eq!(found, wanted, "rates {rates:?} at {temp}");
     }

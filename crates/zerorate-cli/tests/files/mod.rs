@@ -2,6 +2,7 @@
 
 mod allan;
 mod analysis;
+mod autopilot;
 mod axes;
 mod correct;
 mod durable;

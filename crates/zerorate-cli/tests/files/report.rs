@@ -134,3 +134,31 @@ fn every_axis_has_its_section() {
     }
     assert!(html.contains("Calibration of ADIS16405") && sections[1].contains("Warning: y &#60; alone"), "{html}");
 }
+
+/// A curve has its terms in the formula, among the quantities and in the picture's caption; a line has none of it.
+#[test]
+fn the_page_of_a_curve() {
+    let bench = Bench::new();
+    let (mut unit, _) = Calibration::parse(&measured()).unwrap();
+    bench.write("line.toml", unit.to_toml());
+    unit.axes[0].correction.btc2_dps_per_c2 = 0.0005;
+    unit.axes[0].correction.btc3_dps_per_c3 = -2e-6;
+    bench.write("curve.toml", unit.to_toml());
+    let page = |name: &str| {
+        bench.zerorate(&format!("report {name}.toml -o {name}.html")).ok();
+        std::fs::read_to_string(bench.path(&format!("{name}.html"))).unwrap()
+    };
+    let (line, curve) = (page("line"), page("curve"));
+    for expected in [
+        "RBC = RATE + PBC + (TEMP − T3) · BTC + (TEMP − T3)² · BTC2 + (TEMP − T3)³ · BTC3",
+        "(TEMP − 31.5000 °C)² · (+5.0000e-4 °/s/°C²)",
+        "<th>BTC3, cubic term</th><td class=\"number\">-2.0000e-6</td>",
+        "All coefficients are added",
+        "measured here",
+    ] {
+        assert!(curve.contains(expected), "{expected} in {curve}");
+    }
+    assert!(!line.contains("BTC2") && line.contains("Both coefficients are added"), "{line}");
+    let path = |page: &str| page.split("<svg").nth(1).and_then(|rest| rest.split("</svg>").next().map(str::len));
+    assert_ne!(path(&line), path(&curve), "the picture shows the curve");
+}

@@ -2,25 +2,50 @@
 
 use anyhow::{Context, Result};
 use zerorate::calibration::CalibratedAxis;
-use zerorate::{Calibration, IntegerCorrection, IntegerForm, Scale};
+use zerorate::{Calibration, CurveForm, IntegerCorrection, IntegerCurve, IntegerForm, Scale};
 
 /// The scales of an axis, and its correction on them.
 pub struct Codes {
     pub rate: Scale,
     pub temp: Scale,
-    pub form: IntegerForm,
-    pub integer: IntegerCorrection,
+    pub integer: Integer,
+}
+
+/// A correction on codes, with how these are carried through it.
+pub enum Integer {
+    /// That of F-50.
+    Line(IntegerCorrection, IntegerForm),
+    /// With a quadratic or a cubic term.
+    Curve(IntegerCurve, CurveForm),
+}
+
+impl Integer {
+    /// T3 as a temperature code.
+    pub fn t3_code(&self) -> i32 {
+        match self {
+            Self::Line(line, _) => line.t3_code,
+            Self::Curve(curve, _) => curve.t3_code,
+        }
+    }
 }
 
 impl Codes {
     /// None where the calibration does not state the scales.
     pub fn of(calibration: &Calibration, axis: &CalibratedAxis) -> Result<Option<Self>> {
         let (Some(rate), Some(temp)) = (axis.rate, calibration.temp) else { return Ok(None) };
-        let integer = axis.correction.to_integer(&rate, &temp);
+        let integer = Self::integer(axis, &rate, &temp);
         let integer = match calibration.axes.as_slice() {
             [_] => integer?,
             _ => integer.with_context(|| format!("axis {}", axis.name))?,
         };
-        Ok(Some(Self { rate, temp, form: IntegerForm::new(&rate, &temp), integer }))
+        Ok(Some(Self { rate, temp, integer }))
+    }
+
+    fn integer(axis: &CalibratedAxis, rate: &Scale, temp: &Scale) -> Result<Integer> {
+        let correction = &axis.correction;
+        Ok(match correction.is_line() {
+            true => Integer::Line(correction.to_integer(rate, temp)?, IntegerForm::new(rate, temp)),
+            false => Integer::Curve(correction.to_integer_curve(rate, temp)?, CurveForm::new(rate, temp)),
+        })
     }
 }

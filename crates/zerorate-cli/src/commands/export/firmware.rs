@@ -1,13 +1,13 @@
 //! The C header and the Rust module: templates, filled in.
 
 use super::Export;
-use super::codes::Codes;
+use super::codes::{Codes, Integer};
 use super::layout::Layout;
 use super::prefix::Prefix;
 use crate::exit::Usage;
 use anyhow::{Context, Result, bail, ensure};
 use zerorate::calibration::CalibratedAxis;
-use zerorate::{IntegerCorrection, RowIndex, Scale, TableRow, Validity};
+use zerorate::{Correction, CurveForm, IntegerCorrection, IntegerCurve, RowIndex, Scale, TableRow, Validity};
 
 /// What stands for a `@KEY@` of a template.
 type Entries = Vec<(&'static str, String)>;
@@ -19,6 +19,10 @@ struct Language {
     /// Any number of axes of any part: what they share, and what each has.
     common: &'static str,
     axis: &'static str,
+    /// What corrects codes of an axis, where it is a line and where it is a curve.
+    integer: [&'static str; 2],
+    /// What a line of the head begins with.
+    margin: &'static str,
     /// Integers that hold codes of 32 bits, with and without a sign.
     integers: [&'static str; 2],
     /// An integer of 64 bits.
@@ -30,6 +34,8 @@ const C: Language = Language {
     one: include_str!("calibration.h.in"),
     common: include_str!("axes.h.in"),
     axis: include_str!("axis.h.in"),
+    integer: [include_str!("line.h.in"), include_str!("curve.h.in")],
+    margin: " *",
     integers: ["int32_t", "uint32_t"],
     constant: |code| format!("INT64_C({code})"),
     function_case: str::to_owned,
@@ -39,6 +45,8 @@ const RUST: Language = Language {
     one: include_str!("calibration.rs.in"),
     common: include_str!("axes.rs.in"),
     axis: include_str!("axis.rs.in"),
+    integer: [include_str!("line.rs.in"), include_str!("curve.rs.in")],
+    margin: "//",
     integers: ["i32", "u32"],
     constant: |code| code.to_string(),
     function_case: str::to_ascii_lowercase,
@@ -63,24 +71,31 @@ fn written(language: &Language, export: &Export, functions: String, constants: S
         export.calibration.axes.iter().map(|axis| AxisCodes::new(export, axis)).collect::<Result<_>>()?;
     let names = names(&axes)?;
     let first = axes.first().context("the calibration has no axis")?;
-    let common = [origin(export), range(&export.layout, &first.codes.temp), layout(export, &axes)?].concat();
-    let common = [vec![("f", functions.clone()), ("C", constants.clone())], common].concat();
-    if export.calibration.is_plain() {
-        return Ok(fill(language.one, &[common, first.entries(&export.tables[0])?].concat()));
+    let common = [origin(export), formula(export), range(&export.layout, &first.codes.temp), layout(export, &axes)?];
+    let common = [vec![("f", functions.clone()), ("C", constants.clone())], common.concat()].concat();
+    let plain = export.calibration.is_plain();
+    if plain && matches!(first.codes.integer, Integer::Line(..)) {
+        return Ok(fill(language.one, &[common, first.entries(language, &export.tables[0])?].concat()));
     }
     let mut each = String::new();
     for ((axis, name), rows) in axes.iter().zip(names).zip(&export.tables) {
-        let own = vec![
-            ("a", format!("{functions}{}_", (language.function_case)(&name))),
-            ("A", format!("{constants}{}_", name.to_ascii_uppercase())),
-        ];
-        let typed = axis.codes.typed(language);
-        each += &fill(language.axis, &[own, axis.entries(rows)?, typed, common.clone()].concat());
+        let own = match plain {
+            true => [functions.clone(), constants.clone()],
+            false => {
+                let function = format!("{functions}{}_", (language.function_case)(&name));
+                [function, format!("{constants}{}_", name.to_ascii_uppercase())]
+            }
+        };
+        let integer = language.integer[usize::from(matches!(axis.codes.integer, Integer::Curve(..)))];
+        let own = ["INTEGER", "a", "A"].into_iter().zip([vec![integer.to_owned()], own.to_vec()].concat()).collect();
+        let typed = axis.codes.typed(language, plain);
+        let entries = [own, axis.entries(language, rows)?, typed, common.clone()].concat();
+        each += &fill(language.axis, &entries);
     }
     let names = export.calibration.axes.iter().map(|axis| axis.name.as_str()).collect::<Vec<_>>().join(", ");
     let names = if axes.len() == 1 { format!("axis {names}") } else { format!("axes {names}") };
     let last = vec![("NAMES", names), ("EACH_AXIS", each.trim_end().to_owned())];
-    Ok(fill(language.common, &[common, first.codes.typed(language), last].concat()))
+    Ok(fill(language.common, &[common, first.codes.typed(language, plain), last].concat()))
 }
 
 /// Replaces each `@KEY@` of the template, the first entries first: what follows a prefix may look like a key.
@@ -129,45 +144,104 @@ impl<'a> AxisCodes<'a> {
         Ok(Self { axis, codes, step_c: export.layout.step_c, span_c: export.layout.span_c })
     }
 
-    fn entries(&self, rows: &[TableRow]) -> Result<Entries> {
+    fn entries(&self, language: &Language, rows: &[TableRow]) -> Result<Entries> {
         let Self { axis, codes, step_c, span_c } = self;
-        let IntegerCorrection { offset_q, slope_q, t3_code } = codes.integer;
         let correction = axis.correction;
         let rows: Result<Vec<i32>> = rows.iter().map(|row| millionths(row.correction_dps)).collect();
-        Ok(vec![
+        let integer = match &codes.integer {
+            Integer::Line(line, form) => of_line(line, form.q),
+            Integer::Curve(curve, form) => of_curve(curve, form, &codes.temp),
+        };
+        let entries = vec![
             ("AXIS", axis.name.clone()),
             ("PBC", correction.pbc_dps.to_string()),
             ("BTC", correction.btc_dps_per_c.to_string()),
             ("T3", correction.t3_c.to_string()),
             ("PBC_UDPS", millionths(correction.pbc_dps)?.to_string()),
-            ("OFFSET_Q", offset_q.to_string()),
-            ("SLOPE_Q", slope_q.to_string()),
-            ("T3_CODE", t3_code.to_string()),
-            ("Q", codes.form.q.to_string()),
+            ("TERMS", terms(&correction, language.margin)),
+            ("DISTANCE", distance(&correction).to_owned()),
+            ("T3_CODE", codes.integer.t3_code().to_string()),
             ("LSB_PER_DPS", codes.rate.lsb_per_unit.to_string()),
             ("RATE_ZERO", codes.rate.zero_code.to_string()),
             ("RATE_CODES", in_words(&codes.rate)),
             ("STEP_DPS", format!("{:.5}", correction.steepest_dps_per_c(*span_c) * step_c / 2.0)),
             ("TABLE", lines(&rows?)),
-        ])
+        ];
+        Ok([integer, entries].concat())
     }
+}
+
+fn of_line(line: &IntegerCorrection, q: u32) -> Entries {
+    let &IntegerCorrection { offset_q, slope_q, .. } = line;
+    vec![("OFFSET_Q", offset_q.to_string()), ("SLOPE_Q", slope_q.to_string()), ("Q", q.to_string())]
+}
+
+fn of_curve(curve: &IntegerCurve, form: &CurveForm, temp: &Scale) -> Entries {
+    let [t0, t1, t2, t3] = curve.terms.map(|term| term.to_string());
+    let (first, last) = form.reach();
+    vec![
+        ("TERM_0", t0),
+        ("TERM_1", t1),
+        ("TERM_2", t2),
+        ("TERM_3", t3),
+        ("FRACTION", curve.fraction.to_string()),
+        ("BOUND", format!("{:.2}", curve.bound_codes())),
+        ("TEMP_SHIFT", form.temp_shift.to_string()),
+        ("REACH_FIRST", first.to_string()),
+        ("REACH_LAST", last.to_string()),
+        ("REACH_C", format!("{:.0}", (last as f64 / temp.lsb_per_unit).floor())),
+    ]
+}
+
+/// What stands below T3 in the head: the terms of a curve.
+fn terms(correction: &Correction, margin: &str) -> String {
+    let Correction { btc2_dps_per_c2, btc3_dps_per_c3, .. } = correction;
+    match correction.is_line() {
+        true => String::new(),
+        false => format!(
+            "\n{margin}   BTC2 = {btc2_dps_per_c2:?} deg/s per (deg C)^2\n{margin}   \
+             BTC3 = {btc3_dps_per_c3:?} deg/s per (deg C)^3"
+        ),
+    }
+}
+
+/// By what a row at the end of a table is wrong beyond it.
+fn distance(correction: &Correction) -> &'static str {
+    if correction.is_line() { "BTC times the distance to it" } else { "what the curve does on the way to it" }
+}
+
+/// What corrects a rate, in symbols.
+fn formula(export: &Export) -> Entries {
+    let lines = export.calibration.axes.iter().all(|axis| axis.correction.is_line());
+    let [of, each, row_of] = match lines {
+        true => ["(Analog Devices AN-1042)", "Both", "(TEMP - T3) * BTC"],
+        false => [
+            "(of AN-1042 by Analog Devices, with two terms more)",
+            "All",
+            "d * (BTC + d * (BTC2 + d * BTC3)), d = TEMP - T3",
+        ],
+    };
+    [("FORMULA_OF", of), ("EACH", each), ("ROW_OF", row_of)].map(|(key, text)| (key, text.to_owned())).to_vec()
 }
 
 impl Codes {
     /// Types and constants of the codes.
-    fn typed(&self, language: &Language) -> Entries {
+    ///
+    /// Those of an ADIS16130 as it is have no sign, as in its export of a line.
+    fn typed(&self, language: &Language, plain: bool) -> Entries {
         let integer = |scale: &Scale| {
             let fits = scale.codes().1 <= i64::from(i32::MAX);
-            language.integers[usize::from(!fits)].to_owned()
+            language.integers[usize::from(plain || !fits)].to_owned()
         };
+        let (rate_codes, temp_codes) = (self.rate.codes(), self.temp.codes());
         let constant = |code| (language.constant)(code);
         vec![
             ("RATE_T", integer(&self.rate)),
             ("TEMP_T", integer(&self.temp)),
-            ("RATE_FIRST", constant(self.form.rate_codes.0)),
-            ("RATE_LAST", constant(self.form.rate_codes.1)),
-            ("TEMP_FIRST", constant(self.form.temp_codes.0)),
-            ("TEMP_LAST", constant(self.form.temp_codes.1)),
+            ("RATE_FIRST", constant(rate_codes.0)),
+            ("RATE_LAST", constant(rate_codes.1)),
+            ("TEMP_FIRST", constant(temp_codes.0)),
+            ("TEMP_LAST", constant(temp_codes.1)),
         ]
     }
 }
@@ -272,7 +346,7 @@ fn lines(numbers: &[i32]) -> String {
 }
 
 /// Text of the calibration file that can neither end a comment nor bring what a compiler might trip over.
-fn comment(text: &str) -> String {
+pub fn comment(text: &str) -> String {
     let plain =
         |c: char| if c.is_ascii_graphic() && !matches!(c, '@' | '*' | '\\' | '?') || c == ' ' { c } else { '.' };
     text.chars().map(plain).collect()

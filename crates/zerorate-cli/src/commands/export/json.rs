@@ -1,11 +1,11 @@
 //! Coefficients and tables as a JSON object.
 
-use super::codes::Codes;
+use super::codes::{self, Codes};
 use super::{Export, Layout, tidy};
 use anyhow::Result;
 use serde::Serialize;
 use zerorate::calibration::CalibratedAxis;
-use zerorate::{Calibration, Correction, Scale, TableRow};
+use zerorate::{Calibration, Correction, IntegerCorrection, IntegerCurve, Scale, TableRow};
 
 /// The only axis of an ADIS16130.
 #[derive(Serialize)]
@@ -57,12 +57,32 @@ struct Axis<'a> {
 }
 
 #[derive(Serialize)]
-struct Integer {
+#[serde(untagged)]
+enum Integer {
+    Line(Line),
+    Curve(Curved),
+}
+
+/// As `zerorate::IntegerCorrection`.
+#[derive(Serialize)]
+struct Line {
     q: u32,
     offset_q: i64,
     slope_q: i32,
     t3_code: i32,
     /// Not of the ADIS16130, whose codes are known.
+    #[serde(flatten, skip_serializing_if = "Option::is_none")]
+    codes: Option<Ranges>,
+}
+
+/// As `zerorate::IntegerCurve`.
+#[derive(Serialize)]
+struct Curved {
+    terms: [i32; 4],
+    fraction: u32,
+    temp_shift: u32,
+    t3_code: i32,
+    bound_codes: f64,
     #[serde(flatten, skip_serializing_if = "Option::is_none")]
     codes: Option<Ranges>,
 }
@@ -91,6 +111,11 @@ struct Valid {
 struct Table {
     step_c: f64,
     span_c: f64,
+    /// Of a curve, the most that the table loses: to the nearest row, and between rows joined by straight lines.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    nearest_dps: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    linear_dps: Option<f64>,
     rows: Vec<Row>,
 }
 
@@ -138,6 +163,8 @@ fn axis<'a>(
     rows: &[TableRow],
 ) -> Result<Axis<'a>> {
     let codes = Codes::of(calibration, axis)?;
+    let &Layout { step_c, span_c, .. } = layout;
+    let curved = Some(&axis.correction).filter(|correction| !correction.is_line());
     let row = |row: &TableRow| Row { delta_c: tidy(row.delta_c), correction_dps: tidy(row.correction_dps) };
     Ok(Axis {
         name: &axis.name,
@@ -146,7 +173,13 @@ fn axis<'a>(
         t3_c: axis.correction.t3_c,
         curve: curve(&axis.correction),
         integer: codes.map(|codes| integer(&codes, !calibration.is_plain())),
-        table: Table { step_c: layout.step_c, span_c: layout.span_c, rows: rows.iter().map(row).collect() },
+        table: Table {
+            step_c,
+            span_c,
+            nearest_dps: curved.map(|curve| tidy(curve.steepest_dps_per_c(span_c) * step_c / 2.0)),
+            linear_dps: curved.map(|curve| tidy(curve.bend_dps(step_c, span_c))),
+            rows: rows.iter().map(row).collect(),
+        },
     })
 }
 
@@ -155,19 +188,24 @@ fn curve(correction: &Correction) -> Option<Curve> {
     (!correction.is_line()).then_some(Curve { btc2_dps_per_c2, btc3_dps_per_c3 })
 }
 
-fn integer(codes: &Codes, with_ranges: bool) -> Integer {
-    let (rate, temp) = (codes.form.rate_codes, codes.form.temp_codes);
-    Integer {
-        q: codes.form.q,
-        offset_q: codes.integer.offset_q,
-        slope_q: codes.integer.slope_q,
-        t3_code: codes.integer.t3_code,
-        codes: with_ranges.then_some(Ranges {
-            rate_first_code: rate.0,
-            rate_last_code: rate.1,
-            temp_first_code: temp.0,
-            temp_last_code: temp.1,
-        }),
+fn integer(of: &Codes, with_ranges: bool) -> Integer {
+    let (rate, temp) = (of.rate.codes(), of.temp.codes());
+    let codes = with_ranges.then_some(Ranges {
+        rate_first_code: rate.0,
+        rate_last_code: rate.1,
+        temp_first_code: temp.0,
+        temp_last_code: temp.1,
+    });
+    match &of.integer {
+        codes::Integer::Line(line, form) => {
+            let IntegerCorrection { offset_q, slope_q, t3_code } = *line;
+            Integer::Line(Line { q: form.q, offset_q, slope_q, t3_code, codes })
+        }
+        codes::Integer::Curve(curve, form) => {
+            let IntegerCurve { terms, t3_code, fraction } = *curve;
+            let (temp_shift, bound_codes) = (form.temp_shift, curve.bound_codes());
+            Integer::Curve(Curved { terms, fraction, temp_shift, t3_code, bound_codes, codes })
+        }
     }
 }
 

@@ -1,5 +1,6 @@
 //! `zerorate export`: a calibration in the form that firmware takes: table and integer coefficients.
 
+mod autopilot;
 mod codes;
 mod firmware;
 mod json;
@@ -17,7 +18,7 @@ use prefix::Prefix;
 use std::path::PathBuf;
 use zerorate::{Calibration, TableRow};
 
-/// Writes the correction for firmware: C header, Rust module, CSV or JSON.
+/// Writes the correction for firmware: C header, Rust module, CSV or JSON, and parameters of PX4 and ArduPilot.
 ///
 /// The table holds what is added beside PBC, (TEMP − T3) · BTC and the terms of a curve, for TEMP − T3 from +span
 /// down to −span. The C and Rust forms also hold the integer coefficients, with a function from raw code to
@@ -49,6 +50,14 @@ pub struct ExportArgs {
     #[arg(long, value_name = "NAME")]
     prefix: Option<Prefix>,
 
+    /// Which gyroscope of the flight controller it is: 0 to 3 of PX4, 1 to 3 of ArduPilot [default: its first].
+    #[arg(long, value_name = "N")]
+    sensor: Option<u32>,
+
+    /// The device_id of that gyroscope, as PX4 states it in sensor_gyro.
+    #[arg(long, value_name = "ID", allow_negative_numbers = true)]
+    device_id: Option<i32>,
+
     /// The file to write [default: stdout].
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
@@ -69,6 +78,14 @@ enum Form {
     Csv,
     /// Coefficients and table.
     Json,
+    /// Parameters of PX4, TC_Gn_…: the bias of three axes, cubic about the middle of the temperatures.
+    Px4,
+    /// Parameters of ArduPilot, INS_TCALn_…: the same about its 35 °C.
+    Ardupilot,
+    /// Refused: Kalibr has no place for a bias.
+    Kalibr,
+    /// Refused: ROS has no place for a bias over temperature.
+    Ros,
 }
 
 /// Corrections, ready to be written down.
@@ -84,6 +101,7 @@ pub fn run(args: &ExportArgs) -> Result<()> {
         args.prefix.is_none() || matches!(args.format, Form::C | Form::Rust),
         Usage("--prefix is for names in C and Rust; the other forms have none".to_owned())
     );
+    args.check_autopilot()?;
     let mut outputs = Outputs::new(args.force).reading([&*args.cal])?;
     let calibration = load(&args.cal)?;
     let layout = Layout::new(&calibration, args.step_c, args.span_c);
@@ -95,10 +113,38 @@ pub fn run(args: &ExportArgs) -> Result<()> {
         Form::Rust => firmware::rust(&export, args.prefix.as_ref())?,
         Form::Csv => csv(&export),
         Form::Json => json::text(&export)?,
+        Form::Px4 => autopilot::px4(&export, args.sensor, args.device_id)?,
+        Form::Ardupilot => autopilot::ardupilot(&export, args.sensor)?,
+        Form::Kalibr => return Err(autopilot::no_place("kalibr")),
+        Form::Ros => return Err(autopilot::no_place("ros")),
     };
     match &args.output {
         None => print(&text),
         Some(path) => Ok(outputs.derived(path)?.fill(text.as_bytes())?),
+    }
+}
+
+impl ExportArgs {
+    /// Which options belong to which form, before anything is read.
+    fn check_autopilot(&self) -> Result<()> {
+        let Self { format, .. } = self;
+        match format {
+            Form::Kalibr => return Err(autopilot::no_place("kalibr")),
+            Form::Ros => return Err(autopilot::no_place("ros")),
+            _ => {}
+        }
+        let autopilot = matches!(format, Form::Px4 | Form::Ardupilot);
+        ensure!(self.sensor.is_none() || autopilot, Usage("--sensor is for --format px4 and ardupilot".to_owned()));
+        ensure!(
+            self.device_id.is_none() || matches!(format, Form::Px4),
+            Usage("--device-id is for --format px4".to_owned())
+        );
+        let table = self.step_c.is_some() || self.span_c.is_some();
+        ensure!(
+            !(autopilot && table),
+            Usage("--step-c and --span-c are for tables; parameters are a curve".to_owned())
+        );
+        Ok(())
     }
 }
 

@@ -26,12 +26,14 @@ pub struct Ticks {
 ///
 /// Each piece of work is a function called through a pointer that the compiler cannot see through, with its operands
 /// in memory. So nothing can be moved out of it, and the count includes call, operands and return.
-pub fn all(readings: &[Reading], corrections: &Corrections, systick: SYST) -> Option<[(&'static str, Ticks); 8]> {
+pub fn all(readings: &[Reading], corrections: &Corrections, systick: SYST) -> Option<[(&'static str, Ticks); 9]> {
     let mut bench = Bench { counter: Counter::new(systick), readings };
-    let (integer, single, table) = (corrections.integer, corrections.single, corrections.table());
+    let Corrections { integer, curve, single, .. } = *corrections;
+    let table = corrections.table();
     Some([
         ("empty", bench.over(|counter, _| counter.ticks_of_nothing())?),
         ("integer_correction", bench.corrections(integer, |(integer, it)| integer.apply(it.rate_code, it.temp_code))?),
+        ("integer_curve", bench.corrections(curve, |(curve, it)| curve.apply(it.rate_code, it.temp_code))?),
         ("table_look_up", bench.corrections(table, |(table, it)| table.look_up_udps(it.temp_code))?),
         ("f32_correction", bench.corrections(single, |(single, it)| single.apply(it.rate_dps, it.temp_c))?),
         (

@@ -1,7 +1,7 @@
 //! Reads the twin of a seed through the driver, corrects what it read, and counts instructions; says all of it over
 //! semihosting.
 //!
-//! Lines: `reading RATE TEMP CORRECTED TABLE F32BITS`, `ticks NAME LEAST MOST`, `bytes NAME SIZE`.
+//! Lines: `reading RATE TEMP CORRECTED CURVED TABLE F32BITS`, `ticks NAME LEAST MOST`, `bytes NAME SIZE`.
 
 #![no_std]
 #![no_main]
@@ -36,8 +36,9 @@ fn run(mut out: HostStream) -> Option<()> {
     let seed = arguments::seed()?;
     let mut readings = Vec::new();
     let corrections = scenario::run(seed, |reading| readings.push(reading))?;
-    for Reading { rate_code, temp_code, corrected_code, table_udps, corrected_f32_bits } in &readings {
-        writeln!(out, "reading {rate_code} {temp_code} {corrected_code} {table_udps} {corrected_f32_bits}").ok()?;
+    for Reading { rate_code, temp_code, corrected_code, curved_code, table_udps, corrected_f32_bits } in &readings {
+        let corrected = format_args!("{corrected_code} {curved_code} {table_udps} {corrected_f32_bits}");
+        writeln!(out, "reading {rate_code} {temp_code} {corrected}").ok()?;
     }
     for (name, ticks) in counts::all(&readings, &corrections, peripherals.SYST)? {
         writeln!(out, "ticks {name} {} {}", ticks.least, ticks.most).ok()?;
