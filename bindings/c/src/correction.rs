@@ -193,11 +193,7 @@ pub unsafe extern "C" fn zerorate_correct_integer(
 /// # Safety
 /// `curve` is null or points to one.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn zerorate_correct_curve(
-    curve: *const CorrectionCurve,
-    rate_code: u32,
-    temp_code: u32,
-) -> u32 {
+pub unsafe extern "C" fn zerorate_correct_curve(curve: *const CorrectionCurve, rate_code: u32, temp_code: u32) -> u32 {
     // SAFETY: by the contract.
     unsafe { boundary::input(curve) }.map_or(rate_code, |&CorrectionCurve { terms, t3_code, fraction }| {
         let (least, most) = zerorate::IntegerCurve::FRACTION;

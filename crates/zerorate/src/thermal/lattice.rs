@@ -173,8 +173,8 @@ impl<'a> Lattice<'a> {
     }
 }
 
-/// Where nothing is stated of the slow noises, what MEMS gyroscopes have beside their white noise: flicker that meets it
-/// after some 100 s, and a walk that does so after some 300 s.
+/// Where nothing is stated of the slow noises, what MEMS gyroscopes have beside their white noise: flicker that meets
+/// it after some 100 s, and a walk that does so after some 300 s.
 fn unknown(white_dps_per_rt_hz: f64) -> NoiseModel {
     NoiseModel {
         white_dps_per_rt_hz,

@@ -3,9 +3,9 @@
 //!
 //! rate = bias(T) + flicker + random walk + white noise. The bias is a polynomial of order 0 to 3 in the temperature
 //! that it follows (`follow.rs`), the noises are the states of a Kalman filter (`filter.rs`), and the bias that is
-//! wanted is that at the end, the walk included. The order, the strength of the slow noises, lag and play are not known
-//! beforehand: each combination is a model with an evidence (`posterior.rs`, `lattice.rs`), the order that has most
-//! evidence is taken, and the uncertainty is that of all models together. So what the recording cannot tell apart
+//! wanted is that at the end, the walk included. The order, the strength of the slow noises, lag and play are not
+//! known beforehand: each combination is a model with an evidence (`posterior.rs`, `lattice.rs`), the order that has
+//! most evidence is taken, and the uncertainty is that of all models together. So what the recording cannot tell apart
 //! widens it (Hoeting et al., Bayesian Model Averaging, Statistical Science 14, 1999).
 
 mod basis;

@@ -64,8 +64,8 @@ impl Record<'_> {
         (0..=self.max_order).filter_map(|order| self.posterior(order, &filtered, &constants)).collect()
     }
 
-    /// What a unit of each column adds to the bias at the end, in powers of the temperature over T3: less what the walk
-    /// has taken of it, and with the distance at which the play holds it.
+    /// What a unit of each column adds to the bias at the end, in powers of the temperature over T3: less what the
+    /// walk has taken of it, and with the distance at which the play holds it.
     fn constants(&self, filtered: &Filtered, steps: usize, (held_c, end_c): (f64, f64)) -> Vec<Powers> {
         let polynomial = |degree| {
             let mut powers = self.basis.about(degree, self.t3_c);
