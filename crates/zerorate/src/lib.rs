@@ -42,6 +42,7 @@ mod tally;
 pub mod thermal;
 #[cfg(feature = "file")]
 mod toml_error;
+pub mod track;
 
 #[cfg(feature = "file")]
 pub use calibration::Calibration;

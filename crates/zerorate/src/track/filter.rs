@@ -1,0 +1,221 @@
+//! The bias as six numbers and their covariance: a Kalman filter on fixed memory.
+//!
+//! What the calibration leaves is b(T) = offset + slope · d + curvature · d² + flicker, d = T − T3. The offset walks
+//! with K, the flicker is three first-order processes, slope and curvature stay. Time and temperature are arguments.
+
+use core::f64::consts::PI;
+use libm::{exp, log, sqrt};
+
+use crate::noise::{FLICKER_CUTOFF_HZ, NoiseModel};
+
+/// Offset, slope, curvature, and the three parts of the flicker.
+pub const STATES: usize = 6;
+/// Different numbers of a symmetric matrix of that size.
+pub const COVARIANCES: usize = STATES * (STATES + 1) / 2;
+
+const OFFSET: usize = 0;
+const SLOPE: usize = 1;
+const CURVATURE: usize = 2;
+const FLICKER: usize = 3;
+
+/// Above it flicker is noise of a mean, Hz: 1/(2π · 4 s), the shortest mean that is taken in.
+const FLICKER_TOP_HZ: f64 = 0.04;
+/// What a mean over τ holds of the flicker above that, in units of B²/π: at most this over τ. The integral of sinc²(τf)/f
+/// from there on is 0.96 for 4 s, 0.38 for 8 s, 0.15 for 12 s, 0.05 for 16 s.
+const FLICKER_ABOVE_S: f64 = 4.0;
+
+/// What drives the bias, and how.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Drift {
+    walk_dps2_per_s: f64,
+    flicker_dps2: f64,
+    flicker_per_s: [f64; STATES - FLICKER],
+    fast_flicker_dps2_s: f64,
+    white_dps2_s: f64,
+    /// °/s/°C, with which the play of the hysteresis is crossed.
+    tempco_dps_per_c: f64,
+    /// From one branch to the other, °/s.
+    play_dps: f64,
+}
+
+impl Drift {
+    /// Three processes with corners evenly spread over the logarithm of the frequency, as `noise.rs` has 34 of them.
+    pub(super) fn new(noise: &NoiseModel, tempco_dps_per_c: f64, hysteresis_dps: f64) -> Self {
+        let density = noise.bias_instability_dps * noise.bias_instability_dps / PI;
+        let cell = log(FLICKER_TOP_HZ / FLICKER_CUTOFF_HZ) / (STATES - FLICKER) as f64;
+        Self {
+            walk_dps2_per_s: noise.rate_random_walk_dps_per_rt_s * noise.rate_random_walk_dps_per_rt_s,
+            flicker_dps2: density * cell,
+            flicker_per_s: core::array::from_fn(|k| 2.0 * PI * FLICKER_CUTOFF_HZ * exp((k as f64 + 0.5) * cell)),
+            fast_flicker_dps2_s: FLICKER_ABOVE_S * density,
+            white_dps2_s: noise.white_dps_per_rt_hz * noise.white_dps_per_rt_hz / 2.0,
+            tempco_dps_per_c: tempco_dps_per_c.abs(),
+            play_dps: 2.0 * hysteresis_dps,
+        }
+    }
+
+    /// Variance of a mean over so many seconds beside the bias that the filter follows, (°/s)².
+    pub(super) fn of_mean(&self, length_s: f64) -> f64 {
+        (self.white_dps2_s + self.fast_flicker_dps2_s) / length_s
+    }
+
+    /// Variance by the hysteresis when the temperature has changed by so much: the bias may have stayed where it was,
+    /// until the play is crossed.
+    fn of_play(&self, change_c: f64) -> f64 {
+        let stayed = (self.tempco_dps_per_c * change_c.abs()).min(self.play_dps);
+        0.5 * stayed * stayed
+    }
+}
+
+/// What is known before anything was tracked, as standard deviations and one covariance.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Prior {
+    /// Of PBC, °/s.
+    pub u_pbc_dps: f64,
+    /// Of BTC, °/s/°C.
+    pub u_btc_dps_per_c: f64,
+    /// Of both, (°/s)²/°C.
+    pub cov_pbc_btc_dps2_per_c: f64,
+    /// Of the quadratic term, °/s/°C²: of the calibration where it has one, else of units of the part.
+    pub u_curvature_dps_per_c2: f64,
+}
+
+/// The bias, what the calibration takes out left aside, as it is known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Filter {
+    /// Offset, °/s; slope, °/s/°C; curvature, °/s/°C²; flicker, °/s.
+    pub state: [f64; STATES],
+    /// Lower triangle of their covariance, row by row.
+    pub covariance: [f64; COVARIANCES],
+    /// T − T3 at the last mean that was taken in, °C.
+    pub at_c: f64,
+}
+
+/// A mean at rest against what the filter expected.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Innovation {
+    /// What it is above it, °/s.
+    pub(super) dps: f64,
+    /// Its variance where the part is at rest.
+    pub(super) dps2: f64,
+}
+
+impl Filter {
+    pub(super) fn new(prior: &Prior, drift: &Drift) -> Self {
+        let mut filter = Self { state: [0.0; STATES], covariance: [0.0; COVARIANCES], at_c: 0.0 };
+        *filter.variance(OFFSET) = prior.u_pbc_dps * prior.u_pbc_dps;
+        *filter.variance(SLOPE) = prior.u_btc_dps_per_c * prior.u_btc_dps_per_c;
+        *filter.variance(CURVATURE) = prior.u_curvature_dps_per_c2 * prior.u_curvature_dps_per_c2;
+        filter.covariance[place(SLOPE, OFFSET)] = prior.cov_pbc_btc_dps2_per_c;
+        for part in FLICKER..STATES {
+            *filter.variance(part) = drift.flicker_dps2;
+        }
+        filter
+    }
+
+    fn variance(&mut self, of: usize) -> &mut f64 {
+        &mut self.covariance[place(of, of)]
+    }
+
+    /// So much time passes.
+    pub(super) fn wait(&mut self, seconds: f64, drift: &Drift) {
+        *self.variance(OFFSET) += drift.walk_dps2_per_s * seconds;
+        for (part, rate) in (FLICKER..STATES).zip(drift.flicker_per_s) {
+            let decay = exp(-rate * seconds);
+            self.state[part] *= decay;
+            for other in 0..STATES {
+                // its own variance is scaled once here and once below
+                self.covariance[place(part, other)] *= decay;
+            }
+            let variance = self.variance(part);
+            *variance = *variance * decay + drift.flicker_dps2 * (1.0 - decay * decay);
+        }
+    }
+
+    /// The offset may have changed by so much, °/s (1 σ): a power-up.
+    pub(super) fn jolt(&mut self, u_dps: f64) {
+        *self.variance(OFFSET) += u_dps * u_dps;
+    }
+
+    /// What the slow bias is beyond the calibration at T − T3, °/s, and its variance, (°/s)².
+    pub(super) fn change(&self, d_c: f64, drift: &Drift) -> (f64, f64) {
+        self.sum(&shape(d_c, 0.0), d_c, drift)
+    }
+
+    /// A mean at rest against what is expected of it.
+    pub(super) fn innovation(&self, mean_dps: f64, length_s: f64, d_c: f64, drift: &Drift) -> Innovation {
+        let (expected_dps, dps2) = self.sum(&shape(d_c, 1.0), d_c, drift);
+        Innovation { dps: mean_dps - expected_dps, dps2: dps2 + drift.of_mean(length_s) }
+    }
+
+    fn sum(&self, shape: &[f64; STATES], d_c: f64, drift: &Drift) -> (f64, f64) {
+        (dot(&self.state, shape), dot(shape, &self.times(shape)).max(0.0) + drift.of_play(d_c - self.at_c))
+    }
+
+    /// Takes in a mean at rest, °/s beyond the calibration, at T − T3.
+    pub(super) fn learn(&mut self, mean_dps: f64, length_s: f64, d_c: f64, drift: &Drift) {
+        *self.variance(OFFSET) += drift.of_play(d_c - self.at_c);
+        self.at_c = d_c;
+        let Innovation { dps, dps2 } = self.innovation(mean_dps, length_s, d_c, drift);
+        let gains = self.times(&shape(d_c, 1.0));
+        for row in 0..STATES {
+            self.state[row] += gains[row] / dps2 * dps;
+            for column in 0..=row {
+                self.covariance[place(row, column)] -= gains[row] * gains[column] / dps2;
+            }
+        }
+    }
+
+    /// One of the two, with the probability `p` this one: mean and covariance of the mixture.
+    pub(super) fn mixed(&self, p: f64, other: &Self) -> Self {
+        let apart: [f64; STATES] = core::array::from_fn(|row| self.state[row] - other.state[row]);
+        let mut mixed = if p < 0.5 { *other } else { *self };
+        for row in 0..STATES {
+            mixed.state[row] = other.state[row] + p * apart[row];
+            for column in 0..=row {
+                let at = place(row, column);
+                let between = p * (1.0 - p) * apart[row] * apart[column];
+                mixed.covariance[at] = p * self.covariance[at] + (1.0 - p) * other.covariance[at] + between;
+            }
+        }
+        mixed
+    }
+
+    fn times(&self, vector: &[f64; STATES]) -> [f64; STATES] {
+        core::array::from_fn(|row| {
+            (0..STATES).map(|column| self.covariance[place(row, column)] * vector[column]).sum::<f64>()
+        })
+    }
+
+    /// Whether it can be: finite, and no variance below zero.
+    pub(super) fn is_sound(&self) -> bool {
+        let finite = self.state.iter().chain(&self.covariance).chain([&self.at_c]).all(|number| number.is_finite());
+        let squares = |row: usize, column: usize| {
+            let (a, b) = (self.covariance[place(row, row)], self.covariance[place(column, column)]);
+            let both = self.covariance[place(row, column)];
+            a >= 0.0 && both * both <= a * b * (1.0 + 1e-9)
+        };
+        finite && (0..STATES).all(|row| (0..=row).all(|column| squares(row, column)))
+    }
+}
+
+/// What each state adds at T − T3, with so much of the flicker.
+fn shape(d_c: f64, flicker: f64) -> [f64; STATES] {
+    let mut shape = [flicker; STATES];
+    (shape[OFFSET], shape[SLOPE], shape[CURVATURE]) = (1.0, d_c, d_c * d_c);
+    shape
+}
+
+const fn place(row: usize, column: usize) -> usize {
+    let (row, column) = if row < column { (column, row) } else { (row, column) };
+    row * (row + 1) / 2 + column
+}
+
+fn dot(a: &[f64; STATES], b: &[f64; STATES]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// Standard deviation of a variance.
+pub(super) fn sd(variance: f64) -> f64 {
+    sqrt(variance.max(0.0))
+}

@@ -1,0 +1,388 @@
+//! A bias that keeps getting better: found at rest, known in between, on fixed memory.
+//!
+//! A [`Tracker`] takes means over [`BLOCK_S`] of one axis. It tells rest from the rate alone (`rest.rs`), follows what
+//! the calibration leaves of the bias with a Kalman filter (`filter.rs`), and believes a level as far as it is no slow
+//! turn (`level.rs`). `docs/tracking.md` derives the limits and states what was measured. There is no clock
+//! and no allocation in it.
+//!
+//! ```
+//! use zerorate::track::{Phase, Prior, Tracker, TrackerConfig};
+//! use zerorate::{Axis, Correction};
+//! let prior = Prior { u_pbc_dps: 0.003, u_btc_dps_per_c: 0.003, ..Prior::default() };
+//! let correction = Correction::line(-0.25, -0.04, 33.0);
+//! let mut tracker = Tracker::new(TrackerConfig::of(&Axis::ADIS16130, correction, prior));
+//! // a minute at rest, and the bias is 0.004 °/s more than the calibration takes out
+//! for _ in 0..600 {
+//!     tracker.push(Some(0.254), Some(33.0), true);
+//! }
+//! let tracked = tracker.tracked(33.0);
+//! assert!((tracked.change_dps - 0.004).abs() < 0.001 && tracked.phase == Phase::Rest);
+//! assert!(tracker.correct(0.254, 33.0).abs() < 0.001);
+//! ```
+
+mod filter;
+mod level;
+mod rest;
+
+pub use filter::{COVARIANCES, Filter, Prior, STATES};
+pub use rest::BLOCK_S;
+
+use crate::correction::Correction;
+use crate::noise::NoiseModel;
+use crate::part::Axis;
+use filter::{Drift, Innovation, sd};
+use rest::{QUAD_S, Quiet, Seen};
+
+/// Quads that make a mean that is learned from: 16 s.
+const QUADS_PER_MEAN: u32 = 4;
+/// States that are kept to go back to, each 32 s older than the one before: as far as the longest test of means looks.
+const KEPT: usize = 4;
+/// Means between two of them.
+const MEANS_PER_KEPT: u32 = 2;
+/// Blocks per second.
+const BLOCKS_PER_S: u32 = 10;
+
+/// What is tracked, and by which numbers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TrackerConfig {
+    /// The calibration.
+    pub correction: Correction,
+    /// How well it was known.
+    pub prior: Prior,
+    /// The part's noise: white as measured, flicker, and the random walk that drives the bias.
+    pub noise: NoiseModel,
+    /// Half width of the hysteresis, °/s; zero where it is not known.
+    pub hysteresis_dps: f64,
+    /// Component of the Earth's rotation on the axis wherever it rests, °/s (F-16), where the calibration has taken
+    /// that out of PBC; else zero.
+    pub earth_dps: f64,
+    /// The slowest turn that must not be taken for bias, °/s.
+    pub least_turn_dps: f64,
+    /// How far the bias changes from one power-up to the next, °/s (1 σ).
+    pub power_up_dps: f64,
+}
+
+impl TrackerConfig {
+    /// The slowest turn, °/s: a setting.
+    pub const LEAST_TURN_DPS: f64 = 0.02;
+    /// The change by a power-up, °/s: a setting, since no source states one for the ADIS16130. Six times the floor of
+    /// its flicker (M-04).
+    pub const POWER_UP_DPS: f64 = 0.01;
+
+    /// With the typical noise and hysteresis of an axis.
+    #[must_use]
+    pub fn of(axis: &Axis, correction: Correction, prior: Prior) -> Self {
+        Self {
+            correction,
+            prior,
+            noise: axis.typical_noise(),
+            hysteresis_dps: axis.bias.hysteresis_dps.unwrap_or(0.0),
+            earth_dps: 0.0,
+            least_turn_dps: Self::LEAST_TURN_DPS,
+            power_up_dps: Self::POWER_UP_DPS,
+        }
+    }
+}
+
+/// What the part does, as far as one axis shows it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Phase {
+    /// It moves, or cannot be believed.
+    #[default]
+    Moving,
+    /// It is quiet, for too short a time to say more.
+    Quiet,
+    /// It rests, and is learned from.
+    Rest,
+    /// It is quiet, but at a level that a slow turn explains better than a change of the bias.
+    Doubtful,
+}
+
+/// The bias as it is known now.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tracked {
+    /// What it is beyond what the calibration takes out, °/s.
+    pub change_dps: f64,
+    /// Standard uncertainty of that, °/s: of the bias with its flicker, at rest or turning.
+    pub u_dps: f64,
+    /// What the part does.
+    pub phase: Phase,
+}
+
+/// What happened since the tracker was begun.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Seconds that were learned from as rest.
+    pub learned_s: u32,
+    /// Quiet seconds whose level a slow turn explains better.
+    pub doubtful_s: u32,
+    /// Times that a turn began within a rest, and what had been learned last was dropped.
+    pub rolled_back: u32,
+}
+
+/// What outlives a power-down.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Saved {
+    /// Bias and covariance.
+    pub filter: Filter,
+    /// All that happened so far.
+    pub counts: Counts,
+}
+
+/// A saved state that cannot be: not finite, or with a covariance that none has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Unsound;
+
+/// A mean that is being made.
+#[derive(Clone, Copy, Debug, Default)]
+struct Sum {
+    rate_dps: f64,
+    d_c: f64,
+    quads: u32,
+}
+
+/// A quiet time so far: what it would teach if it were rest is in the filter, what was known before stands here.
+#[derive(Clone, Copy, Debug)]
+struct Stretch {
+    before: Filter,
+    /// Sum over its seconds of what its means are above what was expected before.
+    innovation_dps_s: f64,
+    seconds: u32,
+    /// That it was rest.
+    probability: f64,
+    /// States to go back to, oldest first, each with the seconds in it and since.
+    kept: [Kept; KEPT],
+    kept_count: usize,
+    means: u32,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Kept {
+    filter: Filter,
+    innovation_dps_s: f64,
+    seconds: u32,
+    age_s: u32,
+}
+
+/// Tracks the bias of one axis.
+#[derive(Clone, Copy, Debug)]
+pub struct Tracker {
+    config: TrackerConfig,
+    drift: Drift,
+    filter: Filter,
+    quiet: Quiet,
+    stretch: Stretch,
+    sum: Sum,
+    /// The newest quad waits for one more: a motion that ends a rest may have begun in it.
+    newest: Option<(f64, f64)>,
+    temp_c: Option<f64>,
+    blocks: u32,
+    phase: Phase,
+    counts: Counts,
+}
+
+impl Stretch {
+    fn after(filter: &Filter) -> Self {
+        let none = Kept { filter: *filter, innovation_dps_s: 0.0, seconds: 0, age_s: 0 };
+        Self {
+            before: *filter,
+            innovation_dps_s: 0.0,
+            seconds: 0,
+            probability: 1.0,
+            kept: [none; KEPT],
+            kept_count: 0,
+            means: 0,
+        }
+    }
+
+    /// Keeps the state before every second mean.
+    fn keep(&mut self, filter: &Filter) {
+        if self.means.is_multiple_of(MEANS_PER_KEPT) {
+            if self.kept_count == KEPT {
+                self.kept.rotate_left(1);
+                self.kept_count -= 1;
+            }
+            let (innovation_dps_s, seconds) = (self.innovation_dps_s, self.seconds);
+            self.kept[self.kept_count] = Kept { filter: *filter, innovation_dps_s, seconds, age_s: 0 };
+            self.kept_count += 1;
+        }
+        self.means = self.means.wrapping_add(1);
+    }
+
+    fn second(&mut self, drift: &Drift) {
+        self.before.wait(1.0, drift);
+        self.kept.iter_mut().for_each(|kept| kept.age_s = kept.age_s.saturating_add(1));
+    }
+
+    /// How probable rest is by all of it.
+    fn judge(&mut self, d_c: f64, least_turn_dps: f64, drift: &Drift) {
+        let length_s = f64::from(self.seconds);
+        let expected = self.before.innovation(0.0, length_s, d_c, drift);
+        let seen = Innovation { dps: self.innovation_dps_s / length_s, ..expected };
+        self.probability = if self.seconds == 0 { 1.0 } else { level::rest_probability(&seen, least_turn_dps) };
+    }
+}
+
+impl Tracker {
+    /// With what the calibration knows.
+    #[must_use]
+    pub fn new(config: TrackerConfig) -> Self {
+        let tempco_dps_per_c = config.correction.btc_dps_per_c;
+        let drift = Drift::new(&config.noise, tempco_dps_per_c, config.hysteresis_dps);
+        let filter = Filter::new(&config.prior, &drift);
+        Self {
+            drift,
+            filter,
+            quiet: Quiet::new(&config.noise),
+            stretch: Stretch::after(&filter),
+            sum: Sum::default(),
+            newest: None,
+            temp_c: None,
+            blocks: 0,
+            phase: Phase::Moving,
+            counts: Counts::default(),
+            config,
+        }
+    }
+
+    /// With what was known before a power-down of so many seconds.
+    ///
+    /// # Errors
+    /// A state that cannot be.
+    pub fn resume(config: TrackerConfig, saved: &Saved, off_s: f64) -> Result<Self, Unsound> {
+        if !(saved.filter.is_sound() && off_s >= 0.0 && off_s.is_finite()) {
+            return Err(Unsound);
+        }
+        let new = Self { filter: saved.filter, counts: saved.counts, ..Self::new(config) };
+        Ok(new.aged(off_s))
+    }
+
+    /// The part was switched on anew since the calibration, so many seconds after it.
+    #[must_use]
+    pub fn aged(mut self, since_s: f64) -> Self {
+        self.filter.wait(since_s.max(0.0), &self.drift);
+        self.filter.jolt(self.config.power_up_dps);
+        self.stretch = Stretch::after(&self.filter);
+        self
+    }
+
+    /// What is to be kept for [`Tracker::resume`].
+    #[must_use]
+    pub fn save(&self) -> Saved {
+        Saved { filter: self.known(), counts: self.counts }
+    }
+
+    /// Takes in the mean rate, °/s, and the mean temperature, °C, of the next [`BLOCK_S`]; none where they are
+    /// missing. A rate without a temperature takes the last one. `still`: no other axis of the part moves.
+    pub fn push(&mut self, rate_dps: Option<f64>, temp_c: Option<f64>, still: bool) -> Phase {
+        self.blocks += 1;
+        if self.blocks == BLOCKS_PER_S {
+            self.blocks = 0;
+            self.filter.wait(1.0, &self.drift);
+            self.stretch.second(&self.drift);
+        }
+        self.temp_c = temp_c.or(self.temp_c);
+        let temp_c = self.temp_c.unwrap_or(f64::NAN);
+        let rate_dps = rate_dps.map(|rate| self.config.correction.apply(rate, temp_c) - self.config.earth_dps);
+        match self.quiet.push(rate_dps.filter(|_| still), temp_c - self.config.correction.t3_c) {
+            Seen::Open => {}
+            Seen::Quad(rate_dps, d_c) => self.quad((rate_dps, d_c)),
+            Seen::Moving => self.end(),
+            Seen::Step => self.go_back(),
+        }
+        self.phase
+    }
+
+    /// So much time passes without a reading.
+    pub fn wait(&mut self, seconds: f64) {
+        self.quiet.begin_anew();
+        self.end();
+        self.filter.wait(seconds.max(0.0), &self.drift);
+        self.stretch = Stretch::after(&self.filter);
+    }
+
+    /// The bias at a temperature, °C.
+    #[must_use]
+    pub fn tracked(&self, temp_c: f64) -> Tracked {
+        let (d_c, p) = (temp_c - self.config.correction.t3_c, self.stretch.probability);
+        let (rest_dps, rest_dps2) = self.filter.change(d_c, &self.drift);
+        let (turn_dps, turn_dps2) = self.stretch.before.change(d_c, &self.drift);
+        let apart_dps = rest_dps - turn_dps;
+        let dps2 = p * rest_dps2 + (1.0 - p) * turn_dps2 + p * (1.0 - p) * apart_dps * apart_dps;
+        Tracked { change_dps: turn_dps + p * apart_dps, u_dps: sd(dps2), phase: self.phase }
+    }
+
+    /// The corrected rate, °/s: that of the calibration, less what was tracked.
+    #[must_use]
+    pub fn correct(&self, rate_dps: f64, temp_c: f64) -> f64 {
+        self.config.correction.apply(rate_dps, temp_c) - self.tracked(temp_c).change_dps
+    }
+
+    /// What happened so far.
+    #[must_use]
+    pub fn counts(&self) -> Counts {
+        self.counts
+    }
+
+    fn known(&self) -> Filter {
+        self.filter.mixed(self.stretch.probability, &self.stretch.before)
+    }
+
+    fn quad(&mut self, quad: (f64, f64)) {
+        if self.phase == Phase::Moving {
+            self.phase = Phase::Quiet;
+        }
+        if let Some((rate_dps, d_c)) = self.newest.replace(quad) {
+            let Sum { rate_dps: rates_dps, d_c: sum_c, quads } = self.sum;
+            self.sum = Sum { rate_dps: rates_dps + rate_dps, d_c: sum_c + d_c, quads: quads + 1 };
+        }
+        if self.sum.quads == QUADS_PER_MEAN {
+            self.take();
+        }
+    }
+
+    /// Takes a mean in as if it were one at rest, and judges the stretch anew.
+    fn take(&mut self) {
+        let Sum { rate_dps, d_c, quads } = core::mem::take(&mut self.sum);
+        let (count, seconds) = (f64::from(quads), quads * QUAD_S);
+        let (mean_dps, d_c, length_s) = (rate_dps / count, d_c / count, f64::from(seconds));
+        let expected = self.stretch.before.innovation(mean_dps, length_s, d_c, &self.drift);
+        self.stretch.keep(&self.filter);
+        self.stretch.innovation_dps_s += expected.dps * length_s;
+        self.stretch.seconds += seconds;
+        self.filter.learn(mean_dps, length_s, d_c, &self.drift);
+        self.stretch.judge(d_c, self.config.least_turn_dps, &self.drift);
+        self.phase = if self.stretch.probability < 0.5 { Phase::Doubtful } else { Phase::Rest };
+    }
+
+    /// A motion ends the stretch: what is left of it counts, but for the last quad.
+    fn end(&mut self) {
+        if self.sum.quads > 0 {
+            self.take();
+        }
+        self.close(Phase::Moving);
+    }
+
+    /// A step within a stretch: a turn has begun or ended. What was learned since it may have begun is dropped.
+    fn go_back(&mut self) {
+        if self.stretch.kept_count > 0 {
+            let Kept { filter, innovation_dps_s, seconds, age_s } = self.stretch.kept[0];
+            self.filter = filter;
+            self.filter.wait(f64::from(age_s), &self.drift);
+            (self.stretch.innovation_dps_s, self.stretch.seconds) = (innovation_dps_s, seconds);
+            self.stretch.judge(self.filter.at_c, self.config.least_turn_dps, &self.drift);
+            self.counts.rolled_back = self.counts.rolled_back.saturating_add(1);
+        }
+        self.close(Phase::Quiet);
+    }
+
+    /// The stretch is over: what it taught counts as far as it was rest.
+    fn close(&mut self, phase: Phase) {
+        let Counts { learned_s, doubtful_s, .. } = &mut self.counts;
+        let count = if self.stretch.probability < 0.5 { doubtful_s } else { learned_s };
+        *count = count.saturating_add(self.stretch.seconds);
+        self.filter = self.known();
+        self.stretch = Stretch::after(&self.filter);
+        (self.sum, self.newest, self.phase) = (Sum::default(), None, phase);
+    }
+}

@@ -1,0 +1,169 @@
+//! The tracked bias against the twin's truth. `cargo xtask methods` does the same for hundreds of units.
+
+#[path = "track/world.rs"]
+mod world;
+
+use adis16130_twin::Spec;
+use world::{Day, Random, Unit, day};
+use zerorate::track::{BLOCK_S, Filter, Phase, Prior, Saved, Tracker, TrackerConfig, Unsound};
+use zerorate::{Axis, Correction};
+
+const NOISE_DPS: f64 = 0.0125; // F-02
+const CORRECTION: Correction = Correction::line(-0.25, -0.04, 33.0);
+const PRIOR: Prior =
+    Prior { u_pbc_dps: 0.003, u_btc_dps_per_c: 0.003, cov_pbc_btc_dps2_per_c: 0.0, u_curvature_dps_per_c2: 0.0005 };
+
+fn tracker() -> Tracker {
+    Tracker::new(TrackerConfig::of(&Axis::ADIS16130, CORRECTION, PRIOR))
+}
+
+/// So many seconds at T3 with white noise alone, at a rate beyond the calibrated bias.
+fn push(tracker: &mut Tracker, random: &mut Random, seconds: f64, mut dps: impl FnMut(f64) -> f64) {
+    for block in 0..(seconds / BLOCK_S).round() as u32 {
+        let noise_dps = NOISE_DPS / (2.0 * BLOCK_S).sqrt() * random.normal();
+        tracker.push(Some(0.25 + dps(f64::from(block) * BLOCK_S) + noise_dps), Some(33.0), true);
+    }
+}
+
+fn moving(since_s: f64) -> f64 {
+    20.0 * (since_s * 3.0).sin()
+}
+
+/// A day each with a twentieth of rest: three times below the calibration alone, and the intervals hold.
+#[test]
+fn a_tracked_bias_is_three_times_better() {
+    let days: Vec<Day> = (1..=6).map(|seed| day(&Spec::from_seed(seed), 24.0)).collect();
+    let mean = |of: fn(&Day) -> f64| days.iter().map(of).sum::<f64>() / days.len() as f64;
+    let [alone, tracked] = [|day: &Day| day.static_dps.powi(2), |day: &Day| day.tracked_dps.powi(2)].map(mean);
+    assert!((alone / tracked).sqrt() > 3.0, "{alone} against {tracked}");
+    assert!((0.90..0.99).contains(&mean(|day| day.covered)), "{}", mean(|day| day.covered));
+    assert!((0.03..0.07).contains(&(mean(|day| day.rest_s) / 86_400.0)));
+    assert!(mean(|day| day.learned_s) > 0.7 * mean(|day| day.rest_s));
+    assert!(mean(|day| day.turning_learned_s) < 0.05 * mean(|day| day.turning_s));
+    assert_eq!(mean(|day| day.moving_learned_s), 0.0);
+}
+
+/// 20 hours at rest: how often noise is taken for motion, stated in docs/tracking.md.
+#[test]
+fn rest_is_seldom_taken_for_motion() {
+    let (mut lost, mut all) = (0u32, 0u32);
+    for seed in 1..=10 {
+        let mut unit = Unit::calibrated(&Spec::from_seed(seed));
+        let mut tracker = Tracker::new(TrackerConfig::of(&Axis::ADIS16130, unit.correction, unit.prior));
+        for _ in 0..72_000 {
+            let block = unit.next(0.0);
+            lost += u32::from(tracker.push(Some(block.rate_dps), Some(block.temp_c), true) != Phase::Rest);
+            all += 1;
+        }
+    }
+    let share = f64::from(lost) / f64::from(all);
+    assert!(share < 0.02, "{share}");
+}
+
+/// The least turn, steady from before the quiet began and for ten minutes, moves the bias by a fraction of itself.
+#[test]
+fn a_slow_turn_is_not_swallowed() {
+    for (seed, dps) in (1..=40).zip([0.02, -0.02, 0.03, 0.1].into_iter().cycle()) {
+        let (mut tracker, mut random) = (tracker(), Random::new(seed));
+        push(&mut tracker, &mut random, 60.0, moving);
+        push(&mut tracker, &mut random, 600.0, |_| dps);
+        push(&mut tracker, &mut random, 60.0, moving);
+        let tracked = tracker.tracked(33.0);
+        assert!(tracked.change_dps.abs() < 0.002, "seed {seed}, {dps}: {tracked:?}");
+        assert!(tracker.counts().learned_s < 60 && tracker.counts().doubtful_s > 500, "{:?}", tracker.counts());
+    }
+}
+
+/// A turn that begins within a rest is found, and what was learned of it dropped.
+#[test]
+fn a_turn_that_begins_at_rest_is_found() {
+    let mut rolled_back = 0;
+    for seed in 1..=40 {
+        let (mut tracker, mut random) = (tracker(), Random::new(seed));
+        push(&mut tracker, &mut random, 120.0, |_| 0.0);
+        push(&mut tracker, &mut random, 300.0, |_| 0.02);
+        let tracked = tracker.tracked(33.0);
+        assert!(tracked.change_dps.abs() < 0.004, "seed {seed}: {tracked:?} {:?}", tracker.counts());
+        rolled_back += u32::from(tracker.counts().rolled_back > 0);
+    }
+    // the level of the whole tells the others
+    assert!(rolled_back >= 36, "{rolled_back}");
+}
+
+/// What shakes or sways is never learned from; a rest between is.
+#[test]
+fn motion_is_not_learned_from() {
+    let mut sum_dps = 0.0;
+    for seed in 1..=20 {
+        let (mut tracker, mut random) = (tracker(), Random::new(seed));
+        push(&mut tracker, &mut random, 300.0, |t_s| 0.2 * (t_s * 0.7).sin());
+        push(&mut tracker, &mut random, 300.0, |t_s| 0.1 * t_s);
+        assert_eq!(tracker.counts().learned_s, 0, "seed {seed}");
+        push(&mut tracker, &mut random, 60.0, |_| 0.005);
+        sum_dps += tracker.tracked(33.0).change_dps;
+        push(&mut tracker, &mut random, 1.0, moving);
+        assert!(tracker.counts().learned_s >= 40, "seed {seed}: {:?}", tracker.counts());
+    }
+    // flicker explains the other part of it
+    assert!((0.001..0.004).contains(&(sum_dps / 20.0)), "{sum_dps}");
+}
+
+/// Another axis that moves, a gap and a reading that is missing end a rest; a rate without any temperature is nothing.
+#[test]
+fn what_is_missing_is_no_rest() {
+    let mut random = Random::new(1);
+    for (rate_dps, temp_c, still) in [(Some(0.25), Some(33.0), false), (None, None, true)] {
+        let mut tracker = tracker();
+        push(&mut tracker, &mut random, 60.0, |_| 0.0);
+        assert_eq!(tracker.tracked(33.0).phase, Phase::Rest);
+        assert_eq!(tracker.push(rate_dps, temp_c, still), Phase::Moving);
+        assert!(tracker.counts().learned_s > 30);
+    }
+    let mut tracker = tracker();
+    for _ in 0..600 {
+        assert_eq!(tracker.push(Some(0.25), None, true), Phase::Moving);
+    }
+    let known = tracker.tracked(33.0).u_dps;
+    tracker.wait(3600.0);
+    let walked = (known * known + 3600.0 * 1e-8).sqrt(); // M-04
+    assert!((tracker.tracked(33.0).u_dps / walked - 1.0).abs() < 1e-9);
+}
+
+/// A state is taken up with its age and the change by a power-up, and one that cannot be is refused.
+#[test]
+fn a_state_outlives_a_power_down() {
+    let (mut before, mut random) = (tracker(), Random::new(5));
+    push(&mut before, &mut random, 200.0, |_| 0.004);
+    let (saved, config) = (before.save(), TrackerConfig::of(&Axis::ADIS16130, CORRECTION, PRIOR));
+    let after = Tracker::resume(config, &saved, 86_400.0).unwrap();
+    let (old, new) = (before.tracked(33.0), after.tracked(33.0));
+    assert!((old.change_dps - new.change_dps).abs() < 1e-12);
+    let aged = (old.u_dps.powi(2) + 86_400.0 * 1e-8 + TrackerConfig::POWER_UP_DPS.powi(2)).sqrt(); // M-04
+    assert!((new.u_dps / aged - 1.0).abs() < 1e-6, "{new:?} {aged}");
+    let spoilt = |change: fn(&mut Filter)| {
+        let mut saved: Saved = saved;
+        change(&mut saved.filter);
+        Tracker::resume(config, &saved, 0.0).err()
+    };
+    assert_eq!(spoilt(|_| {}), None);
+    assert_eq!(spoilt(|filter| filter.state[0] = f64::NAN), Some(Unsound));
+    assert_eq!(spoilt(|filter| filter.covariance[0] = -1e-9), Some(Unsound));
+    assert_eq!(spoilt(|filter| filter.covariance[1] = 1.0), Some(Unsound));
+    assert_eq!(Tracker::resume(config, &saved, -1.0).err(), Some(Unsound));
+}
+
+/// After a week without power a first rest says less than a second one, and three suffice.
+#[test]
+fn a_bias_that_is_hardly_known_is_learned_by_several_rests() {
+    let mut random = Random::new(8);
+    let mut tracker = tracker().aged(7.0 * 86_400.0);
+    let mut us_dps = Vec::new();
+    for _ in 0..6 {
+        push(&mut tracker, &mut random, 60.0, |_| 0.06);
+        push(&mut tracker, &mut random, 60.0, moving);
+        us_dps.push(tracker.tracked(33.0).u_dps);
+    }
+    let tracked = tracker.tracked(33.0);
+    assert!((tracked.change_dps - 0.06).abs() < 2.0 * tracked.u_dps, "{tracked:?} {us_dps:?}");
+    assert!(us_dps[0] > 0.02 && us_dps[5] < 0.008, "{us_dps:?}");
+}
