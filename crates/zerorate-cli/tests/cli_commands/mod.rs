@@ -5,6 +5,7 @@ mod calibrate;
 mod faults;
 mod help;
 mod reading;
+mod track;
 
 use crate::harness::{Run, command};
 

@@ -14,7 +14,7 @@ const DIGITS: usize = 4;
 
 /// What is wrong with a file that claims to be as it was written. Lines count from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Damage {
+pub(crate) enum Damage {
     /// This line was edited, added or follows one that was removed.
     Changed { line: usize },
     /// The file ends after this line; there were more.
@@ -22,14 +22,14 @@ pub(super) enum Damage {
 }
 
 /// The two lines, each with its line end, for a body of lines.
-pub(super) fn lines_for(body: &str) -> String {
+pub(crate) fn lines_for(body: &str) -> String {
     let lines: Vec<&str> = normal(body).map(|(_, line)| line).collect();
     let checks: String = lines.iter().map(|line| short(line)).collect();
     format!("{CHECKSUM}{}\"\n{LINE_CHECKS}{checks}\"\n", digest(&checks, &lines))
 }
 
 /// Whether the file has check lines, and whether they hold.
-pub(super) fn verify(text: &str) -> Result<bool, Damage> {
+pub(crate) fn verify(text: &str) -> Result<bool, Damage> {
     let checksum = value_of(text, CHECKSUM);
     let line_checks = value_of(text, LINE_CHECKS);
     let ((checksum_line, checksum), line_checks) = match (checksum, line_checks) {
@@ -46,11 +46,11 @@ pub(super) fn verify(text: &str) -> Result<bool, Damage> {
 }
 
 /// The text with its check lines left empty, so that every other line keeps its number.
-pub(super) fn without_checks(text: &str) -> String {
+pub(crate) fn without_checks(text: &str) -> String {
     text.lines().map(|line| if is_check(line) { "" } else { line }).collect::<Vec<_>>().join("\n")
 }
 
-pub(super) fn sha256_hex(text: &str) -> String {
+pub(crate) fn sha256_hex(text: &str) -> String {
     Sha256::digest(text.as_bytes()).iter().fold(String::new(), |mut hex, byte| {
         // writing into a String cannot fail
         let _ = write!(hex, "{byte:02x}");

@@ -4,7 +4,7 @@
 //! Its file form is specified in `docs/formats/calibration.md`; [`Calibration::parse`] and [`Calibration::to_toml`]
 //! read and write it.
 
-mod check;
+pub(crate) mod check;
 mod file;
 mod form;
 mod limits;

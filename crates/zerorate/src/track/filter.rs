@@ -20,8 +20,8 @@ const FLICKER: usize = 3;
 
 /// Above it flicker is noise of a mean, Hz: 1/(2π · 4 s), the shortest mean that is taken in.
 const FLICKER_TOP_HZ: f64 = 0.04;
-/// What a mean over τ holds of the flicker above that, in units of B²/π: at most this over τ. The integral of sinc²(τf)/f
-/// from there on is 0.96 for 4 s, 0.38 for 8 s, 0.15 for 12 s, 0.05 for 16 s.
+/// What a mean over τ holds of the flicker above that, in units of B²/π: at most this over τ. The integral of
+/// sinc²(τf)/f from there on is 0.96 for 4 s, 0.38 for 8 s, 0.15 for 12 s, 0.05 for 16 s.
 const FLICKER_ABOVE_S: f64 = 4.0;
 
 /// What drives the bias, and how.

@@ -1,7 +1,8 @@
 //! Whether the level of a quiet stretch is the bias, or that of a slow turn: as a probability.
 //!
-//! A turn that is slower than what the bias may have changed by cannot be told from that change. So nothing is decided:
-//! with the probability that it was a turn the bias stays as uncertain as it was before, and the uncertainty says so.
+//! A turn that is slower than what the bias may have changed by cannot be told from that change. So nothing is
+//! decided: with the probability that it was a turn the bias stays as uncertain as it was before, and
+//! the uncertainty says so.
 
 use super::filter::{Innovation, sd};
 use libm::exp;

@@ -16,14 +16,19 @@
 //!     tracker.push(Some(0.254), Some(33.0), true);
 //! }
 //! let tracked = tracker.tracked(33.0);
-//! assert!((tracked.change_dps - 0.004).abs() < 0.001 && tracked.phase == Phase::Rest);
-//! assert!(tracker.correct(0.254, 33.0).abs() < 0.001);
+//! assert_eq!(tracked.phase, Phase::Rest);
+//! // flicker, which does not last, explains a part of it
+//! assert!((0.001..0.004).contains(&tracked.change_dps), "{tracked:?}");
 //! ```
 
+#[cfg(feature = "file")]
+mod file;
 mod filter;
 mod level;
 mod rest;
 
+#[cfg(feature = "file")]
+pub use file::{TrackFile, TrackFileError};
 pub use filter::{COVARIANCES, Filter, Prior, STATES};
 pub use rest::BLOCK_S;
 
@@ -178,6 +183,7 @@ pub struct Tracker {
     temp_c: Option<f64>,
     blocks: u32,
     phase: Phase,
+    moves: bool,
     counts: Counts,
 }
 
@@ -240,6 +246,7 @@ impl Tracker {
             temp_c: None,
             blocks: 0,
             phase: Phase::Moving,
+            moves: false,
             counts: Counts::default(),
             config,
         }
@@ -269,11 +276,12 @@ impl Tracker {
     /// What is to be kept for [`Tracker::resume`].
     #[must_use]
     pub fn save(&self) -> Saved {
-        Saved { filter: self.known(), counts: self.counts }
+        Saved { filter: self.known(), counts: self.counts() }
     }
 
     /// Takes in the mean rate, °/s, and the mean temperature, °C, of the next [`BLOCK_S`]; none where they are
-    /// missing. A rate without a temperature takes the last one. `still`: no other axis of the part moves.
+    /// missing. A rate without a temperature takes the last one. `still`: no other axis of the part
+    /// [moves](Self::moves).
     pub fn push(&mut self, rate_dps: Option<f64>, temp_c: Option<f64>, still: bool) -> Phase {
         self.blocks += 1;
         if self.blocks == BLOCKS_PER_S {
@@ -284,13 +292,24 @@ impl Tracker {
         self.temp_c = temp_c.or(self.temp_c);
         let temp_c = self.temp_c.unwrap_or(f64::NAN);
         let rate_dps = rate_dps.map(|rate| self.config.correction.apply(rate, temp_c) - self.config.earth_dps);
-        match self.quiet.push(rate_dps.filter(|_| still), temp_c - self.config.correction.t3_c) {
-            Seen::Open => {}
-            Seen::Quad(rate_dps, d_c) => self.quad((rate_dps, d_c)),
-            Seen::Moving => self.end(),
-            Seen::Step => self.go_back(),
+        let seen = self.quiet.push(rate_dps, temp_c - self.config.correction.t3_c);
+        self.moves = matches!(seen, Seen::Moving | Seen::Step);
+        match seen {
+            Seen::Quad(rate_dps, d_c) if still => self.quad((rate_dps, d_c)),
+            Seen::Step if still => self.go_back(),
+            Seen::Open if still => {}
+            _ => {
+                self.quiet.begin_anew();
+                self.end();
+            }
         }
         self.phase
+    }
+
+    /// Whether the last mean showed that this axis moves.
+    #[must_use]
+    pub fn moves(&self) -> bool {
+        self.moves
     }
 
     /// So much time passes without a reading.
@@ -318,10 +337,13 @@ impl Tracker {
         self.config.correction.apply(rate_dps, temp_c) - self.tracked(temp_c).change_dps
     }
 
-    /// What happened so far.
+    /// What happened so far, the present rest included.
     #[must_use]
     pub fn counts(&self) -> Counts {
-        self.counts
+        let mut counts = self.counts;
+        let of = if self.stretch.probability < 0.5 { &mut counts.doubtful_s } else { &mut counts.learned_s };
+        *of = of.saturating_add(self.stretch.seconds);
+        counts
     }
 
     fn known(&self) -> Filter {
@@ -378,9 +400,7 @@ impl Tracker {
 
     /// The stretch is over: what it taught counts as far as it was rest.
     fn close(&mut self, phase: Phase) {
-        let Counts { learned_s, doubtful_s, .. } = &mut self.counts;
-        let count = if self.stretch.probability < 0.5 { doubtful_s } else { learned_s };
-        *count = count.saturating_add(self.stretch.seconds);
+        self.counts = self.counts();
         self.filter = self.known();
         self.stretch = Stretch::after(&self.filter);
         (self.sum, self.newest, self.phase) = (Sum::default(), None, phase);

@@ -235,7 +235,7 @@ pub fn day(spec: &Spec, hours: f64) -> Day {
     let blocks = (hours * 3600.0 / BLOCK_S) as u64;
     // what was learned counts for what the platform did 10 s before: a stretch is taken in when it is over
     let mut past = VecDeque::from(vec![Motion::Rest; 100]);
-    let (mut day, mut learned_s, mut covered) = (Day::default(), 0, 0u64);
+    let (mut day, mut learned_s, mut covered) = (Day::default(), 0.0, 0u64);
     for _ in 0..blocks {
         let (motion, dps) = platform.step();
         past.push_back(motion);
@@ -248,8 +248,9 @@ pub fn day(spec: &Spec, hours: f64) -> Day {
         day.tracked_dps += error_dps * error_dps / blocks as f64;
         day.covered_at_end = error_dps.abs() < 1.96 * tracked.u_dps;
         covered += u64::from(day.covered_at_end);
-        let more_s = f64::from(tracker.counts().learned_s - learned_s);
-        learned_s = tracker.counts().learned_s;
+        // a stretch that turns out to be doubtful takes back what it seemed to teach
+        let more_s = f64::from(tracker.counts().learned_s) - learned_s;
+        learned_s += more_s;
         match past.pop_front() {
             Some(Motion::Rest) => day.learned_s += more_s,
             Some(Motion::SlowTurn { .. }) => day.turning_learned_s += more_s,

@@ -1,5 +1,7 @@
 //! `zerorate stream`: the corrected rate, live.
 
+mod track;
+
 use super::correct::load;
 use super::serial::{Part, one_line};
 use super::{flag, warn};
@@ -12,6 +14,7 @@ use clap::{Args, ValueEnum};
 use serde::{Serialize, Serializer};
 use std::io::{self, BufWriter, Write};
 use std::path::PathBuf;
+use track::{TrackArgs, TrackedRow, Tracking};
 use zerorate::health::{Flags, Judged};
 use zerorate::{Axis, Calibration, CodeSum, Correction, Corrector, Say};
 use zerorate_data::believed;
@@ -56,6 +59,9 @@ pub struct StreamArgs {
     /// How long to go on: 10s, 10m, 1h30m, or seconds [default: until Ctrl-C or the end].
     #[arg(long, value_name = "TIME")]
     duration: Option<Seconds>,
+
+    #[command(flatten)]
+    tracking: TrackArgs,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -71,7 +77,10 @@ pub fn run(args: &StreamArgs) -> Result<()> {
     let mut acquisition = Acquisition::open(&args.device, args.sampling)?;
     check_serial(args, acquisition.facts(), &calibration)?;
     acquisition.initialise()?;
-    let mut rows = Rows::new(args.format, acquisition.part(), &calibration, acquisition.is_paced())?;
+    let inputs = args.device.file().into_iter().chain([&*args.cal]).map(Into::into).collect();
+    let created = acquisition.facts().info.created.clone();
+    let tracking = args.tracking.begin(acquisition.part(), &calibration, &created, inputs)?;
+    let mut rows = Rows::new(args.format, acquisition.part(), &calibration, acquisition.is_paced(), tracking)?;
     let mut mean = Mean::default();
     let mut judged = Vec::new();
     let ends_after_ns = args.duration.map_or(u64::MAX, Seconds::nanos);
@@ -86,6 +95,9 @@ pub fn run(args: &StreamArgs) -> Result<()> {
             break;
         }
         mean.push(t_ns, t_ns / period_ns, &judged);
+        if let Some(tracking) = &mut rows.tracking {
+            tracking.push(t_ns, &judged)?;
+        }
         if acquisition.frozen().is_some() {
             return stop_frozen(&acquisition, &mut rows, &mut mean);
         }
@@ -93,7 +105,7 @@ pub fn run(args: &StreamArgs) -> Result<()> {
     if args.rate.is_none() {
         rows.write(&mut mean)?;
     }
-    rows.out.flush()?;
+    rows.finish()?;
     warn(&acquisition.disbelief());
     Ok(())
 }
@@ -103,7 +115,7 @@ pub fn run(args: &StreamArgs) -> Result<()> {
 fn stop_frozen(acquisition: &Acquisition, rows: &mut Rows, mean: &mut Mean) -> Result<()> {
     mean.flags = mean.flags.and(Flags::FROZEN);
     rows.write(mean)?;
-    rows.out.flush()?;
+    rows.finish()?;
     let frozen = acquisition.frozen();
     let why = frozen.map(|frozen| believed::frozen_text(&frozen, acquisition.start_ns())).unwrap_or_default();
     Err(Refused(why).into())
@@ -195,6 +207,7 @@ struct Rows {
     id: String,
     flush_each: bool,
     warned: Warned,
+    tracking: Option<Tracking>,
 }
 
 #[derive(Default)]
@@ -213,6 +226,8 @@ struct Row<'a> {
     lost: u64,
     calibration: &'a str,
     flags: String,
+    #[serde(flatten)]
+    tracked: Option<TrackedRow>,
 }
 
 /// Corrected rates of all axes.
@@ -228,18 +243,25 @@ impl Serialize for Rates<'_> {
 }
 
 impl Rows {
-    fn new(form: Form, part: &zerorate::Part, calibration: &Calibration, flush_each: bool) -> Result<Self> {
+    fn new(
+        form: Form,
+        part: &zerorate::Part,
+        calibration: &Calibration,
+        flush_each: bool,
+        tracking: Option<Tracking>,
+    ) -> Result<Self> {
         let mut out = BufWriter::with_capacity(1 << 16, Stdout::lock());
         let names = match &*part.axes {
             [_] => vec!["rate_dps".to_owned()],
             axes => axes.iter().map(|axis| format!("{}_dps", axis.name)).collect(),
         };
         if let Form::Csv = form {
-            writeln!(out, "t_s,{},temp_c,lost,calibration,flags", names.join(","))?;
+            let tracked = tracking.as_ref().map(Tracking::headings).unwrap_or_default();
+            writeln!(out, "t_s,{},temp_c,lost,calibration,flags{tracked}", names.join(","))?;
         }
         let corrector = calibration.corrector(&part.name, part.axes.iter().map(|axis| &*axis.name))?;
         let (axes, id) = (part.axes.iter().map(|axis| axis.axis).collect(), calibration.id());
-        Ok(Self { out, form, axes, names, corrector, id, flush_each, warned: Warned::default() })
+        Ok(Self { out, form, axes, names, corrector, id, flush_each, warned: Warned::default(), tracking })
     }
 
     /// Writes the row of these samples and empties the mean. Before the first temperature there is nothing to correct
@@ -253,9 +275,17 @@ impl Rows {
             self.watch(self.corrector.is_extrapolated(), mean.flags);
             let flags = mean.flags.to_string();
             let means = mean.rates.iter().zip(&self.axes).map(|(sum, axis)| sum.mean(&axis.rate)).enumerate();
-            let rates_dps = means.map(|(index, rate_dps)| self.corrector.correct(index, rate_dps)).collect();
+            let mut rates_dps: Vec<_> = means.map(|(index, rate)| self.corrector.correct(index, rate)).collect();
+            let tracked = self.tracking.as_ref().map(|tracking| {
+                let corrections = (0..rates_dps.len()).map(|axis| self.corrector.correct(axis, Some(0.0)));
+                tracking.row(temp_c, &corrections.map(Option::unwrap_or_default).collect::<Vec<_>>())
+            });
+            for (rate_dps, change_dps) in rates_dps.iter_mut().zip(tracked.iter().flat_map(|row| &row.changes_dps)) {
+                *rate_dps = rate_dps.map(|rate_dps| rate_dps - change_dps);
+            }
             let rates_dps = Rates { names: &self.names, rates_dps };
-            let row = Row { t_s: mean.t_s(), rates_dps, temp_c, lost: mean.lost, calibration: &self.id, flags };
+            let (t_s, lost) = (mean.t_s(), mean.lost);
+            let row = Row { t_s, rates_dps, temp_c, lost, calibration: &self.id, flags, tracked };
             match self.form {
                 Form::Csv => row.csv(&mut self.out)?,
                 Form::Jsonl => row.jsonl(&mut self.out)?,
@@ -266,6 +296,11 @@ impl Rows {
             *mean = Mean::default();
         }
         Ok(())
+    }
+
+    fn finish(&mut self) -> Result<()> {
+        self.out.flush()?;
+        self.tracking.as_ref().map_or(Ok(()), |tracking| tracking.finish(self.corrector.temp_c()))
     }
 
     fn watch(&mut self, extrapolated: bool, flags: Flags) {
@@ -284,13 +319,15 @@ impl Rows {
 
 impl Row<'_> {
     fn csv(&self, out: &mut impl Write) -> io::Result<()> {
-        let Self { t_s, rates_dps: Rates { rates_dps, .. }, temp_c, lost, calibration, flags } = self;
+        let Self { t_s, rates_dps: Rates { rates_dps, .. }, temp_c, lost, calibration, flags, tracked } = self;
         write!(out, "{t_s:.6}")?;
         for rate_dps in rates_dps {
             write!(out, ",")?;
             rate_dps.map_or(Ok(()), |rate_dps| write!(out, "{rate_dps:.6}"))?;
         }
-        writeln!(out, ",{temp_c:.4},{lost},{calibration},{flags}")
+        write!(out, ",{temp_c:.4},{lost},{calibration},{flags}")?;
+        tracked.as_ref().map_or(Ok(()), |tracked| tracked.csv(out))?;
+        writeln!(out)
     }
 
     fn jsonl(&self, out: &mut impl Write) -> Result<()> {

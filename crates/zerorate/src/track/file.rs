@@ -1,0 +1,206 @@
+//! The state of a tracker as a TOML file, with the check lines of a calibration; specified in `docs/tracking.md`.
+
+use super::{COVARIANCES, Counts, Filter, Prior, STATES, Saved, TrackerConfig};
+use crate::calibration::check::{self, Damage};
+use crate::calibration::{CalibratedAxis, Calibration};
+use crate::noise::{FLOOR_PER_B, NoiseModel};
+use crate::part::Axis;
+use crate::toml_error::line_of;
+use alloc::string::{String, ToString};
+use alloc::vec::Vec;
+use core::fmt;
+use serde::{Deserialize, Serialize};
+
+const HEADER: &str =
+    "# What zerorate stream --track has learned (docs/tracking.md). To begin anew, delete this file.\n";
+const SCHEMA: u32 = 1;
+
+/// What is known of the biases of a part, for the next time that it is switched on.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TrackFile {
+    schema: u32,
+    /// Id of the calibration that it continues.
+    pub calibration: String,
+    /// Which kind of part.
+    pub part: String,
+    /// Serial number of the unit.
+    pub serial: Option<String>,
+    /// When it was written, RFC 3339; none for a simulated part.
+    pub saved: Option<String>,
+    axis: Vec<AxisForm>,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct AxisForm {
+    name: String,
+    state: [f64; STATES],
+    covariance: [f64; COVARIANCES],
+    at_c: f64,
+    learned_s: u32,
+    doubtful_s: u32,
+    rolled_back: u32,
+}
+
+/// Why a text is no state that can be taken up. Lines count from 1.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+#[expect(missing_docs, reason = "the fields are what the text shows")]
+pub enum TrackFileError {
+    /// Not TOML, or not the fields of a state.
+    Syntax { line: usize, message: String },
+    /// Written by newer software.
+    Newer { schema: u32 },
+    /// No longer what was written.
+    Edited { line: usize },
+    /// The end is missing.
+    Truncated { line: usize },
+    /// Without check lines: nothing shows whether it is whole.
+    Unchecked,
+    /// It continues another calibration.
+    OtherCalibration { of: String, given: String },
+    /// Of another unit.
+    OtherUnit { of: String, given: String },
+    /// Without an axis of the part.
+    NoAxis { axis: String },
+}
+
+impl fmt::Display for TrackFileError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Syntax { line, message } => write!(f, "line {line}: {message}"),
+            Self::Newer { schema } => write!(f, "schema {schema} was written by a newer zerorate; update this one"),
+            Self::Edited { line } => write!(f, "line {line} is not what was written: it was edited or damaged"),
+            Self::Truncated { line } => write!(f, "it ends at line {line}, but more was written"),
+            Self::Unchecked => f.write_str("it has no check lines, so nothing shows whether it is whole"),
+            Self::OtherCalibration { of, given } => {
+                write!(f, "it continues calibration {of}, and that given is {given}")
+            }
+            Self::OtherUnit { of, given } => write!(f, "it is of {of}, and the part is {given}"),
+            Self::NoAxis { axis } => write!(f, "it has no axis {axis:?}"),
+        }
+    }
+}
+
+impl core::error::Error for TrackFileError {}
+
+impl TrackFile {
+    /// Of the axes of a calibration, each with its name.
+    pub fn new<'a>(
+        calibration: &Calibration,
+        saved: Option<String>,
+        axes: impl IntoIterator<Item = (&'a str, Saved)>,
+    ) -> Self {
+        let form = |(name, Saved { filter, counts }): (&str, Saved)| AxisForm {
+            name: name.to_string(),
+            state: filter.state,
+            covariance: filter.covariance,
+            at_c: filter.at_c,
+            learned_s: counts.learned_s,
+            doubtful_s: counts.doubtful_s,
+            rolled_back: counts.rolled_back,
+        };
+        Self {
+            schema: SCHEMA,
+            calibration: calibration.id(),
+            part: calibration.part.clone(),
+            serial: calibration.serial.clone(),
+            saved,
+            axis: axes.into_iter().map(form).collect(),
+        }
+    }
+
+    /// Reads a state that is whole.
+    ///
+    /// # Errors
+    /// What is wrong, with the line.
+    pub fn parse(text: &str) -> Result<Self, TrackFileError> {
+        let checked = check::verify(text).map_err(|damage| match damage {
+            Damage::Changed { line } => TrackFileError::Edited { line },
+            Damage::EndsEarly { line } => TrackFileError::Truncated { line },
+        })?;
+        let fields = check::without_checks(text);
+        let file: Self = toml::from_str(&fields).map_err(|error| TrackFileError::Syntax {
+            line: line_of(&fields, error.span().map_or(0, |span| span.start)),
+            message: error.message().to_string(),
+        })?;
+        match checked {
+            _ if file.schema > SCHEMA => Err(TrackFileError::Newer { schema: file.schema }),
+            true => Ok(file),
+            false => Err(TrackFileError::Unchecked),
+        }
+    }
+
+    /// The file, with its check lines. Numbers come back bit for bit.
+    #[must_use]
+    pub fn to_toml(&self) -> String {
+        // a struct of numbers, strings and arrays always has a TOML form
+        let fields = toml::to_string(self).unwrap_or_default();
+        let body = [HEADER, &fields].concat();
+        [HEADER, &check::lines_for(&body), &fields].concat()
+    }
+
+    /// What it says of an axis, if it is a state of that calibration.
+    ///
+    /// # Errors
+    /// Of what else it is.
+    pub fn of(&self, calibration: &Calibration, axis: &str) -> Result<Saved, TrackFileError> {
+        let given = calibration.id();
+        if self.calibration != given {
+            return Err(TrackFileError::OtherCalibration { of: self.calibration.clone(), given });
+        }
+        let unit = |part: &str, serial: &Option<String>| {
+            [part, serial.as_deref().map_or("", |_| " "), serial.as_deref().unwrap_or_default()].concat()
+        };
+        let (of, given) = (unit(&self.part, &self.serial), unit(&calibration.part, &calibration.serial));
+        if of != given {
+            return Err(TrackFileError::OtherUnit { of, given });
+        }
+        let form = self.axis.iter().find(|form| form.name == axis);
+        let form = form.ok_or_else(|| TrackFileError::NoAxis { axis: axis.to_string() })?;
+        let AxisForm { state, covariance, at_c, learned_s, doubtful_s, rolled_back, .. } = *form;
+        let filter = Filter { state, covariance, at_c };
+        Ok(Saved { filter, counts: Counts { learned_s, doubtful_s, rolled_back } })
+    }
+}
+
+/// What is assumed of a calibration that states no uncertainties, as one written by hand, °/s: a setting. A first rest
+/// within ±0.1 °/s is believed then, after others like it.
+const UNSTATED_U_PBC_DPS: f64 = 0.05;
+
+impl TrackerConfig {
+    /// Of an axis of a calibration: noise and uncertainties are its own, and where it states none those of the part.
+    /// None where nobody states the noise, since rest is told by it.
+    #[must_use]
+    pub fn of_calibration(calibrated: &CalibratedAxis, axis: &Axis) -> Option<Self> {
+        let noise = match &calibrated.noise {
+            Some(record) => NoiseModel {
+                white_dps_per_rt_hz: record.white_dps_per_rt_hz,
+                bias_instability_dps: record.flicker_floor_dps / FLOOR_PER_B,
+                rate_random_walk_dps_per_rt_s: record.rate_random_walk_dps_per_rt_s,
+            },
+            None => axis.noise?.model(),
+        };
+        let u_curvature_dps_per_c2 = match calibrated.correction.is_line() {
+            true => axis.bias.curvature_dps_per_c2.unwrap_or(0.0),
+            false => 0.0,
+        };
+        let prior = match &calibrated.uncertainty {
+            Some(stated) => Prior {
+                u_pbc_dps: stated.u_pbc_dps,
+                u_btc_dps_per_c: stated.u_btc_dps_per_c,
+                cov_pbc_btc_dps2_per_c: stated.cov_pbc_btc_dps2_per_c,
+                u_curvature_dps_per_c2,
+            },
+            None => Prior {
+                u_pbc_dps: UNSTATED_U_PBC_DPS,
+                u_btc_dps_per_c: axis.bias.tempco_spread_dps_per_c.unwrap_or(0.0),
+                cov_pbc_btc_dps2_per_c: 0.0,
+                u_curvature_dps_per_c2,
+            },
+        };
+        let usable = noise.white_dps_per_rt_hz > 0.0;
+        usable.then(|| Self { noise, ..Self::of(axis, calibrated.correction, prior) })
+    }
+}
