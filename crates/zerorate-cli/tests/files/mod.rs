@@ -13,6 +13,7 @@ mod hostile;
 mod imu;
 mod interop;
 mod logs;
+mod logs_of_parts;
 mod noise_models;
 mod outputs;
 mod report;

@@ -1,6 +1,6 @@
 //! Which of a file's columns are meant.
 
-use super::unit::{TimeUnit, Unit, is_celsius};
+use super::unit::{Quantity, TimeUnit, Unit, is_celsius};
 use super::{ColumnOptions, LogError, Names, Result, Setting};
 use std::path::Path;
 
@@ -27,11 +27,19 @@ pub struct Described {
     pub what: String,
     /// What it is called.
     pub name: String,
-    /// Whether it is called so to the letter; if not, `_code` or a unit may follow, as in `x_dps` or `x [rad/s]`.
+    /// Whether it is called so to the letter, but for a unit in brackets that the file does not have; if not, `_code`
+    /// or a unit may follow, as in `x_dps` or `x [rad/s]`.
     pub is_exact: bool,
 }
 
 impl Described {
+    /// The name that a file without units has, of one to the letter: `GyrX` of `GyrX [rad/s]`.
+    pub fn without_unit(&self) -> Option<&str> {
+        let (name, _) = self.name.rsplit_once(['[', '(']).filter(|_| self.is_exact)?;
+        let name = name.trim_end();
+        (Quantity::of_column(&self.name).is_some() && !name.is_empty()).then_some(name)
+    }
+
     /// Whether a column of this name may be meant, the name to the letter aside.
     fn fits(&self, column: &str) -> bool {
         let rest = column.strip_prefix(&self.name).filter(|_| !self.is_exact);
@@ -140,8 +148,9 @@ impl Columns<'_> {
     fn described(&self, wanted: &Described) -> Result<usize> {
         let all = || self.names.iter().enumerate();
         let exact: Vec<usize> = all().filter(|(_, name)| **name == wanted.name).map(|(at, _)| at).collect();
-        let found = match exact[..] {
-            [] => all().filter(|(_, name)| wanted.fits(name)).map(|(at, _)| at).collect(),
+        let bare = || all().filter(|(_, name)| wanted.without_unit() == Some(**name)).map(|(at, _)| at);
+        let found: Vec<usize> = match exact[..] {
+            [] => bare().chain(all().filter(|(_, name)| wanted.fits(name)).map(|(at, _)| at)).collect(),
             _ => exact,
         };
         let Described { what, name, .. } = wanted;

@@ -129,6 +129,13 @@ pub fn several(path: &Path, asked: &Asked<'_>, survey: &Survey) -> LogError {
 
 /// A quantity that messages do not have, or that was not named.
 fn unknown(path: &Path, topic: &str, wanted: Option<&str>, names: Names) -> LogError {
+    if wanted == Some(super::part_log::TEMP) {
+        return LogError::Ask(format!(
+            "{}: a message of sensor_msgs/Imu holds no temperature, and a part is calibrated over its temperature; \
+             join that of another topic to it in a table, such as CSV or Parquet",
+            path.display()
+        ));
+    }
     let why = match wanted {
         Some(wanted) => format!("has no column `{wanted}`"),
         None => "has several columns".to_owned(),

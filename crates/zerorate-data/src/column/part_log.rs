@@ -3,7 +3,7 @@
 
 use super::choice::Described;
 use super::clock::Beat;
-use super::unit::{Quantity, is_celsius};
+use super::unit::Quantity;
 use super::{Clock, ColumnOptions, Found, FoundColumn, Gap, LogError, Result, Wanted, find};
 use crate::Input;
 use crate::capture::{CaptureInfo, Layout, Row};
@@ -11,7 +11,7 @@ use std::path::Path;
 use zerorate::{MAX_AXES, Part, Scale};
 
 /// What logs call the temperature, unless the part says otherwise.
-const TEMP: &str = "temp";
+pub(super) const TEMP: &str = "temp";
 
 /// A value that is this near to a code, in codes, lies on it: what decimals and units leave of a code that somebody
 /// turned into a value.
@@ -53,15 +53,16 @@ impl PartLog {
         let temp = columns.pop().filter(|_| columns.len() == part.axes.len());
         let temp = temp.ok_or_else(|| LogError::Ask(format!("{} has one column only", path.display())))?;
         let mut warnings: Vec<String> = warning.into_iter().collect();
-        let axes = columns.into_iter().zip(&part.axes[..]).map(|(column, axis)| {
+        let axes = columns.into_iter().zip(&part.axes[..]).zip(&described).map(|((column, axis), described)| {
             let given = args.unit.map(|unit| (unit.quantity(), unit.in_results()));
-            let stated = column.stated.or(given).or_else(|| Quantity::of_column(&column.name));
+            let stated = column.stated.or(given).or_else(|| stated(&column.name, described));
             let unit = rate_unit(path, &column.name, stated)?;
             Coding { path, scale: axis.axis.rate, unit, name: "°/s", remedy: "`gx [rad/s]` or `x_dps`" }
                 .codes(column, &mut warnings)
         });
         let axes: Vec<Vec<f64>> = axes.collect::<Result<_>>()?;
-        let unit = is_celsius(&temp.name).then_some(1.0);
+        let unit = temp.stated.or_else(|| stated(&temp.name, described.last()?));
+        let unit = unit.filter(|(quantity, _)| *quantity == Quantity::Temperature).map(|(_, celsius)| celsius);
         let scale = *layout.temp();
         let coding = Coding { path, scale, unit, name: "°C", remedy: "`temp_c` or `T [°C]`" };
         let temps = coding.codes(temp, &mut warnings)?;
@@ -148,6 +149,12 @@ fn described(part: &Part) -> Vec<Described> {
     let axis = |axis: &zerorate::NamedAxis| column(format!("axis {}", axis.name), axis.column.as_deref(), &axis.name);
     let temp = column("temperature".to_owned(), part.temp_column.as_deref(), TEMP);
     part.axes.iter().map(axis).chain([temp]).collect()
+}
+
+/// What the name of a column states, or the one by which the part has it.
+fn stated(column: &str, described: &Described) -> Option<(Quantity, f64)> {
+    let by_part = || described.without_unit().and_then(|_| Quantity::of_column(&described.name));
+    Quantity::of_column(column).or_else(by_part)
 }
 
 /// What a step of a column is in °/s, if that is stated; nothing else is a rate.

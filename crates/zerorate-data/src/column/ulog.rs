@@ -1,9 +1,11 @@
 //! Logs of PX4 in ULog (<https://docs.px4.io/main/en/dev_log/ulog_file_format.html>): formats that name the fields of
 //! messages, subscriptions that name topics, and data. Times are µs since the start of the flight controller.
 
+use super::choice::Described;
 use super::clock::Times;
 use super::imu::several;
 use super::open::Log;
+use super::part_log::TEMP;
 use super::series::SeriesBuilder;
 use super::topics::Survey;
 use super::unit::{Quantity, TimeUnit, Unit};
@@ -38,6 +40,9 @@ const IMUS: [(&str, &str, Unit); 6] = [
     ("vehicle_angular_velocity", "xyz", Unit::RadPerS),
     ("vehicle_acceleration", "xyz", Unit::MPerS2),
 ];
+
+/// The topic with the readings of a gyroscope as its driver makes them.
+const GYRO: &str = "sensor_gyro";
 
 /// Reads fields of a topic.
 pub fn read(log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
@@ -76,7 +81,7 @@ pub fn read(log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
     let warning = torn.map(|why: String| format!("{}: {why}: what stands before is read", path.display()));
     let name = format!("{}.{}", chosen.topic, chosen.time.name);
     let columns = chosen.fields.into_iter().zip(values).map(|((name, field), values)| FoundColumn {
-        stated: stated(&chosen.topic, &field.name),
+        stated: stated(&chosen.topic, &field.name).or_else(|| temperature(&chosen.topic, &field.name)),
         ..FoundColumn::new(name, values)
     });
     Ok(Found { columns: columns.collect(), clock: Clock::Column(name, times), warning })
@@ -88,6 +93,20 @@ fn stated(topic: &str, field: &str) -> Option<(Quantity, f64)> {
     let is_axis = |rest: &str| matches!(rest, "x" | "y" | "z" | "[0]" | "[1]" | "[2]");
     let found = IMUS.iter().find(|(name, start, _)| *name == topic && field.strip_prefix(start).is_some_and(is_axis));
     found.map(|(_, _, unit)| (unit.quantity(), unit.in_results()))
+}
+
+/// The temperature of a sensor, °C.
+fn temperature(topic: &str, field: &str) -> Option<(Quantity, f64)> {
+    (topic.starts_with("sensor_") && field == "temperature").then_some((Quantity::Temperature, 1.0))
+}
+
+/// What the axis or the temperature of a part is called, where the part does not say it: that of the only gyroscope.
+fn of_driver(column: &Described) -> String {
+    match (column.is_exact, column.name.as_str()) {
+        (true, name) => name.to_owned(),
+        (false, TEMP) => format!("{GYRO}.temperature"),
+        (false, name) => format!("{GYRO}.{name}"),
+    }
 }
 
 /// The messages of a log: length, kind, body.
@@ -252,10 +271,10 @@ impl Topics {
 
     fn choose(&self, path: &Path, asked: &Asked<'_>) -> Result<Chosen> {
         let names = self.names();
-        let wanted: Vec<&str> = match asked.wanted {
-            Wanted::One(Some(name)) => vec![name],
-            Wanted::Listed(names) => names.iter().map(String::as_str).collect(),
-            Wanted::Described(columns) => columns.iter().map(|column| column.name.as_str()).collect(),
+        let wanted: Vec<String> = match asked.wanted {
+            Wanted::One(Some(name)) => vec![name.to_owned()],
+            Wanted::Listed(names) => names.to_vec(),
+            Wanted::Described(columns) => columns.iter().map(of_driver).collect(),
             Wanted::One(None) | Wanted::All => Vec::new(),
         };
         let ask = |why: String| {
@@ -277,11 +296,11 @@ impl Topics {
             return self.chosen(path, topic, id, fields);
         }
         let mut found: Vec<(String, u16, (String, Field))> = Vec::new();
-        for wanted in wanted {
+        for wanted in &wanted {
             let split = names.iter().find_map(|(topic, id)| {
                 let of_topic = || wanted.strip_prefix(topic.as_str())?.strip_prefix('.');
                 let is_chosen = asked.args.topic.as_ref() == Some(topic);
-                let field = of_topic().or(is_chosen.then_some(wanted))?;
+                let field = of_topic().or(is_chosen.then_some(wanted.as_str()))?;
                 let field = self.fields(*id)?.into_iter().find(|one| one.name == field)?;
                 Some((topic.clone(), *id, (wanted.to_owned(), field)))
             });

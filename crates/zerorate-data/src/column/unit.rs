@@ -203,9 +203,13 @@ impl TimeUnit {
         }
     }
 
-    /// The unit that the name of a column states: in brackets or after an underscore.
+    /// The unit that the name of a column states: in brackets, after an underscore, or because ArduPilot's logs
+    /// call it so.
     pub fn of_column(name: &str) -> Option<Self> {
         let lower = name.to_lowercase();
+        if lower == "timeus" {
+            return Some(Self::Us);
+        }
         let named = |names: &[&str]| match bracketed(&lower) {
             Some(inner) => names.contains(&inner.trim()),
             None => names.iter().any(|ending| has_ending(&lower, ending)),
@@ -283,6 +287,7 @@ mod tests {
         let cases = [
             ("t_ns", Some(TimeUnit::Ns)),
             ("time_us", Some(TimeUnit::Us)),
+            ("TimeUS", Some(TimeUnit::Us)),
             ("timestamp [ms]", Some(TimeUnit::Ms)),
             ("#timestamp [ns]", Some(TimeUnit::Ns)),
             ("Time (s)", Some(TimeUnit::S)),

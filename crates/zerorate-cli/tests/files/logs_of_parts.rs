@@ -1,0 +1,148 @@
+//! Logs of other programs as readings of a part with three axes and a temperature: the same numbers in any form.
+
+use super::Bench;
+use std::fmt::Write;
+use zerorate::{Calibration, Correction};
+
+const PART: &str = r#"schema = 1
+name = "ICM-42688-P"
+axis = [{ name = "x" }, { name = "y" }, { name = "z" }]
+[rate]
+lsb_per_dps = 1000
+zero_code = 0
+width_bits = 24
+[temperature]
+lsb_per_c = 132.48
+zero_code = 0
+zero_c = 25
+width_bits = 16
+"#;
+/// A twentieth of the hour.
+const PLAN: &str = "--average 10s --warmup 40s --settle 30s --offset 40s";
+const ROWS: u32 = 6_600;
+const RATE_HZ: f64 = 50.0;
+/// Bias at 25 °C, °/s, and its coefficient, °/s/°C, of each axis.
+const BIAS: [(f64, f64); 3] = [(0.8, 0.04), (-1.2, -0.02), (0.3, 0.1)];
+
+/// Seconds, rates in °/s and °C of each row: an exponential warm-up by 8 °C, and noise that a hash makes.
+fn rows() -> impl Iterator<Item = (f64, [f64; 3], f64)> {
+    (0..ROWS).map(|k| {
+        let t_s = f64::from(k) / RATE_HZ;
+        let warmed_c = 8.0 * (1.0 - (-t_s / 25.0).exp());
+        let noise = |n: u32| f64::from((k * 4 + n).wrapping_mul(2_654_435_761) >> 8) / f64::from(1 << 23) - 1.0;
+        let rates = [0, 1, 2].map(|n| {
+            let (bias_dps, per_c) = BIAS[n as usize];
+            bias_dps + per_c * warmed_c + 0.03 * noise(n)
+        });
+        (t_s, rates, 25.0 + warmed_c + 0.02 * noise(3))
+    })
+}
+
+/// The part with the columns of a log.
+fn part(axes: [&str; 3], temp: &str) -> String {
+    let part = ["x", "y", "z"].into_iter().zip(axes).fold(PART.to_owned(), |part, (name, column)| {
+        part.replace(&format!("name = \"{name}\""), &format!("name = \"{name}\", column = \"{column}\""))
+    });
+    part.replace("zero_c = 25", &format!("zero_c = 25\ncolumn = \"{temp}\""))
+}
+
+/// As `mavlogdump.py --format csv --types IMU` writes the messages of one IMU.
+fn of_ardupilot() -> String {
+    let mut log = "timestamp,TimeUS,I,GyrX,GyrY,GyrZ,AccX,AccY,AccZ,EG,EA,T,GH,AH,GHz,AHz\n".to_owned();
+    for (t_s, rates, temp_c) in rows() {
+        let [x, y, z] = rates.map(f64::to_radians);
+        let us = (t_s * 1e6) as u64 + 5_000_000;
+        let stamp = 1.7e9 + t_s;
+        writeln!(log, "{stamp:.2},{us},0,{x:.9},{y:.9},{z:.9},0.1,0.2,-9.8,0,0,{temp_c:.6},1,1,50,50").unwrap();
+    }
+    log
+}
+
+/// A ULog with the topic of a gyroscope's driver.
+fn of_px4() -> Vec<u8> {
+    let mut log = b"ULog\x01\x12\x35\x01\0\0\0\0\0\0\0\0".to_vec();
+    let mut message = |kind: u8, body: &[u8]| {
+        log.extend(u16::try_from(body.len()).unwrap().to_le_bytes());
+        log.push(kind);
+        log.extend(body);
+    };
+    message(b'B', &[0; 40]);
+    message(
+        b'F',
+        b"sensor_gyro:uint64_t timestamp;uint64_t timestamp_sample;uint32_t device_id;float x;float y;float z;\
+          float temperature;uint32_t error_count;uint8_t[3] clip_counter;uint8_t samples;",
+    );
+    message(b'A', b"\0\x05\0sensor_gyro");
+    for (t_s, rates, temp_c) in rows() {
+        let us = (t_s * 1e6) as u64 + 5_000_000;
+        let mut body = [&5_u16.to_le_bytes()[..], &(us + 120).to_le_bytes(), &us.to_le_bytes()].concat();
+        body.extend(2_818_058_u32.to_le_bytes());
+        for value in rates.map(f64::to_radians).into_iter().chain([temp_c]) {
+            body.extend((value as f32).to_le_bytes());
+        }
+        message(b'D', &[&body[..], &[0; 8]].concat());
+    }
+    log
+}
+
+/// A table with units in its names.
+fn of_values() -> String {
+    let mut log = "time [ms],z_dps,x_dps,y_dps,temp [°C]\n".to_owned();
+    for (t_s, [x, y, z], temp_c) in rows() {
+        writeln!(log, "{:.0},{z:.9},{x:.9},{y:.9},{temp_c:.6}", t_s * 1e3).unwrap();
+    }
+    log
+}
+
+fn corrections(bench: &Bench, log: &str, part: &str) -> Vec<Correction> {
+    bench.write("part.toml", part);
+    let line = format!("calibrate --device replay:{log} --part part.toml {PLAN} --force -o unit.toml");
+    bench.zerorate(&line).ok();
+    let text = std::fs::read_to_string(bench.path("unit.toml")).unwrap();
+    Calibration::parse(&text).unwrap().0.axes.iter().map(|axis| axis.correction).collect()
+}
+
+/// Values in °/s, in rad/s with the unit in the part's file, and in the fields that PX4 defines, with and without a
+/// word of the columns.
+#[test]
+fn every_form_gives_the_same_calibration() {
+    let bench = Bench::new();
+    bench.write("table.csv", of_values());
+    bench.write("ardupilot.csv", of_ardupilot());
+    bench.write("px4.ulg", of_px4());
+    let wanted = corrections(&bench, "table.csv", PART);
+    for (axis, (bias, per_c)) in wanted.iter().zip(BIAS) {
+        let off = axis.pbc_dps + bias + per_c * (axis.t3_c - 25.0);
+        assert!(off.abs() < 0.02 && (axis.btc_dps_per_c + per_c).abs() < 0.003, "{axis:?}: {off}");
+    }
+    let ardupilot = part(["GyrX [rad/s]", "GyrY [rad/s]", "GyrZ [rad/s]"], "T [°C]");
+    let px4 = part(["sensor_gyro.x", "sensor_gyro.y", "sensor_gyro.z"], "sensor_gyro.temperature");
+    for (log, part) in [("ardupilot.csv", &*ardupilot), ("px4.ulg", PART), ("px4.ulg", &px4)] {
+        let found = corrections(&bench, log, part);
+        assert_eq!(found.len(), 3);
+        for (found, wanted) in found.iter().zip(&wanted) {
+            let off =
+                [found.pbc_dps - wanted.pbc_dps, found.btc_dps_per_c - wanted.btc_dps_per_c, found.t3_c - wanted.t3_c];
+            assert!(off.iter().all(|off| off.abs() < 2e-5), "{log}: {found:?} {wanted:?}");
+        }
+    }
+}
+
+/// A unit is stated, by the log or by the part; a bag of ROS has no temperature.
+#[test]
+fn what_a_log_does_not_say_is_asked_for() {
+    let bench = Bench::new();
+    bench.write("ardupilot.csv", of_ardupilot());
+    let fixtures = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../zerorate-data/src/column/fixtures");
+    bench.write("imu.bag", std::fs::read(fixtures.join("imu_none.bag")).unwrap());
+    for (log, part, said) in [
+        ("ardupilot.csv", part(["GyrX", "GyrY", "GyrZ"], "T [°C]"), "is no code, and no unit is stated"),
+        ("ardupilot.csv", part(["GyrX [rad/s]", "GyrY [rad/s]", "GyrZ [rad/s]"], "T"), "column T, row 0"),
+        ("ardupilot.csv", part(["AccX [m/s²]", "GyrY [rad/s]", "GyrZ [rad/s]"], "T [°C]"), "the axis of a gyroscope"),
+        ("imu.bag", PART.to_owned(), "a message of sensor_msgs/Imu holds no temperature"),
+    ] {
+        bench.write("part.toml", part);
+        let text = bench.zerorate(&format!("calibrate --device replay:{log} --part part.toml {PLAN}")).fails(2);
+        assert!(text.contains(said), "{text}");
+    }
+}
