@@ -12,7 +12,7 @@ use zerorate::health::{Frozen, Health, Judged};
 use zerorate::{Axis, Part, Tally, Warning, resonance};
 use zerorate_data::believed;
 use zerorate_data::capture::{CaptureInfo, Layout, Row};
-use zerorate_host::{Batch, Bus, DeviceSpec, Everything, Facts, Hub, Losses, Pace, Setup, Stop};
+use zerorate_host::{Air, Batch, Bus, DeviceSpec, Everything, Facts, Hub, Losses, Pace, Setup, Stop};
 
 /// A device that is being read.
 pub struct Acquisition {
@@ -34,9 +34,15 @@ pub struct Acquisition {
 impl Acquisition {
     /// Opens the device and, from here on, takes Ctrl-C as the wish to end cleanly.
     pub fn open(device: &DeviceArgs, sampling: SamplingArgs) -> Result<Self> {
+        Self::open_in(device, sampling, None)
+    }
+
+    /// The same for a simulated part in this air, if there is one.
+    pub fn open_in(device: &DeviceArgs, sampling: SamplingArgs, air: Option<Air>) -> Result<Self> {
         interrupt::listen();
         let pace = if device.realtime { Pace::RealTime } else { Pace::Free };
-        Ok(Self { pace, ..Self::unpaced(&device.device, device.setup(sampling), interrupt::stop())? })
+        let setup = Setup { air, ..device.setup(sampling) };
+        Ok(Self { pace, ..Self::unpaced(&device.device, setup, interrupt::stop())? })
     }
 
     /// As fast as it goes, until `stop` is asked. Ctrl-C stays what it was.

@@ -4,6 +4,7 @@ use crate::commands::{
     allan::AllanArgs,
     calibrate::{CalibrateArgs, RecalibrateArgs},
     capture::CaptureArgs,
+    chamber::ChamberArgs,
     correct::CorrectArgs,
     export::ExportArgs,
     imu::ImuArgs,
@@ -63,6 +64,7 @@ impl Cli {
             Command::Verify(args) => args.files.iter().map(PathBuf::as_path).collect(),
             Command::Repair(args) => vec![&args.capture],
             Command::Capture(args) => args.device.file().into_iter().collect(),
+            Command::Chamber(args) => args.foreign_files(),
             Command::Calibrate(args) => args.device.file().into_iter().collect(),
             Command::Stream(args) => args.device.file().into_iter().collect(),
             Command::Probe(args) => args.device.file().into_iter().collect(),
@@ -77,6 +79,7 @@ pub enum Command {
     Capture(CaptureArgs),
     Calibrate(CalibrateArgs),
     Recalibrate(RecalibrateArgs),
+    Chamber(ChamberArgs),
     Stream(StreamArgs),
     Correct(CorrectArgs),
     Verify(VerifyArgs),
@@ -127,7 +130,7 @@ pub struct DeviceArgs {
 impl DeviceArgs {
     /// How it is to be read.
     pub fn setup(&self, sampling: SamplingArgs) -> Setup {
-        Setup { sampling: sampling.plain(), part: self.part.part.clone() }
+        Setup { sampling: sampling.plain(), part: self.part.part.clone(), air: None }
     }
 
     /// The file that is read, where the device is a recording.

@@ -39,6 +39,12 @@ impl Meter {
         self.bar.set_position((done * self.scale) as u64);
     }
 
+    /// The same where it is only known how much is left, in the unit of the total.
+    pub fn show_left(&self, done: f64, left: f64, step: String) {
+        self.bar.set_message(step);
+        self.bar.set_position((done / (done + left).max(f64::MIN_POSITIVE) * STEPS as f64) as u64);
+    }
+
     /// Whether anybody sees it.
     pub fn is_hidden(&self) -> bool {
         self.bar.is_hidden()

@@ -58,6 +58,11 @@ pub(crate) trait Address: fmt::Debug + Send + Sync {
     fn file(&self) -> Option<&Path> {
         None
     }
+
+    /// Whether it takes the air of its [`Setup`].
+    fn is_simulated(&self) -> bool {
+        false
+    }
 }
 
 /// What `--device` names.
@@ -79,6 +84,12 @@ impl DeviceSpec {
     #[must_use]
     pub fn file(&self) -> Option<&Path> {
         self.address.file()
+    }
+
+    /// Whether it is a simulated part, which takes the air of its [`Setup`].
+    #[must_use]
+    pub fn is_simulated(&self) -> bool {
+        self.address.is_simulated()
     }
 
     /// Opens the device; sends nothing to the part yet. `stop` ends whatever takes long.

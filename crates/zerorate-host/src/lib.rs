@@ -6,6 +6,7 @@
 #![deny(clippy::print_stderr, clippy::print_stdout, reason = "what there is to say comes as values")]
 
 mod bridge;
+mod chamber;
 mod error;
 pub mod files;
 #[cfg(target_os = "linux")]
@@ -27,6 +28,7 @@ mod stop;
 mod tests;
 mod twin;
 
+pub use chamber::{Air, Apart, Chamber, ChamberSpec, DIALECTS, Dialect, Lead, SimulatedChamber};
 pub use error::{Cause, DeviceError};
 pub use hub::{Batch, Everything, Hub, Pace, Watched, Watcher};
 pub use kinds::{DeviceSpec, KINDS, Kind};

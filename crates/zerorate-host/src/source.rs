@@ -1,6 +1,7 @@
 //! What every kind of device gives.
 
 use crate::Result;
+use crate::chamber::Air;
 use crate::error::Told;
 use adis16130::{Config, ConversionTime, Framing, SamplerConfig, SelfTest};
 use adis16130_twin::Truth;
@@ -33,6 +34,8 @@ pub struct Setup {
     pub sampling: Sampling,
     /// What is known of the part; none: an ADIS16130, or what a recording states of its own.
     pub part: Option<Part>,
+    /// The air around a simulated part; none: as its address says.
+    pub air: Option<Air>,
 }
 
 /// An open device. It need not be `Send`: the [`Hub`](crate::Hub) opens it in the thread that reads it.

@@ -1,5 +1,6 @@
 //! The simulated part, in this process and on simulated time.
 
+use crate::chamber::Follower;
 use crate::error::Told;
 use crate::kinds::{Address, Parsed};
 use crate::live::{Edges, Live};
@@ -79,6 +80,10 @@ fn unit_of(axis: usize, axes: usize, keys: &[&str]) -> Result<Spec, SpecError> {
 }
 
 impl Address for TwinAddress {
+    fn is_simulated(&self) -> bool {
+        true
+    }
+
     fn open(&self, name: &str, setup: &Setup, stop: &Stop) -> Result<Box<dyn Source>> {
         let settings = (self.part.config, setup.sampling.config(self.part.divided));
         let (axes, roa) = (self.units.len(), self.units[0].roa);
@@ -88,15 +93,16 @@ impl Address for TwinAddress {
         // its files depend on nothing but the seed: they have no time of day
         let info = CaptureInfo { created: String::new(), ..facts.info };
         let facts = Facts { info, is_real: false, ..facts };
+        let follower = setup.air.clone().map(|air| Follower::new(air, stop));
         if axes == 1 {
-            return Ok(Box::new(TwinPart { facts, live: self.live(0, setup, stop) }));
+            return Ok(Box::new(TwinPart { facts, live: self.live(0, setup, stop), follower }));
         }
         let part = several(axes, self.part.config.width());
         let layout = Layout::of_part(&part).map_err(|error| Told::request(error.to_string()))?;
         let info = CaptureInfo { converter: None, layout, ..facts.info };
         let part = part_of(&info, Some(setup.part.as_ref().unwrap_or(&part)))?;
         let units = (0..axes).map(|axis| self.live(axis, setup, stop)).collect();
-        Ok(Box::new(Twins { facts: Facts { info, part, ..facts }, units }))
+        Ok(Box::new(Twins { facts: Facts { info, part, ..facts }, units, follower }))
     }
 }
 
@@ -121,6 +127,7 @@ fn several(axes: usize, width: Width) -> Part {
 struct Twins {
     facts: Facts,
     units: Vec<Live<TwinSpi, TwinEdges>>,
+    follower: Option<Follower>,
 }
 
 impl Source for Twins {
@@ -138,6 +145,9 @@ impl Source for Twins {
 
     /// Where a twin has lost samples, those of the others that belong to no row are lost with them.
     fn next(&mut self) -> Result<Option<Row>> {
+        if let (Some(follower), Some((first, others))) = (&mut self.follower, self.units.split_first()) {
+            follower.keep(&first.edges.twin, others.iter().map(|unit| &unit.edges.twin));
+        }
         let mut samples = Vec::with_capacity(self.units.len());
         for unit in &mut self.units {
             samples.push(unit.next()?);
@@ -165,6 +175,7 @@ impl Source for Twins {
 struct TwinPart {
     facts: Facts,
     live: Live<TwinSpi, TwinEdges>,
+    follower: Option<Follower>,
 }
 
 impl Source for TwinPart {
@@ -178,6 +189,9 @@ impl Source for TwinPart {
 
     #[inline]
     fn next(&mut self) -> Result<Option<Row>> {
+        if let Some(follower) = &mut self.follower {
+            follower.keep(&self.live.edges.twin, std::iter::empty());
+        }
         Ok(self.live.next().map(|sample| Some(Row::from(&sample)))?)
     }
 

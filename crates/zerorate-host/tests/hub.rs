@@ -184,7 +184,7 @@ fn what_cannot_be_opened_says_why_in_the_thread_that_asked() {
     assert_eq!(open("replay:/nowhere/x.arrows").cause(), Cause::File);
     let spec: DeviceSpec = "replay:x".parse().expect("an address");
     let sampling = Sampling { divider: Some(2), every_temp: None };
-    let error = Hub::open(&spec, Setup { sampling, part: None }, &Stop::default())
+    let error = Hub::open(&spec, Setup { sampling, ..Setup::default() }, &Stop::default())
         .map(drop)
         .expect_err("decided when it was recorded");
     assert_eq!(error.cause(), Cause::Request);

@@ -3,6 +3,7 @@
 pub mod allan;
 pub mod calibrate;
 pub mod capture;
+pub mod chamber;
 pub mod correct;
 pub mod export;
 pub mod imu;
@@ -32,6 +33,7 @@ pub fn run(cli: &Cli) -> Result<()> {
         Command::Capture(args) => capture::run(args),
         Command::Calibrate(args) => calibrate::run(args),
         Command::Recalibrate(args) => calibrate::run_again(args),
+        Command::Chamber(args) => chamber::run(args),
         Command::Stream(args) => stream::run(args),
         Command::Correct(args) => correct::run(args),
         Command::Verify(args) => verify::run(args),

@@ -23,7 +23,8 @@ use link::{Heard, Link, LinkError, Reply};
 use progress::Progress;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
-use wire::Wire;
+pub(crate) use wire::Wire;
+
 use zerorate_data::capture::Row;
 
 /// The part, and the thread that takes its samples once the first was asked for.

@@ -120,7 +120,7 @@ mod tests {
         let folder = folder("0.000000743");
         let address = address(folder.path());
         let sampling = Sampling { every_temp: Some(2), divider: None };
-        let every_other = Setup { sampling, part: None };
+        let every_other = Setup { sampling, ..Setup::default() };
         let mut device = Adis16130::open(&address, "iio:x", &every_other).expect("a device");
         let samples: Vec<_> = (0..3).map(|_| device.poll().expect("a sample")).collect();
         assert!(samples.iter().all(|sample| sample.rate.code24() == 8_388_622 && sample.status.is_none()));

@@ -3,6 +3,7 @@
 
 #[cfg(feature = "file")]
 mod file;
+mod outcome;
 mod plan;
 mod procedure;
 mod record;
@@ -10,6 +11,7 @@ mod refusal;
 #[cfg(feature = "file")]
 mod saved;
 
+pub use outcome::{Branches, ChamberOutcome, Residual};
 pub use plan::{ChamberPlan, ChamberPlanError, Step, StepEnd};
 pub use procedure::{ChamberAction, ChamberProcedure, ChamberProgress, ChamberState};
 pub use record::{Record, Soak};

@@ -74,6 +74,41 @@ const AVERAGE_S: (f64, f64) = (30.0, 3600.0);
 const DRIFT_C_PER_MIN: f64 = 0.05;
 
 impl ChamberPlan {
+    /// A plan of timed steps from what a chamber did: times, s, and temperatures, °C, in order. Where the temperature
+    /// stayed within 1 °C for five minutes is a step of its own, and what is between is a ramp.
+    ///
+    /// # Errors
+    /// Fewer than two rows, times that do not rise, or more than 1000 such stretches.
+    pub fn of_course(course: &[(f64, f64)]) -> Result<Self, ChamberPlanError> {
+        let row = |index: usize| alloc::format!("row {}", index + 1);
+        if let Some(index) = course.windows(2).position(|pair| pair[0].0.partial_cmp(&pair[1].0) != Some(LESS)) {
+            return Err(ChamberPlanError::unplaced(row(index + 1) + ": its t_s is not after the one before"));
+        }
+        let (Some(first), Some(last)) = (course.first(), course.last().filter(|_| course.len() > 1)) else {
+            return Err(ChamberPlanError::unplaced("it has fewer than two rows; give time and temperature"));
+        };
+        let mut steps = Vec::new();
+        let mut begun = (first.0.min(0.0), first.1);
+        for (from, to) in stays(course) {
+            let mean_c = course[from..=to].iter().map(|(_, c)| c).sum::<f64>() / (to - from + 1) as f64;
+            steps.extend(timed(begun, (course[from].0, mean_c), course[to].0 - course[from].0));
+            begun = (course[to].0, mean_c);
+        }
+        steps.extend(timed(begun, *last, 0.0));
+        if steps.len() > MAX_STRETCHES {
+            return Err(ChamberPlanError::unplaced("it has more than 1000 stretches at rest; is that its air?"));
+        }
+        Ok(Self {
+            name: String::from("what the chamber did"),
+            steps,
+            drift_c_per_min: None,
+            window_s: 120.0,
+            settle_timeout_s: 7200.0,
+            overshoot_c: 5.0,
+            safe_c: 25.0,
+        })
+    }
+
     /// Set points at the beginning of a step and at its end, °C: the first step begins where it ends.
     #[must_use]
     pub fn course_c(&self, step: usize) -> (f64, f64) {
@@ -152,6 +187,40 @@ impl ChamberPlan {
     }
 }
 
+const LESS: core::cmp::Ordering = core::cmp::Ordering::Less;
+/// Air that stays within this, °C, for so long, s, has come to rest.
+const STAYS_C: f64 = 1.0;
+const STAYS_S: f64 = 300.0;
+const MAX_STRETCHES: usize = 1000;
+
+/// First and last row of each stretch at rest, each as long as it can be.
+fn stays(course: &[(f64, f64)]) -> Vec<(usize, usize)> {
+    let (mut stays, mut from) = (Vec::new(), 0);
+    while from < course.len() {
+        let (mut low, mut high, mut to) = (course[from].1, course[from].1, from);
+        while let Some((_, c)) = course.get(to + 1) {
+            (low, high) = (low.min(*c), high.max(*c));
+            if high - low > STAYS_C {
+                break;
+            }
+            to += 1;
+        }
+        let is_long = course[to].0 - course[from].0 >= STAYS_S;
+        stays.extend(is_long.then_some((from, to)));
+        from = if is_long { to + 1 } else { from + 1 };
+    }
+    stays
+}
+
+/// A ramp that ends at a time and temperature, and a hold after it. A first row that is late is waited for.
+fn timed((from_s, from_c): (f64, f64), (to_s, to_c): (f64, f64), hold_s: f64) -> Option<Step> {
+    let (ramp_s, way_c) = (to_s - from_s, (to_c - from_c).abs());
+    let is_ramp = ramp_s > 0.0 && way_c > 0.0;
+    let c_per_min = is_ramp.then(|| way_c / ramp_s * 60.0);
+    let hold_s = if is_ramp { hold_s } else { hold_s + ramp_s.max(0.0) };
+    (is_ramp || hold_s > 0.0).then_some(Step { to_c, c_per_min, end: StepEnd::Hold(hold_s) })
+}
+
 /// Why a plan cannot be carried out.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ChamberPlanError {
@@ -211,6 +280,30 @@ mod tests {
         assert!((drift_c_per_min - 0.0184).abs() < 1e-4, "{drift_c_per_min}");
         let wide = ChamberPlan { drift_c_per_min: Some(0.3), ..plan };
         assert_eq!(wide.drift_c_per_s(154.0, &part), 0.3 / 60.0);
+    }
+
+    /// 300 s at 25 °C, 600 s of ramp, 900 s at 45 °C, every 10 s and with what a sensor makes of it.
+    #[test]
+    fn what_a_chamber_did_is_a_plan_by_the_clock() {
+        let air_c = |s: f64| 25.0 + ((s - 300.0) / 30.0).clamp(0.0, 20.0);
+        let noise_c = |k: u32| if k % 3 == 0 { 0.1 } else { -0.05 };
+        let course: Vec<(f64, f64)> =
+            (0..=180).map(|k| (f64::from(k) * 10.0, air_c(f64::from(k) * 10.0) + noise_c(k))).collect();
+        let plan = ChamberPlan::of_course(&course).unwrap();
+        let mut at_s = 0.0;
+        let ends: Vec<(f64, f64)> = (0..plan.steps.len())
+            .map(|index| {
+                let StepEnd::Hold(hold_s) = plan.steps[index].end else { panic!("by the clock") };
+                at_s += plan.steps[index].ramp_s(plan.course_c(index).0) + hold_s;
+                (at_s, plan.steps[index].to_c)
+            })
+            .collect();
+        assert_eq!(ends.len(), 2, "{plan:?}");
+        assert!((ends[0].0 - 320.0).abs() < 30.0 && (ends[0].1 - 25.0).abs() < 0.1, "{ends:?}");
+        assert!((ends[1].0 - 1800.0).abs() < 1e-6 && (ends[1].1 - 45.0).abs() < 0.1, "{ends:?}");
+        let text = alloc::format!("{}", ChamberPlan::of_course(&[(0.0, 1.0), (0.0, 2.0)]).unwrap_err());
+        assert!(text.contains("row 2"), "{text}");
+        assert!(ChamberPlan::of_course(&course[..1]).is_err());
     }
 
     #[test]

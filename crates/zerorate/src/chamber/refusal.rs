@@ -1,6 +1,7 @@
 //! Why a measurement in a chamber ends without a result.
 
 use super::procedure::ChamberState;
+use crate::thermal::ThermalError;
 use core::fmt;
 
 /// The measurement must not become a calibration. Steps count from 1. `Display` says what was seen, why it matters and
@@ -25,6 +26,10 @@ pub enum ChamberRefusal {
     Overshoot { step: usize, air_c: f64, low_c: f64, high_c: f64 },
     /// Again and again something happened while a soak point was averaged.
     Disturbed { step: usize, times: u32, why: Disturbance },
+    /// The temperature hardly changed.
+    Span { span_c: f64, least_c: f64 },
+    /// The record gives no curve.
+    NoCurve(ThermalError),
     /// The rate was at no rest for too great a share of the time.
     Restless { share: f64, limit: f64 },
 }
@@ -129,6 +134,12 @@ impl fmt::Display for ChamberRefusal {
             Self::Disturbed { step, times, why } => {
                 write!(f, "{} of step {step} was disturbed {times} times; at last, {why}", ChamberState::Average)
             }
+            Self::Span { span_c, least_c } => write!(
+                f,
+                "the part's temperature changed by {span_c:.1} °C in all, and {least_c:.0} °C is the least that tells \
+                 more than its own warmth does: check that the chamber is on, and that the part is in it"
+            ),
+            Self::NoCurve(why) => write!(f, "the record gives no bias over temperature: {why}"),
             Self::Restless { share, limit } => write!(
                 f,
                 "the rate was not that of a part at rest in {:.0} % of the time, and {:.0} % is the most: fix the \

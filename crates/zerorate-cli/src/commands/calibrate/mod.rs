@@ -17,7 +17,7 @@ use crate::recorder::Recorder;
 use adis16130_twin::Truth;
 use anyhow::Result;
 use clap::{Args, ValueEnum};
-use deliver::Undelivered;
+pub(super) use deliver::Undelivered;
 use plan::PlanArgs;
 pub use plan::flag;
 pub use report::Report;
@@ -220,7 +220,7 @@ impl Files {
     }
 }
 
-fn origin(info: CaptureInfo, capture_sha256: String) -> Origin {
+pub(super) fn origin(info: CaptureInfo, capture_sha256: String) -> Origin {
     let CaptureInfo { converter, every_temp, divider, divided, bandwidth_hz, .. } = info;
     let converter = converter.map_or(String::new(), |Converter { width, rate_conversion, temp_conversion }| {
         format!("{} bit, RATECONV {rate_conversion:02X}h, TEMPCONV {temp_conversion:02X}h, ", width.bits())

@@ -1,0 +1,275 @@
+//! The loop of a measurement in a chamber: samples to the procedure, set points to the chamber, what it says back.
+
+use super::kept::Kept;
+use crate::acquire::Acquisition;
+use crate::commands::warn;
+use crate::exit::Refused;
+use crate::interrupt;
+use crate::output::say;
+use crate::progress::Meter;
+use crate::recorder::Recorder;
+use adis16130_twin::Truth;
+use anyhow::Result;
+use zerorate::chamber::{ChamberAction, ChamberProcedure, ChamberState, StepEnd};
+use zerorate_data::capture::{Layout, Row, SampleHash};
+use zerorate_host::{Chamber, Lead, SimulatedChamber};
+use zerorate_view::duration::Seconds;
+
+/// The chamber is told and asked so often in part time, ns.
+pub const TICK_NS: u64 = 1_000_000_000;
+/// A set point is told anew when it has moved by this, °C: what chambers take.
+const SET_STEP_C: f64 = 0.1;
+
+/// What moves the air.
+pub enum Mover {
+    /// A recording has decided that already.
+    Nobody,
+    /// Somebody at the knobs, who is told each step.
+    Hand,
+    /// A chamber.
+    Chamber(Box<dyn Chamber>),
+}
+
+/// A measurement that goes on. Whoever leads the air is dropped before whoever waits for it.
+pub struct Drive {
+    lead: Option<Lead>,
+    /// The air around a simulated part whose chamber is set by hand.
+    obeying: Option<SimulatedChamber>,
+    mover: Mover,
+    told_c: Option<f64>,
+    acquisition: Acquisition,
+    layout: Layout,
+    procedure: ChamberProcedure,
+    kept: Kept,
+    log: Option<Recorder>,
+    log_failed: Option<anyhow::Error>,
+    hash: SampleHash,
+    truths: Vec<Truth>,
+    next_tick_ns: u64,
+    announced: Option<usize>,
+}
+
+/// What it came to.
+pub struct Driven {
+    pub procedure: ChamberProcedure,
+    pub acquisition: Acquisition,
+    pub kept: Kept,
+    pub capture_sha256: String,
+    /// The twin's truth at the end, of each axis.
+    pub truths: Vec<Truth>,
+    pub log_failed: Option<anyhow::Error>,
+}
+
+impl Drive {
+    pub fn new(
+        acquisition: Acquisition,
+        procedure: ChamberProcedure,
+        (mover, lead): (Mover, Option<Lead>),
+        kept: Kept,
+        log: Option<Recorder>,
+    ) -> Self {
+        let layout = acquisition.facts().info.layout.clone();
+        let obeying = lead.as_ref().filter(|_| matches!(mover, Mover::Hand)).map(|_| SimulatedChamber::default());
+        Self {
+            lead,
+            obeying,
+            mover,
+            told_c: None,
+            hash: SampleHash::new(&layout),
+            layout,
+            acquisition,
+            procedure,
+            kept,
+            log,
+            log_failed: None,
+            truths: Vec::new(),
+            next_tick_ns: 0,
+            announced: None,
+        }
+    }
+
+    /// To the end. However it comes, the log stays whole, and the chamber is sent where it may stay.
+    pub fn run(mut self) -> Result<Driven> {
+        let driven = self.feed();
+        if let Some(Err(error)) = self.log.take().map(Recorder::finish) {
+            self.lose_log(error.into());
+        }
+        self.leave_chamber();
+        driven?;
+        let Self { acquisition, procedure, kept, hash, truths, log_failed, lead, .. } = self;
+        drop(lead);
+        Ok(Driven { procedure, acquisition, kept, capture_sha256: hash.hex(), truths, log_failed })
+    }
+
+    fn feed(&mut self) -> Result<()> {
+        let total_s = self.procedure.progress().left_s;
+        let meter = Meter::new(total_s);
+        loop {
+            match self.procedure.next() {
+                ChamberAction::Initialise => self.initialise()?,
+                ChamberAction::Read => {
+                    let row = self.row()?;
+                    self.take(&row, &meter)?;
+                }
+                ChamberAction::Done => return Ok(()),
+            }
+        }
+    }
+
+    fn initialise(&mut self) -> Result<()> {
+        self.tell()?;
+        self.acquisition.initialise()?;
+        let first = self.row()?;
+        self.procedure.begin(first.t_ns);
+        self.next_tick_ns = first.t_ns;
+        self.take(&first, &Meter::new(1.0))
+    }
+
+    #[inline]
+    fn row(&mut self) -> Result<Row> {
+        match self.acquisition.next()? {
+            Some(row) => Ok(row),
+            None => Err(self.ended_early()),
+        }
+    }
+
+    #[inline]
+    fn take(&mut self, row: &Row, meter: &Meter) -> Result<()> {
+        self.hash.update(row);
+        if let Some(Err(error)) = self.log.as_mut().map(|log| log.push(row)) {
+            self.lose_log(error.into());
+        }
+        let done = self.procedure.steps_done();
+        self.procedure.take(&self.layout.scan(row)).map_err(|refusal| self.refused(&refusal.to_string()))?;
+        if self.procedure.steps_done() != done {
+            self.kept.keep(&self.procedure)?;
+        }
+        if row.t_ns >= self.next_tick_ns {
+            self.tick(row.t_ns)?;
+        }
+        if self.acquisition.is_time_to_show() && !meter.is_hidden() {
+            self.show(meter);
+        }
+        Ok(())
+    }
+
+    /// A second of part time is over.
+    fn tick(&mut self, now_ns: u64) -> Result<()> {
+        self.next_tick_ns += TICK_NS;
+        let truths = self.acquisition.truths();
+        if !truths.is_empty() {
+            self.truths = truths;
+        }
+        self.announce();
+        self.tell()?;
+        let air_c = match &mut self.mover {
+            Mover::Nobody => None,
+            Mover::Hand => None,
+            Mover::Chamber(chamber) => {
+                chamber.pass(TICK_NS as f64 * 1e-9);
+                chamber.read_c()?
+            }
+        };
+        if let Some(air_c) = air_c {
+            self.procedure.air(air_c).map_err(|refusal| self.refused(&refusal.to_string()))?;
+        }
+        if let Some(obeying) = &mut self.obeying {
+            obeying.set(self.procedure.set_point_c())?;
+            obeying.pass(TICK_NS as f64 * 1e-9);
+        }
+        let around_c = air_c.or(self.obeying.as_ref().map(SimulatedChamber::air_c));
+        if let (Some(lead), Some(air_c)) = (&self.lead, around_c) {
+            lead.go(air_c, now_ns + TICK_NS);
+        }
+        Ok(())
+    }
+
+    /// Tells the chamber its set point where that has moved.
+    fn tell(&mut self) -> Result<()> {
+        let Mover::Chamber(chamber) = &mut self.mover else { return Ok(()) };
+        let wanted_c = self.procedure.set_point_c();
+        let is_there = wanted_c == self.procedure.progress().to_c;
+        let moved = |told_c: f64| (told_c - wanted_c).abs() >= SET_STEP_C || (is_there && told_c != wanted_c);
+        if self.told_c.is_none_or(moved) {
+            chamber.set(wanted_c)?;
+            self.told_c = Some(wanted_c);
+        }
+        Ok(())
+    }
+
+    /// Tells whoever turns the knobs what to do at a new step.
+    fn announce(&mut self) {
+        let progress = self.procedure.progress();
+        let is_new = self.announced != Some(progress.step) && progress.state != ChamberState::Done;
+        if !matches!(self.mover, Mover::Hand) || !is_new {
+            return;
+        }
+        self.announced = Some(progress.step);
+        let Some(step) = self.procedure.plan().steps.get(progress.step) else { return };
+        let how = step.c_per_min.map_or(String::new(), |c_per_min| format!(", at {c_per_min} °C a minute"));
+        let then = match step.end {
+            StepEnd::Hold(hold_s) => format!("and leave it there for {}", Seconds(hold_s)),
+            StepEnd::Average(_) => "and leave it there: the part tells when it has settled".to_owned(),
+        };
+        say(format_args!(
+            "step {} of {}: set the chamber to {:.1} °C{how}, {then}",
+            progress.step + 1,
+            progress.steps,
+            step.to_c
+        ));
+    }
+
+    fn show(&self, meter: &Meter) {
+        let progress = self.procedure.progress();
+        let temp = progress.temp_c.map_or(String::new(), |temp_c| format!(", part at {temp_c:.1} °C"));
+        let text = format!("step {}/{}: {}{temp}", progress.step + 1, progress.steps, progress.state);
+        meter.show_left(progress.elapsed_s, progress.left_s, text);
+    }
+
+    /// The safe set point, tried once. What fails here is said and no more: the measurement has its own end.
+    fn leave_chamber(&mut self) {
+        let safe_c = self.procedure.plan().safe_c;
+        match &mut self.mover {
+            Mover::Nobody => {}
+            Mover::Hand => say(format_args!("set the chamber to {safe_c:.1} °C, or switch it off")),
+            Mover::Chamber(chamber) => {
+                if let Err(error) = chamber.end(safe_c) {
+                    let error = anyhow::Error::from(error);
+                    say(format_args!(
+                        "warning: chamber-left: the chamber could not be sent to {safe_c:.1} °C and may go on heating or \
+                         cooling: see to it ({error:#})"
+                    ));
+                }
+            }
+        }
+    }
+
+    /// A log that fails is a failure, but no reason to throw away the measurement.
+    #[cold]
+    fn lose_log(&mut self, error: anyhow::Error) {
+        let elapsed = Seconds(self.procedure.progress().elapsed_s);
+        warn(&[format!("the log failed after {elapsed}, the measurement goes on: {error:#}")]);
+        self.log = None;
+        self.log_failed = Some(error);
+    }
+
+    #[cold]
+    fn refused(&self, why: &str) -> anyhow::Error {
+        Refused(format!("{why}{}", self.kept.hint(self.procedure.steps_done()))).into()
+    }
+
+    #[cold]
+    fn ended_early(&self) -> anyhow::Error {
+        let progress = self.procedure.progress();
+        let elapsed = Seconds(progress.elapsed_s);
+        let where_it_is = format!("step {} of {}, {}", progress.step + 1, progress.steps, progress.state);
+        if interrupt::asked() {
+            let hint = self.kept.hint(self.procedure.steps_done());
+            return anyhow::anyhow!("interrupted after {elapsed}, in {where_it_is}; nothing written{hint}");
+        }
+        anyhow::anyhow!(
+            "the recording ends after {elapsed}, in {where_it_is}: give the plan that it was recorded by, or a CSV of what \
+             the chamber did"
+        )
+    }
+}

@@ -1,0 +1,194 @@
+//! `zerorate chamber`: a calibration over the temperatures of a chamber.
+
+mod drive;
+mod kept;
+mod plan;
+
+use super::serial::one_line;
+use crate::acquire::Acquisition;
+use crate::cli::{DeviceArgs, SamplingArgs};
+use crate::exit::Usage;
+use crate::interrupt;
+use crate::output::{Outputs, Staged, say};
+use crate::recorder::Recorder;
+use anyhow::Result;
+use clap::Args;
+use drive::{Drive, Driven, Mover, TICK_NS};
+use kept::Kept;
+use plan::PlanFile;
+use std::path::{Path, PathBuf};
+use zerorate::chamber::ChamberProcedure;
+use zerorate_data::capture::Format;
+use zerorate_host::{Air, Apart, ChamberSpec, SimulatedChamber};
+use zerorate_view::duration::Seconds;
+
+/// Calibrates a part over the temperatures of a chamber.
+///
+/// The plan says where the chamber goes: soak points, at which the part itself tells when it has settled and is averaged
+/// as long as its Allan deviation says, or ramps by the clock (docs/formats/plan.md). The whole recording then gives the
+/// bias over temperature with its uncertainty, its hysteresis and its lag.
+///
+/// Without --chamber you are told what to set. Ctrl-C ends the measurement, keeps the steps that are finished beside the
+/// output, and the same command goes on from there. Of `twin:` the air follows a simulated chamber, as fast as it goes.
+#[derive(Args, Debug)]
+pub struct ChamberArgs {
+    /// The plan: a file, or f57 (210 minutes from 25 over −40 to +85 °C and back) or two-point (15, 55 and 15 °C); or,
+    /// of a recording, a CSV of what its chamber did, with the columns t_s (from its first sample) and temp_c.
+    #[arg(value_name = "PLAN")]
+    plan: PathBuf,
+
+    #[command(flatten)]
+    device: DeviceArgs,
+
+    #[command(flatten)]
+    sampling: SamplingArgs,
+
+    /// What moves the air: hand (you do), tcp:HOST[:PORT]?set=espec|f4t|simserv or serial:/dev/ttyUSB0?set=…&baud=N (a
+    /// chamber that takes lines of text; docs/chamber.md has the commands; patience_s=N: how long a lost connection is
+    /// made anew), sim:lag_s=…,overshoot=…,door_at_s=…,door_for_s=…,room_c=… (a simulated one, for twin:)
+    /// [default: hand; sim: for twin:].
+    #[arg(long, value_name = "CHAMBER")]
+    chamber: Option<ChamberSpec>,
+
+    /// Largest share of lost samples, 0 … 1; above it the measurement is refused.
+    #[arg(long, value_name = "F", default_value_t = 0.001)]
+    max_lost: f64,
+
+    /// Write the calibration file. It gets its name only when it is complete. Until then, the finished steps stand
+    /// beside it in a file with `.chamber` after its name.
+    #[arg(short, long, value_name = "FILE", help_heading = "Result")]
+    output: Option<PathBuf>,
+
+    /// Overwrite existing files: an older calibration or page only by a good new one, a capture only by --log.
+    #[arg(long, help_heading = "Result")]
+    force: bool,
+
+    /// Begin anew where finished steps of an interrupted measurement are found.
+    #[arg(long, help_heading = "Result")]
+    restart: bool,
+
+    /// Record every sample to this file, from which `zerorate chamber PLAN --device replay:FILE` gives the same result.
+    #[arg(long, value_name = "FILE", help_heading = "Result")]
+    log: Option<PathBuf>,
+
+    /// Serial number of the part, stored in the file.
+    #[arg(long, value_name = "SN", value_parser = one_line, help_heading = "Result")]
+    serial: Option<String>,
+
+    /// A note on the supply, stored in the file.
+    #[arg(long, value_name = "TEXT", value_parser = one_line, help_heading = "Result")]
+    supply_note: Option<String>,
+
+    /// Print the result as one JSON object.
+    #[arg(long, help_heading = "Result")]
+    json: bool,
+}
+
+impl ChamberArgs {
+    /// Those that are read.
+    pub fn foreign_files(&self) -> Vec<&Path> {
+        self.device.file().into_iter().chain(PlanFile::path(&self.plan)).collect()
+    }
+
+    /// What moves the air.
+    fn chamber(&self) -> Result<Option<ChamberSpec>> {
+        let is_replayed = self.device.file().is_some();
+        let is_simulated = self.device.device.is_simulated();
+        match &self.chamber {
+            Some(_) if is_replayed => {
+                Err(Usage("the recording has decided what the chamber did; leave --chamber out".to_owned()).into())
+            }
+            Some(ChamberSpec::Simulated(_)) if !is_simulated => {
+                let why =
+                    "a simulated chamber moves the air around a simulated part only: --chamber sim: is for twin:";
+                Err(Usage(why.to_owned()).into())
+            }
+            Some(spec) => Ok(Some(spec.clone())),
+            None if is_replayed => Ok(None),
+            None if is_simulated => Ok(Some(ChamberSpec::Simulated(SimulatedChamber::default()))),
+            None => Ok(Some(ChamberSpec::Hand)),
+        }
+    }
+}
+
+pub fn run(args: &ChamberArgs) -> Result<()> {
+    let chamber = args.chamber()?;
+    let plan = PlanFile::read(&args.plan, args.device.file().is_some())?;
+    if !(0.0..=1.0).contains(&args.max_lost) {
+        return Err(Usage(format!("--max-lost {}: give a share from 0 to 1", args.max_lost)).into());
+    }
+    let mut files = Files::claim(args)?;
+    let driven = drive(args, chamber, &plan, &mut files)?;
+    say(format_args!("{} soak points", driven.procedure.record().soaks.len()));
+    Ok(())
+}
+
+fn drive(args: &ChamberArgs, chamber: Option<ChamberSpec>, plan: &PlanFile, files: &mut Files) -> Result<Driven> {
+    // the chamber first: no hour is begun with one that does not answer
+    let mover = mover(chamber.as_ref(), args.device.device.is_simulated())?;
+    let air = args.device.device.is_simulated().then(Air::default);
+    let lead = air.as_ref().map(Air::lead);
+    let mut acquisition = Acquisition::open_in(&args.device, args.sampling, air)?;
+    let info = acquisition.info(args.serial.as_deref(), args.supply_note.as_deref());
+    let procedure = ChamberProcedure::new(acquisition.part(), plan.plan.clone(), args.max_lost);
+    let mut procedure = procedure.map_err(|error| Usage(error.to_string()))?;
+    let state = args.output.as_deref().filter(|_| args.device.file().is_none()).map(Kept::beside);
+    let kept = Kept::new(state, &plan.text, acquisition.part(), &info.device, info.serial.as_deref());
+    let kept = kept.in_real_time(acquisition.facts().is_real);
+    if let Some((saved, gap_s)) = kept.found(args.restart)? {
+        say(format_args!(
+            "going on after step {} of {}, which ended {} before",
+            saved.steps,
+            plan.plan.steps.len(),
+            Seconds(gap_s)
+        ));
+        procedure = procedure.resumed(saved.record, saved.steps, gap_s);
+    }
+    if lead.is_some() {
+        mark_ticks(&mut acquisition, &procedure);
+    }
+    let log = files.log(&info)?;
+    Drive::new(acquisition, procedure, (mover, lead), kept, log).run()
+}
+
+/// Batches of a simulated part end where its chamber has moved the air: for as long as the plan can take at most.
+fn mark_ticks(acquisition: &mut Acquisition, procedure: &ChamberProcedure) {
+    /// Two weeks: no simulated measurement takes longer.
+    const MOST_S: f64 = 14.0 * 86_400.0;
+    let plan = procedure.plan();
+    let slack_s = 5.0 * (plan.settle_timeout_s + 3600.0) * plan.steps.len() as f64;
+    let most_s = (plan.least_s(0, procedure.part()) + slack_s).min(MOST_S) as u64;
+    (0..=most_s).for_each(|second| acquisition.mark(second * TICK_NS));
+}
+
+fn mover(chamber: Option<&ChamberSpec>, is_simulated: bool) -> Result<Mover> {
+    let Some(spec) = chamber else { return Ok(Mover::Nobody) };
+    let Some(chamber) = spec.open()? else { return Ok(Mover::Hand) };
+    // nobody waits for a chamber while a part is read; a simulated part waits anyway
+    Ok(Mover::Chamber(if is_simulated { chamber } else { Box::new(Apart::new(chamber)?) }))
+}
+
+/// The files that were asked for, claimed before hours are spent on their content.
+struct Files {
+    outputs: Outputs,
+    calibration: Option<Staged>,
+    log: Option<PathBuf>,
+}
+
+impl Files {
+    fn claim(args: &ChamberArgs) -> Result<Self> {
+        let mut outputs = Outputs::new(args.force).printing().reading(args.foreign_files())?;
+        Ok(Self {
+            calibration: args.output.as_deref().map(|path| outputs.derived(path)).transpose()?,
+            log: args.log.clone(),
+            outputs,
+        })
+    }
+
+    /// Starts the log, once there is something to record.
+    fn log(&mut self, info: &zerorate_data::capture::CaptureInfo) -> Result<Option<Recorder>> {
+        let Some(path) = self.log.take() else { return Ok(None) };
+        let file = self.outputs.recording(&path)?;
+        Ok(Some(Recorder::create(file, Format::choose(None, &path), info)?))
+    }
+}

@@ -1,0 +1,94 @@
+//! The plan that was named: one that comes with the program, a file, or what a chamber did.
+
+use crate::exit::Usage;
+use anyhow::{Context, Result};
+use std::fs;
+use std::path::Path;
+use zerorate::chamber::ChamberPlan;
+
+/// Plans that come with the program.
+const SHIPPED: [(&str, &str); 2] =
+    [("f57", include_str!("../../../plans/f57.toml")), ("two-point", include_str!("../../../plans/two-point.toml"))];
+/// A plan of 1000 steps, or a week of a chamber's log.
+const LARGEST: u64 = 64 << 20;
+
+/// A plan and its text, which tells whether a measurement that goes on is of the same.
+pub struct PlanFile {
+    pub plan: ChamberPlan,
+    pub text: String,
+    pub name: String,
+}
+
+impl PlanFile {
+    /// The file that is read, if it is one.
+    pub fn path(name: &Path) -> Option<&Path> {
+        Some(name).filter(|name| shipped(name).is_none())
+    }
+
+    /// Reads it; a CSV of what a chamber did is a plan of a recording only.
+    pub fn read(name: &Path, of_recording: bool) -> Result<Self> {
+        let shown = name.display().to_string();
+        let text = match shipped(name) {
+            Some(text) => text.to_owned(),
+            None => read(name)?,
+        };
+        let is_csv = name.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("csv"));
+        if is_csv && !of_recording {
+            let why = "a CSV says what a chamber did, and is the plan of a recording only (--device replay:FILE)";
+            return Err(Usage(format!("{shown}: {why}; write a plan (docs/formats/plan.md)")).into());
+        }
+        let plan = if is_csv { course(&text)? } else { ChamberPlan::parse(&text).map_err(|error| error.to_string()) };
+        let plan = plan.map_err(|why| Usage(format!("{shown}: {why}")))?;
+        Ok(Self { plan, text, name: shown })
+    }
+}
+
+fn shipped(name: &Path) -> Option<&'static str> {
+    SHIPPED.iter().find(|(known, _)| Path::new(known) == name).map(|(_, text)| *text)
+}
+
+fn read(name: &Path) -> Result<String> {
+    let shown = name.display();
+    let names = SHIPPED.map(|(name, _)| name).join(" and ");
+    let size = fs::metadata(name).with_context(|| format!("no plan {shown}; {names} come with the program"))?.len();
+    if size > LARGEST {
+        return Err(Usage(format!("{shown} is too large for a plan")).into());
+    }
+    fs::read_to_string(name).with_context(|| format!("cannot read the plan {shown}"))
+}
+
+/// Columns of a CSV of what a chamber did.
+const COLUMNS: [&str; 2] = ["t_s", "temp_c"];
+
+fn course(text: &str) -> Result<Result<ChamberPlan, String>> {
+    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_reader(text.as_bytes());
+    let head = reader.headers().context("reading the head of the CSV")?.clone();
+    let Some([time, temp]) = find(&head) else {
+        let why = format!(
+            "columns {} are needed; it has {}",
+            COLUMNS.join(" and "),
+            head.iter().collect::<Vec<_>>().join(", ")
+        );
+        return Ok(Err(why));
+    };
+    let mut course = Vec::new();
+    for row in reader.records() {
+        let row = match row {
+            Ok(row) => row,
+            Err(error) => return Ok(Err(error.to_string())),
+        };
+        let line = row.position().map_or(0, csv::Position::line);
+        let number =
+            |column: usize| row.get(column).and_then(|text| text.parse::<f64>().ok()).filter(|one| one.is_finite());
+        match (number(time), number(temp)) {
+            (Some(at_s), Some(temp_c)) => course.push((at_s, temp_c)),
+            _ => return Ok(Err(format!("line {line}: t_s and temp_c must be numbers"))),
+        }
+    }
+    Ok(ChamberPlan::of_course(&course).map_err(|error| error.to_string()))
+}
+
+fn find(head: &csv::StringRecord) -> Option<[usize; 2]> {
+    let [time, temp] = COLUMNS.map(|name| head.iter().position(|column| column == name));
+    Some([time?, temp?])
+}

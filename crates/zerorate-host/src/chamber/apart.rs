@@ -1,0 +1,104 @@
+//! A chamber in a thread of its own: whoever reads a part must not wait for it.
+
+use super::Chamber;
+use crate::{DeviceError, Result};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread::{self, JoinHandle};
+use std::time::Duration;
+
+/// So often it is asked.
+const PERIOD: Duration = Duration::from_secs(5);
+
+/// Any chamber, told and asked every 5 s by a thread of its own. [`Chamber::read_c`] gives what it said last, and
+/// [`Chamber::set`] fails some seconds after it could not be told.
+pub struct Apart {
+    shared: Arc<Shared>,
+    thread: Option<JoinHandle<Box<dyn Chamber>>>,
+}
+
+#[derive(Default)]
+struct Shared {
+    state: Mutex<State>,
+    changed: Condvar,
+}
+
+#[derive(Default)]
+struct State {
+    wanted_c: Option<f64>,
+    air_c: Option<f64>,
+    failed: Option<DeviceError>,
+    ended: bool,
+}
+
+impl Shared {
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn serve(&self, chamber: &mut dyn Chamber) -> Result<()> {
+        let mut told_c = None;
+        loop {
+            let (wanted_c, ended) = {
+                let state = self.state();
+                (state.wanted_c, state.ended)
+            };
+            if ended {
+                return Ok(());
+            }
+            if let Some(temp_c) = wanted_c.filter(|_| wanted_c != told_c) {
+                chamber.set(temp_c)?;
+                told_c = wanted_c;
+            }
+            let air_c = chamber.read_c()?;
+            let mut state = self.state();
+            state.air_c = air_c;
+            // the first set point goes out at once, and so does the end
+            let idle = |state: &mut State| !state.ended && (state.wanted_c == told_c || told_c.is_some());
+            drop(self.changed.wait_timeout_while(state, PERIOD, idle).unwrap_or_else(PoisonError::into_inner));
+        }
+    }
+}
+
+impl Apart {
+    /// Starts the thread.
+    ///
+    /// # Errors
+    /// There is no thread to be had.
+    pub fn new(mut chamber: Box<dyn Chamber>) -> Result<Self> {
+        let shared = Arc::new(Shared::default());
+        let inner = shared.clone();
+        let body = move || {
+            if let Err(error) = inner.serve(chamber.as_mut()) {
+                inner.state().failed = Some(error);
+            }
+            chamber
+        };
+        let thread = thread::Builder::new().name("chamber".to_owned()).spawn(body).map_err(anyhow::Error::from)?;
+        Ok(Self { shared, thread: Some(thread) })
+    }
+
+    fn failure(&self) -> Result<()> {
+        self.shared.state().failed.take().map_or(Ok(()), Err)
+    }
+}
+
+impl Chamber for Apart {
+    fn set(&mut self, temp_c: f64) -> Result<()> {
+        self.failure()?;
+        self.shared.state().wanted_c = Some(temp_c);
+        self.shared.changed.notify_all();
+        Ok(())
+    }
+
+    fn read_c(&mut self) -> Result<Option<f64>> {
+        self.failure()?;
+        Ok(self.shared.state().air_c)
+    }
+
+    fn end(&mut self, safe_c: f64) -> Result<()> {
+        self.shared.state().ended = true;
+        self.shared.changed.notify_all();
+        let Some(Ok(mut chamber)) = self.thread.take().map(JoinHandle::join) else { return Ok(()) };
+        chamber.end(safe_c)
+    }
+}

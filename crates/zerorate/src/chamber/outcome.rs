@@ -1,0 +1,189 @@
+//! From the record of a chamber to the bias over temperature of each axis.
+
+use super::record::Record;
+use super::refusal::ChamberRefusal;
+use crate::noise::{NoiseModel, Window};
+use crate::part::{Axis, Part};
+use crate::thermal::{self, Assumed, BiasCurve, Block};
+use alloc::vec::Vec;
+
+/// What was found of one axis.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ChamberOutcome {
+    /// The bias over temperature at the end of the measurement.
+    pub curve: BiasCurve,
+    /// What it rests on, for pictures: means over some seconds each, with what is left of them after the correction.
+    pub residuals: Vec<Residual>,
+    /// What the correction leaves of each soak point of the record, °/s.
+    pub soak_residuals_dps: Vec<f64>,
+    /// How far warming and cooling lie apart; none where the part was not at the same temperature on both ways.
+    pub branches: Option<Branches>,
+}
+
+/// A mean, corrected.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Residual {
+    /// Middle of the mean, s from the start.
+    pub at_s: f64,
+    /// Temperature, °C.
+    pub temp_c: f64,
+    /// Corrected rate, °/s.
+    pub residual_dps: f64,
+    /// Whether the part was warming (true), cooling (false), or neither.
+    pub warming: Option<bool>,
+}
+
+/// The loop that the bias goes through as the temperature goes up and down.
+///
+/// `half_width_dps` is half of the mean bias while cooling less the mean while warming, over the temperatures that were
+/// passed in both directions. Hysteresis and a lag of the sensing element both open it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Branches {
+    /// Half of the distance, °/s.
+    pub half_width_dps: f64,
+    /// Its standard uncertainty, °/s: all noises of the curve, the random walk between the two ways included.
+    pub u_dps: f64,
+    /// Coldest and warmest temperature that was passed in both directions, °C.
+    pub span_c: (f64, f64),
+}
+
+/// Means that a curve is found from, at most. More cost time by their number and tell nothing: a mean is short against
+/// all that is slow.
+const MAX_BLOCKS: usize = 400;
+/// A chamber that hardly changes the temperature does not pay, °C: a part that warms itself does as much.
+const LEAST_SPAN_C: f64 = 5.0;
+/// Temperatures within this are the same, °C.
+const BIN_C: f64 = 5.0;
+/// A part whose temperature changes by less is neither warming nor cooling, °C/s: 0.2 °C/min.
+const STILL_C_PER_S: f64 = 0.2 / 60.0;
+/// The temperature that the correction refers to is the mean over the last so many seconds.
+const T3_S: usize = 10;
+
+impl Record {
+    /// The bias over temperature of each axis of the part. `earth_dps` is the component of the Earth's rotation on the
+    /// axis, °/s, which is subtracted, and `max_order` the highest order that is tried.
+    ///
+    /// # Errors
+    /// The temperature hardly changed, or there is too little of the record.
+    pub fn outcomes(
+        &self,
+        part: &Part,
+        earth_dps: Option<f64>,
+        max_order: usize,
+    ) -> Result<Vec<ChamberOutcome>, ChamberRefusal> {
+        let temps = || self.temp_c.iter().copied();
+        let span_c = temps().fold(f64::MIN, f64::max) - temps().fold(f64::MAX, f64::min);
+        if self.is_empty() || span_c < LEAST_SPAN_C {
+            return Err(ChamberRefusal::Span { span_c: span_c.max(0.0), least_c: LEAST_SPAN_C });
+        }
+        let axes = part.axes.iter().zip(&self.rates_dps);
+        axes.map(|(axis, rates_dps)| self.outcome(&axis.axis, rates_dps, earth_dps.unwrap_or(0.0), max_order)).collect()
+    }
+
+    fn outcome(
+        &self,
+        axis: &Axis,
+        rates_dps: &[f64],
+        earth_dps: f64,
+        max_order: usize,
+    ) -> Result<ChamberOutcome, ChamberRefusal> {
+        let blocks = self.blocks(rates_dps, earth_dps);
+        let last = &self.temp_c[self.len().saturating_sub(T3_S)..];
+        let assumed = Assumed {
+            axis,
+            white_dps_per_rt_hz: white_density(rates_dps),
+            gauss_markov: &[],
+            steps_s: &[],
+            max_order,
+            t3_c: last.iter().sum::<f64>() / last.len() as f64,
+        };
+        let curve = thermal::fit(&blocks, &assumed).map_err(ChamberRefusal::NoCurve)?;
+        let residuals: Vec<Residual> = residuals(&blocks, &curve);
+        let left = |soak: &super::Soak, rate_dps: f64| rate_dps - earth_dps + curve.correction.at(soak.temp_c);
+        let index = self.rates_dps.iter().position(|other| core::ptr::eq(other.as_slice(), rates_dps)).unwrap_or(0);
+        let soak_residuals_dps = self.soaks.iter().map(|soak| left(soak, soak.rates_dps[index])).collect();
+        let branches = branches(&residuals, block_s(&blocks), &curve.noise);
+        Ok(ChamberOutcome { curve, residuals, soak_residuals_dps, branches })
+    }
+
+    /// Means over stretches of equal length without a gap, in which the part was at rest.
+    fn blocks(&self, rates_dps: &[f64], earth_dps: f64) -> Vec<Block> {
+        let length = self.len().div_ceil(MAX_BLOCKS).max(1);
+        let (mut blocks, mut from) = (Vec::new(), 0);
+        while from + length <= self.len() {
+            let to = from + length;
+            let whole_s = self.start_s[to - 1] - self.start_s[from];
+            // a stretch with a gap in it begins anew behind the gap
+            if whole_s > (length - 1) as f64 + 0.5 || self.at_rest[from..to].contains(&false) {
+                from += 1;
+                continue;
+            }
+            let mean = |values: &[f64]| values[from..to].iter().sum::<f64>() / length as f64;
+            let (rate_dps, temp_c) = (mean(rates_dps) - earth_dps, mean(&self.temp_c));
+            blocks.push(Block { start_s: self.start_s[from], length_s: length as f64, rate_dps, temp_c });
+            from = to;
+        }
+        blocks
+    }
+}
+
+fn block_s(blocks: &[Block]) -> f64 {
+    blocks.first().map_or(1.0, |block| block.length_s)
+}
+
+/// One-sided density of the white noise, °/s/√Hz, from the median difference of adjacent seconds: those have the
+/// variance d², and a median takes no notice of the few in which the temperature runs.
+fn white_density(rates_dps: &[f64]) -> f64 {
+    /// Median of the absolute value of a normal number of unit variance.
+    const MEDIAN: f64 = 0.674_489_750_196_081_7;
+    let mut steps: Vec<f64> = rates_dps.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
+    if steps.is_empty() {
+        return 0.0;
+    }
+    let middle = steps.len() / 2;
+    let (_, median, _) = steps.select_nth_unstable_by(middle, f64::total_cmp);
+    *median / MEDIAN
+}
+
+fn residuals(blocks: &[Block], curve: &BiasCurve) -> Vec<Residual> {
+    let slope = |index: usize| {
+        let (before, after) = (&blocks[index.saturating_sub(1)], &blocks[(index + 1).min(blocks.len() - 1)]);
+        (after.temp_c - before.temp_c) / (after.start_s - before.start_s).max(1.0)
+    };
+    let residual = |(index, block): (usize, &Block)| {
+        let c_per_s = slope(index);
+        Residual {
+            at_s: block.start_s + block.length_s / 2.0,
+            temp_c: block.temp_c,
+            residual_dps: block.rate_dps + curve.correction.at(block.temp_c),
+            warming: (c_per_s.abs() > STILL_C_PER_S).then_some(c_per_s > 0.0),
+        }
+    };
+    blocks.iter().enumerate().map(residual).collect()
+}
+
+fn branches(residuals: &[Residual], length_s: f64, noise: &NoiseModel) -> Option<Branches> {
+    let bin = |residual: &Residual| libm::floor(residual.temp_c / BIN_C) as i64;
+    let count = |of: i64, warming: bool| {
+        residuals.iter().filter(|one| bin(one) == of && one.warming == Some(warming)).count()
+    };
+    let mut bins: Vec<i64> = residuals.iter().map(bin).collect();
+    bins.sort_unstable();
+    bins.dedup();
+    let shared: Vec<(i64, usize, usize)> =
+        bins.iter().map(|of| (*of, count(*of, true), count(*of, false))).filter(|(_, up, down)| up * down > 0).collect();
+    let (first, last) = (shared.first()?.0, shared.last()?.0);
+    let weigh = |residual: &Residual| {
+        let (_, up, down) = *shared.iter().find(|(of, ..)| *of == bin(residual))?;
+        let one = 0.5 / shared.len() as f64;
+        let weight = if residual.warming? { -one / up as f64 } else { one / down as f64 };
+        let start_s = residual.at_s - length_s / 2.0;
+        Some((Window { start_s, end_s: start_s + length_s, weight }, weight * residual.residual_dps))
+    };
+    let (windows, parts): (Vec<Window>, Vec<f64>) = residuals.iter().filter_map(weigh).unzip();
+    Some(Branches {
+        half_width_dps: parts.iter().sum(),
+        u_dps: noise.sd(&windows),
+        span_c: (first as f64 * BIN_C, (last + 1) as f64 * BIN_C),
+    })
+}
