@@ -64,7 +64,7 @@ impl Cli {
             Command::Verify(args) => args.files.iter().map(PathBuf::as_path).collect(),
             Command::Repair(args) => vec![&args.capture],
             Command::Capture(args) => args.device.file().into_iter().collect(),
-            Command::Chamber(args) => args.foreign_files(),
+            Command::Chamber(args) => args.device.file().into_iter().collect(),
             Command::Calibrate(args) => args.device.file().into_iter().collect(),
             Command::Stream(args) => args.device.file().into_iter().collect(),
             Command::Probe(args) => args.device.file().into_iter().collect(),

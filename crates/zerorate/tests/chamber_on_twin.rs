@@ -184,3 +184,32 @@ fn air_beyond_the_plan_and_silence_end_it() {
     let refusal = [late, after, last].iter().find_map(|scan| procedure.take(scan).err());
     assert!(matches!(refusal, Some(ChamberRefusal::Silent { step: 2, .. })), "{refusal:?}");
 }
+
+/// A unit whose slow noise is small, so that a loop of 0.002 °/s (M-02) shows in two cycles.
+#[test]
+fn curve_and_loop_of_a_unit_are_found_within_their_uncertainty() {
+    let spec = Spec { rrw_dps_per_rt_s: 1e-6, flicker_floor_dps: 1e-4, sensitivity_error: 0.0, ..quick(11) };
+    let ramp = |to_c| Step { to_c, c_per_min: Some(4.0), end: StepEnd::Hold(300.0) };
+    let steps = [ramp(25.0), ramp(60.0), ramp(0.0), ramp(60.0), ramp(0.0), ramp(25.0)];
+    let mut bench = Bench::new(&spec);
+    let record = measured(&mut bench, &steps).expect("a good unit");
+    let outcome = &record.outcomes(&PART, None, 3).expect("a curve")[0];
+    let branches = outcome.branches.expect("both ways");
+    let off_dps = branches.half_width_dps - 0.002;
+    assert!(off_dps.abs() < 2.5 * branches.u_dps && branches.u_dps < 0.001, "{branches:?} {:?}", outcome.curve);
+    let truth = bench.unit.truth();
+    for temp_c in [10.0, 25.0, 45.0, 65.0] {
+        let off_dps = outcome.curve.correction.at(temp_c) + truth.bias_dps(temp_c);
+        assert!(off_dps.abs() < 0.005, "{temp_c}: {off_dps}, {:?}", outcome.curve);
+    }
+    assert!(outcome.soak_residuals_dps.iter().all(|left| left.abs() < 0.01), "{:?}", outcome.soak_residuals_dps);
+}
+
+#[test]
+fn a_chamber_that_does_nothing_gives_no_curve() {
+    let hold = Step { to_c: 25.0, c_per_min: None, end: StepEnd::Hold(600.0) };
+    let mut bench = Bench::new(&Spec { warmup_c: 1.0, ..quick(12) });
+    let record = measured(&mut bench, &[hold]).expect("a good unit");
+    let refusal = record.outcomes(&PART, None, 3).expect_err("1 °C");
+    assert!(matches!(refusal, ChamberRefusal::Span { .. }), "{refusal}");
+}

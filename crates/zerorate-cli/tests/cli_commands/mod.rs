@@ -2,6 +2,7 @@
 
 mod bridge;
 mod calibrate;
+mod chamber;
 mod faults;
 mod help;
 mod reading;

@@ -13,6 +13,7 @@ mod label;
 mod multiples;
 #[cfg(feature = "png")]
 mod raster;
+mod residuals;
 mod signal;
 mod spectrum;
 mod stack;
@@ -25,5 +26,6 @@ pub use correction::{CorrectionCurve, CorrectionPoint, correction};
 pub use multiples::allan_multiples;
 #[cfg(feature = "png")]
 pub use raster::png;
+pub use residuals::{ResidualPoint, residuals};
 pub use signal::{Envelope, Signal, signals};
 pub use spectrum::{Spectrum, Tone, spectra};

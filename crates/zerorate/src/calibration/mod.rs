@@ -4,12 +4,14 @@
 //! Its file form is specified in `docs/formats/calibration.md`; [`Calibration::parse`] and [`Calibration::to_toml`]
 //! read and write it.
 
+mod chamber;
 pub(crate) mod check;
 mod file;
 mod form;
 mod limits;
 mod places;
 
+pub use chamber::ChamberRun;
 pub use file::{FileError, FileWarning};
 
 use crate::estimate::Noise;

@@ -2,8 +2,10 @@
 
 use super::record::Record;
 use super::refusal::ChamberRefusal;
-use crate::noise::{NoiseModel, Window};
+use crate::correction::Correction;
+use crate::noise::Window;
 use crate::part::{Axis, Part};
+use crate::plan::Plan;
 use crate::thermal::{self, Assumed, BiasCurve, Block};
 use alloc::vec::Vec;
 
@@ -36,7 +38,8 @@ pub struct Residual {
 /// The loop that the bias goes through as the temperature goes up and down.
 ///
 /// `half_width_dps` is half of the mean bias while cooling less the mean while warming, over the temperatures that were
-/// passed in both directions. Hysteresis and a lag of the sensing element both open it.
+/// passed in both directions, and with the other sign where the bias falls with the temperature: positive for a bias
+/// that follows late. Hysteresis and a lag of the sensing element both open it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Branches {
     /// Half of the distance, °/s.
@@ -47,9 +50,12 @@ pub struct Branches {
     pub span_c: (f64, f64),
 }
 
-/// Means that a curve is found from, at most. More cost time by their number and tell nothing: a mean is short against
-/// all that is slow.
-const MAX_BLOCKS: usize = 400;
+/// Means that a curve is found from, about: more of them cost time and tell nothing.
+const MOST_BLOCKS: usize = 1600;
+/// They are short against all that is slow in a part, s.
+const BLOCK_S: (usize, usize) = (2, 60);
+/// A mean in which the temperature runs farther says nothing of any temperature, °C.
+const BLOCK_SPAN_C: f64 = 5.0;
 /// A chamber that hardly changes the temperature does not pay, °C: a part that warms itself does as much.
 const LEAST_SPAN_C: f64 = 5.0;
 /// Temperatures within this are the same, °C.
@@ -71,22 +77,24 @@ impl Record {
         earth_dps: Option<f64>,
         max_order: usize,
     ) -> Result<Vec<ChamberOutcome>, ChamberRefusal> {
-        let temps = || self.temp_c.iter().copied();
-        let span_c = temps().fold(f64::MIN, f64::max) - temps().fold(f64::MAX, f64::min);
-        if self.is_empty() || span_c < LEAST_SPAN_C {
-            return Err(ChamberRefusal::Span { span_c: span_c.max(0.0), least_c: LEAST_SPAN_C });
+        let span_c = self.span_c().map_or(0.0, |(low_c, high_c)| high_c - low_c);
+        if span_c < LEAST_SPAN_C {
+            return Err(ChamberRefusal::Span { span_c, least_c: LEAST_SPAN_C });
         }
-        let axes = part.axes.iter().zip(&self.rates_dps);
-        axes.map(|(axis, rates_dps)| self.outcome(&axis.axis, rates_dps, earth_dps.unwrap_or(0.0), max_order)).collect()
+        let outcome = |(index, axis): (usize, &crate::NamedAxis)| {
+            self.outcome(&axis.axis, index, earth_dps.unwrap_or(0.0), max_order)
+        };
+        part.axes.iter().enumerate().take(self.rates_dps.len()).map(outcome).collect()
     }
 
     fn outcome(
         &self,
         axis: &Axis,
-        rates_dps: &[f64],
+        index: usize,
         earth_dps: f64,
         max_order: usize,
     ) -> Result<ChamberOutcome, ChamberRefusal> {
+        let rates_dps = &self.rates_dps[index];
         let blocks = self.blocks(rates_dps, earth_dps);
         let last = &self.temp_c[self.len().saturating_sub(T3_S)..];
         let assumed = Assumed {
@@ -98,17 +106,21 @@ impl Record {
             t3_c: last.iter().sum::<f64>() / last.len() as f64,
         };
         let curve = thermal::fit(&blocks, &assumed).map_err(ChamberRefusal::NoCurve)?;
+        let u_btc_dps_per_c = libm::sqrt(curve.covariance[1][1]);
+        let wanted_dps_per_c = Plan::default().max_u_btc_dps_per_c;
+        if u_btc_dps_per_c > wanted_dps_per_c {
+            return Err(ChamberRefusal::Uncertain { u_btc_dps_per_c, wanted_dps_per_c });
+        }
         let residuals: Vec<Residual> = residuals(&blocks, &curve);
         let left = |soak: &super::Soak, rate_dps: f64| rate_dps - earth_dps + curve.correction.at(soak.temp_c);
-        let index = self.rates_dps.iter().position(|other| core::ptr::eq(other.as_slice(), rates_dps)).unwrap_or(0);
         let soak_residuals_dps = self.soaks.iter().map(|soak| left(soak, soak.rates_dps[index])).collect();
-        let branches = branches(&residuals, block_s(&blocks), &curve.noise);
+        let branches = branches(&residuals, block_s(&blocks), &curve);
         Ok(ChamberOutcome { curve, residuals, soak_residuals_dps, branches })
     }
 
     /// Means over stretches of equal length without a gap, in which the part was at rest.
     fn blocks(&self, rates_dps: &[f64], earth_dps: f64) -> Vec<Block> {
-        let length = self.len().div_ceil(MAX_BLOCKS).max(1);
+        let length = self.len().div_ceil(MOST_BLOCKS).clamp(BLOCK_S.0, BLOCK_S.1);
         let (mut blocks, mut from) = (Vec::new(), 0);
         while from + length <= self.len() {
             let to = from + length;
@@ -120,7 +132,9 @@ impl Record {
             }
             let mean = |values: &[f64]| values[from..to].iter().sum::<f64>() / length as f64;
             let (rate_dps, temp_c) = (mean(rates_dps) - earth_dps, mean(&self.temp_c));
-            blocks.push(Block { start_s: self.start_s[from], length_s: length as f64, rate_dps, temp_c });
+            let way_c = self.temp_c[to - 1] - self.temp_c[from];
+            let block = Block { start_s: self.start_s[from], length_s: length as f64, rate_dps, temp_c };
+            blocks.extend((way_c.abs() <= BLOCK_SPAN_C).then_some(block));
             from = to;
         }
         blocks
@@ -162,28 +176,52 @@ fn residuals(blocks: &[Block], curve: &BiasCurve) -> Vec<Residual> {
     blocks.iter().enumerate().map(residual).collect()
 }
 
-fn branches(residuals: &[Residual], length_s: f64, noise: &NoiseModel) -> Option<Branches> {
+fn branches(residuals: &[Residual], length_s: f64, curve: &BiasCurve) -> Option<Branches> {
     let bin = |residual: &Residual| libm::floor(residual.temp_c / BIN_C) as i64;
-    let count = |of: i64, warming: bool| {
-        residuals.iter().filter(|one| bin(one) == of && one.warming == Some(warming)).count()
-    };
+    let count =
+        |of: i64, warming: bool| residuals.iter().filter(|one| bin(one) == of && one.warming == Some(warming)).count();
     let mut bins: Vec<i64> = residuals.iter().map(bin).collect();
     bins.sort_unstable();
     bins.dedup();
-    let shared: Vec<(i64, usize, usize)> =
-        bins.iter().map(|of| (*of, count(*of, true), count(*of, false))).filter(|(_, up, down)| up * down > 0).collect();
+    let shared: Vec<(i64, usize, usize)> = bins
+        .iter()
+        .map(|of| (*of, count(*of, true), count(*of, false)))
+        .filter(|(_, up, down)| up * down > 0)
+        .collect();
     let (first, last) = (shared.first()?.0, shared.last()?.0);
-    let weigh = |residual: &Residual| {
+    let share = |residual: &Residual| {
         let (_, up, down) = *shared.iter().find(|(of, ..)| *of == bin(residual))?;
-        let one = 0.5 / shared.len() as f64;
-        let weight = if residual.warming? { -one / up as f64 } else { one / down as f64 };
-        let start_s = residual.at_s - length_s / 2.0;
-        Some((Window { start_s, end_s: start_s + length_s, weight }, weight * residual.residual_dps))
+        let one = if rises(&curve.correction, residual.temp_c) { 0.5 } else { -0.5 } / shared.len() as f64;
+        Some(if residual.warming? { -one / up as f64 } else { one / down as f64 })
     };
-    let (windows, parts): (Vec<Window>, Vec<f64>) = residuals.iter().filter_map(weigh).unzip();
+    let parts = residuals.iter().filter_map(|residual| Some(share(residual)? * residual.residual_dps));
     Some(Branches {
-        half_width_dps: parts.iter().sum(),
-        u_dps: noise.sd(&windows),
+        half_width_dps: parts.sum(),
+        u_dps: curve.noise.sd(&windows(residuals, length_s, share)),
         span_c: (first as f64 * BIN_C, (last + 1) as f64 * BIN_C),
     })
+}
+
+/// The means that a sum is made of, those that follow each other with the same share as one.
+fn windows(residuals: &[Residual], length_s: f64, share: impl Fn(&Residual) -> Option<f64>) -> Vec<Window> {
+    let mut windows: Vec<(f64, Window)> = Vec::new();
+    for residual in residuals {
+        let Some(weight) = share(residual) else { continue };
+        let (start_s, end_s) = (residual.at_s - length_s / 2.0, residual.at_s + length_s / 2.0);
+        match windows.last_mut() {
+            Some((one, last)) if *one == weight && (last.end_s - start_s).abs() < 0.5 => {
+                (last.end_s, last.weight) = (end_s, last.weight + weight);
+            }
+            _ => windows.push((weight, Window { start_s, end_s, weight })),
+        }
+    }
+    windows.into_iter().map(|(_, window)| window).collect()
+}
+
+/// Whether the bias rises with the temperature: what is added falls.
+fn rises(correction: &Correction, temp_c: f64) -> bool {
+    let d = temp_c - correction.t3_c;
+    let slope =
+        correction.btc_dps_per_c + d * (2.0 * correction.btc2_dps_per_c2 + d * 3.0 * correction.btc3_dps_per_c3);
+    slope < 0.0
 }

@@ -286,7 +286,7 @@ mod tests {
     #[test]
     fn what_a_chamber_did_is_a_plan_by_the_clock() {
         let air_c = |s: f64| 25.0 + ((s - 300.0) / 30.0).clamp(0.0, 20.0);
-        let noise_c = |k: u32| if k % 3 == 0 { 0.1 } else { -0.05 };
+        let noise_c = |k: u32| if k.is_multiple_of(3) { 0.1 } else { -0.05 };
         let course: Vec<(f64, f64)> =
             (0..=180).map(|k| (f64::from(k) * 10.0, air_c(f64::from(k) * 10.0) + noise_c(k))).collect();
         let plan = ChamberPlan::of_course(&course).unwrap();

@@ -236,6 +236,7 @@ pub struct ChamberProcedure {
     settled_at_c: Option<(f64, f64)>,
     /// What the chamber said last.
     air_c: Option<f64>,
+    first_air_c: Option<f64>,
     beyond: u32,
 }
 
@@ -270,6 +271,7 @@ impl ChamberProcedure {
             disturbed: 0,
             settled_at_c: None,
             air_c: None,
+            first_air_c: None,
             beyond: 0,
         })
     }
@@ -409,12 +411,12 @@ impl ChamberProcedure {
     /// The chamber does not do what it is told.
     pub fn air(&mut self, air_c: f64) -> Result<(), ChamberRefusal> {
         self.air_c = Some(air_c);
+        // where the air was at first may be where the plan never goes
+        let first_c = *self.first_air_c.get_or_insert(air_c);
         let (low_c, high_c) = self.plan.span_c();
+        let (low_c, high_c) = (low_c.min(first_c), high_c.max(first_c));
         let (low_c, high_c) = (low_c - self.plan.overshoot_c, high_c + self.plan.overshoot_c);
-        // on its way from where it was to the first set point the air is where the plan never goes
-        let is_on_its_way = self.step == 0 && self.state != ChamberState::Average;
-        let is_beyond = !is_on_its_way && !(low_c..=high_c).contains(&air_c);
-        self.beyond = if is_beyond { self.beyond + 1 } else { 0 };
+        self.beyond = if (low_c..=high_c).contains(&air_c) { 0 } else { self.beyond + 1 };
         let step = self.step + 1;
         if self.beyond >= 2 {
             return Err(ChamberRefusal::Overshoot { step, air_c, low_c, high_c });

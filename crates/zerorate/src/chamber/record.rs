@@ -56,6 +56,13 @@ impl Record {
         self.start_s.len()
     }
 
+    /// Lowest and highest temperature, °C; none of an empty record.
+    #[must_use]
+    pub fn span_c(&self) -> Option<(f64, f64)> {
+        let low_c = self.temp_c.iter().copied().reduce(f64::min)?;
+        Some((low_c, self.temp_c.iter().copied().reduce(f64::max)?))
+    }
+
     /// Whether there is none.
     #[must_use]
     pub fn is_empty(&self) -> bool {

@@ -28,6 +28,8 @@ pub enum ChamberRefusal {
     Disturbed { step: usize, times: u32, why: Disturbance },
     /// The temperature hardly changed.
     Span { span_c: f64, least_c: f64 },
+    /// The slope at the end is not known well enough.
+    Uncertain { u_btc_dps_per_c: f64, wanted_dps_per_c: f64 },
     /// The record gives no curve.
     NoCurve(ThermalError),
     /// The rate was at no rest for too great a share of the time.
@@ -139,11 +141,24 @@ impl fmt::Display for ChamberRefusal {
                 "the part's temperature changed by {span_c:.1} °C in all, and {least_c:.0} °C is the least that tells \
                  more than its own warmth does: check that the chamber is on, and that the part is in it"
             ),
-            Self::NoCurve(why) => write!(f, "the record gives no bias over temperature: {why}"),
+            Self::Uncertain { u_btc_dps_per_c, wanted_dps_per_c } => write!(
+                f,
+                "BTC would have a standard uncertainty of {u_btc_dps_per_c:.4} °/s/°C, and {wanted_dps_per_c} is the \
+                 most: plan for a wider span, or for more time"
+            ),
+            Self::NoCurve(ThermalError::TooFew { blocks, needed }) => write!(
+                f,
+                "the part was at rest for {blocks} means, and {needed} are the fewest that give a bias over \
+                 temperature: fix the part, or plan for longer"
+            ),
+            Self::NoCurve(ThermalError::Degenerate) => {
+                f.write_str("no bias over temperature explains the rate: check that the part was at rest")
+            }
             Self::Restless { share, limit } => write!(
                 f,
                 "the rate was not that of a part at rest in {:.0} % of the time, and {:.0} % is the most: fix the \
-                 part to the chamber's floor, on something that damps its fan",
+                 part to the chamber's floor, on something that damps its fan; and read it more often, if it is read \
+                 so seldom that its noise folds in",
                 share * 100.0,
                 limit * 100.0
             ),

@@ -47,6 +47,7 @@ pub struct Drive {
     truths: Vec<Truth>,
     next_tick_ns: u64,
     announced: Option<usize>,
+    is_resumed: bool,
 }
 
 /// What it came to.
@@ -58,6 +59,8 @@ pub struct Driven {
     /// The twin's truth at the end, of each axis.
     pub truths: Vec<Truth>,
     pub log_failed: Option<anyhow::Error>,
+    /// Some steps are of a run before.
+    pub is_resumed: bool,
 }
 
 impl Drive {
@@ -69,6 +72,7 @@ impl Drive {
         log: Option<Recorder>,
     ) -> Self {
         let layout = acquisition.facts().info.layout.clone();
+        let is_resumed = procedure.steps_done() > 0;
         let obeying = lead.as_ref().filter(|_| matches!(mover, Mover::Hand)).map(|_| SimulatedChamber::default());
         Self {
             lead,
@@ -85,6 +89,7 @@ impl Drive {
             truths: Vec::new(),
             next_tick_ns: 0,
             announced: None,
+            is_resumed,
         }
     }
 
@@ -96,9 +101,9 @@ impl Drive {
         }
         self.leave_chamber();
         driven?;
-        let Self { acquisition, procedure, kept, hash, truths, log_failed, lead, .. } = self;
+        let Self { acquisition, procedure, kept, hash, truths, log_failed, lead, is_resumed, .. } = self;
         drop(lead);
-        Ok(Driven { procedure, acquisition, kept, capture_sha256: hash.hex(), truths, log_failed })
+        Ok(Driven { procedure, acquisition, kept, capture_sha256: hash.hex(), truths, log_failed, is_resumed })
     }
 
     fn feed(&mut self) -> Result<()> {

@@ -3,12 +3,13 @@
 mod drive;
 mod kept;
 mod plan;
+mod result;
 
+use super::allan::picture::Kind;
 use super::serial::one_line;
 use crate::acquire::Acquisition;
 use crate::cli::{DeviceArgs, SamplingArgs};
 use crate::exit::Usage;
-use crate::interrupt;
 use crate::output::{Outputs, Staged, say};
 use crate::recorder::Recorder;
 use anyhow::Result;
@@ -16,7 +17,8 @@ use clap::Args;
 use drive::{Drive, Driven, Mover, TICK_NS};
 use kept::Kept;
 use plan::PlanFile;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
+use zerorate::EARTH_DPS;
 use zerorate::chamber::ChamberProcedure;
 use zerorate_data::capture::Format;
 use zerorate_host::{Air, Apart, ChamberSpec, SimulatedChamber};
@@ -38,7 +40,7 @@ pub struct ChamberArgs {
     plan: PathBuf,
 
     #[command(flatten)]
-    device: DeviceArgs,
+    pub device: DeviceArgs,
 
     #[command(flatten)]
     sampling: SamplingArgs,
@@ -54,6 +56,15 @@ pub struct ChamberArgs {
     #[arg(long, value_name = "F", default_value_t = 0.001)]
     max_lost: f64,
 
+    /// The component of the Earth's rotation on the part's axis, °/s, to subtract from the bias [default: it stays inside
+    /// PBC, and a warning says so].
+    #[arg(long, value_name = "X", allow_negative_numbers = true)]
+    earth_dps: Option<f64>,
+
+    /// Highest order of the bias over temperature that is tried, 1 to 3; the evidence decides which is taken.
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u8).range(1..=3))]
+    max_order: u8,
+
     /// Write the calibration file. It gets its name only when it is complete. Until then, the finished steps stand
     /// beside it in a file with `.chamber` after its name.
     #[arg(short, long, value_name = "FILE", help_heading = "Result")]
@@ -66,6 +77,11 @@ pub struct ChamberArgs {
     /// Begin anew where finished steps of an interrupted measurement are found.
     #[arg(long, help_heading = "Result")]
     restart: bool,
+
+    /// Write a page with the result, what the correction leaves over time and temperature, and the soak points; or that
+    /// over temperature alone, as .svg or .png.
+    #[arg(long, value_name = "FILE", help_heading = "Result")]
+    report: Option<PathBuf>,
 
     /// Record every sample to this file, from which `zerorate chamber PLAN --device replay:FILE` gives the same result.
     #[arg(long, value_name = "FILE", help_heading = "Result")]
@@ -85,11 +101,6 @@ pub struct ChamberArgs {
 }
 
 impl ChamberArgs {
-    /// Those that are read.
-    pub fn foreign_files(&self) -> Vec<&Path> {
-        self.device.file().into_iter().chain(PlanFile::path(&self.plan)).collect()
-    }
-
     /// What moves the air.
     fn chamber(&self) -> Result<Option<ChamberSpec>> {
         let is_replayed = self.device.file().is_some();
@@ -114,13 +125,22 @@ impl ChamberArgs {
 pub fn run(args: &ChamberArgs) -> Result<()> {
     let chamber = args.chamber()?;
     let plan = PlanFile::read(&args.plan, args.device.file().is_some())?;
+    limits(args)?;
+    let mut files = Files::claim(args)?;
+    let driven = drive(args, chamber, &plan, &mut files)?;
+    result::deliver(args, &plan, driven, files)
+}
+
+fn limits(args: &ChamberArgs) -> Result<()> {
     if !(0.0..=1.0).contains(&args.max_lost) {
         return Err(Usage(format!("--max-lost {}: give a share from 0 to 1", args.max_lost)).into());
     }
-    let mut files = Files::claim(args)?;
-    let driven = drive(args, chamber, &plan, &mut files)?;
-    say(format_args!("{} soak points", driven.procedure.record().soaks.len()));
-    Ok(())
+    match args.earth_dps {
+        Some(dps) if !(-EARTH_DPS..=EARTH_DPS).contains(&dps) => {
+            Err(Usage(format!("--earth-dps {dps}: give a number from -{EARTH_DPS} to {EARTH_DPS} °/s (F-16)")).into())
+        }
+        _ => Ok(()),
+    }
 }
 
 fn drive(args: &ChamberArgs, chamber: Option<ChamberSpec>, plan: &PlanFile, files: &mut Files) -> Result<Driven> {
@@ -172,14 +192,21 @@ fn mover(chamber: Option<&ChamberSpec>, is_simulated: bool) -> Result<Mover> {
 struct Files {
     outputs: Outputs,
     calibration: Option<Staged>,
+    report: Option<Staged>,
+    /// A picture in place of a page.
+    report_kind: Option<Kind>,
     log: Option<PathBuf>,
 }
 
 impl Files {
     fn claim(args: &ChamberArgs) -> Result<Self> {
-        let mut outputs = Outputs::new(args.force).printing().reading(args.foreign_files())?;
+        let mut outputs = Outputs::new(args.force)
+            .printing()
+            .reading(args.device.file().into_iter().chain(PlanFile::path(&args.plan)))?;
         Ok(Self {
             calibration: args.output.as_deref().map(|path| outputs.derived(path)).transpose()?,
+            report: args.report.as_deref().map(|path| outputs.derived(path)).transpose()?,
+            report_kind: args.report.as_deref().and_then(|path| Kind::of(path).ok()),
             log: args.log.clone(),
             outputs,
         })

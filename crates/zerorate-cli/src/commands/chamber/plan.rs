@@ -92,3 +92,33 @@ fn find(head: &csv::StringRecord) -> Option<[usize; 2]> {
     let [time, temp] = COLUMNS.map(|name| head.iter().position(|column| column == name));
     Some([time?, temp?])
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use adis16130_twin::facts::OVEN_MIN_C;
+    use zerorate::chamber::StepEnd;
+
+    /// The corners of F-57 as the twin has them, and the 210 minutes that are recorded.
+    #[test]
+    fn the_plan_of_f57_is_f57() {
+        let plan = PlanFile::read(Path::new("f57"), false).expect("it comes with the program").plan;
+        let (mut at_s, mut corners) = (0.0, vec![(0.0, 25.0)]);
+        for (index, step) in plan.steps.iter().enumerate() {
+            let StepEnd::Hold(hold_s) = step.end else { panic!("by the clock") };
+            let ramp_s = step.ramp_s(plan.course_c(index).0);
+            corners.extend((ramp_s > 0.0).then_some((at_s + ramp_s, step.to_c)));
+            at_s += ramp_s + hold_s;
+            corners.push((at_s, step.to_c));
+        }
+        let minutes: Vec<(f64, f64)> = corners.iter().map(|(s, c)| (s / 60.0, *c)).collect();
+        assert_eq!(minutes[..OVEN_MIN_C.len()], OVEN_MIN_C);
+        assert_eq!(minutes.last(), Some(&(210.0, 25.0)));
+    }
+
+    #[test]
+    fn the_other_plan_is_sound() {
+        let plan = PlanFile::read(Path::new("two-point"), false).expect("it comes with the program").plan;
+        assert_eq!(plan.span_c(), (15.0, 55.0));
+    }
+}

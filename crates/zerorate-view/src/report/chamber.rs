@@ -1,0 +1,97 @@
+//! The page of a measurement in a chamber.
+
+use super::{Fact, calibration_picture};
+use crate::plot::{ResidualPoint, residuals};
+use anyhow::Result;
+use askama::Template;
+use zerorate::Calibration;
+use zerorate::chamber::{ChamberOutcome, Record, Residual};
+
+/// What the page is made of.
+pub struct ChamberPage<'a> {
+    /// Its heading.
+    pub title: &'a str,
+    /// What came out.
+    pub calibration: &'a Calibration,
+    /// What was measured.
+    pub record: &'a Record,
+    /// Of each axis of the calibration.
+    pub outcomes: &'a [ChamberOutcome],
+    /// What there is to know beside it.
+    pub warnings: &'a [String],
+    /// What there is to say of each axis.
+    pub facts: Vec<Vec<Fact>>,
+}
+
+#[derive(Template)]
+#[template(path = "chamber.html")]
+struct Page<'a> {
+    title: &'a str,
+    below: String,
+    software: &'a str,
+    warnings: &'a [String],
+    axes: Vec<AxisPart>,
+}
+
+struct AxisPart {
+    name: Option<String>,
+    facts: Vec<Fact>,
+    correction: String,
+    over_time: String,
+    over_temperature: String,
+    points: Vec<Vec<String>>,
+}
+
+/// The page as HTML.
+///
+/// # Errors
+/// The template cannot be filled.
+pub fn chamber_page(page: ChamberPage<'_>) -> Result<String> {
+    let ChamberPage { title, calibration, record, outcomes, warnings, facts } = page;
+    let axes =
+        calibration.axes.iter().zip(outcomes).zip(facts).enumerate().map(|(index, ((axis, outcome), facts))| {
+            AxisPart {
+                name: (outcomes.len() > 1).then(|| axis.name.clone()),
+                facts,
+                correction: calibration_picture(axis, calibration.validity),
+                over_time: over_time(outcome),
+                over_temperature: over_temperature(outcome),
+                points: points(record, outcome, index),
+            }
+        });
+    let below = format!("calibration {}, {} soak points", calibration.id(), record.soaks.len());
+    Ok(Page { title, below, software: zerorate::SOFTWARE, warnings, axes: axes.collect() }.render()?)
+}
+
+/// What the correction leaves over the time of the measurement, as SVG.
+pub fn over_time(outcome: &ChamberOutcome) -> String {
+    picture("What the correction leaves over time", "time, min", outcome, |residual| residual.at_s / 60.0)
+}
+
+/// The loop: what the correction leaves over the temperature, as SVG.
+pub fn over_temperature(outcome: &ChamberOutcome) -> String {
+    picture("What the correction leaves over temperature", "temperature, °C", outcome, |residual| residual.temp_c)
+}
+
+fn picture(title: &str, x_name: &str, outcome: &ChamberOutcome, x: fn(&Residual) -> f64) -> String {
+    let point = |residual: &Residual| {
+        let &Residual { residual_dps, warming, .. } = residual;
+        ResidualPoint { x: x(residual), residual_dps, warming }
+    };
+    residuals(title, x_name, &outcome.residuals.iter().map(point).collect::<Vec<_>>())
+}
+
+fn points(record: &Record, outcome: &ChamberOutcome, axis: usize) -> Vec<Vec<String>> {
+    let row = |(soak, residual_dps): (&zerorate::chamber::Soak, &f64)| {
+        vec![
+            (soak.step + 1).to_string(),
+            format!("{:.1}", soak.set_c),
+            format!("{:.3}", soak.temp_c),
+            soak.rates_dps.get(axis).map_or(String::new(), |rate_dps| format!("{rate_dps:+.5}")),
+            format!("{residual_dps:+.5}"),
+            format!("{:+.4}", soak.drift_c_per_min),
+            if soak.settled { "yes" } else { "no" }.to_owned(),
+        ]
+    };
+    record.soaks.iter().zip(&outcome.soak_residuals_dps).map(row).collect()
+}

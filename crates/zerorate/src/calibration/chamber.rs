@@ -1,0 +1,91 @@
+//! The calibration that a measurement in a chamber amounts to.
+
+use super::{CalibratedAxis, Calibration, Origin, Run, noise_record, one_line};
+use crate::chamber::{ChamberOutcome, Record};
+use crate::estimate::Noise;
+use crate::part::Part;
+use crate::tally::Tally;
+use crate::{NamedAxis, Plan, Validity, Warning};
+use alloc::string::{String, ToString};
+use alloc::vec::Vec;
+
+/// How a chamber's run went, beside its record.
+#[derive(Clone, Debug)]
+pub struct ChamberRun<'a> {
+    /// Samples of this run, for its rates.
+    pub tally: &'a Tally,
+    /// Largest share of lost samples.
+    pub max_lost: f64,
+    /// Component of the Earth's rotation that was subtracted, °/s.
+    pub earth_dps: Option<f64>,
+    /// What there is to know beside the numbers.
+    pub warnings: &'a [Warning],
+}
+
+impl Calibration {
+    /// Of the axes of a part, in their order, whose bias over temperature was found from this record.
+    #[must_use]
+    pub fn of_chamber(
+        part: &Part,
+        record: &Record,
+        outcomes: &[ChamberOutcome],
+        run: &ChamberRun<'_>,
+        origin: Origin,
+    ) -> Self {
+        let warnings: Vec<String> = run.warnings.iter().map(|warning| one_line(&warning.to_string())).collect();
+        Self {
+            part: part.name.to_string(),
+            serial: origin.serial.as_deref().map(one_line),
+            created: origin.created.as_deref().map(one_line),
+            method: Some("chamber".to_string()),
+            software: Some(one_line(&origin.software)),
+            device: Some(one_line(&origin.device)),
+            config: Some(one_line(&origin.config)),
+            capture_sha256: Some(origin.capture_sha256).filter(|hash| !hash.is_empty()),
+            supply_note: origin.supply_note.as_deref().map(one_line),
+            warnings,
+            temp: part.axes.first().map(|first| first.axis.temp),
+            axes: part.axes.iter().zip(outcomes).map(|(axis, outcome)| calibrated(axis, outcome)).collect(),
+            validity: validity(part, record),
+            run: Some(of_run(record, run)),
+        }
+    }
+}
+
+fn calibrated(axis: &NamedAxis, outcome: &ChamberOutcome) -> CalibratedAxis {
+    CalibratedAxis {
+        name: axis.name.to_string(),
+        warnings: Vec::new(),
+        rate: Some(axis.axis.rate),
+        correction: outcome.curve.correction,
+        measured: None,
+        uncertainty: None,
+        noise: Some(noise_record(axis, &Noise { model: outcome.curve.noise, flicker_measured: true })),
+    }
+}
+
+fn validity(part: &Part, record: &Record) -> Option<Validity> {
+    let (temp_min_c, temp_max_c) = record.span_c()?;
+    Some(Validity { temp_min_c, temp_max_c, margin_c: part.axes.first()?.axis.temp_margin_c() })
+}
+
+/// A chamber's run has none of the steps of F-51.
+fn of_run(record: &Record, run: &ChamberRun<'_>) -> Run {
+    let &ChamberRun { tally, max_lost, earth_dps, .. } = run;
+    let ends = record.start_s.first().zip(record.start_s.last());
+    Run {
+        duration_s: ends.map_or(0.0, |(first_s, last_s)| last_s - first_s + 1.0),
+        rate_hz: tally.rate_hz(),
+        rdy_hz: tally.rdy_hz(),
+        samples: record.samples,
+        lost_samples: record.lost,
+        average_s: 0.0,
+        warmup_s: 0.0,
+        settle_s: 0.0,
+        offset_s: 0.0,
+        max_lost,
+        max_u_btc_dps_per_c: Plan::default().max_u_btc_dps_per_c,
+        earth_dps,
+        assume_linear: false,
+    }
+}
