@@ -277,8 +277,8 @@ impl Lines {
             Failure::Lost(error) => {
                 let patience_s = address.patience.as_secs();
                 let words = format!(
-                    "{address} is lost, and was not found again within {patience_s} s; check its cable, and that nobody \
-                     else is connected (patience_s=… waits longer)"
+                    "{address} is lost, and was not found again within {patience_s} s; check its cable, and that \
+                     nobody else is connected (patience_s=… waits longer)"
                 );
                 error.context(Told::new(Cause::Gone, words)).into()
             }

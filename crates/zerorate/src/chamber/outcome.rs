@@ -37,9 +37,9 @@ pub struct Residual {
 
 /// The loop that the bias goes through as the temperature goes up and down.
 ///
-/// `half_width_dps` is half of the mean bias while cooling less the mean while warming, over the temperatures that were
-/// passed in both directions, and with the other sign where the bias falls with the temperature: positive for a bias
-/// that follows late. Hysteresis and a lag of the sensing element both open it.
+/// `half_width_dps` is half of the mean bias while cooling less the mean while warming, over the temperatures that
+/// were passed in both directions, and with the other sign where the bias falls with the temperature: positive for a
+/// bias that follows late. Hysteresis and a lag of the sensing element both open it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Branches {
     /// Half of the distance, °/s.

@@ -1,6 +1,7 @@
 //! A measurement that was interrupted, as a text: what its finished steps measured.
 
 use super::record::{Record, Soak};
+use crate::calibration::check::sha256_hex;
 use crate::part::Part;
 use crate::toml_error::syntax;
 use alloc::format;
@@ -8,7 +9,6 @@ use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 use core::fmt;
 use serde::{Deserialize, Serialize};
-use sha2::{Digest, Sha256};
 
 /// Version of the text, and the only one that is read.
 const SCHEMA: u32 = 1;
@@ -169,10 +169,6 @@ impl Form {
             None => Ok(()),
         }
     }
-}
-
-fn sha256_hex(text: &str) -> String {
-    Sha256::digest(text.as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 #[cfg(test)]

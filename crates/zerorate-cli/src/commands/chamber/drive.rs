@@ -241,8 +241,8 @@ impl Drive {
                 if let Err(error) = chamber.end(safe_c) {
                     let error = anyhow::Error::from(error);
                     say(format_args!(
-                        "warning: chamber-left: the chamber could not be sent to {safe_c:.1} °C and may go on heating or \
-                         cooling: see to it ({error:#})"
+                        "warning: chamber-left: the chamber could not be sent to {safe_c:.1} °C and may go on heating \
+                         or cooling: see to it ({error:#})"
                     ));
                 }
             }
@@ -273,8 +273,8 @@ impl Drive {
             return anyhow::anyhow!("interrupted after {elapsed}, in {where_it_is}; nothing written{hint}");
         }
         anyhow::anyhow!(
-            "the recording ends after {elapsed}, in {where_it_is}: give the plan that it was recorded by, or a CSV of what \
-             the chamber did"
+            "the recording ends after {elapsed}, in {where_it_is}: give the plan that it was recorded by, or a CSV of \
+             what the chamber did"
         )
     }
 }

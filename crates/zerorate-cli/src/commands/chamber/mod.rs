@@ -26,12 +26,13 @@ use zerorate_view::duration::Seconds;
 
 /// Calibrates a part over the temperatures of a chamber.
 ///
-/// The plan says where the chamber goes: soak points, at which the part itself tells when it has settled and is averaged
-/// as long as its Allan deviation says, or ramps by the clock (docs/formats/plan.md). The whole recording then gives the
-/// bias over temperature with its uncertainty, its hysteresis and its lag.
+/// The plan says where the chamber goes: soak points, at which the part itself tells when it has settled and is
+/// averaged as long as its Allan deviation says, or ramps by the clock (docs/formats/plan.md). The whole recording
+/// then gives the bias over temperature with its uncertainty, its hysteresis and its lag.
 ///
-/// Without --chamber you are told what to set. Ctrl-C ends the measurement, keeps the steps that are finished beside the
-/// output, and the same command goes on from there. Of `twin:` the air follows a simulated chamber, as fast as it goes.
+/// Without --chamber you are told what to set. Ctrl-C ends the measurement, keeps the steps that are finished beside
+/// the output, and the same command goes on from there. Of `twin:` the air follows a simulated chamber, as fast as it
+/// goes.
 #[derive(Args, Debug)]
 pub struct ChamberArgs {
     /// The plan: a file, or f57 (210 minutes from 25 over −40 to +85 °C and back) or two-point (15, 55 and 15 °C); or,
@@ -56,8 +57,8 @@ pub struct ChamberArgs {
     #[arg(long, value_name = "F", default_value_t = 0.001)]
     max_lost: f64,
 
-    /// The component of the Earth's rotation on the part's axis, °/s, to subtract from the bias [default: it stays inside
-    /// PBC, and a warning says so].
+    /// The component of the Earth's rotation on the part's axis, °/s, to subtract from the bias [default: it stays
+    /// inside PBC, and a warning says so].
     #[arg(long, value_name = "X", allow_negative_numbers = true)]
     earth_dps: Option<f64>,
 
@@ -78,12 +79,13 @@ pub struct ChamberArgs {
     #[arg(long, help_heading = "Result")]
     restart: bool,
 
-    /// Write a page with the result, what the correction leaves over time and temperature, and the soak points; or that
-    /// over temperature alone, as .svg or .png.
+    /// Write a page with the result, what the correction leaves over time and temperature, and the soak points; or
+    /// that over temperature alone, as .svg or .png.
     #[arg(long, value_name = "FILE", help_heading = "Result")]
     report: Option<PathBuf>,
 
-    /// Record every sample to this file, from which `zerorate chamber PLAN --device replay:FILE` gives the same result.
+    /// Record every sample to this file, from which `zerorate chamber PLAN --device replay:FILE` gives the same
+    /// result.
     #[arg(long, value_name = "FILE", help_heading = "Result")]
     log: Option<PathBuf>,
 

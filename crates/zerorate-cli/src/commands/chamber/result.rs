@@ -156,8 +156,8 @@ fn of_run(args: &ChamberArgs, record: &Record, aliased: Option<Warning>) -> Vec<
 
 fn resumed(is_resumed: bool) -> Option<String> {
     is_resumed.then(|| {
-        "resumed: the measurement was interrupted; a part that was switched off in between may have another bias since, \
-         which shows as noise and is no part of the uncertainty. No one recording gives this result again"
+        "resumed: the measurement was interrupted; a part that was switched off in between may have another bias \
+         since, which shows as noise and is no part of the uncertainty. No one recording gives this result again"
             .to_owned()
     })
 }
@@ -167,8 +167,8 @@ fn wide_loop(outcome: &ChamberOutcome, axis: &str) -> Option<String> {
     let Branches { half_width_dps, u_dps, .. } = outcome.branches?;
     (half_width_dps.abs() > 3.0 * u_dps).then(|| {
         format!(
-            "hysteresis: axis {axis} lies {:.5} ± {:.5} °/s apart while cooling and while warming (half of it), which no \
-             curve over temperature corrects; the curve is that of the way on which the measurement ended",
+            "hysteresis: axis {axis} lies {:.5} ± {:.5} °/s apart while cooling and while warming (half of it), which \
+             no curve over temperature corrects; the curve is that of the way on which the measurement ended",
             half_width_dps,
             Uncertainty::FACTOR * u_dps
         )
