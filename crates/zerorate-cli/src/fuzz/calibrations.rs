@@ -89,7 +89,10 @@ margin_c = 1.4
 fn calibration() {
     let (measured, _) = Calibration::parse(CALIBRATION).expect("a calibration");
     let (axes, _) = Calibration::parse(AXES).expect("a calibration");
-    let seeds = [CALIBRATION, &measured.to_toml(), AXES, &axes.to_toml()].map(|text| text.as_bytes().to_vec());
+    let curves = AXES.replace("schema = 2", "schema = 3").replace("t3_c = 3 }", "t3_c = 3, btc2_dps_per_c2 = 4e-4 }");
+    Calibration::parse(&curves).expect("a calibration");
+    let seeds =
+        [CALIBRATION, &measured.to_toml(), AXES, &axes.to_toml(), &curves].map(|text| text.as_bytes().to_vec());
     edited(1500, &seeds, |bytes| {
         let Ok(text) = std::str::from_utf8(bytes) else { return };
         let Ok((calibration, _)) = Calibration::parse(text) else { return };

@@ -10,7 +10,7 @@ mod prefix;
 use super::correct::load;
 use super::{print, warn};
 use crate::exit::Usage;
-use crate::output::Outputs;
+use crate::output::{Outputs, say};
 use anyhow::{Result, ensure};
 use clap::{Args, ValueEnum};
 use layout::Layout;
@@ -118,9 +118,28 @@ pub fn run(args: &ExportArgs) -> Result<()> {
         Form::Kalibr => return Err(autopilot::no_place("kalibr")),
         Form::Ros => return Err(autopilot::no_place("ros")),
     };
+    if matches!(args.format, Form::Csv) {
+        export.tell_what_rows_lose();
+    }
     match &args.output {
         None => print(&text),
         Some(path) => Ok(outputs.derived(path)?.fill(text.as_bytes())?),
+    }
+}
+
+impl Export {
+    /// CSV has no place for it. Rows of a line lose nothing between them.
+    fn tell_what_rows_lose(&self) {
+        let Layout { step_c, span_c, .. } = self.layout;
+        for axis in self.calibration.axes.iter().filter(|axis| !axis.correction.is_line()) {
+            let (name, curve) = (&axis.name, &axis.correction);
+            say(format_args!(
+                "axis {name}: straight lines between rows are off the curve by up to {:.1e} °/s, the nearest row \
+                 by up to {:.1e} °/s",
+                curve.bend_dps(step_c, span_c),
+                curve.steepest_dps_per_c(span_c) * step_c / 2.0
+            ));
+        }
     }
 }
 
