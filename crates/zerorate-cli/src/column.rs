@@ -81,6 +81,13 @@ impl ColumnArgs {
         column::read_parts(path, files::log(path)?, wanted, &self.options())
     }
 
+    /// Reads the temperature of the log at `path`, by one of these names; none if it has none of them. What is said of
+    /// the unit of the other columns is not said of it.
+    pub fn read_temperature(&self, path: &Path, names: &[&str]) -> Option<Column> {
+        let options = ColumnOptions { column: None, unit: None, scale: None, ..self.options() };
+        temperature(path, names, &options)
+    }
+
     fn options(&self) -> ColumnOptions {
         let Self { column, topic, time_column, time_unit, rate, unit, scale, decimal, raw, max_bad } = self;
         ColumnOptions {
@@ -97,6 +104,15 @@ impl ColumnArgs {
             names: Names(flag),
         }
     }
+}
+
+/// The temperature of a log, by one of these names.
+pub fn temperature(path: &Path, names: &[&str], options: &ColumnOptions) -> Option<Column> {
+    let read = |name: &&str| {
+        let wanted = [(*name).to_owned()];
+        column::read_parts(path, files::log(path).ok()?, Wanted::Listed(&wanted), options).ok()?.pop()
+    };
+    names.iter().find_map(read)
 }
 
 /// All columns with numbers.

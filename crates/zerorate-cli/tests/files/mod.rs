@@ -17,6 +17,7 @@ mod logs_of_parts;
 mod noise_models;
 mod outputs;
 mod report;
+mod temperature;
 mod verify;
 
 use crate::harness::{Bench, PROGRAM, Run};

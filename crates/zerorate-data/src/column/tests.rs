@@ -548,3 +548,38 @@ fn a_capture_tells_what_it_lost() {
     let wide = "0,1,16777216,8,,0\n";
     assert!(folder.fails(format!("{head}{wide}"), "").contains("16777216 is no code of 24 bits"));
 }
+
+/// A number of samples counts those that are missing; a gap that is cut through is left out whole.
+#[test]
+fn the_beginning_is_left_out() {
+    let codes = |codes: &[i32], gaps: &[(usize, u64)]| Column {
+        name: "c".to_owned(),
+        series: Series::Codes(codes.to_vec()),
+        gaps: gaps.iter().map(|&(at, missing)| zerorate::allan::Gap { at, missing }).collect(),
+        rate_hz: 1.0,
+        quantity: None,
+        scale: 1.0,
+        warnings: Vec::new(),
+    };
+    let all = || codes(&[0, 1, 5, 6, 9], &[(2, 3), (4, 2)]); // 0 1 _ _ _ 5 6 _ _ 9
+    for (skipped, left) in [
+        (0, all()),
+        (1, codes(&[1, 5, 6, 9], &[(1, 3), (3, 2)])),
+        (2, codes(&[5, 6, 9], &[(2, 2)])),
+        (4, codes(&[5, 6, 9], &[(2, 2)])),
+        (5, codes(&[5, 6, 9], &[(2, 2)])),
+        (6, codes(&[6, 9], &[(1, 2)])),
+        (9, codes(&[9], &[])),
+        (10, codes(&[], &[])),
+        (u64::MAX, codes(&[], &[])),
+    ] {
+        let mut column = all();
+        column.skip(skipped);
+        assert_eq!(column, left, "{skipped}");
+    }
+    let mut numbers = Column { series: Series::Numbers(vec![0.5, 1.5, 2.5]), gaps: Vec::new(), ..all() };
+    numbers.skip(2);
+    assert_eq!(numbers.series, Series::Numbers(vec![2.5]));
+    numbers.skip(2);
+    assert!(numbers.series.is_empty());
+}

@@ -1,6 +1,6 @@
 //! What a noise model says of averaging.
 
-use super::{Fit, Term};
+use super::{AllanWarning, Fit, Term};
 
 /// Averaging times of AN-1042, s: steps 4 and 8 of F-51.
 pub const AN1042_TAUS_S: [f64; 2] = [10.0, 150.0];
@@ -47,12 +47,15 @@ const FLAT_WITHIN: f64 = 1.05;
 const STEPS_PER_OCTAVE: f64 = 32.0;
 
 /// Reads a fit as advice (F-53: how long to average is read off the Allan deviation); none where the model is
-/// rejected.
+/// rejected, and where the rate follows the temperature.
 #[must_use]
 pub fn advice(fit: &Fit) -> Option<Advice> {
     let within = |tau_s: f64| tau_s >= fit.span_s.0 && tau_s <= fit.span_s.1;
     let an1042 = AN1042_TAUS_S.map(|tau_s| within(tau_s).then(|| deviation(fit, tau_s)));
-    (!fit.is_rejected).then(|| Advice { averaging: averaging(fit), an1042 })
+    // a part that is warming would have to be averaged for as short as its drift is steep
+    let follows = |warning: &AllanWarning| matches!(warning, AllanWarning::FollowsTemperature { .. });
+    let is_of_noise = !fit.is_rejected && !fit.warnings.iter().any(follows);
+    is_of_noise.then(|| Advice { averaging: averaging(fit), an1042 })
 }
 
 fn averaging(fit: &Fit) -> Averaging {

@@ -5,6 +5,7 @@ mod advice;
 mod analysis;
 mod chi2;
 mod curve_fit;
+mod detrend;
 mod edf;
 #[cfg(feature = "std")]
 mod fit;
@@ -28,6 +29,7 @@ pub use advice::{AN1042_TAUS_S, Advice, Averaging, advice};
 pub use analysis::{Analysis, AnalysisError, Options, Point, Unavailable, analyse};
 pub use chi2::chi2_quantile;
 pub use curve_fit::{Coefficient, CurveError, CurveFit, Noise, fit_curve};
+pub use detrend::{DetrendError, Detrended, Follows, MOST_ORDER, detrend, follows_temperature};
 pub use edf::{Difference, edf, finite_difference_edf};
 #[cfg(feature = "std")]
 pub use fit::{

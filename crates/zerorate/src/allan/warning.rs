@@ -52,6 +52,8 @@ pub enum AllanWarning {
     OffCurve { tau_s: f64, ratio: f64, octaves: usize },
     /// The model is wrong by more than it may be.
     Rejected { error: f64, most: f64 },
+    /// The slow rate follows the temperature: `explained` is the share of its variance, `slope` that per °C.
+    FollowsTemperature { explained: f64, slope: f64, span_c: f64 },
     /// The record is too short to tell a coefficient from zero.
     NotIdentified { noise: Noise, record_s: f64, needed_s: f64 },
 }
@@ -80,6 +82,7 @@ impl AllanWarning {
             Self::Leakage { .. } => "leakage",
             Self::OffCurve { .. } => "off-curve",
             Self::Rejected { .. } => "model-rejected",
+            Self::FollowsTemperature { .. } => "follows-temperature",
             Self::NotIdentified { .. } => "not-identified",
         }
     }
@@ -106,6 +109,13 @@ impl fmt::Display for AllanWarning {
                 f,
                 "below {below_s:.3} s the curve falls as 1/τ: quantisation of the angle (Q = {q:.3e}) hides the white \
                  noise there; read with a finer step, or judge N at longer averages"
+            ),
+            Self::FollowsTemperature { explained, slope, span_c } => write!(
+                f,
+                "the rate follows the temperature: a line over it ({slope:.3e} per °C, {span_c:.1} °C) explains \
+                 {:.0} % of its slow variance, and K, B and drift describe that rather than noise; take it out, \
+                 leave out the beginning, or record a part that has settled",
+                explained * 100.0
             ),
             Self::Periodic { tau_s, ratio, frequency_hz } => write!(
                 f,

@@ -7,8 +7,9 @@ use zerorate::allan::{AllanWarning, LONGEST_RECORD_S};
 use zerorate_view::plot::number;
 
 /// Codes of findings, those that spoil most first. What is not among them comes before all: it is of the log.
-const BY_WEIGHT: [&str; 16] = [
+const BY_WEIGHT: [&str; 17] = [
     "model-rejected",
+    "follows-temperature",
     "short-record",
     "leakage",
     "off-curve",
@@ -123,6 +124,10 @@ fn condensed_words(warning: &AllanWarning, unit: &str) -> (String, String) {
         AllanWarning::OffCurve { tau_s, ratio, octaves } => said(
             format!("{octaves} octaves, {ratio:.2} times at {}", span(tau_s)),
             "the measured deviation is not the model's; do not use the model there",
+        ),
+        AllanWarning::FollowsTemperature { explained, span_c, .. } => said(
+            format!("{:.0} % of the slow variance, over {span_c:.1} °C", explained * 100.0),
+            "the rate follows the temperature, and K and B describe that; --detrend temp, --skip 45m, or record later",
         ),
         AllanWarning::ManySteps { most } => (
             String::new(),

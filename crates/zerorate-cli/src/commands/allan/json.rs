@@ -3,6 +3,7 @@
 use super::motion::{self, Motion};
 use super::pool::{self, Pool};
 use super::record::Record;
+use super::temperature;
 use super::units::{Named, coefficients, deviation_unit};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -81,7 +82,15 @@ pub struct Report<'a> {
     fit_error: Option<String>,
     cleaned: Cleaned,
     advice: Vec<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    detrend: Option<temperature::Json>,
+    #[serde(skip_serializing_if = "is_nothing")]
+    skipped_s: f64,
     warnings: &'a [String],
+}
+
+fn is_nothing(seconds: &f64) -> bool {
+    *seconds == 0.0
 }
 
 #[derive(Serialize)]
@@ -183,6 +192,8 @@ impl<'a> Report<'a> {
             fit_error: record.fit.as_ref().and_then(|fit| fit.as_ref().err()).map(ToString::to_string),
             cleaned: record.model().map(|fit| cleaned(&fit.cleaned)).unwrap_or_default(),
             advice: record.advice(),
+            detrend: temperature::json(record),
+            skipped_s: record.skipped_s,
             warnings: &record.warnings,
         }
     }

@@ -9,6 +9,7 @@ pub mod picture;
 mod pool;
 pub mod record;
 mod table;
+pub mod temperature;
 pub mod units;
 
 use super::{print, print_json, print_lines, warn};
@@ -21,6 +22,7 @@ use pool::Pool;
 use record::{Record, Way};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
+use temperature::TemperatureArgs;
 use zerorate::allan::{FitOptions, Options, Stat, Taus};
 use zerorate_data::LogError;
 use zerorate_data::column::Column;
@@ -85,6 +87,9 @@ pub struct AllanArgs {
     /// What to do before a fit where the level jumps and stays, up to three times.
     #[arg(long, value_enum, default_value = "remove")]
     steps: Steps,
+
+    #[command(flatten)]
+    temperature: TemperatureArgs,
 
     /// Draw the deviations with their intervals, the fit with its band and the averaging times of AN-1042: a .svg
     /// or .png.
@@ -166,6 +171,7 @@ impl AllanArgs {
             fit: self.wants_fit().then_some(fit),
             draws: self.report.is_some(),
             keeps_rate: self.pool,
+            settling: self.temperature.settling(),
         }
     }
 }
@@ -174,12 +180,16 @@ pub fn run(args: &AllanArgs) -> Result<()> {
     if args.pool {
         pool::check_statistic(args.stat)?;
     }
+    args.temperature.check(args.pool, args.data == Data::Phase)?;
     let files = Files::claim(args)?;
     let way = args.way();
     let mut records = Vec::new();
     for file in &args.files {
-        for column in args.columns(file)? {
-            records.push(Record::of(column, file, &way)?);
+        let columns = args.columns(file)?;
+        let temperature = args.temperature.read(file, |names| args.column.read_temperature(file, names))?;
+        let temperature = temperature.as_ref().filter(|_| args.data == Data::Rate);
+        for column in columns {
+            records.push(Record::of(column, file, &way, temperature)?);
         }
     }
     check_units(args, &records)?;
@@ -291,6 +301,7 @@ fn print_records(args: &AllanArgs, records: &[Record]) -> Result<()> {
         _ if args.csv => print(&table::csv(records)?),
         _ => records.iter().try_for_each(|record| {
             say(table::heading(record));
+            temperature::said(record).iter().for_each(say);
             print_lines(&table::text(record)?)?;
             if args.fit { print_lines(&table::coefficients_text(record)?) } else { Ok(()) }
         }),

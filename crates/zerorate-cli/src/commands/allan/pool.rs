@@ -189,6 +189,8 @@ fn together(used: &[&Record], fit: Fit) -> Record {
         rate: None,
         warnings: Vec::new(),
         look: None,
+        detrended: None,
+        skipped_s: 0.0,
     }
 }
 

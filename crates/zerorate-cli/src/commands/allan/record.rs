@@ -1,13 +1,14 @@
 //! One log on its way from file to result.
 
 use super::Data;
+use super::temperature::{self, Settled, Settling};
 use super::units;
 use crate::exit::Refused;
 use anyhow::{Context, Result, ensure};
 use std::path::{Path, PathBuf};
 use zerorate::allan::{
-    self, AllanWarning, Analysis, Averaging, Density, Expected, Fit, FitError, FitOptions, Input, Line, Options,
-    Point, Taus, Term,
+    self, AllanWarning, Analysis, Averaging, Density, Detrended, Expected, Fit, FitError, FitOptions, Input, Line,
+    Options, Point, Taus, Term,
 };
 use zerorate_data::column::{Column, Quantity, STANDARD_GRAVITY, Series};
 use zerorate_data::imu::{self, Axis, Kind};
@@ -30,6 +31,10 @@ pub struct Record {
     pub warnings: Vec<String>,
     /// What is drawn of it beside its curve; none unless that was asked for, and of a rate.
     pub look: Option<Look>,
+    /// The polynomial over temperature that was taken out.
+    pub detrended: Option<Detrended>,
+    /// What was left out at its beginning, s.
+    pub skipped_s: f64,
 }
 
 /// A record as one looks at it.
@@ -65,12 +70,15 @@ pub struct Way {
     pub draws: bool,
     /// The rate is needed for a model of several records.
     pub keeps_rate: bool,
+    /// What is left out, and taken out, before.
+    pub settling: Settling,
 }
 
 impl Record {
     /// Analyses a column of the log `file`.
-    pub fn of(mut column: Column, file: &Path, way: &Way) -> Result<Self> {
+    pub fn of(mut column: Column, file: &Path, way: &Way, temperature: Option<&Column>) -> Result<Self> {
         let mut warnings = std::mem::take(&mut column.warnings);
+        let Settled { detrended, follows, skipped_s } = way.settling.apply(&mut column, file, temperature)?;
         warnings.extend(gaps(way, file, &mut column));
         let samples = column.series.len();
         ensure!(
@@ -86,22 +94,28 @@ impl Record {
             (None, Series::Codes(codes)) => Input::Codes { codes, gaps: &column.gaps },
             (None, Series::Numbers(numbers)) => Input::Rate(numbers),
         };
-        let fit = way.fit.map(|fit| allan::fit(&input, column.rate_hz, &FitOptions { scale: column.scale, ..fit }));
+        let mut fit =
+            way.fit.map(|fit| allan::fit(&input, column.rate_hz, &FitOptions { scale: column.scale, ..fit }));
         // what was taken out before the fit is not in the curve either, or the two could not be compared
         let cleaned = fit.iter().flatten().find_map(|fit| fit.cleaned.rate.as_deref());
         let (input, scale) = cleaned.map_or((input, column.scale), |rate| (Input::Rate(rate), 1.0));
         let analyse = |taus: &Taus| {
             let options = Options { scale, taus: taus.clone(), ..way.options };
             let analysis = allan::analyse(&input, column.rate_hz, &options);
-            analysis.with_context(|| format!("cannot analyse {}", file.display()))
+            let analysis = analysis.with_context(|| format!("cannot analyse {}", file.display()))?;
+            anyhow::Ok(temperature::widened(analysis, detrended.as_ref(), way.options.confidence))
         };
         let analysis = analyse(&way.options.taus)?;
         let rate = (way.keeps_rate && cleaned.is_none()).then(|| input.rates(column.rate_hz, scale));
         let finer = way.draws_finely.then(|| analyse(&Taus::Fine)).transpose()?;
         let draws = way.draws && way.data == Data::Rate;
         let look = draws.then(|| Look::of(&column, file, cleaned)).transpose()?;
+        match &mut fit {
+            Some(Ok(fit)) => temperature::heed(fit, detrended.as_ref(), follows),
+            _ => warnings.extend(follows.as_ref().map(temperature::text)),
+        }
         let seen = fit.iter().flatten().flat_map(|fit| &fit.warnings);
-        warnings.extend(seen.map(|warning: &AllanWarning| format!("{}: {warning}", warning.code())));
+        warnings.extend(seen.map(temperature::text));
         Ok(Self {
             file: file.to_owned(),
             column: column.name,
@@ -113,6 +127,8 @@ impl Record {
             rate,
             warnings,
             look,
+            detrended,
+            skipped_s,
         })
     }
 
@@ -186,10 +202,18 @@ impl Record {
                 _ => None,
             };
         }
+        if self.follows_temperature() {
+            return None;
+        }
         let points = &self.analysis.points;
         let least = points.iter().min_by(|a, b| a.dev.total_cmp(&b.dev))?;
         let inside = least.m > points.first()?.m && least.m < points.last()?.m;
         inside.then_some((least.tau_s, least.dev))
+    }
+
+    /// Whether it is of a part whose rate follows its temperature.
+    fn follows_temperature(&self) -> bool {
+        self.warnings.iter().any(|warning| warning.starts_with("follows-temperature"))
     }
 
     /// What the fit advises, a sentence each; nothing where it is rejected.

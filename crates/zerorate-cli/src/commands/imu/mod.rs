@@ -5,10 +5,11 @@ mod json;
 mod text;
 
 use super::allan::record::{Record, Way};
+use super::allan::temperature::TemperatureArgs;
 use super::allan::units::span;
 use super::allan::{Data, findings, motion, page};
 use super::{print_json, print_lines, warn};
-use crate::column::{flag, listed, share};
+use crate::column::{flag, listed, share, temperature};
 use crate::exit::{Refused, Usage};
 use crate::output::{Outputs, Staged, say};
 use anyhow::Result;
@@ -98,6 +99,9 @@ pub struct ImuArgs {
     #[arg(long, value_name = "X", value_parser = factor, requires = "accel_unit")]
     accel_scale: Option<f64>,
 
+    #[command(flatten)]
+    temperature: TemperatureArgs,
+
     /// Write one self-contained HTML page: coefficients by axis, and for each kind its curves, spectra and records.
     #[arg(long, value_name = "PAGE")]
     report: Option<PathBuf>,
@@ -158,9 +162,12 @@ pub fn run(args: &ImuArgs) -> Result<()> {
     let of_log = [warnings, absent(args, &columns)].concat();
     let (fit, draws) = (Some(FitOptions::default()), page.is_some());
     let options = Options::default();
-    let way =
-        Way { data: Data::Rate, closes_gaps: false, options, draws_finely: draws, fit, draws, keeps_rate: false };
-    let analyse = |column| Record::of(column, &args.log, &way);
+    let (data, settling) = (Data::Rate, args.temperature.settling());
+    let (closes_gaps, draws_finely, keeps_rate) = (false, draws, false);
+    let way = Way { data, closes_gaps, options, draws_finely, fit, draws, keeps_rate, settling };
+    let log = args.options().log;
+    let temperature = args.temperature.read(&args.log, |names| temperature(&args.log, names, &log))?;
+    let analyse = |column| Record::of(column, &args.log, &way, temperature.as_ref());
     let axes: Vec<Record> = columns.into_iter().map(analyse).collect::<Result<_>>()?;
     let compared = sheet.as_ref().map(|sheet| datasheet::compare(sheet, &axes)).unwrap_or_default();
     if args.json {

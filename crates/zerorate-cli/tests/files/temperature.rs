@@ -1,0 +1,66 @@
+//! A capture of a warming part: what `allan` says of it, and what it does about it.
+
+use super::Bench;
+
+/// The end of K's interval, and whether there is advice.
+fn k(report: &serde_json::Value) -> (f64, f64) {
+    let end = |name: &str| report["fit"]["k"][name].as_f64().unwrap_or(f64::INFINITY);
+    (end("lo"), end("hi"))
+}
+
+fn codes(report: &serde_json::Value) -> Vec<&str> {
+    let warnings = report["warnings"].as_array().expect("warnings").iter().filter_map(|warning| warning.as_str());
+    warnings.filter_map(|warning| warning.split(": ").next()).collect()
+}
+
+/// Seed 4, 40 minutes from power-on: K is 1e-4 (M-04).
+#[test]
+fn a_warming_part_is_said_to_follow_its_temperature_and_can_be_analysed() {
+    let bench = Bench::new();
+    bench.zerorate("capture --device twin:seed=4 --duration 40m --divider 200 -o a.arrows").ended_with(0);
+    let warned = bench.zerorate("allan a.arrows --json").ended_with(0).json();
+    assert!(codes(&warned).contains(&"follows-temperature"), "{warned}");
+    assert_eq!(warned["advice"].as_array().map(Vec::len), Some(0), "{warned}");
+    assert!(k(&warned).0 > 1e-4, "what made the warning necessary: {warned}");
+
+    let detrended = bench.zerorate("allan a.arrows --json --detrend temp").ended_with(0).json();
+    assert!(!codes(&detrended).contains(&"follows-temperature"), "{detrended}");
+    let (lo, hi) = k(&detrended);
+    assert!(lo <= 1e-4 && hi >= 1e-4, "[{lo}, {hi}]");
+    let taken = &detrended["detrend"];
+    assert_eq!((taken["order"].as_u64(), taken["lost_dof"].as_u64()), (Some(1), Some(1)), "{taken}");
+    assert!(taken["explained"].as_f64().is_some_and(|share| share > 0.95), "{taken}");
+    assert!(taken["walk_kept"].as_f64().is_some_and(|share| (0.3..0.8).contains(&share)), "{taken}");
+    let skipped = bench.zerorate("allan a.arrows --json --skip 30m").ended_with(0).json();
+    assert!(skipped["skipped_s"].as_f64().is_some_and(|s| (s - 1800.0).abs() < 0.01), "{skipped}");
+    let samples = |report: &serde_json::Value| report["samples"].as_f64().expect("samples");
+    assert!((samples(&skipped) / samples(&warned) - 0.25).abs() < 1e-3);
+
+    let text = bench.zerorate("allan a.arrows --fit").ended_with(0).saying(&["--detrend temp", "--skip 45m"]);
+    assert!(!text.stdout.contains("average for about"), "{}", text.stdout);
+}
+
+#[test]
+fn what_cannot_be_taken_out_is_said() {
+    let bench = Bench::new();
+    let rows: String = (0..2000).map(|i| format!("{},{}\n", (i * 7919 % 101) as f64 * 0.01, 20 + i / 500)).collect();
+    bench.write("log.csv", format!("rate_dps,kelvin\n{rows}"));
+    let refuse = |line: &str, why: &[&str]| drop(bench.zerorate(line).ended_with(2).saying(why));
+    refuse("allan log.csv --rate 10 --column rate_dps --detrend temp", &["--temp-column", "temp_code"]);
+    refuse("allan log.csv --rate 10 --column rate_dps --detrend temp:4", &["temp:2"]);
+    refuse("allan log.csv --rate 10 --column rate_dps --detrend time", &["temp:2"]);
+    refuse("allan log.csv --rate 10 --column rate_dps --temp-column t", &["no column \"t\""]);
+    refuse("allan log.csv --rate 10 --column rate_dps --skip 1h", &["--skip leaves nothing"]);
+    refuse("allan log.csv --rate 10 --column rate_dps --pool --detrend temp --temp-column kelvin", &["--pool"]);
+    let line = "allan log.csv --rate 10 --column rate_dps --detrend temp --temp-column kelvin --json";
+    assert_eq!(bench.zerorate(line).ended_with(0).json()["detrend"]["order"], 1);
+    let line = "allan log.csv --rate 10 --column rate_dps --detrend temp:2 --temp-column kelvin";
+    bench.zerorate(line).ended_with(0).saying(&[
+        "less a polynomial of order 2",
+        "least squares over means of 128 parts",
+        "°/s/°C²",
+    ]);
+    // what is no noise is no result of imu either
+    let imu = "imu log.csv --rate 10 --column rate_dps --detrend temp --temp-column kelvin";
+    bench.zerorate(imu).ended_with(3).saying(&["rate_dps"]);
+}
