@@ -166,6 +166,9 @@ fn plans_and_chambers_that_make_no_sense_are_named() {
         let said = bench.zerorate(line).fails(2);
         assert!(said.contains(why), "{line}: {said}");
     }
+    let several = "chamber quick.toml --device twin:axes=3 --report u.svg";
+    let said = bench.zerorate(several).fails(2);
+    assert!(said.contains("a picture shows one axis"), "{said}");
     let said = bench.zerorate("chamber none.toml").fails(1);
     assert!(said.contains("no plan none.toml; f57 and two-point come with the program"), "{said}");
 }

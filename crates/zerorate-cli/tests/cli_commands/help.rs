@@ -2,11 +2,12 @@
 
 use super::zerorate;
 
-const COMMANDS: [&str; 14] = [
+const COMMANDS: [&str; 15] = [
     "probe",
     "capture",
     "calibrate",
     "recalibrate",
+    "chamber",
     "stream",
     "correct",
     "verify",

@@ -30,6 +30,33 @@ pub enum Mover {
     Chamber(Box<dyn Chamber>),
 }
 
+impl Mover {
+    /// The safe set point, tried once. What fails here is said and no more: the measurement has its own end.
+    pub fn leave(&mut self, safe_c: f64) {
+        match self {
+            Self::Nobody => {}
+            Self::Hand => say(format_args!("set the chamber to {safe_c:.1} °C, or switch it off")),
+            Self::Chamber(chamber) => {
+                if let Err(error) = chamber.end(safe_c) {
+                    let error = anyhow::Error::from(error);
+                    say(format_args!(
+                        "warning: chamber-left: the chamber could not be sent to {safe_c:.1} °C and may go on heating \
+                         or cooling: see to it ({error:#})"
+                    ));
+                }
+            }
+        }
+    }
+}
+
+/// Everything but the air, before the first sample.
+pub struct Ready {
+    pub acquisition: Acquisition,
+    pub procedure: ChamberProcedure,
+    pub kept: Kept,
+    pub log: Option<Recorder>,
+}
+
 /// A measurement that goes on. Whoever leads the air is dropped before whoever waits for it.
 pub struct Drive {
     lead: Option<Lead>,
@@ -64,13 +91,8 @@ pub struct Driven {
 }
 
 impl Drive {
-    pub fn new(
-        acquisition: Acquisition,
-        procedure: ChamberProcedure,
-        (mover, lead): (Mover, Option<Lead>),
-        kept: Kept,
-        log: Option<Recorder>,
-    ) -> Self {
+    pub fn new(ready: Ready, mover: Mover, lead: Option<Lead>) -> Self {
+        let Ready { acquisition, procedure, kept, log } = ready;
         let layout = acquisition.facts().info.layout.clone();
         let is_resumed = procedure.steps_done() > 0;
         let obeying = lead.as_ref().filter(|_| matches!(mover, Mover::Hand)).map(|_| SimulatedChamber::default());
@@ -99,7 +121,7 @@ impl Drive {
         if let Some(Err(error)) = self.log.take().map(Recorder::finish) {
             self.lose_log(error.into());
         }
-        self.leave_chamber();
+        self.mover.leave(self.procedure.plan().safe_c);
         driven?;
         let Self { acquisition, procedure, kept, hash, truths, log_failed, lead, is_resumed, .. } = self;
         drop(lead);
@@ -229,24 +251,6 @@ impl Drive {
         let temp = progress.temp_c.map_or(String::new(), |temp_c| format!(", part at {temp_c:.1} °C"));
         let text = format!("step {}/{}: {}{temp}", progress.step + 1, progress.steps, progress.state);
         meter.show_left(progress.elapsed_s, progress.left_s, text);
-    }
-
-    /// The safe set point, tried once. What fails here is said and no more: the measurement has its own end.
-    fn leave_chamber(&mut self) {
-        let safe_c = self.procedure.plan().safe_c;
-        match &mut self.mover {
-            Mover::Nobody => {}
-            Mover::Hand => say(format_args!("set the chamber to {safe_c:.1} °C, or switch it off")),
-            Mover::Chamber(chamber) => {
-                if let Err(error) = chamber.end(safe_c) {
-                    let error = anyhow::Error::from(error);
-                    say(format_args!(
-                        "warning: chamber-left: the chamber could not be sent to {safe_c:.1} °C and may go on heating \
-                         or cooling: see to it ({error:#})"
-                    ));
-                }
-            }
-        }
     }
 
     /// A log that fails is a failure, but no reason to throw away the measurement.

@@ -14,7 +14,7 @@ use crate::output::{Outputs, Staged, say};
 use crate::recorder::Recorder;
 use anyhow::Result;
 use clap::Args;
-use drive::{Drive, Driven, Mover, TICK_NS};
+use drive::{Drive, Driven, Mover, Ready, TICK_NS};
 use kept::Kept;
 use plan::PlanFile;
 use std::path::PathBuf;
@@ -147,10 +147,26 @@ fn limits(args: &ChamberArgs) -> Result<()> {
 
 fn drive(args: &ChamberArgs, chamber: Option<ChamberSpec>, plan: &PlanFile, files: &mut Files) -> Result<Driven> {
     // the chamber first: no hour is begun with one that does not answer
-    let mover = mover(chamber.as_ref(), args.device.device.is_simulated())?;
+    let mut mover = mover(chamber.as_ref(), args.device.device.is_simulated())?;
     let air = args.device.device.is_simulated().then(Air::default);
     let lead = air.as_ref().map(Air::lead);
+    match ready(args, plan, files, air) {
+        Ok(ready) => Drive::new(ready, mover, lead).run(),
+        Err(error) => {
+            mover.leave(plan.plan.safe_c);
+            Err(error)
+        }
+    }
+}
+
+/// The part and the files, before the first sample.
+fn ready(args: &ChamberArgs, plan: &PlanFile, files: &mut Files, air: Option<Air>) -> Result<Ready> {
+    let is_simulated = air.is_some();
     let mut acquisition = Acquisition::open_in(&args.device, args.sampling, air)?;
+    if files.report_kind.is_some() && acquisition.part().axes.len() > 1 {
+        let why = "a picture shows one axis, and this part has several: write a page (.html) as --report";
+        return Err(Usage(why.to_owned()).into());
+    }
     let info = acquisition.info(args.serial.as_deref(), args.supply_note.as_deref());
     let procedure = ChamberProcedure::new(acquisition.part(), plan.plan.clone(), args.max_lost);
     let mut procedure = procedure.map_err(|error| Usage(error.to_string()))?;
@@ -158,19 +174,15 @@ fn drive(args: &ChamberArgs, chamber: Option<ChamberSpec>, plan: &PlanFile, file
     let kept = Kept::new(state, &plan.text, acquisition.part(), &info.device, info.serial.as_deref());
     let kept = kept.in_real_time(acquisition.facts().is_real);
     if let Some((saved, gap_s)) = kept.found(args.restart)? {
-        say(format_args!(
-            "going on after step {} of {}, which ended {} before",
-            saved.steps,
-            plan.plan.steps.len(),
-            Seconds(gap_s)
-        ));
+        let (steps, all) = (saved.steps, plan.plan.steps.len());
+        say(format_args!("going on after step {steps} of {all}, which ended {} before", Seconds(gap_s)));
         procedure = procedure.resumed(saved.record, saved.steps, gap_s);
     }
-    if lead.is_some() {
+    if is_simulated {
         mark_ticks(&mut acquisition, &procedure);
     }
     let log = files.log(&info)?;
-    Drive::new(acquisition, procedure, (mover, lead), kept, log).run()
+    Ok(Ready { acquisition, procedure, kept, log })
 }
 
 /// Batches of a simulated part end where its chamber has moved the air: for as long as the plan can take at most.

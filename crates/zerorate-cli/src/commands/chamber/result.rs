@@ -165,12 +165,12 @@ fn resumed(is_resumed: bool) -> Option<String> {
 /// A loop that stands out is what no curve over temperature corrects.
 fn wide_loop(outcome: &ChamberOutcome, axis: &str) -> Option<String> {
     let Branches { half_width_dps, u_dps, .. } = outcome.branches?;
+    let (lag_s, half_u_dps) = (outcome.curve.following.lag_s, Uncertainty::FACTOR * u_dps);
     (half_width_dps.abs() > 3.0 * u_dps).then(|| {
         format!(
-            "hysteresis: axis {axis} lies {:.5} ± {:.5} °/s apart while cooling and while warming (half of it), which \
-             no curve over temperature corrects; the curve is that of the way on which the measurement ended",
-            half_width_dps,
-            Uncertainty::FACTOR * u_dps
+            "hysteresis: on axis {axis}, cooling and warming lie ±{half_width_dps:.5} ± {half_u_dps:.5} °/s about \
+             their mean, by hysteresis and a lag that is found as {lag_s:.0} s. No curve over temperature corrects \
+             that: this one is right where the temperature rests, on the way on which the measurement ended"
         )
     })
 }
