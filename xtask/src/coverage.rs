@@ -1,11 +1,11 @@
 //! `cargo xtask coverage`: calibrates many units of the twin and holds what is stated against their truth.
 
+use crate::seeds::{self, for_each_seed};
 use crate::trial::{self, FAULTS, Fault, Judged, Rig, Unit, judge};
 use adis16130::Sample;
 use adis16130_twin::Spec;
-use anyhow::{Context, anyhow, ensure};
+use anyhow::{Context, ensure};
 use std::ops::RangeInclusive;
-use std::sync::atomic::{AtomicU64, Ordering};
 use zerorate::{Axis, Correction, Plan, Reading, Uncertainty};
 
 /// How long the part is off before its second warm-up, s.
@@ -15,7 +15,7 @@ const OFF_S: u64 = 3600;
 #[derive(clap::Args)]
 pub struct Args {
     /// Units, by their seeds, both ends included
-    #[arg(long, default_value = "1..200", value_parser = parse_seeds, value_name = "A..B")]
+    #[arg(long, default_value = "1..200", value_parser = seeds::parse, value_name = "A..B")]
     seeds: RangeInclusive<u64>,
     /// Only the linear units: the intervals of PBC and BTC
     #[arg(long, conflicts_with = "default_units")]
@@ -31,13 +31,6 @@ pub struct Args {
     threads: usize,
 }
 
-fn parse_seeds(text: &str) -> Result<RangeInclusive<u64>, String> {
-    let (first, last) = text.split_once("..").ok_or("seeds are given as FIRST..LAST, for example 1..200")?;
-    let seed = |text: &str| text.trim_start_matches('=').parse().map_err(|_| format!("`{text}` is no seed"));
-    let (first, last) = (seed(first)?, seed(last)?);
-    if first > last { Err(format!("{first} lies behind {last}")) } else { Ok(first..=last) }
-}
-
 /// Runs both parts, or the one that was asked for.
 pub fn run(args: &Args) -> anyhow::Result<()> {
     if args.disturbed_units {
@@ -46,13 +39,13 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         return FAULTS.iter().try_for_each(|fault| report_fault(args, fault));
     }
     if !args.default_units {
-        let units = for_each_seed(args, linear_unit)?;
+        let units = for_each_seed(&args.seeds, args.threads, linear_unit)?;
         println!("{} linear units (curvature=0,hysteresis=0, --assume-linear), seeds {:?}:", units.len(), args.seeds);
         report_intervals("PBC", "°/s", units.iter().map(|unit| unit.pbc));
         report_intervals("BTC", "°/s/°C", units.iter().map(|unit| unit.btc));
     }
     if !args.linear_units {
-        let units = for_each_seed(args, default_unit)?;
+        let units = for_each_seed(&args.seeds, args.threads, default_unit)?;
         println!("{} default units, seeds {:?}:", units.len(), args.seeds);
         report_intervals("PBC", "°/s", units.iter().map(|unit| unit.judged.pbc));
         report_intervals("BTC", "°/s/°C", units.iter().map(|unit| unit.judged.btc));
@@ -75,7 +68,7 @@ struct DefaultUnit {
 
 /// A row of the table of `docs/reference/accuracy.md`.
 fn report_fault(args: &Args, fault: &Fault) -> anyhow::Result<()> {
-    let ended = for_each_seed(args, |seed| trial::run((fault.spec)(seed), Plan::default()))?;
+    let ended = for_each_seed(&args.seeds, args.threads, |seed| trial::run((fault.spec)(seed), Plan::default()))?;
     let count = |is: fn(&trial::Ended) -> bool| ended.iter().filter(|ended| is(ended)).count();
     let refused = count(|ended| matches!(ended, trial::Ended::Refused));
     let (silent, wrong) = (count(trial::Ended::is_silent), count(trial::Ended::is_wrong_and_silent));
@@ -103,24 +96,6 @@ fn report_intervals(name: &str, unit: &str, results: impl Iterator<Item = Judged
 fn rms(values: impl Iterator<Item = f64> + Clone) -> f64 {
     let count = values.clone().count() as f64;
     (values.map(|value| value * value).sum::<f64>() / count).sqrt()
-}
-
-/// Runs every seed on a few threads; results come in the order of the seeds.
-fn for_each_seed<T: Send>(args: &Args, unit: impl Fn(u64) -> anyhow::Result<T> + Sync) -> anyhow::Result<Vec<T>> {
-    let next = AtomicU64::new(*args.seeds.start());
-    let worker = || {
-        let seeds = std::iter::from_fn(|| Some(next.fetch_add(1, Ordering::Relaxed)));
-        let mine = seeds.take_while(|seed| args.seeds.contains(seed));
-        mine.map(|seed| Ok((seed, unit(seed).with_context(|| format!("seed {seed}"))?)))
-            .collect::<anyhow::Result<Vec<_>>>()
-    };
-    let mut results = std::thread::scope(|scope| -> anyhow::Result<Vec<(u64, T)>> {
-        let workers: Vec<_> = (0..args.threads.max(1)).map(|_| scope.spawn(worker)).collect();
-        let joined = workers.into_iter().map(|worker| worker.join().map_err(|_| anyhow!("a worker panicked"))?);
-        Ok(joined.collect::<anyhow::Result<Vec<_>>>()?.into_iter().flatten().collect())
-    })?;
-    results.sort_by_key(|(seed, _)| *seed);
-    Ok(results.into_iter().map(|(_, result)| result).collect())
 }
 
 fn linear_unit(seed: u64) -> anyhow::Result<Unit> {

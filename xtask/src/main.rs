@@ -13,8 +13,10 @@ mod coverage_allan;
 mod deny;
 mod dist;
 mod firmware;
+mod methods;
 mod python;
 mod rig;
+mod seeds;
 mod targets;
 mod test;
 mod tools;
@@ -39,6 +41,8 @@ enum Task {
     Test(test::Args),
     /// Calibrate many units of the twin and hold the stated uncertainties against their truth
     Coverage(coverage::Args),
+    /// Calibrate many units by every method, hold all against their truth, and write docs/reference/methods.md
+    Methods(methods::Args),
     /// Simulate records at rest and hold the fitted noise coefficients against their truth
     CoverageAllan(coverage_allan::Args),
     /// Time the Allan deviation beside its peers, which it installs, and print ratios
@@ -70,6 +74,7 @@ fn main() -> ExitCode {
     let done = match Cli::parse().task {
         Task::Test(args) => test::run(&args),
         Task::Coverage(args) => coverage::run(&args),
+        Task::Methods(args) => methods::run(&args),
         Task::CoverageAllan(args) => coverage_allan::run(&args),
         Task::BenchPeers(args) => bench_peers::run(&args),
         Task::Firmware(args) => firmware::run(&args),

@@ -96,7 +96,7 @@ impl fmt::Display for Step {
 ///
 /// thumbv7em-none-eabihf is a Cortex-M4F. thumbv6m-none-eabi is a Cortex-M0: it has no compare-and-swap, which the
 /// TOML parser behind the core's feature `file` needs. wasm32-unknown-unknown is the browser.
-const STEPS: [Step; 35] = [
+const STEPS: [Step; 36] = [
     Step::new("fmt", "fmt --all --check"),
     Step::new("clippy", "clippy --workspace --all-targets --all-features -- -D warnings"),
     Step::new("clippy-driver", "clippy -p adis16130 --all-targets -- -D warnings"),
@@ -179,6 +179,7 @@ const STEPS: [Step; 35] = [
     Step::new("bridge", "xtask bridge").at(Pace::Slow),
     Step::new("trust", "xtask trust --quick").at(Pace::Slow),
     Step::new("firmware", "xtask firmware").at(Pace::Beside),
+    Step::new("methods", "xtask methods --quick").at(Pace::Beside),
     Step::new("c", "xtask c").at(Pace::Beside),
     Step::new("deny", "xtask deny").at(Pace::Beside),
     Step::new("rig", "xtask rig").at(Pace::SlowAlone),

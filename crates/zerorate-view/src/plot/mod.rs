@@ -10,6 +10,7 @@ mod canvas;
 mod correction;
 mod curve;
 mod label;
+mod lines;
 mod multiples;
 #[cfg(feature = "png")]
 mod raster;
@@ -23,6 +24,7 @@ mod tests;
 pub use allan::{Curve, Mark, Minimum, Options, Point, PowerLaw, allan, an1042};
 pub use axes::number;
 pub use correction::{CorrectionCurve, CorrectionPoint, correction};
+pub use lines::{Lines, Panel, lines};
 pub use multiples::allan_multiples;
 #[cfg(feature = "png")]
 pub use raster::png;

@@ -248,3 +248,32 @@ fn what_stands_out_of_a_spectrum_is_named_once() {
     assert_eq!(attribute(&svg, "circle", "r").len(), 2);
     Document::parse(&spectra("", &[Spectrum::default()], "")).unwrap();
 }
+
+#[test]
+fn lines_share_a_scale_and_are_named_once() {
+    let panel = |label: &str, lines| Panel { label: label.to_owned(), lines };
+    let drawn = Lines {
+        title: "Residual".to_owned(),
+        names: vec!["one".to_owned(), "two".to_owned()],
+        x_name: "share, %".to_owned(),
+        y_name: "residual, °/h".to_owned(),
+        is_log: true,
+        rule: Some(20.0),
+        panels: vec![
+            panel("first", vec![vec![(0.0, 10.0), (100.0, 100.0)], vec![]]),
+            panel("second", vec![vec![(0.0, 10.0), (50.0, 0.0), (100.0, 1000.0)], vec![(0.0, 10.0), (100.0, 10.0)]]),
+        ],
+    };
+    let svg = lines(&drawn);
+    let found = texts(&svg);
+    for once in ["Residual", "one", "two", "first", "second", "share, %", "residual, °/h"] {
+        assert_eq!(found.iter().filter(|text| *text == once).count(), 1, "{once} in {found:?}");
+    }
+    let xml = Document::parse(&svg).unwrap();
+    let ways: Vec<&str> =
+        xml.descendants().filter_map(|node| node.attribute("d")).filter(|way| way.len() > 5).collect();
+    // what has no logarithm is left out, a line without points as well
+    assert_eq!(ways.iter().map(|way| way.matches('L').count()).collect::<Vec<_>>(), [1, 1, 1], "{ways:?}");
+    let dashed = xml.descendants().filter(|node| node.attribute("stroke-dasharray").is_some()).count();
+    assert_eq!(dashed, 2, "the rule in each panel");
+}

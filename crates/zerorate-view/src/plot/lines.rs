@@ -1,0 +1,114 @@
+//! Lines over one quantity, a panel for each case, the same lines in each.
+
+use super::allan::COLOURS;
+use super::axes::Axis;
+use super::canvas::{self, Anchor, INK, SMALL, clipped, line, path, stroke};
+use super::stack::Stack;
+use svg::node::element::Group;
+
+/// What is drawn, and how it is called.
+#[derive(Clone, Debug, Default)]
+pub struct Lines {
+    /// The heading.
+    pub title: String,
+    /// Names of the lines, the same in each panel.
+    pub names: Vec<String>,
+    /// Name of the horizontal axis.
+    pub x_name: String,
+    /// Name of the vertical axes.
+    pub y_name: String,
+    /// Whether the vertical axes are logarithmic; then what is not positive is left out.
+    pub is_log: bool,
+    /// A value to compare with: a dashed rule.
+    pub rule: Option<f64>,
+    /// One below the other.
+    pub panels: Vec<Panel>,
+}
+
+/// One case.
+#[derive(Clone, Debug, Default)]
+pub struct Panel {
+    /// What it is called.
+    pub label: String,
+    /// A line for each name; an empty one is left out.
+    pub lines: Vec<Vec<(f64, f64)>>,
+}
+
+const HEIGHT: f64 = 170.0;
+/// Where the names of the lines stand.
+const NAMES: f64 = 49.0;
+
+/// The picture as SVG; all panels on one scale.
+#[must_use]
+pub fn lines(lines: &Lines) -> String {
+    let stack = Stack {
+        title: &lines.title,
+        subtitle: "",
+        x_name: &lines.x_name,
+        y_name: &lines.y_name,
+        panels: lines.panels.len(),
+        height: HEIGHT,
+    };
+    let (x_range, y_range) = lines.ranges();
+    let x = Axis::linear(x_range.0, x_range.1, stack.across());
+    let mut paper = stack.paper().add(lines.legend(stack.across().0));
+    for (index, panel) in lines.panels.iter().enumerate() {
+        let upright = stack.upright(index);
+        let y = if lines.is_log {
+            Axis::log(y_range.0, y_range.1, upright)
+        } else {
+            Axis::linear(y_range.0, y_range.1, upright)
+        };
+        let area = stack.area(index);
+        let mut inside = clipped(&area);
+        if let Some(rule) = lines.rule {
+            let at = y.at(rule);
+            inside =
+                inside.add(line((area.left, at), (area.right, at)).set("stroke", INK).set("stroke-dasharray", "6 4"));
+        }
+        for (points, colour) in panel.lines.iter().zip(colours()) {
+            let drawn = points.iter().filter(|point| lines.shows(point)).map(|(to, value)| (x.at(*to), y.at(*value)));
+            inside = inside.add(stroke(path(drawn), colour, 1.8));
+        }
+        paper = paper.add(stack.frame(index, &x, &y)).add(inside).add(stack.name(index, &panel.label).0);
+    }
+    paper.to_string()
+}
+
+fn colours() -> impl Iterator<Item = &'static str> {
+    COLOURS.into_iter().cycle()
+}
+
+impl Lines {
+    fn shows(&self, (x, y): &(f64, f64)) -> bool {
+        x.is_finite() && y.is_finite() && (!self.is_log || *y > 0.0)
+    }
+
+    /// Of all points and the rule, with room for the names of the panels.
+    fn ranges(&self) -> ((f64, f64), (f64, f64)) {
+        let points = || {
+            let points = self.panels.iter().flat_map(|panel| panel.lines.iter().flatten());
+            points.copied().filter(|point| self.shows(point))
+        };
+        let x = range(points().map(|point| point.0));
+        let (low, high) = range(points().map(|point| point.1).chain(self.rule));
+        let room = 0.05 * (high - low);
+        (x, if self.is_log { (low, high) } else { (low - room, high + 4.0 * room) })
+    }
+
+    /// Their names in their colours, in a row below the heading.
+    fn legend(&self, left: f64) -> Group {
+        let mut at = left;
+        let name = |(name, colour): (&String, &'static str)| {
+            let text = canvas::text(name, (at, NAMES), Anchor::Start).set("fill", colour).set("font-weight", 600);
+            at += canvas::width(name, SMALL) + 22.0;
+            text
+        };
+        self.names.iter().zip(colours()).map(name).fold(Group::new(), Group::add)
+    }
+}
+
+fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    let (low, high) = values.fold((f64::MAX, f64::MIN), |(low, high), value| (low.min(value), high.max(value)));
+    if low <= high { (low, high) } else { (1.0, 1.0) }
+}

@@ -1,0 +1,29 @@
+//! ArduPilot's learning while it warms (INS_TCALn_ENABLE = 2), as `AP_InertialSensor_tempcal.cpp` and `polyfit.cpp` do
+//! it: the mean rate over each half degree of rise, at the middle of that; a cubic polynomial through these points,
+//! about 35 °C.
+//!
+//! Two things are left out. ArduPilot saves nothing before the temperature has risen by 10 °C, which a warm-up of 8 °C
+//! never does: here it may. And it throws the constant away, since each start takes the level anew from half a second
+//! of rate: here the level is that of the polynomial. Its low-pass on the temperature changes nothing at this noise.
+
+use super::least_squares::cubic;
+use super::unit::Recording;
+use zerorate::Correction;
+
+const RISE_C: f64 = 0.5;
+const REFERENCE_C: f64 = 35.0;
+
+pub fn fit(recording: &Recording) -> Option<Correction> {
+    let mut last_c = recording.means.first()?.temp_c;
+    let (mut sum_dps, mut count) = (0.0, 0.0);
+    let mut points = Vec::new();
+    for mean in &recording.means {
+        sum_dps += mean.rate_dps;
+        count += 1.0;
+        if mean.temp_c - last_c >= RISE_C {
+            points.push((0.5 * (mean.temp_c + last_c), sum_dps / count));
+            (last_c, sum_dps, count) = (mean.temp_c, 0.0, 0.0);
+        }
+    }
+    cubic(&points, REFERENCE_C)
+}

@@ -1,0 +1,68 @@
+//! What the noise leaves to know, whatever the method: generalised least squares with everything known but the
+//! coefficients and the walk.
+
+use super::least_squares::{Factor, dot};
+use super::unit::{Recording, TEMPS};
+use zerorate::noise::{NoiseModel, Window};
+use zerorate::thermal::Block;
+
+/// Windows that a recording is cut into.
+const WINDOWS: usize = 300;
+
+/// The standard uncertainty of the bias at the end, rms over the temperatures, of a polynomial of this order, °/s.
+pub fn u_dps(recording: &Recording, noise: &NoiseModel, order: usize) -> Option<f64> {
+    let windows = windows(recording);
+    let end_s = windows.last()?.start_s + windows.last()?.length_s;
+    let factor = Factor::new(covariance(&windows, noise, end_s))?;
+    let middle_c = recording.temps_c()[TEMPS / 2];
+    let column = |degree: i32| -> Vec<f64> {
+        factor.whiten(&windows.iter().map(|window| (window.temp_c - middle_c).powi(degree)).collect::<Vec<_>>())
+    };
+    let columns: Vec<Vec<f64>> = (0..=order as i32).map(column).collect();
+    let information = (0..=order).map(|i| (0..=i).map(|j| dot(&columns[i], &columns[j])).collect()).collect();
+    let information = Factor::new(information)?;
+    let variance = |temp_c: f64| {
+        let powers: Vec<f64> = (0..=order as i32).map(|degree| (temp_c - middle_c).powi(degree)).collect();
+        dot(&powers, &information.solve(&powers))
+    };
+    let sum: f64 = recording.temps_c().into_iter().map(variance).sum();
+    Some((sum / TEMPS as f64).sqrt())
+}
+
+fn windows(recording: &Recording) -> Vec<Block> {
+    let length_s = recording.means.len() as f64 * super::unit::MEAN_S / WINDOWS as f64;
+    (0..WINDOWS).map(|k| recording.window(k as f64 * length_s, (k + 1) as f64 * length_s)).collect()
+}
+
+/// Of the means of rates that the bias at the end is taken from: what the walk is away from its end is noise.
+fn covariance(windows: &[Block], noise: &NoiseModel, end_s: f64) -> Vec<Vec<f64>> {
+    let steady = noise.without_random_walk();
+    let one = |block: &Block| [Window { start_s: block.start_s, end_s: block.start_s + block.length_s, weight: 1.0 }];
+    let walk = noise.rate_random_walk_dps_per_rt_s.powi(2);
+    // windows have one length, so that their distance says all
+    let by_distance: Vec<f64> =
+        windows.iter().map(|other| steady.covariance(&one(&windows[0]), &one(other))).collect();
+    let shared_s = |i: usize, j: usize| {
+        let to_end_s = end_s - windows[i].start_s - windows[i].length_s;
+        to_end_s + windows[i].length_s / if i == j { 3.0 } else { 2.0 }
+    };
+    (0..windows.len()).map(|i| (0..=i).map(|j| by_distance[i - j] + walk * shared_s(i, j)).collect()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::unit::Kind;
+    use super::*;
+
+    /// Of white noise alone everything is known in closed form: N/√(2T) for a level.
+    #[test]
+    fn white_noise_alone_is_averaged_away() {
+        let white =
+            NoiseModel { white_dps_per_rt_hz: 0.0125, bias_instability_dps: 0.0, rate_random_walk_dps_per_rt_s: 0.0 };
+        let recording = Recording::warm_up(&Kind::Linear.spec(1, 0.0), 300.0);
+        let level = u_dps(&recording, &white, 0).unwrap();
+        assert!((level / (0.0125 / 600f64.sqrt()) - 1.0).abs() < 1e-6, "{level}");
+        let walking = NoiseModel { rate_random_walk_dps_per_rt_s: 1e-4, ..white };
+        assert!(u_dps(&recording, &walking, 0).unwrap() > 1.3 * level, "the last part of it counts most");
+    }
+}

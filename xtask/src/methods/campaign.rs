@@ -1,0 +1,112 @@
+//! Which methods are held against which units.
+
+use super::judged::{Fitted, Judged, Summary};
+use super::unit::{Kind, Recording, TEMPS};
+use super::{an1042, ardupilot, bound, gls, px4};
+use crate::seeds::for_each_seed;
+use crate::trial::HOUR_S;
+use adis16130_twin::Spec;
+use anyhow::Context;
+use std::ops::RangeInclusive;
+use zerorate::{Axis, Correction};
+
+/// A way from a recording to the bias over temperature.
+pub struct Method {
+    pub name: &'static str,
+    /// Takes a recording that heats and cools, where the others take AN-1042's hour.
+    cycles: bool,
+    fit: fn(&Recording) -> Option<Fitted>,
+}
+
+/// All of them, as the page lists them.
+pub const METHODS: [Method; 6] = [
+    Method { name: RAW, cycles: false, fit: |recording| Some(raw(recording).into()) },
+    Method { name: AN1042, cycles: false, fit: |recording| Some(an1042::fit(recording).into()) },
+    Method { name: "PX4-style", cycles: false, fit: |recording| px4::fit(recording).map(Fitted::from) },
+    Method { name: "ArduPilot-style", cycles: false, fit: |recording| ardupilot::fit(recording).map(Fitted::from) },
+    Method { name: WARMUP, cycles: false, fit: gls::fit },
+    Method { name: CYCLE, cycles: true, fit: gls::fit },
+];
+pub const RAW: &str = "raw";
+pub const AN1042: &str = "an1042";
+pub const WARMUP: &str = "warmup";
+pub const CYCLE: &str = "cycle";
+
+fn hour(spec: &Spec) -> Recording {
+    Recording::warm_up(spec, HOUR_S)
+}
+
+/// A user who measures the bias once, in the middle of the span, and knows it exactly.
+fn raw(recording: &Recording) -> Correction {
+    let middle_c = recording.temps_c()[TEMPS / 2];
+    Correction::line(-recording.truth.bias_dps(middle_c), 0.0, middle_c)
+}
+
+/// What is run, beside its units.
+#[derive(Clone, Copy)]
+pub struct Units<'a> {
+    pub seeds: &'a RangeInclusive<u64>,
+    pub threads: usize,
+    pub lag_s: f64,
+}
+
+impl Units<'_> {
+    /// Every method on every kind: a row for each kind, in it the methods.
+    pub fn by_method(&self) -> anyhow::Result<Vec<Vec<Summary>>> {
+        let of_kind = |kind: Kind| {
+            let one = |seed| {
+                let spec = kind.spec(seed, self.lag_s);
+                let (hour, cycle) = (hour(&spec), Recording::cycle(&spec));
+                let judge = |method: &Method| {
+                    let recording = if method.cycles { &cycle } else { &hour };
+                    Judged::of(recording, method.fit).with_context(|| format!("{} gave nothing", method.name))
+                };
+                METHODS.iter().map(judge).collect()
+            };
+            self.summaries(one)
+        };
+        Kind::ALL.into_iter().map(of_kind).collect()
+    }
+
+    /// The warm-up, ended at these times: a row for each kind.
+    pub fn by_length(&self, lengths_s: &[f64]) -> anyhow::Result<Vec<Vec<Summary>>> {
+        let of_kind = |kind: Kind| {
+            self.summaries(|seed| {
+                let recordings = Recording::warm_ups(&kind.spec(seed, self.lag_s), lengths_s);
+                recordings.iter().map(judged_warm_up).collect()
+            })
+        };
+        Kind::ALL.into_iter().map(of_kind).collect()
+    }
+
+    /// The warm-up of linear units with a rate random walk of so many times that of M-04.
+    pub fn by_walk(&self, factors: &[f64]) -> anyhow::Result<Vec<Summary>> {
+        self.summaries(|seed| {
+            let linear = Kind::Linear.spec(seed, self.lag_s);
+            let walking = |factor: &f64| Spec { rrw_dps_per_rt_s: factor * linear.rrw_dps_per_rt_s, ..linear.clone() };
+            factors.iter().map(|factor| judged_warm_up(&hour(&walking(factor)))).collect()
+        })
+    }
+
+    /// One summary for each of what a unit is judged by.
+    fn summaries(&self, one: impl Fn(u64) -> anyhow::Result<Vec<Judged>> + Sync) -> anyhow::Result<Vec<Summary>> {
+        let units = for_each_seed(self.seeds, self.threads, one)?;
+        let columns = units.first().map_or(0, Vec::len);
+        let column = |index: usize| units.iter().map(|unit| &unit[index]).collect::<Vec<_>>();
+        Ok((0..columns).map(|index| Summary::of(&column(index))).collect())
+    }
+}
+
+fn judged_warm_up(recording: &Recording) -> anyhow::Result<Judged> {
+    Judged::of(recording, gls::fit).context("the warm-up gave nothing")
+}
+
+/// The least that any method can leave of a unit whose bias is known to be of an order, with a rate random walk of so
+/// many times that of M-04, °/h.
+pub fn bound_dph(order: usize, factor: f64) -> anyhow::Result<f64> {
+    let typical = Axis::ADIS16130.typical_noise();
+    let walk = factor * typical.rate_random_walk_dps_per_rt_s;
+    let noise = zerorate::noise::NoiseModel { rate_random_walk_dps_per_rt_s: walk, ..typical };
+    let quiet = Spec { noise: false, ..Kind::Linear.spec(1, 0.0) };
+    Ok(3600.0 * bound::u_dps(&hour(&quiet), &noise, order).context("no bound")?)
+}

@@ -1,0 +1,24 @@
+//! What `calibrate --method warmup` and `cycle` do with their blocks, but for the steps, of which there are none here.
+
+use super::judged::Fitted;
+use super::unit::Recording;
+use zerorate::Axis;
+use zerorate::thermal::{self, Assumed};
+
+/// The highest order that is tried.
+const MAX_ORDER: usize = 3;
+
+pub fn fit(recording: &Recording) -> Option<Fitted> {
+    let blocks = recording.blocks();
+    let axis = Axis::ADIS16130;
+    let assumed = Assumed {
+        axis: &axis,
+        white_dps_per_rt_hz: axis.noise?.white_dps_per_rt_hz,
+        gauss_markov: &[],
+        steps_s: &[],
+        max_order: MAX_ORDER,
+        t3_c: blocks.last()?.temp_c,
+    };
+    let curve = thermal::fit(&blocks, &assumed).ok()?;
+    Some(Fitted { correction: curve.correction, covariance: Some(curve.covariance), order: Some(curve.order) })
+}

@@ -1,0 +1,172 @@
+//! One method on one recording, and many of these together.
+
+use super::unit::{Recording, TEMPS};
+use std::time::Instant;
+use zerorate::thermal::{self, TERMS};
+use zerorate::{Correction, Uncertainty};
+
+/// What a method makes of a recording.
+pub struct Fitted {
+    pub correction: Correction,
+    /// Covariance of its coefficients, where it states one.
+    pub covariance: Option<[[f64; TERMS]; TERMS]>,
+    /// The order that it chose, where it chooses.
+    pub order: Option<usize>,
+}
+
+impl From<Correction> for Fitted {
+    fn from(correction: Correction) -> Self {
+        Self { correction, covariance: None, order: None }
+    }
+}
+
+/// A result held against the truth at the end of the recording, at the temperatures seen, the lowest first.
+pub struct Judged {
+    errors_dps: [f64; TEMPS],
+    u_dps: Option<[f64; TEMPS]>,
+    order: Option<usize>,
+    fit_s: f64,
+}
+
+impl Judged {
+    /// None where the method gives none.
+    pub fn of(recording: &Recording, fit: impl FnOnce(&Recording) -> Option<Fitted>) -> Option<Self> {
+        let start = Instant::now();
+        let fitted = fit(recording)?;
+        let fit_s = start.elapsed().as_secs_f64();
+        let temps_c = recording.temps_c();
+        let Fitted { correction, covariance, order } = fitted;
+        Some(Self {
+            errors_dps: temps_c.map(|temp_c| correction.at(temp_c) + recording.truth.bias_dps(temp_c)),
+            u_dps: covariance.map(|all| temps_c.map(|temp_c| thermal::u_dps(&all, temp_c - correction.t3_c))),
+            order,
+            fit_s,
+        })
+    }
+
+    fn inside(&self) -> Option<[bool; TEMPS]> {
+        let u_dps = self.u_dps?;
+        Some(std::array::from_fn(|k| self.errors_dps[k].abs() <= Uncertainty::FACTOR * u_dps[k]))
+    }
+}
+
+/// From °/s to °/h.
+pub const DPH_PER_DPS: f64 = 3600.0;
+
+/// All units of a kind by one method.
+#[derive(Clone, Debug)]
+pub struct Summary {
+    /// Residual, rms over units and temperatures, °/h.
+    pub residual_dph: f64,
+    /// The same with each unit's mean over the temperatures taken out.
+    pub shape_dph: f64,
+    /// Residual at each temperature, rms over units, °/h.
+    pub at_temps_dph: [f64; TEMPS],
+    pub coverage: Option<Coverage>,
+    /// Shares of the orders that were chosen, %.
+    pub orders: Option<[f64; TERMS]>,
+    /// Median time of a fit, ms.
+    pub fit_ms: f64,
+}
+
+/// How honest the 95 % intervals are.
+#[derive(Clone, Copy, Debug)]
+pub struct Coverage {
+    /// Shares of units inside at each temperature, %.
+    pub at_temps: [f64; TEMPS],
+    /// Share of units that are inside at all temperatures at once, %.
+    pub everywhere: f64,
+    /// Error over standard uncertainty, rms.
+    pub ratio: f64,
+}
+
+impl Coverage {
+    pub fn mean(&self) -> f64 {
+        self.at_temps.iter().sum::<f64>() / TEMPS as f64
+    }
+
+    /// The share that is farthest from 95 %.
+    pub fn worst(&self) -> f64 {
+        let off = |share: &&f64| (**share - 100.0 * Uncertainty::COVERAGE).abs();
+        self.at_temps.iter().max_by(|a, b| off(a).total_cmp(&off(b))).copied().unwrap_or(0.0)
+    }
+}
+
+impl Summary {
+    pub fn of(all: &[&Judged]) -> Self {
+        let shape = |judged: &&Judged| {
+            let mean = judged.errors_dps.iter().sum::<f64>() / TEMPS as f64;
+            judged.errors_dps.map(|error| error - mean)
+        };
+        let at_temp = |k: usize| rms(all.iter().map(|judged| judged.errors_dps[k]));
+        Self {
+            residual_dph: DPH_PER_DPS * rms(all.iter().flat_map(|judged| judged.errors_dps)),
+            shape_dph: DPH_PER_DPS * rms(all.iter().flat_map(shape)),
+            at_temps_dph: std::array::from_fn(|k| DPH_PER_DPS * at_temp(k)),
+            coverage: coverage(all),
+            orders: orders(all),
+            fit_ms: 1e3 * median(all.iter().map(|judged| judged.fit_s).collect()),
+        }
+    }
+}
+
+fn coverage(all: &[&Judged]) -> Option<Coverage> {
+    let inside: Vec<[bool; TEMPS]> = all.iter().filter_map(|judged| judged.inside()).collect();
+    let share =
+        |holds: &dyn Fn(&[bool; TEMPS]) -> bool| percent(inside.iter().filter(|unit| holds(unit)).count(), all);
+    let ratios = all.iter().filter_map(|judged| Some((judged.errors_dps, judged.u_dps?)));
+    let ratios = ratios.flat_map(|(errors, u)| (0..TEMPS).map(move |k| errors[k] / u[k]));
+    (!inside.is_empty()).then(|| Coverage {
+        at_temps: std::array::from_fn(|k| share(&|unit| unit[k])),
+        everywhere: share(&|unit| unit.iter().all(|inside| *inside)),
+        ratio: rms(ratios),
+    })
+}
+
+fn orders(all: &[&Judged]) -> Option<[f64; TERMS]> {
+    all.iter().any(|judged| judged.order.is_some()).then(|| {
+        std::array::from_fn(|order| percent(all.iter().filter(|judged| judged.order == Some(order)).count(), all))
+    })
+}
+
+/// Zero of nothing; of an even number the upper one.
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(0.0)
+}
+
+fn percent<T>(count: usize, all: &[T]) -> f64 {
+    100.0 * count as f64 / all.len().max(1) as f64
+}
+
+pub fn rms(values: impl Iterator<Item = f64>) -> f64 {
+    let (sum, count) = values.fold((0.0, 0.0), |(sum, count), value| (sum + value * value, count + 1.0));
+    (sum / f64::max(count, 1.0)).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn judged(errors_dps: [f64; TEMPS], u_dps: f64, order: usize) -> Judged {
+        Judged { errors_dps, u_dps: Some([u_dps; TEMPS]), order: Some(order), fit_s: 0.002 }
+    }
+
+    #[test]
+    fn a_summary_is_what_its_units_say() {
+        let tilted = std::array::from_fn(|k| 0.001 * (k as f64 - 3.0));
+        let units = [judged([0.002; TEMPS], 0.002, 1), judged(tilted, 0.001, 2)];
+        let summary = Summary::of(&units.iter().collect::<Vec<_>>());
+        // squares of 1/1000 °/s: nine times 4, and 9 4 1 0 1 4 9 16 25
+        assert!((summary.residual_dph - 3.6 * (105.0f64 / 18.0).sqrt()).abs() < 1e-9, "{summary:?}");
+        // without their means, 2 and 1: nothing, and 16 9 4 1 0 1 4 9 16
+        assert!((summary.shape_dph - 3.6 * (60.0f64 / 18.0).sqrt()).abs() < 1e-9, "{summary:?}");
+        assert!((summary.at_temps_dph[3] - 3.6 * 2f64.sqrt()).abs() < 1e-9);
+        let coverage = summary.coverage.unwrap();
+        // the tilted one is inside from −1 to 1, at three temperatures of nine
+        assert_eq!((coverage.at_temps[0], coverage.at_temps[3], coverage.everywhere), (50.0, 100.0, 50.0));
+        assert_eq!(coverage.worst(), 50.0);
+        assert_eq!(summary.orders, Some([0.0, 50.0, 50.0, 0.0]));
+        assert!((summary.fit_ms - 2.0).abs() < 1e-9);
+    }
+}

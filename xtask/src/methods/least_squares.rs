@@ -1,0 +1,83 @@
+//! Symmetric equations, and the cubic polynomials that other software fits.
+
+use zerorate::Correction;
+
+/// The Cholesky factor of a matrix: rows of its lower triangle.
+pub struct Factor(Vec<Vec<f64>>);
+
+impl Factor {
+    /// Of the lower triangle of a symmetric matrix; none where that is not positive definite.
+    pub fn new(mut rows: Vec<Vec<f64>>) -> Option<Self> {
+        for i in 0..rows.len() {
+            let (above, rest) = rows.split_at_mut(i);
+            let row = &mut rest[0];
+            for (j, other) in above.iter().enumerate() {
+                row[j] = (row[j] - dot(&row[..j], &other[..j])) / other[j];
+            }
+            let pivot = row[i] - dot(&row[..i], &row[..i]);
+            if pivot.is_nan() || pivot <= 0.0 {
+                return None;
+            }
+            row[i] = pivot.sqrt();
+        }
+        Some(Self(rows))
+    }
+
+    /// What has unit covariance where `values` have the matrix's.
+    pub fn whiten(&self, values: &[f64]) -> Vec<f64> {
+        let mut white: Vec<f64> = Vec::with_capacity(values.len());
+        for (row, value) in self.0.iter().zip(values) {
+            white.push((value - dot(&row[..white.len()], &white)) / row[white.len()]);
+        }
+        white
+    }
+
+    /// The solution of the equations.
+    pub fn solve(&self, values: &[f64]) -> Vec<f64> {
+        let mut solution = self.whiten(values);
+        for i in (0..solution.len()).rev() {
+            let below: f64 = (i + 1..solution.len()).map(|k| self.0[k][i] * solution[k]).sum();
+            solution[i] = (solution[i] - below) / self.0[i][i];
+        }
+        solution
+    }
+}
+
+pub fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// Minus the cubic polynomial through temperatures and rates, all of one weight, about a reference temperature.
+pub fn cubic(points: &[(f64, f64)], reference_c: f64) -> Option<Correction> {
+    let powers = |temp_c: f64| [0, 1, 2, 3].map(|k| (temp_c - reference_c).powi(k));
+    let sum = |of: &dyn Fn(&[f64; 4], f64) -> f64| {
+        points.iter().map(|(temp_c, rate_dps)| of(&powers(*temp_c), *rate_dps)).sum::<f64>()
+    };
+    let rows = (0..4).map(|i| (0..=i).map(|j| sum(&|powers, _| powers[i] * powers[j])).collect()).collect();
+    let right: Vec<f64> = (0..4).map(|i| sum(&|powers, rate_dps| powers[i] * rate_dps)).collect();
+    let bias = Factor::new(rows)?.solve(&right);
+    Some(Correction {
+        pbc_dps: -bias[0],
+        btc_dps_per_c: -bias[1],
+        t3_c: reference_c,
+        btc2_dps_per_c2: -bias[2],
+        btc3_dps_per_c3: -bias[3],
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cubic_is_found_from_any_reference() {
+        let bias = |temp_c: f64| 0.3 - 0.04 * temp_c + 0.002 * temp_c * temp_c - 1e-5 * temp_c.powi(3);
+        let points: Vec<(f64, f64)> =
+            (0..40).map(|k| 25.0 + 0.2 * f64::from(k)).map(|temp_c| (temp_c, bias(temp_c))).collect();
+        for reference_c in [29.0, 35.0] {
+            let found = cubic(&points, reference_c).unwrap();
+            assert!((25..33).all(|temp_c| (found.at(temp_c.into()) + bias(temp_c.into())).abs() < 1e-6), "{found:?}");
+        }
+        assert!(cubic(&points[..3], 29.0).is_none(), "three points have no cubic");
+    }
+}

@@ -1,0 +1,74 @@
+//! `cargo xtask methods`: all ways to find the bias over temperature, against each other and against the truth of many
+//! units, written as docs/reference/methods.md.
+
+mod an1042;
+mod ardupilot;
+mod bound;
+mod campaign;
+mod gls;
+mod judged;
+mod least_squares;
+mod page;
+mod picture;
+mod px4;
+mod table;
+mod track;
+mod unit;
+
+use crate::seeds;
+use campaign::Units;
+use std::ops::RangeInclusive;
+use unit::Kind;
+
+/// What to run.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Units of each kind, by their seeds, both ends included
+    #[arg(long, default_value = "1..500", value_parser = seeds::parse, value_name = "A..B")]
+    seeds: RangeInclusive<u64>,
+    /// Lag of the lagging units, s
+    #[arg(long, default_value_t = 30.0, value_name = "S")]
+    lag_s: f64,
+    /// Units at once
+    #[arg(long, default_value_t = std::thread::available_parallelism().map_or(1, usize::from))]
+    threads: usize,
+    /// The methods alone, on three units of each kind; prints, and writes no page. As in `cargo xtask test`
+    #[arg(long, conflicts_with = "seeds")]
+    quick: bool,
+}
+
+const QUICK: RangeInclusive<u64> = 1..=3;
+/// The tables beside the methods take so much of the units.
+const SIDE_SHARE: u64 = 5;
+/// Seeds on which the short form of AN-1042 is held against the real procedure.
+const CHECKED: u64 = 5;
+
+/// Runs everything and writes the page with its pictures.
+pub fn run(args: &Args) -> anyhow::Result<()> {
+    let seeds = if args.quick { QUICK } else { args.seeds.clone() };
+    let units = Units { seeds: &seeds, threads: args.threads, lag_s: args.lag_s };
+    let methods = units.by_method()?;
+    println!("{}", table::overview(&methods));
+    if args.quick {
+        return Ok(());
+    }
+    let count = (seeds.end() - seeds.start() + 1).div_ceil(SIDE_SHARE);
+    let side = *seeds.start()..=seeds.start() + count - 1;
+    let side_units = Units { seeds: &side, ..units };
+    let results = page::Results {
+        methods,
+        lengths: side_units.by_length(&page::LENGTHS_MIN.map(|minutes| 60.0 * minutes))?,
+        walks: side_units.by_walk(&page::WALKS)?,
+        bounds_dph: page::WALKS.into_iter().map(|factor| campaign::bound_dph(1, factor)).collect::<Result<_, _>>()?,
+        tracking: track::days(&side, args.threads)?,
+        curved_bound_dph: campaign::bound_dph(2, 1.0)?,
+        checked: (*seeds.start()..=*seeds.end())
+            .take(CHECKED as usize)
+            .map(|seed| an1042::held_against_the_procedure(Kind::Linear.spec(seed, args.lag_s)))
+            .collect::<Result<_, _>>()?,
+        seeds: seeds.clone(),
+        side,
+        lag_s: args.lag_s,
+    };
+    page::write(&results)
+}

@@ -1,0 +1,171 @@
+//! docs/reference/methods.md and its pictures.
+
+use super::an1042::Difference;
+use super::campaign::{AN1042, CYCLE, METHODS, WARMUP};
+use super::judged::Summary;
+use super::picture;
+use super::table::{self, Goal};
+use super::track::Tracking;
+use super::unit::Kind;
+use anyhow::{Context, Result, ensure};
+use std::fs;
+use std::ops::RangeInclusive;
+
+const PAGE: &str = "docs/reference/methods.md";
+const TEMPLATE: &str = include_str!("methods.md.in");
+const RESIDUALS: &str = "docs/pictures/methods-residual.svg";
+const COVERAGE: &str = "docs/pictures/methods-coverage.svg";
+
+/// Lengths of the warm-up, min.
+pub const LENGTHS_MIN: [f64; 5] = [5.0, 10.0, 20.0, 53.0, 90.0];
+/// Rate random walks, in those of M-04.
+pub const WALKS: [f64; 4] = [0.0, 0.3, 1.0, 3.0];
+
+/// All that the page says.
+pub struct Results {
+    /// By kind, then by method.
+    pub methods: Vec<Vec<Summary>>,
+    /// By kind, then by length.
+    pub lengths: Vec<Vec<Summary>>,
+    /// By rate random walk.
+    pub walks: Vec<Summary>,
+    pub bounds_dph: Vec<f64>,
+    /// Of a quadratic bias under M-04.
+    pub curved_bound_dph: f64,
+    pub tracking: Tracking,
+    pub checked: Vec<Difference>,
+    pub seeds: RangeInclusive<u64>,
+    /// Of the tables beside the methods.
+    pub side: RangeInclusive<u64>,
+    pub lag_s: f64,
+}
+
+impl Results {
+    /// Of a linear bias under M-04.
+    fn bound_dph(&self) -> Result<f64> {
+        let index = WALKS.iter().position(|factor| *factor == 1.0).context("no row for M-04")?;
+        self.bounds_dph.get(index).copied().context("a bound is missing")
+    }
+}
+
+/// Writes the page and its pictures.
+pub fn write(results: &Results) -> Result<()> {
+    for (path, text) in [
+        (RESIDUALS, picture::residuals(&results.methods)),
+        (COVERAGE, picture::coverage(&results.methods)),
+        (PAGE, page(results)?),
+    ] {
+        fs::write(path, text).context(path)?;
+        println!("{path} is written");
+    }
+    Ok(())
+}
+
+fn page(results: &Results) -> Result<String> {
+    let seeds = |range: &RangeInclusive<u64>| format!("{}..{}", range.start(), range.end());
+    let most = |of: fn(&Difference) -> f64| results.checked.iter().map(of).map(f64::abs).fold(0.0, f64::max);
+    let entries = [
+        ("@SEEDS@", seeds(&results.seeds)),
+        ("@UNITS@", (results.seeds.end() - results.seeds.start() + 1).to_string()),
+        ("@SIDE@", seeds(&results.side)),
+        ("@LAG@", results.lag_s.to_string()),
+        ("@OVERVIEW@", table::overview(&results.methods)),
+        ("@GOALS@", table::goals(&goals(results))),
+        ("@INTERVALS@", table::intervals(&results.methods)),
+        ("@STATIC@", format!("{:.1}", results.tracking.static_dph)),
+        ("@TRACKED@", format!("{:.1}", results.tracking.tracked_dph)),
+        ("@TRACKED_INSIDE@", format!("{:.1}", results.tracking.inside)),
+        ("@TIMES@", table::times(&results.methods)),
+        ("@LENGTHS@", table::lengths(&LENGTHS_MIN, &results.lengths)),
+        ("@WALKS@", table::walks(&WALKS, &results.walks, &results.bounds_dph)),
+        ("@BOUND@", format!("{:.1}", results.bound_dph()?)),
+        ("@CURVED_BOUND@", format!("{:.1}", results.curved_bound_dph)),
+        ("@CHECKED@", results.checked.len().to_string()),
+        ("@CHECKED_PBC@", format!("{:.2}", 3600.0 * most(|difference| difference.pbc_dps))),
+        ("@CHECKED_BTC@", format!("{:.2}", 3600.0 * most(|difference| difference.btc_dps_per_c))),
+    ];
+    let text = entries.iter().fold(TEMPLATE.to_owned(), |text, (key, value)| text.replace(key, value));
+    ensure!(!text.contains('@'), "the template of {PAGE} has an unknown mark");
+    Ok(text)
+}
+
+/// The goals that the project set itself, and what came of them.
+fn goals(results: &Results) -> Vec<Goal> {
+    let summary = |kind: Kind, name: &str| {
+        let index = METHODS.iter().position(|method| method.name == name).unwrap_or_default();
+        &results.methods[kind as usize][index]
+    };
+    let times_better = |kind: Kind, least: f64| {
+        let (an1042, warmup) = (summary(kind, AN1042).residual_dph, summary(kind, WARMUP).residual_dph);
+        Goal {
+            what: format!("residual of {AN1042} over that of {WARMUP}, {} units", kind.name()),
+            goal: format!("at least {least}"),
+            measured: format!("{:.1} ({an1042:.1}/{warmup:.1} °/h)", an1042 / warmup),
+            is_met: an1042 / warmup >= least,
+        }
+    };
+    let covered = |name: &'static str, kind: Kind| {
+        let coverage = summary(kind, name).coverage?;
+        let (low, high) =
+            coverage.at_temps.iter().fold((100.0, 0.0), |(low, high), share| (share.min(low), share.max(high)));
+        Some(Goal {
+            what: format!("{name}, {} units inside their 95 % intervals, at each of nine temperatures", kind.name()),
+            goal: "93 to 97 %".to_owned(),
+            measured: format!("{low:.1} to {high:.1} %"),
+            is_met: low >= 93.0 && high <= 97.0,
+        })
+    };
+    let (warmup, cycle) = (summary(Kind::Lagging, WARMUP).residual_dph, summary(Kind::Lagging, CYCLE).residual_dph);
+    let cycle = Goal {
+        what: format!("residual of {WARMUP} over that of {CYCLE}, lagging units"),
+        goal: "at least 2".to_owned(),
+        measured: format!("{:.1} ({warmup:.1}/{cycle:.1} °/h)", warmup / cycle),
+        is_met: warmup / cycle >= 2.0,
+    };
+    let ratios = [times_better(Kind::Linear, 2.5), times_better(Kind::Curved, 6.0), cycle];
+    let intervals =
+        [WARMUP, CYCLE].into_iter().flat_map(|name| Kind::ALL.into_iter().filter_map(move |kind| covered(name, kind)));
+    ratios.into_iter().chain(intervals).chain(tracked(&results.tracking)).collect()
+}
+
+fn tracked(tracking: &Tracking) -> [Goal; 2] {
+    let Tracking { static_dph, tracked_dph, worse, units, .. } = tracking;
+    [
+        Goal {
+            what: "a day with 5 % of rest: residual of the calibration alone over that of track".to_owned(),
+            goal: "at least 3".to_owned(),
+            measured: format!("{:.1} ({static_dph:.1}/{tracked_dph:.1} °/h)", tracking.ratio()),
+            is_met: tracking.ratio() >= 3.0,
+        },
+        Goal {
+            what: "units that track makes worse".to_owned(),
+            goal: "none".to_owned(),
+            measured: format!("{worse} of {units}"),
+            is_met: *worse == 0,
+        },
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What of the template stands between its marks stands in the page as committed, in that order.
+    #[test]
+    fn the_page_is_the_templates() {
+        let page = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/reference/methods.md")).unwrap();
+        let mut rest = page.as_str();
+        for (index, piece) in TEMPLATE.split('@').enumerate() {
+            // marks and what is between them take turns
+            if index % 2 == 1 {
+                continue;
+            }
+            let at = rest.find(piece).unwrap_or_else(|| panic!("not in the page, or not there: {piece:?}"));
+            assert!(index > 0 || at == 0, "the page begins with something else");
+            rest = &rest[at + piece.len()..];
+        }
+        assert_eq!(rest, "", "the page goes on");
+        let first = METHODS.iter().all(|method| page.contains(&format!("\n| {} | ", method.name)));
+        assert!(first, "a method is missing: run `cargo xtask methods`");
+    }
+}

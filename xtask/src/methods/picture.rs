@@ -1,0 +1,63 @@
+//! The pictures of the page: residual and coverage over the temperatures seen.
+
+use super::campaign::{METHODS, RAW};
+use super::judged::Summary;
+use super::unit::{Kind, TEMPS};
+use zerorate::Uncertainty;
+use zerorate_view::plot::{Lines, Panel, lines};
+
+const SHARE: &str = "place in the temperatures seen, % from the lowest to the highest";
+
+/// Residual over temperature, a panel for each kind and a line for each method that corrects anything.
+pub fn residuals(methods: &[Vec<Summary>]) -> String {
+    let correcting: Vec<usize> = (0..METHODS.len()).filter(|index| METHODS[*index].name != RAW).collect();
+    lines(&Lines {
+        title: "What is left of the bias, rms over units".to_owned(),
+        names: names(&correcting),
+        x_name: SHARE.to_owned(),
+        y_name: "residual, °/h".to_owned(),
+        is_log: true,
+        rule: None,
+        panels: panels(&chosen(methods, &correcting), |summary| over(summary.at_temps_dph)),
+    })
+}
+
+/// Units inside their 95 % intervals over temperature, of the methods that state such.
+pub fn coverage(methods: &[Vec<Summary>]) -> String {
+    let states = |index: &usize| methods.iter().any(|of_kind| of_kind[*index].coverage.is_some());
+    let stating: Vec<usize> = (0..METHODS.len()).filter(states).collect();
+    lines(&Lines {
+        title: "Units inside their 95 % intervals".to_owned(),
+        names: names(&stating),
+        x_name: SHARE.to_owned(),
+        y_name: "inside, %".to_owned(),
+        is_log: false,
+        rule: Some(100.0 * Uncertainty::COVERAGE),
+        panels: panels(&chosen(methods, &stating), inside),
+    })
+}
+
+fn names(indices: &[usize]) -> Vec<String> {
+    indices.iter().map(|index| METHODS[*index].name.to_owned()).collect()
+}
+
+/// Of each kind these methods alone.
+fn chosen(methods: &[Vec<Summary>], indices: &[usize]) -> Vec<Vec<Summary>> {
+    methods.iter().map(|of_kind| indices.iter().map(|index| of_kind[*index].clone()).collect()).collect()
+}
+
+fn inside(summary: &Summary) -> Vec<(f64, f64)> {
+    summary.coverage.map_or(Vec::new(), |coverage| over(coverage.at_temps))
+}
+
+fn panels(methods: &[Vec<Summary>], line: impl Fn(&Summary) -> Vec<(f64, f64)>) -> Vec<Panel> {
+    let panel = |(kind, of_kind): (Kind, &Vec<Summary>)| Panel {
+        label: format!("{} units", kind.name()),
+        lines: of_kind.iter().map(&line).collect(),
+    };
+    Kind::ALL.into_iter().zip(methods).map(panel).collect()
+}
+
+fn over(values: [f64; TEMPS]) -> Vec<(f64, f64)> {
+    (0..TEMPS).map(|k| (100.0 * k as f64 / (TEMPS - 1) as f64, values[k])).collect()
+}

@@ -1,0 +1,110 @@
+//! The tables of the page, in Markdown.
+
+use super::campaign::METHODS;
+use super::judged::{Coverage, Summary};
+use super::unit::Kind;
+use std::fmt::Write;
+
+/// Rows under their heads.
+fn table(heads: &[&str], rows: impl IntoIterator<Item = Vec<String>>) -> String {
+    let mut text = format!("| {} |\n|{}", heads.join(" | "), "---|".repeat(heads.len()));
+    for row in rows {
+        // writing to a string cannot fail
+        let _ = write!(text, "\n| {} |", row.join(" | "));
+    }
+    text
+}
+
+/// Residuals of all methods on all kinds: as they are, and without the level.
+pub fn overview(methods: &[Vec<Summary>]) -> String {
+    let heads: Vec<&str> =
+        std::iter::once("residual, °/h (without the level)").chain(Kind::ALL.map(Kind::name)).collect();
+    let cell = |summary: &Summary| format!("{:.1} ({:.1})", summary.residual_dph, summary.shape_dph);
+    let row = |(index, method): (usize, &super::campaign::Method)| {
+        let cells = methods.iter().map(|of_kind| cell(&of_kind[index]));
+        std::iter::once(method.name.to_owned()).chain(cells).collect()
+    };
+    table(&heads, METHODS.iter().enumerate().map(row))
+}
+
+/// Intervals, orders and time of the methods that have such.
+pub fn intervals(methods: &[Vec<Summary>]) -> String {
+    let rows = METHODS.iter().enumerate().flat_map(|(index, method)| {
+        let of_kinds = Kind::ALL.into_iter().zip(methods).map(move |(kind, of_kind)| (kind, &of_kind[index]));
+        of_kinds.filter_map(|(kind, summary)| {
+            let Coverage { everywhere, ratio, .. } = summary.coverage?;
+            let (mean, worst) = (summary.coverage?.mean(), summary.coverage?.worst());
+            let orders = summary.orders?.map(|share| format!("{share:.0}")).join(" / ");
+            let shares = [mean, worst, everywhere].map(|share| format!("{share:.1}"));
+            let first = [method.name.to_owned(), kind.name().to_owned()];
+            Some(first.into_iter().chain(shares).chain([format!("{ratio:.2}"), orders]).collect())
+        })
+    });
+    let heads = [
+        "method",
+        "units",
+        "inside, % (mean of nine)",
+        "farthest from 95",
+        "all nine at once",
+        "rms(error/u)",
+        "order 0 / 1 / 2 / 3, %",
+    ];
+    table(&heads, rows)
+}
+
+/// How long a fit takes on one core.
+pub fn times(methods: &[Vec<Summary>]) -> String {
+    let mean = |index: usize| methods.iter().map(|of_kind| of_kind[index].fit_ms).sum::<f64>() / methods.len() as f64;
+    let row = |(index, method): (usize, &super::campaign::Method)| {
+        vec![method.name.to_owned(), format!("{:.1}", mean(index))]
+    };
+    table(&["method", "time of a fit, ms"], METHODS.iter().enumerate().map(row))
+}
+
+/// The warm-up by its length.
+pub fn lengths(lengths_min: &[f64], kinds: &[Vec<Summary>]) -> String {
+    let heads: Vec<&str> = std::iter::once("ended after, min").chain(Kind::ALL.map(Kind::name)).collect();
+    let row = |(index, minutes): (usize, &f64)| {
+        let cells = kinds.iter().map(|of_kind| with_coverage(&of_kind[index]));
+        std::iter::once(format!("{minutes:.0}")).chain(cells).collect()
+    };
+    table(&heads, lengths_min.iter().enumerate().map(row))
+}
+
+/// The warm-up by the rate random walk, beside the bound.
+pub fn walks(factors: &[f64], summaries: &[Summary], bounds_dph: &[f64]) -> String {
+    let row = |((factor, summary), bound_dph): ((&f64, &Summary), &f64)| {
+        let Summary { residual_dph, shape_dph, .. } = summary;
+        let cells = [
+            format!("{factor} × M-04"),
+            format!("{bound_dph:.1}"),
+            with_coverage(summary),
+            format!("{shape_dph:.1}"),
+            format!("{:.2}", residual_dph / bound_dph),
+        ];
+        cells.to_vec()
+    };
+    let heads = ["rate random walk", "bound, °/h", "warmup, °/h", "without the level, °/h", "warmup/bound"];
+    table(&heads, factors.iter().zip(summaries).zip(bounds_dph).map(row))
+}
+
+fn with_coverage(summary: &Summary) -> String {
+    let inside = summary.coverage.map_or(String::new(), |coverage| format!(", {:.0} % inside", coverage.mean()));
+    format!("{:.1}{inside}", summary.residual_dph)
+}
+
+/// A goal of the project, and what came of it.
+pub struct Goal {
+    pub what: String,
+    pub goal: String,
+    pub measured: String,
+    pub is_met: bool,
+}
+
+pub fn goals(goals: &[Goal]) -> String {
+    let row = |goal: &Goal| {
+        let verdict = if goal.is_met { "met" } else { "**missed**" };
+        vec![goal.what.clone(), goal.goal.clone(), goal.measured.clone(), verdict.to_owned()]
+    };
+    table(&["what", "goal", "measured", ""], goals.iter().map(row))
+}

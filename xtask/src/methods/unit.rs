@@ -1,0 +1,153 @@
+//! Units of four kinds, and what their hours look like.
+
+use adis16130_twin::{Mean, Means, Spec, Truth, facts};
+use zerorate::thermal::Block;
+
+/// How the bias of a unit depends on temperature.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    Linear,
+    Curved,
+    Lagging,
+    Hysteretic,
+}
+
+impl Kind {
+    pub const ALL: [Self; 4] = [Self::Linear, Self::Curved, Self::Lagging, Self::Hysteretic];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Linear => "linear",
+            Self::Curved => "curved",
+            Self::Lagging => "lagging",
+            Self::Hysteretic => "hysteretic",
+        }
+    }
+
+    /// The unit of a seed: a tempco of 0.04 °/s/°C (F-05) and a self-heating of 8 °C (M-03), whatever else is drawn.
+    pub fn spec(self, seed: u64, lag_s: f64) -> Spec {
+        let unit = Spec::from_seed(seed);
+        let linear = Spec {
+            tempco_dps_per_c: facts::TEMPCO_DPS_PER_C,
+            warmup_c: facts::WARMUP_C,
+            curvature_dps_per_c2: 0.0,
+            hysteresis_dps: 0.0,
+            lag_s: 0.0,
+            ..unit
+        };
+        match self {
+            Self::Linear => linear,
+            Self::Curved => Spec { curvature_dps_per_c2: unit.curvature_dps_per_c2, ..linear },
+            Self::Lagging => Spec { lag_s, ..linear },
+            Self::Hysteretic => Spec { hysteresis_dps: unit.hysteresis_dps, ..linear },
+        }
+    }
+}
+
+/// Temperatures at which a method is judged: evenly over those that were seen.
+pub const TEMPS: usize = 9;
+/// Length of a mean that a recording is kept in, s.
+pub const MEAN_S: f64 = 0.1;
+/// Means of a block of a fit, at least: 2 s.
+const LEAST_MEANS: usize = 20;
+/// Blocks of a fit, at most, as `calibrate` has them.
+const MOST_BLOCKS: usize = 1600;
+
+/// A recording from power-on, and the truth at its end.
+#[derive(Clone)]
+pub struct Recording {
+    /// Means over 0.1 s without a gap.
+    pub means: Vec<Mean>,
+    pub truth: Truth,
+}
+
+impl Recording {
+    /// A warm-up in still air.
+    pub fn warm_up(spec: &Spec, length_s: f64) -> Self {
+        let mut unit = Unit::new(spec);
+        unit.record(length_s);
+        unit.recording()
+    }
+
+    /// Warm-ups of one unit that end at these times, the shortest first.
+    pub fn warm_ups(spec: &Spec, lengths_s: &[f64]) -> Vec<Self> {
+        let mut unit = Unit::new(spec);
+        let until = |length_s: &f64| {
+            unit.record(length_s - unit.length_s());
+            unit.recording()
+        };
+        lengths_s.iter().map(until).collect()
+    }
+
+    /// A warm-up, and the air cooled by 8 °C and warmed again, at 1 °C/min: 20 min, 8 + 12 min, 8 + 22 min.
+    pub fn cycle(spec: &Spec) -> Self {
+        const SWING_C: f64 = 8.0;
+        const SLOPE_S: f64 = 480.0;
+        let mut unit = Unit::new(spec);
+        unit.record(1200.0);
+        unit.means.set_ambient(spec.ambient_c - SWING_C, SLOPE_S);
+        unit.record(SLOPE_S + 720.0);
+        unit.means.set_ambient(spec.ambient_c, SLOPE_S);
+        unit.record(SLOPE_S + 1320.0);
+        unit.recording()
+    }
+
+    /// As a fit takes it.
+    pub fn blocks(&self) -> Vec<Block> {
+        self.means.chunks_exact(self.means.len().div_ceil(MOST_BLOCKS).max(LEAST_MEANS)).map(block).collect()
+    }
+
+    /// Lowest and highest temperature of the blocks, °C.
+    pub fn span_c(&self) -> (f64, f64) {
+        let temps = self.blocks().into_iter().map(|block| block.temp_c);
+        temps.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), temp_c| (low.min(temp_c), high.max(temp_c)))
+    }
+
+    /// The temperatures at which it is judged, °C.
+    pub fn temps_c(&self) -> [f64; TEMPS] {
+        let (low_c, high_c) = self.span_c();
+        std::array::from_fn(|k| low_c + (high_c - low_c) * k as f64 / (TEMPS - 1) as f64)
+    }
+
+    /// The mean of a window, s.
+    pub fn window(&self, from_s: f64, to_s: f64) -> Block {
+        let index = |at_s: f64| ((at_s / MEAN_S).round() as usize).min(self.means.len());
+        block(&self.means[index(from_s)..index(to_s)])
+    }
+}
+
+/// A unit that is on.
+struct Unit {
+    means: Means,
+    seen: Vec<Mean>,
+}
+
+impl Unit {
+    fn new(spec: &Spec) -> Self {
+        Self { means: Means::new(spec, 1), seen: Vec::new() }
+    }
+
+    fn length_s(&self) -> f64 {
+        self.seen.len() as f64 * MEAN_S
+    }
+
+    fn record(&mut self, length_s: f64) {
+        let count = (length_s / MEAN_S).round() as usize;
+        self.seen.extend(std::iter::repeat_with(|| self.means.next_mean()).take(count));
+    }
+
+    fn recording(&mut self) -> Recording {
+        Recording { means: self.seen.clone(), truth: self.means.truth() }
+    }
+}
+
+/// The mean of means that follow each other.
+fn block(means: &[Mean]) -> Block {
+    let mean = |of: fn(&Mean) -> f64| means.iter().map(of).sum::<f64>() / means.len() as f64;
+    Block {
+        start_s: means.first().map_or(0.0, |mean| mean.start_s),
+        length_s: means.len() as f64 * MEAN_S,
+        rate_dps: mean(|mean| mean.rate_dps),
+        temp_c: mean(|mean| mean.temp_c),
+    }
+}

@@ -1,0 +1,35 @@
+//! Units by their seeds, on a few threads.
+
+use anyhow::{Context, anyhow};
+use std::ops::RangeInclusive;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// `FIRST..LAST`, both ends included.
+pub fn parse(text: &str) -> Result<RangeInclusive<u64>, String> {
+    let (first, last) = text.split_once("..").ok_or("seeds are given as FIRST..LAST, for example 1..200")?;
+    let seed = |text: &str| text.trim_start_matches('=').parse().map_err(|_| format!("`{text}` is no seed"));
+    let (first, last) = (seed(first)?, seed(last)?);
+    if first > last { Err(format!("{first} lies behind {last}")) } else { Ok(first..=last) }
+}
+
+/// Runs every seed on a few threads; results come in the order of the seeds.
+pub fn for_each_seed<T: Send>(
+    seeds: &RangeInclusive<u64>,
+    threads: usize,
+    unit: impl Fn(u64) -> anyhow::Result<T> + Sync,
+) -> anyhow::Result<Vec<T>> {
+    let next = AtomicU64::new(*seeds.start());
+    let worker = || {
+        let all = std::iter::from_fn(|| Some(next.fetch_add(1, Ordering::Relaxed)));
+        let mine = all.take_while(|seed| seeds.contains(seed));
+        mine.map(|seed| Ok((seed, unit(seed).with_context(|| format!("seed {seed}"))?)))
+            .collect::<anyhow::Result<Vec<_>>>()
+    };
+    let mut results = std::thread::scope(|scope| -> anyhow::Result<Vec<(u64, T)>> {
+        let workers: Vec<_> = (0..threads.max(1)).map(|_| scope.spawn(worker)).collect();
+        let joined = workers.into_iter().map(|worker| worker.join().map_err(|_| anyhow!("a worker panicked"))?);
+        Ok(joined.collect::<anyhow::Result<Vec<_>>>()?.into_iter().flatten().collect())
+    })?;
+    results.sort_by_key(|(seed, _)| *seed);
+    Ok(results.into_iter().map(|(_, result)| result).collect())
+}
