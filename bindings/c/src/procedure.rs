@@ -5,7 +5,7 @@ use crate::correction::Correction;
 use crate::gyro::Sample;
 use crate::status::{self, Numbered, Status, ZERORATE_E_STATE};
 use zerorate::{
-    Action, Axis, Event, FixedProcedure, Outcome as CoreOutcome, Plan as CorePlan, Reading, Refusal, Remedy,
+    Action, Axis, Event, FixedProcedure, Measured, Outcome as CoreOutcome, Plan as CorePlan, Reading, Refusal, Remedy,
     State as CoreState, Warning, WindowWarnings,
 };
 
@@ -148,21 +148,25 @@ impl Plan {
             max_u_btc_dps_per_c: self.max_u_btc_dps_per_c,
             earth_dps: (!self.earth_dps.is_nan()).then_some(self.earth_dps),
             assume_linear: self.assume_linear != 0,
+            ..CorePlan::default()
         }
     }
 }
 
 impl Outcome {
     fn new(outcome: &CoreOutcome<WindowWarnings>) -> Self {
+        // the procedure on fixed memory is that of AN-1042, which has them
+        const NONE: Measured = Measured { b1_dps: f64::NAN, t1_c: f64::NAN, b2_dps: f64::NAN, t2_c: f64::NAN };
+        let means = outcome.means.unwrap_or(NONE);
         Self {
             correction: Correction::from_core(outcome.correction),
             u_pbc_dps: outcome.uncertainty.u_pbc_dps,
             u_btc_dps_per_c: outcome.uncertainty.u_btc_dps_per_c,
             u_t3_c: outcome.uncertainty.u_t3_c,
-            b1_dps: outcome.b1_dps,
-            b2_dps: outcome.b2_dps,
-            t1_c: outcome.t1_c,
-            t2_c: outcome.t2_c,
+            b1_dps: means.b1_dps,
+            b2_dps: means.b2_dps,
+            t1_c: means.t1_c,
+            t2_c: means.t2_c,
             temp_min_c: outcome.temp_min_c,
             temp_max_c: outcome.temp_max_c,
             white_dps_per_rt_hz: outcome.noise.model.white_dps_per_rt_hz,
@@ -307,6 +311,7 @@ pub unsafe extern "C" fn zerorate_procedure_step(procedure: *mut Procedure) -> S
             CoreState::Settle => 7,
             CoreState::Offset => 8,
             CoreState::FinalTemperature => 9,
+            CoreState::Recording => 11,
             CoreState::Done => 10,
         },
         Err(status) => status,

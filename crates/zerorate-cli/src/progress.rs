@@ -10,6 +10,9 @@ pub trait Watch {
     /// Sees how far it is, with every 4096th sample; false asks it to end.
     fn see(&mut self, progress: &Progress) -> bool;
 
+    /// What is to be said of the time that is left, beside that.
+    fn note(&mut self, _left: Option<String>) {}
+
     /// What whoever looks on calls the settings.
     fn names(&self) -> Names {
         flag
@@ -21,6 +24,7 @@ pub trait Watch {
 pub struct Meter {
     bar: ProgressBar,
     scale: f64,
+    note: Option<String>,
 }
 
 impl Meter {
@@ -30,7 +34,7 @@ impl Meter {
         let style = ProgressStyle::with_template("{msg:32} {wide_bar:.cyan/dim} {percent:>3} %  {eta} left ");
         // The template is a constant; were it wrong, the plain bar would still do.
         bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
-        Self { bar, scale: STEPS as f64 / total.max(f64::MIN_POSITIVE) }
+        Self { bar, scale: STEPS as f64 / total.max(f64::MIN_POSITIVE), note: None }
     }
 
     /// Shows how much of the measurement is over and what is being done. To be called every some thousand samples.
@@ -54,9 +58,14 @@ impl Meter {
 impl Watch for Meter {
     fn see(&mut self, progress: &Progress) -> bool {
         if !self.is_hidden() {
-            self.show(progress.elapsed_s, progress.state.to_string());
+            let step = self.note.clone().unwrap_or_else(|| progress.state.to_string());
+            self.show(progress.elapsed_s, step);
         }
         true
+    }
+
+    fn note(&mut self, left: Option<String>) {
+        self.note = left;
     }
 }
 

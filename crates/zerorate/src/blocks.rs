@@ -6,6 +6,7 @@ use crate::ledger::{Adjacent, BLOCK_NS, BLOCK_S, Ledger, Summary};
 use crate::part::Axis;
 use crate::procedure::{STATES, State};
 use crate::stationarity::{self, Verdict, adjacent};
+use crate::thermal;
 use alloc::vec::Vec;
 
 /// A ledger that keeps every block of 0.1 s: about a megabyte for the hour of F-51.
@@ -45,7 +46,9 @@ impl Ledger for Blocks {
         self.segments[state as usize].push(at_ns, judged);
     }
 
-    fn close(&mut self, _: State) {}
+    fn close(&mut self, state: State, end_ns: u64) {
+        self.segments[state as usize].end_ns = end_ns;
+    }
 
     fn summary(&self, state: State) -> Summary {
         self.segments[state as usize].summary(&self.axis)
@@ -53,7 +56,13 @@ impl Ledger for Blocks {
 
     fn verdict(&self, state: State) -> Verdict {
         let segment = &self.segments[state as usize];
-        stationarity::judge(&self.axis, &segment.block_rates_dps(&self.axis), segment.temp_slope_c_per_s(&self.axis))
+        match state {
+            State::Recording => segment.verdict_of_stretches(&self.axis),
+            _ => {
+                let (rates_dps, slope) = (segment.block_rates_dps(&self.axis), segment.temp_slope_c_per_s(&self.axis));
+                stationarity::judge(&self.axis, &rates_dps, slope)
+            }
+        }
     }
 }
 
@@ -82,6 +91,9 @@ impl Block {
 fn eighths(rates_dps: &[f64]) -> Adjacent {
     adjacent(rates_dps, (rates_dps.len() / 8).max(1))
 }
+
+/// Blocks in the parts of a recording in which rest is judged: 150 s.
+const STRETCH_BLOCKS: usize = 1500;
 
 /// The samples of one step of the procedure.
 #[derive(Clone, Debug, Default)]
@@ -154,6 +166,21 @@ impl Segment {
             temp_range_c: temps.iter().fold((f64::INFINITY, f64::NEG_INFINITY), range),
             temps: adjacent(&temps, 1),
         }
+    }
+
+    /// Rest in each part that is as long as the longest average of F-51, without what follows the temperature there: a
+    /// part may warm much faster at the start than in any of the averages.
+    fn verdict_of_stretches(&self, axis: &Axis) -> Verdict {
+        let judged = self.blocks.chunks(STRETCH_BLOCKS).map(|blocks| {
+            let block = |block: &Block| {
+                let (rate_dps, temp_c) = (block.rate_dps(axis)?, block.temp_c(axis)?);
+                Some(thermal::Block { start_s: 0.0, length_s: BLOCK_S, rate_dps, temp_c })
+            };
+            let blocks: Vec<thermal::Block> = blocks.iter().filter_map(block).collect();
+            stationarity::judge(axis, &thermal::without_temperature(&blocks), 0.0)
+        });
+        let moves = |verdict: &Verdict| matches!(verdict, Verdict::Moving { .. } | Verdict::Noisy { .. });
+        judged.into_iter().find(moves).unwrap_or(Verdict::AtRest)
     }
 
     /// Mean rates of the blocks that hold samples, °/s.

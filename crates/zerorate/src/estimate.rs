@@ -11,6 +11,7 @@ use crate::plan::Plan;
 use crate::procedure::{STATES, State};
 use crate::stationarity;
 use crate::tally::Tally;
+use crate::thermal::BiasCurve;
 use alloc::vec::Vec;
 
 /// Everything that the result rests on.
@@ -45,14 +46,8 @@ impl Evidence<'_> {
 /// The result of the procedure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outcome<W = Vec<Warning>> {
-    /// Mean rate of step 4, °/s.
-    pub b1_dps: f64,
-    /// Mean temperature of step 4, °C.
-    pub t1_c: f64,
-    /// Mean rate of step 6, °/s.
-    pub b2_dps: f64,
-    /// Mean temperature of step 6, °C.
-    pub t2_c: f64,
+    /// Steps 4 and 6 of F-51; none by another method.
+    pub means: Option<Measured>,
     /// PBC, BTC and T3.
     pub correction: Correction,
     /// How well each is known.
@@ -79,6 +74,19 @@ pub struct Outcome<W = Vec<Warning>> {
     pub plan: Plan,
     /// What there is to know beside the numbers.
     pub warnings: W,
+    /// The bias over temperature; none by AN-1042.
+    pub curve: Option<BiasCurve>,
+}
+
+/// Steps 4 and 6 of F-51.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "file", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+#[expect(missing_docs, reason = "the names of F-51, with their units")]
+pub struct Measured {
+    pub b1_dps: f64,
+    pub t1_c: f64,
+    pub b2_dps: f64,
+    pub t2_c: f64,
 }
 
 impl Outcome {
@@ -122,6 +130,24 @@ impl Uncertainty {
     pub const COVERAGE: f64 = 0.95;
     /// Factor of that interval, of the normal distribution.
     pub const FACTOR: f64 = 1.959_963_984_540_054;
+
+    /// What a curve says of PBC and BTC alone; nothing was measured of the rest, and it is zero.
+    pub(crate) fn of_curve(curve: &BiasCurve) -> Self {
+        let covariance = &curve.covariance;
+        Self {
+            u_b1_dps: 0.0,
+            u_b2_dps: 0.0,
+            u_t1_c: 0.0,
+            u_t2_c: 0.0,
+            u_pbc_dps: libm::sqrt(covariance[0][0]),
+            u_btc_dps_per_c: libm::sqrt(covariance[1][1]),
+            u_curvature_dps_per_c: 0.0,
+            u_t3_c: 0.0,
+            cov_pbc_btc: covariance[0][1],
+            cov_pbc_t3: 0.0,
+            drift_dps: 0.0,
+        }
+    }
 }
 
 /// The noise at the output: the white part as measured, the rest as far as the record shows it.
@@ -208,10 +234,7 @@ fn outcome<W>(
     let warnings = complete(warnings(seen, &level, &uncertainty, &noise, hour));
     let (tally, (temp_min_c, temp_max_c)) = (seen.tally, temperature_range(seen));
     Ok(Outcome {
-        b1_dps: slope.b1_dps,
-        t1_c: slope.t1_c,
-        b2_dps: slope.b2_dps,
-        t2_c: slope.t2_c,
+        means: Some(Measured { b1_dps: slope.b1_dps, t1_c: slope.t1_c, b2_dps: slope.b2_dps, t2_c: slope.t2_c }),
         correction,
         uncertainty,
         noise,
@@ -225,6 +248,7 @@ fn outcome<W>(
         temp_max_c,
         plan,
         warnings,
+        curve: None,
     })
 }
 

@@ -22,8 +22,8 @@ pub trait Ledger: Clone + core::fmt::Debug {
     /// A sample of the step that was opened last.
     fn push(&mut self, state: State, at_ns: u64, judged: &Judged);
 
-    /// The step is over.
-    fn close(&mut self, state: State);
+    /// The step is over, at this time.
+    fn close(&mut self, state: State, end_ns: u64);
 
     /// A step in numbers.
     fn summary(&self, state: State) -> Summary;

@@ -33,6 +33,7 @@ mod plan;
 pub mod plausible;
 mod procedure;
 mod reading;
+mod recording;
 mod remedy;
 pub mod resonance;
 mod running;
@@ -53,18 +54,19 @@ pub use correction::{Correction, CorrectionF32, TableError, TableRow, Validity};
 pub use corrector::{Corrected, Corrector, CorrectorConfig};
 #[cfg(all(feature = "file", feature = "std"))]
 pub use datasheet::{DataSheet, DataSheetError};
-pub use estimate::{Noise, Outcome, Uncertainty, WindowWarnings};
+pub use estimate::{Measured, Noise, Outcome, Uncertainty, WindowWarnings};
 pub use hour::{Deviation, Finding};
 pub use integer::{IntegerCorrection, IntegerError, IntegerForm};
 pub use integer_curve::{CurveError, CurveForm, IntegerCurve};
 pub use notice::{EARTH_DPS, Refusal, Warning};
 #[cfg(feature = "file")]
 pub use part::PartError;
-pub use part::{Axis, MAX_AXES, NamedAxis, NoiseSources, Part, Scale, TypicalBias, TypicalNoise};
+pub use part::{Axis, MAX_AXES, NamedAxis, NoiseSources, Part, Scale, SelfHeating, TypicalBias, TypicalNoise};
 pub use part_procedure::{AxisRefusal, PartProcedure};
-pub use plan::{Plan, PlanError};
+pub use plan::{Method, Plan, PlanError};
 pub use procedure::{Action, Event, FixedProcedure, Procedure, Progress, State};
 pub use reading::{Reading, Scan};
+pub use recording::{Forecast, Reached};
 pub use remedy::{Names, Remedy, Said, Say, Setting};
 pub use tally::Tally;
 

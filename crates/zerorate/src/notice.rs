@@ -59,6 +59,14 @@ pub enum Warning {
     RateOff { rate_hz: f64, nominal_hz: f64 },
     /// No temperature was read.
     NoTemperature,
+    /// A level that changed was taken out.
+    StepTaken { at_s: f64, size_dps: f64, u_dps: f64 },
+    /// The bias follows the temperature late; the curve is that in balance.
+    Late { lag_s: f64 },
+    /// One warming shows one branch of the hysteresis.
+    OneBranch { hysteresis_dps: Option<f64> },
+    /// The uncertainty that was asked for was not reached.
+    TargetMissed { u_dps: f64, target_dps: f64 },
 }
 
 impl Warning {
@@ -87,6 +95,10 @@ impl Warning {
             Self::Quiet { .. } => "quiet",
             Self::RateOff { .. } => "rate",
             Self::NoTemperature => "no-temperature",
+            Self::StepTaken { .. } => "step",
+            Self::Late { .. } => "lagging",
+            Self::OneBranch { .. } => "one-branch",
+            Self::TargetMissed { .. } => "target-missed",
         }
     }
 
@@ -113,6 +125,10 @@ impl Warning {
             Self::Losing { .. } => &[Remedy::FasterClock, Remedy::ReadTemperatureLess, Remedy::CheckDataReady],
             Self::RateOff { .. } => &[Remedy::CheckDataReady, Remedy::FasterClock],
             Self::NoTemperature => &[Remedy::ReadTemperatureMore],
+            Self::StepTaken { .. } => &[Remedy::LinearSupply, Remedy::CheckNothingMoved],
+            Self::Late { .. } => &[Remedy::WarmMoreSlowly],
+            Self::OneBranch { .. } => &[Remedy::HeatAndCool],
+            Self::TargetMissed { .. } => &[Remedy::GiveUpTarget, Remedy::Chamber],
         }
     }
 
@@ -214,6 +230,35 @@ impl Warning {
                 write!(f, "{rate_hz:.1} samples a second where {nominal_hz:.1} are expected")
             }
             Self::NoTemperature => f.write_str("no temperature was read"),
+            Self::StepTaken { at_s, size_dps, u_dps } => write!(
+                f,
+                "the rate stepped by {size_dps:+.4} ± {:.4} °/s at {at_s:.0} s; the step is taken out and in the \
+                 uncertainty, and the correction is that after it",
+                crate::estimate::Uncertainty::FACTOR * u_dps
+            ),
+            Self::Late { lag_s } => write!(
+                f,
+                "the bias follows the temperature sensor about {lag_s:.0} s late; the curve is that in balance, and a \
+                 temperature that changes by 1 °C a minute shifts the bias by what {:.1} °C do",
+                lag_s / 60.0
+            ),
+            Self::OneBranch { hysteresis_dps: Some(half_dps) } => write!(
+                f,
+                "one warming shows one branch of the hysteresis: after cooling the bias of a typical unit is {:.4} °/s \
+                 off, which is not in the uncertainty",
+                2.0 * half_dps
+            ),
+            Self::OneBranch { hysteresis_dps: None } => f.write_str(
+                "one warming shows one branch of the hysteresis: what cooling does is not known and not in the \
+                 uncertainty",
+            ),
+            Self::TargetMissed { u_dps, target_dps } => write!(
+                f,
+                "the correction is known to {:.1} °/h (standard uncertainty, rms over the temperatures seen), not to \
+                 the {:.1} °/h that were asked for: the part's own flicker and random walk do not allow it",
+                3600.0 * u_dps,
+                3600.0 * target_dps
+            ),
         }
     }
 }
@@ -321,6 +366,10 @@ pub enum Refusal {
     TooFew { window: State, samples: u64, needed: u64 },
     /// A window holds no temperature.
     NoTemperature { window: State },
+    /// The temperature did not rise and fall.
+    OneWay { rise_c: f64, fall_c: f64 },
+    /// A step of the rate cannot be told from what the temperature did.
+    StepOrTemperature { finding: Finding, u_btc_dps_per_c: f64, wanted_dps_per_c: f64 },
 }
 
 impl Refusal {
@@ -349,6 +398,8 @@ impl Refusal {
             Self::Stuttering { .. } => &[Remedy::CheckDataReady],
             Self::TooFew { .. } => &[Remedy::CheckDataReady, Remedy::SmallerDivider, Remedy::LongerAverage],
             Self::NoTemperature { .. } => &[Remedy::ReadTemperatureMore],
+            Self::OneWay { .. } => &[Remedy::HeatAndCool],
+            Self::StepOrTemperature { .. } => &[Remedy::LinearSupply, Remedy::CheckNothingMoved, Remedy::StartCold],
         }
     }
 
@@ -440,6 +491,17 @@ impl Refusal {
             Self::NoTemperature { window } => {
                 write!(f, "no temperature was read during {window}")
             }
+            Self::OneWay { rise_c, fall_c } => write!(
+                f,
+                "the temperature rose by {rise_c:.1} °C and fell by {fall_c:.1} °C: a cycle rises and falls by half of \
+                 its span at least"
+            ),
+            Self::StepOrTemperature { finding, u_btc_dps_per_c, wanted_dps_per_c } => write!(
+                f,
+                "{}, while the temperature changed as well, and the two cannot be told apart: BTC would be uncertain \
+                 by {u_btc_dps_per_c:.4} °/s/°C where {wanted_dps_per_c} is wanted",
+                finding.deviation
+            ),
         }
     }
 }

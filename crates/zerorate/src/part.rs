@@ -84,6 +84,8 @@ pub struct Axis {
     pub noise: Option<TypicalNoise>,
     /// Typical bias and what it follows.
     pub bias: TypicalBias,
+    /// How a typical unit warms itself after it is switched on.
+    pub self_heating: Option<SelfHeating>,
     /// A tone that sampling may fold to zero.
     pub resonance: Option<Tone>,
     /// One converter takes rate and temperature in turn, so that reading every N-th edge gives 1/(N + 1) of its
@@ -181,6 +183,33 @@ impl TypicalNoise {
     }
 }
 
+/// A part that warms itself, as the sum of two exponentials.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SelfHeating {
+    /// How far it warms soon, °C.
+    pub fast_c: f64,
+    /// With which time constant, s.
+    pub fast_s: f64,
+    /// How far it warms late, °C.
+    pub slow_c: f64,
+    /// With which time constant, s.
+    pub slow_s: f64,
+}
+
+impl SelfHeating {
+    /// How much warmer it is so long after it was switched on, °C.
+    #[must_use]
+    pub fn rise_c(&self, after_s: f64) -> f64 {
+        -self.fast_c * libm::expm1(-after_s / self.fast_s) - self.slow_c * libm::expm1(-after_s / self.slow_s)
+    }
+
+    /// When less than this is to come, s; by then the fast share is over.
+    #[must_use]
+    pub fn settles_to_s(&self, rest_c: f64) -> f64 {
+        (self.slow_s * libm::log(self.slow_c / rest_c)).max(0.0)
+    }
+}
+
 /// The bias as a typical unit has it, and how far units spread.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TypicalBias {
@@ -245,8 +274,9 @@ impl Axis {
             hysteresis_dps: Some(0.002),         // M-02
             supply_dps_per_mv: Some(0.0002),     // F-01
         },
-        resonance: Some(Tone { hz: 14_300.0, tolerance_hz: 50.0, rms_dps: 0.02 }), // F-07, M-08
-        alternates: true,                                                          // F-56
+        self_heating: Some(SelfHeating { fast_c: 3.2, fast_s: 90.0, slow_c: 4.8, slow_s: 600.0 }), // M-03
+        resonance: Some(Tone { hz: 14_300.0, tolerance_hz: 50.0, rms_dps: 0.02 }),                 // F-07, M-08
+        alternates: true,                                                                          // F-56
     };
     /// Its bandwidth with 0.01 µF between ROA1 and ROA2, Hz (F-04).
     pub const ADIS16130_ROA_10NF_HZ: f64 = 50.0;

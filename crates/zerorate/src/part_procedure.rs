@@ -7,6 +7,7 @@ use crate::part::Part;
 use crate::plan::{Plan, PlanError};
 use crate::procedure::{Action, Event, Procedure, Progress, State};
 use crate::reading::Scan;
+use crate::recording::Reached;
 use crate::remedy::{Names, Say, Setting};
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
@@ -89,6 +90,25 @@ impl PartProcedure {
             handled.map_err(|refusal| AxisRefusal::new(&self.part, index, refusal))?;
         }
         Ok(())
+    }
+
+    /// Ends the recording here ([`Procedure::end_recording`]).
+    ///
+    /// # Errors
+    /// As [`PartProcedure::handle`].
+    pub fn end_recording(&mut self) -> Result<bool, AxisRefusal> {
+        let mut ended = !self.axes.is_empty();
+        for (index, procedure) in self.axes.iter_mut().enumerate() {
+            ended &= procedure.end_recording().map_err(|refusal| AxisRefusal::new(&self.part, index, refusal))?;
+        }
+        Ok(ended)
+    }
+
+    /// How far the axis has come that is farthest from an end ([`Procedure::reached`]).
+    #[must_use]
+    pub fn reached(&self) -> Option<Reached> {
+        let all: Option<Vec<Reached>> = self.axes.iter().map(Procedure::reached).collect();
+        all?.into_iter().max_by(|a, b| a.u_dps.total_cmp(&b.u_dps))
     }
 
     /// What came out for each axis, in the order of the part, once [`PartProcedure::next`] says [`Action::Done`].

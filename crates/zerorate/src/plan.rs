@@ -4,9 +4,35 @@ use crate::notice::EARTH_DPS;
 use crate::remedy::{Names, Say, Setting};
 use core::fmt;
 
+/// How the bias over temperature is found.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Method {
+    /// Two averages and the line through them (F-51).
+    #[default]
+    An1042,
+    /// A curve through every block of the recording ([`thermal`](crate::thermal)).
+    Warmup,
+    /// The same, of a recording that warms and cools.
+    Cycle,
+}
+
+impl Method {
+    /// What calibrations call it.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::An1042 => "an1042",
+            Self::Warmup => "warmup",
+            Self::Cycle => "cycle",
+        }
+    }
+}
+
 /// Durations and limits; the default is F-51.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plan {
+    /// What is made of the samples. All but AN-1042 take the same time as one recording, without steps in it.
+    pub method: Method,
     /// Average of steps 4 and 6, s.
     pub average_s: f64,
     /// Warming up by itself, step 5, s.
@@ -25,11 +51,15 @@ pub struct Plan {
     pub earth_dps: Option<f64>,
     /// The bias is a straight line over temperature: no allowance for curvature and hysteresis.
     pub assume_linear: bool,
+    /// End the recording once the temperature has settled and the standard uncertainty of the correction, rms over the
+    /// temperatures seen, is no more than this, °/s. Not for AN-1042.
+    pub target_dps: Option<f64>,
 }
 
 impl Default for Plan {
     fn default() -> Self {
         Self {
+            method: Method::An1042,
             average_s: 10.0,
             warmup_s: 600.0,
             settle_s: 2400.0,
@@ -39,6 +69,7 @@ impl Default for Plan {
             max_u_btc_dps_per_c: 0.01,
             earth_dps: None,
             assume_linear: false,
+            target_dps: None,
         }
     }
 }
@@ -73,6 +104,7 @@ impl Plan {
         within(Setting::Settle, self.settle_s, 0.0, DAY_S, "s")?;
         within(Setting::Offset, self.offset_s, 1.0, DAY_S, "s")?;
         within(Setting::FinalTemperature, self.final_temp_s, 0.1, DAY_S, "s")?;
+        within(Setting::Target, self.target_dps.unwrap_or(1.0), LEAST_TARGET_DPS, MOST_TARGET_DPS, "°/s")?;
         within(Setting::MaxLost, self.max_lost, 0.0, 1.0, "of all samples")?;
         within(Setting::MaxUBtc, self.max_u_btc_dps_per_c, LEAST_U_BTC_DPS_PER_C, MOST_U_BTC_DPS_PER_C, "°/s/°C")?;
         within(Setting::Earth, self.earth_dps.unwrap_or(0.0), -EARTH_DPS, EARTH_DPS, "°/s (F-16)")
@@ -86,6 +118,11 @@ const DAY_S: f64 = 86_400.0;
 const LEAST_U_BTC_DPS_PER_C: f64 = 1e-8;
 /// An uncertainty of BTC at which it says nothing: 25 times the coefficient itself (F-05).
 const MOST_U_BTC_DPS_PER_C: f64 = 1.0;
+
+/// An uncertainty that no hour reaches, °/s: a thousandth of the flicker floor (M-04).
+const LEAST_TARGET_DPS: f64 = 1e-6;
+/// An uncertainty that says nothing, °/s: that of a part out of the box (M-01).
+const MOST_TARGET_DPS: f64 = 1.0;
 
 /// A plan that cannot be carried out.
 #[derive(Clone, Copy, Debug, PartialEq)]

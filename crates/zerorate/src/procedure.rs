@@ -9,8 +9,9 @@ use crate::health::{Frozen, Health, Judged};
 use crate::ledger::{BLOCK_S, Ledger};
 use crate::notice::Refusal;
 use crate::part::Axis;
-use crate::plan::{Plan, PlanError, ns};
+use crate::plan::{Method, Plan, PlanError, ns};
 use crate::reading::Reading;
+use crate::recording::{self, Reached};
 use crate::running::Running;
 use crate::stationarity::Verdict;
 use crate::tally::Tally;
@@ -27,10 +28,11 @@ pub enum State {
     Settle,
     Offset,
     FinalTemperature,
+    Recording,
     Done,
 }
 
-pub(crate) const STATES: usize = 8;
+pub(crate) const STATES: usize = 9;
 
 /// When a state ends.
 enum Until {
@@ -57,7 +59,8 @@ enum Check {
     TemperatureWasRead,
 }
 
-/// F-51, steps 3 to 9. Steps 1 and 2, the platform and the supply, are the user's.
+/// F-51, steps 3 to 9, and beside it the one recording of the other methods. Steps 1 and 2, the platform and the
+/// supply, are the user's.
 #[rustfmt::skip]
 const TABLE: [Row; STATES] = [
     Row { from: State::Start, name: "initialisation (step 3)",
@@ -74,6 +77,8 @@ const TABLE: [Row; STATES] = [
           until: Until::After(|plan| plan.offset_s), check: Check::AtRest, to: State::FinalTemperature },
     Row { from: State::FinalTemperature, name: "the final temperature (step 9)",
           until: Until::After(|plan| plan.final_temp_s), check: Check::TemperatureWasRead, to: State::Done },
+    Row { from: State::Recording, name: "the recording",
+          until: Until::After(Plan::total_s), check: Check::AtRest, to: State::Done },
     Row { from: State::Done, name: "the end",
           until: Until::Never, check: Check::Nothing, to: State::Done },
 ];
@@ -173,7 +178,8 @@ pub struct Procedure<L = Blocks> {
     health: Health,
 }
 
-/// The procedure on fixed memory, about 3 KB, for a microcontroller: it allocates nothing.
+/// The procedure on fixed memory, about 3 KB, for a microcontroller: it allocates nothing. It is that of AN-1042,
+/// whatever method its plan names: the others take every block.
 ///
 /// PBC, BTC and T3 are those of [`Procedure`], bit for bit, and so are uncertainties and refusals, with two
 /// differences. It does not look at the hour as a whole ([`Warning::Found`](crate::Warning::Found)), and says so by
@@ -205,7 +211,17 @@ impl Procedure {
     /// # Errors
     /// As [`Procedure::handle`]; before the end, the window that is still short of samples.
     pub fn finish(self) -> Result<Outcome, Refusal> {
-        estimate::outcome_of_hour(&self.seen(), &self.ledger)
+        match self.plan.method {
+            Method::An1042 => estimate::outcome_of_hour(&self.seen(), &self.ledger),
+            Method::Warmup | Method::Cycle => recording::outcome(&self.seen(), &self.ledger),
+        }
+    }
+
+    /// How well the correction is known by now, rms over the temperatures seen, °/s, and whether the temperature has
+    /// settled: for [`Plan::target_dps`]. None before there is enough, and for AN-1042.
+    #[must_use]
+    pub fn reached(&self) -> Option<Reached> {
+        (self.state == State::Recording).then(|| recording::reached(&self.seen(), &self.ledger))?
     }
 }
 
@@ -215,7 +231,7 @@ impl FixedProcedure {
     /// # Errors
     /// A duration or limit that makes no sense.
     pub fn on_fixed_memory(axis: &Axis, plan: Plan) -> Result<Self, PlanError> {
-        Self::with_ledger(axis, plan)
+        Self::with_ledger(axis, Plan { method: Method::An1042, ..plan })
     }
 
     /// The result, once [`Procedure::next`] says [`Action::Done`]. The procedure stays as it is.
@@ -290,6 +306,21 @@ impl<L: Ledger> Procedure<L> {
         Evidence { axis: &self.axis, plan: &self.plan, windows: self.ledger.summaries(), tally: &self.tally }
     }
 
+    /// Ends the recording here, where its source has ended; false, and nothing done, where it takes steps that are
+    /// still to come.
+    ///
+    /// # Errors
+    /// As [`Procedure::handle`].
+    pub fn end_recording(&mut self) -> Result<bool, Refusal> {
+        if self.state != State::Recording {
+            return Ok(false);
+        }
+        self.ends_ns = self.now_ns;
+        self.judge_waiting(0);
+        self.enter_next()?;
+        Ok(true)
+    }
+
     /// Ends the states that are over at `t_ns`. Samples that wait for their neighbours are judged before, but for the
     /// newest `keep`.
     #[inline]
@@ -346,9 +377,12 @@ impl<L: Ledger> Procedure<L> {
 
     fn enter_next(&mut self) -> Result<(), Refusal> {
         let row = self.state.row();
-        self.ledger.close(self.state);
+        self.ledger.close(self.state, self.ends_ns);
         self.check(row.check)?;
-        self.state = row.to;
+        self.state = match (self.state, self.plan.method) {
+            (State::Start, Method::Warmup | Method::Cycle) => State::Recording,
+            _ => row.to,
+        };
         let start_ns = self.ends_ns;
         if let Until::After(duration_s) = self.state.row().until {
             self.ends_ns = start_ns + ns(duration_s(&self.plan));
@@ -436,7 +470,8 @@ mod tests {
     #[test]
     fn the_table_reaches_the_end_through_every_state() {
         let steps = core::iter::successors(Some(State::Start), |state| Some(state.row().to));
-        assert_eq!(steps.take_while(|state| *state != State::Done).count(), STATES - 1);
+        let of_the_note = STATES - 2; // the recording of other methods, and the end
+        assert_eq!(steps.take_while(|state| *state != State::Done).count(), of_the_note);
     }
 
     /// F-51: 10 s, 10 min, 10 s, 40 min, 150 s, and a second for T3.

@@ -16,6 +16,7 @@ pub enum Setting {
     MaxUBtc,
     Earth,
     AssumeLinear,
+    Target,
     EveryTemp,
     Divider,
 }
@@ -34,6 +35,7 @@ impl Setting {
             Self::MaxUBtc => "max_u_btc_dps_per_c",
             Self::Earth => "earth_dps",
             Self::AssumeLinear => "assume_linear",
+            Self::Target => "target_dps",
             Self::EveryTemp => "every_temp",
             Self::Divider => "divider",
         }
@@ -82,6 +84,8 @@ pub enum Remedy {
     CompletePart,
     WiderSpan,
     FasterClock,
+    HeatAndCool,
+    GiveUpTarget,
 }
 
 impl Remedy {
@@ -104,6 +108,7 @@ impl Remedy {
             Self::AcceptMoreUBtc => Setting::MaxUBtc,
             Self::ReadTemperatureLess | Self::ReadTemperatureMore => Setting::EveryTemp,
             Self::AllowMoreLoss => Setting::MaxLost,
+            Self::GiveUpTarget => Setting::Target,
             Self::LongerAverage => Setting::Average,
             _ => return None,
         })
@@ -147,6 +152,8 @@ impl Remedy {
             Self::CompletePart => "complete the file of the part",
             Self::WiderSpan => "calibrate over a wider span",
             Self::FasterClock => "raise the SPI clock",
+            Self::HeatAndCool => "heat and cool the part, by hand or in a chamber",
+            Self::GiveUpTarget => "ask for what the part can give",
         }
     }
 }

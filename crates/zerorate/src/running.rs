@@ -186,7 +186,7 @@ impl Ledger for Running {
         totals.spoilt += u64::from(judged.is_spoilt());
     }
 
-    fn close(&mut self, state: State) {
+    fn close(&mut self, state: State, _: u64) {
         let (totals, live) = (&mut self.closed[state as usize], &mut self.live);
         live.end_block(&self.axis, totals);
         (totals.rates, totals.temps) = (live.rates.adjacent(), live.temps.adjacent());

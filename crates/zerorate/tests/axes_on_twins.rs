@@ -6,12 +6,14 @@ use adis16130_twin::{Fault, Motion, Spec, Truth, Twin, TwinRdy, TwinSpi};
 use std::borrow::Cow;
 use zerorate::calibration::{Calibration, Origin};
 use zerorate::{
-    Action, Axis, AxisRefusal, Event, NamedAxis, NoiseSources, Outcome, Part, PartProcedure, Plan, Procedure, Reading,
-    Refusal, Scan, State,
+    Action, Axis, AxisRefusal, Event, Method, NamedAxis, NoiseSources, Outcome, Part, PartProcedure, Plan, Procedure,
+    Reading, Refusal, Scan, State,
 };
 
 /// A procedure short enough for a test; the units below settle as much faster.
 const SHORT: Plan = Plan {
+    method: Method::An1042,
+    target_dps: None,
     average_s: 2.0,
     warmup_s: 60.0,
     settle_s: 40.0,

@@ -1,14 +1,12 @@
 //! The calibration file: what is written comes back, and nothing that was changed since passes for it.
 
 use zerorate::calibration::{CalibratedAxis, Calibration, FileError, FileWarning, Origin};
-use zerorate::{Axis, Correction, Noise, Outcome, Part, Plan, Uncertainty, Warning};
+use zerorate::{Axis, Correction, Measured, Noise, Outcome, Part, Plan, Uncertainty, Warning};
 
 fn outcome() -> Outcome {
     Outcome {
-        b1_dps: 0.123_456_789_012_345_67,
-        t1_c: 25.2,
-        b2_dps: 0.37,
-        t2_c: 31.3,
+        curve: None,
+        means: Some(Measured { b1_dps: 0.123_456_789_012_345_67, t1_c: 25.2, b2_dps: 0.37, t2_c: 31.3 }),
         correction: Correction::line(-0.253_712_345_678_901_2, -0.040_1, 1.0 / 3.0 + 32.0),
         uncertainty: Uncertainty {
             u_b1_dps: 0.004,

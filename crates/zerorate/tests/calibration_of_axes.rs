@@ -1,7 +1,7 @@
 //! Schema 2 of the calibration file: several axes of any part.
 
 use zerorate::calibration::{Calibration, FileError, FileWarning, NoiseRecord, Origin};
-use zerorate::{Axis, Correction, Noise, Outcome, Part, Plan, Uncertainty, Warning};
+use zerorate::{Axis, Correction, Measured, Noise, Outcome, Part, Plan, Uncertainty, Warning};
 
 const PART: &str = r#"
     schema = 1
@@ -18,10 +18,8 @@ const PART: &str = r#"
 
 fn outcome(pbc_dps: f64, own: Warning) -> Outcome {
     Outcome {
-        b1_dps: 0.123_456_789_012_345_67,
-        t1_c: 25.2,
-        b2_dps: 0.37,
-        t2_c: 31.3,
+        curve: None,
+        means: Some(Measured { b1_dps: 0.123_456_789_012_345_67, t1_c: 25.2, b2_dps: 0.37, t2_c: 31.3 }),
         correction: Correction::line(pbc_dps, -0.040_1, 1.0 / 3.0 + 32.0),
         uncertainty: Uncertainty {
             u_b1_dps: 0.004,

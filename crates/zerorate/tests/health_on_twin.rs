@@ -4,7 +4,7 @@ use adis16130::blocking::Adis16130;
 use adis16130::{Config, Edge, MCLK_HZ, Sampler, SamplerConfig, Width};
 use adis16130_twin::{Fault, Motion, Spec, Twin};
 use zerorate::health::{Flags, Health, Judged};
-use zerorate::{Action, Axis, Event, Outcome, Plan, Procedure, Reading, Refusal, Tally};
+use zerorate::{Action, Axis, Event, Method, Outcome, Plan, Procedure, Reading, Refusal, Tally};
 
 const AXIS: Axis = Axis::ADIS16130;
 
@@ -143,6 +143,8 @@ fn a_stuttering_line_is_told_from_a_late_host() {
 }
 
 const SHORT: Plan = Plan {
+    method: Method::An1042,
+    target_dps: None,
     average_s: 2.0,
     warmup_s: 30.0,
     settle_s: 30.0,

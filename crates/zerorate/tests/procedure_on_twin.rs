@@ -5,12 +5,14 @@ use adis16130::blocking::Adis16130;
 use adis16130::{Config, Edge, MCLK_HZ, Sampler, SamplerConfig};
 use adis16130_twin::{Fault, Motion, Spec, Truth, Twin, TwinRdy, TwinSpi};
 use zerorate::{
-    Action, Axis, Deviation, Event, Finding, FixedProcedure, Outcome, Plan, Procedure, Reading, Refusal, State,
-    Warning, WindowWarnings,
+    Action, Axis, Deviation, Event, Finding, FixedProcedure, Method, Outcome, Plan, Procedure, Reading, Refusal,
+    State, Warning, WindowWarnings,
 };
 
 /// A procedure short enough for a test. The part of [`quick`] settles as much faster.
 const SHORT: Plan = Plan {
+    method: Method::An1042,
+    target_dps: None,
     average_s: 2.0,
     warmup_s: 60.0,
     settle_s: 60.0,
@@ -115,7 +117,8 @@ fn the_run_is_described() {
     assert_eq!(outcome.lost_samples, 0);
     assert!((outcome.duration_s - SHORT.total_s()).abs() < 0.01);
     assert!((outcome.noise.model.white_dps_per_rt_hz / 0.0125 - 1.0).abs() < 0.15, "F-02: {:?}", outcome.noise);
-    assert!(outcome.temp_min_c < outcome.t1_c && outcome.t2_c < outcome.temp_max_c);
+    let means = outcome.means.unwrap();
+    assert!(outcome.temp_min_c < means.t1_c && means.t2_c < outcome.temp_max_c);
     assert_eq!(codes(&outcome), ["earth-included", "short-average"]);
 }
 
@@ -330,10 +333,7 @@ fn fixed_memory_gives_the_same_numbers_bit_for_bit() {
             (full.correction, full.uncertainty, full.noise),
             (fixed.correction, fixed.uncertainty, fixed.noise)
         );
-        assert_eq!(
-            (full.b1_dps, full.t1_c, full.b2_dps, full.t2_c),
-            (fixed.b1_dps, fixed.t1_c, fixed.b2_dps, fixed.t2_c)
-        );
+        assert_eq!(full.means, fixed.means);
         assert_eq!((full.temp_min_c, full.temp_max_c), (fixed.temp_min_c, fixed.temp_max_c));
         assert_eq!(
             (full.samples, full.lost_samples, full.rate_hz),

@@ -7,8 +7,8 @@ use adis16130_twin::{Spec, Twin, TwinRdy, TwinSpi};
 use anyhow::{Context, Result, anyhow, ensure};
 use std::fmt::Write;
 use zerorate::{
-    Action, Axis, CodeTable, Corrected, Correction, Corrector, CorrectorConfig, Event, FixedProcedure, Outcome, Plan,
-    Reading, Refusal, Validity, Warning, WindowWarnings,
+    Action, Axis, CodeTable, Corrected, Correction, Corrector, CorrectorConfig, Event, FixedProcedure, Method,
+    Outcome, Plan, Reading, Refusal, Validity, Warning, WindowWarnings,
 };
 
 /// The correction of the test, as a calibration file.
@@ -172,6 +172,8 @@ fn self_test(text: &mut String, keys: &str) -> Result<()> {
 }
 
 const PLAN: Plan = Plan {
+    method: Method::An1042,
+    target_dps: None,
     average_s: 2.0,
     warmup_s: 20.0,
     settle_s: 10.0,
@@ -206,6 +208,7 @@ fn calibrate(text: &mut String, keys: &str) -> Result<()> {
 
 fn outcome_lines(text: &mut String, outcome: &Outcome<WindowWarnings>) -> Result<()> {
     let (correction, uncertainty) = (&outcome.correction, &outcome.uncertainty);
+    let means = outcome.means.context("the procedure of AN-1042 has means")?;
     let lines = [
         ("pbc_dps", correction.pbc_dps),
         ("btc_dps_per_c", correction.btc_dps_per_c),
@@ -213,10 +216,10 @@ fn outcome_lines(text: &mut String, outcome: &Outcome<WindowWarnings>) -> Result
         ("u_pbc_dps", uncertainty.u_pbc_dps),
         ("u_btc_dps_per_c", uncertainty.u_btc_dps_per_c),
         ("u_t3_c", uncertainty.u_t3_c),
-        ("b1_dps", outcome.b1_dps),
-        ("b2_dps", outcome.b2_dps),
-        ("t1_c", outcome.t1_c),
-        ("t2_c", outcome.t2_c),
+        ("b1_dps", means.b1_dps),
+        ("b2_dps", means.b2_dps),
+        ("t1_c", means.t1_c),
+        ("t2_c", means.t2_c),
         ("temp_min_c", outcome.temp_min_c),
         ("temp_max_c", outcome.temp_max_c),
         ("white", outcome.noise.model.white_dps_per_rt_hz),

@@ -127,3 +127,71 @@ fn files_that_are_no_captures_are_named() {
     zerorate(&["recalibrate", path(&text)]).ended_with(1).saying(&["text.arrows"]);
     zerorate(&["recalibrate", path(&file(&folder, "none.arrows"))]).ended_with(1).saying(&["none.arrows"]);
 }
+
+/// The curve of every method against the twin's truth, at the nine temperatures of the contract.
+fn worst_of_curve(result: &Value) -> f64 {
+    let points = |list: &Value| list.as_array().cloned().unwrap_or_default();
+    let (curve, truth) = (points(&result["curve"]), points(&result["truth"]["curve"]));
+    assert_eq!((curve.len(), truth.len()), (9, 9), "{result}");
+    let off = curve.iter().zip(&truth).map(|(found, truth)| {
+        assert_eq!(found["temp_c"], truth["temp_c"]);
+        (number(found, "correction_dps") - number(truth, "correction_dps")).abs() / number(found, "u_dps")
+    });
+    off.fold(0.0, f64::max)
+}
+
+#[test]
+fn every_method_states_a_curve_that_holds() {
+    for method in ["an1042", "warmup"] {
+        let unit = "twin:seed=21,curvature=0,hysteresis=0,warmup_s=40";
+        let result = calibrate(&["--device", unit, "--json", "--method", method]).ended_with(0).json();
+        assert_eq!(result["method"], method);
+        assert_eq!(result["b1_dps"].is_number(), method == "an1042", "{result}");
+        assert!(worst_of_curve(&result) < 4.0, "{method}: {result}");
+    }
+}
+
+/// The whole recording again, without its length being told: the same file, and a curve in it.
+#[test]
+fn a_recorded_warm_up_gives_the_same_curve_byte_for_byte() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let [live, log, again] = ["live.toml", "log.arrows", "again.toml"].map(|name| file(&folder, name));
+    let args = ["--device", "twin:seed=5,curvature=0.004,warmup_s=40", "--method", "warmup"];
+    calibrate(&[&args[..], &["--log", path(&log), "-o", path(&live)]].concat()).ended_with(0);
+    let again_args = ["recalibrate", path(&log), "--method", "warmup", "--max-u-btc", "0.2", "-o", path(&again)];
+    zerorate(&again_args).ended_with(0);
+    let [live, again] = [live, again].map(|file| std::fs::read_to_string(file).expect("a calibration"));
+    assert_eq!(live, again);
+    for part in ["schema = 3", "method = \"warmup\"", "btc2_dps_per_c2", "[curve]", "covariance"] {
+        assert!(live.contains(part), "{part} in {live}");
+    }
+}
+
+/// A part that only warms is no cycle; one that cools again is, and its loop is found.
+#[test]
+fn a_cycle_must_rise_and_fall() {
+    let refused = calibrate(&["--method", "cycle"]).ended_with(3);
+    assert!(refused.stderr.contains("rose by") && refused.stderr.contains("heat and cool"), "{}", refused.stderr);
+}
+
+/// 300 mV in the middle, where the temperature has settled: taken out, and said.
+#[test]
+fn a_step_of_the_supply_is_taken_out_of_a_warm_up() {
+    let unit = "twin:seed=9,curvature=0,hysteresis=0,warmup_s=20,supply_step_mv=300,fault_at_s=120";
+    let result = calibrate(&["--device", unit, "--json", "--method", "warmup"]).ended_with(0).json();
+    let size_dps = number(&result["steps"][0], "size_dps");
+    assert!((size_dps - 0.06).abs() < 0.02, "{result}");
+    assert!(worst_of_curve(&result) < 4.0, "{result}");
+}
+
+/// What can be reached ends early, and what cannot is told before and after.
+#[test]
+fn a_target_ends_the_recording_or_is_said_to_be_missed() {
+    let args = ["--device", "twin:seed=4,warmup_s=20", "--method", "warmup", "--json", "--target-dph"];
+    let early = calibrate(&[&args[..], &["60"]].concat()).ended_with(0).json();
+    assert!(number(&early, "duration_s") < 200.0, "{early}");
+    assert!(worst_of_curve(&early) < 5.0, "{early}");
+    let missed = calibrate(&[&args[..], &["1"]].concat()).ended_with(0).json();
+    assert!((number(&missed, "duration_s") - 205.0).abs() < 0.01, "{missed}");
+    assert!(missed["warnings"].to_string().contains("target-missed"), "{missed}");
+}

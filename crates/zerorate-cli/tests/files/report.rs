@@ -1,8 +1,9 @@
 //! The page of a calibration, as a browser gets it.
 
 use super::{Bench, calibration};
+use zerorate::Measured;
 use zerorate::Validity;
-use zerorate::calibration::{Calibration, Measured, Run, Uncertainties};
+use zerorate::calibration::{Calibration, Run, Uncertainties};
 
 /// Everything that a measured calibration has, with texts that are no HTML.
 fn measured() -> String {

@@ -190,6 +190,7 @@ impl Layout {
                 bandwidth_hz: None,
                 noise: None,
                 bias: zerorate::TypicalBias::default(),
+                self_heating: None,
                 resonance: None,
                 alternates: false,
             },

@@ -1,6 +1,7 @@
 //! The tables of the file, and what they mean.
 
-use super::{CalibratedAxis, Calibration, Measured, NoiseRecord, Run, Uncertainties};
+use super::{CalibratedAxis, Calibration, CurveRecord, NoiseRecord, Run, Uncertainties};
+use crate::estimate::Measured;
 use crate::part::{Part, Scale};
 use crate::{Correction, Validity};
 use alloc::string::String;
@@ -36,6 +37,8 @@ pub(super) struct Form {
     pub(super) correction: Option<Correction>,
     pub(super) measured: Option<Measured>,
     pub(super) uncertainty: Option<Uncertainties>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) curve: Option<CurveRecord>,
     pub(super) noise: Option<NoiseRecord>,
     pub(super) validity: Option<Span>,
     run: Option<Run>,
@@ -54,6 +57,8 @@ pub(super) struct AxisForm {
     pub(super) correction: Correction,
     measured: Option<Measured>,
     pub(super) uncertainty: Option<Uncertainties>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) curve: Option<CurveRecord>,
     noise: Option<NoiseRecord>,
 }
 
@@ -128,6 +133,7 @@ impl Form {
                     correction,
                     measured: self.measured,
                     uncertainty: self.uncertainty,
+                    curve: self.curve,
                     noise: self.noise,
                 });
                 (Some(only.axis.temp), axis.into_iter().collect())
@@ -161,13 +167,14 @@ impl AxisForm {
             correction: self.correction,
             measured: self.measured,
             uncertainty: self.uncertainty,
+            curve: self.curve,
             noise: self.noise,
         }
     }
 
     fn new(axis: &CalibratedAxis) -> Self {
-        let CalibratedAxis { name, warnings, rate, correction, measured, uncertainty, noise } = axis.clone();
-        Self { name, warnings, rate: rate.map(RateScale::from), correction, measured, uncertainty, noise }
+        let CalibratedAxis { name, warnings, rate, correction, measured, uncertainty, curve, noise } = axis.clone();
+        Self { name, warnings, rate: rate.map(RateScale::from), correction, measured, uncertainty, curve, noise }
     }
 }
 
@@ -182,7 +189,7 @@ impl Calibration {
     /// The version of its file form: the oldest that can say all of it.
     #[must_use]
     pub fn schema(&self) -> u32 {
-        match self.axes.iter().all(|axis| axis.correction.is_line()) {
+        match self.axes.iter().all(|axis| axis.correction.is_line() && axis.curve.is_none()) {
             false => CURVED,
             true if self.is_plain() => 1,
             true => SEVERAL,
@@ -224,6 +231,7 @@ impl Calibration {
             correction: only.map(|axis| axis.correction),
             measured: only.and_then(|axis| axis.measured),
             uncertainty: only.and_then(|axis| axis.uncertainty),
+            curve: only.and_then(|axis| axis.curve.clone()),
             noise: only.and_then(|axis| axis.noise.clone()),
             validity: validity.map(|Validity { temp_min_c, temp_max_c, margin_c }| Span {
                 temp_min_c,

@@ -2,9 +2,10 @@
 
 use super::form::{AxisForm, CURVED, Form, SEVERAL};
 use super::places::{Place, Places};
-use super::{FileError, SCHEMA, Uncertainties};
+use super::{CurveRecord, FileError, SCHEMA, Uncertainties};
 use crate::Correction;
 use crate::part::{Axis, MAX_AXES, Part, Scale, is_word};
+use crate::thermal::TERMS;
 use alloc::format;
 use alloc::string::String;
 use core::ops::RangeInclusive;
@@ -73,7 +74,7 @@ impl Inspected<'_> {
 
     /// The plain form: schema 1, or 3 of a curve.
     fn check_only_axis(&self) -> Result<(), FileError> {
-        let Form { schema, part, correction, uncertainty, temperature, validity, .. } = self.form;
+        let Form { schema, part, correction, uncertainty, curve, temperature, validity, .. } = self.form;
         let other =
             || format!("is not {}: schema {schema} without [[axis]] is of that part alone", Part::ADIS16130.name);
         self.require(None, &["part"], *part == Part::ADIS16130.name, other)?;
@@ -86,18 +87,20 @@ impl Inspected<'_> {
             return self.require(None, &["correction"], false, || "is missing".into());
         };
         self.check_correction(None, correction, &Limits::ADIS16130)?;
+        self.check_curve(None, curve.as_ref())?;
         self.check_coverage(None, uncertainty.as_ref())
     }
 
     /// The form of several axes: schema 2, or 3 of curves.
     fn check_axes(&self, axes: &[AxisForm]) -> Result<(), FileError> {
-        let Form { part, temperature, correction, measured, uncertainty, noise, .. } = self.form;
+        let Form { part, temperature, correction, measured, uncertainty, curve, noise, .. } = self.form;
         let spelt = || "must be up to 40 letters, digits, -, _ and .".into();
         self.require(None, &["part"], is_word(part), spelt)?;
         for (key, is_there) in [
             ("correction", correction.is_some()),
             ("measured", measured.is_some()),
             ("uncertainty", uncertainty.is_some()),
+            ("curve", curve.is_some()),
             ("noise", noise.is_some()),
         ] {
             self.require(None, &[key], !is_there, || "belongs into an [[axis]]".into())?;
@@ -114,6 +117,7 @@ impl Inspected<'_> {
             let rate = axis.rate.as_ref().map(|scale| scale.scale()).transpose();
             let rate = rate.map_err(|why| self.refused(Some(index), &["rate"], why))?;
             self.check_correction(Some(index), &axis.correction, &Limits::of(rate, temp))?;
+            self.check_curve(Some(index), axis.curve.as_ref())?;
             self.check_coverage(Some(index), axis.uncertainty.as_ref())?;
         }
         Ok(())
@@ -142,6 +146,25 @@ impl Inspected<'_> {
         let holds = uncertainty.is_none_or(|u| u.coverage > 0.0 && u.coverage < 1.0);
         let why = || "must be a probability between 0 and 1".into();
         self.require(axis, &["uncertainty", "coverage"], holds, why)
+    }
+
+    fn check_curve(&self, axis: Option<usize>, curve: Option<&CurveRecord>) -> Result<(), FileError> {
+        let Some(curve) = curve else { return Ok(()) };
+        let check = |name, holds, why: &dyn Fn() -> String| self.require(axis, &["curve", name], holds, why);
+        check("order", self.form.schema >= CURVED, &|| format!("belongs to schema {CURVED}"))?;
+        check("order", curve.order < TERMS, &|| format!("must be 0 to {}", TERMS - 1))?;
+        check("coverage", curve.coverage > 0.0 && curve.coverage < 1.0, &|| {
+            "must be a probability between 0 and 1".into()
+        })?;
+        let is_covariance =
+            |k: usize| curve.covariance[k][k] >= 0.0 && curve.covariance[k].iter().all(|v| v.is_finite());
+        check("covariance", (0..TERMS).all(is_covariance), &|| {
+            "must be numbers, none below 0 on its diagonal".into()
+        })?;
+        let weights = curve.order_weights.iter().all(|weight| (0.0..=1.0).contains(weight));
+        check("order_weights", weights, &|| "must be probabilities".into())?;
+        let steps = curve.steps.iter().flatten().all(|number| number.is_finite());
+        check("steps", steps, &|| "must be pairs of a time and a size".into())
     }
 
     fn check_span(&self) -> Result<(), FileError> {

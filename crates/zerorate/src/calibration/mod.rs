@@ -14,9 +14,10 @@ mod places;
 pub use chamber::ChamberRun;
 pub use file::{FileError, FileWarning};
 
-use crate::estimate::Noise;
+use crate::estimate::{Measured, Noise};
 use crate::noise::{FLICKER_CUTOFF_HZ, FLOOR_PER_B};
 use crate::part::{NamedAxis, Part, Scale};
+use crate::thermal::{self, BiasCurve, TERMS};
 use crate::{Correction, Corrector, CorrectorConfig, Outcome, Uncertainty, Validity, Warning};
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
@@ -35,7 +36,7 @@ pub struct Calibration {
     pub serial: Option<String>,
     /// When the measurement ended, RFC 3339; none for a simulated part.
     pub created: Option<String>,
-    /// How it was measured: `an1042` is F-51.
+    /// How it was measured: `an1042` is F-51; `warmup` and `cycle` take every block of a recording.
     pub method: Option<String>,
     /// The software that measured it.
     pub software: Option<String>,
@@ -72,21 +73,12 @@ pub struct CalibratedAxis {
     pub correction: Correction,
     /// The means it rests on.
     pub measured: Option<Measured>,
-    /// Standard uncertainties and covariances.
+    /// Standard uncertainties and covariances, of AN-1042.
     pub uncertainty: Option<Uncertainties>,
+    /// Those of a curve, and what it rests on.
+    pub curve: Option<CurveRecord>,
     /// The noise behind them.
     pub noise: Option<NoiseRecord>,
-}
-
-/// Steps 4 and 6 of F-51.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-#[expect(missing_docs, reason = "the names of F-51, with their units")]
-pub struct Measured {
-    pub b1_dps: f64,
-    pub t1_c: f64,
-    pub b2_dps: f64,
-    pub t2_c: f64,
 }
 
 /// [`Uncertainty`] with the coverage of its intervals: value ± `coverage_factor` × u covers the truth with the
@@ -110,6 +102,27 @@ pub struct Uncertainties {
     pub u_t2_c: f64,
     #[serde(default)]
     pub drift_dps: Option<f64>,
+}
+
+/// How well a curve is known, and what it rests on: value ± `coverage_factor` × u covers the truth with the
+/// probability `coverage`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[expect(missing_docs, reason = "as the fields of `BiasCurve`")]
+pub struct CurveRecord {
+    pub coverage: f64,
+    pub coverage_factor: f64,
+    pub order: usize,
+    /// Posterior probability of each order, from 0.
+    pub order_weights: [f64; TERMS],
+    /// Of PBC and the coefficients of the first to third order.
+    pub covariance: [[f64; TERMS]; TERMS],
+    /// Time by which the bias follows the temperature sensor late, s.
+    pub lag_s: f64,
+    /// Half width of the play with which it does so, °C.
+    pub play_c: f64,
+    /// Steps that were taken out: when, s, and how large, °/s.
+    pub steps: Vec<[f64; 2]>,
 }
 
 /// The noise model, and which of it was measured.
@@ -169,7 +182,7 @@ impl Calibration {
             part: part.name.to_string(),
             serial: origin.serial.as_deref().map(one_line),
             created: origin.created.as_deref().map(one_line),
-            method: Some("an1042".to_string()),
+            method: outcomes.first().map(|outcome| outcome.plan.method.name().to_string()),
             software: Some(one_line(&origin.software)),
             device: Some(one_line(&origin.device)),
             config: Some(one_line(&origin.config)),
@@ -269,11 +282,34 @@ impl CalibratedAxis {
     /// far as it has to do with BTC's).
     #[must_use]
     pub fn u_correction_dps(&self, temp_c: f64) -> Option<f64> {
+        if let Some(curve) = &self.curve {
+            return Some(thermal::u_dps(&curve.covariance, temp_c - self.correction.t3_c));
+        }
         let u = self.uncertainty.as_ref()?;
         let d = temp_c - self.correction.t3_c;
         let alone = u.u_pbc_dps * u.u_pbc_dps + (d * u.u_btc_dps_per_c) * (d * u.u_btc_dps_per_c);
         // rounding, or a file by hand whose covariances are impossible, may leave less than nothing
         Some(libm::sqrt((alone + 2.0 * d * u.cov_pbc_btc_dps2_per_c).max(0.0)))
+    }
+}
+
+/// Of a probability, what is worth writing.
+fn rounded(probability: f64) -> f64 {
+    libm::round(1e4 * probability) / 1e4
+}
+
+impl From<&BiasCurve> for CurveRecord {
+    fn from(curve: &BiasCurve) -> Self {
+        Self {
+            coverage: Uncertainty::COVERAGE,
+            coverage_factor: Uncertainty::FACTOR,
+            order: curve.order,
+            order_weights: curve.order_weights.map(rounded),
+            covariance: curve.covariance,
+            lag_s: curve.following.lag_s,
+            play_c: curve.following.play_c,
+            steps: curve.steps.iter().flatten().map(|step| [step.at_s, step.size_dps]).collect(),
+        }
     }
 }
 
@@ -317,13 +353,9 @@ fn calibrated(axis: &NamedAxis, outcome: &Outcome, common: &[&Warning]) -> Calib
         warnings: own.map(|warning| one_line(&warning.to_string())).collect(),
         rate: Some(axis.axis.rate),
         correction: outcome.correction,
-        measured: Some(Measured {
-            b1_dps: outcome.b1_dps,
-            t1_c: outcome.t1_c,
-            b2_dps: outcome.b2_dps,
-            t2_c: outcome.t2_c,
-        }),
-        uncertainty: Some(outcome.uncertainty.into()),
+        measured: outcome.means,
+        uncertainty: Some(outcome.uncertainty).filter(|_| outcome.curve.is_none()).map(Uncertainties::from),
+        curve: outcome.curve.as_ref().map(CurveRecord::from),
         noise: Some(noise_record(axis, &outcome.noise)),
     }
 }

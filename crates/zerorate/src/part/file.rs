@@ -1,6 +1,6 @@
 //! A [`Part`] from a file (`docs/formats/part.md`).
 
-use super::{Axis, MAX_AXES, NamedAxis, NoiseSources, Part, Scale, TypicalBias, TypicalNoise};
+use super::{Axis, MAX_AXES, NamedAxis, NoiseSources, Part, Scale, SelfHeating, TypicalBias, TypicalNoise};
 use crate::resonance::Tone;
 use crate::toml_error::syntax;
 use alloc::borrow::Cow;
@@ -82,6 +82,7 @@ struct File {
     temperature: Temperature,
     noise: Option<Noise>,
     bias: Option<Bias>,
+    self_heating: Option<Heating>,
     resonance: Option<Resonance>,
     axis: Vec<AxisEntry>,
 }
@@ -136,6 +137,15 @@ struct Bias {
     curvature_dps_per_c2: Option<Entry>,
     hysteresis_dps: Option<Entry>,
     supply_dps_per_mv: Option<Entry>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Heating {
+    fast_c: Entry,
+    fast_s: Entry,
+    slow_c: Entry,
+    slow_s: Entry,
 }
 
 #[derive(Deserialize)]
@@ -219,6 +229,7 @@ impl File {
             bandwidth_hz: positive(&rate.bandwidth_hz, "bandwidth_hz")?,
             noise: noise.map(Noise::typical).transpose()?,
             bias: bias.map(Bias::typical).transpose()?.unwrap_or_default(),
+            self_heating: self.self_heating.as_ref().map(Heating::typical).transpose()?,
             resonance: self.resonance.as_ref().map(Resonance::tone).transpose()?,
             alternates: false,
         };
@@ -285,6 +296,17 @@ impl Bias {
             curvature_dps_per_c2: spread(&self.curvature_dps_per_c2, "curvature_dps_per_c2")?,
             hysteresis_dps: spread(&self.hysteresis_dps, "hysteresis_dps")?,
             supply_dps_per_mv: self.supply_dps_per_mv.as_ref().map(|e| e.positive("supply_dps_per_mv")).transpose()?,
+        })
+    }
+}
+
+impl Heating {
+    fn typical(&self) -> Result<SelfHeating, PartError> {
+        Ok(SelfHeating {
+            fast_c: self.fast_c.positive("self_heating.fast_c")?,
+            fast_s: self.fast_s.positive("self_heating.fast_s")?,
+            slow_c: self.slow_c.positive("self_heating.slow_c")?,
+            slow_s: self.slow_s.positive("self_heating.slow_s")?,
         })
     }
 }
@@ -366,6 +388,11 @@ mod tests {
         curvature_dps_per_c2 = { value = 0, u = 0.0005 }
         hysteresis_dps = 0.002
         supply_dps_per_mv = 0.0002
+        [self_heating]
+        fast_c = 3.2
+        fast_s = 90
+        slow_c = 4.8
+        slow_s = 600
         [resonance]
         hz = { value = 14300, u = 50 }
         rms_dps = 0.02

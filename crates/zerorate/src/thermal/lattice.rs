@@ -67,6 +67,14 @@ pub(super) fn weigh(record: &Record<'_>, assumed: &Assumed<'_>) -> Vec<Weighed> 
     models
 }
 
+/// The model of the highest order under the typical noise, of a bias that follows at once.
+pub(super) fn typical(record: &Record<'_>, assumed: &Assumed<'_>) -> Option<Weighed> {
+    let lattice = Lattice::new(record, assumed);
+    let path = (Following::default(), 0);
+    let model = lattice.models(&lattice.filter((0, 0)), (0, 0), &path).last()?;
+    Some(Weighed { weight: 1.0, ..model })
+}
+
 /// The paths are chosen under the noise, and the noise on the best of the paths; after this often nothing changes.
 const ROUNDS: usize = 2;
 

@@ -17,6 +17,7 @@ mod posterior;
 mod tests;
 
 use crate::correction::Correction;
+use crate::gls;
 use crate::noise::NoiseModel;
 use crate::part::{Axis, TypicalBias};
 use alloc::vec::Vec;
@@ -25,6 +26,8 @@ pub use follow::Following;
 use lattice::{Weighed, weigh};
 use posterior::{Powers, Record};
 
+/// Steps that a curve has at most.
+pub const MOST_STEPS: usize = 4;
 /// Coefficients of a bias over temperature, from the constant to the cubic one.
 pub const TERMS: usize = 4;
 
@@ -75,7 +78,8 @@ pub struct Assumed<'a> {
     pub white_dps_per_rt_hz: f64,
     /// Gauss–Markov processes in it: standard deviation, °/s, and correlation time, s.
     pub gauss_markov: &'a [(f64, f64)],
-    /// When the level seems to have changed, s, the strongest first; the models decide.
+    /// When the level seems to have changed, s, the strongest first, of which [`MOST_STEPS`] are taken; the models
+    /// decide.
     pub steps_s: &'a [f64],
     /// The highest order that is tried, 0 to 3.
     pub max_order: usize,
@@ -84,7 +88,7 @@ pub struct Assumed<'a> {
 }
 
 /// The bias at the end of a recording over temperature.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BiasCurve {
     /// What is added to a rate: minus the bias.
     pub correction: Correction,
@@ -99,7 +103,7 @@ pub struct BiasCurve {
     /// The noise: white as given, B and K the geometric means over all models.
     pub noise: NoiseModel,
     /// Steps that are more likely there than not.
-    pub steps: Vec<Step>,
+    pub steps: [Option<Step>; MOST_STEPS],
     /// Lowest and highest temperature of the blocks, °C.
     pub span_c: (f64, f64),
 }
@@ -142,10 +146,35 @@ pub fn fit(blocks: &[Block], assumed: &Assumed<'_>) -> Result<BiasCurve, Thermal
     }
     let basis = Basis::over(blocks);
     let prior_dps = prior(&assumed.axis.bias, &basis, blocks);
-    let (steps_s, t3_c, max_order) = (assumed.steps_s, assumed.t3_c, assumed.max_order.min(TERMS - 1));
+    let steps_s = &assumed.steps_s[..assumed.steps_s.len().min(MOST_STEPS)];
+    let (t3_c, max_order) = (assumed.t3_c, assumed.max_order.min(TERMS - 1));
     let record = Record { blocks, basis: &basis, steps_s, t3_c, prior_dps, max_order };
     let models = weigh(&record, assumed);
     if models.is_empty() { Err(ThermalError::Degenerate) } else { Ok(average(&record, &models)) }
+}
+
+/// The rates less the polynomial over temperature that fits them best, noise or not.
+pub(crate) fn without_temperature(blocks: &[Block]) -> Vec<f64> {
+    let basis = Basis::over(blocks);
+    let mut left: Vec<f64> = blocks.iter().map(|block| block.rate_dps).collect();
+    for degree in 1..TERMS {
+        let column: Vec<f64> = blocks.iter().map(|block| basis.at(degree, block.temp_c)).collect();
+        let square = gls::dot(&column, &column);
+        let share = if square > 0.0 { gls::dot(&column, &left) / square } else { 0.0 };
+        left.iter_mut().zip(&column).for_each(|(rate_dps, value)| *rate_dps -= share * value);
+    }
+    left
+}
+
+/// The curve without looking at rates, as far as it does not depend on them: its covariance, for the typical noise and
+/// the highest order. For what a recording will tell.
+pub(crate) fn expected(blocks: &[Block], assumed: &Assumed<'_>) -> Option<BiasCurve> {
+    let basis = Basis::over(blocks);
+    let prior_dps = prior(&assumed.axis.bias, &basis, blocks);
+    let Assumed { t3_c, max_order, .. } = *assumed;
+    let record = Record { blocks, basis: &basis, steps_s: &[], t3_c, prior_dps, max_order };
+    let model = lattice::typical(&record, assumed)?;
+    Some(average(&record, &[model]))
 }
 
 /// The most likely temperature coefficient where a part states none: such that the span changes the rate by as much as
@@ -194,11 +223,11 @@ fn average(record: &Record<'_>, models: &[Weighed]) -> BiasCurve {
     };
     BiasCurve {
         correction: Correction {
-            pbc_dps: -bias[0],
-            btc_dps_per_c: -bias[1],
+            pbc_dps: 0.0 - bias[0],
+            btc_dps_per_c: 0.0 - bias[1],
             t3_c: record.t3_c,
-            btc2_dps_per_c2: -bias[2],
-            btc3_dps_per_c3: -bias[3],
+            btc2_dps_per_c2: 0.0 - bias[2],
+            btc3_dps_per_c3: 0.0 - bias[3],
         },
         covariance,
         order,
@@ -218,7 +247,7 @@ fn average(record: &Record<'_>, models: &[Weighed]) -> BiasCurve {
 }
 
 /// The steps that are more likely there than not, with their mean sizes.
-fn steps(record: &Record<'_>, models: &[Weighed]) -> Vec<Step> {
+fn steps(record: &Record<'_>, models: &[Weighed]) -> [Option<Step>; MOST_STEPS] {
     let step = |index: usize| {
         let with = || models.iter().filter(move |model| model.posterior.steps.len() > index);
         let weight: f64 = with().map(|model| model.weight).sum();
@@ -230,7 +259,7 @@ fn steps(record: &Record<'_>, models: &[Weighed]) -> Vec<Step> {
         let variance = mean(&|size, variance| variance + (size - size_dps) * (size - size_dps));
         (weight > 0.5).then_some(Step { at_s: record.steps_s[index], size_dps, u_dps: libm::sqrt(variance) })
     };
-    (0..record.steps_s.len()).filter_map(step).collect()
+    core::array::from_fn(|index| if index < record.steps_s.len() { step(index) } else { None })
 }
 
 impl BiasCurve {

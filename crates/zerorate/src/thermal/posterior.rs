@@ -98,8 +98,8 @@ impl Record<'_> {
         let sizes = information.solve(right.iter().copied());
         let explained: f64 = sizes.iter().zip(&right).map(|(size, product)| size * product).sum();
         let log_prior: f64 = columns[1..].iter().map(|column| libm::log(precision(*column))).sum();
-        let log_evidence =
-            -0.5 * (gram(0, 0) - explained + filtered.log_determinant + information.log_determinant() - log_prior);
+        let deviance = gram(0, 0) - explained + filtered.log_determinant + information.log_determinant() - log_prior;
+        let log_evidence = -0.5 * deviance;
         let inverse: Vec<Vec<f64>> = (0..columns.len()).map(|k| information.solve(unit(k, columns.len()))).collect();
 
         let mut bias = [0.0; TERMS];

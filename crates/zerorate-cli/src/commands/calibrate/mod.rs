@@ -3,6 +3,7 @@
 mod deliver;
 mod plan;
 mod report;
+mod target;
 
 use super::serial::one_line;
 use super::warn;
@@ -10,21 +11,22 @@ use crate::acquire::Acquisition;
 use crate::cli::{DeviceArgs, SamplingArgs};
 use crate::exit::{Refused, Usage};
 use crate::interrupt;
-use crate::output::{Outputs, Staged};
+use crate::output::{Outputs, Staged, say};
 use crate::part::PartArgs;
 use crate::progress::{Meter, Watch};
 use crate::recorder::Recorder;
 use adis16130_twin::Truth;
 use anyhow::Result;
-use clap::{Args, ValueEnum};
+use clap::Args;
 pub(super) use deliver::Undelivered;
 use plan::PlanArgs;
 pub use plan::flag;
 pub use report::Report;
 use std::path::{Path, PathBuf};
+use target::Target;
 use zerorate::calibration::Origin;
 use zerorate::{
-    Action, AxisRefusal, Calibration, Event, Names, Outcome, Part, PartProcedure, Say, Scan, State, Warning,
+    Action, AxisRefusal, Calibration, Event, Names, Outcome, Part, PartProcedure, Plan, Say, Scan, State, Warning,
 };
 use zerorate_data::capture::{CaptureInfo, Converter, Format, Layout, Row, SampleHash};
 use zerorate_host::{DeviceSpec, Setup, Stop};
@@ -36,6 +38,10 @@ use zerorate_view::duration::Seconds;
 /// coefficient BTC, a long average after settling gives the bias correction PBC at the temperature T3:
 ///
 /// corrected rate = RATE + PBC + (TEMP − T3) · BTC
+///
+/// `--method warmup` takes every sample of the same hour instead: a curve of order 0 to 3 over temperature, with its
+/// uncertainty at every temperature, the part's own noise, steps of the supply and a thermal lag in it. `--method cycle`
+/// does so while you heat and cool the part, and finds the hysteresis as well.
 ///
 /// Fix the part to a still platform, supply it from a linear 5 V supply, and let it have been off for an hour.
 /// A part that moves, freezes, hardly changes its temperature or loses too many samples is refused (exit code 3).
@@ -89,10 +95,6 @@ struct ResultArgs {
     #[arg(long)]
     force: bool,
 
-    /// The procedure.
-    #[arg(long, value_enum, default_value = "an1042")]
-    method: Method,
-
     /// Serial number of the part, stored in the file.
     #[arg(long, value_name = "SN", value_parser = one_line)]
     serial: Option<String>,
@@ -106,17 +108,10 @@ struct ResultArgs {
     json: bool,
 }
 
-/// Ways to calibrate.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum Method {
-    /// Two temperatures by self-heating, as in AN-1042.
-    An1042,
-}
-
 pub fn run(args: &CalibrateArgs) -> Result<()> {
     let files = Files::claim(args.device.file(), &args.result, args.log.as_deref())?;
     let acquisition = Acquisition::open(&args.device, args.sampling)?;
-    calibrate(acquisition, &args.plan, &args.result, files)
+    calibrate(acquisition, args.plan.plan(args.device.file().is_some()), &args.result, files)
 }
 
 pub fn run_again(args: &RecalibrateArgs) -> Result<()> {
@@ -125,7 +120,7 @@ pub fn run_again(args: &RecalibrateArgs) -> Result<()> {
     let recording = DeviceSpec::replay(args.capture.clone());
     let setup = Setup { part: args.part.part.clone(), ..Setup::default() };
     let acquisition = Acquisition::unpaced(&recording, setup, interrupt::stop())?;
-    calibrate(acquisition, &args.plan, &args.result, files)
+    calibrate(acquisition, args.plan.plan(true), &args.result, files)
 }
 
 /// The measurement alone, for another program: prints nothing, leaves Ctrl-C alone, and ends when `watch` says so.
@@ -133,14 +128,18 @@ pub fn measured(args: &CalibrateArgs, watch: &mut dyn Watch) -> Result<(Report, 
     let files = Files::claim(args.device.file(), &args.result, args.log.as_deref())?;
     let setup = args.device.setup(args.sampling);
     let acquisition = Acquisition::unpaced(&args.device.device, setup, &Stop::default())?;
-    let procedure = procedure(acquisition.part(), &args.plan, watch.names())?;
+    let procedure = procedure(acquisition.part(), args.plan.plan(args.device.file().is_some()), watch.names())?;
     let Done { report, calibration, kept } = measure(acquisition, procedure, &args.result, files, watch)?;
     kept.map_err(Undelivered::into_error)?;
     Ok((report, calibration))
 }
 
-fn calibrate(acquisition: Acquisition, plan: &PlanArgs, result: &ResultArgs, files: Files) -> Result<()> {
+fn calibrate(acquisition: Acquisition, plan: Plan, result: &ResultArgs, files: Files) -> Result<()> {
     let procedure = procedure(acquisition.part(), plan, flag)?;
+    if !result.json {
+        let (part, plan) = (procedure.part(), procedure.plan());
+        target::forecasts(part, plan).iter().for_each(|line| say(format_args!("{line}")));
+    }
     let mut meter = Meter::new(procedure.plan().total_s());
     let done = measure(acquisition, procedure, result, files, &mut meter)?;
     drop(meter);
@@ -153,8 +152,8 @@ fn calibrate(acquisition: Acquisition, plan: &PlanArgs, result: &ResultArgs, fil
     }
 }
 
-fn procedure(part: &Part, plan: &PlanArgs, names: Names) -> Result<PartProcedure> {
-    PartProcedure::new(part, plan.plan()).map_err(|error| Usage(error.with(names).to_string()).into())
+fn procedure(part: &Part, plan: Plan, names: Names) -> Result<PartProcedure> {
+    PartProcedure::new(part, plan).map_err(|error| Usage(error.with(names).to_string()).into())
 }
 
 fn measure(
@@ -164,7 +163,7 @@ fn measure(
     mut files: Files,
     watch: &mut dyn Watch,
 ) -> Result<Done> {
-    acquisition.mark(procedure.plan().offset_ends_ns());
+    target::marks_ns(procedure.plan()).for_each(|after_ns| acquisition.mark(after_ns));
     let info = acquisition.info(result.serial.as_deref(), result.supply_note.as_deref());
     let names = watch.names();
     let log = files.log(&info)?;
@@ -246,8 +245,9 @@ struct Measurement<'a> {
     log: Option<Recorder>,
     log_failed: Option<anyhow::Error>,
     hash: SampleHash,
-    /// The twin's truth at the end of step 8, of each axis.
+    /// The twin's truth at the end of step 8, or of the recording, of each axis.
     truths: Vec<Truth>,
+    target: Target,
     watch: &'a mut dyn Watch,
 }
 
@@ -272,7 +272,17 @@ impl<'a> Measurement<'a> {
     ) -> Self {
         let layout = acquisition.facts().info.layout.clone();
         let hash = SampleHash::new(&layout);
-        Self { acquisition, layout, procedure, log, log_failed: None, hash, truths: Vec::new(), watch }
+        Self {
+            acquisition,
+            layout,
+            procedure,
+            log,
+            log_failed: None,
+            hash,
+            truths: Vec::new(),
+            target: Target::default(),
+            watch,
+        }
     }
 
     fn run(mut self) -> Result<Measured> {
@@ -298,10 +308,10 @@ impl<'a> Measurement<'a> {
         loop {
             match self.procedure.next() {
                 Action::Initialise => self.initialise()?,
-                Action::Read => {
-                    let row = self.row()?;
-                    self.take(&row)?;
-                }
+                Action::Read => match self.acquisition.next()? {
+                    Some(row) => self.take(&row)?,
+                    None => self.end()?,
+                },
                 Action::Done => return Ok(()),
             }
         }
@@ -310,17 +320,17 @@ impl<'a> Measurement<'a> {
     /// The procedure's time starts with the first row, so that a recording of the rows is all there is to know.
     fn initialise(&mut self) -> Result<()> {
         self.acquisition.initialise()?;
-        let first = self.row()?;
+        let Some(first) = self.acquisition.next()? else { return Err(self.ended_early()) };
         self.handle(Event::Initialised { t_ns: first.t_ns })?;
         self.take(&first)
     }
 
-    #[inline]
-    fn row(&mut self) -> Result<Row> {
-        match self.acquisition.next()? {
-            Some(row) => Ok(row),
-            None => Err(self.ended_early()),
-        }
+    /// There are no more samples: a recording of any length will do where the method takes no steps.
+    fn end(&mut self) -> Result<()> {
+        let names = self.watch.names();
+        let whole =
+            !interrupt::asked() && self.procedure.end_recording().map_err(|refusal| refused(&refusal, names))?;
+        if whole { Ok(()) } else { Err(self.ended_early()) }
     }
 
     #[inline]
@@ -329,13 +339,30 @@ impl<'a> Measurement<'a> {
         if let Some(Err(error)) = self.log.as_mut().map(|log| log.push(row)) {
             self.lose_log(error.into());
         }
-        let in_step_8 = self.procedure.progress().state == State::Offset;
+        let before = self.procedure.progress().state;
         self.handle(Event::Reading(&self.layout.scan(row)))?;
-        if in_step_8 && self.procedure.progress().state != State::Offset {
-            self.truths = self.acquisition.truths();
+        if before == State::Recording || before == State::Offset && self.procedure.progress().state != State::Offset {
+            self.mark()?;
         }
         if self.acquisition.is_time_to_show() && !self.watch.see(&self.procedure.progress()) {
             return Err(self.interrupted());
+        }
+        Ok(())
+    }
+
+    /// Where the twin was asked for its truth, it is kept; and with a target, looked at whether that is reached.
+    #[inline]
+    fn mark(&mut self) -> Result<()> {
+        let truths = self.acquisition.truths();
+        if !truths.is_empty() {
+            self.truths = truths;
+        }
+        if self.procedure.plan().target_dps.is_some() && self.target.is_due(&self.procedure) {
+            let names = self.watch.names();
+            if self.target.is_reached(&self.procedure) {
+                self.procedure.end_recording().map_err(|refusal| refused(&refusal, names))?;
+            }
+            self.watch.note(self.target.left());
         }
         Ok(())
     }

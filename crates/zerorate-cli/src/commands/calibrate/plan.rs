@@ -1,12 +1,21 @@
 //! The durations and limits of F-51 on the command line. The defaults are those of the core.
 
-use clap::Args;
-use zerorate::{Plan, Setting};
+use clap::{Args, ValueEnum};
+use zerorate::{Method, Plan, Setting};
 use zerorate_view::duration::Seconds;
 
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Procedure")]
 pub struct PlanArgs {
+    /// How the bias over temperature is found.
+    #[arg(long, value_enum, default_value = "an1042")]
+    method: MethodArg,
+
+    /// End the recording once the temperature has settled and the correction is known to this standard uncertainty,
+    /// rms over the temperatures seen, °/h (methods warmup and cycle) [default: the whole time].
+    #[arg(long, value_name = "DPH")]
+    target_dph: Option<f64>,
+
     /// Length of the two averages of rate and temperature, steps 4 and 6.
     #[arg(long, value_name = "TIME", default_value_t = Seconds(Plan::default().average_s))]
     average: Seconds,
@@ -15,9 +24,10 @@ pub struct PlanArgs {
     #[arg(long, value_name = "TIME", default_value_t = Seconds(Plan::default().warmup_s))]
     warmup: Seconds,
 
-    /// Settling to thermal balance, step 7.
-    #[arg(long, value_name = "TIME", default_value_t = Seconds(Plan::default().settle_s))]
-    settle: Seconds,
+    /// Settling to thermal balance, step 7. By the methods warmup and cycle, all these times add up to the length of
+    /// the recording [default: 40m; by those methods from a recording, to its end].
+    #[arg(long, value_name = "TIME")]
+    settle: Option<Seconds>,
 
     /// Length of the average that gives PBC, step 8; one second of temperature follows it.
     #[arg(long, value_name = "TIME", default_value_t = Seconds(Plan::default().offset_s))]
@@ -53,19 +63,42 @@ pub fn flag(setting: Setting) -> &'static str {
         Setting::MaxUBtc => "--max-u-btc",
         Setting::Earth => "--earth-dps",
         Setting::AssumeLinear => "--assume-linear",
+        Setting::Target => "--target-dph",
         Setting::EveryTemp => "--every-temp",
         Setting::Divider => "--divider",
         other => other.name(),
     }
 }
 
+/// No step takes longer, s.
+const LONGEST_S: f64 = 86_400.0;
+
+/// Ways to calibrate.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum MethodArg {
+    /// Two temperatures by self-heating and the line through them, as in AN-1042.
+    An1042,
+    /// A curve through every sample of the same time.
+    Warmup,
+    /// The same while the part is heated and cooled, by hand or by a chamber.
+    Cycle,
+}
+
 impl PlanArgs {
-    /// As the core takes it.
-    pub fn plan(&self) -> Plan {
+    /// As the core takes it; of something recorded already, a method without steps takes all.
+    pub fn plan(&self, recorded: bool) -> Plan {
+        let method = match self.method {
+            MethodArg::An1042 => Method::An1042,
+            MethodArg::Warmup => Method::Warmup,
+            MethodArg::Cycle => Method::Cycle,
+        };
+        let settle_s = if recorded && method != Method::An1042 { LONGEST_S } else { Plan::default().settle_s };
         Plan {
+            method,
+            target_dps: self.target_dph.map(|dph| dph / 3600.0),
             average_s: self.average.0,
             warmup_s: self.warmup.0,
-            settle_s: self.settle.0,
+            settle_s: self.settle.map_or(settle_s, |settle| settle.0),
             offset_s: self.offset.0,
             max_lost: self.max_lost,
             max_u_btc_dps_per_c: self.max_u_btc,

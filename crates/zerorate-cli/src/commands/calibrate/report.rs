@@ -4,7 +4,8 @@ use super::deliver::Rescued;
 use adis16130_twin::Truth;
 use serde::Serialize;
 use std::path::Path;
-use zerorate::calibration::Run;
+use zerorate::calibration::{CalibratedAxis, Run};
+use zerorate::thermal::{BiasCurve, Step, TERMS};
 use zerorate::{Calibration, Names, Outcome, Say, Uncertainty, Warning};
 use zerorate_view::duration::Seconds;
 
@@ -49,19 +50,56 @@ struct AxisReport {
 /// What was found of an axis.
 #[derive(Serialize)]
 struct Numbers {
-    b1_dps: f64,
-    t1_c: f64,
-    b2_dps: f64,
-    t2_c: f64,
+    /// Steps 4 and 6 of AN-1042; null by another method.
+    b1_dps: Option<f64>,
+    t1_c: Option<f64>,
+    b2_dps: Option<f64>,
+    t2_c: Option<f64>,
     btc_dps_per_c: f64,
     pbc_dps: f64,
     t3_c: f64,
+    /// Of a curve.
+    #[serde(flatten)]
+    higher: Option<Higher>,
     u_pbc_dps: f64,
     u_btc_dps_per_c: f64,
     u_t3_c: f64,
     impossible_readings: u64,
+    /// The correction at the end of the recording, evenly over the temperatures seen.
+    curve: Vec<CurvePoint>,
     #[serde(skip_serializing_if = "Option::is_none")]
     truth: Option<TruthReport>,
+}
+
+/// What a curve has beside PBC and BTC.
+#[derive(Serialize)]
+struct Higher {
+    order: usize,
+    order_weights: [f64; TERMS],
+    btc2_dps_per_c2: f64,
+    btc3_dps_per_c3: f64,
+    lag_s: f64,
+    play_c: f64,
+    bias_instability_dps: f64,
+    rate_random_walk_dps_per_rt_s: f64,
+    steps: Vec<StepReport>,
+}
+
+/// A step of the level that was taken out.
+#[derive(Serialize)]
+struct StepReport {
+    at_s: f64,
+    size_dps: f64,
+    u_dps: f64,
+}
+
+/// What is added to a rate at a temperature.
+#[derive(Serialize)]
+struct CurvePoint {
+    temp_c: f64,
+    correction_dps: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    u_dps: Option<f64>,
 }
 
 /// What the twin knows: the values that a perfect measurement would find at the reported T3.
@@ -69,16 +107,31 @@ struct Numbers {
 struct TruthReport {
     pbc_dps: f64,
     btc_dps_per_c: f64,
+    curve: Vec<CurvePoint>,
 }
 
+/// Points of a curve.
+const POINTS: u8 = 9;
+
 impl Numbers {
-    fn new(outcome: &Outcome, truth: Option<&Truth>) -> Self {
+    fn new(outcome: &Outcome, axis: &CalibratedAxis, truth: Option<&Truth>) -> Self {
         let t3_c = outcome.correction.t3_c;
+        let (low_c, high_c) = (outcome.temp_min_c, outcome.temp_max_c);
+        let temps = || (0..POINTS).map(|k| low_c + (high_c - low_c) * f64::from(k) / f64::from(POINTS - 1));
+        let point = |temp_c| CurvePoint {
+            temp_c,
+            correction_dps: outcome.correction.at(temp_c),
+            u_dps: axis.u_correction_dps(temp_c),
+        };
+        let true_point =
+            |truth: &Truth, temp_c| CurvePoint { temp_c, correction_dps: truth.pbc_dps(temp_c), u_dps: None };
         Self {
-            b1_dps: outcome.b1_dps,
-            t1_c: outcome.t1_c,
-            b2_dps: outcome.b2_dps,
-            t2_c: outcome.t2_c,
+            b1_dps: outcome.means.map(|means| means.b1_dps),
+            t1_c: outcome.means.map(|means| means.t1_c),
+            b2_dps: outcome.means.map(|means| means.b2_dps),
+            t2_c: outcome.means.map(|means| means.t2_c),
+            higher: outcome.curve.as_ref().map(Higher::new),
+            curve: temps().map(point).collect(),
             btc_dps_per_c: outcome.correction.btc_dps_per_c,
             pbc_dps: outcome.correction.pbc_dps,
             t3_c,
@@ -86,8 +139,28 @@ impl Numbers {
             u_btc_dps_per_c: outcome.uncertainty.u_btc_dps_per_c,
             u_t3_c: outcome.uncertainty.u_t3_c,
             impossible_readings: outcome.impossible_readings,
-            truth: truth
-                .map(|truth| TruthReport { pbc_dps: truth.pbc_dps(t3_c), btc_dps_per_c: truth.btc_dps_per_c(t3_c) }),
+            truth: truth.map(|truth| TruthReport {
+                pbc_dps: truth.pbc_dps(t3_c),
+                btc_dps_per_c: truth.btc_dps_per_c(t3_c),
+                curve: temps().map(|temp_c| true_point(truth, temp_c)).collect(),
+            }),
+        }
+    }
+}
+
+impl Higher {
+    fn new(curve: &BiasCurve) -> Self {
+        let step = |step: Step| StepReport { at_s: step.at_s, size_dps: step.size_dps, u_dps: step.u_dps };
+        Self {
+            order: curve.order,
+            order_weights: curve.order_weights.map(|weight| (1e4 * weight).round() / 1e4),
+            btc2_dps_per_c2: curve.correction.btc2_dps_per_c2,
+            btc3_dps_per_c3: curve.correction.btc3_dps_per_c3,
+            lag_s: curve.following.lag_s,
+            play_c: curve.following.play_c,
+            bias_instability_dps: curve.noise.bias_instability_dps,
+            rate_random_walk_dps_per_rt_s: curve.noise.rate_random_walk_dps_per_rt_s,
+            steps: curve.steps.into_iter().flatten().map(step).collect(),
         }
     }
 }
@@ -103,7 +176,7 @@ impl Report {
             let own = outcome.warnings.iter().filter(|warning| !common.contains(warning));
             axes.push(AxisReport {
                 name: axis.name.clone(),
-                numbers: Numbers::new(outcome, truths.get(index)),
+                numbers: Numbers::new(outcome, axis, truths.get(index)),
                 warnings: own.map(text).collect(),
             });
         }
@@ -168,8 +241,17 @@ impl Report {
     }
 
     fn meaning(&self) -> String {
+        let numbers = self.only.iter().chain(self.axes.iter().map(|axis| &axis.numbers));
+        let order = numbers.filter_map(|numbers| numbers.higher.as_ref()).map(|higher| higher.order).max();
+        let more = match order {
+            Some(2) => " + d² · BTC2",
+            Some(3) => " + d² · BTC2 + d³ · BTC3",
+            _ => "",
+        };
+        let d = if more.is_empty() { "(TEMP − T3)" } else { "d" };
+        let where_d = if more.is_empty() { "" } else { ", d = TEMP − T3" };
         format!(
-            "corrected rate = RATE + PBC + (TEMP − T3) · BTC, measured between {:.1} and {:.1} °C\n\
+            "corrected rate = RATE + PBC + {d} · BTC{more}{where_d}, measured between {:.1} and {:.1} °C\n\
              ± is the {:.0} % interval\n",
             self.temp_min_c,
             self.temp_max_c,
@@ -195,19 +277,35 @@ impl Report {
 
 impl Numbers {
     fn text(&self, factor: f64) -> String {
-        let Self { b1_dps, t1_c, b2_dps, t2_c, btc_dps_per_c, pbc_dps, t3_c, .. } = self;
-        format!(
+        let Self { btc_dps_per_c, pbc_dps, t3_c, .. } = self;
+        let line = format!(
             "  PBC  {pbc_dps:+.5} ± {:.5} °/s     at T3 = {t3_c:.3} °C\n  \
-               BTC  {btc_dps_per_c:+.5} ± {:.5} °/s/°C\n  \
-               B1   {b1_dps:+.5} °/s at T1 = {t1_c:.3} °C\n  \
-               B2   {b2_dps:+.5} °/s at T2 = {t2_c:.3} °C\n",
+               BTC  {btc_dps_per_c:+.5} ± {:.5} °/s/°C\n",
             self.u_pbc_dps * factor,
             self.u_btc_dps_per_c * factor,
-        )
+        );
+        line + &self
+            .means()
+            .or_else(|| self.higher.as_ref().map(|higher| higher.text(self, factor)))
+            .unwrap_or_default()
+    }
+
+    /// Steps 4 and 6.
+    fn means(&self) -> Option<String> {
+        let (b1_dps, t1_c, b2_dps, t2_c) = (self.b1_dps?, self.t1_c?, self.b2_dps?, self.t2_c?);
+        Some(format!("  B1   {b1_dps:+.5} °/s at T1 = {t1_c:.3} °C\n  B2   {b2_dps:+.5} °/s at T2 = {t2_c:.3} °C\n"))
     }
 
     fn against_truth(&self) -> Option<String> {
         let truth = self.truth.as_ref()?;
+        if self.higher.is_some() {
+            let off =
+                self.curve.iter().zip(&truth.curve).map(|(one, other)| one.correction_dps - other.correction_dps);
+            let rms_dph = 3600.0 * (off.map(|off| off * off).sum::<f64>() / f64::from(POINTS)).sqrt();
+            return Some(format!(
+                "the twin's truth: the curve is {rms_dph:.1} °/h off, rms over the temperatures seen\n"
+            ));
+        }
         Some(format!(
             "the twin's truth: PBC {:+.5} °/s (measured {:+.5} off), BTC {:+.5} °/s/°C (measured {:+.5} off)\n",
             truth.pbc_dps,
@@ -218,18 +316,36 @@ impl Numbers {
     }
 }
 
+impl Higher {
+    fn text(&self, numbers: &Numbers, factor: f64) -> String {
+        let squares: f64 = numbers.curve.iter().filter_map(|point| point.u_dps).map(|u_dps| u_dps * u_dps).sum();
+        let u_dph = 3600.0 * (squares / f64::from(POINTS)).sqrt();
+        let kind = ["a constant", "a line", "a curve of order 2", "a curve of order 3"][self.order.min(TERMS - 1)];
+        let terms = match self.order {
+            2 => format!("  BTC2 {:+.3e} °/s/°C²\n", self.btc2_dps_per_c2),
+            3 => {
+                format!("  BTC2 {:+.3e} °/s/°C²\n  BTC3 {:+.3e} °/s/°C³\n", self.btc2_dps_per_c2, self.btc3_dps_per_c3)
+            }
+            _ => String::new(),
+        };
+        format!(
+            "{terms}  {kind} (probability {:.0} %), known to ±{:.1} °/h, rms over the temperatures seen\n",
+            100.0 * self.order_weights[self.order.min(TERMS - 1)],
+            factor * u_dph
+        )
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use zerorate::calibration::Origin;
-    use zerorate::{Axis, Correction, Noise, Part, Plan};
+    use zerorate::{Axis, Correction, Measured, Noise, Part, Plan};
 
     fn outcome(pbc_dps: f64, own: Warning) -> Outcome {
         Outcome {
-            b1_dps: 0.1,
-            t1_c: 25.0,
-            b2_dps: 0.3,
-            t2_c: 31.0,
+            curve: None,
+            means: Some(Measured { b1_dps: 0.1, t1_c: 25.0, b2_dps: 0.3, t2_c: 31.0 }),
             correction: Correction::line(pbc_dps, -0.04, 32.0),
             uncertainty: Uncertainty {
                 u_b1_dps: 0.004,

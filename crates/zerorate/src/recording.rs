@@ -1,0 +1,285 @@
+//! From one recording of a part at rest to the bias over temperature: what stands out is looked for, and all blocks go
+//! into one estimate ([`thermal`](crate::thermal)).
+
+use crate::blocks::{Blocks, Second};
+use crate::estimate::{Evidence, Noise, Outcome, Uncertainty};
+use crate::hour::{self, Deviation, Finding, Findings, Question};
+use crate::ledger::{Ledger, Summary};
+use crate::noise::{NoiseModel, Window};
+use crate::notice::{Refusal, Warning};
+use crate::part::{Axis, SelfHeating};
+use crate::plan::{Method, Plan};
+use crate::procedure::State;
+use crate::stationarity;
+use crate::thermal::{self, Assumed, BiasCurve, Block};
+use alloc::vec::Vec;
+
+/// Blocks that a recording is put into, about: more of them tell no more.
+const MOST_BLOCKS: f64 = 1600.0;
+/// Shortest block, s.
+const SHORTEST_S: f64 = 2.0;
+
+/// How far a recording has come.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reached {
+    /// Standard uncertainty of the correction, rms over the temperatures seen, °/s.
+    pub u_dps: f64,
+    /// How long it takes until the temperature has settled, s, if it goes on as a self-heating does.
+    pub left_s: f64,
+    /// The temperature has settled: what is to come is inside the margin of the calibration.
+    pub settled: bool,
+}
+
+/// A typical self-heating settles with this time constant, s (M-03).
+const SETTLING_S: f64 = 600.0;
+/// The slope of the temperature is taken over this, s.
+const SLOPE_S: f64 = 60.0;
+
+/// How far the recording has come; none before anything can be said.
+pub(crate) fn reached(seen: &Evidence<'_>, ledger: &Blocks) -> Option<Reached> {
+    let seconds: Vec<Second> = ledger.seconds().collect();
+    let curve = curve(seen, &ledger.summary(State::Recording), &seconds, &[]).ok()?;
+    let last = seconds.last()?;
+    let before = seconds.iter().rev().find(|second| second.at_s <= last.at_s - SLOPE_S)?;
+    let to_come_c = (last.temp_c - before.temp_c) / (last.at_s - before.at_s) * SETTLING_S;
+    let left_s = (SETTLING_S * libm::log(to_come_c.abs() / seen.axis.temp_margin_c())).max(0.0);
+    Some(Reached { u_dps: rms_u_dps(&curve), left_s, settled: left_s <= 0.0 })
+}
+
+/// What can be said of a recording before it begins.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Forecast {
+    /// When it ends, s.
+    pub after_s: f64,
+    /// Standard uncertainty of the correction by then, rms over the temperatures of a typical self-heating, °/s.
+    pub u_dps: f64,
+}
+
+impl Axis {
+    /// When a typical unit has settled and its correction is known to a standard uncertainty, °/s; where it never is,
+    /// the end of the time, s. None where its noise or its self-heating is not known.
+    #[must_use]
+    pub fn forecast(&self, target_dps: f64, total_s: f64) -> Option<Forecast> {
+        let heating = self.self_heating?;
+        let settled_s = heating.settles_to_s(self.temp_margin_c()).min(total_s);
+        let at = |after_s: f64| Some(Forecast { after_s, u_dps: self.expected_u_dps(&heating, after_s)? });
+        let tried = core::iter::successors(Some(settled_s), |after_s| Some(after_s * 1.25));
+        let forecasts = tried.take_while(|after_s| *after_s < total_s).filter_map(at);
+        forecasts.into_iter().find(|forecast| forecast.u_dps <= target_dps).or_else(|| at(total_s))
+    }
+
+    /// The uncertainty does not depend on the rates, only on the temperatures and the noise.
+    fn expected_u_dps(&self, heating: &SelfHeating, after_s: f64) -> Option<f64> {
+        let noise = self.noise?;
+        let count = libm::floor(after_s / SHORTEST_S) as u32;
+        let block = |k: u32| {
+            let start_s = f64::from(k) * SHORTEST_S;
+            let temp_c = heating.rise_c(start_s + SHORTEST_S / 2.0);
+            Block { start_s, length_s: SHORTEST_S, rate_dps: 0.0, temp_c }
+        };
+        let blocks: Vec<Block> = (0..count).map(block).collect();
+        let assumed = Assumed {
+            axis: self,
+            white_dps_per_rt_hz: noise.white_dps_per_rt_hz,
+            gauss_markov: &[],
+            steps_s: &[],
+            max_order: 1,
+            t3_c: blocks.last()?.temp_c,
+        };
+        thermal::expected(&blocks, &assumed).map(|curve| rms_u_dps(&curve))
+    }
+}
+
+/// The result of a recording that has ended.
+pub(crate) fn outcome(seen: &Evidence<'_>, ledger: &Blocks) -> Result<Outcome, Refusal> {
+    let seconds: Vec<Second> = ledger.seconds().collect();
+    let summary = ledger.summary(State::Recording);
+    turned(seen.plan, &seconds)?;
+    let hour = findings(seen, &summary, &seconds);
+    let suspects = steps_s(hour.as_ref());
+    let mut curve = curve(seen, &summary, &seconds, &suspects)?;
+    curve.correction.pbc_dps += seen.plan.earth_dps.unwrap_or(0.0);
+    accept(seen, &curve, hour.as_ref())?;
+    let (tally, (temp_min_c, temp_max_c)) = (seen.tally, summary.temp_range_c);
+    Ok(Outcome {
+        means: None,
+        correction: curve.correction,
+        uncertainty: Uncertainty::of_curve(&curve),
+        noise: Noise { model: curve.noise, flicker_measured: true },
+        rdy_hz: tally.rdy_hz(),
+        rate_hz: tally.rate_hz(),
+        samples: tally.samples,
+        lost_samples: tally.lost,
+        impossible_readings: summary.spoilt,
+        duration_s: tally.duration_s(),
+        temp_min_c,
+        temp_max_c,
+        // a recording has no steps
+        plan: Plan { average_s: 0.0, warmup_s: 0.0, settle_s: 0.0, offset_s: 0.0, ..*seen.plan },
+        warnings: warnings(seen, &summary, &curve, hour.as_ref()),
+        curve: Some(curve),
+    })
+}
+
+/// A cycle rises and falls, each by half of its span at least.
+fn turned(plan: &Plan, seconds: &[Second]) -> Result<(), Refusal> {
+    if plan.method != Method::Cycle {
+        return Ok(());
+    }
+    let (mut low_c, mut high_c) = (f64::INFINITY, f64::NEG_INFINITY);
+    let (mut rise_c, mut fall_c) = (0.0_f64, 0.0_f64);
+    for temp_c in seconds.iter().map(|second| second.temp_c) {
+        (low_c, high_c) = (low_c.min(temp_c), high_c.max(temp_c));
+        (rise_c, fall_c) = (rise_c.max(temp_c - low_c), fall_c.max(high_c - temp_c));
+    }
+    let half_c = (high_c - low_c) / 2.0;
+    if rise_c >= half_c && fall_c >= half_c && half_c > 0.0 {
+        return Ok(());
+    }
+    Err(Refusal::OneWay { rise_c, fall_c })
+}
+
+/// What the rate did beside following the temperature; none where the part's noise is not known.
+fn findings(seen: &Evidence<'_>, summary: &Summary, seconds: &[Second]) -> Option<Findings> {
+    seen.axis.noise?;
+    let (start_s, end_s) = (summary.start_s, summary.end_s);
+    let tenth_s = (end_s - start_s) / 10.0;
+    let window = |start_s: f64| Window { start_s, end_s: start_s + tenth_s, weight: 1.0 };
+    let (low_c, high_c) = summary.temp_range_c;
+    let question = Question {
+        averages: [window(start_s), window(start_s + 4.5 * tenth_s), window(end_s - tenth_s)],
+        span_c: (high_c - low_c).max(f64::MIN_POSITIVE),
+        t3_c: final_temp_c(seconds)?,
+        noise: NoiseModel { white_dps_per_rt_hz: white_density(summary), ..seen.axis.typical_noise() },
+        curvature_dps_per_c2: seen.axis.bias.curvature_dps_per_c2.unwrap_or(0.0),
+        supply_dps_per_mv: seen.axis.bias.supply_dps_per_mv,
+    };
+    hour::findings(seconds, &question)
+}
+
+fn steps_s(hour: Option<&Findings>) -> Vec<f64> {
+    let found = hour.into_iter().flat_map(|hour| &hour.found);
+    found
+        .filter_map(|finding| if let Deviation::Step { at_s, .. } = finding.deviation { Some(at_s) } else { None })
+        .collect()
+}
+
+fn curve(seen: &Evidence<'_>, summary: &Summary, seconds: &[Second], steps_s: &[f64]) -> Result<BiasCurve, Refusal> {
+    let window = State::Recording;
+    let too_few = |samples| Refusal::TooFew { window, samples, needed: 80 };
+    let t3_c = final_temp_c(seconds).ok_or(Refusal::NoTemperature { window })?;
+    let assumed = Assumed {
+        axis: seen.axis,
+        white_dps_per_rt_hz: white_density(summary),
+        gauss_markov: &[],
+        steps_s,
+        max_order: if seen.plan.assume_linear { 1 } else { thermal::TERMS - 1 },
+        t3_c,
+    };
+    thermal::fit(&blocks(seconds), &assumed).map_err(|_| too_few(summary.samples))
+}
+
+/// T3: the mean temperature of the last second, as in step 9 of F-51.
+fn final_temp_c(seconds: &[Second]) -> Option<f64> {
+    seconds.last().map(|second| second.temp_c)
+}
+
+fn white_density(summary: &Summary) -> f64 {
+    stationarity::white_density(summary.rates)
+}
+
+/// The seconds in blocks of one length; those with less than half of their seconds are left out.
+pub(crate) fn blocks(seconds: &[Second]) -> Vec<Block> {
+    let total_s = seconds.last().map_or(0.0, |second| second.at_s + 1.0);
+    let length_s = libm::ceil(total_s / MOST_BLOCKS).max(SHORTEST_S);
+    let index = |second: &Second| libm::floor((second.at_s + 0.5) / length_s);
+    seconds
+        .chunk_by(|a, b| index(a) == index(b))
+        .filter(|chunk| 2.0 * chunk.len() as f64 >= length_s)
+        .map(|chunk| {
+            let mean = |of: fn(&Second) -> f64| chunk.iter().map(of).sum::<f64>() / chunk.len() as f64;
+            Block {
+                start_s: index(&chunk[0]) * length_s,
+                length_s,
+                rate_dps: mean(|s| s.rate_dps),
+                temp_c: mean(|s| s.temp_c),
+            }
+        })
+        .collect()
+}
+
+/// Standard uncertainty of the correction, rms over the span, °/s.
+fn rms_u_dps(curve: &BiasCurve) -> f64 {
+    let (low_c, high_c) = curve.span_c;
+    let squares = (0..9).map(|k| curve.u_dps(low_c + (high_c - low_c) * f64::from(k) / 8.0)).map(|u| u * u);
+    libm::sqrt(squares.sum::<f64>() / 9.0)
+}
+
+/// Refuses what must not become a calibration: motion, and a slope that is too uncertain.
+fn accept(seen: &Evidence<'_>, curve: &BiasCurve, hour: Option<&Findings>) -> Result<(), Refusal> {
+    let found = || hour.into_iter().flat_map(|hour| &hour.found);
+    let limit_dps = seen.axis.bias.largest_supply_step_dps();
+    for finding in found() {
+        match finding.deviation {
+            Deviation::Sway { hz, size_dps } if size_dps > limit_dps => {
+                return Err(Refusal::Swaying { hz, size_dps, limit_dps });
+            }
+            _ => {}
+        }
+    }
+    let wanted_dps_per_c = seen.plan.max_u_btc_dps_per_c;
+    let u_btc_dps_per_c = libm::sqrt(curve.covariance[1][1]);
+    if u_btc_dps_per_c <= wanted_dps_per_c {
+        return Ok(());
+    }
+    let step = found().find(|finding| matches!(finding.deviation, Deviation::Step { .. }));
+    match step {
+        Some(&finding) => Err(Refusal::StepOrTemperature { finding, u_btc_dps_per_c, wanted_dps_per_c }),
+        None => {
+            let (t1_c, t2_c) = curve.span_c;
+            Err(Refusal::Span { t1_c, t2_c, u_btc_dps_per_c, wanted_dps_per_c })
+        }
+    }
+}
+
+fn warnings(seen: &Evidence<'_>, summary: &Summary, curve: &BiasCurve, hour: Option<&Findings>) -> Vec<Warning> {
+    let (plan, axis, tally) = (seen.plan, seen.axis, seen.tally);
+    let (lost, samples, rate_hz) = (tally.lost, tally.samples, tally.rate_hz());
+    let needed_hz = axis.bandwidth_hz.map(|hz| 2.0 * hz);
+    let u_dps = rms_u_dps(curve);
+    let when = |condition: bool, warning: Warning| condition.then_some(warning);
+    let of_run = [
+        Some(plan.earth_dps.map_or(Warning::EarthIncluded, |earth_dps| Warning::EarthSubtracted { earth_dps })),
+        needed_hz.filter(|needed_hz| rate_hz < *needed_hz).map(|needed_hz| Warning::Aliased { rate_hz, needed_hz }),
+        when(lost > 0, Warning::Lost { lost, fraction: lost as f64 / (lost + samples) as f64 }),
+        when(
+            summary.spoilt > 0,
+            Warning::Impossible { count: summary.spoilt, fraction: summary.spoilt as f64 / samples as f64 },
+        ),
+        when(axis.noise.is_none(), Warning::RestUnjudged),
+        when(hour.is_none(), Warning::HourUnchecked),
+        plan.target_dps.filter(|target| u_dps > *target).map(|target_dps| Warning::TargetMissed { u_dps, target_dps }),
+        when(plan.method == Method::Warmup, branch(axis)),
+        when(curve.following.lag_s > LAG_WORTH_SAYING_S, Warning::Late { lag_s: curve.following.lag_s }),
+        when(hour.is_some_and(|hour| hour.unexplained), Warning::Restless),
+    ];
+    let steps = curve.steps.into_iter().flatten().map(|step| Warning::StepTaken {
+        at_s: step.at_s,
+        size_dps: step.size_dps,
+        u_dps: step.u_dps,
+    });
+    let sways = hour.into_iter().flat_map(Findings::distinct).filter(is_sway).map(Warning::Found);
+    of_run.into_iter().flatten().chain(steps).chain(sways).collect()
+}
+
+/// A shorter lag moves a bias by less than its uncertainty, s.
+const LAG_WORTH_SAYING_S: f64 = 5.0;
+
+/// One warming shows one branch of the hysteresis.
+fn branch(axis: &Axis) -> Warning {
+    Warning::OneBranch { hysteresis_dps: axis.bias.hysteresis_dps }
+}
+
+fn is_sway(finding: &Finding) -> bool {
+    matches!(finding.deviation, Deviation::Sway { .. })
+}
