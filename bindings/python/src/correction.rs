@@ -9,7 +9,7 @@ use zerorate::{Calibration, Correction, Scale};
 use zerorate_cli::api;
 
 /// Keys of the file that belong to an axis, or are called otherwise in Python.
-const OF_AXES: [&str; 6] = ["axis", "temperature", "correction", "measured", "uncertainty", "noise"];
+const OF_AXES: [&str; 7] = ["axis", "temperature", "correction", "measured", "uncertainty", "curve", "noise"];
 
 /// Reads a calibration file out of its text. Returns it as JSON, in one form for both schemas, its id, and what there
 /// is to know of it.
@@ -35,6 +35,7 @@ fn axis(axis: &CalibratedAxis) -> Value {
         "correction": axis.correction,
         "measured": axis.measured,
         "uncertainty": axis.uncertainty,
+        "curve": axis.curve,
         "noise": axis.noise,
     })
 }

@@ -101,6 +101,22 @@ def test_the_log_gives_back_what_was_measured(unit: tuple[zerorate.Calibrated, P
     assert log.rate_dps[log.t_s <= 10].mean() == pytest.approx(found.b1_dps, abs=1e-3)
 
 
+def test_a_warm_up_gives_a_curve(tmp_path: Path) -> None:
+    twin = zerorate.Twin(seed=6, warmup_s=40, curvature=0.003)
+    found = zerorate.calibrate(
+        twin, method="warmup", average=2, warmup=60, settle=120, offset=20, max_u_btc=0.2, output=tmp_path / "unit.toml"
+    )
+    assert (found.method, found.b1_dps, found.order >= 2) == ("warmup", None, True)
+    assert found.calibration.uncertainty is None
+    assert found.calibration.curve is not None and found.calibration.curve.order == found.order
+    assert found.truth is not None
+    for point, truth in zip(found.curve, found.truth.curve):
+        assert point.u_dps is not None
+        assert abs(point.correction_dps - truth.correction_dps) < 4 * point.u_dps
+        assert found.calibration.correct(0.0, point.temp_c) == pytest.approx(point.correction_dps, abs=1e-12)
+    assert zerorate.Calibration.load(tmp_path / "unit.toml") == found.calibration
+
+
 def test_correct_is_the_formula_of_the_note() -> None:
     with pytest.warns(UserWarning, match="no checksum"):
         calibration = zerorate.Calibration.parse(BY_HAND)

@@ -25,6 +25,7 @@ from ._calibration import (
     Corrected,
     Correction,
     Corrector,
+    CurveRecord,
     Measured,
     NoiseRecord,
     Run,
@@ -36,7 +37,7 @@ from ._capture import Capture, read_capture
 from ._imu import Imu, imu
 from ._log import Log, read_log
 from ._model import BandShape, Cleaned, Coefficient, Estimate, Fit, GaussMarkov, Line, WarmUp
-from ._procedure import Calibrated, Truth, calibrate
+from ._procedure import Calibrated, CurvePoint, Truth, calibrate
 from ._result import Allan, AllanAxes, Unavailable
 from ._twin import Twin, TwinKey
 from ._zerorate import Refused
@@ -56,6 +57,8 @@ __all__ = [
     "Corrected",
     "Correction",
     "Corrector",
+    "CurvePoint",
+    "CurveRecord",
     "Estimate",
     "Fit",
     "GaussMarkov",

@@ -87,6 +87,28 @@ class Uncertainties:
 
 
 @dataclass(frozen=True)
+class CurveRecord:
+    """How well a curve over temperature is known, and what it rests on."""
+
+    coverage: float
+    """Probability of the stated intervals."""
+    coverage_factor: float
+    """Half width of the stated intervals in standard uncertainties."""
+    order: int
+    """Order of the polynomial."""
+    order_weights: list[float]
+    """Posterior probability of the orders 0 to 3."""
+    covariance: list[list[float]]
+    """Of PBC and the coefficients of the first to third order: °/s/°C to that power each."""
+    lag_s: float
+    """Time by which the bias follows the temperature sensor late, s."""
+    play_c: float
+    """Half width of the play with which it does so, °C."""
+    steps: list[list[float]]
+    """Steps that were taken out: when, s, and how large, °/s."""
+
+
+@dataclass(frozen=True)
 class NoiseRecord:
     """The noise behind the uncertainties, and which of it was measured; a source is ``measured`` or
     ``typical (M-04)``."""
@@ -150,7 +172,9 @@ class CalibratedAxis:
     measured: Measured | None = None
     """The means it rests on."""
     uncertainty: Uncertainties | None = None
-    """How well it is known."""
+    """How well it is known, by AN-1042."""
+    curve: CurveRecord | None = None
+    """How well it is known, by another method."""
     noise: NoiseRecord | None = None
     """The noise behind that."""
 
@@ -290,6 +314,11 @@ class Calibration:
     def noise(self) -> NoiseRecord | None:
         """The noise behind that."""
         return self._only("noise").noise
+
+    @property
+    def curve(self) -> CurveRecord | None:
+        """How well the only axis is known, by another method than AN-1042."""
+        return self._only("curve").curve
 
     def _only(self, what: str) -> CalibratedAxis:
         if len(self.axes) == 1:
@@ -467,6 +496,7 @@ _TABLES: dict[str, Any] = {
     "correction": Correction,
     "measured": Measured,
     "uncertainty": Uncertainties,
+    "curve": CurveRecord,
     "noise": NoiseRecord,
     "validity": Validity,
     "run": Run,

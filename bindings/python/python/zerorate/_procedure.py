@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 from dataclasses import dataclass, field
-from typing import Union
+from typing import Literal, Union
 
 from . import _zerorate
 from ._calibration import Calibration
@@ -23,6 +23,20 @@ class Truth:
     """Bias correction at T3, °/s."""
     btc_dps_per_c: float
     """Temperature coefficient of the correction at T3, °/s/°C."""
+    curve: list[CurvePoint] = field(default_factory=list)
+    """The true correction at the temperatures of `Calibrated.curve`."""
+
+
+@dataclass(frozen=True)
+class CurvePoint:
+    """What is added to a rate at a temperature, at the end of the recording."""
+
+    temp_c: float
+    """Temperature, °C."""
+    correction_dps: float
+    """The correction there, °/s: minus the bias."""
+    u_dps: float | None = None
+    """Its standard uncertainty, °/s."""
 
 
 @dataclass(frozen=True)
@@ -33,13 +47,13 @@ class Calibrated:
     the probability ``coverage``.
     """
 
-    b1_dps: float
-    """Mean rate of step 4, °/s."""
-    t1_c: float
+    b1_dps: float | None
+    """Mean rate of step 4, °/s; None by another method than ``an1042``, as the next three."""
+    t1_c: float | None
     """Mean temperature of step 4, °C."""
-    b2_dps: float
+    b2_dps: float | None
     """Mean rate of step 6, °/s."""
-    t2_c: float
+    t2_c: float | None
     """Mean temperature of step 6, °C."""
     btc_dps_per_c: float
     """Temperature coefficient of the correction, °/s/°C."""
@@ -74,7 +88,7 @@ class Calibrated:
     temp_max_c: float
     """Highest temperature, °C."""
     method: str
-    """``an1042``."""
+    """``an1042``, ``warmup`` or ``cycle``."""
     device: str
     """Where the samples came from."""
     calibration_id: str
@@ -83,15 +97,37 @@ class Calibrated:
     """SHA-256 of the samples."""
     warnings: list[str]
     """``code: text`` each: what was seen, why it matters, what to do."""
+    curve: list[CurvePoint]
+    """The correction at nine temperatures, evenly over those seen."""
     calibration: Calibration = field(repr=False)
     """The calibration, to correct with or to save."""
     truth: Truth | None = None
-    """The twin's truth at the end of the last average."""
+    """The twin's truth at the end of the last average, or of the recording."""
+    order: int = 1
+    """Order of the correction over temperature."""
+    order_weights: list[float] | None = None
+    """Posterior probability of the orders 0 to 3; None by ``an1042``, as all that follow."""
+    btc2_dps_per_c2: float = 0.0
+    """Quadratic term over TEMP − T3, °/s/°C²."""
+    btc3_dps_per_c3: float = 0.0
+    """Cubic term, °/s/°C³."""
+    lag_s: float | None = None
+    """Time by which the bias follows the temperature sensor late, s."""
+    play_c: float | None = None
+    """Half width of the play with which it does so, °C."""
+    bias_instability_dps: float | None = None
+    """B of the recording, °/s."""
+    rate_random_walk_dps_per_rt_s: float | None = None
+    """K of the recording, °/s/√s."""
+    steps: list[dict[str, float]] = field(default_factory=list)
+    """Steps of the level that were taken out: ``at_s``, ``size_dps``, ``u_dps``."""
 
 
 def calibrate(
     twin: Twin,
     *,
+    method: Literal["an1042", "warmup", "cycle"] = "an1042",
+    target_dph: float | None = None,
     average: Seconds | None = None,
     warmup: Seconds | None = None,
     settle: Seconds | None = None,
@@ -117,6 +153,12 @@ def calibrate(
     ----------
     twin
         The part.
+    method
+        ``an1042``: two temperatures and the line through them; ``warmup``: a curve through every sample of the same
+        time; ``cycle``: the same of a part that is heated and cooled.
+    target_dph
+        End the recording once the temperature has settled and the correction is known to this standard uncertainty,
+        rms over the temperatures seen, °/h. Not for ``an1042``.
     average
         Length of the two averages of rate and temperature, steps 4 and 6: seconds, or a text such as ``"1m"``.
     warmup
@@ -161,6 +203,8 @@ def calibrate(
         If a file cannot be written; a calibration that was measured is then kept in another, which the text names.
     """
     values = {
+        "--method": method,
+        "--target-dph": target_dph,
         "--average": average,
         "--warmup": warmup,
         "--settle": settle,
@@ -181,8 +225,12 @@ def calibrate(
     report_json, toml = _zerorate.calibrate(options)
     report = json.loads(report_json)
     truth = report.pop("truth", None)
+    if truth is not None:
+        truth["curve"] = [CurvePoint(**point) for point in truth["curve"]]
+    curve = [CurvePoint(**point) for point in report.pop("curve")]
     return Calibrated(
         **report,
+        curve=curve,
         calibration=Calibration.parse(toml),
         truth=None if truth is None else Truth(**truth),
     )
