@@ -103,9 +103,8 @@ def test_the_log_gives_back_what_was_measured(unit: tuple[zerorate.Calibrated, P
 
 def test_a_warm_up_gives_a_curve(tmp_path: Path) -> None:
     twin = zerorate.Twin(seed=6, warmup_s=40, curvature=0.003)
-    found = zerorate.calibrate(
-        twin, method="warmup", average=2, warmup=60, settle=120, offset=20, max_u_btc=0.2, output=tmp_path / "unit.toml"
-    )
+    short = {"average": 2, "warmup": 60, "settle": 120, "offset": 20}
+    found = zerorate.calibrate(twin, method="warmup", max_u_btc=0.2, output=tmp_path / "unit.toml", **short)
     assert (found.method, found.b1_dps, found.order >= 2) == ("warmup", None, True)
     assert found.calibration.uncertainty is None
     assert found.calibration.curve is not None and found.calibration.curve.order == found.order

@@ -244,8 +244,8 @@ impl Warning {
             ),
             Self::OneBranch { hysteresis_dps: Some(half_dps) } => write!(
                 f,
-                "one warming shows one branch of the hysteresis: after cooling the bias of a typical unit is {:.4} °/s \
-                 off, which is not in the uncertainty",
+                "one warming shows one branch of the hysteresis: after cooling the bias of a typical unit is {:.4} \
+                 °/s off, which is not in the uncertainty",
                 2.0 * half_dps
             ),
             Self::OneBranch { hysteresis_dps: None } => f.write_str(
@@ -493,8 +493,8 @@ impl Refusal {
             }
             Self::OneWay { rise_c, fall_c } => write!(
                 f,
-                "the temperature rose by {rise_c:.1} °C and fell by {fall_c:.1} °C: a cycle rises and falls by half of \
-                 its span at least"
+                "the temperature rose by {rise_c:.1} °C and fell by {fall_c:.1} °C: a cycle rises and falls by half \
+                 of its span at least"
             ),
             Self::StepOrTemperature { finding, u_btc_dps_per_c, wanted_dps_per_c } => write!(
                 f,

@@ -315,7 +315,6 @@ impl<L: Ledger> Procedure<L> {
         if self.state != State::Recording {
             return Ok(false);
         }
-        self.ends_ns = self.now_ns;
         self.judge_waiting(0);
         self.enter_next()?;
         Ok(true)
@@ -344,11 +343,18 @@ impl<L: Ledger> Procedure<L> {
         if let Some(judged) = self.health.push(reading) {
             self.record(&judged);
         }
-        self.pass_to(reading.t_ns, 1)?;
+        // the sample that ends a step belongs to none, but a recording ends with its last sample
+        let keep = u64::from(self.state != State::Recording);
+        if keep == 0 {
+            self.tally.count(reading);
+        }
+        self.pass_to(reading.t_ns, keep)?;
         if self.state == State::Done {
             return Ok(());
         }
-        self.tally.count(reading);
+        if keep > 0 {
+            self.tally.count(reading);
+        }
         match self.health.frozen() {
             None => Ok(()),
             Some(frozen) => Err(self.frozen(frozen)),
@@ -377,6 +383,9 @@ impl<L: Ledger> Procedure<L> {
 
     fn enter_next(&mut self) -> Result<(), Refusal> {
         let row = self.state.row();
+        if self.state == State::Recording {
+            self.ends_ns = self.now_ns;
+        }
         self.ledger.close(self.state, self.ends_ns);
         self.check(row.check)?;
         self.state = match (self.state, self.plan.method) {

@@ -1,6 +1,6 @@
 //! The calibration that a measurement in a chamber amounts to.
 
-use super::{CalibratedAxis, Calibration, Origin, Run, noise_record, one_line};
+use super::{CalibratedAxis, Calibration, CurveRecord, Origin, Run, noise_record, one_line};
 use crate::chamber::{ChamberOutcome, Record};
 use crate::estimate::Noise;
 use crate::part::Part;
@@ -60,6 +60,7 @@ fn calibrated(axis: &NamedAxis, outcome: &ChamberOutcome) -> CalibratedAxis {
         correction: outcome.curve.correction,
         measured: None,
         uncertainty: None,
+        curve: Some(CurveRecord::from(&outcome.curve)),
         noise: Some(noise_record(axis, &Noise { model: outcome.curve.noise, flicker_measured: true })),
     }
 }
