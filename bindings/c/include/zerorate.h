@@ -727,6 +727,79 @@ typedef struct zerorate_table {
 } zerorate_table;
 
 /**
+ * A bias that is learned whenever the part rests. The memory is the caller's, the contents are private; begin it with
+ * zerorate_tracker_begin or zerorate_tracker_resume. It needs no tear-down.
+ */
+typedef struct zerorate_tracker {
+  /**
+   * Private.
+   */
+  uint64_t opaque[288];
+} zerorate_tracker;
+
+/**
+ * How well the calibration knew what it states, as `uncertainty` in its file.
+ */
+typedef struct zerorate_tracker_prior {
+  /**
+   * Standard uncertainty of PBC, deg/s.
+   */
+  double u_pbc_dps;
+  /**
+   * Standard uncertainty of BTC, deg/s per deg C.
+   */
+  double u_btc_dps_per_c;
+  /**
+   * Covariance of both.
+   */
+  double cov_pbc_btc;
+  /**
+   * White noise, deg/s per root Hz, one-sided, as `noise` in its file; 0.0125 is typical (F-02).
+   */
+  double white_dps_per_rt_hz;
+} zerorate_tracker_prior;
+
+/**
+ * What is known of the bias, in plain numbers, to be kept while the power is off.
+ */
+typedef struct zerorate_tracker_state {
+  /**
+   * Offset, slope, curvature, flicker.
+   */
+  double state[6];
+  /**
+   * Lower triangle of their covariance, row by row.
+   */
+  double covariance[21];
+  /**
+   * T - T3 when something was learned last, deg C.
+   */
+  double at_c;
+  /**
+   * Seconds that were learned from, that were doubtful, and how often a turn began within a rest.
+   */
+  uint32_t counts[3];
+} zerorate_tracker_state;
+
+/**
+ * The bias as it is known now.
+ */
+typedef struct zerorate_tracked {
+  /**
+   * What it is beyond what the correction takes out, deg/s: subtract it from corrected rates.
+   */
+  double change_dps;
+  /**
+   * Its standard uncertainty, deg/s.
+   */
+  double u_dps;
+  /**
+   * 0 = moving, 1 = quiet, 2 = at rest and learned from, 3 = quiet, but perhaps a slow turn.
+   */
+  uint8_t phase;
+} zerorate_tracked;
+
+/**
  * Initialise the part, then call zerorate_procedure_initialised.
  */
 #define ZERORATE_INITIALISE 10
@@ -1214,6 +1287,51 @@ zerorate_status zerorate_table_lay_out(struct zerorate_table *table,
  * there.
  */
 zerorate_status zerorate_table_look_up(const struct zerorate_table *table, uint32_t temp_code, int32_t *row_udps);
+
+/**
+ * Begins with what the calibration knows, so many seconds after it was made.
+ *
+ * Required: Each pointer is null or points to memory of its type.
+ */
+zerorate_status zerorate_tracker_begin(struct zerorate_tracker *tracker,
+                                       const struct zerorate_correction *correction,
+                                       const struct zerorate_tracker_prior *prior,
+                                       double age_s);
+
+/**
+ * Begins with what was known when the power went off, so many seconds ago; ZERORATE_E_ARGUMENT where these numbers
+ * cannot be.
+ *
+ * Required: Each pointer is null or points to memory of its type.
+ */
+zerorate_status zerorate_tracker_resume(struct zerorate_tracker *tracker,
+                                        const struct zerorate_correction *correction,
+                                        const struct zerorate_tracker_prior *prior,
+                                        const struct zerorate_tracker_state *state,
+                                        double off_s);
+
+/**
+ * Takes in the mean rate, deg/s, and the mean temperature, deg C, of the next 0.1 s; NaN where they are missing.
+ *
+ * Required: `tracker` is null or points to one.
+ */
+zerorate_status zerorate_tracker_push(struct zerorate_tracker *tracker, double rate_dps, double temp_c);
+
+/**
+ * The bias at a temperature, deg C.
+ *
+ * Required: Each pointer is null or points to memory of its type.
+ */
+zerorate_status zerorate_tracker_bias(struct zerorate_tracker *tracker,
+                                      double temp_c,
+                                      struct zerorate_tracked *tracked);
+
+/**
+ * What is to be kept while the power is off.
+ *
+ * Required: Each pointer is null or points to memory of its type.
+ */
+zerorate_status zerorate_tracker_save(struct zerorate_tracker *tracker, struct zerorate_tracker_state *state);
 
 #ifdef __cplusplus
 }  // extern "C"

@@ -16,3 +16,4 @@ mod runtime;
 mod self_test;
 mod status;
 mod table;
+mod tracker;

@@ -182,6 +182,39 @@ static void stream(void)
     print_status("nowhere", zerorate_corrector_take(&corrector, 0.5, 30.0, NULL));
 }
 
+static void bias(zerorate_tracker *tracker)
+{
+    zerorate_tracked tracked = {7.0, 7.0, 7};
+
+    print_status("bias", zerorate_tracker_bias(tracker, 27.0, &tracked));
+    print_f64("change_dps", tracked.change_dps);
+    print_f64("u_dps", tracked.u_dps);
+    printf("phase %u\n", (unsigned)tracked.phase);
+}
+
+/* A minute at rest 0.004 deg/s above the calibration, a motion, a day without power, and a state that cannot be. */
+static void track(void)
+{
+    const zerorate_tracker_prior prior = {0.003, 0.003, 0.0, 0.0125};
+    static zerorate_tracker tracker;
+    zerorate_tracker_state state;
+    int block;
+
+    bias(&tracker);
+    print_status("begin", zerorate_tracker_begin(&tracker, &CORRECTION, &prior, 0.0));
+    for (block = 0; block < 600; block++) {
+        (void)zerorate_tracker_push(&tracker, 0.254, 26.0);
+    }
+    bias(&tracker);
+    print_status("push", zerorate_tracker_push(&tracker, (double)NAN, 26.0));
+    print_status("save", zerorate_tracker_save(&tracker, &state));
+    printf("learned %u\n", (unsigned)state.counts[0]);
+    print_status("resume", zerorate_tracker_resume(&tracker, &CORRECTION, &prior, &state, 86400.0));
+    bias(&tracker);
+    state.covariance[0] = -1.0;
+    print_status("unsound", zerorate_tracker_resume(&tracker, &CORRECTION, &prior, &state, 0.0));
+}
+
 /* What must not be taken for a reading: nothing converted yet, wrapped codes, and what comes after a transfer that
  * failed. */
 static void no_numbers(void)
@@ -477,6 +510,7 @@ int main(int argc, char **argv)
 
     misuse();
     stream();
+    track();
     no_numbers();
     snprintf(keys, sizeof keys, "seed=%s", seed);
     samples(keys);

@@ -6,6 +6,7 @@ use adis16130::{Config, Edge, RateCode, Sample, Sampler, SamplerConfig, SelfTest
 use adis16130_twin::{Spec, Twin, TwinRdy, TwinSpi};
 use anyhow::{Context, Result, anyhow, ensure};
 use std::fmt::Write;
+use zerorate::track::{Prior, Tracked, Tracker, TrackerConfig};
 use zerorate::{
     Action, Axis, CodeTable, Corrected, Correction, Corrector, CorrectorConfig, Event, FixedProcedure, Method,
     Outcome, Plan, Reading, Refusal, Validity, Warning, WindowWarnings,
@@ -47,6 +48,7 @@ pub fn text(seed: u64) -> Result<String> {
     let quick = "mclk_hz=1000000,warmup_s=10,curvature=0,hysteresis=0";
     let mut text = MISUSE.to_owned();
     stream(&mut text)?;
+    track(&mut text)?;
     text.push_str(NO_NUMBERS);
     samples(&mut text, &format!("seed={seed}"))?;
     self_test(&mut text, &format!("seed={seed}"))?;
@@ -88,6 +90,37 @@ fn line(text: &mut String, status: i32, rate_dps: f64, temp_c: f64, extrapolated
     f64_line(text, "rate_dps", rate_dps)?;
     f64_line(text, "temp_c", temp_c)?;
     Ok(writeln!(text, "extrapolated {extrapolated}")?)
+}
+
+/// A minute at rest above the calibration, a motion, a day without power, and a state that cannot be.
+fn track(text: &mut String) -> Result<()> {
+    let prior = Prior {
+        u_pbc_dps: 0.003,
+        u_btc_dps_per_c: 0.003,
+        cov_pbc_btc_dps2_per_c: 0.0,
+        u_curvature_dps_per_c2: 0.0005, // M-02
+    };
+    let config = TrackerConfig::of(&Axis::ADIS16130, CORRECTION, prior);
+    let mut tracker = Tracker::new(config).aged(0.0);
+    text.push_str("bias -2\nchange_dps 401c000000000000\nu_dps 401c000000000000\nphase 7\nbegin 0\n");
+    for _ in 0..600 {
+        tracker.push(Some(0.254), Some(26.0), true);
+    }
+    bias(text, &tracker)?;
+    tracker.push(None, Some(26.0), true);
+    let saved = tracker.save();
+    writeln!(text, "push 0\nsave 0\nlearned {}\nresume 0", saved.counts.learned_s)?;
+    bias(text, &Tracker::resume(config, &saved, 86_400.0).map_err(|_| anyhow!("an unsound state"))?)?;
+    text.push_str("unsound -3\n");
+    Ok(())
+}
+
+fn bias(text: &mut String, tracker: &Tracker) -> Result<()> {
+    let Tracked { change_dps, u_dps, phase } = tracker.tracked(27.0);
+    text.push_str("bias 0\n");
+    f64_line(text, "change_dps", change_dps)?;
+    f64_line(text, "u_dps", u_dps)?;
+    Ok(writeln!(text, "phase {}", phase as u8)?)
 }
 
 struct Rig {

@@ -206,9 +206,10 @@ fn shape(d_c: f64, flicker: f64) -> [f64; STATES] {
     shape
 }
 
+/// Where a covariance stands; the remainder changes none and spares the check of an index, which could panic.
 const fn place(row: usize, column: usize) -> usize {
     let (row, column) = if row < column { (column, row) } else { (row, column) };
-    row * (row + 1) / 2 + column
+    (row * (row + 1) / 2 + column) % COVARIANCES
 }
 
 fn dot(a: &[f64; STATES], b: &[f64; STATES]) -> f64 {

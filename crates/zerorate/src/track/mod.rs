@@ -209,8 +209,10 @@ impl Stretch {
                 self.kept_count -= 1;
             }
             let (innovation_dps_s, seconds) = (self.innovation_dps_s, self.seconds);
-            self.kept[self.kept_count] = Kept { filter: *filter, innovation_dps_s, seconds, age_s: 0 };
-            self.kept_count += 1;
+            if let Some(place) = self.kept.get_mut(self.kept_count) {
+                *place = Kept { filter: *filter, innovation_dps_s, seconds, age_s: 0 };
+                self.kept_count += 1;
+            }
         }
         self.means = self.means.wrapping_add(1);
     }

@@ -1,0 +1,173 @@
+//! A bias that keeps getting better.
+
+use crate::boundary::{self, Object};
+use crate::correction::Correction;
+use crate::status::{self, Status, ZERORATE_E_ARGUMENT};
+use zerorate::Axis;
+use zerorate::track::{COVARIANCES, Counts, Filter, Phase, Prior, STATES, Saved, TrackerConfig};
+
+/// A bias that is learned whenever the part rests. The memory is the caller's, the contents are private; begin it with
+/// zerorate_tracker_begin or zerorate_tracker_resume. It needs no tear-down.
+#[repr(C)]
+pub struct Tracker {
+    /// Private.
+    pub opaque: [u64; 288],
+}
+
+impl Object for Tracker {
+    type State = zerorate::track::Tracker;
+    const MARK: u32 = 0x7A72_7431;
+}
+
+/// How well the calibration knew what it states, as `uncertainty` in its file.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct TrackerPrior {
+    /// Standard uncertainty of PBC, deg/s.
+    pub u_pbc_dps: f64,
+    /// Standard uncertainty of BTC, deg/s per deg C.
+    pub u_btc_dps_per_c: f64,
+    /// Covariance of both.
+    pub cov_pbc_btc: f64,
+    /// White noise, deg/s per root Hz, one-sided, as `noise` in its file; 0.0125 is typical (F-02).
+    pub white_dps_per_rt_hz: f64,
+}
+
+/// What is known of the bias, in plain numbers, to be kept while the power is off.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct TrackerState {
+    /// Offset, slope, curvature, flicker.
+    pub state: [f64; 6],
+    /// Lower triangle of their covariance, row by row.
+    pub covariance: [f64; 21],
+    /// T - T3 when something was learned last, deg C.
+    pub at_c: f64,
+    /// Seconds that were learned from, that were doubtful, and how often a turn began within a rest.
+    pub counts: [u32; 3],
+}
+
+const _: () = assert!(STATES == 6 && COVARIANCES == 21);
+
+/// The bias as it is known now.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct Tracked {
+    /// What it is beyond what the correction takes out, deg/s: subtract it from corrected rates.
+    pub change_dps: f64,
+    /// Its standard uncertainty, deg/s.
+    pub u_dps: f64,
+    /// 0 = moving, 1 = quiet, 2 = at rest and learned from, 3 = quiet, but perhaps a slow turn.
+    pub phase: u8,
+}
+
+fn config(correction: &Correction, prior: &TrackerPrior) -> TrackerConfig {
+    const ADIS16130: Axis = Axis::ADIS16130;
+    let u_curvature_dps_per_c2 = ADIS16130.bias.curvature_dps_per_c2.unwrap_or(0.0);
+    let known = Prior {
+        u_pbc_dps: prior.u_pbc_dps,
+        u_btc_dps_per_c: prior.u_btc_dps_per_c,
+        cov_pbc_btc_dps2_per_c: prior.cov_pbc_btc,
+        u_curvature_dps_per_c2,
+    };
+    let mut config = TrackerConfig::of(&ADIS16130, correction.to_core(), known);
+    config.noise.white_dps_per_rt_hz = prior.white_dps_per_rt_hz;
+    config
+}
+
+/// Begins with what the calibration knows, so many seconds after it was made.
+///
+/// # Safety
+/// Each pointer is null or points to memory of its type.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn zerorate_tracker_begin(
+    tracker: *mut Tracker,
+    correction: *const Correction,
+    prior: *const TrackerPrior,
+    age_s: f64,
+) -> Status {
+    // SAFETY: by the contract.
+    status::of(unsafe { boundary::input(correction) }.and_then(|correction| {
+        // SAFETY: by the contract.
+        let config = config(correction, unsafe { boundary::input(prior) }?);
+        let begun = zerorate::track::Tracker::new(config).aged(age_s);
+        // SAFETY: by the contract.
+        unsafe { boundary::set_up(tracker, begun) }
+    }))
+}
+
+/// Begins with what was known when the power went off, so many seconds ago; ZERORATE_E_ARGUMENT where these numbers
+/// cannot be.
+///
+/// # Safety
+/// Each pointer is null or points to memory of its type.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn zerorate_tracker_resume(
+    tracker: *mut Tracker,
+    correction: *const Correction,
+    prior: *const TrackerPrior,
+    state: *const TrackerState,
+    off_s: f64,
+) -> Status {
+    // SAFETY: by the contract.
+    status::of(unsafe { boundary::input(correction) }.and_then(|correction| {
+        // SAFETY: by the contract.
+        let config = config(correction, unsafe { boundary::input(prior) }?);
+        // SAFETY: by the contract.
+        let &TrackerState { state, covariance, at_c, counts } = unsafe { boundary::input(state) }?;
+        let [learned_s, doubtful_s, rolled_back] = counts;
+        let filter = Filter { state, covariance, at_c };
+        let saved = Saved { filter, counts: Counts { learned_s, doubtful_s, rolled_back } };
+        let resumed = zerorate::track::Tracker::resume(config, &saved, off_s).map_err(|_| ZERORATE_E_ARGUMENT)?;
+        // SAFETY: by the contract.
+        unsafe { boundary::set_up(tracker, resumed) }
+    }))
+}
+
+/// Takes in the mean rate, deg/s, and the mean temperature, deg C, of the next 0.1 s; NaN where they are missing.
+///
+/// # Safety
+/// `tracker` is null or points to one.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn zerorate_tracker_push(tracker: *mut Tracker, rate_dps: f64, temp_c: f64) -> Status {
+    let known = |value: f64| Some(value).filter(|value| !value.is_nan());
+    // SAFETY: by the contract.
+    status::of(unsafe { boundary::state(tracker) }.map(|tracker| {
+        tracker.push(known(rate_dps), known(temp_c), true);
+    }))
+}
+
+/// The bias at a temperature, deg C.
+///
+/// # Safety
+/// Each pointer is null or points to memory of its type.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn zerorate_tracker_bias(tracker: *mut Tracker, temp_c: f64, tracked: *mut Tracked) -> Status {
+    // SAFETY: by the contract.
+    status::of(unsafe { boundary::state(tracker) }.and_then(|tracker| {
+        let zerorate::track::Tracked { change_dps, u_dps, phase } = tracker.tracked(temp_c);
+        let phase = match phase {
+            Phase::Moving => 0,
+            Phase::Quiet => 1,
+            Phase::Rest => 2,
+            Phase::Doubtful => 3,
+        };
+        // SAFETY: by the contract.
+        unsafe { boundary::output(tracked, Tracked { change_dps, u_dps, phase }) }
+    }))
+}
+
+/// What is to be kept while the power is off.
+///
+/// # Safety
+/// Each pointer is null or points to memory of its type.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn zerorate_tracker_save(tracker: *mut Tracker, state: *mut TrackerState) -> Status {
+    // SAFETY: by the contract.
+    status::of(unsafe { boundary::state(tracker) }.and_then(|tracker| {
+        let Saved { filter: Filter { state: numbers, covariance, at_c }, counts } = tracker.save();
+        let counts = [counts.learned_s, counts.doubtful_s, counts.rolled_back];
+        // SAFETY: by the contract.
+        unsafe { boundary::output(state, TrackerState { state: numbers, covariance, at_c, counts }) }
+    }))
+}
