@@ -2,7 +2,7 @@
 
 use super::judged::{Fitted, Judged, Summary};
 use super::unit::{Kind, Recording, TEMPS};
-use super::{an1042, ardupilot, bound, gls, px4};
+use super::{an1042, ardupilot, bound, chamber, gls, px4};
 use crate::seeds::for_each_seed;
 use crate::trial::HOUR_S;
 use adis16130_twin::Spec;
@@ -13,24 +13,52 @@ use zerorate::{Axis, Correction};
 /// A way from a recording to the bias over temperature.
 pub struct Method {
     pub name: &'static str,
-    /// Takes a recording that heats and cools, where the others take AN-1042's hour.
-    cycles: bool,
+    recording: Recorded,
     fit: fn(&Recording) -> Option<Fitted>,
 }
 
+/// What a method is given.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Recorded {
+    /// The hour of AN-1042.
+    Hour,
+    /// A warm-up, and the air cooled and warmed again.
+    Cycle,
+    /// The profile of F-57.
+    Chamber,
+}
+
+impl Recorded {
+    const ALL: [Self; 3] = [Self::Hour, Self::Cycle, Self::Chamber];
+
+    fn of(self, spec: &Spec) -> Recording {
+        match self {
+            Self::Hour => hour(spec),
+            Self::Cycle => Recording::cycle(spec),
+            Self::Chamber => Recording::chamber(spec),
+        }
+    }
+}
+
 /// All of them, as the page lists them.
-pub const METHODS: [Method; 6] = [
-    Method { name: RAW, cycles: false, fit: |recording| Some(raw(recording).into()) },
-    Method { name: AN1042, cycles: false, fit: |recording| Some(an1042::fit(recording).into()) },
-    Method { name: "PX4-style", cycles: false, fit: |recording| px4::fit(recording).map(Fitted::from) },
-    Method { name: "ArduPilot-style", cycles: false, fit: |recording| ardupilot::fit(recording).map(Fitted::from) },
-    Method { name: WARMUP, cycles: false, fit: gls::fit },
-    Method { name: CYCLE, cycles: true, fit: gls::fit },
+pub const METHODS: [Method; 7] = [
+    Method { name: RAW, recording: Recorded::Hour, fit: |recording| Some(raw(recording).into()) },
+    Method { name: AN1042, recording: Recorded::Hour, fit: |recording| Some(an1042::fit(recording).into()) },
+    Method { name: "PX4-style", recording: Recorded::Hour, fit: |recording| px4::fit(recording).map(Fitted::from) },
+    Method {
+        name: "ArduPilot-style",
+        recording: Recorded::Hour,
+        fit: |recording| ardupilot::fit(recording).map(Fitted::from),
+    },
+    Method { name: WARMUP, recording: Recorded::Hour, fit: gls::fit },
+    Method { name: CYCLE, recording: Recorded::Cycle, fit: gls::fit },
+    Method { name: CHAMBER, recording: Recorded::Chamber, fit: chamber::fit },
 ];
 pub const RAW: &str = "raw";
 pub const AN1042: &str = "an1042";
 pub const WARMUP: &str = "warmup";
 pub const CYCLE: &str = "cycle";
+pub const CHAMBER: &str = "chamber";
 
 fn hour(spec: &Spec) -> Recording {
     Recording::warm_up(spec, HOUR_S)
@@ -56,10 +84,10 @@ impl Units<'_> {
         let of_kind = |kind: Kind| {
             let one = |seed| {
                 let spec = kind.spec(seed, self.lag_s);
-                let (hour, cycle) = (hour(&spec), Recording::cycle(&spec));
+                let recordings = Recorded::ALL.map(|recorded| recorded.of(&spec));
                 let judge = |method: &Method| {
-                    let recording = if method.cycles { &cycle } else { &hour };
-                    Judged::of(recording, method.fit).with_context(|| format!("{} gave nothing", method.name))
+                    Judged::of(&recordings[method.recording as usize], method.fit)
+                        .with_context(|| format!("{} gave nothing", method.name))
                 };
                 METHODS.iter().map(judge).collect()
             };

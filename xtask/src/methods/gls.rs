@@ -19,6 +19,5 @@ pub fn fit(recording: &Recording) -> Option<Fitted> {
         max_order: MAX_ORDER,
         t3_c: blocks.last()?.temp_c,
     };
-    let curve = thermal::fit(&blocks, &assumed).ok()?;
-    Some(Fitted { correction: curve.correction, covariance: Some(curve.covariance), order: Some(curve.order) })
+    thermal::fit(&blocks, &assumed).ok().map(Fitted::from)
 }

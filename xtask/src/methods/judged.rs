@@ -2,7 +2,7 @@
 
 use super::unit::{Recording, TEMPS};
 use std::time::Instant;
-use zerorate::thermal::{self, TERMS};
+use zerorate::thermal::{self, BiasCurve, TERMS};
 use zerorate::{Correction, Uncertainty};
 
 /// What a method makes of a recording.
@@ -17,6 +17,13 @@ pub struct Fitted {
 impl From<Correction> for Fitted {
     fn from(correction: Correction) -> Self {
         Self { correction, covariance: None, order: None }
+    }
+}
+
+impl From<BiasCurve> for Fitted {
+    fn from(curve: BiasCurve) -> Self {
+        let BiasCurve { correction, covariance, order, .. } = curve;
+        Self { correction, covariance: Some(covariance), order: Some(order) }
     }
 }
 

@@ -5,6 +5,7 @@ mod an1042;
 mod ardupilot;
 mod bound;
 mod campaign;
+mod chamber;
 mod gls;
 mod judged;
 mod least_squares;

@@ -1,7 +1,7 @@
 //! docs/reference/methods.md and its pictures.
 
 use super::an1042::Difference;
-use super::campaign::{AN1042, CYCLE, METHODS, WARMUP};
+use super::campaign::{AN1042, CHAMBER, CYCLE, METHODS, WARMUP};
 use super::judged::Summary;
 use super::picture;
 use super::table::{self, Goal};
@@ -123,8 +123,9 @@ fn goals(results: &Results) -> Vec<Goal> {
         is_met: warmup / cycle >= 2.0,
     };
     let ratios = [times_better(Kind::Linear, 2.5), times_better(Kind::Curved, 6.0), cycle];
-    let intervals =
-        [WARMUP, CYCLE].into_iter().flat_map(|name| Kind::ALL.into_iter().filter_map(move |kind| covered(name, kind)));
+    let intervals = [WARMUP, CYCLE, CHAMBER]
+        .into_iter()
+        .flat_map(|name| Kind::ALL.into_iter().filter_map(move |kind| covered(name, kind)));
     ratios.into_iter().chain(intervals).chain(tracked(&results.tracking)).collect()
 }
 

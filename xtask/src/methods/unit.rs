@@ -92,9 +92,27 @@ impl Recording {
         unit.recording()
     }
 
+    /// The profile of F-57 in a chamber: 210 min between −40 and +85 °C.
+    pub fn chamber(spec: &Spec) -> Self {
+        // to a temperature, °C, within so many minutes, and there for so many
+        const STEPS: [(f64, f64, f64); 4] =
+            [(25.0, 0.0, 5.0), (-40.0, 32.5, 30.0), (85.0, 62.5, 15.0), (25.0, 30.0, 35.0)];
+        let mut unit = Unit::new(spec);
+        for (to_c, ramp_min, hold_min) in STEPS {
+            unit.means.set_ambient(to_c, 60.0 * ramp_min);
+            unit.record(60.0 * (ramp_min + hold_min));
+        }
+        unit.recording()
+    }
+
     /// As a fit takes it.
     pub fn blocks(&self) -> Vec<Block> {
-        self.means.chunks_exact(self.means.len().div_ceil(MOST_BLOCKS).max(LEAST_MEANS)).map(block).collect()
+        self.averages(self.means.len().div_ceil(MOST_BLOCKS).max(LEAST_MEANS)).collect()
+    }
+
+    /// Means over so many means each.
+    pub fn averages(&self, count: usize) -> impl Iterator<Item = Block> {
+        self.means.chunks_exact(count).map(block)
     }
 
     /// Lowest and highest temperature of the blocks, °C.
