@@ -94,14 +94,15 @@ mod tests {
     use super::super::unit::Kind;
     use super::*;
 
-    /// Without noise two temperatures give a linear unit exactly, at all of them.
+    /// Without noise two temperatures give a linear unit at all of them, but for what the temperature still moves from
+    /// the middle of step 8 to T3: some 0.005 °C in still air.
     #[test]
     fn a_quiet_line_is_found() {
-        let spec = Spec { noise: false, ..Kind::Linear.spec(3, 0.0) };
+        let spec = Spec { noise: false, ambient_wander_c: 0.0, ..Kind::Linear.spec(3, 0.0) };
         let recording = Recording::warm_up(&spec, crate::trial::HOUR_S);
         let found = fit(&recording);
         for temp_c in recording.temps_c() {
-            assert!((found.at(temp_c) + recording.truth.bias_dps(temp_c)).abs() < 1e-5, "{temp_c}: {found:?}");
+            assert!((found.at(temp_c) + recording.truth.bias_dps(temp_c)).abs() < 3e-4, "{temp_c}: {found:?}");
         }
     }
 }

@@ -10,6 +10,7 @@ use super::unit::Kind;
 use anyhow::{Context, Result, ensure};
 use std::fs;
 use std::ops::RangeInclusive;
+use zerorate::Uncertainty;
 
 const PAGE: &str = "docs/reference/methods.md";
 const TEMPLATE: &str = include_str!("methods.md.in");
@@ -63,10 +64,12 @@ pub fn write(results: &Results) -> Result<()> {
 
 fn page(results: &Results) -> Result<String> {
     let seeds = |range: &RangeInclusive<u64>| format!("{}..{}", range.start(), range.end());
+    let (units, covered) = (results.seeds.end() - results.seeds.start() + 1, Uncertainty::COVERAGE);
     let most = |of: fn(&Difference) -> f64| results.checked.iter().map(of).map(f64::abs).fold(0.0, f64::max);
     let entries = [
         ("@SEEDS@", seeds(&results.seeds)),
-        ("@UNITS@", (results.seeds.end() - results.seeds.start() + 1).to_string()),
+        ("@UNITS@", units.to_string()),
+        ("@SCATTER@", format!("{:.1}", 100.0 * (covered * (1.0 - covered) / units as f64).sqrt())),
         ("@SIDE@", seeds(&results.side)),
         ("@LAG@", results.lag_s.to_string()),
         ("@OVERVIEW@", table::overview(&results.methods)),
@@ -156,12 +159,11 @@ mod tests {
     fn the_page_is_the_templates() {
         let page = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/reference/methods.md")).unwrap();
         let mut rest = page.as_str();
-        for (index, piece) in TEMPLATE.split('@').enumerate() {
-            // marks and what is between them take turns
-            if index % 2 == 1 {
-                continue;
-            }
-            let at = rest.find(piece).unwrap_or_else(|| panic!("not in the page, or not there: {piece:?}"));
+        // marks and what is between them take turns
+        let pieces: Vec<&str> = TEMPLATE.split('@').step_by(2).collect();
+        for (index, piece) in pieces.iter().enumerate() {
+            let at = if index + 1 == pieces.len() { rest.rfind(piece) } else { rest.find(piece) };
+            let at = at.unwrap_or_else(|| panic!("not in the page, or not in its place: {piece:?}"));
             assert!(index > 0 || at == 0, "the page begins with something else");
             rest = &rest[at + piece.len()..];
         }
