@@ -22,6 +22,14 @@ impl Blocks {
         self.segments.iter().flat_map(|segment| segment.seconds(&self.axis))
     }
 
+    /// Rates, °/s, and temperatures, °C, of every block of a step; NaN where there is none.
+    #[cfg(feature = "std")]
+    pub(crate) fn tenths(&self, state: State) -> impl Iterator<Item = (f64, f64)> + '_ {
+        let or_none = |value: Option<f64>| value.unwrap_or(f64::NAN);
+        let blocks = self.segments[state as usize].blocks.iter();
+        blocks.map(move |block| (or_none(block.rate_dps(&self.axis)), or_none(block.temp_c(&self.axis))))
+    }
+
     /// The eighths of a step (`Summary::eighths`) after something was taken out of the rate: `less` is its mean from a
     /// time to another.
     pub(crate) fn eighths_less(&self, state: State, less: impl Fn(f64, f64) -> f64) -> Adjacent {

@@ -153,11 +153,21 @@ impl Uncertainty {
 /// The noise at the output: the white part as measured, the rest as far as the record shows it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Noise {
-    /// The three noises; white is always measured, the random walk always the part's typical value (M-04).
+    /// The three noises; white is always measured.
     pub model: NoiseModel,
     /// Whether the flicker was measured; else it is the part's typical value (M-04), which so short a record cannot
     /// improve.
     pub flicker_measured: bool,
+    /// The same of the rate random walk.
+    pub walk_measured: bool,
+}
+
+impl Noise {
+    /// That under which a curve was found.
+    pub(crate) fn of_curve(curve: &BiasCurve) -> Self {
+        let [flicker_measured, walk_measured] = curve.noise_told;
+        Self { model: curve.noise, flicker_measured, walk_measured }
+    }
 }
 
 /// Refuses after step 6 where the span of temperature cannot give the wanted uncertainty of BTC.
@@ -459,11 +469,12 @@ fn measured_noise(seen: &Evidence<'_>, eighths: Adjacent) -> Noise {
     if unknown
         || eighths.variance <= expected * stationarity::allowance(eighths.count.saturating_sub(1), SIGNIFICANT_Z)
     {
-        return Noise { model: typical, flicker_measured: false };
+        return Noise { model: typical, flicker_measured: false, walk_measured: false };
     }
     let floor_dps = seen.flicker_floor_dps();
     let floor = libm::sqrt(eighths.variance - expected + floor_dps * floor_dps);
-    Noise { model: NoiseModel { bias_instability_dps: floor / FLOOR_PER_B, ..typical }, flicker_measured: true }
+    let model = NoiseModel { bias_instability_dps: floor / FLOOR_PER_B, ..typical };
+    Noise { model, flicker_measured: true, walk_measured: false }
 }
 
 fn temperature_range(seen: &Evidence<'_>) -> (f64, f64) {

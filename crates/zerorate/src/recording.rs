@@ -1,9 +1,13 @@
 //! From one recording of a part at rest to the bias over temperature: what stands out is looked for, and all blocks go
 //! into one estimate ([`thermal`](crate::thermal)).
 
+#[cfg(feature = "std")]
+use crate::allan::{self, FitOptions, Input, Term};
 use crate::blocks::{Blocks, Second};
 use crate::estimate::{Evidence, Noise, Outcome, Uncertainty};
 use crate::hour::{self, Deviation, Finding, Findings, Question};
+#[cfg(feature = "std")]
+use crate::ledger::BLOCK_S;
 use crate::ledger::{Ledger, Summary};
 use crate::noise::{NoiseModel, Window};
 use crate::notice::{Refusal, Warning};
@@ -38,7 +42,8 @@ const SLOPE_S: f64 = 60.0;
 /// How far the recording has come; none before anything can be said.
 pub(crate) fn reached(seen: &Evidence<'_>, ledger: &Blocks) -> Option<Reached> {
     let seconds: Vec<Second> = ledger.seconds().collect();
-    let curve = curve(seen, &ledger.summary(State::Recording), &seconds, &[]).ok()?;
+    let summary = ledger.summary(State::Recording);
+    let curve = curve(seen, white_density(&summary), &[], &summary, &seconds, &[]).ok()?;
     let last = seconds.last()?;
     let before = seconds.iter().rev().find(|second| second.at_s <= last.at_s - SLOPE_S)?;
     let to_come_c = (last.temp_c - before.temp_c) / (last.at_s - before.at_s) * SETTLING_S;
@@ -97,7 +102,11 @@ pub(crate) fn outcome(seen: &Evidence<'_>, ledger: &Blocks) -> Result<Outcome, R
     turned(seen.plan, &seconds)?;
     let hour = findings(seen, &summary, &seconds);
     let suspects = steps_s(hour.as_ref());
-    let mut curve = curve(seen, &summary, &seconds, &suspects)?;
+    let first = curve(seen, white_density(&summary), &[], &summary, &seconds, &suspects)?;
+    let mut curve = match own_noise(ledger, &first) {
+        Some((white, terms)) => curve(seen, white, &terms, &summary, &seconds, &suspects)?,
+        None => first,
+    };
     curve.correction.pbc_dps += seen.plan.earth_dps.unwrap_or(0.0);
     accept(seen, &curve, hour.as_ref())?;
     let (tally, (temp_min_c, temp_max_c)) = (seen.tally, summary.temp_range_c);
@@ -105,7 +114,7 @@ pub(crate) fn outcome(seen: &Evidence<'_>, ledger: &Blocks) -> Result<Outcome, R
         means: None,
         correction: curve.correction,
         uncertainty: Uncertainty::of_curve(&curve),
-        noise: Noise { model: curve.noise, flicker_measured: true },
+        noise: Noise::of_curve(&curve),
         rdy_hz: tally.rdy_hz(),
         rate_hz: tally.rate_hz(),
         samples: tally.samples,
@@ -164,14 +173,42 @@ fn steps_s(hour: Option<&Findings>) -> Vec<f64> {
         .collect()
 }
 
-fn curve(seen: &Evidence<'_>, summary: &Summary, seconds: &[Second], steps_s: &[f64]) -> Result<BiasCurve, Refusal> {
+/// White noise and Gauss–Markov terms of the recording itself, by the model of what the curve leaves of it, cleaned of
+/// glitches and steps. None where that is too short for a model, or follows none.
+#[cfg(feature = "std")]
+fn own_noise(ledger: &Blocks, curve: &BiasCurve) -> Option<(f64, Vec<(f64, f64)>)> {
+    let left = |(rate_dps, temp_c): (f64, f64)| rate_dps + curve.correction.at(temp_c);
+    let left: Vec<f64> = ledger.tenths(State::Recording).map(left).collect();
+    let fit = allan::fit(&Input::Rate(&left), 1.0 / BLOCK_S, &FitOptions::default()).ok()?;
+    let term = |term: &Term| match term {
+        Term::GaussMarkov { sigma, tau_s } => Some((sigma.value, tau_s.value)),
+        _ => None,
+    };
+    let terms = fit.terms.iter().filter_map(term).collect();
+    (!fit.is_rejected && fit.n.value > 0.0).then_some((core::f64::consts::SQRT_2 * fit.n.value, terms))
+}
+
+/// The model of a spectrum takes the feature `std`; without it the white noise is that of adjacent blocks.
+#[cfg(not(feature = "std"))]
+fn own_noise(_: &Blocks, _: &BiasCurve) -> Option<(f64, Vec<(f64, f64)>)> {
+    None
+}
+
+fn curve(
+    seen: &Evidence<'_>,
+    white_dps_per_rt_hz: f64,
+    gauss_markov: &[(f64, f64)],
+    summary: &Summary,
+    seconds: &[Second],
+    steps_s: &[f64],
+) -> Result<BiasCurve, Refusal> {
     let window = State::Recording;
     let too_few = |samples| Refusal::TooFew { window, samples, needed: 80 };
     let t3_c = final_temp_c(seconds).ok_or(Refusal::NoTemperature { window })?;
     let assumed = Assumed {
         axis: seen.axis,
-        white_dps_per_rt_hz: white_density(summary),
-        gauss_markov: &[],
+        white_dps_per_rt_hz,
+        gauss_markov,
         steps_s,
         max_order: if seen.plan.assume_linear { 1 } else { thermal::TERMS - 1 },
         t3_c,

@@ -21,7 +21,7 @@ fn outcome() -> Outcome {
             cov_pbc_t3: 2e-8,
             drift_dps: 0.0004,
         },
-        noise: Noise { model: Axis::ADIS16130.typical_noise(), flicker_measured: false },
+        noise: Noise { model: Axis::ADIS16130.typical_noise(), flicker_measured: false, walk_measured: false },
         rdy_hz: 5692.6,
         rate_hz: 5692.6,
         samples: 18_051_234,

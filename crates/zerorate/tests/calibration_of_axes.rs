@@ -34,7 +34,7 @@ fn outcome(pbc_dps: f64, own: Warning) -> Outcome {
             cov_pbc_t3: 2e-8,
             drift_dps: 0.0004,
         },
-        noise: Noise { model: Axis::ADIS16130.typical_noise(), flicker_measured: false },
+        noise: Noise { model: Axis::ADIS16130.typical_noise(), flicker_measured: false, walk_measured: false },
         rdy_hz: 819.2,
         rate_hz: 819.2,
         samples: 2_600_000,

@@ -61,7 +61,7 @@ fn calibrated(axis: &NamedAxis, outcome: &ChamberOutcome) -> CalibratedAxis {
         measured: None,
         uncertainty: None,
         curve: Some(CurveRecord::from(&outcome.curve)),
-        noise: Some(noise_record(axis, &Noise { model: outcome.curve.noise, flicker_measured: true })),
+        noise: Some(noise_record(axis, &Noise::of_curve(&outcome.curve))),
     }
 }
 

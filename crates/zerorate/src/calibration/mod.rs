@@ -374,18 +374,15 @@ fn noise_record(axis: &NamedAxis, noise: &Noise) -> NoiseRecord {
         (Some(_), None) => "typical".to_string(),
         (Some(_), Some(source)) => alloc::format!("typical ({source})"),
     };
-    let flicker_source = match noise.flicker_measured {
-        true => "measured".to_string(),
-        false => typical(&axis.sources.flicker),
-    };
+    let source = |measured, known| if measured { "measured".to_string() } else { typical(known) };
     NoiseRecord {
         white_dps_per_rt_hz: noise.model.white_dps_per_rt_hz,
         white_source: "measured".to_string(),
         flicker_floor_dps: FLOOR_PER_B * noise.model.bias_instability_dps,
         flicker_cutoff_hz: FLICKER_CUTOFF_HZ,
-        flicker_source,
+        flicker_source: source(noise.flicker_measured, &axis.sources.flicker),
         rate_random_walk_dps_per_rt_s: noise.model.rate_random_walk_dps_per_rt_s,
-        rate_random_walk_source: typical(&axis.sources.rate_random_walk),
+        rate_random_walk_source: source(noise.walk_measured, &axis.sources.rate_random_walk),
     }
 }
 

@@ -5,6 +5,7 @@ use super::filter::Filter;
 use super::posterior::{Posterior, Record};
 use super::{Assumed, Following, Noise};
 use crate::noise::NoiseModel;
+use crate::part::Axis;
 use alloc::vec::Vec;
 
 /// A combination whose evidence is so much below the best one's logarithm does not matter.
@@ -24,7 +25,7 @@ const K_RATIO: f64 = 2.0;
 /// Steps of noise, up and down, that are tried.
 const NOISE_REACH: i32 = 20;
 /// Spread over units of the logarithms of B and K, where the part states typical values; and where it does not.
-const TYPICAL_SPREAD: [f64; 2] = [0.5, 0.7];
+const TYPICAL_SPREAD: [f64; 2] = [0.35, 0.5];
 const UNKNOWN_SPREAD: [f64; 2] = [1.0, 1.5];
 /// How likely a step is in a recording.
 const STEP_PROBABILITY: f64 = 0.02;
@@ -75,6 +76,11 @@ pub(super) fn typical(record: &Record<'_>, assumed: &Assumed<'_>) -> Option<Weig
     Some(Weighed { weight: 1.0, ..model })
 }
 
+/// Spread over units of the logarithms of B and K beforehand.
+pub(super) fn spread(axis: &Axis) -> [f64; 2] {
+    if axis.noise.is_some() { TYPICAL_SPREAD } else { UNKNOWN_SPREAD }
+}
+
 /// The paths are chosen under the noise, and the noise on the best of the paths; after this often nothing changes.
 const ROUNDS: usize = 2;
 
@@ -98,7 +104,7 @@ struct Lattice<'a> {
 impl<'a> Lattice<'a> {
     fn new(record: &'a Record<'a>, assumed: &Assumed<'a>) -> Self {
         let white_dps_per_rt_hz = assumed.white_dps_per_rt_hz;
-        let spread = if assumed.axis.noise.is_some() { TYPICAL_SPREAD } else { UNKNOWN_SPREAD };
+        let spread = spread(assumed.axis);
         let typical = assumed.axis.noise.map_or(unknown(white_dps_per_rt_hz), |noise| noise.model());
         let lags = lags(record);
         let plays = plays(record);

@@ -102,6 +102,8 @@ pub struct BiasCurve {
     pub following: Following,
     /// The noise: white as given, B and K the geometric means over all models.
     pub noise: NoiseModel,
+    /// Whether the recording says more of B, and of K, than was likely beforehand.
+    pub noise_told: [bool; 2],
     /// Steps that are more likely there than not.
     pub steps: [Option<Step>; MOST_STEPS],
     /// Lowest and highest temperature of the blocks, °C.
@@ -150,7 +152,7 @@ pub fn fit(blocks: &[Block], assumed: &Assumed<'_>) -> Result<BiasCurve, Thermal
     let (t3_c, max_order) = (assumed.t3_c, assumed.max_order.min(TERMS - 1));
     let record = Record { blocks, basis: &basis, steps_s, t3_c, prior_dps, max_order };
     let models = weigh(&record, assumed);
-    if models.is_empty() { Err(ThermalError::Degenerate) } else { Ok(average(&record, &models)) }
+    if models.is_empty() { Err(ThermalError::Degenerate) } else { Ok(average(&record, assumed.axis, &models)) }
 }
 
 /// The rates less the polynomial over temperature that fits them best, noise or not.
@@ -174,7 +176,7 @@ pub(crate) fn expected(blocks: &[Block], assumed: &Assumed<'_>) -> Option<BiasCu
     let Assumed { t3_c, max_order, .. } = *assumed;
     let record = Record { blocks, basis: &basis, steps_s: &[], t3_c, prior_dps, max_order };
     let model = lattice::typical(&record, assumed)?;
-    Some(average(&record, &[model]))
+    Some(average(&record, assumed.axis, &[model]))
 }
 
 /// The most likely temperature coefficient where a part states none: such that the span changes the rate by as much as
@@ -196,8 +198,11 @@ fn prior(typical: &TypicalBias, basis: &Basis, blocks: &[Block]) -> [f64; TERMS]
 /// specified for (F-08).
 const HALF_RANGE_C: f64 = 62.5;
 
+/// A spread below this share of what it was beforehand was told by the recording.
+const TOLD: f64 = 0.7;
+
 /// The mean over the models of the most likely order, and the covariance of all about it.
-fn average(record: &Record<'_>, models: &[Weighed]) -> BiasCurve {
+fn average(record: &Record<'_>, axis: &Axis, models: &[Weighed]) -> BiasCurve {
     let mut order_weights = [0.0; TERMS];
     models.iter().for_each(|model| order_weights[model.posterior.order] += model.weight);
     let order = (0..TERMS).max_by(|a, b| order_weights[*a].total_cmp(&order_weights[*b])).unwrap_or(0);
@@ -221,6 +226,15 @@ fn average(record: &Record<'_>, models: &[Weighed]) -> BiasCurve {
         let logarithms = models.iter().map(|model| model.weight * libm::log(of(&model.hypothesis.noise)));
         libm::exp(logarithms.sum())
     };
+    // whether the spread of a logarithm over the models is well below what it was beforehand
+    let told = |of: &dyn Fn(&Noise) -> f64, before: f64| {
+        let mean = |of: &dyn Fn(f64) -> f64, inner: &dyn Fn(&Noise) -> f64| {
+            models.iter().map(|model| model.weight * of(libm::log(inner(&model.hypothesis.noise)))).sum::<f64>()
+        };
+        let centre = mean(&|x| x, of);
+        let variance = mean(&|x| (x - centre) * (x - centre), of);
+        libm::sqrt(variance) < TOLD * before
+    };
     BiasCurve {
         correction: Correction {
             pbc_dps: 0.0 - bias[0],
@@ -241,6 +255,10 @@ fn average(record: &Record<'_>, models: &[Weighed]) -> BiasCurve {
             bias_instability_dps: noise(|noise| noise.bias_instability_dps),
             rate_random_walk_dps_per_rt_s: noise(|noise| noise.rate_random_walk_dps_per_rt_s),
         },
+        noise_told: [
+            told(&|noise| noise.bias_instability_dps, lattice::spread(axis)[0]),
+            told(&|noise| noise.rate_random_walk_dps_per_rt_s, lattice::spread(axis)[1]),
+        ],
         steps: steps(record, models),
         span_c: record.span_c(),
     }

@@ -1,5 +1,6 @@
 use super::filter::Filter;
 use super::*;
+use crate::part::TypicalNoise;
 use adis16130_twin::{Means, Spec, Truth};
 use alloc::vec;
 
@@ -66,11 +67,20 @@ fn the_filter_is_the_inverse_of_the_covariance() {
     assert!((filtered.log_determinant - dense.log_determinant()).abs() < 1e-5);
 }
 
-/// Without noise the curve is that of the unit, whatever order it has.
+/// With next to no noise the curve is that of the unit, whatever order it has.
 #[test]
 fn a_quiet_unit_is_found_exactly() {
     let quiet = Spec { noise: false, hysteresis_dps: 0.0, ..Spec::from_seed(5) };
-    let (curve, truth) = curve_of(&quiet, &[]);
+    let (blocks, truth) = hour(&quiet);
+    let typical = AXIS.noise.map(|noise| TypicalNoise {
+        white_dps_per_rt_hz: noise.white_dps_per_rt_hz / 100.0,
+        flicker_floor_dps: noise.flicker_floor_dps / 100.0,
+        rate_random_walk_dps_per_rt_s: noise.rate_random_walk_dps_per_rt_s / 100.0,
+    });
+    let axis = Axis { noise: typical, ..AXIS };
+    let t3_c = blocks[blocks.len() - 1].temp_c;
+    let assumed = Assumed { axis: &axis, white_dps_per_rt_hz: 0.000_125, ..assumed(&[], t3_c) };
+    let curve = fit(&blocks, &assumed).unwrap();
     for temp_c in [26.0, 29.0, 32.0] {
         let error_dps = curve.correction.at(temp_c) + truth.bias_dps(temp_c);
         assert!(error_dps.abs() < 2e-4, "{error_dps}");

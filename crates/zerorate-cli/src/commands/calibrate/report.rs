@@ -360,7 +360,7 @@ mod tests {
                 cov_pbc_t3: 2e-8,
                 drift_dps: 0.0004,
             },
-            noise: Noise { model: Axis::ADIS16130.typical_noise(), flicker_measured: false },
+            noise: Noise { model: Axis::ADIS16130.typical_noise(), flicker_measured: false, walk_measured: false },
             rdy_hz: 100.0,
             rate_hz: 100.0,
             samples: 317_100,
