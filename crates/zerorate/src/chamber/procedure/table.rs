@@ -1,0 +1,128 @@
+//! The states of a measurement in a chamber, as a table: what ends each of them, and what follows.
+
+use super::{ChamberProcedure, Present};
+use crate::chamber::plan::StepEnd;
+
+use core::fmt;
+
+/// Where the measurement stands. `Display` names it as a user would.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[expect(missing_docs, reason = "the table and Display say what each is")]
+pub enum ChamberState {
+    Start,
+    Approach,
+    Hold,
+    Settle,
+    Average,
+    Done,
+}
+
+/// When a state ends.
+#[derive(Clone, Copy)]
+pub(super) enum Until {
+    Initialised,
+    /// The set point is where the step takes it.
+    Arrived,
+    /// The step's time is over.
+    Held,
+    /// The part's own temperature has come to rest near the set point.
+    Settled,
+    /// It was averaged long enough.
+    Averaged,
+    Never,
+}
+
+/// What follows a state.
+#[derive(Clone, Copy)]
+enum To {
+    State(ChamberState),
+    /// By how the step ends.
+    ByStep {
+        hold: ChamberState,
+        average: ChamberState,
+    },
+    /// The next step, or the end.
+    Next {
+        step: ChamberState,
+        end: ChamberState,
+    },
+}
+
+/// One line of the table: in `from` until `until`, then into `to`, and into `disturbed` where it was disturbed.
+pub(super) struct Row {
+    from: ChamberState,
+    name: &'static str,
+    pub(super) until: Until,
+    to: To,
+    disturbed: Option<ChamberState>,
+}
+
+const STATES: usize = 6;
+
+#[rustfmt::skip]
+const TABLE: [Row; STATES] = {
+    use ChamberState::{Approach, Average, Done, Hold, Settle, Start};
+    let next = To::Next { step: Approach, end: Done };
+    [
+        Row { from: Start, name: "initialisation", until: Until::Initialised,
+              to: To::State(Approach), disturbed: None },
+        Row { from: Approach, name: "going to the set point", until: Until::Arrived,
+              to: To::ByStep { hold: Hold, average: Settle }, disturbed: None },
+        Row { from: Hold, name: "holding the set point", until: Until::Held, to: next, disturbed: None },
+        Row { from: Settle, name: "settling", until: Until::Settled, to: To::State(Average), disturbed: None },
+        Row { from: Average, name: "the average", until: Until::Averaged, to: next, disturbed: Some(Settle) },
+        Row { from: Done, name: "the end", until: Until::Never, to: To::State(Done), disturbed: None },
+    ]
+};
+
+/// Each state finds its row by its number.
+const _: () = {
+    let mut index = 0;
+    while index < STATES {
+        assert!(TABLE[index].from as usize == index);
+        index += 1;
+    }
+};
+
+impl ChamberState {
+    pub(super) fn row(self) -> &'static Row {
+        &TABLE[self as usize]
+    }
+}
+
+impl fmt::Display for ChamberState {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.row().name)
+    }
+}
+
+impl ChamberProcedure {
+    /// From a state that is over into the next.
+    pub(super) fn leave(&mut self, disturbed: bool) {
+        let row = self.state.row();
+        if let (true, Some(back)) = (disturbed, row.disturbed) {
+            return self.enter(back);
+        }
+        match row.to {
+            To::State(state) => self.enter(state),
+            To::ByStep { hold, average } => {
+                let is_held = matches!(self.plan.steps[self.step].end, StepEnd::Hold(_));
+                self.enter(if is_held { hold } else { average });
+            }
+            To::Next { step, end } => {
+                (self.step, self.disturbed) = (self.step + 1, 0);
+                self.enter(if self.step < self.plan.steps.len() { step } else { end });
+            }
+        }
+    }
+
+    pub(super) fn enter(&mut self, state: ChamberState) {
+        // what happened before is no part of the new state
+        let _ = self.judge_rest();
+        self.state = state;
+        self.present = Present { began_s: self.now_s(), first: self.record.len(), ..Present::default() };
+        if matches!(self.state.row().until, Until::Arrived) {
+            self.arrived(0.0);
+        }
+    }
+}
