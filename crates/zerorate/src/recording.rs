@@ -100,7 +100,14 @@ pub(crate) fn outcome(seen: &Evidence<'_>, ledger: &Blocks) -> Result<Outcome, R
     let seconds: Vec<Second> = ledger.seconds().collect();
     let summary = ledger.summary(State::Recording);
     turned(seen.plan, &seconds)?;
-    let hour = findings(seen, &summary, &seconds);
+    let (low_c, high_c) = summary.temp_range_c;
+    let searched = Searched {
+        axis: seen.axis,
+        white_dps_per_rt_hz: white_density(&summary),
+        times_s: (summary.start_s, summary.end_s),
+        span_c: high_c - low_c,
+    };
+    let hour = searched.findings(&seconds);
     let suspects = steps_s(hour.as_ref());
     let first = curve(seen, white_density(&summary), &[], &summary, &seconds, &suspects)?;
     let mut curve = match own_noise(ledger, &first) {
@@ -148,25 +155,38 @@ fn turned(plan: &Plan, seconds: &[Second]) -> Result<(), Refusal> {
     Err(Refusal::OneWay { rise_c, fall_c })
 }
 
-/// What the rate did beside following the temperature; none where the part's noise is not known.
-fn findings(seen: &Evidence<'_>, summary: &Summary, seconds: &[Second]) -> Option<Findings> {
-    seen.axis.noise?;
-    let (start_s, end_s) = (summary.start_s, summary.end_s);
-    let tenth_s = (end_s - start_s) / 10.0;
-    let window = |start_s: f64| Window { start_s, end_s: start_s + tenth_s, weight: 1.0 };
-    let (low_c, high_c) = summary.temp_range_c;
-    let question = Question {
-        averages: [window(start_s), window(start_s + 4.5 * tenth_s), window(end_s - tenth_s)],
-        span_c: (high_c - low_c).max(f64::MIN_POSITIVE),
-        t3_c: final_temp_c(seconds)?,
-        noise: NoiseModel { white_dps_per_rt_hz: white_density(summary), ..seen.axis.typical_noise() },
-        curvature_dps_per_c2: seen.axis.bias.curvature_dps_per_c2.unwrap_or(0.0),
-        supply_dps_per_mv: seen.axis.bias.supply_dps_per_mv,
-    };
-    hour::findings(seconds, &question)
+/// Where it is looked for what a rate did beside following the temperature.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Searched<'a> {
+    pub(crate) axis: &'a Axis,
+    pub(crate) white_dps_per_rt_hz: f64,
+    /// Beginning and end, s.
+    pub(crate) times_s: (f64, f64),
+    /// Highest less lowest temperature, °C.
+    pub(crate) span_c: f64,
 }
 
-fn steps_s(hour: Option<&Findings>) -> Vec<f64> {
+impl Searched<'_> {
+    /// What it did; none where the part's noise is not known.
+    pub(crate) fn findings(&self, seconds: &[Second]) -> Option<Findings> {
+        let &Self { axis, white_dps_per_rt_hz, times_s: (start_s, end_s), span_c } = self;
+        axis.noise?;
+        let tenth_s = (end_s - start_s) / 10.0;
+        let window = |start_s: f64| Window { start_s, end_s: start_s + tenth_s, weight: 1.0 };
+        let question = Question {
+            averages: [window(start_s), window(start_s + 4.5 * tenth_s), window(end_s - tenth_s)],
+            span_c: span_c.max(f64::MIN_POSITIVE),
+            t3_c: final_temp_c(seconds)?,
+            noise: NoiseModel { white_dps_per_rt_hz, ..axis.typical_noise() },
+            curvature_dps_per_c2: axis.bias.curvature_dps_per_c2.unwrap_or(0.0),
+            supply_dps_per_mv: axis.bias.supply_dps_per_mv,
+        };
+        hour::findings(seconds, &question)
+    }
+}
+
+/// When the level seems to have changed, s: what the models of a curve decide about.
+pub(crate) fn steps_s(hour: Option<&Findings>) -> Vec<f64> {
     let found = hour.into_iter().flat_map(|hour| &hour.found);
     found
         .filter_map(|finding| if let Deviation::Step { at_s, .. } = finding.deviation { Some(at_s) } else { None })
@@ -300,13 +320,16 @@ fn warnings(seen: &Evidence<'_>, summary: &Summary, curve: &BiasCurve, hour: Opt
         when(curve.following.lag_s > LAG_WORTH_SAYING_S, Warning::Late { lag_s: curve.following.lag_s }),
         when(hour.is_some_and(|hour| hour.unexplained), Warning::Restless),
     ];
-    let steps = curve.steps.into_iter().flatten().map(|step| Warning::StepTaken {
-        at_s: step.at_s,
-        size_dps: step.size_dps,
-        u_dps: step.u_dps,
-    });
+    let steps = steps_taken(curve);
     let sways = hour.into_iter().flat_map(Findings::distinct).filter(is_sway).map(Warning::Found);
     of_run.into_iter().flatten().chain(steps).chain(sways).collect()
+}
+
+/// The steps that a curve is without.
+pub(crate) fn steps_taken(curve: &BiasCurve) -> impl Iterator<Item = Warning> {
+    let taken =
+        |step: thermal::Step| Warning::StepTaken { at_s: step.at_s, size_dps: step.size_dps, u_dps: step.u_dps };
+    curve.steps.into_iter().flatten().map(taken)
 }
 
 /// A shorter lag moves a bias by less than its uncertainty, s.

@@ -4,7 +4,7 @@ use adis16130_twin::{Means, Motion, Spec};
 use zerorate::chamber::{
     ChamberAction, ChamberPlan, ChamberProcedure, ChamberRefusal, ChamberState, Disturbance, Record, Step, StepEnd,
 };
-use zerorate::{Axis, Part, Scan};
+use zerorate::{Axis, Part, Scan, Warning};
 
 const PART: Part = Part::ADIS16130;
 
@@ -212,4 +212,43 @@ fn a_chamber_that_does_nothing_gives_no_curve() {
     let record = measured(&mut bench, &[hold]).expect("a good unit");
     let refusal = record.outcomes(&PART, None, 3).expect_err("1 °C");
     assert!(matches!(refusal, ChamberRefusal::Span { .. }), "{refusal}");
+}
+
+/// F-57 in short: ramps to cold and hot and back.
+fn short_profile(spec: &Spec) -> Record {
+    let ramp = |to_c| Step { to_c, c_per_min: Some(10.0), end: StepEnd::Hold(300.0) };
+    measured(&mut Bench::new(spec), &[ramp(25.0), ramp(-10.0), ramp(60.0), ramp(25.0)]).expect("a good unit")
+}
+
+/// F-01: 0.0002 °/s per mV. Ramps of four times the speed of F-57 go before and after it.
+#[test]
+fn a_step_of_the_supply_is_named_and_taken_out() {
+    for seed in 21..24 {
+        let unit = Spec { fault_at_s: Some(1200.0), ..quick(seed) };
+        let spec = Spec { supply_step_mv: 300.0, ..unit.clone() };
+        let outcome = &short_profile(&spec).outcomes(&PART, None, 3).expect("a curve")[0];
+        let Some(Warning::StepTaken { at_s, size_dps, u_dps }) = outcome.warnings().next() else {
+            panic!("seed {seed}: no step in {:?}", outcome.curve);
+        };
+        assert!((at_s - 1200.0).abs() < 20.0 && (size_dps - 0.06).abs() < 4.0 * u_dps, "{at_s} {size_dps} {u_dps}");
+        assert_eq!(outcome.warnings().count(), 1, "seed {seed}: {:?}", outcome.curve.steps);
+        let without = &short_profile(&unit).outcomes(&PART, None, 3).expect("a curve")[0];
+        for temp_c in [0.0, 30.0, 60.0] {
+            let moved_dps = without.curve.correction.at(temp_c) - outcome.curve.correction.at(temp_c);
+            assert!((moved_dps - 0.06).abs() < 0.01, "seed {seed} at {temp_c}: the level after it, not {moved_dps}");
+        }
+        let rms = |outcome: &zerorate::chamber::ChamberOutcome| {
+            let squares = outcome.residuals.iter().map(|left| left.residual_dps * left.residual_dps);
+            (squares.sum::<f64>() / outcome.residuals.len() as f64).sqrt()
+        };
+        assert!(rms(outcome) < 1.2 * rms(without), "seed {seed}: {} {}", rms(outcome), rms(without));
+    }
+}
+
+#[test]
+fn no_step_is_found_where_none_is() {
+    for seed in 31..41 {
+        let outcome = &short_profile(&quick(seed)).outcomes(&PART, None, 3).expect("a curve")[0];
+        assert_eq!(outcome.warnings().collect::<Vec<_>>(), [], "seed {seed}: {:?}", outcome.curve);
+    }
 }

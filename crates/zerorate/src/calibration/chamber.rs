@@ -32,7 +32,9 @@ impl Calibration {
         run: &ChamberRun<'_>,
         origin: Origin,
     ) -> Self {
-        let warnings: Vec<String> = run.warnings.iter().map(|warning| one_line(&warning.to_string())).collect();
+        let is_only = outcomes.len() == 1;
+        let of_only = outcomes.iter().filter(|_| is_only).flat_map(ChamberOutcome::warnings);
+        let warnings = run.warnings.iter().copied().chain(of_only).map(said).collect();
         Self {
             part: part.name.to_string(),
             serial: origin.serial.as_deref().map(one_line),
@@ -45,17 +47,22 @@ impl Calibration {
             supply_note: origin.supply_note.as_deref().map(one_line),
             warnings,
             temp: part.axes.first().map(|first| first.axis.temp),
-            axes: part.axes.iter().zip(outcomes).map(|(axis, outcome)| calibrated(axis, outcome)).collect(),
+            axes: part.axes.iter().zip(outcomes).map(|(axis, outcome)| calibrated(axis, outcome, is_only)).collect(),
             validity: validity(part, record),
             run: Some(of_run(record, run)),
         }
     }
 }
 
-fn calibrated(axis: &NamedAxis, outcome: &ChamberOutcome) -> CalibratedAxis {
+fn said(warning: Warning) -> String {
+    one_line(&warning.to_string())
+}
+
+/// Of an axis whose warnings are its own: those of the only one are the calibration's.
+fn calibrated(axis: &NamedAxis, outcome: &ChamberOutcome, is_only: bool) -> CalibratedAxis {
     CalibratedAxis {
         name: axis.name.to_string(),
-        warnings: Vec::new(),
+        warnings: if is_only { Vec::new() } else { outcome.warnings().map(said).collect() },
         rate: Some(axis.axis.rate),
         correction: outcome.curve.correction,
         measured: None,

@@ -1,11 +1,14 @@
 //! From the record of a chamber to the bias over temperature of each axis.
 
-use super::record::Record;
+use super::record::{Record, Soak};
 use super::refusal::ChamberRefusal;
+use crate::blocks::Second;
 use crate::correction::Correction;
 use crate::noise::Window;
+use crate::notice::Warning;
 use crate::part::{Axis, Part};
 use crate::plan::Plan;
+use crate::recording::{Searched, steps_s, steps_taken};
 use crate::thermal::{self, Assumed, BiasCurve, Block};
 use alloc::vec::Vec;
 
@@ -16,13 +19,20 @@ pub struct ChamberOutcome {
     pub curve: BiasCurve,
     /// What it rests on, for pictures: means over some seconds each, with what is left of them after the correction.
     pub residuals: Vec<Residual>,
-    /// What the correction leaves of each soak point of the record, °/s.
+    /// What the correction, and the steps that were taken out, leave of each soak point of the record, °/s.
     pub soak_residuals_dps: Vec<f64>,
     /// How far warming and cooling lie apart; none where the part was not at the same temperature on both ways.
     pub branches: Option<Branches>,
 }
 
-/// A mean, corrected.
+impl ChamberOutcome {
+    /// What there is to know beside the numbers: the steps that were taken out.
+    pub fn warnings(&self) -> impl Iterator<Item = Warning> {
+        steps_taken(&self.curve)
+    }
+}
+
+/// A mean, corrected, without the steps that were taken out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Residual {
     /// Middle of the mean, s from the start.
@@ -97,11 +107,12 @@ impl Record {
         let rates_dps = &self.rates_dps[index];
         let blocks = self.blocks(rates_dps, earth_dps);
         let last = &self.temp_c[self.len().saturating_sub(T3_S)..];
+        let white_dps_per_rt_hz = white_density(rates_dps);
         let assumed = Assumed {
             axis,
-            white_dps_per_rt_hz: white_density(rates_dps),
+            white_dps_per_rt_hz,
             gauss_markov: &[],
-            steps_s: &[],
+            steps_s: &self.suspects_s(axis, rates_dps, white_dps_per_rt_hz),
             max_order,
             t3_c: last.iter().sum::<f64>() / last.len() as f64,
         };
@@ -112,10 +123,25 @@ impl Record {
             return Err(ChamberRefusal::Uncertain { u_btc_dps_per_c, wanted_dps_per_c });
         }
         let residuals: Vec<Residual> = residuals(&blocks, &curve);
-        let left = |soak: &super::Soak, rate_dps: f64| rate_dps - earth_dps + curve.correction.at(soak.temp_c);
-        let soak_residuals_dps = self.soaks.iter().map(|soak| left(soak, soak.rates_dps[index])).collect();
+        let left = |soak: &Soak| {
+            let &Soak { start_s, end_s, temp_c, .. } = soak;
+            let rate_dps = soak.rates_dps[index] - earth_dps;
+            let block = Block { start_s, length_s: end_s - start_s, rate_dps, temp_c };
+            rate_dps + curve.correction.at(temp_c) - curve.stepped_dps(&block)
+        };
+        let soak_residuals_dps = self.soaks.iter().map(left).collect();
         let branches = branches(&residuals, block_s(&blocks), &curve);
         Ok(ChamberOutcome { curve, residuals, soak_residuals_dps, branches })
+    }
+
+    /// When the level of a rate seems to have changed, s.
+    fn suspects_s(&self, axis: &Axis, rates_dps: &[f64], white_dps_per_rt_hz: f64) -> Vec<f64> {
+        let second = |k: usize| Second { at_s: self.start_s[k], rate_dps: rates_dps[k], temp_c: self.temp_c[k] };
+        let seconds: Vec<Second> = (0..self.len()).filter(|k| self.at_rest[*k]).map(second).collect();
+        let times_s = seconds.first().zip(seconds.last()).map(|(first, last)| (first.at_s, last.at_s + 1.0));
+        let (Some(times_s), Some((low_c, high_c))) = (times_s, self.span_c()) else { return Vec::new() };
+        let searched = Searched { axis, white_dps_per_rt_hz, times_s, span_c: high_c - low_c };
+        steps_s(searched.findings(&seconds).as_ref())
     }
 
     /// Means over stretches of equal length without a gap, in which the part was at rest.
@@ -169,7 +195,7 @@ fn residuals(blocks: &[Block], curve: &BiasCurve) -> Vec<Residual> {
         Residual {
             at_s: block.start_s + block.length_s / 2.0,
             temp_c: block.temp_c,
-            residual_dps: block.rate_dps + curve.correction.at(block.temp_c),
+            residual_dps: block.rate_dps + curve.correction.at(block.temp_c) - curve.stepped_dps(block),
             warming: (c_per_s.abs() > STILL_C_PER_S).then_some(c_per_s > 0.0),
         }
     };

@@ -110,6 +110,13 @@ pub struct BiasCurve {
     pub span_c: (f64, f64),
 }
 
+impl BiasCurve {
+    /// What the steps that were taken out make the mean over a block differ from the level at the end by, °/s.
+    pub(crate) fn stepped_dps(&self, block: &Block) -> f64 {
+        self.steps.iter().flatten().map(|step| step.size_dps * (block.share_after(step.at_s) - 1.0)).sum()
+    }
+}
+
 /// A change of the level that was taken out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Step {

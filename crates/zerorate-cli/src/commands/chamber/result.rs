@@ -14,7 +14,7 @@ use serde::Serialize;
 use std::path::Path;
 use zerorate::calibration::ChamberRun;
 use zerorate::chamber::{Branches, ChamberOutcome, Record};
-use zerorate::{Calibration, Correction, Uncertainty, Warning};
+use zerorate::{Calibration, Correction, Part, Uncertainty, Warning};
 use zerorate_view::duration::Seconds;
 use zerorate_view::report::{ChamberPage, Fact, chamber_page, over_temperature};
 
@@ -128,6 +128,7 @@ pub fn deliver(args: &ChamberArgs, plan: &PlanFile, driven: Driven, files: Files
     let calibration = Calibration::of_chamber(&part, &record, &outcomes, &run, origin(info, capture_sha256));
     let mut said: Vec<String> = warnings.iter().map(coded).chain(acquisition.disbelief()).collect();
     said.extend(resumed(is_resumed));
+    said.extend(outcomes.iter().zip(part.axes.iter()).flat_map(|(outcome, axis)| of_axis(outcome, &axis.name, &part)));
     said.extend(outcomes.iter().zip(part.axes.iter()).filter_map(|(outcome, axis)| wide_loop(outcome, &axis.name)));
     let report = Report::new(plan, &calibration, &record, &outcomes, &truths, said);
     let kept_all = files.fill(&report, &calibration, &record, &outcomes);
@@ -160,6 +161,15 @@ fn resumed(is_resumed: bool) -> Option<String> {
          since, which shows as noise and is no part of the uncertainty. No one recording gives this result again"
             .to_owned()
     })
+}
+
+/// The warnings of an axis, which is named where there are several.
+fn of_axis(outcome: &ChamberOutcome, name: &str, part: &Part) -> Vec<String> {
+    let named = |warning: Warning| match part.axes.len() {
+        1 => coded(&warning),
+        _ => format!("axis {name}: {}", coded(&warning)),
+    };
+    outcome.warnings().map(named).collect()
 }
 
 /// A loop that stands out is what no curve over temperature corrects.
