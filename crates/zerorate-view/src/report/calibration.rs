@@ -5,7 +5,7 @@ use crate::duration::Seconds;
 use crate::plot::{self, CorrectionCurve, CorrectionPoint};
 use anyhow::Result;
 use askama::Template;
-use zerorate::calibration::{CalibratedAxis, Run, Uncertainties};
+use zerorate::calibration::{CalibratedAxis, CurveRecord, Run, Uncertainties};
 use zerorate::{Calibration, Correction, Validity};
 
 /// The table of AN-1042 (F-52): its step and its reach, °C.
@@ -109,14 +109,14 @@ fn axis_part<'a>(calibration: &Calibration, axis: &'a CalibratedAxis) -> Result<
         symbols: if correction.is_line() { "" } else { " + (TEMP − T3)² · BTC2 + (TEMP − T3)³ · BTC3" },
         terms: terms(correction),
         picture: calibration_picture(axis, calibration.validity),
-        has_band: axis.uncertainty.is_some(),
+        has_band: stated(axis).is_some(),
         table: correction.table(TABLE_C.0, TABLE_C.1)?.into_iter().map(row).collect(),
         sections: own.into_iter().filter(|section| several && !section.facts.is_empty()).collect(),
     })
 }
 
 fn coverage(axis: &CalibratedAxis) -> String {
-    let coverage = axis.uncertainty.map_or(zerorate::Uncertainty::COVERAGE, |u| u.coverage);
+    let coverage = stated(axis).map_or(zerorate::Uncertainty::COVERAGE, |stated| stated.coverage);
     format!("{} % interval", (coverage * 1000.0).round() / 10.0)
 }
 
@@ -130,38 +130,61 @@ fn terms(correction: &Correction) -> String {
     }
 }
 
+/// How well a correction is known, as its file states it.
+struct Stated {
+    coverage: f64,
+    factor: f64,
+    /// Standard uncertainties of PBC, BTC, BTC2 and BTC3; a line has those of two.
+    terms: [Option<f64>; 4],
+    /// That of T3, °C; a curve is what it is at the T3 that the file states.
+    t3_c: Option<f64>,
+}
+
+fn stated(axis: &CalibratedAxis) -> Option<Stated> {
+    let of_curve = |curve: &CurveRecord| Stated {
+        coverage: curve.coverage,
+        factor: curve.coverage_factor,
+        terms: std::array::from_fn(|k| Some(curve.covariance[k][k].max(0.0).sqrt())),
+        t3_c: None,
+    };
+    let of_line = |u: Uncertainties| Stated {
+        coverage: u.coverage,
+        factor: u.coverage_factor,
+        terms: [Some(u.u_pbc_dps), Some(u.u_btc_dps_per_c), None, None],
+        t3_c: Some(u.u_t3_c),
+    };
+    axis.curve.as_ref().map(of_curve).or_else(|| axis.uncertainty.map(of_line))
+}
+
 fn quantities(axis: &CalibratedAxis) -> Vec<Quantity> {
-    let (correction, u) = (&axis.correction, axis.uncertainty);
-    let quantity = |name, value: f64, unit, of: fn(&Uncertainties) -> f64, places: usize| {
-        let unknown = || "not stated".to_owned();
-        let interval = |u: &Uncertainties| {
-            let half = u.coverage_factor * of(u);
-            format!("{:+.places$} … {:+.places$}", value - half, value + half)
-        };
+    let (correction, stated) = (&axis.correction, stated(axis));
+    let quantity = |name, value: f64, unit, u: Option<f64>, unknown: &str, written: &dyn Fn(f64) -> String| {
+        let signed =
+            |value: f64| format!("{}{}", if value.is_sign_negative() { "-" } else { "+" }, written(value.abs()));
+        let half = stated.as_ref().zip(u).map(|(stated, u)| stated.factor * u);
+        let interval = |half: f64| format!("{} … {}", signed(value - half), signed(value + half));
         Quantity {
             name,
-            value: format!("{value:+.places$}"),
+            value: signed(value),
             unit,
-            uncertainty: u.as_ref().map_or_else(unknown, |u| format!("{:.places$}", of(u))),
-            interval: u.as_ref().map_or_else(unknown, interval),
+            uncertainty: u.map_or_else(|| unknown.to_owned(), written),
+            interval: half.map_or_else(|| unknown.to_owned(), interval),
         }
     };
+    let [pbc, btc, btc2, btc3] = stated.as_ref().map_or([None; 4], |stated| stated.terms);
+    let (t3_c, exact) = stated.as_ref().map_or((None, "not stated"), |stated| (stated.t3_c, "by definition"));
+    let fixed = |places: usize| move |value: f64| format!("{value:.places$}");
+    let power = |value: f64| format!("{value:.4e}");
     let mut all = vec![
-        quantity("PBC, precision bias correction", correction.pbc_dps, "°/s", |u| u.u_pbc_dps, 5),
-        quantity("BTC, bias temperature correction", correction.btc_dps_per_c, "°/s/°C", |u| u.u_btc_dps_per_c, 6),
-        quantity("T3, reference temperature", correction.t3_c, "°C", |u| u.u_t3_c, 4),
+        quantity("PBC, precision bias correction", correction.pbc_dps, "°/s", pbc, "not stated", &fixed(5)),
+        quantity("BTC, bias temperature correction", correction.btc_dps_per_c, "°/s/°C", btc, "not stated", &fixed(6)),
+        quantity("T3, reference temperature", correction.t3_c, "°C", t3_c, exact, &fixed(4)),
     ];
-    let stated = if u.is_some() { "in the band below" } else { "not stated" };
-    let term = |name, value: f64, unit| Quantity {
-        name,
-        value: format!("{value:+.4e}"),
-        unit,
-        uncertainty: stated.to_owned(),
-        interval: stated.to_owned(),
-    };
     if !correction.is_line() {
-        all.push(term("BTC2, quadratic term", correction.btc2_dps_per_c2, "°/s/°C²"));
-        all.push(term("BTC3, cubic term", correction.btc3_dps_per_c3, "°/s/°C³"));
+        let unknown = if stated.is_some() { "in the band below" } else { "not stated" };
+        let (second, third) = (correction.btc2_dps_per_c2, correction.btc3_dps_per_c3);
+        all.push(quantity("BTC2, quadratic term", second, "°/s/°C²", btc2, unknown, &power));
+        all.push(quantity("BTC3, cubic term", third, "°/s/°C³", btc3, unknown, &power));
     }
     all
 }
@@ -189,7 +212,7 @@ pub fn calibration_picture(axis: &CalibratedAxis, validity: Option<Validity>) ->
     let valid_c = validity.map(|span| (span.temp_min_c, span.temp_max_c));
     let (coldest, hottest) = valid_c.unwrap_or((correction.t3_c, correction.t3_c));
     let (from, to) = (coldest.min(correction.t3_c) - BEYOND_C, hottest.max(correction.t3_c) + BEYOND_C);
-    let factor = axis.uncertainty.map_or(0.0, |u| u.coverage_factor);
+    let factor = stated(axis).map_or(0.0, |stated| stated.factor);
     let point = |k: u32| {
         let temp_c = from + (to - from) * f64::from(k) / f64::from(POINTS);
         CorrectionPoint {
@@ -297,6 +320,40 @@ mod tests {
 
     const BY_HAND: &str =
         "schema = 1\npart = \"ADIS16130\"\n[correction]\npbc_dps = -0.25\nbtc_dps_per_c = -0.04\nt3_c = 31.5\n";
+
+    /// As `calibrate --method warmup` and `chamber` write them.
+    #[test]
+    fn a_curve_is_shown_with_its_uncertainty() {
+        let (mut calibration, _) = Calibration::parse(BY_HAND).unwrap();
+        let mut covariance = [[0.0; 4]; 4];
+        (covariance[0][0], covariance[1][1], covariance[2][2], covariance[3][3]) = (1e-6, 4e-8, 9e-10, 1e-12);
+        let axis = &mut calibration.axes[0];
+        (axis.correction.btc2_dps_per_c2, axis.correction.btc3_dps_per_c3) = (0.0005, 0.0);
+        axis.curve = Some(CurveRecord {
+            coverage: 0.95,
+            coverage_factor: 2.0,
+            order: 2,
+            order_weights: [0.0, 0.0, 1.0, 0.0],
+            covariance,
+            lag_s: 0.0,
+            play_c: 0.0,
+            steps: Vec::new(),
+        });
+        let html = calibration_page(&calibration, "unit.toml").unwrap();
+        for expected in [
+            "0.00100</td><td class=\"number\">-0.25200 … -0.24800",
+            "0.000200</td><td class=\"number\">-0.040400 … -0.039600",
+            "3.0000e-5</td><td class=\"number\">+4.4000e-4 … +5.6000e-4",
+            "The band is its 95 % interval",
+            "by definition",
+        ] {
+            assert!(html.contains(expected), "{expected} in {html}");
+        }
+        assert!(!html.contains("not stated"), "{html}");
+        let plain = CalibratedAxis { curve: None, ..calibration.axes[0].clone() };
+        let pictures = [&calibration.axes[0], &plain].map(|axis| calibration_picture(axis, None));
+        assert_ne!(pictures[0], pictures[1], "the band is drawn");
+    }
 
     #[test]
     fn a_calibration_by_hand_says_what_is_not_known() {

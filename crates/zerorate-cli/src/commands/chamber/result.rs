@@ -55,6 +55,8 @@ struct AxisReport {
     t3_c: f64,
     u_pbc_dps: f64,
     u_btc_dps_per_c: f64,
+    u_btc2_dps_per_c2: f64,
+    u_btc3_dps_per_c3: f64,
     order: usize,
     order_weights: Vec<f64>,
     lag_s: f64,
@@ -283,6 +285,7 @@ impl AxisReport {
             let correction_dps = curve.correction.at(temp_c);
             CurvePoint { temp_c, correction_dps, u_dps: Some(curve.u_dps(temp_c)) }
         };
+        let u = |term: usize| curve.covariance[term][term].max(0.0).sqrt();
         let truth = truth.map(|truth| TruthReport {
             pbc_dps: truth.pbc_dps(t3_c),
             btc_dps_per_c: truth.btc_dps_per_c(t3_c),
@@ -298,7 +301,9 @@ impl AxisReport {
             btc3_dps_per_c3,
             t3_c,
             u_pbc_dps: curve.u_dps(t3_c),
-            u_btc_dps_per_c: curve.covariance[1][1].max(0.0).sqrt(),
+            u_btc_dps_per_c: u(1),
+            u_btc2_dps_per_c2: u(2),
+            u_btc3_dps_per_c3: u(3),
             order: curve.order,
             order_weights: curve.order_weights.to_vec(),
             lag_s: curve.following.lag_s,
@@ -335,10 +340,16 @@ impl AxisReport {
             Fact::new("BTC", format!("{:+.6} ± {:.6} °/s/°C", self.btc_dps_per_c, factor * self.u_btc_dps_per_c)),
         ];
         if self.order > 1 {
-            facts.push(Fact::new("BTC2", format!("{:+.3e} °/s/°C²", self.btc2_dps_per_c2)));
+            facts.push(Fact::new(
+                "BTC2",
+                format!("{:+.3e} ± {:.1e} °/s/°C²", self.btc2_dps_per_c2, factor * self.u_btc2_dps_per_c2),
+            ));
         }
         if self.order > 2 {
-            facts.push(Fact::new("BTC3", format!("{:+.3e} °/s/°C³", self.btc3_dps_per_c3)));
+            facts.push(Fact::new(
+                "BTC3",
+                format!("{:+.3e} ± {:.1e} °/s/°C³", self.btc3_dps_per_c3, factor * self.u_btc3_dps_per_c3),
+            ));
         }
         let weight = 100.0 * self.order_weights.get(self.order).copied().unwrap_or_default();
         facts.push(Fact::new("order", format!("{} (probability {weight:.0} %)", self.order)));
