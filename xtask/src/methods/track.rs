@@ -8,7 +8,7 @@ use super::judged::{DPH_PER_DPS, rms};
 use crate::seeds::for_each_seed;
 use adis16130_twin::Spec;
 use std::ops::RangeInclusive;
-use world::Day;
+use world::{Day, SELDOM};
 
 const HOURS: f64 = 24.0;
 
@@ -28,7 +28,7 @@ pub struct Tracking {
 
 /// Units with everything drawn from their seeds.
 pub fn days(seeds: &RangeInclusive<u64>, threads: usize) -> anyhow::Result<Tracking> {
-    let days = for_each_seed(seeds, threads, |seed| Ok(world::day(&Spec::from_seed(seed), HOURS)))?;
+    let days = for_each_seed(seeds, threads, |seed| Ok(world::day(&Spec::from_seed(seed), HOURS, SELDOM)))?;
     Ok(Tracking::of(&days))
 }
 

@@ -67,8 +67,12 @@ pub enum Motion {
 const REST_S: (f64, f64) = (15.0, 105.0);
 const BETWEEN_S: (f64, f64) = (300.0, 1980.0);
 
+/// How often a slow turn comes, against 21 motions of other kinds: such turns fill a twentieth of the moving time.
+pub const SELDOM: f64 = 1.0;
+
 /// The motion of a robot or a vehicle.
 pub struct Platform {
+    slow_turns: f64,
     random: Random,
     motion: Motion,
     left_s: f64,
@@ -78,10 +82,10 @@ pub struct Platform {
 
 impl Platform {
     /// It begins to move.
-    pub fn new(seed: u64) -> Self {
+    pub fn new(seed: u64, slow_turns: f64) -> Self {
         let mut random = Random::new(seed ^ 0x7472_6163_6B00_0000);
         let until_rest_s = random.between(BETWEEN_S.0, BETWEEN_S.1);
-        Self { random, motion: Motion::Shaking { dps: 0.5 }, left_s: 10.0, length_s: 10.0, until_rest_s }
+        Self { slow_turns, random, motion: Motion::Shaking { dps: 0.5 }, left_s: 10.0, length_s: 10.0, until_rest_s }
     }
 
     /// The next 0.1 s: what it does and the mean rate, °/s.
@@ -107,17 +111,17 @@ impl Platform {
             (self.motion, self.length_s) = (Motion::Rest, random.between(REST_S.0, REST_S.1));
             self.until_rest_s = random.between(BETWEEN_S.0, BETWEEN_S.1);
         } else {
-            let (motion, length_s) = match (random.uniform() * 22.0) as u32 {
-                0..=9 => {
+            let (motion, length_s) = match random.uniform() * (21.0 + self.slow_turns) {
+                ..10.0 => {
                     let dps = random.sign() * random.between(5.0, 90.0);
                     (Motion::Turn { dps }, random.between(2.0, 10.0))
                 }
-                10..=13 => {
+                ..14.0 => {
                     let (dps, hz) = (random.between(0.1, 5.0), random.between(0.05, 2.0));
                     (Motion::Sway { dps, hz }, random.between(10.0, 120.0))
                 }
-                // as often as rests, and every fourth as slow as the slowest that must be told
-                14 => {
+                // as long as rests, and every fourth as slow as the slowest that must be told
+                kind if kind < 14.0 + self.slow_turns => {
                     let dps = if random.uniform() < 0.25 { 0.02 } else { random.between(0.02, 0.2) };
                     (Motion::SlowTurn { dps: random.sign() * dps }, random.between(REST_S.0, REST_S.1))
                 }
@@ -228,10 +232,10 @@ pub struct Day {
 }
 
 /// Tracks the unit of a seed for so many hours behind its calibration.
-pub fn day(spec: &Spec, hours: f64) -> Day {
+pub fn day(spec: &Spec, hours: f64, slow_turns: f64) -> Day {
     let mut unit = Unit::calibrated(spec);
     let mut tracker = Tracker::new(TrackerConfig::of(&Axis::ADIS16130, unit.correction, unit.prior));
-    let mut platform = Platform::new(spec.seed);
+    let mut platform = Platform::new(spec.seed, slow_turns);
     let blocks = (hours * 3600.0 / BLOCK_S) as u64;
     // what was learned counts for what the platform did 10 s before: a stretch is taken in when it is over
     let mut past = VecDeque::from(vec![Motion::Rest; 100]);
