@@ -1,5 +1,6 @@
 //! Allan deviations.
 
+use crate::settling::{self, Settling};
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -10,6 +11,7 @@ use zerorate::allan::{
     Stat, Taus, Term, analyse as analyse_input, deviations as of_input, edf as edf_of,
     finite_difference_edf as edf_of_difference, fit, interval as limits, mtie as mtie_of,
 };
+use zerorate_cli::api::{self, Settled};
 
 /// The noise model of a record as the core has it, for the files that are made of it.
 #[pyclass(module = "zerorate._zerorate", frozen)]
@@ -80,7 +82,8 @@ impl Times {
 
 /// The deviation with its limits at each averaging time, what could not be computed, and the noise model.
 ///
-/// ``cleaning`` says whether glitches and steps are taken out before the fit; without it there is none.
+/// ``cleaning`` says whether glitches and steps are taken out before the fit; without it there is none. ``settling``
+/// knows the temperature, and says what is done about it and about the beginning.
 ///
 /// Other threads run meanwhile. Raises ValueError for arguments that nothing can be computed with.
 #[pyfunction]
@@ -96,13 +99,18 @@ pub fn analyse<'py>(
     confidence: f64,
     scale: f64,
     cleaning: Option<(bool, bool)>,
+    settling: Option<Settling<'py>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let gaps: Vec<Gap> = gaps.into_iter().map(|(at, missing)| Gap { at, missing }).collect();
-    let input = record.input(phase, &gaps)?;
+    let settled = settling.map(|of| of.apply(py, &record, &gaps, rate_hz, scale)).transpose()?;
+    let (rest, settled) = settled.unzip();
+    let whole = record.input(phase, &gaps)?;
+    let input = rest.as_ref().map_or(whole, |rest| settling::input(rest, phase));
+    let Settled { detrended, follows, skipped_s } = settled.unwrap_or_default();
     let options = Options { stat: stat.parse().map_err(refused)?, taus: taus.taus()?, confidence, scale };
     let found = py
         .detach(|| {
-            let fit = cleaning.map(|(cut_glitches, remove_steps)| {
+            let mut fit = cleaning.map(|(cut_glitches, remove_steps)| {
                 fit(&input, rate_hz, &FitOptions { scale: options.scale, cut_glitches, remove_steps })
             });
             // the curve is of the record that was fitted
@@ -111,12 +119,20 @@ pub fn analyse<'py>(
                 Some(rate) => analyse_input(&Input::Rate(rate), rate_hz, &Options { scale: 1.0, ..options }),
                 None => analyse_input(&input, rate_hz, &options),
             };
-            Ok((analysis?, fit))
+            let analysis = api::widened(analysis?, detrended.as_ref(), confidence);
+            if let Some(Ok(fit)) = &mut fit {
+                api::heed(fit, detrended.as_ref(), follows);
+            }
+            Ok((analysis, fit))
         })
         .map_err(|error: zerorate::allan::AnalysisError| refused(error))?;
     let (analysis, fit) = found;
     let result = PyDict::new(py);
     columns(&result, &analysis)?;
+    result.set_item("skipped_s", skipped_s)?;
+    result.set_item("detrended", detrended.map(|detrended| settling::dict(py, &detrended)).transpose()?)?;
+    let said = follows.filter(|_| !matches!(fit, Some(Ok(_))));
+    result.set_item("warnings", said.iter().map(settling::text).collect::<Vec<_>>())?;
     match fit {
         Some(Ok(fit)) => {
             expected(&result, &analysis, &fit)?;
@@ -174,7 +190,7 @@ fn fit_dict<'py>(py: Python<'py>, fit: &Fit) -> PyResult<Bound<'py, PyDict>> {
     result.set_item("p_value", fit.p_value)?;
     result.set_item("rejected", fit.is_rejected)?;
     result.set_item("terms", fit.terms.iter().map(|term| term_dict(py, term)).collect::<PyResult<Vec<_>>>()?)?;
-    result.set_item("warnings", fit.warnings.iter().map(|it| format!("{}: {it}", it.code())).collect::<Vec<_>>())?;
+    result.set_item("warnings", fit.warnings.iter().map(settling::text).collect::<Vec<_>>())?;
     Ok(result)
 }
 

@@ -9,6 +9,7 @@ mod correction;
 mod error;
 mod imu;
 mod log;
+mod settling;
 mod twin;
 
 use pyo3::prelude::*;
@@ -27,7 +28,7 @@ mod _zerorate {
     #[pymodule_export]
     use super::imu::{column_unit, imu_file, is_time, save_text, unit_kind};
     #[pymodule_export]
-    use super::log::{read_columns, read_imu};
+    use super::log::{read_columns, read_imu, read_temperature, temperatures};
     #[pymodule_export]
     use super::main;
     #[pymodule_export]

@@ -9,6 +9,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use zerorate_cli::api;
 use zerorate_data::column::{
     self, Column, ColumnOptions, Decimal, Names, Quantity, RawType, Series, Setting, TimeUnit, Unit, Wanted,
 };
@@ -102,6 +103,43 @@ pub fn read_columns<'py>(
     };
     let columns = columns.map_err(|error| exception(&error.into()))?;
     columns.into_iter().map(|column| described(py, &path, column, given, points)).collect()
+}
+
+/// Name and temperature, °C, of a log or table with a number for each sample: of the column ``name``, or of one by the
+/// names that `temperatures` lists. ``None`` where there is none.
+#[pyfunction]
+pub fn read_temperature<'py>(
+    py: Python<'py>,
+    source: Source<'py>,
+    name: Option<&str>,
+    options: Options,
+) -> PyResult<Option<(String, Bound<'py, PyArray1<f64>>)>> {
+    // what is said of the unit of the other columns is not said of it
+    let options = ColumnOptions { unit: None, scale: None, ..options.checked()? };
+    let (path, column) = match opened(source)? {
+        Opened::Table(path, table) => {
+            let read = |name: &str| {
+                let wanted = [name.to_owned()];
+                column::read_table(&path, &table, Wanted::Listed(&wanted), &options).ok()?.pop()
+            };
+            let column = name.map_or_else(|| api::TEMPERATURES.into_iter().find_map(read), read);
+            (path, column)
+        }
+        Opened::File(path) => {
+            let column = py.detach(|| api::temperature(&path, name, &options));
+            (path, column)
+        }
+    };
+    let Some(column) = column else { return Ok(None) };
+    let mut temps_c = column.points(&path).map_err(|error| exception(&error.into()))?;
+    temps_c.iter_mut().for_each(|temp_c| *temp_c *= column.scale);
+    Ok(Some((column.name, PyArray1::from_vec(py, temps_c))))
+}
+
+/// What columns with a temperature are called.
+#[pyfunction]
+pub fn temperatures() -> Vec<&'static str> {
+    api::TEMPERATURES.to_vec()
 }
 
 /// Reads the axes of an IMU's log, or of the columns that are named. Returns a dictionary for each, the topic of a

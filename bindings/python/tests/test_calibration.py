@@ -6,6 +6,7 @@ import json
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -103,7 +104,7 @@ def test_the_log_gives_back_what_was_measured(unit: tuple[zerorate.Calibrated, P
 
 def test_a_warm_up_gives_a_curve(tmp_path: Path) -> None:
     twin = zerorate.Twin(seed=6, warmup_s=40, curvature=0.003)
-    short = {"average": 2, "warmup": 60, "settle": 120, "offset": 20}
+    short: dict[str, Any] = {"average": 2, "warmup": 60, "settle": 120, "offset": 20}
     found = zerorate.calibrate(twin, method="warmup", max_u_btc=0.2, output=tmp_path / "unit.toml", **short)
     assert (found.method, found.b1_dps, found.order >= 2) == ("warmup", None, True)
     assert found.calibration.uncertainty is None

@@ -2,9 +2,13 @@
 //!
 //! Nothing here prints or changes how the process handles signals.
 
+pub use crate::commands::allan::temperature::{NAMES as TEMPERATURES, Settled, Settling, heed, widened};
 pub use crate::exit::{Refused, Usage};
+pub use zerorate_view::duration::Seconds;
 
 use crate::cli::{Cli, Command};
+use crate::column;
+use crate::commands::allan::temperature;
 use crate::commands::calibrate;
 use crate::exit;
 use crate::output::Outputs;
@@ -16,6 +20,7 @@ use zerorate::health::Health;
 use zerorate::{Calibration, Names, Progress, Scale, Tally};
 use zerorate_data::believed;
 use zerorate_data::capture::{CaptureInfo, Layout, Row};
+use zerorate_data::column::{Column, ColumnOptions};
 use zerorate_host::files;
 
 /// A calibration with its report.
@@ -60,6 +65,16 @@ impl<F: FnMut() -> bool> Watch for Caller<F> {
 
     fn names(&self) -> Names {
         self.names
+    }
+}
+
+/// The temperature of the log at `path`: the column `name`, or one by the usual names; none where there is none.
+#[must_use]
+pub fn temperature(path: &Path, name: Option<&str>, options: &ColumnOptions) -> Option<Column> {
+    let read = |names: &[&str]| column::temperature(path, names, options);
+    match name {
+        Some(name) => read(&[name]),
+        None => temperature::usual(path, read),
     }
 }
 

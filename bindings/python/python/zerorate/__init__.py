@@ -36,7 +36,7 @@ from ._calibration import (
 from ._capture import Capture, read_capture
 from ._imu import Imu, imu
 from ._log import Log, read_log
-from ._model import BandShape, Cleaned, Coefficient, Estimate, Fit, GaussMarkov, Line, WarmUp
+from ._model import BandShape, Cleaned, Coefficient, Detrended, Estimate, Fit, GaussMarkov, Line, WarmUp
 from ._procedure import Calibrated, CurvePoint, Truth, calibrate
 from ._result import Allan, AllanAxes, Unavailable
 from ._twin import Twin, TwinKey
@@ -59,6 +59,7 @@ __all__ = [
     "Corrector",
     "CurvePoint",
     "CurveRecord",
+    "Detrended",
     "Estimate",
     "Fit",
     "GaussMarkov",

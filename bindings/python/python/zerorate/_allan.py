@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal, Union, overload
 from . import _log, _records, _zerorate
 from ._capture import Capture
 from ._result import Allan, AllanAxes
+from ._settling import Seconds, Settling
 from ._way import LONG, Stat, Taus, Way, side_by_side
 
 if TYPE_CHECKING:
@@ -27,6 +28,9 @@ if TYPE_CHECKING:
         fit: bool
         glitches: Literal["cut", "keep"]
         steps: Literal["remove", "keep"]
+        temp_c: ArrayLike | str | None
+        detrend: Literal[1, 2, 3] | None
+        skip: Seconds | None
         time_column: str | int | None
         time_unit: Literal["s", "ms", "us", "ns"] | None
         decimal: Literal[".", ","] | None
@@ -73,6 +77,9 @@ def allan(
     fit: bool = True,
     glitches: Literal["cut", "keep"] = "cut",
     steps: Literal["remove", "keep"] = "remove",
+    temp_c: ArrayLike | str | None = None,
+    detrend: Literal[1, 2, 3] | None = None,
+    skip: Seconds | None = None,
     time_column: str | int | None = None,
     time_unit: Literal["s", "ms", "us", "ns"] | None = None,
     decimal: Literal[".", ","] | None = None,
@@ -122,6 +129,15 @@ def allan(
         ``cut``: before the fit, samples that cannot be noise are replaced. ``keep`` them.
     steps
         ``remove``: before the fit, up to three jumps of the level are taken out. ``keep`` them.
+    temp_c
+        The temperature of each sample, °C, NaN where it was not read; of a log or table the name of its column. A
+        `Capture` has it; of a log and of a table, a column named ``temp_code``, ``temp_c``, ``temp`` or
+        ``temperature`` is taken. A rate that follows it is no noise: ``follows-temperature`` in `Fit.warnings`.
+    detrend
+        Take a polynomial of this order, 1 to 3, over the temperature out before anything else; `Allan.detrended` is
+        what was taken. The intervals of long averages and of K are widened by what it may have taken of the noise.
+    skip
+        Leave out the beginning, while the part warms: seconds, or a duration such as ``"45m"``.
     time_column, time_unit, decimal, raw, max_bad, topic
         As of `read_log`.
 
@@ -153,6 +169,7 @@ def allan(
     True
     """
     way = Way.of(stat, taus, data, confidence, fit, glitches, steps)
+    way = replace(way, settling=Settling.of(temp_c, detrend, skip, way.is_phase))
     if isinstance(rate, Capture):
         axes = _chosen({name: at for at, name in enumerate(rate.axes)}, column)
         found = side_by_side(lambda at: way.capture(rate, at, rate_hz, scale, unit or "°/s"), list(axes.values()))
@@ -186,9 +203,14 @@ def allan(
     if _records.has_time_index(rate) and rate_hz is None:
         return _guessed(way.read(_records.indexed(rate, name), name, {**given, "unit": unit})[0], stated)
     values = _records.record(rate, data)
+    temperature = way.settling.of_array(len(values)) if way.settling else None
+
+    def analysed(values: NDArray[Any]) -> Allan:
+        return way.analysed(values, rate_hz, [], scale, name, unit, None, temperature)
+
     if len(values) < LONG:
-        return _guessed(way.analysed(values, rate_hz, [], scale, name, unit), stated)
-    return _guessed(side_by_side(lambda of: way.analysed(of, rate_hz, [], scale, name, unit), [values])[0], stated)
+        return _guessed(analysed(values), stated)
+    return _guessed(side_by_side(analysed, [values])[0], stated)
 
 
 def _of_arrays(
@@ -202,13 +224,19 @@ def _of_arrays(
 ) -> Allan | AllanAxes:
     """Of the columns of an array, or of what was read of a log."""
     log = data if isinstance(data, _log.Log) else None
-    chosen = _chosen(_records.array_columns(data, columns) if log is None else log.columns, column)
+    each = _records.array_columns(data, columns) if log is None else log.columns
+    chosen = _chosen(each, column)
     hz = log.rate_hz if log is not None and rate_hz is None else rate_hz
+    temperature = None
+    if way.settling and not way.is_phase and hz is not None:
+        source = ("the array" if log is None else "the log", list(each.items()))
+        temperature = way.settling.of_source(source, _log.options(rate_hz=hz))
 
     def analysed(name: str) -> Allan:
         stated = unit or (_zerorate.column_unit(name) if log is None else log.units[name] or "unit")
         values = _records.record(chosen[name], "phase" if way.is_phase else "rate")
-        return _guessed(way.analysed(values, hz, [], scale, name, stated or ASSUMED_UNIT), stated)
+        found = way.analysed(values, hz, [], scale, name, stated or ASSUMED_UNIT, None, temperature)
+        return _guessed(found, stated)
 
     return _answer(side_by_side(analysed, list(chosen)), column is None or _log.is_several(column))
 

@@ -131,6 +131,17 @@ class Capture:
         at = np.flatnonzero(missing) + 1
         return codes[good].astype(np.int32), list(zip(at.tolist(), missing[at - 1].tolist()))
 
+    def _temps_c(self, axis: int, temps_c: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Temperatures of rows, for each sample of an axis from its first good one to its last; NaN where lost."""
+        at = np.arange(len(self)) + np.cumsum(self.lost, dtype=np.int64)
+        good = np.flatnonzero(self.good.reshape(len(self), -1)[:, axis])
+        if not len(good):
+            return np.empty(0)
+        rows = slice(good[0], good[-1] + 1)
+        temps = np.full(at[good[-1]] - at[good[0]] + 1, np.nan)
+        temps[at[rows] - at[good[0]]] = temps_c[rows]
+        return temps
+
 
 def read_capture(path: str | os.PathLike[str]) -> Capture:
     """Reads a capture of ``zerorate capture`` or ``calibrate --log``, in any of its forms: Arrow stream, Parquet, CSV.

@@ -96,6 +96,27 @@ class Cleaned:
 
 
 @dataclass(frozen=True)
+class Detrended:
+    """A polynomial over temperature that was taken out, by least squares over means of 128 parts of the record.
+
+    `Fit.k` is stated with what it took of a random walk, and long averages have fewer degrees of freedom.
+    """
+
+    order: int
+    """Its order."""
+    coefficients: list[float]
+    """Of T − `mean_c` and its powers: the unit of the rate per °C, °C², °C³."""
+    mean_c: float
+    """Mean temperature, °C."""
+    explained: float
+    """Share of the variance of the slow rate that it explains."""
+    lost_dof: int
+    """Degrees of freedom that it took, beside that of the mean."""
+    walk_kept: float
+    """Share of the variance of a random walk that is left."""
+
+
+@dataclass(frozen=True)
 class Fit:
     """A noise model, from the likelihood of the record's cosine spectrum.
 

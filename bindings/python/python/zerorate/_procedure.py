@@ -5,15 +5,12 @@ from __future__ import annotations
 import json
 import os
 from dataclasses import dataclass, field
-from typing import Literal, Union
+from typing import Literal
 
 from . import _zerorate
 from ._calibration import Calibration
+from ._settling import Seconds
 from ._twin import Twin
-
-Seconds = Union[float, str]
-"""Seconds as a number, or a duration as the command line takes it: ``"10m"``, ``"1h30m"``."""
-
 
 @dataclass(frozen=True)
 class Truth:

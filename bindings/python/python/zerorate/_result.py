@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from . import _filters, _frame, _log, _plot, _zerorate
-from ._model import Cleaned, Fit
+from ._model import Cleaned, Detrended, Fit
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes as Picture
@@ -72,12 +72,17 @@ class Allan:
     """Upper end of that band."""
     cleaned: Cleaned | None = field(default=None, repr=False)
     """What was taken out before; None without a model."""
+    detrended: Detrended | None = field(default=None, repr=False)
+    """The polynomial over temperature that was taken out; None without `detrend`."""
+    skipped_s: float = field(default=0.0, repr=False)
+    """What was left out at the beginning, s."""
     name: str = "rate"
     """What was analysed: the name of the column or of the Series."""
     unit: str = "°/s"
     """Unit of the rate, and so of `dev` and of the coefficients."""
     warnings: list[str] = field(default_factory=list, repr=False)
-    """What is to be said of the log; what there is to say of its noise is in `Fit.warnings`."""
+    """What is to be said of the log; what there is to say of its noise is in `Fit.warnings`. Without a fit the warning
+    ``follows-temperature`` is here."""
     _core: _zerorate.Model | None = field(default=None, repr=False)
     _is_unit_assumed: bool = field(default=False, repr=False)
 

@@ -13,11 +13,14 @@ import numpy as np
 
 from . import _log, _records, _zerorate
 from ._capture import Capture
-from ._model import Cleaned, fitted
+from ._model import Cleaned, Detrended, fitted
 from ._result import Allan, Unavailable
+from ._settling import Settling
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
+    from ._settling import Temperature
 
 Stat = Literal["adev", "oadev", "mdev", "tdev", "hdev", "ohdev", "totdev"]
 """The deviations. `oadev` is the one to use unless you know better."""
@@ -51,6 +54,7 @@ class Way:
     is_phase: bool
     confidence: float
     cleaning: tuple[bool, bool] | None
+    settling: Settling | None = None
 
     @classmethod
     def of(cls, stat: str, taus: Taus, data: str, confidence: float, fit: bool, glitches: str, steps: str) -> Way:
@@ -65,14 +69,15 @@ class Way:
             # of a table in memory a unit of any other quantity is a name
             given = {**given, "unit": None, "scale": given["scale"] or 1.0}
         found = _log.columns_of(source, column, self.is_phase, given)
+        temperature = None if self.settling is None or self.is_phase else self.settling.of_source(source, given)
         if label is not None:
             scales = [given["scale"] or 1.0 if is_other else one["scale"] for one in found]
             found = [{**one, "unit": label, "scale": scale} for one, scale in zip(found, scales)]
         for text in (text for one in found for text in one["warnings"]):
             warnings.warn(text, stacklevel=3)
-        return side_by_side(self.of_column, found)
+        return side_by_side(lambda of: self.of_column(of, temperature), found)
 
-    def of_column(self, column: _zerorate._Column) -> Allan:
+    def of_column(self, column: _zerorate._Column, temperature: Temperature | None = None) -> Allan:
         """Of a column that was read."""
         return self.analysed(
             column["values"],
@@ -82,6 +87,7 @@ class Way:
             column["name"],
             column["unit"] or "unit",
             column["warnings"],
+            temperature,
         )
 
     def analysed(
@@ -93,6 +99,7 @@ class Way:
         name: str,
         unit: str,
         said: list[str] | None = None,
+        temperature: Temperature | None = None,
     ) -> Allan:
         """Of a record as the extension takes it."""
         if rate_hz is None:
@@ -108,8 +115,10 @@ class Way:
             float(self.confidence),
             1.0 if scale is None else float(scale),
             self.cleaning,
+            None if self.settling is None else self.settling.asked(name, temperature),
         )
         model, cleaned, core = (found.pop(key, None) for key in ("fit", "cleaned", "core"))
+        detrended, follows = found.pop("detrended"), found.pop("warnings")
         unavailable = [Unavailable(*point) for point in found.pop("unavailable")]
         return Allan(
             **found,
@@ -119,7 +128,8 @@ class Way:
             cleaned=None if cleaned is None else Cleaned(*cleaned),
             name=name,
             unit=unit,
-            warnings=said or [],
+            detrended=None if detrended is None else Detrended(**detrended),
+            warnings=(said or []) + follows,
             _core=core,
         )
 
@@ -128,7 +138,8 @@ class Way:
         codes, gaps = capture._codes(at)
         step = capture._dps_per_code(at) if scale is None else scale
         hz = capture.rate_hz if rate_hz is None else rate_hz
-        return self.analysed(codes, hz, gaps, step, capture.axes[at], unit)
+        temperature = None if self.settling is None or self.is_phase else self.settling.of_capture(capture, at)
+        return self.analysed(codes, hz, gaps, step, capture.axes[at], unit, None, temperature)
 
 
 def _cleaning(glitches: str, steps: str) -> tuple[bool, bool]:

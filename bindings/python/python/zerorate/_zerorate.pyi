@@ -31,9 +31,11 @@ __all__ = [
     "read_capture",
     "read_columns",
     "read_imu",
+    "read_temperature",
     "save_text",
     "statistics",
     "temp_c",
+    "temperatures",
     "twin_device",
     "twin_keys",
     "unit_kind",
@@ -113,6 +115,11 @@ class _Fit(TypedDict):
     terms: list[dict[str, Any]]
     warnings: list[str]
 
+class _Settling(TypedDict):
+    temps_c: NDArray[np.float64] | None
+    detrend: int | None
+    skip: str
+
 def analyse(
     record: NDArray[np.float64] | NDArray[np.int32],
     phase: bool,
@@ -123,6 +130,7 @@ def analyse(
     confidence: float,
     scale: float,
     cleaning: tuple[bool, bool] | None,
+    settling: _Settling | None,
 ) -> dict[str, Any]: ...
 def deviations(
     numbers: NDArray[np.float64], phase: bool, rate_hz: float, stat: str, m: list[int]
@@ -131,6 +139,10 @@ def mtie(phase: NDArray[np.float64], m: list[int]) -> tuple[NDArray[np.float64],
 def read_columns(
     source: _Source, names: list[str] | None, every: bool, points: bool, options: _Options
 ) -> list[_Column]: ...
+def read_temperature(
+    source: _Source, name: str | None, options: _Options
+) -> tuple[str, NDArray[np.float64]] | None: ...
+def temperatures() -> list[str]: ...
 def read_imu(
     source: _Source,
     names: list[str] | None,

@@ -40,7 +40,7 @@ fn order(text: &str) -> Result<usize, String> {
 }
 
 /// What logs call their temperature.
-const NAMES: [&str; 4] = ["temp_code", "temp_c", "temp", "temperature"];
+pub const NAMES: [&str; 4] = ["temp_code", "temp_c", "temp", "temperature"];
 /// Bytes at both ends of a file in which columns name themselves.
 const ENDS: u64 = 1 << 16;
 
@@ -70,7 +70,7 @@ impl TemperatureArgs {
             })?;
             return Ok(Some(column));
         }
-        let column = if speaks_of_temperature(file) { read(&NAMES) } else { None };
+        let column = usual(file, read);
         if column.is_none() && self.detrend.is_some() {
             let file = file.display();
             let why = format!("--detrend: {file} has no column {}; name it by --temp-column", NAMES.join(", "));
@@ -78,6 +78,11 @@ impl TemperatureArgs {
         }
         Ok(column)
     }
+}
+
+/// The temperature of a log by the usual names, where the log seems to have one.
+pub fn usual(file: &Path, read: impl Fn(&[&str]) -> Option<Column>) -> Option<Column> {
+    if speaks_of_temperature(file) { read(&NAMES) } else { None }
 }
 
 /// Whether a file names something like a temperature near its beginning or its end, so that a second look is worth it.
@@ -100,19 +105,28 @@ fn speaks_of_temperature(file: &Path) -> bool {
 /// What is done with a record before it is analysed.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Settling {
-    skip_s: f64,
-    order: Option<usize>,
+    /// What is left out at its beginning, s.
+    pub skip_s: f64,
+    /// Of the polynomial over temperature that is taken out.
+    pub order: Option<usize>,
 }
 
 /// What came of it.
 #[derive(Default)]
 pub struct Settled {
+    /// The polynomial that was taken out.
     pub detrended: Option<Detrended>,
+    /// That the rate follows the temperature, where it does and nothing was taken out.
     pub follows: Option<AllanWarning>,
+    /// What was left out, s.
     pub skipped_s: f64,
 }
 
 impl Settling {
+    /// Does it to a column of `file`, whose temperature is another column.
+    ///
+    /// # Errors
+    /// [`Usage`] where nothing would be left, or what does not fit.
     pub fn apply(&self, column: &mut Column, file: &Path, temperature: Option<&Column>) -> Result<Settled> {
         let samples = (self.skip_s * column.rate_hz).round() as u64;
         let whole = column.points(file)?.len() as u64;
