@@ -577,7 +577,7 @@ typedef struct zerorate_procedure {
   /**
    * Private.
    */
-  uint64_t opaque[480];
+  uint64_t opaque[512];
 } zerorate_procedure;
 
 /**

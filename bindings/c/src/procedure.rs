@@ -14,7 +14,7 @@ use zerorate::{
 #[repr(C)]
 pub struct Procedure {
     /// Private.
-    pub opaque: [u64; 480],
+    pub opaque: [u64; 512],
 }
 
 /// What is in there.

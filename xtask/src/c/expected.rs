@@ -9,7 +9,7 @@ use std::fmt::Write;
 use zerorate::track::{Prior, Tracked, Tracker, TrackerConfig};
 use zerorate::{
     Action, Axis, CodeTable, Corrected, Correction, Corrector, CorrectorConfig, Event, FixedProcedure, Method,
-    Outcome, Plan, Reading, Refusal, Validity, Warning, WindowWarnings,
+    Outcome, Plan, Reading, Refusal, State, Validity, Warning, WindowWarnings,
 };
 
 /// The correction of the test, as a calibration file.
@@ -232,7 +232,9 @@ fn calibrate(text: &mut String, keys: &str) -> Result<()> {
         Ok(()) => Vec::new(),
     };
     let progress = procedure.progress();
-    writeln!(text, "ended {ended}\nremedies [{}]\nstep {}", remedies.join(","), 3 + progress.state as u32)?;
+    // the numbers of the C interface follow the procedure, but for its end, which has kept its own
+    let step = if progress.state == State::Done { 10 } else { 3 + progress.state as u32 };
+    writeln!(text, "ended {ended}\nremedies [{}]\nstep {step}", remedies.join(","))?;
     f64_line(text, "elapsed_s", progress.elapsed_s)?;
     f64_line(text, "total_s", progress.total_s)?;
     writeln!(text, "outcome {ended}")?;
