@@ -158,10 +158,10 @@ impl Filter {
         self.at_c = d_c;
         let Innovation { dps, dps2 } = self.innovation(mean_dps, length_s, d_c, drift);
         let gains = self.times(&shape(d_c, 1.0));
-        for row in 0..STATES {
-            self.state[row] += gains[row] / dps2 * dps;
-            for column in 0..=row {
-                self.covariance[place(row, column)] -= gains[row] * gains[column] / dps2;
+        for (row, (state, gain)) in self.state.iter_mut().zip(&gains).enumerate() {
+            *state += gain / dps2 * dps;
+            for (column, other) in gains.iter().enumerate().take(row + 1) {
+                self.covariance[place(row, column)] -= gain * other / dps2;
             }
         }
     }
@@ -170,11 +170,11 @@ impl Filter {
     pub(super) fn mixed(&self, p: f64, other: &Self) -> Self {
         let apart: [f64; STATES] = core::array::from_fn(|row| self.state[row] - other.state[row]);
         let mut mixed = if p < 0.5 { *other } else { *self };
-        for row in 0..STATES {
-            mixed.state[row] = other.state[row] + p * apart[row];
-            for column in 0..=row {
+        mixed.state = core::array::from_fn(|row| other.state[row] + p * apart[row]);
+        for (row, gap) in apart.iter().enumerate() {
+            for (column, across) in apart.iter().enumerate().take(row + 1) {
                 let at = place(row, column);
-                let between = p * (1.0 - p) * apart[row] * apart[column];
+                let between = p * (1.0 - p) * gap * across;
                 mixed.covariance[at] = p * self.covariance[at] + (1.0 - p) * other.covariance[at] + between;
             }
         }
