@@ -12,6 +12,8 @@ pub mod heap;
 #[cfg(feature = "twin")]
 pub mod scenario;
 #[cfg(feature = "twin")]
+pub mod tracking;
+#[cfg(feature = "twin")]
 pub mod uart;
 
 #[cfg(feature = "twin")]

@@ -1,6 +1,7 @@
 //! The controller in QEMU: what it read, and what it counted.
 
 use super::scenario::Reading;
+use super::tracking::Known;
 use crate::venv::printed;
 use anyhow::{Context, Result, bail, ensure};
 use std::collections::BTreeMap;
@@ -17,6 +18,7 @@ const TICK_NS: u32 = 40;
 #[derive(Default)]
 pub struct Report {
     pub readings: Vec<Reading>,
+    pub tracked: Vec<Known>,
     /// Least and most instructions of each piece of work.
     pub instructions: BTreeMap<String, (u64, u64)>,
     /// Sizes of objects in RAM.
@@ -59,6 +61,11 @@ impl Report {
                     table_udps: number(5)? as i32,
                     corrected_f32_bits: number(6)? as u32,
                 }),
+                ["tracked", ..] => report.tracked.push(Known {
+                    change_bits: number(1)? as u64,
+                    u_bits: number(2)? as u64,
+                    phase: number(3)? as u8,
+                }),
                 ["ticks", name, ..] => drop(ticks.insert(name.to_owned(), (number(2)?, number(3)?))),
                 ["bytes", name, ..] => drop(report.bytes.insert(name.to_owned(), number(2)? as u64)),
                 _ => bail!("the image said `{line}`"),
@@ -98,9 +105,10 @@ mod tests {
 
     #[test]
     fn a_report_is_read() {
-        let text = "reading 1 2 3 6 -4 5\nticks empty 25 25\nticks work 281 537\nbytes driver 20\n";
+        let text = "reading 1 2 3 6 -4 5\ntracked -2 7 1\nticks empty 25 25\nticks work 281 537\nbytes driver 20\n";
         let report = Report::parse(text).unwrap();
         assert_eq!(report.readings[0].table_udps, -4);
+        assert_eq!(report.tracked, [Known { change_bits: u64::MAX - 1, u_bits: 7, phase: 1 }]);
         assert_eq!((report.instructions["work"], report.bytes["driver"]), ((10, 20), 20));
         assert!(Report::parse("panicked\n").is_err());
         assert!(Report::parse("reading 1 2\n").is_err());

@@ -1,5 +1,5 @@
-//! `cargo xtask firmware`: driver, twin and correction on an emulated Cortex-M4F: does it compute what the host
-//! computes, how many instructions does that take, and how large is the driver.
+//! `cargo xtask firmware`: driver, twin, correction and tracker on an emulated Cortex-M4F: does it compute what the
+//! host computes, how many instructions does that take, and how large are driver and tracker.
 
 mod emulator;
 mod footprint;
@@ -7,6 +7,9 @@ pub mod image;
 /// What controller and host both compute.
 #[path = "../../../firmware/qemu/src/scenario.rs"]
 mod scenario;
+/// What controller and host both track.
+#[path = "../../../firmware/qemu/src/tracking.rs"]
+mod tracking;
 
 pub use emulator::run as emulate;
 
@@ -21,6 +24,7 @@ use scenario::Reading;
 use serde::Serialize;
 use std::path::PathBuf;
 use std::process::Command;
+use tracking::Known;
 
 /// A Cortex-M4F.
 const TARGET: &str = "thumbv7em-none-eabihf";
@@ -49,19 +53,22 @@ struct Outcome {
     seed: u64,
     /// Readings whose every form agrees between controller and host; none without the emulator.
     readings_agreed: Option<usize>,
+    /// Means after which the tracker knows the same on controller and host; none without the emulator.
+    means_agreed: Option<usize>,
     panic_symbols_in_driver: usize,
     figures: Vec<Figure>,
     versions: Versions,
 }
 
-/// Builds and measures the driver alone, then runs the rest in the emulator if there is one.
+/// Builds and measures driver and tracker alone, then runs the rest in the emulator if there is one.
 pub fn run(args: &Args) -> Result<()> {
     targets::add_missing([TARGET].into_iter())?;
-    let mut figures = driver_alone()?;
+    let mut figures = alone()?;
     let emulated = available(&[QEMU], "the run in the emulator")?;
     let mut outcome = Outcome {
         seed: args.seed,
         readings_agreed: None,
+        means_agreed: None,
         panic_symbols_in_driver: 0,
         figures: Vec::new(),
         versions: Versions { rustc: rustc_version()?, qemu: "none".to_owned() },
@@ -70,6 +77,7 @@ pub fn run(args: &Args) -> Result<()> {
         let report = Report::parse(&emulator::run(&build("release", "agreement")?, &[args.seed.to_string()])?)?;
         outcome.versions.qemu = emulator::version()?;
         outcome.readings_agreed = Some(compare(args.seed, &report.readings)?);
+        outcome.means_agreed = Some(compare_tracked(args.seed, &report.tracked)?);
         figures.splice(0..0, counted(&report)?);
     }
     outcome.figures = figures;
@@ -77,26 +85,28 @@ pub fn run(args: &Args) -> Result<()> {
     judge(args, &outcome)
 }
 
-/// The size of the driver, from images with and without it; refused if it can panic.
-fn driver_alone() -> Result<Vec<Figure>> {
-    let small = difference("small")?;
-    let fast = difference("release")?;
+/// The sizes of driver and tracker, from images with and without them; refused if one can panic.
+fn alone() -> Result<Vec<Figure>> {
+    let small = difference("small", "driver")?;
+    let fast = difference("release", "driver")?;
+    let tracker = difference("small", "tracker")?;
     let control = Image::read(&build("release", "agreement")?)?.panic_symbols()?;
-    ensure!(!control.is_empty(), "an image that can panic shows no sign of it: the check of the driver is blind");
+    ensure!(!control.is_empty(), "an image that can panic shows no sign of it: the check of the others is blind");
     let bytes = |what, value, goal| Figure { what, value, unit: "bytes", goal };
     Ok(vec![
         bytes("flash, driver with sampler, `opt-level = \"z\"`", small.flash, Some(4096)),
         bytes("flash, driver with sampler, `opt-level = 3`", fast.flash, None),
-        bytes("RAM, static variables", small.ram.max(fast.ram), Some(0)),
+        bytes("flash, tracker with f64 in software, `opt-level = \"z\"`", tracker.flash, None),
+        bytes("RAM, static variables", small.ram.max(fast.ram).max(tracker.ram), Some(0)),
     ])
 }
 
-/// What the image of the driver takes more than the image without it.
-fn difference(profile: &str) -> Result<Memory> {
-    let driver = Image::read(&build(profile, "driver")?)?;
-    let panics = driver.panic_symbols()?;
-    ensure!(panics.is_empty(), "the driver links code that panics, with profile {profile}: {}", panics.join(", "));
-    let (with, without) = (driver.memory()?, Image::read(&build(profile, "empty")?)?.memory()?);
+/// What the image of the driver, or of the tracker, takes more than the image without it.
+fn difference(profile: &str, name: &str) -> Result<Memory> {
+    let image = Image::read(&build(profile, name)?)?;
+    let panics = image.panic_symbols()?;
+    ensure!(panics.is_empty(), "the {name} links code that panics, with profile {profile}: {}", panics.join(", "));
+    let (with, without) = (image.memory()?, Image::read(&build(profile, "empty")?)?.memory()?);
     Ok(Memory { flash: with.flash - without.flash, ram: with.ram - without.ram })
 }
 
@@ -105,14 +115,16 @@ pub fn image_of(name: &str) -> Result<PathBuf> {
     build("release", name)
 }
 
-/// The path of an image, built. The images of the driver leave all else out.
+/// The path of an image, built. The bare images leave all else out.
 fn build(profile: &str, name: &str) -> Result<PathBuf> {
     let target_dir = std::path::absolute("target/firmware")?;
     let mut cargo = Command::new("cargo");
     cargo.current_dir(PROJECT).args(["build", "--quiet", "--locked", "--target", TARGET]);
     cargo.args(["--profile", profile, "--bin", name]).arg("--target-dir").arg(&target_dir);
-    if matches!(name, "driver" | "empty") {
-        cargo.arg("--no-default-features");
+    match name {
+        "driver" | "empty" => drop(cargo.arg("--no-default-features")),
+        "tracker" => drop(cargo.args(["--no-default-features", "--features", "tracker"])),
+        _ => {}
     }
     done(&mut cargo)?;
     Ok(target_dir.join(TARGET).join(profile).join(name))
@@ -125,6 +137,18 @@ fn compare(seed: u64, theirs: &[Reading]) -> Result<usize> {
     ensure!(theirs.len() == ours.len(), "{} readings on the controller, {} on the host", theirs.len(), ours.len());
     for (index, (theirs, ours)) in theirs.iter().zip(&ours).enumerate() {
         ensure!(theirs == ours, "reading {index} differs: {theirs:?} on the controller, {ours:?} on the host");
+    }
+    Ok(ours.len())
+}
+
+/// After how many means the tracker knows, which must be after all, what it knows on the host.
+fn compare_tracked(seed: u64, theirs: &[Known]) -> Result<usize> {
+    let mut ours = Vec::new();
+    let counts = tracking::run(seed, |known| ours.push(known)).context("the tracker refuses its own state")?;
+    ensure!(counts.learned_s > 0 && counts.rolled_back > 0, "the series shows too little of the tracker: {counts:?}");
+    ensure!(theirs.len() == ours.len(), "{} means on the controller, {} on the host", theirs.len(), ours.len());
+    for (index, (theirs, ours)) in theirs.iter().zip(&ours).enumerate() {
+        ensure!(theirs == ours, "after mean {index}: {theirs:?} on the controller, {ours:?} on the host");
     }
     Ok(ours.len())
 }
@@ -155,8 +179,15 @@ fn counted(report: &Report) -> Result<Vec<Figure>> {
         instructions("`read_both`: rate and temperature", "read_both", Some(150))?,
         least("`sample`: three reads and the count of losses, least", "sample")?,
         instructions("`sample`, most", "sample", None)?,
+        instructions("`Tracker::push`, 9 of 10: a mean within a second", "tracker_within_second", None)?,
+        instructions("`Tracker::push`, a mean that ends a second", "tracker_second", None)?,
+        instructions("`Tracker::push`, once in 16 s: a mean that it learns from", "tracker_learned", None)?,
+        instructions("`Tracker::push`, a mean that shows a motion or a step", "tracker_motion", None)?,
+        instructions("`Tracker::tracked`: bias and u", "tracker_bias", None)?,
         bytes("RAM, the driver's object (on a bus and a pin of 0 bytes)", "driver", Some(64))?,
         bytes("RAM, the sampler's object", "sampler", None)?,
+        bytes("RAM, the tracker's object", "tracker", None)?,
+        bytes("what the tracker keeps over a power-down", "tracker_saved", None)?,
     ])
 }
 
@@ -168,7 +199,10 @@ fn show(args: &Args, outcome: &Outcome) -> Result<()> {
     if let Some(count) = outcome.readings_agreed {
         println!("seed {}: {count} readings, corrected in four ways, are the same on controller and host", args.seed);
     }
-    println!("no panic is linked into the driver");
+    if let Some(count) = outcome.means_agreed {
+        println!("seed {}: the tracker knows the same on controller and host after {count} means", args.seed);
+    }
+    println!("no panic is linked into driver and tracker");
     for Figure { what, value, unit, goal } in &outcome.figures {
         let goal = goal.map_or(String::new(), |goal| format!("(goal: at most {goal})"));
         println!("{value:>6} {unit:13} {what} {goal}");

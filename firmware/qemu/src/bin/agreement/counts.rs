@@ -8,12 +8,19 @@ use core::hint::black_box;
 use cortex_m::peripheral::SYST;
 use cortex_m::peripheral::syst::SystClkSource;
 use firmware_qemu::scenario::{Corrections, Reading, corrected_dps};
+use firmware_qemu::tracking::{self, Mean};
 
 /// From one rate reading to the next with F-30: 1054 cycles of MCLK (F-31), ns.
 const PERIOD_NS: u64 = 175_667;
 
+/// Means that the tracker takes in in a second.
+const BLOCKS_PER_S: usize = 10;
+
 /// Registers of a part that runs with F-30 and has a reading of each channel waiting (docs/facts.md section 3).
 const READY: [(Address, u8); 3] = [(Address::RateStatus, 0x08), (Address::TempStatus, 0x48), (Address::Mode, 0x22)];
+
+/// What was counted, by name.
+type Counted = [(&'static str, Ticks); 14];
 
 /// Least and most ticks of a piece of work.
 #[derive(Clone, Copy)]
@@ -22,14 +29,27 @@ pub struct Ticks {
     pub most: u32,
 }
 
+impl Ticks {
+    const NONE: Self = Self { least: u32::MAX, most: 0 };
+
+    fn with(self, ticks: u32) -> Self {
+        Self { least: self.least.min(ticks), most: self.most.max(ticks) }
+    }
+
+    fn some(self) -> Option<Self> {
+        (self.most > 0).then_some(self)
+    }
+}
+
 /// Counts everything, reading by reading; `None` without readings.
 ///
 /// Each piece of work is a function called through a pointer that the compiler cannot see through, with its operands
 /// in memory. So nothing can be moved out of it, and the count includes call, operands and return.
-pub fn all(readings: &[Reading], corrections: &Corrections, systick: SYST) -> Option<[(&'static str, Ticks); 9]> {
+pub fn all(readings: &[Reading], corrections: &Corrections, seed: u64, systick: SYST) -> Option<Counted> {
     let mut bench = Bench { counter: Counter::new(systick), readings };
     let Corrections { integer, curve, single, .. } = *corrections;
     let table = corrections.table();
+    let [within, second, learned, motion, tracked] = bench.tracker(seed)?;
     Some([
         ("empty", bench.over(|counter, _| counter.ticks_of_nothing())?),
         ("integer_correction", bench.corrections(integer, |(integer, it)| integer.apply(it.rate_code, it.temp_code))?),
@@ -43,6 +63,11 @@ pub fn all(readings: &[Reading], corrections: &Corrections, systick: SYST) -> Op
         ("read_rate", bench.reads(|on| on.gyro.read_rate().is_ok_and(|rate| rate.code() != 0))?),
         ("read_both", bench.reads(|on| on.gyro.read_both().is_ok_and(|(rate, temp)| rate.code() != temp.code()))?),
         ("sample", bench.reads(|on| on.gyro.sample(&mut on.sampler, on.edge).is_ok_and(|it| it.is_some()))?),
+        ("tracker_within_second", within),
+        ("tracker_second", second),
+        ("tracker_learned", learned),
+        ("tracker_motion", motion),
+        ("tracker_bias", tracked),
     ])
 }
 
@@ -67,6 +92,7 @@ impl Counter {
         let start = SYST::get_current();
         let done = work(operands);
         let end = SYST::get_current();
+        assert!(!self.0.has_wrapped(), "the work took longer than the clock counts");
         black_box(done);
         start.wrapping_sub(end) & 0x00FF_FFFF
     }
@@ -114,12 +140,8 @@ struct Bench<'a> {
 
 impl Bench<'_> {
     fn over(&mut self, mut count: impl FnMut(&mut Counter, &Reading) -> u32) -> Option<Ticks> {
-        let mut all = Ticks { least: u32::MAX, most: 0 };
-        for reading in self.readings {
-            let ticks = count(&mut self.counter, reading);
-            all = Ticks { least: all.least.min(ticks), most: all.most.max(ticks) };
-        }
-        (all.most > 0).then_some(all)
+        let counter = &mut self.counter;
+        self.readings.iter().fold(Ticks::NONE, |all, reading| all.with(count(counter, reading))).some()
     }
 
     fn corrections<C, T>(&mut self, correction: C, work: fn(&mut (C, Operand)) -> T) -> Option<Ticks>
@@ -150,5 +172,26 @@ impl Bench<'_> {
             reader.edge = Edge { t_ns: reader.edge.t_ns + PERIOD_NS, seq: reader.edge.seq + 1 };
             counter.ticks(work, &mut reader)
         })
+    }
+
+    /// A mean taken in by the tracker: within a second, at the end of one, where it learns from the last 16 s, where
+    /// it finds a motion or a step; and the bias asked for.
+    fn tracker(&mut self, seed: u64) -> Option<[Ticks; 5]> {
+        let [mut within, mut second, mut learned, mut motion, mut tracked] = [Ticks::NONE; 5];
+        let mut operands = (tracking::tracker(), Mean { rate_dps: None, temp_c: 0.0 });
+        for (index, mean) in tracking::means(seed).enumerate() {
+            let before = operands.0.counts();
+            operands.1 = mean;
+            let pushed = self.counter.ticks(|(on, it)| on.push(it.rate_dps, Some(it.temp_c), true), &mut operands);
+            let kind = match &operands.0 {
+                tracker if tracker.moves() => &mut motion,
+                tracker if tracker.counts() != before => &mut learned,
+                _ if index % BLOCKS_PER_S == BLOCKS_PER_S - 1 => &mut second,
+                _ => &mut within,
+            };
+            *kind = kind.with(pushed);
+            tracked = tracked.with(self.counter.ticks(|(on, it)| on.tracked(it.temp_c), &mut operands));
+        }
+        Some([within.some()?, second.some()?, learned.some()?, motion.some()?, tracked.some()?])
     }
 }

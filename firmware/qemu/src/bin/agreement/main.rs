@@ -1,7 +1,8 @@
-//! Reads the twin of a seed through the driver, corrects what it read, and counts instructions; says all of it over
-//! semihosting.
+//! Reads the twin of a seed through the driver, corrects what it read, tracks a bias, and counts instructions; says
+//! all of it over semihosting.
 //!
-//! Lines: `reading RATE TEMP CORRECTED CURVED TABLE F32BITS`, `ticks NAME LEAST MOST`, `bytes NAME SIZE`.
+//! Lines: `reading RATE TEMP CORRECTED CURVED TABLE F32BITS`, `tracked CHANGEBITS UBITS PHASE`,
+//! `ticks NAME LEAST MOST`, `bytes NAME SIZE`.
 
 #![no_std]
 #![no_main]
@@ -18,7 +19,9 @@ use core::fmt::Write;
 use cortex_m_semihosting::debug;
 use cortex_m_semihosting::hio::{HostStream, hstdout};
 use firmware_qemu::scenario::{self, Reading};
+use firmware_qemu::tracking::{self, Known};
 use firmware_qemu::{arguments, heap};
+use zerorate::track::{Saved, Tracker};
 
 #[cortex_m_rt::entry]
 fn main() -> ! {
@@ -40,9 +43,16 @@ fn run(mut out: HostStream) -> Option<()> {
         let corrected = format_args!("{corrected_code} {curved_code} {table_udps} {corrected_f32_bits}");
         writeln!(out, "reading {rate_code} {temp_code} {corrected}").ok()?;
     }
-    for (name, ticks) in counts::all(&readings, &corrections, peripherals.SYST)? {
+    let mut all = Vec::new();
+    tracking::run(seed, |known| all.push(known))?;
+    for Known { change_bits, u_bits, phase } in all {
+        writeln!(out, "tracked {} {} {phase}", change_bits as i64, u_bits as i64).ok()?;
+    }
+    for (name, ticks) in counts::all(&readings, &corrections, seed, peripherals.SYST)? {
         writeln!(out, "ticks {name} {} {}", ticks.least, ticks.most).ok()?;
     }
     writeln!(out, "bytes driver {}", size_of::<Adis16130<(), ()>>()).ok()?;
-    writeln!(out, "bytes sampler {}", size_of::<Sampler>()).ok()
+    writeln!(out, "bytes sampler {}", size_of::<Sampler>()).ok()?;
+    writeln!(out, "bytes tracker {}", size_of::<Tracker>()).ok()?;
+    writeln!(out, "bytes tracker_saved {}", size_of::<Saved>()).ok()
 }

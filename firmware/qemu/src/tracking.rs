@@ -1,0 +1,103 @@
+//! What controller and host both track from a seed: means of 0.1 s of a part that rests, begins to turn slowly, moves,
+//! rests again, gives nothing for a second, rests, and is without power for a day.
+//!
+//! The host includes this file too (`xtask/src/firmware/`).
+
+use zerorate::track::{BLOCK_S, Counts, Prior, Tracked, Tracker, TrackerConfig};
+use zerorate::{Axis, Correction};
+
+const CORRECTION: Correction = Correction::line(-0.25, -0.04, 26.0);
+
+/// What the part has beyond that correction, °/s.
+const CHANGE_DPS: f64 = 0.004;
+
+/// White noise of a mean of 0.1 s, °/s (1 σ): that of F-02, 0.0125 °/s/√Hz, times √5.
+const WHITE_DPS: f64 = 0.028;
+
+/// So many means, and how fast the part turns, °/s; none where it gives nothing. The first rest is longer than the
+/// longest test of means, 128 s. Whole seconds, so that those of the tracker stay those of the series.
+const STRETCHES: [(u32, Option<f64>); 6] =
+    [(1_600, Some(0.0)), (600, Some(0.03)), (20, Some(5.0)), (400, Some(0.0)), (10, None), (300, Some(0.0))];
+
+/// Without power, s.
+const OFF_S: f64 = 86_400.0;
+
+/// What is known after a mean.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Known {
+    /// The bias beyond the correction, °/s, bit by bit.
+    pub change_bits: u64,
+    /// Its standard uncertainty, °/s, bit by bit.
+    pub u_bits: u64,
+    /// What the part does.
+    pub phase: u8,
+}
+
+/// A mean over [`BLOCK_S`].
+#[derive(Clone, Copy, Debug)]
+pub struct Mean {
+    /// °/s; none where it is missing.
+    pub rate_dps: Option<f64>,
+    /// °C.
+    pub temp_c: f64,
+}
+
+/// The series of a seed.
+pub fn means(seed: u64) -> impl Iterator<Item = Mean> {
+    let turns = STRETCHES.into_iter().flat_map(|(count, turn_dps)| (0..count).map(move |_| turn_dps));
+    let mut state = seed;
+    turns.enumerate().map(move |(index, turn_dps)| {
+        // it warms by 0.6 °C a minute
+        let temp_c = 27.0 + 0.01 * BLOCK_S * index as f64;
+        let bias_dps = 0.25 + 0.04 * (temp_c - CORRECTION.t3_c) + CHANGE_DPS;
+        let noise_dps = WHITE_DPS * normal(&mut state);
+        Mean { rate_dps: turn_dps.map(|turn_dps| bias_dps + turn_dps + noise_dps), temp_c }
+    })
+}
+
+/// A tracker that has seen nothing yet.
+pub fn tracker() -> Tracker {
+    Tracker::new(config()).aged(0.0)
+}
+
+/// Tracks the series of a seed; `take` gets what is known after each mean, and at last after the time without power.
+/// `None` where the tracker refuses what it saved.
+pub fn run(seed: u64, mut take: impl FnMut(Known)) -> Option<Counts> {
+    let mut tracker = tracker();
+    let mut last_c = CORRECTION.t3_c;
+    for Mean { rate_dps, temp_c } in means(seed) {
+        tracker.push(rate_dps, Some(temp_c), true);
+        take(known(&tracker, temp_c));
+        last_c = temp_c;
+    }
+    let resumed = Tracker::resume(config(), &tracker.save(), OFF_S).ok()?;
+    take(known(&resumed, last_c));
+    Some(tracker.counts())
+}
+
+fn known(tracker: &Tracker, temp_c: f64) -> Known {
+    let Tracked { change_dps, u_dps, phase } = tracker.tracked(temp_c);
+    Known { change_bits: change_dps.to_bits(), u_bits: u_dps.to_bits(), phase: phase as u8 }
+}
+
+fn config() -> TrackerConfig {
+    let prior = Prior {
+        u_pbc_dps: 0.003,
+        u_btc_dps_per_c: 0.003,
+        cov_pbc_btc_dps2_per_c: 0.0,
+        u_curvature_dps_per_c2: 0.0005, // M-02
+    };
+    TrackerConfig::of(&Axis::ADIS16130, CORRECTION, prior)
+}
+
+/// Normal but for its tails, which end at 6 σ: the sum of twelve numbers of SplitMix64, exact on any machine.
+fn normal(state: &mut u64) -> f64 {
+    let mut uniform = || {
+        *state = state.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mixed = (*state ^ (*state >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        (mixed ^ (mixed >> 31)) >> 48
+    };
+    let sum: u64 = (0..12).map(|_| uniform()).sum();
+    (sum as f64 - 6.0 * 65_535.0) / 65_536.0
+}
