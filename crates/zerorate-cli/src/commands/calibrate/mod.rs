@@ -39,9 +39,10 @@ use zerorate_view::duration::Seconds;
 ///
 /// corrected rate = RATE + PBC + (TEMP − T3) · BTC
 ///
-/// `--method warmup` takes every sample of the same hour instead: a curve of order 0 to 3 over temperature, with its
-/// uncertainty at every temperature, the part's own noise, steps of the supply and a thermal lag in it. `--method
-/// cycle` does so while you heat and cool the part, and finds the hysteresis as well.
+/// Which method: `an1042` is the note to the letter. `warmup` takes every sample of the same hour: a curve of order 0 to
+/// 3 over temperature, known at every temperature, with the part's own noise, steps of the supply and a lag in it.
+/// `cycle` does so while you heat and cool the part, and leaves the least on a table. For the temperatures that the
+/// part will see take `zerorate chamber`; to keep any of them good, `zerorate stream --track`.
 ///
 /// Fix the part to a still platform, supply it from a linear 5 V supply, and let it have been off for an hour.
 /// A part that moves, freezes, hardly changes its temperature or loses too many samples is refused (exit code 3).
