@@ -3,6 +3,13 @@
 use super::Block;
 use alloc::vec::Vec;
 
+/// Where the bias is held by the play, and where it would be without.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Held {
+    pub(super) at_c: f64,
+    pub(super) of_c: f64,
+}
+
 /// How the bias follows the temperature sensor.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Following {
@@ -13,9 +20,10 @@ pub struct Following {
 }
 
 impl Following {
-    /// The temperature that the bias is at, for each block. Both start in balance and in the middle of the play.
-    pub(super) fn temps_c(&self, blocks: &[Block]) -> Vec<f64> {
-        let Some(first) = blocks.first() else { return Vec::new() };
+    /// The temperature that the bias is at, for each block, and at the end how far the play holds it from that of the
+    /// sensing element. Both start in balance and in the middle of the play.
+    pub(super) fn temps_c(&self, blocks: &[Block]) -> (Vec<f64>, Held) {
+        let Some(first) = blocks.first() else { return Default::default() };
         let (mut late_c, mut held_c, mut last) = (first.temp_c, first.temp_c, *first);
         let follow = |block: &Block| {
             late_c = self.late_c(late_c, &last, block);
@@ -23,7 +31,8 @@ impl Following {
             last = *block;
             held_c
         };
-        blocks.iter().map(follow).collect()
+        let temps_c = blocks.iter().map(follow).collect();
+        (temps_c, Held { at_c: held_c, of_c: late_c })
     }
 
     /// The solution of lag · late' = T − late where T is a straight line from a block to the next.

@@ -197,10 +197,10 @@ fn unknown(white_dps_per_rt_hz: f64) -> NoiseModel {
     }
 }
 
-/// No lag, and those from 2 s to a tenth of the recording.
+/// No lag, and those from 2 s to a quarter of the recording.
 fn lags(record: &Record<'_>) -> Vec<f64> {
     let length_s = record.length_s();
-    core::iter::once(0.0).chain(geometric(SHORTEST_LAG_S, length_s / 10.0, LAG_RATIO)).collect()
+    core::iter::once(0.0).chain(geometric(SHORTEST_LAG_S, length_s / 4.0, LAG_RATIO)).collect()
 }
 
 /// No play, and plays to a quarter of the span; none where play shows nowhere.

@@ -2,6 +2,7 @@
 
 use super::basis::Basis;
 use super::filter::{Filter, Filtered};
+use super::follow::Held;
 use super::lattice::Hypothesis;
 use super::{Block, TERMS};
 use crate::gls::Whitener;
@@ -52,24 +53,23 @@ impl Record<'_> {
     /// The posteriors of all orders under one hypothesis.
     pub(super) fn posteriors(&self, filter: &Filter, hypothesis: &Hypothesis) -> Vec<Posterior> {
         let steps_s = &self.steps_s[..hypothesis.steps];
-        let followed = hypothesis.following.temps_c(self.blocks);
+        let (followed, held) = hypothesis.following.temps_c(self.blocks);
         let rates = self.blocks.iter().map(|block| block.rate_dps).collect();
         let polynomial = |degree| followed.iter().map(|temp_c| self.basis.at(degree, *temp_c)).collect();
         let step = |at_s: &f64| self.blocks.iter().map(|block| block.share_after(*at_s)).collect();
         let degrees = (0..=self.max_order).map(polynomial);
         let series: Vec<Vec<f64>> = core::iter::once(rates).chain(degrees).chain(steps_s.iter().map(step)).collect();
         let Some(filtered) = filter.run(&series) else { return Vec::new() };
-        let held = followed.last().zip(self.blocks.last()).map_or((0.0, 0.0), |(held, block)| (*held, block.temp_c));
         let constants = self.constants(&filtered, steps_s.len(), held);
         (0..=self.max_order).filter_map(|order| self.posterior(order, &filtered, &constants)).collect()
     }
 
     /// What a unit of each column adds to the bias at the end, in powers of the temperature over T3: less what the
     /// walk has taken of it, and with the distance at which the play holds it.
-    fn constants(&self, filtered: &Filtered, steps: usize, (held_c, end_c): (f64, f64)) -> Vec<Powers> {
+    fn constants(&self, filtered: &Filtered, steps: usize, held: Held) -> Vec<Powers> {
         let polynomial = |degree| {
             let mut powers = self.basis.about(degree, self.t3_c);
-            powers[0] += self.basis.at(degree, held_c) - self.basis.at(degree, end_c);
+            powers[0] += self.basis.at(degree, held.at_c) - self.basis.at(degree, held.of_c);
             powers
         };
         let columns = (0..=self.max_order).map(polynomial).chain((0..steps).map(|_| [1.0, 0.0, 0.0, 0.0]));
