@@ -39,8 +39,8 @@ use zerorate_view::duration::Seconds;
 ///
 /// corrected rate = RATE + PBC + (TEMP − T3) · BTC
 ///
-/// Which method: `an1042` is the note to the letter. `warmup` takes every sample of the same hour: a curve of order 0 to
-/// 3 over temperature, known at every temperature, with the part's own noise, steps of the supply and a lag in it.
+/// Which method: `an1042` is the note to the letter. `warmup` takes every sample of the same hour: a curve of order 0
+/// to 3 over temperature, known at every temperature, with the part's own noise, steps of the supply and a lag in it.
 /// `cycle` does so while you heat and cool the part, and leaves the least on a table. For the temperatures that the
 /// part will see take `zerorate chamber`; to keep any of them good, `zerorate stream --track`.
 ///
