@@ -1,6 +1,7 @@
 //! The calibration file: what is written comes back, and nothing that was changed since passes for it.
 
 use zerorate::calibration::{CalibratedAxis, Calibration, FileError, FileWarning, Origin};
+use zerorate::track::TrackerConfig;
 use zerorate::{Axis, Correction, Measured, Noise, Outcome, Part, Plan, Uncertainty, Warning};
 
 fn outcome() -> Outcome {
@@ -251,4 +252,23 @@ fn the_uncertainty_of_a_correction_is_that_of_many_measurements() {
     }
     let seen = product / f64::from(DRAWS);
     assert!((stated_cov_pbc_t3 / seen - 1.0).abs() < 0.05, "{stated_cov_pbc_t3} where {seen} is seen");
+}
+
+/// What a curve states of itself is what a tracker begins with.
+#[test]
+fn a_tracker_begins_with_the_uncertainty_of_the_curve() {
+    let text = "schema = 3\npart = \"ADIS16130\"\n[correction]\npbc_dps = -0.25\nbtc_dps_per_c = -0.04\nt3_c = 31.5\n\
+        [curve]\ncoverage = 0.95\ncoverage_factor = 1.96\norder = 1\norder_weights = [0.0, 1.0, 0.0, 0.0]\n\
+        covariance = [[4e-6, 1e-7, 0.0, 0.0], [1e-7, 9e-6, 0.0, 0.0], [0.0, 0.0, 1e-8, 0.0], [0.0, 0.0, 0.0, 0.0]]\n\
+        lag_s = 0.0\nplay_c = 0.0\nsteps = []\n";
+    let (calibration, _) = Calibration::parse(text).unwrap();
+    let config = TrackerConfig::of_calibration(&calibration.axes[0], &Axis::ADIS16130).unwrap();
+    assert!((config.prior.u_pbc_dps - 0.002).abs() < 1e-12 && (config.prior.u_btc_dps_per_c - 0.003).abs() < 1e-12);
+    assert_eq!(config.prior.cov_pbc_btc_dps2_per_c, 1e-7);
+    assert!((config.prior.u_curvature_dps_per_c2 - 1e-4).abs() < 1e-15);
+    assert!((calibration.axes[0].u_correction_dps(32.5).unwrap() - (13.21e-6_f64).sqrt()).abs() < 1e-9);
+    let damaged = text.replace("4e-6", "-4e-6");
+    assert!(Calibration::parse(&damaged).unwrap_err().to_string().contains("covariance"));
+    let early = text.replace("schema = 3", "schema = 1");
+    assert!(Calibration::parse(&early).unwrap_err().to_string().contains("schema 3"));
 }

@@ -2,7 +2,7 @@
 
 use super::{COVARIANCES, Counts, Filter, Prior, STATES, Saved, TrackerConfig};
 use crate::calibration::check::{self, Damage};
-use crate::calibration::{CalibratedAxis, Calibration};
+use crate::calibration::{CalibratedAxis, Calibration, CurveRecord};
 use crate::noise::{FLOOR_PER_B, NoiseModel};
 use crate::part::Axis;
 use crate::toml_error::line_of;
@@ -169,6 +169,36 @@ impl TrackFile {
 /// within ±0.1 °/s is believed then, after others like it.
 const UNSTATED_U_PBC_DPS: f64 = 0.05;
 
+impl Prior {
+    /// What a calibration states of itself; of one that states nothing, what is assumed.
+    fn of_calibration(calibrated: &CalibratedAxis, axis: &Axis) -> Self {
+        if let Some(CurveRecord { covariance, .. }) = &calibrated.curve {
+            return Self {
+                u_pbc_dps: libm::sqrt(covariance[0][0]),
+                u_btc_dps_per_c: libm::sqrt(covariance[1][1]),
+                cov_pbc_btc_dps2_per_c: covariance[0][1],
+                u_curvature_dps_per_c2: libm::sqrt(covariance[2][2]),
+            };
+        }
+        let typical_dps_per_c2 = axis.bias.curvature_dps_per_c2.unwrap_or(0.0);
+        let u_curvature_dps_per_c2 = if calibrated.correction.is_line() { typical_dps_per_c2 } else { 0.0 };
+        match &calibrated.uncertainty {
+            Some(stated) => Self {
+                u_pbc_dps: stated.u_pbc_dps,
+                u_btc_dps_per_c: stated.u_btc_dps_per_c,
+                cov_pbc_btc_dps2_per_c: stated.cov_pbc_btc_dps2_per_c,
+                u_curvature_dps_per_c2,
+            },
+            None => Self {
+                u_pbc_dps: UNSTATED_U_PBC_DPS,
+                u_btc_dps_per_c: axis.bias.tempco_spread_dps_per_c.unwrap_or(0.0),
+                cov_pbc_btc_dps2_per_c: 0.0,
+                u_curvature_dps_per_c2,
+            },
+        }
+    }
+}
+
 impl TrackerConfig {
     /// Of an axis of a calibration: noise and uncertainties are its own, and where it states none those of the part.
     /// None where nobody states the noise, since rest is told by it.
@@ -182,24 +212,7 @@ impl TrackerConfig {
             },
             None => axis.noise?.model(),
         };
-        let u_curvature_dps_per_c2 = match calibrated.correction.is_line() {
-            true => axis.bias.curvature_dps_per_c2.unwrap_or(0.0),
-            false => 0.0,
-        };
-        let prior = match &calibrated.uncertainty {
-            Some(stated) => Prior {
-                u_pbc_dps: stated.u_pbc_dps,
-                u_btc_dps_per_c: stated.u_btc_dps_per_c,
-                cov_pbc_btc_dps2_per_c: stated.cov_pbc_btc_dps2_per_c,
-                u_curvature_dps_per_c2,
-            },
-            None => Prior {
-                u_pbc_dps: UNSTATED_U_PBC_DPS,
-                u_btc_dps_per_c: axis.bias.tempco_spread_dps_per_c.unwrap_or(0.0),
-                cov_pbc_btc_dps2_per_c: 0.0,
-                u_curvature_dps_per_c2,
-            },
-        };
+        let prior = Prior::of_calibration(calibrated, axis);
         let usable = noise.white_dps_per_rt_hz > 0.0;
         usable.then(|| Self { noise, ..Self::of(axis, calibrated.correction, prior) })
     }

@@ -3,12 +3,15 @@
 #![no_std]
 #![no_main]
 
+#[cfg(not(feature = "twin"))]
 use embedded_alloc::LlffHeap;
 use firmware_qemu::bare::{edge, put};
 use zerorate::track::{Prior, Tracker, TrackerConfig};
 use zerorate::{Axis, Correction};
 
-/// The core needs one to link. It is never given memory, and since nothing allocates it is not in the image.
+/// The core needs one to link. It is never given memory, and since nothing allocates it is not in the image. (Beside
+/// the twin there is one.)
+#[cfg(not(feature = "twin"))]
 #[global_allocator]
 static NO_HEAP: LlffHeap = LlffHeap::empty();
 
