@@ -129,17 +129,24 @@ impl Settling {
     /// [`Usage`] where nothing would be left, or what does not fit.
     pub fn apply(&self, column: &mut Column, file: &Path, temperature: Option<&Column>) -> Result<Settled> {
         let samples = (self.skip_s * column.rate_hz).round() as u64;
-        let whole = column.points(file)?.len() as u64;
-        if samples > 0 && samples >= whole {
-            let length = span(whole as f64 / column.rate_hz);
-            return Err(Usage(format!("--skip leaves nothing of {}, which is {length} long", file.display())).into());
+        if samples > 0 {
+            let whole = column.points(file)?.len() as u64;
+            if samples >= whole {
+                let length = span(whole as f64 / column.rate_hz);
+                let why = format!("--skip leaves nothing of {}, which is {length} long", file.display());
+                return Err(Usage(why).into());
+            }
+            column.skip(samples);
         }
-        column.skip(samples);
         let skipped_s = samples as f64 / column.rate_hz;
         let Some(temperature) = temperature.filter(|temperature| temperature.name != column.name) else {
             return Ok(Settled { skipped_s, ..Settled::default() });
         };
-        let rates = column.points(file)?;
+        let rates = match column.points(file) {
+            // so many are lost that the record cannot be written out; nothing was asked that needs it
+            Err(_) if self.order.is_none() => return Ok(Settled { skipped_s, ..Settled::default() }),
+            rates => rates?,
+        };
         let mut temps = temperature.points(file)?;
         temps.iter_mut().for_each(|temp| *temp *= temperature.scale);
         // what was skipped of a gap is not in the column
