@@ -24,8 +24,8 @@ pub struct PlanArgs {
     #[arg(long, value_name = "TIME", default_value_t = Seconds(Plan::default().warmup_s))]
     warmup: Seconds,
 
-    /// Settling to thermal balance, step 7 [default: 40m]. By the methods warmup and cycle all these times add up to the
-    /// length of the recording; of a capture these take everything, unless this is given.
+    /// Settling to thermal balance, step 7 [default: 40m]. By the methods warmup and cycle all these times add up to
+    /// the length of the recording; of a capture these take everything, unless this is given.
     #[arg(long, value_name = "TIME")]
     settle: Option<Seconds>,
 
