@@ -21,7 +21,7 @@ use clap::Args;
 pub(super) use deliver::Undelivered;
 use plan::PlanArgs;
 pub use plan::flag;
-pub use report::Report;
+pub use report::{CurvePoint, POINTS, Report};
 use std::path::{Path, PathBuf};
 use target::Target;
 use zerorate::calibration::Origin;

@@ -95,11 +95,11 @@ struct StepReport {
 
 /// What is added to a rate at a temperature.
 #[derive(Serialize)]
-struct CurvePoint {
-    temp_c: f64,
-    correction_dps: f64,
+pub struct CurvePoint {
+    pub temp_c: f64,
+    pub correction_dps: f64,
     #[serde(skip_serializing_if = "Option::is_none")]
-    u_dps: Option<f64>,
+    pub u_dps: Option<f64>,
 }
 
 /// What the twin knows: the values that a perfect measurement would find at the reported T3.
@@ -111,13 +111,20 @@ struct TruthReport {
 }
 
 /// Points of a curve.
-const POINTS: u8 = 9;
+pub const POINTS: u8 = 9;
+
+impl CurvePoint {
+    /// Where they stand: evenly from a temperature to another.
+    pub fn temps_c(low_c: f64, high_c: f64) -> impl Iterator<Item = f64> {
+        (0..POINTS).map(move |k| low_c + (high_c - low_c) * f64::from(k) / f64::from(POINTS - 1))
+    }
+}
 
 impl Numbers {
     fn new(outcome: &Outcome, axis: &CalibratedAxis, truth: Option<&Truth>) -> Self {
         let t3_c = outcome.correction.t3_c;
         let (low_c, high_c) = (outcome.temp_min_c, outcome.temp_max_c);
-        let temps = || (0..POINTS).map(|k| low_c + (high_c - low_c) * f64::from(k) / f64::from(POINTS - 1));
+        let temps = || CurvePoint::temps_c(low_c, high_c);
         let point = |temp_c| CurvePoint {
             temp_c,
             correction_dps: outcome.correction.at(temp_c),

@@ -5,7 +5,7 @@ use super::plan::PlanFile;
 use super::{ChamberArgs, Files};
 use crate::acquire::aliasing;
 use crate::commands::allan::picture;
-use crate::commands::calibrate::{Undelivered, origin};
+use crate::commands::calibrate::{CurvePoint, POINTS, Undelivered, origin};
 use crate::commands::{coded, print_json, print_lines, warn};
 use crate::exit::Refused;
 use adis16130_twin::Truth;
@@ -72,15 +72,6 @@ struct AxisReport {
     truth: Option<TruthReport>,
 }
 
-/// What is added to a rate at a temperature.
-#[derive(Serialize)]
-struct CurvePoint {
-    temp_c: f64,
-    correction_dps: f64,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    u_dps: Option<f64>,
-}
-
 /// A soak point.
 #[derive(Serialize)]
 struct Point {
@@ -111,9 +102,6 @@ struct TruthReport {
     btc_dps_per_c: f64,
     curve: Vec<CurvePoint>,
 }
-
-/// Points of a curve.
-const POINTS: u8 = 9;
 
 /// Finds the curve, and hands everything out that was asked for.
 pub fn deliver(args: &ChamberArgs, plan: &PlanFile, driven: Driven, files: Files) -> Result<()> {
@@ -280,7 +268,7 @@ impl AxisReport {
         let curve = &outcome.curve;
         let Correction { pbc_dps, btc_dps_per_c, t3_c, btc2_dps_per_c2, btc3_dps_per_c3 } = curve.correction;
         let (low_c, high_c) = record.span_c().unwrap_or_default();
-        let temps = || (0..POINTS).map(|k| low_c + (high_c - low_c) * f64::from(k) / f64::from(POINTS - 1));
+        let temps = || CurvePoint::temps_c(low_c, high_c);
         let point = |temp_c| {
             let correction_dps = curve.correction.at(temp_c);
             CurvePoint { temp_c, correction_dps, u_dps: Some(curve.u_dps(temp_c)) }
