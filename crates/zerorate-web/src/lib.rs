@@ -1,0 +1,6 @@
+//! What stands behind the page of zerorate, in `zerorate serve` and in the browser alone: readings and requests in,
+//! frames and answers out. No socket, no clock and no thread is in here; whoever owns the loop hands in what came.
+//!
+//! The messages are [`message`], specified in `docs/formats/page.md`.
+
+pub mod message;

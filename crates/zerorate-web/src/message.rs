@@ -1,0 +1,710 @@
+//! The messages between the page and its session: `docs/formats/page.md`. `web/src/protocol.ts` is made from these
+//! types, which a test checks.
+
+use serde::{Deserialize, Serialize};
+#[cfg(test)]
+use ts_rs::TS;
+
+/// What the page asks for; `id` comes back with the answer.
+#[derive(Clone, Debug, Deserialize)]
+#[cfg_attr(test, derive(TS))]
+pub struct Request {
+    /// Chosen by the page.
+    pub id: u32,
+    /// What to do.
+    #[serde(flatten)]
+    pub wish: Wish,
+}
+
+/// Something that the page can ask for.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(tag = "do", rename_all = "kebab-case")]
+#[cfg_attr(test, derive(TS))]
+pub enum Wish {
+    /// Begin a guided calibration. Answer: nothing.
+    Calibrate(CalibrateWish),
+    /// End it without a result. Answer: nothing.
+    AbortCalibration,
+    /// End the recording of `warmup` or `cycle` here, with its result. Answer: nothing.
+    FinishCalibration,
+    /// Put the result, the refusal or the abort of the last one away. Answer: nothing.
+    DismissCalibration,
+    /// Apply a calibration on file to what is shown; none: show raw rates alone. Answer: nothing.
+    Apply {
+        /// Its `id`.
+        calibration: Option<String>,
+    },
+    /// Put a calibration on file, from its TOML. Answer: its [`CalibrationEntry`].
+    AddCalibration {
+        /// What stands in the file.
+        toml: String,
+    },
+    /// A calibration as a file. Answer: [`Download`].
+    Download {
+        /// Its `id`.
+        calibration: String,
+        /// In which form.
+        form: Form,
+    },
+    /// Begin the statistics anew: Allan deviation, spectrum, bias over temperature. Answer: nothing.
+    Restart,
+    /// The angle is zero now. Answer: nothing.
+    ZeroAngle,
+    /// How many times as fast as the clock a simulated part runs; 0: as fast as it goes. Answer: nothing.
+    Speed {
+        /// 0 … 1000.
+        factor: f64,
+    },
+    /// Open the device again: another look at its registers, or a part that was unplugged. Answer: nothing.
+    Reopen,
+}
+
+/// A guided calibration: a method and what differs from its defaults.
+#[derive(Clone, Debug, Deserialize)]
+#[cfg_attr(test, derive(TS))]
+pub struct CalibrateWish {
+    /// How.
+    pub method: MethodName,
+    /// Steps 4 and 6, s.
+    #[cfg_attr(test, ts(optional))]
+    pub average_s: Option<f64>,
+    /// Step 5, s.
+    #[cfg_attr(test, ts(optional))]
+    pub warmup_s: Option<f64>,
+    /// Step 7, s.
+    #[cfg_attr(test, ts(optional))]
+    pub settle_s: Option<f64>,
+    /// Step 8, s.
+    #[cfg_attr(test, ts(optional))]
+    pub offset_s: Option<f64>,
+    /// The Earth's rotation on the axis, °/s.
+    #[cfg_attr(test, ts(optional))]
+    pub earth_dps: Option<f64>,
+    /// Serial number of the part.
+    #[cfg_attr(test, ts(optional))]
+    pub serial: Option<String>,
+}
+
+/// Ways to calibrate.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+#[cfg_attr(test, derive(TS))]
+#[expect(missing_docs, reason = "as on the command line")]
+pub enum MethodName {
+    An1042,
+    Warmup,
+    Cycle,
+}
+
+/// Forms of a calibration.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+#[cfg_attr(test, derive(TS))]
+#[expect(missing_docs, reason = "as on the command line")]
+pub enum Form {
+    Toml,
+    C,
+    Rust,
+    Csv,
+    Json,
+    Report,
+}
+
+/// What comes back for a request.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(TS))]
+pub struct Answer {
+    /// That of the request.
+    pub id: u32,
+    /// How it ended.
+    #[serde(flatten)]
+    pub outcome: Answered,
+}
+
+/// How a request ended.
+#[derive(Clone, Debug, Serialize)]
+#[serde(rename_all = "kebab-case")]
+#[cfg_attr(test, derive(TS))]
+pub enum Answered {
+    /// Done.
+    Ok(Given),
+    /// Not done: what is wrong, and what to do.
+    Error(String),
+}
+
+/// What a request gives.
+#[derive(Clone, Debug, Serialize)]
+#[serde(untagged)]
+#[cfg_attr(test, derive(TS))]
+pub enum Given {
+    /// It is done, and that is all.
+    Nothing {},
+    /// A file.
+    Download(Download),
+    /// The calibration that is on file now.
+    Calibration(CalibrationEntry),
+}
+
+/// A file for the user.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(TS))]
+pub struct Download {
+    /// What it is called.
+    pub name: String,
+    /// Its media type.
+    pub media_type: String,
+    /// What stands in it.
+    pub text: String,
+}
+
+/// What is new since the frame before; in a snapshot, all there is. What is absent is as it was.
+#[derive(Clone, Debug, Default, Serialize)]
+#[cfg_attr(test, derive(TS))]
+pub struct Frame {
+    /// Counts the frames of a session.
+    pub seq: u32,
+    /// Everything that was shown before is void: of a new session, or of a page that just came.
+    pub snapshot: bool,
+    /// Bins that are complete, whose numbers follow in the payload.
+    pub strips: Vec<Strip>,
+    /// What is being read.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(test, ts(optional))]
+    pub device: Option<Device>,
+    /// The newest numbers.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(test, ts(optional))]
+    pub now: Option<Now>,
+    /// What was read and lost.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(test, ts(optional))]
+    pub ledger: Option<Ledger>,
+    /// What there is to say, the newest last; at most 100.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(test, ts(optional))]
+    pub notices: Option<Vec<Notice>>,
+    /// Of each axis.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(test, ts(optional))]
+    pub statistics: Option<Vec<Statistics>>,
+    /// The guided calibration.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(test, ts(optional))]
+    pub calibration: Option<Calibrating>,
+    /// What is on file, the newest last.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(test, ts(optional))]
+    pub calibrations: Option<Vec<CalibrationEntry>>,
+}
+
+/// Bins in a row of one axis at one level. In the payload: rate_min_dps, rate_max_dps, corrected_min_dps,
+/// corrected_max_dps, temp_min_c, temp_max_c, each `count` numbers (f32, little endian). NaN where nothing is known.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(TS))]
+pub struct Strip {
+    /// Which axis, from 0.
+    pub axis: u32,
+    /// Which level, from 0.
+    pub level: u32,
+    /// Number of the first bin: it begins at `first` times the level's `bin_s`, since the first sample.
+    #[cfg_attr(test, ts(type = "number"))]
+    pub first: u64,
+    /// How many.
+    pub count: u32,
+    /// Where its numbers begin in the payload, in numbers.
+    pub at: u32,
+}
+
+/// What is being read.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(test, derive(TS))]
+pub struct Device {
+    /// As `zerorate --device` names it.
+    pub name: String,
+    /// How it is with it.
+    pub state: DeviceState,
+    /// Whether its time is simulated, so that `speed` works.
+    pub simulated: bool,
+    /// How many times as fast as the clock; 0: as fast as it goes.
+    pub speed: f64,
+    /// What kind of gyroscope it is.
+    pub part: String,
+    /// Its axes.
+    pub axes: Vec<AxisAbout>,
+    /// Length of a bin at each level, s.
+    pub bins_s: Vec<f64>,
+    /// Bins that are kept of each level.
+    pub bins_kept: u32,
+    /// How often it should convert, Hz, if that is known.
+    pub nominal_hz: Option<f64>,
+    /// Its registers when it was opened; empty where there are none to read.
+    pub registers: Vec<Register>,
+    /// What the check of the connection found.
+    pub checks: Vec<CheckResult>,
+    /// Version of the program.
+    pub software: String,
+}
+
+/// How it is with a device.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(tag = "is", rename_all = "kebab-case")]
+#[cfg_attr(test, derive(TS))]
+pub enum DeviceState {
+    /// It is being opened.
+    Opening,
+    /// Samples come.
+    Reading,
+    /// There are no more: a recording ended.
+    Ended,
+    /// It cannot be read, and why; what to do about it.
+    Failed {
+        /// In words.
+        why: String,
+    },
+}
+
+/// An axis of the part.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(test, derive(TS))]
+pub struct AxisAbout {
+    /// What it is called.
+    pub name: String,
+    /// Largest rate, °/s.
+    pub range_dps: Option<f64>,
+    /// −3 dB, Hz.
+    pub bandwidth_hz: Option<f64>,
+    /// The mechanical resonance, Hz.
+    pub resonance_hz: Option<f64>,
+}
+
+/// A register and what it says.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(test, derive(TS))]
+pub struct Register {
+    /// As the data sheet calls it.
+    pub name: String,
+    /// Where.
+    pub address: u32,
+    /// What stands in it.
+    pub value: u32,
+    /// How wide it is.
+    pub bits: u32,
+    /// Its fields.
+    pub fields: Vec<Field>,
+}
+
+/// Bits of a register.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(test, derive(TS))]
+pub struct Field {
+    /// As the data sheet calls them.
+    pub name: String,
+    /// What stands in them.
+    pub value: u32,
+    /// In plain words.
+    pub meaning: String,
+    /// Not what it should be.
+    pub wrong: bool,
+}
+
+/// A check of the connection.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(test, derive(TS))]
+pub struct CheckResult {
+    /// What was tried.
+    pub what: String,
+    /// Whether it is well.
+    pub ok: bool,
+    /// What was seen, and what to do.
+    pub text: String,
+}
+
+/// The newest numbers.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(TS))]
+pub struct Now {
+    /// Since the first sample, s.
+    pub t_s: f64,
+    /// Mean temperature of the last second, °C.
+    pub temp_c: Option<f64>,
+    /// Of each axis.
+    pub axes: Vec<AxisNow>,
+}
+
+/// The newest numbers of an axis: means over the last second, with the standard uncertainty that their digits warrant.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(TS))]
+pub struct AxisNow {
+    /// °/s.
+    pub rate_dps: Option<f64>,
+    /// Of that mean, by its noise, °/s.
+    pub u_rate_dps: Option<f64>,
+    /// °/s; null where no calibration is applied.
+    pub corrected_dps: Option<f64>,
+    /// Of that mean with the calibration's, °/s.
+    pub u_corrected_dps: Option<f64>,
+    /// The temperature is outside of the calibration's.
+    pub extrapolated: bool,
+    /// Integral of the corrected rate (of the raw one where none is applied) since it was zero, °.
+    pub angle_deg: f64,
+    /// Its standard uncertainty by noise and calibration, °.
+    pub u_angle_deg: Option<f64>,
+    /// Whether the part is at rest.
+    pub rest: Rest,
+}
+
+/// Whether the part is at rest, over the last 10 s.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(test, derive(TS))]
+pub struct Rest {
+    /// The verdict; `unjudged` before there is enough, or where the part's noise is not known.
+    pub verdict: RestVerdict,
+    /// In words, with the numbers.
+    pub text: String,
+}
+
+/// Verdicts on rest.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+#[cfg_attr(test, derive(TS))]
+#[expect(missing_docs, reason = "the text says it")]
+pub enum RestVerdict {
+    AtRest,
+    Moving,
+    Noisy,
+    Step,
+    Unjudged,
+}
+
+/// What was read and lost since the beginning.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(test, derive(TS))]
+pub struct Ledger {
+    /// Samples that came here.
+    #[cfg_attr(test, ts(type = "number"))]
+    pub samples: u64,
+    /// Lost in front of the device's thread, as its samples count them.
+    #[cfg_attr(test, ts(type = "number"))]
+    pub lost: u64,
+    /// Read, but not shown: this page's session was too slow for them. A recording has them.
+    #[cfg_attr(test, ts(type = "number"))]
+    pub missed: u64,
+    /// Readings that are impossible for the part.
+    #[cfg_attr(test, ts(type = "number"))]
+    pub impossible: u64,
+    /// Readings out of range.
+    #[cfg_attr(test, ts(type = "number"))]
+    pub out_of_range: u64,
+    /// Samples a second.
+    pub rate_hz: f64,
+    /// Edges of data ready a second.
+    pub rdy_hz: f64,
+    /// Since when the part has stopped, s since the first sample.
+    pub frozen_since_s: Option<f64>,
+    /// How long it takes, s, from the first sample.
+    pub duration_s: f64,
+}
+
+/// Something to know.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(test, derive(TS))]
+pub struct Notice {
+    /// Its code, which `zerorate explain` knows; empty where it has none.
+    pub code: String,
+    /// What was seen, why it matters, what to do.
+    pub text: String,
+    /// When first, s since the first sample.
+    pub at_s: f64,
+    /// How often.
+    pub count: u32,
+}
+
+/// What is known of the noise of an axis by now.
+#[derive(Clone, Debug, Default, Serialize)]
+#[cfg_attr(test, derive(TS))]
+pub struct Statistics {
+    /// Over how much time, s.
+    pub duration_s: f64,
+    /// Allan deviation.
+    pub allan: Vec<AllanPoint>,
+    /// Its coefficients; none before there is enough.
+    pub coefficients: Vec<Coefficient>,
+    /// Welch's spectrum of the last minute.
+    pub spectrum: Vec<SpectrumPoint>,
+    /// What is to be seen in it.
+    pub marks: Vec<SpectrumMark>,
+    /// The bias over temperature.
+    pub temperature: Vec<TemperaturePoint>,
+    /// Means over a second that are in there: slow motion is not to be told from bias.
+    pub caution: Option<String>,
+}
+
+/// A point of the Allan deviation.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(TS))]
+pub struct AllanPoint {
+    /// s.
+    pub tau_s: f64,
+    /// °/s.
+    pub dev_dps: f64,
+    /// One sigma, lower, °/s.
+    pub lo_dps: f64,
+    /// One sigma, upper, °/s.
+    pub hi_dps: f64,
+    /// What the model expects, °/s.
+    pub model_dps: Option<f64>,
+}
+
+/// A noise coefficient.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(TS))]
+pub struct Coefficient {
+    /// `N`, `B` or `K`.
+    pub symbol: String,
+    /// Its name.
+    pub name: String,
+    /// In `unit`.
+    pub value: f64,
+    /// One sigma, lower.
+    pub lo: f64,
+    /// One sigma, upper.
+    pub hi: f64,
+    /// Of it.
+    pub unit: String,
+    /// Whether to believe it.
+    pub identified: bool,
+    /// In how many seconds it will be, if the noise is what it seems; null where that cannot be said, or is now.
+    pub identified_in_s: Option<f64>,
+}
+
+/// A point of the spectrum.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(TS))]
+pub struct SpectrumPoint {
+    /// Hz.
+    pub hz: f64,
+    /// One-sided, °/s/√Hz.
+    pub density_dps_per_rt_hz: f64,
+}
+
+/// Something in the spectrum.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(test, derive(TS))]
+pub struct SpectrumMark {
+    /// Hz.
+    pub hz: f64,
+    /// What.
+    pub kind: MarkKind,
+    /// In words.
+    pub text: String,
+}
+
+/// What can be in a spectrum.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+#[cfg_attr(test, derive(TS))]
+#[expect(missing_docs, reason = "the text says it")]
+pub enum MarkKind {
+    Bandwidth,
+    Nyquist,
+    Resonance,
+    Line,
+}
+
+/// The rate at a temperature.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(TS))]
+pub struct TemperaturePoint {
+    /// Mean, °C.
+    pub temp_c: f64,
+    /// Mean, °/s.
+    pub rate_dps: f64,
+    /// Standard uncertainty of that by white noise, °/s.
+    pub u_dps: f64,
+    /// Seconds in it.
+    pub seconds: u32,
+}
+
+/// The guided calibration.
+#[derive(Clone, Debug, Serialize)]
+#[serde(tag = "is", rename_all = "kebab-case")]
+#[cfg_attr(test, derive(TS))]
+pub enum Calibrating {
+    /// None.
+    Idle,
+    /// Under way.
+    Running(Running),
+    /// It came to a result.
+    Done(CalibrationResult),
+    /// It must not become a calibration.
+    Refused {
+        /// By which method.
+        method: MethodName,
+        /// Why, and what to do.
+        text: String,
+    },
+    /// It was ended without a result, and why.
+    Aborted {
+        /// By which method.
+        method: MethodName,
+        /// Why.
+        text: String,
+    },
+}
+
+/// A calibration under way.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(TS))]
+pub struct Running {
+    /// By which method.
+    pub method: MethodName,
+    /// All steps, in their order.
+    pub steps: Vec<Step>,
+    /// Since it began, s.
+    pub elapsed_s: f64,
+    /// Until it ends, s.
+    pub left_s: f64,
+    /// What to do now.
+    pub advice: String,
+    /// What would be refused if the step ended here.
+    pub threats: Vec<String>,
+    /// Temperature at the beginning and now, and the lowest and highest in between, °C.
+    pub temps_c: Option<[f64; 4]>,
+    /// By `warmup` and `cycle`: standard uncertainty of the correction by now, °/s.
+    pub u_dps: Option<f64>,
+    /// Whether `finish-calibration` may be asked for.
+    pub can_finish: bool,
+}
+
+/// A step of a procedure.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(TS))]
+pub struct Step {
+    /// What it is called.
+    pub name: String,
+    /// From its beginning, s.
+    pub from_s: f64,
+    /// To its end, s.
+    pub to_s: f64,
+}
+
+/// What a calibration came to.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(TS))]
+pub struct CalibrationResult {
+    /// By which method.
+    pub method: MethodName,
+    /// As it stands on file.
+    pub entry: CalibrationEntry,
+    /// Of each axis.
+    pub axes: Vec<AxisResult>,
+    /// What there is to say.
+    pub warnings: Vec<String>,
+}
+
+/// What a calibration found of an axis.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(TS))]
+pub struct AxisResult {
+    /// What it is called.
+    pub name: String,
+    /// °/s.
+    pub pbc_dps: f64,
+    /// Standard uncertainty, °/s.
+    pub u_pbc_dps: f64,
+    /// °/s/°C.
+    pub btc_dps_per_c: f64,
+    /// Standard uncertainty, °/s/°C.
+    pub u_btc_dps_per_c: f64,
+    /// °C.
+    pub t3_c: f64,
+    /// Over the temperatures seen.
+    pub curve: Vec<CurvePoint>,
+    /// Mean rate in the last minute before the end, °/s.
+    pub before_dps: Option<f64>,
+    /// The same corrected, °/s.
+    pub after_dps: Option<f64>,
+}
+
+/// What is added to a rate at a temperature.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(TS))]
+pub struct CurvePoint {
+    /// °C.
+    pub temp_c: f64,
+    /// °/s.
+    pub correction_dps: f64,
+    /// Standard uncertainty, °/s.
+    pub u_dps: Option<f64>,
+    /// What a perfect measurement would find, °/s: of the twin.
+    pub truth_dps: Option<f64>,
+}
+
+/// A calibration on file.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(test, derive(TS))]
+pub struct CalibrationEntry {
+    /// By its content.
+    pub id: String,
+    /// Of which part.
+    pub serial: Option<String>,
+    /// When, if that is stated.
+    pub created: Option<String>,
+    /// By which method, if that is stated.
+    pub method: Option<String>,
+    /// Of the first axis, °/s.
+    pub pbc_dps: f64,
+    /// Of the first axis, °/s/°C.
+    pub btc_dps_per_c: f64,
+    /// Of the first axis, °C.
+    pub t3_c: f64,
+    /// Where it holds, °C.
+    pub range_c: Option<[f64; 2]>,
+    /// Whether it is applied.
+    pub applied: bool,
+    /// Its file, which the page of a static site keeps.
+    pub toml: String,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Answer, Frame, Request};
+    use std::path::Path;
+    use std::{env, fs};
+    use ts_rs::{Config, TS};
+
+    /// Made anew with `ZERORATE_UPDATE=1`.
+    #[test]
+    fn the_page_knows_these_types() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../web/src/protocol.ts");
+        let folder = env::temp_dir().join(format!("zerorate-protocol-{}", std::process::id()));
+        let made = typescript(&folder);
+        fs::remove_dir_all(&folder).unwrap();
+        if env::var_os("ZERORATE_UPDATE").is_some() {
+            fs::write(&path, &made).unwrap();
+        }
+        let there = fs::read_to_string(&path).unwrap_or_default();
+        assert!(
+            there == made,
+            "{} is old: ZERORATE_UPDATE=1 cargo test -p zerorate-web makes it anew",
+            path.display()
+        );
+    }
+
+    fn typescript(folder: &Path) -> String {
+        let config = Config::new().with_out_dir(folder);
+        Request::export_all(&config).unwrap();
+        Answer::export_all(&config).unwrap();
+        Frame::export_all(&config).unwrap();
+        let mut files: Vec<_> = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+        files.sort();
+        let declared = files.iter().map(|file| {
+            let text = fs::read_to_string(file).unwrap();
+            let lines = text.lines().filter(|line| !line.starts_with("import ") && !line.starts_with("// This file"));
+            lines.collect::<Vec<_>>().join("\n").trim().to_owned() + "\n"
+        });
+        let head =
+            "// Made from crates/zerorate-web/src/message.rs, which says more: not to be edited.\n\n".to_owned();
+        head + &declared.collect::<Vec<_>>().join("\n")
+    }
+}

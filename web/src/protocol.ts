@@ -1,0 +1,813 @@
+// Made from crates/zerorate-web/src/message.rs, which says more: not to be edited.
+
+/**
+ * A point of the Allan deviation.
+ */
+export type AllanPoint = { 
+/**
+ * s.
+ */
+tau_s: number, 
+/**
+ * °/s.
+ */
+dev_dps: number, 
+/**
+ * One sigma, lower, °/s.
+ */
+lo_dps: number, 
+/**
+ * One sigma, upper, °/s.
+ */
+hi_dps: number, 
+/**
+ * What the model expects, °/s.
+ */
+model_dps: number | null, };
+
+/**
+ * What comes back for a request.
+ */
+export type Answer = { 
+/**
+ * That of the request.
+ */
+id: number, } & ({ "ok": Given } | { "error": string });
+
+/**
+ * An axis of the part.
+ */
+export type AxisAbout = { 
+/**
+ * What it is called.
+ */
+name: string, 
+/**
+ * Largest rate, °/s.
+ */
+range_dps: number | null, 
+/**
+ * −3 dB, Hz.
+ */
+bandwidth_hz: number | null, 
+/**
+ * The mechanical resonance, Hz.
+ */
+resonance_hz: number | null, };
+
+/**
+ * The newest numbers of an axis: means over the last second, with the standard uncertainty that their digits warrant.
+ */
+export type AxisNow = { 
+/**
+ * °/s.
+ */
+rate_dps: number | null, 
+/**
+ * Of that mean, by its noise, °/s.
+ */
+u_rate_dps: number | null, 
+/**
+ * °/s; null where no calibration is applied.
+ */
+corrected_dps: number | null, 
+/**
+ * Of that mean with the calibration's, °/s.
+ */
+u_corrected_dps: number | null, 
+/**
+ * The temperature is outside of the calibration's.
+ */
+extrapolated: boolean, 
+/**
+ * Integral of the corrected rate (of the raw one where none is applied) since it was zero, °.
+ */
+angle_deg: number, 
+/**
+ * Its standard uncertainty by noise and calibration, °.
+ */
+u_angle_deg: number | null, 
+/**
+ * Whether the part is at rest.
+ */
+rest: Rest, };
+
+/**
+ * What a calibration found of an axis.
+ */
+export type AxisResult = { 
+/**
+ * What it is called.
+ */
+name: string, 
+/**
+ * °/s.
+ */
+pbc_dps: number, 
+/**
+ * Standard uncertainty, °/s.
+ */
+u_pbc_dps: number, 
+/**
+ * °/s/°C.
+ */
+btc_dps_per_c: number, 
+/**
+ * Standard uncertainty, °/s/°C.
+ */
+u_btc_dps_per_c: number, 
+/**
+ * °C.
+ */
+t3_c: number, 
+/**
+ * Over the temperatures seen.
+ */
+curve: Array<CurvePoint>, 
+/**
+ * Mean rate in the last minute before the end, °/s.
+ */
+before_dps: number | null, 
+/**
+ * The same corrected, °/s.
+ */
+after_dps: number | null, };
+
+/**
+ * A guided calibration: a method and what differs from its defaults.
+ */
+export type CalibrateWish = { 
+/**
+ * How.
+ */
+method: MethodName, 
+/**
+ * Steps 4 and 6, s.
+ */
+average_s?: number, 
+/**
+ * Step 5, s.
+ */
+warmup_s?: number, 
+/**
+ * Step 7, s.
+ */
+settle_s?: number, 
+/**
+ * Step 8, s.
+ */
+offset_s?: number, 
+/**
+ * The Earth's rotation on the axis, °/s.
+ */
+earth_dps?: number, 
+/**
+ * Serial number of the part.
+ */
+serial?: string, };
+
+/**
+ * The guided calibration.
+ */
+export type Calibrating = { "is": "idle" } | { "is": "running" } & Running | { "is": "done" } & CalibrationResult | { "is": "refused", 
+/**
+ * By which method.
+ */
+method: MethodName, 
+/**
+ * Why, and what to do.
+ */
+text: string, } | { "is": "aborted", 
+/**
+ * By which method.
+ */
+method: MethodName, 
+/**
+ * Why.
+ */
+text: string, };
+
+/**
+ * A calibration on file.
+ */
+export type CalibrationEntry = { 
+/**
+ * By its content.
+ */
+id: string, 
+/**
+ * Of which part.
+ */
+serial: string | null, 
+/**
+ * When, if that is stated.
+ */
+created: string | null, 
+/**
+ * By which method, if that is stated.
+ */
+method: string | null, 
+/**
+ * Of the first axis, °/s.
+ */
+pbc_dps: number, 
+/**
+ * Of the first axis, °/s/°C.
+ */
+btc_dps_per_c: number, 
+/**
+ * Of the first axis, °C.
+ */
+t3_c: number, 
+/**
+ * Where it holds, °C.
+ */
+range_c: [number, number] | null, 
+/**
+ * Whether it is applied.
+ */
+applied: boolean, 
+/**
+ * Its file, which the page of a static site keeps.
+ */
+toml: string, };
+
+/**
+ * What a calibration came to.
+ */
+export type CalibrationResult = { 
+/**
+ * By which method.
+ */
+method: MethodName, 
+/**
+ * As it stands on file.
+ */
+entry: CalibrationEntry, 
+/**
+ * Of each axis.
+ */
+axes: Array<AxisResult>, 
+/**
+ * What there is to say.
+ */
+warnings: Array<string>, };
+
+/**
+ * A check of the connection.
+ */
+export type CheckResult = { 
+/**
+ * What was tried.
+ */
+what: string, 
+/**
+ * Whether it is well.
+ */
+ok: boolean, 
+/**
+ * What was seen, and what to do.
+ */
+text: string, };
+
+/**
+ * A noise coefficient.
+ */
+export type Coefficient = { 
+/**
+ * `N`, `B` or `K`.
+ */
+symbol: string, 
+/**
+ * Its name.
+ */
+name: string, 
+/**
+ * In `unit`.
+ */
+value: number, 
+/**
+ * One sigma, lower.
+ */
+lo: number, 
+/**
+ * One sigma, upper.
+ */
+hi: number, 
+/**
+ * Of it.
+ */
+unit: string, 
+/**
+ * Whether to believe it.
+ */
+identified: boolean, 
+/**
+ * In how many seconds it will be, if the noise is what it seems; null where that cannot be said, or is now.
+ */
+identified_in_s: number | null, };
+
+/**
+ * What is added to a rate at a temperature.
+ */
+export type CurvePoint = { 
+/**
+ * °C.
+ */
+temp_c: number, 
+/**
+ * °/s.
+ */
+correction_dps: number, 
+/**
+ * Standard uncertainty, °/s.
+ */
+u_dps: number | null, 
+/**
+ * What a perfect measurement would find, °/s: of the twin.
+ */
+truth_dps: number | null, };
+
+/**
+ * What is being read.
+ */
+export type Device = { 
+/**
+ * As `zerorate --device` names it.
+ */
+name: string, 
+/**
+ * How it is with it.
+ */
+state: DeviceState, 
+/**
+ * Whether its time is simulated, so that `speed` works.
+ */
+simulated: boolean, 
+/**
+ * How many times as fast as the clock; 0: as fast as it goes.
+ */
+speed: number, 
+/**
+ * What kind of gyroscope it is.
+ */
+part: string, 
+/**
+ * Its axes.
+ */
+axes: Array<AxisAbout>, 
+/**
+ * Length of a bin at each level, s.
+ */
+bins_s: Array<number>, 
+/**
+ * Bins that are kept of each level.
+ */
+bins_kept: number, 
+/**
+ * How often it should convert, Hz, if that is known.
+ */
+nominal_hz: number | null, 
+/**
+ * Its registers when it was opened; empty where there are none to read.
+ */
+registers: Array<Register>, 
+/**
+ * What the check of the connection found.
+ */
+checks: Array<CheckResult>, 
+/**
+ * Version of the program.
+ */
+software: string, };
+
+/**
+ * How it is with a device.
+ */
+export type DeviceState = { "is": "opening" } | { "is": "reading" } | { "is": "ended" } | { "is": "failed", 
+/**
+ * In words.
+ */
+why: string, };
+
+/**
+ * A file for the user.
+ */
+export type Download = { 
+/**
+ * What it is called.
+ */
+name: string, 
+/**
+ * Its media type.
+ */
+media_type: string, 
+/**
+ * What stands in it.
+ */
+text: string, };
+
+/**
+ * Bits of a register.
+ */
+export type Field = { 
+/**
+ * As the data sheet calls them.
+ */
+name: string, 
+/**
+ * What stands in them.
+ */
+value: number, 
+/**
+ * In plain words.
+ */
+meaning: string, 
+/**
+ * Not what it should be.
+ */
+wrong: boolean, };
+
+/**
+ * Forms of a calibration.
+ */
+export type Form = "toml" | "c" | "rust" | "csv" | "json" | "report";
+
+/**
+ * What is new since the frame before; in a snapshot, all there is. What is absent is as it was.
+ */
+export type Frame = { 
+/**
+ * Counts the frames of a session.
+ */
+seq: number, 
+/**
+ * Everything that was shown before is void: of a new session, or of a page that just came.
+ */
+snapshot: boolean, 
+/**
+ * Bins that are complete, whose numbers follow in the payload.
+ */
+strips: Array<Strip>, 
+/**
+ * What is being read.
+ */
+device?: Device, 
+/**
+ * The newest numbers.
+ */
+now?: Now, 
+/**
+ * What was read and lost.
+ */
+ledger?: Ledger, 
+/**
+ * What there is to say, the newest last; at most 100.
+ */
+notices?: Array<Notice>, 
+/**
+ * Of each axis.
+ */
+statistics?: Array<Statistics>, 
+/**
+ * The guided calibration.
+ */
+calibration?: Calibrating, 
+/**
+ * What is on file, the newest last.
+ */
+calibrations?: Array<CalibrationEntry>, };
+
+/**
+ * What a request gives.
+ */
+export type Given = Record<symbol, never> | Download | CalibrationEntry;
+
+/**
+ * What was read and lost since the beginning.
+ */
+export type Ledger = { 
+/**
+ * Samples that came here.
+ */
+samples: number, 
+/**
+ * Lost in front of the device's thread, as its samples count them.
+ */
+lost: number, 
+/**
+ * Read, but not shown: this page's session was too slow for them. A recording has them.
+ */
+missed: number, 
+/**
+ * Readings that are impossible for the part.
+ */
+impossible: number, 
+/**
+ * Readings out of range.
+ */
+out_of_range: number, 
+/**
+ * Samples a second.
+ */
+rate_hz: number, 
+/**
+ * Edges of data ready a second.
+ */
+rdy_hz: number, 
+/**
+ * Since when the part has stopped, s since the first sample.
+ */
+frozen_since_s: number | null, 
+/**
+ * How long it takes, s, from the first sample.
+ */
+duration_s: number, };
+
+/**
+ * What can be in a spectrum.
+ */
+export type MarkKind = "bandwidth" | "nyquist" | "resonance" | "line";
+
+/**
+ * Ways to calibrate.
+ */
+export type MethodName = "an1042" | "warmup" | "cycle";
+
+/**
+ * Something to know.
+ */
+export type Notice = { 
+/**
+ * Its code, which `zerorate explain` knows; empty where it has none.
+ */
+code: string, 
+/**
+ * What was seen, why it matters, what to do.
+ */
+text: string, 
+/**
+ * When first, s since the first sample.
+ */
+at_s: number, 
+/**
+ * How often.
+ */
+count: number, };
+
+/**
+ * The newest numbers.
+ */
+export type Now = { 
+/**
+ * Since the first sample, s.
+ */
+t_s: number, 
+/**
+ * Mean temperature of the last second, °C.
+ */
+temp_c: number | null, 
+/**
+ * Of each axis.
+ */
+axes: Array<AxisNow>, };
+
+/**
+ * A register and what it says.
+ */
+export type Register = { 
+/**
+ * As the data sheet calls it.
+ */
+name: string, 
+/**
+ * Where.
+ */
+address: number, 
+/**
+ * What stands in it.
+ */
+value: number, 
+/**
+ * How wide it is.
+ */
+bits: number, 
+/**
+ * Its fields.
+ */
+fields: Array<Field>, };
+
+/**
+ * What the page asks for; `id` comes back with the answer.
+ */
+export type Request = { 
+/**
+ * Chosen by the page.
+ */
+id: number, } & ({ "do": "calibrate" } & CalibrateWish | { "do": "abort-calibration" } | { "do": "finish-calibration" } | { "do": "dismiss-calibration" } | { "do": "apply", 
+/**
+ * Its `id`.
+ */
+calibration: string | null, } | { "do": "add-calibration", 
+/**
+ * What stands in the file.
+ */
+toml: string, } | { "do": "download", 
+/**
+ * Its `id`.
+ */
+calibration: string, 
+/**
+ * In which form.
+ */
+form: Form, } | { "do": "restart" } | { "do": "zero-angle" } | { "do": "speed", 
+/**
+ * 0 … 1000.
+ */
+factor: number, } | { "do": "reopen" });
+
+/**
+ * Whether the part is at rest, over the last 10 s.
+ */
+export type Rest = { 
+/**
+ * The verdict; `unjudged` before there is enough, or where the part's noise is not known.
+ */
+verdict: RestVerdict, 
+/**
+ * In words, with the numbers.
+ */
+text: string, };
+
+/**
+ * Verdicts on rest.
+ */
+export type RestVerdict = "at-rest" | "moving" | "noisy" | "step" | "unjudged";
+
+/**
+ * A calibration under way.
+ */
+export type Running = { 
+/**
+ * By which method.
+ */
+method: MethodName, 
+/**
+ * All steps, in their order.
+ */
+steps: Array<Step>, 
+/**
+ * Since it began, s.
+ */
+elapsed_s: number, 
+/**
+ * Until it ends, s.
+ */
+left_s: number, 
+/**
+ * What to do now.
+ */
+advice: string, 
+/**
+ * What would be refused if the step ended here.
+ */
+threats: Array<string>, 
+/**
+ * Temperature at the beginning and now, and the lowest and highest in between, °C.
+ */
+temps_c: [number, number, number, number] | null, 
+/**
+ * By `warmup` and `cycle`: standard uncertainty of the correction by now, °/s.
+ */
+u_dps: number | null, 
+/**
+ * Whether `finish-calibration` may be asked for.
+ */
+can_finish: boolean, };
+
+/**
+ * Something in the spectrum.
+ */
+export type SpectrumMark = { 
+/**
+ * Hz.
+ */
+hz: number, 
+/**
+ * What.
+ */
+kind: MarkKind, 
+/**
+ * In words.
+ */
+text: string, };
+
+/**
+ * A point of the spectrum.
+ */
+export type SpectrumPoint = { 
+/**
+ * Hz.
+ */
+hz: number, 
+/**
+ * One-sided, °/s/√Hz.
+ */
+density_dps_per_rt_hz: number, };
+
+/**
+ * What is known of the noise of an axis by now.
+ */
+export type Statistics = { 
+/**
+ * Over how much time, s.
+ */
+duration_s: number, 
+/**
+ * Allan deviation.
+ */
+allan: Array<AllanPoint>, 
+/**
+ * Its coefficients; none before there is enough.
+ */
+coefficients: Array<Coefficient>, 
+/**
+ * Welch's spectrum of the last minute.
+ */
+spectrum: Array<SpectrumPoint>, 
+/**
+ * What is to be seen in it.
+ */
+marks: Array<SpectrumMark>, 
+/**
+ * The bias over temperature.
+ */
+temperature: Array<TemperaturePoint>, 
+/**
+ * Means over a second that are in there: slow motion is not to be told from bias.
+ */
+caution: string | null, };
+
+/**
+ * A step of a procedure.
+ */
+export type Step = { 
+/**
+ * What it is called.
+ */
+name: string, 
+/**
+ * From its beginning, s.
+ */
+from_s: number, 
+/**
+ * To its end, s.
+ */
+to_s: number, };
+
+/**
+ * Bins in a row of one axis at one level. In the payload: rate_min_dps, rate_max_dps, corrected_min_dps,
+ * corrected_max_dps, temp_min_c, temp_max_c, each `count` numbers (f32, little endian). NaN where nothing is known.
+ */
+export type Strip = { 
+/**
+ * Which axis, from 0.
+ */
+axis: number, 
+/**
+ * Which level, from 0.
+ */
+level: number, 
+/**
+ * Number of the first bin: it begins at `first` times the level's `bin_s`, since the first sample.
+ */
+first: number, 
+/**
+ * How many.
+ */
+count: number, 
+/**
+ * Where its numbers begin in the payload, in numbers.
+ */
+at: number, };
+
+/**
+ * The rate at a temperature.
+ */
+export type TemperaturePoint = { 
+/**
+ * Mean, °C.
+ */
+temp_c: number, 
+/**
+ * Mean, °/s.
+ */
+rate_dps: number, 
+/**
+ * Standard uncertainty of that by white noise, °/s.
+ */
+u_dps: number, 
+/**
+ * Seconds in it.
+ */
+seconds: number, };
