@@ -1,0 +1,29 @@
+// node build.mjs [FOLDER]: the page from its sources, and from gen/ the modules that `cargo xtask web` makes.
+import { build } from "esbuild";
+import { createHash } from "node:crypto";
+import { copyFileSync, existsSync, mkdirSync, readFileSync, readdirSync, rmSync, writeFileSync } from "node:fs";
+
+const out = process.argv[2] ?? "dist";
+rmSync(out, { recursive: true, force: true });
+mkdirSync(out, { recursive: true });
+
+const common = { bundle: true, format: "esm", outdir: out, minify: true, target: ["es2022"], legalComments: "none" };
+const sources = { main: "src/main.ts", live: "src/worker/live.ts", log: "src/worker/log.ts" };
+const entryPoints = Object.fromEntries(Object.entries(sources).filter(([, source]) => existsSync(source)));
+await build({ ...common, entryPoints, splitting: true, chunkNames: "part-[hash]" });
+
+for (const file of existsSync("gen") ? readdirSync("gen") : []) {
+  if (file.endsWith(".wasm")) copyFileSync(`gen/${file}`, `${out}/${file}`);
+}
+for (const file of ["index.html", "icon.svg", "manifest.webmanifest"]) copyFileSync(file, `${out}/${file}`);
+copyFileSync("node_modules/uplot/LICENSE", `${out}/uplot-licence.txt`);
+writeFileSync(`${out}/home.json`, `${JSON.stringify({ home: "static" })}\n`);
+
+// Its cache is named by the hash of everything, so that a page is never made of two versions.
+if (existsSync("src/sw.ts")) {
+  const files = readdirSync(out).sort();
+  const hash = createHash("sha256");
+  for (const file of files) hash.update(file).update(readFileSync(`${out}/${file}`));
+  const define = { FILES: JSON.stringify(["./", ...files]), VERSION: JSON.stringify(hash.digest("hex").slice(0, 16)) };
+  await build({ ...common, entryPoints: { sw: "src/sw.ts" }, define });
+}
