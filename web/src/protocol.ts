@@ -1,4 +1,4 @@
-// Made from crates/zerorate-web/src/message.rs, which says more: not to be edited.
+// Made from message.rs and log/message.rs of crates/zerorate-web/src, which say more.
 
 /**
  * A point of the Allan deviation.
@@ -54,6 +54,11 @@ bandwidth_hz: number | null,
  * The mechanical resonance, Hz.
  */
 resonance_hz: number | null, };
+
+/**
+ * What an axis is of.
+ */
+export type AxisKind = "gyroscope" | "accelerometer";
 
 /**
  * The newest numbers of an axis: means over the last second, with the standard uncertainty that their digits warrant.
@@ -525,6 +530,269 @@ frozen_since_s: number | null,
 duration_s: number, };
 
 /**
+ * What is in a log.
+ */
+export type LogAbout = { 
+/**
+ * What kind of file it is: `Parquet`, `text, packed by gzip`.
+ */
+form: string, 
+/**
+ * Samples of a column, those that are missing included.
+ */
+samples: number, 
+/**
+ * Samples per second, Hz.
+ */
+rate_hz: number, 
+/**
+ * How long it is, s.
+ */
+duration_s: number, 
+/**
+ * The topic of a bag.
+ */
+topic: string | null, 
+/**
+ * What will be analysed, gyroscopes first.
+ */
+columns: Array<LogColumn>, 
+/**
+ * What there is to say of it.
+ */
+warnings: Array<string>, };
+
+/**
+ * What was found in a column.
+ */
+export type LogAxis = { 
+/**
+ * The column.
+ */
+column: LogColumn, 
+/**
+ * Overlapping Allan deviation at octaves, in the unit of the column.
+ */
+points: Array<LogPoint>, 
+/**
+ * N, B, K and what else the noise model has.
+ */
+coefficients: Array<LogCoefficient>, 
+/**
+ * Other terms of the model, in words.
+ */
+terms: Array<string>, 
+/**
+ * By how much the model may be off, as a share; none: there is no model.
+ */
+model_error: number | null, 
+/**
+ * Why the coefficients are no result, if they are none.
+ */
+doubt: string | null, 
+/**
+ * What there is to say: `code: text`.
+ */
+warnings: Array<string>, };
+
+/**
+ * A coefficient of a noise model.
+ */
+export type LogCoefficient = { 
+/**
+ * `N`, `B`, `K`, `Q` or `R`, as IEEE Std 952 has them.
+ */
+symbol: string, 
+/**
+ * Its name.
+ */
+name: string, 
+/**
+ * In each of its units, the usual one first.
+ */
+values: Array<LogValue>, 
+/**
+ * Whether to believe it; if not, only `hi` says something.
+ */
+identified: boolean, 
+/**
+ * What is to be said of one that is not identified.
+ */
+remark: string, };
+
+/**
+ * A column of a log.
+ */
+export type LogColumn = { 
+/**
+ * What it is called, or its number.
+ */
+name: string, 
+/**
+ * None: neither, and no file for a filter can have it.
+ */
+kind: AxisKind | null, 
+/**
+ * The unit of its results; none: its own, which nobody stated.
+ */
+unit: string | null, 
+/**
+ * Samples that are missing.
+ */
+missing: number, };
+
+/**
+ * A picture.
+ */
+export type LogPicture = { 
+/**
+ * What it is called as a file: `gyroscope-allan.svg`.
+ */
+name: string, 
+/**
+ * What it shows.
+ */
+title: string, 
+/**
+ * SVG.
+ */
+svg: string, };
+
+/**
+ * A point of an Allan deviation, in the unit of its column.
+ */
+export type LogPoint = { 
+/**
+ * s.
+ */
+tau_s: number, 
+/**
+ * The deviation.
+ */
+dev: number, 
+/**
+ * One sigma, lower.
+ */
+lo: number, 
+/**
+ * One sigma, upper.
+ */
+hi: number, 
+/**
+ * What the model expects.
+ */
+model: number | null, };
+
+/**
+ * A field of [`LogSettings`].
+ */
+export type LogSetting = "columns" | "topic" | "rate_hz" | "time_column" | "time_unit" | "gyro_unit" | "gyro_scale" | "accel_unit" | "accel_scale" | "decimal";
+
+/**
+ * What a log may not say of itself, as the user says; what is left out is as the log says.
+ */
+export type LogSettings = { 
+/**
+ * The columns, by name or by number counted from 0; none: all that are axes.
+ */
+columns?: Array<string>, 
+/**
+ * The topic of a bag with several IMUs.
+ */
+topic?: string, 
+/**
+ * Samples per second, Hz.
+ */
+rate_hz?: number, 
+/**
+ * The column with the times.
+ */
+time_column?: string, 
+/**
+ * `s`, `ms`, `us` or `ns`.
+ */
+time_unit?: string, 
+/**
+ * Of gyroscopes: `dps`, `rad/s` …
+ */
+gyro_unit?: string, 
+/**
+ * What a step of 1 is, in that unit.
+ */
+gyro_scale?: number, 
+/**
+ * Of accelerometers: `m/s²`, `g`, `mg` …
+ */
+accel_unit?: string, 
+/**
+ * What a step of 1 is, in that unit.
+ */
+accel_scale?: number, 
+/**
+ * What stands before the decimals: `point` or `comma`.
+ */
+decimal?: string, };
+
+/**
+ * What all axes come to, after the last.
+ */
+export type LogSummary = { 
+/**
+ * The curves of each kind, spectra and records.
+ */
+pictures: Array<LogPicture>, 
+/**
+ * What there is to say of several axes at once.
+ */
+warnings: Array<string>, 
+/**
+ * Why no file for a filter can be had, if so.
+ */
+no_noise_file: string | null, };
+
+/**
+ * A number with its 95 % interval.
+ */
+export type LogValue = { 
+/**
+ * The number.
+ */
+value: number, 
+/**
+ * Lower end.
+ */
+lo: number, 
+/**
+ * Upper end.
+ */
+hi: number, 
+/**
+ * Of all three.
+ */
+unit: string, };
+
+/**
+ * What a look into a log gives.
+ */
+export type Looked = { "is": "log" } & LogAbout | { "is": "question", 
+/**
+ * What is missing, and why.
+ */
+text: string, 
+/**
+ * A table to choose from: the head, then a row each.
+ */
+choices: Array<string>, 
+/**
+ * Any of these answers it.
+ */
+settings: Array<LogSetting>, } | { "is": "refused", 
+/**
+ * In words.
+ */
+text: string, };
+
+/**
  * What can be in a spectrum.
  */
 export type MarkKind = "bandwidth" | "nyquist" | "resonance" | "line";
@@ -533,6 +801,27 @@ export type MarkKind = "bandwidth" | "nyquist" | "resonance" | "line";
  * Ways to calibrate.
  */
 export type MethodName = "an1042" | "warmup" | "cycle";
+
+/**
+ * A file for the filter that takes the noise.
+ */
+export type NoiseFileWish = { 
+/**
+ * Who reads it: `kalibr`, `openvins`, `vins`, `orbslam3`, `kf-gins` or `ros`.
+ */
+format: string, 
+/**
+ * What stands for all axes of a kind where the reader takes one number: `worst` or `mean`.
+ */
+combine: string, 
+/**
+ * Factor on all noise, above 0; 1: as measured.
+ */
+inflate: number, 
+/**
+ * Also where the numbers are no result; the file says so.
+ */
+force: boolean, };
 
 /**
  * Something to know.

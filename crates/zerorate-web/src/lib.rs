@@ -3,4 +3,5 @@
 //!
 //! The messages are [`message`], specified in `docs/formats/page.md`.
 
+pub mod log;
 pub mod message;

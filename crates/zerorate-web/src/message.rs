@@ -696,6 +696,11 @@ mod tests {
         Request::export_all(&config).unwrap();
         Answer::export_all(&config).unwrap();
         Frame::export_all(&config).unwrap();
+        crate::log::message::LogSettings::export_all(&config).unwrap();
+        crate::log::message::Looked::export_all(&config).unwrap();
+        crate::log::message::LogAxis::export_all(&config).unwrap();
+        crate::log::message::LogSummary::export_all(&config).unwrap();
+        crate::log::message::NoiseFileWish::export_all(&config).unwrap();
         let mut files: Vec<_> = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
         files.sort();
         let declared = files.iter().map(|file| {
@@ -704,7 +709,7 @@ mod tests {
             lines.collect::<Vec<_>>().join("\n").trim().to_owned() + "\n"
         });
         let head =
-            "// Made from crates/zerorate-web/src/message.rs, which says more: not to be edited.\n\n".to_owned();
+            "// Made from message.rs and log/message.rs of crates/zerorate-web/src, which say more.\n\n".to_owned();
         head + &declared.collect::<Vec<_>>().join("\n")
     }
 }
