@@ -9,7 +9,7 @@ use crate::{DeviceError, DeviceSpec, Result, Setup, Stop};
 use adis16130_twin::Truth;
 use anyhow::{Context, anyhow};
 use std::iter::Peekable;
-use std::sync::mpsc::{Receiver, Sender, SyncSender, TrySendError, channel, sync_channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, SyncSender, TrySendError, channel, sync_channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
@@ -74,6 +74,17 @@ pub struct Watched {
     pub batch: Arc<Batch>,
     /// Samples right before them for which there was no room.
     pub missed: u64,
+}
+
+/// What a watcher finds that does not wait for ever.
+#[derive(Clone, Debug)]
+pub enum Awaited {
+    /// Samples.
+    Samples(Watched),
+    /// None came in that time.
+    Nothing,
+    /// There are no more.
+    End,
 }
 
 /// A batch, or why there are no more.
@@ -218,6 +229,16 @@ impl Watcher {
     #[must_use]
     pub fn next(&self) -> Option<Watched> {
         self.0.recv().ok()
+    }
+
+    /// The same, waiting no longer than this.
+    #[must_use]
+    pub fn next_within(&self, wait: Duration) -> Awaited {
+        match self.0.recv_timeout(wait) {
+            Ok(watched) => Awaited::Samples(watched),
+            Err(RecvTimeoutError::Timeout) => Awaited::Nothing,
+            Err(RecvTimeoutError::Disconnected) => Awaited::End,
+        }
     }
 }
 

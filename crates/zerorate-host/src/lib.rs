@@ -14,6 +14,7 @@ mod gpio;
 mod hub;
 #[cfg(target_os = "linux")]
 mod iio;
+pub mod iiod;
 mod kinds;
 mod live;
 mod options;
@@ -30,7 +31,7 @@ mod twin;
 
 pub use chamber::{Air, Apart, Chamber, ChamberSpec, DIALECTS, Dialect, Lead, SimulatedChamber};
 pub use error::{Cause, DeviceError};
-pub use hub::{Batch, Everything, Hub, Pace, Watched, Watcher};
+pub use hub::{Awaited, Batch, Everything, Hub, Pace, Watched, Watcher};
 pub use kinds::{DeviceSpec, KINDS, Kind};
 pub use source::{Bus, Facts, Losses, Sampling, Setup, Source};
 pub use stop::Stop;

@@ -1,0 +1,282 @@
+//! The device that is served: what it states of itself, what its attributes read now, and what can be written.
+
+use super::request::{Errno, Place};
+use super::scan::{Scan, Scanner, corrected};
+use super::table::{CORRECTED_RAD_PER_S, Channel, Quantity, Table};
+use crate::source::Facts;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use zerorate::calibration::OtherPart;
+use zerorate::{Axis, Calibration, Correction, Corrector, MAX_AXES, Scale, Tally};
+use zerorate_data::capture::{Layout, Row};
+
+/// What libiio calls the first device.
+pub const ID: &str = "iio:device0";
+
+/// Attributes of the device itself.
+pub const ATTRIBUTES: [&str; 4] = ["sampling_frequency", "samples_lost", "calibration", "current_timestamp_clock"];
+
+/// Attributes of its buffers.
+pub const BUFFER_ATTRIBUTES: [&str; 1] = ["samples_lost"];
+
+/// What can be written, where writing is allowed at all.
+const WRITABLE: &str = "calibbias";
+
+/// Larger than any bias of any part, rad/s.
+const LARGEST_BIAS_RAD_PER_S: f64 = 100.0;
+
+/// The device.
+#[derive(Debug)]
+pub struct Device {
+    /// As clients know it: the part in small letters.
+    pub name: String,
+    /// What it states of itself, beside its channels.
+    pub context: Vec<(&'static str, String)>,
+    /// Its channels.
+    pub table: Table,
+    /// What its codes mean.
+    pub layout: Layout,
+    axes: Vec<Axis>,
+    corrector: Option<Corrector<Vec<Correction>>>,
+    calibration: Option<String>,
+    nominal_hz: Option<f64>,
+    may_be_written: bool,
+    live: Mutex<Live>,
+}
+
+/// What was read last.
+#[derive(Debug)]
+struct Live {
+    scanner: Scanner,
+    scan: Option<Scan>,
+    tally: Tally,
+    /// There is nothing more to come.
+    is_gone: bool,
+    /// Samples that buffers had no room for, all together.
+    missed: u64,
+    /// What clients added to the corrected rate of each axis, °/s.
+    trims_dps: [f64; MAX_AXES],
+}
+
+impl Device {
+    /// The device that a hub reads, with its corrected rates if there is a calibration.
+    ///
+    /// # Errors
+    /// The calibration is of another part.
+    pub fn new(facts: &Facts, calibration: Option<&Calibration>) -> Result<Self, OtherPart> {
+        let Facts { info, part, .. } = facts;
+        let names = || part.axes.iter().map(|axis| &*axis.name);
+        let corrector = calibration.map(|calibration| calibration.corrector(&part.name, names())).transpose()?;
+        let axes: Vec<Axis> = part.axes.iter().map(|axis| axis.axis).collect();
+        let scanner = Scanner::new(&info.layout, &axes, corrector.clone());
+        let stated = [
+            ("hw_model", Some(part.name.to_string())),
+            ("hw_serial", info.serial.clone()),
+            ("zerorate,device", Some(facts.name.clone())),
+            ("zerorate,software", Some(info.software.clone())),
+            ("zerorate,calibration", calibration.map(Calibration::id)),
+        ];
+        let is_there = |(key, value): (&'static str, Option<String>)| Some((key, value.filter(|it| !it.is_empty())?));
+        Ok(Self {
+            name: part.name.to_ascii_lowercase(),
+            context: stated.into_iter().filter_map(is_there).collect(),
+            table: Table::new(&info.layout, corrector.is_some()),
+            layout: info.layout.clone(),
+            axes,
+            corrector,
+            calibration: calibration.map(Calibration::id),
+            nominal_hz: facts.rate_hz,
+            may_be_written: false,
+            live: Mutex::new(Live {
+                scanner,
+                scan: None,
+                tally: Tally::default(),
+                is_gone: false,
+                missed: 0,
+                trims_dps: [0.0; MAX_AXES],
+            }),
+        })
+    }
+
+    /// The same, of which clients may write what can be written.
+    pub fn writable(self) -> Self {
+        Self { may_be_written: true, ..self }
+    }
+
+    /// Whether a client means it by this.
+    pub fn is_called(&self, name: &str) -> bool {
+        name == ID || name == self.name
+    }
+
+    /// For a buffer that begins now.
+    pub fn scanner(&self) -> Scanner {
+        let temp_code = self.live().scan.and_then(|scan| scan.row.temp_code);
+        Scanner::new(&self.layout, &self.axes, self.corrector.clone()).with_temp_code(temp_code)
+    }
+
+    /// What is added to corrected rates beside the calibration, °/s.
+    pub fn trims_dps(&self) -> [f64; MAX_AXES] {
+        self.live().trims_dps
+    }
+
+    /// Takes rows in, before which so many were missed.
+    pub fn take(&self, rows: &[Row], missed: u64) {
+        let live = &mut *self.live();
+        let mut missed = missed;
+        for row in rows {
+            let lost = u64::from(row.lost).saturating_add(missed);
+            if let Some(reading) = self.layout.reading(row, 0) {
+                live.tally.count(&zerorate::Reading { lost: u32::try_from(lost).unwrap_or(u32::MAX), ..reading });
+            }
+            live.scan = live.scanner.push(row, missed, &live.trims_dps).or(live.scan);
+            missed = 0;
+        }
+    }
+
+    /// Notes that a buffer had no room for so many samples.
+    pub fn note_missed(&self, missed: u64) {
+        let live = &mut *self.live();
+        live.missed = live.missed.saturating_add(missed);
+    }
+
+    /// Notes that no sample will come any more.
+    pub fn note_gone(&self) {
+        self.live().is_gone = true;
+    }
+
+    /// Whether that is so.
+    pub fn is_gone(&self) -> bool {
+        self.live().is_gone
+    }
+
+    /// Whether a sample was read.
+    pub fn has_readings(&self) -> bool {
+        self.live().scan.is_some()
+    }
+
+    /// What an attribute reads now.
+    ///
+    /// # Errors
+    /// There is none of this name; nothing was read yet; the device is gone.
+    pub fn read(&self, place: Place<'_>, attribute: &str) -> Result<String, Errno> {
+        match place {
+            Place::Device => self.read_own(attribute),
+            Place::Buffer if BUFFER_ATTRIBUTES.contains(&attribute) => Ok(self.live().missed.to_string()),
+            Place::Input(name) => self.read_channel(self.channel(name, attribute)?, attribute),
+            Place::Buffer | Place::Debug | Place::Output(_) => Err(Errno::NOT_FOUND),
+        }
+    }
+
+    /// All attributes that stand there, in the order of the description.
+    pub fn attributes(&self, place: Place<'_>) -> &'static [&'static str] {
+        match place {
+            Place::Device => &ATTRIBUTES,
+            Place::Buffer => &BUFFER_ATTRIBUTES,
+            Place::Input(name) => self.table.channel(name).map_or(&[], |channel| channel.attributes),
+            Place::Debug | Place::Output(_) => &[],
+        }
+    }
+
+    /// Writes an attribute.
+    ///
+    /// # Errors
+    /// There is none of this name; it cannot be written, or nobody allowed that; the value makes no sense.
+    pub fn write(&self, place: Place<'_>, attribute: &str, value: &[u8]) -> Result<(), Errno> {
+        if !self.attributes(place).contains(&attribute) {
+            return Err(Errno::NOT_FOUND);
+        }
+        let channel = if let Place::Input(name) = place { self.table.channel(name) } else { None };
+        match channel.map(|channel| channel.quantity) {
+            Some(Quantity::Rate(axis)) if attribute == WRITABLE && self.may_be_written => self.trim(axis, value),
+            _ => Err(Errno::DENIED),
+        }
+    }
+
+    fn live(&self) -> MutexGuard<'_, Live> {
+        self.live.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn channel(&self, name: &str, attribute: &str) -> Result<&Channel, Errno> {
+        let channel = self.table.channel(name).filter(|channel| channel.attributes.contains(&attribute));
+        channel.ok_or(Errno::NOT_FOUND)
+    }
+
+    fn read_own(&self, attribute: &str) -> Result<String, Errno> {
+        let live = self.live();
+        match attribute {
+            "sampling_frequency" => {
+                let measured_hz = (live.tally.samples > 1).then(|| live.tally.sampling_hz());
+                measured_hz.or(self.nominal_hz).map(|hz| hz.to_string()).ok_or(Errno::TRY_AGAIN)
+            }
+            "samples_lost" => Ok(live.tally.lost.to_string()),
+            "calibration" => Ok(self.calibration_now(&live)),
+            "current_timestamp_clock" => Ok("monotonic".to_owned()),
+            _ => Err(Errno::NOT_FOUND),
+        }
+    }
+
+    /// Corrected rates carry the name of what they were corrected with.
+    fn calibration_now(&self, live: &Live) -> String {
+        let id = self.calibration.as_deref().unwrap_or("none");
+        let is_shifted = live.trims_dps.iter().any(|dps| *dps != 0.0);
+        format!("{id}{}", if is_shifted { " shifted" } else { "" })
+    }
+
+    fn read_channel(&self, channel: &Channel, attribute: &str) -> Result<String, Errno> {
+        match (channel.quantity, attribute) {
+            (Quantity::Corrected(_), "scale") => Ok(CORRECTED_RAD_PER_S.to_string()),
+            (Quantity::Rate(axis), "calibbias") => Ok(self.bias_dps(&self.live(), axis)?.to_radians().to_string()),
+            (quantity, "raw") => self.raw(quantity),
+            (quantity, attribute) => {
+                let (lsb, offset) = self.scale(quantity).ok_or(Errno::NOT_FOUND)?;
+                Ok(if attribute == "scale" { lsb.to_string() } else { offset.to_string() })
+            }
+        }
+    }
+
+    fn raw(&self, quantity: Quantity) -> Result<String, Errno> {
+        let live = self.live();
+        if live.is_gone {
+            return Err(Errno::NO_DEVICE);
+        }
+        let scan = live.scan.as_ref().ok_or(Errno::TRY_AGAIN)?;
+        let value = match quantity {
+            Quantity::Rate(axis) => scan.row.codes().get(axis).map(ToString::to_string),
+            Quantity::Temp => scan.row.temp_code.map(|code| code.to_string()),
+            Quantity::Corrected(axis) => scan.corrected_dps[axis].map(|dps| corrected(Some(dps)).to_string()),
+            Quantity::Lost => Some(scan.lost.to_string()),
+            Quantity::Time => None,
+        };
+        value.ok_or(Errno::TRY_AGAIN)
+    }
+
+    /// (raw + offset) · scale is in the units of the kernel: rad/s, 0.001 °C.
+    fn scale(&self, quantity: Quantity) -> Option<(f64, f64)> {
+        let scale_in = |scale: &Scale, per_unit: f64| {
+            let zero = scale.zero_code as f64 - scale.zero_value * scale.lsb_per_unit;
+            (per_unit / scale.lsb_per_unit, -zero)
+        };
+        match quantity {
+            Quantity::Rate(axis) => Some(scale_in(&self.layout.axes().get(axis)?.scale_dps(), 1f64.to_radians())),
+            Quantity::Temp => Some(scale_in(self.layout.temp(), 1000.0)),
+            Quantity::Corrected(_) | Quantity::Lost | Quantity::Time => None,
+        }
+    }
+
+    /// What is added to the rate of an axis now, °/s.
+    fn bias_dps(&self, live: &Live, axis: usize) -> Result<f64, Errno> {
+        Ok(live.scanner.correction_dps(axis).ok_or(Errno::TRY_AGAIN)? + live.trims_dps[axis])
+    }
+
+    /// From here on the value is what is added at the temperature of now; it follows the temperature as before.
+    fn trim(&self, axis: usize, value: &[u8]) -> Result<(), Errno> {
+        let text = std::str::from_utf8(value).map_err(|_| Errno::NONSENSE)?;
+        let wanted: f64 = text.trim_end_matches('\0').trim().parse().map_err(|_| Errno::NONSENSE)?;
+        // not a number is no smaller than anything
+        if wanted.abs() <= LARGEST_BIAS_RAD_PER_S {
+            let live = &mut *self.live();
+            live.trims_dps[axis] += wanted.to_degrees() - self.bias_dps(live, axis)?;
+            return Ok(());
+        }
+        Err(Errno::NONSENSE)
+    }
+}

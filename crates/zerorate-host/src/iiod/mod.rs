@@ -1,0 +1,127 @@
+//! A server for clients of libiio, as docs/libiio.md specifies it: they see the device of a [`Hub`] as one of the
+//! kernel's, with a buffer.
+//!
+//! `request.rs`, `session.rs`, `device.rs`, `table.rs`, `scan.rs` and `xml.rs` are the protocol, in which there is
+//! neither a socket nor a clock; `connection.rs` and this file bring bytes and samples.
+
+mod connection;
+mod device;
+mod request;
+mod scan;
+mod session;
+mod table;
+#[cfg(test)]
+mod tests;
+mod xml;
+
+use crate::hub::Awaited;
+use crate::{Hub, Stop};
+use device::Device;
+use std::io::{self, ErrorKind};
+use std::net::{TcpListener, TcpStream};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::thread;
+use std::time::{Duration, Instant};
+use zerorate::Calibration;
+use zerorate::calibration::OtherPart;
+
+/// Where clients look for a server.
+pub const PORT: u16 = 30431;
+
+/// Connections at a time; a client has one, and one more for a buffer.
+const MOST_CONNECTIONS: usize = 64;
+/// Who connects is waited for in steps of this.
+const POLL: Duration = Duration::from_millis(20);
+/// A client reads all attributes at once, so the first one waits this long for a first sample.
+const FIRST_SAMPLE: Duration = Duration::from_secs(2);
+
+/// What is served: a hub, and what its device states of itself.
+pub struct Server<'a> {
+    hub: &'a Hub,
+    device: Device,
+}
+
+impl<'a> Server<'a> {
+    /// Of the device that a hub reads; with a calibration, its corrected rates beside the codes.
+    ///
+    /// # Errors
+    /// The calibration is of another part.
+    pub fn new(hub: &'a Hub, calibration: Option<&Calibration>) -> Result<Self, OtherPart> {
+        Ok(Self { hub, device: Device::new(hub.facts(), calibration)? })
+    }
+
+    /// Lets clients write what can be written: `calibbias`, which shifts the corrected rate of this server.
+    #[must_use]
+    pub fn writable(self) -> Self {
+        Self { device: self.device.writable(), ..self }
+    }
+
+    /// Serves clients until the wish to end: each in a thread of its own, and none of them is ever waited for. The hub
+    /// is being read, or will be soon.
+    ///
+    /// # Errors
+    /// Nobody can connect any more.
+    pub fn serve(&self, listener: &TcpListener, stop: &Stop) -> io::Result<()> {
+        listener.set_nonblocking(true)?;
+        let (device, connections) = (&self.device, AtomicUsize::new(0));
+        thread::scope(|scope| {
+            scope.spawn(|| self.look_on(stop));
+            let begun = Instant::now();
+            while !stop.asked() {
+                let is_early = !device.has_readings() && !device.is_gone() && begun.elapsed() < FIRST_SAMPLE;
+                match if is_early { Err(ErrorKind::WouldBlock.into()) } else { listener.accept() } {
+                    Ok((stream, _)) => {
+                        let taken = Place::take(&connections);
+                        let body = move || taken.map(|_place| self.attend(&stream, stop));
+                        // where there is no thread to be had, the client sees a connection that ends
+                        drop(thread::Builder::new().name("iiod".to_owned()).spawn_scoped(scope, body));
+                    }
+                    Err(error) if is_passing(&error) => thread::sleep(POLL),
+                    Err(error) => return Err(error),
+                }
+            }
+            Ok(())
+        })
+    }
+
+    /// A client that breaks off is no failure of the server.
+    fn attend(&self, stream: &TcpStream, stop: &Stop) {
+        let _ = connection::serve(stream, self.hub, &self.device, stop);
+    }
+
+    /// Keeps what was read last, for attributes.
+    fn look_on(&self, stop: &Stop) {
+        let watcher = self.hub.watch(connection::QUEUE);
+        while !stop.asked() {
+            match watcher.next_within(POLL) {
+                Awaited::Samples(watched) => self.device.take(&watched.batch.rows, watched.missed),
+                Awaited::Nothing => {}
+                Awaited::End => return self.device.note_gone(),
+            }
+        }
+    }
+}
+
+/// A connection among those that there may be.
+struct Place<'a>(&'a AtomicUsize);
+
+impl<'a> Place<'a> {
+    fn take(connections: &'a AtomicUsize) -> Option<Self> {
+        let more = |taken| (taken < MOST_CONNECTIONS).then_some(taken + 1);
+        connections.fetch_update(Ordering::Relaxed, Ordering::Relaxed, more).ok().map(|_| Self(connections))
+    }
+}
+
+impl Drop for Place<'_> {
+    fn drop(&mut self) {
+        self.0.fetch_sub(1, Ordering::Relaxed);
+    }
+}
+
+/// Nobody is there, who was there has gone, or there is no room right now.
+fn is_passing(error: &io::Error) -> bool {
+    let no_descriptor = [23, 24]; // ENFILE, EMFILE
+    let kinds =
+        [ErrorKind::WouldBlock, ErrorKind::Interrupted, ErrorKind::ConnectionAborted, ErrorKind::ConnectionReset];
+    kinds.contains(&error.kind()) || error.raw_os_error().is_some_and(|errno| no_descriptor.contains(&errno))
+}

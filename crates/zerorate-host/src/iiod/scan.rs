@@ -1,0 +1,229 @@
+//! Rows of the hub as samples of a buffer: judged, corrected where there is a calibration, with what was lost before.
+
+use super::table::{CORRECTED_RAD_PER_S, Channel, Quantity, Table};
+use std::collections::VecDeque;
+use zerorate::health::{Health, Judged};
+use zerorate::{Axis, Correction, Corrector, MAX_AXES};
+use zerorate_data::capture::{Layout, Row};
+
+/// A sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scan {
+    /// The row that it is, with the last temperature that was read.
+    pub row: Row,
+    /// Of each axis, °/s; none where the reading is not believed, and before the first temperature.
+    pub corrected_dps: [Option<f64>; MAX_AXES],
+    /// Samples that are missing since the beginning.
+    pub lost: u64,
+}
+
+/// What becomes of rows: they come out in their order, two later where they are judged.
+#[derive(Clone, Debug)]
+pub struct Scanner {
+    layout: Layout,
+    correcting: Option<Correcting>,
+    waiting: VecDeque<(Row, u64)>,
+    temp_code: Option<i64>,
+    lost: u64,
+}
+
+/// Judges and corrects all axes.
+#[derive(Clone, Debug)]
+struct Correcting {
+    axes: Vec<(Axis, Health)>,
+    corrector: Corrector<Vec<Correction>>,
+}
+
+impl Scanner {
+    /// Before the first row.
+    pub fn new(layout: &Layout, axes: &[Axis], corrector: Option<Corrector<Vec<Correction>>>) -> Self {
+        let judged = axes.iter().map(|axis| (*axis, Health::new(axis))).collect();
+        Self {
+            layout: layout.clone(),
+            correcting: corrector.map(|corrector| Correcting { axes: judged, corrector }),
+            waiting: VecDeque::new(),
+            temp_code: None,
+            lost: 0,
+        }
+    }
+
+    /// Beginning in the middle: the temperature that was read last is known.
+    pub fn with_temp_code(self, temp_code: Option<i64>) -> Self {
+        Self { temp_code, ..self }
+    }
+
+    /// What the corrector adds to the rate of an axis at the temperature that was read last, °/s.
+    pub fn correction_dps(&self, axis: usize) -> Option<f64> {
+        self.correcting.as_ref()?.corrector.correct(axis, Some(0.0))
+    }
+
+    /// Takes a row, before which so many were missed; `trims_dps` is added to each corrected rate.
+    pub fn push(&mut self, row: &Row, missed: u64, trims_dps: &[f64; MAX_AXES]) -> Option<Scan> {
+        self.lost = self.lost.saturating_add(missed).saturating_add(row.lost.into());
+        self.waiting.push_back((*row, self.lost));
+        let corrected_dps = match &mut self.correcting {
+            Some(correcting) => correcting.push(&self.layout, row, trims_dps)?,
+            None => [None; MAX_AXES],
+        };
+        let (row, lost) = self.waiting.pop_front()?;
+        self.temp_code = row.temp_code.or(self.temp_code);
+        Some(Scan { row: row.with_temp_code(self.temp_code), corrected_dps, lost })
+    }
+}
+
+impl Correcting {
+    /// Corrected rates of the row that is judged now; none while the first ones wait for that.
+    fn push(&mut self, layout: &Layout, row: &Row, trims_dps: &[f64; MAX_AXES]) -> Option<[Option<f64>; MAX_AXES]> {
+        let mut judged: [Option<Judged>; MAX_AXES] = [None; MAX_AXES];
+        for (index, ((_, health), judged)) in self.axes.iter_mut().zip(&mut judged).enumerate() {
+            *judged = layout.reading(row, index).and_then(|reading| health.push(&reading));
+        }
+        let first = judged[0]?;
+        self.corrector.read(first.temp().map(|code| self.axes[0].0.temp.value(code.into())));
+        let mut corrected_dps = [None; MAX_AXES];
+        for (index, ((axis, _), judged)) in self.axes.iter().zip(judged).enumerate() {
+            let rate_dps = judged.and_then(|judged| judged.rate()).map(|code| axis.rate.value(code.into()));
+            corrected_dps[index] = self.corrector.correct(index, rate_dps).map(|dps| dps + trims_dps[index]);
+        }
+        Some(corrected_dps)
+    }
+}
+
+/// Samples in a buffer with some of the channels.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Packing {
+    /// What stands where in a sample.
+    places: Vec<(Quantity, usize)>,
+    /// Bytes of a sample.
+    size: usize,
+}
+
+impl Packing {
+    /// None where a bit is set that is no channel's, or none is set.
+    pub fn new(table: &Table, mask: u32) -> Option<Self> {
+        let channels = table.channels();
+        if mask == 0 || u64::from(mask) >> channels.len() != 0 {
+            return None;
+        }
+        let mut packing = Self { places: Vec::new(), size: 0 };
+        for (_, channel) in channels.iter().enumerate().filter(|(bit, _)| mask >> bit & 1 == 1) {
+            packing.add(channel);
+        }
+        Some(packing)
+    }
+
+    /// Each stands at a multiple of its own length; there is nothing behind the last.
+    fn add(&mut self, channel: &Channel) {
+        let at = self.size.next_multiple_of(channel.bytes);
+        self.places.push((channel.quantity, at));
+        self.size = at + channel.bytes;
+    }
+
+    /// Bytes of a sample.
+    pub fn size(&self) -> usize {
+        self.size
+    }
+
+    /// Appends a sample.
+    pub fn pack(&self, layout: &Layout, scan: &Scan, out: &mut Vec<u8>) {
+        let start = out.len();
+        out.resize(start + self.size, 0);
+        for (quantity, at) in &self.places {
+            let place = &mut out[start + at..];
+            match value(layout, scan, *quantity) {
+                Stored::Code(code) => place[..4].copy_from_slice(&(code as u32).to_le_bytes()),
+                Stored::Wide(bits) => place[..8].copy_from_slice(&bits.to_le_bytes()),
+            }
+        }
+    }
+}
+
+/// What a channel is stored as.
+enum Stored {
+    /// In 32 bits.
+    Code(i64),
+    /// In 64 bits.
+    Wide(u64),
+}
+
+fn value(layout: &Layout, scan: &Scan, quantity: Quantity) -> Stored {
+    match quantity {
+        Quantity::Rate(axis) => Stored::Code(scan.row.codes().get(axis).copied().unwrap_or_default()),
+        Quantity::Temp => Stored::Code(scan.row.temp_code.unwrap_or(layout.temp().codes().0)),
+        Quantity::Corrected(axis) => Stored::Wide(corrected(scan.corrected_dps[axis]) as u64),
+        Quantity::Lost => Stored::Wide(scan.lost),
+        Quantity::Time => Stored::Wide(scan.row.t_ns),
+    }
+}
+
+/// In units of [`CORRECTED_RAD_PER_S`]; the least that there is, where there is no rate.
+pub fn corrected(rate_dps: Option<f64>) -> i64 {
+    rate_dps.map_or(i64::MIN, |dps| (dps.to_radians() / CORRECTED_RAD_PER_S).round() as i64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use adis16130::Width;
+
+    fn layout() -> Layout {
+        Layout::adis16130(Width::Bits24)
+    }
+
+    /// By the rule of libiio's `iio_device_get_sample_size_mask`.
+    #[test]
+    fn samples_are_aligned_as_the_library_expects() {
+        let table = Table::new(&layout(), true);
+        let ids: Vec<_> = table.channels().iter().map(|channel| channel.id.as_str()).collect();
+        assert_eq!(ids, ["anglvel_z", "temp0", "anglvel_z_corrected", "count0", "timestamp"]);
+        let size = |mask| Packing::new(&table, mask).map(|packing| packing.size());
+        assert_eq!([0b1, 0b11, 0b10001, 0b10010, 0b11111, 0b01000].map(size), [4, 8, 16, 16, 32, 8].map(Some));
+        assert_eq!([0, 0b10_0000, u32::MAX].map(size), [None; 3]);
+    }
+
+    #[test]
+    fn a_sample_holds_the_codes_as_they_came() {
+        let table = Table::new(&layout(), false);
+        let row = Row::new(0x0102_0304_0506_0708, 3, &[0x80_0001]).expect("one axis").with_lost(2);
+        let mut scanner = Scanner::new(&layout(), &[Axis::ADIS16130], None);
+        let scan = scanner.push(&row, 5, &[0.0; MAX_AXES]).expect("nothing to wait for");
+        let mut bytes = Vec::new();
+        Packing::new(&table, 0b1111).expect("channels").pack(&layout(), &scan, &mut bytes);
+        let expected = [[1, 0, 0x80, 0, 0, 0, 0, 0], [7, 0, 0, 0, 0, 0, 0, 0], [8, 7, 6, 5, 4, 3, 2, 1]];
+        assert_eq!(bytes, expected.concat(), "rate, a temperature that was never read, lost, time");
+        let warm = row.with_temp_code(Some(9)).with_lost(0);
+        scanner.push(&warm, 0, &[0.0; MAX_AXES]);
+        let later = scanner.push(&row.with_lost(1), 0, &[0.0; MAX_AXES]).expect("a sample");
+        assert_eq!((later.row.temp_code, later.lost), (Some(9), 8), "the last that was read");
+    }
+
+    #[test]
+    fn a_corrected_rate_is_of_its_own_sample_and_only_of_one_that_is_believed() {
+        let corrector = Corrector::new(zerorate::CorrectorConfig {
+            corrections: vec![Correction::line(-0.25, 0.0, 25.0)],
+            validity: None,
+        });
+        let mut scanner = Scanner::new(&layout(), &[Axis::ADIS16130], Some(corrector));
+        let mut trims_dps = [0.0; MAX_AXES];
+        trims_dps[0] = 0.5;
+        let mut scans = Vec::new();
+        for k in 0..40u32 {
+            // 1 °/s is 23488 codes (F-40); no part of 300 Hz makes 2^22 of them between its neighbours
+            let code = if k == 20 { 8_388_608 + (1 << 22) } else { 8_388_608 + 23_488 + i64::from(k % 3) };
+            let row = Row::new(u64::from(k) * 175_667, k, &[code]).expect("one axis").with_temp_code(Some(8_388_608));
+            scans.extend(scanner.push(&row, 0, &trims_dps));
+        }
+        assert_eq!(scans.len(), 38, "two wait to be judged");
+        for (scan, k) in scans.iter().zip(0u32..) {
+            let expected = (k != 20).then(|| 1.0 + f64::from(k % 3) / 23_488.0 - 0.25 + 0.5);
+            assert_eq!(scan.row.edge_seq, k);
+            match (scan.corrected_dps[0], expected) {
+                (Some(found), Some(expected)) => assert!((found - expected).abs() < 1e-12, "{k}: {found}"),
+                (found, expected) => assert_eq!(found, expected, "{k}"),
+            }
+        }
+        assert_eq!(scanner.correction_dps(0), Some(-0.25));
+        // 1 °/s is π/180 rad/s
+        assert_eq!((corrected(Some(1.0)), corrected(None)), (17_453_293, i64::MIN));
+    }
+}

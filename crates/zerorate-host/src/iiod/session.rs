@@ -1,0 +1,238 @@
+//! The protocol of one connection, without a socket: a line in, what is to be done out.
+
+use super::device::Device;
+use super::request::{Errno, Place, Request};
+use super::scan::Packing;
+use super::xml::{VERSION, describe};
+use std::time::Duration;
+
+/// Bytes of a value that is written, at most.
+pub const LONGEST_VALUE: usize = 4096;
+
+/// Samples of a client's buffer, at most. None of them are kept here: what was read is sent.
+const MOST_SAMPLES: usize = 1 << 24;
+
+/// A client of libiio 0.24 waits twice as long, and then hangs up.
+const PATIENCE: Duration = Duration::from_millis(2500);
+
+/// What a connection has agreed on.
+pub struct Session<'a> {
+    device: &'a Device,
+    buffer: Option<Open>,
+    /// How long samples may be waited for.
+    patience: Option<Duration>,
+    /// Where the value goes that comes now.
+    writing: Option<(Owned, String)>,
+}
+
+/// An open buffer.
+#[derive(Clone, Debug)]
+pub struct Open {
+    /// What stands in its samples.
+    pub packing: Packing,
+    /// Its mask, as it is sent.
+    pub mask: u32,
+}
+
+/// What is to be done next.
+#[derive(Debug)]
+pub enum Step {
+    /// Nothing.
+    Nothing,
+    /// Send this.
+    Reply(Vec<u8>),
+    /// Take in so many bytes, whatever they are, and hand them to [`Session::written`].
+    Take(usize),
+    /// Begin to watch the device, then send 0.
+    Open(Open),
+    /// Send samples of the open buffer, so many bytes at most.
+    Fill(usize),
+    /// End watching, then send 0.
+    Close,
+    /// Send this, and hang up.
+    HangUp(Vec<u8>),
+}
+
+/// [`Place`], kept until the value has come.
+enum Owned {
+    Device,
+    Debug,
+    Buffer,
+    Input(String),
+    Output(String),
+}
+
+impl<'a> Session<'a> {
+    /// Before the first line.
+    pub fn new(device: &'a Device) -> Self {
+        Self { device, buffer: None, patience: Some(PATIENCE), writing: None }
+    }
+
+    /// How long samples may be waited for; none: as long as it takes.
+    pub fn patience(&self) -> Option<Duration> {
+        self.patience
+    }
+
+    /// What a line asks for.
+    pub fn line(&mut self, line: &[u8]) -> Step {
+        match Request::parse(line).and_then(|request| self.request(request)) {
+            Ok(step) => step,
+            Err(errno) => Step::Reply(refusal(errno)),
+        }
+    }
+
+    /// What becomes of a value that has come.
+    pub fn written(&mut self, value: &[u8]) -> Vec<u8> {
+        let Some((place, attribute)) = self.writing.take() else { return refusal(Errno::NONSENSE) };
+        match self.device.write(place.borrowed(), &attribute, value) {
+            Ok(()) => number(value.len()),
+            Err(errno) => refusal(errno),
+        }
+    }
+
+    fn request(&mut self, request: Request<'_>) -> Result<Step, Errno> {
+        match request {
+            Request::Nothing => Ok(Step::Nothing),
+            Request::Help => Ok(Step::Reply(HELP.as_bytes().to_vec())),
+            Request::Exit => Ok(Step::HangUp(Vec::new())),
+            Request::Version => Ok(Step::Reply(version())),
+            Request::Print => Ok(Step::Reply(counted(describe(self.device).as_bytes()))),
+            Request::Timeout(patience) => {
+                self.patience = patience;
+                Ok(Step::Reply(number(0)))
+            }
+            Request::Read { device, place, attribute } => self.read(device, place, attribute).map(Step::Reply),
+            Request::Write { device, place, attribute, bytes } => Ok(self.write(device, place, attribute, bytes)),
+            Request::Open { device, samples, mask } => self.open(device, samples, mask),
+            Request::Close { device } => self.close(device),
+            Request::ReadBuffer { device, bytes } => self.fill(device, bytes),
+            Request::Trigger { device } => Err(self.named(device).err().unwrap_or(Errno::NOT_FOUND)),
+            Request::SetTrigger { device, trigger } => {
+                self.named(device)?;
+                trigger.map_or(Ok(Step::Reply(number(0))), |_| Err(Errno::NOT_FOUND))
+            }
+            Request::BuffersCount { device } => {
+                self.named(device)?;
+                Ok(Step::Reply(number(0)))
+            }
+        }
+    }
+
+    fn named(&self, device: &str) -> Result<(), Errno> {
+        if self.device.is_called(device) { Ok(()) } else { Err(Errno::NO_DEVICE) }
+    }
+
+    fn read(&self, device: &str, place: Place<'_>, attribute: Option<&str>) -> Result<Vec<u8>, Errno> {
+        self.named(device)?;
+        match attribute {
+            Some(attribute) => Ok(counted(self.device.read(place, attribute)?.as_bytes())),
+            None => Ok(counted(&self.read_all(place))),
+        }
+    }
+
+    /// For each attribute the length of its value, or why it has none, in four bytes with the highest first, then the
+    /// value with a NUL, filled up to a multiple of four bytes.
+    fn read_all(&self, place: Place<'_>) -> Vec<u8> {
+        let mut all = Vec::new();
+        for attribute in self.device.attributes(place) {
+            match self.device.read(place, attribute) {
+                Ok(value) => {
+                    all.extend((value.len() as i32 + 1).to_be_bytes());
+                    all.extend(value.as_bytes());
+                    all.push(0);
+                    all.resize(all.len().next_multiple_of(4), 0);
+                }
+                Err(Errno(errno)) => all.extend((-errno).to_be_bytes()),
+            }
+        }
+        all
+    }
+
+    /// The value is taken in even where it is not wanted, for the client sends it all the same.
+    fn write(&mut self, device: &str, place: Place<'_>, attribute: &str, bytes: usize) -> Step {
+        if bytes > LONGEST_VALUE {
+            return Step::HangUp(refusal(Errno::TOO_LARGE));
+        }
+        // of another device there is no attribute
+        let place = if self.device.is_called(device) { Owned::of(place) } else { Owned::Debug };
+        self.writing = Some((place, attribute.to_owned()));
+        Step::Take(bytes)
+    }
+
+    fn open(&mut self, device: &str, samples: usize, mask: u32) -> Result<Step, Errno> {
+        self.named(device)?;
+        if self.buffer.is_some() {
+            return Err(Errno::BUSY);
+        }
+        if self.device.is_gone() {
+            return Err(Errno::NO_DEVICE);
+        }
+        if samples > MOST_SAMPLES {
+            return Err(Errno::TOO_LARGE);
+        }
+        let packing = Packing::new(&self.device.table, mask).filter(|_| samples > 0).ok_or(Errno::NONSENSE)?;
+        let open = Open { packing, mask };
+        self.buffer = Some(open.clone());
+        Ok(Step::Open(open))
+    }
+
+    fn close(&mut self, device: &str) -> Result<Step, Errno> {
+        self.named(device)?;
+        self.buffer.take().map(|_| Step::Close).ok_or(Errno::NOT_OPENED)
+    }
+
+    /// Whole samples only.
+    fn fill(&self, device: &str, bytes: usize) -> Result<Step, Errno> {
+        self.named(device)?;
+        let size = self.buffer.as_ref().ok_or(Errno::NOT_OPEN)?.packing.size();
+        match bytes - bytes % size {
+            0 => Ok(Step::Reply(number(0))),
+            whole => Ok(Step::Fill(whole)),
+        }
+    }
+}
+
+impl Owned {
+    fn of(place: Place<'_>) -> Self {
+        match place {
+            Place::Device => Self::Device,
+            Place::Debug => Self::Debug,
+            Place::Buffer => Self::Buffer,
+            Place::Input(name) => Self::Input(name.to_owned()),
+            Place::Output(name) => Self::Output(name.to_owned()),
+        }
+    }
+
+    fn borrowed(&self) -> Place<'_> {
+        match self {
+            Self::Device => Place::Device,
+            Self::Debug => Place::Debug,
+            Self::Buffer => Place::Buffer,
+            Self::Input(name) => Place::Input(name),
+            Self::Output(name) => Place::Output(name),
+        }
+    }
+}
+
+const HELP: &str = "Commands: HELP, EXIT, VERSION, PRINT, TIMEOUT, READ, WRITE, OPEN, CLOSE, READBUF, GETTRIG, \
+    SETTRIG, SET. docs/libiio.md of zerorate has them.\n";
+
+fn version() -> Vec<u8> {
+    let (major, minor, git) = VERSION;
+    format!("{major}.{minor}.{git:<7.7}\n").into_bytes()
+}
+
+/// A number that is not negative, as a line.
+pub fn number(value: usize) -> Vec<u8> {
+    format!("{value}\n").into_bytes()
+}
+
+/// Why not, as a line.
+pub fn refusal(Errno(errno): Errno) -> Vec<u8> {
+    format!("-{errno}\n").into_bytes()
+}
+
+/// The length, then the bytes, then the end of a line.
+fn counted(bytes: &[u8]) -> Vec<u8> {
+    [&number(bytes.len()), bytes, b"\n"].concat()
+}

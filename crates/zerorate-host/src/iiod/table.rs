@@ -1,0 +1,122 @@
+//! The channels of the device that is served: their order, their form in a buffer, their attributes.
+
+use std::mem::size_of;
+use zerorate::{MAX_AXES, Scale};
+use zerorate_data::capture::{CodedAxis, Layout};
+
+/// The channels, in the order of the bits of a mask and of a sample in the buffer.
+#[derive(Clone, Debug)]
+pub struct Table(Vec<Channel>);
+
+/// A channel.
+#[derive(Clone, Debug)]
+pub struct Channel {
+    /// As libiio knows it, which takes its type from how it begins: `anglvel_z`.
+    pub id: String,
+    /// A name beside, where the id says too little.
+    pub name: Option<&'static str>,
+    /// What stands in it.
+    pub quantity: Quantity,
+    /// Its form in the buffer: `le:u24/32>>0`.
+    pub format: String,
+    /// Bytes that it takes there; it stands at a multiple of them.
+    pub bytes: usize,
+    /// What can be read of it.
+    pub attributes: &'static [&'static str],
+}
+
+/// What stands in a channel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    /// The code of an axis, as the part gave it.
+    Rate(usize),
+    /// The code of the temperature.
+    Temp,
+    /// The corrected rate of an axis.
+    Corrected(usize),
+    /// How many samples are missing so far.
+    Lost,
+    /// When, ns.
+    Time,
+}
+
+/// One unit of a corrected rate in a buffer, rad/s: finer than any code.
+pub const CORRECTED_RAD_PER_S: f64 = 1e-9;
+
+/// All bits of a mask have a place in one word.
+const _: () = assert!(2 * MAX_AXES + 3 <= u32::BITS as usize);
+
+const CODE: &[&str] = &["raw", "scale", "offset"];
+const CODE_AND_BIAS: &[&str] = &["raw", "scale", "offset", "calibbias"];
+const PLAIN: &[&str] = &["raw", "scale"];
+const COUNT: &[&str] = &["raw"];
+
+impl Table {
+    /// Of a part with this layout, and with its corrected rates if there is a calibration.
+    pub fn new(layout: &Layout, is_corrected: bool) -> Self {
+        let ids = ids(layout.axes());
+        let attributes = if is_corrected { CODE_AND_BIAS } else { CODE };
+        let rate = |(axis, id): (usize, &String)| Channel {
+            attributes,
+            ..Channel::code(id.clone(), Quantity::Rate(axis), &layout.axes()[axis].scale)
+        };
+        let corrected = |(axis, id): (usize, &String)| {
+            Channel::wide(format!("{id}_corrected"), None, Quantity::Corrected(axis), "le:S64/64>>0", PLAIN)
+        };
+        let mut all: Vec<Channel> = ids.iter().enumerate().map(rate).collect();
+        all.push(Channel::code("temp0".to_owned(), Quantity::Temp, layout.temp()));
+        all.extend(ids.iter().enumerate().filter(|_| is_corrected).map(corrected));
+        all.push(Channel::wide("count0".to_owned(), Some("samples_lost"), Quantity::Lost, "le:U64/64>>0", COUNT));
+        all.push(Channel::wide("timestamp".to_owned(), None, Quantity::Time, "le:S64/64>>0", &[]));
+        Self(all)
+    }
+
+    /// All of them.
+    pub fn channels(&self) -> &[Channel] {
+        &self.0
+    }
+
+    /// The one of this id or name.
+    pub fn channel(&self, name: &str) -> Option<&Channel> {
+        self.0.iter().find(|channel| channel.id == name || channel.name == Some(name))
+    }
+}
+
+impl Channel {
+    /// Codes of up to 32 bits.
+    fn code(id: String, quantity: Quantity, scale: &Scale) -> Self {
+        let format = format!("le:{}{}/32>>0", if scale.signed { 's' } else { 'u' }, scale.width_bits);
+        Self { id, name: None, quantity, format, bytes: size_of::<u32>(), attributes: CODE }
+    }
+
+    fn wide(
+        id: String,
+        name: Option<&'static str>,
+        quantity: Quantity,
+        format: &str,
+        attributes: &'static [&'static str],
+    ) -> Self {
+        Self { id, name, quantity, format: format.to_owned(), bytes: size_of::<u64>(), attributes }
+    }
+
+    /// What an attribute is called where all stand in one folder: `in_anglvel_z_raw`.
+    pub fn file(&self, attribute: &str) -> String {
+        let name = self.name.map(|name| format!("_{name}")).unwrap_or_default();
+        format!("in_{}{name}_{attribute}", self.id)
+    }
+}
+
+/// `anglvel_z` and the like, where the names of the axes end so or there is but one; else they are numbered.
+fn ids(axes: &[CodedAxis]) -> Vec<String> {
+    let letter = |axis: &CodedAxis| axis.name.chars().last().map(|last| last.to_ascii_lowercase());
+    let letters: Vec<Option<char>> = axes.iter().map(letter).collect();
+    let is_axis = |letter: &Option<char>| letter.is_some_and(|letter| "xyz".contains(letter));
+    let are_different = (1..letters.len()).all(|at| !letters[..at].contains(&letters[at]));
+    match letters.as_slice() {
+        letters if letters.iter().all(is_axis) && are_different => {
+            letters.iter().flatten().map(|letter| format!("anglvel_{letter}")).collect()
+        }
+        [_] => vec!["anglvel_z".to_owned()],
+        _ => (0..axes.len()).map(|index| format!("anglvel{index}")).collect(),
+    }
+}

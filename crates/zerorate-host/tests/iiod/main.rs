@@ -1,0 +1,129 @@
+//! The libiio server, over the twin: what clients get is what the hub gave to somebody else.
+
+mod clients;
+mod served;
+
+use served::{Raw, Served};
+use std::io::{Read, Write};
+use std::time::{Duration, Instant};
+
+/// All channels of an ADIS16130 with a calibration: rate, temperature, corrected rate, lost samples, time.
+const ALL: &str = "0000001f";
+/// Bytes of a sample with all of them.
+const SAMPLE: usize = 32;
+
+#[test]
+fn two_clients_at_once_get_the_samples_of_the_hub_or_are_told() {
+    let served = Served::start();
+    let (mut one, mut other) = (Raw::connect(&served), Raw::connect(&served));
+    std::thread::scope(|scope| {
+        for client in [&mut one, &mut other] {
+            scope.spawn(|| {
+                client.open(ALL);
+                let bytes: Vec<u8> = (0..100).flat_map(|_| client.samples(1000 * SAMPLE)).collect();
+                served.check(&bytes, 100_000);
+            });
+        }
+    });
+}
+
+#[test]
+fn who_sleeps_is_told_what_it_missed_and_slows_nobody() {
+    let served = Served::start();
+    let (mut sleeper, mut awake) = (Raw::connect(&served), Raw::connect(&served));
+    sleeper.open(ALL);
+    let first = sleeper.samples(SAMPLE);
+    awake.open(ALL);
+    // more than waits for a client
+    while served.recorded() < 1_500_000 {
+        awake.samples(1000 * SAMPLE);
+    }
+    let rest = sleeper.samples(900_000 * SAMPLE);
+    let lost = served.check(&[first, rest].concat(), 900_001);
+    assert!(lost > 100_000, "{lost} lost of {}", served.recorded());
+    let missed: u64 = awake.value("READ iio:device0 BUFFER samples_lost").parse().expect("a number");
+    assert!(missed >= lost, "{missed} of all buffers, {lost} of one");
+}
+
+#[test]
+fn whoever_dies_leaves_nothing_behind() {
+    let served = Served::start();
+    // more than there may be at a time
+    for round in 0..150 {
+        let mut client = Raw::connect(&served);
+        client.open(ALL);
+        client.ask(&format!("READBUF iio:device0 {}", 100_000 * SAMPLE));
+        client.take(1 + 100 * round);
+        if round % 2 == 0 {
+            client.ask("READ iio:dev");
+        }
+    }
+    let begun = Instant::now();
+    while Raw::connect(&served).try_value("READ iio:device0 current_timestamp_clock").is_none() {
+        assert!(begun.elapsed() < Duration::from_secs(60), "the dead are still connected");
+    }
+}
+
+#[test]
+fn nobody_takes_all_connections() {
+    let served = Served::start();
+    let mut held: Vec<Raw> = (0..64).map(|_| Raw::connect(&served)).collect();
+    held.iter_mut().for_each(|client| assert_eq!(client.number("TIMEOUT 100"), 0));
+    assert_eq!(Raw::connect(&served).try_value("READ iio:device0 calibration"), None, "one too many");
+    held.pop();
+    let begun = Instant::now();
+    while Raw::connect(&served).try_value("READ iio:device0 calibration").is_none() {
+        assert!(begun.elapsed() < Duration::from_secs(60), "nobody gets the place that is free");
+    }
+}
+
+#[test]
+fn nonsense_harms_nobody_else() {
+    let served = Served::start();
+    let mut client = Raw::connect(&served);
+    assert_eq!(client.number("\u{0}\u{1}\u{7f}"), -22);
+    assert_eq!(client.number("GET / HTTP/1.1"), -22);
+    assert_eq!(client.number("READBUF iio:device0 64"), -9);
+    assert_eq!(client.number("OPEN iio:device0 64 zzzzzzzz"), -22);
+    assert_eq!(client.value("READ iio:device0 current_timestamp_clock"), "monotonic", "it goes on");
+    for noise in [vec![b'x'; 1 << 20], (0..=255).cycle().take(100_000).collect(), vec![b'\n'; 1 << 16], vec![0; 4096]]
+    {
+        let mut client = Raw::connect(&served);
+        // the server may hang up before it has all of it
+        let _ = client.stream.write_all(&noise);
+        let _ = client.stream.shutdown(std::net::Shutdown::Write);
+        let mut answer = Vec::new();
+        let _ = client.stream.read_to_end(&mut answer);
+        let is_answer = |line: &&[u8]| line.is_empty() || line.starts_with(b"-");
+        assert!(answer.split(|byte| *byte == b'\n').all(|line| is_answer(&line)), "{answer:?}");
+    }
+    assert_eq!(client.value("READ iio:device0 current_timestamp_clock"), "monotonic", "nor is anybody else");
+}
+
+#[test]
+fn a_server_ends_while_clients_are_there() {
+    let served = Served::start();
+    let mut client = Raw::connect(&served);
+    client.open(ALL);
+    client.ask(&format!("READBUF iio:device0 {}", 10_000_000 * SAMPLE));
+    client.take(1000);
+    let begun = Instant::now();
+    drop(served);
+    assert!(begun.elapsed() < Duration::from_secs(30), "{:?}", begun.elapsed());
+}
+
+/// The part is pulled out: what was read comes whole, then an error.
+#[test]
+fn a_device_that_goes_is_said_to_be_gone() {
+    let served = Served::of("twin:seed=9,fault=unplug,fault_at_s=30");
+    let mut client = Raw::connect(&served);
+    client.open(ALL);
+    let mut bytes = Vec::new();
+    while let Ok(more) = client.try_samples(1000 * SAMPLE) {
+        bytes.extend(more);
+    }
+    // F-31: 5692.6 a second
+    assert!((100_000..172_000).contains(&(bytes.len() / SAMPLE)), "{}", bytes.len() / SAMPLE);
+    assert_eq!(client.number("READBUF iio:device0 3200"), -19);
+    assert_eq!(Raw::connect(&served).number("OPEN iio:device0 256 00000001"), -19);
+}
