@@ -38,7 +38,7 @@ mod remedy;
 pub mod resonance;
 mod running;
 mod shape;
-mod stationarity;
+pub mod stationarity;
 mod tally;
 pub mod thermal;
 #[cfg(feature = "file")]

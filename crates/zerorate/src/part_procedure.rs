@@ -92,6 +92,12 @@ impl PartProcedure {
         Ok(())
     }
 
+    /// What would be refused if the present step ended now, of each axis ([`Procedure::threat`]).
+    pub fn threats(&self) -> impl Iterator<Item = AxisRefusal> + '_ {
+        let threat = |(index, axis): (usize, &Procedure)| Some(AxisRefusal::new(&self.part, index, axis.threat()?));
+        self.axes.iter().enumerate().filter_map(threat)
+    }
+
     /// Ends the recording here ([`Procedure::end_recording`]).
     ///
     /// # Errors

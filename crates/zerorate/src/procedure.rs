@@ -34,6 +34,9 @@ pub enum State {
 
 pub(crate) const STATES: usize = 9;
 
+/// Before this much of a step nothing can be said of it, s.
+const FIRST_LOOK_S: f64 = 2.0;
+
 /// When a state ends.
 enum Until {
     Initialised,
@@ -106,6 +109,28 @@ impl State {
 
     fn row(self) -> &'static Row {
         &TABLE[self as usize]
+    }
+
+    /// The state behind this one.
+    fn next(self, method: Method) -> Self {
+        match (self, method) {
+            (Self::Start, Method::Warmup | Method::Cycle) => Self::Recording,
+            _ => self.row().to,
+        }
+    }
+}
+
+impl Plan {
+    /// The steps that take time, in their order: which, and from when to when since initialisation, s.
+    pub fn steps(&self) -> impl Iterator<Item = (State, f64, f64)> + use<'_> {
+        let states =
+            core::iter::successors(Some(State::Start.next(self.method)), |state| Some(state.next(self.method)));
+        states.take_while(|state| *state != State::Done).scan(0.0, |start_s, state| {
+            let Until::After(duration_s) = state.row().until else { return None };
+            let from_s = *start_s;
+            *start_s += duration_s(self);
+            Some((state, from_s, *start_s))
+        })
     }
 }
 
@@ -283,6 +308,16 @@ impl<L: Ledger> Procedure<L> {
         Progress { state: self.state, elapsed_s: self.now_ns as f64 * 1e-9, total_s: self.plan.total_s() }
     }
 
+    /// What would be refused if the present step ended now. Nothing in its first two seconds.
+    #[must_use]
+    pub fn threat(&self) -> Option<Refusal> {
+        let mut ahead = self.clone();
+        let start_s = self.ledger.summary(self.state).start_s;
+        ahead.ledger.close(self.state, self.now_ns);
+        let lasted = self.now_ns as f64 * 1e-9 - start_s >= FIRST_LOOK_S;
+        lasted.then(|| ahead.check(self.state.row().check).err()).flatten()
+    }
+
     /// Takes in what was seen. A refusal is final: the measurement is over.
     ///
     /// # Errors
@@ -388,10 +423,7 @@ impl<L: Ledger> Procedure<L> {
         }
         self.ledger.close(self.state, self.ends_ns);
         self.check(row.check)?;
-        self.state = match (self.state, self.plan.method) {
-            (State::Start, Method::Warmup | Method::Cycle) => State::Recording,
-            _ => row.to,
-        };
+        self.state = self.state.next(self.plan.method);
         let start_ns = self.ends_ns;
         if let Until::After(duration_s) = self.state.row().until {
             self.ends_ns = start_ns + ns(duration_s(&self.plan));
@@ -475,6 +507,7 @@ mod tests {
     use super::*;
     use crate::remedy::Setting;
     use alloc::string::ToString;
+    use alloc::vec::Vec;
 
     #[test]
     fn the_table_reaches_the_end_through_every_state() {
@@ -489,6 +522,31 @@ mod tests {
         let plan = Plan::default();
         assert_eq!((plan.average_s, plan.warmup_s, plan.settle_s, plan.offset_s), (10.0, 600.0, 2400.0, 150.0));
         assert_eq!(plan.total_s(), 3171.0);
+        let steps: Vec<_> = plan.steps().collect();
+        assert_eq!((steps.len(), steps[1]), (6, (State::WarmUp, 10.0, 610.0)));
+        assert_eq!(steps[5], (State::FinalTemperature, 3170.0, 3171.0));
+        let recording = Plan { method: Method::Cycle, ..plan };
+        assert_eq!(recording.steps().collect::<Vec<_>>(), [(State::Recording, 0.0, 3171.0)]);
+    }
+
+    #[test]
+    fn a_refusal_is_told_before_its_step_ends() {
+        let mut procedure = Procedure::new(&Axis::ADIS16130, Plan::default()).unwrap();
+        procedure.handle(Event::Initialised { t_ns: 0 }).unwrap();
+        for seq in 0..400 {
+            let t_ns = u64::from(seq) * 10_000_000;
+            let turning = if seq < 300 { 0 } else { 23_488 * 2 * (seq as i32 - 300) / 100 };
+            let rate = turning + 100 * (seq as i32 % 5);
+            let reading = Reading { t_ns, seq, rate, temp: Some(0), out_of_range: false, lost: 0 };
+            procedure.handle(Event::Reading(&reading)).unwrap();
+            match procedure.threat() {
+                Some(threat) => assert!(
+                    seq > 300 && matches!(threat, Refusal::Moving { .. } | Refusal::Noisy { .. }),
+                    "{seq} {threat}"
+                ),
+                None => assert!(seq < 380, "{seq}"),
+            }
+        }
     }
 
     #[test]

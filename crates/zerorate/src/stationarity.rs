@@ -15,24 +15,16 @@ const ALARM_Z: f64 = 5.5;
 
 /// What a window looks like.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(missing_docs, reason = "the fields are the numbers with their units")]
 pub enum Verdict {
+    /// Noise explains it.
     AtRest,
     /// At rest but for one step, `at_s` after the window's start.
-    Step {
-        at_s: f64,
-        size_dps: f64,
-    },
+    Step { at_s: f64, size_dps: f64 },
     /// At `tau_s`, the Allan deviation is `seen_dps` where the noise explains at most `limit_dps`.
-    Moving {
-        tau_s: f64,
-        seen_dps: f64,
-        limit_dps: f64,
-    },
+    Moving { tau_s: f64, seen_dps: f64, limit_dps: f64 },
     /// White noise of `seen_dps_per_rt_hz` where the part has at most `limit_dps_per_rt_hz`.
-    Noisy {
-        seen_dps_per_rt_hz: f64,
-        limit_dps_per_rt_hz: f64,
-    },
+    Noisy { seen_dps_per_rt_hz: f64, limit_dps_per_rt_hz: f64 },
 }
 
 /// Judges a window by its Allan variances alone: of single blocks, and of averages of `m` of them where there are
@@ -52,8 +44,18 @@ pub(crate) fn judge_variances(
     }
 }
 
-/// Judges the block means of a window whose temperature changes by `temp_slope_c_per_s`.
-pub(crate) fn judge(axis: &Axis, rates_dps: &[f64], temp_slope_c_per_s: f64) -> Verdict {
+/// Judges the means of a window over blocks of 0.1 s, °/s, while the temperature changes by `temp_slope_c_per_s`. A part
+/// whose typical noise or temperature coefficient is not known passes.
+///
+/// ```
+/// use zerorate::{Axis, stationarity::{Verdict, judge}};
+/// let still: Vec<f64> = (0..100).map(|k| 0.02 * [1.0, -0.5, 0.3, -0.8][k % 4]).collect();
+/// assert_eq!(judge(&Axis::ADIS16130, &still, 0.0), Verdict::AtRest);
+/// let swaying: Vec<f64> = (0..100).map(|k| 0.2 * (k as f64 / 15.0).sin()).collect();
+/// assert!(matches!(judge(&Axis::ADIS16130, &swaying, 0.0), Verdict::Moving { .. }));
+/// ```
+#[must_use]
+pub fn judge(axis: &Axis, rates_dps: &[f64], temp_slope_c_per_s: f64) -> Verdict {
     let ladder = |rates_dps: &[f64]| {
         let averages = |m| Some(adjacent(rates_dps, m));
         judge_variances(axis, adjacent(rates_dps, 1), averages, temp_slope_c_per_s)

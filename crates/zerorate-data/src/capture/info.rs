@@ -5,6 +5,7 @@ use super::layout::{Layout, PART, number, number_or, stated};
 use adis16130::Width;
 use arrow_schema::Metadata;
 use std::path::Path;
+use zerorate::calibration::Origin;
 use zerorate::{Axis, NamedAxis, Part};
 
 /// Version of the format that this program writes, and the highest it reads.
@@ -106,6 +107,26 @@ impl CaptureInfo {
     /// Edges of the part's data ready from one reading to the next, all in all.
     pub fn edges_per_reading(&self) -> u16 {
         self.divider.max(1).saturating_mul(self.divided.max(1))
+    }
+
+    /// Where a calibration by samples of this digest comes from ([`SampleHash`](super::SampleHash)).
+    #[must_use]
+    pub fn origin(self, capture_sha256: String) -> Origin {
+        let Self { converter, every_temp, divider, divided, bandwidth_hz, .. } = self;
+        let converter = converter.map_or(String::new(), |Converter { width, rate_conversion, temp_conversion }| {
+            format!("{} bit, RATECONV {rate_conversion:02X}h, TEMPCONV {temp_conversion:02X}h, ", width.bits())
+        });
+        let divided = if divided > 1 { format!(", divided {divided}") } else { String::new() };
+        let bandwidth = bandwidth_hz.map_or(String::new(), |hz| format!(", bandwidth {hz} Hz"));
+        Origin {
+            config: format!("{converter}every_temp {every_temp}, divider {divider}{divided}{bandwidth}"),
+            serial: self.serial,
+            created: Some(self.created).filter(|created| !created.is_empty()),
+            software: zerorate::SOFTWARE.to_owned(),
+            device: self.device,
+            capture_sha256,
+            supply_note: self.supply_note,
+        }
     }
 
     /// The metadata that states this.

@@ -24,11 +24,10 @@ pub use plan::flag;
 pub use report::{CurvePoint, POINTS, Report};
 use std::path::{Path, PathBuf};
 use target::Target;
-use zerorate::calibration::Origin;
 use zerorate::{
     Action, AxisRefusal, Calibration, Event, Names, Outcome, Part, PartProcedure, Plan, Say, Scan, State, Warning,
 };
-use zerorate_data::capture::{CaptureInfo, Converter, Format, Layout, Row, SampleHash};
+use zerorate_data::capture::{CaptureInfo, Format, Layout, Row, SampleHash};
 use zerorate_host::{DeviceSpec, Setup, Stop};
 use zerorate_view::duration::Seconds;
 
@@ -170,7 +169,7 @@ fn measure(
     let log = files.log(&info)?;
     let mut measured = Measurement::new(acquisition, procedure, log, watch).run()?;
     measured.outcomes.iter_mut().for_each(|outcome| outcome.warnings.extend(measured.resonance));
-    let calibration = Calibration::new(&measured.part, &measured.outcomes, origin(info, measured.capture_sha256));
+    let calibration = Calibration::new(&measured.part, &measured.outcomes, info.origin(measured.capture_sha256));
     let report = Report::new(&measured.outcomes, &calibration, &measured.truths, names);
     let kept = match measured.log_failed {
         Some(error) => Err(error),
@@ -217,24 +216,6 @@ impl Files {
             Ok(Recorder::create(file, Format::choose(None, &path), info)?)
         };
         self.log.take().map(start).transpose()
-    }
-}
-
-pub(super) fn origin(info: CaptureInfo, capture_sha256: String) -> Origin {
-    let CaptureInfo { converter, every_temp, divider, divided, bandwidth_hz, .. } = info;
-    let converter = converter.map_or(String::new(), |Converter { width, rate_conversion, temp_conversion }| {
-        format!("{} bit, RATECONV {rate_conversion:02X}h, TEMPCONV {temp_conversion:02X}h, ", width.bits())
-    });
-    let divided = if divided > 1 { format!(", divided {divided}") } else { String::new() };
-    let bandwidth = bandwidth_hz.map_or(String::new(), |hz| format!(", bandwidth {hz} Hz"));
-    Origin {
-        config: format!("{converter}every_temp {every_temp}, divider {divider}{divided}{bandwidth}"),
-        serial: info.serial,
-        created: Some(info.created).filter(|created| !created.is_empty()),
-        software: zerorate::SOFTWARE.to_owned(),
-        device: info.device,
-        capture_sha256,
-        supply_note: info.supply_note,
     }
 }
 

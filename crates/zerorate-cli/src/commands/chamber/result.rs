@@ -5,7 +5,7 @@ use super::plan::PlanFile;
 use super::{ChamberArgs, Files};
 use crate::acquire::aliasing;
 use crate::commands::allan::picture;
-use crate::commands::calibrate::{CurvePoint, POINTS, Undelivered, origin};
+use crate::commands::calibrate::{CurvePoint, POINTS, Undelivered};
 use crate::commands::{coded, print_json, print_lines, warn};
 use crate::exit::Refused;
 use adis16130_twin::Truth;
@@ -115,7 +115,7 @@ pub fn deliver(args: &ChamberArgs, plan: &PlanFile, driven: Driven, files: Files
     let run = ChamberRun { tally: &tally, max_lost: args.max_lost, earth_dps: args.earth_dps, warnings: &warnings };
     // what was measured before an interruption is in no recording of this run
     let capture_sha256 = if is_resumed { String::new() } else { capture_sha256 };
-    let calibration = Calibration::of_chamber(&part, &record, &outcomes, &run, origin(info, capture_sha256));
+    let calibration = Calibration::of_chamber(&part, &record, &outcomes, &run, info.origin(capture_sha256));
     let mut said: Vec<String> = warnings.iter().map(coded).chain(acquisition.disbelief()).collect();
     said.extend(resumed(is_resumed));
     said.extend(outcomes.iter().zip(part.axes.iter()).flat_map(|(outcome, axis)| of_axis(outcome, &axis.name, &part)));

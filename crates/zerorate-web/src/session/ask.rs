@@ -1,0 +1,190 @@
+//! Requests and their answers, and the guided calibration that they begin and end.
+
+use super::guide::{Guide, Measured};
+use super::{Asked, HostWish, Session};
+use crate::message::{
+    Answer, Answered, CalibrateWish, Calibrating, DeviceState, Given, MethodName, Request, Running, Wish,
+};
+use serde::Deserialize;
+use zerorate::Scan;
+use zerorate_data::capture::Row;
+
+/// Fastest that simulated time is asked to go.
+const FASTEST: f64 = 1000.0;
+
+/// What is left of a request that is not understood.
+#[derive(Deserialize)]
+struct Anonymous {
+    id: u32,
+}
+
+impl Session {
+    /// Carries out a request, or says who must.
+    pub fn ask(&mut self, request: &str) -> Asked {
+        let Request { id, wish } = match serde_json::from_str(request) {
+            Ok(request) => request,
+            Err(error) => {
+                let id = serde_json::from_str(request).map_or(0, |Anonymous { id }| id);
+                return answer(id, Err(format!("not understood: {error}")));
+            }
+        };
+        match self.wish(wish) {
+            Ok(Wished::Done(given)) => answer(id, Ok(given)),
+            Ok(Wished::Host(wish)) => Asked::Host { id, wish },
+            Err(why) => answer(id, Err(why)),
+        }
+    }
+
+    /// The answer to what the owner of the device was to do.
+    pub fn done(&mut self, id: u32, result: Result<(), String>) -> String {
+        written(id, result.map(|()| Given::Nothing {}))
+    }
+
+    /// How fast simulated time goes by now.
+    pub fn speed(&mut self, factor: f64) {
+        self.speed = factor;
+        self.changed.device = true;
+    }
+
+    fn wish(&mut self, wish: Wish) -> Result<Wished, String> {
+        match wish {
+            Wish::Calibrate(wish) => return self.calibrate(&wish).map(|()| Wished::Host(HostWish::Reopen)),
+            Wish::AbortCalibration => self.abort_guide("it was ended by hand".to_owned()),
+            Wish::FinishCalibration => self.finish_guide()?,
+            Wish::DismissCalibration => self.dismiss()?,
+            Wish::Apply { calibration } => self.apply(calibration.as_deref())?,
+            Wish::AddCalibration { toml } => {
+                let id = self.add_calibration(&toml)?;
+                let entry = self.shelf.entry_of(&id).ok_or("it is not on file")?;
+                return Ok(Wished::Done(Given::Calibration(entry)));
+            }
+            Wish::Download { calibration, form } => {
+                return Ok(Wished::Done(Given::Download(self.shelf.download(&calibration, form)?)));
+            }
+            Wish::Restart => self.restart_statistics(),
+            Wish::ZeroAngle => self.axes.iter_mut().for_each(|axis| axis.angle.zero()),
+            Wish::Speed { factor } => return self.wish_speed(factor),
+            Wish::Reopen => {
+                self.abort_guide("the device was opened again".to_owned());
+                return Ok(Wished::Host(HostWish::Reopen));
+            }
+        }
+        Ok(Wished::Done(Given::Nothing {}))
+    }
+
+    fn wish_speed(&self, factor: f64) -> Result<Wished, String> {
+        if !self.about.simulated {
+            return Err("a real part has its own time; only simulated and recorded time can go faster".to_owned());
+        }
+        if !(0.0..=FASTEST).contains(&factor) {
+            return Err(format!("factor is 0 (as fast as it goes) or up to {FASTEST}"));
+        }
+        Ok(Wished::Host(HostWish::Speed(factor)))
+    }
+
+    /// The procedure begins with the first reading of a part that was just reset (F-51, step 3).
+    fn calibrate(&mut self, wish: &CalibrateWish) -> Result<(), String> {
+        if matches!(self.calibrating, Calibrating::Running(_)) {
+            return Err("a calibration is under way: end it first".to_owned());
+        }
+        if let DeviceState::Failed { why } = &self.state {
+            return Err(format!("the device cannot be read: {why}"));
+        }
+        let guide = Guide::new(wish, &self.about.part, &self.about.info)?;
+        self.calibrating = guide.shown();
+        self.wanted = Some(guide);
+        self.changed.calibration = true;
+        Ok(())
+    }
+
+    /// What is under way or about to begin.
+    fn method(&self) -> Option<MethodName> {
+        match &self.calibrating {
+            Calibrating::Running(Running { method, .. }) => Some(*method),
+            _ => None,
+        }
+    }
+
+    pub(super) fn abort_guide(&mut self, why: String) {
+        let Some(method) = self.method() else { return };
+        (self.guide, self.wanted) = (None, None);
+        self.calibrating = Calibrating::Aborted { method, text: why };
+        self.changed.calibration = true;
+    }
+
+    fn dismiss(&mut self) -> Result<(), String> {
+        if self.method().is_some() {
+            return Err("a calibration is under way: end it first".to_owned());
+        }
+        self.calibrating = Calibrating::Idle;
+        self.changed.calibration = true;
+        Ok(())
+    }
+
+    fn finish_guide(&mut self) -> Result<(), String> {
+        let guide = self.guide.as_mut().ok_or("no calibration is under way")?;
+        match guide.end_recording() {
+            Ok(true) => self.complete_guide(),
+            Ok(false) => return Err("this method has steps that are still to come: wait, or abort it".to_owned()),
+            Err(why) => self.refuse_guide(why),
+        }
+        Ok(())
+    }
+
+    /// A recording has ended: enough for the methods that take all of it.
+    pub(super) fn end_guide(&mut self, otherwise: &str) {
+        let Some(guide) = &mut self.guide else { return self.abort_guide(otherwise.to_owned()) };
+        match guide.end_recording() {
+            Ok(true) => self.complete_guide(),
+            Ok(false) => self.abort_guide(otherwise.to_owned()),
+            Err(why) => self.refuse_guide(why),
+        }
+    }
+
+    #[inline]
+    pub(super) fn guide(&mut self, row: &Row, scan: &Scan) {
+        match self.guide.as_mut().map(|guide| guide.take(row, scan)) {
+            None | Some(Ok(false)) => {}
+            Some(Ok(true)) => self.complete_guide(),
+            Some(Err(why)) => self.refuse_guide(why),
+        }
+    }
+
+    fn refuse_guide(&mut self, text: String) {
+        let Some(guide) = self.guide.take() else { return };
+        self.calibrating = Calibrating::Refused { method: guide.method, text };
+        self.changed.calibration = true;
+    }
+
+    fn complete_guide(&mut self) {
+        let Some(guide) = self.guide.take() else { return };
+        let method = guide.method;
+        let rate_hz = self.tally.sampling_hz();
+        let measured = Measured { info: &self.about.info, rate_hz, axes: &self.axes, truths: &self.truths };
+        let kept = guide.finish(&measured).and_then(|(result, calibration)| {
+            self.shelf.add(calibration)?;
+            Ok(result)
+        });
+        self.calibrating = match kept {
+            Ok(result) => Calibrating::Done(result),
+            Err(text) => Calibrating::Refused { method, text },
+        };
+        (self.changed.calibration, self.changed.calibrations) = (true, true);
+    }
+}
+
+/// What becomes of a wish.
+enum Wished {
+    Done(Given),
+    Host(HostWish),
+}
+
+fn answer(id: u32, result: Result<Given, String>) -> Asked {
+    Asked::Answer(written(id, result))
+}
+
+fn written(id: u32, result: Result<Given, String>) -> String {
+    let outcome = result.map_or_else(Answered::Error, Answered::Ok);
+    // numbers, texts and lists of them
+    serde_json::to_string(&Answer { id, outcome }).unwrap_or_default()
+}

@@ -1,0 +1,141 @@
+//! Frames: what is new, or everything, in bytes (docs/formats/page.md).
+
+use super::axis::AxisState;
+use super::statistics::Statistics;
+use super::{Changed, Session, strips};
+use crate::message::{AxisAbout, Device, Frame, Ledger, Now};
+use zerorate::health::Health;
+use zerorate_data::believed;
+
+impl Session {
+    /// What is new since the last one, for everybody; none if nothing is.
+    pub fn frame(&mut self) -> Option<Vec<u8>> {
+        self.recompute();
+        let changed = std::mem::take(&mut self.changed);
+        let Changed { device, readings, notices, statistics, calibration, calibrations, everything } = changed;
+        if !(device || readings || notices || statistics || calibration || calibrations || everything) {
+            return None;
+        }
+        self.seq += 1;
+        let bytes = self.encoded(&changed, everything);
+        self.axes.iter_mut().for_each(|axis| axis.strips.mark_given());
+        Some(bytes)
+    }
+
+    /// Everything, for one who came or was too slow.
+    #[must_use]
+    pub fn snapshot(&self) -> Vec<u8> {
+        self.encoded(&Changed { everything: true, ..Changed::default() }, true)
+    }
+
+    /// Before a frame: what takes longer than a reading should.
+    fn recompute(&mut self) {
+        if !self.changed.readings {
+            return;
+        }
+        let rate_hz = self.tally.sampling_hz();
+        for statistics in &mut self.statistics {
+            self.changed.statistics |= statistics.refresh(rate_hz);
+        }
+        if self.changed.statistics {
+            let axes = self.axes.iter().map(|axis| (axis.name.as_str(), &axis.health));
+            let said = believed::of_axes(axes, &self.tally, self.start_ns.unwrap_or_default());
+            said.iter().for_each(|text| self.note(text));
+        }
+        if let Some(guide) = &self.guide {
+            self.calibrating = guide.shown();
+        }
+    }
+
+    fn encoded(&self, changed: &Changed, snapshot: bool) -> Vec<u8> {
+        let all = changed.everything;
+        let (mut strips, mut payload) = (Vec::new(), Vec::new());
+        for (index, axis) in self.axes.iter().enumerate() {
+            axis.strips.give(index as u32, all, &mut strips, &mut payload);
+        }
+        let frame = Frame {
+            seq: self.seq,
+            snapshot,
+            strips,
+            device: (all || changed.device).then(|| self.device()),
+            now: (all || changed.readings).then(|| self.now()),
+            ledger: (all || changed.readings).then(|| self.ledger()),
+            notices: (all || changed.notices).then(|| self.notices.all()),
+            statistics: (all || changed.statistics)
+                .then(|| self.statistics.iter().map(|one| one.shown().clone()).collect()),
+            calibration: (all || changed.calibration).then(|| self.calibrating.clone()),
+            calibrations: (all || changed.calibrations).then(|| self.shelf.entries()),
+        };
+        encode(&frame, &payload)
+    }
+
+    fn device(&self) -> Device {
+        let about = &self.about;
+        let of_axis = |axis: &AxisState| AxisAbout {
+            name: axis.name.clone(),
+            range_dps: axis.axis.range_dps,
+            bandwidth_hz: about.info.bandwidth_hz.or(axis.axis.bandwidth_hz),
+            resonance_hz: axis.axis.resonance.map(|tone| tone.hz),
+        };
+        Device {
+            name: about.name.clone(),
+            state: self.state.clone(),
+            simulated: about.simulated,
+            speed: self.speed,
+            part: about.part.name.to_string(),
+            axes: self.axes.iter().map(of_axis).collect(),
+            bins_s: strips::bins_s().collect(),
+            bins_kept: strips::KEPT as u32,
+            nominal_hz: about.nominal_hz,
+            registers: about.registers.clone(),
+            checks: about.checks.clone(),
+            software: zerorate::SOFTWARE.to_owned(),
+        }
+    }
+
+    fn now(&self) -> Now {
+        let extrapolated = self.corrector.as_ref().is_some_and(|corrector| corrector.is_extrapolated());
+        let now = |axis: &AxisState| axis.now(self.shelf.applied(), extrapolated);
+        Now {
+            t_s: self.now_s(),
+            temp_c: self.axes.first().and_then(AxisState::temp_c),
+            axes: self.axes.iter().map(now).collect(),
+        }
+    }
+
+    fn ledger(&self) -> Ledger {
+        let start_ns = self.start_ns.unwrap_or_default();
+        let since_s = |t_ns: u64| t_ns.saturating_sub(start_ns) as f64 * 1e-9;
+        let sum = |count: fn(&Health) -> u64| self.axes.iter().map(|axis| count(&axis.health)).sum();
+        Ledger {
+            samples: self.tally.samples,
+            lost: self.tally.lost,
+            missed: self.missed,
+            impossible: sum(|health| health.marks().impossible),
+            out_of_range: sum(|health| health.marks().out_of_range),
+            rate_hz: self.tally.rate_hz(),
+            rdy_hz: self.tally.rdy_hz(),
+            frozen_since_s: self.axes.iter().find_map(|axis| axis.health.frozen()).map(|one| since_s(one.since_ns)),
+            duration_s: self.tally.duration_s(),
+        }
+    }
+
+    /// The statistics begin anew.
+    pub(super) fn restart_statistics(&mut self) {
+        self.statistics = self.axes.iter().map(|axis| Statistics::new(&axis.axis)).collect();
+        self.changed.statistics = true;
+    }
+}
+
+/// Length of the header, header, zeros, payload.
+fn encode(frame: &Frame, payload: &[f32]) -> Vec<u8> {
+    // numbers, texts and lists of them; NaN becomes null
+    let header = serde_json::to_vec(frame).unwrap_or_default();
+    let padded = (4 + header.len()).next_multiple_of(4);
+    let mut bytes = Vec::with_capacity(padded + 4 * payload.len());
+    bytes.extend((header.len() as u32).to_le_bytes());
+    bytes.extend(&header);
+    bytes.resize(padded, 0);
+    payload.iter().for_each(|number| bytes.extend(number.to_le_bytes()));
+    bytes
+}

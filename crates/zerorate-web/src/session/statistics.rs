@@ -1,0 +1,341 @@
+//! What is known of an axis' noise by now: Allan deviation, spectrum, rate over temperature. In bounded memory, however
+//! long it runs.
+
+use super::axis::{BLOCK_S, Block};
+use crate::message::{
+    AllanPoint, Coefficient, MarkKind, SpectrumMark, SpectrumPoint, Statistics as Shown, TemperaturePoint,
+};
+use std::collections::{BTreeMap, VecDeque};
+use zerorate::Axis;
+use zerorate::allan::{self, FitOptions, Input, Options, Stream, interval};
+
+/// Readings of the spectrum: 23 s at the full rate of an ADIS16130.
+const SPECTRUM: usize = 1 << 17;
+/// Averages of single readings, up to this many octaves; blocks have the longer ones.
+const OCTAVES: usize = 16;
+/// Block means that are kept; then two become one.
+const MOST_MEANS: usize = 1 << 19;
+/// Before so many means nothing is said of coefficients.
+const FEWEST_MEANS: usize = 300;
+/// Widths of the temperature's bins: the least, °C, and how many there are at most.
+const NARROWEST_C: f64 = 0.05;
+const MOST_BINS: usize = 400;
+/// Deviations and spectrum are computed again when there is this much more, and the model.
+const GROWN: f64 = 1.01;
+const GROWN_FOR_FIT: f64 = 1.1;
+
+/// The statistics of one axis.
+#[derive(Debug)]
+pub struct Statistics {
+    axis: Axis,
+    short: Stream<OCTAVES>,
+    stand_in: StandIn,
+    recent: VecDeque<f64>,
+    means: Means,
+    temps: Temperatures,
+    shown: Shown,
+    fit: Option<allan::Fit>,
+    fitted_s: f64,
+}
+
+impl Statistics {
+    pub fn new(axis: &Axis) -> Self {
+        Self {
+            axis: *axis,
+            short: Stream::starting_at(0),
+            stand_in: StandIn::default(),
+            recent: VecDeque::with_capacity(SPECTRUM),
+            means: Means::default(),
+            temps: Temperatures::default(),
+            shown: Shown::default(),
+            fit: None,
+            fitted_s: 0.0,
+        }
+    }
+
+    /// A reading; none where it is lost or not to be believed.
+    #[inline]
+    pub fn push(&mut self, code: Option<i32>) {
+        self.short.push(code.unwrap_or_else(|| self.stand_in.code()));
+        if let Some(code) = code {
+            self.stand_in.push(code);
+        }
+        if self.recent.len() == SPECTRUM {
+            self.recent.pop_front();
+        }
+        self.recent.push_back(code.map_or(f64::NAN, |code| self.axis.rate.value(code.into())));
+    }
+
+    /// A block that is complete; of the rate over temperature, only where the part is at rest.
+    pub fn push_block(&mut self, block: &Block, at_rest: bool) {
+        self.means.push(block.rate_dps);
+        if at_rest {
+            self.temps.push(block);
+        }
+    }
+
+    /// Whether there is enough that is new; it is computed then.
+    pub fn refresh(&mut self, rate_hz: f64) -> bool {
+        let duration_s = self.means.duration_s();
+        if duration_s < GROWN * self.shown.duration_s || duration_s < self.shown.duration_s + 1.0 {
+            return false;
+        }
+        if self.means.values.len() >= FEWEST_MEANS && duration_s >= GROWN_FOR_FIT * self.fitted_s {
+            self.fit = self.fitted();
+            self.fitted_s = duration_s;
+        }
+        self.shown = Shown {
+            duration_s,
+            allan: self.allan(rate_hz),
+            coefficients: self.coefficients(),
+            spectrum: self.spectrum(rate_hz),
+            marks: self.marks(rate_hz),
+            temperature: self.temps.points(self.white_dps_per_rt_hz()),
+            caution: self.caution(),
+        };
+        true
+    }
+
+    /// What was computed last.
+    pub fn shown(&self) -> &Shown {
+        &self.shown
+    }
+
+    fn fitted(&self) -> Option<allan::Fit> {
+        allan::fit(&Input::Rate(&self.means.values), self.means.rate_hz(), &FitOptions::default()).ok()
+    }
+
+    /// Averages shorter than a block by adjacent readings, longer ones by overlapping blocks.
+    fn allan(&self, rate_hz: f64) -> Vec<AllanPoint> {
+        let scale = 1.0 / self.axis.rate.lsb_per_unit;
+        let longest = self.means.length_s();
+        let short = (0..OCTAVES).filter_map(|octave| self.short.deviation(octave));
+        let short = short.map(|one| (one.m as f64 / rate_hz, scale * one.dev, one.n));
+        let mut points: Vec<AllanPoint> = short
+            .take_while(|(tau_s, ..)| *tau_s < 0.7 * longest)
+            .map(|(tau_s, dev_dps, n)| {
+                // adjacent averages of white noise: two thirds of the differences are free
+                let (lo_dps, hi_dps) = interval(dev_dps, n as f64 * 2.0 / 3.0, ONE_SIGMA);
+                AllanPoint { tau_s, dev_dps, lo_dps, hi_dps, model_dps: None }
+            })
+            .collect();
+        let input = Input::Rate(&self.means.values);
+        let analysed = allan::analyse(&input, self.means.rate_hz(), &Options::default());
+        let model = |m| self.fit.as_ref().map(|fit| fit.deviation(m));
+        points.extend(analysed.iter().flat_map(|analysis| &analysis.points).map(|point| AllanPoint {
+            tau_s: point.tau_s,
+            dev_dps: point.dev,
+            lo_dps: point.lo,
+            hi_dps: point.hi,
+            model_dps: model(point.m),
+        }));
+        points
+    }
+
+    fn coefficients(&self) -> Vec<Coefficient> {
+        let Some(fit) = &self.fit else { return Vec::new() };
+        let stated = [
+            ("N", "angle random walk", fit.n, "°/√s"),
+            ("B", "bias instability", fit.b, "°/s"),
+            ("K", "rate random walk", fit.k, "°/s/√s"),
+        ];
+        let left_s = |needed_s: f64| (needed_s - self.shown.duration_s).max(0.0);
+        let stated = stated.map(|(symbol, name, found, unit)| Coefficient {
+            symbol: symbol.to_owned(),
+            name: name.to_owned(),
+            value: found.value,
+            lo: found.lo,
+            hi: found.hi,
+            unit: unit.to_owned(),
+            identified: found.identified,
+            identified_in_s: found.needed_s.filter(|needed_s| needed_s.is_finite()).map(left_s),
+        });
+        stated.into()
+    }
+
+    fn spectrum(&mut self, rate_hz: f64) -> Vec<SpectrumPoint> {
+        // known of no error
+        let density = allan::welch(self.recent.make_contiguous(), rate_hz).unwrap_or_default();
+        let one_sided = |density: f64| (2.0 * density).sqrt();
+        let point = |one: &allan::Density| SpectrumPoint {
+            hz: one.frequency_hz,
+            density_dps_per_rt_hz: one_sided(one.density),
+        };
+        density.iter().map(point).collect()
+    }
+
+    /// What the part is known for, and where that lies at this rate.
+    fn marks(&self, rate_hz: f64) -> Vec<SpectrumMark> {
+        let half_hz = rate_hz / 2.0;
+        let mark = |hz, kind, text| SpectrumMark { hz, kind, text };
+        let bandwidth = self.axis.bandwidth_hz.map(|hz| {
+            let aliases = if half_hz < hz { ": samples alias, for they come below twice of it" } else { "" };
+            mark(hz.min(half_hz), MarkKind::Bandwidth, format!("bandwidth {hz:.0} Hz (−3 dB){aliases}"))
+        });
+        let resonance = self.axis.resonance.map(|tone| {
+            let hz = tone.folded_hz(rate_hz);
+            let text = format!("the resonance at {:.1} kHz appears at {hz:.1} Hz", tone.hz / 1000.0);
+            mark(hz, MarkKind::Resonance, text)
+        });
+        let nyquist = mark(half_hz, MarkKind::Nyquist, format!("half of the sample rate, {half_hz:.1} Hz"));
+        bandwidth.into_iter().chain(resonance).chain([nyquist]).chain(self.lines()).collect()
+    }
+
+    /// Lines that the model has taken out.
+    fn lines(&self) -> impl Iterator<Item = SpectrumMark> + '_ {
+        let terms = self.fit.iter().flat_map(|fit| &fit.terms);
+        terms.filter_map(|term| match term {
+            allan::Term::Line(line) => Some(SpectrumMark {
+                hz: line.frequency_hz,
+                kind: MarkKind::Line,
+                text: format!("a line at {:.3} Hz", line.frequency_hz),
+            }),
+            _ => None,
+        })
+    }
+
+    fn white_dps_per_rt_hz(&self) -> f64 {
+        let typical = self.axis.noise.map_or(0.0, |noise| noise.white_dps_per_rt_hz);
+        self.fit.as_ref().map_or(typical, |fit| std::f64::consts::SQRT_2 * fit.n.value)
+    }
+
+    /// Where readings are missing, or the model does not hold.
+    fn caution(&self) -> Option<String> {
+        if let Some(fit) = self.fit.as_ref().filter(|fit| fit.is_rejected) {
+            return Some(format!(
+                "the noise model is rejected (off by {:.0} %): the rate does something that noise does not; is the part \
+                 at rest?",
+                100.0 * fit.model_error
+            ));
+        }
+        let missing = self.recent.iter().filter(|rate| rate.is_nan()).count() as f64 / self.recent.len().max(1) as f64;
+        (missing > MOST_MISSING).then(|| {
+            format!("{:.1} % of the readings are missing: averages below 0.1 s show too little noise", 100.0 * missing)
+        })
+    }
+}
+
+/// Limits of a deviation enclose the true one with this probability.
+const ONE_SIGMA: f64 = 0.683;
+/// Share of missing readings that is worth a word.
+const MOST_MISSING: f64 = 0.001;
+
+/// Means over blocks; the blocks are longer the longer it lasts.
+#[derive(Debug, Default)]
+struct Means {
+    values: Vec<f64>,
+    doublings: u32,
+    pending: Vec<f64>,
+}
+
+impl Means {
+    fn push(&mut self, rate_dps: f64) {
+        self.pending.push(rate_dps);
+        if self.pending.len() < 1 << self.doublings {
+            return;
+        }
+        self.values.push(mean(&self.pending));
+        self.pending.clear();
+        if self.values.len() == MOST_MEANS {
+            self.values = self.values.chunks(2).map(mean).collect();
+            self.doublings += 1;
+        }
+    }
+
+    fn length_s(&self) -> f64 {
+        BLOCK_S * f64::from(1 << self.doublings)
+    }
+
+    fn rate_hz(&self) -> f64 {
+        1.0 / self.length_s()
+    }
+
+    fn duration_s(&self) -> f64 {
+        self.values.len() as f64 * self.length_s()
+    }
+}
+
+/// NaN where one is.
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
+}
+
+/// The rate over temperature.
+#[derive(Debug)]
+struct Temperatures {
+    width_c: f64,
+    bins: BTreeMap<i64, Bin>,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct Bin {
+    temp_c: f64,
+    rate_dps: f64,
+    blocks: u32,
+}
+
+impl Default for Temperatures {
+    fn default() -> Self {
+        Self { width_c: NARROWEST_C, bins: BTreeMap::new() }
+    }
+}
+
+impl Temperatures {
+    fn push(&mut self, block: &Block) {
+        if block.rate_dps.is_nan() || block.temp_c.is_nan() {
+            return;
+        }
+        let bin = self.bins.entry((block.temp_c / self.width_c).floor() as i64).or_default();
+        bin.temp_c += block.temp_c;
+        bin.rate_dps += block.rate_dps;
+        bin.blocks += 1;
+        if self.bins.len() > MOST_BINS {
+            self.widen();
+        }
+    }
+
+    fn widen(&mut self) {
+        self.width_c *= 2.0;
+        let narrow = std::mem::take(&mut self.bins);
+        for (index, bin) in narrow {
+            let wide = self.bins.entry(index.div_euclid(2)).or_default();
+            wide.temp_c += bin.temp_c;
+            wide.rate_dps += bin.rate_dps;
+            wide.blocks += bin.blocks;
+        }
+    }
+
+    fn points(&self, white_dps_per_rt_hz: f64) -> Vec<TemperaturePoint> {
+        let point = |bin: &Bin| {
+            let (blocks, duration_s) = (f64::from(bin.blocks), f64::from(bin.blocks) * BLOCK_S);
+            TemperaturePoint {
+                temp_c: bin.temp_c / blocks,
+                rate_dps: bin.rate_dps / blocks,
+                u_dps: white_dps_per_rt_hz / (2.0 * duration_s).sqrt(),
+                seconds: duration_s.round() as u32,
+            }
+        };
+        self.bins.values().map(point).collect()
+    }
+}
+
+/// What stands for a reading that is missing: the mean of those before, so that the times of the others stay right.
+#[derive(Debug, Default)]
+struct StandIn {
+    code: f64,
+}
+
+/// Readings that its mean goes over, about.
+const STAND_IN_OVER: f64 = 1000.0;
+
+impl StandIn {
+    /// Takes a reading that is there.
+    #[inline]
+    fn push(&mut self, code: i32) {
+        self.code += (f64::from(code) - self.code) / STAND_IN_OVER;
+    }
+
+    fn code(&self) -> i32 {
+        self.code.round() as i32
+    }
+}

@@ -1,0 +1,233 @@
+//! A session on the twin, without anything between: what the page would be told.
+
+use adis16130::blocking::Adis16130;
+use adis16130::{Config, Edge, Framing, MCLK_HZ, Sampler, SamplerConfig, Width};
+use adis16130_twin::{Spec, Twin, TwinSpi};
+use embedded_hal::delay::DelayNs;
+use serde_json::{Value, json};
+use zerorate::Part;
+use zerorate_data::capture::{CaptureInfo, Converter, Row};
+use zerorate_web::message::DeviceState;
+use zerorate_web::session::{About, Asked, HostWish, Session};
+
+/// The part in software, read by the driver.
+struct Device {
+    twin: Twin,
+    gyro: Adis16130<TwinSpi, ()>,
+    sampler: Sampler,
+}
+
+/// Every 50th edge: 223 readings a second.
+const DIVIDER: u16 = 50;
+
+impl Device {
+    fn open(keys: &str) -> Self {
+        let twin = Twin::new(Spec::parse_keys(keys).unwrap());
+        let config = Config::new().with_framing(Framing::Command);
+        let mut gyro = Adis16130::new(twin.spi(), (), config);
+        gyro.reset().unwrap();
+        gyro.init_verified().unwrap();
+        twin.delay().delay_us(100);
+        let sampling = SamplerConfig::new().with_divider(DIVIDER);
+        Self { twin, gyro, sampler: Sampler::new(sampling, &config, MCLK_HZ) }
+    }
+
+    fn next(&mut self) -> Row {
+        loop {
+            let edge = self.twin.next_falling_edge(1_000_000).unwrap();
+            if let Some(sample) = self.gyro.sample(&mut self.sampler, Edge { t_ns: edge.t_ns, seq: edge.seq }).unwrap()
+            {
+                return Row::from(&sample);
+            }
+        }
+    }
+}
+
+fn about() -> About {
+    let converter = Converter { width: Width::Bits24, rate_conversion: 0x81, temp_conversion: 0x81 };
+    let info = CaptureInfo { device: "twin:".into(), divider: DIVIDER, ..CaptureInfo::adis16130(converter) };
+    let (registers, checks) = (Vec::new(), Vec::new());
+    About { name: "twin:".into(), info, part: Part::ADIS16130, simulated: true, nominal_hz: None, registers, checks }
+}
+
+fn feed(session: &mut Session, device: &mut Device, seconds: f64) {
+    let mut left = (seconds * 223.2) as u32;
+    while left > 0 {
+        session.take(&device.next());
+        left -= 1;
+    }
+    session.truths(&[device.twin.truth()]);
+}
+
+/// Header and payload.
+fn read(frame: &[u8]) -> (Value, Vec<f32>) {
+    let length = u32::from_le_bytes(frame[..4].try_into().unwrap()) as usize;
+    let header = serde_json::from_slice(&frame[4..4 + length]).unwrap();
+    let numbers = frame[(4 + length).next_multiple_of(4)..].chunks_exact(4);
+    (header, numbers.map(|bytes| f32::from_le_bytes(bytes.try_into().unwrap())).collect())
+}
+
+fn asked(session: &mut Session, request: Value) -> Value {
+    match session.ask(&request.to_string()) {
+        Asked::Answer(text) => serde_json::from_str(&text).unwrap(),
+        Asked::Host { .. } => panic!("{request} is the session's own"),
+    }
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
+}
+
+#[test]
+fn a_minute_of_the_twin() {
+    let mut device = Device::open("seed=3,bias_dps=0.7,roa=10nf");
+    let mut session = Session::new(about());
+    session.state(DeviceState::Reading);
+    feed(&mut session, &mut device, 61.0);
+    let (frame, payload) = read(&session.frame().unwrap());
+    assert_eq!((&frame["snapshot"], &frame["device"]["state"]["is"]), (&json!(true), &json!("reading")));
+    let now = &frame["now"]["axes"][0];
+    assert!((number(&now["rate_dps"]) - 0.7).abs() < 0.1, "{now}");
+    assert_eq!(now["rest"]["verdict"], "at-rest");
+    assert!((number(&now["angle_deg"]) - 0.7 * 61.0).abs() < 6.0, "{now}");
+    let u = number(&now["u_rate_dps"]);
+    assert!((0.006..0.012).contains(&u), "0.0125/√2 is 0.0088: {u}");
+    assert_eq!(frame["ledger"]["lost"], 0);
+    let statistics = &frame["statistics"][0];
+    let n = &statistics["coefficients"][0];
+    assert!((number(&n["value"]) / (0.0125 / 2f64.sqrt()) - 1.0).abs() < 0.15, "{n}");
+    assert_eq!((&n["identified"], &n["symbol"]), (&json!(true), &json!("N")));
+    let k = &statistics["coefficients"][2];
+    assert!(k["identified"] == false && number(&k["identified_in_s"]) > 60.0, "{k}");
+    let points = statistics["allan"].as_array().unwrap();
+    assert!(points.len() > 10 && points.windows(2).all(|pair| number(&pair[0]["tau_s"]) < number(&pair[1]["tau_s"])));
+    assert!(statistics["spectrum"].as_array().unwrap().len() > 50);
+    let kinds: Vec<&Value> = statistics["marks"].as_array().unwrap().iter().map(|mark| &mark["kind"]).collect();
+    assert_eq!(kinds, ["bandwidth", "resonance", "nyquist"]);
+    let strip = &frame["strips"][2];
+    let (at, count) = (number(&strip["at"]) as usize, number(&strip["count"]) as usize);
+    assert!(strip["level"] == 2 && count > 900);
+    assert!(payload[at..at + count].iter().zip(&payload[at + count..]).all(|(low, high)| low <= high));
+    // 64 ms hold some readings, and a mean of 0.7
+    let low: f32 = payload[at..at + count].iter().sum::<f32>() / count as f32;
+    let high: f32 = payload[at + count..at + 2 * count].iter().sum::<f32>() / count as f32;
+    assert!(low < 0.7 && 0.7 < high && high - low < 1.5, "{low} {high}");
+
+    assert!(session.frame().is_none(), "nothing is new");
+    feed(&mut session, &mut device, 0.3);
+    let (frame, _) = read(&session.frame().unwrap());
+    assert_eq!(
+        (&frame["snapshot"], &frame["device"], &frame["statistics"]),
+        (&json!(false), &Value::Null, &Value::Null)
+    );
+    let (all, _) = read(&session.snapshot());
+    assert!(all["snapshot"] == true && all["device"]["part"] == "ADIS16130" && all["calibration"]["is"] == "idle");
+}
+
+#[test]
+fn a_guided_calibration_finds_what_the_twin_hides() {
+    let keys = "seed=11";
+    let mut session = Session::new(about());
+    session.state(DeviceState::Reading);
+    feed(&mut session, &mut Device::open(keys), 5.0);
+    let begin = json!({ "id": 1, "do": "calibrate", "method": "warmup", "settle_s": 600.0, "serial": "A 7" });
+    assert_eq!(session.ask(&begin.to_string()), Asked::Host { id: 1, wish: HostWish::Reopen });
+    let again = session.ask(&begin.to_string());
+    assert!(matches!(again, Asked::Answer(text) if text.contains("under way")));
+    let mut session = session.reopened(about());
+    session.state(DeviceState::Reading);
+    let mut device = Device::open(keys);
+    feed(&mut session, &mut device, 400.0);
+    let (frame, _) = read(&session.frame().unwrap());
+    let running = &frame["calibration"];
+    assert_eq!(
+        (&running["is"], &running["threats"], running["steps"].as_array().unwrap().len()),
+        (&json!("running"), &json!([]), 1)
+    );
+    assert!((number(&running["left_s"]) - 971.0).abs() < 3.0, "{running}");
+    assert!(number(&running["temps_c"][1]) > number(&running["temps_c"][0]) + 2.0 && number(&running["u_dps"]) > 0.0);
+    feed(&mut session, &mut device, 980.0);
+    let (frame, _) = read(&session.frame().unwrap());
+    let done = &frame["calibration"];
+    assert_eq!(done["is"], "done", "{done}");
+    let curve = done["axes"][0]["curve"].as_array().unwrap();
+    for point in curve {
+        let off = number(&point["correction_dps"]) - number(&point["truth_dps"]);
+        assert!(off.abs() < 4.0 * number(&point["u_dps"]), "{point}");
+    }
+    let axis = &done["axes"][0];
+    assert!(number(&axis["after_dps"]).abs() < 0.02 && number(&axis["before_dps"]).abs() > 0.02, "{axis}");
+
+    let id = done["entry"]["id"].clone();
+    assert_eq!(asked(&mut session, json!({ "id": 2, "do": "apply", "calibration": id }))["ok"], json!({}));
+    let file = asked(&mut session, json!({ "id": 3, "do": "download", "calibration": id, "form": "toml" }));
+    assert_eq!(file["ok"]["name"], "A_7.toml");
+    let toml = file["ok"]["text"].as_str().unwrap();
+    let kept = asked(&mut session, json!({ "id": 4, "do": "add-calibration", "toml": toml }));
+    assert_eq!(kept["ok"]["id"], id);
+    let page = asked(&mut session, json!({ "id": 5, "do": "download", "calibration": id, "form": "report" }));
+    assert!(page["ok"]["text"].as_str().unwrap().starts_with("<!"));
+    feed(&mut session, &mut device, 2.0);
+    let (frame, _) = read(&session.frame().unwrap());
+    assert!(number(&frame["now"]["axes"][0]["corrected_dps"]).abs() < 0.05);
+    assert_eq!(
+        (&frame["calibrations"][0]["applied"], frame["calibrations"].as_array().unwrap().len()),
+        (&json!(true), 1)
+    );
+}
+
+#[test]
+fn what_would_be_refused_is_said_before_it_is() {
+    let mut session = Session::new(about());
+    session.state(DeviceState::Reading);
+    session.ask(r#"{"id": 1, "do": "calibrate", "method": "an1042"}"#);
+    let mut session = session.reopened(about());
+    session.state(DeviceState::Reading);
+    let mut device = Device::open("seed=2,motion=sway,sway_dps=0.5,sway_hz=0.2");
+    feed(&mut session, &mut device, 8.0);
+    let (frame, _) = read(&session.frame().unwrap());
+    let threat = frame["calibration"]["threats"][0].as_str().unwrap();
+    assert!(threat.contains("the part moves") || threat.contains("shakes"), "{threat}");
+    feed(&mut session, &mut device, 4.0);
+    let (frame, _) = read(&session.frame().unwrap());
+    assert_eq!(frame["calibration"]["is"], "refused");
+    assert!(frame["now"]["axes"][0]["rest"]["verdict"] != "at-rest");
+    assert_eq!(asked(&mut session, json!({ "id": 2, "do": "dismiss-calibration" }))["ok"], json!({}));
+}
+
+#[test]
+fn requests_that_make_no_sense_are_answered() {
+    let mut session = Session::new(about());
+    let error = |session: &mut Session, request: &str| match session.ask(request) {
+        Asked::Answer(text) => serde_json::from_str::<Value>(&text).unwrap(),
+        host => panic!("{host:?}"),
+    };
+    for (request, id, word) in [
+        ("", 0, "not understood"),
+        (r#"{"id": 9, "do": "fly"}"#, 9, "fly"),
+        (r#"{"id": 3, "do": "speed", "factor": -1}"#, 3, "factor"),
+        (r#"{"id": 4, "do": "apply", "calibration": "none"}"#, 4, "no calibration"),
+        (r#"{"id": 5, "do": "add-calibration", "toml": "schema = 1"}"#, 5, "part"),
+        (r#"{"id": 6, "do": "finish-calibration"}"#, 6, "no calibration"),
+        (r#"{"id": 7, "do": "calibrate", "method": "warmup", "average_s": -3}"#, 7, "averages"),
+    ] {
+        let answer = error(&mut session, request);
+        assert_eq!(answer["id"], id, "{request}");
+        assert!(answer["error"].as_str().unwrap().contains(word), "{request}: {answer}");
+    }
+}
+
+/// A unit that is unplugged in the middle, and whoever was calibrating hears why there is no result.
+#[test]
+fn a_device_that_fails_ends_its_calibration() {
+    let mut session = Session::new(about());
+    session.ask(r#"{"id": 1, "do": "calibrate", "method": "an1042"}"#);
+    let mut session = session.reopened(about());
+    feed(&mut session, &mut Device::open("seed=1"), 3.0);
+    session.state(DeviceState::Failed { why: "the cable was pulled".into() });
+    let (frame, _) = read(&session.frame().unwrap());
+    assert_eq!(
+        (&frame["calibration"]["is"], &frame["calibration"]["text"]),
+        (&json!("aborted"), &json!("the cable was pulled"))
+    );
+}
