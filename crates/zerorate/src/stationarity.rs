@@ -44,8 +44,8 @@ pub(crate) fn judge_variances(
     }
 }
 
-/// Judges the means of a window over blocks of 0.1 s, °/s, while the temperature changes by `temp_slope_c_per_s`. A part
-/// whose typical noise or temperature coefficient is not known passes.
+/// Judges the means of a window over blocks of 0.1 s, °/s, while the temperature changes by `temp_slope_c_per_s`. A
+/// part whose typical noise or temperature coefficient is not known passes.
 ///
 /// ```
 /// use zerorate::{Axis, stationarity::{Verdict, judge}};

@@ -190,9 +190,7 @@ impl AxisState {
             }
             Verdict::Moving { tau_s, seen_dps, limit_dps } => said(
                 RestVerdict::Moving,
-                format!(
-                    "means over {tau_s:.1} s vary by {seen_dps:.4} °/s, where noise explains {limit_dps:.4} °/s at most"
-                ),
+                format!("means over {tau_s:.1} s vary by {seen_dps:.4} °/s, where noise explains {limit_dps:.4} °/s"),
             ),
             Verdict::Noisy { seen_dps_per_rt_hz, limit_dps_per_rt_hz } => said(
                 RestVerdict::Noisy,

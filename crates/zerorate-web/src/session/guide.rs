@@ -113,8 +113,8 @@ impl Guide {
                 "Heat the part, then let it cool, as far as it will see in use; do not move it.".to_owned()
             }
             (State::WarmUp | State::Recording, _) => format!(
-                "Leave the part alone while it warms itself; it is {warmed_c:+.2} °C from where it began. No draught, no \
-                 touch, no load on its supply that switches."
+                "Leave the part alone while it warms itself; it is {warmed_c:+.2} °C from where it began. No draught, \
+                 no touch, no load on its supply that switches."
             ),
             (State::Settle, _) => "Leave the part alone until its temperature has settled.".to_owned(),
             _ => "Do not touch the table: the part is being averaged at rest.".to_owned(),

@@ -1,5 +1,5 @@
-//! What is known of an axis' noise by now: Allan deviation, spectrum, rate over temperature. In bounded memory, however
-//! long it runs.
+//! What is known of an axis' noise by now: Allan deviation, spectrum, rate over temperature. In bounded memory,
+//! however long it runs.
 
 use super::axis::{BLOCK_S, Block};
 use crate::message::{
@@ -203,8 +203,8 @@ impl Statistics {
     fn caution(&self) -> Option<String> {
         if let Some(fit) = self.fit.as_ref().filter(|fit| fit.is_rejected) {
             return Some(format!(
-                "the noise model is rejected (off by {:.0} %): the rate does something that noise does not; is the part \
-                 at rest?",
+                "the noise model is rejected (off by {:.0} %): the rate does something that noise does not; is the \
+                 part at rest?",
                 100.0 * fit.model_error
             ));
         }
