@@ -1,6 +1,7 @@
 //! Results as pictures and pages: numbers and words come in, SVG, PNG and HTML go out.
 
 pub mod duration;
+pub mod export;
 pub mod plot;
 pub mod report;
 

@@ -167,6 +167,16 @@ fn a_guided_calibration_finds_what_the_twin_hides() {
     assert_eq!(kept["ok"]["id"], id);
     let page = asked(&mut session, json!({ "id": 5, "do": "download", "calibration": id, "form": "report" }));
     assert!(page["ok"]["text"].as_str().unwrap().starts_with("<!"));
+    for (form, name, word) in [
+        ("c", "A_7.h", "#include <stdint.h>"),
+        ("rust", "A_7.rs", "pub const"),
+        ("csv", "A_7.csv", "delta_c"),
+        ("json", "A_7.json", "{"),
+    ] {
+        let made = asked(&mut session, json!({ "id": 6, "do": "download", "calibration": id, "form": form }));
+        assert_eq!(made["ok"]["name"], name);
+        assert!(made["ok"]["text"].as_str().unwrap().contains(word), "{form}");
+    }
     feed(&mut session, &mut device, 2.0);
     let (frame, _) = read(&session.frame().unwrap());
     assert!(number(&frame["now"]["axes"][0]["corrected_dps"]).abs() < 0.05);

@@ -2,6 +2,7 @@
 
 use crate::message::{CalibrationEntry, Download, Form};
 use zerorate::{Calibration, Correction, Corrector, Part};
+use zerorate_view::export::{self, Export, Options};
 use zerorate_view::report;
 
 /// Calibrations that are kept.
@@ -73,13 +74,20 @@ impl Shelf {
             text,
         };
         let failed = |error: anyhow::Error| format!("{error:#}");
+        let exported = |form| {
+            let export = Export::new(calibration.clone(), Options::default())?;
+            export.text(form)
+        };
         Ok(match form {
             Form::Toml => file("toml", "application/toml", calibration.to_toml()),
+            Form::C => file("h", "text/x-c", exported(export::Form::C).map_err(failed)?),
+            Form::Rust => file("rs", "text/rust", exported(export::Form::Rust).map_err(failed)?),
+            Form::Csv => file("csv", "text/csv", exported(export::Form::Csv).map_err(failed)?),
+            Form::Json => file("json", "application/json", exported(export::Form::Json).map_err(failed)?),
             Form::Report => {
                 let name = format!("{stem}.toml");
                 file("html", "text/html", report::calibration_page(calibration, &name).map_err(failed)?)
             }
-            other => return Err(format!("{other:?} comes from `zerorate export` alone")),
         })
     }
 

@@ -1,8 +1,7 @@
 //! Parameters of flight controllers: bias polynomials of three axes about their reference temperature, in rad/s, which
 //! their firmware subtracts.
 
-use super::Export;
-use crate::exit::Usage;
+use super::{Asked, Export};
 use anyhow::{Result, bail, ensure};
 use zerorate::{Correction, Validity};
 
@@ -42,13 +41,13 @@ impl Bias {
 }
 
 /// The parameters of PX4: `sensor` as in TC_Gn, `device_id` as in TC_Gn_ID.
-pub fn px4(export: &Export, sensor: Option<u32>, device_id: Option<i32>) -> Result<String> {
+pub(super) fn px4(export: &Export, sensor: Option<u32>, device_id: Option<i32>) -> Result<String> {
     let sensor = sensor.unwrap_or(0);
-    ensure!(PX4_SENSORS.contains(&sensor), Usage(format!("--sensor {sensor}: PX4 has gyroscopes 0 to 3, TC_Gn_…")));
+    ensure!(PX4_SENSORS.contains(&sensor), Asked(format!("sensor {sensor}: PX4 has gyroscopes 0 to 3, TC_Gn_…")));
     let Some(device_id) = device_id else {
-        bail!(Usage(format!(
+        bail!(Asked(format!(
             "PX4 finds the gyroscope of TC_G{sensor} by its device id, and without one it corrects nothing: give \
-             --device-id ID, the device_id of the topic sensor_gyro (`listener sensor_gyro` in its console)"
+             the device_id of the topic sensor_gyro (`listener sensor_gyro` in its console)"
         )));
     };
     let axes = three(export)?;
@@ -77,11 +76,11 @@ pub fn px4(export: &Export, sensor: Option<u32>, device_id: Option<i32>) -> Resu
 }
 
 /// The parameters of ArduPilot: `sensor` as in INS_TCALn.
-pub fn ardupilot(export: &Export, sensor: Option<u32>) -> Result<String> {
+pub(super) fn ardupilot(export: &Export, sensor: Option<u32>) -> Result<String> {
     let sensor = sensor.unwrap_or(1);
     ensure!(
         ARDUPILOT_SENSORS.contains(&sensor),
-        Usage(format!("--sensor {sensor}: ArduPilot has IMUs 1 to 3 under INS_TCALn_…"))
+        Asked(format!("sensor {sensor}: ArduPilot has IMUs 1 to 3 under INS_TCALn_…"))
     );
     let axes = three(export)?;
     let Validity { temp_min_c, temp_max_c, .. } = export.layout.valid;
@@ -110,26 +109,6 @@ pub fn ardupilot(export: &Export, sensor: Option<u32>) -> Result<String> {
         parameter(format!("{offsets}_{axis}"), bias.at(offset_c));
     }
     Ok(text)
-}
-
-/// Formats of calibrations between cameras and IMUs: they have no place for a bias.
-pub fn no_place(format: &str) -> anyhow::Error {
-    let (why, instead) = match format {
-        "kalibr" => (
-            "an imu.yaml of Kalibr holds noise densities, a rate and a topic, and a bias is what its filter estimates",
-            "for the noise",
-        ),
-        _ => (
-            "sensor_msgs/Imu holds rates and their covariance, and there is no agreed parameter for a bias",
-            "for the covariance",
-        ),
-    };
-    Usage(format!(
-        "--format {format} has no place for a bias over temperature: {why}. Correct the rates before they reach it \
-         (`zerorate stream`, `zerorate correct`, or --format c in the driver), and take \
-         `zerorate imu --format {format}` {instead}"
-    ))
-    .into()
 }
 
 /// The corrections of the axes x, y and z.

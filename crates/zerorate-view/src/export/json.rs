@@ -125,8 +125,8 @@ struct Row {
     correction_dps: f64,
 }
 
-pub fn text(export: &Export) -> Result<String> {
-    let Export { calibration, layout, tables } = export;
+pub(super) fn text(export: &Export) -> Result<String> {
+    let Export { calibration, layout, tables, .. } = export;
     let axes = calibration.axes.iter().zip(tables);
     let mut axes: Vec<Axis> =
         axes.map(|(axis, rows)| self::axis(calibration, axis, layout, rows)).collect::<Result<_>>()?;

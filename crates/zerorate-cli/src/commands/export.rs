@@ -1,22 +1,13 @@
 //! `zerorate export`: a calibration in the form that firmware takes: table and integer coefficients.
 
-mod autopilot;
-mod codes;
-mod firmware;
-mod json;
-mod layout;
-mod prefix;
-
 use super::correct::load;
 use super::{print, warn};
 use crate::exit::Usage;
 use crate::output::{Outputs, say};
 use anyhow::{Result, ensure};
 use clap::{Args, ValueEnum};
-use layout::Layout;
-use prefix::Prefix;
 use std::path::PathBuf;
-use zerorate::{Calibration, TableRow};
+use zerorate_view::export::{self, Asked, Export, Options, Prefix};
 
 /// Writes the correction for firmware: C header, Rust module, CSV or JSON, and parameters of PX4 and ArduPilot.
 ///
@@ -26,7 +17,7 @@ use zerorate::{Calibration, TableRow};
 /// temperature lies inside. Two units fit into one program under two prefixes; in Rust, two modules do as well.
 /// Where a calibration has several axes, all are in one file, and their names carry that of the axis:
 /// zerorate_x_correct_code.
-#[derive(Args, Debug)]
+#[derive(Args, Clone, Debug)]
 pub struct ExportArgs {
     /// The calibration file.
     #[arg(value_name = "CALIBRATION")]
@@ -88,38 +79,19 @@ enum Form {
     Ros,
 }
 
-/// Corrections, ready to be written down.
-struct Export {
-    calibration: Calibration,
-    layout: Layout,
-    /// The table of each axis of the calibration.
-    tables: Vec<Vec<TableRow>>,
-}
-
 pub fn run(args: &ExportArgs) -> Result<()> {
     ensure!(
         args.prefix.is_none() || matches!(args.format, Form::C | Form::Rust),
         Usage("--prefix is for names in C and Rust; the other forms have none".to_owned())
     );
     args.check_autopilot()?;
+    let form = args.format.written()?;
     let mut outputs = Outputs::new(args.force).reading([&*args.cal])?;
-    let calibration = load(&args.cal)?;
-    let layout = Layout::new(&calibration, args.step_c, args.span_c);
-    let tables = calibration.axes.iter().map(|axis| layout.rows(&axis.correction)).collect::<Result<_>>()?;
-    warn(&layout.warnings(&calibration));
-    let export = Export { calibration, layout, tables };
-    let text = match args.format {
-        Form::C => firmware::c(&export, args.prefix.as_ref())?,
-        Form::Rust => firmware::rust(&export, args.prefix.as_ref())?,
-        Form::Csv => csv(&export),
-        Form::Json => json::text(&export)?,
-        Form::Px4 => autopilot::px4(&export, args.sensor, args.device_id)?,
-        Form::Ardupilot => autopilot::ardupilot(&export, args.sensor)?,
-        Form::Kalibr => return Err(autopilot::no_place("kalibr")),
-        Form::Ros => return Err(autopilot::no_place("ros")),
-    };
-    if matches!(args.format, Form::Csv) {
-        export.tell_what_rows_lose();
+    let export = Export::new(load(&args.cal)?, args.options()).map_err(usage)?;
+    warn(&export.warnings());
+    let text = export.text(form).map_err(usage)?;
+    if form == export::Form::Csv {
+        export.lost_by_rows().iter().for_each(|lost| say(format_args!("{lost}")));
     }
     match &args.output {
         None => print(&text),
@@ -127,31 +99,38 @@ pub fn run(args: &ExportArgs) -> Result<()> {
     }
 }
 
-impl Export {
-    /// CSV has no place for it. Rows of a line lose nothing between them.
-    fn tell_what_rows_lose(&self) {
-        let Layout { step_c, span_c, .. } = self.layout;
-        for axis in self.calibration.axes.iter().filter(|axis| !axis.correction.is_line()) {
-            let (name, curve) = (&axis.name, &axis.correction);
-            say(format_args!(
-                "axis {name}: straight lines between rows are off the curve by up to {:.1e} °/s, the nearest row \
-                 by up to {:.1e} °/s",
-                curve.bend_dps(step_c, span_c),
-                curve.steepest_dps_per_c(span_c) * step_c / 2.0
-            ));
-        }
+/// What makes no sense is said as such.
+fn usage(error: anyhow::Error) -> anyhow::Error {
+    match error.downcast::<Asked>() {
+        Ok(Asked(text)) => Usage(text).into(),
+        Err(error) => error,
+    }
+}
+
+impl Form {
+    fn written(self) -> Result<export::Form> {
+        Ok(match self {
+            Self::C => export::Form::C,
+            Self::Rust => export::Form::Rust,
+            Self::Csv => export::Form::Csv,
+            Self::Json => export::Form::Json,
+            Self::Px4 => export::Form::Px4,
+            Self::Ardupilot => export::Form::Ardupilot,
+            Self::Kalibr => return Err(no_place("kalibr")),
+            Self::Ros => return Err(no_place("ros")),
+        })
     }
 }
 
 impl ExportArgs {
+    fn options(&self) -> Options {
+        let Self { step_c, span_c, prefix, sensor, device_id, .. } = self.clone();
+        Options { step_c, span_c, prefix, sensor, device_id }
+    }
+
     /// Which options belong to which form, before anything is read.
     fn check_autopilot(&self) -> Result<()> {
         let Self { format, .. } = self;
-        match format {
-            Form::Kalibr => return Err(autopilot::no_place("kalibr")),
-            Form::Ros => return Err(autopilot::no_place("ros")),
-            _ => {}
-        }
         let autopilot = matches!(format, Form::Px4 | Form::Ardupilot);
         ensure!(self.sensor.is_none() || autopilot, Usage("--sensor is for --format px4 and ardupilot".to_owned()));
         ensure!(
@@ -167,38 +146,22 @@ impl ExportArgs {
     }
 }
 
-/// One column for the only axis of an ADIS16130; else one for each axis, under its name.
-fn csv(export: &Export) -> String {
-    let Export { calibration, tables, .. } = export;
-    let names = calibration.axes.iter().map(|axis| format!(",{}_correction_dps", axis.name));
-    let header = if calibration.is_plain() { ",correction_dps".to_owned() } else { names.collect() };
-    let mut text = format!("delta_c{header}\n");
-    for (index, row) in tables.first().into_iter().flatten().enumerate() {
-        text += &tidy(row.delta_c).to_string();
-        for corrections in tables {
-            text += &format!(",{}", tidy(corrections[index].correction_dps));
-        }
-        text.push('\n');
-    }
-    text
-}
-
-/// Twelve significant digits, the shortest decimal that has them, and no negative zero: 3 · 0.02 is 0.06.
-fn tidy(value: f64) -> f64 {
-    // formatted numbers parse
-    let rounded = format!("{value:.11e}").parse().unwrap_or(value);
-    if rounded == 0.0 { 0.0 } else { rounded }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn decimals_without_noise() {
-        assert_eq!(
-            [0.1 + 0.2, -0.0, 6.0 * 0.02 * -0.04, 3.0 * 0.02].map(|x| tidy(x).to_string()),
-            ["0.3", "0", "-0.0048", "0.06"]
-        );
-    }
+/// Formats of calibrations between cameras and IMUs: they have no place for a bias.
+fn no_place(format: &str) -> anyhow::Error {
+    let (why, instead) = match format {
+        "kalibr" => (
+            "an imu.yaml of Kalibr holds noise densities, a rate and a topic, and a bias is what its filter estimates",
+            "for the noise",
+        ),
+        _ => (
+            "sensor_msgs/Imu holds rates and their covariance, and there is no agreed parameter for a bias",
+            "for the covariance",
+        ),
+    };
+    Usage(format!(
+        "--format {format} has no place for a bias over temperature: {why}. Correct the rates before they reach it \
+         (`zerorate stream`, `zerorate correct`, or --format c in the driver), and take \
+         `zerorate imu --format {format}` {instead}"
+    ))
+    .into()
 }

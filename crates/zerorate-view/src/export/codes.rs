@@ -5,14 +5,14 @@ use zerorate::calibration::CalibratedAxis;
 use zerorate::{Calibration, CurveForm, IntegerCorrection, IntegerCurve, IntegerForm, Scale};
 
 /// The scales of an axis, and its correction on them.
-pub struct Codes {
-    pub rate: Scale,
-    pub temp: Scale,
-    pub integer: Integer,
+pub(super) struct Codes {
+    pub(super) rate: Scale,
+    pub(super) temp: Scale,
+    pub(super) integer: Integer,
 }
 
 /// A correction on codes, with how these are carried through it.
-pub enum Integer {
+pub(super) enum Integer {
     /// That of F-50.
     Line(IntegerCorrection, IntegerForm),
     /// With a quadratic or a cubic term.
@@ -21,7 +21,7 @@ pub enum Integer {
 
 impl Integer {
     /// T3 as a temperature code.
-    pub fn t3_code(&self) -> i32 {
+    pub(super) fn t3_code(&self) -> i32 {
         match self {
             Self::Line(line, _) => line.t3_code,
             Self::Curve(curve, _) => curve.t3_code,
@@ -31,7 +31,7 @@ impl Integer {
 
 impl Codes {
     /// None where the calibration does not state the scales.
-    pub fn of(calibration: &Calibration, axis: &CalibratedAxis) -> Result<Option<Self>> {
+    pub(super) fn of(calibration: &Calibration, axis: &CalibratedAxis) -> Result<Option<Self>> {
         let (Some(rate), Some(temp)) = (axis.rate, calibration.temp) else { return Ok(None) };
         let integer = Self::integer(axis, &rate, &temp);
         let integer = match calibration.axes.as_slice() {

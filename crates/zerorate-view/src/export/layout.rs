@@ -1,6 +1,6 @@
 //! How far an exported table reaches, and in which steps.
 
-use crate::exit::Usage;
+use super::Asked;
 use anyhow::Result;
 use zerorate::{Calibration, Correction, TableRow, Validity};
 
@@ -16,19 +16,19 @@ const ASSUMED_C: f64 = 9.0;
 
 /// Step and reach of a table, and the range that it is to cover.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Layout {
-    pub step_c: f64,
+pub(super) struct Layout {
+    pub(super) step_c: f64,
     /// From T3 to both sides.
-    pub span_c: f64,
-    pub valid: Validity,
+    pub(super) span_c: f64,
+    pub(super) valid: Validity,
     /// Whether the calibration states that range.
-    pub stated: bool,
+    pub(super) stated: bool,
 }
 
 impl Layout {
     /// As asked for; what is not asked for, so that the table of every axis covers the range of the calibration, in no
     /// finer steps than the temperature has.
-    pub fn new(calibration: &Calibration, step_c: Option<f64>, span_c: Option<f64>) -> Self {
+    pub(super) fn new(calibration: &Calibration, step_c: Option<f64>, span_c: Option<f64>) -> Self {
         let valid = valid_range(calibration);
         let reach_c = calibration.axes.iter().map(|axis| reach(&valid, axis.correction.t3_c)).fold(0.0, f64::max);
         let code_c = calibration.temp.map_or(0.0, |temp| 1.0 / temp.lsb_per_unit);
@@ -44,12 +44,12 @@ impl Layout {
     }
 
     /// The table of an axis.
-    pub fn rows(&self, correction: &Correction) -> Result<Vec<TableRow>> {
-        Ok(correction.table(self.step_c, self.span_c).map_err(|error| Usage(error.to_string()))?)
+    pub(super) fn rows(&self, correction: &Correction) -> Result<Vec<TableRow>> {
+        Ok(correction.table(self.step_c, self.span_c).map_err(|error| Asked(error.to_string()))?)
     }
 
     /// What to say of it.
-    pub fn warnings(&self, calibration: &Calibration) -> Vec<String> {
+    pub(super) fn warnings(&self, calibration: &Calibration) -> Vec<String> {
         let Validity { temp_min_c, temp_max_c, .. } = self.valid;
         let mut warnings = Vec::new();
         if !self.stated {
@@ -76,7 +76,7 @@ impl Layout {
             format!(
                 "the table ends {span_c} °C from T3, the calibration holds for {temp_min_c:.1} … {temp_max_c:.1} °C: \
                  beyond the table the row at its end is wrong by up to {:.2} °/s, and the look-up says that it is \
-                 outside; leave --span-c out to cover the range",
+                 outside; leave the span out to cover the range",
                 beyond_c * correction.steepest_dps_per_c(reach(&valid, correction.t3_c))
             )
         })

@@ -1,10 +1,9 @@
 //! The C header and the Rust module: templates, filled in.
 
-use super::Export;
 use super::codes::{Codes, Integer};
 use super::layout::Layout;
 use super::prefix::Prefix;
-use crate::exit::Usage;
+use super::{Asked, Export};
 use anyhow::{Context, Result, bail, ensure};
 use zerorate::calibration::CalibratedAxis;
 use zerorate::{Correction, CurveForm, IntegerCorrection, IntegerCurve, RowIndex, Scale, TableRow, Validity};
@@ -53,14 +52,14 @@ const RUST: Language = Language {
 };
 
 /// The C header. Without a prefix its names begin with `zerorate`.
-pub fn c(export: &Export, prefix: Option<&Prefix>) -> Result<String> {
+pub(super) fn c(export: &Export, prefix: Option<&Prefix>) -> Result<String> {
     let functions = prefix.map_or("zerorate_".to_owned(), Prefix::of_functions);
     let constants = prefix.map_or("ZERORATE_".to_owned(), Prefix::of_constants);
     written(&C, export, functions, constants)
 }
 
 /// The Rust module. Without a prefix its name tells units apart.
-pub fn rust(export: &Export, prefix: Option<&Prefix>) -> Result<String> {
+pub(super) fn rust(export: &Export, prefix: Option<&Prefix>) -> Result<String> {
     let functions = prefix.map_or_else(String::new, Prefix::of_functions_in_rust);
     let constants = prefix.map_or_else(String::new, Prefix::of_constants);
     written(&RUST, export, functions, constants)
@@ -138,7 +137,7 @@ impl<'a> AxisCodes<'a> {
         let codes = Codes::of(&export.calibration, axis)?.with_context(|| {
             format!(
                 "the calibration does not state the scale of the codes of axis {name}, and C and Rust correct codes: \
-                 add [axis.rate] and [temperature] to the file (docs/formats/calibration.md), or take --format csv"
+                 add [axis.rate] and [temperature] to the file (docs/formats/calibration.md), or take the form csv"
             )
         })?;
         Ok(Self { axis, codes, step_c: export.layout.step_c, span_c: export.layout.span_c })
@@ -269,13 +268,13 @@ fn layout(export: &Export, axes: &[AxisCodes]) -> Result<Entries> {
     let (rows, temp) = (tables[0].len(), &axes[0].codes.temp);
     let index = RowIndex::new(rows, layout.step_c, axes[0].axis.correction.t3_c, temp);
     let fits = i128::from(index.rows_per_code_q) * (temp.span() as i128 + 1) < i128::from(i64::MAX - MIDDLE_MOST);
-    let fine = || Usage(format!("--step-c {} is far finer than a code of the temperature", layout.step_c));
+    let fine = || Asked(format!("a step of {} °C is far finer than a code of the temperature", layout.step_c));
     ensure!(fits, fine());
     Ok(vec![
         ("STEP_C", layout.step_c.to_string()),
         ("SPAN_C", layout.span_c.to_string()),
-        ("STEP_UC", whole_millionths("--step-c", layout.step_c)?.to_string()),
-        ("SPAN_UC", whole_millionths("--span-c", layout.span_c)?.to_string()),
+        ("STEP_UC", whole_millionths("the step", layout.step_c)?.to_string()),
+        ("SPAN_UC", whole_millionths("the span", layout.span_c)?.to_string()),
         ("MIDDLE_Q", index.middle_q.to_string()),
         ("ROWS_PER_CODE_Q", index.rows_per_code_q.to_string()),
         ("ROW_Q", RowIndex::Q.to_string()),
@@ -319,19 +318,16 @@ fn in_words(scale: &Scale) -> String {
 /// In millionths of its unit, to nearest.
 fn millionths(value: f64) -> Result<i32> {
     let scaled = (value * 1e6).round();
-    ensure!(
-        scaled.abs() <= f64::from(i32::MAX),
-        "{value} does not fit 32 bits in millionths: choose a smaller --span-c"
-    );
+    ensure!(scaled.abs() <= f64::from(i32::MAX), "{value} does not fit 32 bits in millionths: choose a smaller span");
     Ok(scaled as i32)
 }
 
 /// The same, of a value that must lose nothing by it.
-fn whole_millionths(option: &str, value: f64) -> Result<i32> {
+fn whole_millionths(what: &str, value: f64) -> Result<i32> {
     let whole = millionths(value)?;
     ensure!(
         (value * 1e6 - f64::from(whole)).abs() < 1e-6,
-        Usage(format!("{option} {value} is no whole number of millionths of a degree"))
+        Asked(format!("{what} {value} is no whole number of millionths of a degree"))
     );
     Ok(whole)
 }
@@ -346,7 +342,7 @@ fn lines(numbers: &[i32]) -> String {
 }
 
 /// Text of the calibration file that can neither end a comment nor bring what a compiler might trip over.
-pub fn comment(text: &str) -> String {
+pub(super) fn comment(text: &str) -> String {
     let plain =
         |c: char| if c.is_ascii_graphic() && !matches!(c, '@' | '*' | '\\' | '?') || c == ' ' { c } else { '.' };
     text.chars().map(plain).collect()

@@ -11,17 +11,17 @@ pub struct Prefix(String);
 
 impl Prefix {
     /// In front of functions and tables in C: `left_`.
-    pub fn of_functions(&self) -> String {
+    pub(super) fn of_functions(&self) -> String {
         format!("{}_", self.0)
     }
 
     /// The same in Rust, where they are in lower case.
-    pub fn of_functions_in_rust(&self) -> String {
+    pub(super) fn of_functions_in_rust(&self) -> String {
         self.of_functions().to_ascii_lowercase()
     }
 
     /// In front of macros and constants: `LEFT_`.
-    pub fn of_constants(&self) -> String {
+    pub(super) fn of_constants(&self) -> String {
         self.of_functions().to_ascii_uppercase()
     }
 }

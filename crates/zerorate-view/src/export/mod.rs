@@ -1,0 +1,154 @@
+//! A calibration in the form that firmware takes: table and integer coefficients.
+
+mod autopilot;
+mod codes;
+mod firmware;
+mod json;
+mod layout;
+mod prefix;
+
+use anyhow::Result;
+use layout::Layout;
+pub use prefix::Prefix;
+use zerorate::{Calibration, TableRow};
+
+/// Forms of an export.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Form {
+    /// A C99 header that needs nothing but <stdbool.h> and <stdint.h>.
+    C,
+    /// A Rust module without dependencies, no_std.
+    Rust,
+    /// The table: delta_c,correction_dps; several axes: delta_c,x_correction_dps,y_correction_dps,…
+    Csv,
+    /// Coefficients and table.
+    Json,
+    /// Parameters of PX4, TC_Gn_…: the bias of three axes, cubic about the middle of the temperatures.
+    Px4,
+    /// Parameters of ArduPilot, INS_TCALn_…: the same about its 35 °C.
+    Ardupilot,
+}
+
+/// What may be asked for; what is not is chosen.
+#[derive(Clone, Debug, Default)]
+pub struct Options {
+    /// Step of the table, °C.
+    pub step_c: Option<f64>,
+    /// The table reaches this far from T3 on both sides, °C.
+    pub span_c: Option<f64>,
+    /// What names begin with in C and Rust.
+    pub prefix: Option<Prefix>,
+    /// Which gyroscope of the flight controller it is.
+    pub sensor: Option<u32>,
+    /// The device_id of that gyroscope, as PX4 states it.
+    pub device_id: Option<i32>,
+}
+
+/// What was asked for makes no sense.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Asked(pub String);
+
+impl std::fmt::Display for Asked {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for Asked {}
+
+/// Corrections, ready to be written down.
+#[derive(Debug)]
+pub struct Export {
+    calibration: Calibration,
+    layout: Layout,
+    /// The table of each axis of the calibration.
+    tables: Vec<Vec<TableRow>>,
+    options: Options,
+}
+
+impl Export {
+    /// Lays the tables out.
+    ///
+    /// # Errors
+    /// [`Asked`]: a table that makes no sense.
+    pub fn new(calibration: Calibration, options: Options) -> Result<Self> {
+        let layout = Layout::new(&calibration, options.step_c, options.span_c);
+        let tables = calibration.axes.iter().map(|axis| layout.rows(&axis.correction)).collect::<Result<_>>()?;
+        Ok(Self { calibration, layout, tables, options })
+    }
+
+    /// What there is to say of it.
+    #[must_use]
+    pub fn warnings(&self) -> Vec<String> {
+        self.layout.warnings(&self.calibration)
+    }
+
+    /// The whole file.
+    ///
+    /// # Errors
+    /// [`Asked`], or a calibration that the form has no room for.
+    pub fn text(&self, form: Form) -> Result<String> {
+        let Options { prefix, sensor, device_id, .. } = &self.options;
+        match form {
+            Form::C => firmware::c(self, prefix.as_ref()),
+            Form::Rust => firmware::rust(self, prefix.as_ref()),
+            Form::Csv => Ok(csv(self)),
+            Form::Json => json::text(self),
+            Form::Px4 => autopilot::px4(self, *sensor, *device_id),
+            Form::Ardupilot => autopilot::ardupilot(self, *sensor),
+        }
+    }
+
+    /// What the rows of a table lose of curves: CSV has no place for it. Rows of a line lose nothing between them.
+    #[must_use]
+    pub fn lost_by_rows(&self) -> Vec<String> {
+        let Layout { step_c, span_c, .. } = self.layout;
+        let curves = self.calibration.axes.iter().filter(|axis| !axis.correction.is_line());
+        let lost = curves.map(|axis| {
+            let (name, curve) = (&axis.name, &axis.correction);
+            format!(
+                "axis {name}: straight lines between rows are off the curve by up to {:.1e} °/s, the nearest row \
+                 by up to {:.1e} °/s",
+                curve.bend_dps(step_c, span_c),
+                curve.steepest_dps_per_c(span_c) * step_c / 2.0
+            )
+        });
+        lost.collect()
+    }
+}
+
+/// One column for the only axis of an ADIS16130; else one for each axis, under its name.
+fn csv(export: &Export) -> String {
+    let Export { calibration, tables, .. } = export;
+    let names = calibration.axes.iter().map(|axis| format!(",{}_correction_dps", axis.name));
+    let header = if calibration.is_plain() { ",correction_dps".to_owned() } else { names.collect() };
+    let mut text = format!("delta_c{header}\n");
+    for (index, row) in tables.first().into_iter().flatten().enumerate() {
+        text += &tidy(row.delta_c).to_string();
+        for corrections in tables {
+            text += &format!(",{}", tidy(corrections[index].correction_dps));
+        }
+        text.push('\n');
+    }
+    text
+}
+
+/// Twelve significant digits, the shortest decimal that has them, and no negative zero: 3 · 0.02 is 0.06.
+fn tidy(value: f64) -> f64 {
+    // formatted numbers parse
+    let rounded = format!("{value:.11e}").parse().unwrap_or(value);
+    if rounded == 0.0 { 0.0 } else { rounded }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn decimals_without_noise() {
+        assert_eq!(
+            [0.1 + 0.2, -0.0, 6.0 * 0.02 * -0.04, 3.0 * 0.02].map(|x| tidy(x).to_string()),
+            ["0.3", "0", "-0.0048", "0.06"]
+        );
+    }
+}
