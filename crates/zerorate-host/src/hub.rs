@@ -4,34 +4,26 @@
 //! it; what is lost then is lost in front of the thread, where the samples count it. A [`Watcher`] is never waited
 //! for: what does not fit into its queue it has missed, and is told how much that was.
 
+use crate::pace::{Pace, Speed, WallClock};
 use crate::source::{Facts, Losses, Source};
 use crate::{DeviceError, DeviceSpec, Result, Setup, Stop};
 use adis16130_twin::Truth;
 use anyhow::{Context, anyhow};
 use std::iter::Peekable;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, SyncSender, TrySendError, channel, sync_channel};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 use std::vec::IntoIter;
 use zerorate_data::capture::Row;
 use zerorate_data::capture::admission::Admission;
 
 /// Samples of a batch at most: 0.7 s at the full rate.
 const BATCH: usize = 4096;
-/// Part time of a batch at most, ns, where it is that of the wall clock: a watcher sees samples this late.
-const LIVE_BATCH_NS: u64 = 20_000_000;
+/// Wall time of a batch at most, where that holds the part time: a watcher sees samples this late.
+const LIVE_BATCH: Duration = Duration::from_millis(20);
 /// Batches that wait for whoever takes everything.
 const QUEUE: usize = 16;
-
-/// How fast simulated or recorded time goes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Pace {
-    /// As fast as it is taken.
-    Free,
-    /// No faster than the wall clock.
-    RealTime,
-}
 
 /// Samples in a row.
 #[derive(Debug, Default)]
@@ -54,6 +46,8 @@ pub struct Hub {
     facts: Facts,
     requests: Sender<Request>,
     subscribers: Subscribers,
+    speed: Speed,
+    failure: Failure,
     stop: Stop,
     ended: Stop,
     thread: Option<JoinHandle<()>>,
@@ -76,19 +70,32 @@ pub struct Watched {
     pub missed: u64,
 }
 
-/// What a watcher finds that does not wait for ever.
+/// A batch, or why there are no more.
+type Given = Result<Arc<Batch>, DeviceError>;
+
+/// What who does not wait for ever finds.
 #[derive(Clone, Debug)]
-pub enum Awaited {
+pub enum Awaited<T> {
     /// Samples.
-    Samples(Watched),
+    Samples(T),
     /// None came in that time.
     Nothing,
     /// There are no more.
     End,
 }
 
-/// A batch, or why there are no more.
-type Given = Result<Arc<Batch>, DeviceError>;
+impl<T> Awaited<T> {
+    fn of(received: Result<T, RecvTimeoutError>) -> Self {
+        match received {
+            Ok(came) => Self::Samples(came),
+            Err(RecvTimeoutError::Timeout) => Self::Nothing,
+            Err(RecvTimeoutError::Disconnected) => Self::End,
+        }
+    }
+}
+
+/// Why the reading ended, where it failed.
+type Failure = Arc<Mutex<Option<DeviceError>>>;
 
 type Subscribers = Arc<Mutex<Vec<Subscriber>>>;
 
@@ -103,7 +110,7 @@ type Work = Box<dyn FnOnce(&mut dyn Source) + Send>;
 /// What the thread is to do before it reads samples.
 enum Request {
     Do(Work),
-    Read { pace: Pace, marks_ns: Vec<u64> },
+    Read { marks_ns: Vec<u64> },
 }
 
 impl Hub {
@@ -125,8 +132,14 @@ impl Hub {
         let (requests, wanted) = channel();
         let (tell, told) = channel();
         let subscribers = Subscribers::default();
-        let ended = Stop::default();
-        let reading = Worker { subscribers: subscribers.clone(), stop: stop.clone(), ended: ended.clone() };
+        let (ended, speed, failure) = (Stop::default(), Speed::default(), Failure::default());
+        let reading = Worker {
+            subscribers: subscribers.clone(),
+            speed: speed.clone(),
+            failure: failure.clone(),
+            stop: stop.clone(),
+            ended: ended.clone(),
+        };
         let body = move || match open() {
             Ok(mut source) => {
                 let _ = tell.send(Ok(source.facts()));
@@ -137,7 +150,8 @@ impl Hub {
         let thread =
             thread::Builder::new().name("hub".to_owned()).spawn(body).context("starting the reading thread")?;
         let facts = told.recv().map_err(|_| died())??;
-        Ok(Self { facts, requests, subscribers, stop: stop.clone(), ended, thread: Some(thread) })
+        let thread = Some(thread);
+        Ok(Self { facts, requests, subscribers, speed, failure, stop: stop.clone(), ended, thread })
     }
 
     /// What does not change while the device is read.
@@ -150,6 +164,18 @@ impl Hub {
     #[must_use]
     pub fn stop(&self) -> &Stop {
         &self.stop
+    }
+
+    /// How fast simulated or recorded time goes. [`Hub::read`] sets it; from then on it may change at any time.
+    #[must_use]
+    pub fn speed(&self) -> &Speed {
+        &self.speed
+    }
+
+    /// Why the device cannot be read any more, if that is why there are no more samples.
+    #[must_use]
+    pub fn failure(&self) -> Option<DeviceError> {
+        lock(&self.failure).as_ref().map(DeviceError::again)
     }
 
     /// Does something with the source, in its thread. To be called before [`Hub::read`].
@@ -192,7 +218,8 @@ impl Hub {
     /// # Errors
     /// That the thread is gone.
     pub fn read(&self, pace: Pace, marks_ns: Vec<u64>) -> Result<()> {
-        let begun = self.requests.send(Request::Read { pace, marks_ns });
+        self.speed.set(pace.factor());
+        let begun = self.requests.send(Request::Read { marks_ns });
         begun.map_err(|_| died().into())
     }
 }
@@ -206,8 +233,8 @@ impl Drop for Hub {
     }
 }
 
-fn lock(subscribers: &Subscribers) -> std::sync::MutexGuard<'_, Vec<Subscriber>> {
-    subscribers.lock().unwrap_or_else(PoisonError::into_inner)
+fn lock<T>(shared: &Mutex<T>) -> MutexGuard<'_, T> {
+    shared.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 fn died() -> anyhow::Error {
@@ -222,6 +249,18 @@ impl Everything {
     pub fn next(&self) -> Result<Option<Arc<Batch>>> {
         self.0.recv().map_or(Ok(None), |given| given.map(Some))
     }
+
+    /// The next samples, if they come within so much time.
+    ///
+    /// # Errors
+    /// As [`Everything::next`].
+    pub fn next_within(&self, patience: Duration) -> Result<Awaited<Arc<Batch>>> {
+        Ok(match Awaited::of(self.0.recv_timeout(patience)) {
+            Awaited::Samples(given) => Awaited::Samples(given?),
+            Awaited::Nothing => Awaited::Nothing,
+            Awaited::End => Awaited::End,
+        })
+    }
 }
 
 impl Watcher {
@@ -231,21 +270,16 @@ impl Watcher {
         self.0.recv().ok()
     }
 
-    /// The same, waiting no longer than this.
+    /// The next samples, if they come within so much time. Why there are no more tells [`Hub::failure`].
     #[must_use]
-    pub fn next_within(&self, wait: Duration) -> Awaited {
-        match self.0.recv_timeout(wait) {
-            Ok(watched) => Awaited::Samples(watched),
-            Err(RecvTimeoutError::Timeout) => Awaited::Nothing,
-            Err(RecvTimeoutError::Disconnected) => Awaited::End,
-        }
+    pub fn next_within(&self, patience: Duration) -> Awaited<Watched> {
+        Awaited::of(self.0.recv_timeout(patience))
     }
 }
 
 /// Rows on their way into batches.
 struct Gathering {
-    /// Time passes while nobody reads.
-    is_live: bool,
+    /// Of simulated or recorded time.
     clock: Option<WallClock>,
     /// Where batches must end, since the first row.
     marks: Peekable<IntoIter<u64>>,
@@ -254,8 +288,14 @@ struct Gathering {
 }
 
 impl Gathering {
+    /// Part time of a batch at most, ns; none where nothing passes while nobody reads.
+    fn longest_ns(&self) -> Option<u64> {
+        self.clock.as_ref().map_or(Some(LIVE_BATCH.as_nanos() as u64), |clock| clock.part_ns(LIVE_BATCH))
+    }
+
     /// Fills a batch until it is large, late or at a mark; else says how the reading ended.
     fn fill(&mut self, batch: &mut Batch, source: &mut dyn Source, is_over: impl Fn() -> bool) -> Option<Result<()>> {
+        let longest_ns = self.longest_ns().unwrap_or(u64::MAX);
         loop {
             let row = match admitted(source, &mut self.admission) {
                 Ok(Some(row)) if !is_over() => row,
@@ -269,7 +309,7 @@ impl Gathering {
             let since_ns = row.t_ns - *self.start_ns.get_or_insert(row.t_ns);
             let first_ns = batch.rows.first().map_or(row.t_ns, |first| first.t_ns);
             let is_marked = self.marks.next_if(|mark_ns| since_ns >= *mark_ns).is_some();
-            let is_late = self.is_live && row.t_ns - first_ns >= LIVE_BATCH_NS;
+            let is_late = row.t_ns - first_ns >= longest_ns;
             if is_marked || is_late || batch.rows.len() == BATCH {
                 return None;
             }
@@ -280,6 +320,8 @@ impl Gathering {
 /// The thread.
 struct Worker {
     subscribers: Subscribers,
+    speed: Speed,
+    failure: Failure,
     /// Somebody wants the reading to end.
     stop: Stop,
     /// The hub is gone.
@@ -292,8 +334,8 @@ impl Worker {
         while let Ok(request) = wanted.recv() {
             match request {
                 Request::Do(work) => work(source),
-                Request::Read { pace, marks_ns } => {
-                    let clock = (pace == Pace::RealTime && !source.facts().is_real).then(WallClock::default);
+                Request::Read { marks_ns } => {
+                    let clock = (!source.facts().is_real).then(|| WallClock::new(self.speed.clone()));
                     if let Err(error) = self.read(source, clock, marks_ns) {
                         self.fail(&error);
                     }
@@ -305,9 +347,8 @@ impl Worker {
     }
 
     fn read(&self, source: &mut dyn Source, clock: Option<WallClock>, marks_ns: Vec<u64>) -> Result<()> {
-        let is_live = clock.is_some() || source.facts().is_real;
         let marks = marks_ns.into_iter().peekable();
-        let mut gathering = Gathering { is_live, clock, marks, admission: Admission::default(), start_ns: None };
+        let mut gathering = Gathering { clock, marks, admission: Admission::default(), start_ns: None };
         loop {
             let mut batch = Batch::default();
             let end = gathering.fill(&mut batch, source, || self.is_over());
@@ -317,7 +358,7 @@ impl Worker {
             if let Some(end) = end {
                 return end;
             }
-            if !is_heard && !is_live {
+            if !is_heard && gathering.longest_ns().is_none() {
                 return Ok(());
             }
         }
@@ -339,8 +380,9 @@ impl Worker {
         !all.is_empty()
     }
 
-    /// Only who must have everything is told why there is no more.
+    /// Who must have everything is told why there is no more; everybody else may ask the hub.
     fn fail(&self, error: &DeviceError) {
+        *lock(&self.failure) = Some(error.again());
         for subscriber in std::mem::take(&mut *lock(&self.subscribers)) {
             if let Subscriber::Everything(queue) = subscriber {
                 wait_for_room(&queue, Err(error.again()), &self.ended);
@@ -392,35 +434,3 @@ fn admitted(source: &mut dyn Source, admission: &mut Admission) -> Result<Option
     }
     Ok(None)
 }
-
-/// Keeps part time from running ahead of the wall clock; looks at the clock once per [`PACE_NS`] of part time.
-#[derive(Default)]
-struct WallClock {
-    started: Option<(Instant, u64)>,
-    due_ns: u64,
-}
-
-impl WallClock {
-    #[inline]
-    fn keep(&mut self, t_ns: u64, is_over: impl Fn() -> bool) {
-        if t_ns >= self.due_ns {
-            self.wait(t_ns, is_over);
-        }
-    }
-
-    fn wait(&mut self, t_ns: u64, is_over: impl Fn() -> bool) {
-        let (wall, part_ns) = *self.started.get_or_insert_with(|| (Instant::now(), t_ns));
-        let target = Duration::from_nanos(t_ns.saturating_sub(part_ns));
-        while let Some(early) = target.checked_sub(wall.elapsed()).filter(|early| !early.is_zero()) {
-            if is_over() {
-                break;
-            }
-            thread::sleep(early.min(LONGEST_SLEEP));
-        }
-        self.due_ns = t_ns + PACE_NS;
-    }
-}
-
-const PACE_NS: u64 = 10_000_000;
-/// A wish to end is heeded at least this often.
-const LONGEST_SLEEP: Duration = Duration::from_millis(100);

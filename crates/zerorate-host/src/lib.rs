@@ -18,6 +18,7 @@ pub mod iiod;
 mod kinds;
 mod live;
 mod options;
+mod pace;
 mod pin;
 mod reader;
 mod replay;
@@ -31,9 +32,10 @@ mod twin;
 
 pub use chamber::{Air, Apart, Chamber, ChamberSpec, DIALECTS, Dialect, Lead, SimulatedChamber};
 pub use error::{Cause, DeviceError};
-pub use hub::{Awaited, Batch, Everything, Hub, Pace, Watched, Watcher};
+pub use hub::{Awaited, Batch, Everything, Hub, Watched, Watcher};
 pub use kinds::{DeviceSpec, KINDS, Kind};
-pub use source::{Bus, Facts, Losses, Sampling, Setup, Source};
+pub use pace::{Pace, Speed};
+pub use source::{Bus, Facts, Losses, Registers, Sampling, Setup, Source};
 pub use stop::Stop;
 
 /// What is given back by whatever may fail at a device.

@@ -3,6 +3,7 @@
 use crate::Result;
 use crate::chamber::Air;
 use crate::error::Told;
+use adis16130::registers::Address;
 use adis16130::{Config, ConversionTime, Framing, SamplerConfig, SelfTest};
 use adis16130_twin::Truth;
 use zerorate::Part;
@@ -54,6 +55,12 @@ pub trait Source {
 
     /// Tries the bus, if there is one. To be called before the first sample; leaves the part configured.
     fn try_bus(&mut self) -> Result<Option<Bus>> {
+        Ok(None)
+    }
+
+    /// The registers of the part, as they are, if it has some and we can read them; of several parts, those of the
+    /// first. To be called before the first sample.
+    fn registers(&mut self) -> Result<Option<Registers>> {
         Ok(None)
     }
 
@@ -142,6 +149,15 @@ pub(crate) fn nominal_rate_hz(info: &CaptureInfo, mclk_hz: u32) -> Option<f64> {
     let cycles = [set.rate_conversion, set.temp_conversion].map(|bits| ConversionTime::new(bits).cycles(true));
     let pairs_hz = f64::from(mclk_hz) / f64::from(cycles[0] + cycles[1]);
     Some(pairs_hz * 2.0 / (f64::from(info.edges_per_reading()) + 1.0))
+}
+
+/// What stands in the registers of an ADIS16130.
+#[derive(Clone, Debug)]
+pub struct Registers {
+    /// What was written to it.
+    pub config: Config,
+    /// Each with its bits, in the order of their addresses.
+    pub values: Vec<(Address, u32)>,
 }
 
 /// What was found of an SPI bus.

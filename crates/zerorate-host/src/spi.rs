@@ -9,7 +9,7 @@ use crate::options::{
     DEFAULT_HZ, MCLK_RANGE_HZ, PART_OPTIONS, PartOptions, SLOWEST_HZ, gpio_line, number, split, without_bandwidth,
 };
 use crate::reader::{Reader, WhenFull};
-use crate::source::{Bus, Facts, Losses, Setup, Source};
+use crate::source::{Bus, Facts, Losses, Registers, Setup, Source};
 use adis16130::{Framing, MAX_SCLK_HZ, MCLK_HZ, Sample, SelfTest};
 use anyhow::{Result, bail};
 use embedded_hal::spi::{Error, ErrorKind, ErrorType, Operation, SpiDevice};
@@ -161,6 +161,11 @@ impl SpiPart {
         Ok(Bus { sclk_hz: self.address.hz, fastest_clean_hz, read_s: Some(read_s) })
     }
 
+    fn read_registers(&mut self) -> Result<Registers> {
+        let State::Ready(live) = &mut self.state else { bail!("the part is being read already") };
+        live.registers().map_err(|error| explain(error, &self.address, &self.failed))
+    }
+
     /// What the self-test does to the rate; its pins are on this line.
     fn test_itself(&mut self, (chip, line): (PathBuf, u32)) -> Result<SelfTest> {
         let State::Ready(live) = &mut self.state else { bail!("the part is being read already") };
@@ -204,6 +209,10 @@ impl Source for SpiPart {
 
     fn try_bus(&mut self) -> crate::Result<Option<Bus>> {
         Ok(self.try_its_bus().map(Some)?)
+    }
+
+    fn registers(&mut self) -> crate::Result<Option<Registers>> {
+        Ok(Some(self.read_registers()?))
     }
 
     fn self_test(&mut self, gpio: &str) -> crate::Result<SelfTest> {

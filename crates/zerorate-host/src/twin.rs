@@ -5,7 +5,7 @@ use crate::error::Told;
 use crate::kinds::{Address, Parsed};
 use crate::live::{Edges, Live};
 use crate::options::PartOptions;
-use crate::source::{Facts, Setup, Source, part_of};
+use crate::source::{Facts, Registers, Setup, Source, part_of};
 use crate::{Result, Stop};
 use adis16130::{Edge, MCLK_HZ, RdyEdge, Sample, SelfTest, Width};
 use adis16130_twin::{Roa, Spec, SpecError, Truth, Twin, TwinSpi};
@@ -166,6 +166,10 @@ impl Source for Twins {
         Ok(row.map(|row| row.with_status(first.status).with_temp_code(first.temp_code).with_lost(first.lost)))
     }
 
+    fn registers(&mut self) -> Result<Option<Registers>> {
+        Ok(self.units.first_mut().map(Live::registers).transpose()?)
+    }
+
     fn truths(&self) -> Vec<Truth> {
         self.units.iter().map(|unit| unit.edges.twin.truth()).collect()
     }
@@ -193,6 +197,10 @@ impl Source for TwinPart {
             follower.keep(&self.live.edges.twin, std::iter::empty());
         }
         Ok(self.live.next().map(|sample| Some(Row::from(&sample)))?)
+    }
+
+    fn registers(&mut self) -> Result<Option<Registers>> {
+        Ok(Some(self.live.registers()?))
     }
 
     fn self_test(&mut self, gpio: &str) -> Result<SelfTest> {

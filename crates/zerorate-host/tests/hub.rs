@@ -4,7 +4,7 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
-use zerorate_host::{Batch, Cause, DeviceSpec, Everything, Hub, Pace, Sampling, Setup, Stop, Watcher};
+use zerorate_host::{Awaited, Batch, Cause, DeviceSpec, Everything, Hub, Pace, Sampling, Setup, Speed, Stop, Watcher};
 
 fn hub(device: &str, stop: &Stop) -> Hub {
     let spec: DeviceSpec = device.parse().expect("a device");
@@ -188,4 +188,66 @@ fn what_cannot_be_opened_says_why_in_the_thread_that_asked() {
         .map(drop)
         .expect_err("decided when it was recorded");
     assert_eq!(error.cause(), Cause::Request);
+}
+
+/// The nominal 5692.6 samples a second (F-31), at quite different speeds one after the other.
+#[test]
+fn the_speed_of_time_can_be_changed_while_it_passes() {
+    let hub = hub("twin:seed=8", &Stop::default());
+    let everything = hub.everything();
+    hub.read(Pace::RealTime, Vec::new()).expect("a thread");
+    let part_ns_of = |batches: usize| {
+        let mut rows = Vec::new();
+        while rows.len() < batches {
+            rows.extend(everything.next().expect("samples").expect("a batch").rows.iter().map(|row| row.t_ns));
+        }
+        rows[rows.len() - 1] - rows[0]
+    };
+    part_ns_of(1);
+    let begun = Instant::now();
+    hub.speed().set(50.0);
+    let took_ns = part_ns_of(100_000);
+    // no faster than it may be; how much slower is a matter of the machine
+    assert!(begun.elapsed() >= Duration::from_nanos(took_ns / 50) - Duration::from_millis(200), "{took_ns}");
+    assert!(begun.elapsed() < Duration::from_secs(10), "50 times as fast is faster than the clock");
+    hub.speed().set(0.001);
+    let crawling = loop {
+        if let Awaited::Nothing = everything.next_within(Duration::from_millis(300)).expect("samples") {
+            break true;
+        }
+    };
+    hub.speed().set(0.0);
+    assert!(crawling && part_ns_of(20_000) > 3_000_000_000, "as fast as it goes");
+    for (asked, factor) in [(f64::NAN, 0.0), (-1.0, 0.0), (1e9, Speed::MOST), (2.5, 2.5)] {
+        hub.speed().set(asked);
+        assert_eq!(hub.speed().factor(), factor);
+    }
+}
+
+#[test]
+fn a_watcher_learns_from_the_hub_why_there_is_no_more() {
+    let hub = hub("twin:seed=9,fault=unplug,fault_at_s=0.5", &Stop::default());
+    let (everything, watcher) = (hub.everything(), hub.watch(4));
+    hub.read(Pace::Free, Vec::new()).expect("a thread");
+    while let Ok(Some(_)) = everything.next() {}
+    while !matches!(watcher.next_within(Duration::from_secs(5)), Awaited::End) {}
+    assert_eq!(hub.failure().expect("it was unplugged").cause(), Cause::Gone);
+}
+
+/// The configuration of F-30, typed from there.
+#[test]
+fn the_registers_of_the_twin_can_be_read_before_its_samples() {
+    for device in ["twin:", "twin:axes=3"] {
+        let hub = hub(device, &Stop::default());
+        let registers = hub.with(|source| source.registers()).expect("registers").expect("the twin has some");
+        let of = |address: u8| registers.values.iter().find(|(at, _)| *at as u8 == address).map(|(_, value)| *value);
+        let written = [(0x28, 0x0A), (0x30, 0x05), (0x2A, 0x0A), (0x32, 0x05), (0x38, 0x22)];
+        for (address, value) in written {
+            assert_eq!(of(address), Some(value), "{address:02X}h of {device}");
+        }
+        assert_eq!((registers.values.len(), of(0x01).map(|iop| iop & 0x3F)), (13, Some(0x38)));
+        let everything = hub.everything();
+        hub.read(Pace::Free, Vec::new()).expect("a thread");
+        assert_eq!(everything.next().expect("samples").expect("a batch").rows[0].lost, 0, "{device}");
+    }
 }

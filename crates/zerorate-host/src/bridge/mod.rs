@@ -10,7 +10,7 @@ use crate::error::{Cause, Told};
 use crate::live::{Edges, Live};
 use crate::pin::PinError;
 use crate::reader::{Reader, WhenFull};
-use crate::source::{Bus, Facts, Losses, Setup, Source};
+use crate::source::{Bus, Facts, Losses, Registers, Setup, Source};
 pub use address::BridgeAddress;
 #[cfg(test)]
 pub use address::Port;
@@ -75,6 +75,11 @@ impl BridgePart {
         tried().map_err(|error| link.explain(error, address))
     }
 
+    fn read_registers(&mut self) -> Result<Registers> {
+        let State::Ready(live) = &mut self.state else { bail!("the part is being read already") };
+        live.registers().map_err(|error| self.link.explain(error, &self.address))
+    }
+
     /// What the self-test does to the rate.
     fn test_itself(&mut self) -> Result<SelfTest> {
         let State::Ready(live) = &mut self.state else { bail!("the part is being read already") };
@@ -136,6 +141,10 @@ impl Source for BridgePart {
 
     fn try_bus(&mut self) -> crate::Result<Option<Bus>> {
         Ok(self.try_its_bus().map(Some)?)
+    }
+
+    fn registers(&mut self) -> crate::Result<Option<Registers>> {
+        Ok(Some(self.read_registers()?))
     }
 
     fn self_test(&mut self, gpio: &str) -> crate::Result<SelfTest> {

@@ -1,0 +1,116 @@
+//! How fast simulated or recorded time goes.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::thread;
+use std::time::{Duration, Instant};
+
+/// How fast simulated or recorded time goes when it begins to be read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Pace {
+    /// As fast as it is taken.
+    Free,
+    /// No faster than the wall clock.
+    RealTime,
+}
+
+impl Pace {
+    /// As a [`Speed`].
+    pub(crate) fn factor(self) -> f64 {
+        match self {
+            Self::Free => 0.0,
+            Self::RealTime => 1.0,
+        }
+    }
+}
+
+/// How many times as fast as the wall clock simulated or recorded time goes; 0: as fast as it is taken. All clones are
+/// one, and it may change at any time.
+#[derive(Clone, Debug)]
+pub struct Speed(Arc<AtomicU64>);
+
+impl Default for Speed {
+    /// As fast as it is taken.
+    fn default() -> Self {
+        Self(Arc::new(AtomicU64::new(0.0f64.to_bits())))
+    }
+}
+
+impl Speed {
+    /// The largest factor.
+    pub const MOST: f64 = 1000.0;
+
+    /// Sets the factor, from 0 to [`Speed::MOST`]; what lies outside is brought there.
+    pub fn set(&self, factor: f64) {
+        let factor = if factor.is_nan() { 0.0 } else { factor.clamp(0.0, Self::MOST) };
+        self.0.store(factor.to_bits(), Ordering::Relaxed);
+    }
+
+    /// The factor.
+    #[inline]
+    #[must_use]
+    pub fn factor(&self) -> f64 {
+        f64::from_bits(self.bits())
+    }
+
+    /// One relaxed load: fit for the path of every sample.
+    #[inline]
+    fn bits(&self) -> u64 {
+        self.0.load(Ordering::Relaxed)
+    }
+}
+
+/// Keeps part time from running ahead of the wall clock; looks at the clock once per [`PACE`] of wall time.
+pub(crate) struct WallClock {
+    speed: Speed,
+    /// The speed since `started`.
+    bits: u64,
+    started: Option<(Instant, u64)>,
+    due_ns: u64,
+}
+
+/// Time between two looks at the clock.
+const PACE: Duration = Duration::from_millis(10);
+/// A wish to end, or to go faster, is heeded at least this often.
+const LONGEST_SLEEP: Duration = Duration::from_millis(100);
+
+impl WallClock {
+    pub fn new(speed: Speed) -> Self {
+        let bits = speed.bits();
+        Self { speed, bits, started: None, due_ns: 0 }
+    }
+
+    /// Part time that passes in so much wall time, ns; none where nothing holds it.
+    pub fn part_ns(&self, wall: Duration) -> Option<u64> {
+        let factor = self.speed.factor();
+        (factor > 0.0).then_some((wall.as_nanos() as f64 * factor) as u64)
+    }
+
+    #[inline]
+    pub fn keep(&mut self, t_ns: u64, is_over: impl Fn() -> bool) {
+        if t_ns >= self.due_ns || self.speed.bits() != self.bits {
+            self.wait(t_ns, is_over);
+        }
+    }
+
+    fn wait(&mut self, t_ns: u64, is_over: impl Fn() -> bool) {
+        let bits = self.speed.bits();
+        if std::mem::replace(&mut self.bits, bits) != bits {
+            self.started = None;
+        }
+        let factor = f64::from_bits(bits);
+        let Some(step_ns) = self.part_ns(PACE) else {
+            self.due_ns = u64::MAX;
+            return;
+        };
+        let (wall, part_ns) = *self.started.get_or_insert_with(|| (Instant::now(), t_ns));
+        let target = Duration::from_nanos((t_ns.saturating_sub(part_ns) as f64 / factor) as u64);
+        while let Some(early) = target.checked_sub(wall.elapsed()).filter(|early| !early.is_zero()) {
+            if is_over() || self.speed.bits() != bits {
+                break;
+            }
+            thread::sleep(early.min(LONGEST_SLEEP));
+        }
+        self.due_ns = t_ns.saturating_add(step_ns);
+    }
+}
