@@ -1,1 +1,97 @@
+import "uplot/dist/uPlot.min.css";
+import "./style/base.css";
 import "./style/page.css";
+import type { App, Page } from "./app";
+import { Bench } from "./bench/bench";
+import { unframe } from "./frame";
+import { home, type Home } from "./home";
+import { kept } from "./kept";
+import { Inside } from "./link/inside";
+import { Served } from "./link/served";
+import { Model } from "./model";
+import { named, PAGES, type PageName } from "./pages";
+import { settings } from "./settings";
+import { Shell } from "./shell";
+
+/** Pages that are not on view at once are loaded when they are wanted. */
+const MAKERS: Record<PageName, (app: App) => Promise<Page>> = {
+  bench: async (app) => new Bench(app),
+  calibrate: async (app) => new (await import("./calibrate/calibrate")).Calibrate(app),
+  log: async (app) => new (await import("./log/log")).Log(app),
+  device: async (app) => new (await import("./device/device")).DevicePage(app),
+};
+
+class Whole {
+  readonly #shell: Shell;
+  readonly #pages = new Map<PageName, Page>();
+  readonly #app: App;
+  #shown: Page | undefined;
+  #fresh = true;
+
+  constructor(where: Home["home"]) {
+    const served = where === "served" ? new Served() : undefined;
+    const inside = where === "static" ? new Inside() : undefined;
+    const link = (served ?? inside)!;
+    this.#shell = new Shell(() => this.#app);
+    this.#app = {
+      model: new Model(), link, inside,
+      ask: async (wish) => link.ask(wish).catch((why: Error) => { this.#shell.tell(why.message, "wrong"); return undefined; }),
+      tell: (text, kind = "said") => this.#shell.tell(text, kind),
+    };
+    link.onframe = (bytes) => this.#app.model.take(unframe(bytes));
+    link.onstate = (state) => this.#shell.link(state, served);
+    settings.onchange(() => this.#restyle());
+    settings.follow();
+    addEventListener("hashchange", () => void this.#go());
+    document.addEventListener("keydown", (event) => this.#key(event));
+    addEventListener("beforeunload", (event) => { if (this.#wouldLose()) event.preventDefault(); });
+    void this.#go();
+    link.start();
+    requestAnimationFrame(() => this.#tick());
+  }
+
+  async #go(): Promise<void> {
+    const name = named(location.hash);
+    const page = this.#pages.get(name) ?? (await MAKERS[name](this.#app));
+    this.#pages.set(name, page);
+    if (named(location.hash) !== name) return;
+    this.#shell.show(name, page.element);
+    this.#shown = page;
+    this.#fresh = true;
+  }
+
+  /** Once a picture; the browser asks for none while the page is hidden. */
+  #tick(): void {
+    requestAnimationFrame(() => this.#tick());
+    const changed = this.#app.model.changes();
+    if (changed.has("device")) this.#shell.device();
+    if (changed.has("calibrations") && this.#app.inside) kept.keepCalibrations(this.#app.model.calibrations);
+    if (changed.size === 0 && !this.#fresh && !this.#shown) return;
+    const fresh = this.#fresh;
+    this.#fresh = false;
+    this.#shown?.update(changed, fresh);
+    if (this.#app.model.frames > 0) document.body.dataset.ready = "";
+  }
+
+  #restyle(): void {
+    for (const page of this.#pages.values()) page.restyle();
+    this.#fresh = true;
+  }
+
+  #key(event: KeyboardEvent): void {
+    const target = event.target as HTMLElement;
+    if (event.defaultPrevented || event.ctrlKey || event.metaKey || event.altKey) return;
+    if (target.closest("input:not([type=radio]), textarea, select, button, summary, [role=log]")) return;
+    const page = (Object.keys(PAGES) as PageName[])[Number(event.key) - 1];
+    if (page) location.hash = page;
+    else if (!target.closest("input, a") && this.#shown?.key?.(event)) event.preventDefault();
+  }
+
+  /** A calibration that nobody would go on with. */
+  #wouldLose(): boolean {
+    return this.#app.inside?.shared === false && this.#app.model.calibration.is === "running";
+  }
+}
+
+const where = await home().catch((): Home => ({ home: "served", token_needed: false }));
+new Whole(where.home);

@@ -1,0 +1,97 @@
+import type { App, Page } from "../app";
+import { Allan } from "../chart/allan";
+import { Scatter } from "../chart/scatter";
+import { Spectrum } from "../chart/spectrum";
+import type { Part } from "../model";
+import { button, Choice, h } from "../dom";
+import { Coefficients } from "./coefficients";
+import { Marks } from "./marks";
+import { Notices } from "./notices";
+import { Strips } from "./strips";
+import { Tiles } from "./tiles";
+
+/** How often the words for who does not see the charts are made anew, ms. */
+const WORDS_MS = 5000;
+/** How often the numbers change at most, so that they can be read, ms. */
+const NUMBERS_MS = 200;
+
+/** What the part does now, and what is known of it by now. */
+export class Bench implements Page {
+  readonly element: HTMLElement;
+  readonly #tiles: Tiles;
+  readonly #strips: Strips;
+  readonly #spectrum = new Spectrum("Spectrum", 230, "comes with the first seconds");
+  readonly #allan: Allan;
+  readonly #scatter = new Scatter("Rate over temperature", 230, "comes with the first seconds");
+  readonly #marks = new Marks();
+  readonly #coefficients = new Coefficients();
+  readonly #notices: Notices;
+  readonly #axes = h("div", { class: "axes" });
+  #axis = 0;
+  #names = "";
+  #spoke = 0;
+  #wrote = 0;
+
+  constructor(readonly app: App) {
+    const restart = button("Restart", () => void app.ask({ do: "restart" }), { class: "small", "aria-label": "Begin the statistics anew" });
+    this.#allan = new Allan("Allan deviation", 230, "grows from the first seconds on", [restart]);
+    this.#tiles = new Tiles(app);
+    this.#strips = new Strips(app);
+    this.#notices = new Notices();
+    const card = (figure: { element: HTMLElement }, ...more: Node[]) => h("section", { class: "card" }, figure.element, ...more);
+    this.element = h("div", { class: "page bench" }, h("h1", { class: "unseen" }, "Bench"), this.#axes, this.#tiles.element, this.#strips.element,
+      h("div", { class: "three" }, card(this.#allan, this.#coefficients.element), card(this.#spectrum, this.#marks.element), card(this.#scatter)),
+      this.#notices.element);
+  }
+
+  update(changed: ReadonlySet<Part>, all: boolean): void {
+    if (changed.has("device") || all) this.#choose();
+    const now = performance.now();
+    if (all || now - this.#wrote > NUMBERS_MS) {
+      this.#wrote = now;
+      this.#tiles.update(this.#axis);
+    }
+    if (all) this.#strips.redraw();
+    this.#strips.update(changed.has("strips"));
+    if (changed.has("statistics") || all) this.#statistics();
+    if (changed.has("notices") || all) this.#notices.update(this.app.model.notices);
+    if (now - this.#spoke > WORDS_MS) {
+      this.#spoke = now;
+      this.#strips.summarise();
+    }
+  }
+
+  restyle(): void {
+    this.#strips.restyle();
+    for (const figure of [this.#spectrum, this.#allan, this.#scatter]) figure.remake();
+    this.#statistics();
+  }
+
+  key(event: KeyboardEvent): boolean {
+    return this.#strips.key(event);
+  }
+
+  #statistics(): void {
+    const found = this.app.model.statistics[this.#axis];
+    this.#allan.show(found?.allan);
+    this.#spectrum.show(found && { points: found.spectrum, marks: found.marks });
+    this.#scatter.show(found?.temperature);
+    this.#coefficients.update(found);
+    this.#marks.update(found?.marks ?? []);
+  }
+
+  /** A switch between axes where there are several. */
+  #choose(): void {
+    const axes = this.app.model.device?.axes ?? [];
+    const names = axes.map((axis) => axis.name).join("\n");
+    if (names === this.#names) return;
+    this.#names = names;
+    this.#axis = this.#strips.axis = 0;
+    const options = axes.map((axis, index) => [String(index), axis.name] as const);
+    const choice = new Choice("Axis", options, "0", (value) => {
+      this.#axis = this.#strips.axis = Number(value);
+      this.update(new Set(), true);
+    });
+    this.#axes.replaceChildren(...(axes.length > 1 ? [choice.element] : []));
+  }
+}

@@ -1,0 +1,17 @@
+import { significant } from "../digits";
+import { h } from "../dom";
+import type { SpectrumMark } from "../protocol";
+
+/** What is marked in the spectrum, in words. */
+export class Marks {
+  readonly element = h("ul", { class: "marks" });
+  #shown = "";
+
+  update(marks: SpectrumMark[]): void {
+    const text = JSON.stringify(marks);
+    if (text === this.#shown) return;
+    this.#shown = text;
+    this.element.replaceChildren(...marks.map((mark) =>
+      h("li", { class: mark.kind }, h("b", {}, `${significant(mark.hz, 4)} Hz`), ` ${mark.text}`)));
+  }
+}

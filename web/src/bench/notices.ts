@@ -1,0 +1,24 @@
+import { clock } from "../digits";
+import { h } from "../dom";
+import type { Notice } from "../protocol";
+
+/** What there is to say, the newest first. */
+export class Notices {
+  readonly element: HTMLElement;
+  readonly #list = h("ol", { class: "notices", role: "log", "aria-label": "Notices", tabindex: 0 });
+  #shown = "";
+
+  constructor() {
+    this.element = h("section", { class: "card", "aria-label": "Notices" }, h("h2", {}, "Notices"), this.#list);
+    this.update([]);
+  }
+
+  update(notices: Notice[]): void {
+    const text = JSON.stringify(notices);
+    if (text === this.#shown) return;
+    this.#shown = text;
+    const rows = [...notices].reverse().map((notice) => h("li", {},
+      h("time", {}, clock(notice.at_s, 1)), " ", h("code", {}, notice.code), ` ${notice.text}`, ...(notice.count > 1 ? [h("b", {}, ` × ${notice.count}`)] : [])));
+    this.#list.replaceChildren(...(rows.length > 0 ? rows : [h("li", { class: "none" }, "Nothing to say: all is well so far.")]));
+  }
+}

@@ -1,0 +1,93 @@
+import type { App } from "../app";
+import { Curve } from "../chart/curve";
+import * as digits from "../digits";
+import { button, Choice, h, mark, say } from "../dom";
+import { downloads } from "../downloads";
+import type { Part } from "../model";
+import type { AxisResult, Calibrating, CalibrationResult } from "../protocol";
+import { settings } from "../settings";
+import type { Stage } from "./calibrate";
+import { titleOf } from "./methods";
+
+/** What a calibration came to. */
+export class Result implements Stage {
+  readonly element = h("div", { class: "result" });
+  readonly #curve = new Curve("What is added to the rate", 280, "no curve");
+  readonly #apply: HTMLButtonElement;
+  readonly #numbers = h("div", {});
+  #result: CalibrationResult | undefined;
+  #axis = 0;
+
+  constructor(readonly app: App) {
+    const apply = () => app.ask({ do: "apply", calibration: this.#result?.entry.id ?? null });
+    this.#apply = button("Apply", () => void apply(), { class: "primary" });
+  }
+
+  update(calibration: Calibrating, changed: ReadonlySet<Part>): void {
+    if (calibration.is !== "done") return;
+    if (calibration.entry.id !== this.#result?.entry.id) this.#show(calibration);
+    if (!changed.has("calibrations") && !changed.has("calibration")) return;
+    const { id } = calibration.entry;
+    const applied = this.app.model.calibrations.some((entry) => entry.id === id && entry.applied);
+    mark(this.#apply, "disabled", applied ? "" : null);
+    say(this.#apply, applied ? "Applied" : "Apply");
+  }
+
+  restyle(): void {
+    this.#choose(this.#axis);
+    this.#curve.remake();
+  }
+
+  #show(result: CalibrationResult): void {
+    this.#result = result;
+    const axes = result.axes.map((axis, index) => [String(index), axis.name] as const);
+    const choice = new Choice("Axis", axes, "0", (axis) => this.#choose(Number(axis)));
+    const again = button("Calibrate again", () => void this.app.ask({ do: "dismiss-calibration" }), { class: "quiet" });
+    this.element.replaceChildren(h("h1", {}, `${titleOf(result.method)}: done`),
+      ...(axes.length > 1 ? [choice.element] : []), this.#numbers,
+      h("section", { class: "card" }, this.#curve.element, legend(result)),
+      h("section", { class: "card" }, h("h2", {}, "Keep it"), downloads(this.app, result.entry.id),
+        h("div", { class: "actions" }, this.#apply, again)),
+      remarks(result.warnings));
+    this.#choose(0);
+  }
+
+  #choose(index: number): void {
+    const axis = this.#result?.axes[index];
+    if (!axis) return;
+    this.#axis = index;
+    this.#numbers.replaceChildren(coefficients(axis), beforeAndAfter(axis));
+    this.#curve.show(axis.curve);
+  }
+}
+
+function legend({ axes }: CalibrationResult): HTMLElement {
+  const hasTruth = axes.some((axis) => axis.curve.some((point) => point.truth_dps !== null));
+  const truth = " Dashed: what a perfect measurement of this twin would find.";
+  return h("p", { class: "note" }, `Line: the correction. Band: one sigma.${hasTruth ? truth : ""}`);
+}
+
+function remarks(warnings: string[]): HTMLElement {
+  const rows = warnings.map((text) => h("li", {}, text));
+  return h("section", { class: "card" }, h("h2", {}, "Remarks"),
+    h("ul", { class: "remarks" }, ...(rows.length > 0 ? rows : [h("li", { class: "none" }, "None.")])));
+}
+
+function coefficients(axis: AxisResult): HTMLElement {
+  const { scale, unitText } = settings;
+  const tile = (name: string, text: string, unit: string) => h("section", { class: "tile", "aria-label": name },
+    h("h2", {}, name),
+    h("p", { class: "big" }, h("span", { class: "value" }, text), " ", h("span", { class: "unit" }, unit)));
+  return h("div", { class: "tiles" },
+    tile("PBC, offset", digits.both(axis.pbc_dps * scale, axis.u_pbc_dps * scale), unitText),
+    tile("BTC, over temperature", digits.both(axis.btc_dps_per_c * scale, axis.u_btc_dps_per_c * scale), `${unitText}/°C`),
+    tile("T3, where it was measured", digits.value(axis.t3_c, 0.01), "°C"));
+}
+
+function beforeAndAfter({ before_dps, after_dps, u_pbc_dps }: AxisResult): HTMLElement {
+  const { scale, unitText } = settings;
+  const text = (dps: number | null) =>
+    `${digits.value(dps === null ? null : dps * scale, u_pbc_dps * scale)} ${unitText}`;
+  return h("p", { class: "before-after" }, "Mean of the last minute: before ", h("b", { class: "raw" }, text(before_dps)),
+    ", after ", h("b", { class: "corrected" }, text(after_dps)));
+}

@@ -1,0 +1,119 @@
+import type { App } from "../app";
+import { Strip } from "../chart/strip";
+import { levelFor, TimeWindow } from "../chart/window";
+import { duration, uncertainty, value } from "../digits";
+import { button, facts, h, mark, say } from "../dom";
+import type { Part } from "../model";
+import type { Calibrating, Running, Step } from "../protocol";
+import { settings } from "../settings";
+import type { Stage } from "./calibrate";
+import { titleOf } from "./methods";
+
+/** A calibration under way: what to do now, what is to come, what would be refused. */
+export class Run implements Stage {
+  readonly element: HTMLElement;
+  readonly #title = h("h1", {});
+  readonly #advice = h("p", { class: "advice", role: "status" });
+  readonly #left = h("p", { class: "left" });
+  readonly #bar = h("progress", { max: 1, value: 0, "aria-label": "Progress of the calibration" });
+  readonly #steps = h("ol", { class: "steps" });
+  readonly #threats = h("ul", { class: "threats" });
+  readonly #facts = h("dl", { class: "facts" });
+  readonly #finish: HTMLButtonElement;
+  readonly #window = new TimeWindow();
+  readonly #trace: Strip;
+  #planned = "";
+  #threatened = "";
+
+  constructor(readonly app: App) {
+    this.#trace = this.#strip();
+    this.#finish = button("Finish now", () => void app.ask({ do: "finish-calibration" }), { class: "primary" });
+    const abort = button("Abort", () => this.#abort(), { class: "quiet" });
+    const card = (name: string, title: string, ...children: Node[]) =>
+      h("section", { class: `card ${name}` }, h("h2", {}, title), ...children);
+    this.element = h("div", { class: "run" }, this.#title,
+      card("now", "Now", this.#advice, this.#bar,
+        h("div", { class: "actions" }, this.#left, this.#finish, abort)),
+      card("plan", "Steps", this.#steps),
+      card("watch", "What would be refused if it ended here", h("div", { role: "status" }, this.#threats)),
+      h("section", { class: "card trace" }, this.#trace.element, this.#facts));
+  }
+
+  update(calibration: Calibrating, changed: ReadonlySet<Part>): void {
+    if (calibration.is !== "running") return;
+    if (changed.has("calibration")) this.#tell(calibration);
+    if (changed.has("strips")) this.#draw(calibration);
+  }
+
+  restyle(): void {
+    this.#trace.remake();
+  }
+
+  #strip(): Strip {
+    const kind = {
+      column: "temp", title: "Temperature", colour: "temp", least: 0.2, isRate: false, nothing: "no temperature yet",
+    } as const;
+    const none = { cursors: { A: undefined, B: undefined }, hover: undefined };
+    return new Strip(kind, { window: this.#window, ...none, changed: () => this.#trace.tell() });
+  }
+
+  #tell(run: Running): void {
+    const whole_s = run.elapsed_s + run.left_s;
+    say(this.#title, `Calibrating: ${titleOf(run.method)}`);
+    say(this.#advice, run.advice);
+    say(this.#left, `${duration(run.left_s)} left, ${duration(run.elapsed_s)} done`);
+    this.#bar.value = whole_s > 0 ? Math.min(1, run.elapsed_s / whole_s) : 0;
+    this.#finish.hidden = run.method === "an1042";
+    this.#finish.disabled = !run.can_finish;
+    this.#plan(run.steps, run.elapsed_s);
+    this.#warn(run.threats);
+    facts(this.#facts, temperatures(run));
+  }
+
+  #plan(steps: Step[], elapsed_s: number): void {
+    const planned = JSON.stringify(steps);
+    if (planned !== this.#planned) {
+      this.#planned = planned;
+      this.#steps.replaceChildren(...steps.map((step) =>
+        h("li", {}, h("span", { class: "name" }, step.name), h("span", { class: "time" }))));
+    }
+    steps.forEach((step, index) => {
+      const row = this.#steps.children[index]!;
+      const state = elapsed_s >= step.to_s ? "done" : elapsed_s >= step.from_s ? "now" : "later";
+      const words = { done: "done", now: `${duration(Math.ceil(step.to_s - elapsed_s))} left`,
+        later: duration(step.to_s - step.from_s) };
+      mark(row, "data-state", state);
+      mark(row, "aria-current", state === "now" ? "step" : null);
+      say(row.lastElementChild!, words[state]);
+    });
+  }
+
+  #warn(threats: string[]): void {
+    const text = JSON.stringify(threats);
+    if (text === this.#threatened) return;
+    this.#threatened = text;
+    const rows = threats.map((threat) => h("li", { class: "threat" }, threat));
+    this.#threats.replaceChildren(...(rows.length > 0 ? rows : [h("li", { class: "none" }, "Nothing.")]));
+  }
+
+  #draw(run: Running): void {
+    const levels = this.app.model.rings[0] ?? [];
+    const finest = levels[0];
+    if (!finest) return;
+    this.#window.span_s = Math.max(10, run.elapsed_s * 1.02);
+    this.#window.follow(finest.next * finest.bin_s);
+    this.#trace.draw(levelFor(levels, this.#window.from, this.#window.to));
+  }
+
+  #abort(): void {
+    if (confirm("End this calibration without a result?")) void this.app.ask({ do: "abort-calibration" });
+  }
+}
+
+function temperatures({ method, temps_c, u_dps }: Running): [string, string][] {
+  const names = ["At the beginning", "Now", "Lowest", "Highest"];
+  const rows = names.map((name, k): [string, string] => [name, temps_c ? `${value(temps_c[k], 0.02)} °C` : "–"]);
+  if (method === "an1042") return rows;
+  const known = u_dps === null ? "–" : `± ${uncertainty(u_dps * settings.scale)} ${settings.unitText}`;
+  return [...rows, ["Correction known to", known]];
+}

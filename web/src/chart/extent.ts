@@ -1,0 +1,45 @@
+/** The range of an axis: grows at once, shrinks only when much of it is empty, so that a live chart stands still. */
+export class Extent {
+  #min = NaN;
+  #max = NaN;
+  /** Least and largest of what was seen last. */
+  seen: [number, number] | undefined;
+
+  constructor(readonly least: number) {}
+
+  get any(): boolean {
+    return this.seen !== undefined;
+  }
+
+  forget(): void {
+    this.#min = this.#max = NaN;
+  }
+
+  around(low: Float64Array, high: Float64Array, count: number, scale: number): { min: number; max: number } {
+    let [least, largest] = [Infinity, -Infinity];
+    for (let bin = 0; bin < count; bin++) {
+      if (low[bin]! < least) least = low[bin]!;
+      if (high[bin]! > largest) largest = high[bin]!;
+    }
+    this.seen = least <= largest ? [least, largest] : undefined;
+    if (this.seen) this.#fit(least, largest, scale);
+    return Number.isFinite(this.#min) ? { min: this.#min, max: this.#max } : { min: -this.least, max: this.least };
+  }
+
+  #fit(least: number, largest: number, scale: number): void {
+    const fits = least >= this.#min && largest <= this.#max;
+    const needed = Math.max(largest - least, this.least);
+    if (fits && this.#max - this.#min <= 2.2 * needed) return;
+    const middle = (least + largest) / 2;
+    const step = nice((1.3 * needed * scale) / 4) / scale;
+    this.#min = Math.floor((middle - 0.65 * needed) / step) * step;
+    this.#max = Math.ceil((middle + 0.65 * needed) / step) * step;
+  }
+}
+
+/** 1, 2 or 5 times a power of ten, at least as large. */
+function nice(step: number): number {
+  const power = 10 ** Math.floor(Math.log10(step));
+  const times = [1, 2, 5, 10].find((of) => of * power >= step * 0.999) ?? 10;
+  return times * power;
+}

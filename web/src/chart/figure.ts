@@ -1,0 +1,128 @@
+import uPlot from "uplot";
+import { superscript } from "../digits";
+import { h, say, table } from "../dom";
+import { palette, type Palette } from "./palette";
+
+/** What a picture says in words, and its numbers as rows. */
+export interface Told {
+  summary: string;
+  head: string[];
+  rows: string[][];
+}
+
+/** A chart that is drawn from scratch when its numbers change, with its numbers as a table for who wants them. */
+export abstract class Figure<T> {
+  readonly element: HTMLElement;
+  protected readonly note = h("p", { class: "note" });
+  readonly #summary = h("p", { class: "unseen" });
+  readonly #box = h("div", { class: "plot" });
+  readonly #nothing = h("p", { class: "nothing" });
+  readonly #table = h("div", { class: "numbers", tabindex: 0, role: "region", "aria-label": "Numbers" });
+  readonly #details: HTMLDetailsElement;
+  #plot: uPlot | undefined;
+  #data: T | undefined;
+
+  constructor(readonly title: string, readonly height: number, nothing: string, extra: Node[] = []) {
+    say(this.#nothing, nothing);
+    this.#details = h("details", { toggle: () => this.#tabulate() }, h("summary", {}, "Numbers"), this.#table);
+    this.element = h("figure", { class: "figure" },
+      h("figcaption", {}, h("span", { class: "name" }, title), ...extra),
+      this.#summary, h("div", { class: "canvas" }, this.#box, this.#nothing), this.note, this.#details);
+    this.#box.style.setProperty("--height", `${height}px`);
+    new ResizeObserver(() => this.#fit()).observe(this.#box);
+  }
+
+  /** Draws these. */
+  show(data: T | undefined): void {
+    this.#data = data;
+    this.#draw();
+  }
+
+  /** Draws again, as after a change of theme or unit. */
+  remake(): void {
+    this.#plot?.destroy();
+    this.#plot = undefined;
+    this.#draw();
+  }
+
+  /** Whether there is something to draw. */
+  protected abstract isThere(data: T): boolean;
+  protected abstract options(colours: Palette): Omit<uPlot.Options, "width" | "height">;
+  protected abstract columns(data: T): (number | null)[][];
+  protected abstract told(data: T): Told;
+
+  protected get data(): T | undefined {
+    return this.#data;
+  }
+
+  #draw(): void {
+    const data = this.#data;
+    const there = data !== undefined && this.isThere(data);
+    this.#nothing.hidden = there;
+    if (!there) say(this.#summary, this.#nothing.textContent ?? "");
+    if (!there || this.#box.clientWidth === 0) return;
+    this.#plot ??= this.#make();
+    this.#plot.setData(this.columns(data) as uPlot.AlignedData);
+    say(this.#summary, this.told(data).summary);
+    this.#tabulate();
+  }
+
+  #make(): uPlot {
+    const size = { width: this.#box.clientWidth, height: this.height };
+    const plot = new uPlot({ ...this.options(palette()), ...size }, [[]], this.#box);
+    plot.root.setAttribute("aria-hidden", "true");
+    return plot;
+  }
+
+  #fit(): void {
+    if (this.#box.clientWidth === 0) return;
+    if (this.#plot) this.#plot.setSize({ width: this.#box.clientWidth, height: this.height });
+    else this.#draw();
+  }
+
+  #tabulate(): void {
+    if (!this.#details.open || this.#data === undefined) return;
+    const { head, rows } = this.told(this.#data);
+    const at = this.#table.scrollTop;
+    this.#table.replaceChildren(table(this.title, head, rows));
+    this.#table.scrollTop = at;
+  }
+}
+
+/** An axis in the colours of the theme. */
+export function axis(colours: Palette, label: string, more: uPlot.Axis = {}): uPlot.Axis {
+  return {
+    stroke: colours.muted, grid: { stroke: colours.grid, width: 1 }, ticks: { show: false },
+    font: "11px system-ui, sans-serif", labelFont: "11px system-ui, sans-serif", label, labelSize: 16, labelGap: 0, ...more,
+  };
+}
+
+/** Whole decades around positive numbers. */
+export function decades(least: number, largest: number): [number, number] {
+  if (!(least > 0) || !(largest > 0)) return [1e-3, 1];
+  const low = Math.floor(Math.log10(least * 1.0001));
+  const high = Math.ceil(Math.log10(largest * 0.9999));
+  return [10 ** low, 10 ** Math.max(high, low + 1)];
+}
+
+/** `10⁻³` at whole decades, and nothing between. */
+export function decadeTick(value: number | null): string {
+  if (value === null) return "";
+  const power = Math.log10(value);
+  if (Math.abs(power - Math.round(power)) > 1e-6) return "";
+  const whole = Math.round(power);
+  if (whole >= -2 && whole <= 3) return String(Number((10 ** whole).toPrecision(1)));
+  return `10${superscript(whole)}`;
+}
+
+/** Numbers of a linear axis. */
+export function tick(value: number | null): string {
+  return value === null ? "" : String(Number(value.toPrecision(6))).replace("-", "\u2212");
+}
+
+/** A range with some room around it. */
+export function padded(least: number | null, largest: number | null, floor: number): [number, number] {
+  if (least === null || largest === null) return [0, 1];
+  const by = Math.max((largest - least) * 0.08, floor);
+  return [least - by, largest + by];
+}

@@ -1,0 +1,245 @@
+import uPlot from "uplot";
+import { clock, significant } from "../digits";
+import { h, say } from "../dom";
+import type { Column, Ring } from "../ring";
+import { settings } from "../settings";
+import { faint, palette } from "./palette";
+import { Extent } from "./extent";
+import { DRAWN, type TimeWindow } from "./window";
+
+export interface StripKind {
+  column: Column;
+  title: string;
+  colour: "raw" | "corrected" | "temp";
+  /** The least range that the axis shows, °/s or °C. */
+  least: number;
+  /** Whether °/s and °/h concern it. */
+  isRate: boolean;
+  /** What stands there while it has nothing to show. */
+  nothing: string;
+}
+
+/** What the strips share. */
+export interface Shared {
+  window: TimeWindow;
+  /** Cursors that were set, s since the first sample. */
+  cursors: { A: number | undefined; B: number | undefined };
+  /** Where the pointer is, s since the first sample. */
+  hover: number | undefined;
+  changed(): void;
+}
+
+const HEIGHT = 148;
+
+/** A strip chart: for each bin a line from its least to its largest value, so that a spike is never hidden. */
+export class Strip {
+  readonly element: HTMLElement;
+  readonly #readout = h("span", { class: "readout" });
+  readonly #title = h("span", { class: "name" });
+  readonly #nothing = h("p", { class: "nothing" });
+  readonly #box = h("div", { class: "plot" });
+  readonly #x = new Float64Array(DRAWN + 2);
+  readonly #least = new Float64Array(DRAWN + 2);
+  readonly #largest = new Float64Array(DRAWN + 2);
+  readonly #extent: Extent;
+  #plot: uPlot | undefined;
+  #ring: Ring | undefined;
+  #count = 0;
+
+  constructor(readonly kind: StripKind, readonly shared: Shared) {
+    this.#extent = new Extent(kind.least);
+    say(this.#nothing, kind.nothing);
+    this.element = h("figure", { class: `strip ${kind.colour}` },
+      h("figcaption", {}, this.#title, this.#readout), this.#box, this.#nothing);
+    new ResizeObserver(() => this.#plot?.setSize({ width: this.#box.clientWidth, height: HEIGHT })).observe(this.#box);
+  }
+
+  get scale(): number {
+    return this.kind.isRate ? settings.scale : 1;
+  }
+
+  get unit(): string {
+    return this.kind.isRate ? settings.unitText : "°C";
+  }
+
+  /** Makes it anew, as after a change of theme or unit. */
+  remake(): void {
+    this.#plot?.destroy();
+    this.#plot = undefined;
+    this.#extent.forget();
+  }
+
+  /** Draws what a ring holds of the time on view. */
+  draw(ring: Ring | undefined): void {
+    if (this.#box.clientWidth === 0) return;
+    this.#plot ??= this.#make();
+    this.#ring = ring;
+    this.#count = ring ? this.#collect(ring) : 0;
+    const { from, to } = this.shared.window;
+    const range = this.#extent.around(this.#least, this.#largest, this.#count, this.scale);
+    const of = (all: Float64Array) => all.subarray(0, this.#count);
+    this.#plot.batch(() => {
+      this.#plot!.setData([of(this.#x), of(this.#largest)] as unknown as uPlot.AlignedData, false);
+      this.#plot!.setScale("x", { min: from, max: to });
+      this.#plot!.setScale("y", range);
+    });
+    this.#nothing.hidden = this.#extent.any;
+    this.tell();
+  }
+
+  /** What is where the pointer is, or the newest. */
+  tell(): void {
+    const at = this.shared.hover;
+    const bin = at === undefined ? this.#count - 1 : this.#index(at);
+    say(this.#title, `${this.kind.title}, ${this.unit}`);
+    say(this.#readout, bin < 0 || bin >= this.#count ? "" : this.#words(bin, at !== undefined));
+  }
+
+  /** Middle of what the bin at a time holds, in the unit on view. */
+  middle(at_s: number): number | undefined {
+    const bin = this.#index(at_s);
+    if (bin < 0 || bin >= this.#count) return undefined;
+    const middle = (this.#least[bin]! + this.#largest[bin]!) / 2;
+    return Number.isFinite(middle) ? middle * this.scale : undefined;
+  }
+
+  /** Least and largest on view, for who does not see it. */
+  summary(): string {
+    const range = this.#extent.seen;
+    if (!range) return `${this.kind.title}: ${this.kind.nothing}`;
+    const [least, largest] = range.map((v) => significant(v * this.scale, 4));
+    return `${this.kind.title}: between ${least} and ${largest} ${this.unit}`;
+  }
+
+  #words(bin: number, withTime: boolean): string {
+    const [least, largest] = [this.#least[bin]!, this.#largest[bin]!];
+    if (!Number.isFinite(least)) return "";
+    const words = `${this.#number(least)} … ${this.#number(largest)}`;
+    return withTime ? `at ${clock(this.#x[bin]!, 3)}: ${words}` : words;
+  }
+
+  #number(value: number): string {
+    const digits = this.kind.isRate ? (settings.unit === "dps" ? 4 : 0) : 3;
+    return (value * this.scale).toFixed(digits).replace("-", "\u2212");
+  }
+
+  #index(at_s: number): number {
+    if (!this.#ring || this.#count === 0) return -1;
+    return Math.round((at_s - this.#x[0]!) / this.#ring.bin_s);
+  }
+
+  #collect(ring: Ring): number {
+    const { from, to } = this.shared.window;
+    const first = Math.max(ring.oldest, Math.floor(from / ring.bin_s) - 1);
+    const end = Math.min(ring.next, Math.ceil(to / ring.bin_s) + 1, first + DRAWN + 2);
+    const count = ring.copy(this.kind.column, first, end, this.#least, this.#largest);
+    for (let bin = 0; bin < count; bin++) this.#x[bin] = (first + bin + 0.5) * ring.bin_s;
+    return count;
+  }
+
+  #make(): uPlot {
+    const colours = palette();
+    const axis = { stroke: colours.muted, grid: { stroke: colours.grid, width: 1 }, ticks: { show: false }, font: "11px system-ui, sans-serif" };
+    const options: uPlot.Options = {
+      width: this.#box.clientWidth, height: HEIGHT, legend: { show: false }, padding: [6, 8, 0, 0],
+      scales: { x: { time: false, auto: false }, y: { auto: false } },
+      cursor: { sync: { key: "strips", scales: ["x", null] }, drag: { x: true, y: false, setScale: false }, points: { show: false } },
+      axes: [
+        { ...axis, size: 26, values: (_, splits) => splits.map((at) => clock(at, this.#decimals())) },
+        { ...axis, size: 64, space: 26, values: (_, splits) => splits.map((v) => this.#tick(v, splits)) },
+      ],
+      series: [{}, { stroke: colours[this.kind.colour], width: 1, points: { show: false }, paths: (u) => this.#paths(u) }],
+      hooks: {
+        draw: [(u) => this.#cursors(u, colours.cursor)],
+        setCursor: [(u) => this.#pointed(u)],
+        setSelect: [(u) => this.#selected(u)],
+      },
+    };
+    const plot = new uPlot(options, [[], []] as unknown as uPlot.AlignedData, this.#box);
+    plot.root.setAttribute("aria-hidden", "true");
+    this.#listen(plot);
+    return plot;
+  }
+
+  #decimals(): number {
+    const span = this.shared.window.to - this.shared.window.from;
+    return Math.max(0, Math.min(3, Math.ceil(1 - Math.log10(span))));
+  }
+
+  #tick(value: number, splits: number[]): string {
+    const step = ((splits[1] ?? 1) - (splits[0] ?? 0)) * this.scale;
+    const decimals = Math.max(0, Math.min(6, -Math.floor(Math.log10(step) + 1e-9)));
+    const text = (value * this.scale).toFixed(decimals);
+    return /[1-9]/.test(text) ? text.replace("-", "\u2212") : text.replace("-", "");
+  }
+
+  #paths(u: uPlot): uPlot.Series.Paths {
+    const stroke = new Path2D();
+    let pen = false;
+    for (let bin = 0; bin < this.#count; bin++) {
+      const [least, largest] = [this.#least[bin]!, this.#largest[bin]!];
+      if (Number.isNaN(least)) { pen = false; continue; }
+      const x = u.valToPos(this.#x[bin]!, "x", true);
+      const low = u.valToPos(least, "y", true);
+      const high = u.valToPos(largest, "y", true);
+      if (pen) stroke.lineTo(x, high);
+      else stroke.moveTo(x, high);
+      // a bin of one sample is seen as well
+      stroke.lineTo(x, Math.max(low, high + 1));
+      pen = true;
+    }
+    return { stroke, fill: null as unknown as Path2D };
+  }
+
+  #cursors(u: uPlot, colour: string): void {
+    const { ctx, bbox } = u;
+    ctx.save();
+    ctx.font = `${11 * devicePixelRatio}px system-ui, sans-serif`;
+    for (const name of ["A", "B"] as const) {
+      const at = this.shared.cursors[name];
+      if (at === undefined || at < this.shared.window.from || at > this.shared.window.to) continue;
+      const x = u.valToPos(at, "x", true);
+      ctx.strokeStyle = ctx.fillStyle = colour;
+      ctx.fillText(name, x + 3 * devicePixelRatio, bbox.top + 11 * devicePixelRatio);
+      ctx.beginPath();
+      ctx.moveTo(x, bbox.top);
+      ctx.lineTo(x, bbox.top + bbox.height);
+      ctx.stroke();
+    }
+    ctx.strokeStyle = faint(colour, 0.25);
+    ctx.strokeRect(bbox.left, bbox.top, bbox.width, bbox.height);
+    ctx.restore();
+  }
+
+  #pointed(u: uPlot): void {
+    const left = u.cursor.left ?? -1;
+    this.shared.hover = left < 0 ? undefined : u.posToVal(left, "x");
+    this.shared.changed();
+  }
+
+  #selected(u: uPlot): void {
+    const { left, width } = u.select;
+    if (width < 4) return;
+    this.shared.window.hold(u.posToVal(left, "x"), u.posToVal(left + width, "x"));
+    u.setSelect({ left: 0, top: 0, width: 0, height: 0 }, false);
+    this.shared.changed();
+  }
+
+  #listen(plot: uPlot): void {
+    let pressed = 0;
+    plot.over.addEventListener("mousedown", (event) => { pressed = event.clientX; });
+    plot.over.addEventListener("click", (event) => {
+      if (Math.abs(event.clientX - pressed) > 3) return;
+      this.shared.cursors[event.shiftKey ? "B" : "A"] = plot.posToVal(event.offsetX, "x");
+      this.shared.changed();
+    });
+    plot.over.addEventListener("dblclick", () => { this.shared.window.live(); this.shared.changed(); });
+    plot.over.addEventListener("wheel", (event) => {
+      if (!event.ctrlKey && !event.shiftKey && document.activeElement !== this.element.parentElement) return;
+      event.preventDefault();
+      if (event.shiftKey) this.shared.window.pan(Math.sign(event.deltaY || event.deltaX) * 0.1);
+      else this.shared.window.zoom(event.deltaY > 0 ? 1.25 : 0.8, plot.posToVal(event.offsetX, "x"));
+      this.shared.changed();
+    }, { passive: false });
+  }
+}

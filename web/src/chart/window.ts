@@ -1,0 +1,82 @@
+import type { Ring } from "../ring";
+
+/** Bins that are drawn at most. */
+export const DRAWN = 2400;
+
+/** Spans that one can choose, s. */
+export const SPANS = [1, 10, 60, 600, 3600] as const;
+const SHORTEST_S = 0.02;
+const LONGEST_S = 4 * 3600;
+
+/** What of the time is on view: the newest so many seconds, or a part that is held. */
+export class TimeWindow {
+  span_s = 10;
+  #held: { from: number; to: number } | undefined;
+  #newest = 0;
+
+  /** Whether it stands still. */
+  get held(): boolean {
+    return this.#held !== undefined;
+  }
+
+  /** The newest time, s since the first sample. */
+  follow(newest_s: number): void {
+    this.#newest = newest_s;
+  }
+
+  get from(): number {
+    return this.#held?.from ?? this.to - this.span_s;
+  }
+
+  get to(): number {
+    return this.#held?.to ?? Math.max(this.#newest, this.span_s);
+  }
+
+  live(): void {
+    this.#held = undefined;
+  }
+
+  hold(from = this.from, to = this.to): void {
+    if (to - from < SHORTEST_S) return;
+    this.#held = { from, to };
+    this.span_s = Math.min(to - from, LONGEST_S);
+  }
+
+  choose(span_s: number): void {
+    if (this.#held) {
+      const middle = (this.from + this.to) / 2;
+      this.#held = { from: middle - span_s / 2, to: middle + span_s / 2 };
+    }
+    this.span_s = span_s;
+  }
+
+  /** Zooms around a point of time; a window that follows keeps its right end. */
+  zoom(factor: number, around_s?: number): void {
+    const span = Math.min(LONGEST_S, Math.max(SHORTEST_S, (this.to - this.from) * factor));
+    if (!this.#held && around_s === undefined) {
+      this.span_s = span;
+      return;
+    }
+    const at = around_s ?? (this.from + this.to) / 2;
+    const share = (at - this.from) / (this.to - this.from);
+    this.hold(at - share * span, at - share * span + span);
+  }
+
+  /** Moves by a share of what is on view. */
+  pan(share: number): void {
+    const by = share * (this.to - this.from);
+    if (!this.#held && by > 0) return;
+    this.hold(this.from + by, this.to + by);
+    if (this.from > this.#newest) this.live();
+  }
+}
+
+/** The finest level that covers what is on view with no more bins than are drawn. */
+export function levelFor(levels: readonly Ring[], from_s: number, to_s: number): Ring | undefined {
+  const begin_s = Math.max(from_s, 0);
+  for (const ring of levels) {
+    const covers = ring.oldest * ring.bin_s <= begin_s + ring.bin_s || ring.oldest === 0;
+    if ((to_s - from_s) / ring.bin_s <= DRAWN && covers) return ring;
+  }
+  return levels[levels.length - 1];
+}

@@ -1,0 +1,96 @@
+/** Elements without a framework. Data reaches the page as text only. */
+
+type Attributes = Record<string, string | number | boolean | ((event: Event) => void) | undefined>;
+type Child = Node | string;
+
+const SVG = "http://www.w3.org/2000/svg";
+
+function fill(element: Element, attributes: Attributes, children: Child[]): void {
+  for (const [name, value] of Object.entries(attributes)) {
+    if (value === undefined || value === false) continue;
+    if (typeof value === "function") element.addEventListener(name, value);
+    else element.setAttribute(name, value === true ? "" : String(value));
+  }
+  element.append(...children);
+}
+
+/** An element of the page: attributes, or listeners where the value is a function. */
+export function h<K extends keyof HTMLElementTagNameMap>(
+  tag: K, attributes: Attributes = {}, ...children: Child[]
+): HTMLElementTagNameMap[K] {
+  const element = document.createElement(tag);
+  fill(element, attributes, children);
+  return element;
+}
+
+/** An element of a drawing. */
+export function svg(tag: string, attributes: Attributes = {}, ...children: Child[]): SVGElement {
+  const element = document.createElementNS(SVG, tag);
+  fill(element, attributes, children);
+  return element;
+}
+
+/** Sets a text, and touches nothing where it stands already. */
+export function say(element: Element, text: string): void {
+  if (element.textContent !== text) element.textContent = text;
+}
+
+/** Sets or takes an attribute, and touches nothing where it is so already. */
+export function mark(element: Element, name: string, value: string | null): void {
+  if (element.getAttribute(name) === value) return;
+  if (value === null) element.removeAttribute(name);
+  else element.setAttribute(name, value);
+}
+
+/** A button with its words, or with a sign and its words for who does not see it. */
+export function button(words: string, does: () => void, attributes: Attributes = {}): HTMLButtonElement {
+  return h("button", { type: "button", click: () => does(), ...attributes }, words);
+}
+
+/** One of several, as radio buttons that look like one switch. */
+export class Choice<T extends string> {
+  readonly element: HTMLElement;
+  readonly #inputs = new Map<T, HTMLInputElement>();
+  static #count = 0;
+
+  constructor(label: string, options: readonly (readonly [T, string])[], chosen: T, onchange: (value: T) => void) {
+    const name = `choice-${Choice.#count++}`;
+    this.element = h("fieldset", { class: "choice" }, h("legend", { class: "unseen" }, label));
+    for (const [value, words] of options) {
+      const input = h("input", { type: "radio", name, value, change: () => onchange(value) });
+      input.checked = value === chosen;
+      this.#inputs.set(value, input);
+      this.element.append(h("label", {}, input, h("span", {}, words)));
+    }
+  }
+
+  set(value: T | null): void {
+    for (const [of, input] of this.#inputs) input.checked = of === value;
+  }
+}
+
+/** Hands a text to the user as a file. */
+export function save(name: string, type: string, text: string): void {
+  const url = URL.createObjectURL(new Blob([text], { type }));
+  const link = h("a", { href: url, download: name });
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(url), 10_000);
+}
+
+/** Rows as a table, with a caption for who does not see the picture beside it. */
+export function table(caption: string, head: string[], rows: string[][]): HTMLTableElement {
+  return h("table", {},
+    h("caption", {}, caption),
+    h("thead", {}, h("tr", {}, ...head.map((words) => h("th", { scope: "col" }, words)))),
+    h("tbody", {}, ...rows.map((row) => h("tr", {}, ...row.map((words) => h("td", {}, words))))));
+}
+
+/** Names and what there is to say of them; where the names stand already, only the words change. */
+export function facts(list: HTMLElement, rows: [string, string][]): void {
+  const names = rows.map(([name]) => name).join("\n");
+  if (list.dataset.names !== names) {
+    list.dataset.names = names;
+    list.replaceChildren(...rows.map(([name]) => h("div", {}, h("dt", {}, name), h("dd", {}))));
+  }
+  rows.forEach(([, words], index) => say(list.children[index]!.lastElementChild!, words));
+}

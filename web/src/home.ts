@@ -1,0 +1,8 @@
+/** Which home the page has: docs/formats/page.md. */
+export type Home = { home: "static" } | { home: "served"; token_needed: boolean };
+
+export async function home(): Promise<Home> {
+  const answer = await fetch("home.json", { cache: "no-store" });
+  if (!answer.ok) throw new Error(`home.json: ${answer.status}`);
+  return (await answer.json()) as Home;
+}

@@ -1,0 +1,54 @@
+import type { CalibrationEntry } from "./protocol";
+import type { Opening } from "./worker/messages";
+
+const CALIBRATIONS = "zerorate.calibrations";
+const TWIN = "zerorate.twin";
+const DEFAULT_KEYS = "seed=7";
+
+function read<T>(key: string, otherwise: T): T {
+  try {
+    const text = localStorage.getItem(key);
+    return text === null ? otherwise : (JSON.parse(text) as T);
+  } catch {
+    return otherwise;
+  }
+}
+
+function write(key: string, value: unknown): void {
+  try {
+    localStorage.setItem(key, JSON.stringify(value));
+  } catch {
+    // a browser that keeps nothing: the page works all the same, and forgets
+  }
+}
+
+/** What this browser keeps between visits. */
+export const kept = {
+  calibrations(): { calibrations: string[]; applied: string | null } {
+    return read(CALIBRATIONS, { calibrations: [], applied: null });
+  },
+
+  keepCalibrations(entries: CalibrationEntry[]): void {
+    const applied = entries.find((entry) => entry.applied)?.id ?? null;
+    write(CALIBRATIONS, { calibrations: entries.map((entry) => entry.toml), applied });
+  },
+
+  /** What is opened when nothing is open: the twin, as it was chosen last. */
+  opening(): Opening {
+    return { is: "twin", keys: read(TWIN, DEFAULT_KEYS) };
+  },
+
+  keepOpening(opening: Opening & { is: "twin" }): void {
+    write(TWIN, opening.keys);
+  },
+
+  /** A choice of how the page looks. */
+  choice<T extends string>(name: string, values: readonly T[], otherwise: T): T {
+    const value = read<string>(`zerorate.${name}`, otherwise);
+    return values.find((known) => known === value) ?? otherwise;
+  },
+
+  keepChoice(name: string, value: string): void {
+    write(`zerorate.${name}`, value);
+  },
+};

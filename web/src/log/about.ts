@@ -1,0 +1,33 @@
+import { count, duration, significant } from "../digits";
+import { facts, h, table } from "../dom";
+import type { LogAbout } from "../protocol";
+
+/** What is in a log. */
+export class About {
+  readonly element = h("section", { class: "card about", "aria-label": "What is in the log" });
+
+  show(file: File, about: LogAbout): void {
+    const list = h("dl", { class: "facts" });
+    facts(list, [
+      ["File", `${file.name}, ${size(file.size)}`], ["Form", about.form], ["Samples", count(about.samples)],
+      ["Rate", `${significant(about.rate_hz, 6)} Hz`], ["Duration", duration(about.duration_s)],
+      ...(about.topic === null ? [] : [["Topic", about.topic] as [string, string]]),
+    ]);
+    const rows = about.columns.map((column) =>
+      [column.name, column.kind ?? "neither", column.unit ?? "its own", count(column.missing)]);
+    this.element.replaceChildren(h("h2", {}, "What is in it"), list,
+      h("div", { class: "wide", tabindex: 0, role: "region", "aria-label": "Columns" },
+        table("Columns that are analysed", ["Column", "Kind", "Unit", "Missing samples"], rows)),
+      warnings(about.warnings));
+  }
+}
+
+/** What there is to say, if there is. */
+export function warnings(texts: string[]): HTMLElement {
+  return h("ul", { class: "warnings" }, ...texts.map((text) => h("li", {}, text)));
+}
+
+function size(bytes: number): string {
+  if (bytes < 1e3) return `${bytes} bytes`;
+  return bytes < 1e6 ? `${significant(bytes / 1e3, 3)} KB` : bytes < 1e9 ? `${significant(bytes / 1e6, 3)} MB` : `${significant(bytes / 1e9, 3)} GB`;
+}

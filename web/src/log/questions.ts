@@ -1,0 +1,90 @@
+import { h, say } from "../dom";
+import type { LogSetting, LogSettings } from "../protocol";
+
+interface Kind {
+  words: string;
+  hint: string;
+  /** What can be chosen; text or a number otherwise. */
+  options?: string[];
+  number?: true;
+}
+
+const KINDS: Record<LogSetting, Kind> = {
+  columns: { words: "Columns", hint: "gx, gy, gz: names or numbers from 0, with commas" },
+  topic: { words: "Topic", hint: "/imu/data" },
+  rate_hz: { words: "Samples per second, Hz", hint: "100", number: true },
+  time_column: { words: "Column with the times", hint: "t" },
+  time_unit: { words: "Unit of the times", hint: "", options: ["", "s", "ms", "us", "ns"] },
+  gyro_unit: { words: "Unit of the gyroscopes", hint: "dps, rad/s, deg/h" },
+  gyro_scale: { words: "One step of a gyroscope, in that unit", hint: "1", number: true },
+  accel_unit: { words: "Unit of the accelerometers", hint: "m/s², g, mg" },
+  accel_scale: { words: "One step of an accelerometer, in that unit", hint: "1", number: true },
+  decimal: { words: "Before the decimals", hint: "", options: ["", "point", "comma"] },
+};
+
+type Input = HTMLInputElement | HTMLSelectElement;
+
+/** What a log does not say of itself, or says wrong: asked where it must be, offered where it may be. */
+export class Questions {
+  readonly element: HTMLElement;
+  readonly #text = h("p", { class: "question", role: "alert" });
+  readonly #choices = h("pre", { tabindex: 0, role: "region", "aria-label": "What is there to choose from" });
+  readonly #fields = new Map<LogSetting, { row: HTMLElement; input: Input }>();
+  readonly #details: HTMLDetailsElement;
+
+  constructor(answer: (settings: LogSettings) => void) {
+    for (const key of Object.keys(KINDS) as LogSetting[]) this.#fields.set(key, field(key, KINDS[key]));
+    const submit = (event: Event) => {
+      event.preventDefault();
+      answer(this.#settings());
+    };
+    this.#details = h("details", {}, h("summary", {}, "What the log does not say, or says wrong"),
+      h("div", { class: "fields" }, ...[...this.#fields.values()].map(({ row }) => row)),
+      h("div", { class: "actions" }, h("button", { type: "submit", class: "primary" }, "Look again")));
+    this.element = h("form", { class: "card questions", submit, "aria-label": "What the log does not say" }, this.#text, this.#choices, this.#details);
+  }
+
+  /** Asks: any of these settings answers it. */
+  ask(text: string, choices: string[], settings: LogSetting[]): void {
+    say(this.#text, text);
+    say(this.#choices, choices.join("\n"));
+    this.#mark(new Set(settings));
+    this.#details.open = true;
+  }
+
+  /** Nothing is asked; the settings are there to be changed. */
+  offer(): void {
+    say(this.#text, "");
+    say(this.#choices, "");
+    this.#mark(new Set());
+    this.#details.open = false;
+  }
+
+  reset(): void {
+    for (const { input } of this.#fields.values()) input.value = "";
+  }
+
+  #mark(asked: ReadonlySet<LogSetting>): void {
+    this.#choices.hidden = this.#choices.textContent === "";
+    this.#text.hidden = this.#text.textContent === "";
+    for (const [key, { row }] of this.#fields) row.classList.toggle("asked", asked.has(key));
+  }
+
+  #settings(): LogSettings {
+    const given = [...this.#fields].filter(([, { input }]) => input.value.trim() !== "");
+    return Object.fromEntries(given.map(([key, { input }]) => [key, parsed(key, input.value.trim())])) as LogSettings;
+  }
+}
+
+function field(key: LogSetting, { words, hint, options, number }: Kind): { row: HTMLElement; input: Input } {
+  const id = `log-${key}`;
+  const input = options
+    ? h("select", { id }, ...options.map((value) => h("option", { value }, value || "as the log says")))
+    : h("input", { id, type: number ? "number" : "text", step: "any", placeholder: hint, autocomplete: "off" });
+  return { row: h("div", { class: "field" }, h("label", { for: id }, words), input), input };
+}
+
+function parsed(key: LogSetting, text: string): string | number | string[] {
+  if (key === "columns") return text.split(",").map((name) => name.trim()).filter((name) => name !== "");
+  return KINDS[key].number ? Number(text) : text;
+}

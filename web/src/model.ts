@@ -1,0 +1,68 @@
+import type { Framed } from "./frame";
+import { Ring } from "./ring";
+import type { Calibrating, CalibrationEntry, Device, Frame, Ledger, Notice, Now, Statistics } from "./protocol";
+
+/** What of the model is new. */
+export type Part = "strips" | "device" | "now" | "ledger" | "notices" | "statistics" | "calibration" | "calibrations";
+const PARTS: Part[] = ["device", "now", "ledger", "notices", "statistics", "calibration", "calibrations"];
+
+/** What the session has told so far. Its memory is bounded by what a frame may hold and by the rings. */
+export class Model {
+  device: Device | undefined;
+  now: Now | undefined;
+  ledger: Ledger | undefined;
+  notices: Notice[] = [];
+  statistics: Statistics[] = [];
+  calibration: Calibrating = { is: "idle" };
+  calibrations: CalibrationEntry[] = [];
+  /** Of each axis, the levels from fine to coarse. */
+  rings: Ring[][] = [];
+  /** Frames that came, for tests. */
+  frames = 0;
+  #changed = new Set<Part>();
+
+  /** Takes a frame. */
+  take({ frame, payload }: Framed): void {
+    this.frames += 1;
+    if (frame.snapshot) this.#forget();
+    this.#overwrite(frame);
+    if (frame.device) this.#fit(frame.device);
+    for (const { axis, level, first, count, at } of frame.strips) {
+      if (at + 6 * count <= payload.length) this.rings[axis]?.[level]?.write(first, count, payload, at);
+    }
+    if (frame.strips.length > 0) this.#changed.add("strips");
+  }
+
+  /** What is new since this was asked last. */
+  changes(): ReadonlySet<Part> {
+    const changed = this.#changed;
+    this.#changed = new Set();
+    return changed;
+  }
+
+  #forget(): void {
+    this.device = this.now = this.ledger = undefined;
+    this.notices = [];
+    this.statistics = [];
+    this.calibration = { is: "idle" };
+    this.calibrations = [];
+    this.rings = [];
+    for (const part of PARTS) this.#changed.add(part);
+    this.#changed.add("strips");
+  }
+
+  #overwrite(frame: Frame): void {
+    for (const part of PARTS) {
+      if (frame[part as keyof Frame] === undefined) continue;
+      Object.assign(this, { [part]: frame[part as keyof Frame] });
+      this.#changed.add(part);
+    }
+  }
+
+  #fit(device: Device): void {
+    const fits = this.rings.length === device.axes.length && this.rings.every((levels) =>
+      levels.length === device.bins_s.length && levels.every((ring, k) => ring.bin_s === device.bins_s[k]));
+    if (fits) return;
+    this.rings = device.axes.map(() => device.bins_s.map((bin_s) => new Ring(device.bins_kept, bin_s)));
+  }
+}

@@ -1,0 +1,61 @@
+/** What a bin knows, in the order of the payload. */
+export const COLUMNS = ["rate", "corrected", "temp"] as const;
+export type Column = (typeof COLUMNS)[number];
+
+/** The newest bins of one axis at one level: fixed memory, however long one watches. */
+export class Ring {
+  readonly #columns: Float32Array[];
+  #first = 0;
+  #next = 0;
+
+  constructor(readonly size: number, readonly bin_s: number) {
+    this.#columns = Array.from({ length: 6 }, () => new Float32Array(size).fill(NaN));
+  }
+
+  /** Number of the oldest bin that is still there. */
+  get oldest(): number {
+    return Math.max(this.#first, this.#next - this.size);
+  }
+
+  /** Number of the bin after the newest. */
+  get next(): number {
+    return this.#next;
+  }
+
+  /** Takes bins that are complete. Bins that did not come hold nothing. */
+  write(first: number, count: number, payload: Float32Array, at: number): void {
+    if (this.#next === 0 || first < this.#next || first - this.#next >= this.size) this.#begin(first);
+    for (; this.#next < first; this.#next++) this.#columns.forEach((column) => { column[this.#next % this.size] = NaN; });
+    const skip = Math.max(0, count - this.size);
+    for (let column = 0; column < 6; column++) {
+      const from = at + column * count;
+      for (let bin = skip; bin < count; bin++) this.#columns[column]![(first + bin) % this.size] = payload[from + bin]!;
+    }
+    this.#next = first + count;
+  }
+
+  #begin(first: number): void {
+    this.#first = first;
+    this.#next = first;
+  }
+
+  least(column: Column, bin: number): number {
+    return this.#columns[2 * COLUMNS.indexOf(column)]![bin % this.size]!;
+  }
+
+  largest(column: Column, bin: number): number {
+    return this.#columns[2 * COLUMNS.indexOf(column) + 1]![bin % this.size]!;
+  }
+
+  /** Copies the bins from `from` up to `to` (both within) into arrays that are there already; how many. */
+  copy(column: Column, from: number, to: number, least: Float64Array, largest: Float64Array): number {
+    const low = this.#columns[2 * COLUMNS.indexOf(column)]!;
+    const high = this.#columns[2 * COLUMNS.indexOf(column) + 1]!;
+    const count = Math.min(to - from, least.length);
+    for (let bin = 0; bin < count; bin++) {
+      least[bin] = low[(from + bin) % this.size]!;
+      largest[bin] = high[(from + bin) % this.size]!;
+    }
+    return Math.max(0, count);
+  }
+}
