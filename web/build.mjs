@@ -7,7 +7,14 @@ const out = process.argv[2] ?? "dist";
 rmSync(out, { recursive: true, force: true });
 mkdirSync(out, { recursive: true });
 
-const common = { bundle: true, format: "esm", outdir: out, minify: true, target: ["es2022"], legalComments: "none" };
+const common = {
+  bundle: true,
+  format: "esm",
+  outdir: out,
+  minify: true,
+  target: ["es2022"],
+  legalComments: "none",
+};
 const sources = { main: "src/main.ts", live: "src/worker/live.ts", log: "src/worker/log.ts" };
 const entryPoints = Object.fromEntries(Object.entries(sources).filter(([, source]) => existsSync(source)));
 await build({ ...common, entryPoints, splitting: true, chunkNames: "part-[hash]" });
@@ -24,6 +31,9 @@ if (existsSync("src/sw.ts")) {
   const files = readdirSync(out).sort();
   const hash = createHash("sha256");
   for (const file of files) hash.update(file).update(readFileSync(`${out}/${file}`));
-  const define = { FILES: JSON.stringify(["./", ...files]), VERSION: JSON.stringify(hash.digest("hex").slice(0, 16)) };
+  const define = {
+    FILES: JSON.stringify(["./", ...files]),
+    VERSION: JSON.stringify(hash.digest("hex").slice(0, 16)),
+  };
   await build({ ...common, entryPoints: { sw: "src/sw.ts" }, define });
 }

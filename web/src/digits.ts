@@ -65,7 +65,7 @@ export function count(number: number): string {
 export function duration(seconds: number | null | undefined): string {
   if (seconds === null || seconds === undefined || !Number.isFinite(seconds)) return NONE;
   const whole = Math.round(seconds);
-  if (Math.abs(seconds) < 9.95) return `${significant(seconds, 2)} s`;
+  if (Math.abs(seconds) < 9.95 && seconds !== whole) return `${significant(seconds, 2)} s`;
   if (whole < 60) return `${whole} s`;
   if (whole < 3600) return pair(whole, 60, "min", "s");
   if (whole < 86_400) return pair(Math.round(whole / 60), 60, "h", "min");
@@ -90,5 +90,8 @@ export function clock(seconds: number, decimals: number): string {
 
 /** `07h` for 8 bits. */
 export function hex(value: number, bits: number): string {
-  return `${value.toString(16).toUpperCase().padStart(Math.ceil(bits / 4), "0")}h`;
+  return `${value
+    .toString(16)
+    .toUpperCase()
+    .padStart(Math.ceil(bits / 4), "0")}h`;
 }

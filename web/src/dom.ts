@@ -16,7 +16,9 @@ function fill(element: Element, attributes: Attributes, children: Child[]): void
 
 /** An element of the page: attributes, or listeners where the value is a function. */
 export function h<K extends keyof HTMLElementTagNameMap>(
-  tag: K, attributes: Attributes = {}, ...children: Child[]
+  tag: K,
+  attributes: Attributes = {},
+  ...children: Child[]
 ): HTMLElementTagNameMap[K] {
   const element = document.createElement(tag);
   fill(element, attributes, children);
@@ -79,10 +81,13 @@ export function save(name: string, type: string, text: string): void {
 
 /** Rows as a table, with a caption for who does not see the picture beside it. */
 export function table(caption: string, head: string[], rows: string[][]): HTMLTableElement {
-  return h("table", {},
+  return h(
+    "table",
+    {},
     h("caption", {}, caption),
     h("thead", {}, h("tr", {}, ...head.map((words) => h("th", { scope: "col" }, words)))),
-    h("tbody", {}, ...rows.map((row) => h("tr", {}, ...row.map((words) => h("td", {}, words))))));
+    h("tbody", {}, ...rows.map((row) => h("tr", {}, ...row.map((words) => h("td", {}, words))))),
+  );
 }
 
 /** Names and what there is to say of them; where the names stand already, only the words change. */

@@ -3,7 +3,12 @@ import { button, h, save } from "./dom";
 import type { Form } from "./protocol";
 
 const FORMS: readonly (readonly [Form, string])[] = [
-  ["toml", "TOML"], ["c", "C"], ["rust", "Rust"], ["csv", "CSV"], ["json", "JSON"], ["report", "Report"],
+  ["toml", "TOML"],
+  ["c", "C"],
+  ["rust", "Rust"],
+  ["csv", "CSV"],
+  ["json", "JSON"],
+  ["report", "Report"],
 ];
 
 /** Buttons that hand out a calibration in every form. */
@@ -12,6 +17,11 @@ export function downloads(app: App, calibration: string): HTMLElement {
     const given = await app.ask({ do: "download", calibration, form });
     if (given && "media_type" in given) save(given.name, given.media_type, given.text);
   };
-  return h("div", { class: "downloads", role: "group", "aria-label": "Download" }, ...FORMS.map(([form, words]) =>
-    button(words, () => void hand(form), { class: "small", "aria-label": `Download as ${words}` })));
+  return h(
+    "div",
+    { class: "downloads", role: "group", "aria-label": "Download" },
+    ...FORMS.map(([form, words]) =>
+      button(words, () => void hand(form), { class: "small", "aria-label": `Download as ${words}` }),
+    ),
+  );
 }

@@ -3,12 +3,21 @@ import { h } from "./dom";
 /** A place to drop files on, which opens the browser's dialog as well. */
 export function droppable(words: string, accept: string, take: (files: File[]) => void): HTMLElement {
   const input = h("input", { type: "file", accept, multiple: accept === ".toml" });
-  const zone = h("label", { class: "drop" }, input, h("b", {}, words), h("span", {}, "drop it here, or choose a file"));
+  const zone = h(
+    "label",
+    { class: "drop" },
+    input,
+    h("b", {}, words),
+    h("span", {}, "drop it here, or choose a file"),
+  );
   input.addEventListener("change", () => {
     take([...(input.files ?? [])]);
     input.value = "";
   });
-  zone.addEventListener("dragover", (event) => { event.preventDefault(); zone.classList.add("over"); });
+  zone.addEventListener("dragover", (event) => {
+    event.preventDefault();
+    zone.classList.add("over");
+  });
   zone.addEventListener("dragleave", () => zone.classList.remove("over"));
   zone.addEventListener("drop", (event) => {
     event.preventDefault();

@@ -1,6 +1,11 @@
 import "uplot/dist/uPlot.min.css";
 import "./style/base.css";
-import "./style/page.css";
+import "./style/frame.css";
+import "./style/bench.css";
+import "./style/calibrate.css";
+import "./style/device.css";
+import "./style/log.css";
+import "./style/phone.css";
 import type { App, Page } from "./app";
 import { Bench } from "./bench/bench";
 import { unframe } from "./frame";
@@ -34,8 +39,14 @@ class Whole {
     const link = (served ?? inside)!;
     this.#shell = new Shell(() => this.#app);
     this.#app = {
-      model: new Model(), link, inside,
-      ask: async (wish) => link.ask(wish).catch((why: Error) => { this.#shell.tell(why.message, "wrong"); return undefined; }),
+      model: new Model(),
+      link,
+      inside,
+      ask: async (wish) =>
+        link.ask(wish).catch((why: Error) => {
+          this.#shell.tell(why.message, "wrong");
+          return undefined;
+        }),
       tell: (text, kind = "said") => this.#shell.tell(text, kind),
     };
     link.onframe = (bytes) => this.#app.model.take(unframe(bytes));
@@ -44,7 +55,9 @@ class Whole {
     settings.follow();
     addEventListener("hashchange", () => void this.#go());
     document.addEventListener("keydown", (event) => this.#key(event));
-    addEventListener("beforeunload", (event) => { if (this.#wouldLose()) event.preventDefault(); });
+    addEventListener("beforeunload", (event) => {
+      if (this.#wouldLose()) event.preventDefault();
+    });
     void this.#go();
     link.start();
     requestAnimationFrame(() => this.#tick());

@@ -3,7 +3,8 @@ import { Ring } from "./ring";
 import type { Calibrating, CalibrationEntry, Device, Frame, Ledger, Notice, Now, Statistics } from "./protocol";
 
 /** What of the model is new. */
-export type Part = "strips" | "device" | "now" | "ledger" | "notices" | "statistics" | "calibration" | "calibrations";
+export type Part =
+  "strips" | "device" | "now" | "ledger" | "notices" | "statistics" | "calibration" | "calibrations";
 const PARTS: Part[] = ["device", "now", "ledger", "notices", "statistics", "calibration", "calibrations"];
 
 /** What the session has told so far. Its memory is bounded by what a frame may hold and by the rings. */
@@ -60,8 +61,12 @@ export class Model {
   }
 
   #fit(device: Device): void {
-    const fits = this.rings.length === device.axes.length && this.rings.every((levels) =>
-      levels.length === device.bins_s.length && levels.every((ring, k) => ring.bin_s === device.bins_s[k]));
+    const fits =
+      this.rings.length === device.axes.length &&
+      this.rings.every(
+        (levels) =>
+          levels.length === device.bins_s.length && levels.every((ring, k) => ring.bin_s === device.bins_s[k]),
+      );
     if (fits) return;
     this.rings = device.axes.map(() => device.bins_s.map((bin_s) => new Ring(device.bins_kept, bin_s)));
   }

@@ -8,7 +8,10 @@ export class Ring {
   #first = 0;
   #next = 0;
 
-  constructor(readonly size: number, readonly bin_s: number) {
+  constructor(
+    readonly size: number,
+    readonly bin_s: number,
+  ) {
     this.#columns = Array.from({ length: 6 }, () => new Float32Array(size).fill(NaN));
   }
 
@@ -22,16 +25,20 @@ export class Ring {
     return this.#next;
   }
 
-  /** Takes bins that are complete. Bins that did not come hold nothing. */
+  /** Takes bins that are complete; some may be known already. Bins that did not come hold nothing. */
   write(first: number, count: number, payload: Float32Array, at: number): void {
-    if (this.#next === 0 || first < this.#next || first - this.#next >= this.size) this.#begin(first);
-    for (; this.#next < first; this.#next++) this.#columns.forEach((column) => { column[this.#next % this.size] = NaN; });
+    if (this.#next === 0 || first - this.#next >= this.size) this.#begin(first);
+    for (; this.#next < first; this.#next++)
+      this.#columns.forEach((column) => {
+        column[this.#next % this.size] = NaN;
+      });
     const skip = Math.max(0, count - this.size);
     for (let column = 0; column < 6; column++) {
       const from = at + column * count;
-      for (let bin = skip; bin < count; bin++) this.#columns[column]![(first + bin) % this.size] = payload[from + bin]!;
+      for (let bin = skip; bin < count; bin++)
+        this.#columns[column]![(first + bin) % this.size] = payload[from + bin]!;
     }
-    this.#next = first + count;
+    this.#next = Math.max(this.#next, first + count);
   }
 
   #begin(first: number): void {

@@ -5,7 +5,12 @@ import type { Served } from "./link/served";
 import { PAGES, type PageName } from "./pages";
 import { settings, type Theme } from "./settings";
 
-const SPEEDS = [["1", "1 ×"], ["10", "10 ×"], ["100", "100 ×"], ["0", "max"]] as const;
+const SPEEDS = [
+  ["1", "1 ×"],
+  ["10", "10 ×"],
+  ["100", "100 ×"],
+  ["0", "max"],
+] as const;
 
 /** What stands around every page: names, links, the device and how it is with it. */
 export class Shell {
@@ -20,11 +25,32 @@ export class Shell {
   #toastEnds = 0;
 
   constructor(readonly app: () => App) {
-    this.#speed = new Choice("Speed of the simulated part", SPEEDS, "1", (factor) => void this.app().ask({ do: "speed", factor: Number(factor) }));
+    this.#speed = new Choice(
+      "Speed of the simulated part",
+      SPEEDS,
+      "1",
+      (factor) => void this.app().ask({ do: "speed", factor: Number(factor) }),
+    );
     this.#speed.element.hidden = true;
     document.body.append(
-      h("a", { class: "skip", href: "#main", click: (event) => { event.preventDefault(); this.main.focus(); } }, "To the page itself"),
-      this.#header(), this.main, this.#banner, this.#toast, this.#lock);
+      h(
+        "a",
+        {
+          class: "skip",
+          href: "#main",
+          click: (event) => {
+            event.preventDefault();
+            this.main.focus();
+          },
+        },
+        "To the page itself",
+      ),
+      this.#header(),
+      this.main,
+      this.#banner,
+      this.#toast,
+      this.#lock,
+    );
   }
 
   /** Puts a page on view. */
@@ -37,7 +63,11 @@ export class Shell {
   /** How it is with the way to the session. */
   link(state: LinkState, served: Served | undefined): void {
     const words: Record<LinkState["is"], string> = {
-      connecting: "Connecting …", open: "", locked: "", failed: "", lost: "The server cannot be reached. What is on view stands still; it is tried again and again.",
+      connecting: "Connecting …",
+      open: "",
+      locked: "",
+      failed: "",
+      lost: "The server cannot be reached. What is on view stands still; it is tried again and again.",
     };
     say(this.#banner, state.is === "failed" ? `This page cannot work here: ${state.why}` : words[state.is]);
     mark(this.#banner, "data-kind", state.is);
@@ -53,7 +83,8 @@ export class Shell {
     say(this.#state, { opening: "opening", reading: "live", ended: "ended", failed: "cannot be read" }[state]);
     mark(this.#state, "data-state", state);
     this.#speed.element.hidden = device?.simulated !== true;
-    if (device) this.#speed.set(SPEEDS.some(([factor]) => Number(factor) === device.speed) ? String(device.speed) : null);
+    if (device)
+      this.#speed.set(SPEEDS.some(([factor]) => Number(factor) === device.speed) ? String(device.speed) : null);
     if (device?.state.is === "failed") say(this.#banner, device.state.why);
   }
 
@@ -70,19 +101,44 @@ export class Shell {
       this.#links.set(name, link);
       return h("li", {}, link);
     });
-    const themes = new Choice<Theme>("Colours", [["auto", "Auto"], ["light", "Light"], ["dark", "Dark"]], settings.theme, (theme) => settings.setTheme(theme));
-    return h("header", {}, h("a", { class: "brand", href: "#bench" }, "zerorate"),
+    const themes = new Choice<Theme>(
+      "Colours",
+      [
+        ["auto", "Auto"],
+        ["light", "Light"],
+        ["dark", "Dark"],
+      ],
+      settings.theme,
+      (theme) => settings.setTheme(theme),
+    );
+    return h(
+      "header",
+      {},
+      h("a", { class: "brand", href: "#bench" }, "zerorate"),
       h("nav", { "aria-label": "Pages" }, h("ul", {}, ...links)),
-      h("p", { class: "source", role: "status" }, this.#state, this.#device), this.#speed.element, themes.element);
+      h("p", { class: "source", role: "status" }, this.#state, this.#device),
+      this.#speed.element,
+      themes.element,
+    );
   }
 
   #ask(served: Served, wrong: boolean): void {
     const field = h("input", { type: "password", id: "token", autocomplete: "off", required: true });
-    const form = h("form", { submit: (event) => { event.preventDefault(); void served.unlock(field.value.trim()); } },
+    const form = h(
+      "form",
+      {
+        submit: (event) => {
+          event.preventDefault();
+          void served.unlock(field.value.trim());
+        },
+      },
       h("h1", {}, "This bench wants its token"),
       h("p", {}, "zerorate serve printed it in the terminal when it started."),
-      h("label", { for: "token" }, "Token"), field, h("button", { type: "submit" }, "Open"),
-      h("p", { class: "wrong", role: "alert" }, wrong ? "That is not the token." : ""));
+      h("label", { for: "token" }, "Token"),
+      field,
+      h("button", { type: "submit" }, "Open"),
+      h("p", { class: "wrong", role: "alert" }, wrong ? "That is not the token." : ""),
+    );
     this.#lock.replaceChildren(form);
     field.focus();
   }

@@ -33,15 +33,32 @@ export class Bench implements Page {
   #wrote = 0;
 
   constructor(readonly app: App) {
-    const restart = button("Restart", () => void app.ask({ do: "restart" }), { class: "small", "aria-label": "Begin the statistics anew" });
+    const restart = button("Restart", () => void app.ask({ do: "restart" }), {
+      class: "small",
+      "aria-label": "Begin the statistics anew",
+    });
     this.#allan = new Allan("Allan deviation", 230, "grows from the first seconds on", [restart]);
     this.#tiles = new Tiles(app);
     this.#strips = new Strips(app);
     this.#notices = new Notices();
-    const card = (figure: { element: HTMLElement }, ...more: Node[]) => h("section", { class: "card" }, figure.element, ...more);
-    this.element = h("div", { class: "page bench" }, h("h1", { class: "unseen" }, "Bench"), this.#axes, this.#tiles.element, this.#strips.element,
-      h("div", { class: "three" }, card(this.#allan, this.#coefficients.element), card(this.#spectrum, this.#marks.element), card(this.#scatter)),
-      this.#notices.element);
+    const card = (figure: { element: HTMLElement }, ...more: Node[]) =>
+      h("section", { class: "card" }, figure.element, ...more);
+    this.element = h(
+      "div",
+      { class: "page bench" },
+      h("h1", { class: "unseen" }, "Bench"),
+      this.#axes,
+      this.#tiles.element,
+      this.#strips.element,
+      h(
+        "div",
+        { class: "three" },
+        card(this.#allan, this.#coefficients.element),
+        card(this.#spectrum, this.#marks.element),
+        card(this.#scatter),
+      ),
+      this.#notices.element,
+    );
   }
 
   update(changed: ReadonlySet<Part>, all: boolean): void {

@@ -3,22 +3,46 @@ import { h, say } from "../dom";
 import type { Coefficient, Statistics } from "../protocol";
 
 /** The same three rows from the beginning, so that nothing moves when they fill. */
-const SYMBOLS = [["N", "angle random walk"], ["B", "bias instability"], ["K", "rate random walk"]] as const;
+const SYMBOLS = [
+  ["N", "angle random walk"],
+  ["B", "bias instability"],
+  ["K", "rate random walk"],
+] as const;
 
 /** The noise coefficients, and when those that are not known yet will be. */
 export class Coefficients {
   readonly element: HTMLElement;
   readonly #rows = SYMBOLS.map(([symbol, name]) => ({
-    symbol, name: h("span", { class: "name" }, name), value: h("span", { class: "value" }, "–"), state: h("span", { class: "state" }, "not yet"),
+    symbol,
+    name: h("span", { class: "name" }, name),
+    value: h("span", { class: "value" }, "–"),
+    state: h("span", { class: "state" }, "not yet"),
   }));
   readonly #caution = h("p", { class: "note caution" });
 
   constructor() {
     const rows = this.#rows.map(({ symbol, name, value, state }) =>
-      h("tr", {}, h("th", { scope: "row" }, symbol), h("td", {}, name), h("td", {}, value), h("td", {}, state)));
-    const head = h("tr", {}, ...["", "Coefficient", "Value", "State"].map((words) => h("th", { scope: "col" }, words || h("span", { class: "unseen" }, "Symbol"))));
-    this.element = h("div", { class: "coefficients" },
-      h("table", {}, h("caption", { class: "unseen" }, "Noise coefficients"), h("thead", { class: "unseen" }, head), h("tbody", {}, ...rows)), this.#caution);
+      h("tr", {}, h("th", { scope: "row" }, symbol), h("td", {}, value, name), h("td", {}, state)),
+    );
+    const head = h(
+      "tr",
+      {},
+      ...["", "Value", "State"].map((words) =>
+        h("th", { scope: "col" }, words || h("span", { class: "unseen" }, "Symbol")),
+      ),
+    );
+    this.element = h(
+      "div",
+      { class: "coefficients" },
+      h(
+        "table",
+        {},
+        h("caption", { class: "unseen" }, "Noise coefficients"),
+        h("thead", { class: "unseen" }, head),
+        h("tbody", {}, ...rows),
+      ),
+      this.#caution,
+    );
   }
 
   update(found: Statistics | undefined): void {
@@ -33,7 +57,8 @@ export class Coefficients {
   }
 }
 
-function words({ value, lo, hi, unit }: Coefficient): string {
+function words({ identified, value, lo, hi, unit }: Coefficient): string {
+  if (!identified) return `${significant(hi, 2)} ${unit} at most`;
   return `${significant(value, 3)} (${significant(lo, 2)} … ${significant(hi, 2)}) ${unit}`;
 }
 

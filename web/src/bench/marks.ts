@@ -1,4 +1,3 @@
-import { significant } from "../digits";
 import { h } from "../dom";
 import type { SpectrumMark } from "../protocol";
 
@@ -11,7 +10,6 @@ export class Marks {
     const text = JSON.stringify(marks);
     if (text === this.#shown) return;
     this.#shown = text;
-    this.element.replaceChildren(...marks.map((mark) =>
-      h("li", { class: mark.kind }, h("b", {}, `${significant(mark.hz, 4)} Hz`), ` ${mark.text}`)));
+    this.element.replaceChildren(...marks.map((mark) => h("li", { class: mark.kind }, mark.text)));
   }
 }

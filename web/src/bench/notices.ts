@@ -17,8 +17,21 @@ export class Notices {
     const text = JSON.stringify(notices);
     if (text === this.#shown) return;
     this.#shown = text;
-    const rows = [...notices].reverse().map((notice) => h("li", {},
-      h("time", {}, clock(notice.at_s, 1)), " ", h("code", {}, notice.code), ` ${notice.text}`, ...(notice.count > 1 ? [h("b", {}, ` × ${notice.count}`)] : [])));
-    this.#list.replaceChildren(...(rows.length > 0 ? rows : [h("li", { class: "none" }, "Nothing to say: all is well so far.")]));
+    const rows = [...notices]
+      .reverse()
+      .map((notice) =>
+        h(
+          "li",
+          {},
+          h("time", {}, clock(notice.at_s, 1)),
+          " ",
+          h("code", {}, notice.code),
+          ` ${notice.text}`,
+          ...(notice.count > 1 ? [h("b", {}, ` × ${notice.count}`)] : []),
+        ),
+      );
+    this.#list.replaceChildren(
+      ...(rows.length > 0 ? rows : [h("li", { class: "none" }, "Nothing to say: all is well so far.")]),
+    );
   }
 }

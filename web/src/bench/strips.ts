@@ -6,13 +6,37 @@ import { button, Choice, h, mark, say } from "../dom";
 import { settings } from "../settings";
 
 const KINDS: StripKind[] = [
-  { column: "rate", title: "Rate, raw", colour: "raw", least: 0.05, isRate: true, nothing: "no samples yet" },
-  { column: "corrected", title: "Rate, corrected", colour: "corrected", least: 0.05, isRate: true,
-    nothing: "no calibration is applied: make one under Calibrate, or apply one under Device" },
-  { column: "temp", title: "Temperature", colour: "temp", least: 0.05, isRate: false, nothing: "no temperature yet" },
+  {
+    column: "rate",
+    title: "Rate, raw",
+    colour: "raw",
+    least: 0.05,
+    isRate: true,
+    times: false,
+    nothing: "no samples yet",
+  },
+  {
+    column: "corrected",
+    title: "Rate, corrected",
+    colour: "corrected",
+    least: 0.05,
+    isRate: true,
+    times: false,
+    nothing: "no calibration is applied: make one under Calibrate, or apply one under Device",
+  },
+  {
+    column: "temp",
+    title: "Temperature",
+    colour: "temp",
+    least: 0.05,
+    isRate: false,
+    times: true,
+    nothing: "no temperature yet",
+  },
 ];
 
-const HELP = "Drag to zoom, Ctrl and wheel too, Shift and wheel moves. Keys: arrows move, + and − zoom, space holds, Escape follows, " +
+const HELP =
+  "Drag to zoom, Ctrl and wheel too, Shift and wheel moves. Keys: arrows move, + and − zoom, space holds, Escape follows, " +
   "A and B set cursors. Click sets A, Shift and click B.";
 
 /** The strip charts and their controls. */
@@ -20,8 +44,12 @@ export class Strips {
   readonly element: HTMLElement;
   axis = 0;
   readonly #window = new TimeWindow();
-  readonly #shared = { window: this.#window, cursors: { A: undefined, B: undefined } as Record<"A" | "B", number | undefined>,
-    hover: undefined as number | undefined, changed: () => this.#changed() };
+  readonly #shared = {
+    window: this.#window,
+    cursors: { A: undefined, B: undefined } as Record<"A" | "B", number | undefined>,
+    hover: undefined as number | undefined,
+    changed: () => this.#changed(),
+  };
   readonly #strips = KINDS.map((kind) => new Strip(kind, this.#shared));
   readonly #spans: Choice<string>;
   readonly #hold = button("Hold", () => this.#toggle(), { "aria-pressed": "false", class: "hold" });
@@ -30,15 +58,33 @@ export class Strips {
   #stale = false;
 
   constructor(readonly app: App) {
-    this.#spans = new Choice("Time on view", SPANS.map((span) => [String(span), duration(span)] as const), "10", (span) => {
-      this.#window.choose(Number(span));
-      this.#changed();
-    });
-    const group = h("div", { class: "strips", tabindex: 0, role: "group", "aria-label": `Strip charts. ${HELP}` }, this.#summary, ...this.#strips.map((strip) => strip.element));
+    this.#spans = new Choice(
+      "Time on view",
+      SPANS.map((span) => [String(span), duration(span)] as const),
+      "10",
+      (span) => {
+        this.#window.choose(Number(span));
+        this.#changed();
+      },
+    );
+    const group = h(
+      "div",
+      { class: "strips", tabindex: 0, role: "group", "aria-label": `Strip charts. ${HELP}` },
+      this.#summary,
+      ...this.#strips.map((strip) => strip.element),
+    );
     group.addEventListener("mousedown", () => group.focus({ preventScroll: true }));
-    group.addEventListener("keydown", (event) => { if (this.key(event)) event.preventDefault(); });
-    this.element = h("section", { class: "card live", "aria-label": "Strip charts" }, this.#controls(), group, this.#cursors,
-      h("p", { class: "note keys" }, HELP));
+    group.addEventListener("keydown", (event) => {
+      if (this.key(event)) event.preventDefault();
+    });
+    this.element = h(
+      "section",
+      { class: "card live", "aria-label": "Strip charts" },
+      this.#controls(),
+      group,
+      this.#cursors,
+      h("p", { class: "note keys" }, HELP),
+    );
   }
 
   /** Draws if there is something new. */
@@ -80,18 +126,54 @@ export class Strips {
     const zoom = (factor: number) => () => this.#window.zoom(factor, this.#shared.hover);
     const live = () => this.#window.live();
     return {
-      ArrowLeft: () => this.#window.pan(-0.2), ArrowRight: () => this.#window.pan(0.2),
-      "+": zoom(0.5), "=": zoom(0.5), "-": zoom(2), "\u2212": zoom(2), " ": () => this.#toggle(), Escape: live, Home: live, "0": live,
-      a: () => { this.#shared.cursors.A = middle(); }, b: () => { this.#shared.cursors.B = middle(); },
+      ArrowLeft: () => this.#window.pan(-0.2),
+      ArrowRight: () => this.#window.pan(0.2),
+      "+": zoom(0.5),
+      "=": zoom(0.5),
+      "-": zoom(2),
+      "\u2212": zoom(2),
+      " ": () => this.#toggle(),
+      Escape: live,
+      Home: live,
+      "0": live,
+      a: () => {
+        this.#shared.cursors.A = middle();
+      },
+      b: () => {
+        this.#shared.cursors.B = middle();
+      },
       c: () => this.#clear(),
     };
   }
 
   #controls(): HTMLElement {
     const zoom = (words: string, sign: string, factor: number) =>
-      button(sign, () => { this.#window.zoom(factor); this.#changed(); }, { "aria-label": words, class: "sign" });
-    const units = new Choice("Unit of rates", [["dps", "°/s"], ["dph", "°/h"]], settings.unit, (unit) => settings.setUnit(unit));
-    return h("div", { class: "controls" }, this.#spans.element, zoom("Zoom in", "+", 0.5), zoom("Zoom out", "−", 2), this.#hold, units.element);
+      button(
+        sign,
+        () => {
+          this.#window.zoom(factor);
+          this.#changed();
+        },
+        { "aria-label": words, class: "sign" },
+      );
+    const units = new Choice(
+      "Unit of rates",
+      [
+        ["dps", "°/s"],
+        ["dph", "°/h"],
+      ],
+      settings.unit,
+      (unit) => settings.setUnit(unit),
+    );
+    return h(
+      "div",
+      { class: "controls" },
+      this.#spans.element,
+      zoom("Zoom in", "+", 0.5),
+      zoom("Zoom out", "−", 2),
+      this.#hold,
+      units.element,
+    );
   }
 
   #clear(): void {
@@ -108,14 +190,18 @@ export class Strips {
     this.#stale = true;
     mark(this.#hold, "aria-pressed", String(this.#window.held));
     say(this.#hold, this.#window.held ? "Follow" : "Hold");
-    this.#spans.set(SPANS.some((span) => Math.abs(span - this.#window.span_s) < 1e-9) ? String(this.#window.span_s) : null);
+    this.#spans.set(
+      SPANS.some((span) => Math.abs(span - this.#window.span_s) < 1e-9) ? String(this.#window.span_s) : null,
+    );
   }
 
   #tell(): void {
     const { A, B } = this.#shared.cursors;
     if (A === undefined && B === undefined) return say(this.#cursors, "Cursors: none set");
-    const at = (name: string, time: number | undefined) => (time === undefined ? "" : `${name} ${clock(time, 3)}: ${this.#values(time)}`);
-    const between = A !== undefined && B !== undefined ? `B − A: ${significant(B - A, 5)} s, ${this.#differences(A, B)}` : "";
+    const at = (name: string, time: number | undefined) =>
+      time === undefined ? "" : `${name} ${clock(time, 3)}: ${this.#values(time)}`;
+    const between =
+      A !== undefined && B !== undefined ? `B − A: ${significant(B - A, 5)} s, ${this.#differences(A, B)}` : "";
     say(this.#cursors, [at("A", A), at("B", B), between].filter((words) => words !== "").join("  ·  "));
   }
 

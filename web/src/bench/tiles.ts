@@ -11,9 +11,18 @@ class Tile {
   readonly #unit = h("span", { class: "unit" });
   readonly #below = h("p", { class: "below" });
 
-  constructor(readonly kind: string, name: string, ...more: Node[]) {
-    this.element = h("section", { class: `tile ${kind}`, "aria-label": name },
-      h("h3", {}, h("span", {}, name), ...more), h("p", { class: "big" }, this.#value, " ", this.#unit), this.#below);
+  constructor(
+    readonly kind: string,
+    name: string,
+    ...more: Node[]
+  ) {
+    this.element = h(
+      "section",
+      { class: `tile ${kind}`, "aria-label": name },
+      h("h2", {}, h("span", {}, name), ...more),
+      h("p", { class: "big" }, this.#value, " ", this.#unit),
+      this.#below,
+    );
   }
 
   show(value: string, unit: string, below: string, state: string | null = null): void {
@@ -25,7 +34,11 @@ class Tile {
 }
 
 const VERDICTS: Record<RestVerdict, [string, string]> = {
-  "at-rest": ["at rest", "good"], moving: ["moving", "bad"], noisy: ["noisy", "warn"], step: ["a step", "warn"], unjudged: ["not judged yet", "none"],
+  "at-rest": ["at rest", "good"],
+  moving: ["moving", "bad"],
+  noisy: ["noisy", "warn"],
+  step: ["a step", "warn"],
+  unjudged: ["not judged yet", "none"],
 };
 
 /** The newest numbers of an axis, and the ledger. */
@@ -39,7 +52,10 @@ export class Tiles {
   readonly #ledger = new Tile("ledger", "Ledger");
 
   constructor(readonly app: App) {
-    const zero = button("Zero", () => void app.ask({ do: "zero-angle" }), { class: "small", "aria-label": "Zero the angle" });
+    const zero = button("Zero", () => void app.ask({ do: "zero-angle" }), {
+      class: "small",
+      "aria-label": "Zero the angle",
+    });
     this.#angle = new Tile("angle", "Angle", zero);
     const tiles = [this.#rate, this.#corrected, this.#temp, this.#angle, this.#rest, this.#ledger];
     this.element = h("div", { class: "tiles" }, ...tiles.map((tile) => tile.element));
@@ -60,11 +76,20 @@ export class Tiles {
     const { scale, unitText } = settings;
     const of = (value: number | null | undefined) => (value === null || value === undefined ? null : value * scale);
     const [rate, u] = [of(values?.rate_dps), of(values?.u_rate_dps)];
-    this.#rate.show(digits.value(rate, u), unitText, u === null ? "mean of 1 s" : `± ${digits.uncertainty(u)} · mean of 1 s`);
+    this.#rate.show(
+      digits.value(rate, u),
+      unitText,
+      u === null ? "mean of 1 s" : `± ${digits.uncertainty(u)} · mean of 1 s`,
+    );
     const [corrected, uCorrected] = [of(values?.corrected_dps), of(values?.u_corrected_dps)];
     const below = corrected === null ? "no calibration is applied" : `± ${digits.uncertainty(uCorrected)}`;
     const outside = values?.extrapolated === true;
-    this.#corrected.show(digits.value(corrected, uCorrected), unitText, outside ? `${below} · outside its temperatures` : below, outside ? "warn" : null);
+    this.#corrected.show(
+      digits.value(corrected, uCorrected),
+      unitText,
+      outside ? `${below} · outside its temperatures` : below,
+      outside ? "warn" : null,
+    );
   }
 
   #angles(values: AxisNow | undefined): void {
@@ -75,11 +100,19 @@ export class Tiles {
 
   #count(ledger: Ledger | undefined): void {
     if (!ledger) return this.#ledger.show("–", "", "");
-    const bad: [string, number][] = [["lost", ledger.lost], ["impossible", ledger.impossible], ["out of range", ledger.out_of_range], ["not shown", ledger.missed]];
-    const said = bad.filter(([, number]) => number > 0).map(([words, number]) => `${digits.count(number)} ${words}`);
+    const bad: [string, number][] = [
+      ["lost", ledger.lost],
+      ["impossible", ledger.impossible],
+      ["out of range", ledger.out_of_range],
+      ["not shown", ledger.missed],
+    ];
+    const said = bad
+      .filter(([, number]) => number > 0)
+      .map(([words, number]) => `${digits.count(number)} ${words}`);
     if (ledger.frozen_since_s !== null) said.unshift(`stopped at ${digits.clock(ledger.frozen_since_s, 1)}`);
     const state = said.length > 0 ? "bad" : "good";
-    const below = `${said.length > 0 ? said.join(", ") : "nothing lost"} · ${ledger.rate_hz.toFixed(1)} per s · ${digits.duration(ledger.duration_s)}`;
+    const found = said.length > 0 ? said.join(", ") : "nothing lost";
+    const below = `${found} · ${ledger.rate_hz.toFixed(1)} per s for ${digits.duration(ledger.duration_s)}`;
     this.#ledger.show(digits.count(ledger.samples), "samples", below, state);
   }
 }

@@ -15,8 +15,16 @@ export interface Stage {
 }
 
 const STAGES = { idle: Choosing, running: Run, done: Result, refused: Ended, aborted: Ended };
-const ALL: ReadonlySet<Part> = new Set<Part>(
-  ["strips", "device", "now", "ledger", "notices", "statistics", "calibration", "calibrations"]);
+const ALL: ReadonlySet<Part> = new Set<Part>([
+  "strips",
+  "device",
+  "now",
+  "ledger",
+  "notices",
+  "statistics",
+  "calibration",
+  "calibrations",
+]);
 
 /**
  * The guided calibration: choose, run, result. What is on view follows the session, so that it is the same in every

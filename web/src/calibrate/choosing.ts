@@ -28,14 +28,25 @@ export class Choosing implements Stage {
   #method: MethodName = "an1042";
 
   constructor(readonly app: App) {
-    const methods = h("fieldset", { class: "methods" }, h("legend", {}, "Which method?"),
-      ...METHODS.map((method) => this.#card(method)));
+    const methods = h(
+      "fieldset",
+      { class: "methods" },
+      h("legend", {}, "Which method?"),
+      ...METHODS.map((method) => this.#card(method)),
+    );
     const begin = (event: Event) => {
       event.preventDefault();
       void this.#begin();
     };
-    this.element = h("form", { class: "choosing", submit: begin }, h("h1", {}, "Calibrate"), methods, before(),
-      this.#settings(), h("div", { class: "actions" }, this.#start, this.#ready));
+    this.element = h(
+      "form",
+      { class: "choosing", submit: begin },
+      h("h1", {}, "Calibrate"),
+      methods,
+      before(),
+      this.#settings(),
+      h("div", { class: "actions" }, this.#start, this.#ready),
+    );
   }
 
   update(): void {
@@ -47,25 +58,57 @@ export class Choosing implements Stage {
   restyle(): void {}
 
   #card({ name, title, what, when }: Method): HTMLElement {
-    const input = h("input", { type: "radio", name: "method", value: name, change: () => { this.#method = name; } });
+    const input = h("input", {
+      type: "radio",
+      name: "method",
+      value: name,
+      change: () => {
+        this.#method = name;
+      },
+    });
     input.checked = name === this.#method;
-    return h("label", { class: "method" }, input, h("span", { class: "title" }, title, " ", h("code", {}, name)),
-      h("span", {}, what), h("span", { class: "when" }, when));
+    return h(
+      "label",
+      { class: "method" },
+      input,
+      h("span", { class: "title" }, title, " ", h("code", {}, name)),
+      h("span", {}, what),
+      h("span", { class: "when" }, when),
+    );
   }
 
   #settings(): HTMLElement {
     const field = (id: string, words: string, input: HTMLInputElement) =>
       h("div", { class: "field" }, h("label", { for: id }, words), input);
     const durations = DURATIONS.map(([key, words, otherwise]) => {
-      const input = h("input", { id: key, type: "number", min: 1, max: 86_400, step: "any", placeholder: otherwise });
+      const input = h("input", {
+        id: key,
+        type: "number",
+        min: 1,
+        max: 86_400,
+        step: "any",
+        placeholder: otherwise,
+      });
       this.#durations.set(key, input);
       return field(key, words, input);
     });
-    return h("details", { class: "card settings" }, h("summary", {}, "Serial number, durations, the Earth’s rotation"),
-      h("div", { class: "fields" }, field("serial", "Serial number of the part", this.#serial), ...durations,
-        field("latitude", "Latitude, °, if the axis is vertical", this.#latitude)),
-      h("p", { class: "note" },
-        "With a latitude the Earth’s rotation on the axis is taken out of the bias; without one it stays in it."));
+    return h(
+      "details",
+      { class: "card settings" },
+      h("summary", {}, "Serial number, durations, the Earth’s rotation"),
+      h(
+        "div",
+        { class: "fields" },
+        field("serial", "Serial number of the part", this.#serial),
+        ...durations,
+        field("latitude", "Latitude, °, if the axis is vertical", this.#latitude),
+      ),
+      h(
+        "p",
+        { class: "note" },
+        "With a latitude the Earth’s rotation on the axis is taken out of the bias; without one it stays in it.",
+      ),
+    );
   }
 
   async #begin(): Promise<void> {
@@ -87,6 +130,10 @@ function before(): HTMLElement {
     "Feed it from a linear +5 V supply; a switching one shifts its bias.",
     "Leave it alone until this page says that it is done. The page may be closed meanwhile: the session goes on.",
   ];
-  return h("section", { class: "card before" }, h("h2", {}, "Before you start"),
-    h("ol", {}, ...lines.map((line) => h("li", {}, line))));
+  return h(
+    "section",
+    { class: "card before" },
+    h("h2", {}, "Before you start"),
+    h("ol", {}, ...lines.map((line) => h("li", {}, line))),
+  );
 }

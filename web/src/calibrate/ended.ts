@@ -11,9 +11,21 @@ export class Ended implements Stage {
   readonly #text = h("p", { class: "why", role: "alert" });
 
   constructor(readonly app: App) {
-    const back = button("Back to the methods", () => void app.ask({ do: "dismiss-calibration" }), { class: "primary" });
-    this.element = h("div", { class: "ended" }, this.#title, h("section", { class: "card" }, this.#text,
-      h("p", { class: "note" }, "No calibration was put on file."), h("div", { class: "actions" }, back)));
+    const back = button("Back to the methods", () => void app.ask({ do: "dismiss-calibration" }), {
+      class: "primary",
+    });
+    this.element = h(
+      "div",
+      { class: "ended" },
+      this.#title,
+      h(
+        "section",
+        { class: "card" },
+        this.#text,
+        h("p", { class: "note" }, "No calibration was put on file."),
+        h("div", { class: "actions" }, back),
+      ),
+    );
   }
 
   update(calibration: Calibrating): void {

@@ -42,13 +42,23 @@ export class Result implements Stage {
     this.#result = result;
     const axes = result.axes.map((axis, index) => [String(index), axis.name] as const);
     const choice = new Choice("Axis", axes, "0", (axis) => this.#choose(Number(axis)));
-    const again = button("Calibrate again", () => void this.app.ask({ do: "dismiss-calibration" }), { class: "quiet" });
-    this.element.replaceChildren(h("h1", {}, `${titleOf(result.method)}: done`),
-      ...(axes.length > 1 ? [choice.element] : []), this.#numbers,
+    const again = button("Calibrate again", () => void this.app.ask({ do: "dismiss-calibration" }), {
+      class: "quiet",
+    });
+    this.element.replaceChildren(
+      h("h1", {}, `${titleOf(result.method)}: done`),
+      ...(axes.length > 1 ? [choice.element] : []),
+      this.#numbers,
       h("section", { class: "card" }, this.#curve.element, legend(result)),
-      h("section", { class: "card" }, h("h2", {}, "Keep it"), downloads(this.app, result.entry.id),
-        h("div", { class: "actions" }, this.#apply, again)),
-      remarks(result.warnings));
+      h(
+        "section",
+        { class: "card" },
+        h("h2", {}, "Keep it"),
+        downloads(this.app, result.entry.id),
+        h("div", { class: "actions" }, this.#apply, again),
+      ),
+      remarks(result.warnings),
+    );
     this.#choose(0);
   }
 
@@ -69,25 +79,46 @@ function legend({ axes }: CalibrationResult): HTMLElement {
 
 function remarks(warnings: string[]): HTMLElement {
   const rows = warnings.map((text) => h("li", {}, text));
-  return h("section", { class: "card" }, h("h2", {}, "Remarks"),
-    h("ul", { class: "remarks" }, ...(rows.length > 0 ? rows : [h("li", { class: "none" }, "None.")])));
+  return h(
+    "section",
+    { class: "card" },
+    h("h2", {}, "Remarks"),
+    h("ul", { class: "remarks" }, ...(rows.length > 0 ? rows : [h("li", { class: "none" }, "None.")])),
+  );
 }
 
 function coefficients(axis: AxisResult): HTMLElement {
   const { scale, unitText } = settings;
-  const tile = (name: string, text: string, unit: string) => h("section", { class: "tile", "aria-label": name },
-    h("h2", {}, name),
-    h("p", { class: "big" }, h("span", { class: "value" }, text), " ", h("span", { class: "unit" }, unit)));
-  return h("div", { class: "tiles" },
+  const tile = (name: string, text: string, unit: string) =>
+    h(
+      "section",
+      { class: "tile", "aria-label": name },
+      h("h2", {}, name),
+      h("p", { class: "big" }, h("span", { class: "value" }, text), " ", h("span", { class: "unit" }, unit)),
+    );
+  return h(
+    "div",
+    { class: "tiles" },
     tile("PBC, offset", digits.both(axis.pbc_dps * scale, axis.u_pbc_dps * scale), unitText),
-    tile("BTC, over temperature", digits.both(axis.btc_dps_per_c * scale, axis.u_btc_dps_per_c * scale), `${unitText}/°C`),
-    tile("T3, where it was measured", digits.value(axis.t3_c, 0.01), "°C"));
+    tile(
+      "BTC, over temperature",
+      digits.both(axis.btc_dps_per_c * scale, axis.u_btc_dps_per_c * scale),
+      `${unitText}/°C`,
+    ),
+    tile("T3, where it was measured", digits.value(axis.t3_c, 0.01), "°C"),
+  );
 }
 
 function beforeAndAfter({ before_dps, after_dps, u_pbc_dps }: AxisResult): HTMLElement {
   const { scale, unitText } = settings;
   const text = (dps: number | null) =>
     `${digits.value(dps === null ? null : dps * scale, u_pbc_dps * scale)} ${unitText}`;
-  return h("p", { class: "before-after" }, "Mean of the last minute: before ", h("b", { class: "raw" }, text(before_dps)),
-    ", after ", h("b", { class: "corrected" }, text(after_dps)));
+  return h(
+    "p",
+    { class: "before-after" },
+    "Mean of the last minute: before ",
+    h("b", { class: "raw" }, text(before_dps)),
+    ", after ",
+    h("b", { class: "corrected" }, text(after_dps)),
+  );
 }

@@ -31,12 +31,15 @@ export class Run implements Stage {
     const abort = button("Abort", () => this.#abort(), { class: "quiet" });
     const card = (name: string, title: string, ...children: Node[]) =>
       h("section", { class: `card ${name}` }, h("h2", {}, title), ...children);
-    this.element = h("div", { class: "run" }, this.#title,
-      card("now", "Now", this.#advice, this.#bar,
-        h("div", { class: "actions" }, this.#left, this.#finish, abort)),
+    this.element = h(
+      "div",
+      { class: "run" },
+      this.#title,
+      card("now", "Now", this.#advice, this.#bar, h("div", { class: "actions" }, this.#left, this.#finish, abort)),
       card("plan", "Steps", this.#steps),
       card("watch", "What would be refused if it ended here", h("div", { role: "status" }, this.#threats)),
-      h("section", { class: "card trace" }, this.#trace.element, this.#facts));
+      h("section", { class: "card trace" }, this.#trace.element, this.#facts),
+    );
   }
 
   update(calibration: Calibrating, changed: ReadonlySet<Part>): void {
@@ -51,7 +54,13 @@ export class Run implements Stage {
 
   #strip(): Strip {
     const kind = {
-      column: "temp", title: "Temperature", colour: "temp", least: 0.2, isRate: false, nothing: "no temperature yet",
+      column: "temp",
+      title: "Temperature",
+      colour: "temp",
+      least: 0.2,
+      isRate: false,
+      times: true,
+      nothing: "no temperature yet",
     } as const;
     const none = { cursors: { A: undefined, B: undefined }, hover: undefined };
     return new Strip(kind, { window: this.#window, ...none, changed: () => this.#trace.tell() });
@@ -74,14 +83,18 @@ export class Run implements Stage {
     const planned = JSON.stringify(steps);
     if (planned !== this.#planned) {
       this.#planned = planned;
-      this.#steps.replaceChildren(...steps.map((step) =>
-        h("li", {}, h("span", { class: "name" }, step.name), h("span", { class: "time" }))));
+      this.#steps.replaceChildren(
+        ...steps.map((step) => h("li", {}, h("span", { class: "name" }, step.name), h("span", { class: "time" }))),
+      );
     }
     steps.forEach((step, index) => {
       const row = this.#steps.children[index]!;
       const state = elapsed_s >= step.to_s ? "done" : elapsed_s >= step.from_s ? "now" : "later";
-      const words = { done: "done", now: `${duration(Math.ceil(step.to_s - elapsed_s))} left`,
-        later: duration(step.to_s - step.from_s) };
+      const words = {
+        done: "done",
+        now: `${duration(Math.ceil(step.to_s - elapsed_s))} left`,
+        later: duration(step.to_s - step.from_s),
+      };
       mark(row, "data-state", state);
       mark(row, "aria-current", state === "now" ? "step" : null);
       say(row.lastElementChild!, words[state]);

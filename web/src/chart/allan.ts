@@ -2,7 +2,7 @@ import type uPlot from "uplot";
 import { duration, significant } from "../digits";
 import type { AllanPoint } from "../protocol";
 import { settings } from "../settings";
-import { axis, decades, decadeTick, Figure, type Told } from "./figure";
+import { axis, decades, DECADES, Figure, type Told } from "./figure";
 import { faint, type Palette } from "./palette";
 
 /** The Allan deviation, log-log: points, their band of one sigma, and the model. */
@@ -17,29 +17,41 @@ export class Allan extends Figure<AllanPoint[]> {
   }
 
   protected columns(points: AllanPoint[]): (number | null)[][] {
-    const scaled = (of: (point: AllanPoint) => number | null) => points.map((point) => {
-      const value = of(point);
-      return value !== null && value > 0 ? value * this.unit().scale : null;
-    });
-    return [points.map((point) => point.tau_s), scaled((p) => p.hi_dps), scaled((p) => p.lo_dps), scaled((p) => p.model_dps),
-      scaled((p) => p.dev_dps)];
+    const scaled = (of: (point: AllanPoint) => number | null) =>
+      points.map((point) => {
+        const value = of(point);
+        return value !== null && value > 0 ? value * this.unit().scale : null;
+      });
+    return [
+      points.map((point) => point.tau_s),
+      scaled((p) => p.hi_dps),
+      scaled((p) => p.lo_dps),
+      scaled((p) => p.model_dps),
+      scaled((p) => p.dev_dps),
+    ];
   }
 
   protected options(colours: Palette): Omit<uPlot.Options, "width" | "height"> {
     const edge = { stroke: "transparent", points: { show: false } };
     return {
-      legend: { show: false }, cursor: { show: false }, padding: [8, 10, 0, 0],
+      legend: { show: false },
+      cursor: { show: false },
+      padding: [8, 10, 0, 0],
       scales: {
         x: { time: false, distr: 3, range: (_, least, largest) => [least / 1.3, largest * 1.3] },
         y: { distr: 3, range: () => this.#range() },
       },
       axes: [
-        axis(colours, "averaging time, s", { size: 26, values: (_, splits) => splits.map(decadeTick) }),
-        axis(colours, `deviation, ${this.unit().text}`, { size: 46, values: (_, splits) => splits.map(decadeTick) }),
+        axis(colours, "averaging time, s", { size: 26, ...DECADES }),
+        axis(colours, `deviation, ${this.unit().text}`, { size: 46, ...DECADES }),
       ],
-      series: [{}, { ...edge }, { ...edge },
+      series: [
+        {},
+        { ...edge },
+        { ...edge },
         { stroke: colours.model, width: 1.5, dash: [6, 4], points: { show: false } },
-        { stroke: colours.noise, width: 2, points: { show: true, size: 5, fill: colours.noise } }],
+        { stroke: colours.noise, width: 2, points: { show: true, size: 5, fill: colours.noise } },
+      ],
       bands: [{ series: [1, 2], fill: faint(colours.noise, 0.18) }],
     };
   }
@@ -50,10 +62,17 @@ export class Allan extends Figure<AllanPoint[]> {
     const lowest = points.reduce((low, point) => (point.dev_dps < low.dev_dps ? point : low));
     const last = points[points.length - 1]!;
     return {
-      summary: `Allan deviation from ${duration(points[0]!.tau_s)} to ${duration(last.tau_s)}; ` +
+      summary:
+        `Allan deviation from ${duration(points[0]!.tau_s)} to ${duration(last.tau_s)}; ` +
         `lowest ${text(lowest.dev_dps)} ${unit} at ${duration(lowest.tau_s)}`,
       head: ["τ, s", `deviation, ${unit}`, "from", "to", "model"],
-      rows: points.map((p) => [significant(p.tau_s, 4), text(p.dev_dps), text(p.lo_dps), text(p.hi_dps), text(p.model_dps)]),
+      rows: points.map((p) => [
+        significant(p.tau_s, 4),
+        text(p.dev_dps),
+        text(p.lo_dps),
+        text(p.hi_dps),
+        text(p.model_dps),
+      ]),
     };
   }
 

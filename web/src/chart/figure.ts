@@ -22,12 +22,23 @@ export abstract class Figure<T> {
   #plot: uPlot | undefined;
   #data: T | undefined;
 
-  constructor(readonly title: string, readonly height: number, nothing: string, extra: Node[] = []) {
+  constructor(
+    readonly title: string,
+    readonly height: number,
+    nothing: string,
+    extra: Node[] = [],
+  ) {
     say(this.#nothing, nothing);
     this.#details = h("details", { toggle: () => this.#tabulate() }, h("summary", {}, "Numbers"), this.#table);
-    this.element = h("figure", { class: "figure" },
+    this.element = h(
+      "figure",
+      { class: "figure" },
       h("figcaption", {}, h("span", { class: "name" }, title), ...extra),
-      this.#summary, h("div", { class: "canvas" }, this.#box, this.#nothing), this.note, this.#details);
+      this.#summary,
+      h("div", { class: "canvas" }, this.#box, this.#nothing),
+      this.note,
+      this.#details,
+    );
     this.#box.style.setProperty("--height", `${height}px`);
     new ResizeObserver(() => this.#fit()).observe(this.#box);
   }
@@ -92,8 +103,15 @@ export abstract class Figure<T> {
 /** An axis in the colours of the theme. */
 export function axis(colours: Palette, label: string, more: uPlot.Axis = {}): uPlot.Axis {
   return {
-    stroke: colours.muted, grid: { stroke: colours.grid, width: 1 }, ticks: { show: false },
-    font: "11px system-ui, sans-serif", labelFont: "11px system-ui, sans-serif", label, labelSize: 16, labelGap: 0, ...more,
+    stroke: colours.muted,
+    grid: { stroke: colours.grid, width: 1 },
+    ticks: { show: false },
+    font: "11px system-ui, sans-serif",
+    labelFont: "11px system-ui, sans-serif",
+    label,
+    labelSize: 16,
+    labelGap: 0,
+    ...more,
   };
 }
 
@@ -105,8 +123,15 @@ export function decades(least: number, largest: number): [number, number] {
   return [10 ** low, 10 ** Math.max(high, low + 1)];
 }
 
+/** The whole decades of an axis, and only these. */
+function wholeDecades(_: uPlot, __: number, least: number, largest: number): number[] {
+  const first = Math.ceil(Math.log10(least) - 1e-9);
+  const last = Math.floor(Math.log10(largest) + 1e-9);
+  return Array.from({ length: Math.max(0, last - first + 1) }, (_, k) => 10 ** (first + k));
+}
+
 /** `10⁻³` at whole decades, and nothing between. */
-export function decadeTick(value: number | null): string {
+function decadeTick(value: number | null): string {
   if (value === null) return "";
   const power = Math.log10(value);
   if (Math.abs(power - Math.round(power)) > 1e-6) return "";
@@ -114,6 +139,9 @@ export function decadeTick(value: number | null): string {
   if (whole >= -2 && whole <= 3) return String(Number((10 ** whole).toPrecision(1)));
   return `10${superscript(whole)}`;
 }
+
+/** An axis of powers of ten. */
+export const DECADES: uPlot.Axis = { splits: wholeDecades, values: (_, splits) => splits.map(decadeTick) };
 
 /** Numbers of a linear axis. */
 export function tick(value: number | null): string {

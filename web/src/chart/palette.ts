@@ -13,16 +13,35 @@ export interface Palette {
   warn: string;
 }
 
-const NAMES = ["text", "muted", "grid", "panel", "raw", "corrected", "temp", "noise", "model", "cursor", "warn"] as const;
+const NAMES = [
+  "text",
+  "muted",
+  "grid",
+  "panel",
+  "raw",
+  "corrected",
+  "temp",
+  "noise",
+  "model",
+  "cursor",
+  "warn",
+] as const;
 
 /** Read anew: the theme may have changed. */
 export function palette(): Palette {
   const style = getComputedStyle(document.documentElement);
-  return Object.fromEntries(NAMES.map((name) => [name, style.getPropertyValue(`--${name}`).trim()])) as unknown as Palette;
+  return Object.fromEntries(
+    NAMES.map((name) => [name, style.getPropertyValue(`--${name}`).trim()]),
+  ) as unknown as Palette;
 }
 
 /** The same colour, let through: `#rrggbb` and an alpha. */
 export function faint(colour: string, alpha: number): string {
   if (!/^#[0-9a-f]{6}$/i.test(colour)) return colour;
-  return colour + Math.round(alpha * 255).toString(16).padStart(2, "0");
+  return (
+    colour +
+    Math.round(alpha * 255)
+      .toString(16)
+      .padStart(2, "0")
+  );
 }

@@ -2,7 +2,7 @@ import type uPlot from "uplot";
 import { significant } from "../digits";
 import type { SpectrumMark, SpectrumPoint } from "../protocol";
 import { settings } from "../settings";
-import { axis, decades, decadeTick, Figure, type Told } from "./figure";
+import { axis, decades, DECADES, Figure, type Told } from "./figure";
 import type { Palette } from "./palette";
 
 export interface Spectral {
@@ -12,7 +12,10 @@ export interface Spectral {
 
 /** The words of a mark in the picture; the list below it has all of them. */
 const SHORT: Record<SpectrumMark["kind"], string> = {
-  bandwidth: "−3 dB", nyquist: "½ rate", resonance: "resonance", line: "line",
+  bandwidth: "−3 dB",
+  nyquist: "½ rate",
+  resonance: "resonance",
+  line: "line",
 };
 
 /** The amplitude spectral density, log-log, with what is to be seen in it. */
@@ -23,19 +26,24 @@ export class Spectrum extends Figure<Spectral> {
 
   protected columns({ points }: Spectral): (number | null)[][] {
     const shown = points.filter((p) => p.hz > 0);
-    return [shown.map((p) => p.hz), shown.map((p) => (p.density_dps_per_rt_hz > 0 ? p.density_dps_per_rt_hz * settings.scale : null))];
+    return [
+      shown.map((p) => p.hz),
+      shown.map((p) => (p.density_dps_per_rt_hz > 0 ? p.density_dps_per_rt_hz * settings.scale : null)),
+    ];
   }
 
   protected options(colours: Palette): Omit<uPlot.Options, "width" | "height"> {
     return {
-      legend: { show: false }, cursor: { show: false }, padding: [8, 10, 0, 0],
+      legend: { show: false },
+      cursor: { show: false },
+      padding: [8, 10, 0, 0],
       scales: {
         x: { time: false, distr: 3, range: (_, least, largest) => [least, this.#end(largest)] },
         y: { distr: 3, range: (_, least, largest) => decades(least, largest) },
       },
       axes: [
-        axis(colours, "frequency, Hz", { size: 26, values: (_, splits) => splits.map(decadeTick) }),
-        axis(colours, `${settings.unitText}/√Hz`, { size: 46, values: (_, splits) => splits.map(decadeTick) }),
+        axis(colours, "frequency, Hz", { size: 26, ...DECADES }),
+        axis(colours, `${settings.unitText}/√Hz`, { size: 46, ...DECADES }),
       ],
       series: [{}, { stroke: colours.noise, width: 1.2, points: { show: false } }],
       hooks: { draw: [(u) => this.#marks(u, colours)] },
@@ -46,7 +54,8 @@ export class Spectrum extends Figure<Spectral> {
     const unit = `${settings.unitText}/√Hz`;
     const text = (p: SpectrumPoint) => significant(p.density_dps_per_rt_hz * settings.scale, 3);
     return {
-      summary: `Spectrum from ${significant(points[0]!.hz, 2)} to ${significant(points[points.length - 1]!.hz, 4)} Hz. ` +
+      summary:
+        `Spectrum from ${significant(points[0]!.hz, 2)} to ${significant(points[points.length - 1]!.hz, 4)} Hz. ` +
         marks.map((mark) => `${mark.text}.`).join(" "),
       head: ["Hz", unit],
       rows: points.map((p) => [significant(p.hz, 4), text(p)]),

@@ -15,6 +15,8 @@ export interface StripKind {
   least: number;
   /** Whether °/s and °/h concern it. */
   isRate: boolean;
+  /** Whether its axis of time has numbers. */
+  times: boolean;
   /** What stands there while it has nothing to show. */
   nothing: string;
 }
@@ -29,7 +31,9 @@ export interface Shared {
   changed(): void;
 }
 
-const HEIGHT = 148;
+/** Of the chart, and of its numbers of time, px. */
+const HEIGHT = 128;
+const TIMES = 20;
 
 /** A strip chart: for each bin a line from its least to its largest value, so that a spike is never hidden. */
 export class Strip {
@@ -46,12 +50,26 @@ export class Strip {
   #ring: Ring | undefined;
   #count = 0;
 
-  constructor(readonly kind: StripKind, readonly shared: Shared) {
+  constructor(
+    readonly kind: StripKind,
+    readonly shared: Shared,
+  ) {
     this.#extent = new Extent(kind.least);
     say(this.#nothing, kind.nothing);
-    this.element = h("figure", { class: `strip ${kind.colour}` },
-      h("figcaption", {}, this.#title, this.#readout), this.#box, this.#nothing);
-    new ResizeObserver(() => this.#plot?.setSize({ width: this.#box.clientWidth, height: HEIGHT })).observe(this.#box);
+    this.element = h(
+      "figure",
+      { class: `strip ${kind.colour}` },
+      h("figcaption", {}, this.#title, this.#readout),
+      this.#box,
+      this.#nothing,
+    );
+    new ResizeObserver(() => this.#plot?.setSize({ width: this.#box.clientWidth, height: this.#height })).observe(
+      this.#box,
+    );
+  }
+
+  get #height(): number {
+    return HEIGHT + (this.kind.times ? TIMES : 0);
   }
 
   get scale(): number {
@@ -139,16 +157,38 @@ export class Strip {
 
   #make(): uPlot {
     const colours = palette();
-    const axis = { stroke: colours.muted, grid: { stroke: colours.grid, width: 1 }, ticks: { show: false }, font: "11px system-ui, sans-serif" };
+    const colour = colours[this.kind.colour];
+    const axis = {
+      stroke: colours.muted,
+      grid: { stroke: colours.grid, width: 1 },
+      ticks: { show: false },
+      font: "11px system-ui, sans-serif",
+    };
     const options: uPlot.Options = {
-      width: this.#box.clientWidth, height: HEIGHT, legend: { show: false }, padding: [6, 8, 0, 0],
+      width: this.#box.clientWidth,
+      height: this.#height,
+      legend: { show: false },
+      padding: [6, 8, 0, 0],
       scales: { x: { time: false, auto: false }, y: { auto: false } },
-      cursor: { sync: { key: "strips", scales: ["x", null] }, drag: { x: true, y: false, setScale: false }, points: { show: false } },
+      cursor: {
+        sync: { key: "strips", scales: ["x", null] },
+        drag: { x: true, y: false, setScale: false },
+        points: { show: false },
+      },
       axes: [
-        { ...axis, size: 26, values: (_, splits) => splits.map((at) => clock(at, this.#decimals())) },
+        { ...axis, size: this.kind.times ? 24 : 6, space: 64, values: (_, splits) => this.#times(splits) },
         { ...axis, size: 64, space: 26, values: (_, splits) => splits.map((v) => this.#tick(v, splits)) },
       ],
-      series: [{}, { stroke: colours[this.kind.colour], width: 1, points: { show: false }, paths: (u) => this.#paths(u) }],
+      series: [
+        {},
+        {
+          stroke: colour,
+          fill: faint(colour, 0.55),
+          width: 1,
+          points: { show: false },
+          paths: (u) => this.#paths(u),
+        },
+      ],
       hooks: {
         draw: [(u) => this.#cursors(u, colours.cursor)],
         setCursor: [(u) => this.#pointed(u)],
@@ -161,9 +201,10 @@ export class Strip {
     return plot;
   }
 
-  #decimals(): number {
-    const span = this.shared.window.to - this.shared.window.from;
-    return Math.max(0, Math.min(3, Math.ceil(1 - Math.log10(span))));
+  #times(splits: number[]): string[] {
+    const step = (splits[1] ?? 1) - (splits[0] ?? 0);
+    const decimals = Math.max(0, Math.min(3, -Math.floor(Math.log10(step) + 1e-9)));
+    return splits.map((at) => (this.kind.times && at >= 0 ? clock(at, decimals) : ""));
   }
 
   #tick(value: number, splits: number[]): string {
@@ -173,22 +214,27 @@ export class Strip {
     return /[1-9]/.test(text) ? text.replace("-", "\u2212") : text.replace("-", "");
   }
 
+  /** An area from the largest to the least of each bin; a line where they are the same. */
   #paths(u: uPlot): uPlot.Series.Paths {
-    const stroke = new Path2D();
-    let pen = false;
+    const area = new Path2D();
     for (let bin = 0; bin < this.#count; bin++) {
-      const [least, largest] = [this.#least[bin]!, this.#largest[bin]!];
-      if (Number.isNaN(least)) { pen = false; continue; }
-      const x = u.valToPos(this.#x[bin]!, "x", true);
-      const low = u.valToPos(least, "y", true);
-      const high = u.valToPos(largest, "y", true);
-      if (pen) stroke.lineTo(x, high);
-      else stroke.moveTo(x, high);
-      // a bin of one sample is seen as well
-      stroke.lineTo(x, Math.max(low, high + 1));
-      pen = true;
+      if (Number.isNaN(this.#least[bin]!)) continue;
+      let end = bin + 1;
+      while (end < this.#count && !Number.isNaN(this.#least[end]!)) end++;
+      this.#outline(u, area, bin, end);
+      bin = end;
     }
-    return { stroke, fill: null as unknown as Path2D };
+    return { stroke: area, fill: area };
+  }
+
+  #outline(u: uPlot, area: Path2D, from: number, end: number): void {
+    const x = (bin: number) => u.valToPos(this.#x[bin]!, "x", true);
+    for (let bin = from; bin < end; bin++) {
+      const y = u.valToPos(this.#largest[bin]!, "y", true);
+      if (bin === from) area.moveTo(x(bin), y);
+      else area.lineTo(x(bin), y);
+    }
+    for (let bin = end - 1; bin >= from; bin--) area.lineTo(x(bin), u.valToPos(this.#least[bin]!, "y", true));
   }
 
   #cursors(u: uPlot, colour: string): void {
@@ -227,19 +273,28 @@ export class Strip {
 
   #listen(plot: uPlot): void {
     let pressed = 0;
-    plot.over.addEventListener("mousedown", (event) => { pressed = event.clientX; });
+    plot.over.addEventListener("mousedown", (event) => {
+      pressed = event.clientX;
+    });
     plot.over.addEventListener("click", (event) => {
       if (Math.abs(event.clientX - pressed) > 3) return;
       this.shared.cursors[event.shiftKey ? "B" : "A"] = plot.posToVal(event.offsetX, "x");
       this.shared.changed();
     });
-    plot.over.addEventListener("dblclick", () => { this.shared.window.live(); this.shared.changed(); });
-    plot.over.addEventListener("wheel", (event) => {
-      if (!event.ctrlKey && !event.shiftKey && document.activeElement !== this.element.parentElement) return;
-      event.preventDefault();
-      if (event.shiftKey) this.shared.window.pan(Math.sign(event.deltaY || event.deltaX) * 0.1);
-      else this.shared.window.zoom(event.deltaY > 0 ? 1.25 : 0.8, plot.posToVal(event.offsetX, "x"));
+    plot.over.addEventListener("dblclick", () => {
+      this.shared.window.live();
       this.shared.changed();
-    }, { passive: false });
+    });
+    plot.over.addEventListener(
+      "wheel",
+      (event) => {
+        if (!event.ctrlKey && !event.shiftKey && document.activeElement !== this.element.parentElement) return;
+        event.preventDefault();
+        if (event.shiftKey) this.shared.window.pan(Math.sign(event.deltaY || event.deltaX) * 0.1);
+        else this.shared.window.zoom(event.deltaY > 0 ? 1.25 : 0.8, plot.posToVal(event.offsetX, "x"));
+        this.shared.changed();
+      },
+      { passive: false },
+    );
   }
 }

@@ -26,11 +26,21 @@ export class DevicePage implements Page {
     const opener = app.inside ? [new Opener(app, app.inside).element] : [];
     const card = (title: string, ...children: Node[]) =>
       h("section", { class: "card", "aria-label": title }, h("h2", {}, title), ...children);
-    this.element = h("div", { class: "page device" }, h("h1", { class: "unseen" }, "Device"), ...opener,
-      h("div", { class: "two" },
+    this.element = h(
+      "div",
+      { class: "page device" },
+      h("h1", { class: "unseen" }, "Device"),
+      ...opener,
+      h(
+        "div",
+        { class: "two" },
         card("Connection", h("div", { class: "row" }, this.#name, again), this.#state, this.#checks),
-        card("Measured rates", this.#rates)),
-      this.#onFile.element, card("Registers", this.#registers.element), card("Wiring", wiring()));
+        card("Measured rates", this.#rates),
+      ),
+      this.#onFile.element,
+      card("Registers", this.#registers.element),
+      card("Wiring", wiring()),
+    );
   }
 
   update(changed: ReadonlySet<Part>, all: boolean): void {
@@ -56,23 +66,24 @@ export class DevicePage implements Page {
 
 function rates(device: Device | undefined, ledger: Ledger | undefined): [string, string][] {
   const hz = (rate: number | null | undefined) => (rate ? `${rate.toFixed(1)} Hz` : "–");
-  const nominal = device?.nominal_hz;
-  const off = ledger?.rdy_hz && nominal ? ` (${percent(ledger.rdy_hz / nominal - 1)} of nominal)` : "";
   const axis = device?.axes[0];
   return [
-    ["Samples", hz(ledger?.rate_hz)], ["Edges of data ready", `${hz(ledger?.rdy_hz)}${off}`], ["Nominal", hz(nominal)],
-    ["Bandwidth, −3 dB", hz(axis?.bandwidth_hz)], ["Resonance", hz(axis?.resonance_hz)],
+    ["Samples", hz(ledger?.rate_hz)],
+    ["Edges of data ready", hz(ledger?.rdy_hz)],
+    ["Conversions, nominal", hz(device?.nominal_hz)],
+    ["Bandwidth, −3 dB", hz(axis?.bandwidth_hz)],
+    ["Resonance", hz(axis?.resonance_hz)],
     ["Range", axis?.range_dps ? `± ${axis.range_dps} °/s` : "–"],
-    ["Read for", ledger ? duration(ledger.duration_s) : "–"], ["Software", device?.software ?? "–"],
+    ["Read for", ledger ? duration(ledger.duration_s) : "–"],
+    ["Software", device?.software ?? "–"],
   ];
 }
 
 function check({ what, ok, text }: CheckResult): HTMLElement {
-  return h("li", { class: ok ? "good" : "bad" },
+  return h(
+    "li",
+    { class: ok ? "good" : "bad" },
     h("span", { class: "sign", "aria-hidden": "true" }, ok ? "✓" : "✗"),
-    h("div", {}, h("b", {}, h("span", { class: "unseen" }, ok ? "well: " : "not well: "), what), h("p", {}, text)));
-}
-
-function percent(share: number): string {
-  return `${share >= 0 ? "+" : "\u2212"}${Math.abs(100 * share).toFixed(2)} %`;
+    h("div", {}, h("b", {}, h("span", { class: "unseen" }, ok ? "well: " : "not well: "), what), h("p", {}, text)),
+  );
 }

@@ -18,10 +18,17 @@ export class OnFile {
   constructor(readonly app: App) {
     this.#none = button("Apply none", () => void app.ask({ do: "apply", calibration: null }), { class: "small" });
     const where = app.inside ? "They are kept in this browser." : "They are kept where zerorate serve runs.";
-    const drop = droppable("A calibration (TOML)", ".toml", (files) => files.forEach((file) => void this.#add(file)));
-    this.element = h("section", { class: "card", "aria-label": "Calibrations on file" },
-      h("div", { class: "row" }, h("h2", {}, "Calibrations on file"), this.#none), this.#list, drop,
-      h("p", { class: "note" }, where));
+    const drop = droppable("A calibration (TOML)", ".toml", (files) =>
+      files.forEach((file) => void this.#add(file)),
+    );
+    this.element = h(
+      "section",
+      { class: "card", "aria-label": "Calibrations on file" },
+      h("div", { class: "row" }, h("h2", {}, "Calibrations on file"), this.#none),
+      this.#list,
+      drop,
+      h("p", { class: "note" }, where),
+    );
   }
 
   update(entries: CalibrationEntry[]): void {
@@ -32,12 +39,25 @@ export class OnFile {
   }
 
   #row(entry: CalibrationEntry): HTMLElement {
-    const apply = button(entry.applied ? "Applied" : "Apply",
-      () => void this.app.ask({ do: "apply", calibration: entry.id }), { class: "small", disabled: entry.applied });
-    return h("li", { class: entry.applied ? "applied" : "" },
-      h("div", {}, h("b", {}, entry.serial ?? "no serial number"), " ", h("code", {}, entry.id.slice(0, 12)),
-        h("p", {}, numbers(entry)), h("p", { class: "note" }, origin(entry))),
-      h("div", { class: "row" }, apply, downloads(this.app, entry.id)));
+    const apply = button(
+      entry.applied ? "Applied" : "Apply",
+      () => void this.app.ask({ do: "apply", calibration: entry.id }),
+      { class: "small", disabled: entry.applied },
+    );
+    return h(
+      "li",
+      { class: entry.applied ? "applied" : "" },
+      h(
+        "div",
+        {},
+        h("b", {}, entry.serial ?? "no serial number"),
+        " ",
+        h("code", {}, entry.id.slice(0, 12)),
+        h("p", {}, numbers(entry)),
+        h("p", { class: "note" }, origin(entry)),
+      ),
+      h("div", { class: "row" }, apply, downloads(this.app, entry.id)),
+    );
   }
 
   async #add(file: File): Promise<void> {
@@ -49,8 +69,11 @@ export class OnFile {
 
 function numbers({ pbc_dps, btc_dps_per_c, t3_c }: CalibrationEntry): string {
   const { scale, unitText } = settings;
-  return [`PBC ${digits.significant(pbc_dps * scale, 4)} ${unitText}`,
-    `BTC ${digits.significant(btc_dps_per_c * scale, 4)} ${unitText}/°C`, `T3 ${digits.value(t3_c, 0.1)} °C`].join(" · ");
+  return [
+    `PBC ${digits.significant(pbc_dps * scale, 4)} ${unitText}`,
+    `BTC ${digits.significant(btc_dps_per_c * scale, 4)} ${unitText}/°C`,
+    `T3 ${digits.value(t3_c, 0.1)} °C`,
+  ].join(" · ");
 }
 
 function origin({ method, created, range_c }: CalibrationEntry): string {

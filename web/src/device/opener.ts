@@ -7,13 +7,26 @@ import type { Inside } from "../link/inside";
 /** In the static home: what is to be read. */
 export class Opener {
   readonly element: HTMLElement;
-  readonly #keys = h("input", { id: "keys", type: "text", autocomplete: "off", spellcheck: "false", maxlength: 500 });
+  readonly #keys = h("input", {
+    id: "keys",
+    type: "text",
+    autocomplete: "off",
+    spellcheck: "false",
+    maxlength: 500,
+  });
 
-  constructor(readonly app: App, readonly inside: Inside) {
+  constructor(
+    readonly app: App,
+    readonly inside: Inside,
+  ) {
     const opening = kept.opening();
     this.#keys.value = opening.is === "twin" ? opening.keys : "";
-    this.element = h("section", { class: "card", "aria-label": "What is read" }, h("h2", {}, "What is read"),
-      h("div", { class: "three openers" }, this.#twin(), this.#capture()));
+    this.element = h(
+      "section",
+      { class: "card", "aria-label": "What is read" },
+      h("h2", {}, "What is read"),
+      h("div", { class: "three openers" }, this.#twin(), this.#capture()),
+    );
   }
 
   #twin(): HTMLElement {
@@ -22,17 +35,27 @@ export class Opener {
       this.inside.open({ is: "twin", keys: this.#keys.value.trim() });
       this.app.tell("The twin is being opened.");
     };
-    return h("form", { submit: open }, h("h3", {}, "The twin"),
+    return h(
+      "form",
+      { submit: open },
+      h("h3", {}, "The twin"),
       h("p", {}, "A part in software: every seed is another unit."),
-      h("label", { for: "keys" }, "Keys, as after ", h("code", {}, "twin:")), this.#keys,
-      h("button", { type: "submit" }, "Open the twin"));
+      h("label", { for: "keys" }, "Keys, as after ", h("code", {}, "twin:")),
+      this.#keys,
+      h("button", { type: "submit" }, "Open the twin"),
+    );
   }
 
   #capture(): HTMLElement {
     const open = ([file]: File[]) => {
       if (file) this.inside.open({ is: "capture", file });
     };
-    return h("div", {}, h("h3", {}, "A recording"), h("p", {}, "It is read here: it never leaves this machine."),
-      droppable("A capture of zerorate", "", open));
+    return h(
+      "div",
+      {},
+      h("h3", {}, "A recording"),
+      h("p", {}, "It is read here: it never leaves this machine."),
+      droppable("A capture of zerorate", "", open),
+    );
   }
 }

@@ -28,13 +28,26 @@ function panel({ name, address, value, bits, fields }: Register): HTMLElement {
   const wrong = fields.some((field) => field.wrong);
   const binary = value.toString(2).padStart(bits, "0");
   const cells = [...binary].map((bit) => h("span", { class: bit === "1" ? "one" : "zero" }, bit));
-  return h("section", { class: wrong ? "register wrong" : "register", "aria-label": `Register ${name}` },
-    h("h3", {}, h("span", {}, name), h("code", {}, `at ${hex(address, 8)}`), h("code", { class: "content" }, hex(value, bits))),
+  return h(
+    "section",
+    { class: wrong ? "register wrong" : "register", "aria-label": `Register ${name}` },
+    h(
+      "h3",
+      {},
+      h("span", {}, name),
+      h("code", {}, `at ${hex(address, 8)}`),
+      h("code", { class: "content" }, hex(value, bits)),
+    ),
     h("p", { class: "bits", role: "img", "aria-label": `in bits ${binary}` }, ...cells),
-    h("dl", {}, ...fields.map(row)));
+    h("dl", {}, ...fields.map(row)),
+  );
 }
 
 function row({ name, value, meaning, wrong }: Field): HTMLElement {
-  return h("div", wrong ? { class: "wrong" } : {}, h("dt", {}, `${name} = ${value}`),
-    h("dd", {}, wrong ? `not as it should be: ${meaning}` : meaning));
+  return h(
+    "div",
+    wrong ? { class: "wrong" } : {},
+    h("dt", {}, `${name} = ${value}`),
+    h("dd", {}, wrong ? `not as it should be: ${meaning}` : meaning),
+  );
 }

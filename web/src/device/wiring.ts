@@ -13,12 +13,17 @@ const WIRES: readonly (readonly [string, string, string, string])[] = [
 const ROW = 30;
 const TOP = 50;
 
-const CARE = "Ribbon cable up to 12 inches, beyond that shielded twisted pairs. Tie the self-test pins 1–7 and 9 together. " +
+const CARE =
+  "Ribbon cable up to 12 inches, beyond that shielded twisted pairs. Tie the self-test pins 1–7 and 9 together. " +
   "Holes under the mating pads keep the pins from bottoming out, which would shift the bias.";
 
 /** Which pin goes where, as a picture and as a table. */
 export function wiring(): HTMLElement {
-  const numbers = table("Wiring", ["Pin", "Part", "Host", "What"], WIRES.map((row) => [...row]));
+  const numbers = table(
+    "Wiring",
+    ["Pin", "Part", "Host", "What"],
+    WIRES.map((row) => [...row]),
+  );
   return h("div", { class: "two wired" }, picture(), h("div", {}, numbers, h("p", { class: "note" }, CARE)));
 }
 
@@ -26,17 +31,26 @@ function picture(): Element {
   const height = ROW * WIRES.length + TOP - 14;
   const box = (x: number, width: number) => svg("rect", { class: "box", x, y: 4, width, height, rx: 8 });
   const label = "Wiring of the part to a host; the table says the same";
-  return svg("svg", { viewBox: `0 0 420 ${height + 8}`, role: "img", "aria-label": label, class: "wiring" },
-    box(4, 176), box(290, 126), svg("text", { x: 18, y: 27, class: "head" }, "ADIS16130"),
-    svg("text", { x: 304, y: 27, class: "head" }, "Host"), ...WIRES.flatMap(wire));
+  return svg(
+    "svg",
+    { viewBox: `0 0 420 ${height + 8}`, role: "img", "aria-label": label, class: "wiring" },
+    box(4, 176),
+    box(290, 126),
+    svg("text", { x: 18, y: 27, class: "head" }, "ADIS16130"),
+    svg("text", { x: 304, y: 27, class: "head" }, "Host"),
+    ...WIRES.flatMap(wire),
+  );
 }
 
 function wire([pins, part, host]: (typeof WIRES)[number], index: number): SVGElement[] {
   const y = TOP + index * ROW;
   const pin = (x: number) => svg("circle", { class: "pin", cx: x, cy: y, r: 4 });
   return [
-    svg("path", { class: `wire w${index}`, d: `M180 ${y}H290` }), pin(180), pin(290),
-    svg("text", { x: 18, y: y + 4, class: "small" }, pins), svg("text", { x: 168, y: y + 4, class: "end" }, part),
+    svg("path", { class: `wire w${index}`, d: `M180 ${y}H290` }),
+    pin(180),
+    pin(290),
+    svg("text", { x: 18, y: y + 4, class: "small" }, pins),
+    svg("text", { x: 168, y: y + 4, class: "end" }, part),
     svg("text", { x: 304, y: y + 4 }, host),
   ];
 }

@@ -24,7 +24,9 @@ export class Inside implements Link {
     this.#port.onmessage = ({ data }) => this.#heard(data);
     this.tell({ do: "hello", ...kept.calibrations(), open: kept.opening() });
     addEventListener("pagehide", () => this.tell({ do: "bye" }));
-    addEventListener("pageshow", (event) => { if ((event as PageTransitionEvent).persisted) location.reload(); });
+    addEventListener("pageshow", (event) => {
+      if ((event as PageTransitionEvent).persisted) location.reload();
+    });
   }
 
   ask(wish: Wish) {

@@ -26,8 +26,11 @@ export class Served implements Link {
 
   /** Gives the token to the server, which answers with a cookie. */
   async unlock(token: string): Promise<void> {
-    const answer = await fetch("token", { method: "POST", body: token, headers: { "content-type": "text/plain" } })
-      .catch(() => undefined);
+    const answer = await fetch("token", {
+      method: "POST",
+      body: token,
+      headers: { "content-type": "text/plain" },
+    }).catch(() => undefined);
     if (answer?.ok) this.#connect();
     else this.onstate({ is: "locked", wrong: answer !== undefined });
   }

@@ -9,16 +9,29 @@ export class About {
   show(file: File, about: LogAbout): void {
     const list = h("dl", { class: "facts" });
     facts(list, [
-      ["File", `${file.name}, ${size(file.size)}`], ["Form", about.form], ["Samples", count(about.samples)],
-      ["Rate", `${significant(about.rate_hz, 6)} Hz`], ["Duration", duration(about.duration_s)],
+      ["File", `${file.name}, ${size(file.size)}`],
+      ["Form", about.form],
+      ["Samples", count(about.samples)],
+      ["Rate", `${significant(about.rate_hz, 6)} Hz`],
+      ["Duration", duration(about.duration_s)],
       ...(about.topic === null ? [] : [["Topic", about.topic] as [string, string]]),
     ]);
-    const rows = about.columns.map((column) =>
-      [column.name, column.kind ?? "neither", column.unit ?? "its own", count(column.missing)]);
-    this.element.replaceChildren(h("h2", {}, "What is in it"), list,
-      h("div", { class: "wide", tabindex: 0, role: "region", "aria-label": "Columns" },
-        table("Columns that are analysed", ["Column", "Kind", "Unit", "Missing samples"], rows)),
-      warnings(about.warnings));
+    const rows = about.columns.map((column) => [
+      column.name,
+      column.kind ?? "neither",
+      column.unit ?? "its own",
+      count(column.missing),
+    ]);
+    this.element.replaceChildren(
+      h("h2", {}, "What is in it"),
+      list,
+      h(
+        "div",
+        { class: "wide", tabindex: 0, role: "region", "aria-label": "Columns" },
+        table("Columns that are analysed", ["Column", "Kind", "Unit", "Missing samples"], rows),
+      ),
+      warnings(about.warnings),
+    );
   }
 }
 
@@ -29,5 +42,9 @@ export function warnings(texts: string[]): HTMLElement {
 
 function size(bytes: number): string {
   if (bytes < 1e3) return `${bytes} bytes`;
-  return bytes < 1e6 ? `${significant(bytes / 1e3, 3)} KB` : bytes < 1e9 ? `${significant(bytes / 1e6, 3)} MB` : `${significant(bytes / 1e9, 3)} GB`;
+  return bytes < 1e6
+    ? `${significant(bytes / 1e3, 3)} KB`
+    : bytes < 1e9
+      ? `${significant(bytes / 1e6, 3)} MB`
+      : `${significant(bytes / 1e9, 3)} GB`;
 }

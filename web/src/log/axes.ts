@@ -6,7 +6,10 @@ import { warnings } from "./about";
 
 /** The deviation of a column of a log, in its own unit. */
 class LogAllan extends Allan {
-  constructor(title: string, readonly text: string) {
+  constructor(
+    title: string,
+    readonly text: string,
+  ) {
     super(title, 240, "too short for a deviation");
   }
 
@@ -29,7 +32,9 @@ export class Axes {
     const { name, unit } = axis.column;
     const figure = new LogAllan(name, unit ?? "its own unit");
     this.#figures.push(figure);
-    this.element.append(h("section", { class: "card", "aria-label": name }, figure.element, coefficients(axis), ...remarks(axis)));
+    this.element.append(
+      h("section", { class: "card", "aria-label": name }, figure.element, coefficients(axis), ...remarks(axis)),
+    );
     figure.show(axis.points.map(point));
   }
 
@@ -43,12 +48,40 @@ function point({ tau_s, dev, lo, hi, model }: LogPoint) {
 }
 
 function coefficients({ column, coefficients }: LogAxis): HTMLElement {
-  const rows = coefficients.map((coefficient) => h("tr", {}, h("th", { scope: "row" }, coefficient.symbol), h("td", {}, coefficient.name),
-    h("td", {}, ...coefficient.values.map((value, index) => h("div", index > 0 ? { class: "other" } : {}, words(coefficient, value)))),
-    h("td", { class: coefficient.identified ? "state good" : "state" }, coefficient.identified ? "identified" : coefficient.remark)));
-  const head = ["Symbol", "Coefficient", "Value with 95 % interval", "State"].map((words) => h("th", { scope: "col" }, words));
-  return h("div", { class: "coefficients wide", tabindex: 0, role: "region", "aria-label": `Coefficients of ${column.name}` },
-    h("table", {}, h("caption", { class: "unseen" }, `Noise coefficients of ${column.name}`), h("thead", {}, h("tr", {}, ...head)), h("tbody", {}, ...rows)));
+  const rows = coefficients.map((coefficient) =>
+    h(
+      "tr",
+      {},
+      h("th", { scope: "row" }, coefficient.symbol),
+      h("td", {}, coefficient.name),
+      h(
+        "td",
+        {},
+        ...coefficient.values.map((value, index) =>
+          h("div", index > 0 ? { class: "other" } : {}, words(coefficient, value)),
+        ),
+      ),
+      h(
+        "td",
+        { class: coefficient.identified ? "state good" : "state" },
+        coefficient.identified ? "identified" : coefficient.remark,
+      ),
+    ),
+  );
+  const head = ["Symbol", "Coefficient", "Value with 95 % interval", "State"].map((words) =>
+    h("th", { scope: "col" }, words),
+  );
+  return h(
+    "div",
+    { class: "coefficients wide", tabindex: 0, role: "region", "aria-label": `Coefficients of ${column.name}` },
+    h(
+      "table",
+      {},
+      h("caption", { class: "unseen" }, `Noise coefficients of ${column.name}`),
+      h("thead", {}, h("tr", {}, ...head)),
+      h("tbody", {}, ...rows),
+    ),
+  );
 }
 
 function words({ identified }: LogCoefficient, { value, lo, hi, unit }: LogValue): string {
@@ -57,7 +90,10 @@ function words({ identified }: LogCoefficient, { value, lo, hi, unit }: LogValue
 }
 
 function remarks({ terms, model_error, doubt, warnings: texts }: LogAxis): HTMLElement[] {
-  const said = [...terms, ...(model_error === null ? [] : [`The model may be off by ${significant(100 * model_error, 2)} %.`])];
+  const said = [
+    ...terms,
+    ...(model_error === null ? [] : [`The model may be off by ${significant(100 * model_error, 2)} %.`]),
+  ];
   const doubted = doubt === null ? [] : [h("p", { class: "doubt" }, doubt)];
   return [...doubted, ...said.map((text) => h("p", { class: "note" }, text)), warnings(texts)];
 }

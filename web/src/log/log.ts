@@ -28,13 +28,32 @@ export class Log implements Page {
   #file: File | undefined;
 
   constructor(readonly app: App) {
-    this.#cancel = button("Cancel", () => this.#end("Cancelled. Nothing of the log is left here."), { class: "small", hidden: true });
-    const drop = droppable("A log of any gyroscope or IMU at rest", "", ([file]) => { if (file) this.open(file); });
-    this.element = h("div", { class: "page log" }, h("h1", { class: "unseen" }, "Log"),
-      h("section", { class: "card intake" }, drop, h("p", { class: "note" }, `${FORMS}. The file is read in this browser: `,
-        h("b", {}, "it never leaves this machine."), " SQLite bags (.db3) are for the program: zerorate imu."),
-        h("div", { class: "work" }, this.#state, this.#bar, this.#cancel)),
-      this.#below);
+    this.#cancel = button("Cancel", () => this.#end("Cancelled. Nothing of the log is left here."), {
+      class: "small",
+      hidden: true,
+    });
+    const drop = droppable("A log of any gyroscope or IMU at rest", "", ([file]) => {
+      if (file) this.open(file);
+    });
+    this.element = h(
+      "div",
+      { class: "page log" },
+      h("h1", { class: "unseen" }, "Log"),
+      h(
+        "section",
+        { class: "card intake" },
+        drop,
+        h(
+          "p",
+          { class: "note" },
+          `${FORMS}. The file is read in this browser: `,
+          h("b", {}, "it never leaves this machine."),
+          " SQLite bags (.db3) are for the program: zerorate imu.",
+        ),
+        h("div", { class: "work" }, this.#state, this.#bar, this.#cancel),
+      ),
+      this.#below,
+    );
     document.addEventListener("dragover", (event) => event.preventDefault());
     document.addEventListener("drop", (event) => this.#dropped(event));
     this.#say("No log yet.");
@@ -72,7 +91,9 @@ export class Log implements Page {
     const worker = new Worker(new URL("log.js", import.meta.url), { type: "module" });
     worker.onmessage = ({ data }: MessageEvent<FromLog>) => this.#heard(data);
     worker.onerror = (event) => {
-      this.#end(`The worker that reads logs stopped: ${event.message || "it could not be loaded"}. A log too large for this browser may be the cause: zerorate imu reads it.`);
+      this.#end(
+        `The worker that reads logs stopped: ${event.message || "it could not be loaded"}. A log too large for this browser may be the cause: zerorate imu reads it.`,
+      );
     };
     return worker;
   }
@@ -112,7 +133,13 @@ export class Log implements Page {
     this.#pictures.show([]);
     this.#noise.forget();
     this.#questions.offer();
-    this.#below.replaceChildren(this.#about.element, this.#axes.element, this.#pictures.element, this.#noise.element, this.#questions.element);
+    this.#below.replaceChildren(
+      this.#about.element,
+      this.#axes.element,
+      this.#pictures.element,
+      this.#noise.element,
+      this.#questions.element,
+    );
     this.#work(`Analysing ${significant(looked.samples, 3)} samples of ${looked.columns.length} columns …`, null);
     this.#tell({ do: "analyse" });
   }

@@ -3,7 +3,12 @@ import type { Download, LogSummary, NoiseFileWish } from "../protocol";
 import { warnings } from "./about";
 
 const FORMATS: readonly (readonly [string, string])[] = [
-  ["kalibr", "Kalibr"], ["openvins", "OpenVINS"], ["vins", "VINS-Fusion"], ["orbslam3", "ORB-SLAM3"], ["kf-gins", "KF-GINS"], ["ros", "ROS (covariances)"],
+  ["kalibr", "Kalibr"],
+  ["openvins", "OpenVINS"],
+  ["vins", "VINS-Fusion"],
+  ["orbslam3", "ORB-SLAM3"],
+  ["kf-gins", "KF-GINS"],
+  ["ros", "ROS (covariances)"],
 ];
 
 /** The file for the filter that takes the noise. */
@@ -12,7 +17,10 @@ export class NoiseFile {
   readonly #why = h("p", { class: "doubt" });
   readonly #warnings = h("div", {});
   readonly #format = select("format", FORMATS);
-  readonly #combine = select("combine", [["worst", "the worst of the axes"], ["mean", "the mean of the axes"]]);
+  readonly #combine = select("combine", [
+    ["worst", "the worst of the axes"],
+    ["mean", "the mean of the axes"],
+  ]);
   readonly #inflate = h("input", { id: "inflate", type: "number", min: 0.001, max: 1000, step: "any", value: 1 });
   readonly #force = h("input", { id: "force", type: "checkbox" });
   readonly #text = h("pre", { tabindex: 0, role: "region", "aria-label": "The file" });
@@ -20,16 +28,50 @@ export class NoiseFile {
   #file: Download | undefined;
 
   constructor(wish: (wish: NoiseFileWish) => void) {
-    const field = (label: string, input: HTMLElement) => h("div", { class: "field" }, h("label", { for: input.id }, label), input);
+    const field = (label: string, input: HTMLElement) =>
+      h("div", { class: "field" }, h("label", { for: input.id }, label), input);
     const submit = (event: Event) => {
       event.preventDefault();
-      wish({ format: this.#format.value, combine: this.#combine.value, inflate: Number(this.#inflate.value), force: this.#force.checked });
+      wish({
+        format: this.#format.value,
+        combine: this.#combine.value,
+        inflate: Number(this.#inflate.value),
+        force: this.#force.checked,
+      });
     };
-    this.#save = button("Save", () => { if (this.#file) save(this.#file.name, this.#file.media_type, this.#file.text); }, { class: "small", disabled: true });
-    this.element = h("section", { class: "card noise", "aria-label": "File for a filter", hidden: true }, h("h2", {}, "File for a filter"), this.#warnings, this.#why,
-      h("form", { submit }, h("div", { class: "fields" }, field("For", this.#format), field("Where it takes one number", this.#combine),
-        field("Factor on all noise", this.#inflate), field("Even where the numbers are no result", this.#force)),
-        h("div", { class: "actions" }, h("button", { type: "submit", class: "primary" }, "Make the file"), this.#save)), this.#text);
+    this.#save = button(
+      "Save",
+      () => {
+        if (this.#file) save(this.#file.name, this.#file.media_type, this.#file.text);
+      },
+      { class: "small", disabled: true },
+    );
+    this.element = h(
+      "section",
+      { class: "card noise", "aria-label": "File for a filter", hidden: true },
+      h("h2", {}, "File for a filter"),
+      this.#warnings,
+      this.#why,
+      h(
+        "form",
+        { submit },
+        h(
+          "div",
+          { class: "fields" },
+          field("For", this.#format),
+          field("Where it takes one number", this.#combine),
+          field("Factor on all noise", this.#inflate),
+          field("Even where the numbers are no result", this.#force),
+        ),
+        h(
+          "div",
+          { class: "actions" },
+          h("button", { type: "submit", class: "primary" }, "Make the file"),
+          this.#save,
+        ),
+      ),
+      this.#text,
+    );
   }
 
   forget(): void {

@@ -14,6 +14,18 @@ export class Pictures {
 function picture({ name, title, svg }: LogPicture): HTMLElement {
   // as an image: nothing in it can run, whatever the log called its columns
   const image = h("img", { alt: title, src: `data:image/svg+xml;charset=utf-8,${encodeURIComponent(svg)}` });
-  return h("figure", {}, image, h("figcaption", {}, h("span", { class: "name" }, title),
-    button("Save", () => save(name, "image/svg+xml", svg), { class: "small", "aria-label": `Save ${title} as SVG` })));
+  return h(
+    "figure",
+    {},
+    image,
+    h(
+      "figcaption",
+      {},
+      h("span", { class: "name" }, title),
+      button("Save", () => save(name, "image/svg+xml", svg), {
+        class: "small",
+        "aria-label": `Save ${title} as SVG`,
+      }),
+    ),
+  );
 }

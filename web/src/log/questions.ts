@@ -38,10 +38,20 @@ export class Questions {
       event.preventDefault();
       answer(this.#settings());
     };
-    this.#details = h("details", {}, h("summary", {}, "What the log does not say, or says wrong"),
+    this.#details = h(
+      "details",
+      {},
+      h("summary", {}, "What the log does not say, or says wrong"),
       h("div", { class: "fields" }, ...[...this.#fields.values()].map(({ row }) => row)),
-      h("div", { class: "actions" }, h("button", { type: "submit", class: "primary" }, "Look again")));
-    this.element = h("form", { class: "card questions", submit, "aria-label": "What the log does not say" }, this.#text, this.#choices, this.#details);
+      h("div", { class: "actions" }, h("button", { type: "submit", class: "primary" }, "Look again")),
+    );
+    this.element = h(
+      "form",
+      { class: "card questions", submit, "aria-label": "What the log does not say" },
+      this.#text,
+      this.#choices,
+      this.#details,
+    );
   }
 
   /** Asks: any of these settings answers it. */
@@ -72,7 +82,9 @@ export class Questions {
 
   #settings(): LogSettings {
     const given = [...this.#fields].filter(([, { input }]) => input.value.trim() !== "");
-    return Object.fromEntries(given.map(([key, { input }]) => [key, parsed(key, input.value.trim())])) as LogSettings;
+    return Object.fromEntries(
+      given.map(([key, { input }]) => [key, parsed(key, input.value.trim())]),
+    ) as LogSettings;
   }
 }
 
@@ -85,6 +97,10 @@ function field(key: LogSetting, { words, hint, options, number }: Kind): { row: 
 }
 
 function parsed(key: LogSetting, text: string): string | number | string[] {
-  if (key === "columns") return text.split(",").map((name) => name.trim()).filter((name) => name !== "");
+  if (key === "columns")
+    return text
+      .split(",")
+      .map((name) => name.trim())
+      .filter((name) => name !== "");
   return KINDS[key].number ? Number(text) : text;
 }
