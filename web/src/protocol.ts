@@ -169,7 +169,12 @@ earth_dps?: number,
 /**
  * Serial number of the part.
  */
-serial?: string, };
+serial?: string, 
+/**
+ * Of the method `chamber`: the name of a plan that comes with the software, or a plan itself
+ * (docs/formats/plan.md).
+ */
+plan?: string, };
 
 /**
  * The guided calibration.
@@ -800,7 +805,7 @@ export type MarkKind = "bandwidth" | "nyquist" | "resonance" | "line";
 /**
  * Ways to calibrate.
  */
-export type MethodName = "an1042" | "warmup" | "cycle";
+export type MethodName = "an1042" | "warmup" | "cycle" | "chamber";
 
 /**
  * A file for the filter that takes the noise.
@@ -1021,7 +1026,7 @@ allan: Array<AllanPoint>,
  */
 coefficients: Array<Coefficient>, 
 /**
- * Welch's spectrum of the last minute.
+ * Welch's spectrum of the last 131 072 readings.
  */
 spectrum: Array<SpectrumPoint>, 
 /**
@@ -1033,7 +1038,7 @@ marks: Array<SpectrumMark>,
  */
 temperature: Array<TemperaturePoint>, 
 /**
- * Means over a second that are in there: slow motion is not to be told from bias.
+ * What is in there beside noise.
  */
 caution: string | null, };
 

@@ -83,6 +83,10 @@ pub struct CalibrateWish {
     /// Serial number of the part.
     #[cfg_attr(test, ts(optional))]
     pub serial: Option<String>,
+    /// Of the method `chamber`: the name of a plan that comes with the software, or a plan itself
+    /// (docs/formats/plan.md).
+    #[cfg_attr(test, ts(optional))]
+    pub plan: Option<String>,
 }
 
 /// Ways to calibrate.
@@ -94,6 +98,7 @@ pub enum MethodName {
     An1042,
     Warmup,
     Cycle,
+    Chamber,
 }
 
 /// Forms of a calibration.
@@ -429,13 +434,13 @@ pub struct Statistics {
     pub allan: Vec<AllanPoint>,
     /// Its coefficients; none before there is enough.
     pub coefficients: Vec<Coefficient>,
-    /// Welch's spectrum of the last minute.
+    /// Welch's spectrum of the last 131 072 readings.
     pub spectrum: Vec<SpectrumPoint>,
     /// What is to be seen in it.
     pub marks: Vec<SpectrumMark>,
     /// The bias over temperature.
     pub temperature: Vec<TemperaturePoint>,
-    /// Means over a second that are in there: slow motion is not to be told from bias.
+    /// What is in there beside noise.
     pub caution: Option<String>,
 }
 

@@ -4,8 +4,8 @@ use super::{Fact, calibration_picture};
 use crate::plot::{ResidualPoint, residuals};
 use anyhow::Result;
 use askama::Template;
-use zerorate::Calibration;
-use zerorate::chamber::{ChamberOutcome, Record, Residual};
+use zerorate::chamber::{Branches, ChamberOutcome, Record, Residual};
+use zerorate::{Calibration, Uncertainty};
 
 /// What the page is made of.
 pub struct ChamberPage<'a> {
@@ -94,4 +94,18 @@ fn points(record: &Record, outcome: &ChamberOutcome, axis: usize) -> Vec<Vec<Str
         ]
     };
     record.soaks.iter().zip(&outcome.soak_residuals_dps).map(row).collect()
+}
+
+/// What to say of a loop that stands out: no curve over temperature corrects it.
+#[must_use]
+pub fn wide_loop(outcome: &ChamberOutcome, axis: &str) -> Option<String> {
+    let Branches { half_width_dps, u_dps, .. } = outcome.branches?;
+    let (lag_s, half_u_dps) = (outcome.curve.following.lag_s, Uncertainty::FACTOR * u_dps);
+    (half_width_dps.abs() > 3.0 * u_dps).then(|| {
+        format!(
+            "hysteresis: on axis {axis}, cooling and warming lie ±{half_width_dps:.5} ± {half_u_dps:.5} °/s about \
+             their mean, by hysteresis and a lag that is found as {lag_s:.0} s. No curve over temperature corrects \
+             that: this one is right where the temperature rests, on the way on which the measurement ended"
+        )
+    })
 }

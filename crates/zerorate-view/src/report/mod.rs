@@ -6,7 +6,7 @@ mod chamber;
 
 pub use allan::{AllanPage, AllanRow, Coefficient, CoefficientValue, Group, Record, Table, allan_page};
 pub use calibration::{calibration_page, calibration_picture};
-pub use chamber::{ChamberPage, chamber_page, over_temperature, over_time};
+pub use chamber::{ChamberPage, chamber_page, over_temperature, over_time, wide_loop};
 
 /// A line of a table of facts.
 #[derive(Clone, Debug, PartialEq)]

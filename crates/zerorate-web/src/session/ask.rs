@@ -159,8 +159,7 @@ impl Session {
     fn complete_guide(&mut self) {
         let Some(guide) = self.guide.take() else { return };
         let method = guide.method;
-        let rate_hz = self.tally.sampling_hz();
-        let measured = Measured { info: &self.about.info, rate_hz, axes: &self.axes, truths: &self.truths };
+        let measured = Measured { info: &self.about.info, tally: &self.tally, axes: &self.axes, truths: &self.truths };
         let kept = guide.finish(&measured).and_then(|(result, calibration)| {
             self.shelf.add(calibration)?;
             Ok(result)

@@ -33,6 +33,8 @@ pub struct Statistics {
     recent: VecDeque<f64>,
     means: Means,
     temps: Temperatures,
+    /// How long the part was not at rest, s.
+    moved_s: f64,
     shown: Shown,
     fit: Option<allan::Fit>,
     fitted_s: f64,
@@ -47,6 +49,7 @@ impl Statistics {
             recent: VecDeque::with_capacity(SPECTRUM),
             means: Means::default(),
             temps: Temperatures::default(),
+            moved_s: 0.0,
             shown: Shown::default(),
             fit: None,
             fitted_s: 0.0,
@@ -69,8 +72,9 @@ impl Statistics {
     /// A block that is complete; of the rate over temperature, only where the part is at rest.
     pub fn push_block(&mut self, block: &Block, at_rest: bool) {
         self.means.push(block.rate_dps);
-        if at_rest {
-            self.temps.push(block);
+        match at_rest {
+            true => self.temps.push(block),
+            false => self.moved_s += BLOCK_S,
         }
     }
 
@@ -139,7 +143,7 @@ impl Statistics {
             ("B", "bias instability", fit.b, "°/s"),
             ("K", "rate random walk", fit.k, "°/s/√s"),
         ];
-        let left_s = |needed_s: f64| (needed_s - self.shown.duration_s).max(0.0);
+        let left_s = |needed_s: f64| (needed_s - self.means.duration_s()).max(0.0);
         let stated = stated.map(|(symbol, name, found, unit)| Coefficient {
             symbol: symbol.to_owned(),
             name: name.to_owned(),
@@ -199,18 +203,26 @@ impl Statistics {
         self.fit.as_ref().map_or(typical, |fit| std::f64::consts::SQRT_2 * fit.n.value)
     }
 
-    /// Where readings are missing, or the model does not hold.
+    /// What the deviations hold beside noise.
     fn caution(&self) -> Option<String> {
-        if let Some(fit) = self.fit.as_ref().filter(|fit| fit.is_rejected) {
+        if self.moved_s > 0.0 {
             return Some(format!(
-                "the noise model is rejected (off by {:.0} %): the rate does something that noise does not; is the \
-                 part at rest?",
-                100.0 * fit.model_error
+                "the part was not at rest for {:.0} s: this is motion as well as noise; begin anew when it is still",
+                self.moved_s.ceil()
             ));
         }
+        if let Some(fit) = self.fit.as_ref().filter(|fit| fit.is_rejected) {
+            let off = 100.0 * fit.model_error;
+            return Some(format!("the rate does something that noise does not: the model is off by {off:.0} %"));
+        }
         let missing = self.recent.iter().filter(|rate| rate.is_nan()).count() as f64 / self.recent.len().max(1) as f64;
-        (missing > MOST_MISSING).then(|| {
-            format!("{:.1} % of the readings are missing: averages below 0.1 s show too little noise", 100.0 * missing)
+        if missing > MOST_MISSING {
+            let percent = 100.0 * missing;
+            return Some(format!("{percent:.1} % of the readings are missing: below 0.1 s there is too little noise"));
+        }
+        let span_c = self.temps.span_c();
+        (span_c > WARMED_C).then(|| {
+            format!("the temperature went by {span_c:.1} °C: long averages show how the bias follows it, beside noise")
         })
     }
 }
@@ -219,6 +231,8 @@ impl Statistics {
 const ONE_SIGMA: f64 = 0.683;
 /// Share of missing readings that is worth a word.
 const MOST_MISSING: f64 = 0.001;
+/// So is a temperature that went so far, °C.
+const WARMED_C: f64 = 0.5;
 
 /// Means over blocks; the blocks are longer the longer it lasts.
 #[derive(Debug, Default)]
@@ -303,6 +317,11 @@ impl Temperatures {
             wide.rate_dps += bin.rate_dps;
             wide.blocks += bin.blocks;
         }
+    }
+
+    fn span_c(&self) -> f64 {
+        let mut temps = self.bins.values().map(|bin| bin.temp_c / f64::from(bin.blocks));
+        temps.next().zip(temps.next_back()).map_or(0.0, |(low_c, high_c)| high_c - low_c)
     }
 
     fn points(&self, white_dps_per_rt_hz: f64) -> Vec<TemperaturePoint> {

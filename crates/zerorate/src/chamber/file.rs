@@ -59,6 +59,10 @@ enum Entry {
     Word(String),
 }
 
+/// Plans that come with this software: name and file.
+pub const SHIPPED: [(&str, &str); 2] =
+    [("f57", include_str!("../../plans/f57.toml")), ("two-point", include_str!("../../plans/two-point.toml"))];
+
 impl ChamberPlan {
     /// Reads the file of a plan.
     ///

@@ -11,6 +11,8 @@ mod refusal;
 #[cfg(feature = "file")]
 mod saved;
 
+#[cfg(feature = "file")]
+pub use file::SHIPPED;
 pub use outcome::{Branches, ChamberOutcome, Residual};
 pub use plan::{ChamberPlan, ChamberPlanError, Step, StepEnd};
 pub use procedure::{ChamberAction, ChamberProcedure, ChamberProgress, ChamberState};

@@ -1,5 +1,6 @@
 //! What a measurement in a chamber leaves behind: means over seconds of all of it, and its soak points.
 
+use crate::notice::Warning;
 use alloc::vec::Vec;
 
 /// Means over whole seconds. All lists are as long as `start_s`, and a second without a reading is in none of them.
@@ -48,6 +49,16 @@ pub struct Soak {
 impl Record {
     pub(super) fn new(axes: usize) -> Self {
         Self { rates_dps: alloc::vec![Vec::new(); axes], ..Self::default() }
+    }
+
+    /// What there is to know of it, whatever comes out; `earth_dps` of the Earth's rotation is subtracted, °/s.
+    pub fn warnings(&self, earth_dps: Option<f64>) -> impl Iterator<Item = Warning> {
+        let earth = earth_dps.map_or(Warning::EarthIncluded, |earth_dps| Warning::EarthSubtracted { earth_dps });
+        let Self { samples, lost, impossible, .. } = *self;
+        let share = move |count: u64| count as f64 / (samples + lost).max(1) as f64;
+        let lost = (lost > 0).then(|| Warning::Lost { lost, fraction: share(lost) });
+        let spoilt = (impossible > 0).then(|| Warning::Impossible { count: impossible, fraction: share(impossible) });
+        [Some(earth), lost, spoilt].into_iter().flatten()
     }
 
     /// Number of seconds.

@@ -4,11 +4,8 @@ use crate::exit::Usage;
 use anyhow::{Context, Result};
 use std::fs;
 use std::path::Path;
-use zerorate::chamber::ChamberPlan;
+use zerorate::chamber::{ChamberPlan, SHIPPED};
 
-/// Plans that come with the program.
-const SHIPPED: [(&str, &str); 2] =
-    [("f57", include_str!("../../../plans/f57.toml")), ("two-point", include_str!("../../../plans/two-point.toml"))];
 /// A plan of 1000 steps, or a week of a chamber's log.
 const LARGEST: u64 = 64 << 20;
 

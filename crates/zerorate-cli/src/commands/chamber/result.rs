@@ -16,7 +16,7 @@ use zerorate::calibration::ChamberRun;
 use zerorate::chamber::{Branches, ChamberOutcome, Record};
 use zerorate::{Calibration, Correction, Part, Uncertainty, Warning};
 use zerorate_view::duration::Seconds;
-use zerorate_view::report::{ChamberPage, Fact, chamber_page, over_temperature};
+use zerorate_view::report::{ChamberPage, Fact, chamber_page, over_temperature, wide_loop};
 
 /// The JSON object of `chamber --json`; the names are a contract.
 #[derive(Serialize)]
@@ -111,7 +111,8 @@ pub fn deliver(args: &ChamberArgs, plan: &PlanFile, driven: Driven, files: Files
     let record = procedure.finish().map_err(refused)?;
     let outcomes = record.outcomes(&part, args.earth_dps, args.max_order.into()).map_err(refused)?;
     let info = acquisition.info(args.serial.as_deref(), args.supply_note.as_deref());
-    let warnings = of_run(args, &record, part.axes.first().and_then(|axis| aliasing(&axis.axis, &tally)));
+    let aliased = part.axes.first().and_then(|axis| aliasing(&axis.axis, &tally));
+    let warnings: Vec<Warning> = record.warnings(args.earth_dps).chain(aliased).collect();
     let run = ChamberRun { tally: &tally, max_lost: args.max_lost, earth_dps: args.earth_dps, warnings: &warnings };
     // what was measured before an interruption is in no recording of this run
     let capture_sha256 = if is_resumed { String::new() } else { capture_sha256 };
@@ -136,15 +137,6 @@ pub fn deliver(args: &ChamberArgs, plan: &PlanFile, driven: Driven, files: Files
     print_lines(&report.text(args.output.as_deref()))
 }
 
-fn of_run(args: &ChamberArgs, record: &Record, aliased: Option<Warning>) -> Vec<Warning> {
-    let earth = args.earth_dps.map_or(Warning::EarthIncluded, |earth_dps| Warning::EarthSubtracted { earth_dps });
-    let share = |count: u64| count as f64 / (record.samples + record.lost).max(1) as f64;
-    let lost = (record.lost > 0).then(|| Warning::Lost { lost: record.lost, fraction: share(record.lost) });
-    let spoilt = (record.impossible > 0)
-        .then(|| Warning::Impossible { count: record.impossible, fraction: share(record.impossible) });
-    [Some(earth), aliased, lost, spoilt].into_iter().flatten().collect()
-}
-
 fn resumed(is_resumed: bool) -> Option<String> {
     is_resumed.then(|| {
         "resumed: the measurement was interrupted; a part that was switched off in between may have another bias \
@@ -160,19 +152,6 @@ fn of_axis(outcome: &ChamberOutcome, name: &str, part: &Part) -> Vec<String> {
         _ => format!("axis {name}: {}", coded(&warning)),
     };
     outcome.warnings().map(named).collect()
-}
-
-/// A loop that stands out is what no curve over temperature corrects.
-fn wide_loop(outcome: &ChamberOutcome, axis: &str) -> Option<String> {
-    let Branches { half_width_dps, u_dps, .. } = outcome.branches?;
-    let (lag_s, half_u_dps) = (outcome.curve.following.lag_s, Uncertainty::FACTOR * u_dps);
-    (half_width_dps.abs() > 3.0 * u_dps).then(|| {
-        format!(
-            "hysteresis: on axis {axis}, cooling and warming lie ±{half_width_dps:.5} ± {half_u_dps:.5} °/s about \
-             their mean, by hysteresis and a lag that is found as {lag_s:.0} s. No curve over temperature corrects \
-             that: this one is right where the temperature rests, on the way on which the measurement ended"
-        )
-    })
 }
 
 impl Files {

@@ -1,0 +1,116 @@
+//! A chamber that somebody sets by hand, step after step.
+
+use super::{Found, FoundAxis, Measured, Stage, Way};
+use crate::message::{CalibrateWish, Step};
+use zerorate::calibration::{ChamberRun, Origin};
+use zerorate::chamber::{
+    ChamberAction, ChamberOutcome, ChamberPlan, ChamberProcedure, ChamberRefusal, SHIPPED, StepEnd,
+};
+use zerorate::{Calibration, Part, Plan, Scan, Warning};
+use zerorate_view::{Seconds, report};
+
+/// The plan where none was named.
+const DEFAULT: &str = "two-point";
+/// Highest order of the curve.
+const MAX_ORDER: usize = 3;
+
+#[derive(Debug)]
+pub struct ByHand {
+    procedure: ChamberProcedure,
+    max_lost: f64,
+    earth_dps: Option<f64>,
+}
+
+impl ByHand {
+    pub fn new(wish: &CalibrateWish, part: &Part) -> Result<Self, String> {
+        let named = wish.plan.as_deref().map(str::trim).filter(|plan| !plan.is_empty()).unwrap_or(DEFAULT);
+        let max_lost = Plan::default().max_lost;
+        let plan = ChamberPlan::parse(text_of(named)?).map_err(|error| error.to_string())?;
+        let procedure = ChamberProcedure::new(part, plan, max_lost).map_err(|error| error.to_string())?;
+        Ok(Self { procedure, max_lost, earth_dps: wish.earth_dps })
+    }
+
+    fn advice(&self) -> String {
+        let progress = self.procedure.progress();
+        let Some(step) = self.procedure.plan().steps.get(progress.step) else {
+            return "Set the chamber back, or switch it off.".to_owned();
+        };
+        let how = step.c_per_min.map_or(String::new(), |c_per_min| format!(", at {c_per_min} °C a minute"));
+        let then = match step.end {
+            StepEnd::Hold(hold_s) => format!("leave it there for {}", Seconds(hold_s)),
+            StepEnd::Average(_) => "leave it there until the part has settled and was averaged".to_owned(),
+        };
+        let at = progress.temp_c.map_or(String::new(), |temp_c| format!(" The part is at {temp_c:.1} °C."));
+        format!(
+            "Step {} of {}: set the chamber to {:.1} °C{how}, and {then}. Now: {}.{at}",
+            progress.step + 1,
+            progress.steps,
+            step.to_c,
+            progress.state
+        )
+    }
+}
+
+/// A plan by its name, or the plan itself.
+fn text_of(named: &str) -> Result<&str, String> {
+    let shipped = SHIPPED.iter().find(|(name, _)| *name == named).map(|(_, text)| *text);
+    let names = SHIPPED.map(|(name, _)| name).join(" and ");
+    shipped
+        .or(Some(named).filter(|text| text.contains('=')))
+        .ok_or_else(|| format!("no plan is called {named:?}; {names} come with the software, or give a plan itself"))
+}
+
+impl Way for ByHand {
+    fn begin(&mut self, t_ns: u64) -> Result<(), String> {
+        self.procedure.begin(t_ns);
+        Ok(())
+    }
+
+    fn take(&mut self, scan: &Scan) -> Result<bool, String> {
+        self.procedure.take(scan).map_err(|refusal| refusal.to_string())?;
+        Ok(self.procedure.next() == ChamberAction::Done)
+    }
+
+    fn stage(&self, _: Option<[f64; 4]>) -> Stage {
+        let (plan, progress) = (self.procedure.plan(), self.procedure.progress());
+        let mut at_s = 0.0;
+        let step = |(index, to_c): (usize, f64)| {
+            let from_s = at_s;
+            at_s = plan.least_s(0, self.procedure.part()) - plan.least_s(index + 1, self.procedure.part());
+            Step { name: format!("to {to_c:.1} °C"), from_s, to_s: at_s }
+        };
+        Stage {
+            steps: plan.steps.iter().map(|step| step.to_c).enumerate().map(step).collect(),
+            elapsed_s: progress.elapsed_s,
+            left_s: progress.left_s,
+            advice: self.advice(),
+            threats: Vec::new(),
+            u_dps: None,
+            can_finish: false,
+        }
+    }
+
+    fn finish(self: Box<Self>, source: &Measured<'_>, origin: Origin) -> Result<Found, String> {
+        let worded = |refusal: ChamberRefusal| refusal.to_string();
+        let (part, earth_dps) = (self.procedure.part().clone(), self.earth_dps);
+        let record = self.procedure.finish().map_err(worded)?;
+        let outcomes = record.outcomes(&part, earth_dps, MAX_ORDER).map_err(worded)?;
+        let warnings: Vec<Warning> = record.warnings(earth_dps).collect();
+        let run = ChamberRun { tally: source.tally, max_lost: self.max_lost, earth_dps, warnings: &warnings };
+        let span_c = record.span_c().unwrap_or_default();
+        let found = |outcome: &ChamberOutcome| FoundAxis {
+            correction: outcome.curve.correction,
+            u_pbc_dps: outcome.curve.covariance[0][0].sqrt(),
+            u_btc_dps_per_c: outcome.curve.covariance[1][1].sqrt(),
+            span_c,
+        };
+        let of_axes: Vec<Warning> = outcomes.iter().flat_map(ChamberOutcome::warnings).collect();
+        let loops = outcomes.iter().zip(part.axes.iter());
+        let loops = loops.filter_map(|(outcome, axis)| report::wide_loop(outcome, &axis.name));
+        Ok(Found {
+            calibration: Calibration::of_chamber(&part, &record, &outcomes, &run, origin),
+            axes: outcomes.iter().map(found).collect(),
+            warnings: super::worded(warnings.iter().chain(&of_axes)).into_iter().chain(loops).collect(),
+        })
+    }
+}

@@ -1,0 +1,125 @@
+//! The methods of one recording: AN-1042's hour, a warm-up, a cycle.
+
+use super::{Found, FoundAxis, Measured, Stage, Way, label};
+use crate::message::{CalibrateWish, MethodName, Step};
+use zerorate::calibration::Origin;
+use zerorate::{
+    Action, AxisRefusal, Calibration, Event, Method, Outcome, Part, PartProcedure, Plan, Say, Scan, State, resonance,
+};
+
+/// How often how well a curve is known is computed, s of part time: that takes about 0.1 s.
+const REACH_EVERY_S: f64 = 60.0;
+
+#[derive(Debug)]
+pub struct Hour {
+    procedure: PartProcedure,
+    threats: Vec<String>,
+    u_dps: Option<f64>,
+    reached_s: f64,
+}
+
+impl Hour {
+    pub fn new(wish: &CalibrateWish, part: &Part) -> Result<Self, String> {
+        let procedure = PartProcedure::new(part, plan(wish)).map_err(|error| error.with(label).to_string())?;
+        Ok(Self { procedure, threats: Vec::new(), u_dps: None, reached_s: 0.0 })
+    }
+
+    fn handle(&mut self, event: Event<'_, Scan>) -> Result<(), String> {
+        self.procedure.handle(event).map_err(|refusal| worded(&refusal))
+    }
+
+    fn advice(&self, state: State, temps_c: Option<[f64; 4]>) -> String {
+        let warmed_c = temps_c.map_or(0.0, |[first, now, ..]| now - first);
+        match (state, self.procedure.plan().method) {
+            (State::Start, _) => "Leave the part where it is: it is being initialised.".to_owned(),
+            (State::Recording, Method::Cycle) => {
+                "Heat the part, then let it cool, as far as it will see in use; do not move it.".to_owned()
+            }
+            (State::WarmUp | State::Recording, _) => format!(
+                "Leave the part alone while it warms itself; it is {warmed_c:+.2} °C from where it began. No draught, \
+                 no touch, no load on its supply that switches."
+            ),
+            (State::Settle, _) => "Leave the part alone until its temperature has settled.".to_owned(),
+            _ => "Do not touch the table: the part is being averaged at rest.".to_owned(),
+        }
+    }
+}
+
+impl Way for Hour {
+    fn begin(&mut self, t_ns: u64) -> Result<(), String> {
+        self.handle(Event::Initialised { t_ns })
+    }
+
+    fn take(&mut self, scan: &Scan) -> Result<bool, String> {
+        self.handle(Event::Reading(scan))?;
+        Ok(self.procedure.next() == Action::Done)
+    }
+
+    fn end_recording(&mut self) -> Result<bool, String> {
+        self.procedure.end_recording().map_err(|refusal| worded(&refusal))
+    }
+
+    fn look(&mut self) {
+        self.threats = self.procedure.threats().map(|refusal| worded(&refusal)).collect();
+        let elapsed_s = self.procedure.progress().elapsed_s;
+        if elapsed_s >= self.reached_s + REACH_EVERY_S {
+            self.reached_s = elapsed_s;
+            self.u_dps = self.procedure.reached().map(|reached| reached.u_dps);
+        }
+    }
+
+    fn stage(&self, temps_c: Option<[f64; 4]>) -> Stage {
+        let progress = self.procedure.progress();
+        let step = |(state, from_s, to_s): (State, f64, f64)| Step { name: state.to_string(), from_s, to_s };
+        Stage {
+            steps: self.procedure.plan().steps().map(step).collect(),
+            elapsed_s: progress.elapsed_s,
+            left_s: (progress.total_s - progress.elapsed_s).max(0.0),
+            advice: self.advice(progress.state, temps_c),
+            threats: self.threats.clone(),
+            u_dps: self.u_dps,
+            can_finish: progress.state == State::Recording && progress.elapsed_s > REACH_EVERY_S,
+        }
+    }
+
+    fn finish(self: Box<Self>, source: &Measured<'_>, origin: Origin) -> Result<Found, String> {
+        let (plan, part) = (*self.procedure.plan(), self.procedure.part().clone());
+        let mut outcomes = self.procedure.finish().map_err(|refusal| worded(&refusal))?;
+        let average_s = plan.average_s.min(plan.offset_s);
+        let (rate_hz, edges) = (source.tally.sampling_hz(), source.info.edges_per_reading());
+        let tone = part.axes.first().and_then(|first| resonance::warning(&first.axis, rate_hz, edges, average_s));
+        outcomes.iter_mut().for_each(|outcome| outcome.warnings.extend(tone));
+        let found = |outcome: &Outcome| FoundAxis {
+            correction: outcome.correction,
+            u_pbc_dps: outcome.uncertainty.u_pbc_dps,
+            u_btc_dps_per_c: outcome.uncertainty.u_btc_dps_per_c,
+            span_c: (outcome.temp_min_c, outcome.temp_max_c),
+        };
+        Ok(Found {
+            calibration: Calibration::new(&part, &outcomes, origin),
+            axes: outcomes.iter().map(found).collect(),
+            warnings: super::worded(outcomes.iter().flat_map(|outcome| &outcome.warnings)),
+        })
+    }
+}
+
+fn plan(wish: &CalibrateWish) -> Plan {
+    let default = Plan::default();
+    Plan {
+        method: match wish.method {
+            MethodName::Warmup => Method::Warmup,
+            MethodName::Cycle => Method::Cycle,
+            MethodName::An1042 | MethodName::Chamber => Method::An1042,
+        },
+        average_s: wish.average_s.unwrap_or(default.average_s),
+        warmup_s: wish.warmup_s.unwrap_or(default.warmup_s),
+        settle_s: wish.settle_s.unwrap_or(default.settle_s),
+        offset_s: wish.offset_s.unwrap_or(default.offset_s),
+        earth_dps: wish.earth_dps,
+        ..default
+    }
+}
+
+fn worded(refusal: &AxisRefusal) -> String {
+    refusal.with(label).to_string()
+}

@@ -1,0 +1,208 @@
+//! A guided calibration: what to do now, what would be refused, and what it comes to.
+
+mod chamber;
+mod hour;
+
+use super::axis::AxisState;
+use super::shelf::entry;
+use crate::message::{
+    AxisResult, CalibrateWish, Calibrating, CalibrationResult, CurvePoint, MethodName, Running, Step,
+};
+use adis16130_twin::Truth;
+use chamber::ByHand;
+use hour::Hour;
+use zerorate::calibration::Origin;
+use zerorate::{Calibration, Correction, Part, Say, Scan, Setting, Tally, Warning};
+use zerorate_data::capture::{CaptureInfo, Row, SampleHash};
+
+/// How often what would be refused is looked at, s of part time.
+const LOOK_EVERY_S: f64 = 2.0;
+/// Points of a curve.
+const POINTS: u8 = 9;
+
+/// What the methods have in common: a procedure that is fed.
+trait Way: std::fmt::Debug + Send {
+    /// The part was initialised, and its first reading is of this time.
+    fn begin(&mut self, t_ns: u64) -> Result<(), String>;
+
+    /// Takes a reading; true where it is done. An error is a refusal.
+    fn take(&mut self, scan: &Scan) -> Result<bool, String>;
+
+    /// Ends a recording here; false where there are steps still to come.
+    fn end_recording(&mut self) -> Result<bool, String> {
+        Ok(false)
+    }
+
+    /// Once in a while: what takes longer than a reading should.
+    fn look(&mut self) {}
+
+    /// Where it stands.
+    fn stage(&self, temps_c: Option<[f64; 4]>) -> Stage;
+
+    /// What it came to.
+    fn finish(self: Box<Self>, source: &Measured<'_>, origin: Origin) -> Result<Found, String>;
+}
+
+/// Where a procedure stands.
+struct Stage {
+    steps: Vec<Step>,
+    elapsed_s: f64,
+    left_s: f64,
+    advice: String,
+    threats: Vec<String>,
+    u_dps: Option<f64>,
+    can_finish: bool,
+}
+
+/// What a procedure came to.
+struct Found {
+    calibration: Calibration,
+    axes: Vec<FoundAxis>,
+    /// As they are shown.
+    warnings: Vec<String>,
+}
+
+/// Of one axis.
+struct FoundAxis {
+    correction: Correction,
+    u_pbc_dps: f64,
+    u_btc_dps_per_c: f64,
+    span_c: (f64, f64),
+}
+
+/// A calibration under way.
+#[derive(Debug)]
+pub struct Guide {
+    pub method: MethodName,
+    serial: Option<String>,
+    way: Box<dyn Way>,
+    begun: bool,
+    hash: SampleHash,
+    temps_c: Option<[f64; 4]>,
+    look_s: f64,
+}
+
+impl Guide {
+    /// Before the first reading of a part that was just initialised.
+    pub fn new(wish: &CalibrateWish, part: &Part, info: &CaptureInfo) -> Result<Self, String> {
+        let way: Box<dyn Way> = match wish.method {
+            MethodName::Chamber => Box::new(ByHand::new(wish, part)?),
+            _ => Box::new(Hour::new(wish, part)?),
+        };
+        Ok(Self {
+            method: wish.method,
+            serial: wish.serial.clone().filter(|serial| !serial.trim().is_empty()),
+            way,
+            begun: false,
+            hash: SampleHash::new(&info.layout),
+            temps_c: None,
+            look_s: 0.0,
+        })
+    }
+
+    /// Takes a reading; true where the procedure is done with it.
+    #[inline]
+    pub fn take(&mut self, row: &Row, scan: &Scan) -> Result<bool, String> {
+        if !std::mem::replace(&mut self.begun, true) {
+            self.way.begin(row.t_ns)?;
+        }
+        self.hash.update(row);
+        self.way.take(scan)
+    }
+
+    /// Ends a recording here; false where the method has steps that are still to come.
+    pub fn end_recording(&mut self) -> Result<bool, String> {
+        self.way.end_recording()
+    }
+
+    /// Once in a while: the temperature, and what would be refused.
+    pub fn look(&mut self, temp_c: Option<f64>) {
+        if let Some(now_c) = temp_c {
+            let [first, _, low, high] = self.temps_c.unwrap_or([now_c; 4]);
+            self.temps_c = Some([first, now_c, low.min(now_c), high.max(now_c)]);
+        }
+        let elapsed_s = self.way.stage(None).elapsed_s;
+        if elapsed_s >= self.look_s {
+            self.look_s = elapsed_s + LOOK_EVERY_S.max(elapsed_s / 100.0);
+            self.way.look();
+        }
+    }
+
+    pub fn shown(&self) -> Calibrating {
+        let Stage { steps, elapsed_s, left_s, advice, threats, u_dps, can_finish } = self.way.stage(self.temps_c);
+        let (method, temps_c) = (self.method, self.temps_c);
+        Calibrating::Running(Running { method, steps, elapsed_s, left_s, advice, threats, temps_c, u_dps, can_finish })
+    }
+
+    /// What it came to, with the calibration itself.
+    pub fn finish(self, source: &Measured<'_>) -> Result<(CalibrationResult, Calibration), String> {
+        let info = CaptureInfo { serial: self.serial.or_else(|| source.info.serial.clone()), ..source.info.clone() };
+        let Found { calibration, axes, warnings } = self.way.finish(source, info.origin(self.hash.hex()))?;
+        let shown = axes.iter().enumerate().map(|(index, found)| source.axis(index, found, &calibration));
+        let result = CalibrationResult {
+            method: self.method,
+            entry: entry(&calibration, false),
+            axes: shown.collect(),
+            warnings,
+        };
+        Ok((result, calibration))
+    }
+}
+
+/// What a calibration was measured with.
+pub struct Measured<'a> {
+    pub info: &'a CaptureInfo,
+    pub tally: &'a Tally,
+    pub axes: &'a [AxisState],
+    pub truths: &'a [Truth],
+}
+
+impl Measured<'_> {
+    fn axis(&self, index: usize, found: &FoundAxis, calibration: &Calibration) -> AxisResult {
+        let (truth, axis) = (self.truths.get(index), calibration.axes.get(index));
+        let (low_c, high_c) = found.span_c;
+        let temps = (0..POINTS).map(|k| low_c + (high_c - low_c) * f64::from(k) / f64::from(POINTS - 1));
+        let curve = temps.map(|temp_c| CurvePoint {
+            temp_c,
+            correction_dps: found.correction.at(temp_c),
+            u_dps: axis.and_then(|axis| axis.u_correction_dps(temp_c)),
+            truth_dps: truth.map(|truth| truth.pbc_dps(temp_c)),
+        });
+        let last = self.axes.get(index).and_then(AxisState::last_minute);
+        AxisResult {
+            name: axis.map_or_else(String::new, |axis| axis.name.clone()),
+            pbc_dps: found.correction.pbc_dps,
+            u_pbc_dps: found.u_pbc_dps,
+            btc_dps_per_c: found.correction.btc_dps_per_c,
+            u_btc_dps_per_c: found.u_btc_dps_per_c,
+            t3_c: found.correction.t3_c,
+            curve: curve.collect(),
+            before_dps: last.map(|(rate_dps, _)| rate_dps),
+            after_dps: last.map(|(rate_dps, temp_c)| found.correction.apply(rate_dps, temp_c)),
+        }
+    }
+}
+
+/// What the page calls a setting.
+fn label(setting: Setting) -> &'static str {
+    match setting {
+        Setting::Average => "the two averages",
+        Setting::WarmUp => "the warm-up",
+        Setting::Settle => "settling",
+        Setting::Offset => "the offset average",
+        Setting::Earth => "the Earth's rotation",
+        other => other.name(),
+    }
+}
+
+/// Each once.
+fn worded<'a>(warnings: impl IntoIterator<Item = &'a Warning>) -> Vec<String> {
+    let mut texts = Vec::new();
+    for warning in warnings {
+        let text = format!("{}: {}", warning.code(), warning.with(label));
+        if !texts.contains(&text) {
+            texts.push(text);
+        }
+    }
+    texts
+}
