@@ -3,12 +3,26 @@
 use bytes::Bytes;
 use parquet::errors::ParquetError;
 use parquet::file::reader::{ChunkReader, Length};
+use std::fmt::Debug;
 use std::fs::File;
-use std::io::{self, BufReader, Cursor, Read, Seek, SeekFrom};
+use std::io::{self, BufReader, Cursor, ErrorKind, Read, Seek, SeekFrom};
+use std::sync::Arc;
 
-/// Bytes to be read, from the start: those of an open file, or some in memory.
+/// Bytes to be read, from the start: those of an open file, some in memory, or some that lie elsewhere.
 #[derive(Debug)]
 pub struct Input(Kind);
+
+/// Bytes that are neither in a file of this system nor in memory, such as those of a file that a browser was given.
+pub trait Elsewhere: Debug + Send + Sync {
+    /// How many there are.
+    fn length(&self) -> u64;
+
+    /// Fills `into` from its front with those from `at` on, as far as there are any, and says how many.
+    ///
+    /// # Errors
+    /// They cannot be had.
+    fn read_at(&self, at: u64, into: &mut [u8]) -> io::Result<usize>;
+}
 
 #[derive(Debug)]
 enum Kind {
@@ -16,6 +30,11 @@ enum Kind {
     /// What has no name by which it could be opened again.
     Nameless(File),
     Memory(Cursor<Bytes>),
+    Elsewhere {
+        bytes: Arc<dyn Elsewhere>,
+        /// Where the next read begins.
+        at: u64,
+    },
 }
 
 impl From<File> for Input {
@@ -36,7 +55,14 @@ impl Input {
         match &self.0 {
             Kind::File(file) | Kind::Nameless(file) => Ok(file.metadata()?.len()),
             Kind::Memory(bytes) => Ok(bytes.get_ref().len() as u64),
+            Kind::Elsewhere { bytes, .. } => Ok(bytes.length()),
         }
+    }
+
+    /// Of bytes that somebody else reads.
+    #[must_use]
+    pub fn elsewhere(bytes: Arc<dyn Elsewhere>) -> Self {
+        Self(Kind::Elsewhere { bytes, at: 0 })
     }
 
     /// Of a file without a name, as what was piped into a program is spooled to.
@@ -45,9 +71,9 @@ impl Input {
         Self(Kind::Nameless(file))
     }
 
-    /// Whether they lie in a file and not in memory.
+    /// Whether they lie in a file, so that what is unpacked of them goes into another and not into memory.
     pub(crate) fn is_file(&self) -> bool {
-        !matches!(self.0, Kind::Memory(_))
+        matches!(self.0, Kind::File(_) | Kind::Nameless(_))
     }
 
     /// Whether they can be opened again by their name.
@@ -60,7 +86,7 @@ impl Input {
     pub(crate) fn is_directory(&self) -> io::Result<bool> {
         match &self.0 {
             Kind::File(file) => Ok(file.metadata()?.is_dir()),
-            Kind::Nameless(_) | Kind::Memory(_) => Ok(false),
+            Kind::Nameless(_) | Kind::Memory(_) | Kind::Elsewhere { .. } => Ok(false),
         }
     }
 
@@ -70,6 +96,7 @@ impl Input {
             Kind::File(file) => Kind::File(file.try_clone()?),
             Kind::Nameless(file) => Kind::Nameless(file.try_clone()?),
             Kind::Memory(bytes) => Kind::Memory(bytes.clone()),
+            Kind::Elsewhere { bytes, at } => Kind::Elsewhere { bytes: bytes.clone(), at: *at },
         }))
     }
 
@@ -97,6 +124,11 @@ impl Read for Input {
         match &mut self.0 {
             Kind::File(file) | Kind::Nameless(file) => file.read(buf),
             Kind::Memory(bytes) => bytes.read(buf),
+            Kind::Elsewhere { bytes, at } => {
+                let read = bytes.read_at(*at, buf)?;
+                *at += read as u64;
+                Ok(read)
+            }
         }
     }
 }
@@ -106,6 +138,15 @@ impl Seek for Input {
         match &mut self.0 {
             Kind::File(file) | Kind::Nameless(file) => file.seek(to),
             Kind::Memory(bytes) => bytes.seek(to),
+            Kind::Elsewhere { bytes, at } => {
+                let place = match to {
+                    SeekFrom::Start(place) => Some(place),
+                    SeekFrom::Current(by) => at.checked_add_signed(by),
+                    SeekFrom::End(by) => bytes.length().checked_add_signed(by),
+                };
+                *at = place.ok_or_else(|| io::Error::new(ErrorKind::InvalidInput, "a place before the first byte"))?;
+                Ok(*at)
+            }
         }
     }
 }
@@ -135,6 +176,12 @@ impl ChunkReader for Input {
                 let outside = || ParquetError::EOF(format!("{length} bytes at {start} are not there"));
                 range.map(|range| bytes.slice(range)).ok_or_else(outside)
             }
+            Kind::Elsewhere { .. } => {
+                let mut found = Vec::new();
+                self.get_read(start)?.take(length as u64).read_to_end(&mut found)?;
+                let outside = || ParquetError::EOF(format!("{length} bytes at {start} are not there"));
+                if found.len() == length { Ok(found.into()) } else { Err(outside()) }
+            }
         }
     }
 }
@@ -143,13 +190,32 @@ impl ChunkReader for Input {
 mod tests {
     use super::*;
 
+    /// Gives three bytes at a time, as a browser may.
+    #[derive(Debug)]
+    struct Slices(Vec<u8>);
+
+    impl Elsewhere for Slices {
+        fn length(&self) -> u64 {
+            self.0.len() as u64
+        }
+
+        fn read_at(&self, at: u64, into: &mut [u8]) -> io::Result<usize> {
+            let rest = self.0.get(at as usize..).unwrap_or_default();
+            let read = rest.len().min(into.len()).min(3);
+            into[..read].copy_from_slice(&rest[..read]);
+            Ok(read)
+        }
+    }
+
     #[test]
-    fn memory_and_file_are_the_same_bytes() {
+    fn memory_and_file_and_what_lies_elsewhere_are_the_same_bytes() {
         let packed = |input: &Input| input.unpacked(|out| out.write_all(b"0123456789")).map_err(|e: io::Error| e);
         let memory = packed(&Vec::new().into()).expect("memory");
         let file = packed(&tempfile::tempfile().expect("a file").into()).expect("a file");
         assert!(file.is_file() && !memory.is_file());
-        for mut input in [memory, file] {
+        let elsewhere = Input::elsewhere(Arc::new(Slices(b"0123456789".to_vec())));
+        assert!(!elsewhere.is_file() && elsewhere.try_clone().expect("a copy").seek(SeekFrom::Current(-1)).is_err());
+        for mut input in [memory, file, elsewhere] {
             assert_eq!((input.length().expect("bytes"), input.get_bytes(3, 4).expect("bytes")), (10, "3456".into()));
             assert!(input.get_bytes(8, 3).is_err() && input.get_bytes(u64::MAX, 1).is_err());
             let mut read = String::new();

@@ -18,5 +18,5 @@ mod survive;
 
 pub use capture::CaptureError;
 pub use column::LogError;
-pub use input::Input;
+pub use input::{Elsewhere, Input};
 pub use row_reader::RowReader;

@@ -3,6 +3,8 @@
 //!
 //! The messages are [`message`], specified in `docs/formats/page.md`.
 
+#[cfg(all(target_family = "wasm", any(feature = "edge-live", feature = "edge-log")))]
+pub mod edge;
 pub mod log;
 pub mod message;
 pub mod registers;

@@ -28,6 +28,7 @@ mod setting;
 mod several;
 #[cfg(feature = "sqlite")]
 mod sqlite_bag;
+mod stopped;
 mod tabular;
 #[cfg(test)]
 pub(crate) mod tests;
@@ -38,6 +39,7 @@ mod unit;
 mod wide;
 
 pub use choice::{Described, Wanted};
+pub use open::kind;
 pub use part_log::PartLog;
 pub use raw::RawType;
 pub use series::Series;
@@ -278,9 +280,12 @@ fn found(log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
         #[cfg(feature = "sqlite")]
         Form::Sqlite => sqlite_bag::read(log, asked),
         #[cfg(not(feature = "sqlite"))]
-        Form::Sqlite => {
-            Err(CaptureError::not_a_log(path, "this build does not read SQLite; convert the bag to MCAP").into())
-        }
+        Form::Sqlite => Err(CaptureError::not_a_log(
+            path,
+            "it is a SQLite bag, which this build does not read: `ros2 bag convert` makes MCAP of it, and \
+             `zerorate imu` reads it as it is",
+        )
+        .into()),
         Form::Other => match table::recognise(path, wide::narrowed(path, log.input, log.room)?)? {
             Opened::Table(source) => tabular::read(path, source, log.room, asked),
             Opened::Text(input) => text::read(path, input, log.room, asked),

@@ -75,6 +75,41 @@ pub fn open(path: &Path, input: Input) -> Result<Log<'_>, CaptureError> {
     }
 }
 
+/// What kind of file it is, in words, by how it begins; `path` names it in messages.
+///
+/// # Errors
+/// It cannot be read, or is of a kind that nobody reads here.
+pub fn kind(path: &Path, input: Input) -> Result<String, CaptureError> {
+    let (input, start) = marked(input).map_err(|error| CaptureError::io("read", path, error))?;
+    let room = Room::of(0);
+    Ok(match Packing::of(&start) {
+        Some(packing) => format!("packed by {packing:?}"),
+        None if start.starts_with(&ARROW_STREAM) => "Arrow stream".to_owned(),
+        None => Log { path, input, room, start }.form()?.words().to_owned(),
+    })
+}
+
+/// The mark before each message of an Arrow stream.
+const ARROW_STREAM: [u8; 4] = [0xFF; 4];
+
+impl Form {
+    const fn words(self) -> &'static str {
+        match self {
+            Self::Parquet => "Parquet",
+            Self::ArrowFile => "Arrow file (Feather)",
+            Self::Npy => "NumPy array (.npy)",
+            Self::Npz => "NumPy arrays (.npz)",
+            Self::Mcap => "MCAP",
+            Self::RosBag => "bag of ROS 1",
+            Self::ULog => "log of PX4 (ULog)",
+            Self::Mat => "MATLAB 5 to 7.2",
+            Self::Hdf5 => "HDF5, as MATLAB 7.3 writes it",
+            Self::Sqlite => "SQLite bag of ROS 2",
+            Self::Other => "text",
+        }
+    }
+}
+
 impl Log<'_> {
     /// What is in it; what cannot be read comes with advice.
     pub fn form(&self) -> Result<Form, CaptureError> {

@@ -50,6 +50,12 @@ impl Axes {
         Self::of(path, column::read_parts(path, parts, wanted, &options.log)?, options)
     }
 
+    /// Whether there are any among the columns of a log, where nobody said which they are.
+    #[must_use]
+    pub fn are_among(columns: &[Column]) -> bool {
+        columns.iter().any(|column| !Kind::is_beside(&column.name) && Kind::of_column(column).is_some())
+    }
+
     /// Those among the columns of a log.
     ///
     /// # Errors

@@ -109,7 +109,9 @@ fn gauss_markov(group: &Group<'_>) -> Vec<Vec<String>> {
         terms.iter().filter_map(term).collect()
     };
     let all: Vec<_> = group.records.iter().map(of).collect();
-    let Some((unit, factor)) = group.records.first().and_then(|record| units::B.of(record).into_iter().next()) else {
+    let Some((unit, factor)) =
+        group.records.first().and_then(|record| units::B.of(record.quantity).into_iter().next())
+    else {
         return Vec::new();
     };
     let scaled = |estimate: &Estimate, factor: f64| {

@@ -64,7 +64,7 @@ fn further(record: &Record, others: &[Named<'_>], fit: &Fit) -> Vec<Vec<String>>
         let value = value(named.in_unit(0), named.coefficient.identified);
         format!("{} {value} {}", named.letter, named.units[0].0)
     };
-    let (unit, factor) = &B.of(record)[0];
+    let (unit, factor) = &B.of(record.quantity)[0];
     let memory = |term: &Term| match term {
         Term::GaussMarkov { sigma, tau_s } => {
             let (sigma, tau_s) = (significant(sigma.value * factor), significant(tau_s.value));

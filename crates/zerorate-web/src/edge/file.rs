@@ -1,0 +1,39 @@
+//! A file that the browser was given, read where it lies: it is never in memory as a whole.
+
+use std::io;
+use std::sync::Arc;
+use wasm_bindgen::prelude::*;
+use zerorate_data::{Elsewhere, Input};
+
+#[wasm_bindgen]
+extern "C" {
+    /// Fills `into` with the bytes of the worker's file from `at` on, and says how many there were.
+    #[wasm_bindgen(js_namespace = zerorate, js_name = readAt, catch)]
+    fn read_at(at: f64, into: &mut [u8]) -> Result<u32, JsValue>;
+}
+
+/// The file of this worker, which has one at a time.
+#[derive(Debug)]
+struct File {
+    length: u64,
+}
+
+impl Elsewhere for File {
+    fn length(&self) -> u64 {
+        self.length
+    }
+
+    fn read_at(&self, at: u64, into: &mut [u8]) -> io::Result<usize> {
+        let read = read_at(at as f64, into).map_err(|why| io::Error::other(words(&why)))?;
+        Ok(read as usize)
+    }
+}
+
+fn words(why: &JsValue) -> String {
+    why.as_string().unwrap_or_else(|| "the browser does not give the file's bytes; drop it once more".to_owned())
+}
+
+/// The worker's file, which is so long.
+pub fn input(length: f64) -> Input {
+    Input::elsewhere(Arc::new(File { length: length as u64 }))
+}

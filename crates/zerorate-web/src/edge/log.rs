@@ -1,0 +1,66 @@
+//! The reader of logs, as its worker calls it.
+
+use super::file;
+use crate::log::LogReader;
+use crate::log::message::{LogSettings, NoiseFileWish};
+use serde::Serialize;
+use wasm_bindgen::prelude::*;
+use zerorate_data::limits::{Bytes, set_max_memory};
+
+/// Of the 4 GiB that a module can have, what the columns of a log may take; its analysis takes the rest.
+const MAX_MEMORY: Bytes = Bytes(2 << 30);
+
+/// A log, and what is known of it by now.
+#[wasm_bindgen]
+pub struct Log {
+    reader: Option<LogReader>,
+    looked: String,
+}
+
+#[wasm_bindgen]
+impl Log {
+    /// Reads the worker's file of this name and length; `settings` is a `LogSettings` in JSON.
+    #[wasm_bindgen(constructor)]
+    pub fn new(name: &str, length: f64, settings: &str) -> Result<Log, JsError> {
+        set_max_memory(MAX_MEMORY);
+        let settings: LogSettings = serde_json::from_str(settings)?;
+        let (looked, reader) = LogReader::look(name, || file::input(length), &settings);
+        Ok(Self { reader, looked: json(&looked)? })
+    }
+
+    /// What was seen: a `Looked` in JSON.
+    pub fn looked(&self) -> String {
+        self.looked.clone()
+    }
+
+    /// Columns that are not yet analysed.
+    pub fn left(&self) -> usize {
+        self.reader.as_ref().map_or(0, LogReader::left)
+    }
+
+    /// The next column: a `LogAxis` in JSON; none: all are analysed.
+    pub fn analyse(&mut self) -> Result<Option<String>, JsError> {
+        let found = self.open()?.analyse().map_err(|why| JsError::new(&why))?;
+        found.as_ref().map(json).transpose()
+    }
+
+    /// What they come to: a `LogSummary` in JSON.
+    pub fn summary(&mut self) -> Result<String, JsError> {
+        json(&self.open()?.summary())
+    }
+
+    /// The file for a filter, a `Download` in JSON; `wish` is a `NoiseFileWish` in JSON.
+    pub fn noise_file(&mut self, wish: &str) -> Result<String, JsError> {
+        let wish: NoiseFileWish = serde_json::from_str(wish)?;
+        let file = self.open()?.noise_file(&wish).map_err(|why| JsError::new(&why))?;
+        json(&file)
+    }
+
+    fn open(&mut self) -> Result<&mut LogReader, JsError> {
+        self.reader.as_mut().ok_or_else(|| JsError::new("there is no log that was read"))
+    }
+}
+
+fn json(value: &impl Serialize) -> Result<String, JsError> {
+    Ok(serde_json::to_string(value)?)
+}

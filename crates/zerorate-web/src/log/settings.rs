@@ -1,0 +1,89 @@
+//! From what the page says of a log to what the readers take, and back from what they ask for.
+
+use super::message::{LogSetting, LogSettings};
+use zerorate_data::LogError;
+use zerorate_data::column::{ColumnOptions, Decimal, Names, Setting, TimeUnit, Unit};
+use zerorate_data::imu::{Combine, Format, ImuOptions, Said};
+
+/// What messages call the settings: the labels of the page's fields.
+pub const LABELS: Names = Names(label);
+
+/// A setting, its label, and the field of the page that it is.
+const FIELDS: [(Setting, &str, LogSetting); 10] = [
+    (Setting::Column, "“columns”", LogSetting::Columns),
+    (Setting::Topic, "“topic”", LogSetting::Topic),
+    (Setting::Rate, "“sample rate”", LogSetting::RateHz),
+    (Setting::TimeColumn, "“time column”", LogSetting::TimeColumn),
+    (Setting::TimeUnit, "“unit of time”", LogSetting::TimeUnit),
+    (Setting::GyroUnit, "“gyroscope unit”", LogSetting::GyroUnit),
+    (Setting::AccelUnit, "“accelerometer unit”", LogSetting::AccelUnit),
+    (Setting::Decimal, "“decimal mark”", LogSetting::Decimal),
+    (Setting::Unit, "“gyroscope unit” or “accelerometer unit”", LogSetting::GyroUnit),
+    (Setting::Scale, "“gyroscope scale” or “accelerometer scale”", LogSetting::GyroScale),
+];
+
+fn label(setting: Setting) -> &'static str {
+    FIELDS.iter().find(|(of, ..)| *of == setting).map_or_else(|| setting.name(), |(_, label, _)| label)
+}
+
+/// The fields that a message names.
+pub fn asked_for(text: &str) -> Vec<LogSetting> {
+    let own = FIELDS.iter().filter(|(_, label, _)| !label.contains(" or "));
+    let mut named: Vec<(usize, LogSetting)> =
+        own.filter_map(|(_, label, field)| Some((text.find(label)?, *field))).collect();
+    named.sort_by_key(|(place, _)| *place);
+    named.into_iter().map(|(_, field)| field).collect()
+}
+
+/// What the readers take.
+pub fn options(said: &LogSettings) -> Result<ImuOptions, LogError> {
+    let above_zero = |label: &str, number: Option<f64>| match number {
+        Some(number) if !(number > 0.0 && number.is_finite()) => {
+            Err(LogError::Ask(format!("“{label}” takes a number above zero")))
+        }
+        number => Ok(number),
+    };
+    let log = ColumnOptions {
+        topic: said.topic.clone(),
+        rate: above_zero("sample rate", said.rate_hz)?,
+        time_column: said.time_column.clone(),
+        time_unit: said.time_unit.as_deref().map(time_unit).transpose()?,
+        decimal: said.decimal.as_deref().map(decimal).transpose()?,
+        names: LABELS,
+        ..ColumnOptions::default()
+    };
+    let gyro = Said { unit: unit(&said.gyro_unit)?, scale: above_zero("gyroscope scale", said.gyro_scale)? };
+    let accel = Said { unit: unit(&said.accel_unit)?, scale: above_zero("accelerometer scale", said.accel_scale)? };
+    Ok(ImuOptions { columns: said.columns.clone(), gyro, accel, log })
+}
+
+fn unit(text: &Option<String>) -> Result<Option<Unit>, LogError> {
+    text.as_deref().map(|text| text.parse().map_err(LogError::Ask)).transpose()
+}
+
+fn time_unit(text: &str) -> Result<TimeUnit, LogError> {
+    let known = [("s", TimeUnit::S), ("ms", TimeUnit::Ms), ("us", TimeUnit::Us), ("ns", TimeUnit::Ns)];
+    let found = known.into_iter().find(|(name, _)| *name == text);
+    let unknown = || LogError::Ask("“unit of time” takes s, ms, us or ns".to_owned());
+    found.map(|(_, unit)| unit).ok_or_else(unknown)
+}
+
+fn decimal(text: &str) -> Result<Decimal, LogError> {
+    match text {
+        "point" => Ok(Decimal::Point),
+        "comma" => Ok(Decimal::Comma),
+        _ => Err(LogError::Ask("“decimal mark” takes point or comma".to_owned())),
+    }
+}
+
+/// Who reads a noise file, by name.
+pub fn format(name: &str) -> Result<Format, String> {
+    let found = Format::ALL.into_iter().find(|format| format.name() == name);
+    found.ok_or_else(|| format!("`{name}` is none of {}", Format::ALL.map(Format::name).join(", ")))
+}
+
+/// What stands for all axes, by name.
+pub fn combine(name: &str) -> Result<Combine, String> {
+    let found = [Combine::Worst, Combine::Mean].into_iter().find(|combine| combine.name() == name);
+    found.ok_or_else(|| format!("`{name}` is neither worst nor mean"))
+}
