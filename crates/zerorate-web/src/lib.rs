@@ -5,7 +5,9 @@
 
 #[cfg(all(target_family = "wasm", any(feature = "edge-live", feature = "edge-log")))]
 pub mod edge;
+pub mod live;
 pub mod log;
 pub mod message;
 pub mod registers;
 pub mod session;
+pub mod source;

@@ -73,6 +73,7 @@ pub use station::{Bus, Station};
 use crate::codes::{RateCode, TempCode, Width};
 use crate::registers::ChannelStatus;
 use crate::sample::Sample;
+use core::fmt::{Display, Formatter, Result as Printed};
 use serde::{Deserialize, Serialize};
 
 /// Version of the protocol that this module speaks.
@@ -209,6 +210,21 @@ pub enum Refusal {
     TooLong,
     /// The bridge has no such wire: no self-test pin, or no way to hear the other edge of RDY.
     NoSuchWire,
+}
+
+impl Display for Refusal {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Printed {
+        f.write_str(match self {
+            Self::Sampling => "it is sampling",
+            Self::Bus => "its SPI controller reports an error",
+            Self::Part => {
+                "the part did not take its configuration; check SPI wires (pins 8, 12, 14, 16) and supply (pins 11, \
+                 13, 15)"
+            }
+            Self::TooLong => "the transfer is too long",
+            Self::NoSuchWire => "it has no such wire",
+        })
+    }
 }
 
 /// A sample on the wire, its codes on the 24-bit scale: a 16-bit code times 256.

@@ -40,7 +40,7 @@ pub enum LinkError {
     Gone,
     #[error("the bridge did not answer within {} s", (ANSWER * ATTEMPTS).as_secs_f32())]
     Silent,
-    #[error("the bridge refused: {}", words(*.0))]
+    #[error("the bridge refused: {0}")]
     Refused(Refusal),
     #[error("the bridge cannot do this transfer")]
     Unsupported,
@@ -49,19 +49,6 @@ pub enum LinkError {
 impl embedded_hal::spi::Error for LinkError {
     fn kind(&self) -> ErrorKind {
         ErrorKind::Other
-    }
-}
-
-fn words(refusal: Refusal) -> &'static str {
-    match refusal {
-        Refusal::Sampling => "it is sampling",
-        Refusal::Bus => "its SPI controller reports an error",
-        Refusal::Part => {
-            "the part did not take its configuration; check SPI wires (pins 8, 12, 14, 16) and supply (pins 11, 13, \
-             15)"
-        }
-        Refusal::TooLong => "the transfer is too long",
-        Refusal::NoSuchWire => "it has no such wire",
     }
 }
 

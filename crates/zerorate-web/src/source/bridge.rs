@@ -1,0 +1,172 @@
+//! A bridge whose bytes somebody else moves (docs/formats/bridge.md).
+//!
+//! What is to be done with it is one future, from the first request to the last sample. It is polled by hand whenever
+//! bytes came or time went by, so that nothing here waits.
+
+mod wire;
+
+use super::{Next, Source, about_part};
+use crate::session::About;
+use adis16130::asynch::Adis16130;
+use adis16130::bridge::{Ask, Continuity, PROTOCOL, Refusal, Settings};
+use adis16130::{Config, Framing, MAX_SCLK_HZ, MCLK_HZ, SamplerConfig};
+use std::cell::RefCell;
+use std::convert::Infallible;
+use std::future::Future;
+use std::pin::Pin;
+use std::rc::Rc;
+use std::task::{Context, Poll, Waker};
+use wire::{Heard, Reply, Shared, Transfers, WireError};
+use zerorate_data::capture::Row;
+
+/// A part behind a bridge at a serial port.
+pub struct Bridge {
+    about: About,
+    shared: Shared,
+    work: Pin<Box<dyn Future<Output = Result<Infallible, String>>>>,
+    failed: Option<String>,
+    notes: Vec<String>,
+}
+
+/// SPI clock that is asked for, Hz: half of what the part can (F-21), as the program does.
+const SCLK_HZ: u32 = MAX_SCLK_HZ / 2;
+
+/// So long without a sample is a failure, ms.
+const SILENCE_MS: f64 = 1000.0;
+
+const SILENT: &str = "the bridge does not answer: is it a bridge (docs/formats/bridge.md) whose firmware runs, and does \
+    nobody else read it?";
+const UNPLUGGED: &str = "the part is unplugged or has no power: data ready (pin 10) is silent and SDO (pin 12) is dead; \
+    check the cable and the 5 V supply (pins 11, 13, 15)";
+
+impl Bridge {
+    /// A bridge from whose port nothing was heard yet, at this time of the page, ms.
+    #[must_use]
+    pub fn open(now_ms: f64) -> Self {
+        let config = Config::new().with_framing(Framing::Command);
+        let shared: Shared = Rc::new(RefCell::new(wire::Wire::new(now_ms)));
+        let work = Box::pin(measure(shared.clone(), config));
+        let about = about_part("bridge: at a serial port", &config, false, false);
+        let mut bridge = Self { about, shared, work, failed: None, notes: Vec::new() };
+        bridge.work();
+        bridge
+    }
+
+    fn work(&mut self) {
+        if self.failed.is_none()
+            && let Poll::Ready(Err(why)) = self.work.as_mut().poll(&mut Context::from_waker(Waker::noop()))
+        {
+            self.failed = Some(why);
+        }
+    }
+}
+
+impl Source for Bridge {
+    fn about(&self) -> About {
+        let mut about = self.about.clone();
+        if let Some(firmware) = &self.shared.borrow().firmware {
+            about.name = format!("bridge: {firmware}");
+        }
+        about
+    }
+
+    fn opened(&mut self) -> bool {
+        std::mem::take(&mut self.shared.borrow_mut().is_opened)
+    }
+
+    fn next(&mut self) -> Result<Next, String> {
+        if let Some(row) = self.shared.borrow_mut().rows.pop_front() {
+            return Ok(Next::Row(row));
+        }
+        self.failed.clone().map_or(Ok(Next::Waiting), Err)
+    }
+
+    fn notes(&mut self) -> Vec<String> {
+        let damaged = std::mem::take(&mut self.shared.borrow_mut().damaged);
+        if damaged > 0 {
+            self.notes
+                .push(format!("bridge-damaged: {damaged} frames of the bridge arrived damaged; check the cable"));
+        }
+        std::mem::take(&mut self.notes)
+    }
+
+    fn received(&mut self, bytes: &[u8], now_ms: f64) {
+        let mut wire = self.shared.borrow_mut();
+        wire.now_ms = now_ms;
+        wire.take(bytes);
+        drop(wire);
+        self.work();
+    }
+
+    fn to_send(&mut self) -> Vec<u8> {
+        std::mem::take(&mut self.shared.borrow_mut().to_send)
+    }
+
+    fn unplugged(&mut self, why: &str) {
+        self.failed = Some(format!(
+            "the bridge is gone: its cable was pulled, or the bridge has no power; connect it and start again ({why})"
+        ));
+    }
+}
+
+/// All that is done with a bridge, until it can be read no more.
+async fn measure(shared: Shared, config: Config) -> Result<Infallible, String> {
+    let told = |error: WireError| match error {
+        WireError::Silent => SILENT.to_owned(),
+        other => other.to_string(),
+    };
+    greet(&shared, &config).await.map_err(told)??;
+    let mut part = Adis16130::new(Transfers(shared.clone()), (), config);
+    if let Err(error) = part.restart().await {
+        return Err(format!("{UNPLUGGED} ({error})"));
+    }
+    shared.borrow_mut().is_opened = true;
+    let SamplerConfig { every_temp, divider, .. } = SamplerConfig::new();
+    let start = Ask::Start { every_temp, divider, mclk_hz: MCLK_HZ };
+    wire::ask(&shared, start, |reply| matches!(reply, Reply::Started).then_some(())).await.map_err(told)?;
+    let mut continuity = Continuity::new(config.width());
+    while let Heard::Sample(reading) = wire::hear(&shared, SILENCE_MS).await {
+        let row = Row::from(&continuity.sample(&reading));
+        shared.borrow_mut().rows.push_back(row);
+    }
+    wire::ask(&shared, Ask::Stop, |reply| matches!(reply, Reply::Stopped).then_some(())).await.map_err(told)?;
+    match part.diagnose().await {
+        Ok(Some(fault)) => Err(fault.to_string()),
+        Ok(None) => {
+            Err("no data ready: the part answers and is configured, but RDY (pin 10) brought no new data for a \
+                         second; check the RDY wire"
+                .to_owned())
+        }
+        Err(error) => Err(error.to_string()),
+    }
+}
+
+/// Ends whatever the bridge was doing, and sets its clock and what is to be written to the part; or says why that bridge
+/// will not do.
+async fn greet(shared: &Shared, config: &Config) -> Result<Result<(), String>, WireError> {
+    wire::ask(shared, Ask::Stop, |reply| matches!(reply, Reply::Stopped).then_some(())).await?;
+    let hello =
+        |reply| if let Reply::Hello { protocol, firmware } = reply { Some((protocol, firmware)) } else { None };
+    let (protocol, firmware) = wire::ask(shared, Ask::Hello, hello).await?;
+    if protocol != PROTOCOL {
+        return Ok(Err(format!(
+            "the bridge is {firmware} and speaks version {protocol} of the protocol, this page version {PROTOCOL}: bring \
+             the older one up to date"
+        )));
+    }
+    shared.borrow_mut().firmware = Some(firmware);
+    let clock = Ask::Clock { sclk_hz: SCLK_HZ };
+    wire::ask(shared, clock, |reply| matches!(reply, Reply::Clock).then_some(())).await?;
+    let settings = Ask::Configure(Settings::from(config));
+    match wire::ask(shared, settings, |reply| matches!(reply, Reply::Configured).then_some(())).await {
+        Err(WireError::Refused(Refusal::NoSuchWire)) => {
+            return Ok(
+                Err("the bridge cannot hear the falling edge of RDY: bring its firmware up to date".to_owned()),
+            );
+        }
+        configured => configured?,
+    }
+    // the first frame after opening a port is often cut
+    shared.borrow_mut().damaged = 0;
+    Ok(Ok(()))
+}

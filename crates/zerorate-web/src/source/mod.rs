@@ -1,0 +1,99 @@
+//! Devices that a browser can read: the twin, a recording that was dropped on the page, and a bridge whose bytes
+//! somebody else moves. None of them waits, and none has a clock.
+
+mod bridge;
+mod replay;
+mod twin;
+
+pub use bridge::Bridge;
+pub use replay::Replay;
+pub use twin::TwinSource;
+
+use crate::session::About;
+use adis16130::{Config, MCLK_HZ, SamplerConfig};
+use adis16130_twin::Truth;
+use zerorate::Axis;
+use zerorate_data::capture::{CaptureInfo, Converter, Row};
+
+/// What a source has next.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Next {
+    /// A reading.
+    Row(Row),
+    /// None yet.
+    Waiting,
+    /// There are no more: a recording ended.
+    Ended,
+}
+
+/// A device that is being read.
+pub trait Source {
+    /// What is known of it by now; it is said once more when more is known ([`Source::opened`]).
+    fn about(&self) -> About;
+
+    /// Whether it was opened since this was asked last, so that there is more to say of it.
+    fn opened(&mut self) -> bool {
+        false
+    }
+
+    /// The next reading.
+    ///
+    /// # Errors
+    /// It cannot be read any more: why, and what to do.
+    fn next(&mut self) -> Result<Next, String>;
+
+    /// What a twin knows of itself now.
+    fn truths(&self) -> Vec<Truth> {
+        Vec::new()
+    }
+
+    /// What there is to say since this was asked last.
+    fn notes(&mut self) -> Vec<String> {
+        Vec::new()
+    }
+
+    /// What came through the serial port, at this time of the page, ms.
+    fn received(&mut self, bytes: &[u8], now_ms: f64) {
+        let _ = (bytes, now_ms);
+    }
+
+    /// What is to be written to it.
+    fn to_send(&mut self) -> Vec<u8> {
+        Vec::new()
+    }
+
+    /// The serial port is gone.
+    fn unplugged(&mut self, why: &str) {
+        let _ = why;
+    }
+}
+
+/// An ADIS16130 that the driver reads so, without registers and checks.
+fn about_part(name: &str, config: &Config, is_simulated: bool, has_roa_capacitor: bool) -> About {
+    let converter = Converter {
+        width: config.width(),
+        rate_conversion: config.rate_conversion().bits(),
+        temp_conversion: config.temp_conversion().bits(),
+    };
+    let sampling = SamplerConfig::new();
+    let info = CaptureInfo {
+        device: name.to_owned(),
+        every_temp: sampling.every_temp,
+        divider: sampling.divider,
+        divided: sampling.divided,
+        software: zerorate::SOFTWARE.to_owned(),
+        bandwidth_hz: has_roa_capacitor.then_some(Axis::ADIS16130_ROA_10NF_HZ),
+        ..CaptureInfo::adis16130(converter)
+    };
+    let (rate, temp) = config.conversion_cycles();
+    About {
+        name: name.to_owned(),
+        part: info.part(),
+        simulated: is_simulated,
+        // F-31
+        nominal_hz: Some(f64::from(MCLK_HZ) / f64::from(rate + temp)),
+        registers: Vec::new(),
+        checks: Vec::new(),
+        info,
+    }
+}

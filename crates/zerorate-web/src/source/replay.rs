@@ -1,0 +1,58 @@
+//! A recording that was dropped on the page.
+
+use super::{Next, Source};
+use crate::session::About;
+use std::path::Path;
+use zerorate_data::capture::CaptureInfo;
+use zerorate_data::column::ColumnOptions;
+use zerorate_data::{Input, RowReader};
+
+/// A recording; its time goes with its readings.
+pub struct Replay {
+    about: About,
+    reader: RowReader,
+    notes: Vec<String>,
+}
+
+impl Replay {
+    /// Opens a capture of this name.
+    ///
+    /// # Errors
+    /// It is none, or damaged.
+    pub fn open(name: &str, input: Input) -> Result<Self, String> {
+        let reader = RowReader::open(Path::new(name), input, None, &ColumnOptions::default());
+        let reader = reader.map_err(|error| error.to_string())?;
+        let info: CaptureInfo = reader.info().clone();
+        let about = About {
+            name: format!("replay:{name}"),
+            part: info.part(),
+            simulated: true,
+            nominal_hz: None,
+            registers: Vec::new(),
+            checks: Vec::new(),
+            info,
+        };
+        Ok(Self { about, reader, notes: Vec::new() })
+    }
+}
+
+impl Source for Replay {
+    fn about(&self) -> About {
+        self.about.clone()
+    }
+
+    fn next(&mut self) -> Result<Next, String> {
+        match self.reader.next() {
+            Some(Ok(row)) => Ok(Next::Row(row)),
+            Some(Err(error)) => Err(error.to_string()),
+            None => {
+                self.notes = self.reader.warnings();
+                Ok(Next::Ended)
+            }
+        }
+    }
+
+    fn notes(&mut self) -> Vec<String> {
+        std::mem::take(&mut self.notes)
+    }
+}

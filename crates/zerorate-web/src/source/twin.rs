@@ -1,0 +1,80 @@
+//! The driver, reading the twin.
+
+use super::{Next, Source, about_part};
+use crate::session::About;
+use adis16130::blocking::Adis16130;
+use adis16130::{Config, Edge, MCLK_HZ, Sampler, SamplerConfig};
+use adis16130_twin::{Roa, Spec, Truth, Twin, TwinSpi};
+use zerorate_data::capture::Row;
+
+/// The part in software; its time goes with its readings.
+pub struct TwinSource {
+    about: About,
+    twin: Twin,
+    part: Adis16130<TwinSpi, ()>,
+    sampler: Sampler,
+    /// Time of the last reading, ns.
+    alive_ns: u64,
+}
+
+/// So long without a reading is a failure.
+const SILENCE_NS: u64 = 1_000_000_000;
+
+impl TwinSource {
+    /// A unit by its keys, as after `--device twin:`, which was just switched on.
+    ///
+    /// # Errors
+    /// Keys that there are not, or a part that does not answer.
+    pub fn open(keys: &str) -> Result<Self, String> {
+        let spec = Spec::parse_keys(keys).map_err(|error| error.to_string())?;
+        let has_capacitor = spec.roa == Roa::TenNanofarad;
+        let config = Config::new();
+        let twin = Twin::new(spec);
+        let mut part = Adis16130::new(twin.spi(), (), config);
+        part.restart().map_err(|error| error.to_string())?;
+        let about = about_part(&format!("twin:{keys}"), &config, true, has_capacitor);
+        let sampler = Sampler::new(SamplerConfig::new(), &config, MCLK_HZ);
+        let alive_ns = twin.now_ns();
+        Ok(Self { about, twin, part, sampler, alive_ns })
+    }
+
+    /// A reading that failed for once is lost, and counted.
+    fn require_alive(&mut self) -> Result<(), String> {
+        match self.part.diagnose() {
+            Ok(Some(fault)) => Err(fault.to_string()),
+            Ok(None) if self.twin.now_ns() - self.alive_ns < SILENCE_NS => Ok(()),
+            Ok(None) => {
+                Err("no data ready: the part answers, but RDY (pin 10) brought no new data for a second".into())
+            }
+            Err(error) => Err(error.to_string()),
+        }
+    }
+}
+
+impl Source for TwinSource {
+    fn about(&self) -> About {
+        self.about.clone()
+    }
+
+    #[inline]
+    fn next(&mut self) -> Result<Next, String> {
+        loop {
+            let Some(edge) = self.twin.next_falling_edge(SILENCE_NS) else {
+                self.require_alive()?;
+                continue;
+            };
+            match self.part.sample(&mut self.sampler, Edge { t_ns: edge.t_ns, seq: edge.seq }) {
+                Ok(Some(sample)) => {
+                    self.alive_ns = sample.t_ns;
+                    return Ok(Next::Row(Row::from(&sample)));
+                }
+                Ok(None) if edge.t_ns.saturating_sub(self.alive_ns) < SILENCE_NS => {}
+                Ok(None) | Err(_) => self.require_alive()?,
+            }
+        }
+    }
+
+    fn truths(&self) -> Vec<Truth> {
+        vec![self.twin.truth()]
+    }
+}

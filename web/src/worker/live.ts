@@ -1,0 +1,135 @@
+// Runs the session: one for all windows where the browser has shared workers, else one for the window.
+
+import init, { LiveSession } from "../../gen/zerorate_live";
+import { serveFile } from "./file";
+import type { FromLive, Opening, ToLive } from "./messages";
+
+/** What both kinds of worker have of a window. */
+interface Window {
+  postMessage(told: FromLive, transfer?: Transferable[]): void;
+  onmessage: ((event: MessageEvent<ToLive>) => void) | null;
+}
+
+/** Between two turns, ms: 30 frames a second. */
+const TURN_MS = 33;
+/** Of a turn, for readings: the rest is for what the windows ask. */
+const BUDGET_MS = 25;
+
+const windows = new Set<Window>();
+let serial: Window | undefined;
+let session: LiveSession | undefined;
+let unusable: string | undefined;
+
+const ready = init({ module_or_path: new URL("zerorate_live_bg.wasm", import.meta.url) });
+const words = (why: unknown) => (why instanceof Error ? why.message : String(why));
+
+function tellFrame(window: Window, bytes: Uint8Array): void {
+  const copy = bytes.slice().buffer;
+  window.postMessage({ is: "frame", bytes: copy }, [copy]);
+}
+
+function begin(what: Opening): LiveSession {
+  if (what.is === "twin") return LiveSession.of_twin(what.keys);
+  if (what.is === "serial") return LiveSession.of_bridge();
+  serveFile(what.file);
+  return LiveSession.of_replay(what.file.name, what.file.size);
+}
+
+function instead(open: LiveSession, what: Opening): void {
+  if (what.is === "twin") open.use_twin(what.keys);
+  else if (what.is === "serial") open.use_bridge();
+  else {
+    serveFile(what.file);
+    open.use_replay(what.file.name, what.file.size);
+  }
+}
+
+/** Opens what a window asks for; the one that asks for a bridge has its port. */
+function open(window: Window, what: Opening): void {
+  if (session === undefined) session = begin(what);
+  else instead(session, what);
+  serial = what.is === "serial" ? window : undefined;
+  for (const one of windows) tellFrame(one, session.snapshot());
+}
+
+/** Puts on file what the page kept; what is damaged stays with the page. */
+function take(open: LiveSession, calibrations: string[], applied: string | null): void {
+  for (const toml of calibrations) {
+    try {
+      open.add_calibration(toml);
+    } catch (why) {
+      console.warn(words(why));
+    }
+  }
+  if (applied !== null && calibrations.length > 0) open.apply(applied);
+}
+
+function hello(window: Window, said: Extract<ToLive, { do: "hello" }>): void {
+  windows.add(window);
+  if (session === undefined) {
+    session = begin(said.open);
+    serial = said.open.is === "serial" ? window : undefined;
+    try {
+      take(session, said.calibrations, said.applied);
+    } catch (why) {
+      console.warn(words(why));
+    }
+  }
+  tellFrame(window, session.snapshot());
+}
+
+function hear(window: Window, said: ToLive): void {
+  if (said.do === "hello") hello(window, said);
+  else if (said.do === "open") open(window, said.what);
+  else if (said.do === "bye") windows.delete(window);
+  else if (session === undefined) return;
+  else if (said.do === "ask") window.postMessage({ is: "answer", text: session.ask(said.text) });
+  else if (said.do === "serial-bytes") session.received(said.bytes);
+  else session.unplugged(said.why);
+  send();
+}
+
+/** What the session has to say to the bridge. */
+function send(): void {
+  const bytes = serial === undefined ? undefined : session?.to_send();
+  if (bytes !== undefined && bytes.length > 0) serial?.postMessage({ is: "serial-send", bytes });
+}
+
+/** A module that trapped does not run again, and says so once. */
+function fail(why: unknown): void {
+  session = undefined;
+  unusable = why instanceof WebAssembly.RuntimeError ? "the session broke down; load the page again" : words(why);
+  for (const window of windows) window.postMessage({ is: "failed", why: unusable });
+}
+
+function turn(): void {
+  if (session === undefined) return;
+  try {
+    session.turn(BUDGET_MS);
+    send();
+    const frame = session.frame();
+    if (frame !== undefined) for (const window of windows) tellFrame(window, frame);
+  } catch (why) {
+    fail(why);
+  }
+}
+
+function connect(window: Window): void {
+  window.onmessage = async ({ data }) => {
+    try {
+      await ready;
+      if (unusable === undefined) hear(window, data);
+      else window.postMessage({ is: "failed", why: unusable });
+    } catch (why) {
+      if (why instanceof WebAssembly.RuntimeError) fail(why);
+      else window.postMessage({ is: "failed", why: words(why) });
+    }
+  };
+}
+
+setInterval(turn, TURN_MS);
+if ("SharedWorkerGlobalScope" in self) {
+  (self as unknown as SharedWorkerGlobalScope).onconnect = ({ ports }) => {
+    for (const port of ports) connect(port);
+  };
+} else connect(self as unknown as DedicatedWorkerGlobalScope);
