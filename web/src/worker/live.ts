@@ -35,6 +35,18 @@ function begin(what: Opening): LiveSession {
   return LiveSession.of_replay(what.file.name, what.file.size);
 }
 
+/** What the page kept may not be there any more; then the twin is, and says why. */
+function first(what: Opening): LiveSession {
+  try {
+    return begin(what);
+  } catch (why) {
+    if (why instanceof WebAssembly.RuntimeError) throw why;
+    const twin = LiveSession.of_twin("");
+    twin.note(`cannot-open: ${words(why)}`);
+    return twin;
+  }
+}
+
 function instead(open: LiveSession, what: Opening): void {
   if (what.is === "twin") open.use_twin(what.keys);
   else if (what.is === "serial") open.use_bridge();
@@ -44,10 +56,16 @@ function instead(open: LiveSession, what: Opening): void {
   }
 }
 
-/** Opens what a window asks for; the one that asks for a bridge has its port. */
+/** Opens what a window asks for; the one that asks for a bridge has its port. What cannot be opened leaves all as it was. */
 function open(window: Window, what: Opening): void {
-  if (session === undefined) session = begin(what);
-  else instead(session, what);
+  try {
+    if (session === undefined) session = begin(what);
+    else instead(session, what);
+  } catch (why) {
+    if (session === undefined || why instanceof WebAssembly.RuntimeError) throw why;
+    session.note(`cannot-open: ${words(why)}`);
+    return;
+  }
   serial = what.is === "serial" ? window : undefined;
   for (const one of windows) tellFrame(one, session.snapshot());
 }
@@ -67,7 +85,7 @@ function take(open: LiveSession, calibrations: string[], applied: string | null)
 function hello(window: Window, said: Extract<ToLive, { do: "hello" }>): void {
   windows.add(window);
   if (session === undefined) {
-    session = begin(said.open);
+    session = first(said.open);
     serial = said.open.is === "serial" ? window : undefined;
     try {
       take(session, said.calibrations, said.applied);

@@ -77,6 +77,11 @@ impl LiveSession {
         self.session().apply(Some(id)).map_err(|why| JsError::new(&why))
     }
 
+    /// Something that the page has to say: `code: text`.
+    pub fn note(&mut self, text: &str) {
+        self.session().note(text);
+    }
+
     /// Takes readings for at most so long, ms, as far as their time has come.
     pub fn turn(&mut self, budget_ms: f64) {
         self.0.turn(&mut now_ms, budget_ms);

@@ -1,0 +1,158 @@
+//! A page's session with its devices, without a browser: its clock is ours.
+
+#[path = "../../../firmware/qemu/src/bridge.rs"]
+#[allow(dead_code, reason = "a firmware that is built for its target uses all of it")]
+mod firmware;
+
+use adis16130_twin::{Fault, Spec, Twin};
+use serde_json::Value;
+use std::collections::VecDeque;
+use zerorate_web::live::{Live, Open};
+use zerorate_web::source::{Bridge, Replay, Source, TwinSource};
+
+fn twin(keys: &'static str) -> Open {
+    Box::new(move |_| Ok(Box::new(TwinSource::open(keys)?) as Box<dyn Source>))
+}
+
+/// What the newest frame says.
+fn header(bytes: &[u8]) -> Value {
+    let length = u32::from_le_bytes(bytes[..4].try_into().expect("four bytes")) as usize;
+    serde_json::from_slice(&bytes[4..4 + length]).expect("JSON")
+}
+
+fn seen(live: &mut Live) -> Value {
+    header(&live.session().snapshot())
+}
+
+/// Turns of 33 ms for so long, in each of which a look at the clock takes `look_ms`.
+fn run(live: &mut Live, now_ms: &mut f64, for_ms: f64, look_ms: f64) {
+    let until_ms = *now_ms + for_ms;
+    while *now_ms < until_ms {
+        let next_ms = *now_ms + 33.0;
+        let mut clock = || {
+            *now_ms += look_ms;
+            *now_ms
+        };
+        live.turn(&mut clock, 25.0);
+        *now_ms = now_ms.max(next_ms);
+    }
+}
+
+#[test]
+fn simulated_time_goes_with_the_clock_or_as_fast_as_asked() {
+    let mut now_ms = 1000.0;
+    let mut live = Live::open(twin("seed=7"), now_ms).expect("a twin");
+    run(&mut live, &mut now_ms, 2000.0, 0.001);
+    let t_s = seen(&mut live)["now"]["t_s"].as_f64().expect("a time");
+    assert!((1.9..2.1).contains(&t_s), "{t_s}");
+    assert_eq!(live.ask(r#"{"id": 3, "do": "speed", "factor": 10}"#, now_ms), r#"{"id":3,"ok":{}}"#);
+    run(&mut live, &mut now_ms, 1000.0, 0.001);
+    let faster_s = seen(&mut live)["now"]["t_s"].as_f64().expect("a time") - t_s;
+    assert!((9.0..10.6).contains(&faster_s), "{faster_s}");
+    assert_eq!(seen(&mut live)["ledger"]["lost"], 0);
+}
+
+#[test]
+fn a_slow_page_keeps_its_turns_short_and_does_not_catch_up() {
+    let mut now_ms = 0.0;
+    let mut live = Live::open(twin("seed=7"), now_ms).expect("a twin");
+    // a look takes 5 ms, so that a turn ends after five times 64 readings
+    run(&mut live, &mut now_ms, 1000.0, 5.0);
+    let samples = seen(&mut live)["ledger"]["samples"].as_u64().expect("a count");
+    assert!((1000..5694).contains(&samples), "{samples}");
+}
+
+#[test]
+fn opening_again_begins_anew_and_a_fault_is_said() {
+    let mut now_ms = 0.0;
+    let mut live = Live::open(twin("seed=7"), now_ms).expect("a twin");
+    run(&mut live, &mut now_ms, 500.0, 0.001);
+    assert!(live.ask(r#"{"id": 1, "do": "reopen"}"#, now_ms).contains("ok"));
+    run(&mut live, &mut now_ms, 100.0, 0.001);
+    assert!(seen(&mut live)["now"]["t_s"].as_f64().expect("a time") < 0.2);
+    live.instead(twin("fault=unplug,fault_at_s=0.2"), now_ms).expect("another twin");
+    run(&mut live, &mut now_ms, 2000.0, 0.001);
+    let state = seen(&mut live)["device"]["state"].clone();
+    assert_eq!(state["is"], "failed", "{state}");
+    assert!(live.instead(twin("sed=7"), now_ms).is_err_and(|why| why.contains("sed")));
+    assert!(Replay::open("x.csv", b"1,2\n".to_vec().into()).is_err());
+}
+
+/// The port of a bridge whose other end is a page.
+struct Page {
+    live: Live,
+    now_ms: f64,
+    until_ms: f64,
+    to_bridge: VecDeque<u8>,
+    /// So many messages of the bridge are lost first.
+    to_lose: u32,
+}
+
+impl Page {
+    fn new(to_lose: u32) -> Self {
+        let open: Open = Box::new(|now_ms| Ok(Box::new(Bridge::open(now_ms)) as Box<dyn Source>));
+        let live = Live::open(open, 0.0).expect("a bridge that is not there yet");
+        Self { live, now_ms: 0.0, until_ms: 10_000.0, to_bridge: VecDeque::new(), to_lose }
+    }
+
+    fn samples(&mut self) -> u64 {
+        seen(&mut self.live)["ledger"]["samples"].as_u64().unwrap_or(0)
+    }
+}
+
+impl firmware::Port for Page {
+    type Closed = ();
+
+    fn read(&mut self, wait: bool) -> Result<Option<u8>, ()> {
+        loop {
+            if let Some(byte) = self.to_bridge.pop_front() {
+                return Ok(Some(byte));
+            }
+            self.now_ms += 0.2;
+            let now_ms = self.now_ms;
+            self.live.turn(&mut || now_ms, 25.0);
+            self.to_bridge.extend(self.live.to_send());
+            if now_ms > self.until_ms {
+                return Err(());
+            }
+            if self.to_bridge.is_empty() && !wait {
+                return Ok(None);
+            }
+        }
+    }
+
+    fn write(&mut self, bytes: &[u8]) -> Result<(), ()> {
+        if self.to_lose > 0 {
+            self.to_lose -= 1;
+            return Ok(());
+        }
+        self.live.received(bytes, self.now_ms);
+        Ok(())
+    }
+}
+
+#[test]
+fn a_bridge_is_opened_and_read_though_answers_are_lost() {
+    let mut page = Page::new(2);
+    page.until_ms = 2500.0;
+    assert!(firmware::serve(&Twin::new(Spec::from_seed(7)), "test 1.0", &mut page).is_err());
+    let seen = seen(&mut page.live);
+    assert_eq!(seen["device"]["name"], "bridge: test 1.0");
+    assert_eq!((&seen["device"]["state"]["is"], &seen["ledger"]["lost"]), (&"reading".into(), &0.into()), "{seen}");
+    assert!(page.samples() > 5000, "{}", page.samples());
+}
+
+#[test]
+fn a_part_that_goes_dead_and_a_bridge_that_is_silent_are_said() {
+    let mut page = Page::new(0);
+    let spec = Spec { fault: Fault::Unplug, fault_at_s: Some(0.5), ..Spec::from_seed(7) };
+    assert!(firmware::serve(&Twin::new(spec), "test 1.0", &mut page).is_err());
+    let state = seen(&mut page.live)["device"]["state"].clone();
+    assert!(state["why"].as_str().is_some_and(|why| why.contains("SDO")), "{state}");
+
+    let mut page = Page::new(u32::MAX);
+    assert!(firmware::serve(&Twin::new(Spec::from_seed(7)), "test 1.0", &mut page).is_err());
+    let state = seen(&mut page.live)["device"]["state"].clone();
+    assert!(state["why"].as_str().is_some_and(|why| why.contains("does not answer")), "{state}");
+    page.live.unplugged("NetworkError");
+}

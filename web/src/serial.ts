@@ -1,0 +1,114 @@
+// A bridge at a serial port of this window: its bytes go to the worker, and what the worker has for it comes back.
+
+/** Why a port cannot be had. */
+export class NoPort extends Error {}
+
+/** Whether this browser reads serial ports at all: Chromium and what is made of it, on a computer, over https or localhost. */
+export const canReadPorts = (): boolean => "serial" in navigator;
+
+/** What to say where it does not. */
+export const NO_SERIAL =
+  "This browser does not give pages a serial port. Chrome, Edge and Opera do, on a computer and over https or from " +
+  "localhost; or run `zerorate serve --device bridge:/dev/ttyACM0`.";
+
+/** Of a UART: enough for the full rate with every temperature. USB ignores it. */
+export const DEFAULT_BAUD = 3_000_000;
+
+/** What is told of an open port. */
+export interface PortEvents {
+  received(bytes: Uint8Array): void;
+  gone(why: string): void;
+}
+
+/** Asks the user for a port; only from a click. Null where the user chose none. */
+export async function choosePort(): Promise<SerialPort | null> {
+  if (!canReadPorts()) throw new NoPort(NO_SERIAL);
+  try {
+    return await navigator.serial.requestPort();
+  } catch (why) {
+    if (why instanceof DOMException && why.name === "NotFoundError") return null;
+    throw why;
+  }
+}
+
+/** The port that the user chose before, so that a reload needs no click; null where it is not the only one. */
+export async function knownPort(): Promise<SerialPort | null> {
+  if (!canReadPorts()) return null;
+  const ports = await navigator.serial.getPorts();
+  return ports.length === 1 ? (ports[0] ?? null) : null;
+}
+
+/** A port that is open. */
+export class OpenPort {
+  private reader: ReadableStreamDefaultReader<Uint8Array> | undefined;
+  private writing: Promise<void> = Promise.resolve();
+  private ended = false;
+
+  private constructor(
+    private readonly port: SerialPort,
+    private readonly events: PortEvents,
+  ) {}
+
+  static async open(port: SerialPort, events: PortEvents, baudRate: number = DEFAULT_BAUD): Promise<OpenPort> {
+    try {
+      await port.open({ baudRate, bufferSize: 65_536 });
+    } catch (why) {
+      const reason = why instanceof Error ? why.message : String(why);
+      throw new NoPort(`The port cannot be opened: is it in use by another program or window? (${reason})`);
+    }
+    const opened = new OpenPort(port, events);
+    void opened.read();
+    return opened;
+  }
+
+  /** Writes in order; an error shows where the port is read. */
+  send(bytes: Uint8Array): void {
+    this.writing = this.writing.then(() => this.write(bytes)).catch((why: unknown) => this.end(why));
+  }
+
+  /** Gives the port back. */
+  async close(): Promise<void> {
+    this.ended = true;
+    await this.reader?.cancel().catch(() => {});
+    await this.writing;
+    await this.port.close().catch(() => {});
+  }
+
+  private async write(bytes: Uint8Array): Promise<void> {
+    if (this.ended || this.port.writable === null) return;
+    const writer = this.port.writable.getWriter();
+    try {
+      await writer.write(bytes);
+    } finally {
+      writer.releaseLock();
+    }
+  }
+
+  /** Until the port is gone. A frame that was cut is an error that can be read past. */
+  private async read(): Promise<void> {
+    let why: unknown = "the port was closed";
+    while (!this.ended && this.port.readable !== null) {
+      this.reader = this.port.readable.getReader();
+      try {
+        for (;;) {
+          const { value, done } = await this.reader.read();
+          if (done) break;
+          this.events.received(value);
+        }
+        break;
+      } catch (error) {
+        why = error;
+      } finally {
+        this.reader.releaseLock();
+      }
+    }
+    this.end(why);
+  }
+
+  private end(why: unknown): void {
+    if (this.ended) return;
+    this.ended = true;
+    this.events.gone(why instanceof Error ? why.message : String(why));
+    void this.port.close().catch(() => {});
+  }
+}
