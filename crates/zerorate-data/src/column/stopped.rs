@@ -31,13 +31,13 @@ impl Column {
         let from_s = (start as u64 + lost) as f64 / self.rate_hz;
         Ok(is_frozen.then(|| match is_last {
             true => format!(
-                "frozen: {file}: the last {same} of {len} samples of column {name} are the same, while it changed most \
-                 of the time before; the sensor may have stopped: cut the log there"
+                "frozen: {file}: the last {same} of {len} samples of column {name} are the same, while it changed \
+                 most of the time before; the sensor may have stopped: cut the log there"
             ),
             false => format!(
-                "frozen: {file}: {same} of {len} samples of column {name} are the same, from {from_s:.1} s on, while it \
-                 changed most of the time otherwise; the sensor or its bus may have hung: analyse what is before \
-                 and after"
+                "frozen: {file}: {same} of {len} samples of column {name} are the same, from {from_s:.1} s on, \
+                 while it changed most of the time otherwise; the sensor or its bus may have hung: analyse what is \
+                 before and after"
             ),
         }))
     }

@@ -137,8 +137,8 @@ mod reader {
             let more = if more > 0 { format!(" and {more} times more") } else { String::new() };
             let line = || {
                 format!(
-                    "motion: several axes jump, or have a glitch, together at {}{more}: the sensor was moved or knocked, \
-                     which is no noise of it; record where nothing moves, or cut the log there",
+                    "motion: several axes jump, or have a glitch, together at {}{more}: the sensor was moved or \
+                     knocked, which is no noise of it; record where nothing moves, or cut the log there",
                     named.join(", ")
                 )
             };
@@ -156,7 +156,7 @@ mod reader {
         let columns = column::read_all(path, open(), wanted, &options.log)?;
         let axes = of_imu_or_any(path, columns, &options)?;
         let first = axes.columns.first();
-        let samples = first.map_or(0, |first| length(first));
+        let samples = first.map_or(0, length);
         let rate_hz = first.map_or(0.0, |first| first.rate_hz);
         let about = LogAbout {
             form,

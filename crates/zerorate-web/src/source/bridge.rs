@@ -34,10 +34,10 @@ const SCLK_HZ: u32 = MAX_SCLK_HZ / 2;
 /// So long without a sample is a failure, ms.
 const SILENCE_MS: f64 = 1000.0;
 
-const SILENT: &str = "the bridge does not answer: is it a bridge (docs/formats/bridge.md) whose firmware runs, and does \
-    nobody else read it?";
-const UNPLUGGED: &str = "the part is unplugged or has no power: data ready (pin 10) is silent and SDO (pin 12) is dead; \
-    check the cable and the 5 V supply (pins 11, 13, 15)";
+const SILENT: &str = "the bridge does not answer: is it a bridge (docs/formats/bridge.md) whose firmware runs, and \
+    does nobody else read it?";
+const UNPLUGGED: &str = "the part is unplugged or has no power: data ready (pin 10) is silent and SDO (pin 12) is \
+    dead; check the cable and the 5 V supply (pins 11, 13, 15)";
 
 impl Bridge {
     /// A bridge from whose port nothing was heard yet, at this time of the page, ms.
@@ -141,8 +141,8 @@ async fn measure(shared: Shared, config: Config) -> Result<Infallible, String> {
     }
 }
 
-/// Ends whatever the bridge was doing, and sets its clock and what is to be written to the part; or says why that bridge
-/// will not do.
+/// Ends whatever the bridge was doing, and sets its clock and what is to be written to the part; or says why that
+/// bridge will not do.
 async fn greet(shared: &Shared, config: &Config) -> Result<Result<(), String>, WireError> {
     wire::ask(shared, Ask::Stop, |reply| matches!(reply, Reply::Stopped).then_some(())).await?;
     let hello =
@@ -150,8 +150,8 @@ async fn greet(shared: &Shared, config: &Config) -> Result<Result<(), String>, W
     let (protocol, firmware) = wire::ask(shared, Ask::Hello, hello).await?;
     if protocol != PROTOCOL {
         return Ok(Err(format!(
-            "the bridge is {firmware} and speaks version {protocol} of the protocol, this page version {PROTOCOL}: bring \
-             the older one up to date"
+            "the bridge is {firmware} and speaks version {protocol} of the protocol, this page version {PROTOCOL}: \
+             bring the older one up to date"
         )));
     }
     shared.borrow_mut().firmware = Some(firmware);
