@@ -51,12 +51,10 @@ fn about() -> About {
 }
 
 fn feed(session: &mut Session, device: &mut Device, seconds: f64) {
-    let mut left = (seconds * 223.2) as u32;
-    while left > 0 {
-        session.take(&device.next());
-        left -= 1;
+    for _ in 0..(seconds * 2.232).ceil() as u32 {
+        (0..100).for_each(|_| session.take(&device.next()));
+        session.truths(&[device.twin.truth()]);
     }
-    session.truths(&[device.twin.truth()]);
 }
 
 /// Header and payload.
