@@ -90,6 +90,12 @@ export function table(caption: string, head: string[], rows: string[][]): HTMLTa
   );
 }
 
+/** A text of the program: its code, if it begins with one (`code: text`), and what it says. */
+export function coded(text: string): Node[] {
+  const [, code, words] = /^([a-z][a-z0-9]*(?:-[a-z0-9]+)+): (.*)$/s.exec(text) ?? [];
+  return code ? [h("code", {}, code), document.createTextNode(` ${words}`)] : [document.createTextNode(text)];
+}
+
 /** Names and what there is to say of them; where the names stand already, only the words change. */
 export function facts(list: HTMLElement, rows: [string, string][]): void {
   const names = rows.map(([name]) => name).join("\n");

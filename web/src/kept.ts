@@ -3,6 +3,7 @@ import type { Opening } from "./worker/messages";
 
 const CALIBRATIONS = "zerorate.calibrations";
 const TWIN = "zerorate.twin";
+const PORT = "zerorate.port";
 const DEFAULT_KEYS = "seed=7";
 
 function read<T>(key: string, otherwise: T): T {
@@ -40,6 +41,15 @@ export const kept = {
 
   keepOpening(opening: Opening & { is: "twin" }): void {
     write(TWIN, opening.keys);
+  },
+
+  /** Whether a serial port was read last. */
+  hadPort(): boolean {
+    return read(PORT, false);
+  },
+
+  keepPort(had: boolean): void {
+    write(PORT, had);
   },
 
   /** A choice of how the page looks. */

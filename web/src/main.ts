@@ -60,7 +60,14 @@ class Whole {
     });
     void this.#go();
     link.start();
+    if (inside) this.#settle(inside);
     requestAnimationFrame(() => this.#tick());
+  }
+
+  /** In the static home: the port of before a reload, and the page itself for when there is no network. */
+  #settle(inside: Inside): void {
+    if (kept.hadPort()) void import("./port").then(({ connectAgain }) => connectAgain(inside));
+    if ("serviceWorker" in navigator) void navigator.serviceWorker.register("sw.js").catch(() => {});
   }
 
   async #go(): Promise<void> {
@@ -102,7 +109,8 @@ class Whole {
 
   /** A calibration that nobody would go on with. */
   #wouldLose(): boolean {
-    return this.#app.inside?.shared === false && this.#app.model.calibration.is === "running";
+    const inside = this.#app.inside;
+    return inside !== undefined && (!inside.shared || inside.hasPort) && this.#app.model.calibration.is === "running";
   }
 }
 

@@ -1,7 +1,7 @@
 import type { App } from "../app";
 import { Curve } from "../chart/curve";
 import * as digits from "../digits";
-import { button, Choice, h, mark, say } from "../dom";
+import { button, Choice, coded, h, mark, say } from "../dom";
 import { downloads } from "../downloads";
 import type { Part } from "../model";
 import type { AxisResult, Calibrating, CalibrationResult } from "../protocol";
@@ -78,7 +78,7 @@ function legend({ axes }: CalibrationResult): HTMLElement {
 }
 
 function remarks(warnings: string[]): HTMLElement {
-  const rows = warnings.map((text) => h("li", {}, text));
+  const rows = warnings.map((text) => h("li", {}, ...coded(text)));
   return h(
     "section",
     { class: "card" },

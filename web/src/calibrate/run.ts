@@ -2,7 +2,7 @@ import type { App } from "../app";
 import { Strip } from "../chart/strip";
 import { levelFor, TimeWindow } from "../chart/window";
 import { duration, uncertainty, value } from "../digits";
-import { button, facts, h, mark, say } from "../dom";
+import { button, coded, facts, h, mark, say } from "../dom";
 import type { Part } from "../model";
 import type { Calibrating, Running, Step } from "../protocol";
 import { settings } from "../settings";
@@ -105,7 +105,7 @@ export class Run implements Stage {
     const text = JSON.stringify(threats);
     if (text === this.#threatened) return;
     this.#threatened = text;
-    const rows = threats.map((threat) => h("li", { class: "threat" }, threat));
+    const rows = threats.map((threat) => h("li", { class: "threat" }, ...coded(threat)));
     this.#threats.replaceChildren(...(rows.length > 0 ? rows : [h("li", { class: "none" }, "Nothing.")]));
   }
 

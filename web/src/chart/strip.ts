@@ -31,11 +31,16 @@ export interface Shared {
   changed(): void;
 }
 
+/** Between two numbers of time, s: what a clock has. */
+const STEPS_S = [
+  0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200,
+];
+
 /** Of the chart, and of its numbers of time, px. */
 const HEIGHT = 128;
 const TIMES = 20;
 
-/** A strip chart: for each bin a line from its least to its largest value, so that a spike is never hidden. */
+/** A strip chart: for each bin an area from its least to its largest value, so that a spike is never hidden. */
 export class Strip {
   readonly element: HTMLElement;
   readonly #readout = h("span", { class: "readout" });
@@ -176,7 +181,7 @@ export class Strip {
         points: { show: false },
       },
       axes: [
-        { ...axis, size: this.kind.times ? 24 : 6, space: 64, values: (_, splits) => this.#times(splits) },
+        { ...axis, size: this.kind.times ? 24 : 6, space: 64, incrs: STEPS_S, values: (_, splits) => this.#times(splits) },
         { ...axis, size: 64, space: 26, values: (_, splits) => splits.map((v) => this.#tick(v, splits)) },
       ],
       series: [

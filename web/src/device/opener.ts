@@ -1,8 +1,10 @@
 import type { App } from "../app";
-import { h } from "../dom";
+import { button, h } from "../dom";
 import { droppable } from "../drop";
 import { kept } from "../kept";
 import type { Inside } from "../link/inside";
+import { connectChosen, release } from "../port";
+import { canReadPorts, NO_SERIAL } from "../serial";
 
 /** In the static home: what is to be read. */
 export class Opener {
@@ -25,13 +27,14 @@ export class Opener {
       "section",
       { class: "card", "aria-label": "What is read" },
       h("h2", {}, "What is read"),
-      h("div", { class: "three openers" }, this.#twin(), this.#capture()),
+      h("div", { class: "three openers" }, this.#twin(), this.#port(), this.#capture()),
     );
   }
 
   #twin(): HTMLElement {
     const open = (event: Event) => {
       event.preventDefault();
+      void release(this.inside);
       this.inside.open({ is: "twin", keys: this.#keys.value.trim() });
       this.app.tell("The twin is being opened.");
     };
@@ -46,9 +49,19 @@ export class Opener {
     );
   }
 
+  #port(): HTMLElement {
+    const choose = button("Choose its port", () => void connectChosen(this.app, this.inside), {
+      disabled: !canReadPorts(),
+    });
+    const words = "Behind a microcontroller with the bridge firmware, at a serial port of this machine.";
+    return h("div", {}, h("h3", {}, "A real part"), h("p", {}, canReadPorts() ? words : NO_SERIAL), choose);
+  }
+
   #capture(): HTMLElement {
     const open = ([file]: File[]) => {
-      if (file) this.inside.open({ is: "capture", file });
+      if (!file) return;
+      void release(this.inside);
+      this.inside.open({ is: "capture", file });
     };
     return h(
       "div",

@@ -13,6 +13,8 @@ export class Inside implements Link {
   onstate: (state: LinkState) => void = () => {};
   /** Bytes for the serial port of this window. */
   onserial: (bytes: Uint8Array) => void = () => {};
+  /** Whether this window has the port that the session reads. */
+  hasPort = false;
   /** Whether the session outlives this window. */
   readonly shared = "SharedWorker" in globalThis;
   readonly #asking = new Asking();

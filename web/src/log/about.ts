@@ -1,5 +1,5 @@
 import { count, duration, significant } from "../digits";
-import { facts, h, table } from "../dom";
+import { coded, facts, h, table } from "../dom";
 import type { LogAbout } from "../protocol";
 
 /** What is in a log. */
@@ -37,7 +37,7 @@ export class About {
 
 /** What there is to say, if there is. */
 export function warnings(texts: string[]): HTMLElement {
-  return h("ul", { class: "warnings" }, ...texts.map((text) => h("li", {}, text)));
+  return h("ul", { class: "warnings" }, ...texts.map((text) => h("li", {}, ...coded(text))));
 }
 
 function size(bytes: number): string {

@@ -1,0 +1,46 @@
+import type { App } from "./app";
+import { kept } from "./kept";
+import type { Inside } from "./link/inside";
+import { choosePort, knownPort, OpenPort } from "./serial";
+
+let open: OpenPort | undefined;
+
+/** Reads the port that the user chooses; only from a click. */
+export async function connectChosen(app: App, inside: Inside): Promise<void> {
+  try {
+    const port = await choosePort();
+    if (port) await connect(inside, port);
+  } catch (why) {
+    app.tell(why instanceof Error ? why.message : String(why), "wrong");
+  }
+}
+
+/** After a reload: the port that this window read before, if nobody else does. */
+export async function connectAgain(inside: Inside): Promise<void> {
+  const port = await knownPort().catch(() => null);
+  if (port) await connect(inside, port).catch(() => {});
+}
+
+async function connect(inside: Inside, port: SerialPort): Promise<void> {
+  await open?.close();
+  const own = await OpenPort.open(port, {
+    received: (bytes) => inside.tell({ do: "serial-bytes", bytes }, [bytes.buffer]),
+    gone: (why) => {
+      inside.hasPort = false;
+      inside.tell({ do: "serial-gone", why });
+    },
+  });
+  open = own;
+  inside.hasPort = true;
+  inside.onserial = (bytes) => own.send(bytes);
+  inside.open({ is: "serial" });
+  kept.keepPort(true);
+}
+
+/** Gives the port back, as when something else is opened. */
+export async function release(inside: Inside): Promise<void> {
+  kept.keepPort(false);
+  inside.hasPort = false;
+  await open?.close();
+  open = undefined;
+}

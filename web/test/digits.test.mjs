@@ -1,0 +1,48 @@
+// Numbers as text, against figures that were rounded by hand.
+import assert from "node:assert/strict";
+import { before, test } from "node:test";
+import { build } from "esbuild";
+
+let digits;
+
+before(async () => {
+  const { outputFiles } = await build({ entryPoints: ["src/digits.ts"], bundle: true, format: "esm", write: false });
+  digits = await import(`data:text/javascript;base64,${Buffer.from(outputFiles[0].contents).toString("base64")}`);
+});
+
+test("a value has the digits that its uncertainty warrants", () => {
+  const cases = [
+    [0.284519, 0.0088, "0.2845"], [0.284519, 0.088, "0.285"], [-0.6650123, 0.00271, "−0.6650"], [12345.6, 1234, "12300"],
+    [1.25, 0.0996, "1.25"], [-0.00004, 0.01, "0.000"], [3, 1e-9, "3.0000000000"], [24.9838, 0.02, "24.984"],
+  ];
+  for (const [value, u, text] of cases) assert.equal(digits.value(value, u), text, `${value} ± ${u}`);
+  assert.equal(digits.both(0.284519, 0.0088), "0.2845 ± 0.0088");
+  assert.equal(digits.both(0.284519, 0.00996), "0.285 ± 0.010");
+});
+
+test("without an uncertainty there are four digits, and nothing is a dash", () => {
+  assert.equal(digits.value(0.123456), "0.1235");
+  for (const nothing of [null, undefined, NaN, Infinity]) assert.equal(digits.value(nothing, 1), "–");
+  assert.equal(digits.value(1.5, 0), "1.500");
+});
+
+test("significant digits, with powers of ten where nobody would count the zeros", () => {
+  assert.equal(digits.significant(0.00856, 3), "0.00856");
+  assert.equal(digits.significant(7.74e-8, 3), "7.74 × 10⁻⁸");
+  assert.equal(digits.significant(-1234567, 3), "−1.23 × 10⁶");
+  assert.equal(digits.significant(0, 3), "0");
+});
+
+test("durations as people say them", () => {
+  const cases = [[0.25, "0.25 s"], [1, "1 s"], [45.2, "45 s"], [59.7, "1 min"], [200, "3 min 20 s"], [7800, "2 h 10 min"], [3600, "1 h"], [176_400, "2 d 1 h"]];
+  for (const [seconds, text] of cases) assert.equal(digits.duration(seconds), text, String(seconds));
+  assert.equal(digits.duration(null), "–");
+});
+
+test("points of time", () => {
+  assert.equal(digits.clock(59.9996, 3), "1:00.000");
+  assert.equal(digits.clock(59.9994, 3), "0:59.999");
+  assert.equal(digits.clock(3723, 0), "1:02:03");
+  assert.equal(digits.count(1234567), "1\u2009234\u2009567");
+  assert.equal(digits.hex(7, 8), "07h");
+});

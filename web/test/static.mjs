@@ -1,0 +1,48 @@
+// A plain file server, for tests: what is in a folder, and WebSockets to a TCP port where one is given.
+import { readFileSync } from "node:fs";
+import { createServer } from "node:http";
+import { connect } from "node:net";
+import { WebSocketServer } from "ws";
+
+const TYPES = {
+  html: "text/html; charset=utf-8", js: "text/javascript", css: "text/css", wasm: "application/wasm",
+  json: "application/json", svg: "image/svg+xml", webmanifest: "application/manifest+json",
+};
+
+/** Serves a folder, below a path of its own if one is given. */
+export async function serveFolder(folder, below = "/") {
+  const asked = [];
+  const server = createServer((request, response) => {
+    const { pathname } = new URL(request.url, "http://host");
+    asked.push(pathname);
+    const name = pathname.startsWith(below) ? pathname.slice(below.length).replace(/(^|\/)$/, "$1index.html") : "../none";
+    try {
+      const type = TYPES[name.split(".").pop()] ?? "application/octet-stream";
+      const bytes = name.includes("..") ? undefined : readFileSync(`${folder}/${name}`);
+      response.writeHead(bytes ? 200 : 404, { "content-type": type }).end(bytes);
+    } catch {
+      response.writeHead(404).end();
+    }
+  });
+  await new Promise((done) => server.listen(0, "127.0.0.1", done));
+  const url = `http://127.0.0.1:${server.address().port}${below}`;
+  const stop = () => {
+    server.closeAllConnections();
+    server.close();
+  };
+  return { server, url, stop, asked };
+}
+
+/** The bytes of a TCP port at a WebSocket of this server: the policy of the page allows no other host. */
+export function proxy(server, path, port) {
+  const sockets = new WebSocketServer({ server, path });
+  sockets.on("connection", (socket) => {
+    const wire = connect(port, "127.0.0.1").setNoDelay(true);
+    wire.on("data", (bytes) => socket.send(bytes));
+    wire.on("error", () => socket.close());
+    wire.on("close", () => socket.close());
+    socket.on("message", (bytes) => wire.write(bytes));
+    socket.on("close", () => wire.destroy());
+  });
+  return sockets;
+}

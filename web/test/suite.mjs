@@ -1,0 +1,92 @@
+// What the page must do in either home.
+import assert from "node:assert/strict";
+import { bars, becomes, open, PATIENCE } from "./world.mjs";
+
+export const PAGES = ["bench", "calibrate", "log", "device"];
+
+/** A result of the guided calibration is there. */
+const ENDED = ".calibrate .result, .calibrate .ended";
+
+/** All pages in both themes: each shows what it is for, nothing bars a reader, nothing is refused. */
+export async function everyPage(browser, url) {
+  for (const colorScheme of ["light", "dark"]) {
+    const { page, context, faults } = await open(browser, url, { context: { colorScheme } });
+    for (const name of PAGES) {
+      await page.click(`nav a[href="#${name}"]`);
+      await page.waitForSelector(`.page.${name}`);
+      assert.equal(await page.getAttribute(`nav a[href="#${name}"]`, "aria-current"), "page");
+      if (name === "bench") await becomes(page, ".tile.ledger .value", /\d{3}/);
+      if (name === "device") await becomes(page, ".device .name", /ADIS16130/);
+      assert.deepEqual(await bars(page), [], `${name}, ${colorScheme}`);
+    }
+    assert.deepEqual(faults, []);
+    await context.close();
+  }
+}
+
+/** The numbers of the bench come, and the charts have something on them. */
+export async function liveBench(page) {
+  await becomes(page, ".tile.raw .value", /^−?\d+\.\d+$/);
+  await becomes(page, ".tile.temp .value", /^2\d\.\d+$/);
+  await becomes(page, ".coefficients", /angle random walk/);
+  await page.waitForFunction(() => {
+    const canvas = document.querySelector(".strip.raw canvas");
+    const pixels = canvas?.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data ?? [];
+    const colours = new Set();
+    for (let k = 0; k < pixels.length; k += 4) if (pixels[k + 3] > 0) colours.add(`${pixels[k]},${pixels[k + 1]},${pixels[k + 2]}`);
+    return colours.size > 3;
+  }, null, { timeout: PATIENCE });
+}
+
+/** Begins a calibration that is short in the part's time, and runs as fast as it goes. */
+export async function beginCalibration(page, method = "an1042") {
+  await page.click('nav a[href="#calibrate"]');
+  await page.getByLabel("max", { exact: true }).check();
+  await page.check(`input[value="${method}"]`);
+  await page.click(".settings summary");
+  await page.fill("#serial", "T-1");
+  await page.fill("#settle_s", "120");
+  await page.fill("#offset_s", "60");
+  await page.click(".choosing button.primary");
+}
+
+/** To its result, which is on file and is applied. */
+export async function finishCalibration(page) {
+  await page.waitForSelector(ENDED, { timeout: 3 * PATIENCE });
+  const why = await page.$eval(".calibrate", (element) => element.textContent);
+  assert.ok(await page.$(".calibrate .result"), why);
+  const [pbc, btc] = await page.$$eval(".result .tile .value", (all) => all.map((one) => one.textContent));
+  assert.match(pbc, /^−?\d\.\d+ ± \d\.\d+$/);
+  assert.match(btc, /^−?0\.\d+ ± \d\.\d+$/);
+  await page.click(".result button.primary");
+  await becomes(page, ".result button.primary", /^Applied$/);
+}
+
+/** Every form of a calibration as a file. */
+export async function downloads(page) {
+  const forms = { TOML: /pbc_dps/, C: /#include|static/, Rust: /const/, CSV: /,/, JSON: /"pbc_dps"/, Report: /<html/i };
+  for (const [form, pattern] of Object.entries(forms)) {
+    const [download] = await Promise.all([
+      page.waitForEvent("download"),
+      page.getByRole("button", { name: `Download as ${form}` }).first().click(),
+    ]);
+    const stream = await download.createReadStream();
+    let text = "";
+    for await (const part of stream) text += part;
+    assert.match(text, pattern, form);
+  }
+}
+
+/** Nothing moves by itself: what the browser counts as layout shift, over some seconds of a live page. */
+export async function standsStill(page) {
+  await page.evaluate(() => {
+    window.shifts = 0;
+    new PerformanceObserver((list) => {
+      for (const entry of list.getEntries()) if (!entry.hadRecentInput) window.shifts += entry.value;
+    }).observe({ type: "layout-shift", buffered: true });
+  });
+  const frames = await page.$eval(".tile.ledger .value", (element) => element.textContent);
+  await page.waitForFunction((before) => document.querySelector(".tile.ledger .value").textContent !== before, frames);
+  await page.waitForTimeout(2000);
+  return page.evaluate(() => window.shifts);
+}

@@ -1,0 +1,106 @@
+// What the tests of the page have in common: the browser, the two homes, a page that keeps count of its faults.
+//
+//   ZERORATE_PAGE       the folder of the static page (dist)
+//   ZERORATE_PROGRAM    the program with the page inside (../target/debug/zerorate)
+//   ZERORATE_BRIDGE     the image of the bridge for QEMU; without it, and without QEMU, its test is skipped
+import assert from "node:assert/strict";
+import { spawn, spawnSync } from "node:child_process";
+import { existsSync, readFileSync } from "node:fs";
+import { createRequire } from "node:module";
+import { createServer } from "node:net";
+import { chromium } from "playwright-core";
+
+const require = createRequire(import.meta.url);
+const here = new URL("..", import.meta.url).pathname;
+export const PAGE = process.env.ZERORATE_PAGE ?? `${here}dist`;
+export const PROGRAM = process.env.ZERORATE_PROGRAM ?? `${here}../target/debug/zerorate`;
+export const BRIDGE = process.env.ZERORATE_BRIDGE ?? "";
+
+/** Why a test cannot be had on this machine; undefined where it can. */
+export const without = {
+  program: existsSync(PROGRAM) ? undefined : `no program at ${PROGRAM}`,
+  bridge: existsSync(BRIDGE) && spawnSync("qemu-system-arm", ["--version"]).status === 0 ? undefined : "no QEMU, or no image of the bridge",
+};
+
+/** Whatever a busy machine needs: nothing here is measured but what says so. */
+export const PATIENCE = 60_000;
+
+const FLAGS = ["--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync"];
+
+export function launch() {
+  const executablePath = process.env.CHROMIUM ?? "/usr/bin/chromium";
+  return chromium.launch({ executablePath, headless: true, args: FLAGS });
+}
+
+/** A window on the page. `faults` are all errors of its scripts, and refusals of its policy. */
+export async function open(browser, url, options = {}) {
+  const { prepare, context = await browser.newContext({ viewport: { width: 1280, height: 900 }, ...options.context }) } = options;
+  const page = await context.newPage();
+  page.setDefaultTimeout(PATIENCE);
+  const faults = [];
+  page.on("pageerror", (error) => faults.push(String(error)));
+  page.on("console", (message) => {
+    if (message.type() === "error") faults.push(message.text());
+  });
+  await prepare?.(page, context);
+  await page.goto(url);
+  await page.waitForSelector(options.ready ?? "body[data-ready]");
+  return { page, context, faults };
+}
+
+/** What a text comes to be. */
+export async function becomes(page, selector, pattern) {
+  await page.waitForFunction(
+    ([where, source]) => new RegExp(source, "s").test(document.querySelector(where)?.textContent ?? ""),
+    [selector, pattern.source], { timeout: PATIENCE });
+}
+
+/** No violation of axe. */
+export async function bars(page) {
+  await page.evaluate(readFileSync(require.resolve("axe-core/axe.min.js"), "utf8"));
+  const { violations, passes } = await page.evaluate(() => window.axe.run());
+  assert.ok(passes.length > 15, "axe looked at too little");
+  return violations.map(({ id, nodes }) => `${id}: ${nodes.slice(0, 3).map((node) => node.target.join(" ")).join(", ")}`);
+}
+
+/** A port of this machine that is free. */
+export function freePort() {
+  return new Promise((done) => {
+    const server = createServer().listen(0, "127.0.0.1", () => {
+      const { port } = server.address();
+      server.close(() => done(port));
+    });
+  });
+}
+
+const children = new Set();
+
+/** A child that ends with the tests. */
+export function start(command, args, options) {
+  const child = spawn(command, args, options);
+  children.add(child);
+  child.on("exit", () => children.delete(child));
+  return child;
+}
+
+export function stopAll() {
+  for (const child of children) child.kill("SIGKILL");
+}
+
+/** `zerorate serve`, once it says where it is. */
+export async function serve(args = [], port = undefined) {
+  const listen = `127.0.0.1:${port ?? (await freePort())}`;
+  const child = start(PROGRAM, ["serve", "--listen", listen, ...args], { stdio: ["ignore", "pipe", "pipe"] });
+  let said = "";
+  await new Promise((done, fail) => {
+    const hear = (bytes) => {
+      said += bytes;
+      if (said.includes("http://")) done();
+    };
+    child.stderr.on("data", hear);
+    child.stdout.on("data", hear);
+    child.on("exit", (code) => fail(new Error(`serve ended (${code}): ${said}`)));
+  });
+  const ended = new Promise((done) => child.on("exit", done));
+  return { url: `http://${listen}/`, port: Number(listen.split(":")[1]), child, said: () => said, stop: () => { child.kill("SIGINT"); return ended; } };
+}
