@@ -1,0 +1,131 @@
+// The page of `zerorate serve`: the session runs in the program.
+import assert from "node:assert/strict";
+import { mkdtempSync, readdirSync, rmSync, writeFileSync } from "node:fs";
+import { connect } from "node:net";
+import { tmpdir } from "node:os";
+import { after, before, test } from "node:test";
+import { beginCalibration, downloads, everyPage, finishCalibration, liveBench } from "./suite.mjs";
+import { becomes, freePort, launch, open, serve, start, PROGRAM, stopAll, without } from "./world.mjs";
+
+const TWIN = ["--device", "twin:seed=7"];
+const skip = without.program;
+let browser, server, folder;
+
+before(async () => {
+  if (skip) return;
+  browser = await launch();
+  folder = mkdtempSync(`${tmpdir()}/zerorate-page-`);
+  server = await serve([...TWIN, "--folder", folder]);
+});
+after(async () => {
+  await browser?.close();
+  stopAll();
+  if (folder) rmSync(folder, { recursive: true });
+});
+
+test("every page in both themes, readable by everybody", { skip }, () => everyPage(browser, server.url));
+
+test("the first minute: numbers, strips, noise, from the server alone", { skip }, async () => {
+  const hosts = new Set();
+  const { page, context, faults } = await open(browser, server.url, {
+    prepare: (page) => page.on("request", (request) => hosts.add(new URL(request.url()).host)),
+  });
+  await liveBench(page);
+  assert.deepEqual([...hosts], [new URL(server.url).host]);
+  assert.deepEqual(faults, []);
+  await context.close();
+});
+
+test("a whole calibration, over a reload and in two windows; its file is in the folder", { skip }, async () => {
+  const { page, context, faults } = await open(browser, server.url);
+  await beginCalibration(page, "warmup");
+  await page.waitForSelector(".calibrate .run");
+  await page.reload();
+  await page.waitForSelector(".calibrate .run, .calibrate .result");
+  const second = await open(browser, `${server.url}#calibrate`);
+  await second.page.waitForSelector(".calibrate .run, .calibrate .result");
+  await finishCalibration(page);
+  await becomes(second.page, ".result button.primary", /^Applied$/);
+  await downloads(page);
+  assert.equal(readdirSync(folder).filter((name) => name.endsWith(".toml")).length, 1);
+  await page.getByLabel("1 ×", { exact: true }).check();
+  await page.click('nav a[href="#bench"]');
+  await becomes(page, ".tile.corrected .value", /\d/);
+  assert.deepEqual(faults, []);
+  await second.context.close();
+  await context.close();
+});
+
+test("twenty watchers, of which one stalls: the others see all of it", { skip }, async () => {
+  const stalled = connect(server.port, "127.0.0.1");
+  stalled.write(`GET /ws HTTP/1.1\r\nHost: 127.0.0.1:${server.port}\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n` +
+    `Origin: http://127.0.0.1:${server.port}\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n`);
+  stalled.pause();
+  const { page, context, faults } = await open(browser, server.url);
+  // the other eighteen are WebSockets of the same page, which count what they get
+  const counts = await page.evaluate(async () => {
+    const sockets = Array.from({ length: 18 }, () => {
+      const socket = new WebSocket(new URL("ws", location.href.replace(/^http/, "ws").replace(/#.*/, "")));
+      socket.binaryType = "arraybuffer";
+      const seen = { socket, frames: 0, gaps: 0, seq: undefined };
+      socket.onmessage = ({ data }) => {
+        const length = new DataView(data).getUint32(0, true);
+        const { seq, snapshot } = JSON.parse(new TextDecoder().decode(new Uint8Array(data, 4, length)));
+        if (seen.seq !== undefined && seq !== seen.seq + 1 && !snapshot) seen.gaps += 1;
+        seen.seq = seq;
+        seen.frames += 1;
+      };
+      return seen;
+    });
+    await new Promise((done) => {
+      const look = setInterval(() => {
+        if (sockets.every(({ frames }) => frames >= 90)) done(clearInterval(look));
+      }, 100);
+    });
+    for (const { socket } of sockets) socket.close();
+    return sockets.map(({ gaps }) => gaps);
+  });
+  assert.deepEqual(counts, new Array(18).fill(0));
+  await becomes(page, ".tile.ledger .below", /nothing lost/);
+  assert.deepEqual(faults, []);
+  stalled.destroy();
+  await context.close();
+});
+
+test("a server that goes and comes again", { skip }, async () => {
+  const first = await serve(TWIN);
+  const { page, context } = await open(browser, first.url);
+  await liveBench(page);
+  await first.stop();
+  await becomes(page, ".banner", /cannot be reached/);
+  const again = await serve(TWIN, first.port);
+  await becomes(page, ".banner", /^$/);
+  await liveBench(page);
+  await again.stop();
+  await context.close();
+});
+
+test("a token, where one is needed: in the form, wrong and right, and in the address", { skip }, async () => {
+  const token = "0123456789abcdef0123456789abcdef";
+  const file = `${folder}/token`;
+  writeFileSync(file, `${token}\n`);
+  const port = await freePort();
+  const child = start(PROGRAM, ["serve", ...TWIN, "--listen", `0.0.0.0:${port}`, "--token-file", file], { stdio: "pipe" });
+  await new Promise((done) => child.stderr.on("data", (bytes) => String(bytes).includes("http://") && done()));
+  const url = `http://127.0.0.1:${port}/`;
+  const { page, context } = await open(browser, url, { ready: ".lock #token" });
+  await page.fill("#token", "wrong-wrong-wrong-wrong");
+  await page.click(".lock button");
+  await becomes(page, ".lock .wrong", /not the token/);
+  await page.fill("#token", token);
+  await page.click(".lock button");
+  await page.waitForSelector("body[data-ready]");
+  await liveBench(page);
+  await page.reload();
+  await page.waitForSelector("body[data-ready]");
+  await context.close();
+  const other = await open(browser, `${url}#token=${token}`);
+  assert.ok(!other.page.url().includes(token));
+  await other.context.close();
+  child.kill();
+});

@@ -1,0 +1,168 @@
+// The page of a static site: the session runs in a worker of the browser.
+import assert from "node:assert/strict";
+import { after, before, test } from "node:test";
+import { serveFolder } from "./static.mjs";
+import { beginCalibration, downloads, everyPage, finishCalibration, liveBench, PAGES, standsStill } from "./suite.mjs";
+import { bars, becomes, launch, open, PAGE } from "./world.mjs";
+
+let browser, site;
+
+before(async () => {
+  browser = await launch();
+  site = await serveFolder(PAGE);
+});
+after(async () => {
+  await browser.close();
+  site.stop();
+});
+
+test("every page in both themes, readable by everybody", () => everyPage(browser, site.url));
+
+test("the twin is on view without a click, and soon", async () => {
+  const { page, context, faults } = await open(browser, site.url);
+  await liveBench(page);
+  await context.close();
+  // a second visit, as most are: the time is printed, and held to nothing but patience
+  const again = await open(browser, site.url, { prepare: (page) => page.addInitScript(() => {
+    new MutationObserver(() => {
+      if (document.querySelector(".strip.raw canvas") && "ready" in document.body.dataset) window.firstPicture ??= performance.now();
+    }).observe(document, { subtree: true, childList: true, attributes: true });
+  }) });
+  const first = await again.page.waitForFunction(() => window.firstPicture);
+  console.log(`page to first picture: ${Math.round(await first.jsonValue())} ms`);
+  assert.deepEqual([faults, again.faults], [[], []]);
+  await again.context.close();
+});
+
+test("the policy is in force, and nothing comes from elsewhere", async () => {
+  const hosts = new Set();
+  const { page, context } = await open(browser, site.url, {
+    prepare: (page) => page.on("request", (request) => hosts.add(new URL(request.url()).origin)),
+  });
+  for (const name of PAGES) await page.click(`nav a[href="#${name}"]`);
+  // not by evaluating: what the debugger evaluates is above the policy
+  const refused = await page.evaluate(() => new Promise((done) => {
+    document.addEventListener("securitypolicyviolation", (event) => done(event.effectiveDirective));
+    document.head.append(Object.assign(document.createElement("script"), { textContent: "window.bad = 1" }));
+  }));
+  assert.equal(refused, "script-src-elem");
+  assert.equal(await page.evaluate(() => window.bad), undefined);
+  assert.deepEqual([...hosts], [new URL(site.url).origin]);
+  await context.close();
+});
+
+test("nothing jumps while it is live", async () => {
+  const { page, context } = await open(browser, site.url);
+  await liveBench(page);
+  const shifts = await standsStill(page);
+  console.log(`layout shift of the bench: ${shifts.toFixed(4)}`);
+  assert.ok(shifts < 0.02, `layout shift ${shifts}`);
+  await context.close();
+});
+
+test("a whole calibration, over a reload and in two windows, and its files", async () => {
+  const { page, context, faults } = await open(browser, site.url);
+  await beginCalibration(page);
+  await page.waitForSelector(".run .steps [data-state=done]");
+  await page.reload();
+  await page.waitForSelector(".calibrate .run, .calibrate .result");
+  const second = await open(browser, `${site.url}#calibrate`, { context });
+  await second.page.waitForSelector(".calibrate .run, .calibrate .result");
+  await finishCalibration(page);
+  await becomes(second.page, ".result button.primary", /^Applied$/);
+  await downloads(page);
+  await page.click('nav a[href="#bench"]');
+  await becomes(page, ".tile.corrected .value", /\d/);
+  assert.deepEqual(faults, []);
+  await second.page.close();
+
+  // it is kept: a browser that forgot the session still has the calibration
+  await page.click('nav a[href="#device"]');
+  await becomes(page, ".on-file", /T-1.*Applied/);
+  const stored = await page.evaluate(() => JSON.parse(localStorage.getItem("zerorate.calibrations")));
+  assert.equal(stored.calibrations.length, 1);
+  assert.match(stored.calibrations[0], /T-1/);
+  const other = await open(browser, site.url, { prepare: (page) => page.addInitScript((stored) => {
+    localStorage.setItem("zerorate.calibrations", JSON.stringify(stored));
+  }, stored) });
+  await becomes(other.page, ".tile.corrected .value", /\d/);
+  await other.context.close();
+  await context.close();
+});
+
+test("a calibration that is dropped, one that is damaged, and a device of other keys", async () => {
+  const { page, context } = await open(browser, `${site.url}#device`);
+  const toml = 'schema = 1\npart = "ADIS16130"\n[correction]\npbc_dps = -0.25\nbtc_dps_per_c = -0.04\nt3_c = 31.5\n';
+  const drop = async (name, text) => {
+    const dataTransfer = await page.evaluateHandle(([name, text]) => {
+      const data = new DataTransfer();
+      data.items.add(new File([text], name));
+      return data;
+    }, [name, text]);
+    await page.dispatchEvent('[aria-label="Calibrations on file"] .drop', "drop", { dataTransfer });
+  };
+  await drop("unit.toml", toml);
+  await becomes(page, ".on-file", /PBC −0\.25/);
+  await drop("broken.toml", toml.replace("schema = 1", "schema = "));
+  await becomes(page, ".toast", /./);
+  assert.equal(await page.locator(".on-file li").count(), 1);
+  await page.fill("#keys", "seed=3,bias_dps=2.5,noise=0");
+  await page.getByRole("button", { name: "Open the twin" }).click();
+  await becomes(page, ".device .name", /bias_dps=2\.5/);
+  await page.click('nav a[href="#bench"]');
+  await becomes(page, ".tile.raw .value", /^2\.\d/);
+  await context.close();
+});
+
+test("charts by keyboard: hold, zoom, cursors, unit", async () => {
+  const { page, context, faults } = await open(browser, site.url);
+  await liveBench(page);
+  await page.focus(".strips");
+  await page.keyboard.press("Space");
+  await becomes(page, ".hold", /Follow/);
+  await page.keyboard.press("a");
+  await page.keyboard.press("ArrowLeft");
+  await page.keyboard.press("b");
+  await becomes(page, ".cursors", /A .*B .*B − A/);
+  await page.keyboard.press("+");
+  await page.keyboard.press("Escape");
+  await becomes(page, ".hold", /Hold/);
+  await page.getByLabel("°/h").check();
+  await becomes(page, ".tile.raw .unit", /°\/h/);
+  await becomes(page, ".strip.raw .name", /°\/h/);
+  await page.keyboard.press("2");
+  await page.waitForTimeout(100);
+  await page.focus("main");
+  await page.keyboard.press("2");
+  await page.waitForSelector(".page.calibrate");
+  assert.deepEqual(faults, []);
+  await context.close();
+});
+
+test("phone, forced colours, less motion", async () => {
+  const phone = { viewport: { width: 360, height: 740 }, isMobile: true, deviceScaleFactor: 2 };
+  for (const more of [phone, { forcedColors: "active" }, { reducedMotion: "reduce" }]) {
+    const { page, context, faults } = await open(browser, site.url, { context: more });
+    for (const name of PAGES) {
+      await page.click(`nav a[href="#${name}"]`);
+      await page.waitForSelector(`.page.${name}`);
+      const over = await page.evaluate(() => document.documentElement.scrollWidth - document.documentElement.clientWidth);
+      assert.equal(over, 0, `${name} is ${over} px too wide`);
+      assert.deepEqual(await bars(page), [], name);
+    }
+    assert.deepEqual(faults, []);
+    await context.close();
+  }
+});
+
+test("from a subfolder, and offline after the first visit", async () => {
+  const below = await serveFolder(PAGE, "/some/folder/");
+  const { page, context } = await open(browser, below.url);
+  await page.evaluate(() => navigator.serviceWorker.ready);
+  assert.deepEqual(below.asked.filter((path) => !path.startsWith("/some/folder/")), []);
+  below.stop();
+  const offline = await open(browser, below.url, { context });
+  await liveBench(offline.page);
+  await page.close();
+  await context.close();
+});
