@@ -213,7 +213,8 @@ impl Acquisition {
         let aliased = self.axes.first().and_then(|first| aliasing(&first.axis, &self.tally));
         let of_the_rate = aliased.into_iter().chain(self.resonance(SHORTEST_AVERAGE_S));
         let of_the_rate = of_the_rate.map(|warning| coded(&warning));
-        of_the_rate.chain(self.disbelief()).chain(self.lost_on_the_way()).collect()
+        let on_the_way = lost_on_the_way(self.losses).chain(self.doubts.iter().cloned());
+        of_the_rate.chain(self.disbelief()).chain(on_the_way).collect()
     }
 
     /// What there is to say of readings that are not to be believed.
@@ -240,24 +241,6 @@ impl Acquisition {
     pub fn is_paced(&self) -> bool {
         self.pace == Pace::RealTime || self.facts().is_real
     }
-
-    /// What is to be said of samples that were read, but lost before they came here.
-    fn lost_on_the_way(&self) -> Vec<String> {
-        let Losses { overflowed, damaged } = self.losses;
-        let overflow = (overflowed > 0).then(|| {
-            format!(
-                "queue-overflow: {overflowed} samples were read but lost, since the disk or the processor was too \
-                slow for them; they are counted as lost"
-            )
-        });
-        let damage = (damaged > 0).then(|| {
-            format!(
-                "damaged-frames: {damaged} frames of the bridge were damaged on the way, and their samples are \
-                counted as lost; check its cable, or lower the baud rate"
-            )
-        });
-        overflow.into_iter().chain(damage).chain(self.doubts.iter().cloned()).collect()
-    }
 }
 
 /// Means over this are what a recording is good for at least, s.
@@ -267,4 +250,22 @@ const SHORTEST_AVERAGE_S: f64 = 1.0;
 pub fn aliasing(axis: &Axis, tally: &Tally) -> Option<Warning> {
     let (rate_hz, needed_hz) = (tally.rate_hz(), 2.0 * axis.bandwidth_hz?);
     (tally.samples > 1 && rate_hz < needed_hz).then_some(Warning::Aliased { rate_hz, needed_hz })
+}
+
+/// What is to be said of samples that were read, but lost before they came here.
+pub fn lost_on_the_way(losses: Losses) -> impl Iterator<Item = String> {
+    let Losses { overflowed, damaged } = losses;
+    let overflow = (overflowed > 0).then(|| {
+        format!(
+            "queue-overflow: {overflowed} samples were read but lost, since the disk or the processor was too slow \
+             for them; they are counted as lost"
+        )
+    });
+    let damage = (damaged > 0).then(|| {
+        format!(
+            "damaged-frames: {damaged} frames of the bridge were damaged on the way, and their samples are counted as \
+             lost; check its cable, or lower the baud rate"
+        )
+    });
+    overflow.into_iter().chain(damage)
 }

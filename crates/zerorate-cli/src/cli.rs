@@ -11,6 +11,7 @@ use crate::commands::{
     probe::ProbeArgs,
     repair::RepairArgs,
     report::ReportArgs,
+    serve::ServeArgs,
     stream::StreamArgs,
     twin::{self, TwinArgs},
     verify::VerifyArgs,
@@ -19,6 +20,7 @@ use crate::memory;
 use crate::part::PartArgs;
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
+use std::ops::Deref;
 use std::path::{Path, PathBuf};
 use zerorate_data::limits::{self, Bytes};
 use zerorate_host::{DeviceSpec, Sampling, Setup};
@@ -68,6 +70,7 @@ impl Cli {
             Command::Calibrate(args) => args.device.file().into_iter().collect(),
             Command::Stream(args) => args.device.file().into_iter().collect(),
             Command::Probe(args) => args.device.file().into_iter().collect(),
+            Command::Serve(args) => args.source.file().into_iter().collect(),
             _ => Vec::new(),
         }
     }
@@ -88,6 +91,7 @@ pub enum Command {
     Report(ReportArgs),
     Allan(AllanArgs),
     Imu(ImuArgs),
+    Serve(ServeArgs),
     #[command(after_help = twin::keys_help())]
     Twin(TwinArgs),
     /// Prints the completion script for a shell.
@@ -103,7 +107,7 @@ pub enum Command {
 
 /// Which part to read.
 #[derive(Args, Debug)]
-pub struct DeviceArgs {
+pub struct SourceArgs {
     /// The part to read: twin: (simulated), twin:KEY=VALUE,… (see `zerorate twin`; axes=3: three of them on one clock,
     /// with the seeds that follow each other, as the axes of one part), replay:FILE (a capture,
     /// or with --part a log of that part, as docs/formats/part.md describes it),
@@ -121,13 +125,20 @@ pub struct DeviceArgs {
 
     #[command(flatten)]
     pub part: PartArgs,
+}
+
+/// Which part to read, and how fast its time goes where it is not that of the clock.
+#[derive(Args, Debug)]
+pub struct DeviceArgs {
+    #[command(flatten)]
+    pub source: SourceArgs,
 
     /// Pace simulated or replayed time to the wall clock; without it they run as fast as they can.
     #[arg(long)]
     pub realtime: bool,
 }
 
-impl DeviceArgs {
+impl SourceArgs {
     /// How it is to be read.
     pub fn setup(&self, sampling: SamplingArgs) -> Setup {
         Setup { sampling: sampling.plain(), part: self.part.part.clone(), air: None }
@@ -136,6 +147,14 @@ impl DeviceArgs {
     /// The file that is read, where the device is a recording.
     pub fn file(&self) -> Option<&Path> {
         self.device.file()
+    }
+}
+
+impl Deref for DeviceArgs {
+    type Target = SourceArgs;
+
+    fn deref(&self) -> &SourceArgs {
+        &self.source
     }
 }
 

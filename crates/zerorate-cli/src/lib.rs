@@ -26,6 +26,7 @@ mod output;
 mod part;
 mod progress;
 mod recorder;
+mod serve;
 #[cfg(unix)]
 mod twin_usb;
 

@@ -3,3 +3,5 @@
 mod cli_commands;
 mod files;
 mod harness;
+#[cfg(unix)]
+mod serve;

@@ -12,6 +12,7 @@ pub mod probe;
 pub mod repair;
 pub mod report;
 mod serial;
+pub mod serve;
 pub mod stream;
 pub mod twin;
 pub mod verify;
@@ -42,6 +43,7 @@ pub fn run(cli: &Cli) -> Result<()> {
         Command::Report(args) => report::run(args),
         Command::Allan(args) => allan::run(args),
         Command::Imu(args) => imu::run(args),
+        Command::Serve(args) => serve::run(args),
         Command::Twin(args) => twin::run(args),
         Command::Completions { shell } => man::completions(*shell),
         Command::Man => man::man(),

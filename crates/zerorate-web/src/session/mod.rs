@@ -242,6 +242,12 @@ impl Session {
         self.truths.extend_from_slice(truths);
     }
 
+    /// What the check of the connection found, beside what was known when the device was opened.
+    pub fn checked(&mut self, checks: impl IntoIterator<Item = CheckResult>) {
+        self.about.checks.extend(checks);
+        self.changed.device = true;
+    }
+
     /// How it is with the device.
     pub fn state(&mut self, state: DeviceState) {
         if self.state == state {

@@ -1,6 +1,9 @@
 //! `zerorate probe`: is there a part, is it wired right, and do its samples look like those of one?
 
+mod checks;
 mod host;
+
+pub use checks::{Examination, connection_checks};
 
 use super::{coded, flag, print_json, print_lines, warn};
 use crate::acquire::Acquisition;

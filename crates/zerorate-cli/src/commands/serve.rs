@@ -1,0 +1,141 @@
+//! `zerorate serve`: the live page.
+
+use crate::cli::{SamplingArgs, SourceArgs};
+use crate::exit::Usage;
+use crate::interrupt;
+use crate::output::{Outputs, say};
+use crate::serve::{self, Desk, Folder, Guard, Opener, Recordings, Token};
+use anyhow::{Context, Result, anyhow, ensure};
+use clap::Args;
+use std::io::ErrorKind;
+use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr, TcpListener};
+use std::path::PathBuf;
+use std::thread;
+
+/// Shows a part live in the browser: rate, noise, temperature, and calibration as a guided run.
+///
+/// Open the address that it prints. Everybody who opens it sees the same; nobody who looks on slows the part or the
+/// recording. Simulated and recorded time goes at the speed of the clock, and faster where the page asks for it. A
+/// part that is unplugged is looked for until it is there again. Ctrl-C ends it; the recording is whole.
+///
+/// Others cannot reach it, unless --listen names an address of the network: then a token is needed, which is printed
+/// once. What the server keeps from whom stands in docs/serve.md.
+#[derive(Args, Debug)]
+pub struct ServeArgs {
+    #[command(flatten)]
+    pub source: SourceArgs,
+
+    #[command(flatten)]
+    sampling: SamplingArgs,
+
+    /// A calibration to have on file; the first is applied. Can be given several times.
+    #[arg(long = "cal", value_name = "FILE")]
+    cals: Vec<PathBuf>,
+
+    /// The address and port to serve at; port 0 takes one that is free.
+    #[arg(long, value_name = "IP:PORT", default_value = "127.0.0.1:8130")]
+    listen: SocketAddr,
+
+    /// Record every sample to this file meanwhile. Where the device is opened again, NAME-2 follows, and so on.
+    #[arg(short, long, value_name = "CAPTURE")]
+    output: Option<PathBuf>,
+
+    /// Keep calibrations in this folder: those in it are on file, and those made on the page are written there.
+    #[arg(long, value_name = "DIR")]
+    folder: Option<PathBuf>,
+
+    /// Take the token from the first line of this file, instead of a new one each time.
+    #[arg(long, value_name = "FILE")]
+    token_file: Option<PathBuf>,
+
+    /// A name by which browsers reach this machine, beside its numbers and localhost. Can be given several times.
+    #[arg(long = "host", value_name = "NAME")]
+    hosts: Vec<String>,
+}
+
+pub fn run(args: &ServeArgs) -> Result<()> {
+    interrupt::listen();
+    let stop = interrupt::stop();
+    let inputs = args.source.file().into_iter().chain(args.cals.iter().map(PathBuf::as_path));
+    let outputs = Outputs::new(false).reading(inputs.chain(args.token_file.as_deref()))?;
+    let token = token(args)?;
+    let listener = listen(args.listen)?;
+    let address = listener.local_addr().context("the server")?;
+    let spec = args.source.device.clone();
+    let opener = Opener { spec, setup: args.source.setup(args.sampling), stop: stop.clone() };
+    let opened = opener.open()?;
+    ensure!(!stop.asked(), "interrupted");
+    let recordings = Recordings::new(args.output.clone(), outputs);
+    let (mut desk, visits) = Desk::new(opener, opened, recordings, Folder::new(args.folder.clone()));
+    shelve(args, &mut desk)?;
+    desk.begin()?;
+    announce(address, token.as_ref());
+    let guard = Guard::new(address, token, args.hosts.clone());
+    let session = thread::Builder::new().name("session".to_owned()).spawn(move || {
+        let ended = desk.run(stop);
+        stop.ask();
+        ended
+    });
+    let session = session.context("starting the session")?;
+    let served = serve::run(listener, guard, visits, stop);
+    // what is recorded is ended whatever the server died of
+    stop.ask();
+    served.and(session.join().unwrap_or_else(|_| Err(anyhow!("the session died"))))
+}
+
+/// Calibrations of the folder and of the command line.
+fn shelve(args: &ServeArgs, desk: &mut Desk) -> Result<()> {
+    let (session, folder) = desk.shelf();
+    folder.read(session)?;
+    for (index, cal) in args.cals.iter().enumerate() {
+        let id = folder.add(cal, session)?;
+        if index == 0 {
+            session.apply(Some(&id)).map_err(|why| Usage(format!("--cal {}: {why}", cal.display())))?;
+        }
+    }
+    Ok(())
+}
+
+/// Who else can reach the address must know a token.
+fn token(args: &ServeArgs) -> Result<Option<Token>> {
+    match &args.token_file {
+        Some(path) => Token::read(path).map(Some),
+        None if args.listen.ip().is_loopback() => Ok(None),
+        None => Token::random().map(Some),
+    }
+}
+
+fn listen(address: SocketAddr) -> Result<TcpListener> {
+    TcpListener::bind(address).map_err(|error| {
+        let what_to_do = match error.kind() {
+            ErrorKind::AddrInUse => format!(
+                "something serves there already (another zerorate?): end it, or take another port, as in --listen \
+                 {}:{}",
+                address.ip(),
+                address.port().checked_add(1).unwrap_or_default()
+            ),
+            ErrorKind::AddrNotAvailable => "that is no address of this machine; 127.0.0.1 is".to_owned(),
+            ErrorKind::PermissionDenied => "ports below 1024 are the system's: take a larger one".to_owned(),
+            _ => error.to_string(),
+        };
+        anyhow!("cannot listen at {address}: {what_to_do}")
+    })
+}
+
+fn announce(address: SocketAddr, token: Option<&Token>) {
+    if !serve::has_page() {
+        say(format_args!("warning: {}", serve::ABSENT));
+    }
+    let ip = match address.ip() {
+        IpAddr::V4(Ipv4Addr::UNSPECIFIED) => Ipv4Addr::LOCALHOST.into(),
+        IpAddr::V6(Ipv6Addr::UNSPECIFIED) => Ipv6Addr::LOCALHOST.into(),
+        ip => ip,
+    };
+    let url = format!("http://{}/", SocketAddr::new(ip, address.port()));
+    let Some(token) = token else { return say(format_args!("open {url}")) };
+    // what stands behind # is sent to no server, and stands in no log
+    say(format_args!("open {url}#token={}", token.reveal()));
+    if !address.ip().is_loopback() {
+        say("others on the network reach it by this machine's address; they can read what is sent, the token too");
+    }
+}

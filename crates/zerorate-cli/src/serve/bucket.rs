@@ -1,0 +1,66 @@
+//! A limit on how often something may be done.
+
+use std::time::{Duration, Instant};
+
+/// So many at once, and so many a second in the long run.
+#[derive(Debug)]
+pub struct Bucket {
+    most: f64,
+    per_s: f64,
+    left: f64,
+    at: Instant,
+}
+
+impl Bucket {
+    /// A full one.
+    pub fn new(most: u32, per_s: f64, now: Instant) -> Self {
+        Self { most: most.into(), per_s, left: most.into(), at: now }
+    }
+
+    /// Takes one, or says how long it is until there is one.
+    pub fn take(&mut self, now: Instant) -> Result<(), Duration> {
+        self.fill(now);
+        if self.left < 1.0 {
+            return Err(Duration::from_secs_f64((1.0 - self.left) / self.per_s));
+        }
+        self.left -= 1.0;
+        Ok(())
+    }
+
+    /// Takes one, be there one or not: when the next may be taken.
+    pub fn borrow(&mut self, now: Instant) -> Instant {
+        self.fill(now);
+        self.left -= 1.0;
+        now + Duration::from_secs_f64((-self.left).max(0.0) / self.per_s)
+    }
+
+    fn fill(&mut self, now: Instant) {
+        let passed_s = now.saturating_duration_since(self.at).as_secs_f64();
+        self.left = (self.left + passed_s * self.per_s).min(self.most);
+        self.at = now;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_burst_is_given_and_then_so_many_a_second() {
+        let began = Instant::now();
+        let at = |ms| began + Duration::from_millis(ms);
+        let mut bucket = Bucket::new(3, 10.0, began);
+        assert!((0..3).all(|_| bucket.take(at(0)).is_ok()));
+        assert_eq!(bucket.take(at(0)), Err(Duration::from_millis(100)));
+        assert_eq!(bucket.take(at(100)), Ok(()));
+        assert!(bucket.take(at(150)).is_err());
+        // it holds no more than a burst, however long nobody came
+        assert_eq!((0..10).filter(|_| bucket.take(at(3_600_000)).is_ok()).count(), 3);
+        let mut patient = Bucket::new(2, 10.0, began);
+        let mut now = began;
+        for _ in 0..12 {
+            now = patient.borrow(now);
+        }
+        assert_eq!(now, at(1000), "two at once, and ten in a second");
+    }
+}

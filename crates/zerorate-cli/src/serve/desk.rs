@@ -1,0 +1,323 @@
+//! The thread of the session: samples in, frames out, and requests in between.
+
+use super::device::{self, Fed, Feed, Opened, Opener, Opening};
+use super::{Folder, Recordings};
+use crate::acquire;
+use crate::commands::probe::Examination;
+use crate::output::say;
+use anyhow::Result;
+use axum::body::Bytes;
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::time::{Duration, Instant};
+use tokio::sync::{broadcast, oneshot};
+use zerorate_host::{Awaited, Bus, DeviceError, Hub, Losses, Stop};
+use zerorate_web::message::DeviceState;
+use zerorate_web::session::{Asked, HostWish, Session};
+
+/// Time between two frames.
+const FRAME: Duration = Duration::from_millis(33);
+/// Requests wait no longer than this where no samples come.
+const TURN: Duration = Duration::from_millis(10);
+/// A part that is gone is looked for this often.
+const RETRY: Duration = Duration::from_secs(3);
+/// Frames that a browser may be behind: a second.
+const BEHIND: usize = 32;
+/// Visits that wait; each connection has one at most.
+const QUEUE: usize = 256;
+/// Visits between two looks at the samples.
+const VISITS: usize = 64;
+
+/// What somebody comes to the desk for.
+pub enum Visit {
+    /// To have a request answered.
+    Ask(String, oneshot::Sender<String>),
+    /// To see everything, and from there on what is new.
+    Watch(oneshot::Sender<Begun>),
+}
+
+/// All there is by now, and what follows it.
+pub struct Begun {
+    pub snapshot: Bytes,
+    pub frames: broadcast::Receiver<Bytes>,
+}
+
+/// Where visits are handed in.
+pub type Visits = SyncSender<Visit>;
+
+/// The session, the device, and who waits.
+pub struct Desk {
+    session: Session,
+    opener: Opener,
+    device: Device,
+    speed: f64,
+    recordings: Recordings,
+    folder: Folder,
+    visits: Receiver<Visit>,
+    frames: broadcast::Sender<Bytes>,
+    newcomers: Vec<oneshot::Sender<Begun>>,
+    framed: Instant,
+    failure: Option<anyhow::Error>,
+}
+
+enum Device {
+    /// Nobody reads it yet.
+    Opened(Arc<Hub>, Option<Bus>),
+    Opening(Opening),
+    Reading(Box<Reading>),
+    /// There is nothing to read; a real part is looked for again.
+    Over {
+        hub: Option<Arc<Hub>>,
+        again: Option<Instant>,
+    },
+}
+
+struct Reading {
+    hub: Arc<Hub>,
+    feed: Feed,
+    examination: Option<Examination>,
+    losses: Losses,
+    doubts: usize,
+}
+
+impl Reading {
+    fn of(hub: Arc<Hub>, bus: Option<Bus>) -> Self {
+        let examination = Some(Examination::new(hub.facts(), bus));
+        Self { feed: Feed::of(&hub), hub, examination, losses: Losses::default(), doubts: 0 }
+    }
+}
+
+impl Desk {
+    /// For a device that was opened and is not read yet; where visits are handed in.
+    pub fn new(opener: Opener, opened: Opened, recordings: Recordings, folder: Folder) -> (Self, Visits) {
+        let (hand_in, visits) = sync_channel(QUEUE);
+        let (frames, _) = broadcast::channel(BEHIND);
+        let desk = Self {
+            session: Session::new(opened.about),
+            opener,
+            device: Device::Opened(opened.hub, opened.bus),
+            speed: 1.0,
+            recordings,
+            folder,
+            visits,
+            frames,
+            newcomers: Vec::new(),
+            framed: Instant::now(),
+            failure: None,
+        };
+        (desk, hand_in)
+    }
+
+    /// Session and calibrations on file, before anything is read.
+    pub fn shelf(&mut self) -> (&mut Session, &mut Folder) {
+        (&mut self.session, &mut self.folder)
+    }
+
+    /// Begins to read the device that was opened.
+    ///
+    /// # Errors
+    /// The recording cannot begin.
+    pub fn begin(&mut self) -> Result<()> {
+        if !self.folder.is_there() {
+            let how = "start it with --folder DIR to keep them";
+            self.session.note(&format!("not-kept: calibrations made here are lost when the program ends; {how}"));
+        }
+        match std::mem::replace(&mut self.device, Device::Over { hub: None, again: None }) {
+            Device::Opened(hub, bus) => self.read(hub, bus),
+            _ => Ok(()),
+        }
+    }
+
+    fn read(&mut self, hub: Arc<Hub>, bus: Option<Bus>) -> Result<()> {
+        self.recordings.begin(&hub)?;
+        let reading = Reading::of(hub, bus);
+        device::begin(&reading.hub, self.speed)?;
+        self.device = Device::Reading(Box::new(reading));
+        self.session.state(DeviceState::Reading);
+        Ok(())
+    }
+
+    /// Goes on until the wish to end, and ends what is recorded.
+    ///
+    /// # Errors
+    /// What went wrong with a recording.
+    pub fn run(mut self, stop: &Stop) -> Result<()> {
+        while !stop.asked() {
+            self = self.turn(stop);
+        }
+        self.device = Device::Over { hub: None, again: None };
+        let ended = self.recordings.end();
+        self.failure.map_or(ended, Err)
+    }
+
+    fn turn(mut self, stop: &Stop) -> Self {
+        match &self.device {
+            Device::Reading(reading) => match reading.feed.next_within(TURN) {
+                Awaited::Samples(fed) => self.take(&fed),
+                Awaited::Nothing => {}
+                Awaited::End if stop.asked() => return self,
+                Awaited::End => self.end_reading(),
+            },
+            Device::Opening(_) => {
+                std::thread::sleep(TURN);
+                self = self.look_at_opening();
+            }
+            Device::Opened(..) => {}
+            Device::Over { again, .. } => {
+                if again.is_some_and(|again| Instant::now() >= again) {
+                    self.open_again();
+                }
+                std::thread::sleep(TURN);
+            }
+        }
+        self.receive();
+        self.folder.keep(&mut self.session);
+        if let Some(error) = self.recordings.failure() {
+            self.note_failure(error);
+        }
+        if self.framed.elapsed() >= FRAME {
+            self.frame();
+        }
+        self
+    }
+
+    fn take(&mut self, fed: &Fed) {
+        let Device::Reading(reading) = &mut self.device else { return };
+        let (session, batch) = (&mut self.session, &fed.batch);
+        if fed.missed > 0 {
+            session.missed(fed.missed);
+        }
+        for row in &batch.rows {
+            session.take(row);
+        }
+        session.truths(&batch.truths);
+        for note in &batch.notes {
+            say(format_args!("warning: {note}"));
+            session.note(note);
+        }
+        for doubt in batch.doubts.iter().skip(reading.doubts) {
+            session.note(doubt);
+        }
+        reading.doubts = batch.doubts.len();
+        if reading.losses != batch.losses {
+            reading.losses = batch.losses;
+            acquire::lost_on_the_way(batch.losses).for_each(|note| session.note(&note));
+        }
+        if let Some(examination) = &mut reading.examination
+            && let Some(checks) = examination.push(&batch.rows, batch.losses)
+        {
+            session.checked(checks);
+            reading.examination = None;
+        }
+    }
+
+    /// The recording ended, or the device failed.
+    fn end_reading(&mut self) {
+        let Device::Reading(reading) = &self.device else { return };
+        let hub = Arc::clone(&reading.hub);
+        let (failure, is_real) = (hub.failure(), hub.facts().is_real);
+        let again = (failure.is_some() && is_real).then(|| Instant::now() + RETRY);
+        self.device = Device::Over { hub: Some(hub), again };
+        match failure {
+            None => self.session.state(DeviceState::Ended),
+            Some(error) => self.fail(&error.into()),
+        }
+        if let Err(error) = self.recordings.end() {
+            self.note_failure(error);
+        }
+    }
+
+    fn fail(&mut self, error: &anyhow::Error) {
+        let why = format!("{error:#}");
+        say(format_args!("the device cannot be read: {why}"));
+        self.session.state(DeviceState::Failed { why });
+    }
+
+    fn note_failure(&mut self, error: anyhow::Error) {
+        let note = format!("not-recorded: the recording ended: {error:#}");
+        say(format_args!("warning: {note}"));
+        self.session.note(&note);
+        self.failure.get_or_insert(error);
+    }
+
+    fn open_again(&mut self) {
+        let hub = match std::mem::replace(&mut self.device, Device::Over { hub: None, again: None }) {
+            Device::Reading(reading) => Some(reading.hub),
+            Device::Opened(hub, _) => Some(hub),
+            Device::Over { hub, .. } => hub,
+            opening @ Device::Opening(_) => {
+                self.device = opening;
+                return;
+            }
+        };
+        self.device = Device::Opening(self.opener.open_again(hub));
+        self.session.state(DeviceState::Opening);
+    }
+
+    fn look_at_opening(mut self) -> Self {
+        let Device::Opening(opening) = &self.device else { return self };
+        match opening.ready() {
+            None => self,
+            Some(Ok(Opened { hub, about, bus })) => {
+                self.session = self.session.reopened(about);
+                if let Err(error) = self.read(hub, bus) {
+                    self.note_failure(error);
+                }
+                self
+            }
+            Some(Err(error)) => {
+                let is_of_device = error.is::<DeviceError>();
+                self.device = Device::Over { hub: None, again: is_of_device.then(|| Instant::now() + RETRY) };
+                self.fail(&error);
+                self
+            }
+        }
+    }
+
+    fn receive(&mut self) {
+        for _ in 0..VISITS {
+            match self.visits.try_recv() {
+                // who asked may be gone
+                Ok(Visit::Ask(request, answer)) => drop(answer.send(self.answer(&request))),
+                Ok(Visit::Watch(begin)) => self.newcomers.push(begin),
+                Err(_) => return,
+            }
+        }
+    }
+
+    fn answer(&mut self, request: &str) -> String {
+        match self.session.ask(request) {
+            Asked::Answer(answer) => answer,
+            Asked::Host { id, wish } => {
+                match wish {
+                    HostWish::Speed(factor) => self.set_speed(factor),
+                    HostWish::Reopen => self.open_again(),
+                }
+                self.session.done(id, Ok(()))
+            }
+        }
+    }
+
+    fn set_speed(&mut self, factor: f64) {
+        self.speed = factor;
+        if let Device::Reading(reading) = &self.device {
+            reading.hub.speed().set(factor);
+        }
+        self.session.speed(factor);
+    }
+
+    /// What is new goes to all; who came since the last frame gets all there is, which is the same to all of them.
+    fn frame(&mut self) {
+        self.framed = Instant::now();
+        if let Some(frame) = self.session.frame() {
+            // nobody may be there
+            let _ = self.frames.send(frame.into());
+        }
+        if !self.newcomers.is_empty() {
+            let snapshot = Bytes::from(self.session.snapshot());
+            for newcomer in self.newcomers.drain(..) {
+                let _ = newcomer.send(Begun { snapshot: snapshot.clone(), frames: self.frames.subscribe() });
+            }
+        }
+    }
+}

@@ -1,0 +1,268 @@
+//! Who may talk to the server: whoever came to it by its own name, from its own page, and knows the token where there
+//! is one.
+
+use crate::exit::Usage;
+use anyhow::{Context, Result, anyhow};
+use axum::http::uri::Authority;
+use axum::http::{HeaderMap, HeaderName, Method, StatusCode, header};
+use std::net::{IpAddr, SocketAddr};
+use std::path::Path;
+use std::{fmt, fs};
+use subtle::ConstantTimeEq;
+
+/// A secret that a browser must show before it sees samples.
+pub struct Token(String);
+
+/// 128 bits, which nobody guesses.
+const TOKEN_BYTES: usize = 16;
+/// A token of one's own has so many characters.
+const TOKEN_LENGTHS: std::ops::RangeInclusive<usize> = 16..=256;
+
+impl Token {
+    /// By the random numbers of the operating system.
+    pub fn random() -> Result<Self> {
+        let mut bytes = [0; TOKEN_BYTES];
+        getrandom::fill(&mut bytes).map_err(|error| anyhow!("no random numbers for the token: {error}"))?;
+        Ok(Self(bytes.iter().map(|byte| format!("{byte:02x}")).collect()))
+    }
+
+    /// The first line of a file.
+    pub fn read(path: &Path) -> Result<Self> {
+        let text = fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
+        let token = text.lines().next().unwrap_or_default().trim();
+        let fits = TOKEN_LENGTHS.contains(&token.len()) && token.bytes().all(|byte| byte.is_ascii_alphanumeric());
+        if !fits {
+            let how = "a token is 16 to 256 letters and digits in one line, as `openssl rand -hex 16` writes one";
+            return Err(Usage(format!("{}: {how}", path.display())).into());
+        }
+        Ok(Self(token.to_owned()))
+    }
+
+    /// Whether somebody knows it; takes as long whatever is wrong with theirs.
+    pub fn is(&self, shown: &str) -> bool {
+        self.0.as_bytes().ct_eq(shown.as_bytes()).into()
+    }
+
+    /// For whom it is printed or sent.
+    pub fn reveal(&self) -> &str {
+        &self.0
+    }
+}
+
+impl fmt::Debug for Token {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("Token")
+    }
+}
+
+/// What a request must fulfil.
+#[derive(Debug)]
+pub struct Guard {
+    token: Option<Token>,
+    is_local: bool,
+    /// Names that the machine is known by, beside its numbers.
+    names: Vec<String>,
+    cookie: String,
+}
+
+/// Why a request is refused.
+pub type Refusal = (StatusCode, &'static str);
+
+const NOT_OUR_NAME: Refusal = (
+    StatusCode::MISDIRECTED_REQUEST,
+    "this is not a name of this server (a site may have bent its own name to here): use its number, or start it with \
+     --host NAME\n",
+);
+const NOT_OUR_PAGE: Refusal = (StatusCode::FORBIDDEN, "only the page of this server may ask\n");
+const NO_TOKEN: Refusal = (StatusCode::UNAUTHORIZED, "the token is needed that was printed when the server started\n");
+const NO_SUCH_METHOD: Refusal = (StatusCode::METHOD_NOT_ALLOWED, "GET and HEAD alone, and POST of the token\n");
+const NO_BODY: Refusal = (StatusCode::PAYLOAD_TOO_LARGE, "a request here has no body\n");
+
+const FETCH_SITE: HeaderName = HeaderName::from_static("sec-fetch-site");
+const FETCH_MODE: HeaderName = HeaderName::from_static("sec-fetch-mode");
+
+impl Guard {
+    /// Of a server at this address; a token is needed wherever others can reach it.
+    pub fn new(address: SocketAddr, token: Option<Token>, names: Vec<String>) -> Self {
+        let cookie = format!("zerorate_{}", address.port());
+        Self { token, is_local: address.ip().is_loopback(), names, cookie }
+    }
+
+    /// The token, where one is needed.
+    pub fn token(&self) -> Option<&Token> {
+        self.token.as_ref()
+    }
+
+    /// What every request must fulfil: our own name, our own page, and nothing in it that nobody reads.
+    pub fn check(&self, method: &Method, path: &str, headers: &HeaderMap) -> Result<(), Refusal> {
+        let host = self.own_name(headers)?;
+        from_own_page(method, host, headers)?;
+        match *method {
+            Method::GET | Method::HEAD if has_body(headers) => Err(NO_BODY),
+            Method::GET | Method::HEAD => Ok(()),
+            Method::POST if path == "/token" => Ok(()),
+            _ => Err(NO_SUCH_METHOD),
+        }
+    }
+
+    /// What samples and requests must fulfil beside: the token, where one is needed.
+    pub fn admit(&self, headers: &HeaderMap) -> Result<(), Refusal> {
+        let Some(token) = &self.token else { return Ok(()) };
+        if self.shown(headers).any(|shown| token.is(shown)) { Ok(()) } else { Err(NO_TOKEN) }
+    }
+
+    /// The cookie that stands for the token: for this server, and for no script.
+    pub fn cookie(&self) -> Option<String> {
+        let token = self.token.as_ref()?.reveal();
+        Some(format!("{}={token}; Path=/; HttpOnly; SameSite=Strict", self.cookie))
+    }
+
+    /// Tokens in the cookie or as `Authorization: Bearer`, which is for programs.
+    fn shown<'a>(&'a self, headers: &'a HeaderMap) -> impl Iterator<Item = &'a str> {
+        let texts = |name| headers.get_all(name).iter().filter_map(|value| value.to_str().ok());
+        let cookies = texts(header::COOKIE).flat_map(|value| value.split(';'));
+        let in_cookies = cookies.filter_map(|cookie| cookie.trim().strip_prefix(&*self.cookie)?.strip_prefix('='));
+        in_cookies.chain(texts(header::AUTHORIZATION).filter_map(|value| value.strip_prefix("Bearer ")))
+    }
+
+    /// Against DNS rebinding: a site that lets its own name point here is known by that name. A number has no such
+    /// owner. Ports do not matter: they may be forwarded.
+    fn own_name<'a>(&self, headers: &'a HeaderMap) -> Result<&'a str, Refusal> {
+        let mut all = headers.get_all(header::HOST).iter();
+        let (Some(host), None) = (all.next().and_then(|host| host.to_str().ok()), all.next()) else {
+            return Err(NOT_OUR_NAME);
+        };
+        let authority: Authority = host.parse().map_err(|_| NOT_OUR_NAME)?;
+        let name = authority.host().trim_matches(['[', ']']);
+        let is_number = |ip: IpAddr| !self.is_local || ip.is_loopback();
+        let is_own = name.eq_ignore_ascii_case("localhost")
+            || name.parse().is_ok_and(is_number)
+            || self.names.iter().any(|own| own.eq_ignore_ascii_case(name));
+        if is_own && !host.contains('@') { Ok(host) } else { Err(NOT_OUR_NAME) }
+    }
+}
+
+/// A browser lets any site open a WebSocket to this machine, or post to it, but says which site that is.
+fn from_own_page(method: &Method, host: &str, headers: &HeaderMap) -> Result<(), Refusal> {
+    for origin in headers.get_all(header::ORIGIN) {
+        let of = origin.to_str().ok().and_then(|origin| origin.split_once("://"));
+        if !of.is_some_and(|(scheme, of)| matches!(scheme, "http" | "https") && of.eq_ignore_ascii_case(host)) {
+            return Err(NOT_OUR_PAGE);
+        }
+    }
+    let is = |name, text: &str| headers.get(name).is_some_and(|value| value == text);
+    let told = headers.contains_key(FETCH_SITE);
+    let from_here = is(FETCH_SITE, "same-origin") || is(FETCH_SITE, "none");
+    // a link on another site may lead here
+    let follows_link = is(FETCH_MODE, "navigate") && method == Method::GET;
+    if told && !from_here && !follows_link { Err(NOT_OUR_PAGE) } else { Ok(()) }
+}
+
+fn has_body(headers: &HeaderMap) -> bool {
+    let is_empty = |length: &header::HeaderValue| length == "0";
+    headers.contains_key(header::TRANSFER_ENCODING)
+        || headers.get_all(header::CONTENT_LENGTH).iter().any(|length| !is_empty(length))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use axum::http::HeaderValue;
+
+    fn guard(listen: &str, names: &[&str]) -> Guard {
+        let token = Token("0123456789abcdef".to_owned());
+        let listen: SocketAddr = listen.parse().unwrap();
+        let token = (!listen.ip().is_loopback()).then_some(token);
+        Guard::new(listen, token, names.iter().map(ToString::to_string).collect())
+    }
+
+    fn headers(all: &[(&'static str, &'static str)]) -> HeaderMap {
+        let pair = |&(name, value)| (HeaderName::from_static(name), HeaderValue::from_static(value));
+        let mut headers = HeaderMap::new();
+        for (name, value) in all.iter().map(pair) {
+            headers.append(name, value);
+        }
+        headers
+    }
+
+    fn get(guard: &Guard, all: &[(&'static str, &'static str)]) -> Option<StatusCode> {
+        guard.check(&Method::GET, "/ws", &headers(all)).err().map(|(status, _)| status)
+    }
+
+    #[test]
+    fn only_a_name_of_its_own_leads_here() {
+        let local = guard("127.0.0.1:8130", &["bench.local"]);
+        for own in ["127.0.0.1:8130", "localhost:9000", "LOCALHOST", "[::1]:8130", "127.1.2.3", "bench.local:8130"] {
+            assert_eq!(get(&local, &[("host", own)]), None, "{own}");
+        }
+        let foreign = ["evil.example:8130", "192.168.1.5:8130", "localhost.evil.example", "a@localhost", "", "x y"];
+        for foreign in foreign {
+            assert_eq!(get(&local, &[("host", foreign)]), Some(StatusCode::MISDIRECTED_REQUEST), "{foreign}");
+        }
+        let twice = [("host", "localhost"), ("host", "localhost")];
+        assert_eq!(get(&local, &twice).or(get(&local, &[])), Some(StatusCode::MISDIRECTED_REQUEST));
+        let open = guard("0.0.0.0:8130", &[]);
+        assert_eq!(get(&open, &[("host", "192.168.1.5:8130")]), None);
+        assert!(get(&open, &[("host", "evil.example")]).is_some());
+    }
+
+    #[test]
+    fn only_its_own_page_may_ask() {
+        let local = guard("127.0.0.1:8130", &[]);
+        let with = |more: &[(&'static str, &'static str)]| {
+            get(&local, &[&[("host", "localhost:8130")], more].concat()).is_none()
+        };
+        assert!(with(&[("origin", "http://localhost:8130")]));
+        assert!(with(&[("origin", "http://localhost:8130"), ("sec-fetch-site", "same-origin")]));
+        let others = ["http://evil.example", "http://localhost:3000", "null", "http://localhost", "localhost:8130"];
+        assert!(others.iter().all(|other| !with(&[("origin", other)])));
+        assert!(!with(&[("sec-fetch-site", "cross-site"), ("sec-fetch-mode", "no-cors")]));
+        assert!(!with(&[("sec-fetch-site", "same-site"), ("sec-fetch-mode", "cors")]));
+        // a link, and an address typed by hand
+        assert!(with(&[("sec-fetch-site", "cross-site"), ("sec-fetch-mode", "navigate")]));
+        assert!(with(&[("sec-fetch-site", "none"), ("sec-fetch-mode", "navigate")]));
+    }
+
+    #[test]
+    fn a_request_has_a_known_method_and_no_body() {
+        let local = guard("127.0.0.1:8130", &[]);
+        let of = |method: &Method, path: &str, more: &[(&'static str, &'static str)]| {
+            let all = headers(&[&[("host", "localhost")], more].concat());
+            local.check(method, path, &all).err().map(|(status, _)| status.as_u16())
+        };
+        assert_eq!(of(&Method::GET, "/", &[("content-length", "0")]), None);
+        assert_eq!(of(&Method::GET, "/", &[("content-length", "1")]), Some(413));
+        assert_eq!(of(&Method::GET, "/", &[("transfer-encoding", "chunked")]), Some(413));
+        assert_eq!(of(&Method::POST, "/token", &[("content-length", "32")]), None);
+        assert_eq!(of(&Method::POST, "/", &[]), Some(405));
+        assert_eq!(of(&Method::DELETE, "/token", &[]), Some(405));
+    }
+
+    #[test]
+    fn a_token_comes_in_a_cookie_or_a_header() {
+        let open = guard("0.0.0.0:8130", &[]);
+        let admitted = |all: &[(&'static str, &'static str)]| open.admit(&headers(all)).is_ok();
+        assert!(admitted(&[("cookie", "a=b; zerorate_8130=0123456789abcdef")]));
+        assert!(admitted(&[("authorization", "Bearer 0123456789abcdef")]));
+        let wrong = ["zerorate_8130=", "zerorate_8130=0123456789abcdee", "zerorate_8131=0123456789abcdef"];
+        assert!(wrong.iter().all(|wrong| !admitted(&[("cookie", wrong)])) && !admitted(&[]));
+        assert!(!admitted(&[("authorization", "0123456789abcdef")]));
+        let cookie = open.cookie().unwrap();
+        assert!(cookie.ends_with("HttpOnly; SameSite=Strict"), "{cookie}");
+        assert!(guard("127.0.0.1:8130", &[]).admit(&headers(&[])).is_ok());
+    }
+
+    #[test]
+    fn a_token_is_random_and_nobody_prints_it_by_accident() {
+        let (one, other) = (Token::random().unwrap(), Token::random().unwrap());
+        assert!(one.reveal().len() == 32 && one.reveal() != other.reveal());
+        assert!(one.is(one.reveal()) && !one.is(other.reveal()) && !one.is(""));
+        assert!(!format!("{:?}", Guard::new(([0, 0, 0, 0], 1).into(), Some(one), vec![])).contains(other.reveal()));
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("token");
+        for (text, fits) in [("0123456789abcdef\n", true), ("short\n", false), ("0123456789abcde;\n", false)] {
+            fs::write(&path, text).unwrap();
+            assert_eq!(Token::read(&path).is_ok(), fits, "{text}");
+        }
+    }
+}

@@ -1,0 +1,25 @@
+//! The live page: one thread reads the device, one keeps the session of the page, one talks to browsers. The session
+//! has every sample; browsers have what they can take, and are never waited for.
+//!
+//! `desk.rs` is the session's thread, with the device (`device.rs`), its recordings (`recordings.rs`) and the
+//! calibrations on disk (`folder.rs`). `server.rs` takes connections and asks the guard (`guard.rs`) about each
+//! request; `watch.rs`, `page.rs` and `metrics.rs` answer them.
+
+mod bucket;
+mod desk;
+mod device;
+mod folder;
+mod guard;
+mod metrics;
+mod page;
+mod recordings;
+mod server;
+mod watch;
+
+pub use desk::Desk;
+pub use device::Opener;
+pub use folder::Folder;
+pub use guard::{Guard, Token};
+pub use page::{ABSENT, is_there as has_page};
+pub use recordings::Recordings;
+pub use server::run;

@@ -1,0 +1,116 @@
+//! The files of the page, which are in the program: a request names one of a table, and nothing else.
+
+use axum::body::Bytes;
+use axum::http::{HeaderMap, HeaderValue, StatusCode, Uri, header};
+use axum::response::{IntoResponse, Response};
+use flate2::read::GzDecoder;
+use std::io::Read;
+
+/// A file, packed by gzip: unlike brotli, browsers take that from any host over plain HTTP.
+struct Asset {
+    name: &'static str,
+    /// Of its content, for caches.
+    tag: &'static str,
+    packed: &'static [u8],
+}
+
+/// What the build found of the page; empty without it.
+static PAGE: &[Asset] = include!(concat!(env!("OUT_DIR"), "/page.rs"));
+
+/// Whether the page is in this program.
+pub fn is_there() -> bool {
+    !PAGE.is_empty()
+}
+
+/// What is said where it is not.
+pub const ABSENT: &str = "this program was built without its page: run `cargo xtask web`, then build it again";
+
+/// The file that is asked for.
+pub async fn file(uri: Uri, headers: HeaderMap) -> Response {
+    let name = match uri.path().trim_start_matches('/') {
+        "" => "index.html",
+        name => name,
+    };
+    match PAGE.iter().find(|asset| asset.name == name) {
+        Some(asset) => asset.response(&headers),
+        None if is_there() => (StatusCode::NOT_FOUND, "no such file\n").into_response(),
+        None => (StatusCode::NOT_FOUND, format!("{ABSENT}\n")).into_response(),
+    }
+}
+
+impl Asset {
+    fn response(&self, headers: &HeaderMap) -> Response {
+        let mut response = if headers.get(header::IF_NONE_MATCH).is_some_and(|tag| tag == self.tag) {
+            StatusCode::NOT_MODIFIED.into_response()
+        } else if takes_gzip(headers) {
+            let packed = Bytes::from_static(self.packed);
+            ([(header::CONTENT_ENCODING, "gzip")], packed).into_response()
+        } else {
+            self.unpacked().into_response()
+        };
+        let own = response.headers_mut();
+        own.insert(header::CONTENT_TYPE, HeaderValue::from_static(media_type(self.name)));
+        own.insert(header::ETAG, HeaderValue::from_static(self.tag));
+        own.insert(header::VARY, HeaderValue::from_static("accept-encoding"));
+        // it belongs to this program: another one may answer here tomorrow
+        own.insert(header::CACHE_CONTROL, HeaderValue::from_static("no-cache"));
+        response
+    }
+
+    fn unpacked(&self) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        // packed by the build
+        let _ = GzDecoder::new(self.packed).read_to_end(&mut bytes);
+        bytes
+    }
+}
+
+fn takes_gzip(headers: &HeaderMap) -> bool {
+    let accepted = headers.get_all(header::ACCEPT_ENCODING).iter().filter_map(|value| value.to_str().ok());
+    accepted.flat_map(|value| value.split(',')).any(|coding| {
+        let (name, weight) = coding.split_once(';').unwrap_or((coding, ""));
+        name.trim().eq_ignore_ascii_case("gzip") && !matches!(weight.trim(), "q=0" | "q=0.0")
+    })
+}
+
+fn media_type(name: &str) -> &'static str {
+    match name.rsplit('.').next() {
+        Some("html") => "text/html; charset=utf-8",
+        Some("js" | "mjs") => "text/javascript; charset=utf-8",
+        Some("css") => "text/css; charset=utf-8",
+        Some("wasm") => "application/wasm",
+        Some("json" | "map") => "application/json",
+        Some("webmanifest") => "application/manifest+json",
+        Some("svg") => "image/svg+xml",
+        Some("png") => "image/png",
+        Some("webp") => "image/webp",
+        Some("txt" | "md") => "text/plain; charset=utf-8",
+        _ => "application/octet-stream",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn headers(accepted: &'static str) -> HeaderMap {
+        HeaderMap::from_iter([(header::ACCEPT_ENCODING, HeaderValue::from_static(accepted))])
+    }
+
+    #[test]
+    fn packed_bytes_go_to_whom_takes_them_alone() {
+        assert!(["gzip", "deflate, GZIP;q=0.5, br", "br , gzip"].map(headers).iter().all(takes_gzip));
+        assert!(!["", "br", "gzip;q=0", "xgzip"].map(headers).iter().any(takes_gzip));
+        let mut packer = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::best());
+        std::io::Write::write_all(&mut packer, b"body {}").unwrap();
+        let packed: &'static [u8] = packer.finish().unwrap().leak();
+        let asset = Asset { name: "a.css", tag: "\"1\"", packed };
+        assert_eq!(asset.unpacked(), b"body {}");
+        let whole = asset.response(&headers("br"));
+        assert!(whole.headers().get(header::CONTENT_ENCODING).is_none());
+        assert_eq!(whole.headers()[header::CONTENT_TYPE], "text/css; charset=utf-8");
+        assert_eq!(asset.response(&headers("gzip")).headers()[header::CONTENT_ENCODING], "gzip");
+        let known = HeaderMap::from_iter([(header::IF_NONE_MATCH, HeaderValue::from_static("\"1\""))]);
+        assert_eq!(asset.response(&known).status(), StatusCode::NOT_MODIFIED);
+    }
+}

@@ -1,0 +1,124 @@
+//! A browser that looks on, through a WebSocket: frames to it, requests from it.
+
+use super::bucket::Bucket;
+use super::desk::{Begun, Visit, Visits};
+use super::server::{Connection, Server};
+use axum::Extension;
+use axum::body::Bytes;
+use axum::extract::State;
+use axum::extract::ws::{CloseFrame, Message, WebSocket, WebSocketUpgrade, close_code};
+use axum::http::StatusCode;
+use axum::response::{IntoResponse, Response};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+use tokio::sync::broadcast::error::RecvError;
+use tokio::sync::oneshot;
+use tokio::time;
+
+/// Who takes nothing for so long is dropped, and comes again.
+const PATIENCE: Duration = Duration::from_secs(5);
+/// Largest message of a page: a calibration file, and some.
+const MESSAGE: usize = 1 << 20;
+/// Requests at once, and in a second; what comes faster waits.
+const BURST: u32 = 40;
+const REQUESTS_PER_S: f64 = 20.0;
+
+/// Begins to look on.
+pub async fn watch(
+    State(server): State<Arc<Server>>,
+    Extension(connection): Extension<Arc<Connection>>,
+    upgrade: WebSocketUpgrade,
+) -> Response {
+    let Ok(seat) = Arc::clone(&server.seats).try_acquire_owned() else {
+        return (StatusCode::SERVICE_UNAVAILABLE, "as many look on as may\n").into_response();
+    };
+    let upgrade = upgrade.max_message_size(MESSAGE).max_frame_size(MESSAGE).write_buffer_size(0);
+    upgrade.on_upgrade(async move |socket| {
+        Watch { socket, visits: server.visits.clone() }.serve().await;
+        drop((seat, connection));
+    })
+}
+
+/// All there is by now, and what follows; none where the desk has closed.
+pub async fn begin(visits: &Visits) -> Option<Begun> {
+    let (begin, begun) = oneshot::channel();
+    visits.try_send(Visit::Watch(begin)).ok()?;
+    begun.await.ok()
+}
+
+struct Watch {
+    socket: WebSocket,
+    visits: Visits,
+}
+
+impl Watch {
+    /// Until it leaves, stalls, or the desk closes. A page that misses frames gets everything anew.
+    async fn serve(mut self) {
+        let mut requests = Bucket::new(BURST, REQUESTS_PER_S, Instant::now());
+        while let Some(Begun { snapshot, mut frames }) = begin(&self.visits).await {
+            if !self.send(Message::Binary(snapshot)).await {
+                return;
+            }
+            let mut reads_at = time::Instant::now();
+            loop {
+                tokio::select! {
+                    frame = frames.recv() => match frame {
+                        Ok(frame) => {
+                            if !self.send(Message::Binary(frame)).await {
+                                return;
+                            }
+                        }
+                        Err(RecvError::Lagged(_)) => break,
+                        Err(RecvError::Closed) => return,
+                    },
+                    message = next(&mut self.socket, reads_at) => {
+                        let Some(message) = message else { return };
+                        if !self.heed(message).await {
+                            return;
+                        }
+                        reads_at = requests.borrow(Instant::now()).into();
+                    }
+                }
+            }
+        }
+    }
+
+    /// False where it cannot take it in time.
+    async fn send(&mut self, message: Message) -> bool {
+        matches!(time::timeout(PATIENCE, self.socket.send(message)).await, Ok(Ok(())))
+    }
+
+    /// False where that was the last message.
+    async fn heed(&mut self, message: Message) -> bool {
+        match message {
+            Message::Text(request) => {
+                let (answer, answered) = oneshot::channel();
+                if self.visits.try_send(Visit::Ask(request.to_string(), answer)).is_err() {
+                    return false;
+                }
+                match answered.await {
+                    Ok(answer) => self.send(Message::Text(answer.into())).await,
+                    Err(_) => false,
+                }
+            }
+            Message::Binary(_) => {
+                let reason = "requests are text".into();
+                self.send(Message::Close(Some(CloseFrame { code: close_code::UNSUPPORTED, reason }))).await;
+                false
+            }
+            Message::Close(_) => false,
+            Message::Ping(_) | Message::Pong(_) => true,
+        }
+    }
+}
+
+/// The next message, not before a time.
+async fn next(socket: &mut WebSocket, at: time::Instant) -> Option<Message> {
+    time::sleep_until(at).await;
+    socket.recv().await?.ok()
+}
+
+/// Everything the desk knows, once.
+pub async fn snapshot(visits: &Visits) -> Option<Bytes> {
+    begin(visits).await.map(|begun| begun.snapshot)
+}

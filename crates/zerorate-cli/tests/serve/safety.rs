@@ -1,0 +1,209 @@
+//! What the server keeps from whom: each rule of docs/serve.md by a request that breaks it.
+
+use super::{LONG, Served};
+use crate::harness::Bench;
+use serde_json::json;
+use std::io::{Read, Write};
+use std::net::TcpStream;
+use std::thread;
+use std::time::{Duration, Instant};
+use tungstenite::Message;
+
+fn code(answer: &str) -> u16 {
+    let status = answer.strip_prefix("HTTP/1.1 ").and_then(|rest| rest.get(..3));
+    status.and_then(|status| status.parse().ok()).unwrap_or_else(|| panic!("no status in {answer:?}"))
+}
+
+const UPGRADE: &str = "connection: upgrade\r\nupgrade: websocket\r\nsec-websocket-version: 13\r\n\
+    sec-websocket-key: dGhlIHNhbXBsZSBub25jZQ==\r\n";
+
+#[test]
+fn only_its_own_page_under_its_own_name_gets_in() {
+    let served = Served::start(&Bench::new(), "");
+    let own = format!("origin: http://localhost:{}\r\n", served.port);
+    for path in ["/home.json", "/metrics"] {
+        assert_eq!(code(&served.ask(&format!("GET {path}"), &own, "")), 200, "{path}");
+    }
+    for path in ["/", "/home.json", "/metrics", "/ws"] {
+        let get = format!("GET {path}");
+        // DNS rebinding
+        assert_eq!(code(&served.ask(&get, "host: evil.example\r\n", "")), 421, "{path}");
+        assert_eq!(code(&served.ask(&get, "origin: http://evil.example\r\n", "")), 403, "{path}");
+        assert_eq!(code(&served.ask(&get, "sec-fetch-site: cross-site\r\n", "")), 403, "{path}");
+    }
+    assert_eq!(code(&served.ask("POST /token", "origin: http://evil.example\r\n", "x")), 403);
+    assert_eq!(code(&served.raw(b"GET / HTTP/1.1\r\nconnection: close\r\n\r\n")), 421);
+    // cross-site WebSocket
+    for foreign in ["http://evil.example", "null", "http://localhost:1"] {
+        assert!(served.watch_with(&[("origin", foreign)]).is_err(), "{foreign}");
+    }
+    let own = format!("http://127.0.0.1:{}", served.port);
+    assert!(served.watch_with(&[("origin", &own)]).is_ok());
+}
+
+#[test]
+fn every_answer_carries_the_policy() {
+    let served = Served::start(&Bench::new(), "");
+    let answers = [
+        served.get("/"),
+        served.get("/nothing"),
+        served.get("/home.json"),
+        served.get("/metrics"),
+        served.ask("DELETE /", "", ""),
+        served.ask("GET /", "host: evil.example\r\n", ""),
+    ];
+    for answer in answers {
+        for line in [
+            "content-security-policy: default-src 'none'; ",
+            "x-content-type-options: nosniff",
+            "referrer-policy: no-referrer",
+        ] {
+            assert!(answer.contains(&format!("\r\n{line}")), "{line}\n{answer}");
+        }
+        let policy = answer.lines().find(|line| line.starts_with("content-security-policy")).expect("a policy");
+        assert!(policy.contains("frame-ancestors 'none'") && policy.contains("script-src 'self'"), "{policy}");
+        assert!(!policy.contains("unsafe-inline") && !policy.contains("'unsafe-eval'"), "{policy}");
+    }
+    assert!(served.get("/home.json").ends_with("{\"home\":\"served\",\"token_needed\":false}"));
+}
+
+#[test]
+fn no_path_leads_to_a_file() {
+    let bench = Bench::new();
+    bench.write("secret.txt", "hidden");
+    let served = Served::start(&bench, "");
+    let paths = [
+        "/../../../../../../etc/passwd",
+        "/%2e%2e/%2e%2e/%2e%2e/etc/passwd",
+        "//etc/passwd",
+        "/secret.txt",
+        "/./secret.txt",
+        "/..%5csecret.txt",
+        "/README.md",
+        "/%00",
+        "http://localhost/etc/passwd",
+    ];
+    for path in paths {
+        let answer = served.get(path);
+        assert!(!answer.contains("root:") && !answer.contains("hidden"), "{path}\n{answer}");
+        assert!([400, 404].contains(&code(&answer)), "{path}\n{answer}");
+    }
+}
+
+#[test]
+fn what_is_too_large_is_refused() {
+    let served = Served::start(&Bench::new(), "");
+    let long = format!("GET / HTTP/1.1\r\nhost: localhost\r\nx: {}\r\n\r\n", "y".repeat(1 << 20));
+    let many = format!("GET / HTTP/1.1\r\nhost: localhost\r\n{}\r\n", "x: y\r\n".repeat(1000));
+    for request in [long, many] {
+        let answer = served.raw(request.as_bytes());
+        assert!(answer.is_empty() || [400, 431].contains(&code(&answer)), "{answer}");
+    }
+    assert_eq!(code(&served.ask("GET /home.json", "", "body")), 413);
+    assert_eq!(code(&served.ask("POST /token", "", &"x".repeat(1 << 16))), 413);
+    let chunked = "POST /token HTTP/1.1\r\nhost: localhost\r\ntransfer-encoding: chunked\r\n\r\n800\r\n";
+    let answer = served.raw((chunked.to_owned() + &"x".repeat(0x800) + "\r\n").as_bytes());
+    assert_eq!(code(&answer), 413);
+    let mut page = served.watch();
+    page.frame();
+    // a message of two megabytes, and one that is no text
+    let large = Message::text("x".repeat(2 << 20));
+    let _ = page.socket.send(large);
+    let begun = Instant::now();
+    while page.socket.read().is_ok() {
+        assert!(begun.elapsed() < LONG, "it goes on");
+    }
+    let mut page = served.watch();
+    page.socket.send(Message::binary(vec![1, 2, 3])).expect("it is sent");
+    while page.socket.read().is_ok() {
+        assert!(begun.elapsed() < LONG, "it goes on");
+    }
+    served.watch().frame();
+}
+
+/// Each bound is a least time, which no slow machine makes shorter.
+#[test]
+fn what_comes_too_often_waits_or_is_refused() {
+    let served = Served::start(&Bench::new(), "");
+    let request = format!("GET /home.json HTTP/1.1\r\nhost: localhost:{}\r\n\r\n", served.port);
+    let answers = served.raw(request.repeat(150).as_bytes());
+    assert!(answers.contains("HTTP/1.1 200") && answers.contains("HTTP/1.1 429"), "{}", answers.len());
+    let mut page = served.watch();
+    let begun = Instant::now();
+    for id in 0..70 {
+        assert_eq!(page.ask(&json!({"id": id, "do": "zero-angle"}))["id"], id);
+    }
+    assert!(begun.elapsed() >= Duration::from_millis(1300), "{:?} for 40 at once and 20 a second", begun.elapsed());
+}
+
+#[test]
+fn who_does_not_go_on_is_not_waited_for() {
+    let served = Served::start(&Bench::new(), "");
+    let begin = |bytes: &[u8]| {
+        let mut stream = served.connect();
+        stream.write_all(bytes).expect("it is sent");
+        stream
+    };
+    let token = b"POST /token HTTP/1.1\r\nhost: localhost\r\ncontent-length: 32\r\n\r\n0123";
+    let slow: Vec<TcpStream> = [&b""[..], b"GET / HT", b"GET / HTTP/1.1\r\nhost: local", token].map(begin).into();
+    for mut stream in slow {
+        let mut rest = Vec::new();
+        let begun = Instant::now();
+        let ended = stream.read_to_end(&mut rest);
+        assert!(ended.is_ok() && begun.elapsed() < LONG / 2, "{ended:?} {}", String::from_utf8_lossy(&rest));
+    }
+}
+
+#[test]
+fn no_more_may_connect_than_there_is_room_for() {
+    let served = Served::start(&Bench::new(), "");
+    let pages: Vec<_> = (0..48).map(|_| served.watch()).collect();
+    assert!(served.watch_with(&[]).is_err(), "as many look on as may");
+    let others: Vec<TcpStream> = (0..60).map(|_| served.connect()).collect();
+    let begun = Instant::now();
+    assert_eq!(code(&served.get("/home.json")), 503);
+    drop((pages, others));
+    while served.watch_with(&[]).is_err() {
+        assert!(begun.elapsed() < LONG, "there is room again");
+        thread::sleep(Duration::from_millis(50));
+    }
+}
+
+#[test]
+fn whoever_comes_over_the_network_must_know_the_token() {
+    let served = Served::at(&Bench::new(), "0.0.0.0", "");
+    let (url, token) = served.url.split_once("#token=").expect("a token");
+    assert!(token.len() == 32 && !url.contains('?'), "{url}");
+    assert!(served.get("/home.json").ends_with("\"token_needed\":true}"));
+    for path in ["/metrics".to_owned(), format!("/metrics?token={token}"), "/ws".to_owned()] {
+        assert_eq!(code(&served.ask(&format!("GET {path}"), UPGRADE, "")), 401, "{path}");
+    }
+    let refused = served.watch_with(&[("cookie", &format!("zerorate_{}=x", served.port))]);
+    assert!(refused.is_err());
+    assert_eq!(code(&served.ask("POST /token", "", "0123456789abcdef0123456789abcdef")), 403);
+    let given = served.ask("POST /token", "", token);
+    assert_eq!(code(&given), 204);
+    let cookie = given.lines().find_map(|line| line.strip_prefix("set-cookie: ")).expect("a cookie");
+    assert!(cookie.contains("; HttpOnly") && cookie.contains("; SameSite=Strict"), "{cookie}");
+    let cookie = cookie.split(';').next().expect("a value");
+    served.watch_with(&[("cookie", cookie)]).expect("a WebSocket").frame();
+    let bearer = format!("authorization: Bearer {token}\r\n");
+    assert_eq!(code(&served.ask("GET /metrics", &bearer, "")), 200);
+    let with_cookie = served.ask("GET /home.json", &format!("cookie: {cookie}\r\n"), "");
+    assert!(with_cookie.ends_with("\"token_needed\":false}"));
+    // whoever tries many is slowed down, the right one too
+    assert!((0..20).any(|_| code(&served.ask("POST /token", "", "0")) == 429));
+    assert_eq!(served.said().try_iter().filter(|line| line.contains(token)).count(), 0, "it is printed once");
+}
+
+#[test]
+fn a_token_of_ones_own_can_be_given() {
+    let bench = Bench::new();
+    bench.write("token", "correcthorsebattery\n");
+    let served = Served::start(&bench, "--token-file token --host bench.local");
+    assert!(served.url.ends_with("#token=correcthorsebattery"), "{}", served.url);
+    assert_eq!(code(&served.ask("GET /metrics", "host: bench.local:80\r\n", "")), 401);
+    bench.write("weak", "1234\n");
+    let why = bench.zerorate("serve --listen 127.0.0.1:0 --token-file weak").fails(2);
+    assert!(why.contains("16 to 256"), "{why}");
+}

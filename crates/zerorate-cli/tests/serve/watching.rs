@@ -1,0 +1,156 @@
+//! Pages that look on.
+
+use super::{LONG, Served, Watch};
+use crate::harness::{Bench, Run, command};
+use serde_json::json;
+use std::fs;
+use std::net::TcpListener;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+use std::time::{Duration, Instant};
+
+/// The number of a line of `/metrics`.
+fn metric(served: &Served, name: &str) -> f64 {
+    let text = served.get("/metrics");
+    let line = text.lines().find_map(|line| line.strip_prefix(&format!("zerorate_{name} ")));
+    line.unwrap_or_else(|| panic!("no {name}:\n{text}")).parse().expect("a number")
+}
+
+fn wait_until(mut is: impl FnMut() -> bool) -> bool {
+    let begun = Instant::now();
+    while begun.elapsed() < LONG {
+        if is() {
+            return true;
+        }
+        thread::sleep(Duration::from_millis(100));
+    }
+    false
+}
+
+/// Frames that came until it was over.
+fn follow(page: &mut Watch, over: &AtomicBool) -> usize {
+    let mut frames = 0;
+    while !over.load(Ordering::Relaxed) {
+        page.frame();
+        frames += 1;
+    }
+    frames
+}
+
+/// Twenty pages, of which one takes nothing: its connection fills up and is dropped, the others go on, and the
+/// recording has every sample.
+#[test]
+fn nobody_who_looks_on_slows_the_recording() {
+    let bench = Bench::new();
+    let served = Served::start(&bench, "--device twin:seed=3 -o unit.arrows");
+    let mut pages: Vec<_> = (0..19).map(|_| served.watch()).collect();
+    let stalled = served.watch();
+    assert!(pages.iter_mut().all(|page| page.frame()["snapshot"] == true));
+    assert_eq!(pages[0].ask(&json!({"id": 1, "do": "speed", "factor": 60}))["ok"], json!({}));
+    assert_eq!(metric(&served, "watchers"), 20.0);
+    let over = AtomicBool::new(false);
+    thread::scope(|scope| {
+        let followers: Vec<_> = pages.iter_mut().map(|page| scope.spawn(|| follow(page, &over))).collect();
+        let dropped = wait_until(|| metric(&served, "watchers") < 20.0);
+        over.store(true, Ordering::Relaxed);
+        assert!(dropped, "who takes nothing is dropped");
+        for follower in followers {
+            assert!(follower.join().expect("frames") > 10);
+        }
+    });
+    assert_eq!((metric(&served, "watchers"), metric(&served, "up")), (19.0, 1.0));
+    let samples = metric(&served, "samples_total");
+    drop(stalled);
+    assert_eq!(served.interrupt().code(), Some(0));
+    let verified = bench.zerorate("verify unit.arrows --json").ended_with(0).json();
+    let recorded = &verified["files"][0];
+    assert!(recorded["rows"].as_f64().is_some_and(|rows| rows >= samples), "{samples} shown\n{verified}");
+    assert_eq!(recorded["lost"], 0, "{verified}");
+}
+
+#[test]
+fn requests_are_answered_and_calibrations_kept() {
+    let bench = Bench::new();
+    let unit = "schema = 1\npart = \"ADIS16130\"\n[correction]\npbc_dps = -0.25\nbtc_dps_per_c = -0.04\nt3_c = 31.5\n";
+    bench.write("first.toml", unit);
+    fs::create_dir(bench.path("shelf")).expect("a folder");
+    bench.write("shelf/old.toml", unit.replace("31.5", "30.5"));
+    bench.write("shelf/broken.toml", "schema = 7");
+    let served = Served::start(&bench, "--cal first.toml --folder shelf --device twin:seed=4");
+    let mut page = served.watch();
+    let first = page.until(|frame| frame["calibrations"].is_array());
+    let all = first["calibrations"].as_array().expect("calibrations");
+    let applied: Vec<_> = all.iter().filter(|one| one["applied"] == true).map(|one| &one["t3_c"]).collect();
+    assert_eq!((all.len(), applied), (2, vec![&json!(31.5)]));
+    assert!(first["device"]["registers"].as_array().is_some_and(|all| all.len() == 13), "{}", first["device"]);
+    assert_eq!(first["device"]["checks"][0]["ok"], true);
+
+    let added = page.ask(&json!({"id": 7, "do": "add-calibration", "toml": unit.replace("31.5", "29")}));
+    let id = added["ok"]["id"].as_str().expect("an id").to_owned();
+    assert_eq!((&added["id"], &added["ok"]["t3_c"]), (&json!(7), &json!(29.0)));
+    let kept = bench.path(&format!("shelf/calibration-{id}.toml"));
+    assert!(wait_until(|| kept.exists()), "{}", kept.display());
+    assert_eq!(page.ask(&json!({"id": 8, "do": "apply", "calibration": id}))["ok"], json!({}));
+    for wrong in [json!({"id": 9, "do": "fly"}), json!({"id": 9, "do": "apply", "calibration": "../../etc"})] {
+        let refused = page.ask(&wrong);
+        assert!(refused["id"] == 9 && refused["error"].is_string(), "{refused}");
+    }
+    // five seconds of samples have been looked at
+    page.ask(&json!({"id": 10, "do": "speed", "factor": 20}));
+    let checked = page.until(|frame| frame["device"]["checks"].as_array().is_some_and(|all| all.len() == 3));
+    let checks = &checked["device"]["checks"];
+    assert!((0..3).all(|check| checks[check]["ok"] == true), "{checks}");
+    assert_eq!(metric(&served, "samples_lost_total"), 0.0);
+    assert!(served.get("/metrics").contains("zerorate_corrected_rate_dps{axis="));
+}
+
+#[test]
+fn a_part_that_is_gone_is_said_to_be_and_can_be_opened_again() {
+    let bench = Bench::new();
+    let served = Served::start(&bench, "--device twin:seed=5,fault=unplug,fault_at_s=1 -o unit.csv");
+    let mut page = served.watch();
+    let failed = page.until(|frame| frame["device"]["state"]["is"] == "failed");
+    let why = failed["device"]["state"]["why"].as_str().expect("a reason");
+    assert!(why.contains("unplugged"), "{why}");
+    served.says("unit.csv: ");
+    assert_eq!(metric(&served, "up"), 0.0);
+    assert_eq!(page.ask(&json!({"id": 1, "do": "reopen"}))["ok"], json!({}));
+    page.until(|frame| frame["device"]["state"]["is"] == "reading");
+    assert_eq!(served.interrupt().code(), Some(0));
+    for file in ["unit.csv", "unit-2.csv"] {
+        bench.zerorate(&format!("verify {file}")).ended_with(0);
+    }
+}
+
+#[test]
+fn it_says_what_to_do_where_it_cannot_begin() {
+    let bench = Bench::new();
+    let taken = TcpListener::bind("127.0.0.1:0").expect("a port");
+    let address = taken.local_addr().expect("a port");
+    let why = Run::of(&mut command(&["serve", "--listen", &address.to_string()])).fails(1);
+    assert!(why.contains("something serves there already") && why.contains("--listen 127.0.0.1:"), "{why}");
+    let why = bench.zerorate("serve --listen 127.0.0.1:0 --device replay:nothing.arrows").fails(1);
+    assert!(why.contains("nothing.arrows"), "{why}");
+    bench.write("unit.arrows", "");
+    let why = bench.zerorate("serve --listen 127.0.0.1:0 -o unit.arrows").fails(2);
+    assert!(why.contains("unit.arrows"), "{why}");
+    let why = bench.zerorate("serve --listen 127.0.0.1:0 --cal nothing.toml").fails(1);
+    assert!(why.contains("nothing.toml"), "{why}");
+    bench.zerorate("serve --listen bench.local").fails(2);
+}
+
+/// A page connects again by itself, and sees all there is.
+#[test]
+fn a_server_that_was_restarted_takes_its_port_again() {
+    let bench = Bench::new();
+    let served = Served::start(&bench, "");
+    let (mut page, port) = (served.watch(), served.port);
+    page.frame();
+    assert_eq!(served.interrupt().code(), Some(0));
+    while page.socket.read().is_ok() {}
+    let again =
+        bench.command(&format!("serve --listen 127.0.0.1:{port}")).stderr(std::process::Stdio::piped()).spawn();
+    let mut again = again.expect("the program starts");
+    assert!(wait_until(|| std::net::TcpStream::connect(("127.0.0.1", port)).is_ok()));
+    again.kill().and_then(|()| again.wait()).expect("an end");
+}
