@@ -17,8 +17,8 @@ macro_rules! shell {
         };
         use crate::frame::{Frame, Framing, RESET_FRAME, com_read};
         use crate::registers::{
-            AdcStatus, Address, ChannelStatus, Checksum, Mode, RateData, RateStatus, Readable,
-            Register, Revision, TempData, TempStatus, Writable,
+            AdcStatus, Address, ChannelStatus, Checksum, Iop, Mode, RateConv, RateCs, RateData, RateStatus, Readable,
+            Register, Revision, TempConv, TempCs, TempData, TempStatus, Writable,
         };
         use crate::sample::{Edge, Sample};
         use crate::sampler::Sampler;
@@ -144,6 +144,26 @@ macro_rules! shell {
                 let width = self.mode().width();
                 let answer = self.exchange(R::ADDRESS, Frame::read::<R>(width))$($await)*?;
                 Ok(R::decode(answer, width))
+            }
+
+            /// Reads all registers as they are, in the order of their addresses. What waits in the data registers is
+            /// read by that, so that the edge it stands for brings no sample.
+            pub $($async)* fn read_all(&mut self) -> Result<[(Address, u32); 13], BusError<SPI::Error>> {
+                Ok([
+                    (Address::Iop, self.read_register::<Iop>()$($await)*?.bits().into()),
+                    (Address::Revision, self.read_register::<Revision>()$($await)*?.bits().into()),
+                    (Address::AdcStatus, self.read_register::<AdcStatus>()$($await)*?.bits().into()),
+                    (Address::Checksum, self.read_register::<Checksum>()$($await)*?.bits().into()),
+                    (Address::RateData, self.read_register::<RateData>()$($await)*?.code()),
+                    (Address::TempData, self.read_register::<TempData>()$($await)*?.code()),
+                    (Address::RateStatus, self.read_register::<RateStatus>()$($await)*?.bits().into()),
+                    (Address::TempStatus, self.read_register::<TempStatus>()$($await)*?.bits().into()),
+                    (Address::RateCs, self.read_register::<RateCs>()$($await)*?.bits().into()),
+                    (Address::TempCs, self.read_register::<TempCs>()$($await)*?.bits().into()),
+                    (Address::RateConv, self.read_register::<RateConv>()$($await)*?.bits().into()),
+                    (Address::TempConv, self.read_register::<TempConv>()$($await)*?.bits().into()),
+                    (Address::Mode, self.read_register::<Mode>()$($await)*?.bits().into()),
+                ])
             }
 
             /// Writes a register. What the driver knows of the part follows if, and only if, the write succeeds.

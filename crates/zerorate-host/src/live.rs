@@ -5,7 +5,6 @@ use crate::error::{Cause, Told};
 use crate::pin::{Pause, Ready};
 use crate::source::Registers;
 use adis16130::blocking::Adis16130;
-use adis16130::registers::Address;
 use adis16130::{
     Config, Edge, Fault, MAX_SCLK_HZ, RdyEdge, Sample, SampleError, Sampler, SamplerConfig, SelfTest, SelfTestPlan,
 };
@@ -132,30 +131,9 @@ impl<S: SpiDevice<Error: Debug + Send + Sync + 'static>, E: Edges> Live<S, E> {
         Ok(())
     }
 
-    /// Reads all registers as they are. What waits to be read in the data registers is read by that, so that the edge
-    /// it stands for brings no sample.
+    /// All registers as they are; the edge at which they are read brings no sample.
     pub fn registers(&mut self) -> Result<Registers> {
-        use adis16130::registers::{
-            AdcStatus, Checksum, Iop, Mode, RateConv, RateCs, RateData, RateStatus, Revision, TempConv, TempCs,
-            TempData, TempStatus,
-        };
-        let part = &mut self.part;
-        let values = vec![
-            (Address::Iop, part.read_register::<Iop>()?.bits().into()),
-            (Address::Revision, part.read_register::<Revision>()?.bits().into()),
-            (Address::AdcStatus, part.read_register::<AdcStatus>()?.bits().into()),
-            (Address::Checksum, part.read_register::<Checksum>()?.bits().into()),
-            (Address::RateData, part.read_register::<RateData>()?.code()),
-            (Address::TempData, part.read_register::<TempData>()?.code()),
-            (Address::RateStatus, part.read_register::<RateStatus>()?.bits().into()),
-            (Address::TempStatus, part.read_register::<TempStatus>()?.bits().into()),
-            (Address::RateCs, part.read_register::<RateCs>()?.bits().into()),
-            (Address::TempCs, part.read_register::<TempCs>()?.bits().into()),
-            (Address::RateConv, part.read_register::<RateConv>()?.bits().into()),
-            (Address::TempConv, part.read_register::<TempConv>()?.bits().into()),
-            (Address::Mode, part.read_register::<Mode>()?.bits().into()),
-        ];
-        Ok(Registers { config: self.config, values })
+        Ok(Registers { config: self.config, values: self.part.read_all()?.to_vec() })
     }
 
     /// The next sample.

@@ -50,6 +50,7 @@ fn simulated_time_goes_with_the_clock_or_as_fast_as_asked() {
     let faster_s = seen(&mut live)["now"]["t_s"].as_f64().expect("a time") - t_s;
     assert!((9.0..10.6).contains(&faster_s), "{faster_s}");
     assert_eq!(seen(&mut live)["ledger"]["lost"], 0);
+    assert_eq!(seen(&mut live)["device"]["registers"].as_array().map(Vec::len), Some(13));
 }
 
 #[test]
@@ -139,6 +140,7 @@ fn a_bridge_is_opened_and_read_though_answers_are_lost() {
     let seen = seen(&mut page.live);
     assert_eq!(seen["device"]["name"], "bridge: test 1.0");
     assert_eq!((&seen["device"]["state"]["is"], &seen["ledger"]["lost"]), (&"reading".into(), &0.into()), "{seen}");
+    assert_eq!(seen["device"]["registers"][0]["name"], "IOP", "{seen}");
     assert!(page.samples() > 5000, "{}", page.samples());
 }
 

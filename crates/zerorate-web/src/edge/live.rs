@@ -1,9 +1,12 @@
 //! The session with its device, as its worker calls it.
 
+#[cfg(feature = "edge-log")]
 use super::file;
 use crate::live::{Live, Open};
 use crate::session::Session;
-use crate::source::{Bridge, Replay, Source, TwinSource};
+#[cfg(feature = "edge-log")]
+use crate::source::Replay;
+use crate::source::{Bridge, Source, TwinSource};
 use wasm_bindgen::prelude::*;
 
 #[wasm_bindgen]
@@ -12,7 +15,7 @@ extern "C" {
     fn now_ms() -> f64;
 }
 
-/// A session that every window of the page looks at.
+/// A session that every window of the page looks at. Recordings are read by the module that reads logs as well.
 #[wasm_bindgen]
 pub struct LiveSession(Live);
 
@@ -22,6 +25,7 @@ fn twin(keys: &str) -> Open {
 }
 
 /// The worker's file, of this name and length.
+#[cfg(feature = "edge-log")]
 fn replay(name: &str, length: f64) -> Open {
     let name = name.to_owned();
     Box::new(move |_| Ok(Box::new(Replay::open(&name, file::input(length))?) as Box<dyn Source>))
@@ -42,11 +46,6 @@ impl LiveSession {
         opened(twin(keys))
     }
 
-    /// With a recording: the worker's file.
-    pub fn of_replay(name: &str, length: f64) -> Result<LiveSession, JsError> {
-        opened(replay(name, length))
-    }
-
     /// With a bridge, whose bytes come and go by `received` and `to_send`.
     pub fn of_bridge() -> Result<LiveSession, JsError> {
         opened(bridge())
@@ -57,14 +56,14 @@ impl LiveSession {
         self.instead(twin(keys))
     }
 
-    /// The same with a recording.
-    pub fn use_replay(&mut self, name: &str, length: f64) -> Result<(), JsError> {
-        self.instead(replay(name, length))
-    }
-
     /// The same with a bridge.
     pub fn use_bridge(&mut self) -> Result<(), JsError> {
         self.instead(bridge())
+    }
+
+    /// The calibrations on file, as TOML, the newest last.
+    pub fn calibrations(&mut self) -> Vec<String> {
+        self.session().calibrations().map(|calibration| calibration.to_toml()).collect()
     }
 
     /// Puts a calibration that the page kept on file; its id.
@@ -123,5 +122,19 @@ impl LiveSession {
 
     fn session(&mut self) -> &mut Session {
         self.0.session()
+    }
+}
+
+#[cfg(feature = "edge-log")]
+#[wasm_bindgen]
+impl LiveSession {
+    /// With a recording: the worker's file.
+    pub fn of_replay(name: &str, length: f64) -> Result<LiveSession, JsError> {
+        opened(replay(name, length))
+    }
+
+    /// The same session with a recording instead.
+    pub fn use_replay(&mut self, name: &str, length: f64) -> Result<(), JsError> {
+        self.instead(replay(name, length))
     }
 }

@@ -6,6 +6,7 @@
 mod wire;
 
 use super::{Next, Source, about_part};
+use crate::registers;
 use crate::session::About;
 use adis16130::asynch::Adis16130;
 use adis16130::bridge::{Ask, Continuity, PROTOCOL, Refusal, Settings};
@@ -64,9 +65,11 @@ impl Bridge {
 impl Source for Bridge {
     fn about(&self) -> About {
         let mut about = self.about.clone();
-        if let Some(firmware) = &self.shared.borrow().firmware {
+        let shared = self.shared.borrow();
+        if let Some(firmware) = &shared.firmware {
             about.name = format!("bridge: {firmware}");
         }
+        about.registers.clone_from(&shared.registers);
         about
     }
 
@@ -120,7 +123,11 @@ async fn measure(shared: Shared, config: Config) -> Result<Infallible, String> {
     if let Err(error) = part.restart().await {
         return Err(format!("{UNPLUGGED} ({error})"));
     }
-    shared.borrow_mut().is_opened = true;
+    let values = part.read_all().await.map_err(|error| error.to_string())?;
+    let mut opened = shared.borrow_mut();
+    opened.registers = registers::described(&config, &values);
+    opened.is_opened = true;
+    drop(opened);
     let SamplerConfig { every_temp, divider, .. } = SamplerConfig::new();
     let start = Ask::Start { every_temp, divider, mclk_hz: MCLK_HZ };
     wire::ask(&shared, start, |reply| matches!(reply, Reply::Started).then_some(())).await.map_err(told)?;

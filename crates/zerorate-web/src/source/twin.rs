@@ -1,6 +1,7 @@
 //! The driver, reading the twin.
 
 use super::{Next, Source, about_part};
+use crate::registers;
 use crate::session::About;
 use adis16130::blocking::Adis16130;
 use adis16130::{Config, Edge, MCLK_HZ, Sampler, SamplerConfig};
@@ -32,7 +33,9 @@ impl TwinSource {
         let twin = Twin::new(spec);
         let mut part = Adis16130::new(twin.spi(), (), config);
         part.restart().map_err(|error| error.to_string())?;
-        let about = about_part(&format!("twin:{keys}"), &config, true, has_capacitor);
+        let values = part.read_all().map_err(|error| error.to_string())?;
+        let mut about = about_part(&format!("twin:{keys}"), &config, true, has_capacitor);
+        about.registers = registers::described(&config, &values);
         let sampler = Sampler::new(SamplerConfig::new(), &config, MCLK_HZ);
         let alive_ns = twin.now_ns();
         Ok(Self { about, twin, part, sampler, alive_ns })

@@ -1,5 +1,6 @@
 //! Requests and answers over bytes that somebody else moves.
 
+use crate::message::Register;
 use adis16130::bridge::{Answer, Ask, Decoder, MAX_FRAME, Message, Refusal, Request, WireSample, encode};
 use embedded_hal::spi::{ErrorKind, ErrorType};
 use embedded_hal_async::spi::{Operation, SpiDevice};
@@ -29,6 +30,8 @@ pub struct Wire {
     pub damaged: u64,
     /// What the bridge calls itself, once it has said so.
     pub firmware: Option<String>,
+    /// Of the part, as they were when it was opened.
+    pub registers: Vec<Register>,
     /// The part has just taken its configuration.
     pub is_opened: bool,
     pub rows: VecDeque<Row>,
@@ -87,6 +90,7 @@ impl Wire {
             now_ms,
             damaged: 0,
             firmware: None,
+            registers: Vec::new(),
             is_opened: false,
             rows: VecDeque::new(),
         }

@@ -1,0 +1,95 @@
+//! Logs as the page has them read: what is asked, what is found, what is written.
+#![cfg(feature = "readers")]
+
+use rand_xoshiro::Xoshiro256PlusPlus;
+use rand_xoshiro::rand_core::{Rng, SeedableRng};
+use std::fmt::Write;
+use zerorate_data::Input;
+use zerorate_web::log::LogReader;
+use zerorate_web::log::message::{AxisKind, LogSetting, LogSettings, Looked, NoiseFileWish};
+
+/// White noise of six axes, of standard deviation 0.1.
+fn table(head: &str, rows: usize) -> String {
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(7);
+    // the sum of twelve uniform numbers has variance 1
+    let mut noise = || (0..12).map(|_| random.next_u64() as f64 / 2f64.powi(64)).sum::<f64>() - 6.0;
+    let mut text = format!("{head}\n");
+    for row in 0..rows {
+        let _ = write!(text, "{}", row as f64 / 100.0);
+        for _ in 0..6 {
+            let _ = write!(text, ",{:.6}", 0.1 * noise());
+        }
+        text.push('\n');
+    }
+    text
+}
+
+const HEAD: &str = "t_s,gx_dps,gy_dps,gz_dps,ax_mps2,ay_mps2,az_mps2";
+
+fn look(text: &str, settings: &LogSettings) -> (Looked, Option<LogReader>) {
+    LogReader::look("imu.csv", || Input::from(text.as_bytes().to_vec()), settings)
+}
+
+fn wish(format: &str) -> NoiseFileWish {
+    NoiseFileWish { format: format.to_owned(), combine: "worst".to_owned(), inflate: 1.0, force: false }
+}
+
+#[test]
+fn six_axes_become_coefficients_pictures_and_a_file() {
+    let (looked, reader) = look(&table(HEAD, 20_000), &LogSettings::default());
+    let (Looked::Log(about), Some(mut reader)) = (looked, reader) else { panic!("a log") };
+    assert_eq!((about.form.as_str(), about.samples, about.columns.len()), ("text", 20_000, 6));
+    assert!((about.rate_hz - 100.0).abs() < 1e-6 && about.columns[5].kind == Some(AxisKind::Accelerometer));
+    let mut axes = Vec::new();
+    while let Some(axis) = reader.analyse().expect("an axis") {
+        axes.push(axis);
+    }
+    let n = &axes[0].coefficients[0];
+    // 0.1 °/s at 100 Hz: 0.01 °/√s, 0.6 °/√h
+    assert_eq!((n.symbol.as_str(), n.values[0].unit.as_str(), n.identified), ("N", "°/√h", true));
+    assert!((n.values[0].value / 0.6 - 1.0).abs() < 0.05, "{}", n.values[0].value);
+    assert!((axes[0].points[0].dev / 0.1 - 1.0).abs() < 0.05 && axes[0].points[0].model.is_some());
+    let summary = reader.summary();
+    assert_eq!(summary.pictures.len(), 6);
+    assert!(summary.pictures.iter().all(|picture| picture.svg.starts_with("<svg")));
+    assert_eq!(summary.no_noise_file, None);
+    let file = reader.noise_file(&wish("kalibr")).expect("a file");
+    assert!(file.text.contains("gyroscope_noise_density: 1.7") && file.text.contains("imu.csv"), "{}", file.text);
+    assert!(reader.noise_file(&wish("caliber")).is_err_and(|why| why.contains("kalibr")));
+}
+
+#[test]
+fn what_a_log_does_not_say_is_asked_and_taken() {
+    let text = table("row,gx,gy,gz,ax,ay,az", 2_000);
+    let (looked, _) = look(&text, &LogSettings::default());
+    let Looked::Question { text: question, settings, .. } = looked else { panic!("{looked:?}") };
+    assert!(settings.contains(&LogSetting::RateHz) && question.contains("“sample rate”"), "{question}");
+    let mut said = LogSettings { rate_hz: Some(100.0), ..LogSettings::default() };
+    let (looked, _) = look(&text, &said);
+    let Looked::Question { settings, .. } = looked else { panic!("{looked:?}") };
+    assert_eq!(settings, [LogSetting::GyroUnit, LogSetting::AccelUnit]);
+    (said.gyro_unit, said.accel_unit) = (Some("rad/s".to_owned()), Some("g".to_owned()));
+    said.columns = Some(vec!["gz".to_owned()]);
+    let (looked, _) = look(&text, &said);
+    let Looked::Log(about) = looked else { panic!("{looked:?}") };
+    assert_eq!((about.columns.len(), about.columns[0].name.as_str()), (1, "gz"));
+    said.rate_hz = Some(-1.0);
+    assert!(matches!(look(&text, &said).0, Looked::Question { .. } | Looked::Refused { .. }));
+}
+
+#[test]
+fn what_is_no_log_is_refused_in_words() {
+    for bytes in [&b"SQLite format 3\0............"[..], b"", b"PAR1 and then nothing", b"\x93NUMPY\x01\x00\xff\xff"] {
+        let looked = LogReader::look("x", || Input::from(bytes.to_vec()), &LogSettings::default()).0;
+        assert!(matches!(&looked, Looked::Refused { text } if text.contains('x')), "{looked:?}");
+    }
+}
+
+#[test]
+fn a_dead_axis_is_no_noise() {
+    let text = format!("gx_dps\n{}", "0.5\n".repeat(500));
+    let said = LogSettings { rate_hz: Some(100.0), ..LogSettings::default() };
+    let (_, reader) = look(&text, &said);
+    let refused = reader.expect("a log").analyse();
+    assert!(refused.is_err_and(|why| why.contains("frozen")));
+}
