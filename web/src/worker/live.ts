@@ -28,17 +28,38 @@ function tellFrame(window: Window, bytes: Uint8Array): void {
   window.postMessage({ is: "frame", bytes: copy }, [copy]);
 }
 
-function begin(what: Opening): LiveSession {
+/** Recordings are read by the module of the reader of logs, which is loaded when one is dropped. */
+async function replay(file: File): Promise<LiveSession> {
+  const readers = await import("../../gen/zerorate_log");
+  await readers.default({ module_or_path: new URL("zerorate_log_bg.wasm", import.meta.url) });
+  serveFile(file);
+  // the same class, of a larger module
+  return readers.LiveSession.of_replay(file.name, file.size) as unknown as LiveSession;
+}
+
+async function begin(what: Opening): Promise<LiveSession> {
   if (what.is === "twin") return LiveSession.of_twin(what.keys);
   if (what.is === "serial") return LiveSession.of_bridge();
-  serveFile(what.file);
-  return LiveSession.of_replay(what.file.name, what.file.size);
+  return replay(what.file);
+}
+
+/** Another device; calibrations stay on file. */
+async function instead(before: LiveSession, what: Opening): Promise<LiveSession> {
+  if (what.is === "twin") before.use_twin(what.keys);
+  else if (what.is === "serial") before.use_bridge();
+  else {
+    const after = await replay(what.file);
+    for (const toml of before.calibrations()) after.add_calibration(toml);
+    before.free();
+    return after;
+  }
+  return before;
 }
 
 /** What the page kept may not be there any more; then the twin is, and says why. */
-function first(what: Opening): LiveSession {
+async function first(what: Opening): Promise<LiveSession> {
   try {
-    return begin(what);
+    return await begin(what);
   } catch (why) {
     if (why instanceof WebAssembly.RuntimeError) throw why;
     const twin = LiveSession.of_twin("");
@@ -47,20 +68,10 @@ function first(what: Opening): LiveSession {
   }
 }
 
-function instead(open: LiveSession, what: Opening): void {
-  if (what.is === "twin") open.use_twin(what.keys);
-  else if (what.is === "serial") open.use_bridge();
-  else {
-    serveFile(what.file);
-    open.use_replay(what.file.name, what.file.size);
-  }
-}
-
 /** Opens what a window asks for; the one that asks for a bridge has its port. What cannot be opened leaves all as it was. */
-function open(window: Window, what: Opening): void {
+async function open(window: Window, what: Opening): Promise<void> {
   try {
-    if (session === undefined) session = begin(what);
-    else instead(session, what);
+    session = session === undefined ? await begin(what) : await instead(session, what);
   } catch (why) {
     if (session === undefined || why instanceof WebAssembly.RuntimeError) throw why;
     session.note(`cannot-open: ${words(why)}`);
@@ -82,10 +93,10 @@ function take(open: LiveSession, calibrations: string[], applied: string | null)
   if (applied !== null && calibrations.length > 0) open.apply(applied);
 }
 
-function hello(window: Window, said: Extract<ToLive, { do: "hello" }>): void {
+async function hello(window: Window, said: Extract<ToLive, { do: "hello" }>): Promise<void> {
   windows.add(window);
   if (session === undefined) {
-    session = first(said.open);
+    session = await first(said.open);
     serial = said.open.is === "serial" ? window : undefined;
     try {
       take(session, said.calibrations, said.applied);
@@ -96,9 +107,9 @@ function hello(window: Window, said: Extract<ToLive, { do: "hello" }>): void {
   tellFrame(window, session.snapshot());
 }
 
-function hear(window: Window, said: ToLive): void {
-  if (said.do === "hello") hello(window, said);
-  else if (said.do === "open") open(window, said.what);
+async function hear(window: Window, said: ToLive): Promise<void> {
+  if (said.do === "hello") await hello(window, said);
+  else if (said.do === "open") await open(window, said.what);
   else if (said.do === "bye") windows.delete(window);
   else if (session === undefined) return;
   else if (said.do === "ask") window.postMessage({ is: "answer", text: session.ask(said.text) });
@@ -132,16 +143,23 @@ function turn(): void {
   }
 }
 
+/** One after the other, whatever window says it: a session is opened once. */
+let heard: Promise<void> = ready.then(() => {});
+
+async function answer(window: Window, said: ToLive): Promise<void> {
+  try {
+    await ready;
+    if (unusable === undefined) await hear(window, said);
+    else window.postMessage({ is: "failed", why: unusable });
+  } catch (why) {
+    if (why instanceof WebAssembly.RuntimeError) fail(why);
+    else window.postMessage({ is: "failed", why: words(why) });
+  }
+}
+
 function connect(window: Window): void {
-  window.onmessage = async ({ data }) => {
-    try {
-      await ready;
-      if (unusable === undefined) hear(window, data);
-      else window.postMessage({ is: "failed", why: unusable });
-    } catch (why) {
-      if (why instanceof WebAssembly.RuntimeError) fail(why);
-      else window.postMessage({ is: "failed", why: words(why) });
-    }
+  window.onmessage = ({ data }) => {
+    heard = heard.catch(() => {}).then(() => answer(window, data));
   };
 }
 
