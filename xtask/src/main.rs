@@ -24,6 +24,7 @@ mod trial;
 mod trust;
 mod uf2;
 mod venv;
+mod web;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
@@ -68,6 +69,8 @@ enum Task {
     Uf2(uf2::Args),
     /// Build the Python wheel and test it: its tests, types, notebook, and allantools' own tests
     Python(python::Args),
+    /// Build the page: the core as WebAssembly, its bindings, its bundle; into the program, and as a static site
+    Web(web::Args),
 }
 
 fn main() -> ExitCode {
@@ -87,6 +90,7 @@ fn main() -> ExitCode {
         Task::Dist(args) => dist::run(&args),
         Task::Uf2(args) => uf2::run(&args),
         Task::Python(args) => python::run(&args),
+        Task::Web(args) => web::run(&args),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
