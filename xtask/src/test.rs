@@ -24,7 +24,7 @@ pub struct Args {
     /// Run only these steps; default: all
     #[arg(value_name = "STEP", value_parser = clap::builder::PossibleValuesParser::new(STEPS.map(|step| step.name)))]
     only: Vec<String>,
-    /// Leave out what takes longest and finds least while one works: bridge, python, trust, rig. CI runs all
+    /// Leave out what takes longest and finds least while one works: bridge, python, trust, web, rig. CI runs all
     #[arg(long, conflicts_with = "only")]
     quick: bool,
 }
@@ -96,7 +96,7 @@ impl fmt::Display for Step {
 ///
 /// thumbv7em-none-eabihf is a Cortex-M4F. thumbv6m-none-eabi is a Cortex-M0: it has no compare-and-swap, which the
 /// TOML parser behind the core's feature `file` needs. wasm32-unknown-unknown is the browser.
-const STEPS: [Step; 36] = [
+const STEPS: [Step; 38] = [
     Step::new("fmt", "fmt --all --check"),
     Step::new("clippy", "clippy --workspace --all-targets --all-features -- -D warnings"),
     Step::new("clippy-driver", "clippy -p adis16130 --all-targets -- -D warnings"),
@@ -133,6 +133,7 @@ const STEPS: [Step; 36] = [
         "clippy-c",
         "clippy --manifest-path bindings/c/Cargo.toml --workspace --locked --target-dir target/c -- -D warnings",
     ),
+    Step::new("fmt-web", "fmt --manifest-path xtask/web/Cargo.toml --check"),
     Step::new("clippy-core", "clippy -p zerorate --no-default-features --lib -- -D warnings"),
     Step::new("doc", "doc --workspace --no-deps --all-features").with_env("RUSTDOCFLAGS", "-Dwarnings"),
     Step::new(
@@ -176,6 +177,7 @@ const STEPS: [Step; 36] = [
     ),
     // the longest first, so that none is left alone at the end
     Step::new("python", "xtask python").at(Pace::Slow),
+    Step::new("web", "xtask web --site target/site --check").at(Pace::Slow),
     Step::new("bridge", "xtask bridge").at(Pace::Slow),
     Step::new("trust", "xtask trust --quick").at(Pace::Slow),
     Step::new("firmware", "xtask firmware").at(Pace::Beside),

@@ -41,7 +41,7 @@ pub fn make(folder: &Folder) -> Result<()> {
 }
 
 /// A table of the components, then each text once, with those that carry it.
-fn page(product: &Product, contents: &[Component]) -> Result<String> {
+pub fn page(product: &Product, contents: &[Component]) -> Result<String> {
     let mut page = format!(
         "# Software of others in {}\n\nMade by `cargo xtask dist papers`. {RUST_LIBRARY} has what Rust's own \
          libraries contain.\n\n| what | version | licence | source |\n|---|---|---|---|\n",

@@ -30,7 +30,7 @@ const fn plain(target: &'static str) -> Build {
 
 const LINUX: [Build; 3] = [plain(MACHINES[0].target), plain(MACHINES[1].target), plain(MACHINES[2].target)];
 
-pub const PRODUCTS: [Product; 4] = [
+pub const PRODUCTS: [Product; 5] = [
     Product { name: "zerorate", manifest: "Cargo.toml", package: "zerorate-cli", builds: &LINUX },
     Product {
         name: "zerorate-python",
@@ -52,6 +52,12 @@ pub const PRODUCTS: [Product; 4] = [
             Build { target: "thumbv7em-none-eabihf", features: "stm32f4" },
             Build { target: "thumbv6m-none-eabi", features: "rp2040" },
         ],
+    },
+    Product {
+        name: "zerorate-page",
+        manifest: "Cargo.toml",
+        package: "zerorate-web",
+        builds: &[Build { target: "wasm32-unknown-unknown", features: "edge-log" }],
     },
 ];
 

@@ -6,9 +6,9 @@ use super::machine::{MACHINES, Machine};
 use super::root::Root;
 use super::trial::{self, Seen};
 use super::{Folder, TARGET_DIR, VERSION, without_paths};
-use crate::targets;
 use crate::tools::available;
 use crate::venv::done;
+use crate::{targets, web};
 use anyhow::{Result, ensure};
 use object::read::elf::{FileHeader, ProgramHeader};
 use object::{Endianness, elf};
@@ -27,6 +27,7 @@ pub fn make(folder: &Folder) -> Result<()> {
     if !available(&MACHINES.map(|machine| machine.compiler), "programs for other machines")? {
         return Ok(());
     }
+    web::build_small()?;
     for machine in &MACHINES {
         let built = build(machine)?;
         fs::copy(&built, folder.of(name(machine)))?;

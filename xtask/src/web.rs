@@ -1,0 +1,197 @@
+//! `cargo xtask web`: the page, from the core as WebAssembly to the files that a server hands out.
+//!
+//! The two modules are one crate built twice with the same dependencies, which are compiled once.
+
+use crate::firmware::{QEMU, image_of};
+use crate::tools::{self, Tool};
+use crate::venv::{done, printed};
+use crate::{app, dist, targets};
+use anyhow::{Context, Result, ensure};
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+/// What to make.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Write the static site there: page, service worker, book and licences
+    #[arg(long, value_name = "DIR")]
+    site: Option<PathBuf>,
+    /// Test the page in Chromium
+    #[arg(long)]
+    check: bool,
+    /// Make the pictures of the page anew, in docs/pictures/page
+    #[arg(long)]
+    pictures: bool,
+    /// As small as what is handed out, which takes minutes longer
+    #[arg(long)]
+    small: bool,
+}
+
+const TARGET: &str = "wasm32-unknown-unknown";
+/// Of what is in the modules.
+const LICENCES: &str = "THIRD-PARTY.txt";
+/// What every browser of the last years has.
+const RUSTFLAGS: &str = "-C target-feature=+simd128";
+/// Where the program takes the page from.
+const INTO: &str = "crates/zerorate-cli/page";
+/// zstd is written in C, and of the compilers only clang makes WebAssembly of it.
+const TOOLS: [Tool; 3] = [
+    Tool { program: "node", package: "nodejs" },
+    Tool { program: "npm", package: "npm" },
+    Tool { program: "clang", package: "clang" },
+];
+const CHROMIUM: Tool = Tool { program: "chromium", package: "chromium" };
+/// The bundler and its types ask for it.
+const OLDEST_NODE: u32 = 18;
+
+/// A module: what of the crate it is, and what its files are called.
+struct Module {
+    feature: &'static str,
+    name: &'static str,
+}
+
+const MODULES: [Module; 2] =
+    [Module { feature: "edge-live", name: "zerorate_live" }, Module { feature: "edge-log", name: "zerorate_log" }];
+
+/// Builds the page, copies it to where the program takes it from, and does what else was asked for.
+pub fn run(args: &Args) -> Result<()> {
+    if !build(if args.small { "web-dist" } else { "web" })? {
+        return Ok(());
+    }
+    if let Some(site) = &args.site {
+        write_site(site)?;
+    }
+    if args.check {
+        browse("test", "the tests of the page")?;
+    }
+    if args.pictures {
+        browse("pictures", "the pictures of the page")?;
+    }
+    Ok(())
+}
+
+/// The page for what is handed out.
+pub fn build_small() -> Result<()> {
+    ensure!(build("web-dist")?, "the program is handed out with the page inside of it: install what is named above");
+    Ok(())
+}
+
+/// Makes `web/dist` with the modules in this profile, and puts it where the program takes it from; false where
+/// something that it takes is not there, which was said then.
+fn build(profile: &str) -> Result<bool> {
+    if !tools::available(&TOOLS, "the page")? || !has_node()? {
+        return Ok(false);
+    }
+    targets::add_missing(std::iter::once(TARGET))?;
+    for module in &MODULES {
+        module.build(profile)?;
+    }
+    if !installed()? {
+        return Ok(false);
+    }
+    done(&mut npm(&["run", "--silent", "check"]))?;
+    done(&mut npm(&["run", "--silent", "build"]))?;
+    embed()?;
+    Ok(true)
+}
+
+fn has_node() -> Result<bool> {
+    let version = printed(Command::new("node").arg("--version"))?;
+    let major = version.trim().trim_start_matches('v').split('.').next().and_then(|major| major.parse().ok());
+    let is_new = major.is_some_and(|major: u32| major >= OLDEST_NODE);
+    if !is_new {
+        eprintln!("SKIPPED: the page: node {} is older than {OLDEST_NODE} (https://nodejs.org)", version.trim());
+    }
+    Ok(is_new)
+}
+
+impl Module {
+    /// Its bytes, and what calls them from TypeScript.
+    fn build(&self, profile: &str) -> Result<()> {
+        let mut cargo = Command::new("cargo");
+        cargo.args(["rustc", "--quiet", "--locked", "-p", "zerorate-web", "--lib", "--crate-type", "cdylib"]);
+        cargo.args(["--profile", profile, "--target", TARGET, "--features", "readers", "--features", self.feature]);
+        done(cargo.env("RUSTFLAGS", RUSTFLAGS))?;
+        let target = app::target_folder()?;
+        let bytes = target.join(TARGET).join(profile).join("zerorate_web.wasm");
+        let mut bindings = Command::new("cargo");
+        bindings.args(["run", "--quiet", "--locked", "--manifest-path", "xtask/web/Cargo.toml", "--target-dir"]);
+        bindings.arg(target.join("web-tools")).arg("--").arg(bytes).args([self.name, "web/gen"]);
+        done(&mut bindings)
+    }
+}
+
+/// Whether what package.json names is in web/node_modules, as the lock file says.
+fn installed() -> Result<bool> {
+    let (lock, mark) = (Path::new("web/package-lock.json"), Path::new("web/node_modules/.package-lock.json"));
+    let is_newer =
+        |a: &Path, b: &Path| Some(a.metadata().ok()?.modified().ok()? >= b.metadata().ok()?.modified().ok()?);
+    if is_newer(mark, lock) == Some(true) {
+        return Ok(true);
+    }
+    if npm(&["ci", "--silent", "--no-audit", "--no-fund"]).status().context("running npm")?.success() {
+        return Ok(true);
+    }
+    eprintln!("SKIPPED: the page: npm cannot install what web/package-lock.json names; is there a network?");
+    Ok(false)
+}
+
+fn npm(arguments: &[&str]) -> Command {
+    let mut command = Command::new("npm");
+    command.args(arguments).current_dir("web").stdin(Stdio::null());
+    command
+}
+
+/// Puts the page where the program takes it from, less what only a static site has.
+fn embed() -> Result<()> {
+    fs::create_dir_all(INTO)?;
+    for old in files(Path::new(INTO))? {
+        if !matches!(name(&old), "README.md" | ".gitignore") {
+            fs::remove_file(old)?;
+        }
+    }
+    for file in files(Path::new("web/dist"))? {
+        if !matches!(name(&file), "home.json" | "sw.js") {
+            fs::copy(&file, Path::new(INTO).join(name(&file)))?;
+        }
+    }
+    println!("{INTO}: cargo build puts it into the program");
+    Ok(())
+}
+
+fn write_site(site: &Path) -> Result<()> {
+    fs::create_dir_all(site)?;
+    for file in files(Path::new("web/dist"))? {
+        fs::copy(&file, site.join(name(&file)))?;
+    }
+    fs::write(site.join(LICENCES), dist::licences_of_page()?)?;
+    println!("{}: any web server will do; http://localhost or https", site.display());
+    Ok(())
+}
+
+/// Runs a script of the page that takes a browser, with the program that has the page inside, and a bridge in QEMU
+/// where that can be had.
+fn browse(script: &str, purpose: &str) -> Result<()> {
+    if !tools::available(&[CHROMIUM], purpose)? {
+        return Ok(());
+    }
+    let mut command = npm(&["run", "--silent", script]);
+    command.env("ZERORATE_PROGRAM", std::path::absolute(app::program()?)?);
+    if tools::available(&[QEMU], "the page at a bridge")? {
+        command.env("ZERORATE_BRIDGE", std::path::absolute(image_of("bridge")?)?);
+    }
+    done(&mut command)
+}
+
+fn files(folder: &Path) -> Result<Vec<PathBuf>> {
+    let entries = fs::read_dir(folder).with_context(|| format!("reading {}", folder.display()))?;
+    let mut files: Vec<PathBuf> = entries.map(|entry| Ok(entry?.path())).collect::<Result<_>>()?;
+    files.retain(|path| path.is_file());
+    files.sort();
+    Ok(files)
+}
+
+fn name(path: &Path) -> &str {
+    path.file_name().and_then(|name| name.to_str()).unwrap_or_default()
+}

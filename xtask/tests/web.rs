@@ -1,0 +1,24 @@
+//! What the page is built with.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+fn project() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+/// The versions that a lock file has of a crate.
+fn locked(lock: &str, name: &str) -> Vec<String> {
+    let text = fs::read_to_string(project().join(lock)).expect("a lock file");
+    let lines: Vec<&str> = text.lines().collect();
+    let named = format!("name = \"{name}\"");
+    lines.windows(2).filter(|pair| pair[0] == named).map(|pair| pair[1].to_owned()).collect()
+}
+
+/// The module and the program that makes its bindings agree in a form that changes with every version.
+#[test]
+fn bindings_are_made_by_the_version_that_the_module_has() {
+    let module = locked("Cargo.lock", "wasm-bindgen");
+    assert_eq!(module.len(), 1);
+    assert_eq!(module, locked("xtask/web/Cargo.lock", "wasm-bindgen-cli-support"));
+}
