@@ -124,10 +124,7 @@ async fn measure(shared: Shared, config: Config) -> Result<Infallible, String> {
         return Err(format!("{UNPLUGGED} ({error})"));
     }
     let values = part.read_all().await.map_err(|error| error.to_string())?;
-    let mut opened = shared.borrow_mut();
-    opened.registers = registers::described(&config, &values);
-    opened.is_opened = true;
-    drop(opened);
+    shared.borrow_mut().opened(registers::described(&config, &values));
     let SamplerConfig { every_temp, divider, .. } = SamplerConfig::new();
     let start = Ask::Start { every_temp, divider, mclk_hz: MCLK_HZ };
     wire::ask(&shared, start, |reply| matches!(reply, Reply::Started).then_some(())).await.map_err(told)?;

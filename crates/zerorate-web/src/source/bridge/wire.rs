@@ -107,6 +107,12 @@ impl Wire {
         }
     }
 
+    /// The part has taken its configuration; these are its registers.
+    pub fn opened(&mut self, registers: Vec<Register>) {
+        self.registers = registers;
+        self.is_opened = true;
+    }
+
     fn send(&mut self, ask: Ask<'_>) -> Result<u8, WireError> {
         self.tag = self.tag.wrapping_add(1);
         let mut room = [0; MAX_FRAME];
