@@ -5,6 +5,7 @@
 
 mod app;
 mod bench_peers;
+mod bench_web;
 mod bridge;
 mod build_time;
 mod c;
@@ -48,6 +49,8 @@ enum Task {
     CoverageAllan(coverage_allan::Args),
     /// Time the Allan deviation beside its peers, which it installs, and print ratios
     BenchPeers(bench_peers::Args),
+    /// Time the core in WebAssembly beside the program, the page until it shows something, and what it loads
+    BenchWeb,
     /// Run driver, twin and correction on an emulated Cortex-M4F; count instructions and bytes
     Firmware(firmware::Args),
     /// Read the twin through a bridge's firmware on an emulated Cortex-M4F: socket, serial port, damaged and pulled
@@ -80,6 +83,7 @@ fn main() -> ExitCode {
         Task::Methods(args) => methods::run(&args),
         Task::CoverageAllan(args) => coverage_allan::run(&args),
         Task::BenchPeers(args) => bench_peers::run(&args),
+        Task::BenchWeb => bench_web::run(),
         Task::Firmware(args) => firmware::run(&args),
         Task::Bridge(args) => bridge::run(&args),
         Task::C(args) => c::run(&args),

@@ -5,6 +5,7 @@ use crate::log::LogReader;
 use crate::log::message::{LogSettings, NoiseFileWish};
 use serde::Serialize;
 use wasm_bindgen::prelude::*;
+use zerorate::allan::{Input, Stat, deviations, octaves};
 use zerorate_data::limits::{Bytes, set_max_memory};
 
 /// Of the 4 GiB that a module can have, what the columns of a log may take; its analysis takes the rest.
@@ -63,4 +64,20 @@ impl Log {
 
 fn json(value: &impl Serialize) -> Result<String, JsError> {
     Ok(serde_json::to_string(value)?)
+}
+
+#[wasm_bindgen]
+extern "C" {
+    #[wasm_bindgen(js_namespace = performance, js_name = now)]
+    fn now_ms() -> f64;
+}
+
+/// How long the overlapping Allan deviation at octaves takes, ms, without the way of the samples into the module; then
+/// the deviations. For `cargo xtask bench-web`.
+#[wasm_bindgen]
+pub fn oadev(rate: &[f64]) -> Vec<f64> {
+    let began_ms = now_ms();
+    let found = deviations(&Input::Rate(rate), 1.0, Stat::Oadev, &octaves(rate.len()));
+    let took_ms = now_ms() - began_ms;
+    std::iter::once(took_ms).chain(found.into_iter().flatten().map(|one| one.dev)).collect()
 }

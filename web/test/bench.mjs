@@ -1,0 +1,64 @@
+// node test/bench.mjs DATA: what `cargo xtask bench-web` prints: DATA is f64, little endian.
+import { readFileSync, readdirSync } from "node:fs";
+import { brotliCompressSync, constants } from "node:zlib";
+import init, { oadev } from "../gen/zerorate_log.js";
+import { serveFolder } from "./static.mjs";
+import { launch, PAGE } from "./world.mjs";
+
+const RUNS = 5;
+
+/** Seconds of the best run, and the deviations; from samples in JavaScript, as they would come from a file. */
+async function deviations(file) {
+  await init({ module_or_path: readFileSync(new URL("../gen/zerorate_log_bg.wasm", import.meta.url)) });
+  const bytes = readFileSync(file);
+  const rate = new Float64Array(bytes.buffer, bytes.byteOffset, bytes.length / 8);
+  let seconds = Infinity;
+  let found;
+  for (let run = 0; run < RUNS; run += 1) {
+    const [took, ...all] = oadev(rate);
+    seconds = Math.min(seconds, took / 1000);
+    found = all;
+  }
+  return { seconds, found };
+}
+
+/** Seconds from asking for the page to the first drawn chart, of the first visit; best of three. */
+async function firstPicture() {
+  const site = await serveFolder(PAGE);
+  const browser = await launch();
+  let best = Infinity;
+  for (let visit = 0; visit < 3; visit += 1) {
+    const page = await (await browser.newContext({ viewport: { width: 1280, height: 900 } })).newPage();
+    await page.goto(site.url, { waitUntil: "commit" });
+    const ms = await page.waitForFunction(() => {
+      const canvas = document.querySelector(".strip.raw canvas");
+      if (!canvas || canvas.width === 0) return false;
+      const pixels = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data;
+      const colours = new Set();
+      for (let k = 0; k < pixels.length; k += 4) if (pixels[k + 3] > 0) colours.add(pixels[k] * 65536 + pixels[k + 1] * 256 + pixels[k + 2]);
+      return colours.size > 3 && performance.now();
+    });
+    best = Math.min(best, (await ms.jsonValue()) / 1000);
+    await page.context().close();
+  }
+  await browser.close();
+  site.stop();
+  return best;
+}
+
+/** Bytes of files as a server packs them with brotli. */
+function packed(files) {
+  const size = (name) => brotliCompressSync(readFileSync(`${PAGE}/${name}`), { params: { [constants.BROTLI_PARAM_QUALITY]: 11 } }).length;
+  return files.map(size).reduce((all, one) => all + one, 0);
+}
+
+const isOfLogs = (name) => /^log\.|zerorate_log|licence|^sw\./.test(name);
+const files = readdirSync(PAGE).filter((name) => /\.(html|css|js|wasm)$/.test(name));
+const { seconds, found } = await deviations(process.argv[2]);
+console.log(JSON.stringify({
+  seconds,
+  dev: found,
+  first_picture_s: await firstPicture(),
+  first_load_bytes: packed(files.filter((name) => !isOfLogs(name))),
+  readers_bytes: packed(files.filter((name) => name.endsWith(".wasm") && isOfLogs(name))),
+}));
