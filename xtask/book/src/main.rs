@@ -1,0 +1,45 @@
+//! The book out of `docs/`: `book ROOT OUT`. `cargo xtask book` calls it.
+//!
+//! Stages the chapters, lets mdBook render them, takes the scripts out of the pages so that a policy without inline
+//! code holds, and follows every link.
+
+mod links;
+mod policy;
+mod stage;
+
+use anyhow::{Context, Result, bail};
+use mdbook_driver::MDBook;
+use mdbook_driver::config::Config;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+fn main() -> Result<()> {
+    let arguments: Vec<PathBuf> = std::env::args_os().skip(1).map(PathBuf::from).collect();
+    let [root, out] = arguments.as_slice() else { bail!("book ROOT OUT: the project, and a folder for the book") };
+    let out = std::path::absolute(out)?;
+    let staged = tempfile::tempdir()?;
+    stage::fill(root, staged.path())?;
+    render(root, staged.path(), &out)?;
+    let pages = policy::apply(&out)?;
+    links::check(&out, &pages)?;
+    println!("{}: {} pages", out.display(), pages.len());
+    Ok(())
+}
+
+fn render(root: &Path, staged: &Path, out: &Path) -> Result<()> {
+    let mut config = Config::from_disk(root.join("docs/book.toml"))?;
+    config.book.src = PathBuf::from(".");
+    config.build.build_dir = out.to_owned();
+    config.build.create_missing = false;
+    if out.exists() {
+        ours(out)?;
+        fs::remove_dir_all(out).with_context(|| format!("cannot clear {}", out.display()))?;
+    }
+    MDBook::load_with_config(staged, config)?.build()
+}
+
+/// Only a book may be replaced by one.
+fn ours(out: &Path) -> Result<()> {
+    let is_ours = out.join("toc.html").exists() || fs::read_dir(out)?.next().is_none();
+    is_ours.then_some(()).with_context(|| format!("{} is there and is no book: not touched", out.display()))
+}

@@ -1,0 +1,136 @@
+//! The chapters, where mdBook takes them from: what lies in `docs/`, and pages of the project beside it.
+//!
+//! In the project a chapter links to files beside and outside of `docs/`, as a reader of the sources wants it. Here
+//! such a link leads to the chapter that was made of the file; where none was, its text stays.
+
+use anyhow::{Context, Result, ensure};
+use pulldown_cmark::{Event, LinkType, Options, Parser, Tag};
+use std::collections::BTreeSet;
+use std::fs;
+use std::ops::Range;
+use std::path::{Component, Path, PathBuf};
+
+/// Copies everything that the book shows from the project at `root` into `staged`.
+pub fn fill(root: &Path, staged: &Path) -> Result<()> {
+    let summary = fs::read_to_string(root.join("docs/SUMMARY.md"))?;
+    let files = below(&root.join("docs"))?;
+    let mut chapters: BTreeSet<PathBuf> = BTreeSet::new();
+    for link in links(&summary) {
+        chapters.insert(plain(&Path::new("docs").join(&summary[link.target]))?);
+    }
+    for file in &files {
+        let name = Path::new("docs").join(file.strip_prefix(root.join("docs"))?);
+        let is_page = name.extension().is_some_and(|e| e == "md") && !name.ends_with("SUMMARY.md");
+        ensure!(!is_page || chapters.contains(&name), "{} is not in docs/SUMMARY.md", name.display());
+        if !is_page && !name.ends_with("book.toml") {
+            copy(file, &staged.join(place(&name)))?;
+        }
+    }
+    for chapter in &chapters {
+        let text = fs::read_to_string(root.join(chapter)).with_context(|| format!("chapter {}", chapter.display()))?;
+        let to = staged.join(place(chapter));
+        fs::create_dir_all(to.parent().context("a place in a folder")?)?;
+        fs::write(to, relinked(&text, chapter, root, &chapters)?)?;
+    }
+    let summary = relinked(&summary, Path::new("docs/SUMMARY.md"), root, &chapters)?;
+    Ok(fs::write(staged.join("SUMMARY.md"), summary)?)
+}
+
+/// Where a file of the project stands in the book.
+fn place(file: &Path) -> PathBuf {
+    if let Ok(inside) = file.strip_prefix("docs") {
+        return inside.to_owned();
+    }
+    let name = file.to_string_lossy().replace("/README.md", ".md").replace('/', "-");
+    Path::new("project").join(if name == "README.md" { "overview.md" } else { &name })
+}
+
+/// The text of `page` with its links as they are in the book.
+fn relinked(text: &str, page: &Path, root: &Path, chapters: &BTreeSet<PathBuf>) -> Result<String> {
+    let here = place(page);
+    let here = here.parent().context("a page in a folder")?;
+    let (mut made, mut done) = (String::with_capacity(text.len()), 0);
+    for Link { whole, text: shown, target: at } in links(text) {
+        let target = &text[at.clone()];
+        let (path, anchor) = target.split_at(target.find('#').unwrap_or(target.len()));
+        if path.is_empty() || target.contains("://") || target.starts_with("mailto:") {
+            continue;
+        }
+        let wanted = plain(&page.parent().context("a page in a folder")?.join(path))?;
+        let wanted = if root.join(&wanted).is_dir() { wanted.join("README.md") } else { wanted };
+        if chapters.contains(&wanted) || (wanted.starts_with("docs") && root.join(&wanted).is_file()) {
+            made += &text[done..at.start];
+            made += &format!("{}{anchor}", relative(here, &place(&wanted)));
+            done = at.end;
+        } else {
+            made += &text[done..whole.start];
+            made += &text[shown];
+            done = whole.end;
+        }
+    }
+    Ok(made + &text[done..])
+}
+
+/// A link or a picture as it stands in a text.
+struct Link {
+    whole: Range<usize>,
+    /// What is shown, and where it leads.
+    text: Range<usize>,
+    target: Range<usize>,
+}
+
+/// Everything of the form `[text](target)`, outside of code.
+fn links(text: &str) -> Vec<Link> {
+    let options = Options::ENABLE_TABLES | Options::ENABLE_FOOTNOTES;
+    let parts = Parser::new_ext(text, options).into_offset_iter();
+    let inline = parts.filter_map(|(event, range)| match event {
+        Event::Start(
+            Tag::Link { link_type: LinkType::Inline, .. } | Tag::Image { link_type: LinkType::Inline, .. },
+        ) => Some(range),
+        _ => None,
+    });
+    let link = |whole: Range<usize>| {
+        let middle = whole.start + text[whole.clone()].rfind("](")?;
+        let begin = whole.start + text[whole.clone()].find('[')? + 1;
+        Some(Link { text: begin..middle, target: middle + 2..whole.end - 1, whole })
+    };
+    inline.filter_map(link).collect()
+}
+
+/// A path without `.` and `..`; one that leaves the project is an error.
+fn plain(path: &Path) -> Result<PathBuf> {
+    let mut plain = PathBuf::new();
+    for part in path.components() {
+        match part {
+            Component::ParentDir => ensure!(plain.pop(), "{} leaves the project", path.display()),
+            Component::CurDir => {}
+            part => plain.push(part),
+        }
+    }
+    Ok(plain)
+}
+
+/// The way from the folder `from` to `to`, both in the book.
+fn relative(from: &Path, to: &Path) -> String {
+    let ups = from.components().count();
+    "../".repeat(ups) + &to.to_string_lossy()
+}
+
+fn copy(from: &Path, to: &Path) -> Result<()> {
+    fs::create_dir_all(to.parent().context("a file in a folder")?)?;
+    fs::copy(from, to).with_context(|| format!("cannot copy {}", from.display()))?;
+    Ok(())
+}
+
+/// All files below a folder, in a fixed order.
+pub fn below(folder: &Path) -> Result<Vec<PathBuf>> {
+    let (mut found, mut folders) = (Vec::new(), vec![folder.to_owned()]);
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(folder)? {
+            let path = entry?.path();
+            if path.is_dir() { folders.push(path) } else { found.push(path) }
+        }
+    }
+    found.sort();
+    Ok(found)
+}
