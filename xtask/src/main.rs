@@ -6,6 +6,7 @@
 mod app;
 mod bench_peers;
 mod bench_web;
+mod book;
 mod bridge;
 mod build_time;
 mod c;
@@ -62,6 +63,8 @@ enum Task {
     Rig(app::Args),
     /// Break the part, the files and the program at random moments, and look for results that are wrong and silent
     Trust(trust::Args),
+    /// Make docs/ a book; run its commands, follow its links
+    Book(book::Args),
     /// Check the dependencies: advisories, licences, sources
     Deny,
     /// Measure how long the first command takes from nothing, and after a change; print sizes
@@ -89,6 +92,7 @@ fn main() -> ExitCode {
         Task::C(args) => c::run(&args),
         Task::Rig(args) => rig::run(&args),
         Task::Trust(args) => trust::run(&args),
+        Task::Book(args) => book::run(&args),
         Task::Deny => deny::run(),
         Task::BuildTime => build_time::run(),
         Task::Dist(args) => dist::run(&args),

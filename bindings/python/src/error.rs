@@ -19,7 +19,7 @@ create_exception!(
 /// that of the command line.
 pub fn exception(error: &anyhow::Error) -> PyErr {
     let text = format!("{error:#}");
-    if error.is::<api::Refused>() || matches!(error.downcast_ref(), Some(LogError::Refused(_))) {
+    if error.is::<api::Refused>() || matches!(error.downcast_ref(), Some(LogError::Refused(..))) {
         return Refused::new_err(text);
     }
     if api::refuses_output(error) {

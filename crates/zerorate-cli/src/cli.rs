@@ -6,6 +6,7 @@ use crate::commands::{
     capture::CaptureArgs,
     chamber::ChamberArgs,
     correct::CorrectArgs,
+    explain::ExplainArgs,
     export::ExportArgs,
     imu::ImuArgs,
     probe::ProbeArgs,
@@ -94,6 +95,7 @@ pub enum Command {
     Serve(ServeArgs),
     #[command(after_help = twin::keys_help())]
     Twin(TwinArgs),
+    Explain(ExplainArgs),
     /// Prints the completion script for a shell.
     ///
     /// For example: zerorate completions bash > /etc/bash_completion.d/zerorate

@@ -7,8 +7,19 @@ use zerorate_host::{Cause, DeviceError};
 
 /// The measurement was refused: the numbers exist, but they must not become a calibration. Exit code 3.
 #[derive(Debug, thiserror::Error)]
-#[error("{0}")]
-pub struct Refused(pub String);
+#[error("{why}")]
+pub struct Refused {
+    /// For scripts, and for `zerorate explain`.
+    code: &'static str,
+    why: String,
+}
+
+impl Refused {
+    /// With its code, and why.
+    pub fn new(code: &'static str, why: impl Into<String>) -> Self {
+        Self { code, why: why.into() }
+    }
+}
 
 /// The request makes no sense in a way only seen after parsing. Exit code 2, like clap's own errors.
 #[derive(Debug, thiserror::Error)]
@@ -23,18 +34,18 @@ pub fn report(error: &anyhow::Error) -> ExitCode {
     }
     let cause = error.downcast_ref().map(DeviceError::cause);
     let log = error.downcast_ref::<LogError>();
-    let (label, code) =
-        if error.is::<Refused>() || matches!(log, Some(LogError::Refused(_))) || cause == Some(Cause::Refused) {
-            ("refused", 3)
-        } else if error.is::<Usage>()
-            || matches!(log, Some(LogError::Ask(_) | LogError::Choose(..)))
-            || cause == Some(Cause::Request)
-            || refuses_output(error)
-        {
-            ("error", 2)
-        } else {
-            ("error", 1)
-        };
+    let refusal = refusal(error);
+    let (label, code) = if refusal.is_some() {
+        ("refused", 3)
+    } else if error.is::<Usage>()
+        || matches!(log, Some(LogError::Ask(_) | LogError::Choose(..)))
+        || cause == Some(Cause::Request)
+        || refuses_output(error)
+    {
+        ("error", 2)
+    } else {
+        ("error", 1)
+    };
     match log {
         // each row is a line, whatever stands in it
         Some(LogError::Choose(question, table)) => {
@@ -43,7 +54,23 @@ pub fn report(error: &anyhow::Error) -> ExitCode {
         }
         _ => say(format_args!("{label}: {error:#}")),
     }
+    if let Some(code) = refusal {
+        say(format_args!("code: {code} (`zerorate explain {code}` says more)"));
+    }
     ExitCode::from(code)
+}
+
+/// The code of a refusal, if it is one.
+fn refusal(error: &anyhow::Error) -> Option<&'static str> {
+    let of_device = match error.downcast_ref().map(DeviceError::cause) {
+        Some(Cause::Refused(code)) => Some(code),
+        _ => None,
+    };
+    let of_log = match error.downcast_ref() {
+        Some(LogError::Refused(code, _)) => Some(*code),
+        _ => None,
+    };
+    error.downcast_ref().map(|refused: &Refused| refused.code).or(of_log).or(of_device)
 }
 
 /// Whether a file that is there was not to be touched.
@@ -58,14 +85,15 @@ mod tests {
 
     #[test]
     fn each_kind_of_failure_has_its_code() {
-        let refused: anyhow::Error = Refused("moving".into()).into();
+        let refused: anyhow::Error = Refused::new("moving", "it moves").into();
         let usage: anyhow::Error = Usage("no".into()).into();
         let failed = anyhow::anyhow!("bus");
         let pipe =
             Err::<(), _>(std::io::Error::from(std::io::ErrorKind::BrokenPipe)).context("writing rows").unwrap_err();
         let exists = anyhow::Error::from(OutputError::Exists { path: "x".into() }).context("saving");
         let log = |error: LogError| anyhow::Error::from(error).context("gz");
-        let (asked, gapped) = (log(LogError::Ask("which?".into())), log(LogError::Refused("gaps".into())));
+        let (asked, gapped) =
+            (log(LogError::Ask("which?".into())), log(LogError::Refused("mostly-missing", "gaps".into())));
         let several = log(LogError::Choose("which?".into(), vec!["topic".into()]));
         let expected =
             [(several, 2), (asked, 2), (gapped, 3), (refused, 3), (usage, 2), (exists, 2), (failed, 1), (pipe, 1)];
@@ -76,7 +104,7 @@ mod tests {
 
     #[test]
     fn context_keeps_the_kind() {
-        let error = anyhow::Error::from(Refused("moving".into())).context("step 4");
+        let error = anyhow::Error::from(Refused::new("moving", "it moves")).context("step 4");
         assert_eq!(report(&error), ExitCode::from(3));
     }
 }

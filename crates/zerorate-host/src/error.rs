@@ -33,8 +33,8 @@ pub enum Cause {
     Part,
     /// The recording cannot be read, or is damaged.
     File,
-    /// What is in it must not become a measurement.
-    Refused,
+    /// What is in it must not become a measurement; the code of why.
+    Refused(&'static str),
     /// It was asked to stop.
     Stopped,
     /// Anything else.
@@ -85,7 +85,7 @@ impl From<LogError> for DeviceError {
         let cause = match error {
             LogError::File(_) => Cause::File,
             LogError::Ask(_) | LogError::Choose(..) => Cause::Request,
-            LogError::Refused(_) => Cause::Refused,
+            LogError::Refused(code, _) => Cause::Refused(code),
         };
         Self { cause, told: error.into() }
     }

@@ -13,6 +13,7 @@ pub mod chamber;
 mod checkup;
 mod code_sum;
 mod code_table;
+mod codes;
 mod correction;
 mod corrector;
 #[cfg(all(feature = "file", feature = "std"))]

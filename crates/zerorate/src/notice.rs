@@ -1,5 +1,6 @@
 //! What a measurement has to say beside its numbers: warnings, and the refusals that end it.
 
+use crate::codes::codes;
 use crate::hour::{Deviation, Finding};
 use crate::procedure::State;
 use crate::remedy::{Names, Remedy, Say, Setting, say_all};
@@ -69,39 +70,36 @@ pub enum Warning {
     TargetMissed { u_dps: f64, target_dps: f64 },
 }
 
-impl Warning {
-    /// Short stable name, for scripts.
-    #[must_use]
-    pub fn code(&self) -> &'static str {
-        match self {
-            Self::EarthIncluded => "earth-included",
-            Self::EarthSubtracted { .. } => "earth-subtracted",
-            Self::CurvatureUnseen { .. } => "curvature-unseen",
-            Self::Drifting { .. } => "temperature-drifting",
-            Self::Found(finding) => finding.deviation.code(),
-            Self::Restless => "restless",
-            Self::Flat { .. } => "flat-bias",
-            Self::HourUnchecked => "hour-unchecked",
-            Self::ShortAverage { .. } => "short-average",
-            Self::Aliased { .. } => "aliased",
-            Self::Lost { .. } | Self::Losing { .. } => "lost-samples",
-            Self::Wandering { .. } => "wandering-bias",
-            Self::Impossible { .. } => "impossible-readings",
-            Self::Resonance { .. } => "resonance",
-            Self::Extrapolated { .. } => "extrapolated",
-            Self::RestUnjudged => "rest-unjudged",
-            Self::CurvatureUnknown => "curvature-unknown",
-            Self::Noisy { .. } => "noisy",
-            Self::Quiet { .. } => "quiet",
-            Self::RateOff { .. } => "rate",
-            Self::NoTemperature => "no-temperature",
-            Self::StepTaken { .. } => "step",
-            Self::Late { .. } => "lagging",
-            Self::OneBranch { .. } => "one-branch",
-            Self::TargetMissed { .. } => "target-missed",
-        }
-    }
+codes!(Warning {
+    EarthIncluded => "earth-included",
+    EarthSubtracted => "earth-subtracted",
+    CurvatureUnseen => "curvature-unseen",
+    Drifting => "temperature-drifting",
+    Restless => "restless",
+    Flat => "flat-bias",
+    HourUnchecked => "hour-unchecked",
+    ShortAverage => "short-average",
+    Aliased => "aliased",
+    Lost => "lost-samples",
+    Losing => "lost-samples",
+    Wandering => "wandering-bias",
+    Impossible => "impossible-readings",
+    Resonance => "resonance",
+    Extrapolated => "extrapolated",
+    RestUnjudged => "rest-unjudged",
+    CurvatureUnknown => "curvature-unknown",
+    Noisy => "noisy",
+    Quiet => "quiet",
+    RateOff => "rate",
+    NoTemperature => "no-temperature",
+    StepTaken => "step",
+    Late => "lagging",
+    OneBranch => "one-branch",
+    TargetMissed => "target-missed";
+    Self::Found(finding) => finding.deviation.code()
+});
 
+impl Warning {
     /// What to do about it, the best first.
     #[must_use]
     pub fn remedies(&self) -> &'static [Remedy] {
@@ -282,17 +280,15 @@ const STILL: &str = "Any other rotation that is constant over the hour, or nearl
     in the last five, 100 mV before): mount the part where nothing turns; to know, calibrate again with its axis \
     turned over: half of the difference of the two PBC is rotation";
 
-impl Deviation {
-    fn code(&self) -> &'static str {
-        match self {
-            Self::Step { .. } => "step",
-            Self::Curvature { .. } => "curved",
-            Self::Lag { .. } => "lagging",
-            Self::Hysteresis { .. } => "hysteresis",
-            Self::Sway { .. } => "swaying",
-        }
-    }
+codes!(Deviation {
+    Step => "step",
+    Curvature => "curved",
+    Lag => "lagging",
+    Hysteresis => "hysteresis",
+    Sway => "swaying",
+});
 
+impl Deviation {
     fn remedies(&self) -> &'static [Remedy] {
         match self {
             Self::Step { .. } => &[Remedy::LinearSupply, Remedy::CheckNothingMoved],
@@ -371,6 +367,25 @@ pub enum Refusal {
     /// A step of the rate cannot be told from what the temperature did.
     StepOrTemperature { finding: Finding, u_btc_dps_per_c: f64, wanted_dps_per_c: f64 },
 }
+
+codes!(Refusal {
+    Moving => "moving",
+    Turning => "turning",
+    Noisy => "noisy",
+    Span => "small-span",
+    Curvature => "curvature-unseen",
+    Swaying => "swaying",
+    Unsteady => "unsteady-offset",
+    Lost => "lost-samples",
+    Overranged => "out-of-range",
+    Frozen => "frozen",
+    BitErrors => "bit-errors",
+    Stuttering => "data-ready-stutters",
+    TooFew => "too-few-samples",
+    NoTemperature => "no-temperature",
+    OneWay => "one-way";
+    Self::Found { finding, .. } | Self::StepOrTemperature { finding, .. } => finding.deviation.code()
+});
 
 impl Refusal {
     /// What to do about it, the best first.

@@ -163,7 +163,8 @@ fn refuse_frozen(args: &CaptureArgs, acquisition: &Acquisition) -> Result<()> {
         None => Ok(()),
         Some(frozen) => {
             let why = believed::frozen_text(&frozen, acquisition.start_ns());
-            Err(Refused(format!("{why}; {} holds the raw codes up to the end", args.output.display())).into())
+            Err(Refused::new("frozen", format!("{why}; {} holds the raw codes up to the end", args.output.display()))
+                .into())
         }
     }
 }

@@ -5,6 +5,7 @@ pub mod calibrate;
 pub mod capture;
 pub mod chamber;
 pub mod correct;
+pub mod explain;
 pub mod export;
 pub mod imu;
 pub mod man;
@@ -39,6 +40,7 @@ pub fn run(cli: &Cli) -> Result<()> {
         Command::Correct(args) => correct::run(args),
         Command::Verify(args) => verify::run(args),
         Command::Repair(args) => repair::run(args),
+        Command::Explain(args) => explain::run(args),
         Command::Export(args) => export::run(args),
         Command::Report(args) => report::run(args),
         Command::Allan(args) => allan::run(args),

@@ -2,7 +2,7 @@
 
 use super::zerorate;
 
-const COMMANDS: [&str; 15] = [
+const COMMANDS: [&str; 16] = [
     "probe",
     "capture",
     "calibrate",
@@ -16,6 +16,7 @@ const COMMANDS: [&str; 15] = [
     "report",
     "allan",
     "twin",
+    "explain",
     "completions",
     "man",
 ];
@@ -90,4 +91,30 @@ fn completions_and_the_manual_know_every_command() {
     }
     let page = zerorate(&["man"]).stdout;
     assert!(page.contains(".SH \"ZERORATE CALIBRATE\"") && page.contains("max\\-u\\-btc"), "{page}");
+}
+
+#[test]
+fn explain_says_what_a_code_means() {
+    let all = zerorate(&["explain"]).ended_with(0).stdout;
+    assert!(all.contains("Of noise:\n") && all.contains("\n  aliased "), "{all}");
+    let one = zerorate(&["explain", "aliased"]).ended_with(0).stdout;
+    for part in ["aliased: a warning of", "Seen: ", "Matters: ", "Do: ", "As in: "] {
+        assert!(one.contains(part), "{part} in\n{one}");
+    }
+    let line = zerorate(&["explain", "warning:", "aliased:", "228", "rate", "samples"]).ended_with(0).stdout;
+    assert_eq!(line, one);
+    let json: serde_json::Value =
+        serde_json::from_str(&zerorate(&["explain", "frozen", "--json"]).ended_with(0).stdout).unwrap();
+    assert_eq!((&json["code"], &json["says"]), (&"frozen".into(), &"warning or refusal".into()));
+    let json: serde_json::Value =
+        serde_json::from_str(&zerorate(&["explain", "--json"]).ended_with(0).stdout).unwrap();
+    assert!(json["codes"].as_array().is_some_and(|codes| codes.len() > 80));
+    zerorate(&["explain", "aliasd"]).ended_with(2).saying(&["did you mean aliased"]);
+    zerorate(&["explain", "\u{1b}[31m"]).ended_with(2).saying(&["no warning and no refusal"]);
+}
+
+#[test]
+fn a_refusal_names_its_code() {
+    let refused = zerorate(&["calibrate", "--device", "twin:motion=sway"]).ended_with(3);
+    refused.saying(&["refused: ", "\ncode: moving (`zerorate explain moving` says more)"]);
 }

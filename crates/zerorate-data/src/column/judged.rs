@@ -82,7 +82,10 @@ impl Judging {
         let start_ns = self.start_ns.unwrap_or_default();
         if let Some(frozen) = self.health.frozen_at_end() {
             let why = believed::frozen_text(&frozen, start_ns);
-            return Err(LogError::Refused(format!("{}: {why}; or cut the recording before that", path.display())));
+            return Err(LogError::Refused(
+                "frozen",
+                format!("{}: {why}; or cut the recording before that", path.display()),
+            ));
         }
         let found = believed::warnings(&self.health, &self.tally, start_ns);
         let text = format!("{}: {}", path.display(), found.join("; "));

@@ -115,9 +115,9 @@ pub enum LogError {
     /// It has several of what was asked for: the question, and a table with a head to choose from.
     #[error("{0}\n{table}", table = .1.join("\n"))]
     Choose(String, Vec<String>),
-    /// The numbers are there, but must not become a result.
-    #[error("{0}")]
-    Refused(String),
+    /// The numbers are there, but must not become a result: a code for scripts, and why.
+    #[error("{1}")]
+    Refused(&'static str, String),
 }
 
 /// What reading a log gives.
@@ -363,7 +363,10 @@ impl Found {
             let rate = args.names.of(Setting::Rate);
             let remedy = "two logs in one file, or a clock that was set? Cut the log there";
             let or = format!("give {rate} and no time column if the samples are evenly spaced all the same");
-            LogError::Refused(format!("{}, column {name}: {why} ({remedy}, or {or})", path.display()))
+            LogError::Refused(
+                "times-disordered",
+                format!("{}, column {name}: {why} ({remedy}, or {or})", path.display()),
+            )
         })?;
         let said = said.into_iter().map(|said| format!("{}, column {name}: {said}", path.display()));
         self.warning = self.warning.take().into_iter().chain(said).reduce(|all, more| format!("{all}; {more}"));
@@ -441,7 +444,7 @@ fn no_time_unit(path: &Path, column: &str, names: Names) -> LogError {
 }
 
 fn unsteady(path: &Path, column: &str, why: &str) -> LogError {
-    LogError::Refused(format!("{}, column {column}: {why}", path.display()))
+    LogError::Refused("times-uneven", format!("{}, column {column}: {why}", path.display()))
 }
 
 /// Of `columns`, those that may hold the time are named.
@@ -461,7 +464,10 @@ fn no_rate(path: &Path, columns: &[&str], names: Names) -> LogError {
 /// More samples are missing than can be written out.
 fn too_many(path: &Path, missing: u64, names: Names) -> LogError {
     let remedy = format!("cut the log at its longest gap, or give {} and no time column", names.of(Setting::Rate));
-    LogError::Refused(format!("{}: {missing} samples are missing between its rows; {remedy}", path.display()))
+    LogError::Refused(
+        "mostly-missing",
+        format!("{}: {missing} samples are missing between its rows; {remedy}", path.display()),
+    )
 }
 
 /// An error in a column of the file at `path`.

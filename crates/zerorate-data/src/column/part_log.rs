@@ -67,7 +67,10 @@ impl PartLog {
         let coding = Coding { path, scale, unit, name: "°C", remedy: "`temp_c` or `T [°C]`" };
         let temps = coding.codes(temp, &mut warnings)?;
         if temps.iter().all(|code| code.is_nan()) {
-            return Err(LogError::Refused(format!("{} holds no temperature in any row", path.display())));
+            return Err(LogError::Refused(
+                "no-temperature",
+                format!("{} holds no temperature in any row", path.display()),
+            ));
         }
         let (t_ns, gaps) = times(path, clock, temps.len(), args)?;
         let info = CaptureInfo {
@@ -95,7 +98,10 @@ impl PartLog {
     fn checked(mut self, path: &Path) -> Result<Self> {
         let lacking = (0..self.temps.len()).filter(|row| self.lacks(*row)).count();
         if lacking == self.temps.len() {
-            return Err(LogError::Refused(format!("{} holds no row with all axes", path.display())));
+            return Err(LogError::Refused(
+                "rows-incomplete",
+                format!("{} holds no row with all axes", path.display()),
+            ));
         }
         if lacking > 0 {
             self.warnings.push(format!(
@@ -226,12 +232,15 @@ impl Coding<'_> {
             return Ok(code);
         }
         let bits = self.scale.width_bits;
-        Err(LogError::Refused(format!(
-            "{}, column {name}, row {row}: {value} is beyond the codes of the part, which have {bits} bits and go \
+        Err(LogError::Refused(
+            "beyond-codes",
+            format!(
+                "{}, column {name}, row {row}: {value} is beyond the codes of the part, which have {bits} bits and go \
              from \
              {first} to {last}; is it the column, and the unit?",
-            self.path.display()
-        )))
+                self.path.display()
+            ),
+        ))
     }
 }
 
@@ -247,7 +256,7 @@ fn times(path: &Path, clock: Clock, rows: usize, args: &ColumnOptions) -> Result
     };
     if t_ns.windows(2).any(|pair| pair[1] <= pair[0]) {
         let why = "its rows are less than a nanosecond apart; is it the rate, and the unit of the time?";
-        return Err(LogError::Refused(format!("{}: {why}", path.display())));
+        return Err(LogError::Refused("times-disordered", format!("{}: {why}", path.display())));
     }
     Ok((t_ns, gaps))
 }

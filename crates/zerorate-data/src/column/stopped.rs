@@ -21,7 +21,7 @@ impl Column {
         if count == 0 {
             let what = format!("{}: all {len} samples of column {} are the same", path.display(), self.name);
             let why = "a dead or frozen sensor, and no noise that could be analysed";
-            return Err(LogError::Refused(format!("{what}: {why}")));
+            return Err(LogError::Refused("frozen", format!("{what}: {why}")));
         }
         let is_frozen = same >= STOPPED_SAMPLES && count * 2 > len - same;
         let is_last = start + samples == self.series.len();

@@ -1,6 +1,7 @@
 //! What there is to know about a curve or a noise model.
 
 use super::Noise;
+use crate::codes::codes;
 use alloc::format;
 use alloc::string::String;
 use core::fmt;
@@ -58,35 +59,29 @@ pub enum AllanWarning {
     NotIdentified { noise: Noise, record_s: f64, needed_s: f64 },
 }
 
-impl AllanWarning {
-    /// Short stable name, for scripts.
-    #[must_use]
-    pub fn code(&self) -> &'static str {
-        match self {
-            Self::QuantisationLimited { .. } => "quantisation-limited",
-            Self::Periodic { .. } => "periodic-disturbance",
-            Self::Misfit { .. } => "misfit",
-            Self::Drift { .. } => "drift",
-            Self::ShortEndExcluded { .. } => "short-end-excluded",
-            Self::Glitches { .. } => "glitches",
-            Self::ManyGlitches { .. } => "many-glitches",
-            Self::Step { .. } => "step",
-            Self::ManySteps { .. } => "many-steps",
-            Self::Gaps { .. } => "gaps",
-            Self::Lines { .. } => "lines",
-            Self::WarmUp { .. } => "warm-up",
-            Self::MemoryOrFlicker { .. } => "memory-or-flicker",
-            Self::DriftOrWalk { .. } => "drift-or-walk",
-            Self::Unsteady { .. } => "unsteady",
-            Self::ShortRecord { .. } => "short-record",
-            Self::Leakage { .. } => "leakage",
-            Self::OffCurve { .. } => "off-curve",
-            Self::Rejected { .. } => "model-rejected",
-            Self::FollowsTemperature { .. } => "follows-temperature",
-            Self::NotIdentified { .. } => "not-identified",
-        }
-    }
-}
+codes!(AllanWarning {
+    QuantisationLimited => "quantisation-limited",
+    Periodic => "periodic-disturbance",
+    Misfit => "misfit",
+    Drift => "drift",
+    ShortEndExcluded => "short-end-excluded",
+    Glitches => "glitches",
+    ManyGlitches => "many-glitches",
+    Step => "step",
+    ManySteps => "many-steps",
+    Gaps => "gaps",
+    Lines => "lines",
+    WarmUp => "warm-up",
+    MemoryOrFlicker => "memory-or-flicker",
+    DriftOrWalk => "drift-or-walk",
+    Unsteady => "unsteady",
+    ShortRecord => "short-record",
+    Leakage => "leakage",
+    OffCurve => "off-curve",
+    Rejected => "model-rejected",
+    FollowsTemperature => "follows-temperature",
+    NotIdentified => "not-identified",
+});
 
 impl Noise {
     /// Name and letter.

@@ -1,6 +1,7 @@
 //! Why a measurement in a chamber ends without a result.
 
 use super::procedure::ChamberState;
+use crate::codes::codes;
 use crate::thermal::ThermalError;
 use core::fmt;
 
@@ -35,6 +36,21 @@ pub enum ChamberRefusal {
     /// The rate was at no rest for too great a share of the time.
     Restless { share: f64, limit: f64 },
 }
+
+codes!(ChamberRefusal {
+    Frozen => "frozen",
+    NoTemperature => "no-temperature",
+    Silent => "silent",
+    Lost => "lost-samples",
+    NotSettled => "not-settled",
+    NotReached => "not-reached",
+    Overshoot => "overshoot",
+    Disturbed => "disturbed",
+    Span => "small-span",
+    Uncertain => "uncertain",
+    NoCurve => "no-curve",
+    Restless => "restless",
+});
 
 /// What spoils the average of a soak point.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -16,7 +16,11 @@ pub fn write(file: Staged, records: &[Record]) -> Result<()> {
     }
     let doubt = records.iter().find_map(|record| Some((record, record.believed().err()?)));
     if let Some((record, why)) = doubt {
-        return Err(Refused(format!("{}: imu.yaml needs the noise coefficients: {why}", record.label())).into());
+        return Err(Refused::new(
+            record.doubt_code(),
+            format!("{}: imu.yaml needs the noise coefficients: {why}", record.label()),
+        )
+        .into());
     }
     let log = records.iter().map(|record| record.file.display().to_string()).collect::<Vec<_>>().join(", ");
     let names = Names(flag);

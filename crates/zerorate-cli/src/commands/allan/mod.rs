@@ -218,7 +218,7 @@ fn warnings(args: &AllanArgs, records: &[Record]) -> Vec<String> {
 }
 
 fn no_result(record: &Record) -> Refused {
-    Refused(format!("{}: {}", record.label(), record.believed().err().unwrap_or_default()))
+    Refused::new(record.doubt_code(), format!("{}: {}", record.label(), record.believed().err().unwrap_or_default()))
 }
 
 /// One model of all records.

@@ -28,7 +28,7 @@ impl Pool {
         if let Some((record, why)) =
             records.iter().find_map(|record| Some((record, record.fit.as_ref()?.as_ref().err()?)))
         {
-            return Err(Refused(format!("{}: {why}", record.label())).into());
+            return Err(Refused::new("no-model", format!("{}: {why}", record.label())).into());
         }
         let inputs: Vec<PoolRecord<'_>> = fitted
             .iter()
@@ -147,7 +147,7 @@ fn check(records: &[Record]) -> Result<(), Usage> {
 fn refused(why: PoolError) -> anyhow::Error {
     match why {
         PoolError::TooFew { .. } | PoolError::Rates { .. } => Usage(format!("--pool: {why}")).into(),
-        why => Refused(format!("no common model: {why}")).into(),
+        why => Refused::new("no-common-model", format!("no common model: {why}")).into(),
     }
 }
 

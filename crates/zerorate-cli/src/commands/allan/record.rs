@@ -177,6 +177,14 @@ impl Record {
         }
     }
 
+    /// Of a record whose model is not believed: why, for scripts.
+    pub fn doubt_code(&self) -> &'static str {
+        match self.model() {
+            Some(_) => "model-rejected",
+            None => "no-model",
+        }
+    }
+
     /// Itself with its model, where it has one and is an axis of an IMU.
     pub fn axis(&self) -> Option<Axis<'_>> {
         let kind = Kind::of(self.quantity?)?;

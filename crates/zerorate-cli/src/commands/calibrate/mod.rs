@@ -384,5 +384,5 @@ impl<'a> Measurement<'a> {
 }
 
 fn refused(refusal: &AxisRefusal, names: Names) -> anyhow::Error {
-    Refused(refusal.with(names).to_string()).into()
+    Refused::new(refusal.refusal.code(), refusal.with(names).to_string()).into()
 }

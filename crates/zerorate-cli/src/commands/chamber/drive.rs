@@ -10,7 +10,7 @@ use crate::progress::Meter;
 use crate::recorder::Recorder;
 use adis16130_twin::Truth;
 use anyhow::Result;
-use zerorate::chamber::{ChamberAction, ChamberProcedure, ChamberState, StepEnd};
+use zerorate::chamber::{ChamberAction, ChamberProcedure, ChamberRefusal, ChamberState, StepEnd};
 use zerorate_data::capture::{Layout, Row, SampleHash};
 use zerorate_host::{Chamber, Lead, SimulatedChamber};
 use zerorate_view::duration::Seconds;
@@ -167,7 +167,7 @@ impl Drive {
             self.lose_log(error.into());
         }
         let done = self.procedure.steps_done();
-        self.procedure.take(&self.layout.scan(row)).map_err(|refusal| self.refused(&refusal.to_string()))?;
+        self.procedure.take(&self.layout.scan(row)).map_err(|refusal| self.refused(&refusal))?;
         if self.procedure.steps_done() != done {
             self.kept.keep(&self.procedure)?;
         }
@@ -198,7 +198,7 @@ impl Drive {
             }
         };
         if let Some(air_c) = air_c {
-            self.procedure.air(air_c).map_err(|refusal| self.refused(&refusal.to_string()))?;
+            self.procedure.air(air_c).map_err(|refusal| self.refused(&refusal))?;
         }
         if let Some(obeying) = &mut self.obeying {
             obeying.set(self.procedure.set_point_c())?;
@@ -263,8 +263,8 @@ impl Drive {
     }
 
     #[cold]
-    fn refused(&self, why: &str) -> anyhow::Error {
-        Refused(format!("{why}{}", self.kept.hint(self.procedure.steps_done()))).into()
+    fn refused(&self, why: &ChamberRefusal) -> anyhow::Error {
+        Refused::new(why.code(), format!("{why}{}", self.kept.hint(self.procedure.steps_done()))).into()
     }
 
     #[cold]

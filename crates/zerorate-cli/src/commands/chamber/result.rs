@@ -107,7 +107,7 @@ struct TruthReport {
 pub fn deliver(args: &ChamberArgs, plan: &PlanFile, driven: Driven, files: Files) -> Result<()> {
     let Driven { procedure, acquisition, kept, capture_sha256, truths, log_failed, is_resumed } = driven;
     let (part, tally) = (procedure.part().clone(), *procedure.tally());
-    let refused = |refusal: zerorate::chamber::ChamberRefusal| Refused(refusal.to_string());
+    let refused = |refusal: zerorate::chamber::ChamberRefusal| Refused::new(refusal.code(), refusal.to_string());
     let record = procedure.finish().map_err(refused)?;
     let outcomes = record.outcomes(&part, args.earth_dps, args.max_order.into()).map_err(refused)?;
     let info = acquisition.info(args.serial.as_deref(), args.supply_note.as_deref());

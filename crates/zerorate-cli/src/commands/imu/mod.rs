@@ -216,7 +216,9 @@ fn head(
 fn deliver(args: &ImuArgs, axes: &[Record], topic: Option<String>, file: Option<Staged>) -> Result<()> {
     let doubts = doubts(axes);
     if !doubts.is_empty() {
-        let refused = Refused(format!("{}: {}", args.log.display(), doubts.join("; ")));
+        let doubted = axes.iter().find(|axis| axis.believed().is_err());
+        let code = doubted.map_or("no-model", Record::doubt_code);
+        let refused = Refused::new(code, format!("{}: {}", args.log.display(), doubts.join("; ")));
         if !args.force || axes.iter().any(|axis| axis.model().is_none()) {
             return Err(refused.into());
         }

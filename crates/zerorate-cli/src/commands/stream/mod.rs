@@ -118,7 +118,7 @@ fn stop_frozen(acquisition: &Acquisition, rows: &mut Rows, mean: &mut Mean) -> R
     rows.finish()?;
     let frozen = acquisition.frozen();
     let why = frozen.map(|frozen| believed::frozen_text(&frozen, acquisition.start_ns())).unwrap_or_default();
-    Err(Refused(why).into())
+    Err(Refused::new("frozen", why).into())
 }
 
 /// A serial number that is given must be that of the calibration, and that of the recording where one is read.

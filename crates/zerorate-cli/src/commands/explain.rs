@@ -1,0 +1,123 @@
+//! `zerorate explain`: what a warning or a refusal means, by its code.
+
+use super::{print_json, print_lines};
+use crate::exit::Usage;
+use anyhow::Result;
+use clap::Args;
+use serde::Serialize;
+use std::fmt::Write;
+use zerorate_view::codes::{self, Explanation, GROUPS};
+
+/// Says what a warning or a refusal means, by its code.
+///
+/// Every warning begins with its code, and every refusal is followed by its: what was seen, why it matters, what to do.
+/// Without a code, all of them are listed.
+#[derive(Args, Debug)]
+pub struct ExplainArgs {
+    /// The code, such as aliased, or the line that begins with it; default: list all.
+    #[arg(value_name = "CODE")]
+    code: Vec<String>,
+    /// Print one JSON object to stdout.
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Serialize)]
+struct Entry {
+    code: &'static str,
+    says: String,
+    by: &'static [&'static str],
+    seen: &'static str,
+    matters: &'static str,
+    remedy: &'static str,
+    #[serde(skip_serializing_if = "str::is_empty")]
+    command: &'static str,
+}
+
+#[derive(Serialize)]
+struct All {
+    codes: Vec<Entry>,
+}
+
+impl Entry {
+    fn new(one: &'static Explanation) -> Self {
+        let Explanation { code, says, by, seen, matters, remedy, command } = *one;
+        Self { code, says: says.to_string(), by, seen, matters, remedy, command }
+    }
+}
+
+pub fn run(args: &ExplainArgs) -> Result<()> {
+    if args.code.is_empty() {
+        return match args.json {
+            true => print_json(&All { codes: codes::all().map(Entry::new).collect() }),
+            false => print_lines(&list()?),
+        };
+    }
+    let wanted = args.code.join(" ");
+    let found = codes::explain(&wanted).ok_or_else(|| unknown(&wanted))?;
+    match args.json {
+        true => print_json(&Entry::new(found)),
+        false => print_lines(&text(found)?),
+    }
+}
+
+fn list() -> Result<String> {
+    let mut text = String::new();
+    for group in GROUPS {
+        writeln!(text, "{}:", group.title)?;
+        for one in group.all {
+            writeln!(text, "  {:24} {:19} {}", one.code, one.says.to_string(), one.seen)?;
+        }
+    }
+    Ok(text)
+}
+
+fn text(one: &Explanation) -> Result<String> {
+    let mut text = String::new();
+    writeln!(text, "{}: a {} of {}\n", one.code, one.says, one.by.join(", "))?;
+    writeln!(text, "Seen:    {}\nMatters: {}\nDo:      {}", one.seen, one.matters, one.remedy)?;
+    if !one.command.is_empty() {
+        writeln!(text, "As in:   {}", one.command)?;
+    }
+    Ok(text)
+}
+
+fn unknown(wanted: &str) -> Usage {
+    let near = codes::nearest(wanted);
+    let meant = match near.as_slice() {
+        [] => "`zerorate explain` lists all".to_owned(),
+        near => format!("did you mean {}? `zerorate explain` lists all", near.join(", ")),
+    };
+    Usage(format!("no warning and no refusal has the code {wanted:?}: {meant}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cli::Cli;
+    use clap::{CommandFactory, Parser};
+
+    /// Words as a shell cuts them, for the quotes that the table has.
+    fn words(line: &str) -> Vec<String> {
+        line.split(' ').map(|word| word.trim_matches('\'').to_owned()).collect()
+    }
+
+    #[test]
+    fn every_command_of_the_table_is_one() {
+        let commands: Vec<&str> =
+            codes::all().map(|one| one.command).filter(|one| one.starts_with("zerorate")).collect();
+        assert!(commands.len() > 30, "{}", commands.len());
+        for command in commands {
+            Cli::try_parse_from(words(command)).unwrap_or_else(|why| panic!("{command}: {why}"));
+        }
+    }
+
+    #[test]
+    fn whoever_says_a_code_is_a_command() {
+        let cli = Cli::command();
+        let known: Vec<&str> = cli.get_subcommands().map(clap::Command::get_name).collect();
+        for one in codes::all() {
+            assert!(one.by.iter().all(|name| known.contains(name)), "{}: {:?}", one.code, one.by);
+        }
+    }
+}

@@ -1,0 +1,104 @@
+//! The commands that the chapters show, run on the twin as a reader would run them.
+//!
+//! Every ```sh block whose first word is `zerorate` is run, line by line, the blocks of a chapter one after the other in
+//! one empty folder. A line ends with 0, or as it says: `# refused (exit 3)`. What needs a part, files of the reader's or
+//! hours is marked ```sh,untried, which the book shows.
+
+use anyhow::{Context, Result, bail, ensure};
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::time::Instant;
+
+/// A line of a chapter, and how it must end.
+#[derive(Debug, PartialEq)]
+struct Line {
+    command: String,
+    exit: i32,
+}
+
+/// Runs all, with `program` as `zerorate`.
+pub fn run(program: &Path) -> Result<()> {
+    let program = program.canonicalize().with_context(|| format!("no program {}", program.display()))?;
+    let mut count = 0;
+    for chapter in chapters(Path::new("docs"))? {
+        let lines = lines(&fs::read_to_string(&chapter)?);
+        if lines.is_empty() {
+            continue;
+        }
+        let (start, folder) = (Instant::now(), tempfile::tempdir()?);
+        for line in &lines {
+            try_line(line, &program, folder.path()).with_context(|| chapter.display().to_string())?;
+        }
+        count += lines.len();
+        println!("{}: {} commands in {:.1} s", chapter.display(), lines.len(), start.elapsed().as_secs_f64());
+    }
+    ensure!(count > 0, "no command was found in docs/");
+    println!("{count} commands of the book do what it says");
+    Ok(())
+}
+
+fn try_line(line: &Line, program: &Path, folder: &Path) -> Result<()> {
+    let path = std::env::var("PATH").unwrap_or_default();
+    let beside = program.parent().context("a program in a folder")?;
+    let mut shell = Command::new("sh");
+    shell.args(["-c", &line.command]).current_dir(folder);
+    let output = shell.env("PATH", format!("{}:{path}", beside.display())).output()?;
+    if output.status.code() != Some(line.exit) {
+        bail!(
+            "`{}` ended with {}, not with {}:\n{}{}",
+            line.command,
+            output.status,
+            line.exit,
+            String::from_utf8_lossy(&output.stdout),
+            String::from_utf8_lossy(&output.stderr)
+        );
+    }
+    Ok(())
+}
+
+/// What is to be run of a chapter.
+fn lines(text: &str) -> Vec<Line> {
+    let blocks = text.split("\n```sh\n").skip(1).filter_map(|rest| rest.split_once("\n```")).map(|(block, _)| block);
+    let ours = blocks.filter(|block| block.starts_with("zerorate"));
+    let whole = ours.map(|block| block.replace("\\\n", " "));
+    whole.flat_map(|block| block.lines().filter_map(line).collect::<Vec<_>>()).collect()
+}
+
+fn line(text: &str) -> Option<Line> {
+    let command = text.trim();
+    let exit = command.split_once("(exit ").and_then(|(_, rest)| rest.split(')').next()?.parse().ok()).unwrap_or(0);
+    let is_command = !command.is_empty() && !command.starts_with('#');
+    is_command.then(|| Line { command: command.to_owned(), exit })
+}
+
+fn chapters(folder: &Path) -> Result<Vec<PathBuf>> {
+    let (mut found, mut folders) = (Vec::new(), vec![folder.to_owned()]);
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(folder)? {
+            let path = entry?.path();
+            match path.extension() {
+                _ if path.is_dir() => folders.push(path),
+                Some(extension) if extension == "md" => found.push(path),
+                _ => {}
+            }
+        }
+    }
+    found.sort();
+    Ok(found)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_marked_and_what_is_no_command_of_ours_is_left() {
+        let text = "a\n```sh\nzerorate probe\nzerorate x \\\n  --y   # no (exit 3)\n# a word\n```\nb\n```sh,untried\nzerorate serve\n\
+            ```\n```sh\ncargo xtask test\n```\n";
+        let expected = [("zerorate probe", 0), ("zerorate x    --y   # no (exit 3)", 3)];
+        let expected: Vec<Line> =
+            expected.iter().map(|(command, exit)| Line { command: (*command).to_owned(), exit: *exit }).collect();
+        assert_eq!(lines(text), expected);
+    }
+}
