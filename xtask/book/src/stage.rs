@@ -39,7 +39,8 @@ pub fn fill(root: &Path, staged: &Path) -> Result<()> {
 /// Where a file of the project stands in the book.
 fn place(file: &Path) -> PathBuf {
     if let Ok(inside) = file.strip_prefix("docs") {
-        return inside.to_owned();
+        let is_first = inside == Path::new("README.md");
+        return if is_first { PathBuf::from("index.md") } else { inside.to_owned() };
     }
     let name = file.to_string_lossy().replace("/README.md", ".md").replace('/', "-");
     Path::new("project").join(if name == "README.md" { "overview.md" } else { &name })

@@ -4,6 +4,7 @@
 //! rather than written, the drawings, and the commands, which are run as a reader would.
 
 mod commands;
+mod drawings;
 
 use crate::app;
 use crate::venv::done;
@@ -57,5 +58,6 @@ pub fn make(out: &Path) -> Result<()> {
 
 /// Files of the book that are made, each with its text.
 fn made() -> Result<Vec<(&'static str, String)>> {
-    Ok(vec![("docs/codes.md", codes::page())])
+    let facts = fs::read_to_string("docs/facts.md")?;
+    Ok(drawings::all(&facts)?.into_iter().chain([("docs/codes.md", codes::page())]).collect())
 }
