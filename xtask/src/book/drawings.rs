@@ -202,7 +202,7 @@ fn wiring(pins: &Pins) -> Result<String> {
     body += &text((520.0, 340.0), "start", "#000", "any output, or open");
     body += &text((200.0, 362.0), "end", "#000", &format!("{}, {} ROA1, ROA2", of("ROA1")?, of("ROA2")?));
     body += &line((212.0, 358.0), (300.0, 358.0), &format!("stroke=\"{GREY}\""));
-    body += &text((308.0, 362.0), "start", "#000", "0.01 µF between them for 50 Hz, or open (F-04)");
+    body += &text((308.0, 362.0), "start", "#000", "0.01 µF for 50 Hz, or open (F-04)");
     Ok(svg(720, 386, "Part, level shifter and host with the lines between them", &body))
 }
 
@@ -262,16 +262,18 @@ fn bandwidth(facts: &str) -> Result<String> {
     body += &text((Plot::x(330.0), Plot::y(0.0125)), "start", BLUE, "no capacitor: 300 Hz");
     body += &text((Plot::x(45.0), Plot::y(0.0035)), "end", "#007a5a", "0.01 µF: 50 Hz");
     let divided_hz = 2.0 * full_hz / 51.0;
-    for (hz, rate_hz) in [(fold(resonance, full_hz), full_hz), (fold(resonance, divided_hz), divided_hz)] {
+    let at = |rate_hz: f64| (fold(resonance, rate_hz), rate_hz);
+    for ((hz, rate_hz), off, anchor) in [(at(full_hz), "", "end"), (at(divided_hz), " ± 50", "start")] {
         body += &line((Plot::x(hz), 330.0), (Plot::x(hz), 120.0), &format!("stroke=\"{RED}\" stroke-width=\"2\""));
-        body += &text((Plot::x(hz), 112.0), "middle", RED, &format!("{hz:.0} Hz at {rate_hz:.0}/s"));
+        let label = format!("{hz:.0}{off} Hz at {rate_hz:.0}/s");
+        body += &text((Plot::x(hz) + 4.0, 112.0), anchor, RED, &label);
         let half = rate_hz / 2.0;
         let style = format!("stroke=\"{GREY}\" stroke-dasharray=\"4 4\"");
         body += &line((Plot::x(half), 330.0), (Plot::x(half), 290.0), &style);
     }
     let style = format!("stroke=\"{RED}\" stroke-width=\"2\" stroke-dasharray=\"5 4\"");
-    body += &line((Plot::x(resonance), 330.0), (Plot::x(resonance), 120.0), &style);
-    body += &text((686.0, 112.0), "end", RED, "resonance, about 14.3 kHz");
+    body += &line((Plot::x(resonance), 330.0), (Plot::x(resonance), 70.0), &style);
+    body += &text((686.0, 62.0), "end", RED, "resonance, about 14.3 kHz");
     let folded =
         "red: where the resonance (F-07) appears among the samples of a nominal part; grey: half of their rate";
     body += &text((380.0, 374.0), "middle", "#000", folded);

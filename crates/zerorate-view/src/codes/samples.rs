@@ -45,7 +45,7 @@ pub const ALL: &[Explanation] = &[
     Explanation {
         code: "damaged-frames",
         says: Says::Warning,
-        by: &["probe", "capture"],
+        by: &["probe", "capture", "serve"],
         seen: "Frames of the bridge came damaged over its cable.",
         matters: "Their checksum shows it, so nothing wrong came in; their samples are counted as lost.",
         remedy: "Check the cable of the bridge, or lower its baud rate.",
@@ -210,5 +210,23 @@ pub const ALL: &[Explanation] = &[
         matters: "It is taken as of now; a bias that walked on in the meantime is trusted too much at first.",
         remedy: "Nothing; the next rest mends it. It is so for a state that was made on simulated time.",
         command: "",
+    },
+    Explanation {
+        code: "not-kept",
+        says: Says::Warning,
+        by: &["serve"],
+        seen: "Calibrations that are made on the page have no folder, or could not be written.",
+        matters: "They are lost when the program ends.",
+        remedy: "Download them from the page, or give the program a folder.",
+        command: "zerorate serve --folder calibrations",
+    },
+    Explanation {
+        code: "not-recorded",
+        says: Says::Warning,
+        by: &["serve"],
+        seen: "The recording that was under way ended: the disk is full, or the file was taken away.",
+        matters: "The measurement goes on; what is on disk holds everything up to there.",
+        remedy: "Make room, look at the file, and start a new recording.",
+        command: "zerorate verify recording.arrows",
     },
 ];

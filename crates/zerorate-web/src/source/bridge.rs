@@ -88,7 +88,7 @@ impl Source for Bridge {
         let damaged = std::mem::take(&mut self.shared.borrow_mut().damaged);
         if damaged > 0 {
             self.notes
-                .push(format!("bridge-damaged: {damaged} frames of the bridge arrived damaged; check the cable"));
+                .push(format!("damaged-frames: {damaged} frames of the bridge arrived damaged; check the cable"));
         }
         std::mem::take(&mut self.notes)
     }
