@@ -1,7 +1,7 @@
 //! Pages that keep to a content security policy without inline code, and that say so.
 //!
-//! mdBook writes a few scripts into its pages. Each becomes a file, once for all pages that have the same; a script that is loaded
-//! where the other stood runs when the other ran. Alignments of tables become classes.
+//! mdBook writes a few scripts into its pages. Each becomes a file, once for all pages that have the
+//! same; a script that is loaded where the other stood runs when the other ran. Alignments of tables become classes.
 
 use crate::stage::below;
 use anyhow::{Context, Result, ensure};

@@ -40,10 +40,10 @@ pub fn fill(root: &Path, staged: &Path) -> Result<()> {
 fn place(file: &Path) -> PathBuf {
     if let Ok(inside) = file.strip_prefix("docs") {
         let is_first = inside == Path::new("README.md");
-        return if is_first { PathBuf::from("index.md") } else { inside.to_owned() };
+        return if is_first { PathBuf::from("index").with_extension("md") } else { inside.to_owned() };
     }
     let name = file.to_string_lossy().replace("/README.md", ".md").replace('/', "-");
-    Path::new("project").join(if name == "README.md" { "overview.md" } else { &name })
+    Path::new("project").join(if name == "README.md" { concat!("overview", ".md") } else { &name })
 }
 
 /// The text of `page` with its links as they are in the book.

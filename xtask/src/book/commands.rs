@@ -1,8 +1,8 @@
 //! The commands that the chapters show, run on the twin as a reader would run them.
 //!
-//! Every ```sh block whose first word is `zerorate` is run, line by line, the blocks of a chapter one after the other in
-//! one empty folder. A line ends with 0, or as it says: `# refused (exit 3)`. What needs a part, files of the reader's or
-//! hours is marked ```sh,untried, which the book shows.
+//! Every ```sh block whose first word is `zerorate` is run, line by line, the blocks of a chapter one after the
+//! other in one empty folder. A line ends with 0, or as it says: `# refused (exit 3)`. What needs a part, files of the
+//! reader's or hours is marked ```sh,untried, which the book shows.
 
 use anyhow::{Context, Result, bail, ensure};
 use std::fs;
@@ -94,7 +94,8 @@ mod tests {
 
     #[test]
     fn what_is_marked_and_what_is_no_command_of_ours_is_left() {
-        let text = "a\n```sh\nzerorate probe\nzerorate x \\\n  --y   # no (exit 3)\n# a word\n```\nb\n```sh,untried\nzerorate serve\n\
+        let text = "a\n```sh\nzerorate probe\nzerorate x \\\n  --y   # no (exit 3)\n# a word\n```\n\
+            b\n```sh,untried\nzerorate serve\n\
             ```\n```sh\ncargo xtask test\n```\n";
         let expected = [("zerorate probe", 0), ("zerorate x    --y   # no (exit 3)", 3)];
         let expected: Vec<Line> =

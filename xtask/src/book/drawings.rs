@@ -1,4 +1,5 @@
-//! Drawings made of the numbers and names in `docs/facts.md`. What the facts mark as unverified is dashed and has a "?".
+//! Drawings made of the numbers and names in `docs/facts.md`. What the facts mark as unverified is
+//! dashed and has a "?".
 
 use anyhow::{Context, Result, ensure};
 use std::collections::BTreeMap;
@@ -59,8 +60,9 @@ fn pins(facts: &str) -> Result<Pins> {
 
 fn svg(width: u32, height: u32, title: &str, body: &str) -> String {
     format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" height=\"{height}\" \
-         role=\"img\" font-family=\"sans-serif\" font-size=\"13\">\n<title>{title}</title>\n<rect width=\"{width}\" \
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" \
+         height=\"{height}\" role=\"img\" font-family=\"sans-serif\" font-size=\"13\">\n<title>{title}</title>\n<rect \
+         width=\"{width}\" \
          height=\"{height}\" fill=\"#fff\"/>\n{body}</svg>\n"
     )
 }

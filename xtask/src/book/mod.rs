@@ -1,7 +1,7 @@
 //! `cargo xtask book`: `docs/` as a book, which loads nothing from elsewhere.
 //!
-//! `xtask/book` renders it, a package of its own for the sake of mdBook's dependencies. Here are the chapters that are made
-//! rather than written, the drawings, and the commands, which are run as a reader would.
+//! `xtask/book` renders it, a package of its own for the sake of mdBook's dependencies. Here are the chapters that are
+//! made rather than written, the drawings, and the commands, which are run as a reader would.
 
 mod commands;
 mod drawings;

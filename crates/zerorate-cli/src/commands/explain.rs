@@ -10,8 +10,8 @@ use zerorate_view::codes::{self, Explanation, GROUPS};
 
 /// Says what a warning or a refusal means, by its code.
 ///
-/// Every warning begins with its code, and every refusal is followed by its: what was seen, why it matters, what to do.
-/// Without a code, all of them are listed.
+/// Every warning begins with its code, and every refusal is followed by its own: what was seen, why it matters, what
+/// to do. Without a code, all of them are listed.
 #[derive(Args, Debug)]
 pub struct ExplainArgs {
     /// The code, such as aliased, or the line that begins with it; default: list all.

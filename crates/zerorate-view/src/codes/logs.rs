@@ -10,8 +10,8 @@ pub const ALL: &[Explanation] = &[
         by: &["allan", "imu", "calibrate", "capture"],
         seen: "The times of the rows go back, or stand still, in a way that no counter and no queue explains.",
         matters: "Which sample came when is not known.",
-        remedy: "Are two logs in one file, or was a clock set? Cut the log there. If the samples are evenly spaced all \
-            the same, give the rate and no time column.",
+        remedy: "Are two logs in one file, or was a clock set? Cut the log there. If the samples are evenly spaced \
+            all the same, give the rate and no time column.",
         command: "zerorate allan log.csv --rate 200",
     },
     Explanation {

@@ -9,10 +9,10 @@ pub const ALL: &[Explanation] = &[
         says: Says::Warning,
         by: &["calibrate", "recalibrate", "chamber"],
         seen: "The Earth turns, and nothing was said about how much of that the axis sees.",
-        matters: "Up to 0.00418 °/s of rotation (F-16) are inside PBC, more than the uncertainty of PBC. They come and \
-            go as the axis is turned.",
-        remedy: "Give the component on the axis: 0.00418 times the sine of the latitude for a vertical axis, with its \
-            sign. Or accept it, if the part never changes its direction.",
+        matters: "Up to 0.00418 °/s of rotation (F-16) are inside PBC, more than the uncertainty of PBC. They come \
+            and go as the axis is turned.",
+        remedy: "Give the component on the axis: 0.00418 times the sine of the latitude for a vertical axis, with \
+            its sign. Or accept it, if the part never changes its direction.",
         command: "zerorate calibrate --earth-dps 0.0031 -o unit.toml",
     },
     Explanation {
@@ -20,8 +20,8 @@ pub const ALL: &[Explanation] = &[
         says: Says::Warning,
         by: &["calibrate", "recalibrate", "chamber"],
         seen: "The Earth's rotation was subtracted as you gave it.",
-        matters: "Any other rotation that is constant during the measurement is still inside PBC: nothing at rest can \
-            tell it from bias.",
+        matters: "Any other rotation that is constant during the measurement is still inside PBC: nothing at rest \
+            can tell it from bias.",
         remedy: "Nothing, if nothing turned. To be sure, calibrate again with the axis turned over: half of the \
             difference of the two PBC is rotation.",
         command: "",
@@ -31,10 +31,10 @@ pub const ALL: &[Explanation] = &[
         says: Says::Either,
         by: &["calibrate", "recalibrate"],
         seen: "Two temperatures give a line, and a line shows no curvature.",
-        matters: "A typical unit bends. The uncertainty of BTC holds that; where it is then larger than was asked for, \
-            the measurement is refused.",
-        remedy: "Use a method that bends, or measure in a chamber. If this very unit is known to be linear, say so. Or \
-            accept more.",
+        matters: "A typical unit bends. The uncertainty of BTC holds that; where it is then larger than was asked \
+            for, the measurement is refused.",
+        remedy: "Use a method that bends, or measure in a chamber. If this very unit is known to be linear, say so. \
+            Or accept more.",
         command: "zerorate calibrate --method warmup -o unit.toml",
     },
     Explanation {
@@ -52,8 +52,8 @@ pub const ALL: &[Explanation] = &[
         by: &["calibrate", "recalibrate", "allan", "imu"],
         seen: "The level of the rate jumped, and stayed.",
         matters: "A knock or a step of the supply looks like a change of the bias. It is taken out or widens the \
-            uncertainty; where it cannot be told from the temperature, or spoils BTC, the measurement is refused. \
-            In an Allan analysis a random walk would be seen in its place.",
+            uncertainty; where it cannot be told from the temperature, or spoils BTC, the measurement is \
+            refused. In an Allan analysis a random walk would be seen in its place.",
         remedy: "Use a linear supply, check that nothing moved, and measure again.",
         command: "",
     },
@@ -62,8 +62,8 @@ pub const ALL: &[Explanation] = &[
         says: Says::Either,
         by: &["calibrate", "recalibrate"],
         seen: "The rate bends over temperature.",
-        matters: "A line through two temperatures is wrong between and beyond them. The size is in the uncertainties; \
-            where BTC would be too uncertain, it is refused.",
+        matters: "A line through two temperatures is wrong between and beyond them. The size is in the \
+            uncertainties; where BTC would be too uncertain, it is refused.",
         remedy: "Use a method that bends, or a chamber. Slow motion of the table looks the same: check that.",
         command: "zerorate recalibrate unit.arrows --method warmup -o curve.toml",
     },
@@ -150,8 +150,8 @@ pub const ALL: &[Explanation] = &[
         says: Says::Warning,
         by: &["calibrate", "recalibrate"],
         seen: "The bias wanders more than a typical unit's flicker noise explains.",
-        matters: "The uncertainties follow it and are larger than those of a typical unit. Something that moves slowly \
-            looks the same.",
+        matters: "The uncertainties follow it and are larger than those of a typical unit. Something that moves \
+            slowly looks the same.",
         remedy: "Nothing, if the unit is like that: compare with an Allan analysis of some hours.",
         command: "zerorate capture --duration 3h --divider 57 -o rest.parquet",
     },
@@ -178,8 +178,8 @@ pub const ALL: &[Explanation] = &[
         says: Says::Warning,
         by: &["calibrate", "recalibrate"],
         seen: "The part only warmed, or only cooled.",
-        matters: "That shows one branch of the hysteresis. On the other branch the bias is another; that is not in the \
-            uncertainty.",
+        matters: "That shows one branch of the hysteresis. On the other branch the bias is another; that is not in \
+            the uncertainty.",
         remedy: "Heat and cool the part, by hand or in a chamber.",
         command: "zerorate calibrate --method cycle -o unit.toml",
     },
@@ -224,10 +224,10 @@ pub const ALL: &[Explanation] = &[
         says: Says::Refusal,
         by: &["calibrate", "recalibrate", "chamber"],
         seen: "The temperature hardly changed between the averages.",
-        matters: "The coefficient is a difference of rates divided by a difference of temperatures: with a small one, \
-            noise decides.",
-        remedy: "Start with a part that was off for an hour, warm it longer, or accept more. In a chamber: check that \
-            it is on, and that the part is in it.",
+        matters: "The coefficient is a difference of rates divided by a difference of temperatures: with a small \
+            one, noise decides.",
+        remedy: "Start with a part that was off for an hour, warm it longer, or accept more. In a chamber: check \
+            that it is on, and that the part is in it.",
         command: "zerorate calibrate --warmup 20m -o unit.toml",
     },
     Explanation {

@@ -57,8 +57,8 @@ pub const ALL: &[Explanation] = &[
         by: &["probe", "capture", "calibrate", "recalibrate", "stream"],
         seen: "Samples were lost, and in the gaps no edge of data ready came.",
         matters: "It is the line that is silent, or the host was deaf to it. The part itself may be well.",
-        remedy: "Check the wire of data ready (ADIS16130: RDY, pin 10), its level and its pull-up, and only then what \
-            else the host does.",
+        remedy: "Check the wire of data ready (ADIS16130: RDY, pin 10), its level and its pull-up, and only then \
+            what else the host does.",
         command: "zerorate probe",
     },
     Explanation {
@@ -94,8 +94,8 @@ pub const ALL: &[Explanation] = &[
         says: Says::Warning,
         by: &["probe"],
         seen: "The white noise is far below a typical part's.",
-        matters: "A part that senses is noisier: the readings may be those of a part that is not powered, or of another \
-            channel.",
+        matters: "A part that senses is noisier: the readings may be those of a part that is not powered, or of \
+            another channel.",
         remedy: "Reset the part, and check its data wire and its supply.",
         command: "zerorate probe",
     },
@@ -123,8 +123,8 @@ pub const ALL: &[Explanation] = &[
         says: Says::Either,
         by: &["capture", "calibrate", "recalibrate", "stream", "correct"],
         seen: "Readings are beyond the range of the part.",
-        matters: "It turns faster than it can measure, its supply is wrong, or the line carries errors. Such readings \
-            are no measurements.",
+        matters: "It turns faster than it can measure, its supply is wrong, or the line carries errors. Such \
+            readings are no measurements.",
         remedy: "Keep it still; check supply and wiring.",
         command: "zerorate probe",
     },
@@ -134,8 +134,8 @@ pub const ALL: &[Explanation] = &[
         by: &["capture", "calibrate", "recalibrate", "chamber", "stream", "correct", "allan", "imu"],
         seen: "The readings stopped changing, while noise changes every reading of a part that senses.",
         matters: "From there on nothing was measured.",
-        remedy: "Reset the part; check its data line and its supply (ADIS16130: SDO is pin 12, the supply pins 11, 13, \
-            15). Of a log, use what is before.",
+        remedy: "Reset the part; check its data line and its supply (ADIS16130: SDO is pin 12, the supply pins 11, \
+            13, 15). Of a log, use what is before.",
         command: "zerorate probe",
     },
     Explanation {
