@@ -57,6 +57,9 @@ pub struct Desk {
     frames: broadcast::Sender<Bytes>,
     newcomers: Vec<oneshot::Sender<Begun>>,
     framed: Instant,
+    /// Why the device cannot be read, as it was said last.
+    failed: Option<String>,
+    /// What went wrong with a recording first.
     failure: Option<anyhow::Error>,
 }
 
@@ -103,6 +106,7 @@ impl Desk {
             frames,
             newcomers: Vec::new(),
             framed: Instant::now(),
+            failed: None,
             failure: None,
         };
         (desk, hand_in)
@@ -123,13 +127,15 @@ impl Desk {
             self.session.note(&format!("not-kept: calibrations made here are lost when the program ends; {how}"));
         }
         match std::mem::replace(&mut self.device, Device::Over { hub: None, again: None }) {
-            Device::Opened(hub, bus) => self.read(hub, bus),
+            Device::Opened(hub, bus) => {
+                self.recordings.begin(&hub)?;
+                self.read(hub, bus)
+            }
             _ => Ok(()),
         }
     }
 
     fn read(&mut self, hub: Arc<Hub>, bus: Option<Bus>) -> Result<()> {
-        self.recordings.begin(&hub)?;
         let reading = Reading::of(hub, bus);
         device::begin(&reading.hub, self.speed)?;
         self.device = Device::Reading(Box::new(reading));
@@ -216,20 +222,28 @@ impl Desk {
         let Device::Reading(reading) = &self.device else { return };
         let hub = Arc::clone(&reading.hub);
         let (failure, is_real) = (hub.failure(), hub.facts().is_real);
-        let again = (failure.is_some() && is_real).then(|| Instant::now() + RETRY);
-        self.device = Device::Over { hub: Some(hub), again };
+        self.device = Device::Over { hub: Some(hub), again: None };
         match failure {
             None => self.session.state(DeviceState::Ended),
-            Some(error) => self.fail(&error.into()),
+            Some(error) => self.gone(&error.into(), is_real),
         }
         if let Err(error) = self.recordings.end() {
             self.note_failure(error);
         }
     }
 
-    fn fail(&mut self, error: &anyhow::Error) {
+    /// The device cannot be read; the terminal is told once, however often it is looked for.
+    fn gone(&mut self, error: &anyhow::Error, look_again: bool) {
+        let hub = match std::mem::replace(&mut self.device, Device::Over { hub: None, again: None }) {
+            Device::Over { hub, .. } => hub,
+            _ => None,
+        };
+        self.device = Device::Over { hub, again: look_again.then(|| Instant::now() + RETRY) };
         let why = format!("{error:#}");
-        say(format_args!("the device cannot be read: {why}"));
+        if self.failed.as_ref() != Some(&why) {
+            say(format_args!("the device cannot be read: {why}"));
+            self.failed = Some(why.clone());
+        }
         self.session.state(DeviceState::Failed { why });
     }
 
@@ -260,15 +274,18 @@ impl Desk {
             None => self,
             Some(Ok(Opened { hub, about, bus })) => {
                 self.session = self.session.reopened(about);
-                if let Err(error) = self.read(hub, bus) {
+                self.failed = None;
+                // the part is shown all the same
+                if let Err(error) = self.recordings.begin(&hub) {
                     self.note_failure(error);
+                }
+                if let Err(error) = self.read(hub, bus) {
+                    self.gone(&error, true);
                 }
                 self
             }
             Some(Err(error)) => {
-                let is_of_device = error.is::<DeviceError>();
-                self.device = Device::Over { hub: None, again: is_of_device.then(|| Instant::now() + RETRY) };
-                self.fail(&error);
+                self.gone(&error, error.is::<DeviceError>());
                 self
             }
         }

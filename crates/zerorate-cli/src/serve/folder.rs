@@ -18,12 +18,14 @@ pub struct Folder {
     path: Option<PathBuf>,
     /// Ids that are there, or came from a file.
     known: HashSet<String>,
+    /// Calibrations that were looked at.
+    seen: usize,
 }
 
 impl Folder {
     /// Where calibrations that are made are to be kept.
     pub fn new(path: Option<PathBuf>) -> Self {
-        Self { path, known: HashSet::new() }
+        Self { path, ..Self::default() }
     }
 
     /// Whether they are kept at all.
@@ -68,6 +70,10 @@ impl Folder {
 
     /// Writes what came since, if there is a folder; what went wrong is said on stderr and on the page.
     pub fn keep(&mut self, session: &mut Session) {
+        let count = session.calibrations().count();
+        if std::mem::replace(&mut self.seen, count) == count {
+            return;
+        }
         let new: Vec<Calibration> =
             session.calibrations().filter(|calibration| !self.known.contains(&calibration.id())).cloned().collect();
         for calibration in new {
