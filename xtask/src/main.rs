@@ -5,6 +5,7 @@
 
 mod app;
 mod bench_peers;
+mod bench_serve;
 mod bench_web;
 mod book;
 mod bridge;
@@ -50,6 +51,8 @@ enum Task {
     CoverageAllan(coverage_allan::Args),
     /// Time the Allan deviation beside its peers, which it installs, and print ratios
     BenchPeers(bench_peers::Args),
+    /// Serve the twin to 20 pages and 4 clients of libiio while it is recorded, and print what that costs
+    BenchServe(bench_serve::Args),
     /// Time the core in WebAssembly beside the program, the page until it shows something, and what it loads
     BenchWeb,
     /// Run driver, twin and correction on an emulated Cortex-M4F; count instructions and bytes
@@ -86,6 +89,7 @@ fn main() -> ExitCode {
         Task::Methods(args) => methods::run(&args),
         Task::CoverageAllan(args) => coverage_allan::run(&args),
         Task::BenchPeers(args) => bench_peers::run(&args),
+        Task::BenchServe(args) => bench_serve::run(&args),
         Task::BenchWeb => bench_web::run(),
         Task::Firmware(args) => firmware::run(&args),
         Task::Bridge(args) => bridge::run(&args),
