@@ -33,7 +33,7 @@ pub struct ServeArgs {
     cals: Vec<PathBuf>,
 
     /// The address and port to serve at; port 0 takes one that is free.
-    #[arg(long, value_name = "IP:PORT", default_value = "127.0.0.1:8130")]
+    #[arg(long, value_name = "IP:PORT", default_value = "127.0.0.1:8130", value_parser = address)]
     listen: SocketAddr,
 
     /// Record every sample to this file meanwhile. Where the device is opened again, NAME-2 follows, and so on.
@@ -51,6 +51,12 @@ pub struct ServeArgs {
     /// A name by which browsers reach this machine, beside its numbers and localhost. Can be given several times.
     #[arg(long = "host", value_name = "NAME")]
     hosts: Vec<String>,
+}
+
+fn address(text: &str) -> Result<SocketAddr, String> {
+    let number = text.strip_prefix("localhost:").map(|port| format!("{}:{port}", Ipv4Addr::LOCALHOST));
+    let wrong = |_| "give a number and a port: 127.0.0.1:8130, or 0.0.0.0:8130 for the whole network".to_owned();
+    number.as_deref().unwrap_or(text).parse().map_err(wrong)
 }
 
 pub fn run(args: &ServeArgs) -> Result<()> {

@@ -136,7 +136,8 @@ fn it_says_what_to_do_where_it_cannot_begin() {
     assert!(why.contains("unit.arrows"), "{why}");
     let why = bench.zerorate("serve --listen 127.0.0.1:0 --cal nothing.toml").fails(1);
     assert!(why.contains("nothing.toml"), "{why}");
-    bench.zerorate("serve --listen bench.local").fails(2);
+    let why = bench.zerorate("serve --listen bench.local:80").fails(2);
+    assert!(why.contains("0.0.0.0:8130"), "{why}");
 }
 
 /// A page connects again by itself, and sees all there is.
