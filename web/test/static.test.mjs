@@ -142,7 +142,7 @@ test("charts by keyboard: hold, zoom, cursors, unit", async () => {
 test("phone, forced colours, less motion", async () => {
   const phone = { viewport: { width: 360, height: 740 }, isMobile: true, deviceScaleFactor: 2 };
   for (const more of [phone, { forcedColors: "active" }, { reducedMotion: "reduce" }]) {
-    const { page, context, faults } = await open(browser, site.url, { context: more });
+    const { page, context, faults } = await open(browser, site.url, { look: more });
     for (const name of PAGES) {
       await page.click(`nav a[href="#${name}"]`);
       await page.waitForSelector(`.page.${name}`);

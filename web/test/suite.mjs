@@ -10,7 +10,7 @@ const ENDED = ".calibrate .result, .calibrate .ended";
 /** All pages in both themes: each shows what it is for, nothing bars a reader, nothing is refused. */
 export async function everyPage(browser, url) {
   for (const colorScheme of ["light", "dark"]) {
-    const { page, context, faults } = await open(browser, url, { context: { colorScheme } });
+    const { page, context, faults } = await open(browser, url, { look: { colorScheme } });
     for (const name of PAGES) {
       await page.click(`nav a[href="#${name}"]`);
       await page.waitForSelector(`.page.${name}`);

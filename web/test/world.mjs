@@ -34,7 +34,7 @@ export function launch() {
 
 /** A window on the page. `faults` are all errors of its scripts, and refusals of its policy. */
 export async function open(browser, url, options = {}) {
-  const { prepare, context = await browser.newContext({ viewport: { width: 1280, height: 900 }, ...options.context }) } = options;
+  const { prepare, context = await browser.newContext({ viewport: { width: 1280, height: 900 }, ...options.look }) } = options;
   const page = await context.newPage();
   page.setDefaultTimeout(PATIENCE);
   const faults = [];

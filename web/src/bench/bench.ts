@@ -35,7 +35,7 @@ export class Bench implements Page {
   constructor(readonly app: App) {
     const restart = button("Restart", () => void app.ask({ do: "restart" }), {
       class: "small",
-      "aria-label": "Begin the statistics anew",
+      "aria-label": "Restart the statistics",
     });
     this.#allan = new Allan("Allan deviation", 230, "grows from the first seconds on", [restart]);
     this.#tiles = new Tiles(app);

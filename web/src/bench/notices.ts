@@ -5,11 +5,12 @@ import type { Notice } from "../protocol";
 /** What there is to say, the newest first. */
 export class Notices {
   readonly element: HTMLElement;
-  readonly #list = h("ol", { class: "notices", role: "log", "aria-label": "Notices", tabindex: 0 });
+  readonly #list = h("ol", { class: "notices" });
   #shown = "";
 
   constructor() {
-    this.element = h("section", { class: "card", "aria-label": "Notices" }, h("h2", {}, "Notices"), this.#list);
+    const log = h("div", { class: "scroll", role: "log", "aria-label": "Notices", tabindex: 0 }, this.#list);
+    this.element = h("section", { class: "card", "aria-label": "What there is to say" }, h("h2", {}, "Notices"), log);
     this.update([]);
   }
 

@@ -36,6 +36,9 @@ const STEPS_S = [
   0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200,
 ];
 
+/** Between two changes of the numbers above a strip, ms. */
+const READ_MS = 250;
+
 /** Of the chart, and of its numbers of time, px. */
 const HEIGHT = 128;
 const TIMES = 20;
@@ -54,6 +57,7 @@ export class Strip {
   #plot: uPlot | undefined;
   #ring: Ring | undefined;
   #count = 0;
+  #told = 0;
 
   constructor(
     readonly kind: StripKind,
@@ -110,9 +114,11 @@ export class Strip {
     this.tell();
   }
 
-  /** What is where the pointer is, or the newest. */
+  /** What is where the pointer is, or the newest; that not more often than one can read it. */
   tell(): void {
     const at = this.shared.hover;
+    if (at === undefined && performance.now() - this.#told < READ_MS) return;
+    this.#told = performance.now();
     const bin = at === undefined ? this.#count - 1 : this.#index(at);
     say(this.#title, `${this.kind.title}, ${this.unit}`);
     say(this.#readout, bin < 0 || bin >= this.#count ? "" : this.#words(bin, at !== undefined));

@@ -1,0 +1,122 @@
+// Logs of every form on the page: what is found, what is asked, what is said of a broken one.
+import assert from "node:assert/strict";
+import { spawnSync } from "node:child_process";
+import { mkdtempSync, readFileSync, rmSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { after, before, test } from "node:test";
+import { fixture, LOGS, SHORT, STATED } from "./logs.mjs";
+import { serveFolder } from "./static.mjs";
+import { bars, becomes, launch, open, PAGE, PATIENCE, PROGRAM, without } from "./world.mjs";
+
+let browser, site, page, context, faults, folder;
+
+before(async () => {
+  browser = await launch();
+  site = await serveFolder(PAGE);
+  ({ page, context, faults } = await open(browser, `${site.url}#log`));
+  folder = mkdtempSync(`${tmpdir()}/zerorate-logs-`);
+});
+after(async () => {
+  await browser.close();
+  site.stop();
+  rmSync(folder, { recursive: true });
+});
+
+/** Gives a log to the page, and waits until it is done with it. */
+async function give(name, buffer) {
+  await page.setInputFiles(".intake input[type=file]", { name, mimeType: "application/octet-stream", buffer });
+  await page.waitForFunction(() => document.querySelector(".log .work button").hidden, null, { timeout: 2 * PATIENCE });
+  return page.textContent(".log .doing");
+}
+
+async function answer(answers) {
+  for (const [key, value] of Object.entries(answers)) await page.fill(`#log-${key}`, value);
+  await page.click(".questions button.primary");
+  await page.waitForFunction(() => document.querySelector(".log .work button").hidden, null, { timeout: 2 * PATIENCE });
+  return page.textContent(".log .doing");
+}
+
+for (const [name, { bytes, answers }] of Object.entries(LOGS)) {
+  test(`${name}: its axes, coefficients, pictures`, async () => {
+    let said = await give(name, bytes());
+    if (answers) {
+      assert.match(said, /does not say enough/);
+      said = await answer(answers);
+    }
+    assert.match(said, /done/);
+    assert.equal(await page.locator(".axes-of-log > section").count(), 3);
+    const found = await page.$$eval(".axes-of-log .coefficients tbody tr:first-child", (rows) => rows.map((row) => row.textContent));
+    // 0.1 °/s at 100 Hz is 0.01 °/s/√Hz, which is 0.6 °/√h
+    for (const row of found) assert.match(row, /^N.*(0\.59|0\.6|0\.0099|0\.0100|0\.0101)/);
+    assert.ok((await page.locator(".pictures img").count()) > 0);
+    assert.ok(await page.$eval(".pictures img", (image) => image.decode().then(() => image.naturalWidth > 100)));
+    assert.deepEqual(await bars(page), []);
+  });
+
+  test(`${name}, cut off in the middle`, async () => {
+    const whole = bytes();
+    const said = await give(name, whole.subarray(0, Math.floor(whole.length / 2)));
+    assert.ok(said.length > 20, said);
+    assert.ok(!/RuntimeError|unreachable|panicked/.test(said), said);
+  });
+}
+
+test("a file for a filter", async () => {
+  await give("rest.csv", LOGS["rest.csv"].bytes());
+  const { kalibr, openvins } = { kalibr: /gyroscope_noise_density/, openvins: /gyroscope_noise_density|noise/ };
+  await page.check("#force");
+  for (const [format, pattern] of Object.entries({ kalibr, openvins })) {
+    await page.selectOption("#format", format);
+    await page.click(".noise button.primary");
+    await becomes(page, ".noise pre", pattern);
+  }
+});
+
+for (const name of SHORT) {
+  test(`${name} is recognised, and a broken one is told from it`, async () => {
+    const said = await give(name, fixture(name));
+    const words = `${said} ${await page.textContent(".log > .below")}`;
+    assert.match(words, /samples|short|few|too|column|rate|topic/i);
+    const broken = fixture(name);
+    broken.fill(0x5a, Math.floor(broken.length / 3));
+    assert.ok((await give(name, broken)).length > 20);
+  });
+}
+
+test("captures of this program, whole and cut off", { skip: without.program }, async () => {
+  for (const name of ["twin.parquet", "twin.arrows"]) {
+    const path = `${folder}/${name}`;
+    const { status, stderr } = spawnSync(PROGRAM, ["capture", "--device", "twin:seed=7", "--divider", "50", "--duration", "2m", "-o", path]);
+    assert.equal(status, 0, String(stderr));
+    const bytes = readFileSync(path);
+    assert.match(await give(name, bytes), /done/);
+    const said = await give(name, bytes.subarray(0, Math.floor(bytes.length / 2)));
+    assert.ok(!/RuntimeError|unreachable/.test(said), said);
+  }
+});
+
+test("what is no log, what is empty, and an SQLite bag", async () => {
+  for (const [name, bytes] of [["noise.bin", Buffer.alloc(5000, 0xa7)], ["empty.csv", Buffer.alloc(0)], ["bag.db3", Buffer.from("SQLite format 3\0".padEnd(4096))]]) {
+    const said = await give(name, bytes);
+    assert.ok(said.length > 20 && !/done|RuntimeError/.test(said), `${name}: ${said}`);
+  }
+});
+
+test("a log is dropped, cancelled, and never leaves the machine", async () => {
+  const before = site.asked.length;
+  const text = `${STATED}\n${"0,1,2,3\n".repeat(400_000)}`;
+  const dataTransfer = await page.evaluateHandle((text) => {
+    const data = new DataTransfer();
+    data.items.add(new File([text], "long.csv"));
+    return data;
+  }, text);
+  await page.dispatchEvent(".log", "drop", { dataTransfer });
+  await becomes(page, ".log .doing", /long\.csv|Analysing|Reading|columns/);
+  await page.click(".log .work button", { timeout: 2000 }).catch(() => {});
+  await becomes(page, ".log .doing", /Cancelled|done|./);
+  await give("rest.csv", LOGS["rest.csv"].bytes());
+  assert.ok(site.asked.slice(before).every((path) => /\.(js|wasm)$/.test(path)), "something was asked of the server");
+  assert.match(await page.textContent(".intake"), /never leaves this machine/);
+  assert.deepEqual(faults, []);
+  await context.close();
+});

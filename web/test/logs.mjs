@@ -1,0 +1,59 @@
+// Logs for the tests: white noise of a known density, in the forms that a script can write; the others are fixtures.
+import { readFileSync } from "node:fs";
+import { gzipSync } from "node:zlib";
+
+const FIXTURES = new URL("../../crates/zerorate-data/src/column/fixtures/", import.meta.url).pathname;
+
+/** Samples per second, Hz. */
+export const RATE_HZ = 100;
+/** Standard deviation of a sample, °/s: N is that over the square root of the rate, 0.01 °/s/√Hz. */
+export const SD_DPS = 0.1;
+
+/** The same numbers on every machine. */
+function* normal(seed) {
+  let state = seed >>> 0;
+  const uniform = () => {
+    state = (Math.imul(state, 1664525) + 1013904223) >>> 0;
+    return (state + 0.5) / 2 ** 32;
+  };
+  for (;;) yield Math.sqrt(-2 * Math.log(uniform())) * Math.cos(2 * Math.PI * uniform());
+}
+
+function rows(count) {
+  const noise = normal(42);
+  return Array.from({ length: count }, (_, k) => [k / RATE_HZ, ...[0, 0, 0].map(() => SD_DPS * noise.next().value)]);
+}
+
+function text(count, head) {
+  return [head, ...rows(count).map((row) => row.map((value) => value.toFixed(6)).join(","))].join("\n");
+}
+
+/** NumPy's own form: a header in Python, and numbers. */
+function npy(count) {
+  const table = rows(count).map((row) => row.slice(1));
+  const head = `{'descr': '<f8', 'fortran_order': False, 'shape': (${count}, 3), }`;
+  const padded = `${head.padEnd(Math.ceil((head.length + 11) / 64) * 64 - 11)}\n`;
+  const bytes = Buffer.alloc(10 + padded.length + 24 * count);
+  bytes.write("\x93NUMPY\x01\x00", "latin1");
+  bytes.writeUInt16LE(padded.length, 8);
+  bytes.write(padded, 10, "latin1");
+  table.flat().forEach((value, k) => bytes.writeDoubleLE(value, 10 + padded.length + 8 * k));
+  return bytes;
+}
+
+export const STATED = "time_s,gyro_x_dps,gyro_y_dps,gyro_z_dps";
+const COUNT = 40_000;
+
+/** Logs that say what they are, or are asked for what they do not say: name, bytes, and the answers. */
+export const LOGS = {
+  "rest.csv": { bytes: () => Buffer.from(text(COUNT, STATED)) },
+  "rest.csv.gz": { bytes: () => gzipSync(text(COUNT, STATED)) },
+  "rest.npy": { bytes: () => npy(COUNT), answers: { rate_hz: String(RATE_HZ), gyro_unit: "dps", columns: "0,1,2" } },
+};
+
+/** Fixtures of the readers: a few messages each, enough to be recognised. */
+export const SHORT = ["imu_none.bag", "imu_lz4.bag", "imu_bz2.bag", "imu_lz4.mcap", "imu_zstd.mcap", "imu.npz"];
+
+export function fixture(name) {
+  return readFileSync(`${FIXTURES}${name}`);
+}

@@ -1,0 +1,67 @@
+// node test/pictures.mjs [FOLDER]: every page in both themes, for the book. The twin, so that anybody can repeat them.
+import { mkdirSync, statSync } from "node:fs";
+import { LOGS } from "./logs.mjs";
+import { serveFolder } from "./static.mjs";
+import { beginCalibration, liveBench } from "./suite.mjs";
+import { becomes, launch, open, PAGE, PATIENCE } from "./world.mjs";
+
+const folder = process.argv[2] ?? new URL("../../docs/pictures/page", import.meta.url).pathname;
+/** Of a picture, bytes: the book has many. */
+const LARGEST = 60_000;
+
+mkdirSync(folder, { recursive: true });
+const browser = await launch();
+const site = await serveFolder(PAGE);
+
+async function take(page, name) {
+  const path = `${folder}/${name}.jpg`;
+  for (const quality of [80, 70, 60, 50, 40]) {
+    await page.screenshot({ path, type: "jpeg", quality, fullPage: true, animations: "disabled" });
+    if (statSync(path).size <= LARGEST) break;
+  }
+  console.log(`${path}: ${statSync(path).size} bytes`);
+}
+
+/** So much of the part's time is on view. */
+async function until(page, pattern) {
+  await page.click('nav a[href="#bench"]');
+  await page.getByLabel("max", { exact: true }).check();
+  await becomes(page, ".tile.ledger .below", pattern);
+  await page.getByLabel("1 ×", { exact: true }).check();
+  await page.waitForTimeout(1500);
+}
+
+for (const theme of ["light", "dark"]) {
+  const look = { colorScheme: theme, viewport: { width: 1180, height: 700 } };
+  const { page, context: own } = await open(browser, site.url, { look });
+  await liveBench(page);
+  await page.click('nav a[href="#calibrate"]');
+  await take(page, `calibrate-${theme}`);
+  await beginCalibration(page, "warmup");
+  await becomes(page, ".run .left", /min .*done/);
+  await page.getByLabel("1 ×", { exact: true }).check();
+  await page.waitForTimeout(500);
+  await take(page, `calibrate-run-${theme}`);
+  await page.getByLabel("max", { exact: true }).check();
+  await page.waitForSelector(".result", { timeout: 3 * PATIENCE });
+  await page.click(".result button.primary");
+  await becomes(page, ".result button.primary", /Applied/);
+  await take(page, `calibrate-result-${theme}`);
+  await until(page, /for (1\d|[2-9]\d) min|for \d+ h/);
+  await take(page, `bench-${theme}`);
+  await page.click('nav a[href="#device"]');
+  await becomes(page, ".on-file", /Applied/);
+  await take(page, `device-${theme}`);
+  await page.click('nav a[href="#log"]');
+  await page.setInputFiles(".intake input[type=file]", { name: "rest.csv", mimeType: "text/csv", buffer: LOGS["rest.csv"].bytes() });
+  await becomes(page, ".log .doing", /done/);
+  await page.waitForTimeout(300);
+  await take(page, `log-${theme}`);
+  await own.close();
+}
+
+const phone = await open(browser, site.url, { look: { viewport: { width: 390, height: 800 }, colorScheme: "dark", isMobile: true } });
+await liveBench(phone.page);
+await take(phone.page, "bench-phone");
+await browser.close();
+site.stop();
