@@ -23,6 +23,8 @@ export class Shell {
   readonly #toast = h("p", { class: "toast", role: "alert" });
   readonly #lock = h("div", { class: "lock", hidden: true });
   #toastEnds = 0;
+  #linkWords = "";
+  #deviceWords = "";
 
   constructor(readonly app: () => App) {
     this.#speed = new Choice(
@@ -66,11 +68,11 @@ export class Shell {
       connecting: "Connecting …",
       open: "",
       locked: "",
-      failed: "",
       lost: "The server cannot be reached. What is on view stands still; it is tried again and again.",
+      failed: state.is === "failed" ? `This page cannot work here: ${state.why}` : "",
     };
-    say(this.#banner, state.is === "failed" ? `This page cannot work here: ${state.why}` : words[state.is]);
-    mark(this.#banner, "data-kind", state.is);
+    this.#linkWords = words[state.is];
+    this.#announce();
     this.#lock.hidden = state.is !== "locked";
     if (state.is === "locked" && served) this.#ask(served, state.wrong);
   }
@@ -85,7 +87,8 @@ export class Shell {
     this.#speed.element.hidden = device?.simulated !== true;
     if (device)
       this.#speed.set(SPEEDS.some(([factor]) => Number(factor) === device.speed) ? String(device.speed) : null);
-    if (device?.state.is === "failed") say(this.#banner, device.state.why);
+    this.#deviceWords = device?.state.is === "failed" ? device.state.why : "";
+    this.#announce();
   }
 
   tell(text: string, kind: "said" | "wrong"): void {
@@ -93,6 +96,11 @@ export class Shell {
     mark(this.#toast, "data-kind", kind);
     clearTimeout(this.#toastEnds);
     this.#toastEnds = window.setTimeout(() => say(this.#toast, ""), kind === "wrong" ? 12_000 : 5000);
+  }
+
+  /** What is wrong with the way comes before what is wrong with the device. */
+  #announce(): void {
+    say(this.#banner, this.#linkWords || this.#deviceWords);
   }
 
   #header(): HTMLElement {

@@ -27,7 +27,9 @@ export class Registers {
 function panel({ name, address, value, bits, fields }: Register): HTMLElement {
   const wrong = fields.some((field) => field.wrong);
   const binary = value.toString(2).padStart(bits, "0");
-  const cells = [...binary].map((bit) => h("span", { class: bit === "1" ? "one" : "zero" }, bit));
+  const cells = (binary.match(/.{1,8}/g) ?? []).map((byte) =>
+    h("span", { class: "byte" }, ...[...byte].map((bit) => h("span", { class: bit === "1" ? "one" : "zero" }, bit))),
+  );
   return h(
     "section",
     { class: wrong ? "register wrong" : "register", "aria-label": `Register ${name}` },
