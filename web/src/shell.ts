@@ -60,6 +60,7 @@ export class Shell {
     for (const [of, link] of this.#links) mark(link, "aria-current", of === name ? "page" : null);
     document.title = `${PAGES[name]} · zerorate`;
     this.main.replaceChildren(element);
+    scrollTo(0, 0);
   }
 
   /** How it is with the way to the session. */

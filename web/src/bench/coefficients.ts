@@ -22,15 +22,9 @@ export class Coefficients {
 
   constructor() {
     const rows = this.#rows.map(({ symbol, name, value, state }) =>
-      h("tr", {}, h("th", { scope: "row" }, symbol), h("td", {}, value, name), h("td", {}, state)),
+      h("tr", {}, h("th", { scope: "row" }, symbol), h("td", {}, value, name, " · ", state)),
     );
-    const head = h(
-      "tr",
-      {},
-      ...["", "Value", "State"].map((words) =>
-        h("th", { scope: "col" }, words || h("span", { class: "unseen" }, "Symbol")),
-      ),
-    );
+    const head = h("tr", {}, ...["Symbol", "Value"].map((words) => h("th", { scope: "col" }, words)));
     this.element = h(
       "div",
       { class: "coefficients" },

@@ -49,7 +49,7 @@ export class Tiles {
   readonly #temp = new Tile("temp", "Temperature");
   readonly #angle: Tile;
   readonly #rest = new Tile("rest", "Rest");
-  readonly #ledger = new Tile("ledger", "Ledger");
+  readonly #ledger = new Tile("ledger", "Ledger: samples");
 
   constructor(readonly app: App) {
     const zero = button("Zero", () => void app.ask({ do: "zero-angle" }), {
@@ -113,6 +113,6 @@ export class Tiles {
     const state = said.length > 0 ? "bad" : "good";
     const found = said.length > 0 ? said.join(", ") : "nothing lost";
     const below = `${found} · ${ledger.rate_hz.toFixed(1)} per s for ${digits.duration(ledger.duration_s)}`;
-    this.#ledger.show(digits.count(ledger.samples), "samples", below, state);
+    this.#ledger.show(digits.count(ledger.samples), "", below, state);
   }
 }

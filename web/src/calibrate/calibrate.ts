@@ -52,5 +52,6 @@ export class Calibrate implements Page {
     this.#is = is;
     this.#stage = new STAGES[is](this.app);
     this.element.replaceChildren(this.#stage.element);
+    scrollTo(0, 0);
   }
 }

@@ -48,29 +48,7 @@ function point({ tau_s, dev, lo, hi, model }: LogPoint) {
 }
 
 function coefficients({ column, coefficients }: LogAxis): HTMLElement {
-  const rows = coefficients.map((coefficient) =>
-    h(
-      "tr",
-      {},
-      h("th", { scope: "row" }, coefficient.symbol),
-      h("td", {}, coefficient.name),
-      h(
-        "td",
-        {},
-        ...coefficient.values.map((value, index) =>
-          h("div", index > 0 ? { class: "other" } : {}, words(coefficient, value)),
-        ),
-      ),
-      h(
-        "td",
-        { class: coefficient.identified ? "state good" : "state" },
-        coefficient.identified ? "identified" : coefficient.remark,
-      ),
-    ),
-  );
-  const head = ["Symbol", "Coefficient", "Value with 95 % interval", "State"].map((words) =>
-    h("th", { scope: "col" }, words),
-  );
+  const head = ["Coefficient", "Value with 95 % interval", "State"].map((words) => h("th", { scope: "col" }, words));
   return h(
     "div",
     { class: "coefficients wide", tabindex: 0, role: "region", "aria-label": `Coefficients of ${column.name}` },
@@ -79,8 +57,19 @@ function coefficients({ column, coefficients }: LogAxis): HTMLElement {
       {},
       h("caption", { class: "unseen" }, `Noise coefficients of ${column.name}`),
       h("thead", {}, h("tr", {}, ...head)),
-      h("tbody", {}, ...rows),
+      h("tbody", {}, ...coefficients.map(row)),
     ),
+  );
+}
+
+function row(coefficient: LogCoefficient): HTMLElement {
+  const { symbol, name, values, identified, remark } = coefficient;
+  return h(
+    "tr",
+    {},
+    h("th", { scope: "row" }, symbol, h("span", { class: "other" }, name)),
+    h("td", { class: "values" }, ...values.map((value) => h("div", {}, words(coefficient, value)))),
+    h("td", {}, h("span", { class: identified ? "state good" : "state" }, identified ? "identified" : remark)),
   );
 }
 
@@ -92,7 +81,7 @@ function words({ identified }: LogCoefficient, { value, lo, hi, unit }: LogValue
 function remarks({ terms, model_error, doubt, warnings: texts }: LogAxis): HTMLElement[] {
   const said = [
     ...terms,
-    ...(model_error === null ? [] : [`The model may be off by ${significant(100 * model_error, 2)} %.`]),
+    ...(model_error === null || model_error < 0.005 ? [] : [`The model may be off by ${significant(100 * model_error, 2)} %.`]),
   ];
   const doubted = doubt === null ? [] : [h("p", { class: "doubt" }, doubt)];
   return [...doubted, ...said.map((text) => h("p", { class: "note" }, text)), warnings(texts)];
