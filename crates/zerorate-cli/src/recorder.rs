@@ -2,7 +2,10 @@
 
 use crate::output::Recording;
 use std::io;
+use std::path::Path;
 use zerorate_data::CaptureError;
+use zerorate_data::capture::bag::RobotLog;
+use zerorate_data::capture::table::Out;
 use zerorate_data::capture::{CaptureInfo, CaptureSummary, CaptureWriter, Format, Row};
 
 /// Records samples into a file, and puts it onto the disk. Dropping it closes the file as well, but only
@@ -15,8 +18,20 @@ pub struct Recorder {
 impl Recorder {
     /// Starts a capture in an empty file.
     pub fn create(file: Recording, format: Format, info: &CaptureInfo) -> Result<Self, CaptureError> {
+        Self::with(file, |path, out| CaptureWriter::create(path, out, format, info))
+    }
+
+    /// Starts a bag for robots, with the capture in it, in an empty file.
+    pub fn create_robot_log(file: Recording, info: &CaptureInfo, log: RobotLog) -> Result<Self, CaptureError> {
+        Self::with(file, |path, out| CaptureWriter::create_robot_log(path, out, info, log))
+    }
+
+    fn with(
+        file: Recording,
+        create: impl FnOnce(&Path, Out) -> Result<CaptureWriter, CaptureError>,
+    ) -> Result<Self, CaptureError> {
         let writable = file.file().map_err(|error| CaptureError::io("write", file.path(), error))?;
-        let writer = CaptureWriter::create(file.path(), Box::new(writable), format, info)?;
+        let writer = create(file.path(), Box::new(writable))?;
         Ok(Self { writer, file })
     }
 

@@ -12,6 +12,7 @@ mod fuzz;
 pub mod imu;
 mod input;
 pub mod limits;
+mod mcap_messages;
 pub mod plain;
 mod row_reader;
 mod survive;

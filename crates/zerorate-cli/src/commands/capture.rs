@@ -1,10 +1,11 @@
 //! `zerorate capture`: raw codes with timestamps, to a file.
 
+use super::correct::load;
 use super::print_json;
-use super::serial::one_line;
+use super::serial::{Part, one_line};
 use crate::acquire::Acquisition;
 use crate::cli::{DeviceArgs, SamplingArgs};
-use crate::exit::Refused;
+use crate::exit::{Refused, Usage};
 use crate::interrupt;
 use crate::output::Outputs;
 use crate::progress::Meter;
@@ -12,10 +13,12 @@ use crate::recorder::Recorder;
 use anyhow::{Context, Result};
 use clap::Args;
 use serde::Serialize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use zerorate::Calibration;
 use zerorate::health::{Health, Marks};
 use zerorate_data::believed;
-use zerorate_data::capture::{Format, Row};
+use zerorate_data::capture::bag::{RobotLog, Stamps};
+use zerorate_data::capture::{CaptureInfo, Format, Row};
 use zerorate_view::duration::{self, Seconds};
 
 /// Records raw codes with timestamps.
@@ -25,6 +28,9 @@ use zerorate_view::duration::{self, Seconds};
 ///
 /// Ctrl-C ends a recording early; the file is whole all the same. An .arrows file can be read up to its last whole
 /// batch even after a power cut.
+///
+/// An .mcap file is a bag of ROS 2: sensor_msgs/Imu in rad/s, with --cal corrected and with its covariance, and
+/// sensor_msgs/Temperature, beside the codes.
 #[derive(Args, Debug)]
 pub struct CaptureArgs {
     #[command(flatten)]
@@ -49,6 +55,10 @@ pub struct CaptureArgs {
     /// The form of the file; by default what its name ends with, else arrows.
     #[arg(long, value_enum)]
     format: Option<Format>,
+
+    /// Correct the rates that robots read with this calibration; codes stay as they are. Of --format mcap alone.
+    #[arg(long, value_name = "FILE")]
+    cal: Option<PathBuf>,
 
     /// Serial number of the part, to be stored with the samples.
     #[arg(long, value_name = "SN", value_parser = one_line)]
@@ -90,17 +100,51 @@ struct Summary {
 }
 
 pub fn run(args: &CaptureArgs) -> Result<()> {
-    let mut outputs = Outputs::new(args.force).printing().reading(args.device.file())?;
-    let mut acquisition = Acquisition::open(&args.device, args.sampling)?;
-    acquisition.initialise()?;
-    let info = acquisition.info(args.serial.as_deref(), args.supply_note.as_deref());
     let format = Format::choose(args.format, &args.output);
-    let mut writer = Recorder::create(outputs.recording(&args.output)?, format, &info)?;
+    if args.cal.is_some() && format != Format::Mcap {
+        let advice = "--cal is of --format mcap; a capture keeps its codes, and `zerorate correct` corrects it";
+        return Err(Usage(advice.to_owned()).into());
+    }
+    let calibration = args.cal.as_deref().map(load).transpose()?;
+    let read = args.device.file().into_iter().chain(args.cal.as_deref());
+    let mut outputs = Outputs::new(args.force).printing().reading(read)?;
+    let mut acquisition = Acquisition::open(&args.device, args.sampling)?;
+    let info = acquisition.info(args.serial.as_deref(), args.supply_note.as_deref());
+    if let (Some(calibration), Some(path)) = (&calibration, &args.cal) {
+        check_serial(args, &info, calibration, path)?;
+    }
+    acquisition.initialise()?;
+    let mut writer = match format {
+        Format::Mcap => {
+            let log = robot_log(&acquisition, &info, calibration);
+            Recorder::create_robot_log(outputs.recording(&args.output)?, &info, log)?
+        }
+        format => Recorder::create(outputs.recording(&args.output)?, format, &info)?,
+    };
     let recorded = record(args, &mut acquisition, |row| Ok(writer.push(row)?));
     let saved = writer.finish()?.samples;
     recorded.with_context(|| format!("{} ends after {saved} samples", args.output.display()))?;
     summarise(args, &mut acquisition)?;
     refuse_frozen(args, &acquisition)
+}
+
+fn check_serial(args: &CaptureArgs, info: &CaptureInfo, calibration: &Calibration, path: &Path) -> Result<()> {
+    let name = args.device.device.to_string();
+    let part = Part { name: &name, serial: info.serial.as_deref(), advice: "give --serial SN to have it checked" };
+    super::warn(part.check(calibration, path)?.as_slice());
+    Ok(())
+}
+
+/// Stamps are the time of day of a part that is here; a recording began when it says, and the twin has no such time.
+fn robot_log(acquisition: &Acquisition, info: &CaptureInfo, calibration: Option<Calibration>) -> RobotLog {
+    let created: Option<jiff::Timestamp> = info.created.parse().ok();
+    let ns = |time: jiff::Timestamp| u64::try_from(time.as_nanosecond()).unwrap_or_default();
+    let stamps = match created {
+        _ if acquisition.facts().is_real => Stamps::Now(Box::new(move || ns(jiff::Timestamp::now()))),
+        Some(created) => Stamps::From(ns(created)),
+        None => Stamps::OfPart,
+    };
+    RobotLog { part: acquisition.part().clone(), calibration, stamps }
 }
 
 /// Hands on samples until enough were read, the replay ends, or Ctrl-C.

@@ -17,6 +17,7 @@ mod logs_of_parts;
 mod noise_models;
 mod outputs;
 mod report;
+mod robot_log;
 mod temperature;
 mod verify;
 

@@ -161,6 +161,22 @@ impl Layout {
         &self.axes
     }
 
+    /// Which of x, y and z (0, 1, 2) each axis is, by the last letter of its name; a part with one axis has it on z if
+    /// its name does not say. None where the names do not tell three different directions.
+    #[must_use]
+    pub fn directions(&self) -> Option<Vec<usize>> {
+        let direction = |axis: &CodedAxis| {
+            let last = axis.name.chars().last()?.to_ascii_lowercase();
+            ['x', 'y', 'z'].iter().position(|letter| *letter == last)
+        };
+        let found: Vec<Option<usize>> = self.axes.iter().map(direction).collect();
+        match (found.iter().copied().collect::<Option<Vec<usize>>>(), found.len()) {
+            (Some(all), _) if (1..all.len()).all(|at| !all[..at].contains(&all[at])) => Some(all),
+            (_, 1) => Some(vec![2]),
+            _ => None,
+        }
+    }
+
     /// Codes of the temperature to °C.
     #[must_use]
     pub fn temp(&self) -> &Scale {

@@ -1,12 +1,13 @@
 //! Captures: raw codes on disk, as docs/formats/capture.md specifies them.
 //!
-//! [`CaptureWriter`] and [`CaptureReader`] move rows of any number of axes, in any of three forms, in constant
+//! [`CaptureWriter`] and [`CaptureReader`] move rows of any number of axes, in any of four forms, in constant
 //! memory. A capture is the truth: whatever is computed from a live part comes out the same from its capture.
 
 pub mod admission;
 pub(crate) mod arrows;
 #[cfg(test)]
 pub(crate) mod axes;
+pub mod bag;
 pub(crate) mod chain;
 mod checked;
 pub mod columns;
@@ -17,6 +18,7 @@ pub(crate) mod delimited;
 mod error;
 mod hash;
 pub(crate) mod info;
+pub mod judging;
 mod layout;
 pub(crate) mod messages;
 pub(crate) mod parquet;
@@ -65,14 +67,30 @@ impl CaptureWriter {
     pub fn create(path: &Path, out: Out, format: Format, info: &CaptureInfo) -> Result<Self, CaptureError> {
         let schema = columns::schema(info.layout.raw_fields(), info.to_metadata());
         let sink = table::create(path, out, format, &schema)?;
-        Ok(Self {
+        Ok(Self::new(path, info, schema, sink))
+    }
+
+    /// The same in the MCAP form, with all that robots read.
+    pub fn create_robot_log(
+        path: &Path,
+        out: Out,
+        info: &CaptureInfo,
+        log: bag::RobotLog,
+    ) -> Result<Self, CaptureError> {
+        let schema = columns::schema(info.layout.raw_fields(), info.to_metadata());
+        let sink = table::create_robot_log(path, out, &schema, log)?;
+        Ok(Self::new(path, info, schema, sink))
+    }
+
+    fn new(path: &Path, info: &CaptureInfo, schema: SchemaRef, sink: table::CheckedSink) -> Self {
+        Self {
             path: path.to_owned(),
             schema,
             layout: info.layout.clone(),
             sink: Some(sink),
             open: OpenBatch::new(&info.layout),
             summary: CaptureSummary::default(),
-        })
+        }
     }
 
     /// Records a row. Whole batches go to the system at once.

@@ -1,5 +1,6 @@
-//! Tables in any of the three forms: which form a file has, and batches into and out of it.
+//! Tables in any of the forms: which form a file has, and batches into and out of it.
 
+use super::bag::{self, RobotLog, Stamps};
 use super::chain::{Chain, End};
 use super::columns::{MAX_ROWS, Rows};
 use super::layout::Layout;
@@ -20,6 +21,8 @@ pub enum Format {
     Parquet,
     /// CSV with the description as comments.
     Csv,
+    /// A bag of ROS 2: what robots read, with the rows beside.
+    Mcap,
 }
 
 impl Format {
@@ -28,6 +31,7 @@ impl Format {
         let by_name = || match path.extension()?.to_str()? {
             "parquet" => Some(Self::Parquet),
             "csv" => Some(Self::Csv),
+            "mcap" => Some(Self::Mcap),
             _ => None,
         };
         asked.or_else(by_name).unwrap_or(Self::Arrows)
@@ -120,20 +124,40 @@ pub type Out = Box<dyn Write + Send>;
 
 /// Starts a capture; `path` names it in messages.
 pub fn create(path: &Path, out: Out, format: Format, schema: &SchemaRef) -> Result<CheckedSink, CaptureError> {
-    let layout = CaptureInfo::from_metadata(path, schema.metadata())?.layout;
+    let info = CaptureInfo::from_metadata(path, schema.metadata())?;
     let form: Box<dyn BlockSink> = match format {
         Format::Arrows => Box::new(arrows::StreamSink::create(path, out, schema)?),
         Format::Parquet => Box::new(parquet::ParquetSink::create(path, out, schema)?),
         Format::Csv => Box::new(csv::CsvSink::create(path, out, schema)?),
+        Format::Mcap => {
+            let log = RobotLog { part: info.part(), calibration: None, stamps: Stamps::OfPart };
+            Box::new(bag::McapSink::create(path, out, schema, log)?)
+        }
     };
     let blocks = match format {
         Format::Parquet => Blocks::Rows { rows: parquet::BLOCK, open: 0 },
-        Format::Arrows | Format::Csv => Blocks::Batches { rows: MAX_ROWS },
+        Format::Arrows | Format::Csv | Format::Mcap => Blocks::Batches { rows: MAX_ROWS },
     };
-    Ok(CheckedSink { path: path.to_owned(), form, chain: Chain::new(schema, &layout), blocks, layout })
+    Ok(CheckedSink::new(path, form, blocks, schema, info.layout))
+}
+
+/// Starts a capture in the MCAP form, with all that robots read.
+pub fn create_robot_log(
+    path: &Path,
+    out: Out,
+    schema: &SchemaRef,
+    log: RobotLog,
+) -> Result<CheckedSink, CaptureError> {
+    let layout = CaptureInfo::from_metadata(path, schema.metadata())?.layout;
+    let form = Box::new(bag::McapSink::create(path, out, schema, log)?);
+    Ok(CheckedSink::new(path, form, Blocks::Batches { rows: MAX_ROWS }, schema, layout))
 }
 
 impl CheckedSink {
+    fn new(path: &Path, form: Box<dyn BlockSink>, blocks: Blocks, schema: &SchemaRef, layout: Layout) -> Self {
+        Self { path: path.to_owned(), form, chain: Chain::new(schema, &layout), blocks, layout }
+    }
+
     /// Writes rows.
     pub fn write(&mut self, batch: &RecordBatch) -> Result<(), CaptureError> {
         let mut first = 0;
@@ -197,6 +221,9 @@ pub fn recognise(path: &Path, mut input: Input) -> Result<Opened, CaptureError> 
             path,
             "it is an Arrow file; convert it to an Arrow stream, to Parquet or to CSV",
         )),
+        start if start.starts_with(bag::MAGIC) && bag::is_capture(&mut input).map_err(failed)? => {
+            Ok(Opened::Table(Box::new(bag::McapReader::open(path, input)?)))
+        }
         text if text == csv::PREAMBLE.as_bytes() => Ok(Opened::Table(Box::new(csv::CsvReader::open(path, input)?))),
         _ => Ok(Opened::Text(input)),
     }

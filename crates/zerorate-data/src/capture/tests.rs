@@ -5,7 +5,7 @@ use adis16130::Width;
 use std::fs::{self, File};
 use tempfile::TempDir;
 
-pub(super) const FORMATS: [Format; 3] = [Format::Arrows, Format::Parquet, Format::Csv];
+pub(super) const FORMATS: [Format; 4] = [Format::Arrows, Format::Parquet, Format::Csv, Format::Mcap];
 
 /// Samples lost before every thousandth.
 const LOST: u32 = 3;

@@ -6,17 +6,12 @@ use super::topics::Survey;
 use super::{Asked, Found, Result};
 use crate::Input;
 use crate::capture::CaptureError;
-use crate::limits::{NoRoom, Room};
-use crate::survive::survive;
-use mcap::io::MessageReader;
-use mcap::sans_io::LinearReaderOptions;
-use mcap::{Channel, McapError, Message};
+use crate::limits::Room;
+use crate::mcap_messages::{Messages, Torn};
+use mcap::Channel;
 use std::collections::BTreeSet;
-use std::io::{BufReader, Seek};
+use std::io::Seek;
 use std::path::Path;
-
-/// Bytes that a read asks the system for.
-const BUFFER: usize = 1 << 18;
 
 /// Reads quantities of the IMU messages of an MCAP file.
 pub fn read(log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
@@ -38,62 +33,6 @@ pub fn read(log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
         }
     }
     Ok(collector.finish(warning))
-}
-
-/// The messages of an MCAP file, up to where it is torn or damaged.
-struct Messages<'a> {
-    reader: Option<MessageReader<BufReader<&'a mut Input>>>,
-    room: Room,
-    bytes: u64,
-}
-
-/// Why there are no more messages.
-#[derive(Debug, thiserror::Error)]
-enum Torn {
-    #[error(transparent)]
-    Format(#[from] McapError),
-    #[error("a record makes no sense")]
-    Nonsense,
-    #[error(transparent)]
-    NoRoom(#[from] NoRoom),
-}
-
-/// What a message takes besides its data: the head of its record.
-const MESSAGE_HEAD: u64 = 31;
-
-impl<'a> Messages<'a> {
-    /// A record is as long as the room at most, whatever length it states.
-    fn new(file: &'a mut Input, room: Room) -> Self {
-        let longest = usize::try_from(room.bytes()).unwrap_or(usize::MAX);
-        let options = LinearReaderOptions::default().with_record_length_limit(longest);
-        let reader = MessageReader::new_with_options(BufReader::with_capacity(BUFFER, file), options);
-        Self { reader: Some(reader), room, bytes: 0 }
-    }
-
-    fn read(&mut self) -> Option<Result<Message<'static>, Torn>> {
-        let reader = self.reader.as_mut()?;
-        let Some(message) = survive(|| reader.next()) else {
-            return Some(Err(Torn::Nonsense));
-        };
-        let message = message?;
-        Some(message.map_err(Torn::from).and_then(|message| {
-            self.bytes = self.bytes.saturating_add(MESSAGE_HEAD + message.data.len() as u64);
-            self.room.check_on_disk(self.bytes)?;
-            Ok(message)
-        }))
-    }
-}
-
-impl Iterator for Messages<'_> {
-    type Item = Result<Message<'static>, Torn>;
-
-    fn next(&mut self) -> Option<Self::Item> {
-        let message = self.read();
-        if !matches!(message, Some(Ok(_))) {
-            self.reader = None;
-        }
-        message
-    }
 }
 
 /// The topics with an IMU. Their channels stand anywhere before their first message, so the file is read for them.

@@ -48,6 +48,7 @@ pub use unit::{Quantity, STANDARD_GRAVITY, TimeUnit, Unit};
 
 use crate::Input;
 use crate::capture::CaptureError;
+use crate::capture::bag;
 use crate::capture::table::{self, Opened};
 use crate::limits::Room;
 use arrow_array::RecordBatch;
@@ -276,7 +277,10 @@ fn found(log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
         Form::ULog => ulog::read(log, asked),
         Form::Mat => mat::read(log, asked),
         Form::Hdf5 => hdf5::read(log, asked),
-        Form::Mcap => mcap_bag::read(log, asked),
+        Form::Mcap => match asked.args.topic {
+            None => read_capture_or_bag(log, asked),
+            Some(_) => mcap_bag::read(log, asked),
+        },
         #[cfg(feature = "sqlite")]
         Form::Sqlite => sqlite_bag::read(log, asked),
         #[cfg(not(feature = "sqlite"))]
@@ -291,6 +295,16 @@ fn found(log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
             Opened::Text(input) => text::read(path, input, log.room, asked),
         },
     }
+}
+
+/// A bag that was recorded here is a capture first: its codes are exact.
+fn read_capture_or_bag(mut log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
+    let failed = |error| CaptureError::io("read", log.path, error);
+    if !bag::is_capture(&mut log.input).map_err(failed)? {
+        return mcap_bag::read(log, asked);
+    }
+    let source = Box::new(bag::McapReader::open(log.path, log.input)?);
+    tabular::read(log.path, source, log.room, asked)
 }
 
 /// Columns as they stand in their file.

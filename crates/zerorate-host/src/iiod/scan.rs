@@ -2,8 +2,8 @@
 
 use super::table::{CORRECTED_RAD_PER_S, Channel, Quantity, Table};
 use std::collections::VecDeque;
-use zerorate::health::{Health, Judged};
 use zerorate::{Axis, Correction, Corrector, MAX_AXES};
+use zerorate_data::capture::judging::Judging;
 use zerorate_data::capture::{Layout, Row};
 
 /// A sample.
@@ -17,34 +17,20 @@ pub struct Scan {
     pub lost: u64,
 }
 
-/// What becomes of rows: they come out in their order, two later where they are judged.
+/// What becomes of rows: they come out in their order, two later where they are corrected, since they are judged then.
 #[derive(Clone, Debug)]
 pub struct Scanner {
-    layout: Layout,
-    correcting: Option<Correcting>,
+    correcting: Option<Judging>,
     waiting: VecDeque<(Row, u64)>,
     temp_code: Option<i64>,
     lost: u64,
 }
 
-/// Judges and corrects all axes.
-#[derive(Clone, Debug)]
-struct Correcting {
-    axes: Vec<(Axis, Health)>,
-    corrector: Corrector<Vec<Correction>>,
-}
-
 impl Scanner {
     /// Before the first row.
     pub fn new(layout: &Layout, axes: &[Axis], corrector: Option<Corrector<Vec<Correction>>>) -> Self {
-        let judged = axes.iter().map(|axis| (*axis, Health::new(axis))).collect();
-        Self {
-            layout: layout.clone(),
-            correcting: corrector.map(|corrector| Correcting { axes: judged, corrector }),
-            waiting: VecDeque::new(),
-            temp_code: None,
-            lost: 0,
-        }
+        let correcting = corrector.map(|corrector| Judging::new(layout, axes, Some(corrector)));
+        Self { correcting, waiting: VecDeque::new(), temp_code: None, lost: 0 }
     }
 
     /// Beginning in the middle: the temperature that was read last is known.
@@ -54,38 +40,23 @@ impl Scanner {
 
     /// What the corrector adds to the rate of an axis at the temperature that was read last, °/s.
     pub fn correction_dps(&self, axis: usize) -> Option<f64> {
-        self.correcting.as_ref()?.corrector.correct(axis, Some(0.0))
+        self.correcting.as_ref()?.correction_dps(axis)
     }
 
     /// Takes a row, before which so many were missed; `trims_dps` is added to each corrected rate.
     pub fn push(&mut self, row: &Row, missed: u64, trims_dps: &[f64; MAX_AXES]) -> Option<Scan> {
         self.lost = self.lost.saturating_add(missed).saturating_add(row.lost.into());
         self.waiting.push_back((*row, self.lost));
-        let corrected_dps = match &mut self.correcting {
-            Some(correcting) => correcting.push(&self.layout, row, trims_dps)?,
+        let mut corrected_dps = match &mut self.correcting {
+            Some(correcting) => correcting.push(row)?.corrected_dps,
             None => [None; MAX_AXES],
         };
+        for (dps, trim_dps) in corrected_dps.iter_mut().zip(trims_dps) {
+            *dps = dps.map(|dps| dps + trim_dps);
+        }
         let (row, lost) = self.waiting.pop_front()?;
         self.temp_code = row.temp_code.or(self.temp_code);
         Some(Scan { row: row.with_temp_code(self.temp_code), corrected_dps, lost })
-    }
-}
-
-impl Correcting {
-    /// Corrected rates of the row that is judged now; none while the first ones wait for that.
-    fn push(&mut self, layout: &Layout, row: &Row, trims_dps: &[f64; MAX_AXES]) -> Option<[Option<f64>; MAX_AXES]> {
-        let mut judged: [Option<Judged>; MAX_AXES] = [None; MAX_AXES];
-        for (index, ((_, health), judged)) in self.axes.iter_mut().zip(&mut judged).enumerate() {
-            *judged = layout.reading(row, index).and_then(|reading| health.push(&reading));
-        }
-        let first = judged[0]?;
-        self.corrector.read(first.temp().map(|code| self.axes[0].0.temp.value(code.into())));
-        let mut corrected_dps = [None; MAX_AXES];
-        for (index, ((axis, _), judged)) in self.axes.iter().zip(judged).enumerate() {
-            let rate_dps = judged.and_then(|judged| judged.rate()).map(|code| axis.rate.value(code.into()));
-            corrected_dps[index] = self.corrector.correct(index, rate_dps).map(|dps| dps + trims_dps[index]);
-        }
-        Some(corrected_dps)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::mem::size_of;
 use zerorate::{MAX_AXES, Scale};
-use zerorate_data::capture::{CodedAxis, Layout};
+use zerorate_data::capture::Layout;
 
 /// The channels, in the order of the bits of a mask and of a sample in the buffer.
 #[derive(Clone, Debug)]
@@ -54,7 +54,7 @@ const COUNT: &[&str] = &["raw"];
 impl Table {
     /// Of a part with this layout, and with its corrected rates if there is a calibration.
     pub fn new(layout: &Layout, is_corrected: bool) -> Self {
-        let ids = ids(layout.axes());
+        let ids = ids(layout);
         let attributes = if is_corrected { CODE_AND_BIAS } else { CODE };
         let rate = |(axis, id): (usize, &String)| Channel {
             attributes,
@@ -106,17 +106,11 @@ impl Channel {
     }
 }
 
-/// `anglvel_z` and the like, where the names of the axes end so or there is but one; else they are numbered.
-fn ids(axes: &[CodedAxis]) -> Vec<String> {
-    let letter = |axis: &CodedAxis| axis.name.chars().last().map(|last| last.to_ascii_lowercase());
-    let letters: Vec<Option<char>> = axes.iter().map(letter).collect();
-    let is_axis = |letter: &Option<char>| letter.is_some_and(|letter| "xyz".contains(letter));
-    let are_different = (1..letters.len()).all(|at| !letters[..at].contains(&letters[at]));
-    match letters.as_slice() {
-        letters if letters.iter().all(is_axis) && are_different => {
-            letters.iter().flatten().map(|letter| format!("anglvel_{letter}")).collect()
-        }
-        [_] => vec!["anglvel_z".to_owned()],
-        _ => (0..axes.len()).map(|index| format!("anglvel{index}")).collect(),
+/// `anglvel_z` and the like, where it is known which axes they are; else they are numbered.
+fn ids(layout: &Layout) -> Vec<String> {
+    let by_letter = |direction: usize| format!("anglvel_{}", ['x', 'y', 'z'][direction]);
+    match layout.directions() {
+        Some(directions) => directions.into_iter().map(by_letter).collect(),
+        None => (0..layout.axes().len()).map(|index| format!("anglvel{index}")).collect(),
     }
 }

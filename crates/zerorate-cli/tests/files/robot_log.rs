@@ -1,0 +1,102 @@
+//! Bags for robots: the capture in them is whole, and what robots read is the same rate.
+
+use super::{Bench, calibration};
+use serde_json::Value;
+use std::fs;
+use std::io::Read;
+use std::process::{Command, Stdio};
+
+fn json(bench: &Bench, line: &str) -> Value {
+    serde_json::from_str(&bench.zerorate(line).ok()).expect("one object")
+}
+
+fn verdict(bench: &Bench, file: &str) -> Value {
+    bench.zerorate(&format!("verify {file} --json")).json()["files"][0].clone()
+}
+
+#[test]
+fn a_bag_is_a_capture() {
+    let bench = Bench::new();
+    bench.zerorate("capture --device twin:seed=3 --samples 20000 -o unit.arrows").ok();
+    bench.write("unit.toml", calibration(-0.25, -0.04, 31.5));
+    bench.zerorate("capture --device replay:unit.arrows --samples 20000 --cal unit.toml -o unit.mcap").ok();
+    let (stream, bag) = (verdict(&bench, "unit.arrows"), verdict(&bench, "unit.mcap"));
+    assert_eq!((&bag["whole"], &bag["checked"], &bag["form"]), (&true.into(), &true.into(), &"MCAP".into()), "{bag}");
+    assert_eq!(bag["samples_sha256"], stream["samples_sha256"], "no code changed");
+    // its rows are raw, and are corrected once, as those of any capture
+    for form in ["arrows", "mcap"] {
+        bench.zerorate(&format!("correct unit.{form} --cal unit.toml -o {form}.csv")).ok();
+    }
+    let rows = |name: &str| {
+        let text = fs::read_to_string(bench.path(name)).expect("written");
+        text.lines().filter(|line| !line.starts_with('#')).map(str::to_owned).collect::<Vec<_>>()
+    };
+    assert!(rows("arrows.csv") == rows("mcap.csv"));
+    let refused = bench.zerorate("correct unit.arrows --cal unit.toml -o corrected.mcap").fails(1);
+    assert!(refused.contains("capture --device replay:CAPTURE --cal FILE"), "{refused}");
+    let usage = bench.zerorate("capture --device twin: --samples 10 --cal unit.toml -o x.arrows").fails(2);
+    assert!(usage.contains("--format mcap"), "{usage}");
+}
+
+/// The codes, and what robots read of them, have the same Allan deviation: rad/s in between.
+#[test]
+fn robots_read_the_same_rate() {
+    let bench = Bench::new();
+    bench.zerorate("capture --device twin:seed=4 --samples 30000 -o unit.mcap").ok();
+    let codes = json(&bench, "allan unit.mcap --json");
+    let rates = json(&bench, "allan unit.mcap --topic /imu/data_raw --column angular_velocity.z --json");
+    let (codes, rates) = (codes["points"].as_array().expect("points"), rates["points"].as_array().expect("points"));
+    assert_eq!((codes.len(), rates.len()), (codes.len(), codes.len()));
+    for (code, rate) in codes.iter().zip(rates) {
+        let [code, rate] = [code, rate].map(|point| point["dev"].as_f64().expect("a number"));
+        assert!((code / rate - 1.0).abs() < 1e-6, "{code} {rate}");
+    }
+    bench.zerorate("capture --device twin:seed=4,axes=3 --samples 60000 -o imu.mcap").ok();
+    let report = json(&bench, "imu imu.mcap -o imu.yaml --force --json");
+    assert_eq!(report["axes"].as_array().expect("axes").len(), 3, "{report}");
+}
+
+#[test]
+fn a_torn_bag_is_read_up_to_its_last_block() {
+    let bench = Bench::new();
+    bench.zerorate("capture --device twin:seed=5 --samples 20000 -o unit.mcap").ok();
+    let whole = fs::read(bench.path("unit.mcap")).expect("written");
+    bench.write("torn.mcap", &whole[..whole.len() * 2 / 3]);
+    let torn = verdict(&bench, "torn.mcap");
+    assert_eq!((&torn["torn"], &torn["damage"]), (&true.into(), &Value::Null), "{torn}");
+    let kept = bench.zerorate("repair torn.mcap -o kept.mcap").ok();
+    assert!(kept.contains("rows kept; missing: "), "{kept}");
+    assert_eq!(verdict(&bench, "kept.mcap")["rows"], torn["rows"], "{torn}");
+    let mut flipped = whole.clone();
+    // whatever stands there: rows, what robots read, or an index
+    flipped[whole.len() / 2..][..50_000].fill(0);
+    bench.write("flipped.mcap", flipped);
+    let damaged = verdict(&bench, "flipped.mcap");
+    assert_eq!((&damaged["whole"], &damaged["torn"]), (&false.into(), &false.into()), "{damaged}");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_is_said() {
+    let bench = Bench::new();
+    let run = bench.zerorate("capture --device twin: --samples 20000 --format mcap -o /dev/full");
+    assert!(run.fails(1).contains("No space left"));
+}
+
+#[cfg(unix)]
+#[test]
+fn interrupted_it_is_whole() {
+    let bench = Bench::new();
+    let mut capture = bench.command("capture --device twin: --realtime -o live.mcap");
+    let mut capture = capture.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("it starts");
+    while fs::metadata(bench.path("live.mcap")).map_or(0, |file| file.len()) < 100_000 {
+        assert!(capture.try_wait().expect("a child").is_none(), "it goes on");
+        std::thread::sleep(std::time::Duration::from_millis(50));
+    }
+    let sent = Command::new("sh").args(["-c", &format!("kill -INT {}", capture.id())]).status().expect("sh");
+    assert!(sent.success() && capture.wait().expect("it ends").success());
+    let mut said = String::new();
+    capture.stdout.take().expect("piped").read_to_string(&mut said).expect("text");
+    assert!(said.contains("interrupted"), "{said}");
+    assert_eq!(verdict(&bench, "live.mcap")["whole"], true);
+}
