@@ -16,6 +16,7 @@ mod coverage_allan;
 mod deny;
 mod dist;
 mod firmware;
+mod iiod;
 mod methods;
 mod python;
 mod rig;
@@ -62,6 +63,8 @@ enum Task {
     Bridge(app::Args),
     /// Check the C interface: header, library, and C against Rust on the host and on an emulated Cortex-M4F
     C(c::Args),
+    /// Read the libiio server with libiio's own clients, and with pyadi-iio
+    Iiod,
     /// Boot a stock Linux kernel in QEMU with the twin as hardware, and read it there
     Rig(app::Args),
     /// Break the part, the files and the program at random moments, and look for results that are wrong and silent
@@ -94,6 +97,7 @@ fn main() -> ExitCode {
         Task::Firmware(args) => firmware::run(&args),
         Task::Bridge(args) => bridge::run(&args),
         Task::C(args) => c::run(&args),
+        Task::Iiod => iiod::run(),
         Task::Rig(args) => rig::run(&args),
         Task::Trust(args) => trust::run(&args),
         Task::Book(args) => book::run(&args),

@@ -96,7 +96,7 @@ impl fmt::Display for Step {
 ///
 /// thumbv7em-none-eabihf is a Cortex-M4F. thumbv6m-none-eabi is a Cortex-M0: it has no compare-and-swap, which the
 /// TOML parser behind the core's feature `file` needs. wasm32-unknown-unknown is the browser.
-const STEPS: [Step; 39] = [
+const STEPS: [Step; 40] = [
     Step::new("fmt", "fmt --all --check"),
     Step::new("clippy", "clippy --workspace --all-targets --all-features -- -D warnings"),
     Step::new("clippy-driver", "clippy -p adis16130 --all-targets -- -D warnings"),
@@ -183,6 +183,7 @@ const STEPS: [Step; 39] = [
     Step::new("firmware", "xtask firmware").at(Pace::Beside),
     Step::new("methods", "xtask methods --quick").at(Pace::Beside),
     Step::new("book", "xtask book --check").at(Pace::Beside),
+    Step::new("iiod", "xtask iiod").at(Pace::Beside),
     Step::new("c", "xtask c").at(Pace::Beside),
     Step::new("deny", "xtask deny").at(Pace::Beside),
     Step::new("rig", "xtask rig").at(Pace::SlowAlone),

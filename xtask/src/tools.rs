@@ -16,6 +16,21 @@ pub struct Tool {
 /// named on stderr, with the command that installs it, and the caller skips what it wanted them for.
 pub fn available(tools: &[Tool], purpose: &str) -> Result<bool> {
     let missing: Vec<&str> = tools.iter().filter(|tool| !runs(tool.program)).map(|tool| tool.package).collect();
+    installed(&missing, purpose)
+}
+
+/// The same for a module of Debian's Python.
+pub fn module_available(module: &str, package: &str, purpose: &str) -> Result<bool> {
+    let import = Command::new(DEBIAN_PYTHON).args(["-c", &format!("import {module}")]).stderr(Stdio::null()).status();
+    let is_there = import.is_ok_and(|status| status.success());
+    if is_there { Ok(true) } else { installed(&[package], purpose) }
+}
+
+/// The Python that Debian's packages of modules belong to.
+const DEBIAN_PYTHON: &str = "/usr/bin/python3";
+
+/// Whether these packages are there in the end.
+fn installed(missing: &[&str], purpose: &str) -> Result<bool> {
     if missing.is_empty() {
         return Ok(true);
     }

@@ -4,13 +4,15 @@ use crate::cli::{SamplingArgs, SourceArgs};
 use crate::exit::Usage;
 use crate::interrupt;
 use crate::output::{Outputs, say};
-use crate::serve::{self, Desk, Folder, Guard, Opener, Recordings, Token};
+use crate::serve::{self, Desk, Folder, Guard, Libiio, Opener, Recordings, Token};
 use anyhow::{Context, Result, anyhow, ensure};
 use clap::Args;
 use std::io::ErrorKind;
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr, TcpListener};
 use std::path::PathBuf;
 use std::thread;
+use zerorate::Calibration;
+use zerorate_host::iiod;
 
 /// Shows a part live in the browser: rate, noise, temperature, and calibration as a guided run.
 ///
@@ -20,6 +22,8 @@ use std::thread;
 ///
 /// Others cannot reach it, unless --listen names an address of the network: then a token is needed, which is printed
 /// once. What the server keeps from whom stands in docs/serve.md.
+///
+/// Clients of libiio (iio_info, iio_readdev, pyadi-iio) see the part as a device with a buffer: docs/libiio.md.
 #[derive(Args, Debug)]
 pub struct ServeArgs {
     #[command(flatten)]
@@ -51,6 +55,19 @@ pub struct ServeArgs {
     /// A name by which browsers reach this machine, beside its numbers and localhost. Can be given several times.
     #[arg(long = "host", value_name = "NAME")]
     hosts: Vec<String>,
+
+    /// Serve clients of libiio at this address of this machine, with the corrected rate of the first --cal
+    /// [default: 127.0.0.1:30431, where that is free]
+    #[arg(long, value_name = "IP:PORT")]
+    iio: Option<SocketAddr>,
+
+    /// Serve none.
+    #[arg(long, conflicts_with_all = ["iio", "allow_write"])]
+    no_iio: bool,
+
+    /// Let clients of libiio write calibbias, which shifts the corrected rate that they see.
+    #[arg(long)]
+    allow_write: bool,
 }
 
 fn address(text: &str) -> Result<SocketAddr, String> {
@@ -74,8 +91,14 @@ pub fn run(args: &ServeArgs) -> Result<()> {
     let recordings = Recordings::new(args.output.clone(), outputs);
     let (mut desk, visits) = Desk::new(opener, opened, recordings, Folder::new(args.folder.clone()));
     shelve(args, &mut desk)?;
+    let libiio = libiio(args)?;
+    let at = libiio.as_ref().map(Libiio::address).transpose()?;
+    let mut desk = desk.with_libiio(libiio);
     desk.begin()?;
     announce(address, token.as_ref());
+    if let Some(at) = at {
+        say(format_args!("libiio: iio_info -u ip:{at}"));
+    }
     let guard = Guard::new(address, token, args.hosts.clone());
     let session = thread::Builder::new().name("session".to_owned()).spawn(move || {
         let ended = desk.run(stop);
@@ -87,6 +110,36 @@ pub fn run(args: &ServeArgs) -> Result<()> {
     // what is recorded is ended whatever the server died of
     stop.ask();
     served.and(session.join().unwrap_or_else(|_| Err(anyhow!("the session died"))))
+}
+
+/// The server for clients of libiio. It has no password, so nobody else is to reach it.
+fn libiio(args: &ServeArgs) -> Result<Option<Libiio>> {
+    if args.no_iio {
+        return Ok(None);
+    }
+    let address = args.iio.unwrap_or(SocketAddr::new(Ipv4Addr::LOCALHOST.into(), iiod::PORT));
+    if !address.ip().is_loopback() {
+        let why = format!(
+            "--iio {address}: libiio knows no password, so it is served to this machine alone: forward the port, \
+             ssh -L {0}:localhost:{0} HOST",
+            address.port()
+        );
+        return Err(Usage(why).into());
+    }
+    let listener = match TcpListener::bind(address) {
+        Ok(listener) => listener,
+        Err(error) if args.iio.is_none() => {
+            let how = "clients of libiio are not served; --iio 127.0.0.1:0 takes a free port";
+            say(format_args!("warning: {address}: {error}: {how}"));
+            return Ok(None);
+        }
+        Err(error) => return Err(error).with_context(|| format!("cannot listen at {address} (--iio)")),
+    };
+    let calibration = args.cals.first().map(|cal| {
+        let text = std::fs::read_to_string(cal).with_context(|| format!("cannot read {}", cal.display()))?;
+        Ok::<_, anyhow::Error>(Calibration::parse(&text).with_context(|| cal.display().to_string())?.0)
+    });
+    Ok(Some(Libiio::new(listener, calibration.transpose()?, args.allow_write)))
 }
 
 /// Calibrations of the folder and of the command line.

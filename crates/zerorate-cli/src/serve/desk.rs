@@ -1,7 +1,7 @@
 //! The thread of the session: samples in, frames out, and requests in between.
 
 use super::device::{self, Fed, Feed, Opened, Opener, Opening};
-use super::{Folder, Recordings};
+use super::{Folder, Libiio, Recordings};
 use crate::acquire;
 use crate::commands::probe::Examination;
 use crate::output::say;
@@ -53,6 +53,7 @@ pub struct Desk {
     speed: f64,
     recordings: Recordings,
     folder: Folder,
+    libiio: Option<Libiio>,
     visits: Receiver<Visit>,
     frames: broadcast::Sender<Bytes>,
     newcomers: Vec<oneshot::Sender<Begun>>,
@@ -102,6 +103,7 @@ impl Desk {
             speed: 1.0,
             recordings,
             folder,
+            libiio: None,
             visits,
             frames,
             newcomers: Vec::new(),
@@ -110,6 +112,11 @@ impl Desk {
             failure: None,
         };
         (desk, hand_in)
+    }
+
+    /// With a server for clients of libiio.
+    pub fn with_libiio(self, libiio: Option<Libiio>) -> Self {
+        Self { libiio, ..self }
     }
 
     /// Session and calibrations on file, before anything is read.
@@ -138,6 +145,9 @@ impl Desk {
     fn read(&mut self, hub: Arc<Hub>, bus: Option<Bus>) -> Result<()> {
         let reading = Reading::of(hub, bus);
         device::begin(&reading.hub, self.speed)?;
+        if let Some(libiio) = &mut self.libiio {
+            libiio.begin(&reading.hub)?;
+        }
         self.device = Device::Reading(Box::new(reading));
         self.session.state(DeviceState::Reading);
         Ok(())
@@ -264,6 +274,8 @@ impl Desk {
                 return;
             }
         };
+        // it holds the hub
+        self.libiio.iter_mut().for_each(Libiio::end);
         self.device = Device::Opening(self.opener.open_again(hub));
         self.session.state(DeviceState::Opening);
     }

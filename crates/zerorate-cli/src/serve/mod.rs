@@ -3,13 +3,14 @@
 //!
 //! `desk.rs` is the session's thread, with the device (`device.rs`), its recordings (`recordings.rs`) and the
 //! calibrations on disk (`folder.rs`). `server.rs` takes connections and asks the guard (`guard.rs`) about each
-//! request; `watch.rs`, `page.rs` and `metrics.rs` answer them.
+//! request; `watch.rs`, `page.rs` and `metrics.rs` answer them. `libiio.rs` is for other clients.
 
 mod bucket;
 mod desk;
 mod device;
 mod folder;
 mod guard;
+mod libiio;
 mod metrics;
 mod page;
 mod recordings;
@@ -20,6 +21,7 @@ pub use desk::Desk;
 pub use device::Opener;
 pub use folder::Folder;
 pub use guard::{Guard, Token};
+pub use libiio::Libiio;
 pub use page::{ABSENT, is_there as has_page};
 pub use recordings::Recordings;
 pub use server::run;

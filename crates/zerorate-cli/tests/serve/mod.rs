@@ -1,5 +1,6 @@
 //! `zerorate serve`, by its sockets: what it shows to whom, what it refuses, and what it records meanwhile.
 
+mod libiio;
 mod safety;
 mod watching;
 
@@ -30,7 +31,7 @@ struct Served {
 impl Served {
     /// The program in this folder with `serve --listen IP:0` and these arguments.
     fn at(bench: &Bench, ip: &str, arguments: &str) -> Self {
-        let line = format!("serve --listen {ip}:0 {arguments}");
+        let line = format!("serve --listen {ip}:0 --iio 127.0.0.1:0 {arguments}");
         let mut command = bench.command(line.trim_end());
         let mut child = command.stderr(Stdio::piped()).spawn().expect("the program starts");
         let lines = BufReader::new(child.stderr.take().expect("stderr")).lines();

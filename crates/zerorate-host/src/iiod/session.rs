@@ -77,6 +77,7 @@ impl<'a> Session<'a> {
     pub fn line(&mut self, line: &[u8]) -> Step {
         match Request::parse(line).and_then(|request| self.request(request)) {
             Ok(step) => step,
+            Err(errno) if is_http(line) => Step::HangUp(refusal(errno)),
             Err(errno) => Step::Reply(refusal(errno)),
         }
     }
@@ -212,6 +213,11 @@ impl Owned {
             Self::Output(name) => Place::Output(name),
         }
     }
+}
+
+/// A browser that some page sent here: its next lines may be whatever that page likes.
+fn is_http(line: &[u8]) -> bool {
+    line.windows(7).any(|word| word == b" HTTP/1")
 }
 
 const HELP: &str = "Commands: HELP, EXIT, VERSION, PRINT, TIMEOUT, READ, WRITE, OPEN, CLOSE, READBUF, GETTRIG, \

@@ -1,5 +1,6 @@
 //! Clients that nobody here wrote: libiio's own. Where they are not installed the tests say so and pass, unless
-//! `ZERORATE_IIO_CLIENTS` is set, as `cargo xtask iiod` does once it has installed them.
+//! `ZERORATE_IIO_CLIENTS` is set, as `cargo xtask iiod` does once it has installed them. It makes an environment with
+//! pyadi-iio as well, and names its Python in `ZERORATE_ADI_PYTHON`.
 
 use super::SAMPLE;
 use super::served::{Raw, Served};
@@ -169,4 +170,48 @@ fn python_gets_the_bytes_of_the_hub() {
     let output = run(python).expect("it is there");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     served.check(&output.stdout, 100_000);
+}
+
+/// The generic class of pyadi-iio, which all its devices with a buffer are made of.
+const ADI_SCRIPT: &str = "
+import sys
+import numpy
+from adi.context_manager import context_manager
+from adi.rx_tx import rx
+
+class Gyroscope(rx, context_manager):
+    _rx_channel_names = ['anglvel_z', 'timestamp']
+    _rx_data_type = [numpy.uint32, numpy.int64]
+    _device_name = ''
+
+    def __init__(self, uri):
+        context_manager.__init__(self, uri, self._device_name)
+        self._ctrl = self._rxadc = self._ctx.find_device('adis16130')
+        rx.__init__(self)
+
+gyroscope = Gyroscope(sys.argv[1])
+assert gyroscope._get_iio_attr('anglvel_z', 'offset', False) == -8388608
+assert abs(gyroscope._get_iio_attr('anglvel_z', 'scale', False) / 7.43065e-7 - 1) < 1e-5
+gyroscope.rx_buffer_size = 1000
+gyroscope.rx_enabled_channels = [0, 1]
+for _ in range(100):
+    codes, times = gyroscope.rx()
+    samples = numpy.zeros(len(codes), dtype=[('code', '<u8'), ('t_ns', '<i8')])
+    samples['code'], samples['t_ns'] = codes, times
+    sys.stdout.buffer.write(samples.tobytes())
+";
+
+#[test]
+fn pyadi_iio_gets_the_samples_of_the_hub() {
+    let Some(python) = std::env::var_os("ZERORATE_ADI_PYTHON") else {
+        eprintln!("SKIPPED: pyadi-iio (cargo xtask iiod installs it)");
+        return;
+    };
+    let served = Served::start();
+    let mut python = Command::new(python);
+    python.args(["-c", ADI_SCRIPT, &served.uri()]);
+    let output = run(python).expect("it is there");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    assert_eq!(output.stdout.len(), 100_000 * 16);
+    served.check_pairs(&output.stdout);
 }

@@ -87,16 +87,31 @@ impl Served {
         self.count.load(Ordering::Relaxed)
     }
 
+    /// Pairs of code and time are rows of the hub, in order.
+    pub fn check_pairs(&self, bytes: &[u8]) {
+        self.wait_for(field(bytes.rchunks(16).next().expect("a pair"), 8));
+        let rows = self.rows.lock().expect("no panic");
+        let mut rows = rows.iter();
+        for pair in bytes.chunks(16) {
+            let (code, t_ns) = (field(pair, 0) as i64, field(pair, 8));
+            assert!(rows.any(|row| (row.0, row.1) == (t_ns, code)), "{code} at {t_ns} ns was never read");
+        }
+    }
+
+    /// Until a row of this time is recorded.
+    fn wait_for(&self, t_ns: u64) {
+        let begun = Instant::now();
+        while self.rows.lock().expect("no panic").last().is_none_or(|row| row.0 < t_ns) {
+            assert!(begun.elapsed() < Duration::from_secs(60), "nobody recorded that");
+            thread::sleep(BATCH_TIME);
+        }
+    }
+
     /// Samples with all channels are rows of the hub, in order; whatever is missing between them is counted. Returns
     /// how many that are.
     pub fn check(&self, bytes: &[u8], samples: usize) -> u64 {
         assert_eq!(bytes.len(), samples * super::SAMPLE);
-        let last_ns = field(bytes.rchunks(super::SAMPLE).next().expect("a sample"), 24);
-        let begun = Instant::now();
-        while self.rows.lock().expect("no panic").last().is_none_or(|row| row.0 < last_ns) {
-            assert!(begun.elapsed() < Duration::from_secs(60), "nobody recorded that");
-            thread::sleep(BATCH_TIME);
-        }
+        self.wait_for(field(bytes.rchunks(super::SAMPLE).next().expect("a sample"), 24));
         let rows = self.rows.lock().expect("no panic");
         let first_ns = field(bytes, 24);
         let first = rows.iter().position(|row| row.0 == first_ns).expect("a row of the hub");

@@ -87,11 +87,11 @@ fn rates_are_in_rad_per_s_on_the_axis_of_the_part() {
 #[test]
 fn corrected_rates_carry_their_calibration_and_what_is_known_of_them() {
     let uncertain = "[uncertainty]\ncoverage = 0.95\ncoverage_factor = 2.0\nu_pbc_dps = 0.003\n\
-        u_btc_dps_per_c = 0.004\nu_t3_c = 0.0\ncov_pbc_btc_dps2_per_c = 0.0\ncov_pbc_t3_dps_c = 0.0\ncov_btc_t3_dps = 0.0\n\
-        u_curvature_dps_per_c = 0.0\nu_b1_dps = 0.0\nu_t1_c = 0.0\nu_b2_dps = 0.0\nu_t2_c = 0.0\n\
-        [noise]\nwhite_dps_per_rt_hz = 0.0125\nwhite_source = \"measured\"\nflicker_floor_dps = 0.0\n\
-        flicker_cutoff_hz = 1.0\nflicker_source = \"measured\"\nrate_random_walk_dps_per_rt_s = 0.0\n\
-        rate_random_walk_source = \"measured\"\n";
+        u_btc_dps_per_c = 0.004\nu_t3_c = 0.0\ncov_pbc_btc_dps2_per_c = 0.0\ncov_pbc_t3_dps_c = 0.0\n\
+        cov_btc_t3_dps = 0.0\nu_curvature_dps_per_c = 0.0\nu_b1_dps = 0.0\nu_t1_c = 0.0\nu_b2_dps = 0.0\n\
+        u_t2_c = 0.0\n[noise]\nwhite_dps_per_rt_hz = 0.0125\nwhite_source = \"measured\"\n\
+        flicker_floor_dps = 0.0\nflicker_cutoff_hz = 1.0\nflicker_source = \"measured\"\n\
+        rate_random_walk_dps_per_rt_s = 0.0\nrate_random_walk_source = \"measured\"\n";
     let full = calibration(&format!("{CALIBRATION}{uncertain}"));
     let id = full.as_ref().map(Calibration::id);
     let bag = write(log(full, Stamps::From(1_700_000_000_000_000_000)), &info(), rows(40));

@@ -1,0 +1,72 @@
+//! Clients of libiio beside the page: a server for each time that the device is opened.
+
+use crate::output::say;
+use anyhow::{Context, Result};
+use std::net::{SocketAddr, TcpListener};
+use std::sync::Arc;
+use std::thread::{self, JoinHandle};
+use zerorate::Calibration;
+use zerorate_host::iiod::Server;
+use zerorate_host::{Hub, Stop};
+
+/// Where clients connect, and what is served to them.
+pub struct Libiio {
+    listener: TcpListener,
+    calibration: Option<Calibration>,
+    may_be_written: bool,
+    running: Option<(Stop, JoinHandle<()>)>,
+}
+
+impl Libiio {
+    /// Nothing is served yet.
+    pub fn new(listener: TcpListener, calibration: Option<Calibration>, may_be_written: bool) -> Self {
+        Self { listener, calibration, may_be_written, running: None }
+    }
+
+    /// Where clients connect.
+    ///
+    /// # Errors
+    /// The system does not know.
+    pub fn address(&self) -> Result<SocketAddr> {
+        self.listener.local_addr().context("the libiio server")
+    }
+
+    /// From here on the device of this hub.
+    ///
+    /// # Errors
+    /// There is no thread to be had, or no socket.
+    pub fn begin(&mut self, hub: &Arc<Hub>) -> Result<()> {
+        self.end();
+        let (hub, stop) = (Arc::clone(hub), Stop::default());
+        let listener = self.listener.try_clone().context("serving libiio")?;
+        let (calibration, may_be_written, ends) = (self.calibration.clone(), self.may_be_written, stop.clone());
+        let body = move || {
+            let server = Server::new(&hub, calibration.as_ref()).or_else(|error| {
+                say(format_args!("warning: libiio: no corrected rates: {error}"));
+                Server::new(&hub, None)
+            });
+            let server = server.map(|server| if may_be_written { server.writable() } else { server });
+            if let Ok(Err(error)) = server.map(|server| server.serve(&listener, &ends)) {
+                say(format_args!("warning: libiio: no client can connect any more: {error}"));
+            }
+        };
+        let thread = thread::Builder::new().name("libiio".to_owned()).spawn(body).context("serving libiio")?;
+        self.running = Some((stop, thread));
+        Ok(())
+    }
+
+    /// Lets the hub go, and all clients.
+    pub fn end(&mut self) {
+        if let Some((stop, thread)) = self.running.take() {
+            stop.ask();
+            // a server that failed has said so
+            let _ = thread.join();
+        }
+    }
+}
+
+impl Drop for Libiio {
+    fn drop(&mut self) {
+        self.end();
+    }
+}
