@@ -1,34 +1,35 @@
-//! Work that splits into numbered pieces; the result does not depend on how many threads share it.
+//! Work that splits into numbered pieces; the result does not depend on how many threads share it. In a browser it is
+//! one, and what shares it out would be a tenth of what is loaded.
 
 use alloc::vec::Vec;
 
 /// The results of both.
-#[cfg(feature = "std")]
+#[cfg(all(feature = "std", not(target_family = "wasm")))]
 pub fn join<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + Send) -> (A, B) {
     rayon::join(a, b)
 }
 
 /// The results of both.
-#[cfg(not(feature = "std"))]
+#[cfg(any(not(feature = "std"), target_family = "wasm"))]
 pub fn join<A, B>(a: impl FnOnce() -> A, b: impl FnOnce() -> B) -> (A, B) {
     (a(), b())
 }
 
 /// The results of `f(0)`, `f(1)` … in this order.
-#[cfg(feature = "std")]
+#[cfg(all(feature = "std", not(target_family = "wasm")))]
 pub(super) fn map<R: Send>(pieces: usize, f: impl Fn(usize) -> R + Sync + Send) -> Vec<R> {
     use rayon::prelude::*;
     (0..pieces).into_par_iter().map(f).collect()
 }
 
 /// The results of `f(0)`, `f(1)` … in this order.
-#[cfg(not(feature = "std"))]
+#[cfg(any(not(feature = "std"), target_family = "wasm"))]
 pub(super) fn map<R>(pieces: usize, f: impl Fn(usize) -> R) -> Vec<R> {
     (0..pieces).map(f).collect()
 }
 
 /// As [`map`], with something that each thread keeps.
-#[cfg(feature = "std")]
+#[cfg(all(feature = "std", not(target_family = "wasm")))]
 pub(super) fn map_with<S, R: Send>(
     pieces: usize,
     start: impl Fn() -> S + Sync + Send,
@@ -39,21 +40,21 @@ pub(super) fn map_with<S, R: Send>(
 }
 
 /// As [`map`], with something that each thread keeps.
-#[cfg(not(feature = "std"))]
+#[cfg(any(not(feature = "std"), target_family = "wasm"))]
 pub(super) fn map_with<S, R>(pieces: usize, start: impl Fn() -> S, f: impl Fn(&mut S, usize) -> R) -> Vec<R> {
     let mut kept = start();
     (0..pieces).map(|piece| f(&mut kept, piece)).collect()
 }
 
 /// Fills pieces of `size` of `out`, the last of which may be shorter.
-#[cfg(feature = "std")]
+#[cfg(all(feature = "std", not(target_family = "wasm")))]
 pub(super) fn fill<T: Send>(out: &mut [T], size: usize, f: impl Fn(usize, &mut [T]) + Sync + Send) {
     use rayon::prelude::*;
     out.par_chunks_mut(size).enumerate().for_each(|(piece, out)| f(piece, out));
 }
 
 /// Fills pieces of `size` of `out`, the last of which may be shorter.
-#[cfg(not(feature = "std"))]
+#[cfg(any(not(feature = "std"), target_family = "wasm"))]
 pub(super) fn fill<T>(out: &mut [T], size: usize, f: impl Fn(usize, &mut [T])) {
     out.chunks_mut(size).enumerate().for_each(|(piece, out)| f(piece, out));
 }
