@@ -1,9 +1,12 @@
 // The page of a static site: the session runs in a worker of the browser.
 import assert from "node:assert/strict";
+import { spawnSync } from "node:child_process";
+import { mkdtempSync, rmSync } from "node:fs";
+import { tmpdir } from "node:os";
 import { after, before, test } from "node:test";
 import { serveFolder } from "./static.mjs";
 import { beginCalibration, downloads, everyPage, finishCalibration, liveBench, PAGES, standsStill } from "./suite.mjs";
-import { bars, becomes, launch, open, PAGE } from "./world.mjs";
+import { bars, becomes, launch, open, PAGE, PROGRAM, without } from "./world.mjs";
 
 let browser, site;
 
@@ -64,11 +67,13 @@ test("a whole calibration, over a reload and in two windows, and its files", asy
   const { page, context, faults } = await open(browser, site.url);
   await beginCalibration(page);
   await page.waitForSelector(".run .steps [data-state=done]");
+  assert.deepEqual(await bars(page), []);
   await page.reload();
   await page.waitForSelector(".calibrate .run, .calibrate .result");
   const second = await open(browser, `${site.url}#calibrate`, { context });
   await second.page.waitForSelector(".calibrate .run, .calibrate .result");
   await finishCalibration(page);
+  assert.deepEqual(await bars(page), []);
   await becomes(second.page, ".result button.primary", /^Applied$/);
   await downloads(page);
   await page.click('nav a[href="#bench"]');
@@ -111,6 +116,23 @@ test("a calibration that is dropped, one that is damaged, and a device of other 
   await becomes(page, ".device .name", /bias_dps=2\.5/);
   await page.click('nav a[href="#bench"]');
   await becomes(page, ".tile.raw .value", /^2\.\d/);
+  await context.close();
+});
+
+test("a recording that is dropped is played", { skip: without.program }, async () => {
+  const folder = mkdtempSync(`${tmpdir()}/zerorate-capture-`);
+  const path = `${folder}/twin.arrows`;
+  const wish = ["capture", "--device", "twin:seed=7,bias_dps=1.5", "--divider", "50", "--duration", "2m", "-o", path];
+  assert.equal(spawnSync(PROGRAM, wish).status, 0);
+  const { page, context, faults } = await open(browser, `${site.url}#device`);
+  await page.setInputFiles('.openers input[type="file"]', path);
+  await becomes(page, ".device .name", /twin\.arrows/);
+  await page.getByLabel("max", { exact: true }).check();
+  await becomes(page, "header .state", /ended/);
+  await page.click('nav a[href="#bench"]');
+  await becomes(page, ".tile.raw .value", /^1\.\d/);
+  assert.deepEqual(faults, []);
+  rmSync(folder, { recursive: true });
   await context.close();
 });
 

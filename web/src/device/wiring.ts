@@ -4,9 +4,9 @@ import { h, svg, table } from "../dom";
 const WIRES: readonly (readonly [string, string, string, string])[] = [
   ["16", "SCLK", "SCLK", "clock, mode 3, at most 10 MHz"],
   ["14", "SDI", "MOSI", "host to part"],
-  ["12", "SDO", "MISO", "part to host"],
+  ["12", "SDO", "MISO", "part to host, 5 V: shift it for 3.3 V"],
   ["8", "CS", "CS", "chip select, active low"],
-  ["10", "RDY", "IRQ", "data ready, falling edge"],
+  ["10", "RDY", "IRQ", "data ready, falling edge; 5 V as well"],
   ["11, 13, 15", "VDD", "+5 V", "linear supply"],
   ["17, 19–22", "GND", "GND", "ground"],
 ];
@@ -14,6 +14,8 @@ const ROW = 30;
 const TOP = 50;
 
 const CARE =
+  "No source states the logic levels of the part, which runs from 5 V: take it that SDO and RDY swing to 5 V, and put a " +
+  "level shifter before a host of 3.3 V. " +
   "Ribbon cable up to 12 inches, beyond that shielded twisted pairs. Tie the self-test pins 1–7 and 9 together. " +
   "Holes under the mating pads keep the pins from bottoming out, which would shift the bias.";
 
