@@ -44,8 +44,18 @@ const MESSAGE_HEAD: u64 = 31;
 impl<R: Read> Messages<R> {
     /// A record is as long as the room at most, whatever length it states.
     pub fn new(file: R, room: Room) -> Self {
+        Self::with(file, room, LinearReaderOptions::default())
+    }
+
+    /// The same, where a file is held to all that it states: of its chunks, and of all in front of its end.
+    pub fn checked(file: R, room: Room) -> Self {
+        let options = LinearReaderOptions::default().with_validate_chunk_crcs(true);
+        Self::with(file, room, options.with_validate_data_section_crc(true))
+    }
+
+    fn with(file: R, room: Room, options: LinearReaderOptions) -> Self {
         let longest = usize::try_from(room.bytes()).unwrap_or(usize::MAX);
-        let options = LinearReaderOptions::default().with_record_length_limit(longest);
+        let options = options.with_record_length_limit(longest);
         let reader = MessageReader::new_with_options(BufReader::with_capacity(BUFFER, file), options);
         Self { reader: Some(reader), room, bytes: 0 }
     }

@@ -176,6 +176,19 @@ fn samples_keep_their_sign_and_names_become_those_of_ros() {
     assert_eq!(messages::decode(&layout, &[message.bytes(), &[0]].concat()), None);
 }
 
+/// Rows, what robots read, and the index behind each chunk.
+#[test]
+fn a_change_anywhere_is_found() {
+    let whole = write(log(None, Stamps::OfPart), &info(), rows(12_000));
+    for part in 1..40 {
+        let mut bag = whole.clone();
+        bag[whole.len() * part / 40] ^= 1;
+        let reader = crate::capture::CaptureReader::open(Path::new("x.mcap"), bag.into());
+        let is_damaged = reader.map_or(true, |mut reader| reader.any(|row| row.is_err()));
+        assert!(is_damaged, "{part} of 40");
+    }
+}
+
 #[test]
 fn a_bag_of_somebody_else_is_no_capture() {
     let bag = write(log(None, Stamps::OfPart), &info(), rows(9));
