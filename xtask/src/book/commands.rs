@@ -10,6 +10,9 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Instant;
 
+/// More than any command takes on a busy machine, s.
+const LONGEST_S: &str = "300";
+
 /// A line of a chapter, and how it must end.
 #[derive(Debug, PartialEq)]
 struct Line {
@@ -41,8 +44,9 @@ pub fn run(program: &Path) -> Result<()> {
 fn try_line(line: &Line, program: &Path, folder: &Path) -> Result<()> {
     let path = std::env::var("PATH").unwrap_or_default();
     let beside = program.parent().context("a program in a folder")?;
-    let mut shell = Command::new("sh");
-    shell.args(["-c", &line.command]).current_dir(folder);
+    // what waits for somebody must not wait for ever
+    let mut shell = Command::new("timeout");
+    shell.args([LONGEST_S, "sh", "-c", &line.command]).current_dir(folder);
     let output = shell.env("PATH", format!("{}:{path}", beside.display())).output()?;
     if output.status.code() != Some(line.exit) {
         bail!(

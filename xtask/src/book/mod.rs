@@ -3,6 +3,7 @@
 //! `xtask/book` renders it, a package of its own for the sake of mdBook's dependencies. Here are the chapters that are
 //! made rather than written, the drawings, and the commands, which are run as a reader would.
 
+mod browser;
 mod commands;
 mod drawings;
 
@@ -23,7 +24,7 @@ pub struct Args {
     /// Write what is made rather than written: docs/codes.md, the drawings
     #[arg(long)]
     update: bool,
-    /// Run the commands of the chapters as well, and check what is made
+    /// Open pages in Chromium, run the commands of the chapters, and check what is made
     #[arg(long, conflicts_with = "update")]
     check: bool,
     /// The program whose commands are run, instead of building it
@@ -42,6 +43,7 @@ pub fn run(args: &Args) -> Result<()> {
     }
     make(&args.out)?;
     if args.check {
+        browser::check(&args.out)?;
         let program = args.program.clone().map_or_else(app::program, Ok)?;
         commands::run(&std::path::absolute(program)?)?;
     }
