@@ -1,7 +1,7 @@
 //! The commands that the chapters show, run on the twin as a reader would run them.
 //!
-//! Every ```sh block whose first word is `zerorate` is run, line by line, the blocks of a chapter one after the
-//! other in one empty folder. A line ends with 0, or as it says: `# refused (exit 3)`. What needs a part, files of the
+//! Every ```sh block whose first word is `zerorate` is run, line by line, from the first chapter to the last, in
+//! one folder. A line ends with 0, or as it says: `# refused (exit 3)`. What needs a part, files of the
 //! reader's or hours is marked ```sh,untried, which the book shows.
 
 use anyhow::{Context, Result, bail, ensure};
@@ -23,13 +23,13 @@ struct Line {
 /// Runs all, with `program` as `zerorate`.
 pub fn run(program: &Path) -> Result<()> {
     let program = program.canonicalize().with_context(|| format!("no program {}", program.display()))?;
-    let mut count = 0;
+    let (mut count, folder) = (0, tempfile::tempdir()?);
     for chapter in chapters(Path::new("docs"))? {
         let lines = lines(&fs::read_to_string(&chapter)?);
         if lines.is_empty() {
             continue;
         }
-        let (start, folder) = (Instant::now(), tempfile::tempdir()?);
+        let start = Instant::now();
         for line in &lines {
             try_line(line, &program, folder.path()).with_context(|| chapter.display().to_string())?;
         }
@@ -76,20 +76,11 @@ fn line(text: &str) -> Option<Line> {
     is_command.then(|| Line { command: command.to_owned(), exit })
 }
 
-fn chapters(folder: &Path) -> Result<Vec<PathBuf>> {
-    let (mut found, mut folders) = (Vec::new(), vec![folder.to_owned()]);
-    while let Some(folder) = folders.pop() {
-        for entry in fs::read_dir(folder)? {
-            let path = entry?.path();
-            match path.extension() {
-                _ if path.is_dir() => folders.push(path),
-                Some(extension) if extension == "md" => found.push(path),
-                _ => {}
-            }
-        }
-    }
-    found.sort();
-    Ok(found)
+/// Those in `docs`, in their order.
+fn chapters(docs: &Path) -> Result<Vec<PathBuf>> {
+    let summary = fs::read_to_string(docs.join("SUMMARY.md"))?;
+    let targets = summary.split("](").skip(1).filter_map(|rest| rest.split(')').next());
+    Ok(targets.filter(|target| !target.starts_with("..")).map(|target| docs.join(target)).collect())
 }
 
 #[cfg(test)]
