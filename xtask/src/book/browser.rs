@@ -1,4 +1,4 @@
-//! Pages of the book in Chromium, from files: their scripts run under their own policy, and a script in a page does not.
+//! Pages of the book in Chromium, from files: their scripts run under their policy, a script in a page does not.
 
 use crate::tools::{Tool, available, is_root};
 use anyhow::{Context, Result, ensure};
