@@ -110,7 +110,9 @@ class Whole {
   /** A calibration that nobody would go on with. */
   #wouldLose(): boolean {
     const inside = this.#app.inside;
-    return inside !== undefined && (!inside.shared || inside.hasPort) && this.#app.model.calibration.is === "running";
+    return (
+      inside !== undefined && (!inside.shared || inside.hasPort) && this.#app.model.calibration.is === "running"
+    );
   }
 }
 

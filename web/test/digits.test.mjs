@@ -6,14 +6,25 @@ import { build } from "esbuild";
 let digits;
 
 before(async () => {
-  const { outputFiles } = await build({ entryPoints: ["src/digits.ts"], bundle: true, format: "esm", write: false });
+  const { outputFiles } = await build({
+    entryPoints: ["src/digits.ts"],
+    bundle: true,
+    format: "esm",
+    write: false,
+  });
   digits = await import(`data:text/javascript;base64,${Buffer.from(outputFiles[0].contents).toString("base64")}`);
 });
 
 test("a value has the digits that its uncertainty warrants", () => {
   const cases = [
-    [0.284519, 0.0088, "0.2845"], [0.284519, 0.088, "0.285"], [-0.6650123, 0.00271, "−0.6650"], [12345.6, 1234, "12300"],
-    [1.25, 0.0996, "1.25"], [-0.00004, 0.01, "0.000"], [3, 1e-9, "3.0000000000"], [24.9838, 0.02, "24.984"],
+    [0.284519, 0.0088, "0.2845"],
+    [0.284519, 0.088, "0.285"],
+    [-0.6650123, 0.00271, "−0.6650"],
+    [12345.6, 1234, "12300"],
+    [1.25, 0.0996, "1.25"],
+    [-0.00004, 0.01, "0.000"],
+    [3, 1e-9, "3.0000000000"],
+    [24.9838, 0.02, "24.984"],
   ];
   for (const [value, u, text] of cases) assert.equal(digits.value(value, u), text, `${value} ± ${u}`);
   assert.equal(digits.both(0.284519, 0.0088), "0.2845 ± 0.0088");
@@ -34,7 +45,16 @@ test("significant digits, with powers of ten where nobody would count the zeros"
 });
 
 test("durations as people say them", () => {
-  const cases = [[0.25, "0.25 s"], [1, "1 s"], [45.2, "45 s"], [59.7, "1 min"], [200, "3 min 20 s"], [7800, "2 h 10 min"], [3600, "1 h"], [176_400, "2 d 1 h"]];
+  const cases = [
+    [0.25, "0.25 s"],
+    [1, "1 s"],
+    [45.2, "45 s"],
+    [59.7, "1 min"],
+    [200, "3 min 20 s"],
+    [7800, "2 h 10 min"],
+    [3600, "1 h"],
+    [176_400, "2 d 1 h"],
+  ];
   for (const [seconds, text] of cases) assert.equal(digits.duration(seconds), text, String(seconds));
   assert.equal(digits.duration(null), "–");
 });

@@ -25,7 +25,9 @@ after(async () => {
 /** Gives a log to the page, and waits until it is done with it. */
 async function give(name, buffer) {
   await page.setInputFiles(".intake input[type=file]", { name, mimeType: "application/octet-stream", buffer });
-  await page.waitForFunction(() => document.querySelector(".log .work button").hidden, null, { timeout: 2 * PATIENCE });
+  await page.waitForFunction(() => document.querySelector(".log .work button").hidden, null, {
+    timeout: 2 * PATIENCE,
+  });
   return page.textContent(".log .doing");
 }
 
@@ -40,7 +42,9 @@ async function isSaid(name, bytes) {
 async function answer(answers) {
   for (const [key, value] of Object.entries(answers)) await page.fill(`#log-${key}`, value);
   await page.click(".questions button.primary");
-  await page.waitForFunction(() => document.querySelector(".log .work button").hidden, null, { timeout: 2 * PATIENCE });
+  await page.waitForFunction(() => document.querySelector(".log .work button").hidden, null, {
+    timeout: 2 * PATIENCE,
+  });
   return page.textContent(".log .doing");
 }
 
@@ -53,7 +57,9 @@ for (const [name, { bytes, answers }] of Object.entries(LOGS)) {
     }
     assert.match(said, /done/);
     assert.equal(await page.locator(".axes-of-log > section").count(), 3);
-    const found = await page.$$eval(".axes-of-log .coefficients tbody tr:first-child", (rows) => rows.map((row) => row.textContent));
+    const found = await page.$$eval(".axes-of-log .coefficients tbody tr:first-child", (rows) =>
+      rows.map((row) => row.textContent),
+    );
     // 0.1 °/s at 100 Hz is 0.01 °/s/√Hz, which is 0.6 °/√h
     for (const row of found) assert.match(row, /^N.*(0\.59|0\.6|0\.0099|0\.0100|0\.0101)/);
     assert.ok((await page.locator(".pictures img").count()) > 0);
@@ -95,7 +101,17 @@ for (const name of SHORT) {
 test("captures of this program, whole and cut off", { skip: without.program }, async () => {
   for (const name of ["twin.parquet", "twin.arrows"]) {
     const path = `${folder}/${name}`;
-    const { status, stderr } = spawnSync(PROGRAM, ["capture", "--device", "twin:seed=7", "--divider", "50", "--duration", "2m", "-o", path]);
+    const { status, stderr } = spawnSync(PROGRAM, [
+      "capture",
+      "--device",
+      "twin:seed=7",
+      "--divider",
+      "50",
+      "--duration",
+      "2m",
+      "-o",
+      path,
+    ]);
     assert.equal(status, 0, String(stderr));
     const bytes = readFileSync(path);
     assert.match(await give(name, bytes), /done/);
@@ -105,7 +121,11 @@ test("captures of this program, whole and cut off", { skip: without.program }, a
 });
 
 test("what is no log, what is empty, and an SQLite bag", async () => {
-  for (const [name, bytes] of [["noise.bin", Buffer.alloc(5000, 0xa7)], ["empty.csv", Buffer.alloc(0)], ["bag.db3", Buffer.from("SQLite format 3\0".padEnd(4096))]]) {
+  for (const [name, bytes] of [
+    ["noise.bin", Buffer.alloc(5000, 0xa7)],
+    ["empty.csv", Buffer.alloc(0)],
+    ["bag.db3", Buffer.from("SQLite format 3\0".padEnd(4096))],
+  ]) {
     const said = await give(name, bytes);
     assert.ok(said.length > 20 && !/done|RuntimeError/.test(said), `${name}: ${said}`);
   }
@@ -124,7 +144,10 @@ test("a log is dropped, cancelled, and never leaves the machine", async () => {
   await page.click(".log .work button", { timeout: 2000 }).catch(() => {});
   await becomes(page, ".log .doing", /Cancelled|done|./);
   await give("rest.csv", LOGS["rest.csv"].bytes());
-  assert.ok(site.asked.slice(before).every((path) => /\.(js|wasm)$/.test(path)), "something was asked of the server");
+  assert.ok(
+    site.asked.slice(before).every((path) => /\.(js|wasm)$/.test(path)),
+    "something was asked of the server",
+  );
   assert.match(await page.textContent(".intake"), /never leaves this machine/);
   assert.deepEqual(faults, []);
   await context.close();

@@ -21,7 +21,10 @@ function* normal(seed) {
 
 function rows(count) {
   const noise = normal(42);
-  return Array.from({ length: count }, (_, k) => [k / RATE_HZ, ...[0, 0, 0].map(() => SD_DPS * noise.next().value)]);
+  return Array.from({ length: count }, (_, k) => [
+    k / RATE_HZ,
+    ...[0, 0, 0].map(() => SD_DPS * noise.next().value),
+  ]);
 }
 
 function text(count, head) {
@@ -48,7 +51,10 @@ const COUNT = 40_000;
 export const LOGS = {
   "rest.csv": { bytes: () => Buffer.from(text(COUNT, STATED)) },
   "rest.csv.gz": { bytes: () => gzipSync(text(COUNT, STATED)) },
-  "rest.npy": { bytes: () => npy(COUNT), answers: { rate_hz: String(RATE_HZ), gyro_unit: "dps", columns: "0,1,2" } },
+  "rest.npy": {
+    bytes: () => npy(COUNT),
+    answers: { rate_hz: String(RATE_HZ), gyro_unit: "dps", columns: "0,1,2" },
+  },
 };
 
 /** Fixtures of the readers: a few messages each, enough to be recognised. */

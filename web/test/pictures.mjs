@@ -18,7 +18,10 @@ const TALLEST = 1500;
 
 async function take(page, name) {
   const path = `${folder}/${name}.webp`;
-  const { width, height } = await page.evaluate(() => ({ width: innerWidth, height: document.documentElement.scrollHeight }));
+  const { width, height } = await page.evaluate(() => ({
+    width: innerWidth,
+    height: document.documentElement.scrollHeight,
+  }));
   const clip = { x: 0, y: 0, width, height: Math.min(height, TALLEST), scale: 1 };
   await page.evaluate(() => scrollTo(0, 0));
   const chromium = await page.context().newCDPSession(page);
@@ -62,14 +65,20 @@ for (const theme of ["light", "dark"]) {
   await becomes(page, ".on-file", /Applied/);
   await take(page, `device-${theme}`);
   await page.click('nav a[href="#log"]');
-  await page.setInputFiles(".intake input[type=file]", { name: "rest.csv", mimeType: "text/csv", buffer: LOGS["rest.csv"].bytes() });
+  await page.setInputFiles(".intake input[type=file]", {
+    name: "rest.csv",
+    mimeType: "text/csv",
+    buffer: LOGS["rest.csv"].bytes(),
+  });
   await becomes(page, ".log .doing", /done/);
   await page.waitForTimeout(300);
   await take(page, `log-${theme}`);
   await own.close();
 }
 
-const phone = await open(browser, site.url, { look: { viewport: { width: 390, height: 800 }, colorScheme: "dark", isMobile: true } });
+const phone = await open(browser, site.url, {
+  look: { viewport: { width: 390, height: 800 }, colorScheme: "dark", isMobile: true },
+});
 await liveBench(phone.page);
 await phone.page.waitForTimeout(12_000);
 await take(phone.page, "bench-phone");

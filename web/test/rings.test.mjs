@@ -6,8 +6,15 @@ import { build } from "esbuild";
 let page;
 
 before(async () => {
-  const contents = ["frame", "ring", "model", "chart/window", "chart/extent"].map((name) => `export * from "./src/${name}";`).join("\n");
-  const { outputFiles } = await build({ stdin: { contents, resolveDir: "." }, bundle: true, format: "esm", write: false });
+  const contents = ["frame", "ring", "model", "chart/window", "chart/extent"]
+    .map((name) => `export * from "./src/${name}";`)
+    .join("\n");
+  const { outputFiles } = await build({
+    stdin: { contents, resolveDir: "." },
+    bundle: true,
+    format: "esm",
+    write: false,
+  });
   page = await import(`data:text/javascript;base64,${Buffer.from(outputFiles[0].contents).toString("base64")}`);
 });
 
@@ -66,7 +73,11 @@ test("memory does not grow however many bins come", () => {
   const device = { bins_s: [0.001, 0.008], bins_kept: 16, axes: [{ name: "rate" }], state: { is: "reading" } };
   const give = (first, snapshot) => {
     const strip = { axis: 0, level: 0, first, count: 3, at: 0 };
-    model.take(page.unframe(framed({ seq: first, snapshot, strips: [strip], ...(snapshot ? { device } : {}) }, columns([7, 8, 9]))));
+    model.take(
+      page.unframe(
+        framed({ seq: first, snapshot, strips: [strip], ...(snapshot ? { device } : {}) }, columns([7, 8, 9])),
+      ),
+    );
   };
   give(0, true);
   const ring = model.rings[0][0];
@@ -80,7 +91,10 @@ test("memory does not grow however many bins come", () => {
 
 test("a snapshot voids what was known", () => {
   const model = new page.Model();
-  model.take({ frame: { seq: 1, snapshot: true, strips: [], notices: [{ text: "old" }], now: { t_s: 1 } }, payload: new Float32Array(0) });
+  model.take({
+    frame: { seq: 1, snapshot: true, strips: [], notices: [{ text: "old" }], now: { t_s: 1 } },
+    payload: new Float32Array(0),
+  });
   model.take({ frame: { seq: 2, snapshot: false, strips: [] }, payload: new Float32Array(0) });
   assert.equal(model.notices[0].text, "old");
   model.take({ frame: { seq: 3, snapshot: true, strips: [] }, payload: new Float32Array(0) });

@@ -22,34 +22,43 @@ async function emulated() {
   const serial = `tcp:127.0.0.1:${port},server=on,wait=off,nodelay=on`;
   const semihosting = "enable=on,target=native,arg=bridge,arg=7";
   const machine = ["-M", "mps2-an386", "-nographic", "-monitor", "none", "-serial", serial];
-  const child = start("qemu-system-arm", [...machine, "-semihosting-config", semihosting, "-kernel", BRIDGE], { stdio: "ignore" });
+  const child = start("qemu-system-arm", [...machine, "-semihosting-config", semihosting, "-kernel", BRIDGE], {
+    stdio: "ignore",
+  });
   return { port, child };
 }
 
-test("a part behind the bridge: its samples, its registers, and its unplugging", { skip: without.bridge }, async () => {
-  const { port, child } = await emulated();
-  const sockets = proxy(site.server, "/serial", port);
-  const { page, context, faults } = await open(browser, `${site.url}#device`, {
-    prepare: async (page, context) => {
-      await context.addInitScript(`window.__serialProxy = "${site.url.replace("http", "ws")}serial";`);
-      await context.addInitScript({ path: new URL("fake-serial.js", import.meta.url).pathname });
-    },
-  });
-  await page.getByRole("button", { name: "Choose its port" }).click();
-  await becomes(page, ".device .name", /bridge/);
-  await becomes(page, ".device .registers", /RATECONV/);
-  await page.click('nav a[href="#bench"]');
-  await liveBench(page);
-  assert.deepEqual(faults, []);
-  child.kill();
-  await becomes(page, "header .state", /cannot be read/);
-  sockets.close();
-  await context.close();
-});
+test(
+  "a part behind the bridge: its samples, its registers, and its unplugging",
+  { skip: without.bridge },
+  async () => {
+    const { port, child } = await emulated();
+    const sockets = proxy(site.server, "/serial", port);
+    const { page, context, faults } = await open(browser, `${site.url}#device`, {
+      prepare: async (page, context) => {
+        await context.addInitScript(`window.__serialProxy = "${site.url.replace("http", "ws")}serial";`);
+        await context.addInitScript({ path: new URL("fake-serial.js", import.meta.url).pathname });
+      },
+    });
+    await page.getByRole("button", { name: "Choose its port" }).click();
+    await becomes(page, ".device .name", /bridge/);
+    await becomes(page, ".device .registers", /RATECONV/);
+    await page.click('nav a[href="#bench"]');
+    await liveBench(page);
+    assert.deepEqual(faults, []);
+    child.kill();
+    await becomes(page, "header .state", /cannot be read/);
+    sockets.close();
+    await context.close();
+  },
+);
 
 test("a browser without Web Serial says so", async () => {
   const { page, context } = await open(browser, `${site.url}#device`, {
-    prepare: (page) => page.addInitScript(() => { delete Navigator.prototype.serial; }),
+    prepare: (page) =>
+      page.addInitScript(() => {
+        delete Navigator.prototype.serial;
+      }),
   });
   await becomes(page, ".openers", /does not give pages a serial port/);
   assert.ok(await page.getByRole("button", { name: "Choose its port" }).isDisabled());

@@ -58,8 +58,10 @@ test("a whole calibration, over a reload and in two windows; its file is in the 
 
 test("twenty watchers, of which one stalls: the others see all of it", { skip }, async () => {
   const stalled = connect(server.port, "127.0.0.1");
-  stalled.write(`GET /ws HTTP/1.1\r\nHost: 127.0.0.1:${server.port}\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n` +
-    `Origin: http://127.0.0.1:${server.port}\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n`);
+  stalled.write(
+    `GET /ws HTTP/1.1\r\nHost: 127.0.0.1:${server.port}\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n` +
+      `Origin: http://127.0.0.1:${server.port}\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n`,
+  );
   stalled.pause();
   const { page, context, faults } = await open(browser, server.url);
   // the other eighteen are WebSockets of the same page, which count what they get
@@ -110,7 +112,9 @@ test("a token, where one is needed: in the form, wrong and right, and in the add
   const file = `${folder}/token`;
   writeFileSync(file, `${token}\n`);
   const port = await freePort();
-  const child = start(PROGRAM, ["serve", ...TWIN, "--listen", `0.0.0.0:${port}`, "--token-file", file], { stdio: "pipe" });
+  const child = start(PROGRAM, ["serve", ...TWIN, "--listen", `0.0.0.0:${port}`, "--token-file", file], {
+    stdio: "pipe",
+  });
   await new Promise((done) => child.stderr.on("data", (bytes) => String(bytes).includes("http://") && done()));
   const url = `http://127.0.0.1:${port}/`;
   const { page, context } = await open(browser, url, { ready: ".lock #token" });

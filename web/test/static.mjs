@@ -5,8 +5,13 @@ import { connect } from "node:net";
 import { WebSocketServer } from "ws";
 
 const TYPES = {
-  html: "text/html; charset=utf-8", js: "text/javascript", css: "text/css", wasm: "application/wasm",
-  json: "application/json", svg: "image/svg+xml", webmanifest: "application/manifest+json",
+  html: "text/html; charset=utf-8",
+  js: "text/javascript",
+  css: "text/css",
+  wasm: "application/wasm",
+  json: "application/json",
+  svg: "image/svg+xml",
+  webmanifest: "application/manifest+json",
 };
 
 /** Serves a folder, below a path of its own if one is given. */
@@ -15,7 +20,9 @@ export async function serveFolder(folder, below = "/") {
   const server = createServer((request, response) => {
     const { pathname } = new URL(request.url, "http://host");
     asked.push(pathname);
-    const name = pathname.startsWith(below) ? pathname.slice(below.length).replace(/(^|\/)$/, "$1index.html") : "../none";
+    const name = pathname.startsWith(below)
+      ? pathname.slice(below.length).replace(/(^|\/)$/, "$1index.html")
+      : "../none";
     try {
       const type = TYPES[name.split(".").pop()] ?? "application/octet-stream";
       const bytes = name.includes("..") ? undefined : readFileSync(`${folder}/${name}`);

@@ -5,7 +5,15 @@ import { mkdtempSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { after, before, test } from "node:test";
 import { serveFolder } from "./static.mjs";
-import { beginCalibration, downloads, everyPage, finishCalibration, liveBench, PAGES, standsStill } from "./suite.mjs";
+import {
+  beginCalibration,
+  downloads,
+  everyPage,
+  finishCalibration,
+  liveBench,
+  PAGES,
+  standsStill,
+} from "./suite.mjs";
 import { bars, becomes, launch, open, PAGE, PROGRAM, without } from "./world.mjs";
 
 let browser, site;
@@ -26,11 +34,15 @@ test("the twin is on view without a click, and soon", async () => {
   await liveBench(page);
   await context.close();
   // a second visit, as most are: the time is printed, and held to nothing but patience
-  const again = await open(browser, site.url, { prepare: (page) => page.addInitScript(() => {
-    new MutationObserver(() => {
-      if (document.querySelector(".strip.raw canvas") && "ready" in document.body.dataset) window.firstPicture ??= performance.now();
-    }).observe(document, { subtree: true, childList: true, attributes: true });
-  }) });
+  const again = await open(browser, site.url, {
+    prepare: (page) =>
+      page.addInitScript(() => {
+        new MutationObserver(() => {
+          if (document.querySelector(".strip.raw canvas") && "ready" in document.body.dataset)
+            window.firstPicture ??= performance.now();
+        }).observe(document, { subtree: true, childList: true, attributes: true });
+      }),
+  });
   const first = await again.page.waitForFunction(() => window.firstPicture);
   console.log(`page to first picture: ${Math.round(await first.jsonValue())} ms`);
   assert.deepEqual([faults, again.faults], [[], []]);
@@ -44,10 +56,13 @@ test("the policy is in force, and nothing comes from elsewhere", async () => {
   });
   for (const name of PAGES) await page.click(`nav a[href="#${name}"]`);
   // not by evaluating: what the debugger evaluates is above the policy
-  const refused = await page.evaluate(() => new Promise((done) => {
-    document.addEventListener("securitypolicyviolation", (event) => done(event.effectiveDirective));
-    document.head.append(Object.assign(document.createElement("script"), { textContent: "window.bad = 1" }));
-  }));
+  const refused = await page.evaluate(
+    () =>
+      new Promise((done) => {
+        document.addEventListener("securitypolicyviolation", (event) => done(event.effectiveDirective));
+        document.head.append(Object.assign(document.createElement("script"), { textContent: "window.bad = 1" }));
+      }),
+  );
   assert.equal(refused, "script-src-elem");
   assert.equal(await page.evaluate(() => window.bad), undefined);
   assert.deepEqual([...hosts], [new URL(site.url).origin]);
@@ -87,9 +102,12 @@ test("a whole calibration, over a reload and in two windows, and its files", asy
   const stored = await page.evaluate(() => JSON.parse(localStorage.getItem("zerorate.calibrations")));
   assert.equal(stored.calibrations.length, 1);
   assert.match(stored.calibrations[0], /T-1/);
-  const other = await open(browser, site.url, { prepare: (page) => page.addInitScript((stored) => {
-    localStorage.setItem("zerorate.calibrations", JSON.stringify(stored));
-  }, stored) });
+  const other = await open(browser, site.url, {
+    prepare: (page) =>
+      page.addInitScript((stored) => {
+        localStorage.setItem("zerorate.calibrations", JSON.stringify(stored));
+      }, stored),
+  });
   await becomes(other.page, ".tile.corrected .value", /\d/);
   await other.context.close();
   await context.close();
@@ -97,13 +115,17 @@ test("a whole calibration, over a reload and in two windows, and its files", asy
 
 test("a calibration that is dropped, one that is damaged, and a device of other keys", async () => {
   const { page, context } = await open(browser, `${site.url}#device`);
-  const toml = 'schema = 1\npart = "ADIS16130"\n[correction]\npbc_dps = -0.25\nbtc_dps_per_c = -0.04\nt3_c = 31.5\n';
+  const toml =
+    'schema = 1\npart = "ADIS16130"\n[correction]\npbc_dps = -0.25\nbtc_dps_per_c = -0.04\nt3_c = 31.5\n';
   const drop = async (name, text) => {
-    const dataTransfer = await page.evaluateHandle(([name, text]) => {
-      const data = new DataTransfer();
-      data.items.add(new File([text], name));
-      return data;
-    }, [name, text]);
+    const dataTransfer = await page.evaluateHandle(
+      ([name, text]) => {
+        const data = new DataTransfer();
+        data.items.add(new File([text], name));
+        return data;
+      },
+      [name, text],
+    );
     await page.dispatchEvent('[aria-label="Calibrations on file"] .drop', "drop", { dataTransfer });
   };
   await drop("unit.toml", toml);
@@ -122,7 +144,17 @@ test("a calibration that is dropped, one that is damaged, and a device of other 
 test("a recording that is dropped is played", { skip: without.program }, async () => {
   const folder = mkdtempSync(`${tmpdir()}/zerorate-capture-`);
   const path = `${folder}/twin.arrows`;
-  const wish = ["capture", "--device", "twin:seed=7,bias_dps=1.5", "--divider", "50", "--duration", "2m", "-o", path];
+  const wish = [
+    "capture",
+    "--device",
+    "twin:seed=7,bias_dps=1.5",
+    "--divider",
+    "50",
+    "--duration",
+    "2m",
+    "-o",
+    path,
+  ];
   assert.equal(spawnSync(PROGRAM, wish).status, 0);
   const { page, context, faults } = await open(browser, `${site.url}#device`);
   await page.setInputFiles('.openers input[type="file"]', path);
@@ -168,7 +200,9 @@ test("phone, forced colours, less motion", async () => {
     for (const name of PAGES) {
       await page.click(`nav a[href="#${name}"]`);
       await page.waitForSelector(`.page.${name}`);
-      const over = await page.evaluate(() => document.documentElement.scrollWidth - document.documentElement.clientWidth);
+      const over = await page.evaluate(
+        () => document.documentElement.scrollWidth - document.documentElement.clientWidth,
+      );
       assert.equal(over, 0, `${name} is ${over} px too wide`);
       assert.deepEqual(await bars(page), [], name);
     }
@@ -181,7 +215,10 @@ test("from a subfolder, and offline after the first visit", async () => {
   const below = await serveFolder(PAGE, "/some/folder/");
   const { page, context } = await open(browser, below.url);
   await page.evaluate(() => navigator.serviceWorker.ready);
-  assert.deepEqual(below.asked.filter((path) => !path.startsWith("/some/folder/")), []);
+  assert.deepEqual(
+    below.asked.filter((path) => !path.startsWith("/some/folder/")),
+    [],
+  );
   below.stop();
   const offline = await open(browser, below.url, { context });
   await liveBench(offline.page);

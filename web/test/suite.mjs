@@ -29,13 +29,18 @@ export async function liveBench(page) {
   await becomes(page, ".tile.raw .value", /^−?\d+\.\d+$/);
   await becomes(page, ".tile.temp .value", /^2\d\.\d+$/);
   await becomes(page, ".coefficients", /angle random walk/);
-  await page.waitForFunction(() => {
-    const canvas = document.querySelector(".strip.raw canvas");
-    const pixels = canvas?.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data ?? [];
-    const colours = new Set();
-    for (let k = 0; k < pixels.length; k += 4) if (pixels[k + 3] > 0) colours.add(`${pixels[k]},${pixels[k + 1]},${pixels[k + 2]}`);
-    return colours.size > 3;
-  }, null, { timeout: PATIENCE });
+  await page.waitForFunction(
+    () => {
+      const canvas = document.querySelector(".strip.raw canvas");
+      const pixels = canvas?.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data ?? [];
+      const colours = new Set();
+      for (let k = 0; k < pixels.length; k += 4)
+        if (pixels[k + 3] > 0) colours.add(`${pixels[k]},${pixels[k + 1]},${pixels[k + 2]}`);
+      return colours.size > 3;
+    },
+    null,
+    { timeout: PATIENCE },
+  );
 }
 
 /** Begins a calibration that is short in the part's time, and runs as fast as it goes. */
@@ -64,11 +69,21 @@ export async function finishCalibration(page) {
 
 /** Every form of a calibration as a file. */
 export async function downloads(page) {
-  const forms = { TOML: /pbc_dps/, C: /#include|static/, Rust: /const/, CSV: /,/, JSON: /"pbc_dps"/, Report: /<html/i };
+  const forms = {
+    TOML: /pbc_dps/,
+    C: /#include|static/,
+    Rust: /const/,
+    CSV: /,/,
+    JSON: /"pbc_dps"/,
+    Report: /<html/i,
+  };
   for (const [form, pattern] of Object.entries(forms)) {
     const [download] = await Promise.all([
       page.waitForEvent("download"),
-      page.getByRole("button", { name: `Download as ${form}` }).first().click(),
+      page
+        .getByRole("button", { name: `Download as ${form}` })
+        .first()
+        .click(),
     ]);
     const stream = await download.createReadStream();
     let text = "";
@@ -86,7 +101,10 @@ export async function standsStill(page) {
     }).observe({ type: "layout-shift", buffered: true });
   });
   const frames = await page.$eval(".tile.ledger .value", (element) => element.textContent);
-  await page.waitForFunction((before) => document.querySelector(".tile.ledger .value").textContent !== before, frames);
+  await page.waitForFunction(
+    (before) => document.querySelector(".tile.ledger .value").textContent !== before,
+    frames,
+  );
   await page.waitForTimeout(2000);
   return page.evaluate(() => window.shifts);
 }

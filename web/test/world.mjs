@@ -19,13 +19,22 @@ export const BRIDGE = process.env.ZERORATE_BRIDGE ?? "";
 /** Why a test cannot be had on this machine; undefined where it can. */
 export const without = {
   program: existsSync(PROGRAM) ? undefined : `no program at ${PROGRAM}`,
-  bridge: existsSync(BRIDGE) && spawnSync("qemu-system-arm", ["--version"]).status === 0 ? undefined : "no QEMU, or no image of the bridge",
+  bridge:
+    existsSync(BRIDGE) && spawnSync("qemu-system-arm", ["--version"]).status === 0
+      ? undefined
+      : "no QEMU, or no image of the bridge",
 };
 
 /** Whatever a busy machine needs: nothing here is measured but what says so. */
 export const PATIENCE = 60_000;
 
-const FLAGS = ["--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync"];
+const FLAGS = [
+  "--disable-quic",
+  "--no-first-run",
+  "--disable-background-networking",
+  "--disable-component-update",
+  "--disable-sync",
+];
 
 export function launch() {
   const executablePath = process.env.CHROMIUM ?? "/usr/bin/chromium";
@@ -34,7 +43,10 @@ export function launch() {
 
 /** A window on the page. `faults` are all errors of its scripts, and refusals of its policy. */
 export async function open(browser, url, options = {}) {
-  const { prepare, context = await browser.newContext({ viewport: { width: 1280, height: 900 }, ...options.look }) } = options;
+  const {
+    prepare,
+    context = await browser.newContext({ viewport: { width: 1280, height: 900 }, ...options.look }),
+  } = options;
   const page = await context.newPage();
   page.setDefaultTimeout(PATIENCE);
   const faults = [];
@@ -52,7 +64,9 @@ export async function open(browser, url, options = {}) {
 export async function becomes(page, selector, pattern) {
   await page.waitForFunction(
     ([where, source]) => new RegExp(source, "s").test(document.querySelector(where)?.textContent ?? ""),
-    [selector, pattern.source], { timeout: PATIENCE });
+    [selector, pattern.source],
+    { timeout: PATIENCE },
+  );
 }
 
 /** No violation of axe. */
@@ -60,7 +74,13 @@ export async function bars(page) {
   await page.evaluate(readFileSync(require.resolve("axe-core/axe.min.js"), "utf8"));
   const { violations, passes } = await page.evaluate(() => window.axe.run());
   assert.ok(passes.length > 15, "axe looked at too little");
-  return violations.map(({ id, nodes }) => `${id}: ${nodes.slice(0, 3).map((node) => node.target.join(" ")).join(", ")}`);
+  return violations.map(
+    ({ id, nodes }) =>
+      `${id}: ${nodes
+        .slice(0, 3)
+        .map((node) => node.target.join(" "))
+        .join(", ")}`,
+  );
 }
 
 /** A port of this machine that is free. */
@@ -102,5 +122,14 @@ export async function serve(args = [], port = undefined) {
     child.on("exit", (code) => fail(new Error(`serve ended (${code}): ${said}`)));
   });
   const ended = new Promise((done) => child.on("exit", done));
-  return { url: `http://${listen}/`, port: Number(listen.split(":")[1]), child, said: () => said, stop: () => { child.kill("SIGINT"); return ended; } };
+  return {
+    url: `http://${listen}/`,
+    port: Number(listen.split(":")[1]),
+    child,
+    said: () => said,
+    stop: () => {
+      child.kill("SIGINT");
+      return ended;
+    },
+  };
 }

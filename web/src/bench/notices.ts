@@ -10,7 +10,12 @@ export class Notices {
 
   constructor() {
     const log = h("div", { class: "scroll", role: "log", "aria-label": "Notices", tabindex: 0 }, this.#list);
-    this.element = h("section", { class: "card", "aria-label": "What there is to say" }, h("h2", {}, "Notices"), log);
+    this.element = h(
+      "section",
+      { class: "card", "aria-label": "What there is to say" },
+      h("h2", {}, "Notices"),
+      log,
+    );
     this.update([]);
   }
 

@@ -33,7 +33,8 @@ export interface Shared {
 
 /** Between two numbers of time, s: what a clock has. */
 const STEPS_S = [
-  0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200,
+  0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600,
+  7200,
 ];
 
 /** Between two changes of the numbers above a strip, ms. */
@@ -187,7 +188,13 @@ export class Strip {
         points: { show: false },
       },
       axes: [
-        { ...axis, size: this.kind.times ? 24 : 6, space: 64, incrs: STEPS_S, values: (_, splits) => this.#times(splits) },
+        {
+          ...axis,
+          size: this.kind.times ? 24 : 6,
+          space: 64,
+          incrs: STEPS_S,
+          values: (_, splits) => this.#times(splits),
+        },
         { ...axis, size: 64, space: 26, values: (_, splits) => splits.map((v) => this.#tick(v, splits)) },
       ],
       series: [

@@ -17,7 +17,10 @@ export class OnFile {
 
   constructor(readonly app: App) {
     this.#none = button("Apply none", () => void app.ask({ do: "apply", calibration: null }), { class: "small" });
-    const where = app.inside ? "They are kept in this browser." : "They are with zerorate serve, which keeps them on disk if it was started with --folder.";
+    const where = app.inside
+      ? "They are kept in this browser."
+      : "They are with zerorate serve, which keeps them on disk " +
+        "if it was started with --folder.";
     const drop = droppable("A calibration (TOML)", ".toml", (files) =>
       files.forEach((file) => void this.#add(file)),
     );

@@ -28,7 +28,11 @@ function panel({ name, address, value, bits, fields }: Register): HTMLElement {
   const wrong = fields.some((field) => field.wrong);
   const binary = value.toString(2).padStart(bits, "0");
   const cells = (binary.match(/.{1,8}/g) ?? []).map((byte) =>
-    h("span", { class: "byte" }, ...[...byte].map((bit) => h("span", { class: bit === "1" ? "one" : "zero" }, bit))),
+    h(
+      "span",
+      { class: "byte" },
+      ...[...byte].map((bit) => h("span", { class: bit === "1" ? "one" : "zero" }, bit)),
+    ),
   );
   return h(
     "section",

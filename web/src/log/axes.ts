@@ -48,7 +48,9 @@ function point({ tau_s, dev, lo, hi, model }: LogPoint) {
 }
 
 function coefficients({ column, coefficients }: LogAxis): HTMLElement {
-  const head = ["Coefficient", "Value with 95 % interval", "State"].map((words) => h("th", { scope: "col" }, words));
+  const head = ["Coefficient", "Value with 95 % interval", "State"].map((words) =>
+    h("th", { scope: "col" }, words),
+  );
   return h(
     "div",
     { class: "coefficients wide", tabindex: 0, role: "region", "aria-label": `Coefficients of ${column.name}` },
@@ -81,7 +83,9 @@ function words({ identified }: LogCoefficient, { value, lo, hi, unit }: LogValue
 function remarks({ terms, model_error, doubt, warnings: texts }: LogAxis): HTMLElement[] {
   const said = [
     ...terms,
-    ...(model_error === null || model_error < 0.005 ? [] : [`The model may be off by ${significant(100 * model_error, 2)} %.`]),
+    ...(model_error === null || model_error < 0.005
+      ? []
+      : [`The model may be off by ${significant(100 * model_error, 2)} %.`]),
   ];
   const doubted = doubt === null ? [] : [h("p", { class: "doubt" }, doubt)];
   return [...doubted, ...said.map((text) => h("p", { class: "note" }, text)), warnings(texts)];
