@@ -139,7 +139,7 @@ context = iio.Context(sys.argv[1])
 device = context.find_device('adis16130')
 channel = device.find_channel('anglvel_z')
 scale, offset = (float(channel.attrs[name].value) for name in ('scale', 'offset'))
-assert abs(scale - 7.43065e-7) < 1e-11 and offset == -8388608, (scale, offset)
+assert abs(scale / 7.430727e-7 - 1) < 1e-6 and offset == -8388608, (scale, offset)
 assert channel.type == iio.ChannelType.IIO_ANGL_VEL and channel.modifier == iio.ChannelModifier.IIO_MOD_Z
 assert device.find_channel('samples_lost').type == iio.ChannelType.IIO_COUNT
 assert device.buffer_attrs['samples_lost'].value == '0'
@@ -191,7 +191,7 @@ class Gyroscope(rx, context_manager):
 
 gyroscope = Gyroscope(sys.argv[1])
 assert gyroscope._get_iio_attr('anglvel_z', 'offset', False) == -8388608
-assert abs(gyroscope._get_iio_attr('anglvel_z', 'scale', False) / 7.43065e-7 - 1) < 1e-5
+assert abs(gyroscope._get_iio_attr('anglvel_z', 'scale', False) / 7.430727e-7 - 1) < 1e-6
 gyroscope.rx_buffer_size = 1000
 gyroscope.rx_enabled_channels = [0, 1]
 for _ in range(100):
