@@ -91,6 +91,12 @@ fn a_minute_of_the_twin() {
     let u = number(&now["u_rate_dps"]);
     assert!((0.006..0.012).contains(&u), "0.0125/√2 is 0.0088: {u}");
     assert_eq!(frame["ledger"]["lost"], 0);
+    let checks = frame["device"]["checks"].as_array().unwrap();
+    let whats: Vec<&Value> = checks.iter().map(|check| &check["what"]).collect();
+    assert_eq!(whats, ["samples", "noise"]);
+    // every 50th edge is too few to tell bit errors from motion, and said to be
+    assert!(checks[0]["text"].as_str().unwrap().contains("smaller divider"), "{checks:?}");
+    assert_eq!(checks[1]["ok"], true, "{checks:?}");
     let statistics = &frame["statistics"][0];
     let n = &statistics["coefficients"][0];
     assert!((number(&n["value"]) / (0.0125 / 2f64.sqrt()) - 1.0).abs() < 0.15, "{n}");

@@ -3,7 +3,7 @@
 use super::device::{self, Fed, Feed, Opened, Opener, Opening};
 use super::{Folder, Libiio, Recordings};
 use crate::acquire;
-use crate::commands::probe::Examination;
+use crate::commands::probe::HostCheck;
 use crate::output::say;
 use anyhow::Result;
 use axum::body::Bytes;
@@ -79,15 +79,15 @@ enum Device {
 struct Reading {
     hub: Arc<Hub>,
     feed: Feed,
-    examination: Option<Examination>,
+    host_check: Option<HostCheck>,
     losses: Losses,
     doubts: usize,
 }
 
 impl Reading {
     fn of(hub: Arc<Hub>, bus: Option<Bus>) -> Self {
-        let examination = Some(Examination::new(hub.facts(), bus));
-        Self { feed: Feed::of(&hub), hub, examination, losses: Losses::default(), doubts: 0 }
+        let host_check = Some(HostCheck::new(hub.facts(), bus));
+        Self { feed: Feed::of(&hub), hub, host_check, losses: Losses::default(), doubts: 0 }
     }
 }
 
@@ -219,11 +219,9 @@ impl Desk {
             reading.losses = batch.losses;
             acquire::lost_on_the_way(batch.losses).for_each(|note| session.note(&note));
         }
-        if let Some(examination) = &mut reading.examination
-            && let Some(checks) = examination.push(&batch.rows, batch.losses)
-        {
-            session.checked(checks);
-            reading.examination = None;
+        if let Some(found) = reading.host_check.as_ref().and_then(|check| check.ended(session.tally())) {
+            session.checked(found);
+            reading.host_check = None;
         }
     }
 

@@ -2,6 +2,7 @@
 
 mod ask;
 mod axis;
+mod checkup;
 mod frame;
 mod guide;
 mod notices;
@@ -12,6 +13,7 @@ mod strips;
 use crate::message::{Calibrating, CheckResult, DeviceState, Register};
 use adis16130_twin::Truth;
 use axis::{AxisState, BLOCK_NS};
+use checkup::Examination;
 use guide::Guide;
 use notices::Notices;
 use shelf::Shelf;
@@ -88,6 +90,8 @@ pub struct Session {
     layout: Layout,
     axes: Vec<AxisState>,
     statistics: Vec<Statistics>,
+    /// Of the first seconds, until they are over.
+    examination: Option<Examination>,
     corrector: Option<Corrector<Vec<Correction>>>,
     shelf: Shelf,
     calibrating: Calibrating,
@@ -128,6 +132,7 @@ impl Session {
             speed: 1.0,
             layout,
             statistics: axes.iter().map(|axis| Statistics::new(&axis.axis)).collect(),
+            examination: Some(Examination::new(axes.len(), about.nominal_hz)),
             axes,
             corrector: None,
             shelf: Shelf::default(),
@@ -196,6 +201,9 @@ impl Session {
         }
         let Some(judged) = judged else { return };
         self.statistics[index].push(judged.rate());
+        if let Some(examination) = &mut self.examination {
+            examination.push(index, &judged);
+        }
         let axis = &mut self.axes[index];
         let corrected_dps = self.corrector.as_mut().and_then(|corrector| {
             if let Some(temp) = judged.temp() {
@@ -216,6 +224,12 @@ impl Session {
                 let block = axis.close_block();
                 statistics.push_block(&block, axis.is_at_rest());
             }
+        }
+        let start_ns = self.start_ns.unwrap_or_default();
+        let ended = self.examination.as_ref().and_then(|one| one.ended(&self.axes, &self.tally, start_ns));
+        if let Some(checks) = ended {
+            self.examination = None;
+            self.checked(checks);
         }
         let temp_c = self.axes.first().and_then(AxisState::temp_c);
         if let Some(guide) = &mut self.guide {
@@ -240,6 +254,12 @@ impl Session {
     pub fn truths(&mut self, truths: &[Truth]) {
         self.truths.clear();
         self.truths.extend_from_slice(truths);
+    }
+
+    /// What was read since the device was opened.
+    #[must_use]
+    pub fn tally(&self) -> &Tally {
+        &self.tally
     }
 
     /// What the check of the connection found, beside what was known when the device was opened.

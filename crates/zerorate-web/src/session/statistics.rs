@@ -88,14 +88,15 @@ impl Statistics {
             self.fit = self.fitted();
             self.fitted_s = duration_s;
         }
+        let caution = self.caution();
         self.shown = Shown {
             duration_s,
             allan: self.allan(rate_hz),
-            coefficients: self.coefficients(),
+            coefficients: self.coefficients(caution.as_deref()),
             spectrum: self.spectrum(rate_hz),
             marks: self.marks(rate_hz),
             temperature: self.temps.points(self.white_dps_per_rt_hz()),
-            caution: self.caution(),
+            caution,
         };
         true
     }
@@ -136,7 +137,8 @@ impl Statistics {
         points
     }
 
-    fn coefficients(&self) -> Vec<Coefficient> {
+    /// What is in there beside noise is taken for slow noise: then B and K are not to be believed.
+    fn coefficients(&self, caution: Option<&str>) -> Vec<Coefficient> {
         let Some(fit) = &self.fit else { return Vec::new() };
         let stated = [
             ("N", "angle random walk", fit.n, "°/√s"),
@@ -151,7 +153,7 @@ impl Statistics {
             lo: found.lo,
             hi: found.hi,
             unit: unit.to_owned(),
-            identified: found.identified,
+            identified: found.identified && (symbol == "N" || caution.is_none()),
             identified_in_s: found.needed_s.filter(|needed_s| needed_s.is_finite()).map(left_s),
         });
         stated.into()

@@ -3,7 +3,7 @@
 mod checks;
 mod host;
 
-pub use checks::{Examination, connection_checks};
+pub use checks::{HostCheck, connection_checks};
 
 use super::{coded, flag, print_json, print_lines, warn};
 use crate::acquire::Acquisition;
