@@ -256,6 +256,27 @@ fn a_chamber_by_hand() {
     }
 }
 
+/// A chamber that nobody sets: its step is under way even after the time that it takes at least, and the others wait.
+#[test]
+fn a_step_lasts_until_the_part_has_settled() {
+    let mut session = Session::new(about());
+    session.ask(r#"{"id": 1, "do": "calibrate", "method": "chamber"}"#);
+    let mut session = session.reopened(about());
+    let mut device = Device::open("seed=5");
+    let mut after = |part_s: f64| {
+        feed(&mut session, &mut device, part_s);
+        let (frame, _) = read(&session.frame().unwrap());
+        frame["calibration"].clone()
+    };
+    let (early, late) = (after(20.0), after(1000.0));
+    let steps = late["steps"].as_array().unwrap();
+    assert!(late["advice"].as_str().unwrap().starts_with("Step 1 of 3: set the chamber to 15.0 °C"), "{late}");
+    assert_eq!(number(&steps[0]["to_s"]), number(&late["elapsed_s"]), "{late}");
+    let others_s = |of: &Value| number(&of["steps"][2]["to_s"]) - number(&of["steps"][0]["to_s"]);
+    assert!((others_s(&early) - others_s(&late)).abs() < 1e-6, "{early} {late}");
+    assert!((number(&late["left_s"]) - others_s(&late)).abs() < 1e-6, "{late}");
+}
+
 /// A unit that is unplugged in the middle, and whoever was calibrating hears why there is no result.
 #[test]
 fn a_device_that_fails_ends_its_calibration() {

@@ -17,6 +17,8 @@ const MAX_ORDER: usize = 3;
 #[derive(Debug)]
 pub struct ByHand {
     procedure: ChamberProcedure,
+    /// When the steps that are done ended, s since the beginning.
+    ends_s: Vec<f64>,
     max_lost: f64,
     earth_dps: Option<f64>,
 }
@@ -27,7 +29,19 @@ impl ByHand {
         let max_lost = Plan::default().max_lost;
         let plan = ChamberPlan::parse(text_of(named)?).map_err(|error| error.to_string())?;
         let procedure = ChamberProcedure::new(part, plan, max_lost).map_err(|error| error.to_string())?;
-        Ok(Self { procedure, max_lost, earth_dps: wish.earth_dps })
+        Ok(Self { procedure, ends_s: Vec::new(), max_lost, earth_dps: wish.earth_dps })
+    }
+
+    /// When a step ends that begins at `from_s`, s: when it did; or after the time that it takes at least, and not
+    /// before now where it is under way.
+    fn end_s(&self, step: usize, from_s: f64) -> f64 {
+        let (plan, part) = (self.procedure.plan(), self.procedure.part());
+        let least_s = plan.least_s(step, part) - plan.least_s(step + 1, part);
+        match self.ends_s.get(step) {
+            Some(end_s) => *end_s,
+            None if step == self.ends_s.len() => (from_s + least_s).max(self.procedure.progress().elapsed_s),
+            None => from_s + least_s,
+        }
     }
 
     fn advice(&self) -> String {
@@ -68,21 +82,26 @@ impl Way for ByHand {
 
     fn take(&mut self, scan: &Scan) -> Result<bool, String> {
         self.procedure.take(scan).map_err(|refusal| refusal.to_string())?;
+        while self.ends_s.len() < self.procedure.steps_done() {
+            self.ends_s.push(self.procedure.progress().elapsed_s);
+        }
         Ok(self.procedure.next() == ChamberAction::Done)
     }
 
     fn stage(&self, _: Option<[f64; 4]>) -> Stage {
-        let (plan, progress) = (self.procedure.plan(), self.procedure.progress());
+        let elapsed_s = self.procedure.progress().elapsed_s;
         let mut at_s = 0.0;
         let step = |(index, to_c): (usize, f64)| {
             let from_s = at_s;
-            at_s = plan.least_s(0, self.procedure.part()) - plan.least_s(index + 1, self.procedure.part());
+            at_s = self.end_s(index, from_s);
             Step { name: format!("to {to_c:.1} °C"), from_s, to_s: at_s }
         };
+        let steps: Vec<Step> =
+            self.procedure.plan().steps.iter().map(|step| step.to_c).enumerate().map(step).collect();
         Stage {
-            steps: plan.steps.iter().map(|step| step.to_c).enumerate().map(step).collect(),
-            elapsed_s: progress.elapsed_s,
-            left_s: progress.left_s,
+            steps,
+            elapsed_s,
+            left_s: (at_s - elapsed_s).max(0.0),
             advice: self.advice(),
             threats: Vec::new(),
             u_dps: None,
