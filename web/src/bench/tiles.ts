@@ -38,7 +38,7 @@ const VERDICTS: Record<RestVerdict, [string, string]> = {
   moving: ["moving", "bad"],
   noisy: ["noisy", "warn"],
   step: ["a step", "warn"],
-  unjudged: ["not judged yet", "none"],
+  unjudged: ["not judged", "none"],
 };
 
 /** The newest numbers of an axis, and the ledger. */

@@ -180,7 +180,7 @@ export class Strip {
       width: this.#box.clientWidth,
       height: this.#height,
       legend: { show: false },
-      padding: [6, 8, 0, 0],
+      padding: [6, 14, 0, 0],
       scales: { x: { time: false, auto: false }, y: { auto: false } },
       cursor: {
         sync: { key: "strips", scales: ["x", null] },
