@@ -14,7 +14,7 @@ import {
   PAGES,
   standsStill,
 } from "./suite.mjs";
-import { bars, becomes, launch, open, PAGE, PROGRAM, without } from "./world.mjs";
+import { bars, becomes, launch, open, PAGE, PATIENCE, PROGRAM, without } from "./world.mjs";
 
 let browser, site;
 
@@ -165,6 +165,81 @@ test("a recording that is dropped is played", { skip: without.program }, async (
   await becomes(page, ".tile.raw .value", /^1\.\d/);
   assert.deepEqual(faults, []);
   rmSync(folder, { recursive: true });
+  await context.close();
+});
+
+/** In a window whose twin has these keys. */
+const twinOf = (keys) => (page) =>
+  page.addInitScript((text) => localStorage.setItem("zerorate.twin", text), JSON.stringify(keys));
+
+test("a chamber by hand: a plan that is dropped and refused, and the profile of the facts to its result", async () => {
+  const prepare = twinOf("seed=5,profile=oven,hysteresis=0");
+  const { page, context, faults } = await open(browser, `${site.url}#calibrate`, { prepare });
+  await page.check('input[value="chamber"]');
+  await becomes(page, ".plan-choice .twin", /profile=oven/);
+  const plan = { name: "bad.toml", mimeType: "text/plain", buffer: Buffer.from("schema = 1\nsteps = 3\n") };
+  await page.setInputFiles(".plan-choice input[type=file]", plan);
+  await becomes(page, ".plan-file", /bad\.toml is taken/);
+  await page.click(".choosing button.primary");
+  await becomes(page, ".toast", /steps/);
+  await page.check('input[value="f57"]');
+  assert.deepEqual(await bars(page), []);
+  await page.getByLabel("max", { exact: true }).check();
+  await page.click(".choosing button.primary");
+  await becomes(page, ".run .advice", /^Step 2 of 4: set the chamber to -40\.0 °C/);
+  assert.equal(await page.$$eval(".run .steps li", (all) => all.length), 4);
+  assert.match(await page.textContent(".run .steps [data-state=now] .time"), /min.* left/);
+  assert.ok(await page.isHidden(".run .watch"));
+  assert.deepEqual(await bars(page), []);
+  await finishCalibration(page, 6 * PATIENCE);
+  await becomes(page, ".result h1", /^Chamber: done$/);
+  assert.deepEqual(faults, []);
+  await context.close();
+});
+
+test("without shared workers: the bench comes, and who leaves a calibration is asked", async () => {
+  const prepare = (page) => page.addInitScript(() => delete globalThis.SharedWorker);
+  const { page, context, faults } = await open(browser, site.url, { prepare });
+  await liveBench(page);
+  await page.click('nav a[href="#calibrate"]');
+  await page.click(".choosing button.primary");
+  await page.waitForSelector(".calibrate .run");
+  const [dialog] = await Promise.all([
+    page.waitForEvent("dialog"),
+    page.evaluate(() => void setTimeout(() => location.reload())),
+  ]);
+  assert.equal(dialog.type(), "beforeunload");
+  await dialog.dismiss();
+  await becomes(page, ".run .left", /left/);
+  const more = [];
+  page.on("dialog", (dialog) => {
+    more.push(dialog.type());
+    void dialog.accept();
+  });
+  await page.getByRole("button", { name: "Abort" }).click();
+  await page.waitForSelector(".calibrate .ended");
+  await page.reload();
+  await page.waitForSelector("body[data-ready]");
+  assert.deepEqual(more, ["confirm"]);
+  assert.deepEqual(faults, []);
+  await context.close();
+});
+
+test("the tiles of the bench stand in full rows at every width", async () => {
+  const { page, context } = await open(browser, site.url);
+  const widths = [[1920, [6]], [1280, [6]], [1180, [3, 3]], [768, [3, 3]], [390, [2, 2, 2]]];
+  for (const [width, expected] of widths) {
+    await page.setViewportSize({ width, height: 800 });
+    const rows = await page.$$eval(".bench .tile", (all) => {
+      const tops = all.map((tile) => tile.getBoundingClientRect().top);
+      return [...new Set(tops)].map((top) => tops.filter((other) => other === top).length);
+    });
+    assert.deepEqual(rows, expected, `${width} px`);
+    const cut = await page.$$eval(".bench .tile", (all) =>
+      all.filter((tile) => tile.scrollWidth > tile.clientWidth).map((tile) => tile.textContent),
+    );
+    assert.deepEqual(cut, [], `${width} px`);
+  }
   await context.close();
 });
 

@@ -56,8 +56,8 @@ export async function beginCalibration(page, method = "an1042") {
 }
 
 /** To its result, which is on file and is applied. */
-export async function finishCalibration(page) {
-  await page.waitForSelector(ENDED, { timeout: 3 * PATIENCE });
+export async function finishCalibration(page, timeout = 3 * PATIENCE) {
+  await page.waitForSelector(ENDED, { timeout });
   const why = await page.$eval(".calibrate", (element) => element.textContent);
   assert.ok(await page.$(".calibrate .result"), why);
   const [pbc, btc] = await page.$$eval(".result .tile .value", (all) => all.map((one) => one.textContent));

@@ -1,8 +1,9 @@
 import type { App } from "../app";
 import { h, say } from "../dom";
-import type { CalibrateWish, MethodName } from "../protocol";
+import type { CalibrateWish } from "../protocol";
 import type { Stage } from "./calibrate";
 import { METHODS, type Method } from "./methods";
+import { PlanChoice } from "./plan-choice";
 
 type Duration = "average_s" | "warmup_s" | "settle_s" | "offset_s";
 
@@ -25,9 +26,13 @@ export class Choosing implements Stage {
   readonly #latitude = h("input", { id: "latitude", type: "number", min: -90, max: 90, step: "any" });
   readonly #start = h("button", { type: "submit", class: "primary" }, "Start");
   readonly #ready = h("p", { class: "note", role: "status" });
-  #method: MethodName = "an1042";
+  readonly #before = h("ol", {});
+  readonly #more = h("summary", {});
+  readonly #plan: PlanChoice;
+  #method: Method = METHODS[0]!;
 
   constructor(readonly app: App) {
+    this.#plan = new PlanChoice(app);
     const methods = h(
       "fieldset",
       { class: "methods" },
@@ -43,30 +48,38 @@ export class Choosing implements Stage {
       { class: "choosing", submit: begin },
       h("h1", {}, "Calibrate"),
       methods,
-      before(),
+      this.#plan.element,
+      h("section", { class: "card before" }, h("h2", {}, "Before you start"), this.#before),
       this.#settings(),
       h("div", { class: "actions" }, this.#start, this.#ready),
     );
+    this.#choose(this.#method);
   }
 
   update(): void {
     const reading = this.app.model.device?.state.is === "reading";
     this.#start.disabled = !reading;
+    this.#plan.update();
     say(this.#ready, reading ? "" : "It can start when samples come.");
   }
 
   restyle(): void {}
 
-  #card({ name, title, what, when }: Method): HTMLElement {
-    const input = h("input", {
-      type: "radio",
-      name: "method",
-      value: name,
-      change: () => {
-        this.#method = name;
-      },
-    });
-    input.checked = name === this.#method;
+  /** Shows what there is to know and to choose of a method. */
+  #choose(method: Method): void {
+    this.#method = method;
+    this.#before.replaceChildren(...method.before.map((line) => h("li", {}, line)));
+    const byPlan = method.name === "chamber";
+    this.#plan.element.hidden = !byPlan;
+    say(this.#more, byPlan ? "Serial number, the Earth’s rotation" : "Serial number, durations, the Earth’s rotation");
+    for (const input of this.#durations.values()) input.parentElement!.hidden = byPlan;
+  }
+
+  #card(method: Method): HTMLElement {
+    const { name, title, what, when } = method;
+    const change = () => this.#choose(method);
+    const input = h("input", { type: "radio", name: "method", value: name, change });
+    input.checked = method === this.#method;
     return h(
       "label",
       { class: "method" },
@@ -95,7 +108,7 @@ export class Choosing implements Stage {
     return h(
       "details",
       { class: "card settings" },
-      h("summary", {}, "Serial number, durations, the Earth’s rotation"),
+      this.#more,
       h(
         "div",
         { class: "fields" },
@@ -112,8 +125,9 @@ export class Choosing implements Stage {
   }
 
   async #begin(): Promise<void> {
-    const wish: CalibrateWish = { method: this.#method };
-    for (const [key, input] of this.#durations) if (input.value !== "") wish[key] = Number(input.value);
+    const wish: CalibrateWish = { method: this.#method.name };
+    if (wish.method === "chamber") wish.plan = this.#plan.plan;
+    else for (const [key, input] of this.#durations) if (input.value !== "") wish[key] = Number(input.value);
     if (this.#serial.value.trim() !== "") wish.serial = this.#serial.value.trim();
     const latitude = this.#latitude.value;
     if (latitude !== "") wish.earth_dps = EARTH_DPS * Math.sin((Number(latitude) * Math.PI) / 180);
@@ -121,19 +135,4 @@ export class Choosing implements Stage {
     const given = await this.app.ask({ do: "calibrate", ...wish });
     this.#start.disabled = given !== undefined;
   }
-}
-
-function before(): HTMLElement {
-  const lines = [
-    "Fix the part to something that does not move: a heavy table, no fan, no feet.",
-    "Let it be cold: off for half an hour, then on just now.",
-    "Feed it from a linear +5 V supply; a switching one shifts its bias.",
-    "Leave it alone until this page says that it is done. The page may be closed meanwhile: the session goes on.",
-  ];
-  return h(
-    "section",
-    { class: "card before" },
-    h("h2", {}, "Before you start"),
-    h("ol", {}, ...lines.map((line) => h("li", {}, line))),
-  );
 }

@@ -20,6 +20,7 @@ export class Run implements Stage {
   readonly #threats = h("ul", { class: "threats" });
   readonly #facts = h("dl", { class: "facts" });
   readonly #finish: HTMLButtonElement;
+  readonly #watch: HTMLElement;
   readonly #window = new TimeWindow();
   readonly #trace: Strip;
   #planned = "";
@@ -31,13 +32,15 @@ export class Run implements Stage {
     const abort = button("Abort", () => this.#abort(), { class: "quiet" });
     const card = (name: string, title: string, ...children: Node[]) =>
       h("section", { class: `card ${name}` }, h("h2", {}, title), ...children);
+    const title = "What would be refused if it ended here";
+    this.#watch = card("watch", title, h("div", { role: "status" }, this.#threats));
     this.element = h(
       "div",
       { class: "run" },
       this.#title,
       card("now", "Now", this.#advice, this.#bar, h("div", { class: "actions" }, this.#left, this.#finish, abort)),
       card("plan", "Steps", this.#steps),
-      card("watch", "What would be refused if it ended here", h("div", { role: "status" }, this.#threats)),
+      this.#watch,
       h("section", { class: "card trace" }, this.#trace.element, this.#facts),
     );
   }
@@ -70,16 +73,18 @@ export class Run implements Stage {
     const whole_s = run.elapsed_s + run.left_s;
     say(this.#title, `Calibrating: ${titleOf(run.method)}`);
     say(this.#advice, run.advice);
-    say(this.#left, `${duration(run.left_s)} left, ${duration(run.elapsed_s)} done`);
+    const least = run.method === "chamber" ? "at least " : "";
+    say(this.#left, `${least}${duration(run.left_s)} left, ${duration(run.elapsed_s)} done`);
     this.#bar.value = whole_s > 0 ? Math.min(1, run.elapsed_s / whole_s) : 0;
-    this.#finish.hidden = run.method === "an1042";
+    this.#finish.hidden = run.method === "an1042" || run.method === "chamber";
+    this.#watch.hidden = run.method === "chamber";
     this.#finish.disabled = !run.can_finish;
-    this.#plan(run.steps, run.elapsed_s);
+    this.#plan(run);
     this.#warn(run.threats);
     facts(this.#facts, temperatures(run));
   }
 
-  #plan(steps: Step[], elapsed_s: number): void {
+  #plan({ method, steps, elapsed_s }: Running): void {
     const planned = JSON.stringify(steps);
     if (planned !== this.#planned) {
       this.#planned = planned;
@@ -87,13 +92,17 @@ export class Run implements Stage {
         ...steps.map((step) => h("li", {}, h("span", { class: "name" }, step.name), h("span", { class: "time" }))),
       );
     }
+    // at a set point the part decides: a step whose time is over goes on until the part has settled
+    const isOver = ({ to_s }: Step) => (method === "chamber" ? elapsed_s > to_s : elapsed_s >= to_s);
+    const now = steps.findIndex((step) => !isOver(step));
     steps.forEach((step, index) => {
       const row = this.#steps.children[index]!;
-      const state = elapsed_s >= step.to_s ? "done" : elapsed_s >= step.from_s ? "now" : "later";
+      const state = isOver(step) ? "done" : index === now ? "now" : "later";
+      const left_s = Math.ceil(step.to_s - elapsed_s);
       const words = {
         done: "done",
-        now: `${duration(Math.ceil(step.to_s - elapsed_s))} left`,
-        later: duration(step.to_s - step.from_s),
+        now: left_s > 0 ? `${duration(left_s)} left` : "until it is settled",
+        later: `${method === "chamber" ? "at least " : ""}${duration(step.to_s - step.from_s)}`,
       };
       mark(row, "data-state", state);
       mark(row, "aria-current", state === "now" ? "step" : null);
@@ -126,7 +135,7 @@ export class Run implements Stage {
 function temperatures({ method, temps_c, u_dps }: Running): [string, string][] {
   const names = ["At the beginning", "Now", "Lowest", "Highest"];
   const rows = names.map((name, k): [string, string] => [name, temps_c ? `${value(temps_c[k], 0.02)} °C` : "–"]);
-  if (method === "an1042") return rows;
+  if (method === "an1042" || method === "chamber") return rows;
   const known = u_dps === null ? "–" : `± ${uncertainty(u_dps * settings.scale)} ${settings.unitText}`;
   return [...rows, ["Correction known to", known]];
 }
