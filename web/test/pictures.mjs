@@ -49,6 +49,8 @@ for (const theme of ["light", "dark"]) {
   await liveBench(page);
   await page.click('nav a[href="#calibrate"]');
   await take(page, `calibrate-${theme}`);
+  await page.check('input[value="chamber"]');
+  await take(page, `calibrate-chamber-${theme}`);
   await beginCalibration(page, "warmup");
   await becomes(page, ".run .left", /min .*done/);
   await page.getByLabel("1 ×", { exact: true }).check();
