@@ -96,7 +96,7 @@ impl fmt::Display for Step {
 ///
 /// thumbv7em-none-eabihf is a Cortex-M4F. thumbv6m-none-eabi is a Cortex-M0: it has no compare-and-swap, which the
 /// TOML parser behind the core's feature `file` needs. wasm32-unknown-unknown is the browser.
-const STEPS: [Step; 40] = [
+const STEPS: [Step; 41] = [
     Step::new("fmt", "fmt --all --check"),
     Step::new("clippy", "clippy --workspace --all-targets --all-features -- -D warnings"),
     Step::new("clippy-driver", "clippy -p adis16130 --all-targets -- -D warnings"),
@@ -134,6 +134,7 @@ const STEPS: [Step; 40] = [
         "clippy --manifest-path bindings/c/Cargo.toml --workspace --locked --target-dir target/c -- -D warnings",
     ),
     Step::new("fmt-web", "fmt --manifest-path xtask/web/Cargo.toml --check"),
+    Step::new("fmt-book", "fmt --manifest-path xtask/book/Cargo.toml --check"),
     Step::new("clippy-core", "clippy -p zerorate --no-default-features --lib -- -D warnings"),
     Step::new("doc", "doc --workspace --no-deps --all-features").with_env("RUSTDOCFLAGS", "-Dwarnings"),
     Step::new(

@@ -2,7 +2,7 @@
 
 use crate::capture::{CaptureInfo, CaptureReader, Row};
 use crate::column::{ColumnOptions, PartLog};
-use crate::{CaptureError, Input, LogError};
+use crate::{CaptureError, Input, LogError, Note};
 use std::io::Seek;
 use std::path::Path;
 use zerorate::Part;
@@ -46,7 +46,7 @@ impl RowReader {
 
     /// What is to be said once all rows were read.
     #[must_use]
-    pub fn warnings(&self) -> Vec<String> {
+    pub fn warnings(&self) -> Vec<Note> {
         match self {
             Self::Capture(capture) => capture.warnings(),
             Self::Log(log) => log.warnings().to_vec(),

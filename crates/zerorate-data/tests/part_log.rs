@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use tempfile::TempDir;
 use zerorate::Part;
+use zerorate_data::Note;
 use zerorate_data::capture::{CaptureReader, CaptureWriter, Format, Row, SampleHash};
 use zerorate_data::column::{self, ColumnOptions, PartLog, RawType, Series};
 
@@ -50,7 +51,10 @@ fn codes_times_and_losses() {
     ];
     assert_eq!(found, expected);
     let log = open("t_ms,temp,z,x,y\n0,5,3,1,-2\n10,5,nan,1,2\n20,5,1,1,2\n", &part(), &ColumnOptions::default());
-    assert!(log.unwrap().warnings()[0].contains("1 rows of 3 lack the value of an axis; they count as lost"));
+    let log = log.unwrap();
+    let Note { code, text } = &log.warnings()[0];
+    assert_eq!(*code, "rows-incomplete");
+    assert!(text.contains("1 rows of 3 lack the value of an axis; they count as lost"), "{text}");
 }
 
 #[test]
@@ -66,11 +70,11 @@ fn values_become_codes() {
     let log = |text: &str| open(text, &part(), &ColumnOptions::default()).unwrap();
     let exact =
         log("t_s,x_dps,y [deg/h],z (rad/s),temp_c\n0,0.05,180,0.0008726646,25\n1,-1.5,-360,0.0017453293,25.14006\n");
-    assert_eq!(exact.warnings(), &[] as &[String]);
+    assert_eq!(exact.warnings(), []);
     let codes: Vec<Vec<i64>> = exact.map(|row| [row.codes(), &[row.temp_code.unwrap()]].concat()).collect();
     assert_eq!(codes, [[1, 1, 1, 0], [-30, -2, 2, 1]]);
     let rounded = log("t_s,x_dps,y,z,temp\n0,0.07,0,0,0\n1,0.049,0,0,0\n");
-    let said = &rounded.warnings()[0];
+    let said = &rounded.warnings()[0].to_string();
     assert!(said.contains("column x_dps") && said.contains("2.000e-2 °/s at most (0.40 codes)"), "{said}");
     assert_eq!(rounded.map(|row| row.codes()[0]).collect::<Vec<_>>(), [1, 1]);
 }
@@ -182,7 +186,7 @@ fn a_real_log_in_and_out_of_every_form() {
                 assert_eq!((found.t_ns, found.lost), (row as u64 * 10_000_000, 0));
                 hash.update(&found);
             }
-            assert_eq!(reader.warnings(), Vec::<String>::new());
+            assert_eq!(reader.warnings(), []);
             hashes.push(hash.hex());
         }
     }

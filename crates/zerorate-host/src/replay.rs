@@ -61,7 +61,7 @@ impl Source for Replay {
     fn next(&mut self) -> Result<Option<Row>> {
         let row = self.reader.next().transpose()?;
         if row.is_none() {
-            self.notes = self.reader.warnings();
+            self.notes = self.reader.warnings().iter().map(ToString::to_string).collect();
         }
         Ok(row)
     }

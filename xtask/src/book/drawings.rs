@@ -283,7 +283,7 @@ fn bandwidth(facts: &str) -> Result<String> {
 }
 
 /// Where a tone appears among samples at `rate_hz`.
-fn fold(hz: f64, rate_hz: f64) -> f64 {
+pub fn fold(hz: f64, rate_hz: f64) -> f64 {
     (hz - (hz / rate_hz).round() * rate_hz).abs()
 }
 

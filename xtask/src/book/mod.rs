@@ -6,6 +6,7 @@
 mod browser;
 mod commands;
 mod drawings;
+mod spectrum;
 
 use crate::app;
 use crate::venv::done;
@@ -21,7 +22,7 @@ pub struct Args {
     /// Where to; what is there must be a book, and is replaced
     #[arg(long, value_name = "DIR", default_value = "target/book/site")]
     out: PathBuf,
-    /// Write what is made rather than written: docs/codes.md, the drawings
+    /// Write what is made rather than written: docs/codes.md, drawings, the spectrum
     #[arg(long)]
     update: bool,
     /// Open pages in Chromium, run the commands of the chapters, and check what is made
@@ -61,5 +62,6 @@ pub fn make(out: &Path) -> Result<()> {
 /// Files of the book that are made, each with its text.
 fn made() -> Result<Vec<(&'static str, String)>> {
     let facts = fs::read_to_string("docs/facts.md")?;
-    Ok(drawings::all(&facts)?.into_iter().chain([("docs/codes.md", codes::page())]).collect())
+    let beside = [("docs/codes.md", codes::page()), ("docs/pictures/spectrum.svg", spectrum::draw()?)];
+    Ok(drawings::all(&facts)?.into_iter().chain(beside).collect())
 }

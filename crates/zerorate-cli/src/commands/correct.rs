@@ -95,7 +95,7 @@ pub(super) fn load(path: &Path) -> Result<Calibration> {
     let name = path.display();
     let text = std::fs::read_to_string(path).with_context(|| format!("cannot read {name}"))?;
     let (calibration, warnings) = Calibration::parse(&text).with_context(|| name.to_string())?;
-    let warnings: Vec<String> = warnings.iter().map(|warning| format!("{name}: {warning}")).collect();
+    let warnings: Vec<String> = warnings.iter().map(|warning| format!("no-checksum: {name}: {warning}")).collect();
     warn(&warnings);
     Ok(calibration)
 }
@@ -259,7 +259,8 @@ impl Correcting {
         }
         if self.without_temp > 0 {
             warn(&[format!(
-                "{name}: the first {} rows come before the first temperature and stay uncorrected (empty)",
+                "before-temperature: {name}: the first {} rows come before the first temperature and stay \
+                 uncorrected (empty)",
                 self.without_temp
             )]);
         }
@@ -267,7 +268,7 @@ impl Correcting {
         let found = believed::of_axes(axes, &self.tally, self.start_ns.unwrap_or_default());
         warn(&found.iter().map(|found| format!("{name}: {found}")).collect::<Vec<_>>());
         if let Some(extrapolated) = self.corrector.warning() {
-            warn(&[format!("{name}: {}", extrapolated.with(flag))]);
+            warn(&[format!("{}: {name}: {}", extrapolated.code(), extrapolated.with(flag))]);
         }
         Ok(())
     }

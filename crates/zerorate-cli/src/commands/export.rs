@@ -137,6 +137,10 @@ impl ExportArgs {
             self.device_id.is_none() || matches!(format, Form::Px4),
             Usage("--device-id is for --format px4".to_owned())
         );
+        let lacks_id = self.device_id.is_none() && matches!(format, Form::Px4);
+        let give = "--format px4: PX4 finds a gyroscope by its device id: give --device-id ID, the device_id of the \
+                    topic sensor_gyro (`listener sensor_gyro` in its console)";
+        ensure!(!lacks_id, Usage(give.to_owned()));
         let table = self.step_c.is_some() || self.span_c.is_some();
         ensure!(
             !(autopilot && table),

@@ -22,6 +22,7 @@ use crate::cli::{Cli, Command};
 use crate::output::{Stdout, say};
 use anyhow::{Context, Result};
 use serde::Serialize;
+use std::fmt::Display;
 use std::io::Write;
 use zerorate::{Say, Warning};
 use zerorate_data::plain;
@@ -74,7 +75,7 @@ pub fn coded(warning: &Warning) -> String {
 }
 
 /// Prints warnings to stderr.
-pub fn warn(warnings: &[String]) {
+pub fn warn<T: Display>(warnings: &[T]) {
     for warning in warnings {
         say(format_args!("warning: {warning}"));
     }

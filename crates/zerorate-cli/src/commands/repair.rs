@@ -8,6 +8,7 @@ use arrow_array::RecordBatch;
 use arrow_schema::{Field, Metadata, SchemaRef};
 use clap::Args;
 use std::path::{Path, PathBuf};
+use zerorate_data::Note;
 use zerorate_data::capture::columns::{self, Rows};
 use zerorate_data::capture::table::{self, Opened};
 use zerorate_data::capture::{CaptureError, Checked, Format, Layout};
@@ -84,7 +85,7 @@ impl Kept {
         let what = match damage {
             Some(error) if rows == 0 => return Err(error.into()),
             Some(error) => Some(format!("{}{error}", stated.unwrap_or_default())),
-            None => table.is_torn().then(|| table.warnings().join("; ")),
+            None => Note::texts(&table.warnings()).filter(|_| table.is_torn()),
         };
         Ok(Self { rows, what })
     }

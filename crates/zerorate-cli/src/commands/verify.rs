@@ -108,7 +108,7 @@ fn capture(path: &Path, source: Box<dyn table::BatchSource>) -> Result<Verdict, 
         samples_sha256: table.samples_sha256().filter(|_| damage.is_none()),
         torn: table.is_torn(),
         damage,
-        notes: table.warnings(),
+        notes: table.warnings().into_iter().map(|note| note.text).collect(),
         ..Verdict::default()
     })
 }

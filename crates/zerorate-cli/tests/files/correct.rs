@@ -156,7 +156,11 @@ fn what_the_user_should_know_is_said() {
     let run = bench.zerorate("correct rest.csv --cal unit.toml -o done.csv");
     let said = run.ended_with(0).stderr;
     assert!(said.contains("25.0 … 25.0 °C leaves the 26.0 … 30.0 °C"), "{said}");
-    assert!(said.contains("the first 1 rows come before the first temperature"), "{said}");
+    assert!(
+        said.contains("warning: before-temperature: ")
+            && said.contains("the first 1 rows come before the first temperature"),
+        "{said}"
+    );
     assert!(said.contains("out-of-range: 2 readings are beyond the range"), "{said}");
     let done = fs::read_to_string(bench.path("done.csv")).unwrap();
     assert!(done.contains("500,0,8388608,9,,0,0.0,,,2\n"), "uncorrected rows are empty, not zero: {done}");

@@ -101,8 +101,13 @@ fn a_log_that_outgrows_its_disk_is_a_failure_and_the_object_has_the_calibration(
     let kept = fs::read_to_string(only(bench.dir.path(), "unit.rescue-")).unwrap();
     assert_eq!(object["rescued"]["calibration"], kept);
     assert!(object["rescued"]["file"].as_str().unwrap().contains("unit.rescue-"), "{object}");
+    assert!(run.stderr.contains("warning: log-failed: "), "{}", run.stderr);
     let begun = bench.zerorate("probe --device replay:log.arrows");
-    assert!(begun.stderr.contains("was not closed"), "what was recorded can be read: {}", begun.stderr);
+    assert!(
+        begun.stderr.contains("warning: torn-tail: log.arrows was not closed"),
+        "what was recorded can be read: {}",
+        begun.stderr
+    );
 }
 
 #[test]

@@ -4,9 +4,9 @@ use super::CaptureError;
 use super::chain::{self, End};
 use super::messages::{Message, MessageBytes, Messages, with_note};
 use super::table::{BatchSource, BlockSink, Out, Stated};
-use crate::Input;
 use crate::limits::Room;
 use crate::survive::survive;
+use crate::{Input, Note};
 use arrow_array::RecordBatch;
 use arrow_buffer::Buffer;
 use arrow_ipc::reader::StreamDecoder;
@@ -134,8 +134,9 @@ impl StreamReader {
         self.stated.ended = true;
         let trailing = self.len.saturating_sub(self.messages.position());
         if trailing > 0 {
-            self.stated.warning =
-                Some(format!("{}: the {trailing} bytes after its end of stream are ignored", self.path.display()));
+            let path = self.path.display();
+            let text = format!("{path}: the {trailing} bytes after its end of stream are ignored");
+            self.stated.warning = Some(Note::new("bytes-behind-end", text));
         }
     }
 
@@ -149,11 +150,12 @@ impl StreamReader {
             return Err(CaptureError::damaged(&self.path, format!("byte {whole}"), what));
         }
         (self.stated.ended, self.stated.torn) = (true, true);
-        self.stated.warning = Some(format!(
-            "{} was not closed (a power cut?): every whole batch is read, the {} bytes after the last one are dropped",
-            self.path.display(),
-            self.len.saturating_sub(whole)
-        ));
+        let (path, dropped) = (self.path.display(), self.len.saturating_sub(whole));
+        let text = format!(
+            "{path} was not closed (a power cut?): every whole batch is read, the {dropped} bytes after the last one \
+             are dropped"
+        );
+        self.stated.warning = Some(Note::new("torn-tail", text));
         Ok(())
     }
 }

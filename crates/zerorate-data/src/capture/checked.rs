@@ -8,6 +8,7 @@ use super::info::CaptureInfo;
 use super::layout::AXES;
 use super::succession::{Break, Succession};
 use super::table::BatchSource;
+use crate::Note;
 use arrow_array::RecordBatch;
 use arrow_schema::{Metadata, SchemaRef};
 use std::path::{Path, PathBuf};
@@ -111,7 +112,7 @@ impl Checked {
     }
 
     /// What is to be said once all rows were read.
-    pub fn warnings(&self) -> Vec<String> {
+    pub fn warnings(&self) -> Vec<Note> {
         let name = self.path.display();
         let unchecked = match self.checks {
             Checks::Absent => Some(format!(
@@ -122,11 +123,13 @@ impl Checked {
             )),
             _ => None,
         };
+        let unchecked = unchecked.map(|text| Note::new("not-checked", text));
         let edges = (self.found.edges_out_of_place > 0).then(|| {
-            format!(
+            let text = format!(
                 "{name}: edge_seq contradicts the time in {} rows, so the rate of data ready is not to be believed",
                 self.found.edges_out_of_place
-            )
+            );
+            Note::new("edges-misplaced", text)
         });
         self.source.stated().warning.clone().into_iter().chain(unchecked).chain(edges).collect()
     }

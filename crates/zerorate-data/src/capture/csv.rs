@@ -5,8 +5,8 @@ use super::chain::{self, End};
 use super::columns::MAX_ROWS;
 use super::delimited::{Delimiter, Lines};
 use super::info::CaptureInfo;
-use super::table::{BatchSource, BlockSink, Out, Stated};
-use crate::Input;
+use super::table::{self, BatchSource, BlockSink, Out, Stated};
+use crate::{Input, Note};
 use arrow_array::builder::PrimitiveBuilder;
 use arrow_array::cast::AsArray;
 use arrow_array::types::{Float64Type, Int32Type, UInt8Type, UInt16Type, UInt32Type, UInt64Type};
@@ -158,10 +158,9 @@ impl CsvReader {
             };
         }
         if !line.ended {
-            self.stated.warning = Some(format!(
-                "{} does not end with a line end: its last line may be cut short and is dropped",
-                self.path.display()
-            ));
+            let path = self.path.display();
+            let text = format!("{path} does not end with a line end: its last line may be cut short and is dropped");
+            self.stated.warning = Some(Note::new("torn-tail", text));
             return Ok(Entry::Nothing);
         }
         push_cells(&self.path, &place, line.text, &mut self.columns)?;
@@ -171,11 +170,7 @@ impl CsvReader {
     /// The file ended before the capture did.
     fn torn(&mut self, rows: usize) {
         self.stated.torn = true;
-        self.stated.warning = Some(format!(
-            "{} was not closed, or its end was removed: every whole block of rows is read, {rows} rows behind the \
-             last one are dropped",
-            self.path.display()
-        ));
+        self.stated.warning = Some(table::cut_off(&self.path, rows));
     }
 
     fn damaged(&self, what: &str) -> CaptureError {

@@ -36,7 +36,7 @@ pub use layout::{CodedAxis, Layout, LayoutError};
 pub use row::Row;
 pub use table::Format;
 
-use crate::Input;
+use crate::{Input, Note};
 use arrow_array::RecordBatch;
 use arrow_schema::SchemaRef;
 use columns::{OpenBatch, Rows};
@@ -176,7 +176,7 @@ impl CaptureReader {
     }
 
     /// What is to be said once all samples were read: a tail that was torn off, a file that nothing checks.
-    pub fn warnings(&self) -> Vec<String> {
+    pub fn warnings(&self) -> Vec<Note> {
         self.table.warnings()
     }
 

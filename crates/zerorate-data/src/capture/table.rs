@@ -5,7 +5,7 @@ use super::chain::{Chain, End};
 use super::columns::{MAX_ROWS, Rows};
 use super::layout::Layout;
 use super::{CaptureError, CaptureInfo, arrows, csv, parquet};
-use crate::Input;
+use crate::{Input, Note};
 use arrow_array::RecordBatch;
 use arrow_schema::SchemaRef;
 use std::io::{Read, Seek, Write};
@@ -60,7 +60,7 @@ pub struct Stated {
     /// The file ended where no end should be.
     pub torn: bool,
     /// What is to be said after the last batch: a tail that was torn off.
-    pub warning: Option<String>,
+    pub warning: Option<Note>,
 }
 
 impl Stated {
@@ -68,6 +68,16 @@ impl Stated {
     pub fn new(schema: SchemaRef) -> Self {
         Self { schema, check: None, end: None, ended: false, torn: false, warning: None }
     }
+}
+
+/// What is to be said of a capture that lacks its end, with so many rows that no check vouches for.
+pub fn cut_off(path: &Path, rows: usize) -> Note {
+    let path = path.display();
+    let text = format!(
+        "{path} was not closed, or its end was removed: every whole block of rows is read, {rows} rows behind the \
+         last one are dropped"
+    );
+    Note::new("torn-tail", text)
 }
 
 /// Gives batches.

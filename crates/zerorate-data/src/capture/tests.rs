@@ -60,8 +60,7 @@ pub(super) fn write(path: &Path, format: Format, samples: &[Row]) -> CaptureSumm
 pub(super) fn read(path: &Path) -> (Vec<Row>, Option<String>) {
     let mut reader = open(path).unwrap();
     let samples = reader.by_ref().collect::<Result<_, _>>().unwrap();
-    let warnings = reader.warnings().join("; ");
-    (samples, Some(warnings).filter(|said| !said.is_empty()))
+    (samples, Note::texts(&reader.warnings()))
 }
 
 fn open_error(path: &Path) -> String {

@@ -3,12 +3,12 @@
 //! The stream is read by the same frames as a capture, because the library's reader of files takes lengths and offsets
 //! for granted.
 
-use crate::Input;
 use crate::capture::CaptureError;
 use crate::capture::arrows::decode;
 use crate::capture::messages::{Message, Messages};
 use crate::capture::table::{BatchSource, Stated};
 use crate::limits::Room;
+use crate::{Input, Note};
 use arrow_array::RecordBatch;
 use arrow_ipc::reader::StreamDecoder;
 use std::io::{self, BufReader, Read, Seek, SeekFrom, Take};
@@ -107,8 +107,8 @@ impl BatchSource for ArrowFile {
                 Message::Torn => {
                     self.stated.ended = true;
                     let path = self.path.display();
-                    self.stated.warning =
-                        Some(format!("{path} was not closed: every whole batch is read, what follows is dropped"));
+                    let text = format!("{path} was not closed: every whole batch is read, what follows is dropped");
+                    self.stated.warning = Some(Note::new("torn-tail", text));
                 }
             }
         }

@@ -5,8 +5,8 @@ use super::choice::Described;
 use super::clock::Beat;
 use super::unit::Quantity;
 use super::{Clock, ColumnOptions, Found, FoundColumn, Gap, LogError, Result, Wanted, find};
-use crate::Input;
 use crate::capture::{CaptureInfo, Layout, Row};
+use crate::{Input, Note};
 use std::path::Path;
 use zerorate::{MAX_AXES, Part, Scale};
 
@@ -33,7 +33,7 @@ pub struct PartLog {
     next_row: usize,
     edge_seq: u32,
     lost: u64,
-    warnings: Vec<String>,
+    warnings: Vec<Note>,
 }
 
 impl PartLog {
@@ -52,7 +52,7 @@ impl PartLog {
         let Found { mut columns, clock, warning } = found;
         let temp = columns.pop().filter(|_| columns.len() == part.axes.len());
         let temp = temp.ok_or_else(|| LogError::Ask(format!("{} has one column only", path.display())))?;
-        let mut warnings: Vec<String> = warning.into_iter().collect();
+        let mut warnings: Vec<Note> = warning.into_iter().map(of_log).collect();
         let axes = columns.into_iter().zip(&part.axes[..]).zip(&described).map(|((column, axis), described)| {
             let given = args.unit.map(|unit| (unit.quantity(), unit.in_results()));
             let stated = column.stated.or(given).or_else(|| stated(&column.name, described));
@@ -91,7 +91,7 @@ impl PartLog {
 
     /// What is to be said of the log: values that were rounded, rows that lack a value, a tail that was torn off.
     #[must_use]
-    pub fn warnings(&self) -> &[String] {
+    pub fn warnings(&self) -> &[Note] {
         &self.warnings
     }
 
@@ -104,11 +104,9 @@ impl PartLog {
             ));
         }
         if lacking > 0 {
-            self.warnings.push(format!(
-                "{}: {lacking} rows of {} lack the value of an axis; they count as lost",
-                path.display(),
-                self.temps.len()
-            ));
+            let (path, rows) = (path.display(), self.temps.len());
+            let text = format!("{path}: {lacking} rows of {rows} lack the value of an axis; they count as lost");
+            self.warnings.push(Note::new("rows-incomplete", text));
         }
         Ok(self)
     }
@@ -190,10 +188,15 @@ struct Coding<'a> {
     remedy: &'static str,
 }
 
+/// What whoever read the log has to say of it.
+fn of_log(text: String) -> Note {
+    Note::new("log-doubtful", text)
+}
+
 impl Coding<'_> {
-    fn codes(&self, column: FoundColumn, warnings: &mut Vec<String>) -> Result<Vec<f64>> {
+    fn codes(&self, column: FoundColumn, warnings: &mut Vec<Note>) -> Result<Vec<f64>> {
         let FoundColumn { name, values, warning, .. } = column;
-        warnings.extend(warning);
+        warnings.extend(warning.map(of_log));
         let mut codes = values.into_rows();
         let mut off = 0.0_f64;
         for (row, value) in codes.iter_mut().enumerate().filter(|(_, value)| !value.is_nan()) {
@@ -207,13 +210,13 @@ impl Coding<'_> {
         }
         if off > ON_GRID {
             let by = off / self.scale.lsb_per_unit;
-            warnings.push(format!(
+            let text = format!(
                 "{}: column {name} does not lie on the codes of the part; values are rounded to the nearest, by \
-                 {by:.3e} \
-                 {} at most ({off:.2} codes)",
+                 {by:.3e} {} at most ({off:.2} codes)",
                 self.path.display(),
                 self.name
-            ));
+            );
+            warnings.push(Note::new("off-codes", text));
         }
         Ok(codes)
     }

@@ -6,6 +6,7 @@ use super::judged::{self, Judging};
 use super::series::{SeriesBuilder, join, missing_in};
 use super::unit::{Quantity, TimeUnit};
 use super::{Asked, Clock, Found, FoundColumn, Gap, Result, wrong};
+use crate::Note;
 use crate::capture::columns::Rows;
 use crate::capture::succession::Mark;
 use crate::capture::table::BatchSource;
@@ -26,12 +27,12 @@ pub fn read(path: &Path, mut source: Box<dyn BatchSource>, room: Room, asked: &A
         while let Some((batch, rows)) = capture.next_rows()? {
             reading.take(&batch, Some(&rows))?;
         }
-        return reading.finish(Some(capture.warnings().join("; ")).filter(|said| !said.is_empty()));
+        return reading.finish(Note::texts(&capture.warnings()));
     }
     while let Some(batch) = source.next_batch()? {
         reading.take(&batch, None)?;
     }
-    reading.finish(source.stated().warning.clone())
+    reading.finish(source.stated().warning.clone().map(|note| note.text))
 }
 
 /// Columns being read, with their time.

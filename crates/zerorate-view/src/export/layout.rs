@@ -54,15 +54,15 @@ impl Layout {
         let mut warnings = Vec::new();
         if !self.stated {
             warnings.push(format!(
-                "the calibration states no [validity], so nothing says where it holds: the export takes \
-                 {temp_min_c:.1} … {temp_max_c:.1} °C, T3 ± {ASSUMED_C} °C, as valid; state temp_min_c and temp_max_c \
-                 in the file"
+                "no-validity: the calibration states no [validity], so nothing says where it holds: the export \
+                 takes {temp_min_c:.1} … {temp_max_c:.1} °C, T3 ± {ASSUMED_C} °C, as valid; state temp_min_c and \
+                 temp_max_c in the file"
             ));
         }
         let several = calibration.axes.len() > 1;
         for axis in &calibration.axes {
             let name = if several { format!("axis {}: ", axis.name) } else { String::new() };
-            warnings.extend(self.beyond(&axis.correction).map(|warning| name + &warning));
+            warnings.extend(self.beyond(&axis.correction).map(|text| format!("table-short: {name}{text}")));
         }
         warnings
     }

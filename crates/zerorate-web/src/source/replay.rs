@@ -46,7 +46,7 @@ impl Source for Replay {
             Some(Ok(row)) => Ok(Next::Row(row)),
             Some(Err(error)) => Err(error.to_string()),
             None => {
-                self.notes = self.reader.warnings();
+                self.notes = self.reader.warnings().iter().map(ToString::to_string).collect();
                 Ok(Next::Ended)
             }
         }

@@ -257,7 +257,7 @@ impl Drive {
     #[cold]
     fn lose_log(&mut self, error: anyhow::Error) {
         let elapsed = Seconds(self.procedure.progress().elapsed_s);
-        warn(&[format!("the log failed after {elapsed}, the measurement goes on: {error:#}")]);
+        warn(&[format!("log-failed: the log failed after {elapsed}, the measurement goes on: {error:#}")]);
         self.log = None;
         self.log_failed = Some(error);
     }

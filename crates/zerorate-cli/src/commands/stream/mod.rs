@@ -4,7 +4,7 @@ mod track;
 
 use super::correct::load;
 use super::serial::{Part, one_line};
-use super::{flag, warn};
+use super::{coded, warn};
 use crate::acquire::Acquisition;
 use crate::cli::{DeviceArgs, SamplingArgs};
 use crate::exit::{Refused, Usage};
@@ -16,7 +16,7 @@ use std::io::{self, BufWriter, Write};
 use std::path::PathBuf;
 use track::{TrackArgs, TrackedRow, Tracking};
 use zerorate::health::{Flags, Judged};
-use zerorate::{Axis, Calibration, CodeSum, Correction, Corrector, Say};
+use zerorate::{Axis, Calibration, CodeSum, Correction, Corrector};
 use zerorate_data::believed;
 use zerorate_host::Facts;
 use zerorate_view::duration::Seconds;
@@ -305,13 +305,14 @@ impl Rows {
 
     fn watch(&mut self, extrapolated: bool, flags: Flags) {
         if extrapolated && !self.warned.span {
-            let said = self.corrector.warning().map(|warning| warning.with(flag).to_string());
-            warn(said.as_slice());
+            warn(self.corrector.warning().map(|warning| coded(&warning)).as_slice());
             self.warned.span = true;
         }
         let new = flags != Flags::NONE && !self.warned.flags.has(flags);
         if new {
-            warn(&[format!("readings that are not to be believed ({flags}) are left out; their rows are flagged")]);
+            warn(&[format!(
+                "not-believed: readings that are not to be believed ({flags}) are left out; their rows are flagged"
+            )]);
             self.warned.flags = self.warned.flags.and(flags);
         }
     }

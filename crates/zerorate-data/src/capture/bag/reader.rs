@@ -3,15 +3,15 @@
 use super::cdr::Fields;
 use super::messages::decode;
 use super::{CHECKS, MAGIC, SAMPLES};
-use crate::Input;
 use crate::capture::CaptureError;
 use crate::capture::chain::{self, End};
 use crate::capture::columns::{MAX_ROWS, OpenBatch};
 use crate::capture::info::CaptureInfo;
 use crate::capture::layout::Layout;
-use crate::capture::table::{BatchSource, Stated};
+use crate::capture::table::{self, BatchSource, Stated};
 use crate::limits::Room;
 use crate::mcap_messages::{Messages, Torn};
+use crate::{Input, Note};
 use arrow_array::RecordBatch;
 use arrow_schema::{Metadata, Schema};
 use mcap::Message;
@@ -81,7 +81,8 @@ impl McapReader {
             None => return Ok(Entry::Nothing),
             Some(Err(error)) if error.is_end() => {
                 self.stated.warning = self.stated.end.is_some().then(|| {
-                    format!("{} has no index, for its end is missing: all rows are there", self.path.display())
+                    let path = self.path.display();
+                    Note::new("no-index", format!("{path} has no index, for its end is missing: all rows are there"))
                 });
                 return Ok(Entry::Nothing);
             }
@@ -110,11 +111,7 @@ impl McapReader {
             return Err(self.damaged("it was closed, and some of them are missing or cannot be read"));
         }
         self.stated.torn = true;
-        self.stated.warning = Some(format!(
-            "{} was not closed, or its end was removed: every whole block of rows is read, {rows} rows behind the \
-             last one are dropped",
-            self.path.display()
-        ));
+        self.stated.warning = Some(table::cut_off(&self.path, rows));
         Ok(())
     }
 }
