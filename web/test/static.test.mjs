@@ -197,6 +197,18 @@ test("a chamber by hand: a plan that is dropped and refused, and the profile of 
   await context.close();
 });
 
+test("a set point that nobody sets: its step goes on when the time that it takes at least is over", async () => {
+  const { page, context, faults } = await open(browser, `${site.url}#calibrate`);
+  await page.check('input[value="chamber"]');
+  await page.getByLabel("max", { exact: true }).check();
+  await page.click(".choosing button.primary");
+  await becomes(page, ".run .steps [data-state=now] .time", /until it is settled/);
+  assert.equal(await page.getAttribute(".run .steps li", "data-state"), "now");
+  assert.match(await page.textContent(".run .left"), /^at least /);
+  assert.deepEqual(faults, []);
+  await context.close();
+});
+
 test("without shared workers: the bench comes, and who leaves a calibration is asked", async () => {
   const prepare = (page) => page.addInitScript(() => delete globalThis.SharedWorker);
   const { page, context, faults } = await open(browser, site.url, { prepare });
