@@ -159,7 +159,12 @@ fn a_cut_at_any_byte_leaves_a_prefix() {
             }
         }
         seen.dedup();
-        let blocks: &[usize] = if format == Format::Parquet { &[] } else { &[0, 20, 40] };
+        let blocks: &[usize] = match format {
+            Format::Parquet => &[],
+            // nothing of a chunk is believed before all of it was checked, and a bag without any is refused
+            Format::Mcap => &[20, 40],
+            Format::Arrows | Format::Csv => &[0, 20, 40],
+        };
         assert_eq!(seen, blocks, "{format:?}");
     }
 }
