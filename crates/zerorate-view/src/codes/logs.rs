@@ -96,7 +96,7 @@ pub const ALL: &[Explanation] = &[
         seen: "In some rows of a capture the count of edges of data ready contradicts the time.",
         matters: "Rates and times of the rows stand; the rate of data ready that follows from the count is not \
             to be believed.",
-        remedy: "Look at the rows; was the capture edited, or made by other software?",
+        remedy: "Look at the rows: the capture was edited, or made by other software.",
         command: "zerorate verify rest.arrows",
     },
     Explanation {
