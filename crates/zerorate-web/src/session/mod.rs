@@ -66,11 +66,12 @@ pub enum HostWish {
 /// Readings and requests in, frames and answers out.
 ///
 /// ```
+/// use adis16130::Width;
 /// use zerorate::Part;
 /// use zerorate_data::capture::{CaptureInfo, Layout, Row};
 /// use zerorate_web::session::{About, Asked, Session};
 /// let part = Part::ADIS16130;
-/// let info = CaptureInfo::new(Layout::of_part(&part).unwrap());
+/// let info = CaptureInfo::new(Layout::adis16130(Width::Bits24));
 /// let mut session = Session::new(About {
 ///     name: "twin:".into(), info, part, simulated: true, nominal_hz: None, registers: vec![], checks: vec![],
 /// });
