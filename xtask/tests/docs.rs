@@ -90,7 +90,10 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap().to_owned()
 }
 
-/// All files with one of these extensions, hidden and `target` directories left out.
+/// Folders of what is made, and of what others wrote.
+const FOREIGN: [&str; 2] = ["target", "node_modules"];
+
+/// All files with one of these extensions, hidden and foreign folders left out.
 fn files(extensions: &[&str]) -> Vec<(PathBuf, String)> {
     let mut found = Vec::new();
     let mut directories = vec![root()];
@@ -98,7 +101,7 @@ fn files(extensions: &[&str]) -> Vec<(PathBuf, String)> {
         for entry in fs::read_dir(directory).unwrap() {
             let path = entry.unwrap().path();
             let name = path.file_name().unwrap().to_string_lossy();
-            if path.is_dir() && !name.starts_with('.') && name != "target" {
+            if path.is_dir() && !name.starts_with('.') && !FOREIGN.contains(&name.as_ref()) {
                 directories.push(path);
             } else if path.extension().is_some_and(|e| extensions.iter().any(|wanted| e == *wanted)) {
                 let text = fs::read_to_string(&path).unwrap();
