@@ -1,6 +1,6 @@
 //! `cargo xtask web`: the page, from the core as WebAssembly to the files that a server hands out.
 //!
-//! The two modules are one crate built twice with the same dependencies, which are compiled once.
+//! The modules are one crate built several times with the same dependencies, which are compiled once.
 
 use crate::firmware::{QEMU, image_of};
 use crate::tools::{self, Tool};
@@ -51,8 +51,11 @@ struct Module {
     name: &'static str,
 }
 
-const MODULES: [Module; 2] =
-    [Module { feature: "edge-live", name: "zerorate_live" }, Module { feature: "edge-log", name: "zerorate_log" }];
+const MODULES: [Module; 3] = [
+    Module { feature: "edge-first", name: "zerorate_first" },
+    Module { feature: "edge-live", name: "zerorate_live" },
+    Module { feature: "edge-log", name: "zerorate_log" },
+];
 
 /// Builds the page, copies it to where the program takes it from, and does what else was asked for.
 pub fn run(args: &Args) -> Result<()> {

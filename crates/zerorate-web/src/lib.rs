@@ -3,8 +3,9 @@
 //!
 //! The messages are [`message`], specified in `docs/formats/page.md`.
 
-#[cfg(all(target_family = "wasm", any(feature = "edge-live", feature = "edge-log")))]
+#[cfg(all(target_family = "wasm", any(feature = "edge-first", feature = "edge-live", feature = "edge-log")))]
 pub mod edge;
+pub mod first;
 pub mod live;
 pub mod log;
 pub mod message;

@@ -3,6 +3,7 @@
 use crate::message::DeviceState;
 use crate::session::{About, Asked, HostWish, Session};
 use crate::source::{Next, Source};
+use zerorate_data::capture::Row;
 
 /// Opens the device, from a reset on, at this time of the page, ms.
 pub type Open = Box<dyn Fn(f64) -> Result<Box<dyn Source>, String>>;
@@ -13,7 +14,6 @@ pub struct Live {
     open: Open,
     /// None: it could not be opened, or can be read no more.
     source: Option<Box<dyn Source>>,
-    is_simulated: bool,
     pace: Pace,
 }
 
@@ -28,9 +28,8 @@ impl Live {
     pub fn open(open: Open, now_ms: f64) -> Result<Self, String> {
         let source = open(now_ms)?;
         let about = source.about();
-        let is_simulated = about.simulated;
-        let pace = Pace::new(1.0);
-        let mut live = Self { session: Session::new(about), open, source: Some(source), is_simulated, pace };
+        let pace = Pace::of(&about);
+        let mut live = Self { session: Session::new(about), open, source: Some(source), pace };
         live.begun();
         Ok(live)
     }
@@ -42,8 +41,7 @@ impl Live {
     pub fn instead(&mut self, open: Open, now_ms: f64) -> Result<(), String> {
         let source = open(now_ms)?;
         self.open = open;
-        self.is_simulated = source.about().simulated;
-        self.pace = Pace::new(1.0);
+        self.pace = Pace::of(&source.about());
         self.session.speed(1.0);
         self.reopened(source);
         Ok(())
@@ -63,7 +61,8 @@ impl Live {
             self.anew(source.about());
             self.session.state(DeviceState::Reading);
         }
-        match self.take(&mut *source, clock, began_ms + budget_ms) {
+        let take = |row: &Row| self.session.take(row);
+        match self.pace.readings(&mut *source, clock, began_ms + budget_ms, take) {
             Ok(true) => {
                 self.session.truths(&source.truths());
                 self.source = Some(source);
@@ -79,32 +78,10 @@ impl Live {
         }
     }
 
-    /// Whether there may be more.
-    fn take(
-        &mut self,
-        source: &mut dyn Source,
-        clock: &mut dyn FnMut() -> f64,
-        until_ms: f64,
-    ) -> Result<bool, String> {
-        loop {
-            let now_ms = clock();
-            if now_ms >= until_ms {
-                self.pace.fell_behind();
-                return Ok(true);
-            }
-            for _ in 0..AT_ONCE {
-                match source.next()? {
-                    Next::Row(row) => {
-                        self.session.take(&row);
-                        if self.is_simulated && self.pace.is_ahead(row.t_ns, now_ms) {
-                            return Ok(true);
-                        }
-                    }
-                    Next::Waiting => return Ok(true),
-                    Next::Ended => return Ok(false),
-                }
-            }
-        }
+    /// Goes on where a [`FirstLook`](crate::first::FirstLook) at the same unit is, so long after its first reading.
+    pub fn catch_up(&mut self, shown_s: f64, clock: &mut dyn FnMut() -> f64) {
+        self.pace.begun_s = shown_s;
+        self.turn(clock, f64::INFINITY);
     }
 
     /// The answer to a request.
@@ -115,7 +92,7 @@ impl Live {
         };
         let done = match wish {
             HostWish::Speed(factor) => {
-                self.pace = Pace::new(factor);
+                self.pace = self.pace.at(factor);
                 self.session.speed(factor);
                 Ok(())
             }
@@ -145,7 +122,7 @@ impl Live {
 
     fn reopened(&mut self, source: Box<dyn Source>) {
         self.anew(source.about());
-        self.pace = Pace::new(self.pace.factor);
+        self.pace = self.pace.at(self.pace.factor);
         self.source = Some(source);
         self.begun();
     }
@@ -157,7 +134,7 @@ impl Live {
 
     /// A part that is simulated or recorded is there at once; another says when.
     fn begun(&mut self) {
-        if self.is_simulated {
+        if self.pace.is_simulated {
             self.session.state(DeviceState::Reading);
         }
     }
@@ -165,26 +142,69 @@ impl Live {
 
 /// How fast simulated time goes by.
 #[derive(Clone, Copy, Debug)]
-struct Pace {
+pub struct Pace {
+    /// A real part has its own.
+    is_simulated: bool,
     /// Times as fast as the clock; 0: as fast as it can.
     factor: f64,
+    /// How long it should have gone by when it begins, s.
+    begun_s: f64,
     /// A simulated time, ns, and the time of the page then, ms.
     since: Option<(u64, f64)>,
 }
 
 impl Pace {
-    const fn new(factor: f64) -> Self {
-        Self { factor, since: None }
+    /// That of the clock.
+    pub fn of(about: &About) -> Self {
+        Self { is_simulated: about.simulated, factor: 1.0, begun_s: 0.0, since: None }
+    }
+
+    const fn at(self, factor: f64) -> Self {
+        Self { factor, begun_s: 0.0, since: None, ..self }
+    }
+
+    /// Takes readings whose time has come, until then at most; whether there may be more.
+    ///
+    /// # Errors
+    /// The device can be read no more.
+    pub fn readings(
+        &mut self,
+        source: &mut (impl Source + ?Sized),
+        clock: &mut dyn FnMut() -> f64,
+        until_ms: f64,
+        mut take: impl FnMut(&Row),
+    ) -> Result<bool, String> {
+        loop {
+            let now_ms = clock();
+            if now_ms >= until_ms {
+                self.fell_behind();
+                return Ok(true);
+            }
+            for _ in 0..AT_ONCE {
+                match source.next()? {
+                    Next::Row(row) => {
+                        take(&row);
+                        if self.is_ahead(row.t_ns, now_ms) {
+                            return Ok(true);
+                        }
+                    }
+                    Next::Waiting => return Ok(true),
+                    Next::Ended => return Ok(false),
+                }
+            }
+        }
     }
 
     /// Whether what is of this time is still to come.
     fn is_ahead(&mut self, t_ns: u64, now_ms: f64) -> bool {
-        let &mut (from_ns, from_ms) = self.since.get_or_insert((t_ns, now_ms));
-        self.factor > 0.0 && t_ns.saturating_sub(from_ns) as f64 * 1e-6 > (now_ms - from_ms) * self.factor
+        let begun_ms = 1000.0 * self.begun_s;
+        let &mut (from_ns, from_ms) = self.since.get_or_insert((t_ns, now_ms - begun_ms));
+        let gone_ms = t_ns.saturating_sub(from_ns) as f64 * 1e-6;
+        self.is_simulated && self.factor > 0.0 && gone_ms > (now_ms - from_ms) * self.factor
     }
 
     /// A page that was too slow goes on from where it is: it does not catch up.
     fn fell_behind(&mut self) {
-        self.since = None;
+        (self.since, self.begun_s) = (None, 0.0);
     }
 }

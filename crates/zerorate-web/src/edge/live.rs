@@ -2,18 +2,13 @@
 
 #[cfg(feature = "edge-log")]
 use super::file;
+use super::now_ms;
 use crate::live::{Live, Open};
 use crate::session::Session;
 #[cfg(feature = "edge-log")]
 use crate::source::Replay;
 use crate::source::{Bridge, Source, TwinSource};
 use wasm_bindgen::prelude::*;
-
-#[wasm_bindgen]
-extern "C" {
-    #[wasm_bindgen(js_namespace = performance, js_name = now)]
-    fn now_ms() -> f64;
-}
 
 /// A session that every window of the page looks at. Recordings are read by the module that reads logs as well.
 #[wasm_bindgen]
@@ -79,6 +74,11 @@ impl LiveSession {
     /// Something that the page has to say: `code: text`.
     pub fn note(&mut self, text: &str) {
         self.session().note(text);
+    }
+
+    /// Goes on where a first look at the same unit is, so long after its first reading, s.
+    pub fn catch_up(&mut self, shown_s: f64) {
+        self.0.catch_up(shown_s, &mut now_ms);
     }
 
     /// Takes readings for at most so long, ms, as far as their time has come.

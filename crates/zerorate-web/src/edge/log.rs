@@ -1,6 +1,6 @@
 //! The reader of logs, as its worker calls it.
 
-use super::file;
+use super::{file, now_ms};
 use crate::log::LogReader;
 use crate::log::message::{LogSettings, NoiseFileWish};
 use serde::Serialize;
@@ -64,12 +64,6 @@ impl Log {
 
 fn json(value: &impl Serialize) -> Result<String, JsError> {
     Ok(serde_json::to_string(value)?)
-}
-
-#[wasm_bindgen]
-extern "C" {
-    #[wasm_bindgen(js_namespace = performance, js_name = now)]
-    fn now_ms() -> f64;
 }
 
 /// How long the overlapping Allan deviation at octaves takes, ms, without the way of the samples into the module; then

@@ -2,6 +2,17 @@
 
 #[cfg(feature = "edge-log")]
 mod file;
+#[cfg(feature = "edge-first")]
+mod first;
+#[cfg(any(feature = "edge-live", feature = "edge-log"))]
 mod live;
 #[cfg(feature = "edge-log")]
 mod log;
+
+use wasm_bindgen::prelude::*;
+
+#[wasm_bindgen]
+extern "C" {
+    #[wasm_bindgen(js_namespace = performance, js_name = now)]
+    fn now_ms() -> f64;
+}

@@ -1,7 +1,7 @@
 //! Requests and their answers, and the guided calibration that they begin and end.
 
 use super::guide::{Guide, Measured};
-use super::{Asked, HostWish, Session};
+use super::{Asked, Bench, HostWish, Session};
 use crate::message::{
     Answer, Answered, CalibrateWish, Calibrating, DeviceState, Given, MethodName, Request, Running, Wish,
 };
@@ -42,8 +42,8 @@ impl Session {
 
     /// How fast simulated time goes by now.
     pub fn speed(&mut self, factor: f64) {
-        self.speed = factor;
-        self.changed.device = true;
+        self.bench.speed = factor;
+        self.bench.changed.device = true;
     }
 
     fn wish(&mut self, wish: Wish) -> Result<Wished, String> {
@@ -62,7 +62,7 @@ impl Session {
                 return Ok(Wished::Done(Given::Download(self.shelf.download(&calibration, form)?)));
             }
             Wish::Restart => self.restart_statistics(),
-            Wish::ZeroAngle => self.axes.iter_mut().for_each(|axis| axis.angle.zero()),
+            Wish::ZeroAngle => self.bench.axes.iter_mut().for_each(|axis| axis.angle.zero()),
             Wish::Speed { factor } => return self.wish_speed(factor),
             Wish::Reopen => {
                 self.abort_guide("the device was opened again".to_owned());
@@ -73,7 +73,7 @@ impl Session {
     }
 
     fn wish_speed(&self, factor: f64) -> Result<Wished, String> {
-        if !self.about.simulated {
+        if !self.bench.about.simulated {
             return Err("a real part has its own time; only simulated and recorded time can go faster".to_owned());
         }
         if !(0.0..=FASTEST).contains(&factor) {
@@ -87,10 +87,10 @@ impl Session {
         if matches!(self.calibrating, Calibrating::Running(_)) {
             return Err("a calibration is under way: end it first".to_owned());
         }
-        if let DeviceState::Failed { why } = &self.state {
+        if let DeviceState::Failed { why } = &self.bench.state {
             return Err(format!("the device cannot be read: {why}"));
         }
-        let guide = Guide::new(wish, &self.about.part, &self.about.info)?;
+        let guide = Guide::new(wish, &self.bench.about.part, &self.bench.about.info)?;
         self.calibrating = guide.shown();
         self.wanted = Some(guide);
         self.changed.calibration = true;
@@ -159,7 +159,8 @@ impl Session {
     fn complete_guide(&mut self) {
         let Some(guide) = self.guide.take() else { return };
         let method = guide.method;
-        let measured = Measured { info: &self.about.info, tally: &self.tally, axes: &self.axes, truths: &self.truths };
+        let Bench { about, tally, axes, .. } = &self.bench;
+        let measured = Measured { info: &about.info, tally, axes, truths: &self.truths };
         let kept = guide.finish(&measured).and_then(|(result, calibration)| {
             self.shelf.add(calibration)?;
             Ok(result)

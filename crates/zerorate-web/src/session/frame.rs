@@ -1,9 +1,11 @@
 //! Frames: what is new, or everything, in bytes (docs/formats/page.md).
 
 use super::axis::AxisState;
+use super::bench::{Bench, Seen};
 use super::statistics::Statistics;
 use super::{Changed, Session, strips};
 use crate::message::{AxisAbout, Device, Frame, Ledger, Now};
+use zerorate::Calibration;
 use zerorate::health::Health;
 use zerorate_data::believed;
 
@@ -11,35 +13,34 @@ impl Session {
     /// What is new since the last one, for everybody; none if nothing is.
     pub fn frame(&mut self) -> Option<Vec<u8>> {
         self.recompute();
-        let changed = std::mem::take(&mut self.changed);
-        let Changed { device, readings, notices, statistics, calibration, calibrations, everything } = changed;
-        if !(device || readings || notices || statistics || calibration || calibrations || everything) {
+        let Changed { statistics, calibration, calibrations } = self.changed;
+        if !(statistics || calibration || calibrations || self.bench.is_changed()) {
             return None;
         }
-        self.seq += 1;
-        let bytes = self.encoded(&changed, everything);
-        self.axes.iter_mut().for_each(|axis| axis.strips.mark_given());
-        Some(bytes)
+        let (frame, payload) = self.bench.news(self.shelf.applied());
+        let changed = std::mem::take(&mut self.changed);
+        Some(encode(&self.completed(frame, changed), &payload))
     }
 
     /// Everything, for one who came or was too slow.
     #[must_use]
     pub fn snapshot(&self) -> Vec<u8> {
-        self.encoded(&Changed { everything: true, ..Changed::default() }, true)
+        let (frame, payload) = self.bench.everything(self.shelf.applied());
+        encode(&self.completed(frame, Changed::default()), &payload)
     }
 
     /// Before a frame: what takes longer than a reading should.
     fn recompute(&mut self) {
-        if !self.changed.readings {
+        if !self.bench.changed.readings {
             return;
         }
-        let rate_hz = self.tally.sampling_hz();
+        let rate_hz = self.bench.tally.sampling_hz();
         for statistics in &mut self.statistics {
             self.changed.statistics |= statistics.refresh(rate_hz);
         }
         if self.changed.statistics {
-            let axes = self.axes.iter().map(|axis| (axis.name.as_str(), &axis.health));
-            let said = believed::of_axes(axes, &self.tally, self.start_ns.unwrap_or_default());
+            let axes = self.bench.axes.iter().map(|axis| (axis.name.as_str(), &axis.health));
+            let said = believed::of_axes(axes, &self.bench.tally, self.bench.start_ns());
             said.iter().for_each(|text| self.note(text));
         }
         if let Some(guide) = &self.guide {
@@ -47,7 +48,47 @@ impl Session {
         }
     }
 
-    fn encoded(&self, changed: &Changed, snapshot: bool) -> Vec<u8> {
+    /// What is seen, with what is known of it.
+    fn completed(&self, seen: Frame, changed: Changed) -> Frame {
+        let all = seen.snapshot;
+        Frame {
+            statistics: (all || changed.statistics)
+                .then(|| self.statistics.iter().map(|one| one.shown().clone()).collect()),
+            calibration: (all || changed.calibration).then(|| self.calibrating.clone()),
+            calibrations: (all || changed.calibrations).then(|| self.shelf.entries()),
+            ..seen
+        }
+    }
+
+    /// The statistics begin anew.
+    pub(super) fn restart_statistics(&mut self) {
+        self.statistics = self.bench.axes.iter().map(|axis| Statistics::new(&axis.axis)).collect();
+        self.changed.statistics = true;
+    }
+}
+
+impl Bench {
+    /// Whether there is something new.
+    pub fn is_changed(&self) -> bool {
+        let Seen { device, readings, notices, everything } = self.changed;
+        device || readings || notices || everything
+    }
+
+    /// What is new since this was asked last, with its numbers.
+    pub fn news(&mut self, applied: Option<&Calibration>) -> (Frame, Vec<f32>) {
+        self.seq += 1;
+        let changed = std::mem::take(&mut self.changed);
+        let news = self.told(changed, applied);
+        self.axes.iter_mut().for_each(|axis| axis.strips.mark_given());
+        news
+    }
+
+    /// All there is.
+    pub fn everything(&self, applied: Option<&Calibration>) -> (Frame, Vec<f32>) {
+        self.told(Seen { everything: true, ..Seen::default() }, applied)
+    }
+
+    fn told(&self, changed: Seen, applied: Option<&Calibration>) -> (Frame, Vec<f32>) {
         let all = changed.everything;
         let (mut strips, mut payload) = (Vec::new(), Vec::new());
         for (index, axis) in self.axes.iter().enumerate() {
@@ -55,18 +96,15 @@ impl Session {
         }
         let frame = Frame {
             seq: self.seq,
-            snapshot,
+            snapshot: all,
             strips,
             device: (all || changed.device).then(|| self.device()),
-            now: (all || changed.readings).then(|| self.now()),
+            now: (all || changed.readings).then(|| self.now(applied)),
             ledger: (all || changed.readings).then(|| self.ledger()),
             notices: (all || changed.notices).then(|| self.notices.all()),
-            statistics: (all || changed.statistics)
-                .then(|| self.statistics.iter().map(|one| one.shown().clone()).collect()),
-            calibration: (all || changed.calibration).then(|| self.calibrating.clone()),
-            calibrations: (all || changed.calibrations).then(|| self.shelf.entries()),
+            ..Frame::default()
         };
-        encode(&frame, &payload)
+        (frame, payload)
     }
 
     fn device(&self) -> Device {
@@ -93,18 +131,14 @@ impl Session {
         }
     }
 
-    fn now(&self) -> Now {
+    fn now(&self, applied: Option<&Calibration>) -> Now {
         let extrapolated = self.corrector.as_ref().is_some_and(|corrector| corrector.is_extrapolated());
-        let now = |axis: &AxisState| axis.now(self.shelf.applied(), extrapolated);
-        Now {
-            t_s: self.now_s(),
-            temp_c: self.axes.first().and_then(AxisState::temp_c),
-            axes: self.axes.iter().map(now).collect(),
-        }
+        let now = |axis: &AxisState| axis.now(applied, extrapolated);
+        Now { t_s: self.now_s(), temp_c: self.temp_c(), axes: self.axes.iter().map(now).collect() }
     }
 
     fn ledger(&self) -> Ledger {
-        let start_ns = self.start_ns.unwrap_or_default();
+        let start_ns = self.start_ns();
         let since_s = |t_ns: u64| t_ns.saturating_sub(start_ns) as f64 * 1e-9;
         let sum = |count: fn(&Health) -> u64| self.axes.iter().map(|axis| count(&axis.health)).sum();
         Ledger {
@@ -119,16 +153,10 @@ impl Session {
             duration_s: self.tally.duration_s(),
         }
     }
-
-    /// The statistics begin anew.
-    pub(super) fn restart_statistics(&mut self) {
-        self.statistics = self.axes.iter().map(|axis| Statistics::new(&axis.axis)).collect();
-        self.changed.statistics = true;
-    }
 }
 
 /// Length of the header, header, zeros, payload.
-fn encode(frame: &Frame, payload: &[f32]) -> Vec<u8> {
+pub fn encode(frame: &Frame, payload: &[f32]) -> Vec<u8> {
     // numbers, texts and lists of them; NaN becomes null
     let header = serde_json::to_vec(frame).unwrap_or_default();
     let padded = (4 + header.len()).next_multiple_of(4);

@@ -2,6 +2,7 @@
 
 mod ask;
 mod axis;
+mod bench;
 mod checkup;
 mod frame;
 mod guide;
@@ -12,14 +13,13 @@ mod strips;
 
 use crate::message::{Calibrating, CheckResult, DeviceState, Register};
 use adis16130_twin::Truth;
-use axis::{AxisState, BLOCK_NS};
-use checkup::Examination;
+pub(crate) use bench::Bench;
+pub(crate) use frame::encode;
 use guide::Guide;
-use notices::Notices;
 use shelf::Shelf;
 use statistics::Statistics;
-use zerorate::{Calibration, Correction, Corrector, Part, Reading, Tally};
-use zerorate_data::capture::{CaptureInfo, Layout, Row};
+use zerorate::{Calibration, Part, Tally};
+use zerorate_data::capture::{CaptureInfo, Row};
 
 /// What is being read.
 #[derive(Clone, Debug)]
@@ -85,71 +85,39 @@ pub enum HostWish {
 /// ```
 #[derive(Debug)]
 pub struct Session {
-    about: About,
-    state: DeviceState,
-    speed: f64,
-    layout: Layout,
-    axes: Vec<AxisState>,
+    bench: Bench,
     statistics: Vec<Statistics>,
-    /// Of the first seconds, until they are over.
-    examination: Option<Examination>,
-    corrector: Option<Corrector<Vec<Correction>>>,
     shelf: Shelf,
     calibrating: Calibrating,
     guide: Option<Guide>,
     /// What begins with the next reading, after the device was opened again.
     wanted: Option<Guide>,
     truths: Vec<Truth>,
-    tally: Tally,
-    missed: u64,
-    notices: Notices,
-    start_ns: Option<u64>,
-    last_ns: u64,
-    block_ends_ns: u64,
-    seq: u32,
     changed: Changed,
 }
 
-/// What the next frame must state.
+/// What the next frame must state beside what is seen.
 #[derive(Clone, Copy, Debug, Default)]
 struct Changed {
-    device: bool,
-    readings: bool,
-    notices: bool,
     statistics: bool,
     calibration: bool,
     calibrations: bool,
-    everything: bool,
 }
 
 impl Session {
     /// Of a device that was just opened.
     #[must_use]
     pub fn new(about: About) -> Self {
-        let layout = about.info.layout.clone();
-        let axes: Vec<AxisState> = about.part.axes.iter().map(AxisState::new).collect();
+        let bench = Bench::new(about);
         Self {
-            state: DeviceState::Opening,
-            speed: 1.0,
-            layout,
-            statistics: axes.iter().map(|axis| Statistics::new(&axis.axis)).collect(),
-            examination: Some(Examination::new(axes.len(), about.nominal_hz)),
-            axes,
-            corrector: None,
+            statistics: bench.axes.iter().map(|axis| Statistics::new(&axis.axis)).collect(),
+            bench,
             shelf: Shelf::default(),
             calibrating: Calibrating::Idle,
             guide: None,
             wanted: None,
             truths: Vec::new(),
-            tally: Tally::default(),
-            missed: 0,
-            notices: Notices::default(),
-            start_ns: None,
-            last_ns: 0,
-            block_ends_ns: BLOCK_NS,
-            seq: 0,
-            changed: Changed { everything: true, ..Changed::default() },
-            about,
+            changed: Changed::default(),
         }
     }
 
@@ -157,8 +125,8 @@ impl Session {
     /// that was asked for begins.
     #[must_use]
     pub fn reopened(self, about: About) -> Self {
-        let Self { speed, shelf, calibrating, wanted, seq, .. } = self;
-        let mut anew = Self { speed, shelf, calibrating, seq, ..Self::new(about) };
+        let Self { bench, shelf, calibrating, wanted, .. } = self;
+        let mut anew = Self { bench: bench.reopened(about.clone()), shelf, calibrating, ..Self::new(about) };
         let applied = anew.shelf.applied().map(Calibration::id);
         // another part than before may not bear it
         let _ = anew.apply(applied.as_deref());
@@ -171,68 +139,19 @@ impl Session {
     /// Takes a reading, in the order of time.
     #[inline]
     pub fn take(&mut self, row: &Row) {
-        let start_ns = *self.start_ns.get_or_insert(row.t_ns);
-        let at_ns = row.t_ns.saturating_sub(start_ns);
-        if at_ns >= self.block_ends_ns {
-            self.close_blocks(at_ns);
+        if self.bench.take(row, &mut self.statistics) {
+            self.look();
         }
-        self.last_ns = at_ns;
-        let scan = self.layout.scan(row);
-        if let Some(first) = scan.reading(0) {
-            self.tally.count(&first);
-        }
-        for index in 0..self.axes.len() {
-            if let Some(reading) = scan.reading(index) {
-                self.take_axis(index, at_ns, &reading);
-            }
-        }
-        self.changed.readings = true;
         if self.guide.is_some() {
+            let scan = self.bench.scan(row);
             self.guide(row, &scan);
         }
     }
 
-    #[inline]
-    fn take_axis(&mut self, index: usize, at_ns: u64, reading: &Reading) {
-        let corrector = self.corrector.as_ref();
-        let correct = |rate_dps| corrector.and_then(|corrector| corrector.correct(index, Some(rate_dps)));
-        let judged = self.axes[index].show(at_ns, reading, correct);
-        for _ in 0..reading.lost.min(MOST_FILLED) {
-            self.statistics[index].push(None);
-        }
-        let Some(judged) = judged else { return };
-        self.statistics[index].push(judged.rate());
-        if let Some(examination) = &mut self.examination {
-            examination.push(index, &judged);
-        }
-        let axis = &mut self.axes[index];
-        let corrected_dps = self.corrector.as_mut().and_then(|corrector| {
-            if let Some(temp) = judged.temp() {
-                corrector.read(Some(axis.axis.temp.value(temp.into())));
-            }
-            corrector.correct(index, judged.rate().map(|rate| axis.axis.rate.value(rate.into())))
-        });
-        axis.count(&judged, corrected_dps);
-    }
-
-    /// Ends the blocks that are over at a time.
+    /// At the end of a block: what takes longer than a reading should.
     #[cold]
-    fn close_blocks(&mut self, at_ns: u64) {
-        let over = (at_ns - self.block_ends_ns) / BLOCK_NS + 1;
-        self.block_ends_ns += over * BLOCK_NS;
-        for _ in 0..over.min(MOST_BLOCKS) {
-            for (axis, statistics) in self.axes.iter_mut().zip(&mut self.statistics) {
-                let block = axis.close_block();
-                statistics.push_block(&block, axis.is_at_rest());
-            }
-        }
-        let start_ns = self.start_ns.unwrap_or_default();
-        let ended = self.examination.as_ref().and_then(|one| one.ended(&self.axes, &self.tally, start_ns));
-        if let Some(checks) = ended {
-            self.examination = None;
-            self.checked(checks);
-        }
-        let temp_c = self.axes.first().and_then(AxisState::temp_c);
+    fn look(&mut self) {
+        let temp_c = self.bench.temp_c();
         if let Some(guide) = &mut self.guide {
             guide.look(temp_c);
             self.changed.calibration = true;
@@ -241,14 +160,13 @@ impl Session {
 
     /// What the source has to say: `code: text`, or a text.
     pub fn note(&mut self, text: &str) {
-        self.notices.push(text, self.now_s());
-        self.changed.notices = true;
+        self.bench.note(text);
     }
 
     /// So many samples did not come here, but are no loss of the device.
     pub fn missed(&mut self, samples: u64) {
-        self.missed += samples;
-        self.changed.readings = true;
+        self.bench.missed += samples;
+        self.bench.changed.readings = true;
     }
 
     /// What the twin knows of itself, with the newest samples.
@@ -260,18 +178,17 @@ impl Session {
     /// What was read since the device was opened.
     #[must_use]
     pub fn tally(&self) -> &Tally {
-        &self.tally
+        &self.bench.tally
     }
 
     /// What the check of the connection found, beside what was known when the device was opened.
     pub fn checked(&mut self, checks: impl IntoIterator<Item = CheckResult>) {
-        self.about.checks.extend(checks);
-        self.changed.device = true;
+        self.bench.checked(checks);
     }
 
     /// How it is with the device.
     pub fn state(&mut self, state: DeviceState) {
-        if self.state == state {
+        if self.bench.state == state {
             return;
         }
         match &state {
@@ -279,8 +196,7 @@ impl Session {
             DeviceState::Failed { why } => self.abort_guide(why.clone()),
             DeviceState::Opening | DeviceState::Reading => {}
         }
-        self.state = state;
-        self.changed.device = true;
+        self.bench.state(state);
     }
 
     /// Puts a calibration on file, by its TOML; its id.
@@ -297,7 +213,7 @@ impl Session {
     /// # Errors
     /// It is not on file, or of another part.
     pub fn apply(&mut self, id: Option<&str>) -> Result<(), String> {
-        self.corrector = self.shelf.apply(id, &self.about.part)?;
+        self.bench.corrector = self.shelf.apply(id, &self.bench.about.part)?;
         self.changed.calibrations = true;
         Ok(())
     }
@@ -306,12 +222,4 @@ impl Session {
     pub fn calibrations(&self) -> impl Iterator<Item = &Calibration> {
         self.shelf.all()
     }
-
-    fn now_s(&self) -> f64 {
-        self.last_ns as f64 * 1e-9
-    }
 }
-
-/// Readings that are filled in for one gap at most, and blocks: what was lost beyond is a gap in time.
-const MOST_FILLED: u32 = 100_000;
-const MOST_BLOCKS: u64 = 36_000;

@@ -2,6 +2,7 @@
 //! however long it runs.
 
 use super::axis::{BLOCK_S, Block};
+use super::bench::Onlooker;
 use crate::message::{
     AllanPoint, Coefficient, MarkKind, SpectrumMark, SpectrumPoint, Statistics as Shown, TemperaturePoint,
 };
@@ -38,6 +39,18 @@ pub struct Statistics {
     shown: Shown,
     fit: Option<allan::Fit>,
     fitted_s: f64,
+}
+
+/// Of each axis.
+impl Onlooker for Vec<Statistics> {
+    #[inline]
+    fn reading(&mut self, axis: usize, code: Option<i32>) {
+        self[axis].push(code);
+    }
+
+    fn block(&mut self, axis: usize, block: &Block, at_rest: bool) {
+        self[axis].push_block(block, at_rest);
+    }
 }
 
 impl Statistics {

@@ -1,0 +1,191 @@
+//! What is seen of a device as its readings come: strips, numbers, rest, ledger, checks of the connection.
+
+use super::About;
+use super::axis::{AxisState, BLOCK_NS, Block};
+use super::checkup::Examination;
+use super::notices::Notices;
+use crate::message::{CheckResult, DeviceState};
+use zerorate::{Correction, Corrector, Reading, Scan, Tally};
+use zerorate_data::capture::{Layout, Row};
+
+/// A device that is being read.
+#[derive(Debug)]
+pub struct Bench {
+    pub about: About,
+    pub axes: Vec<AxisState>,
+    pub corrector: Option<Corrector<Vec<Correction>>>,
+    pub tally: Tally,
+    pub notices: Notices,
+    pub(super) state: DeviceState,
+    pub(super) speed: f64,
+    pub(super) missed: u64,
+    pub(super) seq: u32,
+    pub(super) changed: Seen,
+    layout: Layout,
+    /// Of the first seconds, until they are over.
+    examination: Option<Examination>,
+    start_ns: Option<u64>,
+    last_ns: u64,
+    block_ends_ns: u64,
+}
+
+/// What the next frame must state.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Seen {
+    pub device: bool,
+    pub readings: bool,
+    pub notices: bool,
+    pub everything: bool,
+}
+
+/// Who looks on, at what is to be believed of the readings.
+pub trait Onlooker {
+    /// A reading of an axis; none where it is lost or not to be believed.
+    fn reading(&mut self, axis: usize, code: Option<i32>);
+
+    /// A block of an axis that is over.
+    fn block(&mut self, axis: usize, block: &Block, at_rest: bool);
+}
+
+/// Nobody.
+impl Onlooker for () {
+    fn reading(&mut self, _: usize, _: Option<i32>) {}
+
+    fn block(&mut self, _: usize, _: &Block, _: bool) {}
+}
+
+/// Readings that are filled in for one gap at most, and blocks: what was lost beyond is a gap in time.
+const MOST_FILLED: u32 = 100_000;
+const MOST_BLOCKS: u64 = 36_000;
+
+impl Bench {
+    /// Of a device that was just opened.
+    pub fn new(about: About) -> Self {
+        let axes: Vec<AxisState> = about.part.axes.iter().map(AxisState::new).collect();
+        Self {
+            state: DeviceState::Opening,
+            speed: 1.0,
+            layout: about.info.layout.clone(),
+            examination: Some(Examination::new(axes.len(), about.nominal_hz)),
+            axes,
+            corrector: None,
+            tally: Tally::default(),
+            missed: 0,
+            notices: Notices::default(),
+            start_ns: None,
+            last_ns: 0,
+            block_ends_ns: BLOCK_NS,
+            seq: 0,
+            changed: Seen { everything: true, ..Seen::default() },
+            about,
+        }
+    }
+
+    /// Of the same device, opened again.
+    pub fn reopened(&self, about: About) -> Self {
+        Self { speed: self.speed, seq: self.seq, ..Self::new(about) }
+    }
+
+    /// Takes a reading, in the order of time; whether blocks ended before it.
+    #[inline]
+    pub fn take(&mut self, row: &Row, onlooker: &mut impl Onlooker) -> bool {
+        let start_ns = *self.start_ns.get_or_insert(row.t_ns);
+        let at_ns = row.t_ns.saturating_sub(start_ns);
+        let ends_blocks = at_ns >= self.block_ends_ns;
+        if ends_blocks {
+            self.close_blocks(at_ns, onlooker);
+        }
+        self.last_ns = at_ns;
+        let scan = self.layout.scan(row);
+        if let Some(first) = scan.reading(0) {
+            self.tally.count(&first);
+        }
+        for index in 0..self.axes.len() {
+            if let Some(reading) = scan.reading(index) {
+                self.take_axis(index, at_ns, &reading, onlooker);
+            }
+        }
+        self.changed.readings = true;
+        ends_blocks
+    }
+
+    /// What all axes read at once.
+    pub fn scan(&self, row: &Row) -> Scan {
+        self.layout.scan(row)
+    }
+
+    #[inline]
+    fn take_axis(&mut self, index: usize, at_ns: u64, reading: &Reading, onlooker: &mut impl Onlooker) {
+        let corrector = self.corrector.as_ref();
+        let correct = |rate_dps| corrector.and_then(|corrector| corrector.correct(index, Some(rate_dps)));
+        let judged = self.axes[index].show(at_ns, reading, correct);
+        for _ in 0..reading.lost.min(MOST_FILLED) {
+            onlooker.reading(index, None);
+        }
+        let Some(judged) = judged else { return };
+        onlooker.reading(index, judged.rate());
+        if let Some(examination) = &mut self.examination {
+            examination.push(index, &judged);
+        }
+        let axis = &mut self.axes[index];
+        let corrected_dps = self.corrector.as_mut().and_then(|corrector| {
+            if let Some(temp) = judged.temp() {
+                corrector.read(Some(axis.axis.temp.value(temp.into())));
+            }
+            corrector.correct(index, judged.rate().map(|rate| axis.axis.rate.value(rate.into())))
+        });
+        axis.count(&judged, corrected_dps);
+    }
+
+    /// Ends the blocks that are over at a time.
+    #[cold]
+    fn close_blocks(&mut self, at_ns: u64, onlooker: &mut impl Onlooker) {
+        let over = (at_ns - self.block_ends_ns) / BLOCK_NS + 1;
+        self.block_ends_ns += over * BLOCK_NS;
+        for _ in 0..over.min(MOST_BLOCKS) {
+            for (index, axis) in self.axes.iter_mut().enumerate() {
+                let block = axis.close_block();
+                onlooker.block(index, &block, axis.is_at_rest());
+            }
+        }
+        let start_ns = self.start_ns();
+        let ended = self.examination.as_ref().and_then(|one| one.ended(&self.axes, &self.tally, start_ns));
+        if let Some(checks) = ended {
+            self.examination = None;
+            self.checked(checks);
+        }
+    }
+
+    /// How it is with the device.
+    pub fn state(&mut self, state: DeviceState) {
+        self.state = state;
+        self.changed.device = true;
+    }
+
+    /// What there is to say: `code: text`, or a text.
+    pub fn note(&mut self, text: &str) {
+        self.notices.push(text, self.now_s());
+        self.changed.notices = true;
+    }
+
+    /// What the check of the connection found, beside what was known before.
+    pub fn checked(&mut self, checks: impl IntoIterator<Item = CheckResult>) {
+        self.about.checks.extend(checks);
+        self.changed.device = true;
+    }
+
+    /// Time of the first reading, ns.
+    pub fn start_ns(&self) -> u64 {
+        self.start_ns.unwrap_or_default()
+    }
+
+    /// Time of the newest reading since the first, s.
+    pub fn now_s(&self) -> f64 {
+        self.last_ns as f64 * 1e-9
+    }
+
+    /// Mean temperature over the last second, °C.
+    pub fn temp_c(&self) -> Option<f64> {
+        self.axes.first().and_then(AxisState::temp_c)
+    }
+}
