@@ -34,12 +34,13 @@ impl Live {
         Ok(live)
     }
 
-    /// The same session with another device; calibrations stay on file.
+    /// The same session with another device; calibrations stay on file, and one under way ends without a result.
     ///
     /// # Errors
     /// It cannot be opened; then the old one goes on.
     pub fn instead(&mut self, open: Open, now_ms: f64) -> Result<(), String> {
         let source = open(now_ms)?;
+        self.session.abort_calibration("another device was opened");
         self.open = open;
         self.pace = Pace::of(&source.about());
         self.session.speed(1.0);

@@ -291,3 +291,60 @@ fn a_device_that_fails_ends_its_calibration() {
         (&json!("aborted"), &json!("the cable was pulled"))
     );
 }
+
+/// Before its time is up, by who has seen enough of the temperature.
+#[test]
+fn a_cycle_is_finished_by_hand() {
+    let mut session = Session::new(about());
+    session.ask(r#"{"id": 1, "do": "calibrate", "method": "cycle"}"#);
+    let mut session = session.reopened(about());
+    let mut device = Device::open("seed=5,warmup_s=100");
+    feed(&mut session, &mut device, 30.0);
+    let finish = json!({ "id": 2, "do": "finish-calibration" });
+    let (frame, _) = read(&session.frame().unwrap());
+    assert_eq!(frame["calibration"]["can_finish"], false);
+    for to_c in [45.0, 25.0] {
+        device.twin.set_ambient(to_c, 300.0);
+        feed(&mut session, &mut device, 320.0);
+    }
+    let (frame, _) = read(&session.frame().unwrap());
+    assert_eq!((&frame["calibration"]["is"], &frame["calibration"]["can_finish"]), (&json!("running"), &json!(true)));
+    assert_eq!(asked(&mut session, finish)["ok"], json!({}));
+    let (frame, _) = read(&session.frame().unwrap());
+    let done = &frame["calibration"];
+    assert_eq!((&done["is"], &done["entry"]["method"]), (&json!("done"), &json!("cycle")), "{done}");
+    for point in done["axes"][0]["curve"].as_array().unwrap() {
+        let off = number(&point["correction_dps"]) - number(&point["truth_dps"]);
+        assert!(off.abs() < 4.0 * number(&point["u_dps"]), "{point}");
+    }
+}
+
+const ON_FILE: &str = include_str!("../../zerorate-cli/tests/golden/short.toml");
+
+/// What was integrated before is that of another rate.
+#[test]
+fn an_angle_is_of_one_correction() {
+    let (mut session, mut device) = (Session::new(about()), Device::open("seed=3,bias_dps=5"));
+    feed(&mut session, &mut device, 15.0);
+    let angle = |session: &mut Session| read(&session.snapshot()).0["now"]["axes"][0].clone();
+    assert!((number(&angle(&mut session)["angle_deg"]) - 75.0).abs() < 4.0);
+    let before_deg = number(&angle(&mut session)["u_angle_deg"]);
+    let id = session.add_calibration(ON_FILE).unwrap();
+    session.apply(Some(&id)).unwrap();
+    feed(&mut session, &mut device, 0.4);
+    let after = angle(&mut session);
+    assert!(number(&after["angle_deg"]).abs() < 4.0 && number(&after["u_angle_deg"]) < before_deg, "{after}");
+}
+
+#[test]
+fn a_part_that_does_not_bear_a_calibration_has_none_applied() {
+    let mut session = Session::new(about());
+    let id = session.add_calibration(ON_FILE).unwrap();
+    session.apply(Some(&id)).unwrap();
+    let session = session.reopened(about());
+    assert_eq!(read(&session.snapshot()).0["calibrations"][0]["applied"], true);
+    let part = Part { name: "another".into(), ..Part::ADIS16130 };
+    let (frame, _) = read(&session.reopened(About { part, ..about() }).snapshot());
+    assert_eq!(frame["calibrations"][0]["applied"], false);
+    assert!(frame["notices"][0]["text"].as_str().unwrap().contains("no longer"), "{}", frame["notices"]);
+}

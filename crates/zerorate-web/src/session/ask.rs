@@ -35,8 +35,14 @@ impl Session {
         }
     }
 
-    /// The answer to what the owner of the device was to do.
+    /// The answer to what the owner of the device was to do. A calibration that waits for a device that cannot be opened
+    /// is over.
     pub fn done(&mut self, id: u32, result: Result<(), String>) -> String {
+        if let Err(why) = &result
+            && self.wanted.is_some()
+        {
+            self.abort_calibration(why);
+        }
         written(id, result.map(|()| Given::Nothing {}))
     }
 
@@ -49,7 +55,7 @@ impl Session {
     fn wish(&mut self, wish: Wish) -> Result<Wished, String> {
         match wish {
             Wish::Calibrate(wish) => return self.calibrate(&wish).map(|()| Wished::Host(HostWish::Reopen)),
-            Wish::AbortCalibration => self.abort_guide("it was ended by hand".to_owned()),
+            Wish::AbortCalibration => self.abort_calibration("it was ended by hand"),
             Wish::FinishCalibration => self.finish_guide()?,
             Wish::DismissCalibration => self.dismiss()?,
             Wish::Apply { calibration } => self.apply(calibration.as_deref())?,
@@ -65,7 +71,7 @@ impl Session {
             Wish::ZeroAngle => self.bench.axes.iter_mut().for_each(|axis| axis.angle.zero()),
             Wish::Speed { factor } => return self.wish_speed(factor),
             Wish::Reopen => {
-                self.abort_guide("the device was opened again".to_owned());
+                self.abort_calibration("the device was opened again");
                 return Ok(Wished::Host(HostWish::Reopen));
             }
         }
@@ -97,18 +103,20 @@ impl Session {
         Ok(())
     }
 
-    /// What is under way or about to begin.
-    fn method(&self) -> Option<MethodName> {
+    /// By which method a calibration is under way or about to begin.
+    #[must_use]
+    pub fn method(&self) -> Option<MethodName> {
         match &self.calibrating {
             Calibrating::Running(Running { method, .. }) => Some(*method),
             _ => None,
         }
     }
 
-    pub(super) fn abort_guide(&mut self, why: String) {
+    /// Ends what is under way or about to begin without a result, and says why.
+    pub fn abort_calibration(&mut self, why: &str) {
         let Some(method) = self.method() else { return };
         (self.guide, self.wanted) = (None, None);
-        self.calibrating = Calibrating::Aborted { method, text: why };
+        self.calibrating = Calibrating::Aborted { method, text: why.to_owned() };
         self.changed.calibration = true;
     }
 
@@ -133,10 +141,10 @@ impl Session {
 
     /// A recording has ended: enough for the methods that take all of it.
     pub(super) fn end_guide(&mut self, otherwise: &str) {
-        let Some(guide) = &mut self.guide else { return self.abort_guide(otherwise.to_owned()) };
+        let Some(guide) = &mut self.guide else { return self.abort_calibration(otherwise) };
         match guide.end_recording() {
             Ok(true) => self.complete_guide(),
-            Ok(false) => self.abort_guide(otherwise.to_owned()),
+            Ok(false) => self.abort_calibration(otherwise),
             Err(why) => self.refuse_guide(why),
         }
     }

@@ -1,7 +1,7 @@
 //! What is seen of a device as its readings come: strips, numbers, rest, ledger, checks of the connection.
 
 use super::About;
-use super::axis::{AxisState, BLOCK_NS, Block};
+use super::axis::{Angle, AxisState, BLOCK_NS, Block};
 use super::checkup::Examination;
 use super::notices::Notices;
 use crate::message::{CheckResult, DeviceState};
@@ -13,7 +13,7 @@ use zerorate_data::capture::{Layout, Row};
 pub struct Bench {
     pub about: About,
     pub axes: Vec<AxisState>,
-    pub corrector: Option<Corrector<Vec<Correction>>>,
+    pub(super) corrector: Option<Corrector<Vec<Correction>>>,
     pub tally: Tally,
     pub notices: Notices,
     pub(super) state: DeviceState,
@@ -135,6 +135,12 @@ impl Bench {
             corrector.correct(index, judged.rate().map(|rate| axis.axis.rate.value(rate.into())))
         });
         axis.count(&judged, corrected_dps);
+    }
+
+    /// Corrects so from here on. The angle begins anew: it would be part of one correction and part of another.
+    pub fn correct(&mut self, corrector: Option<Corrector<Vec<Correction>>>) {
+        self.corrector = corrector;
+        self.axes.iter_mut().for_each(|axis| axis.angle = Angle::default());
     }
 
     /// Ends the blocks that are over at a time.

@@ -122,18 +122,27 @@ impl Session {
     }
 
     /// Of the same device, opened again: everything begins anew, but calibrations stay on file, and the calibration
-    /// that was asked for begins.
+    /// that was asked for begins; one that had begun is over.
     #[must_use]
     pub fn reopened(self, about: About) -> Self {
-        let Self { bench, shelf, calibrating, wanted, .. } = self;
+        let Self { bench, shelf, calibrating, guide, wanted, .. } = self;
         let mut anew = Self { bench: bench.reopened(about.clone()), shelf, calibrating, ..Self::new(about) };
-        let applied = anew.shelf.applied().map(Calibration::id);
-        // another part than before may not bear it
-        let _ = anew.apply(applied.as_deref());
-        if anew.guide.is_none() && matches!(anew.calibrating, Calibrating::Running(_)) {
-            anew.guide = wanted;
+        anew.apply_again();
+        // a bridge is opened when that is asked for, and once more when its part has answered
+        anew.guide = wanted.or(guide).filter(|guide| !guide.has_begun());
+        if anew.guide.is_none() {
+            anew.abort_calibration("the device was opened again");
         }
         anew
+    }
+
+    /// What was applied before, unless the part does not bear it.
+    fn apply_again(&mut self) {
+        let applied = self.shelf.applied().map(Calibration::id);
+        if let Err(why) = self.apply(applied.as_deref()) {
+            self.shelf.apply_none();
+            self.note(&format!("The calibration that was applied no longer is: {why}"));
+        }
     }
 
     /// Takes a reading, in the order of time.
@@ -193,7 +202,7 @@ impl Session {
         }
         match &state {
             DeviceState::Ended => self.end_guide("the recording ended before the procedure did"),
-            DeviceState::Failed { why } => self.abort_guide(why.clone()),
+            DeviceState::Failed { why } => self.abort_calibration(why),
             DeviceState::Opening | DeviceState::Reading => {}
         }
         self.bench.state(state);
@@ -208,14 +217,20 @@ impl Session {
         self.shelf.add_file(toml)
     }
 
-    /// Applies a calibration on file, or none.
+    /// Applies a calibration on file, or none; the angle is zero then.
     ///
     /// # Errors
     /// It is not on file, or of another part.
     pub fn apply(&mut self, id: Option<&str>) -> Result<(), String> {
-        self.bench.corrector = self.shelf.apply(id, &self.bench.about.part)?;
+        self.bench.correct(self.shelf.apply(id, &self.bench.about.part)?);
         self.changed.calibrations = true;
         Ok(())
+    }
+
+    /// The calibration that is applied.
+    #[must_use]
+    pub fn applied(&self) -> Option<&Calibration> {
+        self.shelf.applied()
     }
 
     /// Calibrations on file, the newest last.

@@ -46,7 +46,7 @@ impl Shelf {
     /// What applies it to the axes of a part.
     pub fn apply(&mut self, id: Option<&str>, part: &Part) -> Result<Option<Corrector<Vec<Correction>>>, String> {
         let Some(id) = id else {
-            self.applied = None;
+            self.apply_none();
             return Ok(None);
         };
         let calibration = self.known(id)?;
@@ -54,6 +54,11 @@ impl Shelf {
         let corrector = calibration.corrector(&part.name, axes).map_err(|error| error.to_string())?;
         self.applied = Some(id.to_owned());
         Ok(Some(corrector))
+    }
+
+    /// From here on none is applied.
+    pub fn apply_none(&mut self) {
+        self.applied = None;
     }
 
     pub fn entries(&self) -> Vec<CalibrationEntry> {

@@ -110,6 +110,11 @@ impl Guide {
         self.way.take(scan)
     }
 
+    /// Whether it took a reading.
+    pub const fn has_begun(&self) -> bool {
+        self.begun
+    }
+
     /// Ends a recording here; false where the method has steps that are still to come.
     pub fn end_recording(&mut self) -> Result<bool, String> {
         self.way.end_recording()
