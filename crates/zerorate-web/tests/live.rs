@@ -6,7 +6,10 @@ mod firmware;
 
 use adis16130_twin::{Fault, Spec, Twin};
 use serde_json::Value;
+use std::cell::Cell;
 use std::collections::VecDeque;
+use std::ops::Range;
+use std::rc::Rc;
 use zerorate_web::live::{Live, Open};
 use zerorate_web::source::{Bridge, Replay, Source, TwinSource};
 
@@ -87,13 +90,29 @@ struct Page {
     to_bridge: VecDeque<u8>,
     /// So many messages of the bridge are lost first.
     to_lose: u32,
+    /// When the window that has the port passes nothing on, ms, and what waits there.
+    blocked_ms: Range<f64>,
+    held: Vec<u8>,
 }
 
 impl Page {
     fn new(to_lose: u32) -> Self {
         let open: Open = Box::new(|now_ms| Ok(Box::new(Bridge::open(now_ms)) as Box<dyn Source>));
         let live = Live::open(open, 0.0).expect("a bridge that is not there yet");
-        Self { live, now_ms: 0.0, until_ms: 10_000.0, to_bridge: VecDeque::new(), to_lose }
+        let (to_bridge, held) = (VecDeque::new(), Vec::new());
+        Self { live, now_ms: 0.0, until_ms: 10_000.0, to_bridge, to_lose, blocked_ms: 0.0..0.0, held }
+    }
+
+    /// Reads the part behind the bridge up to a time.
+    fn read_until(&mut self, twin: &Twin, until_ms: f64) -> Value {
+        self.until_ms = until_ms;
+        assert!(firmware::serve(twin, "test 1.0", self).is_err());
+        self.live.session().frame();
+        seen(&mut self.live)
+    }
+
+    fn is_blocked(&self) -> bool {
+        self.blocked_ms.contains(&self.now_ms)
     }
 
     fn samples(&mut self) -> u64 {
@@ -112,7 +131,9 @@ impl firmware::Port for Page {
             self.now_ms += 0.2;
             let now_ms = self.now_ms;
             self.live.turn(&mut || now_ms, 25.0);
-            self.to_bridge.extend(self.live.to_send());
+            if !self.is_blocked() {
+                self.to_bridge.extend(self.live.to_send());
+            }
             if now_ms > self.until_ms {
                 return Err(());
             }
@@ -127,7 +148,10 @@ impl firmware::Port for Page {
             self.to_lose -= 1;
             return Ok(());
         }
-        self.live.received(bytes, self.now_ms);
+        self.held.extend(bytes);
+        if !self.is_blocked() {
+            self.live.received(&std::mem::take(&mut self.held), self.now_ms);
+        }
         Ok(())
     }
 }
@@ -157,4 +181,56 @@ fn a_part_that_goes_dead_and_a_bridge_that_is_silent_are_said() {
     let state = seen(&mut page.live)["device"]["state"].clone();
     assert!(state["why"].as_str().is_some_and(|why| why.contains("does not answer")), "{state}");
     page.live.unplugged("NetworkError");
+}
+
+#[test]
+fn a_window_that_is_blocked_for_a_while_loses_nothing() {
+    let mut page = Page::new(0);
+    page.blocked_ms = 1000.0..9000.0;
+    let seen = page.read_until(&Twin::new(Spec::from_seed(7)), 10_000.0);
+    assert_eq!((&seen["device"]["state"]["is"], &seen["ledger"]["lost"]), (&"reading".into(), &0.into()), "{seen}");
+    let mut page = Page::new(0);
+    page.blocked_ms = 1000.0..f64::INFINITY;
+    let state = page.read_until(&Twin::new(Spec::from_seed(7)), 33_000.0)["device"]["state"].clone();
+    assert!(state["why"].as_str().is_some_and(|why| why.contains("the window that reads its port")), "{state}");
+}
+
+/// The device is opened when that is asked for, and once more when the part has answered.
+#[test]
+fn a_part_behind_a_bridge_is_calibrated() {
+    let spec = Spec::parse_keys("seed=7,warmup_s=3").expect("keys");
+    let (twin, mut page) = (Twin::new(spec), Page::new(0));
+    page.read_until(&twin, 500.0);
+    let wish = r#"{"id": 1, "do": "calibrate", "method": "an1042", "average_s": 4, "warmup_s": 10, "settle_s": 5,
+        "offset_s": 4}"#;
+    assert!(page.live.ask(wish, page.now_ms).contains("ok"));
+    let calibration = page.read_until(&twin, 40_000.0)["calibration"].clone();
+    assert_eq!(calibration["is"], "done", "{calibration}");
+    let curve = calibration["axes"][0]["curve"].as_array().expect("a curve");
+    assert!(curve.iter().all(|point| point["correction_dps"].is_number()), "{calibration}");
+}
+
+#[test]
+fn a_calibration_ends_when_its_device_is_gone() {
+    let mut now_ms = 0.0;
+    let gone = Rc::new(Cell::new(false));
+    let is_gone = gone.clone();
+    let open = move |_| match is_gone.get() {
+        true => Err("the part is gone".to_owned()),
+        false => Ok(Box::new(TwinSource::open("seed=7")?) as Box<dyn Source>),
+    };
+    let mut live = Live::open(Box::new(open), now_ms).expect("a twin");
+    let wish = r#"{"id": 1, "do": "calibrate", "method": "an1042"}"#;
+    gone.set(true);
+    assert!(live.ask(wish, now_ms).contains("the part is gone"));
+    let calibration = seen(&mut live)["calibration"].clone();
+    assert_eq!((&calibration["is"], &calibration["text"]), (&"aborted".into(), &"the part is gone".into()));
+    gone.set(false);
+    assert!(live.ask(wish, now_ms).contains("ok"));
+    run(&mut live, &mut now_ms, 200.0, 0.001);
+    assert_eq!(seen(&mut live)["calibration"]["is"], "running");
+    live.instead(twin("seed=8"), now_ms).expect("another twin");
+    run(&mut live, &mut now_ms, 200.0, 0.001);
+    let calibration = seen(&mut live)["calibration"].clone();
+    assert_eq!((&calibration["is"], &calibration["text"]), (&"aborted".into(), &"another device was opened".into()));
 }

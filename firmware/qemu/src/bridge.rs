@@ -39,7 +39,9 @@ pub fn serve<P: Port>(twin: &Twin, firmware: &'static str, port: &mut P) -> Resu
         while let Some(byte) = port.read(!station.is_sampling())? {
             if let Some(Ok(request)) = requests.push(byte) {
                 // time does not stand still while nothing is sampled, so that RDY shows a host that it lives
-                let _ = next_edge(twin, &mut station);
+                if let Some(message) = next_edge(twin, &mut station) {
+                    send(port, &message)?;
+                }
                 send(port, &at_once(station.request(&request)))?;
             }
         }

@@ -17,7 +17,7 @@ use std::future::Future;
 use std::pin::Pin;
 use std::rc::Rc;
 use std::task::{Context, Poll, Waker};
-use wire::{Heard, Reply, Shared, Transfers, WireError};
+use wire::{Reply, Shared, Transfers, WireError};
 use zerorate_data::capture::Row;
 
 /// A part behind a bridge at a serial port.
@@ -32,8 +32,11 @@ pub struct Bridge {
 /// SPI clock that is asked for, Hz: half of what the part can (F-21), as the program does.
 const SCLK_HZ: u32 = MAX_SCLK_HZ / 2;
 
-/// So long without a sample is a failure, ms.
-const SILENCE_MS: f64 = 1000.0;
+/// So long without a sample is a failure of the part, ms.
+const SILENCE_MS: u32 = 1000;
+/// The window that has the port may be kept from passing anything on for so long beyond that, ms: by a dialog, or by a
+/// browser that spares what nobody sees.
+const BLOCKED_MS: u32 = 30_000;
 
 const SILENT: &str = "the bridge does not answer: is it a bridge (docs/formats/bridge.md) whose firmware runs, and \
     does nobody else read it?";
@@ -129,7 +132,7 @@ async fn measure(shared: Shared, config: Config) -> Result<Infallible, String> {
     let start = Ask::Start { every_temp, divider, mclk_hz: MCLK_HZ };
     wire::ask(&shared, start, |reply| matches!(reply, Reply::Started).then_some(())).await.map_err(told)?;
     let mut continuity = Continuity::new(config.width());
-    while let Heard::Sample(reading) = wire::hear(&shared, SILENCE_MS).await {
+    while let Some(reading) = wire::sample(&shared, SILENCE_MS, BLOCKED_MS).await.map_err(told)? {
         let row = Row::from(&continuity.sample(&reading));
         shared.borrow_mut().rows.push_back(row);
     }

@@ -42,7 +42,7 @@ pub enum Heard {
     /// With the tag of its request.
     Answer(u8, Reply),
     Sample(WireSample),
-    /// It samples no more, or is silent.
+    /// It samples no more.
     Ended,
 }
 
@@ -66,6 +66,8 @@ pub enum Reply {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WireError {
     Silent,
+    /// Nothing at all came for so long while it sampled, ms.
+    Blocked(u32),
     Refused(Refusal),
     Unsupported,
 }
@@ -74,6 +76,13 @@ impl Display for WireError {
     fn fmt(&self, f: &mut Formatter<'_>) -> Printed {
         match self {
             Self::Silent => write!(f, "the bridge did not answer within {} s", ANSWER_MS * f64::from(ATTEMPTS) / 1e3),
+            Self::Blocked(for_ms) => write!(
+                f,
+                "nothing came from the bridge for {} s: the window that reads its port is blocked (by a dialog, or by \
+                 the browser while nobody sees it), or the bridge hangs; bring that window to the front, and open the \
+                 port again",
+                for_ms / 1000
+            ),
             Self::Refused(refusal) => write!(f, "the bridge refused: {refusal}"),
             Self::Unsupported => f.write_str("the bridge cannot do this transfer"),
         }
@@ -162,18 +171,33 @@ pub async fn ask<T>(shared: &Shared, ask: Ask<'_>, take: impl Fn(Reply) -> Optio
     Err(WireError::Silent)
 }
 
-/// The next sample; `Ended` as well where none comes for so long.
-pub async fn hear(shared: &Shared, silence_ms: f64) -> Heard {
-    let deadline_ms = shared.borrow().now_ms + silence_ms;
+/// The next sample; none where the part brings none for so long, ms.
+///
+/// Silence may be that of whoever moves the bytes instead. So the bridge is asked for anything: if it answers, the part
+/// is silent; else what is on its way may come for so much longer, ms.
+pub async fn sample(shared: &Shared, silence_ms: u32, blocked_ms: u32) -> Result<Option<WireSample>, WireError> {
+    let heard = match hear(shared, silence_ms, None).await {
+        None => {
+            let tag = shared.borrow_mut().send(Ask::LastEdge)?;
+            hear(shared, blocked_ms, Some(tag)).await.ok_or(WireError::Blocked(blocked_ms))?
+        }
+        Some(heard) => heard,
+    };
+    Ok(if let Heard::Sample(sample) = heard { Some(sample) } else { None })
+}
+
+/// What comes within so long, ms; of answers, the one with this tag alone.
+async fn hear(shared: &Shared, within_ms: u32, wanted: Option<u8>) -> Option<Heard> {
+    let deadline_ms = shared.borrow().now_ms + f64::from(within_ms);
     poll_fn(|_| {
         let mut wire = shared.borrow_mut();
         while let Some(heard) = wire.heard.pop_front() {
             // a second answer to a request that was sent twice is none
-            if !matches!(heard, Heard::Answer(..)) {
-                return Poll::Ready(heard);
+            if !matches!(heard, Heard::Answer(tag, _) if wanted != Some(tag)) {
+                return Poll::Ready(Some(heard));
             }
         }
-        if wire.now_ms >= deadline_ms { Poll::Ready(Heard::Ended) } else { Poll::Pending }
+        if wire.now_ms >= deadline_ms { Poll::Ready(None) } else { Poll::Pending }
     })
     .await
 }
