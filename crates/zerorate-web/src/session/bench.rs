@@ -174,6 +174,11 @@ impl Bench {
         self.changed.notices = true;
     }
 
+    /// All that is the case with the readings now: `code: text` each.
+    pub fn stand(&mut self, findings: &[String]) {
+        self.changed.notices |= self.notices.stand(findings, self.now_s());
+    }
+
     /// What the check of the connection found, beside what was known before.
     pub fn checked(&mut self, checks: impl IntoIterator<Item = CheckResult>) {
         self.about.checks.extend(checks);

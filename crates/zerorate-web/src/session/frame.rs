@@ -41,7 +41,7 @@ impl Session {
         if self.changed.statistics {
             let axes = self.bench.axes.iter().map(|axis| (axis.name.as_str(), &axis.health));
             let said = believed::of_axes(axes, &self.bench.tally, self.bench.start_ns());
-            said.iter().for_each(|text| self.note(text));
+            self.bench.stand(&said);
         }
         if let Some(guide) = &self.guide {
             self.calibrating = guide.shown();

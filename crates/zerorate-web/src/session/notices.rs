@@ -8,26 +8,85 @@ const MOST: usize = 100;
 /// The newest last.
 #[derive(Debug, Default)]
 pub struct Notices {
-    kept: Vec<Notice>,
+    kept: Vec<Kept>,
+}
+
+#[derive(Debug)]
+struct Kept {
+    notice: Notice,
+    axis: String,
+    /// It is so now, and does not only happen once in a while.
+    stands: bool,
+}
+
+/// `code: text`, `code: axis NAME: text`, or a text without a code.
+#[derive(Clone, Copy)]
+struct Said<'a> {
+    code: &'a str,
+    /// Which one it is of, where a part has several.
+    axis: &'a str,
+    text: &'a str,
+}
+
+impl<'a> Said<'a> {
+    fn of(said: &'a str) -> Self {
+        let is_code = |code: &&str| code.contains(|c: char| c.is_ascii_lowercase()) && !code.contains(' ');
+        let (code, text) = said.split_once(": ").filter(|(code, _)| is_code(code)).unwrap_or(("", said));
+        let named = text.strip_prefix("axis ").and_then(|named| named.split_once(": "));
+        Self { code, axis: named.map_or("", |(axis, _)| axis), text }
+    }
+}
+
+impl Kept {
+    /// What has a code is the same whatever its numbers are.
+    fn is(&self, said: &Said<'_>) -> bool {
+        let Notice { code, text, .. } = &self.notice;
+        code == said.code && self.axis == said.axis && (!code.is_empty() || text == said.text)
+    }
 }
 
 impl Notices {
-    /// Takes `code: text`, or a text without a code. What has a code that was seen takes the place of the older one.
+    /// Takes what happened: `code: text`, or a text without a code. It takes the place of an older one of the same code
+    /// and axis.
     pub fn push(&mut self, said: &str, at_s: f64) {
-        let is_code = |code: &&str| code.contains(|c: char| c.is_ascii_lowercase()) && !code.contains(' ');
-        let parts = said.split_once(": ").filter(|(code, _)| is_code(code));
-        let (code, text) = parts.unwrap_or(("", said));
-        let same = |one: &Notice| one.code == code && (!code.is_empty() || one.text == text);
-        let before = self.kept.iter().position(same).map(|index| self.kept.remove(index));
-        let (first_s, count) = before.map_or((at_s, 1), |before| (before.at_s, before.count.saturating_add(1)));
+        self.keep(&Said::of(said), at_s, false);
+    }
+
+    /// Takes all that is the case now: counted when it begins, not whenever that is said. Whether anything is new.
+    pub fn stand(&mut self, findings: &[String], at_s: f64) -> bool {
+        let said: Vec<Said<'_>> = findings.iter().map(|finding| Said::of(finding)).collect();
+        for kept in &mut self.kept {
+            kept.stands &= said.iter().any(|said| kept.is(said));
+        }
+        let mut is_new = false;
+        for said in &said {
+            match self.kept.iter_mut().find(|kept| kept.stands && kept.is(said)) {
+                Some(kept) if kept.notice.text == said.text => {}
+                Some(kept) => {
+                    said.text.clone_into(&mut kept.notice.text);
+                    is_new = true;
+                }
+                None => {
+                    self.keep(said, at_s, true);
+                    is_new = true;
+                }
+            }
+        }
+        is_new
+    }
+
+    fn keep(&mut self, said: &Said<'_>, at_s: f64, stands: bool) {
+        let before = self.kept.iter().position(|kept| kept.is(said)).map(|index| self.kept.remove(index).notice);
+        let (at_s, count) = before.map_or((at_s, 1), |before| (before.at_s, before.count.saturating_add(1)));
         if self.kept.len() == MOST {
             self.kept.remove(0);
         }
-        self.kept.push(Notice { code: code.to_owned(), text: text.to_owned(), at_s: first_s, count });
+        let notice = Notice { code: said.code.to_owned(), text: said.text.to_owned(), at_s, count };
+        self.kept.push(Kept { notice, axis: said.axis.to_owned(), stands });
     }
 
     pub fn all(&self) -> Vec<Notice> {
-        self.kept.clone()
+        self.kept.iter().map(|kept| kept.notice.clone()).collect()
     }
 }
 
@@ -47,5 +106,30 @@ mod tests {
         assert_eq!((&*all[0].code, &*all[0].text), ("", "The cable: was pulled"));
         (0..1000).for_each(|k| notices.push(&format!("no. {k}"), 6.0));
         assert_eq!(notices.all().len(), MOST);
+    }
+
+    #[test]
+    fn axes_are_told_apart() {
+        let mut notices = Notices::default();
+        for finding in ["frozen: axis x: since 3 s", "frozen: axis y: since 3 s", "frozen: axis x: since 4 s"] {
+            notices.push(finding, 3.0);
+        }
+        let all = notices.all();
+        let texts: Vec<&str> = all.iter().map(|notice| &*notice.text).collect();
+        assert_eq!(texts, ["axis y: since 3 s", "axis x: since 4 s"]);
+    }
+
+    #[test]
+    fn what_stands_is_counted_when_it_begins() {
+        let mut notices = Notices::default();
+        let once = ["impossible: 1 of 10".to_owned()];
+        let news: Vec<bool> = (0..3).map(|_| notices.stand(&once, 1.0)).collect();
+        assert_eq!(news, [true, false, false]);
+        assert!(notices.stand(&["impossible: 1 of 20".to_owned()], 2.0));
+        let one = |notices: &Notices| notices.all().into_iter().next().map(|one| (one.text, one.count)).unwrap();
+        assert_eq!(one(&notices), ("1 of 20".to_owned(), 1));
+        assert!(!notices.stand(&[], 3.0));
+        assert!(notices.stand(&once, 4.0));
+        assert_eq!(one(&notices), ("1 of 10".to_owned(), 2));
     }
 }
