@@ -72,7 +72,9 @@ impl Statistics {
     /// A reading; none where it is lost or not to be believed.
     #[inline]
     pub fn push(&mut self, code: Option<i32>) {
-        self.short.push(code.unwrap_or_else(|| self.stand_in.code()));
+        if let Some(code) = code.or_else(|| self.stand_in.code()) {
+            self.short.push(code);
+        }
         if let Some(code) = code {
             self.stand_in.push(code);
         }
@@ -356,7 +358,8 @@ impl Temperatures {
 /// What stands for a reading that is missing: the mean of those before, so that the times of the others stay right.
 #[derive(Debug, Default)]
 struct StandIn {
-    code: f64,
+    /// None before the first.
+    code: Option<f64>,
 }
 
 /// Readings that its mean goes over, about.
@@ -366,10 +369,28 @@ impl StandIn {
     /// Takes a reading that is there.
     #[inline]
     fn push(&mut self, code: i32) {
-        self.code += (f64::from(code) - self.code) / STAND_IN_OVER;
+        let code = f64::from(code);
+        self.code = Some(self.code.map_or(code, |mean| mean + (code - mean) / STAND_IN_OVER));
     }
 
-    fn code(&self) -> i32 {
-        self.code.round() as i32
+    fn code(&self) -> Option<i32> {
+        self.code.map(|code| code.round() as i32)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use zerorate::Part;
+
+    /// A part whose code is constant has no deviation at all, whatever of it is missing.
+    #[test]
+    fn what_is_missing_early_makes_no_step() {
+        let mut statistics = Statistics::new(&Part::ADIS16130.axes[0].axis);
+        let constant = |times: usize| std::iter::repeat_n(Some(8_500_000), times);
+        let missing = |times: usize| std::iter::repeat_n(None, times);
+        let readings = missing(3).chain(constant(2)).chain(missing(40)).chain(constant(200));
+        readings.for_each(|code| statistics.push(code));
+        assert_eq!(statistics.short.deviation(0).map(|found| found.dev), Some(0.0));
     }
 }
