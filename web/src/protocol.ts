@@ -85,7 +85,8 @@ u_corrected_dps: number | null,
  */
 extrapolated: boolean, 
 /**
- * Integral of the corrected rate (of the raw one where none is applied) since it was zero, °.
+ * Integral of the corrected rate (of the raw one where none is applied) since it was zero, °: by `zero-angle`, or
+ * when another calibration was applied.
  */
 angle_deg: number, 
 /**
@@ -297,11 +298,11 @@ name: string,
  */
 value: number, 
 /**
- * One sigma, lower.
+ * Lower end of its 95 % interval.
  */
 lo: number, 
 /**
- * One sigma, upper.
+ * Upper end of its 95 % interval.
  */
 hi: number, 
 /**
@@ -845,7 +846,7 @@ text: string,
  */
 at_s: number, 
 /**
- * How often.
+ * How often it happened, or began to be so.
  */
 count: number, };
 

@@ -353,7 +353,8 @@ pub struct AxisNow {
     pub u_corrected_dps: Option<f64>,
     /// The temperature is outside of the calibration's.
     pub extrapolated: bool,
-    /// Integral of the corrected rate (of the raw one where none is applied) since it was zero, °.
+    /// Integral of the corrected rate (of the raw one where none is applied) since it was zero, °: by `zero-angle`, or
+    /// when another calibration was applied.
     pub angle_deg: f64,
     /// Its standard uncertainty by noise and calibration, °.
     pub u_angle_deg: Option<f64>,
@@ -423,7 +424,7 @@ pub struct Notice {
     pub text: String,
     /// When first, s since the first sample.
     pub at_s: f64,
-    /// How often.
+    /// How often it happened, or began to be so.
     pub count: u32,
 }
 
@@ -473,9 +474,9 @@ pub struct Coefficient {
     pub name: String,
     /// In `unit`.
     pub value: f64,
-    /// One sigma, lower.
+    /// Lower end of its 95 % interval.
     pub lo: f64,
-    /// One sigma, upper.
+    /// Upper end of its 95 % interval.
     pub hi: f64,
     /// Of it.
     pub unit: String,

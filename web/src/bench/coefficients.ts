@@ -53,7 +53,7 @@ export class Coefficients {
 
 function words({ identified, value, lo, hi, unit }: Coefficient): string {
   if (!identified) return `${significant(hi, 2)} ${unit} at most`;
-  return `${significant(value, 3)} (${significant(lo, 2)} … ${significant(hi, 2)}) ${unit}`;
+  return `${significant(value, 3)} (95 %: ${significant(lo, 2)} … ${significant(hi, 2)}) ${unit}`;
 }
 
 function state({ identified, identified_in_s }: Coefficient): string {
