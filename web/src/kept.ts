@@ -29,9 +29,11 @@ export const kept = {
     return read(CALIBRATIONS, { calibrations: [], applied: null });
   },
 
+  /** Beside what is kept already: the session took none that is damaged, nor what another window's session has. */
   keepCalibrations(entries: CalibrationEntry[]): void {
     const applied = entries.find((entry) => entry.applied)?.id ?? null;
-    write(CALIBRATIONS, { calibrations: entries.map((entry) => entry.toml), applied });
+    const all = new Set([...kept.calibrations().calibrations, ...entries.map((entry) => entry.toml)]);
+    write(CALIBRATIONS, { calibrations: [...all], applied });
   },
 
   /** What is opened when nothing is open: the twin, as it was chosen last. */

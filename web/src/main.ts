@@ -8,7 +8,7 @@ import "./style/log.css";
 import "./style/phone.css";
 import type { App, Page } from "./app";
 import { Bench } from "./bench/bench";
-import { unframe } from "./frame";
+import { type Framed, unframe } from "./frame";
 import { home, type Home } from "./home";
 import { kept } from "./kept";
 import { Inside } from "./link/inside";
@@ -49,7 +49,7 @@ class Whole {
         }),
       tell: (text, kind = "said") => this.#shell.tell(text, kind),
     };
-    link.onframe = (bytes) => this.#app.model.take(unframe(bytes));
+    link.onframe = (bytes) => this.#take(unframe(bytes));
     link.onstate = (state) => this.#shell.link(state, served);
     settings.onchange(() => this.#restyle());
     settings.follow();
@@ -80,12 +80,18 @@ class Whole {
     this.#fresh = true;
   }
 
+  /** Calibrations are kept at once: a page that is hidden draws nothing. */
+  #take(framed: Framed): void {
+    this.#app.model.take(framed);
+    const { calibrations } = framed.frame;
+    if (calibrations && this.#app.inside) kept.keepCalibrations(calibrations);
+  }
+
   /** Once a picture; the browser asks for none while the page is hidden. */
   #tick(): void {
     requestAnimationFrame(() => this.#tick());
     const changed = this.#app.model.changes();
     if (changed.has("device")) this.#shell.device();
-    if (changed.has("calibrations") && this.#app.inside) kept.keepCalibrations(this.#app.model.calibrations);
     if (changed.size === 0 && !this.#fresh && !this.#shown) return;
     const fresh = this.#fresh;
     this.#fresh = false;
