@@ -33,6 +33,7 @@ async function connect(inside: Inside, port: SerialPort): Promise<void> {
   open = own;
   inside.hasPort = true;
   inside.onserial = (bytes) => own.send(bytes);
+  inside.onrelease = () => void close(inside);
   inside.open({ is: "serial" });
   kept.keepPort(true);
 }
@@ -40,7 +41,15 @@ async function connect(inside: Inside, port: SerialPort): Promise<void> {
 /** Gives the port back, as when something else is opened. */
 export async function release(inside: Inside): Promise<void> {
   kept.keepPort(false);
-  inside.hasPort = false;
-  await open?.close();
+  await close(inside);
+}
+
+/** The session hears of it where it reads this port still, as when nothing else could be opened. */
+async function close(inside: Inside): Promise<void> {
+  const closing = open;
+  if (closing === undefined) return;
   open = undefined;
+  inside.hasPort = false;
+  await closing.close();
+  inside.tell({ do: "serial-gone", why: "the port was closed" });
 }

@@ -13,6 +13,8 @@ export class Inside implements Link {
   onstate: (state: LinkState) => void = () => {};
   /** Bytes for the serial port of this window. */
   onserial: (bytes: Uint8Array) => void = () => {};
+  /** The port of this window is read no more. */
+  onrelease: () => void = () => {};
   /** Whether this window has the port that the session reads. */
   hasPort = false;
   /** Whether the session outlives this window. */
@@ -64,6 +66,7 @@ export class Inside implements Link {
       this.onframe(told.bytes);
     } else if (told.is === "answer") this.#asking.answered(told.text);
     else if (told.is === "serial-send") this.onserial(told.bytes);
+    else if (told.is === "serial-release") this.onrelease();
     else this.onstate({ is: "failed", why: told.why });
   }
 }

@@ -39,8 +39,13 @@ function copied(bytes: Uint8Array, at: number, into: Uint8Array): number {
   return found.length;
 }
 
-/** What the module of this worker reads from now on; `progress` hears how far. */
-export function serveFile(file: File, progress: (read: number, size: number) => void = () => {}): void {
+/**
+ * What the module of this worker reads from now on; `progress` hears how far. What comes back gives it what it read
+ * before.
+ */
+export function serveFile(file: File, progress: (read: number, size: number) => void = () => {}): () => void {
+  const before = (self as { zerorate?: unknown }).zerorate;
   const pieces = new Pieces(file, progress);
   Object.assign(self, { zerorate: { readAt: (at: number, into: Uint8Array) => pieces.readAt(at, into) } });
+  return () => Object.assign(self, { zerorate: before });
 }

@@ -28,13 +28,21 @@ function tellFrame(window: Window, bytes: Uint8Array): void {
   window.postMessage({ is: "frame", bytes: copy }, [copy]);
 }
 
-/** Recordings are read by the module of the reader of logs, which is loaded when one is dropped. */
+/**
+ * Recordings are read by the module of the reader of logs, which is loaded when one is dropped. One that is none leaves
+ * the one before it in place.
+ */
 async function replay(file: File): Promise<LiveSession> {
   const readers = await import("../../gen/zerorate_log");
   await readers.default({ module_or_path: new URL("zerorate_log_bg.wasm", import.meta.url) });
-  serveFile(file);
-  // the same class, of a larger module
-  return readers.LiveSession.of_replay(file.name, file.size) as unknown as LiveSession;
+  const before = serveFile(file);
+  try {
+    // the same class, of a larger module
+    return readers.LiveSession.of_replay(file.name, file.size) as unknown as LiveSession;
+  } catch (why) {
+    before();
+    throw why;
+  }
 }
 
 async function begin(what: Opening): Promise<LiveSession> {
@@ -43,17 +51,26 @@ async function begin(what: Opening): Promise<LiveSession> {
   return replay(what.file);
 }
 
-/** Another device; calibrations stay on file. */
+/** Another device; calibrations stay on file, and the one that is applied stays so where the device bears it. */
 async function instead(before: LiveSession, what: Opening): Promise<LiveSession> {
   if (what.is === "twin") before.use_twin(what.keys);
   else if (what.is === "serial") before.use_bridge();
   else {
     const after = await replay(what.file);
-    for (const toml of before.calibrations()) after.add_calibration(toml);
+    handOver(before, after);
     before.free();
     return after;
   }
   return before;
+}
+
+function handOver(before: LiveSession, after: LiveSession): void {
+  try {
+    take(after, before.calibrations(), before.applied() ?? null);
+  } catch (why) {
+    after.note(`The calibration that was applied no longer is: ${words(why)}`);
+  }
+  if (before.is_calibrating()) after.note("The calibration was ended without a result: a recording was opened");
 }
 
 /** What the page kept may not be there any more; then the twin is, and says why. */
@@ -77,6 +94,7 @@ async function open(window: Window, what: Opening): Promise<void> {
     session.note(`cannot-open: ${words(why)}`);
     return;
   }
+  if (serial !== window) serial?.postMessage({ is: "serial-release" });
   serial = what.is === "serial" ? window : undefined;
   for (const one of windows) tellFrame(one, session.snapshot());
 }
@@ -110,12 +128,21 @@ async function hello(window: Window, said: Extract<ToLive, { do: "hello" }>): Pr
 async function hear(window: Window, said: ToLive): Promise<void> {
   if (said.do === "hello") await hello(window, said);
   else if (said.do === "open") await open(window, said.what);
-  else if (said.do === "bye") windows.delete(window);
+  else if (said.do === "bye") leave(window);
   else if (session === undefined) return;
   else if (said.do === "ask") window.postMessage({ is: "answer", text: session.ask(said.text) });
+  // of a port that is read no more
+  else if (window !== serial) return;
   else if (said.do === "serial-bytes") session.received(said.bytes);
   else session.unplugged(said.why);
   send();
+}
+
+function leave(window: Window): void {
+  windows.delete(window);
+  if (window !== serial) return;
+  serial = undefined;
+  session?.unplugged("its window was closed");
 }
 
 /** What the session has to say to the bridge. */

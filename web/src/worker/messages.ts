@@ -23,5 +23,7 @@ export type FromLive =
   | { is: "frame"; bytes: ArrayBuffer }
   | { is: "answer"; text: string }
   | { is: "serial-send"; bytes: Uint8Array }
+  /** Another window opened another device. */
+  | { is: "serial-release" }
   /** There will be no session: the module does not run here. */
   | { is: "failed"; why: string };

@@ -9,6 +9,7 @@ use crate::session::Session;
 use crate::source::Replay;
 use crate::source::{Bridge, Source, TwinSource};
 use wasm_bindgen::prelude::*;
+use zerorate::Calibration;
 
 /// A session that every window of the page looks at. Recordings are read by the module that reads logs as well.
 #[wasm_bindgen]
@@ -71,6 +72,16 @@ impl LiveSession {
         self.session().apply(Some(id)).map_err(|why| JsError::new(&why))
     }
 
+    /// The id of the one that is applied.
+    pub fn applied(&mut self) -> Option<String> {
+        self.session().applied().map(Calibration::id)
+    }
+
+    /// Whether a calibration is under way.
+    pub fn is_calibrating(&mut self) -> bool {
+        self.session().method().is_some()
+    }
+
     /// Something that the page has to say: `code: text`.
     pub fn note(&mut self, text: &str) {
         self.session().note(text);
@@ -107,7 +118,8 @@ impl LiveSession {
     }
 
     /// What is to be written to it.
-    pub fn to_send(&mut self) -> Vec<u8> {
+    #[wasm_bindgen(js_name = to_send)]
+    pub fn outgoing(&mut self) -> Vec<u8> {
         self.0.to_send()
     }
 
