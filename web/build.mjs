@@ -7,6 +7,9 @@ const out = process.argv[2] ?? "dist";
 rmSync(out, { recursive: true, force: true });
 mkdirSync(out, { recursive: true });
 
+/** What most visitors never take, and is more than all the rest: kept for when there is no network from its first use on. */
+const LATER = /^zerorate_log.*\.wasm$/;
+
 const common = {
   bundle: true,
   format: "esm",
@@ -29,11 +32,13 @@ writeFileSync(`${out}/home.json`, `${JSON.stringify({ home: "static" })}\n`);
 // Its cache is named by the hash of everything, so that a page is never made of two versions.
 if (existsSync("src/sw.ts")) {
   const files = readdirSync(out).sort();
-  const hash = createHash("sha256");
-  for (const file of files) hash.update(file).update(readFileSync(`${out}/${file}`));
+  const sha256 = (file) => createHash("sha256").update(readFileSync(`${out}/${file}`)).digest("hex");
+  const hashes = Object.fromEntries(files.map((file) => [file, sha256(file)]));
+  const later = Object.fromEntries(Object.entries(hashes).filter(([file]) => LATER.test(file)));
   const define = {
-    FILES: JSON.stringify(["./", ...files]),
-    VERSION: JSON.stringify(hash.digest("hex").slice(0, 16)),
+    FILES: JSON.stringify(["./", ...files.filter((file) => !(file in later))]),
+    LATER: JSON.stringify(later),
+    VERSION: JSON.stringify(createHash("sha256").update(JSON.stringify(hashes)).digest("hex").slice(0, 16)),
   };
   await build({ ...common, entryPoints: { sw: "src/sw.ts" }, define });
 }

@@ -1,6 +1,8 @@
 // The static page works without a network after its first visit. Only there: from `zerorate serve` it would show an old page.
 
 declare const FILES: string[];
+/** Files that are kept from their first use on, and their SHA-256. */
+declare const LATER: Record<string, string>;
 declare const VERSION: string;
 
 const scope = self as unknown as ServiceWorkerGlobalScope;
@@ -23,7 +25,25 @@ async function activate(): Promise<void> {
 
 async function answer(request: Request): Promise<Response> {
   const cache = await caches.open(CACHE);
-  return (await cache.match(request, { ignoreSearch: true })) ?? fetch(request);
+  const kept = await cache.match(request, { ignoreSearch: true });
+  if (kept) return kept;
+  const sha256 = LATER[new URL(request.url).pathname.split("/").pop() ?? ""];
+  return sha256 === undefined ? fetch(request) : fetchLater(request, cache, sha256);
+}
+
+/** The server may have a newer version by now, which does not go with what is kept. */
+async function fetchLater(request: Request, cache: Cache, sha256: string): Promise<Response> {
+  const answer = await fetch(request, { cache: "no-cache" });
+  if (!answer.ok) return answer;
+  const bytes = await answer.arrayBuffer();
+  const found = new Uint8Array(await crypto.subtle.digest("SHA-256", bytes));
+  if ([...found].map((byte) => byte.toString(16).padStart(2, "0")).join("") !== sha256) {
+    void scope.registration.update();
+    return new Response("of another version: load the page again", { status: 409 });
+  }
+  const whole = new Response(bytes, { headers: { "content-type": "application/wasm" } });
+  await cache.put(request, whole.clone());
+  return whole;
 }
 
 scope.addEventListener("install", (event) => event.waitUntil(install()));
