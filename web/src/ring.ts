@@ -46,14 +46,6 @@ export class Ring {
     this.#next = first;
   }
 
-  least(column: Column, bin: number): number {
-    return this.#columns[2 * COLUMNS.indexOf(column)]![bin % this.size]!;
-  }
-
-  largest(column: Column, bin: number): number {
-    return this.#columns[2 * COLUMNS.indexOf(column) + 1]![bin % this.size]!;
-  }
-
   /** Copies the bins from `from` up to `to` (both within) into arrays that are there already; how many. */
   copy(column: Column, from: number, to: number, least: Float64Array, largest: Float64Array): number {
     const low = this.#columns[2 * COLUMNS.indexOf(column)]!;

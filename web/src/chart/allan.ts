@@ -1,8 +1,7 @@
-import type uPlot from "uplot";
 import { duration, significant } from "../digits";
 import type { AllanPoint } from "../protocol";
 import { settings } from "../settings";
-import { axis, decades, DECADES, Figure, type Told } from "./figure";
+import { axis, banded, decades, DECADES, dotted, type Drawing, expected, Figure, type Told } from "./figure";
 import { faint, type Palette } from "./palette";
 
 /** The Allan deviation, log-log: points, their band of one sigma, and the model. */
@@ -31,12 +30,8 @@ export class Allan extends Figure<AllanPoint[]> {
     ];
   }
 
-  protected options(colours: Palette): Omit<uPlot.Options, "width" | "height"> {
-    const edge = { stroke: "transparent", points: { show: false } };
+  protected drawing(colours: Palette): Drawing {
     return {
-      legend: { show: false },
-      cursor: { show: false },
-      padding: [8, 10, 0, 0],
       scales: {
         x: { time: false, distr: 3, range: (_, least, largest) => [least / 1.3, largest * 1.3] },
         y: { distr: 3, range: () => this.#range() },
@@ -45,14 +40,7 @@ export class Allan extends Figure<AllanPoint[]> {
         axis(colours, "averaging time, s", { size: 26, ...DECADES }),
         axis(colours, `deviation, ${this.unit().text}`, { size: 46, ...DECADES }),
       ],
-      series: [
-        {},
-        { ...edge },
-        { ...edge },
-        { stroke: colours.model, width: 1.5, dash: [6, 4], points: { show: false } },
-        { stroke: colours.noise, width: 2, points: { show: true, size: 5, fill: colours.noise } },
-      ],
-      bands: [{ series: [1, 2], fill: faint(colours.noise, 0.18) }],
+      ...banded(faint(colours.noise, 0.18), expected(colours), dotted(colours.noise, 2)),
     };
   }
 

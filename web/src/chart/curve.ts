@@ -1,8 +1,7 @@
-import type uPlot from "uplot";
 import { significant, value } from "../digits";
 import type { CurvePoint } from "../protocol";
 import { settings } from "../settings";
-import { axis, Figure, padded, tick, type Told } from "./figure";
+import { banded, dotted, type Drawing, expected, Figure, overTemperature, type Told } from "./figure";
 import { faint, type Palette } from "./palette";
 
 /** What a calibration adds at each temperature, its band of one sigma, and on the twin the truth. */
@@ -27,31 +26,10 @@ export class Curve extends Figure<CurvePoint[]> {
     ];
   }
 
-  protected options(colours: Palette): Omit<uPlot.Options, "width" | "height"> {
-    const edge = { stroke: "transparent", points: { show: false } };
+  protected drawing(colours: Palette): Drawing {
     return {
-      legend: { show: false },
-      cursor: { show: false },
-      padding: [8, 10, 0, 0],
-      scales: {
-        x: { time: false, range: (_, least, largest) => padded(least, largest, 0.1) },
-        y: { range: (_, least, largest) => padded(least, largest, 0.002 * settings.scale) },
-      },
-      axes: [
-        axis(colours, "temperature, °C", { size: 26, values: (_, splits) => splits.map(tick) }),
-        axis(colours, `added to the rate, ${settings.unitText}`, {
-          size: 58,
-          values: (_, splits) => splits.map(tick),
-        }),
-      ],
-      series: [
-        {},
-        { ...edge },
-        { ...edge },
-        { stroke: colours.corrected, width: 2, points: { show: true, size: 5, fill: colours.corrected } },
-        { stroke: colours.model, width: 1.5, dash: [6, 4], points: { show: false } },
-      ],
-      bands: [{ series: [1, 2], fill: faint(colours.corrected, 0.22) }],
+      ...overTemperature(colours, "added to the rate"),
+      ...banded(faint(colours.corrected, 0.22), dotted(colours.corrected, 2), expected(colours)),
     };
   }
 

@@ -1,6 +1,7 @@
 import uPlot from "uplot";
 import { superscript } from "../digits";
 import { h, say, table } from "../dom";
+import { settings } from "../settings";
 import { palette, type Palette } from "./palette";
 
 /** What a picture says in words, and its numbers as rows. */
@@ -9,6 +10,15 @@ export interface Told {
   head: string[];
   rows: string[][];
 }
+
+/** What differs between the kinds of charts. */
+export type Drawing = Pick<uPlot.Options, "scales" | "axes" | "series" | "bands" | "hooks">;
+
+const FRAME = {
+  legend: { show: false },
+  cursor: { show: false },
+  padding: [8, 10, 0, 0] as uPlot.Padding,
+};
 
 /** A chart that is drawn from scratch when its numbers change, with its numbers as a table for who wants them. */
 export abstract class Figure<T> {
@@ -19,6 +29,7 @@ export abstract class Figure<T> {
   readonly #nothing = h("p", { class: "nothing" });
   readonly #table = h("div", { class: "numbers", tabindex: 0, role: "region", "aria-label": "Numbers" });
   readonly #details: HTMLDetailsElement;
+  readonly #resized = new ResizeObserver(() => this.#fit());
   #plot: uPlot | undefined;
   #data: T | undefined;
 
@@ -40,7 +51,7 @@ export abstract class Figure<T> {
       this.#details,
     );
     this.#box.style.setProperty("--height", `${height}px`);
-    new ResizeObserver(() => this.#fit()).observe(this.#box);
+    this.#resized.observe(this.#box);
   }
 
   /** Draws these. */
@@ -56,9 +67,16 @@ export abstract class Figure<T> {
     this.#draw();
   }
 
+  /** Nothing is drawn any more. */
+  destroy(): void {
+    this.#resized.disconnect();
+    this.#plot?.destroy();
+    this.#plot = undefined;
+  }
+
   /** Whether there is something to draw. */
   protected abstract isThere(data: T): boolean;
-  protected abstract options(colours: Palette): Omit<uPlot.Options, "width" | "height">;
+  protected abstract drawing(colours: Palette): Drawing;
   protected abstract columns(data: T): (number | null)[][];
   protected abstract told(data: T): Told;
 
@@ -80,7 +98,7 @@ export abstract class Figure<T> {
 
   #make(): uPlot {
     const size = { width: this.#box.clientWidth, height: this.height };
-    const plot = new uPlot({ ...this.options(palette()), ...size }, [[]], this.#box);
+    const plot = new uPlot({ ...FRAME, ...this.drawing(palette()), ...size }, [[]], this.#box);
     plot.root.setAttribute("aria-hidden", "true");
     return plot;
   }
@@ -115,6 +133,37 @@ export function axis(colours: Palette, label: string, more: uPlot.Axis = {}): uP
   };
 }
 
+/** A band between the first two columns, filled in this colour, and lines of the columns after them. */
+export function banded(fill: string, ...lines: uPlot.Series[]): Pick<Drawing, "series" | "bands"> {
+  const edge = (): uPlot.Series => ({ stroke: "transparent", points: { show: false } });
+  return { series: [{}, edge(), edge(), ...lines], bands: [{ series: [1, 2], fill }] };
+}
+
+/** A line with a point at each of its numbers. */
+export function dotted(colour: string, width: number): uPlot.Series {
+  return { stroke: colour, width, points: { show: true, size: 5, fill: colour } };
+}
+
+/** The dashed line of what is expected. */
+export function expected(colours: Palette): uPlot.Series {
+  return { stroke: colours.model, width: 1.5, dash: [6, 4], points: { show: false } };
+}
+
+/** A rate over the temperature. */
+export function overTemperature(colours: Palette, label: string): Pick<Drawing, "scales" | "axes"> {
+  const values = (_: uPlot, splits: number[]) => splits.map(tick);
+  return {
+    scales: {
+      x: { time: false, range: (_, least, largest) => padded(least, largest, 0.1) },
+      y: { range: (_, least, largest) => padded(least, largest, 0.002 * settings.scale) },
+    },
+    axes: [
+      axis(colours, "temperature, °C", { size: 26, values }),
+      axis(colours, `${label}, ${settings.unitText}`, { size: 58, values }),
+    ],
+  };
+}
+
 /** Whole decades around positive numbers. */
 export function decades(least: number, largest: number): [number, number] {
   if (!(least > 0) || !(largest > 0)) return [1e-3, 1];
@@ -144,12 +193,12 @@ function decadeTick(value: number | null): string {
 export const DECADES: uPlot.Axis = { splits: wholeDecades, values: (_, splits) => splits.map(decadeTick) };
 
 /** Numbers of a linear axis. */
-export function tick(value: number | null): string {
+function tick(value: number | null): string {
   return value === null ? "" : String(Number(value.toPrecision(6))).replace("-", "\u2212");
 }
 
 /** A range with some room around it. */
-export function padded(least: number | null, largest: number | null, floor: number): [number, number] {
+function padded(least: number | null, largest: number | null, floor: number): [number, number] {
   if (least === null || largest === null) return [0, 1];
   const by = Math.max((largest - least) * 0.08, floor);
   return [least - by, largest + by];

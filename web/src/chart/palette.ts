@@ -1,9 +1,7 @@
 /** Colours of the charts, as the style sheet has them for the theme in force. */
 export interface Palette {
-  text: string;
   muted: string;
   grid: string;
-  panel: string;
   raw: string;
   corrected: string;
   temp: string;
@@ -14,10 +12,8 @@ export interface Palette {
 }
 
 const NAMES = [
-  "text",
   "muted",
   "grid",
-  "panel",
   "raw",
   "corrected",
   "temp",

@@ -1,9 +1,8 @@
-import type uPlot from "uplot";
 import { both, significant, value } from "../digits";
 import type { TemperaturePoint } from "../protocol";
 import { say } from "../dom";
 import { settings } from "../settings";
-import { axis, Figure, padded, tick, type Told } from "./figure";
+import { banded, dotted, type Drawing, Figure, overTemperature, type Told } from "./figure";
 import { faint, type Palette } from "./palette";
 
 /** The bias over the temperature: means of the time that the part spent at each. */
@@ -23,28 +22,8 @@ export class Scatter extends Figure<TemperaturePoint[]> {
     ];
   }
 
-  protected options(colours: Palette): Omit<uPlot.Options, "width" | "height"> {
-    const edge = { stroke: "transparent", points: { show: false } };
-    return {
-      legend: { show: false },
-      cursor: { show: false },
-      padding: [8, 10, 0, 0],
-      scales: {
-        x: { time: false, range: (_, least, largest) => padded(least, largest, 0.1) },
-        y: { range: (_, least, largest) => padded(least, largest, 0.002 * settings.scale) },
-      },
-      axes: [
-        axis(colours, "temperature, °C", { size: 26, values: (_, splits) => splits.map(tick) }),
-        axis(colours, `rate, ${settings.unitText}`, { size: 58, values: (_, splits) => splits.map(tick) }),
-      ],
-      series: [
-        {},
-        { ...edge },
-        { ...edge },
-        { stroke: colours.temp, width: 1, points: { show: true, size: 5, fill: colours.temp } },
-      ],
-      bands: [{ series: [1, 2], fill: faint(colours.temp, 0.2) }],
-    };
+  protected drawing(colours: Palette): Drawing {
+    return { ...overTemperature(colours, "rate"), ...banded(faint(colours.temp, 0.2), dotted(colours.temp, 1)) };
   }
 
   protected told(points: TemperaturePoint[]): Told {

@@ -2,7 +2,7 @@ import type uPlot from "uplot";
 import { significant } from "../digits";
 import type { SpectrumMark, SpectrumPoint } from "../protocol";
 import { settings } from "../settings";
-import { axis, decades, DECADES, Figure, type Told } from "./figure";
+import { axis, decades, DECADES, type Drawing, Figure, type Told } from "./figure";
 import type { Palette } from "./palette";
 
 export interface Spectral {
@@ -32,11 +32,8 @@ export class Spectrum extends Figure<Spectral> {
     ];
   }
 
-  protected options(colours: Palette): Omit<uPlot.Options, "width" | "height"> {
+  protected drawing(colours: Palette): Drawing {
     return {
-      legend: { show: false },
-      cursor: { show: false },
-      padding: [8, 10, 0, 0],
       scales: {
         x: { time: false, distr: 3, range: (_, least, largest) => [least, this.#end(largest)] },
         y: { distr: 3, range: (_, least, largest) => decades(least, largest) },

@@ -44,6 +44,9 @@ const READ_MS = 250;
 const HEIGHT = 128;
 const TIMES = 20;
 
+/** Of what stands alone in a strip, px. */
+const LEAST_WIDTH = 1.5;
+
 /** A strip chart: for each bin an area from its least to its largest value, so that a spike is never hidden. */
 export class Strip {
   readonly element: HTMLElement;
@@ -55,6 +58,9 @@ export class Strip {
   readonly #least = new Float64Array(DRAWN + 2);
   readonly #largest = new Float64Array(DRAWN + 2);
   readonly #extent: Extent;
+  readonly #resized = new ResizeObserver(() =>
+    this.#plot?.setSize({ width: this.#box.clientWidth, height: this.#height }),
+  );
   #plot: uPlot | undefined;
   #ring: Ring | undefined;
   #count = 0;
@@ -73,9 +79,7 @@ export class Strip {
       this.#box,
       this.#nothing,
     );
-    new ResizeObserver(() => this.#plot?.setSize({ width: this.#box.clientWidth, height: this.#height })).observe(
-      this.#box,
-    );
+    this.#resized.observe(this.#box);
   }
 
   get #height(): number {
@@ -95,6 +99,13 @@ export class Strip {
     this.#plot?.destroy();
     this.#plot = undefined;
     this.#extent.forget();
+  }
+
+  /** Nothing is drawn any more. */
+  destroy(): void {
+    this.#resized.disconnect();
+    this.#plot?.destroy();
+    this.#plot = undefined;
   }
 
   /** Draws what a ring holds of the time on view. */
@@ -232,7 +243,7 @@ export class Strip {
     return /[1-9]/.test(text) ? text.replace("-", "\u2212") : text.replace("-", "");
   }
 
-  /** An area from the largest to the least of each bin; a line where they are the same. */
+  /** An area from the largest to the least of each bin; a line where they are the same, as wide as a bin at least. */
   #paths(u: uPlot): uPlot.Series.Paths {
     const area = new Path2D();
     for (let bin = 0; bin < this.#count; bin++) {
@@ -247,12 +258,19 @@ export class Strip {
 
   #outline(u: uPlot, area: Path2D, from: number, end: number): void {
     const x = (bin: number) => u.valToPos(this.#x[bin]!, "x", true);
-    for (let bin = from; bin < end; bin++) {
-      const y = u.valToPos(this.#largest[bin]!, "y", true);
-      if (bin === from) area.moveTo(x(bin), y);
-      else area.lineTo(x(bin), y);
-    }
-    for (let bin = end - 1; bin >= from; bin--) area.lineTo(x(bin), u.valToPos(this.#least[bin]!, "y", true));
+    const y = (of: Float64Array, bin: number) => u.valToPos(of[bin]!, "y", true);
+    if (end - from === 1) return this.#alone(area, x(from), y(this.#largest, from), y(this.#least, from), u);
+    area.moveTo(x(from), y(this.#largest, from));
+    for (let bin = from + 1; bin < end; bin++) area.lineTo(x(bin), y(this.#largest, bin));
+    for (let bin = end - 1; bin >= from; bin--) area.lineTo(x(bin), y(this.#least, bin));
+  }
+
+  /** A bin between empty ones, as of a part that is slower than the bins: what has no length is not drawn. */
+  #alone(area: Path2D, x: number, top: number, bottom: number, u: uPlot): void {
+    const { window } = this.shared;
+    const bin = ((this.#ring?.bin_s ?? 0) / (window.to - window.from)) * u.bbox.width;
+    const width = Math.max(bin, LEAST_WIDTH * devicePixelRatio);
+    area.rect(x - width / 2, top, width, bottom - top);
   }
 
   #cursors(u: uPlot, colour: string): void {
