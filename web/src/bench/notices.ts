@@ -1,43 +1,60 @@
 import { clock } from "../digits";
-import { h } from "../dom";
+import { h, say } from "../dom";
 import type { Notice } from "../protocol";
 
-/** What there is to say, the newest first. */
+/** What there is to say, the newest first. What stands there already stays, so that nobody hears it read out again. */
 export class Notices {
   readonly element: HTMLElement;
-  readonly #list = h("ol", { class: "notices" });
-  #shown = "";
+  readonly #none = h("li", { class: "none" }, "Nothing to say: all is well so far.");
+  readonly #list = h("ol", { class: "notices" }, this.#none);
+  #rows = new Map<string, Row>();
 
   constructor() {
-    const log = h("div", { class: "scroll", role: "log", "aria-label": "Notices", tabindex: 0 }, this.#list);
+    const log = h(
+      "div",
+      { class: "scroll", role: "log", "aria-relevant": "additions", "aria-label": "Notices", tabindex: 0 },
+      this.#list,
+    );
     this.element = h(
       "section",
       { class: "card", "aria-label": "What there is to say" },
       h("h2", {}, "Notices"),
       log,
     );
-    this.update([]);
   }
 
   update(notices: Notice[]): void {
-    const text = JSON.stringify(notices);
-    if (text === this.#shown) return;
-    this.#shown = text;
-    const rows = [...notices]
-      .reverse()
-      .map((notice) =>
-        h(
-          "li",
-          {},
-          h("time", {}, clock(notice.at_s, 1)),
-          " ",
-          h("code", {}, notice.code),
-          ` ${notice.text}`,
-          ...(notice.count > 1 ? [h("b", {}, ` × ${notice.count}`)] : []),
-        ),
-      );
-    this.#list.replaceChildren(
-      ...(rows.length > 0 ? rows : [h("li", { class: "none" }, "Nothing to say: all is well so far.")]),
+    const before = this.#rows;
+    this.#rows = new Map(
+      [...notices].reverse().map((notice) => {
+        const name = notice.code || notice.text;
+        return [name, before.get(name) ?? new Row(notice)];
+      }),
     );
+    for (const [name, row] of before) if (!this.#rows.has(name)) row.element.remove();
+    for (const notice of notices) this.#rows.get(notice.code || notice.text)!.update(notice);
+    [...this.#rows.values()].forEach(({ element }, index) => {
+      const there = this.#list.children[index]!;
+      if (there !== element) this.#list.insertBefore(element, there);
+    });
+    this.#none.hidden = notices.length > 0;
+  }
+}
+
+/** One of them: of a code there is one, whose text and number change. */
+class Row {
+  readonly element: HTMLElement;
+  readonly #at = h("time", {});
+  readonly #text = h("span", {});
+  readonly #count = h("b", {});
+
+  constructor({ code }: Notice) {
+    this.element = h("li", {}, this.#at, " ", h("code", {}, code), " ", this.#text, " ", this.#count);
+  }
+
+  update({ at_s, text, count }: Notice): void {
+    say(this.#at, clock(at_s, 1));
+    say(this.#text, text);
+    say(this.#count, count > 1 ? `× ${count}` : "");
   }
 }
