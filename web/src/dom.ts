@@ -71,6 +71,26 @@ export class Choice<T extends string> {
   }
 }
 
+/** Asks in the page, which goes on meanwhile (`confirm` would halt it); Escape is no. */
+export function sure(question: string, yes: string, no: string): Promise<boolean> {
+  return new Promise((done) => {
+    const dialog: HTMLDialogElement = h(
+      "dialog",
+      { "aria-label": question, close: () => done(dialog.returnValue === "yes") },
+      h("p", {}, question),
+      h(
+        "div",
+        { class: "actions" },
+        button(no, () => dialog.close(), { autofocus: true }),
+        button(yes, () => dialog.close("yes"), { class: "primary" }),
+      ),
+    );
+    dialog.addEventListener("close", () => dialog.remove());
+    document.body.append(dialog);
+    dialog.showModal();
+  });
+}
+
 /** Hands a text to the user as a file. */
 export function save(name: string, type: string, text: string): void {
   const url = URL.createObjectURL(new Blob([text], { type }));

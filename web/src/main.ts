@@ -8,6 +8,7 @@ import "./style/log.css";
 import "./style/phone.css";
 import type { App, Page } from "./app";
 import { Bench } from "./bench/bench";
+import { button, h } from "./dom";
 import { type Framed, unframe } from "./frame";
 import { home, type Home } from "./home";
 import { kept } from "./kept";
@@ -54,9 +55,10 @@ class Whole {
     settings.onchange(() => this.#restyle());
     settings.follow();
     addEventListener("hashchange", () => void this.#go());
+    for (const kind of ["dragover", "drop"] as const) document.addEventListener(kind, keepPage);
     document.addEventListener("keydown", (event) => this.#key(event));
     addEventListener("beforeunload", (event) => {
-      if (this.#wouldLose()) event.preventDefault();
+      if (inside && this.#app.model.calibration.is === "running") event.preventDefault();
     });
     void this.#go();
     link.start();
@@ -66,16 +68,17 @@ class Whole {
 
   /** In the static home: the port of before a reload, and the page itself for when there is no network. */
   #settle(inside: Inside): void {
-    if (kept.hadPort()) void import("./port").then(({ connectAgain }) => connectAgain(inside));
+    if (kept.hadPort()) {
+      void import("./port").then(({ connectAgain }) => connectAgain(inside)).catch(() => {});
+    }
     if ("serviceWorker" in navigator) void navigator.serviceWorker.register("sw.js").catch(() => {});
   }
 
   async #go(): Promise<void> {
     const name = named(location.hash);
-    const page = this.#pages.get(name) ?? (await MAKERS[name](this.#app));
-    this.#pages.set(name, page);
+    const page = await this.#page(name);
     if (named(location.hash) !== name) return;
-    this.#shell.show(name, page.element);
+    this.#shell.show(name, page?.element ?? missing(PAGES[name]));
     this.#shown = page;
     this.#fresh = true;
   }
@@ -85,6 +88,18 @@ class Whole {
     this.#app.model.take(framed);
     const { calibrations } = framed.frame;
     if (calibrations && this.#app.inside) kept.keepCalibrations(calibrations);
+  }
+
+  /** None where it cannot be had: nobody serves it now, or another version of it. */
+  async #page(name: PageName): Promise<Page | undefined> {
+    try {
+      const page = this.#pages.get(name) ?? (await MAKERS[name](this.#app));
+      this.#pages.set(name, page);
+      return page;
+    } catch (why) {
+      console.warn(why);
+      return undefined;
+    }
   }
 
   /** Once a picture; the browser asks for none while the page is hidden. */
@@ -112,14 +127,25 @@ class Whole {
     if (page) location.hash = page;
     else if (!target.closest("input, a") && this.#shown?.key?.(event)) event.preventDefault();
   }
+}
 
-  /** A calibration that nobody would go on with. */
-  #wouldLose(): boolean {
-    const inside = this.#app.inside;
-    return (
-      inside !== undefined && (!inside.shared || inside.hasPort) && this.#app.model.calibration.is === "running"
-    );
-  }
+/** A file that falls beside its place would take the place of the page. */
+function keepPage(event: DragEvent): void {
+  if (event.dataTransfer?.types.includes("Files")) event.preventDefault();
+}
+
+function missing(title: string): HTMLElement {
+  return h(
+    "div",
+    { class: "page missing" },
+    h("h1", {}, title),
+    h(
+      "section",
+      { class: "card", role: "alert" },
+      h("p", {}, "This part of the page could not be loaded: the server is gone, or has a newer version. "),
+      h("div", { class: "actions" }, button("Load the page again", () => location.reload(), { class: "primary" })),
+    ),
+  );
 }
 
 const where = await home().catch((): Home => ({ home: "served", token_needed: false }));

@@ -25,13 +25,9 @@ async function connect(inside: Inside, port: SerialPort): Promise<void> {
   await open?.close();
   const own = await OpenPort.open(port, {
     received: (bytes) => inside.tell({ do: "serial-bytes", bytes }, [bytes.buffer]),
-    gone: (why) => {
-      inside.hasPort = false;
-      inside.tell({ do: "serial-gone", why });
-    },
+    gone: (why) => inside.tell({ do: "serial-gone", why }),
   });
   open = own;
-  inside.hasPort = true;
   inside.onserial = (bytes) => own.send(bytes);
   inside.onrelease = () => void close(inside);
   inside.open({ is: "serial" });
@@ -49,7 +45,6 @@ async function close(inside: Inside): Promise<void> {
   const closing = open;
   if (closing === undefined) return;
   open = undefined;
-  inside.hasPort = false;
   await closing.close();
   inside.tell({ do: "serial-gone", why: "the port was closed" });
 }

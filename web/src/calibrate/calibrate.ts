@@ -12,6 +12,8 @@ export interface Stage {
   readonly element: HTMLElement;
   update(calibration: Calibrating, changed: ReadonlySet<Part>): void;
   restyle(): void;
+  /** It will not be seen again. */
+  leave(): void;
 }
 
 const STAGES = { idle: Choosing, running: Run, done: Result, refused: Ended, aborted: Ended };
@@ -50,6 +52,7 @@ export class Calibrate implements Page {
 
   #enter(is: Calibrating["is"]): void {
     this.#is = is;
+    this.#stage?.leave();
     this.#stage = new STAGES[is](this.app);
     this.element.replaceChildren(this.#stage.element);
     scrollTo(0, 0);

@@ -2,7 +2,7 @@ import type { App } from "../app";
 import { h, say } from "../dom";
 import type { CalibrateWish } from "../protocol";
 import type { Stage } from "./calibrate";
-import { METHODS, type Method } from "./methods";
+import { meanwhile, METHODS, type Method } from "./methods";
 import { PlanChoice } from "./plan-choice";
 
 type Duration = "average_s" | "warmup_s" | "settle_s" | "offset_s";
@@ -65,10 +65,13 @@ export class Choosing implements Stage {
 
   restyle(): void {}
 
+  leave(): void {}
+
   /** Shows what there is to know and to choose of a method. */
   #choose(method: Method): void {
     this.#method = method;
-    this.#before.replaceChildren(...method.before.map((line) => h("li", {}, line)));
+    const before = [...method.before, meanwhile(this.app.inside !== undefined)];
+    this.#before.replaceChildren(...before.map((line) => h("li", {}, line)));
     const byPlan = method.name === "chamber";
     this.#plan.element.hidden = !byPlan;
     say(this.#more, byPlan ? "Serial number, the Earth’s rotation" : "Serial number, durations, the Earth’s rotation");

@@ -35,4 +35,6 @@ export class Ended implements Stage {
   }
 
   restyle(): void {}
+
+  leave(): void {}
 }

@@ -14,7 +14,7 @@ const ON_A_TABLE = [
   "Fix the part to something that does not move: a heavy table, no fan, no feet.",
   "Let it be cold: off for half an hour, then on just now.",
   "Feed it from a linear +5 V supply; a switching one shifts its bias.",
-  "Leave it alone until this page says that it is done. The page may be closed meanwhile: the session goes on.",
+  "Leave it alone until this page says that it is done.",
 ];
 
 export const METHODS: readonly Method[] = [
@@ -60,6 +60,12 @@ export const METHODS: readonly Method[] = [
     ],
   },
 ];
+
+/** What becomes of the session without its page; `inside`: it runs in this browser. */
+export function meanwhile(inside: boolean): string {
+  if (!inside) return "The page may be closed meanwhile: the session goes on without it.";
+  return "Keep this page open and the computer awake: the session runs in this browser, and ends with its last window.";
+}
 
 export function titleOf(name: MethodName): string {
   return METHODS.find((method) => method.name === name)?.title ?? name;

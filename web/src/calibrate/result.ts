@@ -38,6 +38,10 @@ export class Result implements Stage {
     this.#curve.remake();
   }
 
+  leave(): void {
+    this.#curve.destroy();
+  }
+
   #show(result: CalibrationResult): void {
     this.#result = result;
     const axes = result.axes.map((axis, index) => [String(index), axis.name] as const);

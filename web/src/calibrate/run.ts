@@ -2,7 +2,7 @@ import type { App } from "../app";
 import { Strip } from "../chart/strip";
 import { levelFor, TimeWindow } from "../chart/window";
 import { duration, uncertainty, value } from "../digits";
-import { button, coded, facts, h, mark, say } from "../dom";
+import { button, coded, facts, h, mark, say, sure } from "../dom";
 import type { Part } from "../model";
 import type { Calibrating, Running, Step } from "../protocol";
 import { settings } from "../settings";
@@ -29,7 +29,7 @@ export class Run implements Stage {
   constructor(readonly app: App) {
     this.#trace = this.#strip();
     this.#finish = button("Finish now", () => void app.ask({ do: "finish-calibration" }), { class: "primary" });
-    const abort = button("Abort", () => this.#abort(), { class: "quiet" });
+    const abort = button("Abort", () => void this.#abort(), { class: "quiet" });
     const card = (name: string, title: string, ...children: Node[]) =>
       h("section", { class: `card ${name}` }, h("h2", {}, title), ...children);
     const title = "What would be refused if it ended here";
@@ -53,6 +53,10 @@ export class Run implements Stage {
 
   restyle(): void {
     this.#trace.remake();
+  }
+
+  leave(): void {
+    this.#trace.destroy();
   }
 
   #strip(): Strip {
@@ -127,8 +131,9 @@ export class Run implements Stage {
     this.#trace.draw(levelFor(levels, this.#window.from, this.#window.to));
   }
 
-  #abort(): void {
-    if (confirm("End this calibration without a result?")) void this.app.ask({ do: "abort-calibration" });
+  async #abort(): Promise<void> {
+    const end = await sure("End this calibration without a result?", "End it", "Go on");
+    if (end) void this.app.ask({ do: "abort-calibration" });
   }
 }
 

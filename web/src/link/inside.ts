@@ -7,6 +7,8 @@ interface Port {
   onmessage: ((event: MessageEvent<FromLive>) => void) | null;
 }
 
+const NOT_STARTED = "the worker of this page could not be started; load the page again";
+
 /** The session in a worker of this browser. */
 export class Inside implements Link {
   onframe: (bytes: ArrayBuffer) => void = () => {};
@@ -15,16 +17,13 @@ export class Inside implements Link {
   onserial: (bytes: Uint8Array) => void = () => {};
   /** The port of this window is read no more. */
   onrelease: () => void = () => {};
-  /** Whether this window has the port that the session reads. */
-  hasPort = false;
-  /** Whether the session outlives this window. */
-  readonly shared = "SharedWorker" in globalThis;
   readonly #asking = new Asking();
   #port: Port | undefined;
+  #failed: string | undefined;
 
   start(): void {
     this.onstate({ is: "connecting" });
-    this.#port = this.shared ? this.#join() : this.#own();
+    this.#port = "SharedWorker" in globalThis ? this.#join() : this.#own();
     this.#port.onmessage = ({ data }) => this.#heard(data);
     this.tell({ do: "hello", ...kept.calibrations(), open: kept.opening() });
     addEventListener("pagehide", () => this.tell({ do: "bye" }));
@@ -34,6 +33,7 @@ export class Inside implements Link {
   }
 
   ask(wish: Wish) {
+    if (this.#failed !== undefined) return Promise.reject(new Error(this.#failed));
     return this.#asking.ask(wish, (text) => this.tell({ do: "ask", text }));
   }
 
@@ -48,25 +48,33 @@ export class Inside implements Link {
   }
 
   #join(): Port {
+    // over a reload of the only window; whoever closes that ends the session all the same, soon or at once
     const options = { type: "module", name: "zerorate", extendedLifetime: true } as const;
     const worker = new SharedWorker(new URL("live.js", import.meta.url), options as WorkerOptions);
-    worker.onerror = () => this.onstate({ is: "failed", why: "the worker of this page could not be started" });
+    worker.onerror = () => this.#fail(NOT_STARTED);
     return worker.port;
   }
 
   #own(): Port {
     const worker = new Worker(new URL("live.js", import.meta.url), { type: "module" });
-    worker.onerror = () => this.onstate({ is: "failed", why: "the worker of this page could not be started" });
+    worker.onerror = () => this.#fail(NOT_STARTED);
     return worker;
   }
 
   #heard(told: FromLive): void {
     if (told.is === "frame") {
+      this.#failed = undefined;
       this.onstate({ is: "open" });
       this.onframe(told.bytes);
     } else if (told.is === "answer") this.#asking.answered(told.text);
     else if (told.is === "serial-send") this.onserial(told.bytes);
     else if (told.is === "serial-release") this.onrelease();
-    else this.onstate({ is: "failed", why: told.why });
+    else this.#fail(told.why);
+  }
+
+  #fail(why: string): void {
+    this.#failed = why;
+    this.#asking.gone(why);
+    this.onstate({ is: "failed", why });
   }
 }

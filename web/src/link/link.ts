@@ -9,8 +9,8 @@ export type Wish = Without<Request, "id">;
 export type LinkState =
   | { is: "connecting" }
   | { is: "open" }
-  /** It will be tried again in so many seconds. */
-  | { is: "lost"; again_s: number }
+  /** It will be tried again. */
+  | { is: "lost" }
   /** The server wants its token. */
   | { is: "locked"; wrong: boolean }
   | { is: "failed"; why: string };

@@ -69,7 +69,7 @@ export class Served implements Link {
   }
 
   #again(): void {
-    this.onstate({ is: "lost", again_s: this.#wait_s });
+    this.onstate({ is: "lost" });
     setTimeout(() => void this.#enter(), this.#wait_s * 1000);
     this.#wait_s = Math.min(2 * this.#wait_s, LONGEST_S);
   }

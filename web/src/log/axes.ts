@@ -24,6 +24,7 @@ export class Axes {
   #figures: LogAllan[] = [];
 
   begin(): void {
+    for (const figure of this.#figures) figure.destroy();
     this.#figures = [];
     this.element.replaceChildren();
   }

@@ -54,7 +54,6 @@ export class Log implements Page {
       ),
       this.#below,
     );
-    document.addEventListener("dragover", (event) => event.preventDefault());
     document.addEventListener("drop", (event) => this.#dropped(event));
     this.#say("No log yet.");
   }
@@ -68,13 +67,13 @@ export class Log implements Page {
   /** Begins with a file. */
   open(file: File): void {
     this.#file = file;
+    this.#axes.begin();
     this.#questions.reset();
     this.#below.replaceChildren();
     this.#look({});
   }
 
   #dropped(event: DragEvent): void {
-    event.preventDefault();
     const file = event.dataTransfer?.files[0];
     if (file && this.element.isConnected) this.open(file);
   }
