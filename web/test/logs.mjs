@@ -1,6 +1,7 @@
 // Logs for the tests: white noise of a known density, in the forms that a script can write; the others are fixtures.
 import { readFileSync } from "node:fs";
 import { gzipSync } from "node:zlib";
+import { PATIENCE } from "./world.mjs";
 
 const FIXTURES = new URL("../../crates/zerorate-data/src/column/fixtures/", import.meta.url).pathname;
 
@@ -33,14 +34,18 @@ function text(count, head) {
 
 /** NumPy's own form: a header in Python, and numbers. */
 function npy(count) {
-  const table = rows(count).map((row) => row.slice(1));
-  const head = `{'descr': '<f8', 'fortran_order': False, 'shape': (${count}, 3), }`;
+  const table = rows(count).flatMap((row) => row.slice(1));
+  return Buffer.concat([npyHead(count, 3), Buffer.from(Float64Array.from(table).buffer)]);
+}
+
+/** What stands before the numbers, which are f64, row by row. */
+export function npyHead(rows, columns) {
+  const head = `{'descr': '<f8', 'fortran_order': False, 'shape': (${rows}, ${columns}), }`;
   const padded = `${head.padEnd(Math.ceil((head.length + 11) / 64) * 64 - 11)}\n`;
-  const bytes = Buffer.alloc(10 + padded.length + 24 * count);
+  const bytes = Buffer.alloc(10 + padded.length);
   bytes.write("\x93NUMPY\x01\x00", "latin1");
   bytes.writeUInt16LE(padded.length, 8);
   bytes.write(padded, 10, "latin1");
-  table.flat().forEach((value, k) => bytes.writeDoubleLE(value, 10 + padded.length + 8 * k));
   return bytes;
 }
 
@@ -59,6 +64,18 @@ export const LOGS = {
 
 /** Fixtures of the readers: a few messages each, enough to be recognised. */
 export const SHORT = ["imu_none.bag", "imu_lz4.bag", "imu_bz2.bag", "imu_lz4.mcap", "imu_zstd.mcap", "imu.npz"];
+
+/** Gives a log to the page, and waits until it is done with it: what it says then. */
+export async function giveLog(page, name, buffer, timeout = 2 * PATIENCE) {
+  const file = typeof buffer === "string" ? buffer : { name, mimeType: "application/octet-stream", buffer };
+  await page.setInputFiles(".intake input[type=file]", file);
+  await logIsDone(page, timeout);
+  return page.textContent(".log .doing");
+}
+
+export async function logIsDone(page, timeout = 2 * PATIENCE) {
+  await page.waitForFunction(() => document.querySelector(".log .work button").hidden, null, { timeout });
+}
 
 export function fixture(name) {
   return readFileSync(`${FIXTURES}${name}`);

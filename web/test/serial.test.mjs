@@ -1,21 +1,11 @@
 // A bridge behind Web Serial: the firmware in QEMU, its bytes through a port that the test puts into the page.
 import assert from "node:assert/strict";
-import { after, before, test } from "node:test";
-import { proxy, serveFolder } from "./static.mjs";
+import { test } from "node:test";
+import { proxy, staticHome } from "./static.mjs";
 import { liveBench } from "./suite.mjs";
-import { becomes, BRIDGE, freePort, launch, open, PAGE, start, stopAll, without } from "./world.mjs";
+import { becomes, BRIDGE, freePort, open, start, without } from "./world.mjs";
 
-let browser, site;
-
-before(async () => {
-  browser = await launch();
-  site = await serveFolder(PAGE);
-});
-after(async () => {
-  await browser.close();
-  site.stop();
-  stopAll();
-});
+const home = staticHome();
 
 async function emulated() {
   const port = await freePort();
@@ -33,10 +23,10 @@ test(
   { skip: without.bridge },
   async () => {
     const { port, child } = await emulated();
-    const sockets = proxy(site.server, "/serial", port);
-    const { page, context, faults } = await open(browser, `${site.url}#device`, {
+    const sockets = proxy(home.site.server, "/serial", port);
+    const { page, context, faults } = await open(home.browser, `${home.site.url}#device`, {
       prepare: async (page, context) => {
-        await context.addInitScript(`window.__serialProxy = "${site.url.replace("http", "ws")}serial";`);
+        await context.addInitScript(`window.__serialProxy = "${home.site.url.replace("http", "ws")}serial";`);
         await context.addInitScript({ path: new URL("fake-serial.js", import.meta.url).pathname });
       },
     });
@@ -54,7 +44,7 @@ test(
 );
 
 test("a browser without Web Serial says so", async () => {
-  const { page, context } = await open(browser, `${site.url}#device`, {
+  const { page, context } = await open(home.browser, `${home.site.url}#device`, {
     prepare: (page) =>
       page.addInitScript(() => {
         delete Navigator.prototype.serial;

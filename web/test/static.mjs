@@ -2,7 +2,9 @@
 import { readFileSync } from "node:fs";
 import { createServer } from "node:http";
 import { connect } from "node:net";
+import { after, before } from "node:test";
 import { WebSocketServer } from "ws";
+import { launch, PAGE, stopAll } from "./world.mjs";
 
 const TYPES = {
   html: "text/html; charset=utf-8",
@@ -13,6 +15,21 @@ const TYPES = {
   svg: "image/svg+xml",
   webmanifest: "application/manifest+json",
 };
+
+/** A browser and the static page, from before the tests of a file until after them. */
+export function staticHome() {
+  const home = { browser: undefined, site: undefined };
+  before(async () => {
+    home.browser = await launch();
+    home.site = await serveFolder(PAGE);
+  });
+  after(async () => {
+    await home.browser?.close();
+    home.site?.stop();
+    stopAll();
+  });
+  return home;
+}
 
 /** Serves a folder, below a path of its own if one is given. */
 export async function serveFolder(folder, below = "/") {

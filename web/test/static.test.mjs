@@ -3,8 +3,9 @@ import assert from "node:assert/strict";
 import { spawnSync } from "node:child_process";
 import { mkdtempSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
-import { after, before, test } from "node:test";
-import { serveFolder } from "./static.mjs";
+import { test } from "node:test";
+import { giveLog, LOGS } from "./logs.mjs";
+import { serveFolder, staticHome } from "./static.mjs";
 import {
   beginCalibration,
   downloads,
@@ -14,27 +15,18 @@ import {
   PAGES,
   standsStill,
 } from "./suite.mjs";
-import { bars, becomes, launch, open, PAGE, PATIENCE, PROGRAM, without } from "./world.mjs";
+import { bars, becomes, open, PAGE, PATIENCE, PROGRAM, twinOf, without } from "./world.mjs";
 
-let browser, site;
+const home = staticHome();
 
-before(async () => {
-  browser = await launch();
-  site = await serveFolder(PAGE);
-});
-after(async () => {
-  await browser.close();
-  site.stop();
-});
-
-test("every page in both themes, readable by everybody", () => everyPage(browser, site.url));
+test("every page in both themes, readable by everybody", () => everyPage(home.browser, home.site.url));
 
 test("the twin is on view without a click, and soon", async () => {
-  const { page, context, faults } = await open(browser, site.url);
+  const { page, context, faults } = await open(home.browser, home.site.url);
   await liveBench(page);
   await context.close();
   // a second visit, as most are: the time is printed, and held to nothing but patience
-  const again = await open(browser, site.url, {
+  const again = await open(home.browser, home.site.url, {
     prepare: (page) =>
       page.addInitScript(() => {
         new MutationObserver(() => {
@@ -51,7 +43,7 @@ test("the twin is on view without a click, and soon", async () => {
 
 test("the policy is in force, and nothing comes from elsewhere", async () => {
   const hosts = new Set();
-  const { page, context } = await open(browser, site.url, {
+  const { page, context } = await open(home.browser, home.site.url, {
     prepare: (page) => page.on("request", (request) => hosts.add(new URL(request.url()).origin)),
   });
   for (const name of PAGES) await page.click(`nav a[href="#${name}"]`);
@@ -65,12 +57,12 @@ test("the policy is in force, and nothing comes from elsewhere", async () => {
   );
   assert.equal(refused, "script-src-elem");
   assert.equal(await page.evaluate(() => window.bad), undefined);
-  assert.deepEqual([...hosts], [new URL(site.url).origin]);
+  assert.deepEqual([...hosts], [new URL(home.site.url).origin]);
   await context.close();
 });
 
 test("nothing jumps while it is live", async () => {
-  const { page, context } = await open(browser, site.url);
+  const { page, context } = await open(home.browser, home.site.url);
   await liveBench(page);
   const shifts = await standsStill(page);
   console.log(`layout shift of the bench: ${shifts.toFixed(4)}`);
@@ -79,13 +71,13 @@ test("nothing jumps while it is live", async () => {
 });
 
 test("a whole calibration, over a reload and in two windows, and its files", async () => {
-  const { page, context, faults } = await open(browser, site.url);
+  const { page, context, faults } = await open(home.browser, home.site.url);
   await beginCalibration(page);
   await page.waitForSelector(".run .steps [data-state=done]");
   assert.deepEqual(await bars(page), []);
   await page.reload();
   await page.waitForSelector(".calibrate .run, .calibrate .result");
-  const second = await open(browser, `${site.url}#calibrate`, { context });
+  const second = await open(home.browser, `${home.site.url}#calibrate`, { context });
   await second.page.waitForSelector(".calibrate .run, .calibrate .result");
   await finishCalibration(page);
   assert.deepEqual(await bars(page), []);
@@ -102,7 +94,7 @@ test("a whole calibration, over a reload and in two windows, and its files", asy
   const stored = await page.evaluate(() => JSON.parse(localStorage.getItem("zerorate.calibrations")));
   assert.equal(stored.calibrations.length, 1);
   assert.match(stored.calibrations[0], /T-1/);
-  const other = await open(browser, site.url, {
+  const other = await open(home.browser, home.site.url, {
     prepare: (page) =>
       page.addInitScript((stored) => {
         localStorage.setItem("zerorate.calibrations", JSON.stringify(stored));
@@ -114,7 +106,7 @@ test("a whole calibration, over a reload and in two windows, and its files", asy
 });
 
 test("a calibration that is dropped, one that is damaged, and a device of other keys", async () => {
-  const { page, context } = await open(browser, `${site.url}#device`);
+  const { page, context } = await open(home.browser, `${home.site.url}#device`);
   const toml =
     'schema = 1\npart = "ADIS16130"\n[correction]\npbc_dps = -0.25\nbtc_dps_per_c = -0.04\nt3_c = 31.5\n';
   const drop = async (name, text) => {
@@ -156,7 +148,7 @@ test("a recording that is dropped is played", { skip: without.program }, async (
     path,
   ];
   assert.equal(spawnSync(PROGRAM, wish).status, 0);
-  const { page, context, faults } = await open(browser, `${site.url}#device`);
+  const { page, context, faults } = await open(home.browser, `${home.site.url}#device`);
   await page.setInputFiles('.openers input[type="file"]', path);
   await becomes(page, ".device .name", /twin\.arrows/);
   await page.getByLabel("max", { exact: true }).check();
@@ -168,13 +160,9 @@ test("a recording that is dropped is played", { skip: without.program }, async (
   await context.close();
 });
 
-/** In a window whose twin has these keys. */
-const twinOf = (keys) => (page) =>
-  page.addInitScript((text) => localStorage.setItem("zerorate.twin", text), JSON.stringify(keys));
-
 test("a chamber by hand: a plan that is dropped and refused, and the profile of the facts to its result", async () => {
   const prepare = twinOf("seed=5,profile=oven,hysteresis=0");
-  const { page, context, faults } = await open(browser, `${site.url}#calibrate`, { prepare });
+  const { page, context, faults } = await open(home.browser, `${home.site.url}#calibrate`, { prepare });
   await page.check('input[value="chamber"]');
   await becomes(page, ".plan-choice .twin", /profile=oven/);
   const plan = { name: "bad.toml", mimeType: "text/plain", buffer: Buffer.from("schema = 1\nsteps = 3\n") };
@@ -198,7 +186,7 @@ test("a chamber by hand: a plan that is dropped and refused, and the profile of 
 });
 
 test("a set point that nobody sets: its step goes on when the time that it takes at least is over", async () => {
-  const { page, context, faults } = await open(browser, `${site.url}#calibrate`);
+  const { page, context, faults } = await open(home.browser, `${home.site.url}#calibrate`);
   await page.check('input[value="chamber"]');
   await page.getByLabel("max", { exact: true }).check();
   await page.click(".choosing button.primary");
@@ -209,11 +197,17 @@ test("a set point that nobody sets: its step goes on when the time that it takes
   await context.close();
 });
 
-test("without shared workers: the bench comes, and who leaves a calibration is asked", async () => {
+test("without shared workers the bench comes", async () => {
   const prepare = (page) => page.addInitScript(() => delete globalThis.SharedWorker);
-  const { page, context, faults } = await open(browser, site.url, { prepare });
+  const { page, context, faults } = await open(home.browser, home.site.url, { prepare });
   await liveBench(page);
-  await page.click('nav a[href="#calibrate"]');
+  assert.deepEqual(faults, []);
+  await context.close();
+});
+
+test("who leaves a calibration is asked by the browser, and who ends it by the page, which goes on meanwhile", async () => {
+  const { page, context, faults } = await open(home.browser, `${home.site.url}#calibrate`);
+  await becomes(page, ".before", /Keep this page open/);
   await page.click(".choosing button.primary");
   await page.waitForSelector(".calibrate .run");
   const [dialog] = await Promise.all([
@@ -229,16 +223,26 @@ test("without shared workers: the bench comes, and who leaves a calibration is a
     void dialog.accept();
   });
   await page.getByRole("button", { name: "Abort" }).click();
+  await page.waitForSelector("dialog[open]");
+  // the rest of the page is inert
+  assert.deepEqual(await bars(page, 5), []);
+  const done = await page.textContent(".run .left");
+  await page.waitForFunction((done) => document.querySelector(".run .left").textContent !== done, done);
+  await page.keyboard.press("Escape");
+  await page.waitForSelector("dialog", { state: "detached" });
+  assert.ok(await page.$(".calibrate .run"));
+  await page.getByRole("button", { name: "Abort" }).click();
+  await page.getByRole("button", { name: "End it" }).click();
   await page.waitForSelector(".calibrate .ended");
   await page.reload();
   await page.waitForSelector("body[data-ready]");
-  assert.deepEqual(more, ["confirm"]);
+  assert.deepEqual(more, []);
   assert.deepEqual(faults, []);
   await context.close();
 });
 
 test("the tiles of the bench stand in full rows at every width", async () => {
-  const { page, context } = await open(browser, site.url);
+  const { page, context } = await open(home.browser, home.site.url);
   const widths = [[1920, [6]], [1280, [6]], [1180, [3, 3]], [768, [3, 3]], [390, [2, 2, 2]]];
   for (const [width, expected] of widths) {
     await page.setViewportSize({ width, height: 800 });
@@ -256,7 +260,7 @@ test("the tiles of the bench stand in full rows at every width", async () => {
 });
 
 test("charts by keyboard: hold, zoom, cursors, unit", async () => {
-  const { page, context, faults } = await open(browser, site.url);
+  const { page, context, faults } = await open(home.browser, home.site.url);
   await liveBench(page);
   await page.focus(".strips");
   await page.keyboard.press("Space");
@@ -283,7 +287,7 @@ test("charts by keyboard: hold, zoom, cursors, unit", async () => {
 test("phone, forced colours, less motion", async () => {
   const phone = { viewport: { width: 360, height: 740 }, isMobile: true, deviceScaleFactor: 2 };
   for (const more of [phone, { forcedColors: "active" }, { reducedMotion: "reduce" }]) {
-    const { page, context, faults } = await open(browser, site.url, { look: more });
+    const { page, context, faults } = await open(home.browser, home.site.url, { look: more });
     for (const name of PAGES) {
       await page.click(`nav a[href="#${name}"]`);
       await page.waitForSelector(`.page.${name}`);
@@ -300,15 +304,21 @@ test("phone, forced colours, less motion", async () => {
 
 test("from a subfolder, and offline after the first visit", async () => {
   const below = await serveFolder(PAGE, "/some/folder/");
-  const { page, context } = await open(browser, below.url);
+  const { page, context } = await open(home.browser, below.url);
   await page.evaluate(() => navigator.serviceWorker.ready);
   assert.deepEqual(
     below.asked.filter((path) => !path.startsWith("/some/folder/")),
     [],
   );
+  assert.ok(below.asked.some((path) => path.endsWith("live_bg.wasm")));
+  assert.ok(!below.asked.some((path) => path.endsWith("log_bg.wasm")), "the reader of logs came with the first visit");
+  await page.click('nav a[href="#log"]');
+  await giveLog(page, "rest.csv", LOGS["rest.csv"].bytes());
   below.stop();
-  const offline = await open(browser, below.url, { context });
+  const offline = await open(home.browser, below.url, { context });
   await liveBench(offline.page);
   await page.close();
+  await offline.page.click('nav a[href="#log"]');
+  assert.match(await giveLog(offline.page, "rest.csv", LOGS["rest.csv"].bytes()), /done/);
   await context.close();
 });

@@ -60,20 +60,26 @@ export async function open(browser, url, options = {}) {
   return { page, context, faults };
 }
 
+/** Prepares a window whose twin has these keys. */
+export function twinOf(keys) {
+  const text = JSON.stringify(keys);
+  return (page) => page.addInitScript((text) => localStorage.setItem("zerorate.twin", text), text);
+}
+
 /** What a text comes to be. */
-export async function becomes(page, selector, pattern) {
+export async function becomes(page, selector, pattern, timeout = PATIENCE) {
   await page.waitForFunction(
     ([where, source]) => new RegExp(source, "s").test(document.querySelector(where)?.textContent ?? ""),
     [selector, pattern.source],
-    { timeout: PATIENCE },
+    { timeout },
   );
 }
 
-/** No violation of axe. */
-export async function bars(page) {
+/** No violation of axe, which looks at more than `fewest` things. */
+export async function bars(page, fewest = 15) {
   await page.evaluate(readFileSync(require.resolve("axe-core/axe.min.js"), "utf8"));
   const { violations, passes } = await page.evaluate(() => window.axe.run());
-  assert.ok(passes.length > 15, "axe looked at too little");
+  assert.ok(passes.length > fewest, "axe looked at too little");
   return violations.map(
     ({ id, nodes }) =>
       `${id}: ${nodes
