@@ -26,8 +26,10 @@ impl Envelope {
     pub fn new(samples: &[f64], rate_hz: f64) -> Self {
         let there = || samples.iter().filter(|value| value.is_finite());
         let count = samples.len().min(Self::STRETCHES);
+        // of 64 bits: in a browser a `usize` has 32, which six million samples overflow
+        let begin = |index: usize| (index as u64 * samples.len() as u64 / count as u64) as usize;
         let stretch = |index: usize| {
-            let part = &samples[index * samples.len() / count..(index + 1) * samples.len() / count];
+            let part = &samples[begin(index)..begin(index + 1)];
             let there = part.iter().filter(|value| value.is_finite());
             let (low, high) =
                 there.fold((f64::MAX, f64::MIN), |(low, high), value| (low.min(*value), high.max(*value)));
