@@ -7,7 +7,7 @@ const out = process.argv[2] ?? "dist";
 rmSync(out, { recursive: true, force: true });
 mkdirSync(out, { recursive: true });
 
-/** What most visitors never take, and is more than all the rest: kept for when there is no network from its first use on. */
+/** More than all the rest, and most visitors never take it: kept from its first use on. */
 const LATER = /^zerorate_log.*\.wasm$/;
 
 const common = {

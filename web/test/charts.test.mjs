@@ -130,7 +130,8 @@ test("several axes: each has its own rate, by the switch", { skip: without.progr
   const rows = lines.map((line) => line.split(",").map(Number));
   const last = rows.filter(([t_ns]) => t_ns > rows.at(-1)[0] - 1e9);
   // t_ns, edge_seq and the codes: F-40 has 23 488 of them in 1 °/s, and 0 °/s in the middle of 24 bits
-  const truth = [2, 3, 4].map((axis) => last.reduce((sum, row) => sum + (row[axis] - 2 ** 23) / 23_488, 0) / last.length);
+  const mean = (axis) => last.reduce((sum, row) => sum + row[axis], 0) / last.length;
+  const truth = [2, 3, 4].map((axis) => (mean(axis) - 2 ** 23) / 23_488);
   const { page, context, faults } = await open(home.browser, `${home.site.url}#device`);
   await page.setInputFiles('.openers input[type="file"]', path);
   await becomes(page, ".device .name", /axes\.csv/);

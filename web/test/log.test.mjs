@@ -89,26 +89,35 @@ for (const name of SHORT) {
   });
 }
 
+/** The twin at rest for two minutes: its path. */
+function captured(name) {
+  const path = `${folder}/${name}`;
+  const wish = ["--device", "twin:seed=7", "--divider", "50", "--duration", "2m", "-o", path];
+  const { status, stderr } = spawnSync(PROGRAM, ["capture", ...wish]);
+  assert.equal(status, 0, String(stderr));
+  return path;
+}
+
+/** The angle random walk of such a capture, °/√s: differences of neighbours, of which white noise has all. */
+function walkOf(csv) {
+  const lines = csv.split("\n").filter((line) => /^\d/.test(line));
+  const rows = lines.map((line) => line.split(",").map(Number));
+  // t_ns, edge_seq, rate_code; F-40
+  const squares = rows.slice(1).map(([, , code], k) => ((code - rows[k][2]) / 23_488) ** 2);
+  const mean = squares.reduce((sum, one) => sum + one, 0) / squares.length;
+  const between_s = (rows.at(-1)[0] - rows[0][0]) / 1e9 / squares.length;
+  return Math.sqrt((mean / 2) * between_s);
+}
+
 test("captures of this program, whole and cut off", { skip: without.program }, async () => {
-  for (const name of ["twin.parquet", "twin.arrows", "twin.mcap"]) {
-    const path = `${folder}/${name}`;
-    const { status, stderr } = spawnSync(PROGRAM, [
-      "capture",
-      "--device",
-      "twin:seed=7",
-      "--divider",
-      "50",
-      "--duration",
-      "2m",
-      "-o",
-      path,
-    ]);
-    assert.equal(status, 0, String(stderr));
-    const bytes = readFileSync(path);
+  const csv = readFileSync(captured("twin.csv"));
+  const walk = walkOf(String(csv));
+  for (const name of ["twin.csv", "twin.parquet", "twin.arrows", "twin.mcap"]) {
+    const bytes = name === "twin.csv" ? csv : readFileSync(captured(name));
     assert.match(await give(name, bytes), /done/);
-    // F-02: 0.0125 °/s/√Hz, which is 0.75 °/√h; with a divider of 50 the noise above 82 Hz is folded onto it
     const found = await page.textContent(".axes-of-log .coefficients tbody tr:first-child");
-    console.log(name, found);
+    const [, value] = /^N.* ?([\d.]{5,}) \([\d. …]+\) °\/√s.*identified/.exec(found) ?? assert.fail(found);
+    assert.ok(Math.abs(Number(value) / walk - 1) < 0.03, `${name}: ${found}, and not ${walk}`);
     const said = await give(name, bytes.subarray(0, Math.floor(bytes.length / 2)));
     assert.ok(!/RuntimeError|unreachable/.test(said), said);
   }

@@ -4,8 +4,9 @@ import { mkdtempSync, readdirSync, rmSync, writeFileSync } from "node:fs";
 import { connect } from "node:net";
 import { tmpdir } from "node:os";
 import { after, before, test } from "node:test";
+import { giveLog, LOGS } from "./logs.mjs";
 import { beginCalibration, downloads, everyPage, finishCalibration, liveBench } from "./suite.mjs";
-import { becomes, freePort, launch, open, serve, start, PROGRAM, stopAll, without } from "./world.mjs";
+import { becomes, freePort, launch, open, PATIENCE, PROGRAM, serve, start, stopAll, without } from "./world.mjs";
 
 const TWIN = ["--device", "twin:seed=7"];
 const skip = without.program;
@@ -104,6 +105,49 @@ test("a server that goes and comes again", { skip }, async () => {
   await becomes(page, ".banner", /^$/);
   await liveBench(page);
   await again.stop();
+  await context.close();
+});
+
+test("a server that comes again within a calibration, which is gone: another can begin", { skip }, async () => {
+  const first = await serve(TWIN);
+  const { page, context } = await open(browser, first.url);
+  await page.click('nav a[href="#calibrate"]');
+  await becomes(page, ".before", /The page may be closed meanwhile/);
+  await page.click(".choosing button.primary");
+  await becomes(page, ".run .left", /left/);
+  await first.stop();
+  await becomes(page, ".banner", /cannot be reached/);
+  const again = await serve(TWIN, first.port);
+  await page.waitForSelector(".choosing");
+  await page.click(".choosing button.primary");
+  await becomes(page, ".run .left", /left/);
+  await again.stop();
+  await context.close();
+});
+
+test("a chamber by hand: what to set, and when", { skip }, async () => {
+  const oven = await serve(["--device", "twin:seed=5,profile=oven,hysteresis=0"]);
+  const { page, context, faults } = await open(browser, `${oven.url}#calibrate`);
+  await page.check('input[value="chamber"]');
+  await page.check('input[value="f57"]');
+  await page.getByLabel("max", { exact: true }).check();
+  await page.click(".choosing button.primary");
+  await becomes(page, ".run .advice", /^Step 2 of 4: set the chamber to -40\.0 °C/, 2 * PATIENCE);
+  assert.ok(await page.isHidden(".run .watch"));
+  assert.deepEqual(faults, []);
+  await oven.stop();
+  await context.close();
+});
+
+test("a log, which never comes to the server", { skip }, async () => {
+  const sent = [];
+  const { page, context, faults } = await open(browser, `${server.url}#log`, {
+    prepare: (page) => page.on("request", (request) => sent.push(request.method())),
+  });
+  assert.match(await giveLog(page, "rest.csv", LOGS["rest.csv"].bytes()), /done/);
+  assert.match(await page.textContent(".axes-of-log .coefficients tbody tr:first-child"), /^N.*(0\.59|0\.6)/);
+  assert.deepEqual([...new Set(sent)], ["GET"]);
+  assert.deepEqual(faults, []);
   await context.close();
 });
 

@@ -64,7 +64,7 @@ export const METHODS: readonly Method[] = [
 /** What becomes of the session without its page; `inside`: it runs in this browser. */
 export function meanwhile(inside: boolean): string {
   if (!inside) return "The page may be closed meanwhile: the session goes on without it.";
-  return "Keep this page open and the computer awake: the session runs in this browser, and ends with its last window.";
+  return "Keep this page open and the computer awake: the session runs in this browser, and ends with it.";
 }
 
 export function titleOf(name: MethodName): string {
