@@ -22,7 +22,7 @@ const TURN: Duration = Duration::from_millis(10);
 /// A part that is gone is looked for this often.
 const RETRY: Duration = Duration::from_secs(3);
 /// Frames that a browser may be behind: a second.
-const BEHIND: usize = 32;
+pub const BEHIND: usize = 32;
 /// Visits that wait; each connection has one at most.
 const QUEUE: usize = 256;
 /// Visits between two looks at the samples.
@@ -57,7 +57,8 @@ pub struct Desk {
     visits: Receiver<Visit>,
     frames: broadcast::Sender<Bytes>,
     newcomers: Vec<oneshot::Sender<Begun>>,
-    framed: Instant,
+    /// When the next frame is due.
+    frame_due: Instant,
     /// Why the device cannot be read, as it was said last.
     failed: Option<String>,
     /// What went wrong with a recording first.
@@ -107,7 +108,7 @@ impl Desk {
             visits,
             frames,
             newcomers: Vec::new(),
-            framed: Instant::now(),
+            frame_due: Instant::now(),
             failed: None,
             failure: None,
         };
@@ -129,16 +130,21 @@ impl Desk {
     /// # Errors
     /// The recording cannot begin.
     pub fn begin(&mut self) -> Result<()> {
-        if !self.folder.is_there() {
-            let how = "start it with --folder DIR to keep them";
-            self.session.note(&format!("not-kept: calibrations made here are lost when the program ends; {how}"));
-        }
+        self.note_standing();
         match std::mem::replace(&mut self.device, Device::Over { hub: None, again: None }) {
             Device::Opened(hub, bus) => {
                 self.recordings.begin(&hub)?;
                 self.read(hub, bus)
             }
             _ => Ok(()),
+        }
+    }
+
+    /// What holds of the program, however often the device is opened.
+    fn note_standing(&mut self) {
+        if !self.folder.is_there() {
+            let how = "start it with --folder DIR to keep them";
+            self.session.note(&format!("not-kept: calibrations made here are lost when the program ends; {how}"));
         }
     }
 
@@ -168,12 +174,7 @@ impl Desk {
 
     fn turn(mut self, stop: &Stop) -> Self {
         match &self.device {
-            Device::Reading(reading) => match reading.feed.next_within(TURN) {
-                Awaited::Samples(fed) => self.take(&fed),
-                Awaited::Nothing => {}
-                Awaited::End if stop.asked() => return self,
-                Awaited::End => self.end_reading(),
-            },
+            Device::Reading(_) => self.take_what_waits(stop),
             Device::Opening(_) => {
                 std::thread::sleep(TURN);
                 self = self.look_at_opening();
@@ -191,10 +192,29 @@ impl Desk {
         if let Some(error) = self.recordings.failure() {
             self.note_failure(error);
         }
-        if self.framed.elapsed() >= FRAME {
+        if Instant::now() >= self.frame_due {
             self.frame();
         }
         self
+    }
+
+    /// Waits for samples, and takes all that are there: what waits too long is missed.
+    fn take_what_waits(&mut self, stop: &Stop) {
+        let begun = Instant::now();
+        let until = self.frame_due.max(begun + TURN);
+        let mut patience = self.frame_due.saturating_duration_since(begun).min(TURN);
+        while let Device::Reading(reading) = &self.device {
+            match reading.feed.next_within(patience) {
+                Awaited::Samples(fed) => self.take(&fed),
+                Awaited::Nothing => return,
+                Awaited::End if stop.asked() => return,
+                Awaited::End => return self.end_reading(),
+            }
+            if Instant::now() >= until {
+                return;
+            }
+            patience = Duration::ZERO;
+        }
     }
 
     fn take(&mut self, fed: &Fed) {
@@ -284,6 +304,7 @@ impl Desk {
             None => self,
             Some(Ok(Opened { hub, about, bus })) => {
                 self.session = self.session.reopened(about);
+                self.note_standing();
                 self.failed = None;
                 // the part is shown all the same
                 if let Err(error) = self.recordings.begin(&hub) {
@@ -335,7 +356,9 @@ impl Desk {
 
     /// What is new goes to all; who came since the last frame gets all there is, which is the same to all of them.
     fn frame(&mut self) {
-        self.framed = Instant::now();
+        let now = Instant::now();
+        let next = self.frame_due + FRAME;
+        self.frame_due = if next > now { next } else { now + FRAME };
         if let Some(frame) = self.session.frame() {
             // nobody may be there
             let _ = self.frames.send(frame.into());
