@@ -1,82 +1,137 @@
 //! What is recorded while the page is served: one file from one opening of the device to its end.
 
-use crate::output::{Outputs, say};
+use crate::output::{OutputError, Outputs, Recording, say};
 use crate::recorder::Recorder;
 use anyhow::{Context, Result};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::channel;
+use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{self, JoinHandle};
-use zerorate_data::capture::Format;
-use zerorate_host::{Everything, Hub};
+use zerorate_data::capture::{CaptureInfo, Format};
+use zerorate_host::{Batch, Everything, Hub};
 
 /// The recordings of a run. A device that was opened again begins another one: its time begins anew.
 pub struct Recordings {
-    path: Option<PathBuf>,
-    outputs: Outputs,
-    count: u32,
-    running: Option<Running>,
-}
-
-struct Running {
-    path: PathBuf,
-    thread: JoinHandle<Result<u64>>,
+    files: Option<Arc<Mutex<Files>>>,
+    running: Option<JoinHandle<Result<()>>>,
 }
 
 impl Recordings {
     /// Into files named after this one; none: nothing is recorded.
     pub fn new(path: Option<PathBuf>, outputs: Outputs) -> Self {
-        Self { path, outputs, count: 0, running: None }
+        let files = path.map(|path| Arc::new(Mutex::new(Files { path, outputs, count: 0 })));
+        Self { files, running: None }
     }
 
-    /// Begins to record what a hub will read, in a thread of its own, which takes every sample.
+    /// Begins to record what a hub will read, in a thread of its own, which takes every sample. The first file is
+    /// there from the start, so that whoever cannot record is told at once; the others with their first samples, for
+    /// a part that is broken is opened again and again and gives none.
     pub fn begin(&mut self, hub: &Hub) -> Result<()> {
         self.end()?;
-        let Some(path) = &self.path else { return Ok(()) };
-        self.count += 1;
-        let path = numbered(path, self.count);
-        let file = self.outputs.recording(&path)?;
-        let (everything, info, name) = (hub.everything(), hub.facts().info.clone(), path.display().to_string());
+        let Some(files) = &self.files else { return Ok(()) };
+        let first = lock(files).first()?;
+        let (everything, info, files) = (hub.everything(), hub.facts().info.clone(), Arc::clone(files));
         let (begun, waits) = channel();
         let body = move || {
-            let recorder = Recorder::create(file, Format::choose(None, Path::new(&name)), &info)?;
+            let mut opened = first.map(|file| Opened::create(file, &info)).transpose()?;
             // whoever waits for that is still there
             let _ = begun.send(());
-            record(&everything, recorder).context(name)
+            while let Ok(Some(batch)) = everything.next() {
+                if batch.rows.is_empty() {
+                    continue;
+                }
+                let into = match opened.take() {
+                    Some(opened) => opened,
+                    None => Opened::create(lock(&files).next()?, &info)?,
+                };
+                return into.record(&batch, &everything);
+            }
+            opened.map_or(Ok(()), Opened::finish)
         };
         let thread =
             thread::Builder::new().name("recorder".to_owned()).spawn(body).context("starting the recorder")?;
-        self.running = Some(Running { path, thread });
+        self.running = Some(thread);
         // nothing is sent where it could not begin
         waits.recv().or_else(|_| self.end())
     }
 
     /// Why the recording has ended, if it failed.
     pub fn failure(&mut self) -> Option<anyhow::Error> {
-        let is_over = self.running.as_ref().is_some_and(|running| running.thread.is_finished());
+        let is_over = self.running.as_ref().is_some_and(JoinHandle::is_finished);
         if is_over { self.end().err() } else { None }
     }
 
     /// Waits for the end of the recording: what it records has ended.
     pub fn end(&mut self) -> Result<()> {
-        let Some(Running { path, thread }) = self.running.take() else { return Ok(()) };
-        let samples = thread.join().unwrap_or_else(|_| anyhow::bail!("{}: the recorder died", path.display()))?;
-        say(format_args!("{}: {samples} samples", path.display()));
-        Ok(())
+        let Some(thread) = self.running.take() else { return Ok(()) };
+        thread.join().unwrap_or_else(|_| anyhow::bail!("the recorder died"))
     }
 }
 
-/// Records until the end, whatever that is: what there is until then is whole.
-fn record(everything: &Everything, mut recorder: Recorder) -> Result<u64> {
-    let mut written = Ok(());
-    while let Ok(Some(batch)) = everything.next() {
-        written = batch.rows.iter().try_for_each(|row| recorder.push(row));
-        if written.is_err() {
-            break;
+fn lock(files: &Mutex<Files>) -> std::sync::MutexGuard<'_, Files> {
+    files.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Which files are recorded into.
+struct Files {
+    path: PathBuf,
+    outputs: Outputs,
+    /// The number of the last one.
+    count: u32,
+}
+
+impl Files {
+    /// The first file, if it was not made yet.
+    fn first(&mut self) -> Result<Option<Recording>> {
+        if self.count == 0 { self.next().map(Some) } else { Ok(None) }
+    }
+
+    /// The next file. What an earlier run left of those that follow the first is not touched.
+    fn next(&mut self) -> Result<Recording> {
+        loop {
+            self.count += 1;
+            match self.outputs.recording(&numbered(&self.path, self.count)) {
+                Err(OutputError::Exists { .. }) if self.count > 1 => {}
+                opened => return Ok(opened?),
+            }
         }
     }
-    let summary = recorder.finish();
-    written?;
-    Ok(summary?.samples)
+}
+
+/// A file that is recorded into.
+struct Opened {
+    name: String,
+    recorder: Recorder,
+}
+
+impl Opened {
+    fn create(file: Recording, info: &CaptureInfo) -> Result<Self> {
+        let path = file.path().to_owned();
+        let recorder = Recorder::create(file, Format::choose(None, &path), info)?;
+        Ok(Self { name: path.display().to_string(), recorder })
+    }
+
+    /// Records until the end, whatever that is: what there is until then is whole.
+    fn record(mut self, first: &Batch, more: &Everything) -> Result<()> {
+        let mut written = self.push(first);
+        while written.is_ok() {
+            let Ok(Some(batch)) = more.next() else { break };
+            written = self.push(&batch);
+        }
+        let finished = self.finish();
+        written.and(finished)
+    }
+
+    fn push(&mut self, batch: &Batch) -> Result<()> {
+        batch.rows.iter().try_for_each(|row| self.recorder.push(row)).with_context(|| self.name.clone())
+    }
+
+    fn finish(self) -> Result<()> {
+        let Self { name, recorder } = self;
+        let samples = recorder.finish().with_context(|| name.clone())?.samples;
+        say(format_args!("{name}: {samples} samples"));
+        Ok(())
+    }
 }
 
 /// `unit.arrows`, `unit-2.arrows`, …
@@ -98,5 +153,21 @@ mod tests {
         let name = |count| numbered(Path::new("a/unit.7.arrows"), count);
         assert_eq!([name(1), name(2)], [Path::new("a/unit.7.arrows"), Path::new("a/unit.7-2.arrows")]);
         assert_eq!(numbered(Path::new("unit"), 3), Path::new("unit-3"));
+    }
+
+    #[test]
+    fn what_is_left_of_an_earlier_run_is_passed_over() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        for left in ["unit-2.arrows", "unit-3.arrows"] {
+            std::fs::write(path(left), "left").unwrap();
+        }
+        let files = |first: &str| Files { path: path(first), outputs: Outputs::new(false), count: 0 };
+        let mut own = files("unit.arrows");
+        assert_eq!(own.first().unwrap().unwrap().path(), path("unit.arrows"));
+        assert!(own.first().unwrap().is_none(), "it was made");
+        assert_eq!(own.next().unwrap().path(), path("unit-4.arrows"));
+        assert_eq!(std::fs::read(path("unit-3.arrows")).unwrap(), b"left");
+        assert!(files("unit-2.arrows").first().is_err(), "the one that was asked for is another matter");
     }
 }
