@@ -17,6 +17,12 @@ impl Bucket {
         Self { most: most.into(), per_s, left: most.into(), at: now }
     }
 
+    /// Whether there is one.
+    pub fn has_one(&mut self, now: Instant) -> bool {
+        self.fill(now);
+        self.left >= 1.0
+    }
+
     /// Takes one, or says how long it is until there is one.
     pub fn take(&mut self, now: Instant) -> Result<(), Duration> {
         self.fill(now);

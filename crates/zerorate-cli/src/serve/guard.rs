@@ -16,7 +16,7 @@ pub struct Token(String);
 /// 128 bits, which nobody guesses.
 const TOKEN_BYTES: usize = 16;
 /// A token of one's own has so many characters.
-const TOKEN_LENGTHS: std::ops::RangeInclusive<usize> = 16..=256;
+pub const TOKEN_LENGTHS: std::ops::RangeInclusive<usize> = 16..=256;
 
 impl Token {
     /// By the random numbers of the operating system.
@@ -74,7 +74,6 @@ const NOT_OUR_NAME: Refusal = (
      --host NAME\n",
 );
 const NOT_OUR_PAGE: Refusal = (StatusCode::FORBIDDEN, "only the page of this server may ask\n");
-const NO_TOKEN: Refusal = (StatusCode::UNAUTHORIZED, "the token is needed that was printed when the server started\n");
 const NO_SUCH_METHOD: Refusal = (StatusCode::METHOD_NOT_ALLOWED, "GET and HEAD alone, and POST of the token\n");
 const NO_BODY: Refusal = (StatusCode::PAYLOAD_TOO_LARGE, "a request here has no body\n");
 
@@ -105,12 +104,6 @@ impl Guard {
         }
     }
 
-    /// What samples and requests must fulfil beside: the token, where one is needed.
-    pub fn admit(&self, headers: &HeaderMap) -> Result<(), Refusal> {
-        let Some(token) = &self.token else { return Ok(()) };
-        if self.shown(headers).any(|shown| token.is(shown)) { Ok(()) } else { Err(NO_TOKEN) }
-    }
-
     /// The cookie that stands for the token: for this server, and for no script.
     pub fn cookie(&self) -> Option<String> {
         let token = self.token.as_ref()?.reveal();
@@ -118,7 +111,7 @@ impl Guard {
     }
 
     /// Tokens in the cookie or as `Authorization: Bearer`, which is for programs.
-    fn shown<'a>(&'a self, headers: &'a HeaderMap) -> impl Iterator<Item = &'a str> {
+    pub fn shown<'a>(&'a self, headers: &'a HeaderMap) -> impl Iterator<Item = &'a str> {
         let texts = |name| headers.get_all(name).iter().filter_map(|value| value.to_str().ok());
         let cookies = texts(header::COOKIE).flat_map(|value| value.split(';'));
         let in_cookies = cookies.filter_map(|cookie| cookie.trim().strip_prefix(&*self.cookie)?.strip_prefix('='));
@@ -241,7 +234,8 @@ mod tests {
     #[test]
     fn a_token_comes_in_a_cookie_or_a_header() {
         let open = guard("0.0.0.0:8130", &[]);
-        let admitted = |all: &[(&'static str, &'static str)]| open.admit(&headers(all)).is_ok();
+        let token = open.token().unwrap();
+        let admitted = |all: &[(&'static str, &'static str)]| open.shown(&headers(all)).any(|shown| token.is(shown));
         assert!(admitted(&[("cookie", "a=b; zerorate_8130=0123456789abcdef")]));
         assert!(admitted(&[("authorization", "Bearer 0123456789abcdef")]));
         let wrong = ["zerorate_8130=", "zerorate_8130=0123456789abcdee", "zerorate_8131=0123456789abcdef"];
@@ -249,7 +243,7 @@ mod tests {
         assert!(!admitted(&[("authorization", "0123456789abcdef")]));
         let cookie = open.cookie().unwrap();
         assert!(cookie.ends_with("HttpOnly; SameSite=Strict"), "{cookie}");
-        assert!(guard("127.0.0.1:8130", &[]).admit(&headers(&[])).is_ok());
+        assert!(guard("127.0.0.1:8130", &[]).token().is_none());
     }
 
     #[test]

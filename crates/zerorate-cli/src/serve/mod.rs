@@ -3,7 +3,8 @@
 //!
 //! `desk.rs` is the session's thread, with the device (`device.rs`), its recordings (`recordings.rs`) and the
 //! calibrations on disk (`folder.rs`). `server.rs` takes connections and asks the guard (`guard.rs`) about each
-//! request; `watch.rs`, `page.rs` and `metrics.rs` answer them. `libiio.rs` is for other clients.
+//! request and counts the tokens that are tried (`trials.rs`); `watch.rs`, `page.rs` and `metrics.rs` answer
+//! them. `libiio.rs` is for other clients.
 
 mod bucket;
 mod desk;
@@ -15,6 +16,7 @@ mod metrics;
 mod page;
 mod recordings;
 mod server;
+mod trials;
 mod watch;
 
 pub use desk::Desk;
@@ -24,4 +26,4 @@ pub use guard::{Guard, Token};
 pub use libiio::Libiio;
 pub use page::{ABSENT, is_there as has_page};
 pub use recordings::Recordings;
-pub use server::run;
+pub use server::{EndsAll, run};

@@ -3,11 +3,12 @@
 use super::bucket::Bucket;
 use super::desk::Visits;
 use super::guard::{Guard, Refusal};
+use super::trials::Trials;
 use super::{metrics, page, watch};
 use anyhow::{Context, Result};
 use axum::body::{Body, to_bytes};
 use axum::extract::{Request, State};
-use axum::http::{HeaderName, HeaderValue, StatusCode, header};
+use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, header};
 use axum::middleware::{self, Next};
 use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post};
@@ -28,19 +29,12 @@ use zerorate_host::Stop;
 const CONNECTIONS: usize = 96;
 /// Pages that look on.
 const SEATS: usize = 48;
-/// Until the head of a request must be there, and until the next one.
-const HEAD_TIME: Duration = Duration::from_secs(5);
-/// Of a connection that is no page looking on.
-const LIFETIME: Duration = Duration::from_secs(120);
 /// Largest head of a request, bytes.
 const HEAD: usize = 16 << 10;
 const HEADERS: usize = 64;
 /// Requests at once on a connection, and in a second.
 const BURST: u32 = 100;
 const REQUESTS_PER_S: f64 = 20.0;
-/// Tokens that may be tried at once, and in a second, by all together.
-const TRIALS: u32 = 5;
-const TRIALS_PER_S: f64 = 0.5;
 /// Largest token, bytes.
 const TOKEN: usize = 1 << 10;
 /// A wish to end is heeded this often.
@@ -51,12 +45,31 @@ const POLICY: &str = "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; 
     img-src 'self' data: blob:; font-src 'self'; connect-src 'self'; worker-src 'self'; manifest-src 'self'; \
     base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
+/// How long is waited for whom.
+#[derive(Clone, Copy, Debug)]
+pub struct Limits {
+    /// Until the head of a request must be there, and until the next one.
+    pub head: Duration,
+    /// Of a connection that is no page looking on.
+    pub lifetime: Duration,
+    /// A page that looks on must give a sign of life as often.
+    pub sign_of_life: Duration,
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        let [head, lifetime, sign_of_life] = [5, 120, 30].map(Duration::from_secs);
+        Self { head, lifetime, sign_of_life }
+    }
+}
+
 /// What all requests share.
 pub struct Server {
     pub visits: Visits,
     pub seats: Arc<Semaphore>,
+    pub limits: Limits,
     guard: Guard,
-    trials: Mutex<Bucket>,
+    trials: Trials,
 }
 
 /// A connection, and how much is asked on it.
@@ -70,6 +83,25 @@ impl Server {
     pub fn watchers(&self) -> usize {
         SEATS - self.seats.available_permits()
     }
+
+    fn new(guard: Guard, visits: Visits, limits: Limits) -> Self {
+        Self { visits, seats: Arc::new(Semaphore::new(SEATS)), limits, guard, trials: Trials::new(Instant::now()) }
+    }
+
+    /// Samples and requests need the token, where there is one.
+    fn admit(&self, headers: &HeaderMap) -> Result<(), Refusal> {
+        let Some(token) = self.guard.token() else { return Ok(()) };
+        self.trials.admit(token, self.guard.shown(headers), Instant::now())
+    }
+}
+
+/// Asks for the end of everything when it goes, however that comes about.
+pub struct EndsAll(pub Stop);
+
+impl Drop for EndsAll {
+    fn drop(&mut self) {
+        self.0.ask();
+    }
 }
 
 /// Serves until the wish to end.
@@ -77,14 +109,18 @@ impl Server {
 /// # Errors
 /// The system does not let it.
 pub fn run(listener: TcpListener, guard: Guard, visits: Visits, stop: &Stop) -> Result<()> {
-    let trials = Mutex::new(Bucket::new(TRIALS, TRIALS_PER_S, Instant::now()));
-    let server = Arc::new(Server { visits, seats: Arc::new(Semaphore::new(SEATS)), guard, trials });
+    serve(listener, Server::new(guard, visits, Limits::default()), stop)
+}
+
+fn serve(listener: TcpListener, server: Server, stop: &Stop) -> Result<()> {
+    let limits = server.limits;
+    let server = Arc::new(server);
     listener.set_nonblocking(true).context("the server")?;
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().context("the server")?;
     runtime.block_on(async {
         let listener = tokio::net::TcpListener::from_std(listener).context("the server")?;
         tokio::select! {
-            () = accept(listener, routes(server)) => {}
+            () = accept(listener, routes(server), limits) => {}
             () = asked(stop) => {}
         }
         Ok(())
@@ -111,7 +147,7 @@ fn routes(server: Arc<Server>) -> Router {
         .with_state(server)
 }
 
-async fn accept(listener: tokio::net::TcpListener, routes: Router) {
+async fn accept(listener: tokio::net::TcpListener, routes: Router, limits: Limits) {
     let places = Arc::new(Semaphore::new(CONNECTIONS));
     loop {
         let Ok((stream, _)) = listener.accept().await else {
@@ -120,7 +156,7 @@ async fn accept(listener: tokio::net::TcpListener, routes: Router) {
             continue;
         };
         match Arc::clone(&places).try_acquire_owned() {
-            Ok(place) => drop(tokio::spawn(attend(stream, routes.clone(), place))),
+            Ok(place) => drop(tokio::spawn(attend(stream, routes.clone(), limits, place))),
             Err(_) => turn_away(&stream),
         }
     }
@@ -130,17 +166,17 @@ fn turn_away(stream: &TcpStream) {
     let _ = stream.try_write(b"HTTP/1.1 503 Service Unavailable\r\nconnection: close\r\ncontent-length: 0\r\n\r\n");
 }
 
-async fn attend(stream: TcpStream, routes: Router, place: OwnedSemaphorePermit) {
+async fn attend(stream: TcpStream, routes: Router, limits: Limits, place: OwnedSemaphorePermit) {
     // frames are small, and late ones useless
     let _ = stream.set_nodelay(true);
     let requests = Mutex::new(Bucket::new(BURST, REQUESTS_PER_S, Instant::now()));
     let connection = Arc::new(Connection { requests, _place: place });
     let service = TowerToHyperService::new(routes.layer(Extension(connection)));
     let mut http = http1::Builder::new();
-    http.timer(TokioTimer::new()).header_read_timeout(HEAD_TIME).max_buf_size(HEAD).max_headers(HEADERS);
+    http.timer(TokioTimer::new()).header_read_timeout(limits.head).max_buf_size(HEAD).max_headers(HEADERS);
     let served = http.serve_connection(TokioIo::new(stream), service).with_upgrades();
     // whoever breaks off is no failure of the server
-    let _ = time::timeout(LIFETIME, served).await;
+    let _ = time::timeout(limits.lifetime, served).await;
 }
 
 /// What holds for every request and every answer.
@@ -173,7 +209,7 @@ async fn check(
 
 /// What holds beside for samples and requests.
 async fn admit(State(server): State<Arc<Server>>, request: Request, next: Next) -> Response {
-    match server.guard.admit(request.headers()) {
+    match server.admit(request.headers()) {
         Ok(()) => next.run(request).await,
         Err(refusal) => refused(refusal),
     }
@@ -186,31 +222,32 @@ fn refused((status, why): Refusal) -> Response {
 
 /// Which home the page is in (docs/formats/page.md).
 async fn home(State(server): State<Arc<Server>>, request: Request) -> Response {
-    let token_needed = server.guard.admit(request.headers()).is_err();
+    let token_needed = server.admit(request.headers()).is_err();
     let text = json!({"home": "served", "token_needed": token_needed}).to_string();
     ([(header::CONTENT_TYPE, "application/json")], text).into_response()
 }
 
 /// The token, typed into the page or taken by it from the fragment of the address; the answer brings the cookie.
 async fn token(State(server): State<Arc<Server>>, body: Body) -> Response {
-    if lock(&server.trials).take(Instant::now()).is_err() {
-        return refused((StatusCode::TOO_MANY_REQUESTS, "too many tokens were tried: wait some seconds\n"));
-    }
-    let shown = match time::timeout(HEAD_TIME, to_bytes(body, TOKEN)).await {
+    let shown = match time::timeout(server.limits.head, to_bytes(body, TOKEN)).await {
         Ok(Ok(bytes)) => bytes,
         Ok(Err(_)) => return refused((StatusCode::PAYLOAD_TOO_LARGE, "that is no token\n")),
         Err(_) => return refused((StatusCode::REQUEST_TIMEOUT, "the token did not come\n")),
     };
     let shown = str::from_utf8(&shown).unwrap_or_default().trim();
-    match (server.guard.token(), server.guard.cookie()) {
-        (Some(token), Some(cookie)) if token.is(shown) => {
-            (StatusCode::NO_CONTENT, [(header::SET_COOKIE, cookie)]).into_response()
-        }
-        (Some(_), _) => refused((StatusCode::FORBIDDEN, "that is not the token\n")),
-        (None, _) => StatusCode::NO_CONTENT.into_response(),
+    let (Some(token), Some(cookie)) = (server.guard.token(), server.guard.cookie()) else {
+        return StatusCode::NO_CONTENT.into_response();
+    };
+    match server.trials.admit(token, [shown], Instant::now()) {
+        Ok(()) => (StatusCode::NO_CONTENT, [(header::SET_COOKIE, cookie)]).into_response(),
+        Err((StatusCode::UNAUTHORIZED, _)) => refused((StatusCode::FORBIDDEN, "that is not the token\n")),
+        Err(refusal) => refused(refusal),
     }
 }
 
 fn lock(bucket: &Mutex<Bucket>) -> std::sync::MutexGuard<'_, Bucket> {
     bucket.lock().unwrap_or_else(PoisonError::into_inner)
 }
+
+#[cfg(test)]
+mod tests;

@@ -34,7 +34,7 @@ pub async fn watch(
     };
     let upgrade = upgrade.max_message_size(MESSAGE).max_frame_size(MESSAGE).write_buffer_size(0);
     upgrade.on_upgrade(async move |socket| {
-        Watch { socket, visits: server.visits.clone() }.serve().await;
+        Watch { socket, visits: server.visits.clone() }.serve(server.limits.sign_of_life).await;
         drop((seat, connection));
     })
 }
@@ -52,9 +52,12 @@ struct Watch {
 }
 
 impl Watch {
-    /// Until it leaves, stalls, or the desk closes. A page that misses frames gets everything anew.
-    async fn serve(mut self) {
+    /// Until it leaves, stalls, gives no sign of life, or the desk closes. A page that misses frames gets everything
+    /// anew.
+    async fn serve(mut self, sign_of_life: Duration) {
         let mut requests = Bucket::new(BURST, REQUESTS_PER_S, Instant::now());
+        let mut rounds = time::interval_at(time::Instant::now() + sign_of_life, sign_of_life);
+        let mut is_alive = true;
         while let Some(Begun { snapshot, mut frames }) = begin(&self.visits).await {
             if !self.send(Message::Binary(snapshot)).await {
                 return;
@@ -73,10 +76,16 @@ impl Watch {
                     },
                     message = next(&mut self.socket, reads_at) => {
                         let Some(message) = message else { return };
+                        is_alive = true;
                         if !self.heed(message).await {
                             return;
                         }
                         reads_at = requests.borrow(Instant::now()).into();
+                    }
+                    _ = rounds.tick() => {
+                        if !std::mem::take(&mut is_alive) || !self.send(Message::Ping(Bytes::new())).await {
+                            return;
+                        }
                     }
                 }
             }

@@ -1,0 +1,133 @@
+//! Bounds that are too long to wait for, made short. The rest is tested from outside: tests/serve/safety.rs.
+
+use super::*;
+use crate::serve::desk::{BEHIND, Begun, Visit};
+use axum::body::Bytes;
+use std::io::{Read, Write};
+use std::net::{SocketAddr, TcpStream};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc::sync_channel;
+use std::thread;
+use tokio::sync::broadcast;
+use tungstenite::{Message, WebSocket};
+
+/// Longer than anything takes on the slowest machine.
+const LONG: Duration = Duration::from_secs(60);
+const NEVER: Limits = Limits { head: LONG, lifetime: LONG, sign_of_life: LONG };
+
+/// A server with a desk that has no device: each page finds so many frames waiting beside the snapshot.
+struct Served {
+    address: SocketAddr,
+    begun: Arc<AtomicUsize>,
+    _ends: EndsAll,
+}
+
+impl Served {
+    fn with(limits: Limits, frames_waiting: usize) -> Self {
+        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+        let (address, stop) = (listener.local_addr().unwrap(), Stop::default());
+        let begun = Arc::<AtomicUsize>::default();
+        let (visits, desk) = sync_channel(16);
+        let counted = Arc::clone(&begun);
+        thread::spawn(move || {
+            let (frames, _) = broadcast::channel(BEHIND);
+            while let Ok(Visit::Watch(begin)) = desk.recv() {
+                let watched = frames.subscribe();
+                // whoever comes again is not behind any more
+                let waiting = if counted.fetch_add(1, Ordering::Relaxed) == 0 { frames_waiting } else { 0 };
+                (0..waiting).for_each(|_| drop(frames.send(Bytes::from_static(b"frame"))));
+                let _ = begin.send(Begun { snapshot: Bytes::from_static(b"snapshot"), frames: watched });
+            }
+        });
+        let (server, ends) = (Server::new(Guard::new(address, None, vec![]), visits, limits), stop.clone());
+        thread::spawn(move || serve(listener, server, &ends));
+        Self { address, begun, _ends: EndsAll(stop) }
+    }
+
+    fn connect(&self) -> TcpStream {
+        let stream = TcpStream::connect(self.address).unwrap();
+        stream.set_read_timeout(Some(LONG)).unwrap();
+        stream
+    }
+
+    fn watch(&self) -> WebSocket<TcpStream> {
+        tungstenite::client(format!("ws://{}/ws", self.address), self.connect()).unwrap().0
+    }
+}
+
+/// False where the connection has ended.
+fn ask(stream: &mut TcpStream) -> bool {
+    let sent = stream.write_all(b"GET /home.json HTTP/1.1\r\nhost: localhost\r\n\r\n");
+    sent.is_ok() && stream.read(&mut [0; 4096]).is_ok_and(|length| length > 0)
+}
+
+#[test]
+fn the_next_request_is_waited_for_so_long() {
+    let served = Served::with(Limits { head: Duration::from_millis(300), ..NEVER }, 0);
+    let mut stream = served.connect();
+    assert!(ask(&mut stream) && ask(&mut stream));
+    let begun = Instant::now();
+    assert!(matches!(stream.read(&mut [0; 64]), Ok(0) | Err(_)));
+    assert!((Duration::from_millis(250)..LONG / 2).contains(&begun.elapsed()), "{:?}", begun.elapsed());
+}
+
+#[test]
+fn a_connection_lives_so_long_however_much_is_asked_on_it() {
+    let lifetime = Duration::from_millis(700);
+    let served = Served::with(Limits { lifetime, ..NEVER }, 0);
+    let (mut stream, begun) = (served.connect(), Instant::now());
+    while ask(&mut stream) {
+        assert!(begun.elapsed() < LONG / 2, "it goes on");
+        thread::sleep(Duration::from_millis(60));
+    }
+    assert!(begun.elapsed() >= lifetime, "{:?}", begun.elapsed());
+    // a page that looks on is another matter
+    let mut page = served.watch();
+    thread::sleep(2 * lifetime);
+    page.send(Message::Ping(Bytes::new())).unwrap();
+    while !matches!(page.read().unwrap(), Message::Pong(_)) {}
+}
+
+#[test]
+fn so_many_frames_wait_for_a_page_and_then_it_gets_everything_anew() {
+    let next = |page: &mut WebSocket<TcpStream>| page.read().unwrap().into_data();
+    let in_time = Served::with(NEVER, BEHIND);
+    let mut page = in_time.watch();
+    assert_eq!(next(&mut page), "snapshot");
+    assert!((0..BEHIND).all(|_| next(&mut page) == "frame"));
+    assert_eq!(in_time.begun.load(Ordering::Relaxed), 1);
+    let late = Served::with(NEVER, BEHIND + 1);
+    let mut page = late.watch();
+    assert_eq!([next(&mut page), next(&mut page)], ["snapshot", "snapshot"]);
+    assert_eq!(late.begun.load(Ordering::Relaxed), 2);
+}
+
+/// Nothing is sent where nothing is read: without being asked, a page that vanished would keep its seat.
+#[test]
+fn a_page_that_gives_no_sign_of_life_loses_its_seat() {
+    let sign_of_life = Duration::from_millis(500);
+    let served = Served::with(Limits { sign_of_life, ..NEVER }, 0);
+    let (mut lively, mut dead) = (served.watch(), served.watch());
+    // what reads answers
+    let reads = thread::spawn(move || {
+        let mut pings = 0;
+        while pings < 6 {
+            pings += usize::from(matches!(lively.read().unwrap(), Message::Ping(_)));
+        }
+    });
+    thread::sleep(4 * sign_of_life);
+    let mut rest = Vec::new();
+    assert!(dead.get_mut().read_to_end(&mut rest).is_ok() || !rest.is_empty());
+    reads.join().unwrap();
+}
+
+#[test]
+fn whatever_ends_the_session_ends_all() {
+    let stop = Stop::default();
+    let ends = EndsAll(stop.clone());
+    let died = thread::spawn(move || {
+        let _ends = ends;
+        panic!("as a test");
+    });
+    assert!(died.join().is_err() && stop.asked());
+}

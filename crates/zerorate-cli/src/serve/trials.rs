@@ -1,0 +1,106 @@
+//! Tokens that are tried: only so many, wherever they are shown.
+
+use super::bucket::Bucket;
+use super::guard::{Refusal, TOKEN_LENGTHS, Token};
+use axum::http::StatusCode;
+use std::collections::VecDeque;
+use std::sync::{Mutex, PoisonError};
+use std::time::Instant;
+
+/// Tokens that may be tried at once, and in a second, by all together.
+const AT_ONCE: u32 = 5;
+const PER_S: f64 = 0.5;
+/// Wrong tokens that are remembered: a page that was left open shows its old one again and again, and tries nothing.
+const REMEMBERED: usize = 64;
+
+const NO_TOKEN: Refusal = (StatusCode::UNAUTHORIZED, "the token is needed that was printed when the server started\n");
+const TOO_MANY: Refusal = (StatusCode::TOO_MANY_REQUESTS, "too many tokens were tried: wait some seconds\n");
+
+/// What was tried so far.
+#[derive(Debug)]
+pub struct Trials(Mutex<Tried>);
+
+#[derive(Debug)]
+struct Tried {
+    bucket: Bucket,
+    wrong: VecDeque<String>,
+}
+
+impl Trials {
+    /// Nothing yet.
+    pub fn new(now: Instant) -> Self {
+        Self(Mutex::new(Tried { bucket: Bucket::new(AT_ONCE, PER_S, now), wrong: VecDeque::new() }))
+    }
+
+    /// Whether one of these is the token. While too many are tried, the right one is not told either: whoever guesses
+    /// would know it by that.
+    pub fn admit<'a>(
+        &self,
+        token: &Token,
+        shown: impl IntoIterator<Item = &'a str>,
+        now: Instant,
+    ) -> Result<(), Refusal> {
+        let mut tried = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        for shown in shown {
+            if tried.is(token, shown, now)? {
+                return Ok(());
+            }
+        }
+        Err(NO_TOKEN)
+    }
+}
+
+impl Tried {
+    fn is(&mut self, token: &Token, shown: &str, now: Instant) -> Result<bool, Refusal> {
+        if !TOKEN_LENGTHS.contains(&shown.len()) || self.wrong.iter().any(|wrong| wrong == shown) {
+            return Ok(false);
+        }
+        if !self.bucket.has_one(now) {
+            return Err(TOO_MANY);
+        }
+        if token.is(shown) {
+            return Ok(true);
+        }
+        // there is one
+        let _ = self.bucket.take(now);
+        if self.wrong.len() == REMEMBERED {
+            self.wrong.pop_front();
+        }
+        self.wrong.push_back(shown.to_owned());
+        Ok(false)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::time::Duration;
+
+    fn wrong(k: u32) -> String {
+        format!("{k:032}")
+    }
+
+    #[test]
+    fn so_many_are_tried_and_then_the_right_one_waits_as_well() {
+        let (began, token) = (Instant::now(), Token::random().unwrap());
+        let (trials, right) = (Trials::new(began), token.reveal());
+        let status = |shown: &str, at_s: u64| {
+            trials.admit(&token, [shown], began + Duration::from_secs(at_s)).err().map(|(status, _)| status.as_u16())
+        };
+        // the right one is none, nor what cannot be one, nor what was tried before
+        assert!((0..100).all(|_| status(right, 0).is_none() && status("0", 0) == Some(401)));
+        assert!((0..100).all(|_| status(&wrong(0), 0) == Some(401)));
+        assert!((1..5).all(|k| status(&wrong(k), 0) == Some(401)));
+        assert_eq!([status(&wrong(5), 0), status(right, 0), status(&wrong(0), 0)], [Some(429), Some(429), Some(401)]);
+        assert_eq!([status(right, 2), status(&wrong(5), 2), status(right, 2)], [None, Some(401), Some(429)]);
+    }
+
+    #[test]
+    fn all_of_a_request_count() {
+        let (began, token) = (Instant::now(), Token::random().unwrap());
+        let many: Vec<String> = (0..100).map(wrong).chain([token.reveal().to_owned()]).collect();
+        let refused = Trials::new(began).admit(&token, many.iter().map(String::as_str), began).unwrap_err();
+        assert_eq!(refused.0, StatusCode::TOO_MANY_REQUESTS);
+        assert_eq!(Trials::new(began).admit(&token, [], began).unwrap_err().0, StatusCode::UNAUTHORIZED);
+    }
+}
