@@ -907,7 +907,11 @@ calibration: string | null, } | { "do": "add-calibration",
 /**
  * What stands in the file.
  */
-toml: string, } | { "do": "download", 
+toml: string, } | { "do": "remove-calibration", 
+/**
+ * Its `id`.
+ */
+calibration: string, } | { "do": "download", 
 /**
  * Its `id`.
  */

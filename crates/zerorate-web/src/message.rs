@@ -42,6 +42,11 @@ pub enum Wish {
         /// What stands in the file.
         toml: String,
     },
+    /// Take a calibration off file that is not applied. Answer: nothing.
+    RemoveCalibration {
+        /// Its `id`.
+        calibration: String,
+    },
     /// A calibration as a file. Answer: [`Download`].
     Download {
         /// Its `id`.

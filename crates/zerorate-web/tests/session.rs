@@ -184,6 +184,7 @@ fn a_guided_calibration_finds_what_the_twin_hides() {
     feed(&mut session, &mut device, 2.0);
     let (frame, _) = read(&session.frame().unwrap());
     assert!(number(&frame["now"]["axes"][0]["corrected_dps"]).abs() < 0.05);
+    assert!(!says(&session, "unknown-serial"), "it was measured on this very part");
     assert_eq!(
         (&frame["calibrations"][0]["applied"], frame["calibrations"].as_array().unwrap().len()),
         (&json!(true), 1)
@@ -347,4 +348,91 @@ fn a_part_that_does_not_bear_a_calibration_has_none_applied() {
     let (frame, _) = read(&session.reopened(About { part, ..about() }).snapshot());
     assert_eq!(frame["calibrations"][0]["applied"], false);
     assert!(frame["notices"][0]["text"].as_str().unwrap().contains("no longer"), "{}", frame["notices"]);
+}
+
+/// Whether there is a notice with this code.
+fn says(session: &Session, code: &str) -> bool {
+    let (all, _) = read(&session.snapshot());
+    all["notices"].as_array().unwrap().iter().any(|notice| notice["code"] == code)
+}
+
+fn calibration(serial: &str, pbc_dps: f64) -> String {
+    let correction = format!("[correction]\npbc_dps = {pbc_dps}\nbtc_dps_per_c = -0.04\nt3_c = 31.5\n");
+    format!("schema = 1\npart = \"ADIS16130\"\n{serial}{correction}")
+}
+
+fn of_part(serial: &str) -> About {
+    About { info: CaptureInfo { serial: Some(serial.to_owned()), ..about().info }, ..about() }
+}
+
+#[test]
+fn a_calibration_of_another_part_is_not_applied() {
+    let mut session = Session::new(of_part("B2"));
+    let foreign = session.add_calibration(&calibration("serial = \"A1\"\n", 0.5)).unwrap();
+    let why = session.apply(Some(&foreign)).unwrap_err();
+    assert!(why.contains("part B2") && why.contains("part A1"), "{why}");
+    assert!(read(&session.snapshot()).0["calibrations"][0]["applied"] == false);
+    let own = session.add_calibration(&calibration("serial = \"B2\"\n", 0.5)).unwrap();
+    session.apply(Some(&own)).unwrap();
+    assert!(says(&session, "no-checksum") && !says(&session, "unknown-serial"));
+    let nameless = session.add_calibration(&calibration("", 0.5)).unwrap();
+    session.apply(Some(&nameless)).unwrap();
+    assert!(says(&session, "unknown-serial"));
+    // the part that is opened now does not bear what was applied to the one before
+    session.apply(Some(&own)).unwrap();
+    let mut other = session.reopened(of_part("A1"));
+    assert!(says(&other, "not-applied") && !says(&other, "unknown-serial"));
+    feed(&mut other, &mut Device::open("seed=3"), 2.0);
+    let (all, _) = read(&other.snapshot());
+    assert!(all["now"]["axes"][0]["corrected_dps"].is_null(), "{}", all["now"]);
+    assert!(all["calibrations"].as_array().unwrap().iter().all(|one| one["applied"] == false));
+    // of a part without a number nobody knows
+    let mut unknown = other.reopened(about());
+    unknown.apply(Some(&own)).unwrap();
+    assert!(says(&unknown, "unknown-serial"));
+}
+
+#[test]
+fn a_calibration_is_not_begun_where_there_is_no_room_for_its_result() {
+    let mut session = Session::new(about());
+    let ids: Vec<String> =
+        (0..100).map(|k| session.add_calibration(&calibration("", f64::from(k) * 0.01)).unwrap()).collect();
+    let begin = json!({ "id": 1, "do": "calibrate", "method": "warmup" });
+    let refused = asked(&mut session, begin.clone());
+    assert!(refused["error"].as_str().unwrap().contains("remove one"), "{refused}");
+    session.apply(Some(&ids[7])).unwrap();
+    let remove = |id: &str| json!({ "id": 2, "do": "remove-calibration", "calibration": id });
+    assert!(asked(&mut session, remove(&ids[7]))["error"].as_str().unwrap().contains("applied"));
+    assert_eq!(asked(&mut session, remove(&ids[8])), json!({ "id": 2, "ok": {} }));
+    assert!(asked(&mut session, remove(&ids[8]))["error"].as_str().unwrap().contains("no calibration"));
+    assert_eq!(session.calibrations().count(), 99);
+    assert_eq!(session.ask(&begin.to_string()), Asked::Host { id: 1, wish: HostWish::Reopen });
+    assert!(session.add_calibration(&calibration("", 2.0)).is_err(), "the last place is that of the result");
+    assert_eq!(asked(&mut session, json!({ "id": 3, "do": "abort-calibration" }))["ok"], json!({}));
+    session.add_calibration(&calibration("", 2.0)).unwrap();
+}
+
+#[test]
+fn nothing_is_computed_across_samples_that_were_not_seen() {
+    let mut session = Session::new(about());
+    session.ask(r#"{"id": 1, "do": "calibrate", "method": "an1042"}"#);
+    let mut session = session.reopened(about());
+    let mut device = Device::open("seed=4");
+    feed(&mut session, &mut device, 10.0);
+    let statistics_s = |session: &mut Session| {
+        session.frame();
+        number(&read(&session.snapshot()).0["statistics"][0]["duration_s"])
+    };
+    assert!(statistics_s(&mut session) > 9.0);
+    for _ in 0..1000 {
+        device.next();
+    }
+    session.missed(1000);
+    feed(&mut session, &mut device, 3.0);
+    let seen_s = statistics_s(&mut session);
+    assert!((1.0..3.3).contains(&seen_s), "{seen_s}");
+    let (all, _) = read(&session.snapshot());
+    assert_eq!((&all["calibration"]["is"], &all["ledger"]["missed"]), (&json!("aborted"), &json!(1000)));
+    assert!(all["calibration"]["text"].as_str().unwrap().starts_with("1000 samples"), "{}", all["calibration"]);
+    assert!(says(&session, "samples-missed"));
 }

@@ -1,18 +1,22 @@
 //! `zerorate serve`: the live page.
 
+use super::correct::load;
+use super::serial::Part;
+use super::warn;
 use crate::cli::{SamplingArgs, SourceArgs};
 use crate::exit::Usage;
 use crate::interrupt;
 use crate::output::{Outputs, say};
-use crate::serve::{self, Desk, Folder, Guard, Libiio, Opener, Recordings, Token};
+use crate::serve::{self, Desk, EndsAll, Folder, Guard, Libiio, Opener, Recordings, Token};
 use anyhow::{Context, Result, anyhow, ensure};
 use clap::Args;
 use std::io::ErrorKind;
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr, TcpListener};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::thread;
 use zerorate::Calibration;
 use zerorate_host::iiod;
+use zerorate_web::session::About;
 
 /// Shows a part live in the browser: rate, noise, temperature, and calibration as a guided run.
 ///
@@ -81,6 +85,7 @@ pub fn run(args: &ServeArgs) -> Result<()> {
     let stop = interrupt::stop();
     let inputs = args.source.file().into_iter().chain(args.cals.iter().map(PathBuf::as_path));
     let outputs = Outputs::new(false).reading(inputs.chain(args.token_file.as_deref()))?;
+    let calibrations = args.cals.iter().map(|cal| load(cal)).collect::<Result<Vec<_>>>()?;
     let token = token(args)?;
     let listener = listen(args.listen)?;
     let address = listener.local_addr().context("the server")?;
@@ -88,10 +93,13 @@ pub fn run(args: &ServeArgs) -> Result<()> {
     let opener = Opener { spec, setup: args.source.setup(args.sampling), stop: stop.clone() };
     let opened = opener.open()?;
     ensure!(!stop.asked(), "interrupted");
+    if let Some((calibration, cal)) = calibrations.first().zip(args.cals.first()) {
+        check_serial(calibration, cal, &opened.about)?;
+    }
     let recordings = Recordings::new(args.output.clone(), outputs);
     let (mut desk, visits) = Desk::new(opener, opened, recordings, Folder::new(args.folder.clone()));
     shelve(args, &mut desk)?;
-    let libiio = libiio(args)?;
+    let libiio = libiio(args, calibrations.into_iter().next())?;
     let at = libiio.as_ref().map(Libiio::address).transpose()?;
     let mut desk = desk.with_libiio(libiio);
     desk.begin()?;
@@ -101,9 +109,8 @@ pub fn run(args: &ServeArgs) -> Result<()> {
     }
     let guard = Guard::new(address, token, args.hosts.clone());
     let session = thread::Builder::new().name("session".to_owned()).spawn(move || {
-        let ended = desk.run(stop);
-        stop.ask();
-        ended
+        let _ends = EndsAll(stop.clone());
+        desk.run(stop)
     });
     let session = session.context("starting the session")?;
     let served = serve::run(listener, guard, visits, stop);
@@ -113,7 +120,7 @@ pub fn run(args: &ServeArgs) -> Result<()> {
 }
 
 /// The server for clients of libiio. It has no password, so nobody else is to reach it.
-fn libiio(args: &ServeArgs) -> Result<Option<Libiio>> {
+fn libiio(args: &ServeArgs, calibration: Option<Calibration>) -> Result<Option<Libiio>> {
     if args.no_iio {
         return Ok(None);
     }
@@ -130,16 +137,19 @@ fn libiio(args: &ServeArgs) -> Result<Option<Libiio>> {
         Ok(listener) => listener,
         Err(error) if args.iio.is_none() => {
             let how = "clients of libiio are not served; --iio 127.0.0.1:0 takes a free port";
-            say(format_args!("warning: {address}: {error}: {how}"));
+            warn(&[format!("libiio-unserved: {address}: {error}: {how}")]);
             return Ok(None);
         }
         Err(error) => return Err(error).with_context(|| format!("cannot listen at {address} (--iio)")),
     };
-    let calibration = args.cals.first().map(|cal| {
-        let text = std::fs::read_to_string(cal).with_context(|| format!("cannot read {}", cal.display()))?;
-        Ok::<_, anyhow::Error>(Calibration::parse(&text).with_context(|| cal.display().to_string())?.0)
-    });
-    Ok(Some(Libiio::new(listener, calibration.transpose()?, args.allow_write)))
+    Ok(Some(Libiio::new(listener, calibration, args.allow_write)))
+}
+
+/// The calibration that is applied must be that of the part.
+fn check_serial(calibration: &Calibration, cal: &Path, about: &About) -> Result<()> {
+    let part = Part { name: &about.name, serial: about.info.serial.as_deref(), advice: "look at the number on it" };
+    warn(part.check(calibration, cal)?.as_slice());
+    Ok(())
 }
 
 /// Calibrations of the folder and of the command line.
@@ -183,7 +193,7 @@ fn listen(address: SocketAddr) -> Result<TcpListener> {
 
 fn announce(address: SocketAddr, token: Option<&Token>) {
     if !serve::has_page() {
-        say(format_args!("warning: {}", serve::ABSENT));
+        warn(&[serve::ABSENT]);
     }
     let ip = match address.ip() {
         IpAddr::V4(Ipv4Addr::UNSPECIFIED) => Ipv4Addr::LOCALHOST.into(),

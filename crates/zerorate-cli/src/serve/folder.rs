@@ -1,9 +1,10 @@
 //! Calibrations on disk: read at the start, and written when one was made. Names are made here, never taken from a
 //! request.
 
+use crate::commands::warn;
 use crate::output::{Outputs, say};
 use anyhow::{Context, Result};
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 use zerorate::Calibration;
@@ -18,8 +19,10 @@ pub struct Folder {
     path: Option<PathBuf>,
     /// Ids that are there, or came from a file.
     known: HashSet<String>,
-    /// Calibrations that were looked at.
-    seen: usize,
+    /// Where they lie in the folder.
+    files: HashMap<String, Vec<PathBuf>>,
+    /// Changes of what is on file that were looked at.
+    seen: u64,
 }
 
 impl Folder {
@@ -47,8 +50,8 @@ impl Folder {
         files.sort();
         for file in files {
             match self.add(&file, session) {
-                Ok(_) => {}
-                Err(error) => say(format_args!("warning: {error:#}; it is left out")),
+                Ok(id) => self.files.entry(id).or_default().push(file),
+                Err(error) => warn(&[format!("calibration-left-out: {error:#}")]),
             }
         }
         Ok(())
@@ -68,22 +71,27 @@ impl Folder {
         Ok(id)
     }
 
-    /// Writes what came since, if there is a folder; what went wrong is said on stderr and on the page.
+    /// Writes what came since, if there is a folder, and puts away what was removed; what went wrong is said on stderr
+    /// and on the page.
     pub fn keep(&mut self, session: &mut Session) {
-        let count = session.calibrations().count();
-        if std::mem::replace(&mut self.seen, count) == count {
+        let changes = session.shelf_changes();
+        if std::mem::replace(&mut self.seen, changes) == changes {
             return;
         }
+        self.put_away(session);
         let new: Vec<Calibration> =
             session.calibrations().filter(|calibration| !self.known.contains(&calibration.id())).cloned().collect();
         for calibration in new {
             let id = calibration.id();
             if let Some(folder) = &self.path {
                 match write(folder, &id, &calibration.to_toml()) {
-                    Ok(path) => say(format_args!("kept {}", path.display())),
+                    Ok(path) => {
+                        say(format_args!("kept {}", path.display()));
+                        self.files.entry(id.clone()).or_default().push(path);
+                    }
                     Err(error) => {
                         let note = format!("not-kept: calibration {id} could not be written: {error:#}; download it");
-                        say(format_args!("warning: {note}"));
+                        warn(&[&note]);
                         session.note(&note);
                     }
                 }
@@ -91,6 +99,36 @@ impl Folder {
             self.known.insert(id);
         }
     }
+
+    /// A calibration that was removed does not come back with the next start.
+    fn put_away(&mut self, session: &mut Session) {
+        let on_file: HashSet<String> = session.calibrations().map(Calibration::id).collect();
+        let removed: Vec<String> = self.known.difference(&on_file).cloned().collect();
+        for id in removed {
+            self.known.remove(&id);
+            for file in self.files.remove(&id).into_iter().flatten() {
+                match rename(&file, &id) {
+                    Ok(removed) => {
+                        let note = format!("Calibration {id} was removed; its file is {} now.", removed.display());
+                        say(&note);
+                        session.note(&note);
+                    }
+                    Err(error) => {
+                        let note = format!("not-removed: calibration {id} comes back with the next start: {error:#}");
+                        warn(&[&note]);
+                        session.note(&note);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// No file is deleted: it gets a name by which it is not read again.
+fn rename(file: &Path, id: &str) -> Result<PathBuf> {
+    let removed = file.with_extension(format!("toml.removed-{id}"));
+    fs::rename(file, &removed).with_context(|| format!("cannot rename {}", file.display()))?;
+    Ok(removed)
 }
 
 fn write(folder: &Path, id: &str, toml: &str) -> Result<PathBuf> {

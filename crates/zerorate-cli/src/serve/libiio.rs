@@ -1,6 +1,6 @@
 //! Clients of libiio beside the page: a server for each time that the device is opened.
 
-use crate::output::say;
+use crate::commands::warn;
 use anyhow::{Context, Result};
 use std::net::{SocketAddr, TcpListener};
 use std::sync::Arc;
@@ -42,12 +42,12 @@ impl Libiio {
         let (calibration, may_be_written, ends) = (self.calibration.clone(), self.may_be_written, stop.clone());
         let body = move || {
             let server = Server::new(&hub, calibration.as_ref()).or_else(|error| {
-                say(format_args!("warning: libiio: no corrected rates: {error}"));
+                warn(&[format!("libiio-uncorrected: {error}")]);
                 Server::new(&hub, None)
             });
             let server = server.map(|server| if may_be_written { server.writable() } else { server });
             if let Ok(Err(error)) = server.map(|server| server.serve(&listener, &ends)) {
-                say(format_args!("warning: libiio: no client can connect any more: {error}"));
+                warn(&[format!("libiio-ended: no client can connect any more: {error}")]);
             }
         };
         let thread = thread::Builder::new().name("libiio".to_owned()).spawn(body).context("serving libiio")?;

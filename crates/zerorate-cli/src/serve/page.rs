@@ -23,7 +23,8 @@ pub fn is_there() -> bool {
 }
 
 /// What is said where it is not.
-pub const ABSENT: &str = "this program was built without its page: run `cargo xtask web`, then build it again";
+pub const ABSENT: &str =
+    "no-page: this program was built without its page: run `cargo xtask web`, then build it again";
 
 /// The file that is asked for.
 pub async fn file(uri: Uri, headers: HeaderMap) -> Response {

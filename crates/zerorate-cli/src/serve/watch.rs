@@ -57,6 +57,8 @@ impl Watch {
     async fn serve(mut self, sign_of_life: Duration) {
         let mut requests = Bucket::new(BURST, REQUESTS_PER_S, Instant::now());
         let mut rounds = time::interval_at(time::Instant::now() + sign_of_life, sign_of_life);
+        // after a turn that was late the answer has its time all the same
+        rounds.set_missed_tick_behavior(time::MissedTickBehavior::Delay);
         let mut is_alive = true;
         while let Some(Begun { snapshot, mut frames }) = begin(&self.visits).await {
             if !self.send(Message::Binary(snapshot)).await {

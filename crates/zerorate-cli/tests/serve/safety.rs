@@ -191,13 +191,12 @@ fn whoever_comes_over_the_network_must_know_the_token() {
     assert_eq!(code(&served.ask("GET /metrics", &bearer, "")), 200);
     let with_cookie = served.ask("GET /home.json", &format!("cookie: {cookie}\r\n"), "");
     assert!(with_cookie.ends_with("\"token_needed\":false}"));
-    // whoever tries many is slowed down, the right one too, wherever they are shown
+    // whoever tries many is slowed down, wherever they are shown
     let bearer_of = |k: u32| format!("authorization: Bearer {k:032}\r\n");
     assert!((0..50).any(|k| code(&served.ask("GET /metrics", &bearer_of(k), "")) == 429));
     assert!((50..100).any(|k| code(&served.ask("POST /token", "", &format!("{k:032}"))) == 429));
     let cookie_of = |k: u32| format!("cookie: zerorate_{}={k:032}\r\n{UPGRADE}", served.port);
     assert!((100..150).any(|k| code(&served.ask("GET /ws", &cookie_of(k), "")) == 429));
-    assert!((0..50).any(|_| code(&served.ask("GET /metrics", &bearer, "")) == 429));
     assert_eq!(served.said().try_iter().filter(|line| line.contains(token)).count(), 0, "it is printed once");
 }
 

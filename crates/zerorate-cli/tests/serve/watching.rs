@@ -4,6 +4,7 @@ use super::{LONG, Served, Watch};
 use crate::harness::{Bench, Run, command};
 use serde_json::json;
 use std::fs;
+use std::io::BufRead;
 use std::net::TcpListener;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
@@ -115,11 +116,69 @@ fn a_part_that_is_gone_is_said_to_be_and_can_be_opened_again() {
     served.says("unit.csv: ");
     assert_eq!(metric(&served, "up"), 0.0);
     assert_eq!(page.ask(&json!({"id": 1, "do": "reopen"}))["ok"], json!({}));
-    page.until(|frame| frame["device"]["state"]["is"] == "reading");
+    let again = page.until(|frame| frame["device"]["state"]["is"] == "reading" && frame["notices"].is_array());
+    assert!(again["notices"].to_string().contains("not-kept"), "it holds on: {again}");
+    page.until(|frame| frame["ledger"]["samples"].as_u64().is_some_and(|samples| samples > 0));
     assert_eq!(served.interrupt().code(), Some(0));
     for file in ["unit.csv", "unit-2.csv"] {
         bench.zerorate(&format!("verify {file}")).ended_with(0);
     }
+}
+
+/// Every part has its own bias: as of `stream`, what is not of this one is refused, and what may not be is said.
+#[test]
+fn a_calibration_must_be_that_of_the_part() {
+    let bench = Bench::new();
+    let unit = |serial: &str| {
+        let correction = "[correction]\npbc_dps = -0.25\nbtc_dps_per_c = -0.04\nt3_c = 31.5\n";
+        format!("schema = 1\npart = \"ADIS16130\"\nserial = \"{serial}\"\n{correction}")
+    };
+    bench.write("a1.toml", unit("A1"));
+    bench.write("b2.toml", unit("B2"));
+    bench.zerorate("capture --samples 100 --serial B2 -o b2.arrows").ended_with(0);
+    let why = bench.zerorate("serve --listen 127.0.0.1:0 --no-iio --device replay:b2.arrows --cal a1.toml").fails(1);
+    assert!(why.contains("part A1") && why.contains("part B2"), "{why}");
+    let served = Served::start(&bench, "--device replay:b2.arrows --cal b2.toml --cal a1.toml");
+    let mut page = served.watch();
+    let first = page.frame();
+    let codes: Vec<_> = first["notices"].as_array().expect("notices").iter().map(|one| &one["code"]).collect();
+    assert!(codes.contains(&&json!("no-checksum")) && !codes.contains(&&json!("unknown-serial")), "{codes:?}");
+    let foreign = first["calibrations"][1]["id"].clone();
+    let refused = page.ask(&json!({"id": 1, "do": "apply", "calibration": foreign}));
+    assert!(refused["error"].as_str().is_some_and(|why| why.contains("part A1")), "{refused}");
+    let mut start = bench.command("serve --listen 127.0.0.1:0 --no-iio --cal a1.toml");
+    let mut unknown = start.stderr(std::process::Stdio::piped()).spawn().expect("the program starts");
+    let lines = std::io::BufReader::new(unknown.stderr.take().expect("stderr"));
+    let said: Vec<String> =
+        lines.lines().map_while(Result::ok).take_while(|line| !line.contains("open http")).collect();
+    unknown.kill().and_then(|()| unknown.wait()).expect("an end");
+    for code in ["no-checksum", "unknown-serial"] {
+        assert!(said.iter().any(|line| line.starts_with(&format!("warning: {code}: "))), "{code}\n{said:?}");
+    }
+}
+
+#[test]
+fn a_calibration_that_was_removed_does_not_come_back() {
+    let bench = Bench::new();
+    let unit = "schema = 1\npart = \"ADIS16130\"\n[correction]\npbc_dps = -0.25\nbtc_dps_per_c = -0.04\nt3_c = 31.5\n";
+    fs::create_dir(bench.path("shelf")).expect("a folder");
+    bench.write("shelf/old.toml", unit);
+    let served = Served::start(&bench, "--folder shelf --device twin:seed=4");
+    let mut page = served.watch();
+    let id = page.until(|frame| frame["calibrations"].is_array())["calibrations"][0]["id"].clone();
+    let remove = json!({"id": 1, "do": "remove-calibration", "calibration": id});
+    assert_eq!(page.ask(&remove)["ok"], json!({}));
+    let said = page.until(|frame| frame["notices"].as_array().is_some_and(|all| !all.is_empty()));
+    assert!(said["notices"].to_string().contains("old.toml.removed-"), "{said}");
+    let names: Vec<_> =
+        fs::read_dir(bench.path("shelf")).expect("a folder").map(|file| file.expect("a file")).collect();
+    let [removed] = &names[..] else { panic!("{names:?}") };
+    assert_eq!(fs::read_to_string(removed.path()).expect("it is kept"), unit);
+    // and one that is made again is written again
+    let again = page.ask(&json!({"id": 2, "do": "add-calibration", "toml": unit}));
+    assert_eq!(again["ok"]["id"], id);
+    let kept = bench.path(&format!("shelf/calibration-{}.toml", id.as_str().expect("an id")));
+    assert!(wait_until(|| kept.exists()), "{}", kept.display());
 }
 
 #[test]

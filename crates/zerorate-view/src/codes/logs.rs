@@ -133,7 +133,7 @@ pub const ALL: &[Explanation] = &[
     Explanation {
         code: "no-checksum",
         says: Says::Warning,
-        by: &["stream", "correct", "export", "report"],
+        by: &["stream", "correct", "export", "report", "serve"],
         seen: "A calibration file has no checksum: it was written by hand, or its check lines were taken out.",
         matters: "Nothing shows whether its numbers are as they were measured.",
         remedy: "Prefer the file that a command has written. For one that was written by hand there is nothing \

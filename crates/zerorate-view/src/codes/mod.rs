@@ -8,6 +8,7 @@ mod logs;
 mod measuring;
 mod noise;
 mod samples;
+mod serving;
 
 use std::fmt::{self, Write};
 
@@ -61,12 +62,13 @@ pub struct Group {
 }
 
 /// All of them.
-pub const GROUPS: [Group; 5] = [
+pub const GROUPS: [Group; 6] = [
     Group { title: "Of the measurement", all: measuring::ALL },
     Group { title: "Of the samples", all: samples::ALL },
     Group { title: "Of a chamber", all: chamber::ALL },
     Group { title: "Of noise", all: noise::ALL },
     Group { title: "Of logs and recordings", all: logs::ALL },
+    Group { title: "Of the live page", all: serving::ALL },
 ];
 
 /// All of them, without headings.

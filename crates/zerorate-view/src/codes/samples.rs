@@ -187,7 +187,7 @@ pub const ALL: &[Explanation] = &[
     Explanation {
         code: "unknown-serial",
         says: Says::Warning,
-        by: &["stream", "correct"],
+        by: &["stream", "correct", "serve"],
         seen: "Nothing shows that the calibration is of this very part.",
         matters: "Every part has its own bias: the calibration of another makes the rate worse.",
         remedy: "Give the serial number when you calibrate, record and correct.",

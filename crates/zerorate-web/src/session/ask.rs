@@ -64,6 +64,10 @@ impl Session {
                 let entry = self.shelf.entry_of(&id).ok_or("it is not on file")?;
                 return Ok(Wished::Done(Given::Calibration(entry)));
             }
+            Wish::RemoveCalibration { calibration } => {
+                self.shelf.remove(&calibration)?;
+                self.changed.calibrations = true;
+            }
             Wish::Download { calibration, form } => {
                 return Ok(Wished::Done(Given::Download(self.shelf.download(&calibration, form)?)));
             }
@@ -90,9 +94,10 @@ impl Session {
 
     /// The procedure begins with the first reading of a part that was just reset (F-51, step 3).
     fn calibrate(&mut self, wish: &CalibrateWish) -> Result<(), String> {
-        if matches!(self.calibrating, Calibrating::Running(_)) {
+        if self.is_calibrating() {
             return Err("a calibration is under way: end it first".to_owned());
         }
+        self.shelf.has_room(1)?;
         if let DeviceState::Failed { why } = &self.bench.state {
             return Err(format!("the device cannot be read: {why}"));
         }
@@ -112,6 +117,10 @@ impl Session {
         }
     }
 
+    pub(super) fn is_calibrating(&self) -> bool {
+        self.method().is_some()
+    }
+
     /// Ends what is under way or about to begin without a result, and says why.
     pub fn abort_calibration(&mut self, why: &str) {
         let Some(method) = self.method() else { return };
@@ -121,7 +130,7 @@ impl Session {
     }
 
     fn dismiss(&mut self) -> Result<(), String> {
-        if self.method().is_some() {
+        if self.is_calibrating() {
             return Err("a calibration is under way: end it first".to_owned());
         }
         self.calibrating = Calibrating::Idle;
@@ -170,7 +179,7 @@ impl Session {
         let Bench { about, tally, axes, .. } = &self.bench;
         let measured = Measured { info: &about.info, tally, axes, truths: &self.truths };
         let kept = guide.finish(&measured).and_then(|(result, calibration)| {
-            self.shelf.add(calibration)?;
+            self.measured = Some(self.shelf.add(calibration)?);
             Ok(result)
         });
         self.calibrating = match kept {

@@ -92,6 +92,10 @@ pub struct Session {
     guide: Option<Guide>,
     /// What begins with the next reading, after the device was opened again.
     wanted: Option<Guide>,
+    /// The calibration that was measured since the device was opened, which is of this part for sure.
+    measured: Option<String>,
+    /// Samples are missing before the next one.
+    is_torn: bool,
     truths: Vec<Truth>,
     changed: Changed,
 }
@@ -116,6 +120,8 @@ impl Session {
             calibrating: Calibrating::Idle,
             guide: None,
             wanted: None,
+            measured: None,
+            is_torn: false,
             truths: Vec::new(),
             changed: Changed::default(),
         }
@@ -141,7 +147,7 @@ impl Session {
         let applied = self.shelf.applied().map(Calibration::id);
         if let Err(why) = self.apply(applied.as_deref()) {
             self.shelf.apply_none();
-            self.note(&format!("The calibration that was applied no longer is: {why}"));
+            self.note(&format!("not-applied: the calibration that was applied no longer is: {why}"));
         }
     }
 
@@ -150,6 +156,10 @@ impl Session {
     pub fn take(&mut self, row: &Row) {
         if self.bench.take(row, &mut self.statistics) {
             self.look();
+        }
+        if self.is_torn {
+            self.is_torn = false;
+            self.restart_statistics();
         }
         if self.guide.is_some() {
             let scan = self.bench.scan(row);
@@ -172,10 +182,17 @@ impl Session {
         self.bench.note(text);
     }
 
-    /// So many samples did not come here, but are no loss of the device.
+    /// So many samples did not come here, but are no loss of the device. What takes one sample for the successor of
+    /// the other begins anew: statistics with the next sample, a calibration when it is asked for.
     pub fn missed(&mut self, samples: u64) {
         self.bench.missed += samples;
         self.bench.changed.readings = true;
+        self.is_torn = true;
+        let why = format!("{samples} samples were not seen here, for the computer had too much else to do");
+        if self.guide.is_some() {
+            self.abort_calibration(&format!("{why}: end what else it does, and begin again"));
+        }
+        self.note(&format!("samples-missed: {why}; Allan deviation, spectrum and bias over temperature begin anew"));
     }
 
     /// What the twin knows of itself, with the newest samples.
@@ -208,22 +225,26 @@ impl Session {
         self.bench.state(state);
     }
 
-    /// Puts a calibration on file, by its TOML; its id.
+    /// Puts a calibration on file, by its TOML; its id. The place of one that is being measured stays free.
     ///
     /// # Errors
     /// What is wrong with it.
     pub fn add_calibration(&mut self, toml: &str) -> Result<String, String> {
+        let id = self.shelf.add_file(toml, usize::from(self.is_calibrating()))?;
         self.changed.calibrations = true;
-        self.shelf.add_file(toml)
+        Ok(id)
     }
 
-    /// Applies a calibration on file, or none; the angle is zero then.
+    /// Applies a calibration on file, or none, and notes what there is to say of it; the angle is zero then.
     ///
     /// # Errors
     /// It is not on file, or of another part.
     pub fn apply(&mut self, id: Option<&str>) -> Result<(), String> {
+        let stranger = id.filter(|id| self.measured.as_deref() != Some(id));
+        let doubts = stranger.map(|id| self.shelf.doubts(id, &self.bench.about)).transpose()?;
         self.bench.correct(self.shelf.apply(id, &self.bench.about.part)?);
         self.changed.calibrations = true;
+        doubts.iter().flatten().for_each(|doubt| self.note(doubt));
         Ok(())
     }
 
@@ -236,5 +257,11 @@ impl Session {
     /// Calibrations on file, the newest last.
     pub fn calibrations(&self) -> impl Iterator<Item = &Calibration> {
         self.shelf.all()
+    }
+
+    /// Counts what was put on file and taken off it.
+    #[must_use]
+    pub const fn shelf_changes(&self) -> u64 {
+        self.shelf.changes()
     }
 }

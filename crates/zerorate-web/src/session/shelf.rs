@@ -1,5 +1,6 @@
 //! Calibrations on file, and the one that is applied.
 
+use super::About;
 use crate::message::{CalibrationEntry, Download, Form};
 use zerorate::{Calibration, Correction, Corrector, Part};
 use zerorate_view::export::{self, Export, Options};
@@ -11,36 +12,81 @@ const MOST: usize = 100;
 /// Calibrations, the newest last.
 #[derive(Debug, Default)]
 pub struct Shelf {
-    kept: Vec<Calibration>,
+    kept: Vec<Kept>,
     applied: Option<String>,
+    changes: u64,
+}
+
+#[derive(Debug)]
+struct Kept {
+    calibration: Calibration,
+    /// What there is to say of its file.
+    warnings: Vec<String>,
 }
 
 impl Shelf {
-    /// Puts a calibration on file, by its TOML; its id. One that is there already stays as it is.
-    pub fn add_file(&mut self, toml: &str) -> Result<String, String> {
-        let (calibration, _) = Calibration::parse(toml).map_err(|error| error.to_string())?;
-        self.add(calibration)
+    /// Puts a calibration on file, by its TOML, and leaves so many places free; its id. One that is there already
+    /// stays as it is.
+    pub fn add_file(&mut self, toml: &str, free: usize) -> Result<String, String> {
+        let (calibration, warnings) = Calibration::parse(toml).map_err(|error| error.to_string())?;
+        let id = calibration.id();
+        let warnings = warnings.iter().map(|warning| format!("no-checksum: calibration {id}: {warning}")).collect();
+        self.put(Kept { calibration, warnings }, free)
     }
 
     /// The same of one that was measured here.
     pub fn add(&mut self, calibration: Calibration) -> Result<String, String> {
-        let id = calibration.id();
+        self.put(Kept { calibration, warnings: Vec::new() }, 0)
+    }
+
+    fn put(&mut self, new: Kept, free: usize) -> Result<String, String> {
+        let id = new.calibration.id();
         if self.find(&id).is_none() {
-            if self.kept.len() == MOST {
-                return Err(format!("{MOST} calibrations are on file already; begin anew with those that you need"));
-            }
-            self.kept.push(calibration);
+            self.has_room(1 + free)?;
+            self.kept.push(new);
+            self.changes += 1;
         }
         Ok(id)
     }
 
+    /// Whether so many more can be put on file.
+    pub fn has_room(&self, more: usize) -> Result<(), String> {
+        match self.kept.len() + more <= MOST {
+            true => Ok(()),
+            false => Err(format!("no more than {MOST} calibrations can be on file: remove one that you do not need")),
+        }
+    }
+
+    /// Takes a calibration off file.
+    pub fn remove(&mut self, id: &str) -> Result<(), String> {
+        self.known(id)?;
+        if self.is_applied(id) {
+            return Err("this calibration is applied: apply another one first, or none".to_owned());
+        }
+        self.kept.retain(|kept| kept.calibration.id() != id);
+        self.changes += 1;
+        Ok(())
+    }
+
+    /// Counts what was put on file and taken off it.
+    pub const fn changes(&self) -> u64 {
+        self.changes
+    }
+
     pub fn all(&self) -> impl Iterator<Item = &Calibration> {
-        self.kept.iter()
+        self.kept.iter().map(|kept| &kept.calibration)
+    }
+
+    /// What there is to say before a calibration from elsewhere is applied to this device. An error where it is that
+    /// of another part.
+    pub fn doubts(&self, id: &str, about: &About) -> Result<Vec<String>, String> {
+        let Kept { calibration, warnings } = self.known(id)?;
+        Ok(warnings.iter().cloned().chain(stranger(calibration, about)?).collect())
     }
 
     /// The one that is applied.
     pub fn applied(&self) -> Option<&Calibration> {
-        self.find(self.applied.as_deref()?)
+        self.find(self.applied.as_deref()?).map(|kept| &kept.calibration)
     }
 
     /// What applies it to the axes of a part.
@@ -49,7 +95,7 @@ impl Shelf {
             self.apply_none();
             return Ok(None);
         };
-        let calibration = self.known(id)?;
+        let calibration = &self.known(id)?.calibration;
         let axes = part.axes.iter().map(|axis| &*axis.name);
         let corrector = calibration.corrector(&part.name, axes).map_err(|error| error.to_string())?;
         self.applied = Some(id.to_owned());
@@ -62,16 +108,16 @@ impl Shelf {
     }
 
     pub fn entries(&self) -> Vec<CalibrationEntry> {
-        self.kept.iter().map(|calibration| entry(calibration, self.is_applied(&calibration.id()))).collect()
+        self.all().map(|calibration| entry(calibration, self.is_applied(&calibration.id()))).collect()
     }
 
     pub fn entry_of(&self, id: &str) -> Option<CalibrationEntry> {
-        self.find(id).map(|calibration| entry(calibration, self.is_applied(id)))
+        self.find(id).map(|kept| entry(&kept.calibration, self.is_applied(id)))
     }
 
     /// A calibration as a file.
     pub fn download(&self, id: &str, form: Form) -> Result<Download, String> {
-        let calibration = self.known(id)?;
+        let calibration = &self.known(id)?.calibration;
         let stem = calibration.serial.as_deref().map_or_else(|| id.to_owned(), plain);
         let file = |ending: &str, media_type: &str, text: String| Download {
             name: format!("{stem}.{ending}"),
@@ -100,12 +146,31 @@ impl Shelf {
         self.applied.as_deref() == Some(id)
     }
 
-    fn find(&self, id: &str) -> Option<&Calibration> {
-        self.kept.iter().find(|calibration| calibration.id() == id)
+    fn find(&self, id: &str) -> Option<&Kept> {
+        self.kept.iter().find(|kept| kept.calibration.id() == id)
     }
 
-    fn known(&self, id: &str) -> Result<&Calibration, String> {
+    fn known(&self, id: &str) -> Result<&Kept, String> {
         self.find(id).ok_or_else(|| format!("no calibration {id} is on file"))
+    }
+}
+
+/// What shows that a calibration is that of the part: every part has its own bias, and the wrong one shows in nothing.
+fn stranger(calibration: &Calibration, About { name, info, .. }: &About) -> Result<Option<String>, String> {
+    match (info.serial.as_deref(), calibration.serial.as_deref()) {
+        (Some(part), Some(calibrated)) if part == calibrated => Ok(None),
+        (Some(part), Some(calibrated)) => Err(format!(
+            "{name} is part {part}, this is the calibration of part {calibrated}: every part has its own bias"
+        )),
+        (None, Some(calibrated)) => Ok(Some(format!(
+            "unknown-serial: the calibration that is applied is that of part {calibrated}, and nothing shows that \
+             {name} is that part: look at the number on it"
+        ))),
+        (_, None) => Ok(Some(
+            "unknown-serial: the calibration that is applied says of no part that it is its own, and every part has \
+             its own bias: calibrate with the serial number"
+                .to_owned(),
+        )),
     }
 }
 
