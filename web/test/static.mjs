@@ -31,15 +31,16 @@ export function staticHome() {
   return home;
 }
 
-/** Serves a folder, below a path of its own if one is given. */
-export async function serveFolder(folder, below = "/") {
+/** Serves a folder, below a path of its own if one is given; `held` says what a file waits for. */
+export async function serveFolder(folder, below = "/", held = async () => {}) {
   const asked = [];
-  const server = createServer((request, response) => {
+  const server = createServer(async (request, response) => {
     const { pathname } = new URL(request.url, "http://host");
     asked.push(pathname);
     const name = pathname.startsWith(below)
       ? pathname.slice(below.length).replace(/(^|\/)$/, "$1index.html")
       : "../none";
+    await held(name);
     try {
       const type = TYPES[name.split(".").pop()] ?? "application/octet-stream";
       const bytes = name.includes("..") ? undefined : readFileSync(`${folder}/${name}`);

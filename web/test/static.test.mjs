@@ -70,6 +70,26 @@ test("nothing jumps while it is live", async () => {
   await context.close();
 });
 
+test("the twin is seen before the session has come, which goes on in its place", async () => {
+  let come = () => {};
+  const coming = new Promise((done) => (come = done));
+  const slow = await serveFolder(PAGE, "/", async (name) => name === "zerorate_live_bg.wasm" && coming);
+  const { page, context, faults } = await open(home.browser, slow.url);
+  const samples = async () => Number((await page.textContent(".tile.ledger .value")).replace(/\D/g, ""));
+  await becomes(page, ".tile.raw .value", /\d/);
+  await becomes(page, ".tile.ledger .value", /\d.?\d{3}/);
+  // nobody is there yet who could answer
+  await page.getByLabel("max", { exact: true }).check();
+  const before = await samples();
+  assert.doesNotMatch(await page.textContent(".coefficients"), /angle random walk/);
+  come();
+  await becomes(page, ".coefficients", /angle random walk/);
+  assert.ok((await samples()) > before);
+  assert.deepEqual(faults, []);
+  await context.close();
+  slow.stop();
+});
+
 test("a whole calibration, over a reload and in two windows, and its files", async () => {
   const { page, context, faults } = await open(home.browser, home.site.url);
   await beginCalibration(page);

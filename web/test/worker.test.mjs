@@ -32,6 +32,14 @@ const SESSION = `
     frame() {}
     snapshot() { return new Uint8Array(4); }
     to_send() { return new Uint8Array(0); }
+    catch_up() {}
+    free() {}
+  }
+  export class FirstLook {
+    turn() {}
+    frame() {}
+    snapshot() { return new Uint8Array(4); }
+    shown_s() { return 0; }
     free() {}
   }`;
 

@@ -24,6 +24,7 @@ struct Page {
     dev: Vec<f64>,
     first_picture_s: f64,
     first_load_bytes: f64,
+    session_bytes: f64,
     readers_bytes: f64,
 }
 
@@ -71,6 +72,7 @@ fn print(page: &Page, native: &Line) {
     println!("  at most {worst:.1e} apart, relative, in {} points", page.dev.len());
     let s = page.first_picture_s;
     println!("first picture on the twin: {s:.2} s (goal {MOST_S}{})", missed(s <= MOST_S));
+    println!("session, behind the first picture: {:.0} KB with brotli", page.session_bytes / 1e3);
     let loads = [("first load", page.first_load_bytes), ("readers of logs", page.readers_bytes)];
     for ((what, bytes), most) in loads.into_iter().zip(MOST_KB) {
         let kilobytes = bytes / 1e3;

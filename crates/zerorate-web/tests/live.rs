@@ -10,6 +10,7 @@ use std::cell::Cell;
 use std::collections::VecDeque;
 use std::ops::Range;
 use std::rc::Rc;
+use zerorate_web::first::FirstLook;
 use zerorate_web::live::{Live, Open};
 use zerorate_web::source::{Bridge, Replay, Source, TwinSource};
 
@@ -54,6 +55,45 @@ fn simulated_time_goes_with_the_clock_or_as_fast_as_asked() {
     assert!((9.0..10.6).contains(&faster_s), "{faster_s}");
     assert_eq!(seen(&mut live)["ledger"]["lost"], 0);
     assert_eq!(seen(&mut live)["device"]["registers"].as_array().map(Vec::len), Some(13));
+}
+
+/// The rates of the level with bins of 64 ms, from the first on.
+fn rates(bytes: &[u8]) -> Vec<u32> {
+    let told = header(bytes);
+    let is_it = |strip: &&Value| strip["level"] == 2;
+    let strip = told["strips"].as_array().and_then(|all| all.iter().find(is_it)).expect("a strip");
+    let number = |of: &str| usize::try_from(strip[of].as_u64().expect("a number")).expect("a small one");
+    let length = u32::from_le_bytes(bytes[..4].try_into().expect("four bytes")) as usize;
+    let payload = &bytes[(4 + length).next_multiple_of(4)..];
+    let numbers = payload[4 * number("at")..].chunks_exact(4).take(number("count"));
+    assert_eq!(strip["first"], 0);
+    numbers.map(|four| u32::from_le_bytes(four.try_into().expect("four bytes"))).collect()
+}
+
+#[test]
+fn a_session_goes_on_where_the_first_look_is() {
+    let mut now_ms = 1000.0;
+    let mut look = FirstLook::open("seed=7,bias_dps=1.5").expect("a twin");
+    while now_ms < 3000.0 {
+        look.turn(&mut || now_ms, 25.0);
+        now_ms += 33.0;
+    }
+    let seen_first = look.snapshot();
+    assert!(look.frame().is_some_and(|frame| header(&frame)["device"]["state"]["is"] == "reading"));
+    let shown_s = look.shown_s();
+    assert!((1.9..2.1).contains(&shown_s), "{shown_s}");
+    // the module of the session took long to come: its page's clock went on, the look did not
+    now_ms += 500.0;
+    let mut live = Live::open(twin("seed=7,bias_dps=1.5"), now_ms).expect("the same");
+    live.catch_up(shown_s, &mut || now_ms);
+    let t_s = seen(&mut live)["now"]["t_s"].as_f64().expect("a time");
+    assert!((shown_s - 0.01..shown_s + 0.01).contains(&t_s), "{t_s} is not {shown_s}");
+    run(&mut live, &mut now_ms, 1000.0, 0.001);
+    let later_s = seen(&mut live)["now"]["t_s"].as_f64().expect("a time") - t_s;
+    assert!((0.9..1.1).contains(&later_s), "{later_s}");
+    let (before, after) = (rates(&seen_first), rates(&live.session().snapshot()));
+    assert!(before.len() > 25 && after.starts_with(&before), "{} bins", before.len());
+    assert!(FirstLook::open("sed=7").is_err_and(|why| why.contains("sed")));
 }
 
 #[test]

@@ -1,6 +1,7 @@
 // Runs the session: one for all windows where the browser has shared workers, else one for the window.
 
-import init, { LiveSession } from "../../gen/zerorate_live";
+import initFirst, { FirstLook } from "../../gen/zerorate_first";
+import type { LiveSession } from "../../gen/zerorate_live";
 import { serveFile } from "./file";
 import type { FromLive, Opening, ToLive } from "./messages";
 
@@ -15,17 +16,28 @@ const TURN_MS = 33;
 /** Of a turn, for readings: the rest is for what the windows ask. */
 const BUDGET_MS = 25;
 
+type Hello = Extract<ToLive, { do: "hello" }>;
+
 const windows = new Set<Window>();
 let serial: Window | undefined;
 let session: LiveSession | undefined;
+/** What there is to see until there is a session. */
+let look: FirstLook | undefined;
 let unusable: string | undefined;
 
-const ready = init({ module_or_path: new URL("zerorate_live_bg.wasm", import.meta.url) });
+const ready = initFirst({ module_or_path: new URL("zerorate_first_bg.wasm", import.meta.url) });
 const words = (why: unknown) => (why instanceof Error ? why.message : String(why));
 
 function tellFrame(window: Window, bytes: Uint8Array): void {
   const copy = bytes.slice().buffer;
   window.postMessage({ is: "frame", bytes: copy }, [copy]);
+}
+
+/** The module of the session, which is loaded once the first look has what it needs. */
+async function whole() {
+  const live = await import("../../gen/zerorate_live");
+  await live.default({ module_or_path: new URL("zerorate_live_bg.wasm", import.meta.url) });
+  return live.LiveSession;
 }
 
 /**
@@ -46,9 +58,9 @@ async function replay(file: File): Promise<LiveSession> {
 }
 
 async function begin(what: Opening): Promise<LiveSession> {
-  if (what.is === "twin") return LiveSession.of_twin(what.keys);
-  if (what.is === "serial") return LiveSession.of_bridge();
-  return replay(what.file);
+  if (what.is === "capture") return replay(what.file);
+  const live = await whole();
+  return what.is === "twin" ? live.of_twin(what.keys) : live.of_bridge();
 }
 
 /** Another device; calibrations stay on file, and the one that is applied stays so where the device bears it. */
@@ -79,7 +91,7 @@ async function first(what: Opening): Promise<LiveSession> {
     return await begin(what);
   } catch (why) {
     if (why instanceof WebAssembly.RuntimeError) throw why;
-    const twin = LiveSession.of_twin("");
+    const twin = (await whole()).of_twin("");
     twin.note(`cannot-open: ${words(why)}`);
     return twin;
   }
@@ -111,10 +123,31 @@ function take(open: LiveSession, calibrations: string[], applied: string | null)
   if (applied !== null && calibrations.length > 0) open.apply(applied);
 }
 
-async function hello(window: Window, said: Extract<ToLive, { do: "hello" }>): Promise<void> {
+/** A page that keeps calibrations was here before, and has the session in its cache: it is shown that at once. */
+function lookFirst(window: Window, said: Hello): void {
+  if (said.open.is !== "twin" || said.calibrations.length > 0) return;
+  try {
+    look ??= new FirstLook(said.open.keys);
+    tellFrame(window, look.snapshot());
+  } catch {
+    // the session will say why
+  }
+}
+
+/** The session goes on where the first look is. */
+function goOn(open: LiveSession): void {
+  if (look !== undefined) open.catch_up(look.shown_s());
+  look?.free();
+  look = undefined;
+}
+
+async function hello(window: Window, said: Hello): Promise<void> {
   windows.add(window);
   if (session === undefined) {
-    session = await first(said.open);
+    lookFirst(window, said);
+    const opened = await first(said.open);
+    goOn(opened);
+    session = opened;
     serial = said.open.is === "serial" ? window : undefined;
     try {
       take(session, said.calibrations, said.applied);
@@ -153,17 +186,18 @@ function send(): void {
 
 /** A module that trapped does not run again, and says so once. */
 function fail(why: unknown): void {
-  session = undefined;
+  session = look = undefined;
   unusable = why instanceof WebAssembly.RuntimeError ? "the session broke down; load the page again" : words(why);
   for (const window of windows) window.postMessage({ is: "failed", why: unusable });
 }
 
 function turn(): void {
-  if (session === undefined) return;
+  const shown = session ?? look;
+  if (shown === undefined) return;
   try {
-    session.turn(BUDGET_MS);
+    shown.turn(BUDGET_MS);
     send();
-    const frame = session.frame();
+    const frame = shown.frame();
     if (frame !== undefined) for (const window of windows) tellFrame(window, frame);
   } catch (why) {
     fail(why);
