@@ -2,11 +2,11 @@
 
 use crate::output::Recording;
 use std::io;
-use std::path::Path;
+use zerorate::Calibration;
 use zerorate_data::CaptureError;
-use zerorate_data::capture::bag::RobotLog;
-use zerorate_data::capture::table::Out;
+use zerorate_data::capture::bag::{RobotLog, Stamps};
 use zerorate_data::capture::{CaptureInfo, CaptureSummary, CaptureWriter, Format, Row};
+use zerorate_host::Facts;
 
 /// Records samples into a file, and puts it onto the disk. Dropping it closes the file as well, but only
 /// [`Recorder::finish`] tells whether that worked.
@@ -16,23 +16,24 @@ pub struct Recorder {
 }
 
 impl Recorder {
-    /// Starts a capture in an empty file.
-    pub fn create(file: Recording, format: Format, info: &CaptureInfo) -> Result<Self, CaptureError> {
-        Self::with(file, |path, out| CaptureWriter::create(path, out, format, info))
-    }
-
-    /// Starts a bag for robots, with the capture in it, in an empty file.
-    pub fn create_robot_log(file: Recording, info: &CaptureInfo, log: RobotLog) -> Result<Self, CaptureError> {
-        Self::with(file, |path, out| CaptureWriter::create_robot_log(path, out, info, log))
-    }
-
-    fn with(
+    /// Starts a capture of this device in an empty file. What robots read in a bag is corrected with `calibration`, if
+    /// there is one; rows are codes in any form.
+    pub fn create(
         file: Recording,
-        create: impl FnOnce(&Path, Out) -> Result<CaptureWriter, CaptureError>,
+        format: Format,
+        facts: &Facts,
+        info: &CaptureInfo,
+        calibration: Option<Calibration>,
     ) -> Result<Self, CaptureError> {
-        let writable = file.file().map_err(|error| CaptureError::io("write", file.path(), error))?;
-        let writer = create(file.path(), Box::new(writable))?;
-        Ok(Self { writer, file })
+        let out = Box::new(file.file().map_err(|error| CaptureError::io("write", file.path(), error))?);
+        let writer = match format {
+            Format::Mcap => {
+                let log = RobotLog { part: facts.part.clone(), calibration, stamps: stamps(facts, info) };
+                CaptureWriter::create_robot_log(file.path(), out, info, log)
+            }
+            format => CaptureWriter::create(file.path(), out, format, info),
+        };
+        Ok(Self { writer: writer?, file })
     }
 
     /// Records a sample. Whole batches go to the system at once.
@@ -48,5 +49,16 @@ impl Recorder {
         let synced = self.file.finish().map_err(put);
         let summary = summary?;
         synced.map(|()| summary)
+    }
+}
+
+/// The time of day of a part that is here; a recording began when it says, and the twin has no such time.
+fn stamps(facts: &Facts, info: &CaptureInfo) -> Stamps {
+    let created: Option<jiff::Timestamp> = info.created.parse().ok();
+    let ns = |time: jiff::Timestamp| u64::try_from(time.as_nanosecond()).unwrap_or_default();
+    match created {
+        _ if facts.is_real => Stamps::Now(Box::new(move || ns(jiff::Timestamp::now()))),
+        Some(created) => Stamps::From(ns(created)),
+        None => Stamps::OfPart,
     }
 }

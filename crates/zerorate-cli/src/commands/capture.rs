@@ -17,7 +17,6 @@ use std::path::{Path, PathBuf};
 use zerorate::Calibration;
 use zerorate::health::{Health, Marks};
 use zerorate_data::believed;
-use zerorate_data::capture::bag::{RobotLog, Stamps};
 use zerorate_data::capture::{CaptureInfo, Format, Row};
 use zerorate_view::duration::{self, Seconds};
 
@@ -114,13 +113,8 @@ pub fn run(args: &CaptureArgs) -> Result<()> {
         check_serial(args, &info, calibration, path)?;
     }
     acquisition.initialise()?;
-    let mut writer = match format {
-        Format::Mcap => {
-            let log = robot_log(&acquisition, &info, calibration);
-            Recorder::create_robot_log(outputs.recording(&args.output)?, &info, log)?
-        }
-        format => Recorder::create(outputs.recording(&args.output)?, format, &info)?,
-    };
+    let file = outputs.recording(&args.output)?;
+    let mut writer = Recorder::create(file, format, acquisition.facts(), &info, calibration)?;
     let recorded = record(args, &mut acquisition, |row| Ok(writer.push(row)?));
     let saved = writer.finish()?.samples;
     recorded.with_context(|| format!("{} ends after {saved} samples", args.output.display()))?;
@@ -133,18 +127,6 @@ fn check_serial(args: &CaptureArgs, info: &CaptureInfo, calibration: &Calibratio
     let part = Part { name: &name, serial: info.serial.as_deref(), advice: "give --serial SN to have it checked" };
     super::warn(part.check(calibration, path)?.as_slice());
     Ok(())
-}
-
-/// Stamps are the time of day of a part that is here; a recording began when it says, and the twin has no such time.
-fn robot_log(acquisition: &Acquisition, info: &CaptureInfo, calibration: Option<Calibration>) -> RobotLog {
-    let created: Option<jiff::Timestamp> = info.created.parse().ok();
-    let ns = |time: jiff::Timestamp| u64::try_from(time.as_nanosecond()).unwrap_or_default();
-    let stamps = match created {
-        _ if acquisition.facts().is_real => Stamps::Now(Box::new(move || ns(jiff::Timestamp::now()))),
-        Some(created) => Stamps::From(ns(created)),
-        None => Stamps::OfPart,
-    };
-    RobotLog { part: acquisition.part().clone(), calibration, stamps }
 }
 
 /// Hands on samples until enough were read, the replay ends, or Ctrl-C.

@@ -1,6 +1,7 @@
 //! `zerorate repair`: what is whole of a capture, in a new file.
 
 use super::{print, warn};
+use crate::exit::Usage;
 use crate::interrupt;
 use crate::output::Outputs;
 use anyhow::{Result, ensure};
@@ -43,12 +44,13 @@ pub struct RepairArgs {
 
 pub fn run(args: &RepairArgs) -> Result<()> {
     interrupt::listen();
+    let format = Format::choose(args.format, &args.output);
+    refuse_bag(format)?;
     let mut outputs = Outputs::new(args.force).reading([&*args.capture])?;
     let missing = Kept::of(&args.capture)?;
     let output = outputs.derived(&args.output)?;
     let mut table = open(&args.capture)?;
     let schema = schema(&table, missing.what.as_deref());
-    let format = Format::choose(args.format, &args.output);
     let mut sink = table::create(&args.output, Box::new(output.file()?), format, &schema)?;
     while table.found().rows < missing.rows {
         ensure!(!interrupt::asked(), "interrupted; nothing written");
@@ -61,6 +63,16 @@ pub fn run(args: &RepairArgs) -> Result<()> {
     let name = args.output.display();
     let what = missing.what.map_or_else(|| "nothing was missing".to_owned(), |what| format!("missing: {what}"));
     print(&format!("{name}: {} rows kept; {what}\n", missing.rows))
+}
+
+/// Of a bag only its rows are read: stamps and corrected rates would be lost.
+fn refuse_bag(format: Format) -> Result<()> {
+    if format == Format::Mcap {
+        let advice = "repair writes no bag: write an .arrows file, then `zerorate capture --device replay:FILE.arrows \
+            --cal CALIBRATION --duration TIME -o BAG.mcap`";
+        return Err(Usage(advice.to_owned()).into());
+    }
+    Ok(())
 }
 
 /// How far a capture is whole.

@@ -44,7 +44,8 @@ pub struct ServeArgs {
     #[arg(long, value_name = "IP:PORT", default_value = "127.0.0.1:8130", value_parser = address)]
     listen: SocketAddr,
 
-    /// Record every sample to this file meanwhile. Where the device is opened again, NAME-2 follows, and so on.
+    /// Record every sample to this file meanwhile. Where the device is opened again, NAME-2 follows, and so on. Rates
+    /// that robots read in an .mcap file are corrected with the first --cal.
     #[arg(short, long, value_name = "CAPTURE")]
     output: Option<PathBuf>,
 
@@ -96,7 +97,7 @@ pub fn run(args: &ServeArgs) -> Result<()> {
     if let Some((calibration, cal)) = calibrations.first().zip(args.cals.first()) {
         check_serial(calibration, cal, &opened.about)?;
     }
-    let recordings = Recordings::new(args.output.clone(), outputs);
+    let recordings = Recordings::new(args.output.clone(), outputs, calibrations.first().cloned());
     let (mut desk, visits) = Desk::new(opener, opened, recordings, Folder::new(args.folder.clone()));
     shelve(args, &mut desk)?;
     let libiio = libiio(args, calibrations.into_iter().next())?;

@@ -7,20 +7,23 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc::channel;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{self, JoinHandle};
-use zerorate_data::capture::{CaptureInfo, Format};
-use zerorate_host::{Batch, Everything, Hub};
+use zerorate::Calibration;
+use zerorate_data::capture::Format;
+use zerorate_host::{Batch, Everything, Facts, Hub};
 
 /// The recordings of a run. A device that was opened again begins another one: its time begins anew.
 pub struct Recordings {
     files: Option<Arc<Mutex<Files>>>,
+    /// Of what robots read in a bag.
+    calibration: Option<Calibration>,
     running: Option<JoinHandle<Result<()>>>,
 }
 
 impl Recordings {
     /// Into files named after this one; none: nothing is recorded.
-    pub fn new(path: Option<PathBuf>, outputs: Outputs) -> Self {
+    pub fn new(path: Option<PathBuf>, outputs: Outputs, calibration: Option<Calibration>) -> Self {
         let files = path.map(|path| Arc::new(Mutex::new(Files { path, outputs, count: 0 })));
-        Self { files, running: None }
+        Self { files, calibration, running: None }
     }
 
     /// Begins to record what a hub will read, in a thread of its own, which takes every sample. The first file is
@@ -30,10 +33,11 @@ impl Recordings {
         self.end()?;
         let Some(files) = &self.files else { return Ok(()) };
         let first = lock(files).first()?;
-        let (everything, info, files) = (hub.everything(), hub.facts().info.clone(), Arc::clone(files));
+        let (everything, facts, files) = (hub.everything(), hub.facts().clone(), Arc::clone(files));
+        let calibration = self.calibration.clone();
         let (begun, waits) = channel();
         let body = move || {
-            let mut opened = first.map(|file| Opened::create(file, &info)).transpose()?;
+            let mut opened = first.map(|file| Opened::create(file, &facts, calibration.clone())).transpose()?;
             // whoever waits for that is still there
             let _ = begun.send(());
             while let Ok(Some(batch)) = everything.next() {
@@ -42,7 +46,7 @@ impl Recordings {
                 }
                 let into = match opened.take() {
                     Some(opened) => opened,
-                    None => Opened::create(lock(&files).next()?, &info)?,
+                    None => Opened::create(lock(&files).next()?, &facts, calibration)?,
                 };
                 return into.record(&batch, &everything);
             }
@@ -105,9 +109,9 @@ struct Opened {
 }
 
 impl Opened {
-    fn create(file: Recording, info: &CaptureInfo) -> Result<Self> {
+    fn create(file: Recording, facts: &Facts, calibration: Option<Calibration>) -> Result<Self> {
         let path = file.path().to_owned();
-        let recorder = Recorder::create(file, Format::choose(None, &path), info)?;
+        let recorder = Recorder::create(file, Format::choose(None, &path), facts, &facts.info, calibration)?;
         Ok(Self { name: path.display().to_string(), recorder })
     }
 

@@ -64,9 +64,11 @@ fn a_torn_bag_is_read_up_to_its_last_block() {
     bench.write("torn.mcap", &whole[..whole.len() * 2 / 3]);
     let torn = verdict(&bench, "torn.mcap");
     assert_eq!((&torn["torn"], &torn["damage"]), (&true.into(), &Value::Null), "{torn}");
-    let kept = bench.zerorate("repair torn.mcap -o kept.mcap").ok();
+    let kept = bench.zerorate("repair torn.mcap -o kept.arrows").ok();
     assert!(kept.contains("rows kept; missing: "), "{kept}");
-    assert_eq!(verdict(&bench, "kept.mcap")["rows"], torn["rows"], "{torn}");
+    assert_eq!(verdict(&bench, "kept.arrows")["rows"], torn["rows"], "{torn}");
+    let usage = bench.zerorate("repair torn.mcap -o kept.mcap").fails(2);
+    assert!(usage.contains("capture --device replay:"), "{usage}");
     let mut flipped = whole.clone();
     // in the first chunk
     flipped[whole.len() / 20] ^= 1;
@@ -99,4 +101,68 @@ fn interrupted_it_is_whole() {
     capture.stdout.take().expect("piped").read_to_string(&mut said).expect("text");
     assert!(said.contains("interrupted"), "{said}");
     assert_eq!(verdict(&bench, "live.mcap")["whole"], true);
+}
+
+/// A recording of a part that began at 2026-03-01 12:00:00 UTC, as a program of the first version wrote it.
+#[cfg(unix)]
+fn old_recording(bench: &Bench) -> Bag {
+    bench.zerorate("capture --device twin:seed=3 --samples 6000 -o new.csv").ok();
+    let text = fs::read_to_string(bench.path("new.csv")).expect("written");
+    let table = text.lines().filter(|line| !line.starts_with('#')).map(|line| line.to_owned() + "\n");
+    let head = "# zerorate.capture_schema = 1\n# zerorate.created = 2026-03-01T12:00:00Z\n# zerorate.width_bits = 24\n\
+        # zerorate.rate_conversion = 5\n# zerorate.temp_conversion = 5\n";
+    bench.write("old.csv", head.to_owned() + &table.collect::<String>());
+    let rows: Vec<u64> = text.lines().filter_map(|line| line.split(',').next()?.parse().ok()).collect();
+    let began_ns = 1_772_366_400_000_000_000; // date -d 2026-03-01T12:00:00Z +%s
+    Bag { first_ns: began_ns, last_ns: began_ns + rows[rows.len() - 1] - rows[0], topic: "/imu/data_raw".to_owned() }
+}
+
+/// Times of the first and the last message of a bag, and under which name robots find the rate.
+#[cfg(unix)]
+#[derive(Debug, PartialEq)]
+struct Bag {
+    first_ns: u64,
+    last_ns: u64,
+    topic: String,
+}
+
+#[cfg(unix)]
+impl Bag {
+    /// By the specification of MCAP: the footer names the summary, among whose records are statistics and channels.
+    fn read(bench: &Bench, name: &str) -> Self {
+        let bytes = fs::read(bench.path(name)).expect("written");
+        let number = |at: usize| u64::from_le_bytes(bytes[at..at + 8].try_into().expect("eight"));
+        let footer = bytes.len() - 8 - 20;
+        let mut at = usize::try_from(number(footer)).expect("a place");
+        let (mut times, mut topics) = (None, Vec::new());
+        while at + 9 < footer {
+            let (kind, content, length) = (bytes[at], at + 9, usize::try_from(number(at + 1)).expect("a length"));
+            if kind == 0x0B {
+                times = Some((number(content + 26), number(content + 34)));
+            }
+            if kind == 0x04 {
+                topics.push(String::from_utf8_lossy(&bytes[content..content + length]).into_owned());
+            }
+            at = content + length;
+        }
+        let (first_ns, last_ns) = times.expect("statistics");
+        let named = |topic: &str| topics.iter().any(|channel| channel.contains(topic));
+        let topic = if named("/imu/data_raw") { "/imu/data_raw" } else { "/imu/data" };
+        assert!(named(topic), "{topics:?}");
+        Self { first_ns, last_ns, topic: topic.to_owned() }
+    }
+}
+
+/// Whatever command writes a bag: its stamps are the time of day, as docs/formats/mcap.md promises.
+#[cfg(unix)]
+#[test]
+fn bags_of_all_commands_have_the_time_of_day() {
+    let bench = Bench::new();
+    let expected = old_recording(&bench);
+    bench.zerorate("capture --device replay:old.csv --duration 1h -o captured.mcap").ok();
+    assert_eq!(Bag::read(&bench, "captured.mcap"), expected);
+    // too short for a result; the log is whole all the same
+    let refused = bench.zerorate("calibrate --device replay:old.csv --log logged.mcap");
+    assert_ne!(refused.code, Some(0));
+    assert_eq!(Bag::read(&bench, "logged.mcap"), expected);
 }

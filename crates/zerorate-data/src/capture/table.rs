@@ -132,7 +132,8 @@ enum Blocks {
 /// Where a capture goes.
 pub type Out = Box<dyn Write + Send>;
 
-/// Starts a capture; `path` names it in messages.
+/// Starts a capture; `path` names it in messages. In a bag robots then read rates as they were measured, at the time
+/// of the part: [`create_robot_log`] has better ones.
 pub fn create(path: &Path, out: Out, format: Format, schema: &SchemaRef) -> Result<CheckedSink, CaptureError> {
     let info = CaptureInfo::from_metadata(path, schema.metadata())?;
     let form: Box<dyn BlockSink> = match format {

@@ -67,8 +67,9 @@ pub const ALL: &[Explanation] = &[
         by: &["probe", "capture", "correct", "repair", "stream", "calibrate", "recalibrate", "serve"],
         seen: "A bag (MCAP) has no index, because its end is missing.",
         matters: "All rows are there, and were checked. Other programs may not find them without the index.",
-        remedy: "Write it anew with `zerorate repair`.",
-        command: "zerorate repair run.mcap -o whole.mcap",
+        remedy: "`mcap recover` gives the bag an index. For our own commands write its rows to a file with \
+            `zerorate repair`.",
+        command: "zerorate repair run.mcap -o whole.arrows",
     },
     Explanation {
         code: "bytes-behind-end",

@@ -28,7 +28,7 @@ use zerorate::{
     Action, AxisRefusal, Calibration, Event, Names, Outcome, Part, PartProcedure, Plan, Say, Scan, State, Warning,
 };
 use zerorate_data::capture::{CaptureInfo, Format, Layout, Row, SampleHash};
-use zerorate_host::{DeviceSpec, Setup, Stop};
+use zerorate_host::{DeviceSpec, Facts, Setup, Stop};
 use zerorate_view::duration::Seconds;
 
 /// Finds the bias of a part and how it changes with temperature.
@@ -166,7 +166,7 @@ fn measure(
     target::marks_ns(procedure.plan()).for_each(|after_ns| acquisition.mark(after_ns));
     let info = acquisition.info(result.serial.as_deref(), result.supply_note.as_deref());
     let names = watch.names();
-    let log = files.log(&info)?;
+    let log = files.log(acquisition.facts(), &info)?;
     let mut measured = Measurement::new(acquisition, procedure, log, watch).run()?;
     measured.outcomes.iter_mut().for_each(|outcome| outcome.warnings.extend(measured.resonance));
     let calibration = Calibration::new(&measured.part, &measured.outcomes, info.origin(measured.capture_sha256));
@@ -210,10 +210,10 @@ impl Files {
     }
 
     /// Starts the log, once there is something to record.
-    fn log(&mut self, info: &CaptureInfo) -> Result<Option<Recorder>> {
+    fn log(&mut self, facts: &Facts, info: &CaptureInfo) -> Result<Option<Recorder>> {
         let start = |path: PathBuf| {
             let file = self.outputs.recording(&path)?;
-            Ok(Recorder::create(file, Format::choose(None, &path), info)?)
+            Ok(Recorder::create(file, Format::choose(None, &path), facts, info, None)?)
         };
         self.log.take().map(start).transpose()
     }

@@ -20,8 +20,8 @@ use plan::PlanFile;
 use std::path::PathBuf;
 use zerorate::EARTH_DPS;
 use zerorate::chamber::ChamberProcedure;
-use zerorate_data::capture::Format;
-use zerorate_host::{Air, Apart, ChamberSpec, SimulatedChamber};
+use zerorate_data::capture::{CaptureInfo, Format};
+use zerorate_host::{Air, Apart, ChamberSpec, Facts, SimulatedChamber};
 use zerorate_view::duration::Seconds;
 
 /// Calibrates a part over the temperatures of a chamber.
@@ -181,7 +181,7 @@ fn ready(args: &ChamberArgs, plan: &PlanFile, files: &mut Files, air: Option<Air
     if is_simulated {
         mark_ticks(&mut acquisition, &procedure);
     }
-    let log = files.log(&info)?;
+    let log = files.log(acquisition.facts(), &info)?;
     Ok(Ready { acquisition, procedure, kept, log })
 }
 
@@ -227,9 +227,9 @@ impl Files {
     }
 
     /// Starts the log, once there is something to record.
-    fn log(&mut self, info: &zerorate_data::capture::CaptureInfo) -> Result<Option<Recorder>> {
+    fn log(&mut self, facts: &Facts, info: &CaptureInfo) -> Result<Option<Recorder>> {
         let Some(path) = self.log.take() else { return Ok(None) };
         let file = self.outputs.recording(&path)?;
-        Ok(Some(Recorder::create(file, Format::choose(None, &path), info)?))
+        Ok(Some(Recorder::create(file, Format::choose(None, &path), facts, info, None)?))
     }
 }
