@@ -68,6 +68,8 @@ pub struct Watched {
     pub batch: Arc<Batch>,
     /// Samples right before them for which there was no room.
     pub missed: u64,
+    /// Samples that were lost in front of the hub before those, which nobody else will tell.
+    pub lost: u64,
 }
 
 /// A batch, or why there are no more.
@@ -102,7 +104,7 @@ type Subscribers = Arc<Mutex<Vec<Subscriber>>>;
 #[derive(Debug)]
 enum Subscriber {
     Everything(SyncSender<Given>),
-    Watcher { queue: SyncSender<Watched>, missed: u64 },
+    Watcher { queue: SyncSender<Watched>, missed: u64, lost: u64 },
 }
 
 type Work = Box<dyn FnOnce(&mut dyn Source) + Send>;
@@ -204,7 +206,7 @@ impl Hub {
     #[must_use]
     pub fn watch(&self, queue: usize) -> Watcher {
         let (queue, batches) = sync_channel(queue.max(1));
-        self.add(Subscriber::Watcher { queue, missed: 0 });
+        self.add(Subscriber::Watcher { queue, missed: 0, lost: 0 });
         Watcher(batches)
     }
 
@@ -412,10 +414,13 @@ impl Subscriber {
     fn give(&mut self, batch: &Arc<Batch>, ended: &Stop) -> bool {
         match self {
             Self::Everything(queue) => wait_for_room(queue, Ok(Arc::clone(batch)), ended),
-            Self::Watcher { queue, missed } => {
-                match queue.try_send(Watched { batch: Arc::clone(batch), missed: *missed }) {
-                    Ok(()) => *missed = 0,
-                    Err(TrySendError::Full(_)) => *missed += batch.rows.len() as u64,
+            Self::Watcher { queue, missed, lost } => {
+                match queue.try_send(Watched { batch: Arc::clone(batch), missed: *missed, lost: *lost }) {
+                    Ok(()) => (*missed, *lost) = (0, 0),
+                    Err(TrySendError::Full(_)) => {
+                        *missed += batch.rows.len() as u64;
+                        *lost += batch.rows.iter().map(|row| u64::from(row.lost)).sum::<u64>();
+                    }
                     Err(TrySendError::Disconnected(_)) => return false,
                 }
                 true

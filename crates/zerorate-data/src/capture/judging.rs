@@ -57,6 +57,19 @@ impl Judging {
         self.hand_on(&judged)
     }
 
+    /// Begins in the middle of a recording: this temperature, °C, was read before, if one was.
+    pub fn begin_at(&mut self, temp_c: Option<f64>) {
+        if let Some(corrector) = &mut self.corrector {
+            corrector.read(temp_c);
+        }
+    }
+
+    /// The temperature, °C, that the corrector uses.
+    #[must_use]
+    pub fn temp_c(&self) -> Option<f64> {
+        self.corrector.as_ref().and_then(Corrector::temp_c)
+    }
+
     /// What the corrector adds to the rate of an axis at the temperature that was read last, °/s.
     #[must_use]
     pub fn correction_dps(&self, axis: usize) -> Option<f64> {
@@ -70,7 +83,7 @@ impl Judging {
         if let Some(corrector) = &mut self.corrector {
             corrector.read(temp_c);
         }
-        let last_temp_c = self.corrector.as_ref().and_then(Corrector::temp_c).or(temp_c);
+        let last_temp_c = self.temp_c().or(temp_c);
         let (mut rates_dps, mut corrected_dps) = ([None; MAX_AXES], [None; MAX_AXES]);
         for (index, ((axis, _), judged)) in self.axes.iter().zip(judged).enumerate() {
             rates_dps[index] = judged.and_then(|judged| judged.rate()).map(|code| axis.rate.value(code.into()));

@@ -124,7 +124,7 @@ impl<'a> Buffer<'a> {
             self.device.note_missed(watched.missed);
         }
         let trims_dps = self.device.trims_dps();
-        let mut missed = watched.missed;
+        let mut missed = watched.missed + watched.lost;
         for row in &watched.batch.rows {
             if let Some(scan) = self.scanner.push(row, missed, &trims_dps) {
                 self.open.packing.pack(&self.device.layout, &scan, &mut self.bytes);

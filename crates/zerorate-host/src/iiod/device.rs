@@ -3,11 +3,12 @@
 use super::request::{Errno, Place};
 use super::scan::{Scan, Scanner, corrected};
 use super::table::{CORRECTED_RAD_PER_S, Channel, Quantity, Table};
+use crate::Watched;
 use crate::source::Facts;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use zerorate::calibration::OtherPart;
 use zerorate::{Axis, Calibration, Correction, Corrector, MAX_AXES, Scale, Tally};
-use zerorate_data::capture::{Layout, Row};
+use zerorate_data::capture::Layout;
 
 /// What libiio calls the first device.
 pub const ID: &str = "iio:device0";
@@ -48,7 +49,10 @@ pub struct Device {
 struct Live {
     scanner: Scanner,
     scan: Option<Scan>,
+    /// What it did not see is lost to it, whatever the reason.
     tally: Tally,
+    /// Samples that were lost between the part and the hub.
+    lost: u64,
     /// There is nothing more to come.
     is_gone: bool,
     /// Samples that buffers had no room for, all together.
@@ -90,6 +94,7 @@ impl Device {
                 scanner,
                 scan: None,
                 tally: Tally::default(),
+                lost: 0,
                 is_gone: false,
                 missed: 0,
                 trims_dps: [0.0; MAX_AXES],
@@ -109,8 +114,7 @@ impl Device {
 
     /// For a buffer that begins now.
     pub fn scanner(&self) -> Scanner {
-        let temp_code = self.live().scan.and_then(|scan| scan.row.temp_code);
-        Scanner::new(&self.layout, &self.axes, self.corrector.clone()).with_temp_code(temp_code)
+        Scanner::new(&self.layout, &self.axes, self.corrector.clone()).with_temp_of(&self.live().scanner)
     }
 
     /// What is added to corrected rates beside the calibration, °/s.
@@ -118,17 +122,19 @@ impl Device {
         self.live().trims_dps
     }
 
-    /// Takes rows in, before which so many were missed.
-    pub fn take(&self, rows: &[Row], missed: u64) {
+    /// Takes rows in. Those that this watcher itself had no room for were read: they count for the rate, and are not
+    /// lost.
+    pub fn take(&self, watched: &Watched) {
         let live = &mut *self.live();
-        let mut missed = missed;
-        for row in rows {
-            let lost = u64::from(row.lost).saturating_add(missed);
+        let (mut missed, mut lost) = (watched.missed, watched.lost);
+        for row in &watched.batch.rows {
+            let absent = u64::from(row.lost).saturating_add(missed).saturating_add(lost);
             if let Some(reading) = self.layout.reading(row, 0) {
-                live.tally.count(&zerorate::Reading { lost: u32::try_from(lost).unwrap_or(u32::MAX), ..reading });
+                live.tally.count(&zerorate::Reading { lost: u32::try_from(absent).unwrap_or(u32::MAX), ..reading });
             }
-            live.scan = live.scanner.push(row, missed, &live.trims_dps).or(live.scan);
-            missed = 0;
+            live.lost = live.lost.saturating_add(lost).saturating_add(row.lost.into());
+            live.scan = live.scanner.push(row, lost, &live.trims_dps).or(live.scan);
+            (missed, lost) = (0, 0);
         }
     }
 
@@ -207,7 +213,7 @@ impl Device {
                 let measured_hz = (live.tally.samples > 1).then(|| live.tally.sampling_hz());
                 measured_hz.or(self.nominal_hz).map(|hz| hz.to_string()).ok_or(Errno::TRY_AGAIN)
             }
-            "samples_lost" => Ok(live.tally.lost.to_string()),
+            "samples_lost" => Ok(live.lost.to_string()),
             "calibration" => Ok(self.calibration_now(&live)),
             "current_timestamp_clock" => Ok("monotonic".to_owned()),
             _ => Err(Errno::NOT_FOUND),

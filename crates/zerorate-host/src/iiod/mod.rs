@@ -60,7 +60,8 @@ impl<'a> Server<'a> {
     /// is being read, or will be soon.
     ///
     /// # Errors
-    /// Nobody can connect any more.
+    /// Nobody can connect any more. It asks `stop` then, so that this is known at once and not when the last client
+    /// has gone.
     pub fn serve(&self, listener: &TcpListener, stop: &Stop) -> io::Result<()> {
         listener.set_nonblocking(true)?;
         let (device, connections) = (&self.device, AtomicUsize::new(0));
@@ -77,7 +78,10 @@ impl<'a> Server<'a> {
                         drop(thread::Builder::new().name("iiod".to_owned()).spawn_scoped(scope, body));
                     }
                     Err(error) if is_passing(&error) => thread::sleep(POLL),
-                    Err(error) => return Err(error),
+                    Err(error) => {
+                        stop.ask();
+                        return Err(error);
+                    }
                 }
             }
             Ok(())
@@ -94,7 +98,7 @@ impl<'a> Server<'a> {
         let watcher = self.hub.watch(connection::QUEUE);
         while !stop.asked() {
             match watcher.next_within(POLL) {
-                Awaited::Samples(watched) => self.device.take(&watched.batch.rows, watched.missed),
+                Awaited::Samples(watched) => self.device.take(&watched),
                 Awaited::Nothing => {}
                 Awaited::End => return self.device.note_gone(),
             }

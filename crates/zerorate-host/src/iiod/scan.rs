@@ -33,9 +33,13 @@ impl Scanner {
         Self { correcting, waiting: VecDeque::new(), temp_code: None, lost: 0 }
     }
 
-    /// Beginning in the middle: the temperature that was read last is known.
-    pub fn with_temp_code(self, temp_code: Option<i64>) -> Self {
-        Self { temp_code, ..self }
+    /// Beginning in the middle of another: the temperature that was read last is known.
+    pub fn with_temp_of(mut self, other: &Self) -> Self {
+        self.temp_code = other.temp_code;
+        if let (Some(own), Some(others)) = (&mut self.correcting, &other.correcting) {
+            own.begin_at(others.temp_c());
+        }
+        self
     }
 
     /// What the corrector adds to the rate of an axis at the temperature that was read last, °/s.

@@ -9,8 +9,9 @@ mod harness;
 use super::device::Device;
 use super::session::{Session, Step};
 use super::xml::describe;
-use crate::{DeviceSpec, Setup, Stop};
+use crate::{Batch, DeviceSpec, Setup, Stop, Watched};
 use harness::edited;
+use std::sync::Arc;
 use zerorate::calibration::OtherPart;
 use zerorate::{Calibration, MAX_AXES};
 use zerorate_data::capture::Row;
@@ -32,8 +33,12 @@ fn calibrated() -> Device {
         let row = Row::new(u64::from(k) * 1_000_000, k, &[8_388_608 + 23_488 + i64::from(k % 2)]).expect("one axis");
         row.with_temp_code(Some(8_388_608 + 14_093)).with_lost(u32::from(k == 5))
     };
-    device.take(&(0..10).map(row).collect::<Vec<_>>(), 0);
+    device.take(&watched((0..10).map(row)));
     device
+}
+
+fn watched(rows: impl Iterator<Item = Row>) -> Watched {
+    Watched { batch: Arc::new(Batch { rows: rows.collect(), ..Batch::default() }), missed: 0, lost: 0 }
 }
 
 fn reply(session: &mut Session<'_>, line: &str) -> String {
@@ -78,6 +83,37 @@ fn values_are_in_the_units_of_the_kernel() {
     let id = Calibration::parse(CALIBRATION).expect("a calibration").0.id();
     assert_eq!(value(&mut session, "READ iio:device0 calibration"), id);
     assert_eq!(value(&mut session, "READ adis16130 INPUT samples_lost raw"), "1", "by its name as well");
+}
+
+/// The server looks on as clients do. What it was too slow for was read, and is nobody's loss.
+#[test]
+fn what_the_server_itself_missed_is_not_lost() {
+    let device = calibrated();
+    let last = Row::new(20_000_000, 20, &[8_388_608]).expect("one axis");
+    device.take(&Watched { missed: 8, lost: 2, ..watched([last].into_iter()) });
+    let mut session = Session::new(&device);
+    assert_eq!(value(&mut session, "READ iio:device0 samples_lost"), "3", "one in a row, two before what was missed");
+    // 0 … 20 ms: 10 rows with one lost among them, 8 and 2 that are missing, and the last
+    let hz: f64 = value(&mut session, "READ iio:device0 sampling_frequency").parse().expect("a number");
+    assert!((hz / (21.0 / 0.020) - 1.0).abs() < 1e-12, "{hz}");
+}
+
+/// The temperature is read with every 57th sample at most; a buffer that is opened in between has rates at once.
+#[test]
+fn a_buffer_begins_with_the_temperature_that_is_known() {
+    let device = device("twin:", Some(CALIBRATION)).expect("of this part");
+    let row = |k: u32| Row::new(u64::from(k) * 175_667, k, &[8_388_608 + i64::from(k % 2)]).expect("one axis");
+    let warm = row(0).with_temp_code(Some(8_388_608 + 14_093));
+    device.take(&watched([warm].into_iter().chain((1..10).map(row))));
+    let mut scanner = device.scanner();
+    let scans: Vec<_> = (10..20).filter_map(|k| scanner.push(&row(k), 0, &device.trims_dps())).collect();
+    assert_eq!(scans.len(), 8, "two wait to be judged");
+    for (scan, k) in scans.iter().zip(0..) {
+        // −0.25 − 0.04 · (26 − 25)
+        let found = scan.corrected_dps[0].unwrap_or_else(|| panic!("no rate of sample {k}"));
+        assert!((found - (f64::from(k % 2) / 23_488.0 - 0.29)).abs() < 1e-12, "{k}: {found}");
+        assert_eq!(scan.row.temp_code, Some(8_388_608 + 14_093));
+    }
 }
 
 #[test]

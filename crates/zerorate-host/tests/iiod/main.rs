@@ -129,3 +129,24 @@ fn a_device_that_goes_is_said_to_be_gone() {
     assert_eq!(client.number("READBUF iio:device0 3200"), -19);
     assert_eq!(Raw::connect(&served).number("OPEN iio:device0 256 00000001"), -19);
 }
+
+/// A socket that takes no connections: the client that is there must not keep that from being said.
+#[cfg(target_os = "linux")]
+#[test]
+fn that_nobody_can_connect_any_more_is_said_at_once() {
+    use std::net::{TcpListener, UdpSocket};
+    use std::os::fd::OwnedFd;
+    use zerorate_host::iiod::Server;
+    use zerorate_host::{DeviceSpec, Hub, Pace, Setup, Stop};
+    let spec: DeviceSpec = "twin:seed=8".parse().expect("a device");
+    let hub = Hub::open(&spec, Setup::default(), &Stop::default()).expect("a hub");
+    hub.with(|source| source.initialise()).expect("a part");
+    hub.read(Pace::RealTime, Vec::new()).expect("a thread");
+    let listener = TcpListener::from(OwnedFd::from(UdpSocket::bind("127.0.0.1:0").expect("a socket")));
+    let (say, said) = std::sync::mpsc::channel();
+    std::thread::spawn(move || {
+        let served = Server::new(&hub, None).expect("its own part").serve(&listener, &Stop::default());
+        say.send(served.is_err()).expect("somebody waits");
+    });
+    assert_eq!(said.recv_timeout(Duration::from_secs(30)), Ok(true));
+}
