@@ -1,6 +1,6 @@
 //! The commands that the chapters show, run on the twin as a reader would run them.
 //!
-//! Every ```sh block whose first word is `zerorate` is run, line by line, from the first chapter to the last, in
+//! Commands stand in fences, never indented. Every ```sh block whose first word is `zerorate` is run, line by line, from the first chapter to the last, in
 //! one folder. A line ends with 0, or as it says: `# refused (exit 3)`. What needs a part, files of the
 //! reader's or hours is marked ```sh,untried, which the book shows.
 
@@ -25,7 +25,11 @@ pub fn run(program: &Path) -> Result<()> {
     let program = program.canonicalize().with_context(|| format!("no program {}", program.display()))?;
     let (mut count, folder) = (0, tempfile::tempdir()?);
     for chapter in chapters(Path::new("docs"))? {
-        let lines = lines(&fs::read_to_string(&chapter)?);
+        let text = fs::read_to_string(&chapter)?;
+        if let Some(line) = indented(&text) {
+            bail!("{}: `{line}`: neither run nor marked: fence it as sh, or sh,untried", chapter.display());
+        }
+        let lines = lines(&text);
         if lines.is_empty() {
             continue;
         }
@@ -69,6 +73,12 @@ fn lines(text: &str) -> Vec<Line> {
     whole.flat_map(|block| block.lines().filter_map(line).collect::<Vec<_>>()).collect()
 }
 
+/// A command of ours that is a block by its indent alone.
+fn indented(text: &str) -> Option<&str> {
+    let outside = text.split("```").step_by(2);
+    outside.flat_map(str::lines).find(|line| line.starts_with("    zerorate "))
+}
+
 fn line(text: &str) -> Option<Line> {
     let command = text.trim();
     let exit = command.split_once("(exit ").and_then(|(_, rest)| rest.split(')').next()?.parse().ok()).unwrap_or(0);
@@ -96,5 +106,7 @@ mod tests {
         let expected: Vec<Line> =
             expected.iter().map(|(command, exit)| Line { command: (*command).to_owned(), exit: *exit }).collect();
         assert_eq!(lines(text), expected);
+        assert_eq!(indented(text), None);
+        assert_eq!(indented("a\n\n    zerorate probe\n\nb\n"), Some("    zerorate probe"));
     }
 }
