@@ -21,6 +21,7 @@ mod methods;
 mod python;
 mod rig;
 mod seeds;
+mod server;
 mod targets;
 mod test;
 mod tools;

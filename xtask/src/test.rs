@@ -24,7 +24,7 @@ pub struct Args {
     /// Run only these steps; default: all
     #[arg(value_name = "STEP", value_parser = clap::builder::PossibleValuesParser::new(STEPS.map(|step| step.name)))]
     only: Vec<String>,
-    /// Leave out what takes longest and finds least while one works: bridge, python, trust, web, rig. CI runs all
+    /// Leave out what takes longest and finds least while one works: bridge, python, serve, trust, web, rig. CI runs all
     #[arg(long, conflicts_with = "only")]
     quick: bool,
 }
@@ -96,7 +96,7 @@ impl fmt::Display for Step {
 ///
 /// thumbv7em-none-eabihf is a Cortex-M4F. thumbv6m-none-eabi is a Cortex-M0: it has no compare-and-swap, which the
 /// TOML parser behind the core's feature `file` needs. wasm32-unknown-unknown is the browser.
-const STEPS: [Step; 42] = [
+const STEPS: [Step; 43] = [
     Step::new("fmt", "fmt --all --check"),
     Step::new("clippy", "clippy --workspace --all-targets --all-features -- -D warnings"),
     Step::new("clippy-driver", "clippy -p adis16130 --all-targets -- -D warnings"),
@@ -185,6 +185,7 @@ const STEPS: [Step; 42] = [
     Step::new("web", "xtask web --site target/site --check").at(Pace::Slow),
     Step::new("bridge", "xtask bridge").at(Pace::Slow),
     Step::new("trust", "xtask trust --quick").at(Pace::Slow),
+    Step::new("serve", "xtask bench-serve --check").at(Pace::Slow),
     Step::new("firmware", "xtask firmware").at(Pace::Beside),
     Step::new("methods", "xtask methods --quick").at(Pace::Beside),
     Step::new("book", "xtask book --check").at(Pace::Beside),

@@ -1,0 +1,160 @@
+//! `cargo xtask bench-serve`: `zerorate serve` with everybody looking on at once, in real time: pages, clients of
+//! libiio, and a recording, which must lose nothing.
+
+mod page;
+mod samples;
+
+use crate::app;
+use crate::server::Server;
+use crate::tools::{self, Tool};
+use crate::venv::done;
+use anyhow::{Result, bail, ensure};
+use page::Frames;
+use samples::{Client, Recorded};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::thread;
+use std::time::{Duration, Instant};
+
+const PROGRAM: &str = "target/release/zerorate";
+const DEVICE: &str = "twin:seed=1";
+/// Pairs of conversions a second at the nominal clock (F-31): 11 385 conversions, of the rate and the temperature in
+/// turn.
+const PAIRS_HZ: f64 = 5692.6;
+/// Of the time that went by; less than that is no real time.
+const REAL_TIME: f64 = 0.98;
+/// On a busy machine the twin may take so many times as long.
+const LONGEST: u32 = 10;
+const STEP: Duration = Duration::from_millis(100);
+
+/// What to run.
+#[derive(clap::Args)]
+pub struct Args {
+    /// How long, s
+    #[arg(long, default_value_t = 60)]
+    seconds: u64,
+    /// Pages that look on
+    #[arg(long, default_value_t = 20)]
+    watchers: usize,
+    /// Clients of libiio (iio_readdev, where libiio-utils is installed or can be)
+    #[arg(long, default_value_t = 4)]
+    clients: usize,
+    /// The program, instead of building it
+    #[arg(long, value_name = "FILE")]
+    program: Option<PathBuf>,
+    /// As a step of the test: with the program of the tests, and until the twin has given so much, however long that
+    /// takes on a busy machine
+    #[arg(long, conflicts_with = "program")]
+    check: bool,
+}
+
+/// Starts the server, lets everybody look on, and prints what that costs.
+pub fn run(args: &Args) -> Result<()> {
+    let program = program(args)?;
+    let clients = if has_iio(args)? { args.clients } else { 0 };
+    let folder = tempfile::tempdir()?;
+    let capture = folder.path().join("served.arrows");
+    let server = Server::start(&program, &["--device", DEVICE, "-o", &capture.display().to_string()])?;
+    let begun = Instant::now();
+    let seen = look_on(args, &server, clients)?;
+    let peak_mb = server.peak_mb()?;
+    server.end()?;
+    let wall_s = begun.elapsed().as_secs_f64();
+    let recorded = Recorded::of(&program, &capture)?;
+    print(&seen, &recorded, wall_s, peak_mb);
+    recorded.check(&program, DEVICE, folder.path())?;
+    // F-31: within 2 % at any clock
+    let expected = recorded.span_s * PAIRS_HZ;
+    ensure!(
+        (recorded.rows as f64 / expected - 1.0).abs() < 0.03,
+        "{} samples are not those of the time",
+        recorded.rows
+    );
+    check_clients(&seen.clients, &program, &capture)
+}
+
+fn program(args: &Args) -> Result<PathBuf> {
+    if args.check {
+        return app::program();
+    }
+    if let Some(program) = &args.program {
+        return Ok(std::path::absolute(program)?);
+    }
+    done(Command::new("cargo").args(["build", "--release", "--quiet", "-p", "zerorate-cli"]))?;
+    Ok(std::path::absolute(PROGRAM)?)
+}
+
+/// Whether clients of libiio can take part.
+fn has_iio(args: &Args) -> Result<bool> {
+    let tool = Tool { program: "iio_readdev", package: "libiio-utils" };
+    Ok(args.clients > 0 && tools::available(&[tool], "clients of libiio that look on")?)
+}
+
+/// What everybody saw.
+struct Seen {
+    /// Of one core.
+    share: f64,
+    wall_s: f64,
+    pages: Vec<Frames>,
+    /// Bytes of each client of libiio.
+    clients: Vec<Vec<u8>>,
+}
+
+fn look_on(args: &Args, server: &Server, clients: usize) -> Result<Seen> {
+    let (over, shown_ms) = (AtomicBool::new(false), AtomicU64::new(0));
+    thread::scope(|scope| -> Result<Seen> {
+        let watch = || scope.spawn(|| page::watch(&server.page, &over, &shown_ms));
+        let pages: Vec<_> = (0..args.watchers).map(|_| watch()).collect();
+        let readers = (0..clients).map(|_| Client::start(&server.iio_uri)).collect::<Result<Vec<_>>>();
+        let (begun, cpu_s, time) = (Instant::now(), server.cpu_s(), Duration::from_secs(args.seconds));
+        let is_enough = || !args.check || shown_ms.load(Ordering::Relaxed) >= args.seconds * 1000;
+        while begun.elapsed() < time || (!is_enough() && begun.elapsed() < LONGEST * time) {
+            if readers.is_err() || pages.iter().any(|page| page.is_finished()) {
+                break;
+            }
+            thread::sleep(STEP);
+        }
+        let (wall_s, later_cpu_s) = (begun.elapsed().as_secs_f64(), server.cpu_s());
+        let is_enough = is_enough();
+        over.store(true, Ordering::Relaxed);
+        let clients = readers?.into_iter().map(Client::end).collect::<Result<_>>()?;
+        let pages = pages.into_iter().map(|page| page.join().unwrap_or_else(|_| bail!("a page died")));
+        let pages = pages.collect::<Result<_>>()?;
+        ensure!(is_enough, "the twin gave {} ms in {wall_s:.0} s", shown_ms.load(Ordering::Relaxed));
+        Ok(Seen { share: (later_cpu_s? - cpu_s?) / wall_s, wall_s, pages, clients })
+    })
+}
+
+fn print(seen: &Seen, recorded: &Recorded, wall_s: f64, peak_mb: f64) {
+    let Recorded { rows, lost, span_s, .. } = recorded;
+    let rate_hz = *rows as f64 / span_s;
+    println!("recorded      {rows} samples over {span_s:.1} s of twin time, {rate_hz:.1} a second, {lost} lost");
+    let share = span_s / wall_s;
+    let verdict = if share < REAL_TIME { "MISSED" } else { "kept" };
+    println!("real time     {verdict}: {span_s:.1} s in {wall_s:.1} s, {:.1} %", share * 100.0);
+    let frames_per_s = seen.pages.iter().map(|page| page.count).min().unwrap_or_default() as f64 / seen.wall_s;
+    let kb_per_s = seen.pages.iter().map(|page| page.bytes).max().unwrap_or_default() as f64 / 1e3 / seen.wall_s;
+    // the first is one that everybody gets
+    let late: u64 = seen.pages.iter().map(|page| page.snapshots.saturating_sub(1)).sum();
+    println!(
+        "pages         {}, at least {frames_per_s:.1} frames/s, at most {kb_per_s:.0} KB/s each; too slow {late} times",
+        seen.pages.len()
+    );
+    println!("processor     {:.1} % of a core", seen.share * 100.0);
+    println!("memory        {peak_mb:.1} MB at most");
+}
+
+/// Each got samples that were recorded.
+fn check_clients(clients: &[Vec<u8>], program: &Path, capture: &Path) -> Result<()> {
+    if clients.is_empty() {
+        println!("libiio        no client");
+        return Ok(());
+    }
+    let rows = samples::rows(program, capture)?;
+    let got = clients.iter().map(|bytes| samples::check_client(bytes, &rows)).collect::<Result<Vec<_>>>()?;
+    let least = got.iter().map(|(count, _)| count).min().unwrap_or(&0);
+    let missed: u64 = got.iter().map(|(_, missed)| missed).sum();
+    println!("libiio        {} clients, at least {least} samples each, {missed} missed and told", got.len());
+    Ok(())
+}

@@ -1,0 +1,127 @@
+//! A page that looks on, as far as it takes frames and holds them to docs/formats/page.md.
+
+use anyhow::{Context, Result, ensure};
+use serde_json::Value;
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::TcpStream;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::time::Duration;
+
+/// Longer than any frame takes on a busy machine.
+const PATIENCE: Duration = Duration::from_secs(60);
+/// Numbers in a bin of a strip of one axis: least and largest of rate, corrected rate and temperature.
+const COLUMNS: u64 = 6;
+
+/// What came.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Frames {
+    pub count: u64,
+    pub bytes: u64,
+    /// How often the page was too slow, and got everything anew.
+    pub snapshots: u64,
+}
+
+/// Takes frames until it is `over`; notes in `shown_ms` how much time of the part they show.
+pub fn watch(address: &str, over: &AtomicBool, shown_ms: &AtomicU64) -> Result<Frames> {
+    let mut stream = BufReader::new(connect(address)?);
+    let (mut frames, mut last) = (Frames::default(), None);
+    while !over.load(Ordering::Relaxed) {
+        let Some(frame) = message(&mut stream)? else { continue };
+        let header = header(&frame)?;
+        let is_snapshot = header["snapshot"] == true;
+        let seq = header["seq"].as_u64().context("no seq")?;
+        ensure!(last.map_or(is_snapshot, |last| is_snapshot || seq == last + 1), "{seq} follows {last:?}");
+        last = Some(seq);
+        let ledger = &header["ledger"];
+        ensure!(ledger.is_null() || (ledger["lost"] == 0 && ledger["missed"] == 0), "samples are missing: {ledger}");
+        shown_ms.fetch_max((ledger["duration_s"].as_f64().unwrap_or(0.0) * 1e3) as u64, Ordering::Relaxed);
+        frames.count += 1;
+        frames.bytes += frame.len() as u64;
+        frames.snapshots += u64::from(is_snapshot);
+    }
+    ensure!(frames.count > 1, "a page got {} frames", frames.count);
+    Ok(frames)
+}
+
+fn connect(address: &str) -> Result<TcpStream> {
+    let mut stream = TcpStream::connect(address)?;
+    stream.set_read_timeout(Some(PATIENCE))?;
+    let ask = "GET /ws HTTP/1.1\r\nhost: localhost\r\nconnection: upgrade\r\nupgrade: websocket\r\n\
+        sec-websocket-version: 13\r\nsec-websocket-key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n";
+    stream.write_all(ask.as_bytes())?;
+    let mut answer = Vec::new();
+    // byte by byte: frames come right behind it
+    while !answer.ends_with(b"\r\n\r\n") {
+        let mut byte = [0];
+        stream.read_exact(&mut byte)?;
+        answer.extend(byte);
+    }
+    let answer = String::from_utf8_lossy(&answer);
+    ensure!(answer.contains(" 101 "), "no WebSocket: {answer}");
+    Ok(stream)
+}
+
+/// A message of the server, which has no mask (RFC 6455, 5.2); none where it is no frame of the page.
+fn message(stream: &mut impl BufRead) -> Result<Option<Vec<u8>>> {
+    /// FIN, and binary.
+    const FRAME: u8 = 0x82;
+    let mut head = [0; 2];
+    stream.read_exact(&mut head)?;
+    let length = match head[1] {
+        126 => {
+            let mut length = [0; 2];
+            stream.read_exact(&mut length)?;
+            u16::from_be_bytes(length).into()
+        }
+        127 => {
+            let mut length = [0; 8];
+            stream.read_exact(&mut length)?;
+            u64::from_be_bytes(length)
+        }
+        short => short.into(),
+    };
+    let mut message = Vec::new();
+    stream.take(length).read_to_end(&mut message)?;
+    ensure!(message.len() as u64 == length, "the server hung up");
+    Ok((head[0] == FRAME).then_some(message))
+}
+
+/// The header of a frame, whose payload is as long as its strips say.
+fn header(frame: &[u8]) -> Result<Value> {
+    let (length, rest) = frame.split_first_chunk().context("a frame without a length")?;
+    let length = u32::from_le_bytes(*length) as usize;
+    let header: Value = serde_json::from_slice(rest.get(..length).context("half a header")?)?;
+    let strips = header["strips"].as_array().context("no strips")?;
+    let numbers: u64 = strips.iter().filter_map(|strip| strip["count"].as_u64()).map(|bins| bins * COLUMNS).sum();
+    let payload = frame.len().saturating_sub((4 + length).next_multiple_of(4));
+    ensure!(payload as u64 == 4 * numbers, "{payload} bytes behind a header of {numbers} numbers");
+    Ok(header)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_frame_is_as_long_as_its_strips_say() {
+        let frame = |bins: u32, payload: usize| {
+            let header = format!(r#"{{"seq":1,"strips":[{{"count":{bins}}}]}}"#);
+            let mut frame = [&(header.len() as u32).to_le_bytes()[..], header.as_bytes()].concat();
+            frame.resize(frame.len().next_multiple_of(4) + payload, 0);
+            frame
+        };
+        assert!(header(&frame(2, 48)).is_ok());
+        for wrong in [frame(2, 44), frame(0, 4), vec![9, 0, 0], vec![9, 0, 0, 0, b'{']] {
+            assert!(header(&wrong).is_err(), "{wrong:?}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_frame_is_left() {
+        let mut stream: &[u8] = &[0x82, 2, 7, 8, 0x81, 1, b'x', 0x82, 126, 0, 1, 9, 0x82, 5, 1];
+        assert_eq!(message(&mut stream).unwrap(), Some(vec![7, 8]));
+        assert_eq!(message(&mut stream).unwrap(), None);
+        assert_eq!(message(&mut stream).unwrap(), Some(vec![9]));
+        assert!(message(&mut stream).is_err(), "it hung up in the middle");
+    }
+}

@@ -1,0 +1,67 @@
+//! `zerorate serve` as a process, for tasks that look on.
+
+use crate::venv::done;
+use anyhow::{Context, Result, ensure};
+use std::fs;
+use std::io::{BufRead, BufReader};
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::thread;
+
+/// The server, ended with this.
+pub struct Server {
+    child: Child,
+    /// Where pages connect.
+    pub page: String,
+    /// Where clients of libiio connect, as they are told it.
+    pub iio_uri: String,
+}
+
+impl Server {
+    /// At ports that are free, with these arguments; what it says from then on goes to stderr.
+    pub fn start(program: &Path, arguments: &[&str]) -> Result<Self> {
+        let mut command = Command::new(program);
+        command.args(["serve", "--listen", "127.0.0.1:0", "--iio", "127.0.0.1:0"]).args(arguments);
+        let child = command.stderr(Stdio::piped()).spawn().context("cannot start the program")?;
+        let mut server = Self { child, page: String::new(), iio_uri: String::new() };
+        let mut lines = BufReader::new(server.child.stderr.take().context("no stderr")?).lines().map_while(Result::ok);
+        let mut behind = |text: &str| lines.find_map(|line| Some(line.split_once(text)?.1.to_owned()));
+        server.page = behind("open http://").context("the program serves no page")?.trim_end_matches('/').to_owned();
+        server.iio_uri = format!("ip:{}", behind("-u ip:").context("the program serves no libiio")?.trim());
+        thread::spawn(move || lines.for_each(|line| eprintln!("{line}")));
+        Ok(server)
+    }
+
+    /// Time of the processor by now, s.
+    pub fn cpu_s(&self) -> Result<f64> {
+        /// `getconf CLK_TCK`: so many Linux counts for whoever asks.
+        const TICKS_PER_S: f64 = 100.0;
+        let stat = fs::read_to_string(format!("/proc/{}/stat", self.child.id()))?;
+        let (_, behind_name) = stat.rsplit_once(')').context("/proc/PID/stat")?;
+        let ticks = behind_name.split_whitespace().skip(11).take(2).map(str::parse::<f64>);
+        Ok(ticks.sum::<Result<f64, _>>()? / TICKS_PER_S)
+    }
+
+    /// The most memory that it had, MB.
+    pub fn peak_mb(&self) -> Result<f64> {
+        let status = fs::read_to_string(format!("/proc/{}/status", self.child.id()))?;
+        let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:")).context("/proc/PID/status")?;
+        Ok(line.trim().trim_end_matches(" kB").parse::<f64>()? / 1024.0)
+    }
+
+    /// As Ctrl-C does.
+    pub fn end(mut self) -> Result<()> {
+        done(Command::new("kill").args(["-INT", &self.child.id().to_string()]))?;
+        let status = self.child.wait()?;
+        ensure!(status.success(), "the server ended with {status}");
+        Ok(())
+    }
+}
+
+impl Drop for Server {
+    fn drop(&mut self) {
+        // it has ended, where all went well
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
