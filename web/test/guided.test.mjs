@@ -11,7 +11,7 @@ test("by every sample, until somebody says that this is enough", async () => {
   // it warms itself by 20 °C in the 5 min before the oven cools by 2 °C/min (F-57)
   const prepare = twinOf("seed=7,profile=oven,warmup_c=20,warmup_s=60");
   const { page, context, faults } = await open(home.browser, `${home.site.url}#calibrate`, { prepare });
-  await beginCalibration(page, "cycle");
+  await beginCalibration(page, "cycle", 1200);
   await page.waitForSelector(".run button.primary[disabled]");
   await becomes(page, ".run .left", /left, (1[89]|[2-9]\d) min.* done/, 4 * PATIENCE);
   await page.waitForSelector(".run button.primary:not([disabled])");

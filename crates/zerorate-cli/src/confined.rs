@@ -8,7 +8,9 @@
 use crate::output::say;
 use rustix::process::{Pid, Resource, Rlimit, Signal, kill_process, set_parent_process_death_signal, setrlimit};
 use signal_hook::consts::{SIGHUP, SIGINT, SIGPIPE, SIGTERM};
-use signal_hook::iterator::Signals;
+use signal_hook::iterator::SignalsInfo;
+use signal_hook::iterator::exfiltrator::WithOrigin;
+use signal_hook::low_level::siginfo::Cause;
 use std::ffi::OsString;
 use std::os::unix::process::{CommandExt, ExitStatusExt};
 use std::path::Path;
@@ -71,8 +73,8 @@ fn confine(Bytes(limit): Bytes) {
     let _ = set_parent_process_death_signal(Some(Signal::TERM));
 }
 
-/// The child's standard streams are ours. Ctrl-C reaches both by itself; SIGTERM is passed on. The child is there
-/// before we listen, so that what we ignore it ignores too.
+/// The child's standard streams are ours. Ctrl-C reaches both by itself, from the kernel; what a process sends us is
+/// passed on. The child is there before we listen, so that what we ignore it ignores too.
 fn supervise(args: &[OsString]) -> io::Result<ExitStatus> {
     let (name, rest) = args.split_first().ok_or(io::ErrorKind::InvalidInput)?;
     let mut command = Command::new("/proc/self/exe");
@@ -82,10 +84,11 @@ fn supervise(args: &[OsString]) -> io::Result<ExitStatus> {
     }
     let mut child = command.spawn()?;
     let pid = i32::try_from(child.id()).ok().and_then(Pid::from_raw);
-    if let (Some(pid), Ok(mut signals)) = (pid, Signals::new([SIGINT, SIGTERM])) {
+    if let (Some(pid), Ok(mut signals)) = (pid, SignalsInfo::<WithOrigin>::new([SIGINT, SIGTERM])) {
         thread::spawn(move || {
-            for _ in signals.forever().filter(|signal| *signal == SIGTERM) {
-                let _ = kill_process(pid, Signal::TERM);
+            for signal in signals.forever().filter(|origin| origin.cause != Cause::Kernel) {
+                let passed_on = if signal.signal == SIGINT { Signal::INT } else { Signal::TERM };
+                let _ = kill_process(pid, passed_on);
             }
         });
     }

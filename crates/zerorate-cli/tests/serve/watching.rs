@@ -40,6 +40,15 @@ fn follow(page: &mut Watch, over: &AtomicBool) -> usize {
 
 /// Twenty pages, of which one takes nothing: its connection fills up and is dropped, the others go on, and the
 /// recording has every sample.
+/// Files are read in a child, which a signal to the program alone must reach.
+#[test]
+fn a_recording_that_is_served_ends_when_the_program_is_asked_to() {
+    let bench = Bench::new();
+    bench.zerorate("capture --device twin:seed=3 --samples 6000 -o a.csv").ok();
+    let served = Served::start(&bench, "--device replay:a.csv");
+    assert_eq!(served.interrupt().code(), Some(0));
+}
+
 #[test]
 fn nobody_who_looks_on_slows_the_recording() {
     let bench = Bench::new();
