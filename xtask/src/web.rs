@@ -155,12 +155,17 @@ fn embed() -> Result<()> {
         }
     }
     for file in files(Path::new("web/dist"))? {
-        if !matches!(name(&file), "home.json" | "sw.js") {
+        if !is_static_only(name(&file)) {
             fs::copy(&file, Path::new(INTO).join(name(&file)))?;
         }
     }
     println!("{INTO}: cargo build puts it into the program");
     Ok(())
+}
+
+/// A session of the page's own, and what that page keeps for when there is no network.
+fn is_static_only(name: &str) -> bool {
+    matches!(name, "home.json" | "sw.js" | "live.js" | "zerorate_first_bg.wasm" | "zerorate_live_bg.wasm")
 }
 
 fn write_site(site: &Path) -> Result<()> {
