@@ -36,6 +36,12 @@ export const kept = {
     write(CALIBRATIONS, { calibrations: [...all], applied });
   },
 
+  /** Of a calibration that is on file no more. */
+  forgetCalibration(toml: string): void {
+    const { calibrations, applied } = kept.calibrations();
+    write(CALIBRATIONS, { calibrations: calibrations.filter((one) => one !== toml), applied });
+  },
+
   /** What is opened when nothing is open: the twin, as it was chosen last. */
   opening(): Opening {
     return { is: "twin", keys: read(TWIN, DEFAULT_KEYS) };

@@ -32,3 +32,12 @@ test("two windows with a session each keep what both have", () => {
   kept.keepCalibrations([{ id: "2", toml: "two", applied: false }]);
   assert.deepEqual(kept.calibrations().calibrations, ["one", "two"]);
 });
+
+test("what was removed is not kept", () => {
+  kept.keepCalibrations([
+    { id: "1", toml: "one", applied: true },
+    { id: "2", toml: "two", applied: false },
+  ]);
+  kept.forgetCalibration("two");
+  assert.deepEqual(kept.calibrations(), { calibrations: ["one"], applied: "1" });
+});

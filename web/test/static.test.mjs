@@ -145,6 +145,13 @@ test("a calibration that is dropped, one that is damaged, and a device of other 
   await drop("broken.toml", toml.replace("schema = 1", "schema = "));
   await becomes(page, ".toast", /./);
   assert.equal(await page.locator(".on-file li").count(), 1);
+  await page.getByRole("button", { name: "Remove", exact: true }).click();
+  await page.getByRole("button", { name: "Keep it" }).click();
+  assert.equal(await page.locator(".on-file .row").count(), 1);
+  await page.getByRole("button", { name: "Remove", exact: true }).click();
+  await page.getByRole("button", { name: "Remove it" }).click();
+  await becomes(page, ".on-file", /None yet/);
+  await page.waitForFunction(() => !localStorage.getItem("zerorate.calibrations").includes("pbc_dps"));
   await page.fill("#keys", "seed=3,bias_dps=2.5,noise=0");
   await page.getByRole("button", { name: "Open the twin" }).click();
   await becomes(page, ".device .name", /bias_dps=2\.5/);

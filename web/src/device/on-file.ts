@@ -1,8 +1,9 @@
 import type { App } from "../app";
 import * as digits from "../digits";
-import { button, h } from "../dom";
+import { button, h, sure } from "../dom";
 import { downloads } from "../downloads";
 import { droppable } from "../drop";
+import { kept } from "../kept";
 import type { CalibrationEntry } from "../protocol";
 import { settings } from "../settings";
 
@@ -47,6 +48,7 @@ export class OnFile {
       () => void this.app.ask({ do: "apply", calibration: entry.id }),
       { class: "small", disabled: entry.applied },
     );
+    const remove = button("Remove", () => void this.#remove(entry), { class: "small", disabled: entry.applied });
     return h(
       "li",
       { class: entry.applied ? "applied" : "" },
@@ -59,8 +61,14 @@ export class OnFile {
         h("p", {}, numbers(entry)),
         h("p", { class: "note" }, origin(entry)),
       ),
-      h("div", { class: "row" }, apply, downloads(this.app, entry.id)),
+      h("div", { class: "row" }, apply, downloads(this.app, entry.id), remove),
     );
+  }
+
+  async #remove({ id, serial, toml }: CalibrationEntry): Promise<void> {
+    const name = serial ?? id.slice(0, 12);
+    if (!(await sure(`Take the calibration of ${name} off the file?`, "Remove it", "Keep it"))) return;
+    if (await this.app.ask({ do: "remove-calibration", calibration: id })) kept.forgetCalibration(toml);
   }
 
   async #add(file: File): Promise<void> {
