@@ -24,7 +24,8 @@ pub struct Args {
     /// Run only these steps; default: all
     #[arg(value_name = "STEP", value_parser = clap::builder::PossibleValuesParser::new(STEPS.map(|step| step.name)))]
     only: Vec<String>,
-    /// Leave out what takes longest and finds least while one works: bridge, python, serve, trust, web, rig. CI runs all
+    /// Leave out what takes longest and finds least while one works: bridge, python, serve, trust, web, rig. CI runs
+    /// all
     #[arg(long, conflicts_with = "only")]
     quick: bool,
 }

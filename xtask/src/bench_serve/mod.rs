@@ -138,7 +138,8 @@ fn print(seen: &Seen, recorded: &Recorded, wall_s: f64, peak_mb: f64) {
     // the first is one that everybody gets
     let late: u64 = seen.pages.iter().map(|page| page.snapshots.saturating_sub(1)).sum();
     println!(
-        "pages         {}, at least {frames_per_s:.1} frames/s, at most {kb_per_s:.0} KB/s each; too slow {late} times",
+        "pages         {}, at least {frames_per_s:.1} frames/s, at most {kb_per_s:.0} KB/s each; \
+         too slow {late} times",
         seen.pages.len()
     );
     println!("processor     {:.1} % of a core", seen.share * 100.0);

@@ -12,6 +12,13 @@ const PATIENCE: Duration = Duration::from_secs(60);
 /// Numbers in a bin of a strip of one axis: least and largest of rate, corrected rate and temperature.
 const COLUMNS: u64 = 6;
 
+/// FIN, and binary.
+const FRAME: u8 = 0x82;
+/// FIN, and a ping, to which a page that is there answers.
+const PING: u8 = 0x89;
+/// The answer: FIN and pong, masked as whatever comes from a page, empty.
+const PONG: [u8; 6] = [0x8a, 0x80, 0, 0, 0, 0];
+
 /// What came.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Frames {
@@ -26,7 +33,14 @@ pub fn watch(address: &str, over: &AtomicBool, shown_ms: &AtomicU64) -> Result<F
     let mut stream = BufReader::new(connect(address)?);
     let (mut frames, mut last) = (Frames::default(), None);
     while !over.load(Ordering::Relaxed) {
-        let Some(frame) = message(&mut stream)? else { continue };
+        let frame = match message(&mut stream)? {
+            (FRAME, frame) => frame,
+            (PING, _) => {
+                stream.get_mut().write_all(&PONG)?;
+                continue;
+            }
+            _ => continue,
+        };
         let header = header(&frame)?;
         let is_snapshot = header["snapshot"] == true;
         let seq = header["seq"].as_u64().context("no seq")?;
@@ -61,10 +75,8 @@ fn connect(address: &str) -> Result<TcpStream> {
     Ok(stream)
 }
 
-/// A message of the server, which has no mask (RFC 6455, 5.2); none where it is no frame of the page.
-fn message(stream: &mut impl BufRead) -> Result<Option<Vec<u8>>> {
-    /// FIN, and binary.
-    const FRAME: u8 = 0x82;
+/// A message of the server, which has no mask (RFC 6455, 5.2): its kind, and what is in it.
+fn message(stream: &mut impl BufRead) -> Result<(u8, Vec<u8>)> {
     let mut head = [0; 2];
     stream.read_exact(&mut head)?;
     let length = match head[1] {
@@ -83,7 +95,7 @@ fn message(stream: &mut impl BufRead) -> Result<Option<Vec<u8>>> {
     let mut message = Vec::new();
     stream.take(length).read_to_end(&mut message)?;
     ensure!(message.len() as u64 == length, "the server hung up");
-    Ok((head[0] == FRAME).then_some(message))
+    Ok((head[0], message))
 }
 
 /// The header of a frame, whose payload is as long as its strips say.
@@ -117,11 +129,11 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_frame_is_left() {
+    fn messages_are_told_apart() {
         let mut stream: &[u8] = &[0x82, 2, 7, 8, 0x81, 1, b'x', 0x82, 126, 0, 1, 9, 0x82, 5, 1];
-        assert_eq!(message(&mut stream).unwrap(), Some(vec![7, 8]));
-        assert_eq!(message(&mut stream).unwrap(), None);
-        assert_eq!(message(&mut stream).unwrap(), Some(vec![9]));
+        assert_eq!(message(&mut stream).unwrap(), (FRAME, vec![7, 8]));
+        assert_eq!(message(&mut stream).unwrap(), (0x81, vec![b'x']));
+        assert_eq!(message(&mut stream).unwrap(), (FRAME, vec![9]));
         assert!(message(&mut stream).is_err(), "it hung up in the middle");
     }
 }

@@ -35,8 +35,8 @@ impl Session {
         }
     }
 
-    /// The answer to what the owner of the device was to do. A calibration that waits for a device that cannot be opened
-    /// is over.
+    /// The answer to what the owner of the device was to do. A calibration that waits for a device that cannot be
+    /// opened is over.
     pub fn done(&mut self, id: u32, result: Result<(), String>) -> String {
         if let Err(why) = &result
             && self.wanted.is_some()

@@ -46,8 +46,8 @@ impl Kept {
 }
 
 impl Notices {
-    /// Takes what happened: `code: text`, or a text without a code. It takes the place of an older one of the same code
-    /// and axis.
+    /// Takes what happened: `code: text`, or a text without a code. It takes the place of an older one of the same
+    /// code and axis.
     pub fn push(&mut self, said: &str, at_s: f64) {
         self.keep(&Said::of(said), at_s, false);
     }

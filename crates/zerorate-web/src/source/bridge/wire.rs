@@ -173,8 +173,8 @@ pub async fn ask<T>(shared: &Shared, ask: Ask<'_>, take: impl Fn(Reply) -> Optio
 
 /// The next sample; none where the part brings none for so long, ms.
 ///
-/// Silence may be that of whoever moves the bytes instead. So the bridge is asked for anything: if it answers, the part
-/// is silent; else what is on its way may come for so much longer, ms.
+/// Silence may be that of whoever moves the bytes instead. So the bridge is asked for anything: if it answers, the
+/// part is silent; else what is on its way may come for so much longer, ms.
 pub async fn sample(shared: &Shared, silence_ms: u32, blocked_ms: u32) -> Result<Option<WireSample>, WireError> {
     let heard = match hear(shared, silence_ms, None).await {
         None => {
