@@ -10,6 +10,7 @@ use pyo3::types::PyDict;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use zerorate_cli::api;
+use zerorate_data::Note;
 use zerorate_data::column::{
     self, Column, ColumnOptions, Decimal, Names, Quantity, RawType, Series, Setting, TimeUnit, Unit, Wanted,
 };
@@ -173,7 +174,7 @@ pub fn read_imu<'py>(
         let given = of_kind(&column);
         described(py, &path, column, given, false)
     });
-    Ok((columns.collect::<PyResult<_>>()?, topic, warnings))
+    Ok((columns.collect::<PyResult<_>>()?, topic, texts(&warnings)))
 }
 
 impl Options {
@@ -262,6 +263,11 @@ impl Cells<'_> {
     }
 }
 
+/// For `warnings.warn`.
+fn texts(notes: &[Note]) -> Vec<String> {
+    notes.iter().map(Note::to_string).collect()
+}
+
 /// A column for Python: its numbers in the unit that they came in.
 fn described<'py>(
     py: Python<'py>,
@@ -281,7 +287,7 @@ fn described<'py>(
     result.set_item("name", &column.name)?;
     result.set_item("rate_hz", column.rate_hz)?;
     result.set_item("gaps", column.gaps.iter().map(|gap| (gap.at, gap.missing)).collect::<Vec<_>>())?;
-    result.set_item("warnings", &column.warnings)?;
+    result.set_item("warnings", texts(&column.warnings))?;
     match column.series {
         Series::Codes(codes) if !points => result.set_item("values", PyArray1::from_vec(py, codes))?,
         Series::Numbers(numbers) => result.set_item("values", PyArray1::from_vec(py, numbers))?,

@@ -10,6 +10,7 @@ use anyhow::Result;
 use std::sync::Arc;
 use zerorate::health::{Frozen, Health, Judged};
 use zerorate::{Axis, Part, Tally, Warning, resonance};
+use zerorate_data::Note;
 use zerorate_data::believed;
 use zerorate_data::capture::{CaptureInfo, Layout, Row};
 use zerorate_host::{Air, Batch, Bus, DeviceSpec, Everything, Facts, Hub, Losses, Pace, Setup, Stop};
@@ -214,11 +215,11 @@ impl Acquisition {
         let of_the_rate = aliased.into_iter().chain(self.resonance(SHORTEST_AVERAGE_S));
         let of_the_rate = of_the_rate.map(|warning| coded(&warning));
         let on_the_way = lost_on_the_way(self.losses).chain(self.doubts.iter().cloned());
-        of_the_rate.chain(self.disbelief()).chain(on_the_way).collect()
+        of_the_rate.chain(self.disbelief().iter().map(Note::to_string)).chain(on_the_way).collect()
     }
 
     /// What there is to say of readings that are not to be believed.
-    pub fn disbelief(&self) -> Vec<String> {
+    pub fn disbelief(&self) -> Vec<Note> {
         let axes = self.axes.iter().map(|axis| (axis.name.as_str(), &axis.health));
         believed::of_axes(axes, &self.tally, self.start_ns())
     }

@@ -140,7 +140,7 @@ pub fn read_capture(path: &Path) -> Result<Recording> {
     let start_ns = recording.t_ns.first().copied().unwrap_or_default();
     let axes = recording.axes.iter().map(|axis| (axis.name.as_str(), &axis.health));
     let found = believed::of_axes(axes, &tally, start_ns);
-    let said: Vec<String> = reader.warnings().into_iter().map(|note| note.text).chain(found).collect();
+    let said: Vec<String> = reader.warnings().iter().chain(&found).map(ToString::to_string).collect();
     recording.warning = (!said.is_empty()).then(|| said.join("; "));
     Ok(recording)
 }

@@ -1,43 +1,39 @@
 //! What is to be said of readings that are not to be believed.
 
+use crate::note::Note;
 use zerorate::health::{Frozen, Health};
 use zerorate::{Tally, Warning};
 
-/// What was found of a run of samples, for scripts: `code: text`. `start_ns` is the time of its first sample.
-pub fn warnings(health: &Health, tally: &Tally, start_ns: u64) -> Vec<String> {
+/// What was found of a run of samples. `start_ns` is the time of its first sample.
+pub fn warnings(health: &Health, tally: &Tally, start_ns: u64) -> Vec<Note> {
     of_axes([("", health)], tally, start_ns)
 }
 
 /// The same of each axis of a part, by its name; where there is one, it is not named.
-pub fn of_axes<'a>(
-    axes: impl IntoIterator<Item = (&'a str, &'a Health)>,
-    tally: &Tally,
-    start_ns: u64,
-) -> Vec<String> {
+pub fn of_axes<'a>(axes: impl IntoIterator<Item = (&'a str, &'a Health)>, tally: &Tally, start_ns: u64) -> Vec<Note> {
     let axes: Vec<(&str, &Health)> = axes.into_iter().collect();
     let several = axes.len() > 1;
     let named = |(axis, health): (&str, &Health)| {
         let name = if several { format!("axis {axis}: ") } else { String::new() };
         let found = of_readings(health, tally.samples, start_ns);
-        found.into_iter().map(move |(code, text)| format!("{code}: {name}{text}"))
+        found.into_iter().map(move |note| Note { text: format!("{name}{}", note.text), ..note })
     };
     axes.into_iter().flat_map(named).chain(of_edges(tally)).collect()
 }
 
-/// A code and a text for each finding.
-fn of_readings(health: &Health, samples: u64, start_ns: u64) -> Vec<(&'static str, String)> {
+fn of_readings(health: &Health, samples: u64, start_ns: u64) -> Vec<Note> {
     let marks = health.marks();
     let impossible = Warning::Impossible { count: marks.spoilt(), fraction: marks.spoilt() as f64 / samples as f64 };
     let found = [
-        health.frozen_at_end().map(|frozen| ("frozen", frozen_text(&frozen, start_ns))),
-        (marks.spoilt() > 0).then(|| (impossible.code(), impossible.to_string())),
+        health.frozen_at_end().map(|frozen| Note::new("frozen", frozen_text(&frozen, start_ns))),
+        (marks.spoilt() > 0).then(|| Note::new(impossible.code(), impossible.to_string())),
         (marks.out_of_range > 0).then(|| {
             let text = format!(
                 "{} readings are beyond the range of the part: it turns, its supply is wrong, or the line carries \
                  errors; they are not to be used",
                 marks.out_of_range
             );
-            ("out-of-range", text)
+            Note::new("out-of-range", text)
         }),
         (2 * marks.unjudged > samples).then(|| {
             let text = if health.can_judge() {
@@ -47,20 +43,21 @@ fn of_readings(health: &Health, samples: u64, start_ns: u64) -> Vec<(&'static st
                 "too little is known of the part (its range, bandwidth and noise) to tell impossible readings from \
                  motion (bit errors would pass); state them in the file of the part"
             };
-            ("unjudged", text.to_owned())
+            Note::new("unjudged", text.to_owned())
         }),
     ];
     found.into_iter().flatten().collect()
 }
 
-fn of_edges(tally: &Tally) -> Option<String> {
+fn of_edges(tally: &Tally) -> Option<Note> {
     tally.data_ready_stutters().then(|| {
-        format!(
-            "data-ready-stutters: in {} of {} gaps no edge of data ready came: its line (ADIS16130: RDY, pin 10) \
-             stutters, or the host was deaf to it for that long; check its wire, its level and its pull-up, and only \
-             then what else the host does",
+        let text = format!(
+            "in {} of {} gaps no edge of data ready came: its line (ADIS16130: RDY, pin 10) stutters, or the host was \
+             deaf to it for that long; check its wire, its level and its pull-up, and only then what else the host \
+             does",
             tally.silent_gaps, tally.gaps
-        )
+        );
+        Note::new("data-ready-stutters", text)
     })
 }
 

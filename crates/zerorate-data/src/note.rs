@@ -16,6 +16,11 @@ impl Note {
         Self { code, text }
     }
 
+    /// Of a file whose end is missing, if it is.
+    pub(crate) fn torn(text: Option<String>) -> Vec<Self> {
+        text.map(|text| Self::new("torn-tail", text)).into_iter().collect()
+    }
+
     /// The texts alone, as one; none where nothing is to be said.
     #[must_use]
     pub fn texts(notes: &[Self]) -> Option<String> {

@@ -266,7 +266,7 @@ impl Correcting {
         }
         let axes = self.axes.iter().map(|axis| (axis.name.as_str(), &axis.health));
         let found = believed::of_axes(axes, &self.tally, self.start_ns.unwrap_or_default());
-        warn(&found.iter().map(|found| format!("{name}: {found}")).collect::<Vec<_>>());
+        warn(&found.iter().map(|note| format!("{}: {name}: {}", note.code, note.text)).collect::<Vec<_>>());
         if let Some(extrapolated) = self.corrector.warning() {
             warn(&[format!("{}: {name}: {}", extrapolated.code(), extrapolated.with(flag))]);
         }

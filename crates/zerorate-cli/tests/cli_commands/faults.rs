@@ -120,7 +120,7 @@ fn out_of_range_means_the_same_everywhere() {
     assert_eq!(summary["out_of_range"], 1000, "{summary}");
     zerorate(&["correct", path(&file), "--cal", &cal, "-o", path(&done)])
         .ended_with(0)
-        .saying(&["out-of-range: 1000"]);
+        .saying(&["out-of-range: ", ": 1000 readings"]);
     let text = std::fs::read_to_string(&done).expect("a corrected capture");
     assert!(rows(&text).iter().all(|row| row[8].is_empty() && row[9] == "2"));
     let stream = zerorate(&["stream", "--cal", &cal, "--device", device, "--duration", "100ms"]).ended_with(0);

@@ -161,7 +161,7 @@ fn what_the_user_should_know_is_said() {
             && said.contains("the first 1 rows come before the first temperature"),
         "{said}"
     );
-    assert!(said.contains("out-of-range: 2 readings are beyond the range"), "{said}");
+    assert!(said.contains("out-of-range: rest.csv: 2 readings are beyond the range"), "{said}");
     let done = fs::read_to_string(bench.path("done.csv")).unwrap();
     assert!(done.contains("500,0,8388608,9,,0,0.0,,,2\n"), "uncorrected rows are empty, not zero: {done}");
 }

@@ -439,7 +439,7 @@ fn what_leads_on() {
     let run = bench.zerorate("imu imu.csv -o -").fails(2);
     assert!(run.contains("give the file a name") && !bench.path("-").exists(), "{run}");
     let run = bench.zerorate("imu imu.csv --column 1,2,3 --format VINS").ended_with(0);
-    assert!(run.stderr.contains("warning: --column names no accelerometer"), "{}", run.stderr);
+    assert!(run.stderr.contains("warning: kind-absent: --column names no accelerometer"), "{}", run.stderr);
     let several = log().replacen("t_s,gyro_x_dps,gyro_y_dps,gyro_z_dps,ax [m/s^2]", "t_s,a_dps,b_dps,c_dps,d_dps", 1);
     bench.write("several.csv", several);
     let run = bench.zerorate("imu several.csv").ended_with(0);
@@ -552,4 +552,18 @@ fn allan_takes_several_columns() {
     assert!(said.contains("the unit of these columns is not stated") && said.contains(": gx, gy\n"), "{said}");
     let said = bench.zerorate("allan unnamed.csv --column gx,gyro_z_dps").ended_with(0).stderr;
     assert!(said.contains("the unit of column gx is not stated") && !said.contains(": gx\n"), "{said}");
+}
+
+/// A message is of three axes, and a part of one fills in one of them.
+#[test]
+fn a_bag_of_a_part_with_one_axis() {
+    let bench = Bench::new();
+    bench.zerorate("capture --device twin:seed=2 --divider 57 --duration 2m -o own.mcap").ok();
+    let run = bench.zerorate("imu own.mcap --topic /imu/data_raw").ended_with(0);
+    assert!(run.stderr.contains("columns-left-out: own.mcap: left out, being 0 in every row"), "{}", run.stderr);
+    assert!(run.stderr.contains("angular_velocity.x, /imu/data_raw.angular_velocity.y, "), "{}", run.stderr);
+    assert!(run.stdout.contains("angular_velocity.z") && !run.stdout.contains("linear"), "{}", run.stdout);
+    // who names it is told that it is dead
+    let why = bench.zerorate("imu own.mcap --topic /imu/data_raw --column angular_velocity.x").fails(3);
+    assert!(why.contains("all ") && why.contains("are the same"), "{why}");
 }

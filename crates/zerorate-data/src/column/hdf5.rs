@@ -68,7 +68,7 @@ pub fn read(log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
     }
     let clock = time.map_or(Clock::Silent, |time| Clock::Column(columns[time].name.clone(), times));
     let name = |(at, values): (usize, SeriesBuilder)| FoundColumn::new(wanted[at].name.clone(), values);
-    Ok(Found { columns: values.into_iter().enumerate().map(name).collect(), clock, warning: None })
+    Ok(Found { columns: values.into_iter().enumerate().map(name).collect(), clock, warnings: Vec::new() })
 }
 
 /// Its data sets of numbers, in the order of their names: as a file lists them is no order.

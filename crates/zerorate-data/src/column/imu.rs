@@ -6,6 +6,7 @@ use super::series::SeriesBuilder;
 use super::topics::Survey;
 use super::unit::{Quantity, TimeUnit, Unit};
 use super::{Asked, Clock, ColumnOptions, Found, FoundColumn, LogError, Names, Result, Setting, Wanted, wrong};
+use crate::Note;
 use crate::capture::CaptureError;
 use crate::limits::Room;
 use std::collections::BTreeSet;
@@ -190,8 +191,8 @@ impl<'a> Collector<'a> {
         Ok(())
     }
 
-    /// All messages were read.
-    pub fn finish(self, warning: Option<String>) -> Found {
+    /// All messages were read; `torn` says where the file is.
+    pub fn finish(self, torn: Option<String>) -> Found {
         let Self { wanted, values, times, .. } = self;
         let clock = times.map_or(Clock::Silent, |mut times| {
             times.unit = Some(TimeUnit::Ns);
@@ -205,9 +206,10 @@ impl<'a> Collector<'a> {
                 true => (Quantity::AngularRate, Unit::RadPerS.in_results()),
                 false => (Quantity::Acceleration, Unit::MPerS2.in_results()),
             }),
-            warning: None,
+            warnings: Vec::new(),
         };
-        Found { columns: wanted.all.into_iter().zip(values).map(column).collect(), clock, warning }
+        let columns = wanted.all.into_iter().zip(values).map(column).collect();
+        Found { columns, clock, warnings: Note::torn(torn) }
     }
 }
 

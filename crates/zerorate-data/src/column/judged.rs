@@ -2,6 +2,7 @@
 
 use super::wrong;
 use super::{LogError, Result as LogResult};
+use crate::Note;
 use crate::believed;
 use crate::capture::CaptureError;
 use crate::capture::columns::Rows;
@@ -78,7 +79,7 @@ impl Judging {
     }
 
     /// What there is to say of the rows, once all are judged. A part that had stopped is no measurement.
-    pub fn found(&self, path: &Path) -> LogResult<Option<String>> {
+    pub fn found(&self, path: &Path) -> LogResult<Vec<Note>> {
         let start_ns = self.start_ns.unwrap_or_default();
         if let Some(frozen) = self.health.frozen_at_end() {
             let why = believed::frozen_text(&frozen, start_ns);
@@ -87,9 +88,8 @@ impl Judging {
                 format!("{}: {why}; or cut the recording before that", path.display()),
             ));
         }
-        let found = believed::warnings(&self.health, &self.tally, start_ns);
-        let text = format!("{}: {}", path.display(), found.join("; "));
-        Ok((!found.is_empty()).then_some(text))
+        let found = believed::warnings(&self.health, &self.tally, start_ns).into_iter();
+        Ok(found.map(|note| Note { text: format!("{}: {}", path.display(), note.text), ..note }).collect())
     }
 
     fn believes(&self, judged: &Judged) -> bool {

@@ -6,6 +6,7 @@ use super::clock::Times;
 use super::open::Log;
 use super::series::SeriesBuilder;
 use super::{Asked, Clock, Found, FoundColumn, Result};
+use crate::Note;
 use crate::capture::CaptureError;
 use crate::limits::Room;
 use flate2::read::ZlibDecoder;
@@ -36,7 +37,7 @@ const COMPRESSED: u32 = 15;
 pub fn read(log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
     let Log { path, input, room, .. } = log;
     let mut file = BufReader::with_capacity(BUFFER, input);
-    let (variables, warning) = variables(path, &mut file, room)?;
+    let (variables, torn) = variables(path, &mut file, room)?;
     let columns: Vec<Variable<'_>> = variables.iter().flat_map(Element::columns).collect();
     let names = columns.iter().map(|column| column.name.as_str()).collect();
     let all = Columns { path, names, numeric: vec![true; columns.len()], settings: asked.args.names };
@@ -49,10 +50,10 @@ pub fn read(log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
         Some(time) => Clock::Column(time.name.clone(), time.times(path)?),
         None => Clock::Silent,
     };
-    Ok(Found { columns: found, clock, warning })
+    Ok(Found { columns: found, clock, warnings: Note::torn(torn) })
 }
 
-/// The variables of a file, unpacked, up to where it is torn.
+/// The variables of a file, unpacked, up to where it is torn, which is said.
 fn variables(
     path: &Path,
     file: &mut BufReader<crate::Input>,
@@ -66,7 +67,7 @@ fn variables(
         b"MI" => true,
         _ => return Err(damaged("its head does not tell the order of bytes")),
     };
-    let (mut all, mut bytes, mut warning) = (Vec::new(), 0u64, None);
+    let (mut all, mut bytes, mut torn) = (Vec::new(), 0u64, None);
     loop {
         let mut tag = [0; 8];
         let mut data = Vec::new();
@@ -96,11 +97,11 @@ fn variables(
         all.extend(element);
         if (there as u64) < u64::from(length) {
             let path = path.display();
-            warning = Some(format!("{path} ends inside a variable, which is dropped"));
+            torn = Some(format!("{path} ends inside a variable, which is dropped"));
             break;
         }
     }
-    Ok((all, warning))
+    Ok((all, torn))
 }
 
 fn unpacked(packed: &[u8], room: Room) -> Vec<u8> {

@@ -21,7 +21,7 @@ pub fn read(log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
     let topic = wanted.topic.clone();
     file.rewind().map_err(|error| CaptureError::io("read", path, error))?;
     let mut collector = Collector::new(path, wanted, log.room, asked.args);
-    let mut warning = None;
+    let mut cut = None;
     for message in Messages::new(&mut file, log.room) {
         match message {
             Ok(message) if message.channel.topic == topic => {
@@ -29,10 +29,10 @@ pub fn read(log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
             }
             Ok(_) => {}
             Err(Torn::NoRoom(why)) => return Err(CaptureError::no_room(path, why).into()),
-            Err(error) => warning = Some(torn(path, &error)),
+            Err(error) => cut = Some(torn(path, &error)),
         }
     }
-    Ok(collector.finish(warning))
+    Ok(collector.finish(cut))
 }
 
 /// The topics with an IMU. Their channels stand anywhere before their first message, so the file is read for them.

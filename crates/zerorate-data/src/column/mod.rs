@@ -47,6 +47,7 @@ pub use setting::{Names, Setting};
 pub use unit::{Quantity, STANDARD_GRAVITY, TimeUnit, Unit};
 
 use crate::Input;
+use crate::Note;
 use crate::capture::CaptureError;
 use crate::capture::bag;
 use crate::capture::table::{self, Opened};
@@ -150,7 +151,7 @@ pub struct Column {
     /// What a step of the numbers is, in the unit of that quantity's results; 1 if their unit is not known.
     pub scale: f64,
     /// What is to be said about the file: a tail that was torn off, a unit that is not known.
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Note>,
 }
 
 impl Column {
@@ -159,6 +160,14 @@ impl Column {
         match &self.series {
             Series::Codes(_) => series::missing_in(&self.gaps),
             Series::Numbers(numbers) => numbers.iter().filter(|number| number.is_nan()).count() as u64,
+        }
+    }
+
+    /// Whether it is 0 in every row.
+    pub fn is_blank(&self) -> bool {
+        match &self.series {
+            Series::Codes(codes) => codes.iter().all(|code| *code == 0),
+            Series::Numbers(numbers) => numbers.iter().all(|number| *number == 0.0),
         }
     }
 
@@ -244,7 +253,7 @@ pub fn read_table(path: &Path, table: &RecordBatch, wanted: Wanted<'_>, args: &C
     let room = Room::of(table.get_array_memory_size() as u64);
     let mut columns = tabular::TableColumns::start(path, &table.schema(), room, &Asked { wanted, args })?;
     columns.take(table, None)?;
-    columns.finish(None)?.finish(path, args)
+    columns.finish(Vec::new())?.finish(path, args)
 }
 
 /// The columns as they stand in the file.
@@ -311,7 +320,7 @@ fn read_capture_or_bag(mut log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
 struct Found {
     columns: Vec<FoundColumn>,
     clock: Clock,
-    warning: Option<String>,
+    warnings: Vec<Note>,
 }
 
 /// One of them.
@@ -320,12 +329,12 @@ struct FoundColumn {
     values: SeriesBuilder,
     /// What it measures, and what a step is in the unit of its results, where that is a property of the form.
     stated: Option<(Quantity, f64)>,
-    warning: Option<String>,
+    warnings: Vec<Note>,
 }
 
 impl FoundColumn {
     fn new(name: String, values: SeriesBuilder) -> Self {
-        Self { name, values, stated: None, warning: None }
+        Self { name, values, stated: None, warnings: Vec::new() }
     }
 }
 
@@ -366,7 +375,7 @@ impl Found {
         if let (Clock::Column(_, times), Clock::Column(_, next)) = (&mut self.clock, next.clock) {
             times.append(&next);
         }
-        next.warning.into_iter().for_each(|said| self.say(said));
+        self.warnings.extend(next.warnings);
         Ok(())
     }
 
@@ -382,22 +391,18 @@ impl Found {
                 format!("{}, column {name}: {why} ({remedy}, or {or})", path.display()),
             )
         })?;
-        let said = said.into_iter().map(|said| format!("{}, column {name}: {said}", path.display()));
-        self.warning = self.warning.take().into_iter().chain(said).reduce(|all, more| format!("{all}; {more}"));
+        let note = |said| Note::new("times-mended", format!("{}, column {name}: {said}", path.display()));
+        self.warnings.extend(said.into_iter().map(note));
         Ok(())
-    }
-
-    fn say(&mut self, more: String) {
-        self.warning = Some(self.warning.take().map_or(more.clone(), |said| format!("{said}; {more}")));
     }
 
     fn finish(mut self, path: &Path, args: &ColumnOptions) -> Result<Vec<Column>> {
         self.mend(path, args)?;
         let beat = self.clock.beat(path, args)?.map(|(_, beat)| beat);
         if let Some(said) = beat.as_ref().and_then(Beat::jitter_text) {
-            self.say(format!("{}: {said}", path.display()));
+            self.warnings.push(Note::new("times-jitter", format!("{}: {said}", path.display())));
         }
-        let Self { columns, clock, warning } = self;
+        let Self { columns, clock, warnings } = self;
         let (measured, lost) = match (beat, clock) {
             (Some(Beat { rate_hz, gaps, .. }), _) => (Some(rate_hz), gaps),
             (None, Clock::Counted { rate_hz, gaps }) => (rate_hz, gaps),
@@ -407,11 +412,11 @@ impl Found {
             let names: Vec<&str> = columns.iter().map(|column| column.name.as_str()).collect();
             no_rate(path, &names, args.names)
         })?;
-        let mut of_file = warning;
-        let finish = |column: FoundColumn| {
-            let said = [of_file.take(), column.warning.clone()].into_iter().flatten();
-            let warning = said.reduce(|all, more| format!("{all}; {more}"));
-            FoundColumn { warning, ..column }.finish(path, rate_hz, &lost, args)
+        let mut of_file = warnings;
+        let finish = |mut column: FoundColumn| {
+            // what is of the file is said once, with its first column
+            column.warnings.splice(..0, of_file.drain(..));
+            column.finish(path, rate_hz, &lost, args)
         };
         columns.into_iter().map(finish).collect()
     }
@@ -419,7 +424,7 @@ impl Found {
 
 impl FoundColumn {
     fn finish(self, path: &Path, rate_hz: f64, lost: &[Gap], args: &ColumnOptions) -> Result<Column> {
-        let Self { name, values, stated, warning } = self;
+        let Self { name, values, stated, mut warnings } = self;
         let (series, gaps) = values.finish(lost).map_err(|missing| too_many(path, missing, args.names))?;
         let stated = stated.or_else(|| Quantity::of_column(&name));
         let given = args.unit.map(|unit| (unit.quantity(), unit.in_results()));
@@ -431,15 +436,11 @@ impl FoundColumn {
                 Some((quantity, scale * per_unit))
             }
         };
-        let unknown = declared.is_none().then(|| {
-            let [unit, scale] = [Setting::Unit, Setting::Scale].map(|setting| args.names.of(setting));
-            format!(
-                "{}: the unit of column {name} is not stated, so the result is in its own unit; give {unit} (dps, \
-                 rad/s, m/s², g …) or {scale}",
-                path.display()
-            )
-        });
-        let resampled = resampled::doubt(&series).map(|said| format!("{}, column {name}: {said}", path.display()));
+        let resampled = resampled::doubt(&series);
+        warnings.extend(
+            resampled.map(|said| Note::new("resampled", format!("{}, column {name}: {said}", path.display()))),
+        );
+        warnings.extend(declared.is_none().then(|| unit_unknown(path, &name, args.names)));
         Ok(Column {
             name,
             series,
@@ -447,9 +448,22 @@ impl FoundColumn {
             rate_hz,
             quantity: declared.map(|(quantity, _)| quantity),
             scale: declared.map_or(1.0, |(_, scale)| scale),
-            warnings: warning.into_iter().chain(resampled).chain(unknown).collect(),
+            warnings,
         })
     }
+}
+
+/// The code of a column whose unit is not known.
+pub(crate) const UNIT_UNKNOWN: &str = "unit-unknown";
+
+fn unit_unknown(path: &Path, column: &str, names: Names) -> Note {
+    let [unit, scale] = [Setting::Unit, Setting::Scale].map(|setting| names.of(setting));
+    let text = format!(
+        "{}: the unit of column {column} is not stated, so the result is in its own unit; give {unit} (dps, rad/s, \
+         m/s², g …) or {scale}",
+        path.display()
+    );
+    Note::new(UNIT_UNKNOWN, text)
 }
 
 fn no_time_unit(path: &Path, column: &str, names: Names) -> LogError {

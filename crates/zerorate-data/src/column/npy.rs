@@ -133,7 +133,7 @@ fn read_arrays(path: &Path, room: Room, mut arrays: Vec<OpenArray>, asked: &Aske
     }
     let clock = time.map_or(Clock::Silent, |_| Clock::Column(names[chosen.len()].clone(), times));
     let columns = names.into_iter().zip(values).map(|(name, values)| FoundColumn::new(name, values));
-    Ok(Found { columns: columns.collect(), clock, warning: None })
+    Ok(Found { columns: columns.collect(), clock, warnings: Vec::new() })
 }
 
 /// What is wrong, and in which of the rows at hand.

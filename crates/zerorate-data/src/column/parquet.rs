@@ -50,7 +50,7 @@ pub fn read(log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
             pieces?.iter().try_for_each(|piece| reading.append(piece, None))?;
         }
     }
-    reading.finish(None)
+    reading.finish(Vec::new())
 }
 
 /// Columns of the row groups of a file.

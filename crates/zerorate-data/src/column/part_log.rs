@@ -49,10 +49,9 @@ impl PartLog {
         let described = described(part);
         let mut found = find(path, input, Wanted::Described(&described), args)?;
         found.mend(path, args)?;
-        let Found { mut columns, clock, warning } = found;
+        let Found { mut columns, clock, mut warnings } = found;
         let temp = columns.pop().filter(|_| columns.len() == part.axes.len());
         let temp = temp.ok_or_else(|| LogError::Ask(format!("{} has one column only", path.display())))?;
-        let mut warnings: Vec<Note> = warning.into_iter().map(of_log).collect();
         let axes = columns.into_iter().zip(&part.axes[..]).zip(&described).map(|((column, axis), described)| {
             let given = args.unit.map(|unit| (unit.quantity(), unit.in_results()));
             let stated = column.stated.or(given).or_else(|| stated(&column.name, described));
@@ -188,15 +187,10 @@ struct Coding<'a> {
     remedy: &'static str,
 }
 
-/// What whoever read the log has to say of it.
-fn of_log(text: String) -> Note {
-    Note::new("log-doubtful", text)
-}
-
 impl Coding<'_> {
     fn codes(&self, column: FoundColumn, warnings: &mut Vec<Note>) -> Result<Vec<f64>> {
-        let FoundColumn { name, values, warning, .. } = column;
-        warnings.extend(warning.map(of_log));
+        let FoundColumn { name, values, warnings: said, .. } = column;
+        warnings.extend(said);
         let mut codes = values.into_rows();
         let mut off = 0.0_f64;
         for (row, value) in codes.iter_mut().enumerate().filter(|(_, value)| !value.is_nan()) {

@@ -47,11 +47,11 @@ pub fn read(log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
         }
         Ok(())
     })?;
-    let warning = torn.map(|why| {
+    let torn = torn.map(|why| {
         let path = path.display();
         format!("{path} was not closed or is damaged ({why}): what stands before is read, the rest is dropped")
     });
-    Ok(collector.finish(warning))
+    Ok(collector.finish(torn))
 }
 
 /// The topics with an IMU by the number of their connection. A bag that was closed lists its connections behind its

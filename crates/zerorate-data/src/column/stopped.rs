@@ -1,6 +1,7 @@
 //! A sensor that stopped while it was recorded.
 
 use super::{Column, LogError, Result, Series};
+use crate::Note;
 use std::path::Path;
 
 /// A column that changes more often than not, and then no more for so many samples, has stopped.
@@ -12,7 +13,7 @@ impl Column {
     ///
     /// # Errors
     /// Of one value all along: that is no noise but a dead sensor.
-    pub fn stopped(&self, path: &Path) -> Result<Option<String>> {
+    pub fn stopped(&self, path: &Path) -> Result<Option<Note>> {
         let changes = match &self.series {
             Series::Codes(codes) => Changes::of(codes.iter().map(|code| f64::from(*code))),
             Series::Numbers(numbers) => Changes::of(numbers.iter().copied()),
@@ -29,17 +30,18 @@ impl Column {
         // among codes what is missing stands beside them
         let lost: u64 = self.gaps.iter().filter(|gap| gap.at <= start).map(|gap| gap.missing).sum();
         let from_s = (start as u64 + lost) as f64 / self.rate_hz;
-        Ok(is_frozen.then(|| match is_last {
+        let text = || match is_last {
             true => format!(
-                "frozen: {file}: the last {same} of {len} samples of column {name} are the same, while it changed \
+                "{file}: the last {same} of {len} samples of column {name} are the same, while it changed \
                  most of the time before; the sensor may have stopped: cut the log there"
             ),
             false => format!(
-                "frozen: {file}: {same} of {len} samples of column {name} are the same, from {from_s:.1} s on, \
+                "{file}: {same} of {len} samples of column {name} are the same, from {from_s:.1} s on, \
                  while it changed most of the time otherwise; the sensor or its bus may have hung: analyse what is \
                  before and after"
             ),
-        }))
+        };
+        Ok(is_frozen.then(|| Note::new("frozen", text())))
     }
 }
 

@@ -27,12 +27,12 @@ pub fn read(path: &Path, mut source: Box<dyn BatchSource>, room: Room, asked: &A
         while let Some((batch, rows)) = capture.next_rows()? {
             reading.take(&batch, Some(&rows))?;
         }
-        return reading.finish(Note::texts(&capture.warnings()));
+        return reading.finish(capture.warnings());
     }
     while let Some(batch) = source.next_batch()? {
         reading.take(&batch, None)?;
     }
-    reading.finish(source.stated().warning.clone().map(|note| note.text))
+    reading.finish(source.stated().warning.clone().into_iter().collect())
 }
 
 /// Columns being read, with their time.
@@ -122,7 +122,7 @@ impl<'a> TableColumns<'a> {
     }
 
     /// All rows were read.
-    pub fn finish(self, warning: Option<String>) -> Result<Found> {
+    pub fn finish(self, warnings: Vec<Note>) -> Result<Found> {
         let Self { path, values, time, capture, .. } = self;
         let clock = match (time, capture) {
             (Some((name, times)), _) => Clock::Column(name, times),
@@ -130,7 +130,7 @@ impl<'a> TableColumns<'a> {
             (None, None) => Clock::Silent,
         };
         let columns = values.into_iter().map(|column| column.finish(path)).collect::<Result<_>>()?;
-        Ok(Found { columns, clock, warning })
+        Ok(Found { columns, clock, warnings })
     }
 }
 
@@ -152,14 +152,14 @@ impl TableColumn {
     }
 
     fn finish(mut self, path: &Path) -> Result<FoundColumn> {
-        let mut warning = None;
+        let mut warnings = Vec::new();
         if let Some(mut judging) = self.judging.take() {
             let last = judging.finish().map_err(|error| judged::failed(path, &error))?;
             last.map_or(Ok(()), |last| self.append_values(path, &last))?;
-            warning = judging.found(path)?;
+            warnings = judging.found(path)?;
         }
         let Self { name, values, stated, .. } = self;
-        Ok(FoundColumn { name, values, stated, warning })
+        Ok(FoundColumn { name, values, stated, warnings })
     }
 }
 

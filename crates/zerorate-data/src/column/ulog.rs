@@ -11,6 +11,7 @@ use super::topics::Survey;
 use super::unit::{Quantity, TimeUnit, Unit};
 use super::{Asked, Clock, Found, FoundColumn, LogError, Result, Setting, Wanted, wrong};
 use crate::Input;
+use crate::Note;
 use crate::capture::CaptureError;
 use std::collections::BTreeMap;
 use std::io::{self, BufReader, Read};
@@ -78,13 +79,13 @@ pub fn read(log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
         full.is_none()
     })?;
     full.map_or(Ok(()), |why| Err(CaptureError::no_room(path, why)))?;
-    let warning = torn.map(|why: String| format!("{}: {why}: what stands before is read", path.display()));
+    let torn = torn.map(|why: String| format!("{}: {why}: what stands before is read", path.display()));
     let name = format!("{}.{}", chosen.topic, chosen.time.name);
     let columns = chosen.fields.into_iter().zip(values).map(|((name, field), values)| FoundColumn {
         stated: stated(&chosen.topic, &field.name).or_else(|| temperature(&chosen.topic, &field.name)),
         ..FoundColumn::new(name, values)
     });
-    Ok(Found { columns: columns.collect(), clock: Clock::Column(name, times), warning })
+    Ok(Found { columns: columns.collect(), clock: Clock::Column(name, times), warnings: Note::torn(torn) })
 }
 
 /// What PX4 defines a field to hold.

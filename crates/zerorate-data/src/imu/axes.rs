@@ -1,8 +1,8 @@
 //! The axes of an IMU in a log.
 
 use super::Kind;
-use crate::Input;
-use crate::column::{self, Column, ColumnOptions, LogError, Quantity, Setting, Unit, Wanted};
+use crate::column::{self, Column, ColumnOptions, LogError, Quantity, Setting, UNIT_UNKNOWN, Unit, Wanted};
+use crate::{Input, Note};
 use std::path::{Path, PathBuf};
 
 /// What a log may not say of its axes itself.
@@ -34,7 +34,7 @@ pub struct Axes {
     /// The topic of a bag.
     pub topic: Option<String>,
     /// What is to be said of the log.
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Note>,
 }
 
 /// The end of the first column's name in a bag.
@@ -72,21 +72,39 @@ impl Axes {
         if axes.is_empty() {
             return Err(no_axes(path, &left_out));
         }
+        let topic = axes.first().and_then(|(_, column)| topic_of(&column.name));
+        if options.columns.is_none() && topic.is_some() {
+            warnings.extend(without_blanks(path, &mut axes));
+        }
         check_units(options, path, &axes)?;
         if options.columns.is_none() {
             let column = options.log.names.of(Setting::Column);
-            warnings.extend(Kind::ALL.into_iter().filter_map(|kind| too_many(kind, &axes, column)));
+            warnings.extend(Kind::ALL.into_iter().filter_map(|kind| too_many(path, kind, &axes, column)));
         }
         let give_unit = |(kind, column)| give_unit(options, kind, column, &mut warnings);
         let mut axes: Vec<Column> = axes.into_iter().map(give_unit).collect();
         axes.sort_by_key(|column| column.quantity != Some(Quantity::AngularRate));
         if !left_out.is_empty() {
             let names = left_out.join(", ");
-            warnings.push(format!("left out, being neither gyroscope nor accelerometer: {names}"));
+            let text = format!("{}: left out, being neither gyroscope nor accelerometer: {names}", path.display());
+            warnings.push(Note::new("columns-left-out", text));
         }
-        let topic = axes.first().and_then(|column| topic_of(&column.name));
         Ok(Self { columns: axes, topic, warnings })
     }
+}
+
+/// Leaves out what nothing measured of messages, which have three axes of each kind whatever the part has; unless there
+/// is nothing else.
+fn without_blanks(path: &Path, axes: &mut Vec<(Kind, Column)>) -> Option<Note> {
+    let is_blank = |(_, column): &(Kind, Column)| column.is_blank();
+    let names: Vec<&str> = axes.iter().filter(|axis| is_blank(axis)).map(|(_, column)| column.name.as_str()).collect();
+    if names.is_empty() || names.len() == axes.len() {
+        return None;
+    }
+    let why = "left out, being 0 in every row, as where nothing measures it";
+    let text = format!("{}: {why}: {}", path.display(), names.join(", "));
+    axes.retain(|axis| !is_blank(axis));
+    Some(Note::new("columns-left-out", text))
 }
 
 impl ImuOptions {
@@ -138,22 +156,21 @@ fn check_units(options: &ImuOptions, path: &Path, axes: &[(Kind, Column)]) -> co
 const AXES: usize = 3;
 
 /// What is to be said where one IMU cannot have that many.
-fn too_many(kind: Kind, axes: &[(Kind, Column)], column: &str) -> Option<String> {
+fn too_many(path: &Path, kind: Kind, axes: &[(Kind, Column)], column: &str) -> Option<Note> {
     let count = axes.iter().filter(|(of, _)| *of == kind).count();
     (count > AXES).then(|| {
         let kind = kind.plural();
-        format!("{count} columns are {kind}, and an IMU has three: are they of several? choose with {column}")
+        let why =
+            format!("{count} columns are {kind}, and an IMU has three: are they of several? choose with {column}");
+        Note::new("several-imus", format!("{}: {why}", path.display()))
     })
 }
 
 /// The unit that was given, where the log states none.
-fn give_unit(options: &ImuOptions, kind: Kind, mut column: Column, warnings: &mut Vec<String>) -> Column {
+fn give_unit(options: &ImuOptions, kind: Kind, mut column: Column, warnings: &mut Vec<Note>) -> Column {
     let Said { unit, scale } = options.said(kind);
     if unit.is_some() || scale.is_some() {
-        if column.quantity.is_none() {
-            // the last says that the unit is not known
-            column.warnings.pop();
-        }
+        column.warnings.retain(|note| note.code != UNIT_UNKNOWN);
         column.scale = unit.map_or(1.0, Unit::in_results) * scale.unwrap_or(1.0);
     }
     warnings.append(&mut column.warnings);
@@ -194,7 +211,9 @@ mod tests {
         let found = read(None);
         assert_eq!(found.columns.len(), 1);
         assert_eq!(found.columns[0].name, "field.angular_velocity.x");
-        assert!(found.warnings.iter().any(|said| said.contains("left out") && said.contains("gyro_clipping")));
+        assert!(
+            found.warnings.iter().any(|note| note.code == "columns-left-out" && note.text.contains("gyro_clipping"))
+        );
         assert_eq!(read(Some(vec!["field.angular_velocity_covariance0".to_owned()])).columns.len(), 1);
     }
 }

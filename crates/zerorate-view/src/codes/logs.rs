@@ -53,12 +53,12 @@ pub const ALL: &[Explanation] = &[
     Explanation {
         code: "torn-tail",
         says: Says::Warning,
-        by: &["probe", "capture", "correct", "repair", "stream", "calibrate", "recalibrate", "serve"],
-        seen: "A capture lacks its end: it was not closed, as after a power cut, or its end was removed.",
-        matters: "Every whole block of rows that a check vouches for is read; what stands behind the last one \
-            is dropped. So the recording is shorter than it was.",
-        remedy: "Nothing, if the rest is long enough; `zerorate repair` writes the whole blocks to a file of \
-            their own, and says what is missing.",
+        by: &["allan", "imu", "probe", "capture", "correct", "repair", "stream", "calibrate", "recalibrate", "serve"],
+        seen: "A capture or a log lacks its end: it was not closed, as after a power cut, or its end was removed.",
+        matters: "Every whole block of rows that a check vouches for is read, of a log without checks whatever is \
+            whole; what stands behind is dropped. So the recording is shorter than it was.",
+        remedy: "Nothing, if the rest is long enough; of a capture `zerorate repair` writes the whole blocks to a \
+            file of their own, and says what is missing.",
         command: "zerorate repair torn.arrows -o whole.arrows",
     },
     Explanation {
@@ -101,14 +101,95 @@ pub const ALL: &[Explanation] = &[
         command: "zerorate verify rest.arrows",
     },
     Explanation {
-        code: "log-doubtful",
+        code: "times-mended",
         says: Says::Warning,
-        by: &["probe", "capture", "calibrate", "recalibrate", "stream", "serve"],
-        seen: "The log of another part is not quite what a log should be: its end is torn off, its times \
-            jitter, or samples are missing. The text says which.",
-        matters: "What can be read is read, and what is missing is counted as lost.",
-        remedy: "Look at the log at the place that the text names; docs/logs.md says what is expected of each \
-            form.",
+        by: &["allan", "imu", "probe", "capture", "calibrate", "recalibrate", "stream", "serve"],
+        seen: "Rows of a log were out of order, there twice, or had stamps that cannot be theirs, in a way that \
+            has one explanation: a queue, a counter that wrapped around, a coarse clock.",
+        matters: "They were put right: the order is that of the times, what is there twice counts once, and a wrong \
+            stamp is replaced by the one between its neighbours.",
+        remedy: "Nothing, if the text says what you expect of that log; else look at the first row that it names.",
+        command: "",
+    },
+    Explanation {
+        code: "times-jitter",
+        says: Says::Warning,
+        by: &["allan", "imu", "probe", "capture", "calibrate", "recalibrate", "stream", "serve"],
+        seen: "The stamps of the rows are off an even clock, by chance and by much of an interval.",
+        matters: "The samples are taken as even, at their mean rate. The text says from which averaging time on \
+            that changes a deviation by less than 1 %.",
+        remedy: "Let the sensor or its driver stamp the samples, not whatever writes them; or judge longer \
+            averages only.",
+        command: "",
+    },
+    Explanation {
+        code: "lines-skipped",
+        says: Says::Warning,
+        by: &["allan", "imu", "probe", "capture", "calibrate", "recalibrate", "stream", "serve"],
+        seen: "Lines stand above the data that are no header.",
+        matters: "They are not read; the first is shown, so that none is skipped that should count.",
+        remedy: "Nothing, if they are remarks.",
+        command: "",
+    },
+    Explanation {
+        code: "lines-broken",
+        says: Says::Warning,
+        by: &["allan", "imu", "probe", "capture", "calibrate", "recalibrate", "stream", "serve"],
+        seen: "Lines of a text have too few cells, or cells that are no numbers.",
+        matters: "They are skipped. Without a time column each counts as a missing sample; with one, the times \
+            tell.",
+        remedy: "Look at the first, which is named. `--max-bad` sets the share from which on the log is refused.",
+        command: "zerorate allan log.csv --max-bad 0",
+    },
+    Explanation {
+        code: "resampled",
+        says: Says::Warning,
+        by: &["allan", "imu"],
+        seen: "Many samples repeat the one before, or lie on the line between their neighbours, to the last \
+            digit, as noise does not.",
+        matters: "The log was resampled or filled in, or the sensor converts more slowly than it is read: what is \
+            found is the noise of such a log, and the angle random walk N of the sensor is another.",
+        remedy: "Take the log as the sensor gave it, at its own rate.",
+        command: "",
+    },
+    Explanation {
+        code: "unit-unknown",
+        says: Says::Warning,
+        by: &["allan", "imu"],
+        seen: "The unit of a column is not stated, by its name or by the form of the log.",
+        matters: "The result is in the unit of the column, whatever that is, and no unit of a coefficient can be \
+            named.",
+        remedy: "Give the unit or the scale.",
+        command: "zerorate allan log.csv --column gz --unit rad/s",
+    },
+    Explanation {
+        code: "columns-left-out",
+        says: Says::Warning,
+        by: &["imu", "serve"],
+        seen: "Columns of a log are neither gyroscope nor accelerometer; or are 0 in every row, as a message has \
+            it whose part has fewer axes.",
+        matters: "They are not analysed; were one of them an axis, its number would be missing in the file.",
+        remedy: "Name the columns that are axes, if one of these is.",
+        command: "zerorate imu log.csv --column gx,gy,gz",
+    },
+    Explanation {
+        code: "several-imus",
+        says: Says::Warning,
+        by: &["imu", "serve"],
+        seen: "More than three columns are gyroscopes, or accelerometers.",
+        matters: "One IMU has three axes of each, so these are of several, and one file for a filter would mix \
+            them.",
+        remedy: "Choose the columns of one.",
+        command: "zerorate imu log.csv --column gx,gy,gz",
+    },
+    Explanation {
+        code: "kind-absent",
+        says: Says::Warning,
+        by: &["imu"],
+        seen: "The log has no gyroscope, or no accelerometer.",
+        matters: "The numbers of the kind that is not there are left in the file to be filled in: a filter that \
+            reads it as it is fails, rather than trusting a guess.",
+        remedy: "Fill them in from another log or from the data sheet, or name the columns.",
         command: "",
     },
     Explanation {

@@ -135,9 +135,7 @@ const PREFACE: &str = "# Every warning and refusal
 
 A warning begins with its code, and its result stands: `warning: aliased: 228 rate samples a second are
 below …`. A refusal (exit code 3) is followed by a line with its code, and there is no result. The lines
-have the numbers of the case; here stands what is true of every case. What `zerorate allan` and `imu` say of
-a foreign log itself, such as a unit that it does not state, begins with the name of the file and has no
-code. In the terminal:
+have the numbers of the case; here stands what is true of every case. In the terminal:
 
 ```sh
 zerorate explain                # all codes

@@ -43,7 +43,8 @@ pub fn analyse(path: &Path, column: Column) -> Result<Analysed, String> {
     let envelope = Envelope::new(&samples, column.rate_hz);
     let lacking =
         (missing > 0).then(|| format!("gaps: {missing} samples are missing; what averages lack is left out"));
-    let warnings = column.warnings.iter().cloned().chain(stopped).chain(lacking).collect();
+    let of_log = column.warnings.iter().chain(&stopped).map(ToString::to_string);
+    let warnings = of_log.chain(lacking).collect();
     Ok(Analysed { name: column.name, quantity: column.quantity, missing, analysis, fit, envelope, spectrum, warnings })
 }
 

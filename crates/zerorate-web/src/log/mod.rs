@@ -165,7 +165,7 @@ mod reader {
             duration_s: samples as f64 / rate_hz,
             topic: axes.topic.clone(),
             columns: axes.columns.iter().map(axis::column).collect(),
-            warnings: axes.warnings,
+            warnings: axes.warnings.iter().map(ToString::to_string).collect(),
         };
         let waiting = axes.columns.into_iter();
         let reader = LogReader { path: path.to_owned(), topic: axes.topic, waiting, analysed: Vec::new() };

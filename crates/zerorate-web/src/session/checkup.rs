@@ -43,7 +43,8 @@ impl Examination {
         let of_the_part = first.map(|first| first.warnings(tally, self.nominal_hz, &Limits::default()));
         let coded = of_the_part.iter().flatten().map(|warning| format!("{}: {warning}", warning.code()));
         let healths = axes.iter().map(|axis| (axis.name.as_str(), &axis.health));
-        let wrong: Vec<String> = coded.chain(believed::of_axes(healths, tally, start_ns)).collect();
+        let wrong: Vec<String> =
+            coded.chain(believed::of_axes(healths, tally, start_ns).iter().map(ToString::to_string)).collect();
         let counted =
             format!("{:.1} a second, {} lost; data ready {:.1} Hz", tally.rate_hz(), tally.lost, tally.rdy_hz());
         let ok = wrong.is_empty();

@@ -4,9 +4,9 @@ use super::axis::AxisState;
 use super::bench::{Bench, Seen};
 use super::statistics::Statistics;
 use super::{Changed, Session, strips};
-use crate::message::{AxisAbout, Device, Frame, Ledger, Now};
-use zerorate::Calibration;
+use crate::message::{AxisAbout, Device, Durations, Frame, Ledger, Now};
 use zerorate::health::Health;
+use zerorate::{Calibration, Plan};
 use zerorate_data::believed;
 
 impl Session {
@@ -41,7 +41,7 @@ impl Session {
         if self.changed.statistics {
             let axes = self.bench.axes.iter().map(|axis| (axis.name.as_str(), &axis.health));
             let said = believed::of_axes(axes, &self.bench.tally, self.bench.start_ns());
-            self.bench.stand(&said);
+            self.bench.stand(&said.iter().map(ToString::to_string).collect::<Vec<_>>());
         }
         if let Some(guide) = &self.guide {
             self.calibrating = guide.shown();

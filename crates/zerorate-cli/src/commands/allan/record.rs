@@ -76,7 +76,7 @@ pub struct Way {
 impl Record {
     /// Analyses a column of the log `file`.
     pub fn of(mut column: Column, file: &Path, way: &Way, temperature: Option<&Column>) -> Result<Self> {
-        let mut warnings = std::mem::take(&mut column.warnings);
+        let mut warnings: Vec<String> = column.warnings.iter().map(ToString::to_string).collect();
         let Settled { detrended, follows, skipped_s } = way.settling.apply(&mut column, file, temperature)?;
         warnings.extend(gaps(way, file, &mut column));
         let samples = column.series.len();
@@ -86,7 +86,7 @@ impl Record {
             file.display(),
             column.name
         );
-        warnings.extend(column.stopped(file)?);
+        warnings.extend(column.stopped(file)?.map(|note| note.to_string()));
         let phase = phase(way, file, &column)?;
         let input = match (&phase, &column.series) {
             (Some(phase), _) => Input::Phase(phase),
@@ -265,7 +265,7 @@ impl Record {
 /// What is missing, and what is done about it.
 fn gaps(way: &Way, file: &Path, column: &mut Column) -> Option<String> {
     let missing = column.missing();
-    let seen = format!("{}: {missing} samples are missing among {}", file.display(), column.series.len());
+    let seen = format!("gaps: {}: {missing} samples are missing among {}", file.display(), column.series.len());
     match missing {
         0 => None,
         _ if way.closes_gaps => {

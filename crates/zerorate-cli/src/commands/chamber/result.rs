@@ -15,6 +15,7 @@ use std::path::Path;
 use zerorate::calibration::ChamberRun;
 use zerorate::chamber::{Branches, ChamberOutcome, Record};
 use zerorate::{Calibration, Correction, Part, Uncertainty, Warning};
+use zerorate_data::Note;
 use zerorate_view::duration::Seconds;
 use zerorate_view::report::{ChamberPage, Fact, chamber_page, over_temperature, wide_loop};
 
@@ -117,7 +118,8 @@ pub fn deliver(args: &ChamberArgs, plan: &PlanFile, driven: Driven, files: Files
     // what was measured before an interruption is in no recording of this run
     let capture_sha256 = if is_resumed { String::new() } else { capture_sha256 };
     let calibration = Calibration::of_chamber(&part, &record, &outcomes, &run, info.origin(capture_sha256));
-    let mut said: Vec<String> = warnings.iter().map(coded).chain(acquisition.disbelief()).collect();
+    let mut said: Vec<String> =
+        warnings.iter().map(coded).chain(acquisition.disbelief().iter().map(Note::to_string)).collect();
     said.extend(resumed(is_resumed));
     said.extend(outcomes.iter().zip(part.axes.iter()).flat_map(|(outcome, axis)| of_axis(outcome, &axis.name, &part)));
     said.extend(outcomes.iter().zip(part.axes.iter()).filter_map(|(outcome, axis)| wide_loop(outcome, &axis.name)));

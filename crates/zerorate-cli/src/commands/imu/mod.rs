@@ -18,6 +18,7 @@ use datasheet::Comparison;
 use std::path::PathBuf;
 use zerorate::DataSheet;
 use zerorate::allan::{FitOptions, Options};
+use zerorate_data::Note;
 use zerorate_data::column::{Column, ColumnOptions, Decimal, Names, Setting, TimeUnit, Unit};
 use zerorate_data::imu::{Axes, Axis, Choice, Combine, Format, ImuOptions, Kind, Numbers, Said};
 use zerorate_host::files;
@@ -159,7 +160,7 @@ pub fn run(args: &ImuArgs) -> Result<()> {
     let sheet = args.datasheet.as_deref().map(datasheet::read).transpose()?;
     let Axes { columns, topic, warnings } = Axes::read(&args.log, files::log(&args.log)?, &args.options())?;
     check_format(args, &columns)?;
-    let of_log = [warnings, absent(args, &columns)].concat();
+    let of_log: Vec<String> = warnings.iter().map(Note::to_string).chain(absent(args, &columns)).collect();
     let (fit, draws) = (Some(FitOptions::default()), page.is_some());
     let options = Options::default();
     let (data, settling) = (Data::Rate, args.temperature.settling());
@@ -267,11 +268,11 @@ fn check_format(args: &ImuArgs, columns: &[Column]) -> Result<(), Usage> {
 }
 
 /// The kinds that the log has nothing of.
-fn absent(args: &ImuArgs, columns: &[Column]) -> Vec<String> {
+fn absent(args: &ImuArgs, columns: &[Column]) -> impl Iterator<Item = String> {
     let none = |kind: &Kind| count(columns, *kind) == 0;
     let seen = if args.column.is_some() { "--column names no" } else { "the log has no" };
-    let words = |kind: Kind| format!("{seen} {}: its numbers are left to be filled in", kind.name());
-    Kind::ALL.into_iter().filter(none).map(words).collect()
+    let words = move |kind: Kind| format!("kind-absent: {seen} {}: its numbers are left to be filled in", kind.name());
+    Kind::ALL.into_iter().filter(none).map(words)
 }
 
 fn count(columns: &[Column], kind: Kind) -> usize {

@@ -14,6 +14,7 @@ use super::series::SeriesBuilder;
 use super::unit::TimeUnit;
 use super::{Asked, Clock, Found, FoundColumn, LogError, Result, Setting, Wanted};
 use crate::Input;
+use crate::Note;
 use crate::capture::CaptureError;
 use crate::limits::Room;
 use blocks::{Block, Blocks};
@@ -86,7 +87,7 @@ struct TextColumns<'a> {
     numerals: Numerals,
     lines: u64,
     broken: Broken,
-    warning: Option<String>,
+    torn: Option<String>,
 }
 
 impl<'a> TextColumns<'a> {
@@ -99,7 +100,7 @@ impl<'a> TextColumns<'a> {
             numerals: Numerals::new(head.decimal),
             lines: 0,
             broken: Broken::default(),
-            warning: None,
+            torn: None,
         }
     }
 
@@ -132,7 +133,7 @@ impl<'a> TextColumns<'a> {
             if self.rows() == 0 {
                 return Err(error);
             }
-            self.warning = Some(format!("{error}: the file was cut short, so this line is dropped"));
+            self.torn = Some(format!("{error}: the file was cut short, so this line is dropped"));
         }
         if !self.numerals.join(numerals.clone(), self.lines) {
             let what = "some numbers have a decimal point and others a decimal comma";
@@ -152,24 +153,26 @@ impl<'a> TextColumns<'a> {
     }
 
     fn finish(self, head: Head, asked: &Asked<'_>) -> Result<Found> {
-        let Self { cut, columns, times, numerals, broken, warning, .. } = self;
+        let Self { cut, columns, times, numerals, broken, torn, .. } = self;
         let (path, names) = (cut.path, asked.args.names);
         if let Some((line, what)) = numerals.doubt(names.of(Setting::Decimal)) {
             return Err(LogError::File(at_line(path, line, &what)));
         }
         let skipped = head.skipped.map(|(lines, first)| {
             let are = if lines == 1 { "line" } else { "lines" };
-            format!(
+            let text = format!(
                 "{}: {lines} {are} above the data are no header and skipped (the first: `{first}`)",
                 path.display()
-            )
+            );
+            Note::new("lines-skipped", text)
         });
         let broken = broken.judge(path, asked.args.max_bad, names.of(Setting::MaxBad), cut.time.is_none())?;
-        let warning = [skipped, broken, warning].into_iter().flatten().reduce(|all, more| format!("{all}; {more}"));
+        let broken = broken.map(|text| Note::new("lines-broken", text));
+        let warnings = skipped.into_iter().chain(broken).chain(Note::torn(torn)).collect();
         let time = cut.time.map(|time| cut.names[time].clone());
         let clock = time.zip(times).map_or(Clock::Silent, |(name, times)| Clock::Column(name, times));
         let columns = cut.names.iter().zip(columns).map(|(name, values)| FoundColumn::new(name.clone(), values));
-        Ok(Found { columns: columns.collect(), clock, warning })
+        Ok(Found { columns: columns.collect(), clock, warnings })
     }
 }
 
