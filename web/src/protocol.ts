@@ -164,9 +164,9 @@ settle_s?: number,
  */
 offset_s?: number, 
 /**
- * The Earth's rotation on the axis, °/s.
+ * Where the part is, if its axis is vertical, °, north of the equator positive.
  */
-earth_dps?: number, 
+latitude_deg?: number, 
 /**
  * Serial number of the part.
  */
@@ -388,6 +388,10 @@ registers: Array<Register>,
  */
 checks: Array<CheckResult>, 
 /**
+ * What a guided calibration takes where a wish leaves it open.
+ */
+durations: Durations, 
+/**
  * Version of the program.
  */
 software: string, };
@@ -417,6 +421,11 @@ media_type: string,
  * What stands in it.
  */
 text: string, };
+
+/**
+ * Of the steps of application note AN-1042, s.
+ */
+export type Durations = { average_s: number, warmup_s: number, settle_s: number, offset_s: number, };
 
 /**
  * Bits of a register.
@@ -868,6 +877,19 @@ temp_c: number | null,
 axes: Array<AxisNow>, };
 
 /**
+ * The rate over temperature.
+ */
+export type OverTemperature = { 
+/**
+ * From cold to warm.
+ */
+points: Array<TemperaturePoint>, 
+/**
+ * The straight line through them; none: there are too few.
+ */
+line: TemperatureLine | null, };
+
+/**
  * A register and what it says.
  */
 export type Register = { 
@@ -1041,7 +1063,7 @@ marks: Array<SpectrumMark>,
 /**
  * The bias over temperature.
  */
-temperature: Array<TemperaturePoint>, 
+temperature: OverTemperature, 
 /**
  * What is in there beside noise.
  */
@@ -1089,6 +1111,19 @@ count: number,
  * Where its numbers begin in the payload, in numbers.
  */
 at: number, };
+
+/**
+ * A straight line through the rate over temperature, weighted by the uncertainties of its points.
+ */
+export type TemperatureLine = { 
+/**
+ * Minus BTC, °/s/°C.
+ */
+slope_dps_per_c: number, 
+/**
+ * Standard uncertainty of that by white noise alone, °/s/°C.
+ */
+u_dps_per_c: number, };
 
 /**
  * The rate at a temperature.

@@ -85,9 +85,9 @@ pub struct CalibrateWish {
     /// Step 8, s.
     #[cfg_attr(test, ts(optional))]
     pub offset_s: Option<f64>,
-    /// The Earth's rotation on the axis, °/s.
+    /// Where the part is, if its axis is vertical, °, north of the equator positive.
     #[cfg_attr(test, ts(optional))]
-    pub earth_dps: Option<f64>,
+    pub latitude_deg: Option<f64>,
     /// Serial number of the part.
     #[cfg_attr(test, ts(optional))]
     pub serial: Option<String>,
@@ -254,8 +254,21 @@ pub struct Device {
     pub registers: Vec<Register>,
     /// What the check of the connection found.
     pub checks: Vec<CheckResult>,
+    /// What a guided calibration takes where a wish leaves it open.
+    pub durations: Durations,
     /// Version of the program.
     pub software: String,
+}
+
+/// Of the steps of application note AN-1042, s.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(test, derive(TS))]
+#[expect(missing_docs, reason = "as in a wish")]
+pub struct Durations {
+    pub average_s: f64,
+    pub warmup_s: f64,
+    pub settle_s: f64,
+    pub offset_s: f64,
 }
 
 /// How it is with a device.
@@ -448,7 +461,7 @@ pub struct Statistics {
     /// What is to be seen in it.
     pub marks: Vec<SpectrumMark>,
     /// The bias over temperature.
-    pub temperature: Vec<TemperaturePoint>,
+    pub temperature: OverTemperature,
     /// What is in there beside noise.
     pub caution: Option<String>,
 }
@@ -523,6 +536,26 @@ pub enum MarkKind {
     Nyquist,
     Resonance,
     Line,
+}
+
+/// The rate over temperature.
+#[derive(Clone, Debug, Default, Serialize)]
+#[cfg_attr(test, derive(TS))]
+pub struct OverTemperature {
+    /// From cold to warm.
+    pub points: Vec<TemperaturePoint>,
+    /// The straight line through them; none: there are too few.
+    pub line: Option<TemperatureLine>,
+}
+
+/// A straight line through the rate over temperature, weighted by the uncertainties of its points.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(TS))]
+pub struct TemperatureLine {
+    /// Minus BTC, °/s/°C.
+    pub slope_dps_per_c: f64,
+    /// Standard uncertainty of that by white noise alone, °/s/°C.
+    pub u_dps_per_c: f64,
 }
 
 /// The rate at a temperature.

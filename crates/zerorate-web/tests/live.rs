@@ -242,12 +242,17 @@ fn a_part_behind_a_bridge_is_calibrated() {
     let (twin, mut page) = (Twin::new(spec), Page::new(0));
     page.read_until(&twin, 500.0);
     let wish = r#"{"id": 1, "do": "calibrate", "method": "an1042", "average_s": 4, "warmup_s": 10, "settle_s": 5,
-        "offset_s": 4}"#;
+        "offset_s": 4, "latitude_deg": 30}"#;
     assert!(page.live.ask(wish, page.now_ms).contains("ok"));
     let calibration = page.read_until(&twin, 40_000.0)["calibration"].clone();
     assert_eq!(calibration["is"], "done", "{calibration}");
     let curve = calibration["axes"][0]["curve"].as_array().expect("a curve");
     assert!(curve.iter().all(|point| point["correction_dps"].is_number()), "{calibration}");
+    let id = &calibration["entry"]["id"];
+    let file = format!(r#"{{"id": 2, "do": "download", "calibration": {id}, "form": "toml"}}"#);
+    // F-16: 0.00418 °/s times the sine of the latitude
+    let toml = page.live.ask(&file, page.now_ms);
+    assert!(toml.contains("earth_dps = 0.00209") || toml.contains("earth_dps = 0.0020899"), "{toml}");
 }
 
 #[test]

@@ -226,6 +226,7 @@ fn requests_that_make_no_sense_are_answered() {
         (r#"{"id": 6, "do": "finish-calibration"}"#, 6, "no calibration"),
         (r#"{"id": 8, "do": "calibrate", "method": "chamber", "plan": "three-point"}"#, 8, "two-point"),
         (r#"{"id": 7, "do": "calibrate", "method": "warmup", "average_s": -3}"#, 7, "averages"),
+        (r#"{"id": 10, "do": "calibrate", "method": "warmup", "latitude_deg": 95}"#, 10, "from -90 to 90"),
     ] {
         let answer = error(&mut session, request);
         assert_eq!(answer["id"], id, "{request}");

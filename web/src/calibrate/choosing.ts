@@ -1,22 +1,18 @@
 import type { App } from "../app";
 import { h, say } from "../dom";
-import type { CalibrateWish } from "../protocol";
+import type { CalibrateWish, Durations } from "../protocol";
 import type { Stage } from "./calibrate";
 import { meanwhile, METHODS, type Method } from "./methods";
 import { PlanChoice } from "./plan-choice";
 
-type Duration = "average_s" | "warmup_s" | "settle_s" | "offset_s";
+type Duration = keyof Durations;
 
-/** The durations, with what is taken where nothing is given, s (F-51). */
-const DURATIONS: readonly (readonly [Duration, string, number])[] = [
-  ["average_s", "Averages at both temperatures, s", 10],
-  ["warmup_s", "Warm-up between them, s", 600],
-  ["settle_s", "Thermal balance, s", 2400],
-  ["offset_s", "Mean of the offset, s", 150],
+const DURATIONS: readonly (readonly [Duration, string])[] = [
+  ["average_s", "Averages at both temperatures, s"],
+  ["warmup_s", "Warm-up between them, s"],
+  ["settle_s", "Thermal balance, s"],
+  ["offset_s", "Mean of the offset, s"],
 ];
-
-/** The Earth's rotation, °/s (F-16). */
-const EARTH_DPS = 0.00418;
 
 /** Which method, and how. */
 export class Choosing implements Stage {
@@ -59,6 +55,8 @@ export class Choosing implements Stage {
   update(): void {
     const reading = this.app.model.device?.state.is === "reading";
     this.#start.disabled = !reading;
+    const usual = this.app.model.device?.durations;
+    for (const [key, input] of this.#durations) input.placeholder = usual === undefined ? "" : String(usual[key]);
     this.#plan.update();
     say(this.#ready, reading ? "" : "It can start when samples come.");
   }
@@ -96,14 +94,13 @@ export class Choosing implements Stage {
   #settings(): HTMLElement {
     const field = (id: string, words: string, input: HTMLInputElement) =>
       h("div", { class: "field" }, h("label", { for: id }, words), input);
-    const durations = DURATIONS.map(([key, words, otherwise]) => {
+    const durations = DURATIONS.map(([key, words]) => {
       const input = h("input", {
         id: key,
         type: "number",
         min: 1,
         max: 86_400,
         step: "any",
-        placeholder: otherwise,
       });
       this.#durations.set(key, input);
       return field(key, words, input);
@@ -133,7 +130,7 @@ export class Choosing implements Stage {
     else for (const [key, input] of this.#durations) if (input.value !== "") wish[key] = Number(input.value);
     if (this.#serial.value.trim() !== "") wish.serial = this.#serial.value.trim();
     const latitude = this.#latitude.value;
-    if (latitude !== "") wish.earth_dps = EARTH_DPS * Math.sin((Number(latitude) * Math.PI) / 180);
+    if (latitude !== "") wish.latitude_deg = Number(latitude);
     this.#start.disabled = true;
     const given = await this.app.ask({ do: "calibrate", ...wish });
     this.#start.disabled = given !== undefined;

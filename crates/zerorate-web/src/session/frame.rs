@@ -115,6 +115,7 @@ impl Bench {
             bandwidth_hz: about.info.bandwidth_hz.or(axis.axis.bandwidth_hz),
             resonance_hz: axis.axis.resonance.map(|tone| tone.hz),
         };
+        let plan = Plan::default();
         Device {
             name: about.name.clone(),
             state: self.state.clone(),
@@ -127,6 +128,12 @@ impl Bench {
             nominal_hz: about.nominal_hz,
             registers: about.registers.clone(),
             checks: about.checks.clone(),
+            durations: Durations {
+                average_s: plan.average_s,
+                warmup_s: plan.warmup_s,
+                settle_s: plan.settle_s,
+                offset_s: plan.offset_s,
+            },
             software: zerorate::SOFTWARE.to_owned(),
         }
     }

@@ -10,6 +10,7 @@ mod notices;
 mod shelf;
 mod statistics;
 mod strips;
+mod temperatures;
 
 use crate::message::{Calibrating, CheckResult, DeviceState, Register};
 use adis16130_twin::Truth;
@@ -125,6 +126,12 @@ impl Session {
             truths: Vec::new(),
             changed: Changed::default(),
         }
+    }
+
+    /// What is known of the device.
+    #[must_use]
+    pub fn about(&self) -> &About {
+        &self.bench.about
     }
 
     /// Of the same device, opened again: everything begins anew, but calibrations stay on file, and the calibration

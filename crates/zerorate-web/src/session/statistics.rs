@@ -3,10 +3,9 @@
 
 use super::axis::{BLOCK_S, Block};
 use super::bench::Onlooker;
-use crate::message::{
-    AllanPoint, Coefficient, MarkKind, SpectrumMark, SpectrumPoint, Statistics as Shown, TemperaturePoint,
-};
-use std::collections::{BTreeMap, VecDeque};
+use super::temperatures::Temperatures;
+use crate::message::{AllanPoint, Coefficient, MarkKind, SpectrumMark, SpectrumPoint, Statistics as Shown};
+use std::collections::VecDeque;
 use zerorate::Axis;
 use zerorate::allan::{self, FitOptions, Input, Options, Stream, interval};
 
@@ -18,9 +17,6 @@ const OCTAVES: usize = 16;
 const MOST_MEANS: usize = 1 << 19;
 /// Before so many means nothing is said of coefficients.
 const FEWEST_MEANS: usize = 300;
-/// Widths of the temperature's bins: the least, °C, and how many there are at most.
-const NARROWEST_C: f64 = 0.05;
-const MOST_BINS: usize = 400;
 /// Deviations and spectrum are computed again when there is this much more, and the model.
 const GROWN: f64 = 1.01;
 const GROWN_FOR_FIT: f64 = 1.1;
@@ -110,7 +106,7 @@ impl Statistics {
             coefficients: self.coefficients(caution.as_deref()),
             spectrum: self.spectrum(rate_hz),
             marks: self.marks(rate_hz),
-            temperature: self.temps.points(self.white_dps_per_rt_hz()),
+            temperature: self.temps.shown(self.white_dps_per_rt_hz()),
             caution,
         };
         true
@@ -289,70 +285,6 @@ impl Means {
 /// NaN where one is.
 fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
-}
-
-/// The rate over temperature.
-#[derive(Debug)]
-struct Temperatures {
-    width_c: f64,
-    bins: BTreeMap<i64, Bin>,
-}
-
-#[derive(Clone, Copy, Debug, Default)]
-struct Bin {
-    temp_c: f64,
-    rate_dps: f64,
-    blocks: u32,
-}
-
-impl Default for Temperatures {
-    fn default() -> Self {
-        Self { width_c: NARROWEST_C, bins: BTreeMap::new() }
-    }
-}
-
-impl Temperatures {
-    fn push(&mut self, block: &Block) {
-        if block.rate_dps.is_nan() || block.temp_c.is_nan() {
-            return;
-        }
-        let bin = self.bins.entry((block.temp_c / self.width_c).floor() as i64).or_default();
-        bin.temp_c += block.temp_c;
-        bin.rate_dps += block.rate_dps;
-        bin.blocks += 1;
-        if self.bins.len() > MOST_BINS {
-            self.widen();
-        }
-    }
-
-    fn widen(&mut self) {
-        self.width_c *= 2.0;
-        let narrow = std::mem::take(&mut self.bins);
-        for (index, bin) in narrow {
-            let wide = self.bins.entry(index.div_euclid(2)).or_default();
-            wide.temp_c += bin.temp_c;
-            wide.rate_dps += bin.rate_dps;
-            wide.blocks += bin.blocks;
-        }
-    }
-
-    fn span_c(&self) -> f64 {
-        let mut temps = self.bins.values().map(|bin| bin.temp_c / f64::from(bin.blocks));
-        temps.next().zip(temps.next_back()).map_or(0.0, |(low_c, high_c)| high_c - low_c)
-    }
-
-    fn points(&self, white_dps_per_rt_hz: f64) -> Vec<TemperaturePoint> {
-        let point = |bin: &Bin| {
-            let (blocks, duration_s) = (f64::from(bin.blocks), f64::from(bin.blocks) * BLOCK_S);
-            TemperaturePoint {
-                temp_c: bin.temp_c / blocks,
-                rate_dps: bin.rate_dps / blocks,
-                u_dps: white_dps_per_rt_hz / (2.0 * duration_s).sqrt(),
-                seconds: duration_s.round() as u32,
-            }
-        };
-        self.bins.values().map(point).collect()
-    }
 }
 
 /// What stands for a reading that is missing: the mean of those before, so that the times of the others stay right.

@@ -29,7 +29,7 @@ impl ByHand {
         let max_lost = Plan::default().max_lost;
         let plan = ChamberPlan::parse(text_of(named)?).map_err(|error| error.to_string())?;
         let procedure = ChamberProcedure::new(part, plan, max_lost).map_err(|error| error.to_string())?;
-        Ok(Self { procedure, ends_s: Vec::new(), max_lost, earth_dps: wish.earth_dps })
+        Ok(Self { procedure, ends_s: Vec::new(), max_lost, earth_dps: super::earth_dps(wish) })
     }
 
     /// When a step ends that begins at `from_s`, s: when it did; or after the time that it takes at least, and not

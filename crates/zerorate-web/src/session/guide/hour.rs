@@ -115,7 +115,7 @@ fn plan(wish: &CalibrateWish) -> Plan {
         warmup_s: wish.warmup_s.unwrap_or(default.warmup_s),
         settle_s: wish.settle_s.unwrap_or(default.settle_s),
         offset_s: wish.offset_s.unwrap_or(default.offset_s),
-        earth_dps: wish.earth_dps,
+        earth_dps: super::earth_dps(wish),
         ..default
     }
 }

@@ -12,7 +12,7 @@ use adis16130_twin::Truth;
 use chamber::ByHand;
 use hour::Hour;
 use zerorate::calibration::Origin;
-use zerorate::{Calibration, Correction, Part, Say, Scan, Setting, Tally, Warning};
+use zerorate::{Calibration, Correction, EARTH_DPS, Part, Say, Scan, Setting, Tally, Warning};
 use zerorate_data::capture::{CaptureInfo, Row, SampleHash};
 
 /// How often what would be refused is looked at, s of part time.
@@ -82,9 +82,17 @@ pub struct Guide {
     look_s: f64,
 }
 
+/// Of the Earth's rotation, on a vertical axis (F-16).
+fn earth_dps(wish: &CalibrateWish) -> Option<f64> {
+    wish.latitude_deg.map(|deg| EARTH_DPS * deg.to_radians().sin())
+}
+
 impl Guide {
     /// Before the first reading of a part that was just initialised.
     pub fn new(wish: &CalibrateWish, part: &Part, info: &CaptureInfo) -> Result<Self, String> {
+        if let Some(deg) = wish.latitude_deg.filter(|deg| !(-90.0..=90.0).contains(deg)) {
+            return Err(format!("a latitude of {deg}°: give a number from -90 to 90"));
+        }
         let way: Box<dyn Way> = match wish.method {
             MethodName::Chamber => Box::new(ByHand::new(wish, part)?),
             _ => Box::new(Hour::new(wish, part)?),
