@@ -2,7 +2,7 @@
 
 use super::correct::load;
 use super::print_json;
-use super::serial::{Part, one_line};
+use super::serial::{self, Part, one_line};
 use crate::acquire::Acquisition;
 use crate::cli::{DeviceArgs, SamplingArgs};
 use crate::exit::{Refused, Usage};
@@ -124,7 +124,7 @@ pub fn run(args: &CaptureArgs) -> Result<()> {
 
 fn check_serial(args: &CaptureArgs, info: &CaptureInfo, calibration: &Calibration, path: &Path) -> Result<()> {
     let name = args.device.device.to_string();
-    let part = Part { name: &name, serial: info.serial.as_deref(), advice: "give --serial SN to have it checked" };
+    let part = Part { name: &name, serial: info.serial.as_deref(), advice: serial::GIVE };
     super::warn(part.check(calibration, path)?.as_slice());
     Ok(())
 }

@@ -12,6 +12,9 @@ pub fn one_line(text: &str) -> Result<String, String> {
     }
 }
 
+/// Of a command with an option for it.
+pub const GIVE: &str = "give --serial SN to have it checked";
+
 /// The part whose rates are to be corrected.
 pub struct Part<'a> {
     /// What it is called in messages: the device, or the capture.

@@ -1,7 +1,7 @@
 //! `zerorate serve`: the live page.
 
 use super::correct::load;
-use super::serial::Part;
+use super::serial::{self, Part, one_line};
 use super::warn;
 use crate::cli::{SamplingArgs, SourceArgs};
 use crate::exit::Usage;
@@ -39,6 +39,10 @@ pub struct ServeArgs {
     /// A calibration to have on file; the first is applied. Can be given several times.
     #[arg(long = "cal", value_name = "FILE")]
     cals: Vec<PathBuf>,
+
+    /// Serial number of the part: that of its calibrations, and stored with the samples.
+    #[arg(long, value_name = "SN", value_parser = one_line)]
+    serial: Option<String>,
 
     /// The address and port to serve at; port 0 takes one that is free.
     #[arg(long, value_name = "IP:PORT", default_value = "127.0.0.1:8130", value_parser = address)]
@@ -91,7 +95,8 @@ pub fn run(args: &ServeArgs) -> Result<()> {
     let listener = listen(args.listen)?;
     let address = listener.local_addr().context("the server")?;
     let spec = args.source.device.clone();
-    let opener = Opener { spec, setup: args.source.setup(args.sampling), stop: stop.clone() };
+    let (setup, serial) = (args.source.setup(args.sampling), args.serial.clone());
+    let opener = Opener { spec, setup, serial, stop: stop.clone() };
     let opened = opener.open()?;
     ensure!(!stop.asked(), "interrupted");
     if let Some((calibration, cal)) = calibrations.first().zip(args.cals.first()) {
@@ -148,7 +153,7 @@ fn libiio(args: &ServeArgs, calibration: Option<Calibration>) -> Result<Option<L
 
 /// The calibration that is applied must be that of the part.
 fn check_serial(calibration: &Calibration, cal: &Path, about: &About) -> Result<()> {
-    let part = Part { name: &about.name, serial: about.info.serial.as_deref(), advice: "look at the number on it" };
+    let part = Part { name: &about.name, serial: about.info.serial.as_deref(), advice: serial::GIVE };
     warn(part.check(calibration, cal)?.as_slice());
     Ok(())
 }

@@ -133,7 +133,7 @@ impl Desk {
         self.note_standing();
         match std::mem::replace(&mut self.device, Device::Over { hub: None, again: None }) {
             Device::Opened(hub, bus) => {
-                self.recordings.begin(&hub)?;
+                self.recordings.begin(&hub, &self.session.about().info)?;
                 self.read(hub, bus)
             }
             _ => Ok(()),
@@ -307,7 +307,7 @@ impl Desk {
                 self.note_standing();
                 self.failed = None;
                 // the part is shown all the same
-                if let Err(error) = self.recordings.begin(&hub) {
+                if let Err(error) = self.recordings.begin(&hub, &self.session.about().info) {
                     self.note_failure(error);
                 }
                 if let Err(error) = self.read(hub, bus) {

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::thread;
 use std::time::Duration;
+use zerorate_data::capture::CaptureInfo;
 use zerorate_host::{Awaited, Batch, Bus, DeviceError, DeviceSpec, Everything, Hub, Pace, Setup, Stop, Watcher};
 use zerorate_web::registers;
 use zerorate_web::session::About;
@@ -17,6 +18,8 @@ pub struct Opener {
     pub spec: DeviceSpec,
     /// How.
     pub setup: Setup,
+    /// Serial number of the part, where somebody said it.
+    pub serial: Option<String>,
     /// The wish that all ends.
     pub stop: Stop,
 }
@@ -38,7 +41,10 @@ impl Opener {
         let facts = hub.facts();
         let about = About {
             name: facts.name.clone(),
-            info: facts.info.clone(),
+            info: CaptureInfo {
+                serial: self.serial.clone().or_else(|| facts.info.serial.clone()),
+                ..facts.info.clone()
+            },
             part: facts.part.clone(),
             simulated: !facts.is_real,
             nominal_hz: facts.rate_hz,

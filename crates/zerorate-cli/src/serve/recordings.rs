@@ -8,7 +8,7 @@ use std::sync::mpsc::channel;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{self, JoinHandle};
 use zerorate::Calibration;
-use zerorate_data::capture::Format;
+use zerorate_data::capture::{CaptureInfo, Format};
 use zerorate_host::{Batch, Everything, Facts, Hub};
 
 /// The recordings of a run. A device that was opened again begins another one: its time begins anew.
@@ -28,12 +28,13 @@ impl Recordings {
 
     /// Begins to record what a hub will read, in a thread of its own, which takes every sample. The first file is
     /// there from the start, so that whoever cannot record is told at once; the others with their first samples, for
-    /// a part that is broken is opened again and again and gives none.
-    pub fn begin(&mut self, hub: &Hub) -> Result<()> {
+    /// a part that is broken is opened again and again and gives none. `info` is stored with the samples.
+    pub fn begin(&mut self, hub: &Hub, info: &CaptureInfo) -> Result<()> {
         self.end()?;
         let Some(files) = &self.files else { return Ok(()) };
         let first = lock(files).first()?;
-        let (everything, facts, files) = (hub.everything(), hub.facts().clone(), Arc::clone(files));
+        let (everything, files) = (hub.everything(), Arc::clone(files));
+        let facts = Facts { info: info.clone(), ..hub.facts().clone() };
         let calibration = self.calibration.clone();
         let (begun, waits) = channel();
         let body = move || {

@@ -156,7 +156,10 @@ fn who_does_not_go_on_is_not_waited_for() {
 
 #[test]
 fn no_more_may_connect_than_there_is_room_for() {
-    let served = Served::start(&Bench::new(), "");
+    let bench = Bench::new();
+    bench.zerorate("capture --samples 100 -o short.arrows").ok();
+    // once it has ended there are no frames, and who reads none keeps its seat
+    let served = Served::start(&bench, "--device replay:short.arrows");
     let pages: Vec<_> = (0..48).map(|_| served.watch()).collect();
     assert!(served.watch_with(&[]).is_err(), "as many look on as may");
     let others: Vec<TcpStream> = (0..60).map(|_| served.connect()).collect();

@@ -147,11 +147,21 @@ fn a_calibration_must_be_that_of_the_part() {
     bench.zerorate("capture --samples 100 --serial B2 -o b2.arrows").ended_with(0);
     let why = bench.zerorate("serve --listen 127.0.0.1:0 --no-iio --device replay:b2.arrows --cal a1.toml").fails(1);
     assert!(why.contains("part A1") && why.contains("part B2"), "{why}");
+    let why = bench.zerorate("serve --listen 127.0.0.1:0 --no-iio --cal a1.toml --serial B2").fails(1);
+    assert!(why.contains("part A1") && why.contains("part B2"), "{why}");
+    let said_of_the_serial = |first: &serde_json::Value| {
+        let codes: Vec<_> = first["notices"].as_array().expect("notices").iter().map(|one| &one["code"]).collect();
+        assert!(codes.contains(&&json!("no-checksum")) && !codes.contains(&&json!("unknown-serial")), "{codes:?}");
+    };
+    let given = Served::start(&bench, "--cal b2.toml --serial B2 -o given.arrows");
+    said_of_the_serial(&given.watch().frame());
+    assert!(given.interrupt().success());
+    let why = bench.zerorate("correct given.arrows --cal a1.toml -o given.csv").fails(1);
+    assert!(why.contains("part A1") && why.contains("part B2"), "{why}");
     let served = Served::start(&bench, "--device replay:b2.arrows --cal b2.toml --cal a1.toml");
     let mut page = served.watch();
     let first = page.frame();
-    let codes: Vec<_> = first["notices"].as_array().expect("notices").iter().map(|one| &one["code"]).collect();
-    assert!(codes.contains(&&json!("no-checksum")) && !codes.contains(&&json!("unknown-serial")), "{codes:?}");
+    said_of_the_serial(&first);
     let foreign = first["calibrations"][1]["id"].clone();
     let refused = page.ask(&json!({"id": 1, "do": "apply", "calibration": foreign}));
     assert!(refused["error"].as_str().is_some_and(|why| why.contains("part A1")), "{refused}");
