@@ -8,7 +8,7 @@ rmSync(out, { recursive: true, force: true });
 mkdirSync(out, { recursive: true });
 
 /** More than all the rest, and most visitors never take it: kept from its first use on. */
-const LATER = /^zerorate_log.*\.wasm$/;
+const LATER = /^zerorate_(log|replay).*\.wasm$/;
 
 const common = {
   bundle: true,

@@ -3,7 +3,7 @@ import { existsSync, readFileSync } from "node:fs";
 import { brotliCompressSync, constants } from "node:zlib";
 import init, { oadev } from "../gen/zerorate_log.js";
 import { serveFolder } from "./static.mjs";
-import { launch, PAGE } from "./world.mjs";
+import { firstTrace, launch, PAGE } from "./world.mjs";
 
 const RUNS = 5;
 
@@ -30,15 +30,7 @@ async function firstPicture() {
   for (let visit = 0; visit < 3; visit += 1) {
     const page = await (await browser.newContext({ viewport: { width: 1280, height: 900 }, serviceWorkers: "block" })).newPage();
     await page.goto(site.url, { waitUntil: "commit" });
-    const ms = await page.waitForFunction(() => {
-      const canvas = document.querySelector(".strip.raw canvas");
-      if (!canvas || canvas.width === 0) return false;
-      const pixels = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data;
-      const colours = new Set();
-      for (let k = 0; k < pixels.length; k += 4) if (pixels[k + 3] > 0) colours.add(pixels[k] * 65536 + pixels[k + 1] * 256 + pixels[k + 2]);
-      return colours.size > 3 && performance.now();
-    });
-    best = Math.min(best, (await ms.jsonValue()) / 1000);
+    best = Math.min(best, (await firstTrace(page)) / 1000);
     await page.context().close();
   }
   await browser.close();
@@ -56,7 +48,7 @@ function packed(files) {
 const { seconds, found } = await deviations(process.argv[2]);
 const { best, files } = await firstPicture();
 /** The session comes behind the first picture, and what is kept for later behind that. */
-const isLater = (name) => /zerorate_(live|log)|licence|^sw\./.test(name);
+const isLater = (name) => /zerorate_(live|log|replay)|licence|^sw\./.test(name);
 console.log(JSON.stringify({
   seconds,
   dev: found,
@@ -64,4 +56,5 @@ console.log(JSON.stringify({
   first_load_bytes: packed(files.filter((name) => !isLater(name))),
   session_bytes: packed(["zerorate_live_bg.wasm"]),
   readers_bytes: packed(["zerorate_log_bg.wasm"]),
+  recordings_bytes: packed(["zerorate_replay_bg.wasm"]),
 }));

@@ -9,7 +9,7 @@ import { liveBench } from "./suite.mjs";
 import { open, PATIENCE } from "./world.mjs";
 
 /** How long the heap is looked at, s. */
-const LOOK_S = 90;
+const LOOK_S = 45;
 const SAMPLES = 20_000_000;
 const RATE_HZ = 1000;
 const SD_DPS = 0.1;

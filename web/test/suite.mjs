@@ -1,6 +1,6 @@
 // What the page must do in either home.
 import assert from "node:assert/strict";
-import { bars, becomes, open, PATIENCE } from "./world.mjs";
+import { bars, becomes, firstTrace, open, PATIENCE } from "./world.mjs";
 
 export const PAGES = ["bench", "calibrate", "log", "device"];
 
@@ -29,18 +29,7 @@ export async function liveBench(page) {
   await becomes(page, ".tile.raw .value", /^−?\d+\.\d+$/);
   await becomes(page, ".tile.temp .value", /^2\d\.\d+$/);
   await becomes(page, ".coefficients", /angle random walk/);
-  await page.waitForFunction(
-    () => {
-      const canvas = document.querySelector(".strip.raw canvas");
-      const pixels = canvas?.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data ?? [];
-      const colours = new Set();
-      for (let k = 0; k < pixels.length; k += 4)
-        if (pixels[k + 3] > 0) colours.add(`${pixels[k]},${pixels[k + 1]},${pixels[k + 2]}`);
-      return colours.size > 3;
-    },
-    null,
-    { timeout: PATIENCE },
-  );
+  await firstTrace(page);
 }
 
 /** Begins a calibration that is short in the part's time, and runs as fast as it goes. */

@@ -89,6 +89,23 @@ export async function bars(page, fewest = 15) {
   );
 }
 
+/** When the raw rate is drawn, ms since the page began: axes and grid are grey, and are there before. */
+export async function firstTrace(page, timeout = PATIENCE) {
+  const isDrawn = () => {
+    const canvas = document.querySelector(".strip.raw canvas");
+    if (!canvas || canvas.width === 0) return false;
+    const pixels = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data;
+    let coloured = 0;
+    for (let k = 0; k < pixels.length; k += 4) {
+      const most = Math.max(pixels[k], pixels[k + 1], pixels[k + 2]);
+      const least = Math.min(pixels[k], pixels[k + 1], pixels[k + 2]);
+      if (pixels[k + 3] > 200 && most - least > 60) coloured += 1;
+    }
+    return coloured > 50 && performance.now();
+  };
+  return (await page.waitForFunction(isDrawn, null, { timeout })).jsonValue();
+}
+
 /** A port of this machine that is free. */
 export function freePort() {
   return new Promise((done) => {

@@ -26,6 +26,7 @@ struct Page {
     first_load_bytes: f64,
     session_bytes: f64,
     readers_bytes: f64,
+    recordings_bytes: f64,
 }
 
 /// A line of the peers.
@@ -73,6 +74,7 @@ fn print(page: &Page, native: &Line) {
     let s = page.first_picture_s;
     println!("first picture on the twin: {s:.2} s (goal {MOST_S}{})", missed(s <= MOST_S));
     println!("session, behind the first picture: {:.0} KB with brotli", page.session_bytes / 1e3);
+    println!("session with recordings, when one is dropped: {:.0} KB with brotli", page.recordings_bytes / 1e3);
     let loads = [("first load", page.first_load_bytes), ("readers of logs", page.readers_bytes)];
     for ((what, bytes), most) in loads.into_iter().zip(MOST_KB) {
         let kilobytes = bytes / 1e3;

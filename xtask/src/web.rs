@@ -49,12 +49,16 @@ const OLDEST_NODE: u32 = 18;
 struct Module {
     feature: &'static str,
     name: &'static str,
+    /// What it is linked for.
+    opt_level: &'static str,
 }
 
-const MODULES: [Module; 3] = [
-    Module { feature: "edge-first", name: "zerorate_first" },
-    Module { feature: "edge-live", name: "zerorate_live" },
-    Module { feature: "edge-log", name: "zerorate_log" },
+const MODULES: [Module; 4] = [
+    Module { feature: "edge-first", name: "zerorate_first", opt_level: "s" },
+    Module { feature: "edge-live", name: "zerorate_live", opt_level: "s" },
+    Module { feature: "edge-replay", name: "zerorate_replay", opt_level: "s" },
+    // where it is linked for size, LTO makes no vectors of any loop
+    Module { feature: "edge-log", name: "zerorate_log", opt_level: "3" },
 ];
 
 /// Builds the page, copies it to where the program takes it from, and does what else was asked for.
@@ -115,6 +119,7 @@ impl Module {
         let mut cargo = Command::new("cargo");
         cargo.args(["rustc", "--quiet", "--locked", "-p", "zerorate-web", "--lib", "--crate-type", "cdylib"]);
         cargo.args(["--profile", profile, "--target", TARGET, "--features", "readers", "--features", self.feature]);
+        cargo.args(["--", "-C", &format!("opt-level={}", self.opt_level)]);
         done(cargo.env("RUSTFLAGS", RUSTFLAGS))?;
         let target = app::target_folder()?;
         let bytes = target.join(TARGET).join(profile).join("zerorate_web.wasm");
@@ -165,7 +170,8 @@ fn embed() -> Result<()> {
 
 /// A session of the page's own, and what that page keeps for when there is no network.
 fn is_static_only(name: &str) -> bool {
-    matches!(name, "home.json" | "sw.js" | "live.js" | "zerorate_first_bg.wasm" | "zerorate_live_bg.wasm")
+    let is_session = ["first", "live", "replay"].iter().any(|of| name == format!("zerorate_{of}_bg.wasm"));
+    is_session || matches!(name, "home.json" | "sw.js" | "live.js")
 }
 
 fn write_site(site: &Path) -> Result<()> {

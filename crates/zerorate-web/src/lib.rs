@@ -3,7 +3,10 @@
 //!
 //! The messages are [`message`], specified in `docs/formats/page.md`.
 
-#[cfg(all(target_family = "wasm", any(feature = "edge-first", feature = "edge-live", feature = "edge-log")))]
+#[cfg(all(
+    target_family = "wasm",
+    any(feature = "edge-first", feature = "edge-live", feature = "edge-log", feature = "edge-replay")
+))]
 pub mod edge;
 pub mod first;
 pub mod live;

@@ -40,13 +40,10 @@ async function whole() {
   return live.LiveSession;
 }
 
-/**
- * Recordings are read by the module of the reader of logs, which is loaded when one is dropped. One that is none leaves
- * the one before it in place.
- */
+/** With a recording, by a module that reads them. One that is none leaves the one before it in place. */
 async function replay(file: File): Promise<LiveSession> {
-  const readers = await import("../../gen/zerorate_log");
-  await readers.default({ module_or_path: new URL("zerorate_log_bg.wasm", import.meta.url) });
+  const readers = await import("../../gen/zerorate_replay");
+  await readers.default({ module_or_path: new URL("zerorate_replay_bg.wasm", import.meta.url) });
   const before = serveFile(file);
   try {
     // the same class, of a larger module

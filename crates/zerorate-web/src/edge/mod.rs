@@ -1,10 +1,10 @@
 //! What the modules of a browser export: JavaScript's types come in and go out, and nothing is decided.
 
-#[cfg(feature = "edge-log")]
+#[cfg(any(feature = "edge-log", feature = "edge-replay"))]
 mod file;
 #[cfg(feature = "edge-first")]
 mod first;
-#[cfg(any(feature = "edge-live", feature = "edge-log"))]
+#[cfg(any(feature = "edge-live", feature = "edge-replay"))]
 mod live;
 #[cfg(feature = "edge-log")]
 mod log;
