@@ -28,7 +28,7 @@ impl Args {
 
 /// Builds the program with the tests of the workspace, as `cargo xtask test` does, so that nothing is compiled twice.
 pub fn program() -> Result<PathBuf> {
-    let arguments = "test --workspace --exclude xtask --all-features --no-run --quiet --test cli";
+    let arguments = "test --workspace --all-features --no-run --quiet --test cli";
     done(Command::new("cargo").args(arguments.split(' ')))?;
     Ok(target_folder()?.join("debug/zerorate"))
 }

@@ -43,7 +43,8 @@ fn program() -> Result<PathBuf> {
     let program = std::path::absolute(Path::new(TOOLS).join("bin/cargo-deny"))?;
     if !program.exists() {
         println!("cargo-deny {VERSION} is built, once");
-        let install = ["install", "cargo-deny", "--version", VERSION, "--locked", "--quiet", "--root", TOOLS];
+        let install =
+            ["install", "cargo-deny", "--version", VERSION, "--locked", "--quiet", "--debug", "--root", TOOLS];
         done(Command::new("cargo").args(install))?;
     }
     Ok(program)

@@ -16,7 +16,7 @@ const REQUIREMENTS: &str = "xtask/iiod-requirements.txt";
 const PURPOSE: &str = "the libiio server with libiio's clients";
 
 /// The tests, with all clients installed that can be had. As in `cargo xtask test`, so that nothing is compiled twice.
-const TESTS: &str = "test --workspace --exclude xtask --all-features --quiet --test iiod";
+const TESTS: &str = "test --workspace --all-features --quiet --test iiod";
 
 /// Installs the clients, and runs the tests that use them. Where they cannot be had it says so and passes.
 pub fn run() -> Result<()> {

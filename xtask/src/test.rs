@@ -97,7 +97,7 @@ impl fmt::Display for Step {
 ///
 /// thumbv7em-none-eabihf is a Cortex-M4F. thumbv6m-none-eabi is a Cortex-M0: it has no compare-and-swap, which the
 /// TOML parser behind the core's feature `file` needs. wasm32-unknown-unknown is the browser.
-const STEPS: [Step; 43] = [
+const STEPS: [Step; 42] = [
     Step::new("fmt", "fmt --all --check"),
     Step::new("clippy", "clippy --workspace --all-targets --all-features -- -D warnings"),
     Step::new("clippy-driver", "clippy -p adis16130 --all-targets -- -D warnings"),
@@ -153,8 +153,7 @@ const STEPS: [Step; 43] = [
         "clippy-wasm",
         "clippy -p zerorate-web --lib --features edge-first,edge-live --target wasm32-unknown-unknown -- -D warnings",
     ),
-    Step::new("test", "test --workspace --exclude xtask --all-features"),
-    Step::new("test-xtask", "test -p xtask"),
+    Step::new("test", "test --workspace --all-features"),
     Step::new("test-driver", "test -p adis16130"),
     Step::new("test-bridge", "test --manifest-path firmware/bridge/Cargo.toml --locked --target-dir target/firmware"),
     Step::new(
