@@ -93,8 +93,8 @@ impl Axes {
     }
 }
 
-/// Leaves out what nothing measured of messages, which have three axes of each kind whatever the part has; unless there
-/// is nothing else.
+/// Leaves out what nothing measured of messages, which have three axes of each kind whatever the part has; unless
+/// there is nothing else.
 fn without_blanks(path: &Path, axes: &mut Vec<(Kind, Column)>) -> Option<Note> {
     let is_blank = |(_, column): &(Kind, Column)| column.is_blank();
     let names: Vec<&str> = axes.iter().filter(|axis| is_blank(axis)).map(|(_, column)| column.name.as_str()).collect();
