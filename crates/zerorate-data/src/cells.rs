@@ -29,10 +29,13 @@ where
 
 fn converted<S, T>(column: &PrimitiveArray<S>) -> Result<PrimitiveArray<T>, ArrowError>
 where
-    S: ArrowPrimitiveType<Native: Into<i128> + std::fmt::Display>,
+    S: ArrowPrimitiveType<Native: Into<i128>>,
     T: ArrowPrimitiveType<Native: TryFrom<i128>>,
 {
-    column.try_unary(|value| fitting::<T>(value.into()).ok_or_else(|| misfit::<T>(value)))
+    column.try_unary(|value| {
+        let value = value.into();
+        fitting::<T>(value).ok_or_else(|| misfit::<T>(value))
+    })
 }
 
 fn fitting<T: ArrowPrimitiveType<Native: TryFrom<i128>>>(integer: i128) -> Option<T::Native> {
