@@ -117,14 +117,14 @@ impl Module {
     /// Its bytes, and what calls them from TypeScript.
     fn build(&self, profile: &str) -> Result<()> {
         let mut cargo = Command::new("cargo");
-        cargo.args(["rustc", "--quiet", "--locked", "-p", "zerorate-web", "--lib", "--crate-type", "cdylib"]);
+        cargo.args(["rustc", "--locked", "-p", "zerorate-web", "--lib", "--crate-type", "cdylib"]);
         cargo.args(["--profile", profile, "--target", TARGET, "--features", "readers", "--features", self.feature]);
         cargo.args(["--", "-C", &format!("opt-level={}", self.opt_level)]);
         done(cargo.env("RUSTFLAGS", RUSTFLAGS))?;
         let target = app::target_folder()?;
         let bytes = target.join(TARGET).join(profile).join("zerorate_web.wasm");
         let mut bindings = Command::new("cargo");
-        bindings.args(["run", "--quiet", "--locked", "--manifest-path", "xtask/web/Cargo.toml", "--target-dir"]);
+        bindings.args(["run", "--locked", "--manifest-path", "xtask/web/Cargo.toml", "--target-dir"]);
         bindings.arg(target.join("web-tools")).arg("--").arg(bytes).args([self.name, "web/gen"]);
         done(&mut bindings)
     }

@@ -10,8 +10,8 @@ use std::process::{Command, Stdio};
 
 /// Where those of the README lie.
 const COMMITTED: &str = "docs/pictures";
-/// A unit at one temperature: what is left is its noise.
-const RECORD: &str = "capture --device twin:seed=4,warmup_c=0 --duration 3h --divider 57 --force -o rest.parquet";
+/// A unit at one temperature and its full rate: what is left is its noise, and its filter.
+const RECORD: &str = "capture --device twin:seed=4,warmup_c=0 --duration 3h --force -o rest.parquet";
 const ALLAN: &str = "allan rest.parquet --fit --force --plot";
 const CALIBRATION: &str = "calibrate --device twin:seed=4 --serial SN17 --force -o unit.toml";
 const CORRECTION: &str = "report unit.toml --force -o";
