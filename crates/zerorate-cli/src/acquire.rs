@@ -4,6 +4,7 @@ use crate::cli::{DeviceArgs, SamplingArgs};
 use crate::commands::{coded, warn};
 use crate::interrupt;
 use crate::judged::JudgedAxis;
+use crate::output::Outputs;
 use adis16130::SelfTest;
 use adis16130_twin::Truth;
 use anyhow::Result;
@@ -34,15 +35,20 @@ pub struct Acquisition {
 
 impl Acquisition {
     /// Opens the device and, from here on, takes Ctrl-C as the wish to end cleanly.
-    pub fn open(device: &DeviceArgs, sampling: SamplingArgs) -> Result<Self> {
-        Self::open_in(device, sampling, None)
+    pub fn open(device: &DeviceArgs, sampling: SamplingArgs, outputs: &mut Outputs) -> Result<Self> {
+        Self::open_in(device, sampling, None, outputs)
     }
 
     /// The same for a simulated part in this air, if there is one.
-    pub fn open_in(device: &DeviceArgs, sampling: SamplingArgs, air: Option<Air>) -> Result<Self> {
+    pub fn open_in(
+        device: &DeviceArgs,
+        sampling: SamplingArgs,
+        air: Option<Air>,
+        outputs: &mut Outputs,
+    ) -> Result<Self> {
         interrupt::listen();
         let pace = if device.realtime { Pace::RealTime } else { Pace::Free };
-        let setup = Setup { air, ..device.setup(sampling) };
+        let setup = Setup { air, ..device.setup(sampling, outputs)? };
         Ok(Self { pace, ..Self::unpaced(&device.device, setup, interrupt::stop())? })
     }
 

@@ -18,7 +18,9 @@ use crate::commands::{
     verify::VerifyArgs,
 };
 use crate::memory;
+use crate::output::Outputs;
 use crate::part::PartArgs;
+use anyhow::Result;
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
 use std::ops::Deref;
@@ -141,9 +143,10 @@ pub struct DeviceArgs {
 }
 
 impl SourceArgs {
-    /// How it is to be read.
-    pub fn setup(&self, sampling: SamplingArgs) -> Setup {
-        Setup { sampling: sampling.plain(), part: self.part.part.clone(), air: None }
+    /// How it is to be read, and from then on one of the run's inputs. No command opens a device without it.
+    pub fn setup(&self, sampling: SamplingArgs, outputs: &mut Outputs) -> Result<Setup> {
+        self.file().map_or(Ok(()), |file| outputs.reads(file))?;
+        Ok(Setup { sampling: sampling.plain(), part: self.part.named(outputs)?, air: None })
     }
 
     /// The file that is read, where the device is a recording.

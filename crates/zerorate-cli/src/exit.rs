@@ -90,7 +90,7 @@ mod tests {
         let failed = anyhow::anyhow!("bus");
         let pipe =
             Err::<(), _>(std::io::Error::from(std::io::ErrorKind::BrokenPipe)).context("writing rows").unwrap_err();
-        let exists = anyhow::Error::from(OutputError::Exists { path: "x".into() }).context("saving");
+        let exists = anyhow::Error::from(OutputError::Exists { path: "x".into(), has_force: true }).context("saving");
         let log = |error: LogError| anyhow::Error::from(error).context("gz");
         let (asked, gapped) =
             (log(LogError::Ask("which?".into())), log(LogError::Refused("mostly-missing", "gaps".into())));

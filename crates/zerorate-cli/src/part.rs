@@ -1,35 +1,45 @@
 //! Which part it is, as an option.
 
+use crate::exit::Usage;
+use crate::output::Outputs;
+use anyhow::Result;
 use clap::Args;
-use std::fs;
+use std::path::PathBuf;
 use zerorate::Part;
 use zerorate_data::capture::CaptureInfo;
-
-use crate::exit::Usage;
+use zerorate_data::limits;
 
 /// Which part is measured.
 #[derive(Args, Clone, Debug, Default)]
 pub struct PartArgs {
     /// What is known of the part: adis16130, or the file of another (docs/formats/part.md) [default: what a recording
     /// states of its own, else adis16130].
-    #[arg(long = "part", value_name = "PART", value_parser = part)]
-    pub part: Option<Part>,
+    #[arg(long = "part", value_name = "PART")]
+    part: Option<PathBuf>,
 }
 
 impl PartArgs {
     /// The part of a recording, with what is known of it beside.
-    pub fn of(&self, info: &CaptureInfo) -> Result<Part, Usage> {
-        let known = |part| info.part_from(part).map_err(|error| Usage(error.to_string()));
-        self.part.as_ref().map_or_else(|| Ok(info.part()), known)
+    pub fn of(&self, info: &CaptureInfo, outputs: &mut Outputs) -> Result<Part> {
+        match self.named(outputs)? {
+            Some(part) => Ok(info.part_from(&part).map_err(|error| Usage(error.to_string()))?),
+            None => Ok(info.part()),
+        }
     }
-}
 
-fn part(text: &str) -> Result<Part, String> {
-    if text.eq_ignore_ascii_case(&Part::ADIS16130.name) {
-        return Ok(Part::ADIS16130);
+    /// The part that was named, read from its file if it has one.
+    pub fn named(&self, outputs: &mut Outputs) -> Result<Option<Part>> {
+        let Some(path) = &self.part else { return Ok(None) };
+        let known = Part::ADIS16130;
+        if path.to_str().is_some_and(|name| name.eq_ignore_ascii_case(&known.name)) {
+            return Ok(Some(known));
+        }
+        let wrong = |why: String| Usage(format!("--part {}: {why}", path.display()));
+        let text = outputs.try_text(path, limits::TEXT)?.map_err(|error| {
+            wrong(format!(
+                "cannot read it ({error}); give adis16130, or the file of another part (docs/formats/part.md)"
+            ))
+        })?;
+        Ok(Some(Part::parse(&text).map_err(|error| wrong(error.to_string()))?))
     }
-    let file = fs::read_to_string(text).map_err(|error| {
-        format!("cannot read it ({error}); give adis16130, or the file of another part (docs/formats/part.md)")
-    })?;
-    Part::parse(&file).map_err(|error| error.to_string())
 }

@@ -6,7 +6,7 @@ use zerorate::Calibration;
 use zerorate_data::CaptureError;
 use zerorate_data::capture::bag::{RobotLog, Stamps};
 use zerorate_data::capture::{CaptureInfo, CaptureSummary, CaptureWriter, Format, Row};
-use zerorate_host::Facts;
+use zerorate_host::{Facts, clock};
 
 /// Records samples into a file, and puts it onto the disk. Dropping it closes the file as well, but only
 /// [`Recorder::finish`] tells whether that worked.
@@ -55,10 +55,12 @@ impl Recorder {
 /// The time of day of a part that is here; a recording began when it says, and the twin has no such time.
 fn stamps(facts: &Facts, info: &CaptureInfo) -> Stamps {
     let created: Option<jiff::Timestamp> = info.created.parse().ok();
-    let ns = |time: jiff::Timestamp| u64::try_from(time.as_nanosecond()).unwrap_or_default();
-    match created {
-        _ if facts.is_real => Stamps::Now(Box::new(move || ns(jiff::Timestamp::now()))),
-        Some(created) => Stamps::From(ns(created)),
-        None => Stamps::OfPart,
+    let ns = |time: jiff::Timestamp| u64::try_from(time.as_nanosecond()).ok();
+    let now = move || clock::now().and_then(ns);
+    // a time that no stamp can state, before 1970 or after 2554, is not stated as another
+    match (created.and_then(ns), now()) {
+        (_, Some(began)) if facts.is_real => Stamps::Now(Box::new(move || now().unwrap_or(began))),
+        (Some(created), _) if !facts.is_real => Stamps::From(created),
+        _ => Stamps::OfPart,
     }
 }

@@ -12,6 +12,10 @@ pub const FREE_BYTES: u64 = 64 << 20;
 /// to 1.
 pub const FACTOR: u64 = 256;
 
+/// What a file of text has at most that people write or that states one result: a calibration, a part, a data sheet, a
+/// token, what a tracker has learned.
+pub const TEXT: Bytes = Bytes(1 << 20);
+
 /// What the commands take at least: their threads, and a batch of each form.
 const LEAST_BYTES: u64 = 256 << 20;
 

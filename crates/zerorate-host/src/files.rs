@@ -1,11 +1,12 @@
 //! Captures and logs on disk.
 
 use std::fs::File;
-use std::io::{Read, Seek};
+use std::io::{ErrorKind, Read, Seek};
 use std::path::{Path, PathBuf};
 use zerorate::Part;
 use zerorate_data::capture::CaptureReader;
 use zerorate_data::column::ColumnOptions;
+use zerorate_data::limits::Bytes;
 use zerorate_data::{CaptureError, Input, LogError, RowReader};
 
 /// Opens a file to be read.
@@ -17,8 +18,23 @@ pub fn open(path: &Path) -> Result<Input, CaptureError> {
     Ok(file.into())
 }
 
+/// Reads a small file of text whole. A device, a pipe or a file with holes may have any number of bytes, so that no more
+/// than `most` are taken, and one more that tells.
+///
+/// # Errors
+/// Why that cannot be: there are more ([`ErrorKind::FileTooLarge`]), or they are not text ([`ErrorKind::InvalidData`]).
+pub fn text(path: &Path, most: Bytes) -> std::io::Result<String> {
+    let mut bytes = Vec::new();
+    File::open(path)?.take(most.0.saturating_add(1)).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > most.0 {
+        let why = format!("it has more than {most}, and is not read as text");
+        return Err(std::io::Error::new(ErrorKind::FileTooLarge, why));
+    }
+    String::from_utf8(bytes).map_err(|_| std::io::Error::new(ErrorKind::InvalidData, "it is not text in UTF-8"))
+}
+
 /// What stands for standard input among the names of logs.
-const STDIN: &str = "-";
+pub const STDIN: &str = "-";
 
 /// Opens a log: a file, what is piped into the program (`-`), or the folder of a bag of ROS 2, which has several
 /// files. Each comes with its name.
@@ -34,6 +50,15 @@ pub fn log(path: &Path) -> Result<Vec<(PathBuf, Input)>, CaptureError> {
         return Ok(vec![(path.to_owned(), open(path)?)]);
     }
     parts(path)?.into_iter().map(|part| Ok((part.clone(), open(&part)?))).collect()
+}
+
+/// The files that are read where a log is named: itself, or those of a folder.
+#[must_use]
+pub fn listed(path: &Path) -> Vec<PathBuf> {
+    match path.read_dir() {
+        Ok(entries) => entries.filter_map(|entry| Some(entry.ok()?.path())).collect(),
+        Err(_) => vec![path.to_owned()],
+    }
 }
 
 /// How many bytes a log has on disk; what is piped in may have any number.
@@ -66,7 +91,7 @@ fn parts(folder: &Path) -> Result<Vec<PathBuf>, CaptureError> {
     if let Ok(file) = File::open(folder.join(METADATA)) {
         let mut text = String::new();
         file.take(MAX_METADATA).read_to_string(&mut text).map_err(failed)?;
-        let listed: Vec<PathBuf> = listed(&text).map(|name| folder.join(name)).collect();
+        let listed: Vec<PathBuf> = described(&text).map(|name| folder.join(name)).collect();
         if !listed.is_empty() {
             return Ok(listed);
         }
@@ -85,7 +110,7 @@ fn parts(folder: &Path) -> Result<Vec<PathBuf>, CaptureError> {
 
 /// The names of files in the description of a bag: the list of `relative_file_paths`. A folder before the name is that
 /// of the bag.
-fn listed(metadata: &str) -> impl Iterator<Item = &str> {
+fn described(metadata: &str) -> impl Iterator<Item = &str> {
     let lines = metadata.lines().map(str::trim).skip_while(|line| *line != "relative_file_paths:").skip(1);
     let names = lines.map_while(|line| line.strip_prefix("- "));
     let bare = names.map(|name| name.trim().trim_matches(['"', '\'']));

@@ -7,6 +7,7 @@
 
 mod bridge;
 mod chamber;
+pub mod clock;
 mod error;
 pub mod files;
 #[cfg(target_os = "linux")]

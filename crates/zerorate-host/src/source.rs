@@ -2,6 +2,7 @@
 
 use crate::Result;
 use crate::chamber::Air;
+use crate::clock;
 use crate::error::Told;
 use adis16130::registers::Address;
 use adis16130::{Config, ConversionTime, Framing, SamplerConfig, SelfTest};
@@ -126,7 +127,7 @@ impl Facts {
             divider: sampling.divider,
             divided: sampling.divided,
             software: zerorate::SOFTWARE.to_owned(),
-            created: now(),
+            created: clock::text(),
             bandwidth_hz,
             ..CaptureInfo::adis16130(converter)
         };
@@ -178,10 +179,4 @@ pub struct Losses {
     pub overflowed: u64,
     /// Frames of a bridge that arrived damaged.
     pub damaged: u64,
-}
-
-/// The time of day, for the record.
-pub(crate) fn now() -> String {
-    let now = jiff::Timestamp::now();
-    now.round(jiff::Unit::Second).unwrap_or(now).to_string()
 }

@@ -4,6 +4,7 @@ pub mod codes;
 pub mod duration;
 pub mod export;
 pub mod plot;
+mod printable;
 pub mod report;
 
 pub use duration::Seconds;

@@ -104,10 +104,9 @@ pub fn run(args: &CaptureArgs) -> Result<()> {
         let advice = "--cal is of --format mcap; a capture keeps its codes, and `zerorate correct` corrects it";
         return Err(Usage(advice.to_owned()).into());
     }
-    let calibration = args.cal.as_deref().map(load).transpose()?;
-    let read = args.device.file().into_iter().chain(args.cal.as_deref());
-    let mut outputs = Outputs::new(args.force).printing().reading(read)?;
-    let mut acquisition = Acquisition::open(&args.device, args.sampling)?;
+    let mut outputs = Outputs::new(args.force).printing();
+    let calibration = args.cal.as_deref().map(|cal| load(cal, &mut outputs)).transpose()?;
+    let mut acquisition = Acquisition::open(&args.device, args.sampling, &mut outputs)?;
     let info = acquisition.info(args.serial.as_deref(), args.supply_note.as_deref());
     if let (Some(calibration), Some(path)) = (&calibration, &args.cal) {
         check_serial(args, &info, calibration, path)?;

@@ -19,7 +19,7 @@ use zerorate::{Axis, Calibration, Correction, Corrector, Say, Tally};
 use zerorate_data::believed;
 use zerorate_data::capture::columns::{self, Rows};
 use zerorate_data::capture::{CALIBRATION_ID, CaptureInfo, CaptureReader, Format, Layout, table};
-use zerorate_host::files;
+use zerorate_data::limits;
 
 /// Corrects a capture: RATE + PBC + d · BTC, with d = TEMP − T3, and + d² · BTC2 + d³ · BTC3 where the calibration has
 /// these terms.
@@ -57,16 +57,16 @@ pub struct CorrectArgs {
 
 pub fn run(args: &CorrectArgs) -> Result<()> {
     interrupt::listen();
-    let mut outputs = Outputs::new(args.force).reading([&*args.capture, &*args.cal])?;
-    let calibration = load(&args.cal)?;
-    let mut reader = files::capture(&args.capture)?;
+    let mut outputs = Outputs::new(args.force);
+    let calibration = load(&args.cal, &mut outputs)?;
+    let mut reader = outputs.capture(&args.capture)?;
+    let part = args.part.of(reader.info(), &mut outputs)?;
     refuse_corrected(&args.capture, &reader)?;
     check_serial(args, reader.info(), &calibration)?;
     let output = outputs.derived(&args.output)?;
     let schema = schema(reader.info(), &calibration);
     let format = Format::choose(args.format, &args.output);
     let mut sink = table::create(&args.output, Box::new(output.file()?), format, &schema)?;
-    let part = args.part.of(reader.info())?;
     let mut correcting = Correcting::new(reader.info(), &part, &calibration)?;
     while let Some(rows) = reader.next_rows()? {
         ensure!(!interrupt::asked(), "interrupted; nothing written");
@@ -91,9 +91,9 @@ pub fn run(args: &CorrectArgs) -> Result<()> {
 }
 
 /// Reads a calibration and says what there is to know of it.
-pub(super) fn load(path: &Path) -> Result<Calibration> {
+pub(super) fn load(path: &Path, outputs: &mut Outputs) -> Result<Calibration> {
     let name = path.display();
-    let text = std::fs::read_to_string(path).with_context(|| format!("cannot read {name}"))?;
+    let text = outputs.text(path, limits::TEXT)?;
     let (calibration, warnings) = Calibration::parse(&text).with_context(|| name.to_string())?;
     let warnings: Vec<String> = warnings.iter().map(|warning| format!("no-checksum: {name}: {warning}")).collect();
     warn(&warnings);

@@ -86,8 +86,8 @@ pub fn run(args: &ExportArgs) -> Result<()> {
     );
     args.check_autopilot()?;
     let form = args.format.written()?;
-    let mut outputs = Outputs::new(args.force).reading([&*args.cal])?;
-    let export = Export::new(load(&args.cal)?, args.options()).map_err(usage)?;
+    let mut outputs = Outputs::new(args.force);
+    let export = Export::new(load(&args.cal, &mut outputs)?, args.options()).map_err(usage)?;
     warn(&export.warnings());
     let text = export.text(form).map_err(usage)?;
     if form == export::Form::Csv {

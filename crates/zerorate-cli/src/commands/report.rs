@@ -33,8 +33,8 @@ pub struct ReportArgs {
 }
 
 pub fn run(args: &ReportArgs) -> Result<()> {
-    let mut outputs = Outputs::new(args.force).reading([&*args.cal])?;
-    let calibration = load(&args.cal)?;
+    let mut outputs = Outputs::new(args.force);
+    let calibration = load(&args.cal, &mut outputs)?;
     let page = || report::calibration_page(&calibration, &args.cal.display().to_string());
     match &args.output {
         None => print(&page()?),

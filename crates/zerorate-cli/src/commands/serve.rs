@@ -15,6 +15,7 @@ use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr, TcpListener};
 use std::path::{Path, PathBuf};
 use std::thread;
 use zerorate::Calibration;
+use zerorate_data::limits;
 use zerorate_host::iiod;
 use zerorate_web::session::About;
 
@@ -88,14 +89,13 @@ fn address(text: &str) -> Result<SocketAddr, String> {
 pub fn run(args: &ServeArgs) -> Result<()> {
     interrupt::listen();
     let stop = interrupt::stop();
-    let inputs = args.source.file().into_iter().chain(args.cals.iter().map(PathBuf::as_path));
-    let outputs = Outputs::new(false).reading(inputs.chain(args.token_file.as_deref()))?;
-    let calibrations = args.cals.iter().map(|cal| load(cal)).collect::<Result<Vec<_>>>()?;
-    let token = token(args)?;
+    let mut outputs = Outputs::without_force();
+    let calibrations = args.cals.iter().map(|cal| load(cal, &mut outputs)).collect::<Result<Vec<_>>>()?;
+    let token = token(args, &mut outputs)?;
     let listener = listen(args.listen)?;
     let address = listener.local_addr().context("the server")?;
     let spec = args.source.device.clone();
-    let (setup, serial) = (args.source.setup(args.sampling), args.serial.clone());
+    let (setup, serial) = (args.source.setup(args.sampling, &mut outputs)?, args.serial.clone());
     let opener = Opener { spec, setup, serial, stop: stop.clone() };
     let opened = opener.open()?;
     ensure!(!stop.asked(), "interrupted");
@@ -109,7 +109,7 @@ pub fn run(args: &ServeArgs) -> Result<()> {
     let at = libiio.as_ref().map(Libiio::address).transpose()?;
     let mut desk = desk.with_libiio(libiio);
     desk.begin()?;
-    announce(address, token.as_ref());
+    announce(address, token.as_ref(), args.token_file.as_deref());
     if let Some(at) = at {
         say(format_args!("libiio: iio_info -u ip:{at}"));
     }
@@ -172,9 +172,9 @@ fn shelve(args: &ServeArgs, desk: &mut Desk) -> Result<()> {
 }
 
 /// Who else can reach the address must know a token.
-fn token(args: &ServeArgs) -> Result<Option<Token>> {
+fn token(args: &ServeArgs, outputs: &mut Outputs) -> Result<Option<Token>> {
     match &args.token_file {
-        Some(path) => Token::read(path).map(Some),
+        Some(path) => Token::of_file(path, &outputs.text(path, limits::TEXT)?).map(Some),
         None if args.listen.ip().is_loopback() => Ok(None),
         None => Token::random().map(Some),
     }
@@ -197,7 +197,9 @@ fn listen(address: SocketAddr) -> Result<TcpListener> {
     })
 }
 
-fn announce(address: SocketAddr, token: Option<&Token>) {
+/// Says where the page is. A token of the user's own is not printed: what a service says is kept in a journal that
+/// others read.
+fn announce(address: SocketAddr, token: Option<&Token>, of_file: Option<&Path>) {
     if !serve::has_page() {
         warn(&[serve::ABSENT]);
     }
@@ -208,8 +210,11 @@ fn announce(address: SocketAddr, token: Option<&Token>) {
     };
     let url = format!("http://{}/", SocketAddr::new(ip, address.port()));
     let Some(token) = token else { return say(format_args!("open {url}")) };
-    // what stands behind # is sent to no server, and stands in no log
-    say(format_args!("open {url}#token={}", token.reveal()));
+    match of_file {
+        Some(path) => say(format_args!("open {url} with the token of {}", path.display())),
+        // what stands behind # is sent to no server
+        None => say(format_args!("open {url}#token={}", token.reveal())),
+    }
     if !address.ip().is_loopback() {
         say("others on the network reach it by this machine's address; they can read what is sent, the token too");
     }

@@ -7,8 +7,13 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, thiserror::Error)]
 pub enum OutputError {
     /// There is a file of that name.
-    #[error("{} exists, and is not overwritten by accident: choose another name, or give --force", path.display())]
-    Exists { path: PathBuf },
+    #[error("{} exists, and is not overwritten by accident: choose another name{}", path.display(),
+            if *has_force { ", or give --force" } else { "" })]
+    Exists {
+        path: PathBuf,
+        /// Whether the command has that option.
+        has_force: bool,
+    },
 
     /// The run reads that file.
     #[error("{} would be overwritten while it is read, since it is the same file as the input {}: choose \
@@ -21,8 +26,8 @@ pub enum OutputError {
     Twice { path: PathBuf, other: String },
 
     /// There is a recording of that name, and the new file would not be one.
-    #[error("{} is a capture, which cannot be had again: not even --force replaces it by a computed \
-             file; choose another name, or remove it yourself", path.display())]
+    #[error("{} is a capture, which cannot be had again, and no option replaces it by a computed file: choose \
+             another name, or remove it yourself", path.display())]
     IsCapture { path: PathBuf },
 
     /// Another process writes that file.
@@ -46,6 +51,10 @@ pub enum OutputError {
     /// Elsewhere that is stdout; here results for people are printed there.
     #[error("`-` is no file, and stdout is for what the command prints: give the file a name")]
     Dash,
+
+    /// What is kept there must be read again.
+    #[error("{} is not a file: name a file, or one that does not exist yet", path.display())]
+    NotAFile { path: PathBuf },
 
     /// No file can have that name.
     #[error("cannot write {}: it is a folder", path.display())]

@@ -1,6 +1,7 @@
 //! Where results go: never onto what is read, never over what is there, never half a file under its final name.
 //!
-//! [`Outputs`] knows all files of a run. It refuses an output that is an input or another output of the same run, by
+//! [`Outputs`] knows all files of a run. A command opens a file by it and by nothing else, so that it knows every input
+//! (`tests.rs` holds the commands to that). It refuses an output that is an input or another output of the same run, by
 //! whatever name (hard links, symbolic links, `./x`, `/dev/stdout`), and one that exists, unless `--force`; a capture
 //! is not even then replaced by what can be computed again. docs/reference/files.md states the rules for users.
 
@@ -10,6 +11,7 @@ mod identity;
 mod place;
 mod recording;
 mod rescue;
+mod slot;
 mod staged;
 mod stdio;
 mod temporary;
@@ -17,22 +19,27 @@ mod temporary;
 pub use error::OutputError;
 pub use recording::Recording;
 pub use rescue::rescue;
+pub use slot::Slot;
 pub use staged::Staged;
 pub use stdio::{Stdout, reader_left, say};
 pub use temporary::remove_all_for_good;
 
+use anyhow::Context;
 use identity::Identity;
 use place::Place;
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use zerorate_data::CaptureError;
+use zerorate_data::capture::CaptureReader;
+use zerorate_data::limits::Bytes;
 use zerorate_host::files;
 
 /// The files of one run of a command.
 #[derive(Debug)]
 pub struct Outputs {
-    force: bool,
+    /// None: the command has no such option.
+    force: Option<bool>,
     inputs: Vec<(Identity, PathBuf)>,
     /// Outputs so far, and the standard streams.
     claimed: Vec<(Identity, String)>,
@@ -42,7 +49,12 @@ impl Outputs {
     /// A run that may overwrite files if `force`.
     pub fn new(force: bool) -> Self {
         let streams = stdio::files().into_iter().map(|(identity, name)| (identity, name.to_owned()));
-        Self { force, inputs: Vec::new(), claimed: streams.collect() }
+        Self { force: Some(force), inputs: Vec::new(), claimed: streams.collect() }
+    }
+
+    /// A run of a command that overwrites no file, and has no option to do so.
+    pub fn without_force() -> Self {
+        Self { force: None, ..Self::new(false) }
     }
 
     /// The run prints data as well, so that no file may be where stdout goes, be it a pipe.
@@ -51,17 +63,50 @@ impl Outputs {
         self
     }
 
-    /// The run reads these files. What does not exist fails when it is read, with a better message.
+    /// The run reads these logs. What does not exist fails when it is read, with a better message.
     ///
     /// # Errors
-    /// [`OutputError::IsInput`] where stdout or stderr go into one of them.
+    /// As [`Outputs::reads`].
     pub fn reading<'a>(mut self, inputs: impl IntoIterator<Item = &'a Path>) -> Result<Self, OutputError> {
-        let known = inputs.into_iter().filter_map(|path| Some((Identity::of_file(path)?, path.to_owned())));
-        self.inputs.extend(known);
-        for (stream, name) in &self.claimed {
-            self.refuse_input(stream, Path::new(name))?;
-        }
+        inputs.into_iter().try_for_each(|path| self.reads(path))?;
         Ok(self)
+    }
+
+    /// The run reads this file, the files of this folder, or, where it is called `-`, what comes in.
+    ///
+    /// # Errors
+    /// [`OutputError::IsInput`] where an output, or stdout or stderr, goes into one of them.
+    pub fn reads(&mut self, path: &Path) -> Result<(), OutputError> {
+        let piped = stdio::stdin_file().filter(|_| path == Path::new(files::STDIN));
+        let listed = files::listed(path).into_iter().filter_map(|file| Some((Identity::of_file(&file)?, file)));
+        self.inputs.extend(listed.chain(piped.map(|identity| (identity, path.to_owned()))));
+        self.claimed.iter().try_for_each(|(output, name)| self.refuse_input(output, Path::new(name)))
+    }
+
+    /// Reads a file of text whole, which has no more than `most` bytes.
+    ///
+    /// # Errors
+    /// As [`Outputs::reads`], or why it cannot be read.
+    pub fn text(&mut self, path: &Path, most: Bytes) -> anyhow::Result<String> {
+        self.try_text(path, most)?.with_context(|| format!("cannot read {}", path.display()))
+    }
+
+    /// The same for a caller that has its own words for what goes wrong with the file.
+    ///
+    /// # Errors
+    /// As [`Outputs::reads`].
+    pub fn try_text(&mut self, path: &Path, most: Bytes) -> Result<io::Result<String>, OutputError> {
+        self.reads(path)?;
+        Ok(files::text(path, most))
+    }
+
+    /// Opens a capture.
+    ///
+    /// # Errors
+    /// As [`Outputs::reads`], or what is wrong with it.
+    pub fn capture(&mut self, path: &Path) -> anyhow::Result<CaptureReader> {
+        self.reads(path)?;
+        Ok(files::capture(path)?)
     }
 
     /// Claims a file for what can be computed again: it takes its name when it is complete.
@@ -86,7 +131,24 @@ impl Outputs {
         Recording::new(path, place)
     }
 
+    /// Claims a file that the run writes again and again. What an earlier run left there is taken up, so that it may
+    /// exist.
+    ///
+    /// # Errors
+    /// As [`Outputs::derived`].
+    pub fn slot(&mut self, path: &Path) -> Result<Slot, OutputError> {
+        let place = self.claim_over(path, true)?;
+        if place.exists() {
+            refuse_capture(path)?;
+        }
+        Slot::new(path, place)
+    }
+
     fn claim(&mut self, path: &Path) -> Result<Place, OutputError> {
+        self.claim_over(path, self.force == Some(true))
+    }
+
+    fn claim_over(&mut self, path: &Path, may_exist: bool) -> Result<Place, OutputError> {
         if path == Path::new("-") {
             return Err(OutputError::Dash);
         }
@@ -98,8 +160,8 @@ impl Outputs {
         if let Some((_, other)) = self.claimed.iter().find(|(claimed, _)| *claimed == identity) {
             return Err(OutputError::Twice { path: path.to_owned(), other: other.clone() });
         }
-        if place.exists() && !self.force {
-            return Err(OutputError::Exists { path: path.to_owned() });
+        if place.exists() && !may_exist {
+            return Err(OutputError::Exists { path: path.to_owned(), has_force: self.force.is_some() });
         }
         self.claimed.push((identity, path.display().to_string()));
         Ok(place)
@@ -140,3 +202,6 @@ fn was_capture(path: &Path) -> io::Result<bool> {
 
 /// What begins the keys of a capture's description.
 const NAME: &[u8] = b"zerorate.";
+
+#[cfg(test)]
+mod tests;

@@ -68,7 +68,7 @@ impl Recording {
 
 fn create(path: &Path, target: &Path) -> Result<File, OutputError> {
     let file = OpenOptions::new().write(true).create_new(true).open(target).map_err(|error| match error.kind() {
-        ErrorKind::AlreadyExists => OutputError::Exists { path: path.to_owned() },
+        ErrorKind::AlreadyExists => OutputError::Exists { path: path.to_owned(), has_force: false },
         _ => OutputError::io("write", path, error),
     })?;
     lock(&file).map_err(|_| busy(path))?;

@@ -7,6 +7,9 @@ use std::ffi::OsStr;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+/// Characters that make its name one of its own.
+const RANDOM: usize = 6;
+
 /// Writes `content` beside the first of `wanted` where that is possible, or else to the folder for temporary files,
 /// under a name like that of `name` which nothing has. Returns where it is; none if no place takes it.
 pub fn rescue(name: &Path, wanted: &[&Path], content: &[u8]) -> Option<PathBuf> {
@@ -19,7 +22,7 @@ fn write(folder: &Path, name: &Path, content: &[u8]) -> io::Result<PathBuf> {
     let part = |part: Option<&OsStr>| part.map(|part| part.to_string_lossy().into_owned());
     let start = format!("{}.rescue-", part(name.file_stem()).unwrap_or_else(|| "result".to_owned()));
     let end = part(name.extension()).map_or_else(String::new, |ending| format!(".{ending}"));
-    let file = Temporary::for_keeps(folder, &start, &end)?;
+    let file = Temporary::for_keeps(folder, &start, &end, RANDOM)?;
     let mut open = file.file();
     open.write_all(content)?;
     open.sync_all()?;

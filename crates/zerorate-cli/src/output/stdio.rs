@@ -71,6 +71,12 @@ pub fn stdout_pipe() -> Option<Identity> {
     super::place::pipe(&metadata(io::stdout())?, Path::new(STDOUT))
 }
 
+/// The file that comes in through stdin, where it is one.
+#[cfg(unix)]
+pub fn stdin_file() -> Option<Identity> {
+    Identity::of(&metadata(io::stdin()).filter(std::fs::Metadata::is_file)?, Path::new("stdin"))
+}
+
 #[cfg(unix)]
 fn metadata(stream: impl std::os::fd::AsFd) -> Option<std::fs::Metadata> {
     let owned = stream.as_fd().try_clone_to_owned().ok()?;
@@ -86,5 +92,11 @@ pub fn files() -> Vec<(Identity, &'static str)> {
 /// Elsewhere the streams have no names as files.
 #[cfg(not(unix))]
 pub fn stdout_pipe() -> Option<Identity> {
+    None
+}
+
+/// Elsewhere the streams have no names as files.
+#[cfg(not(unix))]
+pub fn stdin_file() -> Option<Identity> {
     None
 }

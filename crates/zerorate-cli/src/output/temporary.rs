@@ -31,10 +31,11 @@ pub struct Temporary {
 }
 
 impl Temporary {
-    /// In `folder`, to be kept under another name, with the permissions of any new file.
-    pub fn for_keeps(folder: &Path, start: &str, end: &str) -> io::Result<Self> {
+    /// In `folder`, to be kept under another name, with the permissions of any new file. Its name has so many `random`
+    /// characters between `start` and `end`.
+    pub fn for_keeps(folder: &Path, start: &str, end: &str, random: usize) -> io::Result<Self> {
         let mut builder = Builder::new();
-        builder.prefix(start).suffix(end);
+        builder.prefix(start).suffix(end).rand_bytes(random);
         if let Some(permissions) = permissions_before_umask() {
             builder.permissions(permissions);
         }
@@ -47,6 +48,11 @@ impl Temporary {
         all.insert(file.path().to_owned());
         let listed = Listed(file.path().to_owned());
         Ok(Self { file, _listed: listed })
+    }
+
+    /// The name that it has until it gets another.
+    pub fn path(&self) -> &Path {
+        self.file.path()
     }
 
     /// The open file.

@@ -8,10 +8,8 @@ use std::collections::{HashMap, HashSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 use zerorate::Calibration;
+use zerorate_data::limits;
 use zerorate_web::session::Session;
-
-/// A calibration file has no more bytes than this.
-const MOST_BYTES: u64 = 1 << 20;
 
 /// Where calibrations are kept; without a path, nowhere.
 #[derive(Debug, Default)]
@@ -63,9 +61,7 @@ impl Folder {
     /// It cannot be read, or is no calibration.
     pub fn add(&mut self, path: &Path, session: &mut Session) -> Result<String> {
         let name = || path.display().to_string();
-        let bytes = fs::metadata(path).with_context(|| format!("cannot read {}", name()))?.len();
-        anyhow::ensure!(bytes <= MOST_BYTES, "{} is no calibration: it has {bytes} bytes", name());
-        let text = fs::read_to_string(path).with_context(|| format!("cannot read {}", name()))?;
+        let text = Outputs::without_force().text(path, limits::TEXT)?;
         let id = session.add_calibration(&text).map_err(|why| anyhow::anyhow!("{}: {why}", name()))?;
         self.known.insert(id.clone());
         Ok(id)
@@ -126,13 +122,26 @@ impl Folder {
 
 /// No file is deleted: it gets a name by which it is not read again.
 fn rename(file: &Path, id: &str) -> Result<PathBuf> {
-    let removed = file.with_extension(format!("toml.removed-{id}"));
+    let mut names = (1..=MOST_REMOVED).map(|count| file.with_extension(removed_ending(id, count)));
+    let free = names.find(|path| path.symlink_metadata().is_err());
+    let removed = free.with_context(|| format!("{MOST_REMOVED} files of it were removed already: delete some"))?;
     fs::rename(file, &removed).with_context(|| format!("cannot rename {}", file.display()))?;
     Ok(removed)
 }
 
+/// Files of one id that were removed.
+const MOST_REMOVED: u32 = 1000;
+
+/// The first file that was removed keeps its name when there is a second one of the same id.
+fn removed_ending(id: &str, count: u32) -> String {
+    match count {
+        1 => format!("toml.removed-{id}"),
+        _ => format!("toml.removed-{id}-{count}"),
+    }
+}
+
 fn write(folder: &Path, id: &str, toml: &str) -> Result<PathBuf> {
     let path = folder.join(format!("calibration-{id}.toml"));
-    Outputs::new(false).derived(&path)?.fill(toml.as_bytes())?;
+    Outputs::without_force().derived(&path)?.fill(toml.as_bytes())?;
     Ok(path)
 }

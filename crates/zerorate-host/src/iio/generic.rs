@@ -79,7 +79,7 @@ impl Device {
             every_temp: setup.sampling.every_temp.unwrap_or(1),
             bandwidth_hz: address.bandwidth_hz,
             software: zerorate::SOFTWARE.to_owned(),
-            created: crate::source::now(),
+            created: crate::clock::text(),
             ..CaptureInfo::new(layout)
         };
         let part =

@@ -1,6 +1,7 @@
 //! Paper, frame and lettering that all pictures share.
 
 use super::axes::{Axis, Tick};
+use crate::printable;
 use svg::Document;
 use svg::node::element::{ClipPath, Definitions, Group, Line, Path, Rectangle, Text, Title, path::Data};
 
@@ -90,12 +91,6 @@ pub fn shortened(text: &str, characters: usize) -> String {
     all[..head].iter().chain(&['…']).chain(&all[all.len() - tail..]).collect()
 }
 
-/// A text without the characters that XML does not know; names of files may have them.
-fn printable(text: &str) -> String {
-    let known = |c: char| !c.is_control() && !matches!(c, '\u{fffe}' | '\u{ffff}');
-    text.chars().map(|c| if known(c) { c } else { '\u{fffd}' }).collect()
-}
-
 /// A number of pixels without useless digits.
 pub fn px(value: f64) -> f64 {
     (value * 100.0).round() / 100.0
@@ -112,7 +107,7 @@ pub fn paper(size: (u32, u32), title: &str) -> Document {
         .set("font-family", FONTS)
         .set("font-size", SMALL)
         .set("fill", INK)
-        .add(Title::new(printable(title)))
+        .add(Title::new(printable::line(title)))
         .add(Rectangle::new().set("width", width).set("height", height).set("fill", "white"))
 }
 
@@ -128,7 +123,7 @@ pub fn headings(left: f64, title: Option<&str>, subtitle: Option<&str>, room: f6
 
 /// A line of text.
 pub fn text(content: &str, (x, y): (f64, f64), anchor: Anchor) -> Text {
-    Text::new(printable(content)).set("x", px(x)).set("y", px(y)).set("text-anchor", anchor.name())
+    Text::new(printable::line(content)).set("x", px(x)).set("y", px(y)).set("text-anchor", anchor.name())
 }
 
 /// A line of text that stays readable on top of lines.

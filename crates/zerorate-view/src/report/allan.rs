@@ -2,6 +2,7 @@
 
 use super::Fact;
 use crate::plot::number;
+use crate::printable;
 use anyhow::Result;
 use askama::Template;
 
@@ -147,7 +148,8 @@ struct Page<'a> {
 /// # Errors
 /// None that is known: the template is compiled.
 pub fn allan_page(page: &AllanPage) -> Result<String> {
-    Ok(Page { title: &page.title, software: zerorate::SOFTWARE, page }.render()?)
+    let page = Page { title: &page.title, software: zerorate::SOFTWARE, page };
+    Ok(printable::page(&page.render()?))
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 use super::Fact;
 use crate::duration::Seconds;
 use crate::plot::{self, CorrectionCurve, CorrectionPoint};
+use crate::printable;
 use anyhow::Result;
 use askama::Template;
 use zerorate::calibration::{CalibratedAxis, CurveRecord, Run, Uncertainties};
@@ -87,7 +88,7 @@ pub fn calibration_page(calibration: &Calibration, file: &str) -> Result<String>
         axes: calibration.axes.iter().map(|axis| axis_part(calibration, axis)).collect::<Result<_>>()?,
         sections: sections(calibration),
     };
-    Ok(page.render()?)
+    Ok(printable::page(&page.render()?))
 }
 
 fn axis_part<'a>(calibration: &Calibration, axis: &'a CalibratedAxis) -> Result<AxisPart<'a>> {

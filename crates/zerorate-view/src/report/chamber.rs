@@ -2,6 +2,7 @@
 
 use super::{Fact, calibration_picture};
 use crate::plot::{ResidualPoint, residuals};
+use crate::printable;
 use anyhow::Result;
 use askama::Template;
 use zerorate::chamber::{Branches, ChamberOutcome, Record, Residual};
@@ -60,7 +61,8 @@ pub fn chamber_page(page: ChamberPage<'_>) -> Result<String> {
             }
         });
     let below = format!("calibration {}, {} soak points", calibration.id(), record.soaks.len());
-    Ok(Page { title, below, software: zerorate::SOFTWARE, warnings, axes: axes.collect() }.render()?)
+    let page = Page { title, below, software: zerorate::SOFTWARE, warnings, axes: axes.collect() };
+    Ok(printable::page(&page.render()?))
 }
 
 /// What the correction leaves over the time of the measurement, as SVG.

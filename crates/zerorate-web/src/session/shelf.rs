@@ -26,7 +26,7 @@ struct Kept {
 
 impl Shelf {
     /// Puts a calibration on file, by its TOML, and leaves so many places free; its id. One that is there already
-    /// stays as it is.
+    /// stays as it is, and one that differs from it by what its id does not tell is refused.
     pub fn add_file(&mut self, toml: &str, free: usize) -> Result<String, String> {
         let (calibration, warnings) = Calibration::parse(toml).map_err(|error| error.to_string())?;
         let id = calibration.id();
@@ -41,11 +41,13 @@ impl Shelf {
 
     fn put(&mut self, new: Kept, free: usize) -> Result<String, String> {
         let id = new.calibration.id();
-        if self.find(&id).is_none() {
-            self.has_room(1 + free)?;
-            self.kept.push(new);
-            self.changes += 1;
+        if let Some(there) = self.find(&id) {
+            let is_same = there.calibration.to_toml() == new.calibration.to_toml();
+            return if is_same { Ok(id) } else { Err(other_content(&id)) };
         }
+        self.has_room(1 + free)?;
+        self.kept.push(new);
+        self.changes += 1;
         Ok(id)
     }
 
@@ -153,6 +155,14 @@ impl Shelf {
     fn known(&self, id: &str) -> Result<&Kept, String> {
         self.find(id).ok_or_else(|| format!("no calibration {id} is on file"))
     }
+}
+
+/// The id tells part, time and coefficients apart, and nothing else.
+fn other_content(id: &str) -> String {
+    format!(
+        "calibration {id} is on file with other values beside its coefficients, such as [validity]: remove that one \
+         first, then add this one"
+    )
 }
 
 /// What shows that a calibration is that of the part: every part has its own bias, and the wrong one shows in nothing.

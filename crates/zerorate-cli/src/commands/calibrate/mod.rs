@@ -109,24 +109,24 @@ struct ResultArgs {
 }
 
 pub fn run(args: &CalibrateArgs) -> Result<()> {
-    let files = Files::claim(args.device.file(), &args.result, args.log.as_deref())?;
-    let acquisition = Acquisition::open(&args.device, args.sampling)?;
+    let mut files = Files::claim(args.device.file(), &args.result, args.log.as_deref())?;
+    let acquisition = Acquisition::open(&args.device, args.sampling, &mut files.outputs)?;
     calibrate(acquisition, args.plan.plan(args.device.file().is_some()), &args.result, files)
 }
 
 pub fn run_again(args: &RecalibrateArgs) -> Result<()> {
     interrupt::listen();
-    let files = Files::claim(Some(&args.capture), &args.result, None)?;
+    let mut files = Files::claim(Some(&args.capture), &args.result, None)?;
     let recording = DeviceSpec::replay(args.capture.clone());
-    let setup = Setup { part: args.part.part.clone(), ..Setup::default() };
+    let setup = Setup { part: args.part.named(&mut files.outputs)?, ..Setup::default() };
     let acquisition = Acquisition::unpaced(&recording, setup, interrupt::stop())?;
     calibrate(acquisition, args.plan.plan(true), &args.result, files)
 }
 
 /// The measurement alone, for another program: prints nothing, leaves Ctrl-C alone, and ends when `watch` says so.
 pub fn measured(args: &CalibrateArgs, watch: &mut dyn Watch) -> Result<(Report, Calibration)> {
-    let files = Files::claim(args.device.file(), &args.result, args.log.as_deref())?;
-    let setup = args.device.setup(args.sampling);
+    let mut files = Files::claim(args.device.file(), &args.result, args.log.as_deref())?;
+    let setup = args.device.setup(args.sampling, &mut files.outputs)?;
     let acquisition = Acquisition::unpaced(&args.device.device, setup, &Stop::default())?;
     let procedure = procedure(acquisition.part(), args.plan.plan(args.device.file().is_some()), watch.names())?;
     let Done { report, calibration, kept } = measure(acquisition, procedure, &args.result, files, watch)?;

@@ -10,7 +10,7 @@ use super::serial::one_line;
 use crate::acquire::Acquisition;
 use crate::cli::{DeviceArgs, SamplingArgs};
 use crate::exit::Usage;
-use crate::output::{Outputs, Staged, say};
+use crate::output::{Outputs, Slot, Staged, say};
 use crate::recorder::Recorder;
 use anyhow::Result;
 use clap::Args;
@@ -126,9 +126,10 @@ impl ChamberArgs {
 
 pub fn run(args: &ChamberArgs) -> Result<()> {
     let chamber = args.chamber()?;
-    let plan = PlanFile::read(&args.plan, args.device.file().is_some())?;
+    let mut outputs = Outputs::new(args.force).printing();
+    let plan = PlanFile::read(&args.plan, args.device.file().is_some(), &mut outputs)?;
     limits(args)?;
-    let mut files = Files::claim(args)?;
+    let mut files = Files::claim(args, outputs)?;
     let driven = drive(args, chamber, &plan, &mut files)?;
     result::deliver(args, &plan, driven, files)
 }
@@ -162,7 +163,7 @@ fn drive(args: &ChamberArgs, chamber: Option<ChamberSpec>, plan: &PlanFile, file
 /// The part and the files, before the first sample.
 fn ready(args: &ChamberArgs, plan: &PlanFile, files: &mut Files, air: Option<Air>) -> Result<Ready> {
     let is_simulated = air.is_some();
-    let mut acquisition = Acquisition::open_in(&args.device, args.sampling, air)?;
+    let mut acquisition = Acquisition::open_in(&args.device, args.sampling, air, &mut files.outputs)?;
     if files.report_kind.is_some() && acquisition.part().axes.len() > 1 {
         let why = "a picture shows one axis, and this part has several: write a page (.html) as --report";
         return Err(Usage(why.to_owned()).into());
@@ -170,8 +171,7 @@ fn ready(args: &ChamberArgs, plan: &PlanFile, files: &mut Files, air: Option<Air
     let info = acquisition.info(args.serial.as_deref(), args.supply_note.as_deref());
     let procedure = ChamberProcedure::new(acquisition.part(), plan.plan.clone(), args.max_lost);
     let mut procedure = procedure.map_err(|error| Usage(error.to_string()))?;
-    let state = args.output.as_deref().filter(|_| args.device.file().is_none()).map(Kept::beside);
-    let kept = Kept::new(state, &plan.text, acquisition.part(), &info.device, info.serial.as_deref());
+    let kept = Kept::new(files.steps.take(), &plan.text, acquisition.part(), &info.device, info.serial.as_deref());
     let kept = kept.in_real_time(acquisition.facts().is_real);
     if let Some((saved, gap_s)) = kept.found(args.restart)? {
         let (steps, all) = (saved.steps, plan.plan.steps.len());
@@ -210,14 +210,16 @@ struct Files {
     /// A picture in place of a page.
     report_kind: Option<Kind>,
     log: Option<PathBuf>,
+    /// Where finished steps are kept.
+    steps: Option<Slot>,
 }
 
 impl Files {
-    fn claim(args: &ChamberArgs) -> Result<Self> {
-        let mut outputs = Outputs::new(args.force)
-            .printing()
-            .reading(args.device.file().into_iter().chain(PlanFile::path(&args.plan)))?;
+    fn claim(args: &ChamberArgs, outputs: Outputs) -> Result<Self> {
+        let mut outputs = outputs.reading(args.device.file())?;
+        let steps = args.output.as_deref().filter(|_| args.device.file().is_none()).map(Kept::beside);
         Ok(Self {
+            steps: steps.map(|path| outputs.slot(&path)).transpose()?,
             calibration: args.output.as_deref().map(|path| outputs.derived(path)).transpose()?,
             report: args.report.as_deref().map(|path| outputs.derived(path)).transpose()?,
             report_kind: args.report.as_deref().and_then(|path| Kind::of(path).ok()),

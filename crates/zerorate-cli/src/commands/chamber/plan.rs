@@ -1,13 +1,15 @@
 //! The plan that was named: one that comes with the program, a file, or what a chamber did.
 
 use crate::exit::Usage;
+use crate::output::Outputs;
 use anyhow::{Context, Result};
-use std::fs;
+use std::io::ErrorKind;
 use std::path::Path;
 use zerorate::chamber::{ChamberPlan, SHIPPED};
+use zerorate_data::limits::Bytes;
 
 /// A plan of 1000 steps, or a week of a chamber's log.
-const LARGEST: u64 = 64 << 20;
+const LARGEST: Bytes = Bytes(64 << 20);
 
 /// A plan and its text, which tells whether a measurement that goes on is of the same.
 pub struct PlanFile {
@@ -17,17 +19,12 @@ pub struct PlanFile {
 }
 
 impl PlanFile {
-    /// The file that is read, if it is one.
-    pub fn path(name: &Path) -> Option<&Path> {
-        Some(name).filter(|name| shipped(name).is_none())
-    }
-
     /// Reads it; a CSV of what a chamber did is a plan of a recording only.
-    pub fn read(name: &Path, of_recording: bool) -> Result<Self> {
+    pub fn read(name: &Path, of_recording: bool, outputs: &mut Outputs) -> Result<Self> {
         let shown = name.display().to_string();
         let text = match shipped(name) {
             Some(text) => text.to_owned(),
-            None => read(name)?,
+            None => read(name, outputs)?,
         };
         let is_csv = name.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("csv"));
         if is_csv && !of_recording {
@@ -44,14 +41,12 @@ fn shipped(name: &Path) -> Option<&'static str> {
     SHIPPED.iter().find(|(known, _)| Path::new(known) == name).map(|(_, text)| *text)
 }
 
-fn read(name: &Path) -> Result<String> {
-    let shown = name.display();
+fn read(name: &Path, outputs: &mut Outputs) -> Result<String> {
     let names = SHIPPED.map(|(name, _)| name).join(" and ");
-    let size = fs::metadata(name).with_context(|| format!("no plan {shown}; {names} come with the program"))?.len();
-    if size > LARGEST {
-        return Err(Usage(format!("{shown} is too large for a plan")).into());
-    }
-    fs::read_to_string(name).with_context(|| format!("cannot read the plan {shown}"))
+    outputs.try_text(name, LARGEST)?.map_err(|error| match error.kind() {
+        ErrorKind::FileTooLarge => Usage(format!("{} is too large for a plan: {error}", name.display())).into(),
+        _ => anyhow::Error::from(error).context(format!("no plan {}; {names} come with the program", name.display())),
+    })
 }
 
 /// Columns of a CSV of what a chamber did.
@@ -99,7 +94,8 @@ mod tests {
     /// The corners of F-57 as the twin has them, and the 210 minutes that are recorded.
     #[test]
     fn the_plan_of_f57_is_f57() {
-        let plan = PlanFile::read(Path::new("f57"), false).expect("it comes with the program").plan;
+        let plan =
+            PlanFile::read(Path::new("f57"), false, &mut Outputs::new(false)).expect("it comes with the program").plan;
         let (mut at_s, mut corners) = (0.0, vec![(0.0, 25.0)]);
         for (index, step) in plan.steps.iter().enumerate() {
             let StepEnd::Hold(hold_s) = step.end else { panic!("by the clock") };
@@ -115,7 +111,9 @@ mod tests {
 
     #[test]
     fn the_other_plan_is_sound() {
-        let plan = PlanFile::read(Path::new("two-point"), false).expect("it comes with the program").plan;
+        let plan = PlanFile::read(Path::new("two-point"), false, &mut Outputs::new(false))
+            .expect("it comes with the program")
+            .plan;
         assert_eq!(plan.span_c(), (15.0, 55.0));
     }
 }

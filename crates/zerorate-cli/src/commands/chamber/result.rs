@@ -106,7 +106,7 @@ struct TruthReport {
 
 /// Finds the curve, and hands everything out that was asked for.
 pub fn deliver(args: &ChamberArgs, plan: &PlanFile, driven: Driven, files: Files) -> Result<()> {
-    let Driven { procedure, acquisition, kept, capture_sha256, truths, log_failed, is_resumed } = driven;
+    let Driven { procedure, acquisition, mut kept, capture_sha256, truths, log_failed, is_resumed } = driven;
     let (part, tally) = (procedure.part().clone(), *procedure.tally());
     let refused = |refusal: zerorate::chamber::ChamberRefusal| Refused::new(refusal.code(), refusal.to_string());
     let record = procedure.finish().map_err(refused)?;

@@ -2,13 +2,16 @@
 
 use crate::commands::allan::record::Record;
 use crate::exit::Usage;
-use anyhow::{Context, Result};
+use crate::output::Outputs;
+use anyhow::Result;
 use serde::Serialize;
+use std::io::ErrorKind;
 use std::path::Path;
 use zerorate::DataSheet;
 use zerorate::allan::Estimate;
 use zerorate::datasheet::{Figure, Line, Verdict};
 use zerorate_data::imu::Kind;
+use zerorate_data::limits;
 use zerorate_view::plot::number;
 use zerorate_view::report::Table;
 
@@ -22,10 +25,13 @@ pub struct Comparison<'a> {
 }
 
 /// Reads the file at `path`.
-pub fn read(path: &Path) -> Result<DataSheet> {
-    let bytes = std::fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
-    let no_text = |_| Usage(format!("{}: not the file of a data sheet: it is no text in UTF-8", path.display()));
-    let text = String::from_utf8(bytes).map_err(no_text)?;
+pub fn read(path: &Path, outputs: &mut Outputs) -> Result<DataSheet> {
+    let text = outputs.try_text(path, limits::TEXT)?.map_err(|error| match error.kind() {
+        ErrorKind::InvalidData | ErrorKind::FileTooLarge => {
+            Usage(format!("{}: not the file of a data sheet: {error}", path.display())).into()
+        }
+        _ => anyhow::Error::from(error).context(format!("cannot read {}", path.display())),
+    })?;
     DataSheet::parse(&text).map_err(|error| Usage(format!("{}: {error}", path.display())).into())
 }
 

@@ -152,12 +152,10 @@ fn option(setting: Setting) -> &'static str {
 }
 
 pub fn run(args: &ImuArgs) -> Result<()> {
-    let mut outputs = Outputs::new(args.force)
-        .printing()
-        .reading(std::iter::once(&args.log).chain(&args.datasheet).map(PathBuf::as_path))?;
+    let mut outputs = Outputs::new(args.force).printing().reading([&*args.log])?;
+    let sheet = args.datasheet.as_deref().map(|path| datasheet::read(path, &mut outputs)).transpose()?;
     let file = args.output.as_ref().map(|path| outputs.derived(path)).transpose()?;
     let page = args.report.as_ref().map(|path| outputs.derived(path)).transpose()?;
-    let sheet = args.datasheet.as_deref().map(datasheet::read).transpose()?;
     let Axes { columns, topic, warnings } = Axes::read(&args.log, files::log(&args.log)?, &args.options())?;
     check_format(args, &columns)?;
     let of_log: Vec<String> = warnings.iter().map(Note::to_string).chain(absent(args, &columns)).collect();

@@ -9,6 +9,7 @@ use super::{coded, flag, print_json, print_lines, warn};
 use crate::acquire::Acquisition;
 use crate::cli::{DeviceArgs, SamplingArgs};
 use crate::interrupt;
+use crate::output::Outputs;
 use crate::progress::Meter;
 use adis16130::{Framing, SelfTest};
 use anyhow::{Result, ensure};
@@ -102,7 +103,7 @@ struct SelfTested {
 }
 
 pub fn run(args: &ProbeArgs) -> Result<()> {
-    let mut acquisition = Acquisition::open(&args.device, args.sampling)?;
+    let mut acquisition = Acquisition::open(&args.device, args.sampling, &mut Outputs::without_force())?;
     let revision = acquisition.initialise()?;
     let bus = acquisition.try_bus()?;
     let self_test = match &args.self_test {

@@ -71,15 +71,14 @@ enum Form {
 }
 
 pub fn run(args: &StreamArgs) -> Result<()> {
-    let calibration = load(&args.cal)?;
+    let mut outputs = Outputs::without_force();
+    let calibration = load(&args.cal, &mut outputs)?;
     let period_ns = args.rate.map(period_ns).transpose()?.unwrap_or(1);
-    Outputs::new(false).reading(args.device.file().into_iter().chain([&*args.cal]))?;
-    let mut acquisition = Acquisition::open(&args.device, args.sampling)?;
+    let mut acquisition = Acquisition::open(&args.device, args.sampling, &mut outputs)?;
     check_serial(args, acquisition.facts(), &calibration)?;
     acquisition.initialise()?;
-    let inputs = args.device.file().into_iter().chain([&*args.cal]).map(Into::into).collect();
     let created = acquisition.facts().info.created.clone();
-    let tracking = args.tracking.begin(acquisition.part(), &calibration, &created, inputs)?;
+    let tracking = args.tracking.begin(acquisition.part(), &calibration, &created, &mut outputs)?;
     let mut rows = Rows::new(args.format, acquisition.part(), &calibration, acquisition.is_paced(), tracking)?;
     let mut mean = Mean::default();
     let mut judged = Vec::new();
@@ -96,7 +95,7 @@ pub fn run(args: &StreamArgs) -> Result<()> {
         }
         mean.push(t_ns, t_ns / period_ns, &judged);
         if let Some(tracking) = &mut rows.tracking {
-            tracking.push(t_ns, &judged)?;
+            tracking.push(t_ns, &judged);
         }
         if acquisition.frozen().is_some() {
             return stop_frozen(&acquisition, &mut rows, &mut mean);
@@ -300,7 +299,7 @@ impl Rows {
 
     fn finish(&mut self) -> Result<()> {
         self.out.flush()?;
-        self.tracking.as_ref().map_or(Ok(()), |tracking| tracking.finish(self.corrector.temp_c()))
+        self.tracking.as_mut().map_or(Ok(()), |tracking| tracking.finish(self.corrector.temp_c()))
     }
 
     fn watch(&mut self, extrapolated: bool, flags: Flags) {

@@ -2,7 +2,7 @@
 
 use crate::commands::warn;
 use crate::exit::Usage;
-use crate::output::{Outputs, say};
+use crate::output::{Outputs, Slot, say};
 use anyhow::{Context, Result, anyhow, bail};
 use clap::Args;
 use jiff::{SignedDuration, Timestamp};
@@ -12,6 +12,7 @@ use std::path::{Path, PathBuf};
 use zerorate::health::Judged;
 use zerorate::track::{BLOCK_S, Counts, Phase, TrackFile, Tracker, TrackerConfig};
 use zerorate::{Calibration, CodeSum, Part, Scale};
+use zerorate_data::limits;
 
 /// Options of tracking.
 #[derive(Args, Debug)]
@@ -63,11 +64,12 @@ pub struct Tracking {
 
 /// Where the state is kept.
 struct Store {
-    path: PathBuf,
-    inputs: Vec<PathBuf>,
+    slot: Slot,
     calibration: Calibration,
     /// The time of day at the first sample, where there is one.
     began: Option<Timestamp>,
+    /// What was learned last could not be written.
+    is_behind: bool,
 }
 
 /// What a row says of the bias.
@@ -101,7 +103,7 @@ impl TrackArgs {
         part: &Part,
         calibration: &Calibration,
         created: &str,
-        inputs: Vec<PathBuf>,
+        outputs: &mut Outputs,
     ) -> Result<Option<Tracking>> {
         if !self.track {
             return Ok(None);
@@ -109,10 +111,8 @@ impl TrackArgs {
         let began: Option<Timestamp> = created.parse().ok();
         let configs = self.configs(part, calibration)?;
         let names: Vec<String> = part.axes.iter().map(|axis| axis.name.to_string()).collect();
-        let store = self.state.as_ref().map(|path| {
-            let (path, calibration) = (path.clone(), calibration.clone());
-            Store { path, inputs, calibration, began }
-        });
+        let slot = self.state.as_deref().map(|path| outputs.slot(path)).transpose()?;
+        let store = slot.map(|slot| Store { slot, calibration: calibration.clone(), began, is_behind: false });
         let known = store.as_ref().map(|store| store.load()).transpose()?.flatten();
         let trackers = match &known {
             Some(file) => {
@@ -123,7 +123,7 @@ impl TrackArgs {
                 configs.iter().map(|config| Tracker::new(*config).aged(age_s)).collect()
             }
         };
-        let tracking = Tracking {
+        let mut tracking = Tracking {
             phases: vec![Phase::Moving; trackers.len()],
             rates: vec![CodeSum::default(); trackers.len()],
             trackers,
@@ -222,15 +222,16 @@ fn taken_up(
 impl Store {
     /// The state that is there; none where there is no file.
     fn load(&self) -> Result<Option<TrackFile>> {
-        let bytes = match std::fs::read(&self.path) {
-            Ok(bytes) => bytes,
-            Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
-            Err(error) => return Err(error).with_context(|| format!("cannot read {}", self.path.display())),
+        let path = self.slot.path();
+        let text = match self.slot.content(limits::TEXT) {
+            Ok(Some(text)) => text,
+            Ok(None) => return Ok(None),
+            Err(error) if matches!(error.kind(), ErrorKind::InvalidData | ErrorKind::FileTooLarge) => {
+                return Err(error).with_context(|| refusal(Some(path)));
+            }
+            Err(error) => return Err(error).with_context(|| format!("cannot read {}", path.display())),
         };
-        let parsed = String::from_utf8(bytes)
-            .map_err(|_| anyhow!("it is not text"))
-            .and_then(|text| Ok(TrackFile::parse(&text)?));
-        parsed.map(Some).with_context(|| refusal(Some(&self.path)))
+        TrackFile::parse(&text).map(Some).with_context(|| refusal(Some(path)))
     }
 }
 
@@ -252,10 +253,10 @@ impl Tracking {
 
     /// Takes in the next sample of all axes.
     #[inline]
-    pub fn push(&mut self, t_ns: u64, axes: &[Judged]) -> Result<()> {
+    pub fn push(&mut self, t_ns: u64, axes: &[Judged]) {
         let block = t_ns / BLOCK_NS;
         if block != self.block {
-            self.close(block)?;
+            self.close(block);
         }
         for (sum, judged) in self.rates.iter_mut().zip(axes) {
             if let Some(rate) = judged.rate() {
@@ -268,12 +269,11 @@ impl Tracking {
             }
             self.lost |= first.reading.lost > MOST_LOST;
         }
-        Ok(())
     }
 
     /// The block is over, and the next one is this.
     #[cold]
-    fn close(&mut self, next: u64) -> Result<()> {
+    fn close(&mut self, next: u64) {
         let temp_c = self.temp_scale.and_then(|scale| self.temp.mean(&scale));
         let (whole, moved) = (!self.lost, self.trackers.iter().map(Tracker::moves).collect::<Vec<_>>());
         for axis in 0..self.trackers.len() {
@@ -289,9 +289,23 @@ impl Tracking {
         let now_s = next * BLOCK_NS / 1_000_000_000;
         if now_s >= self.saved_s + SAVE_EVERY_S {
             self.saved_s = now_s;
-            self.save(now_s)?;
+            self.save_or_say(now_s);
         }
-        Ok(())
+    }
+
+    /// The rows are worth more than the state: a disk may have room again within the next minute.
+    fn save_or_say(&mut self, after_s: u64) {
+        let saved = self.save(after_s);
+        let Some(store) = &mut self.store else { return };
+        let was_behind = std::mem::replace(&mut store.is_behind, saved.is_err());
+        match saved {
+            Err(error) if !was_behind => warn(&[format!(
+                "not-kept: what was learned cannot be written: {error:#}; the rows go on, and it is tried again every \
+                 {SAVE_EVERY_S} s"
+            )]),
+            Ok(()) if was_behind => say(format_args!("what was learned is in {} again", store.slot.path().display())),
+            _ => {}
+        }
     }
 
     /// What a row says, for rates that were corrected by `correction` alone.
@@ -314,19 +328,18 @@ impl Tracking {
         }
     }
 
-    fn save(&self, after_s: u64) -> Result<()> {
-        let Some(store) = &self.store else { return Ok(()) };
+    fn save(&mut self, after_s: u64) -> Result<()> {
+        let Some(store) = &mut self.store else { return Ok(()) };
         let passed = SignedDuration::from_secs(after_s as i64);
         let saved = store.began.and_then(|began| began.checked_add(passed).ok()).map(|now| now.to_string());
         let axes = self.names.iter().map(String::as_str).zip(self.trackers.iter().map(Tracker::save));
         let text = TrackFile::new(&store.calibration, saved, axes).to_toml();
-        let mut outputs = Outputs::new(true).reading(store.inputs.iter().map(PathBuf::as_path))?;
-        Ok(outputs.derived(&store.path)?.fill(text.as_bytes())?)
+        Ok(store.slot.put(text.as_bytes())?)
     }
 
     /// Keeps what was learned, and says what that was.
-    pub fn finish(&self, temp_c: Option<f64>) -> Result<()> {
-        self.save(self.block * BLOCK_NS / 1_000_000_000)?;
+    pub fn finish(&mut self, temp_c: Option<f64>) -> Result<()> {
+        let saved = self.save(self.block * BLOCK_NS / 1_000_000_000);
         for (name, tracker) in self.names.iter().zip(&self.trackers) {
             let Counts { learned_s, doubtful_s, rolled_back } = tracker.save().counts;
             let tracked = temp_c.map(|temp_c| tracker.tracked(temp_c));
@@ -351,7 +364,7 @@ impl Tracking {
                 )]);
             }
         }
-        Ok(())
+        saved
     }
 }
 

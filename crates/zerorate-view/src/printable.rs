@@ -1,0 +1,31 @@
+//! Text from outside in pages and pictures. A browser ignores most control characters, but whoever prints the file on a
+//! terminal has them act there, and XML does not know them.
+
+/// One line.
+pub fn line(text: &str) -> String {
+    text.chars().map(|c| if is_known(c) { c } else { UNKNOWN }).collect()
+}
+
+/// A whole page. Ours have no control characters but line breaks.
+pub fn page(text: &str) -> String {
+    text.chars().map(|c| if c == '\n' || is_known(c) { c } else { UNKNOWN }).collect()
+}
+
+/// What stands in place of a character that cannot be shown.
+const UNKNOWN: char = char::REPLACEMENT_CHARACTER;
+
+fn is_known(c: char) -> bool {
+    !c.is_control() && !matches!(c, '\u{fffe}' | '\u{ffff}')
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn control_characters_are_seen_and_do_not_act() {
+        assert_eq!(line("a\x1b[31mb\x07\u{9b}2J\nc"), "a\u{fffd}[31mb\u{fffd}\u{fffd}2J\u{fffd}c");
+        assert_eq!(page("<p>°/s\n\x1b]0;x\x07\r</p>\n"), "<p>°/s\n\u{fffd}]0;x\u{fffd}\u{fffd}</p>\n");
+        assert_eq!(line("ä · … − 漢字 \u{1F600}"), "ä · … − 漢字 \u{1F600}");
+    }
+}
