@@ -1,10 +1,9 @@
 //! Samples of a device as the commands take them: one after the other, all of them, counted and judged.
 
-use crate::cli::{DeviceArgs, SamplingArgs};
+use crate::cli::DeviceArgs;
 use crate::commands::{coded, warn};
 use crate::interrupt;
 use crate::judged::JudgedAxis;
-use crate::output::Outputs;
 use adis16130::SelfTest;
 use adis16130_twin::Truth;
 use anyhow::Result;
@@ -14,7 +13,7 @@ use zerorate::{Axis, Part, Tally, Warning, resonance};
 use zerorate_data::Note;
 use zerorate_data::believed;
 use zerorate_data::capture::{CaptureInfo, Layout, Row};
-use zerorate_host::{Air, Batch, Bus, DeviceSpec, Everything, Facts, Hub, Losses, Pace, Setup, Stop};
+use zerorate_host::{Batch, Bus, DeviceSpec, Everything, Facts, Hub, Losses, Pace, Setup, Stop};
 
 /// A device that is being read.
 pub struct Acquisition {
@@ -35,20 +34,9 @@ pub struct Acquisition {
 
 impl Acquisition {
     /// Opens the device and, from here on, takes Ctrl-C as the wish to end cleanly.
-    pub fn open(device: &DeviceArgs, sampling: SamplingArgs, outputs: &mut Outputs) -> Result<Self> {
-        Self::open_in(device, sampling, None, outputs)
-    }
-
-    /// The same for a simulated part in this air, if there is one.
-    pub fn open_in(
-        device: &DeviceArgs,
-        sampling: SamplingArgs,
-        air: Option<Air>,
-        outputs: &mut Outputs,
-    ) -> Result<Self> {
+    pub fn open(device: &DeviceArgs, setup: Setup) -> Result<Self> {
         interrupt::listen();
         let pace = if device.realtime { Pace::RealTime } else { Pace::Free };
-        let setup = Setup { air, ..device.setup(sampling, outputs)? };
         Ok(Self { pace, ..Self::unpaced(&device.device, setup, interrupt::stop())? })
     }
 

@@ -9,12 +9,18 @@ use zerorate_data::column::ColumnOptions;
 use zerorate_data::limits::Bytes;
 use zerorate_data::{CaptureError, Input, LogError, RowReader};
 
-/// Opens a file to be read.
+/// Opens a file to be read. Pipes and devices have no length, and may have no end.
 ///
 /// # Errors
 /// Why that cannot be.
 pub fn open(path: &Path) -> Result<Input, CaptureError> {
-    let file = File::open(path).map_err(|error| CaptureError::io("read", path, error))?;
+    let failed = |error| CaptureError::io("read", path, error);
+    let file = File::open(path).map_err(failed)?;
+    let kind = file.metadata().map_err(failed)?.file_type();
+    if !kind.is_file() && !kind.is_dir() {
+        let how = "it is a pipe or a device: copy it into a file, or pipe a log into `zerorate allan -`";
+        return Err(failed(std::io::Error::other(how)));
+    }
     Ok(file.into())
 }
 

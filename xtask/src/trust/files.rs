@@ -3,7 +3,7 @@
 use super::bench::{Bench, Folder, random};
 use super::process::hash;
 use super::{Class, Verdict};
-use anyhow::Result;
+use anyhow::{Result, ensure};
 use rand::RngExt;
 use rand::rngs::StdRng;
 use std::fs;
@@ -26,6 +26,12 @@ pub const CLASSES: &[Class] = &[
     class("hole parquet", "a stretch of bytes is gone"),
     class("hole csv", "some lines are gone"),
     class("twice csv", "some lines come twice"),
+    Class {
+        name: "edit track state",
+        what: "a digit of the state of `stream --track` is another one",
+        quick: 4,
+        run: edited_state,
+    },
 ];
 
 fn damaged(bench: &Bench, class: &'static str, seed: u64) -> Result<Verdict> {
@@ -97,5 +103,33 @@ fn calibration(bench: &Bench, file: &str, source: &str) -> Result<Verdict> {
         Some(0) if damaged.stdout == whole.stdout => Verdict::Right,
         Some(0) if !damaged.stderr.is_empty() && damaged.stderr != whole.stderr => Verdict::Warned,
         code => Verdict::Silent(format!("export ends with {code:?}: {}{}", damaged.stdout, damaged.stderr)),
+    })
+}
+
+/// A tracker goes on from what was written, or is refused.
+fn edited_state(bench: &Bench, class: &'static str, seed: u64) -> Result<Verdict> {
+    let folder = Folder::new(&format!("state-{seed}"))?;
+    let state = folder.file("state.toml");
+    let (device, cal) = (format!("twin:seed={seed}"), bench.file("unit.toml"));
+    let stream = |duration: &str| {
+        let line = ["stream", "--device", &device, "--cal", &cal, "--rate", "1", "--duration", duration, "--track"];
+        bench.run(&[&line[..], &["--state", &state]].concat())
+    };
+    stream("30s")?;
+    let whole = fs::read(&state)?;
+    let expected = stream("5s")?;
+    ensure!(expected.code == Some(0), "{}", expected.stderr);
+    let mut random = random(class, seed);
+    let digits: Vec<usize> = (0..whole.len()).filter(|at| whole[*at].is_ascii_digit()).collect();
+    let at = digits[random.random_range(0..digits.len())];
+    let mut edited = whole.clone();
+    edited[at] = b'0' + (whole[at] - b'0' + random.random_range(1..10)) % 10;
+    fs::write(&state, &edited)?;
+    let run = stream("5s")?;
+    Ok(match run.code {
+        Some(0) if run.stdout == expected.stdout => Verdict::Right,
+        Some(0) => Verdict::Silent(format!("byte {at} of the state was edited: {}", run.stderr)),
+        Some(1) if fs::read(&state)? != edited => Verdict::Silent(format!("byte {at}: the refused state is gone")),
+        _ => run.refusal(&["can be taken up"]),
     })
 }

@@ -106,7 +106,8 @@ pub fn run(args: &CaptureArgs) -> Result<()> {
     }
     let mut outputs = Outputs::new(args.force).printing();
     let calibration = args.cal.as_deref().map(|cal| load(cal, &mut outputs)).transpose()?;
-    let mut acquisition = Acquisition::open(&args.device, args.sampling, &mut outputs)?;
+    let setup = args.device.setup(args.sampling, &mut outputs)?;
+    let mut acquisition = Acquisition::open(&args.device, setup)?;
     let info = acquisition.info(args.serial.as_deref(), args.supply_note.as_deref());
     if let (Some(calibration), Some(path)) = (&calibration, &args.cal) {
         check_serial(args, &info, calibration, path)?;

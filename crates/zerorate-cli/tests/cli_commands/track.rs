@@ -1,7 +1,10 @@
 //! `stream --track`: what it prints, and what becomes of its state.
 
 use super::zerorate;
+use crate::harness::command;
+use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
+use std::process::{Child, ChildStdout, Stdio};
 
 const CALIBRATION: &str = "schema = 1\npart = \"ADIS16130\"\nserial = \"A1\"\n[correction]\npbc_dps = -0.8\n\
     btc_dps_per_c = -0.04\nt3_c = 25.0\n";
@@ -31,6 +34,96 @@ impl Folder {
         line.extend(["--duration", duration, "--track", "--state", &state]);
         line.extend(more);
         zerorate(&line)
+    }
+}
+
+/// A run that goes no further than its rows are read: some thousand rows ahead.
+struct Halted {
+    child: Child,
+    rows: BufReader<ChildStdout>,
+}
+
+impl Halted {
+    fn start(folder: &Folder, state: &str) -> Self {
+        let (cal, state) = (folder.path("unit.toml"), folder.path(state));
+        let line =
+            ["stream", "--device", DEVICE, "--cal", &cal, "--serial", "A1", "--rate", "50", "--duration", "10m"];
+        let mut command = command(&[&line[..], &["--track", "--state", &state]].concat());
+        let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the program starts");
+        let mut halted = Self { rows: BufReader::new(child.stdout.take().expect("stdout")), child };
+        halted.read(1);
+        halted
+    }
+
+    /// Lets it go on for so many rows.
+    fn read(&mut self, rows: usize) {
+        for _ in 0..rows {
+            assert!(self.rows.read_line(&mut String::new()).expect("a row") > 0, "the rows ended");
+        }
+    }
+
+    /// The rows that are left, the exit code, and what it said.
+    fn end(mut self) -> (usize, Option<i32>, String) {
+        let rows = self.rows.lines().map(|row| row.expect("a row")).count();
+        let mut said = String::new();
+        self.child.stderr.take().expect("stderr").read_to_string(&mut said).expect("text");
+        (rows, self.child.wait().expect("an end").code(), said)
+    }
+}
+
+/// Rows of ten minutes at 50 Hz; the last share is not complete.
+const ROWS: usize = 29_999;
+
+#[cfg(unix)]
+#[test]
+fn a_state_has_one_stream_at_a_time() {
+    let folder = Folder::new();
+    let first = Halted::start(&folder, "state.toml");
+    let begun = folder.read("state.toml");
+    folder.track("1s", &[]).ended_with(2).saying(&["state.toml is being written by another zerorate"]);
+    assert_eq!(folder.read("state.toml"), begun, "the second has left it");
+    let (_, code, said) = first.end();
+    assert_eq!(code, Some(0), "{said}");
+    let learned = folder.read("state.toml");
+    assert_ne!(learned, begun);
+    folder.track("1s", &[]).ended_with(0);
+    assert_eq!(std::fs::read_dir(folder.0.path()).expect("a folder").count(), 2, "nothing else is left");
+}
+
+/// A run that was killed holds nothing, and what it left goes.
+#[cfg(unix)]
+#[test]
+fn a_stream_that_was_killed_leaves_its_state_free() {
+    let folder = Folder::new();
+    let mut first = Halted::start(&folder, "state.toml");
+    first.child.kill().expect("a process");
+    first.child.wait().expect("an end");
+    assert_eq!(std::fs::read_dir(folder.0.path()).expect("a folder").count(), 3, "it left its claim");
+    folder.track("1s", &[]).ended_with(0);
+    assert_eq!(std::fs::read_dir(folder.0.path()).expect("a folder").count(), 2);
+}
+
+/// The folder of the state goes away, as a full disk does: no row is lost, and where it comes back nothing else is.
+#[cfg(unix)]
+#[test]
+fn a_state_that_cannot_be_written_ends_no_stream() {
+    for comes_back in [true, false] {
+        let folder = Folder::new();
+        std::fs::create_dir(folder.path("disk")).expect("a folder");
+        let mut stream = Halted::start(&folder, "disk/state.toml");
+        std::fs::rename(folder.path("disk"), folder.path("gone")).expect("renamed");
+        let read = 15_000;
+        stream.read(read);
+        if comes_back {
+            std::fs::rename(folder.path("gone"), folder.path("disk")).expect("renamed");
+        }
+        let (rows, code, said) = stream.end();
+        assert!((rows + read).abs_diff(ROWS) <= 1, "{rows} rows: {said}");
+        assert_eq!(said.matches("warning: not-kept: what was learned cannot be written").count(), 1, "{said}");
+        assert_eq!(said.contains("what was learned is in"), comes_back, "{said}");
+        assert_eq!(code, Some(if comes_back { 0 } else { 1 }), "{said}");
+        assert!(said.contains("s of rest learned from"), "{said}");
+        assert_eq!(said.contains("error: cannot write"), !comes_back, "{said}");
     }
 }
 

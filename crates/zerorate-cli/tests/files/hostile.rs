@@ -252,3 +252,47 @@ fn a_calibration_holds_numbers_that_can_be() {
     let said = bench.zerorate("report span.toml").fails(1);
     assert!(said.contains("line 8: temp_min_c must be a temperature"), "{said}");
 }
+
+/// Files of text are small, and a name may lead to anything: devices and pipes without an end, files that are nothing
+/// but a hole. Less address space than any of them has bytes.
+#[cfg(target_os = "linux")]
+#[test]
+fn whatever_is_read_whole_has_a_bound() {
+    let bench = Bench::new();
+    bench.write("unit.toml", calibration(-0.25, -0.04, 24.0));
+    bench.write("rest.csv", capture("A1", "1000,1,8623488,8,8402701,0\n"));
+    File::create(bench.path("hole")).unwrap().set_len(10 << 30).unwrap();
+    let text = [
+        "export FILE --format c",
+        "report FILE",
+        "correct rest.csv --cal FILE -o out",
+        "stream --cal FILE",
+        "stream --cal unit.toml --track --state FILE",
+        "capture --cal FILE --format mcap -o out",
+        "capture --part FILE -o out",
+        "recalibrate rest.csv --part FILE",
+        "chamber FILE",
+        "imu rest.csv --datasheet FILE",
+        "serve --listen 127.0.0.1:0 --cal FILE",
+        "serve --listen 127.0.0.1:0 --token-file FILE",
+    ];
+    let logs = ["allan FILE", "imu FILE", "correct FILE --cal unit.toml -o out", "probe --device replay:FILE"];
+    for line in text.iter().chain(&logs) {
+        for file in ["/dev/zero", "/dev/urandom", "hole"] {
+            let line = line.replace("FILE", file);
+            let run = bench.caged(&line);
+            assert!(matches!(run.code, Some(1 | 2)), "{line}: {run:?}");
+            assert!(run.stderr.contains("error: ") && run.stderr.contains(file), "{line}: {}", run.stderr);
+            assert!(!bench.path("out").exists(), "{line}");
+        }
+    }
+    for line in text.iter().filter(|line| !line.contains("--state")) {
+        let _ = std::fs::remove_file(bench.path("pipe"));
+        assert!(Command::new("mkfifo").arg(bench.path("pipe")).status().unwrap().success());
+        let mut endless =
+            Command::new("sh").args(["-c", "yes 1 > pipe"]).current_dir(bench.path(".")).spawn().unwrap();
+        let run = bench.caged(&line.replace("FILE", "pipe"));
+        assert!(matches!(run.code, Some(1 | 2)) && run.stderr.contains("it has more than"), "{line}: {run:?}");
+        endless.wait().unwrap();
+    }
+}

@@ -9,12 +9,36 @@ const LOG: &str = "gz\n1\n2\n1\n3\n2\n1\n2\n3\n";
 /// The durations of a calibration that these files are no recording of: it would fail, but only after it was refused.
 const SHORT: &str = "--average 2s --warmup 60s --settle 120s --offset 20s --max-u-btc 0.2";
 
+/// A part of one axis, the columns of its logs, and what its data sheet says.
+const PART: &str = r#"schema = 1
+name = "G1"
+axis = [{ name = "z", column = "gz_dps" }]
+[rate]
+lsb_per_dps = 1000
+zero_code = 0
+width_bits = 24
+[temperature]
+lsb_per_c = 100
+zero_code = 0
+zero_c = 25
+width_bits = 16
+column = "temp_c"
+"#;
+const SHEET: &str = "schema = 1\nname = \"G1\"\nsource = \"its maker\"\n[gyroscope]\nnoise_density = { typical = 0.05, \
+    unit = \"°/s/√Hz\" }\n";
+const PLAN: &str = "schema = 1\nname = \"up\"\n[[step]]\nto_c = 25\n[[step]]\nto_c = 40\nc_per_min = 2\n[[step]]\nto_c = 25\nc_per_min = 2\n";
+
 /// A bench with a calibration, a capture, a corrected capture and a log of another gyroscope.
 fn bench() -> Bench {
     let bench = Bench::new();
     bench.write("unit.toml", calibration(-0.25, -0.04, 24.0));
     bench.write("rest.csv", capture("A1", ROWS));
     bench.write("log.csv", LOG);
+    bench.write("part.toml", PART);
+    bench.write("sheet.toml", SHEET);
+    bench.write("plan.toml", PLAN);
+    let rows: String = (0..400).map(|k| format!("{}.{},0.{},25.1\n", k / 10, k % 10, 1 + k * 7 % 9)).collect();
+    bench.write("part.csv", format!("t_s,gz_dps,temp_c\n{rows}"));
     bench.zerorate("correct rest.csv --cal unit.toml -o corrected.csv").ok();
     bench
 }
@@ -46,6 +70,17 @@ fn commands() -> Vec<(String, &'static [&'static str])> {
         (format!("calibrate --device replay:rest.csv {SHORT} --log OUT"), &["rest.csv"]),
         (format!("recalibrate rest.csv {SHORT} -o OUT"), &["rest.csv"]),
         (line("correct rest.csv --cal unit.toml -o OUT"), &["rest.csv", "unit.toml"]),
+        (line("correct rest.csv --cal unit.toml --part adis16130 -o OUT"), &["rest.csv", "unit.toml"]),
+        (line("capture --device replay:part.csv --part part.toml -o OUT"), &["part.csv", "part.toml"]),
+        (line("capture --samples 10 --cal unit.toml --format mcap -o OUT"), &["unit.toml"]),
+        (format!("calibrate --device replay:part.csv --part part.toml {SHORT} -o OUT"), &["part.csv", "part.toml"]),
+        (format!("calibrate --device replay:part.csv --part part.toml {SHORT} --log OUT"), &["part.csv", "part.toml"]),
+        (format!("recalibrate rest.csv --part part.toml {SHORT} -o OUT"), &["rest.csv", "part.toml"]),
+        (line("chamber plan.toml --device replay:rest.csv -o OUT"), &["rest.csv", "plan.toml"]),
+        (line("chamber plan.toml --device replay:rest.csv --report OUT"), &["rest.csv", "plan.toml"]),
+        (line("chamber plan.toml --device twin:seed=1 --log OUT"), &["plan.toml"]),
+        (line("imu part.csv --gyro-unit dps --datasheet sheet.toml --report OUT"), &["part.csv", "sheet.toml"]),
+        (line("imu part.csv --gyro-unit dps --datasheet sheet.toml --format ros -o OUT"), &["part.csv", "sheet.toml"]),
         (line("export unit.toml --format c -o OUT"), &["unit.toml"]),
         (line("report unit.toml -o OUT"), &["unit.toml"]),
         (line("allan log.csv --rate 10 --unit dps --report OUT"), &["log.csv"]),
@@ -227,4 +262,26 @@ fn a_recording_that_replaces_another_leaves_its_hard_links() {
     bench.zerorate("capture --samples 20 -o run.arrows --force").ok();
     assert_eq!(fs::read(bench.path("backup")).unwrap(), older);
     assert_ne!(fs::read(bench.path("run.arrows")).unwrap(), older);
+}
+
+/// Commands without `--force` that write all the same, and files whose names they make themselves.
+#[test]
+fn nor_is_a_state_a_recording_of_a_server_or_what_is_kept_beside_the_output() {
+    let bench = bench();
+    bench.write("token", "0123456789abcdef\n");
+    let serve = "serve --listen 127.0.0.1:0 --no-iio --cal unit.toml --token-file token -o";
+    let stream = "stream --device replay:rest.csv --cal unit.toml --track --state";
+    for line in [
+        format!("{serve} unit.toml"),
+        format!("{serve} token"),
+        format!("{stream} unit.toml"),
+        format!("{stream} rest.csv"),
+    ] {
+        refused(&bench, &line, "same file as the input");
+    }
+    fs::rename(bench.path("plan.toml"), bench.path("out.toml.chamber")).unwrap();
+    refused(&bench, "chamber out.toml.chamber --device twin:seed=1 -o out.toml", "same file as the input");
+    refused(&bench, "chamber f57 --device twin:seed=1 -o new.toml --log new.toml.chamber", "same file as");
+    let said = bench.zerorate(&format!("{serve} log.csv")).fails(2);
+    assert!(said.contains("exists") && !said.contains("--force"), "{said}");
 }

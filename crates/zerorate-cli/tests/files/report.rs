@@ -1,6 +1,7 @@
 //! The page of a calibration, as a browser gets it.
 
 use super::{Bench, calibration};
+use std::fs;
 use zerorate::Measured;
 use zerorate::Validity;
 use zerorate::calibration::{Calibration, Run, Uncertainties};
@@ -162,4 +163,29 @@ fn the_page_of_a_curve() {
     assert!(!line.contains("BTC2") && line.contains("Both coefficients are added"), "{line}");
     let path = |page: &str| page.split("<svg").nth(1).and_then(|rest| rest.split("</svg>").next().map(str::len));
     assert_ne!(path(&line), path(&curve), "the picture shows the curve");
+}
+
+/// A file may be called anything, and pages are also looked at on a terminal.
+#[cfg(unix)]
+#[test]
+fn no_page_and_no_picture_has_control_characters() {
+    let bench = Bench::new();
+    let name = "un\u{1b}]0;title\u{7}\u{9b}2Jit.toml";
+    bench.write(name, calibration(-0.25, -0.04, 24.0));
+    bench.write("log\u{1b}[31m.csv", "gz\n".to_owned() + &"1\n2\n1\n3\n2\n1\n2\n3\n".repeat(40));
+    for line in [
+        format!("report {name} -o a.html"),
+        format!("report {name} -o b.svg"),
+        "allan log\u{1b}[31m.csv --rate 10 --unit dps --report c.html --plot d.svg".to_owned(),
+    ] {
+        let run = bench.zerorate(&line).ended_with(0);
+        let shown = [run.stdout, run.stderr].concat();
+        assert!(!shown.chars().any(|c| c.is_control() && c != '\n'), "{line}: {shown:?}");
+    }
+    bench.write("printed.html", bench.zerorate(&format!("report {name}")).ok());
+    for page in ["a.html", "b.svg", "c.html", "d.svg", "printed.html"] {
+        let text = fs::read_to_string(bench.path(page)).unwrap();
+        let acts = text.char_indices().find(|(_, c)| c.is_control() && *c != '\n');
+        assert!(acts.is_none(), "{page}: {acts:?}");
+    }
 }

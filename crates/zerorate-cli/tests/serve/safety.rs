@@ -208,8 +208,12 @@ fn a_token_of_ones_own_can_be_given() {
     let bench = Bench::new();
     bench.write("token", "correcthorsebattery\n");
     let served = Served::start(&bench, "--token-file token --host bench.local");
-    assert!(served.url.ends_with("#token=correcthorsebattery"), "{}", served.url);
+    assert!(served.url.ends_with("/ with the token of token"), "{}", served.url);
     assert_eq!(code(&served.ask("GET /metrics", "host: bench.local:80\r\n", "")), 401);
+    let bearer = "host: bench.local:80\r\nauthorization: Bearer correcthorsebattery\r\n";
+    assert_eq!(code(&served.ask("GET /metrics", bearer, "")), 200);
+    let said: Vec<String> = served.said().try_iter().collect();
+    assert!(!said.concat().contains("correcthorsebattery"), "a service's journal is read by others: {said:?}");
     bench.write("weak", "1234\n");
     let why = bench.zerorate("serve --listen 127.0.0.1:0 --token-file weak").fails(2);
     assert!(why.contains("16 to 256"), "{why}");

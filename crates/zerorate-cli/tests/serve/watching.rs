@@ -114,6 +114,37 @@ fn requests_are_answered_and_calibrations_kept() {
     assert!(served.get("/metrics").contains("zerorate_corrected_rate_dps{axis="));
 }
 
+/// The id tells coefficients apart, and not what stands beside them.
+#[test]
+fn a_calibration_that_differs_beside_its_coefficients_is_not_taken_for_the_same() {
+    let bench = Bench::new();
+    let unit = "schema = 1\npart = \"ADIS16130\"\n[correction]\npbc_dps = -0.25\nbtc_dps_per_c = -0.04\nt3_c = 31.5\n";
+    let with = |max_c: u32| format!("{unit}[validity]\ntemp_min_c = 20.0\ntemp_max_c = {max_c}.0\n");
+    fs::create_dir(bench.path("shelf")).expect("a folder");
+    let served = Served::start(&bench, "--folder shelf --device twin:seed=4");
+    let mut page = served.watch();
+    let mut add = |max_c: u32| page.ask(&json!({"id": 7, "do": "add-calibration", "toml": with(max_c)}));
+    let id = add(40)["ok"]["id"].as_str().expect("an id").to_owned();
+    assert_eq!(add(40)["ok"]["id"], json!(id), "the same once more");
+    let refused = add(60);
+    assert!(refused["error"].as_str().is_some_and(|why| why.contains("[validity]") && why.contains(&id)), "{refused}");
+    // what was removed stays, each by its own name
+    let kept = bench.path(&format!("shelf/calibration-{id}.toml"));
+    let away = |ending: &str| bench.path(&format!("shelf/calibration-{id}.toml.removed-{id}{ending}"));
+    for (max_c, ending) in [(40, ""), (60, "-2"), (80, "-3")] {
+        let added = page.ask(&json!({"id": 8, "do": "add-calibration", "toml": with(max_c)}));
+        assert_eq!(added["ok"]["range_c"], json!([20.0, f64::from(max_c)]), "{added}");
+        assert!(wait_until(|| kept.exists()), "{}", kept.display());
+        let removed = page.ask(&json!({"id": 9, "do": "remove-calibration", "calibration": id}));
+        assert_eq!(removed["ok"], json!({}), "{removed}");
+        assert!(wait_until(|| away(ending).exists()), "{}", away(ending).display());
+    }
+    for (max_c, ending) in [(40, ""), (60, "-2"), (80, "-3")] {
+        let text = fs::read_to_string(away(ending)).expect("a file");
+        assert!(text.contains(&format!("temp_max_c = {max_c}")), "{text}");
+    }
+}
+
 #[test]
 fn a_part_that_is_gone_is_said_to_be_and_can_be_opened_again() {
     let bench = Bench::new();

@@ -214,10 +214,12 @@ pub const ALL: &[Explanation] = &[
     Explanation {
         code: "not-kept",
         says: Says::Warning,
-        by: &["serve"],
-        seen: "Calibrations that are made on the page have no folder, or could not be written.",
-        matters: "They are lost when the program ends.",
-        remedy: "Download them from the page, or give the program a folder.",
+        by: &["serve", "stream", "chamber"],
+        seen: "What a run keeps for later has no place: calibrations that are made on the page, the state of the \
+               tracking, or the finished steps of a measurement in a chamber. The disk may be full.",
+        matters: "The run goes on, and its results are right. What is not kept is lost when the program ends.",
+        remedy: "Make room: the state and the steps are written again a minute or a step later. Download calibrations \
+                 from the page, or give the program a folder.",
         command: "zerorate serve --folder calibrations",
     },
     Explanation {

@@ -108,25 +108,36 @@ struct ResultArgs {
     json: bool,
 }
 
+impl ResultArgs {
+    /// Before anything is read.
+    fn outputs(&self) -> Outputs {
+        Outputs::new(self.force).printing()
+    }
+}
+
 pub fn run(args: &CalibrateArgs) -> Result<()> {
-    let mut files = Files::claim(args.device.file(), &args.result, args.log.as_deref())?;
-    let acquisition = Acquisition::open(&args.device, args.sampling, &mut files.outputs)?;
+    let mut outputs = args.result.outputs();
+    let setup = args.device.setup(args.sampling, &mut outputs)?;
+    let files = Files::claim(outputs, &args.result, args.log.as_deref())?;
+    let acquisition = Acquisition::open(&args.device, setup)?;
     calibrate(acquisition, args.plan.plan(args.device.file().is_some()), &args.result, files)
 }
 
 pub fn run_again(args: &RecalibrateArgs) -> Result<()> {
     interrupt::listen();
-    let mut files = Files::claim(Some(&args.capture), &args.result, None)?;
+    let mut outputs = args.result.outputs().reading([&*args.capture])?;
+    let setup = Setup { part: args.part.named(&mut outputs)?, ..Setup::default() };
+    let files = Files::claim(outputs, &args.result, None)?;
     let recording = DeviceSpec::replay(args.capture.clone());
-    let setup = Setup { part: args.part.named(&mut files.outputs)?, ..Setup::default() };
     let acquisition = Acquisition::unpaced(&recording, setup, interrupt::stop())?;
     calibrate(acquisition, args.plan.plan(true), &args.result, files)
 }
 
 /// The measurement alone, for another program: prints nothing, leaves Ctrl-C alone, and ends when `watch` says so.
 pub fn measured(args: &CalibrateArgs, watch: &mut dyn Watch) -> Result<(Report, Calibration)> {
-    let mut files = Files::claim(args.device.file(), &args.result, args.log.as_deref())?;
-    let setup = args.device.setup(args.sampling, &mut files.outputs)?;
+    let mut outputs = args.result.outputs();
+    let setup = args.device.setup(args.sampling, &mut outputs)?;
+    let files = Files::claim(outputs, &args.result, args.log.as_deref())?;
     let acquisition = Acquisition::unpaced(&args.device.device, setup, &Stop::default())?;
     let procedure = procedure(acquisition.part(), args.plan.plan(args.device.file().is_some()), watch.names())?;
     let Done { report, calibration, kept } = measure(acquisition, procedure, &args.result, files, watch)?;
@@ -199,8 +210,7 @@ struct Files {
 }
 
 impl Files {
-    fn claim(input: Option<&Path>, result: &ResultArgs, log: Option<&Path>) -> Result<Self> {
-        let mut outputs = Outputs::new(result.force).printing().reading(input)?;
+    fn claim(mut outputs: Outputs, result: &ResultArgs, log: Option<&Path>) -> Result<Self> {
         Ok(Self {
             calibration: result.output.as_deref().map(|path| outputs.derived(path)).transpose()?,
             log: log.map(Path::to_owned),

@@ -21,7 +21,7 @@ use std::path::PathBuf;
 use zerorate::EARTH_DPS;
 use zerorate::chamber::ChamberProcedure;
 use zerorate_data::capture::{CaptureInfo, Format};
-use zerorate_host::{Air, Apart, ChamberSpec, Facts, SimulatedChamber};
+use zerorate_host::{Air, Apart, ChamberSpec, Facts, Setup, SimulatedChamber};
 use zerorate_view::duration::Seconds;
 
 /// Calibrates a part over the temperatures of a chamber.
@@ -163,7 +163,7 @@ fn drive(args: &ChamberArgs, chamber: Option<ChamberSpec>, plan: &PlanFile, file
 /// The part and the files, before the first sample.
 fn ready(args: &ChamberArgs, plan: &PlanFile, files: &mut Files, air: Option<Air>) -> Result<Ready> {
     let is_simulated = air.is_some();
-    let mut acquisition = Acquisition::open_in(&args.device, args.sampling, air, &mut files.outputs)?;
+    let mut acquisition = Acquisition::open(&args.device, Setup { air, ..files.setup.clone() })?;
     if files.report_kind.is_some() && acquisition.part().axes.len() > 1 {
         let why = "a picture shows one axis, and this part has several: write a page (.html) as --report";
         return Err(Usage(why.to_owned()).into());
@@ -212,18 +212,23 @@ struct Files {
     log: Option<PathBuf>,
     /// Where finished steps are kept.
     steps: Option<Slot>,
+    /// How the part is to be read, which may need a file as well.
+    setup: Setup,
 }
 
 impl Files {
-    fn claim(args: &ChamberArgs, outputs: Outputs) -> Result<Self> {
-        let mut outputs = outputs.reading(args.device.file())?;
-        let steps = args.output.as_deref().filter(|_| args.device.file().is_none()).map(Kept::beside);
+    fn claim(args: &ChamberArgs, mut outputs: Outputs) -> Result<Self> {
+        let setup = args.device.setup(args.sampling, &mut outputs)?;
+        let is_replayed = args.device.file().is_some();
+        // beside a device there is no place for files
+        let output = args.output.as_deref().filter(|path| !is_replayed && (!path.exists() || path.is_file()));
         Ok(Self {
-            steps: steps.map(|path| outputs.slot(&path)).transpose()?,
             calibration: args.output.as_deref().map(|path| outputs.derived(path)).transpose()?,
             report: args.report.as_deref().map(|path| outputs.derived(path)).transpose()?,
             report_kind: args.report.as_deref().and_then(|path| Kind::of(path).ok()),
             log: args.log.clone(),
+            steps: output.map(|path| outputs.slot(&Kept::beside(path))).transpose()?,
+            setup,
             outputs,
         })
     }

@@ -103,7 +103,8 @@ struct SelfTested {
 }
 
 pub fn run(args: &ProbeArgs) -> Result<()> {
-    let mut acquisition = Acquisition::open(&args.device, args.sampling, &mut Outputs::without_force())?;
+    let setup = args.device.setup(args.sampling, &mut Outputs::without_force())?;
+    let mut acquisition = Acquisition::open(&args.device, setup)?;
     let revision = acquisition.initialise()?;
     let bus = acquisition.try_bus()?;
     let self_test = match &args.self_test {

@@ -74,7 +74,8 @@ pub fn run(args: &StreamArgs) -> Result<()> {
     let mut outputs = Outputs::without_force();
     let calibration = load(&args.cal, &mut outputs)?;
     let period_ns = args.rate.map(period_ns).transpose()?.unwrap_or(1);
-    let mut acquisition = Acquisition::open(&args.device, args.sampling, &mut outputs)?;
+    let setup = args.device.setup(args.sampling, &mut outputs)?;
+    let mut acquisition = Acquisition::open(&args.device, setup)?;
     check_serial(args, acquisition.facts(), &calibration)?;
     acquisition.initialise()?;
     let created = acquisition.facts().info.created.clone();
