@@ -424,7 +424,7 @@ fn what_leads_on() {
             "imu imu.csv --datasheet sheet.toml",
             "docs/formats/datasheet.md): line 4, `noise_densty = 1`: unknown field `noise_densty`, expected one of",
         ),
-        ("imu imu.csv --datasheet binary.toml", "binary.toml: not the file of a data sheet: it is no text"),
+        ("imu imu.csv --datasheet binary.toml", "binary.toml: not the file of a data sheet: it is not text"),
         (
             "imu imu.csv -o x.yaml --format kf-gins --column 1,2",
             "2 gyroscope axes, and KF-GINS takes three; choose three with --column",
