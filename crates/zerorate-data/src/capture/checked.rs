@@ -28,9 +28,7 @@ pub struct Checked {
 enum Checks {
     /// Schema 1: nothing.
     Absent,
-    /// Schema 2, and no block was read yet.
-    Expected(Chain),
-    /// Each block is checked.
+    /// Schema 2: each block is checked.
     Chained(Chain),
     /// Schema 2 that other software has written again: description and columns stayed, the checks of the rows did not.
     Stripped,
@@ -65,7 +63,7 @@ impl Checked {
                     "the description or the columns are not those that were recorded (their check differs)",
                 );
             }
-            _ => Checks::Expected(Chain::new(&schema, &info.layout)),
+            _ => Checks::Chained(Chain::new(&schema, &info.layout)),
         };
         Rows::from_batch(path, "columns", &RecordBatch::new_empty(schema), &info.layout)?;
         Ok(Self {
@@ -103,7 +101,7 @@ impl Checked {
 
     /// Whether checks vouch for every row read so far.
     pub fn is_checked(&self) -> bool {
-        matches!(self.checks, Checks::Expected(_) | Checks::Chained(_))
+        matches!(self.checks, Checks::Chained(_))
     }
 
     /// Whether the file ends where no end should be.
@@ -153,26 +151,24 @@ impl Checked {
 
     fn check_block(&mut self, place: &str, batch: &RecordBatch, rows: &Rows) -> Result<(), CaptureError> {
         let stated = self.source.stated().check.as_deref();
-        self.checks = match (std::mem::replace(&mut self.checks, Checks::Absent), stated) {
-            (Checks::Expected(_), None) if self.source.may_be_stripped() => Checks::Stripped,
-            (Checks::Expected(mut chain) | Checks::Chained(mut chain), stated) => {
+        let may_be_stripped = self.found.rows == 0 && self.source.may_be_stripped();
+        let what = match (&mut self.checks, stated) {
+            (Checks::Absent, _) | (Checks::Stripped, None) => return Ok(()),
+            (Checks::Chained(_), None) if may_be_stripped => {
+                self.checks = Checks::Stripped;
+                return Ok(());
+            }
+            (Checks::Stripped, Some(_)) => "it has a check, and those before have none",
+            (Checks::Chained(_), None) => "it has no check, though it should",
+            (Checks::Chained(chain), Some(stated)) => {
                 chain.take(rows, batch);
-                let what = match stated {
-                    Some(stated) if *stated == chain.seal() => None,
-                    Some(_) => Some("its check differs: values were changed, or batches removed, repeated or moved"),
-                    None => Some("it has no check, though it should"),
-                };
-                if let Some(what) = what {
-                    return Err(CaptureError::damaged(&self.path, place, what));
+                if *stated == chain.seal() {
+                    return Ok(());
                 }
-                Checks::Chained(chain)
+                "its check differs: values were changed, or batches removed, repeated or moved"
             }
-            (Checks::Stripped, Some(_)) => {
-                return Err(CaptureError::damaged(&self.path, place, "it has a check, and those before have none"));
-            }
-            (unchecked, _) => unchecked,
         };
-        Ok(())
+        Err(CaptureError::damaged(&self.path, place, what))
     }
 
     fn check_end(&mut self) -> Result<(), CaptureError> {
@@ -180,9 +176,9 @@ impl Checked {
             return self.succession.review().map_err(|what| self.contradiction("the first rows", &what));
         }
         let (chain, end) = match (&self.checks, self.source.stated().end.as_ref()) {
-            (Checks::Expected(chain) | Checks::Chained(chain), Some(end)) => (chain, end),
+            (Checks::Chained(chain), Some(end)) => (chain, end),
             (Checks::Stripped, None) if !self.source.stated().torn => return Ok(()),
-            (Checks::Expected(_) | Checks::Chained(_), None) if self.source.stated().torn => return Ok(()),
+            (Checks::Chained(_), None) if self.source.stated().torn => return Ok(()),
             _ => {
                 return Err(self.wrong_end(
                     "it was closed, and what stands at the end of a closed capture is missing: \
@@ -233,7 +229,7 @@ impl Checked {
     /// The sample hash of the rows read so far, where checks were followed.
     pub fn samples_sha256(&self) -> Option<String> {
         match &self.checks {
-            Checks::Expected(chain) | Checks::Chained(chain) => Some(chain.samples_sha256()),
+            Checks::Chained(chain) => Some(chain.samples_sha256()),
             Checks::Absent | Checks::Stripped => None,
         }
     }
