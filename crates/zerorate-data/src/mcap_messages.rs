@@ -1,11 +1,13 @@
 //! Messages of an MCAP file.
 
+use crate::Input;
 use crate::limits::{NoRoom, Room};
 use crate::survive::survive;
 use mcap::io::MessageReader;
-use mcap::sans_io::LinearReaderOptions;
-use mcap::{McapError, Message};
-use std::io::{BufReader, Read};
+use mcap::sans_io::{LinearReaderOptions, SummaryReadEvent, SummaryReader, SummaryReaderOptions};
+use mcap::{McapError, McapResult, Message, Summary};
+use std::collections::BTreeMap;
+use std::io::{BufReader, Read, Seek};
 
 /// Bytes that a read asks the system for.
 const BUFFER: usize = 1 << 18;
@@ -36,26 +38,26 @@ impl Torn {
     pub fn is_end(&self) -> bool {
         matches!(self, Self::Format(McapError::UnexpectedEof))
     }
+
+    /// Whether a check shows that bytes were changed, so that messages before may be wrong as well.
+    pub fn is_changed(&self) -> bool {
+        use McapError::{BadChunkCrc, BadDataCrc, DecompressionError};
+        matches!(self, Self::Format(BadChunkCrc { .. } | BadDataCrc { .. } | DecompressionError(_)))
+    }
 }
 
 /// What a message takes besides its data: the head of its record.
 const MESSAGE_HEAD: u64 = 31;
 
 impl<R: Read> Messages<R> {
-    /// A record is as long as the room at most, whatever length it states.
+    /// A record is as long as the room at most, whatever length it states. The file is held to its checks: of each
+    /// chunk behind its messages, and of all in front of its end.
     pub fn new(file: R, room: Room) -> Self {
-        Self::with(file, room, LinearReaderOptions::default())
-    }
-
-    /// The same, where a file is held to all that it states: of its chunks, and of all in front of its end.
-    pub fn checked(file: R, room: Room) -> Self {
-        let options = LinearReaderOptions::default().with_validate_chunk_crcs(true);
-        Self::with(file, room, options.with_validate_data_section_crc(true))
-    }
-
-    fn with(file: R, room: Room, options: LinearReaderOptions) -> Self {
         let longest = usize::try_from(room.bytes()).unwrap_or(usize::MAX);
-        let options = options.with_record_length_limit(longest);
+        let options = LinearReaderOptions::default()
+            .with_record_length_limit(longest)
+            .with_validate_chunk_crcs(true)
+            .with_validate_data_section_crc(true);
         let reader = MessageReader::new_with_options(BufReader::with_capacity(BUFFER, file), options);
         Self { reader: Some(reader), room, bytes: 0 }
     }
@@ -72,6 +74,38 @@ impl<R: Read> Messages<R> {
             Ok(message)
         }))
     }
+}
+
+/// How many messages of each topic a file states at its end; nothing where it was not closed, or does not say.
+pub fn stated(file: &mut Input, room: Room) -> BTreeMap<String, u64> {
+    let summary = survive(|| summary(file, room)).and_then(Result::ok).flatten();
+    let Some((counts, summary)) = summary.and_then(|summary| Some((summary.stats.clone()?, summary))) else {
+        return BTreeMap::new();
+    };
+    let mut stated = BTreeMap::new();
+    for (channel, count) in counts.channel_message_counts {
+        if let Some(channel) = summary.channels.get(&channel) {
+            *stated.entry(channel.topic.clone()).or_default() += count;
+        }
+    }
+    stated
+}
+
+fn summary(file: &mut Input, room: Room) -> McapResult<Option<Summary>> {
+    let longest = usize::try_from(room.bytes()).unwrap_or(usize::MAX);
+    let options = SummaryReaderOptions::default().with_record_length_limit(longest).with_file_size(file.length()?);
+    let mut reader = SummaryReader::new_with_options(options);
+    file.rewind()?;
+    while let Some(event) = reader.next_event() {
+        match event? {
+            SummaryReadEvent::ReadRequest(bytes) => {
+                let read = file.read(reader.insert(bytes))?;
+                reader.notify_read(read);
+            }
+            SummaryReadEvent::SeekRequest(to) => reader.notify_seeked(file.seek(to)?),
+        }
+    }
+    Ok(reader.finish())
 }
 
 impl<R: Read> Iterator for Messages<R> {

@@ -4,6 +4,7 @@
 
 use super::choice::{Choice, Columns, same_length};
 use super::clock::Times;
+use super::lzf;
 use super::number::Number;
 use super::open::Log;
 use super::series::SeriesBuilder;
@@ -14,12 +15,16 @@ use crate::limits::Room;
 use crate::survive::survive;
 use hdf5_reader::datatype_api::CompoundField;
 use hdf5_reader::error::{ByteOrder, Error};
+use hdf5_reader::filters::FilterRegistry;
 use hdf5_reader::group::Group;
 use hdf5_reader::storage::{Storage, StorageBuffer};
 use hdf5_reader::{Dataset, Datatype, H5Type, Hdf5File, OpenOptions, SliceInfo, SliceInfoElem};
 use parquet::file::reader::ChunkReader;
 use std::path::Path;
 use std::sync::Arc;
+
+/// The number of h5py's own way to pack, as the HDF Group lists them.
+const LZF: u16 = 32000;
 
 /// Columns of a data set at most: with more it is rather an image.
 const MAX_COLUMNS: u64 = 4096;
@@ -58,7 +63,7 @@ pub fn read(log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
             let wrong = |what: String| CaptureError::damaged(path, format!("data set {}", column.name), what);
             let read = survive(|| column.read(start, rows.min(start + ROWS as u64)));
             let mut cells =
-                (start..).zip(read.ok_or_else(|| senseless(path))?.map_err(|error| wrong(error.to_string()))?);
+                (start..).zip(read.ok_or_else(|| senseless(path))?.map_err(|error| wrong(said(&error)))?);
             let taken = match values.get_mut(at) {
                 Some(values) => cells.try_for_each(|(row, cell)| push(values, row, cell)),
                 None => cells.try_for_each(|(row, cell)| push_time(&mut times, row, cell)),
@@ -78,7 +83,8 @@ fn sets(path: &Path, input: Input, room: Room) -> Result<Vec<Set>, CaptureError>
         .with_max_chunk_bytes(most)
         .with_chunk_cache_bytes(most.min(CACHE))
         .with_max_read_bytes(most)
-        .with_max_object_header_bytes(MAX_HEADER);
+        .with_max_object_header_bytes(MAX_HEADER)
+        .with_filter_registry(filters(most));
     let length = input.length().map_err(|error| CaptureError::io("read", path, error))?;
     let cut = if starts_as_matlab(&input) { '.' } else { '/' };
     let found = survive(|| {
@@ -88,8 +94,28 @@ fn sets(path: &Path, input: Input, room: Room) -> Result<Vec<Set>, CaptureError>
         sets.sort_by(|one: &Set, other| one.name.cmp(&other.name));
         Ok::<_, Error>(sets)
     });
-    let damaged = |error: Error| CaptureError::damaged(path, "as an HDF5 file", error.to_string());
+    let damaged = |error: Error| CaptureError::damaged(path, "as an HDF5 file", said(&error));
     found.ok_or_else(|| senseless(path))?.map_err(damaged)
+}
+
+/// Those of the library, and LZF.
+fn filters(most: usize) -> FilterRegistry {
+    let mut filters = FilterRegistry::new();
+    let unpack = move |_: &_, packed: &[u8], _| {
+        lzf::unpacked(packed, most).ok_or_else(|| Error::DecompressionError("LZF: it makes no sense".to_owned()))
+    };
+    filters.register(LZF, Box::new(unpack));
+    filters
+}
+
+/// What is wrong; of a way to pack that is not known, what to do.
+fn said(error: &Error) -> String {
+    match error {
+        Error::UnsupportedFilter(_) => {
+            format!("{error}, which is not read; `h5repack -f GZIP=6 FILE NEW.h5` packs it in a way that is")
+        }
+        error => error.to_string(),
+    }
 }
 
 fn senseless(path: &Path) -> CaptureError {

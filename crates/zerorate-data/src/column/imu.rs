@@ -191,9 +191,14 @@ impl<'a> Collector<'a> {
         Ok(())
     }
 
-    /// All messages were read; `torn` says where the file is.
-    pub fn finish(self, torn: Option<String>) -> Found {
-        let Self { wanted, values, times, .. } = self;
+    /// All messages were read; `torn` says where the file is, and `stated` how many messages there are by its own
+    /// account.
+    pub fn finish(self, torn: Option<String>, stated: Option<u64>) -> Found {
+        let Self { path, wanted, values, times, messages } = self;
+        let miscounted = match (&torn, stated) {
+            (None, Some(stated)) if stated != messages => Some(miscounted(path, &wanted.topic, stated, messages)),
+            _ => None,
+        };
         let clock = times.map_or(Clock::Silent, |mut times| {
             times.unit = Some(TimeUnit::Ns);
             Clock::Column(format!("{}.header.stamp", wanted.topic), times)
@@ -209,8 +214,18 @@ impl<'a> Collector<'a> {
             warnings: Vec::new(),
         };
         let columns = wanted.all.into_iter().zip(values).map(column).collect();
-        Found { columns, clock, warnings: Note::torn(torn) }
+        Found { columns, clock, warnings: Note::torn(torn).into_iter().chain(miscounted).collect() }
     }
+}
+
+/// A bag states how many messages of a topic it has, and has another number of them.
+pub fn miscounted(path: &Path, topic: &str, stated: u64, found: u64) -> Note {
+    let text = format!(
+        "{} states {stated} messages of {topic} and holds {found}: it is damaged, or a part of it is missing or came \
+         from elsewhere; take another copy",
+        path.display()
+    );
+    Note::new("messages-miscounted", text)
 }
 
 #[cfg(feature = "zstd")]

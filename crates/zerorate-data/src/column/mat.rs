@@ -1,5 +1,8 @@
 //! MATLAB files of version 5 to 7.2 (MathWorks, MAT-File Format, R2023b): matrices of real numbers, by the name of the
 //! variable, and those in structures of one element by `variable.field`. Any other variable is none of the log's.
+//!
+//! What is packed carries a check (Adler-32), what is not packed carries none. A matrix of numbers that contradicts
+//! itself is an error: were it left out, nobody would miss its columns.
 
 use super::choice::{Choice, Columns, same_length};
 use super::clock::Times;
@@ -38,7 +41,10 @@ pub fn read(log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
     let Log { path, input, room, .. } = log;
     let mut file = BufReader::with_capacity(BUFFER, input);
     let (variables, torn) = variables(path, &mut file, room)?;
-    let columns: Vec<Variable<'_>> = variables.iter().flat_map(Element::columns).collect();
+    let mut columns: Vec<Variable<'_>> = Vec::new();
+    for (number, variable) in variables.iter().enumerate() {
+        variable.columns(&mut columns).map_err(|what| damaged(path, number, &what))?;
+    }
     let names = columns.iter().map(|column| column.name.as_str()).collect();
     let all = Columns { path, names, numeric: vec![true; columns.len()], settings: asked.args.names };
     let Choice { values: chosen, time } = all.choose(asked.wanted, asked.args, &[])?;
@@ -59,56 +65,81 @@ fn variables(
     file: &mut BufReader<crate::Input>,
     room: Room,
 ) -> Result<(Vec<Element>, Option<String>), CaptureError> {
-    let mut head = [0; HEAD];
-    let damaged = |what: &str| CaptureError::damaged(path, "as a MATLAB file", what);
-    file.read_exact(&mut head).map_err(|_| damaged("it ends in its head"))?;
-    let big_endian = match &head[HEAD - 2..] {
-        b"IM" => false,
-        b"MI" => true,
-        _ => return Err(damaged("its head does not tell the order of bytes")),
-    };
-    let (mut all, mut bytes, mut torn) = (Vec::new(), 0u64, None);
-    loop {
-        let mut tag = [0; 8];
-        let mut data = Vec::new();
-        let read = file.read_exact(&mut tag).ok();
-        if read.is_none() {
-            break;
+    let big_endian = is_big_endian(path, file)?;
+    let (mut all, mut bytes) = (Vec::new(), 0u64);
+    while let Some(Packed { kind, length, data }) = Packed::next(path, file, big_endian)? {
+        if data.len() < length {
+            let path = path.display();
+            return Ok((all, Some(format!("{path} ends inside a variable, which is dropped"))));
         }
-        let (kind, length) = (number(&tag[..4], big_endian), number(&tag[4..], big_endian));
-        let there = file.take(length.into()).read_to_end(&mut data);
-        let there = there.map_err(|error| CaptureError::io("read", path, error))?;
-        let kind = if kind == COMPRESSED {
-            data = unpacked(&data, room);
-            None
-        } else {
-            Some(kind)
+        let wrong = |what: &str| damaged(path, all.len(), what);
+        let data = match kind {
+            MATRIX => data,
+            COMPRESSED => unpacked(&data, room).map_err(|what| wrong(&what))?,
+            kind => return Err(wrong(&format!("it is an element of type {kind}, which no variable has"))),
         };
         bytes = bytes.saturating_add(data.len() as u64);
         room.check(bytes).map_err(|why| CaptureError::no_room(path, why))?;
         // a packed element has its tag inside
-        let element = match kind {
-            Some(kind) => Element::new(kind, data, big_endian),
-            None => Parts { bytes: &data, big_endian }
-                .next()
-                .map(|(kind, part)| (kind, part.to_vec()))
-                .and_then(|(kind, part)| Element::new(kind, part, big_endian)),
+        let data = match (kind, (Parts { bytes: &data, big_endian }).next()) {
+            (MATRIX, _) => data,
+            (_, Some((MATRIX, part))) => part.to_vec(),
+            _ => return Err(wrong("what is packed in it is not a matrix, or is too short")),
         };
-        all.extend(element);
-        if (there as u64) < u64::from(length) {
-            let path = path.display();
-            torn = Some(format!("{path} ends inside a variable, which is dropped"));
-            break;
-        }
+        all.push(Element { data, big_endian });
     }
-    Ok((all, torn))
+    Ok((all, None))
 }
 
-fn unpacked(packed: &[u8], room: Room) -> Vec<u8> {
+/// What is wrong with a variable, by its number counted from 1.
+fn damaged(path: &Path, before: usize, what: &str) -> CaptureError {
+    CaptureError::damaged(path, format!("variable {} of a MATLAB file", before + 1), what)
+}
+
+/// The order of bytes, which the head tells.
+fn is_big_endian(path: &Path, file: &mut BufReader<crate::Input>) -> Result<bool, CaptureError> {
+    let mut head = [0; HEAD];
+    let damaged = |what: &str| CaptureError::damaged(path, "as a MATLAB file", what);
+    file.read_exact(&mut head).map_err(|_| damaged("it ends in its head"))?;
+    match &head[HEAD - 2..] {
+        b"IM" => Ok(false),
+        b"MI" => Ok(true),
+        _ => Err(damaged("its head does not tell the order of bytes")),
+    }
+}
+
+/// An element as it stands in the file.
+struct Packed {
+    kind: u32,
+    /// How many bytes of data it states.
+    length: usize,
+    /// Those that are there.
+    data: Vec<u8>,
+}
+
+impl Packed {
+    /// None at the end of the file. One whose tag is cut off has no data.
+    fn next(path: &Path, file: &mut BufReader<crate::Input>, big_endian: bool) -> Result<Option<Self>, CaptureError> {
+        let failed = |error| CaptureError::io("read", path, error);
+        let (mut tag, mut data) = (Vec::new(), Vec::new());
+        file.take(8).read_to_end(&mut tag).map_err(failed)?;
+        if tag.is_empty() {
+            return Ok(None);
+        }
+        let Some((kind, length)) = tag.split_at_checked(4).filter(|(_, length)| length.len() == 4) else {
+            return Ok(Some(Self { kind: MATRIX, length: 8, data }));
+        };
+        let (kind, length) = (number(kind, big_endian), number(length, big_endian));
+        file.take(length.into()).read_to_end(&mut data).map_err(failed)?;
+        Ok(Some(Self { kind, length: length as usize, data }))
+    }
+}
+
+fn unpacked(packed: &[u8], room: Room) -> Result<Vec<u8>, String> {
     let mut bytes = Vec::new();
-    // what does not unpack is no variable; what is too much is found by its length
-    let _ = ZlibDecoder::new(packed).take(room.bytes().saturating_add(1)).read_to_end(&mut bytes);
-    bytes
+    // what is too much is found by its length
+    let read = ZlibDecoder::new(packed).take(room.bytes().saturating_add(1)).read_to_end(&mut bytes);
+    read.map(|_| bytes).map_err(|error| format!("it cannot be unpacked ({error}): take another copy of the file"))
 }
 
 fn number(bytes: &[u8], big_endian: bool) -> u32 {
@@ -144,6 +175,13 @@ impl<'a> Iterator for Parts<'a> {
     }
 }
 
+impl<'a> Parts<'a> {
+    /// The next part, which must be there.
+    fn part(&mut self, what: &str) -> Result<(u32, &'a [u8]), String> {
+        self.next().ok_or_else(|| format!("its {what} are missing or cut short"))
+    }
+}
+
 /// A variable: its bytes.
 struct Element {
     data: Vec<u8>,
@@ -151,14 +189,9 @@ struct Element {
 }
 
 impl Element {
-    fn new(kind: u32, data: Vec<u8>, big_endian: bool) -> Option<Self> {
-        (kind == MATRIX).then_some(Self { data, big_endian })
-    }
-
-    fn columns(&self) -> Vec<Variable<'_>> {
-        let mut found = Vec::new();
-        collect(Parts { bytes: &self.data, big_endian: self.big_endian }, "", MAX_DEPTH, &mut found);
-        found
+    /// Adds its columns, of what has any.
+    fn columns<'a>(&'a self, found: &mut Vec<Variable<'a>>) -> Result<(), String> {
+        collect(Parts { bytes: &self.data, big_endian: self.big_endian }, "", MAX_DEPTH, found)
     }
 }
 
@@ -179,38 +212,61 @@ const STRUCTURE: u8 = 2;
 const NUMBERS: std::ops::RangeInclusive<u8> = 6..=15;
 const COMPLEX: u8 = 0x08;
 
-/// Finds the columns of a matrix, whose name is `name` if it has none itself.
-fn collect<'a>(mut parts: Parts<'a>, name: &str, depth: usize, found: &mut Vec<Variable<'a>>) -> Option<()> {
+/// Finds the columns of a matrix, whose name is `name` if it has none itself. What is neither a structure of one
+/// element nor a matrix of real numbers has none.
+fn collect<'a>(
+    mut parts: Parts<'a>,
+    name: &str,
+    depth: usize,
+    found: &mut Vec<Variable<'a>>,
+) -> Result<(), String> {
     let big_endian = parts.big_endian;
-    let depth = depth.checked_sub(1)?;
-    let flags = number(parts.next()?.1, big_endian).to_le_bytes();
-    let dimensions: Vec<u32> = parts.next()?.1.chunks_exact(4).map(|chunk| number(chunk, big_endian)).collect();
-    let own = String::from_utf8_lossy(parts.next()?.1).into_owned();
-    let name = if name.is_empty() { own } else { name.to_owned() };
-    let [rows, columns] = dimensions[..] else { return None };
-    let (rows, columns) = (rows as usize, columns as usize);
-    match flags[0] {
-        STRUCTURE if rows == 1 && columns == 1 => {
-            let length = number(parts.next()?.1, big_endian) as usize;
-            let names = parts.next()?.1.chunks_exact(length.max(1));
-            for field in names {
-                let end = field.iter().position(|byte| *byte == 0).unwrap_or(field.len());
-                let (kind, bytes) = parts.next()?;
-                let name = format!("{name}.{}", String::from_utf8_lossy(&field[..end]));
-                if kind == MATRIX {
-                    collect(Parts { bytes, big_endian }, &name, depth, found);
-                }
-            }
-        }
-        class if NUMBERS.contains(&class) && flags[1] & COMPLEX == 0 => {
-            let (kind, bytes) = parts.next()?;
-            let size = size(kind)?;
-            (rows.checked_mul(columns)?.checked_mul(size)? == bytes.len()).then_some(())?;
-            split(&name, kind, bytes, (rows, columns), big_endian, found);
-        }
-        _ => {}
+    let Some(depth) = depth.checked_sub(1) else { return Ok(()) };
+    let flags = number(parts.part("class")?.1, big_endian).to_le_bytes();
+    let is_of_numbers = NUMBERS.contains(&flags[0]) && flags[1] & COMPLEX == 0;
+    if flags[0] != STRUCTURE && !is_of_numbers {
+        return Ok(());
     }
-    Some(())
+    let dimensions: Vec<u32> =
+        parts.part("size")?.1.chunks_exact(4).map(|chunk| number(chunk, big_endian)).collect();
+    let own = String::from_utf8_lossy(parts.part("name")?.1).into_owned();
+    let name = if name.is_empty() { own } else { name.to_owned() };
+    match dimensions[..] {
+        [1, 1] if flags[0] == STRUCTURE => collect_fields(parts, &name, depth, found),
+        [rows, columns] if is_of_numbers && rows > 0 && columns > 0 => {
+            let (kind, bytes) = parts.part("numbers")?;
+            let (rows, columns) = (rows as usize, columns as usize);
+            let stated = size(kind).and_then(|size| rows.checked_mul(columns)?.checked_mul(size));
+            if stated != Some(bytes.len()) {
+                let there = bytes.len();
+                return Err(format!("`{name}` states {rows} x {columns} numbers of type {kind}, in {there} bytes"));
+            }
+            split(&name, kind, bytes, (rows, columns), big_endian, found);
+            Ok(())
+        }
+        _ => Ok(()),
+    }
+}
+
+/// The columns of the fields of a structure.
+fn collect_fields<'a>(
+    mut parts: Parts<'a>,
+    name: &str,
+    depth: usize,
+    found: &mut Vec<Variable<'a>>,
+) -> Result<(), String> {
+    let big_endian = parts.big_endian;
+    let length = number(parts.part("length of field names")?.1, big_endian) as usize;
+    for field in parts.part("field names")?.1.chunks_exact(length.max(1)) {
+        let end = field.iter().position(|byte| *byte == 0).unwrap_or(field.len());
+        let (kind, bytes) = parts.part("fields")?;
+        let name = format!("{name}.{}", String::from_utf8_lossy(&field[..end]));
+        // an empty one has no parts
+        if kind == MATRIX && !bytes.is_empty() {
+            collect(Parts { bytes, big_endian }, &name, depth, found)?;
+        }
+    }
+    Ok(())
 }
 
 /// A vector is one column, whichever way it lies; of a matrix, what is longer are the samples.

@@ -7,7 +7,7 @@ use super::{Asked, Found, Result};
 use crate::Input;
 use crate::capture::CaptureError;
 use crate::limits::Room;
-use crate::mcap_messages::{Messages, Torn};
+use crate::mcap_messages::{self, Messages, Torn};
 use mcap::Channel;
 use std::collections::BTreeSet;
 use std::io::Seek;
@@ -19,6 +19,7 @@ pub fn read(log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
     let topics = topics(path, &mut file, log.room)?;
     let wanted = Quantities::choose(path, &topics, asked, || survey(&mut file, log.room))?;
     let topic = wanted.topic.clone();
+    let stated = mcap_messages::stated(&mut file, log.room).get(&topic).copied();
     file.rewind().map_err(|error| CaptureError::io("read", path, error))?;
     let mut collector = Collector::new(path, wanted, log.room, asked.args);
     let mut cut = None;
@@ -29,10 +30,14 @@ pub fn read(log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
             }
             Ok(_) => {}
             Err(Torn::NoRoom(why)) => return Err(CaptureError::no_room(path, why).into()),
+            Err(error) if error.is_changed() => {
+                let what = format!("{error}: bytes of it were changed; `mcap recover` saves the chunks that are whole");
+                return Err(CaptureError::damaged(path, "as an MCAP file", what).into());
+            }
             Err(error) => cut = Some(torn(path, &error)),
         }
     }
-    Ok(collector.finish(cut))
+    Ok(collector.finish(cut, stated))
 }
 
 /// The topics with an IMU. Their channels stand anywhere before their first message, so the file is read for them.

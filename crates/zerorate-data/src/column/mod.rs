@@ -4,6 +4,8 @@
 //! Nothing is guessed: what a file does not state must be given as an option, or is said to be unknown.
 
 mod arrow_file;
+#[cfg(test)]
+mod checks;
 mod choice;
 mod clock;
 #[cfg(test)]
@@ -11,9 +13,11 @@ mod foreign;
 mod hdf5;
 mod imu;
 mod judged;
+mod lzf;
 mod mat;
 mod mcap_bag;
 mod npy;
+mod npz;
 mod number;
 mod open;
 mod order;
@@ -281,7 +285,7 @@ fn found(log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
             tabular::read(path, Box::new(source), log.room, asked)
         }
         Form::Npy => npy::read(log, asked),
-        Form::Npz => npy::read_archive(log, asked),
+        Form::Npz => npz::read(log, asked),
         Form::RosBag => rosbag::read(log, asked),
         Form::ULog => ulog::read(log, asked),
         Form::Mat => mat::read(log, asked),

@@ -1,9 +1,9 @@
-//! Columns of NumPy arrays: one dimension, a column of two, or a field of a structured array; of one array, or of all
-//! in an archive (`.npz`).
+//! Columns of NumPy arrays: one dimension, a column of two, or a field of a structured array; of one array, or of
+//! several that lie together.
 
 use super::choice::{Choice, Columns, same_length};
 use super::clock::Times;
-use super::open::{Log, Unpacking};
+use super::open::Log;
 use super::series::SeriesBuilder;
 use super::unit::TimeUnit;
 use super::{Asked, Clock, Found, FoundColumn, Result, wrong};
@@ -12,82 +12,36 @@ use crate::capture::CaptureError;
 use crate::limits::Room;
 use crate::survive::survive;
 use npyz::{DType, Endianness, NpyHeader, Order, TimeUnits, TypeChar, TypeStr};
-use std::io::{self, BufReader, Read, Seek, SeekFrom};
+use std::io::{BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
-use zip::ZipArchive;
-use zip::result::ZipError;
 
 /// Bytes that a read asks the system for.
 const BUFFER: usize = 1 << 18;
 
 /// Reads columns of an array.
 pub fn read(log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
-    let array = OpenArray::new(log.path, log.input, "")?;
-    read_arrays(log.path, log.room, vec![array], asked)
-}
-
-/// Reads columns of the arrays of an archive, each by the name of its array.
-pub fn read_archive(log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
-    let Log { path, input, room, .. } = log;
-    let foreign = |error: ZipError| CaptureError::damaged(path, "as an archive", error.to_string());
-    let again = input.try_clone().map_err(|error| CaptureError::io("read", path, error))?;
-    let opened = survive(|| ZipArchive::new(BufReader::with_capacity(BUFFER, input)));
-    let opened = opened.ok_or_else(|| CaptureError::damaged(path, "as an archive", "its index makes no sense"))?;
-    let mut archive = opened.map_err(foreign)?;
-    let names = archive.file_names().filter_map(|name| Some(name.ok()?.into_owned()));
-    let (names, others): (Vec<String>, Vec<String>) = names.partition(|name| name.ends_with(".npy"));
-    if names.is_empty() {
-        let why = match others.iter().any(|name| name == "xl/workbook.xml") {
-            true => "it is a workbook of Excel; save the sheet as CSV",
-            false => "it is a zip archive without arrays of NumPy; unpack it and name a file in it",
-        };
-        return Err(CaptureError::not_a_log(path, why).into());
-    }
-    let mut bytes = 0;
-    let mut arrays = Vec::new();
-    for name in names {
-        let unpacked = again.unpacked(|out| unpack(&mut archive, &name, room, &mut bytes, out));
-        let unpacked = unpacked.map_err(|why| why.in_file(path, &format!("array {name}")))?;
-        let array = OpenArray::new(path, unpacked, name.trim_end_matches(".npy"))?;
-        // a single number is none of the log's columns
-        arrays.extend((!array.fields.is_empty()).then_some(array));
-    }
-    read_arrays(path, room, arrays, asked)
-}
-
-fn unpack(
-    archive: &mut ZipArchive<BufReader<Input>>,
-    name: &str,
-    room: Room,
-    bytes: &mut u64,
-    out: &mut dyn io::Write,
-) -> Result<(), Unpacking> {
-    let copied = survive(|| {
-        let file = archive.by_name(name).map_err(io::Error::other)?;
-        io::copy(&mut file.take(room.bytes_on_disk().saturating_sub(*bytes).saturating_add(1)), out)
-    });
-    *bytes += copied.unwrap_or_else(|| Err(io::Error::other("its content makes no sense")))?;
-    room.check_on_disk(*bytes).map_err(Unpacking::NoRoom)
+    let Log { path, mut input, room, .. } = log;
+    let length = input.length().map_err(|error| CaptureError::io("read", path, error))?;
+    let array = Array::new(path, &mut input, length, "")?;
+    let mut input = Some(input);
+    read_arrays(path, room, &[array], asked, |_, is_wanted| Ok(input.take().filter(|_| is_wanted)))
 }
 
 /// An array whose header was read.
-struct OpenArray {
-    file: BufReader<Input>,
+pub struct Array {
     fields: Vec<Field>,
     rows: u64,
+    /// Where its data starts.
     start: u64,
 }
 
-impl OpenArray {
-    /// `name` is that of the array in its archive.
-    fn new(path: &Path, input: Input, name: &str) -> Result<Self, CaptureError> {
-        let mut file = BufReader::with_capacity(BUFFER, input);
-        let failed = |error| CaptureError::io("read", path, error);
+impl Array {
+    /// Reads its header; the file has so many bytes. `name` is that of the array in its archive.
+    pub fn new(path: &Path, file: &mut impl Read, length: u64, name: &str) -> Result<Self, CaptureError> {
         let place = if name.is_empty() { "as an NPY file".to_owned() } else { format!("array {name}") };
-        let header = header(&mut file).map_err(|what| CaptureError::damaged(path, place, what))?;
-        let start = file.stream_position().map_err(failed)?;
+        let (header, start) = header(file).map_err(|what| CaptureError::damaged(path, place, what))?;
         let rows = header.shape().first().copied().unwrap_or_default();
-        check_length(path, &header, file.get_ref().length().map_err(failed)?.saturating_sub(start))?;
+        check_length(path, &header, length.saturating_sub(start))?;
         let fields = match (header.shape(), name) {
             ([], name) if !name.is_empty() => Vec::new(),
             (_, "") => fields(path, &header)?,
@@ -96,16 +50,26 @@ impl OpenArray {
                 fields(path, &header).unwrap_or_default().into_iter().map(|field| field.of(name, shape)).collect()
             }
         };
-        Ok(Self { file, fields, rows, start })
+        Ok(Self { fields, rows, start })
+    }
+
+    /// How many columns it has.
+    pub fn columns(&self) -> usize {
+        self.fields.len()
     }
 }
 
-fn read_arrays(path: &Path, room: Room, mut arrays: Vec<OpenArray>, asked: &Asked<'_>) -> Result<Found> {
-    let all = |arrays: &[OpenArray]| -> Vec<(usize, usize)> {
-        let of_array = |(at, array): (usize, &OpenArray)| (0..array.fields.len()).map(move |field| (at, field));
-        arrays.iter().enumerate().flat_map(of_array).collect()
-    };
-    let places = all(&arrays);
+/// Reads columns of arrays. `open` gives the file of an array, by its number; it is called once for each, and told
+/// whether a column of it is wanted.
+pub fn read_arrays(
+    path: &Path,
+    room: Room,
+    arrays: &[Array],
+    asked: &Asked<'_>,
+    mut open: impl FnMut(usize, bool) -> Result<Option<Input>, CaptureError>,
+) -> Result<Found> {
+    let of_array = |(at, array): (usize, &Array)| (0..array.fields.len()).map(move |field| (at, field));
+    let places: Vec<(usize, usize)> = arrays.iter().enumerate().flat_map(of_array).collect();
     let field = |at: &usize| &arrays[places[*at].0].fields[places[*at].1];
     let fields: Vec<&Field> = (0..places.len()).map(|at| field(&at)).collect();
     let numeric = fields.iter().map(|field| field.kind.is_some_and(|kind| kind != Kind::Time)).collect();
@@ -123,10 +87,13 @@ fn read_arrays(path: &Path, room: Room, mut arrays: Vec<OpenArray>, asked: &Aske
     }
     let mut times = Times::new();
     times.unit = time.and_then(|time| field(&time).time_unit);
-    for (at, OpenArray { file, fields, rows, start }) in arrays.iter_mut().enumerate() {
-        let here: Vec<usize> = (0..wanted.len()).filter(|column| places[wanted[*column]].0 == at).collect();
+    let mut of_arrays = vec![Vec::new(); arrays.len()];
+    wanted.iter().enumerate().for_each(|(column, at)| of_arrays[places[*at].0].push(column));
+    for (at, (Array { fields, rows, start }, here)) in arrays.iter().zip(of_arrays).enumerate() {
+        let Some(file) = open(at, !here.is_empty())? else { continue };
+        let mut file = BufReader::with_capacity(BUFFER, file);
         let of_here: Vec<&Field> = here.iter().map(|column| &fields[places[wanted[*column]].1]).collect();
-        each(path, file, *start, *rows, &of_here, |column, cells| match values.get_mut(here[column]) {
+        each(path, &mut file, *start, *rows, &of_here, |column, cells| match values.get_mut(here[column]) {
             Some(values) => push_values(values, cells, of_here[column]),
             None => push_times(&mut times, cells, of_here[column]),
         })?;
@@ -168,8 +135,8 @@ fn push_times(times: &mut Times, cells: &Cells<'_>, field: &Field) -> Result<(),
 }
 
 /// Reads the header, a literal of Python behind its length. The library takes the length for granted and parses nested
-/// brackets in a time that grows exponentially with their depth, so both are looked at first.
-fn header(file: &mut BufReader<Input>) -> Result<NpyHeader, String> {
+/// brackets in a time that grows exponentially with their depth, so both are looked at first. The data starts behind.
+fn header(file: &mut impl Read) -> Result<(NpyHeader, u64), String> {
     let mut bytes = vec![0; START];
     file.read_exact(&mut bytes).map_err(|error| error.to_string())?;
     let wide = bytes[6] > 1;
@@ -185,7 +152,8 @@ fn header(file: &mut BufReader<Input>) -> Result<NpyHeader, String> {
         return Err(format!("its header has brackets more than {MAX_DEPTH} deep, or a backslash"));
     }
     let header = survive(|| NpyHeader::from_reader(bytes.as_slice()));
-    header.ok_or("its header makes no sense")?.map_err(|error| error.to_string())
+    let header = header.ok_or("its header makes no sense")?.map_err(|error| error.to_string())?;
+    Ok((header, bytes.len() as u64))
 }
 
 /// The mark and the version.
@@ -386,7 +354,7 @@ fn each(
     if fields.is_empty() {
         return Ok(());
     }
-    let mut array = Array { path, file, start, rows };
+    let mut array = Data { path, file, start, rows };
     if span(fields) <= fields.first().map_or(0, |field| field.stride) {
         return array.each_block(fields, take);
     }
@@ -402,14 +370,14 @@ fn span(fields: &[&Field]) -> u64 {
 }
 
 /// The data of a file.
-struct Array<'a> {
+struct Data<'a> {
     path: &'a Path,
     file: &'a mut BufReader<Input>,
     start: u64,
     rows: u64,
 }
 
-impl Array<'_> {
+impl Data<'_> {
     fn each_block(
         &mut self,
         fields: &[&Field],

@@ -85,8 +85,13 @@ impl Groups<'_> {
             .map(|column| guarded(self.path, || self.column(group, *column)))
             .collect::<Result<_, _>>()?;
         let pieces = columns[0].len();
-        if columns.iter().any(|column| column.len() != pieces) {
-            return Err(damaged(self.path, "its columns differ in length"));
+        let stated = self.metadata.metadata().row_group(group).num_rows();
+        let has_all = |column: &Vec<ArrayRef>| {
+            column.len() == pieces && column.iter().map(|piece| piece.len() as i64).sum::<i64>() == stated
+        };
+        if !columns.iter().all(has_all) {
+            let what = format!("a column of row group {group} does not have the {stated} rows that the index states");
+            return Err(damaged(self.path, &what));
         }
         Ok((0..pieces).map(|piece| columns.iter().map(|column| column[piece].clone()).collect()).collect())
     }

@@ -27,6 +27,7 @@ const IMU: &str = "sensor_msgs/Imu";
 
 const MESSAGE: u8 = 2;
 const CHUNK: u8 = 5;
+const CHUNK_INFO: u8 = 6;
 const CONNECTION: u8 = 7;
 
 /// Reads quantities of the IMU messages.
@@ -40,10 +41,18 @@ pub fn read(log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
     let topic = wanted.topic.clone();
     let mut collector = Collector::new(path, wanted, room, asked.args);
     let mut records = Records { path, file: &mut file, room, bytes: 0 };
+    let mut stated = None;
     let torn = records.each(false, |record| {
-        let is_wanted = || record.number(b"conn").and_then(|conn| topics.get(&conn)) == Some(&topic);
-        if record.op() == Some(MESSAGE) && is_wanted() {
-            collector.push(Encoding::Ros1, &record.data)?;
+        let is_wanted = |conn: u32| topics.get(&conn) == Some(&topic);
+        match record.op() {
+            Some(MESSAGE) if record.number(b"conn").is_some_and(is_wanted) => {
+                collector.push(Encoding::Ros1, &record.data)?;
+            }
+            Some(CHUNK_INFO) => {
+                let here = record.counts().filter(|(conn, _)| is_wanted(*conn)).map(|(_, count)| u64::from(count));
+                stated = Some(stated.unwrap_or(0) + here.sum::<u64>());
+            }
+            _ => {}
         }
         Ok(())
     })?;
@@ -51,7 +60,7 @@ pub fn read(log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
         let path = path.display();
         format!("{path} was not closed or is damaged ({why}): what stands before is read, the rest is dropped")
     });
-    Ok(collector.finish(torn))
+    Ok(collector.finish(torn, stated))
 }
 
 /// The topics with an IMU by the number of their connection. A bag that was closed lists its connections behind its
@@ -101,6 +110,12 @@ impl Record {
 
     fn number(&self, name: &[u8]) -> Option<u32> {
         Some(u32::from_le_bytes(*field(&self.head, name)?.first_chunk()?))
+    }
+
+    /// How many messages of each connection a chunk has, as the index at the end of the bag states.
+    fn counts(&self) -> impl Iterator<Item = (u32, u32)> {
+        let number = |bytes: &[u8; 4]| u32::from_le_bytes(*bytes);
+        self.data.as_chunks::<4>().0.as_chunks::<2>().0.iter().map(move |[conn, count]| (number(conn), number(count)))
     }
 
     /// Number, topic and type of a connection.
@@ -180,7 +195,7 @@ impl Records<'_> {
         let head = self.piece(length, Some(MAX_HEAD))?;
         let mut record = Record { head, data: Vec::new() };
         let op = record.op();
-        if !matches!(op, Some(MESSAGE | CONNECTION)) && (op != Some(CHUNK) || skip_chunks) {
+        if !matches!(op, Some(MESSAGE | CONNECTION | CHUNK_INFO)) && (op != Some(CHUNK) || skip_chunks) {
             let mut bytes = [0; 4];
             self.file.read_exact(&mut bytes)?;
             self.file.seek_relative(u32::from_le_bytes(bytes).into())?;
@@ -218,7 +233,8 @@ impl Records<'_> {
         self.room.check_on_disk(self.bytes).map_err(no_room)?;
         let packed = chunk.data.as_slice();
         let mut bytes = Vec::new();
-        let mut unpack = |from: &mut dyn Read| from.take(size.into()).read_to_end(&mut bytes);
+        // one byte more, so that the check behind the last one is read
+        let mut unpack = |from: &mut dyn Read| from.take(u64::from(size) + 1).read_to_end(&mut bytes);
         let done = match field(&chunk.head, b"compression") {
             Some(b"none") => return Ok(chunk.data.clone()),
             Some(b"bz2") => survive(|| unpack(&mut bzip2::read::BzDecoder::new(packed))),
@@ -229,7 +245,8 @@ impl Records<'_> {
             }
         };
         match done {
-            Some(Ok(_)) => Ok(bytes),
+            Some(Ok(unpacked)) if unpacked == size as usize => Ok(bytes),
+            Some(Ok(_)) => Err(Stop::Torn("a chunk does not have the size that it states".to_owned())),
             Some(Err(error)) => Err(Stop::Torn(format!("a chunk cannot be unpacked: {error}"))),
             None => Err(Stop::Torn("a chunk makes no sense".to_owned())),
         }

@@ -41,7 +41,7 @@ pub fn read(log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
             }
         }
     }
-    Ok(collector.finish(None))
+    Ok(collector.finish(None, None))
 }
 
 /// Opens a bag as a set of tables and nothing more: its schema is somebody else's program.

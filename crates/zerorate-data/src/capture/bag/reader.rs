@@ -49,7 +49,7 @@ impl McapReader {
         let failed = |error| CaptureError::io("read", path, error);
         let room = Room::of(input.length().map_err(failed)?);
         let is_closed = is_closed(&mut input).map_err(failed)?;
-        let mut messages = Messages::checked(input, room);
+        let mut messages = Messages::new(input, room);
         let first = messages.by_ref().find(|message| !message.as_ref().is_ok_and(|message| !is_capture(message)));
         let first = match first {
             Some(Ok(first)) => first,
