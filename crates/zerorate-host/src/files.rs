@@ -5,8 +5,8 @@ use std::io::{ErrorKind, Read, Seek};
 use std::path::{Path, PathBuf};
 use zerorate::Part;
 use zerorate_data::capture::CaptureReader;
-use zerorate_data::column::ColumnOptions;
 use zerorate_data::limits::Bytes;
+use zerorate_data::column::{ColumnOptions, Parts};
 use zerorate_data::{CaptureError, Input, LogError, RowReader};
 
 /// Opens a file to be read. Pipes and devices have no length, and may have no end.
@@ -47,15 +47,17 @@ pub const STDIN: &str = "-";
 ///
 /// # Errors
 /// Why that cannot be.
-pub fn log(path: &Path) -> Result<Vec<(PathBuf, Input)>, CaptureError> {
+pub fn log(path: &Path) -> Result<Parts, CaptureError> {
     let failed = |error| CaptureError::io("read", path, error);
     if path == Path::new(STDIN) {
-        return Ok(vec![(path.to_owned(), spooled(std::io::stdin().lock()).map_err(failed)?)]);
+        return Ok(vec![(path.to_owned(), spooled(std::io::stdin().lock()).map_err(failed)?)].into());
     }
     if !path.is_dir() {
-        return Ok(vec![(path.to_owned(), open(path)?)]);
+        return Ok(vec![(path.to_owned(), open(path)?)].into());
     }
-    parts(path)?.into_iter().map(|part| Ok((part.clone(), open(&part)?))).collect()
+    let description = description(path)?;
+    let files = parts(path, &description)?.into_iter().map(|part| Ok((part.clone(), open(&part)?)));
+    Ok(Parts { files: files.collect::<Result<_, CaptureError>>()?, messages: stated(&description) })
 }
 
 /// The files that are read where a log is named: itself, or those of a folder.
@@ -72,7 +74,10 @@ pub fn log_length(path: &Path) -> u64 {
     let length = |path: &Path| path.metadata().map_or(0, |metadata| metadata.len());
     match path {
         _ if path == Path::new(STDIN) => u64::MAX,
-        _ if path.is_dir() => parts(path).iter().flatten().map(|part| length(part)).fold(0, u64::saturating_add),
+        _ if path.is_dir() => {
+            let parts = description(path).and_then(|description| parts(path, &description));
+            parts.iter().flatten().map(|part| length(part)).fold(0, u64::saturating_add)
+        }
         _ => length(path),
     }
 }
@@ -91,16 +96,22 @@ const METADATA: &str = "metadata.yaml";
 /// As much of it as is looked at.
 const MAX_METADATA: u64 = 1 << 20;
 
-/// The files of a bag of ROS 2 in the order of its description, or the only bag in a folder without one.
-fn parts(folder: &Path) -> Result<Vec<PathBuf>, CaptureError> {
-    let failed = |error| CaptureError::io("read", folder, error);
+/// The description of a bag of ROS 2; empty where there is none.
+fn description(folder: &Path) -> Result<String, CaptureError> {
+    let mut text = String::new();
     if let Ok(file) = File::open(folder.join(METADATA)) {
-        let mut text = String::new();
-        file.take(MAX_METADATA).read_to_string(&mut text).map_err(failed)?;
-        let listed: Vec<PathBuf> = described(&text).map(|name| folder.join(name)).collect();
-        if !listed.is_empty() {
-            return Ok(listed);
-        }
+        let read = file.take(MAX_METADATA).read_to_string(&mut text);
+        read.map_err(|error| CaptureError::io("read", folder, error))?;
+    }
+    Ok(text)
+}
+
+/// The files of a bag of ROS 2 in the order of its description, or the only bag in a folder without one.
+fn parts(folder: &Path, description: &str) -> Result<Vec<PathBuf>, CaptureError> {
+    let failed = |error| CaptureError::io("read", folder, error);
+    let listed: Vec<PathBuf> = described(description).map(|name| folder.join(name)).collect();
+    if !listed.is_empty() {
+        return Ok(listed);
     }
     let all = folder.read_dir().map_err(failed)?.map(|entry| Ok(entry?.path()));
     let all: Vec<PathBuf> = all.collect::<std::io::Result<_>>().map_err(failed)?;
@@ -121,6 +132,22 @@ fn described(metadata: &str) -> impl Iterator<Item = &str> {
     let names = lines.map_while(|line| line.strip_prefix("- "));
     let bare = names.map(|name| name.trim().trim_matches(['"', '\'']));
     bare.filter_map(|name| Path::new(name).file_name()?.to_str())
+}
+
+/// How many messages of each topic there are, by the description of a bag: the list `topics_with_message_count`, where
+/// the count of a topic follows behind its name.
+fn stated(metadata: &str) -> Vec<(String, u64)> {
+    let lines = metadata.lines().map(|line| line.trim().trim_start_matches("- "));
+    let mut topic = None;
+    let mut found = Vec::new();
+    for line in lines.skip_while(|line| *line != "topics_with_message_count:") {
+        if let Some(name) = line.strip_prefix("name: ") {
+            topic = Some(name.trim_matches(['"', '\'']).to_owned());
+        } else if let Some(Ok(count)) = line.strip_prefix("message_count: ").map(str::parse) {
+            found.extend(topic.take().map(|topic| (topic, count)));
+        }
+    }
+    found
 }
 
 /// Opens a capture, in any of its forms.

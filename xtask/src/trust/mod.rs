@@ -5,6 +5,7 @@ mod bench;
 mod capture;
 mod faults;
 mod files;
+mod logs;
 mod page;
 mod power;
 mod process;
@@ -72,7 +73,16 @@ struct Class {
 
 /// Every class, as the page lists them.
 fn classes() -> Vec<Class> {
-    [faults::CLASSES, capture::CLASSES, world::CLASSES, process::CLASSES, power::CLASSES, files::CLASSES].concat()
+    [
+        faults::CLASSES,
+        capture::CLASSES,
+        world::CLASSES,
+        process::CLASSES,
+        power::CLASSES,
+        files::CLASSES,
+        logs::CLASSES,
+    ]
+    .concat()
 }
 
 /// Runs the classes one after the other, and fails where a result was wrong and nobody heard of it.

@@ -20,8 +20,8 @@ const CALIBRATION_BYTES: u64 = 1 << 20;
 /// Says of captures and calibration files whether they are whole: exit code 0 if all are, 1 if not.
 ///
 /// Every check in a file is computed again, and time, edges and losses of the rows are held against each other. A file
-/// that was torn (a power cut, a killed process) or damaged is named with the place; `zerorate repair` writes what is
-/// whole of it to a new file.
+/// that was torn (a power cut, a killed process) or damaged is named with the place, and with what to do: where blocks of
+/// rows before that place are whole, `zerorate repair` writes them to a new file.
 #[derive(Args, Debug)]
 pub struct VerifyArgs {
     /// The files: captures in any form, calibrations.
@@ -58,6 +58,8 @@ struct Verdict {
     torn: bool,
     /// What is wrong, and where.
     damage: Option<String>,
+    /// What to do, where it is not whole.
+    remedy: Option<String>,
     notes: Vec<String>,
 }
 
@@ -70,10 +72,7 @@ pub fn run(args: &VerifyArgs) -> Result<()> {
     } else {
         print(&files.iter().map(Verdict::to_text).collect::<String>())?;
     }
-    ensure!(
-        broken == 0,
-        "{broken} of {count} files not whole; `zerorate repair FILE -o FILE` keeps what is whole of a capture"
-    );
+    ensure!(broken == 0, "{broken} of {count} files not whole");
     Ok(())
 }
 
@@ -84,8 +83,20 @@ fn verdict(path: &Path) -> Verdict {
         Ok(Opened::Text(text)) => calibration(path, text),
         Err(error) => Err(error),
     };
-    let verdict = found.unwrap_or_else(|error| Verdict { damage: Some(reason(error)), ..Verdict::default() });
+    let verdict = found.unwrap_or_else(|error| {
+        let is_damaged = matches!(error, CaptureError::Damaged { .. } | CaptureError::Table { .. });
+        let remedy = is_damaged.then(|| remedy(path, 0));
+        Verdict { damage: Some(reason(error)), remedy, ..Verdict::default() }
+    });
     Verdict { whole: !verdict.torn && verdict.damage.is_none(), file, ..verdict }
+}
+
+/// What to do with a damaged capture of which so many rows are whole: those in front of the first block that is not.
+fn remedy(path: &Path, rows: u64) -> String {
+    match rows {
+        0 => "no row of it can be kept: take another copy".to_owned(),
+        rows => format!("`zerorate repair {} -o NEW.arrows` keeps the {rows} rows before", path.display()),
+    }
 }
 
 fn reason(error: CaptureError) -> String {
@@ -95,12 +106,20 @@ fn reason(error: CaptureError) -> String {
 fn capture(path: &Path, source: Box<dyn table::BatchSource>) -> Result<Verdict, CaptureError> {
     let form = source.form();
     let mut table = Checked::new(path, source)?;
-    let damage = table.by_ref().find_map(Result::err).map(reason);
+    let mut whole_rows = 0;
+    let damage = loop {
+        match table.next() {
+            Some(Ok(_)) => whole_rows = table.found().rows,
+            Some(Err(error)) => break Some(reason(error)),
+            None => break None,
+        }
+    };
+    let remedy = (table.is_torn() || damage.is_some()).then(|| remedy(path, whole_rows));
     let found = table.found();
     Ok(Verdict {
         form,
         schema: Some(table.info().schema),
-        checked: table.is_checked(),
+        checked: table.is_checked() && damage.is_none(),
         rows: found.rows,
         lost: found.lost,
         first_ns: found.span_ns.map(|(first, _)| first),
@@ -108,6 +127,7 @@ fn capture(path: &Path, source: Box<dyn table::BatchSource>) -> Result<Verdict, 
         samples_sha256: table.samples_sha256().filter(|_| damage.is_none()),
         torn: table.is_torn(),
         damage,
+        remedy,
         notes: table.warnings().into_iter().map(|note| note.text).collect(),
         ..Verdict::default()
     })
@@ -126,6 +146,7 @@ fn calibration(path: &Path, file: Input) -> Result<Verdict, CaptureError> {
         schema: Some(parsed.as_ref().map_or(if one { 1 } else { 2 }, |(calibration, _)| calibration.schema())),
         checked: parsed.as_ref().is_ok_and(|(_, warnings)| warnings.is_empty()),
         notes: parsed.iter().flat_map(|(_, warnings)| warnings).map(ToString::to_string).collect(),
+        remedy: parsed.is_err().then(|| "take another copy, or calibrate again".to_owned()),
         damage: parsed.err().map(|error| format!("{}: {error}", path.display())),
         ..Verdict::default()
     })
@@ -150,7 +171,7 @@ impl Verdict {
         if let Some(hash) = &self.samples_sha256 {
             text += &format!(", sample hash {hash}");
         }
-        for note in self.damage.iter().chain(&self.notes) {
+        for note in self.damage.iter().chain(&self.notes).chain(&self.remedy) {
             // writing to a string cannot fail
             let _ = write!(text, "\n  {note}");
         }

@@ -60,6 +60,69 @@ fn torn_and_damaged_files_are_told_apart() {
     }
 }
 
+/// Whatever bit of a capture flips, it is still one of version 2, and nobody is told that it was an old one.
+#[test]
+fn a_flipped_capture_keeps_its_version() {
+    let bench = bench();
+    for form in ["arrows", "parquet", "csv"] {
+        let whole = fs::read(bench.path(&format!("unit.{form}"))).unwrap();
+        let name = format!("flipped.{form}");
+        for place in 1..12 {
+            let mut flipped = whole.clone();
+            flipped[whole.len() * place / 12] ^= 1 << (place % 8);
+            bench.write(&name, flipped);
+            let (code, verdict) = verdict(&bench, &name);
+            assert_eq!((code, &verdict["whole"]), (Some(1), &false.into()), "{place}: {verdict}");
+            assert!(verdict["schema"] == 2 || verdict["schema"].is_null(), "{place}: {verdict}");
+            assert_eq!((&verdict["checked"], &verdict["notes"]), (&false.into(), &Value::Array(vec![])), "{verdict}");
+        }
+    }
+}
+
+/// In a few seconds.
+const CALIBRATE: &str = "calibrate --device twin:seed=3 --average 2s --warmup 60s --settle 120s --offset 20s \
+                         --max-u-btc 9 -o own.toml";
+
+/// What is told to be repaired can be, and as many rows are kept as was said.
+#[test]
+fn advice_that_can_be_followed() {
+    let bench = bench();
+    bench.zerorate(CALIBRATE).ok();
+    let of = |name: &str| fs::read(bench.path(name)).unwrap();
+    let flipped = |name: &str, at: usize| {
+        let mut bytes = of(name);
+        bytes[at] ^= 1;
+        bytes
+    };
+    let half = |name: &str| of(name).len() / 2;
+    // and how many rows are kept, at least
+    let files = [
+        ("torn.arrows", of("unit.arrows")[..half("unit.arrows")].to_vec(), 5_000),
+        ("flipped.arrows", flipped("unit.arrows", half("unit.arrows")), 5_000),
+        ("head.arrows", flipped("unit.arrows", 200), 0),
+        ("unclosed.parquet", of("unit.parquet")[..half("unit.parquet")].to_vec(), 0),
+        ("flipped.parquet", flipped("unit.parquet", half("unit.parquet")), 0),
+        ("torn.csv", of("unit.csv")[..half("unit.csv")].to_vec(), 5_000),
+        ("flipped.toml", flipped("own.toml", half("own.toml")), 0),
+    ];
+    for (name, bytes, rows) in files {
+        bench.write(name, bytes);
+        let (code, verdict) = verdict(&bench, name);
+        let remedy = verdict["remedy"].as_str().unwrap_or_default();
+        assert_eq!((code, remedy.contains("repair")), (Some(1), rows > 0), "{name}: {verdict}");
+        let said = bench.zerorate(&format!("verify {name}"));
+        assert!(said.stdout.contains(remedy) && !remedy.is_empty(), "{name}: {}", said.stdout);
+        assert!(!said.stderr.contains("repair"), "{name}: {}", said.stderr);
+        let repaired = bench.zerorate(&format!("repair {name} -o NEW.arrows --force"));
+        if rows == 0 {
+            assert_eq!(repaired.code, Some(1), "{name} can be repaired: {}", repaired.stdout);
+        } else {
+            let kept: u64 = repaired.ok().split(' ').nth(1).unwrap().parse().unwrap();
+            assert!(kept >= rows && remedy.contains(&format!("keeps the {kept} rows")), "{name}: {kept} and {remedy}");
+        }
+    }
+}
+
 #[test]
 fn a_csv_whose_end_was_removed_is_torn() {
     let bench = bench();

@@ -96,6 +96,49 @@ fn of_packers() {
 
 #[test]
 fn of_bags_of_ros_1() {
-    let files = [("bz2", super::tests::ROSBAG_BZ2), ("lz4", super::tests::ROSBAG_LZ4)];
-    never_silent(&files, "--topic /imu");
+    never_silent(&[fixture!("bz2.bag"), fixture!("lz4.bag")], "");
+}
+
+/// Each packing holds the same samples, and all columns are there.
+#[test]
+fn every_fixture_is_read() {
+    let of = |file: (&str, &[u8]), said: &str| read(file.1, said).unwrap_or_else(|error| panic!("{}: {error}", file.0));
+    let (expected, rate, notes) = of(fixture!("log.csv.gz"), "--time-column t_ns");
+    assert_eq!((expected.len(), f64::from_bits(rate), &notes[..]), (3, 200.0, &[][..]));
+    let values = |read: &Read| read.0.iter().map(|(_, values)| values.clone()).collect::<Vec<_>>();
+    let all: Vec<Vec<u64>> = expected.into_iter().map(|(_, values)| values).collect();
+    for file in [fixture!("none.parquet"), fixture!("snappy.parquet"), fixture!("fletcher.h5"), fixture!("lzf.h5")] {
+        assert_eq!(values(&of(file, "--time-column t_ns")), all, "{}", file.0);
+    }
+    for bag in [fixture!("none.mcap"), fixture!("flat.mcap"), fixture!("bz2.bag"), fixture!("lz4.bag")] {
+        let read = of(bag, "");
+        assert_eq!((values(&read)[..3].to_vec(), read.2.len()), (all.clone(), 0), "{}", bag.0);
+    }
+}
+
+/// A variable that is damaged is an error, and no column that nobody misses.
+#[test]
+fn no_column_vanishes() {
+    let (_, file) = fixture!("packed.mat");
+    let (columns, ..) = read(file, "--time-column t --time-unit s").unwrap();
+    assert_eq!(columns.len(), 3);
+    // the second of three variables, in the middle of what is packed
+    let second = 136 + u32::from_le_bytes(*file[132..].first_chunk().unwrap()) as usize;
+    let length = u32::from_le_bytes(*file[second + 4..].first_chunk().unwrap()) as usize;
+    let mut flipped = file.to_vec();
+    flipped[second + 8 + length / 2] ^= 1;
+    let said = read(&flipped, "--time-column t --time-unit s").unwrap_err().to_string();
+    assert!(said.contains("variable 2 of a MATLAB file: it cannot be unpacked"), "{said}");
+}
+
+/// An index that counts more messages than there are, of a bag without any other check.
+#[test]
+fn a_bag_that_lost_a_chunk() {
+    let (_, bag) = fixture!("lz4.bag");
+    let chunk = bag.windows(4).rposition(|bytes| bytes == b"op=\x05").unwrap() + 3;
+    let mut lost = bag.to_vec();
+    lost[chunk] = 4;
+    let (_, _, notes) = read(&lost, "--rate 200").unwrap();
+    assert_eq!(notes.iter().map(|note| note.code).collect::<Vec<_>>(), ["messages-miscounted"]);
+    assert!(notes[0].text.contains("states 120 messages of /imu and holds "), "{}", notes[0].text);
 }

@@ -23,6 +23,7 @@ mod open;
 mod order;
 mod parquet;
 mod part_log;
+mod parts;
 mod raw;
 mod resampled;
 mod rosbag;
@@ -45,6 +46,7 @@ mod wide;
 pub use choice::{Described, Wanted};
 pub use open::kind;
 pub use part_log::PartLog;
+pub use parts::{Parts, read_parts};
 pub use raw::RawType;
 pub use series::Series;
 pub use setting::{Names, Setting};
@@ -229,27 +231,7 @@ pub fn read_all(path: &Path, input: Input, wanted: Wanted<'_>, args: &ColumnOpti
     find(path, input, wanted, args)?.finish(path, args)
 }
 
-/// The same of a log that lies in several files, one behind the other, each with its name: a bag of ROS 2 that was
-/// split. `path` names the log in messages.
-pub fn read_parts(
-    path: &Path,
-    parts: Vec<(PathBuf, Input)>,
-    wanted: Wanted<'_>,
-    args: &ColumnOptions,
-) -> Result<Vec<Column>> {
-    let mut all: Option<Found> = None;
-    for (part, input) in parts {
-        let found = find(&part, input, wanted, args)?;
-        match &mut all {
-            None => all = Some(found),
-            Some(all) => all.append(&part, found)?,
-        }
-    }
-    let all = all.ok_or_else(|| LogError::Ask(format!("{} has no file with a log", path.display())))?;
-    all.finish(path, args)
-}
-
-/// The same of columns in memory; `path` is what messages call them.
+/// Reads columns of a table in memory; `path` is what messages call them.
 ///
 /// # Errors
 /// As of a file.
@@ -364,25 +346,6 @@ impl Clock {
 }
 
 impl Found {
-    /// Adds what the next file of the same log holds.
-    fn append(&mut self, part: &Path, next: Self) -> Result<()> {
-        let names = |found: &Self| found.columns.iter().map(|column| column.name.clone()).collect::<Vec<_>>();
-        let (mine, others) = (names(self), names(&next));
-        if mine != others {
-            let why = format!("it has {} where the file before has {}", others.join(", "), mine.join(", "));
-            return Err(LogError::Ask(format!("{}: {why}", part.display())));
-        }
-        for (column, next) in self.columns.iter_mut().zip(next.columns) {
-            let are_codes = column.values.are_codes() && next.values.are_codes();
-            column.values.extend_cells(&next.values.into_rows(), are_codes);
-        }
-        if let (Clock::Column(_, times), Clock::Column(_, next)) = (&mut self.clock, next.clock) {
-            times.append(&next);
-        }
-        self.warnings.extend(next.warnings);
-        Ok(())
-    }
-
     /// Puts the rows in the order of their times, and says what of those is not as it should be.
     fn mend(&mut self, path: &Path, args: &ColumnOptions) -> Result<()> {
         let Clock::Column(name, times) = &mut self.clock else { return Ok(()) };

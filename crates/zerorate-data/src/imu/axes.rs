@@ -1,9 +1,9 @@
 //! The axes of an IMU in a log.
 
 use super::Kind;
-use crate::column::{self, Column, ColumnOptions, LogError, Quantity, Setting, UNIT_UNKNOWN, Unit, Wanted};
-use crate::{Input, Note};
-use std::path::{Path, PathBuf};
+use crate::column::{self, Column, ColumnOptions, LogError, Parts, Quantity, Setting, UNIT_UNKNOWN, Unit, Wanted};
+use crate::Note;
+use std::path::Path;
 
 /// What a log may not say of its axes itself.
 #[derive(Clone, Debug, Default)]
@@ -45,7 +45,7 @@ impl Axes {
     ///
     /// # Errors
     /// As [`column::read_parts`], and where no column is one, or the unit of one is not known.
-    pub fn read(path: &Path, parts: Vec<(PathBuf, Input)>, options: &ImuOptions) -> column::Result<Self> {
+    pub fn read(path: &Path, parts: impl Into<Parts>, options: &ImuOptions) -> column::Result<Self> {
         let wanted = options.columns.as_deref().map_or(Wanted::All, Wanted::Listed);
         Self::of(path, column::read_parts(path, parts, wanted, &options.log)?, options)
     }
