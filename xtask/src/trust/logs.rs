@@ -9,7 +9,11 @@ use rand::rngs::StdRng;
 use std::fs;
 use std::path::Path;
 
-const fn class(name: &'static str, what: &'static str, run: fn(&Bench, &'static str, u64) -> Result<Verdict>) -> Class {
+const fn class(
+    name: &'static str,
+    what: &'static str,
+    run: fn(&Bench, &'static str, u64) -> Result<Verdict>,
+) -> Class {
     Class { name, what, quick: 10, run }
 }
 

@@ -117,7 +117,9 @@ pub fn guarded<T>(path: &Path, read: impl FnOnce() -> Result<T, ParquetError>) -
         Some(Ok(value)) => Ok(value),
         Some(Err(error)) => match no_room(&error) {
             Some(why) => Err(CaptureError::no_room(path, why)),
-            None => failed(format!("{error} (nothing of a Parquet file that was not closed can be read: record as .arrows)")),
+            None => failed(format!(
+                "{error} (nothing of a Parquet file that was not closed can be read: record as .arrows)"
+            )),
         },
         None => failed("its pages cannot be decoded".to_owned()),
     }

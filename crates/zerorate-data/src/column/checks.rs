@@ -82,6 +82,17 @@ fn of_hdf5() {
     never_silent(&[fixture!("fletcher.h5"), fixture!("gzip.h5"), fixture!("lzf.h5")], "--time-column t_ns");
 }
 
+/// What is not packed has no check but those of the description and the index; of `x` the index has two pages.
+#[test]
+fn of_indices_of_hdf5() {
+    let (_, file) = fixture!("paged.h5");
+    for (signature, length) in [(b"FAHD", 28), (b"FADB", 100), (b"EAHD", 72), (b"EAIB", 100)] {
+        let start = file.windows(4).position(|bytes| bytes == signature).unwrap();
+        let silent = silent(file, "--rate 200", start..start + length);
+        assert!(silent.is_empty(), "{}: {silent:?}", signature.escape_ascii());
+    }
+}
+
 #[test]
 fn of_packers() {
     let files = [
@@ -102,7 +113,8 @@ fn of_bags_of_ros_1() {
 /// Each packing holds the same samples, and all columns are there.
 #[test]
 fn every_fixture_is_read() {
-    let of = |file: (&str, &[u8]), said: &str| read(file.1, said).unwrap_or_else(|error| panic!("{}: {error}", file.0));
+    let of =
+        |file: (&str, &[u8]), said: &str| read(file.1, said).unwrap_or_else(|error| panic!("{}: {error}", file.0));
     let (expected, rate, notes) = of(fixture!("log.csv.gz"), "--time-column t_ns");
     assert_eq!((expected.len(), f64::from_bits(rate), &notes[..]), (3, 200.0, &[][..]));
     let values = |read: &Read| read.0.iter().map(|(_, values)| values.clone()).collect::<Vec<_>>();

@@ -5,6 +5,7 @@ use super::tests::{
     numbers, options, there,
 };
 use super::*;
+use std::path::PathBuf;
 
 /// Holds a column against what was written.
 #[track_caller]

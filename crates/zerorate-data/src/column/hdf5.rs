@@ -4,11 +4,11 @@
 
 use super::choice::{Choice, Columns, same_length};
 use super::clock::Times;
-use super::lzf;
 use super::number::Number;
 use super::open::Log;
 use super::series::SeriesBuilder;
 use super::{Asked, Clock, Found, FoundColumn, Result};
+use super::{hdf5_index, lzf};
 use crate::Input;
 use crate::capture::CaptureError;
 use crate::limits::Room;
@@ -62,8 +62,7 @@ pub fn read(log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
         for (at, column) in wanted.iter().enumerate() {
             let wrong = |what: String| CaptureError::damaged(path, format!("data set {}", column.name), what);
             let read = survive(|| column.read(start, rows.min(start + ROWS as u64)));
-            let mut cells =
-                (start..).zip(read.ok_or_else(|| senseless(path))?.map_err(|error| wrong(said(&error)))?);
+            let mut cells = (start..).zip(read.ok_or_else(|| senseless(path))?.map_err(|error| wrong(said(&error)))?);
             let taken = match values.get_mut(at) {
                 Some(values) => cells.try_for_each(|(row, cell)| push(values, row, cell)),
                 None => cells.try_for_each(|(row, cell)| push_time(&mut times, row, cell)),
@@ -158,12 +157,20 @@ impl Storage for Bytes {
     }
 
     fn read_range(&self, offset: u64, len: usize) -> Result<StorageBuffer, Error> {
+        let bytes = self.bytes(offset, len)?;
+        hdf5_index::check(&bytes, |offset, len| self.bytes(offset, len))?;
+        Ok(StorageBuffer::from_vec(bytes))
+    }
+}
+
+impl Bytes {
+    fn bytes(&self, offset: u64, len: usize) -> Result<Vec<u8>, Error> {
         // a file that states more than it has is no reason for memory
         if offset.checked_add(len as u64).is_none_or(|end| end > self.length) {
             return Err(Error::InvalidData(format!("{len} bytes at {offset} are not there: it was cut short")));
         }
         let bytes = self.input.get_bytes(offset, len).map_err(|error| Error::InvalidData(error.to_string()))?;
-        Ok(StorageBuffer::from_vec(bytes.into()))
+        Ok(bytes.into())
     }
 }
 

@@ -214,12 +214,7 @@ const COMPLEX: u8 = 0x08;
 
 /// Finds the columns of a matrix, whose name is `name` if it has none itself. What is neither a structure of one
 /// element nor a matrix of real numbers has none.
-fn collect<'a>(
-    mut parts: Parts<'a>,
-    name: &str,
-    depth: usize,
-    found: &mut Vec<Variable<'a>>,
-) -> Result<(), String> {
+fn collect<'a>(mut parts: Parts<'a>, name: &str, depth: usize, found: &mut Vec<Variable<'a>>) -> Result<(), String> {
     let big_endian = parts.big_endian;
     let Some(depth) = depth.checked_sub(1) else { return Ok(()) };
     let flags = number(parts.part("class")?.1, big_endian).to_le_bytes();
@@ -227,8 +222,7 @@ fn collect<'a>(
     if flags[0] != STRUCTURE && !is_of_numbers {
         return Ok(());
     }
-    let dimensions: Vec<u32> =
-        parts.part("size")?.1.chunks_exact(4).map(|chunk| number(chunk, big_endian)).collect();
+    let dimensions: Vec<u32> = parts.part("size")?.1.chunks_exact(4).map(|chunk| number(chunk, big_endian)).collect();
     let own = String::from_utf8_lossy(parts.part("name")?.1).into_owned();
     let name = if name.is_empty() { own } else { name.to_owned() };
     match dimensions[..] {

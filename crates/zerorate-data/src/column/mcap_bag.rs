@@ -31,7 +31,8 @@ pub fn read(log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
             Ok(_) => {}
             Err(Torn::NoRoom(why)) => return Err(CaptureError::no_room(path, why).into()),
             Err(error) if error.is_changed() => {
-                let what = format!("{error}: bytes of it were changed; `mcap recover` saves the chunks that are whole");
+                let what =
+                    format!("{error}: bytes of it were changed; `mcap recover` saves the chunks that are whole");
                 return Err(CaptureError::damaged(path, "as an MCAP file", what).into());
             }
             Err(error) => cut = Some(torn(path, &error)),

@@ -11,6 +11,7 @@ mod clock;
 #[cfg(test)]
 mod foreign;
 mod hdf5;
+mod hdf5_index;
 mod imu;
 mod judged;
 mod lzf;
@@ -63,7 +64,7 @@ use arrow_file::ArrowFile;
 use clock::{Beat, Times};
 use open::{Form, Log};
 use series::SeriesBuilder;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use zerorate::allan::Gap;
 
 /// Which numbers of a log are meant, and what the log does not say about them itself.

@@ -90,9 +90,8 @@ impl Archive<'_> {
         let Self { path, archive, .. } = self;
         let senseless = || CaptureError::damaged(path, place(name), "its content makes no sense");
         let read = survive(|| {
-            let mut file = archive
-                .by_name(name)
-                .map_err(|error| CaptureError::damaged(path, place(name), error.to_string()))?;
+            let mut file =
+                archive.by_name(name).map_err(|error| CaptureError::damaged(path, place(name), error.to_string()))?;
             let length = file.size();
             Array::new(path, &mut file, length, name.trim_end_matches(".npy"))
         });

@@ -1,8 +1,8 @@
 //! The axes of an IMU in a log.
 
 use super::Kind;
-use crate::column::{self, Column, ColumnOptions, LogError, Parts, Quantity, Setting, UNIT_UNKNOWN, Unit, Wanted};
 use crate::Note;
+use crate::column::{self, Column, ColumnOptions, LogError, Parts, Quantity, Setting, UNIT_UNKNOWN, Unit, Wanted};
 use std::path::Path;
 
 /// What a log may not say of its axes itself.
@@ -205,7 +205,7 @@ mod tests {
         let read = |columns: Option<Vec<String>>| {
             let log = ColumnOptions { rate: Some(200.0), ..ColumnOptions::default() };
             let options = ImuOptions { columns, log, ..ImuOptions::default() };
-            let parts = vec![(PathBuf::from("imu.csv"), text.as_bytes().to_vec().into())];
+            let parts = vec![(std::path::PathBuf::from("imu.csv"), text.as_bytes().to_vec().into())];
             Axes::read(Path::new("imu.csv"), parts, &options).unwrap()
         };
         let found = read(None);
