@@ -196,9 +196,8 @@ impl Records<'_> {
         let mut record = Record { head, data: Vec::new() };
         let op = record.op();
         if !matches!(op, Some(MESSAGE | CONNECTION | CHUNK_INFO)) && (op != Some(CHUNK) || skip_chunks) {
-            let mut bytes = [0; 4];
-            self.file.read_exact(&mut bytes)?;
-            self.file.seek_relative(u32::from_le_bytes(bytes).into())?;
+            let length = self.length(length, None)?;
+            self.file.seek_relative(length.into())?;
             return Ok(true);
         }
         record.data = self.piece(length, None)?;
@@ -213,6 +212,13 @@ impl Records<'_> {
 
     /// Bytes behind their length.
     fn piece(&mut self, end: u64, most: Option<u32>) -> Result<Vec<u8>, Stop> {
+        let mut bytes = vec![0; self.length(end, most)? as usize];
+        self.file.read_exact(&mut bytes)?;
+        Ok(bytes)
+    }
+
+    /// How many bytes follow, which must be there.
+    fn length(&mut self, end: u64, most: Option<u32>) -> Result<u32, Stop> {
         let mut length = [0; 4];
         self.file.read_exact(&mut length)?;
         let length = u32::from_le_bytes(length);
@@ -220,9 +226,7 @@ impl Records<'_> {
         if u64::from(length) > left || most.is_some_and(|most| length > most) {
             return Err(Stop::Torn(format!("a record states {length} bytes")));
         }
-        let mut bytes = vec![0; length as usize];
-        self.file.read_exact(&mut bytes)?;
-        Ok(bytes)
+        Ok(length)
     }
 
     fn unpacked(&mut self, chunk: &Record) -> Result<Vec<u8>, Stop> {
