@@ -140,7 +140,7 @@ impl Uncertainty {
             u_t1_c: 0.0,
             u_t2_c: 0.0,
             u_pbc_dps: libm::sqrt(covariance[0][0]),
-            u_btc_dps_per_c: libm::sqrt(covariance[1][1]),
+            u_btc_dps_per_c: curve.u_btc_dps_per_c(),
             u_curvature_dps_per_c: 0.0,
             u_t3_c: 0.0,
             cov_pbc_btc: covariance[0][1],

@@ -285,7 +285,7 @@ fn accept(seen: &Evidence<'_>, curve: &BiasCurve, hour: Option<&Findings>) -> Re
         }
     }
     let wanted_dps_per_c = seen.plan.max_u_btc_dps_per_c;
-    let u_btc_dps_per_c = libm::sqrt(curve.covariance[1][1]);
+    let u_btc_dps_per_c = curve.u_btc_dps_per_c();
     if u_btc_dps_per_c <= wanted_dps_per_c {
         return Ok(());
     }

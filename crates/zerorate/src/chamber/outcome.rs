@@ -117,7 +117,7 @@ impl Record {
             t3_c: last.iter().sum::<f64>() / last.len() as f64,
         };
         let curve = thermal::fit(&blocks, &assumed).map_err(ChamberRefusal::NoCurve)?;
-        let u_btc_dps_per_c = libm::sqrt(curve.covariance[1][1]);
+        let u_btc_dps_per_c = curve.u_btc_dps_per_c();
         let wanted_dps_per_c = Plan::default().max_u_btc_dps_per_c;
         if u_btc_dps_per_c > wanted_dps_per_c {
             return Err(ChamberRefusal::Uncertain { u_btc_dps_per_c, wanted_dps_per_c });

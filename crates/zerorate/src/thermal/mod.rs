@@ -4,13 +4,15 @@
 //! rate = bias(T) + flicker + random walk + white noise. The bias is a polynomial of order 0 to 3 in the temperature
 //! that it follows (`follow.rs`), the noises are the states of a Kalman filter (`filter.rs`), and the bias that is
 //! wanted is that at the end, the walk included. The order, the strength of the slow noises, lag and play are not
-//! known beforehand: each combination is a model with an evidence (`posterior.rs`, `lattice.rs`), the order that has
-//! most evidence is taken, and the uncertainty is that of all models together. So what the recording cannot tell apart
-//! widens it (Hoeting et al., Bayesian Model Averaging, Statistical Science 14, 1999).
+//! known beforehand: each combination is a model with an evidence (`posterior.rs`, `lattice.rs`). The order that has
+//! most evidence is taken, but none that is more likely too low than not. The uncertainty is that of all models
+//! together, so what the recording cannot tell apart widens it (Hoeting et al., Bayesian Model Averaging, Statistical
+//! Science 14, 1999). The slope at T3 has an interval of its own (`interval.rs`), since orders disagree on it most.
 
 mod basis;
 mod filter;
 mod follow;
+mod interval;
 mod lattice;
 mod posterior;
 #[cfg(test)]
@@ -23,6 +25,7 @@ use crate::part::{Axis, TypicalBias};
 use alloc::vec::Vec;
 use basis::Basis;
 pub use follow::Following;
+use interval::{Peak, honest_u};
 use lattice::{Weighed, weigh};
 use posterior::{Powers, Record};
 
@@ -94,7 +97,10 @@ pub struct BiasCurve {
     pub correction: Correction,
     /// Covariance of PBC and the coefficients of the first to third order: of °/s/°Cⁿ each.
     pub covariance: [[f64; TERMS]; TERMS],
-    /// The order that has the most evidence.
+    /// What the variance of BTC has beside `covariance[1][1]`, (°/s/°C)²: orders that disagree on the slope make two
+    /// peaks, and intervals by the variance alone would miss the smaller one too often.
+    pub btc_excess: f64,
+    /// The order that was taken.
     pub order: usize,
     /// Posterior probability of each order.
     pub order_weights: [f64; TERMS],
@@ -111,6 +117,12 @@ pub struct BiasCurve {
 }
 
 impl BiasCurve {
+    /// Standard uncertainty of BTC, °/s/°C.
+    #[must_use]
+    pub fn u_btc_dps_per_c(&self) -> f64 {
+        libm::sqrt(self.covariance[1][1] + self.btc_excess)
+    }
+
     /// What the steps that were taken out make the mean over a block differ from the level at the end by, °/s.
     pub(crate) fn stepped_dps(&self, block: &Block) -> f64 {
         self.steps.iter().flatten().map(|step| step.size_dps * (block.share_after(step.at_s) - 1.0)).sum()
@@ -208,11 +220,11 @@ const HALF_RANGE_C: f64 = 62.5;
 /// A spread below this share of what it was beforehand was told by the recording.
 const TOLD: f64 = 0.7;
 
-/// The mean over the models of the most likely order, and the covariance of all about it.
+/// The mean over the models of the order that is taken, and the covariance of all about it.
 fn average(record: &Record<'_>, axis: &Axis, models: &[Weighed]) -> BiasCurve {
     let mut order_weights = [0.0; TERMS];
     models.iter().for_each(|model| order_weights[model.posterior.order] += model.weight);
-    let order = (0..TERMS).max_by(|a, b| order_weights[*a].total_cmp(&order_weights[*b])).unwrap_or(0);
+    let order = order_taken(&order_weights);
     let of_order = || models.iter().filter(|model| model.posterior.order == order);
     let mut bias = [0.0; TERMS];
     for model in of_order() {
@@ -251,6 +263,7 @@ fn average(record: &Record<'_>, axis: &Axis, models: &[Weighed]) -> BiasCurve {
             btc3_dps_per_c3: 0.0 - bias[3],
         },
         covariance,
+        btc_excess: btc_excess(models, bias[1], covariance[1][1]),
         order,
         order_weights,
         following: Following {
@@ -269,6 +282,30 @@ fn average(record: &Record<'_>, axis: &Axis, models: &[Weighed]) -> BiasCurve {
         steps: steps(record, models),
         span_c: record.span_c(),
     }
+}
+
+/// The order with the most evidence, of those that are not too low with a probability of more than one half. A bend
+/// that quadratic and cubic models share between them does not lose to a line that each alone is less likely than.
+fn order_taken(order_weights: &[f64; TERMS]) -> usize {
+    let above = |order: usize| order_weights[order + 1..].iter().sum::<f64>();
+    let high_enough = (0..TERMS).filter(|order| above(*order) <= 0.5);
+    high_enough.max_by(|a, b| order_weights[*a].total_cmp(&order_weights[*b])).unwrap_or(0)
+}
+
+/// By how much the variance of the slope must be larger for its intervals to hold what they state.
+fn btc_excess(models: &[Weighed], slope: f64, variance: f64) -> f64 {
+    let peaks: [Peak; TERMS] = core::array::from_fn(|order| {
+        let of_order = || models.iter().filter(move |model| model.posterior.order == order);
+        let weight: f64 = of_order().map(|model| model.weight).sum();
+        let share = |of: &dyn Fn(&Weighed) -> f64| of_order().map(|model| model.weight / weight * of(model)).sum();
+        let mean: f64 = share(&|model| model.posterior.bias[1]);
+        let off = |model: &Weighed| model.posterior.bias[1] - mean;
+        let variance = share(&|model| model.posterior.covariance[1][1] + off(model) * off(model));
+        Peak { weight, mean, variance }
+    });
+    let sd = libm::sqrt(variance);
+    let u = honest_u(&peaks, slope, sd);
+    if u > sd { u * u - variance } else { 0.0 }
 }
 
 /// The steps that are more likely there than not, with their mean sizes.

@@ -102,6 +102,19 @@ fn intervals_are_honest() {
     assert!((0.4..1.7).contains(&mean), "{mean}");
 }
 
+/// Units whose bend quadratic and cubic models share, so that the line has more evidence than each of them. With the
+/// line as the estimate and the plain variance as the interval, BTC was 4.7, 3.3 and 3.6 u off.
+#[test]
+fn a_bend_that_orders_share_is_in_the_interval_of_btc() {
+    for (seed, curvature_dps_per_c2, most) in [(226, -0.001, 4.0), (22, 0.0005, 3.0), (246, 0.0005, 3.0)] {
+        let (curve, truth) = curve_of(&Spec { curvature_dps_per_c2, ..Spec::from_seed(seed) }, &[]);
+        let error = curve.correction.btc_dps_per_c - truth.btc_dps_per_c(curve.correction.t3_c);
+        let u = curve.u_btc_dps_per_c();
+        assert!((error / u).abs() < most, "{seed}: {error:.5} {u:.5} {:?}", curve.order_weights);
+        assert!(u < 0.003, "{seed}: an interval that says something: {u}");
+    }
+}
+
 /// A lag of 30 s is told from a curve: the self-heating has two time constants, so that no polynomial looks like it.
 #[test]
 fn a_lag_is_found() {

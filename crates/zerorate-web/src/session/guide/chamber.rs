@@ -120,7 +120,7 @@ impl Way for ByHand {
         let found = |outcome: &ChamberOutcome| FoundAxis {
             correction: outcome.curve.correction,
             u_pbc_dps: outcome.curve.covariance[0][0].sqrt(),
-            u_btc_dps_per_c: outcome.curve.covariance[1][1].sqrt(),
+            u_btc_dps_per_c: outcome.curve.u_btc_dps_per_c(),
             span_c,
         };
         let of_axes: Vec<Warning> = outcomes.iter().flat_map(ChamberOutcome::warnings).collect();
