@@ -26,6 +26,7 @@ mod hour;
 mod integer;
 mod integer_curve;
 mod ledger;
+mod legs;
 pub mod noise;
 mod notice;
 mod part;

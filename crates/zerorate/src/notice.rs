@@ -362,7 +362,7 @@ pub enum Refusal {
     TooFew { window: State, samples: u64, needed: u64 },
     /// A window holds no temperature.
     NoTemperature { window: State },
-    /// The temperature did not rise and fall.
+    /// The temperature did not rise and fall; what it covered in each direction.
     OneWay { rise_c: f64, fall_c: f64 },
     /// A step of the rate cannot be told from what the temperature did.
     StepOrTemperature { finding: Finding, u_btc_dps_per_c: f64, wanted_dps_per_c: f64 },
@@ -508,8 +508,8 @@ impl Refusal {
             }
             Self::OneWay { rise_c, fall_c } => write!(
                 f,
-                "the temperature rose by {rise_c:.1} °C and fell by {fall_c:.1} °C: a cycle rises and falls by half \
-                 of its span at least"
+                "the temperature covered {rise_c:.1} °C while it rose and {fall_c:.1} °C while it fell: a cycle \
+                 covers half of its span at least in each direction"
             ),
             Self::StepOrTemperature { finding, u_btc_dps_per_c, wanted_dps_per_c } => write!(
                 f,

@@ -9,6 +9,7 @@ use crate::hour::{self, Deviation, Finding, Findings, Question};
 #[cfg(feature = "std")]
 use crate::ledger::BLOCK_S;
 use crate::ledger::{Ledger, Summary};
+use crate::legs::covered_c;
 use crate::noise::{NoiseModel, Window};
 use crate::notice::{Refusal, Warning};
 use crate::part::{Axis, SelfHeating};
@@ -137,18 +138,15 @@ pub(crate) fn outcome(seen: &Evidence<'_>, ledger: &Blocks) -> Result<Outcome, R
     })
 }
 
-/// A cycle rises and falls, each by half of its span at least.
+/// A cycle shows both branches of a hysteresis: rising and falling, it covers half of its span at least.
 fn turned(plan: &Plan, seconds: &[Second]) -> Result<(), Refusal> {
     if plan.method != Method::Cycle {
         return Ok(());
     }
-    let (mut low_c, mut high_c) = (f64::INFINITY, f64::NEG_INFINITY);
-    let (mut rise_c, mut fall_c) = (0.0_f64, 0.0_f64);
-    for temp_c in seconds.iter().map(|second| second.temp_c) {
-        (low_c, high_c) = (low_c.min(temp_c), high_c.max(temp_c));
-        (rise_c, fall_c) = (rise_c.max(temp_c - low_c), fall_c.max(high_c - temp_c));
-    }
+    let temps_c = seconds.iter().map(|second| second.temp_c);
+    let (low_c, high_c) = temps_c.clone().fold((f64::MAX, f64::MIN), |(low, high), c| (low.min(c), high.max(c)));
     let half_c = (high_c - low_c) / 2.0;
+    let (rise_c, fall_c) = covered_c(temps_c);
     if rise_c >= half_c && fall_c >= half_c && half_c > 0.0 {
         return Ok(());
     }

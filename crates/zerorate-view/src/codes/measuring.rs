@@ -234,7 +234,7 @@ pub const ALL: &[Explanation] = &[
         code: "one-way",
         says: Says::Refusal,
         by: &["calibrate", "recalibrate"],
-        seen: "With `--method cycle`, the temperature did not both rise and fall.",
+        seen: "With `--method cycle`, the temperature did not cover half of its span while it rose, or while it fell.",
         matters: "A cycle shows hysteresis and lag by going both ways. One way shows neither.",
         remedy: "Heat and cool the part while it is measured; or take the method for a warming alone.",
         command: "zerorate recalibrate unit.arrows --method warmup -o unit.toml",
