@@ -249,6 +249,11 @@
 #define ZERORATE_REMEDY_FASTER_CLOCK 33
 
 /**
+ * Listen to the other edge of data ready.
+ */
+#define ZERORATE_REMEDY_OTHER_EDGE 36
+
+/**
  * What a function returns: ZERORATE_OK, a positive number that says something harmless, or a negative one that says
  * what failed. The numbers keep their meaning in all versions.
  */

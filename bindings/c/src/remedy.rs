@@ -68,6 +68,8 @@ pub const ZERORATE_REMEDY_COMPLETE_PART: u8 = 31;
 pub const ZERORATE_REMEDY_WIDER_SPAN: u8 = 32;
 /// Raise the SPI clock.
 pub const ZERORATE_REMEDY_FASTER_CLOCK: u8 = 33;
+/// Listen to the other edge of data ready.
+pub const ZERORATE_REMEDY_OTHER_EDGE: u8 = 36;
 
 /// The numbers are those of the core.
 const _: () = {
@@ -104,4 +106,5 @@ const _: () = {
     assert!(ZERORATE_REMEDY_COMPLETE_PART == Remedy::CompletePart.code());
     assert!(ZERORATE_REMEDY_WIDER_SPAN == Remedy::WiderSpan.code());
     assert!(ZERORATE_REMEDY_FASTER_CLOCK == Remedy::FasterClock.code());
+    assert!(ZERORATE_REMEDY_OTHER_EDGE == Remedy::OtherEdge.code());
 };

@@ -118,7 +118,7 @@ impl Checkup {
         let found = [
             (tally.lost > 0 && !tally.data_ready_stutters()).then_some(Warning::Losing { lost: tally.lost }),
             nominal_hz.filter(is_off).map(|nominal_hz| Warning::RateOff { rate_hz, nominal_hz }),
-            (self.temps.count() == 0).then_some(Warning::NoTemperature),
+            (self.temps.count() == 0).then_some(Warning::NoTemperature { wrong_edge: tally.hears_wrong_edge() }),
         ];
         found.into_iter().flatten().collect()
     }

@@ -381,7 +381,7 @@ impl Level {
     fn new(seen: &Evidence<'_>, btc_dps_per_c: f64) -> Result<Self, Refusal> {
         let (rate_dps, mean_c) = means(seen, State::Offset)?;
         let last = seen.window(State::FinalTemperature);
-        let t3_c = last.temp_c.ok_or(Refusal::NoTemperature { window: State::FinalTemperature })?;
+        let t3_c = last.temp_c.ok_or(seen.tally.no_temperature(State::FinalTemperature))?;
         let drift_c = t3_c - mean_c;
         let pbc_dps = seen.plan.earth_dps.unwrap_or(0.0) - rate_dps;
         let u_t3_c = u_temp_c(seen, State::FinalTemperature);
@@ -429,7 +429,7 @@ fn u_offset_noise(seen: &Evidence<'_>, noise: &NoiseModel) -> f64 {
 fn means(seen: &Evidence<'_>, state: State) -> Result<(f64, f64), Refusal> {
     let summary = seen.window(state);
     let rate_dps = summary.rate_dps.ok_or(Refusal::TooFew { window: state, samples: 0, needed: 1 })?;
-    Ok((rate_dps, summary.temp_c.ok_or(Refusal::NoTemperature { window: state })?))
+    Ok((rate_dps, summary.temp_c.ok_or(seen.tally.no_temperature(state))?))
 }
 
 fn window(seen: &Evidence<'_>, state: State, weight: f64) -> Window {

@@ -58,8 +58,8 @@ pub enum Warning {
     Losing { lost: u64 },
     /// The samples do not come as fast as they should.
     RateOff { rate_hz: f64, nominal_hz: f64 },
-    /// No temperature was read.
-    NoTemperature,
+    /// No temperature was read; where the host hears the edge before new data, it finds none.
+    NoTemperature { wrong_edge: bool },
     /// A level that changed was taken out.
     StepTaken { at_s: f64, size_dps: f64, u_dps: f64 },
     /// The bias follows the temperature late; the curve is that in balance.
@@ -122,7 +122,7 @@ impl Warning {
             Self::Quiet { .. } => &[Remedy::ResetAndCheck],
             Self::Losing { .. } => &[Remedy::FasterClock, Remedy::ReadTemperatureLess, Remedy::CheckDataReady],
             Self::RateOff { .. } => &[Remedy::CheckDataReady, Remedy::FasterClock],
-            Self::NoTemperature => &[Remedy::ReadTemperatureMore],
+            Self::NoTemperature { wrong_edge } => more_temperatures(*wrong_edge),
             Self::StepTaken { .. } => &[Remedy::LinearSupply, Remedy::CheckNothingMoved],
             Self::Late { .. } => &[Remedy::WarmMoreSlowly],
             Self::OneBranch { .. } => &[Remedy::HeatAndCool],
@@ -227,7 +227,7 @@ impl Warning {
             Self::RateOff { rate_hz, nominal_hz } => {
                 write!(f, "{rate_hz:.1} samples a second where {nominal_hz:.1} are expected")
             }
-            Self::NoTemperature => f.write_str("no temperature was read"),
+            Self::NoTemperature { wrong_edge } => write!(f, "no temperature was read{}", because_of(wrong_edge)),
             Self::StepTaken { at_s, size_dps, u_dps } => write!(
                 f,
                 "the rate stepped by {size_dps:+.4} ± {:.4} °/s at {at_s:.0} s; the step is taken out and in the \
@@ -272,6 +272,16 @@ impl fmt::Display for Warning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.say(f, Setting::name)
     }
+}
+
+/// What to do where no temperature was read.
+const fn more_temperatures(wrong_edge: bool) -> &'static [Remedy] {
+    if wrong_edge { &[Remedy::OtherEdge] } else { &[Remedy::ReadTemperatureMore] }
+}
+
+/// Why no temperature was read, as far as the edges tell.
+pub(crate) const fn because_of(wrong_edge: bool) -> &'static str {
+    if wrong_edge { ": two edges of data ready were heard for each sample, each before its data" } else { "" }
 }
 
 /// What no measurement at rest can see, and what it would take.
@@ -360,8 +370,8 @@ pub enum Refusal {
     Stuttering { window: State, lost: u64, samples: u64, silent_gaps: u64, gaps: u64 },
     /// A window holds too few samples.
     TooFew { window: State, samples: u64, needed: u64 },
-    /// A window holds no temperature.
-    NoTemperature { window: State },
+    /// A window holds no temperature; where the host hears the edge before new data, it finds none.
+    NoTemperature { window: State, wrong_edge: bool },
     /// The temperature did not rise and fall; what it covered in each direction.
     OneWay { rise_c: f64, fall_c: f64 },
     /// A step of the rate cannot be told from what the temperature did.
@@ -412,7 +422,7 @@ impl Refusal {
             Self::BitErrors { .. } => &[Remedy::SlowerClock, Remedy::ShorterCable],
             Self::Stuttering { .. } => &[Remedy::CheckDataReady],
             Self::TooFew { .. } => &[Remedy::CheckDataReady, Remedy::SmallerDivider, Remedy::LongerAverage],
-            Self::NoTemperature { .. } => &[Remedy::ReadTemperatureMore],
+            Self::NoTemperature { wrong_edge, .. } => more_temperatures(*wrong_edge),
             Self::OneWay { .. } => &[Remedy::HeatAndCool],
             Self::StepOrTemperature { .. } => &[Remedy::LinearSupply, Remedy::CheckNothingMoved, Remedy::StartCold],
         }
@@ -503,8 +513,8 @@ impl Refusal {
             Self::TooFew { window, samples, needed } => {
                 write!(f, "only {samples} samples during {window}, at least {needed} are needed")
             }
-            Self::NoTemperature { window } => {
-                write!(f, "no temperature was read during {window}")
+            Self::NoTemperature { window, wrong_edge } => {
+                write!(f, "no temperature was read during {window}{}", because_of(wrong_edge))
             }
             Self::OneWay { rise_c, fall_c } => write!(
                 f,

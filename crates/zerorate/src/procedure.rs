@@ -37,6 +37,9 @@ pub(crate) const STATES: usize = 9;
 /// Before this much of a step nothing can be said of it, s.
 const FIRST_LOOK_S: f64 = 2.0;
 
+/// Samples without any temperature are refused after this, ns: a longer wait brings none.
+pub(crate) const TEMPERATURE_NS: u64 = 30_000_000_000;
+
 /// When a state ends.
 enum Until {
     Initialised,
@@ -390,6 +393,9 @@ impl<L: Ledger> Procedure<L> {
         if keep > 0 {
             self.tally.count(reading);
         }
+        if self.tally.lacks_temperature() && self.now_ns >= TEMPERATURE_NS {
+            return Err(self.tally.no_temperature(self.state));
+        }
         match self.health.frozen() {
             None => Ok(()),
             Some(frozen) => Err(self.frozen(frozen)),
@@ -496,7 +502,7 @@ impl<L: Ledger> Procedure<L> {
 
     fn temperature_was_read(&self) -> Result<(), Refusal> {
         match self.ledger.summary(self.state).temp_c {
-            None => Err(Refusal::NoTemperature { window: self.state }),
+            None => Err(self.tally.no_temperature(self.state)),
             Some(_) => Ok(()),
         }
     }

@@ -222,7 +222,7 @@ fn curve(
 ) -> Result<BiasCurve, Refusal> {
     let window = State::Recording;
     let too_few = |samples| Refusal::TooFew { window, samples, needed: 80 };
-    let t3_c = final_temp_c(seconds).ok_or(Refusal::NoTemperature { window })?;
+    let t3_c = final_temp_c(seconds).ok_or(seen.tally.no_temperature(window))?;
     let assumed = Assumed {
         axis: seen.axis,
         white_dps_per_rt_hz,

@@ -19,6 +19,7 @@ pub enum Setting {
     Target,
     EveryTemp,
     Divider,
+    Edge,
 }
 
 impl Setting {
@@ -38,6 +39,7 @@ impl Setting {
             Self::Target => "target_dps",
             Self::EveryTemp => "every_temp",
             Self::Divider => "divider",
+            Self::Edge => "rdy_edge",
         }
     }
 }
@@ -86,6 +88,7 @@ pub enum Remedy {
     FasterClock,
     HeatAndCool,
     GiveUpTarget,
+    OtherEdge,
 }
 
 impl Remedy {
@@ -110,6 +113,7 @@ impl Remedy {
             Self::AllowMoreLoss => Setting::MaxLost,
             Self::GiveUpTarget => Setting::Target,
             Self::LongerAverage => Setting::Average,
+            Self::OtherEdge => Setting::Edge,
             _ => return None,
         })
     }
@@ -154,6 +158,7 @@ impl Remedy {
             Self::FasterClock => "raise the SPI clock",
             Self::HeatAndCool => "heat and cool the part, by hand or in a chamber",
             Self::GiveUpTarget => "ask for what the part can give",
+            Self::OtherEdge => "listen to the other edge of data ready",
         }
     }
 }

@@ -1,5 +1,7 @@
 //! Counts over a run of samples.
 
+use crate::notice::Refusal;
+use crate::procedure::State;
 use crate::reading::Reading;
 
 /// How many samples came, how many were lost, and how fast they were.
@@ -13,6 +15,7 @@ pub struct Tally {
     pub gaps: u64,
     /// Those in which two or more were lost, and no edge of data ready was counted meanwhile.
     pub silent_gaps: u64,
+    temps: u64,
     edges: u64,
     least_edges: u32,
     first_ns: u64,
@@ -36,6 +39,7 @@ impl Tally {
         }
         (self.last_seq, self.last_ns) = (reading.seq, reading.t_ns);
         self.samples += 1;
+        self.temps += u64::from(reading.temp.is_some());
         self.lost += u64::from(reading.lost);
     }
 
@@ -57,6 +61,26 @@ impl Tally {
     #[must_use]
     pub fn data_ready_stutters(&self) -> bool {
         self.silent_gaps > 0 && 4 * self.silent_gaps >= self.gaps
+    }
+
+    /// Whether no sample came with a temperature.
+    #[must_use]
+    #[inline]
+    pub fn lacks_temperature(&self) -> bool {
+        self.temps == 0
+    }
+
+    /// Whether the host hears the wrong edge of data ready: the one before new data (F-32). It then counts two edges
+    /// to a sample, one of each channel, and never finds a new temperature.
+    #[must_use]
+    pub fn hears_wrong_edge(&self) -> bool {
+        let counted = (self.samples + self.lost).saturating_sub(1) as f64;
+        self.lacks_temperature() && counted > 0.0 && (self.edges as f64 / counted - 2.0).abs() < 0.1
+    }
+
+    /// The refusal where a window holds no temperature.
+    pub(crate) fn no_temperature(&self, window: State) -> Refusal {
+        Refusal::NoTemperature { window, wrong_edge: self.hears_wrong_edge() }
     }
 
     /// Samples per second as the part gave them, lost ones included.

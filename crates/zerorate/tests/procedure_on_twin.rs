@@ -3,10 +3,10 @@
 
 use adis16130::blocking::Adis16130;
 use adis16130::{Config, Edge, MCLK_HZ, Sampler, SamplerConfig};
-use adis16130_twin::{Fault, Motion, Spec, Truth, Twin, TwinRdy, TwinSpi};
+use adis16130_twin::{Fault, Motion, RdyOutput, Spec, Truth, Twin, TwinRdy, TwinSpi};
 use zerorate::{
     Action, Axis, Deviation, Event, Finding, FixedProcedure, Method, Outcome, Plan, Procedure, Reading, Refusal,
-    State, Warning, WindowWarnings,
+    Remedy, State, Warning, WindowWarnings,
 };
 
 /// A procedure short enough for a test. The part of [`quick`] settles as much faster.
@@ -142,6 +142,40 @@ fn curvature_is_in_the_uncertainty_unless_the_unit_is_said_to_be_linear() {
     assert!(codes(&outcome).contains(&"curvature-unseen"));
     let wanted = Plan { max_u_btc_dps_per_c: outcome.uncertainty.u_btc_dps_per_c * 0.8, ..plan };
     assert!(matches!(refused(quick(4), wanted), Refusal::Curvature { .. }));
+}
+
+/// A line of pulses that is heard on the edge before new data (F-32): no reading of an hour has a temperature, and
+/// half a minute shows that.
+#[test]
+fn the_wrong_edge_is_refused_within_half_a_minute() {
+    for method in [Method::Warmup, Method::Cycle, Method::An1042] {
+        let twin = Twin::new(Spec { rdy: RdyOutput::Pulse, ..quick(1) });
+        let mut gyro = Adis16130::new(twin.spi(), twin.rdy(), Config::default());
+        let mut sampler = Sampler::new(SamplerConfig::default(), &Config::default(), MCLK_HZ);
+        let plan = Plan { method, average_s: 60.0, settle_s: 600.0, ..SHORT };
+        let mut procedure = Procedure::new(&Axis::ADIS16130, plan).expect("a plan that makes sense");
+        gyro.init().expect("initialisation");
+        procedure.handle(Event::Initialised { t_ns: twin.now_ns() }).expect("a beginning");
+        let refusal = loop {
+            let reading = read(&twin, &mut gyro, &mut sampler);
+            if let Err(refusal) = procedure.handle(Event::Reading(&reading)) {
+                break refusal;
+            }
+        };
+        assert!((30.0..31.0).contains(&procedure.progress().elapsed_s), "{:?}", procedure.progress());
+        assert!(matches!(refusal, Refusal::NoTemperature { wrong_edge: true, .. }), "{refusal}");
+        assert_eq!(refusal.remedies(), [Remedy::OtherEdge]);
+    }
+}
+
+/// The edges are right, and the host never reads the temperature.
+#[test]
+fn a_temperature_that_is_never_read_is_told_from_the_wrong_edge() {
+    let plan = Plan { method: Method::Warmup, ..SHORT };
+    let never = SamplerConfig::default().with_every_temp(0);
+    let Err(refusal) = measure_with(quick(1), plan, Config::default(), never) else { panic!("not refused") };
+    assert!(matches!(refusal, Refusal::NoTemperature { wrong_edge: false, .. }), "{refusal}");
+    assert_eq!(refusal.remedies(), [Remedy::ReadTemperatureMore]);
 }
 
 #[test]

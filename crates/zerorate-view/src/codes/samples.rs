@@ -77,7 +77,8 @@ pub const ALL: &[Explanation] = &[
         by: &["probe", "calibrate", "recalibrate", "chamber"],
         seen: "No temperature was read; or a log has none in any row.",
         matters: "Without it there is no coefficient, and no correction.",
-        remedy: "Read the temperature more often.",
+        remedy: "Where data ready was heard twice for each sample, listen to its other edge (edge=rising in the \
+            device's address). Otherwise read the temperature more often.",
         command: "zerorate capture --every-temp 1 -o rest.arrows",
     },
     Explanation {

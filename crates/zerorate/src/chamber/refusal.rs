@@ -2,6 +2,7 @@
 
 use super::procedure::ChamberState;
 use crate::codes::codes;
+use crate::notice::because_of;
 use crate::thermal::ThermalError;
 use core::fmt;
 
@@ -14,7 +15,7 @@ pub enum ChamberRefusal {
     /// The part stopped converting.
     Frozen { at_s: f64, for_s: f64 },
     /// Nothing tells the temperature of the part.
-    NoTemperature { step: usize, after_s: f64 },
+    NoTemperature { step: usize, after_s: f64, wrong_edge: bool },
     /// No reading came for so long.
     Silent { step: usize, for_s: f64 },
     /// More samples were lost than may be.
@@ -118,10 +119,16 @@ impl fmt::Display for ChamberRefusal {
                 "the part is frozen: at {at_s:.1} s its readings have not changed for {for_s:.1} s, so it measures \
                  nothing. Check supply and wiring, which cold and heat try as well"
             ),
-            Self::NoTemperature { step, after_s } => write!(
+            Self::NoTemperature { step, after_s, wrong_edge } => write!(
                 f,
-                "step {step}: no temperature of the part within {after_s:.0} s, so nothing tells when it has settled. \
-                 Read the temperature more often"
+                "step {step}: no temperature of the part within {after_s:.0} s{}, so nothing tells when it has \
+                 settled. {}",
+                because_of(wrong_edge),
+                if wrong_edge {
+                    "Listen to the other edge of data ready (edge=rising or edge=falling in the device's address)"
+                } else {
+                    "Read the temperature more often"
+                }
             ),
             Self::Silent { step, for_s } => {
                 write!(f, "step {step}: no reading for {for_s:.0} s. Check cable and connectors")

@@ -66,6 +66,7 @@ pub fn flag(setting: Setting) -> &'static str {
         Setting::Target => "--target-dph",
         Setting::EveryTemp => "--every-temp",
         Setting::Divider => "--divider",
+        Setting::Edge => "edge=rising or edge=falling in --device",
         other => other.name(),
     }
 }
