@@ -64,7 +64,7 @@ impl Halted {
 
     /// The rows that are left, the exit code, and what it said.
     fn end(mut self) -> (usize, Option<i32>, String) {
-        let rows = self.rows.lines().map(|row| row.expect("a row")).count();
+        let rows = self.rows.lines().collect::<Result<Vec<String>, _>>().expect("rows").len();
         let mut said = String::new();
         self.child.stderr.take().expect("stderr").read_to_string(&mut said).expect("text");
         (rows, self.child.wait().expect("an end").code(), said)

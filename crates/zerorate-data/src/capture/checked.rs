@@ -29,7 +29,7 @@ enum Checks {
     /// Schema 1: nothing.
     Absent,
     /// Schema 2: each block is checked.
-    Chained(Chain),
+    Chained(Box<Chain>),
     /// Schema 2 that other software has written again: description and columns stayed, the checks of the rows did not.
     Stripped,
 }
@@ -63,7 +63,7 @@ impl Checked {
                     "the description or the columns are not those that were recorded (their check differs)",
                 );
             }
-            _ => Checks::Chained(Chain::new(&schema, &info.layout)),
+            _ => Checks::Chained(Box::new(Chain::new(&schema, &info.layout))),
         };
         Rows::from_batch(path, "columns", &RecordBatch::new_empty(schema), &info.layout)?;
         Ok(Self {
