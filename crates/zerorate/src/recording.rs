@@ -44,7 +44,7 @@ const SLOPE_S: f64 = 60.0;
 pub(crate) fn reached(seen: &Evidence<'_>, ledger: &Blocks) -> Option<Reached> {
     let seconds: Vec<Second> = ledger.seconds().collect();
     let summary = ledger.summary(State::Recording);
-    let curve = curve(seen, white_density(&summary), &[], &summary, &seconds, &[]).ok()?;
+    let curve = curve(seen, white_density(&summary), &[], &summary, &seconds, &Suspects::default()).ok()?;
     let last = seconds.last()?;
     let before = seconds.iter().rev().find(|second| second.at_s <= last.at_s - SLOPE_S)?;
     let to_come_c = (last.temp_c - before.temp_c) / (last.at_s - before.at_s) * SETTLING_S;
@@ -89,6 +89,7 @@ impl Axis {
             white_dps_per_rt_hz: noise.white_dps_per_rt_hz,
             gauss_markov: &[],
             steps_s: &[],
+            sways_hz: &[],
             max_order: 1,
             t3_c: blocks.last()?.temp_c,
         };
@@ -109,7 +110,7 @@ pub(crate) fn outcome(seen: &Evidence<'_>, ledger: &Blocks) -> Result<Outcome, R
         span_c: high_c - low_c,
     };
     let hour = searched.findings(&seconds);
-    let suspects = steps_s(hour.as_ref());
+    let suspects = Suspects { steps_s: steps_s(hour.as_ref()), sways_hz: sways_hz(&summary, hour.as_ref()) };
     let first = curve(seen, white_density(&summary), &[], &summary, &seconds, &suspects)?;
     let mut curve = match own_noise(ledger, &first) {
         Some((white, terms)) => curve(seen, white, &terms, &summary, &seconds, &suspects)?,
@@ -191,12 +192,43 @@ pub(crate) fn steps_s(hour: Option<&Findings>) -> Vec<f64> {
         .collect()
 }
 
+/// What may be in a recording beside the bias and its noise; the models of the curve decide.
+#[derive(Clone, Debug, Default)]
+struct Suspects {
+    steps_s: Vec<f64>,
+    sways_hz: Vec<f64>,
+}
+
+/// Turns of the slowest and of the fastest sway that is always tried, per recording.
+const SLOW_TURNS: (f64, f64) = (0.25, 4.0);
+/// Ratio of one frequency to the next.
+const SWAY_RATIO: f64 = 1.15;
+
+/// Frequencies at which the platform may sway, Hz, in rising order: slow ones, which look like a bias that wanders, and
+/// those that stand out.
+fn sways_hz(summary: &Summary, hour: Option<&Findings>) -> Vec<f64> {
+    let length_s = summary.end_s - summary.start_s;
+    let turns = core::iter::successors(Some(SLOW_TURNS.0), |turns| Some(turns * SWAY_RATIO));
+    let mut all: Vec<f64> = turns.take_while(|turns| *turns < SLOW_TURNS.1).map(|turns| turns / length_s).collect();
+    for finding in hour.into_iter().flat_map(|hour| &hour.found) {
+        if let Deviation::Sway { hz, .. } = finding.deviation {
+            all.extend([-0.5, -0.25, 0.0, 0.25, 0.5].map(|turns| hz + turns / length_s));
+        }
+    }
+    all.retain(|hz| *hz * length_s >= SLOW_TURNS.0);
+    all.sort_by(f64::total_cmp);
+    all
+}
+
 /// White noise and Gauss–Markov terms of the recording itself, by the model of what the curve leaves of it, cleaned of
 /// glitches and steps. None where that is too short for a model, or follows none.
 #[cfg(feature = "std")]
 fn own_noise(ledger: &Blocks, curve: &BiasCurve) -> Option<(f64, Vec<(f64, f64)>)> {
-    let left = |(rate_dps, temp_c): (f64, f64)| rate_dps + curve.correction.at(temp_c);
-    let left: Vec<f64> = ledger.tenths(State::Recording).map(left).collect();
+    let left = |(k, (rate_dps, temp_c)): (usize, (f64, f64))| {
+        let sway_dps = curve.sway.map_or(0.0, |sway| sway.at((k as f64 + 0.5) * BLOCK_S));
+        rate_dps + curve.correction.at(temp_c) - sway_dps
+    };
+    let left: Vec<f64> = ledger.tenths(State::Recording).enumerate().map(left).collect();
     let fit = allan::fit(&Input::Rate(&left), 1.0 / BLOCK_S, &FitOptions::default()).ok()?;
     let term = |term: &Term| match term {
         Term::GaussMarkov { sigma, tau_s } => Some((sigma.value, tau_s.value)),
@@ -218,7 +250,7 @@ fn curve(
     gauss_markov: &[(f64, f64)],
     summary: &Summary,
     seconds: &[Second],
-    steps_s: &[f64],
+    suspects: &Suspects,
 ) -> Result<BiasCurve, Refusal> {
     let window = State::Recording;
     let too_few = |samples| Refusal::TooFew { window, samples, needed: 80 };
@@ -227,7 +259,8 @@ fn curve(
         axis: seen.axis,
         white_dps_per_rt_hz,
         gauss_markov,
-        steps_s,
+        steps_s: &suspects.steps_s,
+        sways_hz: &suspects.sways_hz,
         max_order: if seen.plan.assume_linear { 1 } else { thermal::TERMS - 1 },
         t3_c,
     };

@@ -113,6 +113,7 @@ impl Record {
             white_dps_per_rt_hz,
             gauss_markov: &[],
             steps_s: &self.suspects_s(axis, rates_dps, white_dps_per_rt_hz),
+            sways_hz: &[],
             max_order,
             t3_c: last.iter().sum::<f64>() / last.len() as f64,
         };

@@ -7,6 +7,7 @@
 //! section 3.4.2). And the walk that it ends with is the part of the bias that no column holds.
 
 use super::{Block, Noise};
+use crate::gls;
 use crate::noise::FLICKER_CUTOFF_HZ;
 use alloc::vec;
 use alloc::vec::Vec;
@@ -33,6 +34,22 @@ pub(super) struct Filter {
 struct Step {
     decay: usize,
     variance: f64,
+}
+
+/// A whitened series.
+#[derive(Clone, Debug)]
+pub(super) struct White {
+    /// The innovations in units of their standard deviations.
+    values: Vec<f64>,
+    /// What the series leaves in the walk at the end.
+    walk: f64,
+}
+
+/// Whitened series, and the lower triangle of the sums of their products.
+#[derive(Clone, Debug)]
+pub(super) struct Whites {
+    series: Vec<White>,
+    gram: Vec<Vec<f64>>,
 }
 
 /// What the filter makes of series.
@@ -82,23 +99,31 @@ impl Filter {
         filter
     }
 
-    /// Runs over series of the blocks' length. None where a number is not finite.
-    pub(super) fn run(&self, series: &[Vec<f64>]) -> Option<Filtered> {
-        let whitened: Vec<(Vec<f64>, f64)> = series.iter().map(|series| self.whiten(series)).collect();
-        let dot = |a: &Vec<f64>, b: &Vec<f64>| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-        let row = |(k, (a, _)): (usize, &(Vec<f64>, f64))| whitened[..=k].iter().map(|(b, _)| dot(a, b)).collect();
-        let gram: Vec<Vec<f64>> = whitened.iter().enumerate().map(row).collect();
+    /// Runs over series of the blocks' length.
+    pub(super) fn whites(&self, series: &[Vec<f64>]) -> Whites {
+        let series: Vec<White> = series.iter().map(|series| self.whiten(series)).collect();
+        let row = |k: usize| series[..=k].iter().map(|other| gls::dot(&series[k].values, &other.values)).collect();
+        Whites { gram: (0..series.len()).map(row).collect(), series }
+    }
+
+    /// What is made of these series, and of `more`. None where a number is not finite.
+    pub(super) fn filtered(&self, whites: &Whites, more: &[White]) -> Option<Filtered> {
+        let mut gram = whites.gram.clone();
+        for (k, one) in more.iter().enumerate() {
+            let others = whites.series.iter().chain(&more[..=k]);
+            gram.push(others.map(|other| gls::dot(&one.values, &other.values)).collect());
+        }
         let is_finite = self.log_determinant.is_finite() && gram.iter().flatten().all(|value| value.is_finite());
         is_finite.then(|| Filtered {
             gram,
             log_determinant: self.log_determinant,
-            walk: whitened.iter().map(|(_, walk)| *walk).collect(),
+            walk: whites.series.iter().chain(more).map(|white| white.walk).collect(),
             walk_variance: self.walk_variance,
         })
     }
 
-    /// The innovations in units of their standard deviations, and the walk at the end.
-    fn whiten(&self, series: &[f64]) -> (Vec<f64>, f64) {
+    /// Runs over one series.
+    pub(super) fn whiten(&self, series: &[f64]) -> White {
         let mut states = vec![0.0; self.states];
         let blocks = self.steps.iter().zip(self.gains.chunks_exact(self.states)).zip(series);
         let innovation = |((step, gains), value): ((&Step, &[f64]), &f64)| {
@@ -112,7 +137,7 @@ impl Filter {
             states.iter_mut().zip(gains).for_each(|(state, gain)| *state += gain * scaled);
             innovation / libm::sqrt(step.variance)
         };
-        (blocks.map(innovation).collect(), states[0])
+        White { values: blocks.map(innovation).collect(), walk: states[0] }
     }
 }
 

@@ -1,8 +1,9 @@
 //! What is not known beforehand and is no coefficient: how strong the slow noises are, how late and with how much play
 //! the bias follows the temperature, and which of the steps that stand out are there. All combinations that matter.
 
-use super::filter::Filter;
-use super::posterior::{Posterior, Record};
+use super::filter::{Filter, White};
+use super::posterior::{Columns, Posterior, Record};
+use super::sway::{self, Swaying};
 use super::{Assumed, Following, Noise};
 use crate::noise::NoiseModel;
 use crate::part::Axis;
@@ -37,6 +38,8 @@ pub(super) struct Hypothesis {
     pub(super) following: Following,
     /// So many of the steps, the strongest first, are there.
     pub(super) steps: usize,
+    /// The platform sways at this frequency, Hz.
+    pub(super) sway_hz: Option<f64>,
     log_prior: f64,
 }
 
@@ -50,7 +53,7 @@ pub(super) struct Weighed {
 /// All models that matter. Empty where none can be computed.
 pub(super) fn weigh(record: &Record<'_>, assumed: &Assumed<'_>) -> Vec<Weighed> {
     let lattice = Lattice::new(record, assumed);
-    let (mut noises, mut paths) = (Vec::from([(0, 0)]), Vec::from([(Following::default(), 0)]));
+    let (mut noises, mut paths) = (Vec::from([(0, 0)]), Vec::from([Path::default()]));
     for _ in 0..ROUNDS {
         paths = lattice.relevant_paths(noises[0]);
         let Some(best) = paths.first() else { return Vec::new() };
@@ -71,8 +74,7 @@ pub(super) fn weigh(record: &Record<'_>, assumed: &Assumed<'_>) -> Vec<Weighed> 
 /// The model of the highest order under the typical noise, of a bias that follows at once.
 pub(super) fn typical(record: &Record<'_>, assumed: &Assumed<'_>) -> Option<Weighed> {
     let lattice = Lattice::new(record, assumed);
-    let path = (Following::default(), 0);
-    let model = lattice.models(&lattice.filter((0, 0)), (0, 0), &path).last()?;
+    let model = lattice.models(&lattice.filter((0, 0)), (0, 0), &Path::default()).last()?;
     Some(Weighed { weight: 1.0, ..model })
 }
 
@@ -88,8 +90,13 @@ fn score(model: &Weighed) -> f64 {
     model.posterior.log_evidence + model.hypothesis.log_prior
 }
 
-/// What the bias follows, and how many steps there are.
-type Path = (Following, usize);
+/// What the bias follows, how many steps there are, and whether the platform sways.
+#[derive(Clone, Copy, Debug, Default)]
+struct Path {
+    following: Following,
+    steps: usize,
+    sway: Option<Swaying>,
+}
 
 struct Lattice<'a> {
     record: &'a Record<'a>,
@@ -99,6 +106,7 @@ struct Lattice<'a> {
     gauss_markov: &'a [(f64, f64)],
     paths: Vec<Path>,
     lags: usize,
+    sways_hz: &'a [f64],
 }
 
 impl<'a> Lattice<'a> {
@@ -116,15 +124,56 @@ impl<'a> Lattice<'a> {
             noise: NoiseModel { white_dps_per_rt_hz, ..typical },
             spread,
             gauss_markov: assumed.gauss_markov,
-            paths: followings.flat_map(|following| (0..=steps).map(move |steps| (following, steps))).collect(),
+            paths: followings
+                .flat_map(|following| (0..=steps).map(move |steps| Path { following, steps, sway: None }))
+                .collect(),
             lags: lags.len(),
+            sways_hz: assumed.sways_hz,
         }
     }
 
     /// The paths that matter under a noise, the best first.
     fn relevant_paths(&self, noise: (i32, i32)) -> Vec<Path> {
         let filter = self.filter(noise);
-        relevant(self.paths.iter().map(|path| (self.score(&filter, noise, path), *path)).collect())
+        let still: Vec<(f64, Path)> =
+            self.paths.iter().map(|path| (self.score(&filter, noise, path), *path)).collect();
+        let swaying = self.swaying_paths(&filter, noise, &still);
+        relevant(still.into_iter().chain(swaying).collect())
+    }
+
+    /// The paths with a sway, with their scores, beside those without: first the sways that explain most on any path, at
+    /// the frequencies that matter there, and then all paths with these. None where no sway matters.
+    fn swaying_paths(&self, filter: &Filter, noise: (i32, i32), still: &[(f64, Path)]) -> Vec<(f64, Path)> {
+        let coarse = self.with_sways(filter, noise, &self.paths, &sway::of(self.sways_hz));
+        let most = |scored: &[(f64, Path)]| scored.iter().copied().max_by(|a, b| a.0.total_cmp(&b.0));
+        let (Some(best), Some((unswayed, _))) = (most(&coarse), most(still)) else { return Vec::new() };
+        if best.0 < unswayed - NEGLIGIBLE {
+            return Vec::new();
+        }
+        let on_best = |hz: &[f64]| -> Vec<f64> {
+            let sways: Vec<Swaying> = hz.iter().map(|hz| Swaying { hz: *hz, log_prior: 0.0 }).collect();
+            self.with_sways(filter, noise, &[best.1], &sways).into_iter().map(|(score, _)| score).collect()
+        };
+        let refined = sway::of(&sway::refined(self.sways_hz, on_best));
+        let finer = relevant(self.with_sways(filter, noise, &[best.1], &refined));
+        let sways: Vec<Swaying> = finer.iter().filter_map(|path| path.sway).collect();
+        let paths = relevant(self.with_sways(filter, noise, &self.paths, &sways[..sways.len().min(1)]));
+        self.with_sways(filter, noise, &paths, &sways)
+    }
+
+    /// Each of the paths with each of the sways.
+    fn with_sways(&self, filter: &Filter, noise: (i32, i32), paths: &[Path], sways: &[Swaying]) -> Vec<(f64, Path)> {
+        let whites: Vec<[White; 2]> = sways.iter().map(|sway| self.record.sway(filter, sway.hz)).collect();
+        let with = |path: &Path| -> Vec<(f64, Path)> {
+            let columns = self.record.columns(filter, path.following, path.steps);
+            let one = |(sway, white): (&Swaying, &[White; 2])| {
+                let path = Path { sway: Some(*sway), ..*path };
+                let models = self.models_of(filter, noise, &path, &columns, white);
+                (log_sum(&models.map(|model| score(&model)).collect::<Vec<f64>>()), path)
+            };
+            sways.iter().zip(&whites).map(one).collect()
+        };
+        if sways.is_empty() { Vec::new() } else { paths.iter().flat_map(with).collect() }
     }
 
     /// The noises that matter on a path, the best first: uphill from the middle, and from there to where it is over.
@@ -160,8 +209,22 @@ impl<'a> Lattice<'a> {
 
     /// The models of all orders.
     fn models(&self, filter: &Filter, noise: (i32, i32), path: &Path) -> impl Iterator<Item = Weighed> {
+        let columns = self.record.columns(filter, path.following, path.steps);
+        let sway = path.sway.map(|sway| self.record.sway(filter, sway.hz));
+        self.models_of(filter, noise, path, &columns, sway.as_ref().map_or(&[], |sway| &sway[..]))
+    }
+
+    /// The same of columns that are whitened.
+    fn models_of(
+        &self,
+        filter: &Filter,
+        noise: (i32, i32),
+        path: &Path,
+        columns: &Columns,
+        sway: &[White],
+    ) -> impl Iterator<Item = Weighed> + use<> {
         let hypothesis = self.hypothesis(noise, path);
-        let posteriors = self.record.posteriors(filter, &hypothesis).into_iter();
+        let posteriors = self.record.posteriors(filter, columns, sway).into_iter();
         posteriors.map(move |posterior| Weighed { weight: 0.0, hypothesis: hypothesis.clone(), posterior })
     }
 
@@ -174,7 +237,8 @@ impl<'a> Lattice<'a> {
         }
     }
 
-    fn hypothesis(&self, (b, k): (i32, i32), &(following, steps): &Path) -> Hypothesis {
+    fn hypothesis(&self, (b, k): (i32, i32), path: &Path) -> Hypothesis {
+        let &Path { following, steps, sway } = path;
         let off = |index: i32, ratio: f64, spread: f64| {
             let sds = f64::from(index) * libm::log(ratio) / spread;
             -0.5 * sds * sds
@@ -182,8 +246,9 @@ impl<'a> Lattice<'a> {
         let late = if following.lag_s > 0.0 { 0.5 / (self.lags - 1) as f64 } else { 0.5 };
         let step = libm::log(STEP_PROBABILITY / self.record.blocks.len() as f64);
         let noise = off(b, B_RATIO, self.spread[0]) + off(k, K_RATIO, self.spread[1]);
-        let log_prior = noise + libm::log(late) + step * steps as f64;
-        Hypothesis { noise: self.noise((b, k)), following, steps, log_prior }
+        let swaying = sway.map_or(0.0, |sway| sway.log_prior);
+        let log_prior = noise + libm::log(late) + step * steps as f64 + swaying;
+        Hypothesis { noise: self.noise((b, k)), following, steps, sway_hz: sway.map(|sway| sway.hz), log_prior }
     }
 }
 

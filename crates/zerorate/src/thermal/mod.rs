@@ -15,6 +15,7 @@ mod follow;
 mod interval;
 mod lattice;
 mod posterior;
+mod sway;
 #[cfg(test)]
 mod tests;
 
@@ -84,6 +85,9 @@ pub struct Assumed<'a> {
     /// When the level seems to have changed, s, the strongest first, of which [`MOST_STEPS`] are taken; the models
     /// decide.
     pub steps_s: &'a [f64],
+    /// Frequencies at which the platform may sway, Hz, in rising order; the models decide. Where there are none, no sway
+    /// is looked for.
+    pub sways_hz: &'a [f64],
     /// The highest order that is tried, 0 to 3.
     pub max_order: usize,
     /// The temperature that the coefficients refer to, °C.
@@ -112,6 +116,8 @@ pub struct BiasCurve {
     pub noise_told: [bool; 2],
     /// Steps that are more likely there than not.
     pub steps: [Option<Step>; MOST_STEPS],
+    /// The sway of the platform, where one is more likely there than not.
+    pub sway: Option<Sway>,
     /// Lowest and highest temperature of the blocks, °C.
     pub span_c: (f64, f64),
 }
@@ -138,6 +144,32 @@ pub struct Step {
     pub size_dps: f64,
     /// Standard uncertainty of that, °/s.
     pub u_dps: f64,
+}
+
+/// A sway of the platform that was taken out: that of the most likely model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sway {
+    /// Frequency, Hz.
+    pub hz: f64,
+    /// Its sine, of a phase that is zero at the start, °/s.
+    pub sine_dps: f64,
+    /// Its cosine, °/s.
+    pub cosine_dps: f64,
+}
+
+impl Sway {
+    /// Peak, °/s.
+    #[must_use]
+    pub fn size_dps(&self) -> f64 {
+        libm::hypot(self.sine_dps, self.cosine_dps)
+    }
+
+    /// What it adds to the rate at a time, °/s.
+    #[must_use]
+    pub fn at(&self, at_s: f64) -> f64 {
+        let (sine, cosine) = libm::sincos(2.0 * core::f64::consts::PI * self.hz * at_s);
+        self.sine_dps * sine + self.cosine_dps * cosine
+    }
 }
 
 /// Why there is no curve.
@@ -280,6 +312,7 @@ fn average(record: &Record<'_>, axis: &Axis, models: &[Weighed]) -> BiasCurve {
             told(&|noise| noise.rate_random_walk_dps_per_rt_s, lattice::spread(axis)[1]),
         ],
         steps: steps(record, models),
+        sway: sway(models),
         span_c: record.span_c(),
     }
 }
@@ -322,6 +355,15 @@ fn steps(record: &Record<'_>, models: &[Weighed]) -> [Option<Step>; MOST_STEPS] 
         (weight > 0.5).then_some(Step { at_s: record.steps_s[index], size_dps, u_dps: libm::sqrt(variance) })
     };
     core::array::from_fn(|index| if index < record.steps_s.len() { step(index) } else { None })
+}
+
+/// The sway of the most likely model that has one, where a sway is more likely there than not.
+fn sway(models: &[Weighed]) -> Option<Sway> {
+    let with = || models.iter().filter_map(|model| Some((model, model.hypothesis.sway_hz?)));
+    let weight: f64 = with().map(|(model, _)| model.weight).sum();
+    let (model, hz) = with().max_by(|a, b| a.0.weight.total_cmp(&b.0.weight))?;
+    let [sine_dps, cosine_dps] = model.posterior.sway_dps;
+    (weight > 0.5).then_some(Sway { hz, sine_dps, cosine_dps })
 }
 
 impl BiasCurve {

@@ -1,13 +1,13 @@
 //! One model of a recording: what it says of the bias, and how well it explains the rates.
 
 use super::basis::Basis;
-use super::filter::{Filter, Filtered};
+use super::filter::{Filter, Filtered, White, Whites};
 use super::follow::Held;
-use super::lattice::Hypothesis;
-use super::{Block, TERMS};
+use super::{Block, Following, TERMS};
 use crate::gls::Whitener;
 use alloc::vec;
 use alloc::vec::Vec;
+use core::f64::consts::PI;
 
 /// Coefficients in powers of the temperature over T3.
 pub(super) type Powers = [f64; TERMS];
@@ -22,6 +22,15 @@ pub(super) struct Posterior {
     pub(super) covariance: [Powers; TERMS],
     /// Size and variance of each step.
     pub(super) steps: Vec<(f64, f64)>,
+    /// Sine and cosine of the sway, °/s; zero where the model has none.
+    pub(super) sway_dps: [f64; 2],
+}
+
+/// The columns of a path without its sway, whitened.
+pub(super) struct Columns {
+    whites: Whites,
+    held: Held,
+    steps: usize,
 }
 
 /// What does not change from one model to another.
@@ -38,6 +47,8 @@ pub(super) struct Record<'a> {
 
 /// Spread of a step beforehand, °/s: that of a supply that changes by some tenths of a volt (F-01).
 const STEP_DPS: f64 = 0.05;
+/// Spread of the sine and of the cosine of a sway beforehand, °/s.
+const SWAY_DPS: f64 = 0.1;
 
 impl Record<'_> {
     pub(super) fn length_s(&self) -> f64 {
@@ -50,18 +61,32 @@ impl Record<'_> {
         temps.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), temp_c| (low.min(temp_c), high.max(temp_c)))
     }
 
-    /// The posteriors of all orders under one hypothesis.
-    pub(super) fn posteriors(&self, filter: &Filter, hypothesis: &Hypothesis) -> Vec<Posterior> {
-        let steps_s = &self.steps_s[..hypothesis.steps];
-        let (followed, held) = hypothesis.following.temps_c(self.blocks);
+    /// The columns of a bias that follows the temperature so, with so many of the steps.
+    pub(super) fn columns(&self, filter: &Filter, following: Following, steps: usize) -> Columns {
+        let (followed, held) = following.temps_c(self.blocks);
         let rates = self.blocks.iter().map(|block| block.rate_dps).collect();
         let polynomial = |degree| followed.iter().map(|temp_c| self.basis.at(degree, *temp_c)).collect();
         let step = |at_s: &f64| self.blocks.iter().map(|block| block.share_after(*at_s)).collect();
         let degrees = (0..=self.max_order).map(polynomial);
-        let series: Vec<Vec<f64>> = core::iter::once(rates).chain(degrees).chain(steps_s.iter().map(step)).collect();
-        let Some(filtered) = filter.run(&series) else { return Vec::new() };
-        let constants = self.constants(&filtered, steps_s.len(), held);
-        (0..=self.max_order).filter_map(|order| self.posterior(order, &filtered, &constants)).collect()
+        let steps_s = self.steps_s[..steps].iter().map(step);
+        let series: Vec<Vec<f64>> = core::iter::once(rates).chain(degrees).chain(steps_s).collect();
+        Columns { whites: filter.whites(&series), held, steps }
+    }
+
+    /// The columns of a sway: its sine and its cosine.
+    pub(super) fn sway(&self, filter: &Filter, hz: f64) -> [White; 2] {
+        [libm::sin, libm::cos].map(|wave| {
+            let at = |block: &Block| wave(2.0 * PI * hz * block.middle_s());
+            filter.whiten(&self.blocks.iter().map(at).collect::<Vec<f64>>())
+        })
+    }
+
+    /// The posteriors of all orders, with these columns of a sway.
+    pub(super) fn posteriors(&self, filter: &Filter, columns: &Columns, sway: &[White]) -> Vec<Posterior> {
+        let Some(filtered) = filter.filtered(&columns.whites, sway) else { return Vec::new() };
+        let constants = self.constants(&filtered, columns.steps, columns.held);
+        let of_order = |order| self.posterior(order, &filtered, &constants, columns.steps);
+        (0..=self.max_order).filter_map(of_order).collect()
     }
 
     /// What a unit of each column adds to the bias at the end, in powers of the temperature over T3: less what the
@@ -72,7 +97,9 @@ impl Record<'_> {
             powers[0] += self.basis.at(degree, held.at_c) - self.basis.at(degree, held.of_c);
             powers
         };
-        let columns = (0..=self.max_order).map(polynomial).chain((0..steps).map(|_| [1.0, 0.0, 0.0, 0.0]));
+        let steps = (0..steps).map(|_| [1.0, 0.0, 0.0, 0.0]);
+        // a sway is motion, and in no bias
+        let columns = (0..=self.max_order).map(polynomial).chain(steps).chain(core::iter::repeat([0.0; TERMS]));
         let less_walk = |(mut powers, walk): (Powers, &f64)| {
             powers[0] -= walk;
             powers
@@ -80,12 +107,13 @@ impl Record<'_> {
         columns.zip(&filtered.walk[1..]).map(less_walk).collect()
     }
 
-    fn posterior(&self, order: usize, filtered: &Filtered, constants: &[Powers]) -> Option<Posterior> {
+    fn posterior(&self, order: usize, filtered: &Filtered, constants: &[Powers], steps: usize) -> Option<Posterior> {
         let columns: Vec<usize> = (0..=order).chain(self.max_order + 1..constants.len()).collect();
         let precision = |column: usize| match column {
             0 => 0.0,
             degree if degree <= order => 1.0 / (self.prior_dps[degree] * self.prior_dps[degree]),
-            _ => 1.0 / (STEP_DPS * STEP_DPS),
+            column if column <= self.max_order + steps => 1.0 / (STEP_DPS * STEP_DPS),
+            _ => 1.0 / (SWAY_DPS * SWAY_DPS),
         };
         let gram = |row: usize, column: usize| filtered.gram[row.max(column)][row.min(column)];
         let information = |(i, row): (usize, &usize)| {
@@ -114,8 +142,9 @@ impl Record<'_> {
                 }
             }
         }
-        let steps = (order + 1..columns.len()).map(|k| (sizes[k], inverse[k][k])).collect();
-        Some(Posterior { order, log_evidence, bias, covariance, steps })
+        let (sways, steps) = (order + 1 + steps, (order + 1..order + 1 + steps).map(|k| (sizes[k], inverse[k][k])));
+        let sway_dps = core::array::from_fn(|k| sizes.get(sways + k).copied().unwrap_or(0.0));
+        Some(Posterior { order, log_evidence, bias, covariance, steps: steps.collect(), sway_dps })
     }
 }
 

@@ -7,7 +7,7 @@ use alloc::vec;
 const AXIS: Axis = Axis::ADIS16130;
 
 fn assumed(steps_s: &[f64], t3_c: f64) -> Assumed<'_> {
-    Assumed { axis: &AXIS, white_dps_per_rt_hz: 0.0125, gauss_markov: &[], steps_s, max_order: 3, t3_c }
+    Assumed { axis: &AXIS, white_dps_per_rt_hz: 0.0125, gauss_markov: &[], steps_s, sways_hz: &[], max_order: 3, t3_c }
 }
 
 /// The hour of a twin in blocks of 2 s, and its truth at the end.
@@ -60,7 +60,8 @@ fn the_filter_is_the_inverse_of_the_covariance() {
     let rows = (0..3).map(|i| (0..=i).map(|j| covariance(i, j)).collect()).collect();
     let dense = crate::gls::Whitener::new(rows).unwrap();
     let series = vec![vec![0.3, -0.1, 0.5], vec![1.0, 1.0, 1.0], vec![0.0, 0.2, 0.9]];
-    let filtered = Filter::new(&noise, &blocks).run(&series).unwrap();
+    let filter = Filter::new(&noise, &blocks);
+    let filtered = filter.filtered(&filter.whites(&series[..2]), &[filter.whiten(&series[2])]).unwrap();
     for (i, a) in series.iter().enumerate() {
         for (j, b) in series[..=i].iter().enumerate() {
             let solved = dense.solve(b.iter().copied());

@@ -1,0 +1,53 @@
+//! Sways of the platform as models: which frequencies are tried, and how likely each is beforehand.
+
+use alloc::vec::Vec;
+
+/// How likely it is that a platform sways.
+const PROBABILITY: f64 = 0.02;
+/// Between frequencies whose evidences differ by more than this factor's logarithm another one is tried.
+const COARSE: f64 = 1.0;
+/// Frequencies whose evidence is so much below the best one's logarithm need no finer steps.
+const FAR: f64 = 6.0;
+/// Frequencies that are tried, at most.
+const MOST: usize = 96;
+/// Neighbours closer than this ratio, less 1, are the same frequency.
+const FINEST: f64 = 1e-4;
+
+/// A frequency, and the logarithm of how likely a sway about it is beforehand.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Swaying {
+    pub(super) hz: f64,
+    pub(super) log_prior: f64,
+}
+
+/// The frequencies in rising order with their probabilities: each logarithm of a frequency is as likely as another, and
+/// each frequency stands for what is nearest to it.
+pub(super) fn of(sways_hz: &[f64]) -> Vec<Swaying> {
+    let (Some(first), Some(last)) = (sways_hz.first(), sways_hz.last()) else { return Vec::new() };
+    let range = libm::log(last / first).max(f64::MIN_POSITIVE);
+    let border = |k: usize| libm::log(sways_hz[k.min(sways_hz.len() - 1)] / sways_hz[k.saturating_sub(1)]) / 2.0;
+    let share = |k: usize| (border(k) + border(k + 1)) / range;
+    let swaying = |(k, hz): (usize, &f64)| Swaying { hz: *hz, log_prior: libm::log(PROBABILITY * share(k)) };
+    sways_hz.iter().enumerate().map(swaying).collect()
+}
+
+/// The frequencies, and more of them where the evidence, of which `score` gives the logarithms, changes fast.
+pub(super) fn refined(sways_hz: &[f64], score: impl Fn(&[f64]) -> Vec<f64>) -> Vec<f64> {
+    let mut known: Vec<(f64, f64)> = sways_hz.iter().copied().zip(score(sways_hz)).collect();
+    while known.len() < MOST {
+        let best = known.iter().map(|(_, score)| *score).fold(f64::NEG_INFINITY, f64::max);
+        let is_coarse = |k: usize| {
+            let near = known[k.saturating_sub(1)..(k + 2).min(known.len())].iter();
+            known[k].1 > best - FAR && near.clone().any(|(_, score)| (score - known[k].1).abs() > COARSE)
+        };
+        let pairs = (1..known.len()).filter(|k| is_coarse(k - 1) || is_coarse(*k));
+        let middles = pairs.filter(|k| known[*k].0 / known[k - 1].0 > 1.0 + FINEST);
+        let new: Vec<f64> = middles.map(|k| libm::sqrt(known[k].0 * known[k - 1].0)).collect();
+        if new.is_empty() {
+            break;
+        }
+        known.extend(new.iter().copied().zip(score(&new)));
+        known.sort_by(|a, b| a.0.total_cmp(&b.0));
+    }
+    known.into_iter().map(|(hz, _)| hz).collect()
+}
