@@ -496,7 +496,9 @@ fn warnings(
     let needed_hz = seen.axis.bandwidth_hz.map(|hz| 2.0 * hz);
     let known = bias.curvature_dps_per_c2.is_some() && bias.hysteresis_dps.is_some();
     let unjudged = seen.axis.noise.is_none() || bias.largest_tempco_dps_per_c().is_none();
-    let flat = bias.least_tempco_dps_per_c().is_some_and(|least| level.btc_dps_per_c.abs() < least);
+    // what was found may hide a temperature coefficient, and has a warning of its own
+    let hidden = hour.map_or(0.0, |hour| hour.u_btc_dps_per_c);
+    let flat = bias.least_tempco_dps_per_c().is_some_and(|least| level.btc_dps_per_c.abs() + hidden < least);
     let when = |condition: bool, warning: Warning| condition.then_some(warning);
     WindowWarnings([
         Some(plan.earth_dps.map_or(Warning::EarthIncluded, |earth_dps| Warning::EarthSubtracted { earth_dps })),

@@ -62,6 +62,8 @@ pub enum Warning {
     NoTemperature { wrong_edge: bool },
     /// A level that changed was taken out.
     StepTaken { at_s: f64, size_dps: f64, u_dps: f64 },
+    /// The platform sways, and the sway was taken out.
+    SwayTaken { hz: f64, size_dps: f64 },
     /// The bias follows the temperature late; the curve is that in balance.
     Late { lag_s: f64 },
     /// One warming shows one branch of the hysteresis.
@@ -93,6 +95,7 @@ codes!(Warning {
     RateOff => "rate",
     NoTemperature => "no-temperature",
     StepTaken => "step",
+    SwayTaken => "swaying",
     Late => "lagging",
     OneBranch => "one-branch",
     TargetMissed => "target-missed";
@@ -124,6 +127,7 @@ impl Warning {
             Self::RateOff { .. } => &[Remedy::CheckDataReady, Remedy::FasterClock],
             Self::NoTemperature { wrong_edge } => more_temperatures(*wrong_edge),
             Self::StepTaken { .. } => &[Remedy::LinearSupply, Remedy::CheckNothingMoved],
+            Self::SwayTaken { .. } => &[Remedy::FixToStillPlatform],
             Self::Late { .. } => &[Remedy::WarmMoreSlowly],
             Self::OneBranch { .. } => &[Remedy::HeatAndCool],
             Self::TargetMissed { .. } => &[Remedy::GiveUpTarget, Remedy::Chamber],
@@ -233,6 +237,11 @@ impl Warning {
                 "the rate stepped by {size_dps:+.4} ± {:.4} °/s at {at_s:.0} s; the step is taken out and in the \
                  uncertainty, and the correction is that after it",
                 crate::estimate::Uncertainty::FACTOR * u_dps
+            ),
+            Self::SwayTaken { hz, size_dps } => write!(
+                f,
+                "{}. The sway is taken out, and what is not known of it is in the uncertainty",
+                Deviation::Sway { hz, size_dps }
             ),
             Self::Late { lag_s } => write!(
                 f,
@@ -374,7 +383,7 @@ pub enum Refusal {
     NoTemperature { window: State, wrong_edge: bool },
     /// The temperature did not rise and fall; what it covered in each direction.
     OneWay { rise_c: f64, fall_c: f64 },
-    /// A step of the rate cannot be told from what the temperature did.
+    /// A step or a sway of the rate cannot be told from what the temperature did.
     StepOrTemperature { finding: Finding, u_btc_dps_per_c: f64, wanted_dps_per_c: f64 },
 }
 
@@ -424,6 +433,9 @@ impl Refusal {
             Self::TooFew { .. } => &[Remedy::CheckDataReady, Remedy::SmallerDivider, Remedy::LongerAverage],
             Self::NoTemperature { wrong_edge, .. } => more_temperatures(*wrong_edge),
             Self::OneWay { .. } => &[Remedy::HeatAndCool],
+            Self::StepOrTemperature { finding: Finding { deviation: Deviation::Sway { .. }, .. }, .. } => {
+                &[Remedy::FixToStillPlatform]
+            }
             Self::StepOrTemperature { .. } => &[Remedy::LinearSupply, Remedy::CheckNothingMoved, Remedy::StartCold],
         }
     }

@@ -16,7 +16,7 @@ use crate::part::{Axis, SelfHeating};
 use crate::plan::{Method, Plan};
 use crate::procedure::State;
 use crate::stationarity;
-use crate::thermal::{self, Assumed, BiasCurve, Block};
+use crate::thermal::{self, Assumed, BiasCurve, Block, Sway};
 use alloc::vec::Vec;
 
 /// Blocks that a recording is put into, about: more of them tell no more.
@@ -305,24 +305,26 @@ fn rms_u_dps(curve: &BiasCurve) -> f64 {
 
 /// Refuses what must not become a calibration: motion, and a slope that is too uncertain.
 fn accept(seen: &Evidence<'_>, curve: &BiasCurve, hour: Option<&Findings>) -> Result<(), Refusal> {
-    let found = || hour.into_iter().flat_map(|hour| &hour.found);
     let limit_dps = seen.axis.bias.largest_supply_step_dps();
-    for finding in found() {
-        match finding.deviation {
-            Deviation::Sway { hz, size_dps } if size_dps > limit_dps => {
-                return Err(Refusal::Swaying { hz, size_dps, limit_dps });
-            }
-            _ => {}
-        }
+    if let Some(sway) = curve.sway
+        && sway.size_dps() > limit_dps
+    {
+        return Err(Refusal::Swaying { hz: sway.hz, size_dps: sway.size_dps(), limit_dps });
     }
     let wanted_dps_per_c = seen.plan.max_u_btc_dps_per_c;
     let u_btc_dps_per_c = curve.u_btc_dps_per_c();
     if u_btc_dps_per_c <= wanted_dps_per_c {
         return Ok(());
     }
-    let step = found().find(|finding| matches!(finding.deviation, Deviation::Step { .. }));
-    match step {
-        Some(&finding) => Err(Refusal::StepOrTemperature { finding, u_btc_dps_per_c, wanted_dps_per_c }),
+    let found = hour.into_iter().flat_map(|hour| &hour.found);
+    let step = found.into_iter().find(|finding| matches!(finding.deviation, Deviation::Step { .. })).copied();
+    // what was taken out makes nothing wrong
+    let taken = |sway: Sway| {
+        let deviation = Deviation::Sway { hz: sway.hz, size_dps: sway.size_dps() };
+        Finding { deviation, pbc_dps: 0.0, btc_dps_per_c: 0.0 }
+    };
+    match curve.sway.map(taken).or(step) {
+        Some(finding) => Err(Refusal::StepOrTemperature { finding, u_btc_dps_per_c, wanted_dps_per_c }),
         None => {
             let (t1_c, t2_c) = curve.span_c;
             Err(Refusal::Span { t1_c, t2_c, u_btc_dps_per_c, wanted_dps_per_c })
@@ -352,8 +354,8 @@ fn warnings(seen: &Evidence<'_>, summary: &Summary, curve: &BiasCurve, hour: Opt
         when(hour.is_some_and(|hour| hour.unexplained), Warning::Restless),
     ];
     let steps = steps_taken(curve);
-    let sways = hour.into_iter().flat_map(Findings::distinct).filter(is_sway).map(Warning::Found);
-    of_run.into_iter().flatten().chain(steps).chain(sways).collect()
+    let sway = curve.sway.map(|sway| Warning::SwayTaken { hz: sway.hz, size_dps: sway.size_dps() });
+    of_run.into_iter().flatten().chain(steps).chain(sway).collect()
 }
 
 /// The steps that a curve is without.
@@ -369,8 +371,4 @@ const LAG_WORTH_SAYING_S: f64 = 5.0;
 /// One warming shows one branch of the hysteresis.
 fn branch(axis: &Axis) -> Warning {
     Warning::OneBranch { hysteresis_dps: axis.bias.hysteresis_dps }
-}
-
-fn is_sway(finding: &Finding) -> bool {
-    matches!(finding.deviation, Deviation::Sway { .. })
 }

@@ -96,6 +96,8 @@ struct Path {
     following: Following,
     steps: usize,
     sway: Option<Swaying>,
+    /// Logarithm of the number of plays that stand where the others have one.
+    log_finer: f64,
 }
 
 struct Lattice<'a> {
@@ -125,7 +127,7 @@ impl<'a> Lattice<'a> {
             spread,
             gauss_markov: assumed.gauss_markov,
             paths: followings
-                .flat_map(|following| (0..=steps).map(move |steps| Path { following, steps, sway: None }))
+                .flat_map(|following| (0..=steps).map(move |steps| Path { following, steps, ..Path::default() }))
                 .collect(),
             lags: lags.len(),
             sways_hz: assumed.sways_hz,
@@ -168,8 +170,7 @@ impl<'a> Lattice<'a> {
             let columns = self.record.columns(filter, path.following, path.steps);
             let one = |(sway, white): (&Swaying, &[White; 2])| {
                 let path = Path { sway: Some(*sway), ..*path };
-                let models = self.models_of(filter, noise, &path, &columns, white);
-                (log_sum(&models.map(|model| score(&model)).collect::<Vec<f64>>()), path)
+                (self.score_of(filter, noise, &path, &columns, white), path)
             };
             sways.iter().zip(&whites).map(one).collect()
         };
@@ -203,28 +204,25 @@ impl<'a> Lattice<'a> {
     }
 
     fn score(&self, filter: &Filter, noise: (i32, i32), path: &Path) -> f64 {
-        let scores = self.models(filter, noise, path).map(|model| score(&model));
-        log_sum(&scores.collect::<Vec<f64>>())
+        let columns = self.record.columns(filter, path.following, path.steps);
+        let sway = path.sway.map(|sway| self.record.sway(filter, sway.hz));
+        self.score_of(filter, noise, path, &columns, sway.as_ref().map_or(&[], |sway| &sway[..]))
+    }
+
+    /// The score of whitened columns.
+    fn score_of(&self, filter: &Filter, noise: (i32, i32), path: &Path, columns: &Columns, sway: &[White]) -> f64 {
+        let log_prior = self.log_prior(noise, path);
+        let evidences = self.record.log_evidences(filter, columns, sway).into_iter();
+        log_sum(&evidences.map(|log_evidence| log_evidence + log_prior).collect::<Vec<f64>>())
     }
 
     /// The models of all orders.
-    fn models(&self, filter: &Filter, noise: (i32, i32), path: &Path) -> impl Iterator<Item = Weighed> {
+    fn models(&self, filter: &Filter, noise: (i32, i32), path: &Path) -> impl Iterator<Item = Weighed> + use<> {
         let columns = self.record.columns(filter, path.following, path.steps);
         let sway = path.sway.map(|sway| self.record.sway(filter, sway.hz));
-        self.models_of(filter, noise, path, &columns, sway.as_ref().map_or(&[], |sway| &sway[..]))
-    }
-
-    /// The same of columns that are whitened.
-    fn models_of(
-        &self,
-        filter: &Filter,
-        noise: (i32, i32),
-        path: &Path,
-        columns: &Columns,
-        sway: &[White],
-    ) -> impl Iterator<Item = Weighed> + use<> {
+        let sway = sway.as_ref().map_or(&[][..], |sway| &sway[..]);
         let hypothesis = self.hypothesis(noise, path);
-        let posteriors = self.record.posteriors(filter, columns, sway).into_iter();
+        let posteriors = self.record.posteriors(filter, &columns, sway).into_iter();
         posteriors.map(move |posterior| Weighed { weight: 0.0, hypothesis: hypothesis.clone(), posterior })
     }
 
@@ -237,18 +235,21 @@ impl<'a> Lattice<'a> {
         }
     }
 
-    fn hypothesis(&self, (b, k): (i32, i32), path: &Path) -> Hypothesis {
-        let &Path { following, steps, sway } = path;
+    fn hypothesis(&self, noise: (i32, i32), path: &Path) -> Hypothesis {
+        let (sway_hz, log_prior) = (path.sway.map(|sway| sway.hz), self.log_prior(noise, path));
+        Hypothesis { noise: self.noise(noise), following: path.following, steps: path.steps, sway_hz, log_prior }
+    }
+
+    fn log_prior(&self, (b, k): (i32, i32), path: &Path) -> f64 {
         let off = |index: i32, ratio: f64, spread: f64| {
             let sds = f64::from(index) * libm::log(ratio) / spread;
             -0.5 * sds * sds
         };
-        let late = if following.lag_s > 0.0 { 0.5 / (self.lags - 1) as f64 } else { 0.5 };
+        let late = if path.following.lag_s > 0.0 { 0.5 / (self.lags - 1) as f64 } else { 0.5 };
         let step = libm::log(STEP_PROBABILITY / self.record.blocks.len() as f64);
         let noise = off(b, B_RATIO, self.spread[0]) + off(k, K_RATIO, self.spread[1]);
-        let swaying = sway.map_or(0.0, |sway| sway.log_prior);
-        let log_prior = noise + libm::log(late) + step * steps as f64 + swaying;
-        Hypothesis { noise: self.noise((b, k)), following, steps, sway_hz: sway.map(|sway| sway.hz), log_prior }
+        let swaying = path.sway.map_or(0.0, |sway| sway.log_prior);
+        noise + libm::log(late) + step * path.steps as f64 + swaying - path.log_finer
     }
 }
 

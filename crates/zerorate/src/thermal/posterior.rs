@@ -85,8 +85,15 @@ impl Record<'_> {
     pub(super) fn posteriors(&self, filter: &Filter, columns: &Columns, sway: &[White]) -> Vec<Posterior> {
         let Some(filtered) = filter.filtered(&columns.whites, sway) else { return Vec::new() };
         let constants = self.constants(&filtered, columns.steps, columns.held);
-        let of_order = |order| self.posterior(order, &filtered, &constants, columns.steps);
-        (0..=self.max_order).filter_map(of_order).collect()
+        let solved = |order| self.solved(order, &filtered, columns.steps);
+        (0..=self.max_order).filter_map(solved).map(|solved| solved.posterior(&filtered, &constants)).collect()
+    }
+
+    /// The logarithms of the evidence of all orders alone.
+    pub(super) fn log_evidences(&self, filter: &Filter, columns: &Columns, sway: &[White]) -> Vec<f64> {
+        let Some(filtered) = filter.filtered(&columns.whites, sway) else { return Vec::new() };
+        let solved = |order| self.solved(order, &filtered, columns.steps);
+        (0..=self.max_order).filter_map(solved).map(|solved| solved.log_evidence).collect()
     }
 
     /// What a unit of each column adds to the bias at the end, in powers of the temperature over T3: less what the
@@ -107,8 +114,8 @@ impl Record<'_> {
         columns.zip(&filtered.walk[1..]).map(less_walk).collect()
     }
 
-    fn posterior(&self, order: usize, filtered: &Filtered, constants: &[Powers], steps: usize) -> Option<Posterior> {
-        let columns: Vec<usize> = (0..=order).chain(self.max_order + 1..constants.len()).collect();
+    fn solved(&self, order: usize, filtered: &Filtered, steps: usize) -> Option<Solved> {
+        let columns: Vec<usize> = (0..=order).chain(self.max_order + 1..filtered.gram.len() - 1).collect();
         let precision = |column: usize| match column {
             0 => 0.0,
             degree if degree <= order => 1.0 / (self.prior_dps[degree] * self.prior_dps[degree]),
@@ -127,9 +134,24 @@ impl Record<'_> {
         let explained: f64 = sizes.iter().zip(&right).map(|(size, product)| size * product).sum();
         let log_prior: f64 = columns[1..].iter().map(|column| libm::log(precision(*column))).sum();
         let deviance = gram(0, 0) - explained + filtered.log_determinant + information.log_determinant() - log_prior;
-        let log_evidence = -0.5 * deviance;
-        let inverse: Vec<Vec<f64>> = (0..columns.len()).map(|k| information.solve(unit(k, columns.len()))).collect();
+        Some(Solved { order, steps, columns, information, sizes, log_evidence: -0.5 * deviance })
+    }
+}
 
+/// The sizes of a model's columns.
+struct Solved {
+    order: usize,
+    steps: usize,
+    columns: Vec<usize>,
+    information: Whitener,
+    sizes: Vec<f64>,
+    log_evidence: f64,
+}
+
+impl Solved {
+    fn posterior(self, filtered: &Filtered, constants: &[Powers]) -> Posterior {
+        let Self { order, steps, columns, information, sizes, log_evidence } = self;
+        let inverse: Vec<Vec<f64>> = (0..columns.len()).map(|k| information.solve(unit(k, columns.len()))).collect();
         let mut bias = [0.0; TERMS];
         bias[0] = filtered.walk[0];
         let mut covariance = [[0.0; TERMS]; TERMS];
@@ -144,7 +166,7 @@ impl Record<'_> {
         }
         let (sways, steps) = (order + 1 + steps, (order + 1..order + 1 + steps).map(|k| (sizes[k], inverse[k][k])));
         let sway_dps = core::array::from_fn(|k| sizes.get(sways + k).copied().unwrap_or(0.0));
-        Some(Posterior { order, log_evidence, bias, covariance, steps: steps.collect(), sway_dps })
+        Posterior { order, log_evidence, bias, covariance, steps: steps.collect(), sway_dps }
     }
 }
 

@@ -2,8 +2,8 @@
 
 use alloc::vec::Vec;
 
-/// How likely it is that a platform sways.
-const PROBABILITY: f64 = 0.02;
+/// How likely it is that a platform sways, against that it does not.
+const ODDS: f64 = 0.5;
 /// Between frequencies whose evidences differ by more than this factor's logarithm another one is tried.
 const COARSE: f64 = 1.0;
 /// Frequencies whose evidence is so much below the best one's logarithm need no finer steps.
@@ -27,7 +27,7 @@ pub(super) fn of(sways_hz: &[f64]) -> Vec<Swaying> {
     let range = libm::log(last / first).max(f64::MIN_POSITIVE);
     let border = |k: usize| libm::log(sways_hz[k.min(sways_hz.len() - 1)] / sways_hz[k.saturating_sub(1)]) / 2.0;
     let share = |k: usize| (border(k) + border(k + 1)) / range;
-    let swaying = |(k, hz): (usize, &f64)| Swaying { hz: *hz, log_prior: libm::log(PROBABILITY * share(k)) };
+    let swaying = |(k, hz): (usize, &f64)| Swaying { hz: *hz, log_prior: libm::log(ODDS * share(k)) };
     sways_hz.iter().enumerate().map(swaying).collect()
 }
 
