@@ -5,12 +5,25 @@ use adis16130::blocking::Adis16130;
 use adis16130::{Config, Edge, MCLK_HZ, Sample, Sampler, SamplerConfig};
 use adis16130_twin::{Motion, Roa, Spec, Truth, Twin, TwinRdy, TwinSpi};
 use anyhow::{Context, anyhow};
-use zerorate::{Action, Axis, Correction, Event, Outcome, Plan, Procedure, Reading, Refusal, State, Uncertainty};
+use zerorate::{
+    Action, Axis, Correction, Event, Method, Outcome, Plan, Procedure, Reading, Refusal, State, Uncertainty,
+};
 
 /// A part that gives no edge for this long is dead.
 const NO_EDGE_NS: u64 = 100_000_000;
 /// How long the procedure of AN-1042 lasts, from the start of the twin, s.
 pub const HOUR_S: f64 = 3171.0;
+
+/// The plan of a method. A cycle takes 70 minutes, after which the part is in balance again.
+pub fn plan(method: Method) -> Plan {
+    let settle_s = if method == Method::Cycle { 3429.0 } else { Plan::default().settle_s };
+    Plan { method, settle_s, ..Plan::default() }
+}
+
+/// The air of a cycle: when it begins to move, s, and to how far from where it was, °C.
+const CYCLE: [(f64, f64); 2] = [(1200.0, -8.0), (2400.0, 0.0)];
+/// For how long it moves, s.
+const RAMP_S: f64 = 480.0;
 
 /// A twin on the driver's bus.
 pub struct Rig {
@@ -18,6 +31,7 @@ pub struct Rig {
     gyro: Adis16130<TwinSpi, TwinRdy>,
     axis: Axis,
     mclk_hz: u32,
+    ambient_c: f64,
     sampler: Sampler,
 }
 
@@ -30,9 +44,17 @@ impl Rig {
             Roa::TenNanofarad => Some(Axis::ADIS16130_ROA_10NF_HZ),
             Roa::Open => Axis::ADIS16130.bandwidth_hz,
         };
+        let ambient_c = spec.ambient_c;
         let twin = Twin::new(spec);
         let gyro = Adis16130::new(twin.spi(), twin.rdy(), Config::default());
-        Self { twin, gyro, axis: Axis { bandwidth_hz, ..Axis::ADIS16130 }, mclk_hz, sampler: new_sampler(mclk_hz) }
+        Self {
+            twin,
+            gyro,
+            axis: Axis { bandwidth_hz, ..Axis::ADIS16130 },
+            mclk_hz,
+            ambient_c,
+            sampler: new_sampler(mclk_hz),
+        }
     }
 
     pub fn initialise(&mut self) -> anyhow::Result<u64> {
@@ -51,8 +73,9 @@ impl Rig {
         }
     }
 
-    /// The result, and the truth at the end of step 8. A refusal is an error that can be had back.
+    /// The result, and the truth at the end of step 8, or of the recording. A refusal is an error that can be had back.
     pub fn calibrate(&mut self, plan: Plan) -> anyhow::Result<(Outcome, Truth)> {
+        let mut air = if plan.method == Method::Cycle { &CYCLE[..] } else { &[] };
         let mut procedure = Procedure::new(&self.axis, plan)?;
         let mut truth = None;
         loop {
@@ -61,11 +84,18 @@ impl Rig {
                 Action::Read => procedure.handle(Event::Reading(&Reading::from(&self.read()?)))?,
                 Action::Done => break,
             }
+            if let [(at_s, by_c), rest @ ..] = air
+                && procedure.progress().elapsed_s >= *at_s
+            {
+                self.twin.set_ambient(self.ambient_c + by_c, RAMP_S);
+                air = rest;
+            }
             if truth.is_none() && procedure.progress().state == State::FinalTemperature {
                 truth = Some(self.twin.truth());
             }
         }
-        Ok((procedure.finish()?, truth.context("step 8 never ended")?))
+        let truth = truth.unwrap_or_else(|| self.twin.truth());
+        Ok((procedure.finish()?, truth))
     }
 }
 
@@ -178,6 +208,12 @@ pub const FAULTS: [Fault; 12] = [
         spec: |seed| Spec { hysteresis_dps: draw(seed, 1).between_logs(0.02, 0.5), ..Spec::from_seed(seed) },
     },
 ];
+
+/// What the methods that take the whole recording have to notice: a sway that is slow against it.
+pub fn slow_sway(seed: u64) -> Spec {
+    let (sway_dps, sway_hz) = (draw(seed, 1).between_logs(0.01, 0.2), draw(seed, 2).between_logs(1e-4, 1e-3));
+    Spec { motion: Motion::Sway, sway_dps, sway_hz, ..Spec::from_seed(seed) }
+}
 
 fn step(seed: u64, from_s: f64, to_s: f64) -> Spec {
     let supply_step_mv = draw(seed, 1).sign() * draw(seed, 2).between(20.0, 400.0);

@@ -185,7 +185,7 @@ impl Segment {
                 Some(thermal::Block { start_s: 0.0, length_s: BLOCK_S, rate_dps, temp_c })
             };
             let blocks: Vec<thermal::Block> = blocks.iter().filter_map(block).collect();
-            stationarity::judge(axis, &thermal::without_temperature(&blocks), 0.0)
+            stationarity::judge_without_temperature(axis, &blocks)
         });
         let moves = |verdict: &Verdict| matches!(verdict, Verdict::Moving { .. } | Verdict::Noisy { .. });
         judged.into_iter().find(moves).unwrap_or(Verdict::AtRest)

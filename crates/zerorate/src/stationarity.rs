@@ -4,6 +4,7 @@
 use crate::ledger::{Adjacent, BLOCK_S};
 use crate::noise::NoiseModel;
 use crate::part::Axis;
+use crate::thermal::{self, Block};
 use alloc::vec::Vec;
 
 /// A part is called noisy, not at rest, above this multiple of its typical white noise.
@@ -67,6 +68,28 @@ pub fn judge(axis: &Axis, rates_dps: &[f64], temp_slope_c_per_s: f64) -> Verdict
             let small = step.size_dps.abs() <= axis.bias.largest_supply_step_dps();
             if small && ladder(&step.removed_from(rates_dps)) == Verdict::AtRest {
                 Verdict::Step { at_s: step.at as f64 * BLOCK_S, size_dps: step.size_dps }
+            } else {
+                moving
+            }
+        }
+    }
+}
+
+/// Judges the means of blocks of 0.1 s without what follows the temperature in them. A step is looked for beside the
+/// temperature: a polynomial that is taken out first bends about the step, and the rest looks like motion.
+pub(crate) fn judge_without_temperature(axis: &Axis, blocks: &[Block]) -> Verdict {
+    let ladder = |blocks: &[Block]| {
+        let rates_dps = thermal::without_temperature(blocks);
+        judge_variances(axis, adjacent(&rates_dps, 1), |m| Some(adjacent(&rates_dps, m)), 0.0)
+    };
+    match ladder(blocks) {
+        Verdict::AtRest => Verdict::AtRest,
+        moving => {
+            let (at, size_dps) = thermal::step_beside_temperature(blocks);
+            let step = Step { at, size_dps };
+            let small = size_dps.abs() <= axis.bias.largest_supply_step_dps();
+            if small && ladder(&step.removed_from_blocks(blocks)) == Verdict::AtRest {
+                Verdict::Step { at_s: at as f64 * BLOCK_S, size_dps }
             } else {
                 moving
             }
@@ -151,6 +174,14 @@ impl Step {
             }
         }
         best
+    }
+
+    /// The blocks without it, and without the one in which it happened.
+    fn removed_from_blocks(&self, blocks: &[Block]) -> Vec<Block> {
+        let level = |k: usize| if k >= self.at { self.size_dps } else { 0.0 };
+        let beside = |k: &usize| k.abs_diff(self.at) > 1;
+        let without = |k: usize| Block { rate_dps: blocks[k].rate_dps - level(k), ..blocks[k] };
+        (0..blocks.len()).filter(beside).map(without).collect()
     }
 
     /// The record without it. The block in which it happened fits neither level and is left out.

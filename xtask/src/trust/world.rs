@@ -5,7 +5,7 @@ use super::{Bench, Class, Verdict};
 use crate::trial::{self, Ended, FAULTS, HOUR_S};
 use adis16130_twin::{Motion, Roa, Spec};
 use anyhow::{Context, Result};
-use zerorate::Plan;
+use zerorate::{Method, Plan};
 
 /// What the classes are called, in the order of [`FAULTS`].
 const NAMES: [&str; FAULTS.len()] = [
@@ -23,16 +23,23 @@ const NAMES: [&str; FAULTS.len()] = [
     "world hysteresis",
 ];
 
+/// A sway under the methods that take the whole recording.
+const SWAYS: [Class; 2] = [
+    Class { name: "world warmup slow sway", what: SWAY, quick: 1, run: |_, _, seed| record(Method::Warmup, seed) },
+    Class { name: "world cycle slow sway", what: SWAY, quick: 1, run: |_, _, seed| record(Method::Cycle, seed) },
+];
+const SWAY: &str = "sway of 0.01 to 0.2 °/s, 0.0001 to 0.001 Hz, of a whole recording";
+
 pub const CLASSES: &[Class] = &classes();
 
-const fn classes() -> [Class; FAULTS.len()] {
-    let mut classes = [Class { name: "", what: "", quick: 1, run: calibrate }; FAULTS.len()];
+const fn classes() -> [Class; FAULTS.len() + SWAYS.len()] {
+    let mut classes = [SWAYS[0]; FAULTS.len() + SWAYS.len()];
     let mut index = 0;
     while index < FAULTS.len() {
-        classes[index].name = NAMES[index];
-        classes[index].what = FAULTS[index].name;
+        classes[index] = Class { name: NAMES[index], what: FAULTS[index].name, quick: 1, run: calibrate };
         index += 1;
     }
+    classes[index + 1] = SWAYS[1];
     classes
 }
 
@@ -52,16 +59,31 @@ const FULL_RATE: u64 = 25;
 
 fn calibrate(_: &Bench, class: &'static str, seed: u64) -> Result<Verdict> {
     let index = NAMES.iter().position(|name| *name == class).context("no such world")?;
-    let mut spec = (FAULTS[index].spec)(seed);
-    if !seed.is_multiple_of(FULL_RATE) {
-        (spec.mclk_hz, spec.roa) = (spec.mclk_hz / 50.0, Roa::TenNanofarad);
-    }
+    let spec = at_its_rate((FAULTS[index].spec)(seed), seed);
     let ended = trial::run(spec.clone(), Plan::default())?;
     Ok(match &ended {
         Ended::Refused => Verdict::Refused,
         Ended::Calibrated { .. } if ended.worst() <= WRONG_U => Verdict::Right,
         Ended::Calibrated { warnings, .. } if !warnings.is_empty() => Verdict::Warned,
         Ended::Calibrated { .. } if is_unknowable(&spec) => Verdict::Unknowable,
+        Ended::Calibrated { unit, .. } => Verdict::Silent(format!("off by {:.1} u: {unit:?}", ended.worst())),
+    })
+}
+
+fn at_its_rate(spec: Spec, seed: u64) -> Spec {
+    if seed.is_multiple_of(FULL_RATE) {
+        return spec;
+    }
+    Spec { mclk_hz: spec.mclk_hz / 50.0, roa: Roa::TenNanofarad, ..spec }
+}
+
+/// A sway under a method that takes the whole recording: wrong is wrong here, warned of or not, since such a sway is in
+/// the uncertainty.
+fn record(method: Method, seed: u64) -> Result<Verdict> {
+    let ended = trial::run(at_its_rate(trial::slow_sway(seed), seed), trial::plan(method))?;
+    Ok(match &ended {
+        Ended::Refused => Verdict::Refused,
+        Ended::Calibrated { .. } if ended.worst() <= WRONG_U => Verdict::Right,
         Ended::Calibrated { unit, .. } => Verdict::Silent(format!("off by {:.1} u: {unit:?}", ended.worst())),
     })
 }

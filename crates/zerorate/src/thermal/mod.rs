@@ -219,6 +219,34 @@ pub(crate) fn without_temperature(blocks: &[Block]) -> Vec<f64> {
     left
 }
 
+/// The step that explains most of the rates beside a level and a polynomial over temperature: the block that it comes
+/// before, and its size, °/s. It is that of the least squares over all three.
+pub(crate) fn step_beside_temperature(blocks: &[Block]) -> (usize, f64) {
+    let basis = Basis::over(blocks);
+    let column = |degree| blocks.iter().map(|block| basis.at(degree, block.temp_c)).collect::<Vec<f64>>();
+    let columns: [Vec<f64>; TERMS] = core::array::from_fn(column);
+    let squares: [f64; TERMS] = core::array::from_fn(|degree| gls::dot(&columns[degree], &columns[degree]));
+    let mut left: Vec<f64> = blocks.iter().map(|block| block.rate_dps).collect();
+    for (column, square) in columns.iter().zip(squares).filter(|(_, square)| *square > 0.0) {
+        let share = gls::dot(column, &left) / square;
+        left.iter_mut().zip(column).for_each(|(rate_dps, value)| *rate_dps -= share * value);
+    }
+    // sums over what is behind the step
+    let (mut behind, mut sums, mut most) = (0.0, [0.0; TERMS], (0.0, 0, 0.0));
+    for at in (1..blocks.len()).rev() {
+        behind += left[at];
+        sums.iter_mut().zip(&columns).for_each(|(sum, column)| *sum += column[at]);
+        let explained = sums.iter().zip(squares).filter(|(_, square)| *square > 0.0);
+        let square = (blocks.len() - at) as f64 - explained.map(|(sum, square)| sum * sum / square).sum::<f64>();
+        // next to the ends the level explains it all
+        let gain = if square > 0.5 { behind * behind / square } else { 0.0 };
+        if gain > most.0 {
+            most = (gain, at, behind / square);
+        }
+    }
+    (most.1, most.2)
+}
+
 /// The curve without looking at rates, as far as it does not depend on them: its covariance, for the typical noise and
 /// the highest order. For what a recording will tell.
 pub(crate) fn expected(blocks: &[Block], assumed: &Assumed<'_>) -> Option<BiasCurve> {
