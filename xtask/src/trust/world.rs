@@ -53,6 +53,9 @@ const SEEN_SIGMA: f64 = 8.0;
 const STEP_8_S: f64 = 160.0;
 /// An hour sees less than a full turn of a slower sway.
 const SEEN_HZ: f64 = 3e-4;
+/// A recording that sees less than half a turn of a small sway cannot tell it from the random walk of the part.
+const WALK_TURNS: f64 = 0.5;
+const WALK_DPS: f64 = 0.04;
 /// One run in so many has the clock and the bandwidth of the part. The others have a fiftieth of the clock and 50 Hz
 /// (F-04): what happens in the hour stays as it is, and the run takes a thirtieth of the time.
 const FULL_RATE: u64 = 25;
@@ -80,10 +83,13 @@ fn at_its_rate(spec: Spec, seed: u64) -> Spec {
 /// A sway under a method that takes the whole recording: wrong is wrong here, warned of or not, since such a sway is in
 /// the uncertainty.
 fn record(method: Method, seed: u64) -> Result<Verdict> {
-    let ended = trial::run(at_its_rate(trial::slow_sway(seed), seed), trial::plan(method))?;
+    let (spec, plan) = (at_its_rate(trial::slow_sway(seed), seed), trial::plan(method));
+    let is_walk = spec.sway_hz * plan.total_s() < WALK_TURNS && spec.sway_dps < WALK_DPS;
+    let ended = trial::run(spec, plan)?;
     Ok(match &ended {
         Ended::Refused => Verdict::Refused,
         Ended::Calibrated { .. } if ended.worst() <= WRONG_U => Verdict::Right,
+        Ended::Calibrated { .. } if is_walk => Verdict::Unknowable,
         Ended::Calibrated { unit, .. } => Verdict::Silent(format!("off by {:.1} u: {unit:?}", ended.worst())),
     })
 }

@@ -1,0 +1,93 @@
+//! What a platform or a supply does slowly during a recording: inside the stated uncertainty, or refused.
+
+mod hours;
+
+use adis16130_twin::{Motion, Spec};
+use hours::{measure, worst_u};
+use zerorate::{Method, Warning};
+
+/// Beyond so many standard uncertainties a result is wrong: 1 of 16 000 if all is well.
+const WRONG_U: f64 = 4.0;
+
+fn sway(seed: u64, sway_dps: f64, sway_hz: f64) -> Spec {
+    Spec { motion: Motion::Sway, sway_dps, sway_hz, ..Spec::from_seed(seed) }
+}
+
+fn step(seed: u64, supply_step_mv: f64, at_s: f64) -> Spec {
+    Spec { supply_step_mv, fault_at_s: Some(at_s), ..Spec::from_seed(seed) }
+}
+
+#[test]
+fn a_slow_sway_is_inside_the_uncertainty_or_refused() {
+    let sways = [(853, 0.0885, 0.000_245), (1, 0.1087, 0.000_144), (4, 0.036, 0.000_103), (7, 0.0567, 0.000_262)];
+    for (seed, dps, hz) in sways {
+        for method in [Method::Warmup, Method::Cycle] {
+            let Ok((outcome, truth)) = measure(&sway(seed, dps, hz), method) else { continue };
+            let worst = worst_u(&outcome, &truth);
+            assert!(worst < WRONG_U, "{seed} {method:?}: {worst} u, {:?}", outcome.warnings);
+        }
+    }
+}
+
+/// Where the models decide for a sway, the warning has its size.
+#[test]
+fn a_sway_that_was_taken_out_is_told() {
+    let (outcome, _) = measure(&sway(12, 0.05, 0.0008), Method::Warmup).unwrap();
+    let taken = |warning: &Warning| match *warning {
+        Warning::SwayTaken { hz, size_dps } => Some((hz, size_dps)),
+        _ => None,
+    };
+    let (hz, size_dps) = outcome.warnings.iter().find_map(taken).expect("a sway");
+    assert!((hz / 0.0008 - 1.0).abs() < 0.05 && (size_dps / 0.05 - 1.0).abs() < 0.2, "{hz} Hz, {size_dps} °/s");
+}
+
+/// 384 mV in the last third and 352 mV while the part warms: below the largest step of a supply, so not motion.
+#[test]
+fn a_supply_step_is_not_motion() {
+    for (seed, mv, at_s) in [(6, 384.0, 2492.0), (10, -352.0, 225.0)] {
+        let (outcome, truth) =
+            measure(&step(seed, mv, at_s), Method::Warmup).unwrap_or_else(|refusal| panic!("{refusal}"));
+        assert!(outcome.warnings.iter().any(|warning| warning.code() == "step"), "{seed}: {:?}", outcome.warnings);
+        assert!(worst_u(&outcome, &truth) < WRONG_U, "{seed}: {}", worst_u(&outcome, &truth));
+    }
+}
+
+/// Each text that says that something is in the uncertainty, and units to which that happens: the uncertainty is wider
+/// than that of the same unit without it, and the result is inside.
+#[test]
+fn what_is_said_to_be_in_the_uncertainty_is_in_it() {
+    let claims: [(&str, Method, fn(u64) -> Spec); 5] = [
+        ("swaying", Method::Warmup, |seed| sway(seed, 0.05, 0.000_35)),
+        ("swaying", Method::An1042, |seed| sway(seed, 0.05, 0.0008)),
+        ("step", Method::Warmup, |seed| step(seed, 200.0, 900.0)),
+        ("step", Method::An1042, |seed| step(seed, 200.0, 3100.0)),
+        ("lagging", Method::An1042, |seed| Spec { lag_s: 60.0, ..Spec::from_seed(seed) }),
+    ];
+    for (code, method, spec) in claims {
+        let mut told = 0;
+        for seed in 21..23 {
+            let Ok((outcome, truth)) = measure(&spec(seed), method) else { continue };
+            assert!(worst_u(&outcome, &truth) < WRONG_U, "{code} {method:?} {seed}: {}", worst_u(&outcome, &truth));
+            if !outcome.warnings.iter().any(|warning| warning.code() == code) {
+                continue;
+            }
+            told += 1;
+            let (still, _) = measure(&Spec::from_seed(seed), method).unwrap();
+            let (u, before) = (outcome.uncertainty, still.uncertainty);
+            let stated = outcome.warnings.iter().find_map(|warning| match warning {
+                Warning::Found(finding) if warning.code() == code => Some((finding.pbc_dps, finding.btc_dps_per_c)),
+                _ => None,
+            });
+            // what was taken out leaves no error to state: the uncertainty is wider all the same
+            let holds = match stated {
+                Some((pbc_dps, btc_dps_per_c)) => {
+                    u.u_pbc_dps > 0.98 * before.u_pbc_dps.hypot(pbc_dps)
+                        && u.u_btc_dps_per_c > 0.98 * before.u_btc_dps_per_c.hypot(btc_dps_per_c)
+                }
+                None => u.u_pbc_dps > 1.02 * before.u_pbc_dps || u.u_btc_dps_per_c > 1.02 * before.u_btc_dps_per_c,
+            };
+            assert!(holds, "{code} {method:?} {seed}: {stated:?} {u:?} {before:?}");
+        }
+        assert!(told > 0, "{code} {method:?} was never told");
+    }
+}
