@@ -350,7 +350,10 @@ fn warnings(seen: &Evidence<'_>, summary: &Summary, curve: &BiasCurve, hour: Opt
         when(hour.is_none(), Warning::HourUnchecked),
         plan.target_dps.filter(|target| u_dps > *target).map(|target_dps| Warning::TargetMissed { u_dps, target_dps }),
         when(plan.method == Method::Warmup, branch(axis)),
-        when(curve.following.lag_s > LAG_WORTH_SAYING_S, Warning::Late { lag_s: curve.following.lag_s }),
+        when(
+            curve.is_late && curve.following.lag_s > LAG_WORTH_SAYING_S,
+            Warning::Late { lag_s: curve.following.lag_s },
+        ),
         when(hour.is_some_and(|hour| hour.unexplained), Warning::Restless),
     ];
     let steps = steps_taken(curve);

@@ -52,6 +52,17 @@ fn a_supply_step_is_not_motion() {
     }
 }
 
+/// A wide play lies between two of the lattice; it is neither a lag nor an error beyond the interval.
+#[test]
+fn a_wide_play_is_not_a_lag() {
+    for (seed, hysteresis_dps) in [(1, 0.109), (6, 0.122), (7, 0.057), (10, 0.096)] {
+        let (outcome, truth) = measure(&Spec { hysteresis_dps, ..Spec::from_seed(seed) }, Method::Warmup).unwrap();
+        let codes: Vec<&str> = outcome.warnings.iter().map(Warning::code).collect();
+        assert!(!codes.contains(&"lagging") && !codes.contains(&"swaying"), "{seed}: {codes:?}");
+        assert!(worst_u(&outcome, &truth) < WRONG_U, "{seed}: {} u", worst_u(&outcome, &truth));
+    }
+}
+
 /// Each text that says that something is in the uncertainty, and units to which that happens: the uncertainty is wider
 /// than that of the same unit without it, and the result is inside.
 #[test]

@@ -23,6 +23,9 @@ const LEAST_PLAY_C: f64 = 0.0125;
 const B_RATIO: f64 = core::f64::consts::SQRT_2;
 /// Ratio of one K to the next, of which a recording tells less.
 const K_RATIO: f64 = 2.0;
+/// Plays that stand where one is too coarse, and how often they are made finer.
+const FINER_PLAYS: i32 = 8;
+const FINER_ROUNDS: i32 = 2;
 /// Steps of noise, up and down, that are tried.
 const NOISE_REACH: i32 = 20;
 /// Spread over units of the logarithms of B and K, where the part states typical values; and where it does not.
@@ -139,8 +142,35 @@ impl<'a> Lattice<'a> {
         let filter = self.filter(noise);
         let still: Vec<(f64, Path)> =
             self.paths.iter().map(|path| (self.score(&filter, noise, path), *path)).collect();
+        let still = self.finer_plays(&filter, noise, still);
         let swaying = self.swaying_paths(&filter, noise, &still);
         relevant(still.into_iter().chain(swaying).collect())
+    }
+
+    /// The paths, and finer plays about the best one where its neighbours explain much less: a wide play between two of
+    /// the lattice looks like a lag.
+    fn finer_plays(&self, filter: &Filter, noise: (i32, i32), mut scored: Vec<(f64, Path)>) -> Vec<(f64, Path)> {
+        let mut ratio = PLAY_RATIO;
+        for round in 1..=FINER_ROUNDS {
+            let Some(&(best, path)) = scored.iter().max_by(|a, b| a.0.total_cmp(&b.0)) else { break };
+            let play_c = path.following.play_c;
+            let with = |one: &Path, play_c: f64, log_finer: f64| {
+                let path = Path { following: Following { play_c, ..one.following }, log_finer, ..*one };
+                (self.score(filter, noise, &path), path)
+            };
+            let is_worse = |play_c: f64| with(&path, play_c, path.log_finer).0 < best - NEGLIGIBLE;
+            if play_c <= 0.0 || !is_worse(play_c * ratio) || !is_worse(play_c / ratio) {
+                break;
+            }
+            ratio = libm::pow(ratio, 1.0 / f64::from(FINER_PLAYS));
+            let log_finer = f64::from(round) * libm::log(f64::from(FINER_PLAYS));
+            let finer = (1 - FINER_PLAYS..FINER_PLAYS).filter(|k| *k != 0);
+            let plays: Vec<f64> = finer.map(|k| play_c * libm::pow(ratio, f64::from(k))).collect();
+            // whatever the lag: the best one may change with the play
+            let lags = self.paths.iter().filter(|one| one.steps == path.steps && one.following.play_c == 0.0);
+            scored.extend(lags.flat_map(|one| plays.iter().map(|play_c| with(one, *play_c, log_finer))));
+        }
+        scored
     }
 
     /// The paths with a sway, with their scores, beside those without: first the sways that explain most on any path, at
@@ -269,9 +299,9 @@ fn lags(record: &Record<'_>) -> Vec<f64> {
     core::iter::once(0.0).chain(geometric(SHORTEST_LAG_S, length_s / 4.0, LAG_RATIO)).collect()
 }
 
-/// No play, and plays to a quarter of the span; none where play shows nowhere.
+/// No play, and plays to half of the span, with which the bias hardly follows; none where play shows nowhere.
 fn plays(record: &Record<'_>) -> Vec<f64> {
-    core::iter::once(0.0).chain(geometric(LEAST_PLAY_C, record.basis.half_span_c() / 2.0, PLAY_RATIO)).collect()
+    core::iter::once(0.0).chain(geometric(LEAST_PLAY_C, record.basis.half_span_c(), PLAY_RATIO)).collect()
 }
 
 fn geometric(first: f64, end: f64, ratio: f64) -> impl Iterator<Item = f64> {

@@ -110,6 +110,8 @@ pub struct BiasCurve {
     pub order_weights: [f64; TERMS],
     /// How the bias follows the temperature: the mean over all models.
     pub following: Following,
+    /// Whether it is likelier that the bias follows late than that it does not.
+    pub is_late: bool,
     /// The noise: white as given, B and K the geometric means over all models.
     pub noise: NoiseModel,
     /// Whether the recording says more of B, and of K, than was likely beforehand.
@@ -340,6 +342,7 @@ fn average(record: &Record<'_>, axis: &Axis, models: &[Weighed]) -> BiasCurve {
             told(&|noise| noise.rate_random_walk_dps_per_rt_s, lattice::spread(axis)[1]),
         ],
         steps: steps(record, models),
+        is_late: mean(|model| f64::from(u8::from(model.hypothesis.following.lag_s > 0.0))) > 0.5,
         sway: sway(models),
         span_c: record.span_c(),
     }
