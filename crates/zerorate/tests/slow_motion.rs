@@ -63,11 +63,14 @@ fn a_wide_play_is_not_a_lag() {
     }
 }
 
+/// The code of the text, the method that says it, and the units to which it happens.
+type Claim = (&'static str, Method, fn(u64) -> Spec);
+
 /// Each text that says that something is in the uncertainty, and units to which that happens: the uncertainty is wider
 /// than that of the same unit without it, and the result is inside.
 #[test]
 fn what_is_said_to_be_in_the_uncertainty_is_in_it() {
-    let claims: [(&str, Method, fn(u64) -> Spec); 5] = [
+    let claims: [Claim; 5] = [
         ("swaying", Method::Warmup, |seed| sway(seed, 0.05, 0.000_35)),
         ("swaying", Method::An1042, |seed| sway(seed, 0.05, 0.0008)),
         ("step", Method::Warmup, |seed| step(seed, 200.0, 900.0)),

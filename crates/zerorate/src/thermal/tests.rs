@@ -59,7 +59,7 @@ fn the_filter_is_the_inverse_of_the_covariance() {
         |i: usize, j: usize| constant + walk * middles[i].min(middles[j]) + if i == j { white } else { 0.0 };
     let rows = (0..3).map(|i| (0..=i).map(|j| covariance(i, j)).collect()).collect();
     let dense = crate::gls::Whitener::new(rows).unwrap();
-    let series = vec![vec![0.3, -0.1, 0.5], vec![1.0, 1.0, 1.0], vec![0.0, 0.2, 0.9]];
+    let series = [vec![0.3, -0.1, 0.5], vec![1.0, 1.0, 1.0], vec![0.0, 0.2, 0.9]];
     let filter = Filter::new(&noise, &blocks);
     let filtered = filter.filtered(&filter.whites(&series[..2]), &[filter.whiten(&series[2])]).unwrap();
     for (i, a) in series.iter().enumerate() {
