@@ -1,12 +1,13 @@
 //! Ctrl-C, SIGTERM and SIGHUP. Loops that listen are asked to end cleanly, and a second signal ends the program at
-//! once; so does the first where nothing listens. Temporary files are removed in either case. What `nohup` started
+//! once, or after two seconds where a chamber is being switched off; so does the first where nothing listens. Temporary files are removed in either case. What `nohup` started
 //! outlives its terminal.
 
-use crate::output;
+use crate::{last_word, output};
 use anyhow::Context;
 use std::io;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 use zerorate_host::Stop;
 
 static HANDLED: OnceLock<()> = OnceLock::new();
@@ -15,6 +16,9 @@ static STOP: OnceLock<Stop> = OnceLock::new();
 
 /// Added to the number of the signal that ended a program, this is its exit code, as shells report it.
 const BY_SIGNAL: i32 = 128;
+
+/// A second signal leaves so much time to what must not be cut short.
+const GRACE: Duration = Duration::from_secs(2);
 
 /// From here on a signal ends the program. To be called before any command runs.
 pub fn handle() -> anyhow::Result<()> {
@@ -44,7 +48,9 @@ fn heed(signal: i32) {
     let again = asked();
     stop().ask();
     if !LISTENED_TO.load(Ordering::Relaxed) || again {
+        last_word::wait(GRACE);
         output::remove_all_for_good();
+        last_word::say_it();
         std::process::exit(BY_SIGNAL + signal);
     }
 }

@@ -21,6 +21,7 @@ mod exit;
 mod fuzz;
 mod interrupt;
 mod judged;
+mod last_word;
 mod memory;
 mod output;
 mod part;
@@ -57,8 +58,10 @@ pub fn main_confined(args: impl IntoIterator<Item = OsString>) -> ExitCode {
 }
 
 fn run(cli: &cli::Cli) -> ExitCode {
-    match interrupt::handle().and_then(|()| commands::run(cli)) {
+    let code = match interrupt::handle().and_then(|()| commands::run(cli)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => exit::report(&error),
-    }
+    };
+    last_word::say_it();
+    code
 }

@@ -31,7 +31,7 @@ mod stop;
 mod tests;
 mod twin;
 
-pub use chamber::{Air, Apart, Chamber, ChamberSpec, DIALECTS, Dialect, Lead, SimulatedChamber};
+pub use chamber::{Air, Apart, Chamber, ChamberSpec, DIALECTS, Dialect, ENDING_S, Lead, Left, SimulatedChamber};
 pub use error::{Cause, DeviceError};
 pub use hub::{Awaited, Batch, Everything, Hub, Watched, Watcher};
 pub use kinds::{DeviceSpec, KINDS, Kind};

@@ -25,6 +25,8 @@ pub struct Part {
     pub axes: Cow<'static, [NamedAxis]>,
     /// What logs call the column of the temperature, where it is not `temp`.
     pub temp_column: Option<Cow<'static, str>>,
+    /// Coldest and warmest air in which it may operate, °C.
+    pub operating_c: Option<(f64, f64)>,
 }
 
 /// An axis of a [`Part`].
@@ -63,6 +65,7 @@ impl Part {
             },
         }]),
         temp_column: None,
+        operating_c: Some((-40.0, 85.0)), // F-08
     };
 }
 

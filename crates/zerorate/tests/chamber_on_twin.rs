@@ -185,6 +185,39 @@ fn air_beyond_the_plan_and_silence_end_it() {
     assert!(matches!(refusal, Some(ChamberRefusal::Silent { step: 2, .. })), "{refusal:?}");
 }
 
+/// Of a plan of 25 and 60 °C, at the step that `at` names.
+fn heated(first_step: bool) -> ChamberProcedure {
+    let mut bench = Bench::new(&quick(9));
+    let mut procedure = procedure(&[soak(25.0), soak(60.0)]);
+    let steps = usize::from(!first_step);
+    bench.run(&mut procedure, |p| p.steps_done() < steps).expect("a good unit");
+    procedure
+}
+
+/// F-08: −40 to +85 °C, and 3 °C for the control of a chamber. A first reading lifts nothing of that.
+#[test]
+fn air_that_harms_the_part_ends_it_from_the_first_reading_on() {
+    for air_c in [500.0, 120.0, 88.1, -43.1] {
+        let mut procedure = heated(true);
+        assert!(procedure.air(air_c).is_ok(), "once may be a slip of the wire");
+        let refusal = procedure.air(air_c).expect_err("no part may be there");
+        let expected = ChamberRefusal::BeyondPart { step: 1, air_c, low_c: -40.0, high_c: 85.0 };
+        assert_eq!(refusal, expected);
+    }
+}
+
+/// The air may come from 80 °C; having come, it may not go back, nor be there when the second step begins.
+#[test]
+fn a_first_reading_counts_only_until_the_air_has_come_to_the_plan() {
+    let mut procedure = heated(true);
+    for air_c in [80.0, 84.0, 70.0, 66.0] {
+        assert!(procedure.air(air_c).is_ok(), "{air_c}: it comes");
+    }
+    assert!(procedure.air(64.0).is_ok() && procedure.air(66.0).is_ok(), "it has come");
+    let refusal = procedure.air(66.0).expect_err("60 and 5 °C are the most");
+    assert!(matches!(refusal, ChamberRefusal::Overshoot { step: 1, high_c: 65.0, .. }), "{refusal}");
+}
+
 /// A unit whose slow noise is small, so that a loop of 0.002 °/s (M-02) shows in two cycles.
 #[test]
 fn curve_and_loop_of_a_unit_are_found_within_their_uncertainty() {

@@ -1,7 +1,7 @@
 //! A chamber in a thread of its own: whoever reads a part must not wait for it.
 
-use super::Chamber;
-use crate::{DeviceError, Result};
+use super::{Chamber, Left};
+use crate::{DeviceError, Result, Stop};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
@@ -9,10 +9,14 @@ use std::time::Duration;
 /// So often it is asked.
 const PERIOD: Duration = Duration::from_secs(5);
 
+/// So often it is looked whether the thread is still there.
+const SLICE: Duration = Duration::from_millis(100);
+
 /// Any chamber, told and asked every 5 s by a thread of its own. [`Chamber::read_c`] gives what it said last, and
 /// [`Chamber::set`] fails some seconds after it could not be told.
 pub struct Apart {
     shared: Arc<Shared>,
+    halt: Stop,
     thread: Option<JoinHandle<Box<dyn Chamber>>>,
 }
 
@@ -24,6 +28,7 @@ struct Shared {
 
 #[derive(Default)]
 struct State {
+    started: bool,
     wanted_c: Option<f64>,
     air_c: Option<f64>,
     failed: Option<DeviceError>,
@@ -36,6 +41,9 @@ impl Shared {
     }
 
     fn serve(&self, chamber: &mut dyn Chamber) -> Result<()> {
+        chamber.start()?;
+        self.state().started = true;
+        self.changed.notify_all();
         let mut told_c = None;
         loop {
             let (wanted_c, ended) = {
@@ -60,21 +68,22 @@ impl Shared {
 }
 
 impl Apart {
-    /// Starts the thread.
+    /// Starts the thread, and the chamber in it.
     ///
     /// # Errors
     /// There is no thread to be had.
     pub fn new(mut chamber: Box<dyn Chamber>) -> Result<Self> {
         let shared = Arc::new(Shared::default());
-        let inner = shared.clone();
+        let (inner, halt) = (shared.clone(), chamber.halt());
         let body = move || {
             if let Err(error) = inner.serve(chamber.as_mut()) {
                 inner.state().failed = Some(error);
+                inner.changed.notify_all();
             }
             chamber
         };
         let thread = thread::Builder::new().name("chamber".to_owned()).spawn(body).map_err(anyhow::Error::from)?;
-        Ok(Self { shared, thread: Some(thread) })
+        Ok(Self { shared, halt, thread: Some(thread) })
     }
 
     fn failure(&self) -> Result<()> {
@@ -83,6 +92,18 @@ impl Apart {
 }
 
 impl Chamber for Apart {
+    /// Waits until the thread has started it.
+    fn start(&mut self) -> Result<()> {
+        loop {
+            let state = self.shared.state();
+            if state.started || state.failed.is_some() || self.thread.as_ref().is_none_or(JoinHandle::is_finished) {
+                break;
+            }
+            drop(self.shared.changed.wait_timeout(state, SLICE).unwrap_or_else(PoisonError::into_inner));
+        }
+        self.failure()
+    }
+
     fn set(&mut self, temp_c: f64) -> Result<()> {
         self.failure()?;
         self.shared.state().wanted_c = Some(temp_c);
@@ -95,10 +116,17 @@ impl Chamber for Apart {
         Ok(self.shared.state().air_c)
     }
 
-    fn end(&mut self, safe_c: f64) -> Result<()> {
+    fn halt(&self) -> Stop {
+        self.halt.clone()
+    }
+
+    fn end(&mut self, safe_c: f64) -> Option<Left> {
         self.shared.state().ended = true;
+        self.halt.ask();
         self.shared.changed.notify_all();
-        let Some(Ok(mut chamber)) = self.thread.take().map(JoinHandle::join) else { return Ok(()) };
-        chamber.end(safe_c)
+        match self.thread.take()?.join() {
+            Ok(mut chamber) => chamber.end(safe_c),
+            Err(_) => Some(Left { why: Some("its thread ended by an error".to_owned()), ..Left::default() }),
+        }
     }
 }

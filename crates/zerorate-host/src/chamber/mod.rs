@@ -2,24 +2,35 @@
 
 mod air;
 mod apart;
+mod left;
 mod lines;
 mod simulated;
 
 pub(crate) use air::Follower;
 pub use air::{Air, Lead};
 pub use apart::Apart;
-pub use lines::{DIALECTS, Dialect};
+pub use left::Left;
+pub use lines::{DIALECTS, Dialect, ENDING_S};
 pub use simulated::SimulatedChamber;
 
-use crate::Result;
 use crate::options::{number, split};
 use lines::{LineAddress, Lines};
+use crate::{Result, Stop};
 use std::fmt;
 use std::str::FromStr;
 use std::time::Duration;
 
-/// A temperature chamber.
+/// A temperature chamber. It is started once and ended once.
 pub trait Chamber: Send {
+    /// Sets it going. Whatever comes of it, [`Chamber::end`] is due from here on: a command may be obeyed and its answer
+    /// get lost.
+    ///
+    /// # Errors
+    /// It does not answer.
+    fn start(&mut self) -> Result<()> {
+        Ok(())
+    }
+
     /// Sends its air to a temperature, °C.
     ///
     /// # Errors
@@ -35,12 +46,14 @@ pub trait Chamber: Send {
     /// Simulated time goes on.
     fn pass(&mut self, _seconds: f64) {}
 
-    /// Sends its air to a temperature where it may stay, °C, and stops what was started. To be tried once, however the
-    /// measurement ended.
-    ///
-    /// # Errors
-    /// It cannot be told.
-    fn end(&mut self, safe_c: f64) -> Result<()>;
+    /// Cuts short, once it is asked, whatever this chamber waits for but [`Chamber::end`].
+    fn halt(&self) -> Stop {
+        Stop::default()
+    }
+
+    /// Sends its air to a temperature where it may stay, °C, and stops what was started, however the measurement ended.
+    /// None where nothing was set going. Takes some [`ENDING_S`] seconds at most.
+    fn end(&mut self, safe_c: f64) -> Option<Left>;
 }
 
 /// What `--chamber` names.
@@ -82,16 +95,15 @@ impl fmt::Display for ChamberSpec {
 }
 
 impl ChamberSpec {
-    /// Opens it; none where it is set by hand.
-    ///
-    /// # Errors
-    /// It does not answer.
-    pub fn open(&self) -> Result<Option<Box<dyn Chamber>>> {
-        Ok(match self {
+    /// The chamber, which nothing was said to so far; none where it is set by hand. Once `stop` is asked, it waits for
+    /// nothing any more but in [`Chamber::end`].
+    #[must_use]
+    pub fn chamber(&self, stop: &Stop) -> Option<Box<dyn Chamber>> {
+        match self {
             Self::Hand => None,
             Self::Simulated(chamber) => Some(Box::new(chamber.clone())),
-            Self::Lines(address) => Some(Box::new(Lines::open(address)?)),
-        })
+            Self::Lines(address) => Some(Box::new(Lines::new(address, stop))),
+        }
     }
 }
 

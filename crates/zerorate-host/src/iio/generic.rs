@@ -120,6 +120,7 @@ fn part(driver: &str, axes: &[&str], rates: &[Channel], temp: Option<&Channel>, 
         name: known.map_or_else(|| driver.to_owned().into(), |known| known.name.clone()),
         axes: axes.iter().zip(rates).map(axis).collect(),
         temp_column: None,
+        operating_c: known.and_then(|known| known.operating_c),
     }
 }
 

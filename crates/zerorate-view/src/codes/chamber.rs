@@ -42,6 +42,35 @@ pub const ALL: &[Explanation] = &[
         command: "",
     },
     Explanation {
+        code: "beyond-limits",
+        says: Says::Either,
+        by: &["probe", "capture", "calibrate", "chamber", "stream"],
+        seen: "The air is colder or warmer than the part may be; of a simulated part, it was asked to be.",
+        matters: "A real part may be harmed, so its chamber was sent to a safe temperature. Of a simulated part nobody \
+            knows what a real one would do there.",
+        remedy: "Look at the chamber: its sensor, its control, and what it did before. Keep a simulated part within \
+            the limits (operating_c in the file of a part).",
+        command: "",
+    },
+    Explanation {
+        code: "limits-unknown",
+        says: Says::Warning,
+        by: &["chamber"],
+        seen: "The file of the part does not state at which temperatures it may operate.",
+        matters: "Only the plan keeps the chamber from harming it.",
+        remedy: "State operating_c in the file of the part.",
+        command: "",
+    },
+    Explanation {
+        code: "chamber-left",
+        says: Says::Warning,
+        by: &["chamber"],
+        seen: "The chamber did not confirm that it was sent to a safe temperature or stopped.",
+        matters: "It may go on heating or cooling.",
+        remedy: "Go to the chamber, and switch it off by hand. Then look at its cable.",
+        command: "",
+    },
+    Explanation {
         code: "disturbed",
         says: Says::Refusal,
         by: &["chamber"],

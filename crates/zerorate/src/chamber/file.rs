@@ -11,12 +11,12 @@ use toml::Spanned;
 /// Version of the file form, and the newest that is read.
 const SCHEMA: u32 = 1;
 /// Steps of all cycles at most: a week of them.
-const MAX_STEPS: usize = 1000;
+pub(super) const MAX_STEPS: usize = 1000;
 
 /// A number's key, its bounds and its unit.
-struct Bounds(&'static str, f64, f64, &'static str);
+pub(super) struct Bounds(&'static str, pub(super) f64, pub(super) f64, &'static str);
 
-const TO_C: Bounds = Bounds("to_c", -100.0, 250.0, "°C");
+pub(super) const TO_C: Bounds = Bounds("to_c", -100.0, 250.0, "°C");
 const SAFE_C: Bounds = Bounds("safe_c", -40.0, 60.0, "°C");
 const C_PER_MIN: Bounds = Bounds("c_per_min", 0.01, 100.0, "°C/min");
 const HOLD_S: Bounds = Bounds("hold_s", 0.0, 86_400.0, "s");

@@ -187,6 +187,26 @@ impl ChamberPlan {
     }
 }
 
+impl ChamberPlan {
+    /// Whether the part may be wherever this plan sends the air. To be asked before anything is heated or cooled; a
+    /// recording has happened already.
+    ///
+    /// # Errors
+    /// A set point, or the temperature at which the chamber is left, is beyond [`Part::operating_c`].
+    pub fn spares(&self, part: &Part) -> Result<(), ChamberPlanError> {
+        let Some((low_c, high_c)) = part.operating_c else { return Ok(()) };
+        let set_points = self.steps.iter().enumerate().map(|(index, step)| (Some(index + 1), step.to_c));
+        let beyond = |(_, to_c): &(Option<usize>, f64)| !(low_c..=high_c).contains(to_c);
+        let Some((step, to_c)) = set_points.chain([(None, self.safe_c)]).find(beyond) else { return Ok(()) };
+        let what = step.map_or("safe_c".into(), |step| alloc::format!("to_c of step {step}"));
+        Err(ChamberPlanError::unplaced(alloc::format!(
+            "{what} is {to_c} °C, and the {} may be at {low_c} to {high_c} °C only (operating_c of the part); give a \
+             temperature between these",
+            part.name
+        )))
+    }
+}
+
 const LESS: core::cmp::Ordering = core::cmp::Ordering::Less;
 /// Air that stays within this, °C, for so long, s, has come to rest.
 const STAYS_C: f64 = 1.0;
@@ -304,6 +324,28 @@ mod tests {
         let text = alloc::format!("{}", ChamberPlan::of_course(&[(0.0, 1.0), (0.0, 2.0)]).unwrap_err());
         assert!(text.contains("row 2"), "{text}");
         assert!(ChamberPlan::of_course(&course[..1]).is_err());
+    }
+
+    /// F-08: −40 to +85 °C.
+    #[test]
+    fn a_plan_beyond_the_limits_of_the_part_is_not_carried_out() {
+        let at = |to_c, safe_c| ChamberPlan {
+            steps: vec![Step { to_c: 25.0, c_per_min: None, end: StepEnd::Hold(60.0) }, Step { to_c, ..plan().steps[0] }],
+            safe_c,
+            ..plan()
+        };
+        for (to_c, safe_c, why) in [
+            (250.0, 25.0, "to_c of step 2 is 250 °C, and the ADIS16130 may be at -40 to 85 °C"),
+            (-40.1, 25.0, "to_c of step 2 is -40.1 °C"),
+            (f64::NAN, 25.0, "to_c of step 2 is NaN °C"),
+            (30.0, 90.0, "safe_c is 90 °C"),
+        ] {
+            let text = alloc::format!("{}", at(to_c, safe_c).spares(&Part::ADIS16130).unwrap_err());
+            assert!(text.contains(why), "{text}");
+        }
+        assert!(at(-40.0, 85.0).spares(&Part::ADIS16130).is_ok());
+        let unknown = Part { operating_c: None, ..Part::ADIS16130 };
+        assert!(at(250.0, 25.0).spares(&unknown).is_ok(), "nobody knows its limits");
     }
 
     #[test]

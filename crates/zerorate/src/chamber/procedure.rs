@@ -76,6 +76,18 @@ struct AxisState {
     white_dps_per_rt_hz: Option<f64>,
 }
 
+/// How the air comes to the span of the plan, outside which it may be at first.
+#[derive(Clone, Copy, Debug, Default)]
+enum Coming {
+    /// Nothing was heard of it.
+    #[default]
+    Unknown,
+    /// From this temperature, °C, during this step.
+    From { air_c: f64, step: usize },
+    /// It has come, or has had its time.
+    Over,
+}
+
 /// What happened in the present state.
 #[derive(Clone, Copy, Debug, Default)]
 struct Present {
@@ -131,7 +143,7 @@ pub struct ChamberProcedure {
     settled_at_c: Option<(f64, f64)>,
     /// What the chamber said last.
     air_c: Option<f64>,
-    first_air_c: Option<f64>,
+    coming: Coming,
     beyond: u32,
 }
 
@@ -166,7 +178,7 @@ impl ChamberProcedure {
             disturbed: 0,
             settled_at_c: None,
             air_c: None,
-            first_air_c: None,
+            coming: Coming::default(),
             beyond: 0,
         })
     }

@@ -26,6 +26,8 @@ pub enum ChamberRefusal {
     NotReached { step: usize, set_c: f64, air_c: f64, after_s: f64 },
     /// The air went where the plan never goes.
     Overshoot { step: usize, air_c: f64, low_c: f64, high_c: f64 },
+    /// The air is where the part may not be.
+    BeyondPart { step: usize, air_c: f64, low_c: f64, high_c: f64 },
     /// Again and again something happened while a soak point was averaged.
     Disturbed { step: usize, times: u32, why: Disturbance },
     /// The temperature hardly changed.
@@ -46,6 +48,7 @@ codes!(ChamberRefusal {
     NotSettled => "not-settled",
     NotReached => "not-reached",
     Overshoot => "overshoot",
+    BeyondPart => "beyond-limits",
     Disturbed => "disturbed",
     Span => "small-span",
     Uncertain => "uncertain",
@@ -155,6 +158,11 @@ impl fmt::Display for ChamberRefusal {
                 f,
                 "step {step}: the air is at {air_c:.1} °C, beyond the {low_c:.1} to {high_c:.1} °C of the plan, and \
                  may harm the part. Check the chamber's control, or allow more (overshoot_c in the plan)"
+            ),
+            Self::BeyondPart { step, air_c, low_c, high_c } => write!(
+                f,
+                "step {step}: the air is at {air_c:.1} °C, and the part may be at {low_c:.1} to {high_c:.1} °C only. \
+                 Look at the chamber now: its sensor or its control has failed, or it was that hot or cold before"
             ),
             Self::Disturbed { step, times, why } => {
                 write!(f, "{} of step {step} was disturbed {times} times; at last, {why}", ChamberState::Average)

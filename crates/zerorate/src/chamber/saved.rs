@@ -1,17 +1,28 @@
 //! A measurement that was interrupted, as a text: what its finished steps measured.
 
+use super::file::{MAX_STEPS, TO_C};
 use super::record::{Record, Soak};
-use crate::calibration::check::sha256_hex;
-use crate::part::Part;
+use crate::calibration::check::{self, Damage, sha256_hex};
+use crate::part::{Part, Scale};
 use crate::toml_error::syntax;
-use alloc::format;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 use core::fmt;
+use core::ops::RangeInclusive;
 use serde::{Deserialize, Serialize};
 
 /// Version of the text, and the only one that is read.
 const SCHEMA: u32 = 1;
+const HEADER: &str =
+    "# An interrupted measurement in a chamber: zerorate chamber goes on with it (docs/chamber.md).\n";
+/// Ten years, s: pauses of a measurement that is resumed included.
+const LONGEST_S: f64 = 3.2e8;
+/// More samples than ten years have, and few enough to be added.
+const MOST_SAMPLES: u64 = 1 << 50;
+/// Set points of any plan, °C.
+const SET_POINTS_C: RangeInclusive<f64> = TO_C.1..=TO_C.2;
+/// Faster drifts are no temperature of a part, °C/min.
+const DRIFTS_C_PER_MIN: RangeInclusive<f64> = -1e4..=1e4;
 
 /// The finished steps of a measurement. `docs/chamber.md` says when it is written and read.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,14 +35,22 @@ pub struct Saved {
     pub ended: Option<String>,
 }
 
-/// Why a text does not go on with a measurement.
+/// Why a text does not go on with a measurement. Lines count from 1.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[expect(missing_docs, reason = "the text shows them")]
 pub enum SavedError {
     /// It is not such a text.
     Syntax(String),
-    /// Lists of different length, or numbers that are none.
+    /// No longer what was written.
+    Edited { line: usize },
+    /// The end is missing.
+    Truncated { line: usize },
+    /// Without check lines: nothing shows whether it is whole.
+    Unchecked,
+    /// Lists of different length.
     Damaged,
+    /// A number that no measurement gives.
+    Impossible { what: &'static str },
     /// It belongs to something else.
     Other { what: &'static str, saved: String, wanted: String },
 }
@@ -40,7 +59,11 @@ impl fmt::Display for SavedError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Syntax(what) => write!(f, "it is no interrupted measurement: {}", what.trim_end()),
+            Self::Edited { line } => write!(f, "line {line} is not what was written: it was edited or damaged"),
+            Self::Truncated { line } => write!(f, "it ends at line {line}, but more was written"),
+            Self::Unchecked => f.write_str("it has no check lines, so nothing shows whether it is whole"),
             Self::Damaged => f.write_str("it is damaged: its lists do not belong together"),
+            Self::Impossible { what } => write!(f, "it is damaged: no measurement gives such {what}"),
             Self::Other { what, saved, wanted } => {
                 write!(f, "it is of another {what}: {saved:?} there, {wanted:?} here")
             }
@@ -112,27 +135,33 @@ impl Saved {
             axis: part.axes.iter().zip(rates_dps).map(name).collect(),
         };
         // every field has a place in TOML
-        let body = toml::to_string(&form).unwrap_or_default();
-        format!(
-            "# An interrupted measurement in a chamber: zerorate chamber goes on with it (docs/chamber.md).\n{body}"
-        )
+        let fields = toml::to_string(&form).unwrap_or_default();
+        checked(&fields)
     }
 
-    /// From such a text, if it is of the same measurement.
+    /// From such a text, if it is whole and of the same measurement.
     ///
     /// # Errors
     /// Why not.
     pub fn parse(text: &str, plan_text: &str, part: &Part, device: &str, serial: &str) -> Result<Self, SavedError> {
-        let form: Form = toml::from_str(text).map_err(|error| SavedError::Syntax(syntax(text, &error)))?;
+        let is_checked = check::verify(text).map_err(|damage| match damage {
+            Damage::Changed { line } => SavedError::Edited { line },
+            Damage::EndsEarly { line } => SavedError::Truncated { line },
+        })?;
+        let fields = check::without_checks(text);
+        let form: Form = toml::from_str(&fields).map_err(|error| SavedError::Syntax(syntax(&fields, &error)))?;
+        if !is_checked {
+            return Err(SavedError::Unchecked);
+        }
         form.is_of(&Identity { plan_text, part, device, serial })?;
+        form.is_possible(part)?;
         let at_rest: Vec<bool> = form.at_rest.chars().map(|digit| digit == '1').collect();
         let len = form.start_s.len();
         let rates_dps: Vec<Vec<f64>> = form.axis.into_iter().map(|axis| axis.rate_dps).collect();
         let whole = form.temp_c.len() == len && at_rest.len() == len && rates_dps.iter().all(|one| one.len() == len);
         let rises = form.start_s.windows(2).all(|pair| pair[0] < pair[1]);
         let soaks_fit = form.soak.iter().all(|soak| soak.rates_dps.len() == rates_dps.len());
-        let numbers = form.start_s.iter().chain(&form.temp_c).chain(rates_dps.iter().flatten());
-        if !(whole && rises && soaks_fit && numbers.copied().all(f64::is_finite)) {
+        if !(whole && rises && soaks_fit) {
             return Err(SavedError::Damaged);
         }
         let record = Record {
@@ -149,7 +178,53 @@ impl Saved {
     }
 }
 
+/// The text of these fields, with the check lines of a calibration.
+fn checked(fields: &str) -> String {
+    let body = [HEADER, fields].concat();
+    [HEADER, &check::lines_for(&body), fields].concat()
+}
+
+/// The values that the codes of a scale stand for.
+fn values(scale: &Scale) -> RangeInclusive<f64> {
+    let (first, last) = scale.codes();
+    scale.value(first - scale.zero_code)..=scale.value(last - scale.zero_code)
+}
+
+fn all(range: &RangeInclusive<f64>, mut numbers: impl Iterator<Item = f64>) -> bool {
+    numbers.all(|number| range.contains(&number))
+}
+
 impl Form {
+    /// Holds each number against what a measurement of this part can give: whatever goes on with them loops over times
+    /// and steps.
+    fn is_possible(&self, part: &Part) -> Result<(), SavedError> {
+        let Some(first) = part.axes.first() else { return Err(SavedError::Damaged) };
+        let (times_s, temps_c) = (0.0..=LONGEST_S, values(&first.axis.temp));
+        let rates_dps = || self.axis.iter().zip(part.axes.iter()).map(|(one, known)| (one, values(&known.axis.rate)));
+        let of_soaks = |number: fn(&Soak) -> f64| self.soak.iter().map(number);
+        let soaks_dps = |soak: &Soak| {
+            soak.rates_dps.iter().zip(part.axes.iter()).all(|(dps, known)| values(&known.axis.rate).contains(dps))
+        };
+        let steps = self.steps <= MAX_STEPS && self.soak.iter().all(|soak| soak.step < self.steps);
+        let checks = [
+            ("number of steps", steps),
+            ("number of samples", [self.samples, self.lost, self.impossible].iter().all(|count| *count <= MOST_SAMPLES)),
+            ("times", all(&times_s, self.start_s.iter().copied())),
+            ("times", all(&times_s, of_soaks(|soak| soak.start_s).chain(of_soaks(|soak| soak.end_s)))),
+            ("times", self.soak.iter().all(|soak| soak.start_s < soak.end_s)),
+            ("temperatures", all(&temps_c, self.temp_c.iter().copied().chain(of_soaks(|soak| soak.temp_c)))),
+            ("set points", all(&SET_POINTS_C, of_soaks(|soak| soak.set_c))),
+            ("drifts", all(&DRIFTS_C_PER_MIN, of_soaks(|soak| soak.drift_c_per_min))),
+            ("rates", rates_dps().all(|(one, range)| all(&range, one.rate_dps.iter().copied()))),
+            ("rates", self.soak.iter().all(soaks_dps)),
+            ("marks of rest", self.at_rest.chars().all(|digit| matches!(digit, '0' | '1'))),
+        ];
+        match checks.into_iter().find(|(_, is_possible)| !is_possible) {
+            Some((what, _)) => Err(SavedError::Impossible { what }),
+            None => Ok(()),
+        }
+    }
+
     fn is_of(&self, wanted: &Identity<'_>) -> Result<(), SavedError> {
         let axes = |names: &mut dyn Iterator<Item = &str>| names.collect::<Vec<_>>().join(", ");
         let pairs = [
@@ -174,7 +249,7 @@ impl Form {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use alloc::vec;
+    use alloc::{format, vec};
 
     fn saved() -> Saved {
         let soak = Soak {
@@ -218,9 +293,67 @@ mod tests {
             let error = parse(&text, plan, device, serial).unwrap_err();
             assert!(error.to_string().starts_with(&format!("it is of another {what}")), "{error}");
         }
-        let short = text.replace("temp_c = [23.0, ", "temp_c = [");
-        assert_ne!(short, text);
-        assert_eq!(parse(&short, "plan", "twin:", "SN1"), Err(SavedError::Damaged));
-        assert!(matches!(parse(&text[..200], "plan", "twin:", "SN1"), Err(SavedError::Syntax(_))));
+        assert!(matches!(parse(&text[..200], "plan", "twin:", "SN1"), Err(SavedError::Truncated { .. })));
+        let nothing = parse("nonsense", "plan", "twin:", "SN1");
+        assert!(matches!(nothing, Err(SavedError::Syntax(_))), "{nothing:?}");
+    }
+
+    fn parsed(text: &str) -> Result<Saved, SavedError> {
+        Saved::parse(text, "plan", &Part::ADIS16130, "twin:", "SN1")
+    }
+
+    /// Every digit of the fields, and every digit of the check lines.
+    #[test]
+    fn no_edit_of_one_digit_is_believed() {
+        let text = saved().to_toml("plan", &Part::ADIS16130, "twin:", "SN1");
+        for (at, byte) in text.bytes().enumerate().filter(|(_, byte)| byte.is_ascii_digit()) {
+            let mut bytes = text.clone().into_bytes();
+            bytes[at] = if byte == b'9' { b'0' } else { byte + 1 };
+            let edited = String::from_utf8(bytes).unwrap();
+            let line = text[..at].matches('\n').count() + 1;
+            match parsed(&edited) {
+                // one of the check lines, or the line itself
+                Err(SavedError::Edited { line: named }) => assert!(named == line || line <= 3, "{named}, not {line}"),
+                other => panic!("line {line}: {other:?}"),
+            }
+        }
+        let without: Vec<&str> =
+            text.lines().filter(|line| !line.starts_with("checksum") && !line.starts_with("line_checks")).collect();
+        assert_eq!(parsed(&without.join("\n")), Err(SavedError::Unchecked), "as older software wrote it");
+        let cut = &text[..text.rfind("\n[[axis]]").unwrap()];
+        assert!(matches!(parsed(cut), Err(SavedError::Truncated { .. })), "{:?}", parsed(cut));
+    }
+
+    /// With check lines that are right.
+    #[test]
+    fn numbers_that_no_measurement_gives_are_named() {
+        let text = saved().to_toml("plan", &Part::ADIS16130, "twin:", "SN1");
+        let fields: Vec<&str> = text.lines().skip(3).collect();
+        let fields = fields.join("\n");
+        let forged = |from: &str, to: &str| {
+            assert!(fields.contains(from), "{fields}");
+            parsed(&checked(&fields.replacen(from, to, 1)))
+        };
+        assert_eq!(forged("samples", "samples"), Ok(saved()));
+        assert_eq!(forged("temp_c = [23.0, ", "temp_c = ["), Err(SavedError::Damaged));
+        for (from, to, what) in [
+            ("steps = 1", "steps = 1001", "number of steps"),
+            ("steps = 1", "steps = 0", "number of steps"),
+            ("step = 0", "step = 7", "number of steps"),
+            ("lost = 1\n", "lost = 9223372036854775807\n", "number of samples"),
+            ("start_s = [0.0, 1.0, 2.0]", "start_s = [0.0, 1.0, 1e300]", "times"),
+            ("start_s = [0.0, 1.0, 2.0]", "start_s = [-1e9, 1.0, 2.0]", "times"),
+            ("start_s = 1.0", "start_s = 4.0", "times"),
+            ("end_s = 3.0", "end_s = inf", "times"),
+            ("temp_c = [23.0", "temp_c = [2300.0", "temperatures"),
+            ("temp_c = 23.1", "temp_c = nan", "temperatures"),
+            ("set_c = 15.0", "set_c = 251.0", "set points"),
+            ("drift_c_per_min = 0.01", "drift_c_per_min = 1e9", "drifts"),
+            ("rate_dps = [0.1", "rate_dps = [1e3", "rates"),
+            ("rates_dps = [0.3", "rates_dps = [1000.3", "rates"),
+            ("at_rest = \"101\"", "at_rest = \"1x1\"", "marks of rest"),
+        ] {
+            assert_eq!(forged(from, to), Err(SavedError::Impossible { what }), "{to}");
+        }
     }
 }

@@ -51,7 +51,9 @@ impl Part {
             }
         }
         let temp_column = file.temperature.column.clone().map(Cow::Owned);
-        Ok(Self { name: Cow::Owned(word("name", &file.name)?), axes: Cow::Owned(axes), temp_column })
+        let operating_c = file.temperature.operating_c()?;
+        let name = Cow::Owned(word("name", &file.name)?);
+        Ok(Self { name, axes: Cow::Owned(axes), temp_column, operating_c })
     }
 }
 
@@ -119,6 +121,7 @@ struct Temperature {
     signed: Option<bool>,
     noise_c: Option<Entry>,
     column: Option<String>,
+    operating_c: Option<[f64; 2]>,
 }
 
 #[derive(Clone, Deserialize)]
@@ -252,7 +255,23 @@ impl Temperature {
         let lsb_per_unit = self.lsb_per_c.positive("lsb_per_c")?;
         Scale::checked(lsb_per_unit, zero_c, zero_code, width_bits, signed).map_err(PartError::new)
     }
+
+    fn operating_c(&self) -> Result<Option<(f64, f64)>, PartError> {
+        match self.operating_c {
+            Some([low_c, high_c]) if !(ABSOLUTE_ZERO_C <= low_c && low_c < high_c && high_c <= HOTTEST_C) => {
+                Err(PartError::new(format_args!(
+                    "operating_c is [{low_c}, {high_c}]; give the coldest and the warmest temperature in °C, the \
+                     colder first"
+                )))
+            }
+            limits => Ok(limits.map(|[low_c, high_c]| (low_c, high_c))),
+        }
+    }
 }
+
+/// No part operates beyond these, °C.
+const ABSOLUTE_ZERO_C: f64 = -273.15;
+const HOTTEST_C: f64 = 1000.0;
 
 fn positive(entry: &Option<Entry>, key: &str) -> Result<Option<f64>, PartError> {
     entry.as_ref().map(|entry| entry.positive(key)).transpose()

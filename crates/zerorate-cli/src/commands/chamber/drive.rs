@@ -1,6 +1,7 @@
 //! The loop of a measurement in a chamber: samples to the procedure, set points to the chamber, what it says back.
 
 use super::kept::Kept;
+use super::mover::{By, Mover};
 use crate::acquire::Acquisition;
 use crate::commands::warn;
 use crate::exit::Refused;
@@ -12,42 +13,13 @@ use adis16130_twin::Truth;
 use anyhow::Result;
 use zerorate::chamber::{ChamberAction, ChamberProcedure, ChamberRefusal, ChamberState, StepEnd};
 use zerorate_data::capture::{Layout, Row, SampleHash};
-use zerorate_host::{Chamber, Lead, SimulatedChamber};
+use zerorate_host::{Cause, Chamber, DeviceError, Lead, SimulatedChamber};
 use zerorate_view::duration::Seconds;
 
 /// The chamber is told and asked so often in part time, ns.
 pub const TICK_NS: u64 = 1_000_000_000;
 /// A set point is told anew when it has moved by this, °C: what chambers take.
 const SET_STEP_C: f64 = 0.1;
-
-/// What moves the air.
-pub enum Mover {
-    /// A recording has decided that already.
-    Nobody,
-    /// Somebody at the knobs, who is told each step.
-    Hand,
-    /// A chamber.
-    Chamber(Box<dyn Chamber>),
-}
-
-impl Mover {
-    /// The safe set point, tried once. What fails here is said and no more: the measurement has its own end.
-    pub fn leave(&mut self, safe_c: f64) {
-        match self {
-            Self::Nobody => {}
-            Self::Hand => say(format_args!("set the chamber to {safe_c:.1} °C, or switch it off")),
-            Self::Chamber(chamber) => {
-                if let Err(error) = chamber.end(safe_c) {
-                    let error = anyhow::Error::from(error);
-                    say(format_args!(
-                        "warning: chamber-left: the chamber could not be sent to {safe_c:.1} °C and may go on heating \
-                         or cooling: see to it ({error:#})"
-                    ));
-                }
-            }
-        }
-    }
-}
 
 /// Everything but the air, before the first sample.
 pub struct Ready {
@@ -63,7 +35,6 @@ pub struct Drive {
     /// The air around a simulated part whose chamber is set by hand.
     obeying: Option<SimulatedChamber>,
     mover: Mover,
-    told_c: Option<f64>,
     acquisition: Acquisition,
     layout: Layout,
     procedure: ChamberProcedure,
@@ -95,12 +66,11 @@ impl Drive {
         let Ready { acquisition, procedure, kept, log } = ready;
         let layout = acquisition.facts().info.layout.clone();
         let is_resumed = procedure.steps_done() > 0;
-        let obeying = lead.as_ref().filter(|_| matches!(mover, Mover::Hand)).map(|_| SimulatedChamber::default());
+        let obeying = lead.as_ref().filter(|_| matches!(mover.by, By::Hand)).map(|_| SimulatedChamber::default());
         Self {
             lead,
             obeying,
             mover,
-            told_c: None,
             hash: SampleHash::new(&layout),
             layout,
             acquisition,
@@ -115,13 +85,13 @@ impl Drive {
         }
     }
 
-    /// To the end. However it comes, the log stays whole, and the chamber is sent where it may stay.
+    /// To the end. However it comes, the chamber is sent where it may stay, and the log stays whole.
     pub fn run(mut self) -> Result<Driven> {
-        let driven = self.feed();
+        let driven = self.feed().map_err(|error| if is_stopped(&error) { self.ended_early() } else { error });
+        self.mover.leave();
         if let Some(Err(error)) = self.log.take().map(Recorder::finish) {
             self.lose_log(error.into());
         }
-        self.mover.leave(self.procedure.plan().safe_c);
         driven?;
         let Self { acquisition, procedure, kept, hash, truths, log_failed, lead, is_resumed, .. } = self;
         drop(lead);
@@ -189,10 +159,10 @@ impl Drive {
         }
         self.announce();
         self.tell()?;
-        let air_c = match &mut self.mover {
-            Mover::Nobody => None,
-            Mover::Hand => None,
-            Mover::Chamber(chamber) => {
+        let air_c = match &mut self.mover.by {
+            By::Nobody => None,
+            By::Hand => None,
+            By::Chamber(chamber) => {
                 chamber.pass(TICK_NS as f64 * 1e-9);
                 chamber.read_c()?
             }
@@ -213,22 +183,17 @@ impl Drive {
 
     /// Tells the chamber its set point where that has moved.
     fn tell(&mut self) -> Result<()> {
-        let Mover::Chamber(chamber) = &mut self.mover else { return Ok(()) };
         let wanted_c = self.procedure.set_point_c();
         let is_there = wanted_c == self.procedure.progress().to_c;
         let moved = |told_c: f64| (told_c - wanted_c).abs() >= SET_STEP_C || (is_there && told_c != wanted_c);
-        if self.told_c.is_none_or(moved) {
-            chamber.set(wanted_c)?;
-            self.told_c = Some(wanted_c);
-        }
-        Ok(())
+        if self.mover.told_c().is_none_or(moved) { self.mover.set(wanted_c) } else { Ok(()) }
     }
 
     /// Tells whoever turns the knobs what to do at a new step.
     fn announce(&mut self) {
         let progress = self.procedure.progress();
         let is_new = self.announced != Some(progress.step) && progress.state != ChamberState::Done;
-        if !matches!(self.mover, Mover::Hand) || !is_new {
+        if !matches!(self.mover.by, By::Hand) || !is_new {
             return;
         }
         self.announced = Some(progress.step);
@@ -281,4 +246,9 @@ impl Drive {
              what the chamber did"
         )
     }
+}
+
+/// Whether it is nothing but the wish to end.
+fn is_stopped(error: &anyhow::Error) -> bool {
+    error.downcast_ref().map(DeviceError::cause) == Some(Cause::Stopped)
 }

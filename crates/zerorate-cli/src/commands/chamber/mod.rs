@@ -2,6 +2,7 @@
 
 mod drive;
 mod kept;
+mod mover;
 mod plan;
 mod result;
 
@@ -9,19 +10,22 @@ use super::allan::picture::Kind;
 use super::serial::one_line;
 use crate::acquire::Acquisition;
 use crate::cli::{DeviceArgs, SamplingArgs};
+use crate::commands::warn;
 use crate::exit::Usage;
+use crate::interrupt;
 use crate::output::{Outputs, Slot, Staged, say};
 use crate::recorder::Recorder;
 use anyhow::Result;
 use clap::Args;
-use drive::{Drive, Driven, Mover, Ready, TICK_NS};
+use drive::{Drive, Driven, Ready, TICK_NS};
 use kept::Kept;
+use mover::Mover;
 use plan::PlanFile;
 use std::path::PathBuf;
-use zerorate::EARTH_DPS;
-use zerorate::chamber::ChamberProcedure;
+use zerorate::{EARTH_DPS, Part};
+use zerorate::chamber::{ChamberPlan, ChamberProcedure};
 use zerorate_data::capture::{CaptureInfo, Format};
-use zerorate_host::{Air, Apart, ChamberSpec, Facts, Setup, SimulatedChamber};
+use zerorate_host::{Air, ChamberSpec, Facts, Setup, SimulatedChamber};
 use zerorate_view::duration::Seconds;
 
 /// Calibrates a part over the temperatures of a chamber.
@@ -147,23 +151,30 @@ fn limits(args: &ChamberArgs) -> Result<()> {
 }
 
 fn drive(args: &ChamberArgs, chamber: Option<ChamberSpec>, plan: &PlanFile, files: &mut Files) -> Result<Driven> {
+    // from here on Ctrl-C is a wish: what was started must be stopped
+    interrupt::listen();
+    let mut mover = Mover::new(chamber.as_ref(), args.device.device.is_simulated(), plan.plan.safe_c)?;
     // the chamber first: no hour is begun with one that does not answer
-    let mut mover = mover(chamber.as_ref(), args.device.device.is_simulated())?;
+    mover.start()?;
     let air = args.device.device.is_simulated().then(Air::default);
     let lead = air.as_ref().map(Air::lead);
-    match ready(args, plan, files, air) {
-        Ok(ready) => Drive::new(ready, mover, lead).run(),
-        Err(error) => {
-            mover.leave(plan.plan.safe_c);
-            Err(error)
-        }
-    }
+    let ready = ready(args, plan, files, air, chamber.is_some())?;
+    Drive::new(ready, mover, lead).run()
 }
 
 /// The part and the files, before the first sample.
-fn ready(args: &ChamberArgs, plan: &PlanFile, files: &mut Files, air: Option<Air>) -> Result<Ready> {
+fn ready(
+    args: &ChamberArgs,
+    plan: &PlanFile,
+    files: &mut Files,
+    air: Option<Air>,
+    moves_air: bool,
+) -> Result<Ready> {
     let is_simulated = air.is_some();
     let mut acquisition = Acquisition::open(&args.device, Setup { air, ..files.setup.clone() })?;
+    if moves_air {
+        spares(&plan.plan, acquisition.part())?;
+    }
     if files.report_kind.is_some() && acquisition.part().axes.len() > 1 {
         let why = "a picture shows one axis, and this part has several: write a page (.html) as --report";
         return Err(Usage(why.to_owned()).into());
@@ -185,6 +196,16 @@ fn ready(args: &ChamberArgs, plan: &PlanFile, files: &mut Files, air: Option<Air
     Ok(Ready { acquisition, procedure, kept, log })
 }
 
+/// Holds the plan against the limits of the part.
+fn spares(plan: &ChamberPlan, part: &Part) -> Result<()> {
+    plan.spares(part).map_err(|error| Usage(error.to_string()))?;
+    if part.operating_c.is_none() {
+        let why = "the file of the part does not state operating_c, so only the plan keeps the chamber from harming it";
+        warn(&[format!("limits-unknown: {why}")]);
+    }
+    Ok(())
+}
+
 /// Batches of a simulated part end where its chamber has moved the air: for as long as the plan can take at most.
 fn mark_ticks(acquisition: &mut Acquisition, procedure: &ChamberProcedure) {
     /// Two weeks: no simulated measurement takes longer.
@@ -193,13 +214,6 @@ fn mark_ticks(acquisition: &mut Acquisition, procedure: &ChamberProcedure) {
     let slack_s = 5.0 * (plan.settle_timeout_s + 3600.0) * plan.steps.len() as f64;
     let most_s = (plan.least_s(0, procedure.part()) + slack_s).min(MOST_S) as u64;
     (0..=most_s).for_each(|second| acquisition.mark(second * TICK_NS));
-}
-
-fn mover(chamber: Option<&ChamberSpec>, is_simulated: bool) -> Result<Mover> {
-    let Some(spec) = chamber else { return Ok(Mover::Nobody) };
-    let Some(chamber) = spec.open()? else { return Ok(Mover::Hand) };
-    // nobody waits for a chamber while a part is read; a simulated part waits anyway
-    Ok(Mover::Chamber(if is_simulated { chamber } else { Box::new(Apart::new(chamber)?) }))
 }
 
 /// The files that were asked for, claimed before hours are spent on their content.

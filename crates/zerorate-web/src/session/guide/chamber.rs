@@ -28,6 +28,7 @@ impl ByHand {
         let named = wish.plan.as_deref().map(str::trim).filter(|plan| !plan.is_empty()).unwrap_or(DEFAULT);
         let max_lost = Plan::default().max_lost;
         let plan = ChamberPlan::parse(text_of(named)?).map_err(|error| error.to_string())?;
+        plan.spares(part).map_err(|error| error.to_string())?;
         let procedure = ChamberProcedure::new(part, plan, max_lost).map_err(|error| error.to_string())?;
         Ok(Self { procedure, ends_s: Vec::new(), max_lost, earth_dps: super::earth_dps(wish) })
     }

@@ -2,7 +2,7 @@
 //! point, and rest.
 
 use super::table::Until;
-use super::{ChamberProcedure, ChamberState, Present};
+use super::{ChamberProcedure, ChamberState, Coming, Present};
 use crate::chamber::plan::StepEnd;
 use crate::chamber::record::{Drift, Soak};
 use crate::chamber::refusal::{ChamberRefusal, Disturbance};
@@ -14,6 +14,8 @@ use alloc::vec::Vec;
 
 /// Air this near to the set point has reached it, °C.
 pub(in crate::chamber) const REACHED_C: f64 = 3.0;
+/// So many readings of the air beyond its limits are no slip of the wire.
+const BEYOND: u32 = 2;
 /// The air may be farther away for so long, s, once the set point is where it goes: chambers take an hour for a
 /// hundred degrees.
 const REACH_S: f64 = 5400.0;
@@ -38,15 +40,16 @@ impl ChamberProcedure {
     /// The chamber does not do what it is told.
     pub fn air(&mut self, air_c: f64) -> Result<(), ChamberRefusal> {
         self.air_c = Some(air_c);
-        // where the air was at first may be where the plan never goes
-        let first_c = *self.first_air_c.get_or_insert(air_c);
-        let (low_c, high_c) = self.plan.span_c();
-        let (low_c, high_c) = (low_c.min(first_c), high_c.max(first_c));
-        let (low_c, high_c) = (low_c - self.plan.overshoot_c, high_c + self.plan.overshoot_c);
-        self.beyond = if (low_c..=high_c).contains(&air_c) { 0 } else { self.beyond + 1 };
         let step = self.step + 1;
-        if self.beyond >= 2 {
-            return Err(ChamberRefusal::Overshoot { step, air_c, low_c, high_c });
+        let (low_c, high_c) = self.air_may_be_c(air_c);
+        let part_c = self.part.operating_c.map(|(low_c, high_c)| (low_c - REACHED_C, high_c + REACHED_C));
+        let harms = part_c.is_some_and(|(low_c, high_c)| !(low_c..=high_c).contains(&air_c));
+        self.beyond = if !harms && (low_c..=high_c).contains(&air_c) { 0 } else { self.beyond + 1 };
+        if self.beyond >= BEYOND {
+            return Err(match self.part.operating_c.filter(|_| harms) {
+                Some((low_c, high_c)) => ChamberRefusal::BeyondPart { step, air_c, low_c, high_c },
+                None => ChamberRefusal::Overshoot { step, air_c, low_c, high_c },
+            });
         }
         let (set_c, after_s) = (self.plan.course_c(self.step).1, self.now_s() - self.present.began_s);
         let waits = matches!(self.state, ChamberState::Settle | ChamberState::Hold);
@@ -54,6 +57,25 @@ impl ChamberProcedure {
             return Err(ChamberRefusal::NotReached { step, set_c, air_c, after_s });
         }
         Ok(())
+    }
+
+    /// Where the plan lets the air be, °C. At first the air may be where the plan never goes: until it has come to the
+    /// plan, and no longer than the first step takes.
+    fn air_may_be_c(&mut self, air_c: f64) -> (f64, f64) {
+        let (low_c, high_c) = self.plan.span_c();
+        let (low_c, high_c) = (low_c - self.plan.overshoot_c, high_c + self.plan.overshoot_c);
+        self.coming = match self.coming {
+            _ if (low_c..=high_c).contains(&air_c) => Coming::Over,
+            Coming::Unknown => Coming::From { air_c, step: self.step },
+            Coming::From { step, .. } if step != self.step => Coming::Over,
+            coming => coming,
+        };
+        match self.coming {
+            Coming::From { air_c: first_c, .. } => {
+                (low_c.min(first_c - self.plan.overshoot_c), high_c.max(first_c + self.plan.overshoot_c))
+            }
+            _ => (low_c, high_c),
+        }
     }
 }
 
