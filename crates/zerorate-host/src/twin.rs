@@ -8,7 +8,7 @@ use crate::options::PartOptions;
 use crate::source::{Facts, Registers, Setup, Source, part_of};
 use crate::{Result, Stop};
 use adis16130::{Edge, MCLK_HZ, RdyEdge, Sample, SelfTest, Width};
-use adis16130_twin::{Roa, Spec, SpecError, Truth, Twin, TwinSpi};
+use adis16130_twin::{Profile, Roa, Spec, SpecError, Truth, Twin, TwinSpi};
 use std::borrow::Cow;
 use std::sync::Arc;
 use zerorate::{Axis, NamedAxis, Part, Scale};
@@ -93,16 +93,17 @@ impl Address for TwinAddress {
         // its files depend on nothing but the seed: they have no time of day
         let info = CaptureInfo { created: String::new(), ..facts.info };
         let facts = Facts { info, is_real: false, ..facts };
+        let notes = beyond_limits(&self.units[0], &facts.part).into_iter().collect();
         let follower = setup.air.clone().map(|air| Follower::new(air, stop));
         if axes == 1 {
-            return Ok(Box::new(TwinPart { facts, live: self.live(0, setup, stop), follower }));
+            return Ok(Box::new(TwinPart { facts, live: self.live(0, setup, stop), follower, notes }));
         }
         let part = several(axes, self.part.config.width());
         let layout = Layout::of_part(&part).map_err(|error| Told::request(error.to_string()))?;
         let info = CaptureInfo { converter: None, layout, ..facts.info };
         let part = part_of(&info, Some(setup.part.as_ref().unwrap_or(&part)))?;
         let units = (0..axes).map(|axis| self.live(axis, setup, stop)).collect();
-        Ok(Box::new(Twins { facts: Facts { info, part, ..facts }, units, follower }))
+        Ok(Box::new(Twins { facts: Facts { info, part, ..facts }, units, follower, notes }))
     }
 }
 
@@ -128,6 +129,7 @@ struct Twins {
     facts: Facts,
     units: Vec<Live<TwinSpi, TwinEdges>>,
     follower: Option<Follower>,
+    notes: Vec<String>,
 }
 
 impl Source for Twins {
@@ -173,6 +175,10 @@ impl Source for Twins {
     fn truths(&self) -> Vec<Truth> {
         self.units.iter().map(|unit| unit.edges.twin.truth()).collect()
     }
+
+    fn take_notes(&mut self) -> Vec<String> {
+        std::mem::take(&mut self.notes)
+    }
 }
 
 /// The driver, reading the twin.
@@ -180,6 +186,7 @@ struct TwinPart {
     facts: Facts,
     live: Live<TwinSpi, TwinEdges>,
     follower: Option<Follower>,
+    notes: Vec<String>,
 }
 
 impl Source for TwinPart {
@@ -215,6 +222,23 @@ impl Source for TwinPart {
     fn truths(&self) -> Vec<Truth> {
         vec![self.live.edges.twin.truth()]
     }
+
+    fn take_notes(&mut self) -> Vec<String> {
+        std::mem::take(&mut self.notes)
+    }
+}
+
+/// What is said of a simulated part in air where no such part operates.
+fn beyond_limits(unit: &Spec, part: &Part) -> Option<String> {
+    let (low_c, high_c) = part.operating_c?;
+    let is_beyond = unit.profile != Profile::Oven && !(low_c..=high_c).contains(&unit.ambient_c);
+    is_beyond.then(|| {
+        format!(
+            "beyond-limits: the simulated part is in air of {} °C, and the {} may be at {low_c} to {high_c} °C only: \
+             nobody knows what a real one would do there",
+            unit.ambient_c, part.name
+        )
+    })
 }
 
 /// What the driver is told of the clock: the nominal one (F-31), unless the unit was given quite another.

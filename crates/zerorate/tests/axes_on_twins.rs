@@ -32,7 +32,12 @@ fn part() -> Part {
         axis: Axis::ADIS16130,
         sources: NoiseSources::default(),
     };
-    Part { name: Cow::Borrowed("THREE"), axes: Cow::Owned(["x", "y", "z"].map(axis).to_vec()), temp_column: None, operating_c: None }
+    Part {
+        name: Cow::Borrowed("THREE"),
+        axes: Cow::Owned(["x", "y", "z"].map(axis).to_vec()),
+        temp_column: None,
+        operating_c: None,
+    }
 }
 
 /// One die with three elements: same clock and same warming, each with its own bias, coefficient and noise.

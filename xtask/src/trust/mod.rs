@@ -3,6 +3,7 @@
 
 mod bench;
 mod capture;
+mod chamber;
 mod faults;
 mod files;
 mod logs;
@@ -73,16 +74,9 @@ struct Class {
 
 /// Every class, as the page lists them.
 fn classes() -> Vec<Class> {
-    [
-        faults::CLASSES,
-        capture::CLASSES,
-        world::CLASSES,
-        process::CLASSES,
-        power::CLASSES,
-        files::CLASSES,
-        logs::CLASSES,
-    ]
-    .concat()
+    let devices = [faults::CLASSES, capture::CLASSES, world::CLASSES, chamber::CLASSES];
+    let computers = [process::CLASSES, power::CLASSES, files::CLASSES, logs::CLASSES];
+    [devices.concat(), computers.concat()].concat()
 }
 
 /// Runs the classes one after the other, and fails where a result was wrong and nobody heard of it.

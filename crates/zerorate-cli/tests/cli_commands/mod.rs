@@ -3,6 +3,8 @@
 mod bridge;
 mod calibrate;
 mod chamber;
+#[cfg(unix)]
+mod chamber_faults;
 mod faults;
 mod help;
 mod reading;

@@ -1,5 +1,8 @@
 //! The program as a process, and what became of it. No other test starts it by a way of its own.
 
+#[cfg(unix)]
+pub mod fake_chamber;
+
 use std::fs;
 use std::path::PathBuf;
 use std::process::{Command, Output};

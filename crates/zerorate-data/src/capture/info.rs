@@ -210,6 +210,7 @@ impl CaptureInfo {
                 here.sources = sources.clone();
             }
         }
+        part.operating_c = known.operating_c;
         Ok(self.set(part))
     }
 

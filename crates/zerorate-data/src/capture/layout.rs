@@ -212,7 +212,12 @@ impl Layout {
             },
             sources: NoiseSources::default(),
         };
-        Part { name: self.part.clone().into(), axes: self.axes.iter().map(axis).collect(), temp_column: None, operating_c: None }
+        Part {
+            name: self.part.clone().into(),
+            axes: self.axes.iter().map(axis).collect(),
+            temp_column: None,
+            operating_c: None,
+        }
     }
 
     fn is_adis16130(&self) -> bool {

@@ -130,3 +130,51 @@ impl Chamber for Apart {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A chamber whose connection is made anew for ever, or whose thread breaks.
+    struct Waiting {
+        halt: Stop,
+        breaks: bool,
+    }
+
+    impl Chamber for Waiting {
+        fn set(&mut self, _: f64) -> Result<()> {
+            assert!(!self.breaks, "it breaks");
+            while !self.halt.asked() {
+                thread::sleep(Duration::from_millis(1));
+            }
+            Err(anyhow::anyhow!("halted").into())
+        }
+
+        fn read_c(&mut self) -> Result<Option<f64>> {
+            Ok(None)
+        }
+
+        fn halt(&self) -> Stop {
+            self.halt.clone()
+        }
+
+        fn end(&mut self, safe_c: f64) -> Option<Left> {
+            Some(Left { set_c: Some(safe_c), ..Left::default() })
+        }
+    }
+
+    fn left(breaks: bool) -> Option<Left> {
+        let mut apart = Apart::new(Box::new(Waiting { halt: Stop::default(), breaks })).expect("a thread");
+        apart.start().expect("it starts");
+        apart.set(60.0).expect("nothing failed so far");
+        thread::sleep(Duration::from_millis(20));
+        apart.end(25.0)
+    }
+
+    #[test]
+    fn it_is_left_while_it_waits_and_where_its_thread_is_gone() {
+        assert!(left(false).is_some_and(|left| left.is_safe(25.0)), "it would wait for ever");
+        let gone = left(true).expect("somebody has to look");
+        assert!(!gone.is_safe(25.0) && gone.why.is_some(), "{gone:?}");
+    }
+}

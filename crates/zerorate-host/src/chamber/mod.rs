@@ -14,8 +14,8 @@ pub use lines::{DIALECTS, Dialect, ENDING_S};
 pub use simulated::SimulatedChamber;
 
 use crate::options::{number, split};
-use lines::{LineAddress, Lines};
 use crate::{Result, Stop};
+use lines::{LineAddress, Lines};
 use std::fmt;
 use std::str::FromStr;
 use std::time::Duration;

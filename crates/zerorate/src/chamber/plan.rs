@@ -330,7 +330,10 @@ mod tests {
     #[test]
     fn a_plan_beyond_the_limits_of_the_part_is_not_carried_out() {
         let at = |to_c, safe_c| ChamberPlan {
-            steps: vec![Step { to_c: 25.0, c_per_min: None, end: StepEnd::Hold(60.0) }, Step { to_c, ..plan().steps[0] }],
+            steps: vec![
+                Step { to_c: 25.0, c_per_min: None, end: StepEnd::Hold(60.0) },
+                Step { to_c, ..plan().steps[0] },
+            ],
             safe_c,
             ..plan()
         };

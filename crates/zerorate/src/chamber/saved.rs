@@ -208,7 +208,10 @@ impl Form {
         let steps = self.steps <= MAX_STEPS && self.soak.iter().all(|soak| soak.step < self.steps);
         let checks = [
             ("number of steps", steps),
-            ("number of samples", [self.samples, self.lost, self.impossible].iter().all(|count| *count <= MOST_SAMPLES)),
+            (
+                "number of samples",
+                [self.samples, self.lost, self.impossible].iter().all(|count| *count <= MOST_SAMPLES),
+            ),
             ("times", all(&times_s, self.start_s.iter().copied())),
             ("times", all(&times_s, of_soaks(|soak| soak.start_s).chain(of_soaks(|soak| soak.end_s)))),
             ("times", self.soak.iter().all(|soak| soak.start_s < soak.end_s)),

@@ -397,6 +397,7 @@ mod tests {
         zero_c = 25
         width_bits = 24
         noise_c = 0.05
+        operating_c = [-40, 85]
         [noise]
         white_dps_per_rt_hz = 0.0125
         flicker_floor_dps = { value = 0.0016, source = "M-04" }
@@ -423,6 +424,7 @@ mod tests {
         let NamedAxis { axis, sources, .. } = &part.axes[0];
         assert_eq!(*axis, Axis { alternates: false, ..Axis::ADIS16130 });
         assert_eq!(*sources, Part::ADIS16130.axes[0].sources);
+        assert_eq!(part.operating_c, Part::ADIS16130.operating_c);
     }
 
     #[test]
@@ -437,6 +439,8 @@ mod tests {
             ("u = 0.01", "u = -1", "u not negative"),
             ("width_bits = 24", "width_bits = 64", "width_bits is 64"),
             ("noise_c = 0.05", "noise_c = -1", "noise_c is -1; it must be above zero"),
+            ("[-40, 85]", "[85, -40]", "operating_c is [85, -40]; give the coldest and the warmest"),
+            ("[-40, 85]", "[nan, 85]", "operating_c is [NaN, 85]"),
         ] {
             let error = Part::parse(&ADIS16130.replace(from, to)).unwrap_err().to_string();
             assert!(error.contains(said), "{to}: {error}");

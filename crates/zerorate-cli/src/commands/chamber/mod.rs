@@ -22,8 +22,8 @@ use kept::Kept;
 use mover::Mover;
 use plan::PlanFile;
 use std::path::PathBuf;
-use zerorate::{EARTH_DPS, Part};
 use zerorate::chamber::{ChamberPlan, ChamberProcedure};
+use zerorate::{EARTH_DPS, Part};
 use zerorate_data::capture::{CaptureInfo, Format};
 use zerorate_host::{Air, ChamberSpec, Facts, Setup, SimulatedChamber};
 use zerorate_view::duration::Seconds;
@@ -163,13 +163,7 @@ fn drive(args: &ChamberArgs, chamber: Option<ChamberSpec>, plan: &PlanFile, file
 }
 
 /// The part and the files, before the first sample.
-fn ready(
-    args: &ChamberArgs,
-    plan: &PlanFile,
-    files: &mut Files,
-    air: Option<Air>,
-    moves_air: bool,
-) -> Result<Ready> {
+fn ready(args: &ChamberArgs, plan: &PlanFile, files: &mut Files, air: Option<Air>, moves_air: bool) -> Result<Ready> {
     let is_simulated = air.is_some();
     let mut acquisition = Acquisition::open(&args.device, Setup { air, ..files.setup.clone() })?;
     if moves_air {
@@ -200,7 +194,8 @@ fn ready(
 fn spares(plan: &ChamberPlan, part: &Part) -> Result<()> {
     plan.spares(part).map_err(|error| Usage(error.to_string()))?;
     if part.operating_c.is_none() {
-        let why = "the file of the part does not state operating_c, so only the plan keeps the chamber from harming it";
+        let why =
+            "the file of the part does not state operating_c, so only the plan keeps the chamber from harming it";
         warn(&[format!("limits-unknown: {why}")]);
     }
     Ok(())

@@ -164,7 +164,12 @@ fn samples_keep_their_sign_and_names_become_those_of_ros() {
     let axis = Axis { rate: scale, temp: scale, ..Axis::ADIS16130 };
     let named =
         |name: &'static str| zerorate::NamedAxis { name: name.into(), axis, ..Part::ADIS16130.axes[0].clone() };
-    let part = Part { name: "p".into(), axes: vec![named("2G-x"), named("2g.X")].into(), temp_column: None, operating_c: None };
+    let part = Part {
+        name: "p".into(),
+        axes: vec![named("2G-x"), named("2g.X")].into(),
+        temp_column: None,
+        operating_c: None,
+    };
     let layout = Layout::of_part(&part).expect("a layout");
     let text = messages::sample(&layout).text;
     assert!(text.contains("int32 axis_2g_x_code\nint32 axis1_code\n"), "{text}");

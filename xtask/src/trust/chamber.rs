@@ -1,0 +1,179 @@
+//! A chamber fails at a random moment of a measurement, or the state that a program goes on from is edited.
+
+use super::bench::{Bench, Folder, random};
+use super::faults::WRONG_U;
+use super::{Class, Verdict};
+use anyhow::{Context, Result, ensure};
+use fake_chamber::{FAULTS, FakeChamber, Onset, SPEECHES, Speech};
+use rand::RngExt;
+use rand::rngs::StdRng;
+use serde_json::Value;
+use std::fs;
+use std::process::{Child, Command, Stdio};
+use std::sync::OnceLock;
+use std::thread::sleep;
+use std::time::Duration;
+
+#[path = "../../../crates/zerorate-cli/tests/harness/fake_chamber.rs"]
+mod fake_chamber;
+
+pub const CLASSES: &[Class] = &[
+    Class {
+        name: "chamber espec",
+        what: "a chamber that answers commands fails in one of seven ways; it ends by itself, by Ctrl-C, by two, or by SIGTERM",
+        quick: 4,
+        run: failing,
+    },
+    Class { name: "chamber f4t", what: "the same with one that answers questions only", quick: 4, run: failing },
+    Class {
+        name: "edit chamber state",
+        what: "one digit of `unit.toml.chamber` is edited, from which a measurement goes on",
+        quick: 10,
+        run: edited_steps,
+    },
+    Class {
+        name: "edit track state",
+        what: "one digit of the state of `stream --track` is edited",
+        quick: 10,
+        run: edited_track,
+    },
+];
+
+/// A unit that warms itself in a minute, and two soak points in part time of four minutes.
+const UNIT: &str = "warmup_s=10";
+const PLAN: &str = "schema = 1\nwindow_s = 20\naverage_s = 30\nsettle_timeout_s = 600\ndrift_c_per_min = 0.2\n\
+    [[step]]\nto_c = 15\n[[step]]\nto_c = 45\n";
+/// About so many questions a measurement asks.
+const QUESTIONS: usize = 250;
+/// How it is asked to end, and from outside at all.
+const SIGNALS: [&[&str]; 4] = [&[], &["-INT"], &["-INT", "-INT"], &["-TERM"]];
+
+/// The chamber must be safe at the end, or the last line say that nobody knows.
+fn failing(bench: &Bench, class: &'static str, seed: u64) -> Result<Verdict> {
+    let speech = SPEECHES[usize::from(class.ends_with("f4t"))];
+    let mut random = random(class, seed);
+    let fault = FAULTS[random.random_range(0..FAULTS.len())];
+    let onset = match random.random_range(0..10) {
+        0 => Onset::Start,
+        1..=3 => Onset::End,
+        _ => Onset::Question(random.random_range(1..QUESTIONS)),
+    };
+    let signals = SIGNALS[random.random_range(0..SIGNALS.len())];
+    let pause = Duration::from_micros(random.random_range(0..300_000));
+    let chamber = FakeChamber::new(speech, fault, onset)?;
+    let folder = Folder::new(&format!("chamber-{speech:?}-{seed}"))?;
+    let (plan, output) = (folder.file("plan.toml"), folder.file("unit.toml"));
+    fs::write(&plan, PLAN)?;
+    let device = format!("twin:seed={seed},{UNIT}");
+    let address = chamber.argument(1);
+    let args =
+        ["chamber", &plan, "--device", &device, "--divider", "250", "--chamber", &address, "--json", "-o", &output];
+    let mut child = bench.command(&args).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn()?;
+    if !signals.is_empty() {
+        wait_for(&mut child, || chamber.world().is_faulty)?;
+    }
+    for signal in signals {
+        sleep(pause);
+        Command::new("kill").args([signal, &child.id().to_string()]).stderr(Stdio::null()).status()?;
+    }
+    let run = super::bench::Run::from(child.wait_with_output()?);
+    if let Some(complaint) = chamber.complaint(&run.stderr) {
+        return Ok(Verdict::Silent(format!("{fault:?}, {onset:?}, {signals:?}: {complaint}\n{}", run.stderr)));
+    }
+    let is_safe = chamber.world().is_safe();
+    Ok(match run.code {
+        Some(0) if off_u(&run.json()?["truth"], &run.json()?)? > WRONG_U => {
+            Verdict::Silent(format!("{fault:?}, {onset:?}: {}", run.stdout))
+        }
+        Some(0) if is_safe => Verdict::Right,
+        _ if is_safe => Verdict::Refused,
+        _ => Verdict::Warned,
+    })
+}
+
+/// Until that is so, or the program has ended.
+fn wait_for(child: &mut Child, is_so: impl Fn() -> bool) -> Result<()> {
+    while !is_so() && child.try_wait()?.is_none() {
+        sleep(Duration::from_millis(2));
+    }
+    Ok(())
+}
+
+/// By how many of its uncertainties the curve of a result is off another, at the worst temperature.
+fn off_u(other: &Value, result: &Value) -> Result<f64> {
+    let number = |value: &Value| value.as_f64().context("a number");
+    let (curve, other) = (&result["curve"], &other["curve"]);
+    let (curve, other) = (curve.as_array().context("a curve")?, other.as_array().context("another")?);
+    let mut worst: f64 = 0.0;
+    for (one, other) in curve.iter().zip(other) {
+        let off_dps = number(&one["correction_dps"])? - number(&other["correction_dps"])?;
+        worst = worst.max((off_dps / number(&one["u_dps"])?).abs());
+    }
+    Ok(worst)
+}
+
+/// An interrupted measurement, and what it comes to where nobody edits it.
+struct Interrupted {
+    state: String,
+    result: Value,
+}
+
+/// The cable is pulled in the second step, and holds for long enough when the measurement goes on.
+fn going_on<'a>(plan: &'a str, output: &'a str) -> [&'a str; 11] {
+    const DEVICE: &str = "twin:seed=4,warmup_s=10,fault=unplug,fault_at_s=220";
+    ["chamber", plan, "--device", DEVICE, "--divider", "250", "--chamber", "sim:lag_s=15", "--json", "-o", output]
+}
+
+fn interrupted(bench: &Bench) -> Result<&'static Interrupted> {
+    static INTERRUPTED: OnceLock<Interrupted> = OnceLock::new();
+    if let Some(interrupted) = INTERRUPTED.get() {
+        return Ok(interrupted);
+    }
+    let folder = Folder::new(&format!("interrupted-{:?}", std::thread::current().id()))?;
+    let (plan, output) = (folder.file("plan.toml"), folder.file("unit.toml"));
+    fs::write(&plan, PLAN)?;
+    bench.run(&going_on(&plan, &output))?;
+    let state = fs::read_to_string(format!("{output}.chamber")).context("finished steps")?;
+    let result = bench.must(&going_on(&plan, &output))?.json()?;
+    Ok(INTERRUPTED.get_or_init(|| Interrupted { state, result }))
+}
+
+/// Another digit in the place of one.
+fn edited(text: &str, random: &mut StdRng) -> String {
+    let digits: Vec<usize> = text.bytes().enumerate().filter(|(_, b)| b.is_ascii_digit()).map(|(at, _)| at).collect();
+    let at = digits[random.random_range(0..digits.len())];
+    let mut bytes = text.as_bytes().to_vec();
+    bytes[at] = b'0' + (bytes[at] - b'0' + random.random_range(1..10)) % 10;
+    String::from_utf8_lossy(&bytes).into_owned()
+}
+
+fn edited_steps(bench: &Bench, class: &'static str, seed: u64) -> Result<Verdict> {
+    let Interrupted { state, result } = interrupted(bench)?;
+    let folder = Folder::new(&format!("steps-{seed}"))?;
+    let (plan, output) = (folder.file("plan.toml"), folder.file("unit.toml"));
+    fs::write(&plan, PLAN)?;
+    fs::write(format!("{output}.chamber"), edited(state, &mut random(class, seed)))?;
+    let run = bench.run(&going_on(&plan, &output))?;
+    Ok(match run.code {
+        Some(2) if run.says(&["does not go on with this measurement"]) => Verdict::Refused,
+        Some(0) if off_u(&run.json()?, result)? <= WRONG_U => Verdict::Right,
+        code => Verdict::Silent(format!("it ended with {code:?}: {}{}", run.stdout, run.stderr)),
+    })
+}
+
+fn edited_track(bench: &Bench, class: &'static str, seed: u64) -> Result<Verdict> {
+    let folder = Folder::new(&format!("track-{seed}"))?;
+    let (unit, state) = (bench.file("unit.toml"), folder.file("state.toml"));
+    let args =
+        |seconds| ["stream", "--cal", &unit, "--track", "--state", &state, "--duration", seconds, "--rate", "1"];
+    bench.must(&args("20s"))?;
+    let whole = fs::read_to_string(&state)?;
+    let text = edited(&whole, &mut random(class, seed));
+    ensure!(text != whole, "nothing was edited");
+    fs::write(&state, &text)?;
+    let run = bench.run(&args("2s"))?;
+    Ok(match run.code {
+        Some(1 | 2) if fs::read_to_string(&state)? == text => Verdict::Refused,
+        code => Verdict::Silent(format!("it ended with {code:?}: {}{}", run.stdout, run.stderr)),
+    })
+}
