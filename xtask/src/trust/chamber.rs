@@ -3,8 +3,8 @@
 use super::bench::{Bench, Folder, random};
 use super::faults::WRONG_U;
 use super::{Class, Verdict};
-use anyhow::{Context, Result, ensure};
-use fake_chamber::{FAULTS, FakeChamber, Onset, SPEECHES, Speech};
+use anyhow::{Context, Result};
+use fake_chamber::{FAULTS, FakeChamber, Onset, SPEECHES};
 use rand::RngExt;
 use rand::rngs::StdRng;
 use serde_json::Value;
@@ -30,12 +30,6 @@ pub const CLASSES: &[Class] = &[
         what: "one digit of `unit.toml.chamber` is edited, from which a measurement goes on",
         quick: 10,
         run: edited_steps,
-    },
-    Class {
-        name: "edit track state",
-        what: "one digit of the state of `stream --track` is edited",
-        quick: 10,
-        run: edited_track,
     },
 ];
 
@@ -74,7 +68,7 @@ fn failing(bench: &Bench, class: &'static str, seed: u64) -> Result<Verdict> {
     }
     for signal in signals {
         sleep(pause);
-        Command::new("kill").args([signal, &child.id().to_string()]).stderr(Stdio::null()).status()?;
+        Command::new("kill").args([*signal, &child.id().to_string()]).stderr(Stdio::null()).status()?;
     }
     let run = super::bench::Run::from(child.wait_with_output()?);
     if let Some(complaint) = chamber.complaint(&run.stderr) {
@@ -157,23 +151,6 @@ fn edited_steps(bench: &Bench, class: &'static str, seed: u64) -> Result<Verdict
     Ok(match run.code {
         Some(2) if run.says(&["does not go on with this measurement"]) => Verdict::Refused,
         Some(0) if off_u(&run.json()?, result)? <= WRONG_U => Verdict::Right,
-        code => Verdict::Silent(format!("it ended with {code:?}: {}{}", run.stdout, run.stderr)),
-    })
-}
-
-fn edited_track(bench: &Bench, class: &'static str, seed: u64) -> Result<Verdict> {
-    let folder = Folder::new(&format!("track-{seed}"))?;
-    let (unit, state) = (bench.file("unit.toml"), folder.file("state.toml"));
-    let args =
-        |seconds| ["stream", "--cal", &unit, "--track", "--state", &state, "--duration", seconds, "--rate", "1"];
-    bench.must(&args("20s"))?;
-    let whole = fs::read_to_string(&state)?;
-    let text = edited(&whole, &mut random(class, seed));
-    ensure!(text != whole, "nothing was edited");
-    fs::write(&state, &text)?;
-    let run = bench.run(&args("2s"))?;
-    Ok(match run.code {
-        Some(1 | 2) if fs::read_to_string(&state)? == text => Verdict::Refused,
         code => Verdict::Silent(format!("it ended with {code:?}: {}{}", run.stdout, run.stderr)),
     })
 }
