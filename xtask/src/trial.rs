@@ -73,7 +73,8 @@ impl Rig {
         }
     }
 
-    /// The result, and the truth at the end of step 8, or of the recording. A refusal is an error that can be had back.
+    /// The result, and the truth at the end of step 8, or of the recording. A refusal is an error that can be had
+    /// back.
     pub fn calibrate(&mut self, plan: Plan) -> anyhow::Result<(Outcome, Truth)> {
         let mut air = if plan.method == Method::Cycle { &CYCLE[..] } else { &[] };
         let mut procedure = Procedure::new(&self.axis, plan)?;

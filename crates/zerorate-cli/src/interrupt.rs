@@ -1,6 +1,6 @@
 //! Ctrl-C, SIGTERM and SIGHUP. Loops that listen are asked to end cleanly, and a second signal ends the program at
-//! once, or after two seconds where a chamber is being switched off; so does the first where nothing listens. Temporary files are removed in either case. What `nohup` started
-//! outlives its terminal.
+//! once, or after two seconds where a chamber is being switched off; so does the first where nothing listens.
+//! Temporary files are removed in either case. What `nohup` started outlives its terminal.
 
 use crate::{last_word, output};
 use anyhow::Context;

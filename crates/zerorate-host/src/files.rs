@@ -24,11 +24,12 @@ pub fn open(path: &Path) -> Result<Input, CaptureError> {
     Ok(file.into())
 }
 
-/// Reads a small file of text whole. A device, a pipe or a file with holes may have any number of bytes, so that no more
-/// than `most` are taken, and one more that tells.
+/// Reads a small file of text whole. A device, a pipe or a file with holes may have any number of bytes, so that no
+/// more than `most` are taken, and one more that tells.
 ///
 /// # Errors
-/// Why that cannot be: there are more ([`ErrorKind::FileTooLarge`]), or they are not text ([`ErrorKind::InvalidData`]).
+/// Why that cannot be: there are more ([`ErrorKind::FileTooLarge`]), or they are not text
+/// ([`ErrorKind::InvalidData`]).
 pub fn text(path: &Path, most: Bytes) -> std::io::Result<String> {
     let mut bytes = Vec::new();
     File::open(path)?.take(most.0.saturating_add(1)).read_to_end(&mut bytes)?;

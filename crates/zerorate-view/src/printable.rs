@@ -1,5 +1,5 @@
-//! Text from outside in pages and pictures. A browser ignores most control characters, but whoever prints the file on a
-//! terminal has them act there, and XML does not know them.
+//! Text from outside in pages and pictures. A browser ignores most control characters, but whoever prints the file on
+//! a terminal has them act there, and XML does not know them.
 
 /// One line.
 pub fn line(text: &str) -> String {

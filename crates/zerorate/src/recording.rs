@@ -204,8 +204,8 @@ const SLOW_TURNS: (f64, f64) = (0.25, 4.0);
 /// Ratio of one frequency to the next.
 const SWAY_RATIO: f64 = 1.15;
 
-/// Frequencies at which the platform may sway, Hz, in rising order: slow ones, which look like a bias that wanders, and
-/// those that stand out.
+/// Frequencies at which the platform may sway, Hz, in rising order: slow ones, which look like a bias that wanders,
+/// and those that stand out.
 fn sways_hz(summary: &Summary, hour: Option<&Findings>) -> Vec<f64> {
     let length_s = summary.end_s - summary.start_s;
     let turns = core::iter::successors(Some(SLOW_TURNS.0), |turns| Some(turns * SWAY_RATIO));

@@ -19,7 +19,7 @@ fn step(seed: u64, supply_step_mv: f64, at_s: f64) -> Spec {
 
 #[test]
 fn a_slow_sway_is_inside_the_uncertainty_or_refused() {
-    let sways = [(853, 0.0885, 0.000_245), (1, 0.1087, 0.000_144), (4, 0.036, 0.000_103), (7, 0.0567, 0.000_262)];
+    let sways = [(853, 0.0885, 0.000_245), (1, 0.1087, 0.000_144), (4, 0.06, 0.000_2), (7, 0.0567, 0.000_262)];
     for (seed, dps, hz) in sways {
         for method in [Method::Warmup, Method::Cycle] {
             let Ok((outcome, truth)) = measure(&sway(seed, dps, hz), method) else { continue };
@@ -66,8 +66,8 @@ fn a_wide_play_is_not_a_lag() {
 /// The code of the text, the method that says it, and the units to which it happens.
 type Claim = (&'static str, Method, fn(u64) -> Spec);
 
-/// Each text that says that something is in the uncertainty, and units to which that happens: the uncertainty is wider
-/// than that of the same unit without it, and the result is inside.
+/// Each text that says that something is in the uncertainty, and units to which that happens: the result is inside,
+/// and a stated error is in the uncertainty beside that of the same unit without it.
 #[test]
 fn what_is_said_to_be_in_the_uncertainty_is_in_it() {
     let claims: [Claim; 5] = [
@@ -79,29 +79,29 @@ fn what_is_said_to_be_in_the_uncertainty_is_in_it() {
     ];
     for (code, method, spec) in claims {
         let mut told = 0;
-        for seed in 21..23 {
+        for seed in 21..25 {
             let Ok((outcome, truth)) = measure(&spec(seed), method) else { continue };
             assert!(worst_u(&outcome, &truth) < WRONG_U, "{code} {method:?} {seed}: {}", worst_u(&outcome, &truth));
-            if !outcome.warnings.iter().any(|warning| warning.code() == code) {
-                continue;
+            told += u32::from(outcome.warnings.iter().any(|warning| warning.code() == code));
+            let found = outcome.warnings.iter().filter(|warning| warning.code() == code);
+            for (pbc_dps, btc_dps_per_c) in found.filter_map(stated) {
+                let (still, _) = measure(&Spec::from_seed(seed), method).unwrap();
+                let (u, before) = (outcome.uncertainty, still.uncertainty);
+                assert!(u.u_pbc_dps > 0.98 * before.u_pbc_dps.hypot(pbc_dps), "{code} {method:?} {seed}");
+                assert!(
+                    u.u_btc_dps_per_c > 0.98 * before.u_btc_dps_per_c.hypot(btc_dps_per_c),
+                    "{code} {method:?} {seed}"
+                );
             }
-            told += 1;
-            let (still, _) = measure(&Spec::from_seed(seed), method).unwrap();
-            let (u, before) = (outcome.uncertainty, still.uncertainty);
-            let stated = outcome.warnings.iter().find_map(|warning| match warning {
-                Warning::Found(finding) if warning.code() == code => Some((finding.pbc_dps, finding.btc_dps_per_c)),
-                _ => None,
-            });
-            // what was taken out leaves no error to state: the uncertainty is wider all the same
-            let holds = match stated {
-                Some((pbc_dps, btc_dps_per_c)) => {
-                    u.u_pbc_dps > 0.98 * before.u_pbc_dps.hypot(pbc_dps)
-                        && u.u_btc_dps_per_c > 0.98 * before.u_btc_dps_per_c.hypot(btc_dps_per_c)
-                }
-                None => u.u_pbc_dps > 1.02 * before.u_pbc_dps || u.u_btc_dps_per_c > 1.02 * before.u_btc_dps_per_c,
-            };
-            assert!(holds, "{code} {method:?} {seed}: {stated:?} {u:?} {before:?}");
         }
         assert!(told > 0, "{code} {method:?} was never told");
+    }
+}
+
+/// The errors of PBC and BTC that a warning states; what was taken out leaves none to state.
+fn stated(warning: &Warning) -> Option<(f64, f64)> {
+    match warning {
+        Warning::Found(finding) => Some((finding.pbc_dps, finding.btc_dps_per_c)),
+        _ => None,
     }
 }

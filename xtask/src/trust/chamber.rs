@@ -20,7 +20,8 @@ mod fake_chamber;
 pub const CLASSES: &[Class] = &[
     Class {
         name: "chamber espec",
-        what: "a chamber that answers commands fails in one of seven ways; it ends by itself, by Ctrl-C, by two, or by SIGTERM",
+        what: "a chamber that answers commands fails in one of seven ways; the run ends by itself, by Ctrl-C, by two, \
+               or by SIGTERM",
         quick: 4,
         run: failing,
     },
@@ -61,7 +62,7 @@ fn failing(bench: &Bench, class: &'static str, seed: u64) -> Result<Verdict> {
     let device = format!("twin:seed={seed},{UNIT}");
     let address = chamber.argument(1);
     let args =
-        ["chamber", &plan, "--device", &device, "--divider", "250", "--chamber", &address, "--json", "-o", &output];
+        ["chamber", &plan, "--device", &device, "--divider", "50", "--chamber", &address, "--json", "-o", &output];
     let mut child = bench.command(&args).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn()?;
     if !signals.is_empty() {
         wait_for(&mut child, || chamber.world().is_faulty)?;
@@ -115,7 +116,7 @@ struct Interrupted {
 /// The cable is pulled in the second step, and holds for long enough when the measurement goes on.
 fn going_on<'a>(plan: &'a str, output: &'a str) -> [&'a str; 11] {
     const DEVICE: &str = "twin:seed=4,warmup_s=10,fault=unplug,fault_at_s=220";
-    ["chamber", plan, "--device", DEVICE, "--divider", "250", "--chamber", "sim:lag_s=15", "--json", "-o", output]
+    ["chamber", plan, "--device", DEVICE, "--divider", "50", "--chamber", "sim:lag_s=15", "--json", "-o", output]
 }
 
 fn interrupted(bench: &Bench) -> Result<&'static Interrupted> {

@@ -1,5 +1,6 @@
-//! Logs of other people's software that carry checks of their own: a bit flips, or a bag states another number of messages.
-//! The files are those of `crates/zerorate-data/src/column/fixtures/make_checked.py`, by independent writers.
+//! Logs of other people's software that carry checks of their own: a bit flips, or a bag states another number of
+//! messages. The files are those of `crates/zerorate-data/src/column/fixtures/make_checked.py`, by independent
+//! writers.
 
 use super::bench::{Bench, Folder, Run, random};
 use super::{Class, Verdict};

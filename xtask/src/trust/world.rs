@@ -80,8 +80,8 @@ fn at_its_rate(spec: Spec, seed: u64) -> Spec {
     Spec { mclk_hz: spec.mclk_hz / 50.0, roa: Roa::TenNanofarad, ..spec }
 }
 
-/// A sway under a method that takes the whole recording: wrong is wrong here, warned of or not, since such a sway is in
-/// the uncertainty.
+/// A sway under a method that takes the whole recording: wrong is wrong here, warned of or not, since such a sway is
+/// in the uncertainty.
 fn record(method: Method, seed: u64) -> Result<Verdict> {
     let (spec, plan) = (at_its_rate(trial::slow_sway(seed), seed), trial::plan(method));
     let is_walk = spec.sway_hz * plan.total_s() < WALK_TURNS && spec.sway_dps < WALK_DPS;

@@ -20,8 +20,8 @@ const CALIBRATION_BYTES: u64 = 1 << 20;
 /// Says of captures and calibration files whether they are whole: exit code 0 if all are, 1 if not.
 ///
 /// Every check in a file is computed again, and time, edges and losses of the rows are held against each other. A file
-/// that was torn (a power cut, a killed process) or damaged is named with the place, and with what to do: where blocks of
-/// rows before that place are whole, `zerorate repair` writes them to a new file.
+/// that was torn (a power cut, a killed process) or damaged is named with the place, and with what to do: where blocks
+/// of rows before that place are whole, `zerorate repair` writes them to a new file.
 #[derive(Args, Debug)]
 pub struct VerifyArgs {
     /// The files: captures in any form, calibrations.

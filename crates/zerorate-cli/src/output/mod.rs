@@ -1,9 +1,10 @@
 //! Where results go: never onto what is read, never over what is there, never half a file under its final name.
 //!
-//! [`Outputs`] knows all files of a run. A command opens a file by it and by nothing else, so that it knows every input
-//! (`tests.rs` holds the commands to that). It refuses an output that is an input or another output of the same run, by
-//! whatever name (hard links, symbolic links, `./x`, `/dev/stdout`), and one that exists, unless `--force`; a capture
-//! is not even then replaced by what can be computed again. docs/reference/files.md states the rules for users.
+//! [`Outputs`] knows all files of a run. A command opens a file by it and by nothing else, so that it knows every
+//! input (`tests.rs` holds the commands to that). It refuses an output that is an input or another output of the same
+//! run, by whatever name (hard links, symbolic links, `./x`, `/dev/stdout`), and one that exists, unless `--force`; a
+//! capture is not even then replaced by what can be computed again. docs/reference/files.md states the rules for
+//! users.
 
 mod disk;
 mod error;

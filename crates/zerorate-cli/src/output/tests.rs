@@ -1,5 +1,5 @@
-//! What a command reads is known to [`super::Outputs`], because nothing else opens a file; and what killed runs leave is
-//! removed.
+//! What a command reads is known to [`super::Outputs`], because nothing else opens a file; and what killed runs leave
+//! is removed.
 
 use super::*;
 use std::fs;

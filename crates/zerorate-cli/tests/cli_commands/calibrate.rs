@@ -171,7 +171,11 @@ fn a_recorded_warm_up_gives_the_same_curve_byte_for_byte() {
 #[test]
 fn a_cycle_must_rise_and_fall() {
     let refused = calibrate(&["--method", "cycle"]).ended_with(3);
-    assert!(refused.stderr.contains("rose by") && refused.stderr.contains("heat and cool"), "{}", refused.stderr);
+    assert!(
+        refused.stderr.contains("while it rose") && refused.stderr.contains("heat and cool"),
+        "{}",
+        refused.stderr
+    );
 }
 
 /// 300 mV in the middle, where the temperature has settled: taken out, and said.

@@ -24,8 +24,8 @@ zero_c = 25
 width_bits = 16
 column = "temp_c"
 "#;
-const SHEET: &str = "schema = 1\nname = \"G1\"\nsource = \"its maker\"\n[gyroscope]\nnoise_density = { typical = 0.05, \
-    unit = \"°/s/√Hz\" }\n";
+const SHEET: &str = "schema = 1\nname = \"G1\"\nsource = \"its maker\"\n[gyroscope]\nnoise_density = { \
+    typical = 0.05, unit = \"°/s/√Hz\" }\n";
 const PLAN: &str = "schema = 1\nname = \"up\"\n[[step]]\nto_c = 25\n[[step]]\nto_c = 40\nc_per_min = 2\n\
     [[step]]\nto_c = 25\nc_per_min = 2\n";
 

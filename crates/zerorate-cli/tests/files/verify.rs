@@ -108,7 +108,7 @@ fn advice_that_can_be_followed() {
         let said = bench.zerorate(&format!("verify {name}"));
         assert!(said.stdout.contains(remedy) && !remedy.is_empty(), "{name}: {}", said.stdout);
         assert!(!said.stderr.contains("repair"), "{name}: {}", said.stderr);
-        let repaired = bench.zerorate(&format!("repair {name} -o NEW.arrows --force"));
+        let repaired = bench.zerorate(&format!("repair {name} -o {name}.whole.arrows"));
         if rows == 0 {
             assert_eq!(repaired.code, Some(1), "{name} can be repaired: {}", repaired.stdout);
         } else {

@@ -1,8 +1,9 @@
-//! Checks that stand in the index of a chunked data set, where the index is an array (HDF5 1.10 and later, `libver="latest"`).
-//! The library reads past them: a changed bit there leaves out a filter, and the values come out wrong.
+//! Checks that stand in the index of a chunked data set, where the index is an array (HDF5 1.10 and later,
+//! `libver="latest"`). The library reads past them: a changed bit there leaves out a filter, and the values come out
+//! wrong.
 //!
-//! The HDF Group, HDF5 File Format Specification 3.0, VII.D (fixed array) and VII.E (extensible array). Of an extensible
-//! array its blocks of data are not checked.
+//! The HDF Group, HDF5 File Format Specification 3.0, VII.D (fixed array) and VII.E (extensible array). Of an
+//! extensible array its blocks of data are not checked.
 
 use hdf5_reader::checksum::jenkins_lookup3;
 use hdf5_reader::error::Error;

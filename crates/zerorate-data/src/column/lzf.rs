@@ -1,5 +1,5 @@
-//! LZF, by which h5py packs a data set (`compression="lzf"`): the format of Marc Lehmann's LibLZF. It has no head and no
-//! check.
+//! LZF, by which h5py packs a data set (`compression="lzf"`): the format of Marc Lehmann's LibLZF. It has no head and
+//! no check.
 
 /// Unpacks a chunk. None of what makes no sense, or has more than `most` bytes.
 pub fn unpacked(mut packed: &[u8], most: usize) -> Option<Vec<u8>> {

@@ -1,5 +1,5 @@
-//! Several NumPy arrays in a zip archive (`.npz`): each member carries a check (CRC-32), and the index at the end repeats
-//! what stands before each member.
+//! Several NumPy arrays in a zip archive (`.npz`): each member carries a check (CRC-32), and the index at the end
+//! repeats what stands before each member.
 
 use super::npy::{self, Array};
 use super::open::{Log, Unpacking};

@@ -22,8 +22,8 @@ use std::time::Duration;
 
 /// A temperature chamber. It is started once and ended once.
 pub trait Chamber: Send {
-    /// Sets it going. Whatever comes of it, [`Chamber::end`] is due from here on: a command may be obeyed and its answer
-    /// get lost.
+    /// Sets it going. Whatever comes of it, [`Chamber::end`] is due from here on: a command may be obeyed and its
+    /// answer get lost.
     ///
     /// # Errors
     /// It does not answer.
@@ -51,8 +51,8 @@ pub trait Chamber: Send {
         Stop::default()
     }
 
-    /// Sends its air to a temperature where it may stay, °C, and stops what was started, however the measurement ended.
-    /// None where nothing was set going. Takes some [`ENDING_S`] seconds at most.
+    /// Sends its air to a temperature where it may stay, °C, and stops what was started, however the measurement
+    /// ended. None where nothing was set going. Takes some [`ENDING_S`] seconds at most.
     fn end(&mut self, safe_c: f64) -> Option<Left>;
 }
 

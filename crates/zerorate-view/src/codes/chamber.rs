@@ -46,8 +46,8 @@ pub const ALL: &[Explanation] = &[
         says: Says::Either,
         by: &["probe", "capture", "calibrate", "chamber", "stream"],
         seen: "The air is colder or warmer than the part may be; of a simulated part, it was asked to be.",
-        matters: "A real part may be harmed, so its chamber was sent to a safe temperature. Of a simulated part nobody \
-            knows what a real one would do there.",
+        matters: "A real part may be harmed, so its chamber was sent to a safe temperature. Of a simulated part \
+            nobody knows what a real one would do there.",
         remedy: "Look at the chamber: its sensor, its control, and what it did before. Keep a simulated part within \
             the limits (operating_c in the file of a part).",
         command: "",

@@ -65,10 +65,10 @@ pub const ALL: &[Explanation] = &[
         code: "messages-miscounted",
         says: Says::Warning,
         by: &["allan", "imu"],
-        seen: "A bag states at its end, in its index or in its `metadata.yaml`, how many messages a topic has, and holds \
-            another number of them.",
-        matters: "Messages were lost or came from elsewhere: bytes were changed, a file was cut and closed again, or a \
-            file of another recording lies in the folder. What is there is read.",
+        seen: "A bag states at its end, in its index or in its `metadata.yaml`, how many messages a topic has, and \
+            holds another number of them.",
+        matters: "Messages were lost or came from elsewhere: bytes were changed, a file was cut and closed again, or \
+            a file of another recording lies in the folder. What is there is read.",
         remedy: "Take another copy of the bag. If there is none, `ros2 bag reindex` counts the messages again.",
         command: "",
     },

@@ -147,8 +147,8 @@ impl<'a> Lattice<'a> {
         relevant(still.into_iter().chain(swaying).collect())
     }
 
-    /// The paths, and finer plays about the best one where its neighbours explain much less: a wide play between two of
-    /// the lattice looks like a lag.
+    /// The paths, and finer plays about the best one where its neighbours explain much less: a wide play between two
+    /// of the lattice looks like a lag.
     fn finer_plays(&self, filter: &Filter, noise: (i32, i32), mut scored: Vec<(f64, Path)>) -> Vec<(f64, Path)> {
         let mut ratio = PLAY_RATIO;
         for round in 1..=FINER_ROUNDS {
@@ -173,8 +173,8 @@ impl<'a> Lattice<'a> {
         scored
     }
 
-    /// The paths with a sway, with their scores, beside those without: first the sways that explain most on any path, at
-    /// the frequencies that matter there, and then all paths with these. None where no sway matters.
+    /// The paths with a sway, with their scores, beside those without: first the sways that explain most on any path,
+    /// at the frequencies that matter there, and then all paths with these. None where no sway matters.
     fn swaying_paths(&self, filter: &Filter, noise: (i32, i32), still: &[(f64, Path)]) -> Vec<(f64, Path)> {
         let coarse = self.with_sways(filter, noise, &self.paths, &sway::of(self.sways_hz));
         let most = |scored: &[(f64, Path)]| scored.iter().copied().max_by(|a, b| a.0.total_cmp(&b.0));

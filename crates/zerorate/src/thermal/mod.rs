@@ -85,8 +85,8 @@ pub struct Assumed<'a> {
     /// When the level seems to have changed, s, the strongest first, of which [`MOST_STEPS`] are taken; the models
     /// decide.
     pub steps_s: &'a [f64],
-    /// Frequencies at which the platform may sway, Hz, in rising order; the models decide. Where there are none, no sway
-    /// is looked for.
+    /// Frequencies at which the platform may sway, Hz, in rising order; the models decide. Where there are none, no
+    /// sway is looked for.
     pub sways_hz: &'a [f64],
     /// The highest order that is tried, 0 to 3.
     pub max_order: usize,

@@ -47,6 +47,19 @@ pub(super) struct Record<'a> {
 
 /// Spread of a step beforehand, °/s: that of a supply that changes by some tenths of a volt (F-01).
 const STEP_DPS: f64 = 0.05;
+/// Units by how much their bias bends over temperature.
+#[derive(Clone, Copy)]
+struct Kind {
+    /// Spread of the bend, as a ratio of the typical one.
+    ratio: f64,
+    /// Share of all units.
+    share: f64,
+}
+
+const TYPICAL: Kind = Kind { ratio: 1.0, share: 0.9 };
+/// Without these a strong bend is so unlikely that a slow sway explains it better.
+const BENT: Kind = Kind { ratio: 8.0, share: 0.1 };
+
 /// Spread of the sine and of the cosine of a sway beforehand, °/s.
 const SWAY_DPS: f64 = 0.1;
 
@@ -85,15 +98,23 @@ impl Record<'_> {
     pub(super) fn posteriors(&self, filter: &Filter, columns: &Columns, sway: &[White]) -> Vec<Posterior> {
         let Some(filtered) = filter.filtered(&columns.whites, sway) else { return Vec::new() };
         let constants = self.constants(&filtered, columns.steps, columns.held);
-        let solved = |order| self.solved(order, &filtered, columns.steps);
-        (0..=self.max_order).filter_map(solved).map(|solved| solved.posterior(&filtered, &constants)).collect()
+        self.all_solved(&filtered, columns.steps).map(|solved| solved.posterior(&filtered, &constants)).collect()
     }
 
     /// The logarithms of the evidence of all orders alone.
     pub(super) fn log_evidences(&self, filter: &Filter, columns: &Columns, sway: &[White]) -> Vec<f64> {
         let Some(filtered) = filter.filtered(&columns.whites, sway) else { return Vec::new() };
-        let solved = |order| self.solved(order, &filtered, columns.steps);
-        (0..=self.max_order).filter_map(solved).map(|solved| solved.log_evidence).collect()
+        self.all_solved(&filtered, columns.steps).map(|solved| solved.log_evidence).collect()
+    }
+
+    /// All orders; those with a bend for both kinds of unit, the typical one last.
+    fn all_solved(&self, filtered: &Filtered, steps: usize) -> impl Iterator<Item = Solved> {
+        let kinds = |order| [BENT, TYPICAL].into_iter().skip(usize::from(order < 2)).map(move |kind| (order, kind));
+        (0..=self.max_order).flat_map(kinds).filter_map(move |(order, kind)| {
+            let log_share = if order < 2 { 0.0 } else { libm::log(kind.share) };
+            let solved = self.solved(order, kind.ratio, filtered, steps)?;
+            Some(Solved { log_evidence: solved.log_evidence + log_share, ..solved })
+        })
     }
 
     /// What a unit of each column adds to the bias at the end, in powers of the temperature over T3: less what the
@@ -114,11 +135,15 @@ impl Record<'_> {
         columns.zip(&filtered.walk[1..]).map(less_walk).collect()
     }
 
-    fn solved(&self, order: usize, filtered: &Filtered, steps: usize) -> Option<Solved> {
+    /// With coefficients of the second order and above that spread by this ratio of the typical spread.
+    fn solved(&self, order: usize, ratio: f64, filtered: &Filtered, steps: usize) -> Option<Solved> {
         let columns: Vec<usize> = (0..=order).chain(self.max_order + 1..filtered.gram.len() - 1).collect();
         let precision = |column: usize| match column {
             0 => 0.0,
-            degree if degree <= order => 1.0 / (self.prior_dps[degree] * self.prior_dps[degree]),
+            degree if degree <= order => {
+                let prior_dps = self.prior_dps[degree] * if degree < 2 { 1.0 } else { ratio };
+                1.0 / (prior_dps * prior_dps)
+            }
             column if column <= self.max_order + steps => 1.0 / (STEP_DPS * STEP_DPS),
             _ => 1.0 / (SWAY_DPS * SWAY_DPS),
         };

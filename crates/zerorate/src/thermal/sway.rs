@@ -20,8 +20,8 @@ pub(super) struct Swaying {
     pub(super) log_prior: f64,
 }
 
-/// The frequencies in rising order with their probabilities: each logarithm of a frequency is as likely as another, and
-/// each frequency stands for what is nearest to it.
+/// The frequencies in rising order with their probabilities: each logarithm of a frequency is as likely as another,
+/// and each frequency stands for what is nearest to it.
 pub(super) fn of(sways_hz: &[f64]) -> Vec<Swaying> {
     let (Some(first), Some(last)) = (sways_hz.first(), sways_hz.last()) else { return Vec::new() };
     let range = libm::log(last / first).max(f64::MIN_POSITIVE);

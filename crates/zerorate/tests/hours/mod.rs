@@ -41,7 +41,8 @@ pub fn measure(spec: &Spec, method: Method) -> Result<(Outcome, Truth), Refusal>
     Ok((procedure.finish()?, means.truth()))
 }
 
-/// By how many of its standard uncertainties the worst of PBC, BTC and the correction over the temperatures seen is off.
+/// By how many of its standard uncertainties the worst of PBC, BTC and the correction over the temperatures seen is
+/// off.
 pub fn worst_u(outcome: &Outcome, truth: &Truth) -> f64 {
     let (correction, u) = (&outcome.correction, &outcome.uncertainty);
     let pbc = (correction.pbc_dps - truth.pbc_dps(correction.t3_c)) / u.u_pbc_dps;

@@ -1,11 +1,13 @@
 //! What moves the air, and what becomes of it: however a measurement ends, the chamber is sent where it may stay, and
 //! the user reads what it was left at.
 
+use crate::output::say;
 use crate::{interrupt, last_word};
 use anyhow::Result;
 use zerorate_host::{Apart, Chamber, ChamberSpec, Left};
 
-use crate::output::say;
+/// The code of the warning about a chamber that may go on heating or cooling.
+const CODE: &str = "chamber-left";
 
 /// What moves the air.
 pub enum By {
@@ -69,7 +71,7 @@ impl Mover {
         match (&self.by, &self.name) {
             (By::Hand, _) => last_word::owe(self.by_hand()),
             (_, Some(name)) => last_word::owe(format!(
-                "warning: chamber-left: the program ended before {name} was sent to {:.1} °C{}: switch it off by hand",
+                "warning: {CODE}: the program ended before {name} was sent to {:.1} °C{}: switch it off by hand",
                 self.safe_c,
                 self.told()
             )),
@@ -121,7 +123,7 @@ impl Mover {
                     None => format!("and nobody knows what it does{}", self.told()),
                 };
                 format!(
-                    "warning: chamber-left: the chamber could not be sent to {safe_c:.1} °C {does}: switch it off by \
+                    "warning: {CODE}: the chamber could not be sent to {safe_c:.1} °C {does}: switch it off by \
                      hand{why}{air}"
                 )
             }

@@ -59,10 +59,12 @@ impl ChamberProcedure {
         Ok(())
     }
 
-    /// Where the plan lets the air be, °C. At first the air may be where the plan never goes: until it has come to the
-    /// plan, and no longer than the first step takes.
+    /// Where the plan lets the air be, °C: between its set points and the temperature at which the chamber is left,
+    /// for an open door lets the air go there. At first the air may be where the plan never goes: until it has come to
+    /// the plan, and no longer than the first step takes.
     fn air_may_be_c(&mut self, air_c: f64) -> (f64, f64) {
-        let (low_c, high_c) = self.plan.span_c();
+        let ((low_c, high_c), safe_c) = (self.plan.span_c(), self.plan.safe_c);
+        let (low_c, high_c) = (low_c.min(safe_c), high_c.max(safe_c));
         let (low_c, high_c) = (low_c - self.plan.overshoot_c, high_c + self.plan.overshoot_c);
         self.coming = match self.coming {
             _ if (low_c..=high_c).contains(&air_c) => Coming::Over,
