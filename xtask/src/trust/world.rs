@@ -85,12 +85,13 @@ fn at_its_rate(spec: Spec, seed: u64) -> Spec {
 fn record(method: Method, seed: u64) -> Result<Verdict> {
     let (spec, plan) = (at_its_rate(trial::slow_sway(seed), seed), trial::plan(method));
     let is_walk = spec.sway_hz * plan.total_s() < WALK_TURNS && spec.sway_dps < WALK_DPS;
+    let sway = format!("{:.4} °/s, {:.2} turns", spec.sway_dps, spec.sway_hz * plan.total_s());
     let ended = trial::run(spec, plan)?;
     Ok(match &ended {
         Ended::Refused => Verdict::Refused,
         Ended::Calibrated { .. } if ended.worst() <= WRONG_U => Verdict::Right,
         Ended::Calibrated { .. } if is_walk => Verdict::Unknowable,
-        Ended::Calibrated { unit, .. } => Verdict::Silent(format!("off by {:.1} u: {unit:?}", ended.worst())),
+        Ended::Calibrated { unit, .. } => Verdict::Silent(format!("{sway}: off by {:.1} u: {unit:?}", ended.worst())),
     })
 }
 

@@ -84,8 +84,13 @@ fn verdict(path: &Path) -> Verdict {
         Err(error) => Err(error),
     };
     let verdict = found.unwrap_or_else(|error| {
-        let is_damaged = matches!(error, CaptureError::Damaged { .. } | CaptureError::Table { .. });
-        let remedy = is_damaged.then(|| remedy(path, 0));
+        let remedy = match error {
+            CaptureError::Damaged { .. } | CaptureError::Table { .. } => Some(remedy(path, 0)),
+            CaptureError::NotACapture { .. } => {
+                Some("name a capture or a calibration; if this was one, take another copy".to_owned())
+            }
+            _ => None,
+        };
         Verdict { damage: Some(reason(error)), remedy, ..Verdict::default() }
     });
     Verdict { whole: !verdict.torn && verdict.damage.is_none(), file, ..verdict }
@@ -100,7 +105,8 @@ fn remedy(path: &Path, rows: u64) -> String {
 }
 
 fn reason(error: CaptureError) -> String {
-    format!("{:#}", anyhow::Error::from(error))
+    // Arrow tells in several lines where it was
+    format!("{:#}", anyhow::Error::from(error)).split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 fn capture(path: &Path, source: Box<dyn table::BatchSource>) -> Result<Verdict, CaptureError> {
