@@ -50,8 +50,7 @@ fn heed(signal: i32) {
     if !LISTENED_TO.load(Ordering::Relaxed) || again {
         last_word::wait(GRACE);
         output::remove_all_for_good();
-        last_word::say_it();
-        std::process::exit(BY_SIGNAL + signal);
+        last_word::exit(BY_SIGNAL + signal);
     }
 }
 

@@ -33,10 +33,21 @@ pub fn wait(most: Duration) {
     drop(SETTLED.wait_timeout_while(last(), most, |last| last.is_pending));
 }
 
-/// Says it, once.
-pub fn say_it() {
-    let word = last().word.take();
-    if let Some(word) = word {
+/// Says it, once, behind what `report` says.
+pub fn say_after<T>(report: impl FnOnce() -> T) -> T {
+    let mut last = last();
+    let reported = report();
+    if let Some(word) = last.word.take() {
         say(word);
     }
+    reported
+}
+
+/// Says it, and ends the program. Nothing is said behind it.
+pub fn exit(code: i32) -> ! {
+    let mut last = last();
+    if let Some(word) = last.word.take() {
+        say(word);
+    }
+    std::process::exit(code)
 }

@@ -58,10 +58,9 @@ pub fn main_confined(args: impl IntoIterator<Item = OsString>) -> ExitCode {
 }
 
 fn run(cli: &cli::Cli) -> ExitCode {
-    let code = match interrupt::handle().and_then(|()| commands::run(cli)) {
+    let ended = interrupt::handle().and_then(|()| commands::run(cli));
+    last_word::say_after(|| match ended {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => exit::report(&error),
-    };
-    last_word::say_it();
-    code
+    })
 }

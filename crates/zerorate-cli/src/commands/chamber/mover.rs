@@ -136,7 +136,7 @@ impl Drop for Mover {
         self.leave();
         // nobody else will say it
         if std::thread::panicking() {
-            last_word::say_it();
+            last_word::say_after(|| ());
         }
     }
 }
