@@ -53,7 +53,8 @@ const SEEN_SIGMA: f64 = 8.0;
 const STEP_8_S: f64 = 160.0;
 /// An hour sees less than a full turn of a slower sway.
 const SEEN_HZ: f64 = 3e-4;
-/// A recording that sees less than half a turn of a small sway cannot tell it from the random walk of the part.
+/// Less than half a turn of a small sway was seen to pass for the random walk of the part, or for a bend. The bound is
+/// that of the trials and not derived.
 const WALK_TURNS: f64 = 0.5;
 const WALK_DPS: f64 = 0.04;
 /// One run in so many has the clock and the bandwidth of the part. The others have a fiftieth of the clock and 50 Hz
