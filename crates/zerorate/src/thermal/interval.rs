@@ -2,7 +2,7 @@
 
 use core::f64::consts::SQRT_2;
 
-/// What the models of one order say of a value: a normal distribution, and its weight among all orders.
+/// What models of one kind say of a value: a normal distribution, and their weight among all models.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Peak {
     pub(super) weight: f64,

@@ -7,7 +7,8 @@
 //! known beforehand: each combination is a model with an evidence (`posterior.rs`, `lattice.rs`). The order that has
 //! most evidence is taken, but none that is more likely too low than not. The uncertainty is that of all models
 //! together, so what the recording cannot tell apart widens it (Hoeting et al., Bayesian Model Averaging, Statistical
-//! Science 14, 1999). The slope at T3 has an interval of its own (`interval.rs`), since orders disagree on it most.
+//! Science 14, 1999). PBC and the slope at T3 are widened further where models disagree so much that a variance does
+//! not tell it (`interval.rs`).
 
 mod basis;
 mod filter;
@@ -302,6 +303,7 @@ fn average(record: &Record<'_>, axis: &Axis, models: &[Weighed]) -> BiasCurve {
             }
         }
     }
+    covariance[0][0] += excess(models, 0, bias[0], covariance[0][0]);
     let mean = |of: fn(&Weighed) -> f64| models.iter().map(|model| model.weight * of(model)).sum::<f64>();
     let noise = |of: fn(&Noise) -> f64| {
         let logarithms = models.iter().map(|model| model.weight * libm::log(of(&model.hypothesis.noise)));
@@ -325,7 +327,7 @@ fn average(record: &Record<'_>, axis: &Axis, models: &[Weighed]) -> BiasCurve {
             btc3_dps_per_c3: 0.0 - bias[3],
         },
         covariance,
-        btc_excess: btc_excess(models, bias[1], covariance[1][1]),
+        btc_excess: excess(models, 1, bias[1], covariance[1][1]),
         order,
         order_weights,
         following: Following {
@@ -356,19 +358,23 @@ fn order_taken(order_weights: &[f64; TERMS]) -> usize {
     high_enough.max_by(|a, b| order_weights[*a].total_cmp(&order_weights[*b])).unwrap_or(0)
 }
 
-/// By how much the variance of the slope must be larger for its intervals to hold what they state.
-fn btc_excess(models: &[Weighed], slope: f64, variance: f64) -> f64 {
-    let peaks: [Peak; TERMS] = core::array::from_fn(|order| {
-        let of_order = || models.iter().filter(move |model| model.posterior.order == order);
-        let weight: f64 = of_order().map(|model| model.weight).sum();
-        let share = |of: &dyn Fn(&Weighed) -> f64| of_order().map(|model| model.weight / weight * of(model)).sum();
-        let mean: f64 = share(&|model| model.posterior.bias[1]);
-        let off = |model: &Weighed| model.posterior.bias[1] - mean;
-        let variance = share(&|model| model.posterior.covariance[1][1] + off(model) * off(model));
+/// By how much the variance of a coefficient must be larger for its intervals to hold what they state. Its models are
+/// in peaks: one of each order, without a sway and with one.
+fn excess(models: &[Weighed], k: usize, value: f64, variance: f64) -> f64 {
+    let peak = |index: usize| {
+        let (order, sways) = (index / 2, index % 2 == 1);
+        let is_of = |model: &&Weighed| model.posterior.order == order && model.hypothesis.sway_hz.is_some() == sways;
+        let of_peak = || models.iter().filter(is_of);
+        let weight: f64 = of_peak().map(|model| model.weight).sum();
+        let share = |of: &dyn Fn(&Weighed) -> f64| of_peak().map(|model| model.weight / weight * of(model)).sum();
+        let mean: f64 = share(&|model| model.posterior.bias[k]);
+        let off = |model: &Weighed| model.posterior.bias[k] - mean;
+        let variance = share(&|model| model.posterior.covariance[k][k] + off(model) * off(model));
         Peak { weight, mean, variance }
-    });
+    };
+    let peaks: [Peak; 2 * TERMS] = core::array::from_fn(peak);
     let sd = libm::sqrt(variance);
-    let u = honest_u(&peaks, slope, sd);
+    let u = honest_u(&peaks, value, sd);
     if u > sd { u * u - variance } else { 0.0 }
 }
 

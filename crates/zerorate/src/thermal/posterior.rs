@@ -47,21 +47,36 @@ pub(super) struct Record<'a> {
 
 /// Spread of a step beforehand, °/s: that of a supply that changes by some tenths of a volt (F-01).
 const STEP_DPS: f64 = 0.05;
-/// Units by how much their bias bends over temperature.
+/// How far columns spread beforehand.
 #[derive(Clone, Copy)]
-struct Kind {
-    /// Spread of the bend, as a ratio of the typical one.
-    ratio: f64,
-    /// Share of all units.
-    share: f64,
+struct Spread {
+    /// The bend of the bias over temperature, as a ratio of the typical one.
+    bend: f64,
+    /// The sine and the cosine of a sway, °/s.
+    sway_dps: f64,
+    /// Logarithm of how likely this is.
+    log_share: f64,
 }
 
-const TYPICAL: Kind = Kind { ratio: 1.0, share: 0.9 };
-/// Without these a strong bend is so unlikely that a slow sway explains it better.
-const BENT: Kind = Kind { ratio: 8.0, share: 0.1 };
+/// Bends, as ratios of the typical one, and the shares of units with such, the typical one last. Without the strong
+/// bends a slow sway explains them better.
+const BENDS: [(f64, f64); 2] = [(8.0, 0.1), (1.0, 0.9)];
+/// Sizes of a sway, °/s. A small one is as likely as a large one; without the small ones the random walk of the part
+/// explains them better.
+const SWAYS_DPS: [f64; 3] = [0.01, 0.03, 0.1];
 
-/// Spread of the sine and of the cosine of a sway beforehand, °/s.
-const SWAY_DPS: f64 = 0.1;
+/// What is tried of the columns of an order, with a sway or without.
+fn spreads(order: usize, has_sway: bool) -> impl Iterator<Item = Spread> {
+    let bends = if order < 2 { &[(1.0, 1.0)][..] } else { &BENDS };
+    let sways_dps = if has_sway { &SWAYS_DPS[..] } else { &[1.0] };
+    let count = sways_dps.len() as f64;
+    let spread = move |&(bend, share): &(f64, f64), sway_dps: f64| Spread {
+        bend,
+        sway_dps,
+        log_share: libm::log(share / count),
+    };
+    bends.iter().flat_map(move |bend| sways_dps.iter().map(move |sway_dps| spread(bend, *sway_dps)))
+}
 
 impl Record<'_> {
     pub(super) fn length_s(&self) -> f64 {
@@ -107,14 +122,12 @@ impl Record<'_> {
         self.all_solved(&filtered, columns.steps).map(|solved| solved.log_evidence).collect()
     }
 
-    /// All orders; those with a bend for both kinds of unit, the typical one last.
+    /// All orders, each with all that its columns may spread by.
     fn all_solved(&self, filtered: &Filtered, steps: usize) -> impl Iterator<Item = Solved> {
-        let kinds = |order| [BENT, TYPICAL].into_iter().skip(usize::from(order < 2)).map(move |kind| (order, kind));
-        (0..=self.max_order).flat_map(kinds).filter_map(move |(order, kind)| {
-            let log_share = if order < 2 { 0.0 } else { libm::log(kind.share) };
-            let solved = self.solved(order, kind.ratio, filtered, steps)?;
-            Some(Solved { log_evidence: solved.log_evidence + log_share, ..solved })
-        })
+        let has_sway = filtered.gram.len() > self.max_order + 2 + steps;
+        let all =
+            (0..=self.max_order).flat_map(move |order| spreads(order, has_sway).map(move |spread| (order, spread)));
+        all.filter_map(move |(order, spread)| self.solved(order, spread, filtered, steps))
     }
 
     /// What a unit of each column adds to the bias at the end, in powers of the temperature over T3: less what the
@@ -135,17 +148,17 @@ impl Record<'_> {
         columns.zip(&filtered.walk[1..]).map(less_walk).collect()
     }
 
-    /// With coefficients of the second order and above that spread by this ratio of the typical spread.
-    fn solved(&self, order: usize, ratio: f64, filtered: &Filtered, steps: usize) -> Option<Solved> {
+    /// One order, with columns that spread so.
+    fn solved(&self, order: usize, spread: Spread, filtered: &Filtered, steps: usize) -> Option<Solved> {
         let columns: Vec<usize> = (0..=order).chain(self.max_order + 1..filtered.gram.len() - 1).collect();
         let precision = |column: usize| match column {
             0 => 0.0,
             degree if degree <= order => {
-                let prior_dps = self.prior_dps[degree] * if degree < 2 { 1.0 } else { ratio };
+                let prior_dps = self.prior_dps[degree] * if degree < 2 { 1.0 } else { spread.bend };
                 1.0 / (prior_dps * prior_dps)
             }
             column if column <= self.max_order + steps => 1.0 / (STEP_DPS * STEP_DPS),
-            _ => 1.0 / (SWAY_DPS * SWAY_DPS),
+            _ => 1.0 / (spread.sway_dps * spread.sway_dps),
         };
         let gram = |row: usize, column: usize| filtered.gram[row.max(column)][row.min(column)];
         let information = |(i, row): (usize, &usize)| {
@@ -159,7 +172,7 @@ impl Record<'_> {
         let explained: f64 = sizes.iter().zip(&right).map(|(size, product)| size * product).sum();
         let log_prior: f64 = columns[1..].iter().map(|column| libm::log(precision(*column))).sum();
         let deviance = gram(0, 0) - explained + filtered.log_determinant + information.log_determinant() - log_prior;
-        Some(Solved { order, steps, columns, information, sizes, log_evidence: -0.5 * deviance })
+        Some(Solved { order, steps, columns, information, sizes, log_evidence: spread.log_share - 0.5 * deviance })
     }
 }
 
