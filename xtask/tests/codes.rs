@@ -3,9 +3,9 @@
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
-use zerorate::allan::AllanWarning;
 use zerorate::chamber::ChamberRefusal;
 use zerorate::{Deviation, Refusal, Warning};
+use zerorate_allan::AllanWarning;
 use zerorate_view::codes::{self, Says};
 
 /// In the order of the variants; macros of the core make them of the same table as `code()`.

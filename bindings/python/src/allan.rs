@@ -6,7 +6,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyNone, PyTuple, PyType};
 use std::fmt::Display;
-use zerorate::allan::{
+use zerorate_allan::{
     Analysis, Coefficient, Deviation, Difference, Estimate, Expected, Fit, FitOptions, Gap, Input, Options, Reason,
     Stat, Taus, Term, analyse as analyse_input, deviations as of_input, edf as edf_of,
     finite_difference_edf as edf_of_difference, fit, interval as limits, mtie as mtie_of,
@@ -125,7 +125,7 @@ pub fn analyse<'py>(
             }
             Ok((analysis, fit))
         })
-        .map_err(|error: zerorate::allan::AnalysisError| refused(error))?;
+        .map_err(|error: zerorate_allan::AnalysisError| refused(error))?;
     let (analysis, fit) = found;
     let result = PyDict::new(py);
     columns(&result, &analysis)?;

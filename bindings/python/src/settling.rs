@@ -7,7 +7,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::Path;
-use zerorate::allan::{AllanWarning, Detrended, Gap, Input};
+use zerorate_allan::{AllanWarning, Detrended, Gap, Input};
 use zerorate_cli::api::{self, Settled};
 use zerorate_data::column::{Column, Series};
 

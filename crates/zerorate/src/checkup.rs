@@ -1,12 +1,12 @@
 //! Does a part at rest look like a healthy one? What `probe` judges, with its limits.
 
-use crate::allan::{self, Gap, Input, Stat};
 use crate::code_sum::CodeSum;
 use crate::health::Judged;
 use crate::notice::Warning;
 use crate::part::Axis;
 use crate::tally::Tally;
 use alloc::vec::Vec;
+use zerorate_allan::{self as allan, Gap, Input, Stat};
 
 /// From where on a part is remarkable.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -4,7 +4,7 @@ use crate::blocks::{Blocks, Second};
 use crate::correction::Correction;
 use crate::hour::{self, Deviation, Findings, Question};
 use crate::ledger::{Adjacent, BLOCK_S, Summary};
-use crate::noise::{FLOOR_PER_B, NoiseModel, Window};
+use crate::noise::{NoiseModel, Window};
 use crate::notice::{Refusal, Warning};
 use crate::part::Axis;
 use crate::plan::Plan;
@@ -13,6 +13,7 @@ use crate::stationarity;
 use crate::tally::Tally;
 use crate::thermal::BiasCurve;
 use alloc::vec::Vec;
+use zerorate_allan::FLOOR_PER_B;
 
 /// Everything that the result rests on.
 pub(crate) struct Evidence<'a> {

@@ -5,7 +5,6 @@ extern crate alloc;
 #[cfg(any(test, feature = "std"))]
 extern crate std;
 
-pub mod allan;
 mod blocks;
 #[cfg(feature = "file")]
 pub mod calibration;
@@ -13,11 +12,8 @@ pub mod chamber;
 mod checkup;
 mod code_sum;
 mod code_table;
-mod codes;
 mod correction;
 mod corrector;
-#[cfg(all(feature = "file", feature = "std"))]
-pub mod datasheet;
 mod estimate;
 mod freeze;
 mod gls;
@@ -43,8 +39,6 @@ mod shape;
 pub mod stationarity;
 mod tally;
 pub mod thermal;
-#[cfg(feature = "file")]
-mod toml_error;
 pub mod track;
 
 #[cfg(feature = "file")]
@@ -54,8 +48,6 @@ pub use code_sum::CodeSum;
 pub use code_table::{CodeTable, RowIndex};
 pub use correction::{Correction, CorrectionF32, TableError, TableRow, Validity};
 pub use corrector::{Corrected, Corrector, CorrectorConfig};
-#[cfg(all(feature = "file", feature = "std"))]
-pub use datasheet::{DataSheet, DataSheetError};
 pub use estimate::{Measured, Noise, Outcome, Uncertainty, WindowWarnings};
 pub use hour::{Deviation, Finding};
 pub use integer::{IntegerCorrection, IntegerError, IntegerForm};

@@ -2,6 +2,7 @@
 
 use alloc::vec::Vec;
 use core::f64::consts::{LN_2, PI};
+use zerorate_allan::FLOOR_PER_B;
 
 /// Lowest frequency of the flicker noise, Hz (M-04).
 pub const FLICKER_CUTOFF_HZ: f64 = 1e-4;
@@ -80,9 +81,6 @@ impl NoiseModel {
         Self { rate_random_walk_dps_per_rt_s: 0.0, ..self }
     }
 }
-
-/// √(2 ln 2/π) = 0.664: the flat part of the Allan deviation per unit of B.
-pub const FLOOR_PER_B: f64 = 0.6642824702679601;
 
 /// The mean over an interval of time, with the weight it carries in a sum.
 #[derive(Clone, Copy, Debug, PartialEq)]

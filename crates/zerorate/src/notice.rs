@@ -1,11 +1,11 @@
 //! What a measurement has to say beside its numbers: warnings, and the refusals that end it.
 
-use crate::codes::codes;
 use crate::hour::{Deviation, Finding};
 use crate::procedure::State;
 use crate::remedy::{Names, Remedy, Say, Setting, say_all};
 use crate::resonance::Tone;
 use core::fmt;
+use zerorate_allan::codes;
 
 /// Rotation of the Earth, °/s, on an axis parallel to its own (F-16).
 pub const EARTH_DPS: f64 = 0.00418;

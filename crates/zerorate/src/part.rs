@@ -2,9 +2,10 @@
 //! from a file ([`Part::parse`], `docs/formats/part.md`).
 
 use crate::correction::Validity;
-use crate::noise::{FLOOR_PER_B, NoiseModel};
+use crate::noise::NoiseModel;
 use crate::resonance::Tone;
 use alloc::borrow::Cow;
+use zerorate_allan::FLOOR_PER_B;
 
 #[cfg(feature = "file")]
 mod file;

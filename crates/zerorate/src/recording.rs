@@ -1,8 +1,6 @@
 //! From one recording of a part at rest to the bias over temperature: what stands out is looked for, and all blocks go
 //! into one estimate ([`thermal`](crate::thermal)).
 
-#[cfg(feature = "std")]
-use crate::allan::{self, FitOptions, Input, Term};
 use crate::blocks::{Blocks, Second};
 use crate::estimate::{Evidence, Noise, Outcome, Uncertainty};
 use crate::hour::{self, Deviation, Finding, Findings, Question};
@@ -18,6 +16,8 @@ use crate::procedure::State;
 use crate::stationarity;
 use crate::thermal::{self, Assumed, BiasCurve, Block, Sway};
 use alloc::vec::Vec;
+#[cfg(feature = "std")]
+use zerorate_allan::{self as allan, FitOptions, Input, Term};
 
 /// Blocks that a recording is put into, about: more of them tell no more.
 const MOST_BLOCKS: f64 = 1600.0;

@@ -10,7 +10,7 @@ use rand_xoshiro::rand_core::SeedableRng;
 use serde_json::json;
 use std::hint::black_box;
 use std::time::Instant;
-use zerorate::allan::{Input, Stat, deviations};
+use zerorate_allan::{Input, Stat, deviations};
 
 /// Each run of zerorate is short: the best of so many counts.
 const REPEATS: usize = 7;

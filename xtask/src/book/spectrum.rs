@@ -7,7 +7,7 @@ use adis16130_twin::facts::{POLE_HZ, POLE_ROA_10NF_HZ, RESONANCE_HZ, UPPER_POLE_
 use adis16130_twin::{Roa, Spec, Twin};
 use anyhow::{Context, Result, anyhow};
 use zerorate::Axis;
-use zerorate::allan::welch;
+use zerorate_allan::welch;
 use zerorate_view::plot::{Spectrum, Tone, spectra};
 
 /// A unit that has the temperature of the room from the start: what moves is its noise. Its clock is made nominal, so

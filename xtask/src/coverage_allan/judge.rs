@@ -1,7 +1,7 @@
 //! What simulated records say about one coefficient; shares in %.
 
 use super::scenario::{Bounds, Scenario};
-use zerorate::allan::Coefficient;
+use zerorate_allan::Coefficient;
 
 /// Relative to the truth, %, or as it is where the truth is zero.
 pub struct Error {

@@ -14,7 +14,7 @@ use simulate::{RATE_HZ, SYNTHESIS, record};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
-use zerorate::allan::{
+use zerorate_allan::{
     AllanWarning, Coefficient, Deviation, Estimate, FitOptions, Input, Stat, Term, deviations, fit, fit_curve, octaves,
 };
 

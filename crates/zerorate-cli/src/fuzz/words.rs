@@ -2,7 +2,7 @@
 
 use super::edited;
 use adis16130_twin::Spec;
-use zerorate::allan::Taus;
+use zerorate_allan::Taus;
 use zerorate_data::column::Unit;
 use zerorate_data::limits::Bytes;
 use zerorate_host::DeviceSpec;

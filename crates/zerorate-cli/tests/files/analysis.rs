@@ -2,7 +2,7 @@
 
 use super::Bench;
 use serde_json::Value;
-use zerorate::allan::Stat;
+use zerorate_allan::Stat;
 
 /// White noise of a quarter of an hour at 100 Hz from a congruential generator: sums of twelve uniform numbers, a
 /// standard deviation of `sd`. Its N is `sd · √(1 / 100 Hz)`.

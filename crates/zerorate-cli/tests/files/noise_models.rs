@@ -11,7 +11,7 @@ use serde_json::Value;
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
-use zerorate::allan::{self, Fit, FitOptions, Input, Stat};
+use zerorate_allan::{self as allan, Fit, FitOptions, Input, Stat};
 
 /// What the prototype has of an axis, in the unit of the log.
 struct Axis {

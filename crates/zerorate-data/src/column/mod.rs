@@ -65,7 +65,7 @@ use clock::{Beat, Times};
 use open::{Form, Log};
 use series::SeriesBuilder;
 use std::path::Path;
-use zerorate::allan::Gap;
+use zerorate_allan::Gap;
 
 /// Which numbers of a log are meant, and what the log does not say about them itself.
 #[derive(Clone, Debug, Default)]

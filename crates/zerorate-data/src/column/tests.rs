@@ -555,7 +555,7 @@ fn the_beginning_is_left_out() {
     let codes = |codes: &[i32], gaps: &[(usize, u64)]| Column {
         name: "c".to_owned(),
         series: Series::Codes(codes.to_vec()),
-        gaps: gaps.iter().map(|&(at, missing)| zerorate::allan::Gap { at, missing }).collect(),
+        gaps: gaps.iter().map(|&(at, missing)| zerorate_allan::Gap { at, missing }).collect(),
         rate_hz: 1.0,
         quantity: None,
         scale: 1.0,

@@ -1,8 +1,8 @@
 //! Noise coefficients in the units that data sheets, standards and users have them in.
 
 use crate::column::{Quantity, STANDARD_GRAVITY};
-use zerorate::allan::{Coefficient, Estimate, Fit, LONGEST_RECORD_S};
-use zerorate::noise::FLOOR_PER_B;
+use zerorate_allan::FLOOR_PER_B;
+use zerorate_allan::{Coefficient, Estimate, Fit, LONGEST_RECORD_S};
 
 /// A coefficient by name and units, its main unit first.
 pub struct Named<'a> {

@@ -2,8 +2,8 @@
 
 use super::Kind;
 use crate::column::{Names, Setting};
-use zerorate::allan::{Fit, Term};
-use zerorate::noise::FLOOR_PER_B;
+use zerorate_allan::FLOOR_PER_B;
+use zerorate_allan::{Fit, Term};
 
 /// What stands for several axes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -102,7 +102,7 @@ pub struct CoefficientValue {
 
 /// A deviation.
 #[derive(Clone, Debug, Default)]
-#[expect(missing_docs, reason = "as the fields of `zerorate::allan::Point`")]
+#[expect(missing_docs, reason = "as the fields of `zerorate_allan::Point`")]
 pub struct AllanRow {
     pub tau_s: f64,
     pub dev: f64,

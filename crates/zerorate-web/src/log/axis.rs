@@ -2,7 +2,7 @@
 
 use super::message::{AxisKind, LogAxis, LogCoefficient, LogColumn, LogPoint, LogValue};
 use std::path::Path;
-use zerorate::allan::{self, Analysis, Density, Fit, FitError, FitOptions, Input, Line, Options, Taus, Term};
+use zerorate_allan::{self as allan, Analysis, Density, Fit, FitError, FitOptions, Input, Line, Options, Taus, Term};
 use zerorate_data::column::{Column, Quantity, Series};
 use zerorate_data::imu::{self, Axis, B, Kind, Named};
 use zerorate_view::plot::{Envelope, number};

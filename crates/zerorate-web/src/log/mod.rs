@@ -22,7 +22,7 @@ mod reader {
     use crate::message::Download;
     use std::path::{Path, PathBuf};
     use std::vec::IntoIter;
-    use zerorate::allan;
+    use zerorate_allan as allan;
     use zerorate_data::column::{self, Column, Wanted};
     use zerorate_data::imu::{Axes, Axis, Choice, ImuOptions, Kind, Numbers};
     use zerorate_data::{Input, LogError};

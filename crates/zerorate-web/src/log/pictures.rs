@@ -3,7 +3,7 @@
 use super::axis::Analysed;
 use super::message::LogPicture;
 use std::path::Path;
-use zerorate::allan::{Expected, Fit, Line};
+use zerorate_allan::{Expected, Fit, Line};
 use zerorate_data::column::Quantity;
 use zerorate_data::imu::Named;
 use zerorate_view::plot::{self, Curve, PowerLaw, Signal, Spectrum, Tone, number};

@@ -7,7 +7,7 @@ use super::temperatures::Temperatures;
 use crate::message::{AllanPoint, Coefficient, MarkKind, SpectrumMark, SpectrumPoint, Statistics as Shown};
 use std::collections::VecDeque;
 use zerorate::Axis;
-use zerorate::allan::{self, FitOptions, Input, Options, Stream, interval};
+use zerorate_allan::{self as allan, FitOptions, Input, Options, Stream, interval};
 
 /// Readings of the spectrum: 23 s at the full rate of an ADIS16130.
 const SPECTRUM: usize = 1 << 17;

@@ -5,11 +5,11 @@ use super::form::Form;
 use super::limits::Inspected;
 use super::places::{Place, Places};
 use super::{Calibration, SCHEMA};
-use crate::toml_error::line_of;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 use core::fmt;
 use serde::Deserialize;
+use zerorate_allan::toml_error::line_of;
 
 const HEADER: &str = "# A zerorate calibration (docs/formats/calibration.md). To use other numbers, edit a copy and \
     delete its two check lines.\n";

@@ -15,7 +15,7 @@ pub use chamber::ChamberRun;
 pub use file::{FileError, FileWarning};
 
 use crate::estimate::{Measured, Noise};
-use crate::noise::{FLICKER_CUTOFF_HZ, FLOOR_PER_B};
+use crate::noise::FLICKER_CUTOFF_HZ;
 use crate::part::{NamedAxis, Part, Scale};
 use crate::thermal::{self, BiasCurve, TERMS};
 use crate::{Correction, Corrector, CorrectorConfig, Outcome, Uncertainty, Validity, Warning};
@@ -23,6 +23,7 @@ use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 use core::fmt;
 use serde::{Deserialize, Serialize};
+use zerorate_allan::FLOOR_PER_B;
 
 /// The newest version of the file form that this software reads and writes.
 pub const SCHEMA: u32 = 3;

@@ -1,11 +1,11 @@
 //! Where things stand in the text of a calibration: lines, and the axes that they belong to.
 
-use crate::toml_error::line_of;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 use core::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
+use zerorate_allan::toml_error::line_of;
 
 /// A line, from 1, and the axis to which it belongs, if it belongs to one.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

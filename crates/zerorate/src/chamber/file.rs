@@ -1,12 +1,12 @@
 //! A plan from its file (`docs/formats/plan.md`).
 
 use super::plan::{ChamberPlan, ChamberPlanError, Step, StepEnd};
-use crate::toml_error::{line_of, syntax};
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
 use serde::Deserialize;
 use toml::Spanned;
+use zerorate_allan::toml_error::{line_of, syntax};
 
 /// Version of the file form, and the newest that is read.
 const SCHEMA: u32 = 1;

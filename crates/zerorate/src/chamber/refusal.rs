@@ -1,10 +1,10 @@
 //! Why a measurement in a chamber ends without a result.
 
 use super::procedure::ChamberState;
-use crate::codes::codes;
 use crate::notice::because_of;
 use crate::thermal::ThermalError;
 use core::fmt;
+use zerorate_allan::codes;
 
 /// The measurement must not become a calibration. Steps count from 1. `Display` says what was seen, why it matters and
 /// what to do.

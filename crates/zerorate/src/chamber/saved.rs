@@ -4,12 +4,12 @@ use super::file::{MAX_STEPS, TO_C};
 use super::record::{Record, Soak};
 use crate::calibration::check::{self, Damage, sha256_hex};
 use crate::part::{Part, Scale};
-use crate::toml_error::syntax;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 use core::fmt;
 use core::ops::RangeInclusive;
 use serde::{Deserialize, Serialize};
+use zerorate_allan::toml_error::syntax;
 
 /// Version of the text, and the only one that is read.
 const SCHEMA: u32 = 1;

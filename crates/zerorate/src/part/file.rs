@@ -2,13 +2,13 @@
 
 use super::{Axis, MAX_AXES, NamedAxis, NoiseSources, Part, Scale, SelfHeating, TypicalBias, TypicalNoise};
 use crate::resonance::Tone;
-use crate::toml_error::syntax;
 use alloc::borrow::Cow;
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
 use core::fmt;
 use serde::Deserialize;
+use zerorate_allan::toml_error::syntax;
 
 /// Version of the file form, and the newest that is read.
 const SCHEMA: u32 = 1;

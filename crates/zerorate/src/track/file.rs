@@ -3,13 +3,14 @@
 use super::{COVARIANCES, Counts, Filter, Prior, STATES, Saved, TrackerConfig};
 use crate::calibration::check::{self, Damage};
 use crate::calibration::{CalibratedAxis, Calibration, CurveRecord};
-use crate::noise::{FLOOR_PER_B, NoiseModel};
+use crate::noise::NoiseModel;
 use crate::part::Axis;
-use crate::toml_error::line_of;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 use core::fmt;
 use serde::{Deserialize, Serialize};
+use zerorate_allan::FLOOR_PER_B;
+use zerorate_allan::toml_error::line_of;
 
 const HEADER: &str =
     "# What zerorate stream --track has learned (docs/tracking.md). To begin anew, delete this file.\n";

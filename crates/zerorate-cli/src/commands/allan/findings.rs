@@ -3,7 +3,7 @@
 use super::picture;
 use super::record::Record;
 use super::units::{deviation_unit, span};
-use zerorate::allan::{AllanWarning, LONGEST_RECORD_S};
+use zerorate_allan::{AllanWarning, LONGEST_RECORD_S};
 use zerorate_view::plot::number;
 
 /// Codes of findings, those that spoil most first. What is not among them comes before all: it is of the log.

@@ -7,7 +7,7 @@ use super::temperature;
 use super::units::{Named, coefficients, deviation_unit};
 use serde::Serialize;
 use std::collections::BTreeMap;
-use zerorate::allan::{self, Point, Unavailable};
+use zerorate_allan::{self as allan, Point, Unavailable};
 
 /// Several logs.
 #[derive(Serialize)]

@@ -23,7 +23,7 @@ use record::{Record, Way};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use temperature::TemperatureArgs;
-use zerorate::allan::{FitOptions, Options, Stat, Taus};
+use zerorate_allan::{FitOptions, Options, Stat, Taus};
 use zerorate_data::LogError;
 use zerorate_data::column::Column;
 

@@ -2,7 +2,7 @@
 
 use super::record::Record;
 use serde::Serialize;
-use zerorate::allan::{self, Fit, MotionKind, motion};
+use zerorate_allan::{self as allan, Fit, MotionKind, motion};
 
 /// A moment at which several axes jump, or have a glitch.
 #[derive(Serialize)]

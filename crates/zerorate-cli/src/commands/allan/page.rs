@@ -5,7 +5,7 @@ use super::record::Record;
 use super::units::{self, deviation_unit, noise};
 use crate::output::Staged;
 use anyhow::Result;
-use zerorate::allan::{Estimate, Fit, Line, Term};
+use zerorate_allan::{Estimate, Fit, Line, Term};
 use zerorate_view::plot::number;
 use zerorate_view::report::{self, AllanPage, AllanRow, Coefficient, CoefficientValue, Fact, Table, allan_page};
 
@@ -179,11 +179,11 @@ fn section(record: &Record) -> report::Record {
         Fact::new("sample rate", format!("{:.6} Hz", analysis.rate_hz)),
         Fact::new("length", super::units::span(analysis.samples as f64 / analysis.rate_hz)),
     ];
-    let row = |point: &zerorate::allan::Point| {
-        let &zerorate::allan::Point { tau_s, dev, lo, hi, edf, alpha, n, .. } = point;
+    let row = |point: &zerorate_allan::Point| {
+        let &zerorate_allan::Point { tau_s, dev, lo, hi, edf, alpha, n, .. } = point;
         AllanRow { tau_s, dev, lo, hi, edf, n, noise: noise(alpha, record.quantity).to_owned() }
     };
-    let unavailable = |missing: &zerorate::allan::Unavailable| {
+    let unavailable = |missing: &zerorate_allan::Unavailable| {
         Fact::new(format!("{} s", number(missing.tau_s)), missing.reason.to_string())
     };
     report::Record {

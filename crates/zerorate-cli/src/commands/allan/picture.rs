@@ -6,7 +6,7 @@ use crate::exit::Usage;
 use crate::output::Staged;
 use anyhow::Result;
 use std::path::Path;
-use zerorate::allan::{Expected, Fit, Line};
+use zerorate_allan::{Expected, Fit, Line};
 use zerorate_data::column::Quantity;
 use zerorate_view::plot::{self, Curve, Minimum, PowerLaw, Signal, Spectrum, Tone, number};
 

@@ -7,8 +7,8 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::PathBuf;
-use zerorate::allan::{
-    self, AllanWarning, Analysis, Apart, Differs, Fit, Point, PoolError, PoolRecord, Stat, interval,
+use zerorate_allan::{
+    self as allan, self, AllanWarning, Analysis, Apart, Differs, Fit, Point, PoolError, PoolRecord, Stat, interval,
 };
 
 /// The common model, as a record of its own, and what is to say of the records.

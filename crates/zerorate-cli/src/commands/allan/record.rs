@@ -5,9 +5,9 @@ use super::temperature::{self, Settled, Settling};
 use super::units;
 use anyhow::{Context, Result, ensure};
 use std::path::{Path, PathBuf};
-use zerorate::allan::{
-    self, AllanWarning, Analysis, Averaging, Density, Detrended, Expected, Fit, FitError, FitOptions, Input, Line,
-    Options, Point, Taus, Term,
+use zerorate_allan::{
+    self as allan, self, AllanWarning, Analysis, Averaging, Density, Detrended, Expected, Fit, FitError, FitOptions,
+    Input, Line, Options, Point, Taus, Term,
 };
 use zerorate_data::column::{Column, Quantity, STANDARD_GRAVITY, Series};
 use zerorate_data::imu::{self, Axis, Kind};

@@ -4,7 +4,7 @@ use super::record::Record;
 use super::units::{self, Row, noise};
 use anyhow::Result;
 use std::fmt::Write;
-use zerorate::allan::{Estimate, Point};
+use zerorate_allan::{Estimate, Point};
 
 /// The line above the table.
 pub fn heading(record: &Record) -> String {

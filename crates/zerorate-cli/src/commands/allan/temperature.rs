@@ -9,7 +9,7 @@ use serde::Serialize;
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
-use zerorate::allan::{self, AllanWarning, Analysis, Detrended, Fit, Follows, MOST_ORDER};
+use zerorate_allan::{self as allan, AllanWarning, Analysis, Detrended, Fit, Follows, MOST_ORDER};
 use zerorate_data::column::{Column, Series};
 use zerorate_view::duration::Seconds;
 

@@ -1,7 +1,7 @@
 //! Noise coefficients in the units that data sheets, standards and users have them in.
 
 use super::record::Record;
-use zerorate::allan::{Estimate, Line, Term};
+use zerorate_allan::{Estimate, Line, Term};
 use zerorate_data::column::Quantity;
 use zerorate_data::imu;
 pub use zerorate_data::imu::{B, Named, span};

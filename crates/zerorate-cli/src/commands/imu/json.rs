@@ -5,7 +5,7 @@ use crate::commands::allan::json;
 use crate::commands::allan::motion::{self, Motion};
 use crate::commands::allan::record::Record;
 use serde::Serialize;
-use zerorate::DataSheet;
+use zerorate_allan::DataSheet;
 use zerorate_data::imu::Kind;
 
 /// All axes of a log.

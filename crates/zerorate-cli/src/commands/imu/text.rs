@@ -4,7 +4,7 @@ use crate::commands::allan::record::Record;
 use crate::commands::allan::units::{B, Named, coefficients, span};
 use anyhow::Result;
 use std::fmt::Write;
-use zerorate::allan::{Estimate, Fit, Term};
+use zerorate_allan::{Estimate, Fit, Term};
 use zerorate_data::imu::Kind;
 use zerorate_view::report::Table;
 

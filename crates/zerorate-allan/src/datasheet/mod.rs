@@ -1,0 +1,185 @@
+//! What a data sheet states of a sensor's noise, and how a record at rest compares with it.
+
+mod file;
+mod unit;
+
+use crate::{Analysis, Coefficient, Estimate, Fit, interval};
+use alloc::string::String;
+use alloc::vec::Vec;
+use core::f64::consts::SQRT_2;
+pub use file::DataSheetError;
+
+/// The lines of a data sheet that speak of noise at rest (`docs/formats/datasheet.md`).
+#[derive(Clone, Debug, PartialEq)]
+pub struct DataSheet {
+    /// Of what part.
+    pub name: String,
+    /// Where it is printed.
+    pub source: Option<String>,
+    /// Of the gyroscopes.
+    pub gyroscope: Vec<Line>,
+    /// Of the accelerometers.
+    pub accelerometer: Vec<Line>,
+}
+
+/// A figure as it is printed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Line {
+    /// What it is of.
+    pub figure: Figure,
+    /// Whether it is a typical value or a limit.
+    pub is_maximum: bool,
+    /// The value, in its unit.
+    pub value: f64,
+    /// Half of its last digit: what rounding can have changed.
+    pub half_digit: f64,
+    /// The unit as it is written.
+    pub unit: String,
+    /// °/s or m/s² (with the powers of time of the figure) in one of it.
+    pub factor: f64,
+    /// Where it is printed, if that is another place than the others'.
+    pub source: Option<String>,
+}
+
+/// What a data sheet states.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Figure {
+    /// One-sided density of the white noise, √2·N.
+    NoiseDensity,
+    /// Angle or velocity random walk N.
+    RandomWalk,
+    /// The lowest point of the Allan deviation: what data sheets call bias (in)stability in run.
+    CurveMinimum,
+    /// The coefficient B of IEEE Std 952-1997, 1/0.664 of a flat floor.
+    BiasInstability,
+    /// Rate or acceleration random walk K.
+    RateRandomWalk,
+}
+
+/// A line beside what was measured, in the line's unit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Compared {
+    /// Value and 95 % interval; none where there is no model to believe.
+    pub measured: Option<Estimate>,
+    /// What that says of the sensor.
+    pub verdict: Verdict,
+}
+
+/// How a sensor compares with a line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// As stated: the interval holds a typical value, as far as it was rounded; or ends below a maximum.
+    Within,
+    /// Less noise than is typical.
+    Better,
+    /// More noise than stated.
+    Worse,
+    /// The record does not tell.
+    Open,
+}
+
+/// Degrees of freedom that a point needs to count as the lowest.
+const FEWEST_EDF: f64 = 4.0;
+
+impl Line {
+    /// Holds a record against the line. The analysis must be of Allan deviations.
+    #[must_use]
+    pub fn compare(&self, fit: Option<&Fit>, analysis: &Analysis) -> Compared {
+        let of = |coefficient: &Coefficient, by: f64| {
+            let &Coefficient { value, lo, hi, identified, .. } = coefficient;
+            Estimate { value: by * value, lo: if identified { by * lo } else { 0.0 }, hi: by * hi }
+        };
+        let fit = fit.filter(|fit| !fit.is_rejected);
+        let measured = match self.figure {
+            Figure::NoiseDensity => fit.map(|fit| of(&fit.n, SQRT_2)),
+            Figure::RandomWalk => fit.map(|fit| of(&fit.n, 1.0)),
+            Figure::CurveMinimum => minimum(analysis),
+            Figure::BiasInstability => fit.map(|fit| of(&fit.b, 1.0)),
+            Figure::RateRandomWalk => fit.map(|fit| of(&fit.k, 1.0)),
+        };
+        let measured = measured.map(|Estimate { value, lo, hi }| Estimate {
+            value: value / self.factor,
+            lo: lo / self.factor,
+            hi: hi / self.factor,
+        });
+        Compared { measured, verdict: measured.map_or(Verdict::Open, |measured| self.verdict(&measured)) }
+    }
+
+    fn verdict(&self, measured: &Estimate) -> Verdict {
+        // a limit is meant as it stands
+        let rounding = if self.is_maximum { 0.0 } else { self.half_digit };
+        let (below, above) = (self.value - rounding, self.value + rounding);
+        match measured {
+            // a coefficient that nothing bounds
+            Estimate { hi, .. } if !(*hi > 0.0 && hi.is_finite()) => Verdict::Open,
+            Estimate { lo, .. } if *lo > above => Verdict::Worse,
+            Estimate { hi, .. } if self.is_maximum && *hi <= above => Verdict::Within,
+            _ if self.is_maximum => Verdict::Open,
+            Estimate { hi, .. } if *hi < below => Verdict::Better,
+            Estimate { lo, .. } if *lo > 0.0 => Verdict::Within,
+            _ => Verdict::Open,
+        }
+    }
+}
+
+/// The lowest deviation with its 95 % interval. Where the curve still falls at its end, that is only an upper limit.
+fn minimum(analysis: &Analysis) -> Option<Estimate> {
+    let points = || analysis.points.iter().filter(|point| point.edf >= FEWEST_EDF);
+    let least = points().min_by(|a, b| a.dev.total_cmp(&b.dev))?;
+    let (lo, hi) = interval(least.dev, least.edf, 0.95);
+    let has_turned = points().next_back().is_some_and(|last| last.lo > least.dev);
+    Some(Estimate { value: least.dev, lo: if has_turned { lo } else { 0.0 }, hi })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{FitOptions, Input, Options, analyse, fit};
+
+    /// White noise of N = 0.1 °/√s and nothing else.
+    fn white() -> (Fit, Analysis) {
+        let mut state = 1u64;
+        let mut uniform = || {
+            state = 16_807 * state % 2_147_483_647;
+            state as f64 / 2_147_483_647.0 - 0.5
+        };
+        let rate: Vec<f64> = (0..20_000).map(|_| (0..12).map(|_| uniform()).sum()).collect();
+        let input = Input::Rate(&rate);
+        let fit = fit(&input, 100.0, &FitOptions::default()).unwrap();
+        (fit, analyse(&input, 100.0, &Options::default()).unwrap())
+    }
+
+    fn sheet(line: &str) -> DataSheet {
+        DataSheet::parse(&alloc::format!("schema = 1\nname = \"x\"\n[gyroscope]\n{line}\n")).unwrap()
+    }
+
+    #[test]
+    fn a_sensor_is_as_stated_better_worse_or_not_told() {
+        let (fit, analysis) = white();
+        // 0.1 °/√s is 6 °/√h, and 0.1414 °/s/√Hz on one side
+        for (line, verdict) in [
+            ("angle_random_walk = { typical = 6.0, unit = \"°/√h\" }", Verdict::Within),
+            ("angle_random_walk = { typical = 5, unit = \"°/√h\" }", Verdict::Worse),
+            ("angle_random_walk = { typical = 7.0, unit = \"°/√h\" }", Verdict::Better),
+            ("angle_random_walk = { maximum = 7.0, unit = \"°/√h\" }", Verdict::Within),
+            ("angle_random_walk = { maximum = 5.0, unit = \"deg/rt(hr)\" }", Verdict::Worse),
+            ("noise_density = { typical = 0.141, unit = \"°/s/√Hz\" }", Verdict::Within),
+            ("noise_density = { typical = 0.100, unit = \"°/s/√Hz\" }", Verdict::Worse),
+            ("noise_density = { typical = 508, unit = \"deg/h/sqrt(Hz)\" }", Verdict::Within),
+            // white noise has no flicker and no minimum: what is stated beyond the record's limit is not told
+            ("bias_instability = { typical = 0.1, unit = \"°/h\" }", Verdict::Open),
+            ("bias_instability = { typical = 0.1, unit = \"°/h\", means = \"B\" }", Verdict::Open),
+            ("bias_instability = { typical = 5, unit = \"°/s\" }", Verdict::Better),
+            ("rate_random_walk = { maximum = 0.001, unit = \"°/s/√h\" }", Verdict::Open),
+            ("rate_random_walk = { maximum = 100, unit = \"°/s/√s\" }", Verdict::Within),
+        ] {
+            let sheet = sheet(line);
+            let compared = sheet.gyroscope[0].compare(Some(&fit), &analysis);
+            assert_eq!(compared.verdict, verdict, "{line}: {compared:?}");
+        }
+        let line = &sheet("angle_random_walk = { typical = 6.0, unit = \"°/√h\" }").gyroscope[0];
+        let rejected = Fit { is_rejected: true, ..fit };
+        assert_eq!(line.compare(Some(&rejected), &analysis), Compared { measured: None, verdict: Verdict::Open });
+        assert_eq!((line.half_digit * 100.0).round(), 5.0, "6.0 is 5.95 to 6.05");
+    }
+}

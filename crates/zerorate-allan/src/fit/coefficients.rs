@@ -1,0 +1,103 @@
+//! From parameters to coefficients with their intervals.
+
+use super::density::Drift;
+use super::lines::Line;
+use super::profile::Profile;
+use super::record_length;
+use super::scoring::{K2, LONGEST, N2, SHAPE, SHORTEST};
+use super::select::Selection;
+use super::{Estimate, Term};
+use crate::Coefficient;
+use alloc::vec::Vec;
+
+/// From parameters to coefficients with their intervals.
+pub(super) struct Coefficients<'a> {
+    /// Length of the record, in samples.
+    pub(super) samples: usize,
+    pub(super) chosen: &'a Selection,
+    pub(super) rate_hz: f64,
+    pub(super) is_rejected: bool,
+}
+
+impl Coefficients<'_> {
+    fn square(&self, place: usize) -> Profile<'_> {
+        Profile::of_square(&self.chosen.problem, &self.chosen.found, place)
+    }
+
+    /// Of a squared coefficient.
+    pub(super) fn of(&self, place: usize) -> Coefficient {
+        let value = libm::sqrt(self.chosen.found.at[place]);
+        let (lo, hi) = self.square(place).interval();
+        self.finished(place, value, (libm::sqrt(lo), libm::sqrt(hi)))
+    }
+
+    fn finished(&self, place: usize, value: f64, (lo, hi): (f64, f64)) -> Coefficient {
+        let identified = lo > 0.0 && !self.is_rejected;
+        let needed_s = (lo <= 0.0 && !self.is_rejected).then(|| {
+            let taken = value.max(hi / 2.0);
+            record_length::needed_s(&self.chosen.found, self.samples, self.rate_hz, place, taken * taken)
+        });
+        Coefficient { value, lo: lo.min(value), hi: hi.max(value), identified, needed_s }
+    }
+
+    /// N's interval knows besides that the record is not steady, and holds N with and without the tail of a resonance.
+    pub(super) fn n(&self, unsteady: f64, tail: f64) -> Coefficient {
+        let n = self.of(N2);
+        let steady = 1.96 * unsteady;
+        let doubt = tail / (2.0 * self.chosen.found.at[N2]);
+        let wider = |ratio: f64| libm::exp(libm::log(ratio).max(steady) + doubt);
+        Coefficient { lo: n.value / wider(n.value / n.lo), hi: n.value * wider(n.hi / n.value), ..n }
+    }
+
+    /// K rests on few coefficients: its square is the mean of its confidence distribution.
+    pub(super) fn k(&self) -> Coefficient {
+        let profile = self.square(K2);
+        let (lo, hi) = profile.interval();
+        self.finished(K2, libm::sqrt(profile.mean(hi)), (libm::sqrt(lo), libm::sqrt(hi)))
+    }
+
+    fn drift(&self) -> Estimate {
+        let (table, found) = (&self.chosen.problem.table, &self.chosen.found);
+        let template = found.form.drift.map(|drift| drift.coefficients(table.span_s, table.low.len()));
+        let rows = (0..table.singles()).map(|row| (table.rows[row].bin.first - 1, found.density[row]));
+        let information: f64 =
+            template.iter().flat_map(|template| rows.clone().map(|(k, s)| template[k] * template[k] / s)).sum();
+        let half = 1.96 / libm::sqrt(information);
+        Estimate { value: found.drift, lo: found.drift - half, hi: found.drift + half }
+    }
+
+    pub(super) fn ramp(&self) -> Coefficient {
+        let Estimate { value, lo, hi } = self.drift();
+        let (value, lo, hi) = if value < 0.0 { (-value, -hi, -lo) } else { (value, lo, hi) };
+        Coefficient { value, lo: lo.max(0.0), hi, identified: lo > 0.0 && !self.is_rejected, needed_s: None }
+    }
+
+    pub(super) fn terms(&self, lines: &[Line]) -> Vec<Term> {
+        let (table, found) = (&self.chosen.problem.table, &self.chosen.found);
+        let range = (libm::log(SHORTEST / self.rate_hz), libm::log(LONGEST * table.span_s));
+        let markov = |index| {
+            let place = found.form.markov(index);
+            let (lo, hi) = self.square(place).interval();
+            let variance = Estimate { value: found.at[place], lo, hi };
+            let (lo, hi) = Profile::between(&self.chosen.problem, found, place + 1, range).interval();
+            let log = Estimate { value: found.at[place + 1], lo, hi };
+            Term::GaussMarkov { sigma: variance.map(libm::sqrt), tau_s: log.map(libm::exp) }
+        };
+        let mut terms: Vec<Term> = (0..found.form.markovs).map(markov).collect();
+        if found.form.shape() > 0 {
+            let (cosines, pole) = found.at[SHAPE..SHAPE + found.form.shape()].split_at(found.form.cosines);
+            terms.push(Term::BandShape { cosines: cosines.to_vec(), pole: pole.first().copied() });
+        }
+        if let Some(Drift::WarmUp { tau_s }) = found.form.drift {
+            terms.push(Term::WarmUp { size: self.drift(), tau_s });
+        }
+        terms.extend(lines.iter().map(|line| Term::Line(*line)));
+        terms
+    }
+}
+
+impl Estimate {
+    fn map(self, of: impl Fn(f64) -> f64) -> Self {
+        Self { value: of(self.value), lo: of(self.lo), hi: of(self.hi) }
+    }
+}

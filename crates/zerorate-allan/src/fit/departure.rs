@@ -1,0 +1,69 @@
+//! How far held parameters are from the best, as r* has it: Skovgaard, Bernoulli 2, 1996.
+
+use super::scoring::Local;
+use crate::linear::{Cholesky, Square};
+use alloc::vec::Vec;
+
+/// u = |s_q|·(|i|·|i′_λλ|)^(−½), signed like the distance from the held value to the best.
+///
+/// i = ½Σν ∂S∂Sᵀ/S² at the best parameters and i′ at the held ones, of the latter only λ, all but the one that is
+/// held; s = ½Σν ∂S∂S′ᵀ/S′², s_q with q = ½Σν ∂S(1/S′ − 1/S) in the column of the held one (Cramer's s⁻¹q·|s|). What
+/// has a prime is at the held parameters. Of one scale alone this is √(ν/2)(S/S′ − 1). `free` are the parameters that
+/// can move, `held` is one of them.
+pub(super) fn departure(nu: &[f64], best: &Local, there: &Local, free: &[usize], held: usize) -> Option<f64> {
+    let n = free.len();
+    let column = free.iter().position(|&place| place == held)?;
+    let sum = |term: &dyn Fn(usize) -> f64| nu.iter().enumerate().map(|(row, nu)| nu / 2.0 * term(row)).sum::<f64>();
+    let of = |a: &Local, b: &Local, over: &Local| {
+        Square::from_fn(n, |i, j| {
+            let (a, b) = (&a.slopes[free[i]], &b.slopes[free[j]]);
+            sum(&|row| a[row] * b[row] / (over.density[row] * over.density[row]))
+        })
+    };
+    let own = of(best, best, best);
+    let scale: Vec<f64> = (0..n).map(|i| 1.0 / libm::sqrt(own.at(i, i))).collect();
+    let scaled = |square: &Square| Square::from_fn(n, |i, j| square.at(i, j) * scale[i] * scale[j]);
+    let (own, across, beside) = (scaled(&own), of(best, there, there), scaled(&of(there, there, there)));
+    let q = |i: usize| {
+        let slope = &best.slopes[free[i]];
+        sum(&|row| slope[row] * (1.0 / there.density[row] - 1.0 / best.density[row]))
+    };
+    let with_q = |i: usize, j: usize| if j == column { q(i) } else { across.at(i, j) * scale[j] };
+    let s_q = Square::from_fn(n, |i, j| with_q(i, j) * scale[i]);
+    let skipped = |i: usize| if i < column { i } else { i + 1 };
+    let others = Square::from_fn(n - 1, |i, j| beside.at(skipped(i), skipped(j)));
+    let half = (Cholesky::new(&own)?.ln_determinant() + Cholesky::new(&others)?.ln_determinant()) / 2.0;
+    Some(s_q.determinant() * libm::exp(-half))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::vec;
+
+    /// One scale with ν degrees of freedom, beside another that no row shares.
+    #[test]
+    fn is_the_score_of_one_scale() {
+        let nu = [5.0, 9.0];
+        let local = |a: f64, b: f64| Local { density: vec![a, b], slopes: vec![vec![1.0, 0.0], vec![0.0, 1.0]] };
+        for held in [0.2, 0.9, 3.0] {
+            let found = departure(&nu, &local(1.0, 2.0), &local(held, 2.0), &[0, 1], 0).unwrap();
+            let expected = (5.0f64 / 2.0).sqrt() * (1.0 / held - 1.0);
+            assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+        }
+    }
+
+    /// The variance of p samples of white noise about a level that takes one freedom: r* must know of that one. Here
+    /// as rows of one scale and a second parameter, which only the last row has and which takes all of it.
+    #[test]
+    fn a_parameter_that_is_fitted_takes_its_freedom() {
+        let nu = [4.0, 1.0];
+        let local = |scale: f64, rest: f64| Local {
+            density: vec![scale, scale + rest],
+            slopes: vec![vec![1.0, 1.0], vec![0.0, 1.0]],
+        };
+        let found = departure(&nu, &local(1.0, 0.5), &local(2.0, -0.5), &[0, 1], 0).unwrap();
+        let alone = (4.0f64 / 2.0).sqrt() * (1.0 / 2.0 - 1.0);
+        assert!((found - alone).abs() < 1e-12, "{found} {alone}");
+    }
+}

@@ -1,0 +1,211 @@
+//! Lines in the spectrum: what stands out of its neighbours. Broad ones are masked, narrow ones leave their bins.
+
+use super::bins::{Bin, at_coefficients};
+use crate::chi2_quantile;
+use alloc::vec;
+use alloc::vec::Vec;
+
+/// A disturbance that is no noise, or a resonance: it takes no part in the fit, and its power is kept.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Line {
+    /// Its frequency, Hz; where the disturbance is faster than half the rate, the one that it folds to.
+    pub frequency_hz: f64,
+    /// How broad it is, Hz.
+    pub width_hz: f64,
+    /// Root mean square, in the unit of the rate.
+    pub rms: f64,
+}
+
+/// False lines per record.
+const ALARM: f64 = 0.01;
+/// A bump below this coefficient is wander, and belongs to the noise.
+const FIRST: usize = 48;
+/// What a bin must have beyond chance, because the base line is an estimate.
+const MARGIN: f64 = 1.15;
+/// Coefficients that are looked at together for narrow lines, and the margin there.
+const GROUP: usize = 4;
+const NARROW_MARGIN: f64 = 1.1;
+/// Coefficients that leave before the first of such a group, and after it.
+const BEFORE: usize = 2;
+const AFTER: usize = 6;
+/// The median of χ² with one degree of freedom.
+const MEDIAN_OF_ONE: f64 = 0.4549;
+
+/// Which bins a line is in, and the base line that they stand out of. The second base line is made without what stands
+/// out of the first.
+pub(super) fn broad(bins: &[Bin]) -> (Vec<bool>, Vec<f64>) {
+    let first = above(bins, &base_line(bins, &vec![false; bins.len()]));
+    let base = base_line(bins, &first);
+    (above(bins, &base), base)
+}
+
+/// A line that left the bins.
+#[derive(Clone, Debug)]
+pub(super) struct Narrow {
+    pub(super) line: Line,
+    /// Its first coefficient, and one past its last: no bin has any of them.
+    pub(super) run: (usize, usize),
+    /// Variance and frequency of what it is in the model: a quarter of its power each.
+    pub(super) sines: [(f64, f64); 4],
+}
+
+/// Takes narrow lines out of the bins of `power` (coefficients 1, 2 …, `hz` apart). What they leave less than a
+/// quarter of leaves with them: a coefficient is in a bin or in a line, and never in both.
+pub(super) fn take_out_narrow(power: &[f64], bins: &mut Vec<Bin>, hz: f64) -> Vec<Narrow> {
+    let (mask, base) = broad(bins);
+    let base = base_of_coefficients(power, bins, &base, &mask);
+    let mut flag = narrow(power, &base);
+    bins.retain_mut(|bin| without(bin, power, &mut flag));
+    stretches(&flag).into_iter().map(|run| narrow_line(run, power, &base, hz)).collect()
+}
+
+fn narrow_line((from, to): (usize, usize), power: &[f64], base: &[f64], hz: f64) -> Narrow {
+    let (power, base) = (&power[from..to], &base[from..to]);
+    let excess: f64 = power.iter().zip(base).map(|(p, b)| p - b).sum();
+    let weight: f64 = power.iter().sum();
+    let middle: f64 = power.iter().zip(from..).map(|(p, i)| p * (i + 1) as f64).sum::<f64>() / weight;
+    let variance = (excess * 2.0 * hz).max(0.0);
+    let line = Line { frequency_hz: middle * hz, width_hz: (to - from) as f64 * hz, rms: libm::sqrt(variance) };
+    // where an eighth of the power is reached, three eighths …
+    let at = |part: f64| {
+        let mut sum = 0.0;
+        let below = |p: &&f64| {
+            sum += **p;
+            sum < part * weight
+        };
+        (from + 1 + power.iter().take_while(below).count()) as f64 * hz
+    };
+    let sines = [0.125, 0.375, 0.625, 0.875].map(|part| (variance / 4.0, at(part)));
+    Narrow { line, run: (from + 1, to + 1), sines }
+}
+
+/// Running median over an octave to either side of what is not masked; at the ends less the slope.
+fn base_line(bins: &[Bin], mask: &[bool]) -> Vec<f64> {
+    let mut expected = Cached::new(|freedom| chi2_quantile(0.5, freedom) / freedom);
+    let y: Vec<f64> = bins.iter().map(|bin| libm::log(bin.power / expected.of(bin.freedom))).collect();
+    let x: Vec<f64> = bins.iter().map(|bin| libm::log2(bin.middle())).collect();
+    (0..bins.len()).map(|j| libm::exp(level(&x, &y, mask, j))).collect()
+}
+
+fn level(x: &[f64], y: &[f64], mask: &[bool], j: usize) -> f64 {
+    let (below, above) = (x.partition_point(|x_i| *x_i < x[j] - 1.0), x.partition_point(|x_i| *x_i < x[j] + 1.0));
+    let reach = (j - below).min(above - 1 - j).max(4);
+    let (from, to) = (j.saturating_sub(reach), (j + reach + 1).min(x.len()));
+    let part: Vec<usize> = (from..to).filter(|&i| !mask[i]).collect();
+    if part.len() < 4 {
+        return y[j];
+    }
+    let at_end = j + reach >= x.len() || j < reach;
+    let slope = if at_end {
+        let half = part.len() / 2;
+        let pairs = part[..part.len() - half].iter().zip(&part[part.len() - half..]);
+        median(pairs.map(|(&a, &b)| (y[b] - y[a]) / (x[b] - x[a])).collect())
+    } else {
+        0.0
+    };
+    median(part.into_iter().map(|i| y[i] - slope * (x[i] - x[j])).collect())
+}
+
+/// The median.
+pub(super) fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_unstable_by(f64::total_cmp);
+    match values.len() {
+        0 => 0.0,
+        n if n % 2 == 1 => values[n / 2],
+        n => f64::midpoint(values[n / 2 - 1], values[n / 2]),
+    }
+}
+
+/// Bins that stand out of the base line, with their shoulders.
+fn above(bins: &[Bin], base: &[f64]) -> Vec<bool> {
+    let alarm = ALARM / bins.len() as f64;
+    let mut limit = Cached::new(|freedom| MARGIN * chi2_quantile(1.0 - alarm, freedom) / freedom);
+    let ratio: Vec<f64> = bins.iter().zip(base).map(|(bin, base)| bin.power / base).collect();
+    let peak: Vec<bool> =
+        bins.iter().zip(&ratio).map(|(bin, ratio)| bin.first >= FIRST && *ratio > limit.of(bin.freedom)).collect();
+    let shoulder =
+        |i: usize| bins[i].first >= FIRST && ratio[i] > (1.0 + 2.0 * libm::sqrt(2.0 / bins[i].freedom)).min(1.05);
+    let mut mask = peak.clone();
+    for j in (0..bins.len()).filter(|&j| peak[j]) {
+        (j + 1..bins.len()).take_while(|&i| !peak[i] && shoulder(i)).for_each(|i| mask[i] = true);
+        (0..j).rev().take_while(|&i| !peak[i] && shoulder(i)).for_each(|i| mask[i] = true);
+    }
+    mask
+}
+
+/// The base line at every coefficient; within a broad line it is the line's own level.
+fn base_of_coefficients(power: &[f64], bins: &[Bin], base: &[f64], mask: &[bool]) -> Vec<f64> {
+    let mut at = at_coefficients(bins.iter().map(Bin::middle), base, power.len());
+    for (bin, _) in bins.iter().zip(mask).filter(|(bin, masked)| **masked && bin.freedom >= 32.0) {
+        let inside = bin.first - 1..bin.end - 1;
+        let ratios = power[inside.clone()].iter().zip(&at[inside.clone()]).map(|(p, b)| p / b).collect();
+        let raise = (median(ratios) / MEDIAN_OF_ONE).max(1.0);
+        at[inside].iter_mut().for_each(|base| *base *= raise);
+    }
+    at
+}
+
+/// Coefficients that are part of a narrow line.
+fn narrow(power: &[f64], base: &[f64]) -> Vec<bool> {
+    let n = power.len();
+    let limit = NARROW_MARGIN * chi2_quantile(1.0 - ALARM * GROUP as f64 / (n + 1) as f64, GROUP as f64);
+    let ratio: Vec<f64> = power.iter().zip(base).map(|(p, b)| p / b).collect();
+    let mut flag = vec![false; n];
+    for (i, group) in ratio.windows(GROUP).enumerate().skip(FIRST - 1) {
+        if group.iter().sum::<f64>() > limit {
+            flag[i.saturating_sub(BEFORE).max(FIRST - 1)..(i + AFTER).min(n)].fill(true);
+        }
+    }
+    flag
+}
+
+fn stretches(flag: &[bool]) -> Vec<(usize, usize)> {
+    let mut found: Vec<(usize, usize)> = Vec::new();
+    for i in (0..flag.len()).filter(|&i| flag[i]) {
+        match found.last_mut() {
+            Some((_, to)) if *to == i => *to = i + 1,
+            _ => found.push((i, i + 1)),
+        }
+    }
+    found
+}
+
+/// Takes what is flagged out of a bin. Where less than a quarter would be left, all of it is flagged, and the bin is
+/// no more.
+fn without(bin: &mut Bin, power: &[f64], flag: &mut [bool]) -> bool {
+    let inside = bin.first - 1..bin.end - 1;
+    let lost = || power[inside.clone()].iter().zip(&flag[inside.clone()]).filter(|(_, out)| **out).map(|(p, _)| p);
+    let (count, width) = (lost().count() as f64, inside.len() as f64);
+    let left = width - count;
+    if left < (width / 4.0).max(1.0) {
+        flag[inside].fill(true);
+        return false;
+    }
+    if count > 0.0 {
+        *bin = Bin {
+            power: (bin.power * width - lost().sum::<f64>()) / left,
+            freedom: bin.freedom * left / width,
+            ..*bin
+        };
+    }
+    true
+}
+
+/// A function whose argument is mostly the one before.
+struct Cached<F> {
+    of: F,
+    last: (f64, f64),
+}
+
+impl<F: Fn(f64) -> f64> Cached<F> {
+    fn new(of: F) -> Self {
+        Self { of, last: (f64::NAN, f64::NAN) }
+    }
+
+    fn of(&mut self, argument: f64) -> f64 {
+        if self.last.0 != argument {
+            self.last = (argument, (self.of)(argument));
+        }
+        self.last.1
+    }
+}

@@ -1,0 +1,409 @@
+//! A noise model of a record at rest, from the likelihood of its cosine spectrum.
+//!
+//! Every octave of an Allan variance mixes the whole spectrum; a line, a resonance or a low-pass bends six to ten of
+//! them. In the spectrum the same things are local, and its coefficients are independent. So the model is fitted
+//! there, and the Allan variance is what it is shown and checked with. The cosine transform has no jump at the ends:
+//! for white noise and a random walk it is the exact diagonalisation. Densities are two-sided, unit²/Hz: white noise
+//! of coefficient N has N².
+//!
+//! What the terms are, what they cannot tell apart, and measured errors: `docs/noise-models.md`.
+
+mod bins;
+mod coefficients;
+mod density;
+mod departure;
+mod glitches;
+mod lines;
+mod masked;
+mod model;
+mod motion;
+mod pool;
+mod prediction;
+mod profile;
+mod record_length;
+mod remarks;
+mod samples;
+mod scoring;
+mod select;
+mod spectrum;
+mod steadiness;
+mod steps;
+#[cfg(test)]
+mod tests;
+mod transform;
+
+use super::chi2::{chi2_above, chi2_quantile};
+use super::{AllanWarning, Analysis, Coefficient, Input, Point, Stat};
+use alloc::vec::Vec;
+use coefficients::Coefficients;
+use core::fmt;
+use density::{Drift, Table};
+pub use lines::Line;
+use masked::Masked;
+pub use model::Model;
+pub use motion::{Motion, MotionKind, motion};
+pub use pool::{Apart, Differs, Pool, PoolError, PoolRecord, Spread, fit_pool};
+use prediction::Doubt;
+use realfft::FftError;
+use remarks::{Raw, remarks};
+use samples::{check, cut_glitches, enough};
+use scoring::{B2, N2, Q2};
+use select::Selection;
+use spectrum::Spectrum;
+use steadiness::Scatter;
+pub use steps::Step;
+
+/// What to do before the fit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FitOptions {
+    /// What one step of the input is in the unit of the result, as in [`Options`](super::Options).
+    pub scale: f64,
+    /// Put a straight line where single samples cannot be noise. One of 250 °/s in two million of a quiet gyroscope
+    /// otherwise doubles N.
+    pub cut_glitches: bool,
+    /// Take jumps of the level out. One of 0.05 °/s in an hour otherwise makes five times the random walk.
+    pub remove_steps: bool,
+}
+
+impl Default for FitOptions {
+    /// Unit of the input, without glitches and steps.
+    fn default() -> Self {
+        Self { scale: 1.0, cut_glitches: true, remove_steps: true }
+    }
+}
+
+/// A parameter with its 95 % interval.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Estimate {
+    /// The most likely value.
+    pub value: f64,
+    /// Lower end of the 95 % interval.
+    pub lo: f64,
+    /// Upper end of the 95 % interval.
+    pub hi: f64,
+}
+
+/// What a record has beside N, B, K, Q and R.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Term {
+    /// Noise with a memory: a Gauss–Markov process of first order.
+    GaussMarkov {
+        /// Standard deviation, in the unit of the rate.
+        sigma: Estimate,
+        /// Correlation time, s.
+        tau_s: Estimate,
+    },
+    /// The white noise is not white: its density is N²·exp Σ a_j (cos 2πjf·dt − 1), and with a pole p that times
+    /// (1 − p)²/(1 + p² − 2p cos 2πf·dt).
+    BandShape {
+        /// a_1, a_2 …
+        cosines: Vec<f64>,
+        /// p, of a low-pass of the first order.
+        pole: Option<f64>,
+    },
+    /// A disturbance or resonance; it was left out.
+    Line(Line),
+    /// The level goes as `size`·e^(−t/`tau_s`) from the start.
+    WarmUp {
+        /// In the unit of the rate.
+        size: Estimate,
+        /// One of a few that are tried, s.
+        tau_s: f64,
+    },
+}
+
+/// What was taken out of the record before the fit.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Cleaned {
+    /// Glitches whose samples were replaced; what touches is one.
+    pub glitches: u64,
+    /// When each began, s from the start of the record.
+    pub glitches_s: Vec<f64>,
+    /// Jumps that were taken out.
+    pub steps: Vec<Step>,
+    /// Those that were found first of so many that all were put back.
+    pub put_back: Vec<Step>,
+    /// The record without both, in the unit of the result; none where nothing was taken out. NaN is a missing sample.
+    pub rate: Option<Vec<f64>>,
+}
+
+/// The noise of a record at rest, in the unit of its rate.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fit {
+    /// Angle random walk N, unit·√s: N²/τ. The one-sided density of the white noise is √2·N unit/√Hz. It is the
+    /// plateau of the spectrum, whatever a low-pass does above.
+    pub n: Coefficient,
+    /// Bias instability B, unit: (2 ln 2/π)B². The floor of the curve is 0.664·B.
+    pub b: Coefficient,
+    /// Rate random walk K, unit/√s: K²τ/3.
+    pub k: Coefficient,
+    /// Angle quantisation Q, unit·s: 3Q²/τ²; only where the spectrum rises to its upper end as f² does.
+    pub q: Option<Coefficient>,
+    /// Rate ramp R, unit/s: R²τ²/2; only where significant.
+    pub r: Option<Coefficient>,
+    /// The other terms.
+    pub terms: Vec<Term>,
+    /// What the terms make of an Allan variance.
+    pub model: Model,
+    /// ε: the spectrum scatters about the model as if this were wrong by so much; 0 where chance explains all.
+    pub model_error: f64,
+    /// Probability of more scatter than there is, ε included.
+    pub p_value: f64,
+    /// The model is wrong by more than [`MOST_ERROR`]: nothing is identified.
+    pub is_rejected: bool,
+    /// Shortest and longest averaging time that the model speaks of, s.
+    pub span_s: (f64, f64),
+    /// What was taken out before.
+    pub cleaned: Cleaned,
+    /// What there is to know about this record.
+    pub warnings: Vec<AllanWarning>,
+}
+
+/// What a model says of one averaging time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Expected {
+    /// The fitted deviation.
+    pub dev: f64,
+    /// Lower end of the band in which the model expects 95 % of the measured deviations.
+    pub lo: f64,
+    /// Upper end of it.
+    pub hi: f64,
+}
+
+impl Fit {
+    /// The fitted Allan deviation of averages of `m` samples.
+    #[must_use]
+    pub fn deviation(&self, m: u64) -> f64 {
+        libm::sqrt(self.model.allan_variance(m))
+    }
+
+    /// What the model expects of a measured point; none for a statistic that is not the Allan deviation. The band is
+    /// the model's own for the overlapping deviation, and of the point's degrees of freedom for the others.
+    #[must_use]
+    pub fn expected(&self, analysis: &Analysis, point: &Point) -> Option<Expected> {
+        let (lo, hi) = match analysis.stat {
+            stat if !stat.is_allan() => return None,
+            Stat::Oadev => self.model.band(point, analysis.samples),
+            _ => self.model.band_of(point.m, point.edf),
+        };
+        Some(Expected { dev: self.deviation(point.m), lo, hi })
+    }
+
+    /// What the model expects of the overlapping Allan deviation of averages of `m` samples in *another* record of
+    /// `samples` samples of this sensor at rest: wider than the band of its own by what the fit leaves open, and by
+    /// what differs from one eighth of the record to the next. How often it holds: docs/reference/allan.md.
+    /// The model of a pool does not know how steady its records are, nor how far another unit is from them.
+    #[must_use]
+    pub fn predicted(&self, m: u64, samples: u64) -> Expected {
+        let (dev, edf) = (self.deviation(m), self.model.freedom(m, samples));
+        let doubt = self.model.doubt(m);
+        // of ln σ; chance and the fit's own error are independent, that the record is not steady comes on top
+        let limit = |p: f64| {
+            let chance = libm::log(chi2_quantile(p, edf) / edf);
+            let known = libm::sqrt(chance * chance + TWO_SIDED_95 * TWO_SIDED_95 * doubt.own);
+            (known + TWO_SIDED_95 * libm::sqrt(doubt.scatter)) / 2.0
+        };
+        Expected { dev, lo: dev * libm::exp(-limit(0.025)), hi: dev * libm::exp(limit(0.975)) }
+    }
+}
+
+/// A model that is wrong by more is rejected.
+pub const MOST_ERROR: f64 = 0.1;
+/// The normal quantile at 97.5 %.
+const TWO_SIDED_95: f64 = 1.959963984540054;
+/// Samples that a fit needs.
+pub const FEWEST_SAMPLES: u64 = 256;
+/// More steps are the noise itself.
+const MOST_STEPS: usize = 3;
+/// A step's score: 1 of 200 hours without a step has more.
+const STEP_LIMIT: f64 = 5.0;
+
+/// Why there is no model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum FitError {
+    /// Too few samples.
+    TooShort {
+        /// Samples that are there.
+        samples: u64,
+    },
+    /// Most of the record is missing.
+    Gaps {
+        /// Samples that are there.
+        present: u64,
+        /// Samples from the first to the last.
+        samples: u64,
+    },
+    /// All samples are the same, or so many that parts of the spectrum are empty.
+    Constant,
+    /// Numbers beyond the range of f64.
+    NotFinite,
+}
+
+impl fmt::Display for FitError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::TooShort { samples } => write!(
+                f,
+                "{samples} samples are too few for a noise model; {FEWEST_SAMPLES} are needed: record longer"
+            ),
+            Self::Gaps { present, samples } => write!(
+                f,
+                "only {present} of {samples} samples are there, too few for a noise model, which needs a quarter of \
+                 them: record without the losses"
+            ),
+            Self::Constant => write!(
+                f,
+                "the readings do not change enough for a noise model; check the sensor, or record with a finer step"
+            ),
+            Self::NotFinite => write!(f, "no noise explains these numbers; check the unit and the readings"),
+        }
+    }
+}
+
+impl core::error::Error for FitError {}
+
+impl From<FftError> for FitError {
+    /// Only lengths that do not fit together are an error there.
+    fn from(_: FftError) -> Self {
+        Self::NotFinite
+    }
+}
+
+/// Fits a noise model to a record sampled `rate_hz` times per second. The same record gives the same bits.
+///
+/// ```
+/// use zerorate_allan::{FitOptions, Input, fit};
+/// let mut state = 1u64;
+/// let mut uniform = || {
+///     state = 16_807 * state % 2_147_483_647;
+///     state as f64 / 2_147_483_647.0 - 0.5
+/// };
+/// // white noise of variance 1 at 100 Hz has N = 0.1
+/// let rate: Vec<f64> = (0..20_000).map(|_| (0..12).map(|_| uniform()).sum()).collect();
+/// let fit = fit(&Input::Rate(&rate), 100.0, &FitOptions::default())?;
+/// assert!(fit.n.lo < 0.1 && 0.1 < fit.n.hi && !fit.b.identified && !fit.k.identified);
+/// # Ok::<(), zerorate_allan::FitError>(())
+/// ```
+///
+/// # Errors
+///
+/// [`FitError`] for too few samples, samples that do not change, and numbers beyond the range of f64.
+pub fn fit(input: &Input<'_>, rate_hz: f64, options: &FitOptions) -> Result<Fit, FitError> {
+    enough(input.len() - input.missing(), input.len())?;
+    let mut rate = input.rates(rate_hz, options.scale);
+    let present = rate.iter().filter(|value| !value.is_nan()).count();
+    enough(present as u64, rate.len() as u64)?;
+    check(&rate)?;
+    let raw = Raw { record_s: rate.len() as f64 / rate_hz, missing: rate.len() - present };
+    let mut warnings = Vec::new();
+    let mut cleaned = Cleaned::default();
+    if options.cut_glitches {
+        let firsts = cut_glitches(&mut rate, &mut warnings);
+        cleaned.glitches = firsts.len() as u64;
+        cleaned.glitches_s = firsts.into_iter().map(|first| first as f64 / rate_hz).collect();
+    }
+    let found = without_steps(&mut rate, rate_hz, options.remove_steps, &mut cleaned)?;
+    warnings.extend(cleaned.steps.iter().map(|step| AllanWarning::Step { at_s: step.at_s, size: step.size }));
+    if !cleaned.put_back.is_empty() {
+        warnings.push(AllanWarning::ManySteps { most: MOST_STEPS });
+    }
+    let mut fit = described(&rate, rate_hz, found, raw, warnings)?;
+    if cleaned.glitches > 0 || !cleaned.steps.is_empty() {
+        cleaned.rate = Some(rate);
+    }
+    fit.cleaned = cleaned;
+    Ok(fit)
+}
+
+/// The model without the steps that it shows to be none of its noise. Where they are so many that they are, all are
+/// put back.
+fn without_steps(
+    rate: &mut Vec<f64>,
+    rate_hz: f64,
+    remove: bool,
+    cleaned: &mut Cleaned,
+) -> Result<(Spectrum, Selection), FitError> {
+    let first = selected(rate, rate_hz)?;
+    if !remove {
+        return Ok(first);
+    }
+    let (mut whole, mut now, mut steps) = (None, first.clone(), Vec::new());
+    while let Some(step) = steps::largest(rate, rate_hz, &now)?.filter(|step| libm::fabs(step.score) > STEP_LIMIT) {
+        if steps.len() == MOST_STEPS {
+            cleaned.put_back = steps;
+            *rate = whole.unwrap_or_default();
+            return Ok(first);
+        }
+        whole.get_or_insert_with(|| rate.clone());
+        rate[step.index..].iter_mut().for_each(|value| *value -= step.size);
+        steps.push(Step { at_s: step.index as f64 / rate_hz, size: step.size });
+        now = selected(rate, rate_hz)?;
+    }
+    steps.sort_by(|a, b| a.at_s.total_cmp(&b.at_s));
+    cleaned.steps = steps;
+    Ok(now)
+}
+
+fn selected(rate: &[f64], rate_hz: f64) -> Result<(Spectrum, Selection), FitError> {
+    let (spectrum, table) = fitted(rate, rate_hz)?;
+    let selection = select::select(table).ok_or(FitError::NotFinite)?;
+    Ok((spectrum, selection))
+}
+
+/// The spectrum, and what of it is fitted.
+fn fitted(rate: &[f64], rate_hz: f64) -> Result<(Spectrum, Table), FitError> {
+    let spectrum = Spectrum::of(rate, rate_hz)?;
+    if spectrum.bins.iter().any(|bin| !(bin.power > 0.0 && bin.power.is_finite())) {
+        return Err(FitError::Constant);
+    }
+    let (mask, _) = lines::broad(&spectrum.bins);
+    let kept = spectrum.bins.iter().zip(&mask).filter(|(_, masked)| !**masked).map(|(bin, _)| *bin);
+    let table = Table::new(kept, &spectrum.low, spectrum.samples, rate_hz);
+    Ok((spectrum, table))
+}
+
+/// What lines may leak into the rest of the spectrum, as a part of its power, without a word.
+const MOST_LEAKAGE: f64 = 0.02;
+
+fn described(
+    rate: &[f64],
+    rate_hz: f64,
+    (spectrum, chosen): (Spectrum, Selection),
+    raw: Raw,
+    mut warnings: Vec<AllanWarning>,
+) -> Result<Fit, FitError> {
+    let masked = Masked::of(&spectrum, &chosen, rate_hz);
+    let tail_at_zero = masked.tail_at_zero;
+    let all = masked.with_narrow(&spectrum.narrow);
+    let sines = all.iter().flat_map(|whole| whole.sines.iter().copied()).collect();
+    let lines: Vec<Line> = all.iter().map(|whole| whole.line).collect();
+    let model = Model::new(&chosen.found, sines, rate_hz, raw.record_s)?;
+    let is_rejected = chosen.problem.error > MOST_ERROR;
+    let coefficients = Coefficients { samples: spectrum.samples, chosen: &chosen, rate_hz, is_rejected };
+    let own = &chosen.found;
+    let scatter = Scatter::of(rate, rate_hz, &model);
+    let widening = libm::sqrt(scatter.variance_of_ln_n(rate_hz, own.at[N2], &model));
+    let doubt = Doubt::of((&chosen.problem, own), &model, Some(&scatter), (rate_hz, raw.record_s))?;
+    let (chi2, freedom) = select::chi2(&chosen.problem, own);
+    let fit = Fit {
+        n: coefficients.n(widening, tail_at_zero),
+        b: coefficients.of(B2),
+        k: coefficients.k(),
+        q: own.form.quantised.then(|| coefficients.of(Q2)),
+        r: (own.form.drift == Some(Drift::Ramp)).then(|| coefficients.ramp()),
+        terms: coefficients.terms(&lines),
+        model: model.with(doubt),
+        model_error: chosen.problem.error,
+        p_value: chi2_above(chi2, freedom),
+        is_rejected,
+        span_s: (1.0 / rate_hz, raw.record_s / 2.0),
+        cleaned: Cleaned::default(),
+        warnings: Vec::new(),
+    };
+    let hz = rate_hz / (2.0 * spectrum.samples as f64);
+    let leakage = masked::leakage(&all, &chosen.problem.table.rows, hz).filter(|(_, share)| *share > MOST_LEAKAGE);
+    warnings.extend(leakage.map(|(line, share)| AllanWarning::Leakage { frequency_hz: line.frequency_hz, share }));
+    warnings.extend(remarks(&fit, &chosen, rate, rate_hz, raw));
+    Ok(Fit { warnings, ..fit })
+}

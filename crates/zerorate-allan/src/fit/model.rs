@@ -1,0 +1,190 @@
+//! The Allan variance of a fitted model, and the variance of its overlapping estimate.
+
+use super::density::Drift;
+use super::prediction::{Doubt, Variances};
+use super::scoring::{B2, Found, K2, N2, Q2, shape};
+use super::transform::autocovariance;
+use crate::FLOOR_PER_B;
+use crate::{Point, chi2_quantile, interval};
+use alloc::vec;
+use alloc::vec::Vec;
+use core::f64::consts::PI;
+use realfft::FftError;
+
+/// Lags of the autocovariance of the short noise (white, with its band shape, and quantisation).
+const LAGS: usize = 256;
+/// Up to so many samples the covariance of two estimates is summed lag by lag from the autocovariance itself.
+const LONGEST_EXACT: u64 = 64;
+/// Lags per averaging time beyond, and averaging times that they reach.
+const STEPS_PER_TAU: u64 = 8;
+const REACH: u64 = 40;
+
+/// What a record is made of, by what each term adds to an Allan variance.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Model {
+    rate_hz: f64,
+    record_s: f64,
+    short: Vec<f64>,
+    b2: f64,
+    k2: f64,
+    /// Variance and correlation time.
+    markovs: Vec<(f64, f64)>,
+    pub(super) drift: Option<(Drift, f64)>,
+    /// Variance and frequency.
+    sines: Vec<(f64, f64)>,
+    doubt: Doubt,
+}
+
+impl Model {
+    pub(super) fn new(found: &Found, sines: Vec<(f64, f64)>, rate_hz: f64, record_s: f64) -> Result<Self, FftError> {
+        let form = &found.form;
+        let density = |i: usize| {
+            let angle = PI * i as f64 / LAGS as f64;
+            let sin = libm::sin(angle / 2.0);
+            found.at[N2] * shape(form, &found.at, angle) + found.at[Q2] * 4.0 * sin * sin * rate_hz * rate_hz
+        };
+        let densities: Vec<f64> = (0..=LAGS).map(density).collect();
+        let mut short = autocovariance(&densities, rate_hz)?;
+        short.truncate(LAGS);
+        let markov = |index| {
+            let place = form.markov(index);
+            (found.at[place], libm::exp(found.at[place + 1]))
+        };
+        Ok(Self {
+            rate_hz,
+            record_s,
+            short,
+            b2: found.at[B2],
+            k2: found.at[K2],
+            markovs: (0..form.markovs).map(markov).collect(),
+            drift: form.drift.map(|drift| (drift, found.drift)),
+            sines,
+            doubt: Doubt::default(),
+        })
+    }
+
+    pub(super) fn with(self, doubt: Doubt) -> Self {
+        Self { doubt, ..self }
+    }
+
+    /// What is not known of another record.
+    pub(super) fn doubt(&self, m: u64) -> Variances {
+        self.doubt.at(m)
+    }
+
+    /// The Allan variance of averages of `m` samples, unit².
+    #[must_use]
+    pub fn allan_variance(&self, m: u64) -> f64 {
+        let tau_s = m as f64 / self.rate_hz;
+        let markov = |&(variance, t): &(f64, f64)| {
+            let bend = 3.0 - 4.0 * libm::exp(-tau_s / t) + libm::exp(-2.0 * tau_s / t);
+            2.0 * variance * t / tau_s * (1.0 - t / (2.0 * tau_s) * bend)
+        };
+        let drift = self.drift.map_or(0.0, |(drift, size)| size * size * drift.allan_variance(tau_s, self.record_s));
+        self.short_variance(m)
+            + FLOOR_PER_B * FLOOR_PER_B * self.b2
+            + self.k2 * tau_s / 3.0
+            + self.markovs.iter().map(markov).sum::<f64>()
+            + drift
+    }
+
+    /// Of white noise, quantisation and lines: 2 (V(m) − V(2m)), V the variance of a mean.
+    fn short_variance(&self, m: u64) -> f64 {
+        let of_mean = |m: f64| {
+            let lags = self.short.iter().enumerate().skip(1).take_while(|(k, _)| (*k as f64) < m);
+            let sum: f64 = lags.map(|(k, covariance)| (m - k as f64) * covariance).sum();
+            (m * self.short[0] + 2.0 * sum) / (m * m)
+        };
+        let m = m as f64;
+        let sine = |&(variance, hz): &(f64, f64)| {
+            let sin = libm::sin(PI * hz / self.rate_hz);
+            let square = libm::pow(libm::sin(PI * m * hz / self.rate_hz), 2.0);
+            2.0 * variance * square * square / (m * m * sin * sin)
+        };
+        2.0 * (of_mean(m) - of_mean(2.0 * m)) + self.sines.iter().map(sine).sum::<f64>()
+    }
+
+    /// Between what the model expects 95 % of the overlapping Allan deviations of a record of `samples` samples; where
+    /// gaps left fewer terms, of so much less freedom.
+    pub(super) fn band(&self, point: &Point, samples: u64) -> (f64, f64) {
+        let variance = self.allan_variance(point.m);
+        let terms = (samples + 1).saturating_sub(2 * point.m).max(1);
+        let edf = (self.freedom(point.m, samples) * point.n as f64 / terms as f64).max(1.0);
+        let limit = |p: f64| libm::sqrt(variance * chi2_quantile(p, edf) / edf);
+        (limit(0.025), limit(0.975))
+    }
+
+    /// Degrees of freedom of the overlapping Allan variance: 2σ⁴/var(σ̂²), at least 1.
+    pub(super) fn freedom(&self, m: u64, samples: u64) -> f64 {
+        let variance = self.allan_variance(m);
+        let terms = (samples + 1).saturating_sub(2 * m).max(1);
+        let step = (m / STEPS_PER_TAU).max(1);
+        let last = (if m > LONGEST_EXACT { REACH * m } else { LONGEST_EXACT * m + 200 }).min(terms - 1);
+        let white = if m > LONGEST_EXACT { self.short_variance(m) } else { 0.0 };
+        let exact =
+            if m > LONGEST_EXACT { Vec::new() } else { self.short_covariances(m as usize, last as usize, step) };
+        let sum: f64 = (0..=last / step)
+            .map(|index| {
+                let lag = index * step;
+                let c = self.slow_covariance(lag, m, white) + exact.get(index as usize).unwrap_or(&0.0);
+                let twice = if lag == 0 { 1.0 } else { 2.0 };
+                twice * step as f64 * (1.0 - lag as f64 / terms as f64) * c * c
+            })
+            .sum();
+        (4.0 * variance * variance * terms as f64 / sum).max(1.0)
+    }
+
+    /// Covariance of two differences of averages `lag` samples apart, without what is short: the fourth difference of
+    /// the phase's generalised autocovariance. `white` is the Allan variance of what is taken for white.
+    fn slow_covariance(&self, lag: u64, m: u64, white: f64) -> f64 {
+        let tau_s = m as f64 / self.rate_hz;
+        let phase = |t: f64| {
+            let t = libm::fabs(t);
+            let log = if t > 0.0 { libm::log(t) } else { 0.0 };
+            let markov = |&(variance, c): &(f64, f64)| variance * c * (t - c * (1.0 - libm::exp(-t / c)));
+            self.b2 * t * t * log / (2.0 * PI) + self.k2 * t * t * t / 12.0
+                - white * tau_s * t / 2.0
+                - self.markovs.iter().map(markov).sum::<f64>()
+        };
+        let lag_s = lag as f64 / self.rate_hz;
+        let fourth = [(1.0, -2.0), (-4.0, -1.0), (6.0, 0.0), (-4.0, 1.0), (1.0, 2.0)];
+        fourth.iter().map(|(weight, k)| weight * phase(lag_s + k * tau_s)).sum::<f64>() / (tau_s * tau_s)
+    }
+
+    /// The same of what is short, from its autocovariance, at every `step`-th lag.
+    fn short_covariances(&self, m: usize, last: usize, step: u64) -> Vec<f64> {
+        let len = last + 4 * m + 2;
+        let mut covariance = vec![0.0; len];
+        covariance.iter_mut().zip(&self.short).for_each(|(cell, short)| *cell = *short);
+        for &(variance, hz) in &self.sines {
+            add_cosine(&mut covariance, variance, 2.0 * PI * hz / self.rate_hz);
+        }
+        // The weights of a difference of averages are −1 and 1 over m; their own correlation is piecewise linear.
+        let weight = |shift: usize| {
+            let (shift, m) = (shift as f64, m as f64);
+            if shift < m { (2.0 * m - 3.0 * shift) / (m * m) } else { (shift - 2.0 * m) / (m * m) }
+        };
+        let at = |lag: usize| {
+            let shifted = |shift: usize| covariance[lag + shift] + covariance[lag.abs_diff(shift)];
+            weight(0) * covariance[lag] + (1..2 * m).map(|shift| weight(shift) * shifted(shift)).sum::<f64>()
+        };
+        (0..=last).step_by(step as usize).map(at).collect()
+    }
+
+    /// Limits of another deviation than the overlapping one: by its own degrees of freedom.
+    pub(super) fn band_of(&self, m: u64, edf: f64) -> (f64, f64) {
+        let dev = libm::sqrt(self.allan_variance(m));
+        let (lo, hi) = interval(dev, edf, 0.95);
+        (dev * dev / hi, dev * dev / lo)
+    }
+}
+
+/// variance·cos(i·angle) to the i-th cell, by recurrence.
+fn add_cosine(cells: &mut [f64], variance: f64, angle: f64) {
+    let twice = 2.0 * libm::cos(angle);
+    let (mut now, mut before) = (variance, variance * libm::cos(angle));
+    for cell in cells {
+        *cell += now;
+        (now, before) = (twice * now - before, now);
+    }
+}

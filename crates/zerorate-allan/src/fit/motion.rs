@@ -1,0 +1,75 @@
+//! What several axes of one sensor do at the same moment is no noise of theirs: the sensor moved.
+
+use super::Fit;
+use crate::chi2::chi2_above;
+use alloc::vec::Vec;
+
+/// Something happens to several axes at the same moment.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Motion {
+    /// When, s from the start: the mean of the axes.
+    pub at_s: f64,
+    /// Which, ascending.
+    pub axes: Vec<usize>,
+    /// What.
+    pub kind: MotionKind,
+}
+
+/// What several axes do at once.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MotionKind {
+    /// Their level jumps and stays: something tilted.
+    Jump,
+    /// They have a glitch: a knock, or a sample of all that broke on its way.
+    Knock,
+}
+
+/// Jumps so near to each other are one; the time of a jump is certain to some tenths of a second at best.
+const JUMP_TOGETHER_S: f64 = 1.0;
+/// Glitches so near to each other are one, or so many samples if these take longer.
+const KNOCK_TOGETHER_S: f64 = 0.05;
+const KNOCK_TOGETHER_SAMPLES: f64 = 2.0;
+/// Glitches that fall together by chance with more than this probability are none of a motion.
+const CHANCE: f64 = 0.01;
+
+/// The moments at which the level of more than one axis jumps, whether the jumps were taken out or were so many that
+/// they were put back; and those at which several have a glitch, unless so many glitches fall together by chance. The
+/// axes are those of one log, on one clock. In the order of time, jumps before knocks.
+#[must_use]
+pub fn motion(axes: &[&Fit]) -> Vec<Motion> {
+    let jumps = |fit: &Fit| {
+        let steps = fit.cleaned.steps.iter().chain(&fit.cleaned.put_back);
+        steps.map(|step| step.at_s).collect::<Vec<f64>>()
+    };
+    let mut found = together(axes, MotionKind::Jump, JUMP_TOGETHER_S, jumps);
+    let near_s = axes.iter().map(|fit| KNOCK_TOGETHER_SAMPLES * fit.span_s.0).fold(KNOCK_TOGETHER_S, f64::max);
+    let knocks = together(axes, MotionKind::Knock, near_s, |fit| fit.cleaned.glitches_s.clone());
+    if !knocks.is_empty() && by_chance(axes, near_s, knocks.len()) < CHANCE {
+        found.extend(knocks);
+    }
+    found
+}
+
+fn together(axes: &[&Fit], kind: MotionKind, near_s: f64, times_s: impl Fn(&Fit) -> Vec<f64>) -> Vec<Motion> {
+    let of = |(axis, fit): (usize, &&Fit)| times_s(fit).into_iter().map(move |at_s| (at_s, axis)).collect::<Vec<_>>();
+    let mut all: Vec<(f64, usize)> = axes.iter().enumerate().flat_map(of).collect();
+    all.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let moments = all.chunk_by(|a, b| b.0 - a.0 <= near_s).map(|moment| {
+        let mut axes: Vec<usize> = moment.iter().map(|(_, axis)| *axis).collect();
+        axes.sort_unstable();
+        axes.dedup();
+        Motion { at_s: moment.iter().map(|(at_s, _)| at_s).sum::<f64>() / moment.len() as f64, axes, kind }
+    });
+    moments.filter(|motion| motion.axes.len() > 1).collect()
+}
+
+/// The probability of so many pairs, or more, where the glitches of the axes know nothing of each other: of a Poisson
+/// distribution, as that of χ² with twice the degrees of freedom has it.
+fn by_chance(axes: &[&Fit], near_s: f64, pairs: usize) -> f64 {
+    let count = |fit: &&Fit| fit.cleaned.glitches as f64;
+    let sum: f64 = axes.iter().map(count).sum();
+    let squares: f64 = axes.iter().map(|fit| count(fit) * count(fit)).sum();
+    let record_s = axes.iter().map(|fit| 2.0 * fit.span_s.1).fold(0.0, f64::max);
+    let expected = (sum * sum - squares) / 2.0 * 2.0 * near_s / record_s;
+    1.0 - chi2_above(2.0 * expected, 2.0 * pairs as f64)
+}

@@ -1,0 +1,305 @@
+//! One model of several records of one type: the terms are common, the likelihoods are added.
+//!
+//! Units of one type are not the same, and a sum of likelihoods that takes them for the same is too sure of itself. So
+//! the spread between the records is stated, and the intervals have it in them (Guerrier, Skaloud et al. ask the same
+//! of several calibrations of one sensor: mgmwm).
+
+use super::coefficients::Coefficients;
+use super::density::Table;
+use super::model::Model;
+use super::prediction::Doubt;
+use super::remarks::{Raw, remarks};
+use super::scoring::{B2, N2, Problem};
+use super::select::{DESCENT, Selection, chi2, is_upper, select};
+use super::{Cleaned, Fit, FitError, MOST_ERROR, TWO_SIDED_95, fitted, lines::median};
+use crate::chi2::chi2_above;
+use crate::{Coefficient, Noise};
+use alloc::vec::Vec;
+use core::fmt;
+
+/// A record with its own model.
+#[derive(Clone, Copy, Debug)]
+pub struct PoolRecord<'a> {
+    /// In the unit of the model; NaN is a missing sample. What was taken out before the fit is taken from there.
+    pub rate: &'a [f64],
+    /// Samples per second.
+    pub rate_hz: f64,
+    /// Its own model.
+    pub fit: &'a Fit,
+}
+
+/// One model of several records.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pool {
+    /// The common model. Its intervals are of the mean of such units, the spread between them included.
+    pub fit: Fit,
+    /// Which records are in it.
+    pub used: Vec<usize>,
+    /// How much the coefficients differ from one record to the next: those that two records at least identify.
+    pub spread: Vec<Spread>,
+    /// The records that do not fit.
+    pub apart: Vec<Apart>,
+}
+
+/// The spread of a coefficient between records.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spread {
+    /// Which.
+    pub noise: Noise,
+    /// Records in which it is identified.
+    pub records: usize,
+    /// Standard deviation of its logarithm beyond what the records' own intervals explain; 0 where they explain all.
+    pub relative: f64,
+    /// The least of the records' values.
+    pub least: f64,
+    /// The largest of them.
+    pub largest: f64,
+}
+
+/// A record that does not fit the others.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Apart {
+    /// Which.
+    pub record: usize,
+    /// In what.
+    pub differs: Differs,
+    /// It is not in the common model. Of two that differ both are in it.
+    pub is_left_out: bool,
+}
+
+/// In what a record differs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Differs {
+    /// Its own model is rejected.
+    Rejected {
+        /// ε of it.
+        error: f64,
+    },
+    /// White noise.
+    White {
+        /// Its N over the median of all.
+        ratio: f64,
+    },
+    /// What is slower: flicker, random walk, Gauss–Markov terms.
+    Slow {
+        /// By how much its −2 ln L is better with slow terms of its own.
+        gain: f64,
+    },
+}
+
+/// Why several records have no common model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum PoolError {
+    /// A pool is of two records at least.
+    TooFew {
+        /// So many are there.
+        records: usize,
+    },
+    /// The band of a sensor goes with its rate.
+    Rates {
+        /// Of the first record.
+        first_hz: f64,
+        /// Of another.
+        other_hz: f64,
+    },
+    /// No two of them have the same white noise.
+    NothingInCommon,
+    /// A record has no spectrum, or the common model no likelihood.
+    Fit(FitError),
+}
+
+impl fmt::Display for PoolError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::TooFew { records } => {
+                write!(f, "a common model needs two records at least, not {records}: give more")
+            }
+            Self::Rates { first_hz, other_hz } => write!(
+                f,
+                "the records were sampled at {first_hz:.3} and {other_hz:.3} Hz; the band of a sensor goes with its \
+                 rate: pool records of one setting"
+            ),
+            Self::NothingInCommon => write!(
+                f,
+                "no two of the records have white noise within {:.0} %: these are not units of one type at rest, \
+                 or not in one unit; look at each alone",
+                MOST_ERROR * 100.0
+            ),
+            Self::Fit(why) => why.fmt(f),
+        }
+    }
+}
+
+impl core::error::Error for PoolError {}
+
+impl From<FitError> for PoolError {
+    fn from(why: FitError) -> Self {
+        Self::Fit(why)
+    }
+}
+
+/// Rates that differ by more are two settings.
+const SAME_RATE: f64 = 0.01;
+/// The 0.1 % point of χ² with four degrees of freedom: B, K, and σ and T of a Gauss–Markov term.
+const SLOW_LIMIT: f64 = 18.5;
+
+/// Fits one model to several records. The same records in the same order give the same bits.
+///
+/// Left out are records whose own model is rejected, whose N is off the median by more than [`MOST_ERROR`], and, as
+/// long as three are left, those whose slow noise the common model does not explain. Drifts are taken out of each as
+/// its own model has them; lines and glitches were.
+///
+/// # Errors
+///
+/// [`PoolError`] where fewer than two records are alike, or rates differ.
+pub fn fit_pool(records: &[PoolRecord<'_>]) -> Result<Pool, PoolError> {
+    same_rates(records)?;
+    let tables = records.iter().map(table).collect::<Result<Vec<Table>, FitError>>()?;
+    let mut apart = unlike(records);
+    let mut used: Vec<usize> = (0..records.len()).filter(|i| apart.iter().all(|apart| apart.record != *i)).collect();
+    let chosen = loop {
+        if used.len() < 2 {
+            return Err(PoolError::NothingInCommon);
+        }
+        let of_these: Vec<&Table> = used.iter().map(|&i| &tables[i]).collect();
+        let chosen = select(Table::pooled(&of_these)).ok_or(FitError::NotFinite)?;
+        let gains = used.iter().map(|&i| (i, slow_gain(&tables[i], &chosen, records[i].fit)));
+        let Some((record, gain)) = gains.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, gain)| *gain > SLOW_LIMIT)
+        else {
+            break chosen;
+        };
+        let is_left_out = used.len() > 2;
+        apart.push(Apart { record, differs: Differs::Slow { gain }, is_left_out });
+        if !is_left_out {
+            break chosen;
+        }
+        used.retain(|i| *i != record);
+    };
+    apart.sort_by_key(|apart| apart.record);
+    let alike: Vec<&PoolRecord<'_>> = used.iter().map(|&i| &records[i]).collect();
+    let spread: Vec<Spread> = spreads(&alike);
+    Ok(Pool { fit: common(&alike, &chosen, &spread)?, used, spread, apart })
+}
+
+fn same_rates(records: &[PoolRecord<'_>]) -> Result<(), PoolError> {
+    let first_hz = match records {
+        [first, _, ..] => first.rate_hz,
+        _ => return Err(PoolError::TooFew { records: records.len() }),
+    };
+    let other = records.iter().find(|record| libm::fabs(record.rate_hz / first_hz - 1.0) > SAME_RATE);
+    other.map_or(Ok(()), |other| Err(PoolError::Rates { first_hz, other_hz: other.rate_hz }))
+}
+
+impl PoolRecord<'_> {
+    /// Without what was taken out.
+    fn cleaned(&self) -> &[f64] {
+        self.fit.cleaned.rate.as_deref().unwrap_or(self.rate)
+    }
+}
+
+fn table(record: &PoolRecord<'_>) -> Result<Table, FitError> {
+    let (_, mut table) = fitted(record.cleaned(), record.rate_hz)?;
+    if let Some((drift, size)) = record.fit.model.drift {
+        table.remove(drift, size);
+    }
+    Ok(table)
+}
+
+/// Records that are none of this type, by their own models.
+fn unlike(records: &[PoolRecord<'_>]) -> Vec<Apart> {
+    let believed = records.iter().filter(|record| !record.fit.is_rejected);
+    let middle = median(believed.map(|record| record.fit.n.value).collect());
+    let of = |(record, PoolRecord { fit, .. }): (usize, &PoolRecord<'_>)| {
+        let ratio = fit.n.value / middle;
+        let differs = match fit.is_rejected {
+            true => Differs::Rejected { error: fit.model_error },
+            false if libm::fabs(libm::log(ratio)) > libm::log1p(MOST_ERROR) => Differs::White { ratio },
+            false => return None,
+        };
+        Some(Apart { record, differs, is_left_out: true })
+    };
+    records.iter().enumerate().filter_map(of).collect()
+}
+
+/// By how much −2 ln L of what is slow gains from terms of the record's own, both with its own N.
+fn slow_gain(table: &Table, chosen: &Selection, own: &Fit) -> f64 {
+    let problem = Problem::new(table.clone(), chosen.problem.error);
+    let mut at = chosen.found.at.clone();
+    at[N2] = own.n.value * own.n.value;
+    let form = chosen.found.form;
+    let deviance = |density: &[f64]| {
+        let rows = problem.table.rows.iter().zip(density).zip(&problem.nu);
+        let slow = rows.filter(|((row, _), _)| !is_upper(&problem, row.f_hz));
+        slow.map(|((row, s), nu)| nu * (libm::log(s / row.bin.power) + row.bin.power / s - 1.0)).sum::<f64>()
+    };
+    deviance(&problem.density(&form, &at)) - deviance(&problem.descend(form, &at, None, DESCENT).density)
+}
+
+fn spreads(records: &[&PoolRecord<'_>]) -> Vec<Spread> {
+    let of = |noise, coefficient: fn(&Fit) -> Coefficient| {
+        let all: Vec<Coefficient> =
+            records.iter().map(|record| coefficient(record.fit)).filter(|found| found.identified).collect();
+        let count = all.len() as f64;
+        let mean = all.iter().map(|found| libm::log(found.value)).sum::<f64>() / count;
+        let square = |found: &Coefficient| libm::pow(libm::log(found.value) - mean, 2.0);
+        let own = |found: &Coefficient| libm::pow(libm::log(found.hi / found.lo) / (2.0 * TWO_SIDED_95), 2.0);
+        let variance = all.iter().map(square).sum::<f64>() / (count - 1.0) - all.iter().map(own).sum::<f64>() / count;
+        let values = || all.iter().map(|found| found.value);
+        let (least, largest) = (values().fold(f64::INFINITY, f64::min), values().fold(0.0, f64::max));
+        let relative = libm::sqrt(variance.max(0.0));
+        (all.len() > 1).then_some(Spread { noise, records: all.len(), relative, least, largest })
+    };
+    let n = of(Noise::AngleRandomWalk, |fit| fit.n);
+    n.into_iter()
+        .chain(of(Noise::BiasInstability, |fit| fit.b))
+        .chain(of(Noise::RateRandomWalk, |fit| fit.k))
+        .collect()
+}
+
+/// The model with its intervals, which are of the mean of units that differ.
+fn common(records: &[&PoolRecord<'_>], chosen: &Selection, spread: &[Spread]) -> Result<Fit, FitError> {
+    let found = &chosen.found;
+    let rate_hz = chosen.problem.table.rate_hz;
+    let samples = records.iter().map(|record| record.cleaned().len()).max().unwrap_or(0);
+    let record_s = samples as f64 / rate_hz;
+    let is_rejected = chosen.problem.error > MOST_ERROR;
+    let coefficients = Coefficients { samples, chosen, rate_hz, is_rejected };
+    let of_mean = |noise| {
+        let own = spread.iter().find(|spread| spread.noise == noise);
+        own.map_or(0.0, |spread| spread.relative / libm::sqrt(spread.records as f64))
+    };
+    let (chi2, freedom) = chi2(&chosen.problem, found);
+    let model = Model::new(found, Vec::new(), rate_hz, record_s)?;
+    let doubt = Doubt::of((&chosen.problem, found), &model, None, (rate_hz, record_s))?;
+    let fit = Fit {
+        n: wider(coefficients.n(0.0, 0.0), of_mean(Noise::AngleRandomWalk)),
+        b: wider(coefficients.of(B2), of_mean(Noise::BiasInstability)),
+        k: wider(coefficients.k(), of_mean(Noise::RateRandomWalk)),
+        q: found.form.quantised.then(|| coefficients.of(super::Q2)),
+        r: None,
+        terms: coefficients.terms(&[]),
+        model: model.with(doubt),
+        model_error: chosen.problem.error,
+        p_value: chi2_above(chi2, freedom),
+        is_rejected,
+        span_s: (1.0 / rate_hz, record_s / 2.0),
+        cleaned: Cleaned::default(),
+        warnings: Vec::new(),
+    };
+    let warnings = remarks(&fit, chosen, &[], rate_hz, Raw { record_s, missing: 0 });
+    Ok(Fit { warnings, ..fit })
+}
+
+/// With so much more of a relative standard deviation.
+fn wider(found: Coefficient, deviation: f64) -> Coefficient {
+    let Coefficient { value, lo, hi, .. } = found;
+    let ratio = |ratio: f64| {
+        let log = libm::log(ratio);
+        libm::exp(libm::sqrt(log * log + libm::pow(TWO_SIDED_95 * deviation, 2.0)))
+    };
+    let lower = if lo > 0.0 { value / ratio(value / lo) } else { lo };
+    let upper = if value > 0.0 { value * ratio(hi / value) } else { hi };
+    Coefficient { lo: lower, hi: upper, ..found }
+}

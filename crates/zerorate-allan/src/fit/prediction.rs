@@ -1,0 +1,84 @@
+//! How far a model of one record is to be trusted about another.
+
+use super::model::Model;
+use super::scoring::{Found, Problem, Q2};
+use super::steadiness::Scatter;
+use crate::linear::{Cholesky, Square};
+use alloc::vec;
+use alloc::vec::Vec;
+use realfft::FftError;
+
+/// Part of a parameter's standard deviation in which the Allan variance is straight.
+const SMALL: f64 = 1e-3;
+
+/// What is not known of ln σ²(τ) in another record.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Doubt {
+    /// By averaging time, in samples: octaves.
+    by_length: Vec<(u64, Variances)>,
+}
+
+/// Variances of ln σ²(τ).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Variances {
+    /// What the fit leaves open.
+    pub(super) own: f64,
+    /// What differs from one part of the record to the next.
+    pub(super) scatter: f64,
+}
+
+impl Doubt {
+    /// `scatter` is none where it is of no one record.
+    pub(super) fn of(
+        (problem, found): (&Problem, &Found),
+        model: &Model,
+        scatter: Option<&Scatter>,
+        (rate_hz, record_s): (f64, f64),
+    ) -> Result<Self, FftError> {
+        let lengths = super::super::octaves((record_s * rate_hz) as usize);
+        let own = own_variance(problem, found, model, &lengths, (rate_hz, record_s))?;
+        let with_scatter = |(m, own)| (m, Variances { own, scatter: scatter.map_or(0.0, |scatter| scatter.near(m)) });
+        Ok(Self { by_length: lengths.into_iter().zip(own).map(with_scatter).collect() })
+    }
+
+    /// At the octave at or above an averaging time; the last holds beyond.
+    pub(super) fn at(&self, m: u64) -> Variances {
+        let at = self.by_length.partition_point(|(length, _)| *length < m);
+        self.by_length.get(at).or(self.by_length.last()).map(|(_, variances)| *variances).unwrap_or_default()
+    }
+}
+
+/// From the slopes of ln σ² by the parameters and the information on these. A squared coefficient that is zero might
+/// be more; what else is at a bound stays there.
+fn own_variance(
+    problem: &Problem,
+    found: &Found,
+    model: &Model,
+    lengths: &[u64],
+    (rate_hz, record_s): (f64, f64),
+) -> Result<Vec<f64>, FftError> {
+    let curvature = problem.information(found);
+    let may_move = |i: usize| i < Q2 || (i > Q2 || found.form.quantised) && problem.is_free(found, i);
+    let free: Vec<usize> = (0..curvature.n).filter(|&i| curvature.at(i, i) > 0.0 && may_move(i)).collect();
+    let deviation = |i: usize| core::f64::consts::SQRT_2 / libm::sqrt(curvature.at(i, i));
+    let slope = |&i: &usize| {
+        let mut beside = found.clone();
+        beside.at[i] += SMALL * deviation(i);
+        let (here, beside) =
+            (Model::new(found, Vec::new(), rate_hz, record_s)?, Model::new(&beside, Vec::new(), rate_hz, record_s)?);
+        let by_length = |&m: &u64| (beside.allan_variance(m) - here.allan_variance(m)) / model.allan_variance(m);
+        Ok(lengths.iter().map(by_length).map(|change| change / SMALL).collect::<Vec<f64>>())
+    };
+    let slopes = free.iter().map(slope).collect::<Result<Vec<Vec<f64>>, FftError>>()?;
+    // in standard deviations of each parameter alone
+    let cell = |a: usize, b: usize| {
+        let (i, j) = (free[a], free[b]);
+        curvature.at(i, j) * deviation(i) * deviation(j) / 2.0 + if a == b { 1e-9 } else { 0.0 }
+    };
+    let Some(factor) = Cholesky::new(&Square::from_fn(free.len(), cell)) else { return Ok(vec![0.0; lengths.len()]) };
+    let variance = |l: usize| {
+        let white = factor.whiten(slopes.iter().map(|slope| slope[l]).collect());
+        white.iter().map(|part| part * part).sum()
+    };
+    Ok((0..lengths.len()).map(variance).collect())
+}

@@ -1,0 +1,162 @@
+//! Intervals from the profile of the likelihood: every value that is less than 1.96 standard deviations from the best,
+//! all other parameters fitted again.
+
+use super::TWO_SIDED_95;
+use super::departure::departure;
+use super::scoring::{Form, Found, Local, Problem};
+use super::select::DESCENT;
+use crate::linear::{Cholesky, Square};
+use alloc::vec::Vec;
+
+/// How near to it an end is found, steps until it is, and doublings until it is enclosed.
+const NEAR: f64 = 2e-3;
+const STEPS: usize = 16;
+const DOUBLINGS: usize = 40;
+/// The confidence distribution is integrated in so many cells, up to this multiple of the interval's upper end.
+const CELLS: u32 = 30;
+const BEYOND_THE_INTERVAL: f64 = 2.0;
+/// A descent beside the best parameters.
+const BESIDE: (usize, f64) = (30, 1e-5);
+/// Nearer to the best value the root needs no correction, and it is never more than so much.
+const LEAST_ROOT: f64 = 0.05;
+const MOST_CORRECTION: f64 = 1.0;
+
+/// The likelihood along one parameter.
+pub(super) struct Profile<'a> {
+    problem: &'a Problem,
+    best: Found,
+    local: Local,
+    place: usize,
+    /// What the parameter cannot leave.
+    bounds: (f64, f64),
+    /// Where the best value would be below zero, the best that is not.
+    at_zero: Option<Found>,
+}
+
+impl<'a> Profile<'a> {
+    /// Of a squared coefficient. Its own estimate may be below zero; the others' may not, or B and K that are not
+    /// there would trade with a Gauss–Markov term.
+    pub(super) fn of_square(problem: &'a Problem, found: &Found, place: usize) -> Self {
+        let best = match found.at[place] > 0.0 {
+            true => found.clone(),
+            false => problem.descend(Form { signed: Some(place), ..found.form }, &found.at, None, DESCENT),
+        };
+        let at_zero = (found.at[place] <= 0.0).then(|| found.clone());
+        Self { problem, local: problem.local(&best), best, place, bounds: (0.0, f64::INFINITY), at_zero }
+    }
+
+    /// Of any other parameter, between bounds.
+    pub(super) fn between(problem: &'a Problem, found: &Found, place: usize, bounds: (f64, f64)) -> Self {
+        Self { problem, local: problem.local(found), best: found.clone(), place, bounds, at_zero: None }
+    }
+
+    fn value(&self) -> f64 {
+        self.best.at[self.place]
+    }
+
+    /// How far the best value is above this one, in standard deviations of a normal distribution.
+    ///
+    /// r = ±√(D − D_min) is normal where there is much data; of a parameter that rests on a few coefficients it is
+    /// not, and r + ln(u/r)/r is (Barndorff-Nielsen, Biometrika 73, 1986). Its [`departure`] u knows that the other
+    /// parameters were fitted: without that K came out 4 % low in the hour.
+    fn score(&self, value: f64) -> f64 {
+        let mut start = self.best.at.clone();
+        start[self.place] = value;
+        let found = self.problem.descend(self.best.form, &start, Some(self.place), BESIDE);
+        let r = libm::sqrt((found.deviance - self.best.deviance).max(0.0));
+        let r = if value > self.value() { -r } else { r };
+        if libm::fabs(r) < LEAST_ROOT {
+            return r;
+        }
+        let can_move = |i: usize| self.problem.is_free(&found, i) && self.problem.is_free(&self.best, i);
+        let free: Vec<usize> = (0..found.at.len()).filter(|&i| i == self.place || can_move(i)).collect();
+        let u = departure(&self.problem.nu, &self.local, &self.problem.local(&found), &free, self.place);
+        let correction = u.filter(|u| u / r > 0.0).map_or(0.0, |u| libm::log(u / r) / r);
+        r + correction.clamp(-MOST_CORRECTION, MOST_CORRECTION)
+    }
+
+    /// The ends of the 95 % interval. From a best value below zero the upper end can be zero itself, which is no
+    /// limit: then it is counted from zero.
+    pub(super) fn interval(&self) -> (f64, f64) {
+        if let Some(found) = &self.at_zero {
+            let counted = Self::between(self.problem, found, self.place, self.bounds);
+            return (self.bounds.0, counted.end(counted.step()));
+        }
+        let step = self.step();
+        (self.end(-step), self.end(step))
+    }
+
+    /// The standard deviation that the curvature suggests.
+    fn step(&self) -> f64 {
+        let curvature = self.problem.information(&self.best);
+        let own = curvature.at(self.place, self.place).max(f64::MIN_POSITIVE);
+        let conditional = libm::sqrt(2.0 / own);
+        let variance = self.marginal_variance(&curvature, &self.best);
+        variance.map_or(conditional, libm::sqrt).clamp(conditional, 10.0 * conditional)
+    }
+
+    fn end(&self, step: f64) -> f64 {
+        let bound = if step < 0.0 { self.bounds.0 } else { self.bounds.1 };
+        let within = |value: f64| value.clamp(self.bounds.0, self.bounds.1);
+        // beyond the best value the score counts from there
+        let beyond = |value: f64| if step < 0.0 { self.score(value) } else { -self.score(value) };
+        let (mut inside, mut inside_score) = (self.value(), 0.0);
+        let mut reach = TWO_SIDED_95 * step;
+        let mut outside = within(inside + reach);
+        let mut outside_score = beyond(outside);
+        for _ in 0..DOUBLINGS {
+            if outside_score >= TWO_SIDED_95 {
+                break;
+            }
+            if outside == bound {
+                return bound;
+            }
+            reach *= 2.0;
+            (inside, inside_score) = (outside, outside_score);
+            outside = within(self.value() + reach);
+            outside_score = beyond(outside);
+        }
+        for _ in 0..STEPS {
+            let part = (TWO_SIDED_95 - inside_score) / (outside_score - inside_score).max(f64::MIN_POSITIVE);
+            let middle = inside + (outside - inside) * part.clamp(0.05, 0.95);
+            let score = beyond(middle);
+            if libm::fabs(score - TWO_SIDED_95) < NEAR {
+                return within(middle);
+            }
+            if score < TWO_SIDED_95 {
+                (inside, inside_score) = (middle, score);
+            } else {
+                (outside, outside_score) = (middle, score);
+            }
+        }
+        within(f64::midpoint(inside, outside))
+    }
+
+    /// Mean of the parameter over its confidence distribution, whose distribution function H at a value is the
+    /// probability of more than was found if it were true: ∫ (1 − H) dv. Unlike the best value it is never zero, and
+    /// its error is smaller: the rms error of K in the hour is 35 %, where the mean of its root has 38 and the best
+    /// value 42 %.
+    pub(super) fn mean(&self, hi: f64) -> f64 {
+        let width = BEYOND_THE_INTERVAL * libm::sqrt(hi) / f64::from(CELLS);
+        let slice = |cell: u32| {
+            let root = width * (f64::from(cell) + 0.5);
+            root * libm::erfc(-self.score(root * root) / core::f64::consts::SQRT_2)
+        };
+        (0..CELLS).map(slice).sum::<f64>() * width
+    }
+
+    /// Of the parameter where the curvature of D is this, what can move free; none where that cannot be told.
+    fn marginal_variance(&self, curvature: &Square, found: &Found) -> Option<f64> {
+        let free = |i: &usize| curvature.at(*i, *i) > 0.0 && (*i == self.place || self.problem.is_free(found, *i));
+        let free: Vec<usize> = (0..curvature.n).filter(free).collect();
+        let scale = |i: usize| 1.0 / libm::sqrt(curvature.at(i, i));
+        let cell = |a: usize, b: usize| {
+            let (i, j) = (free[a], free[b]);
+            curvature.at(i, j) * scale(i) * scale(j) + if a == b { 1e-9 } else { 0.0 }
+        };
+        let at = free.iter().position(|&i| i == self.place)?;
+        let factor = Cholesky::new(&Square::from_fn(free.len(), cell))?;
+        let unit = (0..free.len()).map(|i| if i == at { 1.0 } else { 0.0 }).collect();
+        Some(2.0 * factor.solve(unit)[at] * scale(self.place) * scale(self.place))
+    }
+}

@@ -1,0 +1,72 @@
+//! The record as it is fitted.
+
+use super::{FEWEST_SAMPLES, FitError, glitches, spectrum};
+use crate::{AllanWarning, Input, kernels};
+use alloc::vec::Vec;
+
+/// Part of the samples that must be there.
+const FEWEST_PRESENT: f64 = 0.25;
+
+impl Input<'_> {
+    /// The rate of a record sampled `rate_hz` times per second, times `scale`; NaN is a missing sample. What is lost
+    /// in gaps is written out.
+    #[must_use]
+    pub fn rates(&self, rate_hz: f64, scale: f64) -> Vec<f64> {
+        match self {
+            Self::Rate(rate) => rate.iter().map(|value| value * scale).collect(),
+            Self::Phase(phase) => phase.windows(2).map(|pair| (pair[1] - pair[0]) * rate_hz * scale).collect(),
+            Self::Codes { codes, gaps } => {
+                kernels::expanded(codes, gaps).into_iter().map(|code| code * scale).collect()
+            }
+        }
+    }
+}
+
+/// Asked before gaps are written out as samples, which bounds the memory.
+pub(super) fn enough(present: u64, samples: u64) -> Result<(), FitError> {
+    if present < FEWEST_SAMPLES {
+        return Err(FitError::TooShort { samples: present });
+    }
+    if (present as f64) < FEWEST_PRESENT * samples as f64 {
+        return Err(FitError::Gaps { present, samples });
+    }
+    Ok(())
+}
+
+pub(super) fn check(rate: &[f64]) -> Result<(), FitError> {
+    let values = || rate.iter().filter(|value| !value.is_nan());
+    let (low, high) = values().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(*v), b.max(*v)));
+    if low == high {
+        return Err(FitError::Constant);
+    }
+    // squares of what is summed over the record must stay finite
+    let largest = libm::fabs(low).max(libm::fabs(high)) * rate.len() as f64;
+    let (square, least) = (largest * largest, (high - low) * (high - low));
+    if square.is_finite() && least.is_normal() { Ok(()) } else { Err(FitError::NotFinite) }
+}
+
+/// Returns the first sample of each.
+pub(super) fn cut_glitches(rate: &mut [f64], warnings: &mut Vec<AllanWarning>) -> Vec<usize> {
+    let power = |rate: &[f64]| {
+        let pairs = rate.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| !step.is_nan());
+        let (sum, count) = pairs.fold((0.0, 0u64), |(sum, count), step| (sum + step * step, count + 1));
+        sum / count.max(1) as f64
+    };
+    let Some(found) = glitches::glitches(rate) else {
+        warnings.push(AllanWarning::ManyGlitches { most: glitches::MOST });
+        return Vec::new();
+    };
+    if found.is_empty() {
+        return found;
+    }
+    let before = power(rate);
+    let missing: Vec<usize> = (0..rate.len()).filter(|&i| rate[i].is_nan()).collect();
+    found.iter().for_each(|&i| rate[i] = f64::NAN);
+    spectrum::fill_gaps(rate);
+    missing.into_iter().for_each(|i| rate[i] = f64::NAN);
+    let ratio = libm::sqrt(before / power(rate).max(f64::MIN_POSITIVE));
+    // what touches is one
+    let firsts: Vec<usize> = found.chunk_by(|a, b| *b == a + 1).map(|glitch| glitch[0]).collect();
+    warnings.push(AllanWarning::Glitches { glitches: firsts.len() as u64, samples: found.len() as u64, ratio });
+    firsts
+}

@@ -1,0 +1,413 @@
+//! The most likely parameters of a model: Fisher scoring with bounds.
+//!
+//! D = Σ ν (ln S/P + P/S − 1), −2 ln of the likelihood of powers P that are χ²_ν·S/ν. Its gradient is
+//! −Σ ν (P − S)/S² ∂S, its expected curvature Σ ν ∂S∂Sᵀ/S². Squared coefficients enter S as they are, so a noise can
+//! be exactly zero and leave zero again.
+
+use super::density::{Drift, Table};
+use crate::linear::{Cholesky, Square};
+use alloc::vec;
+use alloc::vec::Vec;
+
+/// Which terms a model has beside N, B and K.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Form {
+    /// Cosines of the band shape.
+    pub(super) cosines: usize,
+    /// A pole of the band shape: a low-pass of the first order, which cosines follow only slowly.
+    pub(super) pole: bool,
+    /// Gauss–Markov terms.
+    pub(super) markovs: usize,
+    /// Quantisation of the angle.
+    pub(super) quantised: bool,
+    pub(super) drift: Option<Drift>,
+    /// A squared coefficient that may be negative, as the estimate without bias of one that is zero is half of the
+    /// time.
+    pub(super) signed: Option<usize>,
+}
+
+/// Places of the parameters: the squared coefficients, then the shape, then variance and ln T of each Gauss–Markov
+/// term.
+pub(super) const N2: usize = 0;
+pub(super) const B2: usize = 1;
+pub(super) const K2: usize = 2;
+pub(super) const Q2: usize = 3;
+pub(super) const SHAPE: usize = 4;
+
+impl Form {
+    pub(super) const PLAIN: Self =
+        Self { cosines: 0, pole: false, markovs: 0, quantised: false, drift: None, signed: None };
+
+    /// Parameters of the band shape: the cosines, then the pole.
+    pub(super) fn shape(&self) -> usize {
+        self.cosines + usize::from(self.pole)
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.markov(self.markovs)
+    }
+
+    /// Whether the density is proportional to a parameter: a squared coefficient or a variance.
+    fn is_square(&self, place: usize) -> bool {
+        place < SHAPE || place >= self.markov(0) && (place - self.markov(0)).is_multiple_of(2)
+    }
+
+    /// Place of the variance of a Gauss–Markov term; its ln T is the next.
+    pub(super) fn markov(&self, index: usize) -> usize {
+        SHAPE + self.shape() + 2 * index
+    }
+}
+
+/// A shorter Gauss–Markov term, in samples, belongs to the band shape.
+pub(super) const SHORTEST: f64 = 20.0;
+/// A longer one, in records, is a random walk.
+pub(super) const LONGEST: f64 = 0.25;
+/// Largest cosine of the shape.
+const STEEPEST: f64 = 6.0;
+/// A pole nearer to the unit circle is a Gauss–Markov term.
+const NEAREST_POLE: f64 = 0.95;
+/// White noise never vanishes: this part of the median power.
+const LEAST_WHITE: f64 = 1e-6;
+/// Most that a cosine and a ln T move in a step.
+const STRIDE: f64 = 1.0;
+/// Halvings of a step that leads up.
+const HALVINGS: usize = 12;
+
+/// What all fits of a record share.
+#[derive(Clone, Debug)]
+pub(super) struct Problem {
+    pub(super) table: Table,
+    /// Degrees of freedom of each row: those of the bin, less what the model error takes.
+    pub(super) nu: Vec<f64>,
+    /// Relative error of the model, ε.
+    pub(super) error: f64,
+    least_white: f64,
+}
+
+impl Problem {
+    pub(super) fn new(table: Table, error: f64) -> Self {
+        let nu =
+            table.rows.iter().map(|row| row.bin.freedom / (1.0 + row.bin.freedom * error * error / 2.0)).collect();
+        let mut powers: Vec<f64> = table.rows.iter().map(|row| row.bin.power).collect();
+        powers.sort_unstable_by(f64::total_cmp);
+        let least_white = LEAST_WHITE * powers.get(powers.len() / 2).copied().unwrap_or(1.0);
+        Self { table, nu, error, least_white }
+    }
+
+    /// ln Σν, the price of a parameter of the shape.
+    pub(super) fn price(&self) -> f64 {
+        libm::log(self.table.rows.iter().map(|row| row.bin.freedom).sum())
+    }
+
+    fn bounds(&self, form: &Form, place: usize) -> (f64, f64) {
+        match place {
+            N2 => (self.least_white, f64::INFINITY),
+            Q2 if !form.quantised => (0.0, 0.0),
+            _ if form.signed == Some(place) => (f64::NEG_INFINITY, f64::INFINITY),
+            _ if form.is_square(place) => (0.0, f64::INFINITY),
+            _ if place < SHAPE + form.cosines => (-STEEPEST, STEEPEST),
+            _ if place < form.markov(0) => (-NEAREST_POLE, NEAREST_POLE),
+            _ => (libm::log(SHORTEST / self.table.rate_hz), libm::log(LONGEST * self.table.span_s)),
+        }
+    }
+}
+
+/// The best parameters that were found.
+#[derive(Clone, Debug)]
+pub(super) struct Found {
+    pub(super) form: Form,
+    pub(super) at: Vec<f64>,
+    pub(super) deviance: f64,
+    /// Expected power of each row.
+    pub(super) density: Vec<f64>,
+    /// Size of the drift, 0 without one.
+    pub(super) drift: f64,
+}
+
+/// The expected powers at some parameters, and their slopes by each of them.
+pub(super) struct Local {
+    pub(super) density: Vec<f64>,
+    pub(super) slopes: Vec<Vec<f64>>,
+}
+
+/// The model at some parameters.
+struct State {
+    density: Vec<f64>,
+    slopes: Vec<Vec<f64>>,
+    /// Powers of the first rows without the drift.
+    low: Vec<f64>,
+    drift: f64,
+    deviance: f64,
+}
+
+impl State {
+    fn power(&self, problem: &Problem, row: usize) -> f64 {
+        self.low.get(row).copied().unwrap_or(problem.table.rows[row].bin.power)
+    }
+}
+
+impl Problem {
+    /// From `start` downhill, `steps` steps at most, while a step gains more than `least_gain`; `held` stays.
+    pub(super) fn descend(
+        &self,
+        form: Form,
+        start: &[f64],
+        held: Option<usize>,
+        (steps, least_gain): (usize, f64),
+    ) -> Found {
+        let bound = |(place, &value): (usize, &f64)| match held {
+            Some(held) if held == place => value,
+            _ => {
+                let (lower, upper) = self.bounds(&form, place);
+                value.clamp(lower, upper)
+            }
+        };
+        let mut at: Vec<f64> = start.iter().enumerate().map(bound).collect();
+        let template = form.drift.map(|drift| drift.coefficients(self.table.span_s, self.table.low.len()));
+        let mut state = self.state(&form, &at, template.as_deref());
+        for _ in 0..steps {
+            let step = self.step(&form, &at, &state, held);
+            let Some((next, reached)) = self.downhill(&form, &at, &step, template.as_deref(), state.deviance) else {
+                break;
+            };
+            let gain = state.deviance - reached.deviance;
+            (at, state) = (next, reached);
+            if gain < least_gain {
+                break;
+            }
+        }
+        Found { form, at, deviance: state.deviance, density: state.density, drift: state.drift }
+    }
+
+    fn downhill(
+        &self,
+        form: &Form,
+        at: &[f64],
+        step: &[f64],
+        template: Option<&[f64]>,
+        deviance: f64,
+    ) -> Option<(Vec<f64>, State)> {
+        let mut part = 1.0;
+        for _ in 0..HALVINGS {
+            let next: Vec<f64> = at.iter().zip(step).map(|(at, step)| at + part * step).collect();
+            let state = self.state(form, &next, template);
+            if state.deviance <= deviance {
+                return Some((next, state));
+            }
+            part /= 2.0;
+        }
+        None
+    }
+
+    fn state(&self, form: &Form, at: &[f64], template: Option<&[f64]>) -> State {
+        let rows = &self.table.rows;
+        let mut slopes = vec![vec![0.0; rows.len()]; form.len()];
+        let mut density = vec![0.0; rows.len()];
+        for (i, row) in rows.iter().enumerate() {
+            let response = row.bin.response;
+            let mut exponent = 0.0;
+            (0..form.cosines).for_each(|j| exponent += at[SHAPE + j] * row.cosines[j]);
+            let pole = if form.pole { at[SHAPE + form.cosines] } else { 0.0 };
+            let (low_pass, low_pass_slope) = if form.pole { one_pole(pole, row.cosines[0]) } else { (1.0, 0.0) };
+            let shape = libm::exp(exponent) * low_pass * response.white;
+            let white = at[N2] * shape;
+            let (b, k, q) = (row.flicker * response.slow, row.walk * response.slow, row.quantisation * response.white);
+            let mut sum = response.offset + white + at[B2] * b + at[K2] * k + at[Q2] * q;
+            (slopes[N2][i], slopes[B2][i], slopes[K2][i], slopes[Q2][i]) = (shape, b, k, q);
+            (0..form.cosines).for_each(|j| slopes[SHAPE + j][i] = white * row.cosines[j]);
+            if form.pole {
+                slopes[SHAPE + form.cosines][i] = white * low_pass_slope;
+            }
+            for index in 0..form.markovs {
+                let place = form.markov(index);
+                let (g, slope) = row.gauss_markov(libm::exp(at[place + 1]));
+                (slopes[place][i], slopes[place + 1][i]) = (g * response.slow, at[place] * slope * response.slow);
+                sum += at[place] * g * response.slow;
+            }
+            density[i] = sum;
+        }
+        let (low, drift) = template.map_or((Vec::new(), 0.0), |template| self.without_drift(&density, template));
+        let mut state = State { density, slopes, low, drift, deviance: 0.0 };
+        let term = |i: usize| {
+            let (p, s) = (rows[i].bin.power, state.density[i]);
+            // measured against the powers as they are, so that models with and without a drift compare
+            self.nu[i] * (libm::log(s / p) + state.power(self, i) / s - 1.0)
+        };
+        let positive = state.density.iter().all(|s| *s > 0.0);
+        state.deviance = if positive { (0..rows.len()).map(term).sum() } else { f64::INFINITY };
+        state
+    }
+
+    /// Least squares of the drift's size in the first coefficients, and their powers without it.
+    fn without_drift(&self, density: &[f64], template: &[f64]) -> (Vec<f64>, f64) {
+        let table = &self.table;
+        let singles = || (0..table.singles()).map(|row| (table.rows[row].bin.first - 1, density[row]));
+        let over: f64 = singles().map(|(k, s)| table.low[k] * template[k] / s).sum();
+        let under: f64 = singles().map(|(k, s)| template[k] * template[k] / s).sum();
+        let drift = over / under;
+        let rest = |(k, _)| {
+            let rest: f64 = table.low[k] - drift * template[k];
+            rest * rest
+        };
+        (singles().map(rest).collect(), drift)
+    }
+
+    /// The bounded minimum of the quadratic that has the gradient and the expected curvature.
+    fn step(&self, form: &Form, at: &[f64], state: &State, held: Option<usize>) -> Vec<f64> {
+        let (curvature, gradient) = self.normal(form, state);
+        let room: Vec<(f64, f64)> = (0..form.len())
+            .map(|place| {
+                if held == Some(place) {
+                    return (0.0, 0.0);
+                }
+                let (lower, upper) = self.bounds(form, place);
+                let (lower, upper) = (lower - at[place], upper - at[place]);
+                match form.is_square(place) {
+                    true => (lower, upper),
+                    false => (lower.max(-STRIDE), upper.min(STRIDE)),
+                }
+            })
+            .collect();
+        bounded(&curvature, &gradient, &room)
+    }
+
+    /// Curvature and (negative) gradient of D.
+    fn normal(&self, form: &Form, state: &State) -> (Square, Vec<f64>) {
+        let n = form.len();
+        let rows = self.table.rows.len();
+        let (mut weight, mut pull) = (vec![0.0; rows], vec![0.0; rows]);
+        for i in 0..rows {
+            let s = state.density[i];
+            weight[i] = self.nu[i] / (s * s);
+            pull[i] = weight[i] * (state.power(self, i) - s);
+        }
+        let mut curvature = Square { n, cells: vec![0.0; n * n] };
+        let mut gradient = vec![0.0; n];
+        let mut weighted = vec![0.0; rows];
+        for (a, slope) in state.slopes.iter().enumerate() {
+            (0..rows).for_each(|i| weighted[i] = weight[i] * slope[i]);
+            gradient[a] = sum_of_products(&pull, slope);
+            for b in a..n {
+                let cell = sum_of_products(&weighted, &state.slopes[b]);
+                (curvature.cells[a * n + b], curvature.cells[b * n + a]) = (cell, cell);
+            }
+        }
+        (curvature, gradient)
+    }
+
+    /// The expected powers of a model.
+    pub(super) fn density(&self, form: &Form, at: &[f64]) -> Vec<f64> {
+        self.state(form, at, None).density
+    }
+
+    /// Puts other powers in the place of the measured ones.
+    pub(super) fn set_powers(&mut self, powers: &[f64]) {
+        self.table.rows.iter_mut().zip(powers).for_each(|(row, power)| row.bin.power = *power);
+    }
+
+    /// Expected curvature of D at what was found.
+    pub(super) fn information(&self, found: &Found) -> Square {
+        self.normal(&found.form, &self.state_of(found)).0
+    }
+
+    /// Densities and slopes at what was found.
+    pub(super) fn local(&self, found: &Found) -> Local {
+        let State { density, slopes, .. } = self.state_of(found);
+        Local { density, slopes }
+    }
+
+    fn state_of(&self, found: &Found) -> State {
+        let template = found.form.drift.map(|drift| drift.coefficients(self.table.span_s, self.table.low.len()));
+        self.state(&found.form, &found.at, template.as_deref())
+    }
+
+    /// Whether a parameter can move.
+    pub(super) fn is_free(&self, found: &Found, place: usize) -> bool {
+        let (lower, upper) = self.bounds(&found.form, place);
+        found.at[place] > lower && found.at[place] < upper
+    }
+}
+
+/// In four parts, which the compiler adds side by side.
+fn sum_of_products(a: &[f64], b: &[f64]) -> f64 {
+    let mut parts = [0.0; 4];
+    let (a4, b4) = (a.chunks_exact(4), b.chunks_exact(4));
+    let rest: f64 = a4.remainder().iter().zip(b4.remainder()).map(|(a, b)| a * b).sum();
+    for (a, b) in a4.zip(b4) {
+        (0..4).for_each(|i| parts[i] += a[i] * b[i]);
+    }
+    parts[0] + parts[1] + (parts[2] + parts[3]) + rest
+}
+
+/// Minimum of ½xᵀHx − gᵀx between bounds, by active sets: a parameter that would leave its bounds is fixed there, and
+/// freed again where the minimum lies inside.
+fn bounded(h: &Square, g: &[f64], room: &[(f64, f64)]) -> Vec<f64> {
+    let n = h.n;
+    let fixed_from_the_start = |i: usize| match room[i] {
+        (lower, upper) if lower >= upper || h.at(i, i) <= 0.0 => Some(lower.max(0.0).min(upper)),
+        (lower, _) if lower >= 0.0 && g[i] <= 0.0 => Some(0.0),
+        _ => None,
+    };
+    let mut fixed: Vec<Option<f64>> = (0..n).map(fixed_from_the_start).collect();
+    let mut x = vec![0.0; n];
+    for _ in 0..3 * n {
+        x = solve_free(h, g, &fixed);
+        let beyond = |i: usize| (room[i].0 - x[i]).max(x[i] - room[i].1) * libm::sqrt(h.at(i, i));
+        let outside = (0..n).filter(|&i| fixed[i].is_none() && beyond(i) > 0.0);
+        if let Some(worst) = outside.max_by(|&a, &b| beyond(a).total_cmp(&beyond(b))) {
+            fixed[worst] = Some(x[worst].clamp(room[worst].0, room[worst].1));
+            continue;
+        }
+        let pull = |i: usize| g[i] - (0..n).map(|j| h.at(i, j) * x[j]).sum::<f64>();
+        let inward = |i: usize| {
+            let (lower, upper) = room[i];
+            let force = pull(i) / libm::sqrt(h.at(i, i));
+            if lower < upper && x[i] <= lower {
+                force
+            } else if lower < upper && x[i] >= upper {
+                -force
+            } else {
+                0.0
+            }
+        };
+        let freed = (0..n).filter(|&i| fixed[i].is_some() && h.at(i, i) > 0.0 && inward(i) > 1e-9);
+        match freed.max_by(|&a, &b| inward(a).total_cmp(&inward(b))) {
+            Some(freed) => fixed[freed] = None,
+            None => break,
+        }
+    }
+    x.iter().zip(room).map(|(x, &(lower, upper))| x.clamp(lower.min(upper), upper)).collect()
+}
+
+/// Solves the free parameters with the others where they are fixed; a little is added to the diagonal until it can be.
+fn solve_free(h: &Square, g: &[f64], fixed: &[Option<f64>]) -> Vec<f64> {
+    let free: Vec<usize> = (0..h.n).filter(|&i| fixed[i].is_none()).collect();
+    let mut x: Vec<f64> = fixed.iter().map(|fixed| fixed.unwrap_or(0.0)).collect();
+    let scale: Vec<f64> = free.iter().map(|&i| 1.0 / libm::sqrt(h.at(i, i))).collect();
+    let moved = |i: usize| (0..h.n).filter(|&j| fixed[j].is_some()).map(|j| h.at(i, j) * x[j]).sum::<f64>();
+    let right: Vec<f64> = free.iter().zip(&scale).map(|(&i, scale)| (g[i] - moved(i)) * scale).collect();
+    for added in [1e-10, 1e-6, 1e-3, 1.0] {
+        let cell =
+            |a: usize, b: usize| h.at(free[a], free[b]) * scale[a] * scale[b] + if a == b { added } else { 0.0 };
+        if let Some(factor) = Cholesky::new(&Square::from_fn(free.len(), cell)) {
+            let found = factor.solve(right);
+            free.iter().zip(found.iter().zip(&scale)).for_each(|(&i, (value, scale))| x[i] = value * scale);
+            return x;
+        }
+    }
+    x
+}
+
+/// Density of a low-pass with the pole `a` over its level at frequency 0, (1 − a)²/(1 + a² − 2a cos), and the slope of
+/// its logarithm by `a`; `cosine` is cos − 1.
+fn one_pole(a: f64, cosine: f64) -> (f64, f64) {
+    let (square, under) = ((1.0 - a) * (1.0 - a), (1.0 - a) * (1.0 - a) - 2.0 * a * cosine);
+    (square / under, 2.0 * (cosine + 1.0 - a) / under - 2.0 / (1.0 - a))
+}
+
+/// The shape of the white noise over its level at frequency 0, at the angle 2πf·dt.
+pub(super) fn shape(form: &Form, at: &[f64], angle: f64) -> f64 {
+    let term = |j: usize| at[SHAPE + j] * (libm::cos((j + 1) as f64 * angle) - 1.0);
+    let low_pass = if form.pole { one_pole(at[SHAPE + form.cosines], libm::cos(angle) - 1.0).0 } else { 1.0 };
+    libm::exp((0..form.cosines).map(term).sum()) * low_pass
+}

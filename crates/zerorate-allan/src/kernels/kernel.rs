@@ -1,0 +1,121 @@
+use super::Reason;
+use crate::Difference;
+
+/// Which differences of the running sum are squared and summed. It has an arm in each of the functions here and in
+/// each kind of record ([`codes`](super::codes), [`float`](super::float), [`gaps`](super::gaps)); none has a `_`, so
+/// that a new one is asked for in all of them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Kernel {
+    /// Differences of the record as it is.
+    Plain(Plain),
+    /// Sums of m adjacent second differences.
+    Modified,
+    /// Second differences of the reflected record, around every point but the first and the last.
+    Reflected,
+}
+
+/// Differences of one order, every m-th or every one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Plain {
+    pub order: Order,
+    pub overlapping: bool,
+}
+
+/// Of how many averages a difference is, less one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Order {
+    Second = 2,
+    Third = 3,
+}
+
+impl Kernel {
+    /// Whether averages of `m` fit into so many samples of the rate.
+    pub fn check(self, samples: u64, m: u64, is_phase: bool) -> Result<usize, Reason> {
+        if m == 0 {
+            return Err(Reason::ZeroLength);
+        }
+        let needs = self.needs(m);
+        let fits = usize::try_from(m).ok().filter(|_| needs <= samples);
+        fits.ok_or(Reason::TooShort { needs: needs.saturating_add(u64::from(is_phase)) })
+    }
+
+    /// Samples of the rate for one term.
+    fn needs(self, m: u64) -> u64 {
+        match self {
+            Self::Plain(plain) => m.saturating_mul(plain.order as u64),
+            Self::Modified => m.saturating_mul(3) - 1,
+            Self::Reflected => m.max(2),
+        }
+    }
+
+    /// Longest averages that so many points of phase tell something new of.
+    pub fn longest(self, points: u64) -> u64 {
+        let steps = points.saturating_sub(1);
+        match self {
+            Self::Plain(plain) => steps / plain.order as u64,
+            Self::Modified => points / 3,
+            Self::Reflected => steps / 2,
+        }
+    }
+
+    /// Terms for averages of `m` in so many points of phase.
+    pub fn terms(self, points: u64, m: u64) -> u64 {
+        match self {
+            Self::Plain(plain) => plain.terms(points, m),
+            Self::Modified => Plain::OF_SUMS.terms(points + 1, m),
+            Self::Reflected => points.saturating_sub(2),
+        }
+    }
+
+    /// Where the terms start, each.
+    pub fn starts(self, points: usize, m: usize) -> impl Iterator<Item = usize> {
+        let stride = match self {
+            Self::Plain(plain) => plain.stride(m),
+            Self::Modified | Self::Reflected => 1,
+        };
+        (0..self.terms(points as u64, m as u64) as usize).map(move |term| term * stride)
+    }
+
+    /// How many times the difference of averages that of the phase is.
+    pub fn per(self, m: usize) -> f64 {
+        let m = m as f64;
+        match self {
+            Self::Plain(_) | Self::Reflected => m,
+            Self::Modified => m * m,
+        }
+    }
+
+    /// The finite differences that its terms are, or, beyond the ends of the record, repeat.
+    pub const fn difference(self) -> Difference {
+        match self {
+            Self::Plain(plain) => {
+                Difference { order: plain.order as u32, overlapped: plain.overlapping, modified: false }
+            }
+            Self::Modified => Difference { order: 2, overlapped: true, modified: true },
+            Self::Reflected => Difference { order: 2, overlapped: true, modified: false },
+        }
+    }
+}
+
+impl Plain {
+    /// Of the running sum of the running sum: the inner sums of [`Kernel::Modified`].
+    pub const OF_SUMS: Self = Self { order: Order::Third, overlapping: true };
+    /// Those of [`Kernel::Reflected`] that stay within the record.
+    pub const WITHIN: Self = Self { order: Order::Second, overlapping: true };
+
+    fn terms(self, points: u64, m: u64) -> u64 {
+        let overlapping = points.saturating_sub(m.saturating_mul(self.order as u64));
+        if self.overlapping { overlapping } else { overlapping.div_ceil(m) }
+    }
+
+    /// Points at which a term may start: one more than the last of them.
+    pub fn starts_end(self, points: usize, m: usize) -> usize {
+        let terms = self.terms(points as u64, m as u64) as usize;
+        terms.checked_sub(1).map_or(0, |last| last * self.stride(m) + 1)
+    }
+
+    /// From one term to the next.
+    pub fn stride(self, m: usize) -> usize {
+        if self.overlapping { 1 } else { m }
+    }
+}

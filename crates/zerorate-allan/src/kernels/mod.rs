@@ -1,0 +1,148 @@
+//! The deviations themselves.
+//!
+//! Each kind of record has its own kernel, and each kernel makes one [`Squares`] for each averaging time.
+
+mod array;
+mod codes;
+mod exact;
+mod float;
+mod gaps;
+mod kernel;
+mod lanes;
+mod sweep;
+#[cfg(test)]
+mod tests;
+mod threads;
+
+#[cfg(feature = "std")]
+pub(super) use gaps::expanded;
+pub(super) use kernel::{Kernel, Order, Plain};
+pub(super) use threads::join;
+
+use super::stat::{Factor, Row};
+use super::{Input, Stat};
+use alloc::vec::Vec;
+use core::fmt;
+
+/// A statistic at one averaging time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Deviation {
+    /// Samples in each average.
+    pub m: u64,
+    /// The deviation, in the unit of the rate (codes: LSB; phase: its unit per s); time deviation: that times s.
+    pub dev: f64,
+    /// Terms that entered its mean square.
+    pub n: u64,
+}
+
+/// Why an averaging time has no deviation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reason {
+    /// The averages have no length.
+    ZeroLength,
+    /// The record is too short.
+    TooShort {
+        /// Samples (for phase: points) that would do.
+        needs: u64,
+    },
+    /// Too much is missing: no term is left, or less than 1/16 of the record is there.
+    Gaps,
+    /// It rounds to as many samples as another averaging time, which has the result.
+    SameLength {
+        /// Samples in each average.
+        m: u64,
+    },
+    /// Infinite values, or squares beyond the range of f64.
+    NotFinite,
+}
+
+impl fmt::Display for Reason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::ZeroLength => f.write_str("an average needs at least one sample"),
+            Self::TooShort { needs } => write!(f, "the record is too short, {needs} samples are needed"),
+            Self::Gaps => f.write_str("too many samples are missing"),
+            Self::SameLength { m } => write!(f, "it rounds to {m} samples, as another averaging time does"),
+            Self::NotFinite => f.write_str("the numbers are too large"),
+        }
+    }
+}
+
+/// A sum of squared differences.
+#[derive(Clone, Copy, Debug)]
+struct Squares {
+    sum: f64,
+    /// Terms.
+    n: u64,
+    /// The differences are this many times those of averages.
+    per: f64,
+}
+
+/// The statistic at averages of each of `m` samples, in their order.
+///
+/// The rate of sampling matters to the time deviation and to phase. [`Stat`] has the formulas.
+///
+/// Codes without gaps give exact sums of squares, rounded once; so their deviations do not change with an offset or
+/// when the record runs backwards (every m-th difference: if the averages fill it). A rate in f64 is rounded in its
+/// running sum: against the same numbers as codes the deviations of 393 216 samples are off by less than 1e-14 of
+/// their values for a random walk, 1e-13 for white noise, and 3e-11 for white noise on a ramp or a parabola of more
+/// than 1000 times its size. The number of threads (feature `std`) does not change a bit.
+///
+/// With missing samples an average is the mean of those that are there and enters if they are at least half; a
+/// difference enters if all its averages do; the inner mean of MDEV and TDEV is taken over the differences that do, if
+/// they are at least half. Means of fewer samples scatter more: ADEV, OADEV and TOTDEV are without that,
+/// σ² = ½⟨(ȳ₂ − ȳ₁)² − s₁²(1/c₁ − 1/m) − s₂²(1/c₂ − 1/m)⟩, s² the variance of the c samples of an average, as of a
+/// sample without replacement (40 % lost one by one: within 1 % instead of 25 to 40 % too large); an average of one
+/// sample in place of two does not enter there. The other statistics are not corrected. A missing point of phase takes
+/// out the differences that it is part of.
+///
+/// ```
+/// use zerorate_allan::{Input, Stat, deviations};
+/// let codes = Input::Codes { codes: &[1, 3, 2, 4], gaps: &[] };
+/// let at_one = deviations(&codes, 100.0, Stat::Oadev, &[1])[0].unwrap();
+/// // differences +2, −1, +2: σ² = 9 / (2 · 3)
+/// assert_eq!(at_one.dev, 1.5f64.sqrt());
+/// assert_eq!(at_one.n, 3);
+/// ```
+pub fn deviations(input: &Input<'_>, rate_hz: f64, stat: Stat, m: &[u64]) -> Vec<Result<Deviation, Reason>> {
+    let row = stat.row();
+    let is_phase = matches!(input, Input::Phase(_));
+    let samples = input.len() - u64::from(is_phase && !input.is_empty());
+    let checked: Vec<_> = m.iter().map(|&m| row.kernel.check(samples, m, is_phase)).collect();
+    let fitting: Vec<usize> = checked.iter().filter_map(|m| m.ok()).collect();
+    let mut squares = squares(input, row.kernel, &fitting).into_iter();
+    let scale = |m: usize| scale(row.factor, is_phase, rate_hz, m);
+    let mut finish = |m| squares.next().ok_or(Reason::Gaps)?.and_then(|squares| deviation(squares, row, m, scale(m)));
+    checked.into_iter().map(|m| m.and_then(&mut finish)).collect()
+}
+
+/// Sums for each of `m`, all of which fit into the record.
+fn squares(input: &Input<'_>, kernel: Kernel, m: &[usize]) -> Vec<Result<Squares, Reason>> {
+    if m.is_empty() {
+        return Vec::new();
+    }
+    let whole = match *input {
+        Input::Codes { codes, .. } if input.missing() == 0 => Some(codes::squares(codes, kernel, m)),
+        Input::Codes { .. } => None,
+        Input::Rate(rate) => float::phase(rate).map(|phase| float::squares(&phase, kernel, m)),
+        Input::Phase(phase) if input.missing() == 0 => Some(float::squares(phase, kernel, m)),
+        Input::Phase(_) => None,
+    };
+    whole.unwrap_or_else(|| gaps::squares(input, kernel, m))
+}
+
+/// What a difference of averages in units of the record's step is in units of the deviation.
+fn scale(factor: Factor, is_phase: bool, rate_hz: f64, m: usize) -> f64 {
+    let per_second = if is_phase { rate_hz } else { 1.0 };
+    match factor {
+        Factor::One => per_second,
+        Factor::TauPerSqrt3 => per_second * (m as f64 / rate_hz) / libm::sqrt(3.0),
+    }
+}
+
+fn deviation(squares: Squares, row: &Row, m: usize, scale: f64) -> Result<Deviation, Reason> {
+    let Squares { sum, n, per } = squares;
+    let dev = libm::sqrt(sum / (row.divisor * n as f64)) / per * scale;
+    let dev = Deviation { m: m as u64, dev, n };
+    if dev.dev.is_finite() { Ok(dev) } else { Err(Reason::NotFinite) }
+}

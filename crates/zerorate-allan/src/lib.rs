@@ -1,0 +1,72 @@
+#![doc = include_str!("../README.md")]
+#![no_std]
+
+extern crate alloc;
+#[cfg(any(test, feature = "std"))]
+extern crate std;
+
+#[cfg(feature = "std")]
+mod advice;
+mod analysis;
+mod chi2;
+mod codes;
+mod curve_fit;
+#[cfg(all(feature = "file", feature = "std"))]
+pub mod datasheet;
+mod detrend;
+mod edf;
+#[cfg(feature = "std")]
+mod fit;
+mod input;
+mod interval;
+mod kernels;
+mod lag1;
+mod linear;
+mod mtie;
+mod noise_id;
+mod phase_points;
+mod stat;
+mod stream;
+mod taus;
+#[cfg(feature = "file")]
+#[doc(hidden)]
+pub mod toml_error;
+mod warning;
+#[cfg(feature = "std")]
+mod welch;
+
+#[cfg(feature = "std")]
+pub use advice::{AN1042_TAUS_S, Advice, Averaging, advice};
+pub use analysis::{Analysis, AnalysisError, Options, Point, Unavailable, analyse};
+pub use chi2::chi2_quantile;
+pub use curve_fit::{Coefficient, CurveError, CurveFit, Noise, fit_curve};
+#[cfg(all(feature = "file", feature = "std"))]
+pub use datasheet::{DataSheet, DataSheetError};
+pub use detrend::{DetrendError, Detrended, Follows, MOST_ORDER, detrend, follows_temperature};
+pub use edf::{Difference, edf, finite_difference_edf};
+#[cfg(feature = "std")]
+pub use fit::{
+    Apart, Cleaned, Differs, Estimate, Expected, FEWEST_SAMPLES, Fit, FitError, FitOptions, Line, MOST_ERROR, Model,
+    Motion, MotionKind, Pool, PoolError, PoolRecord, Spread, Step, Term, fit, fit_pool, motion,
+};
+pub use input::{Gap, Input};
+pub use interval::interval;
+pub use kernels::{Deviation, Reason, deviations};
+pub use mtie::mtie;
+pub use noise_id::noise_types;
+pub use stat::{Stat, UnknownStat};
+pub use stream::{NotAdjacent, Stream};
+pub use taus::{Taus, TausError, longest};
+pub use warning::{AllanWarning, LONGEST_RECORD_S};
+#[cfg(feature = "std")]
+pub use welch::{Density, welch};
+
+/// √(2 ln 2/π) = 0.664: the flat part of an Allan deviation per unit of the bias instability B (IEEE Std 952-1997
+/// C.1.3).
+pub const FLOOR_PER_B: f64 = 0.664_282_470_267_960_1;
+
+/// Averages of 1, 2, 4 … samples, as long as at least one difference of two adjacent averages fits into `len` samples:
+/// [`Taus::Octave`] of [`Stat::Oadev`].
+pub fn octaves(len: usize) -> alloc::vec::Vec<u64> {
+    Taus::Octave.lengths(longest(Stat::Oadev, len as u64 + 1))
+}

@@ -1,0 +1,219 @@
+use super::kernels::Deviation;
+use core::fmt;
+
+/// Allan deviation while the samples come, at averages of 1, 2, 4 … 2^(`OCTAVES` − 1) samples, in fixed memory and
+/// without allocation: 48 bytes for each octave and 16 more.
+///
+/// The averages are those over samples j · 2^k … (j + 1) · 2^k − 1, counted from the start of the whole record, so a
+/// stream of a later piece can be joined to that of an earlier one: [`Stream::merge`] gives exactly the stream of
+/// both. From sample 0 the result is that of [`Stat::Adev`](super::Stat::Adev) (NIST SP 1065 equation 10). All sums
+/// are integers; with codes of 32 bits they are exact for 2^37 samples at least.
+///
+/// What can be told from its deviations is what [`fit_curve`](super::fit_curve) tells: N, B and K (and Q and R where
+/// they are strong), if nothing else is in the noise. Gauss–Markov terms, lines, a low-pass, glitches and steps spoil
+/// all three, and none of them can be seen without the record: where it can be kept, `fit` is for it.
+///
+/// ```
+/// use zerorate_allan::Stream;
+/// let mut whole = Stream::<24>::starting_at(0);
+/// let (mut early, mut late) = (Stream::<24>::starting_at(0), Stream::<24>::starting_at(3));
+/// for code in [1, 3, 2] {
+///     whole.push(code);
+///     early.push(code);
+/// }
+/// for code in [4, 4, 9] {
+///     whole.push(code);
+///     late.push(code);
+/// }
+/// early.merge(&late).unwrap();
+/// assert_eq!(early, whole);
+/// // sums of two: 4, 6, 13; σ² = (2² + 7²) / (2 · 2² · 2)
+/// assert_eq!(whole.deviation(1).unwrap().dev, (53.0f64 / 16.0).sqrt());
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Stream<const OCTAVES: usize> {
+    start: u64,
+    end: u64,
+    levels: [Level; OCTAVES],
+}
+
+/// The complete averages of one length, as sums.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Level {
+    first: i64,
+    last: i64,
+    blocks: u64,
+    squares: u128,
+}
+
+impl Level {
+    fn push(&mut self, sum: i64) {
+        if self.blocks == 0 {
+            self.first = sum;
+        } else {
+            self.step(sum);
+        }
+        self.last = sum;
+        self.blocks += 1;
+    }
+
+    fn step(&mut self, to: i64) {
+        let step = u128::from(to.abs_diff(self.last));
+        self.squares = self.squares.saturating_add(step * step);
+    }
+
+    fn first(&self) -> Option<i64> {
+        (self.blocks > 0).then_some(self.first)
+    }
+
+    fn last(&self) -> Option<i64> {
+        (self.blocks > 0).then_some(self.last)
+    }
+
+    fn append(&mut self, next: &Self) {
+        if next.blocks == 0 {
+            return;
+        }
+        self.push(next.first);
+        self.squares = self.squares.saturating_add(next.squares);
+        self.last = next.last;
+        self.blocks += next.blocks - 1;
+    }
+}
+
+impl<const OCTAVES: usize> Stream<OCTAVES> {
+    /// An empty stream whose first sample will be the one with this index in the whole record.
+    pub const fn starting_at(index: u64) -> Self {
+        const { assert!(OCTAVES <= 25, "sums of more samples might not fit") };
+        Self { start: index, end: index, levels: [Level { first: 0, last: 0, blocks: 0, squares: 0 }; OCTAVES] }
+    }
+
+    /// Takes the next sample: two levels on average, `OCTAVES` at most.
+    pub fn push(&mut self, code: i32) {
+        let mut index = self.end;
+        self.end = self.end.wrapping_add(1);
+        let mut sum = i64::from(code);
+        for level in &mut self.levels {
+            let before = level.last();
+            level.push(sum);
+            match before {
+                Some(before) if index % 2 == 1 => sum += before,
+                _ => return,
+            }
+            index /= 2;
+        }
+    }
+
+    /// Joins the stream of the samples that follow.
+    pub fn merge(&mut self, next: &Self) -> Result<(), NotAdjacent> {
+        if next.start != self.end {
+            return Err(NotAdjacent { expected: self.end, found: next.start });
+        }
+        let mut across = None;
+        for (k, (level, right)) in self.levels.iter_mut().zip(&next.levels).enumerate() {
+            let above = join_above(self.end, k, level, across, right);
+            across.into_iter().for_each(|sum| level.push(sum));
+            level.append(right);
+            across = above;
+        }
+        self.end = next.end;
+        Ok(())
+    }
+
+    /// Allan deviation of averages of 2^`octave` samples, in LSB; `None` before two of them are complete.
+    pub fn deviation(&self, octave: usize) -> Option<Deviation> {
+        let level = self.levels.get(octave).filter(|level| level.blocks >= 2)?;
+        let (m, n) = (1u64 << octave, level.blocks - 1);
+        let dev = libm::sqrt(level.squares as f64 / (2.0 * n as f64)) / m as f64;
+        Some(Deviation { m, dev, n })
+    }
+
+    /// Samples taken.
+    pub fn samples(&self) -> u64 {
+        self.end.wrapping_sub(self.start)
+    }
+}
+
+/// Sum of the average of level `k + 1` that lies across the joint, if it is complete: its two halves are next to each
+/// other.
+fn join_above(joint: u64, k: usize, left: &Level, across: Option<i64>, right: &Level) -> Option<i64> {
+    let is_cut = |level: usize| joint & ((1 << level) - 1) != 0;
+    if !is_cut(k + 1) {
+        return None;
+    }
+    let is_second_half = joint >> k & 1 == 1;
+    match (is_cut(k), is_second_half) {
+        (false, _) => Some(left.last()? + right.first()?),
+        (true, true) => Some(left.last()? + across?),
+        (true, false) => Some(across? + right.first()?),
+    }
+}
+
+/// The second stream does not start where the first one ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct NotAdjacent {
+    /// Index of the sample after the first stream.
+    pub expected: u64,
+    /// Index of the first sample of the second.
+    pub found: u64,
+}
+
+impl fmt::Display for NotAdjacent {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "the next stream must start at sample {}, not {}", self.expected, self.found)
+    }
+}
+
+impl core::error::Error for NotAdjacent {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Input, Stat, deviations};
+    use std::vec::Vec;
+
+    fn codes(len: usize) -> Vec<i32> {
+        (0..len as i64).map(|i| (i * i * 7919 % 16_777_213 - 8_388_607) as i32).collect()
+    }
+
+    fn stream(codes: &[i32], start: u64) -> Stream<10> {
+        let mut stream = Stream::starting_at(start);
+        codes.iter().for_each(|&code| stream.push(code));
+        stream
+    }
+
+    #[test]
+    fn is_the_allan_deviation_of_the_record() {
+        let codes = codes(1000);
+        let stream = stream(&codes, 0);
+        for octave in 0..9 {
+            let input = Input::Codes { codes: &codes, gaps: &[] };
+            let whole = deviations(&input, 1.0, Stat::Adev, &[1 << octave])[0].unwrap();
+            assert_eq!(stream.deviation(octave), Some(whole));
+        }
+        assert_eq!(stream.deviation(9), None);
+        assert_eq!(stream.deviation(10), None);
+    }
+
+    #[test]
+    fn any_two_cuts_merge_to_the_whole() {
+        let codes = codes(70);
+        for start in [0, 1, 5, 1022] {
+            let whole = stream(&codes, start);
+            for (a, b) in (0..=70).flat_map(|a| (a..=70).map(move |b| (a, b))) {
+                let mut first = stream(&codes[..a], start);
+                let mut second = stream(&codes[a..b], start + a as u64);
+                second.merge(&stream(&codes[b..], start + b as u64)).unwrap();
+                first.merge(&second).unwrap();
+                assert_eq!(first, whole, "cuts at {a} and {b} from {start}");
+            }
+        }
+    }
+
+    #[test]
+    fn only_neighbours_merge_and_memory_is_fixed() {
+        let apart = stream(&[1, 2], 0).merge(&stream(&[3], 3));
+        assert_eq!(apart, Err(NotAdjacent { expected: 2, found: 3 }));
+        assert!(size_of::<Stream<24>>() <= 24 * 48 + 16);
+    }
+}
