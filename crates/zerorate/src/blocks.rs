@@ -1,11 +1,12 @@
 //! What a measurement leaves behind: exact integer sums of codes in blocks of 0.1 s, one run of blocks for each step.
 
+use crate::block_means::{Adjacent, BLOCK_NS, BLOCK_S, adjacent};
 use crate::code_sum::CodeSum;
 use crate::health::{Flags, Judged};
-use crate::ledger::{Adjacent, BLOCK_NS, BLOCK_S, Ledger, Summary};
+use crate::ledger::{Ledger, Summary};
 use crate::part::Axis;
-use crate::procedure::{STATES, State};
-use crate::stationarity::{self, Verdict, adjacent};
+use crate::states::{STATES, State};
+use crate::stationarity::{self, Verdict};
 use crate::thermal;
 use alloc::vec::Vec;
 

@@ -1,7 +1,8 @@
 //! A correction applied to a stream of readings.
 
-use crate::correction::{Correction, Validity};
+use crate::correction::Correction;
 use crate::notice::Warning;
+use crate::validity::Validity;
 
 /// What is applied: a correction for each axis, in an array on a microcontroller, in a `Vec` elsewhere.
 #[derive(Clone, Copy, Debug, PartialEq)]

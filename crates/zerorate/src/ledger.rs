@@ -1,14 +1,10 @@
 //! What the procedure keeps of its samples, and what it asks of that.
 
+use crate::block_means::Adjacent;
 use crate::health::Judged;
 use crate::part::Axis;
-use crate::procedure::{STATES, State};
+use crate::states::{STATES, State};
 use crate::stationarity::Verdict;
-
-/// Length of a block, s. Long against the filter of the part (F-03, F-04), short against everything that drifts.
-pub(crate) const BLOCK_S: f64 = 0.1;
-/// The same, ns.
-pub(crate) const BLOCK_NS: u64 = 100_000_000;
 
 /// Keeps the samples of each step: all of them as sums over blocks ([`Blocks`](crate::blocks::Blocks)), or as much as
 /// fits into fixed memory ([`Running`](crate::running::Running)). Times count from the start of the procedure.
@@ -59,15 +55,4 @@ pub struct Summary {
     pub(crate) eighths: Adjacent,
     /// Lowest and highest block mean of the temperature, °C; the lowest above the highest where there is none.
     pub(crate) temp_range_c: (f64, f64),
-}
-
-/// How averages of so many blocks differ from one to the next.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Adjacent {
-    /// Blocks in an average.
-    pub(crate) m: usize,
-    /// Averages.
-    pub(crate) count: usize,
-    /// Half the mean square of their differences, the Allan variance.
-    pub(crate) variance: f64,
 }

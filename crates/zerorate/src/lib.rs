@@ -5,10 +5,13 @@ extern crate alloc;
 #[cfg(any(test, feature = "std"))]
 extern crate std;
 
+mod block_means;
 mod blocks;
 #[cfg(feature = "file")]
 pub mod calibration;
 pub mod chamber;
+#[cfg(feature = "file")]
+mod check_lines;
 mod checkup;
 mod code_sum;
 mod code_table;
@@ -36,33 +39,39 @@ mod remedy;
 pub mod resonance;
 mod running;
 mod shape;
+mod states;
 pub mod stationarity;
 mod tally;
 pub mod thermal;
 pub mod track;
+mod uncertainty;
+mod validity;
 
 #[cfg(feature = "file")]
 pub use calibration::Calibration;
 pub use checkup::{Checkup, Limits};
 pub use code_sum::CodeSum;
 pub use code_table::{CodeTable, RowIndex};
-pub use correction::{Correction, CorrectionF32, TableError, TableRow, Validity};
+pub use correction::{Correction, CorrectionF32, TableError, TableRow};
 pub use corrector::{Corrected, Corrector, CorrectorConfig};
-pub use estimate::{Measured, Noise, Outcome, Uncertainty, WindowWarnings};
+pub use estimate::{Measured, Noise, Outcome, WindowWarnings};
 pub use hour::{Deviation, Finding};
 pub use integer::{IntegerCorrection, IntegerError, IntegerForm};
 pub use integer_curve::{CurveError, CurveForm, IntegerCurve};
-pub use notice::{EARTH_DPS, Refusal, Warning};
+pub use notice::{Refusal, Warning};
 #[cfg(feature = "file")]
 pub use part::PartError;
 pub use part::{Axis, MAX_AXES, NamedAxis, NoiseSources, Part, Scale, SelfHeating, TypicalBias, TypicalNoise};
 pub use part_procedure::{AxisRefusal, PartProcedure};
-pub use plan::{Method, Plan, PlanError};
-pub use procedure::{Action, Event, FixedProcedure, Procedure, Progress, State};
+pub use plan::{EARTH_DPS, Method, Plan, PlanError};
+pub use procedure::{Action, Event, FixedProcedure, Procedure, Progress};
 pub use reading::{Reading, Scan};
 pub use recording::{Forecast, Reached};
 pub use remedy::{Names, Remedy, Said, Say, Setting};
+pub use states::State;
 pub use tally::Tally;
+pub use uncertainty::Uncertainty;
+pub use validity::Validity;
 
 /// What stands in the files that this software writes.
 pub const SOFTWARE: &str = concat!("zerorate ", env!("CARGO_PKG_VERSION"));

@@ -1,14 +1,13 @@
 //! What a measurement has to say beside its numbers: warnings, and the refusals that end it.
 
 use crate::hour::{Deviation, Finding};
-use crate::procedure::State;
+use crate::part::Tone;
+use crate::plan::EARTH_DPS;
 use crate::remedy::{Names, Remedy, Say, Setting, say_all};
-use crate::resonance::Tone;
+use crate::states::State;
+use crate::uncertainty::Uncertainty;
 use core::fmt;
 use zerorate_allan::codes;
-
-/// Rotation of the Earth, °/s, on an axis parallel to its own (F-16).
-pub const EARTH_DPS: f64 = 0.00418;
 
 /// The result stands, but there is something to know. `Display` says what was seen, why it matters and what to do,
 /// with the names of [`Plan`](crate::Plan) for settings; [`Say`] does so with others.
@@ -236,7 +235,7 @@ impl Warning {
                 f,
                 "the rate stepped by {size_dps:+.4} ± {:.4} °/s at {at_s:.0} s; the step is taken out and in the \
                  uncertainty, and the correction is that after it",
-                crate::estimate::Uncertainty::FACTOR * u_dps
+                Uncertainty::FACTOR * u_dps
             ),
             Self::SwayTaken { hz, size_dps } => write!(
                 f,

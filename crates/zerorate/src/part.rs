@@ -1,10 +1,9 @@
 //! What is true of one kind of gyroscope: a value that is handed in. [`Part::ADIS16130`] is built in; any other comes
 //! from a file ([`Part::parse`], `docs/formats/part.md`).
 
-use crate::correction::Validity;
 use crate::noise::NoiseModel;
-use crate::resonance::Tone;
 use alloc::borrow::Cow;
+use core::f64::consts::PI;
 use zerorate_allan::FLOOR_PER_B;
 
 #[cfg(feature = "file")]
@@ -16,6 +15,10 @@ pub(crate) use file::is_word;
 
 /// Most axes of a part: its readings take that much room.
 pub const MAX_AXES: usize = 8;
+
+/// How far a temperature may leave the span of a calibration where its noise is not known, °C: what ten times the noise
+/// of a single reading is for the ADIS16130 (M-05).
+pub(crate) const UNKNOWN_MARGIN_C: f64 = 0.5;
 
 /// A kind of gyroscope: its name and its axes, which share one temperature.
 #[derive(Clone, Debug, PartialEq)]
@@ -257,6 +260,47 @@ impl TypicalBias {
     }
 }
 
+/// A tone that the part adds to its rate, and how well its frequency is known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tone {
+    /// Its frequency, Hz.
+    pub hz: f64,
+    /// How far off it may be, Hz: half of the last digit that is printed.
+    pub tolerance_hz: f64,
+    /// Its rms before sampling, °/s.
+    pub rms_dps: f64,
+}
+
+impl Tone {
+    /// Where it appears, Hz: 0 … `rate_hz`/2.
+    ///
+    /// ```
+    /// let tone = zerorate::Axis::ADIS16130.resonance.expect("it is known");
+    /// assert!((tone.folded_hz(5692.6) - 2777.8).abs() < 0.1); // F-07
+    /// assert_eq!(tone.folded_hz(100.0), 0.0);
+    /// ```
+    #[must_use]
+    pub fn folded_hz(&self, rate_hz: f64) -> f64 {
+        let turns = self.hz / rate_hz;
+        (turns - libm::round(turns)).abs() * rate_hz
+    }
+
+    /// Below this it counts as near zero, Hz, for means over `average_s`: where averaging leaves more of it than of
+    /// the white noise of this density, and the tolerance. Where the tolerance is more than an eighth of the rate,
+    /// that eighth: such rates are too low to be sure of any.
+    #[must_use]
+    pub fn near_zero_hz(&self, rate_hz: f64, average_s: f64, white_dps_per_rt_hz: f64) -> f64 {
+        let averaged_hz = 2.0 * self.rms_dps / (PI * white_dps_per_rt_hz * libm::sqrt(average_s));
+        averaged_hz + self.tolerance_hz.min(rate_hz / 8.0)
+    }
+
+    /// Whether it looks like a bias among samples at `rate_hz`, in means over `average_s`.
+    #[must_use]
+    pub fn looks_like_bias(&self, rate_hz: f64, average_s: f64, white_dps_per_rt_hz: f64) -> bool {
+        rate_hz > 0.0 && self.folded_hz(rate_hz) < self.near_zero_hz(rate_hz, average_s, white_dps_per_rt_hz)
+    }
+}
+
 impl Axis {
     /// The ADIS16130 in 24 bit, at its own bandwidth. A 16-bit code counts as 256 of these (F-43).
     pub const ADIS16130: Self = Self {
@@ -289,7 +333,7 @@ impl Axis {
     /// [`Validity::MARGIN_C`](crate::Validity::MARGIN_C) where that is not known.
     #[must_use]
     pub fn temp_margin_c(&self) -> f64 {
-        self.temp_noise_c.map_or(Validity::MARGIN_C, |noise_c| 10.0 * noise_c)
+        self.temp_noise_c.map_or(UNKNOWN_MARGIN_C, |noise_c| 10.0 * noise_c)
     }
 
     /// The typical noise as a model; without one, no noise but what is measured.

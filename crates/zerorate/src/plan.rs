@@ -1,8 +1,10 @@
 //! How long the steps of the procedure take, and what is accepted.
 
-use crate::notice::EARTH_DPS;
 use crate::remedy::{Names, Say, Setting};
 use core::fmt;
+
+/// Rotation of the Earth, °/s, on an axis parallel to its own (F-16).
+pub const EARTH_DPS: f64 = 0.00418;
 
 /// How the bias over temperature is found.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -1,20 +1,21 @@
 //! From one recording of a part at rest to the bias over temperature: what stands out is looked for, and all blocks go
 //! into one estimate ([`thermal`](crate::thermal)).
 
-use crate::blocks::{Blocks, Second};
-use crate::estimate::{Evidence, Noise, Outcome, Uncertainty};
-use crate::hour::{self, Deviation, Finding, Findings, Question};
 #[cfg(feature = "std")]
-use crate::ledger::BLOCK_S;
+use crate::block_means::BLOCK_S;
+use crate::blocks::{Blocks, Second};
+use crate::estimate::{Evidence, Noise, Outcome};
+use crate::hour::{self, Deviation, Finding, Findings, Question};
 use crate::ledger::{Ledger, Summary};
 use crate::legs::covered_c;
 use crate::noise::{NoiseModel, Window};
 use crate::notice::{Refusal, Warning};
 use crate::part::{Axis, SelfHeating};
 use crate::plan::{Method, Plan};
-use crate::procedure::State;
+use crate::states::State;
 use crate::stationarity;
 use crate::thermal::{self, Assumed, BiasCurve, Block, Sway};
+use crate::uncertainty::Uncertainty;
 use alloc::vec::Vec;
 #[cfg(feature = "std")]
 use zerorate_allan::{self as allan, FitOptions, Input, Term};
@@ -122,7 +123,7 @@ pub(crate) fn outcome(seen: &Evidence<'_>, ledger: &Blocks) -> Result<Outcome, R
     Ok(Outcome {
         means: None,
         correction: curve.correction,
-        uncertainty: Uncertainty::of_curve(&curve),
+        uncertainty: uncertainty_of(&curve),
         noise: Noise::of_curve(&curve),
         rdy_hz: tally.rdy_hz(),
         rate_hz: tally.rate_hz(),
@@ -265,6 +266,24 @@ fn curve(
         t3_c,
     };
     thermal::fit(&blocks(seconds), &assumed).map_err(|_| too_few(summary.samples))
+}
+
+/// What a curve says of PBC and BTC alone; nothing was measured of the rest, and it is zero.
+fn uncertainty_of(curve: &BiasCurve) -> Uncertainty {
+    let covariance = &curve.covariance;
+    Uncertainty {
+        u_b1_dps: 0.0,
+        u_b2_dps: 0.0,
+        u_t1_c: 0.0,
+        u_t2_c: 0.0,
+        u_pbc_dps: libm::sqrt(covariance[0][0]),
+        u_btc_dps_per_c: curve.u_btc_dps_per_c(),
+        u_curvature_dps_per_c: 0.0,
+        u_t3_c: 0.0,
+        cov_pbc_btc: covariance[0][1],
+        cov_pbc_t3: 0.0,
+        drift_dps: 0.0,
+    }
 }
 
 /// T3: the mean temperature of the last second, as in step 9 of F-51.

@@ -7,48 +7,8 @@
 
 use crate::notice::Warning;
 use crate::part::Axis;
-use core::f64::consts::PI;
 
-/// A tone that the part adds to its rate, and how well its frequency is known.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Tone {
-    /// Its frequency, Hz.
-    pub hz: f64,
-    /// How far off it may be, Hz: half of the last digit that is printed.
-    pub tolerance_hz: f64,
-    /// Its rms before sampling, °/s.
-    pub rms_dps: f64,
-}
-
-impl Tone {
-    /// Where it appears, Hz: 0 … `rate_hz`/2.
-    ///
-    /// ```
-    /// let tone = zerorate::Axis::ADIS16130.resonance.expect("it is known");
-    /// assert!((tone.folded_hz(5692.6) - 2777.8).abs() < 0.1); // F-07
-    /// assert_eq!(tone.folded_hz(100.0), 0.0);
-    /// ```
-    #[must_use]
-    pub fn folded_hz(&self, rate_hz: f64) -> f64 {
-        let turns = self.hz / rate_hz;
-        (turns - libm::round(turns)).abs() * rate_hz
-    }
-
-    /// Below this it counts as near zero, Hz, for means over `average_s`: where averaging leaves more of it than of
-    /// the white noise of this density, and the tolerance. Where the tolerance is more than an eighth of the rate,
-    /// that eighth: such rates are too low to be sure of any.
-    #[must_use]
-    pub fn near_zero_hz(&self, rate_hz: f64, average_s: f64, white_dps_per_rt_hz: f64) -> f64 {
-        let averaged_hz = 2.0 * self.rms_dps / (PI * white_dps_per_rt_hz * libm::sqrt(average_s));
-        averaged_hz + self.tolerance_hz.min(rate_hz / 8.0)
-    }
-
-    /// Whether it looks like a bias among samples at `rate_hz`, in means over `average_s`.
-    #[must_use]
-    pub fn looks_like_bias(&self, rate_hz: f64, average_s: f64, white_dps_per_rt_hz: f64) -> bool {
-        rate_hz > 0.0 && self.folded_hz(rate_hz) < self.near_zero_hz(rate_hz, average_s, white_dps_per_rt_hz)
-    }
-}
+pub use crate::part::Tone;
 
 /// What to say of samples that come at `rate_hz`, as measured, where every `divider`-th edge of data ready is read, in
 /// means over `average_s`. Nothing of a part whose resonance or noise is not known.

@@ -1,10 +1,11 @@
 //! The procedure's samples in fixed memory: sums and running Allan variances instead of blocks.
 
+use crate::block_means::{Adjacent, BLOCK_NS};
 use crate::code_sum::CodeSum;
 use crate::health::{Flags, Judged};
-use crate::ledger::{Adjacent, BLOCK_NS, Ledger, Summary};
+use crate::ledger::{Ledger, Summary};
 use crate::part::Axis;
-use crate::procedure::{STATES, State};
+use crate::states::{STATES, State};
 use crate::stationarity::{self, Verdict};
 
 /// Averaging times of the test for rest: 2, 4, … 2¹⁴ blocks. A window longer than 1.8 h is not tested at longer ones.

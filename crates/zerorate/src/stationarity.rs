@@ -1,7 +1,7 @@
 //! Was the part at rest? Block means are held against the noise floor, at averaging times from a block to a quarter of
 //! the window.
 
-use crate::ledger::{Adjacent, BLOCK_S};
+use crate::block_means::{Adjacent, BLOCK_S, adjacent};
 use crate::noise::NoiseModel;
 use crate::part::Axis;
 use crate::thermal::{self, Block};
@@ -100,13 +100,6 @@ pub(crate) fn judge_without_temperature(axis: &Axis, blocks: &[Block]) -> Verdic
 /// One-sided white noise density from adjacent blocks, °/s/√Hz: their differences have the variance d²/τ.
 pub(crate) fn white_density(blocks: Adjacent) -> f64 {
     libm::sqrt(2.0 * BLOCK_S * blocks.variance)
-}
-
-/// Non-overlapping averages of `m` values, and their Allan variance; that is zero where there are not two of them.
-pub(crate) fn adjacent(values: &[f64], m: usize) -> Adjacent {
-    let means: Vec<f64> = values.chunks_exact(m).map(|chunk| chunk.iter().sum::<f64>() / m as f64).collect();
-    let squares: f64 = means.windows(2).map(|pair| (pair[1] - pair[0]) * (pair[1] - pair[0])).sum();
-    Adjacent { m, count: means.len(), variance: squares / (2.0 * (means.len().max(2) - 1) as f64) }
 }
 
 /// Factor by which an Allan variance of `pairs` adjacent differences may exceed its expectation at the normal quantile

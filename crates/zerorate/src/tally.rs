@@ -1,8 +1,8 @@
 //! Counts over a run of samples.
 
 use crate::notice::Refusal;
-use crate::procedure::State;
 use crate::reading::Reading;
+use crate::states::State;
 
 /// How many samples came, how many were lost, and how fast they were.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -1,10 +1,10 @@
 //! The calibration as a TOML file.
 
-use super::check::{self, Damage};
 use super::form::Form;
 use super::limits::Inspected;
 use super::places::{Place, Places};
 use super::{Calibration, SCHEMA};
+use crate::check_lines::{self, Damage};
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 use core::fmt;
@@ -99,11 +99,11 @@ impl Calibration {
     /// ```
     pub fn parse(text: &str) -> Result<(Self, Vec<FileWarning>), FileError> {
         refuse_newer(text)?;
-        let checked = check::verify(text).map_err(|damage| match damage {
+        let checked = check_lines::verify(text).map_err(|damage| match damage {
             Damage::Changed { line } => FileError::Edited { line },
             Damage::EndsEarly { line } => FileError::Truncated { line },
         })?;
-        let fields = check::without_checks(text);
+        let fields = check_lines::without_checks(text);
         let places = Places::new(&fields).map_err(|error| syntax(&fields, None, &error))?;
         let form: Form = toml::from_str(&fields).map_err(|error| syntax(&fields, Some(&places), &error))?;
         Inspected { form: &form, places: &places }.check()?;
@@ -116,7 +116,7 @@ impl Calibration {
         // a struct of numbers, strings and tables always has a TOML form
         let fields = toml::to_string(self).unwrap_or_default();
         let body = [HEADER, &fields].concat();
-        [HEADER, &check::lines_for(&body), &fields].concat()
+        [HEADER, &check_lines::lines_for(&body), &fields].concat()
     }
 }
 

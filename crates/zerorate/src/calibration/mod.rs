@@ -5,7 +5,6 @@
 //! read and write it.
 
 mod chamber;
-pub(crate) mod check;
 mod file;
 mod form;
 mod limits;
@@ -14,6 +13,7 @@ mod places;
 pub use chamber::ChamberRun;
 pub use file::{FileError, FileWarning};
 
+use crate::check_lines::sha256_hex;
 use crate::estimate::{Measured, Noise};
 use crate::noise::FLICKER_CUTOFF_HZ;
 use crate::part::{NamedAxis, Part, Scale};
@@ -242,7 +242,7 @@ impl Calibration {
                 content += &alloc::format!("|{btc2_dps_per_c2:?}|{btc3_dps_per_c3:?}");
             }
         }
-        check::sha256_hex(&content)[..12].to_string()
+        sha256_hex(&content)[..12].to_string()
     }
 }
 

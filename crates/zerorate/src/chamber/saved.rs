@@ -2,7 +2,7 @@
 
 use super::file::{MAX_STEPS, TO_C};
 use super::record::{Record, Soak};
-use crate::calibration::check::{self, Damage, sha256_hex};
+use crate::check_lines::{self, Damage, sha256_hex};
 use crate::part::{Part, Scale};
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
@@ -144,11 +144,11 @@ impl Saved {
     /// # Errors
     /// Why not.
     pub fn parse(text: &str, plan_text: &str, part: &Part, device: &str, serial: &str) -> Result<Self, SavedError> {
-        let is_checked = check::verify(text).map_err(|damage| match damage {
+        let is_checked = check_lines::verify(text).map_err(|damage| match damage {
             Damage::Changed { line } => SavedError::Edited { line },
             Damage::EndsEarly { line } => SavedError::Truncated { line },
         })?;
-        let fields = check::without_checks(text);
+        let fields = check_lines::without_checks(text);
         let form: Form = toml::from_str(&fields).map_err(|error| SavedError::Syntax(syntax(&fields, &error)))?;
         if !is_checked {
             return Err(SavedError::Unchecked);
@@ -181,7 +181,7 @@ impl Saved {
 /// The text of these fields, with the check lines of a calibration.
 fn checked(fields: &str) -> String {
     let body = [HEADER, fields].concat();
-    [HEADER, &check::lines_for(&body), fields].concat()
+    [HEADER, &check_lines::lines_for(&body), fields].concat()
 }
 
 /// The values that the codes of a scale stand for.

@@ -1,7 +1,6 @@
 //! A [`Part`] from a file (`docs/formats/part.md`).
 
-use super::{Axis, MAX_AXES, NamedAxis, NoiseSources, Part, Scale, SelfHeating, TypicalBias, TypicalNoise};
-use crate::resonance::Tone;
+use super::{Axis, MAX_AXES, NamedAxis, NoiseSources, Part, Scale, SelfHeating, Tone, TypicalBias, TypicalNoise};
 use alloc::borrow::Cow;
 use alloc::format;
 use alloc::string::String;

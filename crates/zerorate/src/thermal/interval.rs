@@ -12,7 +12,7 @@ pub(super) struct Peak {
 
 /// Half widths, in standard uncertainties, at which a stated interval is relied upon: 95 %, 99.73 % and 99.994 % of a
 /// normal distribution.
-const RELIED_ON: [f64; 3] = [crate::estimate::Uncertainty::FACTOR, 3.0, 4.0];
+const RELIED_ON: [f64; 3] = [crate::uncertainty::Uncertainty::FACTOR, 3.0, 4.0];
 /// Halvings of a bracket, after which it is narrower than any rounding that matters.
 const HALVINGS: u32 = 40;
 

@@ -1,8 +1,8 @@
 //! The state of a tracker as a TOML file, with the check lines of a calibration; specified in `docs/tracking.md`.
 
 use super::{COVARIANCES, Counts, Filter, Prior, STATES, Saved, TrackerConfig};
-use crate::calibration::check::{self, Damage};
 use crate::calibration::{CalibratedAxis, Calibration, CurveRecord};
+use crate::check_lines::{self, Damage};
 use crate::noise::NoiseModel;
 use crate::part::Axis;
 use alloc::string::{String, ToString};
@@ -117,11 +117,11 @@ impl TrackFile {
     /// # Errors
     /// What is wrong, with the line.
     pub fn parse(text: &str) -> Result<Self, TrackFileError> {
-        let checked = check::verify(text).map_err(|damage| match damage {
+        let checked = check_lines::verify(text).map_err(|damage| match damage {
             Damage::Changed { line } => TrackFileError::Edited { line },
             Damage::EndsEarly { line } => TrackFileError::Truncated { line },
         })?;
-        let fields = check::without_checks(text);
+        let fields = check_lines::without_checks(text);
         let file: Self = toml::from_str(&fields).map_err(|error| TrackFileError::Syntax {
             line: line_of(&fields, error.span().map_or(0, |span| span.start)),
             message: error.message().to_string(),
@@ -139,7 +139,7 @@ impl TrackFile {
         // a struct of numbers, strings and arrays always has a TOML form
         let fields = toml::to_string(self).unwrap_or_default();
         let body = [HEADER, &fields].concat();
-        [HEADER, &check::lines_for(&body), &fields].concat()
+        [HEADER, &check_lines::lines_for(&body), &fields].concat()
     }
 
     /// What it says of an axis, if it is a state of that calibration.

@@ -1,5 +1,5 @@
-//! The two check lines of a calibration file: a digest of everything else, and two bytes of a digest for each, so that
-//! a changed line can be named.
+//! The two check lines of a file: a digest of everything else, and two bytes of a digest for each, so that a changed
+//! line can be named.
 
 use alloc::format;
 use alloc::string::String;

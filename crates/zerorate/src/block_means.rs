@@ -1,0 +1,26 @@
+//! Means over blocks of 0.1 s, and how they differ from one to the next.
+
+use alloc::vec::Vec;
+
+/// Length of a block, s. Long against the filter of the part (F-03, F-04), short against everything that drifts.
+pub(crate) const BLOCK_S: f64 = 0.1;
+/// The same, ns.
+pub(crate) const BLOCK_NS: u64 = 100_000_000;
+
+/// How averages of so many blocks differ from one to the next.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Adjacent {
+    /// Blocks in an average.
+    pub(crate) m: usize,
+    /// Averages.
+    pub(crate) count: usize,
+    /// Half the mean square of their differences, the Allan variance.
+    pub(crate) variance: f64,
+}
+
+/// Non-overlapping averages of `m` values, and their Allan variance; that is zero where there are not two of them.
+pub(crate) fn adjacent(values: &[f64], m: usize) -> Adjacent {
+    let means: Vec<f64> = values.chunks_exact(m).map(|chunk| chunk.iter().sum::<f64>() / m as f64).collect();
+    let squares: f64 = means.windows(2).map(|pair| (pair[1] - pair[0]) * (pair[1] - pair[0])).sum();
+    Adjacent { m, count: means.len(), variance: squares / (2.0 * (means.len().max(2) - 1) as f64) }
+}
