@@ -1,7 +1,7 @@
 //! Lines of the Linux GPIO character device: the edges of RDY, and outputs to the self-test pins.
 
+use crate::edges::Edges;
 use crate::error::{Cause, Told};
-use crate::live::Edges;
 use crate::pin::PinError;
 use adis16130::{Edge, RdyEdge};
 use anyhow::{Context, Result};

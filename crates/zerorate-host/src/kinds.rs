@@ -1,5 +1,6 @@
 //! The kinds of devices, and their addresses.
 
+use crate::address::{Address, Parsed};
 use crate::bridge::BridgeAddress;
 use crate::replay::ReplayAddress;
 use crate::source::{Setup, Source};
@@ -23,9 +24,6 @@ pub struct Kind {
     parse: fn(&str) -> Parsed,
 }
 
-/// An address, or what is wrong with it.
-pub(crate) type Parsed = Result<Arc<dyn Address>, String>;
-
 /// All that there are. A new kind is a file with its address and its source, and a row in here.
 pub const KINDS: &[Kind] = &[
     Kind { name: "twin", form: "twin:, twin:KEY=VALUE,…", parse: TwinAddress::parse },
@@ -47,22 +45,6 @@ fn only_linux(_: &str) -> Parsed {
     Err("spi: and iio: devices are read through the kernel of Linux; on this system use bridge:, tcp:, twin: or \
         replay:"
         .to_owned())
-}
-
-/// What follows the colon, understood.
-pub(crate) trait Address: fmt::Debug + Send + Sync {
-    /// Opens the device that was called `name`; sends nothing to the part yet. `stop` ends whatever takes long.
-    fn open(&self, name: &str, setup: &Setup, stop: &Stop) -> Result<Box<dyn Source>>;
-
-    /// The file that is read, where it is a recording.
-    fn file(&self) -> Option<&Path> {
-        None
-    }
-
-    /// Whether it takes the air of its [`Setup`].
-    fn is_simulated(&self) -> bool {
-        false
-    }
 }
 
 /// What `--device` names.

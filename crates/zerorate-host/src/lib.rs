@@ -5,9 +5,11 @@
 
 #![deny(clippy::print_stderr, clippy::print_stdout, reason = "what there is to say comes as values")]
 
+mod address;
 mod bridge;
 mod chamber;
 pub mod clock;
+mod edges;
 mod error;
 pub mod files;
 #[cfg(target_os = "linux")]
@@ -30,6 +32,7 @@ mod stop;
 #[cfg(all(test, target_os = "linux"))]
 mod tests;
 mod twin;
+mod wire;
 
 pub use chamber::{Air, Apart, Chamber, ChamberSpec, DIALECTS, Dialect, ENDING_S, Lead, Left, SimulatedChamber};
 pub use error::{Cause, DeviceError};

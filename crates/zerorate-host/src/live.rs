@@ -1,33 +1,19 @@
 //! A part that is read as it converts: the driver, and a source of edges of its data-ready line.
 
 use crate::Stop;
+use crate::edges::Edges;
 use crate::error::{Cause, Told};
 use crate::pin::{Pause, Ready};
 use crate::source::Registers;
 use adis16130::blocking::Adis16130;
 use adis16130::{
-    Config, Edge, Fault, MAX_SCLK_HZ, RdyEdge, Sample, SampleError, Sampler, SamplerConfig, SelfTest, SelfTestPlan,
+    Config, Fault, MAX_SCLK_HZ, RdyEdge, Sample, SampleError, Sampler, SamplerConfig, SelfTest, SelfTestPlan,
 };
 use anyhow::{Result, ensure};
 use embedded_hal::digital::OutputPin;
 use embedded_hal::spi::SpiDevice;
 use std::cell::RefCell;
 use std::fmt::Debug;
-use std::time::Duration;
-
-/// Where edges of data ready come from.
-pub trait Edges {
-    /// The newest edge not handed out yet, or else the next; `None` if none comes within so many ns.
-    fn next(&mut self, timeout_ns: u64) -> Result<Option<Edge>>;
-
-    /// The time in words, for messages.
-    fn now(&self) -> String;
-
-    /// Lets so many ns pass.
-    fn pause(&mut self, ns: u64) {
-        std::thread::sleep(Duration::from_nanos(ns));
-    }
-}
 
 /// The driver with its edges and the count of what was lost.
 pub struct Live<S, E> {

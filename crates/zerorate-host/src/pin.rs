@@ -1,7 +1,7 @@
 //! The pins that the driver's self-test wants, of a part whose edges come by themselves.
 
 use crate::Stop;
-use crate::live::Edges;
+use crate::edges::Edges;
 use embedded_hal::delay::DelayNs;
 use embedded_hal::digital::{Error, ErrorKind, ErrorType, InputPin};
 use std::cell::RefCell;

@@ -1,7 +1,7 @@
 //! A recording in place of a part.
 
+use crate::address::{Address, Parsed};
 use crate::error::Told;
-use crate::kinds::{Address, Parsed};
 use crate::source::{Facts, Sampling, Setup, Source, nominal_rate_hz, part_of};
 use crate::{Result, Stop, files};
 use adis16130::MCLK_HZ;

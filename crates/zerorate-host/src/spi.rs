@@ -1,9 +1,9 @@
 //! The part on a Linux SPI bus.
 
 use crate::Stop;
+use crate::address::{Address, Parsed};
 use crate::error::{Cause, Told};
 use crate::gpio::{GpioEdges, GpioOutput, errno};
-use crate::kinds::{Address, Parsed};
 use crate::live::Live;
 use crate::options::{
     DEFAULT_HZ, MCLK_RANGE_HZ, PART_OPTIONS, PartOptions, SLOWEST_HZ, gpio_line, number, split, without_bandwidth,

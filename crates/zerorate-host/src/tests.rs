@@ -1,9 +1,10 @@
 //! Addresses of devices.
 
-use crate::bridge::{BridgeAddress, Port};
+use crate::bridge::BridgeAddress;
 use crate::iio::IioAddress;
 use crate::options::PartOptions;
 use crate::spi::SpiAddress;
+use crate::wire::Port;
 use crate::{DeviceSpec, KINDS, Setup, Stop};
 use adis16130::{Config, ConversionTime, Framing, RdyEdge, Width};
 

@@ -1,9 +1,10 @@
 //! The simulated part, in this process and on simulated time.
 
+use crate::address::{Address, Parsed};
 use crate::chamber::Follower;
+use crate::edges::Edges;
 use crate::error::Told;
-use crate::kinds::{Address, Parsed};
-use crate::live::{Edges, Live};
+use crate::live::Live;
 use crate::options::PartOptions;
 use crate::source::{Facts, Registers, Setup, Source, part_of};
 use crate::{Result, Stop};

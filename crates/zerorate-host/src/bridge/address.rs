@@ -2,11 +2,12 @@
 
 use super::BridgePart;
 use crate::Stop;
-use crate::kinds::{Address, Parsed};
+use crate::address::{Address, Parsed};
 use crate::options::{
     DEFAULT_HZ, MCLK_RANGE_HZ, PART_OPTIONS, PartOptions, SLOWEST_HZ, number, split, without_bandwidth,
 };
 use crate::source::{Setup, Source};
+use crate::wire::Port;
 use adis16130::{MAX_SCLK_HZ, MCLK_HZ};
 use std::fmt;
 use std::ops::RangeInclusive;
@@ -25,20 +26,6 @@ pub struct BridgeAddress {
     pub mclk_hz: u32,
     /// −3 dB of the rate, Hz, where it is not the part's own (F-04).
     pub bandwidth_hz: Option<f64>,
-}
-
-/// Where a bridge is.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Port {
-    /// At a serial port; USB ignores the baud rate.
-    Serial {
-        /// Its file, or its name on systems where ports are no files.
-        path: String,
-        /// Of a UART.
-        baud: u32,
-    },
-    /// At HOST:PORT.
-    Tcp(String),
 }
 
 impl fmt::Display for BridgeAddress {

@@ -1,6 +1,6 @@
 //! Requests, answers and samples over a wire.
 
-use super::wire::Wire;
+use crate::wire::Wire;
 use adis16130::Edge;
 use adis16130::bridge::{Answer, Ask, Decoder, MAX_FRAME, Message, Refusal, Request, WireSample, encode};
 use embedded_hal::spi::ErrorKind;

@@ -3,17 +3,16 @@
 mod address;
 mod link;
 mod progress;
-mod wire;
 
 use crate::Stop;
+use crate::edges::Edges;
 use crate::error::{Cause, Told};
-use crate::live::{Edges, Live};
+use crate::live::Live;
 use crate::pin::PinError;
 use crate::reader::{Reader, WhenFull};
 use crate::source::{Bus, Facts, Losses, Registers, Setup, Source};
+use crate::wire::Wire;
 pub use address::BridgeAddress;
-#[cfg(test)]
-pub use address::Port;
 use adis16130::bridge::{Ask, Continuity, PROTOCOL, Refusal, Settings};
 use adis16130::{Edge, Sample, SamplerConfig, SelfTest};
 use anyhow::{Context, Result, anyhow, bail, ensure};
@@ -23,8 +22,6 @@ use link::{Heard, Link, LinkError, Reply};
 use progress::Progress;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
-pub(crate) use wire::Wire;
-
 use zerorate_data::capture::Row;
 
 /// The part, and the thread that takes its samples once the first was asked for.

@@ -1,9 +1,9 @@
 //! Chambers that take lines of text over TCP or a serial port.
 
 use super::{Chamber, Left, name_and_options, patience};
-use crate::bridge::Wire;
 use crate::error::{Cause, Told};
 use crate::options::number;
+use crate::wire::Wire;
 use crate::{DeviceError, Result, Stop};
 use anyhow::Context;
 use std::collections::VecDeque;

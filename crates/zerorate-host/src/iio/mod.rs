@@ -9,8 +9,8 @@ mod generic;
 mod sysfs;
 
 use crate::Stop;
+use crate::address::{Address, Parsed};
 use crate::error::{Cause, Told};
-use crate::kinds::{Address, Parsed};
 use crate::options::{number, split, without_bandwidth};
 use crate::source::{Setup, Source};
 use std::ops::RangeInclusive;

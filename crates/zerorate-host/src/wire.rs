@@ -1,6 +1,5 @@
 //! What carries the bytes: a serial port (USB CDC, UART) or a TCP connection.
 
-use super::address::Port;
 use anyhow::{Context, Result};
 use serialport::SerialPort;
 use std::collections::VecDeque;
@@ -10,6 +9,20 @@ use std::time::Duration;
 
 /// A connection takes no longer to be made, and a request no longer to be sent.
 const PATIENCE: Duration = Duration::from_secs(3);
+
+/// Where the other end is.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Port {
+    /// At a serial port; USB ignores the baud rate.
+    Serial {
+        /// Its file, or its name on systems where ports are no files.
+        path: String,
+        /// Of a UART.
+        baud: u32,
+    },
+    /// At HOST:PORT.
+    Tcp(String),
+}
 
 /// Bytes both ways.
 pub enum Wire {

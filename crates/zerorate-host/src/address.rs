@@ -1,0 +1,26 @@
+//! What every kind of address gives.
+
+use crate::source::{Setup, Source};
+use crate::{Result, Stop};
+use std::fmt;
+use std::path::Path;
+use std::sync::Arc;
+
+/// What follows the colon, understood.
+pub(crate) trait Address: fmt::Debug + Send + Sync {
+    /// Opens the device that was called `name`; sends nothing to the part yet. `stop` ends whatever takes long.
+    fn open(&self, name: &str, setup: &Setup, stop: &Stop) -> Result<Box<dyn Source>>;
+
+    /// The file that is read, where it is a recording.
+    fn file(&self) -> Option<&Path> {
+        None
+    }
+
+    /// Whether it takes the air of its [`Setup`].
+    fn is_simulated(&self) -> bool {
+        false
+    }
+}
+
+/// An address, or what is wrong with it.
+pub(crate) type Parsed = Result<Arc<dyn Address>, String>;
