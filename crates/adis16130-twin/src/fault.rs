@@ -1,6 +1,6 @@
 //! Faults of the wiring and of the part, at a stated time or on demand.
 
-use crate::gyro::normal::{Process, Uniform};
+use crate::normal::{Process, Uniform};
 
 /// Bit error rate of [`Fault::BitErrors`] when the specification names none.
 pub const DEFAULT_BIT_ERROR_RATE: f64 = 1e-6;

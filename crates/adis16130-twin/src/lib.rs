@@ -10,6 +10,7 @@ mod fault;
 mod gyro;
 mod keys;
 mod means;
+mod normal;
 mod part;
 mod pins;
 mod registers;

@@ -1,7 +1,7 @@
 //! A unit seen through averages alone: hundreds of hours in the time that converter and bus take for one.
 
-use crate::gyro::normal::{Layers, Normal, Process};
 use crate::gyro::slow::Slow;
+use crate::normal::{Layers, Normal, Process};
 use crate::spec::{Motion, Spec};
 use crate::truth::Truth;
 use alloc::rc::Rc;

@@ -2,7 +2,7 @@
 
 use crate::facts;
 use crate::fault::Fault;
-use crate::gyro::normal::{Normal, Process};
+use crate::normal::{Normal, Process};
 
 /// Ambient temperature over time.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]

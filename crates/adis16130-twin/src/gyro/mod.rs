@@ -2,15 +2,14 @@
 
 pub(crate) mod motion;
 pub(crate) mod noise;
-pub(crate) mod normal;
 pub(crate) mod slow;
 pub(crate) mod thermal;
 
 use crate::facts;
+use crate::normal::{Layers, Normal, Process};
 use crate::spec::Spec;
 use alloc::rc::Rc;
 use noise::{Resonance, White};
-use normal::{Layers, Normal, Process};
 use slow::Slow;
 
 /// The analog side, sampled at the conversion instants.

@@ -1,8 +1,8 @@
 //! The fast noise of the rate channel (white through two poles, the resonance) and the slow one (flicker, random
 //! walk).
 
-use super::normal::{Layers, Normal, Process};
 use crate::facts;
+use crate::normal::{Layers, Normal, Process};
 use crate::spec::{Roa, Spec};
 use alloc::rc::Rc;
 use alloc::vec::Vec;

@@ -2,9 +2,9 @@
 
 use super::motion::Platform;
 use super::noise::{Flicker, RandomWalk};
-use super::normal::Layers;
 use super::thermal::{TemperatureBias, Thermal};
 use crate::facts;
+use crate::normal::Layers;
 use crate::spec::Spec;
 use alloc::rc::Rc;
 

@@ -1,8 +1,8 @@
 //! Temperatures: ambient, self-heating, the sensing element's lag; and the temperature part of the bias.
 
 use super::noise::OrnsteinUhlenbeck;
-use super::normal::{Layers, Normal, Process};
 use crate::facts;
+use crate::normal::{Layers, Normal, Process};
 use crate::spec::{Profile, Spec};
 use alloc::rc::Rc;
 
