@@ -17,6 +17,7 @@ mod note;
 pub mod plain;
 mod row_reader;
 mod survive;
+mod unit;
 
 pub use capture::CaptureError;
 pub use column::LogError;

@@ -3,7 +3,7 @@
 
 use super::CaptureError;
 use super::row::Row;
-use crate::column::{Quantity, Unit};
+use crate::unit::{Quantity, Unit};
 use adis16130::{ChannelStatus, RATE_LSB_PER_DPS, TEMP_LSB_PER_C, Width};
 use arrow_schema::{DataType, Field, Metadata};
 use std::fmt::Display;

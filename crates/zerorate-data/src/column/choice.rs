@@ -1,7 +1,7 @@
 //! Which of a file's columns are meant.
 
-use super::unit::{Quantity, TimeUnit, Unit, is_celsius};
 use super::{ColumnOptions, LogError, Names, Result, Setting};
+use crate::unit::{Quantity, TimeUnit, Unit, is_celsius};
 use std::path::Path;
 
 /// Columns that a message lists.

@@ -1,8 +1,8 @@
 //! The time column of a log: how fast it was sampled, and where samples are missing.
 
 use super::series::{join, missing_in};
-use super::unit::TimeUnit;
 use super::{Gap, Names, Setting};
+use crate::unit::TimeUnit;
 
 /// Root mean square of what is between a timestamp and an even clock, in sampling intervals, from which it is said.
 const SAID_JITTER: f64 = 0.1;

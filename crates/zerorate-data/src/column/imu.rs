@@ -4,11 +4,11 @@
 use super::clock::Times;
 use super::series::SeriesBuilder;
 use super::topics::Survey;
-use super::unit::{Quantity, TimeUnit, Unit};
 use super::{Asked, Clock, ColumnOptions, Found, FoundColumn, LogError, Names, Result, Setting, Wanted, wrong};
 use crate::Note;
 use crate::capture::CaptureError;
 use crate::limits::Room;
+use crate::unit::{Quantity, TimeUnit, Unit};
 use std::collections::BTreeSet;
 use std::path::Path;
 

@@ -41,9 +41,9 @@ pub(crate) mod tests;
 mod text;
 mod topics;
 mod ulog;
-mod unit;
 mod wide;
 
+pub use crate::unit::{Quantity, STANDARD_GRAVITY, TimeUnit, Unit};
 pub use choice::{Described, Wanted};
 pub use open::kind;
 pub use part_log::PartLog;
@@ -51,7 +51,6 @@ pub use parts::{Parts, read_parts};
 pub use raw::RawType;
 pub use series::Series;
 pub use setting::{Names, Setting};
-pub use unit::{Quantity, STANDARD_GRAVITY, TimeUnit, Unit};
 
 use crate::Input;
 use crate::Note;

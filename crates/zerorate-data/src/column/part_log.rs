@@ -3,9 +3,9 @@
 
 use super::choice::Described;
 use super::clock::Beat;
-use super::unit::Quantity;
 use super::{Clock, ColumnOptions, Found, FoundColumn, Gap, LogError, Result, Wanted, find};
 use crate::capture::{CaptureInfo, Layout, Row};
+use crate::unit::Quantity;
 use crate::{Input, Note};
 use std::path::Path;
 use zerorate::{MAX_AXES, Part, Scale};

@@ -1,10 +1,10 @@
 //! How a text starts: what was printed before the data, a header of one line or two, and how its rows are cut.
 
 use super::super::number::{Number, Numerals};
-use super::super::unit::{TimeUnit, Unit};
 use super::super::{ColumnOptions, Decimal, LogError, Result, Setting};
 use crate::capture::CaptureError;
 use crate::capture::delimited::Delimiter;
+use crate::unit::{TimeUnit, Unit};
 use std::path::Path;
 
 /// Lines that are looked at: more than what a board prints while it starts.
