@@ -1,9 +1,10 @@
 //! Samples of a device as the commands take them: one after the other, all of them, counted and judged.
 
-use crate::cli::DeviceArgs;
-use crate::commands::{coded, warn};
+use crate::device::DeviceArgs;
 use crate::interrupt;
 use crate::judged::JudgedAxis;
+use crate::output::warn;
+use crate::wording::coded;
 use adis16130::SelfTest;
 use adis16130_twin::Truth;
 use anyhow::Result;

@@ -5,7 +5,7 @@
 #![deny(
     clippy::print_stderr,
     clippy::print_stdout,
-    reason = "they panic where a stream is full or closed: output::say, commands::print"
+    reason = "they panic where a stream is full or closed: output::say, output::print"
 )]
 
 mod acquire;
@@ -15,6 +15,8 @@ mod column;
 mod commands;
 #[cfg(target_os = "linux")]
 mod confined;
+mod connection;
+mod device;
 mod exit;
 #[cfg(test)]
 #[expect(clippy::print_stderr, reason = "its replay is for whoever runs the tests")]
@@ -30,6 +32,7 @@ mod recorder;
 mod serve;
 #[cfg(unix)]
 mod twin_usb;
+mod wording;
 
 use clap::Parser;
 use std::ffi::OsString;
@@ -58,7 +61,7 @@ pub fn main_confined(args: impl IntoIterator<Item = OsString>) -> ExitCode {
 }
 
 fn run(cli: &cli::Cli) -> ExitCode {
-    let ended = interrupt::handle().and_then(|()| commands::run(cli));
+    let ended = interrupt::handle().and_then(|()| cli.run());
     last_word::say_after(|| match ended {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => exit::report(&error),

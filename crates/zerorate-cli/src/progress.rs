@@ -1,7 +1,7 @@
 //! The progress bar on stderr: the step in words, how far, how long it still takes. Hidden where stderr is no
 //! terminal.
 
-use crate::commands::flag;
+use crate::wording::flag;
 use indicatif::{ProgressBar, ProgressStyle};
 use zerorate::{Names, Progress};
 

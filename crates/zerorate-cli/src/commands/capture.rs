@@ -1,13 +1,12 @@
 //! `zerorate capture`: raw codes with timestamps, to a file.
 
 use super::correct::load;
-use super::print_json;
 use super::serial::{self, Part, one_line};
 use crate::acquire::Acquisition;
-use crate::cli::{DeviceArgs, SamplingArgs};
+use crate::device::{DeviceArgs, SamplingArgs};
 use crate::exit::{Refused, Usage};
 use crate::interrupt;
-use crate::output::Outputs;
+use crate::output::{Outputs, print_json, print_lines, warn};
 use crate::progress::Meter;
 use crate::recorder::Recorder;
 use anyhow::{Context, Result};
@@ -125,7 +124,7 @@ pub fn run(args: &CaptureArgs) -> Result<()> {
 fn check_serial(args: &CaptureArgs, info: &CaptureInfo, calibration: &Calibration, path: &Path) -> Result<()> {
     let name = args.device.device.to_string();
     let part = Part { name: &name, serial: info.serial.as_deref(), advice: serial::GIVE };
-    super::warn(part.check(calibration, path)?.as_slice());
+    warn(part.check(calibration, path)?.as_slice());
     Ok(())
 }
 
@@ -174,13 +173,11 @@ fn summarise(args: &CaptureArgs, acquisition: &mut Acquisition) -> Result<()> {
     if args.json {
         return print_json(&summary);
     }
-    super::warn(&summary.warnings);
+    warn(&summary.warnings);
     let Summary { file, samples, lost_samples, rate_hz, .. } = &summary;
     let how = if summary.interrupted { " (interrupted)" } else { "" };
     let took = Seconds(summary.duration_s);
-    super::print_lines(&format!(
-        "{file}: {samples} samples in {took}{how}, {rate_hz:.1} a second, {lost_samples} lost\n"
-    ))
+    print_lines(&format!("{file}: {samples} samples in {took}{how}, {rate_hz:.1} a second, {lost_samples} lost\n"))
 }
 
 /// The recording is whole and stays; but what it ends with is no measurement.

@@ -1,11 +1,11 @@
 //! `zerorate correct`: a recorded file, corrected, with its raw columns as they were.
 
 use super::serial::Part;
-use super::{flag, warn};
 use crate::interrupt;
 use crate::judged::JudgedAxis;
-use crate::output::{Outputs, say};
+use crate::output::{Outputs, say, warn};
 use crate::part::PartArgs;
+use crate::wording::flag;
 use anyhow::{Context, Result, bail, ensure};
 use arrow_array::builder::Float64Builder;
 use arrow_array::{ArrayRef, Float64Array, RecordBatch, UInt8Array};

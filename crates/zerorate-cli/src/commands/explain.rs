@@ -1,7 +1,7 @@
 //! `zerorate explain`: what a warning or a refusal means, by its code.
 
-use super::{print_json, print_lines};
 use crate::exit::Usage;
+use crate::output::{print_json, print_lines};
 use anyhow::Result;
 use clap::Args;
 use serde::Serialize;

@@ -1,9 +1,8 @@
 //! `zerorate export`: a calibration in the form that firmware takes: table and integer coefficients.
 
 use super::correct::load;
-use super::{print, warn};
 use crate::exit::Usage;
-use crate::output::{Outputs, say};
+use crate::output::{Outputs, print, say, warn};
 use anyhow::{Result, ensure};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;

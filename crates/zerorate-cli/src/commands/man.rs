@@ -1,13 +1,11 @@
 //! `zerorate man` and `zerorate completions`: what the command line says about itself.
 
-use crate::cli::Cli;
-use clap::CommandFactory;
+use crate::output::print;
 use clap_mangen::Man;
 use std::io::{self, Write};
 
 /// One page: the program, then a section for each command.
-pub fn man() -> anyhow::Result<()> {
-    let mut root = Cli::command();
+pub fn man(mut root: clap::Command) -> anyhow::Result<()> {
     root.build();
     let man = Man::new(root.clone());
     let mut page = Vec::new();
@@ -18,7 +16,7 @@ pub fn man() -> anyhow::Result<()> {
         writeln!(page, ".SH \"ZERORATE {}\"", command.get_name().to_uppercase())?;
         page.extend(command_section(command)?);
     }
-    super::print(&String::from_utf8_lossy(&page))
+    print(&String::from_utf8_lossy(&page))
 }
 
 /// What [`render_body`] gives for a command, one heading level down.
@@ -44,8 +42,8 @@ fn render_body(man: &Man, command: &clap::Command, page: &mut Vec<u8>) -> io::Re
 }
 
 /// The completion script for `shell`.
-pub fn completions(shell: clap_complete::Shell) -> anyhow::Result<()> {
+pub fn completions(shell: clap_complete::Shell, root: &mut clap::Command) -> anyhow::Result<()> {
     let mut script = Vec::new();
-    clap_complete::generate(shell, &mut Cli::command(), "zerorate", &mut script);
-    super::print(&String::from_utf8_lossy(&script))
+    clap_complete::generate(shell, root, "zerorate", &mut script);
+    print(&String::from_utf8_lossy(&script))
 }

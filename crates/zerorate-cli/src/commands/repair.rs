@@ -1,9 +1,8 @@
 //! `zerorate repair`: what is whole of a capture, in a new file.
 
-use super::{print, warn};
 use crate::exit::Usage;
 use crate::interrupt;
-use crate::output::Outputs;
+use crate::output::{Outputs, print, warn};
 use anyhow::{Result, ensure};
 use arrow_array::RecordBatch;
 use arrow_schema::{Field, Metadata, SchemaRef};

@@ -2,9 +2,8 @@
 
 use super::allan::picture::{self, Kind};
 use super::correct::load;
-use super::print;
 use crate::exit::Usage;
-use crate::output::Outputs;
+use crate::output::{Outputs, print};
 use anyhow::Result;
 use clap::Args;
 use std::path::PathBuf;

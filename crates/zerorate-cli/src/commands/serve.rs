@@ -2,11 +2,10 @@
 
 use super::correct::load;
 use super::serial::{self, Part, one_line};
-use super::warn;
-use crate::cli::{SamplingArgs, SourceArgs};
+use crate::device::{SamplingArgs, SourceArgs};
 use crate::exit::Usage;
 use crate::interrupt;
-use crate::output::{Outputs, say};
+use crate::output::{Outputs, say, warn};
 use crate::serve::{self, Desk, EndsAll, Folder, Guard, Libiio, Opener, Recordings, Token};
 use anyhow::{Context, Result, anyhow, ensure};
 use clap::Args;

@@ -1,6 +1,7 @@
 //! `zerorate twin`: what the simulated part can be told, and the part as hardware that other software sees.
 
 use crate::interrupt;
+use crate::output::print;
 use adis16130_twin::{KEYS, Key, Spec};
 use anyhow::Result;
 use clap::Args;
@@ -49,7 +50,7 @@ pub struct TwinArgs {
 
 pub fn run(args: &TwinArgs) -> Result<()> {
     let Some(socket) = &args.usb else {
-        return super::print(&(keys_help() + "\n"));
+        return print(&(keys_help() + "\n"));
     };
     interrupt::listen();
     let mut spec = args.keys.clone().unwrap_or_else(|| Spec::from_seed(1));
@@ -71,7 +72,7 @@ mod hardware {
 #[cfg(unix)]
 mod hardware {
     use super::*;
-    use crate::output::{Outputs, say};
+    use crate::output::{Outputs, print_json, say};
     use crate::twin_usb::{self, Final, Served, Setup};
     use adis16130_twin::ChannelLosses;
     use serde::Serialize;
@@ -133,7 +134,7 @@ mod hardware {
             },
         };
         if args.json {
-            return crate::commands::print_json(&summary);
+            return print_json(&summary);
         }
         let Served { spi_frames, rate_reads, temp_reads, edges, edges_reported } = seen;
         say(format_args!(

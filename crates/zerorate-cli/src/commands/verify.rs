@@ -1,6 +1,6 @@
 //! `zerorate verify`: is a file whole, and does it say the truth about itself?
 
-use super::{print, print_json};
+use crate::output::{print, print_json};
 use anyhow::{Result, ensure};
 use clap::Args;
 use serde::Serialize;

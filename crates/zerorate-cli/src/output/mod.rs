@@ -10,6 +10,7 @@ mod disk;
 mod error;
 mod identity;
 mod place;
+mod print;
 mod recording;
 mod rescue;
 mod slot;
@@ -18,6 +19,7 @@ mod stdio;
 mod temporary;
 
 pub use error::OutputError;
+pub use print::{print, print_json, print_lines, warn};
 pub use recording::Recording;
 pub use rescue::rescue;
 pub use slot::Slot;

@@ -3,7 +3,7 @@
 use super::device::{self, Fed, Feed, Opened, Opener, Opening};
 use super::{Folder, Libiio, Recordings};
 use crate::acquire;
-use crate::commands::probe::HostCheck;
+use crate::connection::HostCheck;
 use crate::output::say;
 use anyhow::Result;
 use axum::body::Bytes;

@@ -1,6 +1,6 @@
 //! The device behind the page: opened, read, and opened again where it was unplugged or somebody asks for it.
 
-use crate::commands::probe;
+use crate::connection::connection_checks;
 use anyhow::Result;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
@@ -49,7 +49,7 @@ impl Opener {
             simulated: !facts.is_real,
             nominal_hz: facts.rate_hz,
             registers: registers.map_or_else(Vec::new, |read| registers::described(&read.config, &read.values)),
-            checks: probe::connection_checks(revision, bus),
+            checks: connection_checks(revision, bus),
         };
         Ok(Opened { hub: Arc::new(hub), about, bus })
     }

@@ -1,8 +1,7 @@
 //! Calibrations on disk: read at the start, and written when one was made. Names are made here, never taken from a
 //! request.
 
-use crate::commands::warn;
-use crate::output::{Outputs, say};
+use crate::output::{Outputs, say, warn};
 use anyhow::{Context, Result};
 use std::collections::{HashMap, HashSet};
 use std::fs;

@@ -1,6 +1,6 @@
 //! Clients of libiio beside the page: a server for each time that the device is opened.
 
-use crate::commands::warn;
+use crate::output::warn;
 use anyhow::{Context, Result};
 use std::net::{SocketAddr, TcpListener};
 use std::sync::Arc;

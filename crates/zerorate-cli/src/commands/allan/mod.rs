@@ -12,10 +12,9 @@ mod table;
 pub mod temperature;
 pub mod units;
 
-use super::{print, print_json, print_lines, warn};
 use crate::column::ColumnArgs;
 use crate::exit::{Refused, Usage};
-use crate::output::{Outputs, Staged, say};
+use crate::output::{Outputs, Staged, print, print_json, print_lines, say, warn};
 use anyhow::Result;
 use clap::{Args, ValueEnum};
 use pool::Pool;

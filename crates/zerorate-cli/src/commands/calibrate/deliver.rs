@@ -1,8 +1,7 @@
 //! The result of an hour reaches its user, whatever happens to the files that were to hold it.
 
-use super::super::{print, print_json, print_lines};
 use super::{Report, ResultArgs};
-use crate::output::{reader_left, rescue, say};
+use crate::output::{print, print_json, print_lines, reader_left, rescue, say};
 use anyhow::Result;
 use serde::Serialize;
 use std::path::{Path, PathBuf};

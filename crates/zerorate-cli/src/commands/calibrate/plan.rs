@@ -1,7 +1,7 @@
 //! The durations and limits of F-51 on the command line. The defaults are those of the core.
 
 use clap::{Args, ValueEnum};
-use zerorate::{Method, Plan, Setting};
+use zerorate::{Method, Plan};
 use zerorate_view::duration::Seconds;
 
 #[derive(Args, Debug)]
@@ -50,25 +50,6 @@ pub struct PlanArgs {
     /// uncertainty.
     #[arg(long)]
     assume_linear: bool,
-}
-
-/// What a setting is called on the command line.
-pub fn flag(setting: Setting) -> &'static str {
-    match setting {
-        Setting::Average => "--average",
-        Setting::WarmUp => "--warmup",
-        Setting::Settle => "--settle",
-        Setting::Offset => "--offset",
-        Setting::MaxLost => "--max-lost",
-        Setting::MaxUBtc => "--max-u-btc",
-        Setting::Earth => "--earth-dps",
-        Setting::AssumeLinear => "--assume-linear",
-        Setting::Target => "--target-dph",
-        Setting::EveryTemp => "--every-temp",
-        Setting::Divider => "--divider",
-        Setting::Edge => "edge=rising or edge=falling in --device",
-        other => other.name(),
-    }
 }
 
 /// No step takes longer, s.

@@ -1,6 +1,6 @@
 //! `--target-dph`: when a recording has told enough, and how long that still takes.
 
-use super::flag;
+use crate::wording::flag;
 use zerorate::{Method, Part, PartProcedure, Plan, Reached, Setting};
 use zerorate_view::duration::Seconds;
 

@@ -3,10 +3,9 @@
 use super::kept::Kept;
 use super::mover::{By, Mover};
 use crate::acquire::Acquisition;
-use crate::commands::warn;
 use crate::exit::Refused;
 use crate::interrupt;
-use crate::output::say;
+use crate::output::{say, warn};
 use crate::progress::Meter;
 use crate::recorder::Recorder;
 use adis16130_twin::Truth;

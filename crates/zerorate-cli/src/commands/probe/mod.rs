@@ -1,16 +1,12 @@
 //! `zerorate probe`: is there a part, is it wired right, and do its samples look like those of one?
 
-mod checks;
-mod host;
-
-pub use checks::{HostCheck, connection_checks};
-
-use super::{coded, flag, print_json, print_lines, warn};
 use crate::acquire::Acquisition;
-use crate::cli::{DeviceArgs, SamplingArgs};
+use crate::connection::proposal;
+use crate::device::{DeviceArgs, SamplingArgs};
 use crate::interrupt;
-use crate::output::Outputs;
+use crate::output::{Outputs, print_json, print_lines, warn};
 use crate::progress::Meter;
+use crate::wording::{coded, flag};
 use adis16130::{Framing, SelfTest};
 use anyhow::{Result, ensure};
 use clap::Args;
@@ -175,7 +171,7 @@ impl Findings {
             fastest_clean_sclk_hz: bus.and_then(|bus| bus.fastest_clean_hz),
             read_us: bus.and_then(|bus| bus.read_s).map(|read_s| read_s * 1e6),
             taken,
-            proposal: bus.and_then(|bus| bus.read_s).and_then(|read_s| host::proposal(taken, read_s, facts.mclk_hz)),
+            proposal: bus.and_then(|bus| bus.read_s).and_then(|read_s| proposal(taken, read_s, facts.mclk_hz)),
             rdy_hz: tally.rdy_hz(),
             rate_hz: tally.rate_hz(),
             samples: tally.samples,

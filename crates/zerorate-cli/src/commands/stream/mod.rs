@@ -4,11 +4,11 @@ mod track;
 
 use super::correct::load;
 use super::serial::{Part, one_line};
-use super::{coded, warn};
 use crate::acquire::Acquisition;
-use crate::cli::{DeviceArgs, SamplingArgs};
+use crate::device::{DeviceArgs, SamplingArgs};
 use crate::exit::{Refused, Usage};
-use crate::output::{Outputs, Stdout};
+use crate::output::{Outputs, Stdout, warn};
+use crate::wording::coded;
 use anyhow::{Result, bail, ensure};
 use clap::{Args, ValueEnum};
 use serde::{Serialize, Serializer};

@@ -1,8 +1,7 @@
 //! `stream --track`: the bias that is learned whenever the part rests, and its state between runs.
 
-use crate::commands::warn;
 use crate::exit::Usage;
-use crate::output::{Outputs, Slot, say};
+use crate::output::{Outputs, Slot, say, warn};
 use anyhow::{Context, Result, anyhow, bail};
 use clap::Args;
 use jiff::{SignedDuration, Timestamp};

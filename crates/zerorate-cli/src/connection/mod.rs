@@ -1,6 +1,9 @@
 //! What only the host of a part can say of its connection, as checks that are well or not.
 
-use super::host;
+mod proposal;
+
+pub use proposal::proposal;
+
 use zerorate::Tally;
 use zerorate_host::{Bus, Facts};
 use zerorate_web::message::CheckResult;
@@ -46,8 +49,7 @@ impl HostCheck {
             return None;
         }
         let taken = tally.samples as f64 / (tally.samples + tally.lost) as f64;
-        let options =
-            self.bus.and_then(|bus| bus.read_s).and_then(|read_s| host::proposal(taken, read_s, self.mclk_hz));
+        let options = self.bus.and_then(|bus| bus.read_s).and_then(|read_s| proposal(taken, read_s, self.mclk_hz));
         Some(options.map(|options| check("host", false, format!("this host would lose fewer with {options}"))))
     }
 }

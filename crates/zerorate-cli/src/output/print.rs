@@ -1,0 +1,31 @@
+//! What commands print: data and lines for people to stdout, warnings to stderr.
+
+use super::{Stdout, say};
+use anyhow::{Context, Result};
+use serde::Serialize;
+use std::fmt::Display;
+use std::io::Write;
+use zerorate_data::plain;
+
+/// Prints text to stdout; a closed pipe is an error to be passed on, not a panic.
+pub fn print(text: &str) -> Result<()> {
+    let mut stdout = Stdout::lock();
+    stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()).context("cannot write to stdout")
+}
+
+/// Prints lines for people to stdout, whatever stands in them.
+pub fn print_lines(text: &str) -> Result<()> {
+    print(&plain::lines(text))
+}
+
+/// Prints one JSON object to stdout.
+pub fn print_json(value: &impl Serialize) -> Result<()> {
+    print(&(serde_json::to_string_pretty(value)? + "\n"))
+}
+
+/// Prints warnings to stderr.
+pub fn warn<T: Display>(warnings: &[T]) {
+    for warning in warnings {
+        say(format_args!("warning: {warning}"));
+    }
+}
