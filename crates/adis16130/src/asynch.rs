@@ -37,6 +37,7 @@ use core::future::{Future, poll_fn};
 use core::pin::pin;
 use core::task::Poll;
 
+use bisync_macros::internal_noop as bisync;
 use embedded_hal_async::delay::DelayNs;
 use embedded_hal_async::digital::Wait as RdyPin;
 use embedded_hal_async::spi::SpiDevice;
@@ -45,7 +46,10 @@ use crate::config::RdyEdge;
 use crate::error::WaitError;
 use crate::wait::WaitBound;
 
-crate::shell::shell!([async] [.await]);
+pub use driver::Adis16130;
+
+#[path = "driver.rs"]
+mod driver;
 
 impl<SPI, RDY: RdyPin> Adis16130<SPI, RDY> {
     /// Waits until RDY says that data waits (F-32), or until `delay` says that the bound is over.

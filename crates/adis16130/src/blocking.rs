@@ -17,6 +17,7 @@
 //! # Ok::<(), Error<_, _>>(())
 //! ```
 
+use bisync_macros::internal_strip_async as bisync;
 use embedded_hal::delay::DelayNs;
 use embedded_hal::digital::InputPin as RdyPin;
 use embedded_hal::spi::SpiDevice;
@@ -25,7 +26,10 @@ use crate::config::RdyEdge;
 use crate::error::WaitError;
 use crate::wait::WaitBound;
 
-crate::shell::shell!([] []);
+pub use driver::Adis16130;
+
+#[path = "driver.rs"]
+mod driver;
 
 impl<SPI, RDY: RdyPin> Adis16130<SPI, RDY> {
     /// Waits until RDY says that data waits (F-32), looking at the pin at most `bound.polls() + 1` times.

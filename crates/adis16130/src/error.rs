@@ -246,6 +246,23 @@ impl<E: Debug> Display for InitError<E> {
     }
 }
 
+impl<E> VerifyError<E> {
+    /// The verdict on what every register has read.
+    pub(crate) fn judge(seen: Differences) -> core::result::Result<(), Self> {
+        if seen.iter().next().is_none() {
+            Ok(())
+        } else if seen.is_all_ones() {
+            Err(Self::StuckHigh(seen))
+        } else if seen.is_all_zeros() {
+            Err(Self::StuckLow(seen))
+        } else if seen.iter().any(|mismatch| mismatch.register == Address::Mode && mismatch.got == 0) {
+            Err(Self::ConfigurationLost(seen))
+        } else {
+            Err(Self::Differs(seen))
+        }
+    }
+}
+
 impl<E: Debug> Display for VerifyError<E> {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         let (cause, differences) = match self {

@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 #![no_std]
+#![allow(clippy::duplicate_mod, reason = "blocking and asynch are made of the one source in driver.rs")]
 
 #[cfg(feature = "async")]
 pub mod asynch;
@@ -19,7 +20,6 @@ pub mod registers;
 mod sample;
 mod sampler;
 mod self_test;
-mod shell;
 mod timeline;
 mod wait;
 

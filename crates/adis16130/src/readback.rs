@@ -3,7 +3,6 @@
 use core::fmt::{Display, Formatter, Result};
 
 use crate::diagnosis::Mismatch;
-use crate::error::VerifyError;
 use crate::registers::{Address, Iop, Mode, Register};
 
 /// The registers that the configuration writes, in the order of F-30.
@@ -83,19 +82,14 @@ impl Differences {
         }
     }
 
-    /// The verdict after the last register.
-    pub(crate) fn verdict<E>(self) -> core::result::Result<(), VerifyError<E>> {
-        if self.iter().next().is_none() {
-            Ok(())
-        } else if self.ones == self.read {
-            Err(VerifyError::StuckHigh(self))
-        } else if self.zeros == self.read {
-            Err(VerifyError::StuckLow(self))
-        } else if self.iter().any(|seen| seen.register == Address::Mode && seen.got == 0) {
-            Err(VerifyError::ConfigurationLost(self))
-        } else {
-            Err(VerifyError::Differs(self))
-        }
+    /// Whether every register reads FFh.
+    pub(crate) const fn is_all_ones(&self) -> bool {
+        self.ones == self.read
+    }
+
+    /// Whether every register reads 00h.
+    pub(crate) const fn is_all_zeros(&self) -> bool {
+        self.zeros == self.read
     }
 }
 

@@ -9,70 +9,14 @@
 //! # }
 //! ```
 
+mod field;
 mod values;
 
 pub use crate::checksum::Checksum;
+pub use field::{Field, Meaning};
 pub use values::{AdcStatus, ChannelSetup, ChannelStatus, ConversionTime, Iop, Mode, Operation, Range, Revision};
 
 use crate::codes::{RateCode, TempCode, Width};
-
-/// The address of every register (docs/facts.md section 3).
-#[derive(Copy, Clone, Debug, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[repr(u8)]
-pub enum Address {
-    /// Communications register: the first byte of every command (F-24). Write only.
-    Com = 0x00,
-    /// I/O port: pins P0 and P1, RDYFN, SYNC.
-    Iop = 0x01,
-    /// Chip revision. Read only.
-    Revision = 0x02,
-    /// Which channels hold unread data. Read only.
-    AdcStatus = 0x04,
-    /// Checksum over the written bits (F-34).
-    Checksum = 0x05,
-    /// Rate data. Read only.
-    RateData = 0x08,
-    /// Temperature data. Read only.
-    TempData = 0x0A,
-    /// Status of the rate channel. Read only.
-    RateStatus = 0x20,
-    /// Status of the temperature channel. Read only.
-    TempStatus = 0x22,
-    /// Setup of the rate channel.
-    RateCs = 0x28,
-    /// Setup of the temperature channel.
-    TempCs = 0x2A,
-    /// Conversion time of the rate channel.
-    RateConv = 0x30,
-    /// Conversion time of the temperature channel.
-    TempConv = 0x32,
-    /// Operating mode.
-    Mode = 0x38,
-}
-
-impl Address {
-    /// The name in the tables of the note.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Com => "COM",
-            Self::Iop => "IOP",
-            Self::Revision => "REVISION",
-            Self::AdcStatus => "ADC STATUS",
-            Self::Checksum => "CHECKSUM",
-            Self::RateData => "RATEDATA",
-            Self::TempData => "TEMPDATA",
-            Self::RateStatus => "RATE STATUS",
-            Self::TempStatus => "TEMP STATUS",
-            Self::RateCs => "RATECS",
-            Self::TempCs => "TEMPCS",
-            Self::RateConv => "RATECONV",
-            Self::TempConv => "TEMPCONV",
-            Self::Mode => "MODE",
-        }
-    }
-}
 
 impl core::fmt::Display for Address {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
@@ -128,49 +72,159 @@ pub trait Writable: Register {
     fn encode(value: Self::Value) -> u32;
 }
 
-/// One row per register, as in the table of docs/facts.md section 3: type, size, value after reset, decoder, and the
-/// encoder if it is writable.
+/// What can be done with a register.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Access {
+    /// It can be read.
+    ReadOnly,
+    /// It can be written.
+    WriteOnly,
+    /// It can be read and written.
+    ReadWrite,
+}
+
+/// One row per register, as in the table of docs/facts.md section 3: description, address, name and access; then the
+/// type of its value, size, value after reset, fields, decoder, and the encoder if it is writable.
 macro_rules! registers {
-    ($($register:ident: $value:ty, $size:ident, $reset:expr, $decode:expr $(, $encode:expr)?;)*) => {$(
-        impl Register for $register {
-            type Value = $value;
-            const ADDRESS: Address = Address::$register;
-            const SIZE: Size = Size::$size;
-            const RESET: $value = $reset;
-        }
-        impl Readable for $register {
-            fn decode(raw: u32, width: Width) -> $value {
-                let decode: fn(u32, Width) -> $value = $decode;
-                decode(raw, width)
+    ($(
+        #[doc = $description:literal]
+        $register:ident = $address:literal $name:literal $access:ident
+        $({ $value:ty, $size:ident, $reset:expr, $fields:expr, $decode:expr $(, $encode:expr)? })?;
+    )*) => {
+        /// The address of every register (docs/facts.md section 3).
+        #[derive(Copy, Clone, Debug, PartialEq, Eq, Hash)]
+        #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+        #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+        #[repr(u8)]
+        pub enum Address {$(
+            #[doc = $description]
+            $register = $address,
+        )*}
+
+        impl Address {
+            /// The name in the tables of the note.
+            pub const fn name(self) -> &'static str {
+                match self {$(Self::$register => $name,)*}
+            }
+
+            /// What the register is for, in one sentence.
+            pub const fn description(self) -> &'static str {
+                match self {$(Self::$register => $description.trim_ascii(),)*}
+            }
+
+            /// Whether it can be read and written.
+            pub const fn access(self) -> Access {
+                match self {$(Self::$register => Access::$access,)*}
+            }
+
+            /// Its size on the wire; that of a command for COM.
+            pub const fn size(self) -> Size {
+                match self {
+                    $($(Self::$register => Size::$size,)?)*
+                    Self::Com => Size::Byte,
+                }
+            }
+
+            /// The fields of the register, the highest first.
+            pub const fn fields(self) -> &'static [Field] {
+                match self {
+                    $($(Self::$register => { const FIELDS: &[Field] = $fields; FIELDS })?)*
+                    Self::Com => &[],
+                }
             }
         }
-        $(impl Writable for $register {
-            fn encode(value: $value) -> u32 {
-                let encode: fn($value) -> u32 = $encode;
-                encode(value)
+
+        $($(
+            impl Register for $register {
+                type Value = $value;
+                const ADDRESS: Address = Address::$register;
+                const SIZE: Size = Size::$size;
+                const RESET: $value = $reset;
             }
-        })?
-    )*};
+
+            impl Readable for $register {
+                fn decode(raw: u32, width: Width) -> $value {
+                    let decode: fn(u32, Width) -> $value = $decode;
+                    decode(raw, width)
+                }
+            }
+
+            $(impl Writable for $register {
+                fn encode(value: $value) -> u32 {
+                    let encode: fn($value) -> u32 = $encode;
+                    encode(value)
+                }
+            })?
+        )?)*
+    };
+}
+
+const fn code(name: &'static str, meaning: Meaning) -> Field {
+    Field { name, mask: 0xFF_FFFF, meaning }
 }
 
 registers! {
-    Iop: Iop, Byte, Iop::new(0x30), |raw, _| Iop::new(raw as u8), |value| value.bits().into();
-    Revision: Revision, Byte, Revision::new(0x24), |raw, _| Revision::new(raw as u8);
-    AdcStatus: AdcStatus, Byte, AdcStatus::new(0), |raw, _| AdcStatus::new(raw as u8);
-    Checksum: Checksum, Word, Checksum::RESET_VALUE, |raw, _| Checksum::new(raw as u16), |value| value.bits().into();
-    RateData: RateCode, Data, RateCode::new(0x8000, Width::Bits16), RateCode::new;
-    TempData: TempCode, Data, TempCode::new(0x8000, Width::Bits16), TempCode::new;
-    RateStatus: ChannelStatus, Byte, ChannelStatus::new(0x00), |raw, _| ChannelStatus::new(raw as u8);
-    TempStatus: ChannelStatus, Byte, ChannelStatus::new(0x40), |raw, _| ChannelStatus::new(raw as u8);
-    RateCs: ChannelSetup, Byte, ChannelSetup::new(0),
-        |raw, _| ChannelSetup::new(raw as u8), |value| value.bits().into();
-    TempCs: ChannelSetup, Byte, ChannelSetup::new(0),
-        |raw, _| ChannelSetup::new(raw as u8), |value| value.bits().into();
-    RateConv: ConversionTime, Byte, ConversionTime::new(0x91),
-        |raw, _| ConversionTime::new(raw as u8), |value| value.bits().into();
-    TempConv: ConversionTime, Byte, ConversionTime::new(0x91),
-        |raw, _| ConversionTime::new(raw as u8), |value| value.bits().into();
-    Mode: Mode, Byte, Mode::new(0), |raw, _| Mode::new(raw as u8), |value| value.bits().into();
+    /// Communications register: the first byte of every command (F-24).
+    Com = 0x00 "COM" WriteOnly;
+    /// I/O port: pins P0 and P1, RDYFN, SYNC.
+    Iop = 0x01 "IOP" ReadWrite {
+        Iop, Byte, Iop::new(0x30), Iop::FIELDS, |raw, _| Iop::new(raw as u8), |value| value.bits().into()
+    };
+    /// Chip revision.
+    Revision = 0x02 "REVISION" ReadOnly {
+        Revision, Byte, Revision::new(0x24), Revision::FIELDS, |raw, _| Revision::new(raw as u8)
+    };
+    /// Which channels hold unread data.
+    AdcStatus = 0x04 "ADC STATUS" ReadOnly {
+        AdcStatus, Byte, AdcStatus::new(0), AdcStatus::FIELDS, |raw, _| AdcStatus::new(raw as u8)
+    };
+    /// Checksum over the written bits (F-34).
+    Checksum = 0x05 "CHECKSUM" ReadWrite {
+        Checksum, Word, Checksum::RESET_VALUE,
+        &[Field { name: "CHECKSUM", mask: 0xFFFF, meaning: Meaning::Number("over all bits written since the reset (F-34)") }],
+        |raw, _| Checksum::new(raw as u16), |value| value.bits().into()
+    };
+    /// Rate data.
+    RateData = 0x08 "RATEDATA" ReadOnly {
+        RateCode, Data, RateCode::new(0x8000, Width::Bits16), &[code("RATE", Meaning::Rate)], RateCode::new
+    };
+    /// Temperature data.
+    TempData = 0x0A "TEMPDATA" ReadOnly {
+        TempCode, Data, TempCode::new(0x8000, Width::Bits16), &[code("TEMP", Meaning::Temp)], TempCode::new
+    };
+    /// Status of the rate channel.
+    RateStatus = 0x20 "RATE STATUS" ReadOnly {
+        ChannelStatus, Byte, ChannelStatus::new(0x00), ChannelStatus::FIELDS, |raw, _| ChannelStatus::new(raw as u8)
+    };
+    /// Status of the temperature channel.
+    TempStatus = 0x22 "TEMP STATUS" ReadOnly {
+        ChannelStatus, Byte, ChannelStatus::new(0x40), ChannelStatus::FIELDS, |raw, _| ChannelStatus::new(raw as u8)
+    };
+    /// Setup of the rate channel.
+    RateCs = 0x28 "RATECS" ReadWrite {
+        ChannelSetup, Byte, ChannelSetup::new(0), ChannelSetup::FIELDS,
+        |raw, _| ChannelSetup::new(raw as u8), |value| value.bits().into()
+    };
+    /// Setup of the temperature channel.
+    TempCs = 0x2A "TEMPCS" ReadWrite {
+        ChannelSetup, Byte, ChannelSetup::new(0), ChannelSetup::FIELDS,
+        |raw, _| ChannelSetup::new(raw as u8), |value| value.bits().into()
+    };
+    /// Conversion time of the rate channel.
+    RateConv = 0x30 "RATECONV" ReadWrite {
+        ConversionTime, Byte, ConversionTime::new(0x91), ConversionTime::FIELDS,
+        |raw, _| ConversionTime::new(raw as u8), |value| value.bits().into()
+    };
+    /// Conversion time of the temperature channel.
+    TempConv = 0x32 "TEMPCONV" ReadWrite {
+        ConversionTime, Byte, ConversionTime::new(0x91), ConversionTime::FIELDS,
+        |raw, _| ConversionTime::new(raw as u8), |value| value.bits().into()
+    };
+    /// Operating mode.
+    Mode = 0x38 "MODE" ReadWrite {
+        Mode, Byte, Mode::new(0), Mode::FIELDS, |raw, _| Mode::new(raw as u8), |value| value.bits().into()
+    };
 }
 
 /// The rate data register, 08h.

@@ -1,15 +1,23 @@
 //! What the one-byte registers hold, bit by bit (docs/facts.md section 3).
 
+use super::field::Field;
+use super::field::Meaning::{Alarm, Bit, Channel, Choice, FilterWord, Level, Number};
 use crate::codes::Width;
+
+/// What RDY of a channel means, clear and set.
+const WAITING: [&str; 2] = ["nothing waits to be read", "a reading waits"];
 
 /// `bits` with the bits of `mask` set or cleared.
 const fn with(bits: u8, mask: u8, on: bool) -> u8 {
     if on { bits | mask } else { bits & !mask }
 }
 
-/// Defines a one-byte register value: construction from and access to the raw bits.
+/// Defines a one-byte register value by its fields, the highest first: mask, name, meaning and, for one bit, the
+/// method that reads it and the one that sets it.
 macro_rules! byte_value {
-    ($(#[$doc:meta])* $name:ident) => {
+    ($(#[$doc:meta])* $name:ident {$(
+        $mask:literal $label:literal $meaning:expr $(, $(#[$get_doc:meta])* $get:ident $(, $set:ident)?)?;
+    )*}) => {
         $(#[$doc])*
         #[derive(Copy, Clone, Debug, PartialEq, Eq, Hash)]
         #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -17,6 +25,10 @@ macro_rules! byte_value {
         pub struct $name(u8);
 
         impl $name {
+            /// Its fields, the highest first.
+            pub const FIELDS: &'static [Field] =
+                &[$(Field { name: $label, mask: $mask, meaning: $meaning }),*];
+
             /// The value with these raw bits; every byte is one.
             pub const fn new(bits: u8) -> Self {
                 Self(bits)
@@ -26,106 +38,93 @@ macro_rules! byte_value {
             pub const fn bits(self) -> u8 {
                 self.0
             }
+
+            $($(
+                $(#[$get_doc])*
+                pub const fn $get(self) -> bool {
+                    self.0 & $mask != 0
+                }
+
+                $(
+                    #[doc = concat!("Sets or clears ", $label, ".")]
+                    pub const fn $set(self, on: bool) -> Self {
+                        Self(with(self.0, $mask, on))
+                    }
+                )?
+            )?)*
         }
     };
 }
 
 byte_value! {
     /// IOP, 01h: the pins P0 and P1, when RDY falls, and the SYNC pin.
-    Iop
+    Iop {
+        0x80 "P0" Level(["pin P0 is low", "pin P0 is high"]),
+            /// Level of pin P0.
+            p0, with_p0;
+        0x40 "P1" Level(["pin P1 is low", "pin P1 is high"]),
+            /// Level of pin P1.
+            p1, with_p1;
+        0x20 "P0DIR" Bit(["output", "input"]),
+            /// Whether P0 is an input.
+            p0_is_input, with_p0_input;
+        0x10 "P1DIR" Bit(["output", "input"]),
+            /// Whether P1 is an input.
+            p1_is_input, with_p1_input;
+        0x08 "RDYFN" Bit([
+            "data ready (RDY) tells that any channel has new data",
+            "data ready (RDY) tells that all channels have",
+        ]),
+            /// RDYFN: `true` = RDY is low only when all enabled channels hold unread data (F-32).
+            rdyfn, with_rdyfn;
+        0x01 "SYNC" Bit(["the pin SYNC is not used", "the pin SYNC is in use"]),
+            /// SYNC: the SYNC pin is in use.
+            sync, with_sync;
+    }
 }
 
 impl Iop {
     /// The bits that show pin levels when read, whatever was written: mask them when reading back (docs/facts.md
     /// section 3).
     pub const PIN_LEVELS: u8 = 0xC0;
-
-    /// Level of pin P0 (b7).
-    pub const fn p0(self) -> bool {
-        self.0 & 0x80 != 0
-    }
-
-    /// Level of pin P1 (b6).
-    pub const fn p1(self) -> bool {
-        self.0 & 0x40 != 0
-    }
-
-    /// Sets the level that P0 drives as an output.
-    pub const fn with_p0(self, high: bool) -> Self {
-        Self(with(self.0, 0x80, high))
-    }
-
-    /// Sets the level that P1 drives as an output.
-    pub const fn with_p1(self, high: bool) -> Self {
-        Self(with(self.0, 0x40, high))
-    }
-
-    /// Whether P0 is an input (b5).
-    pub const fn p0_is_input(self) -> bool {
-        self.0 & 0x20 != 0
-    }
-
-    /// Whether P1 is an input (b4).
-    pub const fn p1_is_input(self) -> bool {
-        self.0 & 0x10 != 0
-    }
-
-    /// Makes P0 an input or an output.
-    pub const fn with_p0_input(self, input: bool) -> Self {
-        Self(with(self.0, 0x20, input))
-    }
-
-    /// Makes P1 an input or an output.
-    pub const fn with_p1_input(self, input: bool) -> Self {
-        Self(with(self.0, 0x10, input))
-    }
-
-    /// RDYFN (b3): `true` = RDY is low only when all enabled channels hold unread data (F-32).
-    pub const fn rdyfn(self) -> bool {
-        self.0 & 0x08 != 0
-    }
-
-    /// Sets RDYFN.
-    pub const fn with_rdyfn(self, all_channels: bool) -> Self {
-        Self(with(self.0, 0x08, all_channels))
-    }
-
-    /// SYNC (b0): the SYNC pin is in use.
-    pub const fn sync(self) -> bool {
-        self.0 & 0x01 != 0
-    }
-
-    /// Sets SYNC.
-    pub const fn with_sync(self, on: bool) -> Self {
-        Self(with(self.0, 0x01, on))
-    }
 }
 
 byte_value! {
     /// REVISION, 02h. 24h for the AD7732 inside (not verified on an ADIS16130).
-    Revision
+    Revision {
+        0xFF "REVISION" Number("of the converter inside");
+    }
 }
 
 byte_value! {
     /// ADC STATUS, 04h: bit n is set while channel n holds unread data. Rate is channel 0, temperature channel 2.
-    AdcStatus
-}
-
-impl AdcStatus {
-    /// Whether rate data waits to be read.
-    pub const fn rate_ready(self) -> bool {
-        self.0 & 0x01 != 0
-    }
-
-    /// Whether temperature data waits to be read.
-    pub const fn temp_ready(self) -> bool {
-        self.0 & 0x04 != 0
+    AdcStatus {
+        0x04 "TEMP" Bit(WAITING),
+            /// Whether temperature data waits to be read.
+            temp_ready;
+        0x01 "RATE" Bit(WAITING),
+            /// Whether rate data waits to be read.
+            rate_ready;
     }
 }
 
 byte_value! {
     /// Channel status, 20h and 22h: what is known about the newest reading of a channel.
-    ChannelStatus
+    ChannelStatus {
+        0xE0 "CHANNEL" Channel;
+        0x08 "RDY" Bit(WAITING),
+            /// RDY: the data register holds a reading that has not been read.
+            ready;
+        0x04 "NOREF" Alarm(["the reference is there", "no reference: readings mean nothing"]),
+            /// NOREF: no reference voltage; the reading means nothing.
+            no_reference;
+        0x02 "SIGN" Bit(["the input is positive", "the input is negative"]),
+            /// SIGN: the input was negative. With OVR it says on which side the reading left the range (F-35).
+            negative;
+        0x01 "OVR" Alarm(["in range", "the input is beyond the range"]),
+            /// OVR: the input was outside the range. The code is saturated (CLAMP = 1) or wrapped (CLAMP = 0) (F-35).
+            out_of_range;
+    }
 }
 
 impl ChannelStatus {
@@ -134,29 +133,9 @@ impl ChannelStatus {
         self.0 >> 5
     }
 
-    /// RDY (b3): the data register holds a reading that has not been read.
-    pub const fn ready(self) -> bool {
-        self.0 & 0x08 != 0
-    }
-
-    /// NOREF (b2): no reference voltage; the reading means nothing.
-    pub const fn no_reference(self) -> bool {
-        self.0 & 0x04 != 0
-    }
-
-    /// SIGN (b1): the input was negative. With OVR it says on which side the reading left the range (F-35).
-    pub const fn negative(self) -> bool {
-        self.0 & 0x02 != 0
-    }
-
     /// Whether it is that of the rate channel and says that an unread rate waits: channel 000, RDY set.
     pub const fn announces_rate(self) -> bool {
         self.0 & 0xE8 == 0x08
-    }
-
-    /// OVR (b0): the input was outside the range. The code is saturated (CLAMP = 1) or wrapped (CLAMP = 0) (F-35).
-    pub const fn out_of_range(self) -> bool {
-        self.0 & 0x01 != 0
     }
 }
 
@@ -198,30 +177,23 @@ impl Range {
 
 byte_value! {
     /// Channel setup, RATECS 28h and TEMPCS 2Ah.
-    ChannelSetup
+    ChannelSetup {
+        0x10 "STATOPT" Bit(["the status is that of the channel alone", "the status is extended"]),
+            /// STATOPT.
+            statopt, with_statopt;
+        0x08 "ENABLE" Bit(["the channel is not converted", "the channel is converted"]),
+            /// ENABLE: the channel is converted in continuous mode.
+            enabled, with_enabled;
+        0x03 "RANGE" Choice(&[
+            "not the range that the part's scale is for",
+            "not the range that the part's scale is for",
+            "the range that the part's scale is for",
+            "not the range that the part's scale is for",
+        ]);
+    }
 }
 
 impl ChannelSetup {
-    /// STATOPT (b4).
-    pub const fn statopt(self) -> bool {
-        self.0 & 0x10 != 0
-    }
-
-    /// Sets STATOPT.
-    pub const fn with_statopt(self, on: bool) -> Self {
-        Self(with(self.0, 0x10, on))
-    }
-
-    /// ENABLE (b3): the channel is converted in continuous mode.
-    pub const fn enabled(self) -> bool {
-        self.0 & 0x08 != 0
-    }
-
-    /// Sets ENABLE.
-    pub const fn with_enabled(self, on: bool) -> Self {
-        Self(with(self.0, 0x08, on))
-    }
-
     /// The input range (b1–0).
     pub const fn range(self) -> Range {
         Range::from_bits(self.0)
@@ -235,20 +207,15 @@ impl ChannelSetup {
 
 byte_value! {
     /// Conversion time, RATECONV 30h and TEMPCONV 32h: chopping and the filter word (F-31).
-    ConversionTime
+    ConversionTime {
+        0x80 "CHOP" Bit(["one conversion for each reading", "the mean of two, with exchanged inputs"]),
+            /// CHOP: each result is the mean of two conversions with exchanged inputs.
+            chop, with_chop;
+        0x7F "FW" FilterWord;
+    }
 }
 
 impl ConversionTime {
-    /// CHOP (b7): each result is the mean of two conversions with exchanged inputs.
-    pub const fn chop(self) -> bool {
-        self.0 & 0x80 != 0
-    }
-
-    /// Sets CHOP.
-    pub const fn with_chop(self, on: bool) -> Self {
-        Self(with(self.0, 0x80, on))
-    }
-
     /// The filter word FW (b6–0), 0 … 127.
     pub const fn filter_word(self) -> u8 {
         self.0 & 0x7F
@@ -314,7 +281,27 @@ impl Operation {
 
 byte_value! {
     /// MODE, 38h. Reads 00h after a reset, and so after a brown-out.
-    Mode
+    Mode {
+        0xE0 "MD" Choice(&[
+            "idle: nothing is converted",
+            "all enabled channels are converted in turn",
+            "one conversion",
+            "powered down",
+        ]);
+        0x10 "CLKDIS" Bit(["the clock is given out", "the clock is not given out"]),
+            /// CLKDIS.
+            clkdis, with_clkdis;
+        0x08 "DUMP" Bit(["readings come alone", "readings come with their status"]),
+            /// DUMP. The driver does not read in dump mode.
+            dump, with_dump;
+        0x04 "CONTRD" Bit(["each reading is asked for", "readings come without being asked for"]),
+            /// CONTRD. The driver does not read in continuous-read mode.
+            contrd, with_contrd;
+        0x02 "24/16" Bit(["16 bits a reading", "24 bits a reading"]);
+        0x01 "CLAMP" Bit(["a code out of range wraps (F-35)", "a code out of range stays at the end (F-35)"]),
+            /// CLAMP: `true` = out-of-range codes saturate, `false` = they wrap (F-35).
+            clamp, with_clamp;
+    }
 }
 
 impl Mode {
@@ -328,36 +315,6 @@ impl Mode {
         Self((self.0 & 0x1F) | (operation.bits() << 5))
     }
 
-    /// CLKDIS (b4).
-    pub const fn clkdis(self) -> bool {
-        self.0 & 0x10 != 0
-    }
-
-    /// Sets CLKDIS.
-    pub const fn with_clkdis(self, on: bool) -> Self {
-        Self(with(self.0, 0x10, on))
-    }
-
-    /// DUMP (b3).
-    pub const fn dump(self) -> bool {
-        self.0 & 0x08 != 0
-    }
-
-    /// Sets DUMP. The driver does not read in dump mode.
-    pub const fn with_dump(self, on: bool) -> Self {
-        Self(with(self.0, 0x08, on))
-    }
-
-    /// CONTRD (b2).
-    pub const fn contrd(self) -> bool {
-        self.0 & 0x04 != 0
-    }
-
-    /// Sets CONTRD. The driver does not read in continuous-read mode.
-    pub const fn with_contrd(self, on: bool) -> Self {
-        Self(with(self.0, 0x04, on))
-    }
-
     /// The width of the data registers (b1: 1 = 24 bits).
     pub const fn width(self) -> Width {
         if self.0 & 0x02 != 0 { Width::Bits24 } else { Width::Bits16 }
@@ -366,15 +323,5 @@ impl Mode {
     /// Sets the width of the data registers.
     pub const fn with_width(self, width: Width) -> Self {
         Self(with(self.0, 0x02, matches!(width, Width::Bits24)))
-    }
-
-    /// CLAMP (b0): `true` = out-of-range codes saturate, `false` = they wrap (F-35).
-    pub const fn clamp(self) -> bool {
-        self.0 & 0x01 != 0
-    }
-
-    /// Sets CLAMP.
-    pub const fn with_clamp(self, on: bool) -> Self {
-        Self(with(self.0, 0x01, on))
     }
 }

@@ -1,12 +1,28 @@
 //! Addresses, sizes, values after reset and bits, against the table of docs/facts.md section 3.
 
 use adis16130::registers::{
-    AdcStatus, Address, ChannelSetup, ChannelStatus, Checksum, ConversionTime, Iop, Mode, Operation, Range, RateConv,
-    RateCs, RateData, RateStatus, Readable, Revision, TempConv, TempCs, TempData, TempStatus, Writable,
+    Access, AdcStatus, Address, ChannelSetup, ChannelStatus, Checksum, ConversionTime, Iop, Mode, Operation, Range,
+    RateConv, RateCs, RateData, RateStatus, Readable, Revision, TempConv, TempCs, TempData, TempStatus, Writable,
 };
 use adis16130::{Channels, Config, Width, frame};
 
 use crate::part::TABLE;
+
+const ALL: [Address; 13] = [
+    Address::Iop,
+    Address::Revision,
+    Address::AdcStatus,
+    Address::Checksum,
+    Address::RateData,
+    Address::TempData,
+    Address::RateStatus,
+    Address::TempStatus,
+    Address::RateCs,
+    Address::TempCs,
+    Address::RateConv,
+    Address::TempConv,
+    Address::Mode,
+];
 
 fn row<R: Readable>() -> (u8, usize, usize) {
     (R::ADDRESS as u8, R::SIZE.bytes(Width::Bits16), R::SIZE.bytes(Width::Bits24))
@@ -34,6 +50,33 @@ fn every_register_is_where_part_md_has_it() {
         assert_eq!(row, expected);
     }
     assert_eq!(Address::Com as u8, 0x00);
+}
+
+#[test]
+fn every_register_states_the_access_of_part_md() {
+    for (address, bytes, _, readable, writable) in TABLE {
+        let register = ALL.into_iter().find(|register| *register as u8 == address).unwrap();
+        let expected = match (readable, writable) {
+            (true, true) => Access::ReadWrite,
+            (true, false) => Access::ReadOnly,
+            _ => Access::WriteOnly,
+        };
+        assert_eq!(register.access(), expected, "{register}");
+        assert_eq!(register.size().bytes(Width::Bits16), if bytes == 0 { 2 } else { bytes }, "{register}");
+        assert!(register.description().ends_with('.'), "{register}");
+    }
+}
+
+/// No bit belongs to two fields, and no field lies outside of its register.
+#[test]
+fn fields_share_no_bits() {
+    for register in ALL {
+        let masks = register.fields().iter().map(|field| field.mask);
+        let all = masks.clone().fold(0, |all, mask| all | mask);
+        assert_eq!(masks.map(u32::count_ones).sum::<u32>(), all.count_ones(), "{register}");
+        assert!(all >> (8 * register.size().bytes(Width::Bits24)) == 0, "{register}");
+        assert!(!register.fields().is_empty(), "{register}");
+    }
 }
 
 #[test]

@@ -1,0 +1,476 @@
+//! The driver, written once. `bisync` is a marker in `asynch`, and takes `async` and `.await` out in `blocking`.
+//!
+//! Two modules include this file: `blocking.rs` and `asynch.rs`. Each brings its own `SpiDevice`, `DelayNs` and
+//! `RdyPin`.
+
+use super::{DelayNs, RdyPin, SpiDevice, bisync};
+
+use embedded_hal::digital::OutputPin;
+
+use crate::channel::{Channel, Converted};
+use crate::checksum::WriteCheck;
+use crate::codes::{RateCode, TempCode};
+use crate::config::{Config, Write};
+use crate::diagnosis::{Fault, is_at_rail, is_doubtful, is_doubtful_reading, is_near_rail, meaning_on_healthy_link};
+use crate::error::{BusError, InitError, NoReading, OutOfRange, ReadError, SampleError, SelfTestError, VerifyError};
+use crate::frame::{Frame, Framing, RESET_FRAME, com_read};
+use crate::readback::{Differences, Written};
+use crate::registers::{
+    AdcStatus, Address, ChannelStatus, Checksum, Iop, Mode, RateConv, RateCs, RateData, RateStatus, Readable,
+    Register, Revision, TempConv, TempCs, TempData, TempStatus, Writable,
+};
+use crate::sample::{Edge, Sample};
+use crate::sampler::Sampler;
+use crate::self_test::{Active, Level, SelfTest, SelfTestPlan};
+
+/// The part on an SPI bus, with its RDY line.
+///
+/// No method waits or retries unless its name says so; each does a bounded number of transfers.
+///
+/// A command that was cut short, because a transfer failed or because the future of an async call was dropped,
+/// leaves the part in the middle of it, and what it sends next would be read shifted. So from then on every
+/// call answers [`BusError::Interrupted`] and sends nothing, until [`reset`](Self::reset) or
+/// [`restart`](Self::restart) has gone through.
+#[derive(Debug)]
+pub struct Adis16130<SPI, RDY> {
+    spi: SPI,
+    pub(super) rdy: RDY,
+    pub(super) config: Config,
+    written: Written,
+    seen: Converted,
+    /// The command that has begun and is not known to have ended.
+    in_flight: Option<Address>,
+}
+
+impl<SPI, RDY> Adis16130<SPI, RDY> {
+    /// Takes the bus ([`crate::SPI_MODE`], at most [`crate::MAX_SCLK_HZ`]) and the RDY pin. Sends nothing:
+    /// call [`restart`](Self::restart).
+    pub const fn new(spi: SPI, rdy: RDY, config: Config) -> Self {
+        Self { spi, rdy, config, written: Written::NOTHING, seen: Converted::NOTHING, in_flight: None }
+    }
+
+    /// Gives bus and pin back. The part goes on converting.
+    pub fn release(self) -> (SPI, RDY) {
+        (self.spi, self.rdy)
+    }
+
+    /// The bus, for settings such as its clock. After commands of your own, [`restart`](Self::restart).
+    pub const fn bus_mut(&mut self) -> &mut SPI {
+        self.seen = Converted::NOTHING;
+        &mut self.spi
+    }
+
+    /// The configuration that [`init`](Self::init) writes.
+    pub const fn config(&self) -> &Config {
+        &self.config
+    }
+
+    /// Sets the configuration that the next [`init`](Self::init) writes. Its framing holds from now on.
+    pub const fn set_config(&mut self, config: Config) {
+        self.config = config;
+    }
+
+    /// MODE as last written with success; as after a reset, if it has not been.
+    pub const fn mode(&self) -> Mode {
+        self.written.mode()
+    }
+}
+
+#[bisync]
+impl<SPI: SpiDevice, RDY> Adis16130<SPI, RDY> {
+    /// Resets the part with 32 ones in a row, as one CS-low frame in either framing (F-23).
+    pub async fn reset(&mut self) -> Result<(), BusError<SPI::Error>> {
+        self.in_flight = Some(Address::Com);
+        let sent = self.spi.write(&RESET_FRAME).await;
+        sent.map_err(|error| BusError::Transfer { register: Address::Com, error })?;
+        self.in_flight = None;
+        self.written = Written::NOTHING;
+        self.seen = Converted::NOTHING;
+        Ok(())
+    }
+
+    /// [`reset`](Self::reset), then [`init_verified`](Self::init_verified): at the start, after an error, and
+    /// after an async call was dropped. Tell a [`Sampler`] by [`Sampler::restarted`]. The next reading is that
+    /// of a new conversion.
+    pub async fn restart(&mut self) -> Result<(), InitError<SPI::Error>> {
+        self.reset().await?;
+        self.init_verified().await
+    }
+
+    /// Writes the configuration: with the default one, the twelve bytes of F-30. Does not reset the part and
+    /// does not read back.
+    pub async fn init(&mut self) -> Result<(), InitError<SPI::Error>> {
+        for write in self.config.writes() {
+            self.send(write).await?;
+        }
+        Ok(())
+    }
+
+    /// [`init`](Self::init), then [`verify`](Self::verify).
+    pub async fn init_verified(&mut self) -> Result<(), InitError<SPI::Error>> {
+        self.init().await?;
+        Ok(self.verify().await?)
+    }
+
+    /// [`init`](Self::init) between two reads of CHECKSUM, which tell whether the part has seen every bit of
+    /// it.
+    /// A disagreement is no error: the register is not verified on this part (F-34).
+    pub async fn init_checksummed(&mut self) -> Result<WriteCheck, InitError<SPI::Error>> {
+        let before = self.read_register::<Checksum>().await?;
+        self.init().await?;
+        let got = self.read_register::<Checksum>().await?;
+        let seen = self.config.writes().fold(before, |sum, write| sum.fed(write.frame.bytes()));
+        let expected = seen.fed(&[com_read(Checksum::ADDRESS)]);
+        Ok(WriteCheck { expected, got })
+    }
+
+    /// Reads back every configuration register written since the reset, and says which differ.
+    pub async fn verify(&mut self) -> Result<(), VerifyError<SPI::Error>> {
+        if !self.written.is_complete() {
+            return Err(VerifyError::NotInitialised);
+        }
+        let mut differences = Differences::default();
+        for (register, expected) in self.written.iter() {
+            let got = self.exchange(register, Frame::read_byte(register)).await?;
+            differences.compare(register, expected, got as u8);
+        }
+        VerifyError::judge(differences)
+    }
+
+    /// Reads a register as it is, with no judgement.
+    #[inline]
+    pub async fn read_register<R: Readable>(&mut self) -> Result<R::Value, BusError<SPI::Error>> {
+        let width = self.mode().width();
+        let answer = self.exchange(R::ADDRESS, Frame::read::<R>(width)).await?;
+        Ok(R::decode(answer, width))
+    }
+
+    /// Reads all registers as they are, in the order of their addresses. What waits in the data registers is
+    /// read by that, so that the edge it stands for brings no sample.
+    pub async fn read_all(&mut self) -> Result<[(Address, u32); 13], BusError<SPI::Error>> {
+        Ok([
+            (Address::Iop, self.read_register::<Iop>().await?.bits().into()),
+            (Address::Revision, self.read_register::<Revision>().await?.bits().into()),
+            (Address::AdcStatus, self.read_register::<AdcStatus>().await?.bits().into()),
+            (Address::Checksum, self.read_register::<Checksum>().await?.bits().into()),
+            (Address::RateData, self.read_register::<RateData>().await?.code()),
+            (Address::TempData, self.read_register::<TempData>().await?.code()),
+            (Address::RateStatus, self.read_register::<RateStatus>().await?.bits().into()),
+            (Address::TempStatus, self.read_register::<TempStatus>().await?.bits().into()),
+            (Address::RateCs, self.read_register::<RateCs>().await?.bits().into()),
+            (Address::TempCs, self.read_register::<TempCs>().await?.bits().into()),
+            (Address::RateConv, self.read_register::<RateConv>().await?.bits().into()),
+            (Address::TempConv, self.read_register::<TempConv>().await?.bits().into()),
+            (Address::Mode, self.read_register::<Mode>().await?.bits().into()),
+        ])
+    }
+
+    /// Writes a register. What the driver knows of the part follows if, and only if, the write succeeds.
+    pub async fn write_register<R: Writable>(&mut self, value: R::Value) -> Result<(), BusError<SPI::Error>> {
+        self.send(Write::of::<R>(value)).await
+    }
+
+    /// Reads the rate, in the width that was written to MODE.
+    ///
+    /// A code that a dead line would give makes it look at the link: on a healthy one it is
+    /// [`ReadError::OutOfRange`] (F-35), else the fault. So does the code that the data registers hold after a
+    /// reset: it is a rate where the part still has its configuration and this channel has converted, and else
+    /// [`ReadError::NoReading`] or the fault. The first call after MODE was written asks the part beforehand
+    /// whether it has.
+    ///
+    /// With CLAMP = 0 codes wrap and only the status tells: [`read_rate_in_range`](Self::read_rate_in_range).
+    pub async fn read_rate(&mut self) -> Result<RateCode, ReadError<SPI::Error>> {
+        let rate = self.reading::<RateData>(Channel::Rate).await?;
+        rate.ok_or_else(|| self.no_reading(Channel::Rate))
+    }
+
+    /// Reads the temperature; see [`read_rate`](Self::read_rate).
+    pub async fn read_temp(&mut self) -> Result<TempCode, ReadError<SPI::Error>> {
+        let temp = self.reading::<TempData>(Channel::Temp).await?;
+        temp.ok_or_else(|| self.no_reading(Channel::Temp))
+    }
+
+    /// Reads the rate, then the temperature; see [`read_in_range`](Self::read_in_range) for one that looks at
+    /// the status, too.
+    pub async fn read_both(&mut self) -> Result<(RateCode, TempCode), ReadError<SPI::Error>> {
+        let rate = self.read_rate().await?;
+        let temp = self.read_temp().await?;
+        Ok((rate, temp))
+    }
+
+    /// Reads the rate and the status that belongs to it, and reports a rate out of range as
+    /// [`ReadError::OutOfRange`] also where CLAMP = 0 has wrapped its code (F-35). For loops that read when
+    /// they like; [`sample`](Self::sample) is for every edge.
+    ///
+    /// A conversion that ends between the two makes it read both once more. Should that happen again, as on a
+    /// host that takes longer than a conversion for six bytes, the rate lies between two readings in range, or
+    /// it is out of range: so is then a code so close to the end of the scale that it may have wrapped.
+    pub async fn read_rate_in_range(&mut self) -> Result<RateCode, ReadError<SPI::Error>> {
+        let mut rate = self.read_rate().await?;
+        let mut status = self.rate_status().await?;
+        let mut outside = status.out_of_range();
+        if status.ready() {
+            rate = self.read_rate().await?;
+            status = self.rate_status().await?;
+            outside = status.out_of_range() || status.ready() && (outside || is_near_rail(rate));
+        }
+        if outside { Err(OutOfRange::of_rate(rate, status).into()) } else { Ok(rate) }
+    }
+
+    /// Reads the rate, as [`read_rate_in_range`](Self::read_rate_in_range), then the temperature.
+    pub async fn read_in_range(&mut self) -> Result<(RateCode, TempCode), ReadError<SPI::Error>> {
+        let rate = self.read_rate_in_range().await?;
+        let temp = self.read_temp().await?;
+        Ok((rate, temp))
+    }
+
+    /// Reads the status of the rate channel. A status that names another channel is a fault.
+    pub async fn rate_status(&mut self) -> Result<ChannelStatus, ReadError<SPI::Error>> {
+        self.read_checked::<RateStatus>().await
+    }
+
+    /// Reads the status of the temperature channel. A status that names another channel is a fault.
+    pub async fn temp_status(&mut self) -> Result<ChannelStatus, ReadError<SPI::Error>> {
+        self.read_checked::<TempStatus>().await
+    }
+
+    /// Reads which channels hold unread data.
+    pub async fn adc_status(&mut self) -> Result<AdcStatus, ReadError<SPI::Error>> {
+        self.read_checked::<AdcStatus>().await
+    }
+
+    /// Reads the revision of the converter.
+    pub async fn revision(&mut self) -> Result<Revision, ReadError<SPI::Error>> {
+        self.read_checked::<Revision>().await
+    }
+
+    /// Reads TEMP STATUS and MODE, and says what is wrong with the line or the part; `None` = nothing: it is
+    /// connected, and configured as written.
+    pub async fn diagnose(&mut self) -> Result<Option<Fault>, BusError<SPI::Error>> {
+        let temp_status = self.read_register::<TempStatus>().await?;
+        let mode = self.read_register::<Mode>().await?;
+        Ok(Fault::shown_by(temp_status, mode, self.mode()))
+    }
+
+    /// Handles an edge of RDY: reads what `sampler` finds due, in the order status, rate, temperature.
+    ///
+    /// `None` = nothing was due, or the edge was stale (its data has been read already).
+    ///
+    /// An out-of-range rate is no error: it is in the status of the sample, because losing the sample would
+    /// hide it, and because only the caller knows what it spoils. A rate at the end of its scale has its
+    /// status read even where it was not due, and so has the first after MODE was written. A temperature that
+    /// was due before its first conversion is missing, and due again. A status that names another channel, or
+    /// an answer that a dead line or a part without a reading would give, is diagnosed: if the line or the
+    /// part is at fault, that is the error.
+    #[inline]
+    pub async fn sample(
+        &mut self,
+        sampler: &mut Sampler,
+        edge: Edge,
+    ) -> Result<Option<Sample>, SampleError<SPI::Error>> {
+        let Some(mut due) = sampler.edge(edge) else {
+            return Ok(None);
+        };
+        let mut status = None;
+        if due.status || !self.seen.has(Channel::Rate) {
+            let read = self.read_register::<RateStatus>().await?;
+            if !read.announces_rate() {
+                self.require_stale(read).await?;
+                sampler.stale();
+                return Ok(None);
+            }
+            self.seen.note(Channel::Rate);
+            status = Some(read);
+        }
+        let rate = self.read_register::<RateData>().await?;
+        if is_doubtful_reading(rate.code(), rate.width()) {
+            status = self.status_of_doubtful(rate, status).await?;
+        }
+        let mut temp = None;
+        if due.temp {
+            temp = self.reading::<TempData>(Channel::Temp).await?;
+            due.temp = temp.is_some();
+        }
+        let lost = sampler.taken(&due);
+        Ok(Some(Sample { t_ns: edge.t_ns, seq: edge.seq, rate, status, temp, lost }))
+    }
+
+    /// A status without unread data is a stale edge, unless a fault makes it look so.
+    #[cold]
+    async fn require_stale(&mut self, status: ChannelStatus) -> Result<(), SampleError<SPI::Error>> {
+        if is_doubtful(RateStatus::ADDRESS, status.bits()) {
+            self.require_healthy().await?;
+            if let Some(fault) = Fault::of_channel(RateStatus::ADDRESS, status, RateStatus::RESET) {
+                return Err(fault.into());
+            }
+        }
+        Ok(())
+    }
+
+    /// A rate that a dead line or a part without a reading would give: true if the link is healthy. At the end
+    /// of its scale its status tells that as well, and is wanted.
+    #[cold]
+    async fn status_of_doubtful(
+        &mut self,
+        rate: RateCode,
+        status: Option<ChannelStatus>,
+    ) -> Result<Option<ChannelStatus>, SampleError<SPI::Error>> {
+        if status.is_some_and(ChannelStatus::out_of_range) && rate.is_at_rail() {
+            return Ok(status);
+        }
+        self.require_healthy().await?;
+        if status.is_none() && rate.is_at_rail() {
+            return Ok(Some(self.read_register::<RateStatus>().await?));
+        }
+        Ok(status)
+    }
+
+    #[cold]
+    async fn require_healthy(&mut self) -> Result<(), SampleError<SPI::Error>> {
+        self.diagnose().await?.map_or(Ok(()), |fault| Err(fault.into()))
+    }
+
+    /// Reads the data register of `channel`; `None` = it has not converted since MODE was written.
+    #[inline]
+    async fn reading<D: Readable>(&mut self, channel: Channel) -> Result<Option<D::Value>, SampleError<SPI::Error>> {
+        if !self.seen.has(channel) {
+            self.look_for_first(channel).await?;
+        }
+        let width = self.mode().width();
+        let answer = self.exchange(D::ADDRESS, Frame::read::<D>(width)).await?;
+        if is_doubtful_reading(answer, width) && !self.is_measured(channel, answer).await? {
+            return Ok(None);
+        }
+        self.seen.note(channel);
+        Ok(Some(D::decode(answer, width)))
+    }
+
+    /// Looks, before the data register is read, whether it holds a reading: reading it would wipe the mark.
+    #[cold]
+    async fn look_for_first(&mut self, channel: Channel) -> Result<(), SampleError<SPI::Error>> {
+        self.require_healthy().await?;
+        let status = self.exchange(channel.status(), Frame::read_byte(channel.status())).await?;
+        if channel.announced_by(ChannelStatus::new(status as u8)) {
+            self.seen.note(channel);
+        }
+        Ok(())
+    }
+
+    /// Whether a doubtful answer of a data register is a reading. At the end of the scale it is an error.
+    #[cold]
+    async fn is_measured(&mut self, channel: Channel, answer: u32) -> Result<bool, SampleError<SPI::Error>> {
+        self.require_healthy().await?;
+        let width = self.mode().width();
+        if is_at_rail(answer, width) {
+            return Err(OutOfRange { register: channel.data(), code: answer, width, status: None }.into());
+        }
+        Ok(self.seen.has(channel))
+    }
+
+    #[cold]
+    fn no_reading(&self, channel: Channel) -> ReadError<SPI::Error> {
+        ReadError::NoReading(NoReading { register: channel.data(), mode: self.mode() })
+    }
+
+    /// Reads a register of one byte, and diagnoses the link if the answer is doubtful.
+    async fn read_checked<R: Readable>(&mut self) -> Result<R::Value, ReadError<SPI::Error>> {
+        let width = self.mode().width();
+        let answer = self.exchange(R::ADDRESS, Frame::read::<R>(width)).await?;
+        if is_doubtful(R::ADDRESS, answer as u8) {
+            self.require_healthy().await?;
+            if let Some(fault) = meaning_on_healthy_link(R::ADDRESS, answer as u8) {
+                return Err(fault.into());
+            }
+        }
+        Ok(R::decode(answer, width))
+    }
+
+    async fn send(&mut self, write: Write) -> Result<(), BusError<SPI::Error>> {
+        self.exchange(write.address, write.frame).await?;
+        if self.written.record(write.address, write.frame.answer()) {
+            self.seen = Converted::NOTHING;
+        }
+        Ok(())
+    }
+
+    /// One command in the framing of F-22: one transfer per byte, or one in all. Returns the data bytes that
+    /// came back.
+    #[inline]
+    async fn exchange(&mut self, register: Address, mut frame: Frame) -> Result<u32, BusError<SPI::Error>> {
+        if let Some(register) = self.in_flight {
+            return Err(BusError::Interrupted { register });
+        }
+        self.in_flight = Some(register);
+        let failed = |error| BusError::Transfer { register, error };
+        match self.config.framing() {
+            Framing::Command => self.spi.transfer_in_place(frame.bytes_mut()).await.map_err(failed)?,
+            Framing::PerByte => {
+                for byte in frame.bytes_mut() {
+                    self.spi.transfer_in_place(core::slice::from_mut(byte)).await.map_err(failed)?;
+                }
+            }
+        }
+        self.in_flight = None;
+        Ok(frame.answer())
+    }
+}
+
+#[bisync]
+impl<SPI: SpiDevice, RDY: RdyPin> Adis16130<SPI, RDY> {
+    /// Measures what the self-test does to the rate, and judges nothing (F-11).
+    ///
+    /// `pin` drives the self-test pins 1–7 and 9 together and is active high. It is low when this returns,
+    /// also with an error, and when an async call is dropped. The part must be initialised; use a slow or
+    /// undisturbed moment, since motion counts as shift. Takes two settling times and `2 · samples` rates,
+    /// each within `4 ·` the bound of the plan.
+    #[allow(clippy::type_complexity, reason = "one type for each of the three wires that can fail")]
+    pub async fn self_test<P: OutputPin>(
+        &mut self,
+        pin: &mut P,
+        delay: &mut impl DelayNs,
+        plan: SelfTestPlan,
+    ) -> Result<SelfTest, SelfTestError<SPI::Error, RDY::Error, P::Error>> {
+        pin.set_low().map_err(SelfTestError::Pin)?;
+        let off = self.level(delay, &plan).await?;
+        let active = Active::activate(pin).map_err(SelfTestError::Pin)?;
+        let on = self.level(delay, &plan).await;
+        active.release().map_err(SelfTestError::Pin)?;
+        Ok(SelfTest::from_levels(&plan, &off, &on?))
+    }
+
+    async fn level<P>(
+        &mut self,
+        delay: &mut impl DelayNs,
+        plan: &SelfTestPlan,
+    ) -> Result<Level, SelfTestError<SPI::Error, RDY::Error, P>> {
+        delay.delay_us(plan.settle_us()).await;
+        let mut level = Level::default();
+        for _ in 0..plan.samples() {
+            let rate = self.next_rate(delay, plan).await?;
+            level.push(plan, rate);
+        }
+        Ok(level)
+    }
+
+    /// The next rate that has not been read. Both channels are read, since either may hold RDY.
+    async fn next_rate<P>(
+        &mut self,
+        delay: &mut impl DelayNs,
+        plan: &SelfTestPlan,
+    ) -> Result<RateCode, SelfTestError<SPI::Error, RDY::Error, P>> {
+        for _ in 0..4 {
+            self.wait_ready(delay, plan.bound()).await?;
+            let status = self.rate_status().await?;
+            if status.out_of_range() {
+                let rate = self.read_register::<RateData>().await.map_err(ReadError::from)?;
+                return Err(ReadError::from(OutOfRange::of_rate(rate, status)).into());
+            }
+            let rate = self.reading::<RateData>(Channel::Rate).await.map_err(ReadError::from)?;
+            self.reading::<TempData>(Channel::Temp).await.map_err(ReadError::from)?;
+            if let (Some(rate), true) = (rate, status.ready()) {
+                return Ok(rate);
+            }
+        }
+        Err(SelfTestError::Wait(crate::error::WaitError::TimedOut { timeout_us: plan.bound().timeout_us() }))
+    }
+}

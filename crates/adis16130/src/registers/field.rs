@@ -1,0 +1,43 @@
+//! The fields of the registers in plain words, for whoever shows them.
+
+/// Some neighbouring bits of a register.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub struct Field {
+    /// The name in docs/facts.md section 3.
+    pub name: &'static str,
+    /// Its bits.
+    pub mask: u32,
+    /// What its values mean.
+    pub meaning: Meaning,
+}
+
+/// What the values of a field mean.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub enum Meaning {
+    /// A bit: clear, set.
+    Bit([&'static str; 2]),
+    /// A bit that shows the level of a pin, whatever was written: low, high.
+    Level([&'static str; 2]),
+    /// A bit that is set where something is wrong: clear, set.
+    Alarm([&'static str; 2]),
+    /// The meaning of 0, of 1 and so on. Greater values are not described for this part.
+    Choice(&'static [&'static str]),
+    /// A number without a unit, and what it is.
+    Number(&'static str),
+    /// The number of the channel that the status belongs to: 0 is rate, 2 is temperature.
+    Channel,
+    /// The filter word of a conversion time (F-31).
+    FilterWord,
+    /// A rate code (F-40).
+    Rate,
+    /// A temperature code (F-41).
+    Temp,
+}
+
+impl Field {
+    /// The value of the field in what a register holds.
+    #[must_use]
+    pub const fn of(&self, register: u32) -> u32 {
+        (register & self.mask) >> self.mask.trailing_zeros()
+    }
+}
