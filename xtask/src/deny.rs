@@ -9,11 +9,9 @@ const VERSION: &str = "0.20.2";
 const TOOLS: &str = "target/tools";
 
 /// Each project has a lock file of its own.
-const PROJECTS: [&str; 7] = [
+const PROJECTS: [&str; 5] = [
     "Cargo.toml",
-    "firmware/bridge/Cargo.toml",
-    "firmware/examples/Cargo.toml",
-    "firmware/qemu/Cargo.toml",
+    "firmware/Cargo.toml",
     "bindings/c/Cargo.toml",
     "xtask/web/Cargo.toml",
     "xtask/book/Cargo.toml",

@@ -97,17 +97,16 @@ impl fmt::Display for Step {
 ///
 /// thumbv7em-none-eabihf is a Cortex-M4F. thumbv6m-none-eabi is a Cortex-M0: it has no compare-and-swap, which the
 /// TOML parser behind the core's feature `file` needs. wasm32-unknown-unknown is the browser.
-const STEPS: [Step; 42] = [
+const STEPS: [Step; 40] = [
     Step::new("fmt", "fmt --all --check"),
     Step::new("clippy", "clippy --workspace --all-targets --all-features -- -D warnings"),
     Step::new("clippy-driver", "clippy -p adis16130 --all-targets -- -D warnings"),
-    Step::new("fmt-firmware", "fmt --manifest-path firmware/qemu/Cargo.toml --check"),
+    Step::new("fmt-firmware", "fmt --manifest-path firmware/Cargo.toml --all --check"),
     Step::new(
         "clippy-firmware",
         "clippy --manifest-path firmware/qemu/Cargo.toml --locked --target-dir target/firmware --target \
          thumbv7em-none-eabihf -- -D warnings",
     ),
-    Step::new("fmt-bridge", "fmt --manifest-path firmware/bridge/Cargo.toml --check"),
     Step::new(
         "clippy-bridge-stm32f4",
         "clippy --manifest-path firmware/bridge/Cargo.toml --locked --release --target-dir target/firmware --target \
@@ -118,7 +117,6 @@ const STEPS: [Step; 42] = [
         "clippy --manifest-path firmware/bridge/Cargo.toml --locked --release --target-dir target/firmware --target \
          thumbv6m-none-eabi --features rp2040 -- -D warnings",
     ),
-    Step::new("fmt-examples", "fmt --manifest-path firmware/examples/Cargo.toml --check"),
     Step::new(
         "clippy-examples-stm32f4",
         "clippy --manifest-path firmware/examples/Cargo.toml --locked --release --target-dir target/firmware --target \
