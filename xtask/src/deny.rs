@@ -9,13 +9,8 @@ const VERSION: &str = "0.20.2";
 const TOOLS: &str = "target/tools";
 
 /// Each project has a lock file of its own.
-const PROJECTS: [&str; 5] = [
-    "Cargo.toml",
-    "firmware/Cargo.toml",
-    "bindings/c/Cargo.toml",
-    "xtask/web/Cargo.toml",
-    "xtask/book/Cargo.toml",
-];
+const PROJECTS: [&str; 5] =
+    ["Cargo.toml", "firmware/Cargo.toml", "bindings/c/Cargo.toml", "xtask/web/Cargo.toml", "xtask/book/Cargo.toml"];
 
 /// What can be judged without the network always, the advisories where their database can be had.
 pub fn run() -> Result<()> {
