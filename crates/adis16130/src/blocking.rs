@@ -29,6 +29,7 @@ use crate::wait::WaitBound;
 pub use driver::Adis16130;
 
 #[path = "driver.rs"]
+#[allow(clippy::duplicate_mod, reason = "both drivers are made of this one source")]
 mod driver;
 
 impl<SPI, RDY: RdyPin> Adis16130<SPI, RDY> {

@@ -12,7 +12,9 @@ use crate::checksum::WriteCheck;
 use crate::codes::{RateCode, TempCode};
 use crate::config::{Config, Write};
 use crate::diagnosis::{Fault, is_at_rail, is_doubtful, is_doubtful_reading, is_near_rail, meaning_on_healthy_link};
-use crate::error::{BusError, InitError, NoReading, OutOfRange, ReadError, SampleError, SelfTestError, VerifyError};
+use crate::error::{
+    BusError, InitError, NoReading, OutOfRange, ReadError, SampleError, SelfTestError, VerifyError, WaitError,
+};
 use crate::frame::{Frame, Framing, RESET_FRAME, com_read};
 use crate::readback::{Differences, Written};
 use crate::registers::{
@@ -112,9 +114,8 @@ impl<SPI: SpiDevice, RDY> Adis16130<SPI, RDY> {
         Ok(self.verify().await?)
     }
 
-    /// [`init`](Self::init) between two reads of CHECKSUM, which tell whether the part has seen every bit of
-    /// it.
-    /// A disagreement is no error: the register is not verified on this part (F-34).
+    /// [`init`](Self::init) between two reads of CHECKSUM, which tell whether the part has seen every bit of it.
+    /// A disagreement is not an error: the register is not verified on this part (F-34).
     pub async fn init_checksummed(&mut self) -> Result<WriteCheck, InitError<SPI::Error>> {
         let before = self.read_register::<Checksum>().await?;
         self.init().await?;
@@ -256,7 +257,7 @@ impl<SPI: SpiDevice, RDY> Adis16130<SPI, RDY> {
     ///
     /// `None` = nothing was due, or the edge was stale (its data has been read already).
     ///
-    /// An out-of-range rate is no error: it is in the status of the sample, because losing the sample would
+    /// An out-of-range rate is not an error: it is in the status of the sample, because losing the sample would
     /// hide it, and because only the caller knows what it spoils. A rate at the end of its scale has its
     /// status read even where it was not due, and so has the first after MODE was written. A temperature that
     /// was due before its first conversion is missing, and due again. A status that names another channel, or
@@ -471,6 +472,6 @@ impl<SPI: SpiDevice, RDY: RdyPin> Adis16130<SPI, RDY> {
                 return Ok(rate);
             }
         }
-        Err(SelfTestError::Wait(crate::error::WaitError::TimedOut { timeout_us: plan.bound().timeout_us() }))
+        Err(SelfTestError::Wait(WaitError::TimedOut { timeout_us: plan.bound().timeout_us() }))
     }
 }

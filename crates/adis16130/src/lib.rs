@@ -1,6 +1,5 @@
 #![doc = include_str!("../README.md")]
 #![no_std]
-#![allow(clippy::duplicate_mod, reason = "blocking and asynch are made of the one source in driver.rs")]
 
 #[cfg(feature = "async")]
 pub mod asynch;

@@ -98,6 +98,31 @@ mod tests {
         assert_eq!(described(&narrow, &[(Address::RateData, 0x8000)])[0].bits, 16);
     }
 
+    /// Names and order from docs/facts.md section 3.
+    #[test]
+    fn each_register_shows_its_fields_in_this_order() {
+        let expected = [
+            (Address::Iop, "P0 P1 P0DIR P1DIR RDYFN SYNC"),
+            (Address::Revision, "REVISION"),
+            (Address::AdcStatus, "RATE TEMP"),
+            (Address::Checksum, "CHECKSUM"),
+            (Address::RateData, "RATE"),
+            (Address::TempData, "TEMP"),
+            (Address::RateStatus, "CHANNEL RDY NOREF SIGN OVR"),
+            (Address::TempStatus, "CHANNEL RDY NOREF SIGN OVR"),
+            (Address::RateCs, "STATOPT ENABLE RANGE"),
+            (Address::TempCs, "STATOPT ENABLE RANGE"),
+            (Address::RateConv, "CHOP FW"),
+            (Address::TempConv, "CHOP FW"),
+            (Address::Mode, "MD CLKDIS DUMP CONTRD 24/16 CLAMP"),
+        ];
+        for (address, fields) in expected {
+            let shown = &described(&Config::new(), &[(address, 0)])[0];
+            let names: Vec<&str> = shown.fields.iter().map(|field| &*field.name).collect();
+            assert_eq!(names.join(" "), fields, "{address}");
+        }
+    }
+
     /// A brown-out resets MODE to 0; a crossed wire shows another channel.
     #[test]
     fn what_reads_otherwise_is_wrong_and_says_what_was_written() {

@@ -1,4 +1,4 @@
-//! The fields of the registers in plain words, for whoever shows them.
+//! The fields of the registers in plain words, for a program that shows them.
 
 /// Some neighbouring bits of a register.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]

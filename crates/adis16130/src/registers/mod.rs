@@ -76,20 +76,21 @@ pub trait Writable: Register {
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Access {
-    /// It can be read.
+    /// It can only be read.
     ReadOnly,
-    /// It can be written.
+    /// It can only be written.
     WriteOnly,
     /// It can be read and written.
     ReadWrite,
 }
 
 /// One row per register, as in the table of docs/facts.md section 3: description, address, name and access; then the
-/// type of its value, size, value after reset, fields, decoder, and the encoder if it is writable.
+/// type of its value, size, value after reset, fields, decoder, and the encoder if it is writable. `struct` declares a
+/// type for the register where that is not the type of its value.
 macro_rules! registers {
     ($(
         #[doc = $description:literal]
-        $register:ident = $address:literal $name:literal $access:ident
+        $register:ident = $address:literal $name:literal $access:ident $($struct:ident)?
         $({ $value:ty, $size:ident, $reset:expr, $fields:expr, $decode:expr $(, $encode:expr)? })?;
     )*) => {
         /// The address of every register (docs/facts.md section 3).
@@ -113,7 +114,7 @@ macro_rules! registers {
                 match self {$(Self::$register => $description.trim_ascii(),)*}
             }
 
-            /// Whether it can be read and written.
+            /// Whether it can be read, written or both.
             pub const fn access(self) -> Access {
                 match self {$(Self::$register => Access::$access,)*}
             }
@@ -126,7 +127,7 @@ macro_rules! registers {
                 }
             }
 
-            /// The fields of the register, the highest first.
+            /// The fields of the register, in the order in which a table lists them.
             pub const fn fields(self) -> &'static [Field] {
                 match self {
                     $($(Self::$register => { const FIELDS: &[Field] = $fields; FIELDS })?)*
@@ -134,6 +135,12 @@ macro_rules! registers {
                 }
             }
         }
+
+        $($(
+            #[doc = $description]
+            #[derive(Copy, Clone, Debug)]
+            pub $struct $register;
+        )?)*
 
         $($(
             impl Register for $register {
@@ -182,42 +189,46 @@ registers! {
     /// Checksum over the written bits (F-34).
     Checksum = 0x05 "CHECKSUM" ReadWrite {
         Checksum, Word, Checksum::RESET_VALUE,
-        &[Field { name: "CHECKSUM", mask: 0xFFFF, meaning: Meaning::Number("over all bits written since the reset (F-34)") }],
+        &[Field {
+            name: "CHECKSUM",
+            mask: 0xFFFF,
+            meaning: Meaning::Number("over all bits written since the reset (F-34)"),
+        }],
         |raw, _| Checksum::new(raw as u16), |value| value.bits().into()
     };
     /// Rate data.
-    RateData = 0x08 "RATEDATA" ReadOnly {
+    RateData = 0x08 "RATEDATA" ReadOnly struct {
         RateCode, Data, RateCode::new(0x8000, Width::Bits16), &[code("RATE", Meaning::Rate)], RateCode::new
     };
     /// Temperature data.
-    TempData = 0x0A "TEMPDATA" ReadOnly {
+    TempData = 0x0A "TEMPDATA" ReadOnly struct {
         TempCode, Data, TempCode::new(0x8000, Width::Bits16), &[code("TEMP", Meaning::Temp)], TempCode::new
     };
     /// Status of the rate channel.
-    RateStatus = 0x20 "RATE STATUS" ReadOnly {
+    RateStatus = 0x20 "RATE STATUS" ReadOnly struct {
         ChannelStatus, Byte, ChannelStatus::new(0x00), ChannelStatus::FIELDS, |raw, _| ChannelStatus::new(raw as u8)
     };
     /// Status of the temperature channel.
-    TempStatus = 0x22 "TEMP STATUS" ReadOnly {
+    TempStatus = 0x22 "TEMP STATUS" ReadOnly struct {
         ChannelStatus, Byte, ChannelStatus::new(0x40), ChannelStatus::FIELDS, |raw, _| ChannelStatus::new(raw as u8)
     };
     /// Setup of the rate channel.
-    RateCs = 0x28 "RATECS" ReadWrite {
+    RateCs = 0x28 "RATECS" ReadWrite struct {
         ChannelSetup, Byte, ChannelSetup::new(0), ChannelSetup::FIELDS,
         |raw, _| ChannelSetup::new(raw as u8), |value| value.bits().into()
     };
     /// Setup of the temperature channel.
-    TempCs = 0x2A "TEMPCS" ReadWrite {
+    TempCs = 0x2A "TEMPCS" ReadWrite struct {
         ChannelSetup, Byte, ChannelSetup::new(0), ChannelSetup::FIELDS,
         |raw, _| ChannelSetup::new(raw as u8), |value| value.bits().into()
     };
     /// Conversion time of the rate channel.
-    RateConv = 0x30 "RATECONV" ReadWrite {
+    RateConv = 0x30 "RATECONV" ReadWrite struct {
         ConversionTime, Byte, ConversionTime::new(0x91), ConversionTime::FIELDS,
         |raw, _| ConversionTime::new(raw as u8), |value| value.bits().into()
     };
     /// Conversion time of the temperature channel.
-    TempConv = 0x32 "TEMPCONV" ReadWrite {
+    TempConv = 0x32 "TEMPCONV" ReadWrite struct {
         ConversionTime, Byte, ConversionTime::new(0x91), ConversionTime::FIELDS,
         |raw, _| ConversionTime::new(raw as u8), |value| value.bits().into()
     };
@@ -226,35 +237,3 @@ registers! {
         Mode, Byte, Mode::new(0), Mode::FIELDS, |raw, _| Mode::new(raw as u8), |value| value.bits().into()
     };
 }
-
-/// The rate data register, 08h.
-#[derive(Copy, Clone, Debug)]
-pub struct RateData;
-
-/// The temperature data register, 0Ah.
-#[derive(Copy, Clone, Debug)]
-pub struct TempData;
-
-/// The status register of the rate channel, 20h.
-#[derive(Copy, Clone, Debug)]
-pub struct RateStatus;
-
-/// The status register of the temperature channel, 22h.
-#[derive(Copy, Clone, Debug)]
-pub struct TempStatus;
-
-/// The setup register of the rate channel, 28h.
-#[derive(Copy, Clone, Debug)]
-pub struct RateCs;
-
-/// The setup register of the temperature channel, 2Ah.
-#[derive(Copy, Clone, Debug)]
-pub struct TempCs;
-
-/// The conversion time register of the rate channel, 30h.
-#[derive(Copy, Clone, Debug)]
-pub struct RateConv;
-
-/// The conversion time register of the temperature channel, 32h.
-#[derive(Copy, Clone, Debug)]
-pub struct TempConv;

@@ -12,11 +12,12 @@ const fn with(bits: u8, mask: u8, on: bool) -> u8 {
     if on { bits | mask } else { bits & !mask }
 }
 
-/// Defines a one-byte register value by its fields, the highest first: mask, name, meaning and, for one bit, the
-/// method that reads it and the one that sets it.
+/// Defines a one-byte register value by its fields, in the order in which a table lists them: mask, name, meaning and,
+/// for a single bit, the method that reads it and the one that sets it.
 macro_rules! byte_value {
     ($(#[$doc:meta])* $name:ident {$(
-        $mask:literal $label:literal $meaning:expr $(, $(#[$get_doc:meta])* $get:ident $(, $set:ident)?)?;
+        $mask:literal $label:literal $meaning:expr
+        $(, $(#[$get_doc:meta])* $get:ident $(, $(#[$set_doc:meta])* $set:ident)?)?;
     )*}) => {
         $(#[$doc])*
         #[derive(Copy, Clone, Debug, PartialEq, Eq, Hash)]
@@ -25,7 +26,7 @@ macro_rules! byte_value {
         pub struct $name(u8);
 
         impl $name {
-            /// Its fields, the highest first.
+            /// Its fields, in the order in which a table lists them.
             pub const FIELDS: &'static [Field] =
                 &[$(Field { name: $label, mask: $mask, meaning: $meaning }),*];
 
@@ -46,7 +47,7 @@ macro_rules! byte_value {
                 }
 
                 $(
-                    #[doc = concat!("Sets or clears ", $label, ".")]
+                    $(#[$set_doc])*
                     pub const fn $set(self, on: bool) -> Self {
                         Self(with(self.0, $mask, on))
                     }
@@ -60,26 +61,38 @@ byte_value! {
     /// IOP, 01h: the pins P0 and P1, when RDY falls, and the SYNC pin.
     Iop {
         0x80 "P0" Level(["pin P0 is low", "pin P0 is high"]),
-            /// Level of pin P0.
-            p0, with_p0;
+            /// Level of pin P0 (b7).
+            p0,
+            /// Sets the level that P0 drives as an output.
+            with_p0;
         0x40 "P1" Level(["pin P1 is low", "pin P1 is high"]),
-            /// Level of pin P1.
-            p1, with_p1;
+            /// Level of pin P1 (b6).
+            p1,
+            /// Sets the level that P1 drives as an output.
+            with_p1;
         0x20 "P0DIR" Bit(["output", "input"]),
-            /// Whether P0 is an input.
-            p0_is_input, with_p0_input;
+            /// Whether P0 is an input (b5).
+            p0_is_input,
+            /// Makes P0 an input or an output.
+            with_p0_input;
         0x10 "P1DIR" Bit(["output", "input"]),
-            /// Whether P1 is an input.
-            p1_is_input, with_p1_input;
+            /// Whether P1 is an input (b4).
+            p1_is_input,
+            /// Makes P1 an input or an output.
+            with_p1_input;
         0x08 "RDYFN" Bit([
             "data ready (RDY) tells that any channel has new data",
             "data ready (RDY) tells that all channels have",
         ]),
-            /// RDYFN: `true` = RDY is low only when all enabled channels hold unread data (F-32).
-            rdyfn, with_rdyfn;
+            /// RDYFN (b3): `true` = RDY is low only when all enabled channels hold unread data (F-32).
+            rdyfn,
+            /// Sets RDYFN.
+            with_rdyfn;
         0x01 "SYNC" Bit(["the pin SYNC is not used", "the pin SYNC is in use"]),
-            /// SYNC: the SYNC pin is in use.
-            sync, with_sync;
+            /// SYNC (b0): the SYNC pin is in use.
+            sync,
+            /// Sets SYNC.
+            with_sync;
     }
 }
 
@@ -99,12 +112,12 @@ byte_value! {
 byte_value! {
     /// ADC STATUS, 04h: bit n is set while channel n holds unread data. Rate is channel 0, temperature channel 2.
     AdcStatus {
-        0x04 "TEMP" Bit(WAITING),
-            /// Whether temperature data waits to be read.
-            temp_ready;
         0x01 "RATE" Bit(WAITING),
             /// Whether rate data waits to be read.
             rate_ready;
+        0x04 "TEMP" Bit(WAITING),
+            /// Whether temperature data waits to be read.
+            temp_ready;
     }
 }
 
@@ -113,16 +126,17 @@ byte_value! {
     ChannelStatus {
         0xE0 "CHANNEL" Channel;
         0x08 "RDY" Bit(WAITING),
-            /// RDY: the data register holds a reading that has not been read.
+            /// RDY (b3): the data register holds a reading that has not been read.
             ready;
         0x04 "NOREF" Alarm(["the reference is there", "no reference: readings mean nothing"]),
-            /// NOREF: no reference voltage; the reading means nothing.
+            /// NOREF (b2): no reference voltage; the reading means nothing.
             no_reference;
         0x02 "SIGN" Bit(["the input is positive", "the input is negative"]),
-            /// SIGN: the input was negative. With OVR it says on which side the reading left the range (F-35).
+            /// SIGN (b1): the input was negative. With OVR it says on which side the reading left the range (F-35).
             negative;
         0x01 "OVR" Alarm(["in range", "the input is beyond the range"]),
-            /// OVR: the input was outside the range. The code is saturated (CLAMP = 1) or wrapped (CLAMP = 0) (F-35).
+            /// OVR (b0): the input was outside the range. The code is saturated (CLAMP = 1) or wrapped (CLAMP = 0)
+            /// (F-35).
             out_of_range;
     }
 }
@@ -179,11 +193,15 @@ byte_value! {
     /// Channel setup, RATECS 28h and TEMPCS 2Ah.
     ChannelSetup {
         0x10 "STATOPT" Bit(["the status is that of the channel alone", "the status is extended"]),
-            /// STATOPT.
-            statopt, with_statopt;
+            /// STATOPT (b4).
+            statopt,
+            /// Sets STATOPT.
+            with_statopt;
         0x08 "ENABLE" Bit(["the channel is not converted", "the channel is converted"]),
-            /// ENABLE: the channel is converted in continuous mode.
-            enabled, with_enabled;
+            /// ENABLE (b3): the channel is converted in continuous mode.
+            enabled,
+            /// Sets ENABLE.
+            with_enabled;
         0x03 "RANGE" Choice(&[
             "not the range that the part's scale is for",
             "not the range that the part's scale is for",
@@ -209,8 +227,10 @@ byte_value! {
     /// Conversion time, RATECONV 30h and TEMPCONV 32h: chopping and the filter word (F-31).
     ConversionTime {
         0x80 "CHOP" Bit(["one conversion for each reading", "the mean of two, with exchanged inputs"]),
-            /// CHOP: each result is the mean of two conversions with exchanged inputs.
-            chop, with_chop;
+            /// CHOP (b7): each result is the mean of two conversions with exchanged inputs.
+            chop,
+            /// Sets CHOP.
+            with_chop;
         0x7F "FW" FilterWord;
     }
 }
@@ -289,18 +309,26 @@ byte_value! {
             "powered down",
         ]);
         0x10 "CLKDIS" Bit(["the clock is given out", "the clock is not given out"]),
-            /// CLKDIS.
-            clkdis, with_clkdis;
+            /// CLKDIS (b4).
+            clkdis,
+            /// Sets CLKDIS.
+            with_clkdis;
         0x08 "DUMP" Bit(["readings come alone", "readings come with their status"]),
-            /// DUMP. The driver does not read in dump mode.
-            dump, with_dump;
+            /// DUMP (b3).
+            dump,
+            /// Sets DUMP. The driver does not read in dump mode.
+            with_dump;
         0x04 "CONTRD" Bit(["each reading is asked for", "readings come without being asked for"]),
-            /// CONTRD. The driver does not read in continuous-read mode.
-            contrd, with_contrd;
+            /// CONTRD (b2).
+            contrd,
+            /// Sets CONTRD. The driver does not read in continuous-read mode.
+            with_contrd;
         0x02 "24/16" Bit(["16 bits a reading", "24 bits a reading"]);
         0x01 "CLAMP" Bit(["a code out of range wraps (F-35)", "a code out of range stays at the end (F-35)"]),
-            /// CLAMP: `true` = out-of-range codes saturate, `false` = they wrap (F-35).
-            clamp, with_clamp;
+            /// CLAMP (b0): `true` = out-of-range codes saturate, `false` = they wrap (F-35).
+            clamp,
+            /// Sets CLAMP.
+            with_clamp;
     }
 }
 
