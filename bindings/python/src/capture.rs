@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use std::path::PathBuf;
 use zerorate::{Axis, Part, Scale};
-use zerorate_cli::api::{self, Recording};
+use zerorate_jobs::capture::{self, Recording};
 
 /// Reads a capture. Returns its columns, and its description under ``width_bits``, ``metadata``, ``calibration_id``
 /// and ``warning``.
@@ -16,7 +16,7 @@ use zerorate_cli::api::{self, Recording};
 /// Raises ValueError for a file that is no whole capture, OSError for one that cannot be read.
 #[pyfunction]
 pub fn read_capture(py: Python<'_>, path: PathBuf) -> PyResult<Bound<'_, PyDict>> {
-    let recording = py.detach(|| api::read_capture(&path)).map_err(|error| exception(&error))?;
+    let recording = py.detach(|| capture::read_capture(&path)).map_err(|error| exception(&error))?;
     let capture = PyDict::new(py);
     capture.set_item("t_ns", recording.t_ns.to_pyarray(py))?;
     capture.set_item("edge_seq", recording.edge_seq.to_pyarray(py))?;

@@ -6,7 +6,6 @@ use pyo3::prelude::*;
 use serde_json::{Value, json};
 use zerorate::calibration::CalibratedAxis;
 use zerorate::{Calibration, Correction, Scale};
-use zerorate_cli::api;
 
 /// Keys of the file that belong to an axis, or are called otherwise in Python.
 const OF_AXES: [&str; 7] = ["axis", "temperature", "correction", "measured", "uncertainty", "curve", "noise"];
@@ -54,7 +53,9 @@ fn scale(of: &Scale) -> Value {
 /// What to say where temperatures from ``low_c`` to ``high_c`` leave the span of the calibration in ``text``.
 #[pyfunction]
 pub fn extrapolation(text: &str, low_c: f64, high_c: f64) -> PyResult<Option<String>> {
-    Ok(api::extrapolation(&parse(text)?.0, low_c, high_c))
+    let (calibration, _) = parse(text)?;
+    let warning = calibration.validity.and_then(|validity| validity.warning(low_c, high_c));
+    Ok(warning.map(|warning| warning.to_string()))
 }
 
 fn parse(text: &str) -> PyResult<(Calibration, Vec<String>)> {

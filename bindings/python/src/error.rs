@@ -4,8 +4,8 @@ use pyo3::create_exception;
 use pyo3::exceptions::{PyFileExistsError, PyFileNotFoundError, PyOSError, PyPermissionError, PyValueError};
 use pyo3::prelude::*;
 use std::io::{self, ErrorKind};
-use zerorate_cli::api;
 use zerorate_data::LogError;
+use zerorate_jobs::output::is_refusal;
 
 create_exception!(
     _zerorate,
@@ -19,10 +19,10 @@ create_exception!(
 /// that of the command line.
 pub fn exception(error: &anyhow::Error) -> PyErr {
     let text = format!("{error:#}");
-    if error.is::<api::Refused>() || matches!(error.downcast_ref(), Some(LogError::Refused(..))) {
+    if error.is::<zerorate_jobs::Refused>() || matches!(error.downcast_ref(), Some(LogError::Refused(..))) {
         return Refused::new_err(text);
     }
-    if api::refuses_output(error) {
+    if is_refusal(error) {
         return PyFileExistsError::new_err(text.replace("--force", "force=True"));
     }
     match error.chain().find_map(|cause| cause.downcast_ref::<io::Error>()).map(io::Error::kind) {

@@ -6,9 +6,9 @@ use crate::log::{argument, label};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use std::path::PathBuf;
-use zerorate_cli::api;
 use zerorate_data::column::{Names, TimeUnit, Unit};
 use zerorate_data::imu::{Axis, Choice, Combine, Format, Kind, Numbers, doubt};
+use zerorate_jobs::output::Outputs;
 
 /// Name, unit and model of an axis.
 type Modelled<'py> = (String, String, PyRef<'py, Model>);
@@ -65,7 +65,8 @@ pub fn is_time(name: &str) -> bool {
 /// Raises FileExistsError where it would overwrite one, OSError where it cannot be written.
 #[pyfunction]
 pub fn save_text(path: PathBuf, text: &str, force: bool) -> PyResult<()> {
-    api::save_text(&path, text, force).map_err(|error| exception(&error))
+    let save = || -> anyhow::Result<()> { Ok(Outputs::new(force).derived(&path)?.fill(text.as_bytes())?) };
+    save().map_err(|error| exception(&error))
 }
 
 fn axis<'a>((name, unit, model): &'a Modelled<'_>) -> PyResult<Axis<'a>> {

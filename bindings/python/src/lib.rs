@@ -4,6 +4,7 @@
 //! `python/zerorate`, the computations in the crates `zerorate` and `zerorate-cli`.
 
 mod allan;
+mod calibrate;
 mod capture;
 mod correction;
 mod error;
@@ -20,6 +21,8 @@ mod _zerorate {
     #[pymodule_export]
     use super::allan::{Model, analyse, deviations, edf, finite_difference_edf, interval, mtie, statistics};
     #[pymodule_export]
+    use super::calibrate::calibrate;
+    #[pymodule_export]
     use super::capture::{rate_dps, read_capture, temp_c};
     #[pymodule_export]
     use super::correction::{Corrector, correct, extrapolation, parse_calibration};
@@ -32,7 +35,7 @@ mod _zerorate {
     #[pymodule_export]
     use super::main;
     #[pymodule_export]
-    use super::twin::{calibrate, twin_device, twin_keys};
+    use super::twin::{twin_device, twin_keys};
 }
 
 /// Runs the command line ``args``, program name first. Returns the exit code: 0 done, 1 failed, 2 usage, 3 refused.

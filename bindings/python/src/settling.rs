@@ -38,7 +38,7 @@ impl Settling<'_> {
         let mut rate = Column { gaps: gaps.to_vec(), scale, ..named("the rate", series, rate_hz) };
         let temps_c = self.temps_c.as_ref().map(|temps_c| temps_c.as_slice().map(<[f64]>::to_vec)).transpose()?;
         let temperature = temps_c.map(|temps_c| named("the temperature", Series::Numbers(temps_c), rate_hz));
-        let skip: api::Seconds =
+        let skip: zerorate_view::Seconds =
             self.skip.parse().map_err(|why| PyValueError::new_err(format!("skip={}: {why}", self.skip)))?;
         let settling = api::Settling { skip_s: skip.0, order: self.detrend };
         let settled = py.detach(|| settling.apply(&mut rate, Path::new("the record"), temperature.as_ref()));

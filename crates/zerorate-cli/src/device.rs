@@ -1,12 +1,14 @@
 //! Which part is read, and how, as options.
 
-use crate::output::Outputs;
+use crate::interrupt;
+use crate::output::{Outputs, warn};
 use crate::part::PartArgs;
 use anyhow::Result;
 use clap::Args;
 use std::ops::Deref;
 use std::path::Path;
-use zerorate_host::{DeviceSpec, Sampling, Setup};
+use zerorate_host::{DeviceSpec, Pace, Sampling, Setup};
+use zerorate_jobs::{Acquisition, Tell};
 
 /// Which part to read.
 #[derive(Args, Debug)]
@@ -52,6 +54,20 @@ impl SourceArgs {
     pub fn file(&self) -> Option<&Path> {
         self.device.file()
     }
+}
+
+impl DeviceArgs {
+    /// Opens the device and, from here on, takes Ctrl-C as the wish to end cleanly.
+    pub fn open(&self, setup: Setup) -> Result<Acquisition> {
+        interrupt::listen();
+        let pace = if self.realtime { Pace::RealTime } else { Pace::Free };
+        Acquisition::open(&self.device, setup, pace, interrupt::stop(), tell())
+    }
+}
+
+/// Prints what a device has to say.
+pub fn tell() -> Tell {
+    Box::new(|note| warn(&[note]))
 }
 
 impl Deref for DeviceArgs {

@@ -1,30 +1,11 @@
 //! How a run ends: exit code 0 done, 1 failed, 2 usage, 3 refused. The reason goes to stderr.
 
-use crate::output::{OutputError, reader_left, say};
+use crate::output::{reader_left, say};
 use std::process::ExitCode;
 use zerorate_data::LogError;
 use zerorate_host::{Cause, DeviceError};
-
-/// The measurement was refused: the numbers exist, but they must not become a calibration. Exit code 3.
-#[derive(Debug, thiserror::Error)]
-#[error("{why}")]
-pub struct Refused {
-    /// For scripts, and for `zerorate explain`.
-    code: &'static str,
-    why: String,
-}
-
-impl Refused {
-    /// With its code, and why.
-    pub fn new(code: &'static str, why: impl Into<String>) -> Self {
-        Self { code, why: why.into() }
-    }
-}
-
-/// The request makes no sense in a way only seen after parsing. Exit code 2, like clap's own errors.
-#[derive(Debug, thiserror::Error)]
-#[error("{0}")]
-pub struct Usage(pub String);
+use zerorate_jobs::output::is_refusal;
+pub use zerorate_jobs::{InvalidOptions as Usage, Refused};
 
 /// Prints why a run failed and picks the exit code. A reader of stdout that went away (`zerorate … | head`) is no
 /// failure; of any other pipe it is.
@@ -40,7 +21,7 @@ pub fn report(error: &anyhow::Error) -> ExitCode {
     } else if error.is::<Usage>()
         || matches!(log, Some(LogError::Ask(_) | LogError::Choose(..)))
         || cause == Some(Cause::Request)
-        || refuses_output(error)
+        || is_refusal(error)
     {
         ("error", 2)
     } else {
@@ -73,11 +54,6 @@ fn refusal(error: &anyhow::Error) -> Option<&'static str> {
     error.downcast_ref().map(|refused: &Refused| refused.code).or(of_log).or(of_device)
 }
 
-/// Whether a file that is there was not to be touched.
-pub fn refuses_output(error: &anyhow::Error) -> bool {
-    error.chain().any(|cause| cause.downcast_ref().is_some_and(OutputError::is_refusal))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -90,7 +66,8 @@ mod tests {
         let failed = anyhow::anyhow!("bus");
         let pipe =
             Err::<(), _>(std::io::Error::from(std::io::ErrorKind::BrokenPipe)).context("writing rows").unwrap_err();
-        let exists = anyhow::Error::from(OutputError::Exists { path: "x".into(), has_force: true }).context("saving");
+        let exists = anyhow::Error::from(crate::output::OutputError::Exists { path: "x".into(), has_force: true })
+            .context("saving");
         let log = |error: LogError| anyhow::Error::from(error).context("gz");
         let (asked, gapped) =
             (log(LogError::Ask("which?".into())), log(LogError::Refused("mostly-missing", "gaps".into())));

@@ -8,7 +8,6 @@
     reason = "they panic where a stream is full or closed: output::say, output::print"
 )]
 
-mod acquire;
 pub mod api;
 mod cli;
 mod column;
@@ -22,13 +21,11 @@ mod exit;
 #[expect(clippy::print_stderr, reason = "its replay is for whoever runs the tests")]
 mod fuzz;
 mod interrupt;
-mod judged;
 mod last_word;
 mod memory;
 mod output;
 mod part;
 mod progress;
-mod recorder;
 mod serve;
 #[cfg(unix)]
 mod twin_usb;

@@ -1,23 +1,12 @@
 //! The progress bar on stderr: the step in words, how far, how long it still takes. Hidden where stderr is no
 //! terminal.
 
+use crate::output::warn;
 use crate::wording::flag;
 use indicatif::{ProgressBar, ProgressStyle};
-use zerorate::{Names, Progress};
-
-/// Looks on while the procedure runs.
-pub trait Watch {
-    /// Sees how far it is, with every 4096th sample; false asks it to end.
-    fn see(&mut self, progress: &Progress) -> bool;
-
-    /// What is to be said of the time that is left, beside that.
-    fn note(&mut self, _left: Option<String>) {}
-
-    /// What whoever looks on calls the settings.
-    fn names(&self) -> Names {
-        flag
-    }
-}
+use zerorate::{Names, Progress, Reached, Setting};
+use zerorate_jobs::calibrate::Watch;
+use zerorate_view::Seconds;
 
 /// Progress of a measurement whose extent is known.
 #[derive(Debug)]
@@ -64,8 +53,17 @@ impl Watch for Meter {
         true
     }
 
-    fn note(&mut self, left: Option<String>) {
-        self.note = left;
+    fn approach(&mut self, Reached { u_dps, left_s, .. }: Reached) {
+        let settles = if left_s > 0.0 { format!(", settles in {}", Seconds(left_s.round())) } else { String::new() };
+        self.note = Some(format!("{:.1} °/h ({}){settles}", 3600.0 * u_dps, flag(Setting::Target)));
+    }
+
+    fn warn(&mut self, warning: &str) {
+        warn(&[warning]);
+    }
+
+    fn names(&self) -> Names {
+        flag
     }
 }
 

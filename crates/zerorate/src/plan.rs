@@ -19,6 +19,9 @@ pub enum Method {
 }
 
 impl Method {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::An1042, Self::Warmup, Self::Cycle];
+
     /// What calibrations call it.
     #[must_use]
     pub const fn name(self) -> &'static str {

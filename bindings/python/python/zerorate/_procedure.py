@@ -199,27 +199,26 @@ def calibrate(
     OSError
         If a file cannot be written; a calibration that was measured is then kept in another, which the text names.
     """
-    values = {
-        "--method": method,
-        "--target-dph": target_dph,
-        "--average": average,
-        "--warmup": warmup,
-        "--settle": settle,
-        "--offset": offset,
-        "--max-lost": max_lost,
-        "--max-u-btc": max_u_btc,
-        "--earth-dps": earth_dps,
-        "--every-temp": every_temp,
-        "--divider": divider,
-        "--serial": serial,
-        "--supply-note": supply_note,
-        "--log": None if log is None else os.fspath(log),
-        "--output": None if output is None else os.fspath(output),
+    options = {
+        "method": method,
+        "target_dph": target_dph,
+        "average": average,
+        "warmup": warmup,
+        "settle": settle,
+        "offset": offset,
+        "max_lost": max_lost,
+        "max_u_btc": max_u_btc,
+        "earth_dps": earth_dps,
+        "assume_linear": assume_linear,
+        "every_temp": every_temp,
+        "divider": divider,
+        "serial": serial,
+        "supply_note": supply_note,
+        "log": log,
+        "output": output,
+        "force": force,
     }
-    options = [f"--device={twin.device}"]
-    options += [f"{name}={value}" for name, value in values.items() if value is not None]
-    options += ["--assume-linear"] * assume_linear + ["--force"] * force
-    report_json, toml = _zerorate.calibrate(options)
+    report_json, toml = _zerorate.calibrate(twin.device, options)
     report = json.loads(report_json)
     truth = report.pop("truth", None)
     if truth is not None:

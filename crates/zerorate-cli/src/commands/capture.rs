@@ -2,13 +2,12 @@
 
 use super::correct::load;
 use super::serial::{self, Part, one_line};
-use crate::acquire::Acquisition;
 use crate::device::{DeviceArgs, SamplingArgs};
 use crate::exit::{Refused, Usage};
 use crate::interrupt;
 use crate::output::{Outputs, print_json, print_lines, warn};
 use crate::progress::Meter;
-use crate::recorder::Recorder;
+use crate::wording::flag;
 use anyhow::{Context, Result};
 use clap::Args;
 use serde::Serialize;
@@ -17,6 +16,8 @@ use zerorate::Calibration;
 use zerorate::health::{Health, Marks};
 use zerorate_data::believed;
 use zerorate_data::capture::{CaptureInfo, Format, Row};
+use zerorate_jobs::Acquisition;
+use zerorate_jobs::Recorder;
 use zerorate_view::duration::{self, Seconds};
 
 /// Records raw codes with timestamps.
@@ -106,7 +107,7 @@ pub fn run(args: &CaptureArgs) -> Result<()> {
     let mut outputs = Outputs::new(args.force).printing();
     let calibration = args.cal.as_deref().map(|cal| load(cal, &mut outputs)).transpose()?;
     let setup = args.device.setup(args.sampling, &mut outputs)?;
-    let mut acquisition = Acquisition::open(&args.device, setup)?;
+    let mut acquisition = args.device.open(setup)?;
     let info = acquisition.info(args.serial.as_deref(), args.supply_note.as_deref());
     if let (Some(calibration), Some(path)) = (&calibration, &args.cal) {
         check_serial(args, &info, calibration, path)?;
@@ -134,7 +135,7 @@ fn record(args: &CaptureArgs, acquisition: &mut Acquisition, mut take: impl FnMu
     let ends_after_ns = args.samples.map_or(args.duration.nanos(), |_| u64::MAX);
     let meter = Meter::new(args.samples.map_or(args.duration.0, |n| n as f64));
     let mut first_ns = None;
-    while let Some(row) = acquisition.next()? {
+    while let Some(row) = acquisition.next_row()? {
         take(&row)?;
         acquisition.look_at(&row);
         let elapsed_ns = row.t_ns - *first_ns.get_or_insert(row.t_ns);
@@ -151,7 +152,7 @@ fn record(args: &CaptureArgs, acquisition: &mut Acquisition, mut take: impl FnMu
 }
 
 fn summarise(args: &CaptureArgs, acquisition: &mut Acquisition) -> Result<()> {
-    let warnings = acquisition.warnings();
+    let warnings = acquisition.warnings(flag);
     let marks: Vec<&Marks> = acquisition.healths().map(Health::marks).collect();
     let sum = |count: fn(&Marks) -> u64| marks.iter().copied().map(count).sum();
     let tally = acquisition.tally();

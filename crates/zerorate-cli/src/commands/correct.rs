@@ -2,7 +2,6 @@
 
 use super::serial::Part;
 use crate::interrupt;
-use crate::judged::JudgedAxis;
 use crate::output::{Outputs, say, warn};
 use crate::part::PartArgs;
 use crate::wording::flag;
@@ -20,6 +19,7 @@ use zerorate_data::believed;
 use zerorate_data::capture::columns::{self, Rows};
 use zerorate_data::capture::{CALIBRATION_ID, CaptureInfo, CaptureReader, Format, Layout, table};
 use zerorate_data::limits;
+use zerorate_jobs::JudgedAxis;
 
 /// Corrects a capture: RATE + PBC + d · BTC, with d = TEMP − T3, and + d² · BTC2 + d³ · BTC3 where the calibration has
 /// these terms.

@@ -2,7 +2,6 @@
 
 use super::device::{self, Fed, Feed, Opened, Opener, Opening};
 use super::{Folder, Libiio, Recordings};
-use crate::acquire;
 use crate::connection::HostCheck;
 use crate::output::say;
 use anyhow::Result;
@@ -12,6 +11,7 @@ use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::time::{Duration, Instant};
 use tokio::sync::{broadcast, oneshot};
 use zerorate_host::{Awaited, Bus, DeviceError, Hub, Losses, Stop};
+use zerorate_jobs::acquisition;
 use zerorate_web::message::DeviceState;
 use zerorate_web::session::{Asked, HostWish, Session};
 
@@ -237,7 +237,7 @@ impl Desk {
         reading.doubts = batch.doubts.len();
         if reading.losses != batch.losses {
             reading.losses = batch.losses;
-            acquire::lost_on_the_way(batch.losses).for_each(|note| session.note(&note));
+            acquisition::lost_on_the_way(batch.losses).for_each(|note| session.note(&note));
         }
         if let Some(found) = reading.host_check.as_ref().and_then(|check| check.ended(session.tally())) {
             session.checked(found);

@@ -1,7 +1,6 @@
 //! What is recorded while the page is served: one file from one opening of the device to its end.
 
 use crate::output::{OutputError, Outputs, Recording, say};
-use crate::recorder::Recorder;
 use anyhow::{Context, Result};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::channel;
@@ -10,6 +9,7 @@ use std::thread::{self, JoinHandle};
 use zerorate::Calibration;
 use zerorate_data::capture::{CaptureInfo, Format};
 use zerorate_host::{Batch, Everything, Facts, Hub};
+use zerorate_jobs::Recorder;
 
 /// The recordings of a run. A device that was opened again begins another one: its time begins anew.
 pub struct Recordings {

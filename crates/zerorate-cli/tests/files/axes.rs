@@ -246,7 +246,7 @@ fn captures_of_axes_are_verified_repaired_and_analysed() {
 fn a_capture_of_axes_as_columns() {
     let bench = Bench::new();
     record(&bench.path("imu.arrows"), false);
-    let recording = zerorate_cli::api::read_capture(&bench.path("imu.arrows")).unwrap();
+    let recording = zerorate_jobs::capture::read_capture(&bench.path("imu.arrows")).unwrap();
     let names: Vec<&str> = recording.axes.iter().map(|axis| axis.name.as_str()).collect();
     assert_eq!((recording.part.as_str(), names), ("ADIS16405", vec!["x", "y", "z"]));
     let rows = ROWS as usize;

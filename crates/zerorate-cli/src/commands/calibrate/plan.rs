@@ -2,6 +2,7 @@
 
 use clap::{Args, ValueEnum};
 use zerorate::{Method, Plan};
+use zerorate_jobs::calibrate::settle_s;
 use zerorate_view::duration::Seconds;
 
 #[derive(Args, Debug)]
@@ -52,9 +53,6 @@ pub struct PlanArgs {
     assume_linear: bool,
 }
 
-/// No step takes longer, s.
-const LONGEST_S: f64 = 86_400.0;
-
 /// Ways to calibrate.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum MethodArg {
@@ -74,13 +72,12 @@ impl PlanArgs {
             MethodArg::Warmup => Method::Warmup,
             MethodArg::Cycle => Method::Cycle,
         };
-        let settle_s = if recorded && method != Method::An1042 { LONGEST_S } else { Plan::default().settle_s };
         Plan {
             method,
             target_dps: self.target_dph.map(|dph| dph / 3600.0),
             average_s: self.average.0,
             warmup_s: self.warmup.0,
-            settle_s: self.settle.map_or(settle_s, |settle| settle.0),
+            settle_s: self.settle.map_or_else(|| settle_s(method, recorded), |settle| settle.0),
             offset_s: self.offset.0,
             max_lost: self.max_lost,
             max_u_btc_dps_per_c: self.max_u_btc,

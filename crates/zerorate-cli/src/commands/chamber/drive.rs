@@ -2,17 +2,17 @@
 
 use super::kept::Kept;
 use super::mover::{By, Mover};
-use crate::acquire::Acquisition;
 use crate::exit::Refused;
 use crate::interrupt;
 use crate::output::{say, warn};
 use crate::progress::Meter;
-use crate::recorder::Recorder;
 use adis16130_twin::Truth;
 use anyhow::Result;
 use zerorate::chamber::{ChamberAction, ChamberProcedure, ChamberRefusal, ChamberState, StepEnd};
 use zerorate_data::capture::{Layout, Row, SampleHash};
 use zerorate_host::{Cause, Chamber, DeviceError, Lead, SimulatedChamber};
+use zerorate_jobs::Acquisition;
+use zerorate_jobs::Recorder;
 use zerorate_view::duration::Seconds;
 
 /// The chamber is told and asked so often in part time, ns.
@@ -123,7 +123,7 @@ impl Drive {
 
     #[inline]
     fn row(&mut self) -> Result<Row> {
-        match self.acquisition.next()? {
+        match self.acquisition.next_row()? {
             Some(row) => Ok(row),
             None => Err(self.ended_early()),
         }

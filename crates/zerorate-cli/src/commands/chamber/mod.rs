@@ -8,12 +8,10 @@ mod result;
 
 use super::allan::picture::Kind;
 use super::serial::one_line;
-use crate::acquire::Acquisition;
 use crate::device::{DeviceArgs, SamplingArgs};
 use crate::exit::Usage;
 use crate::interrupt;
 use crate::output::{Outputs, Slot, Staged, say, warn};
-use crate::recorder::Recorder;
 use anyhow::Result;
 use clap::Args;
 use drive::{Drive, Driven, Ready, TICK_NS};
@@ -25,6 +23,8 @@ use zerorate::chamber::{ChamberPlan, ChamberProcedure};
 use zerorate::{EARTH_DPS, Part};
 use zerorate_data::capture::{CaptureInfo, Format};
 use zerorate_host::{Air, ChamberSpec, Facts, Setup, SimulatedChamber};
+use zerorate_jobs::Acquisition;
+use zerorate_jobs::Recorder;
 use zerorate_view::duration::Seconds;
 
 /// Calibrates a part over the temperatures of a chamber.
@@ -164,7 +164,7 @@ fn drive(args: &ChamberArgs, chamber: Option<ChamberSpec>, plan: &PlanFile, file
 /// The part and the files, before the first sample.
 fn ready(args: &ChamberArgs, plan: &PlanFile, files: &mut Files, air: Option<Air>, moves_air: bool) -> Result<Ready> {
     let is_simulated = air.is_some();
-    let mut acquisition = Acquisition::open(&args.device, Setup { air, ..files.setup.clone() })?;
+    let mut acquisition = args.device.open(Setup { air, ..files.setup.clone() })?;
     if moves_air {
         spares(&plan.plan, acquisition.part())?;
     }

@@ -3,9 +3,7 @@
 use super::drive::Driven;
 use super::plan::PlanFile;
 use super::{ChamberArgs, Files};
-use crate::acquire::aliasing;
 use crate::commands::allan::picture;
-use crate::commands::calibrate::{CurvePoint, POINTS, Undelivered};
 use crate::exit::Refused;
 use crate::output::{print_json, print_lines, warn};
 use crate::wording::coded;
@@ -17,6 +15,8 @@ use zerorate::calibration::ChamberRun;
 use zerorate::chamber::{Branches, ChamberOutcome, Record};
 use zerorate::{Calibration, Correction, Part, Uncertainty, Warning};
 use zerorate_data::Note;
+use zerorate_jobs::acquisition::aliasing;
+use zerorate_jobs::calibrate::{CurvePoint, POINTS, Undelivered};
 use zerorate_view::duration::Seconds;
 use zerorate_view::report::{ChamberPage, Fact, chamber_page, over_temperature, wide_loop};
 
@@ -130,7 +130,7 @@ pub fn deliver(args: &ChamberArgs, plan: &PlanFile, driven: Driven, files: Files
         Ok(()) => kept.forget(),
         Err(why) => {
             let wanted: Vec<_> = args.output.iter().cloned().collect();
-            return Err(Undelivered::rescue(why, &wanted, &calibration).into_error());
+            return Err(Undelivered::rescue(why, &wanted, &calibration).error(""));
         }
     }
     if args.json {

@@ -1,6 +1,5 @@
 //! `zerorate probe`: is there a part, is it wired right, and do its samples look like those of one?
 
-use crate::acquire::Acquisition;
 use crate::connection::proposal;
 use crate::device::{DeviceArgs, SamplingArgs};
 use crate::interrupt;
@@ -13,6 +12,7 @@ use clap::Args;
 use serde::Serialize;
 use zerorate::{Axis, Checkup, Limits, NamedAxis, Say};
 use zerorate_host::Bus;
+use zerorate_jobs::Acquisition;
 use zerorate_view::duration::{self, Seconds};
 
 /// Looks whether a part answers, is wired right and delivers.
@@ -100,7 +100,7 @@ struct SelfTested {
 
 pub fn run(args: &ProbeArgs) -> Result<()> {
     let setup = args.device.setup(args.sampling, &mut Outputs::without_force())?;
-    let mut acquisition = Acquisition::open(&args.device, setup)?;
+    let mut acquisition = args.device.open(setup)?;
     let revision = acquisition.initialise()?;
     let bus = acquisition.try_bus()?;
     let self_test = match &args.self_test {
@@ -143,7 +143,7 @@ fn read(acquisition: &mut Acquisition, duration: Seconds) -> Result<Vec<Checkup>
 
 impl Findings {
     fn new(mut acquisition: Acquisition, revision: Option<u8>, bus: Option<Bus>, checkups: &[Checkup]) -> Self {
-        let of_the_samples = acquisition.warnings();
+        let of_the_samples = acquisition.warnings(flag);
         let tally = *acquisition.tally();
         let facts = acquisition.facts();
         let frozen = acquisition.healths().map(|health| health.frozen_at_end().is_some());

@@ -4,7 +4,6 @@ mod track;
 
 use super::correct::load;
 use super::serial::{Part, one_line};
-use crate::acquire::Acquisition;
 use crate::device::{DeviceArgs, SamplingArgs};
 use crate::exit::{Refused, Usage};
 use crate::output::{Outputs, Stdout, warn};
@@ -19,6 +18,7 @@ use zerorate::health::{Flags, Judged};
 use zerorate::{Axis, Calibration, CodeSum, Correction, Corrector};
 use zerorate_data::believed;
 use zerorate_host::Facts;
+use zerorate_jobs::Acquisition;
 use zerorate_view::duration::Seconds;
 
 /// Prints the corrected rate as it comes: columns t_s, rate_dps, temp_c, lost, calibration, flags. A part with several
@@ -75,7 +75,7 @@ pub fn run(args: &StreamArgs) -> Result<()> {
     let calibration = load(&args.cal, &mut outputs)?;
     let period_ns = args.rate.map(period_ns).transpose()?.unwrap_or(1);
     let setup = args.device.setup(args.sampling, &mut outputs)?;
-    let mut acquisition = Acquisition::open(&args.device, setup)?;
+    let mut acquisition = args.device.open(setup)?;
     check_serial(args, acquisition.facts(), &calibration)?;
     acquisition.initialise()?;
     let created = acquisition.facts().info.created.clone();

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 /// Why an output is refused, or failed.
 #[derive(Debug, thiserror::Error)]
+#[expect(missing_docs, reason = "the fields are what the text shows")]
 pub enum OutputError {
     /// There is a file of that name.
     #[error("{} exists, and is not overwritten by accident: choose another name{}", path.display(),

@@ -6,9 +6,13 @@ use zerorate::{Axis, NamedAxis};
 
 /// An axis, and its readings that are judged and not taken yet.
 pub struct JudgedAxis {
+    /// What the part calls it.
     pub name: String,
+    /// What is true of it.
     pub axis: Axis,
+    /// Its judge.
     pub health: Health,
+    /// Readings that are judged and not taken yet.
     pub judged: VecDeque<Judged>,
 }
 

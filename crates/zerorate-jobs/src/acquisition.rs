@@ -1,26 +1,26 @@
 //! Samples of a device as the commands take them: one after the other, all of them, counted and judged.
 
-use crate::device::DeviceArgs;
-use crate::interrupt;
 use crate::judged::JudgedAxis;
-use crate::output::warn;
-use crate::wording::coded;
 use adis16130::SelfTest;
 use adis16130_twin::Truth;
 use anyhow::Result;
 use std::sync::Arc;
 use zerorate::health::{Frozen, Health, Judged};
-use zerorate::{Axis, Part, Tally, Warning, resonance};
+use zerorate::{Axis, Names, Part, Say, Tally, Warning, resonance};
 use zerorate_data::Note;
 use zerorate_data::believed;
 use zerorate_data::capture::{CaptureInfo, Layout, Row};
 use zerorate_host::{Batch, Bus, DeviceSpec, Everything, Facts, Hub, Losses, Pace, Setup, Stop};
+
+/// Hears what a device has to say while it is read.
+pub type Tell = Box<dyn FnMut(&str)>;
 
 /// A device that is being read.
 pub struct Acquisition {
     hub: Hub,
     everything: Everything,
     pace: Pace,
+    tell: Tell,
     /// None before the first sample was asked for.
     batch: Option<Arc<Batch>>,
     taken: usize,
@@ -34,15 +34,11 @@ pub struct Acquisition {
 }
 
 impl Acquisition {
-    /// Opens the device and, from here on, takes Ctrl-C as the wish to end cleanly.
-    pub fn open(device: &DeviceArgs, setup: Setup) -> Result<Self> {
-        interrupt::listen();
-        let pace = if device.realtime { Pace::RealTime } else { Pace::Free };
-        Ok(Self { pace, ..Self::unpaced(&device.device, setup, interrupt::stop())? })
-    }
-
-    /// As fast as it goes, until `stop` is asked. Ctrl-C stays what it was.
-    pub fn unpaced(device: &DeviceSpec, setup: Setup, stop: &Stop) -> Result<Self> {
+    /// Opens the device. It is read until its end, or until `stop` is asked. `tell` hears what the device has to say.
+    ///
+    /// # Errors
+    /// Why it cannot be opened.
+    pub fn open(device: &DeviceSpec, setup: Setup, pace: Pace, stop: &Stop, tell: Tell) -> Result<Self> {
         let hub = Hub::open(device, setup, stop)?;
         let everything = hub.everything();
         let Facts { info, part, .. } = hub.facts();
@@ -50,7 +46,8 @@ impl Acquisition {
         Ok(Self {
             hub,
             everything,
-            pace: Pace::Free,
+            pace,
+            tell,
             batch: None,
             taken: 0,
             marks_ns: Vec::new(),
@@ -110,8 +107,8 @@ impl Acquisition {
 
     /// The next sample; `None` at the end of a recording or where the reading was stopped.
     #[inline]
-    pub fn next(&mut self) -> Result<Option<Row>> {
-        if self.hub.stop().asked() {
+    pub fn next_row(&mut self) -> Result<Option<Row>> {
+        if self.is_stopped() {
             return Ok(None);
         }
         loop {
@@ -134,7 +131,7 @@ impl Acquisition {
             self.hub.read(self.pace, std::mem::take(&mut self.marks_ns))?;
         }
         let Some(batch) = self.everything.next()? else { return Ok(false) };
-        warn(&batch.notes);
+        batch.notes.iter().for_each(|note| (self.tell)(note));
         (self.losses, self.taken) = (batch.losses, 0);
         self.doubts.clone_from(&batch.doubts);
         self.batch = Some(batch);
@@ -147,7 +144,7 @@ impl Acquisition {
     pub fn next_judged(&mut self, judged: &mut Vec<Judged>) -> Result<bool> {
         judged.clear();
         while self.axes.iter().any(|axis| axis.judged.is_empty()) {
-            match self.next()? {
+            match self.next_row()? {
                 Some(row) => self.judge(&row, true),
                 None => {
                     for axis in &mut self.axes {
@@ -201,14 +198,14 @@ impl Acquisition {
         self.start_ns.unwrap_or_default()
     }
 
-    /// What there is to say of the samples: all of them are judged then.
-    pub fn warnings(&mut self) -> Vec<String> {
+    /// What there is to say of the samples, with these names for settings: all of them are judged then.
+    pub fn warnings(&mut self, names: Names) -> Vec<String> {
         for axis in &mut self.axes {
             while axis.health.finish().is_some() {}
         }
         let aliased = self.axes.first().and_then(|first| aliasing(&first.axis, &self.tally));
         let of_the_rate = aliased.into_iter().chain(self.resonance(SHORTEST_AVERAGE_S));
-        let of_the_rate = of_the_rate.map(|warning| coded(&warning));
+        let of_the_rate = of_the_rate.map(|warning| coded(&warning, names));
         let on_the_way = lost_on_the_way(self.losses).chain(self.doubts.iter().cloned());
         of_the_rate.chain(self.disbelief().iter().map(Note::to_string)).chain(on_the_way).collect()
     }
@@ -233,10 +230,20 @@ impl Acquisition {
         self.tally.samples.is_multiple_of(4096)
     }
 
+    /// Whether reading was asked to stop.
+    pub fn is_stopped(&self) -> bool {
+        self.hub.stop().asked()
+    }
+
     /// Whether the samples come at the speed of the wall clock.
     pub fn is_paced(&self) -> bool {
         self.pace == Pace::RealTime || self.facts().is_real
     }
+}
+
+/// A warning as scripts find it: `code: text`.
+pub fn coded(warning: &Warning, names: Names) -> String {
+    format!("{}: {}", warning.code(), warning.with(names))
 }
 
 /// Means over this are what a recording is good for at least, s.

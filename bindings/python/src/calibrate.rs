@@ -1,0 +1,185 @@
+//! The procedure of AN-1042.
+
+use crate::error::exception;
+use pyo3::exceptions::{PyUserWarning, PyValueError};
+use pyo3::prelude::*;
+use std::ffi::CString;
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, PoisonError};
+use zerorate::{Method, Names, Plan, Progress, Setting};
+use zerorate_host::{DeviceSpec, Pace, Sampling, Setup, Stop};
+use zerorate_jobs::Acquisition;
+use zerorate_jobs::calibrate::{Files, Kept, Watch, prepare, settle_s};
+use zerorate_jobs::output::Outputs;
+use zerorate_view::Seconds;
+
+/// A duration: seconds, or a text such as ``"10m"``.
+#[derive(FromPyObject)]
+enum Duration {
+    Seconds(f64),
+    Text(String),
+}
+
+/// The arguments of ``zerorate.calibrate``; None is the default of the procedure.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct CalibrateOptions {
+    method: String,
+    target_dph: Option<f64>,
+    average: Option<Duration>,
+    warmup: Option<Duration>,
+    settle: Option<Duration>,
+    offset: Option<Duration>,
+    max_lost: Option<f64>,
+    max_u_btc: Option<f64>,
+    earth_dps: Option<f64>,
+    assume_linear: bool,
+    every_temp: Option<i64>,
+    divider: Option<i64>,
+    serial: Option<String>,
+    supply_note: Option<String>,
+    log: Option<PathBuf>,
+    output: Option<PathBuf>,
+    force: bool,
+}
+
+impl CalibrateOptions {
+    fn plan(&self) -> PyResult<Plan> {
+        let method = Method::ALL.into_iter().find(|method| method.name() == self.method).ok_or_else(|| {
+            let names = Method::ALL.map(|method| format!("'{}'", method.name())).join(", ");
+            PyValueError::new_err(format!("method='{}': give {names}", self.method))
+        })?;
+        let usual = Plan::default();
+        let time = |given: &Option<Duration>, setting, usual_s| given.as_ref().map_or(Ok(usual_s), |of| of.s(setting));
+        Ok(Plan {
+            method,
+            target_dps: self.target_dph.map(|dph| dph / 3600.0),
+            average_s: time(&self.average, Setting::Average, usual.average_s)?,
+            warmup_s: time(&self.warmup, Setting::WarmUp, usual.warmup_s)?,
+            settle_s: time(&self.settle, Setting::Settle, settle_s(method, false))?,
+            offset_s: time(&self.offset, Setting::Offset, usual.offset_s)?,
+            max_lost: self.max_lost.unwrap_or(usual.max_lost),
+            max_u_btc_dps_per_c: self.max_u_btc.unwrap_or(usual.max_u_btc_dps_per_c),
+            earth_dps: self.earth_dps,
+            assume_linear: self.assume_linear,
+            ..usual
+        })
+    }
+
+    fn sampling(&self) -> PyResult<Sampling> {
+        let every = |setting, given: Option<i64>| {
+            let number = given.map(|number| u16::try_from(number).ok().filter(|number| *number > 0).ok_or(number));
+            let range = |number| {
+                PyValueError::new_err(format!("{}{number}: give a number from 1 to {}", argument(setting), u16::MAX))
+            };
+            number.transpose().map_err(range)
+        };
+        let every_temp = every(Setting::EveryTemp, self.every_temp)?;
+        Ok(Sampling { every_temp, divider: every(Setting::Divider, self.divider)? })
+    }
+}
+
+impl Duration {
+    fn s(&self, setting: Setting) -> PyResult<f64> {
+        let text = match self {
+            Self::Seconds(seconds) => seconds.to_string(),
+            Self::Text(text) => text.clone(),
+        };
+        let wrong = |why| PyValueError::new_err(format!("{}{text}: {why}", argument(setting)));
+        text.parse().map(|Seconds(seconds)| seconds).map_err(wrong)
+    }
+}
+
+/// What a setting is called in ``zerorate.calibrate``.
+fn argument(setting: Setting) -> &'static str {
+    match setting {
+        Setting::Average => "average=",
+        Setting::WarmUp => "warmup=",
+        Setting::Settle => "settle=",
+        Setting::Offset => "offset=",
+        Setting::MaxLost => "max_lost=",
+        Setting::MaxUBtc => "max_u_btc=",
+        Setting::Earth => "earth_dps=",
+        Setting::AssumeLinear => "assume_linear=True",
+        Setting::EveryTemp => "every_temp=",
+        Setting::Divider => "divider=",
+        Setting::Target => "target_dph=",
+        other => other.name(),
+    }
+}
+
+/// What the device said on the way.
+#[derive(Clone, Default)]
+struct Said(Arc<Mutex<Vec<String>>>);
+
+impl Said {
+    fn push(&self, warning: &str) {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).push(warning.to_owned());
+    }
+
+    fn take(&self) -> Vec<String> {
+        std::mem::take(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+}
+
+/// Python, looking on.
+struct Caller {
+    signal: PyResult<()>,
+    said: Said,
+}
+
+impl Watch for Caller {
+    fn see(&mut self, _: &Progress) -> bool {
+        self.signal = Python::attach(|py| py.check_signals());
+        self.signal.is_ok()
+    }
+
+    fn warn(&mut self, warning: &str) {
+        self.said.push(warning);
+    }
+
+    fn names(&self) -> Names {
+        argument
+    }
+}
+
+/// Runs the procedure on a device. Returns the object that ``zerorate calibrate --json`` prints, and the calibration
+/// file.
+///
+/// Other threads run meanwhile. Ctrl-C ends it. What the device says on the way becomes a warning.
+#[pyfunction]
+pub fn calibrate(py: Python<'_>, device: &str, options: CalibrateOptions) -> PyResult<(String, String)> {
+    let device: DeviceSpec = device.parse().map_err(PyValueError::new_err)?;
+    let (plan, sampling) = (options.plan()?, options.sampling()?);
+    let (done, signal, said) = py.detach(|| {
+        let said = Said::default();
+        let mut caller = Caller { signal: Ok(()), said: said.clone() };
+        let done = run(&device, plan, sampling, options, &mut caller);
+        let said = said.take();
+        (done, caller.signal, said)
+    });
+    signal?;
+    for warning in said {
+        let text = CString::new(warning.replace('\0', " "))?;
+        PyErr::warn(py, &py.get_type::<PyUserWarning>(), &text, 1)?;
+    }
+    done.map_err(|error| exception(&error))
+}
+
+fn run(
+    device: &DeviceSpec,
+    plan: Plan,
+    sampling: Sampling,
+    options: CalibrateOptions,
+    caller: &mut Caller,
+) -> anyhow::Result<(String, String)> {
+    let CalibrateOptions { output, log, serial, supply_note, force, .. } = options;
+    let files = Files::claim(Outputs::new(force), Kept { output, log, serial, supply_note })?;
+    let said = caller.said.clone();
+    let tell = Box::new(move |note: &str| said.push(note));
+    let setup = Setup { sampling, ..Setup::default() };
+    let acquisition = Acquisition::open(device, setup, Pace::Free, &Stop::default(), tell)?;
+    let done = prepare(acquisition, plan, files, argument)?.run(caller)?;
+    done.kept.map_err(|undelivered| undelivered.error(""))?;
+    Ok((serde_json::to_string(&done.report)?, done.calibration.to_toml()))
+}

@@ -1,0 +1,32 @@
+//! `--target-dph`: how long it will take, as far as that can be said beforehand.
+
+use zerorate::{Part, Plan};
+use zerorate_view::duration::Seconds;
+
+/// The target is looked at once a minute.
+const MINUTE_S: f64 = 60.0;
+
+/// What can be said beforehand.
+pub fn lines(part: &Part, plan: &Plan) -> Vec<String> {
+    let Some(target_dps) = plan.target_dps else { return Vec::new() };
+    let target_dph = 3600.0 * target_dps;
+    let of_axis = |axis: &zerorate::NamedAxis| {
+        let Some(forecast) = axis.axis.forecast(target_dps, plan.total_s()) else {
+            return format!(
+                "{}: how long {target_dph:.1} °/h will take is said while the part warms, since nothing typical is \
+                 known of it",
+                axis.name
+            );
+        };
+        let (u_dph, after) = (3600.0 * forecast.u_dps, Seconds((forecast.after_s / MINUTE_S).ceil() * MINUTE_S));
+        match u_dph <= target_dph {
+            true => format!("{}: a typical part reaches {target_dph:.1} °/h after about {after}", axis.name),
+            false => format!(
+                "{}: a typical part does not reach {target_dph:.1} °/h, since flicker and random walk leave about \
+                 {u_dph:.1} °/h: the recording will take its whole time",
+                axis.name
+            ),
+        }
+    };
+    part.axes.iter().map(of_axis).collect()
+}

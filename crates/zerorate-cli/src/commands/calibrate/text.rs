@@ -1,0 +1,188 @@
+//! The result of a calibration, for people.
+
+use std::path::Path;
+use zerorate::thermal::TERMS;
+use zerorate_jobs::calibrate::{Higher, Numbers, POINTS, Report};
+use zerorate_view::duration::Seconds;
+
+/// What was found; `file` is where the calibration went.
+pub fn text(report: &Report, file: Option<&Path>, serial: Option<&str>) -> String {
+    let mut text = head(report);
+    for axis in &report.axes {
+        text += &format!("axis {}\n{}\n", axis.name, found(&axis.numbers, report.coverage_factor));
+    }
+    text += &report.only.as_ref().map_or_else(String::new, |only| found(only, report.coverage_factor) + "\n");
+    text += &meaning(report);
+    for axis in &report.axes {
+        let truth = against_truth(&axis.numbers);
+        text += &truth.map_or_else(String::new, |truth| format!("axis {}: {truth}", axis.name));
+    }
+    text += &report.only.as_ref().and_then(against_truth).unwrap_or_default();
+    text + "\n" + &what_next(file, serial)
+}
+
+fn head(report: &Report) -> String {
+    let device = report.device.as_deref().unwrap_or_default();
+    format!(
+        "Calibration {} of {device}\n{} samples in {}, {:.1} a second, {} lost\n\n",
+        report.calibration_id,
+        report.samples,
+        Seconds(report.duration_s.round()),
+        report.rate_hz,
+        report.lost_samples
+    )
+}
+
+fn meaning(report: &Report) -> String {
+    let numbers = report.only.iter().chain(report.axes.iter().map(|axis| &axis.numbers));
+    let order = numbers.filter_map(|numbers| numbers.higher.as_ref()).map(|higher| higher.order).max();
+    let more = match order {
+        Some(2) => " + d² · BTC2",
+        Some(3) => " + d² · BTC2 + d³ · BTC3",
+        _ => "",
+    };
+    let d = if more.is_empty() { "(TEMP − T3)" } else { "d" };
+    let where_d = if more.is_empty() { "" } else { ", d = TEMP − T3" };
+    format!(
+        "corrected rate = RATE + PBC + {d} · BTC{more}{where_d}, measured between {:.1} and {:.1} °C\n\
+         ± is the {:.0} % interval\n",
+        report.temp_min_c,
+        report.temp_max_c,
+        report.coverage * 100.0
+    )
+}
+
+fn what_next(file: Option<&Path>, serial: Option<&str>) -> String {
+    let plain = |serial: &&str| serial.chars().all(|c| c.is_ascii_alphanumeric() || "-_.".contains(c));
+    let serial = serial.map_or_else(String::new, |sn| format!(" --serial {}", Some(sn).filter(plain).unwrap_or("SN")));
+    match file.map(Path::display) {
+        Some(file) => {
+            format!(
+                "Written to {file}. Next: zerorate stream --cal {file}{serial}, zerorate export {file} --format \
+                 c\n"
+            )
+        }
+        None => "Nothing was written: give -o unit.toml to keep the calibration.\n".to_owned(),
+    }
+}
+
+fn found(numbers: &Numbers, factor: f64) -> String {
+    let Numbers { btc_dps_per_c, pbc_dps, t3_c, .. } = numbers;
+    let line = format!(
+        "  PBC  {pbc_dps:+.5} ± {:.5} °/s     at T3 = {t3_c:.3} °C\n  \
+           BTC  {btc_dps_per_c:+.5} ± {:.5} °/s/°C\n",
+        numbers.u_pbc_dps * factor,
+        numbers.u_btc_dps_per_c * factor,
+    );
+    line + &means(numbers)
+        .or_else(|| numbers.higher.as_ref().map(|higher| curve(higher, numbers, factor)))
+        .unwrap_or_default()
+}
+
+/// Steps 4 and 6.
+fn means(numbers: &Numbers) -> Option<String> {
+    let (b1_dps, t1_c, b2_dps, t2_c) = (numbers.b1_dps?, numbers.t1_c?, numbers.b2_dps?, numbers.t2_c?);
+    Some(format!("  B1   {b1_dps:+.5} °/s at T1 = {t1_c:.3} °C\n  B2   {b2_dps:+.5} °/s at T2 = {t2_c:.3} °C\n"))
+}
+
+fn against_truth(numbers: &Numbers) -> Option<String> {
+    let truth = numbers.truth.as_ref()?;
+    if numbers.higher.is_some() {
+        let off = numbers.curve.iter().zip(&truth.curve).map(|(one, other)| one.correction_dps - other.correction_dps);
+        let rms_dph = 3600.0 * (off.map(|off| off * off).sum::<f64>() / f64::from(POINTS)).sqrt();
+        return Some(format!("the twin's truth: the curve is {rms_dph:.1} °/h off, rms over the temperatures seen\n"));
+    }
+    Some(format!(
+        "the twin's truth: PBC {:+.5} °/s (measured {:+.5} off), BTC {:+.5} °/s/°C (measured {:+.5} off)\n",
+        truth.pbc_dps,
+        numbers.pbc_dps - truth.pbc_dps,
+        truth.btc_dps_per_c,
+        numbers.btc_dps_per_c - truth.btc_dps_per_c
+    ))
+}
+
+fn curve(higher: &Higher, numbers: &Numbers, factor: f64) -> String {
+    let squares: f64 = numbers.curve.iter().filter_map(|point| point.u_dps).map(|u_dps| u_dps * u_dps).sum();
+    let u_dph = 3600.0 * (squares / f64::from(POINTS)).sqrt();
+    let kind = ["a constant", "a line", "a curve of order 2", "a curve of order 3"][higher.order.min(TERMS - 1)];
+    let terms = match higher.order {
+        2 => format!("  BTC2 {:+.3e} °/s/°C²\n", higher.btc2_dps_per_c2),
+        3 => {
+            format!("  BTC2 {:+.3e} °/s/°C²\n  BTC3 {:+.3e} °/s/°C³\n", higher.btc2_dps_per_c2, higher.btc3_dps_per_c3)
+        }
+        _ => String::new(),
+    };
+    format!(
+        "{terms}  {kind} (probability {:.0} %), known to ±{:.1} °/h, rms over the temperatures seen\n",
+        100.0 * higher.order_weights[higher.order.min(TERMS - 1)],
+        factor * u_dph
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use zerorate::calibration::Origin;
+    use zerorate::{Axis, Calibration, Correction, Measured, Noise, Outcome, Part, Plan, Uncertainty, Warning};
+
+    fn outcome(pbc_dps: f64, own: Warning) -> Outcome {
+        Outcome {
+            curve: None,
+            means: Some(Measured { b1_dps: 0.1, t1_c: 25.0, b2_dps: 0.3, t2_c: 31.0 }),
+            correction: Correction::line(pbc_dps, -0.04, 32.0),
+            uncertainty: Uncertainty {
+                u_b1_dps: 0.004,
+                u_b2_dps: 0.004,
+                u_t1_c: 0.0002,
+                u_t2_c: 0.0002,
+                u_pbc_dps: 0.0026,
+                u_btc_dps_per_c: 0.0048,
+                u_curvature_dps_per_c: 0.0047,
+                u_t3_c: 0.0007,
+                cov_pbc_btc: 1e-8,
+                cov_pbc_t3: 2e-8,
+                drift_dps: 0.0004,
+            },
+            noise: Noise { model: Axis::ADIS16130.typical_noise(), flicker_measured: false, walk_measured: false },
+            rdy_hz: 100.0,
+            rate_hz: 100.0,
+            samples: 317_100,
+            lost_samples: 3,
+            impossible_readings: 1,
+            duration_s: 3171.0,
+            temp_min_c: 24.9,
+            temp_max_c: 32.1,
+            plan: Plan::default(),
+            warnings: vec![Warning::EarthIncluded, own],
+        }
+    }
+
+    fn report(axes: &str, outcomes: &[Outcome]) -> Report {
+        let text = format!(
+            "schema = 1\nname = \"P\"\naxis = [{axes}]\n\
+             rate = {{ lsb_per_dps = 20, zero_code = 0, width_bits = 16 }}\n\
+             temperature = {{ lsb_per_c = 7.14, zero_code = 0, zero_c = 25, width_bits = 12 }}\n"
+        );
+        let calibration = Calibration::new(&Part::parse(&text).unwrap(), outcomes, Origin::default());
+        Report::new(outcomes, &calibration, &[], zerorate::Setting::name)
+    }
+
+    /// Several axes stand in a list, each with its warnings; one stands at the top, as it ever did.
+    #[test]
+    fn axes_are_listed_where_there_are_several() {
+        let two = [outcome(-0.5, Warning::Restless), outcome(0.25, Warning::RestUnjudged)];
+        let several = report("{ name = \"x\" }, { name = \"y\" }", &two);
+        let json = serde_json::to_value(&several).unwrap();
+        assert_eq!((&json["pbc_dps"], &json["axes"][1]["pbc_dps"]), (&serde_json::Value::Null, &0.25.into()));
+        assert_eq!((&json["axes"][0]["name"], &json["axes"][0]["impossible_readings"]), (&"x".into(), &1.into()));
+        assert_eq!((json["warnings"].as_array().unwrap().len(), &json["samples"]), (1, &317_100.into()));
+        let codes: Vec<String> = several.warnings().iter().map(|text| text[..14].to_owned()).collect();
+        assert_eq!(codes, ["earth-included", "axis x: restle", "axis y: rest-u"]);
+        let text = text(&several, None, None);
+        assert!(text.contains("axis x\n  PBC  -0.50000") && text.contains("axis y\n  PBC  +0.25000"), "{text}");
+
+        let json = serde_json::to_value(report("{ name = \"x\" }", &two[..1])).unwrap();
+        assert_eq!((&json["pbc_dps"], &json["axes"]), (&(-0.5).into(), &serde_json::Value::Null));
+        assert_eq!(json["warnings"].as_array().unwrap().len(), 2);
+    }
+}

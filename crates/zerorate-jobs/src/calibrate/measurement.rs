@@ -1,0 +1,200 @@
+//! The procedure, being fed with the samples of a device.
+
+use super::target::Target;
+use crate::acquisition::Acquisition;
+use crate::error::Refused;
+use crate::recorder::Recorder;
+use adis16130_twin::Truth;
+use anyhow::{Result, anyhow};
+use zerorate::{
+    Action, AxisRefusal, Event, Names, Outcome, Part, PartProcedure, Progress, Reached, Say, Scan, Setting, State,
+    Warning,
+};
+use zerorate_data::capture::{Layout, Row, SampleHash};
+use zerorate_view::Seconds;
+
+/// Looks on while the procedure runs.
+pub trait Watch {
+    /// Sees how far it is, with every 4096th sample (1.4 times a second of part time); false asks it to end.
+    fn see(&mut self, progress: &Progress) -> bool;
+
+    /// Sees how far it is from its target, once a minute of part time where there is one.
+    fn approach(&mut self, _reached: Reached) {}
+
+    /// Hears what goes wrong on the way, `code: text`, while the measurement goes on.
+    fn warn(&mut self, warning: &str);
+
+    /// What whoever looks on calls the settings.
+    fn names(&self) -> Names;
+}
+
+pub struct Measurement<'a> {
+    acquisition: Acquisition,
+    layout: Layout,
+    procedure: PartProcedure,
+    log: Option<Recorder>,
+    log_failed: Option<anyhow::Error>,
+    hash: SampleHash,
+    /// The twin's truth at the end of step 8, or of the recording, of each axis.
+    truths: Vec<Truth>,
+    target: Target,
+    watch: &'a mut dyn Watch,
+}
+
+/// What it came to.
+pub struct Measured {
+    pub part: Part,
+    /// Of each axis.
+    pub outcomes: Vec<Outcome>,
+    pub capture_sha256: String,
+    pub truths: Vec<Truth>,
+    /// F-07: whether the resonance looks like a bias at the rate that was measured.
+    pub resonance: Option<Warning>,
+    pub log_failed: Option<anyhow::Error>,
+}
+
+impl<'a> Measurement<'a> {
+    pub fn new(
+        acquisition: Acquisition,
+        procedure: PartProcedure,
+        log: Option<Recorder>,
+        watch: &'a mut dyn Watch,
+    ) -> Self {
+        let layout = acquisition.facts().info.layout.clone();
+        let hash = SampleHash::new(&layout);
+        Self {
+            acquisition,
+            layout,
+            procedure,
+            log,
+            log_failed: None,
+            hash,
+            truths: Vec::new(),
+            target: Target::default(),
+            watch,
+        }
+    }
+
+    pub fn run(mut self) -> Result<Measured> {
+        let fed = self.feed();
+        // Whatever happened, the log stays whole.
+        if let Some(Err(error)) = self.log.take().map(Recorder::finish) {
+            self.lose_log(error.into());
+        }
+        fed?;
+        let (plan, names) = (self.procedure.plan(), self.watch.names());
+        let resonance = self.acquisition.resonance(plan.average_s.min(plan.offset_s));
+        Ok(Measured {
+            resonance,
+            part: self.procedure.part().clone(),
+            outcomes: self.procedure.finish().map_err(|refusal| refused(&refusal, names))?,
+            capture_sha256: self.hash.hex(),
+            truths: self.truths,
+            log_failed: self.log_failed,
+        })
+    }
+
+    fn feed(&mut self) -> Result<()> {
+        loop {
+            match self.procedure.next() {
+                Action::Initialise => self.initialise()?,
+                Action::Read => match self.acquisition.next_row()? {
+                    Some(row) => self.take(&row)?,
+                    None => self.end()?,
+                },
+                Action::Done => return Ok(()),
+            }
+        }
+    }
+
+    /// The procedure's time starts with the first row, so that a recording of the rows is all there is to know.
+    fn initialise(&mut self) -> Result<()> {
+        self.acquisition.initialise()?;
+        let Some(first) = self.acquisition.next_row()? else { return Err(self.ended_early()) };
+        self.handle(Event::Initialised { t_ns: first.t_ns })?;
+        self.take(&first)
+    }
+
+    /// There are no more samples: a recording of any length will do where the method takes no steps.
+    fn end(&mut self) -> Result<()> {
+        let names = self.watch.names();
+        let whole = !self.acquisition.is_stopped()
+            && self.procedure.end_recording().map_err(|refusal| refused(&refusal, names))?;
+        if whole { Ok(()) } else { Err(self.ended_early()) }
+    }
+
+    #[inline]
+    fn take(&mut self, row: &Row) -> Result<()> {
+        self.hash.update(row);
+        if let Some(Err(error)) = self.log.as_mut().map(|log| log.push(row)) {
+            self.lose_log(error.into());
+        }
+        let before = self.procedure.progress().state;
+        self.handle(Event::Reading(&self.layout.scan(row)))?;
+        if before == State::Recording || before == State::Offset && self.procedure.progress().state != State::Offset {
+            self.mark()?;
+        }
+        if self.acquisition.is_time_to_show() && !self.watch.see(&self.procedure.progress()) {
+            return Err(self.interrupted());
+        }
+        Ok(())
+    }
+
+    /// Where the twin was asked for its truth, it is kept; and with a target, looked at whether that is reached.
+    #[inline]
+    fn mark(&mut self) -> Result<()> {
+        let truths = self.acquisition.truths();
+        if !truths.is_empty() {
+            self.truths = truths;
+        }
+        if self.procedure.plan().target_dps.is_some() && self.target.is_due(&self.procedure) {
+            let names = self.watch.names();
+            if self.target.is_reached(&self.procedure) {
+                self.procedure.end_recording().map_err(|refusal| refused(&refusal, names))?;
+            }
+            if let Some(reached) = self.target.reached() {
+                self.watch.approach(reached);
+            }
+        }
+        Ok(())
+    }
+
+    #[inline]
+    fn handle(&mut self, event: Event<'_, Scan>) -> Result<()> {
+        self.procedure.handle(event).map_err(|refusal| refused(&refusal, self.watch.names()))
+    }
+
+    /// A log that fails is a failure, but no reason to throw away the measurement.
+    #[cold]
+    fn lose_log(&mut self, error: anyhow::Error) {
+        let elapsed = Seconds(self.procedure.progress().elapsed_s);
+        self.watch.warn(&format!("log-failed: the log failed after {elapsed}, the measurement goes on: {error:#}"));
+        self.log = None;
+        self.log_failed = Some(error);
+    }
+
+    #[cold]
+    fn ended_early(&self) -> anyhow::Error {
+        if self.acquisition.is_stopped() {
+            return self.interrupted();
+        }
+        let progress = self.procedure.progress();
+        let (elapsed, total) = (Seconds(progress.elapsed_s), Seconds(progress.total_s));
+        let times = [Setting::Average, Setting::WarmUp, Setting::Settle, Setting::Offset].map(self.watch.names());
+        anyhow!(
+            "the recording ends after {elapsed}, during {}, but the procedure takes {total}: give the durations it \
+             was recorded for ({})",
+            progress.state,
+            times.join(", ")
+        )
+    }
+
+    #[cold]
+    fn interrupted(&self) -> anyhow::Error {
+        anyhow!("interrupted after {}; nothing written", Seconds(self.procedure.progress().elapsed_s))
+    }
+}
+
+fn refused(refusal: &AxisRefusal, names: Names) -> anyhow::Error {
+    Refused::new(refusal.refusal.code(), refusal.with(names).to_string()).into()
+}

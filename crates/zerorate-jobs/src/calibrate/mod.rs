@@ -1,0 +1,175 @@
+//! The procedure of F-51, on a part or on its recording: [`prepare`], [`Job::run`].
+
+mod measurement;
+mod report;
+mod target;
+
+pub use measurement::Watch;
+pub use report::{AxisReport, CurvePoint, Higher, Numbers, POINTS, Report, Rescued, StepReport, TruthReport};
+
+use crate::acquisition::Acquisition;
+use crate::error::InvalidOptions;
+use crate::output::{Outputs, Staged, rescue};
+use crate::recorder::Recorder;
+use anyhow::Result;
+use measurement::Measurement;
+use std::path::{Path, PathBuf};
+use zerorate::{Calibration, Method, Names, Part, PartProcedure, Plan, Say};
+use zerorate_data::capture::{CaptureInfo, Format};
+use zerorate_host::Facts;
+
+/// What is to become of the result.
+#[derive(Clone, Debug, Default)]
+pub struct Kept {
+    /// The file of the calibration.
+    pub output: Option<PathBuf>,
+    /// The file that records every sample.
+    pub log: Option<PathBuf>,
+    /// Serial number of the part.
+    pub serial: Option<String>,
+    /// A note on the supply.
+    pub supply_note: Option<String>,
+}
+
+/// A recording of a method without steps takes no longer than this, s.
+const LONGEST_S: f64 = 86_400.0;
+
+/// How long the part settles where nobody says so, s. Of something recorded already, a method without steps takes all.
+#[must_use]
+pub fn settle_s(method: Method, is_recorded: bool) -> f64 {
+    if is_recorded && method != Method::An1042 { LONGEST_S } else { Plan::default().settle_s }
+}
+
+/// The files that were asked for, claimed before an hour is spent on their content.
+#[derive(Debug)]
+pub struct Files {
+    outputs: Outputs,
+    calibration: Option<Staged>,
+    kept: Kept,
+}
+
+impl Files {
+    /// Claims them.
+    ///
+    /// # Errors
+    /// An [`OutputError`](crate::output::OutputError): why one of them is refused, or cannot be written.
+    pub fn claim(mut outputs: Outputs, kept: Kept) -> Result<Self> {
+        let calibration = kept.output.as_deref().map(|path| outputs.derived(path)).transpose()?;
+        Ok(Self { outputs, calibration, kept })
+    }
+
+    /// Starts the log, once there is something to record.
+    fn log(&mut self, facts: &Facts, info: &CaptureInfo) -> Result<Option<Recorder>> {
+        let start = |path: &PathBuf| {
+            let file = self.outputs.recording(path)?;
+            Ok(Recorder::create(file, Format::choose(None, path), facts, info, None)?)
+        };
+        self.kept.log.as_ref().map(start).transpose()
+    }
+
+    /// What they were to be called, that of the calibration first.
+    fn wanted(&self) -> Vec<PathBuf> {
+        self.kept.output.iter().chain(&self.kept.log).cloned().collect()
+    }
+}
+
+/// A measurement that can begin.
+pub struct Job {
+    acquisition: Acquisition,
+    procedure: PartProcedure,
+    files: Files,
+}
+
+/// Makes a measurement ready. What is said calls settings by `names`.
+///
+/// # Errors
+/// [`InvalidOptions`] where the plan makes no sense for the part.
+pub fn prepare(acquisition: Acquisition, plan: Plan, files: Files, names: Names) -> Result<Job> {
+    let procedure =
+        PartProcedure::new(acquisition.part(), plan).map_err(|error| InvalidOptions(error.with(names).to_string()))?;
+    Ok(Job { acquisition, procedure, files })
+}
+
+impl Job {
+    /// What is measured.
+    #[must_use]
+    pub fn part(&self) -> &Part {
+        self.procedure.part()
+    }
+
+    /// How.
+    #[must_use]
+    pub fn plan(&self) -> &Plan {
+        self.procedure.plan()
+    }
+
+    /// Measures. `watch` looks on, and may end it.
+    ///
+    /// # Errors
+    /// [`Refused`](crate::Refused) where the samples must not become a calibration, [`Interrupted`](measurement)
+    /// where `watch` ended it, or why the device or the log failed.
+    pub fn run(self, watch: &mut dyn Watch) -> Result<Done> {
+        let Self { mut acquisition, procedure, mut files } = self;
+        target::marks_ns(procedure.plan()).for_each(|after_ns| acquisition.mark(after_ns));
+        let info = acquisition.info(files.kept.serial.as_deref(), files.kept.supply_note.as_deref());
+        let names = watch.names();
+        let log = files.log(acquisition.facts(), &info)?;
+        let mut measured = Measurement::new(acquisition, procedure, log, watch).run()?;
+        measured.outcomes.iter_mut().for_each(|outcome| outcome.warnings.extend(measured.resonance));
+        let calibration = Calibration::new(&measured.part, &measured.outcomes, info.origin(measured.capture_sha256));
+        let report = Report::new(&measured.outcomes, &calibration, &measured.truths, names);
+        let wanted = files.wanted();
+        let kept = match measured.log_failed {
+            Some(error) => Err(error),
+            None => {
+                let text = calibration.to_toml();
+                files.calibration.map_or(Ok(()), |file| file.fill(text.as_bytes())).map_err(Into::into)
+            }
+        };
+        let kept = kept.map_err(|why| Undelivered::rescue(why, &wanted, &calibration));
+        Ok(Done { report, calibration, kept })
+    }
+}
+
+/// A measurement that came to a result.
+pub struct Done {
+    /// What was found.
+    pub report: Report,
+    /// The calibration.
+    pub calibration: Calibration,
+    /// Whether all files that were asked for are there.
+    pub kept: Result<(), Undelivered>,
+}
+
+/// What a calibration is called that was given no name.
+const UNNAMED: &str = "calibration.toml";
+
+/// A calibration that is not, or not with all its company, where it was asked for.
+#[derive(Debug)]
+pub struct Undelivered {
+    /// What failed.
+    pub why: anyhow::Error,
+    /// Where the calibration is instead; none if no folder took it.
+    pub rescued: Option<PathBuf>,
+}
+
+impl Undelivered {
+    /// Puts the calibration beside what was `wanted`, or where it can.
+    #[must_use]
+    pub fn rescue(why: anyhow::Error, wanted: &[PathBuf], calibration: &Calibration) -> Self {
+        let wanted: Vec<&Path> = wanted.iter().map(PathBuf::as_path).collect();
+        let name = wanted.first().copied().filter(|path| path.extension().is_some_and(|ending| ending == "toml"));
+        let name = name.unwrap_or(Path::new(UNNAMED));
+        Self { why, rescued: rescue(name, &wanted, calibration.to_toml().as_bytes()) }
+    }
+
+    /// What failed, and where the calibration is, `also` printed or not.
+    #[must_use]
+    pub fn error(self, also: &str) -> anyhow::Error {
+        let place = match self.rescued {
+            Some(file) => format!("the calibration is not lost, it stands in {}{also}", file.display()),
+            None => format!("no folder takes the calibration{also}"),
+        };
+        self.why.context(place)
+    }
+}

@@ -1,0 +1,235 @@
+//! The result of a calibration: what `calibrate --json` prints, and what Python's `Calibrated` holds.
+
+use adis16130_twin::Truth;
+use serde::Serialize;
+use std::path::PathBuf;
+use zerorate::calibration::{CalibratedAxis, Run};
+use zerorate::thermal::{BiasCurve, Step, TERMS};
+use zerorate::{Calibration, Names, Outcome, Say, Uncertainty, Warning};
+
+/// The JSON object of `calibrate --json`; the names are a contract.
+#[derive(Clone, Debug, Serialize)]
+#[expect(missing_docs, reason = "the names and units are a contract; docs/formats states them")]
+pub struct Report {
+    /// Of a part with one axis; else it stands in `axes`.
+    #[serde(flatten)]
+    pub only: Option<Numbers>,
+    pub coverage: f64,
+    pub coverage_factor: f64,
+    pub rdy_hz: f64,
+    pub rate_hz: f64,
+    pub samples: u64,
+    pub lost_samples: u64,
+    pub duration_s: f64,
+    pub temp_min_c: f64,
+    pub temp_max_c: f64,
+    pub method: Option<String>,
+    pub device: Option<String>,
+    pub calibration_id: String,
+    pub capture_sha256: Option<String>,
+    /// Those that concern all axes.
+    pub warnings: Vec<String>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub axes: Vec<AxisReport>,
+    /// The calibration itself, where a file that was asked for could not be written.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rescued: Option<Rescued>,
+}
+
+/// One of several axes.
+#[derive(Clone, Debug, Serialize)]
+#[expect(missing_docs, reason = "the names and units are a contract; docs/formats states them")]
+pub struct AxisReport {
+    pub name: String,
+    #[serde(flatten)]
+    pub numbers: Numbers,
+    /// Those that concern it alone.
+    pub warnings: Vec<String>,
+}
+
+/// What was found of an axis.
+#[derive(Clone, Debug, Serialize)]
+#[expect(missing_docs, reason = "the names and units are a contract; docs/formats states them")]
+pub struct Numbers {
+    /// Steps 4 and 6 of AN-1042; null by another method.
+    pub b1_dps: Option<f64>,
+    pub t1_c: Option<f64>,
+    pub b2_dps: Option<f64>,
+    pub t2_c: Option<f64>,
+    pub btc_dps_per_c: f64,
+    pub pbc_dps: f64,
+    pub t3_c: f64,
+    /// Of a curve.
+    #[serde(flatten)]
+    pub higher: Option<Higher>,
+    pub u_pbc_dps: f64,
+    pub u_btc_dps_per_c: f64,
+    pub u_t3_c: f64,
+    pub impossible_readings: u64,
+    /// The correction at the end of the recording, evenly over the temperatures seen.
+    pub curve: Vec<CurvePoint>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub truth: Option<TruthReport>,
+}
+
+/// What a curve has beside PBC and BTC.
+#[derive(Clone, Debug, Serialize)]
+#[expect(missing_docs, reason = "the names and units are a contract; docs/formats states them")]
+pub struct Higher {
+    pub order: usize,
+    pub order_weights: [f64; TERMS],
+    pub btc2_dps_per_c2: f64,
+    pub btc3_dps_per_c3: f64,
+    pub lag_s: f64,
+    pub play_c: f64,
+    pub bias_instability_dps: f64,
+    pub rate_random_walk_dps_per_rt_s: f64,
+    pub steps: Vec<StepReport>,
+}
+
+/// A step of the level that was taken out.
+#[derive(Clone, Debug, Serialize)]
+#[expect(missing_docs, reason = "the names and units are a contract; docs/formats states them")]
+pub struct StepReport {
+    pub at_s: f64,
+    pub size_dps: f64,
+    pub u_dps: f64,
+}
+
+/// What is added to a rate at a temperature.
+#[derive(Clone, Debug, Serialize)]
+#[expect(missing_docs, reason = "the names and units are a contract; docs/formats states them")]
+pub struct CurvePoint {
+    pub temp_c: f64,
+    pub correction_dps: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub u_dps: Option<f64>,
+}
+
+/// What the twin knows: the values that a perfect measurement would find at the reported T3.
+#[derive(Clone, Debug, Serialize)]
+#[expect(missing_docs, reason = "the names and units are a contract; docs/formats states them")]
+pub struct TruthReport {
+    pub pbc_dps: f64,
+    pub btc_dps_per_c: f64,
+    pub curve: Vec<CurvePoint>,
+}
+
+/// Points of a curve.
+pub const POINTS: u8 = 9;
+
+impl CurvePoint {
+    /// Where they stand: evenly from a temperature to another.
+    pub fn temps_c(low_c: f64, high_c: f64) -> impl Iterator<Item = f64> {
+        (0..POINTS).map(move |k| low_c + (high_c - low_c) * f64::from(k) / f64::from(POINTS - 1))
+    }
+}
+
+/// Where a calibration is that could not be written as it was asked for.
+#[derive(Clone, Debug, Serialize)]
+pub struct Rescued {
+    /// The file that has it.
+    pub file: Option<PathBuf>,
+    /// The calibration itself.
+    pub calibration: String,
+}
+
+impl Numbers {
+    fn new(outcome: &Outcome, axis: &CalibratedAxis, truth: Option<&Truth>) -> Self {
+        let t3_c = outcome.correction.t3_c;
+        let (low_c, high_c) = (outcome.temp_min_c, outcome.temp_max_c);
+        let temps = || CurvePoint::temps_c(low_c, high_c);
+        let point = |temp_c| CurvePoint {
+            temp_c,
+            correction_dps: outcome.correction.at(temp_c),
+            u_dps: axis.u_correction_dps(temp_c),
+        };
+        let true_point =
+            |truth: &Truth, temp_c| CurvePoint { temp_c, correction_dps: truth.pbc_dps(temp_c), u_dps: None };
+        Self {
+            b1_dps: outcome.means.map(|means| means.b1_dps),
+            t1_c: outcome.means.map(|means| means.t1_c),
+            b2_dps: outcome.means.map(|means| means.b2_dps),
+            t2_c: outcome.means.map(|means| means.t2_c),
+            higher: outcome.curve.as_ref().map(Higher::new),
+            curve: temps().map(point).collect(),
+            btc_dps_per_c: outcome.correction.btc_dps_per_c,
+            pbc_dps: outcome.correction.pbc_dps,
+            t3_c,
+            u_pbc_dps: outcome.uncertainty.u_pbc_dps,
+            u_btc_dps_per_c: outcome.uncertainty.u_btc_dps_per_c,
+            u_t3_c: outcome.uncertainty.u_t3_c,
+            impossible_readings: outcome.impossible_readings,
+            truth: truth.map(|truth| TruthReport {
+                pbc_dps: truth.pbc_dps(t3_c),
+                btc_dps_per_c: truth.btc_dps_per_c(t3_c),
+                curve: temps().map(|temp_c| true_point(truth, temp_c)).collect(),
+            }),
+        }
+    }
+}
+
+impl Higher {
+    fn new(curve: &BiasCurve) -> Self {
+        let step = |step: Step| StepReport { at_s: step.at_s, size_dps: step.size_dps, u_dps: step.u_dps };
+        Self {
+            order: curve.order,
+            order_weights: curve.order_weights.map(|weight| (1e4 * weight).round() / 1e4),
+            btc2_dps_per_c2: curve.correction.btc2_dps_per_c2,
+            btc3_dps_per_c3: curve.correction.btc3_dps_per_c3,
+            lag_s: curve.following.lag_s,
+            play_c: curve.following.play_c,
+            bias_instability_dps: curve.noise.bias_instability_dps,
+            rate_random_walk_dps_per_rt_s: curve.noise.rate_random_walk_dps_per_rt_s,
+            steps: curve.steps.into_iter().flatten().map(step).collect(),
+        }
+    }
+}
+
+impl Report {
+    /// Of all axes of the calibration, in its order. `truths` are the twins' states at the end of step 8; none where
+    /// the part is no twin.
+    pub fn new(outcomes: &[Outcome], calibration: &Calibration, truths: &[Truth], names: Names) -> Self {
+        let common: Vec<&Warning> = Outcome::shared_warnings(outcomes).collect();
+        let text = |one: &Warning| format!("{}: {}", one.code(), one.with(names));
+        let mut axes: Vec<AxisReport> = Vec::new();
+        for (index, (outcome, axis)) in outcomes.iter().zip(&calibration.axes).enumerate() {
+            let own = outcome.warnings.iter().filter(|warning| !common.contains(warning));
+            axes.push(AxisReport {
+                name: axis.name.clone(),
+                numbers: Numbers::new(outcome, axis, truths.get(index)),
+                warnings: own.map(text).collect(),
+            });
+        }
+        let only = if axes.len() == 1 { axes.pop().map(|axis| axis.numbers) } else { None };
+        let (run, span) = (calibration.run, calibration.validity);
+        let of_run = |number: fn(&Run) -> f64| run.as_ref().map_or(f64::NAN, number);
+        Self {
+            only,
+            coverage: Uncertainty::COVERAGE,
+            coverage_factor: Uncertainty::FACTOR,
+            rdy_hz: of_run(|run| run.rdy_hz),
+            rate_hz: of_run(|run| run.rate_hz),
+            samples: run.map_or(0, |run| run.samples),
+            lost_samples: run.map_or(0, |run| run.lost_samples),
+            duration_s: of_run(|run| run.duration_s),
+            temp_min_c: span.map_or(f64::NAN, |span| span.temp_min_c),
+            temp_max_c: span.map_or(f64::NAN, |span| span.temp_max_c),
+            method: calibration.method.clone(),
+            device: calibration.device.clone(),
+            calibration_id: calibration.id(),
+            capture_sha256: calibration.capture_sha256.clone(),
+            warnings: common.into_iter().map(text).collect(),
+            axes,
+            rescued: None,
+        }
+    }
+
+    /// All warnings, those of one axis with its name.
+    pub fn warnings(&self) -> Vec<String> {
+        let own = |axis: &AxisReport| {
+            axis.warnings.iter().map(|text| format!("axis {}: {text}", axis.name)).collect::<Vec<_>>()
+        };
+        self.warnings.iter().cloned().chain(self.axes.iter().flat_map(own)).collect()
+    }
+}

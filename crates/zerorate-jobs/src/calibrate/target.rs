@@ -1,0 +1,44 @@
+//! `--target-dph`: when a recording has told enough, and how long that still takes.
+
+use zerorate::{Method, PartProcedure, Plan, Reached};
+
+/// The target is looked at once in so many s of the recording.
+const EVERY_S: f64 = 60.0;
+
+/// When the twin is asked for its truth, ns after the first sample: where the correction may hold from.
+pub fn marks_ns(plan: &Plan) -> impl Iterator<Item = u64> + use<> {
+    let total_ns = (plan.total_s() * 1e9).round() as u64;
+    let end_ns = if plan.method == Method::An1042 { plan.offset_ends_ns() } else { total_ns };
+    let every_ns = (EVERY_S * 1e9) as u64;
+    let minutes = if plan.target_dps.is_some() { total_ns.saturating_sub(1) / every_ns } else { 0 };
+    (1..=minutes).map(move |minute| minute * every_ns).chain([end_ns])
+}
+
+/// Looks at a recording once a minute.
+#[derive(Debug, Default)]
+pub struct Target {
+    looked_s: f64,
+    reached: Option<Reached>,
+    target_dps: f64,
+}
+
+impl Target {
+    /// Whether a minute has passed since the last look. The looks are at whole minutes, where the twin says its truth.
+    #[inline]
+    pub fn is_due(&self, procedure: &PartProcedure) -> bool {
+        procedure.progress().elapsed_s >= self.looked_s + EVERY_S
+    }
+
+    /// Looks: whether the target is reached, and the temperature settled.
+    pub fn is_reached(&mut self, procedure: &PartProcedure) -> bool {
+        self.looked_s = (procedure.progress().elapsed_s / EVERY_S).floor() * EVERY_S;
+        self.target_dps = procedure.plan().target_dps.unwrap_or(0.0);
+        self.reached = procedure.reached();
+        self.reached.is_some_and(|reached| reached.settled && reached.u_dps <= self.target_dps)
+    }
+
+    /// How far it was at the last look.
+    pub fn reached(&self) -> Option<Reached> {
+        self.reached
+    }
+}

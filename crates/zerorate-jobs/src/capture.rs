@@ -1,0 +1,114 @@
+//! A capture as columns, for whoever computes with them.
+
+use anyhow::Result;
+use std::path::Path;
+use zerorate::health::Health;
+use zerorate::{Scale, Tally};
+use zerorate_data::believed;
+use zerorate_data::capture::{CaptureInfo, Layout, Row};
+use zerorate_host::files;
+
+/// The samples of a capture as columns, one row per sample, with how they were taken.
+#[derive(Clone, Debug, Default)]
+pub struct Recording {
+    /// Time of the data-ready edge, ns.
+    pub t_ns: Vec<u64>,
+    /// Number of the edge.
+    pub edge_seq: Vec<u32>,
+    /// The part.
+    pub part: String,
+    /// Its axes.
+    pub axes: Vec<RecordedAxis>,
+    /// Status register (of an ADIS16130 that of the channel, F-35); −1 where it was not read.
+    pub status: Vec<i64>,
+    /// Temperature code; none where it was not read.
+    pub temp_code: Vec<Option<i64>>,
+    /// What the temperature codes mean.
+    pub temp: Option<Scale>,
+    /// Samples lost right before this one.
+    pub lost: Vec<u32>,
+    /// The description in the file (docs/formats/capture.md).
+    pub metadata: Vec<(String, String)>,
+    /// The calibration that was applied, if the capture is a corrected one; its raw columns are untouched.
+    pub calibration_id: Option<String>,
+    /// What is to be said of the file: a torn tail, rows that nothing checks, readings that are not to be believed.
+    pub warning: Option<String>,
+}
+
+/// The readings of one axis.
+#[derive(Clone, Debug)]
+pub struct RecordedAxis {
+    /// What the part calls it.
+    pub name: String,
+    /// Rate code.
+    pub codes: Vec<i64>,
+    /// What the codes mean, in °/s.
+    pub scale: Scale,
+    /// What is wrong with it, 0 for nothing: 1 impossible for the part, 2 out of range, 4 frozen, 8 impossible
+    /// temperature.
+    pub flags: Vec<u8>,
+    health: Health,
+}
+
+/// Reads a capture, in any of its forms.
+///
+/// # Errors
+/// Why the file cannot be read, or what in it is wrong and where.
+pub fn read_capture(path: &Path) -> Result<Recording> {
+    let mut reader = files::capture(path)?;
+    let info = reader.info().clone();
+    let mut recording = Recording::of(&info);
+    recording.calibration_id = reader.calibration_id().map(str::to_owned);
+    let mut tally = Tally::default();
+    while let Some(rows) = reader.next_rows()? {
+        for row in rows.iter() {
+            recording.push(&row, &info.layout);
+            info.layout.reading(&row, 0).iter().for_each(|reading| tally.count(reading));
+        }
+    }
+    recording.axes.iter_mut().for_each(RecordedAxis::finish);
+    let start_ns = recording.t_ns.first().copied().unwrap_or_default();
+    let axes = recording.axes.iter().map(|axis| (axis.name.as_str(), &axis.health));
+    let found = believed::of_axes(axes, &tally, start_ns);
+    let said: Vec<String> = reader.warnings().iter().chain(&found).map(ToString::to_string).collect();
+    recording.warning = (!said.is_empty()).then(|| said.join("; "));
+    Ok(recording)
+}
+
+impl Recording {
+    fn of(info: &CaptureInfo) -> Self {
+        let mut metadata: Vec<_> = info.to_metadata().into_iter().collect();
+        metadata.sort();
+        let known = info.part();
+        let axes = known.axes.iter().zip(info.layout.axes()).map(|(named, coded)| RecordedAxis {
+            name: coded.name.clone(),
+            codes: Vec::new(),
+            scale: coded.scale_dps(),
+            flags: Vec::new(),
+            health: Health::new(&named.axis),
+        });
+        let part = info.layout.part_name().to_owned();
+        Self { part, axes: axes.collect(), temp: Some(*info.layout.temp()), metadata, ..Self::default() }
+    }
+
+    fn push(&mut self, row: &Row, layout: &Layout) {
+        self.t_ns.push(row.t_ns);
+        self.edge_seq.push(row.edge_seq);
+        for (index, (axis, code)) in self.axes.iter_mut().zip(row.codes()).enumerate() {
+            axis.codes.push(*code);
+            let judged = layout.reading(row, index).and_then(|reading| axis.health.push(&reading));
+            axis.flags.extend(judged.map(|judged| judged.flags.bits()));
+        }
+        self.status.push(row.status.map_or(-1, i64::from));
+        self.temp_code.push(row.temp_code);
+        self.lost.push(row.lost);
+    }
+}
+
+impl RecordedAxis {
+    fn finish(&mut self) {
+        while let Some(judged) = self.health.finish() {
+            self.flags.push(judged.flags.bits());
+        }
+    }
+}

@@ -1,0 +1,22 @@
+//! Why a job ends without a result, beside what fails below it.
+
+/// The measurement was refused: the numbers exist, but they must not become a calibration.
+#[derive(Debug, thiserror::Error)]
+#[error("{why}")]
+pub struct Refused {
+    /// For scripts, and for whoever looks it up.
+    pub code: &'static str,
+    why: String,
+}
+
+impl Refused {
+    /// With its code, and why.
+    pub fn new(code: &'static str, why: impl Into<String>) -> Self {
+        Self { code, why: why.into() }
+    }
+}
+
+/// The options make no sense together, or with what is measured.
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
+pub struct InvalidOptions(pub String);

@@ -1,0 +1,213 @@
+//! Where results go: never onto what is read, never over what is there, never half a file under its final name.
+//!
+//! [`Outputs`] knows all files of a run. A command opens a file by it and by nothing else, so that it knows every
+//! input. It refuses an output that is an input or another output of the same
+//! run, by whatever name (hard links, symbolic links, `./x`, `/dev/stdout`), and one that exists, unless `--force`; a
+//! capture is not even then replaced by what can be computed again. docs/reference/files.md states the rules for
+//! users.
+
+mod disk;
+mod error;
+mod identity;
+mod place;
+mod recording;
+mod rescue;
+mod slot;
+mod staged;
+mod streams;
+mod temporary;
+
+pub use error::OutputError;
+pub use recording::Recording;
+pub use rescue::rescue;
+pub use slot::Slot;
+pub use staged::Staged;
+pub use temporary::remove_all_for_good;
+
+use anyhow::Context;
+use identity::Identity;
+use place::Place;
+use std::fs::File;
+use std::io::{self, Read};
+use std::path::{Path, PathBuf};
+use zerorate_data::CaptureError;
+use zerorate_data::capture::CaptureReader;
+use zerorate_data::limits::Bytes;
+use zerorate_host::files;
+
+/// The files of one run of a command.
+#[derive(Debug)]
+pub struct Outputs {
+    /// None: the command has no such option.
+    force: Option<bool>,
+    inputs: Vec<(Identity, PathBuf)>,
+    /// Outputs so far, and the standard streams.
+    claimed: Vec<(Identity, String)>,
+}
+
+impl Outputs {
+    /// A run that may overwrite files if `force`.
+    pub fn new(force: bool) -> Self {
+        let streams = streams::files().into_iter().map(|(identity, name)| (identity, name.to_owned()));
+        Self { force: Some(force), inputs: Vec::new(), claimed: streams.collect() }
+    }
+
+    /// A run of a command that overwrites no file, and has no option to do so.
+    pub fn without_force() -> Self {
+        Self { force: None, ..Self::new(false) }
+    }
+
+    /// The run prints data as well, so that no file may be where stdout goes, be it a pipe.
+    pub fn printing(mut self) -> Self {
+        self.claimed.extend(streams::stdout_pipe().map(|identity| (identity, streams::STDOUT.to_owned())));
+        self
+    }
+
+    /// The run reads these logs. What does not exist fails when it is read, with a better message.
+    ///
+    /// # Errors
+    /// As [`Outputs::reads`].
+    pub fn reading<'a>(mut self, inputs: impl IntoIterator<Item = &'a Path>) -> Result<Self, OutputError> {
+        inputs.into_iter().try_for_each(|path| self.reads(path))?;
+        Ok(self)
+    }
+
+    /// The run reads this file, the files of this folder, or, where it is called `-`, what comes in.
+    ///
+    /// # Errors
+    /// [`OutputError::IsInput`] where an output, or stdout or stderr, goes into one of them.
+    pub fn reads(&mut self, path: &Path) -> Result<(), OutputError> {
+        let piped = streams::stdin_file().filter(|_| path == Path::new(files::STDIN));
+        let listed = files::listed(path).into_iter().filter_map(|file| Some((Identity::of_file(&file)?, file)));
+        self.inputs.extend(listed.chain(piped.map(|identity| (identity, path.to_owned()))));
+        self.claimed.iter().try_for_each(|(output, name)| self.refuse_input(output, Path::new(name)))
+    }
+
+    /// Reads a file of text whole, which has no more than `most` bytes.
+    ///
+    /// # Errors
+    /// As [`Outputs::reads`], or why it cannot be read.
+    pub fn text(&mut self, path: &Path, most: Bytes) -> anyhow::Result<String> {
+        self.try_text(path, most)?.with_context(|| format!("cannot read {}", path.display()))
+    }
+
+    /// The same for a caller that has its own words for what goes wrong with the file.
+    ///
+    /// # Errors
+    /// As [`Outputs::reads`].
+    pub fn try_text(&mut self, path: &Path, most: Bytes) -> Result<io::Result<String>, OutputError> {
+        self.reads(path)?;
+        Ok(files::text(path, most))
+    }
+
+    /// Opens a capture.
+    ///
+    /// # Errors
+    /// As [`Outputs::reads`], or what is wrong with it.
+    pub fn capture(&mut self, path: &Path) -> anyhow::Result<CaptureReader> {
+        self.reads(path)?;
+        Ok(files::capture(path)?)
+    }
+
+    /// Claims a file for what can be computed again: it takes its name when it is complete.
+    ///
+    /// # Errors
+    /// Why it is refused ([`OutputError::is_refusal`]), or why it cannot be written.
+    pub fn derived(&mut self, path: &Path) -> Result<Staged, OutputError> {
+        let place = self.claim(path)?;
+        if place.exists() {
+            refuse_capture(path)?;
+        }
+        Staged::new(path, place)
+    }
+
+    /// Claims a file to record into, under its final name from the start, so that what was recorded survives a power
+    /// cut.
+    ///
+    /// # Errors
+    /// As [`Outputs::derived`].
+    pub fn recording(&mut self, path: &Path) -> Result<Recording, OutputError> {
+        let place = self.claim(path)?;
+        Recording::new(path, place)
+    }
+
+    /// Claims a file that the run writes again and again. What an earlier run left there is taken up, so that it may
+    /// exist.
+    ///
+    /// # Errors
+    /// As [`Outputs::derived`].
+    pub fn slot(&mut self, path: &Path) -> Result<Slot, OutputError> {
+        let place = self.claim_over(path, true)?;
+        if place.exists() {
+            refuse_capture(path)?;
+        }
+        Slot::new(path, place)
+    }
+
+    fn claim(&mut self, path: &Path) -> Result<Place, OutputError> {
+        self.claim_over(path, self.force == Some(true))
+    }
+
+    fn claim_over(&mut self, path: &Path, may_exist: bool) -> Result<Place, OutputError> {
+        if path == Path::new("-") {
+            return Err(OutputError::Dash);
+        }
+        let place = Place::of(path)?;
+        let Some(identity) = place.identity() else {
+            return Ok(place);
+        };
+        self.refuse_input(&identity, path)?;
+        if let Some((_, other)) = self.claimed.iter().find(|(claimed, _)| *claimed == identity) {
+            return Err(OutputError::Twice { path: path.to_owned(), other: other.clone() });
+        }
+        if place.exists() && !may_exist {
+            return Err(OutputError::Exists { path: path.to_owned(), has_force: self.force.is_some() });
+        }
+        self.claimed.push((identity, path.display().to_string()));
+        Ok(place)
+    }
+
+    fn refuse_input(&self, output: &Identity, path: &Path) -> Result<(), OutputError> {
+        match self.inputs.iter().find(|(input, _)| input == output) {
+            Some((_, input)) => Err(OutputError::IsInput { path: path.to_owned(), input: input.clone() }),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Whether the error is that of a file that is there and stays as it is: another name, or force, is all that it takes.
+#[must_use]
+pub fn is_refusal(error: &anyhow::Error) -> bool {
+    error.chain().any(|cause| cause.downcast_ref().is_some_and(OutputError::is_refusal))
+}
+
+/// A capture cannot be had again. One that carries a calibration's id can: from the capture that it was made from.
+fn refuse_capture(path: &Path) -> Result<(), OutputError> {
+    let failed = |source| OutputError::io("look at", path, source);
+    let is_capture = match files::capture(path) {
+        Ok(reader) => reader.calibration_id().is_none(),
+        Err(CaptureError::NotACapture { .. }) => was_capture(path).map_err(failed)?,
+        Err(CaptureError::Io { source, .. }) => return Err(failed(source)),
+        // damaged, or of a later version
+        Err(_) => true,
+    };
+    if is_capture { Err(OutputError::IsCapture { path: path.to_owned() }) } else { Ok(()) }
+}
+
+/// Bytes at the start of a file, in which every form of a capture names itself.
+const HEAD: u64 = 1 << 16;
+
+/// Whether a file that cannot be read as a capture starts like one all the same.
+fn was_capture(path: &Path) -> io::Result<bool> {
+    let mut head = Vec::new();
+    File::open(path)?.take(HEAD).read_to_end(&mut head)?;
+    let starts_like_one =
+        [&b"\xFF\xFF\xFF\xFF"[..], b"PAR1", b"# zerorate."].iter().any(|mark| head.starts_with(mark));
+    Ok(starts_like_one && head.windows(NAME.len()).any(|window| window == NAME))
+}
+
+/// What begins the keys of a capture's description.
+const NAME: &[u8] = b"zerorate.";
+
+#[cfg(test)]
+mod tests;
