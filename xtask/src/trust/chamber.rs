@@ -12,7 +12,7 @@ use std::fs;
 use std::process::{Child, Command, Stdio};
 use std::sync::OnceLock;
 use std::thread::sleep;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 #[path = "../../../crates/zerorate-cli/tests/harness/fake_chamber.rs"]
 mod fake_chamber;
@@ -40,6 +40,8 @@ const PLAN: &str = "schema = 1\nwindow_s = 20\naverage_s = 30\nsettle_timeout_s 
     [[step]]\nto_c = 15\n[[step]]\nto_c = 45\n";
 /// About so many questions a measurement asks.
 const QUESTIONS: usize = 250;
+/// No run takes longer, on a machine however busy.
+const MOST: Duration = Duration::from_secs(120);
 /// How it is asked to end, and from outside at all.
 const SIGNALS: [&[&str]; 4] = [&[], &["-INT"], &["-INT", "-INT"], &["-TERM"]];
 
@@ -71,7 +73,13 @@ fn failing(bench: &Bench, class: &'static str, seed: u64) -> Result<Verdict> {
         sleep(pause);
         Command::new("kill").args([*signal, &child.id().to_string()]).stderr(Stdio::null()).status()?;
     }
+    wait_for(&mut child, || false)?;
+    let has_ended = child.try_wait()?.is_some();
+    child.kill()?;
     let run = super::bench::Run::from(child.wait_with_output()?);
+    if !has_ended {
+        return Ok(Verdict::Silent(format!("{fault:?}, {onset:?}, {signals:?}: it does not end\n{}", run.stderr)));
+    }
     if let Some(complaint) = chamber.complaint(&run.stderr) {
         return Ok(Verdict::Silent(format!("{fault:?}, {onset:?}, {signals:?}: {complaint}\n{}", run.stderr)));
     }
@@ -86,9 +94,10 @@ fn failing(bench: &Bench, class: &'static str, seed: u64) -> Result<Verdict> {
     })
 }
 
-/// Until that is so, or the program has ended.
+/// Until that is so, the program has ended, or it should have.
 fn wait_for(child: &mut Child, is_so: impl Fn() -> bool) -> Result<()> {
-    while !is_so() && child.try_wait()?.is_none() {
+    let until = Instant::now() + MOST;
+    while !is_so() && child.try_wait()?.is_none() && Instant::now() < until {
         sleep(Duration::from_millis(2));
     }
     Ok(())
