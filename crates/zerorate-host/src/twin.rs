@@ -165,6 +165,9 @@ impl Source for Twins {
         }
         let codes: Vec<i64> = samples.iter().map(|sample| sample.rate.code().into()).collect();
         let first = Row::from(&samples[0]);
+        if let Some(follower) = &mut self.follower {
+            follower.took(first.t_ns);
+        }
         let row = Row::new(first.t_ns, first.edge_seq, &codes);
         Ok(row.map(|row| row.with_status(first.status).with_temp_code(first.temp_code).with_lost(first.lost)))
     }
@@ -204,7 +207,11 @@ impl Source for TwinPart {
         if let Some(follower) = &mut self.follower {
             follower.keep(&self.live.edges.twin, std::iter::empty());
         }
-        Ok(self.live.next().map(|sample| Some(Row::from(&sample)))?)
+        let sample = self.live.next()?;
+        if let Some(follower) = &mut self.follower {
+            follower.took(sample.t_ns);
+        }
+        Ok(Some(Row::from(&sample)))
     }
 
     fn registers(&mut self) -> Result<Option<Registers>> {

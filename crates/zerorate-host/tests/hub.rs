@@ -4,7 +4,9 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
-use zerorate_host::{Awaited, Batch, Cause, DeviceSpec, Everything, Hub, Pace, Sampling, Setup, Speed, Stop, Watcher};
+use zerorate_host::{
+    Air, Awaited, Batch, Cause, DeviceSpec, Everything, Hub, Pace, Sampling, Setup, Speed, Stop, Watcher,
+};
 
 fn hub(device: &str, stop: &Stop) -> Hub {
     let spec: DeviceSpec = device.parse().expect("a device");
@@ -249,5 +251,29 @@ fn the_registers_of_the_twin_can_be_read_before_its_samples() {
         let everything = hub.everything();
         hub.read(Pace::Free, Vec::new()).expect("a thread");
         assert_eq!(everything.next().expect("samples").expect("a batch").rows[0].lost, 0, "{device}");
+    }
+}
+
+/// A chamber moves the air at each mark. The clocks of these parts let a sample come 20 µs before a mark.
+#[test]
+fn a_part_waits_for_its_air_only_behind_the_mark_at_which_that_moves() {
+    const SECOND_NS: u64 = 1_000_000_000;
+    let sampling = Sampling { divider: Some(50), ..Sampling::default() };
+    for seed in [4, 166, 169] {
+        let air = Air::default();
+        let setup = Setup { sampling, air: Some(air.clone()), ..Setup::default() };
+        let spec: DeviceSpec = format!("twin:seed={seed}").parse().expect("a device");
+        let hub = Hub::open(&spec, setup, &Stop::default()).expect("a hub");
+        hub.with(|source| source.initialise()).expect("a part");
+        // a hub waits for its thread, and that for whoever leads the air
+        let (everything, lead) = (hub.everything(), air.lead());
+        hub.read(Pace::Free, (0..=400).map(|second| second * SECOND_NS).collect()).expect("it begins");
+        for second in 0..400 {
+            let awaited = everything.next_within(Duration::from_secs(60)).expect("samples");
+            let Awaited::Samples(batch) = awaited else { panic!("seed {seed}: no mark after {second} s") };
+            let marked = batch.rows.last().expect("a sample");
+            lead.go(25.0, marked.t_ns + SECOND_NS);
+        }
+        hub.stop().ask();
     }
 }

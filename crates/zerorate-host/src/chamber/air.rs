@@ -88,23 +88,28 @@ pub(crate) struct Follower {
     air: Air,
     stop: Stop,
     until_ns: u64,
-    /// The first sample is there.
-    begun: bool,
+    /// Time of the last sample, if there was one.
+    last_ns: Option<u64>,
 }
 
 impl Follower {
     pub fn new(air: Air, stop: &Stop) -> Self {
-        Self { air, stop: stop.clone(), until_ns: 0, begun: false }
+        Self { air, stop: stop.clone(), until_ns: 0, last_ns: None }
     }
 
-    /// To be called before each sample of the units, whose clock the first has.
+    /// To be called before each sample of the units, whose clock the first has. It waits behind a sample that is late
+    /// enough, whatever the time is when that has been read: whoever leads the air has seen samples, and no clock.
     #[inline]
     pub fn keep<'a>(&mut self, first: &'a Twin, others: impl Iterator<Item = &'a Twin>) {
-        let now_ns = first.now_ns();
-        if self.begun && now_ns >= self.until_ns {
-            self.wait(now_ns, core::iter::once(first).chain(others));
+        if self.last_ns.is_some_and(|last_ns| last_ns >= self.until_ns) {
+            self.wait(first.now_ns(), core::iter::once(first).chain(others));
         }
-        self.begun = true;
+    }
+
+    /// To be called with the time of each sample.
+    #[inline]
+    pub fn took(&mut self, t_ns: u64) {
+        self.last_ns = Some(t_ns);
     }
 
     fn wait<'a>(&mut self, now_ns: u64, units: impl Iterator<Item = &'a Twin>) {
@@ -123,6 +128,11 @@ mod tests {
     use super::*;
     use adis16130_twin::Spec;
 
+    fn after(follower: &mut Follower, twin: &Twin, ns: u64) {
+        twin.advance_ns(ns);
+        follower.took(twin.now_ns());
+    }
+
     #[test]
     fn a_part_reads_nothing_beyond_what_is_known() {
         let (air, stop) = (Air::default(), Stop::default());
@@ -131,11 +141,11 @@ mod tests {
         let mut follower = Follower::new(air, &stop);
         follower.keep(&twin, core::iter::empty());
         lead.go(35.0, 1_000_000_000);
-        twin.advance_ns(1000);
+        after(&mut follower, &twin, 1000);
         follower.keep(&twin, core::iter::empty());
         twin.advance_ns(500_000_000);
         assert!((twin.truth().ambient_c - 30.0).abs() < 0.1, "{:?}", twin.truth());
-        twin.advance_ns(600_000_000);
+        after(&mut follower, &twin, 600_000_000);
         let waiting = std::thread::spawn(move || {
             std::thread::sleep(Duration::from_millis(20));
             lead.go(35.0, 5_000_000_000);
@@ -144,7 +154,7 @@ mod tests {
         follower.keep(&twin, core::iter::empty());
         assert_eq!(follower.until_ns, 5_000_000_000);
         drop(waiting.join().expect("no panic"));
-        twin.advance_ns(5_000_000_000);
+        after(&mut follower, &twin, 5_000_000_000);
         follower.keep(&twin, core::iter::empty());
         assert_eq!(follower.until_ns, u64::MAX, "nobody leads any more");
     }
