@@ -46,7 +46,7 @@ pub const PRODUCTS: [Product; 5] = [
     },
     Product {
         name: "zerorate-bridge",
-        manifest: "firmware/bridge/Cargo.toml",
+        manifest: "firmware/Cargo.toml",
         package: "firmware-bridge",
         builds: &[
             Build { target: "thumbv7em-none-eabihf", features: "stm32f4" },
