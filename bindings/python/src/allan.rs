@@ -1,5 +1,6 @@
 //! Allan deviations.
 
+use crate::record::Record;
 use crate::settling::{self, Settling};
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::PyValueError;
@@ -39,25 +40,6 @@ impl Model {
 type Column<'py, T> = Bound<'py, PyArray1<T>>;
 /// Order, overlapped, modified.
 type OfDifferences = (u32, bool, bool);
-
-/// A record: integer codes of a rate, or numbers.
-#[derive(FromPyObject)]
-pub enum Record<'py> {
-    Codes(PyReadonlyArray1<'py, i32>),
-    Numbers(PyReadonlyArray1<'py, f64>),
-}
-
-impl Record<'_> {
-    /// As the core takes it, in place. `gaps` belong to codes; numbers have NaN.
-    fn input<'a>(&'a self, phase: bool, gaps: &'a [Gap]) -> PyResult<Input<'a>> {
-        Ok(match self {
-            Self::Codes(_) if phase => return Err(PyValueError::new_err("phase comes as floating-point numbers")),
-            Self::Codes(codes) => Input::Codes { codes: codes.as_slice()?, gaps },
-            Self::Numbers(numbers) if phase => Input::Phase(numbers.as_slice()?),
-            Self::Numbers(numbers) => Input::Rate(numbers.as_slice()?),
-        })
-    }
-}
 
 /// Averaging times: by name, or in seconds.
 #[derive(FromPyObject)]

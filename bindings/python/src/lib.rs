@@ -10,6 +10,7 @@ mod correction;
 mod error;
 mod imu;
 mod log;
+mod record;
 mod settling;
 mod twin;
 

@@ -1,7 +1,7 @@
 //! The temperature of a record, and its beginning: as `zerorate allan` does it.
 
-use crate::allan::Record;
 use crate::error::exception;
+use crate::record::Record;
 use numpy::PyReadonlyArray1;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
