@@ -1,0 +1,74 @@
+//! Which module uses which, and the circles in that.
+
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
+
+/// Modules that use modules, each use with the place where it was seen first.
+#[derive(Default)]
+pub struct Graph {
+    uses: BTreeMap<String, BTreeMap<String, String>>,
+}
+
+impl Graph {
+    pub fn add(&mut self, user: &str, used: &str, place: String) {
+        self.uses.entry(user.to_owned()).or_default().entry(used.to_owned()).or_insert(place);
+    }
+
+    /// Each set of modules that reach each other: their names, and a shortest way around, a line for each use.
+    pub fn circles(&self) -> Vec<String> {
+        let mut seen = BTreeSet::new();
+        let mut found = Vec::new();
+        for module in self.uses.keys() {
+            if seen.contains(module) || self.way(module, module).is_none() {
+                continue;
+            }
+            let around = |other: &&String| self.way(module, other).is_some() && self.way(other, module).is_some();
+            let circle: Vec<&String> = self.uses.keys().filter(around).collect();
+            seen.extend(circle.iter().copied());
+            found.push(self.describe(&circle));
+        }
+        found
+    }
+
+    fn describe(&self, circle: &[&String]) -> String {
+        let ways = circle.iter().filter_map(|module| self.way(module, module));
+        let shortest = ways.min_by_key(Vec::len).expect("a module of a circle reaches itself");
+        let mut text = circle.iter().map(|module| module.as_str()).collect::<Vec<_>>().join(" ");
+        for pair in shortest.windows(2) {
+            let place = &self.uses[pair[0]][pair[1]];
+            text.push_str(&format!("\n    {} uses {} ({place})", pair[0], pair[1]));
+        }
+        text
+    }
+
+    /// The shortest way from a module over at least one use to another, or back to itself.
+    fn way<'a>(&'a self, from: &'a str, to: &str) -> Option<Vec<&'a str>> {
+        let mut before: BTreeMap<&str, &str> = BTreeMap::new();
+        let mut open = VecDeque::from([from]);
+        while let Some(module) = open.pop_front() {
+            for used in self.uses.get(module).into_iter().flat_map(BTreeMap::keys) {
+                if before.contains_key(used.as_str()) {
+                    continue;
+                }
+                before.insert(used, module);
+                if used == to {
+                    return Some(back(&before, from, used));
+                }
+                open.push_back(used);
+            }
+        }
+        None
+    }
+}
+
+/// The way that led to `to`, from its beginning.
+fn back<'a>(before: &BTreeMap<&'a str, &'a str>, from: &str, to: &'a str) -> Vec<&'a str> {
+    let mut way = vec![to];
+    let mut module = before[to];
+    while module != from {
+        way.push(module);
+        module = before[module];
+    }
+    way.push(module);
+    way.reverse();
+    way
+}

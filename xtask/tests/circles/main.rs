@@ -1,0 +1,185 @@
+//! No module of a crate reaches itself through another.
+//!
+//! A module is one that the root of the crate declares, together with everything below it. The root may name every
+//! module. A name that the root gives out counts for the module that the name comes from. Tests are left out.
+
+mod graph;
+mod rust;
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use graph::Graph;
+use rust::{Token, leaves, tokens, without_tests};
+
+/// Packages with a circle, which ARCHITECTURE.md names.
+const KNOWN: [&str; 1] = ["firmware/bridge"];
+
+#[test]
+fn no_module_reaches_itself_through_another() {
+    let packages = packages();
+    assert!(packages.iter().any(|package| package.ends_with("crates/zerorate")), "the crates were not found");
+    let mut found = Vec::new();
+    for package in packages {
+        let name = package.strip_prefix(root()).unwrap().display().to_string();
+        let circles: Vec<String> = roots(&package).iter().flat_map(|root| uses(&sources(root)).circles()).collect();
+        if KNOWN.contains(&&*name) {
+            assert!(
+                !circles.is_empty(),
+                "{name} has no circle any more: remove it from KNOWN and from ARCHITECTURE.md"
+            );
+        } else {
+            found.extend(circles.iter().map(|circle| format!("{name}: {circle}")));
+        }
+    }
+    let advice = "Move what they share to a module that uses none of them";
+    assert!(found.is_empty(), "modules in circles. {advice}:\n{}", found.join("\n"));
+}
+
+/// One file of a crate.
+struct Source {
+    /// Below `src`.
+    path: String,
+    text: String,
+}
+
+impl Source {
+    fn new(path: &str, text: &str) -> Self {
+        Self { path: path.to_owned(), text: text.to_owned() }
+    }
+
+    fn is_root(&self) -> bool {
+        matches!(&*self.path, "lib.rs" | "main.rs")
+    }
+
+    fn is_test(&self) -> bool {
+        self.path.split('/').any(|part| matches!(part, "tests" | "tests.rs"))
+    }
+
+    /// The modules that it lies in, from the root on.
+    fn modules(&self) -> Vec<&str> {
+        let path = self.path.trim_end_matches(".rs").trim_end_matches("/mod");
+        path.split('/').collect()
+    }
+
+    fn tokens(&self) -> Vec<Token<'_>> {
+        without_tests(tokens(&self.text))
+    }
+}
+
+/// Which module uses which, and where it does so first.
+fn uses(sources: &[Source]) -> Graph {
+    let roots: Vec<Vec<Token>> = sources.iter().filter(|file| file.is_root()).map(Source::tokens).collect();
+    let modules: BTreeSet<&str> = roots.iter().flat_map(|root| rust::declared(root)).collect();
+    let given: BTreeMap<&str, &str> = roots.iter().flat_map(|root| rust::given(root)).collect();
+    let mut graph = Graph::default();
+    for file in sources.iter().filter(|file| !file.is_root() && !file.is_test()) {
+        let inside = file.modules();
+        let tokens = file.tokens();
+        for (name, line) in rust::names_of_the_root(&tokens, inside.len()) {
+            let target = modules.get(name).or_else(|| given.get(name)).filter(|module| modules.contains(**module));
+            if let Some(target) = target.filter(|target| modules.contains(inside[0]) && **target != inside[0]) {
+                graph.add(inside[0], target, format!("src/{}:{line}", file.path));
+            }
+        }
+    }
+    graph
+}
+
+/// Every folder of the project with a manifest and sources.
+fn packages() -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    let mut open = vec![root()];
+    while let Some(folder) = open.pop() {
+        if folder.join("Cargo.toml").is_file() && folder.join("src").is_dir() {
+            found.push(folder.clone());
+        }
+        let folders = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).filter(|path| path.is_dir());
+        open.extend(folders.filter(|path| {
+            let name = path.file_name().unwrap().to_string_lossy();
+            !name.starts_with('.') && !matches!(&*name, "target" | "node_modules" | "src")
+        }));
+    }
+    found.sort();
+    found
+}
+
+/// The folders of a package in which a crate of several files begins: the library, and programs beside it.
+fn roots(package: &Path) -> Vec<PathBuf> {
+    let source = package.join("src");
+    let programs = fs::read_dir(source.join("bin")).into_iter().flatten().map(|entry| entry.unwrap().path());
+    let programs: Vec<PathBuf> = programs.filter(|path| path.is_dir()).collect();
+    [vec![source], programs].concat()
+}
+
+fn sources(folder: &Path) -> Vec<Source> {
+    let mut found = Vec::new();
+    let mut open = vec![folder.to_owned()];
+    while let Some(path) = open.pop() {
+        if path.is_dir() {
+            open.extend(fs::read_dir(path).unwrap().map(|entry| entry.unwrap().path()));
+        } else if path.extension().is_some_and(|extension| extension == "rs") {
+            let name = path.strip_prefix(folder).unwrap().display().to_string().replace('\\', "/");
+            found.push(Source { path: name, text: fs::read_to_string(&path).unwrap() });
+        }
+    }
+    found.sort_by(|a, b| a.path.cmp(&b.path));
+    found
+}
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap().to_owned()
+}
+
+fn circles_of(files: &[(&str, &str)]) -> Vec<String> {
+    let files: Vec<Source> = files.iter().map(|(path, text)| Source::new(path, text)).collect();
+    uses(&files).circles()
+}
+
+#[test]
+fn a_circle_is_named_with_the_lines_that_close_it() {
+    let root = ("lib.rs", "mod air;\nmod fire;\nmod water;\npub use fire::Flame;");
+    let air = ("air.rs", "use core::fmt;\n\nuse crate::{fmt, water::{Ice, Steam}};");
+    let fire = ("fire/mod.rs", "mod log;\nuse log::Log;");
+    let log = ("fire/log.rs", "use super::super::air::Wind;\nuse super::Flame;");
+    let water = ("water.rs", "fn boil() -> crate::Flame {}");
+    let expected = "air fire water\n    air uses water (src/air.rs:3)\n    water uses fire (src/water.rs:1)\n    \
+                    fire uses air (src/fire/log.rs:1)";
+    assert_eq!(circles_of(&[root, air, fire, log, water]), [expected]);
+    assert!(circles_of(&[root, air, fire, water]).is_empty());
+}
+
+#[test]
+fn tests_comments_and_texts_close_no_circle() {
+    let root = ("lib.rs", "mod air;\nmod fire;\n#[cfg(test)]\nmod trial;");
+    let air = ("air.rs", "use crate::fire::Flame;");
+    let quiet = "// crate::air\n/* crate::air /* crate::air */ crate::air */\nconst A: &str = \"\\\"crate::air\";
+        const B: &str = r#\"\"crate::air\"#;\n#[cfg(test)]\nmod tests { use crate::air; }
+        #[cfg(all(test, unix))]\nuse crate::air::Wind;\nfn lives<'a>(_: &'a str) { ' ' == '\"'; }";
+    let trial = ("trial.rs", "use crate::air;");
+    let tests = ("fire/tests.rs", "use crate::air;");
+    assert!(circles_of(&[root, air, ("fire.rs", quiet), trial, tests]).is_empty());
+    let loud = format!("{quiet}\nuse crate::air::Wind;");
+    assert_eq!(circles_of(&[root, air, ("fire.rs", &loud)]).len(), 1, "what follows the tests counts");
+}
+
+#[test]
+fn a_module_inside_a_file_is_one_level_deeper() {
+    let root = ("lib.rs", "mod air;\nmod fire;");
+    let air = ("air.rs", "use crate::fire::Flame;");
+    let own = ("fire.rs", "mod air {}\nmod inner { use super::air; }");
+    assert!(circles_of(&[root, air, own]).is_empty());
+    let other = ("fire.rs", "mod inner { use super::super::air; }");
+    assert_eq!(circles_of(&[root, air, other]).len(), 1);
+    let after = ("fire.rs", "mod inner { struct Inner {} }\nuse super::air;");
+    assert_eq!(circles_of(&[root, air, after]).len(), 1);
+}
+
+#[test]
+fn a_path_is_followed_to_each_of_its_ends() {
+    let text = tokens("a::{b, c::{d as e, *}, f::g}, h");
+    let ends: Vec<String> =
+        leaves(&text).iter().map(|leaf| format!("{}={}", leaf.path.join("."), leaf.name)).collect();
+    assert_eq!(ends, ["a.b=b", "a.c.d=e", "a.c=c", "a.f.g=g"]);
+}
