@@ -1,6 +1,7 @@
 //! The whole analysis of a record: deviations, noise types, degrees of freedom and limits.
 
-use super::kernels::{Deviation, Reason, deviations, join};
+use super::kernel::Reason;
+use super::kernels::{Deviation, deviations, join};
 use super::noise_id::{Identified, identify};
 use super::phase_points::phase_points;
 use super::taus::{longest, nearest};

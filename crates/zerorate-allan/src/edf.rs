@@ -1,7 +1,7 @@
 //! Equivalent degrees of freedom of the deviations.
 
-use super::Stat;
 use super::stat::Freedom;
+use super::{Difference, Stat};
 
 /// Terms that are summed before tables take over (J_max of the paper).
 const MOST_TERMS: f64 = 100.0;
@@ -25,17 +25,6 @@ pub fn edf(stat: Stat, alpha: i32, m: u64, phase_points: u64) -> f64 {
             finite_difference_edf(row.kernel.difference(), alpha, m, phase_points)
         }
     }
-}
-
-/// Which differences of the phase are squared and averaged.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Difference {
-    /// Order d of the difference: 2 for Allan, 3 for Hadamard, 1 for the variance of first differences.
-    pub order: u32,
-    /// A term at every sample (S = m) instead of at every τ (S = 1).
-    pub overlapped: bool,
-    /// The phase is averaged over τ first (F = 1), as MDEV does, instead of sampled (F = m).
-    pub modified: bool,
 }
 
 /// Equivalent degrees of freedom of a finite-difference variance: Greenhall & Riley, "Uncertainty of stability

@@ -19,6 +19,7 @@ mod edf;
 mod fit;
 mod input;
 mod interval;
+mod kernel;
 mod kernels;
 mod lag1;
 mod linear;
@@ -39,11 +40,11 @@ mod welch;
 pub use advice::{AN1042_TAUS_S, Advice, Averaging, advice};
 pub use analysis::{Analysis, AnalysisError, Options, Point, Unavailable, analyse};
 pub use chi2::chi2_quantile;
-pub use curve_fit::{Coefficient, CurveError, CurveFit, Noise, fit_curve};
+pub use curve_fit::{Coefficient, CurveError, CurveFit, fit_curve};
 #[cfg(all(feature = "file", feature = "std"))]
 pub use datasheet::{DataSheet, DataSheetError};
 pub use detrend::{DetrendError, Detrended, Follows, MOST_ORDER, detrend, follows_temperature};
-pub use edf::{Difference, edf, finite_difference_edf};
+pub use edf::{edf, finite_difference_edf};
 #[cfg(feature = "std")]
 pub use fit::{
     Apart, Cleaned, Differs, Estimate, Expected, FEWEST_SAMPLES, Fit, FitError, FitOptions, Line, MOST_ERROR, Model,
@@ -51,13 +52,14 @@ pub use fit::{
 };
 pub use input::{Gap, Input};
 pub use interval::interval;
-pub use kernels::{Deviation, Reason, deviations};
+pub use kernel::{Difference, Reason};
+pub use kernels::{Deviation, deviations};
 pub use mtie::mtie;
 pub use noise_id::noise_types;
 pub use stat::{Stat, UnknownStat};
 pub use stream::{NotAdjacent, Stream};
 pub use taus::{Taus, TausError, longest};
-pub use warning::{AllanWarning, LONGEST_RECORD_S};
+pub use warning::{AllanWarning, LONGEST_RECORD_S, Noise};
 #[cfg(feature = "std")]
 pub use welch::{Density, welch};
 

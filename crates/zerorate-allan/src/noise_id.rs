@@ -1,6 +1,7 @@
 //! Which power law dominates at an averaging time.
 
-use super::kernels::{Deviation, Reason, deviations};
+use super::kernel::Reason;
+use super::kernels::{Deviation, deviations};
 use super::lag1::Lag1;
 use super::phase_points::{Run, for_each_run, phase_points, ramp};
 use super::stat::Row;

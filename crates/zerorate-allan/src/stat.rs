@@ -1,5 +1,4 @@
-use super::Difference;
-use super::kernels::{Kernel, Order, Plain};
+use super::kernel::{Difference, Kernel, Order, Plain};
 use core::fmt;
 use core::str::FromStr;
 

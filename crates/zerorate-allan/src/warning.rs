@@ -1,6 +1,5 @@
 //! What there is to know about a curve or a noise model.
 
-use super::Noise;
 use crate::codes;
 use alloc::format;
 use alloc::string::String;
@@ -82,6 +81,21 @@ codes!(AllanWarning {
     FollowsTemperature => "follows-temperature",
     NotIdentified => "not-identified",
 });
+
+/// One of the noises of the model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Noise {
+    /// Angle quantisation Q.
+    Quantisation,
+    /// Angle random walk N: white noise of the rate.
+    AngleRandomWalk,
+    /// Bias instability B: flicker noise of the rate.
+    BiasInstability,
+    /// Rate random walk K.
+    RateRandomWalk,
+    /// Rate ramp R.
+    RateRamp,
+}
 
 impl Noise {
     /// Name and letter.

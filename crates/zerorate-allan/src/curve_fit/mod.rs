@@ -26,26 +26,11 @@ mod solve;
 #[cfg(test)]
 mod tests;
 
-use super::{AllanWarning, Deviation, Point};
+use super::{AllanWarning, Deviation, Noise, Point};
 use alloc::vec::Vec;
 use core::fmt;
 use model::{B, K, N, Q, R};
 use select::Selection;
-
-/// One of the noises of the model.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Noise {
-    /// Angle quantisation Q.
-    Quantisation,
-    /// Angle random walk N: white noise of the rate.
-    AngleRandomWalk,
-    /// Bias instability B: flicker noise of the rate.
-    BiasInstability,
-    /// Rate random walk K.
-    RateRandomWalk,
-    /// Rate ramp R.
-    RateRamp,
-}
 
 /// A noise coefficient with its 95 % interval.
 #[derive(Clone, Copy, Debug, PartialEq)]

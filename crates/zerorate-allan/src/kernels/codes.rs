@@ -1,8 +1,8 @@
 use super::array::Array;
 use super::exact::ExactSum;
-use super::kernel::{Kernel, Order, Plain};
 use super::lanes::{self, SHORT};
-use super::{Reason, Squares, sweep, threads};
+use super::{Squares, sweep, threads};
+use crate::kernel::{Kernel, Order, Plain, Reason};
 use alloc::vec::Vec;
 
 /// Samples that one thread takes at a time.

@@ -1,8 +1,8 @@
 use super::array::Array;
-use super::kernel::{Kernel, Plain};
 use super::lanes::Line;
 use super::sweep::Fixed;
-use super::{Reason, Squares, lanes, sweep, threads};
+use super::{Squares, lanes, sweep, threads};
+use crate::kernel::{Kernel, Plain, Reason};
 use alloc::vec;
 use alloc::vec::Vec;
 

@@ -1,7 +1,7 @@
 //! Records with missing samples.
 
-use super::kernel::{Kernel, Order, Plain};
-use super::{Reason, Squares};
+use super::Squares;
+use crate::kernel::{Kernel, Order, Plain, Reason};
 use crate::{Gap, Input};
 use alloc::vec;
 use alloc::vec::Vec;

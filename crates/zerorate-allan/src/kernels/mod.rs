@@ -7,7 +7,6 @@ mod codes;
 mod exact;
 mod float;
 mod gaps;
-mod kernel;
 mod lanes;
 mod sweep;
 #[cfg(test)]
@@ -16,13 +15,12 @@ mod threads;
 
 #[cfg(feature = "std")]
 pub(super) use gaps::expanded;
-pub(super) use kernel::{Kernel, Order, Plain};
 pub(super) use threads::join;
 
+use super::kernel::{Kernel, Reason};
 use super::stat::{Factor, Row};
 use super::{Input, Stat};
 use alloc::vec::Vec;
-use core::fmt;
 
 /// A statistic at one averaging time.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,39 +31,6 @@ pub struct Deviation {
     pub dev: f64,
     /// Terms that entered its mean square.
     pub n: u64,
-}
-
-/// Why an averaging time has no deviation.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Reason {
-    /// The averages have no length.
-    ZeroLength,
-    /// The record is too short.
-    TooShort {
-        /// Samples (for phase: points) that would do.
-        needs: u64,
-    },
-    /// Too much is missing: no term is left, or less than 1/16 of the record is there.
-    Gaps,
-    /// It rounds to as many samples as another averaging time, which has the result.
-    SameLength {
-        /// Samples in each average.
-        m: u64,
-    },
-    /// Infinite values, or squares beyond the range of f64.
-    NotFinite,
-}
-
-impl fmt::Display for Reason {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::ZeroLength => f.write_str("an average needs at least one sample"),
-            Self::TooShort { needs } => write!(f, "the record is too short, {needs} samples are needed"),
-            Self::Gaps => f.write_str("too many samples are missing"),
-            Self::SameLength { m } => write!(f, "it rounds to {m} samples, as another averaging time does"),
-            Self::NotFinite => f.write_str("the numbers are too large"),
-        }
-    }
 }
 
 /// A sum of squared differences.

@@ -6,9 +6,9 @@
 
 use super::array::Number;
 use super::exact::ExactSum;
-use super::kernel::{Order, Plain};
 use super::lanes;
 use super::threads;
+use crate::kernel::{Order, Plain};
 use alloc::vec;
 use alloc::vec::Vec;
 use core::ops::Range;

@@ -1,5 +1,6 @@
 use super::*;
 use crate::Gap;
+use crate::kernel::{Order, Plain};
 use std::string::ToString;
 use std::vec::Vec;
 

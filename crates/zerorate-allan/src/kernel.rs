@@ -1,8 +1,9 @@
-use super::Reason;
-use crate::Difference;
+//! The differences that statistics are made of, and what a record must have for one of them.
+
+use core::fmt;
 
 /// Which differences of the running sum are squared and summed. It has an arm in each of the functions here and in
-/// each kind of record ([`codes`](super::codes), [`float`](super::float), [`gaps`](super::gaps)); none has a `_`, so
+/// each kind of record (`codes`, `float` and `gaps` in [`kernels`](super::kernels)); none has a `_`, so
 /// that a new one is asked for in all of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Kernel {
@@ -117,5 +118,49 @@ impl Plain {
     /// From one term to the next.
     pub fn stride(self, m: usize) -> usize {
         if self.overlapping { 1 } else { m }
+    }
+}
+
+/// Which differences of the phase are squared and averaged.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Difference {
+    /// Order d of the difference: 2 for Allan, 3 for Hadamard, 1 for the variance of first differences.
+    pub order: u32,
+    /// A term at every sample (S = m) instead of at every τ (S = 1).
+    pub overlapped: bool,
+    /// The phase is averaged over τ first (F = 1), as MDEV does, instead of sampled (F = m).
+    pub modified: bool,
+}
+
+/// Why an averaging time has no deviation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reason {
+    /// The averages have no length.
+    ZeroLength,
+    /// The record is too short.
+    TooShort {
+        /// Samples (for phase: points) that would do.
+        needs: u64,
+    },
+    /// Too much is missing: no term is left, or less than 1/16 of the record is there.
+    Gaps,
+    /// It rounds to as many samples as another averaging time, which has the result.
+    SameLength {
+        /// Samples in each average.
+        m: u64,
+    },
+    /// Infinite values, or squares beyond the range of f64.
+    NotFinite,
+}
+
+impl fmt::Display for Reason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::ZeroLength => f.write_str("an average needs at least one sample"),
+            Self::TooShort { needs } => write!(f, "the record is too short, {needs} samples are needed"),
+            Self::Gaps => f.write_str("too many samples are missing"),
+            Self::SameLength { m } => write!(f, "it rounds to {m} samples, as another averaging time does"),
+            Self::NotFinite => f.write_str("the numbers are too large"),
+        }
     }
 }
