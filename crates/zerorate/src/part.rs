@@ -16,8 +16,8 @@ pub(crate) use file::is_word;
 /// Most axes of a part: its readings take that much room.
 pub const MAX_AXES: usize = 8;
 
-/// How far a temperature may leave the span of a calibration where its noise is not known, °C: what ten times the noise
-/// of a single reading is for the ADIS16130 (M-05).
+/// How far a temperature may leave the span of a calibration where its noise is not known, °C: what ten times the
+/// noise of a single reading is for the ADIS16130 (M-05).
 pub(crate) const UNKNOWN_MARGIN_C: f64 = 0.5;
 
 /// A kind of gyroscope: its name and its axes, which share one temperature.
