@@ -10,6 +10,7 @@ pub mod lamp;
 mod link;
 pub mod port;
 pub mod sampling;
+pub mod state;
 #[cfg(test)]
 mod tests;
 

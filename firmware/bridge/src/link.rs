@@ -8,10 +8,12 @@ use embassy_sync::blocking_mutex::Mutex;
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use embassy_sync::pipe::Pipe;
 use embassy_sync::signal::Signal;
-use embassy_time::with_timeout;
+use embassy_time::{Duration, with_timeout};
 
-use crate::lamp::State;
-use crate::sampling::SIGN_OF_LIFE;
+use crate::state::State;
+
+/// How often the sampling side says that it lives while nothing happens.
+pub const SIGN_OF_LIFE: Duration = Duration::from_millis(250);
 
 /// Bytes that wait for the host: 0.17 s at the full rate with every temperature.
 const TO_HOST: usize = 32 * 1024;

@@ -9,13 +9,11 @@ use embassy_time::{Duration, Instant, with_timeout};
 use embedded_hal_async::digital::Wait;
 
 use crate::Link;
-use crate::lamp::State;
+use crate::link::SIGN_OF_LIFE;
+use crate::state::State;
 
 /// The SPI clock until a host asks for another: half of what the part takes (F-21), for wires and level shifters.
 const FIRST_SCLK_HZ: u32 = 5_000_000;
-
-/// How often the sampling side says that it lives while nothing happens.
-pub const SIGN_OF_LIFE: Duration = Duration::from_millis(250);
 
 /// After so long without a sign of life the watchdog resets the chip: a transfer that never ends, an executor that
 /// stands still.

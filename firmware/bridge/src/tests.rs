@@ -22,7 +22,8 @@ use embedded_hal_async::digital::Wait;
 use embedded_hal_async::spi::{ErrorType, Operation, SpiBus, SpiDevice};
 
 use crate::bus::PartBus;
-use crate::lamp::State;
+use crate::link::SIGN_OF_LIFE;
+use crate::state::State;
 use crate::{Link, port, sampling};
 
 const START: Ask<'static> = Ask::Start { every_temp: 1, divider: 1, mclk_hz: 6_000_000 };
@@ -140,7 +141,7 @@ fn the_watchdog_is_fed_by_a_living_task_only() {
         bench.signs.set(0);
     }
     for _ in 0..8 {
-        MockDriver::get().advance(sampling::SIGN_OF_LIFE);
+        MockDriver::get().advance(SIGN_OF_LIFE);
         for bench in [&mut idle, &mut waits, &mut hangs] {
             bench.poll();
         }
@@ -148,7 +149,7 @@ fn the_watchdog_is_fed_by_a_living_task_only() {
     // other tests move no time
     assert!(idle.signs.get() >= 8 && waits.signs.get() >= 8, "{} {}", idle.signs.get(), waits.signs.get());
     assert_eq!(hangs.signs.get(), 0);
-    assert!(sampling::WATCHDOG >= 4 * sampling::SIGN_OF_LIFE);
+    assert!(sampling::WATCHDOG >= 4 * SIGN_OF_LIFE);
 }
 
 #[test]

@@ -13,9 +13,6 @@ use std::path::{Path, PathBuf};
 use graph::Graph;
 use rust::{Token, leaves, tokens, without_tests};
 
-/// Packages with a circle, which ARCHITECTURE.md names.
-const KNOWN: [&str; 1] = ["firmware/bridge"];
-
 #[test]
 fn no_module_reaches_itself_through_another() {
     let packages = packages();
@@ -24,14 +21,7 @@ fn no_module_reaches_itself_through_another() {
     for package in packages {
         let name = package.strip_prefix(root()).unwrap().display().to_string();
         let circles: Vec<String> = roots(&package).iter().flat_map(|root| uses(&sources(root)).circles()).collect();
-        if KNOWN.contains(&&*name) {
-            assert!(
-                !circles.is_empty(),
-                "{name} has no circle any more: remove it from KNOWN and from ARCHITECTURE.md"
-            );
-        } else {
-            found.extend(circles.iter().map(|circle| format!("{name}: {circle}")));
-        }
+        found.extend(circles.iter().map(|circle| format!("{name}: {circle}")));
     }
     let advice = "Move what they share to a module that uses none of them";
     assert!(found.is_empty(), "modules in circles. {advice}:\n{}", found.join("\n"));
