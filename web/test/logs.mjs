@@ -3,7 +3,7 @@ import { readFileSync } from "node:fs";
 import { gzipSync } from "node:zlib";
 import { PATIENCE } from "./world.mjs";
 
-const FIXTURES = new URL("../../crates/zerorate-data/src/column/fixtures/", import.meta.url).pathname;
+const FIXTURES = new URL("../../crates/zerorate-logs/fixtures/", import.meta.url).pathname;
 
 /** Samples per second, Hz. */
 export const RATE_HZ = 100;

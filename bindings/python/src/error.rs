@@ -4,8 +4,8 @@ use pyo3::create_exception;
 use pyo3::exceptions::{PyFileExistsError, PyFileNotFoundError, PyOSError, PyPermissionError, PyValueError};
 use pyo3::prelude::*;
 use std::io::{self, ErrorKind};
-use zerorate_data::LogError;
 use zerorate_jobs::output::is_refusal;
+use zerorate_logs::LogError;
 
 create_exception!(
     _zerorate,

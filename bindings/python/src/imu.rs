@@ -6,9 +6,9 @@ use crate::log::{argument, label};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use std::path::PathBuf;
-use zerorate_data::column::{Names, TimeUnit, Unit};
-use zerorate_data::imu::{Axis, Choice, Combine, Format, Kind, Numbers, doubt};
 use zerorate_jobs::output::Outputs;
+use zerorate_logs::imu::{Axis, Choice, Combine, Format, Kind, Numbers, doubt};
+use zerorate_logs::{Names, TimeUnit, Unit};
 
 /// Name, unit and model of an axis.
 type Modelled<'py> = (String, String, PyRef<'py, Model>);

@@ -10,12 +10,12 @@ use pyo3::types::PyDict;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use zerorate_cli::api;
-use zerorate_data::Note;
-use zerorate_data::column::{
-    self, Column, ColumnOptions, Decimal, Names, Quantity, RawType, Series, Setting, TimeUnit, Unit, Wanted,
-};
-use zerorate_data::imu::{Axes, ImuOptions, Said};
 use zerorate_host::files;
+use zerorate_logs::imu::{Axes, ImuOptions, Said};
+use zerorate_logs::{
+    Column, ColumnOptions, Decimal, Names, Quantity, RawType, Series, Setting, TimeUnit, Unit, Wanted,
+};
+use zerorate_record::Note;
 
 /// Where numbers come from.
 #[derive(FromPyObject)]
@@ -95,10 +95,10 @@ pub fn read_columns<'py>(
     };
     let (path, columns) = match opened(source)? {
         Opened::Table(path, table) => {
-            (path.clone(), py.detach(|| column::read_table(&path, &table, wanted, &options)))
+            (path.clone(), py.detach(|| zerorate_logs::read_table(&path, &table, wanted, &options)))
         }
         Opened::File(path) => {
-            let read = || column::read_parts(&path, files::log(&path)?, wanted, &options);
+            let read = || zerorate_logs::read_parts(&path, files::log(&path)?, wanted, &options);
             (path.clone(), py.detach(read))
         }
     };
@@ -121,7 +121,7 @@ pub fn read_temperature<'py>(
         Opened::Table(path, table) => {
             let read = |name: &str| {
                 let wanted = [name.to_owned()];
-                column::read_table(&path, &table, Wanted::Listed(&wanted), &options).ok()?.pop()
+                zerorate_logs::read_table(&path, &table, Wanted::Listed(&wanted), &options).ok()?.pop()
             };
             let column = name.map_or_else(|| api::TEMPERATURES.into_iter().find_map(read), read);
             (path, column)
@@ -160,7 +160,7 @@ pub fn read_imu<'py>(
     let (path, axes) = match opened(source)? {
         Opened::Table(path, table) => {
             let wanted = options.columns.as_deref().map_or(Wanted::All, Wanted::Listed);
-            let read = || Axes::of(&path, column::read_table(&path, &table, wanted, &options.log)?, &options);
+            let read = || Axes::of(&path, zerorate_logs::read_table(&path, &table, wanted, &options.log)?, &options);
             (path.clone(), py.detach(read))
         }
         Opened::File(path) => (path.clone(), py.detach(|| Axes::read(&path, files::log(&path)?, &options))),

@@ -3,7 +3,7 @@
 use numpy::PyReadonlyArray1;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use zerorate::allan::{Gap, Input};
+use zerorate_allan::{Gap, Input};
 
 /// A record: integer codes of a rate, or numbers.
 #[derive(FromPyObject)]

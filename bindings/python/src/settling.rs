@@ -9,7 +9,7 @@ use pyo3::types::PyDict;
 use std::path::Path;
 use zerorate_allan::{AllanWarning, Detrended, Gap, Input};
 use zerorate_cli::api::{self, Settled};
-use zerorate_data::column::{Column, Series};
+use zerorate_logs::{Column, Series};
 
 /// What is known of the temperature of a record, and what is done about it and about its beginning.
 #[derive(FromPyObject)]

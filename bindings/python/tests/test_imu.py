@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 import zerorate
 
 RATE_HZ = 100.0
-FIXTURES = Path(__file__).resolve().parents[3] / "crates" / "zerorate-data" / "src" / "column" / "fixtures"
+FIXTURES = Path(__file__).resolve().parents[3] / "crates" / "zerorate-logs" / "fixtures"
 GYRO = ["gx [rad/s]", "gy [rad/s]", "gz [rad/s]"]
 ACCEL = ["ax [m/s^2]", "ay [m/s^2]", "az [m/s^2]"]
 N_GYRO, N_ACCEL = (1e-4, 2e-4, 3e-4), (1e-3, 2e-3, 1.5e-3)

@@ -5,7 +5,7 @@ pub use crate::commands::allan::temperature::{NAMES as TEMPERATURES, Settled, Se
 use crate::column;
 use crate::commands::allan::temperature;
 use std::path::Path;
-use zerorate_data::column::{Column, ColumnOptions};
+use zerorate_logs::{Column, ColumnOptions};
 
 /// The temperature of the log at `path`: the column `name`, or one by the usual names; none where there is none.
 #[must_use]

@@ -2,9 +2,8 @@
 
 use clap::Args;
 use std::path::Path;
-use zerorate_data::LogError;
-use zerorate_data::column::{self, Column, ColumnOptions, Decimal, Names, RawType, Setting, TimeUnit, Unit, Wanted};
 use zerorate_host::files;
+use zerorate_logs::{Column, ColumnOptions, Decimal, LogError, Names, RawType, Setting, TimeUnit, Unit, Wanted};
 
 /// Which numbers of a log are meant, and what the log does not say about them itself.
 #[derive(Args, Debug, Default)]
@@ -78,7 +77,7 @@ impl ColumnArgs {
 
     /// Reads the columns that are wanted of the log at `path`: a file, standard input or a folder.
     pub fn read_all(&self, path: &Path, wanted: Wanted<'_>) -> Result<Vec<Column>, LogError> {
-        column::read_parts(path, files::log(path)?, wanted, &self.options())
+        zerorate_logs::read_parts(path, files::log(path)?, wanted, &self.options())
     }
 
     /// Reads the temperature of the log at `path`, by one of these names; none if it has none of them. What is said of
@@ -110,7 +109,7 @@ impl ColumnArgs {
 pub fn temperature(path: &Path, names: &[&str], options: &ColumnOptions) -> Option<Column> {
     let read = |name: &&str| {
         let wanted = [(*name).to_owned()];
-        column::read_parts(path, files::log(path).ok()?, Wanted::Listed(&wanted), options).ok()?.pop()
+        zerorate_logs::read_parts(path, files::log(path).ok()?, Wanted::Listed(&wanted), options).ok()?.pop()
     };
     names.iter().find_map(read)
 }

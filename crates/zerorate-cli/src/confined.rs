@@ -16,8 +16,8 @@ use std::os::unix::process::{CommandExt, ExitStatusExt};
 use std::path::Path;
 use std::process::{Command, ExitCode, ExitStatus};
 use std::{io, thread};
-use zerorate_data::limits::{self, Bytes};
 use zerorate_host::files as on_disk;
+use zerorate_record::limits::{self, Bytes};
 
 /// Tells the child that it is one.
 const MARK: &str = "ZERORATE_CONFINED";

@@ -2,10 +2,10 @@
 
 use crate::output::{reader_left, say};
 use std::process::ExitCode;
-use zerorate_data::LogError;
 use zerorate_host::{Cause, DeviceError};
 use zerorate_jobs::output::is_refusal;
 pub use zerorate_jobs::{InvalidOptions as Usage, Refused};
+use zerorate_logs::LogError;
 
 /// Prints why a run failed and picks the exit code. A reader of stdout that went away (`zerorate … | head`) is no
 /// failure; of any other pipe it is.

@@ -1,6 +1,6 @@
 //! How much memory the machine has.
 
-use zerorate_data::limits::Bytes;
+use zerorate_record::limits::Bytes;
 
 /// Half of what there is: what reading files may take by default.
 pub fn half() -> Option<Bytes> {

@@ -6,8 +6,7 @@ use anyhow::Result;
 use clap::Args;
 use std::path::PathBuf;
 use zerorate::Part;
-use zerorate_data::capture::CaptureInfo;
-use zerorate_data::limits;
+use zerorate_record::{CaptureInfo, limits};
 
 /// Which part is measured.
 #[derive(Args, Clone, Debug, Default)]

@@ -3,8 +3,9 @@
 use adis16130::Fault;
 use std::error::Error;
 use std::{fmt, io};
-use zerorate_data::capture::admission::Disbelief;
-use zerorate_data::{CaptureError, LogError};
+use zerorate_logs::LogError;
+use zerorate_record::CaptureError;
+use zerorate_record::admission::Disbelief;
 
 /// Why a device cannot be read. Its text and those of its sources say what was seen and what to do.
 #[derive(Debug)]

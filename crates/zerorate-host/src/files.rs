@@ -4,10 +4,9 @@ use std::fs::File;
 use std::io::{ErrorKind, Read, Seek};
 use std::path::{Path, PathBuf};
 use zerorate::Part;
-use zerorate_data::capture::CaptureReader;
-use zerorate_data::column::{ColumnOptions, Parts};
-use zerorate_data::limits::Bytes;
-use zerorate_data::{CaptureError, Input, LogError, RowReader};
+use zerorate_logs::{ColumnOptions, LogError, Parts, RowReader};
+use zerorate_record::limits::Bytes;
+use zerorate_record::{CaptureError, CaptureReader, Input};
 
 /// Opens a file to be read. Pipes and devices have no length, and may have no end.
 ///

@@ -15,8 +15,8 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 use std::vec::IntoIter;
-use zerorate_data::capture::Row;
-use zerorate_data::capture::admission::Admission;
+use zerorate_record::Row;
+use zerorate_record::admission::Admission;
 
 /// Samples of a batch at most: 0.7 s at the full rate.
 const BATCH: usize = 4096;

@@ -8,8 +8,8 @@ use adis16130::MCLK_HZ;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use zerorate::Part;
-use zerorate_data::RowReader;
-use zerorate_data::capture::Row;
+use zerorate_logs::RowReader;
+use zerorate_record::Row;
 
 /// `replay:FILE`; the file may be called what it likes.
 #[derive(Clone, Debug)]

@@ -8,7 +8,7 @@ use adis16130::registers::Address;
 use adis16130::{Config, ConversionTime, Framing, SamplerConfig, SelfTest};
 use adis16130_twin::Truth;
 use zerorate::Part;
-use zerorate_data::capture::{CaptureInfo, Converter, Row};
+use zerorate_record::{CaptureInfo, Converter, Row};
 
 /// How often a part is read. A recording has decided that already.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -13,7 +13,7 @@ use adis16130_twin::{Profile, Roa, Spec, SpecError, Truth, Twin, TwinSpi};
 use std::borrow::Cow;
 use std::sync::Arc;
 use zerorate::{Axis, NamedAxis, Part, Scale};
-use zerorate_data::capture::{CaptureInfo, Layout, Row};
+use zerorate_record::{CaptureInfo, Layout, Row};
 
 /// `twin:KEY=VALUE,…`: the unit, and how the driver configures it.
 #[derive(Clone, Debug)]

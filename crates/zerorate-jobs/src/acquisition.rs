@@ -7,10 +7,8 @@ use anyhow::Result;
 use std::sync::Arc;
 use zerorate::health::{Frozen, Health, Judged};
 use zerorate::{Axis, Names, Part, Say, Tally, Warning, resonance};
-use zerorate_data::Note;
-use zerorate_data::believed;
-use zerorate_data::capture::{CaptureInfo, Layout, Row};
 use zerorate_host::{Batch, Bus, DeviceSpec, Everything, Facts, Hub, Losses, Pace, Setup, Stop};
+use zerorate_record::{CaptureInfo, Layout, Note, Row, believed};
 
 /// Hears what a device has to say while it is read.
 pub type Tell = Box<dyn FnMut(&str)>;

@@ -4,9 +4,9 @@ use anyhow::Result;
 use std::path::Path;
 use zerorate::health::Health;
 use zerorate::{Scale, Tally};
-use zerorate_data::believed;
-use zerorate_data::capture::{CaptureInfo, Layout, Row};
 use zerorate_host::files;
+use zerorate_record::believed;
+use zerorate_record::{CaptureInfo, Layout, Row};
 
 /// The samples of a capture as columns, one row per sample, with how they were taken.
 #[derive(Clone, Debug, Default)]

@@ -3,10 +3,8 @@
 use crate::output::Recording;
 use std::io;
 use zerorate::Calibration;
-use zerorate_data::CaptureError;
-use zerorate_data::capture::bag::{RobotLog, Stamps};
-use zerorate_data::capture::{CaptureInfo, CaptureSummary, CaptureWriter, Format, Row};
 use zerorate_host::{Facts, clock};
+use zerorate_record::{CaptureError, CaptureInfo, CaptureSummary, CaptureWriter, Format, RobotLog, Row, Stamps};
 
 /// Records samples into a file, and puts it onto the disk. Dropping it closes the file as well, but only
 /// [`Recorder::finish`] tells whether that worked.

@@ -3,7 +3,7 @@
 use crate::message::DeviceState;
 use crate::session::{About, Asked, HostWish, Session};
 use crate::source::{Next, Source};
-use zerorate_data::capture::Row;
+use zerorate_record::Row;
 
 /// Opens the device, from a reset on, at this time of the page, ms.
 pub type Open = Box<dyn Fn(f64) -> Result<Box<dyn Source>, String>>;

@@ -6,7 +6,7 @@ use adis16130_twin::{Spec, Twin, TwinSpi};
 use embedded_hal::delay::DelayNs;
 use serde_json::{Value, json};
 use zerorate::Part;
-use zerorate_data::capture::{CaptureInfo, Converter, Row};
+use zerorate_record::{CaptureInfo, Converter, Row};
 use zerorate_web::message::DeviceState;
 use zerorate_web::session::{About, Asked, HostWish, Session};
 

@@ -9,7 +9,7 @@ use std::process::Command;
 /// The smallest calibration that the twin allows.
 const PLAN: &str = "--average 5s --warmup 30s --settle 10s --offset 15s --max-u-btc 0.05";
 /// Files written by others: a bag whose chunks are compressed by zstd, and one that no bag is inside of SQLite.
-const FOREIGN: [(&str, &str); 1] = [("bag.mcap", "crates/zerorate-data/src/column/fixtures/imu_zstd.mcap")];
+const FOREIGN: [(&str, &str); 1] = [("bag.mcap", "crates/zerorate-logs/fixtures/imu_zstd.mcap")];
 
 /// The command lines, the exit code that each must have, and the files that it writes.
 fn steps() -> Vec<(String, i32, &'static [&'static str])> {

@@ -1,5 +1,5 @@
 //! Logs of other people's software that carry checks of their own: a bit flips, or a bag states another number of
-//! messages. The files are those of `crates/zerorate-data/src/column/fixtures/make_checked.py`, by independent
+//! messages. The files are those of `crates/zerorate-logs/fixtures/make_checked.py`, by independent
 //! writers.
 
 use super::bench::{Bench, Folder, Run, random};
@@ -44,7 +44,7 @@ pub const CLASSES: &[Class] = &[
 ];
 
 /// Where the files lie.
-const FILES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../crates/zerorate-data/src/column/fixtures/checked");
+const FILES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../crates/zerorate-logs/fixtures/checked");
 
 /// Messages in each bag.
 const MESSAGES: u64 = 120;

@@ -14,10 +14,10 @@ use serde::Serialize;
 use std::path::{Path, PathBuf};
 use zerorate::Calibration;
 use zerorate::health::{Health, Marks};
-use zerorate_data::believed;
-use zerorate_data::capture::{CaptureInfo, Format, Row};
 use zerorate_jobs::Acquisition;
 use zerorate_jobs::Recorder;
+use zerorate_record::believed;
+use zerorate_record::{CaptureInfo, Format, Row};
 use zerorate_view::duration::{self, Seconds};
 
 /// Records raw codes with timestamps.

@@ -15,11 +15,9 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use zerorate::health::Judged;
 use zerorate::{Axis, Calibration, Correction, Corrector, Say, Tally};
-use zerorate_data::believed;
-use zerorate_data::capture::columns::{self, Rows};
-use zerorate_data::capture::{CALIBRATION_ID, CaptureInfo, CaptureReader, Format, Layout, table};
-use zerorate_data::limits;
 use zerorate_jobs::JudgedAxis;
+use zerorate_record::columns::{self, Rows};
+use zerorate_record::{CALIBRATION_ID, CaptureInfo, CaptureReader, Format, Layout, believed, limits, table};
 
 /// Corrects a capture: RATE + PBC + d · BTC, with d = TEMP − T3, and + d² · BTC2 + d³ · BTC3 where the calibration has
 /// these terms.

@@ -8,11 +8,10 @@ use arrow_array::RecordBatch;
 use arrow_schema::{Field, Metadata, SchemaRef};
 use clap::Args;
 use std::path::{Path, PathBuf};
-use zerorate_data::Note;
-use zerorate_data::capture::columns::{self, Rows};
-use zerorate_data::capture::table::{self, Opened};
-use zerorate_data::capture::{CaptureError, Checked, Format, Layout};
 use zerorate_host::files;
+use zerorate_record::columns::{self, Rows};
+use zerorate_record::table::{self, Opened};
+use zerorate_record::{CaptureError, Checked, Format, Layout, Note};
 
 /// Metadata of a repaired capture: what is missing.
 const REPAIRED: &str = "zerorate.repaired";

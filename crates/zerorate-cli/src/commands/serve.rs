@@ -14,8 +14,8 @@ use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr, TcpListener};
 use std::path::{Path, PathBuf};
 use std::thread;
 use zerorate::Calibration;
-use zerorate_data::limits;
 use zerorate_host::iiod;
+use zerorate_record::limits;
 use zerorate_web::session::About;
 
 /// Shows a part live in the browser: rate, noise, temperature, and calibration as a guided run.

@@ -8,10 +8,9 @@ use std::fmt::Write;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use zerorate::Calibration;
-use zerorate_data::Input;
-use zerorate_data::capture::table::{self, Opened};
-use zerorate_data::capture::{CaptureError, Checked};
 use zerorate_host::files;
+use zerorate_record::table::{self, Opened};
+use zerorate_record::{CaptureError, Checked, Input};
 use zerorate_view::duration::Seconds;
 
 /// Bytes of a calibration file at most: a bound on memory where a file is something else.

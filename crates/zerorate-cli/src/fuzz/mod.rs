@@ -1,9 +1,9 @@
-//! Damaged input into every decoder of the program: none may panic. The harness is that of `zerorate-data`.
+//! Damaged input into every decoder of the program: none may panic. The harness is that of `zerorate-record`.
 
 mod calibrations;
-#[path = "../../../zerorate-data/src/fuzz/edit.rs"]
+#[path = "../../../zerorate-record/src/fuzz/edit.rs"]
 mod edit;
-#[path = "../../../zerorate-data/src/fuzz/harness.rs"]
+#[path = "../../../zerorate-record/src/fuzz/harness.rs"]
 mod harness;
 mod wires;
 mod words;

@@ -5,7 +5,7 @@ use anyhow::{Context, Result};
 use serde::Serialize;
 use std::fmt::Display;
 use std::io::Write;
-use zerorate_data::plain;
+use zerorate_record::plain;
 
 /// Prints text to stdout; a closed pipe is an error to be passed on, not a panic.
 pub fn print(text: &str) -> Result<()> {

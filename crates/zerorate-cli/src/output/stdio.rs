@@ -2,7 +2,7 @@
 
 use std::fmt::Display;
 use std::io::{self, ErrorKind, StdoutLock, Write};
-use zerorate_data::plain;
+use zerorate_record::plain;
 
 /// The reader of stdout went away, as in `zerorate … | head`: the end of the run, and no failure.
 #[derive(Clone, Copy, Debug, thiserror::Error)]

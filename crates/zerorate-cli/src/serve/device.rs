@@ -6,8 +6,8 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::thread;
 use std::time::Duration;
-use zerorate_data::capture::CaptureInfo;
 use zerorate_host::{Awaited, Batch, Bus, DeviceError, DeviceSpec, Everything, Hub, Pace, Setup, Stop, Watcher};
+use zerorate_record::CaptureInfo;
 use zerorate_web::registers;
 use zerorate_web::session::About;
 

@@ -7,7 +7,7 @@ use std::collections::{HashMap, HashSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 use zerorate::Calibration;
-use zerorate_data::limits;
+use zerorate_record::limits;
 use zerorate_web::session::Session;
 
 /// Where calibrations are kept; without a path, nowhere.

@@ -7,9 +7,9 @@ use std::sync::mpsc::channel;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{self, JoinHandle};
 use zerorate::Calibration;
-use zerorate_data::capture::{CaptureInfo, Format};
 use zerorate_host::{Batch, Everything, Facts, Hub};
 use zerorate_jobs::Recorder;
+use zerorate_record::{CaptureInfo, Format};
 
 /// The recordings of a run. A device that was opened again begins another one: its time begins anew.
 pub struct Recordings {

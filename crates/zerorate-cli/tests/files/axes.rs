@@ -8,7 +8,7 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 use zerorate::{Calibration, Part};
-use zerorate_data::capture::{CaptureInfo, CaptureReader, CaptureWriter, Format, Layout, Row};
+use zerorate_record::{CaptureInfo, CaptureReader, CaptureWriter, Format, Layout, Row};
 
 /// The scales are those of its data sheet, the noise is about that of its real log.
 const PART: &str = r#"

@@ -272,7 +272,7 @@ fn findings_are_a_line_for_each_kind() {
 #[test]
 fn several_imus_are_a_table() {
     let bench = Bench::new();
-    bench.write("px4.ulg", include_bytes!("../../../zerorate-data/src/column/fixtures/imu.ulg"));
+    bench.write("px4.ulg", include_bytes!("../../../zerorate-logs/fixtures/imu.ulg"));
     let asked = bench.zerorate("imu px4.ulg --topic /imu").fails(2);
     assert!(asked.contains("choose one with --topic:\n  topic ") && asked.contains("sensor_gyro#1"), "{asked}");
     let asked = bench.zerorate("allan px4.ulg --topic /imu --column all").fails(2);

@@ -95,7 +95,7 @@ fn a_unit_that_is_not_stated_is_said_so() {
 #[test]
 fn bags_in_folders() {
     let bench = Bench::new();
-    let fixtures = Path::new(env!("CARGO_MANIFEST_DIR")).join("../zerorate-data/src/column/fixtures/bag_of_two");
+    let fixtures = Path::new(env!("CARGO_MANIFEST_DIR")).join("../zerorate-logs/fixtures/bag_of_two");
     let folder = bench.path("bag");
     fs::create_dir(&folder).unwrap();
     for (from, to) in [("bag_of_two_0.mcap", "a_1.mcap"), ("bag_of_two_1.mcap", "a_0.mcap")] {
@@ -143,6 +143,6 @@ fn a_log_from_standard_input() {
         serde_json::from_str::<serde_json::Value>(&run.ok()).unwrap()
     };
     assert_eq!(said(&bench.path("log.csv"), "--column 1 --time-column 0")["rate_hz"], 100.0);
-    let bag = Path::new(env!("CARGO_MANIFEST_DIR")).join("../zerorate-data/src/column/fixtures/imu_lz4.bag");
+    let bag = Path::new(env!("CARGO_MANIFEST_DIR")).join("../zerorate-logs/fixtures/imu_lz4.bag");
     assert_eq!(said(&bag, "--column z")["rate_hz"], 200.0);
 }

@@ -133,7 +133,7 @@ fn every_form_gives_the_same_calibration() {
 fn what_a_log_does_not_say_is_asked_for() {
     let bench = Bench::new();
     bench.write("ardupilot.csv", of_ardupilot());
-    let fixtures = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../zerorate-data/src/column/fixtures");
+    let fixtures = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../zerorate-logs/fixtures");
     bench.write("imu.bag", std::fs::read(fixtures.join("imu_none.bag")).unwrap());
     for (log, part, said) in [
         ("ardupilot.csv", part(["GyrX", "GyrY", "GyrZ"], "T [°C]"), "is no code, and no unit is stated"),

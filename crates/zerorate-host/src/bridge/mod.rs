@@ -22,7 +22,7 @@ use link::{Heard, Link, LinkError, Reply};
 use progress::Progress;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
-use zerorate_data::capture::Row;
+use zerorate_record::Row;
 
 /// The part, and the thread that takes its samples once the first was asked for.
 pub struct BridgePart {

@@ -9,7 +9,7 @@ use crate::source::{Facts, Sampling, Setup, Source};
 use adis16130::{Config, MCLK_HZ, RATE_LSB_PER_DPS, RateCode, Sample, TEMP_LSB_PER_C, TempCode, Width, ZERO_CODE};
 use anyhow::{Result, bail, ensure};
 use std::path::Path;
-use zerorate_data::capture::Row;
+use zerorate_record::Row;
 
 const RATE: &str = "in_anglvel_z";
 const TEMP: &str = "in_temp0";

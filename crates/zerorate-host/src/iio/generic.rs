@@ -15,7 +15,7 @@ use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use zerorate::{Axis, NamedAxis, NoiseSources, Part, Scale, TypicalBias};
-use zerorate_data::capture::{CaptureInfo, Layout, Row};
+use zerorate_record::{CaptureInfo, Layout, Row};
 
 /// Scans that the kernel keeps until they are read.
 const BUFFERED: u32 = 4096;

@@ -8,7 +8,7 @@ use crate::source::Facts;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use zerorate::calibration::OtherPart;
 use zerorate::{Axis, Calibration, Correction, Corrector, MAX_AXES, Scale, Tally};
-use zerorate_data::capture::Layout;
+use zerorate_record::Layout;
 
 /// What libiio calls the first device.
 pub const ID: &str = "iio:device0";

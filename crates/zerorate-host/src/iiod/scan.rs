@@ -3,8 +3,8 @@
 use super::table::{CORRECTED_RAD_PER_S, Channel, Quantity, Table};
 use std::collections::VecDeque;
 use zerorate::{Axis, Correction, Corrector, MAX_AXES};
-use zerorate_data::capture::judging::Judging;
-use zerorate_data::capture::{Layout, Row};
+use zerorate_record::judging::Judging;
+use zerorate_record::{Layout, Row};
 
 /// A sample.
 #[derive(Clone, Copy, Debug, PartialEq)]

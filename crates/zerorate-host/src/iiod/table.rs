@@ -2,7 +2,7 @@
 
 use std::mem::size_of;
 use zerorate::{MAX_AXES, Scale};
-use zerorate_data::capture::Layout;
+use zerorate_record::Layout;
 
 /// The channels, in the order of the bits of a mask and of a sample in the buffer.
 #[derive(Clone, Debug)]

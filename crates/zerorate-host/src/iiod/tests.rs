@@ -1,8 +1,8 @@
 //! The protocol without a socket: what libiio sends is answered as it expects, and what nobody sends does no harm.
 
-#[path = "../../../zerorate-data/src/fuzz/edit.rs"]
+#[path = "../../../zerorate-record/src/fuzz/edit.rs"]
 mod edit;
-#[path = "../../../zerorate-data/src/fuzz/harness.rs"]
+#[path = "../../../zerorate-record/src/fuzz/harness.rs"]
 #[expect(clippy::print_stderr, reason = "the words of a test that fails")]
 mod harness;
 
@@ -14,7 +14,7 @@ use harness::edited;
 use std::sync::Arc;
 use zerorate::calibration::OtherPart;
 use zerorate::{Calibration, MAX_AXES};
-use zerorate_data::capture::Row;
+use zerorate_record::Row;
 
 const CALIBRATION: &str = "schema = 1\npart = \"ADIS16130\"\n[correction]\npbc_dps = -0.25\nbtc_dps_per_c = -0.04\n\
     t3_c = 25.0\n";

@@ -10,7 +10,7 @@ use zerorate::{
     Action, AxisRefusal, Event, Names, Outcome, Part, PartProcedure, Progress, Reached, Say, Scan, Setting, State,
     Warning,
 };
-use zerorate_data::capture::{Layout, Row, SampleHash};
+use zerorate_record::{Layout, Row, SampleHash};
 use zerorate_view::Seconds;
 
 /// Looks on while the procedure runs.

@@ -15,8 +15,8 @@ use anyhow::Result;
 use measurement::Measurement;
 use std::path::{Path, PathBuf};
 use zerorate::{Calibration, Method, Names, Part, PartProcedure, Plan, Say};
-use zerorate_data::capture::{CaptureInfo, Format};
 use zerorate_host::Facts;
+use zerorate_record::{CaptureInfo, Format};
 
 /// What is to become of the result.
 #[derive(Clone, Debug, Default)]

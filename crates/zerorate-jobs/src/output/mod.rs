@@ -30,10 +30,10 @@ use place::Place;
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
-use zerorate_data::CaptureError;
-use zerorate_data::capture::CaptureReader;
-use zerorate_data::limits::Bytes;
 use zerorate_host::files;
+use zerorate_record::CaptureError;
+use zerorate_record::CaptureReader;
+use zerorate_record::limits::Bytes;
 
 /// The files of one run of a command.
 #[derive(Debug)]

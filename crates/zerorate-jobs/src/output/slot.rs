@@ -9,8 +9,8 @@ use std::ffi::OsString;
 use std::fs;
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
-use zerorate_data::limits::Bytes;
 use zerorate_host::files;
+use zerorate_record::limits::Bytes;
 
 /// A claimed file. The claim ends when this is dropped; what was written stays.
 #[derive(Debug)]

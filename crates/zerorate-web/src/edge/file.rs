@@ -3,7 +3,7 @@
 use std::io;
 use std::sync::Arc;
 use wasm_bindgen::prelude::*;
-use zerorate_data::{Elsewhere, Input};
+use zerorate_record::{Elsewhere, Input};
 
 #[wasm_bindgen]
 extern "C" {

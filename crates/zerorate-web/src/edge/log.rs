@@ -6,7 +6,7 @@ use crate::log::message::{LogSettings, NoiseFileWish};
 use serde::Serialize;
 use wasm_bindgen::prelude::*;
 use zerorate_allan::{Input, Stat, deviations, octaves};
-use zerorate_data::limits::{Bytes, set_max_memory};
+use zerorate_record::limits::{Bytes, set_max_memory};
 
 /// Of the 4 GiB that a module can have, what the columns of a log may take; its analysis takes the rest.
 const MAX_MEMORY: Bytes = Bytes(2 << 30);

@@ -3,8 +3,8 @@
 use super::message::{AxisKind, LogAxis, LogCoefficient, LogColumn, LogPoint, LogValue};
 use std::path::Path;
 use zerorate_allan::{self as allan, Analysis, Density, Fit, FitError, FitOptions, Input, Line, Options, Taus, Term};
-use zerorate_data::column::{Column, Quantity, Series};
-use zerorate_data::imu::{self, Axis, B, Kind, Named};
+use zerorate_logs::imu::{self, Axis, B, Kind, Named};
+use zerorate_logs::{Column, Quantity, Series};
 use zerorate_view::plot::{Envelope, number};
 
 /// A column that was analysed.

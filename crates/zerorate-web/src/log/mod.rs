@@ -23,9 +23,9 @@ mod reader {
     use std::path::{Path, PathBuf};
     use std::vec::IntoIter;
     use zerorate_allan as allan;
-    use zerorate_data::column::{self, Column, Wanted};
-    use zerorate_data::imu::{Axes, Axis, Choice, ImuOptions, Kind, Numbers};
-    use zerorate_data::{Input, LogError};
+    use zerorate_logs::imu::{Axes, Axis, Choice, ImuOptions, Kind, Numbers};
+    use zerorate_logs::{Column, LogError, Wanted};
+    use zerorate_record::Input;
 
     /// A log that was read.
     pub struct LogReader {
@@ -149,11 +149,15 @@ mod reader {
     /// Moments that a line names.
     const NAMED: usize = 6;
 
-    fn read(path: &Path, open: &impl Fn() -> Input, said: &LogSettings) -> column::Result<(LogAbout, LogReader)> {
-        let form = column::kind(path, open())?;
+    fn read(
+        path: &Path,
+        open: &impl Fn() -> Input,
+        said: &LogSettings,
+    ) -> zerorate_logs::Result<(LogAbout, LogReader)> {
+        let form = zerorate_logs::kind(path, open())?;
         let options = settings::options(said)?;
         let wanted = options.columns.as_deref().map_or(Wanted::All, Wanted::Listed);
-        let columns = column::read_all(path, open(), wanted, &options.log)?;
+        let columns = zerorate_logs::read_all(path, open(), wanted, &options.log)?;
         let axes = of_imu_or_any(path, columns, &options)?;
         let first = axes.columns.first();
         let samples = first.map_or(0, length);
@@ -173,7 +177,7 @@ mod reader {
     }
 
     /// The axes of an IMU, or else all columns that there are, in units of their own.
-    fn of_imu_or_any(path: &Path, mut columns: Vec<Column>, options: &ImuOptions) -> column::Result<Axes> {
+    fn of_imu_or_any(path: &Path, mut columns: Vec<Column>, options: &ImuOptions) -> zerorate_logs::Result<Axes> {
         if Axes::are_among(&columns) {
             return Axes::of(path, columns, options);
         }
@@ -184,8 +188,8 @@ mod reader {
     /// With the samples that are missing.
     fn length(column: &Column) -> u64 {
         match column.series {
-            column::Series::Codes(ref codes) => codes.len() as u64 + column.missing(),
-            column::Series::Numbers(ref numbers) => numbers.len() as u64,
+            zerorate_logs::Series::Codes(ref codes) => codes.len() as u64 + column.missing(),
+            zerorate_logs::Series::Numbers(ref numbers) => numbers.len() as u64,
         }
     }
 }

@@ -4,8 +4,8 @@ use super::axis::Analysed;
 use super::message::LogPicture;
 use std::path::Path;
 use zerorate_allan::{Expected, Fit, Line};
-use zerorate_data::column::Quantity;
-use zerorate_data::imu::Named;
+use zerorate_logs::Quantity;
+use zerorate_logs::imu::Named;
 use zerorate_view::plot::{self, Curve, PowerLaw, Signal, Spectrum, Tone, number};
 
 /// All of them.

@@ -1,9 +1,8 @@
 //! From what the page says of a log to what the readers take, and back from what they ask for.
 
 use super::message::{LogSetting, LogSettings};
-use zerorate_data::LogError;
-use zerorate_data::column::{ColumnOptions, Decimal, Names, Setting, TimeUnit, Unit};
-use zerorate_data::imu::{Combine, Format, ImuOptions, Said};
+use zerorate_logs::imu::{Combine, Format, ImuOptions, Said};
+use zerorate_logs::{ColumnOptions, Decimal, LogError, Names, Setting, TimeUnit, Unit};
 
 /// What messages call the settings: the labels of the page's fields.
 pub const LABELS: Names = Names(label);

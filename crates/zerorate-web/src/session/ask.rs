@@ -7,7 +7,7 @@ use crate::message::{
 };
 use serde::Deserialize;
 use zerorate::Scan;
-use zerorate_data::capture::Row;
+use zerorate_record::Row;
 
 /// Fastest that simulated time is asked to go.
 const FASTEST: f64 = 1000.0;

@@ -6,7 +6,7 @@ use super::checkup::Examination;
 use super::notices::Notices;
 use crate::message::{CheckResult, DeviceState};
 use zerorate::{Correction, Corrector, Reading, Scan, Tally};
-use zerorate_data::capture::{Layout, Row};
+use zerorate_record::{Layout, Row};
 
 /// A device that is being read.
 #[derive(Debug)]

@@ -4,7 +4,7 @@ use super::axis::AxisState;
 use crate::message::CheckResult;
 use zerorate::health::Judged;
 use zerorate::{Checkup, Limits, Tally};
-use zerorate_data::believed;
+use zerorate_record::believed;
 
 /// How long samples are looked at, s.
 const DURATION_S: f64 = 5.0;

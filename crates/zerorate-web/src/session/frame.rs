@@ -7,7 +7,7 @@ use super::{Changed, Session, strips};
 use crate::message::{AxisAbout, Device, Durations, Frame, Ledger, Now};
 use zerorate::health::Health;
 use zerorate::{Calibration, Plan};
-use zerorate_data::believed;
+use zerorate_record::believed;
 
 impl Session {
     /// What is new since the last one, for everybody; none if nothing is.

@@ -20,7 +20,7 @@ use guide::Guide;
 use shelf::Shelf;
 use statistics::Statistics;
 use zerorate::{Calibration, Part, Tally};
-use zerorate_data::capture::{CaptureInfo, Row};
+use zerorate_record::{CaptureInfo, Row};
 
 /// What is being read.
 #[derive(Clone, Debug)]
@@ -69,7 +69,7 @@ pub enum HostWish {
 /// ```
 /// use adis16130::Width;
 /// use zerorate::Part;
-/// use zerorate_data::capture::{CaptureInfo, Layout, Row};
+/// use zerorate_record::{CaptureInfo, Layout, Row};
 /// use zerorate_web::session::{About, Asked, Session};
 /// let part = Part::ADIS16130;
 /// let info = CaptureInfo::new(Layout::adis16130(Width::Bits24));

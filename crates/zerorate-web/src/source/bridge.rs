@@ -18,7 +18,7 @@ use std::pin::Pin;
 use std::rc::Rc;
 use std::task::{Context, Poll, Waker};
 use wire::{Reply, Shared, Transfers, WireError};
-use zerorate_data::capture::Row;
+use zerorate_record::Row;
 
 /// A part behind a bridge at a serial port.
 pub struct Bridge {

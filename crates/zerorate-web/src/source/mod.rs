@@ -13,7 +13,7 @@ use crate::session::About;
 use adis16130::{Config, MCLK_HZ, SamplerConfig};
 use adis16130_twin::Truth;
 use zerorate::Axis;
-use zerorate_data::capture::{CaptureInfo, Converter, Row};
+use zerorate_record::{CaptureInfo, Converter, Row};
 
 /// What a source has next.
 #[derive(Clone, Debug, PartialEq)]

@@ -3,9 +3,8 @@
 use super::{Next, Source};
 use crate::session::About;
 use std::path::Path;
-use zerorate_data::capture::CaptureInfo;
-use zerorate_data::column::ColumnOptions;
-use zerorate_data::{Input, RowReader};
+use zerorate_logs::{ColumnOptions, RowReader};
+use zerorate_record::{CaptureInfo, Input};
 
 /// A recording; its time goes with its readings.
 pub struct Replay {

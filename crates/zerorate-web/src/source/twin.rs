@@ -6,7 +6,7 @@ use crate::session::About;
 use adis16130::blocking::Adis16130;
 use adis16130::{Config, Edge, MCLK_HZ, Sampler, SamplerConfig};
 use adis16130_twin::{Roa, Spec, Truth, Twin, TwinSpi};
-use zerorate_data::capture::Row;
+use zerorate_record::Row;
 
 /// The part in software; its time goes with its readings.
 pub struct TwinSource {

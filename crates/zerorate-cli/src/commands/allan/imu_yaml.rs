@@ -5,8 +5,8 @@ use crate::column::flag;
 use crate::exit::{Refused, Usage};
 use crate::output::Staged;
 use anyhow::Result;
-use zerorate_data::column::{Names, Quantity};
-use zerorate_data::imu::{Axis, Choice, Combine, Format, Numbers};
+use zerorate_logs::imu::{Axis, Choice, Combine, Format, Numbers};
+use zerorate_logs::{Names, Quantity};
 
 /// Writes the gyroscope's part of the file; of several logs the worst.
 pub fn write(file: Staged, records: &[Record]) -> Result<()> {

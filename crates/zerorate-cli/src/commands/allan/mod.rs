@@ -23,8 +23,7 @@ use serde::Serialize;
 use std::path::{Path, PathBuf};
 use temperature::TemperatureArgs;
 use zerorate_allan::{FitOptions, Options, Stat, Taus};
-use zerorate_data::LogError;
-use zerorate_data::column::Column;
+use zerorate_logs::{Column, LogError};
 
 /// Computes the Allan deviation of a gyroscope's log, taken at rest: a capture, or the log of any other part.
 ///

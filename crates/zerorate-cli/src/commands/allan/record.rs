@@ -9,8 +9,8 @@ use zerorate_allan::{
     self as allan, self, AllanWarning, Analysis, Averaging, Density, Detrended, Expected, Fit, FitError, FitOptions,
     Input, Line, Options, Point, Taus, Term,
 };
-use zerorate_data::column::{Column, Quantity, STANDARD_GRAVITY, Series};
-use zerorate_data::imu::{self, Axis, Kind};
+use zerorate_logs::imu::{self, Axis, Kind};
+use zerorate_logs::{Column, Quantity, STANDARD_GRAVITY, Series};
 use zerorate_view::plot::Envelope;
 
 /// A log and what was found in it.

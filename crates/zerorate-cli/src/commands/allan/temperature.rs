@@ -10,7 +10,7 @@ use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 use zerorate_allan::{self as allan, AllanWarning, Analysis, Detrended, Fit, Follows, MOST_ORDER};
-use zerorate_data::column::{Column, Series};
+use zerorate_logs::{Column, Series};
 use zerorate_view::duration::Seconds;
 
 /// What to do about a part that was warming.

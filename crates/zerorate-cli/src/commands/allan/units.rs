@@ -2,9 +2,8 @@
 
 use super::record::Record;
 use zerorate_allan::{Estimate, Line, Term};
-use zerorate_data::column::Quantity;
-use zerorate_data::imu;
-pub use zerorate_data::imu::{B, Named, span};
+pub use zerorate_logs::imu::{B, Named, span};
+use zerorate_logs::{Quantity, imu};
 use zerorate_view::plot::number;
 
 /// The coefficients of a record, those that every fit has first.

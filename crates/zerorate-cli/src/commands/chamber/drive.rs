@@ -9,10 +9,10 @@ use crate::progress::Meter;
 use adis16130_twin::Truth;
 use anyhow::Result;
 use zerorate::chamber::{ChamberAction, ChamberProcedure, ChamberRefusal, ChamberState, StepEnd};
-use zerorate_data::capture::{Layout, Row, SampleHash};
 use zerorate_host::{Cause, Chamber, DeviceError, Lead, SimulatedChamber};
 use zerorate_jobs::Acquisition;
 use zerorate_jobs::Recorder;
+use zerorate_record::{Layout, Row, SampleHash};
 use zerorate_view::duration::Seconds;
 
 /// The chamber is told and asked so often in part time, ns.

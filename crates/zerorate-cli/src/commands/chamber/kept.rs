@@ -7,8 +7,8 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use zerorate::Part;
 use zerorate::chamber::{ChamberProcedure, Saved};
-use zerorate_data::limits::Bytes;
 use zerorate_host::clock;
+use zerorate_record::limits::Bytes;
 
 /// Ends the name of the file: `unit.toml.chamber`.
 const ENDING: &str = ".chamber";

@@ -21,10 +21,10 @@ use plan::PlanFile;
 use std::path::PathBuf;
 use zerorate::chamber::{ChamberPlan, ChamberProcedure};
 use zerorate::{EARTH_DPS, Part};
-use zerorate_data::capture::{CaptureInfo, Format};
 use zerorate_host::{Air, ChamberSpec, Facts, Setup, SimulatedChamber};
 use zerorate_jobs::Acquisition;
 use zerorate_jobs::Recorder;
+use zerorate_record::{CaptureInfo, Format};
 use zerorate_view::duration::Seconds;
 
 /// Calibrates a part over the temperatures of a chamber.

@@ -6,7 +6,7 @@ use anyhow::{Context, Result};
 use std::io::ErrorKind;
 use std::path::Path;
 use zerorate::chamber::{ChamberPlan, SHIPPED};
-use zerorate_data::limits::Bytes;
+use zerorate_record::limits::Bytes;
 
 /// A plan of 1000 steps, or a week of a chamber's log.
 const LARGEST: Bytes = Bytes(64 << 20);

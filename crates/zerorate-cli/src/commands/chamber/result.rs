@@ -14,9 +14,9 @@ use std::path::Path;
 use zerorate::calibration::ChamberRun;
 use zerorate::chamber::{Branches, ChamberOutcome, Record};
 use zerorate::{Calibration, Correction, Part, Uncertainty, Warning};
-use zerorate_data::Note;
 use zerorate_jobs::acquisition::aliasing;
 use zerorate_jobs::calibrate::{CurvePoint, POINTS, Undelivered};
+use zerorate_record::Note;
 use zerorate_view::duration::Seconds;
 use zerorate_view::report::{ChamberPage, Fact, chamber_page, over_temperature, wide_loop};
 

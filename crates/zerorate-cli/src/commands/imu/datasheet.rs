@@ -10,8 +10,8 @@ use std::path::Path;
 use zerorate_allan::DataSheet;
 use zerorate_allan::Estimate;
 use zerorate_allan::datasheet::{Figure, Line, Verdict};
-use zerorate_data::imu::Kind;
-use zerorate_data::limits;
+use zerorate_logs::imu::Kind;
+use zerorate_record::limits;
 use zerorate_view::plot::number;
 use zerorate_view::report::Table;
 

@@ -6,7 +6,7 @@ use crate::commands::allan::motion::{self, Motion};
 use crate::commands::allan::record::Record;
 use serde::Serialize;
 use zerorate_allan::DataSheet;
-use zerorate_data::imu::Kind;
+use zerorate_logs::imu::Kind;
 
 /// All axes of a log.
 #[derive(Serialize)]

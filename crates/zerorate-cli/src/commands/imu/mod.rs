@@ -17,10 +17,10 @@ use datasheet::Comparison;
 use std::path::PathBuf;
 use zerorate_allan::DataSheet;
 use zerorate_allan::{FitOptions, Options};
-use zerorate_data::Note;
-use zerorate_data::column::{Column, ColumnOptions, Decimal, Names, Setting, TimeUnit, Unit};
-use zerorate_data::imu::{Axes, Axis, Choice, Combine, Format, ImuOptions, Kind, Numbers, Said};
 use zerorate_host::files;
+use zerorate_logs::imu::{Axes, Axis, Choice, Combine, Format, ImuOptions, Kind, Numbers, Said};
+use zerorate_logs::{Column, ColumnOptions, Decimal, Names, Setting, TimeUnit, Unit};
+use zerorate_record::Note;
 use zerorate_view::report::Fact;
 
 /// Fits noise models to all axes of an IMU's log, taken at rest, and writes the file for the filter that will use

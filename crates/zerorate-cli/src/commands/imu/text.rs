@@ -5,7 +5,7 @@ use crate::commands::allan::units::{B, Named, coefficients, span};
 use anyhow::Result;
 use std::fmt::Write;
 use zerorate_allan::{Estimate, Fit, Term};
-use zerorate_data::imu::Kind;
+use zerorate_logs::imu::Kind;
 use zerorate_view::report::Table;
 
 /// For each kind a table with a row for each axis.

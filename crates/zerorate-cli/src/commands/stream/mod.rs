@@ -16,9 +16,9 @@ use std::path::PathBuf;
 use track::{TrackArgs, TrackedRow, Tracking};
 use zerorate::health::{Flags, Judged};
 use zerorate::{Axis, Calibration, CodeSum, Correction, Corrector};
-use zerorate_data::believed;
 use zerorate_host::Facts;
 use zerorate_jobs::Acquisition;
+use zerorate_record::believed;
 use zerorate_view::duration::Seconds;
 
 /// Prints the corrected rate as it comes: columns t_s, rate_dps, temp_c, lost, calibration, flags. A part with several

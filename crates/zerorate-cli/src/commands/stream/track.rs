@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use zerorate::health::Judged;
 use zerorate::track::{BLOCK_S, Counts, Phase, TrackFile, Tracker, TrackerConfig};
 use zerorate::{Calibration, CodeSum, Part, Scale};
-use zerorate_data::limits;
+use zerorate_record::limits;
 
 /// Options of tracking.
 #[derive(Args, Debug)]

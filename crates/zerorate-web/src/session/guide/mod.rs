@@ -13,7 +13,7 @@ use chamber::ByHand;
 use hour::Hour;
 use zerorate::calibration::Origin;
 use zerorate::{Calibration, Correction, EARTH_DPS, Part, Say, Scan, Setting, Tally, Warning};
-use zerorate_data::capture::{CaptureInfo, Row, SampleHash};
+use zerorate_record::{CaptureInfo, Row, SampleHash};
 
 /// How often what would be refused is looked at, s of part time.
 const LOOK_EVERY_S: f64 = 2.0;

@@ -10,7 +10,7 @@ use std::fmt::{Display, Formatter, Result as Printed};
 use std::future::poll_fn;
 use std::rc::Rc;
 use std::task::Poll;
-use zerorate_data::capture::Row;
+use zerorate_record::Row;
 
 /// A bridge answers within this, ms.
 const ANSWER_MS: f64 = 500.0;

@@ -1,0 +1,116 @@
+//! An Arrow file, also called Feather: a stream between two marks, with an index behind it that is not needed.
+//!
+//! The stream is read by the same frames as a capture, because the library's reader of files takes lengths and offsets
+//! for granted.
+
+use arrow_array::RecordBatch;
+use arrow_ipc::reader::StreamDecoder;
+use std::io::{self, BufReader, Read, Seek, SeekFrom, Take};
+use std::path::{Path, PathBuf};
+use zerorate_record::arrows::decode;
+use zerorate_record::limits::Room;
+use zerorate_record::messages::{Message, Messages};
+use zerorate_record::table::{BatchSource, Stated};
+use zerorate_record::{CaptureError, Input, Note};
+
+/// The mark at the start is padded with zeros to a multiple of this.
+const ALIGNMENT: usize = 8;
+
+/// The most padding that is looked at; Rust's writer pads to 64.
+const MAX_PADDING: u64 = 1024;
+
+/// The length of the index, and the mark behind it.
+const END: u64 = 4 + MARK.len() as u64;
+
+const MARK: &[u8] = b"ARROW1";
+
+/// Bytes that a read asks the system for.
+const BUFFER: usize = 1 << 18;
+
+/// Reads an Arrow file, batch by batch.
+pub struct ArrowFile {
+    path: PathBuf,
+    /// Where the stream starts.
+    start: u64,
+    messages: Messages<BufReader<Take<Input>>>,
+    decoder: StreamDecoder,
+    room: Room,
+    stated: Stated,
+}
+
+impl ArrowFile {
+    /// Reads the schema.
+    pub fn open(path: &Path, mut file: Input, room: Room) -> Result<Self, CaptureError> {
+        let failed = |error| CaptureError::io("read", path, error);
+        let wrong = |what: String| CaptureError::damaged(path, "as an Arrow file", what);
+        let end = stream_end(&mut file).map_err(failed)?;
+        let start = stream_start(&mut file).map_err(failed)?;
+        file.seek(SeekFrom::Start(start)).map_err(failed)?;
+        let stream = BufReader::with_capacity(BUFFER, file.take(end.saturating_sub(start)));
+        let mut messages = Messages::new(stream);
+        let mut decoder = StreamDecoder::new();
+        let Message::Whole(bytes) = messages.next().map_err(failed)? else {
+            return Err(wrong("it ends inside its schema".to_owned()));
+        };
+        let schema = bytes.schema().map_err(wrong)?;
+        decode(&mut decoder, bytes.into()).map_err(wrong)?;
+        Ok(Self { path: path.to_owned(), start, messages, decoder, room, stated: Stated::new(schema) })
+    }
+}
+
+/// Where the stream starts: behind the mark and zeros, which no message begins with.
+fn stream_start(file: &mut Input) -> io::Result<u64> {
+    let mut head = Vec::new();
+    file.rewind()?;
+    file.take(MAX_PADDING).read_to_end(&mut head)?;
+    let is_padding = |block: &[u8]| block.iter().all(|byte| *byte == 0);
+    let padding = head.chunks(ALIGNMENT).skip(1).take_while(|block| is_padding(block)).count();
+    Ok((ALIGNMENT * (1 + padding)) as u64)
+}
+
+/// Where the stream ends at the latest: at the index, or where the file was cut off.
+fn stream_end(file: &mut Input) -> io::Result<u64> {
+    let length = file.length()?;
+    let mut end = Vec::new();
+    file.seek(SeekFrom::Start(length.saturating_sub(END)))?;
+    file.take(END).read_to_end(&mut end)?;
+    let index = match end.split_first_chunk() {
+        Some((index, MARK)) => u64::from(u32::from_le_bytes(*index)) + END,
+        _ => 0,
+    };
+    Ok(length.saturating_sub(index))
+}
+
+impl BatchSource for ArrowFile {
+    fn stated(&self) -> &Stated {
+        &self.stated
+    }
+
+    fn stated_mut(&mut self) -> &mut Stated {
+        &mut self.stated
+    }
+
+    fn read_batch(&mut self) -> Result<Option<RecordBatch>, CaptureError> {
+        while !self.stated.ended {
+            let start = self.start + self.messages.position();
+            match self.messages.next().map_err(|error| CaptureError::io("read", &self.path, error))? {
+                Message::Whole(bytes) => {
+                    let checked = bytes.check(self.room).and_then(|()| decode(&mut self.decoder, bytes.into()));
+                    let batch =
+                        checked.map_err(|what| CaptureError::damaged(&self.path, format!("byte {start}"), what))?;
+                    if batch.is_some() {
+                        return Ok(batch);
+                    }
+                }
+                Message::EndOfStream { .. } => self.stated.ended = true,
+                Message::Torn => {
+                    self.stated.ended = true;
+                    let path = self.path.display();
+                    let text = format!("{path} was not closed: every whole batch is read, what follows is dropped");
+                    self.stated.warning = Some(Note::new("torn-tail", text));
+                }
+            }
+        }
+        Ok(None)
+    }
+}

@@ -1,0 +1,223 @@
+//! Which of a file's columns are meant.
+
+use super::{ColumnOptions, LogError, Names, Result, Setting};
+use std::path::Path;
+use zerorate_record::{Quantity, TimeUnit, Unit, is_celsius};
+
+/// Columns that a message lists.
+const LISTED: usize = 100;
+
+/// Which columns of a log are meant, each by its name or its number counted from 0.
+#[derive(Clone, Copy, Debug)]
+pub enum Wanted<'a> {
+    /// This one; none: the rate of a capture, or the only column.
+    One(Option<&'a str>),
+    /// These, in this order.
+    Listed(&'a [String]),
+    /// The rates of a capture, the six quantities of a bag's IMU, or else all that hold numbers but for the time.
+    All,
+    /// The one that each of these describes, in this order.
+    Described(&'a [Described]),
+}
+
+/// A column that is described by something else than the user's word.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Described {
+    /// What it is, for messages: `axis x`.
+    pub what: String,
+    /// What it is called.
+    pub name: String,
+    /// Whether it is called so to the letter, but for a unit in brackets that the file does not have; if not, `_code`
+    /// or a unit may follow, as in `x_dps` or `x [rad/s]`.
+    pub is_exact: bool,
+}
+
+impl Described {
+    /// The name that a file without units has, of one to the letter: `GyrX` of `GyrX [rad/s]`.
+    pub fn without_unit(&self) -> Option<&str> {
+        let (name, _) = self.name.rsplit_once(['[', '(']).filter(|_| self.is_exact)?;
+        let name = name.trim_end();
+        (Quantity::of_column(&self.name).is_some() && !name.is_empty()).then_some(name)
+    }
+
+    /// Whether a column of this name may be meant, the name to the letter aside.
+    fn fits(&self, column: &str) -> bool {
+        let rest = column.strip_prefix(&self.name).filter(|_| !self.is_exact);
+        let states_unit = Unit::of_column(column).is_some() || is_celsius(column);
+        rest.is_some_and(|rest| rest == "_code" || states_unit && rest.starts_with(['_', ' ', '[', '(']))
+    }
+}
+
+/// The columns of a file, as there are to choose from.
+pub struct Columns<'a> {
+    /// The file.
+    pub path: &'a Path,
+    /// Their names, or their numbers.
+    pub names: Vec<&'a str>,
+    /// Whether each holds numbers.
+    pub numeric: Vec<bool>,
+    /// What messages call the options.
+    pub settings: Names,
+}
+
+/// The columns that were chosen.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Choice {
+    /// Those with the numbers, in the order in which they were asked for.
+    pub values: Vec<usize>,
+    /// The one with the time.
+    pub time: Option<usize>,
+}
+
+impl Columns<'_> {
+    /// The columns that were asked for; where nobody says which, those in `default` go before all others.
+    pub fn choose(&self, wanted: Wanted<'_>, args: &ColumnOptions, default: &[usize]) -> Result<Choice> {
+        let time = args.time_column.as_deref().map(|wanted| self.position(wanted, Setting::TimeColumn)).transpose()?;
+        let is_open = args.rate.is_none() && time.is_none();
+        let is_any = matches!((wanted, default), (Wanted::All | Wanted::One(None), []));
+        let time = if is_open && is_any { self.stated_time(&[]) } else { time };
+        let values = match (wanted, default) {
+            (Wanted::One(Some(wanted)), _) => vec![self.position(wanted, Setting::Column)?],
+            (Wanted::One(None), [only]) => vec![*only],
+            (Wanted::One(None), _) => vec![self.only(time)?],
+            (Wanted::Listed(names), _) => {
+                names.iter().map(|wanted| self.position(wanted, Setting::Column)).collect::<Result<_>>()?
+            }
+            (Wanted::All, []) => self.all(time),
+            (Wanted::All, rates) => rates.to_vec(),
+            (Wanted::Described(columns), _) => {
+                columns.iter().map(|column| self.described(column)).collect::<Result<_>>()?
+            }
+        };
+        // a capture counts its samples itself
+        let are_named =
+            matches!((wanted, default), (Wanted::Described(_), _) | (Wanted::Listed(_) | Wanted::One(Some(_)), []));
+        let time = if is_open && are_named { self.stated_time(&values) } else { time };
+        self.check(&values, time)?;
+        Ok(Choice { values, time })
+    }
+
+    /// The only other column whose name states a unit of time.
+    fn stated_time(&self, values: &[usize]) -> Option<usize> {
+        let states = |index: &usize| {
+            let name = self.names[*index];
+            !values.contains(index) && TimeUnit::of_column(name).is_some() && Unit::of_column(name).is_none()
+        };
+        let mut stating = (0..self.names.len()).filter(states);
+        stating.next().filter(|_| stating.next().is_none())
+    }
+
+    fn check(&self, values: &[usize], time: Option<usize>) -> Result<()> {
+        let fails = |why: &str, column: usize| {
+            Err(self.ambiguous(&format!("{why} `{}`", self.names.get(column).unwrap_or(&"")), Setting::Column))
+        };
+        if values.is_empty() {
+            return Err(self.ambiguous("has no column of numbers", Setting::Column));
+        }
+        for (at, value) in values.iter().enumerate() {
+            if !self.numeric[*value] {
+                return fails("holds no numbers in", *value);
+            }
+            if time == Some(*value) {
+                return fails("cannot have both time and rate in", *value);
+            }
+            if values[..at].contains(value) {
+                return fails("is asked twice for", *value);
+            }
+        }
+        Ok(())
+    }
+
+    /// All that hold numbers, without the time and what has no name among names: an index.
+    fn all(&self, time: Option<usize>) -> Vec<usize> {
+        let are_named = self.names.iter().any(|name| !name.is_empty());
+        let is_meant = |index: &usize| !(are_named && self.names[*index].is_empty());
+        (0..self.names.len()).filter(|index| self.numeric[*index] && Some(*index) != time).filter(is_meant).collect()
+    }
+
+    /// The only column with numbers that is not the time.
+    fn only(&self, time: Option<usize>) -> Result<usize> {
+        match self.all(time)[..] {
+            [only] => Ok(only),
+            [] => Err(self.ambiguous("has no column of numbers", Setting::Column)),
+            _ => Err(self.ambiguous("has several columns", Setting::Column)),
+        }
+    }
+
+    /// A name to the letter goes before one with a unit behind it.
+    fn described(&self, wanted: &Described) -> Result<usize> {
+        let all = || self.names.iter().enumerate();
+        let exact: Vec<usize> = all().filter(|(_, name)| **name == wanted.name).map(|(at, _)| at).collect();
+        let bare = || all().filter(|(_, name)| wanted.without_unit() == Some(**name)).map(|(at, _)| at);
+        let found: Vec<usize> = match exact[..] {
+            [] => bare().chain(all().filter(|(_, name)| wanted.fits(name)).map(|(at, _)| at)).collect(),
+            _ => exact,
+        };
+        let Described { what, name, .. } = wanted;
+        match found[..] {
+            [only] => Ok(only),
+            [] => Err(self.unknown(&format!("has no column `{name}` for the {what}"))),
+            _ => Err(self.unknown(&format!("has several columns that may be the {what}"))),
+        }
+    }
+
+    /// A name goes before a number.
+    fn position(&self, wanted: &str, setting: Setting) -> Result<usize> {
+        // a header in a comment may be asked for as it stands there
+        let bare = wanted.trim_start_matches(['#', '%', ' ']);
+        let is_named = |(_, name): &(usize, &&str)| **name == wanted || !bare.is_empty() && **name == bare;
+        let mut named = self.names.iter().enumerate().filter(is_named).map(|(at, _)| at);
+        match (named.next(), named.next()) {
+            (Some(at), None) => Ok(at),
+            (Some(_), Some(_)) => {
+                Err(self.ambiguous(&format!("has several columns `{wanted}`, so it takes their number"), setting))
+            }
+            (None, _) => {
+                let number = wanted.parse().ok().filter(|number| *number < self.names.len());
+                number.ok_or_else(|| self.ambiguous(&format!("has no column `{wanted}`"), setting))
+            }
+        }
+    }
+
+    /// Says which columns there are to choose from.
+    fn ambiguous(&self, why: &str, setting: Setting) -> LogError {
+        let (path, option) = (self.path.display(), self.settings.of(setting));
+        LogError::Ask(match self.names[..] {
+            [] => format!("{path} {why}: it has no column at all"),
+            [only] if is_number(only, 0) => format!("{path} {why}: it has one column, without a name"),
+            [only] => format!("{path} {why}: its only column is `{only}`"),
+            _ => format!("{path} {why}; choose with {option} one of: {}", self.listed()),
+        })
+    }
+
+    fn unknown(&self, why: &str) -> LogError {
+        let remedy = "say in the file of the part which it is, as `column = \"…\"`; there are";
+        LogError::Ask(format!("{} {why}; {remedy} {}", self.path.display(), self.listed()))
+    }
+
+    fn listed(&self) -> String {
+        let listed = self.names.iter().enumerate().map(|(number, name)| match is_number(name, number) {
+            true => format!("{number}"),
+            false => format!("{number} `{name}`"),
+        });
+        let listed = listed.take(LISTED).collect::<Vec<_>>().join(", ");
+        match self.names.len().saturating_sub(LISTED) {
+            0 => listed,
+            more => format!("{listed} … and {more} more"),
+        }
+    }
+}
+
+#[cfg(any(feature = "hdf5", feature = "matlab", feature = "numpy"))]
+/// Checks that columns which may be of any length are of one log.
+pub fn same_length<'a>(path: &Path, mut columns: impl Iterator<Item = (&'a str, u64)>) -> Result<()> {
+    let Some((one, rows)) = columns.next() else { return Ok(()) };
+    let Some((other, two)) = columns.find(|(_, other)| *other != rows) else { return Ok(()) };
+    let why = format!("`{one}` has {rows} rows and `{other}` has {two}: they are not of one log");
+    Err(LogError::Ask(format!("{}: {why}; read one at a time", path.display())))
+}
+
+/// Whether a column has no name but its number.
+fn is_number(name: &str, number: usize) -> bool {
+    name.parse() == Ok(number)
+}

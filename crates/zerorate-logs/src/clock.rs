@@ -1,0 +1,493 @@
+//! The time column of a log: how fast it was sampled, and where samples are missing.
+
+use super::series::{join, missing_in};
+use super::{Gap, Names, Setting};
+use zerorate_record::TimeUnit;
+
+/// Root mean square of what is between a timestamp and an even clock, in sampling intervals, from which it is said.
+const SAID_JITTER: f64 = 0.1;
+
+/// The same, up to which each row by itself tells whether samples are missing before it. A clock that counts in steps
+/// of 0.69 intervals has as much from rounding alone.
+const CLEAR_JITTER: f64 = 0.2;
+
+/// The same, up to which that is told by the rows around. Beyond, half of the rows are nearer to the place of another.
+const MAX_JITTER: f64 = 0.5;
+
+/// A timestamp may be this much of an interval early before the sample before it counts as missing no more.
+const EARLY: f64 = 0.35;
+
+/// More gaps than this share of the rows, with more samples missing than are there, are no gaps: rows that arrive in
+/// bursts look so.
+const MAX_GAPS: f64 = 0.05;
+
+/// One gap of more than so many times the rows is none: a clock that was set, or another log.
+const MAX_LEAP: u64 = 100;
+
+/// How fast the even clock follows the timestamps: it forgets an offset within some ten samples.
+const FOLLOW: f64 = 0.1;
+
+/// Rows on each side of a place that tell whether samples are missing there: their median has a fifth of the jitter.
+const AROUND: usize = 32;
+
+/// A row that comes less than this later than expected, in intervals, has no gap before it.
+const LEAP: f64 = 0.25;
+
+/// Times of rows, relative to the first, in the unit of the file.
+pub struct Times {
+    origin: Option<Origin>,
+    since_first: Vec<f64>,
+    /// The unit that the type of the column states.
+    pub unit: Option<TimeUnit>,
+}
+
+/// The first time: as exact as the file has it, because an epoch in nanoseconds does not fit an f64.
+#[derive(Clone, Copy)]
+enum Origin {
+    Integer(i64),
+    Number(f64),
+}
+
+impl Times {
+    /// No row yet.
+    pub fn new() -> Self {
+        Self { origin: None, since_first: Vec::new(), unit: None }
+    }
+
+    /// Adds the time of the next row.
+    pub fn push_integer(&mut self, time: i64) {
+        let since_first = match *self.origin.get_or_insert(Origin::Integer(time)) {
+            Origin::Integer(first) => (i128::from(time) - i128::from(first)) as f64,
+            Origin::Number(first) => time as f64 - first,
+        };
+        self.since_first.push(since_first);
+    }
+
+    /// The same, of a time that is no integer; `Err` tells why it cannot be one.
+    pub fn push_number(&mut self, time: f64) -> Result<(), String> {
+        if !time.is_finite() {
+            return Err("no time; every row must have one".to_owned());
+        }
+        let since_first = match *self.origin.get_or_insert(Origin::Number(time)) {
+            Origin::Integer(first) => time - first as f64,
+            Origin::Number(first) => time - first,
+        };
+        self.since_first.push(since_first);
+        Ok(())
+    }
+
+    /// Adds the times of another file of the same clock.
+    pub fn append(&mut self, next: &Self) {
+        let Some(origin) = next.origin else { return };
+        let mine = *self.origin.get_or_insert(origin);
+        let shift = match (mine, origin) {
+            (Origin::Integer(mine), Origin::Integer(next)) => (i128::from(next) - i128::from(mine)) as f64,
+            _ => next.first() - self.first(),
+        };
+        self.since_first.extend(next.since_first.iter().map(|time| time + shift));
+    }
+
+    /// The time of the first row.
+    pub fn first(&self) -> f64 {
+        match self.origin {
+            Some(Origin::Integer(first)) => first as f64,
+            Some(Origin::Number(first)) => first,
+            None => 0.0,
+        }
+    }
+
+    /// Times since the first row, in the unit of the file.
+    pub fn since_first(&self) -> &[f64] {
+        &self.since_first
+    }
+
+    /// Puts other times in their place, which begin at zero.
+    pub fn replace(&mut self, since_first: Vec<f64>) {
+        self.since_first = since_first;
+    }
+
+    /// Time of each row in ns, since the origin of the file's clock or, where that cannot be told in ns, since the
+    /// first row.
+    pub fn nanoseconds(&self, unit: TimeUnit) -> Vec<u64> {
+        let ns_per_unit = 1e9 / unit.per_s();
+        let first_ns = match self.origin {
+            Some(Origin::Integer(first)) => i128::from(first) * ns_per_unit as i128,
+            Some(Origin::Number(first)) => (first * ns_per_unit).round() as i128,
+            None => 0,
+        };
+        let last_ns = self.since_first.last().map_or(0, |last| (last * ns_per_unit).round() as i128);
+        let fits = first_ns >= 0 && u64::try_from(first_ns + last_ns).is_ok();
+        let first_ns = if fits { first_ns as u64 } else { 0 };
+        self.since_first.iter().map(|since| first_ns.saturating_add((since * ns_per_unit).round() as u64)).collect()
+    }
+
+    /// Rate and gaps, if the clock is even enough for both to be beyond doubt. `names` is what options are called.
+    pub fn beat(&self, unit: TimeUnit, names: Names) -> Result<Beat, String> {
+        let rate = names.of(Setting::Rate);
+        let interval = self.interval();
+        let interval =
+            interval.ok_or_else(|| format!("a time column of fewer than two rows tells no rate; give {rate}"))?;
+        let rows = self.since_first.len();
+        let mut tracking = Tracking { interval, even: 0.0, steps: 0, squares: 0.0, gaps: Vec::new() };
+        for (row, time) in self.since_first.iter().enumerate().skip(1) {
+            tracking.step(row, *time);
+        }
+        let jitter = (tracking.squares / (rows - 1) as f64).sqrt();
+        let is_clear = jitter <= CLEAR_JITTER;
+        let (jitter, gaps, steps) = match is_clear {
+            true => (jitter, tracking.gaps, tracking.steps),
+            false => self.among_late_rows(),
+        };
+        let missing = missing_in(&gaps);
+        if missing > rows as u64 && gaps.len() as f64 > MAX_GAPS * rows as f64 {
+            let why = format!("{missing} samples would be missing in {} places among {rows}", gaps.len());
+            return Err(self.unsteady(unit, &why, rate));
+        }
+        if let Some(leap) = gaps.iter().find(|gap| gap.missing > MAX_LEAP.saturating_mul(rows as u64)) {
+            let by = (self.since_first[leap.at] - self.since_first[leap.at - 1]) / unit.per_s();
+            return Err(format!(
+                "the time leaps forward by {by:.3} s at row {}, and {rows} rows are all there is: a clock that was \
+                 set, or two logs in one file? Cut the log there, or give {rate} and no time column",
+                leap.at
+            ));
+        }
+        if jitter > MAX_JITTER {
+            let (off, most) = (jitter * 100.0, MAX_JITTER * 100.0);
+            let why =
+                format!("the timestamps are off an even clock by {off:.0} % of an interval (at most {most:.0} %)");
+            return Err(self.unsteady(unit, &why, rate));
+        }
+        let rate_hz = match jitter <= SAID_JITTER {
+            true => steps as f64 * unit.per_s() / self.since_first[rows - 1],
+            false => unit.per_s() / self.slope(&gaps),
+        };
+        Ok(Beat { rate_hz, gaps, jitter })
+    }
+
+    /// The usual interval: the mean of those near the median, which is exact for a clock that rounds, too.
+    pub fn interval(&self) -> Option<f64> {
+        let mut intervals: Vec<f64> = self.intervals().filter(|interval| *interval > 0.0).collect();
+        let middle = intervals.len().checked_sub(1)? / 2;
+        let median = *intervals.select_nth_unstable_by(middle, f64::total_cmp).1;
+        let near = |interval: &f64| (0.5 * median..=1.5 * median).contains(interval);
+        let (sum, count) = intervals.into_iter().filter(near).fold((0.0, 0u32), |(sum, n), dt| (sum + dt, n + 1));
+        Some(sum / f64::from(count))
+    }
+
+    fn intervals(&self) -> impl Iterator<Item = f64> {
+        self.since_first.windows(2).map(|pair| pair[1] - pair[0])
+    }
+
+    /// Jitter, gaps and steps of a clock of which single rows are late by as much as a missing sample would make them.
+    /// A late row is one row; behind a missing sample all rows are later, which the medians of the rows around show.
+    fn among_late_rows(&self) -> (f64, Vec<Gap>, u64) {
+        let times = &self.since_first;
+        let span = AROUND.min(times.len() / 2).max(1);
+        let mut over: Vec<f64> = times.windows(span + 1).map(|rows| (rows[span] - rows[0]) / span as f64).collect();
+        let interval = median(&mut over);
+        // how late each row is, in intervals
+        let late: Vec<f64> = times.iter().enumerate().map(|(row, time)| time / interval - row as f64).collect();
+        let mut buffer = Vec::with_capacity(AROUND);
+        let mut around = |row: usize| {
+            let mut middle = |rows: &[f64]| {
+                buffer.clear();
+                buffer.extend_from_slice(rows);
+                median(&mut buffer)
+            };
+            let before = middle(&late[row.saturating_sub(AROUND)..row]);
+            (before, middle(&late[row..late.len().min(row + AROUND)]))
+        };
+        let mut squares = 0.0;
+        for first in (1..late.len()).step_by(AROUND / 2) {
+            let (before, after) = around(first);
+            let rows = &late[first..late.len().min(first + AROUND / 2)];
+            squares += rows.iter().map(|late| (late - after).abs().min((late - before).abs()).powi(2)).sum::<f64>();
+        }
+        let mut gaps: Vec<Gap> = Vec::new();
+        let mut widest = 0.0;
+        for row in 1..late.len() {
+            let leap = late[row] - late[row - 1];
+            if leap < LEAP {
+                continue;
+            }
+            let (before, after) = around(row);
+            let missing = (after - before).round();
+            // the rows around a gap see it as well; it is where the leap is widest
+            let is_new = gaps.last().is_none_or(|last| row > last.at + AROUND / 2);
+            if missing >= 1.0 && (is_new || leap > widest) {
+                if !is_new {
+                    gaps.pop();
+                }
+                gaps.push(Gap { at: row, missing: missing as u64 });
+                widest = leap;
+            }
+        }
+        let steps = (times.len() as u64 - 1).saturating_add(missing_in(&gaps));
+        ((squares / (times.len() - 1) as f64).sqrt(), gaps, steps)
+    }
+
+    /// Time from sample to sample, by least squares: what the first and the last row are late by does not count.
+    fn slope(&self, gaps: &[Gap]) -> f64 {
+        let (mut missing, mut gaps) = (0, gaps.iter().peekable());
+        let place = self.since_first.iter().enumerate().map(|(row, time)| {
+            while let Some(gap) = gaps.next_if(|gap| gap.at <= row) {
+                missing += gap.missing;
+            }
+            (row as f64 + missing as f64, *time)
+        });
+        let places: Vec<(f64, f64)> = place.collect();
+        let rows = places.len() as f64;
+        let (x, y) = places.iter().fold((0.0, 0.0), |(x, y), place| (x + place.0 / rows, y + place.1 / rows));
+        let sums = places.iter().map(|place| ((place.0 - x) * (place.1 - y), (place.0 - x).powi(2)));
+        let (both, square) = sums.fold((0.0, 0.0), |sum, one| (sum.0 + one.0, sum.1 + one.1));
+        both / square
+    }
+
+    fn unsteady(&self, unit: TimeUnit, why: &str, rate: &str) -> String {
+        let shortest = self.intervals().fold(f64::INFINITY, f64::min);
+        let longest = self.intervals().fold(0.0, f64::max);
+        let [shortest, usual, longest] =
+            [shortest, self.interval().unwrap_or_default(), longest].map(|dt| dt / unit.per_s());
+        format!(
+            "the clock is unsteady: intervals of {shortest:.6} s to {longest:.6} s around {usual:.6} s, and {why}; \
+             give {rate} and no time column if the samples themselves are evenly spaced"
+        )
+    }
+}
+
+fn median(numbers: &mut [f64]) -> f64 {
+    let middle = numbers.len() / 2;
+    if numbers.is_empty() { 0.0 } else { *numbers.select_nth_unstable_by(middle, f64::total_cmp).1 }
+}
+
+/// What a clock tells.
+#[derive(Debug, PartialEq)]
+pub struct Beat {
+    /// Mean rate, lost samples included.
+    pub rate_hz: f64,
+    /// Before row `at`, `missing` samples were lost.
+    pub gaps: Vec<Gap>,
+    /// Root mean square of what is between the timestamps and an even clock, in intervals.
+    pub jitter: f64,
+}
+
+/// Of a deviation, the relative error that is none.
+const NO_ERROR: f64 = 0.01;
+
+impl Beat {
+    /// What jitter means, if there is enough to be said. The samples are taken as evenly spaced. If they were really
+    /// taken when the timestamps say, each is w(t + δ) in place of w(t), with δ of rms j intervals τ₀:
+    ///
+    /// * white noise has no memory, so nothing changes;
+    /// * a random walk differs by a variance of K²·E|δ| ≤ K²·j·τ₀, independent from sample to sample, and the mean of
+    ///   m by that over m, beside an Allan variance of K²·m·τ₀/3: the deviation by 3·j/m²/2 at most;
+    /// * flicker noise up to the Nyquist frequency differs by a variance of π/4·j²·B², beside 2·ln 2/π·B²: the
+    ///   deviation by 0.89·j²/m.
+    pub fn jitter_text(&self) -> Option<String> {
+        let Self { rate_hz, jitter, .. } = *self;
+        let error = |m: f64| 1.5 * jitter / (m * m) + 0.89 * jitter * jitter / m;
+        let enough = (0..30).map(|power| f64::from(1u32 << power)).find(|m| error(*m) < NO_ERROR);
+        (jitter > SAID_JITTER).then(|| {
+            format!(
+                "the timestamps are off an even clock by {:.3e} s ({:.0} % of an interval, rms); the samples are \
+                 taken as even at their mean rate of {rate_hz:.6} Hz: of the deviations that changes nothing of \
+                 white noise, and of the rest less than {:.0} % at one interval and less than 1 % from {:.3e} s on",
+                jitter / rate_hz,
+                100.0 * jitter,
+                (100.0 * error(1.0)).ceil(),
+                enough.unwrap_or_default() / rate_hz
+            )
+        })
+    }
+}
+
+/// An even clock that follows the timestamps, so that one late row is no lost sample.
+struct Tracking {
+    interval: f64,
+    even: f64,
+    steps: u64,
+    squares: f64,
+    gaps: Vec<Gap>,
+}
+
+impl Tracking {
+    fn step(&mut self, row: usize, time: f64) {
+        let steps = |even: f64| ((time - even) / self.interval + EARLY).floor();
+        let near = self.gaps.last_mut().filter(|gap| gap.at + AROUND > row);
+        if time - self.even < 0.5 * self.interval
+            && let Some(gap) = near
+        {
+            // the rows before were late, and none was missing
+            gap.missing -= 1;
+            self.even -= self.interval;
+            self.steps = self.steps.saturating_sub(1);
+        }
+        self.gaps.pop_if(|gap| gap.missing == 0);
+        let steps = steps(self.even).max(1.0);
+        self.even += steps * self.interval;
+        let off = time - self.even;
+        self.squares += (off / self.interval).powi(2);
+        self.even += FOLLOW * off;
+        // saturates; a gap as long as that is refused later
+        let steps = steps as u64;
+        self.steps = self.steps.saturating_add(steps);
+        if steps > 1 {
+            join(&mut self.gaps, Gap { at: row, missing: steps - 1 });
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn beat(times: impl IntoIterator<Item = f64>) -> Result<Beat, String> {
+        let mut all = Times::new();
+        for time in times {
+            all.push_number(time)?;
+        }
+        all.beat(TimeUnit::S, Names::default())
+    }
+
+    /// Numbers of a normal distribution, nearly: sums of twelve.
+    fn normal(count: usize) -> impl Iterator<Item = f64> {
+        let mut state = 1u64;
+        let mut uniform = move || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1u64 << 53) as f64
+        };
+        (0..count).map(move |_| (0..12).map(|_| uniform()).sum::<f64>() - 6.0)
+    }
+
+    #[test]
+    fn an_even_clock() {
+        let found = beat((0..1000).map(|i| 1.7e9 + f64::from(i) / 200.0)).unwrap();
+        assert!((found.rate_hz - 200.0).abs() < 1e-4 && found.gaps.is_empty());
+    }
+
+    #[test]
+    fn an_epoch_in_nanoseconds_is_exact() {
+        let mut times = Times::new();
+        for i in 0..100 {
+            times.push_integer(1_700_000_000_000_000_000 + i * 175_439);
+        }
+        assert!((times.beat(TimeUnit::Ns, Names::default()).unwrap().rate_hz * 175_439e-9 - 1.0).abs() < 1e-15);
+    }
+
+    /// Rows 300..305 and 700 are missing.
+    #[test]
+    fn gaps_are_counted() {
+        let there = (0..1000).filter(|i| !(300..305).contains(i) && *i != 700);
+        let found = beat(there.map(|i| f64::from(i) * 0.01)).unwrap();
+        assert_eq!(found.gaps, [Gap { at: 300, missing: 5 }, Gap { at: 695, missing: 1 }]);
+        assert!((found.rate_hz - 100.0).abs() < 1e-9);
+    }
+
+    /// 400 Hz in whole milliseconds, and 640 Hz.
+    #[test]
+    fn a_clock_that_rounds() {
+        for rate in [400.0, 640.0] {
+            let found = beat((0..2000).map(|i| (f64::from(i) / rate * 1e3).floor() * 1e-3)).unwrap();
+            assert!(found.gaps.is_empty(), "{rate} Hz: {:?}", found.gaps);
+            assert!((found.rate_hz / rate - 1.0).abs() < 1e-3, "{}", found.rate_hz);
+        }
+    }
+
+    /// A crystal that drifts by 200 ppm is followed.
+    #[test]
+    fn a_clock_that_drifts() {
+        let found = beat((0..100_000).map(|i| f64::from(i) * 0.01 * (1.0 + 2e-9 * f64::from(i)))).unwrap();
+        assert!(found.gaps.is_empty());
+    }
+
+    #[test]
+    fn one_late_row_is_no_gap() {
+        let found = beat((0..1000).map(|i| f64::from(i) + if i == 500 { 0.6 } else { 0.0 })).unwrap();
+        assert!(found.gaps.is_empty());
+    }
+
+    /// 200 Hz with a jitter of 1 ms, and of 2 ms: no sample is missing, and 7 are found where 7 are.
+    #[test]
+    fn jitter_is_no_gap() {
+        for jitter_s in [0.001, 0.002] {
+            let late: Vec<f64> = normal(20_000).map(|z| z * jitter_s).collect();
+            let stamps = |missing: std::ops::Range<usize>| {
+                let there = (0..20_000).filter(move |i| !missing.contains(i));
+                let mut times: Vec<f64> = there.map(|i| i as f64 / 200.0 + late[i]).collect();
+                times.sort_by(f64::total_cmp);
+                times
+            };
+            let whole = beat(stamps(0..0)).unwrap();
+            assert!(whole.gaps.is_empty(), "{:?}", whole.gaps);
+            assert!((whole.rate_hz / 200.0 - 1.0).abs() < 2e-6, "{}", whole.rate_hz);
+            let text = whole.jitter_text().unwrap();
+            assert!(text.contains("off an even clock") && text.contains("nothing of white noise"), "{text}");
+            let found = beat(stamps(9_000..9_007)).unwrap();
+            assert_eq!(missing_in(&found.gaps), 7, "{:?}", found.gaps);
+            assert!(found.gaps.iter().all(|gap| gap.at.abs_diff(9_000) < 3), "{:?}", found.gaps);
+        }
+        assert_eq!(beat((0..1000).map(f64::from)).unwrap().jitter_text(), None);
+    }
+
+    /// What the text says of a random walk, against one that was simulated: at one interval, and from where it is 1 %.
+    #[test]
+    fn the_bound_on_jitter_holds() {
+        const FINE: usize = 16;
+        let (rows, jitter) = (20_000usize, 0.25);
+        let mut walk = vec![0.0];
+        walk.extend(normal(rows * FINE + 10 * FINE).scan(0.0, |sum, z| {
+            *sum += z;
+            Some(*sum)
+        }));
+        let even: Vec<f64> = (0..rows).map(|i| walk[(i + 4) * FINE]).collect();
+        let late: Vec<f64> = normal(rows).map(|z| z * jitter * FINE as f64).collect();
+        let taken: Vec<f64> =
+            (0..rows).map(|i| walk[((i + 4) * FINE).saturating_add_signed(late[i] as isize)]).collect();
+        let variance = |numbers: &[f64], m: usize| {
+            let means: Vec<f64> = numbers.chunks_exact(m).map(|some| some.iter().sum::<f64>() / m as f64).collect();
+            means.windows(2).map(|pair| (pair[1] - pair[0]).powi(2)).sum::<f64>() / (2 * (means.len() - 1)) as f64
+        };
+        for m in [1usize, 2, 4, 8, 16] {
+            let off = (variance(&taken, m) / variance(&even, m)).sqrt() - 1.0;
+            let bound = 1.5 * jitter / (m * m) as f64 + 0.89 * jitter * jitter / m as f64;
+            assert!(off.abs() < bound + 0.005, "m {m}: {off} {bound}");
+        }
+    }
+
+    /// Rows that wait for each other: one that is late by 0.9 intervals, and five that come at once.
+    #[test]
+    fn rows_that_were_late_are_no_gap() {
+        let time = |i: i32| match i {
+            300 => 300.9,
+            500..=504 => 504.0 + 0.01 * f64::from(i - 500),
+            _ => f64::from(i),
+        };
+        let found = beat((0..1000).map(time)).unwrap();
+        assert!(found.gaps.is_empty() && (found.rate_hz - 1.0).abs() < 1e-9, "{:?}", found.gaps);
+        // beside some that are really missing, four of ten by chance
+        let there = |i: &i32| i % 1000 == 0 || (i * i % 1009 * 7919) % 97 < 58;
+        let found = beat((0..=10_000).filter(there).map(|i| (f64::from(i) * 2.5).floor())).unwrap();
+        assert!((found.rate_hz * 2.5 - 1.0).abs() < 1e-4, "{}", found.rate_hz);
+    }
+
+    #[test]
+    fn clocks_without_a_beat_are_refused() {
+        assert!(beat([0.0]).unwrap_err().contains("fewer than two rows"));
+        assert!(beat([]).unwrap_err().contains("fewer than two rows"));
+        // rows that arrive in bursts of ten
+        let bursts = (0..1000).map(|i| f64::from(i / 10) + f64::from(i % 10) * 0.002);
+        let said = beat(bursts).unwrap_err();
+        assert!(said.contains("unsteady: intervals of 0.002000 s to 0.982000 s around 0.002000 s"), "{said}");
+        assert!(said.contains("samples would be missing in 99 places") && said.contains("give rate"), "{said}");
+        // a clock that was set while it ran
+        let said = beat((0..1000).map(|i| f64::from(i) + if i < 600 { 0.0 } else { 1.7e9 })).unwrap_err();
+        assert!(said.contains("leaps forward by 1700000001.000 s at row 600"), "{said}");
+        // intervals of any length: nothing is even
+        let random = normal(5000).scan(0.0, |sum, z| {
+            *sum += z * z;
+            Some(*sum)
+        });
+        let said = beat(random).unwrap_err();
+        assert!(said.contains("% of an interval (at most 50 %)"), "{said}");
+    }
+}

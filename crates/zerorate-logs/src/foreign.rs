@@ -1,0 +1,222 @@
+//! Logs by other people's writers: 20 samples at 200 Hz, the thirteenth missing, z = 0.25·n (`fixtures/make.py`).
+
+use super::tests::{
+    Folder, HDF5, HDF5_LATEST, MAT, MAT_73, MAT_PACKED, NPZ, NPZ_PACKED, ROSBAG, ROSBAG_BZ2, ROSBAG_LZ4, ULOG,
+    numbers, options, there,
+};
+use super::*;
+use std::path::PathBuf;
+
+/// Holds a column against what was written.
+#[track_caller]
+fn is_z(column: &Column, name: &str) {
+    let expected: Vec<Option<f64>> = (0..20).map(|n| (n != 12).then_some(0.25 * f64::from(n))).collect();
+    assert_eq!((there(column), column.name.as_str()), (expected, name));
+    assert!((column.rate_hz - 200.0).abs() < 1e-9, "{}", column.rate_hz);
+}
+
+/// Whatever is cut off, nothing panics.
+fn cut(bytes: &[u8], options: &str) {
+    let folder = Folder::new();
+    (0..bytes.len()).step_by(97).for_each(|at| drop(folder.read(&bytes[..at], options)));
+}
+
+#[test]
+fn bags_of_ros_1() {
+    let folder = Folder::new();
+    for bag in [ROSBAG, ROSBAG_BZ2, ROSBAG_LZ4] {
+        let column = folder.read(bag, "--column z").unwrap();
+        is_z(&column, "/imu.angular_velocity.z");
+        assert_eq!((column.scale, column.warnings.len()), (1f64.to_degrees(), 0));
+        let column = folder.read(bag, "--column linear_acceleration.z --rate 7").unwrap();
+        assert_eq!((column.series, column.rate_hz), (Series::Numbers(vec![9.81; 19]), 7.0));
+        assert!(folder.fails(bag, "").contains("choose with --column one of: /imu.angular_velocity.x"));
+        cut(bag, "--column z");
+        // one that was not closed lists its connections in its chunks only
+        let open = folder.read(&bag[..bag.len() - 40], "--column z").unwrap();
+        assert!(open.warnings[0].text.contains("was not closed or is damaged"), "{:?}", open.warnings);
+        assert_eq!(open.series.len(), 20);
+    }
+    assert!(folder.fails(b"#ROSBAG V1.2\nxxxxxx", "").contains("rosbag fix"));
+}
+
+#[test]
+fn bags_of_several_files() {
+    let path = Path::new("bag_of_two");
+    let parts = || {
+        let files = [
+            &include_bytes!("../fixtures/bag_of_two/bag_of_two_0.mcap")[..],
+            include_bytes!("../fixtures/bag_of_two/bag_of_two_1.mcap"),
+        ];
+        let parts = files.iter().zip(0..).map(|(file, at)| (path.join(format!("{at}.mcap")), file.to_vec().into()));
+        parts.collect::<Vec<(PathBuf, Input)>>()
+    };
+    let read = |parts, said: &str| read_parts(path, parts, Wanted::One(Some("z")), &options(said));
+    is_z(&read(parts(), "").unwrap()[0], "/imu.angular_velocity.z");
+    assert_eq!(read(parts(), "--rate 5").unwrap()[0].series.len(), 19);
+    let mut mixed = parts();
+    mixed.push((PathBuf::from("other.csv"), b"z\n1\n2\n".to_vec().into()));
+    assert!(
+        read(mixed, "--rate 5")
+            .unwrap_err()
+            .to_string()
+            .contains("other.csv: it has z where the file before has /imu")
+    );
+    assert!(read(Vec::new(), "").unwrap_err().to_string().contains("no file with a log"));
+}
+
+#[test]
+fn archives_of_numpy() {
+    let folder = Folder::new();
+    for archive in [NPZ, NPZ_PACKED] {
+        let column = folder.read(archive, "--column gz_rad_s --time-column t_ns").unwrap();
+        is_z(&column, "gz_rad_s");
+        assert_eq!(column.scale, 1f64.to_degrees());
+        cut(archive, "--column gz_rad_s --time-column t_ns");
+    }
+    let column = folder.read(NPZ, "--column gyro.1 --rate 10").unwrap();
+    assert_eq!((column.series.len(), numbers(&column)[3]), (19, -3.0));
+    let said = folder.fails(NPZ, "--rate 10");
+    assert!(said.contains("one of: 0 `t_ns`, 1 `gz_rad_s`, 2 `gyro.0`, 3 `gyro.1`, 4 `gyro.2`"), "{said}");
+    let mut empty = b"PK\x05\x06".to_vec();
+    empty.extend([0; 18]);
+    let plain = [&b"PK\x03\x04"[..], &[0; 26], &empty].concat();
+    assert!(folder.fails(plain, "--rate 1").contains("without arrays of NumPy"));
+}
+
+#[test]
+fn matrices_of_matlab() {
+    let folder = Folder::new();
+    for file in [MAT, MAT_PACKED] {
+        for (name, time) in [("gz", "--time-column t --time-unit s"), ("imu.gx", "--time-column imu.t_s")] {
+            is_z(&folder.read(file, &format!("--column {name} {time}")).unwrap(), name);
+        }
+        for name in ["gyro.1", "lying.1"] {
+            let column = folder.read(file, &format!("--column {name} --rate 10")).unwrap();
+            assert_eq!((column.series.len(), numbers(&column)[3]), (19, -3.0), "{name}");
+            assert!(matches!(column.series, Series::Codes(_)));
+        }
+        let said = folder.fails(file, "--rate 10");
+        assert!(
+            said.contains("0 `t`, 1 `gz`, 2 `gyro.0`") && !said.contains("`fs`") && !said.contains("note"),
+            "{said}"
+        );
+        cut(file, "--column gz --rate 1");
+    }
+}
+
+/// As h5py writes it in its oldest and its newest form, and hdf5storage for MATLAB.
+#[test]
+fn data_sets_of_hdf5() {
+    let folder = Folder::new();
+    for file in [HDF5, HDF5_LATEST] {
+        is_z(&folder.read(file, "--column imu/gz --time-column t_s").unwrap(), "imu/gz");
+        is_z(&folder.read(file, "--column table.gz --time-column table.t_ns").unwrap(), "table.gz");
+        for name in ["imu/gyro.1", "lying.1"] {
+            let column = folder.read(file, &format!("--column {name} --rate 10")).unwrap();
+            assert_eq!((column.series.len(), numbers(&column)[3]), (19, -3.0), "{name}");
+            assert!(matches!(column.series, Series::Codes(_)));
+        }
+        let said = folder.fails(file, "--rate 10");
+        assert!(said.contains("0 `imu/gyro.0`, 1 `imu/gyro.1`, 2 `imu/gyro.2`, 3 `imu/gz`, 4 `lying.0`"), "{said}");
+        assert!(!said.contains("`note`") && !said.contains("`fs`") && !said.contains("table.name"), "{said}");
+        cut(file, "--column imu/gz --rate 1");
+    }
+    for (name, time) in [("gz", "--time-column t --time-unit s"), ("imu.gx", "--time-column imu.t_s")] {
+        is_z(&folder.read(MAT_73, &format!("--column {name} {time}")).unwrap(), name);
+    }
+    let said = folder.fails(MAT_73, "--rate 10");
+    assert!(said.contains("`gyro.2`") && !said.contains("note") && !said.contains('#'), "{said}");
+    let short = folder.fails(&HDF5[..HDF5.len() / 2], "--column imu/gz --rate 1");
+    assert!(short.contains("as an HDF5 file"), "{short}");
+    assert!(folder.fails(b"\x89HDF\r\n\x1A\nxxxxxxxxx", "").contains("as an HDF5 file"));
+    assert!(folder.fails([b"MATLAB 7.3 MAT-file".as_slice(), &[0; 600]].concat(), "").contains("as an HDF5 file"));
+}
+
+#[test]
+fn logs_of_px4() {
+    let folder = Folder::new();
+    let column = folder.read(ULOG, "--column sensor_gyro#0.z").unwrap();
+    is_z(&column, "sensor_gyro#0.z");
+    assert_eq!(column.scale, 1f64.to_degrees());
+    is_z(&folder.read(ULOG, "--column sensor_combined.gyro_rad[2]").unwrap(), "sensor_combined.gyro_rad[2]");
+    assert_eq!(numbers(&folder.read(ULOG, "--column sensor_gyro#1.z --rate 1").unwrap())[2], 1.0);
+    assert_eq!(numbers(&folder.read(ULOG, "--column sensor_gyro#0.device_id").unwrap())[0], 7.0);
+    let all = read_all(Path::new("log"), ULOG.to_vec().into(), Wanted::All, &options("")).unwrap();
+    let names: Vec<&str> = all.iter().map(|column| column.name.as_str()).collect();
+    assert_eq!((names.len(), names[3]), (6, "sensor_combined.accelerometer_m_s2[0]"));
+    assert_eq!(all[5].quantity, Some(Quantity::Acceleration));
+    let of_topic = read_all(Path::new("log"), ULOG.to_vec().into(), Wanted::All, &options("--topic sensor_gyro#0"));
+    assert_eq!(of_topic.unwrap()[2].name, "sensor_gyro#0.z");
+    let said = read_all(Path::new("log"), ULOG.to_vec().into(), Wanted::All, &options("--topic chat")).unwrap_err();
+    let rows: Vec<Vec<String>> =
+        said.to_string().lines().map(|line| line.split_whitespace().map(str::to_owned).collect()).collect();
+    let row = rows.iter().find(|row| row[0] == "sensor_gyro#0").expect("the row of a topic");
+    assert_eq!(row[1..5], ["sensor_gyro", "19", "189.47", "Hz"].map(str::to_owned), "{said}");
+    let said = folder.fails(ULOG, "");
+    assert!(said.contains("one of: sensor_combined.gyro_rad[0]") && said.contains("sensor_gyro#1.z"), "{said}");
+    cut(ULOG, "--column sensor_gyro#0.z");
+    let torn = folder.read(&ULOG[..ULOG.len() - 9], "--column sensor_gyro#0.z").unwrap();
+    assert!(torn.warnings[0].text.contains("ends inside a message"), "{:?}", torn.warnings);
+}
+
+#[test]
+fn what_is_no_log_says_what_to_do() {
+    let folder = Folder::new();
+    for (start, said) in [
+        (&b"{\"t\":0,\"gz\":1}\n"[..], "in Python `pandas.read_json('FILE').to_csv('log.csv')`"),
+        (b"[{\"t\":0}]", "it is JSON"),
+        (b"\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1....", "save the sheet as CSV"),
+        (b"\x80\x05\x95....", "a pickle of Python"),
+    ] {
+        let fails = folder.fails(start, "--rate 1");
+        assert!(fails.contains(said), "{fails}");
+    }
+}
+
+#[test]
+fn text_of_two_bytes_to_a_character() {
+    let text = "t_ms;gz_°/s\r\n0;0,5\r\n10;-1,25\r\n20;3,0\r\n";
+    let wide = |mark: &str, to_bytes: fn(u16) -> [u8; 2]| -> Vec<u8> {
+        format!("{mark}{text}").encode_utf16().flat_map(to_bytes).collect()
+    };
+    for (mark, to_bytes) in [
+        ("\u{FEFF}", u16::to_le_bytes as fn(u16) -> [u8; 2]),
+        ("\u{FEFF}", u16::to_be_bytes),
+        ("", u16::to_le_bytes),
+        ("", u16::to_be_bytes),
+    ] {
+        let column = Folder::new().read(wide(mark, to_bytes), "--column 1 --time-column t_ms").unwrap();
+        assert_eq!((numbers(&column), column.rate_hz), (vec![0.5, -1.25, 3.0], 100.0));
+    }
+}
+
+#[test]
+fn packed_by_bzip2_and_lz4() {
+    let folder = Folder::new();
+    let text = "0.5\n0.25\n-1.5\n2\n";
+    let mut lz4 = lz4_flex::frame::FrameEncoder::new(Vec::new());
+    std::io::Write::write_all(&mut lz4, text.as_bytes()).unwrap();
+    let bzip2 = b"\
+        \x42\x5A\x68\x39\x31\x41\x59\x26\x53\x59\xDC\xFC\x35\xFB\x00\x00\x04\xD8\x00\x00\x10\x00\x03\x72\
+        \x00\x20\x00\x31\x0C\x00\xD3\x23\x6A\x08\x72\xA2\x2A\xC1\xAF\x17\x72\x45\x38\x50\x90\xDC\xFC\x35\xFB";
+    assert_eq!(numbers(&folder.read(lz4.finish().unwrap(), "--rate 1").unwrap()), [0.5, 0.25, -1.5, 2.0]);
+    assert_eq!(numbers(&folder.read(bzip2, "--rate 1").unwrap()), [0.5, 0.25, -1.5, 2.0]);
+    assert!(folder.fails(&bzip2[..20], "--rate 1").contains("as Bzip2: it cannot be unpacked"));
+}
+
+/// EuRoC's recordings as they are, their columns asked for as their header has them.
+#[test]
+fn names_as_they_stand_in_a_comment() {
+    let text = "#timestamp [ns],w_RS_S_x [rad s^-1],a_RS_S_x [m s^-2]\n1403636579758555392,-0.0991,0.1473\n\
+                1403636579763555392,-0.0992,0.1474\n";
+    for time in ["#timestamp [ns]", "timestamp [ns]"] {
+        let options = ColumnOptions {
+            column: Some("w_RS_S_x [rad s^-1]".to_owned()),
+            time_column: Some(time.to_owned()),
+            ..ColumnOptions::default()
+        };
+        let column = read(Path::new("data.csv"), text.as_bytes().to_vec().into(), &options).unwrap();
+        assert_eq!((column.rate_hz, column.scale), (200.0, 1f64.to_degrees()));
+    }
+}

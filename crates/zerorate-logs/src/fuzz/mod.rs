@@ -1,0 +1,12 @@
+//! Damaged logs into every reader: none may panic, and none may keep more than the input has room for. The harness is
+//! that of `zerorate-record`, which says how to replay a failure.
+
+#[path = "../../../zerorate-record/src/fuzz/edit.rs"]
+mod edit;
+#[cfg(feature = "full")]
+mod forms;
+#[path = "../../../zerorate-record/src/fuzz/harness.rs"]
+mod harness;
+mod logs;
+
+use harness::edited;

@@ -1,0 +1,336 @@
+//! HDF5, which MATLAB writes as `-v7.3`: data sets of numbers by their path, `imu/gyro`, or as MATLAB calls them,
+//! `imu.gyro`, and the numbers in those of compounds, as PyTables writes tables, by `table.gz`. Any other is none of
+//! the log's.
+
+use super::choice::{Choice, Columns, same_length};
+use super::clock::Times;
+use super::number::Number;
+use super::open::Log;
+use super::series::SeriesBuilder;
+use super::{Asked, Clock, Found, FoundColumn, Result};
+use super::{hdf5_index, lzf};
+use hdf5_reader::datatype_api::CompoundField;
+use hdf5_reader::error::{ByteOrder, Error};
+use hdf5_reader::filters::FilterRegistry;
+use hdf5_reader::group::Group;
+use hdf5_reader::storage::{Storage, StorageBuffer};
+use hdf5_reader::{Dataset, Datatype, H5Type, Hdf5File, OpenOptions, SliceInfo, SliceInfoElem};
+use std::path::Path;
+use std::sync::Arc;
+use zerorate_record::limits::Room;
+use zerorate_record::survive::survive;
+use zerorate_record::{CaptureError, Input};
+
+/// The number of h5py's own way to pack, as the HDF Group lists them.
+const LZF: u16 = 32000;
+
+/// Columns of a data set at most: with more it is rather an image.
+const MAX_COLUMNS: u64 = 4096;
+
+/// How deep groups stand in groups, at most.
+const MAX_DEPTH: usize = 8;
+
+/// Data sets that are looked at.
+const MAX_SETS: usize = 10_000;
+
+/// Rows that are read at once.
+const ROWS: usize = 1 << 16;
+
+/// Unpacked chunks that are kept for the other columns in them, in bytes.
+const CACHE: usize = 64 << 20;
+
+/// The largest object header, in which attributes stand.
+const MAX_HEADER: usize = 1 << 22;
+
+/// Reads columns of its data sets.
+pub fn read(log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
+    let Log { path, input, room, .. } = log;
+    let sets = sets(path, input, room)?;
+    let columns: Vec<SetColumn<'_>> = sets.iter().flat_map(Set::columns).collect();
+    let names = columns.iter().map(|column| column.name.as_str()).collect();
+    let all = Columns { path, names, numeric: vec![true; columns.len()], settings: asked.args.names };
+    let Choice { values: chosen, time } = all.choose(asked.wanted, asked.args, &[])?;
+    let wanted: Vec<&SetColumn<'_>> = chosen.iter().chain(&time).map(|at| &columns[*at]).collect();
+    same_length(path, wanted.iter().map(|column| (column.name.as_str(), column.rows)))?;
+    let rows = wanted.first().map_or(0, |first| first.rows);
+    let mut values: Vec<_> = chosen.iter().map(|_| SeriesBuilder::sharing(room, chosen.len())).collect();
+    values.iter().try_for_each(|values| values.check_room(rows)).map_err(|why| CaptureError::no_room(path, why))?;
+    let mut times = Times::new();
+    for start in (0..rows).step_by(ROWS) {
+        for (at, column) in wanted.iter().enumerate() {
+            let wrong = |what: String| CaptureError::damaged(path, format!("data set {}", column.name), what);
+            let read = survive(|| column.read(start, rows.min(start + ROWS as u64)));
+            let mut cells = (start..).zip(read.ok_or_else(|| senseless(path))?.map_err(|error| wrong(said(&error)))?);
+            let taken = match values.get_mut(at) {
+                Some(values) => cells.try_for_each(|(row, cell)| push(values, row, cell)),
+                None => cells.try_for_each(|(row, cell)| push_time(&mut times, row, cell)),
+            };
+            taken.map_err(wrong)?;
+        }
+    }
+    let clock = time.map_or(Clock::Silent, |time| Clock::Column(columns[time].name.clone(), times));
+    let name = |(at, values): (usize, SeriesBuilder)| FoundColumn::new(wanted[at].name.clone(), values);
+    Ok(Found { columns: values.into_iter().enumerate().map(name).collect(), clock, warnings: Vec::new() })
+}
+
+/// Its data sets of numbers, in the order of their names: as a file lists them is no order.
+fn sets(path: &Path, input: Input, room: Room) -> Result<Vec<Set>, CaptureError> {
+    let most = usize::try_from(room.bytes()).unwrap_or(usize::MAX) / 4;
+    let options = OpenOptions::default()
+        .with_max_chunk_bytes(most)
+        .with_chunk_cache_bytes(most.min(CACHE))
+        .with_max_read_bytes(most)
+        .with_max_object_header_bytes(MAX_HEADER)
+        .with_filter_registry(filters(most));
+    let length = input.length().map_err(|error| CaptureError::io("read", path, error))?;
+    let cut = if starts_as_matlab(&input) { '.' } else { '/' };
+    let found = survive(|| {
+        let file = Hdf5File::from_storage_with_options(Arc::new(Bytes { input, length }), options)?;
+        let mut sets = Vec::new();
+        collect(&file.root_group()?, "", cut, MAX_DEPTH, &mut sets)?;
+        sets.sort_by(|one: &Set, other| one.name.cmp(&other.name));
+        Ok::<_, Error>(sets)
+    });
+    let damaged = |error: Error| CaptureError::damaged(path, "as an HDF5 file", said(&error));
+    found.ok_or_else(|| senseless(path))?.map_err(damaged)
+}
+
+/// Those of the library, and LZF.
+fn filters(most: usize) -> FilterRegistry {
+    let mut filters = FilterRegistry::new();
+    let unpack = move |_: &_, packed: &[u8], _| {
+        lzf::unpacked(packed, most).ok_or_else(|| Error::DecompressionError("LZF: it makes no sense".to_owned()))
+    };
+    filters.register(LZF, Box::new(unpack));
+    filters
+}
+
+/// What is wrong; of a way to pack that is not known, what to do.
+fn said(error: &Error) -> String {
+    match error {
+        Error::UnsupportedFilter(_) => {
+            format!("{error}, which is not read; `h5repack -f GZIP=6 FILE NEW.h5` packs it in a way that is")
+        }
+        error => error.to_string(),
+    }
+}
+
+fn senseless(path: &Path) -> CaptureError {
+    CaptureError::damaged(path, "as an HDF5 file", "its content makes no sense")
+}
+
+fn push(values: &mut SeriesBuilder, row: u64, cell: Number) -> Result<(), String> {
+    match cell {
+        Number::Missing => values.push_missing(),
+        Number::Integer(integer) => values.push_integer(integer),
+        Number::Decimal(number) if values.push_number(number) => {}
+        Number::Decimal(_) => return Err(format!("row {row} is infinite, which cannot be averaged")),
+    }
+    Ok(())
+}
+
+fn push_time(times: &mut Times, row: u64, cell: Number) -> Result<(), String> {
+    match cell {
+        Number::Integer(integer) => times.push_integer(integer),
+        Number::Decimal(number) => times.push_number(number).map_err(|what| format!("row {row}: {what}"))?,
+        Number::Missing => return Err(format!("row {row} has no time; every row must have one")),
+    }
+    Ok(())
+}
+
+/// Whether MATLAB wrote it, which puts its own head before that of HDF5.
+fn starts_as_matlab(input: &Input) -> bool {
+    input.bytes_at(0, 6).is_ok_and(|start| &start[..] == b"MATLAB")
+}
+
+/// The bytes of the file.
+struct Bytes {
+    input: Input,
+    length: u64,
+}
+
+impl Storage for Bytes {
+    fn len(&self) -> u64 {
+        self.length
+    }
+
+    fn read_range(&self, offset: u64, len: usize) -> Result<StorageBuffer, Error> {
+        let bytes = self.bytes(offset, len)?;
+        hdf5_index::check(&bytes, |offset, len| self.bytes(offset, len))?;
+        Ok(StorageBuffer::from_vec(bytes))
+    }
+}
+
+impl Bytes {
+    fn bytes(&self, offset: u64, len: usize) -> Result<Vec<u8>, Error> {
+        // a file that states more than it has is no reason for memory
+        if offset.checked_add(len as u64).is_none_or(|end| end > self.length) {
+            return Err(Error::InvalidData(format!("{len} bytes at {offset} are not there: it was cut short")));
+        }
+        let bytes = self.input.bytes_at(offset, len).map_err(|error| Error::InvalidData(error.to_string()))?;
+        Ok(bytes.into())
+    }
+}
+
+/// A data set of numbers.
+struct Set {
+    name: String,
+    set: Dataset,
+}
+
+/// Finds the data sets of numbers below a group.
+fn collect(group: &Group, name: &str, cut: char, depth: usize, sets: &mut Vec<Set>) -> Result<(), Error> {
+    let Some(depth) = depth.checked_sub(1) else { return Ok(()) };
+    let (groups, members) = group.members()?;
+    let below = |own: &str| if name.is_empty() { own.to_owned() } else { format!("{name}{cut}{own}") };
+    for set in members {
+        let own = set.name().rsplit('/').next().unwrap_or_default().to_owned();
+        let has_numbers = size(set.dtype()).is_some() || matches!(set.dtype(), Datatype::Compound { .. });
+        if sets.len() < MAX_SETS && has_numbers && is_of_numbers(&set) {
+            sets.push(Set { name: below(&own), set });
+        }
+    }
+    for group in groups {
+        let own = group.name().rsplit('/').next().unwrap_or_default().to_owned();
+        // what MATLAB keeps for itself
+        if !own.starts_with('#') {
+            collect(&group, &below(&own), cut, depth, sets)?;
+        }
+    }
+    Ok(())
+}
+
+/// MATLAB writes texts and the sizes of what is empty as numbers, and says so.
+fn is_of_numbers(set: &Dataset) -> bool {
+    let class = set.attribute("MATLAB_class").and_then(|class| class.read_string());
+    let is_text = class.is_ok_and(|class| class.trim_end_matches('\0') == "char");
+    !is_text && set.attribute("MATLAB_empty").is_err()
+}
+
+/// A column of a data set.
+struct SetColumn<'a> {
+    name: String,
+    set: &'a Dataset,
+    rows: u64,
+    /// Which column, of a data set of two dimensions, and whether its rows are the first of these.
+    at: Option<(u64, bool)>,
+    /// Which number, of a compound.
+    field: Option<&'a CompoundField>,
+}
+
+impl Set {
+    /// A vector is one column, whichever way it lies; of a matrix, what is longer are the samples.
+    fn columns(&self) -> Vec<SetColumn<'_>> {
+        let Self { name, set } = self;
+        let of = |name: String, rows: u64, at: Option<(u64, bool)>| SetColumn { name, set, rows, at, field: None };
+        match *set.shape() {
+            [rows] if rows > 1 => match set.dtype() {
+                Datatype::Compound { fields, .. } => {
+                    let numbers = fields.iter().filter(|field| size(&field.datatype).is_some());
+                    let named = |field: &CompoundField| of(format!("{name}.{}", field.name), rows, None);
+                    numbers.map(|field| SetColumn { field: Some(field), ..named(field) }).collect()
+                }
+                _ => vec![of(name.clone(), rows, None)],
+            },
+            [..] if size(set.dtype()).is_none() => Vec::new(),
+            [rows, columns] if rows.max(columns) > 1 && rows.min(columns) <= MAX_COLUMNS => {
+                let (upright, count) = (rows >= columns, rows.min(columns));
+                let named = |at: u64| if count == 1 { name.clone() } else { format!("{name}.{at}") };
+                (0..count).map(|at| of(named(at), rows.max(columns), Some((at, upright)))).collect()
+            }
+            _ => Vec::new(),
+        }
+    }
+}
+
+impl SetColumn<'_> {
+    fn read(&self, start: u64, end: u64) -> Result<Vec<Number>, Error> {
+        let rows = SliceInfoElem::Slice { start, end, step: 1 };
+        let selections = match self.at {
+            None => vec![rows],
+            Some((at, true)) => vec![rows, SliceInfoElem::Index(at)],
+            Some((at, false)) => vec![SliceInfoElem::Index(at), rows],
+        };
+        let cells = self.cells(&SliceInfo { selections })?;
+        let missing = || Error::InvalidData(format!("of the rows {start} to {end} there are {}", cells.len()));
+        if cells.len() as u64 == end - start { Ok(cells) } else { Err(missing()) }
+    }
+
+    fn cells(&self, rows: &SliceInfo) -> Result<Vec<Number>, Error> {
+        let Some(field) = self.field else {
+            return Ok(self.set.read_slice::<Cell>(rows)?.into_iter().map(|Cell(number)| number).collect());
+        };
+        let of_field = |row: Row| row.0.get(field.byte_offset as usize..).and_then(|at| number(at, &field.datatype));
+        let missing = || Error::InvalidData(format!("{} is not in its compound", self.name));
+        self.set.read_slice::<Row>(rows)?.into_iter().map(|row| of_field(row).ok_or_else(missing)).collect()
+    }
+}
+
+/// Bytes of a number of this type, if it is one.
+fn size(of: &Datatype) -> Option<usize> {
+    match of {
+        Datatype::FixedPoint { size: size @ (1 | 2 | 4 | 8), .. } => Some((*size).into()),
+        Datatype::FloatingPoint { size: size @ (4 | 8), .. } => Some((*size).into()),
+        _ => None,
+    }
+}
+
+/// The number with which these bytes begin.
+fn number(bytes: &[u8], of: &Datatype) -> Option<Number> {
+    let bytes = bytes.get(..size(of)?)?;
+    let mut wide = [0; 8];
+    wide[..bytes.len()].copy_from_slice(bytes);
+    let (Datatype::FixedPoint { byte_order, .. } | Datatype::FloatingPoint { byte_order, .. }) = of else {
+        return None;
+    };
+    if *byte_order == ByteOrder::BigEndian {
+        wide[..bytes.len()].reverse();
+    }
+    let (bits, unused) = (u64::from_le_bytes(wide), 64 - 8 * bytes.len() as u32);
+    Some(match of {
+        Datatype::FloatingPoint { size: 4, .. } => Number::Decimal(f32::from_bits(bits as u32).into()),
+        Datatype::FloatingPoint { .. } => Number::Decimal(f64::from_bits(bits)),
+        Datatype::FixedPoint { signed: true, .. } => Number::Integer((bits << unused) as i64 >> unused),
+        _ => i64::try_from(bits).map_or(Number::Decimal(bits as f64), Number::Integer),
+    })
+}
+
+/// A number of any type.
+#[derive(Clone, Copy)]
+struct Cell(Number);
+
+impl H5Type for Cell {
+    fn hdf5_type() -> Datatype {
+        f64::hdf5_type()
+    }
+
+    fn element_size(of: &Datatype) -> usize {
+        size(of).unwrap_or_default()
+    }
+
+    fn from_bytes(bytes: &[u8], of: &Datatype) -> Result<Self, Error> {
+        number(bytes, of).map(Self).ok_or_else(|| Error::InvalidData(format!("{of:?} is no number")))
+    }
+}
+
+/// A compound.
+#[derive(Clone)]
+struct Row(Vec<u8>);
+
+impl H5Type for Row {
+    fn hdf5_type() -> Datatype {
+        Datatype::Compound { size: 0, fields: Vec::new() }
+    }
+
+    fn element_size(of: &Datatype) -> usize {
+        match of {
+            Datatype::Compound { size, .. } => *size as usize,
+            _ => 0,
+        }
+    }
+
+    fn from_bytes(bytes: &[u8], of: &Datatype) -> Result<Self, Error> {
+        let missing = || Error::InvalidData("a compound is cut short".to_owned());
+        bytes.get(..Self::element_size(of)).map(|bytes| Self(bytes.to_vec())).ok_or_else(missing)
+    }
+}

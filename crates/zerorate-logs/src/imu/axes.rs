@@ -1,0 +1,219 @@
+//! The axes of an IMU in a log.
+
+use super::Kind;
+use crate::{Column, ColumnOptions, LogError, Parts, Quantity, Setting, UNIT_UNKNOWN, Unit, Wanted};
+use std::path::Path;
+use zerorate_record::Note;
+
+/// What a log may not say of its axes itself.
+#[derive(Clone, Debug, Default)]
+pub struct ImuOptions {
+    /// The columns, by name or number; none: all that are axes.
+    pub columns: Option<Vec<String>>,
+    /// Of the gyroscope.
+    pub gyro: Said,
+    /// Of the accelerometer.
+    pub accel: Said,
+    /// Topic, rate, time and names of the options.
+    pub log: ColumnOptions,
+}
+
+/// What the numbers of a kind of axis are, as the user says.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Said {
+    /// Their unit.
+    pub unit: Option<Unit>,
+    /// What a step of 1 is in that.
+    pub scale: Option<f64>,
+}
+
+/// The axes of a log.
+pub struct Axes {
+    /// In the order of the file, gyroscopes first; each has its quantity.
+    pub columns: Vec<Column>,
+    /// The topic of a bag.
+    pub topic: Option<String>,
+    /// What is to be said of the log.
+    pub warnings: Vec<Note>,
+}
+
+/// The end of the first column's name in a bag.
+const FIRST: &str = ".angular_velocity.x";
+
+impl Axes {
+    /// Reads all of them in one pass; `path` names the log in messages.
+    ///
+    /// # Errors
+    /// As [`crate::read_parts`], and where no column is one, or the unit of one is not known.
+    pub fn read(path: &Path, parts: impl Into<Parts>, options: &ImuOptions) -> crate::Result<Self> {
+        let wanted = options.columns.as_deref().map_or(Wanted::All, Wanted::Listed);
+        Self::of(path, crate::read_parts(path, parts, wanted, &options.log)?, options)
+    }
+
+    /// Whether there are any among the columns of a log, where nobody said which they are.
+    #[must_use]
+    pub fn are_among(columns: &[Column]) -> bool {
+        columns.iter().any(|column| !Kind::is_beside(&column.name) && Kind::of_column(column).is_some())
+    }
+
+    /// Those among the columns of a log.
+    ///
+    /// # Errors
+    /// Where no column is one, or the unit of one is not known.
+    pub fn of(path: &Path, columns: Vec<Column>, options: &ImuOptions) -> crate::Result<Self> {
+        let (mut axes, mut left_out, mut warnings) = (Vec::new(), Vec::new(), Vec::new());
+        for column in columns {
+            let is_meant = options.columns.is_some() || !Kind::is_beside(&column.name);
+            match Kind::of_column(&column).filter(|_| is_meant) {
+                Some(kind) => axes.push((kind, column)),
+                None => left_out.push(column.name),
+            }
+        }
+        if axes.is_empty() {
+            return Err(no_axes(path, &left_out));
+        }
+        let topic = axes.first().and_then(|(_, column)| topic_of(&column.name));
+        if options.columns.is_none() && topic.is_some() {
+            warnings.extend(without_blanks(path, &mut axes));
+        }
+        check_units(options, path, &axes)?;
+        if options.columns.is_none() {
+            let column = options.log.names.of(Setting::Column);
+            warnings.extend(Kind::ALL.into_iter().filter_map(|kind| too_many(path, kind, &axes, column)));
+        }
+        let give_unit = |(kind, column)| give_unit(options, kind, column, &mut warnings);
+        let mut axes: Vec<Column> = axes.into_iter().map(give_unit).collect();
+        axes.sort_by_key(|column| column.quantity != Some(Quantity::AngularRate));
+        if !left_out.is_empty() {
+            let names = left_out.join(", ");
+            let text = format!("{}: left out, being neither gyroscope nor accelerometer: {names}", path.display());
+            warnings.push(Note::new("columns-left-out", text));
+        }
+        Ok(Self { columns: axes, topic, warnings })
+    }
+}
+
+/// Leaves out what nothing measured of messages, which have three axes of each kind whatever the part has; unless
+/// there is nothing else.
+fn without_blanks(path: &Path, axes: &mut Vec<(Kind, Column)>) -> Option<Note> {
+    let is_blank = |(_, column): &(Kind, Column)| column.is_blank();
+    let names: Vec<&str> = axes.iter().filter(|axis| is_blank(axis)).map(|(_, column)| column.name.as_str()).collect();
+    if names.is_empty() || names.len() == axes.len() {
+        return None;
+    }
+    let why = "left out, being 0 in every row, as where nothing measures it";
+    let text = format!("{}: {why}: {}", path.display(), names.join(", "));
+    axes.retain(|axis| !is_blank(axis));
+    Some(Note::new("columns-left-out", text))
+}
+
+impl ImuOptions {
+    fn said(&self, kind: Kind) -> Said {
+        match kind {
+            Kind::Gyroscope => self.gyro,
+            Kind::Accelerometer => self.accel,
+        }
+    }
+
+    fn remedy(&self, kind: Kind) -> String {
+        let (setting, units) = match kind {
+            Kind::Gyroscope => (Setting::GyroUnit, "dps, rad/s …"),
+            Kind::Accelerometer => (Setting::AccelUnit, "m/s², g, mg …"),
+        };
+        format!("give {} {units}", self.log.names.of(setting))
+    }
+}
+
+/// That each kind has a unit, and one of its own.
+fn check_units(options: &ImuOptions, path: &Path, axes: &[(Kind, Column)]) -> crate::Result<()> {
+    let mut unknown = Vec::new();
+    for kind in Kind::ALL {
+        let Said { unit, scale } = options.said(kind);
+        let mut of_kind = axes.iter().filter(|(of, _)| *of == kind).map(|(_, column)| column).peekable();
+        if of_kind.peek().is_none() {
+            continue;
+        }
+        if let Some(unit) = unit.filter(|unit| unit.quantity() != kind.quantity()) {
+            return Err(LogError::Ask(format!("{unit} is no unit for {}; {}", kind.plural(), options.remedy(kind))));
+        }
+        let unstated: Vec<&str> =
+            of_kind.filter(|column| column.quantity.is_none()).map(|column| column.name.as_str()).collect();
+        if unit.is_none() && scale.is_none() && !unstated.is_empty() {
+            let seen = match &unstated[..] {
+                [only] => format!("column {only} ({}) states no unit", kind.name()),
+                several => format!("columns {} ({}) state no unit", several.join(", "), kind.name()),
+            };
+            unknown.push(format!("{seen}; {}", options.remedy(kind)));
+        }
+    }
+    match unknown.is_empty() {
+        true => Ok(()),
+        false => Err(LogError::Ask(format!("{}: {}", path.display(), unknown.join("; ")))),
+    }
+}
+
+/// Axes of an IMU in each kind.
+const AXES: usize = 3;
+
+/// What is to be said where one IMU cannot have that many.
+fn too_many(path: &Path, kind: Kind, axes: &[(Kind, Column)], column: &str) -> Option<Note> {
+    let count = axes.iter().filter(|(of, _)| *of == kind).count();
+    (count > AXES).then(|| {
+        let kind = kind.plural();
+        let why =
+            format!("{count} columns are {kind}, and an IMU has three: are they of several? choose with {column}");
+        Note::new("several-imus", format!("{}: {why}", path.display()))
+    })
+}
+
+/// The unit that was given, where the log states none.
+fn give_unit(options: &ImuOptions, kind: Kind, mut column: Column, warnings: &mut Vec<Note>) -> Column {
+    let Said { unit, scale } = options.said(kind);
+    if unit.is_some() || scale.is_some() {
+        column.warnings.retain(|note| note.code != UNIT_UNKNOWN);
+        column.scale = unit.map_or(1.0, Unit::in_results) * scale.unwrap_or(1.0);
+    }
+    warnings.append(&mut column.warnings);
+    column.quantity = Some(kind.quantity());
+    column
+}
+
+fn no_axes(path: &Path, found: &[String]) -> LogError {
+    let found = if found.is_empty() { "no numbers at all".to_owned() } else { found.join(", ") };
+    LogError::Ask(format!(
+        "{} has no column whose name or unit says that it is an axis of an IMU (such as gyro_x, wx, `ax [m/s^2]`); it \
+         has: {found}; rename those that are",
+        path.display(),
+    ))
+}
+
+/// `/imu0` of `/imu0.angular_velocity.x`.
+fn topic_of(column: &str) -> Option<String> {
+    let topic = column.strip_suffix(FIRST)?;
+    topic.starts_with('/').then(|| topic.to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// As `rostopic echo -p` writes it: the variances of an angular velocity are none, unless somebody asks for them.
+    #[test]
+    fn what_stands_beside_axes_is_left_out() {
+        let text = "%time,field.angular_velocity.x,field.angular_velocity_covariance0,gyro_clipping\n\
+                    1000,0.5,0.0,0\n2000,0.25,0.0,0\n3000,1.5,0.0,1\n";
+        let read = |columns: Option<Vec<String>>| {
+            let log = ColumnOptions { rate: Some(200.0), ..ColumnOptions::default() };
+            let options = ImuOptions { columns, log, ..ImuOptions::default() };
+            let parts = vec![(std::path::PathBuf::from("imu.csv"), text.as_bytes().to_vec().into())];
+            Axes::read(Path::new("imu.csv"), parts, &options).unwrap()
+        };
+        let found = read(None);
+        assert_eq!(found.columns.len(), 1);
+        assert_eq!(found.columns[0].name, "field.angular_velocity.x");
+        assert!(
+            found.warnings.iter().any(|note| note.code == "columns-left-out" && note.text.contains("gyro_clipping"))
+        );
+        assert_eq!(read(Some(vec!["field.angular_velocity_covariance0".to_owned()])).columns.len(), 1);
+    }
+}

@@ -1,0 +1,131 @@
+//! Noise coefficients in the units that data sheets, standards and users have them in.
+
+use crate::{Quantity, STANDARD_GRAVITY};
+use zerorate_allan::FLOOR_PER_B;
+use zerorate_allan::{Coefficient, Estimate, Fit, LONGEST_RECORD_S};
+
+/// A coefficient by name and units, its main unit first.
+pub struct Named<'a> {
+    /// Its letter in IEEE Std 952-1997.
+    pub letter: char,
+    /// Its name.
+    pub name: &'static str,
+    /// Slope of its line in the plot.
+    pub slope: f64,
+    /// Deviation at 1 s per unit of the coefficient.
+    pub at_1s: f64,
+    /// The values.
+    pub coefficient: &'a Coefficient,
+    /// Unit, and how many of it are one of the fit's.
+    pub units: Vec<(String, f64)>,
+}
+
+/// Units of a coefficient, given as those of fits in °/s and in m/s², and as what follows any other unit.
+pub struct Units {
+    rate: &'static [(&'static str, f64)],
+    acceleration: &'static [(&'static str, f64)],
+    other: &'static str,
+}
+
+const SQRT_2: f64 = std::f64::consts::SQRT_2;
+
+/// µg in 1 m/s².
+const MICRO_G: f64 = 1e6 / STANDARD_GRAVITY;
+
+/// 1 °/√s = 60 °/√h; a one-sided density is √2 N. 1 °/s/√s = 3600 · 60 °/h/√h.
+const N: Units = Units {
+    rate: &[("°/√h", 60.0), ("°/√s", 1.0), ("°/s/√Hz, one-sided", SQRT_2)],
+    acceleration: &[("m/s/√h", 60.0), ("m/s/√s", 1.0), ("µg/√Hz, one-sided", SQRT_2 * MICRO_G)],
+    other: "·√s",
+};
+/// Of the bias instability, and of whatever else is in the unit of the rate. B is that unit.
+pub const B: Units = Units {
+    rate: &[("°/h", 3600.0), ("°/s", 1.0)],
+    acceleration: &[("µg", MICRO_G), ("mg", MICRO_G / 1e3), ("m/s²", 1.0)],
+    other: "",
+};
+const K: Units = Units {
+    rate: &[("°/h/√h", 216_000.0), ("°/s/√s", 1.0)],
+    acceleration: &[("µg/√h", 60.0 * MICRO_G), ("m/s²/√s", 1.0)],
+    other: "/√s",
+};
+const Q: Units = Units { rate: &[("°", 1.0), ("″", 3600.0)], acceleration: &[("m/s", 1.0)], other: "·s" };
+const R: Units = Units {
+    rate: &[("°/h/h", 12_960_000.0), ("°/s/s", 1.0)],
+    acceleration: &[("µg/h", 3600.0 * MICRO_G), ("m/s²/s", 1.0)],
+    other: "/s",
+};
+
+impl Units {
+    /// Those of a quantity, the usual one first, each with how many of it are one of the fit's.
+    #[must_use]
+    pub fn of(&self, quantity: Option<Quantity>) -> Vec<(String, f64)> {
+        let known = match quantity {
+            Some(Quantity::AngularRate) => self.rate,
+            Some(Quantity::Acceleration) => self.acceleration,
+            Some(Quantity::Temperature) => return vec![(format!("°C{}", self.other), 1.0)],
+            None => return vec![(format!("unit{}", self.other), 1.0)],
+        };
+        known.iter().map(|(unit, factor)| ((*unit).to_owned(), *factor)).collect()
+    }
+}
+
+/// The coefficients of a model of this quantity, those that every fit has first.
+#[must_use]
+pub fn coefficients(fit: &Fit, quantity: Option<Quantity>) -> Vec<Named<'_>> {
+    let named = |letter, name, slope, at_1s, coefficient, units: &Units| Named {
+        letter,
+        name,
+        slope,
+        at_1s,
+        coefficient,
+        units: units.of(quantity),
+    };
+    let names = match quantity {
+        Some(Quantity::Acceleration) => ("velocity random walk", "acceleration random walk"),
+        _ => ("angle random walk", "rate random walk"),
+    };
+    let always = [
+        named('N', names.0, -0.5, 1.0, &fit.n, &N),
+        named('B', "bias instability", 0.0, FLOOR_PER_B, &fit.b, &B),
+        named('K', names.1, 0.5, 1.0 / 3f64.sqrt(), &fit.k, &K),
+    ];
+    let quantisation = fit.q.iter().map(|q| named('Q', "quantisation", -1.0, 3f64.sqrt(), q, &Q));
+    let ramp = fit.r.iter().map(|r| named('R', "ramp", 1.0, 1.0 / SQRT_2, r, &R));
+    always.into_iter().chain(quantisation).chain(ramp).collect()
+}
+
+impl Named<'_> {
+    /// Value and limits in the unit at `index`.
+    #[must_use]
+    pub fn in_unit(&self, index: usize) -> Estimate {
+        let factor = self.units[index].1;
+        let Coefficient { value, lo, hi, .. } = self.coefficient;
+        Estimate { value: value * factor, lo: lo * factor, hi: hi * factor }
+    }
+
+    /// What is to be said of a coefficient that is not identified.
+    #[must_use]
+    pub fn remark(&self) -> String {
+        match (self.coefficient.identified, self.coefficient.needed_s) {
+            (true, _) => String::new(),
+            (false, Some(needed_s)) if needed_s > LONGEST_RECORD_S => {
+                "not identified: no record of practical length would tell".to_owned()
+            }
+            (false, Some(needed_s)) => format!("not identified: record about {}", span(needed_s)),
+            (false, None) => "not identified".to_owned(),
+        }
+    }
+}
+
+/// A time as one says it: `40 min`, `3.5 h`, `12 d`.
+#[must_use]
+pub fn span(seconds: f64) -> String {
+    match seconds {
+        s if s < 10.0 => format!("{s:.2} s"),
+        s if s < 120.0 => format!("{s:.0} s"),
+        s if s < 7200.0 => format!("{:.0} min", s / 60.0),
+        s if s < 172_800.0 => format!("{:.1} h", s / 3600.0),
+        s => format!("{:.0} d", s / 86_400.0),
+    }
+}

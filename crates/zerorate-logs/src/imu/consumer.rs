@@ -1,0 +1,313 @@
+//! Files for the filters that take the noise of an IMU: one complete text for each, every number with its meaning.
+//!
+//! Which number goes where, and where that is known from: `docs/imu.md`.
+
+use super::numbers::{AxisNumbers, Choice, Chosen, Memory, Numbers, Sensor};
+use zerorate_record::plain;
+
+/// Who reads the file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
+pub enum Format {
+    /// Kalibr: imu.yaml, continuous densities.
+    Kalibr,
+    /// OpenVINS: the chain file, the same densities below `imu0`.
+    Openvins,
+    /// VINS-Mono and VINS-Fusion: standard deviations of single samples.
+    Vins,
+    /// ORB-SLAM3: the IMU's part of the settings, continuous densities.
+    Orbslam3,
+    /// KF-GINS: its `imunoise`, by axis, the bias as a Gauss–Markov process.
+    KfGins,
+    /// Covariances of `sensor_msgs/Imu` of ROS.
+    Ros,
+}
+
+impl Format {
+    /// All of them.
+    pub const ALL: [Self; 6] = [Self::Kalibr, Self::Openvins, Self::Vins, Self::Orbslam3, Self::KfGins, Self::Ros];
+
+    /// What it is called as an option.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Kalibr => "kalibr",
+            Self::Openvins => "openvins",
+            Self::Vins => "vins",
+            Self::Orbslam3 => "orbslam3",
+            Self::KfGins => "kf-gins",
+            Self::Ros => "ros",
+        }
+    }
+
+    /// Whether it takes a number for each of three axes.
+    #[must_use]
+    pub const fn is_by_axis(self) -> bool {
+        matches!(self, Self::KfGins | Self::Ros)
+    }
+
+    /// What reads it, for people.
+    #[must_use]
+    pub fn reader(self) -> &'static str {
+        match self {
+            Self::Kalibr => "Kalibr (imu.yaml)",
+            Self::Openvins => "OpenVINS (kalibr_imu_chain.yaml)",
+            Self::Vins => "VINS-Mono and VINS-Fusion",
+            Self::Orbslam3 => "ORB-SLAM3",
+            Self::KfGins => "KF-GINS",
+            Self::Ros => "ROS (sensor_msgs/Imu)",
+        }
+    }
+
+    /// The text of the file.
+    #[must_use]
+    pub fn text(self, numbers: &Numbers) -> String {
+        let mut file = Text::default();
+        match self {
+            Self::Kalibr => kalibr(&mut file, numbers, ""),
+            Self::Openvins => openvins(&mut file, numbers),
+            Self::Vins => vins(&mut file, numbers),
+            Self::Orbslam3 => orbslam3(&mut file, numbers),
+            Self::KfGins => kf_gins(&mut file, numbers),
+            Self::Ros => ros(&mut file, numbers),
+        }
+        file.0
+    }
+}
+
+fn kalibr(file: &mut Text, numbers: &Numbers, indent: &str) {
+    if indent.is_empty() {
+        file.head(
+            numbers,
+            Format::Kalibr,
+            "Continuous time: σ²(τ) = n²/τ and w²τ/3, two-sided densities n² and w²/(2πf)²",
+        );
+    }
+    let (gyroscope, accelerometer) = (numbers.gyroscope.as_ref(), numbers.accelerometer.as_ref());
+    file.number(&format!("{indent}gyroscope_noise_density"), gyroscope.map(|all| &all.n), "rad/s/√Hz");
+    file.number(&format!("{indent}gyroscope_random_walk"), gyroscope.map(|all| &all.k), "rad/s²/√Hz");
+    file.number(&format!("{indent}accelerometer_noise_density"), accelerometer.map(|all| &all.n), "m/s²/√Hz");
+    file.number(&format!("{indent}accelerometer_random_walk"), accelerometer.map(|all| &all.k), "m/s³/√Hz");
+    let topic = match &numbers.choice.topic {
+        Some(topic) => format!("{}   # of the log", quoted(topic)),
+        None => format!("{}   # the log does not state it: put yours here", quoted("/imu0")),
+    };
+    file.line(&format!("{indent}rostopic: {topic}"));
+    file.plain(&format!("{indent}update_rate"), numbers.rate_hz, "Hz, as recorded");
+}
+
+/// What OpenVINS wants beside the noise cannot be told at rest: no rotation, no misalignment, scales of 1.
+const OPENVINS_REST: &str = "  T_i_b:
+    - [1.0, 0.0, 0.0, 0.0]
+    - [0.0, 1.0, 0.0, 0.0]
+    - [0.0, 0.0, 1.0, 0.0]
+    - [0.0, 0.0, 0.0, 1.0]
+  time_offset: 0.0
+  model: \"kalibr\"
+  Tw:
+    - [1.0, 0.0, 0.0]
+    - [0.0, 1.0, 0.0]
+    - [0.0, 0.0, 1.0]
+  R_IMUtoGYRO:
+    - [1.0, 0.0, 0.0]
+    - [0.0, 1.0, 0.0]
+    - [0.0, 0.0, 1.0]
+  Ta:
+    - [1.0, 0.0, 0.0]
+    - [0.0, 1.0, 0.0]
+    - [0.0, 0.0, 1.0]
+  R_IMUtoACC:
+    - [1.0, 0.0, 0.0]
+    - [0.0, 1.0, 0.0]
+    - [0.0, 0.0, 1.0]
+  Tg:
+    - [0.0, 0.0, 0.0]
+    - [0.0, 0.0, 0.0]
+    - [0.0, 0.0, 0.0]";
+
+fn openvins(file: &mut Text, numbers: &Numbers) {
+    file.line("%YAML 1.0\n---");
+    file.head(numbers, Format::Openvins, "Continuous time, the same densities as Kalibr's");
+    file.line("imu0:");
+    kalibr(file, numbers, "  ");
+    file.line("  # not from this record, which was at rest: no rotation, no delay, scales of 1");
+    file.line(OPENVINS_REST);
+}
+
+/// Standard gravity; VINS wants that of the place.
+const G_NORM: &str = "9.80665";
+
+fn vins(file: &mut Text, numbers: &Numbers) {
+    file.line("%YAML 1.0\n---");
+    let why = "Standard deviations of single samples at the rate below, n·√rate and w·√rate: its propagation \
+               multiplies each by dt once per sample (integration_base.h)";
+    file.head(numbers, Format::Vins, why);
+    let Numbers { rate_hz, .. } = numbers;
+    let [gyroscope, accelerometer] = [&numbers.gyroscope, &numbers.accelerometer].map(|all| {
+        let all = all.as_ref();
+        let per_sample = |one: &Chosen| one.times(rate_hz.sqrt());
+        (all.map(|all| per_sample(&all.n)), all.map(|all| per_sample(&all.k)))
+    });
+    file.number("acc_n", accelerometer.0.as_ref(), "m/s²");
+    file.number("gyr_n", gyroscope.0.as_ref(), "rad/s");
+    file.number("acc_w", accelerometer.1.as_ref(), "m/s³");
+    file.number("gyr_w", gyroscope.1.as_ref(), "rad/s²");
+    file.line(&format!("g_norm: {G_NORM}   # m/s², standard gravity: put that of your place here"));
+    file.line(&format!("# the rate: {rate_hz:.6} Hz; at another the four numbers are others"));
+}
+
+fn orbslam3(file: &mut Text, numbers: &Numbers) {
+    file.line("%YAML 1.0\n---");
+    let why = "Continuous time; it makes samples of them by IMU.Frequency itself. Cameras and IMU.T_b_c1 are yours";
+    file.head(numbers, Format::Orbslam3, why);
+    let (gyroscope, accelerometer) = (numbers.gyroscope.as_ref(), numbers.accelerometer.as_ref());
+    file.number("IMU.NoiseGyro", gyroscope.map(|all| &all.n), "rad/s^0.5");
+    file.number("IMU.NoiseAcc", accelerometer.map(|all| &all.n), "m/s^1.5");
+    file.number("IMU.GyroWalk", gyroscope.map(|all| &all.k), "rad/s^1.5");
+    file.number("IMU.AccWalk", accelerometer.map(|all| &all.k), "m/s^2.5");
+    file.plain("IMU.Frequency", numbers.rate_hz, "Hz, as recorded");
+}
+
+/// mGal in 1 m/s².
+const MILLI_GAL: f64 = 1e5;
+
+fn kf_gins(file: &mut Text, numbers: &Numbers) {
+    let why = "By axis x, y, z (there forward, right, down: the order is yours); the wander of the bias as a \
+               Gauss–Markov process of one correlation time for all";
+    file.head(numbers, Format::KfGins, why);
+    let Numbers { gyroscope, accelerometer, memory, .. } = numbers;
+    let Memory { tau_s, from } = memory;
+    file.line("imunoise:");
+    // 1 rad/√s is 60·180/π °/√h
+    file.list("  arw", gyroscope, |axis| axis.n.value.to_degrees() * 60.0, "°/√h: N of each axis");
+    file.list("  vrw", accelerometer, |axis| axis.n.value * 60.0, "m/s/√h: N of each axis");
+    file.list("  gbstd", gyroscope, |axis| axis.sigma.to_degrees() * 3600.0, &format!("°/h: σ, {from}"));
+    file.list("  abstd", accelerometer, |axis| axis.sigma * MILLI_GAL, "mGal: the same");
+    file.line("  gsstd: [300.0, 300.0, 300.0]   # ppm: KF-GINS's example; no scale can be told at rest");
+    file.line("  asstd: [300.0, 300.0, 300.0]   # ppm: the same");
+    file.plain("  corrtime", tau_s / 3600.0, "h");
+}
+
+fn ros(file: &mut Text, numbers: &Numbers) {
+    let why = "Covariances of sensor_msgs/Imu, by axis, row by row: n²·rate, the variance that single samples have \
+               in a filter that takes them as white at the rate below";
+    file.head(numbers, Format::Ros, why);
+    let Numbers { gyroscope, accelerometer, rate_hz, .. } = numbers;
+    file.line("orientation_covariance: [-1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]   # no orientation is given");
+    let variance = |axis: &AxisNumbers| axis.n.value * axis.n.value * rate_hz;
+    file.covariance("angular_velocity_covariance", gyroscope, variance, "rad²/s²");
+    file.covariance("linear_acceleration_covariance", accelerometer, variance, "m²/s⁴");
+    file.line(&format!("# the rate: {rate_hz:.6} Hz; at another the numbers are others"));
+}
+
+/// YAML in the making.
+#[derive(Default)]
+struct Text(String);
+
+impl Text {
+    fn line(&mut self, line: &str) {
+        self.0.push_str(line);
+        self.0.push('\n');
+    }
+
+    /// What the file is, how its numbers were chosen, and what stands behind them.
+    fn head(&mut self, numbers: &Numbers, format: Format, meaning: &str) {
+        let (reader, is_by_axis) = (format.reader(), format.is_by_axis());
+        let Choice { log, combine, inflate, doubts, names, .. } = &numbers.choice;
+        self.line(&format!("# Noise of an IMU for {reader}, by {} from {}.", zerorate::SOFTWARE, plain::line(log)));
+        self.line(&format!("# {meaning}."));
+        if !is_by_axis {
+            self.line(&format!("# Of the axes of a kind {}.", combine.words(*names)));
+        }
+        if *inflate != 1.0 {
+            self.line(&format!("# All noise is multiplied by {inflate}, for what a record at rest does not show."));
+        }
+        for doubt in doubts {
+            self.line(&format!("# NOT A RESULT: {}", plain::line(doubt)));
+        }
+    }
+
+    fn number(&mut self, key: &str, chosen: Option<&Chosen>, unit: &str) {
+        match chosen {
+            Some(Chosen { value, from }) => {
+                self.line(&format!("{key}: {}   # {unit}: {}", number(*value), plain::line(from)));
+            }
+            None => self.missing(key, unit),
+        }
+    }
+
+    /// A comment in the place of what the log does not tell.
+    fn missing(&mut self, key: &str, unit: &str) {
+        self.line(&format!("# {}:   # {unit}: no such axes were read; fill it in", key.trim_start()));
+    }
+
+    fn plain(&mut self, key: &str, value: f64, what: &str) {
+        self.line(&format!("{key}: {}   # {what}", decimal(value)));
+    }
+
+    fn list(&mut self, key: &str, sensor: &Option<Sensor>, of: impl Fn(&AxisNumbers) -> f64, what: &str) {
+        match sensor {
+            Some(sensor) => self.values(key, &sensor.by_axis(of), what),
+            None => self.missing(key, what),
+        }
+    }
+
+    /// The variances of the axes on the diagonal.
+    fn covariance(&mut self, key: &str, sensor: &Option<Sensor>, of: impl Fn(&AxisNumbers) -> f64, what: &str) {
+        let Some(sensor) = sensor else { return self.missing(key, what) };
+        let mut all = [0.0; 9];
+        for (place, variance) in all.iter_mut().step_by(4).zip(sensor.by_axis(of)) {
+            *place = variance;
+        }
+        self.values(key, &all, what);
+    }
+
+    fn values(&mut self, key: &str, values: &[f64], what: &str) {
+        let values: Vec<String> = values.iter().map(|value| number(*value)).collect();
+        self.line(&format!("{key}: [{}]   # {what}", values.join(", ")));
+    }
+}
+
+/// A number that is one in YAML 1.0 to 1.2: PyYAML takes `1.5e3` for a word.
+fn number(value: f64) -> String {
+    if value == 0.0 {
+        return "0.0".to_owned();
+    }
+    let text = format!("{value:.6e}");
+    match text.split_once('e') {
+        Some((digits, exponent)) if !exponent.starts_with('-') => format!("{digits}e+{exponent}"),
+        _ => text,
+    }
+}
+
+/// The same without an exponent, for rates and times.
+fn decimal(value: f64) -> String {
+    let text = format!("{value:.6}");
+    let short = text.trim_end_matches('0');
+    if short.ends_with('.') { format!("{short}0") } else { short.to_owned() }
+}
+
+/// A word as YAML takes it, whatever is in it. OpenCV takes the comment behind a word without quotes for a part of it.
+fn quoted(word: &str) -> String {
+    format!("\"{}\"", plain::line(word).replace('\\', "\\\\").replace('"', "\\\""))
+}
+
+#[cfg(all(test, feature = "clap"))]
+mod tests {
+    use super::Format;
+    use crate::imu::Combine;
+    use clap::ValueEnum;
+
+    /// Python has these names, the command line those of clap.
+    #[test]
+    fn front_ends_have_the_same_names() {
+        let of_clap = |value: Option<clap::builder::PossibleValue>| value.map(|value| value.get_name().to_owned());
+        assert_eq!(Format::value_variants(), Format::ALL);
+        for format in Format::ALL {
+            assert_eq!(of_clap(format.to_possible_value()).as_deref(), Some(format.name()));
+        }
+        for combine in Combine::value_variants() {
+            assert_eq!(of_clap(combine.to_possible_value()).as_deref(), Some(combine.name()));
+        }
+    }
+}

@@ -1,0 +1,115 @@
+//! What an axis of an IMU is of, by the unit or the name of its column.
+
+use crate::{Column, Quantity};
+
+/// What an axis is of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Angular rate.
+    Gyroscope,
+    /// Specific force.
+    Accelerometer,
+}
+
+impl Kind {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::Gyroscope, Self::Accelerometer];
+
+    /// The word for it.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Gyroscope => "gyroscope",
+            Self::Accelerometer => "accelerometer",
+        }
+    }
+
+    pub(super) const fn plural(self) -> &'static str {
+        match self {
+            Self::Gyroscope => "gyroscopes",
+            Self::Accelerometer => "accelerometers",
+        }
+    }
+
+    /// What it measures.
+    #[must_use]
+    pub const fn quantity(self) -> Quantity {
+        match self {
+            Self::Gyroscope => Quantity::AngularRate,
+            Self::Accelerometer => Quantity::Acceleration,
+        }
+    }
+
+    /// What measures a quantity.
+    #[must_use]
+    pub fn of(quantity: Quantity) -> Option<Self> {
+        Self::ALL.into_iter().find(|kind| kind.quantity() == quantity)
+    }
+
+    /// By the unit that a column has, or else by its name.
+    pub(super) fn of_column(column: &Column) -> Option<Self> {
+        column.quantity.map_or_else(|| Self::named(&column.name), Self::of)
+    }
+
+    /// Whether a column is of a gyroscope or an accelerometer, but none of its axes: what ROS, PX4 and phyphox write
+    /// beside them.
+    pub(super) fn is_beside(name: &str) -> bool {
+        let name = name.to_lowercase();
+        ["covariance", "integral", "clipping", "calibration", "timestamp", "absolute", "magnitude"]
+            .iter()
+            .any(|word| name.contains(word))
+    }
+
+    /// `gyro_x`, `wx`, `omega.x`; `acc_x`, `ax`, `f_y`.
+    fn named(name: &str) -> Option<Self> {
+        let name = name.to_lowercase();
+        let holds = |words: &[&str]| words.iter().any(|word| name.contains(word));
+        let short = |letters: &str| {
+            let mut rest = name.chars().filter(|c| c.is_alphanumeric());
+            let (first, second) = (rest.next(), rest.next());
+            let is_axis = second.is_some_and(|axis| "xyz123".contains(axis)) && rest.next().is_none();
+            is_axis && first.is_some_and(|first| letters.contains(first))
+        };
+        match () {
+            () if holds(&["mag", "temp", "press", "baro", "quat", "orient"]) => None,
+            () if holds(&["gyr", "angular", "omega"]) || short("gw") => Some(Self::Gyroscope),
+            () if holds(&["acc", "linear"]) || short("af") => Some(Self::Accelerometer),
+            () => None,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_stands_beside_axes() {
+        for name in ["field.angular_velocity_covariance0", "gyro_integral_dt", "Absolute (rad/s)", "gyro_clipping"] {
+            assert!(Kind::is_beside(name), "{name}");
+        }
+        assert!(!["gyro_rad[0]", "field.angular_velocity.x", "ax [m/s^2]"].into_iter().any(Kind::is_beside));
+    }
+
+    #[test]
+    fn names_say_what_they_are() {
+        let cases = [
+            ("gyro_x", Some(Kind::Gyroscope)),
+            ("GyrX", Some(Kind::Gyroscope)),
+            ("wx", Some(Kind::Gyroscope)),
+            ("w_x", Some(Kind::Gyroscope)),
+            ("g.z", Some(Kind::Gyroscope)),
+            ("accel_y", Some(Kind::Accelerometer)),
+            ("ax", Some(Kind::Accelerometer)),
+            ("fz", Some(Kind::Accelerometer)),
+            ("mag_x", None),
+            ("temp_acc", None),
+            ("axle", None),
+            ("x", None),
+            ("height", None),
+        ];
+        for (name, kind) in cases {
+            assert_eq!(Kind::named(name), kind, "{name}");
+        }
+    }
+}

@@ -1,0 +1,323 @@
+//! `sensor_msgs/Imu`, the message in which ROS carries gyroscopes: decoded from its bytes, and collected into
+//! columns.
+
+use super::clock::Times;
+use super::parts::miscounted;
+use super::series::SeriesBuilder;
+use super::topics::{Survey, Topic, several};
+use super::{Asked, Clock, ColumnOptions, Found, FoundColumn, LogError, Names, Result, Setting, Wanted, wrong};
+use std::collections::BTreeSet;
+use std::path::Path;
+#[cfg(not(feature = "zstd"))]
+use zerorate_record::NotBuiltIn;
+use zerorate_record::limits::Room;
+use zerorate_record::{CaptureError, Note, Quantity, TimeUnit, Unit};
+
+/// What can be asked of a message, as ROS calls it, and where it stands after the header: orientation and its
+/// covariance are 13 numbers, each vector is followed by a covariance of 9.
+const QUANTITIES: [(&str, usize); 6] = [
+    ("angular_velocity.x", 13),
+    ("angular_velocity.y", 14),
+    ("angular_velocity.z", 15),
+    ("linear_acceleration.x", 25),
+    ("linear_acceleration.y", 26),
+    ("linear_acceleration.z", 27),
+];
+
+/// How many numbers follow the header.
+const NUMBERS: usize = 37;
+
+/// The first bytes of whatever Zstandard packed: a bag may pack each message.
+const ZSTD: [u8; 4] = [0x28, 0xB5, 0x2F, 0xFD];
+
+/// The longest message: a frame name and 37 numbers, with much to spare.
+#[cfg(feature = "zstd")]
+const MAX_MESSAGE: usize = 1 << 16;
+
+/// How a message is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Encoding {
+    /// Common Data Representation of OMG, as in ROS 2: numbers aligned to their size.
+    Cdr,
+    /// ROS 1: little endian, no alignment.
+    Ros1,
+}
+
+impl Encoding {
+    /// By its name in a bag.
+    pub fn of(name: &str) -> Option<Self> {
+        match name {
+            "cdr" => Some(Self::Cdr),
+            "ros1" => Some(Self::Ros1),
+            _ => None,
+        }
+    }
+}
+
+/// Whether a message type is the one.
+pub fn is_imu(type_name: &str) -> bool {
+    matches!(type_name, "sensor_msgs/msg/Imu" | "sensor_msgs/Imu")
+}
+
+/// Which quantities of which topic are meant.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Quantities {
+    /// The topic with the IMU.
+    pub topic: String,
+    /// Names, and where they stand in a message.
+    all: Vec<(&'static str, usize)>,
+}
+
+impl Quantities {
+    /// Those that are wanted; all of one topic. Where it is open which, `survey` says what there is.
+    pub fn choose(
+        path: &Path,
+        topics: &BTreeSet<String>,
+        asked: &Asked<'_>,
+        survey: impl FnOnce() -> Survey,
+    ) -> Result<Self> {
+        if topics.is_empty() {
+            return Err(
+                CaptureError::not_a_log(path, "it is a bag without a topic of type sensor_msgs/msg/Imu").into()
+            );
+        }
+        let names: Vec<Option<&str>> = match asked.wanted {
+            Wanted::One(name) => vec![name],
+            Wanted::Listed(names) => names.iter().map(|name| Some(name.as_str())).collect(),
+            Wanted::Described(columns) => columns.iter().map(|column| Some(column.name.as_str())).collect(),
+            Wanted::All => QUANTITIES.iter().map(|(name, _)| Some(*name)).collect(),
+        };
+        let only = match &asked.args.topic {
+            Some(topic) => topics.get(topic).map(String::as_str),
+            None => topics.first().filter(|_| topics.len() == 1).map(String::as_str),
+        };
+        let chosen = names.iter().map(|name| Self::choose_one(topics, only, *name).ok_or(*name));
+        let chosen: Vec<Self> = match chosen.collect() {
+            Ok(chosen) => chosen,
+            Err(_) if only.is_none() => return Err(several(path, asked, &survey())),
+            Err(wanted) => return Err(unknown(path, only.unwrap_or_default(), wanted, asked.args.names)),
+        };
+        let topic = chosen.first().map(|first| first.topic.clone()).unwrap_or_default();
+        if let Some(other) = chosen.iter().find(|one| one.topic != topic) {
+            let why =
+                format!("the columns are of two topics, `{topic}` and `{}`, which keep different time", other.topic);
+            return Err(LogError::Ask(format!("{}: {why}; read one at a time", path.display())));
+        }
+        Ok(Self { topic, all: chosen.into_iter().flat_map(|one| one.all).collect() })
+    }
+
+    /// `wanted` is a quantity, or a topic and a quantity; x, y and z are those of angular_velocity.
+    fn choose_one(topics: &BTreeSet<String>, only: Option<&str>, wanted: Option<&str>) -> Option<Self> {
+        let wanted = wanted?;
+        let of_topic = topics
+            .iter()
+            .find_map(|topic| Some((topic.as_str(), wanted.strip_prefix(topic.as_str())?.strip_prefix('.')?)));
+        let (topic, quantity) = of_topic.or_else(|| Some((only?, wanted)))?;
+        let long = if quantity.len() == 1 { format!("angular_velocity.{quantity}") } else { quantity.to_owned() };
+        let (quantity, position) = QUANTITIES.into_iter().find(|(name, _)| *name == long)?;
+        Some(Self { topic: topic.to_owned(), all: vec![(quantity, position)] })
+    }
+}
+
+/// A quantity that messages do not have, or that was not named.
+fn unknown(path: &Path, topic: &str, wanted: Option<&str>, names: Names) -> LogError {
+    if wanted == Some(super::part_log::TEMP) {
+        return LogError::Ask(format!(
+            "{}: a message of sensor_msgs/Imu holds no temperature, and a part is calibrated over its temperature; \
+             join that of another topic to it in a table, such as CSV or Parquet",
+            path.display()
+        ));
+    }
+    let why = match wanted {
+        Some(wanted) => format!("has no column `{wanted}`"),
+        None => "has several columns".to_owned(),
+    };
+    let all = QUANTITIES.map(|(name, _)| format!("{topic}.{name}"));
+    let option = names.of(Setting::Column);
+    LogError::Ask(format!("{} {why}; choose with {option} one of: {}", path.display(), all.join(", ")))
+}
+
+impl Survey {
+    /// A topic that is there, with messages or without.
+    pub fn topic(&mut self, name: &str, kind: &str) {
+        self.0.entry(name.to_owned()).or_insert_with(|| Topic { kind: kind.to_owned(), ..Topic::default() });
+    }
+
+    /// A message of a topic; one that makes no sense is counted.
+    pub fn message(&mut self, name: &str, kind: &str, encoding: Option<Encoding>, message: &[u8]) {
+        let head = encoding.and_then(|encoding| Head::of(encoding, message));
+        self.topic(name, kind);
+        let Some(topic) = self.0.get_mut(name) else { return };
+        topic.messages += 1;
+        let Some(Head { stamp_ns, frame }) = head else { return };
+        let (first, last) = topic.span_ns.unwrap_or((stamp_ns, stamp_ns));
+        topic.span_ns = Some((first.min(stamp_ns), last.max(stamp_ns)));
+        topic.frame.get_or_insert(frame);
+    }
+}
+
+/// Collects messages into columns.
+pub struct Collector<'a> {
+    path: &'a Path,
+    wanted: Quantities,
+    values: Vec<SeriesBuilder>,
+    messages: u64,
+    /// None if a rate was given.
+    times: Option<Times>,
+}
+
+impl<'a> Collector<'a> {
+    /// No message yet.
+    pub fn new(path: &'a Path, wanted: Quantities, room: Room, args: &ColumnOptions) -> Self {
+        let times = args.rate.is_none().then(Times::new);
+        let values = wanted.all.iter().map(|_| SeriesBuilder::sharing(room, wanted.all.len())).collect();
+        Self { path, wanted, values, messages: 0, times }
+    }
+
+    /// Adds a message.
+    pub fn push(&mut self, encoding: Encoding, message: &[u8]) -> Result<(), CaptureError> {
+        let number = self.messages;
+        let at = |what: String| wrong(self.path, format_args!("topic {}, message {number}", self.wanted.topic), what);
+        let room = self.values.first().map_or(Ok(()), |first| first.check_room(1));
+        room.map_err(|why| CaptureError::no_room(self.path, why))?;
+        let unpacked;
+        let message = if message.starts_with(&ZSTD) {
+            unpacked = unpacked_message(message).map_err(at)?;
+            &unpacked
+        } else {
+            message
+        };
+        let Imu { stamp_ns, numbers } = decode(encoding, message)
+            .ok_or_else(|| at(format!("its {} bytes are no sensor_msgs/Imu in {encoding:?}", message.len())))?;
+        if let Some(times) = &mut self.times {
+            times.push_integer(stamp_ns);
+        }
+        for ((quantity, position), values) in self.wanted.all.iter().zip(&mut self.values) {
+            if !values.push_number(numbers[*position]) {
+                return Err(at(format!("{quantity} is infinite, which cannot be averaged")));
+            }
+        }
+        self.messages += 1;
+        Ok(())
+    }
+
+    /// All messages were read; `torn` says where the file is, and `stated` how many messages there are by its own
+    /// account.
+    pub fn finish(self, torn: Option<String>, stated: Option<u64>) -> Found {
+        let Self { path, wanted, values, times, messages } = self;
+        let miscounted = match (&torn, stated) {
+            (None, Some(stated)) if stated != messages => Some(miscounted(path, &wanted.topic, stated, messages)),
+            _ => None,
+        };
+        let clock = times.map_or(Clock::Silent, |mut times| {
+            times.unit = Some(TimeUnit::Ns);
+            Clock::Column(format!("{}.header.stamp", wanted.topic), times)
+        });
+        let column = |((quantity, _), values): ((&str, usize), SeriesBuilder)| FoundColumn {
+            name: format!("{}.{quantity}", wanted.topic),
+            values,
+            // REP-103 of ROS
+            stated: Some(match quantity.starts_with("angular") {
+                true => (Quantity::AngularRate, Unit::RadPerS.in_results()),
+                false => (Quantity::Acceleration, Unit::MPerS2.in_results()),
+            }),
+            warnings: Vec::new(),
+        };
+        let columns = wanted.all.into_iter().zip(values).map(column).collect();
+        Found { columns, clock, warnings: Note::torn(torn).into_iter().chain(miscounted).collect() }
+    }
+}
+
+#[cfg(feature = "zstd")]
+fn unpacked_message(message: &[u8]) -> Result<Vec<u8>, String> {
+    zstd::bulk::decompress(message, MAX_MESSAGE).map_err(|error| error.to_string())
+}
+
+#[cfg(not(feature = "zstd"))]
+fn unpacked_message(_: &[u8]) -> Result<Vec<u8>, String> {
+    Err(NotBuiltIn::ZSTD.to_string())
+}
+
+struct Imu {
+    stamp_ns: i64,
+    numbers: [f64; NUMBERS],
+}
+
+/// The header of a message: when, and in which frame.
+#[derive(Debug, PartialEq)]
+pub struct Head {
+    pub stamp_ns: i64,
+    pub frame: String,
+}
+
+impl Head {
+    /// None of what is no such message.
+    pub fn of(encoding: Encoding, message: &[u8]) -> Option<Self> {
+        let unpacked;
+        let message = if message.starts_with(&ZSTD) {
+            unpacked = unpacked_message(message).ok()?;
+            &unpacked
+        } else {
+            message
+        };
+        let body = Body::of(encoding, message)?;
+        let (frame, _) = body.frame()?;
+        // CDR counts the zero at the end
+        let frame = String::from_utf8_lossy(frame.strip_suffix(&[0]).unwrap_or(frame)).into_owned();
+        Some(Self { stamp_ns: body.stamp_ns()?, frame })
+    }
+}
+
+/// What follows the mark of the encoding.
+struct Body<'a> {
+    bytes: &'a [u8],
+    encoding: Encoding,
+    big_endian: bool,
+}
+
+impl<'a> Body<'a> {
+    fn of(encoding: Encoding, message: &'a [u8]) -> Option<Self> {
+        let (big_endian, bytes) = match encoding {
+            Encoding::Ros1 => (false, message.get(4..)?),
+            Encoding::Cdr => match message.get(..4)? {
+                [0, endian @ (0 | 1), ..] => (*endian == 0, &message[4..]),
+                _ => return None,
+            },
+        };
+        Some(Self { bytes, encoding, big_endian })
+    }
+
+    fn u32_at(&self, at: usize) -> Option<u32> {
+        let bytes = *self.bytes.get(at..)?.first_chunk()?;
+        Some(if self.big_endian { u32::from_be_bytes(bytes) } else { u32::from_le_bytes(bytes) })
+    }
+
+    fn f64_at(&self, at: usize) -> Option<f64> {
+        let bytes = *self.bytes.get(at..)?.first_chunk()?;
+        Some(if self.big_endian { f64::from_be_bytes(bytes) } else { f64::from_le_bytes(bytes) })
+    }
+
+    fn stamp_ns(&self) -> Option<i64> {
+        let (sec, nanosec) = (self.u32_at(0)? as i32, self.u32_at(4)?);
+        Some(i64::from(sec) * 1_000_000_000 + i64::from(nanosec))
+    }
+
+    /// The name of the frame, and where the numbers begin.
+    fn frame(&self) -> Option<(&'a [u8], usize)> {
+        let end = (self.u32_at(8)? as usize).checked_add(12)?;
+        let frame = self.bytes.get(12..end)?;
+        Some((frame, if self.encoding == Encoding::Cdr { end.next_multiple_of(8) } else { end }))
+    }
+}
+
+/// `std_msgs/Header header; Quaternion orientation; float64[9]; Vector3 angular_velocity; float64[9]; Vector3
+/// linear_acceleration; float64[9]`.
+fn decode(encoding: Encoding, message: &[u8]) -> Option<Imu> {
+    let body = Body::of(encoding, message)?;
+    let (_, start) = body.frame()?;
+    let mut numbers = [0.0; NUMBERS];
+    for (number, at) in numbers.iter_mut().zip((start..).step_by(8)) {
+        *number = body.f64_at(at)?;
+    }
+    Some(Imu { stamp_ns: body.stamp_ns()?, numbers })
+}

@@ -1,0 +1,493 @@
+//! Columns of numbers out of any gyroscope's log, with their rate, their gaps and their units: all that are wanted in
+//! one pass over the file.
+//!
+//! Nothing is guessed: what a file does not state must be given as an option, or is said to be unknown. Each form is
+//! recognised by its content, whatever the file is called, and nothing here opens a file
+//! ([`Input`](zerorate_record::Input)).
+//!
+//! Text, raw numbers, Arrow, PX4's logs and captures are always read. A feature adds each other form, and a file of a
+//! form that is not built in says so ([`NotBuiltIn`](zerorate_record::NotBuiltIn)).
+
+mod arrow_file;
+#[cfg(all(test, feature = "full"))]
+mod checks;
+mod choice;
+mod clock;
+#[cfg(all(test, feature = "full"))]
+mod foreign;
+#[cfg(test)]
+mod fuzz;
+#[cfg(feature = "hdf5")]
+mod hdf5;
+#[cfg(feature = "hdf5")]
+mod hdf5_index;
+pub mod imu;
+#[cfg(any(feature = "mcap", feature = "ros", feature = "sqlite"))]
+mod imu_messages;
+mod judged;
+#[cfg(feature = "hdf5")]
+mod lzf;
+#[cfg(feature = "matlab")]
+mod mat;
+#[cfg(feature = "mcap")]
+mod mcap_bag;
+#[cfg(all(test, not(feature = "full")))]
+mod missing;
+#[cfg(feature = "numpy")]
+mod npy;
+#[cfg(feature = "npz")]
+mod npz;
+mod number;
+mod open;
+mod order;
+#[cfg(feature = "parquet")]
+mod parquet;
+mod part_log;
+mod parts;
+mod raw;
+mod resampled;
+#[cfg(feature = "ros")]
+mod rosbag;
+mod row_reader;
+mod series;
+mod setting;
+#[cfg(all(test, feature = "full"))]
+mod several;
+#[cfg(feature = "sqlite")]
+mod sqlite_bag;
+mod stopped;
+mod tabular;
+#[cfg(test)]
+mod tests;
+mod text;
+mod topics;
+mod ulog;
+mod wide;
+
+pub use choice::{Described, Wanted};
+pub use open::kind;
+pub use part_log::PartLog;
+pub use parts::{Parts, read_parts};
+pub use raw::RawType;
+pub use row_reader::RowReader;
+pub use series::Series;
+pub use setting::{Names, Setting};
+pub use zerorate_record::{Quantity, STANDARD_GRAVITY, TimeUnit, Unit};
+
+use arrow_array::RecordBatch;
+use arrow_file::ArrowFile;
+use clock::{Beat, Times};
+use open::{Form, Log};
+use series::SeriesBuilder;
+use std::path::Path;
+use zerorate_allan::Gap;
+use zerorate_record::limits::Room;
+use zerorate_record::table::{self, Opened};
+use zerorate_record::{CaptureError, Input, Note};
+
+/// Which numbers of a log are meant, and what the log does not say about them itself.
+#[derive(Clone, Debug, Default)]
+pub struct ColumnOptions {
+    /// The column, by its name or its number counted from 0; none: the rate of a capture, or the only column.
+    ///
+    /// In a ROS bag x, y or z (of angular_velocity), or TOPIC.angular_velocity.z where there are several IMUs.
+    pub column: Option<String>,
+
+    /// The topic of the log that columns are of; none: the only one with an IMU.
+    pub topic: Option<String>,
+
+    /// The column with the time of each row: it tells the rate, and where samples are missing.
+    pub time_column: Option<String>,
+
+    /// The unit of the time column ; none: the one that its name or type states, as in t_ns or `timestamp [ms]`.
+    pub time_unit: Option<TimeUnit>,
+
+    /// Samples per second; none: as the time column, the timestamps of a capture or the stamps of a bag tell. With it,
+    /// the stamps of a bag are not looked at.
+    pub rate: Option<f64>,
+
+    /// The unit of the column; none: the one that its name states, as in gyro_z_dps or `gz [rad/s]`.
+    pub unit: Option<Unit>,
+
+    /// What a step of 1 in the column is, in its unit, or else in °/s, or m/s² for what states that it is an
+    /// acceleration; none: 1, or the scale of the part for the codes of a capture.
+    pub scale: Option<f64>,
+
+    /// What stands before the decimals in a text file; none: a point, or a comma where it can be nothing else.
+    pub decimal: Option<Decimal>,
+
+    /// The file is nothing but numbers of this type, little endian.
+    pub raw: Option<RawType>,
+
+    /// Broken lines of a text file that are skipped and counted, as a share of all; none: [`MAX_BAD`].
+    pub max_bad: Option<f64>,
+
+    /// What messages call these options.
+    pub names: Names,
+}
+
+/// Broken lines of a text file that are skipped unless told otherwise, as a share of all: a bad cable breaks fewer,
+/// and what breaks more is no cable but another form.
+pub const MAX_BAD: f64 = 0.01;
+
+/// Why a column cannot be had.
+#[derive(Debug, thiserror::Error)]
+pub enum LogError {
+    /// The file cannot be read, or is damaged.
+    #[error(transparent)]
+    File(#[from] CaptureError),
+    /// It does not say enough, or has nothing of what was asked for.
+    #[error("{0}")]
+    Ask(String),
+    /// It has several of what was asked for: the question, and a table with a head to choose from.
+    #[error("{0}\n{table}", table = .1.join("\n"))]
+    Choose(String, Vec<String>),
+    /// The numbers are there, but must not become a result: a code for scripts, and why.
+    #[error("{1}")]
+    Refused(&'static str, String),
+}
+
+/// What reading a log gives.
+pub type Result<T, E = LogError> = std::result::Result<T, E>;
+
+/// A decimal mark.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
+pub enum Decimal {
+    /// 1.5
+    Point,
+    /// 1,5
+    Comma,
+}
+
+/// A column, and what is known about it.
+#[derive(Debug, PartialEq)]
+pub struct Column {
+    /// Its name, or its number where columns have no names.
+    pub name: String,
+    /// The numbers in order. Missing samples are NaN among numbers.
+    pub series: Series,
+    /// Missing samples among codes.
+    pub gaps: Vec<Gap>,
+    /// Mean rate of the samples, those that are missing included.
+    pub rate_hz: f64,
+    /// What it measures, if the file states its unit, or a unit or a scale was given.
+    pub quantity: Option<Quantity>,
+    /// What a step of the numbers is, in the unit of that quantity's results; 1 if their unit is not known.
+    pub scale: f64,
+    /// What is to be said about the file: a tail that was torn off, a unit that is not known.
+    pub warnings: Vec<Note>,
+}
+
+impl Column {
+    /// How many samples are missing.
+    pub fn missing(&self) -> u64 {
+        match &self.series {
+            Series::Codes(_) => series::missing_in(&self.gaps),
+            Series::Numbers(numbers) => numbers.iter().filter(|number| number.is_nan()).count() as u64,
+        }
+    }
+
+    /// Whether it is 0 in every row.
+    pub fn is_blank(&self) -> bool {
+        match &self.series {
+            Series::Codes(codes) => codes.iter().all(|code| *code == 0),
+            Series::Numbers(numbers) => numbers.iter().all(|number| *number == 0.0),
+        }
+    }
+
+    /// A number for each sample of the log in the file `path`, NaN where it is missing.
+    pub fn points(&self, path: &Path) -> Result<Vec<f64>> {
+        match &self.series {
+            Series::Numbers(numbers) => Ok(numbers.clone()),
+            Series::Codes(codes) => {
+                series::with_gaps(codes, &self.gaps).map_err(|missing| too_many(path, missing, Names::default()))
+            }
+        }
+    }
+
+    /// Leaves out the first so many samples, those that are missing counted.
+    pub fn skip(&mut self, samples: u64) {
+        match &mut self.series {
+            Series::Numbers(numbers) => drop(numbers.drain(..numbers.len().min(samples as usize))),
+            Series::Codes(codes) => {
+                let mut missing = 0;
+                let before = self.gaps.iter().take_while(|gap| {
+                    // the gap ends where this code is in the record
+                    let inside = gap.at as u64 + missing + gap.missing <= samples;
+                    missing += if inside { gap.missing } else { 0 };
+                    inside
+                });
+                self.gaps.drain(..before.count());
+                let skipped = codes.len().min((samples - missing) as usize);
+                // one that the cut goes through leaves its codes behind it
+                let skipped = self.gaps.first().map_or(skipped, |gap| skipped.min(gap.at));
+                codes.drain(..skipped);
+                self.gaps.iter_mut().for_each(|gap| gap.at -= skipped);
+                self.gaps.retain(|gap| gap.at > 0);
+            }
+        }
+    }
+
+    /// Closes up all gaps, as if no time had passed in them.
+    pub fn close_gaps(&mut self) {
+        self.gaps.clear();
+        if let Series::Numbers(numbers) = &mut self.series {
+            numbers.retain(|number| !number.is_nan());
+        }
+    }
+}
+
+/// Reads a column of a log, whatever form it has, packed or not; `path` names it in messages.
+pub fn read(path: &Path, input: Input, args: &ColumnOptions) -> Result<Column> {
+    let columns = read_all(path, input, Wanted::One(args.column.as_deref()), args)?;
+    columns.into_iter().next().ok_or_else(|| LogError::Ask(format!("{} has no column", path.display())))
+}
+
+/// Reads the columns that are wanted in one pass over the file, whatever `args.column` says. All have one rate; what
+/// is to be said of the file as a whole is said with the first.
+pub fn read_all(path: &Path, input: Input, wanted: Wanted<'_>, args: &ColumnOptions) -> Result<Vec<Column>> {
+    find(path, input, wanted, args)?.finish(path, args)
+}
+
+/// Reads columns of a table in memory; `path` is what messages call them.
+///
+/// # Errors
+/// As of a file.
+pub fn read_table(path: &Path, table: &RecordBatch, wanted: Wanted<'_>, args: &ColumnOptions) -> Result<Vec<Column>> {
+    let room = Room::of(table.get_array_memory_size() as u64);
+    let mut columns = tabular::TableColumns::start(path, &table.schema(), room, &Asked { wanted, args })?;
+    columns.take(table, None)?;
+    columns.finish(Vec::new())?.finish(path, args)
+}
+
+/// The columns as they stand in the file.
+fn find(path: &Path, input: Input, wanted: Wanted<'_>, args: &ColumnOptions) -> Result<Found> {
+    let log = open::open(path, input)?;
+    let asked = Asked { wanted, args };
+    match args.raw {
+        Some(raw) => raw::read(log, raw, args.names),
+        None => found(log, &asked),
+    }
+}
+
+/// Which columns, and what is known of them.
+struct Asked<'a> {
+    wanted: Wanted<'a>,
+    args: &'a ColumnOptions,
+}
+
+fn found(log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
+    let form = log.form()?;
+    match (reader(form), form.missing()) {
+        (Some(read), _) => read(log, asked),
+        (None, Some(missing)) => Err(CaptureError::not_built_in(log.path, missing).into()),
+        (None, None) => read_table_or_text(log, asked),
+    }
+}
+
+/// What reads a form that has a reader of its own, where it is built in.
+fn reader(form: Form) -> Option<fn(Log<'_>, &Asked<'_>) -> Result<Found>> {
+    match form {
+        Form::ArrowFile => Some(read_arrow_file),
+        Form::ULog => Some(ulog::read),
+        #[cfg(feature = "hdf5")]
+        Form::Hdf5 => Some(hdf5::read),
+        #[cfg(feature = "matlab")]
+        Form::Mat => Some(mat::read),
+        #[cfg(feature = "mcap")]
+        Form::Mcap => Some(mcap_bag::read),
+        #[cfg(feature = "numpy")]
+        Form::Npy => Some(npy::read),
+        #[cfg(feature = "npz")]
+        Form::Npz => Some(npz::read),
+        #[cfg(feature = "parquet")]
+        Form::Parquet => Some(parquet::read),
+        #[cfg(feature = "ros")]
+        Form::RosBag => Some(rosbag::read),
+        #[cfg(feature = "sqlite")]
+        Form::Sqlite => Some(sqlite_bag::read),
+        _ => None,
+    }
+}
+
+fn read_arrow_file(log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
+    let source = ArrowFile::open(log.path, log.input, log.room)?;
+    tabular::read(log.path, Box::new(source), log.room, asked)
+}
+
+fn read_table_or_text(log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
+    let path = log.path;
+    match table::recognise(path, wide::narrowed(path, log.input, log.room)?)? {
+        Opened::Table(source) => tabular::read(path, source, log.room, asked),
+        Opened::Text(input) => text::read(path, input, log.room, asked),
+    }
+}
+
+/// Columns as they stand in their file.
+struct Found {
+    columns: Vec<FoundColumn>,
+    clock: Clock,
+    warnings: Vec<Note>,
+}
+
+/// One of them.
+struct FoundColumn {
+    name: String,
+    values: SeriesBuilder,
+    /// What it measures, and what a step is in the unit of its results, where that is a property of the form.
+    stated: Option<(Quantity, f64)>,
+    warnings: Vec<Note>,
+}
+
+impl FoundColumn {
+    fn new(name: String, values: SeriesBuilder) -> Self {
+        Self { name, values, stated: None, warnings: Vec::new() }
+    }
+}
+
+/// What a file tells about time.
+enum Clock {
+    /// Nothing.
+    Silent,
+    /// The name of a column, and the times in it.
+    Column(String, Times),
+    /// Rate and gaps, as counted by whatever wrote the file.
+    Counted { rate_hz: Option<f64>, gaps: Vec<Gap> },
+}
+
+impl Clock {
+    /// The unit of the times, and what they tell.
+    fn beat(&self, path: &Path, args: &ColumnOptions) -> Result<Option<(TimeUnit, Beat)>> {
+        let Self::Column(name, times) = self else { return Ok(None) };
+        let unit = args.time_unit.or(times.unit).or_else(|| TimeUnit::of_column(name));
+        let unit = unit.ok_or_else(|| no_time_unit(path, name, args.names))?;
+        let beat = times.beat(unit, args.names).map_err(|why| unsteady(path, name, &why))?;
+        Ok(Some((unit, beat)))
+    }
+}
+
+impl Found {
+    /// Puts the rows in the order of their times, and says what of those is not as it should be.
+    fn mend(&mut self, path: &Path, args: &ColumnOptions) -> Result<()> {
+        let Clock::Column(name, times) = &mut self.clock else { return Ok(()) };
+        let said = order::mend(times, &mut self.columns).map_err(|why| {
+            let rate = args.names.of(Setting::Rate);
+            let remedy = "two logs in one file, or a clock that was set? Cut the log there";
+            let or = format!("give {rate} and no time column if the samples are evenly spaced all the same");
+            LogError::Refused(
+                "times-disordered",
+                format!("{}, column {name}: {why} ({remedy}, or {or})", path.display()),
+            )
+        })?;
+        let note = |said| Note::new("times-mended", format!("{}, column {name}: {said}", path.display()));
+        self.warnings.extend(said.into_iter().map(note));
+        Ok(())
+    }
+
+    fn finish(mut self, path: &Path, args: &ColumnOptions) -> Result<Vec<Column>> {
+        self.mend(path, args)?;
+        let beat = self.clock.beat(path, args)?.map(|(_, beat)| beat);
+        if let Some(said) = beat.as_ref().and_then(Beat::jitter_text) {
+            self.warnings.push(Note::new("times-jitter", format!("{}: {said}", path.display())));
+        }
+        let Self { columns, clock, warnings } = self;
+        let (measured, lost) = match (beat, clock) {
+            (Some(Beat { rate_hz, gaps, .. }), _) => (Some(rate_hz), gaps),
+            (None, Clock::Counted { rate_hz, gaps }) => (rate_hz, gaps),
+            (None, _) => (None, Vec::new()),
+        };
+        let rate_hz = args.rate.or(measured).ok_or_else(|| {
+            let names: Vec<&str> = columns.iter().map(|column| column.name.as_str()).collect();
+            no_rate(path, &names, args.names)
+        })?;
+        let mut of_file = warnings;
+        let finish = |mut column: FoundColumn| {
+            // what is of the file is said once, with its first column
+            column.warnings.splice(..0, of_file.drain(..));
+            column.finish(path, rate_hz, &lost, args)
+        };
+        columns.into_iter().map(finish).collect()
+    }
+}
+
+impl FoundColumn {
+    fn finish(self, path: &Path, rate_hz: f64, lost: &[Gap], args: &ColumnOptions) -> Result<Column> {
+        let Self { name, values, stated, mut warnings } = self;
+        let (series, gaps) = values.finish(lost).map_err(|missing| too_many(path, missing, args.names))?;
+        let stated = stated.or_else(|| Quantity::of_column(&name));
+        let given = args.unit.map(|unit| (unit.quantity(), unit.in_results()));
+        let declared = match args.scale {
+            None => given.or(stated),
+            Some(scale) => {
+                let quantity = stated.map_or(Quantity::AngularRate, |(quantity, _)| quantity);
+                let (quantity, per_unit) = given.unwrap_or((quantity, 1.0));
+                Some((quantity, scale * per_unit))
+            }
+        };
+        let resampled = resampled::doubt(&series);
+        warnings.extend(
+            resampled.map(|said| Note::new("resampled", format!("{}, column {name}: {said}", path.display()))),
+        );
+        warnings.extend(declared.is_none().then(|| unit_unknown(path, &name, args.names)));
+        Ok(Column {
+            name,
+            series,
+            gaps,
+            rate_hz,
+            quantity: declared.map(|(quantity, _)| quantity),
+            scale: declared.map_or(1.0, |(_, scale)| scale),
+            warnings,
+        })
+    }
+}
+
+/// The code of a column whose unit is not known.
+pub(crate) const UNIT_UNKNOWN: &str = "unit-unknown";
+
+fn unit_unknown(path: &Path, column: &str, names: Names) -> Note {
+    let [unit, scale] = [Setting::Unit, Setting::Scale].map(|setting| names.of(setting));
+    let text = format!(
+        "{}: the unit of column {column} is not stated, so the result is in its own unit; give {unit} (dps, rad/s, \
+         m/s², g …) or {scale}",
+        path.display()
+    );
+    Note::new(UNIT_UNKNOWN, text)
+}
+
+fn no_time_unit(path: &Path, column: &str, names: Names) -> LogError {
+    let why = format!("does not state the unit of its time column `{column}`");
+    LogError::Ask(format!("{} {why}; give {} s, ms, us or ns", path.display(), names.of(Setting::TimeUnit)))
+}
+
+fn unsteady(path: &Path, column: &str, why: &str) -> LogError {
+    LogError::Refused("times-uneven", format!("{}, column {column}: {why}", path.display()))
+}
+
+/// Of `columns`, those that may hold the time are named.
+fn no_rate(path: &Path, columns: &[&str], names: Names) -> LogError {
+    let [rate, time, unit] = [Setting::Rate, Setting::TimeColumn, Setting::TimeUnit].map(|setting| names.of(setting));
+    let is_like_time = |name: &str| {
+        let name = name.to_lowercase();
+        name == "t" || name.contains("time") || name.contains("stamp")
+    };
+    let remedy = match columns.iter().find(|name| is_like_time(name)) {
+        Some(column) => format!("give {rate} in Hz, or {time} with {unit} if `{column}` is the time"),
+        None => format!("give {rate} in Hz, or {time} if a column holds the time"),
+    };
+    LogError::Ask(format!("{} does not say how fast it was sampled: {remedy}", path.display()))
+}
+
+/// More samples are missing than can be written out.
+fn too_many(path: &Path, missing: u64, names: Names) -> LogError {
+    let remedy = format!("cut the log at its longest gap, or give {} and no time column", names.of(Setting::Rate));
+    LogError::Refused(
+        "mostly-missing",
+        format!("{}: {missing} samples are missing between its rows; {remedy}", path.display()),
+    )
+}
+
+/// An error in a column of the file at `path`.
+fn wrong(path: &Path, place: std::fmt::Arguments<'_>, what: impl Into<String>) -> CaptureError {
+    CaptureError::damaged(path, place.to_string(), what)
+}

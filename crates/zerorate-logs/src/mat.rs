@@ -1,0 +1,360 @@
+//! MATLAB files of version 5 to 7.2 (MathWorks, MAT-File Format, R2023b): matrices of real numbers, by the name of the
+//! variable, and those in structures of one element by `variable.field`. Any other variable is none of the log's.
+//!
+//! What is packed carries a check (Adler-32), what is not packed carries none. A matrix of numbers that contradicts
+//! itself is an error: were it left out, nobody would miss its columns.
+
+use super::choice::{Choice, Columns, same_length};
+use super::clock::Times;
+use super::open::Log;
+use super::series::SeriesBuilder;
+use super::{Asked, Clock, Found, FoundColumn, Result};
+use flate2::read::ZlibDecoder;
+use std::io::{BufReader, Read};
+use std::path::Path;
+use zerorate_record::limits::Room;
+use zerorate_record::{CaptureError, Note};
+
+/// Bytes that a read asks the system for.
+const BUFFER: usize = 1 << 18;
+
+/// Text, and what tells the order of bytes.
+const HEAD: usize = 128;
+
+/// Columns of a matrix at most: with more it is rather an image.
+const MAX_COLUMNS: usize = 4096;
+
+/// How deep structures stand in structures, at most.
+const MAX_DEPTH: usize = 4;
+
+const INT8: u32 = 1;
+const SINGLE: u32 = 7;
+const DOUBLE: u32 = 9;
+const INT64: u32 = 12;
+const UINT64: u32 = 13;
+const MATRIX: u32 = 14;
+const COMPRESSED: u32 = 15;
+
+/// Reads columns of its matrices.
+pub fn read(log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
+    let Log { path, input, room, .. } = log;
+    let mut file = BufReader::with_capacity(BUFFER, input);
+    let (variables, torn) = variables(path, &mut file, room)?;
+    let mut columns: Vec<Variable<'_>> = Vec::new();
+    for (number, variable) in variables.iter().enumerate() {
+        variable.columns(&mut columns).map_err(|what| damaged(path, number, &what))?;
+    }
+    let names = columns.iter().map(|column| column.name.as_str()).collect();
+    let all = Columns { path, names, numeric: vec![true; columns.len()], settings: asked.args.names };
+    let Choice { values: chosen, time } = all.choose(asked.wanted, asked.args, &[])?;
+    let wanted: Vec<&Variable<'_>> = chosen.iter().chain(&time).map(|at| &columns[*at]).collect();
+    same_length(path, wanted.iter().map(|column| (column.name.as_str(), column.rows() as u64)))?;
+    let found = chosen.iter().map(|at| columns[*at].values(path, room, chosen.len()));
+    let found = found.collect::<Result<Vec<_>, _>>()?;
+    let clock = match time.map(|time| &columns[time]) {
+        Some(time) => Clock::Column(time.name.clone(), time.times(path)?),
+        None => Clock::Silent,
+    };
+    Ok(Found { columns: found, clock, warnings: Note::torn(torn) })
+}
+
+/// The variables of a file, unpacked, up to where it is torn, which is said.
+fn variables(
+    path: &Path,
+    file: &mut BufReader<zerorate_record::Input>,
+    room: Room,
+) -> Result<(Vec<Element>, Option<String>), CaptureError> {
+    let big_endian = is_big_endian(path, file)?;
+    let (mut all, mut bytes) = (Vec::new(), 0u64);
+    while let Some(Packed { kind, length, data }) = Packed::next(path, file, big_endian)? {
+        if data.len() < length {
+            let path = path.display();
+            return Ok((all, Some(format!("{path} ends inside a variable, which is dropped"))));
+        }
+        let wrong = |what: &str| damaged(path, all.len(), what);
+        let data = match kind {
+            MATRIX => data,
+            COMPRESSED => unpacked(&data, room).map_err(|what| wrong(&what))?,
+            kind => return Err(wrong(&format!("it is an element of type {kind}, which no variable has"))),
+        };
+        bytes = bytes.saturating_add(data.len() as u64);
+        room.check(bytes).map_err(|why| CaptureError::no_room(path, why))?;
+        // a packed element has its tag inside
+        let data = match (kind, (Parts { bytes: &data, big_endian }).next()) {
+            (MATRIX, _) => data,
+            (_, Some((MATRIX, part))) => part.to_vec(),
+            _ => return Err(wrong("what is packed in it is not a matrix, or is too short")),
+        };
+        all.push(Element { data, big_endian });
+    }
+    Ok((all, None))
+}
+
+/// What is wrong with a variable, by its number counted from 1.
+fn damaged(path: &Path, before: usize, what: &str) -> CaptureError {
+    CaptureError::damaged(path, format!("variable {} of a MATLAB file", before + 1), what)
+}
+
+/// The order of bytes, which the head tells.
+fn is_big_endian(path: &Path, file: &mut BufReader<zerorate_record::Input>) -> Result<bool, CaptureError> {
+    let mut head = [0; HEAD];
+    let damaged = |what: &str| CaptureError::damaged(path, "as a MATLAB file", what);
+    file.read_exact(&mut head).map_err(|_| damaged("it ends in its head"))?;
+    match &head[HEAD - 2..] {
+        b"IM" => Ok(false),
+        b"MI" => Ok(true),
+        _ => Err(damaged("its head does not tell the order of bytes")),
+    }
+}
+
+/// An element as it stands in the file.
+struct Packed {
+    kind: u32,
+    /// How many bytes of data it states.
+    length: usize,
+    /// Those that are there.
+    data: Vec<u8>,
+}
+
+impl Packed {
+    /// None at the end of the file. One whose tag is cut off has no data.
+    fn next(
+        path: &Path,
+        file: &mut BufReader<zerorate_record::Input>,
+        big_endian: bool,
+    ) -> Result<Option<Self>, CaptureError> {
+        let failed = |error| CaptureError::io("read", path, error);
+        let (mut tag, mut data) = (Vec::new(), Vec::new());
+        file.take(8).read_to_end(&mut tag).map_err(failed)?;
+        if tag.is_empty() {
+            return Ok(None);
+        }
+        let Some((kind, length)) = tag.split_at_checked(4).filter(|(_, length)| length.len() == 4) else {
+            return Ok(Some(Self { kind: MATRIX, length: 8, data }));
+        };
+        let (kind, length) = (number(kind, big_endian), number(length, big_endian));
+        file.take(length.into()).read_to_end(&mut data).map_err(failed)?;
+        Ok(Some(Self { kind, length: length as usize, data }))
+    }
+}
+
+fn unpacked(packed: &[u8], room: Room) -> Result<Vec<u8>, String> {
+    let mut bytes = Vec::new();
+    // what is too much is found by its length
+    let read = ZlibDecoder::new(packed).take(room.bytes().saturating_add(1)).read_to_end(&mut bytes);
+    read.map(|_| bytes).map_err(|error| format!("it cannot be unpacked ({error}): take another copy of the file"))
+}
+
+fn number(bytes: &[u8], big_endian: bool) -> u32 {
+    match (bytes.first_chunk(), big_endian) {
+        (Some(bytes), true) => u32::from_be_bytes(*bytes),
+        (Some(bytes), false) => u32::from_le_bytes(*bytes),
+        (None, _) => 0,
+    }
+}
+
+/// The parts of a matrix: type and bytes.
+struct Parts<'a> {
+    bytes: &'a [u8],
+    big_endian: bool,
+}
+
+impl<'a> Iterator for Parts<'a> {
+    type Item = (u32, &'a [u8]);
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let first = number(self.bytes.get(..4)?, self.big_endian);
+        // up to four bytes stand in the tag itself
+        if first >> 16 != 0 {
+            let (part, rest) = self.bytes.split_at_checked(8)?;
+            self.bytes = rest;
+            return Some((first & 0xFFFF, part[4..].get(..(first >> 16) as usize)?));
+        }
+        let length = number(self.bytes.get(4..8)?, self.big_endian) as usize;
+        let part = self.bytes.get(8..8usize.checked_add(length)?)?;
+        let end = 8 + length.next_multiple_of(8);
+        self.bytes = self.bytes.get(end..).unwrap_or_default();
+        Some((first, part))
+    }
+}
+
+impl<'a> Parts<'a> {
+    /// The next part, which must be there.
+    fn part(&mut self, what: &str) -> Result<(u32, &'a [u8]), String> {
+        self.next().ok_or_else(|| format!("its {what} are missing or cut short"))
+    }
+}
+
+/// A variable: its bytes.
+struct Element {
+    data: Vec<u8>,
+    big_endian: bool,
+}
+
+impl Element {
+    /// Adds its columns, of what has any.
+    fn columns<'a>(&'a self, found: &mut Vec<Variable<'a>>) -> Result<(), String> {
+        collect(Parts { bytes: &self.data, big_endian: self.big_endian }, "", MAX_DEPTH, found)
+    }
+}
+
+/// A column of a matrix.
+struct Variable<'a> {
+    name: String,
+    kind: u32,
+    /// Those of the matrix.
+    bytes: &'a [u8],
+    /// Where the first number of the column stands in it, and how far it is to the next.
+    first: usize,
+    step: usize,
+    len: usize,
+    big_endian: bool,
+}
+
+const STRUCTURE: u8 = 2;
+const NUMBERS: std::ops::RangeInclusive<u8> = 6..=15;
+const COMPLEX: u8 = 0x08;
+
+/// Finds the columns of a matrix, whose name is `name` if it has none itself. What is neither a structure of one
+/// element nor a matrix of real numbers has none.
+fn collect<'a>(mut parts: Parts<'a>, name: &str, depth: usize, found: &mut Vec<Variable<'a>>) -> Result<(), String> {
+    let big_endian = parts.big_endian;
+    let Some(depth) = depth.checked_sub(1) else { return Ok(()) };
+    let flags = number(parts.part("class")?.1, big_endian).to_le_bytes();
+    let is_of_numbers = NUMBERS.contains(&flags[0]) && flags[1] & COMPLEX == 0;
+    if flags[0] != STRUCTURE && !is_of_numbers {
+        return Ok(());
+    }
+    let dimensions: Vec<u32> = parts.part("size")?.1.chunks_exact(4).map(|chunk| number(chunk, big_endian)).collect();
+    let own = String::from_utf8_lossy(parts.part("name")?.1).into_owned();
+    let name = if name.is_empty() { own } else { name.to_owned() };
+    match dimensions[..] {
+        [1, 1] if flags[0] == STRUCTURE => collect_fields(parts, &name, depth, found),
+        [rows, columns] if is_of_numbers && rows > 0 && columns > 0 => {
+            let (kind, bytes) = parts.part("numbers")?;
+            let (rows, columns) = (rows as usize, columns as usize);
+            let stated = size(kind).and_then(|size| rows.checked_mul(columns)?.checked_mul(size));
+            if stated != Some(bytes.len()) {
+                let there = bytes.len();
+                return Err(format!("`{name}` states {rows} x {columns} numbers of type {kind}, in {there} bytes"));
+            }
+            split(&name, kind, bytes, (rows, columns), big_endian, found);
+            Ok(())
+        }
+        _ => Ok(()),
+    }
+}
+
+/// The columns of the fields of a structure.
+fn collect_fields<'a>(
+    mut parts: Parts<'a>,
+    name: &str,
+    depth: usize,
+    found: &mut Vec<Variable<'a>>,
+) -> Result<(), String> {
+    let big_endian = parts.big_endian;
+    let length = number(parts.part("length of field names")?.1, big_endian) as usize;
+    for field in parts.part("field names")?.1.chunks_exact(length.max(1)) {
+        let end = field.iter().position(|byte| *byte == 0).unwrap_or(field.len());
+        let (kind, bytes) = parts.part("fields")?;
+        let name = format!("{name}.{}", String::from_utf8_lossy(&field[..end]));
+        // an empty one has no parts
+        if kind == MATRIX && !bytes.is_empty() {
+            collect(Parts { bytes, big_endian }, &name, depth, found)?;
+        }
+    }
+    Ok(())
+}
+
+/// A vector is one column, whichever way it lies; of a matrix, what is longer are the samples.
+fn split<'a>(
+    name: &str,
+    kind: u32,
+    bytes: &'a [u8],
+    (rows, columns): (usize, usize),
+    big_endian: bool,
+    found: &mut Vec<Variable<'a>>,
+) {
+    let (count, len) = (rows.min(columns), rows.max(columns));
+    // a single number is none of the log's columns
+    if len < 2 || count > MAX_COLUMNS {
+        return;
+    }
+    let upright = rows >= columns;
+    found.extend((0..count).map(|at| {
+        let (first, step) = if upright { (at * rows, 1) } else { (at, rows) };
+        let name = if count == 1 { name.to_owned() } else { format!("{name}.{at}") };
+        Variable { name, kind, bytes, first, step, len, big_endian }
+    }));
+}
+
+fn size(kind: u32) -> Option<usize> {
+    Some(match kind {
+        1 | 2 => 1,
+        3 | 4 => 2,
+        5..=SINGLE => 4,
+        DOUBLE | INT64 | UINT64 => 8,
+        _ => return None,
+    })
+}
+
+enum Value {
+    Integer(i64),
+    Number(f64),
+}
+
+impl Variable<'_> {
+    fn rows(&self) -> usize {
+        self.len
+    }
+
+    fn cells(&self) -> impl Iterator<Item = Value> {
+        let size = size(self.kind).unwrap_or(1);
+        let unused = 64 - 8 * size as u32;
+        (0..self.len).map(move |row| {
+            let bytes = &self.bytes[(self.first + row * self.step) * size..][..size];
+            let mut wide = [0; 8];
+            wide[..size].copy_from_slice(bytes);
+            if self.big_endian {
+                wide[..size].reverse();
+            }
+            let bits = u64::from_le_bytes(wide);
+            match self.kind {
+                SINGLE => Value::Number(f32::from_bits(bits as u32).into()),
+                DOUBLE => Value::Number(f64::from_bits(bits)),
+                INT8 | 3 | 5 | INT64 => Value::Integer((bits << unused) as i64 >> unused),
+                _ => i64::try_from(bits).map_or(Value::Number(bits as f64), Value::Integer),
+            }
+        })
+    }
+
+    fn values(&self, path: &Path, room: Room, sharing: usize) -> Result<FoundColumn, CaptureError> {
+        let mut values = SeriesBuilder::sharing(room, sharing);
+        values.check_room(self.rows() as u64).map_err(|why| CaptureError::no_room(path, why))?;
+        for (row, cell) in self.cells().enumerate() {
+            match cell {
+                Value::Integer(integer) => values.push_integer(integer),
+                Value::Number(number) if values.push_number(number) => {}
+                Value::Number(_) => return Err(self.wrong(path, row, "it is infinite, which cannot be averaged")),
+            }
+        }
+        Ok(FoundColumn::new(self.name.clone(), values))
+    }
+
+    fn times(&self, path: &Path) -> Result<Times, CaptureError> {
+        let mut times = Times::new();
+        for (row, cell) in self.cells().enumerate() {
+            match cell {
+                Value::Integer(integer) => times.push_integer(integer),
+                Value::Number(number) => {
+                    times.push_number(number).map_err(|what| self.wrong(path, row, &what))?;
+                }
+            }
+        }
+        Ok(times)
+    }
+
+    fn wrong(&self, path: &Path, row: usize, what: &str) -> CaptureError {
+        super::wrong(path, format_args!("column {}, row {row}", self.name), what)
+    }
+}

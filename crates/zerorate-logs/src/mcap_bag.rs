@@ -1,0 +1,102 @@
+//! ROS bags in MCAP.
+
+use super::imu_messages::{Collector, Encoding, Quantities, is_imu};
+use super::open::Log;
+use super::topics::Survey;
+use super::{Asked, Found, Result, tabular};
+use mcap::Channel;
+use std::collections::BTreeSet;
+use std::io::Seek;
+use std::path::Path;
+use zerorate_record::limits::Room;
+use zerorate_record::mcap_messages::{self, Messages, Torn};
+use zerorate_record::{CaptureError, Input, bag};
+
+/// Reads columns of an MCAP file. A bag that was recorded here is a capture first: its codes are exact.
+pub fn read(mut log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
+    let failed = |error| CaptureError::io("read", log.path, error);
+    if asked.args.topic.is_some() || !bag::is_capture(&mut log.input).map_err(failed)? {
+        return read_messages(log, asked);
+    }
+    let source = Box::new(bag::McapReader::open(log.path, log.input)?);
+    tabular::read(log.path, source, log.room, asked)
+}
+
+/// Reads quantities of the IMU messages.
+fn read_messages(log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
+    let (path, mut file) = (log.path, log.input);
+    let topics = topics(path, &mut file, log.room)?;
+    let wanted = Quantities::choose(path, &topics, asked, || survey(&mut file, log.room))?;
+    let topic = wanted.topic.clone();
+    let stated = mcap_messages::stated(&mut file, log.room).get(&topic).copied();
+    file.rewind().map_err(|error| CaptureError::io("read", path, error))?;
+    let mut collector = Collector::new(path, wanted, log.room, asked.args);
+    let mut cut = None;
+    for message in Messages::new(&mut file, log.room) {
+        match message {
+            Ok(message) if message.channel.topic == topic => {
+                collector.push(encoding(path, &message.channel)?, &message.data)?;
+            }
+            Ok(_) => {}
+            Err(Torn::NoRoom(why)) => return Err(CaptureError::no_room(path, why).into()),
+            Err(error) if error.is_changed() => {
+                let what =
+                    format!("{error}: bytes of it were changed; `mcap recover` saves the chunks that are whole");
+                return Err(CaptureError::damaged(path, "as an MCAP file", what).into());
+            }
+            Err(error) => cut = Some(torn(path, &error)),
+        }
+    }
+    Ok(collector.finish(cut, stated))
+}
+
+/// The topics with an IMU. Their channels stand anywhere before their first message, so the file is read for them.
+fn topics(path: &Path, file: &mut Input, room: Room) -> Result<BTreeSet<String>> {
+    let mut topics = BTreeSet::new();
+    let mut first = true;
+    for message in Messages::new(file, room) {
+        match message {
+            Ok(message) => {
+                let schema = message.channel.schema.as_ref();
+                if schema.is_some_and(|schema| is_imu(&schema.name)) && !topics.contains(&message.channel.topic) {
+                    topics.insert(message.channel.topic.clone());
+                }
+            }
+            Err(error) if first => {
+                return Err(CaptureError::damaged(path, "as an MCAP file", error.to_string()).into());
+            }
+            // whatever is whole will be read
+            Err(_) => {}
+        }
+        first = false;
+    }
+    Ok(topics)
+}
+
+/// What there is of them, as far as the file is whole.
+fn survey(file: &mut Input, room: Room) -> Survey {
+    let mut survey = Survey::default();
+    if file.rewind().is_err() {
+        return survey;
+    }
+    for message in Messages::new(file, room).flatten() {
+        let Some(schema) = message.channel.schema.as_ref().filter(|schema| is_imu(&schema.name)) else { continue };
+        let encoding = Encoding::of(&message.channel.message_encoding);
+        survey.message(&message.channel.topic, &schema.name, encoding, &message.data);
+    }
+    survey
+}
+
+fn encoding(path: &Path, channel: &Channel<'_>) -> Result<Encoding, CaptureError> {
+    Encoding::of(&channel.message_encoding).ok_or_else(|| {
+        let what = format!("its messages are encoded in `{}`; cdr and ros1 are read", channel.message_encoding);
+        CaptureError::damaged(path, format!("topic {}", channel.topic), what)
+    })
+}
+
+fn torn(path: &Path, error: &Torn) -> String {
+    format!(
+        "{} was not closed or is damaged ({error}): what stands before is read, the rest is dropped",
+        path.display()
+    )
+}

@@ -1,0 +1,409 @@
+//! Columns of NumPy arrays: one dimension, a column of two, or a field of a structured array; of one array, or of
+//! several that lie together.
+
+use super::choice::{Choice, Columns, same_length};
+use super::clock::Times;
+use super::open::Log;
+use super::series::SeriesBuilder;
+use super::{Asked, Clock, Found, FoundColumn, Result, wrong};
+use npyz::{DType, Endianness, NpyHeader, Order, TimeUnits, TypeChar, TypeStr};
+use std::io::{BufReader, Read, Seek, SeekFrom};
+use std::path::Path;
+use zerorate_record::limits::Room;
+use zerorate_record::survive::survive;
+use zerorate_record::{CaptureError, Input, TimeUnit};
+
+/// Bytes that a read asks the system for.
+const BUFFER: usize = 1 << 18;
+
+/// Reads columns of an array.
+pub fn read(log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
+    let Log { path, mut input, room, .. } = log;
+    let length = input.length().map_err(|error| CaptureError::io("read", path, error))?;
+    let array = Array::new(path, &mut input, length, "")?;
+    let mut input = Some(input);
+    read_arrays(path, room, &[array], asked, |_, is_wanted| Ok(input.take().filter(|_| is_wanted)))
+}
+
+/// An array whose header was read.
+pub struct Array {
+    fields: Vec<Field>,
+    rows: u64,
+    /// Where its data starts.
+    start: u64,
+}
+
+impl Array {
+    /// Reads its header; the file has so many bytes. `name` is that of the array in its archive.
+    pub fn new(path: &Path, file: &mut impl Read, length: u64, name: &str) -> Result<Self, CaptureError> {
+        let place = if name.is_empty() { "as an NPY file".to_owned() } else { format!("array {name}") };
+        let (header, start) = header(file).map_err(|what| CaptureError::damaged(path, place, what))?;
+        let rows = header.shape().first().copied().unwrap_or_default();
+        check_length(path, &header, length.saturating_sub(start))?;
+        let fields = match (header.shape(), name) {
+            ([], name) if !name.is_empty() => Vec::new(),
+            (_, "") => fields(path, &header)?,
+            // what is no column is none that can be asked for
+            (shape, name) => {
+                fields(path, &header).unwrap_or_default().into_iter().map(|field| field.of(name, shape)).collect()
+            }
+        };
+        Ok(Self { fields, rows, start })
+    }
+
+    /// How many columns it has.
+    pub fn columns(&self) -> usize {
+        self.fields.len()
+    }
+}
+
+/// Reads columns of arrays. `open` gives the file of an array, by its number; it is called once for each, and told
+/// whether a column of it is wanted.
+pub fn read_arrays(
+    path: &Path,
+    room: Room,
+    arrays: &[Array],
+    asked: &Asked<'_>,
+    mut open: impl FnMut(usize, bool) -> Result<Option<Input>, CaptureError>,
+) -> Result<Found> {
+    let of_array = |(at, array): (usize, &Array)| (0..array.fields.len()).map(move |field| (at, field));
+    let places: Vec<(usize, usize)> = arrays.iter().enumerate().flat_map(of_array).collect();
+    let field = |at: &usize| &arrays[places[*at].0].fields[places[*at].1];
+    let fields: Vec<&Field> = (0..places.len()).map(|at| field(&at)).collect();
+    let numeric = fields.iter().map(|field| field.kind.is_some_and(|kind| kind != Kind::Time)).collect();
+    let names: Vec<&str> = fields.iter().map(|field| field.name.as_str()).collect();
+    let columns = Columns { path, names, numeric, settings: asked.args.names };
+    let Choice { values: chosen, time } = columns.choose(asked.wanted, asked.args, &[])?;
+    let wanted: Vec<usize> = chosen.iter().chain(&time).copied().collect();
+    let names: Vec<String> = wanted.iter().map(|at| field(at).name.clone()).collect();
+    let rows: Vec<u64> = wanted.iter().map(|at| arrays[places[*at].0].rows).collect();
+    same_length(path, names.iter().map(String::as_str).zip(rows.iter().copied()))?;
+    let mut values: Vec<_> = chosen.iter().map(|_| SeriesBuilder::sharing(room, chosen.len())).collect();
+    values.iter().try_for_each(|values| values.check_room(rows[0])).map_err(|why| CaptureError::no_room(path, why))?;
+    for (values, at) in values.iter_mut().zip(&chosen) {
+        values.reserve(rows[0] as usize, field(at).kind != Some(Kind::Float));
+    }
+    let mut times = Times::new();
+    times.unit = time.and_then(|time| field(&time).time_unit);
+    let mut of_arrays = vec![Vec::new(); arrays.len()];
+    wanted.iter().enumerate().for_each(|(column, at)| of_arrays[places[*at].0].push(column));
+    for (at, (Array { fields, rows, start }, here)) in arrays.iter().zip(of_arrays).enumerate() {
+        let Some(file) = open(at, !here.is_empty())? else { continue };
+        let mut file = BufReader::with_capacity(BUFFER, file);
+        let of_here: Vec<&Field> = here.iter().map(|column| &fields[places[wanted[*column]].1]).collect();
+        each(path, &mut file, *start, *rows, &of_here, |column, cells| match values.get_mut(here[column]) {
+            Some(values) => push_values(values, cells, of_here[column]),
+            None => push_times(&mut times, cells, of_here[column]),
+        })?;
+    }
+    let clock = time.map_or(Clock::Silent, |_| Clock::Column(names[chosen.len()].clone(), times));
+    let columns = names.into_iter().zip(values).map(|(name, values)| FoundColumn::new(name, values));
+    Ok(Found { columns: columns.collect(), clock, warnings: Vec::new() })
+}
+
+/// What is wrong, and in which of the rows at hand.
+type Wrong = (usize, String);
+
+fn push_values(values: &mut SeriesBuilder, cells: &Cells<'_>, field: &Field) -> Result<(), Wrong> {
+    let infinite = |row| (row, "it is infinite, which cannot be averaged".to_owned());
+    if field.is_plain() {
+        return values.extend_numbers(&cells.plain()).map_err(infinite);
+    }
+    for (row, cell) in cells.iter().enumerate() {
+        match field.decode(cell) {
+            Cell::Integer(integer) => values.push_integer(integer),
+            Cell::Number(number) if values.push_number(number) => {}
+            Cell::Number(_) => return Err(infinite(row)),
+        }
+    }
+    Ok(())
+}
+
+fn push_times(times: &mut Times, cells: &Cells<'_>, field: &Field) -> Result<(), Wrong> {
+    for (row, cell) in cells.iter().enumerate() {
+        match field.decode(cell) {
+            Cell::Integer(i64::MIN) if field.kind == Some(Kind::Time) => {
+                return Err((row, "no time; every row must have one".to_owned()));
+            }
+            Cell::Integer(time) => times.push_integer(time),
+            Cell::Number(time) => times.push_number(time).map_err(|what| (row, what))?,
+        }
+    }
+    Ok(())
+}
+
+/// Reads the header, a literal of Python behind its length. The library takes the length for granted and parses nested
+/// brackets in a time that grows exponentially with their depth, so both are looked at first. The data starts behind.
+fn header(file: &mut impl Read) -> Result<(NpyHeader, u64), String> {
+    let mut bytes = vec![0; START];
+    file.read_exact(&mut bytes).map_err(|error| error.to_string())?;
+    let wide = bytes[6] > 1;
+    let mut length = [0; 4];
+    file.read_exact(&mut length[..if wide { 4 } else { 2 }]).map_err(|error| error.to_string())?;
+    bytes.extend(&length[..if wide { 4 } else { 2 }]);
+    let length = u32::from_le_bytes(length);
+    if length > MAX_HEADER {
+        return Err(format!("its header would have {length} bytes, and more than {MAX_HEADER} are not read"));
+    }
+    file.take(length.into()).read_to_end(&mut bytes).map_err(|error| error.to_string())?;
+    if depth(&bytes[START..]).is_none_or(|depth| depth > MAX_DEPTH) {
+        return Err(format!("its header has brackets more than {MAX_DEPTH} deep, or a backslash"));
+    }
+    let header = survive(|| NpyHeader::from_reader(bytes.as_slice()));
+    let header = header.ok_or("its header makes no sense")?.map_err(|error| error.to_string())?;
+    Ok((header, bytes.len() as u64))
+}
+
+/// The mark and the version.
+const START: usize = 8;
+
+/// Bytes of a header at most. NumPy itself reads 10 000 unless told otherwise.
+const MAX_HEADER: u32 = 1 << 14;
+
+/// Depth of its brackets at most: a dictionary, with a list of fields, each in brackets, with its shape in brackets.
+const MAX_DEPTH: usize = 6;
+
+/// How deep brackets stand in brackets; none where a backslash leaves open what is a string.
+fn depth(header: &[u8]) -> Option<usize> {
+    let (mut now, mut most, mut quote) = (0usize, 0, None);
+    for byte in header {
+        match (byte, quote) {
+            (b'\\', _) => return None,
+            (byte, Some(open)) => quote = Some(open).filter(|open| *open != byte),
+            (b'"' | b'\'', None) => quote = Some(byte),
+            (b'(' | b'[' | b'{', None) => now += 1,
+            (b')' | b']' | b'}', None) => now = now.saturating_sub(1),
+            _ => {}
+        }
+        most = most.max(now);
+    }
+    Some(most)
+}
+
+/// A column of an array.
+struct Field {
+    name: String,
+    /// None if it holds no numbers of a kind that is read.
+    kind: Option<Kind>,
+    big_endian: bool,
+    size: usize,
+    /// Offset of the first number, from the start of the data, and from each to the next.
+    offset: u64,
+    stride: u64,
+    time_unit: Option<TimeUnit>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    Signed,
+    Unsigned,
+    Float,
+    /// A signed number of units since some time.
+    Time,
+}
+
+impl Field {
+    fn new(name: String, dtype: &DType, offset: u64, stride: u64) -> Self {
+        let DType::Plain(plain) = dtype else {
+            return Self { name, kind: None, big_endian: false, size: 0, offset, stride, time_unit: None };
+        };
+        let size = plain.num_bytes().unwrap_or_default();
+        let big_endian = plain.endianness() == Endianness::Big;
+        Self { name, kind: kind(plain, size), big_endian, size, offset, stride, time_unit: time_unit(plain) }
+    }
+
+    /// The same, of an array with a name: a column of two dimensions by the name and its number.
+    fn of(self, array: &str, shape: &[u64]) -> Self {
+        let name = match (shape, self.name.parse::<u64>()) {
+            ([_], Ok(0)) => array.to_owned(),
+            _ => format!("{array}.{}", self.name),
+        };
+        Self { name, ..self }
+    }
+
+    /// Whether it holds f64 in the order of bytes of nearly all machines.
+    fn is_plain(&self) -> bool {
+        self.kind == Some(Kind::Float) && self.size == 8 && !self.big_endian
+    }
+
+    /// The number in these bytes.
+    fn decode(&self, bytes: &[u8]) -> Cell {
+        // little endian, extended to eight bytes
+        let mut wide = [0; 8];
+        wide[..self.size].copy_from_slice(bytes);
+        if self.big_endian {
+            wide[..self.size].reverse();
+        }
+        let bits = u64::from_le_bytes(wide);
+        let unused = 64 - 8 * self.size as u32;
+        match self.kind {
+            Some(Kind::Float) if self.size == 4 => Cell::Number(f32::from_bits(bits as u32).into()),
+            Some(Kind::Float) => Cell::Number(f64::from_bits(bits)),
+            Some(Kind::Unsigned) => i64::try_from(bits).map_or(Cell::Number(bits as f64), Cell::Integer),
+            _ => Cell::Integer((bits << unused) as i64 >> unused),
+        }
+    }
+}
+
+fn kind(plain: &TypeStr, size: usize) -> Option<Kind> {
+    match (plain.type_char(), size) {
+        (TypeChar::Int, 1 | 2 | 4 | 8) => Some(Kind::Signed),
+        (TypeChar::Uint, 1 | 2 | 4 | 8) => Some(Kind::Unsigned),
+        (TypeChar::Float, 4 | 8) => Some(Kind::Float),
+        (TypeChar::DateTime | TypeChar::TimeDelta, 8) => Some(Kind::Time),
+        _ => None,
+    }
+}
+
+fn time_unit(plain: &TypeStr) -> Option<TimeUnit> {
+    match plain.time_units()? {
+        TimeUnits::Second => Some(TimeUnit::S),
+        TimeUnits::Millisecond => Some(TimeUnit::Ms),
+        TimeUnits::Microsecond => Some(TimeUnit::Us),
+        TimeUnits::Nanosecond => Some(TimeUnit::Ns),
+        _ => None,
+    }
+}
+
+/// The columns of an array.
+fn fields(path: &Path, header: &NpyHeader) -> Result<Vec<Field>, CaptureError> {
+    let unreadable = |what: String| CaptureError::not_a_log(path, what);
+    let dtype = header.dtype();
+    let size = dtype.num_bytes().filter(|size| *size > 0).map(|size| size as u64);
+    let size = size.ok_or_else(|| unreadable(format!("its elements {} have no fixed size", dtype.descr())))?;
+    match (&dtype, header.shape()) {
+        (DType::Record(fields), [_]) => {
+            let mut offset = 0;
+            let mut column = |field: &npyz::Field| {
+                let found = Field::new(field.name.clone(), &field.dtype, offset, size);
+                offset += field.dtype.num_bytes().unwrap_or_default() as u64;
+                found
+            };
+            Ok(fields.iter().map(&mut column).collect())
+        }
+        (DType::Plain(_), [_]) => Ok(vec![Field::new("0".to_owned(), &dtype, 0, size)]),
+        (DType::Plain(_), [rows, columns]) if *columns <= MAX_COLUMNS => {
+            let column = |number: u64| match header.order() {
+                Order::C => Field::new(number.to_string(), &dtype, number * size, columns * size),
+                Order::Fortran => {
+                    Field::new(number.to_string(), &dtype, number.saturating_mul(*rows).saturating_mul(size), size)
+                }
+            };
+            Ok((0..*columns).map(column).collect())
+        }
+        (_, shape) => {
+            let remedy = "save a column of it with numpy.save";
+            Err(unreadable(format!("its shape {shape:?} is neither one column nor at most {MAX_COLUMNS}; {remedy}")))
+        }
+    }
+}
+
+/// Columns of an array of two dimensions at most: with more it is rather an image, or the array lies on its side.
+const MAX_COLUMNS: u64 = 4096;
+
+fn check_length(path: &Path, header: &NpyHeader, there: u64) -> Result<(), CaptureError> {
+    let size = header.dtype().num_bytes().unwrap_or_default() as u64;
+    let expected = header.shape().iter().try_fold(size, |product, n| product.checked_mul(*n));
+    if expected.is_some_and(|expected| expected <= there) {
+        return Ok(());
+    }
+    let expected = expected.map_or("more".to_owned(), |expected| expected.to_string());
+    let what = format!("its header states {expected} bytes of data and {there} follow; was it cut short?");
+    Err(CaptureError::damaged(path, "as an NPY file", what))
+}
+
+enum Cell {
+    Integer(i64),
+    Number(f64),
+}
+
+/// Cells of a column in some rows, one behind the other.
+struct Cells<'a> {
+    /// From the first on.
+    bytes: &'a [u8],
+    stride: usize,
+    size: usize,
+}
+
+impl Cells<'_> {
+    fn iter(&self) -> impl Iterator<Item = &[u8]> {
+        self.bytes.chunks(self.stride).map(|row| &row[..self.size])
+    }
+
+    /// Of [plain](Field::is_plain) cells the numbers.
+    fn plain(&self) -> Vec<f64> {
+        let (packed, rest) = self.bytes.as_chunks();
+        if self.stride == size_of::<f64>() && rest.is_empty() {
+            return packed.iter().map(|cell| f64::from_le_bytes(*cell)).collect();
+        }
+        self.iter().filter_map(<[u8]>::first_chunk).map(|cell| f64::from_le_bytes(*cell)).collect()
+    }
+}
+
+/// Calls `take` with some cells of these columns after the other: in one pass, where a row stands in one place.
+fn each(
+    path: &Path,
+    file: &mut BufReader<Input>,
+    start: u64,
+    rows: u64,
+    fields: &[&Field],
+    mut take: impl FnMut(usize, &Cells<'_>) -> Result<(), Wrong>,
+) -> Result<(), CaptureError> {
+    if fields.is_empty() {
+        return Ok(());
+    }
+    let mut array = Data { path, file, start, rows };
+    if span(fields) <= fields.first().map_or(0, |field| field.stride) {
+        return array.each_block(fields, take);
+    }
+    // one column behind the other
+    let mut columns = fields.iter().enumerate();
+    columns.try_for_each(|(column, field)| array.each_block(&[*field], |_, cells| take(column, cells)))
+}
+
+/// Bytes from the start of the first of these columns to the end of the last, in a row.
+fn span(fields: &[&Field]) -> u64 {
+    let end = fields.iter().map(|field| field.offset.saturating_add(field.size as u64)).max().unwrap_or_default();
+    end - fields.iter().map(|field| field.offset).min().unwrap_or_default()
+}
+
+/// The data of a file.
+struct Data<'a> {
+    path: &'a Path,
+    file: &'a mut BufReader<Input>,
+    start: u64,
+    rows: u64,
+}
+
+impl Data<'_> {
+    fn each_block(
+        &mut self,
+        fields: &[&Field],
+        mut take: impl FnMut(usize, &Cells<'_>) -> Result<(), Wrong>,
+    ) -> Result<(), CaptureError> {
+        let Self { path, file, start, rows } = self;
+        let failed = |error| CaptureError::io("read", path, error);
+        let first = fields.iter().map(|field| field.offset).min().unwrap_or_default();
+        let stride = fields.first().map_or(0, |field| field.stride);
+        file.seek(SeekFrom::Start(*start + first)).map_err(failed)?;
+        let span = span(fields) as usize;
+        let at_once = (BUFFER as u64 / stride.max(1)).max(1);
+        let mut bytes = Vec::new();
+        for from in (0..*rows).step_by(at_once as usize) {
+            let some = at_once.min(*rows - from);
+            bytes.resize((some - 1) as usize * stride as usize + span, 0);
+            file.read_exact(&mut bytes).map_err(failed)?;
+            for (column, field) in fields.iter().enumerate() {
+                let offset = (field.offset - first) as usize;
+                let cells = Cells { bytes: &bytes[offset..], stride: stride as usize, size: field.size };
+                take(column, &cells).map_err(|(row, what)| {
+                    wrong(path, format_args!("column {}, row {}", field.name, from + row as u64), what)
+                })?;
+            }
+            if from + some < *rows {
+                file.seek_relative((stride - span as u64) as i64).map_err(failed)?;
+            }
+        }
+        Ok(())
+    }
+}

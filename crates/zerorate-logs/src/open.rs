@@ -1,0 +1,283 @@
+//! Opens a log by what it contains, whatever its name, and unpacks it.
+
+use std::io::{self, BufReader, Read, Seek};
+use std::path::Path;
+use zerorate_record::limits::{NoRoom, Room};
+use zerorate_record::survive::survive;
+use zerorate_record::{CaptureError, Input, NotBuiltIn};
+
+/// As many bytes as the longest mark at a file's start has.
+const MARK: u64 = 16;
+
+/// Bytes that a read asks the system for.
+const BUFFER: usize = 1 << 18;
+
+/// An opened log.
+pub struct Log<'a> {
+    /// Its name, for messages.
+    pub path: &'a Path,
+    /// Its content, from the start.
+    pub input: Input,
+    /// What reading it may take.
+    pub room: Room,
+    start: Vec<u8>,
+}
+
+/// What is in a log.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Form {
+    /// Parquet.
+    Parquet,
+    /// An Arrow file, also called Feather.
+    ArrowFile,
+    /// A NumPy array.
+    Npy,
+    /// NumPy arrays in a zip archive.
+    Npz,
+    /// MCAP.
+    Mcap,
+    /// A bag of ROS 1.
+    RosBag,
+    /// A log of PX4.
+    ULog,
+    /// A MATLAB file of version 5 to 7.2.
+    Mat,
+    /// HDF5, which MATLAB from version 7.3 on writes behind a head of its own.
+    Hdf5,
+    /// A SQLite database.
+    Sqlite,
+    /// An Arrow stream, a capture or text.
+    Other,
+}
+
+/// Looks at how a log begins, and unpacks it if it is packed.
+pub fn open(path: &Path, input: Input) -> Result<Log<'_>, CaptureError> {
+    let failed = |error| CaptureError::io("read", path, error);
+    if input.is_directory().map_err(failed)? {
+        return Err(CaptureError::not_a_log(path, "it is a directory and no bag of ROS 2; name the file"));
+    }
+    let room = Room::of(input.length().map_err(failed)?);
+    let (input, start) = marked(input).map_err(failed)?;
+    let Some(packing) = Packing::of(&start) else {
+        return Ok(Log { path, input, room, start });
+    };
+    if let Some(missing) = packing.missing() {
+        return Err(CaptureError::not_built_in(path, missing));
+    }
+    let unpacked = packing.unpack(&input, room).map_err(|why| why.in_file(path, &format!("as {packing:?}")))?;
+    let (input, start) = marked(unpacked).map_err(failed)?;
+    match Packing::of(&start) {
+        Some(_) => Err(CaptureError::not_a_log(path, "it is packed twice; unpack it once")),
+        None => Ok(Log { path, input, room, start }),
+    }
+}
+
+/// What kind of file it is, in words, by how it begins; `path` names it in messages.
+///
+/// # Errors
+/// It cannot be read, or is of a kind that nobody reads here.
+pub fn kind(path: &Path, input: Input) -> Result<String, CaptureError> {
+    let (input, start) = marked(input).map_err(|error| CaptureError::io("read", path, error))?;
+    let room = Room::of(0);
+    Ok(match Packing::of(&start) {
+        Some(packing) => format!("packed by {packing:?}"),
+        None if start.starts_with(&ARROW_STREAM) => "Arrow stream".to_owned(),
+        None => Log { path, input, room, start }.form()?.words().to_owned(),
+    })
+}
+
+/// The mark before each message of an Arrow stream.
+const ARROW_STREAM: [u8; 4] = [0xFF; 4];
+
+impl Form {
+    const fn words(self) -> &'static str {
+        match self {
+            Self::Parquet => "Parquet",
+            Self::ArrowFile => "Arrow file (Feather)",
+            Self::Npy => "NumPy array (.npy)",
+            Self::Npz => "NumPy arrays (.npz)",
+            Self::Mcap => "MCAP",
+            Self::RosBag => "bag of ROS 1",
+            Self::ULog => "log of PX4 (ULog)",
+            Self::Mat => "MATLAB 5 to 7.2",
+            Self::Hdf5 => "HDF5, as MATLAB 7.3 writes it",
+            Self::Sqlite => "SQLite bag of ROS 2",
+            Self::Other => "text",
+        }
+    }
+}
+
+impl Form {
+    /// What reads it, where that is not built in.
+    pub const fn missing(self) -> Option<NotBuiltIn> {
+        match self {
+            Self::Hdf5 if cfg!(not(feature = "hdf5")) => Some(NotBuiltIn { what: "HDF5", feature: "hdf5" }),
+            Self::Mat if cfg!(not(feature = "matlab")) => {
+                Some(NotBuiltIn { what: "the reader of MATLAB files", feature: "matlab" })
+            }
+            Self::Mcap if cfg!(not(feature = "mcap")) => Some(NotBuiltIn::MCAP),
+            Self::Npy if cfg!(not(feature = "numpy")) => {
+                Some(NotBuiltIn { what: "the reader of NumPy arrays", feature: "numpy" })
+            }
+            Self::Npz if cfg!(not(feature = "npz")) => {
+                Some(NotBuiltIn { what: "the reader of .npz archives", feature: "npz" })
+            }
+            Self::Parquet if cfg!(not(feature = "parquet")) => Some(NotBuiltIn::PARQUET),
+            Self::RosBag if cfg!(not(feature = "ros")) => {
+                Some(NotBuiltIn { what: "the reader of ROS 1 bags", feature: "ros" })
+            }
+            Self::Sqlite if cfg!(not(feature = "sqlite")) => {
+                Some(NotBuiltIn { what: "SQLite, in which older ROS 2 bags lie", feature: "sqlite" })
+            }
+            _ => None,
+        }
+    }
+}
+
+impl Log<'_> {
+    /// What is in it; what cannot be read comes with advice.
+    pub fn form(&self) -> Result<Form, CaptureError> {
+        let starts = |mark: &[u8]| self.start.starts_with(mark);
+        let foreign = FOREIGN.iter().find(|(mark, _)| starts(mark));
+        match foreign {
+            Some((_, advice)) => Err(CaptureError::not_a_log(self.path, *advice)),
+            None if self.start.is_empty() => Err(CaptureError::not_a_log(self.path, "it is empty")),
+            None if starts(b"PAR1") => Ok(Form::Parquet),
+            None if starts(b"ARROW1") => Ok(Form::ArrowFile),
+            None if starts(b"\x93NUMPY") => Ok(Form::Npy),
+            None if starts(b"PK\x03\x04") => Ok(Form::Npz),
+            None if starts(b"\x89MCAP0\r\n") => Ok(Form::Mcap),
+            None if starts(ROS_BAG) => Ok(Form::RosBag),
+            None if starts(b"ULog\x01\x12\x35") => Ok(Form::ULog),
+            None if starts(b"MATLAB 5.0 MAT") => Ok(Form::Mat),
+            None if starts(b"\x89HDF\r\n\x1A\n") || starts(b"MATLAB 7.3 MAT") => Ok(Form::Hdf5),
+            None if starts(b"SQLite format 3\0") => Ok(Form::Sqlite),
+            None => Ok(Form::Other),
+        }
+    }
+}
+
+/// How a bag of ROS 1 starts.
+pub const ROS_BAG: &[u8] = b"#ROSBAG V2.0\n";
+
+/// Files that people have, and what to do with them.
+const FOREIGN: &[(&[u8], &str)] = &[
+    (b"#ROSBAG V1", "it is a bag of ROS 1 in its old version 1; convert it with `rosbag fix FILE NEW.bag`"),
+    (b"7z\xBC\xAF\x27\x1C", "it is a 7z archive; unpack it and name a file in it"),
+    (b"\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1", "it is a workbook of Excel; save the sheet as CSV"),
+    (b"{\"", JSON),
+    (b"[{", JSON),
+    (b"\x80\x04\x95", PICKLE),
+    (b"\x80\x05\x95", PICKLE),
+];
+
+const JSON: &str = "it is JSON; convert it to a table: in Python `pandas.read_json('FILE').to_csv('log.csv')`, with \
+                    `lines=True` if each line is an object";
+
+const PICKLE: &str = "it is a pickle of Python, which runs what is in it; save a table there: `to_csv`, `numpy.save`";
+
+/// How a file is packed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Packing {
+    Bzip2,
+    Gzip,
+    Lz4,
+    Xz,
+    Zstd,
+}
+
+impl Packing {
+    fn of(start: &[u8]) -> Option<Self> {
+        match start {
+            [0x1F, 0x8B, 8, flags, ..] if *flags < 0x20 => Some(Self::Gzip),
+            [b'B', b'Z', b'h', b'1'..=b'9', ..] => Some(Self::Bzip2),
+            [0x04, 0x22, 0x4D, 0x18, ..] => Some(Self::Lz4),
+            [0xFD, b'7', b'z', b'X', b'Z', 0, ..] => Some(Self::Xz),
+            [0x28, 0xB5, 0x2F, 0xFD, ..] => Some(Self::Zstd),
+            _ => None,
+        }
+    }
+
+    /// What unpacks it, where that is not built in.
+    const fn missing(self) -> Option<NotBuiltIn> {
+        match self {
+            Self::Zstd if cfg!(feature = "zstd") => None,
+            Self::Zstd => Some(NotBuiltIn::ZSTD),
+            _ if cfg!(feature = "packed") => None,
+            Self::Bzip2 => Some(NotBuiltIn { what: "bzip2", feature: "packed" }),
+            Self::Gzip => Some(NotBuiltIn { what: "gzip", feature: "packed" }),
+            Self::Lz4 => Some(NotBuiltIn { what: "LZ4", feature: "packed" }),
+            Self::Xz => Some(NotBuiltIn { what: "xz", feature: "packed" }),
+        }
+    }
+
+    /// Unpacks all of it, because some forms are not read from start to end.
+    fn unpack(self, packed: &Input, room: Room) -> Result<Input, Unpacking> {
+        let most = if packed.is_file() { room.bytes_on_disk() } else { room.bytes() };
+        packed.unpacked(|unpacked| {
+            let copied = survive(|| {
+                let content = self.content(BufReader::with_capacity(BUFFER, packed.try_clone()?))?;
+                io::copy(&mut content.take(most.saturating_add(1)), unpacked)
+            });
+            let bytes = copied.unwrap_or_else(|| Err(io::Error::other("its content makes no sense")))?;
+            if packed.is_file() { room.check_on_disk(bytes) } else { room.check(bytes) }.map_err(Unpacking::NoRoom)
+        })
+    }
+
+    fn content(self, packed: BufReader<Input>) -> io::Result<Box<dyn Read>> {
+        match self {
+            #[cfg(feature = "packed")]
+            Self::Bzip2 => Ok(Box::new(bzip2::read::MultiBzDecoder::new(packed))),
+            #[cfg(feature = "packed")]
+            Self::Gzip => Ok(Box::new(flate2::read::MultiGzDecoder::new(packed))),
+            #[cfg(feature = "packed")]
+            Self::Lz4 => Ok(Box::new(lz4_flex::frame::FrameDecoder::new(packed))),
+            #[cfg(feature = "packed")]
+            Self::Xz => Ok(Box::new(lzma_rust2::XzReader::new_mem_limit(packed, true, MAX_WINDOW_KB))),
+            // its own limit is the same
+            #[cfg(feature = "zstd")]
+            Self::Zstd => Ok(Box::new(zstd::Decoder::with_buffer(packed)?)),
+            #[cfg(not(all(feature = "packed", feature = "zstd")))]
+            _ => Err(io::Error::new(io::ErrorKind::Unsupported, format!("no reader of it in {packed:?}"))),
+        }
+    }
+}
+
+/// Why a file could not be unpacked.
+pub enum Unpacking {
+    /// It holds more than it may.
+    NoRoom(NoRoom),
+    /// It is damaged.
+    Failed(io::Error),
+}
+
+impl Unpacking {
+    /// The same, of the file at `path`.
+    pub fn in_file(self, path: &Path, place: &str) -> CaptureError {
+        match self {
+            Self::NoRoom(why) => CaptureError::no_room(path, why),
+            Self::Failed(error) => {
+                CaptureError::damaged(path, place, format!("it cannot be unpacked ({error}); was it cut short?"))
+            }
+        }
+    }
+}
+
+impl From<io::Error> for Unpacking {
+    fn from(error: io::Error) -> Self {
+        Self::Failed(error)
+    }
+}
+
+/// Of the content, what a packer may refer back to: 128 MiB, twice what `xz -9` does, and all that `zstd` does without
+/// `--ultra`.
+#[cfg(feature = "packed")]
+const MAX_WINDOW_KB: u32 = 128 << 10;
+
+/// Bytes and how they start.
+fn marked(mut input: Input) -> io::Result<(Input, Vec<u8>)> {
+    let mut start = Vec::new();
+    (&mut input).take(MARK).read_to_end(&mut start)?;
+    input.rewind()?;
+    Ok((input, start))
+}

@@ -1,0 +1,405 @@
+//! Rows whose times are not in order, and what becomes of them: a counter that wrapped around is unwrapped, rows that
+//! were swapped are sorted, rows that are there twice are dropped, and a clock that was set back is followed. All is
+//! counted and said; what is too much for that is refused, with its place.
+
+use super::FoundColumn;
+use super::clock::Times;
+
+/// Where counters wrap around, in their own unit: those of 16, 24 and 32 bits, one of 32 bits in µs that was written
+/// in s or ms, and times of a day and of a week.
+const MODULI: [f64; 12] = [
+    65_536.0,
+    16_777_216.0,
+    4_294_967_296.0,
+    4_294.967_296,
+    4_294_967.296,
+    86_400.0,
+    8.64e7,
+    8.64e10,
+    8.64e13,
+    604_800.0,
+    6.048e8,
+    6.048e11,
+];
+
+/// Intervals before and behind the place where a counter wraps within which the rows around it lie.
+const AT_WRAP: f64 = 1000.0;
+
+/// Rows by which one may be too late: what a queue of a bag reorders.
+const NEAR: usize = 64;
+
+/// Share of the rows that may be out of order.
+const MAX_SWAPPED: f64 = 0.05;
+
+/// Share of the rows whose stamps may be of no use: what a bad cable breaks.
+const MAX_STRAY: f64 = 0.01;
+
+/// Share of the whole time by which a clock may be set back: more is rather another log.
+const MAX_STEP: f64 = 0.01;
+
+/// Share of the rows at which a clock may be set back.
+const MAX_STEPS: f64 = 0.001;
+
+/// Share of the rows with the stamp of the row before from which the clock is a coarse one.
+const COARSE: f64 = 0.05;
+
+/// Puts rows in the order of their times. What was done is said; `Err` tells why nothing can be.
+pub fn mend(times: &mut Times, columns: &mut [FoundColumn]) -> Result<Vec<String>, String> {
+    if times.since_first().is_sorted_by(|one, next| one < next) {
+        return Ok(Vec::new());
+    }
+    let Some(interval) = times.interval() else {
+        let all = times.since_first();
+        let falls = all.windows(2).position(|pair| pair[1] < pair[0]);
+        return Err(match falls {
+            Some(at) => format!("the time goes back by {}, at row {}", all[at] - all[at + 1], at + 1),
+            None => format!("the time stands still at {}", times.first()),
+        });
+    };
+    let first = times.first();
+    let mut said = Vec::new();
+    let mut rows: Vec<Row> =
+        times.since_first().iter().enumerate().map(|(row, time)| Row { row, time: *time }).collect();
+    said.extend(restamp(&mut rows, interval));
+    said.extend(unwrap(&mut rows, first, interval));
+    said.extend(sort(&mut rows, first, interval)?);
+    said.extend(separate(&mut rows, columns, interval));
+    let start = rows.first().map_or(0.0, |first| first.time);
+    times.replace(rows.iter().map(|row| row.time - start).collect());
+    let order: Vec<usize> = rows.iter().map(|row| row.row).collect();
+    if !order.iter().copied().eq(0..columns.first().map_or(0, |column| column.values.rows() as usize)) {
+        columns.iter_mut().for_each(|column| column.values.reorder(&order));
+    }
+    Ok(said)
+}
+
+/// A row of the file, and its time since the first.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Row {
+    row: usize,
+    time: f64,
+}
+
+/// Gives rows whose stamp is not between those around them, where there is room for just one row, a time there.
+fn restamp(rows: &mut [Row], interval: f64) -> Option<String> {
+    let is_stray = |around: &[Row]| {
+        let [before, time, next] = [around[0].time, around[1].time, around[2].time];
+        let room = (next - before) / interval;
+        (1.5..2.5).contains(&room) && (time < before - 0.5 * interval || time > next + 0.5 * interval)
+    };
+    let stray: Vec<usize> = (1..rows.len().saturating_sub(1)).filter(|at| is_stray(&rows[at - 1..at + 2])).collect();
+    let first = stray.first().filter(|_| stray.len() as f64 <= (MAX_STRAY * rows.len() as f64).max(1.0))?;
+    stray.iter().for_each(|at| rows[*at].time = 0.5 * (rows[at - 1].time + rows[at + 1].time));
+    Some(format!(
+        "{} rows have a stamp far from those of the rows around: it is wrong, the samples count (the first: row \
+         {first})",
+        stray.len()
+    ))
+}
+
+/// Adds what a counter lost when it wrapped around: one that counts from zero, or from less than that as far up.
+fn unwrap(rows: &mut [Row], first: f64, interval: f64) -> Option<String> {
+    let margin = AT_WRAP * interval;
+    let (mut added, mut found) = (0.0, Vec::new());
+    let mut before = rows.first()?.time;
+    for row in rows {
+        let now = row.time;
+        if now < before {
+            let modulus = MODULI.into_iter().find(|modulus| {
+                let margin = margin.min(modulus / 2.0);
+                let from = |start: f64| {
+                    let (before, now) = (first + before - start, first + now - start);
+                    before <= *modulus && before > modulus - margin && (-interval..margin).contains(&now)
+                };
+                (from(0.0) || from(-modulus / 2.0)) && now + modulus > before
+            });
+            if let Some(modulus) = modulus {
+                added += modulus;
+                found.push((row.row, modulus));
+            }
+        }
+        before = now;
+        row.time += added;
+    }
+    let (row, modulus) = *found.first()?;
+    let times = found.len();
+    Some(format!("the counter of the time wraps around at {modulus} ({times} times, first at row {row}): unwrapped"))
+}
+
+/// Sorts rows that are late, and follows a clock that was set back.
+fn sort(rows: &mut [Row], first: f64, interval: f64) -> Result<Vec<String>, String> {
+    let span = rows.iter().fold(0.0_f64, |most, row| most.max(row.time.abs()));
+    let (mut swapped, mut steps) = (Vec::new(), Vec::new());
+    let mut row = 1;
+    while row < rows.len() {
+        let step = rows[row - 1].time - rows[row].time;
+        if step <= 0.0 {
+            row += 1;
+        } else if let Some((from, to)) = late(rows, row, interval) {
+            swapped.push((to - row, rows[row].row));
+            rows[from..to].sort_by(|one, other| one.time.total_cmp(&other.time));
+            row = to;
+        } else {
+            let place =
+                format!("at row {} from {} to {}", rows[row].row, first + rows[row - 1].time, first + rows[row].time);
+            steps.push((step, place));
+            if step > MAX_STEP * span || steps.len() as f64 > (MAX_STEPS * rows.len() as f64).max(1.0) {
+                return Err(set_back(&steps));
+            }
+            rows[row..].iter_mut().for_each(|row| row.time += step + interval);
+            row += 1;
+        }
+    }
+    let moved: usize = swapped.iter().map(|(rows, _)| rows).sum();
+    if moved as f64 > MAX_SWAPPED * rows.len() as f64 + 1.0 {
+        return Err(format!("{moved} of {} rows are not in the order of their times", rows.len()));
+    }
+    let sorted =
+        swapped.first().map(|(_, row)| format!("{moved} rows come too late and are sorted (the first: row {row})"));
+    let followed = (!steps.is_empty()).then(|| format!("{}: no sample is taken as lost there", set_back(&steps)));
+    Ok(sorted.into_iter().chain(followed).collect())
+}
+
+fn set_back(steps: &[(f64, String)]) -> String {
+    let (step, place) = &steps[steps.len() - 1];
+    match steps.len() {
+        1 => format!("the time goes back by {step}, {place}"),
+        several => format!("the time goes back {several} times, last by {step}, {place}"),
+    }
+}
+
+/// The rows among which `row` and those behind it are late, as far as they fill a hole there. In a clock that was set
+/// back there is no hole.
+fn late(rows: &[Row], row: usize, interval: f64) -> Option<(usize, usize)> {
+    let latest = rows[row - 1].time;
+    let behind = &rows[row..rows.len().min(row + NEAR)];
+    let length = behind.iter().position(|row| row.time > latest);
+    let length = length.or_else(|| (row + behind.len() == rows.len()).then_some(behind.len()))?;
+    let to = row + length;
+    let earliest = behind[..length].iter().fold(f64::INFINITY, |least, row| least.min(row.time));
+    let before = &rows[row.saturating_sub(NEAR)..row];
+    let from = row - before.iter().rev().position(|row| row.time <= earliest)?;
+    let end = rows.get(to).map_or(latest, |row| row.time);
+    let intervals = (to - from) as f64 + if to < rows.len() { 1.0 } else { 0.0 };
+    let has_hole = end - rows[from - 1].time >= (intervals - 0.5) * interval;
+    has_hole.then_some((from, to))
+}
+
+/// Drops rows that are there twice, and gives the others that share a stamp times of their own.
+fn separate(rows: &mut Vec<Row>, columns: &[FoundColumn], interval: f64) -> Vec<String> {
+    let shared = rows.windows(2).filter(|pair| pair[0].time == pair[1].time).count();
+    if shared == 0 {
+        return Vec::new();
+    }
+    let values: Vec<Vec<f64>> = columns.iter().map(|column| column.values.rows_as_numbers()).collect();
+    let same = |one: Row, other: Row| {
+        let equal = |column: &Vec<f64>| {
+            let [one, other] = [one, other].map(|row| column[row.row]);
+            one == other || one.is_nan() && other.is_nan()
+        };
+        values.iter().all(equal)
+    };
+    let equal = rows.windows(2).filter(|pair| pair[0].time == pair[1].time && same(pair[0], pair[1])).count();
+    let is_coarse = shared as f64 > COARSE * rows.len() as f64 && (equal as f64) < 0.9 * shared as f64;
+    let fine = if is_coarse { fine_interval(rows) } else { interval };
+    let mut kept: Vec<Row> = Vec::with_capacity(rows.len());
+    let (mut dropped, mut wrong) = (Vec::new(), Vec::new());
+    let mut start = 0;
+    while start < rows.len() {
+        let time = rows[start].time;
+        let end = start + rows[start..].iter().take_while(|row| row.time == time).count();
+        let last = if is_coarse { fine * (end - start) as f64 } else { interval };
+        let until = rows.get(end).map_or(last, |next| next.time - time);
+        let room = ((until / interval).round().max(1.0)).min((end - start) as f64) as usize;
+        let mut surplus = if is_coarse { 0 } else { end - start - room };
+        let first = kept.len();
+        for row in start..end {
+            if row > start && surplus > 0 && same(rows[row - 1], rows[row]) {
+                surplus -= 1;
+                dropped.push(rows[row].row);
+            } else {
+                kept.push(rows[row]);
+            }
+        }
+        let own = kept.len() - first;
+        let step = Some(until / own as f64).filter(|step| *step < 1.5 * fine).unwrap_or(fine);
+        // a coarse clock had begun its first step before the log began
+        let begin = if is_coarse && start == 0 { (until - fine * own as f64).max(0.0) } else { 0.0 };
+        let step = if begin > 0.0 { fine } else { step };
+        for (at, row) in kept[first..].iter_mut().enumerate() {
+            row.time = time + begin + step * at as f64;
+        }
+        wrong.extend(kept[first..].iter().skip(1).map(|row| row.row));
+        start = end;
+    }
+    *rows = kept;
+    let dropped = dropped.first().map(|row| {
+        format!(
+            "{} rows repeat the row before, stamp and values, and are dropped (the first: row {row})",
+            dropped.len()
+        )
+    });
+    let wrong = wrong.first().map(|row| {
+        let why = if is_coarse { "the clock is coarse" } else { "their stamps are wrong" };
+        let count = wrong.len();
+        format!("{count} rows have the stamp of the row before: {why}, the samples count (the first: row {row})")
+    });
+    dropped.into_iter().chain(wrong).collect()
+}
+
+/// The interval of the samples under a clock of coarse steps: of the steps that are not longer than usual, the whole
+/// time over the rows in it, without the first and the last step, which may not be whole.
+fn fine_interval(rows: &[Row]) -> f64 {
+    let starts: Vec<usize> =
+        (0..rows.len()).filter(|at| *at == 0 || rows[*at].time > rows[at - 1].time).skip(1).collect();
+    let steps = || starts.windows(2).map(|pair| (rows[pair[1]].time - rows[pair[0]].time, pair[1] - pair[0]));
+    let mut lengths: Vec<f64> = steps().map(|(time, _)| time).collect();
+    lengths.sort_unstable_by(f64::total_cmp);
+    let usual = lengths.get(lengths.len() / 2).copied().unwrap_or_default();
+    let whole = steps().filter(|(time, _)| *time < 1.5 * usual);
+    let (time, count) = whole.fold((0.0, 0), |(time, count), (more, rows)| (time + more, count + rows));
+    match count {
+        0 => rows.last().map_or(1.0, |last| last.time / rows.len() as f64),
+        count => time / count as f64,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::series::{Series, SeriesBuilder};
+    use super::*;
+    use zerorate_record::limits::Room;
+
+    /// Times and values as they stand in a file; gives times, values and what is said.
+    fn mended(rows: &[(f64, f64)]) -> Result<(Vec<f64>, Vec<f64>, String), String> {
+        let mut times = Times::new();
+        let mut values = SeriesBuilder::new(Room::of(0));
+        for (time, value) in rows {
+            times.push_number(*time)?;
+            values.push_number(*value);
+        }
+        let mut columns = [FoundColumn::new("x".to_owned(), values)];
+        let said = mend(&mut times, &mut columns)?;
+        let [column] = columns;
+        let Ok((Series::Numbers(values), _)) = column.values.finish(&[]) else { panic!("numbers") };
+        Ok((times.since_first().to_vec(), values, said.join("; ")))
+    }
+
+    fn even(rows: usize) -> Vec<(f64, f64)> {
+        (0..rows).map(|row| (10.0 + row as f64, 0.5 * row as f64)).collect()
+    }
+
+    fn is_even(times: &[f64], rows: usize) -> bool {
+        times.len() == rows && times.windows(2).all(|pair| (pair[1] - pair[0] - 1.0).abs() < 1e-9)
+    }
+
+    #[test]
+    fn what_is_in_order_is_left() {
+        let (times, values, said) = mended(&even(100)).unwrap();
+        assert!(is_even(&times, 100) && values[99] == 49.5 && said.is_empty());
+    }
+
+    #[test]
+    fn a_row_that_is_there_twice_is_dropped() {
+        let mut rows = even(100);
+        rows.insert(40, rows[39]);
+        let (times, values, said) = mended(&rows).unwrap();
+        assert!(is_even(&times, 100) && values[40] == 20.0, "{times:?}");
+        assert!(said.contains("1 rows repeat the row before") && said.contains("first: row 40"), "{said}");
+        let twice: Vec<_> = even(50).into_iter().flat_map(|row| [row, row]).collect();
+        assert!(is_even(&mended(&twice).unwrap().0, 50));
+    }
+
+    /// A stamp that stood still, with the sample that belongs to the next one.
+    #[test]
+    fn a_sample_with_a_wrong_stamp_counts() {
+        let mut rows = even(100);
+        rows[40].0 = rows[39].0;
+        let (times, values, said) = mended(&rows).unwrap();
+        assert!(is_even(&times, 100) && values[40] == 20.0, "{times:?}");
+        assert!(said.contains("their stamps are wrong"), "{said}");
+        // the same value by chance is no row twice where the time has room for it
+        rows[40].1 = rows[39].1;
+        assert_eq!(mended(&rows).unwrap().0.len(), 100);
+        // 1.6 samples to a step of the clock
+        let coarse: Vec<_> = (0..160).map(|row| ((f64::from(row) / 1.6).floor(), f64::from(row % 2))).collect();
+        let (times, _, said) = mended(&coarse).unwrap();
+        assert!(times.len() == 160 && said.contains("the clock is coarse"), "{said}");
+    }
+
+    #[test]
+    fn rows_that_are_late_are_sorted() {
+        let mut rows = even(100);
+        rows.swap(40, 41);
+        let late = rows.remove(60);
+        rows.insert(65, late);
+        rows.swap(98, 99);
+        let (times, values, said) = mended(&rows).unwrap();
+        assert!(is_even(&times, 100) && values.is_sorted(), "{said}");
+        assert!(said.contains("3 rows come too late and are sorted (the first: row 41)"), "{said}");
+    }
+
+    #[test]
+    fn counters_are_unwrapped() {
+        for (modulus, step) in [(65_536.0, 100.0), (4_294_967_296.0, 5000.0), (4_294.967_296, 0.005)] {
+            let time = |row: i32| (modulus - 300.5 * step + f64::from(row) * step) % modulus;
+            let rows: Vec<_> = (0..600).map(|row| (time(row), f64::from(row))).collect();
+            let (times, _, said) = mended(&rows).unwrap();
+            assert!(times.windows(2).all(|pair| ((pair[1] - pair[0]) / step - 1.0).abs() < 1e-6), "{modulus}");
+            assert!(said.contains(&format!("wraps around at {modulus} (1 times, first at row 301)")), "{said}");
+        }
+    }
+
+    /// A counter with a sign, and the time of a day.
+    #[test]
+    fn counters_wrap_below_zero_and_at_midnight() {
+        for (start, modulus) in [(-32_768.0, 65_536.0), (-2_147_483_648.0, 4_294_967_296.0), (0.0, 86_400.0)] {
+            let rows: Vec<_> =
+                (0..600).map(|row| (start + (modulus - 300.5 + f64::from(row)) % modulus, f64::from(row))).collect();
+            let (times, _, said) = mended(&rows).unwrap();
+            assert!(is_even(&times, 600) && said.contains(&format!("wraps around at {modulus} (1 times")), "{said}");
+        }
+    }
+
+    /// A digit that a cable broke, or lost.
+    #[test]
+    fn a_stamp_that_cannot_be_is_no_leap_of_the_clock() {
+        for stray in [0.0, 5.0, 1e9, 300.0] {
+            let mut rows = even(400);
+            rows[100].0 = stray;
+            let (times, values, said) = mended(&rows).unwrap();
+            assert!(is_even(&times, 400) && values.is_sorted(), "{said}");
+            assert!(
+                said.contains("1 rows have a stamp far from those of the rows around") && said.contains("row 100")
+            );
+        }
+    }
+
+    /// A clock in whole seconds over 200 samples a second, of which a log begins and ends in the middle, and two
+    /// seconds are missing.
+    #[test]
+    fn a_coarse_clock_loses_nothing() {
+        let of = |rows: std::ops::Range<i32>| rows.map(|row| ((f64::from(row) / 200.0).floor(), f64::from(row)));
+        let times = |rows: Vec<(f64, f64)>| mended(&rows).unwrap().0;
+        let steps = |times: &[f64]| times.windows(2).map(|pair| pair[1] - pair[0]).collect::<Vec<_>>();
+        let all = steps(&times(of(24..2130).collect()));
+        assert!(all.len() == 2105 && all.iter().all(|step| (step - 0.005).abs() < 1e-9), "{all:?}");
+        let gapped = steps(&times(of(24..1000).chain(of(1400..2130)).collect()));
+        let longest = gapped.iter().copied().fold(0.0, f64::max);
+        assert!((longest - 2.005).abs() < 1e-6 && gapped.iter().filter(|step| **step > 0.0051).count() == 1);
+    }
+
+    #[test]
+    fn a_clock_that_was_set_back_is_followed_or_refused() {
+        let mut rows = even(1000);
+        rows[600..].iter_mut().for_each(|row| row.0 -= 4.0);
+        let (times, values, said) = mended(&rows).unwrap();
+        assert!(is_even(&times, 1000) && values.is_sorted());
+        assert!(said.contains("goes back by 3, at row 600 from 609 to 606"), "{said}");
+        rows[600..].iter_mut().for_each(|row| row.0 -= 400.0);
+        assert!(mended(&rows).unwrap_err().contains("goes back by 403, at row 600 from 609 to 206"));
+        let back: Vec<_> = even(50).into_iter().rev().collect();
+        assert!(mended(&back).unwrap_err().contains("goes back"));
+        assert!(mended(&[(1.0, 0.0), (1.0, 1.0)]).unwrap_err().contains("stands still at 1"));
+    }
+}

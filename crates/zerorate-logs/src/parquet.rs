@@ -1,0 +1,176 @@
+//! Columns of a Parquet file: only the columns that are needed are read and decoded, several row groups at a time.
+
+use super::open::Log;
+use super::series::ROW_BYTES;
+use super::tabular::{self, TableColumns};
+use super::{Asked, Found, Result};
+use arrow_array::ArrayRef;
+use bytes::{Buf, Bytes, buf};
+use parquet::arrow::ProjectionMask;
+use parquet::arrow::arrow_reader::{ArrowReaderMetadata, ArrowReaderOptions, ParquetRecordBatchReaderBuilder};
+use parquet::errors::{ParquetError, Result as ParquetResult};
+use parquet::file::reader::{ChunkReader, Length};
+use rayon::iter::{IntoParallelIterator, ParallelIterator};
+use std::io::{Read, Seek, SeekFrom};
+use std::path::Path;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicU64, Ordering};
+use zerorate_record::limits::Room;
+use zerorate_record::parquet::{ParquetReader, guarded};
+use zerorate_record::{CaptureError, Input, is_capture};
+
+/// Rows per piece.
+const PIECE: usize = 1 << 16;
+
+/// Reads columns.
+pub fn read(log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
+    let Log { path, input: file, room, .. } = log;
+    let metadata = guarded(path, || ArrowReaderMetadata::load(&file, ArrowReaderOptions::default()))?;
+    let schema = metadata.schema().clone();
+    if is_capture(schema.metadata()) {
+        return tabular::read(path, Box::new(ParquetReader::open(path, file)?), room, asked);
+    }
+    let mut reading = TableColumns::start(path, &schema, room, asked)?;
+    let groups = Groups {
+        path,
+        file: Mutex::new(file),
+        metadata,
+        columns: reading.columns.clone(),
+        row_bytes: ROW_BYTES.saturating_mul(reading.len() as u64),
+        room,
+        rows_read: AtomicU64::new(0),
+    };
+    reading.reserve(groups.rows(), &schema);
+    let at_once = rayon::current_num_threads();
+    for first in (0..groups.len()).step_by(at_once) {
+        let decoded: Vec<_> =
+            (first..groups.len().min(first + at_once)).into_par_iter().map(|group| groups.decode(group)).collect();
+        for pieces in decoded {
+            pieces?.iter().try_for_each(|piece| reading.append(piece, None))?;
+        }
+    }
+    reading.finish(Vec::new())
+}
+
+/// Columns of the row groups of a file.
+struct Groups<'a> {
+    path: &'a Path,
+    file: Mutex<Input>,
+    metadata: ArrowReaderMetadata,
+    columns: Vec<usize>,
+    /// What a row of all of them takes.
+    row_bytes: u64,
+    room: Room,
+    /// Rows of all groups that were decoded so far: a page of a few bytes may state any number of them.
+    rows_read: AtomicU64,
+}
+
+impl Groups<'_> {
+    fn len(&self) -> usize {
+        self.metadata.metadata().num_row_groups()
+    }
+
+    /// The rows that the file claims to have, within reason.
+    fn rows(&self) -> usize {
+        let stated = self.metadata.metadata().file_metadata().num_rows();
+        usize::try_from(stated).unwrap_or_default().min(MAX_RESERVED)
+    }
+
+    /// The columns of a row group, piece by piece.
+    fn decode(&self, group: usize) -> Result<Vec<Vec<ArrayRef>>, CaptureError> {
+        let columns: Vec<Vec<ArrayRef>> = self
+            .columns
+            .iter()
+            .map(|column| guarded(self.path, || self.column(group, *column)))
+            .collect::<Result<_, _>>()?;
+        let pieces = columns[0].len();
+        let stated = self.metadata.metadata().row_group(group).num_rows();
+        let has_all = |column: &Vec<ArrayRef>| {
+            column.len() == pieces && column.iter().map(|piece| piece.len() as i64).sum::<i64>() == stated
+        };
+        if !columns.iter().all(has_all) {
+            let what = format!("a column of row group {group} does not have the {stated} rows that the index states");
+            return Err(damaged(self.path, &what));
+        }
+        Ok((0..pieces).map(|piece| columns.iter().map(|column| column[piece].clone()).collect()).collect())
+    }
+
+    fn column(&self, group: usize, column: usize) -> ParquetResult<Vec<ArrayRef>> {
+        let descriptor = self.metadata.parquet_schema();
+        let reader =
+            ParquetRecordBatchReaderBuilder::new_with_metadata(self.chunk(group, column)?, self.metadata.clone())
+                .with_projection(ProjectionMask::roots(descriptor, [column]))
+                .with_row_groups(vec![group])
+                .with_batch_size(PIECE)
+                .build()?;
+        let pieces = reader.map(|batch| {
+            let piece = batch?.column(0).clone();
+            let rows = piece.len() as u64 + self.rows_read.fetch_add(piece.len() as u64, Ordering::Relaxed);
+            let bytes = rows.saturating_mul(self.row_bytes) / self.columns.len() as u64;
+            self.room.check(bytes).map_err(|why| ParquetError::External(Box::new(why)))?;
+            Ok(piece)
+        });
+        pieces.collect()
+    }
+
+    /// The bytes of a column in a row group.
+    fn chunk(&self, group: usize, column: usize) -> ParquetResult<Chunk> {
+        let group = self.metadata.metadata().row_group(group);
+        let descriptor = self.metadata.parquet_schema();
+        let ranges = (0..group.num_columns())
+            .filter(|leaf| descriptor.get_column_root_idx(*leaf) == column)
+            .map(|leaf| group.column(leaf).byte_range());
+        let (start, end) = ranges.fold((u64::MAX, 0), |(from, to), (start, length)| {
+            (from.min(start), to.max(start.saturating_add(length)))
+        });
+        let mut bytes = Vec::new();
+        let mut file = self.file.lock().map_err(|_| ParquetError::General("a reader died".to_owned()))?;
+        file.seek(SeekFrom::Start(start))?;
+        (&mut *file).take(end.saturating_sub(start)).read_to_end(&mut bytes)?;
+        Ok(Chunk { start, bytes: bytes.into() })
+    }
+}
+
+/// Rows that room is made for at once: more than the longest record of one part, less than a machine's memory.
+const MAX_RESERVED: usize = 1 << 26;
+
+/// A piece of a file, under the offsets of the whole.
+struct Chunk {
+    start: u64,
+    bytes: Bytes,
+}
+
+impl Chunk {
+    fn rest(&self, start: u64) -> ParquetResult<Bytes> {
+        let outside = || ParquetError::EOF(format!("byte {start} is outside its column"));
+        let offset = start.checked_sub(self.start).and_then(|offset| usize::try_from(offset).ok());
+        let offset = offset.filter(|offset| *offset <= self.bytes.len()).ok_or_else(outside)?;
+        Ok(self.bytes.slice(offset..))
+    }
+}
+
+impl Length for Chunk {
+    fn len(&self) -> u64 {
+        self.start + self.bytes.len() as u64
+    }
+}
+
+impl ChunkReader for Chunk {
+    type T = buf::Reader<Bytes>;
+
+    fn get_read(&self, start: u64) -> ParquetResult<Self::T> {
+        Ok(self.rest(start)?.reader())
+    }
+
+    fn get_bytes(&self, start: u64, length: usize) -> ParquetResult<Bytes> {
+        let rest = self.rest(start)?;
+        if length > rest.len() {
+            return Err(ParquetError::EOF(format!("{length} bytes at {start} are outside their column")));
+        }
+        Ok(rest.slice(..length))
+    }
+}
+
+fn damaged(path: &Path, what: &str) -> CaptureError {
+    CaptureError::damaged(path, "as a Parquet file", what)
+}

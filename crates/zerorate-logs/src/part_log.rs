@@ -1,0 +1,257 @@
+//! A log of a part as rows of a capture: columns are found by the names of the axes, values become codes, and gaps
+//! become losses.
+
+use super::choice::Described;
+use super::clock::Beat;
+use super::{Clock, ColumnOptions, Found, FoundColumn, Gap, LogError, Result, Wanted, find};
+use std::path::Path;
+use zerorate::{MAX_AXES, Part, Scale};
+use zerorate_record::{CaptureInfo, Input, Layout, Note, Quantity, Row};
+
+/// What logs call the temperature, unless the part says otherwise.
+pub(super) const TEMP: &str = "temp";
+
+/// A value that is this near to a code, in codes, lies on it: what decimals and units leave of a code that somebody
+/// turned into a value.
+const ON_GRID: f64 = 1e-4;
+
+/// A log whose columns are the axes of a part, and its temperature.
+///
+/// Integers without a unit are codes; values with a unit become the nearest codes. A row that lacks an axis is no
+/// reading, and counts as lost with the row after it.
+#[derive(Debug)]
+pub struct PartLog {
+    info: CaptureInfo,
+    t_ns: Vec<u64>,
+    /// Codes of each axis and of the temperature, NaN where there is none.
+    axes: Vec<Vec<f64>>,
+    temps: Vec<f64>,
+    /// Readings lost before rows.
+    gaps: std::iter::Peekable<std::vec::IntoIter<Gap>>,
+    next_row: usize,
+    edge_seq: u32,
+    lost: u64,
+    warnings: Vec<Note>,
+}
+
+impl PartLog {
+    /// Reads a log of any form; `path` names it in messages. Everything in it is checked here. Where neither time
+    /// column nor rate is given, the time is the only other column whose name states a unit of time, as in `t_ns`.
+    ///
+    /// # Errors
+    /// The file cannot be read; it lacks an axis, the temperature, a unit or the time; or its values are none of the
+    /// part.
+    pub fn open(path: &Path, input: Input, part: &Part, args: &ColumnOptions) -> Result<Self> {
+        let layout = Layout::of_part(part)
+            .map_err(|what| LogError::Ask(format!("no capture can have the part {}: {what}", part.name)))?;
+        let described = described(part);
+        let mut found = find(path, input, Wanted::Described(&described), args)?;
+        found.mend(path, args)?;
+        let Found { mut columns, clock, mut warnings } = found;
+        let temp = columns.pop().filter(|_| columns.len() == part.axes.len());
+        let temp = temp.ok_or_else(|| LogError::Ask(format!("{} has one column only", path.display())))?;
+        let axes = columns.into_iter().zip(&part.axes[..]).zip(&described).map(|((column, axis), described)| {
+            let given = args.unit.map(|unit| (unit.quantity(), unit.in_results()));
+            let stated = column.stated.or(given).or_else(|| stated(&column.name, described));
+            let unit = rate_unit(path, &column.name, stated)?;
+            Coding { path, scale: axis.axis.rate, unit, name: "°/s", remedy: "`gx [rad/s]` or `x_dps`" }
+                .codes(column, &mut warnings)
+        });
+        let axes: Vec<Vec<f64>> = axes.collect::<Result<_>>()?;
+        let unit = temp.stated.or_else(|| stated(&temp.name, described.last()?));
+        let unit = unit.filter(|(quantity, _)| *quantity == Quantity::Temperature).map(|(_, celsius)| celsius);
+        let scale = *layout.temp();
+        let coding = Coding { path, scale, unit, name: "°C", remedy: "`temp_c` or `T [°C]`" };
+        let temps = coding.codes(temp, &mut warnings)?;
+        if temps.iter().all(|code| code.is_nan()) {
+            return Err(LogError::Refused(
+                "no-temperature",
+                format!("{} holds no temperature in any row", path.display()),
+            ));
+        }
+        let (t_ns, gaps) = times(path, clock, temps.len(), args)?;
+        let info = CaptureInfo {
+            device: path.display().to_string(),
+            software: zerorate::SOFTWARE.to_owned(),
+            ..CaptureInfo::new(layout)
+        };
+        let gaps = gaps.into_iter().peekable();
+        let log = Self { info, t_ns, axes, temps, gaps, next_row: 0, edge_seq: 0, lost: 0, warnings };
+        log.checked(path)
+    }
+
+    /// What a reader of these rows has to know of them. Whoever opened the log may know more.
+    #[must_use]
+    pub fn info(&self) -> &CaptureInfo {
+        &self.info
+    }
+
+    /// What is to be said of the log: values that were rounded, rows that lack a value, a tail that was torn off.
+    #[must_use]
+    pub fn warnings(&self) -> &[Note] {
+        &self.warnings
+    }
+
+    fn checked(mut self, path: &Path) -> Result<Self> {
+        let lacking = (0..self.temps.len()).filter(|row| self.lacks(*row)).count();
+        if lacking == self.temps.len() {
+            return Err(LogError::Refused(
+                "rows-incomplete",
+                format!("{} holds no row with all axes", path.display()),
+            ));
+        }
+        if lacking > 0 {
+            let (path, rows) = (path.display(), self.temps.len());
+            let text = format!("{path}: {lacking} rows of {rows} lack the value of an axis; they count as lost");
+            self.warnings.push(Note::new("rows-incomplete", text));
+        }
+        Ok(self)
+    }
+
+    fn lacks(&self, row: usize) -> bool {
+        self.axes.iter().any(|codes| codes[row].is_nan())
+    }
+}
+
+impl Iterator for PartLog {
+    type Item = Row;
+
+    fn next(&mut self) -> Option<Row> {
+        loop {
+            let row = self.next_row;
+            let t_ns = *self.t_ns.get(row)?;
+            while let Some(gap) = self.gaps.next_if(|gap| gap.at <= row) {
+                self.lost = self.lost.saturating_add(gap.missing);
+            }
+            self.next_row += 1;
+            if self.lacks(row) {
+                self.lost = self.lost.saturating_add(1);
+                continue;
+            }
+            let mut codes = [0; MAX_AXES];
+            codes.iter_mut().zip(&self.axes).for_each(|(code, column)| *code = column[row] as i64);
+            let lost = u32::try_from(std::mem::take(&mut self.lost)).unwrap_or(u32::MAX);
+            self.edge_seq = self.edge_seq.wrapping_add(lost);
+            let found = Row::new(t_ns, self.edge_seq, &codes[..self.axes.len().min(MAX_AXES)])?;
+            self.edge_seq = self.edge_seq.wrapping_add(1);
+            let temp = self.temps[row];
+            return Some(found.with_lost(lost).with_temp_code((!temp.is_nan()).then_some(temp as i64)));
+        }
+    }
+}
+
+/// The columns of the axes, and behind them that of the temperature.
+fn described(part: &Part) -> Vec<Described> {
+    let column = |what: String, stated: Option<&str>, name: &str| Described {
+        what,
+        name: stated.unwrap_or(name).to_owned(),
+        is_exact: stated.is_some(),
+    };
+    let axis = |axis: &zerorate::NamedAxis| column(format!("axis {}", axis.name), axis.column.as_deref(), &axis.name);
+    let temp = column("temperature".to_owned(), part.temp_column.as_deref(), TEMP);
+    part.axes.iter().map(axis).chain([temp]).collect()
+}
+
+/// What the name of a column states, or the one by which the part has it.
+fn stated(column: &str, described: &Described) -> Option<(Quantity, f64)> {
+    let by_part = || described.without_unit().and_then(|_| Quantity::of_column(&described.name));
+    Quantity::of_column(column).or_else(by_part)
+}
+
+/// What a step of a column is in °/s, if that is stated; nothing else is a rate.
+fn rate_unit(path: &Path, column: &str, stated: Option<(Quantity, f64)>) -> Result<Option<f64>> {
+    match stated {
+        Some((Quantity::AngularRate, dps)) => Ok(Some(dps)),
+        Some((other, _)) => {
+            let why = format!("is in {}, and the axis of a gyroscope in °/s", other.unit());
+            Err(LogError::Ask(format!(
+                "{}: column {column} {why}; name another in the file of the part",
+                path.display()
+            )))
+        }
+        None => Ok(None),
+    }
+}
+
+/// How the values of a column become codes.
+struct Coding<'a> {
+    path: &'a Path,
+    scale: Scale,
+    /// What a step of 1 in the column is, in the unit of the scale; none: the column holds codes.
+    unit: Option<f64>,
+    /// The unit of the scale.
+    name: &'static str,
+    /// How a column states a unit.
+    remedy: &'static str,
+}
+
+impl Coding<'_> {
+    fn codes(&self, column: FoundColumn, warnings: &mut Vec<Note>) -> Result<Vec<f64>> {
+        let FoundColumn { name, values, warnings: said, .. } = column;
+        warnings.extend(said);
+        let mut codes = values.into_rows();
+        let mut off = 0.0_f64;
+        for (row, value) in codes.iter_mut().enumerate().filter(|(_, value)| !value.is_nan()) {
+            let code = self.unit.map_or(*value, |unit| self.scale.code(*value * unit));
+            let nearest = code.round();
+            if self.unit.is_none() && nearest != code {
+                return Err(self.no_codes(&name, row, *value));
+            }
+            off = off.max((code - nearest).abs());
+            *value = self.checked(&name, row, *value, nearest)?;
+        }
+        if off > ON_GRID {
+            let by = off / self.scale.lsb_per_unit;
+            let text = format!(
+                "{}: column {name} does not lie on the codes of the part; values are rounded to the nearest, by \
+                 {by:.3e} {} at most ({off:.2} codes)",
+                self.path.display(),
+                self.name
+            );
+            warnings.push(Note::new("off-codes", text));
+        }
+        Ok(codes)
+    }
+
+    fn no_codes(&self, name: &str, row: usize, value: f64) -> LogError {
+        let remedy = format!("state its unit in its name, as in {}", self.remedy);
+        LogError::Ask(format!(
+            "{}, column {name}, row {row}: {value} is no code, and no unit is stated; {remedy}",
+            self.path.display()
+        ))
+    }
+
+    fn checked(&self, name: &str, row: usize, value: f64, code: f64) -> Result<f64> {
+        let (first, last) = self.scale.codes();
+        if (first as f64..=last as f64).contains(&code) {
+            return Ok(code);
+        }
+        let bits = self.scale.width_bits;
+        Err(LogError::Refused(
+            "beyond-codes",
+            format!(
+                "{}, column {name}, row {row}: {value} is beyond the codes of the part, which have {bits} bits and go \
+             from \
+             {first} to {last}; is it the column, and the unit?",
+                self.path.display()
+            ),
+        ))
+    }
+}
+
+/// Time of each row, and what was lost between rows.
+fn times(path: &Path, clock: Clock, rows: usize, args: &ColumnOptions) -> Result<(Vec<u64>, Vec<Gap>)> {
+    let silent = |rate_hz: f64| (0..rows).map(|row| (row as f64 * 1e9 / rate_hz).round() as u64).collect();
+    let (t_ns, gaps): (Vec<u64>, Vec<Gap>) = match (args.rate, clock) {
+        (Some(rate_hz), _) => (silent(rate_hz), Vec::new()),
+        (None, clock) => match (clock.beat(path, args)?, clock) {
+            (Some((unit, Beat { gaps, .. })), Clock::Column(_, times)) => (times.nanoseconds(unit), gaps),
+            _ => return Err(super::no_rate(path, &[], args.names)),
+        },
+    };
+    if t_ns.windows(2).any(|pair| pair[1] <= pair[0]) {
+        let why = "its rows are less than a nanosecond apart; is it the rate, and the unit of the time?";
+        return Err(LogError::Refused("times-disordered", format!("{}: {why}", path.display())));
+    }
+    Ok((t_ns, gaps))
+}

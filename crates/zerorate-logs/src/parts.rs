@@ -1,0 +1,81 @@
+//! A log that lies in several files, one behind the other: a bag of ROS 2 that was split.
+
+use super::{Clock, Column, ColumnOptions, Found, LogError, Result, Wanted, find};
+use std::path::{Path, PathBuf};
+use zerorate_record::{Input, Note};
+
+/// The files of a log.
+#[derive(Debug, Default)]
+pub struct Parts {
+    /// Each with its name, in their order.
+    pub files: Vec<(PathBuf, Input)>,
+    /// How many messages of each topic there are in all of them, as the description of the bag states.
+    pub messages: Vec<(String, u64)>,
+}
+
+impl From<Vec<(PathBuf, Input)>> for Parts {
+    fn from(files: Vec<(PathBuf, Input)>) -> Self {
+        Self { files, messages: Vec::new() }
+    }
+}
+
+/// Reads the columns that are wanted of a log in several files. `path` names the log in messages.
+pub fn read_parts(
+    path: &Path,
+    parts: impl Into<Parts>,
+    wanted: Wanted<'_>,
+    args: &ColumnOptions,
+) -> Result<Vec<Column>> {
+    let Parts { files, messages } = parts.into();
+    let mut all: Option<Found> = None;
+    for (part, input) in files {
+        let found = find(&part, input, wanted, args)?;
+        match &mut all {
+            None => all = Some(found),
+            Some(all) => all.append(&part, found)?,
+        }
+    }
+    let mut all = all.ok_or_else(|| LogError::Ask(format!("{} has no file with a log", path.display())))?;
+    all.hold_against(path, &messages);
+    all.finish(path, args)
+}
+
+impl Found {
+    /// Says so where the topic that was read has another number of messages than the description of its bag states.
+    fn hold_against(&mut self, path: &Path, stated: &[(String, u64)]) {
+        let Some(column) = self.columns.first() else { return };
+        let is_read = |topic: &str| column.name.strip_prefix(topic).is_some_and(|rest| rest.starts_with('.'));
+        let found = column.values.rows();
+        let differs = stated.iter().find(|(topic, stated)| is_read(topic) && *stated != found);
+        self.warnings.extend(differs.map(|(topic, stated)| miscounted(path, topic, *stated, found)));
+    }
+
+    /// Adds what the next file of the same log holds.
+    fn append(&mut self, part: &Path, next: Self) -> Result<()> {
+        let names = |found: &Self| found.columns.iter().map(|column| column.name.clone()).collect::<Vec<_>>();
+        let (mine, others) = (names(self), names(&next));
+        if mine != others {
+            let why = format!("it has {} where the file before has {}", others.join(", "), mine.join(", "));
+            return Err(LogError::Ask(format!("{}: {why}", part.display())));
+        }
+        for (column, next) in self.columns.iter_mut().zip(next.columns) {
+            let are_codes = column.values.are_codes() && next.values.are_codes();
+            column.values.extend_cells(&next.values.into_rows(), are_codes);
+        }
+        if let (Clock::Column(_, times), Clock::Column(_, next)) = (&mut self.clock, next.clock) {
+            times.append(&next);
+        }
+        self.warnings.extend(next.warnings);
+        Ok(())
+    }
+}
+
+/// A bag states how many messages of a topic it has, and has another number of them.
+pub fn miscounted(path: &Path, topic: &str, stated: u64, found: u64) -> Note {
+    let text = format!(
+        "{} states {stated} messages of {topic} and holds {found}: it is damaged, or a part of it is missing or came \
+         from elsewhere; take another copy",
+        path.display()
+    );
+    Note::new("messages-miscounted", text)
+}

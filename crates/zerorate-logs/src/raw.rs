@@ -1,0 +1,81 @@
+//! A file that is nothing but numbers, little endian.
+
+use super::open::Log;
+use super::series::SeriesBuilder;
+use super::{Clock, Found, FoundColumn, Names, Result, Setting, wrong};
+use std::io::Read;
+use zerorate_record::CaptureError;
+
+/// Bytes that are read at a time; a multiple of the size of every type. (To map the file into memory would take
+/// `unsafe` code.)
+const BLOCK: usize = 1 << 18;
+
+/// The type of each number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
+pub enum RawType {
+    /// 16-bit integers.
+    I16,
+    /// 32-bit integers.
+    I32,
+    /// 32-bit floating point.
+    F32,
+    /// 64-bit floating point.
+    F64,
+}
+
+impl RawType {
+    fn bytes(self) -> usize {
+        match self {
+            Self::I16 => 2,
+            Self::I32 | Self::F32 => 4,
+            Self::F64 => 8,
+        }
+    }
+
+    /// Adds the numbers of a block; `Err` says which is the first that is infinite.
+    fn append(self, values: &mut SeriesBuilder, block: &[u8]) -> Result<(), usize> {
+        match self {
+            Self::I16 => values.extend_codes(&numbers(block, |bytes| i16::from_le_bytes(bytes).into())),
+            Self::I32 => values.extend_codes(&numbers(block, i32::from_le_bytes)),
+            Self::F32 => return values.extend_numbers(&numbers(block, |bytes| f32::from_le_bytes(bytes).into())),
+            Self::F64 => return values.extend_numbers(&numbers(block, f64::from_le_bytes)),
+        }
+        Ok(())
+    }
+}
+
+/// Reads the whole file as one column.
+pub fn read(log: Log<'_>, raw: RawType, names: Names) -> Result<Found> {
+    let setting = names.of(Setting::Raw);
+    let failed = |error| CaptureError::io("read", log.path, error);
+    let bytes = log.input.length().map_err(failed)?;
+    let size = raw.bytes();
+    if !bytes.is_multiple_of(size as u64) {
+        let what = format!("{bytes} bytes are no whole number of {size}-byte numbers: is {setting} right?");
+        return Err(CaptureError::damaged(log.path, "as raw numbers", what).into());
+    }
+    let mut values = SeriesBuilder::new(log.room);
+    values.reserve((bytes / size as u64) as usize, matches!(raw, RawType::I16 | RawType::I32));
+    let mut input = log.input;
+    let mut block = Vec::with_capacity(BLOCK);
+    loop {
+        block.clear();
+        (&mut input).take(BLOCK as u64).read_to_end(&mut block).map_err(failed)?;
+        if block.is_empty() {
+            break;
+        }
+        let first = values.rows();
+        values.check_room((block.len() / size) as u64).map_err(|why| CaptureError::no_room(log.path, why))?;
+        raw.append(&mut values, &block).map_err(|at| {
+            let what = format!("it is infinite: is {setting} right?");
+            wrong(log.path, format_args!("number {}", first + at as u64), what)
+        })?;
+    }
+    let columns = vec![FoundColumn::new("raw".to_owned(), values)];
+    Ok(Found { columns, clock: Clock::Silent, warnings: Vec::new() })
+}
+
+fn numbers<const N: usize, T>(block: &[u8], decode: impl Fn([u8; N]) -> T) -> Vec<T> {
+    block.as_chunks::<N>().0.iter().map(|number| decode(*number)).collect()
+}

@@ -1,0 +1,272 @@
+//! Bags of ROS 1, version 2.0 (<https://wiki.ros.org/Bags/Format/2.0>): records with a head of named fields, most of
+//! them in chunks that may be packed. No library reads them without mapping the file into memory.
+
+use super::imu_messages::{Collector, Encoding, Quantities, is_imu};
+use super::open::{Log, ROS_BAG};
+use super::topics::Survey;
+use super::{Asked, Found, Result};
+use std::collections::{BTreeMap, BTreeSet};
+use std::io::{self, BufReader, Read, Seek, SeekFrom};
+use std::path::Path;
+use zerorate_record::limits::{NoRoom, Room};
+use zerorate_record::survive::survive;
+use zerorate_record::{CaptureError, Input};
+
+/// Bytes that a read asks the system for.
+const BUFFER: usize = 1 << 18;
+
+/// The longest head of a record: a connection names a topic and a type.
+const MAX_HEAD: u32 = 1 << 16;
+
+/// What ROS 1 calls the message.
+const IMU: &str = "sensor_msgs/Imu";
+
+const MESSAGE: u8 = 2;
+const CHUNK: u8 = 5;
+const CHUNK_INFO: u8 = 6;
+const CONNECTION: u8 = 7;
+
+/// Reads quantities of the IMU messages.
+pub fn read(log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
+    let (path, room) = (log.path, log.room);
+    let mut file = BufReader::with_capacity(BUFFER, log.input);
+    let topics = topics(path, &mut file, room)?;
+    let names: BTreeSet<String> = topics.values().cloned().collect();
+    let seen = || survey(&mut Records { path, file: &mut file, room, bytes: 0 }, &topics);
+    let wanted = Quantities::choose(path, &names, asked, seen)?;
+    let topic = wanted.topic.clone();
+    let mut collector = Collector::new(path, wanted, room, asked.args);
+    let mut records = Records { path, file: &mut file, room, bytes: 0 };
+    let mut stated = None;
+    let torn = records.each(false, |record| {
+        let is_wanted = |conn: u32| topics.get(&conn) == Some(&topic);
+        match record.op() {
+            Some(MESSAGE) if record.number(b"conn").is_some_and(is_wanted) => {
+                collector.push(Encoding::Ros1, &record.data)?;
+            }
+            Some(CHUNK_INFO) => {
+                let here = record.counts().filter(|(conn, _)| is_wanted(*conn)).map(|(_, count)| u64::from(count));
+                stated = Some(stated.unwrap_or(0) + here.sum::<u64>());
+            }
+            _ => {}
+        }
+        Ok(())
+    })?;
+    let torn = torn.map(|why| {
+        let path = path.display();
+        format!("{path} was not closed or is damaged ({why}): what stands before is read, the rest is dropped")
+    });
+    Ok(collector.finish(torn, stated))
+}
+
+/// The topics with an IMU by the number of their connection. A bag that was closed lists its connections behind its
+/// chunks; in one that was not they stand in them.
+fn topics(path: &Path, file: &mut BufReader<Input>, room: Room) -> Result<BTreeMap<u32, String>> {
+    let mut connections = BTreeMap::new();
+    let mut all = 0;
+    for skip_chunks in [true, false] {
+        let torn = Records { path, file, room, bytes: 0 }.each(skip_chunks, |record| {
+            all += u64::from(record.op() == Some(CONNECTION));
+            connections
+                .extend(record.connection().filter(|(_, _, kind)| is_imu(kind)).map(|(at, topic, _)| (at, topic)));
+            Ok(())
+        })?;
+        if all > 0 && torn.is_none() {
+            break;
+        }
+    }
+    Ok(connections)
+}
+
+/// What there is of them, as far as the file is whole.
+fn survey(records: &mut Records<'_>, topics: &BTreeMap<u32, String>) -> Survey {
+    let mut survey = Survey::default();
+    topics.values().for_each(|topic| survey.topic(topic, IMU));
+    let seen = records.each(false, |record| {
+        let topic = record.number(b"conn").and_then(|conn| topics.get(&conn));
+        if let Some(topic) = topic.filter(|_| record.op() == Some(MESSAGE)) {
+            survey.message(topic, IMU, Some(Encoding::Ros1), &record.data);
+        }
+        Ok(())
+    });
+    drop(seen);
+    survey
+}
+
+/// The head of a record and what follows it.
+struct Record {
+    head: Vec<u8>,
+    data: Vec<u8>,
+}
+
+impl Record {
+    fn op(&self) -> Option<u8> {
+        field(&self.head, b"op")?.first().copied()
+    }
+
+    fn number(&self, name: &[u8]) -> Option<u32> {
+        Some(u32::from_le_bytes(*field(&self.head, name)?.first_chunk()?))
+    }
+
+    /// How many messages of each connection a chunk has, as the index at the end of the bag states.
+    fn counts(&self) -> impl Iterator<Item = (u32, u32)> {
+        let number = |bytes: &[u8; 4]| u32::from_le_bytes(*bytes);
+        self.data.as_chunks::<4>().0.as_chunks::<2>().0.iter().map(move |[conn, count]| (number(conn), number(count)))
+    }
+
+    /// Number, topic and type of a connection.
+    fn connection(&self) -> Option<(u32, String, String)> {
+        let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+        let conn = self.number(b"conn").filter(|_| self.op() == Some(CONNECTION))?;
+        Some((conn, text(field(&self.head, b"topic")?), text(field(&self.data, b"type")?)))
+    }
+}
+
+/// The value of a field among `length name=value` of any number.
+fn field<'a>(mut fields: &'a [u8], wanted: &[u8]) -> Option<&'a [u8]> {
+    loop {
+        let (length, rest) = fields.split_first_chunk()?;
+        let (field, rest) = rest.split_at_checked(u32::from_le_bytes(*length) as usize)?;
+        match field.strip_prefix(wanted).and_then(|rest| rest.strip_prefix(b"=")) {
+            Some(value) => return Some(value),
+            None => fields = rest,
+        }
+    }
+}
+
+/// The records of a bag.
+struct Records<'a> {
+    path: &'a Path,
+    file: &'a mut BufReader<Input>,
+    room: Room,
+    /// What all chunks unpacked to.
+    bytes: u64,
+}
+
+/// Why there are no more records.
+enum Stop {
+    Torn(String),
+    Failed(CaptureError),
+}
+
+impl From<io::Error> for Stop {
+    fn from(error: io::Error) -> Self {
+        Self::Torn(match error.kind() {
+            io::ErrorKind::UnexpectedEof => "it ends inside a record".to_owned(),
+            _ => error.to_string(),
+        })
+    }
+}
+
+impl Records<'_> {
+    /// Calls `take` with each record, those in chunks as well unless they are skipped; gives why it ended early.
+    fn each(
+        &mut self,
+        skip_chunks: bool,
+        mut take: impl FnMut(&Record) -> Result<(), CaptureError>,
+    ) -> Result<Option<String>, CaptureError> {
+        let failed = |error| CaptureError::io("read", self.path, error);
+        self.file.seek(SeekFrom::Start(ROS_BAG.len() as u64)).map_err(failed)?;
+        let length = self.file.get_ref().length().map_err(failed)?;
+        loop {
+            match self.next(length, skip_chunks, &mut take) {
+                Ok(true) => {}
+                Ok(false) => return Ok(None),
+                Err(Stop::Torn(why)) => return Ok(Some(why)),
+                Err(Stop::Failed(error)) => return Err(error),
+            }
+        }
+    }
+
+    fn next(
+        &mut self,
+        length: u64,
+        skip_chunks: bool,
+        take: &mut impl FnMut(&Record) -> Result<(), CaptureError>,
+    ) -> Result<bool, Stop> {
+        let here = self.file.stream_position()?;
+        if here >= length {
+            return Ok(false);
+        }
+        let head = self.piece(length, Some(MAX_HEAD))?;
+        let mut record = Record { head, data: Vec::new() };
+        let op = record.op();
+        if !matches!(op, Some(MESSAGE | CONNECTION | CHUNK_INFO)) && (op != Some(CHUNK) || skip_chunks) {
+            let length = self.length(length, None)?;
+            self.file.seek_relative(length.into())?;
+            return Ok(true);
+        }
+        record.data = self.piece(length, None)?;
+        if op == Some(CHUNK) {
+            let chunk = self.unpacked(&record)?;
+            in_chunk(&chunk, take)?;
+        } else {
+            take(&record).map_err(Stop::Failed)?;
+        }
+        Ok(true)
+    }
+
+    /// Bytes behind their length.
+    fn piece(&mut self, end: u64, most: Option<u32>) -> Result<Vec<u8>, Stop> {
+        let mut bytes = vec![0; self.length(end, most)? as usize];
+        self.file.read_exact(&mut bytes)?;
+        Ok(bytes)
+    }
+
+    /// How many bytes follow, which must be there.
+    fn length(&mut self, end: u64, most: Option<u32>) -> Result<u32, Stop> {
+        let mut length = [0; 4];
+        self.file.read_exact(&mut length)?;
+        let length = u32::from_le_bytes(length);
+        let left = end.saturating_sub(self.file.stream_position()?);
+        if u64::from(length) > left || most.is_some_and(|most| length > most) {
+            return Err(Stop::Torn(format!("a record states {length} bytes")));
+        }
+        Ok(length)
+    }
+
+    fn unpacked(&mut self, chunk: &Record) -> Result<Vec<u8>, Stop> {
+        let size = chunk.number(b"size").ok_or_else(|| Stop::Torn("a chunk does not state its size".to_owned()))?;
+        self.bytes = self.bytes.saturating_add(size.into());
+        let no_room = |why: NoRoom| Stop::Failed(CaptureError::no_room(self.path, why));
+        self.room.check(size.into()).map_err(no_room)?;
+        self.room.check_on_disk(self.bytes).map_err(no_room)?;
+        let packed = chunk.data.as_slice();
+        let mut bytes = Vec::new();
+        // one byte more, so that the check behind the last one is read
+        let mut unpack = |from: &mut dyn Read| from.take(u64::from(size) + 1).read_to_end(&mut bytes);
+        let done = match field(&chunk.head, b"compression") {
+            Some(b"none") => return Ok(chunk.data.clone()),
+            Some(b"bz2") => survive(|| unpack(&mut bzip2::read::BzDecoder::new(packed))),
+            Some(b"lz4") => survive(|| unpack(&mut lz4_flex::frame::FrameDecoder::new(packed))),
+            other => {
+                let name = String::from_utf8_lossy(other.unwrap_or_default()).into_owned();
+                return Err(Stop::Torn(format!("a chunk is packed by `{}`", name.escape_debug())));
+            }
+        };
+        match done {
+            Some(Ok(unpacked)) if unpacked == size as usize => Ok(bytes),
+            Some(Ok(_)) => Err(Stop::Torn("a chunk does not have the size that it states".to_owned())),
+            Some(Err(error)) => Err(Stop::Torn(format!("a chunk cannot be unpacked: {error}"))),
+            None => Err(Stop::Torn("a chunk makes no sense".to_owned())),
+        }
+    }
+}
+
+fn in_chunk(mut chunk: &[u8], take: &mut impl FnMut(&Record) -> Result<(), CaptureError>) -> Result<(), Stop> {
+    let mut piece = || {
+        let (length, rest) = chunk.split_first_chunk()?;
+        let (bytes, rest) = rest.split_at_checked(u32::from_le_bytes(*length) as usize)?;
+        chunk = rest;
+        Some((bytes.to_vec(), rest.is_empty()))
+    };
+    loop {
+        let torn = || Stop::Torn("a chunk ends inside a record".to_owned());
+        let Some((head, _)) = piece() else { return Ok(()) };
+        let (data, is_last) = piece().ok_or_else(torn)?;
+        take(&Record { head, data }).map_err(Stop::Failed)?;
+        if is_last {
+            return Ok(());
+        }
+    }
+}

@@ -1,0 +1,67 @@
+//! Rows of a part, whatever they were recorded in.
+
+use crate::{CaptureError, Input, LogError, Note};
+use crate::{ColumnOptions, PartLog};
+use std::io::Seek;
+use std::path::Path;
+use zerorate::Part;
+use zerorate_record::{CaptureInfo, CaptureReader, Row};
+
+/// Reads the rows of a capture, or of the log of a part.
+pub enum RowReader {
+    /// A capture, which says itself what it is of.
+    Capture(Box<CaptureReader>),
+    /// The log of a part that somebody has described.
+    Log(Box<PartLog>),
+}
+
+impl RowReader {
+    /// Opens what is a capture as such, and anything else as a log of `part`, if one is given; `path` names it in
+    /// messages. `args` are for logs alone.
+    ///
+    /// # Errors
+    /// It cannot be read, or is wrong in itself; without a part, it is no capture.
+    pub fn open(path: &Path, mut input: Input, part: Option<&Part>, args: &ColumnOptions) -> Result<Self, LogError> {
+        let failed = |error| CaptureError::io("read", path, error);
+        let again = input.try_clone().map_err(failed)?;
+        let part = part.filter(|part| part.name != Part::ADIS16130.name);
+        match (CaptureReader::open(path, again), part) {
+            (Ok(capture), _) => Ok(Self::Capture(Box::new(capture))),
+            (Err(CaptureError::NotACapture { .. }), Some(part)) => {
+                input.rewind().map_err(failed)?;
+                Ok(Self::Log(Box::new(PartLog::open(path, input, part, args)?)))
+            }
+            (Err(error), _) => Err(error.into()),
+        }
+    }
+
+    /// What there is to know of the rows.
+    #[must_use]
+    pub fn info(&self) -> &CaptureInfo {
+        match self {
+            Self::Capture(capture) => capture.info(),
+            Self::Log(log) => log.info(),
+        }
+    }
+
+    /// What is to be said once all rows were read.
+    #[must_use]
+    pub fn warnings(&self) -> Vec<Note> {
+        match self {
+            Self::Capture(capture) => capture.warnings(),
+            Self::Log(log) => log.warnings().to_vec(),
+        }
+    }
+}
+
+impl Iterator for RowReader {
+    type Item = Result<Row, CaptureError>;
+
+    #[inline]
+    fn next(&mut self) -> Option<Self::Item> {
+        match self {
+            Self::Capture(capture) => capture.next(),
+            Self::Log(log) => log.next().map(Ok),
+        }
+    }
+}

@@ -1,0 +1,354 @@
+//! Numbers in a row, some of them missing.
+
+use super::Gap;
+use zerorate_record::limits::{NoRoom, Room};
+
+/// Missing samples that are filled in at most: a bound on memory where a clock leaps.
+const MAX_FILLED: u64 = 10_000_000;
+
+/// What a row costs: a code, what is computed of it, and the same again while both grow. A number with a time costs
+/// twice as much, and where that is too much the limit of the process tells.
+pub const ROW_BYTES: u64 = 16;
+
+/// Numbers, as exact as the file has them.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Series {
+    /// Integers. Missing samples are gaps beside them.
+    Codes(Vec<i32>),
+    /// Anything else: finite, or NaN where a sample is missing.
+    Numbers(Vec<f64>),
+}
+
+impl Series {
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Codes(codes) => codes.len(),
+            Self::Numbers(numbers) => numbers.len(),
+        }
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}
+
+/// A series that grows. It holds integers until something else comes.
+pub struct SeriesBuilder {
+    series: Series,
+    /// Beside codes only: numbers hold NaN instead.
+    gaps: Vec<Gap>,
+    rows: u64,
+    room: Room,
+    /// How many series share the room.
+    sharing: u64,
+}
+
+impl SeriesBuilder {
+    /// No number yet.
+    pub fn new(room: Room) -> Self {
+        Self::sharing(room, 1)
+    }
+
+    /// The same, of so many series in one room, which grow together.
+    pub fn sharing(room: Room, series: usize) -> Self {
+        let sharing = series.max(1) as u64;
+        Self { series: Series::Codes(Vec::new()), gaps: Vec::new(), rows: 0, room, sharing }
+    }
+
+    /// What a row of all of them costs.
+    fn row_bytes(&self) -> u64 {
+        ROW_BYTES.saturating_mul(self.sharing)
+    }
+
+    /// Whether there is room for `more` rows. To be asked before rows are added that the file need not hold byte for
+    /// byte.
+    pub fn check_room(&self, more: u64) -> Result<(), NoRoom> {
+        self.room.check(self.rows.saturating_add(more).saturating_mul(self.row_bytes()))
+    }
+
+    /// How many rows there were, with those that were empty.
+    pub fn rows(&self) -> u64 {
+        self.rows
+    }
+
+    /// Adds a row without a value.
+    pub fn push_missing(&mut self) {
+        self.rows += 1;
+        match &mut self.series {
+            Series::Codes(codes) => join(&mut self.gaps, Gap { at: codes.len(), missing: 1 }),
+            Series::Numbers(numbers) => numbers.push(f64::NAN),
+        }
+    }
+
+    /// Adds an integer.
+    pub fn push_integer(&mut self, value: i64) {
+        self.rows += 1;
+        match (&mut self.series, i32::try_from(value)) {
+            (Series::Codes(codes), Ok(code)) => codes.push(code),
+            _ => self.numbers().push(value as f64),
+        }
+    }
+
+    /// Adds a number; false, and nothing is added, if it is infinite. NaN is a missing sample.
+    pub fn push_number(&mut self, value: f64) -> bool {
+        if value.is_infinite() {
+            return false;
+        }
+        self.rows += 1;
+        self.numbers().push(value);
+        true
+    }
+
+    /// Adds numbers that are finite, or NaN where one is missing; `are_codes` if all that are there are codes.
+    pub fn extend_cells(&mut self, added: &[f64], are_codes: bool) {
+        self.rows += added.len() as u64;
+        if !are_codes {
+            return self.numbers().extend_from_slice(added);
+        }
+        match &mut self.series {
+            Series::Numbers(numbers) => numbers.extend_from_slice(added),
+            Series::Codes(codes) => {
+                for number in added {
+                    match number.is_nan() {
+                        true => join(&mut self.gaps, Gap { at: codes.len(), missing: 1 }),
+                        false => codes.push(*number as i32),
+                    }
+                }
+            }
+        }
+    }
+
+    /// Adds codes.
+    pub fn extend_codes(&mut self, added: &[i32]) {
+        self.rows += added.len() as u64;
+        match &mut self.series {
+            Series::Codes(codes) => codes.extend_from_slice(added),
+            Series::Numbers(numbers) => numbers.extend(added.iter().map(|code| f64::from(*code))),
+        }
+    }
+
+    /// Adds numbers. `Err` says which is the first that is infinite; then nothing is added.
+    pub fn extend_numbers(&mut self, added: &[f64]) -> Result<(), usize> {
+        // a loop without an exit is a fast one
+        if added.iter().fold(false, |found, number| found | number.is_infinite()) {
+            return Err(added.iter().position(|number| number.is_infinite()).unwrap_or_default());
+        }
+        self.rows += added.len() as u64;
+        self.numbers().extend_from_slice(added);
+        Ok(())
+    }
+
+    /// Makes room for `additional` rows of codes or, if they are not integers, of numbers.
+    pub fn reserve(&mut self, additional: usize, integers: bool) {
+        let additional = additional.min((self.room.bytes() / self.row_bytes()) as usize);
+        if !integers {
+            self.numbers();
+        }
+        match &mut self.series {
+            Series::Codes(codes) => codes.reserve_exact(additional),
+            Series::Numbers(numbers) => numbers.reserve_exact(additional),
+        }
+    }
+
+    /// The series, with samples missing between its rows as well: before row `at`, empty rows counted, `missing` were
+    /// lost. `Err` is how many they are, should that be more than can be filled in.
+    pub fn finish(mut self, between_rows: &[Gap]) -> Result<(Series, Vec<Gap>), u64> {
+        let row_bytes = self.row_bytes();
+        let gaps = match &mut self.series {
+            Series::Codes(codes) => inner(merged(&self.gaps, between_rows), codes.len()),
+            Series::Numbers(_) if between_rows.is_empty() => Vec::new(),
+            Series::Numbers(numbers) => {
+                *numbers = filled(numbers, between_rows, self.room, row_bytes)?;
+                Vec::new()
+            }
+        };
+        Ok((self.series, gaps))
+    }
+
+    /// Whether all numbers are codes so far.
+    pub fn are_codes(&self) -> bool {
+        matches!(self.series, Series::Codes(_))
+    }
+
+    /// A number for each row, NaN where it has none.
+    pub fn rows_as_numbers(&self) -> Vec<f64> {
+        match &self.series {
+            Series::Numbers(numbers) => numbers.clone(),
+            Series::Codes(codes) => spread(codes, &self.gaps),
+        }
+    }
+
+    /// These rows in this order, and no others.
+    pub fn reorder(&mut self, order: &[usize]) {
+        let are_codes = self.are_codes();
+        let all = self.rows_as_numbers();
+        let rows: Vec<f64> = order.iter().map(|row| all[*row]).collect();
+        self.series = Series::Codes(Vec::new());
+        self.gaps.clear();
+        self.rows = 0;
+        self.extend_cells(&rows, are_codes);
+    }
+
+    /// The same, of all rows.
+    pub fn into_rows(mut self) -> Vec<f64> {
+        std::mem::take(self.numbers())
+    }
+
+    /// The numbers; integers become numbers here.
+    fn numbers(&mut self) -> &mut Vec<f64> {
+        if let Series::Codes(codes) = &self.series {
+            let mut numbers = spread(codes, &self.gaps);
+            numbers.reserve_exact(codes.capacity() - codes.len());
+            self.series = Series::Numbers(numbers);
+            self.gaps.clear();
+        }
+        match &mut self.series {
+            Series::Numbers(numbers) => numbers,
+            Series::Codes(_) => unreachable!("codes became numbers just now"),
+        }
+    }
+}
+
+/// Codes as numbers, NaN in each gap.
+fn spread(codes: &[i32], gaps: &[Gap]) -> Vec<f64> {
+    let mut numbers = Vec::with_capacity(codes.len());
+    let mut done = 0;
+    for gap in gaps {
+        numbers.extend(codes[done..gap.at].iter().map(|code| f64::from(*code)));
+        numbers.extend((0..gap.missing).map(|_| f64::NAN));
+        done = gap.at;
+    }
+    numbers.extend(codes[done..].iter().map(|code| f64::from(*code)));
+    numbers
+}
+
+/// Adds a gap at or after the last one.
+pub fn join(gaps: &mut Vec<Gap>, gap: Gap) {
+    match gaps.last_mut().filter(|last| last.at == gap.at) {
+        Some(last) => last.missing = last.missing.saturating_add(gap.missing),
+        None => gaps.push(gap),
+    }
+}
+
+/// How many samples are missing in all gaps together.
+pub fn missing_in(gaps: &[Gap]) -> u64 {
+    gaps.iter().fold(0, |sum, gap| sum.saturating_add(gap.missing))
+}
+
+/// Both kinds of gaps, counted in codes. A gap between rows stands where it would if each empty row were one more row.
+fn merged(empty_rows: &[Gap], between_rows: &[Gap]) -> Vec<Gap> {
+    let mut all = Vec::with_capacity(empty_rows.len() + between_rows.len());
+    let mut empty = empty_rows.iter().copied().peekable();
+    let mut rows_empty = 0;
+    for gap in between_rows {
+        while let Some(next) = empty.next_if(|next| (next.at as u64) + rows_empty < gap.at as u64) {
+            rows_empty += next.missing;
+            join(&mut all, next);
+        }
+        // in the middle of a run of empty rows it is as good as at its end
+        let at = (gap.at as u64).saturating_sub(rows_empty) as usize;
+        let at = at.max(all.last().map_or(0, |last| last.at));
+        join(&mut all, Gap { at: at.min(empty.peek().map_or(at, |next| next.at)), missing: gap.missing });
+    }
+    empty.for_each(|gap| join(&mut all, gap));
+    all
+}
+
+/// What is missing before the first sample or after the last is no gap.
+fn inner(mut gaps: Vec<Gap>, len: usize) -> Vec<Gap> {
+    gaps.retain(|gap| gap.at > 0 && gap.at < len && gap.missing > 0);
+    gaps
+}
+
+/// Codes as numbers, with a NaN for each sample that is missing between them. `Err` is how many they are, should that
+/// be too many.
+pub fn with_gaps(codes: &[i32], gaps: &[Gap]) -> Result<Vec<f64>, u64> {
+    let numbers: Vec<f64> = codes.iter().map(|code| f64::from(*code)).collect();
+    filled(&numbers, gaps, Room::of(codes.len() as u64), ROW_BYTES)
+}
+
+fn filled(numbers: &[f64], between_rows: &[Gap], room: Room, row_bytes: u64) -> Result<Vec<f64>, u64> {
+    let missing = missing_in(between_rows);
+    let all = missing.saturating_add(numbers.len() as u64);
+    if missing > MAX_FILLED || room.check(all.saturating_mul(row_bytes)).is_err() {
+        return Err(missing);
+    }
+    let mut all = Vec::with_capacity(numbers.len() + missing as usize);
+    let mut done = 0;
+    for gap in between_rows {
+        all.extend_from_slice(&numbers[done..gap.at]);
+        all.extend((0..gap.missing).map(|_| f64::NAN));
+        done = gap.at;
+    }
+    all.extend_from_slice(&numbers[done..]);
+    Ok(all)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn gap(at: usize, missing: u64) -> Gap {
+        Gap { at, missing }
+    }
+
+    /// Rows: 10, empty, 11, 12, empty, empty, 13, and samples lost between some of them.
+    fn build(last: impl Fn(&mut SeriesBuilder)) -> (Series, Vec<Gap>) {
+        let mut builder = SeriesBuilder::new(Room::of(0));
+        builder.push_missing();
+        builder.push_integer(10);
+        builder.push_missing();
+        builder.extend_codes(&[11, 12]);
+        builder.push_missing();
+        builder.push_missing();
+        last(&mut builder);
+        builder.finish(&[gap(2, 3), gap(4, 5), gap(6, 7)]).unwrap()
+    }
+
+    /// A series as a list of samples, lost ones included.
+    fn samples(series: &Series, gaps: &[Gap]) -> Vec<Option<f64>> {
+        match series {
+            Series::Numbers(numbers) => numbers.iter().map(|number| Some(*number).filter(|n| !n.is_nan())).collect(),
+            Series::Codes(codes) => {
+                let mut all = Vec::new();
+                for (i, code) in codes.iter().enumerate() {
+                    let lost = gaps.iter().filter(|gap| gap.at == i).map(|gap| gap.missing).sum::<u64>();
+                    all.extend((0..lost).map(|_| None));
+                    all.push(Some(f64::from(*code)));
+                }
+                all
+            }
+        }
+    }
+
+    #[test]
+    fn codes_and_numbers_have_the_same_gaps() {
+        let (codes, gaps) = build(|builder| builder.push_integer(13));
+        assert_eq!(codes, Series::Codes(vec![10, 11, 12, 13]));
+        assert_eq!(gaps, [gap(1, 4), gap(2, 5), gap(3, 9)]);
+        let (numbers, none) = build(|builder| assert!(builder.push_number(13.0)));
+        assert!(none.is_empty());
+        let mut expected = samples(&codes, &gaps);
+        expected.insert(0, None);
+        assert_eq!(samples(&numbers, &none), expected);
+    }
+
+    #[test]
+    fn large_integers_are_numbers() {
+        let mut builder = SeriesBuilder::new(Room::of(0));
+        builder.push_integer(-7);
+        builder.push_integer(1 << 40);
+        assert_eq!(builder.finish(&[]).unwrap().0, Series::Numbers(vec![-7.0, 1_099_511_627_776.0]));
+    }
+
+    #[test]
+    fn infinity_and_endless_gaps_are_refused() {
+        let mut builder = SeriesBuilder::new(Room::of(0));
+        assert!(!builder.push_number(f64::INFINITY));
+        assert_eq!(builder.extend_numbers(&[1.0, f64::NEG_INFINITY]), Err(1));
+        builder.extend_numbers(&[1.0, 2.0]).unwrap();
+        assert_eq!(builder.finish(&[gap(1, MAX_FILLED + 1)]), Err(MAX_FILLED + 1));
+    }
+}

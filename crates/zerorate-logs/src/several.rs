@@ -1,0 +1,177 @@
+//! Several columns in one pass are the same as each by itself.
+
+use super::tests::{imu, mcap_packed, npy, options, sqlite_bag, tables};
+use super::*;
+use adis16130::Width;
+use arrow_array::{ArrayRef, DurationNanosecondArray, Float64Array, Int32Array, Int64Array, NullArray};
+use std::fs::{self, File};
+use std::sync::Arc;
+use tempfile::TempDir;
+use zerorate_record::{CaptureWriter, Converter, Format, Row};
+
+fn all(content: &[u8], wanted: Wanted<'_>, said: &str) -> Result<Vec<Column>> {
+    read_all(Path::new("log"), content.to_vec().into(), wanted, &options(said))
+}
+
+/// Reads these columns at once and one by one, forwards and backwards.
+#[track_caller]
+fn same(content: &[u8], names: &[&str], said: &str) -> Vec<Column> {
+    let names: Vec<String> = names.iter().map(|name| (*name).to_owned()).collect();
+    let backwards: Vec<String> = names.iter().rev().cloned().collect();
+    let one = |name: &String| {
+        let options = ColumnOptions { column: Some(name.clone()), ..options(said) };
+        read(Path::new("log"), content.to_vec().into(), &options).unwrap()
+    };
+    for names in [&names, &backwards] {
+        let together = all(content, Wanted::Listed(names), said).unwrap();
+        let alone: Vec<Column> = names.iter().map(one).collect();
+        // NaN is no number, not even this one
+        assert_eq!(format!("{together:?}"), format!("{alone:?}"));
+    }
+    all(content, Wanted::Listed(&names), said).unwrap()
+}
+
+/// What is in memory goes the way of a file: names, time, gaps and what is no number.
+#[test]
+fn a_table_in_memory_is_a_log() {
+    let since_ns = [0, 10, 20, 50, 60].map(|ms| ms * 1_000_000_i64).to_vec();
+    let columns: Vec<(&str, ArrayRef)> = vec![
+        ("index", Arc::new(DurationNanosecondArray::from(since_ns))),
+        ("label", Arc::new(NullArray::new(5))),
+        ("gz [rad/s]", Arc::new(Float64Array::from(vec![1.0, 2.0, f64::NAN, 4.0, 5.0]))),
+    ];
+    let table =
+        RecordBatch::try_from_iter_with_nullable(columns.into_iter().map(|(name, of)| (name, of, true))).unwrap();
+    let read = |wanted, said| read_table(Path::new("the table"), &table, wanted, &options(said));
+    let [gz] = &read(Wanted::All, "--time-column index").unwrap()[..] else { panic!("not one column") };
+    assert_eq!((gz.name.as_str(), gz.rate_hz, gz.missing()), ("gz [rad/s]", 100.0, 3));
+    assert_eq!((gz.quantity, gz.scale), (Some(Quantity::AngularRate), 1f64.to_degrees()));
+    let error = read(Wanted::One(Some("label")), "--rate 100").unwrap_err();
+    assert!(error.to_string().contains("the table holds no numbers in `label`"), "{error}");
+}
+
+/// Rows 3 and 4 of x are missing in the log, row 5 of y is empty.
+fn log() -> Vec<(&'static str, ArrayRef)> {
+    let rows = || (0..12).filter(|row| !(3..5).contains(row));
+    vec![
+        ("x", Arc::new(Int32Array::from_iter_values(rows().map(|row| row * row)))),
+        ("t_ms", Arc::new(Int64Array::from_iter_values(rows().map(|row| i64::from(row) * 10)))),
+        ("y", Arc::new(Int32Array::from_iter(rows().map(|row| (row != 5).then_some(-row))))),
+        ("z_dps", Arc::new(Float64Array::from_iter_values(rows().map(|row| f64::from(row) * 0.25)))),
+    ]
+}
+
+#[test]
+fn columns_of_tables() {
+    for content in tables(&log()) {
+        let columns = same(&content, &["z_dps", "x", "y"], "--time-column t_ms");
+        assert!(columns.iter().all(|column| (column.rate_hz - 100.0).abs() < 1e-9));
+        assert_eq!(columns.iter().map(Column::missing).collect::<Vec<_>>(), [2, 2, 3]);
+        assert_eq!((columns[0].quantity, columns[1].quantity), (Some(Quantity::AngularRate), None));
+        let found = all(&content, Wanted::All, "--time-column t_ms").unwrap();
+        assert_eq!(found.iter().map(|column| column.name.as_str()).collect::<Vec<_>>(), ["x", "y", "z_dps"]);
+    }
+}
+
+#[test]
+fn columns_of_text() {
+    let text = "x,t_ms,word,y,z_dps\n1,0,a,5,0.5\n2,10,b,,0.25\n3,30,c,7,-0.5\n4,40,d,8,1.0";
+    let columns = same(text.as_bytes(), &["y", "x", "z_dps"], "--time-column t_ms");
+    assert_eq!(columns[0].gaps, [Gap { at: 1, missing: 2 }]);
+    assert_eq!((&columns[1].series, columns[1].missing()), (&Series::Codes(vec![1, 2, 3, 4]), 1));
+    assert_eq!(all(text.as_bytes(), Wanted::All, "--time-column t_ms").unwrap().len(), 3);
+    // of a line that is cut short nothing is kept
+    let cut = all("x,y\n1,2\n3,4\n5,".as_bytes(), Wanted::All, "--rate 1").unwrap();
+    assert_eq!(cut.iter().map(|column| column.series.len()).collect::<Vec<_>>(), [3, 2]);
+    let cut = all("x,y\n1,2\n3,4\n5".as_bytes(), Wanted::All, "--rate 1").unwrap();
+    assert_eq!(cut.iter().map(|column| column.series.len()).collect::<Vec<_>>(), [2, 2]);
+}
+
+#[test]
+fn columns_of_arrays() {
+    let data: Vec<u8> = (0..24i16).flat_map(|number| (number * 3).to_le_bytes()).collect();
+    for order in ["False", "True"] {
+        let array = npy(&format!("{{'descr': '<i2', 'fortran_order': {order}, 'shape': (6, 4), }}"), &data);
+        let columns = same(&array, &["3", "0", "2"], "--time-column 1 --time-unit s");
+        let expected = if order == "True" { [54, 57, 60] } else { [9, 21, 33] };
+        assert!(matches!(&columns[0].series, Series::Codes(codes) if codes[..3] == expected), "{columns:?}");
+        assert_eq!(all(&array, Wanted::All, "--rate 1").unwrap().len(), 4);
+    }
+    let fields = "[('t', '<u2'), ('name', '|S2'), ('x', '>i2'), ('y', '<f4'), ('more', '|S2')]";
+    let array = npy(&format!("{{'descr': {fields}, 'fortran_order': False, 'shape': (4,), }}"), &data);
+    same(&array, &["y", "x"], "--rate 5");
+    assert_eq!(all(&array, Wanted::All, "--time-column t --time-unit s").map(|columns| columns.len()).unwrap(), 2);
+}
+
+#[test]
+fn quantities_of_bags() {
+    let mcap = mcap_packed(None, &["/imu"], "cdr", |i| imu(true, false, i * 10_000_000, i as f64));
+    for bag in [mcap, sqlite_bag()] {
+        let columns = same(&bag, &["z", "x", "linear_acceleration.y"], "");
+        assert_eq!(
+            (columns[1].name.as_str(), columns[1].quantity),
+            ("/imu.angular_velocity.x", Some(Quantity::AngularRate))
+        );
+        assert_eq!(
+            (columns[2].name.as_str(), columns[2].quantity),
+            ("/imu.linear_acceleration.y", Some(Quantity::Acceleration))
+        );
+        assert_eq!(all(&bag, Wanted::All, "").unwrap().len(), 6);
+    }
+    let two = mcap_packed(None, &["/one", "/two"], "cdr", |i| imu(true, false, i * 10_000_000, i as f64));
+    let names = ["/one.angular_velocity.x", "/two.angular_velocity.x"].map(str::to_owned);
+    assert!(all(&two, Wanted::Listed(&names), "").unwrap_err().to_string().contains("two topics"));
+}
+
+/// A capture of 2,500 samples with losses, and with status and temperature now and then.
+fn capture(format: Format) -> Vec<u8> {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("capture");
+    let info = zerorate_record::CaptureInfo::adis16130(Converter {
+        width: Width::Bits24,
+        rate_conversion: 5,
+        temp_conversion: 5,
+    });
+    let mut writer = CaptureWriter::create(&path, Box::new(File::create(&path).unwrap()), format, &info).unwrap();
+    for i in 0..2_500_u32 {
+        let lost = if i > 0 && i.is_multiple_of(1000) { 3 } else { 0 };
+        let t_ns = 1_000 + u64::from(i + 3 * (i / 1000)) * 175_667;
+        let row = Row::new(t_ns, i, &[i64::from(i.wrapping_mul(2_654_435_761) >> 8)]).unwrap();
+        let row = row.with_status((!i.is_multiple_of(5)).then_some(i & 0xFF));
+        let row = row.with_temp_code(i.is_multiple_of(3).then(|| (0x00FF_FFFF - i).into()));
+        writer.push(&row.with_lost(lost)).unwrap();
+    }
+    writer.finish().unwrap();
+    fs::read(&path).unwrap()
+}
+
+#[test]
+fn columns_of_captures() {
+    for format in [Format::Arrows, Format::Parquet, Format::Csv] {
+        let content = capture(format);
+        let columns = same(&content, &["temp_code", "rate_code", "status"], "");
+        assert_eq!(columns[1], all(&content, Wanted::All, "").unwrap().remove(0), "the rates");
+    }
+}
+
+#[test]
+fn what_cannot_be_chosen() {
+    let error = |wanted: &[&str]| {
+        let wanted: Vec<String> = wanted.iter().map(|name| (*name).to_owned()).collect();
+        all(b"x,y,t\n1,2,3\n4,5,6\n", Wanted::Listed(&wanted), "--time-column t").unwrap_err().to_string()
+    };
+    assert!(error(&["x", "w"]).contains("no column `w`"));
+    assert!(error(&["x", "x"]).contains("asked twice for `x`"));
+    assert!(error(&["x", "t"]).contains("both time and rate in `t`"));
+    assert!(error(&[]).contains("no column of numbers"));
+}
+
+/// More columns take more of the room that the file has.
+#[test]
+fn memory_is_that_of_all_columns() {
+    let one = SeriesBuilder::new(zerorate_record::limits::Room::of(0));
+    let eight = SeriesBuilder::sharing(zerorate_record::limits::Room::of(0), 8);
+    let rows = zerorate_record::limits::FREE_BYTES / 16;
+    assert!(one.check_room(rows).is_ok() && one.check_room(rows + 1).is_err());
+    assert!(eight.check_room(rows / 8).is_ok() && eight.check_room(rows / 8 + 1).is_err());
+}

@@ -1,0 +1,97 @@
+//! ROS bags in SQLite, as ROS 2 made them before Iron.
+
+use super::imu_messages::{Collector, Encoding, Quantities, is_imu};
+use super::open::Log;
+use super::topics::Survey;
+use super::{Asked, Found, Result};
+use rusqlite::config::DbConfig;
+use rusqlite::limits::Limit;
+use rusqlite::{Connection, OpenFlags, types::ValueRef};
+use std::collections::BTreeSet;
+use zerorate_record::CaptureError;
+
+/// Reads quantities of the IMU messages.
+pub fn read(log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
+    let (path, room) = (log.path, log.room);
+    let failed = |error: rusqlite::Error| {
+        let remedy = "if it is a bag of ROS 2, `ros2 bag convert` or `ros2 bag reindex` may help";
+        CaptureError::damaged(path, "as a ROS 2 bag in SQLite", format!("{error}; {remedy}"))
+    };
+    let bag = open(log, failed)?;
+    let topics = topics_of(&bag).map_err(failed)?;
+    let names: BTreeSet<String> = topics.iter().map(|topic| topic.name.clone()).collect();
+    let wanted = Quantities::choose(path, &names, asked, || survey(&bag, &topics))?;
+    let ids = topics.iter().filter(|topic| topic.name == wanted.topic);
+    let mut collector = Collector::new(path, wanted.clone(), room, asked.args);
+    for Topic { id, name: topic, format, .. } in ids {
+        let encoding = Encoding::of(format).ok_or_else(|| {
+            let what = format!("its messages are encoded in `{format}`; cdr is read");
+            CaptureError::damaged(path, format!("topic {topic}"), what)
+        })?;
+        let mut query =
+            bag.prepare("SELECT data FROM messages WHERE topic_id = ?1 ORDER BY timestamp, id").map_err(failed)?;
+        let mut rows = query.query([id]).map_err(failed)?;
+        while let Some(row) = rows.next().map_err(failed)? {
+            match row.get_ref(0).map_err(failed)? {
+                ValueRef::Blob(message) => collector.push(encoding, message)?,
+                other => {
+                    let what = format!("a message is of type {}", other.data_type());
+                    return Err(CaptureError::damaged(path, format!("topic {topic}"), what).into());
+                }
+            }
+        }
+    }
+    Ok(collector.finish(None, None))
+}
+
+/// Opens a bag as a set of tables and nothing more: its schema is somebody else's program.
+fn open(log: Log<'_>, failed: impl Fn(rusqlite::Error) -> CaptureError) -> Result<Connection, CaptureError> {
+    let bag = if !log.input.has_name() {
+        // a database is opened by its name, and what was unpacked has none
+        let length = log.input.length().map_err(|error| CaptureError::io("read", log.path, error))?;
+        log.room.check(length).map_err(|why| CaptureError::no_room(log.path, why))?;
+        let mut bag = Connection::open_in_memory().map_err(&failed)?;
+        bag.deserialize_read_exact("main", log.input, length as usize, true).map_err(&failed)?;
+        bag
+    } else {
+        Connection::open_with_flags(log.path, OpenFlags::SQLITE_OPEN_READ_ONLY).map_err(&failed)?
+    };
+    // a view may compute without end, and a generated column may be as long as a blob can be
+    bag.set_db_config(DbConfig::SQLITE_DBCONFIG_ENABLE_VIEW, false).map_err(&failed)?;
+    bag.set_db_config(DbConfig::SQLITE_DBCONFIG_TRUSTED_SCHEMA, false).map_err(&failed)?;
+    let longest = i32::try_from(log.room.bytes()).unwrap_or(i32::MAX);
+    bag.set_limit(Limit::SQLITE_LIMIT_LENGTH, longest).map_err(&failed)?;
+    Ok(bag)
+}
+
+/// A topic with an IMU.
+struct Topic {
+    id: i64,
+    name: String,
+    kind: String,
+    format: String,
+}
+
+fn topics_of(bag: &Connection) -> rusqlite::Result<Vec<Topic>> {
+    let mut query = bag.prepare("SELECT id, name, type, serialization_format FROM topics")?;
+    let topics = query.query_map([], |row| {
+        Ok(Topic { id: row.get(0)?, name: row.get(1)?, kind: row.get(2)?, format: row.get(3)? })
+    })?;
+    topics.filter(|topic| topic.as_ref().map_or(true, |topic| is_imu(&topic.kind))).collect()
+}
+
+/// What there is of them, as far as it can be read.
+fn survey(bag: &Connection, topics: &[Topic]) -> Survey {
+    let mut survey = Survey::default();
+    for Topic { id, name, kind, format } in topics {
+        survey.topic(name, kind);
+        let Ok(mut query) = bag.prepare("SELECT data FROM messages WHERE topic_id = ?1") else { continue };
+        let Ok(mut rows) = query.query([id]) else { continue };
+        while let Ok(Some(row)) = rows.next() {
+            if let Ok(ValueRef::Blob(message)) = row.get_ref(0) {
+                survey.message(name, kind, Encoding::of(format), message);
+            }
+        }
+    }
+    survey
+}

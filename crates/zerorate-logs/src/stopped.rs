@@ -1,0 +1,91 @@
+//! A sensor that stopped while it was recorded.
+
+use super::{Column, LogError, Result, Series};
+use std::path::Path;
+use zerorate_record::Note;
+
+/// A column that changes more often than not, and then no more for so many samples, has stopped.
+const STOPPED_SAMPLES: usize = 1000;
+
+impl Column {
+    /// What is to be said where it stops changing: a log of another part need not have stopped with it. `path` names
+    /// the log in messages.
+    ///
+    /// # Errors
+    /// Of one value all along: that is no noise but a dead sensor.
+    pub fn stopped(&self, path: &Path) -> Result<Option<Note>> {
+        let changes = match &self.series {
+            Series::Codes(codes) => Changes::of(codes.iter().map(|code| f64::from(*code))),
+            Series::Numbers(numbers) => Changes::of(numbers.iter().copied()),
+        };
+        let Changes { len, count, longest: Run { start, len: same, samples } } = changes;
+        if count == 0 {
+            let what = format!("{}: all {len} samples of column {} are the same", path.display(), self.name);
+            let why = "a dead or frozen sensor, and no noise that could be analysed";
+            return Err(LogError::Refused("frozen", format!("{what}: {why}")));
+        }
+        let is_frozen = same >= STOPPED_SAMPLES && count * 2 > len - same;
+        let is_last = start + samples == self.series.len();
+        let (name, file) = (&self.name, path.display());
+        // among codes what is missing stands beside them
+        let lost: u64 = self.gaps.iter().filter(|gap| gap.at <= start).map(|gap| gap.missing).sum();
+        let from_s = (start as u64 + lost) as f64 / self.rate_hz;
+        let text = || match is_last {
+            true => format!(
+                "{file}: the last {same} of {len} samples of column {name} are the same, while it changed \
+                 most of the time before; the sensor may have stopped: cut the log there"
+            ),
+            false => format!(
+                "{file}: {same} of {len} samples of column {name} are the same, from {from_s:.1} s on, \
+                 while it changed most of the time otherwise; the sensor or its bus may have hung: analyse what is \
+                 before and after"
+            ),
+        };
+        Ok(is_frozen.then(|| Note::new("frozen", text())))
+    }
+}
+
+/// Samples of one value, one after the other.
+#[derive(Clone, Copy, Default)]
+struct Run {
+    /// Where the first is in the record.
+    start: usize,
+    /// How many there are.
+    len: usize,
+    /// With the missing ones between and behind them.
+    samples: usize,
+}
+
+/// How a column changes.
+#[derive(Default)]
+struct Changes {
+    /// Samples that are there.
+    len: usize,
+    /// Changes from one to the next.
+    count: usize,
+    /// The longest stretch without a change.
+    longest: Run,
+}
+
+impl Changes {
+    fn of(values: impl Iterator<Item = f64>) -> Self {
+        let (mut all, mut run, mut before) = (Self::default(), Run::default(), None);
+        for (index, value) in values.enumerate() {
+            if value.is_nan() {
+                run.samples += 1;
+            } else {
+                all.len += 1;
+                if before.is_some_and(|before| before != value) {
+                    all.count += 1;
+                    run = Run { start: index, ..Run::default() };
+                }
+                before = Some(value);
+                run = Run { len: run.len + 1, samples: run.samples + 1, ..run };
+            }
+            if run.len >= all.longest.len {
+                all.longest = run;
+            }
+        }
+        all
+    }
+}

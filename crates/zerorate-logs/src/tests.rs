@@ -1,0 +1,336 @@
+//! Logs with what stands in them known beforehand.
+
+#[cfg(feature = "full")]
+mod forms;
+
+#[cfg(feature = "full")]
+pub use forms::*;
+
+use super::*;
+use arrow_array::{
+    ArrayRef, Float64Array, Int32Array, Int64Array, RecordBatch, StringArray, TimestampNanosecondArray,
+};
+use arrow_ipc::writer::{FileWriter, StreamWriter};
+use std::fs::{self, File};
+use std::path::PathBuf;
+use std::sync::Arc;
+use tempfile::TempDir;
+
+/// Options as one types them.
+pub fn options(text: &str) -> ColumnOptions {
+    let mut options = ColumnOptions { names: Names(flag), ..ColumnOptions::default() };
+    let mut words = text.split_whitespace();
+    while let (Some(name), Some(value)) = (words.next(), words.next()) {
+        let number = || Some(value.parse().unwrap());
+        match name {
+            "--column" => options.column = Some(value.to_owned()),
+            "--time-column" => options.time_column = Some(value.to_owned()),
+            "--time-unit" => {
+                let units = [("s", TimeUnit::S), ("ms", TimeUnit::Ms), ("us", TimeUnit::Us), ("ns", TimeUnit::Ns)];
+                options.time_unit = units.into_iter().find(|(name, _)| *name == value).map(|(_, unit)| unit);
+            }
+            "--rate" => options.rate = number(),
+            "--unit" => options.unit = Some(value.parse().unwrap()),
+            "--scale" => options.scale = number(),
+            "--topic" => options.topic = Some(value.to_owned()),
+            "--max-bad" => options.max_bad = number(),
+            "--decimal" => options.decimal = Some(if value == "comma" { Decimal::Comma } else { Decimal::Point }),
+            "--raw" => {
+                let types =
+                    [("i16", RawType::I16), ("i32", RawType::I32), ("f32", RawType::F32), ("f64", RawType::F64)];
+                options.raw = types.into_iter().find(|(name, _)| *name == value).map(|(_, raw)| raw);
+            }
+            _ => panic!("no option {name}"),
+        }
+    }
+    options
+}
+
+/// What a command line calls the options.
+fn flag(setting: Setting) -> &'static str {
+    match setting {
+        Setting::Column => "--column",
+        Setting::TimeColumn => "--time-column",
+        Setting::TimeUnit => "--time-unit",
+        Setting::Topic => "--topic",
+        Setting::Decimal => "--decimal",
+        Setting::MaxBad => "--max-bad",
+        other => other.name(),
+    }
+}
+
+pub struct Folder(TempDir);
+
+impl Folder {
+    pub fn new() -> Self {
+        Self(TempDir::new().unwrap())
+    }
+
+    pub fn write(&self, name: &str, content: impl AsRef<[u8]>) -> PathBuf {
+        let path = self.0.path().join(name);
+        fs::write(&path, content).unwrap();
+        path
+    }
+
+    /// Reads this content with these options.
+    pub fn read(&self, content: impl AsRef<[u8]>, options: &str) -> Result<Column> {
+        let path = self.write("log", content);
+        super::read(&path, File::open(&path).unwrap().into(), &super::tests::options(options))
+    }
+
+    pub fn fails(&self, content: impl AsRef<[u8]>, options: &str) -> String {
+        format!("{:#}", self.read(content, options).map(drop).unwrap_err())
+    }
+}
+
+pub fn numbers(column: &Column) -> Vec<f64> {
+    match &column.series {
+        Series::Codes(codes) => codes.iter().map(|code| f64::from(*code)).collect(),
+        Series::Numbers(numbers) => numbers.clone(),
+    }
+}
+
+/// Numbers where a missing one is none.
+pub fn there(column: &Column) -> Vec<Option<f64>> {
+    numbers(column).into_iter().map(|number| Some(number).filter(|number| !number.is_nan())).collect()
+}
+
+fn batch(columns: &[(&str, ArrayRef)]) -> RecordBatch {
+    RecordBatch::try_from_iter_with_nullable(columns.iter().map(|(name, column)| (*name, column.clone(), true)))
+        .unwrap()
+}
+
+#[cfg(feature = "parquet")]
+fn parquet_of(columns: &[(&str, ArrayRef)]) -> Vec<u8> {
+    let batch = batch(columns);
+    let properties =
+        ::parquet::file::properties::WriterProperties::builder().set_max_row_group_row_count(Some(3)).build();
+    let mut file = Vec::new();
+    let mut writer = ::parquet::arrow::ArrowWriter::try_new(&mut file, batch.schema(), Some(properties)).unwrap();
+    writer.write(&batch).unwrap();
+    writer.close().unwrap();
+    file
+}
+
+/// A table as an Arrow stream, as an Arrow file and as Parquet in several row groups.
+pub fn tables(columns: &[(&str, ArrayRef)]) -> Vec<Vec<u8>> {
+    let batch = batch(columns);
+    let (mut stream, mut file) = (Vec::new(), Vec::new());
+    let mut writer = StreamWriter::try_new(&mut stream, &batch.schema()).unwrap();
+    writer.write(&batch).and_then(|()| writer.finish()).unwrap();
+    let mut writer = FileWriter::try_new(&mut file, &batch.schema()).unwrap();
+    writer.write(&batch).and_then(|()| writer.finish()).unwrap();
+    drop(writer);
+    let tables = vec![stream, file];
+    #[cfg(feature = "parquet")]
+    let tables = [tables, vec![parquet_of(columns)]].concat();
+    tables
+}
+
+#[test]
+fn tables_of_every_form() {
+    let folder = Folder::new();
+    let t = TimestampNanosecondArray::from(vec![
+        0, 10_000_000, 20_000_000, 40_000_000, 50_000_000, 60_000_000, 70_000_000,
+    ]);
+    let label = StringArray::from(vec!["x"; 7]);
+    let codes = Int32Array::from(vec![Some(1), Some(2), None, Some(4), None, None, Some(7)]);
+    let long = Int64Array::from(vec![1, 2, 3, 4, 5, 6, 7]);
+    let rate = Float64Array::from(vec![Some(0.5), None, Some(1.5), Some(f64::NAN), Some(2.5), Some(3.5), Some(4.5)]);
+    let columns: Vec<(&str, ArrayRef)> = vec![
+        ("t", Arc::new(t)),
+        ("label", Arc::new(label)),
+        ("c", Arc::new(codes)),
+        ("l", Arc::new(long)),
+        ("gz_mdps", Arc::new(rate)),
+    ];
+    for table in tables(&columns) {
+        let column = folder.read(&table, "--column c --time-column t").unwrap();
+        assert_eq!(column.series, Series::Codes(vec![1, 2, 4, 7]));
+        // the empty third row and the missing one after it are one gap
+        assert_eq!(column.gaps, [Gap { at: 2, missing: 2 }, Gap { at: 3, missing: 2 }]);
+        assert_eq!((column.rate_hz, column.quantity, column.missing()), (100.0, None, 4));
+        let column = folder.read(&table, "--column gz_mdps --time-column t").unwrap();
+        assert_eq!(there(&column), [Some(0.5), None, Some(1.5), None, None, Some(2.5), Some(3.5), Some(4.5)]);
+        assert_eq!((column.scale, column.missing(), &column.gaps), (1e-3, 3, &vec![]));
+        assert_eq!(
+            folder.read(&table, "--column l --rate 5").unwrap().series,
+            Series::Codes(vec![1, 2, 3, 4, 5, 6, 7])
+        );
+        assert!(folder.fails(&table, "--rate 5").contains("several columns"));
+        assert!(folder.fails(&table, "--column label --rate 5").contains("no numbers in `label`"));
+        assert!(folder.fails(&table, "--column c --time-column label").contains("column label, row 0: it holds Utf8"));
+        assert!(
+            folder
+                .fails(&table, "--column c --time-column gz_mdps --time-unit s")
+                .contains("column gz_mdps, row 1: no time")
+        );
+    }
+}
+
+#[test]
+fn damaged_tables_are_errors() {
+    let folder = Folder::new();
+    let columns: Vec<(&str, ArrayRef)> =
+        vec![("x", Arc::new(Float64Array::from((0..50).map(f64::from).collect::<Vec<_>>())))];
+    for table in tables(&columns) {
+        for at in (0..table.len()).step_by(11) {
+            let mut damaged = table.clone();
+            damaged[at] ^= 0xFF;
+            // whatever it says, it says it
+            drop(folder.read(&damaged, "--rate 5"));
+            drop(folder.read(&table[..at], "--rate 5"));
+        }
+    }
+    let infinite: Vec<(&str, ArrayRef)> =
+        vec![("x", Arc::new(Float64Array::from(vec![0.0, 1.0, 2.0, 3.0, f64::INFINITY])))];
+    for table in tables(&infinite) {
+        assert!(folder.fails(&table, "--rate 5").contains("column x, row 4: it is infinite"));
+    }
+}
+
+#[test]
+fn text_of_many_dialects() {
+    let folder = Folder::new();
+    let expected = [Some(0.5), None, Some(-1.25), Some(3.0)];
+    let cases = [
+        ("0.5\nnan\n-1.25\n3\n", ""),
+        ("\u{FEFF}gz\r\n0.5\r\nNaN\r\n-1.25\r\n3\r\n", ""),
+        ("t,gz\n1,0.5\n2,\n3,-1.25\n4,3", "--column gz"),
+        ("# made by x\n\"t, s\",\"gz\"\n1,\"0.5\"\n2,\"\"\n3,\"-1.25\"\n4,\"3\"\n", "--column gz"),
+        ("t;gz\n1;0,5\n2;\n3;-1,25\n4;3\n", "--column 1"),
+        ("t\tgz\n1\t0,5\n2\tNA\n3\t-1,25\n4\t3\n", "--column gz"),
+        ("1,0 0,5\n2,0 nan\n3,0 -1,25\n4,0 3\n", "--column 1"),
+        ("  1   0.5\n  2   null\n% note\n  3   -1.25\n  4   3.0\n", "--column 1"),
+        ("0,500\n-\n-1,250\n3,000\n", "--decimal comma"),
+        ("label,gz\na,0.5\nb,nan\nc,-1.25\nd,3\n", ""),
+        (
+            "2024-01-02 03:04:05,0.5\n2024-01-02 03:04:06,\n2024-01-02 03:04:07,-1.25\n2024-01-02 03:04:08,3\n",
+            "--column 1",
+        ),
+    ];
+    for (text, options) in cases {
+        let column = folder.read(text, &format!("{options} --rate 10")).unwrap();
+        assert_eq!(there(&column), expected, "{text:?}");
+    }
+    let codes = folder.read("x\n5\n\n-7\n", "--rate 10").unwrap();
+    assert_eq!(codes.series, Series::Codes(vec![5, -7]));
+    let codes = folder.read("t,x\n0,5\n1,\n2,-7\n", "--rate 10 --column x").unwrap();
+    assert_eq!((codes.series, codes.gaps), (Series::Codes(vec![5, -7]), vec![Gap { at: 1, missing: 1 }]));
+}
+
+/// The header of the EuRoC recordings is a comment.
+#[test]
+fn a_header_in_a_comment() {
+    let text = "#timestamp [ns],w_RS_S_x [rad s^-1],w_RS_S_y [rad \
+        s^-1]\n1403636579758555392,-0.0991,0.1473\n1403636579763555584,-0.0991,0.1473\n";
+    let options = "--column 1 --time-column 0";
+    let column = Folder::new().read(text, options).unwrap();
+    assert_eq!((column.name.as_str(), column.scale), ("w_RS_S_x [rad s^-1]", 1f64.to_degrees()));
+    assert!((column.rate_hz / 199.992_32 - 1.0).abs() < 1e-8, "{}", column.rate_hz);
+}
+
+#[test]
+fn a_time_column_gives_rate_and_gaps() {
+    let folder = Folder::new();
+    let rows = |unit: f64, head: &str| -> String {
+        let there = (0..200).filter(|i| !(50..53).contains(i));
+        head.to_owned() + &there.map(|i| format!("{},{}\n", f64::from(i) * 0.01 * unit, i % 7)).collect::<String>()
+    };
+    let cases = [
+        (rows(1e9, "t_ns,gz\n"), ""),
+        (rows(1e6, "time_us,gz\n"), ""),
+        (rows(1e3, "timestamp [ms],gz\n"), ""),
+        (rows(1.0, "t,gz\n"), "--time-unit s"),
+    ];
+    for (text, options) in cases {
+        let column = folder.read(&text, &format!("--column gz --time-column 0 {options}")).unwrap();
+        assert!((column.rate_hz - 100.0).abs() < 1e-9);
+        assert_eq!(column.gaps, [Gap { at: 50, missing: 3 }]);
+    }
+    let named = |options: &str| folder.read(rows(1e3, "timestamp [ms],gz\n"), options).unwrap();
+    assert_eq!(named("").gaps, named("--column gz").gaps);
+    assert_eq!((named("--column gz").rate_hz, named("--column gz --rate 7").rate_hz), (named("").rate_hz, 7.0));
+    assert!(folder.fails("t_s,b_ms,gz\n0,0,1\n1,1,2\n2,2,1\n", "--column gz").contains("give rate in Hz"));
+    let iso = "when,gz\n2024-02-28T23:59:59.5,1\n2024-02-29T00:00:00,2\n2024-02-29T00:00:00.5,3\n";
+    assert_eq!(folder.read(iso, "--column gz --time-column when").unwrap().rate_hz, 2.0);
+    assert!(
+        folder.fails(rows(1.0, "t,gz\n"), "--column gz --time-column t").contains("give --time-unit s, ms, us or ns")
+    );
+    assert!(folder.fails(rows(1.0, "t,gz\n"), "--column gz").contains("give rate in Hz, or --time-column if"));
+    let leap = "t_s,x\n0,0.5\n1,0.5\n2,0.5\n3,0.5\n90000000,0.5\n";
+    assert!(
+        folder.fails(leap, "--column x --time-column 0").contains("89999996 samples would be missing in 1 places")
+    );
+}
+
+#[test]
+fn units_are_declared_or_said_to_be_unknown() {
+    let folder = Folder::new();
+    let scale = |name: &str, options: &str| {
+        let column = folder.read(format!("{name}\n1\n2\n3\n"), &format!("--rate 1 {options}")).unwrap();
+        assert_eq!(column.quantity.is_some(), column.warnings.is_empty());
+        column.quantity.map(|_| column.scale)
+    };
+    assert_eq!(scale("gz", ""), None);
+    assert_eq!(scale("gz", "--scale 0.05"), Some(0.05));
+    assert_eq!(scale("gz", "--unit mdps --scale 8.75"), Some(8.75e-3));
+    assert_eq!(scale("gz", "--unit deg/h"), Some(1.0 / 3600.0));
+    assert_eq!(scale("gz_rad_s", ""), Some(1f64.to_degrees()));
+    assert_eq!(scale("gz_rad_s", "--unit dps"), Some(1.0));
+}
+
+#[test]
+fn a_capture_tells_what_it_lost() {
+    let folder = Folder::new();
+    let head = "# zerorate.capture_schema = 1\n# zerorate.width_bits = 24\n# zerorate.rate_conversion = 5\n# \
+        zerorate.temp_conversion = 5\n\
+                t_ns,edge_seq,rate_code,status,temp_code,lost\n";
+    // 7 before the first row do not matter: the record had not begun
+    let rows = "0,1,8388608,8,8400000,7\n10000000,2,8388610,8,,0\n40000000,5,8388609,8,,2\n50000000,6,8388611,8,,0\n";
+    let column = folder.read(format!("{head}{rows}"), "").unwrap();
+    assert_eq!((column.gaps.as_slice(), column.rate_hz), (&[Gap { at: 2, missing: 2 }][..], 100.0));
+    assert_eq!((column.scale, column.missing(), column.quantity), (1.0 / 23_488.0, 2, Some(Quantity::AngularRate)));
+    let mut closed = column;
+    closed.close_gaps();
+    assert_eq!((closed.missing(), closed.series.len()), (0, 4));
+    let back = "0,1,8388608,8,,0\n10,2,8388608,8,,0\n10,3,8388608,8,,0\n";
+    assert!(folder.fails(format!("{head}{back}"), "").contains("row 2: t_ns does not increase, from 10 to 10"));
+    let wide = "0,1,16777216,8,,0\n";
+    assert!(folder.fails(format!("{head}{wide}"), "").contains("16777216 is no code of 24 bits"));
+}
+
+/// A number of samples counts those that are missing; a gap that is cut through is left out whole.
+#[test]
+fn the_beginning_is_left_out() {
+    let codes = |codes: &[i32], gaps: &[(usize, u64)]| Column {
+        name: "c".to_owned(),
+        series: Series::Codes(codes.to_vec()),
+        gaps: gaps.iter().map(|&(at, missing)| zerorate_allan::Gap { at, missing }).collect(),
+        rate_hz: 1.0,
+        quantity: None,
+        scale: 1.0,
+        warnings: Vec::new(),
+    };
+    let all = || codes(&[0, 1, 5, 6, 9], &[(2, 3), (4, 2)]); // 0 1 _ _ _ 5 6 _ _ 9
+    for (skipped, left) in [
+        (0, all()),
+        (1, codes(&[1, 5, 6, 9], &[(1, 3), (3, 2)])),
+        (2, codes(&[5, 6, 9], &[(2, 2)])),
+        (4, codes(&[5, 6, 9], &[(2, 2)])),
+        (5, codes(&[5, 6, 9], &[(2, 2)])),
+        (6, codes(&[6, 9], &[(1, 2)])),
+        (9, codes(&[9], &[])),
+        (10, codes(&[], &[])),
+        (u64::MAX, codes(&[], &[])),
+    ] {
+        let mut column = all();
+        column.skip(skipped);
+        assert_eq!(column, left, "{skipped}");
+    }
+    let mut numbers = Column { series: Series::Numbers(vec![0.5, 1.5, 2.5]), gaps: Vec::new(), ..all() };
+    numbers.skip(2);
+    assert_eq!(numbers.series, Series::Numbers(vec![2.5]));
+    numbers.skip(2);
+    assert!(numbers.series.is_empty());
+}

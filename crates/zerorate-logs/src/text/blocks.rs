@@ -1,0 +1,129 @@
+//! A text in blocks of whole lines.
+
+use memchr::memrchr;
+use std::borrow::Cow;
+use std::io::{ErrorKind, Read};
+use std::path::Path;
+use zerorate_record::{CaptureError, Input};
+
+/// Bytes of a block, unless a line is longer.
+#[cfg(not(test))]
+const BLOCK: usize = 1 << 22;
+/// Small enough that small texts have several.
+#[cfg(test)]
+const BLOCK: usize = 1 << 12;
+
+/// The longest line, a bound on memory when a file is no text at all.
+const MAX_LINE: usize = 1 << 20;
+
+/// Bytes of whole lines. The last line of a text may lack its line feed.
+pub struct Block {
+    buffer: Vec<u8>,
+    /// Where in the buffer the lines end.
+    end: usize,
+    /// Whether the text ends with it.
+    pub is_last: bool,
+}
+
+impl Block {
+    /// Its lines.
+    pub fn bytes(&self) -> &[u8] {
+        &self.buffer[..self.end]
+    }
+
+    /// Its text; what is no UTF-8 is replaced, so that a line that a cable broke is one broken line.
+    pub fn text(&self) -> Cow<'_, str> {
+        // to look first is fast where all is as it should be
+        std::str::from_utf8(self.bytes()).map_or_else(|_| String::from_utf8_lossy(self.bytes()), Cow::Borrowed)
+    }
+
+    /// The same, with what may be Latin-1 read as that, as Excel writes `°/s`: for names.
+    pub fn legible(&self) -> Cow<'_, str> {
+        let of_line = |line: &[u8]| {
+            let is_text = line.iter().all(|byte| matches!(byte, b'\t' | b'\r' | b'\n' | b' '..=b'~' | 0xA0..));
+            match std::str::from_utf8(line) {
+                Err(_) if is_text => line.iter().map(|byte| char::from(*byte)).collect(),
+                _ => String::from_utf8_lossy(line).into_owned(),
+            }
+        };
+        let by_lines = || self.bytes().split_inclusive(|byte| *byte == b'\n').map(of_line).collect();
+        std::str::from_utf8(self.bytes()).map_or_else(|_| Cow::Owned(by_lines()), Cow::Borrowed)
+    }
+}
+
+/// Reads blocks.
+pub struct Blocks<'a> {
+    path: &'a Path,
+    input: Input,
+    /// What was read of a line that is not whole.
+    rest: Vec<u8>,
+    ended: bool,
+    /// Buffers of blocks that nobody needs any more: memory that is new costs as much as what is read into it.
+    spare: Vec<Vec<u8>>,
+}
+
+impl<'a> Blocks<'a> {
+    /// Of `input`, which `path` names in messages.
+    pub fn new(path: &'a Path, input: Input) -> Self {
+        Self { path, input, rest: Vec::new(), ended: false, spare: Vec::new() }
+    }
+
+    /// Takes blocks back.
+    pub fn reuse(&mut self, blocks: Vec<Block>) {
+        self.spare.extend(blocks.into_iter().map(|block| block.buffer));
+    }
+
+    /// The next block; none behind the last.
+    pub fn next(&mut self) -> Result<Option<Block>, CaptureError> {
+        if self.ended {
+            return Ok(None);
+        }
+        let mut buffer = self.spare.pop().unwrap_or_default();
+        let mut filled = self.rest.len();
+        buffer.resize(buffer.len().max(filled + BLOCK), 0);
+        buffer[..filled].copy_from_slice(&self.rest);
+        loop {
+            let before = filled;
+            filled += self.fill(&mut buffer[before..])?;
+            self.ended = filled < buffer.len();
+            if self.ended {
+                return Ok((filled > 0).then_some(Block { buffer, end: filled, is_last: true }));
+            }
+            if let Some(end) = memrchr(b'\n', &buffer[before..]).map(|at| before + at + 1) {
+                self.rest.clear();
+                self.rest.extend_from_slice(&buffer[end..]);
+                return Ok(Some(Block { buffer, end, is_last: false }));
+            }
+            if filled > MAX_LINE {
+                let what = "a line is longer than 1 MB: is this a text file?";
+                return Err(CaptureError::damaged(self.path, "as a text file", what));
+            }
+            buffer.resize(filled + BLOCK, 0);
+        }
+    }
+
+    /// Reads until the buffer is full or the text ends.
+    fn fill(&mut self, buffer: &mut [u8]) -> Result<usize, CaptureError> {
+        let mut filled = 0;
+        while filled < buffer.len() {
+            match self.input.read(&mut buffer[filled..]) {
+                Ok(0) => break,
+                Ok(read) => filled += read,
+                Err(error) if error.kind() == ErrorKind::Interrupted => {}
+                Err(error) => return Err(CaptureError::io("read", self.path, error)),
+            }
+        }
+        Ok(filled)
+    }
+
+    /// As many blocks as are to be had, up to `count`.
+    pub fn several(&mut self, count: usize) -> Result<Vec<Block>, CaptureError> {
+        let mut blocks = Vec::with_capacity(count);
+        while blocks.len() < count
+            && let Some(block) = self.next()?
+        {
+            blocks.push(block);
+        }
+        Ok(blocks)
+    }
+}

@@ -1,0 +1,314 @@
+//! How a text starts: what was printed before the data, a header of one line or two, and how its rows are cut.
+
+use super::super::number::{Number, Numerals};
+use super::super::{ColumnOptions, Decimal, LogError, Result, Setting};
+use std::path::Path;
+use zerorate_record::delimited::Delimiter;
+use zerorate_record::{CaptureError, TimeUnit, Unit};
+
+/// Lines that are looked at: more than what a board prints while it starts.
+const LINES: usize = 1000;
+
+/// A line with its number, counted from 1.
+type Numbered<'a> = (u64, &'a str);
+
+/// How a text is laid out.
+#[derive(Clone, Debug)]
+pub struct Head {
+    /// What cuts a row.
+    pub delimiter: Delimiter,
+    /// Cells of a row.
+    pub width: usize,
+    /// The names of the columns, or their numbers.
+    pub names: Vec<String>,
+    /// Which of them hold numbers.
+    pub numeric: Vec<bool>,
+    /// Lines before the first row.
+    pub lines: u64,
+    /// Of those, what is neither header nor comment: their number, and the first.
+    pub skipped: Option<(usize, String)>,
+    /// The decimal mark, as far as these lines tell.
+    pub decimal: Option<Decimal>,
+    /// The first cell of a row is an index, which has no name.
+    pub index: bool,
+    /// What only the whole text can tell.
+    pub open: Open,
+}
+
+/// What the first lines leave open.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Open {
+    /// Nothing.
+    Nothing,
+    /// The header has one name less than the rows have cells.
+    OneNameLess,
+    /// Two columns of integers without names, or one with decimal commas.
+    TwoOrDecimals,
+}
+
+/// What the lines of one layout have in common.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Shape {
+    delimiter: Delimiter,
+    width: usize,
+}
+
+/// Whether a line is none of the data.
+pub fn is_comment(line: &str) -> bool {
+    line.starts_with(['#', '%'])
+}
+
+impl Head {
+    /// Of the lines of `text`, with which the file begins.
+    pub fn read(path: &Path, text: &str, args: &ColumnOptions) -> Result<Self> {
+        if text.contains('\r') && !text.contains('\n') {
+            let what = "its lines end with a carriage return alone; convert it with `tr '\\r' '\\n' < FILE`";
+            return Err(CaptureError::damaged(path, "as a text file", what).into());
+        }
+        let lines = text.lines().zip(1..).map(|(line, number)| (number, line.trim_ascii()));
+        let lines = lines.map(|(number, line)| (number, line.strip_prefix('\u{FEFF}').unwrap_or(line)));
+        let lines: Vec<Numbered<'_>> = lines.filter(|(_, line)| !line.is_empty()).take(LINES).collect();
+        let (comments, lines): (Vec<_>, Vec<_>) = lines.into_iter().partition(|(_, line)| is_comment(line));
+        let Some(first) = lines.first() else {
+            return Err(CaptureError::damaged(path, "as a text file", "it holds no line of data").into());
+        };
+        let Some(shape) = Shape::most(&lines, args.decimal) else {
+            return Self::without_rows(path, first.1, (lines.len(), text.lines().count() as u64), args);
+        };
+        let rows = Rows::of(shape, &lines, args.decimal);
+        let (above, data) = lines.split_at(rows.first);
+        let start = data.first().map_or(0, |(number, _)| *number);
+        let comments: Vec<&str> =
+            comments.iter().take_while(|(number, _)| *number < start).map(|(_, line)| *line).collect();
+        let mut head = Self {
+            delimiter: shape.delimiter,
+            width: shape.width,
+            names: (0..shape.width).map(|number| number.to_string()).collect(),
+            numeric: rows.numeric,
+            lines: start.saturating_sub(1),
+            skipped: None,
+            decimal: rows.decimal,
+            index: false,
+            open: Open::Nothing,
+        };
+        let used = head.name(path, above, &comments)?;
+        let skipped = &above[..above.len() - used];
+        head.skipped = skipped.first().map(|(_, line)| (skipped.len(), shortened(line)));
+        let undecided = args.decimal.is_none() && shape == Shape { delimiter: Delimiter::Comma, width: 2 };
+        if used == 0 && undecided && rows.all_integers {
+            head.open = Open::TwoOrDecimals;
+        }
+        Ok(head)
+    }
+
+    /// A header and nothing else is a log that was just begun.
+    fn without_rows(path: &Path, first: &str, (some, lines): (usize, u64), args: &ColumnOptions) -> Result<Self> {
+        let delimiter = delimiter(first, args.decimal);
+        let names: Vec<String> = delimiter.cells(first).map(str::to_owned).collect();
+        let is_text = !first.contains(['\0', '\u{FFFD}']);
+        if some == 1 && is_text && delimiter != Delimiter::Blanks {
+            let (width, numeric) = (names.len(), vec![true; names.len()]);
+            let (open, index, decimal) = (Open::Nothing, false, None);
+            return Ok(Self { delimiter, width, names, numeric, lines, skipped: None, decimal, index, open });
+        }
+        let remedy = match is_text {
+            true => "is it a log?".to_owned(),
+            false => format!("it is no UTF-8 text; raw numbers need their type ({})", args.names.of(Setting::Raw)),
+        };
+        let what = format!("none of its first {some} lines holds a number (`{}`): {remedy}", shortened(first));
+        Err(CaptureError::damaged(path, "as a text file", what).into())
+    }
+
+    /// Takes the names out of the lines above the data, or out of the comments there; gives how many lines that took.
+    fn name(&mut self, path: &Path, above: &[Numbered<'_>], comments: &[&str]) -> Result<usize> {
+        let cells = |line: &str| self.delimiter.cells(line).map(str::to_owned).collect::<Vec<_>>();
+        let Some((number, last)) = above.last() else {
+            let fit = |names: &Vec<String>| names.len() == self.width && names.iter().all(|cell| is_word(cell));
+            // what is cut at blanks may be a sentence, except where names use to stand
+            let looked_at = if self.delimiter == Delimiter::Blanks { 1 } else { comments.len() };
+            let comments = comments.iter().rev().take(looked_at);
+            let mut named = comments.map(|line| cells(line.trim_start_matches(['#', '%', ' ']))).filter(fit);
+            if let Some(names) = named.next().filter(|names| names.len() > 1) {
+                self.names = names;
+            }
+            return Ok(0);
+        };
+        let mut names = cells(last);
+        let before = above.len().checked_sub(2).map(|at| cells(above[at].1));
+        // what ends with a delimiter has no name more
+        while names.len() > self.width && names.last().is_some_and(String::is_empty) {
+            names.pop();
+        }
+        let numbered = names[0].is_empty() && names[1..].iter().zip(0..).all(|(cell, at)| cell.parse() == Ok(at));
+        if names.len() == self.width && numbered && names.len() > 1 {
+            self.names = names;
+            return Ok(1);
+        }
+        if !names.iter().all(|cell| is_word(cell) || cell.is_empty()) && names.len() != self.width {
+            return Ok(0);
+        }
+        let is_cut = self.delimiter != Delimiter::Blanks && names.len() > 1;
+        let is_name = names.len() > 1 || !names[0].contains(' ') || names[0].contains(['[', '(']);
+        match names.len() {
+            width if width == self.width => {
+                let units = before.filter(|above| are_names(above, self.width) && state_units(&names));
+                let used = 1 + usize::from(units.is_some());
+                self.names = units.map_or(names.clone(), |above| with_units(&above, &names));
+                Ok(used)
+            }
+            width if width + 1 == self.width && is_name => {
+                (self.names, self.open) = (names, Open::OneNameLess);
+                Ok(1)
+            }
+            width if is_cut => Err(self.miscounted(path, *number, width)),
+            _ => Ok(0),
+        }
+    }
+
+    /// A header whose names cannot be those of the columns.
+    pub fn miscounted(&self, path: &Path, line: u64, names: usize) -> LogError {
+        let remedy = "which name is of which column is unknown: give each column its name, or remove the header";
+        CaptureError::damaged(
+            path,
+            format!("line {line}"),
+            format!("the header has {names} names, and the rows below have {} cells; {remedy}", self.width),
+        )
+        .into()
+    }
+}
+
+impl Shape {
+    /// Of a line that holds a number.
+    fn of(line: &str, decimal: Option<Decimal>) -> Option<Self> {
+        let delimiter = delimiter(line, decimal);
+        let cells: Vec<&str> = delimiter.cells(line).collect();
+        cells.iter().any(|cell| is_number(cell)).then_some(Self { delimiter, width: cells.len() })
+    }
+
+    /// The shape that most of these lines have; of several the first.
+    fn most(lines: &[Numbered<'_>], decimal: Option<Decimal>) -> Option<Self> {
+        let mut votes: Vec<(Self, usize)> = Vec::new();
+        for shape in lines.iter().filter_map(|(_, line)| Self::of(line, decimal)) {
+            match votes.iter_mut().find(|(one, _)| *one == shape) {
+                Some((_, count)) => *count += 1,
+                None => votes.push((shape, 1)),
+            }
+        }
+        let (shape, _) = votes.into_iter().rev().max_by_key(|(_, count)| *count)?;
+        // where nothing is cut a comma is that of a decimal
+        let is_one = shape == Self { delimiter: Delimiter::Comma, width: 1 };
+        Some(if is_one { Self { delimiter: Delimiter::Semicolon, ..shape } } else { shape })
+    }
+}
+
+/// What the lines of the shape of most tell.
+struct Rows {
+    /// The first of them that is no header.
+    first: usize,
+    numeric: Vec<bool>,
+    all_integers: bool,
+    decimal: Option<Decimal>,
+}
+
+impl Rows {
+    fn of(shape: Shape, lines: &[Numbered<'_>], decimal: Option<Decimal>) -> Self {
+        let rows: Vec<Vec<&str>> = lines.iter().map(|(_, line)| shape.delimiter.cells(line).collect()).collect();
+        let fits = |row: &&Vec<&str>| row.len() == shape.width;
+        let count = |at: usize, what: fn(&str) -> bool| rows.iter().filter(fits).filter(|row| what(row[at])).count();
+        let there = rows.iter().filter(fits).count();
+        let numeric = |at: usize| match (count(at, is_number), count(at, is_word)) {
+            // nothing but a name
+            (0, words) => words == 0 || words == 1 && there > 1,
+            (numbers, words) => words <= numbers,
+        };
+        let numeric: Vec<bool> = (0..shape.width).map(numeric).collect();
+        let is_data = |row: &Vec<&str>| fits(&row) && row.iter().zip(&numeric).all(|(cell, n)| !n || !is_word(cell));
+        let with_number = |row: &Vec<&str>| is_data(row) && row.iter().any(|cell| is_number(cell));
+        // names above columns of which none holds numbers only
+        let is_title = |row: &[&str]| is_numbered(row) || row.len() > 1 && row.iter().all(|cell| is_word(cell));
+        let found = rows.iter().position(with_number).unwrap_or_default();
+        let above = rows[..found].iter().rev().take_while(|row| is_data(row) && !is_title(row)).count();
+        let first = found - above;
+        let mut learned = [0usize; 2];
+        for cell in rows[first..].iter().filter(fits).flatten() {
+            match mark(cell) {
+                Some(Decimal::Point) => learned[0] += 1,
+                Some(Decimal::Comma) => learned[1] += 1,
+                None => {}
+            }
+        }
+        let learned = match learned {
+            [0, 0] => None,
+            [points, commas] => Some(if points >= commas { Decimal::Point } else { Decimal::Comma }),
+        };
+        let integer = |cell: &&str| cell.parse::<i64>().is_ok();
+        let first = first + usize::from(is_numbered(&rows[first]) && rows.len() > first + 1);
+        let all_integers = rows[first..].iter().flatten().all(integer);
+        Self { first, numeric, all_integers, decimal: decimal.or(learned) }
+    }
+}
+
+/// Names that are an empty one and then 0, 1, 2 …, as pandas writes them.
+fn is_numbered(row: &[&str]) -> bool {
+    row.len() > 1 && row[0].is_empty() && row[1..].iter().zip(0..).all(|(cell, at)| cell.parse() == Ok(at))
+}
+
+fn mark(cell: &str) -> Option<Decimal> {
+    let mut numerals = Numerals::new(None);
+    numerals.read(cell, 0).ok().and(numerals.decimal())
+}
+
+fn is_number(cell: &str) -> bool {
+    Numerals::new(None).read(cell, 0).is_ok_and(Number::is_there)
+}
+
+fn is_word(cell: &str) -> bool {
+    Numerals::new(None).read(cell, 0).is_err()
+}
+
+fn are_names(cells: &[String], width: usize) -> bool {
+    cells.len() == width && cells.iter().all(|cell| is_word(cell))
+}
+
+/// Whether these are the units under a line of names.
+fn state_units(cells: &[String]) -> bool {
+    cells.iter().any(|cell| {
+        let named = format!("x [{}]", bare(cell));
+        Unit::of_column(&named).is_some() || TimeUnit::of_column(&named).is_some()
+    })
+}
+
+fn with_units(names: &[String], units: &[String]) -> Vec<String> {
+    let named = |(name, unit): (&String, &String)| match bare(unit) {
+        "" => name.clone(),
+        unit => format!("{name} [{unit}]"),
+    };
+    names.iter().zip(units).map(named).collect()
+}
+
+fn bare(unit: &str) -> &str {
+    unit.trim_matches(['[', ']', '(', ')', ' '])
+}
+
+/// The start of a line, for a message.
+fn shortened(line: &str) -> String {
+    const MOST: usize = 60;
+    match line.char_indices().nth(MOST) {
+        Some((end, _)) => format!("{}…", line[..end].escape_debug()),
+        None => line.escape_debug().to_string(),
+    }
+}
+
+/// What separates the cells of this line. A comma between numbers that stand in blanks is a decimal comma.
+fn delimiter(line: &str, decimal: Option<Decimal>) -> Delimiter {
+    let several = |cell: &str| cell.split(' ').filter(|part| part.parse::<f64>().is_ok()).count() > 1;
+    let found = match decimal {
+        Some(Decimal::Comma) => Delimiter::detect(&line.replace(',', "")),
+        _ => Delimiter::detect(line),
+    };
+    match found {
+        Delimiter::Comma if decimal == Some(Decimal::Comma) => Delimiter::Semicolon,
+        Delimiter::Comma if Delimiter::Comma.cells(line).any(several) => Delimiter::Blanks,
+        found => found,
+    }
+}

@@ -1,0 +1,186 @@
+//! Columns of delimited text, with or without a header.
+
+mod blocks;
+mod head;
+mod rows;
+mod survey;
+#[cfg(test)]
+mod tests;
+
+use super::choice::{Choice, Columns};
+use super::clock::Times;
+use super::number::Numerals;
+use super::series::SeriesBuilder;
+use super::{Asked, Clock, Found, FoundColumn, LogError, Result, Setting, Wanted};
+use blocks::{Block, Blocks};
+use head::{Head, Open};
+use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, IntoParallelRefMutIterator, ParallelIterator};
+use rows::{Broken, Cut, Piece, Time, at_line};
+use std::io::Seek;
+use std::path::Path;
+use zerorate_record::limits::Room;
+use zerorate_record::{CaptureError, Input, Note, TimeUnit};
+
+/// Blocks for each thread: with a single one, who reads the next ones is late with his.
+const AT_ONCE: usize = 2;
+
+/// Reads columns of text.
+pub fn read(path: &Path, mut input: Input, room: Room, asked: &Asked<'_>) -> Result<Found> {
+    let failed = |error| CaptureError::io("read", path, error);
+    let head = head(path, &mut input, asked)?;
+    input.rewind().map_err(failed)?;
+    let names = head.names.iter().map(String::as_str).collect();
+    let columns = Columns { path, numeric: head.numeric.clone(), names, settings: asked.args.names };
+    let Choice { values, time } = columns.choose(asked.wanted, asked.args, &[])?;
+    let cut = rows::cut(path, &head, &values, time);
+    let mut reading = TextColumns::new(&cut, room, &head);
+    let mut blocks = Blocks::new(path, input);
+    let at_once = AT_ONCE * rayon::current_num_threads();
+    let mut several = blocks.several(at_once)?;
+    let columns = reading.columns.len();
+    let pieces = || (0..at_once).map(|_| Piece::new(columns)).collect::<Vec<Piece>>();
+    let (mut pieces, mut before) = (pieces(), pieces());
+    let mut is_first = true;
+    while !several.is_empty() {
+        pieces.iter_mut().for_each(|piece| piece.clear(Numerals::new(head.decimal)));
+        let read = |(at, (block, piece)): (usize, (&Block, &mut Piece))| cut.read(block, is_first && at == 0, piece);
+        // the next are read, and those before put away, while these are taken apart
+        let ((), (next, is_away)) = rayon::join(
+            || several.par_iter().zip(&mut pieces).enumerate().for_each(read),
+            || (blocks.several(at_once), reading.append(&before)),
+        );
+        is_away?;
+        std::mem::swap(&mut pieces, &mut before);
+        blocks.reuse(std::mem::replace(&mut several, next?));
+        is_first = false;
+    }
+    reading.append(&before)?;
+    reading.finish(head, asked)
+}
+
+/// How the text starts, and what of that only all of it can tell.
+fn head(path: &Path, input: &mut Input, asked: &Asked<'_>) -> Result<Head> {
+    let failed = |error| CaptureError::io("read", path, error);
+    let clone = |input: &Input| input.try_clone().map_err(failed);
+    let start = Blocks::new(path, clone(input)?).next()?;
+    let mut head = Head::read(path, &start.as_ref().map(Block::legible).unwrap_or_default(), asked.args)?;
+    // who asks for a second column, or for a time, knows that there are two
+    let one = match asked.wanted {
+        Wanted::One(name) => name.is_none_or(|name| name == "0") && asked.args.time_column.is_none(),
+        _ => false,
+    };
+    if head.open == Open::OneNameLess || head.open == Open::TwoOrDecimals && one {
+        input.rewind().map_err(failed)?;
+        survey::settle(path, clone(input)?, &mut head, asked.args)?;
+    }
+    Ok(head)
+}
+
+/// Columns of a text being read.
+struct TextColumns<'a> {
+    cut: &'a Cut<'a>,
+    columns: Vec<SeriesBuilder>,
+    times: Option<Times>,
+    numerals: Numerals,
+    lines: u64,
+    broken: Broken,
+    torn: Option<String>,
+}
+
+impl<'a> TextColumns<'a> {
+    fn new(cut: &'a Cut<'a>, room: Room, head: &Head) -> Self {
+        let count = cut.names.len() - usize::from(cut.time.is_some());
+        Self {
+            cut,
+            columns: (0..count).map(|_| SeriesBuilder::sharing(room, count)).collect(),
+            times: cut.time.map(|_| Times::new()),
+            numerals: Numerals::new(head.decimal),
+            lines: 0,
+            broken: Broken::default(),
+            torn: None,
+        }
+    }
+
+    fn append(&mut self, pieces: &[Piece]) -> Result<(), CaptureError> {
+        let path = self.cut.path;
+        self.columns.par_iter_mut().enumerate().try_for_each(|(at, builder)| {
+            pieces.iter().map(|piece| &piece.columns[at]).try_for_each(|(values, are_codes)| {
+                builder.check_room(values.len() as u64).map_err(|why| CaptureError::no_room(path, why))?;
+                builder.extend_cells(values, *are_codes);
+                Ok(())
+            })
+        })?;
+        pieces.iter().try_for_each(|piece| self.learn(piece))
+    }
+
+    /// What a piece holds beside its numbers.
+    fn learn(&mut self, piece: &Piece) -> Result<(), CaptureError> {
+        let path = self.cut.path;
+        let Piece { times, lines, rows, bad, first_bad, fatal, cut, numerals, .. } = piece;
+        if let Some((line, what)) = fatal {
+            return Err(at_line(path, self.lines + line, what));
+        }
+        self.broken.rows += rows;
+        self.broken.bad += bad;
+        if let (None, Some((line, what))) = (&self.broken.first, first_bad) {
+            self.broken.first = Some((self.lines + line, what.clone()));
+        }
+        if let Some((line, what)) = cut {
+            let error = at_line(path, self.lines + line, what);
+            if self.rows() == 0 {
+                return Err(error);
+            }
+            self.torn = Some(format!("{error}: the file was cut short, so this line is dropped"));
+        }
+        if !self.numerals.join(numerals.clone(), self.lines) {
+            let what = "some numbers have a decimal point and others a decimal comma";
+            return Err(CaptureError::damaged(path, "as a text file", what));
+        }
+        if let Some(all) = &mut self.times {
+            times.iter().try_for_each(|time| push_time(all, *time)).map_err(|what| {
+                CaptureError::damaged(path, format!("column {}", self.cut.names[self.columns.len()]), what)
+            })?;
+        }
+        self.lines += lines;
+        Ok(())
+    }
+
+    fn rows(&self) -> u64 {
+        self.columns.first().map_or(0, SeriesBuilder::rows)
+    }
+
+    fn finish(self, head: Head, asked: &Asked<'_>) -> Result<Found> {
+        let Self { cut, columns, times, numerals, broken, torn, .. } = self;
+        let (path, names) = (cut.path, asked.args.names);
+        if let Some((line, what)) = numerals.doubt(names.of(Setting::Decimal)) {
+            return Err(LogError::File(at_line(path, line, &what)));
+        }
+        let skipped = head.skipped.map(|(lines, first)| {
+            let are = if lines == 1 { "line" } else { "lines" };
+            let text = format!(
+                "{}: {lines} {are} above the data are no header and skipped (the first: `{first}`)",
+                path.display()
+            );
+            Note::new("lines-skipped", text)
+        });
+        let broken = broken.judge(path, asked.args.max_bad, names.of(Setting::MaxBad), cut.time.is_none())?;
+        let broken = broken.map(|text| Note::new("lines-broken", text));
+        let warnings = skipped.into_iter().chain(broken).chain(Note::torn(torn)).collect();
+        let time = cut.time.map(|time| cut.names[time].clone());
+        let clock = time.zip(times).map_or(Clock::Silent, |(name, times)| Clock::Column(name, times));
+        let columns = cut.names.iter().zip(columns).map(|(name, values)| FoundColumn::new(name.clone(), values));
+        Ok(Found { columns: columns.collect(), clock, warnings })
+    }
+}
+
+fn push_time(times: &mut Times, time: Time) -> Result<(), String> {
+    match time {
+        Time::Integer(time) => times.push_integer(time),
+        Time::Number(time) => return times.push_number(time),
+        Time::Date(ns) => {
+            times.unit = Some(TimeUnit::Ns);
+            times.push_integer(ns);
+        }
+    }
+    Ok(())
+}

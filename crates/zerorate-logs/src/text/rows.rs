@@ -1,0 +1,343 @@
+//! Rows of a text: the cells that are wanted of each line of a block, as numbers.
+
+use super::super::number::{Number, Numerals};
+use super::super::{MAX_BAD, wrong};
+use super::blocks::Block;
+use super::head::{Head, is_comment};
+use memchr::{memchr, memchr_iter};
+use std::borrow::Cow;
+use std::mem::take;
+use std::path::Path;
+use zerorate_record::CaptureError;
+use zerorate_record::delimited::Delimiter;
+
+/// Which cells of a line are wanted.
+pub struct Cut<'a> {
+    /// The file.
+    pub path: &'a Path,
+    /// What separates cells.
+    pub delimiter: Delimiter,
+    /// How many a line has.
+    pub width: usize,
+    /// Places in a line, in their order, and which of the wanted ones each is.
+    pub wanted: Vec<(usize, usize)>,
+    /// Which of the wanted ones is the time.
+    pub time: Option<usize>,
+    /// Names of the wanted ones.
+    pub names: Vec<String>,
+    /// Lines at the start that are none of the data.
+    pub head: u64,
+}
+
+/// What a block of lines holds.
+pub struct Piece {
+    /// For each wanted cell a number for each row, NaN where it is missing, and whether all are codes.
+    pub columns: Vec<(Vec<f64>, bool)>,
+    /// Times of the rows, if they are wanted.
+    pub times: Vec<Time>,
+    /// Lines, whatever they hold.
+    pub lines: u64,
+    /// Rows and broken lines.
+    pub rows: u64,
+    /// Broken lines.
+    pub bad: u64,
+    /// The line of the first, counted from 1 in this block, and what is wrong with it.
+    pub first_bad: Option<Wrong>,
+    /// A value that must not be skipped.
+    pub fatal: Option<Wrong>,
+    /// What is wrong with the last line, which lacks its end.
+    pub cut: Option<Wrong>,
+    /// What the numbers tell of the decimal mark.
+    pub numerals: Numerals,
+}
+
+/// A line, and what is wrong in it.
+pub type Wrong = (u64, String);
+
+/// The time of a row.
+#[derive(Clone, Copy)]
+pub enum Time {
+    /// In the unit of the column.
+    Integer(i64),
+    /// The same.
+    Number(f64),
+    /// A date with a time of day, in ns since the epoch.
+    Date(i64),
+}
+
+impl Piece {
+    /// Of no line, of so many columns.
+    pub fn new(columns: usize) -> Self {
+        Self {
+            columns: vec![(Vec::new(), true); columns],
+            times: Vec::new(),
+            lines: 0,
+            rows: 0,
+            bad: 0,
+            first_bad: None,
+            fatal: None,
+            cut: None,
+            numerals: Numerals::new(None),
+        }
+    }
+
+    /// The same of no line again, in the memory that it has: what is new costs as much as what is read into it.
+    pub fn clear(&mut self, numerals: Numerals) {
+        self.columns.iter_mut().for_each(|(column, are_codes)| {
+            column.clear();
+            *are_codes = true;
+        });
+        self.times.clear();
+        let (columns, times) = (take(&mut self.columns), take(&mut self.times));
+        *self = Self { columns, times, numerals, ..Self::new(0) };
+    }
+}
+
+impl Cut<'_> {
+    /// Reads the lines of a block into a piece that is clear.
+    pub fn read(&self, block: &Block, is_first: bool, piece: &mut Piece) {
+        let text = block.text();
+        let has_quotes = memchr(b'"', text.as_bytes()).is_some();
+        let mut reading = Reading {
+            cut: self,
+            plain: self.delimiter.byte().filter(|_| !has_quotes),
+            cells: vec![""; self.names.len()],
+            values: vec![Number::Missing; piece.columns.len()],
+            piece,
+        };
+        let mut start = 0;
+        for end in memchr_iter(b'\n', text.as_bytes()) {
+            reading.line(&text[start..end], is_first, true);
+            start = end + 1;
+        }
+        if start < text.len() {
+            reading.line(&text[start..], is_first, !block.is_last);
+        }
+    }
+}
+
+struct Reading<'a, 't> {
+    cut: &'a Cut<'a>,
+    /// The delimiter, where nothing is in quotes.
+    plain: Option<u8>,
+    cells: Vec<&'t str>,
+    values: Vec<Number>,
+    piece: &'a mut Piece,
+}
+
+impl<'t> Reading<'_, 't> {
+    fn line(&mut self, line: &'t str, is_first: bool, ended: bool) {
+        self.piece.lines += 1;
+        let line = line.trim_ascii();
+        if line.is_empty() || is_comment(line) || is_first && self.piece.lines <= self.cut.head {
+            return;
+        }
+        self.piece.rows += 1;
+        let number = self.piece.lines;
+        let wrong = match self.row(line, number) {
+            Ok(()) => return,
+            Err(wrong) => (number, wrong),
+        };
+        if !ended {
+            self.piece.rows -= 1;
+            self.piece.cut = Some(wrong);
+            return;
+        }
+        self.piece.bad += 1;
+        self.piece.first_bad.get_or_insert(wrong);
+        if self.cut.time.is_none() {
+            // a line that is lost is a sample that is lost
+            self.piece.columns.iter_mut().for_each(|(column, _)| column.push(f64::NAN));
+        }
+    }
+
+    fn row(&mut self, line: &'t str, number: u64) -> Result<(), String> {
+        let width = self.split(line);
+        let named = |at: usize, what: &str| format!("column {}: {what}", self.cut.names[at]);
+        if let Some((_, at)) = self.cut.wanted.iter().find(|(place, _)| *place >= width) {
+            return Err(named(*at, "the line ends before this cell"));
+        }
+        // of a line that was cut off the last cell may be cut as well
+        let is_half = width < self.cut.width && self.cut.wanted.last().is_some_and(|(place, _)| place + 1 == width);
+        if width > self.cut.width || is_half {
+            return Err(format!("it has {width} cells, and the others have {}", self.cut.width));
+        }
+        let mut time = None;
+        for (at, cell) in self.cells.iter().enumerate() {
+            if self.cut.time == Some(at) {
+                time = Some(read_time(&mut self.piece.numerals, cell, number).map_err(|what| named(at, &what))?);
+                continue;
+            }
+            let value = self.piece.numerals.read(cell, number).map_err(|what| named(at, &what))?;
+            if matches!(value, Number::Decimal(value) if value.is_infinite()) {
+                let what = named(at, "it is infinite, which cannot be averaged");
+                self.piece.fatal.get_or_insert((number, what.clone()));
+                return Err(what);
+            }
+            self.values[at] = value;
+        }
+        for ((column, codes), value) in self.piece.columns.iter_mut().zip(&self.values) {
+            match *value {
+                Number::Missing => column.push(f64::NAN),
+                Number::Integer(value) => {
+                    *codes &= i32::try_from(value).is_ok();
+                    column.push(value as f64);
+                }
+                Number::Decimal(value) => {
+                    *codes = false;
+                    column.push(value);
+                }
+            }
+        }
+        self.piece.times.extend(time);
+        Ok(())
+    }
+
+    /// Finds the cells that are wanted; gives how many there are.
+    fn split(&mut self, line: &'t str) -> usize {
+        match self.plain {
+            Some(delimiter) => self.split_plain(line, delimiter),
+            None => self.split_quoted(line),
+        }
+    }
+
+    fn split_plain(&mut self, line: &'t str, delimiter: u8) -> usize {
+        let mut ends = memchr_iter(delimiter, line.as_bytes());
+        let (mut width, mut start, mut is_whole) = (0, 0, false);
+        for (place, at) in &self.cut.wanted {
+            while width <= *place && !is_whole {
+                let end = ends.next();
+                if width == *place {
+                    self.cells[*at] = trimmed(&line[start..end.unwrap_or(line.len())]);
+                }
+                width += 1;
+                (start, is_whole) = end.map_or((start, true), |end| (end + 1, false));
+            }
+        }
+        // the rest is counted, which is faster than to look at each
+        let width = if is_whole { width } else { width + ends.count() + 1 };
+        // what ends with a delimiter has no cell more
+        let ends_empty = line.as_bytes().last() == Some(&delimiter);
+        if ends_empty && width == self.cut.width + 1 { width - 1 } else { width }
+    }
+
+    fn split_quoted(&mut self, line: &'t str) -> usize {
+        let mut wanted = self.cut.wanted.iter();
+        let mut next = wanted.next();
+        let (mut width, mut is_empty) = (0, false);
+        for cell in self.cut.delimiter.cells(line) {
+            if let Some((_, at)) = next.filter(|(place, _)| *place == width) {
+                self.cells[*at] = cell;
+                next = wanted.next();
+            }
+            (width, is_empty) = (width + 1, cell.is_empty());
+        }
+        if is_empty && width == self.cut.width + 1 { width - 1 } else { width }
+    }
+}
+
+/// A cell without blanks around it; most have none.
+fn trimmed(cell: &str) -> &str {
+    match cell.as_bytes() {
+        [b'!'..=b'~', .., b'!'..=b'~'] | [b'!'..=b'~'] => cell,
+        _ => cell.trim(),
+    }
+}
+
+/// A time is a number, or a date with a time of day.
+fn read_time(numerals: &mut Numerals, cell: &str, line: u64) -> Result<Time, String> {
+    let unreadable = match numerals.read(cell, line) {
+        Ok(Number::Integer(time)) => return Ok(Time::Integer(time)),
+        Ok(Number::Decimal(time)) if time.is_finite() => return Ok(Time::Number(time)),
+        Ok(_) => return Err("no time; every row must have one".to_owned()),
+        Err(unreadable) => unreadable,
+    };
+    let no_time = || format!("{unreadable}, and no time such as 2026-03-01 12:00:00.25 or 12:00:00.25");
+    date(cell).or_else(|| time_of_day(cell)).map(Time::Date).ok_or_else(no_time)
+}
+
+/// ns since the epoch. A date without a zone is taken as UTC, which matters to no interval.
+fn date(cell: &str) -> Option<i64> {
+    let is_slashed = cell.get(4..5) == Some("/") && cell.get(7..8) == Some("/");
+    let cell = if is_slashed { Cow::Owned(cell.replacen('/', "-", 2)) } else { Cow::Borrowed(cell) };
+    let cell = [" UTC", " GMT"].iter().find_map(|zone| cell.strip_suffix(zone)).unwrap_or(&cell);
+    let stamp: jiff::Timestamp = cell.parse().ok().or_else(|| {
+        let local: jiff::civil::DateTime = cell.parse().ok()?;
+        Some(local.to_zoned(jiff::tz::TimeZone::UTC).ok()?.timestamp())
+    })?;
+    i64::try_from(stamp.as_nanosecond()).ok()
+}
+
+/// ns since midnight.
+fn time_of_day(cell: &str) -> Option<i64> {
+    let is_short = cell.get(1..2) == Some(":");
+    let cell = if is_short { Cow::Owned(format!("0{cell}")) } else { Cow::Borrowed(cell) };
+    let time: jiff::civil::Time = cell.parse().ok()?;
+    let s = i64::from(time.hour()) * 3600 + i64::from(time.minute()) * 60 + i64::from(time.second());
+    Some(s * 1_000_000_000 + i64::from(time.subsec_nanosecond()))
+}
+
+/// Broken lines of a text so far.
+#[derive(Default)]
+pub struct Broken {
+    /// Rows, and broken lines.
+    pub rows: u64,
+    /// Broken lines.
+    pub bad: u64,
+    /// The first.
+    pub first: Option<Wrong>,
+}
+
+impl Broken {
+    /// What is to be said of them; an error if they are more than may be skipped, as a share of the rows.
+    pub fn judge(
+        self,
+        path: &Path,
+        most: Option<f64>,
+        option: &str,
+        counts: bool,
+    ) -> Result<Option<String>, CaptureError> {
+        let Self { rows, bad, first } = self;
+        let Some((line, what)) = first else { return Ok(None) };
+        let most = most.unwrap_or(MAX_BAD);
+        if bad as f64 > most * rows as f64 {
+            let share = 100.0 * most;
+            let why = match bad {
+                1 if rows < 100 => String::new(),
+                _ => format!("; {bad} of {rows} lines are broken, and {share} % may be ({option})"),
+            };
+            return Err(at_line(path, line, &format!("{what}{why}")));
+        }
+        let (are, each) = if bad == 1 { ("is", "it counts") } else { ("are", "each counts") };
+        let means = if counts { format!("; {each} as a missing sample") } else { String::new() };
+        Ok(Some(format!(
+            "{}: {bad} of {rows} lines {are} broken and skipped{means} (the first: line {line}, {what})",
+            path.display()
+        )))
+    }
+}
+
+/// An error in a line: where it names a column, that is part of the place.
+pub fn at_line(path: &Path, line: u64, what: &str) -> CaptureError {
+    match what.strip_prefix("column ").and_then(|rest| rest.split_once(": ")) {
+        Some((column, what)) => wrong(path, format_args!("line {line}, column {column}"), what),
+        None => wrong(path, format_args!("line {line}"), what),
+    }
+}
+
+/// The cells of the columns that were chosen.
+pub fn cut<'a>(path: &'a Path, head: &Head, chosen: &[usize], time: Option<usize>) -> Cut<'a> {
+    let shift = usize::from(head.index);
+    let mut wanted: Vec<(usize, usize)> =
+        chosen.iter().chain(&time).enumerate().map(|(at, index)| (index + shift, at)).collect();
+    wanted.sort_unstable();
+    Cut {
+        path,
+        delimiter: head.delimiter,
+        width: head.width,
+        wanted,
+        time: time.map(|_| chosen.len()),
+        names: chosen.iter().chain(&time).map(|index| head.names[*index].clone()).collect(),
+        head: head.lines,
+    }
+}

@@ -1,0 +1,184 @@
+//! Texts as people have them: headers that do not fit, decimal commas, serial logs.
+
+use super::super::tests::{Folder, numbers, there};
+use super::super::{Column, Series};
+use zerorate_record::Note;
+
+fn read(text: &str, options: &str) -> Column {
+    Folder::new().read(text, options).unwrap_or_else(|error| panic!("{text:?}: {error}"))
+}
+
+fn fails(text: &str, options: &str) -> String {
+    Folder::new().fails(text, options)
+}
+
+/// R's `write.table(data.frame(gx, gy), …)` names one column less than it writes.
+#[test]
+fn a_header_with_one_name_too_few() {
+    for (header, quote, cut) in [("gx,gy", "", ','), ("\"gx\" \"gy\"", "\"", ' '), ("gx\tgy", "", '\t')] {
+        let rows: String =
+            (1..40).map(|row| format!("{quote}{row}{quote}{cut}{}.5{cut}{}.25\n", row % 3, row % 5)).collect();
+        let text = format!("{header}\n{rows}");
+        let column = read(&text, "--column gy --rate 10");
+        assert_eq!((column.name.as_str(), numbers(&column)[4]), ("gy", 0.25), "{header}");
+        assert_eq!(numbers(&read(&text, "--column 0 --rate 10"))[4], 2.5, "{header}");
+        // what counts no rows is no index
+        let text = text.replacen("\n", "\n9", 1);
+        let said = fails(&text.replace("\n9\"1\"", "\n\"9\""), "--column gy --rate 10");
+        assert!(said.contains("the header has 2 names, and the rows below have 3 cells"), "{said}");
+    }
+    // too many, or far too few
+    let said = fails("t,x,y,z\n0,1,2\n1,2,3\n", "--column x --rate 10");
+    assert!(said.contains("line 1: the header has 4 names, and the rows below have 3 cells"), "{said}");
+    let said = fails("t,x\n0,1,2,4\n1,2,3,5\n", "--column x --rate 10");
+    assert!(said.contains("the header has 2 names, and the rows below have 4 cells"), "{said}");
+    // a delimiter at the end of each row, or of the header, is no cell
+    for text in ["t,x\n0,1,\n1,2,\n2,4,\n", "t,x,\n0,1\n1,2\n2,4\n", "t,x,\n0,1,\n1,2,\n2,4,\n"] {
+        assert_eq!(numbers(&read(text, "--column x --rate 10")), [1.0, 2.0, 4.0], "{text:?}");
+    }
+    // nor is the index of pandas, with the names that it gives
+    let column = read(",0\n0,0.5\n1,0.25\n2,1.5\n", "--column 1 --rate 10");
+    assert_eq!(numbers(&column), [0.5, 0.25, 1.5]);
+}
+
+#[test]
+fn one_column_with_decimal_commas() {
+    let expected = [Some(0.5), Some(-1.25), Some(3.0), Some(2.0)];
+    assert_eq!(there(&read("gz\n0,5\n-1,25\n3\n2,0\n", "--rate 10")), expected);
+    assert_eq!(there(&read("gz\n0,5\n-1,25\n3\n2,0\n", "--column 0 --rate 10")), expected);
+    // without a header, where a comma can be nothing else
+    assert_eq!(there(&read("-0,5\n-0,25\n0,125\n", "--rate 10")), [Some(-0.5), Some(-0.25), Some(0.125)]);
+    // decimals, or two columns
+    for text in ["3,5\n1,25\n2,7\n", "3,5\n4\n2,7\n"] {
+        let said = fails(text, "--column 0 --rate 10");
+        assert!(said.contains("give --decimal comma or --decimal point"), "{said}");
+        assert_eq!(read(text, "--decimal comma --rate 10").series.len(), 3);
+    }
+    assert_eq!(numbers(&read("0,5\n1,25\n2,7\n", "--column 0 --rate 10")), [0.0, 1.0, 2.0], "a time before a code");
+    assert_eq!(numbers(&read("3,5\n1,25\n2,7\n", "--column 1 --rate 10")), [5.0, 25.0, 7.0]);
+    // decimals, or codes behind the number of the row
+    assert!(fails("gz\n1,5\n2,7\n3,9\n", "--rate 10").contains("the header has one name, `gz`"));
+    // a point can only be a decimal point, and what is before a comma then another column
+    assert!(fails("gz\n7,0.5\n9,0.7\n8,0.9\n", "--rate 10").contains("has 1 names, and the rows below have 2 cells"));
+    assert_eq!(numbers(&read("gz\n1,0.5\n2,0.7\n3,0.9\n", "--rate 10")), [0.5, 0.7, 0.9]);
+    assert!(fails("gz\n1,234\n5,678\n", "--rate 10").contains("`1,234` is 1.234 or 1234; give --decimal comma"));
+}
+
+#[test]
+fn thousands_beside_decimals() {
+    let rows: String = (0..300).map(|row| format!("{row},\"1,{:03}.5\"\n", row * 3)).collect();
+    let column = read(&format!("t_s,gz\n{rows}"), "--column gz");
+    assert_eq!((column.rate_hz, numbers(&column)[2]), (1.0, 1006.5));
+    // a header above columns of which none holds numbers only is one all the same
+    let said = fails("t_s,gz\n900,901\n1'000,2'000\n2'000,2'001\n3'000,2'002\n", "--column gz");
+    assert!(said.contains("holds no numbers in `gz`"), "{said}");
+}
+
+/// pandas' `to_csv` writes the index without a name.
+#[test]
+fn an_index_without_a_name_is_not_asked_for() {
+    let text = ",t_ms,gz\n0,0,0.5\n1,10,0.25\n2,20,1.5\n";
+    assert_eq!(numbers(&read(text, "")), [0.5, 0.25, 1.5]);
+    assert_eq!(numbers(&read(text, "--column 0")), [0.0, 1.0, 2.0]);
+}
+
+#[test]
+fn names_in_a_comment_above_others() {
+    let text = "# made yesterday\n# t_s,gz\n# of sensor 7\n0,0.5\n1,0.25\n2,1.5\n";
+    assert_eq!(numbers(&read(text, "--column gz")), [0.5, 0.25, 1.5]);
+}
+
+/// Excel writes Latin-1 unless asked for UTF-8.
+#[test]
+fn names_in_latin_1() {
+    let bytes: Vec<u8> = b"Zeit (s);Rate (\xB0/s)\n0;0,5\n1;0,25\n2;1,5\n".to_vec();
+    let column = Folder::new().read(bytes, "--column 1").unwrap();
+    assert_eq!((column.name.as_str(), column.scale, numbers(&column)[1]), ("Rate (°/s)", 1.0, 0.25));
+    assert!(column.warnings.is_empty(), "{:?}", column.warnings);
+}
+
+#[test]
+fn times_as_clocks_show_them() {
+    for times in [
+        ["2026/03/01 23:59:59.99", "2026/03/02 00:00:00.00", "2026/03/02 00:00:00.01"],
+        ["2026-03-01 23:59:59.99 UTC", "2026-03-02 00:00:00 UTC", "2026-03-02 00:00:00.01 UTC"],
+        ["23:59:59.99", "00:00:00", "0:00:00.01"],
+    ] {
+        let rows: String = times.iter().map(|time| format!("{time},0.5\n")).collect();
+        let column = read(&format!("time,gz\n{rows}"), "--column gz --time-column time");
+        assert!((column.rate_hz - 100.0).abs() < 1e-6 && column.missing() == 0, "{times:?}");
+    }
+    let said = fails("time,gz\n05/06/2026 07:08 AM,1\n05/06/2026 07:09 AM,2\n", "--column gz --time-column time");
+    assert!(said.contains("is no number, and no time such as 2026-03-01 12:00:00.25"), "{said}");
+}
+
+#[test]
+fn names_above_units() {
+    let text = "Time,Gyro_X,Gyro_Z,Temp\n(ms),(deg/s),[rad/s],°C\n0,0.5,1.5,20\n10,0.25,2.5,20\n20,1,3.5,20\n";
+    let column = read(text, "--column 2 --time-column 0");
+    assert_eq!((column.name.as_str(), column.rate_hz), ("Gyro_Z [rad/s]", 100.0));
+    assert_eq!((column.scale, numbers(&column)), (1f64.to_degrees(), vec![1.5, 2.5, 3.5]));
+    assert!(column.warnings.is_empty(), "{:?}", column.warnings);
+}
+
+/// What a board prints while it starts, and what a cable makes of some lines.
+#[test]
+fn a_serial_log() {
+    let mut lines: Vec<String> = (0..2000).map(|row| format!("{},{}.5,-3", row * 10, row % 7)).collect();
+    lines[700] = "7000,0.5".to_owned();
+    lines[900] = "9000,4.5,-39010,5.5,-3".to_owned();
+    lines[1000] = "1\u{FFFD}0,4.5,-3".to_owned();
+    let boot = "ets Jun  8 2016 00:22:57\nrst:0x1 (POWERON_RESET),boot:0x13\nIMU ready\n0,1.5\n";
+    let text = format!("{boot}{}\n", lines.join("\n"));
+    let column = read(&text, "--column 1 --rate 100");
+    assert_eq!((column.series.len(), column.missing()), (2000, 2));
+    let said = Note::texts(&column.warnings).unwrap();
+    let codes: Vec<&str> = column.warnings.iter().map(|note| note.code).collect();
+    assert_eq!(codes, ["lines-skipped", "lines-broken", "unit-unknown"]);
+    assert!(said.contains("4 lines above the data are no header and skipped (the first: `ets Jun"), "{said}");
+    assert!(said.contains("2 of 2000 lines are broken and skipped; each counts as a missing sample"), "{said}");
+    assert!(said.contains("the first: line 705, it has 2 cells, and the others have 3)"), "{said}");
+    // with a time the time tells what is missing
+    let column = read(&text, "--column 1 --time-column 0 --time-unit ms");
+    assert_eq!((column.rate_hz, column.missing(), column.series.len()), (100.0, 3, 2000));
+    let bytes = text.replace('\u{FFFD}', "\0").into_bytes();
+    let bytes: Vec<u8> = bytes.into_iter().map(|byte| if byte == 0 { 0xFE } else { byte }).collect();
+    assert_eq!(Folder::new().read(bytes, "--column 1 --rate 100").unwrap().missing(), 2);
+    // 1 % may be broken unless told otherwise
+    for row in (0..2000).step_by(50) {
+        lines[row] = "x".to_owned();
+    }
+    let text = lines.join("\n");
+    let said = fails(&text, "--column 1 --rate 100");
+    assert!(said.contains("lines are broken, and 1 % may be (--max-bad)"), "{said}");
+    assert!(read(&text, "--column 1 --rate 100 --max-bad 0.03").missing() > 30);
+}
+
+#[test]
+fn choices_that_a_file_offers() {
+    assert!(
+        fails("0.5\n0.25\n1.5\n", "--column gz --rate 1").contains("has no column `gz`: it has one column, without")
+    );
+    assert!(fails("gz\n0.25\n1.5\n", "--column gx --rate 1").contains("has no column `gx`: its only column is `gz`"));
+    assert!(fails("1,2.5\n3,4.5\n", "--rate 1").contains("choose with --column one of: 0, 1"));
+    assert!(fails("gx,gy\r1,2\r3,4\r", "--column gy --rate 1").contains("tr '\\r' '\\n' < FILE"));
+    let said = fails("hello\nworld, this is\nno log\n", "--rate 1");
+    assert!(said.contains("none of its first 3 lines holds a number (`hello`)"), "{said}");
+}
+
+/// Blocks end where lines end, wherever that is.
+#[test]
+fn a_text_in_many_blocks() {
+    let rows: Vec<i32> = (0..30_000).map(|row| row * 7919 % 65_521 - 30_000).collect();
+    let text: String = rows.iter().map(|code| format!("{},{code}\n", code % 13)).collect();
+    assert_eq!(read(&format!("a,b\n{text}"), "--column b --rate 1").series, Series::Codes(rows.clone()));
+    let numbered: String = rows.iter().map(|code| format!("{code}.25\n")).collect();
+    let expected: Vec<f64> = rows.iter().map(|code| format!("{code}.25").parse().unwrap()).collect();
+    assert_eq!(numbers(&read(&numbered, "--rate 1")), expected);
+    // a code among numbers, and numbers behind codes
+    let mixed = format!("{}0.5\n{}", "7\n".repeat(3000), "8\n".repeat(3000));
+    assert_eq!(read(&mixed, "--rate 1").series.len(), 6001);
+    assert!(
+        fails(&format!("{}1,5\n{}2.5\n", "7;\n".repeat(2000), "8\n".repeat(3000)), "--column 0 --rate 1").len() > 10
+    );
+}

@@ -1,0 +1,68 @@
+//! What a bag with several IMUs has to choose from, as a table.
+
+use super::{Asked, LogError, Setting};
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// What was seen of the topics with an IMU, by name.
+#[derive(Debug, Default)]
+pub struct Survey(pub(super) BTreeMap<String, Topic>);
+
+/// What was seen of one.
+#[derive(Debug, Default)]
+pub struct Topic {
+    pub kind: String,
+    pub frame: Option<String>,
+    pub messages: u64,
+    /// Stamps of the first and the last message.
+    pub span_ns: Option<(i64, i64)>,
+}
+
+impl Survey {
+    /// A topic whose messages were counted elsewhere, with the times of the first and the last.
+    pub fn counted(&mut self, name: &str, kind: &str, messages: u64, [first_ns, last_ns]: [i64; 2]) {
+        let span_ns = (messages > 0).then_some((first_ns, last_ns));
+        self.0.insert(name.to_owned(), Topic { kind: kind.to_owned(), frame: None, messages, span_ns });
+    }
+
+    /// A head, and a row for each topic.
+    pub fn table(&self) -> Vec<String> {
+        let head = ["topic", "type", "messages", "rate", "duration", "frame_id"].map(str::to_owned);
+        let rows: Vec<[String; 6]> = self.0.iter().map(|(name, topic)| topic.row(name)).collect();
+        let all = || std::iter::once(&head).chain(&rows);
+        let width = |column: usize| all().map(|row| row[column].chars().count()).max().unwrap_or(0);
+        let widths: Vec<usize> = (0..head.len()).map(width).collect();
+        let line = |row: &[String; 6]| {
+            let cells = row.iter().zip(&widths).map(|(cell, width)| format!("{cell:width$}"));
+            format!("  {}", cells.collect::<Vec<_>>().join("  ").trim_end())
+        };
+        all().map(line).collect()
+    }
+}
+
+/// Several IMUs, and none of them was meant.
+pub fn several(path: &Path, asked: &Asked<'_>, survey: &Survey) -> LogError {
+    let (path, option) = (path.display(), asked.args.names.of(Setting::Topic));
+    let why = match &asked.args.topic {
+        Some(topic) => format!("has no IMU on a topic `{topic}`"),
+        None => "has several IMUs".to_owned(),
+    };
+    LogError::Choose(format!("{path} {why}; choose one with {option}:"), survey.table())
+}
+
+impl Topic {
+    fn row(&self, name: &str) -> [String; 6] {
+        let unknown = || "?".to_owned();
+        let span_s = self.span_ns.map(|(first, last)| last.saturating_sub(first) as f64 * 1e-9).filter(|s| *s > 0.0);
+        let rate = span_s.map(|span_s| format!("{:.2} Hz", self.messages.saturating_sub(1) as f64 / span_s));
+        let printable = |text: &str| text.escape_debug().to_string();
+        [
+            printable(name),
+            printable(&self.kind),
+            self.messages.to_string(),
+            rate.unwrap_or_else(unknown),
+            span_s.map_or_else(unknown, |span_s| format!("{span_s:.1} s")),
+            self.frame.as_deref().filter(|frame| !frame.is_empty()).map_or_else(unknown, printable),
+        ]
+    }
+}

@@ -1,0 +1,396 @@
+//! Logs of PX4 in ULog (<https://docs.px4.io/main/en/dev_log/ulog_file_format.html>): formats that name the fields of
+//! messages, subscriptions that name topics, and data. Times are µs since the start of the flight controller.
+
+use super::choice::Described;
+use super::clock::Times;
+use super::open::Log;
+use super::part_log::TEMP;
+use super::series::SeriesBuilder;
+use super::topics::{Survey, several};
+use super::{Asked, Clock, Found, FoundColumn, LogError, Result, Setting, Wanted, wrong};
+use std::collections::BTreeMap;
+use std::io::{self, BufReader, Read};
+use std::path::Path;
+use zerorate_record::{CaptureError, Input, Note, Quantity, TimeUnit, Unit};
+
+/// Bytes that a read asks the system for.
+const BUFFER: usize = 1 << 18;
+
+/// The mark, a version and a time.
+const HEAD: usize = 16;
+
+/// Rows between two looks at how much room is left.
+const PIECE: u64 = 1024;
+
+/// How deep types stand in types, at most.
+const MAX_DEPTH: usize = 8;
+
+/// Fields of a topic at most: the longest of PX4 have some hundreds.
+const MAX_FIELDS: usize = 4096;
+
+/// Topics with the readings of an IMU, and what their fields hold: those of the drivers, and the one that is filtered.
+const IMUS: [(&str, &str, Unit); 6] = [
+    ("sensor_gyro", "", Unit::RadPerS),
+    ("sensor_accel", "", Unit::MPerS2),
+    ("sensor_combined", "gyro_rad", Unit::RadPerS),
+    ("sensor_combined", "accelerometer_m_s2", Unit::MPerS2),
+    ("vehicle_angular_velocity", "xyz", Unit::RadPerS),
+    ("vehicle_acceleration", "xyz", Unit::MPerS2),
+];
+
+/// The topic with the readings of a gyroscope as its driver makes them.
+const GYRO: &str = "sensor_gyro";
+
+/// Reads fields of a topic.
+pub fn read(log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
+    let Log { path, input, room, .. } = log;
+    let mut messages = Messages::new(path, BufReader::with_capacity(BUFFER, input))?;
+    let mut topics = Topics::default();
+    let (mut pending, mut torn) = (None, None);
+    // formats and subscriptions of what is logged from the start stand before all data; others follow anywhere
+    let all = messages.all(&mut torn, |kind, body| topics.take(kind, body).is_some())?;
+    let chosen = topics.choose(path, asked)?;
+    let mut times = Times::new();
+    times.unit = Some(TimeUnit::Us);
+    let mut values: Vec<_> = chosen.fields.iter().map(|_| SeriesBuilder::sharing(room, chosen.fields.len())).collect();
+    let mut again = Messages::new(path, BufReader::with_capacity(BUFFER, all))?;
+    let (mut row, mut full) = (0u64, None);
+    again.all(&mut pending, |kind, body| {
+        let Some(data) = body.strip_prefix(&chosen.id.to_le_bytes()[..]).filter(|_| kind == b'D') else { return true };
+        let time = chosen.time.integer(data);
+        let numbers: Option<Vec<Value>> = chosen.fields.iter().map(|(_, field)| field.value(data)).collect();
+        let (Some(time), Some(numbers)) = (time, numbers) else { return true };
+        row += 1;
+        times.push_integer(time);
+        for (values, number) in values.iter_mut().zip(numbers) {
+            match number {
+                Value::Integer(integer) => values.push_integer(integer),
+                // what is no number is a missing sample, infinite or not
+                Value::Number(number) => drop(values.push_number(if number.is_finite() { number } else { f64::NAN })),
+            }
+        }
+        if row.is_multiple_of(PIECE) {
+            full = values.first().and_then(|values| values.check_room(PIECE).err());
+        }
+        full.is_none()
+    })?;
+    full.map_or(Ok(()), |why| Err(CaptureError::no_room(path, why)))?;
+    let torn = torn.map(|why: String| format!("{}: {why}: what stands before is read", path.display()));
+    let name = format!("{}.{}", chosen.topic, chosen.time.name);
+    let columns = chosen.fields.into_iter().zip(values).map(|((name, field), values)| FoundColumn {
+        stated: stated(&chosen.topic, &field.name).or_else(|| temperature(&chosen.topic, &field.name)),
+        ..FoundColumn::new(name, values)
+    });
+    Ok(Found { columns: columns.collect(), clock: Clock::Column(name, times), warnings: Note::torn(torn) })
+}
+
+/// What PX4 defines a field to hold.
+fn stated(topic: &str, field: &str) -> Option<(Quantity, f64)> {
+    let topic = topic.split('#').next().unwrap_or(topic);
+    let is_axis = |rest: &str| matches!(rest, "x" | "y" | "z" | "[0]" | "[1]" | "[2]");
+    let found = IMUS.iter().find(|(name, start, _)| *name == topic && field.strip_prefix(start).is_some_and(is_axis));
+    found.map(|(_, _, unit)| (unit.quantity(), unit.in_results()))
+}
+
+/// The temperature of a sensor, °C.
+fn temperature(topic: &str, field: &str) -> Option<(Quantity, f64)> {
+    (topic.starts_with("sensor_") && field == "temperature").then_some((Quantity::Temperature, 1.0))
+}
+
+/// What the axis or the temperature of a part is called, where the part does not say it: that of the only gyroscope.
+fn of_driver(column: &Described) -> String {
+    match (column.is_exact, column.name.as_str()) {
+        (true, name) => name.to_owned(),
+        (false, TEMP) => format!("{GYRO}.temperature"),
+        (false, name) => format!("{GYRO}.{name}"),
+    }
+}
+
+/// The messages of a log: length, kind, body.
+struct Messages<'a> {
+    path: &'a Path,
+    file: BufReader<Input>,
+}
+
+impl<'a> Messages<'a> {
+    fn new(path: &'a Path, mut file: BufReader<Input>) -> Result<Self, CaptureError> {
+        let mut head = [0; HEAD];
+        file.read_exact(&mut head).map_err(|_| CaptureError::damaged(path, "as a PX4 log", "it ends in its head"))?;
+        Ok(Self { path, file })
+    }
+
+    /// Calls `take` with each message until it says no; gives the input, from its start. `torn` says why it ended
+    /// early.
+    fn all(
+        &mut self,
+        torn: &mut Option<String>,
+        mut take: impl FnMut(u8, &[u8]) -> bool,
+    ) -> Result<Input, CaptureError> {
+        let failed = |error| CaptureError::io("read", self.path, error);
+        let mut body = Vec::new();
+        loop {
+            let mut head = [0; 3];
+            match self.file.read_exact(&mut head) {
+                Ok(()) => {}
+                Err(error) if error.kind() == io::ErrorKind::UnexpectedEof => break,
+                Err(error) => return Err(failed(error)),
+            }
+            let length = u16::from_le_bytes([head[0], head[1]]).into();
+            body.clear();
+            (&mut self.file).take(length).read_to_end(&mut body).map_err(failed)?;
+            if (body.len() as u64) < length {
+                *torn = Some("it ends inside a message".to_owned());
+                break;
+            }
+            if !take(head[2], &body) {
+                *torn = Some("a message makes no sense".to_owned());
+                break;
+            }
+        }
+        let mut input = self.file.get_ref().try_clone().map_err(failed)?;
+        io::Seek::rewind(&mut input).map_err(failed)?;
+        Ok(input)
+    }
+}
+
+/// What a log says of its topics.
+#[derive(Default)]
+struct Topics {
+    /// Fields by the name of a format, as they are written.
+    formats: BTreeMap<String, Vec<(String, String)>>,
+    /// Name and instance by the number in messages.
+    logged: BTreeMap<u16, (String, u8)>,
+    /// How many messages of each there are, and the times of the first and the last, µs.
+    seen: BTreeMap<u16, (u64, i64, i64)>,
+}
+
+/// A field in a message.
+#[derive(Clone, Debug, PartialEq)]
+struct Field {
+    name: String,
+    kind: Kind,
+    at: usize,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Kind {
+    Signed(usize),
+    Unsigned(usize),
+    Float,
+    Double,
+}
+
+enum Value {
+    Integer(i64),
+    Number(f64),
+}
+
+/// The fields that were chosen.
+struct Chosen {
+    id: u16,
+    topic: String,
+    time: Field,
+    /// What each is called, and where it stands.
+    fields: Vec<(String, Field)>,
+}
+
+impl Topics {
+    fn take(&mut self, kind: u8, body: &[u8]) -> Option<()> {
+        match kind {
+            b'F' => {
+                let text = std::str::from_utf8(body).ok()?;
+                let (name, fields) = text.split_once(':')?;
+                let fields = fields.split(';').filter(|field| !field.is_empty());
+                let fields =
+                    fields.map(|field| field.split_once(' ').map(|(kind, name)| (kind.to_owned(), name.to_owned())));
+                self.formats.insert(name.to_owned(), fields.collect::<Option<_>>()?);
+            }
+            b'A' => {
+                let (head, name) = body.split_first_chunk::<3>()?;
+                let id = u16::from_le_bytes([head[1], head[2]]);
+                self.logged.insert(id, (std::str::from_utf8(name).ok()?.to_owned(), head[0]));
+            }
+            // the time comes first in every message
+            b'D' => {
+                if let Some((id, data)) = body.split_first_chunk::<2>() {
+                    let time = data.first_chunk::<8>().map_or(0, |bytes| i64::from_le_bytes(*bytes));
+                    let seen = self.seen.entry(u16::from_le_bytes(*id)).or_insert((0, time, time));
+                    *seen = (seen.0 + 1, seen.1, time);
+                }
+            }
+            _ => {}
+        }
+        Some(())
+    }
+
+    /// What a topic is called: with its instance, if there are several.
+    fn names(&self) -> BTreeMap<String, u16> {
+        let several = |topic: &str| self.logged.values().filter(|(name, _)| name == topic).count() > 1;
+        let named = self.logged.iter().map(|(id, (topic, instance))| match several(topic) {
+            true => (format!("{topic}#{instance}"), *id),
+            false => (topic.clone(), *id),
+        });
+        named.collect()
+    }
+
+    /// The fields of a topic that are numbers.
+    fn fields(&self, id: u16) -> Option<Vec<Field>> {
+        let mut fields = Vec::new();
+        self.expand(&self.logged.get(&id)?.0, "", &mut 0, MAX_DEPTH, &mut fields)?;
+        Some(fields)
+    }
+
+    fn expand(&self, format: &str, before: &str, at: &mut usize, depth: usize, fields: &mut Vec<Field>) -> Option<()> {
+        let depth = depth.checked_sub(1)?;
+        for (kind, name) in self.formats.get(format)? {
+            let (kind, count) = match kind.strip_suffix(']').and_then(|kind| kind.split_once('[')) {
+                Some((kind, count)) => (kind, Some(count.parse::<usize>().ok()?)),
+                None => (kind.as_str(), None),
+            };
+            for index in 0..count.unwrap_or(1) {
+                let index = count.map_or_else(String::new, |_| format!("[{index}]"));
+                let name = format!("{before}{name}{index}");
+                match Kind::of(kind) {
+                    Some((Some(kind), size)) => {
+                        fields.push(Field { name, kind, at: *at });
+                        *at += size;
+                    }
+                    Some((None, size)) => *at += size,
+                    None => self.expand(kind, &format!("{name}."), at, depth, fields)?,
+                }
+                if fields.len() > MAX_FIELDS || *at > usize::from(u16::MAX) {
+                    return None;
+                }
+            }
+        }
+        Some(())
+    }
+
+    fn choose(&self, path: &Path, asked: &Asked<'_>) -> Result<Chosen> {
+        let names = self.names();
+        let wanted: Vec<String> = match asked.wanted {
+            Wanted::One(Some(name)) => vec![name.to_owned()],
+            Wanted::Listed(names) => names.to_vec(),
+            Wanted::Described(columns) => columns.iter().map(of_driver).collect(),
+            Wanted::One(None) | Wanted::All => Vec::new(),
+        };
+        let ask = |why: String| {
+            let option = asked.args.names.of(Setting::Column);
+            LogError::Ask(format!("{} {why}; choose with {option} one of: {}", path.display(), self.offered()))
+        };
+        if wanted.is_empty() {
+            if !matches!(asked.wanted, Wanted::All) {
+                return Err(ask("has several columns".to_owned()));
+            }
+            let topic = asked.args.topic.as_deref().unwrap_or("sensor_combined");
+            let fields = |id: &u16| {
+                let fields = self.fields(*id).unwrap_or_default().into_iter();
+                let fields = fields.filter(|field| stated(topic, &field.name).is_some());
+                fields.map(|field| (format!("{topic}.{}", field.name), field)).collect::<Vec<_>>()
+            };
+            let chosen = names.get(topic).map(|id| (*id, fields(id))).filter(|(_, fields)| !fields.is_empty());
+            let Some((id, fields)) = chosen else { return Err(self.several(path, asked)) };
+            return self.chosen(path, topic, id, fields);
+        }
+        let mut found: Vec<(String, u16, (String, Field))> = Vec::new();
+        for wanted in &wanted {
+            let split = names.iter().find_map(|(topic, id)| {
+                let of_topic = || wanted.strip_prefix(topic.as_str())?.strip_prefix('.');
+                let is_chosen = asked.args.topic.as_ref() == Some(topic);
+                let field = of_topic().or(is_chosen.then_some(wanted.as_str()))?;
+                let field = self.fields(*id)?.into_iter().find(|one| one.name == field)?;
+                Some((topic.clone(), *id, (wanted.to_owned(), field)))
+            });
+            found.push(split.ok_or_else(|| ask(format!("has no column `{wanted}`")))?);
+        }
+        let Some((topic, id, _)) = found.first().cloned() else { return Err(ask("has several columns".to_owned())) };
+        if let Some((other, ..)) = found.iter().find(|(_, other, _)| *other != id) {
+            let why = format!("the columns are of two topics, `{topic}` and `{other}`, which keep different time");
+            return Err(LogError::Ask(format!("{}: {why}; read one at a time", path.display())));
+        }
+        self.chosen(path, &topic, id, found.into_iter().map(|(_, _, field)| field).collect())
+    }
+
+    /// With the time at which the sensor was read or, where that is not logged, at which the message was made.
+    fn chosen(&self, path: &Path, topic: &str, id: u16, fields: Vec<(String, Field)>) -> Result<Chosen> {
+        let all = self.fields(id).unwrap_or_default();
+        let named = |name: &str| all.iter().find(|field| field.name == name).cloned();
+        let time = named("timestamp_sample").or_else(|| named("timestamp"));
+        let time = time.ok_or_else(|| wrong(path, format_args!("topic {topic}"), "it has no timestamp"))?;
+        Ok(Chosen { id, topic: topic.to_owned(), time, fields })
+    }
+
+    /// No topic was meant, or none with an IMU.
+    fn several(&self, path: &Path, asked: &Asked<'_>) -> LogError {
+        let mut survey = Survey::default();
+        for (topic, id) in self.names() {
+            let kind = topic.split('#').next().unwrap_or(&topic);
+            if IMUS.iter().any(|(name, ..)| *name == kind) {
+                let (messages, first, last) = self.seen.get(&id).copied().unwrap_or_default();
+                survey.counted(&topic, kind, messages, [first, last].map(|time_us| time_us.saturating_mul(1000)));
+            }
+        }
+        several(path, asked, &survey)
+    }
+
+    /// The readings of IMUs; any other field can be asked for as well.
+    fn offered(&self) -> String {
+        let of_topic = |(topic, id): (&String, &u16)| {
+            let fields = self.fields(*id).unwrap_or_default().into_iter();
+            let fields = fields.filter(|field| stated(topic, &field.name).is_some());
+            fields.map(|field| format!("{topic}.{}", field.name)).collect::<Vec<_>>()
+        };
+        let offered: Vec<String> = self.names().iter().flat_map(of_topic).collect();
+        match offered.is_empty() {
+            true => format!("TOPIC.FIELD of its topics {}", self.names().into_keys().collect::<Vec<_>>().join(", ")),
+            false => offered.join(", "),
+        }
+    }
+}
+
+impl Kind {
+    /// A basic type: what it is, if it is a number, and its size.
+    fn of(name: &str) -> Option<(Option<Self>, usize)> {
+        Some(match name {
+            "int8_t" => (Some(Self::Signed(1)), 1),
+            "int16_t" => (Some(Self::Signed(2)), 2),
+            "int32_t" => (Some(Self::Signed(4)), 4),
+            "int64_t" => (Some(Self::Signed(8)), 8),
+            "uint8_t" => (Some(Self::Unsigned(1)), 1),
+            "uint16_t" => (Some(Self::Unsigned(2)), 2),
+            "uint32_t" => (Some(Self::Unsigned(4)), 4),
+            "uint64_t" => (Some(Self::Unsigned(8)), 8),
+            "float" => (Some(Self::Float), 4),
+            "double" => (Some(Self::Double), 8),
+            "bool" | "char" => (None, 1),
+            _ => return None,
+        })
+    }
+}
+
+impl Field {
+    fn value(&self, data: &[u8]) -> Option<Value> {
+        let rest = data.get(self.at..)?;
+        Some(match self.kind {
+            Kind::Float => Value::Number(f32::from_le_bytes(*rest.first_chunk()?).into()),
+            Kind::Double => Value::Number(f64::from_le_bytes(*rest.first_chunk()?)),
+            Kind::Signed(size) | Kind::Unsigned(size) => {
+                let mut wide = [0; 8];
+                wide[..size].copy_from_slice(rest.get(..size)?);
+                let bits = u64::from_le_bytes(wide);
+                let unused = 64 - 8 * size as u32;
+                match self.kind {
+                    Kind::Signed(_) => Value::Integer((bits << unused) as i64 >> unused),
+                    _ => i64::try_from(bits).map_or(Value::Number(bits as f64), Value::Integer),
+                }
+            }
+        })
+    }
+
+    fn integer(&self, data: &[u8]) -> Option<i64> {
+        match self.value(data)? {
+            Value::Integer(integer) => Some(integer),
+            Value::Number(_) => None,
+        }
+    }
+}

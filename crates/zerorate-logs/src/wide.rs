@@ -1,0 +1,54 @@
+//! Text in UTF-16, as Windows and LabVIEW write it, as text in UTF-8.
+
+use std::io::{self, BufReader, Read, Seek};
+use std::path::Path;
+use zerorate_record::limits::Room;
+use zerorate_record::{CaptureError, Input};
+
+/// Bytes that a read asks the system for.
+const BUFFER: usize = 1 << 16;
+
+/// Whether text of two bytes for each character has the higher one first; none if it is other text.
+fn order(start: &[u8]) -> Option<bool> {
+    let ascii = |at: usize| start[2..].iter().skip(at).step_by(2).all(|byte| (1..0x80).contains(byte));
+    let zeros = |at: usize| start[2..].iter().skip(at).step_by(2).all(|byte| *byte == 0);
+    match start {
+        [0xFF, 0xFE, _, zero, ..] => (*zero == 0).then_some(false),
+        [0xFE, 0xFF, zero, ..] => (*zero == 0).then_some(true),
+        [first, 0, _, _, _, _, ..] if (1..0x80).contains(first) && ascii(0) && zeros(1) => Some(false),
+        [0, first, _, _, _, _, ..] if (1..0x80).contains(first) && zeros(0) && ascii(1) => Some(true),
+        _ => None,
+    }
+}
+
+/// The text in UTF-8, if it is in UTF-16; anything else as it is.
+pub fn narrowed(path: &Path, mut input: Input, room: Room) -> Result<Input, CaptureError> {
+    let failed = |error| CaptureError::io("read", path, error);
+    let mut start = Vec::new();
+    (&mut input).take(16).read_to_end(&mut start).map_err(failed)?;
+    input.rewind().map_err(failed)?;
+    let Some(is_big) = order(&start) else { return Ok(input) };
+    // each character grows to three bytes at most, from two
+    let length = input.length().map_err(failed)?;
+    room.check_on_disk(length.saturating_mul(2)).map_err(|why| CaptureError::no_room(path, why))?;
+    let again = input.try_clone().map_err(failed)?;
+    let text = again.unpacked(|out| write(BufReader::with_capacity(BUFFER, input), is_big, out));
+    text.map_err(failed)
+}
+
+fn write(mut wide: impl Read, is_big: bool, out: &mut dyn io::Write) -> io::Result<()> {
+    let units = std::iter::from_fn(move || {
+        let mut unit = [0; 2];
+        wide.read_exact(&mut unit).ok()?;
+        Some(if is_big { u16::from_be_bytes(unit) } else { u16::from_le_bytes(unit) })
+    });
+    let mut text = String::with_capacity(BUFFER);
+    for character in char::decode_utf16(units) {
+        text.push(character.unwrap_or(char::REPLACEMENT_CHARACTER));
+        if text.len() >= BUFFER {
+            out.write_all(text.as_bytes())?;
+            text.clear();
+        }
+    }
+    out.write_all(text.as_bytes())
+}

@@ -1,0 +1,37 @@
+//! The forms that this build was made without: each answers with what adds it.
+
+/// As [`crate::parquet`].
+#[cfg(not(feature = "parquet"))]
+pub mod parquet {
+    use crate::table::{BlockSink, Opened, Out};
+    use crate::{CaptureError, Input, NotBuiltIn};
+    use arrow_schema::SchemaRef;
+    use std::path::Path;
+
+    pub const BLOCK: usize = 1;
+
+    pub fn sink(path: &Path, _: Out, _: &SchemaRef) -> Result<Box<dyn BlockSink>, CaptureError> {
+        Err(CaptureError::not_built_in(path, NotBuiltIn::PARQUET))
+    }
+
+    pub fn source(path: &Path, _: Input) -> Result<Opened, CaptureError> {
+        Err(CaptureError::not_built_in(path, NotBuiltIn::PARQUET))
+    }
+}
+
+/// As [`crate::bag`].
+#[cfg(not(feature = "mcap"))]
+pub mod bag {
+    use crate::table::{BlockSink, Opened, Out};
+    use crate::{CaptureError, Input, NotBuiltIn, RobotLog};
+    use arrow_schema::SchemaRef;
+    use std::path::Path;
+
+    pub fn sink(path: &Path, _: Out, _: &SchemaRef, _: RobotLog) -> Result<Box<dyn BlockSink>, CaptureError> {
+        Err(CaptureError::not_built_in(path, NotBuiltIn::MCAP))
+    }
+
+    pub fn source(path: &Path, _: Input) -> Result<Opened, CaptureError> {
+        Err(CaptureError::not_built_in(path, NotBuiltIn::MCAP))
+    }
+}

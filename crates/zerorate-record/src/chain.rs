@@ -1,0 +1,202 @@
+//! The checks of a capture: each block of rows carries one over everything before it (docs/formats/capture.md,
+//! "Checks").
+
+use super::columns::Rows;
+use super::hash::SampleHash;
+use super::layout::Layout;
+use arrow_array::cast::AsArray;
+use arrow_array::{Array, ArrayRef, RecordBatch};
+use arrow_schema::{DataType, Schema};
+use sha2::{Digest, Sha256};
+use std::collections::BTreeMap;
+
+/// Metadata of the table: the check of the description itself.
+pub const HEAD: &str = "zerorate.check.head";
+
+/// With a block: its check.
+pub const BATCH: &str = "zerorate.check.batch";
+
+/// In Parquet, whose index is in one place: the checks of all blocks, in order, with blanks between.
+#[cfg(feature = "parquet")]
+pub const BATCHES: &str = "zerorate.check.batches";
+
+/// Behind the last row: [`End`].
+pub const END: &str = "zerorate.check.end";
+
+/// What no check covers: the checks.
+pub const CHECKS: &str = "zerorate.check.";
+
+/// What makes a metadata entry part of the description.
+const DESCRIPTION: &str = "zerorate.";
+
+const PREFIX: &[u8] = b"zerorate.capture.v2\n";
+const END_MARK: &[u8] = b"end\n";
+
+/// Digits of a check, of four bits each: one change in 2⁶⁴ is missed.
+const DIGITS: usize = 16;
+
+/// What a file states behind its last row.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct End {
+    /// Rows of the file.
+    pub rows: u64,
+    /// The sample hash of all of them.
+    pub samples_sha256: String,
+    /// The check over the last block's check, the rows and the hash.
+    pub check: String,
+}
+
+impl End {
+    /// As it stands in the file. The length is always the same.
+    pub fn to_text(&self) -> String {
+        format!("{:020} {} {}", self.rows, self.samples_sha256, self.check)
+    }
+
+    /// Out of a file.
+    pub fn parse(text: &str) -> Option<Self> {
+        let mut words = text.split(' ');
+        let end = Self {
+            rows: words.next()?.parse().ok()?,
+            samples_sha256: words.next()?.to_owned(),
+            check: words.next()?.to_owned(),
+        };
+        let whole = end.samples_sha256.len() == 64 && end.check.len() == DIGITS;
+        (whole && words.next().is_none()).then_some(end)
+    }
+}
+
+/// Checks over a growing table.
+pub struct Chain {
+    link: [u8; 32],
+    samples: SampleHash,
+    raw: Vec<String>,
+    others: Sha256,
+    rows: u64,
+}
+
+impl Chain {
+    /// No row yet. The first link is the description.
+    pub fn new(schema: &Schema, layout: &Layout) -> Self {
+        let raw = layout.raw_fields().iter().map(|field| field.name().clone()).collect();
+        let (link, samples) = (head_digest(schema), SampleHash::new(layout));
+        Self { link, samples, raw, others: Sha256::new(), rows: 0 }
+    }
+
+    /// Takes in the next rows of a table whose raw columns are `rows`.
+    pub fn take(&mut self, rows: &Rows, table: &RecordBatch) {
+        rows.iter().for_each(|row| self.samples.update(&row));
+        self.rows += rows.len() as u64;
+        let names = table.schema();
+        let others: Vec<Cells> = (names.fields().iter().zip(table.columns()))
+            .filter(|(field, _)| !self.raw.contains(field.name()))
+            .map(|(_, column)| Cells::of(column))
+            .collect();
+        for row in 0..if others.is_empty() { 0 } else { table.num_rows() } {
+            others.iter().for_each(|cells| self.others.update(cells.row(row)));
+        }
+    }
+
+    /// Ends a block: the check over the description and all rows up to here.
+    pub fn seal(&mut self) -> String {
+        let mut digest = Sha256::new_with_prefix(self.link);
+        digest.update(self.samples.digest());
+        digest.update(self.others.clone().finalize());
+        self.link = digest.finalize().into();
+        hex(&self.link)[..DIGITS].to_owned()
+    }
+
+    /// Ends the table.
+    pub fn end(&self) -> End {
+        let samples_sha256 = self.samples.hex();
+        let mut digest = Sha256::new_with_prefix(self.link);
+        digest.update(END_MARK);
+        digest.update(self.rows.to_le_bytes());
+        digest.update(self.samples.digest());
+        End { rows: self.rows, samples_sha256, check: hex(&digest.finalize())[..DIGITS].to_owned() }
+    }
+
+    /// The sample hash up to here.
+    pub fn samples_sha256(&self) -> String {
+        self.samples.hex()
+    }
+}
+
+/// The check of a description: metadata, and columns with their types.
+pub fn head(schema: &Schema) -> String {
+    hex(&head_digest(schema))[..DIGITS].to_owned()
+}
+
+/// Whether a metadata entry is a part of the description.
+pub fn describes(key: &str) -> bool {
+    key.starts_with(DESCRIPTION) && !key.starts_with(CHECKS)
+}
+
+fn head_digest(schema: &Schema) -> [u8; 32] {
+    let entries: BTreeMap<_, _> = schema.metadata().iter().filter(|(key, _)| describes(key)).collect();
+    let mut digest = Sha256::new_with_prefix(PREFIX);
+    for (key, value) in entries {
+        digest.update(format!("{key} = {value}\n"));
+    }
+    for field in schema.fields() {
+        digest.update(format!("{}: {}\n", field.name(), type_name(field.data_type())));
+    }
+    digest.finalize().into()
+}
+
+/// The name of a type in the format; of a type that no capture has, its name in Arrow.
+fn type_name(data_type: &DataType) -> String {
+    let short = match data_type {
+        DataType::UInt8 => "u8",
+        DataType::UInt16 => "u16",
+        DataType::UInt32 => "u32",
+        DataType::UInt64 => "u64",
+        DataType::Int32 => "i32",
+        DataType::Float64 => "f64",
+        DataType::Boolean => "bool",
+        other => return other.to_string(),
+    };
+    short.to_owned()
+}
+
+/// A column as the checks see it: for each row a byte that says whether there is a value, then the value, little
+/// endian.
+struct Cells {
+    bytes: Vec<u8>,
+    stride: usize,
+}
+
+impl Cells {
+    /// A column of another type than numbers and truth values is no part of a capture: it has no bytes here.
+    fn of(column: &ArrayRef) -> Self {
+        match (column.data_type(), column.data_type().primitive_width()) {
+            (DataType::Boolean, _) => {
+                let values: Vec<u8> = column.as_boolean().values().iter().map(u8::from).collect();
+                Self::fixed(column, &values, 1)
+            }
+            (_, Some(width)) => {
+                let data = column.to_data();
+                Self::fixed(column, &data.buffers()[0].as_slice()[data.offset() * width..], width)
+            }
+            _ => Self { bytes: Vec::new(), stride: 0 },
+        }
+    }
+
+    fn fixed(column: &ArrayRef, values: &[u8], width: usize) -> Self {
+        let mut bytes = vec![0; column.len() * (1 + width)];
+        let rows = bytes.chunks_exact_mut(1 + width).zip(values.chunks_exact(width));
+        for (_, (cell, value)) in rows.enumerate().filter(|(row, _)| column.is_valid(*row)) {
+            cell[0] = 1;
+            cell[1..].copy_from_slice(value);
+        }
+        Self { bytes, stride: 1 + width }
+    }
+
+    fn row(&self, row: usize) -> &[u8] {
+        &self.bytes[row * self.stride..(row + 1) * self.stride]
+    }
+}
+
+/// Lower-case hexadecimal.
+pub fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}

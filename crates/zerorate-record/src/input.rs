@@ -1,0 +1,207 @@
+//! Bytes that were opened by somebody else.
+
+use bytes::Bytes;
+use std::fmt::Debug;
+use std::fs::File;
+use std::io::{self, Cursor, ErrorKind, Read, Seek, SeekFrom};
+use std::sync::Arc;
+
+/// Bytes to be read, from the start: those of an open file, some in memory, or some that lie elsewhere.
+#[derive(Debug)]
+pub struct Input(Kind);
+
+/// Bytes that are neither in a file of this system nor in memory, such as those of a file that a browser was given.
+pub trait Elsewhere: Debug + Send + Sync {
+    /// How many there are.
+    fn length(&self) -> u64;
+
+    /// Fills `into` from its front with those from `at` on, as far as there are any, and says how many.
+    ///
+    /// # Errors
+    /// They cannot be had.
+    fn read_at(&self, at: u64, into: &mut [u8]) -> io::Result<usize>;
+}
+
+#[derive(Debug)]
+enum Kind {
+    File(File),
+    /// What has no name by which it could be opened again.
+    Nameless(File),
+    Memory(Cursor<Bytes>),
+    Elsewhere {
+        bytes: Arc<dyn Elsewhere>,
+        /// Where the next read begins.
+        at: u64,
+    },
+}
+
+impl From<File> for Input {
+    fn from(file: File) -> Self {
+        Self(Kind::File(file))
+    }
+}
+
+impl From<Vec<u8>> for Input {
+    fn from(bytes: Vec<u8>) -> Self {
+        Self(Kind::Memory(Cursor::new(bytes.into())))
+    }
+}
+
+impl Input {
+    /// How many bytes there are.
+    pub fn length(&self) -> io::Result<u64> {
+        match &self.0 {
+            Kind::File(file) | Kind::Nameless(file) => Ok(file.metadata()?.len()),
+            Kind::Memory(bytes) => Ok(bytes.get_ref().len() as u64),
+            Kind::Elsewhere { bytes, .. } => Ok(bytes.length()),
+        }
+    }
+
+    /// Of bytes that somebody else reads.
+    #[must_use]
+    pub fn elsewhere(bytes: Arc<dyn Elsewhere>) -> Self {
+        Self(Kind::Elsewhere { bytes, at: 0 })
+    }
+
+    /// Of a file without a name, as what was piped into a program is spooled to.
+    #[must_use]
+    pub fn nameless(file: File) -> Self {
+        Self(Kind::Nameless(file))
+    }
+
+    /// Whether they lie in a file, so that what is unpacked of them goes into another and not into memory.
+    pub fn is_file(&self) -> bool {
+        matches!(self.0, Kind::File(_) | Kind::Nameless(_))
+    }
+
+    /// Whether they can be opened again by their name.
+    pub fn has_name(&self) -> bool {
+        matches!(self.0, Kind::File(_))
+    }
+
+    /// Whether it is a directory, which can be opened but not read.
+    pub fn is_directory(&self) -> io::Result<bool> {
+        match &self.0 {
+            Kind::File(file) => Ok(file.metadata()?.is_dir()),
+            Kind::Nameless(_) | Kind::Memory(_) | Kind::Elsewhere { .. } => Ok(false),
+        }
+    }
+
+    /// The same bytes once more. Where it is a file, the two share one position.
+    pub fn try_clone(&self) -> io::Result<Self> {
+        Ok(Self(match &self.0 {
+            Kind::File(file) => Kind::File(file.try_clone()?),
+            Kind::Nameless(file) => Kind::Nameless(file.try_clone()?),
+            Kind::Memory(bytes) => Kind::Memory(bytes.clone()),
+            Kind::Elsewhere { bytes, at } => Kind::Elsewhere { bytes: bytes.clone(), at: *at },
+        }))
+    }
+
+    /// So many bytes from `start` on; fewer are an error. Where it is a file, its position moves.
+    pub fn bytes_at(&self, start: u64, length: usize) -> io::Result<Bytes> {
+        let outside = || io::Error::new(ErrorKind::UnexpectedEof, format!("{length} bytes at {start} are not there"));
+        if let Kind::Memory(bytes) = &self.0 {
+            let bytes = bytes.get_ref();
+            let range = usize::try_from(start).ok().and_then(|start| Some(start..start.checked_add(length)?));
+            let range = range.filter(|range| range.end <= bytes.len()).ok_or_else(outside)?;
+            return Ok(bytes.slice(range));
+        }
+        let mut input = self.try_clone()?;
+        input.seek(SeekFrom::Start(start))?;
+        let mut found = Vec::new();
+        input.take(length as u64).read_to_end(&mut found)?;
+        if found.len() == length { Ok(found.into()) } else { Err(outside()) }
+    }
+
+    /// What `fill` writes: to a nameless file where this is a file, into memory where it is in memory.
+    pub fn unpacked<E: From<io::Error>>(
+        &self,
+        fill: impl FnOnce(&mut dyn io::Write) -> Result<(), E>,
+    ) -> Result<Self, E> {
+        #[cfg(not(target_family = "wasm"))]
+        if self.is_file() {
+            let mut file = io::BufWriter::new(tempfile::tempfile()?);
+            fill(&mut file)?;
+            let mut file = file.into_inner().map_err(io::IntoInnerError::into_error)?;
+            file.rewind()?;
+            return Ok(Self::nameless(file));
+        }
+        let mut bytes = Vec::new();
+        fill(&mut bytes)?;
+        Ok(bytes.into())
+    }
+}
+
+impl Read for Input {
+    fn read(&mut self, buf: &mut [u8]) -> io::Result<usize> {
+        match &mut self.0 {
+            Kind::File(file) | Kind::Nameless(file) => file.read(buf),
+            Kind::Memory(bytes) => bytes.read(buf),
+            Kind::Elsewhere { bytes, at } => {
+                let read = bytes.read_at(*at, buf)?;
+                *at += read as u64;
+                Ok(read)
+            }
+        }
+    }
+}
+
+impl Seek for Input {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        match &mut self.0 {
+            Kind::File(file) | Kind::Nameless(file) => file.seek(to),
+            Kind::Memory(bytes) => bytes.seek(to),
+            Kind::Elsewhere { bytes, at } => {
+                let place = match to {
+                    SeekFrom::Start(place) => Some(place),
+                    SeekFrom::Current(by) => at.checked_add_signed(by),
+                    SeekFrom::End(by) => bytes.length().checked_add_signed(by),
+                };
+                *at = place.ok_or_else(|| io::Error::new(ErrorKind::InvalidInput, "a place before the first byte"))?;
+                Ok(*at)
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Gives three bytes at a time, as a browser may.
+    #[derive(Debug)]
+    struct Slices(Vec<u8>);
+
+    impl Elsewhere for Slices {
+        fn length(&self) -> u64 {
+            self.0.len() as u64
+        }
+
+        fn read_at(&self, at: u64, into: &mut [u8]) -> io::Result<usize> {
+            let rest = self.0.get(at as usize..).unwrap_or_default();
+            let read = rest.len().min(into.len()).min(3);
+            into[..read].copy_from_slice(&rest[..read]);
+            Ok(read)
+        }
+    }
+
+    #[test]
+    fn memory_and_file_and_what_lies_elsewhere_are_the_same_bytes() {
+        let packed = |input: &Input| input.unpacked(|out| out.write_all(b"0123456789")).map_err(|e: io::Error| e);
+        let memory = packed(&Vec::new().into()).expect("memory");
+        let file = packed(&tempfile::tempfile().expect("a file").into()).expect("a file");
+        assert!(file.is_file() && !memory.is_file());
+        let elsewhere = Input::elsewhere(Arc::new(Slices(b"0123456789".to_vec())));
+        assert!(!elsewhere.is_file() && elsewhere.try_clone().expect("a copy").seek(SeekFrom::Current(-1)).is_err());
+        for mut input in [memory, file, elsewhere] {
+            assert_eq!((input.length().expect("bytes"), input.bytes_at(3, 4).expect("bytes")), (10, "3456".into()));
+            assert!(input.bytes_at(8, 3).is_err() && input.bytes_at(u64::MAX, 1).is_err());
+            let mut read = String::new();
+            input.seek(SeekFrom::Start(7)).expect("a place");
+            input.read_to_string(&mut read).expect("text");
+            input.seek(SeekFrom::End(-2)).expect("a place");
+            input.read_to_string(&mut read).expect("text");
+            assert_eq!(read, "78989");
+        }
+    }
+}

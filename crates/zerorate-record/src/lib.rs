@@ -1,0 +1,230 @@
+//! Captures: raw codes on disk, as docs/formats/capture.md specifies them.
+//!
+//! [`CaptureWriter`] and [`CaptureReader`] move rows of any number of axes, in any of four forms, in constant
+//! memory. A capture is the truth: whatever is computed from a live part comes out the same from its capture.
+//!
+//! Each form is recognised by its content, whatever the file is called. Nothing here opens a file: [`Input`] is bytes
+//! that the caller has opened, so that the same readers serve a browser. The readers of other logs build on the pieces
+//! here that bound memory, survive a decoder's panic and read Arrow and MCAP.
+
+#[cfg(not(all(feature = "mcap", feature = "parquet")))]
+mod absent;
+pub mod admission;
+pub mod arrows;
+#[cfg(test)]
+mod axes;
+#[cfg(feature = "mcap")]
+pub mod bag;
+pub mod believed;
+pub mod cells;
+mod chain;
+mod checked;
+pub mod columns;
+mod csv;
+#[cfg(test)]
+mod damage;
+pub mod delimited;
+mod error;
+#[cfg(test)]
+mod fuzz;
+mod hash;
+mod info;
+mod input;
+pub mod judging;
+mod layout;
+pub mod limits;
+#[cfg(feature = "mcap")]
+pub mod mcap_messages;
+pub mod messages;
+mod not_built_in;
+mod note;
+#[cfg(feature = "parquet")]
+pub mod parquet;
+pub mod plain;
+mod robot_log;
+mod row;
+pub mod succession;
+pub mod survive;
+pub mod table;
+#[cfg(test)]
+mod tests;
+mod unit;
+
+pub use checked::Checked;
+pub use error::CaptureError;
+pub use hash::SampleHash;
+pub use info::{CALIBRATION_ID, CaptureInfo, Converter, NotThePart, SCHEMA_VERSION, is_capture};
+pub use input::{Elsewhere, Input};
+pub use layout::{CodedAxis, Layout, LayoutError};
+pub use not_built_in::NotBuiltIn;
+pub use note::Note;
+pub use robot_log::{RobotLog, Stamps};
+pub use row::Row;
+pub use table::Format;
+pub use unit::{Quantity, STANDARD_GRAVITY, TimeUnit, Unit, is_celsius};
+
+use arrow_array::RecordBatch;
+use arrow_schema::SchemaRef;
+use columns::{OpenBatch, Rows};
+use std::path::{Path, PathBuf};
+use table::{BatchSource, Opened, Out};
+
+/// Records rows. Dropping it closes the file as well, but only [`CaptureWriter::finish`] tells whether that worked.
+pub struct CaptureWriter {
+    path: PathBuf,
+    schema: SchemaRef,
+    layout: Layout,
+    sink: Option<table::CheckedSink>,
+    open: OpenBatch,
+    summary: CaptureSummary,
+}
+
+/// What was recorded.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct CaptureSummary {
+    /// Rows written.
+    pub samples: u64,
+    /// Sum of their lost-sample counters.
+    pub lost: u64,
+}
+
+impl CaptureWriter {
+    /// Starts a capture; `path` names it in messages.
+    pub fn create(path: &Path, out: Out, format: Format, info: &CaptureInfo) -> Result<Self, CaptureError> {
+        let schema = columns::schema(info.layout.raw_fields(), info.to_metadata());
+        let sink = table::create(path, out, format, &schema)?;
+        Ok(Self::new(path, info, schema, sink))
+    }
+
+    /// The same in the MCAP form, with all that robots read.
+    pub fn create_robot_log(path: &Path, out: Out, info: &CaptureInfo, log: RobotLog) -> Result<Self, CaptureError> {
+        let schema = columns::schema(info.layout.raw_fields(), info.to_metadata());
+        let sink = table::create_robot_log(path, out, &schema, log)?;
+        Ok(Self::new(path, info, schema, sink))
+    }
+
+    fn new(path: &Path, info: &CaptureInfo, schema: SchemaRef, sink: table::CheckedSink) -> Self {
+        Self {
+            path: path.to_owned(),
+            schema,
+            layout: info.layout.clone(),
+            sink: Some(sink),
+            open: OpenBatch::new(&info.layout),
+            summary: CaptureSummary::default(),
+        }
+    }
+
+    /// Records a row. Whole batches go to the system at once.
+    pub fn push(&mut self, row: &Row) -> Result<(), CaptureError> {
+        let misfit = |what| CaptureError::damaged(&self.path, "row to be written", what);
+        self.layout.check_row(row).map_err(misfit)?;
+        if self.open.is_full_for(row.t_ns) {
+            self.write_open()?;
+        }
+        self.open.push(row);
+        self.summary.samples += 1;
+        self.summary.lost += u64::from(row.lost);
+        Ok(())
+    }
+
+    /// Writes the open batch and the end.
+    pub fn finish(mut self) -> Result<CaptureSummary, CaptureError> {
+        self.close()?;
+        Ok(self.summary)
+    }
+
+    fn close(&mut self) -> Result<(), CaptureError> {
+        self.write_open()?;
+        self.sink.take().map_or(Ok(()), |sink| sink.finish())
+    }
+
+    fn write_open(&mut self) -> Result<(), CaptureError> {
+        let Some(sink) = self.sink.as_mut().filter(|_| !self.open.is_empty()) else {
+            return Ok(());
+        };
+        let batch = self.open.close().and_then(|columns| RecordBatch::try_new(self.schema.clone(), columns));
+        sink.write(&batch.map_err(|error| CaptureError::arrow("write", &self.path, error))?)
+    }
+}
+
+impl Drop for CaptureWriter {
+    fn drop(&mut self) {
+        // the error that led here is the one to report
+        let _ = self.close();
+    }
+}
+
+/// Reads the rows of a capture, in any form, corrected or not. Each block is checked before its rows are given out.
+pub struct CaptureReader {
+    calibration_id: Option<String>,
+    table: Checked,
+    rows: Option<Rows>,
+    next_row: usize,
+}
+
+impl CaptureReader {
+    /// Reads a capture by what it contains, whatever its name: `path` names it in messages.
+    pub fn open(path: &Path, input: Input) -> Result<Self, CaptureError> {
+        match table::recognise(path, input)? {
+            Opened::Table(source) => Self::from_source(path, source),
+            Opened::Text(_) => Err(CaptureError::not_a_capture(
+                path,
+                "it does not start as one (a CSV capture begins with lines `# zerorate.…`)",
+            )),
+        }
+    }
+
+    /// Reads a capture out of a table that is open already.
+    pub fn from_source(path: &Path, source: Box<dyn BatchSource>) -> Result<Self, CaptureError> {
+        let schema = source.stated().schema.clone();
+        let table = Checked::new(path, source)?;
+        let corrected = table.info().layout.axes().iter().map(CodedAxis::corrected_column);
+        let is_there = |name: String| schema.column_with_name(&name).map(|_| "unknown".to_owned());
+        let unnamed = || corrected.filter_map(is_there).next();
+        let calibration_id = schema.metadata().get(CALIBRATION_ID).cloned().or_else(unnamed);
+        Ok(Self { calibration_id, table, rows: None, next_row: 0 })
+    }
+
+    /// How the capture was taken.
+    pub fn info(&self) -> &CaptureInfo {
+        self.table.info()
+    }
+
+    /// The calibration that was applied, if the capture is a corrected one. Its raw columns are untouched all the
+    /// same.
+    pub fn calibration_id(&self) -> Option<&str> {
+        self.calibration_id.as_deref()
+    }
+
+    /// What is to be said once all samples were read: a tail that was torn off, a file that nothing checks.
+    pub fn warnings(&self) -> Vec<Note> {
+        self.table.warnings()
+    }
+
+    /// The next batch of rows.
+    pub fn next_rows(&mut self) -> Result<Option<Rows>, CaptureError> {
+        Ok(self.table.next_rows()?.map(|(_, rows)| rows))
+    }
+
+    fn next_row(&mut self) -> Result<Option<Row>, CaptureError> {
+        loop {
+            if let Some(rows) = self.rows.as_ref().filter(|rows| self.next_row < rows.len()) {
+                self.next_row += 1;
+                return Ok(Some(rows.row(self.next_row - 1)));
+            }
+            self.rows = self.next_rows()?;
+            self.next_row = 0;
+            if self.rows.is_none() {
+                return Ok(None);
+            }
+        }
+    }
+}
+
+impl Iterator for CaptureReader {
+    type Item = Result<Row, CaptureError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        self.next_row().transpose()
+    }
+}

@@ -1,0 +1,212 @@
+//! The frames of an Arrow IPC stream: where each message begins and ends, and whether it is whole.
+//!
+//! The Arrow library decodes the messages. It trusts their offsets, though, and does not say whether a stream ended
+//! well; a recording that was cut off is the case this program is made for, so the frames are read here.
+
+use crate::limits::Room;
+use crate::survive::survive;
+use arrow_ipc::convert::{metadata_to_fb, try_fb_to_schema};
+use arrow_ipc::{self as ipc, MessageArgs, RecordBatchArgs, root_as_message};
+use arrow_schema::{Metadata, Schema, SchemaRef};
+use flatbuffers::FlatBufferBuilder;
+use std::io::{self, Read};
+use std::ops::Range;
+use std::sync::Arc;
+
+/// Starts every message, since format version 0.15.
+const CONTINUATION: [u8; 4] = [0xFF; 4];
+
+/// Reads messages.
+pub struct Messages<R> {
+    reader: R,
+    position: u64,
+}
+
+/// What stands at the reader's position.
+pub enum Message {
+    /// A message with all its bytes.
+    Whole(MessageBytes),
+    /// The end-of-stream marker, or zeros where a file system made room that was never filled.
+    EndOfStream {
+        /// It is the marker.
+        marked: bool,
+    },
+    /// The end of the file, at a place where a stream does not end.
+    Torn,
+}
+
+impl<R: Read> Messages<R> {
+    /// Messages of a stream from its start.
+    pub fn new(reader: R) -> Self {
+        Self { reader, position: 0 }
+    }
+
+    /// Bytes read so far.
+    pub fn position(&self) -> u64 {
+        self.position
+    }
+
+    /// Reads the next message.
+    pub fn next(&mut self) -> io::Result<Message> {
+        let mut bytes = Vec::new();
+        let Some(metadata_len) = self.read_length(&mut bytes)? else {
+            return Ok(Message::Torn);
+        };
+        if metadata_len == 0 {
+            return Ok(Message::EndOfStream { marked: bytes.starts_with(&CONTINUATION) });
+        }
+        let start = bytes.len();
+        if !self.append(&mut bytes, u64::from(metadata_len))? {
+            return Ok(Message::Torn);
+        }
+        let metadata = start..bytes.len();
+        // what cannot be understood has no body, and `MessageBytes::check` will tell
+        let body_len = root_as_message(&bytes[metadata.clone()]).map_or(0, |message| message.bodyLength());
+        if !self.append(&mut bytes, u64::try_from(body_len).unwrap_or(0))? {
+            return Ok(Message::Torn);
+        }
+        Ok(Message::Whole(MessageBytes { bytes, metadata }))
+    }
+
+    fn read_length(&mut self, bytes: &mut Vec<u8>) -> io::Result<Option<u32>> {
+        loop {
+            if !self.append(bytes, 4)? {
+                return Ok(None);
+            }
+            if *bytes != CONTINUATION {
+                return Ok(bytes.last_chunk().map(|length| u32::from_le_bytes(*length)));
+            }
+        }
+    }
+
+    /// Appends `len` bytes; false if the file has fewer. A length that is wrong costs no more memory than the file has
+    /// bytes.
+    fn append(&mut self, bytes: &mut Vec<u8>, len: u64) -> io::Result<bool> {
+        let read = (&mut self.reader).take(len).read_to_end(bytes)? as u64;
+        self.position += read;
+        Ok(read == len)
+    }
+}
+
+/// A whole message: its length, its metadata, its body.
+pub struct MessageBytes {
+    bytes: Vec<u8>,
+    metadata: Range<usize>,
+}
+
+impl MessageBytes {
+    /// The schema that this message carries.
+    pub fn schema(&self) -> Result<SchemaRef, String> {
+        let schema = self.message()?.header_as_schema().ok_or("it does not start with an Arrow schema")?;
+        // what a wrong length takes for its body is the message behind it
+        if self.bytes.len() > self.metadata.end {
+            return Err(format!("its Arrow schema states a body of {} bytes", self.bytes.len() - self.metadata.end));
+        }
+        let schema: Option<Result<Schema, _>> = survive(|| try_fb_to_schema(schema));
+        let schema = schema.ok_or("its Arrow schema makes no sense")?.map_err(|error| error.to_string())?;
+        Ok(Arc::new(schema))
+    }
+
+    /// Checks what the Arrow library takes for granted: that a batch keeps inside its message, and unpacks to what
+    /// `room` has.
+    pub fn check(&self, room: Room) -> Result<(), String> {
+        let message = self.message()?;
+        let body = &self.bytes[self.metadata.end..];
+        if usize::try_from(message.bodyLength()) != Ok(body.len()) {
+            return Err(format!("a message states a body of {} bytes", message.bodyLength()));
+        }
+        let dictionary = || message.header_as_dictionary_batch().and_then(|dictionary| dictionary.data());
+        let batch = message.header_as_record_batch().or_else(dictionary);
+        let batch = batch.ok_or_else(|| "a message is no batch of rows".to_owned())?;
+        let unpacked = check_buffers(batch, body)?;
+        room.check(unpacked).map_err(|why| why.to_string())?;
+        check_rows(batch, unpacked)
+    }
+
+    /// The custom metadata of this message under `key`.
+    pub fn note(&self, key: &str) -> Option<String> {
+        let notes = self.message().ok()?.custom_metadata()?;
+        let note = notes.iter().find(|note| note.key() == Some(key))?;
+        note.value().map(str::to_owned)
+    }
+
+    /// The rows that this message holds, if it is a batch.
+    pub fn rows(&self) -> Option<i64> {
+        Some(self.message().ok()?.header_as_record_batch()?.length())
+    }
+
+    fn message(&self) -> Result<ipc::Message<'_>, String> {
+        root_as_message(&self.bytes[self.metadata.clone()]).map_err(|error| format!("no Arrow message: {error}"))
+    }
+}
+
+/// A record batch message as the Arrow library makes it, with custom metadata, which that library does not write.
+pub fn with_note(message: &[u8], key: &str, value: &str) -> Result<Vec<u8>, String> {
+    let message = root_as_message(message).map_err(|error| error.to_string())?;
+    let batch = message.header_as_record_batch().ok_or("no record batch")?;
+    let mut builder = FlatBufferBuilder::new();
+    let nodes: Vec<_> = batch.nodes().into_iter().flatten().copied().collect();
+    let buffers: Vec<_> = batch.buffers().into_iter().flatten().copied().collect();
+    let nodes = Some(builder.create_vector(&nodes));
+    let buffers = Some(builder.create_vector(&buffers));
+    let args = RecordBatchArgs { length: batch.length(), nodes, buffers, ..RecordBatchArgs::default() };
+    let header = ipc::RecordBatch::create(&mut builder, &args).as_union_value();
+    let notes = metadata_to_fb(&mut builder, &Metadata::default().with(key, value));
+    let args = MessageArgs {
+        version: message.version(),
+        header_type: message.header_type(),
+        header: Some(header),
+        bodyLength: message.bodyLength(),
+        custom_metadata: Some(notes),
+    };
+    let root = ipc::Message::create(&mut builder, &args);
+    builder.finish(root, None);
+    Ok(builder.finished_data().to_vec())
+}
+
+/// Bytes of all buffers of a batch, unpacked.
+fn check_buffers(batch: ipc::RecordBatch<'_>, body: &[u8]) -> Result<u64, String> {
+    let mut unpacked = 0u64;
+    for buffer in batch.buffers().ok_or("a batch without buffers")? {
+        let outside = || {
+            let (length, offset) = (buffer.length(), buffer.offset());
+            format!("a batch refers to {length} bytes at {offset}, outside its own {}", body.len())
+        };
+        let start = usize::try_from(buffer.offset()).map_err(|_| outside())?;
+        let length = usize::try_from(buffer.length()).map_err(|_| outside())?;
+        let end = start.checked_add(length).ok_or_else(outside)?;
+        let bytes = body.get(start..end).ok_or_else(outside)?;
+        let stated = match (batch.compression(), bytes.first_chunk()) {
+            (None, _) => length as i64,
+            (Some(_), None) => 0,
+            // the length of what follows, or -1 where it is not packed
+            (Some(_), Some(stated)) => match i64::from_le_bytes(*stated) {
+                -1 => length as i64,
+                stated => stated,
+            },
+        };
+        let stated = u64::try_from(stated).map_err(|_| format!("a buffer states {stated} bytes"))?;
+        unpacked = unpacked.saturating_add(stated);
+    }
+    Ok(unpacked)
+}
+
+/// Every row of every column takes at least a bit, or there is nothing to take.
+fn check_rows(batch: ipc::RecordBatch<'_>, bytes: u64) -> Result<(), String> {
+    let possible = |length: i64| u64::try_from(length).is_ok_and(|length| length <= bytes.saturating_mul(8));
+    let nodes = batch.nodes().ok_or("a batch without columns")?;
+    if let Some(wrong) = nodes.iter().find(|node| !possible(node.length()) || !possible(node.null_count())) {
+        return Err(format!(
+            "a batch states {} rows and {} nulls in {bytes} bytes",
+            wrong.length(),
+            wrong.null_count()
+        ));
+    }
+    Ok(())
+}
+
+impl From<MessageBytes> for Vec<u8> {
+    fn from(message: MessageBytes) -> Self {
+        message.bytes
+    }
+}

@@ -1,0 +1,35 @@
+//! What this program could do, but was built without.
+
+use std::fmt;
+
+/// A part of the program that was left out when it was built, and the feature of `zerorate-cli` that adds it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct NotBuiltIn {
+    /// What is missing, as in "built without …".
+    pub what: &'static str,
+    /// The feature that adds it.
+    pub feature: &'static str,
+}
+
+impl NotBuiltIn {
+    /// Captures and logs in MCAP.
+    pub const MCAP: Self = Self { what: "MCAP", feature: "mcap" };
+    /// Captures and logs in Parquet.
+    pub const PARQUET: Self = Self { what: "Parquet", feature: "parquet" };
+    /// Zstandard, around a file or inside of it.
+    pub const ZSTD: Self = Self { what: "Zstandard", feature: "zstd" };
+}
+
+impl fmt::Display for NotBuiltIn {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { what, feature } = self;
+        if cfg!(target_family = "wasm") {
+            return write!(f, "the page in a browser does not read {what}; the program zerorate does");
+        }
+        write!(
+            f,
+            "this program was built without {what} (feature `{feature}`): `cargo install --path crates/zerorate-cli \
+             --features full` adds it"
+        )
+    }
+}

@@ -1,0 +1,193 @@
+//! The Parquet form: the smallest, for keeping. Its index stands at the end, so it is readable only once closed.
+
+use super::CaptureError;
+use super::chain::{self, End};
+use super::table::{BatchSource, BlockSink, Opened, Out, Stated};
+use crate::Input;
+use crate::limits::NoRoom;
+use crate::survive::survive;
+use arrow_array::RecordBatch;
+use arrow_schema::{DataType, SchemaRef};
+use bytes::Bytes;
+use parquet::arrow::ArrowWriter;
+use parquet::arrow::arrow_reader::{ParquetRecordBatchReader, ParquetRecordBatchReaderBuilder};
+use parquet::basic::{Compression, Encoding};
+use parquet::errors::ParquetError;
+use parquet::file::metadata::KeyValue;
+use parquet::file::properties::{WriterProperties, WriterPropertiesBuilder};
+use parquet::file::reader::{ChunkReader, Length};
+use parquet::schema::types::ColumnPath;
+use std::io::{BufReader, ErrorKind, Seek, SeekFrom};
+use std::path::{Path, PathBuf};
+use std::vec::IntoIter;
+
+/// Rows per row group, the part of the file that is built in memory.
+const ROW_GROUP: usize = 1 << 20;
+
+/// Rows per block, and per batch when reading. Row groups are whole blocks, but for the last.
+pub const BLOCK: usize = 1 << 16;
+
+/// Starts such a file; `path` names it in messages.
+pub fn sink(path: &Path, out: Out, schema: &SchemaRef) -> Result<Box<dyn BlockSink>, CaptureError> {
+    Ok(Box::new(ParquetSink::create(path, out, schema)?))
+}
+
+/// Opens a Parquet file, a capture or not.
+pub fn source(path: &Path, input: Input) -> Result<Opened, CaptureError> {
+    Ok(Opened::Table(Box::new(ParquetReader::open(path, input)?)))
+}
+
+/// Writes a Parquet file.
+pub struct ParquetSink {
+    path: PathBuf,
+    writer: ArrowWriter<Out>,
+    checks: Vec<String>,
+}
+
+impl ParquetSink {
+    /// Starts a file with the columns and the metadata of `schema`.
+    pub fn create(path: &Path, out: Out, schema: &SchemaRef) -> Result<Self, CaptureError> {
+        let writer = ArrowWriter::try_new(out, schema.clone(), Some(properties(schema)))
+            .map_err(|error| CaptureError::parquet("write", path, error))?;
+        Ok(Self { path: path.to_owned(), writer, checks: Vec::new() })
+    }
+}
+
+impl BlockSink for ParquetSink {
+    fn write(&mut self, rows: &RecordBatch, check: Option<&str>) -> Result<(), CaptureError> {
+        self.checks.extend(check.map(str::to_owned));
+        self.writer.write(rows).map_err(|error| CaptureError::parquet("write", &self.path, error))
+    }
+
+    fn finish(mut self: Box<Self>, check: Option<&str>, end: &End) -> Result<(), CaptureError> {
+        self.checks.extend(check.map(str::to_owned));
+        let Self { path, mut writer, checks } = *self;
+        writer.append_key_value_metadata(KeyValue::new(chain::BATCHES.to_owned(), checks.join(" ")));
+        writer.append_key_value_metadata(KeyValue::new(chain::END.to_owned(), end.to_text()));
+        writer.close().map(drop).map_err(|error| CaptureError::parquet("write", &path, error))
+    }
+}
+
+/// The metadata is written as the file's own, too, for readers that know nothing of Arrow.
+fn properties(schema: &SchemaRef) -> WriterProperties {
+    let metadata = schema.metadata().iter().map(|(key, value)| KeyValue::new(key.clone(), value.clone())).collect();
+    let start = WriterProperties::builder()
+        .set_compression(Compression::SNAPPY)
+        .set_max_row_group_row_count(Some(ROW_GROUP))
+        .set_key_value_metadata(Some(metadata));
+    schema
+        .fields()
+        .iter()
+        .fold(start, |properties, field| encoding(properties, field.name(), field.data_type()))
+        .build()
+}
+
+/// Timestamps and codes differ little from row to row; f64 hardly ever repeat.
+fn encoding(properties: WriterPropertiesBuilder, name: &str, data_type: &DataType) -> WriterPropertiesBuilder {
+    let column = ColumnPath::from(name);
+    match data_type {
+        _ if matches!(name, "t_ns" | "edge_seq") || name.ends_with("_code") => properties
+            .set_column_dictionary_enabled(column.clone(), false)
+            .set_column_encoding(column, Encoding::DELTA_BINARY_PACKED),
+        DataType::Float64 => properties.set_column_dictionary_enabled(column, false),
+        _ => properties,
+    }
+}
+
+/// Reads any Parquet file, batch by batch.
+pub struct ParquetReader {
+    path: PathBuf,
+    reader: ParquetRecordBatchReader,
+    /// Of the batches that follow.
+    checks: Option<IntoIter<String>>,
+    stated: Stated,
+}
+
+impl ParquetReader {
+    /// Reads the index at the end of the file.
+    pub fn open(path: &Path, input: Input) -> Result<Self, CaptureError> {
+        let builder = guarded(path, || ParquetRecordBatchReaderBuilder::try_new(input))?;
+        let schema = builder.schema().clone();
+        let stated = |key: &str| Some(schema.metadata().get(key)?.as_str());
+        let checks = stated(chain::BATCHES).map(|checks| checks.split_whitespace().map(str::to_owned));
+        let checks = checks.map(|checks| checks.collect::<Vec<_>>().into_iter());
+        let end = match stated(chain::END).map(End::parse) {
+            Some(None) => {
+                return Err(CaptureError::damaged(path, "metadata", format!("`{}` is malformed", chain::END)));
+            }
+            end => end.flatten(),
+        };
+        let reader = guarded(path, || builder.with_batch_size(BLOCK).build())?;
+        let stated = Stated { end, ..Stated::new(schema) };
+        Ok(Self { path: path.to_owned(), reader, checks, stated })
+    }
+}
+
+impl Length for Input {
+    fn len(&self) -> u64 {
+        self.length().unwrap_or_default()
+    }
+}
+
+impl ChunkReader for Input {
+    type T = BufReader<Self>;
+
+    fn get_read(&self, start: u64) -> Result<Self::T, ParquetError> {
+        let mut input = self.try_clone()?;
+        input.seek(SeekFrom::Start(start))?;
+        Ok(BufReader::new(input))
+    }
+
+    fn get_bytes(&self, start: u64, length: usize) -> Result<Bytes, ParquetError> {
+        self.bytes_at(start, length).map_err(|error| match error.kind() {
+            ErrorKind::UnexpectedEof => ParquetError::EOF(error.to_string()),
+            _ => error.into(),
+        })
+    }
+}
+
+/// The Parquet library panics on some damaged files. Here that is one more way for a file to be wrong.
+pub fn guarded<T>(path: &Path, read: impl FnOnce() -> Result<T, ParquetError>) -> Result<T, CaptureError> {
+    let failed = |why: String| Err(CaptureError::damaged(path, "as a Parquet file", why));
+    match survive(read) {
+        Some(Ok(value)) => Ok(value),
+        Some(Err(error)) => match no_room(&error) {
+            Some(why) => Err(CaptureError::no_room(path, why)),
+            None => failed(format!(
+                "{error} (nothing of a Parquet file that was not closed can be read: record as .arrows)"
+            )),
+        },
+        None => failed("its pages cannot be decoded".to_owned()),
+    }
+}
+
+fn no_room(error: &ParquetError) -> Option<NoRoom> {
+    match error {
+        ParquetError::External(source) => source.downcast_ref().copied(),
+        _ => None,
+    }
+}
+
+impl BatchSource for ParquetReader {
+    fn form(&self) -> &'static str {
+        "Parquet"
+    }
+
+    fn stated(&self) -> &Stated {
+        &self.stated
+    }
+
+    fn stated_mut(&mut self) -> &mut Stated {
+        &mut self.stated
+    }
+
+    fn read_batch(&mut self) -> Result<Option<RecordBatch>, CaptureError> {
+        let batch = guarded(&self.path, || Ok(self.reader.next()))?;
+        self.stated.check = self.checks.as_mut().and_then(Iterator::next);
+        batch.transpose().map_err(|error| CaptureError::arrow("read", &self.path, error))
+    }
+
+    fn may_be_stripped(&self) -> bool {
+        self.checks.is_none() && self.stated.end.is_none()
+    }
+}

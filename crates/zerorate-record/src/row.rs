@@ -1,0 +1,96 @@
+//! One row of a capture: one reading of all axes of a part at one time, in the codes that the part gave.
+
+use super::succession::Mark;
+use adis16130::Sample;
+use zerorate::MAX_AXES;
+
+/// A row, as it came: what its codes mean, the [`Layout`](super::Layout) of the capture says. It has room for
+/// [`MAX_AXES`] axes, whatever the part has, so that it needs no memory of its own.
+///
+/// ```
+/// use zerorate_record::Row;
+/// let row = Row::new(1_000, 7, &[12, -5, 0]).expect("three axes").with_temp_code(Some(93)).with_lost(2);
+/// assert_eq!((row.codes(), row.temp_code, row.lost), (&[12, -5, 0][..], Some(93), 2));
+/// assert!(Row::new(0, 0, &[0; 9]).is_none());
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Row {
+    /// When, in ns of a clock that never steps back; its zero does not matter.
+    pub t_ns: u64,
+    /// Running number of the edge of data ready that announced it; it wraps. Where a part has none: of the reading.
+    pub edge_seq: u32,
+    /// Readings lost since the row before, of all axes together; `u32::MAX` is that many or more.
+    pub lost: u32,
+    /// The status register, if it was read.
+    pub status: Option<u32>,
+    /// The code of the temperature, if it was read.
+    pub temp_code: Option<i64>,
+    pub(super) codes: [i64; MAX_AXES],
+    pub(super) axes: u8,
+}
+
+impl Row {
+    /// With the code of each axis; without status and temperature, nothing lost. None where there are more than
+    /// [`MAX_AXES`].
+    #[must_use]
+    #[inline]
+    pub fn new(t_ns: u64, edge_seq: u32, codes: &[i64]) -> Option<Self> {
+        let mut all = [0; MAX_AXES];
+        all.get_mut(..codes.len())?.copy_from_slice(codes);
+        Some(Self::with_codes(t_ns, edge_seq, all, codes.len()))
+    }
+
+    /// With the codes of the first so many axes.
+    #[inline]
+    pub(super) fn with_codes(t_ns: u64, edge_seq: u32, codes: [i64; MAX_AXES], axes: usize) -> Self {
+        Self { t_ns, edge_seq, lost: 0, status: None, temp_code: None, codes, axes: axes.min(MAX_AXES) as u8 }
+    }
+
+    /// With this status.
+    #[must_use]
+    #[inline]
+    pub fn with_status(self, status: Option<u32>) -> Self {
+        Self { status, ..self }
+    }
+
+    /// With this temperature.
+    #[must_use]
+    #[inline]
+    pub fn with_temp_code(self, temp_code: Option<i64>) -> Self {
+        Self { temp_code, ..self }
+    }
+
+    /// With so many readings lost before it.
+    #[must_use]
+    #[inline]
+    pub fn with_lost(self, lost: u32) -> Self {
+        Self { lost, ..self }
+    }
+
+    /// The code of each axis.
+    #[must_use]
+    #[inline]
+    pub fn codes(&self) -> &[i64] {
+        &self.codes[..usize::from(self.axes).min(MAX_AXES)]
+    }
+
+    /// What it says of the way from the row before.
+    #[must_use]
+    #[inline]
+    pub fn mark(&self) -> Mark {
+        Mark { t_ns: self.t_ns, edge_seq: self.edge_seq, lost: self.lost }
+    }
+}
+
+impl From<&Sample> for Row {
+    /// Of an ADIS16130. The width of its codes is that of the layout.
+    #[inline]
+    fn from(sample: &Sample) -> Self {
+        let mut codes = [0; MAX_AXES];
+        codes[0] = sample.rate.code().into();
+        Self::with_codes(sample.t_ns, sample.seq, codes, 1)
+            .with_lost(sample.lost)
+            .with_status(sample.status.map(|status| status.bits().into()))
+            .with_temp_code(sample.temp.map(|temp| temp.code().into()))
+    }
+}

@@ -1,0 +1,248 @@
+//! Tables in any of the forms: which form a file has, and batches into and out of it.
+
+#[cfg(not(feature = "mcap"))]
+use crate::absent::bag;
+#[cfg(not(feature = "parquet"))]
+use crate::absent::parquet;
+#[cfg(feature = "mcap")]
+use crate::bag;
+use crate::chain::{Chain, End};
+use crate::columns::{MAX_ROWS, Rows};
+use crate::layout::Layout;
+#[cfg(feature = "parquet")]
+use crate::parquet;
+use crate::{CaptureError, CaptureInfo, Input, Note, RobotLog, Stamps, arrows, csv};
+use arrow_array::RecordBatch;
+use arrow_schema::SchemaRef;
+use std::io::{Read, Seek, Write};
+use std::path::{Path, PathBuf};
+
+/// How every MCAP file starts.
+pub const MCAP_MARK: &[u8] = b"\x89MCAP0\r\n";
+
+/// The form of a capture on disk.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
+pub enum Format {
+    /// Arrow IPC stream: survives a power cut.
+    Arrows,
+    /// Parquet: the smallest.
+    Parquet,
+    /// CSV with the description as comments.
+    Csv,
+    /// A bag of ROS 2: what robots read, with the rows beside.
+    Mcap,
+}
+
+impl Format {
+    /// The form asked for, or else the one that the name of the file says, or else a stream.
+    pub fn choose(asked: Option<Self>, path: &Path) -> Self {
+        let by_name = || match path.extension()?.to_str()? {
+            "parquet" => Some(Self::Parquet),
+            "csv" => Some(Self::Csv),
+            "mcap" => Some(Self::Mcap),
+            _ => None,
+        };
+        asked.or_else(by_name).unwrap_or(Self::Arrows)
+    }
+}
+
+/// Takes blocks of rows in one of the forms.
+pub trait BlockSink {
+    /// Writes rows, as far as the form allows out of the program's hands. `check` ends the block.
+    fn write(&mut self, rows: &RecordBatch, check: Option<&str>) -> Result<(), CaptureError>;
+
+    /// Ends the block of the rows before, if `check` is given, and writes what the form has at its end.
+    fn finish(self: Box<Self>, check: Option<&str>, end: &End) -> Result<(), CaptureError>;
+}
+
+/// What a source has stated so far, beside its rows.
+pub struct Stated {
+    /// Columns and metadata.
+    pub schema: SchemaRef,
+    /// The check of the batch given last.
+    pub check: Option<String>,
+    /// The end, once all batches were read.
+    pub end: Option<End>,
+    /// No batch follows.
+    pub ended: bool,
+    /// The file ended where no end should be.
+    pub torn: bool,
+    /// What is to be said after the last batch: a tail that was torn off.
+    pub warning: Option<Note>,
+}
+
+impl Stated {
+    /// Nothing but the schema, as before the first batch.
+    pub fn new(schema: SchemaRef) -> Self {
+        Self { schema, check: None, end: None, ended: false, torn: false, warning: None }
+    }
+}
+
+/// What is to be said of a capture that lacks its end, with so many rows that no check vouches for.
+pub fn cut_off(path: &Path, rows: usize) -> Note {
+    let path = path.display();
+    let text = format!(
+        "{path} was not closed, or its end was removed: every whole block of rows is read, {rows} rows behind the \
+         last one are dropped"
+    );
+    Note::new("torn-tail", text)
+}
+
+/// Gives batches.
+pub trait BatchSource {
+    /// What the form is called.
+    fn form(&self) -> &'static str {
+        "table"
+    }
+
+    /// What was stated so far.
+    fn stated(&self) -> &Stated;
+
+    /// The same, to be added to.
+    fn stated_mut(&mut self) -> &mut Stated;
+
+    /// The next batch of the form, if there is one. It is not called again behind the end or an error.
+    fn read_batch(&mut self) -> Result<Option<RecordBatch>, CaptureError>;
+
+    /// Whether common software keeps the description when it writes such a file, and drops the checks of the rows.
+    fn may_be_stripped(&self) -> bool {
+        true
+    }
+
+    /// The next batch; none behind the last one, and behind an error.
+    fn next_batch(&mut self) -> Result<Option<RecordBatch>, CaptureError> {
+        if self.stated().ended {
+            return Ok(None);
+        }
+        let batch = self.read_batch();
+        self.stated_mut().ended |= !matches!(batch, Ok(Some(_)));
+        batch
+    }
+}
+
+/// Writes a capture, and the checks into it.
+pub struct CheckedSink {
+    path: PathBuf,
+    form: Box<dyn BlockSink>,
+    chain: Chain,
+    blocks: Blocks,
+    layout: Layout,
+}
+
+/// Where a block ends.
+enum Blocks {
+    /// With each batch, which has so many rows at most.
+    Batches { rows: usize },
+    /// After so many rows; `open` of them are written.
+    Rows { rows: usize, open: usize },
+}
+
+/// Where a capture goes.
+pub type Out = Box<dyn Write + Send>;
+
+/// Starts a capture; `path` names it in messages. In a bag robots then read rates as they were measured, at the time
+/// of the part: [`create_robot_log`] has better ones.
+pub fn create(path: &Path, out: Out, format: Format, schema: &SchemaRef) -> Result<CheckedSink, CaptureError> {
+    let info = CaptureInfo::from_metadata(path, schema.metadata())?;
+    let form: Box<dyn BlockSink> = match format {
+        Format::Arrows => Box::new(arrows::StreamSink::create(path, out, schema)?),
+        Format::Parquet => parquet::sink(path, out, schema)?,
+        Format::Csv => Box::new(csv::CsvSink::create(path, out, schema)?),
+        Format::Mcap => {
+            let log = RobotLog { part: info.part(), calibration: None, stamps: Stamps::OfPart };
+            bag::sink(path, out, schema, log)?
+        }
+    };
+    let blocks = match format {
+        Format::Parquet => Blocks::Rows { rows: parquet::BLOCK, open: 0 },
+        Format::Arrows | Format::Csv | Format::Mcap => Blocks::Batches { rows: MAX_ROWS },
+    };
+    Ok(CheckedSink::new(path, form, blocks, schema, info.layout))
+}
+
+/// Starts a capture in the MCAP form, with all that robots read.
+pub fn create_robot_log(
+    path: &Path,
+    out: Out,
+    schema: &SchemaRef,
+    log: RobotLog,
+) -> Result<CheckedSink, CaptureError> {
+    let layout = CaptureInfo::from_metadata(path, schema.metadata())?.layout;
+    let form = bag::sink(path, out, schema, log)?;
+    Ok(CheckedSink::new(path, form, Blocks::Batches { rows: MAX_ROWS }, schema, layout))
+}
+
+impl CheckedSink {
+    fn new(path: &Path, form: Box<dyn BlockSink>, blocks: Blocks, schema: &SchemaRef, layout: Layout) -> Self {
+        Self { path: path.to_owned(), form, chain: Chain::new(schema, &layout), blocks, layout }
+    }
+
+    /// Writes rows.
+    pub fn write(&mut self, batch: &RecordBatch) -> Result<(), CaptureError> {
+        let mut first = 0;
+        while first < batch.num_rows() {
+            let room = match self.blocks {
+                Blocks::Batches { rows } => rows,
+                Blocks::Rows { rows, open } => rows - open,
+            };
+            let piece = batch.slice(first, room.min(batch.num_rows() - first));
+            first += piece.num_rows();
+            self.write_piece(&piece)?;
+        }
+        Ok(())
+    }
+
+    /// Writes rows that all belong to one block.
+    fn write_piece(&mut self, piece: &RecordBatch) -> Result<(), CaptureError> {
+        let rows = Rows::from_batch(&self.path, "rows to be written", piece, &self.layout)?;
+        self.chain.take(&rows, piece);
+        let is_full = match &mut self.blocks {
+            Blocks::Batches { .. } => true,
+            Blocks::Rows { rows, open } => {
+                *open = (*open + piece.num_rows()) % *rows;
+                *open == 0
+            }
+        };
+        let check = is_full.then(|| self.chain.seal());
+        self.form.write(piece, check.as_deref())
+    }
+
+    /// Closes the file.
+    pub fn finish(mut self) -> Result<(), CaptureError> {
+        let is_open = matches!(self.blocks, Blocks::Rows { open, .. } if open > 0);
+        let check = is_open.then(|| self.chain.seal());
+        self.form.finish(check.as_deref(), &self.chain.end())
+    }
+}
+
+/// What a file turned out to be.
+pub enum Opened {
+    /// Columns with names and types.
+    Table(Box<dyn BatchSource>),
+    /// Text that is no capture: perhaps the log of some other gyroscope.
+    Text(Input),
+}
+
+/// Finds out what a file contains, whatever its name: `path` names it in messages.
+pub fn recognise(path: &Path, mut input: Input) -> Result<Opened, CaptureError> {
+    let failed = |error| CaptureError::io("read", path, error);
+    if input.is_directory().map_err(failed)? {
+        return Err(CaptureError::not_a_capture(path, "it is a directory; name the file"));
+    }
+    let mut start = Vec::new();
+    (&mut input).take(csv::PREAMBLE.len() as u64).read_to_end(&mut start).map_err(failed)?;
+    input.rewind().map_err(failed)?;
+    match start.as_slice() {
+        [] => Err(CaptureError::not_a_capture(path, "it is empty")),
+        [0xFF, 0xFF, 0xFF, 0xFF, ..] => Ok(Opened::Table(Box::new(arrows::StreamReader::open(path, input)?))),
+        [b'P', b'A', b'R', b'1', ..] => parquet::source(path, input),
+        [b'A', b'R', b'R', b'O', b'W', b'1', ..] => Err(CaptureError::not_a_capture(
+            path,
+            "it is an Arrow file; convert it to an Arrow stream, to Parquet or to CSV",
+        )),
+        start if start.starts_with(MCAP_MARK) => bag::source(path, input),
+        text if text == csv::PREAMBLE.as_bytes() => Ok(Opened::Table(Box::new(csv::CsvReader::open(path, input)?))),
+        _ => Ok(Opened::Text(input)),
+    }
+}
