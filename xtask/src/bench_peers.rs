@@ -125,7 +125,7 @@ fn print_agreement(lines: &[Line]) {
 /// From a capture of an hour in Parquet to the table on stdout.
 fn time_program() -> Result<()> {
     let build = ["build", "--profile", "dist", "--quiet", "-p", "zerorate-cli", "--target-dir", "target/peers"];
-    done(Command::new("cargo").args(build))?;
+    done(Command::new("cargo").args(build).args(["--features", "full"]))?;
     let zerorate = |line: &str| {
         let mut command = Command::new(PROGRAM);
         command.args(line.split(' '));

@@ -28,7 +28,11 @@ const fn plain(target: &'static str) -> Build {
     Build { target, features: "" }
 }
 
-const LINUX: [Build; 3] = [plain(MACHINES[0].target), plain(MACHINES[1].target), plain(MACHINES[2].target)];
+const fn full(target: &'static str) -> Build {
+    Build { target, features: "full" }
+}
+
+const LINUX: [Build; 3] = [full(MACHINES[0].target), full(MACHINES[1].target), full(MACHINES[2].target)];
 
 pub const PRODUCTS: [Product; 5] = [
     Product { name: "zerorate", manifest: "Cargo.toml", package: "zerorate-cli", builds: &LINUX },

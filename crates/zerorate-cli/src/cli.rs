@@ -94,7 +94,7 @@ impl Cli {
             Command::Calibrate(args) => args.device.file().into_iter().collect(),
             Command::Stream(args) => args.device.file().into_iter().collect(),
             Command::Probe(args) => args.device.file().into_iter().collect(),
-            Command::Serve(args) => args.source.file().into_iter().collect(),
+            Command::Serve(args) => args.file().into_iter().collect(),
             _ => Vec::new(),
         }
     }

@@ -6,6 +6,7 @@ use zerorate_host::{Cause, DeviceError};
 use zerorate_jobs::output::is_refusal;
 pub use zerorate_jobs::{InvalidOptions as Usage, Refused};
 use zerorate_logs::LogError;
+use zerorate_record::CaptureError;
 
 /// Prints why a run failed and picks the exit code. A reader of stdout that went away (`zerorate … | head`) is no
 /// failure; of any other pipe it is.
@@ -16,11 +17,13 @@ pub fn report(error: &anyhow::Error) -> ExitCode {
     let cause = error.downcast_ref().map(DeviceError::cause);
     let log = error.downcast_ref::<LogError>();
     let refusal = refusal(error);
+    let not_built_in = error.chain().any(|cause| is_not_built_in(cause.downcast_ref(), cause.downcast_ref()));
     let (label, code) = if refusal.is_some() {
         ("refused", 3)
     } else if error.is::<Usage>()
         || matches!(log, Some(LogError::Ask(_) | LogError::Choose(..)))
         || cause == Some(Cause::Request)
+        || not_built_in
         || is_refusal(error)
     {
         ("error", 2)
@@ -54,6 +57,15 @@ fn refusal(error: &anyhow::Error) -> Option<&'static str> {
     error.downcast_ref().map(|refused: &Refused| refused.code).or(of_log).or(of_device)
 }
 
+/// Whether a file has a form that a feature adds.
+fn is_not_built_in(capture: Option<&CaptureError>, log: Option<&LogError>) -> bool {
+    let of_log = match log {
+        Some(LogError::File(error)) => Some(error),
+        _ => None,
+    };
+    capture.or(of_log).is_some_and(|error| matches!(error, CaptureError::NotBuiltIn { .. }))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -66,8 +78,9 @@ mod tests {
         let failed = anyhow::anyhow!("bus");
         let pipe =
             Err::<(), _>(std::io::Error::from(std::io::ErrorKind::BrokenPipe)).context("writing rows").unwrap_err();
-        let exists = anyhow::Error::from(crate::output::OutputError::Exists { path: "x".into(), has_force: true })
-            .context("saving");
+        let exists =
+            anyhow::Error::from(zerorate_jobs::output::OutputError::Exists { path: "x".into(), has_force: true })
+                .context("saving");
         let log = |error: LogError| anyhow::Error::from(error).context("gz");
         let (asked, gapped) =
             (log(LogError::Ask("which?".into())), log(LogError::Refused("mostly-missing", "gaps".into())));

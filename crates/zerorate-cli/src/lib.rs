@@ -14,7 +14,6 @@ mod column;
 mod commands;
 #[cfg(target_os = "linux")]
 mod confined;
-mod connection;
 mod device;
 mod exit;
 #[cfg(test)]
@@ -26,6 +25,8 @@ mod memory;
 mod output;
 mod part;
 mod progress;
+mod proposal;
+#[cfg(feature = "serve")]
 mod serve;
 #[cfg(unix)]
 mod twin_usb;

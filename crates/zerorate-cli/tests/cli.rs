@@ -3,5 +3,5 @@
 mod cli_commands;
 mod files;
 mod harness;
-#[cfg(unix)]
+#[cfg(all(unix, feature = "serve"))]
 mod serve;

@@ -52,6 +52,7 @@ impl Array {
     }
 
     /// How many columns it has.
+    #[cfg(feature = "npz")]
     pub fn columns(&self) -> usize {
         self.fields.len()
     }

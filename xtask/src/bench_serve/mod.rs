@@ -81,7 +81,7 @@ fn program(args: &Args) -> Result<PathBuf> {
     if let Some(program) = &args.program {
         return Ok(std::path::absolute(program)?);
     }
-    done(Command::new("cargo").args(["build", "--release", "--quiet", "-p", "zerorate-cli"]))?;
+    done(Command::new("cargo").args(["build", "--release", "--quiet", "-p", "zerorate-cli", "--features", "full"]))?;
     Ok(std::path::absolute(PROGRAM)?)
 }
 

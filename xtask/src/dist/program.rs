@@ -44,7 +44,8 @@ fn build(machine: &Machine) -> Result<PathBuf> {
         cargo.env(linker, machine.compiler.program);
     }
     cargo.env("RUSTFLAGS", format!("-C target-feature=+crt-static {}", without_paths()?));
-    cargo.args(["build", "--locked", "--profile", "dist", "--package", "zerorate-cli", "--target", machine.target]);
+    cargo.args(["build", "--locked", "--profile", "dist", "--package", "zerorate-cli", "--features", "full"]);
+    cargo.args(["--target", machine.target]);
     done(cargo.args(["--target-dir", TARGET_DIR]))?;
     Ok(Path::new(TARGET_DIR).join(machine.target).join("dist/zerorate"))
 }

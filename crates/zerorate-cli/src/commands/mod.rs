@@ -13,6 +13,10 @@ pub mod probe;
 pub mod repair;
 pub mod report;
 mod serial;
+#[cfg(feature = "serve")]
+pub mod serve;
+#[cfg(not(feature = "serve"))]
+#[path = "absent_serve.rs"]
 pub mod serve;
 pub mod stream;
 pub mod twin;

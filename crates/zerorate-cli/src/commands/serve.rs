@@ -31,7 +31,7 @@ use zerorate_web::session::About;
 #[derive(Args, Debug)]
 pub struct ServeArgs {
     #[command(flatten)]
-    pub source: SourceArgs,
+    source: SourceArgs,
 
     #[command(flatten)]
     sampling: SamplingArgs,
@@ -77,6 +77,13 @@ pub struct ServeArgs {
     /// Let clients of libiio write calibbias, which shifts the corrected rate that they see.
     #[arg(long)]
     allow_write: bool,
+}
+
+impl ServeArgs {
+    /// The file of unknown origin that it reads.
+    pub fn file(&self) -> Option<&Path> {
+        self.source.file()
+    }
 }
 
 fn address(text: &str) -> Result<SocketAddr, String> {

@@ -1,8 +1,8 @@
 //! The thread of the session: samples in, frames out, and requests in between.
 
+use super::connection::HostCheck;
 use super::device::{self, Fed, Feed, Opened, Opener, Opening};
 use super::{Folder, Libiio, Recordings};
-use crate::connection::HostCheck;
 use crate::output::say;
 use anyhow::Result;
 use axum::body::Bytes;

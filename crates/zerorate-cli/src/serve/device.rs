@@ -1,6 +1,6 @@
 //! The device behind the page: opened, read, and opened again where it was unplugged or somebody asks for it.
 
-use crate::connection::connection_checks;
+use super::connection::connection_checks;
 use anyhow::Result;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};

@@ -7,6 +7,7 @@
 //! them. `libiio.rs` is for other clients.
 
 mod bucket;
+mod connection;
 mod desk;
 mod device;
 mod folder;

@@ -1,6 +1,6 @@
 //! What is recorded while the page is served: one file from one opening of the device to its end.
 
-use crate::output::{OutputError, Outputs, Recording, say};
+use crate::output::{Outputs, Recording, say};
 use anyhow::{Context, Result};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::channel;
@@ -9,6 +9,7 @@ use std::thread::{self, JoinHandle};
 use zerorate::Calibration;
 use zerorate_host::{Batch, Everything, Facts, Hub};
 use zerorate_jobs::Recorder;
+use zerorate_jobs::output::OutputError;
 use zerorate_record::{CaptureInfo, Format};
 
 /// The recordings of a run. A device that was opened again begins another one: its time begins anew.

@@ -39,9 +39,12 @@ fn probe_measures_rate_noise_and_losses() {
 #[test]
 fn capture_ends_by_count_or_by_time_in_the_form_that_the_name_says() {
     let folder = tempfile::tempdir().expect("a folder");
-    for (name, starts_with) in
-        [("a.arrows", &b"\xff\xff\xff\xff"[..]), ("a.parquet", b"PAR1"), ("a.csv", b"# zerorate")]
-    {
+    for (name, starts_with) in [
+        ("a.arrows", &b"\xff\xff\xff\xff"[..]),
+        #[cfg(feature = "parquet")]
+        ("a.parquet", b"PAR1"),
+        ("a.csv", b"# zerorate"),
+    ] {
         let file = folder.path().join(name);
         let summary = zerorate(&["capture", "--samples", "1000", "-o", path(&file), "--json"]).ended_with(0).json();
         assert_eq!(summary["samples"], 1000, "{summary}");

@@ -1,6 +1,6 @@
 //! Another gyroscope with three axes, from a recording to corrected rates and firmware, without a line of code.
 
-use super::Bench;
+use super::{Bench, SMALLEST};
 use lzma_rust2::XzReader;
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::{Rng, SeedableRng};
@@ -209,9 +209,11 @@ fn a_real_log_goes_all_the_way() {
     bench.write("log.csv", log);
     let said = bench.zerorate("calibrate --device replay:log.csv --part part.toml -o unit.toml").fails(3);
     assert!(said.contains("axis z: the rate stepped"), "{said}");
-    bench.zerorate("capture --device replay:log.csv --part part.toml --duration 2h -o imu.parquet").ok();
-    bench.zerorate("calibrate --device replay:imu.parquet --part part.toml --max-u-btc 0.05 -o unit.toml").ok();
-    bench.zerorate("correct imu.parquet --part part.toml --cal unit.toml -o corrected.arrows").ok();
+    bench.zerorate(&format!("capture --device replay:log.csv --part part.toml --duration 2h -o imu.{SMALLEST}")).ok();
+    bench
+        .zerorate(&format!("calibrate --device replay:imu.{SMALLEST} --part part.toml --max-u-btc 0.05 -o unit.toml"))
+        .ok();
+    bench.zerorate(&format!("correct imu.{SMALLEST} --part part.toml --cal unit.toml -o corrected.arrows")).ok();
     bench.zerorate("export unit.toml --format rust").ok();
     let unit = Calibration::parse(&std::fs::read_to_string(bench.path("unit.toml")).unwrap()).unwrap().0;
     for (axis, codes) in unit.axes.iter().zip(&axes) {
@@ -233,12 +235,12 @@ fn captures_of_axes_are_verified_repaired_and_analysed() {
     bench.write("torn.arrows", &bytes[..bytes.len() / 2]);
     let torn = bench.zerorate("verify torn.arrows");
     assert!(torn.code == Some(1) && torn.stdout.contains("TORN"), "{torn:?}");
-    bench.zerorate("repair torn.arrows -o mended.parquet").ok();
-    bench.zerorate("verify mended.parquet").ok();
+    bench.zerorate(&format!("repair torn.arrows -o mended.{SMALLEST}")).ok();
+    bench.zerorate(&format!("verify mended.{SMALLEST}")).ok();
     for column in ["x_code", "z_code", "temp_code"] {
-        bench.zerorate(&format!("allan mended.parquet --column {column} --json")).ok();
+        bench.zerorate(&format!("allan mended.{SMALLEST} --column {column} --json")).ok();
     }
-    let said = bench.zerorate("allan mended.parquet").fails(2);
+    let said = bench.zerorate(&format!("allan mended.{SMALLEST}")).fails(2);
     assert!(said.contains("several columns") && said.contains("`y_code`"), "{said}");
 }
 

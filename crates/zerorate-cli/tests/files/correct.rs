@@ -1,6 +1,6 @@
 //! A capture, corrected: once, from the right calibration, with everything raw in it as it was.
 
-use super::{Bench, calibration, capture};
+use super::{Bench, FORMS, calibration, capture};
 use std::fs;
 
 /// 10 °/s at 26 °C, then a row without temperature, then −10 °/s at 25 °C (F-42).
@@ -64,7 +64,7 @@ fn a_bias_is_never_removed_twice() {
     let bench = Bench::new();
     bench.write("unit.toml", calibration(-0.25, -0.04, 24.0));
     bench.write("rest.csv", capture("A1", ROWS));
-    for form in ["arrows", "parquet", "csv"] {
+    for form in FORMS {
         bench.zerorate(&format!("correct rest.csv --cal unit.toml -o once.{form}")).ok();
         let refusal = bench.zerorate(&format!("correct once.{form} --cal unit.toml -o twice.{form} --force")).fails(1);
         assert!(refusal.contains("corrected already") && refusal.contains(&format!("once.{form}")), "{refusal}");

@@ -1,7 +1,7 @@
 //! What a run that ended well has written is on the disk: the content before the name, and the name.
 #![cfg(target_os = "linux")]
 
-use super::{Bench, PROGRAM, calibration, capture, skip};
+use super::{Bench, FORMS, PROGRAM, calibration, capture, skip};
 use std::process::Command;
 
 /// Runs the program under strace, and gives its calls that have to do with files and disks, in order. None where it
@@ -62,6 +62,7 @@ fn computed_files_are_on_the_disk_before_they_have_their_name() {
         ("export unit.toml --format c -o unit.h", "unit.h"),
         ("export unit.toml --format c -o older.h --force", "older.h"),
         ("report unit.toml -o unit.html", "unit.html"),
+        #[cfg(feature = "parquet")]
         ("correct rest.csv --cal unit.toml -o done.parquet", "done.parquet"),
         ("correct rest.csv --cal unit.toml -o done.csv", "done.csv"),
         ("allan log.csv --rate 10 --unit dps --plot a.svg", "a.svg"),
@@ -85,7 +86,7 @@ fn a_calibration_and_its_log_are_on_the_disk() {
 /// start.
 #[test]
 fn a_capture_is_on_the_disk_in_every_form() {
-    for form in ["csv", "arrows", "parquet"] {
+    for form in FORMS {
         let bench = Bench::new();
         let Some(calls) = traced(&bench, &format!("capture --realtime --duration 1500ms -o run.{form}")) else {
             return;

@@ -369,6 +369,7 @@ fn what_makes_no_file_says_why() {
         ("picture.png", b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0", 1, "picture.png"),
         ("empty.csv", b"", 1, "empty.csv"),
         ("none.csv", b"t_s,gx_dps,gy_dps\n0,1,\n1,2,\n2,1,\n", 1, "none.csv, column gy_dps: 0 samples are too few"),
+        #[cfg(feature = "mcap")]
         ("bag.mcap", b"\x89MCAP0\r\n", 1, "bag.mcap"),
     ] {
         bench.write(name, content);
@@ -555,6 +556,7 @@ fn allan_takes_several_columns() {
 }
 
 /// A message is of three axes, and a part of one fills in one of them.
+#[cfg(feature = "mcap")]
 #[test]
 fn a_bag_of_a_part_with_one_axis() {
     let bench = Bench::new();

@@ -139,6 +139,7 @@ fn what_a_log_does_not_say_is_asked_for() {
         ("ardupilot.csv", part(["GyrX", "GyrY", "GyrZ"], "T [°C]"), "is no code, and no unit is stated"),
         ("ardupilot.csv", part(["GyrX [rad/s]", "GyrY [rad/s]", "GyrZ [rad/s]"], "T"), "column T, row 0"),
         ("ardupilot.csv", part(["AccX [m/s²]", "GyrY [rad/s]", "GyrZ [rad/s]"], "T [°C]"), "the axis of a gyroscope"),
+        #[cfg(feature = "ros")]
         ("imu.bag", PART.to_owned(), "a message of sensor_msgs/Imu holds no temperature"),
     ] {
         bench.write("part.toml", part);

@@ -11,12 +11,17 @@ mod failing;
 mod golden;
 mod hostile;
 mod imu;
+#[cfg(feature = "parquet")]
 mod interop;
+#[cfg(feature = "full")]
 mod logs;
 mod logs_of_parts;
+#[cfg(not(feature = "full"))]
+mod missing;
 mod noise_models;
 mod outputs;
 mod report;
+#[cfg(feature = "mcap")]
 mod robot_log;
 mod temperature;
 mod verify;
@@ -25,6 +30,12 @@ use crate::harness::{Bench, PROGRAM, Run};
 use std::io::Write;
 use std::path::Path;
 use std::process::Command;
+
+/// The forms of captures that are built in, but for robots' bags.
+const FORMS: &[&str] = if cfg!(feature = "parquet") { &["csv", "arrows", "parquet"] } else { &["csv", "arrows"] };
+
+/// The smallest of them.
+const SMALLEST: &str = if cfg!(feature = "parquet") { "parquet" } else { "arrows" };
 
 /// A calibration written by hand.
 fn calibration(pbc_dps: f64, btc_dps_per_c: f64, t3_c: f64) -> String {

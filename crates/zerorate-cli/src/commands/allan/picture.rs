@@ -8,12 +8,15 @@ use anyhow::Result;
 use std::path::Path;
 use zerorate_allan::{Expected, Fit, Line};
 use zerorate_logs::Quantity;
+#[cfg(not(feature = "png"))]
+use zerorate_record::NotBuiltIn;
 use zerorate_view::plot::{self, Curve, Minimum, PowerLaw, Signal, Spectrum, Tone, number};
 
 /// Form of a picture.
 #[derive(Clone, Copy, Debug)]
 pub enum Kind {
     Svg,
+    #[cfg(feature = "png")]
     Png,
 }
 
@@ -22,7 +25,13 @@ impl Kind {
     pub fn of(path: &Path) -> Result<Self, Usage> {
         match path.extension().and_then(|ending| ending.to_str()).map(str::to_ascii_lowercase).as_deref() {
             Some("svg") => Ok(Self::Svg),
+            #[cfg(feature = "png")]
             Some("png") => Ok(Self::Png),
+            #[cfg(not(feature = "png"))]
+            Some("png") => {
+                let missing = NotBuiltIn { what: "PNG", feature: "png" };
+                Err(Usage(format!("{}: {missing}", path.display())))
+            }
             _ => Err(Usage(format!("{}: a picture must end in .svg or .png", path.display()))),
         }
     }
@@ -32,6 +41,7 @@ impl Kind {
 pub fn write(kind: Kind, file: Staged, svg: &str) -> Result<()> {
     match kind {
         Kind::Svg => Ok(file.fill(svg.as_bytes())?),
+        #[cfg(feature = "png")]
         Kind::Png => Ok(file.fill(&plot::png(svg)?)?),
     }
 }

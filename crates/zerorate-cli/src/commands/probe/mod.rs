@@ -1,10 +1,10 @@
 //! `zerorate probe`: is there a part, is it wired right, and do its samples look like those of one?
 
-use crate::connection::proposal;
 use crate::device::{DeviceArgs, SamplingArgs};
 use crate::interrupt;
 use crate::output::{Outputs, print_json, print_lines, warn};
 use crate::progress::Meter;
+use crate::proposal::proposal;
 use crate::wording::{coded, flag};
 use adis16130::{Framing, SelfTest};
 use anyhow::{Result, ensure};

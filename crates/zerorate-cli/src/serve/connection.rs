@@ -1,9 +1,6 @@
 //! What only the host of a part can say of its connection, as checks that are well or not.
 
-mod proposal;
-
-pub use proposal::proposal;
-
+use crate::proposal::proposal;
 use zerorate::Tally;
 use zerorate_host::{Bus, Facts};
 use zerorate_web::message::CheckResult;
