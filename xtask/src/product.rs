@@ -1,6 +1,6 @@
 //! What is in something that is handed out: crates, as cargo says, and what they and the toolchain bring beside.
 
-use crate::machine::MACHINES;
+use super::machine::MACHINES;
 use crate::venv::printed;
 use anyhow::{Context, Result};
 use serde::Deserialize;

@@ -5,7 +5,7 @@
 use crate::firmware::{QEMU, image_of};
 use crate::tools::{self, Tool};
 use crate::venv::{done, printed};
-use crate::{app, book, licences, targets};
+use crate::{app, book, dist, targets};
 use anyhow::{Context, Result, ensure};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -179,7 +179,7 @@ fn write_site(site: &Path) -> Result<()> {
     for file in files(Path::new("web/dist"))? {
         fs::copy(&file, site.join(name(&file)))?;
     }
-    fs::write(site.join(LICENCES), licences::of_page()?)?;
+    fs::write(site.join(LICENCES), dist::licences_of_page()?)?;
     book::make(&site.join("book"))?;
     println!("{}: any web server will do; http://localhost or https", site.display());
     Ok(())

@@ -1,7 +1,6 @@
 //! The C library as archives: header, static library, and what CMake and pkg-config look for.
 
 use super::{Folder, TARGET_DIR, VERSION, fill, papers, put, without_paths};
-use crate::licences::RUST_LIBRARY;
 use crate::targets;
 use crate::tools::{Tool, available};
 use crate::venv::{done, printed};
@@ -75,7 +74,7 @@ pub fn make(folder: &Folder) -> Result<()> {
             let folder = if file.ends_with(".h") { to.join("include") } else { to.clone() };
             put(&folder.join(file), &fs::read(Path::new(from).join(file))?)?;
         }
-        for paper in ["LICENSE-MIT", "LICENSE-APACHE", &papers::licences("zerorate-c"), RUST_LIBRARY] {
+        for paper in ["LICENSE-MIT", "LICENSE-APACHE", &papers::licences("zerorate-c"), papers::RUST_LIBRARY] {
             let bytes = fs::read(folder.of(paper)).with_context(|| format!("{paper}: make the part papers first"))?;
             put(&to.join(paper), &bytes)?;
         }

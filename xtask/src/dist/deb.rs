@@ -3,10 +3,9 @@
 //! It is made by dpkg-deb, which is on every Debian, from the files in `packaging/`: cargo-deb would have to be
 //! compiled first, and what it finds out, the libraries that a program needs, is nothing here.
 
+use super::machine::{MACHINES, Machine};
 use super::root::Root;
 use super::{Folder, VERSION, fill, papers, program, put};
-use crate::licences::RUST_LIBRARY;
-use crate::machine::{MACHINES, Machine};
 use crate::tools::{Tool, available};
 use crate::venv::{done, printed};
 use anyhow::{Context, Result};
@@ -95,7 +94,7 @@ fn documents(folder: &Folder, to: &Path) -> Result<()> {
         .collect();
     fill("debian/copyright", &to.join("copyright"), &[("MIT", mit.trim_end())])?;
     put(&to.join("changelog"), &fs::read("CHANGELOG.md")?)?;
-    for paper in [papers::licences("zerorate"), papers::materials("zerorate"), RUST_LIBRARY.to_owned()] {
+    for paper in [papers::licences("zerorate"), papers::materials("zerorate"), papers::RUST_LIBRARY.to_owned()] {
         let bytes = fs::read(folder.of(&paper)).with_context(|| format!("{paper}: make the part papers first"))?;
         put(&to.join(paper), &bytes)?;
     }

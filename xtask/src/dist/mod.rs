@@ -4,8 +4,10 @@
 mod c_library;
 mod deb;
 mod firmware;
+mod machine;
 mod papers;
 mod pictures;
+mod product;
 mod program;
 mod root;
 mod sbom;
@@ -65,6 +67,13 @@ pub fn run(args: &Args) -> Result<()> {
         }
     }
     if args.check { folder.check_sums() } else { folder.write_sums() }
+}
+
+/// Whose software is in the modules of the page, and under what licence. What is not of a crate lies beside them.
+pub fn licences_of_page() -> Result<String> {
+    let page =
+        product::PRODUCTS.iter().find(|product| product.name == "zerorate-page").context("no page is handed out")?;
+    papers::page(page, &page.contents()?)
 }
 
 /// Where everything goes, and where it is made.

@@ -1,13 +1,17 @@
 //! What goes with every copy: the licences of all that is linked in with their texts, and a bill of materials.
 
+use super::product::{Component, PRODUCTS, Product};
 use super::{Folder, python, sbom};
-use crate::licences::{RUST_LIBRARY, page};
-use crate::product::PRODUCTS;
 use crate::venv::{done, printed};
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
+use std::collections::BTreeMap;
+use std::fmt::Write;
 use std::fs;
 use std::path::Path;
 use std::process::Command;
+
+/// Rust's page about what is in its own libraries.
+pub const RUST_LIBRARY: &str = "rust-std-COPYRIGHT.html";
 
 /// The page of a product.
 pub fn licences(product: &str) -> String {
@@ -34,6 +38,39 @@ pub fn make(folder: &Folder) -> Result<()> {
     let page = Path::new(toolchain.trim()).join("share/doc/rust/COPYRIGHT-library.html");
     fs::copy(&page, folder.of(RUST_LIBRARY)).with_context(|| page.display().to_string())?;
     Ok(())
+}
+
+/// A table of the components, then each text once, with those that carry it.
+pub fn page(product: &Product, contents: &[Component]) -> Result<String> {
+    let mut page = format!(
+        "# Software of others in {}\n\nMade by `cargo xtask dist papers`. {RUST_LIBRARY} has what Rust's own \
+         libraries contain.\n\n| what | version | licence | source |\n|---|---|---|---|\n",
+        product.name
+    );
+    let mut texts: BTreeMap<&str, Vec<String>> = BTreeMap::new();
+    let mut without = Vec::new();
+    for component in contents {
+        let Component { name, version, licence, .. } = component;
+        writeln!(page, "| {name} | {version} | {licence} | {} |", component.repository.as_deref().unwrap_or(""))?;
+        for text in &component.texts {
+            texts.entry(text).or_default().push(format!("{name} {version}"));
+        }
+        if component.texts.is_empty() {
+            without.push(format!("{name} ({licence})"));
+        }
+    }
+    ensure!(!texts.is_empty(), "no licence text was found in any component");
+    for (text, carriers) in texts {
+        write!(page, "\n## {}\n\n```text\n{}\n```\n", carriers.join(", "), text.replace("```", "'''"))?;
+    }
+    let without = without.join(", ");
+    writeln!(
+        page,
+        "\n## Without a text of their own\n\nWhoever wrote these enclosed no text: {without}. Those of MIT and \
+         Apache-2.0 are as in LICENSE-MIT and LICENSE-APACHE beside this page; SQLite's authors ask for nothing but \
+         a blessing."
+    )?;
+    Ok(page)
 }
 
 /// Holds each bill to CycloneDX's own schema, by its own library.

@@ -1,7 +1,7 @@
 //! The pictures of the README, as SVG and PNG, by the program itself.
 
+use super::machine::MACHINES;
 use super::{Folder, program};
-use crate::machine::MACHINES;
 use crate::venv::done;
 use anyhow::{Context, Result, ensure};
 use std::fs;

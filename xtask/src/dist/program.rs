@@ -2,10 +2,10 @@
 //!
 //! It has Debian's glibc inside of it. With musl it took 10 to 40 % longer (docs/reference/build.md).
 
+use super::machine::{MACHINES, Machine};
 use super::root::Root;
 use super::trial::{self, Seen};
 use super::{Folder, TARGET_DIR, VERSION, without_paths};
-use crate::machine::{MACHINES, Machine};
 use crate::tools::available;
 use crate::venv::done;
 use crate::{targets, web};

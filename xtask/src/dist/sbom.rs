@@ -4,7 +4,7 @@
 //! nothing of the C code and the font inside of crates.
 
 use super::VERSION;
-use crate::product::{Component, Product};
+use super::product::{Component, Product};
 use anyhow::Result;
 use serde_json::{Value, json};
 
