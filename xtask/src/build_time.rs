@@ -1,11 +1,13 @@
 //! `cargo xtask build-time`: how long a build takes and how large the program is, as docs/reference/build.md states.
 
-use crate::app::target_folder;
 use anyhow::{Context, Result, ensure};
 use std::fs;
 use std::path::Path;
 use std::process::Command;
 use std::time::Instant;
+use xtask::app::target_folder;
+use xtask::arguments::Arguments;
+use xtask::venv::printed;
 
 /// What is built first by whoever reads the README.
 const FIRST: &str = "build --quiet --release --locked -p zerorate-cli";
@@ -13,7 +15,8 @@ const FIRST: &str = "build --quiet --release --locked -p zerorate-cli";
 const TOUCHED: &str = "crates/zerorate-cli/src/lib.rs";
 
 /// Builds from nothing in a folder of its own, then once more after a change.
-pub fn run() -> Result<()> {
+pub fn run(arguments: Arguments) -> Result<()> {
+    arguments.end()?;
     let folder = target_folder()?.join("build-time");
     if folder.exists() {
         fs::remove_dir_all(&folder)?;
@@ -72,7 +75,7 @@ fn machine() -> Result<String> {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let load = fs::read_to_string("/proc/loadavg").unwrap_or_default();
     let load = load.split(' ').next().unwrap_or("unknown");
-    let rustc = crate::venv::printed(Command::new("rustc").arg("--version"))?;
+    let rustc = printed(Command::new("rustc").arg("--version"))?;
     Ok(format!("{cores} cores, load {load} before, {}", rustc.trim()))
 }
 

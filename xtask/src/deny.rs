@@ -1,19 +1,20 @@
 //! `cargo xtask deny`: the dependencies against `deny.toml`: known holes, abandoned crates, licences, sources.
 
-use crate::venv::done;
 use anyhow::Result;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use xtask::arguments::Arguments;
+use xtask::venv::done;
 
 const VERSION: &str = "0.20.2";
 const TOOLS: &str = "target/tools";
 
 /// Each project has a lock file of its own.
-const PROJECTS: [&str; 5] =
-    ["Cargo.toml", "firmware/Cargo.toml", "bindings/c/Cargo.toml", "xtask/web/Cargo.toml", "xtask/book/Cargo.toml"];
+const PROJECTS: [&str; 4] = ["Cargo.toml", "firmware/Cargo.toml", "bindings/c/Cargo.toml", "lab/Cargo.toml"];
 
 /// What can be judged without the network always, the advisories where their database can be had.
-pub fn run() -> Result<()> {
+pub fn run(arguments: Arguments) -> Result<()> {
+    arguments.end()?;
     let program = program()?;
     let advisories = Command::new(&program).args(["deny", "fetch", "db"]).status()?.success();
     if !advisories {

@@ -1,119 +1,141 @@
-//! `cargo xtask`: everything a developer or CI runs that is longer than a line.
+//! `cargo xtask`: whatever a developer or CI runs that is longer than a line.
 //!
-//! To add a command: write a module with `#[derive(clap::Args)] pub struct Args` and `pub fn run(args: &Args)`, and
-//! give it a variant in [`Task`].
+//! It starts in seconds, since it is made of next to nothing. Tasks that need the libraries of the project are in
+//! `lab/`. To add a task here: write a module with `HELP` and `run`, and give it a row in [`TASKS`].
 
-mod app;
-mod bench_peers;
-mod bench_serve;
-mod bench_web;
-mod book;
-mod bridge;
 mod build_time;
-mod c;
-mod coverage;
-mod coverage_allan;
+mod check;
+mod ci;
+mod codegen;
 mod deny;
-mod dist;
-mod firmware;
-mod iiod;
-mod methods;
 mod python;
-mod rig;
-mod seeds;
-mod server;
-mod targets;
+mod steps;
 mod test;
-mod tools;
-mod trial;
-mod trust;
-mod uf2;
-mod venv;
-mod web;
 
-use clap::{Parser, Subcommand};
+use anyhow::{Result, bail};
 use std::process::ExitCode;
+use xtask::arguments::Arguments;
+use xtask::{lab, web};
 
-#[derive(Parser)]
-#[command(bin_name = "cargo xtask", about, arg_required_else_help = true)]
-struct Cli {
-    #[command(subcommand)]
-    task: Task,
+/// A task that is carried out here.
+struct Task {
+    name: &'static str,
+    /// The arguments, as a usage line shows them.
+    usage: &'static str,
+    about: &'static str,
+    help: fn() -> String,
+    run: fn(Arguments) -> Result<()>,
 }
 
-#[derive(Subcommand)]
-enum Task {
-    /// Run every check that a change must pass
-    Test(test::Args),
-    /// Calibrate many units of the twin and hold the stated uncertainties against their truth
-    Coverage(coverage::Args),
-    /// Calibrate many units by every method, hold all against their truth, and write docs/reference/methods.md
-    Methods(methods::Args),
-    /// Simulate records at rest and hold the fitted noise coefficients against their truth
-    CoverageAllan(coverage_allan::Args),
-    /// Time the Allan deviation beside its peers, which it installs, and print ratios
-    BenchPeers(bench_peers::Args),
-    /// Serve the twin to 20 pages and 4 clients of libiio while it is recorded, and print what that costs
-    BenchServe(bench_serve::Args),
-    /// Time the core in WebAssembly beside the program, the page until it shows something, and what it loads
-    BenchWeb,
-    /// Run driver, twin and correction on an emulated Cortex-M4F; count instructions and bytes
-    Firmware(firmware::Args),
-    /// Read the twin through a bridge's firmware on an emulated Cortex-M4F: socket, serial port, damaged and pulled
-    /// cable
-    Bridge(app::Args),
-    /// Check the C interface: header, library, and C against Rust on the host and on an emulated Cortex-M4F
-    C(c::Args),
-    /// Read the libiio server with libiio's own clients, and with pyadi-iio
-    Iiod,
-    /// Boot a stock Linux kernel in QEMU with the twin as hardware, and read it there
-    Rig(app::Args),
-    /// Break the part, the files and the program at random moments, and look for results that are wrong and silent
-    Trust(trust::Args),
-    /// Make docs/ a book; run its commands, follow its links
-    Book(book::Args),
-    /// Check the dependencies: advisories, licences, sources
-    Deny,
-    /// Measure how long the first command takes from nothing, and after a change; print sizes
-    BuildTime,
-    /// Make what is handed out, into target/dist: programs, packages, wheels, libraries, firmware, pictures, licences
-    Dist(dist::Args),
-    /// Make the file that a Pico, or a board with TinyUF2, takes from an image of the bridge
-    Uf2(uf2::Args),
-    /// Build the Python wheel and test it: its tests, types, notebook, and allantools' own tests
-    Python(python::Args),
-    /// Build the page: the core as WebAssembly, its bindings, its bundle; into the program, and as a static site
-    Web(web::Args),
-}
+const TASKS: [Task; 8] = [
+    Task {
+        name: "test",
+        usage: "",
+        about: "Run the tests of the project; they need Rust and a C compiler",
+        help: test::help,
+        run: test::run,
+    },
+    Task {
+        name: "check",
+        usage: "[STEP…]",
+        about: "Check formatting, lints, generated files and bare targets, while you work",
+        help: check::help,
+        run: check::run,
+    },
+    Task {
+        name: "ci",
+        usage: "[--rest] [--list] [STEP…]",
+        about: "Run everything that a change must pass: test, check, and all steps that take longer or install more",
+        help: ci::help,
+        run: ci::run,
+    },
+    Task {
+        name: "codegen",
+        usage: "[--check]",
+        about: "Write all generated files: C header, types of the page, docs/codes.md, drawings",
+        help: || codegen::HELP.to_owned(),
+        run: codegen::run,
+    },
+    Task {
+        name: "web",
+        usage: "[--site DIR] [--check] [--pictures] [--small]",
+        about: "Build the page: the core as WebAssembly, its bindings, its bundle; into the program, and as a site",
+        help: || web::HELP.to_owned(),
+        run: web::run,
+    },
+    Task {
+        name: "python",
+        usage: "[PART…]",
+        about: "Build the Python wheel and test it: its tests, types, notebook, and allantools' own tests",
+        help: python::help,
+        run: python::run,
+    },
+    Task {
+        name: "deny",
+        usage: "",
+        about: "Check the dependencies: advisories, licences, sources",
+        help: String::new,
+        run: deny::run,
+    },
+    Task {
+        name: "build-time",
+        usage: "",
+        about: "Measure how long the first command takes from nothing, and after a change; print sizes",
+        help: String::new,
+        run: build_time::run,
+    },
+];
 
 fn main() -> ExitCode {
-    let done = match Cli::parse().task {
-        Task::Test(args) => test::run(&args),
-        Task::Coverage(args) => coverage::run(&args),
-        Task::Methods(args) => methods::run(&args),
-        Task::CoverageAllan(args) => coverage_allan::run(&args),
-        Task::BenchPeers(args) => bench_peers::run(&args),
-        Task::BenchServe(args) => bench_serve::run(&args),
-        Task::BenchWeb => bench_web::run(),
-        Task::Firmware(args) => firmware::run(&args),
-        Task::Bridge(args) => bridge::run(&args),
-        Task::C(args) => c::run(&args),
-        Task::Iiod => iiod::run(),
-        Task::Rig(args) => rig::run(&args),
-        Task::Trust(args) => trust::run(&args),
-        Task::Book(args) => book::run(&args),
-        Task::Deny => deny::run(),
-        Task::BuildTime => build_time::run(),
-        Task::Dist(args) => dist::run(&args),
-        Task::Uf2(args) => uf2::run(&args),
-        Task::Python(args) => python::run(&args),
-        Task::Web(args) => web::run(&args),
-    };
-    match done {
-        Ok(()) => ExitCode::SUCCESS,
+    let words: Vec<String> = std::env::args().skip(1).collect();
+    match run(&words) {
+        Ok(code) => code,
         Err(error) => {
             eprintln!("error: {error:#}");
             ExitCode::FAILURE
         }
     }
+}
+
+fn run(words: &[String]) -> Result<ExitCode> {
+    let asks_for_help = words.iter().any(|word| matches!(word.as_str(), "-h" | "--help"));
+    let Some((name, arguments)) = words.split_first() else { bail!("which task?\n\n{}", help()) };
+    if let Some(task) = TASKS.iter().find(|task| task.name == name) {
+        if asks_for_help {
+            println!("{}", task.help());
+        } else {
+            (task.run)(Arguments::new(arguments.to_vec()))?;
+        }
+        return Ok(ExitCode::SUCCESS);
+    }
+    if lab::TASKS.iter().any(|(task, _)| task == name) {
+        return in_lab(name, arguments);
+    }
+    if asks_for_help || name == "help" {
+        println!("{}", help());
+        return Ok(ExitCode::SUCCESS);
+    }
+    bail!("there is no task {name}; `cargo xtask --help` names all")
+}
+
+/// Runs a task of the lab, whose error and exit code are ours then.
+fn in_lab(name: &str, arguments: &[String]) -> Result<ExitCode> {
+    let status = lab::task(name)?.args(arguments).status()?;
+    Ok(status.code().and_then(|code| u8::try_from(code).ok()).map_or(ExitCode::FAILURE, ExitCode::from))
+}
+
+impl Task {
+    fn help(&self) -> String {
+        let text = format!("{}\n\nUsage: cargo xtask {} {}\n\n{}", self.about, self.name, self.usage, (self.help)());
+        text.trim_end().to_owned()
+    }
+}
+
+fn help() -> String {
+    let mut text = String::from("Usage: cargo xtask TASK [ARGUMENTS]; TASK --help says more\n\nTasks:\n");
+    let mut line = |name: &str, about: &str| text += &format!("  {name:14} {about}\n");
+    TASKS.iter().for_each(|task| line(task.name, task.about));
+    line("", "");
+    lab::TASKS.iter().for_each(|(name, about)| line(name, about));
+    text + "\nThose below the gap are built first, which takes some minutes once."
 }

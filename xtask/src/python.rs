@@ -1,21 +1,15 @@
 //! `cargo xtask python`: builds the wheel, installs it into an environment of its own below `target/`, and tests it
 //! there.
 //!
-//! The wheel is of the profile `dev`, so that it takes over what `cargo xtask test` has compiled.
+//! The wheel is of the profile `dev`, so that it takes over what the step `test-full` of `cargo xtask ci` has
+//! compiled.
 
-use crate::venv::{self, done};
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
-
-/// Command line of `cargo xtask python`.
-#[derive(clap::Args)]
-pub struct Args {
-    /// Run only these parts; default: all
-    #[arg(value_name = "PART", value_parser = clap::builder::PossibleValuesParser::new(PARTS.map(|(name, _)| name)))]
-    only: Vec<String>,
-}
+use xtask::arguments::Arguments;
+use xtask::venv::{self, done};
 
 /// A part, given the interpreter of the environment.
 type Part = fn(&Path) -> Result<()>;
@@ -29,8 +23,16 @@ const WHEELS: &str = "target/wheels-dev";
 /// The release whose tests the functions of `zerorate.allantools_compat` pass.
 const ALLANTOOLS: &str = "2024.6";
 
+pub fn help() -> String {
+    format!("parts: {}; without one, all", PARTS.map(|(name, _)| name).join(", "))
+}
+
 /// Builds, installs, tests. Where there is no Python, or no package registry to be reached, it says so and passes.
-pub fn run(args: &Args) -> Result<()> {
+pub fn run(arguments: Arguments) -> Result<()> {
+    let only = arguments.words()?;
+    for part in &only {
+        ensure!(PARTS.iter().any(|(name, _)| name == part), "there is no part {part}; {}", help());
+    }
     let python = match environment()? {
         Ok(python) => python,
         Err(why) => {
@@ -40,7 +42,7 @@ pub fn run(args: &Args) -> Result<()> {
     };
     install_wheel(&python)?;
     for (name, part) in PARTS {
-        if args.only.is_empty() || args.only.iter().any(|only| only == name) {
+        if only.is_empty() || only.iter().any(|only| only == name) {
             println!("--- {name}");
             part(&python).with_context(|| format!("{name}; to repeat it alone: cargo xtask python {name}"))?;
         }

@@ -8,7 +8,9 @@ use std::process::{Command, Stdio};
 /// A program, and the Debian package that has it.
 #[derive(Clone, Copy)]
 pub struct Tool {
+    /// Its name on the path.
     pub program: &'static str,
+    /// Debian's name of the package.
     pub package: &'static str,
 }
 
@@ -56,6 +58,7 @@ fn runs(program: &str) -> bool {
     Command::new(program).arg("--version").stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok()
 }
 
+/// Whether we may install what is missing.
 pub fn is_root() -> bool {
     Command::new("id").arg("-u").output().is_ok_and(|output| output.stdout == b"0\n")
 }

@@ -2,31 +2,22 @@
 //!
 //! The modules are one crate built several times with the same dependencies, which are compiled once.
 
-use crate::firmware::{QEMU, image_of};
+use crate::arguments::Arguments;
+use crate::images::{QEMU, image_of};
 use crate::tools::{self, Tool};
 use crate::venv::{done, printed};
-use crate::{app, book, dist, targets};
+use crate::{app, lab, targets};
 use anyhow::{Context, Result, ensure};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// What to make.
-#[derive(clap::Args)]
-pub struct Args {
-    /// Write the static site there: page, service worker, book and licences
-    #[arg(long, value_name = "DIR")]
-    site: Option<PathBuf>,
-    /// Test the page in Chromium
-    #[arg(long)]
-    check: bool,
-    /// Make the pictures of the page anew, in docs/pictures/page
-    #[arg(long)]
-    pictures: bool,
-    /// As small as what is handed out, which takes minutes longer
-    #[arg(long)]
-    small: bool,
-}
+/// What `--help` prints.
+pub const HELP: &str = "\
+  --site DIR  Write the static site there: page, service worker, book and licences
+  --check     Test the page in Chromium
+  --pictures  Make the pictures of the page anew, in docs/pictures/page
+  --small     As small as what is handed out, which takes minutes longer";
 
 const TARGET: &str = "wasm32-unknown-unknown";
 /// Of what is in the modules.
@@ -62,17 +53,20 @@ const MODULES: [Module; 4] = [
 ];
 
 /// Builds the page, copies it to where the program takes it from, and does what else was asked for.
-pub fn run(args: &Args) -> Result<()> {
-    if !build(if args.small { "web-dist" } else { "web" })? {
+pub fn run(mut arguments: Arguments) -> Result<()> {
+    let site = arguments.value("--site")?;
+    let [check, pictures, small] = ["--check", "--pictures", "--small"].map(|name| arguments.flag(name));
+    arguments.end()?;
+    if !build(if small { "web-dist" } else { "web" })? {
         return Ok(());
     }
-    if let Some(site) = &args.site {
-        write_site(site)?;
+    if let Some(site) = site {
+        write_site(Path::new(&site))?;
     }
-    if args.check {
+    if check {
         browse("test", "the tests of the page")?;
     }
-    if args.pictures {
+    if pictures {
         browse("pictures", "the pictures of the page")?;
     }
     Ok(())
@@ -121,12 +115,8 @@ impl Module {
         cargo.args(["--profile", profile, "--target", TARGET, "--features", "readers", "--features", self.feature]);
         cargo.args(["--", "-C", &format!("opt-level={}", self.opt_level)]);
         done(cargo.env("RUSTFLAGS", RUSTFLAGS))?;
-        let target = app::target_folder()?;
-        let bytes = target.join(TARGET).join(profile).join("zerorate_web.wasm");
-        let mut bindings = Command::new("cargo");
-        bindings.args(["run", "--locked", "--manifest-path", "xtask/web/Cargo.toml", "--target-dir"]);
-        bindings.arg(target.join("web-tools")).arg("--").arg(bytes).args([self.name, "web/gen"]);
-        done(&mut bindings)
+        let bytes = app::target_folder()?.join(TARGET).join(profile).join("zerorate_web.wasm");
+        lab::tool("web", [bytes.as_os_str(), self.name.as_ref(), "web/gen".as_ref()])
     }
 }
 
@@ -179,8 +169,8 @@ fn write_site(site: &Path) -> Result<()> {
     for file in files(Path::new("web/dist"))? {
         fs::copy(&file, site.join(name(&file)))?;
     }
-    fs::write(site.join(LICENCES), dist::licences_of_page()?)?;
-    book::make(&site.join("book"))?;
+    done(lab::task("page-licences")?.arg(site.join(LICENCES)))?;
+    done(lab::task("book")?.arg("--out").arg(site.join("book")))?;
     println!("{}: any web server will do; http://localhost or https", site.display());
     Ok(())
 }

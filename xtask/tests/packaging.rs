@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 #[test]
 fn everything_that_is_handed_out_has_the_version_of_the_workspace() {
-    for manifest in ["bindings/c/Cargo.toml", "firmware/Cargo.toml"] {
+    for manifest in ["bindings/c/Cargo.toml", "firmware/Cargo.toml", "lab/Cargo.toml"] {
         let text = read(manifest);
         let version = text.lines().find_map(|line| line.strip_prefix("version = ")).unwrap();
         assert_eq!(version.trim_matches('"'), env!("CARGO_PKG_VERSION"), "{manifest}");
@@ -16,7 +16,7 @@ fn everything_that_is_handed_out_has_the_version_of_the_workspace() {
 
 #[test]
 fn every_file_of_packaging_goes_somewhere() {
-    let code: String = ["deb", "c_library", "mod"].map(|name| read(&format!("xtask/src/dist/{name}.rs"))).concat();
+    let code: String = ["deb", "c_library", "mod"].map(|name| read(&format!("lab/src/dist/{name}.rs"))).concat();
     let packaging = root().join("packaging");
     let mut open = vec![packaging.clone()];
     while let Some(path) = open.pop() {
@@ -50,7 +50,7 @@ fn what_the_packages_say_is_what_the_program_has() {
 
 #[test]
 fn what_trials_and_licences_read_is_there() {
-    let trial = read("xtask/src/dist/trial.rs");
+    let trial = read("lab/src/dist/trial.rs");
     let cited = trial.split('"').filter(|text| text.starts_with("crates/"));
     assert_eq!(cited.filter(|path| root().join(path).is_file()).count(), 1, "the log that every machine reads");
     for licence in ["LICENSE-MIT", "LICENSE-APACHE", "LICENSE-OFL-Inter.txt"] {

@@ -1,5 +1,5 @@
 /*
- * Does with the C interface what xtask/src/c/expected.rs does with the Rust crates, and prints it. Both must print the
+ * Does with the C interface what lab/src/c/expected.rs does with the Rust crates, and prints it. Both must print the
  * same, on a host and on a microcontroller. "unit.h" is the header that `zerorate export --format c` writes for the
  * same correction. */
 #include <inttypes.h>

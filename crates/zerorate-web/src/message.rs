@@ -458,7 +458,7 @@ mod tests {
     use std::{env, fs};
     use ts_rs::{Config, TS};
 
-    /// Made anew with `ZERORATE_UPDATE=1`.
+    /// `cargo xtask codegen` sets `ZERORATE_UPDATE`, which writes the file anew.
     #[test]
     fn the_page_knows_these_types() {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../web/src/protocol.ts");
@@ -469,11 +469,7 @@ mod tests {
             fs::write(&path, &made).unwrap();
         }
         let there = fs::read_to_string(&path).unwrap_or_default();
-        assert!(
-            there == made,
-            "{} is old: ZERORATE_UPDATE=1 cargo test -p zerorate-web makes it anew",
-            path.display()
-        );
+        assert!(there == made, "{} is out of date; `cargo xtask codegen` writes it", path.display());
     }
 
     fn typescript(folder: &Path) -> String {

@@ -1,7 +1,7 @@
 //! What controller and host both compute from a seed: a unit of the twin, read through the driver, corrected in four
 //! ways.
 //!
-//! The host includes this file too (`xtask/src/firmware/`).
+//! The host includes this file too (`lab/src/firmware/`).
 
 use adis16130::blocking::Adis16130;
 use adis16130::{Config, Edge, Framing, MCLK_HZ, RateCode, Sampler, SamplerConfig, TempCode};

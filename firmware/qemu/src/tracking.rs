@@ -1,7 +1,7 @@
 //! What controller and host both track from a seed: means of 0.1 s of a part that rests, begins to turn slowly, moves,
 //! rests again, gives nothing for a second, rests, and is without power for a day.
 //!
-//! The host includes this file too (`xtask/src/firmware/`).
+//! The host includes this file too (`lab/src/firmware/`).
 
 use zerorate::track::{BLOCK_S, Counts, Prior, Tracked, Tracker, TrackerConfig};
 use zerorate::{Axis, Correction};

@@ -1,7 +1,7 @@
 //! Every warning and every refusal by its code: what was seen, why it matters, what to do.
 //!
 //! The core says them with their numbers; here stands what holds of all of a code. `zerorate explain` and the book
-//! take it from this table. `xtask/tests/codes.rs` compares it with what can be said.
+//! take it from this table. `tests/codes.rs` compares it with what can be said.
 
 mod chamber;
 mod logs;
@@ -131,7 +131,7 @@ pub fn page() -> String {
 
 const PREFACE: &str = "# Every warning and refusal
 
-<!-- Made by `cargo xtask book --update` out of crates/zerorate-view/src/codes; change it there. -->
+<!-- Made by `cargo xtask codegen` out of crates/zerorate-view/src/codes; change it there. -->
 
 A warning begins with its code, and its result stands: `warning: aliased: 228 rate samples a second are
 below …`. A refusal (exit code 3) is followed by a line with its code, and there is no result. The lines

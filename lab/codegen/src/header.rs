@@ -1,0 +1,16 @@
+//! The header of the C interface, made from its Rust sources.
+
+use anyhow::{Result, anyhow};
+use std::path::Path;
+
+const PROJECT: &str = "bindings/c";
+
+/// The text of `zerorate.h`.
+pub fn text() -> Result<String> {
+    let project = Path::new(PROJECT);
+    let config = cbindgen::Config::from_file(project.join("cbindgen.toml")).map_err(|error| anyhow!(error))?;
+    let mut text = Vec::new();
+    cbindgen::generate_with_config(project, config)?.write(&mut text);
+    // what Rust calls safety is what C's callers have to keep
+    Ok(String::from_utf8(text)?.replace(" * # Safety\n * ", " * Required: "))
+}

@@ -1,0 +1,51 @@
+//! `codegen [--check]`: the files that are made of the sources and of `docs/facts.md`. `cargo xtask codegen` calls it.
+
+mod drawings;
+mod header;
+mod spectrum;
+
+use anyhow::{Context, Result, bail, ensure};
+use std::fs;
+use zerorate_view::codes;
+
+fn main() -> Result<()> {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
+        [] => write(),
+        ["--check"] => check(),
+        _ => bail!("usage: codegen [--check]"),
+    }
+}
+
+/// Writes each file that is not as it would be made now, and names it.
+fn write() -> Result<()> {
+    for (path, text) in old()? {
+        fs::write(path, text).with_context(|| path.to_owned())?;
+        println!("{path}: written");
+    }
+    Ok(())
+}
+
+/// Names each file that is not as it would be made now.
+fn check() -> Result<()> {
+    let old: Vec<&str> = old()?.into_iter().map(|(path, _)| path).collect();
+    ensure!(old.is_empty(), "out of date: {}; `cargo xtask codegen` writes them", old.join(", "));
+    Ok(())
+}
+
+/// The files that are not as they would be made now, each with its new text.
+fn old() -> Result<Vec<(&'static str, String)>> {
+    let mut made = made()?;
+    made.retain(|(path, text)| fs::read_to_string(path).map_or(true, |there| there != *text));
+    Ok(made)
+}
+
+/// All files that are made, each with its text.
+fn made() -> Result<Vec<(&'static str, String)>> {
+    let facts = fs::read_to_string("docs/facts.md").context("docs/facts.md: run this in the project's folder")?;
+    let mut made = drawings::all(&facts)?;
+    made.push(("docs/pictures/spectrum.svg", spectrum::draw()?));
+    made.push(("docs/codes.md", codes::page()));
+    made.push(("bindings/c/include/zerorate.h", header::text()?));
+    Ok(made)
+}

@@ -1,0 +1,128 @@
+//! Spectra of the twin at rest, read in three ways: what bandwidth, capacitor and divider do to noise and resonance.
+
+use crate::drawings::fold;
+use adis16130::blocking::Adis16130;
+use adis16130::{Config, Edge, MCLK_HZ, Sampler, SamplerConfig};
+use adis16130_twin::facts::{POLE_HZ, POLE_ROA_10NF_HZ, RESONANCE_HZ, UPPER_POLE_HZ, WHITE_DPS_PER_RT_HZ};
+use adis16130_twin::{Roa, Spec, Twin};
+use anyhow::{Context, Result, anyhow};
+use zerorate::Axis;
+use zerorate_allan::welch;
+use zerorate_view::plot::{Spectrum, Tone, spectra};
+
+/// A unit that has the temperature of the room from the start: what moves is its noise. Its clock is made nominal, so
+/// that the resonance folds to where the facts say (F-07).
+const UNIT: &str = "seed=4,warmup_c=0";
+/// Segments of Welch's estimate for a record at the full rate: 0.35 Hz apart.
+const SAMPLES: usize = 1 << 17;
+/// As many at less than a twentieth of the rate would take minutes.
+const SAMPLES_DIVIDED: usize = 1 << 14;
+/// A part that gives no edge for this long is dead.
+const NO_EDGE_NS: u64 = 100_000_000;
+/// Multiples of the rate from around which noise folds in; above these the poles leave next to nothing.
+const IMAGES: i32 = 64;
+
+/// One way of reading the part.
+struct Way {
+    name: &'static str,
+    roa: Roa,
+    divider: u16,
+    samples: usize,
+    /// F-03, F-04, Hz.
+    bandwidth_hz: Option<f64>,
+}
+
+/// The picture, as SVG.
+pub fn draw() -> Result<String> {
+    let (open, filtered) = (Axis::ADIS16130.bandwidth_hz, Some(Axis::ADIS16130_ROA_10NF_HZ));
+    let ways = [
+        Way { name: "every edge", roa: Roa::Open, divider: 1, samples: SAMPLES, bandwidth_hz: open },
+        Way {
+            name: "every edge, 0.01 µF",
+            roa: Roa::TenNanofarad,
+            divider: 1,
+            samples: SAMPLES,
+            bandwidth_hz: filtered,
+        },
+        Way { name: "every 50th edge", roa: Roa::Open, divider: 50, samples: SAMPLES_DIVIDED, bandwidth_hz: None },
+        Way {
+            name: "every 50th edge, 0.01 µF",
+            roa: Roa::TenNanofarad,
+            divider: 50,
+            samples: SAMPLES_DIVIDED,
+            bandwidth_hz: filtered,
+        },
+    ];
+    let all = ways.iter().map(Way::spectrum).collect::<Result<Vec<_>>>()?;
+    Ok(spectra("A part at rest, read in four ways (twin, seed 4, at the nominal clock)", &all, "°/s/√Hz") + "\n")
+}
+
+impl Way {
+    fn spectrum(&self) -> Result<Spectrum> {
+        let (rate_dps, rate_hz) = self.record()?;
+        let densities = welch(&rate_dps, rate_hz).map_err(|error| anyhow!("{error}"))?;
+        let points: Vec<(f64, f64)> =
+            densities.iter().map(|one| (one.frequency_hz, (2.0 * one.density).sqrt())).collect();
+        let folded_hz = fold(RESONANCE_HZ, rate_hz);
+        let resonance =
+            Tone { frequency_hz: folded_hz, rms: 1.0, label: format!("resonance, folded to {folded_hz:.0} Hz") };
+        let bandwidth = self.bandwidth_hz.map(|frequency_hz| Tone {
+            frequency_hz,
+            rms: 2.0,
+            label: format!("bandwidth {frequency_hz:.0} Hz"),
+        });
+        Ok(Spectrum {
+            label: format!("{}: {rate_hz:.1}/s", self.name),
+            model: points.iter().map(|&(hz, _)| (hz, self.expected(hz, rate_hz))).collect(),
+            points,
+            tones: bandwidth.into_iter().chain([resonance]).collect(),
+        })
+    }
+
+    /// Rates, and how many came a second.
+    fn record(&self) -> Result<(Vec<f64>, f64)> {
+        let twin = Twin::new(Spec { roa: self.roa, mclk_hz: f64::from(MCLK_HZ), ..Spec::parse_keys(UNIT)? });
+        let mut gyro = Adis16130::new(twin.spi(), twin.rdy(), Config::default());
+        let config = SamplerConfig { divider: self.divider, ..SamplerConfig::default() };
+        let mut sampler = Sampler::new(config, &Config::default(), MCLK_HZ);
+        gyro.init().map_err(|error| anyhow!("{error}"))?;
+        let mut samples = Vec::with_capacity(self.samples);
+        while samples.len() < self.samples {
+            let edge = twin.next_falling_edge(NO_EDGE_NS).context("no data ready")?;
+            let edge = Edge { t_ns: edge.t_ns, seq: edge.seq };
+            samples.extend(gyro.sample(&mut sampler, edge).map_err(|error| anyhow!("{error}"))?);
+        }
+        let span_ns = samples[samples.len() - 1].t_ns - samples[0].t_ns;
+        let rate_hz = (samples.len() - 1) as f64 / (span_ns as f64 * 1e-9);
+        Ok((samples.iter().map(|sample| f64::from(sample.rate.to_dps())).collect(), rate_hz))
+    }
+
+    /// White noise behind the poles (F-02, F-03, F-04), with what folds in, °/s/√Hz.
+    fn expected(&self, hz: f64, rate_hz: f64) -> f64 {
+        let pole_hz = match self.roa {
+            Roa::Open => POLE_HZ,
+            Roa::TenNanofarad => POLE_ROA_10NF_HZ,
+        };
+        let power = |hz: f64| 1.0 / ((1.0 + (hz / pole_hz).powi(2)) * (1.0 + (hz / UPPER_POLE_HZ).powi(2)));
+        let images = (-IMAGES..=IMAGES).map(|k| power(hz + f64::from(k) * rate_hz));
+        WHITE_DPS_PER_RT_HZ * images.sum::<f64>().sqrt()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_twin_has_the_noise_of_the_facts_and_the_resonance_where_it_folds_to() {
+        let way = Way { name: "", roa: Roa::TenNanofarad, divider: 1, samples: 1 << 15, bandwidth_hz: Some(50.0) };
+        let Spectrum { points, model, tones, .. } = way.spectrum().unwrap();
+        let quiet = points.iter().zip(&model).filter(|((hz, _), _)| (30.0..1000.0).contains(hz));
+        let ratios: Vec<f64> = quiet.map(|((_, seen), (_, expected))| seen / expected).collect();
+        let mean = ratios.iter().sum::<f64>() / ratios.len() as f64;
+        assert!((mean - 1.0).abs() < 0.03, "{mean}");
+        let highest = points.iter().filter(|point| point.0 > 1000.0).max_by(|a, b| a.1.total_cmp(&b.1)).unwrap();
+        assert!((highest.0 / tones[1].frequency_hz - 1.0).abs() < 0.03, "{highest:?} {tones:?}");
+        assert!((tones[1].frequency_hz - 2777.8).abs() < 60.0, "{tones:?}");
+    }
+}

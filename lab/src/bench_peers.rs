@@ -1,0 +1,230 @@
+//! `cargo xtask bench-peers`: the Allan deviation of zerorate beside allantools and the crates `allan` and
+//! `allan-tools`, on one array.
+
+use crate::venv::{self, done, printed};
+use anyhow::{Context, Result};
+use serde::Deserialize;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::time::Instant;
+use xtask::lab;
+
+const DATA: &str = "target/bench-peers.f64";
+const CAPTURE: &str = "target/bench-peers.parquet";
+const LOGS: &str = "target/bench-peers";
+const PROGRAM: &str = "target/peers/dist/zerorate";
+const AXES: &str = "gx,gy,gz,ax,ay,az";
+
+/// What to run.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Samples; the default is an hour at 5.7 kSPS
+    #[arg(long, default_value_t = 20_500_000, value_parser = clap::value_parser!(u64).range(10_000..))]
+    samples: u64,
+    /// Leave the program out: from a Parquet file to the table
+    #[arg(long)]
+    no_cli: bool,
+}
+
+/// A line of the peers.
+#[derive(Deserialize)]
+struct Line {
+    who: String,
+    work: String,
+    seconds: Option<f64>,
+    memory: Option<f64>,
+    dev: Option<Vec<Option<f64>>>,
+}
+
+/// Installs the peers, runs them one after the other, prints seconds and ratios.
+pub fn run(args: &Args) -> Result<()> {
+    let python = venv::python("peers", Path::new("lab/peers/requirements.txt"))?;
+    let peers = peers()?;
+    let peers = || Command::new(&peers);
+    let allantools = || {
+        let mut command = Command::new(&python);
+        command.arg("lab/peers/peers.py");
+        command
+    };
+    done(peers().args(["generate", DATA]).arg(args.samples.to_string()))?;
+    println!("{} samples, {}", args.samples, machine());
+    let mut lines = parse(&printed(allantools().arg(DATA))?)?;
+    lines.extend(parse(&printed(peers().args(["time", DATA]))?)?);
+    print_times(&lines);
+    print_goals(&lines);
+    print_agreement(&lines);
+    let memory =
+        parse(&(printed(allantools().args([DATA, "--memory"]))? + &printed(peers().args(["memory", DATA]))?))?;
+    for Line { who, memory, .. } in &memory {
+        println!("peak memory, oadev: {who} {:.2} x the input", memory.unwrap_or(f64::NAN));
+    }
+    std::fs::remove_file(DATA)?;
+    if args.no_cli {
+        return Ok(());
+    }
+    time_program()?;
+    time_files(args.samples, &python)
+}
+
+/// The program that times us and the crates, built.
+pub fn peers() -> Result<PathBuf> {
+    done(&mut lab::cargo("build", "peers", "peers")?)?;
+    Ok(lab::folder()?.join("peers/peers"))
+}
+
+fn parse(text: &str) -> Result<Vec<Line>> {
+    text.lines().map(|line| serde_json::from_str(line).with_context(|| format!("a peer printed `{line}`"))).collect()
+}
+
+/// Each run, in seconds and as a multiple of the peer's time for the same work.
+fn print_times(lines: &[Line]) {
+    let copy = lines.iter().find(|line| line.work == "copy").and_then(|line| line.seconds).unwrap_or(f64::NAN);
+    println!("{:22} {:22} {:>10} {:>12} {:>16}", "work", "who", "seconds", "numpy copies", "times as fast as");
+    for line in lines {
+        let seconds = line.seconds.unwrap_or(f64::NAN);
+        let faster = peer_of(lines, line)
+            .map_or(String::new(), |(peer, peer_seconds)| format!("{:>8.1} {peer}", peer_seconds / seconds));
+        println!("{:22} {:22} {seconds:>10.4} {:>12.1} {faster}", line.work, line.who, seconds / copy);
+    }
+}
+
+/// Work, and how many times as fast as allantools zerorate is to be on two threads.
+const GOALS: [(&str, f64); 5] =
+    [("oadev", 45.0), ("oadev, fine", 60.0), ("mdev", 40.0), ("ohdev", 40.0), ("totdev", 40.0)];
+
+fn print_goals(lines: &[Line]) {
+    for (work, goal) in GOALS {
+        let seconds = |who: &str| {
+            let line = lines.iter().find(|line| line.who.starts_with(who) && line.work == work);
+            line.and_then(|line| line.seconds).unwrap_or(f64::NAN)
+        };
+        let times = seconds("allantools") / seconds("zerorate, 2");
+        println!("{work}: {times:.0} times as fast as allantools (goal {goal}{})", missed(times >= goal));
+    }
+}
+
+fn missed(is_met: bool) -> &'static str {
+    if is_met { "" } else { ", MISSED" }
+}
+
+/// The best peer that did the same work, codes standing for the rates that they are.
+fn peer_of<'a>(lines: &'a [Line], ours: &Line) -> Option<(&'a str, f64)> {
+    let work = ours.work.trim_end_matches(" of codes");
+    let is_ours = |line: &Line| line.who.starts_with("zerorate");
+    let peers = lines.iter().filter(|line| is_ours(ours) && !is_ours(line) && line.work == work);
+    let times = peers.filter_map(|line| Some((line.who.as_str(), line.seconds?)));
+    times.min_by(|(_, a), (_, b)| a.total_cmp(b))
+}
+
+/// The largest relative difference from allantools, work by work: speed means nothing if the numbers differ.
+fn print_agreement(lines: &[Line]) {
+    for theirs in lines.iter().filter(|line| line.who == "allantools") {
+        for ours in lines.iter().filter(|line| line.who.starts_with("zerorate, 2") && line.work == theirs.work) {
+            let (Some(a), Some(b)) = (&ours.dev, &theirs.dev) else { continue };
+            let pairs = a.iter().zip(b).filter_map(|(a, b)| Some(((*a)?, (*b)?)));
+            let worst = pairs.map(|(a, b)| (a / b - 1.0).abs()).fold(0.0, f64::max);
+            println!("{}: at most {worst:.1e} from allantools, relative, in {} points", ours.work, b.len());
+        }
+    }
+}
+
+/// From a capture of an hour in Parquet to the table on stdout.
+fn time_program() -> Result<()> {
+    let build = ["build", "--profile", "dist", "--quiet", "-p", "zerorate-cli", "--target-dir", "target/peers"];
+    done(Command::new("cargo").args(build).args(["--features", "full"]))?;
+    let zerorate = |line: &str| {
+        let mut command = Command::new(PROGRAM);
+        command.args(line.split(' '));
+        command
+    };
+    done(&mut zerorate(&format!("capture --duration 60m --force -o {CAPTURE}")))?;
+    let mut seconds = Vec::new();
+    for _ in 0..5 {
+        let start = Instant::now();
+        silently(&mut zerorate(&format!("allan {CAPTURE}")))?;
+        seconds.push(start.elapsed().as_secs_f64());
+    }
+    let best = seconds.iter().copied().fold(f64::INFINITY, f64::min);
+    println!(
+        "zerorate allan FILE.parquet, an hour of the twin, from file to text: {best:.2} s, best of {}",
+        seconds.len()
+    );
+    Ok(std::fs::remove_file(CAPTURE)?)
+}
+
+/// Files, and how many times as fast as polars or NumPy and allantools the program is to be with each.
+const FILES: [(&str, f64); 4] = [("one.csv", 6.0), ("seven.csv", 6.0), ("seven.parquet", 15.0), ("one.npy", 15.0)];
+
+/// From a log of noise to the table: the whole program beside a whole program in Python, each the best of three.
+fn time_files(samples: u64, python: &Path) -> Result<()> {
+    std::fs::create_dir_all(LOGS)?;
+    let peers = || {
+        let mut command = Command::new(python);
+        command.arg("lab/peers/files.py");
+        command
+    };
+    done(peers().args(["make", LOGS]).arg(samples.to_string()))?;
+    for (file, goal) in FILES {
+        let path = format!("{LOGS}/{file}");
+        let theirs = |columns| best_of_three(peers().args([path.as_str(), columns]));
+        let in_python = theirs("gx")?;
+        let column = if file == "one.npy" { "0" } else { "gx" };
+        let zerorate = |columns| best_of_three(Command::new(PROGRAM).args(analysis(&path, columns)));
+        let ours = zerorate(column)?;
+        let times = in_python / ours;
+        println!(
+            "zerorate allan {file}, {samples} rows, from file to text: {ours:.2} s; in Python {in_python:.2} s, \
+             {times:.1} times (goal {goal}{})",
+            missed(times >= goal)
+        );
+        print_peak(python, &path, column, samples)?;
+        if file.starts_with("seven") {
+            let six = zerorate(AXES)?;
+            let (times, in_python) = (six / ours, theirs(AXES)?);
+            println!(
+                "  all six axes: {six:.2} s, {times:.2} times one (goal 2{}); in Python {in_python:.2} s, {:.1} times",
+                missed(times < 2.0),
+                in_python / six
+            );
+            print_peak(python, &path, AXES, samples)?;
+        }
+    }
+    Ok(std::fs::remove_dir_all(LOGS)?)
+}
+
+fn analysis<'a>(path: &'a str, columns: &'a str) -> [&'a str; 8] {
+    ["allan", path, "--column", columns, "--rate", "1", "--unit", "dps"]
+}
+
+/// The most memory of the program, beside that of the columns as f64.
+fn print_peak(python: &Path, path: &str, columns: &str, samples: u64) -> Result<()> {
+    let mut command = Command::new(python);
+    command.args(["lab/peers/files.py", "peak", PROGRAM]).args(analysis(path, columns));
+    let peak: f64 = printed(&mut command)?.trim().parse()?;
+    let asked = columns.split(',').count() as f64 * samples as f64 * 8.0;
+    let times = peak / asked;
+    println!("  peak memory: {times:.2} times the columns that were asked for (goal 1.1{})", missed(times <= 1.1));
+    Ok(())
+}
+
+fn silently(command: &mut Command) -> Result<()> {
+    done(command.stdout(Stdio::null()).stderr(Stdio::null()))
+}
+
+fn best_of_three(command: &mut Command) -> Result<f64> {
+    let mut best = f64::INFINITY;
+    for _ in 0..3 {
+        let start = Instant::now();
+        silently(command)?;
+        best = best.min(start.elapsed().as_secs_f64());
+    }
+    Ok(best)
+}
+
+/// The processor and how many of it there are.
+fn machine() -> String {
+    let cpus = std::thread::available_parallelism().map_or(1, usize::from);
+    let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let model = info.lines().find_map(|line| line.strip_prefix("model name\t: ")).unwrap_or("unknown processor");
+    format!("{cpus} cores, {model}")
+}

@@ -1,0 +1,83 @@
+//! `cargo xtask bench-web`: the core as WebAssembly beside the same core as a program on one thread; how soon the page
+//! shows something, and how much it loads.
+
+use crate::bench_peers;
+use crate::venv::{done, printed};
+use crate::web;
+use anyhow::{Context, Result};
+use serde::Deserialize;
+use std::process::Command;
+
+const DATA: &str = "target/bench-web.f64";
+/// An hour at 5.7 kSPS.
+const SAMPLES: &str = "20500000";
+/// WebAssembly may take so many times as long.
+const MOST_TIMES: f64 = 1.6;
+/// Until something is drawn, s.
+const MOST_S: f64 = 1.0;
+/// Before anything is drawn, and the readers of logs, KB.
+const MOST_KB: [f64; 2] = [150.0, 800.0];
+
+/// What the browser's side prints.
+#[derive(Deserialize)]
+struct Page {
+    seconds: f64,
+    dev: Vec<f64>,
+    first_picture_s: f64,
+    first_load_bytes: f64,
+    session_bytes: f64,
+    readers_bytes: f64,
+    recordings_bytes: f64,
+}
+
+/// A line of the peers.
+#[derive(Deserialize)]
+struct Line {
+    who: String,
+    work: String,
+    seconds: Option<f64>,
+    dev: Option<Vec<Option<f64>>>,
+}
+
+/// Builds both as they are handed out, runs them one after the other, prints the figures and what misses its goal.
+pub fn run() -> Result<()> {
+    web::build_small()?;
+    let peers = bench_peers::peers()?;
+    let peers = || Command::new(&peers);
+    done(peers().args(["generate", DATA, SAMPLES]))?;
+    let native = printed(peers().args(["time", DATA]))?;
+    let page = printed(Command::new("node").arg("test/bench.mjs").arg(std::path::absolute(DATA)?).current_dir("web"))?;
+    std::fs::remove_file(DATA)?;
+    let page: Page = serde_json::from_str(&page).context("what the page prints")?;
+    print(&page, &one_thread(&native)?);
+    Ok(())
+}
+
+fn one_thread(text: &str) -> Result<Line> {
+    let lines = text.lines().map(serde_json::from_str::<Line>).collect::<Result<Vec<_>, _>>()?;
+    let ours = |line: &Line| line.who == "zerorate, 1 thread" && line.work == "oadev";
+    lines.into_iter().find(ours).context("the peers did not time zerorate on one thread")
+}
+
+fn print(page: &Page, native: &Line) {
+    let seconds = native.seconds.unwrap_or(f64::NAN);
+    let missed = |is_met: bool| if is_met { "" } else { ", MISSED" };
+    let times = page.seconds / seconds;
+    println!(
+        "OADEV of {SAMPLES} samples: WebAssembly {:.3} s, the program on one thread {seconds:.3} s",
+        page.seconds
+    );
+    println!("  {times:.2} times as long (goal at most {MOST_TIMES}{})", missed(times <= MOST_TIMES));
+    let pairs = native.dev.iter().flatten().flatten().zip(&page.dev);
+    let worst = pairs.map(|(a, b)| (a / b - 1.0).abs()).fold(0.0, f64::max);
+    println!("  at most {worst:.1e} apart, relative, in {} points", page.dev.len());
+    let s = page.first_picture_s;
+    println!("first picture on the twin: {s:.2} s (goal {MOST_S}{})", missed(s <= MOST_S));
+    println!("session, behind the first picture: {:.0} KB with brotli", page.session_bytes / 1e3);
+    println!("session with recordings, when one is dropped: {:.0} KB with brotli", page.recordings_bytes / 1e3);
+    let loads = [("first load", page.first_load_bytes), ("readers of logs", page.readers_bytes)];
+    for ((what, bytes), most) in loads.into_iter().zip(MOST_KB) {
+        let kilobytes = bytes / 1e3;
+        println!("{what}: {kilobytes:.0} KB with brotli (goal {most}{})", missed(kilobytes <= most));
+    }
+}

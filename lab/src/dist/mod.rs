@@ -1,0 +1,165 @@
+//! `cargo xtask dist`: whatever is handed out, made on Debian 12 on x86-64 into `target/dist/`, and tried where it
+//! would run.
+
+mod c_library;
+mod deb;
+mod firmware;
+mod machine;
+mod papers;
+mod pictures;
+mod product;
+mod program;
+mod root;
+mod sbom;
+mod trial;
+mod wheel;
+
+use crate::app::target_folder;
+use crate::venv::{self, done, printed};
+use anyhow::{Context, Result};
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// Command line of `cargo xtask dist`.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Make only these parts; default: all
+    #[arg(value_name = "PART", value_parser = clap::builder::PossibleValuesParser::new(PARTS.map(|part| part.name)))]
+    only: Vec<String>,
+    /// Try what lies in target/dist, in a bare Debian, under emulators and in an empty environment; make nothing
+    #[arg(long)]
+    check: bool,
+}
+
+/// Something that is handed out.
+struct Part {
+    name: &'static str,
+    make: fn(&Folder) -> Result<()>,
+    check: fn(&Folder) -> Result<()>,
+}
+
+/// In the order in which they are made: the package and the pictures take the program.
+const PARTS: [Part; 7] = [
+    Part { name: "program", make: program::make, check: program::check },
+    Part { name: "papers", make: papers::make, check: papers::check },
+    Part { name: "deb", make: deb::make, check: deb::check },
+    Part { name: "wheel", make: wheel::make, check: wheel::check },
+    Part { name: "c", make: c_library::make, check: c_library::check },
+    Part { name: "firmware", make: firmware::make, check: firmware::check },
+    Part { name: "pictures", make: pictures::make, check: pictures::check },
+];
+
+/// The version of everything that is handed out: that of the workspace.
+const VERSION: &str = env!("CARGO_PKG_VERSION");
+/// Apart from the developer's own, since other flags give other files.
+const TARGET_DIR: &str = "target/cross";
+const SUMS: &str = "SHA256SUMS";
+
+/// Makes the chosen parts, or tries them.
+pub fn run(args: &Args) -> Result<()> {
+    let folder = Folder::new()?;
+    for part in &PARTS {
+        if args.only.is_empty() || args.only.iter().any(|name| name == part.name) {
+            println!("--- {}", part.name);
+            let act = if args.check { part.check } else { part.make };
+            act(&folder).with_context(|| format!("the part {}", part.name))?;
+        }
+    }
+    if args.check { folder.check_sums() } else { folder.write_sums() }
+}
+
+/// Whose software is in the modules of the page, and under what licence. What is not of a crate lies beside them.
+pub fn write_licences_of_page(out: &Path) -> Result<()> {
+    let page =
+        product::PRODUCTS.iter().find(|product| product.name == "zerorate-page").context("no page is handed out")?;
+    fs::write(out, papers::page(page, &page.contents()?)?).with_context(|| out.display().to_string())
+}
+
+/// Where everything goes, and where it is made.
+struct Folder {
+    dist: PathBuf,
+    work: PathBuf,
+    /// Seconds since 1970 of the commit: the time of all files, so that the same sources give the same bytes.
+    epoch: String,
+}
+
+impl Folder {
+    fn new() -> Result<Self> {
+        let target = target_folder()?;
+        let (dist, work) = (target.join("dist"), target.join("dist-work"));
+        fs::create_dir_all(&dist)?;
+        fs::create_dir_all(&work)?;
+        let epoch = printed(Command::new("git").args(["log", "-1", "--format=%ct"]))?;
+        Ok(Self { dist, work, epoch: epoch.trim().to_owned() })
+    }
+
+    /// The path of something that is handed out.
+    fn of(&self, name: impl AsRef<Path>) -> PathBuf {
+        self.dist.join(name)
+    }
+
+    /// An empty folder to work in.
+    fn empty(&self, name: &str) -> Result<PathBuf> {
+        let folder = self.work.join(name);
+        if folder.exists() {
+            fs::remove_dir_all(&folder)?;
+        }
+        fs::create_dir_all(&folder)?;
+        Ok(folder)
+    }
+
+    /// Packs the folder `name` below `parent` into `name.tar.gz`.
+    fn pack(&self, parent: &Path, name: &str) -> Result<()> {
+        let mut tar = Command::new("tar");
+        tar.args(["--create", "--gzip", "--sort=name", "--owner=0", "--group=0", "--numeric-owner"]);
+        tar.arg(format!("--mtime=@{}", self.epoch)).arg("--file").arg(self.of(format!("{name}.tar.gz")));
+        done(tar.arg("--directory").arg(parent).arg(name))
+    }
+
+    /// A sum for each file, by name.
+    fn write_sums(&self) -> Result<()> {
+        let mut names = Vec::new();
+        for entry in fs::read_dir(&self.dist)? {
+            let entry = entry?;
+            if entry.file_type()?.is_file() && entry.file_name() != SUMS {
+                names.push(entry.file_name());
+            }
+        }
+        names.sort();
+        let sums = printed(Command::new("sha256sum").current_dir(&self.dist).arg("--").args(&names))?;
+        fs::write(self.of(SUMS), sums)?;
+        println!("{}: {} files", self.of(SUMS).display(), names.len());
+        Ok(())
+    }
+
+    fn check_sums(&self) -> Result<()> {
+        done(Command::new("sha256sum").current_dir(&self.dist).args(["--check", "--strict", "--quiet", SUMS]))
+    }
+}
+
+/// The interpreter of an environment with what is taken from PyPI.
+fn python() -> Result<PathBuf> {
+    Ok(std::path::absolute(venv::python("dist", Path::new("packaging/requirements.txt"))?)?)
+}
+
+/// Flags for rustc that keep the folders of this computer out of what it makes.
+fn without_paths() -> Result<String> {
+    let home = std::env::var("CARGO_HOME").or_else(|_| std::env::var("HOME").map(|home| format!("{home}/.cargo")))?;
+    let here = std::env::current_dir()?;
+    Ok(format!("--remap-path-prefix={home}=/cargo --remap-path-prefix={}=/zerorate", here.display()))
+}
+
+/// Copies a file of `packaging/`, with `@NAME@` replaced.
+fn fill(template: &str, to: &Path, values: &[(&str, &str)]) -> Result<()> {
+    let from = Path::new("packaging").join(template);
+    let text = fs::read_to_string(&from).with_context(|| from.display().to_string())?;
+    let text = values.iter().fold(text, |text, (name, value)| text.replace(&format!("@{name}@"), value));
+    put(to, text.as_bytes())
+}
+
+/// Writes a file and the folders above it.
+fn put(path: &Path, bytes: &[u8]) -> Result<()> {
+    fs::create_dir_all(path.parent().context("a file lies in a folder")?)?;
+    fs::write(path, bytes).with_context(|| path.display().to_string())
+}

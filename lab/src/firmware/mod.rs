@@ -1,0 +1,211 @@
+//! `cargo xtask firmware`: driver, twin, correction and tracker on an emulated Cortex-M4F: does it compute what the
+//! host computes, how many instructions does that take, and how large are driver and tracker.
+
+mod emulator;
+mod footprint;
+pub mod image;
+/// What controller and host both compute.
+#[path = "../../../firmware/qemu/src/scenario.rs"]
+mod scenario;
+/// What controller and host both track.
+#[path = "../../../firmware/qemu/src/tracking.rs"]
+mod tracking;
+
+pub use emulator::run as emulate;
+
+use crate::targets;
+use crate::tools::available;
+use crate::venv::printed;
+use anyhow::{Context, Result, bail, ensure};
+use emulator::Report;
+use footprint::{Figure, Versions};
+use image::{Image, Memory};
+use scenario::Reading;
+use serde::Serialize;
+use std::process::Command;
+use tracking::Known;
+pub use xtask::images::{QEMU, image_of};
+use xtask::images::{TARGET, build};
+
+/// What to run.
+#[derive(clap::Args)]
+pub struct Args {
+    /// The unit of the twin that both read
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Print one JSON object to stdout
+    #[arg(long)]
+    json: bool,
+    /// Write the figures to docs/reference/footprint.md, whatever they are
+    #[arg(long)]
+    update: bool,
+}
+
+/// What was measured, as JSON.
+#[derive(Serialize)]
+struct Outcome {
+    seed: u64,
+    /// Readings whose every form agrees between controller and host; none without the emulator.
+    readings_agreed: Option<usize>,
+    /// Means after which the tracker knows the same on controller and host; none without the emulator.
+    means_agreed: Option<usize>,
+    panic_symbols_in_driver: usize,
+    figures: Vec<Figure>,
+    versions: Versions,
+}
+
+/// Builds and measures driver and tracker alone, then runs the rest in the emulator if there is one.
+pub fn run(args: &Args) -> Result<()> {
+    targets::add_missing([TARGET].into_iter())?;
+    let mut figures = alone()?;
+    let emulated = available(&[QEMU], "the run in the emulator")?;
+    let mut outcome = Outcome {
+        seed: args.seed,
+        readings_agreed: None,
+        means_agreed: None,
+        panic_symbols_in_driver: 0,
+        figures: Vec::new(),
+        versions: Versions { rustc: rustc_version()?, qemu: "none".to_owned() },
+    };
+    if emulated {
+        let report = Report::parse(&emulator::run(&build("release", "agreement")?, &[args.seed.to_string()])?)?;
+        outcome.versions.qemu = emulator::version()?;
+        outcome.readings_agreed = Some(compare(args.seed, &report.readings)?);
+        outcome.means_agreed = Some(compare_tracked(args.seed, &report.tracked)?);
+        figures.splice(0..0, counted(&report)?);
+    }
+    outcome.figures = figures;
+    show(args, &outcome)?;
+    judge(args, &outcome)
+}
+
+/// The sizes of driver and tracker, from images with and without them; refused if one can panic.
+fn alone() -> Result<Vec<Figure>> {
+    let small = difference("small", "driver")?;
+    let fast = difference("release", "driver")?;
+    let tracker = difference("small", "tracker")?;
+    let control = Image::read(&build("release", "agreement")?)?.panic_symbols()?;
+    ensure!(!control.is_empty(), "an image that can panic shows no sign of it: the check of the others is blind");
+    let bytes = |what, value, goal| Figure { what, value, unit: "bytes", goal };
+    Ok(vec![
+        bytes("flash, driver with sampler, `opt-level = \"z\"`", small.flash, Some(4096)),
+        bytes("flash, driver with sampler, `opt-level = 3`", fast.flash, None),
+        bytes("flash, tracker with f64 in software, `opt-level = \"z\"`", tracker.flash, None),
+        bytes("RAM, static variables", small.ram.max(fast.ram).max(tracker.ram), Some(0)),
+    ])
+}
+
+/// What the image of the driver, or of the tracker, takes more than the image without it.
+fn difference(profile: &str, name: &str) -> Result<Memory> {
+    let image = Image::read(&build(profile, name)?)?;
+    let panics = image.panic_symbols()?;
+    ensure!(panics.is_empty(), "the {name} links code that panics, with profile {profile}: {}", panics.join(", "));
+    let (with, without) = (image.memory()?, Image::read(&build(profile, "empty")?)?.memory()?);
+    Ok(Memory { flash: with.flash - without.flash, ram: with.ram - without.ram })
+}
+
+/// How many readings agree, which must be all, with those of the host.
+fn compare(seed: u64, theirs: &[Reading]) -> Result<usize> {
+    let mut ours = Vec::new();
+    scenario::run(seed, |reading| ours.push(reading)).context("the twin gave no readings on the host")?;
+    ensure!(theirs.len() == ours.len(), "{} readings on the controller, {} on the host", theirs.len(), ours.len());
+    for (index, (theirs, ours)) in theirs.iter().zip(&ours).enumerate() {
+        ensure!(theirs == ours, "reading {index} differs: {theirs:?} on the controller, {ours:?} on the host");
+    }
+    Ok(ours.len())
+}
+
+/// After how many means the tracker knows, which must be after all, what it knows on the host.
+fn compare_tracked(seed: u64, theirs: &[Known]) -> Result<usize> {
+    let mut ours = Vec::new();
+    let counts = tracking::run(seed, |known| ours.push(known)).context("the tracker refuses its own state")?;
+    ensure!(counts.learned_s > 0 && counts.rolled_back > 0, "the series shows too little of the tracker: {counts:?}");
+    ensure!(theirs.len() == ours.len(), "{} means on the controller, {} on the host", theirs.len(), ours.len());
+    for (index, (theirs, ours)) in theirs.iter().zip(&ours).enumerate() {
+        ensure!(theirs == ours, "after mean {index}: {theirs:?} on the controller, {ours:?} on the host");
+    }
+    Ok(ours.len())
+}
+
+/// The counts, with their goals.
+fn counted(report: &Report) -> Result<Vec<Figure>> {
+    let instructions = |what, name: &str, goal| -> Result<Figure> {
+        let (_, most) = report.instructions.get(name).with_context(|| format!("the image did not count {name}"))?;
+        Ok(Figure { what, value: *most, unit: "instructions", goal })
+    };
+    let bytes = |what, name: &str, goal| -> Result<Figure> {
+        let value = *report.bytes.get(name).with_context(|| format!("the image did not say the size of {name}"))?;
+        Ok(Figure { what, value, unit: "bytes", goal })
+    };
+    let least = |what, name: &str| -> Result<Figure> {
+        let (least, _) = report.instructions.get(name).with_context(|| format!("the image did not count {name}"))?;
+        Ok(Figure { what, value: *least, unit: "instructions", goal: None })
+    };
+    Ok(vec![
+        instructions("integer correction, code to code", "integer_correction", Some(40))?,
+        instructions("integer correction by a curve of order 3, code to code", "integer_curve", Some(60))?,
+        instructions("table look-up, code to µ°/s", "table_look_up", Some(40))?,
+        instructions("f32 correction, °/s to °/s", "f32_correction", None)?,
+        instructions("f32 correction with conversion, codes to °/s", "f32_correction_of_codes", None)?,
+        least("`read_rate`, code not in doubt", "read_rate")?,
+        instructions("`read_rate`", "read_rate", None)?,
+        least("`read_both`, neither code in doubt", "read_both")?,
+        instructions("`read_both`: rate and temperature", "read_both", Some(150))?,
+        least("`sample`: three reads and the count of losses, least", "sample")?,
+        instructions("`sample`, most", "sample", None)?,
+        instructions("`Tracker::push`, 9 of 10: a mean within a second", "tracker_within_second", None)?,
+        instructions("`Tracker::push`, a mean that ends a second", "tracker_second", None)?,
+        instructions("`Tracker::push`, once in 16 s: a mean that it learns from", "tracker_learned", None)?,
+        instructions("`Tracker::push`, a mean that shows a motion or a step", "tracker_motion", None)?,
+        instructions("`Tracker::tracked`: bias and u", "tracker_bias", None)?,
+        bytes("RAM, the driver's object (on a bus and a pin of 0 bytes)", "driver", Some(64))?,
+        bytes("RAM, the sampler's object", "sampler", None)?,
+        bytes("RAM, the tracker's object", "tracker", None)?,
+        bytes("what the tracker keeps over a power-down", "tracker_saved", None)?,
+    ])
+}
+
+fn show(args: &Args, outcome: &Outcome) -> Result<()> {
+    if args.json {
+        println!("{}", serde_json::to_string_pretty(outcome)?);
+        return Ok(());
+    }
+    if let Some(count) = outcome.readings_agreed {
+        println!("seed {}: {count} readings, corrected in four ways, are the same on controller and host", args.seed);
+    }
+    if let Some(count) = outcome.means_agreed {
+        println!("seed {}: the tracker knows the same on controller and host after {count} means", args.seed);
+    }
+    println!("no panic is linked into driver and tracker");
+    for Figure { what, value, unit, goal } in &outcome.figures {
+        let goal = goal.map_or(String::new(), |goal| format!("(goal: at most {goal})"));
+        println!("{value:>6} {unit:13} {what} {goal}");
+    }
+    Ok(())
+}
+
+/// Against the committed page, and against the goals, of which a missed one is stated; writes the page where that was
+/// asked for.
+fn judge(args: &Args, outcome: &Outcome) -> Result<()> {
+    if args.update {
+        ensure!(outcome.readings_agreed.is_some(), "without the emulator the figures are not complete");
+        footprint::write(&outcome.figures, &outcome.versions)?;
+    }
+    for missed in footprint::missed_goals(&outcome.figures) {
+        eprintln!("GOAL MISSED: {missed}");
+    }
+    let page = footprint::read()?;
+    let risen = footprint::risen(&outcome.figures, &page);
+    if !risen.is_empty() {
+        bail!("figures rose by more than 5 %: {}; if that is meant, add --update", risen.join("; "));
+    }
+    for change in footprint::changed(&outcome.figures, &page) {
+        eprintln!("{}: {change}; --update writes it there", footprint::PAGE);
+    }
+    Ok(())
+}
+
+fn rustc_version() -> Result<String> {
+    let text = printed(Command::new("rustc").arg("--version"))?;
+    Ok(text.split_whitespace().nth(1).unwrap_or("unknown").to_owned())
+}

@@ -1,0 +1,45 @@
+//! `cargo xtask check`: what a developer runs while working. It runs no test of a crate.
+
+use crate::steps::{self, Step};
+use anyhow::Result;
+use xtask::arguments::Arguments;
+
+/// In the order in which they fail most cheaply.
+///
+/// thumbv7em-none-eabihf is a Cortex-M4F. thumbv6m-none-eabi is a Cortex-M0: it has no compare-and-swap, which the
+/// TOML parser behind the core's feature `file` needs. wasm32-unknown-unknown is the browser.
+pub const STEPS: [Step; 14] = [
+    Step::new("fmt", "fmt --all --check"),
+    Step::new("fmt-firmware", "fmt --manifest-path firmware/Cargo.toml --all --check"),
+    Step::new("fmt-c", "fmt --manifest-path bindings/c/Cargo.toml --all --check"),
+    Step::new("fmt-lab", "fmt --manifest-path lab/Cargo.toml --all --check"),
+    // links, cited facts, lines, packaging, circles
+    Step::new("project", "test --quiet --package xtask"),
+    Step::new("clippy", "clippy --workspace --all-targets --all-features -- -D warnings"),
+    Step::new("clippy-driver", "clippy -p adis16130 --all-targets -- -D warnings"),
+    Step::new("clippy-core", "clippy -p zerorate --no-default-features --lib -- -D warnings"),
+    Step::new("codegen", "xtask codegen --check"),
+    Step::new(
+        "m0",
+        "build -p adis16130 -p zerorate --no-default-features --features adis16130/async --target thumbv6m-none-eabi",
+    ),
+    Step::new("m0-driver", "build -p adis16130 --target thumbv6m-none-eabi"),
+    Step::new(
+        "m4",
+        "build -p adis16130 -p zerorate -p adis16130-twin --features adis16130/async,zerorate/file --target \
+         thumbv7em-none-eabihf",
+    ),
+    Step::new("wasm", "check -p zerorate-data -p zerorate-view --no-default-features --target wasm32-unknown-unknown"),
+    Step::new(
+        "clippy-wasm",
+        "clippy -p zerorate-web --lib --features edge-first,edge-live --target wasm32-unknown-unknown -- -D warnings",
+    ),
+];
+
+pub fn help() -> String {
+    steps::list(&STEPS)
+}
+
+pub fn run(arguments: Arguments) -> Result<()> {
+    steps::run(&steps::chosen(&STEPS, &arguments.words()?)?)
+}

@@ -1,0 +1,34 @@
+//! Images for the emulated Cortex-M4F.
+
+use crate::tools::Tool;
+use crate::venv::done;
+use anyhow::Result;
+use std::path::PathBuf;
+use std::process::Command;
+
+/// A Cortex-M4F.
+pub const TARGET: &str = "thumbv7em-none-eabihf";
+/// The emulator.
+pub const QEMU: Tool = Tool { program: "qemu-system-arm", package: "qemu-system-arm" };
+/// The project of the images.
+const PROJECT: &str = "firmware/qemu";
+
+/// The path of an image with the twin, built for speed.
+pub fn image_of(name: &str) -> Result<PathBuf> {
+    build("release", name)
+}
+
+/// The path of an image, built. The bare images leave all else out.
+pub fn build(profile: &str, name: &str) -> Result<PathBuf> {
+    let target_dir = std::path::absolute("target/firmware")?;
+    let mut cargo = Command::new("cargo");
+    cargo.current_dir(PROJECT).args(["build", "--quiet", "--locked", "--target", TARGET]);
+    cargo.args(["--profile", profile, "--bin", name]).arg("--target-dir").arg(&target_dir);
+    match name {
+        "driver" | "empty" => drop(cargo.arg("--no-default-features")),
+        "tracker" => drop(cargo.args(["--no-default-features", "--features", "tracker"])),
+        _ => {}
+    }
+    done(&mut cargo)?;
+    Ok(target_dir.join(TARGET).join(profile).join(name))
+}

@@ -1,0 +1,53 @@
+//! The tasks in `lab/`, a workspace of its own: it is built when one of its tasks is called.
+
+use crate::app::target_folder;
+use crate::venv::done;
+use anyhow::Result;
+use std::ffi::OsStr;
+use std::path::PathBuf;
+use std::process::Command;
+
+/// The tasks, each with what it does. A test of the lab compares this table with its command line.
+pub const TASKS: [(&str, &str); 15] = [
+    ("coverage", "Calibrate many units of the twin and hold the stated uncertainties against their truth"),
+    ("methods", "Calibrate many units by every method, hold all against their truth, and write a page of it"),
+    ("coverage-allan", "Simulate records at rest and hold the fitted noise coefficients against their truth"),
+    ("bench-peers", "Time the Allan deviation beside its peers, which it installs, and print ratios"),
+    ("bench-serve", "Serve the twin to 20 pages and 4 clients of libiio while it is recorded, and print the cost"),
+    ("bench-web", "Time the core in WebAssembly beside the program, and the page until it shows something"),
+    ("firmware", "Run driver, twin and correction on an emulated Cortex-M4F; count instructions and bytes"),
+    ("bridge", "Read the twin through a bridge's firmware in an emulator: socket, serial port, bad cables"),
+    ("c", "Check the C interface: library, and C against Rust on the host and on an emulated Cortex-M4F"),
+    ("iiod", "Read the libiio server with libiio's own clients, and with pyadi-iio"),
+    ("rig", "Boot a stock Linux kernel in QEMU with the twin as hardware, and read it there"),
+    ("trust", "Break part, files and program at random moments; look for results that are wrong and silent"),
+    ("book", "Make docs/ a book; run its commands, follow its links"),
+    ("dist", "Make what is handed out, into target/dist: programs, packages, wheels, libraries, firmware"),
+    ("uf2", "Make the file that a Pico, or a board with TinyUF2, takes from an image of the bridge"),
+];
+
+/// `cargo ACTION` on a package of the lab, built into the folder `lab` of the target folder.
+pub fn cargo(action: &str, package: &str, profile: &str) -> Result<Command> {
+    let mut cargo = Command::new("cargo");
+    cargo.args([action, "--locked", "--manifest-path", "lab/Cargo.toml", "--package", package, "--profile", profile]);
+    cargo.arg("--target-dir").arg(folder()?);
+    Ok(cargo)
+}
+
+/// A task as a command, without its arguments. Campaigns run for minutes, so it is built for speed.
+pub fn task(name: &str) -> Result<Command> {
+    let mut command = cargo("run", "lab", "release")?;
+    command.args(["--", name]);
+    Ok(command)
+}
+
+/// Runs a program of the lab that takes seconds, which is why it is built fast.
+pub fn tool<T: AsRef<OsStr>>(package: &str, arguments: impl IntoIterator<Item = T>) -> Result<()> {
+    let mut command = cargo("run", package, "dev")?;
+    done(command.args(["--quiet", "--"]).args(arguments))
+}
+
+/// The target folder of the lab. It lies in that of the project, so that one folder holds all that was built.
+pub fn folder() -> Result<PathBuf> {
+    Ok(target_folder()?.join("lab"))
+}

@@ -1,0 +1,209 @@
+//! Steps: cargo commands that must pass, each with a name and its time.
+
+use std::fmt;
+use std::io::{Write, stdout};
+use std::process::{Command, Stdio};
+use std::sync::Mutex;
+use std::thread;
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, Result, bail};
+
+use xtask::targets;
+
+/// One cargo command.
+#[derive(Clone, Copy)]
+pub struct Step {
+    pub name: &'static str,
+    env: Option<(&'static str, &'static str)>,
+    args: &'static str,
+    pace: Pace,
+    /// What it installs where that is missing, besides Rust targets.
+    installs: &'static str,
+}
+
+/// What a step does with the machine.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Pace {
+    /// Uses all cores, or keeps the time: nothing runs beside it.
+    Alone,
+    /// Waits, or uses one core: runs beside its neighbours.
+    Beside,
+}
+
+impl Step {
+    pub const fn new(name: &'static str, args: &'static str) -> Self {
+        Self { name, env: None, args, pace: Pace::Alone, installs: "" }
+    }
+
+    pub const fn at(mut self, pace: Pace) -> Self {
+        self.pace = pace;
+        self
+    }
+
+    pub const fn with_env(mut self, key: &'static str, value: &'static str) -> Self {
+        self.env = Some((key, value));
+        self
+    }
+
+    pub const fn installing(mut self, what: &'static str) -> Self {
+        self.installs = what;
+        self
+    }
+
+    /// The command, which is not started yet.
+    pub fn command(&self) -> Command {
+        let mut command = Command::new("cargo");
+        command.args(self.args.split(' ')).envs(self.env);
+        command
+    }
+
+    /// What the step installs where it is missing: Rust targets by rustup, and the rest.
+    fn installs(&self) -> String {
+        let targets = self.targets().map(|target| format!("Rust target {target}"));
+        let rest = (!self.installs.is_empty()).then(|| self.installs.to_owned());
+        targets.chain(rest).collect::<Vec<_>>().join(", ")
+    }
+
+    /// The Rust targets it builds for, the host left out.
+    fn targets(&self) -> impl Iterator<Item = &'static str> {
+        let words = self.args.split(' ');
+        words.clone().zip(words.skip(1)).filter(|(option, _)| *option == "--target").map(|(_, target)| target)
+    }
+}
+
+/// The command as one would type it.
+impl fmt::Display for Step {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some((key, value)) = self.env {
+            write!(f, "{key}={value} ")?;
+        }
+        write!(f, "cargo {}", self.args)
+    }
+}
+
+/// The steps with these names in the order of the table; all where no name is given.
+pub fn chosen(steps: &[Step], names: &[String]) -> Result<Vec<Step>> {
+    if let Some(unknown) = names.iter().find(|name| steps.iter().all(|step| step.name != **name)) {
+        bail!("there is no step {unknown}; --help lists the steps");
+    }
+    let is_chosen = |step: &&Step| names.is_empty() || names.iter().any(|name| name == step.name);
+    Ok(steps.iter().filter(is_chosen).copied().collect())
+}
+
+/// The steps with their commands, and what each installs where it is missing.
+pub fn list(steps: &[Step]) -> String {
+    let line = |step: &Step| {
+        let installs = step.installs();
+        let installs = if installs.is_empty() { installs } else { format!("\n  {:24} installs: {installs}", "") };
+        format!("  {:24} {step}{installs}\n", step.name)
+    };
+    format!("Steps:\n{}", steps.iter().map(line).collect::<String>())
+}
+
+/// Runs the steps in order, those side by side that allow it, and stops at the first that fails.
+pub fn run(chosen: &[Step]) -> Result<()> {
+    targets::add_missing(chosen.iter().flat_map(Step::targets))?;
+    let start = Instant::now();
+    let mut passed = Vec::new();
+    for group in chosen.chunk_by(|a, b| a.pace == Pace::Beside && b.pace == Pace::Beside) {
+        println!("\n=== {} of {}: {}", passed.len() + 1, chosen.len(), names(group));
+        for step in group.iter().filter(|step| !step.installs.is_empty()) {
+            println!("{} installs, where it is missing: {}", step.name, step.installs);
+        }
+        let ended = match group {
+            [step] => vec![watched(step)?],
+            _ => side_by_side(group)?,
+        };
+        let failed: Vec<&Step> = ended.iter().filter(|ended| !ended.ok).map(|ended| ended.step).collect();
+        passed.extend(ended.iter().filter(|ended| ended.ok).map(|ended| (ended.step.name, ended.time)));
+        if let Some(step) = failed.first() {
+            show_times(&passed, start.elapsed());
+            let names: Vec<_> = failed.iter().map(|step| step.name).collect();
+            bail!("{} failed; to repeat it alone: {step}", names.join(", "));
+        }
+    }
+    show_times(&passed, start.elapsed());
+    Ok(())
+}
+
+fn names(steps: &[Step]) -> String {
+    match steps {
+        [step] => format!("{}: {step}", step.name),
+        _ => steps.iter().map(|step| step.name).collect::<Vec<_>>().join(", "),
+    }
+}
+
+/// A step that has run.
+struct Ended<'a> {
+    step: &'a Step,
+    ok: bool,
+    time: Duration,
+}
+
+/// Runs a step whose output is seen as it comes.
+fn watched(step: &Step) -> Result<Ended<'_>> {
+    let start = Instant::now();
+    let status = step.command().status().with_context(|| format!("cannot run `{step}`"))?;
+    let ended = Ended { step, ok: status.success(), time: start.elapsed() };
+    announce(&ended);
+    Ok(ended)
+}
+
+/// Runs steps in as many threads as there are cores; the output of each is shown when it ends. What is under way when
+/// one fails runs to its end, and nothing is begun.
+fn side_by_side(steps: &[Step]) -> Result<Vec<Ended<'_>>> {
+    let waiting = Mutex::new(steps.iter());
+    let ended = Mutex::new(Vec::new());
+    let threads = thread::available_parallelism().map_or(1, usize::from).min(steps.len());
+    let work = || -> Result<()> {
+        loop {
+            let next = waiting.lock().expect("no thread panics").next();
+            let failed = ended.lock().expect("no thread panics").iter().any(|ended: &Ended| !ended.ok);
+            let Some(step) = next.filter(|_| !failed) else { return Ok(()) };
+            let done = unwatched(step)?;
+            ended.lock().expect("no thread panics").push(done);
+        }
+    };
+    thread::scope(|scope| {
+        let threads: Vec<_> = (0..threads).map(|_| scope.spawn(work)).collect();
+        threads.into_iter().try_for_each(|thread| thread.join().expect("no thread panics"))
+    })?;
+    Ok(ended.into_inner().expect("no thread panics"))
+}
+
+/// Runs a step and shows what it printed, errors after the rest.
+fn unwatched(step: &Step) -> Result<Ended<'_>> {
+    let start = Instant::now();
+    let output = step.command().stdin(Stdio::null()).output().with_context(|| format!("cannot run `{step}`"))?;
+    let ended = Ended { step, ok: output.status.success(), time: start.elapsed() };
+    let mut out = stdout().lock();
+    writeln!(out, "\n=== {}: {step}", step.name)?;
+    out.write_all(&output.stdout)?;
+    out.write_all(&output.stderr)?;
+    drop(out);
+    announce(&ended);
+    Ok(ended)
+}
+
+fn announce(ended: &Ended) {
+    let verdict = if ended.ok { "passed" } else { "FAILED" };
+    println!("=== {}: {verdict} in {}", ended.step.name, clock(ended.time));
+}
+
+/// Prints how long each step took, and all together.
+pub fn show_times(passed: &[(&str, Duration)], together: Duration) {
+    println!("\nPassed:");
+    for (name, time) in passed {
+        println!("  {name:24} {:>12}", clock(*time));
+    }
+    println!("  {:24} {:>12}", "from first to last", clock(together));
+}
+
+/// `7 min 05 s`, or `5.3 s` below a minute.
+fn clock(time: Duration) -> String {
+    match time.as_secs() {
+        0..60 => format!("{:.1} s", time.as_secs_f64()),
+        s => format!("{} min {:02} s", s / 60, s % 60),
+    }
+}
