@@ -1,0 +1,33 @@
+//! The workflows run what `cargo xtask ci` has, no more and no less.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::process::Command;
+
+#[test]
+fn each_step_of_ci_is_in_one_job() {
+    let listed = Command::new(env!("CARGO_BIN_EXE_xtask")).args(["ci", "--rest", "--list"]).output().unwrap();
+    let listed = String::from_utf8(listed.stdout).unwrap();
+    let steps: BTreeSet<&str> = listed.lines().collect();
+    assert!(steps.contains("clippy") && !steps.contains("test"), "{listed}");
+    let workflow = workflow("ci.yml");
+    let jobs = workflow.split(" steps: ").skip(1).map(|job| job.split("- name:").next().unwrap());
+    let jobs = jobs.map(|job| job.split("\n    steps:").next().unwrap().trim_start_matches(">-"));
+    let run: Vec<&str> = jobs.flat_map(str::split_whitespace).collect();
+    assert_eq!(run.iter().copied().collect::<BTreeSet<_>>(), steps);
+    assert_eq!(run.len(), steps.len(), "a step is in two jobs");
+    assert!(workflow.contains("- run: cargo xtask test\n"));
+}
+
+#[test]
+fn crates_that_are_published_are_those_that_are_tried() {
+    let crates = "-p adis16130 -p zerorate-allan\n";
+    assert!(workflow("release.yml").contains(&format!("cargo publish {crates}")));
+    let help = Command::new(env!("CARGO_BIN_EXE_xtask")).args(["ci", "--help"]).output().unwrap();
+    let help = String::from_utf8(help.stdout).unwrap();
+    assert!(help.contains(&format!("cargo publish --dry-run --allow-dirty {crates}")), "{help}");
+}
+
+fn workflow(name: &str) -> String {
+    fs::read_to_string(format!("{}/../.github/workflows/{name}", env!("CARGO_MANIFEST_DIR"))).unwrap()
+}
