@@ -1,10 +1,9 @@
 //! `cargo xtask codegen`: all files that are made of other sources of the project.
 
-use anyhow::{Context, Result};
-use std::process::Command;
+use anyhow::{Context, Result, ensure};
+use std::process::{Command, Stdio};
 use xtask::arguments::Arguments;
 use xtask::lab;
-use xtask::venv::done;
 
 /// What `--help` prints.
 pub const HELP: &str = "\
@@ -13,8 +12,9 @@ pub const HELP: &str = "\
 Pages of measurements are not generated files; the tasks that measure write them: methods, `trust --update`,
 `firmware --update`.";
 
-/// The test of the page's session that compares `web/src/protocol.ts`, and writes it where [`UPDATE`] is set.
-const PROTOCOL: &str = "test --quiet --package zerorate-web --lib -- the_page_knows_these_types";
+/// The test that compares `web/src/protocol.ts` with the session of the page, and writes it where [`UPDATE`] is set. It
+/// is built as `cargo test` builds it, so that nothing is compiled twice.
+const PROTOCOL: &str = "test --quiet --lib the_page_knows_these_types";
 const UPDATE: &str = "ZERORATE_UPDATE";
 
 pub fn run(mut arguments: Arguments) -> Result<()> {
@@ -22,9 +22,13 @@ pub fn run(mut arguments: Arguments) -> Result<()> {
     arguments.end()?;
     lab::tool("codegen", check.then_some("--check")).context("generated files")?;
     let mut protocol = Command::new("cargo");
-    protocol.args(PROTOCOL.split(' ')).env_remove(UPDATE);
+    protocol.args(PROTOCOL.split(' ')).env_remove(UPDATE).stderr(Stdio::inherit());
     if !check {
         protocol.env(UPDATE, "1");
     }
-    done(&mut protocol).context("web/src/protocol.ts; `cargo xtask codegen` writes it")
+    let output = protocol.output().context("cannot start cargo")?;
+    let said = String::from_utf8_lossy(&output.stdout);
+    ensure!(output.status.success(), "web/src/protocol.ts: `cargo xtask codegen` writes it:\n{said}");
+    ensure!(said.contains("1 passed"), "no test compared web/src/protocol.ts:\n{said}");
+    Ok(())
 }

@@ -26,7 +26,8 @@ pub fn run(arguments: Arguments) -> Result<()> {
     for manifest in PROJECTS {
         println!("{manifest}:");
         let mut check = Command::new(&program);
-        check.args(["deny", "--manifest-path", manifest, "--config", "deny.toml", "check", "--hide-inclusion-graph"]);
+        check.args(["deny", "--manifest-path", manifest, "--workspace", "--config", "deny.toml"]);
+        check.args(["check", "--hide-inclusion-graph"]);
         done(check.args(&wanted[..if advisories { 4 } else { 3 }]))?;
     }
     Ok(())

@@ -133,9 +133,9 @@ impl Task {
 
 fn help() -> String {
     let mut text = String::from("Usage: cargo xtask TASK [ARGUMENTS]; TASK --help says more\n\nTasks:\n");
-    let mut line = |name: &str, about: &str| text += &format!("  {name:14} {about}\n");
-    TASKS.iter().for_each(|task| line(task.name, task.about));
-    line("", "");
-    lab::TASKS.iter().for_each(|(name, about)| line(name, about));
-    text + "\nThose below the gap are built first, which takes some minutes once."
+    let line = |(name, about): (&str, &str)| format!("  {name:14} {about}\n");
+    text.extend(TASKS.iter().map(|task| line((task.name, task.about))));
+    text += "\nTasks of the lab, which is built first; that takes some minutes once:\n";
+    text.extend(lab::TASKS.into_iter().map(line));
+    text.trim_end().to_owned()
 }
