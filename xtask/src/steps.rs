@@ -1,5 +1,6 @@
 //! Steps: cargo commands that must pass, each with a name and its time.
 
+use std::env;
 use std::fmt;
 use std::io::{Write, stdout};
 use std::process::{Command, Stdio};
@@ -51,11 +52,15 @@ impl Step {
         self
     }
 
-    /// The command, which is not started yet.
-    pub fn command(&self) -> Command {
-        let mut command = Command::new("cargo");
-        command.args(self.args.split(' ')).envs(self.env);
-        command
+    /// The command, which is not started yet. A task of xtask is run by this very program: `cargo xtask` would wait
+    /// for whatever is being built.
+    pub fn command(&self) -> Result<Command> {
+        let (mut command, args) = match self.args.strip_prefix("xtask ") {
+            Some(task) => (Command::new(env::current_exe()?), task),
+            None => (Command::new("cargo"), self.args),
+        };
+        command.args(args.split(' ')).envs(self.env);
+        Ok(command)
     }
 
     /// What the step installs where it is missing: Rust targets by rustup, and the rest.
@@ -144,7 +149,7 @@ struct Ended<'a> {
 /// Runs a step whose output is seen as it comes.
 fn watched(step: &Step) -> Result<Ended<'_>> {
     let start = Instant::now();
-    let status = step.command().status().with_context(|| format!("cannot run `{step}`"))?;
+    let status = step.command()?.status().with_context(|| format!("cannot run `{step}`"))?;
     let ended = Ended { step, ok: status.success(), time: start.elapsed() };
     announce(&ended);
     Ok(ended)
@@ -175,7 +180,7 @@ fn side_by_side(steps: &[Step]) -> Result<Vec<Ended<'_>>> {
 /// Runs a step and shows what it printed, errors after the rest.
 fn unwatched(step: &Step) -> Result<Ended<'_>> {
     let start = Instant::now();
-    let output = step.command().stdin(Stdio::null()).output().with_context(|| format!("cannot run `{step}`"))?;
+    let output = step.command()?.stdin(Stdio::null()).output().with_context(|| format!("cannot run `{step}`"))?;
     let ended = Ended { step, ok: output.status.success(), time: start.elapsed() };
     let mut out = stdout().lock();
     writeln!(out, "\n=== {}: {step}", step.name)?;
@@ -192,7 +197,7 @@ fn announce(ended: &Ended) {
 }
 
 /// Prints how long each step took, and all together.
-pub fn show_times(passed: &[(&str, Duration)], together: Duration) {
+fn show_times(passed: &[(&str, Duration)], together: Duration) {
     println!("\nPassed:");
     for (name, time) in passed {
         println!("  {name:24} {:>12}", clock(*time));
@@ -201,7 +206,7 @@ pub fn show_times(passed: &[(&str, Duration)], together: Duration) {
 }
 
 /// `7 min 05 s`, or `5.3 s` below a minute.
-fn clock(time: Duration) -> String {
+pub fn clock(time: Duration) -> String {
     match time.as_secs() {
         0..60 => format!("{:.1} s", time.as_secs_f64()),
         s => format!("{} min {:02} s", s / 60, s % 60),

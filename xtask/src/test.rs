@@ -1,6 +1,6 @@
 //! `cargo xtask test`: the tests of the project, by `cargo test` and nothing else.
 
-use crate::steps::{Step, show_times};
+use crate::steps::{Step, clock};
 use anyhow::{Result, ensure};
 use std::time::Instant;
 use xtask::arguments::Arguments;
@@ -9,8 +9,8 @@ use xtask::arguments::Arguments;
 pub const STEP: Step = Step::new("test", "test");
 
 /// What is not tested here, in one line.
-const BESIDE: &str = "Beside these, `cargo xtask check` looks at format, lints, generated files and bare targets, and \
-                      `cargo xtask ci` also tests all features, C, Python, the page, firmware and rigs.";
+const BESIDE: &str = "`cargo xtask check` looks at format, lints, generated files and bare targets; `cargo xtask ci` \
+                      does all this and tests all features, C, Python, the page, firmware and rigs.";
 
 pub fn help() -> String {
     format!("This is `{STEP}`. Cargo itself runs some of the tests: `cargo test -p CRATE NAME`.\n{BESIDE}")
@@ -21,9 +21,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
     let words = words.join(" ");
     ensure!(words.is_empty(), "to run some tests: `cargo test {words}`; to run a step: `cargo xtask ci {words}`");
     let start = Instant::now();
-    let passed = STEP.command().status()?.success();
-    show_times(&[], start.elapsed());
-    println!("{BESIDE}");
-    ensure!(passed, "a test failed; to repeat: {STEP}");
+    ensure!(STEP.command()?.status()?.success(), "a test failed; to repeat: {STEP}");
+    println!("\nAll tests passed in {}. {BESIDE}", clock(start.elapsed()));
     Ok(())
 }
