@@ -12,8 +12,8 @@ pub const HELP: &str = "\
 Pages of measurements are not generated files; the tasks that measure write them: methods, `trust --update`,
 `firmware --update`.";
 
-/// The test that compares `web/src/protocol.ts` with the session of the page, and writes it where [`UPDATE`] is set. It
-/// is built as `cargo test` builds it, so that nothing is compiled twice.
+/// The test that compares `web/src/protocol.ts` with the session of the page, and writes it where [`UPDATE`] is set.
+/// It is built as `cargo test` builds it, so that nothing is compiled twice.
 const PROTOCOL: &str = "test --quiet --lib the_page_knows_these_types";
 const UPDATE: &str = "ZERORATE_UPDATE";
 
