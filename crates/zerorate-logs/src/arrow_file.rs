@@ -49,7 +49,7 @@ impl ArrowFile {
         let stream = BufReader::with_capacity(BUFFER, file.take(end.saturating_sub(start)));
         let mut messages = Messages::new(stream);
         let mut decoder = StreamDecoder::new();
-        let Message::Whole(bytes) = messages.next().map_err(failed)? else {
+        let Message::Whole(bytes) = messages.next_message().map_err(failed)? else {
             return Err(wrong("it ends inside its schema".to_owned()));
         };
         let schema = bytes.schema().map_err(wrong)?;
@@ -93,7 +93,7 @@ impl BatchSource for ArrowFile {
     fn read_batch(&mut self) -> Result<Option<RecordBatch>, CaptureError> {
         while !self.stated.ended {
             let start = self.start + self.messages.position();
-            match self.messages.next().map_err(|error| CaptureError::io("read", &self.path, error))? {
+            match self.messages.next_message().map_err(|error| CaptureError::io("read", &self.path, error))? {
                 Message::Whole(bytes) => {
                     let checked = bytes.check(self.room).and_then(|()| decode(&mut self.decoder, bytes.into()));
                     let batch =

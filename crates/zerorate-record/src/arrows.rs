@@ -89,7 +89,7 @@ impl StreamReader {
         let rest = input.try_clone().map_err(failed)?;
         let mut messages = Messages::new(BufReader::new(input));
         let mut decoder = StreamDecoder::new();
-        let schema = match messages.next().map_err(failed)? {
+        let schema = match messages.next_message().map_err(failed)? {
             Message::Whole(bytes) => {
                 let schema = bytes.schema().map_err(|what| CaptureError::not_a_capture(path, what))?;
                 decode(&mut decoder, bytes.into()).map_err(|what| CaptureError::not_a_capture(path, what))?;
@@ -196,7 +196,7 @@ impl BatchSource for StreamReader {
     fn read_batch(&mut self) -> Result<Option<RecordBatch>, CaptureError> {
         while !self.stated.ended {
             let start = self.messages.position();
-            match self.messages.next().map_err(|error| CaptureError::io("read", &self.path, error))? {
+            match self.messages.next_message().map_err(|error| CaptureError::io("read", &self.path, error))? {
                 Message::Whole(bytes) => {
                     if let Some(batch) = self.decode(start, bytes)? {
                         return Ok(Some(batch));

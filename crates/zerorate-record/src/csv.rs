@@ -114,7 +114,7 @@ impl CsvReader {
         let mut lines = Lines::new(path, input);
         let mut description = Metadata::new();
         let header = loop {
-            let Some(line) = lines.next()? else {
+            let Some(line) = lines.next_line()? else {
                 return Err(CaptureError::not_a_capture(path, "it has no header line"));
             };
             let Some(comment) = line.text.strip_prefix('#') else {
@@ -145,7 +145,7 @@ impl CsvReader {
 
     /// Reads a line, a row into the columns.
     fn read_entry(&mut self) -> Result<Entry, CaptureError> {
-        let Some(line) = self.lines.next()? else {
+        let Some(line) = self.lines.next_line()? else {
             return Ok(Entry::Nothing);
         };
         let place = format!("line {}", line.number);

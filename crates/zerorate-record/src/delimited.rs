@@ -47,7 +47,7 @@ impl Lines {
     }
 
     /// The next line that is not blank.
-    pub fn next(&mut self) -> Result<Option<Line<'_>>, CaptureError> {
+    pub fn next_line(&mut self) -> Result<Option<Line<'_>>, CaptureError> {
         self.next_where(|_| true)
     }
 

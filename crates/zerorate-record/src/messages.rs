@@ -47,7 +47,7 @@ impl<R: Read> Messages<R> {
     }
 
     /// Reads the next message.
-    pub fn next(&mut self) -> io::Result<Message> {
+    pub fn next_message(&mut self) -> io::Result<Message> {
         let mut bytes = Vec::new();
         let Some(metadata_len) = self.read_length(&mut bytes)? else {
             return Ok(Message::Torn);
