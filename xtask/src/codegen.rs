@@ -13,8 +13,8 @@ Pages of measurements are not generated files; the tasks that measure write them
 `firmware --update`.";
 
 /// The test that compares `web/src/protocol.ts` with the session of the page, and writes it where [`UPDATE`] is set.
-/// It is built as `cargo test` builds it, so that nothing is compiled twice.
-const PROTOCOL: &str = "test --quiet --lib the_page_knows_these_types";
+/// It is built alone: beside those of the other libraries it would take several times as long.
+const PROTOCOL: &str = "test --quiet --package zerorate-web --lib the_page_knows_these_types";
 const UPDATE: &str = "ZERORATE_UPDATE";
 
 pub fn run(mut arguments: Arguments) -> Result<()> {
