@@ -29,7 +29,11 @@ pub const STEPS: [Step; 14] = [
         "build -p adis16130 -p zerorate -p adis16130-twin --features adis16130/async,zerorate/file --target \
          thumbv7em-none-eabihf",
     ),
-    Step::new("wasm", "check -p zerorate-data -p zerorate-view --no-default-features --target wasm32-unknown-unknown"),
+    Step::new(
+        "wasm",
+        "check -p zerorate-record -p zerorate-logs -p zerorate-view --no-default-features --target \
+         wasm32-unknown-unknown",
+    ),
     Step::new(
         "clippy-wasm",
         "clippy -p zerorate-web --lib --features edge-first,edge-live --target wasm32-unknown-unknown -- -D warnings",
