@@ -84,6 +84,7 @@ impl From<Disbelief> for DeviceError {
 impl From<LogError> for DeviceError {
     fn from(error: LogError) -> Self {
         let cause = match error {
+            LogError::File(CaptureError::NotBuiltIn { .. }) => Cause::Request,
             LogError::File(_) => Cause::File,
             LogError::Ask(_) | LogError::Choose(..) => Cause::Request,
             LogError::Refused(code, _) => Cause::Refused(code),
@@ -126,7 +127,10 @@ fn cause(error: &anyhow::Error) -> Cause {
         return told.cause;
     }
     let of_part = error.downcast_ref::<Fault>().map(|_| Cause::Part);
-    let of_file = error.downcast_ref::<CaptureError>().map(|_| Cause::File);
+    let of_file = error.downcast_ref().map(|error| match error {
+        CaptureError::NotBuiltIn { .. } => Cause::Request,
+        _ => Cause::File,
+    });
     let of_system = error.chain().find_map(|source| source.downcast_ref()).map(of_system);
     of_part.or(of_file).or(of_system).unwrap_or(Cause::Other)
 }

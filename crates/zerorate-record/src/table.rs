@@ -11,7 +11,7 @@ use crate::columns::{MAX_ROWS, Rows};
 use crate::layout::Layout;
 #[cfg(feature = "parquet")]
 use crate::parquet;
-use crate::{CaptureError, CaptureInfo, Input, Note, RobotLog, Stamps, arrows, csv};
+use crate::{CaptureError, CaptureInfo, Input, NotBuiltIn, Note, RobotLog, Stamps, arrows, csv};
 use arrow_array::RecordBatch;
 use arrow_schema::SchemaRef;
 use std::io::{Read, Seek, Write};
@@ -36,14 +36,27 @@ pub enum Format {
 
 impl Format {
     /// The form asked for, or else the one that the name of the file says, or else a stream.
-    pub fn choose(asked: Option<Self>, path: &Path) -> Self {
+    ///
+    /// # Errors
+    /// It is not built in.
+    pub fn choose(asked: Option<Self>, path: &Path) -> Result<Self, CaptureError> {
         let by_name = || match path.extension()?.to_str()? {
             "parquet" => Some(Self::Parquet),
             "csv" => Some(Self::Csv),
             "mcap" => Some(Self::Mcap),
             _ => None,
         };
-        asked.or_else(by_name).unwrap_or(Self::Arrows)
+        let format = asked.or_else(by_name).unwrap_or(Self::Arrows);
+        format.missing().map_or(Ok(format), |missing| Err(CaptureError::not_built_in(path, missing)))
+    }
+
+    /// What reads and writes it, where that is not built in.
+    const fn missing(self) -> Option<NotBuiltIn> {
+        match self {
+            Self::Mcap if cfg!(not(feature = "mcap")) => Some(NotBuiltIn::MCAP),
+            Self::Parquet if cfg!(not(feature = "parquet")) => Some(NotBuiltIn::PARQUET),
+            _ => None,
+        }
     }
 }
 

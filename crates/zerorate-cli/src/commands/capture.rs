@@ -99,7 +99,7 @@ struct Summary {
 }
 
 pub fn run(args: &CaptureArgs) -> Result<()> {
-    let format = Format::choose(args.format, &args.output);
+    let format = Format::choose(args.format, &args.output)?;
     if args.cal.is_some() && format != Format::Mcap {
         let advice = "--cal is of --format mcap; a capture keeps its codes, and `zerorate correct` corrects it";
         return Err(Usage(advice.to_owned()).into());

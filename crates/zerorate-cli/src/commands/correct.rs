@@ -61,9 +61,9 @@ pub fn run(args: &CorrectArgs) -> Result<()> {
     let part = args.part.of(reader.info(), &mut outputs)?;
     refuse_corrected(&args.capture, &reader)?;
     check_serial(args, reader.info(), &calibration)?;
+    let format = Format::choose(args.format, &args.output)?;
     let output = outputs.derived(&args.output)?;
     let schema = schema(reader.info(), &calibration);
-    let format = Format::choose(args.format, &args.output);
     let mut sink = table::create(&args.output, Box::new(output.file()?), format, &schema)?;
     let mut correcting = Correcting::new(reader.info(), &part, &calibration)?;
     while let Some(rows) = reader.next_rows()? {

@@ -42,7 +42,7 @@ pub struct RepairArgs {
 
 pub fn run(args: &RepairArgs) -> Result<()> {
     interrupt::listen();
-    let format = Format::choose(args.format, &args.output);
+    let format = Format::choose(args.format, &args.output)?;
     refuse_bag(format)?;
     let mut outputs = Outputs::new(args.force).reading([&*args.capture])?;
     let missing = Kept::of(&args.capture)?;

@@ -37,12 +37,12 @@ pub fn run(args: &ReportArgs) -> Result<()> {
     let page = || report::calibration_page(&calibration, &args.cal.display().to_string());
     match &args.output {
         None => print(&page()?),
-        Some(path) => match Kind::of(path) {
-            Ok(kind) => {
+        Some(path) => match Kind::of(path)? {
+            Some(kind) => {
                 let svg = correction(&calibration)?;
                 picture::write(kind, outputs.derived(path)?, &svg)
             }
-            Err(_) => Ok(outputs.derived(path)?.fill(page()?.as_bytes())?),
+            None => Ok(outputs.derived(path)?.fill(page()?.as_bytes())?),
         },
     }
 }

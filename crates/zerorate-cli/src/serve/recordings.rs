@@ -94,6 +94,8 @@ impl Files {
 
     /// The next file. What an earlier run left of those that follow the first is not touched.
     fn next(&mut self) -> Result<Recording> {
+        // before anything is created
+        Format::choose(None, &self.path)?;
         loop {
             self.count += 1;
             match self.outputs.recording(&numbered(&self.path, self.count)) {
@@ -113,7 +115,7 @@ struct Opened {
 impl Opened {
     fn create(file: Recording, facts: &Facts, calibration: Option<Calibration>) -> Result<Self> {
         let path = file.path().to_owned();
-        let recorder = Recorder::create(file, Format::choose(None, &path), facts, &facts.info, calibration)?;
+        let recorder = Recorder::create(file, Format::choose(None, &path)?, facts, &facts.info, calibration)?;
         Ok(Self { name: path.display().to_string(), recorder })
     }
 

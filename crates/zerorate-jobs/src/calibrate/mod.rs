@@ -61,8 +61,8 @@ impl Files {
     /// Starts the log, once there is something to record.
     fn log(&mut self, facts: &Facts, info: &CaptureInfo) -> Result<Option<Recorder>> {
         let start = |path: &PathBuf| {
-            let file = self.outputs.recording(path)?;
-            Ok(Recorder::create(file, Format::choose(None, path), facts, info, None)?)
+            let format = Format::choose(None, path)?;
+            Ok(Recorder::create(self.outputs.recording(path)?, format, facts, info, None)?)
         };
         self.kept.log.as_ref().map(start).transpose()
     }

@@ -256,7 +256,11 @@ struct Files {
 
 impl Files {
     fn claim(args: &AllanArgs) -> Result<Self> {
-        let kinds = args.plot.iter().map(|path| picture::Kind::of(path)).collect::<Result<Vec<_>, _>>()?;
+        let kind = |path: &PathBuf| {
+            let other = || Usage(format!("{}: a picture must end in .svg or .png", path.display()));
+            picture::Kind::of(path)?.ok_or_else(other)
+        };
+        let kinds = args.plot.iter().map(kind).collect::<Result<Vec<_>, _>>()?;
         let mut outputs = Outputs::new(args.force).printing().reading(args.files.iter().map(PathBuf::as_path))?;
         let mut claim = |path: &PathBuf| outputs.derived(path);
         let pictures = args.plot.iter().map(&mut claim).collect::<Result<Vec<_>, _>>()?;

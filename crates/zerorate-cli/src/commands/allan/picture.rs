@@ -8,8 +8,6 @@ use anyhow::Result;
 use std::path::Path;
 use zerorate_allan::{Expected, Fit, Line};
 use zerorate_logs::Quantity;
-#[cfg(not(feature = "png"))]
-use zerorate_record::NotBuiltIn;
 use zerorate_view::plot::{self, Curve, Minimum, PowerLaw, Signal, Spectrum, Tone, number};
 
 /// Form of a picture.
@@ -21,18 +19,21 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// As the name says.
-    pub fn of(path: &Path) -> Result<Self, Usage> {
+    /// As the name says; none where that is not the name of a picture.
+    ///
+    /// # Errors
+    /// It is not built in.
+    pub fn of(path: &Path) -> Result<Option<Self>, Usage> {
         match path.extension().and_then(|ending| ending.to_str()).map(str::to_ascii_lowercase).as_deref() {
-            Some("svg") => Ok(Self::Svg),
+            Some("svg") => Ok(Some(Self::Svg)),
             #[cfg(feature = "png")]
-            Some("png") => Ok(Self::Png),
+            Some("png") => Ok(Some(Self::Png)),
             #[cfg(not(feature = "png"))]
             Some("png") => {
-                let missing = NotBuiltIn { what: "PNG", feature: "png" };
+                let missing = zerorate_record::NotBuiltIn { what: "PNG", feature: "png" };
                 Err(Usage(format!("{}: {missing}", path.display())))
             }
-            _ => Err(Usage(format!("{}: a picture must end in .svg or .png", path.display()))),
+            _ => Ok(None),
         }
     }
 }

@@ -233,7 +233,7 @@ impl Files {
         Ok(Self {
             calibration: args.output.as_deref().map(|path| outputs.derived(path)).transpose()?,
             report: args.report.as_deref().map(|path| outputs.derived(path)).transpose()?,
-            report_kind: args.report.as_deref().and_then(|path| Kind::of(path).ok()),
+            report_kind: args.report.as_deref().map(Kind::of).transpose()?.flatten(),
             log: args.log.clone(),
             steps: output.map(|path| outputs.slot(&Kept::beside(path))).transpose()?,
             setup,
@@ -244,7 +244,7 @@ impl Files {
     /// Starts the log, once there is something to record.
     fn log(&mut self, facts: &Facts, info: &CaptureInfo) -> Result<Option<Recorder>> {
         let Some(path) = self.log.take() else { return Ok(None) };
-        let file = self.outputs.recording(&path)?;
-        Ok(Some(Recorder::create(file, Format::choose(None, &path), facts, info, None)?))
+        let format = Format::choose(None, &path)?;
+        Ok(Some(Recorder::create(self.outputs.recording(&path)?, format, facts, info, None)?))
     }
 }
