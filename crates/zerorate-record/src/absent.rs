@@ -3,7 +3,7 @@
 /// As [`crate::parquet`].
 #[cfg(not(feature = "parquet"))]
 pub mod parquet {
-    use crate::table::{BlockSink, Opened, Out};
+    use crate::blocks::{BlockSink, Opened, Out};
     use crate::{CaptureError, Input, NotBuiltIn};
     use arrow_schema::SchemaRef;
     use std::path::Path;
@@ -22,7 +22,7 @@ pub mod parquet {
 /// As [`crate::bag`].
 #[cfg(not(feature = "mcap"))]
 pub mod bag {
-    use crate::table::{BlockSink, Opened, Out};
+    use crate::blocks::{BlockSink, Opened, Out};
     use crate::{CaptureError, Input, NotBuiltIn, RobotLog};
     use arrow_schema::SchemaRef;
     use std::path::Path;

@@ -1,9 +1,9 @@
 //! The Arrow IPC stream form: the one to record in, because every whole batch in it can be read whatever happens next.
 
 use super::CaptureError;
+use super::blocks::{BatchSource, BlockSink, Out, Stated};
 use super::chain::{self, End};
 use super::messages::{Message, MessageBytes, Messages, with_note};
-use super::table::{BatchSource, BlockSink, Out, Stated};
 use crate::limits::Room;
 use crate::survive::survive;
 use crate::{Input, Note};

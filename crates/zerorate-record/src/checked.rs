@@ -2,12 +2,12 @@
 //! and whether the rows agree with each other.
 
 use super::CaptureError;
+use super::blocks::BatchSource;
 use super::chain::{self, Chain, End};
 use super::columns::Rows;
 use super::info::CaptureInfo;
 use super::layout::AXES;
 use super::succession::{Break, Succession};
-use super::table::BatchSource;
 use crate::Note;
 use arrow_array::RecordBatch;
 use arrow_schema::{Metadata, SchemaRef};

@@ -1,11 +1,12 @@
 //! The CSV form: the description as comment lines, a header, then the rows.
 
 use super::CaptureError;
+use super::blocks::cut_off;
+use super::blocks::{BatchSource, BlockSink, Out, Stated};
 use super::chain::{self, End};
 use super::columns::MAX_ROWS;
 use super::delimited::{Delimiter, Lines};
 use super::info::CaptureInfo;
-use super::table::{self, BatchSource, BlockSink, Out, Stated};
 use crate::{Input, Note};
 use arrow_array::builder::PrimitiveBuilder;
 use arrow_array::cast::AsArray;
@@ -170,7 +171,7 @@ impl CsvReader {
     /// The file ended before the capture did.
     fn torn(&mut self, rows: usize) {
         self.stated.torn = true;
-        self.stated.warning = Some(table::cut_off(&self.path, rows));
+        self.stated.warning = Some(cut_off(&self.path, rows));
     }
 
     fn damaged(&self, what: &str) -> CaptureError {

@@ -16,6 +16,7 @@ mod axes;
 #[cfg(feature = "mcap")]
 pub mod bag;
 pub mod believed;
+mod blocks;
 pub mod cells;
 mod chain;
 mod checked;
@@ -65,9 +66,9 @@ pub use unit::{Quantity, STANDARD_GRAVITY, TimeUnit, Unit, is_celsius};
 
 use arrow_array::RecordBatch;
 use arrow_schema::SchemaRef;
+use blocks::{BatchSource, Opened, Out};
 use columns::{OpenBatch, Rows};
 use std::path::{Path, PathBuf};
-use table::{BatchSource, Opened, Out};
 
 /// Records rows. Dropping it closes the file as well, but only [`CaptureWriter::finish`] tells whether that worked.
 pub struct CaptureWriter {

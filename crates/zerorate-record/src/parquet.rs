@@ -1,8 +1,8 @@
 //! The Parquet form: the smallest, for keeping. Its index stands at the end, so it is readable only once closed.
 
 use super::CaptureError;
+use super::blocks::{BatchSource, BlockSink, Opened, Out, Stated};
 use super::chain::{self, End};
-use super::table::{BatchSource, BlockSink, Opened, Out, Stated};
 use crate::Input;
 use crate::limits::NoRoom;
 use crate::survive::survive;

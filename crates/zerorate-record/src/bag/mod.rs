@@ -11,7 +11,7 @@ mod tests;
 pub use reader::McapReader;
 pub use sink::McapSink;
 
-use crate::table::{BlockSink, MCAP_MARK, Opened, Out};
+use crate::blocks::{BlockSink, MCAP_MARK, Opened, Out};
 use crate::{CaptureError, Input, RobotLog};
 use arrow_schema::SchemaRef;
 use std::io::{self, Read, Seek};

@@ -4,13 +4,14 @@ use super::cdr::Fields;
 use super::messages::decode;
 use super::{CHECKS, SAMPLES};
 use crate::CaptureError;
+use crate::blocks::cut_off;
+use crate::blocks::{BatchSource, MCAP_MARK, Stated};
 use crate::chain::{self, End};
 use crate::columns::{MAX_ROWS, OpenBatch};
 use crate::info::CaptureInfo;
 use crate::layout::Layout;
 use crate::limits::Room;
 use crate::mcap_messages::{Messages, Torn};
-use crate::table::{self, BatchSource, MCAP_MARK, Stated};
 use crate::{Input, Note};
 use arrow_array::RecordBatch;
 use arrow_schema::{Metadata, Schema};
@@ -111,7 +112,7 @@ impl McapReader {
             return Err(self.damaged("it was closed, and some of them are missing or cannot be read"));
         }
         self.stated.torn = true;
-        self.stated.warning = Some(table::cut_off(&self.path, rows));
+        self.stated.warning = Some(cut_off(&self.path, rows));
         Ok(())
     }
 }

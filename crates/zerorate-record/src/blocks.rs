@@ -1,0 +1,96 @@
+//! What the forms of a capture have in common: blocks of rows, written and read.
+
+use crate::chain::End;
+use crate::{CaptureError, Input, Note};
+use arrow_array::RecordBatch;
+use arrow_schema::SchemaRef;
+use std::io::Write;
+use std::path::Path;
+
+/// How every MCAP file starts.
+pub const MCAP_MARK: &[u8] = b"\x89MCAP0\r\n";
+
+/// Where a capture goes.
+pub type Out = Box<dyn Write + Send>;
+
+/// Takes blocks of rows in one of the forms.
+pub trait BlockSink {
+    /// Writes rows, as far as the form allows out of the program's hands. `check` ends the block.
+    fn write(&mut self, rows: &RecordBatch, check: Option<&str>) -> Result<(), CaptureError>;
+
+    /// Ends the block of the rows before, if `check` is given, and writes what the form has at its end.
+    fn finish(self: Box<Self>, check: Option<&str>, end: &End) -> Result<(), CaptureError>;
+}
+
+/// What a source has stated so far, beside its rows.
+pub struct Stated {
+    /// Columns and metadata.
+    pub schema: SchemaRef,
+    /// The check of the batch given last.
+    pub check: Option<String>,
+    /// The end, once all batches were read.
+    pub end: Option<End>,
+    /// No batch follows.
+    pub ended: bool,
+    /// The file ended where no end should be.
+    pub torn: bool,
+    /// What is to be said after the last batch: a tail that was torn off.
+    pub warning: Option<Note>,
+}
+
+impl Stated {
+    /// Nothing but the schema, as before the first batch.
+    pub fn new(schema: SchemaRef) -> Self {
+        Self { schema, check: None, end: None, ended: false, torn: false, warning: None }
+    }
+}
+
+/// What is to be said of a capture that lacks its end, with so many rows that no check vouches for.
+pub fn cut_off(path: &Path, rows: usize) -> Note {
+    let path = path.display();
+    let text = format!(
+        "{path} was not closed, or its end was removed: every whole block of rows is read, {rows} rows behind the \
+         last one are dropped"
+    );
+    Note::new("torn-tail", text)
+}
+
+/// Gives batches.
+pub trait BatchSource {
+    /// What the form is called.
+    fn form(&self) -> &'static str {
+        "table"
+    }
+
+    /// What was stated so far.
+    fn stated(&self) -> &Stated;
+
+    /// The same, to be added to.
+    fn stated_mut(&mut self) -> &mut Stated;
+
+    /// The next batch of the form, if there is one. It is not called again behind the end or an error.
+    fn read_batch(&mut self) -> Result<Option<RecordBatch>, CaptureError>;
+
+    /// Whether common software keeps the description when it writes such a file, and drops the checks of the rows.
+    fn may_be_stripped(&self) -> bool {
+        true
+    }
+
+    /// The next batch; none behind the last one, and behind an error.
+    fn next_batch(&mut self) -> Result<Option<RecordBatch>, CaptureError> {
+        if self.stated().ended {
+            return Ok(None);
+        }
+        let batch = self.read_batch();
+        self.stated_mut().ended |= !matches!(batch, Ok(Some(_)));
+        batch
+    }
+}
+
+/// What a file turned out to be.
+pub enum Opened {
+    /// Columns with names and types.
+    Table(Box<dyn BatchSource>),
+    /// Text that is no capture: perhaps the log of some other gyroscope.
+    Text(Input),
+}
