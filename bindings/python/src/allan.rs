@@ -8,11 +8,10 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyNone, PyTuple, PyType};
 use std::fmt::Display;
 use zerorate_allan::{
-    Analysis, Coefficient, Deviation, Difference, Estimate, Expected, Fit, FitOptions, Gap, Input, Options, Reason,
-    Stat, Taus, Term, analyse as analyse_input, deviations as of_input, edf as edf_of,
-    finite_difference_edf as edf_of_difference, fit, interval as limits, mtie as mtie_of,
+    Analysed, Analysis, AnalysisError, Coefficient, Deviation, Difference, Estimate, Expected, Fit, FitOptions, Gap,
+    Input, Options, Reason, Settled, Stat, Taus, Term, deviations as of_input, edf as edf_of,
+    finite_difference_edf as edf_of_difference, interval as limits, mtie as mtie_of,
 };
-use zerorate_cli::api::{self, Settled};
 
 /// The noise model of a record as the core has it, for the files that are made of it.
 #[pyclass(module = "zerorate._zerorate", frozen)]
@@ -88,27 +87,19 @@ pub fn analyse<'py>(
     let (rest, settled) = settled.unzip();
     let whole = record.input(phase, &gaps)?;
     let input = rest.as_ref().map_or(whole, |rest| settling::input(rest, phase));
-    let Settled { detrended, follows, skipped_s } = settled.unwrap_or_default();
+    let settled = settled.unwrap_or_default();
     let options = Options { stat: stat.parse().map_err(refused)?, taus: taus.taus()?, confidence, scale };
-    let found = py
-        .detach(|| {
-            let mut fit = cleaning.map(|(cut_glitches, remove_steps)| {
-                fit(&input, rate_hz, &FitOptions { scale: options.scale, cut_glitches, remove_steps })
-            });
-            // the curve is of the record that was fitted
-            let cleaned = fit.iter().flatten().find_map(|fit| fit.cleaned.rate.as_deref());
-            let analysis = match cleaned {
-                Some(rate) => analyse_input(&Input::Rate(rate), rate_hz, &Options { scale: 1.0, ..options }),
-                None => analyse_input(&input, rate_hz, &options),
-            };
-            let analysis = api::widened(analysis?, detrended.as_ref(), confidence);
-            if let Some(Ok(fit)) = &mut fit {
-                api::heed(fit, detrended.as_ref(), follows);
-            }
-            Ok((analysis, fit))
-        })
-        .map_err(|error: zerorate_allan::AnalysisError| refused(error))?;
-    let (analysis, fit) = found;
+    let cleaning = cleaning.map(|(cut_glitches, remove_steps)| FitOptions {
+        cut_glitches,
+        remove_steps,
+        ..FitOptions::default()
+    });
+    let found = py.detach(|| {
+        let analysed = Analysed::new(input, rate_hz, scale, cleaning, &settled);
+        Ok((analysed.deviations(&options)?, analysed.into_fit()))
+    });
+    let (analysis, fit) = found.map_err(|error: AnalysisError| refused(error))?;
+    let Settled { detrended, follows, skipped_s } = settled;
     let result = PyDict::new(py);
     columns(&result, &analysis)?;
     result.set_item("skipped_s", skipped_s)?;

@@ -9,8 +9,9 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use zerorate_cli::api;
 use zerorate_host::files;
+use zerorate_jobs::temperature;
+use zerorate_logs::TEMPERATURE_NAMES;
 use zerorate_logs::imu::{Axes, ImuOptions, Said};
 use zerorate_logs::{
     Column, ColumnOptions, Decimal, Names, Quantity, RawType, Series, Setting, TimeUnit, Unit, Wanted,
@@ -72,6 +73,8 @@ pub fn argument(setting: Setting) -> &'static str {
         Setting::MaxBad => "max_bad=",
         Setting::GyroUnit => "gyro_unit=",
         Setting::AccelUnit => "accel_unit=",
+        Setting::Skip => "skip=",
+        Setting::Detrend => "detrend=",
         other => other.name(),
     }
 }
@@ -123,11 +126,11 @@ pub fn read_temperature<'py>(
                 let wanted = [name.to_owned()];
                 zerorate_logs::read_table(&path, &table, Wanted::Listed(&wanted), &options).ok()?.pop()
             };
-            let column = name.map_or_else(|| api::TEMPERATURES.into_iter().find_map(read), read);
+            let column = name.map_or_else(|| TEMPERATURE_NAMES.into_iter().find_map(read), read);
             (path, column)
         }
         Opened::File(path) => {
-            let column = py.detach(|| api::temperature(&path, name, &options));
+            let column = py.detach(|| temperature::of_log(&path, name, &options));
             (path, column)
         }
     };
@@ -140,7 +143,7 @@ pub fn read_temperature<'py>(
 /// What columns with a temperature are called.
 #[pyfunction]
 pub fn temperatures() -> Vec<&'static str> {
-    api::TEMPERATURES.to_vec()
+    TEMPERATURE_NAMES.to_vec()
 }
 
 /// Reads the axes of an IMU's log, or of the columns that are named. Returns a dictionary for each, the topic of a

@@ -1,15 +1,15 @@
 //! The temperature of a record, and its beginning: as `zerorate allan` does it.
 
 use crate::error::exception;
+use crate::log::argument;
 use crate::record::Record;
 use numpy::PyReadonlyArray1;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::Path;
-use zerorate_allan::{AllanWarning, Detrended, Gap, Input};
-use zerorate_cli::api::{self, Settled};
-use zerorate_logs::{Column, Series};
+use zerorate_allan::{AllanWarning, Detrended, Gap, Input, Settled};
+use zerorate_logs::{self as logs, Column, Names, Series};
 
 /// What is known of the temperature of a record, and what is done about it and about its beginning.
 #[derive(FromPyObject)]
@@ -40,13 +40,9 @@ impl Settling<'_> {
         let temperature = temps_c.map(|temps_c| named("the temperature", Series::Numbers(temps_c), rate_hz));
         let skip: zerorate_view::Seconds =
             self.skip.parse().map_err(|why| PyValueError::new_err(format!("skip={}: {why}", self.skip)))?;
-        let settling = api::Settling { skip_s: skip.0, order: self.detrend };
+        let settling = logs::Settling { skip_s: skip.0, order: self.detrend, names: Names(argument) };
         let settled = py.detach(|| settling.apply(&mut rate, Path::new("the record"), temperature.as_ref()));
-        let in_python = |why: anyhow::Error| {
-            let text = format!("{why:#}").replace("--detrend", "detrend=").replace("--skip", "skip=");
-            exception(&anyhow::Error::msg(text))
-        };
-        Ok((rate, settled.map_err(in_python)?))
+        Ok((rate, settled.map_err(|why| exception(&why.into()))?))
     }
 }
 

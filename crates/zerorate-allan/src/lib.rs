@@ -7,6 +7,8 @@ extern crate std;
 
 #[cfg(feature = "std")]
 mod advice;
+#[cfg(feature = "std")]
+mod analysed;
 mod analysis;
 mod chi2;
 mod codes;
@@ -38,6 +40,8 @@ mod welch;
 
 #[cfg(feature = "std")]
 pub use advice::{AN1042_TAUS_S, Advice, Averaging, advice};
+#[cfg(feature = "std")]
+pub use analysed::{Analysed, Settled};
 pub use analysis::{Analysis, AnalysisError, Options, Point, Unavailable, analyse};
 pub use chi2::chi2_quantile;
 pub use curve_fit::{Coefficient, CurveError, CurveFit, fit_curve};

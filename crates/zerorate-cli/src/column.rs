@@ -3,6 +3,7 @@
 use clap::Args;
 use std::path::Path;
 use zerorate_host::files;
+use zerorate_jobs::temperature;
 use zerorate_logs::{Column, ColumnOptions, Decimal, LogError, Names, RawType, Setting, TimeUnit, Unit, Wanted};
 
 /// Which numbers of a log are meant, and what the log does not say about them itself.
@@ -84,7 +85,7 @@ impl ColumnArgs {
     /// the unit of the other columns is not said of it.
     pub fn read_temperature(&self, path: &Path, names: &[&str]) -> Option<Column> {
         let options = ColumnOptions { column: None, unit: None, scale: None, ..self.options() };
-        temperature(path, names, &options)
+        temperature::named(path, names, &options)
     }
 
     fn options(&self) -> ColumnOptions {
@@ -103,15 +104,6 @@ impl ColumnArgs {
             names: Names(flag),
         }
     }
-}
-
-/// The temperature of a log, by one of these names.
-pub fn temperature(path: &Path, names: &[&str], options: &ColumnOptions) -> Option<Column> {
-    let read = |name: &&str| {
-        let wanted = [(*name).to_owned()];
-        zerorate_logs::read_parts(path, files::log(path).ok()?, Wanted::Listed(&wanted), options).ok()?.pop()
-    };
-    names.iter().find_map(read)
 }
 
 /// All columns with numbers.
@@ -138,6 +130,8 @@ pub fn flag(setting: Setting) -> &'static str {
         Setting::GyroUnit => "--gyro-unit",
         Setting::AccelUnit => "--accel-unit",
         Setting::Combine => "--combine",
+        Setting::Skip => "--skip",
+        Setting::Detrend => "--detrend",
         other => other.name(),
     }
 }

@@ -8,7 +8,6 @@
     reason = "they panic where a stream is full or closed: output::say, output::print"
 )]
 
-pub mod api;
 mod cli;
 mod column;
 mod commands;

@@ -14,6 +14,7 @@ mod error;
 mod judged;
 pub mod output;
 pub mod recorder;
+pub mod temperature;
 
 pub use acquisition::{Acquisition, Tell};
 pub use error::{InvalidOptions, Refused};

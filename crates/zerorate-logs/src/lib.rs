@@ -51,6 +51,7 @@ mod rosbag;
 mod row_reader;
 mod series;
 mod setting;
+mod settling;
 #[cfg(all(test, feature = "full"))]
 mod several;
 #[cfg(feature = "sqlite")]
@@ -72,6 +73,7 @@ pub use raw::RawType;
 pub use row_reader::RowReader;
 pub use series::Series;
 pub use setting::{Names, Setting};
+pub use settling::{Settling, SettlingError, TEMPERATURE_NAMES};
 pub use zerorate_record::{Quantity, STANDARD_GRAVITY, TimeUnit, Unit};
 
 use arrow_array::RecordBatch;

@@ -20,6 +20,8 @@ pub enum Setting {
     GyroUnit,
     AccelUnit,
     Combine,
+    Skip,
+    Detrend,
 }
 
 impl Setting {
@@ -40,6 +42,8 @@ impl Setting {
             Self::GyroUnit => "gyro_unit",
             Self::AccelUnit => "accel_unit",
             Self::Combine => "combine",
+            Self::Skip => "skip",
+            Self::Detrend => "detrend",
         }
     }
 }

@@ -2,7 +2,9 @@
 
 use super::message::{AxisKind, LogAxis, LogCoefficient, LogColumn, LogPoint, LogValue};
 use std::path::Path;
-use zerorate_allan::{self as allan, Analysis, Density, Fit, FitError, FitOptions, Input, Line, Options, Taus, Term};
+use zerorate_allan::{
+    self as allan, Analysis, Density, Fit, FitError, FitOptions, Input, Line, Options, Settled, Taus, Term,
+};
 use zerorate_logs::imu::{self, Axis, B, Kind, Named};
 use zerorate_logs::{Column, Quantity, Series};
 use zerorate_view::plot::{Envelope, number};
@@ -25,20 +27,18 @@ pub fn analyse(path: &Path, column: Column) -> Result<Analysed, String> {
     let words = |error: &dyn std::fmt::Display| format!("{}, column {}: {error}", path.display(), column.name);
     let missing = column.missing();
     let stopped = column.stopped(path).map_err(|error| error.to_string())?;
-    let options = Options { scale: column.scale, taus: Taus::Fine, ..Options::default() };
     let input = match &column.series {
         Series::Codes(codes) => Input::Codes { codes, gaps: &column.gaps },
         Series::Numbers(numbers) => Input::Rate(numbers),
     };
-    let mut fit = allan::fit(&input, column.rate_hz, &FitOptions { scale: column.scale, ..FitOptions::default() });
-    // what was taken out before the fit is not in the curve either, or the two could not be compared
-    let cleaned = fit.as_mut().ok().and_then(|fit| fit.cleaned.rate.take());
-    let (input, options) = match &cleaned {
-        Some(rate) => (Input::Rate(rate), Options { scale: 1.0, ..options }),
-        None => (input, options),
-    };
-    let analysis = allan::analyse(&input, column.rate_hz, &options).map_err(|error| words(&error))?;
-    let samples = input.rates(column.rate_hz, options.scale);
+    let options = FitOptions::default();
+    let analysed = allan::Analysed::new(input, column.rate_hz, column.scale, Some(options), &Settled::default());
+    let fine = Options { taus: Taus::Fine, ..Options::default() };
+    let analysis = analysed.deviations(&fine).map_err(|error| words(&error))?;
+    let samples = analysed.rates();
+    let mut fit = analysed.into_fit().ok_or("no noise model was asked for")?;
+    // the page keeps the samples as a picture alone
+    fit.iter_mut().for_each(|fit| fit.cleaned.rate = None);
     let spectrum = allan::welch(&samples, column.rate_hz).map_err(|error| words(&error))?;
     let envelope = Envelope::new(&samples, column.rate_hz);
     let lacking =
@@ -97,8 +97,7 @@ impl Analysed {
 
     /// What stands out of its spectrum.
     pub fn lines(&self) -> impl Iterator<Item = &Line> {
-        let terms = self.fit.as_ref().map_or(&[][..], |fit| &fit.terms[..]);
-        terms.iter().filter_map(|term| if let Term::Line(line) = term { Some(line) } else { None })
+        self.fit.iter().flat_map(Fit::lines)
     }
 
     /// Why the coefficients are no result, if they are none.

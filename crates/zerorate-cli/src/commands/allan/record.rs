@@ -1,16 +1,15 @@
 //! One log on its way from file to result.
 
-use super::Data;
-use super::temperature::{self, Settled, Settling};
-use super::units;
+use super::{Data, temperature, units};
+use crate::exit::Usage;
 use anyhow::{Context, Result, ensure};
 use std::path::{Path, PathBuf};
 use zerorate_allan::{
-    self as allan, self, AllanWarning, Analysis, Averaging, Density, Detrended, Expected, Fit, FitError, FitOptions,
-    Input, Line, Options, Point, Taus, Term,
+    self as allan, AllanWarning, Analysed, Analysis, Averaging, Density, Detrended, Expected, Fit, FitError,
+    FitOptions, Input, Line, Options, Point, Settled, Taus,
 };
 use zerorate_logs::imu::{self, Axis, Kind};
-use zerorate_logs::{Column, Quantity, STANDARD_GRAVITY, Series};
+use zerorate_logs::{Column, Quantity, STANDARD_GRAVITY, Series, Settling, SettlingError};
 use zerorate_view::plot::Envelope;
 
 /// A log and what was found in it.
@@ -77,7 +76,10 @@ impl Record {
     /// Analyses a column of the log `file`.
     pub fn of(mut column: Column, file: &Path, way: &Way, temperature: Option<&Column>) -> Result<Self> {
         let mut warnings: Vec<String> = column.warnings.iter().map(ToString::to_string).collect();
-        let Settled { detrended, follows, skipped_s } = way.settling.apply(&mut column, file, temperature)?;
+        let settled = way.settling.apply(&mut column, file, temperature).map_err(|error| match error {
+            SettlingError::NothingLeft(why) => Usage(why).into(),
+            error => anyhow::Error::from(error),
+        })?;
         warnings.extend(gaps(way, file, &mut column));
         let samples = column.series.len();
         ensure!(
@@ -93,28 +95,21 @@ impl Record {
             (None, Series::Codes(codes)) => Input::Codes { codes, gaps: &column.gaps },
             (None, Series::Numbers(numbers)) => Input::Rate(numbers),
         };
-        let mut fit =
-            way.fit.map(|fit| allan::fit(&input, column.rate_hz, &FitOptions { scale: column.scale, ..fit }));
-        // what was taken out before the fit is not in the curve either, or the two could not be compared
-        let cleaned = fit.iter().flatten().find_map(|fit| fit.cleaned.rate.as_deref());
-        let (input, scale) = cleaned.map_or((input, column.scale), |rate| (Input::Rate(rate), 1.0));
+        let analysed = Analysed::new(input, column.rate_hz, column.scale, way.fit, &settled);
         let analyse = |taus: &Taus| {
-            let options = Options { scale, taus: taus.clone(), ..way.options };
-            let analysis = allan::analyse(&input, column.rate_hz, &options);
-            let analysis = analysis.with_context(|| format!("cannot analyse {}", file.display()))?;
-            anyhow::Ok(temperature::widened(analysis, detrended.as_ref(), way.options.confidence))
+            let options = Options { taus: taus.clone(), ..way.options };
+            analysed.deviations(&options).with_context(|| format!("cannot analyse {}", file.display()))
         };
         let analysis = analyse(&way.options.taus)?;
-        let rate = (way.keeps_rate && cleaned.is_none()).then(|| input.rates(column.rate_hz, scale));
         let finer = way.draws_finely.then(|| analyse(&Taus::Fine)).transpose()?;
+        let rate = (way.keeps_rate && analysed.cleaned().is_none()).then(|| analysed.rates());
         let draws = way.draws && way.data == Data::Rate;
-        let look = draws.then(|| Look::of(&column, file, cleaned)).transpose()?;
-        match &mut fit {
-            Some(Ok(fit)) => temperature::heed(fit, detrended.as_ref(), follows),
-            _ => warnings.extend(follows.as_ref().map(temperature::text)),
-        }
+        let look = draws.then(|| Look::of(&column, file, analysed.cleaned())).transpose()?;
+        let fit = analysed.into_fit();
+        let Settled { detrended, follows, skipped_s } = settled;
+        let said = follows.filter(|_| !matches!(fit, Some(Ok(_))));
         let seen = fit.iter().flatten().flat_map(|fit| &fit.warnings);
-        warnings.extend(seen.map(temperature::text));
+        warnings.extend(said.iter().chain(seen).map(temperature::text));
         Ok(Self {
             file: file.to_owned(),
             column: column.name,
@@ -164,8 +159,7 @@ impl Record {
 
     /// What stands out of its spectrum.
     pub fn lines(&self) -> impl Iterator<Item = &Line> {
-        let terms = self.model().map_or(&[][..], |fit| &fit.terms);
-        terms.iter().filter_map(|term| if let Term::Line(line) = term { Some(line) } else { None })
+        self.model().into_iter().flat_map(Fit::lines)
     }
 
     /// The model, if it is not rejected: what may be called a result and go into files.

@@ -2,15 +2,15 @@
 
 use super::record::Record;
 use super::units::{deviation_unit, span};
+use crate::column::flag;
 use crate::exit::Usage;
-use anyhow::{Context, Result, anyhow};
+use anyhow::Result;
 use clap::Args;
 use serde::Serialize;
-use std::fs::File;
-use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
-use zerorate_allan::{self as allan, AllanWarning, Analysis, Detrended, Fit, Follows, MOST_ORDER};
-use zerorate_logs::{Column, Series};
+use zerorate_allan::{AllanWarning, MOST_ORDER};
+use zerorate_jobs::temperature::usual;
+use zerorate_logs::{Column, Names, Settling, TEMPERATURE_NAMES};
 use zerorate_view::duration::Seconds;
 
 /// What to do about a part that was warming.
@@ -39,14 +39,9 @@ fn order(text: &str) -> Result<usize, String> {
     order.ok_or_else(|| "must be temp, temp:2 or temp:3".to_owned())
 }
 
-/// What logs call their temperature.
-pub const NAMES: [&str; 4] = ["temp_code", "temp_c", "temp", "temperature"];
-/// Bytes at both ends of a file in which columns name themselves.
-const ENDS: u64 = 1 << 16;
-
 impl TemperatureArgs {
     pub fn settling(&self) -> Settling {
-        Settling { skip_s: self.skip.map_or(0.0, |skip| skip.0), order: self.detrend }
+        Settling { skip_s: self.skip.map_or(0.0, |skip| skip.0), order: self.detrend, names: Names(flag) }
     }
 
     pub fn check(&self, is_pooled: bool, is_phase: bool) -> Result<(), Usage> {
@@ -73,117 +68,11 @@ impl TemperatureArgs {
         let column = usual(file, read);
         if column.is_none() && self.detrend.is_some() {
             let file = file.display();
-            let why = format!("--detrend: {file} has no column {}; name it by --temp-column", NAMES.join(", "));
+            let why =
+                format!("--detrend: {file} has no column {}; name it by --temp-column", TEMPERATURE_NAMES.join(", "));
             return Err(Usage(why).into());
         }
         Ok(column)
-    }
-}
-
-/// The temperature of a log by the usual names, where the log seems to have one.
-pub fn usual(file: &Path, read: impl Fn(&[&str]) -> Option<Column>) -> Option<Column> {
-    if speaks_of_temperature(file) { read(&NAMES) } else { None }
-}
-
-/// Whether a file names something like a temperature near its beginning or its end, so that a second look is worth it.
-/// What is piped in is not read twice.
-fn speaks_of_temperature(file: &Path) -> bool {
-    let ends = || -> std::io::Result<Vec<u8>> {
-        let mut bytes = Vec::new();
-        let mut file = File::open(file)?;
-        let len = file.metadata()?.len();
-        file.by_ref().take(ENDS).read_to_end(&mut bytes)?;
-        if len > 2 * ENDS {
-            file.seek(SeekFrom::Start(len - ENDS))?;
-            file.take(ENDS).read_to_end(&mut bytes)?;
-        }
-        Ok(bytes)
-    };
-    ends().is_ok_and(|bytes| bytes.windows(4).any(|word| word.eq_ignore_ascii_case(b"temp")))
-}
-
-/// What is done with a record before it is analysed.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Settling {
-    /// What is left out at its beginning, s.
-    pub skip_s: f64,
-    /// Of the polynomial over temperature that is taken out.
-    pub order: Option<usize>,
-}
-
-/// What came of it.
-#[derive(Default)]
-pub struct Settled {
-    /// The polynomial that was taken out.
-    pub detrended: Option<Detrended>,
-    /// That the rate follows the temperature, where it does and nothing was taken out.
-    pub follows: Option<AllanWarning>,
-    /// What was left out, s.
-    pub skipped_s: f64,
-}
-
-impl Settling {
-    /// Does it to a column of `file`, whose temperature is another column.
-    ///
-    /// # Errors
-    /// [`Usage`] where nothing would be left, or what does not fit.
-    pub fn apply(&self, column: &mut Column, file: &Path, temperature: Option<&Column>) -> Result<Settled> {
-        let samples = (self.skip_s * column.rate_hz).round() as u64;
-        if samples > 0 {
-            let whole = column.points(file)?.len() as u64;
-            if samples >= whole {
-                let length = span(whole as f64 / column.rate_hz);
-                let why = format!("--skip leaves nothing of {}, which is {length} long", file.display());
-                return Err(Usage(why).into());
-            }
-            column.skip(samples);
-        }
-        let skipped_s = samples as f64 / column.rate_hz;
-        let Some(temperature) = temperature.filter(|temperature| temperature.name != column.name) else {
-            return Ok(Settled { skipped_s, ..Settled::default() });
-        };
-        let rates = match column.points(file) {
-            // so many are lost that the record cannot be written out; nothing was asked that needs it
-            Err(_) if self.order.is_none() => return Ok(Settled { skipped_s, ..Settled::default() }),
-            rates => rates?,
-        };
-        let mut temps = temperature.points(file)?;
-        temps.iter_mut().for_each(|temp| *temp *= temperature.scale);
-        // what was skipped of a gap is not in the column
-        let temps = &temps[temps.len().saturating_sub(rates.len())..];
-        let Some(order) = self.order else {
-            return Ok(Settled { follows: follows(&rates, temps, column.scale), skipped_s, ..Settled::default() });
-        };
-        let mut detrended = allan::detrend(&rates, temps, order).map_err(|why| anyhow!(why)).with_context(|| {
-            format!("--detrend: {}, columns {} and {}", file.display(), column.name, temperature.name)
-        })?;
-        column.series = Series::Numbers(std::mem::take(&mut detrended.residual));
-        column.gaps.clear();
-        detrended.coefficients.iter_mut().for_each(|coefficient| *coefficient *= column.scale);
-        Ok(Settled { detrended: Some(detrended), follows: None, skipped_s })
-    }
-}
-
-fn follows(rates: &[f64], temps: &[f64], scale: f64) -> Option<AllanWarning> {
-    let Follows { explained, slope_per_c, span_c } = allan::follows_temperature(rates, temps)?;
-    Some(AllanWarning::FollowsTemperature { explained, slope: slope_per_c * scale, span_c })
-}
-
-/// The deviations of what is left, as those of the noise.
-pub fn widened(mut analysis: Analysis, detrended: Option<&Detrended>, confidence: f64) -> Analysis {
-    if let Some(detrended) = detrended {
-        analysis.points.iter_mut().for_each(|point| *point = detrended.widened(point, confidence));
-    }
-    analysis
-}
-
-/// What the temperature does to a model: it is warned of, or K is widened.
-pub fn heed(fit: &mut Fit, detrended: Option<&Detrended>, follows: Option<AllanWarning>) {
-    if let Some(detrended) = detrended {
-        fit.k = detrended.widened_walk(&fit.k);
-    }
-    if let Some(follows) = follows {
-        fit.warnings.insert(0, follows);
     }
 }
 

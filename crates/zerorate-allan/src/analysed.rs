@@ -1,0 +1,140 @@
+//! A record at rest on its way to its deviations and its noise model: one way for every front end.
+
+use crate::{
+    AllanWarning, Analysis, AnalysisError, Detrended, Fit, FitError, FitOptions, Input, Line, Options, Term, analyse,
+    fit,
+};
+use alloc::vec::Vec;
+
+/// What was done about the temperature and the beginning of a record before it is analysed.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Settled {
+    /// The polynomial over temperature that was taken out.
+    pub detrended: Option<Detrended>,
+    /// That the rate follows the temperature, where it does and nothing was taken out.
+    pub follows: Option<AllanWarning>,
+    /// What was left out at the beginning, s.
+    pub skipped_s: f64,
+}
+
+/// A record with its noise model, from which deviations are computed.
+pub struct Analysed<'a> {
+    input: Input<'a>,
+    rate_hz: f64,
+    scale: f64,
+    detrended: Option<Detrended>,
+    fit: Option<Result<Fit, FitError>>,
+}
+
+impl<'a> Analysed<'a> {
+    /// Fits the noise model, if there are options for it; `scale` is what a step of the input is in the unit of the
+    /// result.
+    #[must_use]
+    pub fn new(input: Input<'a>, rate_hz: f64, scale: f64, options: Option<FitOptions>, settled: &Settled) -> Self {
+        let mut fit = options.map(|options| fit(&input, rate_hz, &FitOptions { scale, ..options }));
+        let Settled { detrended, follows, .. } = settled;
+        if let Some(Ok(fit)) = &mut fit {
+            if let Some(detrended) = detrended {
+                fit.k = detrended.widened_walk(&fit.k);
+            }
+            if let Some(follows) = follows {
+                fit.warnings.insert(0, *follows);
+            }
+        }
+        Self { input, rate_hz, scale, detrended: detrended.clone(), fit }
+    }
+
+    /// The deviations. What was taken out before the fit is not in them either, or the two could not be compared; what
+    /// was lost to the polynomial over temperature widens their intervals. `options.scale` is not looked at.
+    ///
+    /// # Errors
+    /// As [`analyse`].
+    pub fn deviations(&self, options: &Options) -> Result<Analysis, AnalysisError> {
+        let (input, scale) = match self.cleaned() {
+            Some(rate) => (Input::Rate(rate), 1.0),
+            None => (self.input, self.scale),
+        };
+        let mut analysis = analyse(&input, self.rate_hz, &Options { scale, ..options.clone() })?;
+        if let Some(detrended) = &self.detrended {
+            analysis.points.iter_mut().for_each(|point| *point = detrended.widened(point, options.confidence));
+        }
+        Ok(analysis)
+    }
+
+    /// The record without glitches and steps, in the unit of the result; none where nothing was taken out.
+    #[must_use]
+    pub fn cleaned(&self) -> Option<&[f64]> {
+        self.fit.iter().flatten().find_map(|fit| fit.cleaned.rate.as_deref())
+    }
+
+    /// The record as the deviations are computed from it, in the unit of the result; NaN is a missing sample.
+    #[must_use]
+    pub fn rates(&self) -> Vec<f64> {
+        match self.cleaned() {
+            Some(rate) => rate.to_vec(),
+            None => self.input.rates(self.rate_hz, self.scale),
+        }
+    }
+
+    /// The noise model, if one was asked for.
+    #[must_use]
+    pub fn into_fit(self) -> Option<Result<Fit, FitError>> {
+        self.fit
+    }
+}
+
+impl Fit {
+    /// What stands out of the spectrum.
+    pub fn lines(&self) -> impl Iterator<Item = &Line> {
+        self.terms.iter().filter_map(|term| if let Term::Line(line) = term { Some(line) } else { None })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Stat, detrend, deviations};
+
+    /// A ramp of temperature with a rate that follows it, and one sample that is no noise.
+    fn warming() -> (Vec<f64>, Vec<f64>) {
+        let mut state = 7_u64;
+        let mut noise = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
+        };
+        let temps: Vec<f64> = (0..60_000).map(|k| 25.0 + 1e-4 * f64::from(k)).collect();
+        let mut rates: Vec<f64> = temps.iter().map(|temp| 0.05 * temp + noise()).collect();
+        rates[30_000] += 500.0;
+        (rates, temps)
+    }
+
+    #[test]
+    fn a_glitch_and_the_temperature_are_out_of_model_and_deviations_alike() {
+        let (rates, temps) = warming();
+        let detrended = detrend(&rates, &temps, 1).unwrap();
+        let residual = detrended.residual.clone();
+        let settled = Settled { detrended: Some(detrended), ..Settled::default() };
+        let options = Options::default();
+        let analysed = Analysed::new(Input::Rate(&residual), 100.0, 2.0, Some(FitOptions::default()), &settled);
+        let curve = analysed.deviations(&options).unwrap();
+        // by the definition, of the samples without the glitch, in twice their unit
+        let mut plain = residual.clone();
+        plain[30_000] = (plain[29_999] + plain[30_001]) / 2.0;
+        let expected = deviations(&Input::Rate(&plain), 100.0, Stat::Oadev, &[1])[0].unwrap();
+        assert!((curve.points[0].dev / (2.0 * expected.dev) - 1.0).abs() < 1e-3, "{:?}", curve.points[0]);
+        let unsettled = Analysed::new(Input::Rate(&residual), 100.0, 2.0, None, &Settled::default());
+        let last = |analysed: &Analysed<'_>| *analysed.deviations(&options).unwrap().points.last().unwrap();
+        assert!(last(&analysed).edf < last(&unsettled).edf, "what the line took is missing from the last averages");
+        assert!(analysed.cleaned().is_some() && unsettled.cleaned().is_none() && unsettled.into_fit().is_none());
+    }
+
+    #[test]
+    fn a_model_says_that_its_rate_follows_the_temperature() {
+        let (rates, _) = warming();
+        let follows = AllanWarning::FollowsTemperature { explained: 0.9, slope: 0.05, span_c: 6.0 };
+        let settled = Settled { follows: Some(follows), ..Settled::default() };
+        let analysed = Analysed::new(Input::Rate(&rates), 100.0, 1.0, Some(FitOptions::default()), &settled);
+        let fit = analysed.into_fit().unwrap().unwrap();
+        assert_eq!(fit.warnings[0], follows);
+    }
+}

@@ -1,0 +1,93 @@
+//! What is done about the temperature and the beginning of a column before it is analysed.
+
+use crate::imu::span;
+use crate::{Column, LogError, Names, Series, Setting};
+use std::path::Path;
+use zerorate_allan::{AllanWarning, DetrendError, Follows, Settled, detrend, follows_temperature};
+
+/// What logs call their temperature.
+pub const TEMPERATURE_NAMES: [&str; 4] = ["temp_code", "temp_c", "temp", "temperature"];
+
+/// What is done with a record before it is analysed.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Settling {
+    /// What is left out at its beginning, s.
+    pub skip_s: f64,
+    /// Order of the polynomial over temperature that is taken out; none: nothing is.
+    pub order: Option<usize>,
+    /// What messages call these.
+    pub names: Names,
+}
+
+/// Why it cannot be done.
+#[derive(Debug, thiserror::Error)]
+pub enum SettlingError {
+    /// Nothing would be left of the record.
+    #[error("{0}")]
+    NothingLeft(String),
+    /// The polynomial cannot be found, for this column and this temperature.
+    #[error("{0}: {1}")]
+    Detrend(String, DetrendError),
+    /// The column cannot be written out.
+    #[error(transparent)]
+    Log(#[from] LogError),
+}
+
+impl Settling {
+    /// Does it to a column of `file`, whose temperature is another column.
+    ///
+    /// # Errors
+    /// Where nothing would be left, or what does not fit.
+    pub fn apply(
+        &self,
+        column: &mut Column,
+        file: &Path,
+        temperature: Option<&Column>,
+    ) -> Result<Settled, SettlingError> {
+        let skipped_s = self.skip(column, file)?;
+        let Some(temperature) = temperature.filter(|temperature| temperature.name != column.name) else {
+            return Ok(Settled { skipped_s, ..Settled::default() });
+        };
+        let rates = match column.points(file) {
+            // so many are lost that the record cannot be written out; nothing was asked that needs it
+            Err(_) if self.order.is_none() => return Ok(Settled { skipped_s, ..Settled::default() }),
+            rates => rates?,
+        };
+        let mut temps = temperature.points(file)?;
+        temps.iter_mut().for_each(|temp| *temp *= temperature.scale);
+        // what was skipped of a gap is not in the column
+        let temps = &temps[temps.len().saturating_sub(rates.len())..];
+        let Some(order) = self.order else {
+            return Ok(Settled { follows: follows(&rates, temps, column.scale), skipped_s, ..Settled::default() });
+        };
+        let of_columns = || {
+            let setting = self.names.of(Setting::Detrend);
+            format!("{setting}: {}, columns {} and {}", file.display(), column.name, temperature.name)
+        };
+        let mut detrended = detrend(&rates, temps, order).map_err(|why| SettlingError::Detrend(of_columns(), why))?;
+        column.series = Series::Numbers(std::mem::take(&mut detrended.residual));
+        column.gaps.clear();
+        detrended.coefficients.iter_mut().for_each(|coefficient| *coefficient *= column.scale);
+        Ok(Settled { detrended: Some(detrended), follows: None, skipped_s })
+    }
+
+    /// Leaves the beginning out. Returns how long it was, s.
+    fn skip(&self, column: &mut Column, file: &Path) -> Result<f64, SettlingError> {
+        let samples = (self.skip_s * column.rate_hz).round() as u64;
+        if samples > 0 {
+            let whole = column.points(file)?.len() as u64;
+            if samples >= whole {
+                let (length, setting) = (span(whole as f64 / column.rate_hz), self.names.of(Setting::Skip));
+                let why = format!("{setting} leaves nothing of {}, which is {length} long", file.display());
+                return Err(SettlingError::NothingLeft(why));
+            }
+            column.skip(samples);
+        }
+        Ok(samples as f64 / column.rate_hz)
+    }
+}
+
+fn follows(rates: &[f64], temps: &[f64], scale: f64) -> Option<AllanWarning> {
+    let Follows { explained, slope_per_c, span_c } = follows_temperature(rates, temps)?;
+    Some(AllanWarning::FollowsTemperature { explained, slope: slope_per_c * scale, span_c })
+}
