@@ -102,12 +102,12 @@ impl From<CaptureError> for DeviceError {
 /// Words for a failure whose cause is known.
 #[derive(Debug, thiserror::Error)]
 #[error("{words}")]
-pub(crate) struct Told {
+pub(crate) struct UserError {
     cause: Cause,
     words: String,
 }
 
-impl Told {
+impl UserError {
     pub fn new(cause: Cause, words: impl Into<String>) -> Self {
         Self { cause, words: words.into() }
     }
@@ -123,7 +123,7 @@ impl Told {
 }
 
 fn cause(error: &anyhow::Error) -> Cause {
-    if let Some(told) = error.downcast_ref::<Told>() {
+    if let Some(told) = error.downcast_ref::<UserError>() {
         return told.cause;
     }
     let of_part = error.downcast_ref::<Fault>().map(|_| Cause::Part);
@@ -155,7 +155,7 @@ mod tests {
     fn the_cause_is_told_and_the_words_stay() {
         let gone = Err::<(), _>(io::Error::from(io::ErrorKind::NotFound))
             .context("reading register 8")
-            .context(Told::new(Cause::Gone, "the adapter was unplugged"))
+            .context(UserError::new(Cause::Gone, "the adapter was unplugged"))
             .context("12.0 s after the first edge")
             .unwrap_err();
         let words = format!("{gone:#}");

@@ -1,7 +1,7 @@
 //! Lines of the Linux GPIO character device: the edges of RDY, and outputs to the self-test pins.
 
 use crate::edges::Edges;
-use crate::error::{Cause, Told};
+use crate::error::{Cause, UserError};
 use crate::pin::PinError;
 use adis16130::{Edge, RdyEdge};
 use anyhow::{Context, Result};
@@ -141,7 +141,7 @@ fn why_no_line(chip: &Path, line: u32, error: gpiocdev::Error) -> anyhow::Error 
             format!("no GPIO chip {file}: ls /dev/gpiochip* lists them; RDY (pin 10) needs one of their lines"),
         ),
     };
-    anyhow::Error::new(error).context(Told::new(cause, remedy))
+    anyhow::Error::new(error).context(UserError::new(cause, remedy))
 }
 
 /// What the system said.

@@ -1,11 +1,11 @@
 //! One thread reads a device, for everybody.
 //!
-//! Whoever must have every sample (a recorder, the procedure) subscribes to [`Everything`], and the thread waits for
+//! Whoever must have every sample (a recorder, the procedure) subscribes to [`LosslessReader`], and the thread waits for
 //! it; what is lost then is lost in front of the thread, where the samples count it. A [`Watcher`] is never waited
 //! for: what does not fit into its queue it has missed, and is told how much that was.
 
 use crate::pace::{Pace, Speed, WallClock};
-use crate::source::{Facts, Losses, Source};
+use crate::source::{DeviceInfo, Losses, Source};
 use crate::{DeviceError, DeviceSpec, Result, Setup, Stop};
 use adis16130_twin::Truth;
 use anyhow::{Context, anyhow};
@@ -43,7 +43,7 @@ pub struct Batch {
 /// Reads a device in a thread of its own.
 #[derive(Debug)]
 pub struct Hub {
-    facts: Facts,
+    facts: DeviceInfo,
     requests: Sender<Request>,
     subscribers: Subscribers,
     speed: Speed,
@@ -55,7 +55,7 @@ pub struct Hub {
 
 /// Takes every sample: the thread waits for it.
 #[derive(Debug)]
-pub struct Everything(Receiver<Given>);
+pub struct LosslessReader(Receiver<Given>);
 
 /// Takes what it can: the thread never waits for it.
 #[derive(Debug)]
@@ -103,7 +103,7 @@ type Subscribers = Arc<Mutex<Vec<Subscriber>>>;
 
 #[derive(Debug)]
 enum Subscriber {
-    Everything(SyncSender<Given>),
+    LosslessReader(SyncSender<Given>),
     Watcher { queue: SyncSender<Watched>, missed: u64, lost: u64 },
 }
 
@@ -158,7 +158,7 @@ impl Hub {
 
     /// What does not change while the device is read.
     #[must_use]
-    pub fn facts(&self) -> &Facts {
+    pub fn facts(&self) -> &DeviceInfo {
         &self.facts
     }
 
@@ -196,10 +196,10 @@ impl Hub {
 
     /// From here on every sample, until the queue is dropped. Who subscribes before [`Hub::read`] has all of them.
     #[must_use]
-    pub fn everything(&self) -> Everything {
+    pub fn everything(&self) -> LosslessReader {
         let (queue, batches) = sync_channel(QUEUE);
-        self.add(Subscriber::Everything(queue));
-        Everything(batches)
+        self.add(Subscriber::LosslessReader(queue));
+        LosslessReader(batches)
     }
 
     /// From here on what fits into a queue of so many batches.
@@ -243,7 +243,7 @@ fn died() -> anyhow::Error {
     anyhow!("the reading thread has ended")
 }
 
-impl Everything {
+impl LosslessReader {
     /// The next samples; waits for them. None at the end of a recording, and when the reading was stopped.
     ///
     /// # Errors
@@ -255,7 +255,7 @@ impl Everything {
     /// The next samples, if they come within so much time.
     ///
     /// # Errors
-    /// As [`Everything::next`].
+    /// As [`LosslessReader::next`].
     pub fn next_within(&self, patience: Duration) -> Result<Awaited<Arc<Batch>>> {
         Ok(match Awaited::of(self.0.recv_timeout(patience)) {
             Awaited::Samples(given) => Awaited::Samples(given?),
@@ -386,7 +386,7 @@ impl Worker {
     fn fail(&self, error: &DeviceError) {
         *lock(&self.failure) = Some(error.again());
         for subscriber in std::mem::take(&mut *lock(&self.subscribers)) {
-            if let Subscriber::Everything(queue) = subscriber {
+            if let Subscriber::LosslessReader(queue) = subscriber {
                 wait_for_room(&queue, Err(error.again()), &self.ended);
             }
         }
@@ -413,7 +413,7 @@ impl Subscriber {
     /// False once it is gone.
     fn give(&mut self, batch: &Arc<Batch>, ended: &Stop) -> bool {
         match self {
-            Self::Everything(queue) => wait_for_room(queue, Ok(Arc::clone(batch)), ended),
+            Self::LosslessReader(queue) => wait_for_room(queue, Ok(Arc::clone(batch)), ended),
             Self::Watcher { queue, missed, lost } => {
                 match queue.try_send(Watched { batch: Arc::clone(batch), missed: *missed, lost: *lost }) {
                     Ok(()) => (*missed, *lost) = (0, 0),

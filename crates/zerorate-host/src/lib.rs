@@ -36,10 +36,10 @@ mod wire;
 
 pub use chamber::{Air, Apart, Chamber, ChamberSpec, DIALECTS, Dialect, ENDING_S, Lead, Left, SimulatedChamber};
 pub use error::{Cause, DeviceError};
-pub use hub::{Awaited, Batch, Everything, Hub, Watched, Watcher};
+pub use hub::{Awaited, Batch, Hub, LosslessReader, Watched, Watcher};
 pub use kinds::{DeviceSpec, KINDS, Kind};
 pub use pace::{Pace, Speed};
-pub use source::{Bus, Facts, Losses, Registers, Sampling, Setup, Source};
+pub use source::{Bus, DeviceInfo, Losses, Registers, Sampling, Setup, Source};
 pub use stop::Stop;
 
 /// What is given back by whatever may fail at a device.

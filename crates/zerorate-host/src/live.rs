@@ -2,7 +2,7 @@
 
 use crate::Stop;
 use crate::edges::Edges;
-use crate::error::{Cause, Told};
+use crate::error::{Cause, UserError};
 use crate::pin::{Pause, Ready};
 use crate::source::Registers;
 use adis16130::blocking::Adis16130;
@@ -65,7 +65,7 @@ impl<S: SpiDevice<Error: Debug + Send + Sync + 'static>, E: Edges> Live<S, E> {
                     "data ready comes (pin 10), so the part is alive and hears, but does not answer as it should",
                 ))
             }
-            Err(error) => Err(error.context(Told::new(Cause::Gone, UNPLUGGED))),
+            Err(error) => Err(error.context(UserError::new(Cause::Gone, UNPLUGGED))),
         }
     }
 
@@ -79,7 +79,7 @@ impl<S: SpiDevice<Error: Debug + Send + Sync + 'static>, E: Edges> Live<S, E> {
     pub fn fastest_clean_hz(&mut self, mut set: impl FnMut(u32) -> Result<u32>) -> Result<Option<u32>> {
         let mut fastest = None;
         for hz in CLOCKS_HZ {
-            ensure!(!self.stop.asked(), Told::new(Cause::Stopped, "interrupted"));
+            ensure!(!self.stop.asked(), UserError::new(Cause::Stopped, "interrupted"));
             let hz = set(hz)?;
             if fastest == Some(hz) {
                 continue;
@@ -186,10 +186,10 @@ impl<S: SpiDevice<Error: Debug + Send + Sync + 'static>, E: Edges> Live<S, E> {
             Ok(None) => {
                 let words = "no data ready: the part answers and is configured, but RDY (pin 10) brought no new data \
                     for a second; check the RDY wire";
-                Told::new(Cause::Silent, words).into()
+                UserError::new(Cause::Silent, words).into()
             }
             Ok(Some(fault @ (Fault::StuckHigh(_) | Fault::StuckLow(_)))) => {
-                anyhow::Error::new(fault).context(Told::new(Cause::Gone, UNPLUGGED))
+                anyhow::Error::new(fault).context(UserError::new(Cause::Gone, UNPLUGGED))
             }
             Ok(Some(fault)) => fault.into(),
             Err(error) => error.into(),

@@ -1,8 +1,8 @@
 //! A recording in place of a part.
 
 use crate::address::{Address, Parsed};
-use crate::error::Told;
-use crate::source::{Facts, Sampling, Setup, Source, nominal_rate_hz, part_of};
+use crate::error::UserError;
+use crate::source::{DeviceInfo, Sampling, Setup, Source, nominal_rate_hz, part_of};
 use crate::{Result, Stop, files};
 use adis16130::MCLK_HZ;
 use std::path::{Path, PathBuf};
@@ -30,7 +30,7 @@ impl Address for ReplayAddress {
     fn open(&self, _: &str, setup: &Setup, _: &Stop) -> Result<Box<dyn Source>> {
         if setup.sampling != Sampling::default() {
             let why = "--every-temp and --divider were decided when the recording was made; leave them out";
-            return Err(Told::request(why).into());
+            return Err(UserError::request(why).into());
         }
         let reader = files::rows(&self.path, setup.part.as_ref())?;
         let part = part_of(reader.info(), setup.part.as_ref())?;
@@ -50,11 +50,11 @@ struct Replay {
 }
 
 impl Source for Replay {
-    fn facts(&self) -> Facts {
+    fn facts(&self) -> DeviceInfo {
         let info = self.reader.info().clone();
         let name = format!("recording of {}", info.device);
         let rate_hz = nominal_rate_hz(&info, MCLK_HZ);
-        Facts { name, info, part: self.part.clone(), framing: None, is_real: false, rate_hz, mclk_hz: MCLK_HZ }
+        DeviceInfo { name, info, part: self.part.clone(), framing: None, is_real: false, rate_hz, mclk_hz: MCLK_HZ }
     }
 
     #[inline]

@@ -3,7 +3,7 @@
 use crate::Result;
 use crate::chamber::Air;
 use crate::clock;
-use crate::error::Told;
+use crate::error::UserError;
 use adis16130::registers::Address;
 use adis16130::{Config, ConversionTime, Framing, SamplerConfig, SelfTest};
 use adis16130_twin::Truth;
@@ -43,7 +43,7 @@ pub struct Setup {
 /// An open device. It need not be `Send`: the [`Hub`](crate::Hub) opens it in the thread that reads it.
 pub trait Source {
     /// What does not change while it is read.
-    fn facts(&self) -> Facts;
+    fn facts(&self) -> DeviceInfo;
 
     /// Resets the part, initialises it, and reads everything back. Returns the revision; a recording has none, and the
     /// kernel's drivers keep it to themselves.
@@ -69,7 +69,7 @@ pub trait Source {
     /// To be called before the first sample.
     fn self_test(&mut self, gpio: &str) -> Result<SelfTest> {
         let _ = gpio;
-        Err(Told::request("--self-test needs the part itself: twin:, spi:, bridge: or tcp:").into())
+        Err(UserError::request("--self-test needs the part itself: twin:, spi:, bridge: or tcp:").into())
     }
 
     /// What was lost on its way here.
@@ -90,7 +90,7 @@ pub trait Source {
 
 /// What does not change while a device is read.
 #[derive(Clone, Debug)]
-pub struct Facts {
+pub struct DeviceInfo {
     /// What is read.
     pub name: String,
     /// How the samples are taken.
@@ -107,7 +107,7 @@ pub struct Facts {
     pub mclk_hz: u32,
 }
 
-impl Facts {
+impl DeviceInfo {
     /// Of an ADIS16130 that the driver reads at this bandwidth, Hz, if it is not its own (F-04).
     pub(crate) fn of_part(
         name: &str,
@@ -141,7 +141,7 @@ impl Facts {
 /// The part that a device or a recording is of, with what is known of it beside.
 pub(crate) fn part_of(info: &CaptureInfo, known: Option<&Part>) -> Result<Part> {
     let Some(known) = known else { return Ok(info.part()) };
-    info.part_from(known).map_err(|error| Told::request(error.to_string()).into())
+    info.part_from(known).map_err(|error| UserError::request(error.to_string()).into())
 }
 
 /// At the nominal master clock: one of 2/(N + 1) conversion pairs where every N-th edge is read (F-31, F-56).

@@ -2,14 +2,14 @@
 
 use crate::Stop;
 use crate::address::{Address, Parsed};
-use crate::error::{Cause, Told};
+use crate::error::{Cause, UserError};
 use crate::gpio::{GpioEdges, GpioOutput, errno};
 use crate::live::Live;
 use crate::options::{
     DEFAULT_HZ, MCLK_RANGE_HZ, PART_OPTIONS, PartOptions, SLOWEST_HZ, gpio_line, number, split, without_bandwidth,
 };
 use crate::reader::{Reader, WhenFull};
-use crate::source::{Bus, Facts, Losses, Registers, Setup, Source};
+use crate::source::{Bus, DeviceInfo, Losses, Registers, Setup, Source};
 use adis16130::{Framing, MAX_SCLK_HZ, MCLK_HZ, Sample, SelfTest};
 use anyhow::{Result, bail};
 use embedded_hal::spi::{Error, ErrorKind, ErrorType, Operation, SpiDevice};
@@ -103,7 +103,7 @@ impl Address for SpiAddress {
 /// The part, and the thread that reads it once the first sample was asked for.
 struct SpiPart {
     address: SpiAddress,
-    facts: Facts,
+    facts: DeviceInfo,
     clock: Arc<AtomicU32>,
     failed: LastErrno,
     notes: Notes,
@@ -124,7 +124,7 @@ impl SpiPart {
     fn open(address: &SpiAddress, name: &str, setup: &Setup, stop: &Stop) -> crate::Result<Self> {
         let sampling = setup.sampling.config(address.part.divided);
         let settings = (address.part.config, sampling);
-        let facts = Facts::of_part(name, settings, address.mclk_hz, address.bandwidth_hz, setup.part.as_ref())?;
+        let facts = DeviceInfo::of_part(name, settings, address.mclk_hz, address.bandwidth_hz, setup.part.as_ref())?;
         let (clock, failed) = (Arc::new(AtomicU32::new(address.hz)), LastErrno::default());
         let bus = SpiBus::open(address, Arc::clone(&clock), failed.clone())?;
         let edges = GpioEdges::open(&address.chip, address.line, address.part.config.rdy_edge())?;
@@ -195,7 +195,7 @@ impl SpiPart {
 }
 
 impl Source for SpiPart {
-    fn facts(&self) -> Facts {
+    fn facts(&self) -> DeviceInfo {
         self.facts.clone()
     }
 
@@ -216,7 +216,7 @@ impl Source for SpiPart {
     }
 
     fn self_test(&mut self, gpio: &str) -> crate::Result<SelfTest> {
-        let line = gpio_line(gpio).map_err(|why| Told::request(format!("--self-test: {why}")))?;
+        let line = gpio_line(gpio).map_err(|why| UserError::request(format!("--self-test: {why}")))?;
         Ok(self.test_itself(line)?)
     }
 
@@ -272,11 +272,11 @@ fn explain(error: anyhow::Error, address: &SpiAddress, failed: &LastErrno) -> an
     let spi = address.spi.display();
     let of_line = error.chain().find_map(|source| source.downcast_ref()).and_then(errno);
     let told = match of_line.or_else(|| failed.get()) {
-        Some(Errno::NODEV | Errno::SHUTDOWN | Errno::NXIO | Errno::NOENT) => Told::new(
+        Some(Errno::NODEV | Errno::SHUTDOWN | Errno::NXIO | Errno::NOENT) => UserError::new(
             Cause::Gone,
             format!("{spi} is gone: the SPI adapter was unplugged or its driver unbound; plug it in and start again"),
         ),
-        Some(Errno::TIMEDOUT) => Told::new(
+        Some(Errno::TIMEDOUT) => UserError::new(
             Cause::Silent,
             format!("{spi} does not finish its transfers: check the SPI adapter (dmesg tells more)"),
         ),
@@ -300,7 +300,7 @@ impl SpiBus {
         let mut spi = Spidev::open(path).map_err(|error| why_no_spi(path, error))?;
         flock(spi.inner(), FlockOperation::NonBlockingLockExclusive).map_err(|_| {
             let file = path.display();
-            Told::new(
+            UserError::new(
                 Cause::Busy,
                 format!("{file} is busy: another zerorate is reading this part; end it first (fuser {file})"),
             )
@@ -415,7 +415,7 @@ fn why_no_spi(path: &Path, error: io::Error) -> anyhow::Error {
         io::ErrorKind::ResourceBusy => format!("{file} is busy: another driver or program holds it (fuser {file})"),
         _ => format!("cannot open {file}"),
     };
-    let told = Told::of_system(&error, remedy);
+    let told = UserError::of_system(&error, remedy);
     anyhow::Error::new(error).context(told)
 }
 
@@ -455,6 +455,8 @@ mod tests {
         assert_eq!(seen(Errno::NODEV.raw_os_error()), Cause::Gone);
         assert_eq!(seen(Errno::IO.raw_os_error()), Cause::Other);
         let of_bus = LastErrno(Arc::new(AtomicI32::new(Errno::SHUTDOWN.raw_os_error())));
-        assert!(explain(Told::request("transfer"), &address, &of_bus).to_string().contains("/dev/spidev0.0 is gone"));
+        assert!(
+            explain(UserError::request("transfer"), &address, &of_bus).to_string().contains("/dev/spidev0.0 is gone")
+        );
     }
 }

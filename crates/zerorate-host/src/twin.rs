@@ -3,10 +3,10 @@
 use crate::address::{Address, Parsed};
 use crate::chamber::Follower;
 use crate::edges::Edges;
-use crate::error::Told;
+use crate::error::UserError;
 use crate::live::Live;
 use crate::options::PartOptions;
-use crate::source::{Facts, Registers, Setup, Source, part_of};
+use crate::source::{DeviceInfo, Registers, Setup, Source, part_of};
 use crate::{Result, Stop};
 use adis16130::{Edge, MCLK_HZ, RdyEdge, Sample, SelfTest, Width};
 use adis16130_twin::{Profile, Roa, Spec, SpecError, Truth, Twin, TwinSpi};
@@ -90,21 +90,21 @@ impl Address for TwinAddress {
         let (axes, roa) = (self.units.len(), self.units[0].roa);
         let bandwidth_hz = (roa == Roa::TenNanofarad).then_some(Axis::ADIS16130_ROA_10NF_HZ);
         let known = setup.part.as_ref().filter(|_| axes == 1);
-        let facts = Facts::of_part(name, settings, self.mclk_hz(), bandwidth_hz, known)?;
+        let facts = DeviceInfo::of_part(name, settings, self.mclk_hz(), bandwidth_hz, known)?;
         // its files depend on nothing but the seed: they have no time of day
         let info = CaptureInfo { created: String::new(), ..facts.info };
-        let facts = Facts { info, is_real: false, ..facts };
+        let facts = DeviceInfo { info, is_real: false, ..facts };
         let notes = beyond_limits(&self.units[0], &facts.part).into_iter().collect();
         let follower = setup.air.clone().map(|air| Follower::new(air, stop));
         if axes == 1 {
             return Ok(Box::new(TwinPart { facts, live: self.live(0, setup, stop), follower, notes }));
         }
         let part = several(axes, self.part.config.width());
-        let layout = Layout::of_part(&part).map_err(|error| Told::request(error.to_string()))?;
+        let layout = Layout::of_part(&part).map_err(|error| UserError::request(error.to_string()))?;
         let info = CaptureInfo { converter: None, layout, ..facts.info };
         let part = part_of(&info, Some(setup.part.as_ref().unwrap_or(&part)))?;
         let units = (0..axes).map(|axis| self.live(axis, setup, stop)).collect();
-        Ok(Box::new(Twins { facts: Facts { info, part, ..facts }, units, follower, notes }))
+        Ok(Box::new(Twins { facts: DeviceInfo { info, part, ..facts }, units, follower, notes }))
     }
 }
 
@@ -127,14 +127,14 @@ fn several(axes: usize, width: Width) -> Part {
 
 /// Several twins on one clock, as the axes of one part: the temperature and all that stands once is that of the first.
 struct Twins {
-    facts: Facts,
+    facts: DeviceInfo,
     units: Vec<Live<TwinSpi, TwinEdges>>,
     follower: Option<Follower>,
     notes: Vec<String>,
 }
 
 impl Source for Twins {
-    fn facts(&self) -> Facts {
+    fn facts(&self) -> DeviceInfo {
         self.facts.clone()
     }
 
@@ -187,14 +187,14 @@ impl Source for Twins {
 
 /// The driver, reading the twin.
 struct TwinPart {
-    facts: Facts,
+    facts: DeviceInfo,
     live: Live<TwinSpi, TwinEdges>,
     follower: Option<Follower>,
     notes: Vec<String>,
 }
 
 impl Source for TwinPart {
-    fn facts(&self) -> Facts {
+    fn facts(&self) -> DeviceInfo {
         self.facts.clone()
     }
 
@@ -221,7 +221,7 @@ impl Source for TwinPart {
     fn self_test(&mut self, gpio: &str) -> Result<SelfTest> {
         if !gpio.is_empty() {
             let why = "--self-test takes no GPIO with the twin, whose pins are its own";
-            return Err(Told::request(format!("{why}: leave `{gpio}` out")).into());
+            return Err(UserError::request(format!("{why}: leave `{gpio}` out")).into());
         }
         let mut pin = self.live.edges.twin.self_test_pin();
         Ok(self.live.self_test(&mut pin)?)

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 use zerorate_host::{
-    Air, Awaited, Batch, Cause, DeviceSpec, Everything, Hub, Pace, Sampling, Setup, Speed, Stop, Watcher,
+    Air, Awaited, Batch, Cause, DeviceSpec, Hub, LosslessReader, Pace, Sampling, Setup, Speed, Stop, Watcher,
 };
 
 fn hub(device: &str, stop: &Stop) -> Hub {
@@ -16,7 +16,7 @@ fn hub(device: &str, stop: &Stop) -> Hub {
 }
 
 /// Samples, those that were lost, and the time from the first to the last, s.
-fn recorded(everything: &Everything, mut go_on: impl FnMut(&Batch) -> bool) -> (u64, u64, f64) {
+fn recorded(everything: &LosslessReader, mut go_on: impl FnMut(&Batch) -> bool) -> (u64, u64, f64) {
     let (mut samples, mut lost, mut span_ns) = (0, 0, None);
     while let Some(batch) = everything.next().expect("samples") {
         for sample in &batch.rows {

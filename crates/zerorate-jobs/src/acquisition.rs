@@ -7,7 +7,7 @@ use anyhow::Result;
 use std::sync::Arc;
 use zerorate::health::{Frozen, Health, Judged};
 use zerorate::{Axis, Names, Part, Say, Tally, Warning, resonance};
-use zerorate_host::{Batch, Bus, DeviceSpec, Everything, Facts, Hub, Losses, Pace, Setup, Stop};
+use zerorate_host::{Batch, Bus, DeviceInfo, DeviceSpec, Hub, Losses, LosslessReader, Pace, Setup, Stop};
 use zerorate_record::{CaptureInfo, Layout, Note, Row, believed};
 
 /// Hears what a device has to say while it is read.
@@ -16,7 +16,7 @@ pub type Tell = Box<dyn FnMut(&str)>;
 /// A device that is being read.
 pub struct Acquisition {
     hub: Hub,
-    everything: Everything,
+    everything: LosslessReader,
     pace: Pace,
     tell: Tell,
     /// None before the first sample was asked for.
@@ -39,7 +39,7 @@ impl Acquisition {
     pub fn open(device: &DeviceSpec, setup: Setup, pace: Pace, stop: &Stop, tell: Tell) -> Result<Self> {
         let hub = Hub::open(device, setup, stop)?;
         let everything = hub.everything();
-        let Facts { info, part, .. } = hub.facts();
+        let DeviceInfo { info, part, .. } = hub.facts();
         let (layout, axes) = (info.layout.clone(), part.axes.iter().map(JudgedAxis::new).collect());
         Ok(Self {
             hub,
@@ -59,7 +59,7 @@ impl Acquisition {
     }
 
     /// What is read, and how.
-    pub fn facts(&self) -> &Facts {
+    pub fn facts(&self) -> &DeviceInfo {
         self.hub.facts()
     }
 

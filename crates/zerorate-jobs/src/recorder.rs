@@ -3,7 +3,7 @@
 use crate::output::Recording;
 use std::io;
 use zerorate::Calibration;
-use zerorate_host::{Facts, clock};
+use zerorate_host::{DeviceInfo, clock};
 use zerorate_record::{CaptureError, CaptureInfo, CaptureSummary, CaptureWriter, Format, RobotLog, Row, Stamps};
 
 /// Records samples into a file, and puts it onto the disk. Dropping it closes the file as well, but only
@@ -19,7 +19,7 @@ impl Recorder {
     pub fn create(
         file: Recording,
         format: Format,
-        facts: &Facts,
+        facts: &DeviceInfo,
         info: &CaptureInfo,
         calibration: Option<Calibration>,
     ) -> Result<Self, CaptureError> {
@@ -51,7 +51,7 @@ impl Recorder {
 }
 
 /// The time of day of a part that is here; a recording began when it says, and the twin has no such time.
-fn stamps(facts: &Facts, info: &CaptureInfo) -> Stamps {
+fn stamps(facts: &DeviceInfo, info: &CaptureInfo) -> Stamps {
     let created: Option<jiff::Timestamp> = info.created.parse().ok();
     let ns = |time: jiff::Timestamp| u64::try_from(time.as_nanosecond()).ok();
     let now = move || clock::now().and_then(ns);

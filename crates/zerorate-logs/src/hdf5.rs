@@ -7,7 +7,7 @@ use super::clock::Times;
 use super::number::Number;
 use super::open::Log;
 use super::series::SeriesBuilder;
-use super::{Asked, Clock, Found, FoundColumn, Result};
+use super::{Clock, ColumnQuery, Found, FoundColumn, Result};
 use super::{hdf5_index, lzf};
 use hdf5_reader::datatype_api::CompoundField;
 use hdf5_reader::error::{ByteOrder, Error};
@@ -17,8 +17,8 @@ use hdf5_reader::storage::{Storage, StorageBuffer};
 use hdf5_reader::{Dataset, Datatype, H5Type, Hdf5File, OpenOptions, SliceInfo, SliceInfoElem};
 use std::path::Path;
 use std::sync::Arc;
+use zerorate_record::catch_panic::catch_panic;
 use zerorate_record::limits::Room;
-use zerorate_record::survive::survive;
 use zerorate_record::{CaptureError, Input};
 
 /// The number of h5py's own way to pack, as the HDF Group lists them.
@@ -43,7 +43,7 @@ const CACHE: usize = 64 << 20;
 const MAX_HEADER: usize = 1 << 22;
 
 /// Reads columns of its data sets.
-pub fn read(log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
+pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
     let Log { path, input, room, .. } = log;
     let sets = sets(path, input, room)?;
     let columns: Vec<SetColumn<'_>> = sets.iter().flat_map(Set::columns).collect();
@@ -59,7 +59,7 @@ pub fn read(log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
     for start in (0..rows).step_by(ROWS) {
         for (at, column) in wanted.iter().enumerate() {
             let wrong = |what: String| CaptureError::damaged(path, format!("data set {}", column.name), what);
-            let read = survive(|| column.read(start, rows.min(start + ROWS as u64)));
+            let read = catch_panic(|| column.read(start, rows.min(start + ROWS as u64)));
             let mut cells = (start..).zip(read.ok_or_else(|| senseless(path))?.map_err(|error| wrong(said(&error)))?);
             let taken = match values.get_mut(at) {
                 Some(values) => cells.try_for_each(|(row, cell)| push(values, row, cell)),
@@ -84,7 +84,7 @@ fn sets(path: &Path, input: Input, room: Room) -> Result<Vec<Set>, CaptureError>
         .with_filter_registry(filters(most));
     let length = input.length().map_err(|error| CaptureError::io("read", path, error))?;
     let cut = if starts_as_matlab(&input) { '.' } else { '/' };
-    let found = survive(|| {
+    let found = catch_panic(|| {
         let file = Hdf5File::from_storage_with_options(Arc::new(Bytes { input, length }), options)?;
         let mut sets = Vec::new();
         collect(&file.root_group()?, "", cut, MAX_DEPTH, &mut sets)?;

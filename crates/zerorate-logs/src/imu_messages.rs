@@ -5,7 +5,7 @@ use super::clock::Times;
 use super::parts::miscounted;
 use super::series::SeriesBuilder;
 use super::topics::{Survey, Topic, several};
-use super::{Asked, Clock, ColumnOptions, Found, FoundColumn, LogError, Names, Result, Setting, Wanted, wrong};
+use super::{Clock, ColumnOptions, ColumnQuery, Found, FoundColumn, LogError, Names, Result, Setting, Wanted, wrong};
 use std::collections::BTreeSet;
 use std::path::Path;
 #[cfg(not(feature = "zstd"))]
@@ -73,7 +73,7 @@ impl Quantities {
     pub fn choose(
         path: &Path,
         topics: &BTreeSet<String>,
-        asked: &Asked<'_>,
+        asked: &ColumnQuery<'_>,
         survey: impl FnOnce() -> Survey,
     ) -> Result<Self> {
         if topics.is_empty() {

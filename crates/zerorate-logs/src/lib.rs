@@ -258,7 +258,7 @@ pub fn read_all(path: &Path, input: Input, wanted: Wanted<'_>, args: &ColumnOpti
 /// As of a file.
 pub fn read_table(path: &Path, table: &RecordBatch, wanted: Wanted<'_>, args: &ColumnOptions) -> Result<Vec<Column>> {
     let room = Room::of(table.get_array_memory_size() as u64);
-    let mut columns = tabular::TableColumns::start(path, &table.schema(), room, &Asked { wanted, args })?;
+    let mut columns = tabular::TableColumns::start(path, &table.schema(), room, &ColumnQuery { wanted, args })?;
     columns.take(table, None)?;
     columns.finish(Vec::new())?.finish(path, args)
 }
@@ -266,7 +266,7 @@ pub fn read_table(path: &Path, table: &RecordBatch, wanted: Wanted<'_>, args: &C
 /// The columns as they stand in the file.
 fn find(path: &Path, input: Input, wanted: Wanted<'_>, args: &ColumnOptions) -> Result<Found> {
     let log = open::open(path, input)?;
-    let asked = Asked { wanted, args };
+    let asked = ColumnQuery { wanted, args };
     match args.raw {
         Some(raw) => raw::read(log, raw, args.names),
         None => found(log, &asked),
@@ -274,12 +274,12 @@ fn find(path: &Path, input: Input, wanted: Wanted<'_>, args: &ColumnOptions) -> 
 }
 
 /// Which columns, and what is known of them.
-struct Asked<'a> {
+struct ColumnQuery<'a> {
     wanted: Wanted<'a>,
     args: &'a ColumnOptions,
 }
 
-fn found(log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
+fn found(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
     let form = log.form()?;
     match (reader(form), form.missing()) {
         (Some(read), _) => read(log, asked),
@@ -289,7 +289,7 @@ fn found(log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
 }
 
 /// What reads a form that has a reader of its own, where it is built in.
-fn reader(form: Form) -> Option<fn(Log<'_>, &Asked<'_>) -> Result<Found>> {
+fn reader(form: Form) -> Option<fn(Log<'_>, &ColumnQuery<'_>) -> Result<Found>> {
     match form {
         Form::ArrowFile => Some(read_arrow_file),
         Form::ULog => Some(ulog::read),
@@ -313,12 +313,12 @@ fn reader(form: Form) -> Option<fn(Log<'_>, &Asked<'_>) -> Result<Found>> {
     }
 }
 
-fn read_arrow_file(log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
+fn read_arrow_file(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
     let source = ArrowFile::open(log.path, log.input, log.room)?;
     tabular::read(log.path, Box::new(source), log.room, asked)
 }
 
-fn read_table_or_text(log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
+fn read_table_or_text(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
     let path = log.path;
     match table::recognise(path, wide::narrowed(path, log.input, log.room)?)? {
         Opened::Table(source) => tabular::read(path, source, log.room, asked),

@@ -8,7 +8,7 @@ use super::choice::{Choice, Columns, same_length};
 use super::clock::Times;
 use super::open::Log;
 use super::series::SeriesBuilder;
-use super::{Asked, Clock, Found, FoundColumn, Result};
+use super::{Clock, ColumnQuery, Found, FoundColumn, Result};
 use flate2::read::ZlibDecoder;
 use std::io::{BufReader, Read};
 use std::path::Path;
@@ -36,7 +36,7 @@ const MATRIX: u32 = 14;
 const COMPRESSED: u32 = 15;
 
 /// Reads columns of its matrices.
-pub fn read(log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
+pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
     let Log { path, input, room, .. } = log;
     let mut file = BufReader::with_capacity(BUFFER, input);
     let (variables, torn) = variables(path, &mut file, room)?;

@@ -3,7 +3,7 @@
 use super::imu_messages::{Collector, Encoding, Quantities, is_imu};
 use super::open::Log;
 use super::topics::Survey;
-use super::{Asked, Found, Result, tabular};
+use super::{ColumnQuery, Found, Result, tabular};
 use mcap::Channel;
 use std::collections::BTreeSet;
 use std::io::Seek;
@@ -13,7 +13,7 @@ use zerorate_record::mcap_messages::{self, Messages, Torn};
 use zerorate_record::{CaptureError, Input, bag};
 
 /// Reads columns of an MCAP file. A bag that was recorded here is a capture first: its codes are exact.
-pub fn read(mut log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
+pub fn read(mut log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
     let failed = |error| CaptureError::io("read", log.path, error);
     if asked.args.topic.is_some() || !bag::is_capture(&mut log.input).map_err(failed)? {
         return read_messages(log, asked);
@@ -23,7 +23,7 @@ pub fn read(mut log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
 }
 
 /// Reads quantities of the IMU messages.
-fn read_messages(log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
+fn read_messages(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
     let (path, mut file) = (log.path, log.input);
     let topics = topics(path, &mut file, log.room)?;
     let wanted = Quantities::choose(path, &topics, asked, || survey(&mut file, log.room))?;

@@ -5,19 +5,19 @@ use super::choice::{Choice, Columns, same_length};
 use super::clock::Times;
 use super::open::Log;
 use super::series::SeriesBuilder;
-use super::{Asked, Clock, Found, FoundColumn, Result, wrong};
+use super::{Clock, ColumnQuery, Found, FoundColumn, Result, wrong};
 use npyz::{DType, Endianness, NpyHeader, Order, TimeUnits, TypeChar, TypeStr};
 use std::io::{BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
+use zerorate_record::catch_panic::catch_panic;
 use zerorate_record::limits::Room;
-use zerorate_record::survive::survive;
 use zerorate_record::{CaptureError, Input, TimeUnit};
 
 /// Bytes that a read asks the system for.
 const BUFFER: usize = 1 << 18;
 
 /// Reads columns of an array.
-pub fn read(log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
+pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
     let Log { path, mut input, room, .. } = log;
     let length = input.length().map_err(|error| CaptureError::io("read", path, error))?;
     let array = Array::new(path, &mut input, length, "")?;
@@ -64,7 +64,7 @@ pub fn read_arrays(
     path: &Path,
     room: Room,
     arrays: &[Array],
-    asked: &Asked<'_>,
+    asked: &ColumnQuery<'_>,
     mut open: impl FnMut(usize, bool) -> Result<Option<Input>, CaptureError>,
 ) -> Result<Found> {
     let of_array = |(at, array): (usize, &Array)| (0..array.fields.len()).map(move |field| (at, field));
@@ -150,7 +150,7 @@ fn header(file: &mut impl Read) -> Result<(NpyHeader, u64), String> {
     if depth(&bytes[START..]).is_none_or(|depth| depth > MAX_DEPTH) {
         return Err(format!("its header has brackets more than {MAX_DEPTH} deep, or a backslash"));
     }
-    let header = survive(|| NpyHeader::from_reader(bytes.as_slice()));
+    let header = catch_panic(|| NpyHeader::from_reader(bytes.as_slice()));
     let header = header.ok_or("its header makes no sense")?.map_err(|error| error.to_string())?;
     Ok((header, bytes.len() as u64))
 }

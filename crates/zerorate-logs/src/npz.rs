@@ -3,11 +3,11 @@
 
 use super::npy::{self, Array};
 use super::open::{Log, Unpacking};
-use super::{Asked, Found, Result};
+use super::{ColumnQuery, Found, Result};
 use std::io::{self, BufReader, Read};
 use std::path::Path;
+use zerorate_record::catch_panic::catch_panic;
 use zerorate_record::limits::{NoRoom, Room};
-use zerorate_record::survive::survive;
 use zerorate_record::{CaptureError, Input};
 use zip::ZipArchive;
 use zip::result::{ZipError, ZipResult};
@@ -19,7 +19,7 @@ const BUFFER: usize = 1 << 18;
 const MAX_COLUMNS: usize = 1 << 16;
 
 /// Reads columns of the arrays of an archive, each by the name of its array.
-pub fn read(log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
+pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
     let Log { path, input, room, .. } = log;
     let again = input.try_clone().map_err(|error| CaptureError::io("read", path, error))?;
     let (archive, names) = open(path, input)?;
@@ -53,7 +53,7 @@ fn place(name: &str) -> String {
 /// The archive, and the names of its arrays.
 fn open(path: &Path, input: Input) -> Result<(ZipArchive<BufReader<Input>>, Vec<String>), CaptureError> {
     let damaged = |what: String| CaptureError::damaged(path, "as an archive", what);
-    let opened = survive(|| -> ZipResult<_> {
+    let opened = catch_panic(|| -> ZipResult<_> {
         let archive = ZipArchive::new(BufReader::with_capacity(BUFFER, input))?;
         let names = archive.file_names().map(|name| Ok(name?.into_owned())).collect::<ZipResult<Vec<_>>>()?;
         Ok((archive, names))
@@ -68,7 +68,7 @@ fn open(path: &Path, input: Input) -> Result<(ZipArchive<BufReader<Input>>, Vec<
         };
         return Err(CaptureError::not_a_log(path, why));
     }
-    let consistent = survive(|| archive.validate_header_consistency());
+    let consistent = catch_panic(|| archive.validate_header_consistency());
     let consistent = consistent.unwrap_or(Err(ZipError::InvalidArchive("its index makes no sense".into())));
     consistent.map_err(|error| damaged(error.to_string()))?;
     Ok((archive, names))
@@ -88,7 +88,7 @@ impl Archive<'_> {
     fn header(&mut self, name: &str) -> Result<Array, CaptureError> {
         let Self { path, archive, .. } = self;
         let senseless = || CaptureError::damaged(path, place(name), "its content makes no sense");
-        let read = survive(|| {
+        let read = catch_panic(|| {
             let mut file =
                 archive.by_name(name).map_err(|error| CaptureError::damaged(path, place(name), error.to_string()))?;
             let length = file.size();
@@ -100,7 +100,7 @@ impl Archive<'_> {
     /// Unpacks an array, and holds it against its check.
     fn unpack(&mut self, name: &str, out: &mut dyn io::Write) -> Result<(), Unpacking> {
         let Self { archive, room, bytes, .. } = self;
-        let copied = survive(|| {
+        let copied = catch_panic(|| {
             let file = archive.by_name(name).map_err(io::Error::other)?;
             io::copy(&mut file.take(room.bytes_on_disk().saturating_sub(*bytes).saturating_add(1)), out)
         });

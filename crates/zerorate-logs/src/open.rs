@@ -2,8 +2,8 @@
 
 use std::io::{self, BufReader, Read, Seek};
 use std::path::Path;
+use zerorate_record::catch_panic::catch_panic;
 use zerorate_record::limits::{NoRoom, Room};
-use zerorate_record::survive::survive;
 use zerorate_record::{CaptureError, Input, NotBuiltIn};
 
 /// As many bytes as the longest mark at a file's start has.
@@ -215,7 +215,7 @@ impl Packing {
     fn unpack(self, packed: &Input, room: Room) -> Result<Input, Unpacking> {
         let most = if packed.is_file() { room.bytes_on_disk() } else { room.bytes() };
         packed.unpacked(|unpacked| {
-            let copied = survive(|| {
+            let copied = catch_panic(|| {
                 let content = self.content(BufReader::with_capacity(BUFFER, packed.try_clone()?))?;
                 io::copy(&mut content.take(most.saturating_add(1)), unpacked)
             });

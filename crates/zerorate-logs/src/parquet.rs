@@ -3,7 +3,7 @@
 use super::open::Log;
 use super::series::ROW_BYTES;
 use super::tabular::{self, TableColumns};
-use super::{Asked, Found, Result};
+use super::{ColumnQuery, Found, Result};
 use arrow_array::ArrayRef;
 use bytes::{Buf, Bytes, buf};
 use parquet::arrow::ProjectionMask;
@@ -23,7 +23,7 @@ use zerorate_record::{CaptureError, Input, is_capture};
 const PIECE: usize = 1 << 16;
 
 /// Reads columns.
-pub fn read(log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
+pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
     let Log { path, input: file, room, .. } = log;
     let metadata = guarded(path, || ArrowReaderMetadata::load(&file, ArrowReaderOptions::default()))?;
     let schema = metadata.schema().clone();

@@ -4,12 +4,12 @@
 use super::imu_messages::{Collector, Encoding, Quantities, is_imu};
 use super::open::{Log, ROS_BAG};
 use super::topics::Survey;
-use super::{Asked, Found, Result};
+use super::{ColumnQuery, Found, Result};
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
+use zerorate_record::catch_panic::catch_panic;
 use zerorate_record::limits::{NoRoom, Room};
-use zerorate_record::survive::survive;
 use zerorate_record::{CaptureError, Input};
 
 /// Bytes that a read asks the system for.
@@ -27,7 +27,7 @@ const CHUNK_INFO: u8 = 6;
 const CONNECTION: u8 = 7;
 
 /// Reads quantities of the IMU messages.
-pub fn read(log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
+pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
     let (path, room) = (log.path, log.room);
     let mut file = BufReader::with_capacity(BUFFER, log.input);
     let topics = topics(path, &mut file, room)?;
@@ -237,8 +237,8 @@ impl Records<'_> {
         let mut unpack = |from: &mut dyn Read| from.take(u64::from(size) + 1).read_to_end(&mut bytes);
         let done = match field(&chunk.head, b"compression") {
             Some(b"none") => return Ok(chunk.data.clone()),
-            Some(b"bz2") => survive(|| unpack(&mut bzip2::read::BzDecoder::new(packed))),
-            Some(b"lz4") => survive(|| unpack(&mut lz4_flex::frame::FrameDecoder::new(packed))),
+            Some(b"bz2") => catch_panic(|| unpack(&mut bzip2::read::BzDecoder::new(packed))),
+            Some(b"lz4") => catch_panic(|| unpack(&mut lz4_flex::frame::FrameDecoder::new(packed))),
             other => {
                 let name = String::from_utf8_lossy(other.unwrap_or_default()).into_owned();
                 return Err(Stop::Torn(format!("a chunk is packed by `{}`", name.escape_debug())));

@@ -3,7 +3,7 @@
 use super::imu_messages::{Collector, Encoding, Quantities, is_imu};
 use super::open::Log;
 use super::topics::Survey;
-use super::{Asked, Found, Result};
+use super::{ColumnQuery, Found, Result};
 use rusqlite::config::DbConfig;
 use rusqlite::limits::Limit;
 use rusqlite::{Connection, OpenFlags, types::ValueRef};
@@ -11,7 +11,7 @@ use std::collections::BTreeSet;
 use zerorate_record::CaptureError;
 
 /// Reads quantities of the IMU messages.
-pub fn read(log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
+pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
     let (path, room) = (log.path, log.room);
     let failed = |error: rusqlite::Error| {
         let remedy = "if it is a bag of ROS 2, `ros2 bag convert` or `ros2 bag reindex` may help";

@@ -4,7 +4,7 @@ use super::choice::{Choice, Columns};
 use super::clock::Times;
 use super::judged::{self, Judging};
 use super::series::{SeriesBuilder, join, missing_in};
-use super::{Asked, Clock, Found, FoundColumn, Gap, Result, wrong};
+use super::{Clock, ColumnQuery, Found, FoundColumn, Gap, Result, wrong};
 use arrow_array::types::{Int32Type, Int64Type};
 use arrow_array::{Array, ArrayRef, RecordBatch};
 use arrow_schema::{DataType, Schema, TimeUnit as ArrowUnit};
@@ -17,7 +17,7 @@ use zerorate_record::table::BatchSource;
 use zerorate_record::{CaptureError, CaptureInfo, Checked, CodedAxis, Layout, Note, Quantity, TimeUnit, is_capture};
 
 /// Reads columns of a table. Of a capture all columns are read, because its checks are over all of them.
-pub fn read(path: &Path, mut source: Box<dyn BatchSource>, room: Room, asked: &Asked<'_>) -> Result<Found> {
+pub fn read(path: &Path, mut source: Box<dyn BatchSource>, room: Room, asked: &ColumnQuery<'_>) -> Result<Found> {
     let schema = source.stated().schema.clone();
     let mut reading = TableColumns::start(path, &schema, room, asked)?;
     if is_capture(schema.metadata()) {
@@ -53,7 +53,7 @@ struct TableColumn {
 
 impl<'a> TableColumns<'a> {
     /// Chooses the columns.
-    pub fn start(path: &'a Path, schema: &Schema, room: Room, asked: &Asked<'_>) -> Result<Self> {
+    pub fn start(path: &'a Path, schema: &Schema, room: Room, asked: &ColumnQuery<'_>) -> Result<Self> {
         let names: Vec<&str> = schema.fields().iter().map(|field| field.name().as_str()).collect();
         let metadata = schema.metadata();
         let info = is_capture(metadata).then(|| CaptureInfo::from_metadata(path, metadata)).transpose()?;

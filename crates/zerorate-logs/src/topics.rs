@@ -1,6 +1,6 @@
 //! What a bag with several IMUs has to choose from, as a table.
 
-use super::{Asked, LogError, Setting};
+use super::{ColumnQuery, LogError, Setting};
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -41,7 +41,7 @@ impl Survey {
 }
 
 /// Several IMUs, and none of them was meant.
-pub fn several(path: &Path, asked: &Asked<'_>, survey: &Survey) -> LogError {
+pub fn several(path: &Path, asked: &ColumnQuery<'_>, survey: &Survey) -> LogError {
     let (path, option) = (path.display(), asked.args.names.of(Setting::Topic));
     let why = match &asked.args.topic {
         Some(topic) => format!("has no IMU on a topic `{topic}`"),

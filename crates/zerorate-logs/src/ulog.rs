@@ -7,7 +7,7 @@ use super::open::Log;
 use super::part_log::TEMP;
 use super::series::SeriesBuilder;
 use super::topics::{Survey, several};
-use super::{Asked, Clock, Found, FoundColumn, LogError, Result, Setting, Wanted, wrong};
+use super::{Clock, ColumnQuery, Found, FoundColumn, LogError, Result, Setting, Wanted, wrong};
 use std::collections::BTreeMap;
 use std::io::{self, BufReader, Read};
 use std::path::Path;
@@ -42,7 +42,7 @@ const IMUS: [(&str, &str, Unit); 6] = [
 const GYRO: &str = "sensor_gyro";
 
 /// Reads fields of a topic.
-pub fn read(log: Log<'_>, asked: &Asked<'_>) -> Result<Found> {
+pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
     let Log { path, input, room, .. } = log;
     let mut messages = Messages::new(path, BufReader::with_capacity(BUFFER, input))?;
     let mut topics = Topics::default();
@@ -266,7 +266,7 @@ impl Topics {
         Some(())
     }
 
-    fn choose(&self, path: &Path, asked: &Asked<'_>) -> Result<Chosen> {
+    fn choose(&self, path: &Path, asked: &ColumnQuery<'_>) -> Result<Chosen> {
         let names = self.names();
         let wanted: Vec<String> = match asked.wanted {
             Wanted::One(Some(name)) => vec![name.to_owned()],
@@ -321,7 +321,7 @@ impl Topics {
     }
 
     /// No topic was meant, or none with an IMU.
-    fn several(&self, path: &Path, asked: &Asked<'_>) -> LogError {
+    fn several(&self, path: &Path, asked: &ColumnQuery<'_>) -> LogError {
         let mut survey = Survey::default();
         for (topic, id) in self.names() {
             let kind = topic.split('#').next().unwrap_or(&topic);

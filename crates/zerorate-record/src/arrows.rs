@@ -4,8 +4,8 @@ use super::CaptureError;
 use super::blocks::{BatchSource, BlockSink, Out, Stated};
 use super::chain::{self, End};
 use super::messages::{Message, MessageBytes, Messages, with_note};
+use crate::catch_panic::catch_panic;
 use crate::limits::Room;
-use crate::survive::survive;
 use crate::{Input, Note};
 use arrow_array::RecordBatch;
 use arrow_buffer::Buffer;
@@ -176,7 +176,7 @@ fn checks_from(input: &mut Input, start: u64) -> io::Result<usize> {
 
 /// The batch of a message, if it carries one.
 pub fn decode(decoder: &mut StreamDecoder, bytes: Vec<u8>) -> Result<Option<RecordBatch>, String> {
-    let decoded = survive(|| decoder.decode(&mut Buffer::from_vec(bytes)));
+    let decoded = catch_panic(|| decoder.decode(&mut Buffer::from_vec(bytes)));
     decoded.ok_or_else(|| "its batch makes no sense".to_owned())?.map_err(|error| error.to_string())
 }
 

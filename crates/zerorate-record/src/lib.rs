@@ -17,6 +17,7 @@ mod axes;
 pub mod bag;
 pub mod believed;
 mod blocks;
+pub mod catch_panic;
 pub mod cells;
 mod chain;
 mod checked;
@@ -45,7 +46,6 @@ pub mod plain;
 mod robot_log;
 mod row;
 pub mod succession;
-pub mod survive;
 pub mod table;
 #[cfg(test)]
 mod tests;

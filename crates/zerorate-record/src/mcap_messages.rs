@@ -1,8 +1,8 @@
 //! Messages of an MCAP file.
 
 use crate::Input;
+use crate::catch_panic::catch_panic;
 use crate::limits::{NoRoom, Room};
-use crate::survive::survive;
 use mcap::io::MessageReader;
 use mcap::sans_io::{LinearReaderOptions, SummaryReadEvent, SummaryReader, SummaryReaderOptions};
 use mcap::{McapError, McapResult, Message, Summary};
@@ -64,7 +64,7 @@ impl<R: Read> Messages<R> {
 
     fn read(&mut self) -> Option<Result<Message<'static>, Torn>> {
         let reader = self.reader.as_mut()?;
-        let Some(message) = survive(|| reader.next()) else {
+        let Some(message) = catch_panic(|| reader.next()) else {
             return Some(Err(Torn::Nonsense));
         };
         let message = message?;
@@ -78,7 +78,7 @@ impl<R: Read> Messages<R> {
 
 /// How many messages of each topic a file states at its end; nothing where it was not closed, or does not say.
 pub fn stated(file: &mut Input, room: Room) -> BTreeMap<String, u64> {
-    let summary = survive(|| summary(file, room)).and_then(Result::ok).flatten();
+    let summary = catch_panic(|| summary(file, room)).and_then(Result::ok).flatten();
     let Some((counts, summary)) = summary.and_then(|summary| Some((summary.stats.clone()?, summary))) else {
         return BTreeMap::new();
     };

@@ -3,8 +3,8 @@
 //! The Arrow library decodes the messages. It trusts their offsets, though, and does not say whether a stream ended
 //! well; a recording that was cut off is the case this program is made for, so the frames are read here.
 
+use crate::catch_panic::catch_panic;
 use crate::limits::Room;
-use crate::survive::survive;
 use arrow_ipc::convert::{metadata_to_fb, try_fb_to_schema};
 use arrow_ipc::{self as ipc, MessageArgs, RecordBatchArgs, root_as_message};
 use arrow_schema::{Metadata, Schema, SchemaRef};
@@ -102,7 +102,7 @@ impl MessageBytes {
         if self.bytes.len() > self.metadata.end {
             return Err(format!("its Arrow schema states a body of {} bytes", self.bytes.len() - self.metadata.end));
         }
-        let schema: Option<Result<Schema, _>> = survive(|| try_fb_to_schema(schema));
+        let schema: Option<Result<Schema, _>> = catch_panic(|| try_fb_to_schema(schema));
         let schema = schema.ok_or("its Arrow schema makes no sense")?.map_err(|error| error.to_string())?;
         Ok(Arc::new(schema))
     }

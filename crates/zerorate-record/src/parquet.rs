@@ -4,8 +4,8 @@ use super::CaptureError;
 use super::blocks::{BatchSource, BlockSink, Opened, Out, Stated};
 use super::chain::{self, End};
 use crate::Input;
+use crate::catch_panic::catch_panic;
 use crate::limits::NoRoom;
-use crate::survive::survive;
 use arrow_array::RecordBatch;
 use arrow_schema::{DataType, SchemaRef};
 use bytes::Bytes;
@@ -149,7 +149,7 @@ impl ChunkReader for Input {
 /// The Parquet library panics on some damaged files. Here that is one more way for a file to be wrong.
 pub fn guarded<T>(path: &Path, read: impl FnOnce() -> Result<T, ParquetError>) -> Result<T, CaptureError> {
     let failed = |why: String| Err(CaptureError::damaged(path, "as a Parquet file", why));
-    match survive(read) {
+    match catch_panic(read) {
         Some(Ok(value)) => Ok(value),
         Some(Err(error)) => match no_room(&error) {
             Some(why) => Err(CaptureError::no_room(path, why)),

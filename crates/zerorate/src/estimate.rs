@@ -3,7 +3,7 @@
 use crate::block_means::{Adjacent, BLOCK_S};
 use crate::blocks::{Blocks, Second};
 use crate::correction::Correction;
-use crate::hour::{self, Deviation, Findings, Question};
+use crate::drift_checks::{self, Deviation, Findings, Question};
 use crate::ledger::Summary;
 use crate::noise::{NoiseModel, Window};
 use crate::notice::{Refusal, Warning};
@@ -144,7 +144,7 @@ impl WindowWarnings {
 pub(crate) fn outcome_of_hour(seen: &Evidence<'_>, blocks: &Blocks) -> Result<Outcome, Refusal> {
     let seconds: Vec<Second> = blocks.seconds().collect();
     let hour = match seen.axis.noise {
-        Some(_) => hour::findings(&seconds, &question(seen)?),
+        Some(_) => drift_checks::findings(&seconds, &question(seen)?),
         None => None,
     };
     let eighths = match &hour {

@@ -1,6 +1,6 @@
 //! What a measurement has to say beside its numbers: warnings, and the refusals that end it.
 
-use crate::hour::{Deviation, Finding};
+use crate::drift_checks::{Deviation, Finding};
 use crate::part::Tone;
 use crate::plan::EARTH_DPS;
 use crate::remedy::{Names, Remedy, Say, Setting, say_all};

@@ -4,8 +4,8 @@
 #[cfg(feature = "std")]
 use crate::block_means::BLOCK_S;
 use crate::blocks::{Blocks, Second};
+use crate::drift_checks::{self, Deviation, Finding, Findings, Question};
 use crate::estimate::{Evidence, Noise, Outcome};
-use crate::hour::{self, Deviation, Finding, Findings, Question};
 use crate::ledger::{Ledger, Summary};
 use crate::legs::covered_c;
 use crate::noise::{NoiseModel, Window};
@@ -181,7 +181,7 @@ impl Searched<'_> {
             curvature_dps_per_c2: axis.bias.curvature_dps_per_c2.unwrap_or(0.0),
             supply_dps_per_mv: axis.bias.supply_dps_per_mv,
         };
-        hour::findings(seconds, &question)
+        drift_checks::findings(seconds, &question)
     }
 }
 

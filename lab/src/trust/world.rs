@@ -47,7 +47,7 @@ const fn classes() -> [Class; FAULTS.len() + SWAYS.len()] {
 /// flicker, some 0.002 °/s however long it is (M-04).
 const WHITE_MV: f64 = 44.0;
 const FLICKER_MV: f64 = 10.0;
-/// A step is found at 4.7 deviations (`hour.rs`). With bad luck of the noise, three more are needed.
+/// A step is found at 4.7 deviations (`drift_checks.rs`). With bad luck of the noise, three more are needed.
 const SEEN_SIGMA: f64 = 8.0;
 /// Step 8 and what follows it, s: before that, the hour shows both levels for long enough.
 const STEP_8_S: f64 = 160.0;

@@ -6,7 +6,7 @@ use crate::device::{SamplingArgs, SourceArgs};
 use crate::exit::Usage;
 use crate::interrupt;
 use crate::output::{Outputs, say, warn};
-use crate::serve::{self, Desk, EndsAll, Folder, Guard, Libiio, Opener, Recordings, Token};
+use crate::serve::{self, EndsAll, Folder, Guard, Libiio, Opener, Recordings, SessionThread, Token};
 use anyhow::{Context, Result, anyhow, ensure};
 use clap::Args;
 use std::io::ErrorKind;
@@ -109,7 +109,7 @@ pub fn run(args: &ServeArgs) -> Result<()> {
         check_serial(calibration, cal, &opened.about)?;
     }
     let recordings = Recordings::new(args.output.clone(), outputs, calibrations.first().cloned());
-    let (mut desk, visits) = Desk::new(opener, opened, recordings, Folder::new(args.folder.clone()));
+    let (mut desk, visits) = SessionThread::new(opener, opened, recordings, Folder::new(args.folder.clone()));
     shelve(args, &mut desk)?;
     let libiio = libiio(args, calibrations.into_iter().next())?;
     let at = libiio.as_ref().map(Libiio::address).transpose()?;
@@ -165,7 +165,7 @@ fn check_serial(calibration: &Calibration, cal: &Path, about: &About) -> Result<
 }
 
 /// Calibrations of the folder and of the command line.
-fn shelve(args: &ServeArgs, desk: &mut Desk) -> Result<()> {
+fn shelve(args: &ServeArgs, desk: &mut SessionThread) -> Result<()> {
     let (session, folder) = desk.shelf();
     folder.read(session)?;
     for (index, cal) in args.cals.iter().enumerate() {

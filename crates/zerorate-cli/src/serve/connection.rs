@@ -2,7 +2,7 @@
 
 use crate::proposal::proposal;
 use zerorate::Tally;
-use zerorate_host::{Bus, Facts};
+use zerorate_host::{Bus, DeviceInfo};
 use zerorate_web::message::CheckResult;
 
 /// How long samples are looked at, as by `zerorate probe`, s.
@@ -36,7 +36,7 @@ pub struct HostCheck {
 
 impl HostCheck {
     /// Of a device, before its first sample.
-    pub fn new(facts: &Facts, bus: Option<Bus>) -> Self {
+    pub fn new(facts: &DeviceInfo, bus: Option<Bus>) -> Self {
         Self { bus, mclk_hz: facts.mclk_hz }
     }
 

@@ -46,7 +46,7 @@ pub struct Begun {
 pub type Visits = SyncSender<Visit>;
 
 /// The session, the device, and who waits.
-pub struct Desk {
+pub struct SessionThread {
     session: Session,
     opener: Opener,
     device: Device,
@@ -92,7 +92,7 @@ impl Reading {
     }
 }
 
-impl Desk {
+impl SessionThread {
     /// For a device that was opened and is not read yet; where visits are handed in.
     pub fn new(opener: Opener, opened: Opened, recordings: Recordings, folder: Folder) -> (Self, Visits) {
         let (hand_in, visits) = sync_channel(QUEUE);

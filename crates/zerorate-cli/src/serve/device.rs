@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::thread;
 use std::time::Duration;
-use zerorate_host::{Awaited, Batch, Bus, DeviceError, DeviceSpec, Everything, Hub, Pace, Setup, Stop, Watcher};
+use zerorate_host::{Awaited, Batch, Bus, DeviceError, DeviceSpec, Hub, LosslessReader, Pace, Setup, Stop, Watcher};
 use zerorate_record::CaptureInfo;
 use zerorate_web::registers;
 use zerorate_web::session::About;
@@ -85,7 +85,7 @@ impl Opening {
 /// Samples for the session: all there are, unless it were to keep a real part waiting.
 pub enum Feed {
     /// Simulated and recorded time waits for the session.
-    Everything(Everything),
+    LosslessReader(LosslessReader),
     /// A real part does not: what does not fit into this queue is missed, and counted.
     Patient(Watcher),
 }
@@ -103,13 +103,13 @@ pub struct Fed {
 impl Feed {
     /// From here on.
     pub fn of(hub: &Hub) -> Self {
-        if hub.facts().is_real { Self::Patient(hub.watch(PATIENCE)) } else { Self::Everything(hub.everything()) }
+        if hub.facts().is_real { Self::Patient(hub.watch(PATIENCE)) } else { Self::LosslessReader(hub.everything()) }
     }
 
     /// What comes within this time. Why there is no more tells the hub.
     pub fn next_within(&self, patience: Duration) -> Awaited<Fed> {
         match self {
-            Self::Everything(everything) => match everything.next_within(patience) {
+            Self::LosslessReader(everything) => match everything.next_within(patience) {
                 Ok(Awaited::Samples(batch)) => Awaited::Samples(Fed { batch, missed: 0 }),
                 Ok(Awaited::Nothing) => Awaited::Nothing,
                 Ok(Awaited::End) | Err(_) => Awaited::End,

@@ -20,7 +20,7 @@ mod server;
 mod trials;
 mod watch;
 
-pub use desk::Desk;
+pub use desk::SessionThread;
 pub use device::Opener;
 pub use folder::Folder;
 pub use guard::{Guard, Token};

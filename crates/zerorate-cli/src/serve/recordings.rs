@@ -7,7 +7,7 @@ use std::sync::mpsc::channel;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{self, JoinHandle};
 use zerorate::Calibration;
-use zerorate_host::{Batch, Everything, Facts, Hub};
+use zerorate_host::{Batch, DeviceInfo, Hub, LosslessReader};
 use zerorate_jobs::Recorder;
 use zerorate_jobs::output::OutputError;
 use zerorate_record::{CaptureInfo, Format};
@@ -35,7 +35,7 @@ impl Recordings {
         let Some(files) = &self.files else { return Ok(()) };
         let first = lock(files).first()?;
         let (everything, files) = (hub.everything(), Arc::clone(files));
-        let facts = Facts { info: info.clone(), ..hub.facts().clone() };
+        let facts = DeviceInfo { info: info.clone(), ..hub.facts().clone() };
         let calibration = self.calibration.clone();
         let (begun, waits) = channel();
         let body = move || {
@@ -113,14 +113,14 @@ struct Opened {
 }
 
 impl Opened {
-    fn create(file: Recording, facts: &Facts, calibration: Option<Calibration>) -> Result<Self> {
+    fn create(file: Recording, facts: &DeviceInfo, calibration: Option<Calibration>) -> Result<Self> {
         let path = file.path().to_owned();
         let recorder = Recorder::create(file, Format::choose(None, &path)?, facts, &facts.info, calibration)?;
         Ok(Self { name: path.display().to_string(), recorder })
     }
 
     /// Records until the end, whatever that is: what there is until then is whole.
-    fn record(mut self, first: &Batch, more: &Everything) -> Result<()> {
+    fn record(mut self, first: &Batch, more: &LosslessReader) -> Result<()> {
         let mut written = self.push(first);
         while written.is_ok() {
             let Ok(Some(batch)) = more.next() else { break };

@@ -6,11 +6,11 @@ mod progress;
 
 use crate::Stop;
 use crate::edges::Edges;
-use crate::error::{Cause, Told};
+use crate::error::{Cause, UserError};
 use crate::live::Live;
 use crate::pin::PinError;
 use crate::reader::{Reader, WhenFull};
-use crate::source::{Bus, Facts, Losses, Registers, Setup, Source};
+use crate::source::{Bus, DeviceInfo, Losses, Registers, Setup, Source};
 use crate::wire::Wire;
 pub use address::BridgeAddress;
 use adis16130::bridge::{Ask, Continuity, PROTOCOL, Refusal, Settings};
@@ -27,7 +27,7 @@ use zerorate_record::Row;
 /// The part, and the thread that takes its samples once the first was asked for.
 pub struct BridgePart {
     address: BridgeAddress,
-    facts: Facts,
+    facts: DeviceInfo,
     sampling: SamplerConfig,
     link: Shared,
     state: State,
@@ -44,7 +44,7 @@ impl BridgePart {
     fn open(address: &BridgeAddress, name: &str, setup: &Setup, stop: &Stop) -> crate::Result<Self> {
         let sampling = setup.sampling.config(address.part.divided);
         let settings = (address.part.config, sampling);
-        let facts = Facts::of_part(name, settings, address.mclk_hz, address.bandwidth_hz, setup.part.as_ref())?;
+        let facts = DeviceInfo::of_part(name, settings, address.mclk_hz, address.bandwidth_hz, setup.part.as_ref())?;
         let link = Shared(Arc::new(Mutex::new(Link::new(Wire::open(&address.port)?))));
         greet(&link, address).map_err(|error| link.explain(error, address))?;
         let edges = LastEdges { link: link.clone(), last: None };
@@ -124,7 +124,7 @@ impl BridgePart {
 }
 
 impl Source for BridgePart {
-    fn facts(&self) -> Facts {
+    fn facts(&self) -> DeviceInfo {
         self.facts.clone()
     }
 
@@ -147,7 +147,7 @@ impl Source for BridgePart {
     fn self_test(&mut self, gpio: &str) -> crate::Result<SelfTest> {
         if !gpio.is_empty() {
             let why = "--self-test takes no GPIO with a bridge, whose firmware knows the pin";
-            return Err(Told::request(format!("{why}: leave `{gpio}` out")).into());
+            return Err(UserError::request(format!("{why}: leave `{gpio}` out")).into());
         }
         Ok(self.test_itself()?)
     }
@@ -265,12 +265,12 @@ impl Shared {
         match self.lock().why_gone() {
             Some(why) => {
                 let gone = "is gone: its cable was pulled, or the bridge has no power; connect it and start again";
-                anyhow!(why).context(Told::new(Cause::Gone, format!("{address} {gone}")))
+                anyhow!(why).context(UserError::new(Cause::Gone, format!("{address} {gone}")))
             }
             None if error.chain().any(|cause| matches!(cause.downcast_ref(), Some(LinkError::Silent))) => {
                 let silent = "does not answer: is it a bridge (docs/formats/bridge.md) whose firmware runs, and does \
                     nobody else read it?";
-                error.context(Told::new(Cause::Silent, format!("{address} {silent}")))
+                error.context(UserError::new(Cause::Silent, format!("{address} {silent}")))
             }
             None => error,
         }

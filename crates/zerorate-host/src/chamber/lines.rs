@@ -1,7 +1,7 @@
 //! Chambers that take lines of text over TCP or a serial port.
 
 use super::{Chamber, Left, name_and_options, patience};
-use crate::error::{Cause, Told};
+use crate::error::{Cause, UserError};
 use crate::options::number;
 use crate::wire::Wire;
 use crate::{DeviceError, Result, Stop};
@@ -401,7 +401,7 @@ impl Lines {
         match failure {
             Failure::Refused(what) => {
                 let words = format!("{address}: {what}; check which commands it takes (set=…, docs/chamber.md)");
-                anyhow::Error::from(Told::new(Cause::Part, words)).into()
+                anyhow::Error::from(UserError::new(Cause::Part, words)).into()
             }
             Failure::Lost(error) => {
                 let patience_s = address.patience.as_secs();
@@ -409,11 +409,11 @@ impl Lines {
                     "{address} is lost, and was not found again within {patience_s} s; check its cable, and that \
                      nobody else is connected (patience_s=… waits longer)"
                 );
-                error.context(Told::new(Cause::Gone, words)).into()
+                error.context(UserError::new(Cause::Gone, words)).into()
             }
             Failure::Stopped => {
                 let words = format!("{address} was waited for, and it was asked to stop");
-                anyhow::Error::from(Told::new(Cause::Stopped, words)).into()
+                anyhow::Error::from(UserError::new(Cause::Stopped, words)).into()
             }
         }
     }
@@ -453,7 +453,7 @@ impl Chamber for Lines {
                     "{} does not answer; check that it is on, its cable, and which commands it takes (set=…)",
                     self.address
                 );
-                error.context(Told::new(Cause::Gone, words)).into()
+                error.context(UserError::new(Cause::Gone, words)).into()
             }
             failure => self.told(failure),
         })

@@ -5,7 +5,7 @@
 
 use super::sysfs::read;
 use super::{DEFAULT_POLL_HZ, IioAddress, Poll, Polls};
-use crate::source::{Facts, Sampling, Setup, Source};
+use crate::source::{DeviceInfo, Sampling, Setup, Source};
 use adis16130::{Config, MCLK_HZ, RATE_LSB_PER_DPS, RateCode, Sample, TEMP_LSB_PER_C, TempCode, Width, ZERO_CODE};
 use anyhow::{Result, bail, ensure};
 use std::path::Path;
@@ -19,7 +19,7 @@ const SCALE_TOLERANCE: f64 = 0.005;
 /// The part, being polled.
 pub struct Adis16130 {
     address: IioAddress,
-    facts: Facts,
+    facts: DeviceInfo,
     sampling: Sampling,
     /// What makes a raw reading a 24-bit code.
     rate_shift: i64,
@@ -32,12 +32,12 @@ impl Adis16130 {
     /// Reads the driver's scales and offsets, and makes sure that its readings are codes of F-40 and F-41.
     pub fn open(address: &IioAddress, device: &str, setup: &Setup) -> crate::Result<Self> {
         let settings = (Config::new(), setup.sampling.config(1));
-        let facts = Facts::of_part(device, settings, MCLK_HZ, address.bandwidth_hz, setup.part.as_ref())?;
-        let facts = Facts { framing: None, rate_hz: Some(address.hz.unwrap_or(DEFAULT_POLL_HZ).into()), ..facts };
+        let facts = DeviceInfo::of_part(device, settings, MCLK_HZ, address.bandwidth_hz, setup.part.as_ref())?;
+        let facts = DeviceInfo { framing: None, rate_hz: Some(address.hz.unwrap_or(DEFAULT_POLL_HZ).into()), ..facts };
         Ok(Self::with_facts(address, setup.sampling, facts)?)
     }
 
-    fn with_facts(address: &IioAddress, sampling: Sampling, facts: Facts) -> Result<Self> {
+    fn with_facts(address: &IioAddress, sampling: Sampling, facts: DeviceInfo) -> Result<Self> {
         let folder = &address.folder;
         let hz = address.hz.unwrap_or(DEFAULT_POLL_HZ);
         let dps = std::f64::consts::PI / 180.0; // the kernel's unit is rad/s
@@ -68,7 +68,7 @@ impl Adis16130 {
 }
 
 impl Source for Adis16130 {
-    fn facts(&self) -> Facts {
+    fn facts(&self) -> DeviceInfo {
         self.facts.clone()
     }
 

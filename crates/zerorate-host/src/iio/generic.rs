@@ -4,8 +4,8 @@ use super::channel::{Channel, Element};
 use super::sysfs::{first, read_text, write};
 use super::{DEFAULT_POLL_HZ, IioAddress, Poll, Polls};
 use crate::Stop;
-use crate::error::{Cause, Told};
-use crate::source::{Facts, Sampling, Setup, Source, part_of};
+use crate::error::{Cause, UserError};
+use crate::source::{DeviceInfo, Sampling, Setup, Source, part_of};
 use adis16130::MCLK_HZ;
 use anyhow::{Context, Result, bail, ensure};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
@@ -54,7 +54,7 @@ struct Device {
     folder: PathBuf,
     rates: Vec<Channel>,
     temp: Option<Channel>,
-    facts: Facts,
+    facts: DeviceInfo,
 }
 
 impl Device {
@@ -66,7 +66,7 @@ impl Device {
         let axes: Vec<&str> = ["x", "y", "z"].into_iter().filter(there).collect();
         if axes.is_empty() {
             let why = format!("{driver} in {} is no gyroscope: it has no in_anglvel_x, _y or _z", folder.display());
-            return Err(Told::request(why).into());
+            return Err(UserError::request(why).into());
         }
         let rates = axes.iter().map(|axis| rate(axis)).collect::<Result<Vec<_>>>()?;
         let named = ["in_temp", "in_temp0"].into_iter().find(|name| folder.join(format!("{name}_raw")).exists());
@@ -86,7 +86,7 @@ impl Device {
             part_of(&info, setup.part.as_ref().map(|known| Part { name: part.name, ..known.clone() }).as_ref())?;
         let rate_hz = address.hz.map(f64::from);
         let facts =
-            Facts { name: name.to_owned(), info, part, framing: None, is_real: true, rate_hz, mclk_hz: MCLK_HZ };
+            DeviceInfo { name: name.to_owned(), info, part, framing: None, is_real: true, rate_hz, mclk_hz: MCLK_HZ };
         Ok(Self { folder: folder.clone(), rates, temp, facts })
     }
 
@@ -151,7 +151,7 @@ impl Polled {
 }
 
 impl Source for Polled {
-    fn facts(&self) -> Facts {
+    fn facts(&self) -> DeviceInfo {
         self.device.facts.clone()
     }
 
@@ -200,7 +200,7 @@ impl Buffered {
         write(&folder, "buffer/enable", "1")?;
         let rate_hz: Option<f64> = first(&folder, &["in_anglvel_sampling_frequency", "sampling_frequency"])?;
         let rate_hz = rate_hz.filter(|hz| *hz > 0.0);
-        let facts = Facts { rate_hz, ..device.facts };
+        let facts = DeviceInfo { rate_hz, ..device.facts };
         let device = Device { facts, ..device };
         let period_ns = rate_hz.map(|hz| 1e9 / hz);
         let periods = rate_hz.and_then(|hz| Duration::try_from_secs_f64(SILENT_PERIODS / hz).ok());
@@ -253,7 +253,7 @@ impl Buffered {
             "no scan came for {s} s: what triggers them has stopped (cat {folder}/trigger/current_trigger), the part \
              sleeps, or it reports changes only (echo 0 > {folder}/in_anglvel_hysteresis); ?hz=N polls it instead"
         );
-        bail!(Told::new(Cause::Silent, words))
+        bail!(UserError::new(Cause::Silent, words))
     }
 }
 
@@ -282,12 +282,15 @@ fn why_not_open(file: &Path, error: io::Error) -> anyhow::Error {
         }
         _ => format!("cannot open {file}; ?hz=N polls it instead"),
     };
-    let told = Told::of_system(&error, words);
+    let told = UserError::of_system(&error, words);
     anyhow::Error::new(error).context(told)
 }
 
-fn gone() -> Told {
-    Told::new(Cause::Gone, "reading the buffer: the device is gone; was the part unplugged, or its driver unbound?")
+fn gone() -> UserError {
+    UserError::new(
+        Cause::Gone,
+        "reading the buffer: the device is gone; was the part unplugged, or its driver unbound?",
+    )
 }
 
 /// A buffer is filled when something triggers; some drivers bring a trigger of their own.
@@ -321,7 +324,7 @@ fn places(enabled: &[(&str, Element)]) -> (Vec<usize>, usize) {
 }
 
 impl Source for Buffered {
-    fn facts(&self) -> Facts {
+    fn facts(&self) -> DeviceInfo {
         self.device.facts.clone()
     }
 
@@ -404,7 +407,7 @@ mod tests {
         let mut polled = Polled::new(device, 1000, Sampling { every_temp: Some(2), divider: None });
         let (one, next) = (polled.poll().expect("a row"), polled.poll().expect("a row"));
         assert_eq!((one.codes(), one.temp_code, next.temp_code), (&[100, -200, 5][..], Some(2500), None));
-        let Facts { info, part, .. } = polled.facts();
+        let DeviceInfo { info, part, .. } = polled.facts();
         assert_eq!((&*part.name, part.axes.len(), &*part.axes[1].name), ("gyro_3d", 3, "y"));
         let scan = info.layout.scan(&one);
         let Axis { rate, temp, .. } = part.axes[1].axis;

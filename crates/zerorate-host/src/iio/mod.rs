@@ -10,7 +10,7 @@ mod sysfs;
 
 use crate::Stop;
 use crate::address::{Address, Parsed};
-use crate::error::{Cause, Told};
+use crate::error::{Cause, UserError};
 use crate::options::{number, split, without_bandwidth};
 use crate::source::{Setup, Source};
 use std::ops::RangeInclusive;
@@ -65,12 +65,12 @@ impl Address for IioAddress {
         if setup.sampling.divider.is_some() {
             let why = "--divider counts edges of data ready, which the kernel driver does not show; poll less often \
                 with ?hz=";
-            return Err(Told::request(why).into());
+            return Err(UserError::request(why).into());
         }
         if !self.folder.is_dir() {
             let folder = self.folder.display();
             let words = format!("no {folder}: is its driver bound? see ls /sys/bus/iio/devices");
-            return Err(anyhow::Error::new(Told::new(Cause::Missing, words)).into());
+            return Err(anyhow::Error::new(UserError::new(Cause::Missing, words)).into());
         }
         match sysfs::read_text(&self.folder, "name")?.as_str() {
             "adis16130" => Ok(Box::new(adis16130::Adis16130::open(self, name, setup)?)),

@@ -4,7 +4,7 @@ use super::request::{Errno, Place};
 use super::scan::{Scan, Scanner, corrected};
 use super::table::{CORRECTED_RAD_PER_S, Channel, Quantity, Table};
 use crate::Watched;
-use crate::source::Facts;
+use crate::source::DeviceInfo;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use zerorate::calibration::OtherPart;
 use zerorate::{Axis, Calibration, Correction, Corrector, MAX_AXES, Scale, Tally};
@@ -66,8 +66,8 @@ impl Device {
     ///
     /// # Errors
     /// The calibration is of another part.
-    pub fn new(facts: &Facts, calibration: Option<&Calibration>) -> Result<Self, OtherPart> {
-        let Facts { info, part, .. } = facts;
+    pub fn new(facts: &DeviceInfo, calibration: Option<&Calibration>) -> Result<Self, OtherPart> {
+        let DeviceInfo { info, part, .. } = facts;
         let names = || part.axes.iter().map(|axis| &*axis.name);
         let corrector = calibration.map(|calibration| calibration.corrector(&part.name, names())).transpose()?;
         let axes: Vec<Axis> = part.axes.iter().map(|axis| axis.axis).collect();

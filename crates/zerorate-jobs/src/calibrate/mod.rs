@@ -15,7 +15,7 @@ use anyhow::Result;
 use measurement::Measurement;
 use std::path::{Path, PathBuf};
 use zerorate::{Calibration, Method, Names, Part, PartProcedure, Plan, Say};
-use zerorate_host::Facts;
+use zerorate_host::DeviceInfo;
 use zerorate_record::{CaptureInfo, Format};
 
 /// What is to become of the result.
@@ -59,7 +59,7 @@ impl Files {
     }
 
     /// Starts the log, once there is something to record.
-    fn log(&mut self, facts: &Facts, info: &CaptureInfo) -> Result<Option<Recorder>> {
+    fn log(&mut self, facts: &DeviceInfo, info: &CaptureInfo) -> Result<Option<Recorder>> {
         let start = |path: &PathBuf| {
             let format = Format::choose(None, path)?;
             Ok(Recorder::create(self.outputs.recording(path)?, format, facts, info, None)?)

@@ -11,7 +11,7 @@ use super::choice::{Choice, Columns};
 use super::clock::Times;
 use super::number::Numerals;
 use super::series::SeriesBuilder;
-use super::{Asked, Clock, Found, FoundColumn, LogError, Result, Setting, Wanted};
+use super::{Clock, ColumnQuery, Found, FoundColumn, LogError, Result, Setting, Wanted};
 use blocks::{Block, Blocks};
 use head::{Head, Open};
 use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, IntoParallelRefMutIterator, ParallelIterator};
@@ -25,7 +25,7 @@ use zerorate_record::{CaptureError, Input, Note, TimeUnit};
 const AT_ONCE: usize = 2;
 
 /// Reads columns of text.
-pub fn read(path: &Path, mut input: Input, room: Room, asked: &Asked<'_>) -> Result<Found> {
+pub fn read(path: &Path, mut input: Input, room: Room, asked: &ColumnQuery<'_>) -> Result<Found> {
     let failed = |error| CaptureError::io("read", path, error);
     let head = head(path, &mut input, asked)?;
     input.rewind().map_err(failed)?;
@@ -59,7 +59,7 @@ pub fn read(path: &Path, mut input: Input, room: Room, asked: &Asked<'_>) -> Res
 }
 
 /// How the text starts, and what of that only all of it can tell.
-fn head(path: &Path, input: &mut Input, asked: &Asked<'_>) -> Result<Head> {
+fn head(path: &Path, input: &mut Input, asked: &ColumnQuery<'_>) -> Result<Head> {
     let failed = |error| CaptureError::io("read", path, error);
     let clone = |input: &Input| input.try_clone().map_err(failed);
     let start = Blocks::new(path, clone(input)?).next()?;
@@ -149,7 +149,7 @@ impl<'a> TextColumns<'a> {
         self.columns.first().map_or(0, SeriesBuilder::rows)
     }
 
-    fn finish(self, head: Head, asked: &Asked<'_>) -> Result<Found> {
+    fn finish(self, head: Head, asked: &ColumnQuery<'_>) -> Result<Found> {
         let Self { cut, columns, times, numerals, broken, torn, .. } = self;
         let (path, names) = (cut.path, asked.args.names);
         if let Some((line, what)) = numerals.doubt(names.of(Setting::Decimal)) {

@@ -1,7 +1,7 @@
 //! Parameters of flight controllers: bias polynomials of three axes about their reference temperature, in rad/s, which
 //! their firmware subtracts.
 
-use super::{Asked, Export};
+use super::{Export, InvalidOptions};
 use anyhow::{Result, bail, ensure};
 use zerorate::{Correction, Validity};
 
@@ -43,9 +43,12 @@ impl Bias {
 /// The parameters of PX4: `sensor` as in TC_Gn, `device_id` as in TC_Gn_ID.
 pub(super) fn px4(export: &Export, sensor: Option<u32>, device_id: Option<i32>) -> Result<String> {
     let sensor = sensor.unwrap_or(0);
-    ensure!(PX4_SENSORS.contains(&sensor), Asked(format!("sensor {sensor}: PX4 has gyroscopes 0 to 3, TC_Gn_…")));
+    ensure!(
+        PX4_SENSORS.contains(&sensor),
+        InvalidOptions(format!("sensor {sensor}: PX4 has gyroscopes 0 to 3, TC_Gn_…"))
+    );
     let Some(device_id) = device_id else {
-        bail!(Asked(format!(
+        bail!(InvalidOptions(format!(
             "PX4 finds the gyroscope of TC_G{sensor} by its device id, and without one it corrects nothing: give \
              the device_id of the topic sensor_gyro (`listener sensor_gyro` in its console)"
         )));
@@ -80,7 +83,7 @@ pub(super) fn ardupilot(export: &Export, sensor: Option<u32>) -> Result<String> 
     let sensor = sensor.unwrap_or(1);
     ensure!(
         ARDUPILOT_SENSORS.contains(&sensor),
-        Asked(format!("sensor {sensor}: ArduPilot has IMUs 1 to 3 under INS_TCALn_…"))
+        InvalidOptions(format!("sensor {sensor}: ArduPilot has IMUs 1 to 3 under INS_TCALn_…"))
     );
     let axes = three(export)?;
     let Validity { temp_min_c, temp_max_c, .. } = export.layout.valid;

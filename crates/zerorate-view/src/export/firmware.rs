@@ -3,7 +3,7 @@
 use super::codes::{Codes, Integer};
 use super::layout::Layout;
 use super::prefix::Prefix;
-use super::{Asked, Export};
+use super::{Export, InvalidOptions};
 use anyhow::{Context, Result, bail, ensure};
 use zerorate::calibration::CalibratedAxis;
 use zerorate::{Correction, CurveForm, IntegerCorrection, IntegerCurve, RowIndex, Scale, TableRow, Validity};
@@ -268,7 +268,8 @@ fn layout(export: &Export, axes: &[AxisCodes]) -> Result<Entries> {
     let (rows, temp) = (tables[0].len(), &axes[0].codes.temp);
     let index = RowIndex::new(rows, layout.step_c, axes[0].axis.correction.t3_c, temp);
     let fits = i128::from(index.rows_per_code_q) * (temp.span() as i128 + 1) < i128::from(i64::MAX - MIDDLE_MOST);
-    let fine = || Asked(format!("a step of {} °C is far finer than a code of the temperature", layout.step_c));
+    let fine =
+        || InvalidOptions(format!("a step of {} °C is far finer than a code of the temperature", layout.step_c));
     ensure!(fits, fine());
     Ok(vec![
         ("STEP_C", layout.step_c.to_string()),
@@ -327,7 +328,7 @@ fn whole_millionths(what: &str, value: f64) -> Result<i32> {
     let whole = millionths(value)?;
     ensure!(
         (value * 1e6 - f64::from(whole)).abs() < 1e-6,
-        Asked(format!("{what} {value} is no whole number of millionths of a degree"))
+        InvalidOptions(format!("{what} {value} is no whole number of millionths of a degree"))
     );
     Ok(whole)
 }

@@ -1,6 +1,6 @@
 //! How far an exported table reaches, and in which steps.
 
-use super::Asked;
+use super::InvalidOptions;
 use anyhow::Result;
 use zerorate::{Calibration, Correction, TableRow, Validity};
 
@@ -45,7 +45,7 @@ impl Layout {
 
     /// The table of an axis.
     pub(super) fn rows(&self, correction: &Correction) -> Result<Vec<TableRow>> {
-        Ok(correction.table(self.step_c, self.span_c).map_err(|error| Asked(error.to_string()))?)
+        Ok(correction.table(self.step_c, self.span_c).map_err(|error| InvalidOptions(error.to_string()))?)
     }
 
     /// What to say of it.

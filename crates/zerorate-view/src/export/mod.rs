@@ -46,15 +46,15 @@ pub struct Options {
 
 /// What was asked for makes no sense.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Asked(pub String);
+pub struct InvalidOptions(pub String);
 
-impl std::fmt::Display for Asked {
+impl std::fmt::Display for InvalidOptions {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(&self.0)
     }
 }
 
-impl std::error::Error for Asked {}
+impl std::error::Error for InvalidOptions {}
 
 /// Corrections, ready to be written down.
 #[derive(Debug)]
@@ -70,7 +70,7 @@ impl Export {
     /// Lays the tables out.
     ///
     /// # Errors
-    /// [`Asked`]: a table that makes no sense.
+    /// [`InvalidOptions`]: a table that makes no sense.
     pub fn new(calibration: Calibration, options: Options) -> Result<Self> {
         let layout = Layout::new(&calibration, options.step_c, options.span_c);
         let tables = calibration.axes.iter().map(|axis| layout.rows(&axis.correction)).collect::<Result<_>>()?;
@@ -86,7 +86,7 @@ impl Export {
     /// The whole file.
     ///
     /// # Errors
-    /// [`Asked`], or a calibration that the form has no room for.
+    /// [`InvalidOptions`], or a calibration that the form has no room for.
     pub fn text(&self, form: Form) -> Result<String> {
         let Options { prefix, sensor, device_id, .. } = &self.options;
         match form {

@@ -4,7 +4,7 @@
 //! rate = bias(T) + flicker + random walk + white noise. The bias is a polynomial of order 0 to 3 in the temperature
 //! that it follows (`follow.rs`), the noises are the states of a Kalman filter (`filter.rs`), and the bias that is
 //! wanted is that at the end, the walk included. The order, the strength of the slow noises, lag and play are not
-//! known beforehand: each combination is a model with an evidence (`posterior.rs`, `lattice.rs`). The order that has
+//! known beforehand: each combination is a model with an evidence (`posterior.rs`, `model_averaging.rs`). The order that has
 //! most evidence is taken, but none that is more likely too low than not. The uncertainty is that of all models
 //! together, so what the recording cannot tell apart widens it (Hoeting et al., Bayesian Model Averaging, Statistical
 //! Science 14, 1999). PBC and the slope at T3 are widened further where models disagree so much that a variance does
@@ -14,7 +14,7 @@ mod basis;
 mod filter;
 mod follow;
 mod interval;
-mod lattice;
+mod model_averaging;
 mod posterior;
 mod sway;
 #[cfg(test)]
@@ -28,7 +28,7 @@ use alloc::vec::Vec;
 use basis::Basis;
 pub use follow::Following;
 use interval::{Peak, honest_u};
-use lattice::{Weighed, weigh};
+use model_averaging::{Weighed, weigh};
 use posterior::{Powers, Record};
 
 /// Steps that a curve has at most.
@@ -257,7 +257,7 @@ pub(crate) fn expected(blocks: &[Block], assumed: &Assumed<'_>) -> Option<BiasCu
     let prior_dps = prior(&assumed.axis.bias, &basis, blocks);
     let Assumed { t3_c, max_order, .. } = *assumed;
     let record = Record { blocks, basis: &basis, steps_s: &[], t3_c, prior_dps, max_order };
-    let model = lattice::typical(&record, assumed)?;
+    let model = model_averaging::typical(&record, assumed)?;
     Some(average(&record, assumed.axis, &[model]))
 }
 
@@ -340,8 +340,8 @@ fn average(record: &Record<'_>, axis: &Axis, models: &[Weighed]) -> BiasCurve {
             rate_random_walk_dps_per_rt_s: noise(|noise| noise.rate_random_walk_dps_per_rt_s),
         },
         noise_told: [
-            told(&|noise| noise.bias_instability_dps, lattice::spread(axis)[0]),
-            told(&|noise| noise.rate_random_walk_dps_per_rt_s, lattice::spread(axis)[1]),
+            told(&|noise| noise.bias_instability_dps, model_averaging::spread(axis)[0]),
+            told(&|noise| noise.rate_random_walk_dps_per_rt_s, model_averaging::spread(axis)[1]),
         ],
         steps: steps(record, models),
         is_late: mean(|model| f64::from(u8::from(model.hypothesis.following.lag_s > 0.0))) > 0.5,

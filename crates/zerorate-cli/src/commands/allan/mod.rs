@@ -18,7 +18,7 @@ use crate::output::{Outputs, Staged, print, print_json, print_lines, say, warn};
 use anyhow::Result;
 use clap::{Args, ValueEnum};
 use pool::Pool;
-use record::{Record, Way};
+use record::{AnalysisOptions, Record};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use temperature::TemperatureArgs;
@@ -155,13 +155,13 @@ impl AllanArgs {
         if self.column.is_list() { self.column.read_list(file) } else { Ok(vec![self.column.read(file)?]) }
     }
 
-    fn way(&self) -> Way {
+    fn way(&self) -> AnalysisOptions {
         let taus = self.taus.clone().unwrap_or(Taus::Octave);
         let options = Options { stat: self.stat, taus, confidence: self.confidence, scale: 1.0 };
         let draws = !self.plot.is_empty() || self.report.is_some();
         let remove_steps = self.steps == Steps::Remove;
         let fit = FitOptions { scale: 1.0, cut_glitches: !self.keep_glitches, remove_steps };
-        Way {
+        AnalysisOptions {
             data: self.data,
             closes_gaps: self.ignore_gaps,
             options,

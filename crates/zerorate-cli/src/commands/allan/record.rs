@@ -53,7 +53,7 @@ impl Look {
 }
 
 /// How a column is analysed.
-pub struct Way {
+pub struct AnalysisOptions {
     /// What it holds.
     pub data: Data,
     /// Its gaps are closed up.
@@ -74,7 +74,7 @@ pub struct Way {
 
 impl Record {
     /// Analyses a column of the log `file`.
-    pub fn of(mut column: Column, file: &Path, way: &Way, temperature: Option<&Column>) -> Result<Self> {
+    pub fn of(mut column: Column, file: &Path, way: &AnalysisOptions, temperature: Option<&Column>) -> Result<Self> {
         let mut warnings: Vec<String> = column.warnings.iter().map(ToString::to_string).collect();
         let settled = way.settling.apply(&mut column, file, temperature).map_err(|error| match error {
             SettlingError::NothingLeft(why) => Usage(why).into(),
@@ -257,7 +257,7 @@ impl Record {
 }
 
 /// What is missing, and what is done about it.
-fn gaps(way: &Way, file: &Path, column: &mut Column) -> Option<String> {
+fn gaps(way: &AnalysisOptions, file: &Path, column: &mut Column) -> Option<String> {
     let missing = column.missing();
     let seen = format!("gaps: {}: {missing} samples are missing among {}", file.display(), column.series.len());
     match missing {
@@ -273,7 +273,7 @@ fn gaps(way: &Way, file: &Path, column: &mut Column) -> Option<String> {
 }
 
 /// The numbers as phase, if that is what they are. A lost phase point is a point that is not there.
-fn phase(way: &Way, file: &Path, column: &Column) -> Result<Option<Vec<f64>>> {
+fn phase(way: &AnalysisOptions, file: &Path, column: &Column) -> Result<Option<Vec<f64>>> {
     match way.data {
         Data::Rate => Ok(None),
         Data::Phase => Ok(Some(column.points(file)?)),

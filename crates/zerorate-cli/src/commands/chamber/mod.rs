@@ -21,7 +21,7 @@ use plan::PlanFile;
 use std::path::PathBuf;
 use zerorate::chamber::{ChamberPlan, ChamberProcedure};
 use zerorate::{EARTH_DPS, Part};
-use zerorate_host::{Air, ChamberSpec, Facts, Setup, SimulatedChamber};
+use zerorate_host::{Air, ChamberSpec, DeviceInfo, Setup, SimulatedChamber};
 use zerorate_jobs::Acquisition;
 use zerorate_jobs::Recorder;
 use zerorate_record::{CaptureInfo, Format};
@@ -242,7 +242,7 @@ impl Files {
     }
 
     /// Starts the log, once there is something to record.
-    fn log(&mut self, facts: &Facts, info: &CaptureInfo) -> Result<Option<Recorder>> {
+    fn log(&mut self, facts: &DeviceInfo, info: &CaptureInfo) -> Result<Option<Recorder>> {
         let Some(path) = self.log.take() else { return Ok(None) };
         let format = Format::choose(None, &path)?;
         Ok(Some(Recorder::create(self.outputs.recording(&path)?, format, facts, info, None)?))

@@ -4,7 +4,7 @@ mod datasheet;
 mod json;
 mod text;
 
-use super::allan::record::{Record, Way};
+use super::allan::record::{AnalysisOptions, Record};
 use super::allan::temperature::TemperatureArgs;
 use super::allan::units::span;
 use super::allan::{Data, findings, motion, page};
@@ -163,7 +163,7 @@ pub fn run(args: &ImuArgs) -> Result<()> {
     let options = Options::default();
     let (data, settling) = (Data::Rate, args.temperature.settling());
     let (closes_gaps, draws_finely, keeps_rate) = (false, draws, false);
-    let way = Way { data, closes_gaps, options, draws_finely, fit, draws, keeps_rate, settling };
+    let way = AnalysisOptions { data, closes_gaps, options, draws_finely, fit, draws, keeps_rate, settling };
     let log = args.options().log;
     let temperature = args.temperature.read(&args.log, |names| temperature::named(&args.log, names, &log))?;
     let analyse = |column| Record::of(column, &args.log, &way, temperature.as_ref());

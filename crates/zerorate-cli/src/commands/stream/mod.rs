@@ -16,7 +16,7 @@ use std::path::PathBuf;
 use track::{TrackArgs, TrackedRow, Tracking};
 use zerorate::health::{Flags, Judged};
 use zerorate::{Axis, Calibration, CodeSum, Correction, Corrector};
-use zerorate_host::Facts;
+use zerorate_host::DeviceInfo;
 use zerorate_jobs::Acquisition;
 use zerorate_record::believed;
 use zerorate_view::duration::Seconds;
@@ -122,7 +122,7 @@ fn stop_frozen(acquisition: &Acquisition, rows: &mut Rows, mean: &mut Mean) -> R
 }
 
 /// A serial number that is given must be that of the calibration, and that of the recording where one is read.
-fn check_serial(args: &StreamArgs, facts: &Facts, calibration: &Calibration) -> Result<()> {
+fn check_serial(args: &StreamArgs, facts: &DeviceInfo, calibration: &Calibration) -> Result<()> {
     let (given, recorded) = (args.serial.as_deref(), facts.info.serial.as_deref());
     if let (Some(given), Some(recorded)) = (given, recorded) {
         ensure!(given == recorded, "{} was recorded from part {recorded}, not from part {given}", args.device.device);

@@ -9,7 +9,7 @@ thread_local! {
 }
 
 /// Runs a decoder of somebody else's; `None` if it panicked, of which nothing is printed.
-pub fn survive<T>(decode: impl FnOnce() -> T) -> Option<T> {
+pub fn catch_panic<T>(decode: impl FnOnce() -> T) -> Option<T> {
     static HOOK: Once = Once::new();
     HOOK.call_once(|| {
         let before = panic::take_hook();
@@ -31,8 +31,8 @@ mod tests {
 
     #[test]
     fn a_panic_is_an_answer() {
-        assert_eq!(survive(|| 7), Some(7));
-        assert_eq!(survive(|| [1, 2, 3].iter().rev().map(|n| 1 / (n - 1)).sum::<i32>()), None);
+        assert_eq!(catch_panic(|| 7), Some(7));
+        assert_eq!(catch_panic(|| [1, 2, 3].iter().rev().map(|n| 1 / (n - 1)).sum::<i32>()), None);
         assert!(!INSIDE.get());
     }
 }
