@@ -2,13 +2,14 @@
 //! "Checks").
 
 use super::columns::Rows;
-use super::hash::SampleHash;
+use super::hash::{SampleHash, hex};
 use super::layout::Layout;
 use arrow_array::cast::AsArray;
 use arrow_array::{Array, ArrayRef, RecordBatch};
-use arrow_schema::{DataType, Schema};
+use arrow_schema::{DataType, Field, Metadata, Schema, SchemaRef};
 use sha2::{Digest, Sha256};
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// Metadata of the table: the check of the description itself.
 pub const HEAD: &str = "zerorate.check.head";
@@ -126,6 +127,13 @@ pub fn head(schema: &Schema) -> String {
     hex(&head_digest(schema))[..DIGITS].to_owned()
 }
 
+/// The schema of a capture to be written: these columns, the metadata of the file, and the check over both.
+pub fn checked_schema(fields: Vec<Field>, metadata: Metadata) -> SchemaRef {
+    let schema = Schema::new(fields).with_metadata(metadata);
+    let metadata = schema.metadata().clone().with(HEAD, head(&schema));
+    Arc::new(schema.with_metadata(metadata))
+}
+
 /// Whether a metadata entry is a part of the description.
 pub fn describes(key: &str) -> bool {
     key.starts_with(DESCRIPTION) && !key.starts_with(CHECKS)
@@ -194,9 +202,4 @@ impl Cells {
     fn row(&self, row: usize) -> &[u8] {
         &self.bytes[row * self.stride..(row + 1) * self.stride]
     }
-}
-
-/// Lower-case hexadecimal.
-pub fn hex(bytes: &[u8]) -> String {
-    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }

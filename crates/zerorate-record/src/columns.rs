@@ -1,15 +1,15 @@
 //! The columns of a capture in memory: samples to record batches, and back.
 
+use super::CaptureError;
 use super::layout::Layout;
 use super::row::Row;
 use super::succession::Mark;
-use super::{CaptureError, chain};
 use crate::cells::integers;
 use arrow_array::builder::{PrimitiveBuilder, UInt32Builder};
 use arrow_array::types::{Int32Type, UInt8Type, UInt16Type, UInt32Type, UInt64Type};
 use arrow_array::{Array, ArrayRef, ArrowPrimitiveType, Int32Array, PrimitiveArray, RecordBatch, UInt32Array};
 use arrow_buffer::ScalarBuffer;
-use arrow_schema::{ArrowError, DataType, Field, Metadata, Schema, SchemaRef};
+use arrow_schema::{ArrowError, DataType, Field};
 use std::path::Path;
 use std::sync::Arc;
 use zerorate::{MAX_AXES, Scale};
@@ -19,13 +19,6 @@ pub const MAX_ROWS: usize = 8192;
 
 /// Time a batch spans at most: what a killed process costs.
 const MAX_SPAN_NS: u64 = 1_000_000_000;
-
-/// The schema of a capture to be written: these columns, the metadata of the file, and the check over both.
-pub fn schema(fields: Vec<Field>, metadata: Metadata) -> SchemaRef {
-    let schema = Schema::new(fields).with_metadata(metadata);
-    let metadata = schema.metadata().clone().with(chain::HEAD, chain::head(&schema));
-    Arc::new(schema.with_metadata(metadata))
-}
 
 /// The rows of the open batch.
 pub(crate) struct OpenBatch {

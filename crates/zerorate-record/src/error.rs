@@ -30,8 +30,8 @@ pub enum CaptureError {
 
     /// Written by a later version of the format.
     #[error("{} is a capture of version {found}, this program reads version {}: use a newer \
-        zerorate", path.display(), super::info::SCHEMA_VERSION)]
-    Newer { path: PathBuf, found: u32 },
+        zerorate", path.display(), reads)]
+    Newer { path: PathBuf, found: u32, reads: u32 },
 
     /// What the file holds does not fit into the memory it may take.
     #[error("{}: {why}", path.display())]

@@ -1,6 +1,5 @@
 //! The hash that names the samples of a capture (docs/formats/capture.md, "The sample hash").
 
-use super::chain::hex;
 use super::layout::Layout;
 use super::row::Row;
 use sha2::{Digest, Sha256};
@@ -76,4 +75,9 @@ impl SampleHash {
 /// A code as a column holds it: u32, or i32 in two's complement.
 fn low_bytes(code: i64) -> [u8; 4] {
     (code as u32).to_le_bytes()
+}
+
+/// Lower-case hexadecimal.
+pub fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }

@@ -281,7 +281,7 @@ fn version(path: &Path, metadata: &Metadata) -> Result<u32, CaptureError> {
     match number(path, metadata, CAPTURE_SCHEMA)? {
         0 => Err(CaptureError::damaged(path, "metadata", format!("{CAPTURE_SCHEMA} = 0, which there never was"))),
         known if known <= SCHEMA_VERSION => Ok(known),
-        found => Err(CaptureError::Newer { path: path.to_owned(), found }),
+        found => Err(CaptureError::Newer { path: path.to_owned(), found, reads: SCHEMA_VERSION }),
     }
 }
 

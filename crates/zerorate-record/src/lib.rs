@@ -51,6 +51,7 @@ pub mod table;
 mod tests;
 mod unit;
 
+pub use chain::checked_schema;
 pub use checked::Checked;
 pub use error::CaptureError;
 pub use hash::SampleHash;
@@ -92,14 +93,14 @@ pub struct CaptureSummary {
 impl CaptureWriter {
     /// Starts a capture; `path` names it in messages.
     pub fn create(path: &Path, out: Out, format: Format, info: &CaptureInfo) -> Result<Self, CaptureError> {
-        let schema = columns::schema(info.layout.raw_fields(), info.to_metadata());
+        let schema = checked_schema(info.layout.raw_fields(), info.to_metadata());
         let sink = table::create(path, out, format, &schema)?;
         Ok(Self::new(path, info, schema, sink))
     }
 
     /// The same in the MCAP form, with all that robots read.
     pub fn create_robot_log(path: &Path, out: Out, info: &CaptureInfo, log: RobotLog) -> Result<Self, CaptureError> {
-        let schema = columns::schema(info.layout.raw_fields(), info.to_metadata());
+        let schema = checked_schema(info.layout.raw_fields(), info.to_metadata());
         let sink = table::create_robot_log(path, out, &schema, log)?;
         Ok(Self::new(path, info, schema, sink))
     }

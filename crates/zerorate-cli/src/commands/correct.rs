@@ -16,8 +16,10 @@ use std::sync::Arc;
 use zerorate::health::Judged;
 use zerorate::{Axis, Calibration, Correction, Corrector, Say, Tally};
 use zerorate_jobs::JudgedAxis;
-use zerorate_record::columns::{self, Rows};
-use zerorate_record::{CALIBRATION_ID, CaptureInfo, CaptureReader, Format, Layout, believed, limits, table};
+use zerorate_record::columns::Rows;
+use zerorate_record::{
+    CALIBRATION_ID, CaptureInfo, CaptureReader, Format, Layout, believed, checked_schema, limits, table,
+};
 
 /// Corrects a capture: RATE + PBC + d · BTC, with d = TEMP − T3, and + d² · BTC2 + d³ · BTC3 where the calibration has
 /// these terms.
@@ -139,7 +141,7 @@ fn schema(info: &CaptureInfo, calibration: &Calibration) -> SchemaRef {
                 .with(format!("{key}.btc3_dps_per_c3"), btc3_dps_per_c3.to_string());
         }
     }
-    columns::schema([info.layout.raw_fields(), info.layout.derived_fields()].concat(), metadata)
+    checked_schema([info.layout.raw_fields(), info.layout.derived_fields()].concat(), metadata)
 }
 
 /// Applies a correction row by row, two rows late: so long it takes to judge one.

@@ -6,7 +6,7 @@ use crate::output::{Outputs, print, say, warn};
 use anyhow::{Result, ensure};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
-use zerorate_view::export::{self, Asked, Export, Options, Prefix};
+use zerorate_view::export::{self, Export, InvalidOptions, Options, Prefix};
 
 /// Writes the correction for firmware: C header, Rust module, CSV or JSON, and parameters of PX4 and ArduPilot.
 ///
@@ -100,8 +100,8 @@ pub fn run(args: &ExportArgs) -> Result<()> {
 
 /// What makes no sense is said as such.
 fn usage(error: anyhow::Error) -> anyhow::Error {
-    match error.downcast::<Asked>() {
-        Ok(Asked(text)) => Usage(text).into(),
+    match error.downcast::<InvalidOptions>() {
+        Ok(InvalidOptions(text)) => Usage(text).into(),
         Err(error) => error,
     }
 }

@@ -9,9 +9,9 @@ use arrow_schema::{Field, Metadata, SchemaRef};
 use clap::Args;
 use std::path::{Path, PathBuf};
 use zerorate_host::files;
-use zerorate_record::columns::{self, Rows};
+use zerorate_record::columns::Rows;
 use zerorate_record::table::{self, Opened};
-use zerorate_record::{CaptureError, Checked, Format, Layout, Note};
+use zerorate_record::{CaptureError, Checked, Format, Layout, Note, checked_schema};
 
 /// Metadata of a repaired capture: what is missing.
 const REPAIRED: &str = "zerorate.repaired";
@@ -117,7 +117,7 @@ fn schema(table: &Checked, missing: Option<&str>) -> SchemaRef {
     }
     let raw = table.info().layout.raw_fields();
     let others = found.fields().iter().filter(|field| !is_in(&raw, field)).map(|field| (**field).clone());
-    columns::schema(raw.iter().cloned().chain(others).collect(), metadata)
+    checked_schema(raw.iter().cloned().chain(others).collect(), metadata)
 }
 
 fn is_in(fields: &[Field], wanted: &Field) -> bool {
