@@ -1,8 +1,8 @@
 //! One thread reads a device, for everybody.
 //!
 //! Whoever must have every sample (a recorder, the procedure) subscribes to [`LosslessReader`], and the thread
-//! waits for it; what is lost then is lost in front of the thread, where the samples count it. A [`Watcher`] is never waited
-//! for: what does not fit into its queue it has missed, and is told how much that was.
+//! waits for it; what is lost then is lost in front of the thread, where the samples count it. A [`Watcher`] is never
+//! waited for: what does not fit into its queue it has missed, and is told how much that was.
 
 use crate::pace::{Pace, Speed, WallClock};
 use crate::source::{DeviceInfo, Losses, Source};
