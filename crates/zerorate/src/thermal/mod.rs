@@ -5,10 +5,10 @@
 //! that it follows (`follow.rs`), the noises are the states of a Kalman filter (`filter.rs`), and the bias that is
 //! wanted is that at the end, the walk included. The order, the strength of the slow noises, lag and play are not
 //! known beforehand: each combination is a model with an evidence (`posterior.rs`, `model_averaging.rs`). The order
-//! that has most evidence is taken, but none that is more likely too low than not. The uncertainty is that of all models
-//! together, so what the recording cannot tell apart widens it (Hoeting et al., Bayesian Model Averaging, Statistical
-//! Science 14, 1999). PBC and the slope at T3 are widened further where models disagree so much that a variance does
-//! not tell it (`interval.rs`).
+//! that has most evidence is taken, but none that is more likely too low than not. The uncertainty is that of all
+//! models together, so what the recording cannot tell apart widens it (Hoeting et al., Bayesian Model Averaging,
+//! Statistical Science 14, 1999). PBC and the slope at T3 are widened further where models disagree so much that a
+//! variance does not tell it (`interval.rs`).
 
 mod basis;
 mod filter;
