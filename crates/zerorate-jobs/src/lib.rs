@@ -2,8 +2,8 @@
 //!
 //! No argument parser, no printing, no exit code: the command line and the Python package word what is said here.
 //!
-//! * [`calibrate`](calibrate::calibrate): the procedure of AN-1042 (F-51), or a method that takes the whole recording,
-//!   on a part or on its recording.
+//! * [`calibrate`]: the procedure of AN-1042 (F-51), or a method that takes the whole recording, on a part or on its
+//!   recording.
 //! * [`Acquisition`]: the samples of a device, one after the other, counted and judged.
 //! * [`Outputs`](output::Outputs): the files of a run, none of which is overwritten by accident.
 

@@ -2,8 +2,7 @@
 //! one pass over the file.
 //!
 //! Nothing is guessed: what a file does not state must be given as an option, or is said to be unknown. Each form is
-//! recognised by its content, whatever the file is called, and nothing here opens a file
-//! ([`Input`](zerorate_record::Input)).
+//! recognised by its content, whatever the file is called, and nothing here opens a file ([`Input`]).
 //!
 //! Text, raw numbers, Arrow, PX4's logs and captures are always read. A feature adds each other form, and a file of a
 //! form that is not built in says so ([`NotBuiltIn`](zerorate_record::NotBuiltIn)).

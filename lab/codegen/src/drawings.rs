@@ -293,7 +293,7 @@ mod tests {
 
     #[test]
     fn the_facts_are_understood() {
-        let facts = std::fs::read_to_string("../docs/facts.md").unwrap();
+        let facts = std::fs::read_to_string("../../docs/facts.md").unwrap();
         let pins = pins(&facts).unwrap();
         let named = [1, 7, 8, 10, 11, 12, 14, 16, 17, 18, 23, 24].map(|pin: u8| pins[&pin].as_str());
         let known =

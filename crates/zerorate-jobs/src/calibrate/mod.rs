@@ -106,8 +106,8 @@ impl Job {
     /// Measures. `watch` looks on, and may end it.
     ///
     /// # Errors
-    /// [`Refused`](crate::Refused) where the samples must not become a calibration, [`Interrupted`](measurement)
-    /// where `watch` ended it, or why the device or the log failed.
+    /// [`Refused`](crate::Refused) where the samples must not become a calibration; else why the device or the log
+    /// failed, or that `watch` ended it.
     pub fn run(self, watch: &mut dyn Watch) -> Result<Done> {
         let Self { mut acquisition, procedure, mut files } = self;
         target::marks_ns(procedure.plan()).for_each(|after_ns| acquisition.mark(after_ns));
