@@ -10,7 +10,7 @@ use crate::registers;
 use crate::session::About;
 use adis16130::asynch::Adis16130;
 use adis16130::bridge::{Ask, Continuity, PROTOCOL, Refusal, Settings};
-use adis16130::{Config, Framing, MAX_SCLK_HZ, MCLK_HZ, SamplerConfig};
+use adis16130::{Config, Fault, Framing, MAX_SCLK_HZ, MCLK_HZ, SamplerConfig};
 use std::cell::RefCell;
 use std::convert::Infallible;
 use std::future::Future;
@@ -40,8 +40,6 @@ const BLOCKED_MS: u32 = 30_000;
 
 const SILENT: &str = "the bridge does not answer: is it a bridge (docs/formats/bridge.md) whose firmware runs, and \
     does nobody else read it?";
-const UNPLUGGED: &str = "the part is unplugged or has no power: data ready (pin 10) is silent and SDO (pin 12) is \
-    dead; check the cable and the 5 V supply (pins 11, 13, 15)";
 
 impl Bridge {
     /// A bridge from whose port nothing was heard yet, at this time of the page, ms.
@@ -124,7 +122,7 @@ async fn measure(shared: Shared, config: Config) -> Result<Infallible, String> {
     greet(&shared, &config).await.map_err(told)??;
     let mut part = Adis16130::new(Transfers(shared.clone()), (), config);
     if let Err(error) = part.restart().await {
-        return Err(format!("{UNPLUGGED} ({error})"));
+        return Err(format!("{} ({error})", Fault::UNPLUGGED));
     }
     let values = part.read_all().await.map_err(|error| error.to_string())?;
     shared.borrow_mut().opened(registers::described(&config, &values));
@@ -139,11 +137,7 @@ async fn measure(shared: Shared, config: Config) -> Result<Infallible, String> {
     wire::ask(&shared, Ask::Stop, |reply| matches!(reply, Reply::Stopped).then_some(())).await.map_err(told)?;
     match part.diagnose().await {
         Ok(Some(fault)) => Err(fault.to_string()),
-        Ok(None) => {
-            Err("no data ready: the part answers and is configured, but RDY (pin 10) brought no new data for a \
-                         second; check the RDY wire"
-                .to_owned())
-        }
+        Ok(None) => Err(Fault::NO_NEW_DATA.to_owned()),
         Err(error) => Err(error.to_string()),
     }
 }
