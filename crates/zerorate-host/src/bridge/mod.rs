@@ -43,8 +43,7 @@ impl BridgePart {
     /// Opens the port, ends whatever the bridge was doing, and sets its SPI clock.
     fn open(address: &BridgeAddress, name: &str, setup: &Setup, stop: &Stop) -> crate::Result<Self> {
         let sampling = setup.sampling.config(address.part.divided);
-        let settings = (address.part.config, sampling);
-        let facts = DeviceInfo::of_part(name, settings, address.mclk_hz, address.bandwidth_hz, setup.part.as_ref())?;
+        let facts = DeviceInfo::of_part(name, &address.part, sampling, address.mclk_hz, setup.part.as_ref())?;
         let link = Shared(Arc::new(Mutex::new(Link::new(Wire::open(&address.port)?))));
         greet(&link, address).map_err(|error| link.explain(error, address))?;
         let edges = LastEdges { link: link.clone(), last: None };
