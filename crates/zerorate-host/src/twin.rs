@@ -113,14 +113,7 @@ impl Address for TwinAddress {
 
 /// A part with so many of an ADIS16130's axes, in codes of this width.
 fn several(axes: usize, width: Width) -> Part {
-    let in_width = |scale: Scale| match width {
-        Width::Bits24 => scale,
-        // F-43
-        Width::Bits16 => {
-            let (lsb_per_unit, zero_code) = (scale.lsb_per_unit / 256.0, scale.zero_code >> 8);
-            Scale { lsb_per_unit, zero_code, width_bits: 16, ..scale }
-        }
-    };
+    let in_width = |scale: Scale| scale.without_low_bits(width.dropped_bits() as u8);
     let one = &Part::ADIS16130.axes[0];
     let axis = Axis { rate: in_width(one.axis.rate), temp: in_width(one.axis.temp), ..one.axis };
     let named = |name: &&'static str| NamedAxis { name: Cow::Borrowed(name), axis, ..one.clone() };

@@ -306,7 +306,7 @@ impl Continuity {
     }
 
     const fn in_width(&self, code24: u32) -> u32 {
-        code24 >> (Width::Bits24.bits() - self.width.bits())
+        code24 >> self.width.dropped_bits()
     }
 
     /// Samples that the bridge took, but that never arrived.
