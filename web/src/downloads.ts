@@ -1,15 +1,6 @@
 import type { App } from "./app";
 import { button, h, save } from "./dom";
-import type { Form } from "./protocol";
-
-const FORMS: readonly (readonly [Form, string])[] = [
-  ["toml", "TOML"],
-  ["c", "C"],
-  ["rust", "Rust"],
-  ["csv", "CSV"],
-  ["json", "JSON"],
-  ["report", "Report"],
-];
+import { FORMS, type Form } from "./protocol";
 
 /** Buttons that hand out a calibration in every form. */
 export function downloads(app: App, calibration: string): HTMLElement {

@@ -449,11 +449,6 @@ meaning: string,
 wrong: boolean, };
 
 /**
- * Forms of a calibration.
- */
-export type Form = "toml" | "c" | "rust" | "csv" | "json" | "report";
-
-/**
  * What is new since the frame before; in a snapshot, all there is. What is absent is as it was.
  */
 export type Frame = { 
@@ -1145,3 +1140,10 @@ u_dps: number,
  * Seconds in it.
  */
 seconds: number, };
+
+/**
+ * Forms of a download: name and label.
+ */
+export const FORMS = [["toml","TOML"],["c","C"],["rust","Rust"],["csv","CSV"],["json","JSON"],["report","Report"]] as const;
+
+export type Form = (typeof FORMS)[number][0];

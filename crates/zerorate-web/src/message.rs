@@ -57,7 +57,8 @@ pub enum Wish {
         /// Its `id`.
         calibration: String,
         /// In which form.
-        form: Form,
+        #[cfg_attr(test, ts(type = "Form"))]
+        form: String,
     },
     /// Begin the statistics anew: Allan deviation, spectrum, bias over temperature. Answer: nothing.
     Restart,
@@ -112,20 +113,6 @@ pub enum MethodName {
     Warmup,
     Cycle,
     Chamber,
-}
-
-/// Forms of a calibration.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-#[cfg_attr(test, derive(TS))]
-#[expect(missing_docs, reason = "as on the command line")]
-pub enum Form {
-    Toml,
-    C,
-    Rust,
-    Csv,
-    Json,
-    Report,
 }
 
 /// What comes back for a request.
@@ -457,6 +444,7 @@ mod tests {
     use std::path::Path;
     use std::{env, fs};
     use ts_rs::{Config, TS};
+    use zerorate_view::export::ExportForm;
 
     /// `cargo xtask codegen` sets `ZERORATE_UPDATE`, which writes the file anew.
     #[test]
@@ -491,6 +479,14 @@ mod tests {
         });
         let head =
             "// Made from message.rs and log/message.rs of crates/zerorate-web/src, which say more.\n\n".to_owned();
-        head + &declared.collect::<Vec<_>>().join("\n")
+        let exports = ExportForm::ALL.into_iter().filter(|form| !form.is_autopilot());
+        let exports = exports.map(|form| (form.row().name, form.row().label));
+        let forms: Vec<_> = [("toml", "TOML")].into_iter().chain(exports).chain([("report", "Report")]).collect();
+        let forms = serde_json::to_string(&forms).unwrap();
+        let forms = format!(
+            "\n/**\n * Forms of a download: name and label.\n */\nexport const FORMS = {forms} as const;\n\n\
+             export type Form = (typeof FORMS)[number][0];\n"
+        );
+        head + &declared.collect::<Vec<_>>().join("\n") + &forms
     }
 }

@@ -69,7 +69,7 @@ impl Session {
                 self.changed.calibrations = true;
             }
             Wish::Download { calibration, form } => {
-                return Ok(Wished::Done(Given::Download(self.shelf.download(&calibration, form)?)));
+                return Ok(Wished::Done(Given::Download(self.shelf.download(&calibration, &form)?)));
             }
             Wish::Restart => self.restart_statistics(),
             Wish::ZeroAngle => self.bench.axes.iter_mut().for_each(|axis| axis.angle.zero()),
