@@ -5,8 +5,8 @@ import { FORMS, type Form } from "./protocol";
 /** Buttons that hand out a calibration in every form. */
 export function downloads(app: App, calibration: string): HTMLElement {
   const hand = async (form: Form) => {
-    const given = await app.ask({ do: "download", calibration, form });
-    if (given && "media_type" in given) save(given.name, given.media_type, given.text);
+    const reply = await app.ask({ do: "download", calibration, form });
+    if (reply && "media_type" in reply) save(reply.name, reply.media_type, reply.text);
   };
   return h(
     "div",
