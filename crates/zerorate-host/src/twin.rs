@@ -37,7 +37,8 @@ impl TwinAddress {
             }
             // the unit's own key says what is between its pins
             let of_unit = ["roa=", "bandwidth_hz="].iter().any(|key| item.trim().starts_with(key));
-            match if of_unit { None } else { part.with(item.trim())? } {
+            let changed = if of_unit { None } else { part.with(item.trim())? };
+            match changed {
                 Some(changed) => part = changed,
                 None => unit.push(item),
             }

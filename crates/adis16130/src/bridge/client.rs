@@ -16,7 +16,8 @@ pub const SILENT: &str =
 /// What the end of a connection means, to follow the name of the bridge.
 pub const GONE: &str = "is gone: its cable was pulled, or the bridge has no power; connect it and start again";
 
-/// Sends requests and understands what comes back. Its owner moves the bytes and tells the time, counted from any moment.
+/// Sends requests and understands what comes back. Its owner moves the bytes and tells the time, which counts from
+/// any moment.
 #[derive(Clone, Debug, Default)]
 pub struct Client {
     decoder: Decoder,
@@ -30,7 +31,7 @@ pub struct Client {
 #[derive(Copy, Clone, Debug)]
 pub struct Pending<'a> {
     ask: Ask<'a>,
-    /// That are left.
+    /// How often it may still be sent.
     attempts: u32,
     deadline: Option<Duration>,
 }
@@ -83,8 +84,8 @@ impl<'a> Pending<'a> {
 }
 
 impl Client {
-    /// Looks for the answer in the bytes that came, and says what to do next. `take` returns nothing for an answer that
-    /// does not fit. Samples on the way are dropped: requests end sampling, or begin it.
+    /// Looks for the answer in the bytes that came, and says what to do next. `take` returns nothing for an answer
+    /// that does not fit. Samples on the way are dropped: requests end sampling, or begin it.
     pub fn poll<T>(
         &mut self,
         pending: &mut Pending<'_>,
