@@ -1,7 +1,7 @@
 import type { Inside } from "./link/inside";
-import type { Link, Wish } from "./link/link";
+import type { Command, Link } from "./link/link";
 import type { Model, Part } from "./model";
-import type { Given } from "./protocol";
+import type { Reply } from "./protocol";
 
 /** What every page works with. */
 export interface App {
@@ -10,7 +10,7 @@ export interface App {
   /** The same, where the session runs in this browser. */
   inside: Inside | undefined;
   /** Asks, and says why where it is refused; undefined then. */
-  ask(wish: Wish): Promise<Given | undefined>;
+  ask(command: Command): Promise<Reply | undefined>;
   /** Says something for a moment. */
   tell(text: string, kind?: "said" | "wrong"): void;
 }

@@ -1,21 +1,12 @@
 import type { App } from "./app";
 import { button, h, save } from "./dom";
-import type { Form } from "./protocol";
-
-const FORMS: readonly (readonly [Form, string])[] = [
-  ["toml", "TOML"],
-  ["c", "C"],
-  ["rust", "Rust"],
-  ["csv", "CSV"],
-  ["json", "JSON"],
-  ["report", "Report"],
-];
+import { FORMS, type Form } from "./protocol";
 
 /** Buttons that hand out a calibration in every form. */
 export function downloads(app: App, calibration: string): HTMLElement {
   const hand = async (form: Form) => {
-    const given = await app.ask({ do: "download", calibration, form });
-    if (given && "media_type" in given) save(given.name, given.media_type, given.text);
+    const reply = await app.ask({ do: "download", calibration, form });
+    if (reply && "media_type" in reply) save(reply.name, reply.media_type, reply.text);
   };
   return h(
     "div",

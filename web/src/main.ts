@@ -15,9 +15,9 @@ import { kept } from "./kept";
 import { Inside } from "./link/inside";
 import { Served } from "./link/served";
 import { Model } from "./model";
+import { PageFrame } from "./page-frame";
 import { named, PAGES, type PageName } from "./pages";
 import { settings } from "./settings";
-import { Shell } from "./shell";
 
 /** Pages that are not on view at once are loaded when they are wanted. */
 const MAKERS: Record<PageName, (app: App) => Promise<Page>> = {
@@ -28,7 +28,7 @@ const MAKERS: Record<PageName, (app: App) => Promise<Page>> = {
 };
 
 class Whole {
-  readonly #shell: Shell;
+  readonly #frame: PageFrame;
   readonly #pages = new Map<PageName, Page>();
   readonly #app: App;
   #shown: Page | undefined;
@@ -38,20 +38,20 @@ class Whole {
     const served = where === "served" ? new Served() : undefined;
     const inside = where === "static" ? new Inside() : undefined;
     const link = (served ?? inside)!;
-    this.#shell = new Shell(() => this.#app);
+    this.#frame = new PageFrame(() => this.#app);
     this.#app = {
       model: new Model(),
       link,
       inside,
-      ask: async (wish) =>
-        link.ask(wish).catch((why: Error) => {
-          this.#shell.tell(why.message, "wrong");
+      ask: async (command) =>
+        link.ask(command).catch((why: Error) => {
+          this.#frame.tell(why.message, "wrong");
           return undefined;
         }),
-      tell: (text, kind = "said") => this.#shell.tell(text, kind),
+      tell: (text, kind = "said") => this.#frame.tell(text, kind),
     };
     link.onframe = (bytes) => this.#take(unframe(bytes));
-    link.onstate = (state) => this.#shell.link(state, served);
+    link.onstate = (state) => this.#frame.link(state, served);
     settings.onchange(() => this.#restyle());
     settings.follow();
     addEventListener("hashchange", () => void this.#go());
@@ -78,7 +78,7 @@ class Whole {
     const name = named(location.hash);
     const page = await this.#page(name);
     if (named(location.hash) !== name) return;
-    this.#shell.show(name, page?.element ?? missing(PAGES[name]));
+    this.#frame.show(name, page?.element ?? missing(PAGES[name]));
     this.#shown = page;
     this.#fresh = true;
   }
@@ -106,7 +106,7 @@ class Whole {
   #tick(): void {
     requestAnimationFrame(() => this.#tick());
     const changed = this.#app.model.changes();
-    if (changed.has("device")) this.#shell.device();
+    if (changed.has("device")) this.#frame.device();
     if (changed.size === 0 && !this.#fresh && !this.#shown) return;
     const fresh = this.#fresh;
     this.#fresh = false;

@@ -1,6 +1,6 @@
 import type { Framed } from "./frame";
 import { Ring } from "./ring";
-import type { Calibrating, CalibrationEntry, Device, Frame, Ledger, Notice, Now, Statistics } from "./protocol";
+import type { Calibrating, CalibrationEntry, Device, Frame, Notice, Now, SampleCounts, Statistics } from "./protocol";
 
 /** What of the model is new. */
 export type Part =
@@ -11,7 +11,7 @@ const PARTS: Part[] = ["device", "now", "ledger", "notices", "statistics", "cali
 export class Model {
   device: Device | undefined;
   now: Now | undefined;
-  ledger: Ledger | undefined;
+  ledger: SampleCounts | undefined;
   notices: Notice[] = [];
   statistics: Statistics[] = [];
   calibration: Calibrating = { is: "idle" };

@@ -32,7 +32,7 @@ export type Answer = {
 /**
  * That of the request.
  */
-id: number, } & ({ "ok": Given } | { "error": string });
+id: number, } & ({ "ok": Reply } | { "error": string });
 
 /**
  * An axis of the part.
@@ -142,7 +142,7 @@ after_dps: number | null, };
 /**
  * A guided calibration: a method and what differs from its defaults.
  */
-export type CalibrateWish = { 
+export type CalibrateCommand = { 
 /**
  * How.
  */
@@ -388,7 +388,7 @@ registers: Array<Register>,
  */
 checks: Array<CheckResult>, 
 /**
- * What a guided calibration takes where a wish leaves it open.
+ * What a guided calibration takes where a command leaves it open.
  */
 durations: Durations, 
 /**
@@ -449,11 +449,6 @@ meaning: string,
 wrong: boolean, };
 
 /**
- * Forms of a calibration.
- */
-export type Form = "toml" | "c" | "rust" | "csv" | "json" | "report";
-
-/**
  * What is new since the frame before; in a snapshot, all there is. What is absent is as it was.
  */
 export type Frame = { 
@@ -480,7 +475,7 @@ now?: Now,
 /**
  * What was read and lost.
  */
-ledger?: Ledger, 
+ledger?: SampleCounts, 
 /**
  * What there is to say, the newest last; at most 100.
  */
@@ -497,52 +492,6 @@ calibration?: Calibrating,
  * What is on file, the newest last.
  */
 calibrations?: Array<CalibrationEntry>, };
-
-/**
- * What a request gives.
- */
-export type Given = Record<symbol, never> | Download | CalibrationEntry;
-
-/**
- * What was read and lost since the beginning.
- */
-export type Ledger = { 
-/**
- * Samples that came here.
- */
-samples: number, 
-/**
- * Lost in front of the device's thread, as its samples count them.
- */
-lost: number, 
-/**
- * Read, but not shown: this page's session was too slow for them. A recording has them.
- */
-missed: number, 
-/**
- * Readings that are impossible for the part.
- */
-impossible: number, 
-/**
- * Readings out of range.
- */
-out_of_range: number, 
-/**
- * Samples a second.
- */
-rate_hz: number, 
-/**
- * Edges of data ready a second.
- */
-rdy_hz: number, 
-/**
- * Since when the part has stopped, s since the first sample.
- */
-frozen_since_s: number | null, 
-/**
- * How long it takes, s, from the first sample.
- */
-duration_s: number, };
 
 /**
  * What is in a log.
@@ -820,7 +769,7 @@ export type MethodName = "an1042" | "warmup" | "cycle" | "chamber";
 /**
  * A file for the filter that takes the noise.
  */
-export type NoiseFileWish = { 
+export type NoiseFileCommand = { 
 /**
  * Who reads it: `kalibr`, `openvins`, `vins`, `orbslam3`, `kf-gins` or `ros`.
  */
@@ -915,13 +864,18 @@ bits: number,
 fields: Array<Field>, };
 
 /**
+ * What a request gives.
+ */
+export type Reply = Record<symbol, never> | Download | CalibrationEntry;
+
+/**
  * What the page asks for; `id` comes back with the answer.
  */
 export type Request = { 
 /**
  * Chosen by the page.
  */
-id: number, } & ({ "do": "calibrate" } & CalibrateWish | { "do": "abort-calibration" } | { "do": "finish-calibration" } | { "do": "dismiss-calibration" } | { "do": "apply", 
+id: number, } & ({ "do": "calibrate" } & CalibrateCommand | { "do": "abort-calibration" } | { "do": "finish-calibration" } | { "do": "dismiss-calibration" } | { "do": "apply", 
 /**
  * Its `id`.
  */
@@ -1005,6 +959,47 @@ u_dps: number | null,
  * Whether `finish-calibration` may be asked for.
  */
 can_finish: boolean, };
+
+/**
+ * What was read and lost since the beginning.
+ */
+export type SampleCounts = { 
+/**
+ * Samples that came here.
+ */
+samples: number, 
+/**
+ * Lost in front of the device's thread, as its samples count them.
+ */
+lost: number, 
+/**
+ * Read, but not shown: this page's session was too slow for them. A recording has them.
+ */
+missed: number, 
+/**
+ * Readings that are impossible for the part.
+ */
+impossible: number, 
+/**
+ * Readings out of range.
+ */
+out_of_range: number, 
+/**
+ * Samples a second.
+ */
+rate_hz: number, 
+/**
+ * Edges of data ready a second.
+ */
+rdy_hz: number, 
+/**
+ * Since when the part has stopped, s since the first sample.
+ */
+frozen_since_s: number | null, 
+/**
+ * How long it takes, s, from the first sample.
+ */
+duration_s: number, };
 
 /**
  * Something in the spectrum.
@@ -1145,3 +1140,10 @@ u_dps: number,
  * Seconds in it.
  */
 seconds: number, };
+
+/**
+ * Forms of a download: name and label.
+ */
+export const FORMS = [["toml","TOML"],["c","C"],["rust","Rust"],["csv","CSV"],["json","JSON"],["report","Report"]] as const;
+
+export type Form = (typeof FORMS)[number][0];

@@ -36,7 +36,7 @@ pub const STEPS: [Step; 14] = [
     ),
     Step::new(
         "clippy-wasm",
-        "clippy -p zerorate-web --lib --features edge-first,edge-live --target wasm32-unknown-unknown -- -D warnings",
+        "clippy -p zerorate-web --lib --features wasm-first,wasm-live --target wasm32-unknown-unknown -- -D warnings",
     ),
 ];
 

@@ -45,11 +45,11 @@ struct Module {
 }
 
 const MODULES: [Module; 4] = [
-    Module { feature: "edge-first", name: "zerorate_first", opt_level: "s" },
-    Module { feature: "edge-live", name: "zerorate_live", opt_level: "s" },
-    Module { feature: "edge-replay", name: "zerorate_replay", opt_level: "s" },
+    Module { feature: "wasm-first", name: "zerorate_first", opt_level: "s" },
+    Module { feature: "wasm-live", name: "zerorate_live", opt_level: "s" },
+    Module { feature: "wasm-replay", name: "zerorate_replay", opt_level: "s" },
     // where it is linked for size, LTO makes no vectors of any loop
-    Module { feature: "edge-log", name: "zerorate_log", opt_level: "3" },
+    Module { feature: "wasm-log", name: "zerorate_log", opt_level: "3" },
 ];
 
 /// Builds the page, copies it to where the program takes it from, and does what else was asked for.

@@ -88,9 +88,9 @@ pub fn temp_c<'py>(codes: PyReadonlyArray1<'py, i32>, width_bits: u32) -> PyResu
     Ok(temps.to_pyarray(codes.py()))
 }
 
-/// F-43: a 16-bit code counts as 256 of 24 bits.
 fn value(scale: &Scale, code: u32, width: Width) -> f64 {
-    scale.value((i64::from(code & width.max_code()) << (scale.width_bits - width.bits() as u8)) - scale.zero_code)
+    let scale = scale.without_low_bits(width.dropped_bits() as u8);
+    scale.value(i64::from(code & width.max_code()) - scale.zero_code)
 }
 
 fn width(bits: u32) -> PyResult<Width> {

@@ -22,6 +22,11 @@ impl Width {
         }
     }
 
+    /// Low bits of a 24-bit code that a code of this width lacks (F-43).
+    pub const fn dropped_bits(self) -> u32 {
+        24 - self.bits()
+    }
+
     /// Number of bytes on the wire.
     pub const fn bytes(self) -> usize {
         match self {
@@ -171,7 +176,7 @@ impl Code {
     }
 
     const fn code24(self) -> u32 {
-        self.code << (24 - self.width.bits())
+        self.code << self.width.dropped_bits()
     }
 
     /// code24 − 2²³.

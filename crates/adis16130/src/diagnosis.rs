@@ -41,6 +41,12 @@ pub enum Fault {
 }
 
 impl Fault {
+    /// What a dead SDO means where data ready is silent as well.
+    pub const UNPLUGGED: &str = "the part is unplugged or has no power: data ready (pin 10) is silent and SDO (pin \
+         12) is dead; check the cable and the 5 V supply (pins 11, 13, 15)";
+    /// What silence of data ready means where the part shows no fault.
+    pub const NO_NEW_DATA: &str = "no data ready: the part answers and is configured, but RDY (pin 10) brought no new \
+         data for a second; check the RDY wire";
     pub(crate) const STUCK_HIGH: &str =
         "SDO is stuck at ones; check the SDO wire (pin 12), CS (pin 8) and the supply of the part";
     pub(crate) const STUCK_LOW: &str =

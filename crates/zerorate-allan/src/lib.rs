@@ -24,7 +24,8 @@ mod interval;
 mod kernel;
 mod kernels;
 mod lag1;
-mod linear;
+#[doc(hidden)]
+pub mod linear;
 mod mtie;
 mod noise_id;
 mod phase_points;

@@ -1,6 +1,5 @@
-//! Cholesky factors of the small positive definite matrices of the fit (at most some 40 rows).
+//! Cholesky factors of small positive definite matrices (at most some hundred rows).
 
-use alloc::vec;
 use alloc::vec::Vec;
 
 /// A square matrix, row by row.
@@ -18,6 +17,11 @@ impl Square {
 
     pub(super) fn at(&self, row: usize, column: usize) -> f64 {
         self.cells[row * self.n + column]
+    }
+
+    /// None where the matrix is not positive definite.
+    pub(super) fn cholesky(&self) -> Option<Cholesky> {
+        Cholesky::new((0..self.n).map(|i| self.cells[i * self.n..=i * self.n + i].to_vec()).collect(), 0.0)
     }
 
     /// By elimination with row pivots.
@@ -45,58 +49,66 @@ impl Square {
     }
 }
 
-/// L with L·Lᵀ = the matrix.
-pub(super) struct Cholesky(Square);
+/// L with L·Lᵀ = a positive definite matrix: the rows of its lower triangle.
+#[derive(Clone, Debug)]
+pub struct Cholesky(Vec<Vec<f64>>);
 
 impl Cholesky {
-    /// None where the matrix is not positive definite.
-    pub(super) fn new(matrix: &Square) -> Option<Self> {
-        let n = matrix.n;
-        let mut l = Square { n, cells: vec![0.0; n * n] };
-        for row in 0..n {
-            for column in 0..=row {
-                let known: f64 = (0..column).map(|k| l.at(row, k) * l.at(column, k)).sum();
-                let rest = matrix.at(row, column) - known;
-                l.cells[row * n + column] = match row == column {
-                    true if rest > 0.0 => libm::sqrt(rest),
-                    true => return None,
-                    false => rest / l.at(column, column),
-                };
+    /// From the rows of the lower triangle of the matrix. None where a pivot is not above this share of its diagonal
+    /// element: the matrix is not positive definite, or not by enough.
+    #[must_use]
+    pub fn new(mut rows: Vec<Vec<f64>>, least_pivot: f64) -> Option<Self> {
+        for i in 0..rows.len() {
+            let (above, rest) = rows.split_at_mut(i);
+            let row = &mut rest[0];
+            for (j, other) in above.iter().enumerate() {
+                row[j] = (row[j] - dot(&row[..j], &other[..j])) / other[j];
             }
+            let (full, pivot) = (row[i], row[i] - dot(&row[..i], &row[..i]));
+            if pivot.is_nan() || pivot <= least_pivot * full {
+                return None;
+            }
+            row[i] = libm::sqrt(pivot);
         }
-        Some(Self(l))
+        Some(Self(rows))
     }
 
     /// ln of the determinant of the matrix.
-    #[cfg(feature = "std")]
-    pub(super) fn ln_determinant(&self) -> f64 {
-        (0..self.0.n).map(|i| 2.0 * libm::log(self.0.at(i, i))).sum()
+    #[must_use]
+    pub fn ln_determinant(&self) -> f64 {
+        self.0.iter().enumerate().map(|(i, row)| 2.0 * libm::log(row[i])).sum()
     }
 
-    /// L⁻¹·b
-    pub(super) fn whiten(&self, mut b: Vec<f64>) -> Vec<f64> {
-        for row in 0..self.0.n {
-            let known: f64 = (0..row).map(|k| self.0.at(row, k) * b[k]).sum();
-            b[row] = (b[row] - known) / self.0.at(row, row);
+    /// L⁻¹·b, which has unit covariance where b has that of the matrix.
+    #[must_use]
+    pub fn whiten(&self, b: impl IntoIterator<Item = f64>) -> Vec<f64> {
+        let mut white = Vec::with_capacity(self.0.len());
+        for (row, value) in self.0.iter().zip(b) {
+            let i = white.len();
+            white.push((value - dot(&row[..i], &white)) / row[i]);
         }
-        b
+        white
     }
 
     /// L⁻ᵀ·b
-    pub(super) fn unwhiten(&self, mut b: Vec<f64>) -> Vec<f64> {
-        for row in (0..self.0.n).rev() {
-            let known: f64 = (row + 1..self.0.n).map(|k| self.0.at(k, row) * b[k]).sum();
-            b[row] = (b[row] - known) / self.0.at(row, row);
+    #[must_use]
+    pub fn unwhiten(&self, mut b: Vec<f64>) -> Vec<f64> {
+        for i in (0..b.len()).rev() {
+            let below: f64 = (i + 1..b.len()).map(|k| self.0[k][i] * b[k]).sum();
+            b[i] = (b[i] - below) / self.0[i][i];
         }
         b
     }
 
     /// Matrix⁻¹·b
-    pub(super) fn solve(&self, b: Vec<f64>) -> Vec<f64> {
+    #[must_use]
+    pub fn solve(&self, b: impl IntoIterator<Item = f64>) -> Vec<f64> {
         self.unwhiten(self.whiten(b))
     }
 }
 
-pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
+/// a·b
+#[must_use]
+pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

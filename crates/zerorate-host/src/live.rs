@@ -44,8 +44,6 @@ const SILENT_PERIODS: f64 = 20.0;
 
 /// An initialised part shows many edges in this time (F-32).
 const SIGN_OF_LIFE_NS: u64 = 100_000_000;
-const UNPLUGGED: &str = "the part is unplugged or has no power: data ready (pin 10) is silent and SDO (pin 12) is \
-    dead; check the cable and the 5 V supply (pins 11, 13, 15)";
 
 impl<S: SpiDevice<Error: Debug + Send + Sync + 'static>, E: Edges> Live<S, E> {
     /// A part whose master clock is nominally `mclk_hz`; sends nothing.
@@ -65,7 +63,7 @@ impl<S: SpiDevice<Error: Debug + Send + Sync + 'static>, E: Edges> Live<S, E> {
                     "data ready comes (pin 10), so the part is alive and hears, but does not answer as it should",
                 ))
             }
-            Err(error) => Err(error.context(UserError::new(Cause::Gone, UNPLUGGED))),
+            Err(error) => Err(error.context(UserError::new(Cause::Gone, Fault::UNPLUGGED))),
         }
     }
 
@@ -183,13 +181,9 @@ impl<S: SpiDevice<Error: Debug + Send + Sync + 'static>, E: Edges> Live<S, E> {
     #[cold]
     pub fn why_silent(&mut self) -> anyhow::Error {
         let fault = match self.part.diagnose() {
-            Ok(None) => {
-                let words = "no data ready: the part answers and is configured, but RDY (pin 10) brought no new data \
-                    for a second; check the RDY wire";
-                UserError::new(Cause::Silent, words).into()
-            }
+            Ok(None) => UserError::new(Cause::Silent, Fault::NO_NEW_DATA).into(),
             Ok(Some(fault @ (Fault::StuckHigh(_) | Fault::StuckLow(_)))) => {
-                anyhow::Error::new(fault).context(UserError::new(Cause::Gone, UNPLUGGED))
+                anyhow::Error::new(fault).context(UserError::new(Cause::Gone, Fault::UNPLUGGED))
             }
             Ok(Some(fault)) => fault.into(),
             Err(error) => error.into(),

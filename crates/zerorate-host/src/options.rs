@@ -6,12 +6,14 @@ use std::path::PathBuf;
 use zerorate::Axis;
 
 /// What an address says of the part itself, whatever it is connected to.
-#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[derive(Copy, Clone, Debug, PartialEq)]
 pub struct PartOptions {
     /// How it is configured, and how its wires are heard.
     pub config: Config,
     /// A counter in the line lets every N-th edge of RDY through (F-56).
     pub divided: u16,
+    /// −3 dB of the rate, Hz, where it is not the part's own (F-04).
+    pub bandwidth_hz: Option<f64>,
 }
 
 /// SPI clock unless given, Hz: half of what the part can (F-21).
@@ -21,29 +23,6 @@ pub const MCLK_RANGE_HZ: RangeInclusive<u32> = 1_000..=10_000_000;
 pub fn split(text: &str) -> (&str, impl Iterator<Item = &str>) {
     let (name, options) = text.split_once('?').unwrap_or((text, ""));
     (name, options.split('&').filter(|option| !option.is_empty()))
-}
-
-/// The address without what is said of the bandwidth, and that in Hz: `roa=none`, `roa=10nf` (F-04) or
-/// `bandwidth_hz=HZ`.
-pub fn without_bandwidth(text: &str) -> Result<(String, Option<f64>), String> {
-    let Some((name, options)) = text.split_once('?') else { return Ok((text.to_owned(), None)) };
-    let mut bandwidth_hz = None;
-    let mut rest = Vec::new();
-    for option in options.split('&') {
-        match option.split_once('=') {
-            Some(("roa", "none")) => bandwidth_hz = None,
-            Some(("roa", "10nf")) => bandwidth_hz = Some(Axis::ADIS16130_ROA_10NF_HZ),
-            Some(("roa", _)) => return Err(format!("`{option}`: there are roa=none and roa=10nf (F-04)")),
-            Some(("bandwidth_hz", text)) => {
-                let hz = text.parse::<f64>().ok().filter(|hz| (0.01..=1e5).contains(hz));
-                let wrong = || format!("`{option}`: bandwidth_hz takes a number from 0.01 to 100000");
-                bandwidth_hz = Some(hz.ok_or_else(wrong)?);
-            }
-            _ => rest.push(option),
-        }
-    }
-    let rest = rest.join("&");
-    Ok((if rest.is_empty() { name.to_owned() } else { format!("{name}?{rest}") }, bandwidth_hz))
 }
 
 /// What [`PartOptions::with`] knows, in words.
@@ -57,12 +36,12 @@ const DIVIDED_RANGE: RangeInclusive<u32> = 1..=u16::MAX as u32;
 impl PartOptions {
     /// As the note prescribes (F-22, F-30), with nothing in the line of RDY.
     pub const fn new() -> Self {
-        Self { config: Config::new(), divided: 1 }
+        Self { config: Config::new(), divided: 1, bandwidth_hz: None }
     }
 
     /// F-22: a host that cannot keep the note's framing at the full rate keeps CS low for a whole command.
     pub const fn of_host() -> Self {
-        Self { config: Config::new().with_framing(Framing::Command), divided: 1 }
+        Self { config: Config::new().with_framing(Framing::Command), ..Self::new() }
     }
 
     /// These, changed by an option; `None` = that is no option of the part.
@@ -71,7 +50,25 @@ impl PartOptions {
             let divided = number("divided", text, DIVIDED_RANGE)? as u16;
             return Ok(Some(Self { divided, ..self }));
         }
+        if let Some(bandwidth_hz) = bandwidth(option)? {
+            return Ok(Some(Self { bandwidth_hz, ..self }));
+        }
         Ok(config_with(self.config, option)?.map(|config| Self { config, ..self }))
+    }
+}
+
+/// The bandwidth that an option sets, Hz (none: the part's own); `None` = that is no option of the bandwidth.
+pub fn bandwidth(option: &str) -> Result<Option<Option<f64>>, String> {
+    match option.split_once('=') {
+        Some(("roa", "none")) => Ok(Some(None)),
+        Some(("roa", "10nf")) => Ok(Some(Some(Axis::ADIS16130_ROA_10NF_HZ))),
+        Some(("roa", _)) => Err(format!("`{option}`: there are roa=none and roa=10nf (F-04)")),
+        Some(("bandwidth_hz", text)) => {
+            let hz = text.parse::<f64>().ok().filter(|hz| (0.01..=1e5).contains(hz));
+            let wrong = || format!("`{option}`: bandwidth_hz takes a number from 0.01 to 100000");
+            hz.map(|hz| Some(Some(hz))).ok_or_else(wrong)
+        }
+        _ => Ok(None),
     }
 }
 

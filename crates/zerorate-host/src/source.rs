@@ -4,6 +4,7 @@ use crate::Result;
 use crate::chamber::Air;
 use crate::clock;
 use crate::error::UserError;
+use crate::options::PartOptions;
 use adis16130::registers::Address;
 use adis16130::{Config, ConversionTime, Framing, SamplerConfig, SelfTest};
 use adis16130_twin::Truth;
@@ -108,14 +109,15 @@ pub struct DeviceInfo {
 }
 
 impl DeviceInfo {
-    /// Of an ADIS16130 that the driver reads at this bandwidth, Hz, if it is not its own (F-04).
+    /// Of an ADIS16130 that the driver reads.
     pub(crate) fn of_part(
         name: &str,
-        (config, sampling): (Config, SamplerConfig),
+        options: &PartOptions,
+        sampling: SamplerConfig,
         mclk_hz: u32,
-        bandwidth_hz: Option<f64>,
         known: Option<&Part>,
     ) -> Result<Self> {
+        let PartOptions { config, bandwidth_hz, .. } = *options;
         let converter = Converter {
             width: config.width(),
             rate_conversion: config.rate_conversion().bits(),

@@ -5,9 +5,7 @@ use crate::address::{Address, Parsed};
 use crate::error::{Cause, UserError};
 use crate::gpio::{GpioEdges, GpioOutput, errno};
 use crate::live::Live;
-use crate::options::{
-    DEFAULT_HZ, MCLK_RANGE_HZ, PART_OPTIONS, PartOptions, SLOWEST_HZ, gpio_line, number, split, without_bandwidth,
-};
+use crate::options::{DEFAULT_HZ, MCLK_RANGE_HZ, PART_OPTIONS, PartOptions, SLOWEST_HZ, gpio_line, number, split};
 use crate::reader::{Reader, WhenFull};
 use crate::source::{Bus, DeviceInfo, Losses, Registers, Setup, Source};
 use adis16130::{Framing, MAX_SCLK_HZ, MCLK_HZ, Sample, SelfTest};
@@ -54,8 +52,6 @@ pub struct SpiAddress {
     pub part: PartOptions,
     /// Nominal master clock of the part, Hz.
     pub mclk_hz: u32,
-    /// −3 dB of the rate, Hz, where it is not the part's own (F-04).
-    pub bandwidth_hz: Option<f64>,
 }
 
 impl SpiAddress {
@@ -65,8 +61,7 @@ impl SpiAddress {
     }
 
     pub(crate) fn read(text: &str) -> Result<Self, String> {
-        let (text, bandwidth_hz) = without_bandwidth(text)?;
-        let (spi, options) = split(&text);
+        let (spi, options) = split(text);
         if !spi.starts_with('/') {
             return Err(format!("spi: needs the spidev file and the RDY line, as in {SPI_EXAMPLE}"));
         }
@@ -90,7 +85,7 @@ impl SpiAddress {
         }
         let (chip, line) =
             rdy.ok_or_else(|| format!("which line is RDY (pin 10)? give rdy=CHIP:LINE, as in {SPI_EXAMPLE}"))?;
-        Ok(Self { spi: spi.into(), chip, line, hz, part, mclk_hz, bandwidth_hz })
+        Ok(Self { spi: spi.into(), chip, line, hz, part, mclk_hz })
     }
 }
 
@@ -123,8 +118,7 @@ impl SpiPart {
     /// Opens both files; sends nothing.
     fn open(address: &SpiAddress, name: &str, setup: &Setup, stop: &Stop) -> crate::Result<Self> {
         let sampling = setup.sampling.config(address.part.divided);
-        let settings = (address.part.config, sampling);
-        let facts = DeviceInfo::of_part(name, settings, address.mclk_hz, address.bandwidth_hz, setup.part.as_ref())?;
+        let facts = DeviceInfo::of_part(name, &address.part, sampling, address.mclk_hz, setup.part.as_ref())?;
         let (clock, failed) = (Arc::new(AtomicU32::new(address.hz)), LastErrno::default());
         let bus = SpiBus::open(address, Arc::clone(&clock), failed.clone())?;
         let edges = GpioEdges::open(&address.chip, address.line, address.part.config.rdy_edge())?;

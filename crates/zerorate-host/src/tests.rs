@@ -18,7 +18,6 @@ fn an_address_is_read_whole() {
         hz: 8_000_000,
         part: PartOptions::new(),
         mclk_hz: 105_400,
-        bandwidth_hz: None,
     };
     assert_eq!(address, Ok(expected));
     let plain = SpiAddress::read("/dev/spidev0.0?rdy=/dev/gpiochip0:3").expect("an address");
@@ -56,7 +55,7 @@ fn the_part_is_configured_alike_wherever_it_is() {
     let spi = SpiAddress::read(&format!("/dev/spidev0.0?rdy=gpiochip0:25&{options}")).expect("an address");
     let serial = BridgeAddress::read_serial(&format!("/dev/ttyACM0?{options}")).expect("an address");
     let tcp = BridgeAddress::read_tcp(&format!("localhost:1?{options}")).expect("an address");
-    let expected = PartOptions { config: expected, divided: 50 };
+    let expected = PartOptions { config: expected, divided: 50, bandwidth_hz: None };
     assert_eq!([spi.part, serial.part, tcp.part], [expected; 3]);
     for (wrong, hint) in [
         ("width=20", "width=24|16"),

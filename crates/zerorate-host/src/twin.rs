@@ -35,13 +35,18 @@ impl TwinAddress {
                 axes = count.ok_or_else(|| format!("`axes={text}`: a twin has 1, 2 or 3 axes"))?;
                 continue;
             }
-            match part.with(item.trim())? {
+            // the unit's own key says what is between its pins
+            let of_unit = ["roa=", "bandwidth_hz="].iter().any(|key| item.trim().starts_with(key));
+            let changed = if of_unit { None } else { part.with(item.trim())? };
+            match changed {
                 Some(changed) => part = changed,
                 None => unit.push(item),
             }
         }
-        let units = (0..axes).map(|axis| unit_of(axis, axes, &unit)).collect::<Result<_, _>>();
-        Ok(Arc::new(Self { units: units.map_err(|error| error.to_string())?, part }))
+        let units = (0..axes).map(|axis| unit_of(axis, axes, &unit)).collect::<Result<Vec<_>, _>>();
+        let units = units.map_err(|error| error.to_string())?;
+        part.bandwidth_hz = (units[0].roa == Roa::TenNanofarad).then_some(Axis::ADIS16130_ROA_10NF_HZ);
+        Ok(Arc::new(Self { units, part }))
     }
 
     fn live(&self, axis: usize, setup: &Setup, stop: &Stop) -> Live<TwinSpi, TwinEdges> {
@@ -86,11 +91,10 @@ impl Address for TwinAddress {
     }
 
     fn open(&self, name: &str, setup: &Setup, stop: &Stop) -> Result<Box<dyn Source>> {
-        let settings = (self.part.config, setup.sampling.config(self.part.divided));
-        let (axes, roa) = (self.units.len(), self.units[0].roa);
-        let bandwidth_hz = (roa == Roa::TenNanofarad).then_some(Axis::ADIS16130_ROA_10NF_HZ);
+        let axes = self.units.len();
+        let sampling = setup.sampling.config(self.part.divided);
         let known = setup.part.as_ref().filter(|_| axes == 1);
-        let facts = DeviceInfo::of_part(name, settings, self.mclk_hz(), bandwidth_hz, known)?;
+        let facts = DeviceInfo::of_part(name, &self.part, sampling, self.mclk_hz(), known)?;
         // its files depend on nothing but the seed: they have no time of day
         let info = CaptureInfo { created: String::new(), ..facts.info };
         let facts = DeviceInfo { info, is_real: false, ..facts };
@@ -110,14 +114,7 @@ impl Address for TwinAddress {
 
 /// A part with so many of an ADIS16130's axes, in codes of this width.
 fn several(axes: usize, width: Width) -> Part {
-    let in_width = |scale: Scale| match width {
-        Width::Bits24 => scale,
-        // F-43
-        Width::Bits16 => {
-            let (lsb_per_unit, zero_code) = (scale.lsb_per_unit / 256.0, scale.zero_code >> 8);
-            Scale { lsb_per_unit, zero_code, width_bits: 16, ..scale }
-        }
-    };
+    let in_width = |scale: Scale| scale.without_low_bits(width.dropped_bits() as u8);
     let one = &Part::ADIS16130.axes[0];
     let axis = Axis { rate: in_width(one.axis.rate), temp: in_width(one.axis.temp), ..one.axis };
     let named = |name: &&'static str| NamedAxis { name: Cow::Borrowed(name), axis, ..one.clone() };

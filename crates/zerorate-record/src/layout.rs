@@ -4,7 +4,7 @@
 use super::CaptureError;
 use super::row::Row;
 use crate::unit::{Quantity, Unit};
-use adis16130::{ChannelStatus, RATE_LSB_PER_DPS, TEMP_LSB_PER_C, Width};
+use adis16130::{ChannelStatus, Width};
 use arrow_schema::{DataType, Field, Metadata};
 use std::fmt::Display;
 use std::path::Path;
@@ -72,22 +72,16 @@ impl Layout {
     #[must_use]
     pub fn adis16130(width: Width) -> Self {
         let Part { name, axes, .. } = Part::ADIS16130;
-        let dropped_bits = (24 - width.bits()) as u8;
-        let narrow = |scale: Scale, lsb: u32| Scale {
-            lsb_per_unit: f64::from(lsb) / f64::from(1u32 << dropped_bits),
-            zero_code: scale.zero_code >> dropped_bits,
-            width_bits: scale.width_bits - dropped_bits,
-            ..scale
-        };
+        let dropped_bits = width.dropped_bits() as u8;
         let coded = |NamedAxis { name, axis, .. }: &NamedAxis| CodedAxis {
             name: name.to_string(),
             unit: Unit::Dps,
-            scale: narrow(axis.rate, RATE_LSB_PER_DPS),
+            scale: axis.rate.without_low_bits(dropped_bits),
         };
         Self {
             part: name.into_owned(),
             axes: axes.iter().map(coded).collect(),
-            temp: narrow(Axis::ADIS16130.temp, TEMP_LSB_PER_C),
+            temp: Axis::ADIS16130.temp.without_low_bits(dropped_bits),
             status_bits: 8,
             dropped_bits,
         }

@@ -3,12 +3,12 @@
 
 use crate::live::Pace;
 use crate::message::DeviceState;
-use crate::session::{Bench, encode};
+use crate::session::{LiveView, encode};
 use crate::source::{Source, TwinSource};
 
 /// A unit of the twin that was just switched on.
 pub struct FirstLook {
-    bench: Bench,
+    live_view: LiveView,
     /// None: it can be read no more; the session will say why.
     source: Option<TwinSource>,
     pace: Pace,
@@ -23,18 +23,18 @@ impl FirstLook {
         let source = TwinSource::open(keys)?;
         let about = source.about();
         let pace = Pace::of(&about);
-        let mut bench = Bench::new(about);
-        bench.state(DeviceState::Reading);
-        Ok(Self { bench, source: Some(source), pace })
+        let mut live_view = LiveView::new(about);
+        live_view.state(DeviceState::Reading);
+        Ok(Self { live_view, source: Some(source), pace })
     }
 
     /// Takes readings for at most so long, as far as their time has come; `clock` tells the time of the page, ms.
     pub fn turn(&mut self, clock: &mut dyn FnMut() -> f64, budget_ms: f64) {
         let Some(source) = &mut self.source else { return };
         let until_ms = clock() + budget_ms;
-        let bench = &mut self.bench;
+        let live_view = &mut self.live_view;
         let more = self.pace.readings(source, clock, until_ms, |row| {
-            bench.take(row, &mut ());
+            live_view.take(row, &mut ());
         });
         if more != Ok(true) {
             self.source = None;
@@ -43,20 +43,20 @@ impl FirstLook {
 
     /// What is new; none: nothing.
     pub fn frame(&mut self) -> Option<Vec<u8>> {
-        let (frame, payload) = self.bench.is_changed().then(|| self.bench.news(None))?;
+        let (frame, payload) = self.live_view.is_changed().then(|| self.live_view.news(None))?;
         Some(encode(&frame, &payload))
     }
 
     /// All there is, for a window that just came.
     #[must_use]
     pub fn snapshot(&self) -> Vec<u8> {
-        let (frame, payload) = self.bench.everything(None);
+        let (frame, payload) = self.live_view.everything(None);
         encode(&frame, &payload)
     }
 
     /// How long it was looked at, s of its time: where [`Live::catch_up`](crate::live::Live::catch_up) goes on.
     #[must_use]
     pub fn shown_s(&self) -> f64 {
-        self.bench.now_s()
+        self.live_view.now_s()
     }
 }

@@ -3,11 +3,6 @@
 //!
 //! The messages are [`message`], specified in `docs/formats/page.md`.
 
-#[cfg(all(
-    target_family = "wasm",
-    any(feature = "edge-first", feature = "edge-live", feature = "edge-log", feature = "edge-replay")
-))]
-pub mod edge;
 pub mod first;
 pub mod live;
 pub mod log;
@@ -15,3 +10,8 @@ pub mod message;
 pub mod registers;
 pub mod session;
 pub mod source;
+#[cfg(all(
+    target_family = "wasm",
+    any(feature = "wasm-first", feature = "wasm-live", feature = "wasm-log", feature = "wasm-replay")
+))]
+pub mod wasm;

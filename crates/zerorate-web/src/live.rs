@@ -1,7 +1,7 @@
 //! A session with its device, as a browser has it: readings are taken in turns, between which the page is served.
 
 use crate::message::DeviceState;
-use crate::session::{About, Asked, HostWish, Session};
+use crate::session::{About, Asked, HostCommand, Session};
 use crate::source::{Next, Source};
 use zerorate_record::Row;
 
@@ -87,17 +87,17 @@ impl Live {
 
     /// The answer to a request.
     pub fn ask(&mut self, request: &str, now_ms: f64) -> String {
-        let (id, wish) = match self.session.ask(request) {
+        let (id, command) = match self.session.ask(request) {
             Asked::Answer(answer) => return answer,
-            Asked::Host { id, wish } => (id, wish),
+            Asked::Host { id, command } => (id, command),
         };
-        let done = match wish {
-            HostWish::Speed(factor) => {
+        let done = match command {
+            HostCommand::Speed(factor) => {
                 self.pace = self.pace.at(factor);
                 self.session.speed(factor);
                 Ok(())
             }
-            HostWish::Reopen => (self.open)(now_ms).map(|source| self.reopened(source)),
+            HostCommand::Reopen => (self.open)(now_ms).map(|source| self.reopened(source)),
         };
         self.session.done(id, done)
     }

@@ -21,16 +21,16 @@ pub struct Request {
     pub id: u32,
     /// What to do.
     #[serde(flatten)]
-    pub wish: Wish,
+    pub command: Command,
 }
 
 /// Something that the page can ask for.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(tag = "do", rename_all = "kebab-case")]
 #[cfg_attr(test, derive(TS))]
-pub enum Wish {
+pub enum Command {
     /// Begin a guided calibration. Answer: nothing.
-    Calibrate(CalibrateWish),
+    Calibrate(CalibrateCommand),
     /// End it without a result. Answer: nothing.
     AbortCalibration,
     /// End the recording of `warmup` or `cycle` here, with its result. Answer: nothing.
@@ -57,7 +57,8 @@ pub enum Wish {
         /// Its `id`.
         calibration: String,
         /// In which form.
-        form: Form,
+        #[cfg_attr(test, ts(type = "Form"))]
+        form: String,
     },
     /// Begin the statistics anew: Allan deviation, spectrum, bias over temperature. Answer: nothing.
     Restart,
@@ -75,7 +76,7 @@ pub enum Wish {
 /// A guided calibration: a method and what differs from its defaults.
 #[derive(Clone, Debug, Deserialize)]
 #[cfg_attr(test, derive(TS))]
-pub struct CalibrateWish {
+pub struct CalibrateCommand {
     /// How.
     pub method: MethodName,
     /// Steps 4 and 6, s.
@@ -114,20 +115,6 @@ pub enum MethodName {
     Chamber,
 }
 
-/// Forms of a calibration.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-#[cfg_attr(test, derive(TS))]
-#[expect(missing_docs, reason = "as on the command line")]
-pub enum Form {
-    Toml,
-    C,
-    Rust,
-    Csv,
-    Json,
-    Report,
-}
-
 /// What comes back for a request.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(test, derive(TS))]
@@ -145,7 +132,7 @@ pub struct Answer {
 #[cfg_attr(test, derive(TS))]
 pub enum Answered {
     /// Done.
-    Ok(Given),
+    Ok(Reply),
     /// Not done: what is wrong, and what to do.
     Error(String),
 }
@@ -154,7 +141,7 @@ pub enum Answered {
 #[derive(Clone, Debug, Serialize)]
 #[serde(untagged)]
 #[cfg_attr(test, derive(TS))]
-pub enum Given {
+pub enum Reply {
     /// It is done, and that is all.
     Nothing {},
     /// A file.
@@ -196,7 +183,7 @@ pub struct Frame {
     /// What was read and lost.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(test, ts(optional))]
-    pub ledger: Option<Ledger>,
+    pub ledger: Option<SampleCounts>,
     /// What there is to say, the newest last; at most 100.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(test, ts(optional))]
@@ -259,7 +246,7 @@ pub struct Device {
     pub registers: Vec<Register>,
     /// What the check of the connection found.
     pub checks: Vec<CheckResult>,
-    /// What a guided calibration takes where a wish leaves it open.
+    /// What a guided calibration takes where a command leaves it open.
     pub durations: Durations,
     /// Version of the program.
     pub software: String,
@@ -268,7 +255,7 @@ pub struct Device {
 /// Of the steps of application note AN-1042, s.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(test, derive(TS))]
-#[expect(missing_docs, reason = "as in a wish")]
+#[expect(missing_docs, reason = "as in a command")]
 pub struct Durations {
     pub average_s: f64,
     pub warmup_s: f64,
@@ -411,7 +398,7 @@ pub enum RestVerdict {
 /// What was read and lost since the beginning.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(test, derive(TS))]
-pub struct Ledger {
+pub struct SampleCounts {
     /// Samples that came here.
     #[cfg_attr(test, ts(type = "number"))]
     pub samples: u64,
@@ -457,6 +444,7 @@ mod tests {
     use std::path::Path;
     use std::{env, fs};
     use ts_rs::{Config, TS};
+    use zerorate_view::export::ExportForm;
 
     /// `cargo xtask codegen` sets `ZERORATE_UPDATE`, which writes the file anew.
     #[test]
@@ -481,7 +469,7 @@ mod tests {
         crate::log::message::Looked::export_all(&config).unwrap();
         crate::log::message::LogAxis::export_all(&config).unwrap();
         crate::log::message::LogSummary::export_all(&config).unwrap();
-        crate::log::message::NoiseFileWish::export_all(&config).unwrap();
+        crate::log::message::NoiseFileCommand::export_all(&config).unwrap();
         let mut files: Vec<_> = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
         files.sort();
         let declared = files.iter().map(|file| {
@@ -491,6 +479,14 @@ mod tests {
         });
         let head =
             "// Made from message.rs and log/message.rs of crates/zerorate-web/src, which say more.\n\n".to_owned();
-        head + &declared.collect::<Vec<_>>().join("\n")
+        let exports = ExportForm::ALL.into_iter().filter(|form| !form.is_autopilot());
+        let exports = exports.map(|form| (form.row().name, form.row().label));
+        let forms: Vec<_> = [("toml", "TOML")].into_iter().chain(exports).chain([("report", "Report")]).collect();
+        let forms = serde_json::to_string(&forms).unwrap();
+        let forms = format!(
+            "\n/**\n * Forms of a download: name and label.\n */\nexport const FORMS = {forms} as const;\n\n\
+             export type Form = (typeof FORMS)[number][0];\n"
+        );
+        head + &declared.collect::<Vec<_>>().join("\n") + &forms
     }
 }

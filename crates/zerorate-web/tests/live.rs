@@ -241,9 +241,9 @@ fn a_part_behind_a_bridge_is_calibrated() {
     let spec = Spec::parse_keys("seed=7,warmup_s=3").expect("keys");
     let (twin, mut page) = (Twin::new(spec), Page::new(0));
     page.read_until(&twin, 500.0);
-    let wish = r#"{"id": 1, "do": "calibrate", "method": "an1042", "average_s": 4, "warmup_s": 10, "settle_s": 5,
+    let command = r#"{"id": 1, "do": "calibrate", "method": "an1042", "average_s": 4, "warmup_s": 10, "settle_s": 5,
         "offset_s": 4, "latitude_deg": 30}"#;
-    assert!(page.live.ask(wish, page.now_ms).contains("ok"));
+    assert!(page.live.ask(command, page.now_ms).contains("ok"));
     let calibration = page.read_until(&twin, 40_000.0)["calibration"].clone();
     assert_eq!(calibration["is"], "done", "{calibration}");
     let curve = calibration["axes"][0]["curve"].as_array().expect("a curve");
@@ -265,13 +265,13 @@ fn a_calibration_ends_when_its_device_is_gone() {
         false => Ok(Box::new(TwinSource::open("seed=7")?) as Box<dyn Source>),
     };
     let mut live = Live::open(Box::new(open), now_ms).expect("a twin");
-    let wish = r#"{"id": 1, "do": "calibrate", "method": "an1042"}"#;
+    let command = r#"{"id": 1, "do": "calibrate", "method": "an1042"}"#;
     gone.set(true);
-    assert!(live.ask(wish, now_ms).contains("the part is gone"));
+    assert!(live.ask(command, now_ms).contains("the part is gone"));
     let calibration = seen(&mut live)["calibration"].clone();
     assert_eq!((&calibration["is"], &calibration["text"]), (&"aborted".into(), &"the part is gone".into()));
     gone.set(false);
-    assert!(live.ask(wish, now_ms).contains("ok"));
+    assert!(live.ask(command, now_ms).contains("ok"));
     run(&mut live, &mut now_ms, 200.0, 0.001);
     assert_eq!(seen(&mut live)["calibration"]["is"], "running");
     live.instead(twin("seed=8"), now_ms).expect("another twin");

@@ -6,7 +6,7 @@ use rand_xoshiro::rand_core::{Rng, SeedableRng};
 use std::fmt::Write;
 use zerorate_record::Input;
 use zerorate_web::log::LogReader;
-use zerorate_web::log::message::{AxisKind, LogSetting, LogSettings, Looked, NoiseFileWish};
+use zerorate_web::log::message::{AxisKind, LogSetting, LogSettings, Looked, NoiseFileCommand};
 
 /// White noise of six axes, of standard deviation 0.1.
 fn table(head: &str, rows: usize) -> String {
@@ -30,8 +30,8 @@ fn look(text: &str, settings: &LogSettings) -> (Looked, Option<LogReader>) {
     LogReader::look("imu.csv", || Input::from(text.as_bytes().to_vec()), settings)
 }
 
-fn wish(format: &str) -> NoiseFileWish {
-    NoiseFileWish { format: format.to_owned(), combine: "worst".to_owned(), inflate: 1.0, force: false }
+fn command(format: &str) -> NoiseFileCommand {
+    NoiseFileCommand { format: format.to_owned(), combine: "worst".to_owned(), inflate: 1.0, force: false }
 }
 
 #[test]
@@ -53,9 +53,9 @@ fn six_axes_become_coefficients_pictures_and_a_file() {
     assert_eq!(summary.pictures.len(), 6);
     assert!(summary.pictures.iter().all(|picture| picture.svg.starts_with("<svg")));
     assert_eq!(summary.no_noise_file, None);
-    let file = reader.noise_file(&wish("kalibr")).expect("a file");
+    let file = reader.noise_file(&command("kalibr")).expect("a file");
     assert!(file.text.contains("gyroscope_noise_density: 1.7") && file.text.contains("imu.csv"), "{}", file.text);
-    assert!(reader.noise_file(&wish("caliber")).is_err_and(|why| why.contains("kalibr")));
+    assert!(reader.noise_file(&command("caliber")).is_err_and(|why| why.contains("kalibr")));
 }
 
 #[test]

@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use zerorate::Part;
 use zerorate_record::{CaptureInfo, Converter, Row};
 use zerorate_web::message::DeviceState;
-use zerorate_web::session::{About, Asked, HostWish, Session};
+use zerorate_web::session::{About, Asked, HostCommand, Session};
 
 /// The part in software, read by the driver.
 struct Device {
@@ -135,7 +135,7 @@ fn a_guided_calibration_finds_what_the_twin_hides() {
     session.state(DeviceState::Reading);
     feed(&mut session, &mut Device::open(keys), 5.0);
     let begin = json!({ "id": 1, "do": "calibrate", "method": "warmup", "settle_s": 600.0, "serial": "A 7" });
-    assert_eq!(session.ask(&begin.to_string()), Asked::Host { id: 1, wish: HostWish::Reopen });
+    assert_eq!(session.ask(&begin.to_string()), Asked::Host { id: 1, command: HostCommand::Reopen });
     let again = session.ask(&begin.to_string());
     assert!(matches!(again, Asked::Answer(text) if text.contains("under way")));
     let mut session = session.reopened(about());
@@ -239,7 +239,7 @@ fn requests_that_make_no_sense_are_answered() {
 fn a_chamber_by_hand() {
     let mut session = Session::new(about());
     let begin = json!({ "id": 1, "do": "calibrate", "method": "chamber", "plan": "f57" });
-    assert_eq!(session.ask(&begin.to_string()), Asked::Host { id: 1, wish: HostWish::Reopen });
+    assert_eq!(session.ask(&begin.to_string()), Asked::Host { id: 1, command: HostCommand::Reopen });
     let mut session = session.reopened(about());
     let mut device = Device::open("seed=5,profile=oven,hysteresis=0");
     feed(&mut session, &mut device, 3600.0);
@@ -407,7 +407,7 @@ fn a_calibration_is_not_begun_where_there_is_no_room_for_its_result() {
     assert_eq!(asked(&mut session, remove(&ids[8])), json!({ "id": 2, "ok": {} }));
     assert!(asked(&mut session, remove(&ids[8]))["error"].as_str().unwrap().contains("no calibration"));
     assert_eq!(session.calibrations().count(), 99);
-    assert_eq!(session.ask(&begin.to_string()), Asked::Host { id: 1, wish: HostWish::Reopen });
+    assert_eq!(session.ask(&begin.to_string()), Asked::Host { id: 1, command: HostCommand::Reopen });
     assert!(session.add_calibration(&calibration("", 2.0)).is_err(), "the last place is that of the result");
     assert_eq!(asked(&mut session, json!({ "id": 3, "do": "abort-calibration" }))["ok"], json!({}));
     session.add_calibration(&calibration("", 2.0)).unwrap();

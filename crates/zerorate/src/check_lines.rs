@@ -4,7 +4,8 @@
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
-use core::fmt::Write;
+use core::fmt::{self, Write};
+use serde::Serialize;
 use sha2::{Digest, Sha256};
 
 const CHECKSUM: &str = "checksum = \"sha256:";
@@ -14,15 +15,39 @@ const DIGITS: usize = 4;
 
 /// What is wrong with a file that claims to be as it was written. Lines count from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Damage {
+#[expect(missing_docs, reason = "the field is the number of a line")]
+pub enum Damage {
     /// This line was edited, added or follows one that was removed.
     Changed { line: usize },
     /// The file ends after this line; there were more.
     EndsEarly { line: usize },
 }
 
+impl fmt::Display for Damage {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Changed { line } => write!(f, "line {line} is not what was written: it was edited or damaged"),
+            Self::EndsEarly { line } => write!(f, "it ends at line {line}, but more was written"),
+        }
+    }
+}
+
+/// What is said of a file that has no check lines and needs them.
+pub(crate) const UNCHECKED: &str = "it has no check lines, so nothing shows whether it is whole";
+
+/// A file: its header, the check lines, and the fields.
+pub(crate) fn file(header: &str, fields: &impl Serialize) -> String {
+    // a struct of numbers, strings, arrays and tables always has a TOML form
+    with_checks(header, &toml::to_string(fields).unwrap_or_default())
+}
+
+/// The same of fields that are a text already.
+pub(crate) fn with_checks(header: &str, fields: &str) -> String {
+    [header, &lines_for(&[header, fields].concat()), fields].concat()
+}
+
 /// The two lines, each with its line end, for a body of lines.
-pub(crate) fn lines_for(body: &str) -> String {
+fn lines_for(body: &str) -> String {
     let lines: Vec<&str> = normal(body).map(|(_, line)| line).collect();
     let checks: String = lines.iter().map(|line| short(line)).collect();
     format!("{CHECKSUM}{}\"\n{LINE_CHECKS}{checks}\"\n", digest(&checks, &lines))

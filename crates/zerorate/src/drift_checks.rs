@@ -6,12 +6,13 @@
 //! noise would show what is left as well.
 
 use crate::blocks::Second;
-use crate::gls::{self, Fit, Whitener, dot};
+use crate::gls::{self, Fit, dot};
 use crate::noise::{NoiseModel, Stretch, Window};
 use crate::shape::{self, Shape};
 use alloc::vec;
 use alloc::vec::Vec;
 use core::f64::consts::PI;
+use zerorate_allan::linear::Cholesky;
 
 /// What the rate did beside following the temperature on a line.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -164,7 +165,7 @@ fn bins(seconds: &[Second]) -> Vec<Bin> {
 struct Search<'a> {
     question: &'a Question,
     stretches: Vec<Stretch>,
-    whitener: Whitener,
+    whitener: Cholesky,
     rates: Vec<f64>,
     /// What is in the model, whitened: level, temperature, then the shapes.
     columns: Vec<Vec<f64>>,
@@ -182,7 +183,7 @@ impl<'a> Search<'a> {
         let mut covariances = question.noise.covariances(&stretches);
         let bend: Vec<f64> = shape::means(&Shape::curved(seconds, question.t3_c), &stretches).collect();
         add_square(&mut covariances, &bend, question.curvature_dps_per_c2);
-        let whitener = Whitener::new(covariances)?;
+        let whitener = gls::whitener(covariances)?;
         let rates = whitener.whiten(bins.iter().map(|bin| bin.rate_dps));
         let level = whitener.whiten(bins.iter().map(|_| 1.0));
         let temps = whitener.whiten(bins.iter().map(|bin| bin.temp_c - question.t3_c));
@@ -380,7 +381,7 @@ struct Candidate {
 }
 
 impl Candidate {
-    fn new(shape: Shape, stretches: &[Stretch], whitener: &Whitener) -> Self {
+    fn new(shape: Shape, stretches: &[Stretch], whitener: &Cholesky) -> Self {
         let quarter = match shape {
             Shape::Sway { hz, phase } => Some(Shape::Sway { hz, phase: phase + PI / 2.0 }),
             _ => None,

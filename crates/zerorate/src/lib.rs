@@ -49,6 +49,8 @@ mod validity;
 
 #[cfg(feature = "file")]
 pub use calibration::Calibration;
+#[cfg(feature = "file")]
+pub use check_lines::Damage;
 pub use checkup::{Checkup, Limits};
 pub use code_sum::CodeSum;
 pub use code_table::{CodeTable, RowIndex};

@@ -120,6 +120,17 @@ impl Scale {
     const OFFSET_24: Self =
         Self { lsb_per_unit: 1.0, zero_code: 8_388_608, zero_value: 0.0, width_bits: 24, signed: false };
 
+    /// The same scale for codes that lack so many low bits (F-43).
+    #[must_use]
+    pub fn without_low_bits(self, bits: u8) -> Self {
+        Self {
+            lsb_per_unit: self.lsb_per_unit / (1u64 << bits) as f64,
+            zero_code: self.zero_code >> bits,
+            width_bits: self.width_bits - bits,
+            ..self
+        }
+    }
+
     /// The value of a code less the zero code, divided once.
     ///
     /// ```

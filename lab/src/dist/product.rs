@@ -61,7 +61,7 @@ pub const PRODUCTS: [Product; 5] = [
         name: "zerorate-page",
         manifest: "Cargo.toml",
         package: "zerorate-web",
-        builds: &[Build { target: "wasm32-unknown-unknown", features: "edge-log" }],
+        builds: &[Build { target: "wasm32-unknown-unknown", features: "wasm-log" }],
     },
 ];
 

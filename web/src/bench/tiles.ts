@@ -1,7 +1,7 @@
 import type { App } from "../app";
 import * as digits from "../digits";
 import { button, h, mark, say } from "../dom";
-import type { AxisNow, Ledger, RestVerdict } from "../protocol";
+import type { AxisNow, RestVerdict, SampleCounts } from "../protocol";
 import { settings } from "../settings";
 
 /** A box of fixed size with a name, a number and what there is to say of it. */
@@ -98,7 +98,7 @@ export class Tiles {
     this.#angle.show(digits.value(values?.angle_deg, u ?? 0.01), "°", below);
   }
 
-  #count(ledger: Ledger | undefined): void {
+  #count(ledger: SampleCounts | undefined): void {
     if (!ledger) return this.#ledger.show("–", "", "");
     const bad: [string, number][] = [
       ["lost", ledger.lost],

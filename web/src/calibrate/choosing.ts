@@ -1,6 +1,6 @@
 import type { App } from "../app";
 import { h, say } from "../dom";
-import type { CalibrateWish, Durations } from "../protocol";
+import type { CalibrateCommand, Durations } from "../protocol";
 import type { Stage } from "./calibrate";
 import { meanwhile, METHODS, type Method } from "./methods";
 import { PlanChoice } from "./plan-choice";
@@ -125,14 +125,14 @@ export class Choosing implements Stage {
   }
 
   async #begin(): Promise<void> {
-    const wish: CalibrateWish = { method: this.#method.name };
-    if (wish.method === "chamber") wish.plan = this.#plan.plan;
-    else for (const [key, input] of this.#durations) if (input.value !== "") wish[key] = Number(input.value);
-    if (this.#serial.value.trim() !== "") wish.serial = this.#serial.value.trim();
+    const command: CalibrateCommand = { method: this.#method.name };
+    if (command.method === "chamber") command.plan = this.#plan.plan;
+    else for (const [key, input] of this.#durations) if (input.value !== "") command[key] = Number(input.value);
+    if (this.#serial.value.trim() !== "") command.serial = this.#serial.value.trim();
     const latitude = this.#latitude.value;
-    if (latitude !== "") wish.latitude_deg = Number(latitude);
+    if (latitude !== "") command.latitude_deg = Number(latitude);
     this.#start.disabled = true;
-    const given = await this.app.ask({ do: "calibrate", ...wish });
-    this.#start.disabled = given !== undefined;
+    const reply = await this.app.ask({ do: "calibrate", ...command });
+    this.#start.disabled = reply !== undefined;
   }
 }

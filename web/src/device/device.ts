@@ -2,7 +2,7 @@ import type { App, Page } from "../app";
 import { duration } from "../digits";
 import { button, facts, h, mark, say } from "../dom";
 import type { Part } from "../model";
-import type { CheckResult, Device, Ledger } from "../protocol";
+import type { CheckResult, Device, SampleCounts } from "../protocol";
 import { OnFile } from "./on-file";
 import { Opener } from "./opener";
 import { Registers } from "./registers";
@@ -64,7 +64,7 @@ export class DevicePage implements Page {
   }
 }
 
-function rates(device: Device | undefined, ledger: Ledger | undefined): [string, string][] {
+function rates(device: Device | undefined, ledger: SampleCounts | undefined): [string, string][] {
   const hz = (rate: number | null | undefined) => (rate ? `${rate.toFixed(1)} Hz` : "–");
   const axis = device?.axes[0];
   return [

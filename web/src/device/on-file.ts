@@ -73,8 +73,8 @@ export class OnFile {
 
   async #add(file: File): Promise<void> {
     if (file.size > LARGEST) return this.app.tell(`${file.name} is too large for a calibration`, "wrong");
-    const given = await this.app.ask({ do: "add-calibration", toml: await file.text() });
-    if (given) this.app.tell(`${file.name} is on file`);
+    const reply = await this.app.ask({ do: "add-calibration", toml: await file.text() });
+    if (reply) this.app.tell(`${file.name} is on file`);
   }
 }
 

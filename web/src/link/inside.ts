@@ -1,4 +1,4 @@
-import { Asking, type Link, type LinkState, type Wish } from "./link";
+import { Asking, type Command, type Link, type LinkState } from "./link";
 import { kept } from "../kept";
 import type { FromLive, Opening, ToLive } from "../worker/messages";
 
@@ -32,9 +32,9 @@ export class Inside implements Link {
     });
   }
 
-  ask(wish: Wish) {
+  ask(command: Command) {
     if (this.#failed !== undefined) return Promise.reject(new Error(this.#failed));
-    return this.#asking.ask(wish, (text) => this.tell({ do: "ask", text }));
+    return this.#asking.ask(command, (text) => this.tell({ do: "ask", text }));
   }
 
   /** Opens another device. */

@@ -1,9 +1,9 @@
-import type { Answer, Given, Request } from "../protocol";
+import type { Answer, Reply, Request } from "../protocol";
 
 type Without<T, K extends PropertyKey> = T extends unknown ? Omit<T, K> : never;
 
 /** What can be asked of the session. */
-export type Wish = Without<Request, "id">;
+export type Command = Without<Request, "id">;
 
 /** How it is with the way to the session. */
 export type LinkState =
@@ -18,7 +18,7 @@ export type LinkState =
 /** The way to the session, wherever it runs. */
 export interface Link {
   /** Asks for something; fails with the session's own words. */
-  ask(wish: Wish): Promise<Given>;
+  ask(command: Command): Promise<Reply>;
   onframe: (bytes: ArrayBuffer) => void;
   onstate: (state: LinkState) => void;
   start(): void;
@@ -26,14 +26,14 @@ export interface Link {
 
 /** Requests that wait for their answers. */
 export class Asking {
-  readonly #waiting = new Map<number, { done: (given: Given) => void; fail: (why: Error) => void }>();
+  readonly #waiting = new Map<number, { done: (reply: Reply) => void; fail: (why: Error) => void }>();
   #id = 0;
 
-  ask(wish: Wish, send: (text: string) => void): Promise<Given> {
+  ask(command: Command, send: (text: string) => void): Promise<Reply> {
     const id = ++this.#id;
     return new Promise((done, fail) => {
       this.#waiting.set(id, { done, fail });
-      send(JSON.stringify({ ...wish, id }));
+      send(JSON.stringify({ ...command, id }));
     });
   }
 

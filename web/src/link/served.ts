@@ -1,4 +1,4 @@
-import { Asking, type Link, type LinkState, type Wish } from "./link";
+import { Asking, type Command, type Link, type LinkState } from "./link";
 import type { Home } from "../home";
 import { home } from "../home";
 
@@ -18,10 +18,10 @@ export class Served implements Link {
     void this.#enter();
   }
 
-  ask(wish: Wish) {
+  ask(command: Command) {
     const socket = this.#socket;
     if (socket?.readyState !== WebSocket.OPEN) return Promise.reject(new Error("the server cannot be reached now"));
-    return this.#asking.ask(wish, (text) => socket.send(text));
+    return this.#asking.ask(command, (text) => socket.send(text));
   }
 
   /** Gives the token to the server, which answers with a cookie. */

@@ -23,7 +23,7 @@ export class Log implements Page {
   readonly #about = new About();
   readonly #axes = new Axes();
   readonly #pictures = new Pictures();
-  readonly #noise = new NoiseFile((wish) => this.#tell({ do: "noise-file", wish }));
+  readonly #noise = new NoiseFile((command) => this.#tell({ do: "noise-file", command }));
   #worker: Worker | undefined;
   #file: File | undefined;
 
@@ -113,7 +113,7 @@ export class Log implements Page {
     else this.#failed(told.why);
   }
 
-  /** A wish that is refused leaves the results; whatever else fails ends the work. */
+  /** A command that is refused leaves the results; whatever else fails ends the work. */
   #failed(why: string): void {
     if (this.#cancel.hidden) this.app.tell(why, "wrong");
     else this.#end(why);

@@ -1,5 +1,5 @@
 import { button, h, save, say } from "../dom";
-import type { Download, LogSummary, NoiseFileWish } from "../protocol";
+import type { Download, LogSummary, NoiseFileCommand } from "../protocol";
 import { warnings } from "./about";
 
 const FORMATS: readonly (readonly [string, string])[] = [
@@ -27,12 +27,12 @@ export class NoiseFile {
   readonly #save: HTMLButtonElement;
   #file: Download | undefined;
 
-  constructor(wish: (wish: NoiseFileWish) => void) {
+  constructor(command: (command: NoiseFileCommand) => void) {
     const field = (label: string, input: HTMLElement) =>
       h("div", { class: "field" }, h("label", { for: input.id }, label), input);
     const submit = (event: Event) => {
       event.preventDefault();
-      wish({
+      command({
         format: this.#format.value,
         combine: this.#combine.value,
         inflate: Number(this.#inflate.value),

@@ -1,12 +1,12 @@
 // What the page and the worker that reads a log say to each other. The worker is the same in both homes.
 
-import type { Download, LogAxis, LogSettings, LogSummary, Looked, NoiseFileWish } from "../protocol";
+import type { Download, LogAxis, LogSettings, LogSummary, Looked, NoiseFileCommand } from "../protocol";
 
 /** To the worker. Of one that is ended while it works, nothing is left. */
 export type ToLog =
   | { do: "look"; file: File; settings: LogSettings }
   | { do: "analyse" }
-  | { do: "noise-file"; wish: NoiseFileWish };
+  | { do: "noise-file"; command: NoiseFileCommand };
 
 /** From it. `look` is answered by `looked`, `analyse` by `axis` for each column and then `summary`. */
 export type FromLog =

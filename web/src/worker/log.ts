@@ -36,7 +36,7 @@ function answer(asked: ToLog): void {
   if (asked.do === "look") look(asked.file, asked.settings);
   else if (log === undefined) tell({ is: "failed", why: "there is no log that was read" });
   else if (asked.do === "analyse") analyse(log);
-  else tell({ is: "file", file: JSON.parse(log.noise_file(JSON.stringify(asked.wish))) });
+  else tell({ is: "file", file: JSON.parse(log.noise_file(JSON.stringify(asked.command))) });
 }
 
 /** A module that trapped does not run again. */

@@ -1,5 +1,5 @@
 //! The protocol between a bridge, which is a microcontroller with the part on its pins, and a host: messages, frames,
-//! and the firmware's end of it without its pins.
+//! the firmware's end of it without its pins ([`Station`]), and the host's without its port and clock ([`Client`]).
 //!
 //! The bytes are specified in `docs/formats/bridge.md` of the project. A host asks, the bridge answers; while it
 //! samples, it sends every sample by itself, as fast as they come. Nothing is sent twice: what is lost on the way
@@ -62,10 +62,12 @@
 //! # Ok::<(), adis16130::bridge::TooLong>(())
 //! ```
 
+mod client;
 mod frame;
 mod settings;
 mod station;
 
+pub use client::{Client, Frame, GONE, Heard, Pending, RequestError, SILENT, Step};
 pub use frame::{Damaged, Decoder, MAX_FRAME, TooLong, encode};
 pub use settings::Settings;
 pub use station::{Bus, Station};
@@ -304,7 +306,7 @@ impl Continuity {
     }
 
     const fn in_width(&self, code24: u32) -> u32 {
-        code24 >> (Width::Bits24.bits() - self.width.bits())
+        code24 >> self.width.dropped_bits()
     }
 
     /// Samples that the bridge took, but that never arrived.

@@ -4,10 +4,11 @@
 use std::future::Future;
 use std::pin::pin;
 use std::task::{Context, Poll, Waker};
+use std::time::Duration;
 
 use adis16130::bridge::{
-    Answer, Ask, Bus, Continuity, Damaged, Decoder, MAX_FRAME, Message, Refusal, Request, Settings, Station,
-    WireSample, encode,
+    Answer, Ask, Bus, Client, Continuity, Damaged, Decoder, Heard, MAX_FRAME, Message, Pending, Refusal, Request,
+    RequestError, Settings, Station, Step, WireSample, encode,
 };
 use adis16130::{Config, ConversionTime, Edge, RdyEdge, Width};
 
@@ -82,6 +83,37 @@ fn frames_are_those_of_the_specification() {
         assert_eq!(encode(&message, &mut [0; MAX_FRAME]).unwrap(), bytes, "{message:?}");
         assert_eq!(decoded!(Message<'_>, bytes), [Ok(format!("{message:?}"))]);
     }
+}
+
+/// What a client makes of a request at so many milliseconds, after these bytes.
+fn asked(client: &mut Client, pending: &mut Pending<'_>, ms: u64, bytes: &[u8]) -> Result<Step<()>, RequestError> {
+    client.poll(pending, &mut bytes.iter().copied(), Duration::from_millis(ms), Answer::Started.only())
+}
+
+#[test]
+fn a_client_asks_three_times_and_takes_the_answer_to_the_last() {
+    let answer = |tag, answer| encode(&Message::Answer { tag, answer }, &mut [0; MAX_FRAME]).unwrap().to_vec();
+    let mut client = Client::default();
+    let mut pending = Pending::new(START);
+    for tag in 1..=3 {
+        let ms = 500 * (u64::from(tag) - 1);
+        let Ok(Step::Send(frame)) = asked(&mut client, &mut pending, ms, &[]) else { panic!("attempt {tag}") };
+        assert_eq!(frame.bytes()[0], 0);
+        assert_eq!(decoded!(Request<'_>, frame.bytes()), [Ok(format!("{:?}", Request { tag, ask: START }))]);
+        let stale = [answer(tag - 1, Answer::Started), answer(tag, Answer::Stopped), vec![1, 2, 0]].concat();
+        let waited = asked(&mut client, &mut pending, ms + 499, &stale);
+        assert!(matches!(waited, Ok(Step::Wait(until)) if until == Duration::from_millis(ms + 500)), "{waited:?}");
+    }
+    assert_eq!(client.damaged, 3);
+    assert!(matches!(asked(&mut client, &mut pending, 1500, &[]), Err(RequestError::Silent)));
+    let refused = answer(3, Answer::Refused(Refusal::Part));
+    let refused = asked(&mut client, &mut pending, 1500, &refused);
+    assert!(matches!(refused, Err(RequestError::Refused(Refusal::Part))), "{refused:?}");
+    let both = [answer(3, Answer::Started), MESSAGES[2].1.to_vec()].concat();
+    let mut received = both.iter().copied();
+    let answered = client.poll(&mut pending, &mut received, Duration::MAX, Answer::Started.only());
+    assert!(matches!(answered, Ok(Step::Answered(()))), "{answered:?}");
+    assert_eq!(client.hear(&mut received), Some(Heard::Sample(READING)), "what follows the answer is left");
 }
 
 #[test]

@@ -70,9 +70,8 @@ impl Problem {
     fn with(curve: &Curve, sigma: &Square, model_variance: Vec<f64>) -> Option<Self> {
         let factor = factor(sigma)?;
         let design: Vec<Coefficients> = (0..sigma.n).map(|i| terms(curve.geometry.tau_s(i))).collect();
-        let whitened: [Vec<f64>; 5] =
-            core::array::from_fn(|c| factor.whiten(design.iter().map(|row| row[c]).collect()));
-        let observed = factor.whiten(curve.variance.clone());
+        let whitened: [Vec<f64>; 5] = core::array::from_fn(|c| factor.whiten(design.iter().map(|row| row[c])));
+        let observed = factor.whiten(curve.variance.iter().copied());
         let normal = core::array::from_fn(|a| core::array::from_fn(|b| dot(&whitened[a], &whitened[b])));
         let right = core::array::from_fn(|c| dot(&whitened[c], &observed));
         Some(Self { factor, design, model_variance, normal, right, whitened, observed })
@@ -122,8 +121,7 @@ impl Problem {
         let chi2 = dot(&residual, &residual);
         let pull = self.factor.unwhiten(residual);
         let point = |i: usize| {
-            let unit = (0..n).map(|k| if k == i { 1.0 } else { 0.0 }).collect();
-            let column = self.factor.whiten(unit);
+            let column = self.factor.whiten((0..n).map(|k| if k == i { 1.0 } else { 0.0 }));
             let along: Coefficients = core::array::from_fn(|c| dot(&self.whitened[c], &column));
             let explained = solve_subset(&self.normal, &along, &model.has).map_or(0.0, |x| dot(&x, &along));
             pull[i] / libm::sqrt((dot(&column, &column) - explained).max(f64::MIN_POSITIVE))
@@ -142,7 +140,7 @@ fn factor(sigma: &Square) -> Option<Cholesky> {
     ADDED_NOISE.iter().find_map(|added| {
         let mut widened = sigma.clone();
         (0..sigma.n).for_each(|i| widened.cells[i * sigma.n + i] *= 1.0 + added);
-        Cholesky::new(&widened)
+        widened.cholesky()
     })
 }
 
@@ -192,7 +190,7 @@ fn solve_subset(normal: &[[f64; 5]; 5], right: &Coefficients, set: &[bool; 5]) -
     let rows: Vec<usize> = (0..5).filter(|&c| set[c]).collect();
     let scale: Vec<f64> = rows.iter().map(|&c| 1.0 / libm::sqrt(normal[c][c])).collect();
     let matrix = Square::from_fn(rows.len(), |a, b| normal[rows[a]][rows[b]] * scale[a] * scale[b]);
-    let found = Cholesky::new(&matrix)?.solve(rows.iter().zip(&scale).map(|(&c, s)| right[c] * s).collect());
+    let found = matrix.cholesky()?.solve(rows.iter().zip(&scale).map(|(&c, s)| right[c] * s));
     let mut solution = [0.0; 5];
     rows.iter().zip(found.iter().zip(&scale)).for_each(|(&c, (value, scale))| solution[c] = value * scale);
     Some(solution)

@@ -1,7 +1,7 @@
 //! How far held parameters are from the best, as r* has it: Skovgaard, Bernoulli 2, 1996.
 
 use super::scoring::Local;
-use crate::linear::{Cholesky, Square};
+use crate::linear::Square;
 use alloc::vec::Vec;
 
 /// u = |s_q|·(|i|·|i′_λλ|)^(−½), signed like the distance from the held value to the best.
@@ -32,7 +32,7 @@ pub(super) fn departure(nu: &[f64], best: &Local, there: &Local, free: &[usize],
     let s_q = Square::from_fn(n, |i, j| with_q(i, j) * scale[i]);
     let skipped = |i: usize| if i < column { i } else { i + 1 };
     let others = Square::from_fn(n - 1, |i, j| beside.at(skipped(i), skipped(j)));
-    let half = (Cholesky::new(&own)?.ln_determinant() + Cholesky::new(&others)?.ln_determinant()) / 2.0;
+    let half = (own.cholesky()?.ln_determinant() + others.cholesky()?.ln_determinant()) / 2.0;
     Some(s_q.determinant() * libm::exp(-half))
 }
 

@@ -3,7 +3,7 @@
 use super::model::Model;
 use super::scoring::{Found, Problem, Q2};
 use super::steadiness::Scatter;
-use crate::linear::{Cholesky, Square};
+use crate::linear::Square;
 use alloc::vec;
 use alloc::vec::Vec;
 use realfft::FftError;
@@ -75,9 +75,9 @@ fn own_variance(
         let (i, j) = (free[a], free[b]);
         curvature.at(i, j) * deviation(i) * deviation(j) / 2.0 + if a == b { 1e-9 } else { 0.0 }
     };
-    let Some(factor) = Cholesky::new(&Square::from_fn(free.len(), cell)) else { return Ok(vec![0.0; lengths.len()]) };
+    let Some(factor) = Square::from_fn(free.len(), cell).cholesky() else { return Ok(vec![0.0; lengths.len()]) };
     let variance = |l: usize| {
-        let white = factor.whiten(slopes.iter().map(|slope| slope[l]).collect());
+        let white = factor.whiten(slopes.iter().map(|slope| slope[l]));
         white.iter().map(|part| part * part).sum()
     };
     Ok((0..lengths.len()).map(variance).collect())

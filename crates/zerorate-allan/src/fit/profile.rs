@@ -5,7 +5,7 @@ use super::TWO_SIDED_95;
 use super::departure::departure;
 use super::scoring::{Form, Found, Local, Problem};
 use super::select::DESCENT;
-use crate::linear::{Cholesky, Square};
+use crate::linear::Square;
 use alloc::vec::Vec;
 
 /// How near to it an end is found, steps until it is, and doublings until it is enclosed.
@@ -155,8 +155,8 @@ impl<'a> Profile<'a> {
             curvature.at(i, j) * scale(i) * scale(j) + if a == b { 1e-9 } else { 0.0 }
         };
         let at = free.iter().position(|&i| i == self.place)?;
-        let factor = Cholesky::new(&Square::from_fn(free.len(), cell))?;
-        let unit = (0..free.len()).map(|i| if i == at { 1.0 } else { 0.0 }).collect();
+        let factor = Square::from_fn(free.len(), cell).cholesky()?;
+        let unit = (0..free.len()).map(|i| if i == at { 1.0 } else { 0.0 });
         Some(2.0 * factor.solve(unit)[at] * scale(self.place) * scale(self.place))
     }
 }

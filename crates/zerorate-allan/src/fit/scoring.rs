@@ -5,7 +5,7 @@
 //! be exactly zero and leave zero again.
 
 use super::density::{Drift, Table};
-use crate::linear::{Cholesky, Square};
+use crate::linear::Square;
 use alloc::vec;
 use alloc::vec::Vec;
 
@@ -389,7 +389,7 @@ fn solve_free(h: &Square, g: &[f64], fixed: &[Option<f64>]) -> Vec<f64> {
     for added in [1e-10, 1e-6, 1e-3, 1.0] {
         let cell =
             |a: usize, b: usize| h.at(free[a], free[b]) * scale[a] * scale[b] + if a == b { added } else { 0.0 };
-        if let Some(factor) = Cholesky::new(&Square::from_fn(free.len(), cell)) {
+        if let Some(factor) = Square::from_fn(free.len(), cell).cholesky() {
             let found = factor.solve(right);
             free.iter().zip(found.iter().zip(&scale)).for_each(|(&i, (value, scale))| x[i] = value * scale);
             return x;

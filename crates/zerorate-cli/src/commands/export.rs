@@ -4,9 +4,10 @@ use super::correct::load;
 use crate::exit::Usage;
 use crate::output::{Outputs, print, say, warn};
 use anyhow::{Result, ensure};
-use clap::{Args, ValueEnum};
+use clap::Args;
+use clap::builder::{PossibleValue, PossibleValuesParser};
 use std::path::PathBuf;
-use zerorate_view::export::{self, Export, InvalidOptions, Options, Prefix};
+use zerorate_view::export::{Export, ExportForm, InvalidOptions, Options, Prefix};
 
 /// Writes the correction for firmware: C header, Rust module, CSV or JSON, and parameters of PX4 and ArduPilot.
 ///
@@ -23,8 +24,8 @@ pub struct ExportArgs {
     cal: PathBuf,
 
     /// What to write.
-    #[arg(long, value_enum)]
-    format: Form,
+    #[arg(long, value_parser = formats())]
+    format: String,
 
     /// Step of the table, °C [default: 0.02; without --span-c the finest of 0.02, 0.05, 0.1, … that makes at most 1025
     /// rows, 4.1 kB].
@@ -57,39 +58,31 @@ pub struct ExportArgs {
     force: bool,
 }
 
-/// Forms of the export.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum Form {
-    /// A C99 header that needs nothing but <stdbool.h> and <stdint.h>.
-    C,
-    /// A Rust module without dependencies, no_std.
-    Rust,
-    /// The table: delta_c,correction_dps; several axes: delta_c,x_correction_dps,y_correction_dps,…
-    Csv,
-    /// Coefficients and table.
-    Json,
-    /// Parameters of PX4, TC_Gn_…: the bias of three axes, cubic about the middle of the temperatures.
-    Px4,
-    /// Parameters of ArduPilot, INS_TCALn_…: the same about its 35 °C.
-    Ardupilot,
-    /// Refused: Kalibr has no place for a bias.
-    Kalibr,
-    /// Refused: ROS has no place for a bias over temperature.
-    Ros,
+/// What else may be asked for, and is refused.
+const REFUSED: [(&str, &str); 2] = [
+    ("kalibr", "Refused: Kalibr has no place for a bias"),
+    ("ros", "Refused: ROS has no place for a bias over temperature"),
+];
+
+fn formats() -> PossibleValuesParser {
+    let written = ExportForm::ALL.map(|form| (form.row().name, form.row().help));
+    let all = written.into_iter().chain(REFUSED);
+    PossibleValuesParser::new(all.map(|(name, help)| PossibleValue::new(name).help(help)))
 }
 
 pub fn run(args: &ExportArgs) -> Result<()> {
+    let form = ExportForm::named(&args.format);
     ensure!(
-        args.prefix.is_none() || matches!(args.format, Form::C | Form::Rust),
+        args.prefix.is_none() || form.is_some_and(ExportForm::is_code),
         Usage("--prefix is for names in C and Rust; the other forms have none".to_owned())
     );
-    args.check_autopilot()?;
-    let form = args.format.written()?;
+    args.check_autopilot(form)?;
+    let form = form.ok_or_else(|| no_place(&args.format))?;
     let mut outputs = Outputs::new(args.force);
     let export = Export::new(load(&args.cal, &mut outputs)?, args.options()).map_err(usage)?;
     warn(&export.warnings());
     let text = export.text(form).map_err(usage)?;
-    if form == export::Form::Csv {
+    if form == ExportForm::Csv {
         export.lost_by_rows().iter().for_each(|lost| say(format_args!("{lost}")));
     }
     match &args.output {
@@ -106,21 +99,6 @@ fn usage(error: anyhow::Error) -> anyhow::Error {
     }
 }
 
-impl Form {
-    fn written(self) -> Result<export::Form> {
-        Ok(match self {
-            Self::C => export::Form::C,
-            Self::Rust => export::Form::Rust,
-            Self::Csv => export::Form::Csv,
-            Self::Json => export::Form::Json,
-            Self::Px4 => export::Form::Px4,
-            Self::Ardupilot => export::Form::Ardupilot,
-            Self::Kalibr => return Err(no_place("kalibr")),
-            Self::Ros => return Err(no_place("ros")),
-        })
-    }
-}
-
 impl ExportArgs {
     fn options(&self) -> Options {
         let Self { step_c, span_c, prefix, sensor, device_id, .. } = self.clone();
@@ -128,15 +106,12 @@ impl ExportArgs {
     }
 
     /// Which options belong to which form, before anything is read.
-    fn check_autopilot(&self) -> Result<()> {
-        let Self { format, .. } = self;
-        let autopilot = matches!(format, Form::Px4 | Form::Ardupilot);
+    fn check_autopilot(&self, form: Option<ExportForm>) -> Result<()> {
+        let autopilot = form.is_some_and(ExportForm::is_autopilot);
+        let px4 = form == Some(ExportForm::Px4);
         ensure!(self.sensor.is_none() || autopilot, Usage("--sensor is for --format px4 and ardupilot".to_owned()));
-        ensure!(
-            self.device_id.is_none() || matches!(format, Form::Px4),
-            Usage("--device-id is for --format px4".to_owned())
-        );
-        let lacks_id = self.device_id.is_none() && matches!(format, Form::Px4);
+        ensure!(self.device_id.is_none() || px4, Usage("--device-id is for --format px4".to_owned()));
+        let lacks_id = self.device_id.is_none() && px4;
         let give = "--format px4: PX4 finds a gyroscope by its device id: give --device-id ID, the device_id of the \
                     topic sensor_gyro (`listener sensor_gyro` in its console)";
         ensure!(!lacks_id, Usage(give.to_owned()));

@@ -13,7 +13,7 @@ use tokio::sync::{broadcast, oneshot};
 use zerorate_host::{Awaited, Bus, DeviceError, Hub, Losses, Stop};
 use zerorate_jobs::acquisition;
 use zerorate_web::message::DeviceState;
-use zerorate_web::session::{Asked, HostWish, Session};
+use zerorate_web::session::{Asked, HostCommand, Session};
 
 /// Time between two frames.
 const FRAME: Duration = Duration::from_millis(33);
@@ -336,10 +336,10 @@ impl SessionThread {
     fn answer(&mut self, request: &str) -> String {
         match self.session.ask(request) {
             Asked::Answer(answer) => answer,
-            Asked::Host { id, wish } => {
-                match wish {
-                    HostWish::Speed(factor) => self.set_speed(factor),
-                    HostWish::Reopen => self.open_again(),
+            Asked::Host { id, command } => {
+                match command {
+                    HostCommand::Speed(factor) => self.set_speed(factor),
+                    HostCommand::Reopen => self.open_again(),
                 }
                 self.session.done(id, Ok(()))
             }

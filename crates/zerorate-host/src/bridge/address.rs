@@ -3,9 +3,7 @@
 use super::BridgePart;
 use crate::Stop;
 use crate::address::{Address, Parsed};
-use crate::options::{
-    DEFAULT_HZ, MCLK_RANGE_HZ, PART_OPTIONS, PartOptions, SLOWEST_HZ, number, split, without_bandwidth,
-};
+use crate::options::{DEFAULT_HZ, MCLK_RANGE_HZ, PART_OPTIONS, PartOptions, SLOWEST_HZ, number, split};
 use crate::source::{Setup, Source};
 use crate::wire::Port;
 use adis16130::{MAX_SCLK_HZ, MCLK_HZ};
@@ -24,8 +22,6 @@ pub struct BridgeAddress {
     pub part: PartOptions,
     /// Nominal master clock of the part, Hz.
     pub mclk_hz: u32,
-    /// −3 dB of the rate, Hz, where it is not the part's own (F-04).
-    pub bandwidth_hz: Option<f64>,
 }
 
 impl fmt::Display for BridgeAddress {
@@ -48,8 +44,7 @@ impl BridgeAddress {
     }
 
     pub(crate) fn read_serial(text: &str) -> Result<Self, String> {
-        let (text, bandwidth_hz) = without_bandwidth(text)?;
-        let (path, options) = split(&text);
+        let (path, options) = split(text);
         if path.is_empty() {
             return Err("bridge: needs the serial port, as in bridge:/dev/ttyACM0".to_owned());
         }
@@ -60,7 +55,7 @@ impl BridgeAddress {
             baud = number("baud", option.trim_start_matches("baud="), BAUD_RANGE)?;
         }
         let port = Port::Serial { path: path.to_owned(), baud };
-        Ok(Self { bandwidth_hz, ..Self::with_options(port, &rest, "baud=N, hz=SCLK, mclk=HZ")? })
+        Self::with_options(port, &rest, "baud=N, hz=SCLK, mclk=HZ")
     }
 
     /// Reads what follows `tcp:`.
@@ -69,19 +64,18 @@ impl BridgeAddress {
     }
 
     pub(crate) fn read_tcp(text: &str) -> Result<Self, String> {
-        let (text, bandwidth_hz) = without_bandwidth(text)?;
-        let (address, options) = split(&text);
+        let (address, options) = split(text);
         let port = address.rsplit_once(':').filter(|(host, _)| !host.is_empty());
         if port.and_then(|(_, port)| port.parse::<u16>().ok()).is_none() {
             return Err("tcp: needs host and port of the bridge, as in tcp:127.0.0.1:16130".to_owned());
         }
         let port = Port::Tcp(address.to_owned());
-        Ok(Self { bandwidth_hz, ..Self::with_options(port, &options.collect::<Vec<_>>(), "hz=SCLK, mclk=HZ")? })
+        Self::with_options(port, &options.collect::<Vec<_>>(), "hz=SCLK, mclk=HZ")
     }
 
     fn with_options(port: Port, options: &[&str], known: &str) -> Result<Self, String> {
         let part = PartOptions::of_host();
-        let mut address = Self { port, hz: DEFAULT_HZ, part, mclk_hz: MCLK_HZ, bandwidth_hz: None };
+        let mut address = Self { port, hz: DEFAULT_HZ, part, mclk_hz: MCLK_HZ };
         for option in options {
             match option.split_once('=') {
                 Some(("hz", text)) => address.hz = number("hz", text, SLOWEST_HZ..=MAX_SCLK_HZ)?,

@@ -13,12 +13,12 @@ use crate::reader::{Reader, WhenFull};
 use crate::source::{Bus, DeviceInfo, Losses, Registers, Setup, Source};
 use crate::wire::Wire;
 pub use address::BridgeAddress;
-use adis16130::bridge::{Ask, Continuity, PROTOCOL, Refusal, Settings};
+use adis16130::bridge::{Answer, Ask, Continuity, GONE, Heard, PROTOCOL, Refusal, RequestError, SILENT, Settings};
 use adis16130::{Edge, Sample, SamplerConfig, SelfTest};
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use embedded_hal::digital::{self, OutputPin};
 use embedded_hal::spi::{ErrorType, Operation, SpiDevice};
-use link::{Heard, Link, LinkError, Reply};
+use link::{Link, LinkError};
 use progress::Progress;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -43,8 +43,7 @@ impl BridgePart {
     /// Opens the port, ends whatever the bridge was doing, and sets its SPI clock.
     fn open(address: &BridgeAddress, name: &str, setup: &Setup, stop: &Stop) -> crate::Result<Self> {
         let sampling = setup.sampling.config(address.part.divided);
-        let settings = (address.part.config, sampling);
-        let facts = DeviceInfo::of_part(name, settings, address.mclk_hz, address.bandwidth_hz, setup.part.as_ref())?;
+        let facts = DeviceInfo::of_part(name, &address.part, sampling, address.mclk_hz, setup.part.as_ref())?;
         let link = Shared(Arc::new(Mutex::new(Link::new(Wire::open(&address.port)?))));
         greet(&link, address).map_err(|error| link.explain(error, address))?;
         let edges = LastEdges { link: link.clone(), last: None };
@@ -82,7 +81,7 @@ impl BridgePart {
         let State::Ready(live) = &mut self.state else { bail!("the part is being read already") };
         let mut pin = SelfTestWire(self.link.clone());
         match pin.set(false) {
-            Err(LinkError::Refused(Refusal::NoSuchWire)) => {
+            Err(LinkError::Request(RequestError::Refused(Refusal::NoSuchWire))) => {
                 bail!(
                     "{} has no self-test pin: its firmware drives none (pins 1-7 and 9 of the part, F-11)",
                     self.address
@@ -108,7 +107,7 @@ impl BridgePart {
         let State::Ready(live) = std::mem::replace(&mut self.state, State::Ended) else { return Ok(()) };
         let SamplerConfig { every_temp, divider, .. } = self.sampling;
         let start = Ask::Start { every_temp, divider, mclk_hz: self.address.mclk_hz };
-        let started = self.link.ask(start, |reply| matches!(reply, Reply::Started).then_some(()));
+        let started = self.link.ask(start, Answer::Started.only());
         started.map_err(|error| self.link.explain(error, &self.address))?;
         let (link, address) = (self.link.clone(), self.address.clone());
         let mut stream = Stream {
@@ -166,9 +165,9 @@ impl Drop for BridgePart {
 }
 
 fn greet(link: &Shared, address: &BridgeAddress) -> Result<()> {
-    link.ask(Ask::Stop, |reply| matches!(reply, Reply::Stopped).then_some(()))?;
-    let (protocol, firmware) = link.ask(Ask::Hello, |reply| match reply {
-        Reply::Hello { protocol, firmware } => Some((protocol, firmware)),
+    link.ask(Ask::Stop, Answer::Stopped.only())?;
+    let (protocol, firmware) = link.ask(Ask::Hello, |answer| match answer {
+        Answer::Hello { protocol, firmware, .. } => Some((protocol, firmware.to_owned())),
         _ => None,
     })?;
     ensure!(
@@ -178,8 +177,8 @@ fn greet(link: &Shared, address: &BridgeAddress) -> Result<()> {
     );
     link.set_clock(address.hz)?;
     let settings = Ask::Configure(Settings::from(&address.part.config));
-    match link.ask(settings, |reply| matches!(reply, Reply::Configured).then_some(())) {
-        Err(LinkError::Refused(Refusal::NoSuchWire)) => bail!(
+    match link.ask(settings, Answer::Configured.only()) {
+        Err(LinkError::Request(RequestError::Refused(Refusal::NoSuchWire))) => bail!(
             "{address} is {firmware}, which cannot hear the edge of RDY that was asked for: leave edge= out, or bring \
              its firmware up to date"
         ),
@@ -196,8 +195,8 @@ fn tell_divided(link: &Shared, address: &BridgeAddress) -> Result<()> {
     if edges == 1 {
         return Ok(());
     }
-    match link.ask(Ask::Divided { edges }, |reply| matches!(reply, Reply::Configured).then_some(())) {
-        Err(LinkError::Silent) => bail!(
+    match link.ask(Ask::Divided { edges }, Answer::Configured.only()) {
+        Err(LinkError::Request(RequestError::Silent)) => bail!(
             "{address} does not know of a counter in the line of RDY (divided={edges}): \
              bring its firmware up to date, or connect RDY itself and use --divider {edges}"
         ),
@@ -225,11 +224,11 @@ impl Stream {
                     return Ok(self.continuity.sample(&reading));
                 }
                 // a second answer to a request that was sent twice
-                Some(Heard::Answer(..)) => {}
+                Some(Heard::Answer) => {}
                 Some(Heard::Ended) | None => break,
             }
         }
-        self.link.ask(Ask::Stop, |reply| matches!(reply, Reply::Stopped).then_some(()))?;
+        self.link.ask(Ask::Stop, Answer::Stopped.only())?;
         Err(self.live.why_silent())
     }
 }
@@ -243,13 +242,13 @@ impl Shared {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn ask<T>(&self, ask: Ask<'_>, take: impl Fn(Reply) -> Option<T>) -> Result<T, LinkError> {
+    fn ask<T>(&self, ask: Ask<'_>, take: impl Fn(Answer<'_>) -> Option<T>) -> Result<T, LinkError> {
         self.lock().ask(ask, take)
     }
 
     fn set_clock(&self, sclk_hz: u32) -> Result<u32> {
-        let set = self.ask(Ask::Clock { sclk_hz }, |reply| match reply {
-            Reply::Clock { sclk_hz } => Some(sclk_hz),
+        let set = self.ask(Ask::Clock { sclk_hz }, |answer| match answer {
+            Answer::Clock { sclk_hz } => Some(sclk_hz),
             _ => None,
         });
         set.context("setting the SPI clock of the bridge")
@@ -263,14 +262,12 @@ impl Shared {
     fn explain(&self, error: impl Into<anyhow::Error>, address: &BridgeAddress) -> anyhow::Error {
         let error = error.into();
         match self.lock().why_gone() {
-            Some(why) => {
-                let gone = "is gone: its cable was pulled, or the bridge has no power; connect it and start again";
-                anyhow!(why).context(UserError::new(Cause::Gone, format!("{address} {gone}")))
-            }
-            None if error.chain().any(|cause| matches!(cause.downcast_ref(), Some(LinkError::Silent))) => {
-                let silent = "does not answer: is it a bridge (docs/formats/bridge.md) whose firmware runs, and does \
-                    nobody else read it?";
-                error.context(UserError::new(Cause::Silent, format!("{address} {silent}")))
+            Some(why) => anyhow!(why).context(UserError::new(Cause::Gone, format!("{address} {GONE}"))),
+            None if error
+                .chain()
+                .any(|cause| matches!(cause.downcast_ref(), Some(LinkError::Request(RequestError::Silent)))) =>
+            {
+                error.context(UserError::new(Cause::Silent, format!("{address} {SILENT}")))
             }
             None => error,
         }
@@ -294,7 +291,7 @@ impl SpiDevice for Transfers {
                 }
                 Operation::Write(bytes) => drop(self.exchange(bytes)?),
                 // the driver does neither
-                Operation::Read(_) | Operation::Transfer(..) => return Err(LinkError::Unsupported),
+                Operation::Read(_) | Operation::Transfer(..) => return Err(RequestError::Unsupported.into()),
                 Operation::DelayNs(ns) => std::thread::sleep(Duration::from_nanos((*ns).into())),
             }
         }
@@ -304,8 +301,8 @@ impl SpiDevice for Transfers {
 
 impl Transfers {
     fn exchange(&self, bytes: &[u8]) -> Result<Vec<u8>, LinkError> {
-        self.0.ask(Ask::Transfer { bytes }, |reply| match reply {
-            Reply::Transfer(received) if received.len() == bytes.len() => Some(received),
+        self.0.ask(Ask::Transfer { bytes }, |answer| match answer {
+            Answer::Transfer { bytes: received } if received.len() == bytes.len() => Some(received.to_owned()),
             _ => None,
         })
     }
@@ -316,8 +313,7 @@ struct SelfTestWire(Shared);
 
 impl SelfTestWire {
     fn set(&mut self, on: bool) -> Result<(), LinkError> {
-        self.0
-            .ask(Ask::SelfTest { on }, |reply| matches!(reply, Reply::SelfTest { on: now } if now == on).then_some(()))
+        self.0.ask(Ask::SelfTest { on }, Answer::SelfTest { on }.only())
     }
 }
 
@@ -345,8 +341,8 @@ impl Edges for LastEdges {
     fn next(&mut self, timeout_ns: u64) -> Result<Option<Edge>> {
         let deadline = Instant::now() + Duration::from_nanos(timeout_ns);
         loop {
-            let edge = self.link.ask(Ask::LastEdge, |reply| match reply {
-                Reply::LastEdge(edge) => Some(edge),
+            let edge = self.link.ask(Ask::LastEdge, |answer| match answer {
+                Answer::LastEdge { t_ns, seq } => Some(Edge { t_ns, seq }),
                 _ => None,
             })?;
             match self.last.replace(edge) {

@@ -5,8 +5,9 @@
 
 use super::sysfs::read;
 use super::{DEFAULT_POLL_HZ, IioAddress, Poll, Polls};
+use crate::options::PartOptions;
 use crate::source::{DeviceInfo, Sampling, Setup, Source};
-use adis16130::{Config, MCLK_HZ, RATE_LSB_PER_DPS, RateCode, Sample, TEMP_LSB_PER_C, TempCode, Width, ZERO_CODE};
+use adis16130::{MCLK_HZ, RATE_LSB_PER_DPS, RateCode, Sample, TEMP_LSB_PER_C, TempCode, Width, ZERO_CODE};
 use anyhow::{Result, bail, ensure};
 use std::path::Path;
 use zerorate_record::Row;
@@ -31,8 +32,9 @@ pub struct Adis16130 {
 impl Adis16130 {
     /// Reads the driver's scales and offsets, and makes sure that its readings are codes of F-40 and F-41.
     pub fn open(address: &IioAddress, device: &str, setup: &Setup) -> crate::Result<Self> {
-        let settings = (Config::new(), setup.sampling.config(1));
-        let facts = DeviceInfo::of_part(device, settings, MCLK_HZ, address.bandwidth_hz, setup.part.as_ref())?;
+        let options = PartOptions { bandwidth_hz: address.bandwidth_hz, ..PartOptions::new() };
+        let sampling = setup.sampling.config(options.divided);
+        let facts = DeviceInfo::of_part(device, &options, sampling, MCLK_HZ, setup.part.as_ref())?;
         let facts = DeviceInfo { framing: None, rate_hz: Some(address.hz.unwrap_or(DEFAULT_POLL_HZ).into()), ..facts };
         Ok(Self::with_facts(address, setup.sampling, facts)?)
     }

@@ -11,7 +11,7 @@ mod sysfs;
 use crate::Stop;
 use crate::address::{Address, Parsed};
 use crate::error::{Cause, UserError};
-use crate::options::{number, split, without_bandwidth};
+use crate::options::{bandwidth, number, split};
 use crate::source::{Setup, Source};
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
@@ -39,20 +39,21 @@ impl IioAddress {
     }
 
     pub(crate) fn read(text: &str) -> Result<Self, String> {
-        let (text, bandwidth_hz) = without_bandwidth(text)?;
-        let (name, options) = split(&text);
+        let (name, options) = split(text);
         if name.is_empty() || name.contains('/') {
             return Err("iio: needs the device's name, as in iio:iio:device0 (ls /sys/bus/iio/devices)".to_owned());
         }
-        let mut hz = None;
+        let (mut hz, mut bandwidth_hz) = (None, None);
         for option in options {
             match option.split_once('=') {
                 Some(("hz", text)) => hz = Some(number("hz", text, POLL_RANGE_HZ)?),
                 _ => {
-                    return Err(format!(
-                        "`{option}` is no option; there are hz=POLLS_PER_SECOND, roa=none|10nf and bandwidth_hz=HZ \
-                         (F-04)"
-                    ));
+                    bandwidth_hz = bandwidth(option)?.ok_or_else(|| {
+                        format!(
+                            "`{option}` is no option; there are hz=POLLS_PER_SECOND, roa=none|10nf and \
+                             bandwidth_hz=HZ (F-04)"
+                        )
+                    })?;
                 }
             }
         }

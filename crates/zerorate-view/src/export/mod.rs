@@ -3,31 +3,16 @@
 mod autopilot;
 mod codes;
 mod firmware;
+mod form;
 mod json;
 mod layout;
 mod prefix;
 
 use anyhow::Result;
+pub use form::{ExportForm, FormRow};
 use layout::Layout;
 pub use prefix::Prefix;
 use zerorate::{Calibration, TableRow};
-
-/// Forms of an export.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Form {
-    /// A C99 header that needs nothing but <stdbool.h> and <stdint.h>.
-    C,
-    /// A Rust module without dependencies, no_std.
-    Rust,
-    /// The table: delta_c,correction_dps; several axes: delta_c,x_correction_dps,y_correction_dps,…
-    Csv,
-    /// Coefficients and table.
-    Json,
-    /// Parameters of PX4, TC_Gn_…: the bias of three axes, cubic about the middle of the temperatures.
-    Px4,
-    /// Parameters of ArduPilot, INS_TCALn_…: the same about its 35 °C.
-    Ardupilot,
-}
 
 /// What may be asked for; what is not is chosen.
 #[derive(Clone, Debug, Default)]
@@ -87,15 +72,15 @@ impl Export {
     ///
     /// # Errors
     /// [`InvalidOptions`], or a calibration that the form has no room for.
-    pub fn text(&self, form: Form) -> Result<String> {
+    pub fn text(&self, form: ExportForm) -> Result<String> {
         let Options { prefix, sensor, device_id, .. } = &self.options;
         match form {
-            Form::C => firmware::c(self, prefix.as_ref()),
-            Form::Rust => firmware::rust(self, prefix.as_ref()),
-            Form::Csv => Ok(csv(self)),
-            Form::Json => json::text(self),
-            Form::Px4 => autopilot::px4(self, *sensor, *device_id),
-            Form::Ardupilot => autopilot::ardupilot(self, *sensor),
+            ExportForm::C => firmware::c(self, prefix.as_ref()),
+            ExportForm::Rust => firmware::rust(self, prefix.as_ref()),
+            ExportForm::Csv => Ok(csv(self)),
+            ExportForm::Json => json::text(self),
+            ExportForm::Px4 => autopilot::px4(self, *sensor, *device_id),
+            ExportForm::Ardupilot => autopilot::ardupilot(self, *sensor),
         }
     }
 

@@ -212,7 +212,7 @@ pub struct LogPicture {
 /// A file for the filter that takes the noise.
 #[derive(Clone, Debug, Deserialize)]
 #[cfg_attr(test, derive(TS))]
-pub struct NoiseFileWish {
+pub struct NoiseFileCommand {
     /// Who reads it: `kalibr`, `openvins`, `vins`, `orbslam3`, `kf-gins` or `ros`.
     pub format: String,
     /// What stands for all axes of a kind where the reader takes one number: `worst` or `mean`.

@@ -16,7 +16,7 @@ pub use reader::LogReader;
 #[cfg(feature = "readers")]
 mod reader {
     use super::axis::Analysed;
-    use super::message::{LogAbout, LogAxis, LogSettings, LogSummary, Looked, NoiseFileWish};
+    use super::message::{LogAbout, LogAxis, LogSettings, LogSummary, Looked, NoiseFileCommand};
     use super::settings::{LABELS, asked_for, combine, format};
     use super::{axis, pictures, settings};
     use crate::message::Download;
@@ -87,16 +87,16 @@ mod reader {
         ///
         /// # Errors
         /// Its numbers would be no result, or the log has not the axes for it.
-        pub fn noise_file(&self, wish: &NoiseFileWish) -> Result<Download, String> {
-            let (format, combine) = (format(&wish.format)?, combine(&wish.combine)?);
+        pub fn noise_file(&self, command: &NoiseFileCommand) -> Result<Download, String> {
+            let (format, combine) = (format(&command.format)?, combine(&command.combine)?);
             let (axes, doubts) = (self.axes(), self.doubts());
             if axes.is_empty() {
                 return Err(self.summary().no_noise_file.unwrap_or_default());
             }
-            if !(wish.inflate > 0.0 && wish.inflate.is_finite()) {
+            if !(command.inflate > 0.0 && command.inflate.is_finite()) {
                 return Err("the factor on all noise must be a number above zero".to_owned());
             }
-            if !doubts.is_empty() && !wish.force {
+            if !doubts.is_empty() && !command.force {
                 return Err(doubts.join("; "));
             }
             let counts = Kind::ALL.map(|kind| axes.iter().filter(|axis| axis.kind == kind).count());
@@ -104,7 +104,7 @@ mod reader {
                 return Err(format!("{} takes three axes of a kind; choose three columns", format.reader()));
             }
             let log = self.path.display().to_string();
-            let (topic, inflate, names) = (self.topic.clone(), wish.inflate, LABELS);
+            let (topic, inflate, names) = (self.topic.clone(), command.inflate, LABELS);
             let choice = Choice { log, topic, combine, inflate, doubts, names };
             Ok(Download {
                 name: format!("imu-{}.yaml", format.name()),

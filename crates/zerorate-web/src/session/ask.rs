@@ -1,9 +1,9 @@
 //! Requests and their answers, and the guided calibration that they begin and end.
 
 use super::guide::{Guide, Measured};
-use super::{Asked, Bench, HostWish, Session};
+use super::{Asked, HostCommand, LiveView, Session};
 use crate::message::{
-    Answer, Answered, CalibrateWish, Calibrating, DeviceState, Given, MethodName, Request, Running, Wish,
+    Answer, Answered, CalibrateCommand, Calibrating, Command, DeviceState, MethodName, Reply, Request, Running,
 };
 use serde::Deserialize;
 use zerorate::Scan;
@@ -21,16 +21,16 @@ struct Anonymous {
 impl Session {
     /// Carries out a request, or says who must.
     pub fn ask(&mut self, request: &str) -> Asked {
-        let Request { id, wish } = match serde_json::from_str(request) {
+        let Request { id, command } = match serde_json::from_str(request) {
             Ok(request) => request,
             Err(error) => {
                 let id = serde_json::from_str(request).map_or(0, |Anonymous { id }| id);
                 return answer(id, Err(format!("not understood: {error}")));
             }
         };
-        match self.wish(wish) {
-            Ok(Wished::Done(given)) => answer(id, Ok(given)),
-            Ok(Wished::Host(wish)) => Asked::Host { id, wish },
+        match self.command(command) {
+            Ok(Outcome::Reply(reply)) => answer(id, Ok(reply)),
+            Ok(Outcome::Host(command)) => Asked::Host { id, command },
             Err(why) => answer(id, Err(why)),
         }
     }
@@ -43,65 +43,67 @@ impl Session {
         {
             self.abort_calibration(why);
         }
-        written(id, result.map(|()| Given::Nothing {}))
+        written(id, result.map(|()| Reply::Nothing {}))
     }
 
     /// How fast simulated time goes by now.
     pub fn speed(&mut self, factor: f64) {
-        self.bench.speed = factor;
-        self.bench.changed.device = true;
+        self.live_view.speed = factor;
+        self.live_view.changed.device = true;
     }
 
-    fn wish(&mut self, wish: Wish) -> Result<Wished, String> {
-        match wish {
-            Wish::Calibrate(wish) => return self.calibrate(&wish).map(|()| Wished::Host(HostWish::Reopen)),
-            Wish::AbortCalibration => self.abort_calibration("it was ended by hand"),
-            Wish::FinishCalibration => self.finish_guide()?,
-            Wish::DismissCalibration => self.dismiss()?,
-            Wish::Apply { calibration } => self.apply(calibration.as_deref())?,
-            Wish::AddCalibration { toml } => {
+    fn command(&mut self, command: Command) -> Result<Outcome, String> {
+        match command {
+            Command::Calibrate(command) => {
+                return self.calibrate(&command).map(|()| Outcome::Host(HostCommand::Reopen));
+            }
+            Command::AbortCalibration => self.abort_calibration("it was ended by hand"),
+            Command::FinishCalibration => self.finish_guide()?,
+            Command::DismissCalibration => self.dismiss()?,
+            Command::Apply { calibration } => self.apply(calibration.as_deref())?,
+            Command::AddCalibration { toml } => {
                 let id = self.add_calibration(&toml)?;
                 let entry = self.shelf.entry_of(&id).ok_or("it is not on file")?;
-                return Ok(Wished::Done(Given::Calibration(entry)));
+                return Ok(Outcome::Reply(Reply::Calibration(entry)));
             }
-            Wish::RemoveCalibration { calibration } => {
+            Command::RemoveCalibration { calibration } => {
                 self.shelf.remove(&calibration)?;
                 self.changed.calibrations = true;
             }
-            Wish::Download { calibration, form } => {
-                return Ok(Wished::Done(Given::Download(self.shelf.download(&calibration, form)?)));
+            Command::Download { calibration, form } => {
+                return Ok(Outcome::Reply(Reply::Download(self.shelf.download(&calibration, &form)?)));
             }
-            Wish::Restart => self.restart_statistics(),
-            Wish::ZeroAngle => self.bench.axes.iter_mut().for_each(|axis| axis.angle.zero()),
-            Wish::Speed { factor } => return self.wish_speed(factor),
-            Wish::Reopen => {
+            Command::Restart => self.restart_statistics(),
+            Command::ZeroAngle => self.live_view.axes.iter_mut().for_each(|axis| axis.angle.zero()),
+            Command::Speed { factor } => return self.set_speed(factor),
+            Command::Reopen => {
                 self.abort_calibration("the device was opened again");
-                return Ok(Wished::Host(HostWish::Reopen));
+                return Ok(Outcome::Host(HostCommand::Reopen));
             }
         }
-        Ok(Wished::Done(Given::Nothing {}))
+        Ok(Outcome::Reply(Reply::Nothing {}))
     }
 
-    fn wish_speed(&self, factor: f64) -> Result<Wished, String> {
-        if !self.bench.about.simulated {
+    fn set_speed(&self, factor: f64) -> Result<Outcome, String> {
+        if !self.live_view.about.simulated {
             return Err("a real part has its own time; only simulated and recorded time can go faster".to_owned());
         }
         if !(0.0..=FASTEST).contains(&factor) {
             return Err(format!("factor is 0 (as fast as it goes) or up to {FASTEST}"));
         }
-        Ok(Wished::Host(HostWish::Speed(factor)))
+        Ok(Outcome::Host(HostCommand::Speed(factor)))
     }
 
     /// The procedure begins with the first reading of a part that was just reset (F-51, step 3).
-    fn calibrate(&mut self, wish: &CalibrateWish) -> Result<(), String> {
+    fn calibrate(&mut self, command: &CalibrateCommand) -> Result<(), String> {
         if self.is_calibrating() {
             return Err("a calibration is under way: end it first".to_owned());
         }
         self.shelf.has_room(1)?;
-        if let DeviceState::Failed { why } = &self.bench.state {
+        if let DeviceState::Failed { why } = &self.live_view.state {
             return Err(format!("the device cannot be read: {why}"));
         }
-        let guide = Guide::new(wish, &self.bench.about.part, &self.bench.about.info)?;
+        let guide = Guide::new(command, &self.live_view.about.part, &self.live_view.about.info)?;
         self.calibrating = guide.shown();
         self.wanted = Some(guide);
         self.changed.calibration = true;
@@ -176,7 +178,7 @@ impl Session {
     fn complete_guide(&mut self) {
         let Some(guide) = self.guide.take() else { return };
         let method = guide.method;
-        let Bench { about, tally, axes, .. } = &self.bench;
+        let LiveView { about, tally, axes, .. } = &self.live_view;
         let measured = Measured { info: &about.info, tally, axes, truths: &self.truths };
         let kept = guide.finish(&measured).and_then(|(result, calibration)| {
             self.measured = Some(self.shelf.add(calibration)?);
@@ -190,17 +192,17 @@ impl Session {
     }
 }
 
-/// What becomes of a wish.
-enum Wished {
-    Done(Given),
-    Host(HostWish),
+/// What becomes of a command.
+enum Outcome {
+    Reply(Reply),
+    Host(HostCommand),
 }
 
-fn answer(id: u32, result: Result<Given, String>) -> Asked {
+fn answer(id: u32, result: Result<Reply, String>) -> Asked {
     Asked::Answer(written(id, result))
 }
 
-fn written(id: u32, result: Result<Given, String>) -> String {
+fn written(id: u32, result: Result<Reply, String>) -> String {
     let outcome = result.map_or_else(Answered::Error, Answered::Ok);
     // numbers, texts and lists of them
     serde_json::to_string(&Answer { id, outcome }).unwrap_or_default()

@@ -1,10 +1,10 @@
 //! Frames: what is new, or everything, in bytes (docs/formats/page.md).
 
 use super::axis::AxisState;
-use super::bench::{Bench, Seen};
+use super::live_view::{LiveView, Seen};
 use super::statistics::Statistics;
 use super::{Changed, Session, strips};
-use crate::message::{AxisAbout, Device, Durations, Frame, Ledger, Now};
+use crate::message::{AxisAbout, Device, Durations, Frame, Now, SampleCounts};
 use zerorate::health::Health;
 use zerorate::{Calibration, Plan};
 use zerorate_record::believed;
@@ -14,10 +14,10 @@ impl Session {
     pub fn frame(&mut self) -> Option<Vec<u8>> {
         self.recompute();
         let Changed { statistics, calibration, calibrations } = self.changed;
-        if !(statistics || calibration || calibrations || self.bench.is_changed()) {
+        if !(statistics || calibration || calibrations || self.live_view.is_changed()) {
             return None;
         }
-        let (frame, payload) = self.bench.news(self.shelf.applied());
+        let (frame, payload) = self.live_view.news(self.shelf.applied());
         let changed = std::mem::take(&mut self.changed);
         Some(encode(&self.completed(frame, changed), &payload))
     }
@@ -25,23 +25,23 @@ impl Session {
     /// Everything, for one who came or was too slow.
     #[must_use]
     pub fn snapshot(&self) -> Vec<u8> {
-        let (frame, payload) = self.bench.everything(self.shelf.applied());
+        let (frame, payload) = self.live_view.everything(self.shelf.applied());
         encode(&self.completed(frame, Changed::default()), &payload)
     }
 
     /// Before a frame: what takes longer than a reading should.
     fn recompute(&mut self) {
-        if !self.bench.changed.readings {
+        if !self.live_view.changed.readings {
             return;
         }
-        let rate_hz = self.bench.tally.sampling_hz();
+        let rate_hz = self.live_view.tally.sampling_hz();
         for statistics in &mut self.statistics {
             self.changed.statistics |= statistics.refresh(rate_hz);
         }
         if self.changed.statistics {
-            let axes = self.bench.axes.iter().map(|axis| (axis.name.as_str(), &axis.health));
-            let said = believed::of_axes(axes, &self.bench.tally, self.bench.start_ns());
-            self.bench.stand(&said.iter().map(ToString::to_string).collect::<Vec<_>>());
+            let axes = self.live_view.axes.iter().map(|axis| (axis.name.as_str(), &axis.health));
+            let said = believed::of_axes(axes, &self.live_view.tally, self.live_view.start_ns());
+            self.live_view.stand(&said.iter().map(ToString::to_string).collect::<Vec<_>>());
         }
         if let Some(guide) = &self.guide {
             self.calibrating = guide.shown();
@@ -62,12 +62,12 @@ impl Session {
 
     /// The statistics begin anew.
     pub(super) fn restart_statistics(&mut self) {
-        self.statistics = self.bench.axes.iter().map(|axis| Statistics::new(&axis.axis)).collect();
+        self.statistics = self.live_view.axes.iter().map(|axis| Statistics::new(&axis.axis)).collect();
         self.changed.statistics = true;
     }
 }
 
-impl Bench {
+impl LiveView {
     /// Whether there is something new.
     pub fn is_changed(&self) -> bool {
         let Seen { device, readings, notices, everything } = self.changed;
@@ -144,11 +144,11 @@ impl Bench {
         Now { t_s: self.now_s(), temp_c: self.temp_c(), axes: self.axes.iter().map(now).collect() }
     }
 
-    fn ledger(&self) -> Ledger {
+    fn ledger(&self) -> SampleCounts {
         let start_ns = self.start_ns();
         let since_s = |t_ns: u64| t_ns.saturating_sub(start_ns) as f64 * 1e-9;
         let sum = |count: fn(&Health) -> u64| self.axes.iter().map(|axis| count(&axis.health)).sum();
-        Ledger {
+        SampleCounts {
             samples: self.tally.samples,
             lost: self.tally.lost,
             missed: self.missed,

@@ -2,10 +2,10 @@
 
 mod ask;
 mod axis;
-mod bench;
 mod checkup;
 mod frame;
 mod guide;
+mod live_view;
 mod notices;
 mod shelf;
 mod statistics;
@@ -14,9 +14,9 @@ mod temperatures;
 
 use crate::message::{Calibrating, CheckResult, DeviceState, Register};
 use adis16130_twin::Truth;
-pub(crate) use bench::Bench;
 pub(crate) use frame::encode;
 use guide::Guide;
+pub(crate) use live_view::LiveView;
 use shelf::Shelf;
 use statistics::Statistics;
 use zerorate::{Calibration, Part, Tally};
@@ -51,13 +51,13 @@ pub enum Asked {
         /// Of the request.
         id: u32,
         /// What to do.
-        wish: HostWish,
+        command: HostCommand,
     },
 }
 
 /// What only the owner of the device can do.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum HostWish {
+pub enum HostCommand {
     /// Let simulated time go so many times as fast as the clock; 0: as fast as it can.
     Speed(f64),
     /// Open the device again, from a reset on: [`Session::reopened`].
@@ -86,7 +86,7 @@ pub enum HostWish {
 /// ```
 #[derive(Debug)]
 pub struct Session {
-    bench: Bench,
+    live_view: LiveView,
     statistics: Vec<Statistics>,
     shelf: Shelf,
     calibrating: Calibrating,
@@ -113,10 +113,10 @@ impl Session {
     /// Of a device that was just opened.
     #[must_use]
     pub fn new(about: About) -> Self {
-        let bench = Bench::new(about);
+        let live_view = LiveView::new(about);
         Self {
-            statistics: bench.axes.iter().map(|axis| Statistics::new(&axis.axis)).collect(),
-            bench,
+            statistics: live_view.axes.iter().map(|axis| Statistics::new(&axis.axis)).collect(),
+            live_view,
             shelf: Shelf::default(),
             calibrating: Calibrating::Idle,
             guide: None,
@@ -131,15 +131,15 @@ impl Session {
     /// What is known of the device.
     #[must_use]
     pub fn about(&self) -> &About {
-        &self.bench.about
+        &self.live_view.about
     }
 
     /// Of the same device, opened again: everything begins anew, but calibrations stay on file, and the calibration
     /// that was asked for begins; one that had begun is over.
     #[must_use]
     pub fn reopened(self, about: About) -> Self {
-        let Self { bench, shelf, calibrating, guide, wanted, .. } = self;
-        let mut anew = Self { bench: bench.reopened(about.clone()), shelf, calibrating, ..Self::new(about) };
+        let Self { live_view, shelf, calibrating, guide, wanted, .. } = self;
+        let mut anew = Self { live_view: live_view.reopened(about.clone()), shelf, calibrating, ..Self::new(about) };
         anew.apply_again();
         // a bridge is opened when that is asked for, and once more when its part has answered
         anew.guide = wanted.or(guide).filter(|guide| !guide.has_begun());
@@ -161,7 +161,7 @@ impl Session {
     /// Takes a reading, in the order of time.
     #[inline]
     pub fn take(&mut self, row: &Row) {
-        if self.bench.take(row, &mut self.statistics) {
+        if self.live_view.take(row, &mut self.statistics) {
             self.look();
         }
         if self.is_torn {
@@ -169,7 +169,7 @@ impl Session {
             self.restart_statistics();
         }
         if self.guide.is_some() {
-            let scan = self.bench.scan(row);
+            let scan = self.live_view.scan(row);
             self.guide(row, &scan);
         }
     }
@@ -177,7 +177,7 @@ impl Session {
     /// At the end of a block: what takes longer than a reading should.
     #[cold]
     fn look(&mut self) {
-        let temp_c = self.bench.temp_c();
+        let temp_c = self.live_view.temp_c();
         if let Some(guide) = &mut self.guide {
             guide.look(temp_c);
             self.changed.calibration = true;
@@ -186,14 +186,14 @@ impl Session {
 
     /// What the source has to say: `code: text`, or a text.
     pub fn note(&mut self, text: &str) {
-        self.bench.note(text);
+        self.live_view.note(text);
     }
 
     /// So many samples did not come here, but are no loss of the device. What takes one sample for the successor of
     /// the other begins anew: statistics with the next sample, a calibration when it is asked for.
     pub fn missed(&mut self, samples: u64) {
-        self.bench.missed += samples;
-        self.bench.changed.readings = true;
+        self.live_view.missed += samples;
+        self.live_view.changed.readings = true;
         self.is_torn = true;
         let why = format!("{samples} samples were not seen here, for the computer had too much else to do");
         if self.guide.is_some() {
@@ -211,17 +211,17 @@ impl Session {
     /// What was read since the device was opened.
     #[must_use]
     pub fn tally(&self) -> &Tally {
-        &self.bench.tally
+        &self.live_view.tally
     }
 
     /// What the check of the connection found, beside what was known when the device was opened.
     pub fn checked(&mut self, checks: impl IntoIterator<Item = CheckResult>) {
-        self.bench.checked(checks);
+        self.live_view.checked(checks);
     }
 
     /// How it is with the device.
     pub fn state(&mut self, state: DeviceState) {
-        if self.bench.state == state {
+        if self.live_view.state == state {
             return;
         }
         match &state {
@@ -229,7 +229,7 @@ impl Session {
             DeviceState::Failed { why } => self.abort_calibration(why),
             DeviceState::Opening | DeviceState::Reading => {}
         }
-        self.bench.state(state);
+        self.live_view.state(state);
     }
 
     /// Puts a calibration on file, by its TOML; its id. The place of one that is being measured stays free.
@@ -248,8 +248,8 @@ impl Session {
     /// It is not on file, or of another part.
     pub fn apply(&mut self, id: Option<&str>) -> Result<(), String> {
         let stranger = id.filter(|id| self.measured.as_deref() != Some(id));
-        let doubts = stranger.map(|id| self.shelf.doubts(id, &self.bench.about)).transpose()?;
-        self.bench.correct(self.shelf.apply(id, &self.bench.about.part)?);
+        let doubts = stranger.map(|id| self.shelf.doubts(id, &self.live_view.about)).transpose()?;
+        self.live_view.correct(self.shelf.apply(id, &self.live_view.about.part)?);
         self.changed.calibrations = true;
         doubts.iter().flatten().for_each(|doubt| self.note(doubt));
         Ok(())

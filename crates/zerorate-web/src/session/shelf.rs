@@ -1,9 +1,9 @@
 //! Calibrations on file, and the one that is applied.
 
 use super::About;
-use crate::message::{CalibrationEntry, Download, Form};
+use crate::message::{CalibrationEntry, Download};
 use zerorate::{Calibration, Correction, Corrector, Part};
-use zerorate_view::export::{self, Export, Options};
+use zerorate_view::export::{Export, ExportForm, Options};
 use zerorate_view::report;
 
 /// Calibrations that are kept.
@@ -118,7 +118,7 @@ impl Shelf {
     }
 
     /// A calibration as a file.
-    pub fn download(&self, id: &str, form: Form) -> Result<Download, String> {
+    pub fn download(&self, id: &str, form: &str) -> Result<Download, String> {
         let calibration = &self.known(id)?.calibration;
         let stem = calibration.serial.as_deref().map_or_else(|| id.to_owned(), plain);
         let file = |ending: &str, media_type: &str, text: String| Download {
@@ -127,19 +127,17 @@ impl Shelf {
             text,
         };
         let failed = |error: anyhow::Error| format!("{error:#}");
-        let exported = |form| {
-            let export = Export::new(calibration.clone(), Options::default())?;
-            export.text(form)
-        };
         Ok(match form {
-            Form::Toml => file("toml", "application/toml", calibration.to_toml()),
-            Form::C => file("h", "text/x-c", exported(export::Form::C).map_err(failed)?),
-            Form::Rust => file("rs", "text/rust", exported(export::Form::Rust).map_err(failed)?),
-            Form::Csv => file("csv", "text/csv", exported(export::Form::Csv).map_err(failed)?),
-            Form::Json => file("json", "application/json", exported(export::Form::Json).map_err(failed)?),
-            Form::Report => {
+            "toml" => file("toml", "application/toml", calibration.to_toml()),
+            "report" => {
                 let name = format!("{stem}.toml");
                 file("html", "text/html", report::calibration_page(calibration, &name).map_err(failed)?)
+            }
+            name => {
+                let form = ExportForm::named(name).filter(|form| !form.is_autopilot());
+                let form = form.ok_or_else(|| format!("no calibration is handed out as `{name}`"))?;
+                let export = Export::new(calibration.clone(), Options::default()).map_err(failed)?;
+                file(form.row().extension, form.row().media_type, export.text(form).map_err(failed)?)
             }
         })
     }

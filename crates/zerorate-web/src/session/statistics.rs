@@ -2,7 +2,7 @@
 //! however long it runs.
 
 use super::axis::{BLOCK_S, Block};
-use super::bench::Onlooker;
+use super::live_view::Onlooker;
 use super::temperatures::Temperatures;
 use crate::message::{AllanPoint, Coefficient, MarkKind, SpectrumMark, SpectrumPoint, Statistics as Shown};
 use std::collections::VecDeque;

@@ -9,15 +9,16 @@ use super::{Next, Source, about_part};
 use crate::registers;
 use crate::session::About;
 use adis16130::asynch::Adis16130;
-use adis16130::bridge::{Ask, Continuity, PROTOCOL, Refusal, Settings};
-use adis16130::{Config, Framing, MAX_SCLK_HZ, MCLK_HZ, SamplerConfig};
+use adis16130::bridge::{Answer, Ask, Continuity, GONE, PROTOCOL, Refusal, RequestError, SILENT, Settings};
+use adis16130::{Config, Fault, Framing, MAX_SCLK_HZ, MCLK_HZ, SamplerConfig};
 use std::cell::RefCell;
 use std::convert::Infallible;
 use std::future::Future;
 use std::pin::Pin;
 use std::rc::Rc;
 use std::task::{Context, Poll, Waker};
-use wire::{Reply, Shared, Transfers, WireError};
+use std::time::Duration;
+use wire::{Shared, Transfers, Wire};
 use zerorate_record::Row;
 
 /// A part behind a bridge at a serial port.
@@ -32,23 +33,18 @@ pub struct Bridge {
 /// SPI clock that is asked for, Hz: half of what the part can (F-21), as the program does.
 const SCLK_HZ: u32 = MAX_SCLK_HZ / 2;
 
-/// So long without a sample is a failure of the part, ms.
-const SILENCE_MS: u32 = 1000;
-/// The window that has the port may be kept from passing anything on for so long beyond that, ms: by a dialog, or by a
+/// So long without a sample is a failure of the part.
+const SILENCE: Duration = Duration::from_secs(1);
+/// The window that has the port may be kept from passing anything on for so long beyond that: by a dialog, or by a
 /// browser that spares what nobody sees.
-const BLOCKED_MS: u32 = 30_000;
-
-const SILENT: &str = "the bridge does not answer: is it a bridge (docs/formats/bridge.md) whose firmware runs, and \
-    does nobody else read it?";
-const UNPLUGGED: &str = "the part is unplugged or has no power: data ready (pin 10) is silent and SDO (pin 12) is \
-    dead; check the cable and the 5 V supply (pins 11, 13, 15)";
+const BLOCKED: Duration = Duration::from_secs(30);
 
 impl Bridge {
     /// A bridge from whose port nothing was heard yet, at this time of the page, ms.
     #[must_use]
     pub fn open(now_ms: f64) -> Self {
         let config = Config::new().with_framing(Framing::Command);
-        let shared: Shared = Rc::new(RefCell::new(wire::Wire::new(now_ms)));
+        let shared: Shared = Rc::new(RefCell::new(Wire { now: of_page(now_ms), ..Wire::default() }));
         let work = Box::pin(measure(shared.clone(), config));
         let about = about_part("bridge: at a serial port", &config, false, false);
         let mut bridge = Self { about, shared, work, failed: None, notes: Vec::new() };
@@ -88,7 +84,7 @@ impl Source for Bridge {
     }
 
     fn notes(&mut self) -> Vec<String> {
-        let damaged = std::mem::take(&mut self.shared.borrow_mut().damaged);
+        let damaged = std::mem::take(&mut self.shared.borrow_mut().client.damaged);
         if damaged > 0 {
             self.notes
                 .push(format!("damaged-frames: {damaged} frames of the bridge arrived damaged; check the cable"));
@@ -98,8 +94,8 @@ impl Source for Bridge {
 
     fn received(&mut self, bytes: &[u8], now_ms: f64) {
         let mut wire = self.shared.borrow_mut();
-        wire.now_ms = now_ms;
-        wire.take(bytes);
+        wire.now = of_page(now_ms);
+        wire.received.extend(bytes);
         drop(wire);
         self.work();
     }
@@ -109,52 +105,48 @@ impl Source for Bridge {
     }
 
     fn unplugged(&mut self, why: &str) {
-        self.failed = Some(format!(
-            "the bridge is gone: its cable was pulled, or the bridge has no power; connect it and start again ({why})"
-        ));
+        self.failed = Some(format!("the bridge {GONE} ({why})"));
     }
 }
 
 /// All that is done with a bridge, until it can be read no more.
 async fn measure(shared: Shared, config: Config) -> Result<Infallible, String> {
-    let told = |error: WireError| match error {
-        WireError::Silent => SILENT.to_owned(),
+    let told = |error| match error {
+        RequestError::Silent => format!("the bridge {SILENT}"),
         other => other.to_string(),
     };
     greet(&shared, &config).await.map_err(told)??;
     let mut part = Adis16130::new(Transfers(shared.clone()), (), config);
     if let Err(error) = part.restart().await {
-        return Err(format!("{UNPLUGGED} ({error})"));
+        return Err(format!("{} ({error})", Fault::UNPLUGGED));
     }
     let values = part.read_all().await.map_err(|error| error.to_string())?;
     shared.borrow_mut().opened(registers::described(&config, &values));
     let SamplerConfig { every_temp, divider, .. } = SamplerConfig::new();
     let start = Ask::Start { every_temp, divider, mclk_hz: MCLK_HZ };
-    wire::ask(&shared, start, |reply| matches!(reply, Reply::Started).then_some(())).await.map_err(told)?;
+    wire::ask(&shared, start, Answer::Started.only()).await.map_err(told)?;
     let mut continuity = Continuity::new(config.width());
-    while let Some(reading) = wire::sample(&shared, SILENCE_MS, BLOCKED_MS).await.map_err(told)? {
+    while let Some(reading) = wire::sample(&shared, SILENCE, BLOCKED).await? {
         let row = Row::from(&continuity.sample(&reading));
         shared.borrow_mut().rows.push_back(row);
     }
-    wire::ask(&shared, Ask::Stop, |reply| matches!(reply, Reply::Stopped).then_some(())).await.map_err(told)?;
+    wire::ask(&shared, Ask::Stop, Answer::Stopped.only()).await.map_err(told)?;
     match part.diagnose().await {
         Ok(Some(fault)) => Err(fault.to_string()),
-        Ok(None) => {
-            Err("no data ready: the part answers and is configured, but RDY (pin 10) brought no new data for a \
-                         second; check the RDY wire"
-                .to_owned())
-        }
+        Ok(None) => Err(Fault::NO_NEW_DATA.to_owned()),
         Err(error) => Err(error.to_string()),
     }
 }
 
 /// Ends whatever the bridge was doing, and sets its clock and what is to be written to the part; or says why that
 /// bridge will not do.
-async fn greet(shared: &Shared, config: &Config) -> Result<Result<(), String>, WireError> {
-    wire::ask(shared, Ask::Stop, |reply| matches!(reply, Reply::Stopped).then_some(())).await?;
-    let hello =
-        |reply| if let Reply::Hello { protocol, firmware } = reply { Some((protocol, firmware)) } else { None };
-    let (protocol, firmware) = wire::ask(shared, Ask::Hello, hello).await?;
+async fn greet(shared: &Shared, config: &Config) -> Result<Result<(), String>, RequestError> {
+    wire::ask(shared, Ask::Stop, Answer::Stopped.only()).await?;
+    let hello = wire::ask(shared, Ask::Hello, |answer| match answer {
+        Answer::Hello { protocol, firmware, .. } => Some((protocol, firmware.to_owned())),
+        _ => None,
+    });
+    let (protocol, firmware) = hello.await?;
     if protocol != PROTOCOL {
         return Ok(Err(format!(
             "the bridge is {firmware} and speaks version {protocol} of the protocol, this page version {PROTOCOL}: \
@@ -163,10 +155,10 @@ async fn greet(shared: &Shared, config: &Config) -> Result<Result<(), String>, W
     }
     shared.borrow_mut().firmware = Some(firmware);
     let clock = Ask::Clock { sclk_hz: SCLK_HZ };
-    wire::ask(shared, clock, |reply| matches!(reply, Reply::Clock).then_some(())).await?;
+    wire::ask(shared, clock, |answer| matches!(answer, Answer::Clock { .. }).then_some(())).await?;
     let settings = Ask::Configure(Settings::from(config));
-    match wire::ask(shared, settings, |reply| matches!(reply, Reply::Configured).then_some(())).await {
-        Err(WireError::Refused(Refusal::NoSuchWire)) => {
+    match wire::ask(shared, settings, Answer::Configured.only()).await {
+        Err(RequestError::Refused(Refusal::NoSuchWire)) => {
             return Ok(
                 Err("the bridge cannot hear the falling edge of RDY: bring its firmware up to date".to_owned()),
             );
@@ -174,6 +166,10 @@ async fn greet(shared: &Shared, config: &Config) -> Result<Result<(), String>, W
         configured => configured?,
     }
     // the first frame after opening a port is often cut
-    shared.borrow_mut().damaged = 0;
+    shared.borrow_mut().client.damaged = 0;
     Ok(Ok(()))
+}
+
+fn of_page(now_ms: f64) -> Duration {
+    Duration::try_from_secs_f64(now_ms / 1e3).unwrap_or_default()
 }

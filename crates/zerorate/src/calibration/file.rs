@@ -113,10 +113,7 @@ impl Calibration {
     /// The file, with its check lines. Numbers come back bit for bit.
     #[must_use]
     pub fn to_toml(&self) -> String {
-        // a struct of numbers, strings and tables always has a TOML form
-        let fields = toml::to_string(self).unwrap_or_default();
-        let body = [HEADER, &fields].concat();
-        [HEADER, &check_lines::lines_for(&body), &fields].concat()
+        check_lines::file(HEADER, self)
     }
 }
 

@@ -42,9 +42,7 @@ pub enum SavedError {
     /// It is not such a text.
     Syntax(String),
     /// No longer what was written.
-    Edited { line: usize },
-    /// The end is missing.
-    Truncated { line: usize },
+    Altered(Damage),
     /// Without check lines: nothing shows whether it is whole.
     Unchecked,
     /// Lists of different length.
@@ -59,9 +57,8 @@ impl fmt::Display for SavedError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Syntax(what) => write!(f, "it is no interrupted measurement: {}", what.trim_end()),
-            Self::Edited { line } => write!(f, "line {line} is not what was written: it was edited or damaged"),
-            Self::Truncated { line } => write!(f, "it ends at line {line}, but more was written"),
-            Self::Unchecked => f.write_str("it has no check lines, so nothing shows whether it is whole"),
+            Self::Altered(damage) => damage.fmt(f),
+            Self::Unchecked => f.write_str(check_lines::UNCHECKED),
             Self::Damaged => f.write_str("it is damaged: its lists do not belong together"),
             Self::Impossible { what } => write!(f, "it is damaged: no measurement gives such {what}"),
             Self::Other { what, saved, wanted } => {
@@ -134,9 +131,7 @@ impl Saved {
             soak: soaks,
             axis: part.axes.iter().zip(rates_dps).map(name).collect(),
         };
-        // every field has a place in TOML
-        let fields = toml::to_string(&form).unwrap_or_default();
-        checked(&fields)
+        check_lines::file(HEADER, &form)
     }
 
     /// From such a text, if it is whole and of the same measurement.
@@ -144,10 +139,7 @@ impl Saved {
     /// # Errors
     /// Why not.
     pub fn parse(text: &str, plan_text: &str, part: &Part, device: &str, serial: &str) -> Result<Self, SavedError> {
-        let is_checked = check_lines::verify(text).map_err(|damage| match damage {
-            Damage::Changed { line } => SavedError::Edited { line },
-            Damage::EndsEarly { line } => SavedError::Truncated { line },
-        })?;
+        let is_checked = check_lines::verify(text).map_err(SavedError::Altered)?;
         let fields = check_lines::without_checks(text);
         let form: Form = toml::from_str(&fields).map_err(|error| SavedError::Syntax(syntax(&fields, &error)))?;
         if !is_checked {
@@ -176,12 +168,6 @@ impl Saved {
         };
         Ok(Self { record, steps: form.steps, ended: form.ended })
     }
-}
-
-/// The text of these fields, with the check lines of a calibration.
-fn checked(fields: &str) -> String {
-    let body = [HEADER, fields].concat();
-    [HEADER, &check_lines::lines_for(&body), fields].concat()
 }
 
 /// The values that the codes of a scale stand for.
@@ -296,7 +282,10 @@ mod tests {
             let error = parse(&text, plan, device, serial).unwrap_err();
             assert!(error.to_string().starts_with(&format!("it is of another {what}")), "{error}");
         }
-        assert!(matches!(parse(&text[..200], "plan", "twin:", "SN1"), Err(SavedError::Truncated { .. })));
+        assert!(matches!(
+            parse(&text[..200], "plan", "twin:", "SN1"),
+            Err(SavedError::Altered(Damage::EndsEarly { .. }))
+        ));
         let nothing = parse("nonsense", "plan", "twin:", "SN1");
         assert!(matches!(nothing, Err(SavedError::Syntax(_))), "{nothing:?}");
     }
@@ -316,7 +305,9 @@ mod tests {
             let line = text[..at].matches('\n').count() + 1;
             match parsed(&edited) {
                 // one of the check lines, or the line itself
-                Err(SavedError::Edited { line: named }) => assert!(named == line || line <= 3, "{named}, not {line}"),
+                Err(SavedError::Altered(Damage::Changed { line: named })) => {
+                    assert!(named == line || line <= 3, "{named}, not {line}")
+                }
                 other => panic!("line {line}: {other:?}"),
             }
         }
@@ -324,7 +315,7 @@ mod tests {
             text.lines().filter(|line| !line.starts_with("checksum") && !line.starts_with("line_checks")).collect();
         assert_eq!(parsed(&without.join("\n")), Err(SavedError::Unchecked), "as older software wrote it");
         let cut = &text[..text.rfind("\n[[axis]]").unwrap()];
-        assert!(matches!(parsed(cut), Err(SavedError::Truncated { .. })), "{:?}", parsed(cut));
+        assert!(matches!(parsed(cut), Err(SavedError::Altered(Damage::EndsEarly { .. }))), "{:?}", parsed(cut));
     }
 
     /// With check lines that are right.
@@ -335,7 +326,7 @@ mod tests {
         let fields = fields.join("\n");
         let forged = |from: &str, to: &str| {
             assert!(fields.contains(from), "{fields}");
-            parsed(&checked(&fields.replacen(from, to, 1)))
+            parsed(&check_lines::with_checks(HEADER, &fields.replacen(from, to, 1)))
         };
         assert_eq!(forged("samples", "samples"), Ok(saved()));
         assert_eq!(forged("temp_c = [23.0, ", "temp_c = ["), Err(SavedError::Damaged));

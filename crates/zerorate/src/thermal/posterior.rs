@@ -4,10 +4,11 @@ use super::basis::Basis;
 use super::filter::{Filter, Filtered, White, Whites};
 use super::follow::Held;
 use super::{Block, Following, TERMS};
-use crate::gls::Whitener;
+use crate::gls::whitener;
 use alloc::vec;
 use alloc::vec::Vec;
 use core::f64::consts::PI;
+use zerorate_allan::linear::Cholesky;
 
 /// Coefficients in powers of the temperature over T3.
 pub(super) type Powers = [f64; TERMS];
@@ -166,12 +167,12 @@ impl Record<'_> {
             products[i] += precision(*row);
             products
         };
-        let information = Whitener::new(columns.iter().enumerate().map(information).collect())?;
+        let information = whitener(columns.iter().enumerate().map(information).collect())?;
         let right: Vec<f64> = columns.iter().map(|column| gram(column + 1, 0)).collect();
         let sizes = information.solve(right.iter().copied());
         let explained: f64 = sizes.iter().zip(&right).map(|(size, product)| size * product).sum();
         let log_prior: f64 = columns[1..].iter().map(|column| libm::log(precision(*column))).sum();
-        let deviance = gram(0, 0) - explained + filtered.log_determinant + information.log_determinant() - log_prior;
+        let deviance = gram(0, 0) - explained + filtered.log_determinant + information.ln_determinant() - log_prior;
         Some(Solved { order, steps, columns, information, sizes, log_evidence: spread.log_share - 0.5 * deviance })
     }
 }
@@ -181,7 +182,7 @@ struct Solved {
     order: usize,
     steps: usize,
     columns: Vec<usize>,
-    information: Whitener,
+    information: Cholesky,
     sizes: Vec<f64>,
     log_evidence: f64,
 }

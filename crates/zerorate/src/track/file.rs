@@ -54,9 +54,7 @@ pub enum TrackFileError {
     /// Written by newer software.
     Newer { schema: u32 },
     /// No longer what was written.
-    Edited { line: usize },
-    /// The end is missing.
-    Truncated { line: usize },
+    Altered(Damage),
     /// Without check lines: nothing shows whether it is whole.
     Unchecked,
     /// It continues another calibration.
@@ -72,9 +70,8 @@ impl fmt::Display for TrackFileError {
         match self {
             Self::Syntax { line, message } => write!(f, "line {line}: {message}"),
             Self::Newer { schema } => write!(f, "schema {schema} was written by a newer zerorate; update this one"),
-            Self::Edited { line } => write!(f, "line {line} is not what was written: it was edited or damaged"),
-            Self::Truncated { line } => write!(f, "it ends at line {line}, but more was written"),
-            Self::Unchecked => f.write_str("it has no check lines, so nothing shows whether it is whole"),
+            Self::Altered(damage) => damage.fmt(f),
+            Self::Unchecked => f.write_str(check_lines::UNCHECKED),
             Self::OtherCalibration { of, given } => {
                 write!(f, "it continues calibration {of}, and that given is {given}")
             }
@@ -117,10 +114,7 @@ impl TrackFile {
     /// # Errors
     /// What is wrong, with the line.
     pub fn parse(text: &str) -> Result<Self, TrackFileError> {
-        let checked = check_lines::verify(text).map_err(|damage| match damage {
-            Damage::Changed { line } => TrackFileError::Edited { line },
-            Damage::EndsEarly { line } => TrackFileError::Truncated { line },
-        })?;
+        let checked = check_lines::verify(text).map_err(TrackFileError::Altered)?;
         let fields = check_lines::without_checks(text);
         let file: Self = toml::from_str(&fields).map_err(|error| TrackFileError::Syntax {
             line: line_of(&fields, error.span().map_or(0, |span| span.start)),
@@ -136,10 +130,7 @@ impl TrackFile {
     /// The file, with its check lines. Numbers come back bit for bit.
     #[must_use]
     pub fn to_toml(&self) -> String {
-        // a struct of numbers, strings and arrays always has a TOML form
-        let fields = toml::to_string(self).unwrap_or_default();
-        let body = [HEADER, &fields].concat();
-        [HEADER, &check_lines::lines_for(&body), &fields].concat()
+        check_lines::file(HEADER, self)
     }
 
     /// What it says of an axis, if it is a state of that calibration.

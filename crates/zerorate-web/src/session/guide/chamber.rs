@@ -1,7 +1,7 @@
 //! A chamber that somebody sets by hand, step after step.
 
 use super::{Found, FoundAxis, Measured, Stage, Way};
-use crate::message::{CalibrateWish, Step};
+use crate::message::{CalibrateCommand, Step};
 use zerorate::calibration::{ChamberRun, Origin};
 use zerorate::chamber::{
     ChamberAction, ChamberOutcome, ChamberPlan, ChamberProcedure, ChamberRefusal, SHIPPED, StepEnd,
@@ -24,13 +24,13 @@ pub struct ByHand {
 }
 
 impl ByHand {
-    pub fn new(wish: &CalibrateWish, part: &Part) -> Result<Self, String> {
-        let named = wish.plan.as_deref().map(str::trim).filter(|plan| !plan.is_empty()).unwrap_or(DEFAULT);
+    pub fn new(command: &CalibrateCommand, part: &Part) -> Result<Self, String> {
+        let named = command.plan.as_deref().map(str::trim).filter(|plan| !plan.is_empty()).unwrap_or(DEFAULT);
         let max_lost = Plan::default().max_lost;
         let plan = ChamberPlan::parse(text_of(named)?).map_err(|error| error.to_string())?;
         plan.spares(part).map_err(|error| error.to_string())?;
         let procedure = ChamberProcedure::new(part, plan, max_lost).map_err(|error| error.to_string())?;
-        Ok(Self { procedure, ends_s: Vec::new(), max_lost, earth_dps: super::earth_dps(wish) })
+        Ok(Self { procedure, ends_s: Vec::new(), max_lost, earth_dps: super::earth_dps(command) })
     }
 
     /// When a step ends that begins at `from_s`, s: when it did; or after the time that it takes at least, and not

@@ -1,7 +1,7 @@
 //! The methods of one recording: AN-1042's hour, a warm-up, a cycle.
 
 use super::{Found, FoundAxis, Measured, Stage, Way, label};
-use crate::message::{CalibrateWish, MethodName, Step};
+use crate::message::{CalibrateCommand, MethodName, Step};
 use zerorate::calibration::Origin;
 use zerorate::{
     Action, AxisRefusal, Calibration, Event, Method, Outcome, Part, PartProcedure, Plan, Say, Scan, State, resonance,
@@ -19,8 +19,8 @@ pub struct Hour {
 }
 
 impl Hour {
-    pub fn new(wish: &CalibrateWish, part: &Part) -> Result<Self, String> {
-        let procedure = PartProcedure::new(part, plan(wish)).map_err(|error| error.with(label).to_string())?;
+    pub fn new(command: &CalibrateCommand, part: &Part) -> Result<Self, String> {
+        let procedure = PartProcedure::new(part, plan(command)).map_err(|error| error.with(label).to_string())?;
         Ok(Self { procedure, threats: Vec::new(), u_dps: None, reached_s: 0.0 })
     }
 
@@ -103,19 +103,19 @@ impl Way for Hour {
     }
 }
 
-fn plan(wish: &CalibrateWish) -> Plan {
+fn plan(command: &CalibrateCommand) -> Plan {
     let default = Plan::default();
     Plan {
-        method: match wish.method {
+        method: match command.method {
             MethodName::Warmup => Method::Warmup,
             MethodName::Cycle => Method::Cycle,
             MethodName::An1042 | MethodName::Chamber => Method::An1042,
         },
-        average_s: wish.average_s.unwrap_or(default.average_s),
-        warmup_s: wish.warmup_s.unwrap_or(default.warmup_s),
-        settle_s: wish.settle_s.unwrap_or(default.settle_s),
-        offset_s: wish.offset_s.unwrap_or(default.offset_s),
-        earth_dps: super::earth_dps(wish),
+        average_s: command.average_s.unwrap_or(default.average_s),
+        warmup_s: command.warmup_s.unwrap_or(default.warmup_s),
+        settle_s: command.settle_s.unwrap_or(default.settle_s),
+        offset_s: command.offset_s.unwrap_or(default.offset_s),
+        earth_dps: super::earth_dps(command),
         ..default
     }
 }

@@ -6,7 +6,7 @@ mod hour;
 use super::axis::AxisState;
 use super::shelf::entry;
 use crate::message::{
-    AxisResult, CalibrateWish, Calibrating, CalibrationResult, CurvePoint, MethodName, Running, Step,
+    AxisResult, CalibrateCommand, Calibrating, CalibrationResult, CurvePoint, MethodName, Running, Step,
 };
 use adis16130_twin::Truth;
 use chamber::ByHand;
@@ -83,23 +83,23 @@ pub struct Guide {
 }
 
 /// Of the Earth's rotation, on a vertical axis (F-16).
-fn earth_dps(wish: &CalibrateWish) -> Option<f64> {
-    wish.latitude_deg.map(|deg| EARTH_DPS * deg.to_radians().sin())
+fn earth_dps(command: &CalibrateCommand) -> Option<f64> {
+    command.latitude_deg.map(|deg| EARTH_DPS * deg.to_radians().sin())
 }
 
 impl Guide {
     /// Before the first reading of a part that was just initialised.
-    pub fn new(wish: &CalibrateWish, part: &Part, info: &CaptureInfo) -> Result<Self, String> {
-        if let Some(deg) = wish.latitude_deg.filter(|deg| !(-90.0..=90.0).contains(deg)) {
+    pub fn new(command: &CalibrateCommand, part: &Part, info: &CaptureInfo) -> Result<Self, String> {
+        if let Some(deg) = command.latitude_deg.filter(|deg| !(-90.0..=90.0).contains(deg)) {
             return Err(format!("a latitude of {deg}°: give a number from -90 to 90"));
         }
-        let way: Box<dyn Way> = match wish.method {
-            MethodName::Chamber => Box::new(ByHand::new(wish, part)?),
-            _ => Box::new(Hour::new(wish, part)?),
+        let way: Box<dyn Way> = match command.method {
+            MethodName::Chamber => Box::new(ByHand::new(command, part)?),
+            _ => Box::new(Hour::new(command, part)?),
         };
         Ok(Self {
-            method: wish.method,
-            serial: wish.serial.clone().filter(|serial| !serial.trim().is_empty()),
+            method: command.method,
+            serial: command.serial.clone().filter(|serial| !serial.trim().is_empty()),
             way,
             begun: false,
             hash: SampleHash::new(&info.layout),

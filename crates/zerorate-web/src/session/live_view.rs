@@ -1,4 +1,4 @@
-//! What is seen of a device as its readings come: strips, numbers, rest, ledger, checks of the connection.
+//! What is seen of a device as its readings come: strips, numbers, rest, sample counts, checks of the connection.
 
 use super::About;
 use super::axis::{Angle, AxisState, BLOCK_NS, Block};
@@ -10,7 +10,7 @@ use zerorate_record::{Layout, Row};
 
 /// A device that is being read.
 #[derive(Debug)]
-pub struct Bench {
+pub struct LiveView {
     pub about: About,
     pub axes: Vec<AxisState>,
     pub(super) corrector: Option<Corrector<Vec<Correction>>>,
@@ -58,7 +58,7 @@ impl Onlooker for () {
 const MOST_FILLED: u32 = 100_000;
 const MOST_BLOCKS: u64 = 36_000;
 
-impl Bench {
+impl LiveView {
     /// Of a device that was just opened.
     pub fn new(about: About) -> Self {
         let axes: Vec<AxisState> = about.part.axes.iter().map(AxisState::new).collect();

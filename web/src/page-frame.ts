@@ -13,7 +13,7 @@ const SPEEDS = [
 ] as const;
 
 /** What stands around every page: names, links, the device and how it is with it. */
-export class Shell {
+export class PageFrame {
   readonly main = h("main", { id: "main", tabindex: -1 });
   readonly #links = new Map<PageName, HTMLAnchorElement>();
   readonly #device = h("span", { class: "device" });

@@ -1,11 +1,11 @@
 //! The session with its device, as its worker calls it.
 
-#[cfg(feature = "edge-replay")]
+#[cfg(feature = "wasm-replay")]
 use super::file;
 use super::now_ms;
 use crate::live::{Live, Open};
 use crate::session::Session;
-#[cfg(feature = "edge-replay")]
+#[cfg(feature = "wasm-replay")]
 use crate::source::Replay;
 use crate::source::{Bridge, Source, TwinSource};
 use wasm_bindgen::prelude::*;
@@ -21,7 +21,7 @@ fn twin(keys: &str) -> Open {
 }
 
 /// The worker's file, of this name and length.
-#[cfg(feature = "edge-replay")]
+#[cfg(feature = "wasm-replay")]
 fn replay(name: &str, length: f64) -> Open {
     let name = name.to_owned();
     Box::new(move |_| Ok(Box::new(Replay::open(&name, file::input(length))?) as Box<dyn Source>))
@@ -137,7 +137,7 @@ impl LiveSession {
     }
 }
 
-#[cfg(feature = "edge-replay")]
+#[cfg(feature = "wasm-replay")]
 #[wasm_bindgen]
 impl LiveSession {
     /// With a recording: the worker's file.

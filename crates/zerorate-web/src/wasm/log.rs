@@ -2,7 +2,7 @@
 
 use super::{file, now_ms};
 use crate::log::LogReader;
-use crate::log::message::{LogSettings, NoiseFileWish};
+use crate::log::message::{LogSettings, NoiseFileCommand};
 use serde::Serialize;
 use wasm_bindgen::prelude::*;
 use zerorate_allan::{Input, Stat, deviations, octaves};
@@ -50,10 +50,10 @@ impl Log {
         json(&self.open()?.summary())
     }
 
-    /// The file for a filter, a `Download` in JSON; `wish` is a `NoiseFileWish` in JSON.
-    pub fn noise_file(&mut self, wish: &str) -> Result<String, JsError> {
-        let wish: NoiseFileWish = serde_json::from_str(wish)?;
-        let file = self.open()?.noise_file(&wish).map_err(|why| JsError::new(&why))?;
+    /// The file for a filter, a `Download` in JSON; `command` is a `NoiseFileCommand` in JSON.
+    pub fn noise_file(&mut self, command: &str) -> Result<String, JsError> {
+        let command: NoiseFileCommand = serde_json::from_str(command)?;
+        let file = self.open()?.noise_file(&command).map_err(|why| JsError::new(&why))?;
         json(&file)
     }
 

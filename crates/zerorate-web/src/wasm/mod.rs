@@ -1,12 +1,12 @@
 //! What the modules of a browser export: JavaScript's types come in and go out, and nothing is decided.
 
-#[cfg(any(feature = "edge-log", feature = "edge-replay"))]
+#[cfg(any(feature = "wasm-log", feature = "wasm-replay"))]
 mod file;
-#[cfg(feature = "edge-first")]
+#[cfg(feature = "wasm-first")]
 mod first;
-#[cfg(any(feature = "edge-live", feature = "edge-replay"))]
+#[cfg(any(feature = "wasm-live", feature = "wasm-replay"))]
 mod live;
-#[cfg(feature = "edge-log")]
+#[cfg(feature = "wasm-log")]
 mod log;
 
 use wasm_bindgen::prelude::*;

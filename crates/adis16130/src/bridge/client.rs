@@ -1,0 +1,182 @@
+//! The host's end of the link, without its port and its clock.
+
+use super::{Answer, Ask, Decoder, MAX_FRAME, Message, Refusal, Request, WireSample, encode};
+use core::fmt::{Display, Formatter, Result as Printed};
+use core::time::Duration;
+use embedded_hal::spi::ErrorKind;
+
+/// A bridge answers within this.
+const ANSWER: Duration = Duration::from_millis(500);
+/// So often a request is sent before the bridge counts as silent.
+const ATTEMPTS: u32 = 3;
+
+/// What the silence of a bridge means, to follow its name.
+pub const SILENT: &str =
+    "does not answer: is it a bridge (docs/formats/bridge.md) whose firmware runs, and does nobody else read it?";
+/// What the end of a connection means, to follow the name of the bridge.
+pub const GONE: &str = "is gone: its cable was pulled, or the bridge has no power; connect it and start again";
+
+/// Sends requests and understands what comes back. Its owner moves the bytes and tells the time, which counts from
+/// any moment.
+#[derive(Clone, Debug, Default)]
+pub struct Client {
+    decoder: Decoder,
+    /// Of the last request.
+    tag: u8,
+    /// Frames that arrived damaged. The first after opening a port is often cut: its owner may set this back.
+    pub damaged: u64,
+}
+
+/// A request to a bridge, sent again until it is answered.
+#[derive(Copy, Clone, Debug)]
+pub struct Pending<'a> {
+    ask: Ask<'a>,
+    /// How often it may still be sent.
+    attempts: u32,
+    deadline: Option<Duration>,
+}
+
+/// What to do next about a request.
+#[derive(Debug)]
+pub enum Step<T> {
+    /// Send this.
+    Send(Frame),
+    /// Come back with the next bytes, or at this time.
+    Wait(Duration),
+    /// It was answered.
+    Answered(T),
+}
+
+/// What a bridge says beside the content of its answers.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub enum Heard {
+    /// It answers the last request.
+    Answer,
+    /// A sample.
+    Sample(WireSample),
+    /// Sampling has ended.
+    Ended,
+}
+
+/// Why a request failed.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub enum RequestError {
+    /// The bridge does not answer.
+    Silent,
+    /// The bridge did not do it.
+    Refused(Refusal),
+    /// No frame has room for it, or the protocol has no such transfer.
+    Unsupported,
+}
+
+/// The bytes of a request.
+#[derive(Copy, Clone, Debug)]
+pub struct Frame {
+    bytes: [u8; MAX_FRAME + 1],
+    len: usize,
+}
+
+impl<'a> Pending<'a> {
+    /// A request that is not sent yet.
+    pub const fn new(ask: Ask<'a>) -> Self {
+        Self { ask, attempts: ATTEMPTS, deadline: None }
+    }
+}
+
+impl Client {
+    /// Looks for the answer in the bytes that came, and says what to do next. `take` returns nothing for an answer
+    /// that does not fit. Samples on the way are dropped: requests end sampling, or begin it.
+    pub fn poll<T>(
+        &mut self,
+        pending: &mut Pending<'_>,
+        received: &mut impl Iterator<Item = u8>,
+        now: Duration,
+        take: impl Fn(Answer<'_>) -> Option<T>,
+    ) -> Result<Step<T>, RequestError> {
+        if let Some(deadline) = pending.deadline {
+            if let Some(answered) = self.answer(received, take) {
+                return answered.map(Step::Answered);
+            }
+            if now < deadline {
+                return Ok(Step::Wait(deadline));
+            }
+        }
+        pending.attempts = pending.attempts.checked_sub(1).ok_or(RequestError::Silent)?;
+        pending.deadline = Some(now.saturating_add(ANSWER));
+        self.frame(pending.ask).map(Step::Send)
+    }
+
+    /// The frame of a request whose answer is only [heard](Self::hear).
+    pub fn frame(&mut self, ask: Ask<'_>) -> Result<Frame, RequestError> {
+        self.tag = self.tag.wrapping_add(1);
+        let mut bytes = [0; MAX_FRAME + 1];
+        // the zero at the front ends whatever rubbish was sent before
+        let [_, room @ ..] = &mut bytes;
+        let frame = encode(&Request { tag: self.tag, ask }, room).map_err(|_| RequestError::Unsupported)?;
+        let len = frame.len().saturating_add(1);
+        Ok(Frame { bytes, len })
+    }
+
+    /// The next thing that the bridge says in the bytes that came, without answers to earlier requests.
+    pub fn hear(&mut self, received: &mut impl Iterator<Item = u8>) -> Option<Heard> {
+        let last = self.tag;
+        received.find_map(|byte| match self.message(byte)? {
+            Message::Answer { tag, .. } => (tag == last).then_some(Heard::Answer),
+            Message::Sample(reading) => Some(Heard::Sample(reading)),
+            Message::Ended => Some(Heard::Ended),
+        })
+    }
+
+    fn answer<T>(
+        &mut self,
+        received: &mut impl Iterator<Item = u8>,
+        take: impl Fn(Answer<'_>) -> Option<T>,
+    ) -> Option<Result<T, RequestError>> {
+        let last = self.tag;
+        received.find_map(|byte| match self.message(byte)? {
+            Message::Answer { tag, .. } if tag != last => None,
+            Message::Answer { answer: Answer::Refused(refusal), .. } => Some(Err(RequestError::Refused(refusal))),
+            Message::Answer { answer, .. } => take(answer).map(Ok),
+            Message::Sample(_) | Message::Ended => None,
+        })
+    }
+
+    /// The message that ends with this byte.
+    fn message(&mut self, byte: u8) -> Option<Message<'_>> {
+        let message = self.decoder.push(byte)?;
+        self.damaged = self.damaged.wrapping_add(u64::from(message.is_err()));
+        message.ok()
+    }
+}
+
+impl Answer<'static> {
+    /// Takes this answer alone.
+    pub fn only(self) -> impl Fn(Answer<'_>) -> Option<()> {
+        move |answer| (answer == self).then_some(())
+    }
+}
+
+impl Frame {
+    /// What to send.
+    pub fn bytes(&self) -> &[u8] {
+        self.bytes.get(..self.len).unwrap_or_default()
+    }
+}
+
+impl Display for RequestError {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Printed {
+        match self {
+            Self::Silent => write!(f, "the bridge did not answer within {} s", (ANSWER * ATTEMPTS).as_secs_f32()),
+            Self::Refused(refusal) => write!(f, "the bridge refused: {refusal}"),
+            Self::Unsupported => f.write_str("the bridge cannot do this transfer"),
+        }
+    }
+}
+
+impl core::error::Error for RequestError {}
+
+impl embedded_hal::spi::Error for RequestError {
+    fn kind(&self) -> ErrorKind {
+        ErrorKind::Other
+    }
+}
