@@ -6,7 +6,7 @@ use crate::output::{Outputs, print, say, warn};
 use anyhow::{Result, ensure};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
-use zerorate_view::export::{self, Export, InvalidOptions, Options, Prefix};
+use zerorate_view::export::{self, Export, ExportWarning, InvalidOptions, Options, Prefix};
 
 /// Writes the correction for firmware: C header, Rust module, CSV or JSON, and parameters of PX4 and ArduPilot.
 ///
@@ -87,7 +87,8 @@ pub fn run(args: &ExportArgs) -> Result<()> {
     let form = args.format.written()?;
     let mut outputs = Outputs::new(args.force);
     let export = Export::new(load(&args.cal, &mut outputs)?, args.options()).map_err(usage)?;
-    warn(&export.warnings());
+    let coded = |warning: &ExportWarning| format!("{}: {warning}", warning.code());
+    warn(&export.warnings().iter().map(coded).collect::<Vec<_>>());
     let text = export.text(form).map_err(usage)?;
     if form == export::Form::Csv {
         export.lost_by_rows().iter().for_each(|lost| say(format_args!("{lost}")));

@@ -6,10 +6,12 @@ mod firmware;
 mod json;
 mod layout;
 mod prefix;
+mod warning;
 
 use anyhow::Result;
 use layout::Layout;
 pub use prefix::Prefix;
+pub use warning::ExportWarning;
 use zerorate::{Calibration, TableRow};
 
 /// Forms of an export.
@@ -77,9 +79,9 @@ impl Export {
         Ok(Self { calibration, layout, tables, options })
     }
 
-    /// What there is to say of it.
+    /// What there is to know of it.
     #[must_use]
-    pub fn warnings(&self) -> Vec<String> {
+    pub fn warnings(&self) -> Vec<ExportWarning> {
         self.layout.warnings(&self.calibration)
     }
 
