@@ -47,7 +47,7 @@ impl fmt::Display for Says {
 /// The rows are the arms of a `match`: rustfmt formats them, and the compiler asks for the row of a new variant.
 /// * `code`: a literal, or in braces what a field of the variant gives.
 /// * `text`: `format_args!` with the fields of the variant.
-/// * From `says` on: the fields of [`Explanation`]. Of rows that share a code, one has them.
+/// * From `says` on: the fields of [`Explanation`]; `command` may be left out. Of the rows of a code, one has them.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! rows {
@@ -55,14 +55,22 @@ macro_rules! rows {
         $($variant:pat => Row {
             code: $code:tt,
             text: $text:expr
-            $(, says: $says:expr, $($part:ident: $value:expr),+)? $(,)?
+            $(, says: $says:expr, by: $by:expr, seen: $seen:expr, matters: $matters:expr, remedy: $remedy:expr
+                $(, command: $command:expr)?)? $(,)?
         },)+
     }) => {
         #[allow(unused_variables, reason = "not every part of a row uses every field of its variant")]
         impl $name {
             /// What the codes mean.
-            pub const EXPLANATIONS: &'static [$crate::Explanation] =
-                &[$($($crate::Explanation { code: $code, says: $says, $($part: $value),+ },)?)+];
+            pub const EXPLANATIONS: &'static [$crate::Explanation] = &[$($($crate::Explanation {
+                code: $code,
+                says: $says,
+                by: $by,
+                seen: $seen,
+                matters: $matters,
+                remedy: $remedy,
+                command: concat!("" $(, $command)?),
+            },)?)+];
 
             /// The codes of the rows, in their order; several rows may share one.
             pub fn codes() -> impl Iterator<Item = &'static str> {

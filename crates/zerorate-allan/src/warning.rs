@@ -70,7 +70,6 @@ rows!(match AllanWarning {
         seen: "At the shortest averages the curve falls as 1/τ.",
         matters: "That is the step of the numbers, not the sensor, and it hides the white noise there.",
         remedy: "Read with a finer step, or judge N at longer averages.",
-        command: "",
     },
     Self::Periodic { tau_s, ratio, frequency_hz } => Row {
         code: "periodic-disturbance",
@@ -84,7 +83,6 @@ rows!(match AllanWarning {
         seen: "One averaging time lies far above what noise explains.",
         matters: "Something periodic lifts the curve, and N, B and K with it.",
         remedy: "Find its source, or record without it.",
-        command: "",
     },
     Self::Misfit { chi2, freedom } => Row {
         code: "misfit",
@@ -124,7 +122,6 @@ rows!(match AllanWarning {
         seen: "The shortest averages lie below the line of white noise, as behind a low-pass filter.",
         matters: "They were left out, and N was read behind them.",
         remedy: "Nothing, unless the filter was not meant.",
-        command: "",
     },
     Self::Glitches { glitches, samples, ratio } => Row {
         code: "glitches",
@@ -152,7 +149,6 @@ rows!(match AllanWarning {
         seen: "Many samples stand out of their neighbours.",
         matters: "So many are no glitches: nothing was replaced, and N has them in it.",
         remedy: "Look for bit errors, or for a sensor whose noise is no bell curve.",
-        command: "",
     },
     Self::Step { at_s, size } => Row {
         code: "step",
@@ -172,7 +168,6 @@ rows!(match AllanWarning {
         seen: "The level jumps again and again.",
         matters: "Nothing was taken out: K, B or a Gauss–Markov term describe wander that is made of jumps.",
         remedy: "Record where nothing moves.",
-        command: "",
     },
     Self::Gaps { missing, samples } => Row {
         code: "gaps",
@@ -185,7 +180,6 @@ rows!(match AllanWarning {
         seen: "Samples are missing in the record.",
         matters: "The model allows for that as long as the losses do not depend on the rate.",
         remedy: "Nothing for a few. Find out what lost them if they are many.",
-        command: "",
     },
     Self::Lines { count, frequency_hz, rms } => Row {
         code: "lines",
@@ -226,7 +220,6 @@ rows!(match AllanWarning {
         seen: "Another number of Gauss–Markov terms, with another B, explains the record about as well.",
         matters: "This record cannot tell them apart. Both give the same curve within it.",
         remedy: "Do not extrapolate beyond a quarter of the record's length.",
-        command: "",
     },
     Self::DriftOrWalk { has_drift, worse } => Row {
         code: "drift-or-walk",
@@ -258,7 +251,6 @@ rows!(match AllanWarning {
         seen: "The two halves of the record differ.",
         matters: "The model is of the whole, and does not predict another record.",
         remedy: "Let the part settle and record again.",
-        command: "",
     },
     Self::ShortRecord { samples, needed } => Row {
         code: "short-record",
@@ -271,7 +263,6 @@ rows!(match AllanWarning {
         seen: "So few samples do not show how the sensor's filter bends its noise.",
         matters: "N may be off by a quarter, whatever its interval says.",
         remedy: "Record longer; the text says how many samples.",
-        command: "",
     },
     Self::Leakage { frequency_hz, share } => Row {
         code: "leakage",
@@ -285,7 +276,6 @@ rows!(match AllanWarning {
         seen: "A line is so strong that what it leaks into the spectrum may be taken for noise.",
         matters: "N may be too large, B and K by more, and steps may be none.",
         remedy: "Record without the disturbance.",
-        command: "",
     },
     Self::OffCurve { tau_s, ratio, octaves } => Row {
         code: "off-curve",
@@ -299,7 +289,6 @@ rows!(match AllanWarning {
         seen: "At some averaging times the measured deviation is not the model's.",
         matters: "The model is of the spectrum without its lines, and does not hold there.",
         remedy: "Do not use the model at these times; look for slow motion or a strong disturbance.",
-        command: "",
     },
     Self::Rejected { error, most } => Row {
         code: "model-rejected",
@@ -345,7 +334,6 @@ rows!(match AllanWarning {
         seen: "A coefficient cannot be told from zero in so short a record.",
         matters: "Its value is a guess within its interval.",
         remedy: "Record as long as the text says, or do without that coefficient.",
-        command: "",
     },
 });
 

@@ -28,7 +28,6 @@ rows!(match ExportWarning {
             assumption.",
         remedy: "State temp_min_c and temp_max_c in the file, or calibrate anew: every calibration that is measured \
             states them.",
-        command: "",
     },
     Self::TableShort { ref axis, span_c, temp_min_c, temp_max_c, wrong_dps } => Row {
         code: "table-short",

@@ -69,7 +69,6 @@ rows!(match ChamberRefusal {
         seen: "No reading came for a long time.",
         matters: "The part or its cable failed, perhaps by cold or heat.",
         remedy: "Check cable and connectors. Finished steps are kept: the same command goes on after them.",
-        command: "",
     },
     Self::Lost { lost, samples, limit } => Row {
         code: "lost-samples",
@@ -93,7 +92,6 @@ rows!(match ChamberRefusal {
         matters: "The soak point would be an average over a drift.",
         remedy: "Close the door; check that the chamber reaches that temperature; shield the part from its fan; or \
             allow more in the plan (drift_c_per_min, settle_timeout_s).",
-        command: "",
     },
     Self::NotReached { step, set_c, air_c, after_s } => Row {
         code: "not-reached",
@@ -106,7 +104,6 @@ rows!(match ChamberRefusal {
         seen: "The air of the chamber is still far from its set point.",
         matters: "The plan cannot be carried out.",
         remedy: "Close the door, and check that the chamber is on and can reach that.",
-        command: "",
     },
     Self::Overshoot { step, air_c, low_c, high_c } => Row {
         code: "overshoot",
@@ -119,7 +116,6 @@ rows!(match ChamberRefusal {
         seen: "The air went beyond every temperature of the plan.",
         matters: "It may harm the part, so the chamber was sent to a safe temperature.",
         remedy: "Check the chamber's control, or allow more in the plan (overshoot_c).",
-        command: "",
     },
     Self::BeyondPart { step, air_c, low_c, high_c } => Row {
         code: "beyond-limits",
@@ -134,7 +130,6 @@ rows!(match ChamberRefusal {
             nobody knows what a real one would do there.",
         remedy: "Look at the chamber: its sensor, its control, and what it did before. Keep a simulated part within \
             the limits (operating_c in the file of a part).",
-        command: "",
     },
     Self::Disturbed { step, times, why } => Row {
         code: "disturbed",
@@ -144,7 +139,6 @@ rows!(match ChamberRefusal {
         seen: "Again and again something happened while a soak point was averaged.",
         matters: "There is no quiet average of it.",
         remedy: "Keep the door closed; damp the fan; fix the part; read without losses.",
-        command: "",
     },
     Self::Span { span_c, least_c } => Row {
         code: "small-span",
@@ -177,7 +171,6 @@ rows!(match ChamberRefusal {
         seen: "No bias over temperature explains the rate; or there was too little rest to find one.",
         matters: "There is nothing to correct with.",
         remedy: "Check that the part was at rest; plan for longer.",
-        command: "",
     },
     Self::NoCurve(ThermalError::Degenerate) => Row {
         code: "no-curve",

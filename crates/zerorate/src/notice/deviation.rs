@@ -22,7 +22,6 @@ rows_with_remedies!(match Deviation {
             uncertainty; where it cannot be told from the temperature, or spoils BTC, the measurement is refused. In \
             an Allan analysis a random walk would be seen in its place.",
         remedy: "Use a linear supply, check that nothing moved, and measure again.",
-        command: "",
     },
     Self::Curvature { dps_per_c2 } => Row {
         code: "curved",
@@ -49,7 +48,6 @@ rows_with_remedies!(match Deviation {
         matters: "While the temperature changes, the correction is that of a temperature which the element does not \
             have yet.",
         remedy: "Warm and settle more slowly, or measure in a chamber. Slow motion looks the same.",
-        command: "",
     },
     Self::Hysteresis { width_c } => Row {
         code: "hysteresis",
@@ -77,7 +75,6 @@ rows_with_remedies!(match Deviation {
         matters: "The platform moves: a building, a long bench, a person. What it adds to the averages is in the \
             uncertainty, or more than a result can bear.",
         remedy: "Fix the part to something that stands still by itself: a stone, a wall, the floor of a cellar.",
-        command: "",
     },
 });
 

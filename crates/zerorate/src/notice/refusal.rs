@@ -61,7 +61,6 @@ rows_with_remedies!(match Refusal {
         seen: "Means of the rate vary more than noise and temperature explain: the part moves.",
         matters: "Motion would become bias.",
         remedy: "Fix the part to a still platform, and stay away from it.",
-        command: "",
     },
     Self::Turning { window, rate_dps, limit_dps } => Row {
         code: "turning",
@@ -207,7 +206,6 @@ rows_with_remedies!(match Refusal {
         seen: "Too many readings are impossible for the bandwidth of the part; or some are, and the rest varies too.",
         matters: "A line that breaks these breaks others by amounts that nothing shows.",
         remedy: "Lower the SPI clock, shorten or shield the cable.",
-        command: "",
     },
     Self::Stuttering { window, lost, samples, silent_gaps, gaps } => Row {
         code: "data-ready-stutters",

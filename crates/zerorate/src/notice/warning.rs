@@ -102,7 +102,6 @@ rows_with_remedies!(match Warning {
             tell it from bias.",
         remedy: "Nothing, if nothing turned. To be sure, calibrate again with the axis turned over: half of the \
             difference of the two PBC is rotation.",
-        command: "",
     },
     Self::CurvatureUnseen { u_dps_per_c } => Row {
         code: "curvature-unseen",
@@ -154,7 +153,6 @@ rows_with_remedies!(match Warning {
             for too great a share of the time.",
         matters: "The uncertainties may be too small. In a chamber there would be too little rest to learn from.",
         remedy: "Fix the part to a still platform, in a chamber on something that damps its fan; use a linear supply.",
-        command: "",
     },
     Self::Flat { btc_dps_per_c, typical_dps_per_c } => Row {
         code: "flat-bias",
@@ -298,7 +296,6 @@ rows_with_remedies!(match Warning {
         seen: "The file of the part does not state its typical noise or temperature coefficient.",
         matters: "Whether the part was at rest was not judged, and the uncertainties hold the white noise alone.",
         remedy: "Complete the file of the part (docs/formats/part.md).",
-        command: "",
     },
     Self::CurvatureUnknown => Row {
         code: "curvature-unknown",
@@ -312,7 +309,6 @@ rows_with_remedies!(match Warning {
         seen: "The file of the part does not state its typical curvature or hysteresis.",
         matters: "The uncertainty of BTC holds nothing of what two temperatures cannot show.",
         remedy: "Complete the file of the part (docs/formats/part.md), or use a method that bends.",
-        command: "",
     },
     Self::Noisy { ratio } => Row {
         code: "noisy",
@@ -325,7 +321,6 @@ rows_with_remedies!(match Warning {
         seen: "The white noise is far above a typical part's.",
         matters: "The part shakes, or its supply is not linear; what it measures is not its bias alone.",
         remedy: "Keep the part still, remove the vibration, use a linear supply.",
-        command: "",
     },
     Self::Quiet { ratio } => Row {
         code: "quiet",
@@ -354,7 +349,6 @@ rows_with_remedies!(match Warning {
         matters: "The clock is another, edges are missed, or one edge is taken for two.",
         remedy: "Check the data-ready wire; raise the SPI clock. A part with another clock: say so (mclk= in the \
             address).",
-        command: "",
     },
     Self::NoTemperature { wrong_edge } => Row {
         code: "no-temperature",
@@ -431,7 +425,6 @@ rows_with_remedies!(match Warning {
         seen: "The uncertainty that was asked for was not reached.",
         matters: "The part's own flicker and random walk do not allow it in that time, however long one averages.",
         remedy: "Ask for what the part can give, or measure in a chamber.",
-        command: "",
     },
 });
 
