@@ -71,6 +71,14 @@ fn lines_stay_below_120_characters() {
 }
 
 #[test]
+fn files_of_rust_stay_below_600_lines_and_ignore_no_test() {
+    for (path, text) in files(&["rs"]) {
+        assert!(text.lines().count() < 600, "{}: 600 lines or more", path.display());
+        assert!(text.lines().all(|line| !line.trim_start().starts_with("#[ignore")), "{}: #[ignore]", path.display());
+    }
+}
+
+#[test]
 fn the_readme_shows_examples_that_are_tested() {
     let readme = fs::read_to_string(root().join("README.md")).unwrap();
     // in the order in which the README shows them

@@ -233,6 +233,11 @@ fn separate(rows: &mut Vec<Row>, columns: &[FoundColumn], interval: f64) -> Vec<
         start = end;
     }
     *rows = kept;
+    said_of(&dropped, &wrong, is_coarse)
+}
+
+/// Of the rows that were dropped, and of those that got another time.
+fn said_of(dropped: &[usize], wrong: &[usize], is_coarse: bool) -> Vec<String> {
     let dropped = dropped.first().map(|row| {
         format!(
             "{} rows repeat the row before, stamp and values, and are dropped (the first: row {row})",

@@ -3,23 +3,23 @@
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
+use zerorate::calibration::FileWarning;
 use zerorate::chamber::ChamberRefusal;
 use zerorate::{Deviation, Refusal, Warning};
 use zerorate_allan::AllanWarning;
 use zerorate_view::codes::{self, Says};
+use zerorate_view::export::ExportWarning;
 
-/// In the order of the variants; macros of the core make them of the same table as `code()`.
-fn of_the_core() -> (BTreeSet<&'static str>, BTreeSet<&'static str>) {
-    let set = |lists: &[&[&'static str]]| lists.concat().into_iter().collect();
-    (
-        set(&[Warning::CODES, Deviation::CODES, AllanWarning::CODES]),
-        set(&[Refusal::CODES, Deviation::CODES, ChamberRefusal::CODES]),
-    )
+fn of_enums() -> (BTreeSet<&'static str>, BTreeSet<&'static str>) {
+    let found = Deviation::codes().collect::<BTreeSet<_>>();
+    let mut warnings: BTreeSet<_> = Warning::codes().chain(AllanWarning::codes()).collect();
+    warnings.extend(FileWarning::codes().chain(ExportWarning::codes()).chain(found.iter().copied()));
+    (warnings, Refusal::codes().chain(ChamberRefusal::codes()).chain(found).collect())
 }
 
 #[test]
 fn all_that_can_be_said_is_explained() {
-    let (warnings, refusals) = of_the_core();
+    let (warnings, refusals) = of_enums();
     let said = |code: &str| codes::all().find(|one| one.code == code).map(|one| one.says);
     for code in warnings.into_iter().chain(literals(&["\""], ": ").iter().map(String::as_str)) {
         assert!(matches!(said(code), Some(Says::Warning | Says::Either)), "no warning {code:?} in the table");
@@ -35,7 +35,7 @@ fn all_that_can_be_said_is_explained() {
 
 #[test]
 fn all_that_is_explained_can_be_said() {
-    let (warnings, refusals) = of_the_core();
+    let (warnings, refusals) = of_enums();
     let sources: Vec<String> = sources().into_iter().map(|(_, text)| text).collect();
     for one in codes::all() {
         let [word, begins] = [format!("\"{}\"", one.code), format!("\"{}: ", one.code)];

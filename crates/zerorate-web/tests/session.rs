@@ -164,23 +164,7 @@ fn a_guided_calibration_finds_what_the_twin_hides() {
 
     let id = done["entry"]["id"].clone();
     assert_eq!(asked(&mut session, json!({ "id": 2, "do": "apply", "calibration": id }))["ok"], json!({}));
-    let file = asked(&mut session, json!({ "id": 3, "do": "download", "calibration": id, "form": "toml" }));
-    assert_eq!(file["ok"]["name"], "A_7.toml");
-    let toml = file["ok"]["text"].as_str().unwrap();
-    let kept = asked(&mut session, json!({ "id": 4, "do": "add-calibration", "toml": toml }));
-    assert_eq!(kept["ok"]["id"], id);
-    let page = asked(&mut session, json!({ "id": 5, "do": "download", "calibration": id, "form": "report" }));
-    assert!(page["ok"]["text"].as_str().unwrap().starts_with("<!"));
-    for (form, name, word) in [
-        ("c", "A_7.h", "#include <stdint.h>"),
-        ("rust", "A_7.rs", "pub const"),
-        ("csv", "A_7.csv", "delta_c"),
-        ("json", "A_7.json", "{"),
-    ] {
-        let made = asked(&mut session, json!({ "id": 6, "do": "download", "calibration": id, "form": form }));
-        assert_eq!(made["ok"]["name"], name);
-        assert!(made["ok"]["text"].as_str().unwrap().contains(word), "{form}");
-    }
+    its_files_are_there(&mut session, &id);
     feed(&mut session, &mut device, 2.0);
     let (frame, _) = read(&session.frame().unwrap());
     assert!(number(&frame["now"]["axes"][0]["corrected_dps"]).abs() < 0.05);
@@ -189,6 +173,27 @@ fn a_guided_calibration_finds_what_the_twin_hides() {
         (&frame["calibrations"][0]["applied"], frame["calibrations"].as_array().unwrap().len()),
         (&json!(true), 1)
     );
+}
+
+/// The calibration of `A 7` can be downloaded in all forms, and added again.
+fn its_files_are_there(session: &mut Session, id: &Value) {
+    let file = asked(session, json!({ "id": 3, "do": "download", "calibration": id, "form": "toml" }));
+    assert_eq!(file["ok"]["name"], "A_7.toml");
+    let toml = file["ok"]["text"].as_str().unwrap();
+    let kept = asked(session, json!({ "id": 4, "do": "add-calibration", "toml": toml }));
+    assert_eq!(kept["ok"]["id"], *id);
+    let page = asked(session, json!({ "id": 5, "do": "download", "calibration": id, "form": "report" }));
+    assert!(page["ok"]["text"].as_str().unwrap().starts_with("<!"));
+    for (form, name, word) in [
+        ("c", "A_7.h", "#include <stdint.h>"),
+        ("rust", "A_7.rs", "pub const"),
+        ("csv", "A_7.csv", "delta_c"),
+        ("json", "A_7.json", "{"),
+    ] {
+        let made = asked(session, json!({ "id": 6, "do": "download", "calibration": id, "form": form }));
+        assert_eq!(made["ok"]["name"], name);
+        assert!(made["ok"]["text"].as_str().unwrap().contains(word), "{form}");
+    }
 }
 
 #[test]

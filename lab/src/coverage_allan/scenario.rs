@@ -73,34 +73,36 @@ const WIDENED: Bounds = Bounds { coverage: (93.0, 100.0), ..OTHER };
 /// Flicker or random walk may pass for something else: what counts is that it is not silent.
 const NOT_SILENT: Bounds = Bounds { coverage: (0.0, 100.0), ..OTHER };
 
-fn floor(deg_per_h: f64) -> f64 {
+const fn floor(deg_per_h: f64) -> f64 {
     deg_per_h / 3600.0 / FLOOR_PER_B
 }
 
-/// The hour that the project's goals are stated for, and others.
+/// The hour that the project's goals are stated for.
+const HOUR: Scenario = Scenario {
+    name: "hour",
+    length_s: 3600.0,
+    n: 0.56 / 60.0,
+    b: floor(6.25),
+    k: 2e-4,
+    q: 0.0,
+    low_pass_s: 0.0,
+    gauss_markov: None,
+    beside: Beside::Nothing,
+    bounds: OTHER,
+};
+
+/// That hour, and others.
 pub fn scenarios() -> Vec<Scenario> {
-    let hour = Scenario {
-        name: "hour",
-        length_s: 3600.0,
-        n: 0.56 / 60.0,
-        b: floor(6.25),
-        k: 2e-4,
-        q: 0.0,
-        low_pass_s: 0.0,
-        gauss_markov: None,
-        beside: Beside::Nothing,
-        bounds: OTHER,
-    };
     let goal = Bounds { rms: [0.13, 9.8, 38.0], identified: [99.0, 95.0], ..OTHER };
-    let white = Scenario { b: 0.0, k: 0.0, ..hour };
+    let white = Scenario { b: 0.0, k: 0.0, ..HOUR };
     let found = |found| Bounds { found, false_terms: 100.0, ..OTHER };
     let jump = |name, size, least| Scenario {
         name,
         beside: Beside::Step(size),
         bounds: Bounds { steps: (least, 100.0), ..OTHER },
-        ..hour
+        ..HOUR
     };
-    let with = |name, beside| Scenario { name, beside, ..hour };
+    let with = |name, beside| Scenario { name, beside, ..HOUR };
     let memory = |name, sigma, tau_s, least| Scenario {
         name,
         gauss_markov: Some((sigma, tau_s)),
@@ -108,15 +110,15 @@ pub fn scenarios() -> Vec<Scenario> {
         ..white
     };
     vec![
-        Scenario { bounds: goal, ..hour },
-        Scenario { name: "no flicker", b: 0.0, ..hour },
-        Scenario { name: "no random walk", k: 0.0, ..hour },
+        Scenario { bounds: goal, ..HOUR },
+        Scenario { name: "no flicker", b: 0.0, ..HOUR },
+        Scenario { name: "no random walk", k: 0.0, ..HOUR },
         Scenario { name: "white alone", ..white },
-        Scenario { name: "noisy MEMS", n: 3.0 / 60.0, b: floor(20.0), k: 1e-3, ..hour },
-        Scenario { name: "10 minutes", length_s: 600.0, ..hour },
-        Scenario { name: "long", length_s: 21_600.0, ..hour },
-        Scenario { name: "quantised", q: 2e-4, ..hour },
-        Scenario { name: "behind a low-pass", low_pass_s: 0.03, ..hour },
+        Scenario { name: "noisy MEMS", n: 3.0 / 60.0, b: floor(20.0), k: 1e-3, ..HOUR },
+        Scenario { name: "10 minutes", length_s: 600.0, ..HOUR },
+        Scenario { name: "long", length_s: 21_600.0, ..HOUR },
+        Scenario { name: "quantised", q: 2e-4, ..HOUR },
+        Scenario { name: "behind a low-pass", low_pass_s: 0.03, ..HOUR },
         memory("Gauss–Markov of 0.5 s", 0.02, 0.5, 99.0),
         memory("Gauss–Markov of 5 s", 0.01, 5.0, 99.0),
         memory("Gauss–Markov of 50 s", 0.01, 50.0, 90.0),

@@ -149,19 +149,8 @@ impl Findings {
             format!("its scales and offsets are those of F-40 and F-41: {scales:?}"),
         );
         self.hid.check(files, &mut check)?;
-        for (name, code) in [
-            ("iio", 0),
-            ("probe", 0),
-            ("bytes", 0),
-            ("slow1", 0),
-            ("slow2", 0),
-            ("slow3", 0),
-            ("fast", 0),
-            ("calibrate", 0),
-            ("cut", 1),
-            ("replug", 0),
-        ] {
-            let (holds, statement) = files.ending(name, code)?;
+        for name in ["iio", "probe", "bytes", "slow1", "slow2", "slow3", "fast", "calibrate", "cut", "replug"] {
+            let (holds, statement) = files.ending(name, u8::from(name == "cut"))?;
             check(holds, statement);
         }
         for stream in &self.slow {

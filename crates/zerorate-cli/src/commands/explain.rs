@@ -65,7 +65,7 @@ fn list() -> Result<String> {
     let mut text = String::new();
     for group in GROUPS {
         writeln!(text, "{}:", group.title)?;
-        for one in group.all {
+        for one in group.all() {
             writeln!(text, "  {:24} {:19} {}", one.code, one.says.to_string(), one.seen)?;
         }
     }

@@ -7,7 +7,7 @@ use anyhow::{Result, ensure};
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser};
 use std::path::PathBuf;
-use zerorate_view::export::{Export, ExportForm, InvalidOptions, Options, Prefix};
+use zerorate_view::export::{Export, ExportForm, ExportWarning, InvalidOptions, Options, Prefix};
 
 /// Writes the correction for firmware: C header, Rust module, CSV or JSON, and parameters of PX4 and ArduPilot.
 ///
@@ -80,7 +80,8 @@ pub fn run(args: &ExportArgs) -> Result<()> {
     let form = form.ok_or_else(|| no_place(&args.format))?;
     let mut outputs = Outputs::new(args.force);
     let export = Export::new(load(&args.cal, &mut outputs)?, args.options()).map_err(usage)?;
-    warn(&export.warnings());
+    let coded = |warning: &ExportWarning| format!("{}: {warning}", warning.code());
+    warn(&export.warnings().iter().map(coded).collect::<Vec<_>>());
     let text = export.text(form).map_err(usage)?;
     if form == ExportForm::Csv {
         export.lost_by_rows().iter().for_each(|lost| say(format_args!("{lost}")));

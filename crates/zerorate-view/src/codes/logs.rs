@@ -2,8 +2,7 @@
 
 use super::{Explanation, Says};
 
-/// In the order of the book.
-pub const ALL: &[Explanation] = &[
+pub(super) const ROWS: &[Explanation] = &[
     Explanation {
         code: "times-disordered",
         says: Says::Refusal,
@@ -222,37 +221,6 @@ pub const ALL: &[Explanation] = &[
             recording of it.",
         remedy: "Make room. What was written until then is whole up to its last block.",
         command: "zerorate verify unit.arrows",
-    },
-    Explanation {
-        code: "no-checksum",
-        says: Says::Warning,
-        by: &["stream", "correct", "export", "report", "serve"],
-        seen: "A calibration file has no checksum: it was written by hand, or its check lines were taken out.",
-        matters: "Nothing shows whether its numbers are as they were measured.",
-        remedy: "Prefer the file that a command has written. For one that was written by hand there is nothing \
-            to be done.",
-        command: "zerorate verify unit.toml",
-    },
-    Explanation {
-        code: "no-validity",
-        says: Says::Warning,
-        by: &["export"],
-        seen: "A calibration states no [validity].",
-        matters: "Nothing says at which temperatures it holds; the export takes a range around T3 that is an \
-            assumption.",
-        remedy: "State temp_min_c and temp_max_c in the file, or calibrate anew: every calibration that is \
-            measured states them.",
-        command: "",
-    },
-    Explanation {
-        code: "table-short",
-        says: Says::Warning,
-        by: &["export"],
-        seen: "The table of an export ends before the calibration does.",
-        matters: "Beyond the table the row at its end is used, which is wrong by as much as the text says; the \
-            look-up says that it is outside.",
-        remedy: "Leave the span out, and the table covers the whole range; or take larger steps.",
-        command: "zerorate export unit.toml --format c -o unit.h",
     },
     Explanation {
         code: "before-temperature",

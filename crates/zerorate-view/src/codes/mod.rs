@@ -1,79 +1,100 @@
-//! Every warning and every refusal by its code: what was seen, why it matters, what to do.
+//! The book of codes: what every warning and refusal means, for `zerorate explain` and docs/codes.md.
 //!
-//! The core says them with their numbers; here stands what holds of all of a code. `zerorate explain` and the book
-//! take it from this table. `tests/codes.rs` compares it with what can be said.
+//! A code has one row. It stands beside the enum of its warning, or, where the code is raised as a text, in a table of
+//! this module. `tests/codes.rs` compares the rows with all that can be said.
 
 mod chamber;
 mod logs;
-mod measuring;
 mod noise;
 mod samples;
 mod serving;
 
-use std::fmt::{self, Write};
-
-/// What stands behind a code.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Explanation {
-    /// As warnings begin with it, and as a refusal names it.
-    pub code: &'static str,
-    /// How it is said.
-    pub says: Says,
-    /// The commands of the program that say it.
-    pub by: &'static [&'static str],
-    /// What was seen.
-    pub seen: &'static str,
-    /// Why it matters.
-    pub matters: &'static str,
-    /// What to do.
-    pub remedy: &'static str,
-    /// A command that does it or looks further, as an example; empty where there is none.
-    pub command: &'static str,
-}
-
-/// How a code is said.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Says {
-    /// The result stands.
-    Warning,
-    /// There is no result.
-    Refusal,
-    /// The one or the other, by how much it is.
-    Either,
-}
-
-impl fmt::Display for Says {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Warning => "warning",
-            Self::Refusal => "refusal",
-            Self::Either => "warning or refusal",
-        })
-    }
-}
+use crate::export::ExportWarning;
+use std::fmt::Write;
+use zerorate::calibration::FileWarning;
+use zerorate::chamber::ChamberRefusal;
+use zerorate::{Deviation, Refusal, Warning};
+use zerorate_allan::AllanWarning;
+pub use zerorate_allan::{Explanation, Says};
 
 /// Codes that belong together, under a heading.
 #[derive(Clone, Copy, Debug)]
 pub struct Group {
     /// The heading.
     pub title: &'static str,
-    /// What stands under it.
-    pub all: &'static [Explanation],
+    /// The codes below it, in the order of the book.
+    codes: &'static str,
 }
 
-/// All of them.
-pub const GROUPS: [Group; 6] = [
-    Group { title: "Of the measurement", all: measuring::ALL },
-    Group { title: "Of the samples", all: samples::ALL },
-    Group { title: "Of a chamber", all: chamber::ALL },
-    Group { title: "Of noise", all: noise::ALL },
-    Group { title: "Of logs and recordings", all: logs::ALL },
-    Group { title: "Of the live page", all: serving::ALL },
+/// All rows.
+const ROWS: [&[Explanation]; 12] = [
+    AllanWarning::EXPLANATIONS,
+    ChamberRefusal::EXPLANATIONS,
+    Deviation::EXPLANATIONS,
+    ExportWarning::EXPLANATIONS,
+    FileWarning::EXPLANATIONS,
+    Refusal::EXPLANATIONS,
+    Warning::EXPLANATIONS,
+    chamber::ROWS,
+    logs::ROWS,
+    noise::ROWS,
+    samples::ROWS,
+    serving::ROWS,
 ];
+
+/// The order of the book.
+pub const GROUPS: [Group; 6] = [
+    Group {
+        title: "Of the measurement",
+        codes: "earth-included earth-subtracted curvature-unseen temperature-drifting step curved lagging hysteresis \
+            swaying restless flat-bias hour-unchecked short-average unsteady-offset wandering-bias rest-unjudged \
+            curvature-unknown one-branch target-missed extrapolated moving turning small-span one-way too-few-samples",
+    },
+    Group {
+        title: "Of the samples",
+        codes: "aliased resonance lost-samples queue-overflow damaged-frames data-ready-stutters rate no-temperature \
+            noisy quiet impossible-readings bit-errors out-of-range frozen unjudged clock-stands clock-jump \
+            no-realtime-priority memory-not-locked unknown-serial slow-turn state-age-unknown not-kept not-recorded",
+    },
+    Group {
+        title: "Of a chamber",
+        codes: "silent not-settled not-reached overshoot beyond-limits limits-unknown chamber-left disturbed \
+            uncertain no-curve resumed",
+    },
+    Group {
+        title: "Of noise",
+        codes: "quantisation-limited periodic-disturbance misfit drift short-end-excluded glitches many-glitches \
+            many-steps gaps lines warm-up memory-or-flicker drift-or-walk unsteady short-record leakage off-curve \
+            model-rejected no-model no-common-model not-alike follows-temperature not-identified motion",
+    },
+    Group {
+        title: "Of logs and recordings",
+        codes: "times-disordered times-uneven mostly-missing rows-incomplete beyond-codes torn-tail \
+            messages-miscounted no-index bytes-behind-end not-checked edges-misplaced times-mended times-jitter \
+            lines-skipped lines-broken resampled unit-unknown columns-left-out several-imus kind-absent off-codes \
+            log-failed no-checksum no-validity table-short before-temperature not-believed",
+    },
+    Group {
+        title: "Of the live page",
+        codes: "samples-missed not-applied calibration-left-out not-removed libiio-unserved libiio-uncorrected \
+            libiio-ended no-page",
+    },
+];
+
+impl Group {
+    /// What its codes mean.
+    pub fn all(&self) -> impl Iterator<Item = &'static Explanation> {
+        self.codes.split_whitespace().filter_map(row)
+    }
+}
+
+fn row(code: &str) -> Option<&'static Explanation> {
+    ROWS.into_iter().flatten().find(|row| row.code == code)
+}
 
 /// All of them, without headings.
 pub fn all() -> impl Iterator<Item = &'static Explanation> {
-    GROUPS.iter().flat_map(|group| group.all)
+    GROUPS.iter().flat_map(Group::all)
 }
 
 /// What stands behind `code`. A whole line that begins with it does as well: `aliased: 228 rate samples …`.
@@ -82,7 +103,7 @@ pub fn explain(code: &str) -> Option<&'static Explanation> {
     let line = code.trim();
     let line = line.strip_prefix("warning: ").or(line.strip_prefix("code: ")).unwrap_or(line);
     let word = line.split([':', ' ']).next()?.to_lowercase().replace('_', "-");
-    all().find(|one| one.code == word)
+    row(&word)
 }
 
 /// The codes that are most like `word`, the nearest first; none where nothing is near.
@@ -113,9 +134,9 @@ fn distance(one: &str, other: &str) -> usize {
 #[must_use]
 pub fn page() -> String {
     let mut page = String::from(PREFACE);
-    for Group { title, all } in GROUPS {
-        write!(page, "\n## {title}\n").expect("a String takes everything");
-        for one in all {
+    for group in GROUPS {
+        write!(page, "\n## {}\n", group.title).expect("a String takes everything");
+        for one in group.all() {
             let Explanation { code, says, by, seen, matters, remedy, command } = one;
             let by = by.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
             write!(page, "\n### {code}\n\n*A {says} of {by}.* {seen}\n\n**Why it matters.** {matters}\n\n")
@@ -131,7 +152,7 @@ pub fn page() -> String {
 
 const PREFACE: &str = "# Every warning and refusal
 
-<!-- Made by `cargo xtask codegen` out of crates/zerorate-view/src/codes; change it there. -->
+<!-- Made by `cargo xtask codegen` out of the rows that crates/zerorate-view/src/codes names; change them. -->
 
 A warning begins with its code, and its result stands: `warning: aliased: 228 rate samples a second are
 below …`. A refusal (exit code 3) is followed by a line with its code, and there is no result. The lines
@@ -151,11 +172,11 @@ mod tests {
 
     #[test]
     fn every_code_stands_there_once_and_says_everything() {
-        let mut codes: Vec<&str> = all().map(|one| one.code).collect();
-        let count = codes.len();
-        codes.sort_unstable();
-        codes.dedup();
-        assert_eq!(codes.len(), count);
+        let mut in_order: Vec<&str> = GROUPS.iter().flat_map(|group| group.codes.split_whitespace()).collect();
+        let mut rows: Vec<&str> = ROWS.into_iter().flatten().map(|row| row.code).collect();
+        in_order.sort_unstable();
+        rows.sort_unstable();
+        assert_eq!(in_order, rows, "GROUPS and the rows do not have the same codes, each once");
         for one in all() {
             let is_word = one.code.bytes().all(|byte| byte.is_ascii_lowercase() || byte == b'-');
             assert!(is_word && !one.by.is_empty(), "{one:?}");

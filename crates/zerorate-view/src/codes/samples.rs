@@ -2,37 +2,7 @@
 
 use super::{Explanation, Says};
 
-/// In the order of the book.
-pub const ALL: &[Explanation] = &[
-    Explanation {
-        code: "aliased",
-        says: Says::Warning,
-        by: &["probe", "capture", "calibrate", "chamber"],
-        seen: "The rate is read less often than twice its bandwidth.",
-        matters: "Noise from above half the rate folds in and cannot be taken out again: the averages are worse than \
-            they need be.",
-        remedy: "Read more often, or take bandwidth away with the capacitor (F-04).",
-        command: "zerorate capture --divider 1 -o rest.arrows",
-    },
-    Explanation {
-        code: "resonance",
-        says: Says::Warning,
-        by: &["probe", "capture", "calibrate"],
-        seen: "At this rate of reading the part's mechanical resonance folds to nearly zero.",
-        matters: "There it looks like a bias that no average removes.",
-        remedy: "Read at another rate: the text names a divider that is good.",
-        command: "zerorate calibrate --divider 57 -o unit.toml",
-    },
-    Explanation {
-        code: "lost-samples",
-        says: Says::Either,
-        by: &["probe", "calibrate", "recalibrate", "chamber"],
-        seen: "Samples were lost between the part and the program.",
-        matters: "Means leave them out, and a few do no harm. Beyond the limit nobody can tell what was in them, and \
-            the measurement is refused.",
-        remedy: "Read the temperature less often, use a larger divider, raise the SPI clock, or allow more.",
-        command: "zerorate calibrate --every-temp 57 -o unit.toml",
-    },
+pub(super) const ROWS: &[Explanation] = &[
     Explanation {
         code: "queue-overflow",
         says: Says::Warning,
@@ -50,94 +20,6 @@ pub const ALL: &[Explanation] = &[
         matters: "Their checksum shows it, so nothing wrong came in; their samples are counted as lost.",
         remedy: "Check the cable of the bridge, or lower its baud rate.",
         command: "zerorate probe --device 'bridge:/dev/ttyACM0?baud=115200'",
-    },
-    Explanation {
-        code: "data-ready-stutters",
-        says: Says::Either,
-        by: &["probe", "capture", "calibrate", "recalibrate", "stream"],
-        seen: "Samples were lost, and in the gaps no edge of data ready came.",
-        matters: "It is the line that is silent, or the host was deaf to it. The part itself may be well.",
-        remedy: "Check the wire of data ready (ADIS16130: RDY, pin 10), its level and its pull-up, and only then \
-            what else the host does.",
-        command: "zerorate probe",
-    },
-    Explanation {
-        code: "rate",
-        says: Says::Warning,
-        by: &["probe"],
-        seen: "Samples do not come as often as the configuration says.",
-        matters: "The clock is another, edges are missed, or one edge is taken for two.",
-        remedy: "Check the data-ready wire; raise the SPI clock. A part with another clock: say so (mclk= in the \
-            address).",
-        command: "",
-    },
-    Explanation {
-        code: "no-temperature",
-        says: Says::Either,
-        by: &["probe", "calibrate", "recalibrate", "chamber"],
-        seen: "No temperature was read; or a log has none in any row.",
-        matters: "Without it there is no coefficient, and no correction.",
-        remedy: "Where data ready was heard twice for each sample, listen to its other edge (edge=rising in the \
-            device's address). Otherwise read the temperature more often.",
-        command: "zerorate capture --every-temp 1 -o rest.arrows",
-    },
-    Explanation {
-        code: "noisy",
-        says: Says::Either,
-        by: &["probe", "calibrate", "recalibrate"],
-        seen: "The white noise is far above a typical part's.",
-        matters: "The part shakes, or its supply is not linear; what it measures is not its bias alone.",
-        remedy: "Keep the part still, remove the vibration, use a linear supply.",
-        command: "",
-    },
-    Explanation {
-        code: "quiet",
-        says: Says::Warning,
-        by: &["probe"],
-        seen: "The white noise is far below a typical part's.",
-        matters: "A part that senses is noisier: the readings may be those of a part that is not powered, or of \
-            another channel.",
-        remedy: "Reset the part, and check its data wire and its supply.",
-        command: "zerorate probe",
-    },
-    Explanation {
-        code: "impossible-readings",
-        says: Says::Warning,
-        by: &["capture", "calibrate", "recalibrate", "stream", "correct"],
-        seen: "Some readings differ from their neighbours by more than the bandwidth of the part allows.",
-        matters: "They are bit errors on the line, and are left out. Errors too small to tell from motion may have \
-            passed.",
-        remedy: "Lower the SPI clock, or shorten the cable.",
-        command: "zerorate probe --device 'spi:/dev/spidev0.0?rdy=gpiochip0:25&hz=1000000'",
-    },
-    Explanation {
-        code: "bit-errors",
-        says: Says::Refusal,
-        by: &["calibrate", "recalibrate"],
-        seen: "Too many readings are impossible for the bandwidth of the part; or some are, and the rest varies too.",
-        matters: "A line that breaks these breaks others by amounts that nothing shows.",
-        remedy: "Lower the SPI clock, shorten or shield the cable.",
-        command: "",
-    },
-    Explanation {
-        code: "out-of-range",
-        says: Says::Either,
-        by: &["capture", "calibrate", "recalibrate", "stream", "correct"],
-        seen: "Readings are beyond the range of the part.",
-        matters: "It turns faster than it can measure, its supply is wrong, or the line carries errors. Such \
-            readings are no measurements.",
-        remedy: "Keep it still; check supply and wiring.",
-        command: "zerorate probe",
-    },
-    Explanation {
-        code: "frozen",
-        says: Says::Either,
-        by: &["capture", "calibrate", "recalibrate", "chamber", "stream", "correct", "allan", "imu"],
-        seen: "The readings stopped changing, while noise changes every reading of a part that senses.",
-        matters: "From there on nothing was measured.",
-        remedy: "Reset the part; check its data line and its supply (ADIS16130: SDO is pin 12, the supply pins 11, \
-            13, 15). Of a log, use what is before.",
-        command: "zerorate probe",
     },
     Explanation {
         code: "unjudged",

@@ -2,8 +2,7 @@
 
 use super::{Explanation, Says};
 
-/// In the order of the book.
-pub const ALL: &[Explanation] = &[
+pub(super) const ROWS: &[Explanation] = &[
     Explanation {
         code: "samples-missed",
         says: Says::Warning,

@@ -1,6 +1,7 @@
 //! How far an exported table reaches, and in which steps.
 
 use super::InvalidOptions;
+use super::warning::ExportWarning;
 use anyhow::Result;
 use zerorate::{Calibration, Correction, TableRow, Validity};
 
@@ -48,38 +49,24 @@ impl Layout {
         Ok(correction.table(self.step_c, self.span_c).map_err(|error| InvalidOptions(error.to_string()))?)
     }
 
-    /// What to say of it.
-    pub(super) fn warnings(&self, calibration: &Calibration) -> Vec<String> {
+    /// What there is to know of it.
+    pub(super) fn warnings(&self, calibration: &Calibration) -> Vec<ExportWarning> {
         let Validity { temp_min_c, temp_max_c, .. } = self.valid;
-        let mut warnings = Vec::new();
-        if !self.stated {
-            warnings.push(format!(
-                "no-validity: the calibration states no [validity], so nothing says where it holds: the export \
-                 takes {temp_min_c:.1} … {temp_max_c:.1} °C, T3 ± {ASSUMED_C} °C, as valid; state temp_min_c and \
-                 temp_max_c in the file"
-            ));
-        }
-        let several = calibration.axes.len() > 1;
-        for axis in &calibration.axes {
-            let name = if several { format!("axis {}: ", axis.name) } else { String::new() };
-            warnings.extend(self.beyond(&axis.correction).map(|text| format!("table-short: {name}{text}")));
-        }
-        warnings
+        let unstated = ExportWarning::NoValidity { temp_min_c, temp_max_c, assumed_c: ASSUMED_C };
+        let is_one_of_several = calibration.axes.len() > 1;
+        let short = calibration.axes.iter().filter_map(|axis| {
+            let wrong_dps = self.wrong_dps(&axis.correction)?;
+            let axis = is_one_of_several.then(|| axis.name.clone());
+            Some(ExportWarning::TableShort { axis, span_c: self.span_c, temp_min_c, temp_max_c, wrong_dps })
+        });
+        (!self.stated).then_some(unstated).into_iter().chain(short).collect()
     }
 
-    /// What to say where the table ends before the calibration.
-    fn beyond(&self, correction: &Correction) -> Option<String> {
-        let Self { step_c, span_c, valid, .. } = *self;
-        let Validity { temp_min_c, temp_max_c, .. } = valid;
-        let beyond_c = reach(&valid, correction.t3_c) - span_c - step_c / 2.0;
-        (beyond_c > 0.0).then(|| {
-            format!(
-                "the table ends {span_c} °C from T3, the calibration holds for {temp_min_c:.1} … {temp_max_c:.1} °C: \
-                 beyond the table the row at its end is wrong by up to {:.2} °/s, and the look-up says that it is \
-                 outside; leave the span out to cover the range",
-                beyond_c * correction.steepest_dps_per_c(reach(&valid, correction.t3_c))
-            )
-        })
+    /// By how much a table that ends before the calibration is wrong, at most.
+    fn wrong_dps(&self, correction: &Correction) -> Option<f64> {
+        let reach_c = reach(&self.valid, correction.t3_c);
+        let beyond_c = reach_c - self.span_c - self.step_c / 2.0;
+        (beyond_c > 0.0).then(|| beyond_c * correction.steepest_dps_per_c(reach_c))
     }
 }
 
@@ -141,7 +128,7 @@ mod tests {
             assert!(rows.len() <= 1025, "{layout:?}");
             assert!(t3_c + rows[0].delta_c >= high + 0.5 && t3_c - rows[0].delta_c <= low - 0.5, "{layout:?}");
             assert_eq!(layout.step_c == 0.02, layout.span_c <= 512.0 * 0.02, "{layout:?}");
-            assert_eq!(layout.warnings(&calibration(t3_c, None)), [""; 0]);
+            assert_eq!(layout.warnings(&calibration(t3_c, None)), []);
         }
     }
 
@@ -162,11 +149,11 @@ mod tests {
         let by_hand = calibration(31.5, None);
         let layout = Layout::new(&by_hand, None, None);
         assert_eq!((layout.step_c, layout.span_c, layout.stated), (0.02, 9.5, false));
-        assert!(layout.warnings(&by_hand)[0].contains("22.5 … 40.5 °C"));
+        assert!(layout.warnings(&by_hand)[0].to_string().contains("22.5 … 40.5 °C"));
         let measured = calibration(32.5, Some((25.0, 32.5)));
         let layout = Layout::new(&measured, None, Some(0.12));
         assert_eq!(layout.step_c, 0.02);
         // 8 °C to the far end, 0.13 °C of them in the table
-        assert!(layout.warnings(&measured)[0].contains("wrong by up to 0.31 °/s"));
+        assert!(layout.warnings(&measured)[0].to_string().contains("wrong by up to 0.31 °/s"));
     }
 }

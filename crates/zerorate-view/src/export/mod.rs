@@ -7,11 +7,13 @@ mod form;
 mod json;
 mod layout;
 mod prefix;
+mod warning;
 
 use anyhow::Result;
 pub use form::{ExportForm, FormRow};
 use layout::Layout;
 pub use prefix::Prefix;
+pub use warning::ExportWarning;
 use zerorate::{Calibration, TableRow};
 
 /// What may be asked for; what is not is chosen.
@@ -62,9 +64,9 @@ impl Export {
         Ok(Self { calibration, layout, tables, options })
     }
 
-    /// What there is to say of it.
+    /// What there is to know of it.
     #[must_use]
-    pub fn warnings(&self) -> Vec<String> {
+    pub fn warnings(&self) -> Vec<ExportWarning> {
         self.layout.warnings(&self.calibration)
     }
 

@@ -156,8 +156,7 @@ pub fn allan_page(page: &AllanPage) -> Result<String> {
 mod tests {
     use super::*;
 
-    #[test]
-    fn the_page_has_everything_and_escapes_what_others_named() {
+    fn page() -> AllanPage {
         let row =
             AllanRow { tau_s: 0.01, dev: 0.0937, lo: 0.09, hi: 0.1, edf: 1e6, n: 360_000, noise: "white".into() };
         let value =
@@ -179,7 +178,7 @@ mod tests {
             note: "a note".into(),
         };
         let pictures = vec!["<svg><path/></svg>".into()];
-        let page = AllanPage {
+        AllanPage {
             title: "of <u>".into(),
             facts: vec![Fact::new("length", "2.8 h")],
             warnings: vec!["three <axes>".into()],
@@ -190,8 +189,12 @@ mod tests {
             interval: "68.3 % interval".into(),
             coefficient_interval: "95 % interval".into(),
             records: vec![record],
-        };
-        let html = allan_page(&page).unwrap();
+        }
+    }
+
+    #[test]
+    fn the_page_has_everything_and_escapes_what_others_named() {
+        let html = allan_page(&page()).unwrap();
         for expected in [
             "<svg><path/></svg>",
             "360000",

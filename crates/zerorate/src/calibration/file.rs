@@ -10,6 +10,7 @@ use alloc::vec::Vec;
 use core::fmt;
 use serde::Deserialize;
 use zerorate_allan::toml_error::line_of;
+use zerorate_allan::{Says, rows};
 
 const HEADER: &str = "# A zerorate calibration (docs/formats/calibration.md). To use other numbers, edit a copy and \
     delete its two check lines.\n";
@@ -72,13 +73,25 @@ pub enum FileWarning {
     NoChecksum,
 }
 
+rows!(match FileWarning {
+    Self::NoChecksum => Row {
+        code: "no-checksum",
+        text: format_args!(
+            "the calibration has no checksum: nothing shows whether its numbers are as they were measured"
+        ),
+        says: Says::Warning,
+        by: &["stream", "correct", "export", "report", "serve"],
+        seen: "A calibration file has no checksum: it was written by hand, or its check lines were taken out.",
+        matters: "Nothing shows whether its numbers are as they were measured.",
+        remedy: "Prefer the file that a command has written. For one that was written by hand there is nothing to be \
+            done.",
+        command: "zerorate verify unit.toml",
+    },
+});
+
 impl fmt::Display for FileWarning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NoChecksum => f.write_str(
-                "the calibration has no checksum: nothing shows whether its numbers are as they were measured",
-            ),
-        }
+        self.text(f)
     }
 }
 

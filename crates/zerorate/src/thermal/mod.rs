@@ -294,30 +294,11 @@ fn average(record: &Record<'_>, axis: &Axis, models: &[Weighed]) -> BiasCurve {
         let share = model.weight / order_weights[order];
         bias.iter_mut().zip(&model.posterior.bias).for_each(|(mean, value)| *mean += share * value);
     }
-    let mut covariance = [[0.0; TERMS]; TERMS];
-    for Weighed { weight, posterior, .. } in models {
-        let off: Powers = core::array::from_fn(|k| posterior.bias[k] - bias[k]);
-        for (i, row) in covariance.iter_mut().enumerate() {
-            for (j, value) in row.iter_mut().enumerate() {
-                *value += weight * (posterior.covariance[i][j] + off[i] * off[j]);
-            }
-        }
-    }
+    let mut covariance = covariance_about(models, &bias);
     covariance[0][0] += excess(models, 0, bias[0], covariance[0][0]);
     let mean = |of: fn(&Weighed) -> f64| models.iter().map(|model| model.weight * of(model)).sum::<f64>();
-    let noise = |of: fn(&Noise) -> f64| {
-        let logarithms = models.iter().map(|model| model.weight * libm::log(of(&model.hypothesis.noise)));
-        libm::exp(logarithms.sum())
-    };
-    // whether the spread of a logarithm over the models is well below what it was beforehand
-    let told = |of: &dyn Fn(&Noise) -> f64, before: f64| {
-        let mean = |of: &dyn Fn(f64) -> f64, inner: &dyn Fn(&Noise) -> f64| {
-            models.iter().map(|model| model.weight * of(libm::log(inner(&model.hypothesis.noise)))).sum::<f64>()
-        };
-        let centre = mean(&|x| x, of);
-        let variance = mean(&|x| (x - centre) * (x - centre), of);
-        libm::sqrt(variance) < TOLD * before
-    };
+    let noise = |of| libm::exp(mean_logarithm(models, of));
+    let told = |of, before| libm::sqrt(variance_of_logarithm(models, of)) < TOLD * before;
     BiasCurve {
         correction: Correction {
             pbc_dps: 0.0 - bias[0],
@@ -340,14 +321,37 @@ fn average(record: &Record<'_>, axis: &Axis, models: &[Weighed]) -> BiasCurve {
             rate_random_walk_dps_per_rt_s: noise(|noise| noise.rate_random_walk_dps_per_rt_s),
         },
         noise_told: [
-            told(&|noise| noise.bias_instability_dps, model_averaging::spread(axis)[0]),
-            told(&|noise| noise.rate_random_walk_dps_per_rt_s, model_averaging::spread(axis)[1]),
+            told(|noise| noise.bias_instability_dps, model_averaging::spread(axis)[0]),
+            told(|noise| noise.rate_random_walk_dps_per_rt_s, model_averaging::spread(axis)[1]),
         ],
         steps: steps(record, models),
         is_late: mean(|model| f64::from(u8::from(model.hypothesis.following.lag_s > 0.0))) > 0.5,
         sway: sway(models),
         span_c: record.span_c(),
     }
+}
+
+fn covariance_about(models: &[Weighed], bias: &Powers) -> [Powers; TERMS] {
+    let mut covariance = [[0.0; TERMS]; TERMS];
+    for Weighed { weight, posterior, .. } in models {
+        let off: Powers = core::array::from_fn(|k| posterior.bias[k] - bias[k]);
+        for (i, row) in covariance.iter_mut().enumerate() {
+            for (j, value) in row.iter_mut().enumerate() {
+                *value += weight * (posterior.covariance[i][j] + off[i] * off[j]);
+            }
+        }
+    }
+    covariance
+}
+
+fn mean_logarithm(models: &[Weighed], of: fn(&Noise) -> f64) -> f64 {
+    models.iter().map(|model| model.weight * libm::log(of(&model.hypothesis.noise))).sum()
+}
+
+fn variance_of_logarithm(models: &[Weighed], of: fn(&Noise) -> f64) -> f64 {
+    let centre = mean_logarithm(models, of);
+    let off = |model: &Weighed| libm::log(of(&model.hypothesis.noise)) - centre;
+    models.iter().map(|model| model.weight * (off(model) * off(model))).sum()
 }
 
 /// The order with the most evidence, of those that are not too low with a probability of more than one half. A bend

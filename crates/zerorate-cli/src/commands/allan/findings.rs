@@ -105,9 +105,12 @@ impl Finding {
     }
 }
 
+fn said(detail: String, meaning: &str) -> (String, String) {
+    (detail, meaning.to_owned())
+}
+
 /// The numbers of one axis, and what they mean on any.
 fn condensed_words(warning: &AllanWarning, unit: &str) -> (String, String) {
-    let said = |detail: String, meaning: &str| (detail, meaning.to_owned());
     match *warning {
         AllanWarning::Rejected { error, most } => (
             format!("off by {:.0} %", error * 100.0),
@@ -140,6 +143,13 @@ fn condensed_words(warning: &AllanWarning, unit: &str) -> (String, String) {
         AllanWarning::Glitches { glitches, samples, .. } => {
             said(format!("{glitches}, {samples} samples"), "no noise (knocks, bit errors); replaced by straight lines")
         }
+        ref other => words_of_terms(other, unit),
+    }
+}
+
+/// The same about the terms of the model.
+fn words_of_terms(warning: &AllanWarning, unit: &str) -> (String, String) {
+    match *warning {
         AllanWarning::WarmUp { size, tau_s } => said(
             format!("{} {unit} in {}", number(size), span(tau_s)),
             "it hides K; let the part settle, or cut the beginning",
