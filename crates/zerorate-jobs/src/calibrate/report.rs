@@ -1,11 +1,12 @@
 //! The result of a calibration: what `calibrate --json` prints, and what Python's `Calibrated` holds.
 
+use crate::warning::{CodedWarning, JobWarning};
 use adis16130_twin::Truth;
 use serde::Serialize;
 use std::path::PathBuf;
 use zerorate::calibration::{CalibratedAxis, Run};
 use zerorate::thermal::{BiasCurve, Step, TERMS};
-use zerorate::{Calibration, Names, Outcome, Say, Uncertainty, Warning};
+use zerorate::{Calibration, Names, Outcome, Uncertainty, Warning};
 
 /// The JSON object of `calibrate --json`; the names are a contract.
 #[derive(Clone, Debug, Serialize)]
@@ -28,7 +29,7 @@ pub struct Report {
     pub calibration_id: String,
     pub capture_sha256: Option<String>,
     /// Those that concern all axes.
-    pub warnings: Vec<String>,
+    pub warnings: Vec<CodedWarning>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub axes: Vec<AxisReport>,
     /// The calibration itself, where a file that was asked for could not be written.
@@ -44,7 +45,7 @@ pub struct AxisReport {
     #[serde(flatten)]
     pub numbers: Numbers,
     /// Those that concern it alone.
-    pub warnings: Vec<String>,
+    pub warnings: Vec<CodedWarning>,
 }
 
 /// What was found of an axis.
@@ -191,14 +192,14 @@ impl Report {
     /// the part is no twin.
     pub fn new(outcomes: &[Outcome], calibration: &Calibration, truths: &[Truth], names: Names) -> Self {
         let common: Vec<&Warning> = Outcome::shared_warnings(outcomes).collect();
-        let text = |one: &Warning| format!("{}: {}", one.code(), one.with(names));
+        let coded = |warning: &Warning| JobWarning::from(*warning).coded(names);
         let mut axes: Vec<AxisReport> = Vec::new();
         for (index, (outcome, axis)) in outcomes.iter().zip(&calibration.axes).enumerate() {
             let own = outcome.warnings.iter().filter(|warning| !common.contains(warning));
             axes.push(AxisReport {
                 name: axis.name.clone(),
                 numbers: Numbers::new(outcome, axis, truths.get(index)),
-                warnings: own.map(text).collect(),
+                warnings: own.map(coded).collect(),
             });
         }
         let only = if axes.len() == 1 { axes.pop().map(|axis| axis.numbers) } else { None };
@@ -219,17 +220,9 @@ impl Report {
             device: calibration.device.clone(),
             calibration_id: calibration.id(),
             capture_sha256: calibration.capture_sha256.clone(),
-            warnings: common.into_iter().map(text).collect(),
+            warnings: common.into_iter().map(coded).collect(),
             axes,
             rescued: None,
         }
-    }
-
-    /// All warnings, those of one axis with its name.
-    pub fn warnings(&self) -> Vec<String> {
-        let own = |axis: &AxisReport| {
-            axis.warnings.iter().map(|text| format!("axis {}: {text}", axis.name)).collect::<Vec<_>>()
-        };
-        self.warnings.iter().cloned().chain(self.axes.iter().flat_map(own)).collect()
     }
 }

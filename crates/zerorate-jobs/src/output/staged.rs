@@ -39,6 +39,11 @@ impl Staged {
         Ok(Self { path: path.to_owned(), form })
     }
 
+    /// The name that was asked for.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
     /// To write to.
     ///
     /// # Errors

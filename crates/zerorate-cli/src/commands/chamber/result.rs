@@ -14,9 +14,9 @@ use std::path::Path;
 use zerorate::calibration::ChamberRun;
 use zerorate::chamber::{Branches, ChamberOutcome, Record};
 use zerorate::{Calibration, Correction, Part, Uncertainty, Warning};
+use zerorate_jobs::JobWarning;
 use zerorate_jobs::acquisition::aliasing;
 use zerorate_jobs::calibrate::{CurvePoint, POINTS, Undelivered};
-use zerorate_record::Note;
 use zerorate_view::duration::Seconds;
 use zerorate_view::report::{ChamberPage, Fact, chamber_page, over_temperature, wide_loop};
 
@@ -119,8 +119,13 @@ pub fn deliver(args: &ChamberArgs, plan: &PlanFile, driven: Driven, files: Files
     // what was measured before an interruption is in no recording of this run
     let capture_sha256 = if is_resumed { String::new() } else { capture_sha256 };
     let calibration = Calibration::of_chamber(&part, &record, &outcomes, &run, info.origin(capture_sha256));
-    let mut said: Vec<String> =
-        warnings.iter().map(coded).chain(acquisition.disbelief().iter().map(Note::to_string)).collect();
+    let mut said: Vec<String> = warnings
+        .iter()
+        .copied()
+        .map(JobWarning::from)
+        .chain(acquisition.disbelief())
+        .map(|one| coded(one).to_string())
+        .collect();
     said.extend(resumed(is_resumed));
     said.extend(outcomes.iter().zip(part.axes.iter()).flat_map(|(outcome, axis)| of_axis(outcome, &axis.name, &part)));
     said.extend(outcomes.iter().zip(part.axes.iter()).filter_map(|(outcome, axis)| wide_loop(outcome, &axis.name)));
@@ -151,8 +156,8 @@ fn resumed(is_resumed: bool) -> Option<String> {
 /// The warnings of an axis, which is named where there are several.
 fn of_axis(outcome: &ChamberOutcome, name: &str, part: &Part) -> Vec<String> {
     let named = |warning: Warning| match part.axes.len() {
-        1 => coded(&warning),
-        _ => format!("axis {name}: {}", coded(&warning)),
+        1 => coded(warning).to_string(),
+        _ => format!("axis {name}: {}", coded(warning)),
     };
     outcome.warnings().map(named).collect()
 }

@@ -106,7 +106,7 @@ pub fn run(args: &StreamArgs) -> Result<()> {
         rows.write(&mut mean)?;
     }
     rows.finish()?;
-    warn(&acquisition.disbelief());
+    warn(&acquisition.disbelief().map(coded).collect::<Vec<_>>());
     Ok(())
 }
 
@@ -305,7 +305,7 @@ impl Rows {
 
     fn watch(&mut self, extrapolated: bool, flags: Flags) {
         if extrapolated && !self.warned.span {
-            warn(self.corrector.warning().map(|warning| coded(&warning)).as_slice());
+            warn(self.corrector.warning().map(coded).as_slice());
             self.warned.span = true;
         }
         let new = flags != Flags::NONE && !self.warned.flags.has(flags);
