@@ -33,6 +33,28 @@ pub enum JobWarning {
     BeforeTemperature(u64),
     /// Readings with these flags are left out of a stream.
     LeftOut(Flags),
+    /// Nothing tells how old the state of a tracked bias is.
+    StateAgeUnknown,
+    /// The state of a tracked bias cannot be written.
+    StateNotKept {
+        /// What failed.
+        why: String,
+        /// It is tried again every so many s.
+        again_s: u64,
+    },
+    /// The finished steps of a chamber's plan cannot be kept, since this failed.
+    StepsNotKept(String),
+    /// The part does not state the temperatures that it bears.
+    LimitsUnknown,
+    /// A measurement in a chamber was interrupted.
+    Resumed,
+    /// An axis was quiet at a level that a slow turn explains better.
+    SlowTurn {
+        /// The axis.
+        axis: String,
+        /// For so long.
+        doubtful_s: u32,
+    },
 }
 
 impl JobWarning {
@@ -47,13 +69,18 @@ impl JobWarning {
             Self::LogFailed { .. } => "log-failed",
             Self::BeforeTemperature(_) => "before-temperature",
             Self::LeftOut(_) => "not-believed",
+            Self::StateAgeUnknown => "state-age-unknown",
+            Self::StateNotKept { .. } | Self::StepsNotKept(_) => "not-kept",
+            Self::LimitsUnknown => "limits-unknown",
+            Self::Resumed => "resumed",
+            Self::SlowTurn { .. } => "slow-turn",
         }
     }
 
     /// As scripts read it, `code: text`, with these names for settings.
     #[must_use]
     pub fn coded(self, names: Names) -> CodedWarning {
-        CodedWarning { warning: self, names }
+        CodedWarning { axis: None, warning: self, names }
     }
 }
 
@@ -82,6 +109,24 @@ impl Say for JobWarning {
             Self::LeftOut(flags) => {
                 write!(f, "readings that are not to be believed ({flags}) are left out; their rows are flagged")
             }
+            Self::StateAgeUnknown => f.write_str("nothing tells how old the state is; it is taken as of now"),
+            Self::StateNotKept { why, again_s } => write!(
+                f,
+                "what was learned cannot be written: {why}; the rows go on, and it is tried again every {again_s} s"
+            ),
+            Self::StepsNotKept(why) => write!(f, "the finished steps cannot be kept: {why}"),
+            Self::LimitsUnknown => f.write_str(
+                "the file of the part does not state operating_c, so only the plan keeps the chamber from harming it",
+            ),
+            Self::Resumed => f.write_str(
+                "the measurement was interrupted; a part that was switched off in between may have another bias since, \
+                 which shows as noise and is no part of the uncertainty. No one recording gives this result again",
+            ),
+            Self::SlowTurn { axis, doubtful_s } => write!(
+                f,
+                "{axis} was quiet for {doubtful_s} s at a level that a slow turn explains better than a change of the \
+                 bias: next to nothing was learned from it; if the part was at rest, calibrate it anew"
+            ),
         }
     }
 }
@@ -95,12 +140,24 @@ impl From<Warning> for JobWarning {
 /// A warning with the names of settings: `code: text` where it is shown.
 #[derive(Clone, Debug)]
 pub struct CodedWarning {
+    axis: Option<String>,
     warning: JobWarning,
     names: Names,
 }
 
+impl CodedWarning {
+    /// With the name of an axis before it.
+    #[must_use]
+    pub fn of_axis(self, name: &str) -> Self {
+        Self { axis: Some(name.to_owned()), ..self }
+    }
+}
+
 impl fmt::Display for CodedWarning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(axis) = &self.axis {
+            write!(f, "axis {axis}: ")?;
+        }
         write!(f, "{}: {}", self.warning.code(), self.warning.with(self.names))
     }
 }
