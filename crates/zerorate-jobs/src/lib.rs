@@ -4,6 +4,7 @@
 //!
 //! * [`calibrate`](calibrate::calibrate): the procedure of AN-1042 (F-51), or a method that takes the whole recording,
 //!   on a part or on its recording.
+//! * [`analysis`]: the noise of a log.
 //! * [`chamber`]: a calibration over the temperatures of a chamber.
 //! * [`correct`]: a capture, corrected.
 //! * [`probe`]: is there a part, and is it wired right?
@@ -12,6 +13,7 @@
 //! * [`Outputs`](output::Outputs): the files of a run, none of which is overwritten by accident.
 
 pub mod acquisition;
+pub mod analysis;
 pub mod calibrate;
 pub mod capture;
 pub mod chamber;

@@ -1,13 +1,14 @@
 //! The result as one JSON object.
 
+use super::advice::advice;
 use super::motion::{self, Motion};
 use super::pool::{self, Pool};
-use super::record::Record;
 use super::temperature;
 use super::units::{Named, coefficients, deviation_unit};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use zerorate_allan::{self as allan, Point, Unavailable};
+use zerorate_jobs::analysis::Record;
 
 /// Several logs.
 #[derive(Serialize)]
@@ -86,7 +87,7 @@ pub struct Report<'a> {
     detrend: Option<temperature::Json>,
     #[serde(skip_serializing_if = "is_nothing")]
     skipped_s: f64,
-    warnings: &'a [String],
+    warnings: Vec<String>,
 }
 
 fn is_nothing(seconds: &f64) -> bool {
@@ -191,10 +192,10 @@ impl<'a> Report<'a> {
             fit: fit(record),
             fit_error: record.fit.as_ref().and_then(|fit| fit.as_ref().err()).map(ToString::to_string),
             cleaned: record.model().map(|fit| cleaned(&fit.cleaned)).unwrap_or_default(),
-            advice: record.advice(),
+            advice: advice(record),
             detrend: temperature::json(record),
             skipped_s: record.skipped_s,
-            warnings: &record.warnings,
+            warnings: temperature::warnings(record),
         }
     }
 }

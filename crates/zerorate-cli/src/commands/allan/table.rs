@@ -1,10 +1,11 @@
 //! The result as text and as CSV.
 
-use super::record::Record;
+use super::advice::advice;
 use super::units::{self, Row, noise};
 use anyhow::Result;
 use std::fmt::Write;
 use zerorate_allan::{Estimate, Point};
+use zerorate_jobs::analysis::Record;
 
 /// The line above the table.
 pub fn heading(record: &Record) -> String {
@@ -66,7 +67,7 @@ pub fn coefficients_text(record: &Record) -> Result<String> {
         writeln!(text, "\nThe model holds to {error:.1} % {verdict} (p = {:.2} with that).", fit.p_value)?;
     }
     text.push('\n');
-    record.advice().iter().try_for_each(|advice| writeln!(text, "{advice}"))?;
+    advice(record).iter().try_for_each(|advice| writeln!(text, "{advice}"))?;
     Ok(text)
 }
 

@@ -3,9 +3,9 @@
 use super::datasheet::{Comparison, Row};
 use crate::commands::allan::json;
 use crate::commands::allan::motion::{self, Motion};
-use crate::commands::allan::record::Record;
 use serde::Serialize;
 use zerorate_allan::DataSheet;
+use zerorate_jobs::analysis::Record;
 use zerorate_logs::imu::Kind;
 
 /// All axes of a log.
