@@ -126,6 +126,18 @@ impl CurvePoint {
     }
 }
 
+impl TruthReport {
+    /// At this T3, and evenly over these temperatures.
+    pub fn new(truth: &Truth, t3_c: f64, (low_c, high_c): (f64, f64)) -> Self {
+        let point = |temp_c| CurvePoint { temp_c, correction_dps: truth.pbc_dps(temp_c), u_dps: None };
+        Self {
+            pbc_dps: truth.pbc_dps(t3_c),
+            btc_dps_per_c: truth.btc_dps_per_c(t3_c),
+            curve: CurvePoint::temps_c(low_c, high_c).map(point).collect(),
+        }
+    }
+}
+
 /// Where a calibration is that could not be written as it was asked for.
 #[derive(Clone, Debug, Serialize)]
 pub struct Rescued {
@@ -139,21 +151,18 @@ impl Numbers {
     fn new(outcome: &Outcome, axis: &CalibratedAxis, truth: Option<&Truth>) -> Self {
         let t3_c = outcome.correction.t3_c;
         let (low_c, high_c) = (outcome.temp_min_c, outcome.temp_max_c);
-        let temps = || CurvePoint::temps_c(low_c, high_c);
         let point = |temp_c| CurvePoint {
             temp_c,
             correction_dps: outcome.correction.at(temp_c),
             u_dps: axis.u_correction_dps(temp_c),
         };
-        let true_point =
-            |truth: &Truth, temp_c| CurvePoint { temp_c, correction_dps: truth.pbc_dps(temp_c), u_dps: None };
         Self {
             b1_dps: outcome.means.map(|means| means.b1_dps),
             t1_c: outcome.means.map(|means| means.t1_c),
             b2_dps: outcome.means.map(|means| means.b2_dps),
             t2_c: outcome.means.map(|means| means.t2_c),
             higher: outcome.curve.as_ref().map(Higher::new),
-            curve: temps().map(point).collect(),
+            curve: CurvePoint::temps_c(low_c, high_c).map(point).collect(),
             btc_dps_per_c: outcome.correction.btc_dps_per_c,
             pbc_dps: outcome.correction.pbc_dps,
             t3_c,
@@ -161,11 +170,7 @@ impl Numbers {
             u_btc_dps_per_c: outcome.uncertainty.u_btc_dps_per_c,
             u_t3_c: outcome.uncertainty.u_t3_c,
             impossible_readings: outcome.impossible_readings,
-            truth: truth.map(|truth| TruthReport {
-                pbc_dps: truth.pbc_dps(t3_c),
-                btc_dps_per_c: truth.btc_dps_per_c(t3_c),
-                curve: temps().map(|temp_c| true_point(truth, temp_c)).collect(),
-            }),
+            truth: truth.map(|truth| TruthReport::new(truth, t3_c, (low_c, high_c))),
         }
     }
 }

@@ -11,20 +11,19 @@ pub use plan::PlanFile;
 pub use report::{AxisReport, Report};
 
 use crate::acquisition::{Acquisition, aliasing};
-use crate::calibrate::{Kept, Undelivered};
+use crate::calibrate::{self, Kept, Undelivered};
 use crate::error::{InvalidOptions, Refused};
 use crate::output::{Outputs, Slot, Staged};
-use crate::recorder::Recorder;
 use crate::warning::{CodedWarning, JobWarning};
 use anyhow::Result;
 use drive::{Drive, Driven, TICK_NS};
 use finished_steps::FinishedSteps;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use zerorate::calibration::ChamberRun;
 use zerorate::chamber::{ChamberOutcome, ChamberProcedure, ChamberProgress, ChamberRefusal, Record, Step};
 use zerorate::{Calibration, Names, Part, Warning};
-use zerorate_host::{DeviceInfo, Lead};
-use zerorate_record::{CaptureInfo, Format, Note};
+use zerorate_host::Lead;
+use zerorate_record::{CaptureInfo, Note};
 use zerorate_view::report::wide_loop;
 
 /// Looks on while a chamber is driven.
@@ -79,12 +78,10 @@ pub struct UnusableSteps {
 /// The files that were asked for, claimed before hours are spent on their content.
 #[derive(Debug)]
 pub struct Files {
-    outputs: Outputs,
-    calibration: Option<Staged>,
+    of_calibration: calibrate::Files,
     page: Option<Staged>,
     /// Where finished steps are kept.
     steps: Option<Slot>,
-    kept: Kept,
 }
 
 impl Files {
@@ -92,23 +89,14 @@ impl Files {
     ///
     /// # Errors
     /// An [`OutputError`](crate::output::OutputError): why one of them is refused, or cannot be written.
-    pub fn claim(mut outputs: Outputs, kept: Kept, page: Option<PathBuf>, is_replayed: bool) -> Result<Self> {
+    pub fn claim(outputs: Outputs, kept: Kept, page: Option<&Path>, is_replayed: bool) -> Result<Self> {
         // beside a device there is no place for files
-        let output = kept.output.as_deref().filter(|path| !is_replayed && (!path.exists() || path.is_file()));
-        Ok(Self {
-            calibration: kept.output.as_deref().map(|path| outputs.derived(path)).transpose()?,
-            page: page.map(|path| outputs.derived(&path)).transpose()?,
-            steps: output.map(|path| outputs.slot(&FinishedSteps::beside(path))).transpose()?,
-            outputs,
-            kept,
-        })
-    }
-
-    /// Starts the log, once there is something to record.
-    fn log(&mut self, facts: &DeviceInfo, info: &CaptureInfo) -> Result<Option<Recorder>> {
-        let Some(path) = &self.kept.log else { return Ok(None) };
-        let format = Format::choose(None, path)?;
-        Ok(Some(Recorder::create(self.outputs.recording(path)?, format, facts, info, None)?))
+        let output = kept.output.clone().filter(|path| !is_replayed && (!path.exists() || path.is_file()));
+        let mut of_calibration = calibrate::Files::claim(outputs, kept)?;
+        let outputs = &mut of_calibration.outputs;
+        let page = page.map(|path| outputs.derived(path)).transpose()?;
+        let steps = output.map(|path| outputs.slot(&FinishedSteps::beside(&path))).transpose()?;
+        Ok(Self { of_calibration, page, steps })
     }
 }
 
@@ -141,7 +129,8 @@ pub fn prepare(
     if options.moves_air {
         plan.plan.spares(part).map_err(|error| InvalidOptions(error.to_string()))?;
     }
-    let info = acquisition.info(files.kept.serial.as_deref(), files.kept.supply_note.as_deref());
+    let Kept { serial, supply_note, .. } = &files.of_calibration.kept;
+    let info = acquisition.info(serial.as_deref(), supply_note.as_deref());
     let procedure = ChamberProcedure::new(part, plan.plan.clone(), options.max_lost);
     let mut procedure = procedure.map_err(|error| InvalidOptions(error.to_string()))?;
     let steps = FinishedSteps::new(files.steps.take(), &plan.text, part, &info.device, info.serial.as_deref());
@@ -182,7 +171,7 @@ impl Job {
         if self.lead.is_some() {
             mark_ticks(&mut self.acquisition, &self.procedure);
         }
-        let log = self.files.log(self.acquisition.facts(), &self.info)?;
+        let log = self.files.of_calibration.log(self.acquisition.facts(), &self.info)?;
         let Self { lead, mover, acquisition, procedure, steps, files, info, plan, options, resumed } = self;
         let drive = Drive::new((mover, lead), acquisition, procedure, steps, log, &mut *watch);
         let (mut driven, mut steps) = drive.run()?;
@@ -191,9 +180,9 @@ impl Job {
         let filled = files.page.map_or(Ok(()), |file| watch.page(&found, file));
         let filled = filled.and_then(|()| {
             let text = found.calibration.to_toml();
-            Ok(files.calibration.map_or(Ok(()), |file| file.fill(text.as_bytes()))?)
+            Ok(files.of_calibration.calibration.map_or(Ok(()), |file| file.fill(text.as_bytes()))?)
         });
-        let wanted: Vec<PathBuf> = files.kept.output.into_iter().collect();
+        let wanted: Vec<PathBuf> = files.of_calibration.kept.output.into_iter().collect();
         let kept = match log_failed.map_or(filled, Err) {
             Ok(()) => Ok(steps.forget()),
             Err(why) => Err(Undelivered::rescue(why, &wanted, &found.calibration)),

@@ -134,19 +134,11 @@ impl AxisReport {
         let curve = &outcome.curve;
         let Correction { pbc_dps, btc_dps_per_c, t3_c, btc2_dps_per_c2, btc3_dps_per_c3 } = curve.correction;
         let (low_c, high_c) = record.span_c().unwrap_or_default();
-        let temps = || CurvePoint::temps_c(low_c, high_c);
         let point = |temp_c| {
             let correction_dps = curve.correction.at(temp_c);
             CurvePoint { temp_c, correction_dps, u_dps: Some(curve.u_dps(temp_c)) }
         };
         let u = |term: usize| curve.covariance[term][term].max(0.0).sqrt();
-        let truth = truth.map(|truth| TruthReport {
-            pbc_dps: truth.pbc_dps(t3_c),
-            btc_dps_per_c: truth.btc_dps_per_c(t3_c),
-            curve: temps()
-                .map(|temp_c| CurvePoint { temp_c, correction_dps: truth.pbc_dps(temp_c), u_dps: None })
-                .collect(),
-        });
         Self {
             name,
             pbc_dps,
@@ -164,10 +156,10 @@ impl AxisReport {
             play_c: curve.following.play_c,
             bias_instability_dps: curve.noise.bias_instability_dps,
             rate_random_walk_dps_per_rt_s: curve.noise.rate_random_walk_dps_per_rt_s,
-            curve: temps().map(point).collect(),
+            curve: CurvePoint::temps_c(low_c, high_c).map(point).collect(),
             points: points(index, record, outcome),
             branches: outcome.branches.map(Loop::from),
-            truth,
+            truth: truth.map(|truth| TruthReport::new(truth, t3_c, (low_c, high_c))),
         }
     }
 }

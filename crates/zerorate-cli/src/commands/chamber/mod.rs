@@ -133,7 +133,7 @@ pub fn run(args: &ChamberArgs) -> Result<()> {
     let ChamberArgs { output, log, serial, supply_note, .. } = args;
     let (output, log, serial, supply_note) = (output.clone(), log.clone(), serial.clone(), supply_note.clone());
     let kept = Kept { output, log, serial, supply_note };
-    let files = Files::claim(outputs, kept, args.report.clone(), args.device.file().is_some())?;
+    let files = Files::claim(outputs, kept, args.report.as_deref(), args.device.file().is_some())?;
     let kind = args.report.as_deref().map(Kind::of).transpose()?.flatten();
     let job = ready(args, chamber, setup, plan, files)?;
     if kind.is_some() && job.part().axes.len() > 1 {
