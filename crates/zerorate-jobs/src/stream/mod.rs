@@ -77,7 +77,7 @@ pub fn stream(
     tracking: Option<Tracking>,
     listener: &mut dyn Listener,
 ) -> Result<()> {
-    let mut rows = Rows::new(acquisition.part(), calibration, tracking, listener)?;
+    let mut rows = RowMaker::new(acquisition.part(), calibration, tracking, listener)?;
     let mut mean = Mean::default();
     let mut judged = Vec::new();
     let period_ns = options.period_ns.unwrap_or(1);
@@ -110,7 +110,7 @@ pub fn stream(
 
 /// The row that says so, then the end: nothing after it would be a measurement.
 #[cold]
-fn stop_frozen(acquisition: &Acquisition, mut rows: Rows<'_>, mut mean: Mean) -> Result<()> {
+fn stop_frozen(acquisition: &Acquisition, mut rows: RowMaker<'_>, mut mean: Mean) -> Result<()> {
     mean.flags = mean.flags.and(Flags::FROZEN);
     rows.write(&mut mean)?;
     rows.finish()?;
@@ -173,7 +173,7 @@ impl Mean {
 }
 
 /// Corrects means, and hands them on.
-struct Rows<'a> {
+struct RowMaker<'a> {
     axes: Vec<Axis>,
     corrector: Corrector<Vec<Correction>>,
     warned_of_span: bool,
@@ -182,7 +182,7 @@ struct Rows<'a> {
     listener: &'a mut dyn Listener,
 }
 
-impl<'a> Rows<'a> {
+impl<'a> RowMaker<'a> {
     fn new(
         part: &zerorate::Part,
         calibration: &Calibration,

@@ -77,7 +77,7 @@ pub struct Report<'a> {
     stat: &'static str,
     unit: Option<&'static str>,
     confidence: f64,
-    points: Vec<Row>,
+    points: Vec<PointRow>,
     unavailable: Vec<Missing>,
     fit: Fit,
     fit_error: Option<String>,
@@ -95,7 +95,7 @@ fn is_nothing(seconds: &f64) -> bool {
 }
 
 #[derive(Serialize)]
-struct Row {
+struct PointRow {
     tau_s: f64,
     m: u64,
     dev: f64,
@@ -174,7 +174,7 @@ impl<'a> Report<'a> {
             let &Point { tau_s, m, dev, lo, hi, edf, alpha, n } = point;
             let model = record.expected(point);
             let [model, model_lo, model_hi] = [model.map(|m| m.dev), model.map(|m| m.lo), model.map(|m| m.hi)];
-            Row { tau_s, m, dev, lo, hi, edf, alpha, n, model, model_lo, model_hi }
+            PointRow { tau_s, m, dev, lo, hi, edf, alpha, n, model, model_lo, model_hi }
         };
         let missing =
             |Unavailable { tau_s, reason }: &Unavailable| Missing { tau_s: *tau_s, reason: reason.to_string() };

@@ -194,13 +194,13 @@ fn section(record: &Record) -> report::Record {
         facts: facts.into_iter().chain(model).collect(),
         warnings: temperature::warnings(record),
         advice: advice(record),
-        coefficients: units::rows(record).into_iter().map(coefficient).collect(),
+        coefficients: units::term_rows(record).into_iter().map(coefficient).collect(),
         points: analysis.points.iter().map(row).collect(),
         unavailable: analysis.unavailable.iter().map(unavailable).collect(),
     }
 }
 
-fn coefficient(row: units::Row) -> Coefficient {
+fn coefficient(row: units::TermRow) -> Coefficient {
     let value = |(Estimate { value, lo, hi }, unit): (Estimate, String)| CoefficientValue {
         value: number(value),
         lo: number(lo),

@@ -125,7 +125,7 @@ const HEAD: [&str; 5] = ["figure", "data sheet", "axis", "measured [95 % interva
 
 /// A comparison in JSON.
 #[derive(Serialize)]
-pub struct Row<'a> {
+pub struct ComparisonRow<'a> {
     figure: &'static str,
     /// typical or maximum
     limit: &'static str,
@@ -138,7 +138,7 @@ pub struct Row<'a> {
     verdict: &'static str,
 }
 
-impl<'a> Row<'a> {
+impl<'a> ComparisonRow<'a> {
     pub fn new(comparison: &Comparison<'a>) -> Self {
         let line = comparison.line;
         let measured = comparison.measured.as_ref();

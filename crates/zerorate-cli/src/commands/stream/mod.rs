@@ -51,7 +51,7 @@ pub struct StreamArgs {
     #[arg(long, value_enum, default_value = "csv")]
     format: RowFormat,
 
-    /// Rows per second: each is the mean of all samples in its share of time, without overlap; a share that is not
+    /// RowPrinter per second: each is the mean of all samples in its share of time, without overlap; a share that is not
     /// complete at the end gives no row [default: a row for each sample].
     #[arg(long, value_name = "HZ")]
     rate: Option<f64>,
@@ -80,7 +80,7 @@ pub fn run(args: &StreamArgs) -> Result<()> {
     check_serial(args, acquisition.facts(), &calibration)?;
     acquisition.initialise()?;
     let tracking = args.tracking.begin(acquisition.facts(), &calibration, &mut outputs)?;
-    let mut rows = Rows::new(args.format, &acquisition, calibration.id(), tracking.is_some())?;
+    let mut rows = RowPrinter::new(args.format, &acquisition, calibration.id(), tracking.is_some())?;
     let options = StreamOptions { period_ns, duration_ns: args.duration.map(Seconds::nanos) };
     stream(acquisition, &calibration, options, tracking, &mut rows)
 }
@@ -108,7 +108,7 @@ fn period_ns(rate_hz: f64) -> Result<u64> {
 }
 
 /// Prints rows.
-struct Rows {
+struct RowPrinter {
     out: BufWriter<Stdout>,
     format: RowFormat,
     /// Columns of the rates.
@@ -119,7 +119,7 @@ struct Rows {
     flush_each: bool,
 }
 
-impl Rows {
+impl RowPrinter {
     fn new(format: RowFormat, acquisition: &Acquisition, id: String, is_tracked: bool) -> Result<Self> {
         let mut out = BufWriter::with_capacity(1 << 16, Stdout::lock());
         let axes = &*acquisition.part().axes;
@@ -172,7 +172,7 @@ impl Rows {
     }
 }
 
-impl Listener for Rows {
+impl Listener for RowPrinter {
     fn row(&mut self, row: &StreamRow) -> Result<()> {
         match self.format {
             RowFormat::Csv => self.csv(row)?,
