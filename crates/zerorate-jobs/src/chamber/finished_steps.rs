@@ -19,33 +19,16 @@ const LARGEST: Bytes = Bytes(256 << 20);
 
 /// Where finished steps go, if anywhere, and what they are of.
 pub struct FinishedSteps {
-    slot: Option<Slot>,
-    plan_text: String,
-    part: Part,
-    device: String,
-    serial: String,
+    pub slot: Option<Slot>,
+    pub plan_text: String,
+    pub part: Part,
+    pub device: String,
+    pub serial: String,
     /// Time is that of the wall clock.
-    is_real: bool,
+    pub is_real: bool,
 }
 
 impl FinishedSteps {
-    pub fn new(slot: Option<Slot>, plan_text: &str, part: &Part, device: &str, serial: Option<&str>) -> Self {
-        let serial = serial.unwrap_or_default().to_owned();
-        Self {
-            slot,
-            plan_text: plan_text.to_owned(),
-            part: part.clone(),
-            device: device.to_owned(),
-            serial,
-            is_real: false,
-        }
-    }
-
-    /// Of a part whose time is that of the wall clock.
-    pub fn in_real_time(self, is_real: bool) -> Self {
-        Self { is_real, ..self }
-    }
-
     /// Beside the output.
     pub fn beside(output: &Path) -> PathBuf {
         let mut name = output.as_os_str().to_owned();

@@ -133,8 +133,14 @@ pub fn prepare(
     let info = acquisition.info(serial.as_deref(), supply_note.as_deref());
     let procedure = ChamberProcedure::new(part, plan.plan.clone(), options.max_lost);
     let mut procedure = procedure.map_err(|error| InvalidOptions(error.to_string()))?;
-    let steps = FinishedSteps::new(files.steps.take(), &plan.text, part, &info.device, info.serial.as_deref());
-    let steps = steps.in_real_time(facts.is_real);
+    let steps = FinishedSteps {
+        slot: files.steps.take(),
+        plan_text: plan.text.clone(),
+        part: part.clone(),
+        device: info.device.clone(),
+        serial: info.serial.clone().unwrap_or_default(),
+        is_real: facts.is_real,
+    };
     let mut resumed = None;
     if let Some((saved, gap_s)) = steps.found(options.restart)? {
         resumed = Some((saved.steps, gap_s));
@@ -183,10 +189,11 @@ impl Job {
             Ok(files.of_calibration.calibration.map_or(Ok(()), |file| file.fill(text.as_bytes()))?)
         });
         let wanted: Vec<PathBuf> = files.of_calibration.kept.output.into_iter().collect();
-        let kept = match log_failed.map_or(filled, Err) {
-            Ok(()) => Ok(steps.forget()),
-            Err(why) => Err(Undelivered::rescue(why, &wanted, &found.calibration)),
-        };
+        let kept = log_failed.map_or(filled, Err);
+        let kept = kept.map_err(|why| Undelivered::rescue(why, &wanted, &found.calibration));
+        if kept.is_ok() {
+            steps.forget();
+        }
         Ok(Done { found, kept })
     }
 }

@@ -178,9 +178,7 @@ impl Listener for RowPrinter {
             RowFormat::Csv => self.csv(row)?,
             RowFormat::Jsonl => self.jsonl(row)?,
         }
-        Ok(if self.flush_each {
-            self.out.flush()?
-        })
+        if self.flush_each { self.end() } else { Ok(()) }
     }
 
     fn end(&mut self) -> Result<()> {
