@@ -8,9 +8,10 @@ use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 use zerorate::{Method, Names, Plan, Progress, Setting};
 use zerorate_host::{DeviceSpec, Pace, Sampling, Setup, Stop};
-use zerorate_jobs::Acquisition;
 use zerorate_jobs::calibrate::{Files, Kept, Watch, prepare, settle_s};
 use zerorate_jobs::output::Outputs;
+use zerorate_jobs::{Acquisition, JobWarning};
+use zerorate_record::Note;
 use zerorate_view::Seconds;
 
 /// A duration: seconds, or a text such as ``"10m"``.
@@ -110,14 +111,14 @@ fn argument(setting: Setting) -> &'static str {
 
 /// What the device said on the way.
 #[derive(Clone, Default)]
-struct Said(Arc<Mutex<Vec<String>>>);
+struct Said(Arc<Mutex<Vec<JobWarning>>>);
 
 impl Said {
-    fn push(&self, warning: &str) {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).push(warning.to_owned());
+    fn push(&self, warning: JobWarning) {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).push(warning);
     }
 
-    fn take(&self) -> Vec<String> {
+    fn take(&self) -> Vec<JobWarning> {
         std::mem::take(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner))
     }
 }
@@ -134,7 +135,7 @@ impl Watch for Caller {
         self.signal.is_ok()
     }
 
-    fn warn(&mut self, warning: &str) {
+    fn warn(&mut self, warning: JobWarning) {
         self.said.push(warning);
     }
 
@@ -160,7 +161,7 @@ pub fn calibrate(py: Python<'_>, device: &str, options: CalibrateOptions) -> PyR
     });
     signal?;
     for warning in said {
-        let text = CString::new(warning.replace('\0', " "))?;
+        let text = CString::new(warning.coded(argument).to_string().replace('\0', " "))?;
         PyErr::warn(py, &py.get_type::<PyUserWarning>(), &text, 1)?;
     }
     done.map_err(|error| exception(&error))
@@ -176,7 +177,7 @@ fn run(
     let CalibrateOptions { output, log, serial, supply_note, force, .. } = options;
     let files = Files::claim(Outputs::new(force), Kept { output, log, serial, supply_note })?;
     let said = caller.said.clone();
-    let tell = Box::new(move |note: &str| said.push(note));
+    let tell = Box::new(move |note: &Note| said.push(JobWarning::Source(note.clone())));
     let setup = Setup { sampling, ..Setup::default() };
     let acquisition = Acquisition::open(device, setup, Pace::Free, &Stop::default(), tell)?;
     let done = prepare(acquisition, plan, files, argument)?.run(caller)?;

@@ -1,6 +1,7 @@
 //! Captures, and codes in units.
 
 use crate::error::exception;
+use crate::log::texts;
 use adis16130::Width;
 use numpy::{Element, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, ToPyArray};
 use pyo3::exceptions::PyValueError;
@@ -26,7 +27,8 @@ pub fn read_capture(py: Python<'_>, path: PathBuf) -> PyResult<Bound<'_, PyDict>
     recording.metadata.iter().try_for_each(|(key, value)| metadata.set_item(key, value))?;
     capture.set_item("metadata", metadata)?;
     capture.set_item("calibration_id", recording.calibration_id)?;
-    capture.set_item("warning", recording.warning)?;
+    let notes = texts(&recording.notes);
+    capture.set_item("warning", (!notes.is_empty()).then(|| notes.join("; ")))?;
     Ok(capture)
 }
 

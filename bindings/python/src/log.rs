@@ -267,7 +267,7 @@ impl Cells<'_> {
 }
 
 /// For `warnings.warn`.
-fn texts(notes: &[Note]) -> Vec<String> {
+pub fn texts(notes: &[Note]) -> Vec<String> {
     notes.iter().map(Note::to_string).collect()
 }
 

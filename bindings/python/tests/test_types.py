@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import get_args
 
 from zerorate import _zerorate, allan, allantools_compat
-from zerorate._way import Stat
+from zerorate._analysis import Stat
 
 PACKAGE = Path(__file__).resolve().parent.parent
 

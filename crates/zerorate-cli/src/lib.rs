@@ -24,7 +24,6 @@ mod memory;
 mod output;
 mod part;
 mod progress;
-mod proposal;
 #[cfg(feature = "serve")]
 mod serve;
 #[cfg(unix)]

@@ -2,9 +2,10 @@
 //! terminal.
 
 use crate::output::warn;
-use crate::wording::flag;
+use crate::wording::{coded, flag};
 use indicatif::{ProgressBar, ProgressStyle};
 use zerorate::{Names, Progress, Reached, Setting};
+use zerorate_jobs::JobWarning;
 use zerorate_jobs::calibrate::Watch;
 use zerorate_view::Seconds;
 
@@ -58,8 +59,8 @@ impl Watch for Meter {
         self.note = Some(format!("{:.1} °/h ({}){settles}", 3600.0 * u_dps, flag(Setting::Target)));
     }
 
-    fn warn(&mut self, warning: &str) {
-        warn(&[warning]);
+    fn warn(&mut self, warning: JobWarning) {
+        warn(&[coded(warning)]);
     }
 
     fn names(&self) -> Names {

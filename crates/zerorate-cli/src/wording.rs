@@ -1,10 +1,11 @@
 //! Settings and warnings of a measurement, in the words of the command line.
 
-use zerorate::{Say, Setting, Warning};
+use zerorate::Setting;
+use zerorate_jobs::{CodedWarning, JobWarning};
 
 /// A warning as scripts find it: `code: text`.
-pub fn coded(warning: &Warning) -> String {
-    format!("{}: {}", warning.code(), warning.with(flag))
+pub fn coded(warning: impl Into<JobWarning>) -> CodedWarning {
+    warning.into().coded(flag)
 }
 
 /// What a setting is called on the command line.

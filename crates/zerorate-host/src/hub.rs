@@ -15,8 +15,8 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 use std::vec::IntoIter;
-use zerorate_record::Row;
 use zerorate_record::admission::Admission;
+use zerorate_record::{Note, Row};
 
 /// Samples of a batch at most: 0.7 s at the full rate.
 const BATCH: usize = 4096;
@@ -31,9 +31,9 @@ pub struct Batch {
     /// In order of time, as they may stand in a capture.
     pub rows: Vec<Row>,
     /// What there is to say since the batch before.
-    pub notes: Vec<String>,
+    pub notes: Vec<Note>,
     /// What there is to say of the times of all samples so far.
-    pub doubts: Vec<String>,
+    pub doubts: Vec<Note>,
     /// What was lost between the part and here, since the beginning.
     pub losses: Losses,
     /// The twin's truth after the last sample, of each axis.

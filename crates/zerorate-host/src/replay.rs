@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use zerorate::Part;
 use zerorate_logs::RowReader;
-use zerorate_record::Row;
+use zerorate_record::{Note, Row};
 
 /// `replay:FILE`; the file may be called what it likes.
 #[derive(Clone, Debug)]
@@ -46,7 +46,7 @@ impl Address for ReplayAddress {
 struct Replay {
     reader: RowReader,
     part: Part,
-    notes: Vec<String>,
+    notes: Vec<Note>,
 }
 
 impl Source for Replay {
@@ -61,12 +61,12 @@ impl Source for Replay {
     fn next(&mut self) -> Result<Option<Row>> {
         let row = self.reader.next().transpose()?;
         if row.is_none() {
-            self.notes = self.reader.warnings().iter().map(ToString::to_string).collect();
+            self.notes = self.reader.warnings();
         }
         Ok(row)
     }
 
-    fn take_notes(&mut self) -> Vec<String> {
+    fn take_notes(&mut self) -> Vec<Note> {
         std::mem::take(&mut self.notes)
     }
 }

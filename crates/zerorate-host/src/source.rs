@@ -9,7 +9,7 @@ use adis16130::registers::Address;
 use adis16130::{Config, ConversionTime, Framing, SamplerConfig, SelfTest};
 use adis16130_twin::Truth;
 use zerorate::Part;
-use zerorate_record::{CaptureInfo, Converter, Row};
+use zerorate_record::{CaptureInfo, Converter, Note, Row};
 
 /// How often a part is read. A recording has decided that already.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -84,7 +84,7 @@ pub trait Source {
     }
 
     /// What there is to say since this was asked last.
-    fn take_notes(&mut self) -> Vec<String> {
+    fn take_notes(&mut self) -> Vec<Note> {
         Vec::new()
     }
 }

@@ -25,7 +25,7 @@ use thread_priority::{
     RealtimeThreadSchedulePolicy, ThreadPriority, ThreadSchedulePolicy, set_thread_priority_and_policy,
     thread_native_id,
 };
-use zerorate_record::Row;
+use zerorate_record::{Note, Row};
 
 /// SCHED_FIFO priority of the reading thread: above everything ordinary, below the kernel's interrupt threads (50).
 const PRIORITY: u8 = 40;
@@ -106,7 +106,7 @@ struct SpiPart {
 }
 
 /// What the reading thread has to say.
-type Notes = Arc<Mutex<Vec<String>>>;
+type Notes = Arc<Mutex<Vec<Note>>>;
 
 enum State {
     Ready(Box<Live<SpiBus, GpioEdges>>),
@@ -222,27 +222,26 @@ impl Source for SpiPart {
         Losses { overflowed, ..Losses::default() }
     }
 
-    fn take_notes(&mut self) -> Vec<String> {
+    fn take_notes(&mut self) -> Vec<Note> {
         std::mem::take(&mut *self.notes.lock().unwrap_or_else(PoisonError::into_inner))
     }
 }
 
 /// Priority and locked memory, or a word on how to allow them.
 fn become_realtime(notes: &Notes) {
-    let say = |note: String| notes.lock().unwrap_or_else(PoisonError::into_inner).push(note);
+    let say = |code, text| {
+        notes.lock().unwrap_or_else(PoisonError::into_inner).push(Note::new(code, format!("{text}; {NOT_REALTIME}")));
+    };
     let fifo = ThreadSchedulePolicy::Realtime(RealtimeThreadSchedulePolicy::Fifo);
     let priority = ThreadPriority::try_from(PRIORITY).map_err(|why| why.to_owned());
     let set = priority.and_then(|priority| {
         set_thread_priority_and_policy(thread_native_id(), priority, fifo).map_err(|error| error.to_string())
     });
     if set.is_err() {
-        say(format!("no-realtime-priority: other programs can delay the reading and cost samples; {NOT_REALTIME}"));
+        say("no-realtime-priority", "other programs can delay the reading and cost samples");
     }
     if mlockall(MlockAllFlags::CURRENT | MlockAllFlags::FUTURE | MlockAllFlags::ONFAULT).is_err() {
-        say(format!(
-            "memory-not-locked: the reading thread may have to wait for memory that was swapped out; \
-             {NOT_REALTIME}"
-        ));
+        say("memory-not-locked", "the reading thread may have to wait for memory that was swapped out");
     }
 }
 

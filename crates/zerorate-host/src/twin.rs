@@ -13,7 +13,7 @@ use adis16130_twin::{Profile, Roa, Spec, SpecError, Truth, Twin, TwinSpi};
 use std::borrow::Cow;
 use std::sync::Arc;
 use zerorate::{Axis, NamedAxis, Part, Scale};
-use zerorate_record::{CaptureInfo, Layout, Row};
+use zerorate_record::{CaptureInfo, Layout, Note, Row};
 
 /// `twin:KEY=VALUE,…`: the unit, and how the driver configures it.
 #[derive(Clone, Debug)]
@@ -127,7 +127,7 @@ struct Twins {
     facts: DeviceInfo,
     units: Vec<Live<TwinSpi, TwinEdges>>,
     follower: Option<Follower>,
-    notes: Vec<String>,
+    notes: Vec<Note>,
 }
 
 impl Source for Twins {
@@ -177,7 +177,7 @@ impl Source for Twins {
         self.units.iter().map(|unit| unit.edges.twin.truth()).collect()
     }
 
-    fn take_notes(&mut self) -> Vec<String> {
+    fn take_notes(&mut self) -> Vec<Note> {
         std::mem::take(&mut self.notes)
     }
 }
@@ -187,7 +187,7 @@ struct TwinPart {
     facts: DeviceInfo,
     live: Live<TwinSpi, TwinEdges>,
     follower: Option<Follower>,
-    notes: Vec<String>,
+    notes: Vec<Note>,
 }
 
 impl Source for TwinPart {
@@ -228,21 +228,22 @@ impl Source for TwinPart {
         vec![self.live.edges.twin.truth()]
     }
 
-    fn take_notes(&mut self) -> Vec<String> {
+    fn take_notes(&mut self) -> Vec<Note> {
         std::mem::take(&mut self.notes)
     }
 }
 
 /// What is said of a simulated part in air where no such part operates.
-fn beyond_limits(unit: &Spec, part: &Part) -> Option<String> {
+fn beyond_limits(unit: &Spec, part: &Part) -> Option<Note> {
     let (low_c, high_c) = part.operating_c?;
     let is_beyond = unit.profile != Profile::Oven && !(low_c..=high_c).contains(&unit.ambient_c);
     is_beyond.then(|| {
-        format!(
-            "beyond-limits: the simulated part is in air of {} °C, and the {} may be at {low_c} to {high_c} °C only: \
-             nobody knows what a real one would do there",
+        let text = format!(
+            "the simulated part is in air of {} °C, and the {} may be at {low_c} to {high_c} °C only: nobody knows \
+             what a real one would do there",
             unit.ambient_c, part.name
-        )
+        );
+        Note::new("beyond-limits", text)
     })
 }
 

@@ -1,17 +1,18 @@
 //! Samples of a device as the commands take them: one after the other, all of them, counted and judged.
 
 use crate::judged::JudgedAxis;
+use crate::warning::JobWarning;
 use adis16130::SelfTest;
 use adis16130_twin::Truth;
 use anyhow::Result;
 use std::sync::Arc;
 use zerorate::health::{Frozen, Health, Judged};
-use zerorate::{Axis, Names, Part, Say, Tally, Warning, resonance};
+use zerorate::{Axis, Part, Tally, Warning, resonance};
 use zerorate_host::{Batch, Bus, DeviceInfo, DeviceSpec, Hub, Losses, LosslessReader, Pace, Setup, Stop};
 use zerorate_record::{CaptureInfo, Layout, Note, Row, believed};
 
 /// Hears what a device has to say while it is read.
-pub type Tell = Box<dyn FnMut(&str)>;
+pub type Tell = Box<dyn FnMut(&Note)>;
 
 /// A device that is being read.
 pub struct Acquisition {
@@ -24,7 +25,7 @@ pub struct Acquisition {
     taken: usize,
     marks_ns: Vec<u64>,
     losses: Losses,
-    doubts: Vec<String>,
+    doubts: Vec<Note>,
     tally: Tally,
     layout: Layout,
     axes: Vec<JudgedAxis>,
@@ -196,22 +197,21 @@ impl Acquisition {
         self.start_ns.unwrap_or_default()
     }
 
-    /// What there is to say of the samples, with these names for settings: all of them are judged then.
-    pub fn warnings(&mut self, names: Names) -> Vec<String> {
+    /// What there is to say of the samples: all of them are judged then.
+    pub fn warnings(&mut self) -> Vec<JobWarning> {
         for axis in &mut self.axes {
             while axis.health.finish().is_some() {}
         }
         let aliased = self.axes.first().and_then(|first| aliasing(&first.axis, &self.tally));
         let of_the_rate = aliased.into_iter().chain(self.resonance(SHORTEST_AVERAGE_S));
-        let of_the_rate = of_the_rate.map(|warning| coded(&warning, names));
-        let on_the_way = lost_on_the_way(self.losses).chain(self.doubts.iter().cloned());
-        of_the_rate.chain(self.disbelief().iter().map(Note::to_string)).chain(on_the_way).collect()
+        let on_the_way = lost_on_the_way(self.losses).chain(self.doubts.iter().cloned().map(JobWarning::Readings));
+        of_the_rate.map(JobWarning::from).chain(self.disbelief()).chain(on_the_way).collect()
     }
 
     /// What there is to say of readings that are not to be believed.
-    pub fn disbelief(&self) -> Vec<Note> {
+    pub fn disbelief(&self) -> impl Iterator<Item = JobWarning> + use<> {
         let axes = self.axes.iter().map(|axis| (axis.name.as_str(), &axis.health));
-        believed::of_axes(axes, &self.tally, self.start_ns())
+        believed::of_axes(axes, &self.tally, self.start_ns()).into_iter().map(JobWarning::Readings)
     }
 
     /// F-07: whether the resonance looks like a bias at the rate that was measured, in means over `average_s`.
@@ -239,11 +239,6 @@ impl Acquisition {
     }
 }
 
-/// A warning as scripts find it: `code: text`.
-pub fn coded(warning: &Warning, names: Names) -> String {
-    format!("{}: {}", warning.code(), warning.with(names))
-}
-
 /// Means over this are what a recording is good for at least, s.
 const SHORTEST_AVERAGE_S: f64 = 1.0;
 
@@ -254,19 +249,8 @@ pub fn aliasing(axis: &Axis, tally: &Tally) -> Option<Warning> {
 }
 
 /// What is to be said of samples that were read, but lost before they came here.
-pub fn lost_on_the_way(losses: Losses) -> impl Iterator<Item = String> {
+pub fn lost_on_the_way(losses: Losses) -> impl Iterator<Item = JobWarning> {
     let Losses { overflowed, damaged } = losses;
-    let overflow = (overflowed > 0).then(|| {
-        format!(
-            "queue-overflow: {overflowed} samples were read but lost, since the disk or the processor was too slow \
-             for them; they are counted as lost"
-        )
-    });
-    let damage = (damaged > 0).then(|| {
-        format!(
-            "damaged-frames: {damaged} frames of the bridge were damaged on the way, and their samples are counted as \
-             lost; check its cable, or lower the baud rate"
-        )
-    });
-    overflow.into_iter().chain(damage)
+    let overflow = (overflowed > 0).then_some(JobWarning::Overflowed(overflowed));
+    overflow.into_iter().chain((damaged > 0).then_some(JobWarning::Damaged(damaged)))
 }

@@ -5,8 +5,7 @@ use std::path::Path;
 use zerorate::health::Health;
 use zerorate::{Scale, Tally};
 use zerorate_host::files;
-use zerorate_record::believed;
-use zerorate_record::{CaptureInfo, Layout, Row};
+use zerorate_record::{CaptureInfo, Layout, Note, Row, believed};
 
 /// The samples of a capture as columns, one row per sample, with how they were taken.
 #[derive(Clone, Debug, Default)]
@@ -32,7 +31,7 @@ pub struct Recording {
     /// The calibration that was applied, if the capture is a corrected one; its raw columns are untouched.
     pub calibration_id: Option<String>,
     /// What is to be said of the file: a torn tail, rows that nothing checks, readings that are not to be believed.
-    pub warning: Option<String>,
+    pub notes: Vec<Note>,
 }
 
 /// The readings of one axis.
@@ -70,8 +69,7 @@ pub fn read_capture(path: &Path) -> Result<Recording> {
     let start_ns = recording.t_ns.first().copied().unwrap_or_default();
     let axes = recording.axes.iter().map(|axis| (axis.name.as_str(), &axis.health));
     let found = believed::of_axes(axes, &tally, start_ns);
-    let said: Vec<String> = reader.warnings().iter().chain(&found).map(ToString::to_string).collect();
-    recording.warning = (!said.is_empty()).then(|| said.join("; "));
+    recording.notes = reader.warnings().into_iter().chain(found).collect();
     Ok(recording)
 }
 

@@ -4,19 +4,32 @@
 //!
 //! * [`calibrate`]: the procedure of AN-1042 (F-51), or a method that takes the whole recording, on a part or on its
 //!   recording.
+//! * [`analysis`]: the noise of a log.
+//! * [`chamber`]: a calibration over the temperatures of a chamber.
+//! * [`correct`]: a capture, corrected.
+//! * [`probe`]: is there a part, and is it wired right?
+//! * [`stream`]: the corrected rate, row by row as it comes.
 //! * [`Acquisition`]: the samples of a device, one after the other, counted and judged.
 //! * [`Outputs`](output::Outputs): the files of a run, none of which is overwritten by accident.
 
 pub mod acquisition;
+pub mod analysis;
 pub mod calibrate;
 pub mod capture;
+pub mod chamber;
+pub mod correct;
 mod error;
 mod judged;
 pub mod output;
+pub mod probe;
+pub mod proposal;
 pub mod recorder;
+pub mod stream;
 pub mod temperature;
+mod warning;
 
 pub use acquisition::{Acquisition, Tell};
 pub use error::{InvalidOptions, Refused};
 pub use judged::JudgedAxis;
 pub use recorder::Recorder;
+pub use warning::{CodedWarning, JobWarning};

@@ -58,8 +58,8 @@ pub fn mend(times: &mut Times, columns: &mut [FoundColumn]) -> Result<Vec<String
     };
     let first = times.first();
     let mut said = Vec::new();
-    let mut rows: Vec<Row> =
-        times.since_first().iter().enumerate().map(|(row, time)| Row { row, time: *time }).collect();
+    let mut rows: Vec<TimedRow> =
+        times.since_first().iter().enumerate().map(|(row, time)| TimedRow { row, time: *time }).collect();
     said.extend(restamp(&mut rows, interval));
     said.extend(unwrap(&mut rows, first, interval));
     said.extend(sort(&mut rows, first, interval)?);
@@ -75,14 +75,14 @@ pub fn mend(times: &mut Times, columns: &mut [FoundColumn]) -> Result<Vec<String
 
 /// A row of the file, and its time since the first.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Row {
+struct TimedRow {
     row: usize,
     time: f64,
 }
 
 /// Gives rows whose stamp is not between those around them, where there is room for just one row, a time there.
-fn restamp(rows: &mut [Row], interval: f64) -> Option<String> {
-    let is_stray = |around: &[Row]| {
+fn restamp(rows: &mut [TimedRow], interval: f64) -> Option<String> {
+    let is_stray = |around: &[TimedRow]| {
         let [before, time, next] = [around[0].time, around[1].time, around[2].time];
         let room = (next - before) / interval;
         (1.5..2.5).contains(&room) && (time < before - 0.5 * interval || time > next + 0.5 * interval)
@@ -98,7 +98,7 @@ fn restamp(rows: &mut [Row], interval: f64) -> Option<String> {
 }
 
 /// Adds what a counter lost when it wrapped around: one that counts from zero, or from less than that as far up.
-fn unwrap(rows: &mut [Row], first: f64, interval: f64) -> Option<String> {
+fn unwrap(rows: &mut [TimedRow], first: f64, interval: f64) -> Option<String> {
     let margin = AT_WRAP * interval;
     let (mut added, mut found) = (0.0, Vec::new());
     let mut before = rows.first()?.time;
@@ -127,7 +127,7 @@ fn unwrap(rows: &mut [Row], first: f64, interval: f64) -> Option<String> {
 }
 
 /// Sorts rows that are late, and follows a clock that was set back.
-fn sort(rows: &mut [Row], first: f64, interval: f64) -> Result<Vec<String>, String> {
+fn sort(rows: &mut [TimedRow], first: f64, interval: f64) -> Result<Vec<String>, String> {
     let span = rows.iter().fold(0.0_f64, |most, row| most.max(row.time.abs()));
     let (mut swapped, mut steps) = (Vec::new(), Vec::new());
     let mut row = 1;
@@ -170,7 +170,7 @@ fn set_back(steps: &[(f64, String)]) -> String {
 
 /// The rows among which `row` and those behind it are late, as far as they fill a hole there. In a clock that was set
 /// back there is no hole.
-fn late(rows: &[Row], row: usize, interval: f64) -> Option<(usize, usize)> {
+fn late(rows: &[TimedRow], row: usize, interval: f64) -> Option<(usize, usize)> {
     let latest = rows[row - 1].time;
     let behind = &rows[row..rows.len().min(row + NEAR)];
     let length = behind.iter().position(|row| row.time > latest);
@@ -186,13 +186,13 @@ fn late(rows: &[Row], row: usize, interval: f64) -> Option<(usize, usize)> {
 }
 
 /// Drops rows that are there twice, and gives the others that share a stamp times of their own.
-fn separate(rows: &mut Vec<Row>, columns: &[FoundColumn], interval: f64) -> Vec<String> {
+fn separate(rows: &mut Vec<TimedRow>, columns: &[FoundColumn], interval: f64) -> Vec<String> {
     let shared = rows.windows(2).filter(|pair| pair[0].time == pair[1].time).count();
     if shared == 0 {
         return Vec::new();
     }
     let values: Vec<Vec<f64>> = columns.iter().map(|column| column.values.rows_as_numbers()).collect();
-    let same = |one: Row, other: Row| {
+    let same = |one: TimedRow, other: TimedRow| {
         let equal = |column: &Vec<f64>| {
             let [one, other] = [one, other].map(|row| column[row.row]);
             one == other || one.is_nan() && other.is_nan()
@@ -202,7 +202,7 @@ fn separate(rows: &mut Vec<Row>, columns: &[FoundColumn], interval: f64) -> Vec<
     let equal = rows.windows(2).filter(|pair| pair[0].time == pair[1].time && same(pair[0], pair[1])).count();
     let is_coarse = shared as f64 > COARSE * rows.len() as f64 && (equal as f64) < 0.9 * shared as f64;
     let fine = if is_coarse { fine_interval(rows) } else { interval };
-    let mut kept: Vec<Row> = Vec::with_capacity(rows.len());
+    let mut kept: Vec<TimedRow> = Vec::with_capacity(rows.len());
     let (mut dropped, mut wrong) = (Vec::new(), Vec::new());
     let mut start = 0;
     while start < rows.len() {
@@ -254,7 +254,7 @@ fn said_of(dropped: &[usize], wrong: &[usize], is_coarse: bool) -> Vec<String> {
 
 /// The interval of the samples under a clock of coarse steps: of the steps that are not longer than usual, the whole
 /// time over the rows in it, without the first and the last step, which may not be whole.
-fn fine_interval(rows: &[Row]) -> f64 {
+fn fine_interval(rows: &[TimedRow]) -> f64 {
     let starts: Vec<usize> =
         (0..rows.len()).filter(|at| *at == 0 || rows[*at].time > rows[at - 1].time).skip(1).collect();
     let steps = || starts.windows(2).map(|pair| (rows[pair[1]].time - rows[pair[0]].time, pair[1] - pair[0]));

@@ -69,7 +69,7 @@ fn literals(openings: &[&str], closing: &str) -> BTreeSet<String> {
             }
         }
     }
-    assert!(found.contains("queue-overflow"), "the sources were not understood: {found:?}");
+    assert!(found.contains("libiio-unserved"), "the sources were not understood: {found:?}");
     found
 }
 

@@ -11,7 +11,7 @@ from . import _log, _records, _zerorate
 from ._capture import Capture
 from ._result import Allan, AllanAxes
 from ._settling import Seconds, Settling
-from ._way import LONG, Stat, Taus, Way, side_by_side
+from ._analysis import LONG, AnalysisOptions, Stat, Taus, side_by_side
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -168,15 +168,15 @@ def allan(
     >>> bool(0.098 < result.fit.n.value < 0.102)
     True
     """
-    way = Way.of(stat, taus, data, confidence, fit, glitches, steps)
-    way = replace(way, settling=Settling.of(temp_c, detrend, skip, way.is_phase))
+    options = AnalysisOptions.of(stat, taus, data, confidence, fit, glitches, steps)
+    options = replace(options, settling=Settling.of(temp_c, detrend, skip, options.is_phase))
     if isinstance(rate, Capture):
         axes = _chosen({name: at for at, name in enumerate(rate.axes)}, column)
-        found = side_by_side(lambda at: way.capture(rate, at, rate_hz, scale, unit or "°/s"), list(axes.values()))
+        found = side_by_side(lambda at: options.capture(rate, at, rate_hz, scale, unit or "°/s"), list(axes.values()))
         return _answer(found, len(rate.axes) > 1 if column is None else _log.is_several(column))
     is_timed = time_column is not None or (columns is not None and rate_hz is None)
     if isinstance(rate, _log.Log) or (_records.is_wide(rate) and not is_timed):
-        return _of_arrays(way, rate, column, columns, rate_hz, scale, unit)
+        return _of_arrays(options, rate, column, columns, rate_hz, scale, unit)
     if columns is not None and not _records.is_wide(rate):
         raise ValueError("columns= names those of a two-dimensional array; choose others with column=")
     given = _log.options(
@@ -193,7 +193,7 @@ def allan(
     if _records.is_path(rate) or _records.is_table(rate) or _records.is_wide(rate):
         is_several = _log.is_several(column) or (column is None and not _records.is_path(rate))
         wanted = _log.ALL if column is None and is_several else column
-        return _answer(way.read(_records.table(rate, columns), wanted, given), is_several)
+        return _answer(options.read(_records.table(rate, columns), wanted, given), is_several)
     if column is not None or time_column is not None:
         raise ValueError("the record is one column: column= and time_column= choose of several")
     name = getattr(rate, "name", None)
@@ -201,12 +201,12 @@ def allan(
     stated = unit or _zerorate.column_unit(name)
     unit = stated or ASSUMED_UNIT
     if _records.has_time_index(rate) and rate_hz is None:
-        return _guessed(way.read(_records.indexed(rate, name), name, {**given, "unit": unit})[0], stated)
+        return _guessed(options.read(_records.indexed(rate, name), name, {**given, "unit": unit})[0], stated)
     values = _records.record(rate, data)
-    temperature = way.settling.of_array(len(values)) if way.settling else None
+    temperature = options.settling.of_array(len(values)) if options.settling else None
 
     def analysed(values: NDArray[Any]) -> Allan:
-        return way.analysed(values, rate_hz, [], scale, name, unit, None, temperature)
+        return options.analysed(values, rate_hz, [], scale, name, unit, None, temperature)
 
     if len(values) < LONG:
         return _guessed(analysed(values), stated)
@@ -214,7 +214,7 @@ def allan(
 
 
 def _of_arrays(
-    way: Way,
+    options: AnalysisOptions,
     data: Any,
     column: _log.Column | None,
     columns: Sequence[str] | None,
@@ -228,14 +228,14 @@ def _of_arrays(
     chosen = _chosen(each, column)
     hz = log.rate_hz if log is not None and rate_hz is None else rate_hz
     temperature = None
-    if way.settling and not way.is_phase and hz is not None:
+    if options.settling and not options.is_phase and hz is not None:
         source = ("the array" if log is None else "the log", list(each.items()))
-        temperature = way.settling.of_source(source, _log.options(rate_hz=hz))
+        temperature = options.settling.of_source(source, _log.options(rate_hz=hz))
 
     def analysed(name: str) -> Allan:
         stated = unit or (_zerorate.column_unit(name) if log is None else log.units[name] or "unit")
-        values = _records.record(chosen[name], "phase" if way.is_phase else "rate")
-        found = way.analysed(values, hz, [], scale, name, stated or ASSUMED_UNIT, None, temperature)
+        values = _records.record(chosen[name], "phase" if options.is_phase else "rate")
+        found = options.analysed(values, hz, [], scale, name, stated or ASSUMED_UNIT, None, temperature)
         return _guessed(found, stated)
 
     return _answer(side_by_side(analysed, list(chosen)), column is None or _log.is_several(column))

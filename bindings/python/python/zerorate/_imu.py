@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from . import _filters, _log, _plot, _records, _zerorate
 from ._capture import Capture
 from ._result import Allan, AllanAxes
-from ._way import Stat, Taus, Way, side_by_side
+from ._analysis import AnalysisOptions, Stat, Taus, side_by_side
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -188,9 +188,9 @@ def imu(
             "an array does not say which column is which axis: give columns=, such as "
             "['gx', 'gy', 'gz', 'ax', 'ay', 'az'], or a dictionary {'gyro': …, 'accel': …}"
         )
-    way = Way.of(stat, taus, "rate", confidence, True, glitches, steps)
+    options = AnalysisOptions.of(stat, taus, "rate", confidence, True, glitches, steps)
     if isinstance(log, Capture):
-        return _of_capture(log, way, log.rate_hz if rate_hz is None else rate_hz)
+        return _of_capture(log, options, log.rate_hz if rate_hz is None else rate_hz)
     if isinstance(log, _log.Log):
         rate_hz = log.rate_hz if rate_hz is None else rate_hz
         log = log._stating_units()
@@ -216,14 +216,14 @@ def imu(
     for one in found:
         kind = _zerorate.unit_kind(one["unit"] or "")
         one["unit"] = (given_units[kind] if kind else None) or one["unit"]
-    axes = _log.by_name((axis.name, axis) for axis in side_by_side(way.of_column, found))
+    axes = _log.by_name((axis.name, axis) for axis in side_by_side(options.of_column, found))
     name = source if isinstance(source, str) else source[0]
     return Imu(AllanAxes(axes), found[0]["rate_hz"], of_bag, name, said + _said(axes))
 
 
-def _of_capture(capture: Capture, way: Way, rate_hz: float) -> Imu:
+def _of_capture(capture: Capture, options: AnalysisOptions, rate_hz: float) -> Imu:
     """Of all axes of a capture, which are in °/s."""
-    found = side_by_side(lambda at: way.capture(capture, at, rate_hz, None, "°/s"), range(len(capture.axes)))
+    found = side_by_side(lambda at: options.capture(capture, at, rate_hz, None, "°/s"), range(len(capture.axes)))
     axes = {axis.name: axis for axis in found}
     return Imu(AllanAxes(axes), rate_hz, None, "the capture", _said(axes))
 

@@ -7,15 +7,14 @@ use crate::exit::{Refused, Usage};
 use crate::interrupt;
 use crate::output::{Outputs, print_json, print_lines, warn};
 use crate::progress::Meter;
-use crate::wording::flag;
+use crate::wording::coded;
 use anyhow::{Context, Result};
 use clap::Args;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use zerorate::Calibration;
 use zerorate::health::{Health, Marks};
-use zerorate_jobs::Acquisition;
-use zerorate_jobs::Recorder;
+use zerorate_jobs::{Acquisition, CodedWarning, Recorder};
 use zerorate_record::believed;
 use zerorate_record::{CaptureInfo, Format, Row};
 use zerorate_view::duration::{self, Seconds};
@@ -95,7 +94,7 @@ struct Summary {
     unjudged: u64,
     /// Whether the part had stopped at the end.
     frozen: bool,
-    warnings: Vec<String>,
+    warnings: Vec<CodedWarning>,
 }
 
 pub fn run(args: &CaptureArgs) -> Result<()> {
@@ -152,7 +151,7 @@ fn record(args: &CaptureArgs, acquisition: &mut Acquisition, mut take: impl FnMu
 }
 
 fn summarise(args: &CaptureArgs, acquisition: &mut Acquisition) -> Result<()> {
-    let warnings = acquisition.warnings(flag);
+    let warnings = acquisition.warnings().into_iter().map(coded).collect();
     let marks: Vec<&Marks> = acquisition.healths().map(Health::marks).collect();
     let sum = |count: fn(&Marks) -> u64| marks.iter().copied().map(count).sum();
     let tally = acquisition.tally();

@@ -1,8 +1,9 @@
 //! What only the host of a part can say of its connection, as checks that are well or not.
 
-use crate::proposal::proposal;
+use crate::wording::flag;
 use zerorate::Tally;
 use zerorate_host::{Bus, DeviceInfo};
+use zerorate_jobs::proposal::proposal;
 use zerorate_web::message::CheckResult;
 
 /// How long samples are looked at, as by `zerorate probe`, s.
@@ -46,7 +47,8 @@ impl HostCheck {
             return None;
         }
         let taken = tally.samples as f64 / (tally.samples + tally.lost) as f64;
-        let options = self.bus.and_then(|bus| bus.read_s).and_then(|read_s| proposal(taken, read_s, self.mclk_hz));
+        let options =
+            self.bus.and_then(|bus| bus.read_s).and_then(|read_s| proposal(taken, read_s, self.mclk_hz, flag));
         Some(options.map(|options| check("host", false, format!("this host would lose fewer with {options}"))))
     }
 }

@@ -4,6 +4,7 @@ use super::connection::HostCheck;
 use super::device::{self, Fed, Feed, Opened, Opener, Opening};
 use super::{Folder, Libiio, Recordings};
 use crate::output::say;
+use crate::wording::coded;
 use anyhow::Result;
 use axum::body::Bytes;
 use std::sync::Arc;
@@ -229,15 +230,15 @@ impl SessionThread {
         session.truths(&batch.truths);
         for note in &batch.notes {
             say(format_args!("warning: {note}"));
-            session.note(note);
+            session.note(&note.to_string());
         }
         for doubt in batch.doubts.iter().skip(reading.doubts) {
-            session.note(doubt);
+            session.note(&doubt.to_string());
         }
         reading.doubts = batch.doubts.len();
         if reading.losses != batch.losses {
             reading.losses = batch.losses;
-            acquisition::lost_on_the_way(batch.losses).for_each(|note| session.note(&note));
+            acquisition::lost_on_the_way(batch.losses).for_each(|lost| session.note(&coded(lost).to_string()));
         }
         if let Some(found) = reading.host_check.as_ref().and_then(|check| check.ended(session.tally())) {
             session.checked(found);

@@ -4,6 +4,7 @@ use super::target::Target;
 use crate::acquisition::Acquisition;
 use crate::error::Refused;
 use crate::recorder::Recorder;
+use crate::warning::JobWarning;
 use adis16130_twin::Truth;
 use anyhow::{Result, anyhow};
 use zerorate::{
@@ -21,8 +22,8 @@ pub trait Watch {
     /// Sees how far it is from its target, once a minute of part time where there is one.
     fn approach(&mut self, _reached: Reached) {}
 
-    /// Hears what goes wrong on the way, `code: text`, while the measurement goes on.
-    fn warn(&mut self, warning: &str);
+    /// Hears what goes wrong on the way, while the measurement goes on.
+    fn warn(&mut self, warning: JobWarning);
 
     /// What whoever looks on calls the settings.
     fn names(&self) -> Names;
@@ -167,8 +168,8 @@ impl<'a> Measurement<'a> {
     /// A log that fails is a failure, but no reason to throw away the measurement.
     #[cold]
     fn lose_log(&mut self, error: anyhow::Error) {
-        let elapsed = Seconds(self.procedure.progress().elapsed_s);
-        self.watch.warn(&format!("log-failed: the log failed after {elapsed}, the measurement goes on: {error:#}"));
+        let after_s = self.procedure.progress().elapsed_s;
+        self.watch.warn(JobWarning::LogFailed { after_s, why: format!("{error:#}") });
         self.log = None;
         self.log_failed = Some(error);
     }

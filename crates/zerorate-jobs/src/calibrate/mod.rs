@@ -43,9 +43,9 @@ pub fn settle_s(method: Method, is_recorded: bool) -> f64 {
 /// The files that were asked for, claimed before an hour is spent on their content.
 #[derive(Debug)]
 pub struct Files {
-    outputs: Outputs,
-    calibration: Option<Staged>,
-    kept: Kept,
+    pub(crate) outputs: Outputs,
+    pub(crate) calibration: Option<Staged>,
+    pub(crate) kept: Kept,
 }
 
 impl Files {
@@ -59,7 +59,7 @@ impl Files {
     }
 
     /// Starts the log, once there is something to record.
-    fn log(&mut self, facts: &DeviceInfo, info: &CaptureInfo) -> Result<Option<Recorder>> {
+    pub(crate) fn log(&mut self, facts: &DeviceInfo, info: &CaptureInfo) -> Result<Option<Recorder>> {
         let start = |path: &PathBuf| {
             let format = Format::choose(None, path)?;
             Ok(Recorder::create(self.outputs.recording(path)?, format, facts, info, None)?)

@@ -1,11 +1,12 @@
 //! The result of a calibration: what `calibrate --json` prints, and what Python's `Calibrated` holds.
 
+use crate::warning::{CodedWarning, JobWarning};
 use adis16130_twin::Truth;
 use serde::Serialize;
 use std::path::PathBuf;
 use zerorate::calibration::{CalibratedAxis, Run};
 use zerorate::thermal::{BiasCurve, Step, TERMS};
-use zerorate::{Calibration, Names, Outcome, Say, Uncertainty, Warning};
+use zerorate::{Calibration, Names, Outcome, Uncertainty, Warning};
 
 /// The JSON object of `calibrate --json`; the names are a contract.
 #[derive(Clone, Debug, Serialize)]
@@ -28,7 +29,7 @@ pub struct Report {
     pub calibration_id: String,
     pub capture_sha256: Option<String>,
     /// Those that concern all axes.
-    pub warnings: Vec<String>,
+    pub warnings: Vec<CodedWarning>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub axes: Vec<AxisReport>,
     /// The calibration itself, where a file that was asked for could not be written.
@@ -44,7 +45,7 @@ pub struct AxisReport {
     #[serde(flatten)]
     pub numbers: Numbers,
     /// Those that concern it alone.
-    pub warnings: Vec<String>,
+    pub warnings: Vec<CodedWarning>,
 }
 
 /// What was found of an axis.
@@ -125,6 +126,18 @@ impl CurvePoint {
     }
 }
 
+impl TruthReport {
+    /// At this T3, and evenly over these temperatures.
+    pub fn new(truth: &Truth, t3_c: f64, (low_c, high_c): (f64, f64)) -> Self {
+        let point = |temp_c| CurvePoint { temp_c, correction_dps: truth.pbc_dps(temp_c), u_dps: None };
+        Self {
+            pbc_dps: truth.pbc_dps(t3_c),
+            btc_dps_per_c: truth.btc_dps_per_c(t3_c),
+            curve: CurvePoint::temps_c(low_c, high_c).map(point).collect(),
+        }
+    }
+}
+
 /// Where a calibration is that could not be written as it was asked for.
 #[derive(Clone, Debug, Serialize)]
 pub struct Rescued {
@@ -138,21 +151,18 @@ impl Numbers {
     fn new(outcome: &Outcome, axis: &CalibratedAxis, truth: Option<&Truth>) -> Self {
         let t3_c = outcome.correction.t3_c;
         let (low_c, high_c) = (outcome.temp_min_c, outcome.temp_max_c);
-        let temps = || CurvePoint::temps_c(low_c, high_c);
         let point = |temp_c| CurvePoint {
             temp_c,
             correction_dps: outcome.correction.at(temp_c),
             u_dps: axis.u_correction_dps(temp_c),
         };
-        let true_point =
-            |truth: &Truth, temp_c| CurvePoint { temp_c, correction_dps: truth.pbc_dps(temp_c), u_dps: None };
         Self {
             b1_dps: outcome.means.map(|means| means.b1_dps),
             t1_c: outcome.means.map(|means| means.t1_c),
             b2_dps: outcome.means.map(|means| means.b2_dps),
             t2_c: outcome.means.map(|means| means.t2_c),
             higher: outcome.curve.as_ref().map(Higher::new),
-            curve: temps().map(point).collect(),
+            curve: CurvePoint::temps_c(low_c, high_c).map(point).collect(),
             btc_dps_per_c: outcome.correction.btc_dps_per_c,
             pbc_dps: outcome.correction.pbc_dps,
             t3_c,
@@ -160,11 +170,7 @@ impl Numbers {
             u_btc_dps_per_c: outcome.uncertainty.u_btc_dps_per_c,
             u_t3_c: outcome.uncertainty.u_t3_c,
             impossible_readings: outcome.impossible_readings,
-            truth: truth.map(|truth| TruthReport {
-                pbc_dps: truth.pbc_dps(t3_c),
-                btc_dps_per_c: truth.btc_dps_per_c(t3_c),
-                curve: temps().map(|temp_c| true_point(truth, temp_c)).collect(),
-            }),
+            truth: truth.map(|truth| TruthReport::new(truth, t3_c, (low_c, high_c))),
         }
     }
 }
@@ -191,14 +197,14 @@ impl Report {
     /// the part is no twin.
     pub fn new(outcomes: &[Outcome], calibration: &Calibration, truths: &[Truth], names: Names) -> Self {
         let common: Vec<&Warning> = Outcome::shared_warnings(outcomes).collect();
-        let text = |one: &Warning| format!("{}: {}", one.code(), one.with(names));
+        let coded = |warning: &Warning| JobWarning::from(*warning).coded(names);
         let mut axes: Vec<AxisReport> = Vec::new();
         for (index, (outcome, axis)) in outcomes.iter().zip(&calibration.axes).enumerate() {
             let own = outcome.warnings.iter().filter(|warning| !common.contains(warning));
             axes.push(AxisReport {
                 name: axis.name.clone(),
                 numbers: Numbers::new(outcome, axis, truths.get(index)),
-                warnings: own.map(text).collect(),
+                warnings: own.map(coded).collect(),
             });
         }
         let only = if axes.len() == 1 { axes.pop().map(|axis| axis.numbers) } else { None };
@@ -219,17 +225,9 @@ impl Report {
             device: calibration.device.clone(),
             calibration_id: calibration.id(),
             capture_sha256: calibration.capture_sha256.clone(),
-            warnings: common.into_iter().map(text).collect(),
+            warnings: common.into_iter().map(coded).collect(),
             axes,
             rescued: None,
         }
-    }
-
-    /// All warnings, those of one axis with its name.
-    pub fn warnings(&self) -> Vec<String> {
-        let own = |axis: &AxisReport| {
-            axis.warnings.iter().map(|text| format!("axis {}: {text}", axis.name)).collect::<Vec<_>>()
-        };
-        self.warnings.iter().cloned().chain(self.axes.iter().flat_map(own)).collect()
     }
 }

@@ -14,11 +14,11 @@ use std::path::{Path, PathBuf};
 pub struct Staged {
     /// As it was asked for.
     path: PathBuf,
-    form: Form,
+    destination: Destination,
 }
 
 #[derive(Debug)]
-enum Form {
+enum Destination {
     File { unfinished: Temporary, folder: PathBuf, target: PathBuf, replaces: Option<Identity> },
     Stream(File),
 }
@@ -27,16 +27,21 @@ impl Staged {
     /// Makes sure that the output can be written: a pipe or a device is opened, and beside a name an unfinished file
     /// is made.
     pub(super) fn new(path: &Path, place: Place) -> Result<Self, OutputError> {
-        let form = match place {
-            Place::Stream { path: stream, .. } => Form::Stream(
+        let destination = match place {
+            Place::Stream { path: stream, .. } => Destination::Stream(
                 OpenOptions::new().write(true).open(stream).map_err(|error| OutputError::io("write", path, error))?,
             ),
             Place::Name { folder, name, replaces } => {
                 let unfinished = claim(path, &folder, &name)?;
-                Form::File { unfinished, target: folder.join(name), folder, replaces }
+                Destination::File { unfinished, target: folder.join(name), folder, replaces }
             }
         };
-        Ok(Self { path: path.to_owned(), form })
+        Ok(Self { path: path.to_owned(), destination })
+    }
+
+    /// The name that was asked for.
+    pub fn path(&self) -> &Path {
+        &self.path
     }
 
     /// To write to.
@@ -44,9 +49,9 @@ impl Staged {
     /// # Errors
     /// Where the process has too many files open.
     pub fn file(&self) -> Result<File, OutputError> {
-        let file = match &self.form {
-            Form::File { unfinished, .. } => unfinished.file(),
-            Form::Stream(file) => file,
+        let file = match &self.destination {
+            Destination::File { unfinished, .. } => unfinished.file(),
+            Destination::Stream(file) => file,
         };
         file.try_clone().map_err(|error| OutputError::io("write", &self.path, error))
     }
@@ -67,7 +72,7 @@ impl Staged {
     pub fn publish(self) -> Result<(), OutputError> {
         let path = self.path;
         let failed = |error| OutputError::io("write", &path, error);
-        let Form::File { unfinished, folder, target, replaces } = self.form else {
+        let Destination::File { unfinished, folder, target, replaces } = self.destination else {
             return Ok(());
         };
         unfinished.file().sync_all().map_err(failed)?;

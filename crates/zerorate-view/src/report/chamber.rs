@@ -105,7 +105,7 @@ pub fn wide_loop(outcome: &ChamberOutcome, axis: &str) -> Option<String> {
     let (lag_s, half_u_dps) = (outcome.curve.following.lag_s, Uncertainty::FACTOR * u_dps);
     (half_width_dps.abs() > 3.0 * u_dps).then(|| {
         format!(
-            "hysteresis: on axis {axis}, cooling and warming lie ±{half_width_dps:.5} ± {half_u_dps:.5} °/s about \
+            "on axis {axis}, cooling and warming lie ±{half_width_dps:.5} ± {half_u_dps:.5} °/s about \
              their mean, by hysteresis and a lag that is found as {lag_s:.0} s. No curve over temperature corrects \
              that: this one is right where the temperature rests, on the way on which the measurement ended"
         )

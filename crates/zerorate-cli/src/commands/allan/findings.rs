@@ -1,9 +1,9 @@
 //! What there is to know about several axes, a line for each kind of finding and the important first.
 
-use super::picture;
-use super::record::Record;
 use super::units::{deviation_unit, span};
+use super::{picture, temperature};
 use zerorate_allan::{AllanWarning, LONGEST_RECORD_S};
+use zerorate_jobs::analysis::Record;
 use zerorate_view::plot::number;
 
 /// Codes of findings, those that spoil most first. What is not among them comes before all: it is of the log.
@@ -50,20 +50,21 @@ pub fn condensed(records: &[Record]) -> Vec<String> {
     let is_of_one_log = records.len() == 1 || picture::are_axes(records);
     for record in records {
         let name = picture::name(is_of_one_log, record);
-        let (of_log, of_model) = record.findings();
+        let follows = record.follows.as_ref().map(temperature::text);
+        let of_log = record.notes.iter().map(ToString::to_string).chain(follows);
         let column = format!("column {}", record.column);
-        let whole = |text: &String| {
+        let whole = |text: String| {
             let meaning = text.replace(&column, "these columns");
             Finding {
                 weight: 0,
                 key: meaning.clone(),
                 axes: vec![(name.clone(), Vec::new())],
-                of_one: (meaning != *text).then(|| text.clone()),
+                of_one: (meaning != text).then_some(text),
                 meaning,
             }
         };
-        of_log.iter().map(whole).for_each(&mut add);
-        of_model.iter().map(|warning| Finding::of(record, &name, warning)).for_each(&mut add);
+        of_log.map(whole).for_each(&mut add);
+        record.of_model().iter().map(|warning| Finding::of(record, &name, warning)).for_each(&mut add);
     }
     all.sort_by_key(|finding| finding.weight);
     all.into_iter().map(|finding| finding.line(records.len())).collect()

@@ -1,10 +1,10 @@
 //! `imu.yaml`, as Kalibr made it common, of the gyroscope alone: `zerorate imu` has all axes and other readers.
 
-use super::record::Record;
 use crate::column::flag;
 use crate::exit::{Refused, Usage};
 use crate::output::Staged;
 use anyhow::Result;
+use zerorate_jobs::analysis::Record;
 use zerorate_logs::imu::{Axis, Choice, Combine, Format, Numbers};
 use zerorate_logs::{Names, Quantity};
 

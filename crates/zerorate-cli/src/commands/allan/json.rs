@@ -1,13 +1,14 @@
 //! The result as one JSON object.
 
+use super::advice::advice;
 use super::motion::{self, Motion};
 use super::pool::{self, Pool};
-use super::record::Record;
 use super::temperature;
 use super::units::{Named, coefficients, deviation_unit};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use zerorate_allan::{self as allan, Point, Unavailable};
+use zerorate_jobs::analysis::Record;
 
 /// Several logs.
 #[derive(Serialize)]
@@ -76,7 +77,7 @@ pub struct Report<'a> {
     stat: &'static str,
     unit: Option<&'static str>,
     confidence: f64,
-    points: Vec<Row>,
+    points: Vec<PointRow>,
     unavailable: Vec<Missing>,
     fit: Fit,
     fit_error: Option<String>,
@@ -86,7 +87,7 @@ pub struct Report<'a> {
     detrend: Option<temperature::Json>,
     #[serde(skip_serializing_if = "is_nothing")]
     skipped_s: f64,
-    warnings: &'a [String],
+    warnings: Vec<String>,
 }
 
 fn is_nothing(seconds: &f64) -> bool {
@@ -94,7 +95,7 @@ fn is_nothing(seconds: &f64) -> bool {
 }
 
 #[derive(Serialize)]
-struct Row {
+struct PointRow {
     tau_s: f64,
     m: u64,
     dev: f64,
@@ -173,7 +174,7 @@ impl<'a> Report<'a> {
             let &Point { tau_s, m, dev, lo, hi, edf, alpha, n } = point;
             let model = record.expected(point);
             let [model, model_lo, model_hi] = [model.map(|m| m.dev), model.map(|m| m.lo), model.map(|m| m.hi)];
-            Row { tau_s, m, dev, lo, hi, edf, alpha, n, model, model_lo, model_hi }
+            PointRow { tau_s, m, dev, lo, hi, edf, alpha, n, model, model_lo, model_hi }
         };
         let missing =
             |Unavailable { tau_s, reason }: &Unavailable| Missing { tau_s: *tau_s, reason: reason.to_string() };
@@ -191,10 +192,10 @@ impl<'a> Report<'a> {
             fit: fit(record),
             fit_error: record.fit.as_ref().and_then(|fit| fit.as_ref().err()).map(ToString::to_string),
             cleaned: record.model().map(|fit| cleaned(&fit.cleaned)).unwrap_or_default(),
-            advice: record.advice(),
+            advice: advice(record),
             detrend: temperature::json(record),
             skipped_s: record.skipped_s,
-            warnings: &record.warnings,
+            warnings: temperature::warnings(record),
         }
     }
 }

@@ -1,5 +1,6 @@
 //! `zerorate allan`: how much the mean of a rate at rest moves, over how long it is taken.
 
+mod advice;
 pub mod findings;
 mod imu_yaml;
 pub mod json;
@@ -7,7 +8,6 @@ pub mod motion;
 pub mod page;
 pub mod picture;
 mod pool;
-pub mod record;
 mod table;
 pub mod temperature;
 pub mod units;
@@ -18,11 +18,11 @@ use crate::output::{Outputs, Staged, print, print_json, print_lines, say, warn};
 use anyhow::Result;
 use clap::{Args, ValueEnum};
 use pool::Pool;
-use record::{AnalysisOptions, Record};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use temperature::TemperatureArgs;
 use zerorate_allan::{FitOptions, Options, Stat, Taus};
+use zerorate_jobs::analysis::{AnalysisOptions, Record};
 use zerorate_logs::{Column, LogError};
 
 /// Computes the Allan deviation of a gyroscope's log, taken at rest: a capture, or the log of any other part.
@@ -155,16 +155,16 @@ impl AllanArgs {
         if self.column.is_list() { self.column.read_list(file) } else { Ok(vec![self.column.read(file)?]) }
     }
 
-    fn way(&self) -> AnalysisOptions {
+    fn options(&self) -> AnalysisOptions {
         let taus = self.taus.clone().unwrap_or(Taus::Octave);
-        let options = Options { stat: self.stat, taus, confidence: self.confidence, scale: 1.0 };
+        let deviations = Options { stat: self.stat, taus, confidence: self.confidence, scale: 1.0 };
         let draws = !self.plot.is_empty() || self.report.is_some();
         let remove_steps = self.steps == Steps::Remove;
         let fit = FitOptions { scale: 1.0, cut_glitches: !self.keep_glitches, remove_steps };
         AnalysisOptions {
-            data: self.data,
+            is_phase: self.data == Data::Phase,
             closes_gaps: self.ignore_gaps,
-            options,
+            deviations,
             draws_finely: draws && self.taus.is_none(),
             fit: self.wants_fit().then_some(fit),
             draws: self.report.is_some(),
@@ -180,14 +180,14 @@ pub fn run(args: &AllanArgs) -> Result<()> {
     }
     args.temperature.check(args.pool, args.data == Data::Phase)?;
     let files = Files::claim(args)?;
-    let way = args.way();
+    let options = args.options();
     let mut records = Vec::new();
     for file in &args.files {
         let columns = args.columns(file)?;
         let temperature = args.temperature.read(file, |names| args.column.read_temperature(file, names))?;
         let temperature = temperature.as_ref().filter(|_| args.data == Data::Rate);
         for column in columns {
-            records.push(Record::of(column, file, &way, temperature)?);
+            records.push(Record::of(column, file, &options, temperature)?);
         }
     }
     check_units(args, &records)?;
@@ -207,7 +207,7 @@ pub fn run(args: &AllanArgs) -> Result<()> {
 /// Of a record alone each in full; of several a line for each kind.
 fn warnings(args: &AllanArgs, records: &[Record]) -> Vec<String> {
     match records {
-        [only] if !args.column.is_list() => only.warnings.clone(),
+        [only] if !args.column.is_list() => temperature::warnings(only),
         several => {
             let of_files = several.chunk_by(|a, b| a.file == b.file);
             of_files.flat_map(motion::lines).chain(findings::condensed(several)).collect()
@@ -222,7 +222,7 @@ fn no_result(record: &Record) -> Refused {
 /// One model of all records.
 fn pooled(args: &AllanArgs, records: &[Record], files: Files) -> Result<()> {
     let pool = Pool::of(records)?;
-    warn(&pool.record.warnings);
+    warn(&temperature::warnings(&pool.record));
     match (args.json, args.csv) {
         (true, _) => print_json(&json::Pooled::new(records, &pool))?,
         (_, true) => print(&table::csv(std::slice::from_ref(&pool.record))?)?,

@@ -1,8 +1,8 @@
 //! Axes of one log to which something happens at once.
 
-use super::record::Record;
 use serde::Serialize;
 use zerorate_allan::{self as allan, Fit, MotionKind, motion};
+use zerorate_jobs::analysis::Record;
 
 /// A moment at which several axes jump, or have a glitch.
 #[derive(Serialize)]

@@ -1,11 +1,13 @@
 //! The result as one HTML page.
 
+use super::advice::advice;
 use super::picture::Group;
-use super::record::Record;
+use super::temperature;
 use super::units::{self, deviation_unit, noise};
 use crate::output::Staged;
 use anyhow::Result;
 use zerorate_allan::{Estimate, Fit, Line, Term};
+use zerorate_jobs::analysis::Record;
 use zerorate_view::plot::number;
 use zerorate_view::report::{self, AllanPage, AllanRow, Coefficient, CoefficientValue, Fact, Table, allan_page};
 
@@ -190,15 +192,15 @@ fn section(record: &Record) -> report::Record {
         name: record.label(),
         unit: deviation_unit(record).unwrap_or_default().to_owned(),
         facts: facts.into_iter().chain(model).collect(),
-        warnings: record.warnings.clone(),
-        advice: record.advice(),
-        coefficients: units::rows(record).into_iter().map(coefficient).collect(),
+        warnings: temperature::warnings(record),
+        advice: advice(record),
+        coefficients: units::term_rows(record).into_iter().map(coefficient).collect(),
         points: analysis.points.iter().map(row).collect(),
         unavailable: analysis.unavailable.iter().map(unavailable).collect(),
     }
 }
 
-fn coefficient(row: units::Row) -> Coefficient {
+fn coefficient(row: units::TermRow) -> Coefficient {
     let value = |(Estimate { value, lo, hi }, unit): (Estimate, String)| CoefficientValue {
         value: number(value),
         lo: number(lo),

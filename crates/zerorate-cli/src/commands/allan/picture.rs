@@ -1,12 +1,12 @@
 //! The result as a picture.
 
-use super::record::Record;
 use super::units::{self, Named, coefficients, deviation_unit};
 use crate::exit::Usage;
 use crate::output::Staged;
 use anyhow::Result;
 use std::path::Path;
 use zerorate_allan::{Expected, Fit, Line};
+use zerorate_jobs::analysis::Record;
 use zerorate_logs::Quantity;
 use zerorate_view::plot::{self, Curve, Minimum, PowerLaw, Signal, Spectrum, Tone, number};
 

@@ -1,15 +1,13 @@
 //! Several records of one type as one: `--pool`.
 
-use super::record::Record;
 use crate::exit::{Refused, Usage};
 use anyhow::Result;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write;
-use std::path::PathBuf;
-use zerorate_allan::{
-    self as allan, self, AllanWarning, Analysis, Apart, Differs, Fit, Point, PoolError, PoolRecord, Stat, interval,
-};
+use zerorate_allan::{self as allan, Apart, Differs, Fit, PoolError, PoolRecord, Stat};
+use zerorate_jobs::analysis::Record;
+use zerorate_record::Note;
 
 /// The common model, as a record of its own, and what is to say of the records.
 pub struct Pool {
@@ -40,31 +38,15 @@ impl Pool {
             .collect();
         let pool = allan::fit_pool(&inputs).map_err(refused)?;
         let name = |i: usize| records[i].label();
-        let apart = pool.apart.iter().map(|apart| (name(apart.record), *apart)).collect();
+        let apart: Vec<_> = pool.apart.iter().map(|apart| (name(apart.record), *apart)).collect();
         let used: Vec<&Record> = pool.used.iter().map(|&i| &records[i]).collect();
-        let mut found = Self {
+        let notes = apart.iter().map(misfit).collect();
+        Ok(Self {
             spread: pool.spread,
             apart,
             used: pool.used.iter().map(|&i| name(i)).collect(),
-            record: together(&used, pool.fit),
-        };
-        let mut warnings = found.misfits();
-        let of_model = found.record.model().into_iter().flat_map(|fit| &fit.warnings);
-        warnings.extend(of_model.map(|warning: &AllanWarning| format!("{}: {warning}", warning.code())));
-        found.record.warnings = warnings;
-        Ok(found)
-    }
-
-    /// A line for each record that does not fit.
-    fn misfits(&self) -> Vec<String> {
-        let line = |(name, apart): &(String, Apart)| {
-            let rest = match apart.is_left_out {
-                true => "left out of the common model",
-                false => "the common model is of two that differ; a third would tell which is the exception",
-            };
-            format!("not-alike: {name} {}: {rest}", differs(&apart.differs))
-        };
-        self.apart.iter().map(line).collect()
+            record: Record::together(&used, pool.fit, notes),
+        })
     }
 
     /// The spread between the records, a line for each coefficient.
@@ -125,6 +107,15 @@ struct Misfit {
     left_out: bool,
 }
 
+/// A record that does not fit.
+fn misfit((name, apart): &(String, Apart)) -> Note {
+    let rest = match apart.is_left_out {
+        true => "left out of the common model",
+        false => "the common model is of two that differ; a third would tell which is the exception",
+    };
+    Note::new("not-alike", format!("{name} {}: {rest}", differs(&apart.differs)))
+}
+
 fn check(records: &[Record]) -> Result<(), Usage> {
     let is_again =
         |(i, record): &(usize, &Record)| records[..*i].iter().any(|before| before.label() == record.label());
@@ -159,38 +150,6 @@ fn differs(differs: &Differs) -> String {
             format!("has other slow noise (flicker, random walk or memory; −2 ln L differs by {gain:.0})")
         }
         _ => "differs".to_owned(),
-    }
-}
-
-/// The mean of the curves, each weighed by its terms, with the common model.
-fn together(used: &[&Record], fit: Fit) -> Record {
-    let first = used[0];
-    let samples = used.iter().map(|record| record.analysis.samples).max().unwrap_or(0);
-    let longest = used.iter().find(|record| record.analysis.samples == samples).unwrap_or(&first);
-    let point = |point: &Point| {
-        let same = used.iter().filter_map(|record| record.analysis.points.iter().find(|other| other.m == point.m));
-        let same: Vec<&Point> = same.collect();
-        let n = same.iter().map(|point| point.n).sum::<u64>();
-        let square = same.iter().map(|point| point.n as f64 * point.dev * point.dev).sum::<f64>() / n as f64;
-        let (dev, edf) = (square.sqrt(), same.iter().map(|point| point.edf).sum::<f64>());
-        let (lo, hi) = interval(dev, edf, first.confidence);
-        Point { dev, lo, hi, edf, n, ..*point }
-    };
-    let analysis =
-        Analysis { points: longest.analysis.points.iter().map(point).collect(), ..longest.analysis.clone() };
-    Record {
-        file: PathBuf::from("pool"),
-        column: first.column.clone(),
-        quantity: first.quantity,
-        confidence: first.confidence,
-        analysis,
-        finer: None,
-        fit: Some(Ok(fit)),
-        rate: None,
-        warnings: Vec::new(),
-        look: None,
-        detrended: None,
-        skipped_s: 0.0,
     }
 }
 

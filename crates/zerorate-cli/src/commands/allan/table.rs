@@ -1,10 +1,11 @@
 //! The result as text and as CSV.
 
-use super::record::Record;
-use super::units::{self, Row, noise};
+use super::advice::advice;
+use super::units::{self, TermRow, noise};
 use anyhow::Result;
 use std::fmt::Write;
 use zerorate_allan::{Estimate, Point};
+use zerorate_jobs::analysis::Record;
 
 /// The line above the table.
 pub fn heading(record: &Record) -> String {
@@ -49,8 +50,8 @@ pub fn coefficients_text(record: &Record) -> Result<String> {
     if let Some(Err(why)) = &record.fit {
         writeln!(text, "  none: {why}")?;
     }
-    for row in units::rows(record) {
-        let Row { name, values, remark } = row;
+    for row in units::term_rows(record) {
+        let TermRow { name, values, remark } = row;
         for (index, (Estimate { value, lo, hi }, unit)) in values.iter().enumerate() {
             let (title, remark) = if index == 0 { (&*name, &*remark) } else { ("", "") };
             let line = format!("  {title:22} {value:>11.4e}  [{lo:.3e}, {hi:.3e}] {unit}  {remark}");
@@ -66,7 +67,7 @@ pub fn coefficients_text(record: &Record) -> Result<String> {
         writeln!(text, "\nThe model holds to {error:.1} % {verdict} (p = {:.2} with that).", fit.p_value)?;
     }
     text.push('\n');
-    record.advice().iter().try_for_each(|advice| writeln!(text, "{advice}"))?;
+    advice(record).iter().try_for_each(|advice| writeln!(text, "{advice}"))?;
     Ok(text)
 }
 

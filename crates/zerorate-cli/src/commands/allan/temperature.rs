@@ -1,6 +1,5 @@
 //! What the temperature has to do with a record: warned of, taken out, or left out.
 
-use super::record::Record;
 use super::units::{deviation_unit, span};
 use crate::column::flag;
 use crate::exit::Usage;
@@ -9,6 +8,7 @@ use clap::Args;
 use serde::Serialize;
 use std::path::Path;
 use zerorate_allan::{AllanWarning, MOST_ORDER};
+use zerorate_jobs::analysis::Record;
 use zerorate_jobs::temperature::usual;
 use zerorate_logs::{Column, Names, Settling, TEMPERATURE_NAMES};
 use zerorate_view::duration::Seconds;
@@ -74,6 +74,12 @@ impl TemperatureArgs {
         }
         Ok(column)
     }
+}
+
+/// What there is to know of a record: first of the log.
+pub fn warnings(record: &Record) -> Vec<String> {
+    let of_model = record.follows.iter().chain(record.of_model()).map(text);
+    record.notes.iter().map(ToString::to_string).chain(of_model).collect()
 }
 
 /// A warning, with the options that help.

@@ -1,7 +1,7 @@
 //! Noise coefficients in the units that data sheets, standards and users have them in.
 
-use super::record::Record;
 use zerorate_allan::{Estimate, Line, Term};
+use zerorate_jobs::analysis::Record;
 pub use zerorate_logs::imu::{B, Named, span};
 use zerorate_logs::{Quantity, imu};
 use zerorate_view::plot::number;
@@ -12,16 +12,16 @@ pub fn coefficients(record: &Record) -> Vec<Named<'_>> {
 }
 
 /// What a table says of a coefficient or another term: in each unit value, limits and the unit.
-pub struct Row {
+pub struct TermRow {
     pub name: String,
     pub values: Vec<(Estimate, String)>,
     pub remark: String,
 }
 
 /// All that the model of a record has, the coefficients first.
-pub fn rows(record: &Record) -> Vec<Row> {
+pub fn term_rows(record: &Record) -> Vec<TermRow> {
     let Some(fit) = record.model() else { return Vec::new() };
-    let coefficient = |named: Named<'_>| Row {
+    let coefficient = |named: Named<'_>| TermRow {
         name: format!("{}  {}", named.letter, named.name),
         values: (0..named.units.len()).map(|index| (named.in_unit(index), named.units[index].0.clone())).collect(),
         remark: if fit.is_rejected { "model rejected".to_owned() } else { named.remark() },
@@ -33,7 +33,7 @@ pub fn rows(record: &Record) -> Vec<Row> {
         .collect()
 }
 
-fn of_term(record: &Record, term: &Term) -> Row {
+fn of_term(record: &Record, term: &Term) -> TermRow {
     let rate = B.of(record.quantity);
     let in_rate = |estimate: &Estimate| {
         let scaled = |(unit, factor): &(String, f64)| {
@@ -44,12 +44,12 @@ fn of_term(record: &Record, term: &Term) -> Row {
     };
     let exact = |value: f64| Estimate { value, lo: value, hi: value };
     match term {
-        Term::GaussMarkov { sigma, tau_s } => Row {
+        Term::GaussMarkov { sigma, tau_s } => TermRow {
             name: "Gauss–Markov σ, T".to_owned(),
             values: vec![in_rate(sigma), (*tau_s, "s".to_owned())],
             remark: String::new(),
         },
-        Term::BandShape { cosines, pole } => Row {
+        Term::BandShape { cosines, pole } => TermRow {
             name: "band shape".to_owned(),
             values: Vec::new(),
             remark: format!(
@@ -57,12 +57,12 @@ fn of_term(record: &Record, term: &Term) -> Row {
                 cosines.len() + usize::from(pole.is_some())
             ),
         },
-        Term::Line(Line { frequency_hz, width_hz, rms }) => Row {
+        Term::Line(Line { frequency_hz, width_hz, rms }) => TermRow {
             name: "line, left out".to_owned(),
             values: vec![in_rate(&exact(*rms))],
             remark: format!("at {frequency_hz:.4} Hz, {width_hz:.4} Hz wide"),
         },
-        Term::WarmUp { size, tau_s } => Row {
+        Term::WarmUp { size, tau_s } => TermRow {
             name: "warm-up".to_owned(),
             values: vec![in_rate(size)],
             remark: format!("with a time constant of {}", span(*tau_s)),

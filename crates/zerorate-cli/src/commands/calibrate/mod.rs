@@ -137,7 +137,7 @@ fn calibrate(acquisition: Acquisition, plan: Plan, result: &ResultArgs, files: F
     let done = job.run(&mut meter)?;
     drop(meter);
     if !result.json {
-        warn(&done.report.warnings());
+        warn(&text::warnings(&done.report));
     }
     match done.kept {
         Ok(()) => deliver::print_result(&done.report, &done.calibration, result),

@@ -21,6 +21,12 @@ pub fn text(report: &Report, file: Option<&Path>, serial: Option<&str>) -> Strin
     text + "\n" + &what_next(file, serial)
 }
 
+/// All warnings, those of one axis with its name.
+pub fn warnings(report: &Report) -> Vec<String> {
+    let own = report.axes.iter().flat_map(|axis| axis.warnings.iter().map(|one| format!("axis {}: {one}", axis.name)));
+    report.warnings.iter().map(ToString::to_string).chain(own).collect()
+}
+
 fn head(report: &Report) -> String {
     let device = report.device.as_deref().unwrap_or_default();
     format!(
@@ -176,7 +182,7 @@ mod tests {
         assert_eq!((&json["pbc_dps"], &json["axes"][1]["pbc_dps"]), (&serde_json::Value::Null, &0.25.into()));
         assert_eq!((&json["axes"][0]["name"], &json["axes"][0]["impossible_readings"]), (&"x".into(), &1.into()));
         assert_eq!((json["warnings"].as_array().unwrap().len(), &json["samples"]), (1, &317_100.into()));
-        let codes: Vec<String> = several.warnings().iter().map(|text| text[..14].to_owned()).collect();
+        let codes: Vec<String> = warnings(&several).iter().map(|text| text[..14].to_owned()).collect();
         assert_eq!(codes, ["earth-included", "axis x: restle", "axis y: rest-u"]);
         let text = text(&several, None, None);
         assert!(text.contains("axis x\n  PBC  -0.50000") && text.contains("axis y\n  PBC  +0.25000"), "{text}");

@@ -1,31 +1,28 @@
 //! `zerorate chamber`: a calibration over the temperatures of a chamber.
 
-mod drive;
-mod kept;
-mod mover;
-mod plan;
-mod result;
+mod air;
+mod text;
 
-use super::allan::picture::Kind;
+use super::allan::picture::{self, Kind};
 use super::serial::one_line;
 use crate::device::{DeviceArgs, SamplingArgs};
 use crate::exit::Usage;
 use crate::interrupt;
-use crate::output::{Outputs, Slot, Staged, say, warn};
-use anyhow::Result;
+use crate::output::{Outputs, Staged, print_json, print_lines, say, warn};
+use crate::progress::Meter;
+use crate::wording::{coded, flag};
+use air::LastWord;
+use anyhow::{Error, Result};
 use clap::Args;
-use drive::{Drive, Driven, Ready, TICK_NS};
-use kept::Kept;
-use mover::Mover;
-use plan::PlanFile;
 use std::path::PathBuf;
-use zerorate::chamber::{ChamberPlan, ChamberProcedure};
-use zerorate::{EARTH_DPS, Part};
-use zerorate_host::{Air, ChamberSpec, DeviceInfo, Setup, SimulatedChamber};
-use zerorate_jobs::Acquisition;
-use zerorate_jobs::Recorder;
-use zerorate_record::{CaptureInfo, Format};
+use zerorate::chamber::{ChamberProgress, Step, StepEnd};
+use zerorate::{EARTH_DPS, Names};
+use zerorate_host::{Air, ChamberSpec, Setup, SimulatedChamber};
+use zerorate_jobs::JobWarning;
+use zerorate_jobs::calibrate::Kept;
+use zerorate_jobs::chamber::{ChamberOptions, Files, Found, Job, Mover, PlanFile, UnusableSteps, Watch, prepare};
 use zerorate_view::duration::Seconds;
+use zerorate_view::report::over_temperature;
 
 /// Calibrates a part over the temperatures of a chamber.
 ///
@@ -132,9 +129,27 @@ pub fn run(args: &ChamberArgs) -> Result<()> {
     let mut outputs = Outputs::new(args.force).printing();
     let plan = PlanFile::read(&args.plan, args.device.file().is_some(), &mut outputs)?;
     limits(args)?;
-    let mut files = Files::claim(args, outputs)?;
-    let driven = drive(args, chamber, &plan, &mut files)?;
-    result::deliver(args, &plan, driven, files)
+    let setup = args.device.setup(args.sampling, &mut outputs)?;
+    let ChamberArgs { output, log, serial, supply_note, .. } = args;
+    let (output, log, serial, supply_note) = (output.clone(), log.clone(), serial.clone(), supply_note.clone());
+    let kept = Kept { output, log, serial, supply_note };
+    let files = Files::claim(outputs, kept, args.report.as_deref(), args.device.file().is_some())?;
+    let kind = args.report.as_deref().map(Kind::of).transpose()?.flatten();
+    let job = ready(args, chamber, setup, plan, files)?;
+    if kind.is_some() && job.part().axes.len() > 1 {
+        let why = "a picture shows one axis, and this part has several: write a page (.html) as --report";
+        return Err(Usage(why.to_owned()).into());
+    }
+    let mut watch = Looking { meter: Meter::new(job.left_s()), kind };
+    let done = job.run(&mut watch)?;
+    drop(watch);
+    done.kept.map_err(|undelivered| undelivered.error(""))?;
+    let report = &done.found.report;
+    if args.json {
+        return print_json(report);
+    }
+    warn(&report.warnings);
+    print_lines(&text::text(report, args.output.as_deref()))
 }
 
 fn limits(args: &ChamberArgs) -> Result<()> {
@@ -149,102 +164,77 @@ fn limits(args: &ChamberArgs) -> Result<()> {
     }
 }
 
-fn drive(args: &ChamberArgs, chamber: Option<ChamberSpec>, plan: &PlanFile, files: &mut Files) -> Result<Driven> {
+/// The chamber first: no hour is begun with one that does not answer.
+fn ready(args: &ChamberArgs, chamber: Option<ChamberSpec>, setup: Setup, plan: PlanFile, files: Files) -> Result<Job> {
     // from here on Ctrl-C is a wish: what was started must be stopped
     interrupt::listen();
-    let mut mover = Mover::new(chamber.as_ref(), args.device.device.is_simulated(), plan.plan.safe_c)?;
-    // the chamber first: no hour is begun with one that does not answer
+    let is_simulated = args.device.device.is_simulated();
+    let mut mover =
+        Mover::new(chamber.as_ref(), is_simulated, plan.plan.safe_c, interrupt::stop(), Box::new(LastWord))?;
     mover.start()?;
-    let air = args.device.device.is_simulated().then(Air::default);
+    let air = is_simulated.then(Air::default);
     let lead = air.as_ref().map(Air::lead);
-    let ready = ready(args, plan, files, air, chamber.is_some())?;
-    Drive::new(ready, mover, lead).run()
+    let acquisition = args.device.open(Setup { air, ..setup })?;
+    let options = ChamberOptions {
+        max_lost: args.max_lost,
+        earth_dps: args.earth_dps,
+        max_order: args.max_order.into(),
+        restart: args.restart,
+        moves_air: chamber.is_some(),
+    };
+    prepare(acquisition, (mover, lead), plan, files, options).map_err(worded)
 }
 
-/// The part and the files, before the first sample.
-fn ready(args: &ChamberArgs, plan: &PlanFile, files: &mut Files, air: Option<Air>, moves_air: bool) -> Result<Ready> {
-    let is_simulated = air.is_some();
-    let mut acquisition = args.device.open(Setup { air, ..files.setup.clone() })?;
-    if moves_air {
-        spares(&plan.plan, acquisition.part())?;
+/// How to begin anew.
+fn worded(error: Error) -> Error {
+    match error.downcast::<UnusableSteps>() {
+        Ok(unusable) => Usage(format!("{unusable}; take another -o, or --restart to begin anew")).into(),
+        Err(error) => error,
     }
-    if files.report_kind.is_some() && acquisition.part().axes.len() > 1 {
-        let why = "a picture shows one axis, and this part has several: write a page (.html) as --report";
-        return Err(Usage(why.to_owned()).into());
-    }
-    let info = acquisition.info(args.serial.as_deref(), args.supply_note.as_deref());
-    let procedure = ChamberProcedure::new(acquisition.part(), plan.plan.clone(), args.max_lost);
-    let mut procedure = procedure.map_err(|error| Usage(error.to_string()))?;
-    let kept = Kept::new(files.steps.take(), &plan.text, acquisition.part(), &info.device, info.serial.as_deref());
-    let kept = kept.in_real_time(acquisition.facts().is_real);
-    if let Some((saved, gap_s)) = kept.found(args.restart)? {
-        let (steps, all) = (saved.steps, plan.plan.steps.len());
-        say(format_args!("going on after step {steps} of {all}, which ended {} before", Seconds(gap_s)));
-        procedure = procedure.resumed(saved.record, saved.steps, gap_s);
-    }
-    if is_simulated {
-        mark_ticks(&mut acquisition, &procedure);
-    }
-    let log = files.log(acquisition.facts(), &info)?;
-    Ok(Ready { acquisition, procedure, kept, log })
 }
 
-/// Holds the plan against the limits of the part.
-fn spares(plan: &ChamberPlan, part: &Part) -> Result<()> {
-    plan.spares(part).map_err(|error| Usage(error.to_string()))?;
-    if part.operating_c.is_none() {
-        let why =
-            "the file of the part does not state operating_c, so only the plan keeps the chamber from harming it";
-        warn(&[format!("limits-unknown: {why}")]);
-    }
-    Ok(())
-}
-
-/// Batches of a simulated part end where its chamber has moved the air: for as long as the plan can take at most.
-fn mark_ticks(acquisition: &mut Acquisition, procedure: &ChamberProcedure) {
-    /// Two weeks: no simulated measurement takes longer.
-    const MOST_S: f64 = 14.0 * 86_400.0;
-    let plan = procedure.plan();
-    let slack_s = 5.0 * (plan.settle_timeout_s + 3600.0) * plan.steps.len() as f64;
-    let most_s = (plan.least_s(0, procedure.part()) + slack_s).min(MOST_S) as u64;
-    (0..=most_s).for_each(|second| acquisition.mark(second * TICK_NS));
-}
-
-/// The files that were asked for, claimed before hours are spent on their content.
-struct Files {
-    outputs: Outputs,
-    calibration: Option<Staged>,
-    report: Option<Staged>,
+/// Shows how far it is.
+struct Looking {
+    meter: Meter,
     /// A picture in place of a page.
-    report_kind: Option<Kind>,
-    log: Option<PathBuf>,
-    /// Where finished steps are kept.
-    steps: Option<Slot>,
-    /// How the part is to be read, which may need a file as well.
-    setup: Setup,
+    kind: Option<Kind>,
 }
 
-impl Files {
-    fn claim(args: &ChamberArgs, mut outputs: Outputs) -> Result<Self> {
-        let setup = args.device.setup(args.sampling, &mut outputs)?;
-        let is_replayed = args.device.file().is_some();
-        // beside a device there is no place for files
-        let output = args.output.as_deref().filter(|path| !is_replayed && (!path.exists() || path.is_file()));
-        Ok(Self {
-            calibration: args.output.as_deref().map(|path| outputs.derived(path)).transpose()?,
-            report: args.report.as_deref().map(|path| outputs.derived(path)).transpose()?,
-            report_kind: args.report.as_deref().map(Kind::of).transpose()?.flatten(),
-            log: args.log.clone(),
-            steps: output.map(|path| outputs.slot(&Kept::beside(path))).transpose()?,
-            setup,
-            outputs,
-        })
+impl Watch for Looking {
+    fn see(&mut self, progress: &ChamberProgress) {
+        if !self.meter.is_hidden() {
+            let temp = progress.temp_c.map_or(String::new(), |temp_c| format!(", part at {temp_c:.1} °C"));
+            let text = format!("step {}/{}: {}{temp}", progress.step + 1, progress.steps, progress.state);
+            self.meter.show_left(progress.elapsed_s, progress.left_s, text);
+        }
     }
 
-    /// Starts the log, once there is something to record.
-    fn log(&mut self, facts: &DeviceInfo, info: &CaptureInfo) -> Result<Option<Recorder>> {
-        let Some(path) = self.log.take() else { return Ok(None) };
-        let format = Format::choose(None, &path)?;
-        Ok(Some(Recorder::create(self.outputs.recording(&path)?, format, facts, info, None)?))
+    fn resume(&mut self, steps: usize, all: usize, gap_s: f64) {
+        say(format_args!("going on after step {steps} of {all}, which ended {} before", Seconds(gap_s)));
+    }
+
+    fn step(&mut self, progress: &ChamberProgress, step: &Step) {
+        let how = step.c_per_min.map_or(String::new(), |c_per_min| format!(", at {c_per_min} °C a minute"));
+        let then = match step.end {
+            StepEnd::Hold(hold_s) => format!("and leave it there for {}", Seconds(hold_s)),
+            StepEnd::Average(_) => "and leave it there: the part tells when it has settled".to_owned(),
+        };
+        let (number, all, to_c) = (progress.step + 1, progress.steps, step.to_c);
+        say(format_args!("step {number} of {all}: set the chamber to {to_c:.1} °C{how}, {then}"));
+    }
+
+    fn warn(&mut self, warning: JobWarning) {
+        warn(&[coded(warning)]);
+    }
+
+    fn page(&mut self, found: &Found, file: Staged) -> Result<()> {
+        match self.kind {
+            Some(kind) => picture::write(kind, file, &found.outcomes.first().map_or(String::new(), over_temperature)),
+            None => Ok(file.fill(text::page(found)?.as_bytes())?),
+        }
+    }
+
+    fn names(&self) -> Names {
+        flag
     }
 }

@@ -1,6 +1,5 @@
 //! The axes beside a data sheet.
 
-use crate::commands::allan::record::Record;
 use crate::exit::Usage;
 use crate::output::Outputs;
 use anyhow::Result;
@@ -10,6 +9,7 @@ use std::path::Path;
 use zerorate_allan::DataSheet;
 use zerorate_allan::Estimate;
 use zerorate_allan::datasheet::{Figure, Line, Verdict};
+use zerorate_jobs::analysis::Record;
 use zerorate_logs::imu::Kind;
 use zerorate_record::limits;
 use zerorate_view::plot::number;
@@ -125,7 +125,7 @@ const HEAD: [&str; 5] = ["figure", "data sheet", "axis", "measured [95 % interva
 
 /// A comparison in JSON.
 #[derive(Serialize)]
-pub struct Row<'a> {
+pub struct ComparisonRow<'a> {
     figure: &'static str,
     /// typical or maximum
     limit: &'static str,
@@ -138,7 +138,7 @@ pub struct Row<'a> {
     verdict: &'static str,
 }
 
-impl<'a> Row<'a> {
+impl<'a> ComparisonRow<'a> {
     pub fn new(comparison: &Comparison<'a>) -> Self {
         let line = comparison.line;
         let measured = comparison.measured.as_ref();

@@ -1,11 +1,11 @@
 //! The result as one JSON object.
 
-use super::datasheet::{Comparison, Row};
+use super::datasheet::{Comparison, ComparisonRow};
 use crate::commands::allan::json;
 use crate::commands::allan::motion::{self, Motion};
-use crate::commands::allan::record::Record;
 use serde::Serialize;
 use zerorate_allan::DataSheet;
+use zerorate_jobs::analysis::Record;
 use zerorate_logs::imu::Kind;
 
 /// All axes of a log.
@@ -35,7 +35,7 @@ struct OfAxis<'a> {
     kind: Option<&'static str>,
     /// Beside each line of the data sheet.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    data_sheet: Vec<Row<'a>>,
+    data_sheet: Vec<ComparisonRow<'a>>,
     #[serde(flatten)]
     report: json::Report<'a>,
 }
@@ -52,7 +52,7 @@ impl<'a> Report<'a> {
         let of = |axis: &'a Record| OfAxis {
             name: &axis.column,
             kind: axis.quantity.and_then(Kind::of).map(Kind::name),
-            data_sheet: compared.iter().filter(|one| one.axis == axis.column).map(Row::new).collect(),
+            data_sheet: compared.iter().filter(|one| one.axis == axis.column).map(ComparisonRow::new).collect(),
             report: json::Report::new(axis),
         };
         Self {

@@ -4,10 +4,9 @@ mod datasheet;
 mod json;
 mod text;
 
-use super::allan::record::{AnalysisOptions, Record};
 use super::allan::temperature::TemperatureArgs;
 use super::allan::units::span;
-use super::allan::{Data, findings, motion, page};
+use super::allan::{findings, motion, page};
 use crate::column::{flag, listed, share};
 use crate::exit::{Refused, Usage};
 use crate::output::{Outputs, Staged, print_json, print_lines, say, warn};
@@ -18,6 +17,7 @@ use std::path::PathBuf;
 use zerorate_allan::DataSheet;
 use zerorate_allan::{FitOptions, Options};
 use zerorate_host::files;
+use zerorate_jobs::analysis::{AnalysisOptions, Record};
 use zerorate_jobs::temperature;
 use zerorate_logs::imu::{Axes, Axis, Choice, Combine, Format, ImuOptions, Kind, Numbers, Said};
 use zerorate_logs::{Column, ColumnOptions, Decimal, Names, Setting, TimeUnit, Unit};
@@ -160,13 +160,19 @@ pub fn run(args: &ImuArgs) -> Result<()> {
     check_format(args, &columns)?;
     let of_log: Vec<String> = warnings.iter().map(Note::to_string).chain(absent(args, &columns)).collect();
     let (fit, draws) = (Some(FitOptions::default()), page.is_some());
-    let options = Options::default();
-    let (data, settling) = (Data::Rate, args.temperature.settling());
-    let (closes_gaps, draws_finely, keeps_rate) = (false, draws, false);
-    let way = AnalysisOptions { data, closes_gaps, options, draws_finely, fit, draws, keeps_rate, settling };
+    let options = AnalysisOptions {
+        is_phase: false,
+        closes_gaps: false,
+        deviations: Options::default(),
+        draws_finely: draws,
+        fit,
+        draws,
+        keeps_rate: false,
+        settling: args.temperature.settling(),
+    };
     let log = args.options().log;
     let temperature = args.temperature.read(&args.log, |names| temperature::named(&args.log, names, &log))?;
-    let analyse = |column| Record::of(column, &args.log, &way, temperature.as_ref());
+    let analyse = |column| Record::of(column, &args.log, &options, temperature.as_ref());
     let axes: Vec<Record> = columns.into_iter().map(analyse).collect::<Result<_>>()?;
     let compared = sheet.as_ref().map(|sheet| datasheet::compare(sheet, &axes)).unwrap_or_default();
     if args.json {

@@ -1,10 +1,10 @@
 //! The result as text.
 
-use crate::commands::allan::record::Record;
 use crate::commands::allan::units::{B, Named, coefficients, span};
 use anyhow::Result;
 use std::fmt::Write;
 use zerorate_allan::{Estimate, Fit, Term};
+use zerorate_jobs::analysis::Record;
 use zerorate_logs::imu::Kind;
 use zerorate_view::report::Table;
 

@@ -5,20 +5,20 @@ mod track;
 use super::correct::load;
 use super::serial::{Part, one_line};
 use crate::device::{DeviceArgs, SamplingArgs};
-use crate::exit::{Refused, Usage};
-use crate::output::{Outputs, Stdout, warn};
+use crate::exit::Usage;
+use crate::output::{Outputs, Stdout, say, warn};
 use crate::wording::coded;
 use anyhow::{Result, bail, ensure};
 use clap::{Args, ValueEnum};
-use serde::{Serialize, Serializer};
+use serde::Serializer;
+use serde_json::json;
 use std::io::{self, BufWriter, Write};
-use std::path::PathBuf;
-use track::{TrackArgs, TrackedRow, Tracking};
-use zerorate::health::{Flags, Judged};
-use zerorate::{Axis, Calibration, CodeSum, Correction, Corrector};
+use std::path::{Path, PathBuf};
+use track::{TrackArgs, say_learned};
+use zerorate::Calibration;
 use zerorate_host::DeviceInfo;
-use zerorate_jobs::Acquisition;
-use zerorate_record::believed;
+use zerorate_jobs::stream::{Learned, Listener, StreamOptions, StreamRow, stream};
+use zerorate_jobs::{Acquisition, JobWarning};
 use zerorate_view::duration::Seconds;
 
 /// Prints the corrected rate as it comes: columns t_s, rate_dps, temp_c, lost, calibration, flags. A part with several
@@ -49,9 +49,9 @@ pub struct StreamArgs {
 
     /// The form of the rows.
     #[arg(long, value_enum, default_value = "csv")]
-    format: Form,
+    format: RowFormat,
 
-    /// Rows per second: each is the mean of all samples in its share of time, without overlap; a share that is not
+    /// RowPrinter per second: each is the mean of all samples in its share of time, without overlap; a share that is not
     /// complete at the end gives no row [default: a row for each sample].
     #[arg(long, value_name = "HZ")]
     rate: Option<f64>,
@@ -64,8 +64,9 @@ pub struct StreamArgs {
     tracking: TrackArgs,
 }
 
+/// Forms of a row.
 #[derive(Clone, Copy, Debug, ValueEnum)]
-enum Form {
+enum RowFormat {
     Csv,
     Jsonl,
 }
@@ -73,52 +74,15 @@ enum Form {
 pub fn run(args: &StreamArgs) -> Result<()> {
     let mut outputs = Outputs::without_force();
     let calibration = load(&args.cal, &mut outputs)?;
-    let period_ns = args.rate.map(period_ns).transpose()?.unwrap_or(1);
+    let period_ns = args.rate.map(period_ns).transpose()?;
     let setup = args.device.setup(args.sampling, &mut outputs)?;
-    let mut acquisition = args.device.open(setup)?;
+    let acquisition = args.device.open(setup)?;
     check_serial(args, acquisition.facts(), &calibration)?;
     acquisition.initialise()?;
-    let created = acquisition.facts().info.created.clone();
-    let tracking = args.tracking.begin(acquisition.part(), &calibration, &created, &mut outputs)?;
-    let mut rows = Rows::new(args.format, acquisition.part(), &calibration, acquisition.is_paced(), tracking)?;
-    let mut mean = Mean::default();
-    let mut judged = Vec::new();
-    let ends_after_ns = args.duration.map_or(u64::MAX, Seconds::nanos);
-    let mut first_ns = None;
-    while acquisition.next_judged(&mut judged)? {
-        let now_ns = judged.first().map_or(0, |first| first.reading.t_ns);
-        let t_ns = now_ns - *first_ns.get_or_insert(now_ns);
-        if mean.belongs_to_next(t_ns / period_ns) {
-            rows.write(&mut mean)?;
-        }
-        if t_ns >= ends_after_ns {
-            break;
-        }
-        mean.push(t_ns, t_ns / period_ns, &judged);
-        if let Some(tracking) = &mut rows.tracking {
-            tracking.push(t_ns, &judged);
-        }
-        if acquisition.frozen().is_some() {
-            return stop_frozen(&acquisition, &mut rows, &mut mean);
-        }
-    }
-    if args.rate.is_none() {
-        rows.write(&mut mean)?;
-    }
-    rows.finish()?;
-    warn(&acquisition.disbelief());
-    Ok(())
-}
-
-/// The row that says so, then the end: nothing after it would be a measurement.
-#[cold]
-fn stop_frozen(acquisition: &Acquisition, rows: &mut Rows, mean: &mut Mean) -> Result<()> {
-    mean.flags = mean.flags.and(Flags::FROZEN);
-    rows.write(mean)?;
-    rows.finish()?;
-    let frozen = acquisition.frozen();
-    let why = frozen.map(|frozen| believed::frozen_text(&frozen, acquisition.start_ns())).unwrap_or_default();
-    Err(Refused::new("frozen", why).into())
+    let tracking = args.tracking.begin(acquisition.facts(), &calibration, &mut outputs)?;
+    let mut rows = RowPrinter::new(args.format, &acquisition, calibration.id(), tracking.is_some())?;
+    let options = StreamOptions { period_ns, duration_ns: args.duration.map(Seconds::nanos) };
+    stream(acquisition, &calibration, options, tracking, &mut rows)
 }
 
 /// A serial number that is given must be that of the calibration, and that of the recording where one is read.
@@ -143,196 +107,93 @@ fn period_ns(rate_hz: f64) -> Result<u64> {
     Ok((1e9 / rate_hz).round() as u64)
 }
 
-/// The samples of one row: exact sums of codes, divided once.
-#[derive(Default)]
-struct Mean {
-    slot: u64,
-    readings: u64,
-    first_ns: u64,
-    last_ns: u64,
-    /// Of each axis.
-    rates: Vec<CodeSum>,
-    temp: CodeSum,
-    lost: u64,
-    flags: Flags,
-}
-
-impl Mean {
-    fn is_empty(&self) -> bool {
-        self.readings == 0
-    }
-
-    #[inline]
-    fn belongs_to_next(&self, slot: u64) -> bool {
-        !self.is_empty() && slot != self.slot
-    }
-
-    #[inline]
-    fn push(&mut self, t_ns: u64, slot: u64, axes: &[Judged]) {
-        if self.is_empty() {
-            (self.slot, self.first_ns) = (slot, t_ns);
-        }
-        self.last_ns = t_ns;
-        self.readings += 1;
-        self.rates.resize_with(axes.len(), CodeSum::default);
-        for (sum, judged) in self.rates.iter_mut().zip(axes) {
-            if let Some(rate) = judged.rate() {
-                sum.push(rate);
-            }
-            self.flags = self.flags.and(judged.flags);
-        }
-        // temperature and losses are those of all axes
-        if let Some(first) = axes.first() {
-            if let Some(temp) = first.temp() {
-                self.temp.push(temp);
-            }
-            self.lost += u64::from(first.reading.lost);
-        }
-    }
-
-    /// Middle of the samples, s.
-    fn t_s(&self) -> f64 {
-        (self.first_ns + self.last_ns) as f64 * 0.5e-9
-    }
-}
-
-/// Writes corrected rows.
-struct Rows {
+/// Prints rows.
+struct RowPrinter {
     out: BufWriter<Stdout>,
-    form: Form,
-    axes: Vec<Axis>,
-    /// Of the columns with their rates.
-    names: Vec<String>,
-    corrector: Corrector<Vec<Correction>>,
+    format: RowFormat,
+    /// Columns of the rates.
+    rates: Vec<String>,
+    /// Columns of what is tracked, bias and uncertainty of each axis.
+    biases: Vec<String>,
     id: String,
     flush_each: bool,
-    warned: Warned,
-    tracking: Option<Tracking>,
 }
 
-#[derive(Default)]
-struct Warned {
-    span: bool,
-    flags: Flags,
-}
-
-#[derive(Serialize)]
-struct Row<'a> {
-    t_s: f64,
-    /// By the names of their columns.
-    #[serde(flatten)]
-    rates_dps: Rates<'a>,
-    temp_c: f64,
-    lost: u64,
-    calibration: &'a str,
-    flags: String,
-    #[serde(flatten)]
-    tracked: Option<TrackedRow>,
-}
-
-/// Corrected rates of all axes.
-struct Rates<'a> {
-    names: &'a [String],
-    rates_dps: Vec<Option<f64>>,
-}
-
-impl Serialize for Rates<'_> {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_map(self.names.iter().zip(&self.rates_dps))
-    }
-}
-
-impl Rows {
-    fn new(
-        form: Form,
-        part: &zerorate::Part,
-        calibration: &Calibration,
-        flush_each: bool,
-        tracking: Option<Tracking>,
-    ) -> Result<Self> {
+impl RowPrinter {
+    fn new(format: RowFormat, acquisition: &Acquisition, id: String, is_tracked: bool) -> Result<Self> {
         let mut out = BufWriter::with_capacity(1 << 16, Stdout::lock());
-        let names = match &*part.axes {
-            [_] => vec!["rate_dps".to_owned()],
-            axes => axes.iter().map(|axis| format!("{}_dps", axis.name)).collect(),
+        let axes = &*acquisition.part().axes;
+        let column = |axis: &zerorate::NamedAxis, of: &str| match axes.len() {
+            1 => of.to_owned(),
+            _ => format!("{}_{of}", axis.name),
         };
-        if let Form::Csv = form {
-            let tracked = tracking.as_ref().map(Tracking::headings).unwrap_or_default();
-            writeln!(out, "t_s,{},temp_c,lost,calibration,flags{tracked}", names.join(","))?;
+        let rates: Vec<String> = match axes {
+            [_] => vec!["rate_dps".to_owned()],
+            axes => axes.iter().map(|axis| column(axis, "dps")).collect(),
+        };
+        let bias = |axis| [column(axis, "bias_dps"), column(axis, "u_bias_dps")];
+        let biases: Vec<String> = axes.iter().filter(|_| is_tracked).flat_map(bias).collect();
+        if let RowFormat::Csv = format {
+            let tracked = if is_tracked { format!(",{},phase", biases.join(",")) } else { String::new() };
+            writeln!(out, "t_s,{},temp_c,lost,calibration,flags{tracked}", rates.join(","))?;
         }
-        let corrector = calibration.corrector(&part.name, part.axes.iter().map(|axis| &*axis.name))?;
-        let (axes, id) = (part.axes.iter().map(|axis| axis.axis).collect(), calibration.id());
-        Ok(Self { out, form, axes, names, corrector, id, flush_each, warned: Warned::default(), tracking })
+        Ok(Self { out, format, rates, biases, id, flush_each: acquisition.is_paced() })
     }
 
-    /// Writes the row of these samples and empties the mean. Before the first temperature there is nothing to correct
-    /// with.
-    fn write(&mut self, mean: &mut Mean) -> Result<()> {
-        // all axes have the same temperature
-        self.corrector.read(self.axes.first().and_then(|first| mean.temp.mean(&first.temp)));
-        if let Some(temp_c) = self.corrector.temp_c()
-            && !mean.is_empty()
-        {
-            self.watch(self.corrector.is_extrapolated(), mean.flags);
-            let flags = mean.flags.to_string();
-            let means = mean.rates.iter().zip(&self.axes).map(|(sum, axis)| sum.mean(&axis.rate)).enumerate();
-            let mut rates_dps: Vec<_> = means.map(|(index, rate)| self.corrector.correct(index, rate)).collect();
-            let tracked = self.tracking.as_ref().map(|tracking| {
-                let corrections = (0..rates_dps.len()).map(|axis| self.corrector.correct(axis, Some(0.0)));
-                tracking.row(temp_c, &corrections.map(Option::unwrap_or_default).collect::<Vec<_>>())
-            });
-            for (rate_dps, change_dps) in rates_dps.iter_mut().zip(tracked.iter().flat_map(|row| &row.changes_dps)) {
-                *rate_dps = rate_dps.map(|rate_dps| rate_dps - change_dps);
-            }
-            let rates_dps = Rates { names: &self.names, rates_dps };
-            let (t_s, lost) = (mean.t_s(), mean.lost);
-            let row = Row { t_s, rates_dps, temp_c, lost, calibration: &self.id, flags, tracked };
-            match self.form {
-                Form::Csv => row.csv(&mut self.out)?,
-                Form::Jsonl => row.jsonl(&mut self.out)?,
-            }
-            if self.flush_each {
-                self.out.flush()?;
-            }
-            *mean = Mean::default();
-        }
-        Ok(())
-    }
-
-    fn finish(&mut self) -> Result<()> {
-        self.out.flush()?;
-        self.tracking.as_mut().map_or(Ok(()), |tracking| tracking.finish(self.corrector.temp_c()))
-    }
-
-    fn watch(&mut self, extrapolated: bool, flags: Flags) {
-        if extrapolated && !self.warned.span {
-            warn(self.corrector.warning().map(|warning| coded(&warning)).as_slice());
-            self.warned.span = true;
-        }
-        let new = flags != Flags::NONE && !self.warned.flags.has(flags);
-        if new {
-            warn(&[format!(
-                "not-believed: readings that are not to be believed ({flags}) are left out; their rows are flagged"
-            )]);
-            self.warned.flags = self.warned.flags.and(flags);
-        }
-    }
-}
-
-impl Row<'_> {
-    fn csv(&self, out: &mut impl Write) -> io::Result<()> {
-        let Self { t_s, rates_dps: Rates { rates_dps, .. }, temp_c, lost, calibration, flags, tracked } = self;
+    fn csv(&mut self, row: &StreamRow) -> io::Result<()> {
+        let StreamRow { t_s, rates_dps, temp_c, lost, flags, tracked } = row;
+        let (out, id) = (&mut self.out, &self.id);
         write!(out, "{t_s:.6}")?;
         for rate_dps in rates_dps {
             write!(out, ",")?;
             rate_dps.map_or(Ok(()), |rate_dps| write!(out, "{rate_dps:.6}"))?;
         }
-        write!(out, ",{temp_c:.4},{lost},{calibration},{flags}")?;
-        tracked.as_ref().map_or(Ok(()), |tracked| tracked.csv(out))?;
+        write!(out, ",{temp_c:.4},{lost},{id},{flags}")?;
+        if let Some(tracked) = tracked {
+            for axis in &tracked.axes {
+                write!(out, ",{:.6},{:.6}", axis.bias_dps, axis.tracked.u_dps)?;
+            }
+            write!(out, ",{}", tracked.phase)?;
+        }
         writeln!(out)
     }
 
-    fn jsonl(&self, out: &mut impl Write) -> Result<()> {
-        serde_json::to_writer(&mut *out, self).map_err(io::Error::from)?;
-        Ok(out.write_all(b"\n")?)
+    fn jsonl(&mut self, row: &StreamRow) -> io::Result<()> {
+        let StreamRow { t_s, rates_dps, temp_c, lost, flags, tracked } = row;
+        let rates = self.rates.iter().map(String::as_str).zip(rates_dps.iter().map(|rate_dps| json!(rate_dps)));
+        let biases = tracked.iter().flat_map(|tracked| &tracked.axes).flat_map(|of| [of.bias_dps, of.tracked.u_dps]);
+        let biases = self.biases.iter().map(String::as_str).zip(biases.map(|value| json!(value)));
+        let row = [("temp_c", json!(temp_c)), ("lost", json!(lost)), ("calibration", json!(self.id))];
+        let phase = tracked.iter().map(|tracked| ("phase", json!(tracked.phase)));
+        let flags = [("flags", json!(flags.to_string()))];
+        let all = [("t_s", json!(t_s))].into_iter().chain(rates).chain(row).chain(flags).chain(biases).chain(phase);
+        serde_json::Serializer::new(&mut self.out).collect_map(all)?;
+        self.out.write_all(b"\n")
+    }
+}
+
+impl Listener for RowPrinter {
+    fn row(&mut self, row: &StreamRow) -> Result<()> {
+        match self.format {
+            RowFormat::Csv => self.csv(row)?,
+            RowFormat::Jsonl => self.jsonl(row)?,
+        }
+        if self.flush_each { self.end() } else { Ok(()) }
+    }
+
+    fn end(&mut self) -> Result<()> {
+        Ok(self.out.flush()?)
+    }
+
+    fn warn(&mut self, warning: JobWarning) {
+        warn(&[coded(warning)]);
+    }
+
+    fn kept_again(&mut self, state: &Path) {
+        say(format_args!("what was learned is in {} again", state.display()));
+    }
+
+    fn learned(&mut self, learned: &Learned<'_>) {
+        say_learned(learned);
     }
 }

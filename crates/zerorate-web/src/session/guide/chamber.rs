@@ -126,7 +126,9 @@ impl Way for ByHand {
         };
         let of_axes: Vec<Warning> = outcomes.iter().flat_map(ChamberOutcome::warnings).collect();
         let loops = outcomes.iter().zip(part.axes.iter());
-        let loops = loops.filter_map(|(outcome, axis)| report::wide_loop(outcome, &axis.name));
+        let loops = loops
+            .filter_map(|(outcome, axis)| report::wide_loop(outcome, &axis.name))
+            .map(|text| format!("hysteresis: {text}"));
         Ok(Found {
             calibration: Calibration::of_chamber(&part, &record, &outcomes, &run, origin),
             axes: outcomes.iter().map(found).collect(),

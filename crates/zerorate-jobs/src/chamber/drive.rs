@@ -1,17 +1,16 @@
 //! The loop of a measurement in a chamber: samples to the procedure, set points to the chamber, what it says back.
 
-use super::kept::Kept;
+use super::Watch;
+use super::finished_steps::FinishedSteps;
 use super::mover::{By, Mover};
-use crate::exit::Refused;
-use crate::interrupt;
-use crate::output::{say, warn};
-use crate::progress::Meter;
+use crate::acquisition::Acquisition;
+use crate::error::Refused;
+use crate::recorder::Recorder;
+use crate::warning::JobWarning;
 use adis16130_twin::Truth;
 use anyhow::Result;
-use zerorate::chamber::{ChamberAction, ChamberProcedure, ChamberRefusal, ChamberState, StepEnd};
+use zerorate::chamber::{ChamberAction, ChamberProcedure, ChamberRefusal, ChamberState};
 use zerorate_host::{Cause, Chamber, DeviceError, Lead, SimulatedChamber};
-use zerorate_jobs::Acquisition;
-use zerorate_jobs::Recorder;
 use zerorate_record::{Layout, Row, SampleHash};
 use zerorate_view::duration::Seconds;
 
@@ -20,16 +19,8 @@ pub const TICK_NS: u64 = 1_000_000_000;
 /// A set point is told anew when it has moved by this, °C: what chambers take.
 const SET_STEP_C: f64 = 0.1;
 
-/// Everything but the air, before the first sample.
-pub struct Ready {
-    pub acquisition: Acquisition,
-    pub procedure: ChamberProcedure,
-    pub kept: Kept,
-    pub log: Option<Recorder>,
-}
-
 /// A measurement that goes on. Whoever leads the air is dropped before whoever waits for it.
-pub struct Drive {
+pub struct Drive<'a> {
     lead: Option<Lead>,
     /// The air around a simulated part whose chamber is set by hand.
     obeying: Option<SimulatedChamber>,
@@ -37,34 +28,36 @@ pub struct Drive {
     acquisition: Acquisition,
     layout: Layout,
     procedure: ChamberProcedure,
-    kept: Kept,
+    steps: FinishedSteps,
     log: Option<Recorder>,
     log_failed: Option<anyhow::Error>,
     hash: SampleHash,
     truths: Vec<Truth>,
     next_tick_ns: u64,
     announced: Option<usize>,
-    is_resumed: bool,
+    watch: &'a mut dyn Watch,
 }
 
 /// What it came to.
 pub struct Driven {
     pub procedure: ChamberProcedure,
     pub acquisition: Acquisition,
-    pub kept: Kept,
     pub capture_sha256: String,
     /// The twin's truth at the end, of each axis.
     pub truths: Vec<Truth>,
     pub log_failed: Option<anyhow::Error>,
-    /// Some steps are of a run before.
-    pub is_resumed: bool,
 }
 
-impl Drive {
-    pub fn new(ready: Ready, mover: Mover, lead: Option<Lead>) -> Self {
-        let Ready { acquisition, procedure, kept, log } = ready;
+impl<'a> Drive<'a> {
+    pub fn new(
+        (mover, lead): (Mover, Option<Lead>),
+        acquisition: Acquisition,
+        procedure: ChamberProcedure,
+        steps: FinishedSteps,
+        log: Option<Recorder>,
+        watch: &'a mut dyn Watch,
+    ) -> Self {
         let layout = acquisition.facts().info.layout.clone();
-        let is_resumed = procedure.steps_done() > 0;
         let obeying = lead.as_ref().filter(|_| matches!(mover.by, By::Hand)).map(|_| SimulatedChamber::default());
         Self {
             lead,
@@ -74,38 +67,36 @@ impl Drive {
             layout,
             acquisition,
             procedure,
-            kept,
+            steps,
             log,
             log_failed: None,
             truths: Vec::new(),
             next_tick_ns: 0,
             announced: None,
-            is_resumed,
+            watch,
         }
     }
 
     /// To the end. However it comes, the chamber is sent where it may stay, and the log stays whole.
-    pub fn run(mut self) -> Result<Driven> {
+    pub fn run(mut self) -> Result<(Driven, FinishedSteps)> {
         let driven = self.feed().map_err(|error| if is_stopped(&error) { self.ended_early() } else { error });
         self.mover.leave();
         if let Some(Err(error)) = self.log.take().map(Recorder::finish) {
             self.lose_log(error.into());
         }
         driven?;
-        let Self { acquisition, procedure, kept, hash, truths, log_failed, lead, is_resumed, .. } = self;
+        let Self { acquisition, procedure, steps, hash, truths, log_failed, lead, .. } = self;
         drop(lead);
-        Ok(Driven { procedure, acquisition, kept, capture_sha256: hash.hex(), truths, log_failed, is_resumed })
+        Ok((Driven { procedure, acquisition, capture_sha256: hash.hex(), truths, log_failed }, steps))
     }
 
     fn feed(&mut self) -> Result<()> {
-        let total_s = self.procedure.progress().left_s;
-        let meter = Meter::new(total_s);
         loop {
             match self.procedure.next() {
                 ChamberAction::Initialise => self.initialise()?,
                 ChamberAction::Read => {
                     let row = self.row()?;
-                    self.take(&row, &meter)?;
+                    self.take(&row)?;
                 }
                 ChamberAction::Done => return Ok(()),
             }
@@ -118,7 +109,7 @@ impl Drive {
         let first = self.row()?;
         self.procedure.begin(first.t_ns);
         self.next_tick_ns = first.t_ns;
-        self.take(&first, &Meter::new(1.0))
+        self.take(&first)
     }
 
     #[inline]
@@ -130,21 +121,23 @@ impl Drive {
     }
 
     #[inline]
-    fn take(&mut self, row: &Row, meter: &Meter) -> Result<()> {
+    fn take(&mut self, row: &Row) -> Result<()> {
         self.hash.update(row);
         if let Some(Err(error)) = self.log.as_mut().map(|log| log.push(row)) {
             self.lose_log(error.into());
         }
         let done = self.procedure.steps_done();
         self.procedure.take(&self.layout.scan(row)).map_err(|refusal| self.refused(&refusal))?;
-        if self.procedure.steps_done() != done {
-            self.kept.keep(&self.procedure)?;
+        if self.procedure.steps_done() != done
+            && let Some(warning) = self.steps.keep(&self.procedure)
+        {
+            self.watch.warn(warning);
         }
         if row.t_ns >= self.next_tick_ns {
             self.tick(row.t_ns)?;
         }
-        if self.acquisition.is_time_to_show() && !meter.is_hidden() {
-            self.show(meter);
+        if self.acquisition.is_time_to_show() {
+            self.watch.see(&self.procedure.progress());
         }
         Ok(())
     }
@@ -196,39 +189,23 @@ impl Drive {
             return;
         }
         self.announced = Some(progress.step);
-        let Some(step) = self.procedure.plan().steps.get(progress.step) else { return };
-        let how = step.c_per_min.map_or(String::new(), |c_per_min| format!(", at {c_per_min} °C a minute"));
-        let then = match step.end {
-            StepEnd::Hold(hold_s) => format!("and leave it there for {}", Seconds(hold_s)),
-            StepEnd::Average(_) => "and leave it there: the part tells when it has settled".to_owned(),
-        };
-        say(format_args!(
-            "step {} of {}: set the chamber to {:.1} °C{how}, {then}",
-            progress.step + 1,
-            progress.steps,
-            step.to_c
-        ));
-    }
-
-    fn show(&self, meter: &Meter) {
-        let progress = self.procedure.progress();
-        let temp = progress.temp_c.map_or(String::new(), |temp_c| format!(", part at {temp_c:.1} °C"));
-        let text = format!("step {}/{}: {}{temp}", progress.step + 1, progress.steps, progress.state);
-        meter.show_left(progress.elapsed_s, progress.left_s, text);
+        if let Some(step) = self.procedure.plan().steps.get(progress.step) {
+            self.watch.step(&progress, step);
+        }
     }
 
     /// A log that fails is a failure, but no reason to throw away the measurement.
     #[cold]
     fn lose_log(&mut self, error: anyhow::Error) {
-        let elapsed = Seconds(self.procedure.progress().elapsed_s);
-        warn(&[format!("log-failed: the log failed after {elapsed}, the measurement goes on: {error:#}")]);
+        let after_s = self.procedure.progress().elapsed_s;
+        self.watch.warn(JobWarning::LogFailed { after_s, why: format!("{error:#}") });
         self.log = None;
         self.log_failed = Some(error);
     }
 
     #[cold]
     fn refused(&self, why: &ChamberRefusal) -> anyhow::Error {
-        Refused::new(why.code(), format!("{why}{}", self.kept.hint(self.procedure.steps_done()))).into()
+        Refused::new(why.code(), format!("{why}{}", self.steps.hint(self.procedure.steps_done()))).into()
     }
 
     #[cold]
@@ -236,8 +213,8 @@ impl Drive {
         let progress = self.procedure.progress();
         let elapsed = Seconds(progress.elapsed_s);
         let where_it_is = format!("step {} of {}, {}", progress.step + 1, progress.steps, progress.state);
-        if interrupt::asked() {
-            let hint = self.kept.hint(self.procedure.steps_done());
+        if self.acquisition.is_stopped() {
+            let hint = self.steps.hint(self.procedure.steps_done());
             return anyhow::anyhow!("interrupted after {elapsed}, in {where_it_is}; nothing written{hint}");
         }
         anyhow::anyhow!(

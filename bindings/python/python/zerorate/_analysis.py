@@ -46,7 +46,7 @@ def side_by_side(work: Callable[[_Of], _To], all_of: Sequence[_Of]) -> list[_To]
 
 
 @dataclass(frozen=True)
-class Way:
+class AnalysisOptions:
     """How records are analysed."""
 
     stat: str
@@ -57,7 +57,9 @@ class Way:
     settling: Settling | None = None
 
     @classmethod
-    def of(cls, stat: str, taus: Taus, data: str, confidence: float, fit: bool, glitches: str, steps: str) -> Way:
+    def of(
+        cls, stat: str, taus: Taus, data: str, confidence: float, fit: bool, glitches: str, steps: str
+    ) -> AnalysisOptions:
         """As the arguments of `allan` say."""
         return cls(stat, taus, _is_phase(data), confidence, _cleaning(glitches, steps) if fit else None)
 

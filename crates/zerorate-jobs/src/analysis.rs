@@ -1,32 +1,39 @@
-//! One log on its way from file to result.
+//! A column of a log on its way from file to result: its deviations, its noise model, and what is to be said of it.
 
-use super::{Data, temperature, units};
-use crate::exit::Usage;
+use crate::error::InvalidOptions;
 use anyhow::{Context, Result, ensure};
 use std::path::{Path, PathBuf};
 use zerorate_allan::{
     self as allan, AllanWarning, Analysed, Analysis, Averaging, Density, Detrended, Expected, Fit, FitError,
-    FitOptions, Input, Line, Options, Point, Settled, Taus,
+    FitOptions, Input, Line, Options, Point, Settled, Taus, interval,
 };
 use zerorate_logs::imu::{self, Axis, Kind};
-use zerorate_logs::{Column, Quantity, STANDARD_GRAVITY, Series, Settling, SettlingError};
+use zerorate_logs::{Column, Quantity, Series, Settling, SettlingError};
+use zerorate_record::Note;
 use zerorate_view::plot::Envelope;
 
-/// A log and what was found in it.
+/// A column of a log and what was found in it.
 pub struct Record {
+    /// The log.
     pub file: PathBuf,
+    /// The name of the column.
     pub column: String,
     /// Of what the deviations are, in the unit of its results; none: in a unit that nobody stated.
     pub quantity: Option<Quantity>,
+    /// Of the intervals.
     pub confidence: f64,
+    /// Its deviations.
     pub analysis: Analysis,
     /// The same at the averaging times of pictures, where those are others.
-    pub(super) finer: Option<Analysis>,
+    finer: Option<Analysis>,
     /// None where nobody asked for it.
     pub fit: Option<Result<Fit, FitError>>,
     /// The rate in the unit of the results; only where it is fitted once more, and nothing was taken out before.
-    pub(super) rate: Option<Vec<f64>>,
-    pub warnings: Vec<String>,
+    pub rate: Option<Vec<f64>>,
+    /// What there is to know of the log.
+    pub notes: Vec<Note>,
+    /// Its rate follows its temperature, and there is no model to say so.
+    pub follows: Option<AllanWarning>,
     /// What is drawn of it beside its curve; none unless that was asked for, and of a rate.
     pub look: Option<Look>,
     /// The polynomial over temperature that was taken out.
@@ -54,12 +61,12 @@ impl Look {
 
 /// How a column is analysed.
 pub struct AnalysisOptions {
-    /// What it holds.
-    pub data: Data,
+    /// It holds a phase, the integral of a rate.
+    pub is_phase: bool,
     /// Its gaps are closed up.
     pub closes_gaps: bool,
     /// In the unit of the column.
-    pub options: Options,
+    pub deviations: Options,
     /// Pictures have more averaging times than the options say.
     pub draws_finely: bool,
     /// Before a fit; none: no fit.
@@ -74,13 +81,18 @@ pub struct AnalysisOptions {
 
 impl Record {
     /// Analyses a column of the log `file`.
-    pub fn of(mut column: Column, file: &Path, way: &AnalysisOptions, temperature: Option<&Column>) -> Result<Self> {
-        let mut warnings: Vec<String> = column.warnings.iter().map(ToString::to_string).collect();
-        let settled = way.settling.apply(&mut column, file, temperature).map_err(|error| match error {
-            SettlingError::NothingLeft(why) => Usage(why).into(),
+    pub fn of(
+        mut column: Column,
+        file: &Path,
+        options: &AnalysisOptions,
+        temperature: Option<&Column>,
+    ) -> Result<Self> {
+        let mut notes = column.warnings.clone();
+        let settled = options.settling.apply(&mut column, file, temperature).map_err(|error| match error {
+            SettlingError::NothingLeft(why) => InvalidOptions(why).into(),
             error => anyhow::Error::from(error),
         })?;
-        warnings.extend(gaps(way, file, &mut column));
+        notes.extend(gaps(options, file, &mut column));
         let samples = column.series.len();
         ensure!(
             samples >= 2,
@@ -88,48 +100,79 @@ impl Record {
             file.display(),
             column.name
         );
-        warnings.extend(column.stopped(file)?.map(|note| note.to_string()));
-        let phase = phase(way, file, &column)?;
+        notes.extend(column.stopped(file)?);
+        let phase = phase(options, file, &column)?;
         let input = match (&phase, &column.series) {
             (Some(phase), _) => Input::Phase(phase),
             (None, Series::Codes(codes)) => Input::Codes { codes, gaps: &column.gaps },
             (None, Series::Numbers(numbers)) => Input::Rate(numbers),
         };
-        let analysed = Analysed::new(input, column.rate_hz, column.scale, way.fit, &settled);
+        let analysed = Analysed::new(input, column.rate_hz, column.scale, options.fit, &settled);
         let analyse = |taus: &Taus| {
-            let options = Options { taus: taus.clone(), ..way.options };
-            analysed.deviations(&options).with_context(|| format!("cannot analyse {}", file.display()))
+            let deviations = Options { taus: taus.clone(), ..options.deviations };
+            analysed.deviations(&deviations).with_context(|| format!("cannot analyse {}", file.display()))
         };
-        let analysis = analyse(&way.options.taus)?;
-        let finer = way.draws_finely.then(|| analyse(&Taus::Fine)).transpose()?;
-        let rate = (way.keeps_rate && analysed.cleaned().is_none()).then(|| analysed.rates());
-        let draws = way.draws && way.data == Data::Rate;
+        let analysis = analyse(&options.deviations.taus)?;
+        let finer = options.draws_finely.then(|| analyse(&Taus::Fine)).transpose()?;
+        let rate = (options.keeps_rate && analysed.cleaned().is_none()).then(|| analysed.rates());
+        let draws = options.draws && !options.is_phase;
         let look = draws.then(|| Look::of(&column, file, analysed.cleaned())).transpose()?;
         let fit = analysed.into_fit();
         let Settled { detrended, follows, skipped_s } = settled;
-        let said = follows.filter(|_| !matches!(fit, Some(Ok(_))));
-        let seen = fit.iter().flatten().flat_map(|fit| &fit.warnings);
-        warnings.extend(said.iter().chain(seen).map(temperature::text));
+        let follows = follows.filter(|_| !matches!(fit, Some(Ok(_))));
         Ok(Self {
             file: file.to_owned(),
             column: column.name,
             quantity: column.quantity,
-            confidence: way.options.confidence,
+            confidence: options.deviations.confidence,
             analysis,
             finer,
             fit,
             rate,
-            warnings,
+            notes,
+            follows,
             look,
             detrended,
             skipped_s,
         })
     }
 
-    /// What there is to know: of the log, in words, and of the model.
-    pub fn findings(&self) -> (&[String], &[AllanWarning]) {
-        let of_model = self.model().map_or(&[][..], |fit| &fit.warnings);
-        (&self.warnings[..self.warnings.len() - of_model.len()], of_model)
+    /// Records of one type as one: the mean of the curves, each weighed by its terms, with the common model.
+    pub fn together(used: &[&Self], fit: Fit, notes: Vec<Note>) -> Self {
+        let first = used[0];
+        let samples = used.iter().map(|record| record.analysis.samples).max().unwrap_or(0);
+        let longest = used.iter().find(|record| record.analysis.samples == samples).unwrap_or(&first);
+        let point = |point: &Point| {
+            let same = used.iter().filter_map(|record| record.analysis.points.iter().find(|other| other.m == point.m));
+            let same: Vec<&Point> = same.collect();
+            let n = same.iter().map(|point| point.n).sum::<u64>();
+            let square = same.iter().map(|point| point.n as f64 * point.dev * point.dev).sum::<f64>() / n as f64;
+            let (dev, edf) = (square.sqrt(), same.iter().map(|point| point.edf).sum::<f64>());
+            let (lo, hi) = interval(dev, edf, first.confidence);
+            Point { dev, lo, hi, edf, n, ..*point }
+        };
+        let analysis =
+            Analysis { points: longest.analysis.points.iter().map(point).collect(), ..longest.analysis.clone() };
+        Self {
+            file: PathBuf::from("pool"),
+            column: first.column.clone(),
+            quantity: first.quantity,
+            confidence: first.confidence,
+            analysis,
+            finer: None,
+            fit: Some(Ok(fit)),
+            rate: None,
+            notes,
+            follows: None,
+            look: None,
+            detrended: None,
+            skipped_s: 0.0,
+        }
+    }
+
+    /// What there is to know of the model.
+    pub fn of_model(&self) -> &[AllanWarning] {
+        self.model().map_or(&[], |fit| &fit.warnings)
     }
 
     /// What tells this log from others: the file, and the column.
@@ -214,68 +257,27 @@ impl Record {
 
     /// Whether it is of a part whose rate follows its temperature.
     fn follows_temperature(&self) -> bool {
-        self.warnings.iter().any(|warning| warning.starts_with("follows-temperature"))
-    }
-
-    /// What the fit advises, a sentence each; nothing where it is rejected.
-    pub fn advice(&self) -> Vec<String> {
-        let Some(advice) = self.model().and_then(allan::advice) else { return Vec::new() };
-        let at_rest = |dev: f64| self.in_words(dev);
-        let averaging = match advice.averaging {
-            Averaging::Minimum { tau_s, dev } => format!(
-                "To find the bias, average for about {}: the curve has its minimum there, {}; longer averages get \
-                 worse.",
-                units::span(tau_s),
-                at_rest(dev)
-            ),
-            Averaging::Flat { tau_s, dev } => format!(
-                "To find the bias, average for about {}: {}; averaging longer gains less than 5 %.",
-                units::span(tau_s),
-                at_rest(dev)
-            ),
-            Averaging::Falling { tau_s, dev } => format!(
-                "To find the bias, average as long as you can: the curve still falls at {}, {}.",
-                units::span(tau_s),
-                at_rest(dev)
-            ),
-        };
-        let times = allan::AN1042_TAUS_S.into_iter().zip(advice.an1042).filter(|_| self.is_of_adis16130());
-        let times = times.filter_map(|(tau_s, dev)| Some(format!("{tau_s} s give {}", at_rest(dev?))));
-        let times = times.collect::<Vec<_>>().join(", ");
-        let note = (!times.is_empty()).then(|| format!("AN-1042's averaging times: {times}."));
-        std::iter::once(averaging).chain(note).collect()
-    }
-
-    fn in_words(&self, dev: f64) -> String {
-        match self.quantity {
-            Some(Quantity::AngularRate) => format!("{dev:.3e} °/s ({:.3} °/h)", dev * 3600.0),
-            Some(Quantity::Acceleration) => format!("{dev:.3e} m/s² ({:.3} µg)", dev / STANDARD_GRAVITY * 1e6),
-            Some(Quantity::Temperature) => format!("{dev:.3e} °C"),
-            None => format!("{dev:.3e}"),
-        }
+        let is_such = |warning: &AllanWarning| matches!(warning, AllanWarning::FollowsTemperature { .. });
+        self.follows.is_some() || self.of_model().iter().any(is_such)
     }
 }
 
 /// What is missing, and what is done about it.
-fn gaps(way: &AnalysisOptions, file: &Path, column: &mut Column) -> Option<String> {
+fn gaps(options: &AnalysisOptions, file: &Path, column: &mut Column) -> Option<Note> {
     let missing = column.missing();
-    let seen = format!("gaps: {}: {missing} samples are missing among {}", file.display(), column.series.len());
-    match missing {
-        0 => None,
-        _ if way.closes_gaps => {
+    let seen = format!("{}: {missing} samples are missing among {}", file.display(), column.series.len());
+    let text = match missing {
+        0 => return None,
+        _ if options.closes_gaps => {
             column.close_gaps();
-            Some(format!("{seen}; the gaps are closed up, which changes the result"))
+            format!("{seen}; the gaps are closed up, which changes the result")
         }
-        _ => {
-            Some(format!("{seen}; they are gaps, and what averages lack more than half of their samples is left out"))
-        }
-    }
+        _ => format!("{seen}; they are gaps, and what averages lack more than half of their samples is left out"),
+    };
+    Some(Note::new("gaps", text))
 }
 
 /// The numbers as phase, if that is what they are. A lost phase point is a point that is not there.
-fn phase(way: &AnalysisOptions, file: &Path, column: &Column) -> Result<Option<Vec<f64>>> {
-    match way.data {
-        Data::Rate => Ok(None),
-        Data::Phase => Ok(Some(column.points(file)?)),
-    }
+fn phase(options: &AnalysisOptions, file: &Path, column: &Column) -> Result<Option<Vec<f64>>> {
+    options.is_phase.then(|| Ok(column.points(file)?)).transpose()
 }

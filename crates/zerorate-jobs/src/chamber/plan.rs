@@ -1,6 +1,6 @@
 //! The plan that was named: one that comes with the program, a file, or what a chamber did.
 
-use crate::exit::Usage;
+use crate::error::InvalidOptions;
 use crate::output::Outputs;
 use anyhow::{Context, Result};
 use std::io::ErrorKind;
@@ -12,14 +12,21 @@ use zerorate_record::limits::Bytes;
 const LARGEST: Bytes = Bytes(64 << 20);
 
 /// A plan and its text, which tells whether a measurement that goes on is of the same.
+#[derive(Debug)]
 pub struct PlanFile {
+    /// The plan.
     pub plan: ChamberPlan,
+    /// Its text.
     pub text: String,
+    /// What it was called.
     pub name: String,
 }
 
 impl PlanFile {
     /// Reads it; a CSV of what a chamber did is a plan of a recording only.
+    ///
+    /// # Errors
+    /// [`InvalidOptions`] where it is no plan, or why it cannot be read.
     pub fn read(name: &Path, of_recording: bool, outputs: &mut Outputs) -> Result<Self> {
         let shown = name.display().to_string();
         let text = match shipped(name) {
@@ -29,10 +36,10 @@ impl PlanFile {
         let is_csv = name.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("csv"));
         if is_csv && !of_recording {
             let why = "a CSV says what a chamber did, and is the plan of a recording only (--device replay:FILE)";
-            return Err(Usage(format!("{shown}: {why}; write a plan (docs/formats/plan.md)")).into());
+            return Err(InvalidOptions(format!("{shown}: {why}; write a plan (docs/formats/plan.md)")).into());
         }
         let plan = if is_csv { course(&text)? } else { ChamberPlan::parse(&text).map_err(|error| error.to_string()) };
-        let plan = plan.map_err(|why| Usage(format!("{shown}: {why}")))?;
+        let plan = plan.map_err(|why| InvalidOptions(format!("{shown}: {why}")))?;
         Ok(Self { plan, text, name: shown })
     }
 }
@@ -44,7 +51,9 @@ fn shipped(name: &Path) -> Option<&'static str> {
 fn read(name: &Path, outputs: &mut Outputs) -> Result<String> {
     let names = SHIPPED.map(|(name, _)| name).join(" and ");
     outputs.try_text(name, LARGEST)?.map_err(|error| match error.kind() {
-        ErrorKind::FileTooLarge => Usage(format!("{} is too large for a plan: {error}", name.display())).into(),
+        ErrorKind::FileTooLarge => {
+            InvalidOptions(format!("{} is too large for a plan: {error}", name.display())).into()
+        }
         _ => anyhow::Error::from(error).context(format!("no plan {}; {names} come with the program", name.display())),
     })
 }

@@ -1,6 +1,7 @@
 //! Can this host take all samples, and if not, what should it leave out?
 
 use adis16130::Config;
+use zerorate::{Names, Setting};
 
 /// Reads for a sample: status, rate, temperature.
 const READS: f64 = 3.0;
@@ -12,8 +13,9 @@ const BUSY: f64 = 0.8;
 const BEARABLE: f64 = 0.001;
 
 /// What would lose fewer samples, if `taken` is the share that was taken, `read_s` the time of a read, and `mclk_hz`
-/// the clock of the part. First F-55: temperature less often; if that does not suffice, F-56: a divider.
-pub fn proposal(taken: f64, read_s: f64, mclk_hz: u32) -> Option<String> {
+/// the clock of the part; it calls settings by `names`. First F-55: temperature less often; if that does not suffice,
+/// F-56: a divider.
+pub fn proposal(taken: f64, read_s: f64, mclk_hz: u32, names: Names) -> Option<String> {
     if taken >= 1.0 - BEARABLE {
         return None;
     }
@@ -21,13 +23,14 @@ pub fn proposal(taken: f64, read_s: f64, mclk_hz: u32) -> Option<String> {
     let pair_s = f64::from(rate_cycles + temp_cycles) / f64::from(mclk_hz);
     let every = (1.0 / (pair_s * TEMPS_HZ)).round().max(1.0);
     if every > 1.0 && (READS - 1.0 + 1.0 / every) * read_s <= BUSY * pair_s {
-        return Some(format!("--every-temp {every} (F-55)"));
+        return Some(format!("{} {every} (F-55)", names(Setting::EveryTemp)));
     }
     // both on every N-th edge: N + 1 conversions from one reading to the next
     let conversions = (READS * read_s / (BUSY * pair_s / 2.0)).ceil();
     let divider = (conversions - 1.0).max(2.0);
     let rate_hz = 2.0 / (pair_s * (divider + 1.0));
-    (divider <= f64::from(u16::MAX)).then(|| format!("--divider {divider} (F-56): {rate_hz:.0} samples a second"))
+    let name = names(Setting::Divider);
+    (divider <= f64::from(u16::MAX)).then(|| format!("{name} {divider} (F-56): {rate_hz:.0} samples a second"))
 }
 
 #[cfg(test)]
@@ -40,14 +43,17 @@ mod tests {
     fn a_slow_host_reads_temperature_less_often_and_only_then_the_rate() {
         let cases = [
             (1.0, 500e-6, None),
-            (0.9, 60e-6, Some("--every-temp 57 (F-55)")),
-            (0.5, 80e-6, Some("--divider 3 (F-56): 2846 samples a second")),
-            (0.1, 450e-6, Some("--divider 19 (F-56): 569 samples a second")),
+            (0.9, 60e-6, Some("every_temp 57 (F-55)")),
+            (0.5, 80e-6, Some("divider 3 (F-56): 2846 samples a second")),
+            (0.1, 450e-6, Some("divider 19 (F-56): 569 samples a second")),
         ];
         for (taken, read_s, expected) in cases {
-            assert_eq!(proposal(taken, read_s, MCLK_HZ).as_deref(), expected, "{taken}, {read_s}");
+            assert_eq!(proposal(taken, read_s, MCLK_HZ, Setting::name).as_deref(), expected, "{taken}, {read_s}");
         }
-        assert_eq!(proposal(0.5, 1.0, MCLK_HZ), Some("--divider 42694 (F-56): 0 samples a second".to_owned()));
-        assert_eq!(proposal(0.5, 2.0, MCLK_HZ), None);
+        assert_eq!(
+            proposal(0.5, 1.0, MCLK_HZ, Setting::name),
+            Some("divider 42694 (F-56): 0 samples a second".to_owned())
+        );
+        assert_eq!(proposal(0.5, 2.0, MCLK_HZ, Setting::name), None);
     }
 }

@@ -1,7 +1,9 @@
 //! What the finished steps measured, in a file beside the output: an interrupted measurement goes on from there.
 
-use crate::exit::Usage;
-use crate::output::{Slot, say};
+use super::UnusableSteps;
+use crate::error::InvalidOptions;
+use crate::output::Slot;
+use crate::warning::JobWarning;
 use anyhow::Result;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -16,34 +18,17 @@ const ENDING: &str = ".chamber";
 const LARGEST: Bytes = Bytes(256 << 20);
 
 /// Where finished steps go, if anywhere, and what they are of.
-pub struct Kept {
-    slot: Option<Slot>,
-    plan_text: String,
-    part: Part,
-    device: String,
-    serial: String,
+pub struct FinishedSteps {
+    pub slot: Option<Slot>,
+    pub plan_text: String,
+    pub part: Part,
+    pub device: String,
+    pub serial: String,
     /// Time is that of the wall clock.
-    is_real: bool,
+    pub is_real: bool,
 }
 
-impl Kept {
-    pub fn new(slot: Option<Slot>, plan_text: &str, part: &Part, device: &str, serial: Option<&str>) -> Self {
-        let serial = serial.unwrap_or_default().to_owned();
-        Self {
-            slot,
-            plan_text: plan_text.to_owned(),
-            part: part.clone(),
-            device: device.to_owned(),
-            serial,
-            is_real: false,
-        }
-    }
-
-    /// Of a part whose time is that of the wall clock.
-    pub fn in_real_time(self, is_real: bool) -> Self {
-        Self { is_real, ..self }
-    }
-
+impl FinishedSteps {
     /// Beside the output.
     pub fn beside(output: &Path) -> PathBuf {
         let mut name = output.as_os_str().to_owned();
@@ -56,38 +41,31 @@ impl Kept {
         let Some(slot) = self.slot.as_ref().filter(|_| !restart) else { return Ok(None) };
         let shown = slot.path().display();
         let text = slot.content(LARGEST).map_err(|error| match error.kind() {
-            ErrorKind::FileTooLarge => Usage(format!("{shown} is too large for an interrupted measurement")).into(),
+            ErrorKind::FileTooLarge => {
+                InvalidOptions(format!("{shown} is too large for an interrupted measurement")).into()
+            }
             _ => anyhow::Error::from(error).context(format!("cannot read {shown}")),
         })?;
         let Some(text) = text else { return Ok(None) };
-        let saved = Saved::parse(&text, &self.plan_text, &self.part, &self.device, &self.serial).map_err(|why| {
-            Usage(format!(
-                "{shown} does not go on with this measurement: {why}; take another -o, or --restart to begin anew"
-            ))
-        })?;
+        let saved = Saved::parse(&text, &self.plan_text, &self.part, &self.device, &self.serial)
+            .map_err(|why| UnusableSteps { path: slot.path().to_owned(), why: why.to_string() })?;
         let ended = saved.ended.as_deref().and_then(|text| text.parse::<jiff::Timestamp>().ok());
         let gap = |ended| Some(clock::now()?.duration_since(ended).as_secs_f64());
         let gap_s = ended.filter(|_| self.is_real).and_then(gap).unwrap_or(0.0);
         Ok(Some((saved, gap_s)))
     }
 
-    /// Keeps the steps that are over, whole or not at all.
-    pub fn keep(&mut self, procedure: &ChamberProcedure) -> Result<()> {
-        let Some(slot) = &mut self.slot else { return Ok(()) };
+    /// Keeps the steps that are over, whole or not at all. The measurement is worth more than the way back to it.
+    pub fn keep(&mut self, procedure: &ChamberProcedure) -> Option<JobWarning> {
+        let slot = self.slot.as_mut()?;
         let (record, steps) = procedure.finished_steps();
         if steps == procedure.plan().steps.len() {
-            return Ok(());
+            return None;
         }
         let ended = clock::now().filter(|_| self.is_real).map(|now| now.to_string());
         let text = Saved { record, steps, ended }.to_toml(&self.plan_text, &self.part, &self.device, &self.serial);
-        if let Err(error) = slot.put(text.as_bytes()) {
-            // the measurement is worth more than the way back to it
-            say(format_args!(
-                "warning: not-kept: the finished steps cannot be kept: {:#}",
-                anyhow::Error::from(error)
-            ));
-        }
-        Ok(())
+        let failed = |error| JobWarning::StepsNotKept(format!("{:#}", anyhow::Error::from(error)));
+        slot.put(text.as_bytes()).err().map(failed)
     }
 
     /// What to do after an interruption when so many steps are over.

@@ -1,0 +1,271 @@
+//! A calibration over the temperatures of a chamber: [`Mover::new`], [`prepare`], [`Job::run`].
+
+mod drive;
+mod finished_steps;
+mod mover;
+mod plan;
+mod report;
+
+pub use mover::{AirListener, AirState, Mover};
+pub use plan::PlanFile;
+pub use report::{AxisReport, Report};
+
+use crate::acquisition::{Acquisition, aliasing};
+use crate::calibrate::{self, Kept, Undelivered};
+use crate::error::{InvalidOptions, Refused};
+use crate::output::{Outputs, Slot, Staged};
+use crate::warning::{CodedWarning, JobWarning};
+use anyhow::Result;
+use drive::{Drive, Driven, TICK_NS};
+use finished_steps::FinishedSteps;
+use std::path::{Path, PathBuf};
+use zerorate::calibration::ChamberRun;
+use zerorate::chamber::{ChamberOutcome, ChamberProcedure, ChamberProgress, ChamberRefusal, Record, Step};
+use zerorate::{Calibration, Names, Part, Warning};
+use zerorate_host::Lead;
+use zerorate_record::{CaptureInfo, Note};
+use zerorate_view::report::wide_loop;
+
+/// Looks on while a chamber is driven.
+pub trait Watch {
+    /// Sees how far it is, with every 4096th sample.
+    fn see(&mut self, progress: &ChamberProgress);
+
+    /// So many of all steps are finished, which ended so many s before.
+    fn resume(&mut self, steps: usize, all: usize, gap_s: f64);
+
+    /// Hears what is to be set by hand.
+    fn step(&mut self, progress: &ChamberProgress, step: &Step);
+
+    /// Hears what goes wrong on the way, while the measurement goes on.
+    fn warn(&mut self, warning: JobWarning);
+
+    /// Writes the page that was asked for.
+    ///
+    /// # Errors
+    /// It cannot be made or written.
+    fn page(&mut self, found: &Found, file: Staged) -> Result<()>;
+
+    /// What whoever looks on calls the settings.
+    fn names(&self) -> Names;
+}
+
+/// How the measurement is judged.
+#[derive(Clone, Copy, Debug)]
+pub struct ChamberOptions {
+    /// Largest share of lost samples.
+    pub max_lost: f64,
+    /// The Earth's rotation on the axis, to be subtracted.
+    pub earth_dps: Option<f64>,
+    /// Highest order of the bias over temperature.
+    pub max_order: usize,
+    /// Begin anew, whatever steps are finished.
+    pub restart: bool,
+    /// Something moves the air, and has to spare the part.
+    pub moves_air: bool,
+}
+
+/// The finished steps that are kept are of another measurement.
+#[derive(Debug, thiserror::Error)]
+#[error("{} does not go on with this measurement: {why}", path.display())]
+pub struct UnusableSteps {
+    /// Where they are.
+    pub path: PathBuf,
+    /// What differs.
+    pub why: String,
+}
+
+/// The files that were asked for, claimed before hours are spent on their content.
+#[derive(Debug)]
+pub struct Files {
+    of_calibration: calibrate::Files,
+    page: Option<Staged>,
+    /// Where finished steps are kept.
+    steps: Option<Slot>,
+}
+
+impl Files {
+    /// Claims them, with a `page` beside; finished steps of a recording are not kept.
+    ///
+    /// # Errors
+    /// An [`OutputError`](crate::output::OutputError): why one of them is refused, or cannot be written.
+    pub fn claim(outputs: Outputs, kept: Kept, page: Option<&Path>, is_replayed: bool) -> Result<Self> {
+        // beside a device there is no place for files
+        let output = kept.output.clone().filter(|path| !is_replayed && (!path.exists() || path.is_file()));
+        let mut of_calibration = calibrate::Files::claim(outputs, kept)?;
+        let outputs = &mut of_calibration.outputs;
+        let page = page.map(|path| outputs.derived(path)).transpose()?;
+        let steps = output.map(|path| outputs.slot(&FinishedSteps::beside(&path))).transpose()?;
+        Ok(Self { of_calibration, page, steps })
+    }
+}
+
+/// A measurement that can begin. Whoever leads the air is dropped before whoever waits for it.
+pub struct Job {
+    lead: Option<Lead>,
+    mover: Mover,
+    acquisition: Acquisition,
+    procedure: ChamberProcedure,
+    steps: FinishedSteps,
+    files: Files,
+    info: CaptureInfo,
+    plan: PlanFile,
+    options: ChamberOptions,
+    resumed: Option<(usize, f64)>,
+}
+
+/// Makes a measurement ready; `lead` moves the air around a simulated part.
+///
+/// # Errors
+/// [`InvalidOptions`] where the plan makes no sense for the part, [`UnusableSteps`], or why a file cannot be read.
+pub fn prepare(
+    acquisition: Acquisition,
+    (mover, lead): (Mover, Option<Lead>),
+    plan: PlanFile,
+    mut files: Files,
+    options: ChamberOptions,
+) -> Result<Job> {
+    let (part, facts) = (acquisition.part(), acquisition.facts());
+    if options.moves_air {
+        plan.plan.spares(part).map_err(|error| InvalidOptions(error.to_string()))?;
+    }
+    let Kept { serial, supply_note, .. } = &files.of_calibration.kept;
+    let info = acquisition.info(serial.as_deref(), supply_note.as_deref());
+    let procedure = ChamberProcedure::new(part, plan.plan.clone(), options.max_lost);
+    let mut procedure = procedure.map_err(|error| InvalidOptions(error.to_string()))?;
+    let steps = FinishedSteps {
+        slot: files.steps.take(),
+        plan_text: plan.text.clone(),
+        part: part.clone(),
+        device: info.device.clone(),
+        serial: info.serial.clone().unwrap_or_default(),
+        is_real: facts.is_real,
+    };
+    let mut resumed = None;
+    if let Some((saved, gap_s)) = steps.found(options.restart)? {
+        resumed = Some((saved.steps, gap_s));
+        procedure = procedure.resumed(saved.record, saved.steps, gap_s);
+    }
+    Ok(Job { lead, mover, acquisition, procedure, steps, files, info, plan, options, resumed })
+}
+
+impl Job {
+    /// What is measured.
+    #[must_use]
+    pub fn part(&self) -> &Part {
+        self.acquisition.part()
+    }
+
+    /// How long it takes at least, s.
+    #[must_use]
+    pub fn left_s(&self) -> f64 {
+        self.procedure.progress().left_s
+    }
+
+    /// Measures. `watch` looks on.
+    ///
+    /// # Errors
+    /// [`Refused`](crate::Refused) where the samples must not become a calibration, or why the part, the chamber or a
+    /// file failed.
+    pub fn run(mut self, watch: &mut dyn Watch) -> Result<Done> {
+        if self.options.moves_air && self.part().operating_c.is_none() {
+            watch.warn(JobWarning::LimitsUnknown);
+        }
+        if let Some((steps, gap_s)) = self.resumed {
+            watch.resume(steps, self.plan.plan.steps.len(), gap_s);
+        }
+        if self.lead.is_some() {
+            mark_ticks(&mut self.acquisition, &self.procedure);
+        }
+        let log = self.files.of_calibration.log(self.acquisition.facts(), &self.info)?;
+        let Self { lead, mover, acquisition, procedure, steps, files, info, plan, options, resumed } = self;
+        let drive = Drive::new((mover, lead), acquisition, procedure, steps, log, &mut *watch);
+        let (mut driven, mut steps) = drive.run()?;
+        let log_failed = driven.log_failed.take();
+        let found = Found::new(driven, info, &plan, options, resumed.is_some(), watch.names())?;
+        let filled = files.page.map_or(Ok(()), |file| watch.page(&found, file));
+        let filled = filled.and_then(|()| {
+            let text = found.calibration.to_toml();
+            Ok(files.of_calibration.calibration.map_or(Ok(()), |file| file.fill(text.as_bytes()))?)
+        });
+        let wanted: Vec<PathBuf> = files.of_calibration.kept.output.into_iter().collect();
+        let kept = log_failed.map_or(filled, Err);
+        let kept = kept.map_err(|why| Undelivered::rescue(why, &wanted, &found.calibration));
+        if kept.is_ok() {
+            steps.forget();
+        }
+        Ok(Done { found, kept })
+    }
+}
+
+/// Batches of a simulated part end where its chamber has moved the air: for as long as the plan can take at most.
+fn mark_ticks(acquisition: &mut Acquisition, procedure: &ChamberProcedure) {
+    /// Two weeks: no simulated measurement takes longer.
+    const MOST_S: f64 = 14.0 * 86_400.0;
+    let plan = procedure.plan();
+    let slack_s = 5.0 * (plan.settle_timeout_s + 3600.0) * plan.steps.len() as f64;
+    let most_s = (plan.least_s(0, procedure.part()) + slack_s).min(MOST_S) as u64;
+    (0..=most_s).for_each(|second| acquisition.mark(second * TICK_NS));
+}
+
+/// A measurement that came to a result.
+pub struct Done {
+    /// What was found.
+    pub found: Found,
+    /// Whether all files that were asked for are there.
+    pub kept: Result<(), Undelivered>,
+}
+
+/// What was found.
+pub struct Found {
+    /// In numbers.
+    pub report: Report,
+    /// The calibration.
+    pub calibration: Calibration,
+    /// All that was measured.
+    pub record: Record,
+    /// Of each axis.
+    pub outcomes: Vec<ChamberOutcome>,
+}
+
+impl Found {
+    fn new(
+        driven: Driven,
+        info: CaptureInfo,
+        plan: &PlanFile,
+        options: ChamberOptions,
+        is_resumed: bool,
+        names: Names,
+    ) -> Result<Self> {
+        let Driven { procedure, acquisition, capture_sha256, truths, .. } = driven;
+        let ChamberOptions { max_lost, earth_dps, max_order, .. } = options;
+        let (part, tally) = (procedure.part().clone(), *procedure.tally());
+        let refused = |refusal: ChamberRefusal| Refused::new(refusal.code(), refusal.to_string());
+        let record = procedure.finish().map_err(refused)?;
+        let outcomes = record.outcomes(&part, earth_dps, max_order).map_err(refused)?;
+        let aliased = part.axes.first().and_then(|axis| aliasing(&axis.axis, &tally));
+        let warnings: Vec<Warning> = record.warnings(earth_dps).chain(aliased).collect();
+        let run = ChamberRun { tally: &tally, max_lost, earth_dps, warnings: &warnings };
+        // what was measured before an interruption is in no recording of this run
+        let capture_sha256 = if is_resumed { String::new() } else { capture_sha256 };
+        let calibration = Calibration::of_chamber(&part, &record, &outcomes, &run, info.origin(capture_sha256));
+        let of_run = warnings.into_iter().map(JobWarning::from).chain(acquisition.disbelief());
+        let of_run = of_run.chain(is_resumed.then_some(JobWarning::Resumed)).map(|warning| warning.coded(names));
+        let said = of_run.chain(of_axes(&outcomes, &part, names)).collect();
+        let report = Report::new(&plan.name, &calibration, &record, &outcomes, &truths, said);
+        Ok(Self { report, calibration, record, outcomes })
+    }
+}
+
+/// The warnings of the axes, which are named where there are several.
+fn of_axes(outcomes: &[ChamberOutcome], part: &Part, names: Names) -> impl Iterator<Item = CodedWarning> {
+    let several = part.axes.len() > 1;
+    let axes = || outcomes.iter().zip(part.axes.iter());
+    let own = axes().flat_map(move |(outcome, axis)| {
+        let coded = move |warning: Warning| JobWarning::from(warning).coded(names);
+        let of_axis = move |one: CodedWarning| if several { one.of_axis(&axis.name) } else { one };
+        outcome.warnings().map(coded).map(of_axis)
+    });
+    let wide = axes().filter_map(|(outcome, axis)| wide_loop(outcome, &axis.name));
+    own.chain(wide.map(move |text| JobWarning::Readings(Note::new("hysteresis", text)).coded(names)))
+}

@@ -1,0 +1,180 @@
+//! Is there a part, is it wired right, and do its samples look like those of one?
+
+use crate::acquisition::Acquisition;
+use crate::proposal::proposal;
+use crate::warning::{CodedWarning, JobWarning};
+use adis16130::{Framing, SelfTest};
+use anyhow::{Result, ensure};
+use serde::Serialize;
+use zerorate::{Axis, Checkup, Limits, NamedAxis, Names};
+use zerorate_host::Bus;
+use zerorate_view::Seconds;
+
+/// The JSON object of `probe --json`; the names are a contract.
+#[derive(Clone, Debug, Serialize)]
+#[expect(missing_docs, reason = "the names and units are a contract; docs/formats states them")]
+pub struct Findings {
+    pub device: String,
+    /// The register; a replay has none.
+    pub revision: Option<u8>,
+    /// How CS frames the bytes (F-22): byte or command; none where that is not in our hands.
+    pub framing: Option<&'static str>,
+    pub self_test: Option<SelfTested>,
+    /// On an SPI bus.
+    pub sclk_hz: Option<u32>,
+    /// The fastest of the clocks tried at which the configuration reads back right.
+    pub fastest_clean_sclk_hz: Option<u32>,
+    pub read_us: Option<f64>,
+    /// Share of the samples that the host took.
+    pub taken: f64,
+    /// Options that would lose fewer.
+    pub proposal: Option<String>,
+    pub rdy_hz: f64,
+    pub rate_hz: f64,
+    pub samples: u64,
+    pub lost_samples: u64,
+    pub longest_gap_ms: f64,
+    pub duration_s: f64,
+    /// Of a part with one axis; else it stands in `axes`.
+    #[serde(flatten)]
+    pub only: Option<AxisFindings>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub axes: Vec<AxisFindings>,
+    pub temp_c: Option<f64>,
+    pub warnings: Vec<CodedWarning>,
+}
+
+/// What was found of an axis.
+#[derive(Clone, Debug, Serialize)]
+#[expect(missing_docs, reason = "the names and units are a contract; docs/formats states them")]
+pub struct AxisFindings {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
+    pub rate_dps: f64,
+    pub white_dps_per_rt_hz: Option<f64>,
+    #[serde(skip)]
+    pub typical_white_dps_per_rt_hz: Option<f64>,
+}
+
+/// What the self-test did to the rate.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[expect(missing_docs, reason = "the names and units are a contract; docs/formats states them")]
+pub struct SelfTested {
+    pub shift_dps: f32,
+    /// Standard uncertainty.
+    pub u_dps: f32,
+    /// With the self-test, and as many without.
+    pub samples: u32,
+}
+
+/// What the part says before the first sample.
+struct Before {
+    /// The register.
+    revision: Option<u8>,
+    bus: Option<Bus>,
+    self_test: Option<SelfTest>,
+}
+
+/// Resets the part, initialises it and reads samples for so long; with `gpio` it tries the self-test on that line.
+/// `see` hears how many s are read, with every 4096th sample. What is said calls settings by `names`.
+///
+/// # Errors
+/// Why the part cannot be read, or that it was interrupted.
+pub fn probe(
+    mut acquisition: Acquisition,
+    duration: Seconds,
+    gpio: Option<&str>,
+    names: Names,
+    see: &mut dyn FnMut(f64),
+) -> Result<Findings> {
+    let (revision, bus) = (acquisition.initialise()?, acquisition.try_bus()?);
+    let self_test = gpio.map(|gpio| acquisition.self_test(gpio)).transpose()?;
+    let checkups = read(&mut acquisition, duration, see)?;
+    ensure!(acquisition.tally().samples > 0, "no samples were read");
+    Ok(Findings::new(acquisition, Before { revision, bus, self_test }, &checkups, names))
+}
+
+fn read(acquisition: &mut Acquisition, duration: Seconds, see: &mut dyn FnMut(f64)) -> Result<Vec<Checkup>> {
+    let mut checkups = vec![Checkup::default(); acquisition.part().axes.len()];
+    let mut judged = Vec::new();
+    let mut first_ns = None;
+    while acquisition.next_judged(&mut judged)? {
+        checkups.iter_mut().zip(&judged).for_each(|(checkup, judged)| checkup.push(judged));
+        let t_ns = judged.first().map_or(0, |first| first.reading.t_ns);
+        let elapsed_ns = t_ns - *first_ns.get_or_insert(t_ns);
+        if elapsed_ns >= duration.nanos() {
+            break;
+        }
+        if acquisition.is_time_to_show() {
+            see(elapsed_ns as f64 * 1e-9);
+        }
+    }
+    ensure!(!acquisition.is_stopped(), "interrupted");
+    Ok(checkups)
+}
+
+impl Findings {
+    fn new(mut acquisition: Acquisition, before: Before, checkups: &[Checkup], names: Names) -> Self {
+        let Before { revision, bus, self_test } = before;
+        let of_the_samples = acquisition.warnings();
+        let tally = *acquisition.tally();
+        let facts = acquisition.facts();
+        let frozen = acquisition.healths().map(|health| health.frozen_at_end().is_some());
+        let several = checkups.len() > 1;
+        let named = facts.part.axes.iter().zip(checkups).zip(frozen);
+        let mut axes: Vec<AxisFindings> = named
+            .map(|((named, checkup), frozen)| AxisFindings::new(several, named, checkup, tally.rate_hz(), frozen))
+            .collect();
+        let first = checkups.first().zip(facts.part.axes.first());
+        let of_the_part = first.map(|(first, _)| first.warnings(&tally, facts.rate_hz, &Limits::default()));
+        let of_the_part = of_the_part.into_iter().flatten().map(JobWarning::from);
+        let of_the_noise: Vec<JobWarning> =
+            axes.iter().zip(&*facts.part.axes).filter_map(|(found, named)| found.noise_warning(&named.axis)).collect();
+        let warnings = of_the_samples.into_iter().chain(of_the_noise).chain(of_the_part);
+        let temp_c = first.and_then(|(first, named)| first.temp_c(&named.axis));
+        let taken = tally.samples as f64 / (tally.samples + tally.lost) as f64;
+        Self {
+            device: facts.name.clone(),
+            revision,
+            framing: facts.framing.map(|framing| match framing {
+                Framing::PerByte => "byte",
+                Framing::Command => "command",
+            }),
+            self_test: self_test.map(|SelfTest { shift_dps, u_dps, n }| SelfTested { shift_dps, u_dps, samples: n }),
+            sclk_hz: bus.map(|bus| bus.sclk_hz),
+            fastest_clean_sclk_hz: bus.and_then(|bus| bus.fastest_clean_hz),
+            read_us: bus.and_then(|bus| bus.read_s).map(|read_s| read_s * 1e6),
+            taken,
+            proposal: bus.and_then(|bus| bus.read_s).and_then(|read_s| proposal(taken, read_s, facts.mclk_hz, names)),
+            rdy_hz: tally.rdy_hz(),
+            rate_hz: tally.rate_hz(),
+            samples: tally.samples,
+            lost_samples: tally.lost,
+            longest_gap_ms: tally.longest_gap_ms(),
+            duration_s: tally.duration_s(),
+            only: if several { None } else { axes.pop() },
+            axes,
+            temp_c,
+            warnings: warnings.map(|warning| warning.coded(names)).collect(),
+        }
+    }
+}
+
+impl AxisFindings {
+    fn new(several: bool, named: &NamedAxis, checkup: &Checkup, rate_hz: f64, is_frozen: bool) -> Self {
+        Self {
+            name: several.then(|| named.name.to_string()),
+            rate_dps: checkup.rate_dps(&named.axis).unwrap_or_default(),
+            white_dps_per_rt_hz: checkup.white_dps_per_rt_hz(&named.axis, rate_hz).filter(|_| !is_frozen),
+            typical_white_dps_per_rt_hz: named.axis.noise.map(|noise| noise.white_dps_per_rt_hz),
+        }
+    }
+
+    fn noise_warning(&self, axis: &Axis) -> Option<JobWarning> {
+        let warning = Checkup::noise_warning(axis, self.white_dps_per_rt_hz?, &Limits::default())?;
+        Some(match &self.name {
+            Some(name) => JobWarning::OfAxis(name.clone(), warning),
+            None => warning.into(),
+        })
+    }
+}

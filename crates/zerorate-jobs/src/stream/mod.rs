@@ -1,0 +1,239 @@
+//! The corrected rate of a part, row by row as it comes.
+
+mod track;
+
+pub use track::{Learned, TrackOptions, TrackedAxis, Tracking, UnusableState};
+
+use crate::acquisition::Acquisition;
+use crate::error::Refused;
+use crate::warning::JobWarning;
+use anyhow::Result;
+use std::path::Path;
+use zerorate::health::{Flags, Judged};
+use zerorate::{Axis, Calibration, CodeSum, Correction, Corrector};
+use zerorate_record::believed;
+
+/// Takes the rows of a stream, and hears what goes on.
+pub trait Listener {
+    /// Takes a row. An error ends the stream.
+    fn row(&mut self, row: &StreamRow) -> Result<()>;
+
+    /// All rows are there.
+    fn end(&mut self) -> Result<()>;
+
+    /// Hears a warning.
+    fn warn(&mut self, warning: JobWarning);
+
+    /// What was learned could not be written to this file for a while, and is in it again.
+    fn kept_again(&mut self, state: &Path);
+
+    /// Hears at the end what was learned of each axis.
+    fn learned(&mut self, learned: &Learned<'_>);
+}
+
+/// A corrected row.
+#[derive(Clone, Debug)]
+pub struct StreamRow {
+    /// Middle of its samples, s after the first of all.
+    pub t_s: f64,
+    /// The corrected rate of each axis; none without a good reading.
+    pub rates_dps: Vec<Option<f64>>,
+    /// Temperature that it was corrected with.
+    pub temp_c: f64,
+    /// Samples lost since the row before.
+    pub lost: u64,
+    /// What is wrong with readings that were left out.
+    pub flags: Flags,
+    /// What is tracked.
+    pub tracked: Option<TrackedRow>,
+}
+
+/// What a row says of the bias.
+#[derive(Clone, Debug)]
+pub struct TrackedRow {
+    /// Of each axis.
+    pub axes: Vec<TrackedAxis>,
+    /// moving, quiet, rest or doubtful.
+    pub phase: &'static str,
+}
+
+/// Which rows a stream has.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct StreamOptions {
+    /// Each row is the mean of so many ns; none: a row for each sample.
+    pub period_ns: Option<u64>,
+    /// How long it goes on.
+    pub duration_ns: Option<u64>,
+}
+
+/// Streams the corrected rate until the part, the time or `listener` ends it.
+///
+/// # Errors
+/// [`Refused`] where the part is frozen, or why the part cannot be read or `listener` takes no row.
+pub fn stream(
+    mut acquisition: Acquisition,
+    calibration: &Calibration,
+    options: StreamOptions,
+    tracking: Option<Tracking>,
+    listener: &mut dyn Listener,
+) -> Result<()> {
+    let mut rows = RowMaker::new(acquisition.part(), calibration, tracking, listener)?;
+    let mut mean = Mean::default();
+    let mut judged = Vec::new();
+    let period_ns = options.period_ns.unwrap_or(1);
+    let ends_after_ns = options.duration_ns.unwrap_or(u64::MAX);
+    let mut first_ns = None;
+    while acquisition.next_judged(&mut judged)? {
+        let now_ns = judged.first().map_or(0, |first| first.reading.t_ns);
+        let t_ns = now_ns - *first_ns.get_or_insert(now_ns);
+        if mean.belongs_to_next(t_ns / period_ns) {
+            rows.write(&mut mean)?;
+        }
+        if t_ns >= ends_after_ns {
+            break;
+        }
+        mean.push(t_ns, t_ns / period_ns, &judged);
+        if let Some(tracking) = &mut rows.tracking {
+            tracking.push(t_ns, &judged, rows.listener);
+        }
+        if acquisition.frozen().is_some() {
+            return stop_frozen(&acquisition, rows, mean);
+        }
+    }
+    if options.period_ns.is_none() {
+        rows.write(&mut mean)?;
+    }
+    rows.finish()?;
+    acquisition.disbelief().for_each(|warning| listener.warn(warning));
+    Ok(())
+}
+
+/// The row that says so, then the end: nothing after it would be a measurement.
+#[cold]
+fn stop_frozen(acquisition: &Acquisition, mut rows: RowMaker<'_>, mut mean: Mean) -> Result<()> {
+    mean.flags = mean.flags.and(Flags::FROZEN);
+    rows.write(&mut mean)?;
+    rows.finish()?;
+    let frozen = acquisition.frozen();
+    let why = frozen.map(|frozen| believed::frozen_text(&frozen, acquisition.start_ns())).unwrap_or_default();
+    Err(Refused::new("frozen", why).into())
+}
+
+/// The samples of one row: exact sums of codes, divided once.
+#[derive(Default)]
+struct Mean {
+    slot: u64,
+    readings: u64,
+    first_ns: u64,
+    last_ns: u64,
+    /// Of each axis.
+    rates: Vec<CodeSum>,
+    temp: CodeSum,
+    lost: u64,
+    flags: Flags,
+}
+
+impl Mean {
+    fn is_empty(&self) -> bool {
+        self.readings == 0
+    }
+
+    #[inline]
+    fn belongs_to_next(&self, slot: u64) -> bool {
+        !self.is_empty() && slot != self.slot
+    }
+
+    #[inline]
+    fn push(&mut self, t_ns: u64, slot: u64, axes: &[Judged]) {
+        if self.is_empty() {
+            (self.slot, self.first_ns) = (slot, t_ns);
+        }
+        self.last_ns = t_ns;
+        self.readings += 1;
+        self.rates.resize_with(axes.len(), CodeSum::default);
+        for (sum, judged) in self.rates.iter_mut().zip(axes) {
+            if let Some(rate) = judged.rate() {
+                sum.push(rate);
+            }
+            self.flags = self.flags.and(judged.flags);
+        }
+        // temperature and losses are those of all axes
+        if let Some(first) = axes.first() {
+            if let Some(temp) = first.temp() {
+                self.temp.push(temp);
+            }
+            self.lost += u64::from(first.reading.lost);
+        }
+    }
+
+    /// Middle of the samples, s.
+    fn t_s(&self) -> f64 {
+        (self.first_ns + self.last_ns) as f64 * 0.5e-9
+    }
+}
+
+/// Corrects means, and hands them on.
+struct RowMaker<'a> {
+    axes: Vec<Axis>,
+    corrector: Corrector<Vec<Correction>>,
+    warned_of_span: bool,
+    warned_of: Flags,
+    tracking: Option<Tracking>,
+    listener: &'a mut dyn Listener,
+}
+
+impl<'a> RowMaker<'a> {
+    fn new(
+        part: &zerorate::Part,
+        calibration: &Calibration,
+        tracking: Option<Tracking>,
+        listener: &'a mut dyn Listener,
+    ) -> Result<Self> {
+        let corrector = calibration.corrector(&part.name, part.axes.iter().map(|axis| &*axis.name))?;
+        let axes = part.axes.iter().map(|axis| axis.axis).collect();
+        Ok(Self { axes, corrector, warned_of_span: false, warned_of: Flags::NONE, tracking, listener })
+    }
+
+    /// Hands on the row of these samples and empties the mean. Before the first temperature there is nothing to correct
+    /// with.
+    fn write(&mut self, mean: &mut Mean) -> Result<()> {
+        // all axes have the same temperature
+        self.corrector.read(self.axes.first().and_then(|first| mean.temp.mean(&first.temp)));
+        let Some(temp_c) = self.corrector.temp_c().filter(|_| !mean.is_empty()) else { return Ok(()) };
+        self.warn(mean.flags);
+        let means = mean.rates.iter().zip(&self.axes).map(|(sum, axis)| sum.mean(&axis.rate)).enumerate();
+        let mut rates_dps: Vec<_> = means.map(|(index, rate)| self.corrector.correct(index, rate)).collect();
+        let correction_dps = |axis| self.corrector.correct(axis, Some(0.0)).unwrap_or_default();
+        let tracked = self.tracking.as_ref().map(|tracking| tracking.row(temp_c, correction_dps));
+        for (rate_dps, axis) in rates_dps.iter_mut().zip(tracked.iter().flat_map(|row| &row.axes)) {
+            *rate_dps = rate_dps.map(|rate_dps| rate_dps - axis.tracked.change_dps);
+        }
+        self.listener.row(&StreamRow {
+            t_s: mean.t_s(),
+            rates_dps,
+            temp_c,
+            lost: mean.lost,
+            flags: mean.flags,
+            tracked,
+        })?;
+        *mean = Mean::default();
+        Ok(())
+    }
+
+    fn finish(mut self) -> Result<()> {
+        self.listener.end()?;
+        self.tracking.as_mut().map_or(Ok(()), |tracking| tracking.finish(self.corrector.temp_c(), self.listener))
+    }
+
+    /// Each warning once.
+    fn warn(&mut self, flags: Flags) {
+        if self.corrector.is_extrapolated() && !self.warned_of_span {
+            self.corrector.warning().into_iter().for_each(|warning| self.listener.warn(warning.into()));
+            self.warned_of_span = true;
+        }
+        if flags != Flags::NONE && !self.warned_of.has(flags) {
+            self.listener.warn(JobWarning::LeftOut(flags));
+            self.warned_of = self.warned_of.and(flags);
+        }
+    }
+}

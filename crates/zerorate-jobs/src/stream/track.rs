@@ -1,0 +1,296 @@
+//! The bias that is learned whenever the part rests, and its state between runs.
+
+use super::{Listener, TrackedRow};
+use crate::output::{Outputs, Slot};
+use crate::warning::JobWarning;
+use anyhow::{Context, Result, anyhow, bail};
+use jiff::{SignedDuration, Timestamp};
+use std::io::ErrorKind;
+use std::path::PathBuf;
+use zerorate::health::Judged;
+use zerorate::track::{BLOCK_S, Counts, Phase, TrackFile, Tracked, Tracker, TrackerConfig};
+use zerorate::{Calibration, CodeSum, Part, Scale};
+use zerorate_host::DeviceInfo;
+use zerorate_record::limits;
+
+/// How the bias is tracked.
+#[derive(Clone, Debug)]
+pub struct TrackOptions {
+    /// Where what was learned is kept.
+    pub state: Option<PathBuf>,
+    /// The Earth's rotation that a part at rest shows beyond its calibrated bias.
+    pub earth_dps: f64,
+    /// The slowest steady turn that must not be learned as bias.
+    pub least_turn_dps: f64,
+    /// How far the bias changes from one power-up to the next (1 σ).
+    pub power_up_dps: f64,
+}
+
+/// A state that cannot be taken up: it must be deleted, or another be named.
+#[derive(Debug, thiserror::Error)]
+#[error("{0:#}")]
+pub struct UnusableState(pub anyhow::Error);
+
+/// What a row says of the bias of an axis.
+#[derive(Clone, Copy, Debug)]
+pub struct TrackedAxis {
+    /// The bias.
+    pub bias_dps: f64,
+    /// How far it is from its calibration, and how well it is known.
+    pub tracked: Tracked,
+}
+
+/// What was learned of an axis.
+#[derive(Debug)]
+pub struct Learned<'a> {
+    /// The axis.
+    pub name: &'a str,
+    /// From how much.
+    pub counts: Counts,
+    /// The change of its bias at the last temperature.
+    pub tracked: Option<Tracked>,
+}
+
+/// How often the state is written, s of the part's time.
+const SAVE_EVERY_S: u64 = 60;
+const BLOCK_NS: u64 = (BLOCK_S * 1e9) as u64;
+
+/// The trackers of all axes of a part.
+pub struct Tracking {
+    trackers: Vec<Tracker>,
+    scales: Vec<Scale>,
+    temp_scale: Option<Scale>,
+    names: Vec<String>,
+    phases: Vec<Phase>,
+    /// Of the block that is being read.
+    block: u64,
+    rates: Vec<CodeSum>,
+    temp: CodeSum,
+    lost: bool,
+    store: Option<Store>,
+    saved_s: u64,
+}
+
+/// Where the state is kept.
+struct Store {
+    slot: Slot,
+    calibration: Calibration,
+    /// The time of day at the first sample, where there is one.
+    began: Option<Timestamp>,
+    /// What was learned last could not be written.
+    is_behind: bool,
+}
+
+impl Tracking {
+    /// Begins to track the part that `facts` tell of, from the state that is there or else from its calibration.
+    ///
+    /// # Errors
+    /// [`UnusableState`], that the noise of an axis is not known, or why the state cannot be read or written.
+    pub fn begin(
+        options: &TrackOptions,
+        facts: &DeviceInfo,
+        calibration: &Calibration,
+        outputs: &mut Outputs,
+        warn: &mut dyn FnMut(JobWarning),
+    ) -> Result<Self> {
+        let part = &facts.part;
+        let began: Option<Timestamp> = facts.info.created.parse().ok();
+        let configs = options.configs(part, calibration)?;
+        let names: Vec<String> = part.axes.iter().map(|axis| axis.name.to_string()).collect();
+        let slot = options.state.as_deref().map(|path| outputs.slot(path)).transpose()?;
+        let store = slot.map(|slot| Store { slot, calibration: calibration.clone(), began, is_behind: false });
+        let known = store.as_ref().map(Store::load).transpose()?.flatten();
+        let trackers = match &known {
+            Some(file) => taken_up(file, calibration, &names, &configs, began, warn).map_err(UnusableState)?,
+            None => {
+                let age_s = since(calibration.created.as_deref(), began).unwrap_or(0.0);
+                configs.iter().map(|config| Tracker::new(*config).aged(age_s)).collect()
+            }
+        };
+        let mut tracking = Self {
+            phases: vec![Phase::Moving; trackers.len()],
+            rates: vec![CodeSum::default(); trackers.len()],
+            trackers,
+            scales: part.axes.iter().map(|axis| axis.axis.rate).collect(),
+            temp_scale: part.axes.first().map(|first| first.axis.temp),
+            names,
+            block: 0,
+            temp: CodeSum::default(),
+            lost: false,
+            store,
+            saved_s: 0,
+        };
+        // a file that cannot be written is better known now
+        tracking.save(0)?;
+        Ok(tracking)
+    }
+}
+
+impl TrackOptions {
+    fn configs(&self, part: &Part, calibration: &Calibration) -> Result<Vec<TrackerConfig>> {
+        let &Self { earth_dps, least_turn_dps, power_up_dps, .. } = self;
+        let config = |axis: &zerorate::NamedAxis| {
+            let calibrated = calibration.axis(&axis.name).ok_or_else(|| anyhow!("no axis {}", axis.name))?;
+            let config = TrackerConfig::of_calibration(calibrated, &axis.axis).ok_or_else(|| {
+                anyhow!(
+                    "neither the calibration nor the part says how noisy axis {} is, and rest is told by that: \
+                     state the noise in the part's file (docs/formats/part.md)",
+                    axis.name
+                )
+            })?;
+            Ok(TrackerConfig { earth_dps, least_turn_dps, power_up_dps, ..config })
+        };
+        part.axes.iter().map(config).collect()
+    }
+}
+
+/// Seconds from a time of day to another; none where one of them is not known.
+fn since(from: Option<&str>, to: Option<Timestamp>) -> Option<f64> {
+    let from: Timestamp = from?.parse().ok()?;
+    Some(to?.duration_since(from).as_secs_f64())
+}
+
+/// The trackers as they were left, with what may have happened since.
+fn taken_up(
+    file: &TrackFile,
+    calibration: &Calibration,
+    names: &[String],
+    configs: &[TrackerConfig],
+    began: Option<Timestamp>,
+    warn: &mut dyn FnMut(JobWarning),
+) -> Result<Vec<Tracker>> {
+    let off_s = since(file.saved.as_deref(), began);
+    match off_s {
+        Some(off_s) if off_s < 0.0 => bail!(
+            "it was written {:.0} s after what is read now began: a state of a later time, or a clock is wrong",
+            -off_s
+        ),
+        Some(_) => {}
+        None => warn(JobWarning::StateAgeUnknown),
+    }
+    let tracker = |(name, config): (&String, &TrackerConfig)| {
+        let saved = file.of(calibration, name)?;
+        Tracker::resume(*config, &saved, off_s.unwrap_or(0.0))
+            .map_err(|_| anyhow!("its numbers of axis {name} are no covariance"))
+    };
+    names.iter().zip(configs).map(tracker).collect()
+}
+
+impl Store {
+    /// The state that is there; none where there is no file.
+    fn load(&self) -> Result<Option<TrackFile>> {
+        let path = self.slot.path();
+        let text = match self.slot.content(limits::TEXT) {
+            Ok(Some(text)) => text,
+            Ok(None) => return Ok(None),
+            Err(error) if matches!(error.kind(), ErrorKind::InvalidData | ErrorKind::FileTooLarge) => {
+                return Err(UnusableState(error.into()).into());
+            }
+            Err(error) => return Err(error).with_context(|| format!("cannot read {}", path.display())),
+        };
+        Ok(Some(TrackFile::parse(&text).map_err(|error| UnusableState(error.into()))?))
+    }
+}
+
+impl Tracking {
+    /// Takes in the next sample of all axes.
+    #[inline]
+    pub fn push(&mut self, t_ns: u64, axes: &[Judged], listener: &mut dyn Listener) {
+        let block = t_ns / BLOCK_NS;
+        if block != self.block {
+            self.close(block, listener);
+        }
+        for (sum, judged) in self.rates.iter_mut().zip(axes) {
+            if let Some(rate) = judged.rate() {
+                sum.push(rate);
+            }
+        }
+        if let Some(first) = axes.first() {
+            if let Some(temp) = first.temp() {
+                self.temp.push(temp);
+            }
+            self.lost |= first.reading.lost > MOST_LOST;
+        }
+    }
+
+    /// The block is over, and the next one is this.
+    #[cold]
+    fn close(&mut self, next: u64, listener: &mut dyn Listener) {
+        let temp_c = self.temp_scale.and_then(|scale| self.temp.mean(&scale));
+        let (whole, moved) = (!self.lost, self.trackers.iter().map(Tracker::moves).collect::<Vec<_>>());
+        for axis in 0..self.trackers.len() {
+            let rate_dps = self.rates[axis].mean(&self.scales[axis]).filter(|_| whole);
+            let still = moved.iter().enumerate().all(|(other, moved)| other == axis || !moved);
+            self.phases[axis] = self.trackers[axis].push(rate_dps, temp_c, still);
+            if next > self.block + 1 {
+                self.trackers[axis].wait((next - self.block - 1) as f64 * BLOCK_S);
+            }
+        }
+        self.rates.fill(CodeSum::default());
+        (self.temp, self.lost, self.block) = (CodeSum::default(), false, next);
+        let now_s = next * BLOCK_NS / 1_000_000_000;
+        if now_s >= self.saved_s + SAVE_EVERY_S {
+            self.saved_s = now_s;
+            self.save_or_warn(now_s, listener);
+        }
+    }
+
+    /// The rows are worth more than the state: a disk may have room again within the next minute.
+    fn save_or_warn(&mut self, after_s: u64, listener: &mut dyn Listener) {
+        let saved = self.save(after_s);
+        let Some(store) = &mut self.store else { return };
+        let was_behind = std::mem::replace(&mut store.is_behind, saved.is_err());
+        match saved {
+            Err(error) if !was_behind => {
+                listener.warn(JobWarning::StateNotKept { why: format!("{error:#}"), again_s: SAVE_EVERY_S });
+            }
+            Ok(()) if was_behind => listener.kept_again(store.slot.path()),
+            _ => {}
+        }
+    }
+
+    /// What a row says, where the calibration alone corrects an axis by `correction_dps`.
+    pub fn row(&self, temp_c: f64, correction_dps: impl Fn(usize) -> f64) -> TrackedRow {
+        let axis = |(axis, tracker): (usize, &Tracker)| {
+            let tracked = tracker.tracked(temp_c);
+            TrackedAxis { tracked, bias_dps: tracked.change_dps - correction_dps(axis) }
+        };
+        let phase = self.phases.iter().copied().min_by_key(|phase| *phase as u8).unwrap_or_default();
+        TrackedRow {
+            axes: self.trackers.iter().enumerate().map(axis).collect(),
+            phase: match phase {
+                Phase::Moving => "moving",
+                Phase::Quiet => "quiet",
+                Phase::Rest if self.phases.contains(&Phase::Doubtful) => "doubtful",
+                Phase::Rest => "rest",
+                Phase::Doubtful => "doubtful",
+            },
+        }
+    }
+
+    fn save(&mut self, after_s: u64) -> Result<()> {
+        let Some(store) = &mut self.store else { return Ok(()) };
+        let passed = SignedDuration::from_secs(after_s as i64);
+        let saved = store.began.and_then(|began| began.checked_add(passed).ok()).map(|now| now.to_string());
+        let axes = self.names.iter().map(String::as_str).zip(self.trackers.iter().map(Tracker::save));
+        let text = TrackFile::new(&store.calibration, saved, axes).to_toml();
+        Ok(store.slot.put(text.as_bytes())?)
+    }
+
+    /// Keeps what was learned, and tells it.
+    pub fn finish(&mut self, temp_c: Option<f64>, listener: &mut dyn Listener) -> Result<()> {
+        let saved = self.save(self.block * BLOCK_NS / 1_000_000_000);
+        for (name, tracker) in self.names.iter().zip(&self.trackers) {
+            let counts = tracker.save().counts;
+            let tracked = temp_c.map(|temp_c| tracker.tracked(temp_c));
+            listener.learned(&Learned { name, counts, tracked });
+            if counts.doubtful_s > 0 {
+                listener.warn(JobWarning::SlowTurn { axis: name.clone(), doubtful_s: counts.doubtful_s });
+            }
+        }
+        saved
+    }
+}
+
+/// More samples than these lost in a row, and a mean is not one of its block.
+const MOST_LOST: u32 = 100;
