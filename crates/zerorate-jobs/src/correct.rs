@@ -37,8 +37,8 @@ impl<'a> Job<'a> {
     ) -> Result<Self> {
         if let Some(id) = reader.calibration_id() {
             bail!(
-                "{} is corrected already (calibration {id}), and a bias must not be removed twice: give the capture it \
-                 was made from",
+                "{} is corrected already (calibration {id}), and a bias must not be removed twice: give the capture \
+                 it was made from",
                 capture.display()
             );
         }

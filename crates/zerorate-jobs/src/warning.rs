@@ -119,8 +119,9 @@ impl Say for JobWarning {
                 "the file of the part does not state operating_c, so only the plan keeps the chamber from harming it",
             ),
             Self::Resumed => f.write_str(
-                "the measurement was interrupted; a part that was switched off in between may have another bias since, \
-                 which shows as noise and is no part of the uncertainty. No one recording gives this result again",
+                "the measurement was interrupted; a part that was switched off in between may have another bias \
+                 since, which shows as noise and is no part of the uncertainty. No one recording gives this result \
+                 again",
             ),
             Self::SlowTurn { axis, doubtful_s } => write!(
                 f,

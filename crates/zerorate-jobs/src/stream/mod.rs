@@ -194,8 +194,8 @@ impl<'a> RowMaker<'a> {
         Ok(Self { axes, corrector, warned_of_span: false, warned_of: Flags::NONE, tracking, listener })
     }
 
-    /// Hands on the row of these samples and empties the mean. Before the first temperature there is nothing to correct
-    /// with.
+    /// Hands on the row of these samples and empties the mean. Before the first temperature there is nothing to
+    /// correct with.
     fn write(&mut self, mean: &mut Mean) -> Result<()> {
         // all axes have the same temperature
         self.corrector.read(self.axes.first().and_then(|first| mean.temp.mean(&first.temp)));

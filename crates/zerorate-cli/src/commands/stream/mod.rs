@@ -51,7 +51,7 @@ pub struct StreamArgs {
     #[arg(long, value_enum, default_value = "csv")]
     format: RowFormat,
 
-    /// RowPrinter per second: each is the mean of all samples in its share of time, without overlap; a share that is not
+    /// Rows per second: each is the mean of all samples in its share of time, without overlap; a share that is not
     /// complete at the end gives no row [default: a row for each sample].
     #[arg(long, value_name = "HZ")]
     rate: Option<f64>,
