@@ -5,7 +5,7 @@ use anyhow::{Result, ensure};
 use std::time::Instant;
 use xtask::arguments::Arguments;
 
-/// All crates but the Python package, with their default features; documentation tests are among them.
+/// All crates, with their default features; documentation tests are among them.
 pub const STEP: Step = Step::new("test", "test");
 
 /// What is not tested here, in one line.
