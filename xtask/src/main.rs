@@ -80,7 +80,7 @@ const TASKS: [Task; 8] = [
     Task {
         name: "build-time",
         usage: "",
-        about: "Measure how long the first command takes from nothing, and after a change; print sizes",
+        about: "Measure how long the two commands of the README take from nothing; print sizes",
         help: String::new,
         run: build_time::run,
     },
