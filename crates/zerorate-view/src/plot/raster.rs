@@ -27,3 +27,24 @@ pub fn png(svg: &str) -> Result<Vec<u8>> {
     resvg::render(&tree, Transform::from_scale(SCALE, SCALE), &mut pixels.as_mut());
     Ok(pixels.encode_png()?)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Pixmap, png};
+    use crate::plot::tests::fitted;
+    use crate::plot::{Options, allan};
+
+    #[test]
+    fn a_png_is_twice_the_size_and_has_ink_and_letters() {
+        let options = Options { size: (480, 320), ..Options::default() };
+        let image = Pixmap::decode_png(&png(&allan(&[fitted()], &options)).unwrap()).unwrap();
+        assert_eq!((image.width(), image.height()), (960, 640));
+        let dark = |x0: u32, x1: u32| {
+            let within = |index: usize| (x0..x1).contains(&(index as u32 % image.width()));
+            image.pixels().iter().enumerate().filter(|(index, pixel)| within(*index) && pixel.red() < 100).count()
+        };
+        assert!(dark(0, 960) > 2000, "curves");
+        assert!(dark(0, 60) > 100, "the name of the left axis, in the font of the program");
+        assert!(png("no picture").is_err());
+    }
+}

@@ -1,7 +1,6 @@
-//! The pictures, as a reader of their XML and their pixels sees them.
+//! The pictures, as a reader of their XML sees them.
 
 use super::*;
-use resvg::tiny_skia::Pixmap;
 use roxmltree::Document;
 
 /// Five decades of averaging time, the deviations of white noise.
@@ -14,7 +13,7 @@ fn white(label: &str) -> Curve {
     Curve { label: label.to_owned(), points: (-2..=3).map(point).collect(), ..Curve::default() }
 }
 
-fn fitted() -> Curve {
+pub(super) fn fitted() -> Curve {
     let law = |label: &str, at_1s, slope| PowerLaw { label: label.to_owned(), at_1s, slope };
     let laws =
         vec![law("N = 0.6 °/√h", 0.01, -0.5), law("B = 3.8 °/h", 7e-4, 0.0), law("K = 2·10⁻⁵ °/s/√s", 1e-5, 0.5)];
@@ -129,20 +128,6 @@ fn what_has_no_logarithm_is_left_out() {
         assert!(!svg.contains("NaN") && !svg.contains("inf"), "{svg}");
         Document::parse(&svg).unwrap();
     }
-}
-
-#[test]
-fn a_png_is_twice_the_size_and_has_ink_and_letters() {
-    let options = Options { size: (480, 320), ..Options::default() };
-    let image = Pixmap::decode_png(&png(&allan(&[fitted()], &options)).unwrap()).unwrap();
-    assert_eq!((image.width(), image.height()), (960, 640));
-    let dark = |x0: u32, x1: u32| {
-        let within = |index: usize| (x0..x1).contains(&(index as u32 % image.width()));
-        image.pixels().iter().enumerate().filter(|(index, pixel)| within(*index) && pixel.red() < 100).count()
-    };
-    assert!(dark(0, 960) > 2000, "curves");
-    assert!(dark(0, 60) > 100, "the name of the left axis, in the font of the program");
-    assert!(png("no picture").is_err());
 }
 
 #[test]
