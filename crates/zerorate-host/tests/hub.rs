@@ -35,7 +35,7 @@ fn recorded(everything: &LosslessReader, mut go_on: impl FnMut(&Batch) -> bool) 
     panic!("the twin has no end");
 }
 
-const SECONDS: u64 = 8;
+const SECONDS: u64 = 20;
 const WATCHERS: usize = 20;
 /// Batches that wait for a watcher.
 const QUEUE: usize = 8;

@@ -19,7 +19,13 @@ fn step(seed: u64, supply_step_mv: f64, at_s: f64) -> Spec {
 
 #[test]
 fn a_slow_sway_is_inside_the_uncertainty_or_refused() {
-    let sways = [(853, 0.0885, 0.000_245), (1, 0.1087, 0.000_144), (4, 0.036, 0.000_103), (7, 0.0567, 0.000_262)];
+    let sways = [
+        (853, 0.0885, 0.000_245),
+        (1, 0.1087, 0.000_144),
+        (4, 0.036, 0.000_103),
+        (4, 0.06, 0.000_2),
+        (7, 0.0567, 0.000_262),
+    ];
     for (seed, dps, hz) in sways {
         for method in [Method::Warmup, Method::Cycle] {
             let Ok((outcome, truth)) = measure(&sway(seed, dps, hz), method) else { continue };
@@ -79,7 +85,7 @@ fn what_is_said_to_be_in_the_uncertainty_is_in_it() {
     ];
     for (code, method, spec) in claims {
         let mut told = 0;
-        for seed in 21..23 {
+        for seed in 21..25 {
             let Ok((outcome, truth)) = measure(&spec(seed), method) else { continue };
             assert!(worst_u(&outcome, &truth) < WRONG_U, "{code} {method:?} {seed}: {}", worst_u(&outcome, &truth));
             told += u32::from(outcome.warnings.iter().any(|warning| warning.code() == code));
