@@ -6,7 +6,9 @@ mod spectrum;
 
 use anyhow::{Context, Result, bail, ensure};
 use std::fs;
+use zerorate::Calibration;
 use zerorate_view::codes;
+use zerorate_view::export::{Export, ExportForm, Options};
 
 fn main() -> Result<()> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -47,5 +49,14 @@ fn made() -> Result<Vec<(&'static str, String)>> {
     made.push(("docs/pictures/spectrum.svg", spectrum::draw()?));
     made.push(("docs/codes.md", codes::page()));
     made.push(("bindings/c/include/zerorate.h", header::text()?));
+    made.push(("firmware/examples/src/unit.rs", unit()?));
     Ok(made)
+}
+
+/// The calibration of the firmware's examples as `zerorate export --format rust` writes it.
+fn unit() -> Result<String> {
+    const CALIBRATION: &str = "firmware/examples/unit.toml";
+    let text = fs::read_to_string(CALIBRATION).context(CALIBRATION)?;
+    let (calibration, _) = Calibration::parse(&text).context(CALIBRATION)?;
+    Export::new(calibration, Options::default())?.text(ExportForm::Rust)
 }
