@@ -13,13 +13,18 @@ use anyhow::{Result, ensure};
 use xtask::arguments::Arguments;
 
 /// What neither `test` nor `check` runs.
-const REST: [Step; 31] = [
+const REST: [Step; 32] = [
     Step::new("doc", "doc --workspace --no-deps --all-features").with_env("RUSTDOCFLAGS", "-Dwarnings"),
     Step::new(
         "clippy-lab",
         "clippy --manifest-path lab/Cargo.toml --package lab --package codegen --all-targets --locked --target-dir \
          target/lab -- -D warnings",
     ),
+    Step::new(
+        "doc-lab",
+        "doc --manifest-path lab/Cargo.toml --package lab --package codegen --no-deps --locked --target-dir target/lab",
+    )
+    .with_env("RUSTDOCFLAGS", "-Dwarnings"),
     Step::new(
         "clippy-c",
         "clippy --manifest-path bindings/c/Cargo.toml --workspace --locked --target-dir target/c -- -D warnings",

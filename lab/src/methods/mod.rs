@@ -33,7 +33,7 @@ pub struct Args {
     /// Units at once
     #[arg(long, default_value_t = std::thread::available_parallelism().map_or(1, usize::from))]
     threads: usize,
-    /// The methods alone, on three units of each kind; prints, and writes no page. As in `cargo xtask test`
+    /// The methods alone, on three units of each kind; prints, and writes no page. As in `cargo xtask ci`
     #[arg(long, conflicts_with = "seeds")]
     quick: bool,
 }

@@ -28,7 +28,7 @@ use verdict::{Count, Verdict};
 /// What to run.
 #[derive(clap::Args)]
 pub struct Args {
-    /// A few runs of each class, as in `cargo xtask test`
+    /// A few runs of each class, as in `cargo xtask ci`
     #[arg(long)]
     quick: bool,
     /// Only the classes whose names begin so
