@@ -31,8 +31,9 @@ pub const STEPS: [Step; 14] = [
     ),
     Step::new(
         "wasm",
-        "check -p zerorate-record -p zerorate-logs -p zerorate-view --no-default-features --target \
-         wasm32-unknown-unknown",
+        "check -p zerorate-record -p zerorate-logs -p zerorate-view --no-default-features --features \
+         zerorate-logs/hdf5,zerorate-logs/matlab,zerorate-logs/mcap,zerorate-logs/npz,zerorate-logs/packed,\
+         zerorate-logs/parquet,zerorate-logs/ros --target wasm32-unknown-unknown",
     ),
     Step::new(
         "clippy-wasm",
