@@ -21,7 +21,10 @@ pub fn help() -> String {
 pub fn run(arguments: Arguments) -> Result<()> {
     let words = arguments.words()?;
     let words = words.join(" ");
-    ensure!(words.is_empty(), "to run some tests: `cargo test --release {words}`; to run a step: `cargo xtask ci {words}`");
+    ensure!(
+        words.is_empty(),
+        "to run some tests: `cargo test --release {words}`; to run a step: `cargo xtask ci {words}`"
+    );
     let start = Instant::now();
     ensure!(STEP.command()?.status()?.success(), "a test failed; to repeat: {STEP}");
     println!("\nAll tests passed in {}. {BESIDE}", clock(start.elapsed()));

@@ -95,7 +95,10 @@ fn the_examples_have_their_export() {
     let bench = Bench::new();
     bench.write("unit.toml", std::fs::read(examples.join("unit.toml")).unwrap());
     let exported = bench.zerorate("export unit.toml --format rust").ok();
-    assert!(exported == std::fs::read_to_string(examples.join("src/unit.rs")).unwrap(), "`cargo xtask codegen` writes src/unit.rs");
+    assert!(
+        exported == std::fs::read_to_string(examples.join("src/unit.rs")).unwrap(),
+        "`cargo xtask codegen` writes src/unit.rs"
+    );
 }
 
 /// Corrections with both signs, with large coefficients and with none; lines and curves.
