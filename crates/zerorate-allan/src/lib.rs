@@ -16,6 +16,9 @@ mod curve_fit;
 pub mod datasheet;
 mod detrend;
 mod edf;
+#[cfg(feature = "file")]
+#[doc(hidden)]
+pub mod entry;
 #[cfg(feature = "std")]
 mod fit;
 mod input;
@@ -32,9 +35,6 @@ mod rows;
 mod stat;
 mod stream;
 mod taus;
-#[cfg(feature = "file")]
-#[doc(hidden)]
-pub mod toml_error;
 mod warning;
 #[cfg(feature = "std")]
 mod welch;

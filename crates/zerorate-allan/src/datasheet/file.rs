@@ -2,12 +2,12 @@
 
 use super::unit::{Of, Unit};
 use super::{DataSheet, Figure, Line};
-use crate::toml_error::syntax;
+use crate::entry::{Bounds, Document, Entry, EntryError};
+use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
 use core::fmt;
 use serde::Deserialize;
-use toml::Spanned;
 
 /// Version of the file form, and the newest that is read.
 const SCHEMA: u32 = 1;
@@ -30,33 +30,32 @@ impl DataSheet {
     /// # Errors
     /// No such file: where, and what is wrong.
     pub fn parse(text: &str) -> Result<Self, DataSheetError> {
-        let file: File = toml::from_str(text).map_err(|error| DataSheetError::new(syntax(text, &error)))?;
-        if file.schema != SCHEMA {
-            let what = format_args!("schema {} is unknown; this software reads {SCHEMA}", file.schema);
-            return Err(DataSheetError::new(what));
-        }
-        let gyroscope = file.gyroscope.map(|gyroscope| gyroscope.lines(text)).transpose()?.unwrap_or_default();
-        let accelerometer = file.accelerometer.map(|kind| kind.lines(text)).transpose()?.unwrap_or_default();
-        if gyroscope.is_empty() && accelerometer.is_empty() {
-            return Err(DataSheetError::new("it states nothing; give [gyroscope] or [accelerometer] a figure"));
-        }
+        let document = Document::parse(text)?;
+        let (root, file) = (document.root(), document.fields::<File>()?);
+        root.at("schema").require(file.schema == SCHEMA, || {
+            format!("schema {} is unknown; this software reads {SCHEMA}", file.schema)
+        })?;
+        let gyroscope = file.gyroscope.map(|stated| stated.lines(root)).transpose()?.unwrap_or_default();
+        let accelerometer = file.accelerometer.map(|stated| stated.lines(root)).transpose()?.unwrap_or_default();
+        let states_some = !(gyroscope.is_empty() && accelerometer.is_empty());
+        root.require(states_some, || "it states nothing; give [gyroscope] or [accelerometer] a figure".into())?;
         Ok(Self { name: file.name, source: file.source, gyroscope, accelerometer })
     }
 }
 
 /// What is wrong with the file of a data sheet.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct DataSheetError(String);
+pub struct DataSheetError(EntryError);
 
-impl DataSheetError {
-    fn new(what: impl fmt::Display) -> Self {
-        Self(alloc::format!("{what}"))
+impl From<EntryError> for DataSheetError {
+    fn from(error: EntryError) -> Self {
+        Self(error)
     }
 }
 
 impl fmt::Display for DataSheetError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "not the file of a data sheet (docs/formats/datasheet.md): {}", self.0.trim_end())
+        write!(f, "not the file of a data sheet (docs/formats/datasheet.md): {}", self.0)
     }
 }
 
@@ -75,26 +74,27 @@ struct File {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Gyroscope {
-    noise_density: Option<Entry>,
-    angle_random_walk: Option<Entry>,
-    bias_instability: Option<Entry>,
-    rate_random_walk: Option<Entry>,
+    noise_density: Option<Stated>,
+    angle_random_walk: Option<Stated>,
+    bias_instability: Option<Stated>,
+    rate_random_walk: Option<Stated>,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Accelerometer {
-    noise_density: Option<Entry>,
-    velocity_random_walk: Option<Entry>,
-    bias_instability: Option<Entry>,
-    acceleration_random_walk: Option<Entry>,
+    noise_density: Option<Stated>,
+    velocity_random_walk: Option<Stated>,
+    bias_instability: Option<Stated>,
+    acceleration_random_walk: Option<Stated>,
 }
 
+/// What a data sheet states of a figure.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Entry {
-    typical: Option<Spanned<f64>>,
-    maximum: Option<Spanned<f64>>,
+struct Stated {
+    typical: Option<f64>,
+    maximum: Option<f64>,
     unit: String,
     means: Option<Means>,
     source: Option<String>,
@@ -108,131 +108,73 @@ enum Means {
     B,
 }
 
-/// A key with its entry, what it is of, and the units that it may have.
-struct Row<'a> {
-    key: &'static str,
-    entry: Option<&'a Entry>,
-    figure: Figure,
-    of: Of,
-    /// As [`Unit::halves`].
-    halves: i32,
-    units: &'static str,
-}
+/// A key, what it is of, the exponent of its unit (as [`Unit::halves`]), and units that it may have.
+struct Row(&'static str, Figure, i32, &'static str);
 
 impl Gyroscope {
-    fn lines(&self, text: &str) -> Result<Vec<Line>, DataSheetError> {
-        let row = |key, entry, figure, halves, units| Row { key, entry, figure, of: Of::Angle, halves, units };
-        lines(
-            text,
-            [
-                row(
-                    "gyroscope.noise_density",
-                    self.noise_density.as_ref(),
-                    Figure::NoiseDensity,
-                    -1,
-                    "°/s/√Hz, °/h/√Hz, mdps/√Hz or rad/s/√Hz",
-                ),
-                row(
-                    "gyroscope.angle_random_walk",
-                    self.angle_random_walk.as_ref(),
-                    Figure::RandomWalk,
-                    -1,
-                    "°/√h, °/√s or rad/√s",
-                ),
-                row(
-                    "gyroscope.bias_instability",
-                    self.bias_instability.as_ref(),
-                    Figure::CurveMinimum,
-                    -2,
-                    "°/h, °/s or rad/s",
-                ),
-                row(
-                    "gyroscope.rate_random_walk",
-                    self.rate_random_walk.as_ref(),
-                    Figure::RateRandomWalk,
-                    -3,
-                    "°/h/√h, °/s/√s, °/s/√h or rad/s/√s",
-                ),
-            ],
-        )
+    const ROWS: [Row; 4] = [
+        Row("noise_density", Figure::NoiseDensity, -1, "°/s/√Hz, °/h/√Hz, mdps/√Hz or rad/s/√Hz"),
+        Row("angle_random_walk", Figure::RandomWalk, -1, "°/√h, °/√s or rad/√s"),
+        Row("bias_instability", Figure::CurveMinimum, -2, "°/h, °/s or rad/s"),
+        Row("rate_random_walk", Figure::RateRandomWalk, -3, "°/h/√h, °/s/√s, °/s/√h or rad/s/√s"),
+    ];
+
+    fn lines(self, root: Entry<'_>) -> Result<Vec<Line>, EntryError> {
+        let stated = [self.noise_density, self.angle_random_walk, self.bias_instability, self.rate_random_walk];
+        lines(root.at("gyroscope"), Of::Angle, &Self::ROWS, stated)
     }
 }
 
 impl Accelerometer {
-    fn lines(&self, text: &str) -> Result<Vec<Line>, DataSheetError> {
-        let row = |key, entry, figure, halves, units| Row { key, entry, figure, of: Of::Length, halves, units };
-        lines(
-            text,
-            [
-                row(
-                    "accelerometer.noise_density",
-                    self.noise_density.as_ref(),
-                    Figure::NoiseDensity,
-                    -3,
-                    "µg/√Hz, mg/√Hz, g/√Hz or m/s²/√Hz",
-                ),
-                row(
-                    "accelerometer.velocity_random_walk",
-                    self.velocity_random_walk.as_ref(),
-                    Figure::RandomWalk,
-                    -3,
-                    "m/s/√h or m/s/√s",
-                ),
-                row(
-                    "accelerometer.bias_instability",
-                    self.bias_instability.as_ref(),
-                    Figure::CurveMinimum,
-                    -4,
-                    "µg, mg, g or m/s²",
-                ),
-                row(
-                    "accelerometer.acceleration_random_walk",
-                    self.acceleration_random_walk.as_ref(),
-                    Figure::RateRandomWalk,
-                    -5,
-                    "µg/√h, m/s²/√h or m/s²/√s",
-                ),
-            ],
-        )
+    const ROWS: [Row; 4] = [
+        Row("noise_density", Figure::NoiseDensity, -3, "µg/√Hz, mg/√Hz, g/√Hz or m/s²/√Hz"),
+        Row("velocity_random_walk", Figure::RandomWalk, -3, "m/s/√h or m/s/√s"),
+        Row("bias_instability", Figure::CurveMinimum, -4, "µg, mg, g or m/s²"),
+        Row("acceleration_random_walk", Figure::RateRandomWalk, -5, "µg/√h, m/s²/√h or m/s²/√s"),
+    ];
+
+    fn lines(self, root: Entry<'_>) -> Result<Vec<Line>, EntryError> {
+        let Self { noise_density, velocity_random_walk, bias_instability, acceleration_random_walk } = self;
+        let stated = [noise_density, velocity_random_walk, bias_instability, acceleration_random_walk];
+        lines(root.at("accelerometer"), Of::Length, &Self::ROWS, stated)
     }
 }
 
-fn lines(text: &str, rows: [Row<'_>; 4]) -> Result<Vec<Line>, DataSheetError> {
+fn lines(table: Entry<'_>, of: Of, rows: &[Row; 4], stated: [Option<Stated>; 4]) -> Result<Vec<Line>, EntryError> {
     let mut lines = Vec::new();
-    for row in &rows {
-        let Some(entry) = row.entry else { continue };
-        let limits = [(&entry.typical, false), (&entry.maximum, true)];
-        if entry.typical.is_none() && entry.maximum.is_none() {
-            return Err(DataSheetError::new(format_args!("{} has no value; give it typical or maximum", row.key)));
+    for (row, stated) in rows.iter().zip(stated) {
+        let Some(stated) = stated else { continue };
+        let (entry, before) = (table.at(row.0), lines.len());
+        for (key, value, is_maximum) in [("typical", stated.typical, false), ("maximum", stated.maximum, true)] {
+            let Some(value) = value else { continue };
+            let printed = entry.at(key);
+            let line = row.line(of, &stated, value, is_maximum, printed.written());
+            lines.push(line.map_err(|what| printed.error(format!("{}.{}: {what}", table.key(), row.0)))?);
         }
-        for (value, is_maximum) in limits {
-            if let Some(value) = value {
-                lines.push(row.line(text, entry, value, is_maximum)?);
-            }
-        }
+        entry.require(lines.len() > before, || {
+            format!("{}.{} has no value; give it typical or maximum", table.key(), row.0)
+        })?;
     }
     Ok(lines)
 }
 
-impl Row<'_> {
-    fn line(&self, text: &str, entry: &Entry, value: &Spanned<f64>, is_maximum: bool) -> Result<Line, DataSheetError> {
-        let Self { key, figure, of, halves, units, .. } = *self;
-        let wrong = |what: fmt::Arguments<'_>| Err(DataSheetError::new(format_args!("{key}: {what}")));
-        let printed = text.get(value.span()).unwrap_or_default();
-        let value = *value.get_ref();
-        if !(value > 0.0 && value.is_finite()) {
-            return wrong(format_args!("{value} is no noise; it must be above zero"));
+impl Row {
+    fn line(&self, of: Of, stated: &Stated, value: f64, is_maximum: bool, printed: &str) -> Result<Line, String> {
+        let &Self(_, figure, halves, units) = self;
+        let bounds = Bounds::Positive;
+        if !bounds.hold(value) {
+            return Err(format!("{value} is no noise; {bounds}"));
         }
-        let Some(unit) = Unit::parse(&entry.unit).filter(|unit| (unit.of, unit.halves) == (of, halves)) else {
-            return wrong(format_args!("its unit is {:?}; use {units}", entry.unit));
+        let Some(unit) = Unit::parse(&stated.unit).filter(|unit| (unit.of, unit.halves) == (of, halves)) else {
+            return Err(format!("its unit is {:?}; use {units}", stated.unit));
         };
-        let figure = match (figure, entry.means) {
+        let figure = match (figure, stated.means) {
             (Figure::CurveMinimum, Some(Means::B)) => Figure::BiasInstability,
             (Figure::CurveMinimum, _) | (_, None) => figure,
-            _ => return wrong(format_args!("only a bias_instability can mean one thing or another")),
+            _ => return Err("only a bias_instability can mean one thing or another".into()),
         };
-        let (unit, factor) = (entry.unit.clone(), unit.factor);
-        let source = entry.source.clone();
+        let (unit, factor) = (stated.unit.clone(), unit.factor);
+        let source = stated.source.clone();
         Ok(Line { figure, is_maximum, value, half_digit: half_digit(printed, value), unit, factor, source })
     }
 }
@@ -298,7 +240,7 @@ mod tests {
             ("\"mg\"", "\"µg/√Hz\"", "accelerometer.bias_instability: its unit is \"µg/√Hz\"; use µg, mg"),
             ("\"m/s/√hr\"", "\"furlong\"", "velocity_random_walk: its unit is \"furlong\""),
             ("noise_density", "noise_densty", "noise_densty"),
-            ("typical = 0.05", "typical = 0", "gyroscope.noise_density: 0 is no noise"),
+            ("typical = 0.05", "typical = 0", "line 6: gyroscope.noise_density: 0 is no noise"),
             ("typical = 0.05, ", "", "gyroscope.noise_density has no value; give it typical or maximum"),
             ("means = \"B\"", "means = \"b\"", "means"),
             ("maximum = 3,", "means = \"B\",", "only a bias_instability"),

@@ -1,15 +1,13 @@
 //! The calibration as a TOML file.
 
 use super::form::Form;
-use super::limits::Inspected;
-use super::places::{Place, Places};
 use super::{Calibration, SCHEMA};
 use crate::check_lines::{self, Damage};
-use alloc::string::{String, ToString};
+use alloc::string::String;
 use alloc::vec::Vec;
 use core::fmt;
 use serde::Deserialize;
-use zerorate_allan::toml_error::line_of;
+use zerorate_allan::entry::{Document, EntryError};
 use zerorate_allan::{Says, rows};
 
 const HEADER: &str = "# A zerorate calibration (docs/formats/calibration.md). To use other numbers, edit a copy and \
@@ -65,6 +63,16 @@ impl fmt::Display for Of<'_> {
 
 impl core::error::Error for FileError {}
 
+impl From<EntryError> for FileError {
+    fn from(EntryError { line, axis, key, what, .. }: EntryError) -> Self {
+        let line = line.unwrap_or(1);
+        match key {
+            Some(name) => Self::Value { line, axis, name, why: what },
+            None => Self::Syntax { line, axis, message: what },
+        }
+    }
+}
+
 /// What there is to know of a calibration that was read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
@@ -117,9 +125,9 @@ impl Calibration {
             Damage::EndsEarly { line } => FileError::Truncated { line },
         })?;
         let fields = check_lines::without_checks(text);
-        let places = Places::new(&fields).map_err(|error| syntax(&fields, None, &error))?;
-        let form: Form = toml::from_str(&fields).map_err(|error| syntax(&fields, Some(&places), &error))?;
-        Inspected { form: &form, places: &places }.check()?;
+        let document = Document::parse(&fields)?;
+        let form: Form = document.fields()?;
+        form.check(&document)?;
         Ok((form.into_calibration(), if checked { Vec::new() } else { [FileWarning::NoChecksum].into() }))
     }
 
@@ -137,19 +145,12 @@ struct Head {
 }
 
 fn refuse_newer(text: &str) -> Result<(), FileError> {
-    let head: Head = toml::from_str(text).map_err(|error| syntax(text, None, &error))?;
-    match head.schema {
+    let document = Document::parse(text)?;
+    match document.fields::<Head>()?.schema {
         Some(schema) if schema > SCHEMA => {
-            let places = Places::new(text).map_err(|error| syntax(text, None, &error))?;
-            Err(FileError::Newer { line: places.of(None, &["schema"]).line, schema })
+            let line = document.root().at("schema").line().unwrap_or(1);
+            Err(FileError::Newer { line, schema })
         }
         _ => Ok(()),
     }
-}
-
-fn syntax(text: &str, places: Option<&Places<'_>>, error: &toml::de::Error) -> FileError {
-    let byte = error.span().map_or(0, |span| span.start);
-    let at = |places: &Places<'_>| places.at(byte);
-    let Place { line, axis } = places.map_or_else(|| Place { line: line_of(text, byte), axis: None }, at);
-    FileError::Syntax { line, axis, message: error.message().to_string() }
 }

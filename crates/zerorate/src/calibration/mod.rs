@@ -8,7 +8,6 @@ mod chamber;
 mod file;
 mod form;
 mod limits;
-mod places;
 
 pub use chamber::ChamberRun;
 pub use file::{FileError, FileWarning};

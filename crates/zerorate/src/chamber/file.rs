@@ -4,58 +4,57 @@ use super::plan::{ChamberPlan, ChamberPlanError, Step, StepEnd};
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
+use core::ops::RangeInclusive;
 use serde::Deserialize;
-use toml::Spanned;
-use zerorate_allan::toml_error::{line_of, syntax};
+use zerorate_allan::entry::{Bounds, Document, Entry, EntryError};
 
 /// Version of the file form, and the newest that is read.
 const SCHEMA: u32 = 1;
 /// Steps of all cycles at most: a week of them.
 pub(super) const MAX_STEPS: usize = 1000;
 
-/// A number's key, its bounds and its unit.
-pub(super) struct Bounds(&'static str, pub(super) f64, pub(super) f64, &'static str);
-
-pub(super) const TO_C: Bounds = Bounds("to_c", -100.0, 250.0, "°C");
-const SAFE_C: Bounds = Bounds("safe_c", -40.0, 60.0, "°C");
-const C_PER_MIN: Bounds = Bounds("c_per_min", 0.01, 100.0, "°C/min");
-const HOLD_S: Bounds = Bounds("hold_s", 0.0, 86_400.0, "s");
-const AVERAGE_S: Bounds = Bounds("average_s", 10.0, 86_400.0, "s, or \"auto\"");
-const DRIFT: Bounds = Bounds("drift_c_per_min", 1e-4, 10.0, "°C/min, or \"auto\"");
-const WINDOW_S: Bounds = Bounds("window_s", 10.0, 3600.0, "s");
-const TIMEOUT_S: Bounds = Bounds("settle_timeout_s", 60.0, 172_800.0, "s");
-const OVERSHOOT_C: Bounds = Bounds("overshoot_c", 0.5, 50.0, "°C");
+/// Set points of any plan, °C.
+pub(super) const SET_POINTS_C: RangeInclusive<f64> = -100.0..=250.0;
+const TO_C: Bounds = Bounds::Within(SET_POINTS_C, "°C");
+const SAFE_C: Bounds = Bounds::Within(-40.0..=60.0, "°C");
+const C_PER_MIN: Bounds = Bounds::Within(0.01..=100.0, "°C/min");
+const HOLD_S: Bounds = Bounds::Within(0.0..=86_400.0, "s");
+const AVERAGE_S: Bounds = Bounds::Within(10.0..=86_400.0, "s, or \"auto\"");
+const DRIFT: Bounds = Bounds::Within(1e-4..=10.0, "°C/min, or \"auto\"");
+const WINDOW_S: Bounds = Bounds::Within(10.0..=3600.0, "s");
+const TIMEOUT_S: Bounds = Bounds::Within(60.0..=172_800.0, "s");
+const OVERSHOOT_C: Bounds = Bounds::Within(0.5..=50.0, "°C");
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct File {
-    schema: Spanned<u32>,
+    schema: u32,
     name: Option<String>,
-    cycles: Option<Spanned<u32>>,
-    average_s: Option<Spanned<Entry>>,
-    drift_c_per_min: Option<Spanned<Entry>>,
-    window_s: Option<Spanned<f64>>,
-    settle_timeout_s: Option<Spanned<f64>>,
-    overshoot_c: Option<Spanned<f64>>,
-    safe_c: Option<Spanned<f64>>,
+    cycles: Option<u32>,
+    average_s: Option<Number>,
+    drift_c_per_min: Option<Number>,
+    window_s: Option<f64>,
+    settle_timeout_s: Option<f64>,
+    overshoot_c: Option<f64>,
+    safe_c: Option<f64>,
     #[serde(default)]
-    step: Vec<Spanned<StepEntry>>,
+    step: Vec<StepForm>,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct StepEntry {
-    to_c: Spanned<f64>,
-    c_per_min: Option<Spanned<f64>>,
-    hold_s: Option<Spanned<f64>>,
-    average_s: Option<Spanned<Entry>>,
+struct StepForm {
+    to_c: f64,
+    c_per_min: Option<f64>,
+    hold_s: Option<f64>,
+    average_s: Option<Number>,
 }
 
 /// A number, or `"auto"`.
-#[derive(Clone, Deserialize)]
+#[derive(Deserialize)]
 #[serde(untagged)]
-enum Entry {
-    Number(f64),
+enum Number {
+    Known(f64),
     Word(String),
 }
 
@@ -69,101 +68,69 @@ impl ChamberPlan {
     /// # Errors
     /// No such file: the line, the key, and what to do.
     pub fn parse(text: &str) -> Result<Self, ChamberPlanError> {
-        let file: File = toml::from_str(text).map_err(|error| ChamberPlanError::unplaced(syntax(text, &error)))?;
-        let reader = Reader { text };
-        let schema = *file.schema.get_ref();
-        if schema != SCHEMA {
-            let what = format!("schema = {schema} is unknown; this software reads {SCHEMA}");
-            return Err(reader.error(file.schema.span().start, what));
-        }
-        let planned = reader.auto(file.average_s.as_ref(), &AVERAGE_S)?;
-        let once = file.step.iter().map(|step| reader.step(step, planned)).collect::<Result<Vec<Step>, _>>()?;
-        let cycles = reader.cycles(file.cycles.as_ref(), once.len())?;
-        let number = |value: &Option<Spanned<f64>>, bounds, default| {
-            value.as_ref().map_or(Ok(default), |value| reader.number(value, bounds))
+        let document = Document::parse(text)?;
+        let (root, file) = (document.root(), document.fields::<File>()?);
+        root.at("schema").require(file.schema == SCHEMA, || {
+            format!("schema = {} is unknown; this software reads {SCHEMA}", file.schema)
+        })?;
+        let planned = auto(root.at("average_s"), file.average_s.as_ref(), &AVERAGE_S)?;
+        let step = |(index, step): (usize, &StepForm)| step.read(root.at("step").item(index), planned);
+        let once = file.step.iter().enumerate().map(step).collect::<Result<Vec<Step>, _>>()?;
+        let cycles = cycles(root, file.cycles, once.len())?;
+        let number = |key, value: Option<f64>, bounds, default| {
+            value.map_or(Ok(default), |value| root.at(key).number(value, bounds))
         };
         Ok(Self {
             name: file.name.unwrap_or_default(),
             steps: core::iter::repeat_n(once, cycles).flatten().collect(),
-            drift_c_per_min: reader.auto(file.drift_c_per_min.as_ref(), &DRIFT)?,
-            window_s: number(&file.window_s, &WINDOW_S, 120.0)?,
-            settle_timeout_s: number(&file.settle_timeout_s, &TIMEOUT_S, 7200.0)?,
-            overshoot_c: number(&file.overshoot_c, &OVERSHOOT_C, 5.0)?,
-            safe_c: number(&file.safe_c, &SAFE_C, 25.0)?,
+            drift_c_per_min: auto(root.at("drift_c_per_min"), file.drift_c_per_min.as_ref(), &DRIFT)?,
+            window_s: number("window_s", file.window_s, &WINDOW_S, 120.0)?,
+            settle_timeout_s: number("settle_timeout_s", file.settle_timeout_s, &TIMEOUT_S, 7200.0)?,
+            overshoot_c: number("overshoot_c", file.overshoot_c, &OVERSHOOT_C, 5.0)?,
+            safe_c: number("safe_c", file.safe_c, &SAFE_C, 25.0)?,
         })
     }
 }
 
-/// Knows the lines of what it reads.
-struct Reader<'a> {
-    text: &'a str,
+/// None for `"auto"`, and for nothing.
+fn auto(entry: Entry<'_>, value: Option<&Number>, bounds: &Bounds) -> Result<Option<f64>, EntryError> {
+    match value {
+        Some(Number::Known(number)) => entry.number(*number, bounds).map(Some),
+        Some(Number::Word(word)) if word != "auto" => {
+            Err(entry.error(format_args!("{} is {word:?}; {bounds}", entry.key())))
+        }
+        _ => Ok(None),
+    }
 }
 
-impl Reader<'_> {
-    fn error(&self, byte: usize, what: impl Into<String>) -> ChamberPlanError {
-        ChamberPlanError::at(line_of(self.text, byte), what)
-    }
-
-    fn number(&self, value: &Spanned<f64>, bounds: &Bounds) -> Result<f64, ChamberPlanError> {
-        self.within(*value.get_ref(), value.span().start, bounds)
-    }
-
-    fn within(&self, value: f64, byte: usize, bounds: &Bounds) -> Result<f64, ChamberPlanError> {
-        let &Bounds(key, least, most, unit) = bounds;
-        match (least..=most).contains(&value) {
-            true => Ok(value),
-            false => Err(self.error(byte, format!("{key} is {value}; give a number from {least} to {most} {unit}"))),
-        }
-    }
-
-    /// None for `"auto"`, and for nothing.
-    fn auto(&self, value: Option<&Spanned<Entry>>, bounds: &Bounds) -> Result<Option<f64>, ChamberPlanError> {
-        let Some(value) = value else { return Ok(None) };
-        match value.get_ref() {
-            Entry::Number(number) => self.within(*number, value.span().start, bounds).map(Some),
-            Entry::Word(word) if word == "auto" => Ok(None),
-            Entry::Word(word) => {
-                let &Bounds(key, least, most, unit) = bounds;
-                let what = format!("{key} is {word:?}; give a number from {least} to {most} {unit}");
-                Err(self.error(value.span().start, what))
+impl StepForm {
+    fn read(&self, entry: Entry<'_>, planned: Option<f64>) -> Result<Step, EntryError> {
+        let end = match (self.hold_s, &self.average_s) {
+            (Some(_), Some(_)) => {
+                return Err(entry.at("hold_s").error(
+                    "hold_s and average_s in one step: hold_s waits by the clock, average_s for the part to settle; \
+                     delete one of them",
+                ));
             }
-        }
-    }
-
-    fn step(&self, entry: &Spanned<StepEntry>, planned: Option<f64>) -> Result<Step, ChamberPlanError> {
-        let step = entry.get_ref();
-        let end = match (&step.hold_s, &step.average_s) {
-            (Some(hold_s), Some(_)) => {
-                let what = "hold_s and average_s in one step: hold_s waits by the clock, average_s for the part to \
-                            settle; delete one of them";
-                return Err(self.error(hold_s.span().start, what));
-            }
-            (Some(hold_s), None) => StepEnd::Hold(self.number(hold_s, &HOLD_S)?),
-            (None, Some(average)) => StepEnd::Average(self.auto(Some(average), &AVERAGE_S)?),
+            (Some(hold_s), None) => StepEnd::Hold(entry.at("hold_s").number(hold_s, &HOLD_S)?),
+            (None, Some(average)) => StepEnd::Average(auto(entry.at("average_s"), Some(average), &AVERAGE_S)?),
             (None, None) => StepEnd::Average(planned),
         };
-        let c_per_min = step.c_per_min.as_ref().map(|value| self.number(value, &C_PER_MIN)).transpose()?;
-        Ok(Step { to_c: self.number(&step.to_c, &TO_C)?, c_per_min, end })
+        let c_per_min = self.c_per_min.map(|value| entry.at("c_per_min").number(value, &C_PER_MIN)).transpose()?;
+        Ok(Step { to_c: entry.at("to_c").number(self.to_c, &TO_C)?, c_per_min, end })
     }
+}
 
-    /// How often the steps are gone through.
-    fn cycles(&self, cycles: Option<&Spanned<u32>>, steps: usize) -> Result<usize, ChamberPlanError> {
-        if steps == 0 {
-            return Err(ChamberPlanError::unplaced(
-                "there is no [[step]]; give at least two, each with to_c = the temperature of the chamber in °C",
-            ));
-        }
-        let Some(cycles) = cycles else { return Ok(1) };
-        let count = *cycles.get_ref() as usize;
-        match count {
-            1.. if count.saturating_mul(steps) <= MAX_STEPS => Ok(count),
-            _ => {
-                let most = MAX_STEPS / steps;
-                let what = format!("cycles is {count}; give a number from 1 to {most} ({steps} steps each)");
-                Err(self.error(cycles.span().start, what))
-            }
-        }
-    }
+/// How often the steps are gone through.
+fn cycles(root: Entry<'_>, cycles: Option<u32>, steps: usize) -> Result<usize, EntryError> {
+    root.require(steps > 0, || {
+        "there is no [[step]]; give at least two, each with to_c = the temperature of the chamber in °C".into()
+    })?;
+    let (count, most) = (cycles.unwrap_or(1) as usize, MAX_STEPS / steps);
+    let fits = cycles.is_none() || (1..=most).contains(&count);
+    root.at("cycles")
+        .require(fits, || format!("cycles is {count}; give a number from 1 to {most} ({steps} steps each)"))?;
+    Ok(count)
 }
 
 #[cfg(test)]

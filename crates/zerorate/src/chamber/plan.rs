@@ -82,10 +82,10 @@ impl ChamberPlan {
     pub fn of_course(course: &[(f64, f64)]) -> Result<Self, ChamberPlanError> {
         let row = |index: usize| alloc::format!("row {}", index + 1);
         if let Some(index) = course.windows(2).position(|pair| pair[0].0.partial_cmp(&pair[1].0) != Some(LESS)) {
-            return Err(ChamberPlanError::unplaced(row(index + 1) + ": its t_s is not after the one before"));
+            return Err(ChamberPlanError::new(row(index + 1) + ": its t_s is not after the one before"));
         }
         let (Some(first), Some(last)) = (course.first(), course.last().filter(|_| course.len() > 1)) else {
-            return Err(ChamberPlanError::unplaced("it has fewer than two rows; give time and temperature"));
+            return Err(ChamberPlanError::new("it has fewer than two rows; give time and temperature"));
         };
         let mut steps = Vec::new();
         let mut begun = (first.0.min(0.0), first.1);
@@ -96,7 +96,7 @@ impl ChamberPlan {
         }
         steps.extend(timed(begun, *last, 0.0));
         if steps.len() > MAX_STRETCHES {
-            return Err(ChamberPlanError::unplaced("it has more than 1000 stretches at rest; is that its air?"));
+            return Err(ChamberPlanError::new("it has more than 1000 stretches at rest; is that its air?"));
         }
         Ok(Self {
             name: String::from("what the chamber did"),
@@ -176,7 +176,7 @@ impl ChamberPlan {
     pub fn fits(&self, part: &Part) -> Result<(), ChamberPlanError> {
         let auto = self.steps.iter().any(|step| step.end == StepEnd::Average(None));
         match part.axes.iter().find(|axis| axis.axis.noise.is_none()) {
-            Some(axis) if auto => Err(ChamberPlanError::unplaced(alloc::format!(
+            Some(axis) if auto => Err(ChamberPlanError::new(alloc::format!(
                 "average_s = \"auto\" needs the noise of the part, and axis {} of {} states none: give average_s as a \
                  number of seconds, or [noise] in the file of the part (docs/formats/part.md)",
                 axis.name,
@@ -199,7 +199,7 @@ impl ChamberPlan {
         let beyond = |(_, to_c): &(Option<usize>, f64)| !(low_c..=high_c).contains(to_c);
         let Some((step, to_c)) = set_points.chain([(None, self.safe_c)]).find(beyond) else { return Ok(()) };
         let what = step.map_or("safe_c".into(), |step| alloc::format!("to_c of step {step}"));
-        Err(ChamberPlanError::unplaced(alloc::format!(
+        Err(ChamberPlanError::new(alloc::format!(
             "{what} is {to_c} °C, and the {} may be at {low_c} to {high_c} °C only (operating_c of the part); give a \
              temperature between these",
             part.name
@@ -243,28 +243,24 @@ fn timed((from_s, from_c): (f64, f64), (to_s, to_c): (f64, f64), hold_s: f64) ->
 
 /// Why a plan cannot be carried out.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct ChamberPlanError {
-    line: Option<usize>,
-    what: String,
-}
+pub struct ChamberPlanError(String);
 
 impl ChamberPlanError {
-    #[cfg(feature = "file")]
-    pub(super) fn at(line: usize, what: impl Into<String>) -> Self {
-        Self { line: Some(line), what: what.into() }
+    fn new(what: impl Into<String>) -> Self {
+        Self(what.into())
     }
+}
 
-    pub(super) fn unplaced(what: impl Into<String>) -> Self {
-        Self { line: None, what: what.into() }
+#[cfg(feature = "file")]
+impl From<zerorate_allan::entry::EntryError> for ChamberPlanError {
+    fn from(error: zerorate_allan::entry::EntryError) -> Self {
+        Self(alloc::string::ToString::to_string(&error))
     }
 }
 
 impl fmt::Display for ChamberPlanError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if let Some(line) = self.line {
-            write!(f, "line {line}: ")?;
-        }
-        f.write_str(self.what.trim_end())
+        f.write_str(&self.0)
     }
 }
 

@@ -1,6 +1,6 @@
 //! A measurement that was interrupted, as a text: what its finished steps measured.
 
-use super::file::{MAX_STEPS, TO_C};
+use super::file::{MAX_STEPS, SET_POINTS_C};
 use super::record::{Record, Soak};
 use crate::check_lines::{self, Damage, sha256_hex};
 use crate::part::{Part, Scale};
@@ -9,7 +9,7 @@ use alloc::vec::Vec;
 use core::fmt;
 use core::ops::RangeInclusive;
 use serde::{Deserialize, Serialize};
-use zerorate_allan::toml_error::syntax;
+use zerorate_allan::entry::{Document, EntryError};
 
 /// Version of the text, and the only one that is read.
 const SCHEMA: u32 = 1;
@@ -19,8 +19,6 @@ const HEADER: &str =
 const LONGEST_S: f64 = 3.2e8;
 /// More samples than ten years have, and few enough to be added.
 const MOST_SAMPLES: u64 = 1 << 50;
-/// Set points of any plan, °C.
-const SET_POINTS_C: RangeInclusive<f64> = TO_C.1..=TO_C.2;
 /// Faster drifts are no temperature of a part, °C/min.
 const DRIFTS_C_PER_MIN: RangeInclusive<f64> = -1e4..=1e4;
 
@@ -56,7 +54,7 @@ pub enum SavedError {
 impl fmt::Display for SavedError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Syntax(what) => write!(f, "it is no interrupted measurement: {}", what.trim_end()),
+            Self::Syntax(what) => write!(f, "it is no interrupted measurement: {what}"),
             Self::Altered(damage) => damage.fmt(f),
             Self::Unchecked => f.write_str(check_lines::UNCHECKED),
             Self::Damaged => f.write_str("it is damaged: its lists do not belong together"),
@@ -69,6 +67,12 @@ impl fmt::Display for SavedError {
 }
 
 impl core::error::Error for SavedError {}
+
+impl From<EntryError> for SavedError {
+    fn from(error: EntryError) -> Self {
+        Self::Syntax(error.to_string())
+    }
+}
 
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -141,7 +145,7 @@ impl Saved {
     pub fn parse(text: &str, plan_text: &str, part: &Part, device: &str, serial: &str) -> Result<Self, SavedError> {
         let is_checked = check_lines::verify(text).map_err(SavedError::Altered)?;
         let fields = check_lines::without_checks(text);
-        let form: Form = toml::from_str(&fields).map_err(|error| SavedError::Syntax(syntax(&fields, &error)))?;
+        let form: Form = Document::parse(&fields)?.fields()?;
         if !is_checked {
             return Err(SavedError::Unchecked);
         }

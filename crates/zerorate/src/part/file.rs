@@ -7,7 +7,7 @@ use alloc::string::String;
 use alloc::vec::Vec;
 use core::fmt;
 use serde::Deserialize;
-use zerorate_allan::toml_error::syntax;
+use zerorate_allan::entry::{Bounds, Document, Entry, EntryError};
 
 /// Version of the file form, and the newest that is read.
 const SCHEMA: u32 = 1;
@@ -30,45 +30,39 @@ impl Part {
     /// # Errors
     /// No such file: where, and what is wrong.
     pub fn parse(text: &str) -> Result<Self, PartError> {
-        let file: File = toml::from_str(text).map_err(|error| PartError::new(syntax(text, &error)))?;
-        if file.schema != SCHEMA {
-            return Err(PartError::new(format_args!(
-                "schema {} is unknown; this software reads {SCHEMA}",
-                file.schema
-            )));
-        }
-        if file.axis.is_empty() {
-            return Err(PartError::new("it has no [[axis]]; give each axis a name"));
-        }
-        if file.axis.len() > MAX_AXES {
-            return Err(PartError::new(format_args!("it has {} axes; {MAX_AXES} is the most", file.axis.len())));
-        }
-        let axes: Vec<NamedAxis> = file.axis.iter().map(|entry| file.named(entry)).collect::<Result<_, _>>()?;
-        for (k, one) in axes.iter().enumerate() {
-            if axes[..k].iter().any(|other| other.name == one.name) {
-                return Err(PartError::new(format_args!("two axes are called {:?}", one.name)));
-            }
+        let document = Document::parse(text)?;
+        let (root, file) = (document.root(), document.fields::<File>()?);
+        root.at("schema").require(file.schema == SCHEMA, || {
+            format!("schema {} is unknown; this software reads {SCHEMA}", file.schema)
+        })?;
+        let (list, count) = (root.at("axis"), file.axis.len());
+        list.require(count > 0, || "it has no [[axis]]; give each axis a name".into())?;
+        list.require(count <= MAX_AXES, || format!("it has {count} axes; {MAX_AXES} is the most"))?;
+        let axes = (0..count).map(|index| file.named(root, index)).collect::<Result<Vec<NamedAxis>, _>>()?;
+        for (index, one) in axes.iter().enumerate() {
+            let alone = axes[..index].iter().all(|other| other.name != one.name);
+            list.item(index).at("name").require(alone, || format!("two axes are called {:?}", one.name))?;
         }
         let temp_column = file.temperature.column.clone().map(Cow::Owned);
-        let operating_c = file.temperature.operating_c()?;
-        let name = Cow::Owned(word("name", &file.name)?);
+        let operating_c = file.temperature.operating_c(root.at("temperature"))?;
+        let name = Cow::Owned(word("name", root.at("name"), &file.name)?);
         Ok(Self { name, axes: Cow::Owned(axes), temp_column, operating_c })
     }
 }
 
 /// What is wrong with the file of a part.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct PartError(String);
+pub struct PartError(EntryError);
 
-impl PartError {
-    fn new(what: impl fmt::Display) -> Self {
-        Self(alloc::format!("{what}"))
+impl From<EntryError> for PartError {
+    fn from(error: EntryError) -> Self {
+        Self(error)
     }
 }
 
 impl fmt::Display for PartError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "not the file of a part (docs/formats/part.md): {}", self.0.trim_end())
+        write!(f, "not the file of a part (docs/formats/part.md): {}", self.0)
     }
 }
 
@@ -85,13 +79,13 @@ struct File {
     bias: Option<Bias>,
     self_heating: Option<Heating>,
     resonance: Option<Resonance>,
-    axis: Vec<AxisEntry>,
+    axis: Vec<AxisForm>,
 }
 
 /// What differs from the rest of the part.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct AxisEntry {
+struct AxisForm {
     name: String,
     column: Option<String>,
     rate: Option<Rate>,
@@ -99,73 +93,81 @@ struct AxisEntry {
     bias: Option<Bias>,
 }
 
-#[derive(Clone, Deserialize)]
+#[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Rate {
-    lsb_per_dps: Entry,
+    lsb_per_dps: Number,
     zero_code: i64,
     width_bits: u8,
     signed: Option<bool>,
-    range_dps: Option<Entry>,
-    bandwidth_hz: Option<Entry>,
+    range_dps: Option<Number>,
+    bandwidth_hz: Option<Number>,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Temperature {
-    lsb_per_c: Entry,
+    lsb_per_c: Number,
     zero_code: i64,
     zero_c: f64,
     width_bits: u8,
     signed: Option<bool>,
-    noise_c: Option<Entry>,
+    noise_c: Option<Number>,
     column: Option<String>,
     operating_c: Option<[f64; 2]>,
 }
 
-#[derive(Clone, Deserialize)]
+#[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Noise {
-    white_dps_per_rt_hz: Entry,
-    flicker_floor_dps: Entry,
-    rate_random_walk_dps_per_rt_s: Entry,
+    white_dps_per_rt_hz: Number,
+    flicker_floor_dps: Number,
+    rate_random_walk_dps_per_rt_s: Number,
 }
 
-#[derive(Clone, Deserialize)]
+#[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Bias {
-    initial_dps: Option<Entry>,
-    tempco_dps_per_c: Option<Entry>,
-    curvature_dps_per_c2: Option<Entry>,
-    hysteresis_dps: Option<Entry>,
-    supply_dps_per_mv: Option<Entry>,
+    initial_dps: Option<Number>,
+    tempco_dps_per_c: Option<Number>,
+    curvature_dps_per_c2: Option<Number>,
+    hysteresis_dps: Option<Number>,
+    supply_dps_per_mv: Option<Number>,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Heating {
-    fast_c: Entry,
-    fast_s: Entry,
-    slow_c: Entry,
-    slow_s: Entry,
+    fast_c: Number,
+    fast_s: Number,
+    slow_c: Number,
+    slow_s: Number,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Resonance {
-    hz: Entry,
-    rms_dps: Entry,
+    hz: Number,
+    rms_dps: Number,
 }
 
 /// A number, alone or with its standard uncertainty over units and where it comes from.
-#[derive(Clone, Deserialize)]
+#[derive(Deserialize)]
+#[serde(from = "Written")]
+struct Number {
+    value: f64,
+    u: f64,
+    source: Option<String>,
+}
+
+#[derive(Deserialize)]
 #[serde(untagged)]
-enum Entry {
+enum Written {
     Value(f64),
     Known(Known),
 }
 
-#[derive(Clone, Deserialize)]
+#[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Known {
     value: f64,
@@ -174,97 +176,83 @@ struct Known {
     source: Option<String>,
 }
 
-impl Entry {
-    fn value(&self) -> f64 {
-        match self {
-            Self::Value(value) => *value,
-            Self::Known(known) => known.value,
+impl From<Written> for Number {
+    fn from(written: Written) -> Self {
+        match written {
+            Written::Value(value) => Self { value, u: 0.0, source: None },
+            Written::Known(Known { value, u, source }) => Self { value, u, source },
         }
     }
+}
 
-    fn source(&self) -> Option<Cow<'static, str>> {
-        match self {
-            Self::Value(_) => None,
-            Self::Known(known) => known.source.clone().map(Cow::Owned),
-        }
-    }
-
-    fn u(&self) -> f64 {
-        match self {
-            Self::Value(_) => 0.0,
-            Self::Known(known) => known.u,
-        }
-    }
-
+impl Number {
     /// Its value, if it is above zero.
-    fn positive(&self, key: &str) -> Result<f64, PartError> {
-        match self.value() {
-            value if value > 0.0 && value.is_finite() => Ok(value),
-            value => Err(PartError::new(format_args!("{key} is {value}; it must be above zero"))),
-        }
+    fn positive(&self, entry: Entry<'_>) -> Result<f64, EntryError> {
+        entry.number(self.value, &Bounds::Positive)
     }
 
     /// Its value and its uncertainty, if both are numbers and the latter is not negative.
-    fn number(&self, key: &str) -> Result<(f64, f64), PartError> {
-        let (value, u) = (self.value(), self.u());
-        if value.is_finite() && u >= 0.0 && u.is_finite() {
-            Ok((value, u))
-        } else {
-            Err(PartError::new(format_args!(
-                "{key} is {value} with u = {u}; both must be numbers, and u not negative"
-            )))
-        }
+    fn known(&self, entry: Entry<'_>) -> Result<(f64, f64), EntryError> {
+        let &Self { value, u, .. } = self;
+        entry.require(value.is_finite() && Bounds::NotNegative.hold(u), || {
+            format!("{} is {value} with u = {u}; both must be numbers, and u not negative", entry.key())
+        })?;
+        Ok((value, u))
     }
 }
 
 impl File {
-    fn named(&self, entry: &AxisEntry) -> Result<NamedAxis, PartError> {
-        let rate = entry.rate.as_ref().unwrap_or(&self.rate);
-        let noise = entry.noise.as_ref().or(self.noise.as_ref());
-        let bias = entry.bias.as_ref().or(self.bias.as_ref());
-        let sources = noise.map(Noise::sources).unwrap_or_default();
+    fn named(&self, root: Entry<'_>, index: usize) -> Result<NamedAxis, EntryError> {
+        let (form, own) = (&self.axis[index], root.at("axis").item(index));
+        // a table of the axis stands for the whole table of the part
+        let table = |key, is_own| if is_own { own.at(key) } else { root.at(key) };
+        let (rate, at_rate) = (form.rate.as_ref().unwrap_or(&self.rate), table("rate", form.rate.is_some()));
+        let (noise, at_noise) = (form.noise.as_ref().or(self.noise.as_ref()), table("noise", form.noise.is_some()));
+        let (bias, at_bias) = (form.bias.as_ref().or(self.bias.as_ref()), table("bias", form.bias.is_some()));
+        let (temperature, at_temperature) = (&self.temperature, root.at("temperature"));
         let axis = Axis {
-            rate: rate.scale()?,
-            temp: self.temperature.scale()?,
-            temp_noise_c: positive(&self.temperature.noise_c, "noise_c")?,
-            range_dps: positive(&rate.range_dps, "range_dps")?,
-            bandwidth_hz: positive(&rate.bandwidth_hz, "bandwidth_hz")?,
-            noise: noise.map(Noise::typical).transpose()?,
-            bias: bias.map(Bias::typical).transpose()?.unwrap_or_default(),
-            self_heating: self.self_heating.as_ref().map(Heating::typical).transpose()?,
-            resonance: self.resonance.as_ref().map(Resonance::tone).transpose()?,
+            rate: rate.scale(at_rate)?,
+            temp: temperature.scale(at_temperature)?,
+            temp_noise_c: positive(at_temperature.at("noise_c"), &temperature.noise_c)?,
+            range_dps: positive(at_rate.at("range_dps"), &rate.range_dps)?,
+            bandwidth_hz: positive(at_rate.at("bandwidth_hz"), &rate.bandwidth_hz)?,
+            noise: noise.map(|noise| noise.typical(at_noise)).transpose()?,
+            bias: bias.map(|bias| bias.typical(at_bias)).transpose()?.unwrap_or_default(),
+            self_heating: self.self_heating.as_ref().map(|it| it.typical(root.at("self_heating"))).transpose()?,
+            resonance: self.resonance.as_ref().map(|it| it.tone(root.at("resonance"))).transpose()?,
             alternates: false,
         };
-        let column = entry.column.clone().map(Cow::Owned);
-        Ok(NamedAxis { name: Cow::Owned(word("an axis", &entry.name)?), column, axis, sources })
+        let column = form.column.clone().map(Cow::Owned);
+        let name = Cow::Owned(word("an axis", own.at("name"), &form.name)?);
+        Ok(NamedAxis { name, column, axis, sources: noise.map(Noise::sources).unwrap_or_default() })
     }
 }
 
 impl Rate {
-    fn scale(&self) -> Result<Scale, PartError> {
+    fn scale(&self, table: Entry<'_>) -> Result<Scale, EntryError> {
         let &Self { zero_code, width_bits, signed, .. } = self;
-        let lsb_per_unit = self.lsb_per_dps.positive("lsb_per_dps")?;
-        Scale::checked(lsb_per_unit, 0.0, zero_code, width_bits, signed).map_err(PartError::new)
+        let lsb_per_unit = self.lsb_per_dps.positive(table.at("lsb_per_dps"))?;
+        Scale::checked(lsb_per_unit, 0.0, zero_code, width_bits, signed).map_err(|why| table.error(why))
     }
 }
 
 impl Temperature {
-    fn scale(&self) -> Result<Scale, PartError> {
+    fn scale(&self, table: Entry<'_>) -> Result<Scale, EntryError> {
         let &Self { zero_code, zero_c, width_bits, signed, .. } = self;
-        let lsb_per_unit = self.lsb_per_c.positive("lsb_per_c")?;
-        Scale::checked(lsb_per_unit, zero_c, zero_code, width_bits, signed).map_err(PartError::new)
+        let lsb_per_unit = self.lsb_per_c.positive(table.at("lsb_per_c"))?;
+        Scale::checked(lsb_per_unit, zero_c, zero_code, width_bits, signed).map_err(|why| table.error(why))
     }
 
-    fn operating_c(&self) -> Result<Option<(f64, f64)>, PartError> {
-        match self.operating_c {
-            Some([low_c, high_c]) if !(ABSOLUTE_ZERO_C <= low_c && low_c < high_c && high_c <= HOTTEST_C) => {
-                Err(PartError::new(format_args!(
-                    "operating_c is [{low_c}, {high_c}]; give the coldest and the warmest temperature in °C, the \
-                     colder first"
-                )))
-            }
-            limits => Ok(limits.map(|[low_c, high_c]| (low_c, high_c))),
-        }
+    fn operating_c(&self, table: Entry<'_>) -> Result<Option<(f64, f64)>, EntryError> {
+        let Some([low_c, high_c]) = self.operating_c else { return Ok(None) };
+        let rises = ABSOLUTE_ZERO_C <= low_c && low_c < high_c && high_c <= HOTTEST_C;
+        table.at("operating_c").require(rises, || {
+            format!(
+                "operating_c is [{low_c}, {high_c}]; give the coldest and the warmest temperature in °C, the colder \
+                 first"
+            )
+        })?;
+        Ok(Some((low_c, high_c)))
     }
 }
 
@@ -272,29 +260,30 @@ impl Temperature {
 const ABSOLUTE_ZERO_C: f64 = -273.15;
 const HOTTEST_C: f64 = 1000.0;
 
-fn positive(entry: &Option<Entry>, key: &str) -> Result<Option<f64>, PartError> {
-    entry.as_ref().map(|entry| entry.positive(key)).transpose()
+fn positive(entry: Entry<'_>, number: &Option<Number>) -> Result<Option<f64>, EntryError> {
+    number.as_ref().map(|number| number.positive(entry)).transpose()
 }
 
 impl Noise {
     fn sources(&self) -> NoiseSources {
+        let source = |number: &Number| number.source.clone().map(Cow::Owned);
         NoiseSources {
-            flicker: self.flicker_floor_dps.source(),
-            rate_random_walk: self.rate_random_walk_dps_per_rt_s.source(),
+            flicker: source(&self.flicker_floor_dps),
+            rate_random_walk: source(&self.rate_random_walk_dps_per_rt_s),
         }
     }
 
-    fn typical(&self) -> Result<TypicalNoise, PartError> {
-        let not_negative = |entry: &Entry, key| match entry.number(key)?.0 {
-            value if value >= 0.0 => Ok(value),
-            value => Err(PartError::new(format_args!("{key} is {value}; it must not be negative"))),
+    fn typical(&self, table: Entry<'_>) -> Result<TypicalNoise, EntryError> {
+        let not_negative = |key, number: &Number| {
+            let (value, _) = number.known(table.at(key))?;
+            table.at(key).number(value, &Bounds::NotNegative)
         };
         Ok(TypicalNoise {
-            white_dps_per_rt_hz: self.white_dps_per_rt_hz.positive("white_dps_per_rt_hz")?,
-            flicker_floor_dps: not_negative(&self.flicker_floor_dps, "flicker_floor_dps")?,
+            white_dps_per_rt_hz: self.white_dps_per_rt_hz.positive(table.at("white_dps_per_rt_hz"))?,
+            flicker_floor_dps: not_negative("flicker_floor_dps", &self.flicker_floor_dps)?,
             rate_random_walk_dps_per_rt_s: not_negative(
-                &self.rate_random_walk_dps_per_rt_s,
                 "rate_random_walk_dps_per_rt_s",
+                &self.rate_random_walk_dps_per_rt_s,
             )?,
         })
     }
@@ -302,37 +291,36 @@ impl Noise {
 
 impl Bias {
     /// The initial bias and the curvature are zero on average: what is typical is how they spread.
-    fn typical(&self) -> Result<TypicalBias, PartError> {
-        let number = |entry: &Option<Entry>, key| entry.as_ref().map(|entry| entry.number(key)).transpose();
-        let spread =
-            |entry: &Option<Entry>, key| number(entry, key).map(|known| known.map(|(value, u)| libm::hypot(value, u)));
-        let tempco = number(&self.tempco_dps_per_c, "tempco_dps_per_c")?;
+    fn typical(&self, table: Entry<'_>) -> Result<TypicalBias, EntryError> {
+        let known = |key, number: &Option<Number>| number.as_ref().map(|it| it.known(table.at(key))).transpose();
+        let spread = |key, number| known(key, number).map(|known| known.map(|(value, u)| libm::hypot(value, u)));
+        let tempco = known("tempco_dps_per_c", &self.tempco_dps_per_c)?;
         Ok(TypicalBias {
-            initial_dps: spread(&self.initial_dps, "initial_dps")?,
+            initial_dps: spread("initial_dps", &self.initial_dps)?,
             tempco_dps_per_c: tempco.map(|(value, _)| value),
             tempco_spread_dps_per_c: tempco.map(|(_, u)| u),
-            curvature_dps_per_c2: spread(&self.curvature_dps_per_c2, "curvature_dps_per_c2")?,
-            hysteresis_dps: spread(&self.hysteresis_dps, "hysteresis_dps")?,
-            supply_dps_per_mv: self.supply_dps_per_mv.as_ref().map(|e| e.positive("supply_dps_per_mv")).transpose()?,
+            curvature_dps_per_c2: spread("curvature_dps_per_c2", &self.curvature_dps_per_c2)?,
+            hysteresis_dps: spread("hysteresis_dps", &self.hysteresis_dps)?,
+            supply_dps_per_mv: positive(table.at("supply_dps_per_mv"), &self.supply_dps_per_mv)?,
         })
     }
 }
 
 impl Heating {
-    fn typical(&self) -> Result<SelfHeating, PartError> {
+    fn typical(&self, table: Entry<'_>) -> Result<SelfHeating, EntryError> {
         Ok(SelfHeating {
-            fast_c: self.fast_c.positive("self_heating.fast_c")?,
-            fast_s: self.fast_s.positive("self_heating.fast_s")?,
-            slow_c: self.slow_c.positive("self_heating.slow_c")?,
-            slow_s: self.slow_s.positive("self_heating.slow_s")?,
+            fast_c: self.fast_c.positive(table.at("fast_c"))?,
+            fast_s: self.fast_s.positive(table.at("fast_s"))?,
+            slow_c: self.slow_c.positive(table.at("slow_c"))?,
+            slow_s: self.slow_s.positive(table.at("slow_s"))?,
         })
     }
 }
 
 impl Resonance {
-    fn tone(&self) -> Result<Tone, PartError> {
-        let (hz, tolerance_hz) = self.hz.number("resonance.hz")?;
-        Ok(Tone { hz, tolerance_hz, rms_dps: self.rms_dps.positive("resonance.rms_dps")? })
+    fn tone(&self, table: Entry<'_>) -> Result<Tone, EntryError> {
+        let (hz, tolerance_hz) = self.hz.known(table.at("hz"))?;
+        Ok(Tone { hz, tolerance_hz, rms_dps: self.rms_dps.positive(table.at("rms_dps"))? })
     }
 }
 
@@ -360,12 +348,8 @@ impl Scale {
 }
 
 /// A name that can stand in a file name and in a column of a table.
-fn word(what: &str, name: &str) -> Result<String, PartError> {
-    if !is_word(name) {
-        return Err(PartError::new(format_args!(
-            "{what} is called {name:?}; use up to 40 letters, digits, -, _ and ."
-        )));
-    }
+fn word(what: &str, entry: Entry<'_>, name: &str) -> Result<String, EntryError> {
+    entry.require(is_word(name), || format!("{what} is called {name:?}; use up to 40 letters, digits, -, _ and ."))?;
     Ok(String::from(name))
 }
 
@@ -431,7 +415,12 @@ mod tests {
         for (from, to, said) in [
             ("schema = 1", "schema = 2", "schema 2 is unknown"),
             ("name = \"ADIS16130\"", "name = \"a\\nb\"", "use up to 40 letters"),
-            ("lsb_per_dps = 23488", "lsb_per_dps = 0", "lsb_per_dps is 0; it must be above zero"),
+            ("lsb_per_dps = 23488", "lsb_per_dps = 0", "line 6: lsb_per_dps is 0; it must be above zero"),
+            (
+                "{ name = \"rate\" }",
+                "{ name = \"z\", bias = { supply_dps_per_mv = 0 } }",
+                "line 4, axis z: supply_dps_per_mv is 0",
+            ),
             ("[{ name = \"rate\" }]", "[]", "no [[axis]]"),
             ("[{ name = \"rate\" }]", "[{ name = \"x\" }, { name = \"x\" }]", "two axes are called \"x\""),
             ("range_dps = 250", "range_dsp = 250", "range_dsp"),

@@ -10,7 +10,7 @@ use alloc::vec::Vec;
 use core::fmt;
 use serde::{Deserialize, Serialize};
 use zerorate_allan::FLOOR_PER_B;
-use zerorate_allan::toml_error::line_of;
+use zerorate_allan::entry::{Document, EntryError};
 
 const HEADER: &str =
     "# What zerorate stream --track has learned (docs/tracking.md). To begin anew, delete this file.\n";
@@ -83,6 +83,12 @@ impl fmt::Display for TrackFileError {
 
 impl core::error::Error for TrackFileError {}
 
+impl From<EntryError> for TrackFileError {
+    fn from(EntryError { line, what: message, .. }: EntryError) -> Self {
+        Self::Syntax { line: line.unwrap_or(1), message }
+    }
+}
+
 impl TrackFile {
     /// Of the axes of a calibration, each with its name.
     pub fn new<'a>(
@@ -116,10 +122,7 @@ impl TrackFile {
     pub fn parse(text: &str) -> Result<Self, TrackFileError> {
         let checked = check_lines::verify(text).map_err(TrackFileError::Altered)?;
         let fields = check_lines::without_checks(text);
-        let file: Self = toml::from_str(&fields).map_err(|error| TrackFileError::Syntax {
-            line: line_of(&fields, error.span().map_or(0, |span| span.start)),
-            message: error.message().to_string(),
-        })?;
+        let file: Self = Document::parse(&fields)?.fields()?;
         match checked {
             _ if file.schema > SCHEMA => Err(TrackFileError::Newer { schema: file.schema }),
             true => Ok(file),
