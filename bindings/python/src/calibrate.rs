@@ -178,7 +178,7 @@ fn run(
     let files = Files::claim(Outputs::new(force), Kept { output, log, serial, supply_note })?;
     let said = caller.said.clone();
     let tell = Box::new(move |note: &Note| said.push(JobWarning::Source(note.clone())));
-    let setup = Setup { sampling, ..Setup::default() };
+    let setup = Setup { sampling, names: argument, ..Setup::default() };
     let acquisition = Acquisition::open(device, setup, Pace::Free, &Stop::default(), tell)?;
     let done = prepare(acquisition, plan, files, argument)?.run(caller)?;
     done.kept.map_err(|undelivered| undelivered.error(""))?;

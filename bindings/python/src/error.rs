@@ -4,7 +4,7 @@ use pyo3::create_exception;
 use pyo3::exceptions::{PyFileExistsError, PyFileNotFoundError, PyOSError, PyPermissionError, PyValueError};
 use pyo3::prelude::*;
 use std::io::{self, ErrorKind};
-use zerorate_jobs::output::is_refusal;
+use zerorate_jobs::output::{could_be_forced, is_refusal};
 use zerorate_logs::LogError;
 
 create_exception!(
@@ -23,7 +23,8 @@ pub fn exception(error: &anyhow::Error) -> PyErr {
         return Refused::new_err(text);
     }
     if is_refusal(error) {
-        return PyFileExistsError::new_err(text.replace("--force", "force=True"));
+        let remedy = if could_be_forced(error) { ", or give force=True" } else { "" };
+        return PyFileExistsError::new_err(text + remedy);
     }
     match error.chain().find_map(|cause| cause.downcast_ref::<io::Error>()).map(io::Error::kind) {
         None => PyValueError::new_err(text),

@@ -3,6 +3,7 @@
 use crate::interrupt;
 use crate::output::{Outputs, warn};
 use crate::part::PartArgs;
+use crate::wording::flag;
 use anyhow::Result;
 use clap::Args;
 use std::ops::Deref;
@@ -47,7 +48,7 @@ impl SourceArgs {
     /// How it is to be read, and from then on one of the run's inputs. No command opens a device without it.
     pub fn setup(&self, sampling: SamplingArgs, outputs: &mut Outputs) -> Result<Setup> {
         self.file().map_or(Ok(()), |file| outputs.reads(file))?;
-        Ok(Setup { sampling: sampling.plain(), part: self.part.named(outputs)?, air: None })
+        Ok(Setup { sampling: sampling.plain(), part: self.part.named(outputs)?, air: None, names: flag })
     }
 
     /// The file that is read, where the device is a recording.

@@ -1,6 +1,7 @@
 //! How a run ends: exit code 0 done, 1 failed, 2 usage, 3 refused. The reason goes to stderr.
 
 use crate::output::{reader_left, say};
+use crate::wording::remedy;
 use std::process::ExitCode;
 use zerorate_host::{Cause, DeviceError};
 use zerorate_jobs::output::is_refusal;
@@ -36,7 +37,7 @@ pub fn report(error: &anyhow::Error) -> ExitCode {
             say(format_args!("{label}: {question}"));
             table.iter().for_each(say);
         }
-        _ => say(format_args!("{label}: {error:#}")),
+        _ => say(format_args!("{label}: {error:#}{}", remedy(error))),
     }
     if let Some(code) = refusal {
         say(format_args!("code: {code} (`zerorate explain {code}` says more)"));

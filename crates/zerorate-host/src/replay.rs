@@ -7,7 +7,7 @@ use crate::{Result, Stop, files};
 use adis16130::MCLK_HZ;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use zerorate::Part;
+use zerorate::{Part, Setting};
 use zerorate_logs::RowReader;
 use zerorate_record::{Note, Row};
 
@@ -29,8 +29,9 @@ impl ReplayAddress {
 impl Address for ReplayAddress {
     fn open(&self, _: &str, setup: &Setup, _: &Stop) -> Result<Box<dyn Source>> {
         if setup.sampling != Sampling::default() {
-            let why = "--every-temp and --divider were decided when the recording was made; leave them out";
-            return Err(UserError::request(why).into());
+            let [every_temp, divider] = [Setting::EveryTemp, Setting::Divider].map(setup.names);
+            let why = "were decided when the recording was made; leave them out";
+            return Err(UserError::request(format!("{every_temp} and {divider} {why}")).into());
         }
         let reader = files::rows(&self.path, setup.part.as_ref())?;
         let part = part_of(reader.info(), setup.part.as_ref())?;

@@ -8,7 +8,7 @@ use crate::options::PartOptions;
 use adis16130::registers::Address;
 use adis16130::{Config, ConversionTime, Framing, SamplerConfig, SelfTest};
 use adis16130_twin::Truth;
-use zerorate::Part;
+use zerorate::{Names, Part, Setting};
 use zerorate_record::{CaptureInfo, Converter, Note, Row};
 
 /// How often a part is read. A recording has decided that already.
@@ -31,7 +31,7 @@ impl Sampling {
 }
 
 /// How a device is to be read.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Setup {
     /// How often.
     pub sampling: Sampling,
@@ -39,6 +39,14 @@ pub struct Setup {
     pub part: Option<Part>,
     /// The air around a simulated part; none: as its address says.
     pub air: Option<Air>,
+    /// What the front end calls settings, for errors.
+    pub names: Names,
+}
+
+impl Default for Setup {
+    fn default() -> Self {
+        Self { sampling: Sampling::default(), part: None, air: None, names: Setting::name }
+    }
 }
 
 /// An open device. It need not be `Send`: the [`Hub`](crate::Hub) opens it in the thread that reads it.
@@ -67,10 +75,11 @@ pub trait Source {
     }
 
     /// What the self-test does to the rate (F-11). `gpio` is the line that its pins are on, where this host has them.
-    /// To be called before the first sample.
-    fn self_test(&mut self, gpio: &str) -> Result<SelfTest> {
+    /// To be called before the first sample. Errors call settings by `names`.
+    fn self_test(&mut self, gpio: &str, names: Names) -> Result<SelfTest> {
         let _ = gpio;
-        Err(UserError::request("--self-test needs the part itself: twin:, spi:, bridge: or tcp:").into())
+        let option = names(Setting::SelfTest);
+        Err(UserError::request(format!("{option} needs the part itself: twin:, spi:, bridge: or tcp:")).into())
     }
 
     /// What was lost on its way here.

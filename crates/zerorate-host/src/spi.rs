@@ -25,6 +25,7 @@ use thread_priority::{
     RealtimeThreadSchedulePolicy, ThreadPriority, ThreadSchedulePolicy, set_thread_priority_and_policy,
     thread_native_id,
 };
+use zerorate::{Names, Setting};
 use zerorate_record::{Note, Row};
 
 /// SCHED_FIFO priority of the reading thread: above everything ordinary, below the kernel's interrupt threads (50).
@@ -120,7 +121,7 @@ impl SpiPart {
         let sampling = setup.sampling.config(address.part.divided);
         let facts = DeviceInfo::of_part(name, &address.part, sampling, address.mclk_hz, setup.part.as_ref())?;
         let (clock, failed) = (Arc::new(AtomicU32::new(address.hz)), LastErrno::default());
-        let bus = SpiBus::open(address, Arc::clone(&clock), failed.clone())?;
+        let bus = SpiBus::open(address, Arc::clone(&clock), failed.clone(), setup.names)?;
         let edges = GpioEdges::open(&address.chip, address.line, address.part.config.rdy_edge())?;
         // the commands go as one frame each; where CS is to rise between bytes, the bus splits them
         let config = address.part.config.with_framing(Framing::Command);
@@ -209,8 +210,9 @@ impl Source for SpiPart {
         Ok(Some(self.read_registers()?))
     }
 
-    fn self_test(&mut self, gpio: &str) -> crate::Result<SelfTest> {
-        let line = gpio_line(gpio).map_err(|why| UserError::request(format!("--self-test: {why}")))?;
+    fn self_test(&mut self, gpio: &str, names: Names) -> crate::Result<SelfTest> {
+        let option = names(Setting::SelfTest);
+        let line = gpio_line(gpio).map_err(|why| UserError::request(format!("{option}: {why}")))?;
         Ok(self.test_itself(line)?)
     }
 
@@ -288,9 +290,9 @@ struct SpiBus {
 }
 
 impl SpiBus {
-    fn open(address: &SpiAddress, clock: Arc<AtomicU32>, failed: LastErrno) -> Result<Self> {
+    fn open(address: &SpiAddress, clock: Arc<AtomicU32>, failed: LastErrno, names: Names) -> Result<Self> {
         let path = &address.spi;
-        let mut spi = Spidev::open(path).map_err(|error| why_no_spi(path, error))?;
+        let mut spi = Spidev::open(path).map_err(|error| why_no_spi(path, error, names))?;
         flock(spi.inner(), FlockOperation::NonBlockingLockExclusive).map_err(|_| {
             let file = path.display();
             UserError::new(
@@ -386,13 +388,14 @@ impl Error for SpiError {
     }
 }
 
-fn why_no_spi(path: &Path, error: io::Error) -> anyhow::Error {
+fn why_no_spi(path: &Path, error: io::Error, names: Names) -> anyhow::Error {
     let file = path.display();
     let remedy = match error.kind() {
         io::ErrorKind::NotFound => match holder(path) {
             Some(driver) => format!(
                 "no {file}: the kernel driver {driver} holds this part; unbind it \
-                 (/sys/bus/spi/drivers/{driver}/unbind), or read through it with --device iio:iio:device0"
+                 (/sys/bus/spi/drivers/{driver}/unbind), or read through it with {} iio:iio:device0",
+                names(Setting::Device)
             ),
             None => format!(
                 "no {file}: no such SPI device; enable it (Raspberry Pi: dtparam=spi=on in config.txt), plug the \

@@ -12,7 +12,7 @@ use adis16130::{Edge, MCLK_HZ, RdyEdge, Sample, SelfTest, Width};
 use adis16130_twin::{Profile, Roa, Spec, SpecError, Truth, Twin, TwinSpi};
 use std::borrow::Cow;
 use std::sync::Arc;
-use zerorate::{Axis, NamedAxis, Part, Scale};
+use zerorate::{Axis, NamedAxis, Names, Part, Scale, Setting};
 use zerorate_record::{CaptureInfo, Layout, Note, Row};
 
 /// `twin:KEY=VALUE,…`: the unit, and how the driver configures it.
@@ -215,10 +215,11 @@ impl Source for TwinPart {
         Ok(Some(self.live.registers()?))
     }
 
-    fn self_test(&mut self, gpio: &str) -> Result<SelfTest> {
+    fn self_test(&mut self, gpio: &str, names: Names) -> Result<SelfTest> {
         if !gpio.is_empty() {
-            let why = "--self-test takes no GPIO with the twin, whose pins are its own";
-            return Err(UserError::request(format!("{why}: leave `{gpio}` out")).into());
+            let why = "takes no GPIO with the twin, whose pins are its own";
+            let option = names(Setting::SelfTest);
+            return Err(UserError::request(format!("{option} {why}: leave `{gpio}` out")).into());
         }
         let mut pin = self.live.edges.twin.self_test_pin();
         Ok(self.live.self_test(&mut pin)?)

@@ -7,7 +7,7 @@ use adis16130_twin::Truth;
 use anyhow::Result;
 use std::sync::Arc;
 use zerorate::health::{Frozen, Health, Judged};
-use zerorate::{Axis, Part, Tally, Warning, resonance};
+use zerorate::{Axis, Names, Part, Tally, Warning, resonance};
 use zerorate_host::{Batch, Bus, DeviceInfo, DeviceSpec, Hub, Losses, LosslessReader, Pace, Setup, Stop};
 use zerorate_record::{CaptureInfo, Layout, Note, Row, believed};
 
@@ -82,10 +82,11 @@ impl Acquisition {
         Ok(self.hub.with(|source| source.try_bus())?)
     }
 
-    /// What the self-test does to the rate (F-11). To be called before the first sample.
-    pub fn self_test(&self, gpio: &str) -> Result<SelfTest> {
+    /// What the self-test does to the rate (F-11). To be called before the first sample. Errors call settings by
+    /// `names`.
+    pub fn self_test(&self, gpio: &str, names: Names) -> Result<SelfTest> {
         let gpio = gpio.to_owned();
-        Ok(self.hub.with(move |source| source.self_test(&gpio))?)
+        Ok(self.hub.with(move |source| source.self_test(&gpio, names))?)
     }
 
     /// Asks for the twin's truth at the first sample so many ns after the very first.

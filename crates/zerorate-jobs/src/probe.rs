@@ -88,7 +88,7 @@ pub fn probe(
     see: &mut dyn FnMut(f64),
 ) -> Result<Findings> {
     let (revision, bus) = (acquisition.initialise()?, acquisition.try_bus()?);
-    let self_test = gpio.map(|gpio| acquisition.self_test(gpio)).transpose()?;
+    let self_test = gpio.map(|gpio| acquisition.self_test(gpio, names)).transpose()?;
     let checkups = read(&mut acquisition, duration, see)?;
     ensure!(acquisition.tally().samples > 0, "no samples were read");
     Ok(Findings::new(acquisition, Before { revision, bus, self_test }, &checkups, names))

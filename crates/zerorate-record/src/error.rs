@@ -46,6 +46,10 @@ pub enum CaptureError {
     #[error("{}, {place}: {what}", path.display())]
     Damaged { path: PathBuf, place: String, what: String },
 
+    /// A capture that was corrected, where rows as they were recorded are needed.
+    #[error("{}, columns: an MCAP file takes the rows as they were recorded", path.display())]
+    Corrected { path: PathBuf },
+
     /// The columnar library failed for a reason of its own.
     #[error("cannot {action} {}: {what}", path.display())]
     Table { action: &'static str, path: PathBuf, what: String },

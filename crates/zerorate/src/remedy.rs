@@ -5,7 +5,7 @@ use core::fmt;
 /// A setting of a measurement, for which each front end has its own name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
-#[expect(missing_docs, reason = "the fields of `Plan`, and how often temperature and rate are read")]
+#[expect(missing_docs, reason = "the fields of `Plan`; which device is read, how often, and whether it is tested")]
 pub enum Setting {
     Average,
     WarmUp,
@@ -20,6 +20,8 @@ pub enum Setting {
     EveryTemp,
     Divider,
     Edge,
+    Device,
+    SelfTest,
 }
 
 impl Setting {
@@ -40,6 +42,8 @@ impl Setting {
             Self::EveryTemp => "every_temp",
             Self::Divider => "divider",
             Self::Edge => "rdy_edge",
+            Self::Device => "device",
+            Self::SelfTest => "self_test",
         }
     }
 }

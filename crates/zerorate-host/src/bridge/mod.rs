@@ -22,6 +22,7 @@ use link::{Link, LinkError};
 use progress::Progress;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
+use zerorate::{Names, Setting};
 use zerorate_record::Row;
 
 /// The part, and the thread that takes its samples once the first was asked for.
@@ -45,7 +46,7 @@ impl BridgePart {
         let sampling = setup.sampling.config(address.part.divided);
         let facts = DeviceInfo::of_part(name, &address.part, sampling, address.mclk_hz, setup.part.as_ref())?;
         let link = Shared(Arc::new(Mutex::new(Link::new(Wire::open(&address.port)?))));
-        greet(&link, address).map_err(|error| link.explain(error, address))?;
+        greet(&link, address, setup.names).map_err(|error| link.explain(error, address))?;
         let edges = LastEdges { link: link.clone(), last: None };
         let live = Live::new(Transfers(link.clone()), edges, address.part.config, sampling, address.mclk_hz, stop);
         let address = address.clone();
@@ -143,10 +144,11 @@ impl Source for BridgePart {
         Ok(Some(self.read_registers()?))
     }
 
-    fn self_test(&mut self, gpio: &str) -> crate::Result<SelfTest> {
+    fn self_test(&mut self, gpio: &str, names: Names) -> crate::Result<SelfTest> {
         if !gpio.is_empty() {
-            let why = "--self-test takes no GPIO with a bridge, whose firmware knows the pin";
-            return Err(UserError::request(format!("{why}: leave `{gpio}` out")).into());
+            let why = "takes no GPIO with a bridge, whose firmware knows the pin";
+            let option = names(Setting::SelfTest);
+            return Err(UserError::request(format!("{option} {why}: leave `{gpio}` out")).into());
         }
         Ok(self.test_itself()?)
     }
@@ -164,7 +166,7 @@ impl Drop for BridgePart {
     }
 }
 
-fn greet(link: &Shared, address: &BridgeAddress) -> Result<()> {
+fn greet(link: &Shared, address: &BridgeAddress, names: Names) -> Result<()> {
     link.ask(Ask::Stop, Answer::Stopped.only())?;
     let (protocol, firmware) = link.ask(Ask::Hello, |answer| match answer {
         Answer::Hello { protocol, firmware, .. } => Some((protocol, firmware.to_owned())),
@@ -184,13 +186,13 @@ fn greet(link: &Shared, address: &BridgeAddress) -> Result<()> {
         ),
         configured => configured?,
     }
-    tell_divided(link, address)?;
+    tell_divided(link, address, names)?;
     link.lock().forget_damage();
     Ok(())
 }
 
 /// Tells of a counter in the line of RDY, if there is one: firmware that does not know of any need not understand.
-fn tell_divided(link: &Shared, address: &BridgeAddress) -> Result<()> {
+fn tell_divided(link: &Shared, address: &BridgeAddress, names: Names) -> Result<()> {
     let edges = address.part.divided;
     if edges == 1 {
         return Ok(());
@@ -198,7 +200,8 @@ fn tell_divided(link: &Shared, address: &BridgeAddress) -> Result<()> {
     match link.ask(Ask::Divided { edges }, Answer::Configured.only()) {
         Err(LinkError::Request(RequestError::Silent)) => bail!(
             "{address} does not know of a counter in the line of RDY (divided={edges}): \
-             bring its firmware up to date, or connect RDY itself and use --divider {edges}"
+             bring its firmware up to date, or connect RDY itself and use {} {edges}",
+            names(Setting::Divider)
         ),
         told => Ok(told?),
     }

@@ -17,6 +17,7 @@ use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
+use zerorate::Setting;
 
 /// A gyroscope that a driver of the kernel reads: `iio:iio:device0`.
 #[derive(Clone, Debug, PartialEq)]
@@ -64,9 +65,8 @@ impl IioAddress {
 impl Address for IioAddress {
     fn open(&self, name: &str, setup: &Setup, stop: &Stop) -> crate::Result<Box<dyn Source>> {
         if setup.sampling.divider.is_some() {
-            let why = "--divider counts edges of data ready, which the kernel driver does not show; poll less often \
-                with ?hz=";
-            return Err(UserError::request(why).into());
+            let why = "counts edges of data ready, which the kernel driver does not show; poll less often with ?hz=";
+            return Err(UserError::request(format!("{} {why}", (setup.names)(Setting::Divider))).into());
         }
         if !self.folder.is_dir() {
             let folder = self.folder.display();

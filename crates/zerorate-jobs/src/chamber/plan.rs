@@ -6,6 +6,7 @@ use anyhow::{Context, Result};
 use std::io::ErrorKind;
 use std::path::Path;
 use zerorate::chamber::{ChamberPlan, SHIPPED};
+use zerorate::{Names, Setting};
 use zerorate_record::limits::Bytes;
 
 /// A plan of 1000 steps, or a week of a chamber's log.
@@ -23,11 +24,11 @@ pub struct PlanFile {
 }
 
 impl PlanFile {
-    /// Reads it; a CSV of what a chamber did is a plan of a recording only.
+    /// Reads it; a CSV of what a chamber did is a plan of a recording only. Errors call settings by `names`.
     ///
     /// # Errors
     /// [`InvalidOptions`] where it is no plan, or why it cannot be read.
-    pub fn read(name: &Path, of_recording: bool, outputs: &mut Outputs) -> Result<Self> {
+    pub fn read(name: &Path, of_recording: bool, outputs: &mut Outputs, names: Names) -> Result<Self> {
         let shown = name.display().to_string();
         let text = match shipped(name) {
             Some(text) => text.to_owned(),
@@ -35,8 +36,12 @@ impl PlanFile {
         };
         let is_csv = name.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("csv"));
         if is_csv && !of_recording {
-            let why = "a CSV says what a chamber did, and is the plan of a recording only (--device replay:FILE)";
-            return Err(InvalidOptions(format!("{shown}: {why}; write a plan (docs/formats/plan.md)")).into());
+            let why = "a CSV says what a chamber did, and is the plan of a recording only";
+            let of = names(Setting::Device);
+            return Err(InvalidOptions(format!(
+                "{shown}: {why} ({of} replay:FILE); write a plan (docs/formats/plan.md)"
+            ))
+            .into());
         }
         let plan = if is_csv { course(&text)? } else { ChamberPlan::parse(&text).map_err(|error| error.to_string()) };
         let plan = plan.map_err(|why| InvalidOptions(format!("{shown}: {why}")))?;
@@ -103,8 +108,9 @@ mod tests {
     /// The corners of F-57 as the twin has them, and the 210 minutes that are recorded.
     #[test]
     fn the_plan_of_f57_is_f57() {
-        let plan =
-            PlanFile::read(Path::new("f57"), false, &mut Outputs::new(false)).expect("it comes with the program").plan;
+        let plan = PlanFile::read(Path::new("f57"), false, &mut Outputs::new(false), Setting::name)
+            .expect("it comes with the program")
+            .plan;
         let (mut at_s, mut corners) = (0.0, vec![(0.0, 25.0)]);
         for (index, step) in plan.steps.iter().enumerate() {
             let StepEnd::Hold(hold_s) = step.end else { panic!("by the clock") };
@@ -120,7 +126,7 @@ mod tests {
 
     #[test]
     fn the_other_plan_is_sound() {
-        let plan = PlanFile::read(Path::new("two-point"), false, &mut Outputs::new(false))
+        let plan = PlanFile::read(Path::new("two-point"), false, &mut Outputs::new(false), Setting::name)
             .expect("it comes with the program")
             .plan;
         assert_eq!(plan.span_c(), (15.0, 55.0));

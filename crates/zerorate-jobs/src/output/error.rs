@@ -8,11 +8,10 @@ use std::path::{Path, PathBuf};
 #[expect(missing_docs, reason = "the fields are what the text shows")]
 pub enum OutputError {
     /// There is a file of that name.
-    #[error("{} exists, and is not overwritten by accident: choose another name{}", path.display(),
-            if *has_force { ", or give --force" } else { "" })]
+    #[error("{} exists, and is not overwritten by accident: choose another name", path.display())]
     Exists {
         path: PathBuf,
-        /// Whether the command has that option.
+        /// Whether the user could have asked for the file to be replaced.
         has_force: bool,
     },
 
@@ -71,7 +70,7 @@ pub enum OutputError {
 }
 
 impl OutputError {
-    /// Whether another name, or `--force`, is all that it takes: exit code 2.
+    /// Whether another name, or leave to replace the file, is all that it takes.
     #[must_use]
     pub fn is_refusal(&self) -> bool {
         !matches!(self, Self::Io { .. } | Self::Folder { .. } | Self::NoFolder { .. } | Self::TakenMeanwhile { .. })

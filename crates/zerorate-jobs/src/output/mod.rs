@@ -181,6 +181,12 @@ pub fn is_refusal(error: &anyhow::Error) -> bool {
     error.chain().any(|cause| cause.downcast_ref().is_some_and(OutputError::is_refusal))
 }
 
+/// Whether the file would have been replaced had the user asked for it. Each front end says how to ask.
+#[must_use]
+pub fn could_be_forced(error: &anyhow::Error) -> bool {
+    error.chain().any(|cause| matches!(cause.downcast_ref(), Some(OutputError::Exists { has_force: true, .. })))
+}
+
 /// A capture cannot be had again. One that carries a calibration's id can: from the capture that it was made from.
 fn refuse_capture(path: &Path) -> Result<(), OutputError> {
     let failed = |source| OutputError::io("look at", path, source);

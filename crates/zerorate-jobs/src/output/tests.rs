@@ -86,7 +86,8 @@ fn force_is_advised_where_there_is_such_an_option() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("there");
     fs::write(&path, "").unwrap();
-    let said = |mut outputs: Outputs| outputs.recording(&path).unwrap_err().to_string();
-    assert!(said(Outputs::new(false)).ends_with("choose another name, or give --force"));
-    assert!(said(Outputs::without_force()).ends_with("choose another name"));
+    let error = |mut outputs: Outputs| anyhow::Error::from(outputs.recording(&path).unwrap_err());
+    let (with, without) = (error(Outputs::new(false)), error(Outputs::without_force()));
+    assert!([&with, &without].iter().all(|error| error.to_string().ends_with("choose another name")));
+    assert!(could_be_forced(&with.context("saving")) && !could_be_forced(&without));
 }

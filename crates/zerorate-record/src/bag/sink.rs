@@ -50,9 +50,7 @@ impl McapSink {
     pub fn create(path: &Path, out: Out, schema: &SchemaRef, log: RobotLog) -> Result<Self, CaptureError> {
         let layout = CaptureInfo::from_metadata(path, schema.metadata())?.layout;
         if schema.metadata().contains_key(CALIBRATION_ID) || schema.fields().len() != layout.raw_fields().len() {
-            let what = "an MCAP file takes the rows as they were recorded: give `zerorate capture --device \
-                replay:CAPTURE --cal FILE -o BAG.mcap` the capture that this was corrected from";
-            return Err(CaptureError::damaged(path, "columns", what));
+            return Err(CaptureError::Corrected { path: path.to_owned() });
         }
         let robot = Robot::new(path, &layout, log)?;
         let failed = |error| cannot("write", path, error);

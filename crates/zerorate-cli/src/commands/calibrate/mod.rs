@@ -121,7 +121,7 @@ pub fn run(args: &CalibrateArgs) -> Result<()> {
 pub fn run_again(args: &RecalibrateArgs) -> Result<()> {
     interrupt::listen();
     let mut outputs = args.result.outputs().reading([&*args.capture])?;
-    let setup = Setup { part: args.part.named(&mut outputs)?, ..Setup::default() };
+    let setup = Setup { part: args.part.named(&mut outputs)?, names: flag, ..Setup::default() };
     let files = Files::claim(outputs, args.result.kept(None))?;
     let recording = DeviceSpec::replay(args.capture.clone());
     let acquisition = Acquisition::open(&recording, setup, Pace::Free, interrupt::stop(), device::tell())?;

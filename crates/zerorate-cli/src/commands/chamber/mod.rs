@@ -127,7 +127,7 @@ impl ChamberArgs {
 pub fn run(args: &ChamberArgs) -> Result<()> {
     let chamber = args.chamber()?;
     let mut outputs = Outputs::new(args.force).printing();
-    let plan = PlanFile::read(&args.plan, args.device.file().is_some(), &mut outputs)?;
+    let plan = PlanFile::read(&args.plan, args.device.file().is_some(), &mut outputs, flag)?;
     limits(args)?;
     let setup = args.device.setup(args.sampling, &mut outputs)?;
     let ChamberArgs { output, log, serial, supply_note, .. } = args;
