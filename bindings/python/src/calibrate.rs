@@ -1,8 +1,11 @@
 //! The procedure of AN-1042.
 
+use crate::calibration::Calibration;
 use crate::error::exception;
+use crate::native::native;
 use pyo3::exceptions::{PyUserWarning, PyValueError};
 use pyo3::prelude::*;
+use serde_json::Value;
 use std::ffi::CString;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -144,12 +147,15 @@ impl Watch for Caller {
     }
 }
 
-/// Runs the procedure on a device. Returns the object that ``zerorate calibrate --json`` prints, and the calibration
-/// file.
+/// Runs the procedure on a device. Returns the object that ``zerorate calibrate --json`` prints, and the calibration.
 ///
 /// Other threads run meanwhile. Ctrl-C ends it. What the device says on the way becomes a warning.
 #[pyfunction]
-pub fn calibrate(py: Python<'_>, device: &str, options: CalibrateOptions) -> PyResult<(String, String)> {
+pub fn calibrate<'py>(
+    py: Python<'py>,
+    device: &str,
+    options: CalibrateOptions,
+) -> PyResult<(Bound<'py, PyAny>, Calibration)> {
     let device: DeviceSpec = device.parse().map_err(PyValueError::new_err)?;
     let (plan, sampling) = (options.plan()?, options.sampling()?);
     let (done, signal, said) = py.detach(|| {
@@ -164,7 +170,8 @@ pub fn calibrate(py: Python<'_>, device: &str, options: CalibrateOptions) -> PyR
         let text = CString::new(warning.coded(argument).to_string().replace('\0', " "))?;
         PyErr::warn(py, &py.get_type::<PyUserWarning>(), &text, 1)?;
     }
-    done.map_err(|error| exception(&error))
+    let (report, calibration) = done.map_err(|error| exception(&error))?;
+    Ok((native(py, &report)?, Calibration::of(calibration)))
 }
 
 fn run(
@@ -173,7 +180,7 @@ fn run(
     sampling: Sampling,
     options: CalibrateOptions,
     caller: &mut Caller,
-) -> anyhow::Result<(String, String)> {
+) -> anyhow::Result<(Value, zerorate::Calibration)> {
     let CalibrateOptions { output, log, serial, supply_note, force, .. } = options;
     let files = Files::claim(Outputs::new(force), Kept { output, log, serial, supply_note })?;
     let said = caller.said.clone();
@@ -182,5 +189,5 @@ fn run(
     let acquisition = Acquisition::open(device, setup, Pace::Free, &Stop::default(), tell)?;
     let done = prepare(acquisition, plan, files, argument)?.run(caller)?;
     done.kept.map_err(|undelivered| undelivered.error(""))?;
-    Ok((serde_json::to_string(&done.report)?, done.calibration.to_toml()))
+    Ok((serde_json::to_value(&done.report)?, done.calibration))
 }

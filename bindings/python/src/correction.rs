@@ -1,68 +1,10 @@
-//! Calibrations and what they do to a rate.
+//! What a calibration does to a rate.
 
+use crate::calibration::Calibration;
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use serde_json::{Value, json};
-use zerorate::calibration::CalibratedAxis;
-use zerorate::{Calibration, Correction, Scale};
-
-/// Keys of the file that belong to an axis, or are called otherwise in Python.
-const OF_AXES: [&str; 7] = ["axis", "temperature", "correction", "measured", "uncertainty", "curve", "noise"];
-
-/// Reads a calibration file out of its text. Returns it as JSON, in one form for both schemas, its id, and what there
-/// is to know of it.
-///
-/// Raises ValueError with the line that is wrong.
-#[pyfunction]
-pub fn parse_calibration(text: &str) -> PyResult<(String, String, Vec<String>)> {
-    let (calibration, warnings) = parse(text)?;
-    let mut fields = serde_json::to_value(&calibration).map_err(|error| PyValueError::new_err(error.to_string()))?;
-    if let Some(fields) = fields.as_object_mut() {
-        fields.retain(|key, _| !OF_AXES.contains(&key.as_str()));
-        fields.insert("temp".to_owned(), calibration.temp.as_ref().map_or(Value::Null, scale));
-        fields.insert("axes".to_owned(), calibration.axes.iter().map(axis).collect());
-    }
-    Ok((fields.to_string(), calibration.id(), warnings))
-}
-
-fn axis(axis: &CalibratedAxis) -> Value {
-    json!({
-        "name": axis.name,
-        "warnings": axis.warnings,
-        "rate": axis.rate.as_ref().map(scale),
-        "correction": axis.correction,
-        "measured": axis.measured,
-        "uncertainty": axis.uncertainty,
-        "curve": axis.curve,
-        "noise": axis.noise,
-    })
-}
-
-fn scale(of: &Scale) -> Value {
-    let Scale { lsb_per_unit, zero_code, zero_value, width_bits, signed } = of;
-    json!({
-        "lsb_per_unit": lsb_per_unit,
-        "zero_code": zero_code,
-        "zero_value": zero_value,
-        "width_bits": width_bits,
-        "signed": signed,
-    })
-}
-
-/// What to say where temperatures from ``low_c`` to ``high_c`` leave the span of the calibration in ``text``.
-#[pyfunction]
-pub fn extrapolation(text: &str, low_c: f64, high_c: f64) -> PyResult<Option<String>> {
-    let (calibration, _) = parse(text)?;
-    let warning = calibration.validity.and_then(|validity| validity.warning(low_c, high_c));
-    Ok(warning.map(|warning| warning.to_string()))
-}
-
-fn parse(text: &str) -> PyResult<(Calibration, Vec<String>)> {
-    let (calibration, warnings) =
-        Calibration::parse(text).map_err(|error| PyValueError::new_err(error.to_string()))?;
-    Ok((calibration, warnings.iter().map(ToString::to_string).collect()))
-}
+use zerorate::Correction;
 
 /// RATE + PBC + d · (BTC + d · (BTC2 + d · BTC3)) with d = TEMP − T3 (F-50 where the last two are zero) for each pair
 /// of a rate, °/s, and the temperature that was read with it, °C; the five coefficients in the order of `Correction`.
@@ -94,13 +36,13 @@ pub struct Corrector {
 
 #[pymethods]
 impl Corrector {
-    /// Of these axes of the calibration in ``text``.
+    /// Of these axes of the calibration.
     ///
     /// Raises ValueError for an axis that it does not have.
     #[new]
-    fn new(text: &str, axes: Vec<String>) -> PyResult<Self> {
-        let (calibration, _) = parse(text)?;
-        let inner = calibration.corrector(&calibration.part, axes.iter().map(String::as_str));
+    fn new(calibration: &Calibration, axes: Vec<String>) -> PyResult<Self> {
+        let known = &calibration.known;
+        let inner = known.corrector(&known.part, axes.iter().map(String::as_str));
         Ok(Self { inner: inner.map_err(|error| PyValueError::new_err(error.to_string()))? })
     }
 

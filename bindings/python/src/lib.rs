@@ -5,11 +5,13 @@
 
 mod allan;
 mod calibrate;
+mod calibration;
 mod capture;
 mod correction;
 mod error;
 mod imu;
 mod log;
+mod native;
 mod record;
 mod settling;
 mod twin;
@@ -24,9 +26,11 @@ mod _zerorate {
     #[pymodule_export]
     use super::calibrate::calibrate;
     #[pymodule_export]
+    use super::calibration::Calibration;
+    #[pymodule_export]
     use super::capture::{rate_dps, read_capture, temp_c};
     #[pymodule_export]
-    use super::correction::{Corrector, correct, extrapolation, parse_calibration};
+    use super::correction::{Corrector, correct};
     #[pymodule_export]
     use super::error::Refused;
     #[pymodule_export]

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import copy
 import json
+import pickle
 import subprocess
 import sys
 from pathlib import Path
@@ -96,6 +98,17 @@ def test_the_file_is_the_calibration(unit: tuple[zerorate.Calibrated, Path]) -> 
         loaded.save(folder / "unit.arrows", force=True)
     loaded.save(folder / "copy.toml", force=True)
     assert zerorate.Calibration.load(folder / "copy.toml") == loaded
+
+
+def test_a_calibration_corrects_the_same_after_pickling(unit: tuple[zerorate.Calibrated, Path]) -> None:
+    calibration = unit[0].calibration
+    correction = calibration.correction
+    assert calibration.correct(1.0, correction.t3_c) == 1.0 + correction.pbc_dps
+    for again in (pickle.loads(pickle.dumps(calibration)), copy.deepcopy(calibration)):
+        assert again == calibration and repr(again) == repr(calibration)
+        assert again.correct(1.0, correction.t3_c) == 1.0 + correction.pbc_dps
+        taken = zerorate.Corrector(again).take([1.0], [correction.t3_c])
+        assert taken.rate_dps[0] == 1.0 + correction.pbc_dps and not taken.extrapolated[0]
 
 
 def test_the_log_gives_back_what_was_measured(unit: tuple[zerorate.Calibrated, Path]) -> None:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import json
 import os
 import warnings
 from dataclasses import astuple, dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, overload
 
@@ -275,12 +275,27 @@ class Calibration:
     @classmethod
     def parse(cls, text: str) -> Calibration:
         """Reads a calibration out of the text of its file; as `load`."""
-        fields_json, id, notes = _zerorate.parse_calibration(text)
-        for note in notes:
+        core = _zerorate.Calibration(text)
+        for note in core.notes:
             warnings.warn(note, stacklevel=3)
-        fields: dict[str, Any] = json.loads(fields_json)
+        return cls._of(core)
+
+    @classmethod
+    def _of(cls, core: _zerorate.Calibration) -> Calibration:
+        fields = core.fields
         axes = [CalibratedAxis(**_tables(axis)) for axis in fields.pop("axes")]
-        return cls(**_tables(fields), axes=axes, id=id, text=text)
+        calibration = cls(**_tables(fields), axes=axes, id=core.id, text=core.text)
+        calibration.__dict__["_core"] = core
+        return calibration
+
+    @cached_property
+    def _core(self) -> _zerorate.Calibration:
+        """The same, compiled."""
+        return _zerorate.Calibration(self.text)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Without what is compiled: that comes back out of the text."""
+        return {name: value for name, value in self.__dict__.items() if name != "_core"}
 
     def __getitem__(self, name: str) -> CalibratedAxis:
         """The axis of this name.
@@ -398,7 +413,7 @@ class Calibration:
     def _warn_outside(self, temps: NDArray[np.float64]) -> None:
         seen = temps[np.isfinite(temps)]
         if seen.size:
-            outside = _zerorate.extrapolation(self.text, float(seen.min()), float(seen.max()))
+            outside = self._core.extrapolation(float(seen.min()), float(seen.max()))
             if outside is not None:
                 warnings.warn(outside, stacklevel=3)
 
@@ -435,7 +450,7 @@ class Corrector:
 
     def __init__(self, calibration: Calibration, axes: Sequence[str] | None = None) -> None:
         names = [axis.name for axis in calibration.axes] if axes is None else list(axes)
-        self._inner = _zerorate.Corrector(calibration.text, names)
+        self._inner = _zerorate.Corrector(calibration._core, names)
         self._names = names
 
     def take(self, rate_dps: ArrayLike, temp_c: ArrayLike) -> Corrected:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 from dataclasses import dataclass, field
 from typing import Literal
@@ -218,8 +217,7 @@ def calibrate(
         "output": output,
         "force": force,
     }
-    report_json, toml = _zerorate.calibrate(twin.device, options)
-    report = json.loads(report_json)
+    report, core = _zerorate.calibrate(twin.device, options)
     truth = report.pop("truth", None)
     if truth is not None:
         truth["curve"] = [CurvePoint(**point) for point in truth["curve"]]
@@ -227,6 +225,6 @@ def calibrate(
     return Calibrated(
         **report,
         curve=curve,
-        calibration=Calibration.parse(toml),
+        calibration=Calibration._of(core),
         truth=None if truth is None else Truth(**truth),
     )
