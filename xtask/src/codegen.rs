@@ -12,23 +12,30 @@ pub const HELP: &str = "\
 Pages of measurements are not generated files; the tasks that measure write them: methods, `trust --update`,
 `firmware --update`.";
 
-/// The test that compares `web/src/protocol.ts` with the session of the page, and writes it where [`UPDATE`] is set.
-/// It is built alone: beside those of the other libraries it would take several times as long.
-const PROTOCOL: &str = "test --quiet --package zerorate-web --lib the_page_knows_these_types";
+/// Files that tests compare with what they would be now, and write where [`UPDATE`] is set.
+/// Each test is built alone: beside those of the other libraries it would take several times as long.
+const OF_TESTS: [(&str, &str); 2] = [
+    ("web/src/protocol.ts", "test --quiet --package zerorate-web --lib the_page_knows_these_types"),
+    ("docs/codes.md", "test --quiet --package zerorate-jobs --test codes the_chapter_is_that_of_the_table"),
+];
 const UPDATE: &str = "ZERORATE_UPDATE";
 
 pub fn run(mut arguments: Arguments) -> Result<()> {
     let check = arguments.flag("--check");
     arguments.end()?;
     lab::tool("codegen", check.then_some("--check")).context("generated files")?;
-    let mut protocol = Command::new("cargo");
-    protocol.args(PROTOCOL.split(' ')).env_remove(UPDATE).stderr(Stdio::inherit());
+    OF_TESTS.iter().try_for_each(|(file, test)| of_test(file, test, check))
+}
+
+fn of_test(file: &str, test: &str, check: bool) -> Result<()> {
+    let mut cargo = Command::new("cargo");
+    cargo.args(test.split(' ')).env_remove(UPDATE).stderr(Stdio::inherit());
     if !check {
-        protocol.env(UPDATE, "1");
+        cargo.env(UPDATE, "1");
     }
-    let output = protocol.output().context("cannot start cargo")?;
+    let output = cargo.output().context("cannot start cargo")?;
     let said = String::from_utf8_lossy(&output.stdout);
-    ensure!(output.status.success(), "web/src/protocol.ts: `cargo xtask codegen` writes it:\n{said}");
-    ensure!(said.contains("1 passed"), "no test compared web/src/protocol.ts:\n{said}");
+    ensure!(output.status.success(), "{file}: `cargo xtask codegen` writes it:\n{said}");
+    ensure!(said.contains("1 passed"), "no test compared {file}:\n{said}");
     Ok(())
 }

@@ -10,6 +10,7 @@
 //! * [`probe`]: is there a part, and is it wired right?
 //! * [`stream`]: the corrected rate, row by row as it comes.
 //! * [`Acquisition`]: the samples of a device, one after the other, counted and judged.
+//! * [`codes`]: what each warning and refusal means.
 //! * [`Outputs`](output::Outputs): the files of a run, none of which is overwritten by accident.
 
 pub mod acquisition;
@@ -17,6 +18,7 @@ pub mod analysis;
 pub mod calibrate;
 pub mod capture;
 pub mod chamber;
+pub mod codes;
 pub mod correct;
 mod error;
 mod judged;

@@ -1,10 +1,11 @@
 //! Results as pictures and pages: numbers and words come in, SVG, PNG and HTML go out.
 
-pub mod codes;
 pub mod duration;
 pub mod export;
 pub mod plot;
 mod printable;
 pub mod report;
+mod session_warning;
 
 pub use duration::Seconds;
+pub use session_warning::SessionWarning;

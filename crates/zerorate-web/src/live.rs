@@ -69,13 +69,13 @@ impl Live {
                 self.source = Some(source);
             }
             Ok(false) => {
-                source.notes().iter().for_each(|note| self.session.note(note));
+                source.notes().into_iter().for_each(|note| self.session.note(note));
                 self.session.state(DeviceState::Ended);
             }
             Err(why) => self.session.state(DeviceState::Failed { why }),
         }
         if let Some(source) = &mut self.source {
-            source.notes().iter().for_each(|note| self.session.note(note));
+            source.notes().into_iter().for_each(|note| self.session.note(note));
         }
     }
 

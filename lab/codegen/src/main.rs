@@ -7,7 +7,6 @@ mod spectrum;
 use anyhow::{Context, Result, bail, ensure};
 use std::fs;
 use zerorate::Calibration;
-use zerorate_view::codes;
 use zerorate_view::export::{Export, ExportForm, Options};
 
 fn main() -> Result<()> {
@@ -47,7 +46,6 @@ fn made() -> Result<Vec<(&'static str, String)>> {
     let facts = fs::read_to_string("docs/facts.md").context("docs/facts.md: run this in the project's folder")?;
     let mut made = drawings::all(&facts)?;
     made.push(("docs/pictures/spectrum.svg", spectrum::draw()?));
-    made.push(("docs/codes.md", codes::page()));
     made.push(("bindings/c/include/zerorate.h", header::text()?));
     made.push(("firmware/examples/src/unit.rs", unit()?));
     Ok(made)

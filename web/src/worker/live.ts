@@ -89,7 +89,7 @@ async function first(what: Opening): Promise<LiveSession> {
   } catch (why) {
     if (why instanceof WebAssembly.RuntimeError) throw why;
     const twin = (await whole()).of_twin("");
-    twin.note(`cannot-open: ${words(why)}`);
+    twin.cannot_open(words(why));
     return twin;
   }
 }
@@ -100,7 +100,7 @@ async function open(window: Window, what: Opening): Promise<void> {
     session = session === undefined ? await begin(what) : await instead(session, what);
   } catch (why) {
     if (session === undefined || why instanceof WebAssembly.RuntimeError) throw why;
-    session.note(`cannot-open: ${words(why)}`);
+    session.cannot_open(words(why));
     return;
   }
   if (serial !== window) serial?.postMessage({ is: "serial-release" });

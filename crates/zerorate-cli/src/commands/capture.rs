@@ -124,7 +124,7 @@ pub fn run(args: &CaptureArgs) -> Result<()> {
 fn check_serial(args: &CaptureArgs, info: &CaptureInfo, calibration: &Calibration, path: &Path) -> Result<()> {
     let name = args.device.device.to_string();
     let part = Part { name: &name, serial: info.serial.as_deref(), advice: serial::GIVE };
-    warn(part.check(calibration, path)?.as_slice());
+    warn(part.check(calibration, path)?.map(coded).as_slice());
     Ok(())
 }
 

@@ -71,8 +71,8 @@ pub(super) fn load(path: &Path, outputs: &mut Outputs) -> Result<Calibration> {
     let name = path.display();
     let text = outputs.text(path, limits::TEXT)?;
     let (calibration, warnings) = Calibration::parse(&text).with_context(|| name.to_string())?;
-    let warnings: Vec<String> = warnings.iter().map(|warning| format!("no-checksum: {name}: {warning}")).collect();
-    warn(&warnings);
+    let of_file = |warning| coded(JobWarning::OfCalibration(name.to_string(), warning));
+    warn(&warnings.into_iter().map(of_file).collect::<Vec<_>>());
     Ok(calibration)
 }
 
@@ -80,11 +80,10 @@ fn check_serial(args: &CorrectArgs, info: &CaptureInfo, calibration: &Calibratio
     let name = args.capture.display().to_string();
     let advice = "record with `zerorate capture --serial SN`";
     let checked = Part { name: &name, serial: info.serial.as_deref(), advice }.check(calibration, &args.cal);
-    let doubt = match checked {
-        Err(mismatch) if args.force => Some(mismatch.to_string()),
+    match checked {
+        Err(mismatch) if args.force => warn(&[mismatch]),
         Err(mismatch) => bail!("{mismatch} (--force corrects all the same)"),
-        Ok(doubt) => doubt,
-    };
-    warn(doubt.as_slice());
+        Ok(doubt) => warn(doubt.map(coded).as_slice()),
+    }
     Ok(())
 }

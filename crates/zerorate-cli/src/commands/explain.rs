@@ -6,7 +6,7 @@ use anyhow::Result;
 use clap::Args;
 use serde::Serialize;
 use std::fmt::Write;
-use zerorate_view::codes::{self, Explanation, GROUPS};
+use zerorate_jobs::codes::{self, Explanation, GROUPS};
 
 /// Says what a warning or a refusal means, by its code.
 ///

@@ -3,6 +3,7 @@
 use anyhow::{Result, bail};
 use std::path::Path;
 use zerorate::Calibration;
+use zerorate_jobs::JobWarning;
 
 /// A text that goes into files and messages as one line.
 pub fn one_line(text: &str) -> Result<String, String> {
@@ -22,7 +23,7 @@ pub struct Part<'a> {
     /// Its serial number, as far as it is known.
     pub serial: Option<&'a str>,
     /// How to make it known.
-    pub advice: &'a str,
+    pub advice: &'static str,
 }
 
 impl Part<'_> {
@@ -30,25 +31,21 @@ impl Part<'_> {
     ///
     /// # Errors
     /// Where it is of another.
-    pub fn check(&self, calibration: &Calibration, path: &Path) -> Result<Option<String>> {
-        let (name, path) = (self.name, path.display());
+    pub fn check(&self, calibration: &Calibration, path: &Path) -> Result<Option<JobWarning>> {
+        let (name, cal) = (self.name, path.display().to_string());
         match (self.serial, calibration.serial.as_deref()) {
             (Some(part), Some(calibrated)) if part == calibrated => Ok(None),
             (Some(part), Some(calibrated)) => {
                 bail!(
-                    "{name} is part {part}, {path} is the calibration of part {calibrated}: every part has its own \
+                    "{name} is part {part}, {cal} is the calibration of part {calibrated}: every part has its own \
                      bias"
                 )
             }
-            (None, Some(calibrated)) => Ok(Some(format!(
-                "unknown-serial: {path} is the calibration of part {calibrated}, and nothing shows that {name} is \
-                 that part: {}",
-                self.advice
-            ))),
-            (_, None) => Ok(Some(format!(
-                "unknown-serial: {path} says of no part that it is its calibration, and every part has its own bias: \
-                 give `zerorate calibrate` the serial number, --serial SN"
-            ))),
+            (None, Some(calibrated)) => {
+                let (calibrated, name, advice) = (calibrated.to_owned(), name.to_owned(), self.advice);
+                Ok(Some(JobWarning::UnknownSerial { cal, calibrated, name, advice }))
+            }
+            (_, None) => Ok(Some(JobWarning::NoSerial { cal })),
         }
     }
 }

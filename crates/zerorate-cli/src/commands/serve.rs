@@ -7,6 +7,7 @@ use crate::exit::Usage;
 use crate::interrupt;
 use crate::output::{Outputs, say, warn};
 use crate::serve::{self, EndsAll, Folder, Guard, Libiio, Opener, Recordings, SessionThread, Token};
+use crate::wording::coded;
 use anyhow::{Context, Result, anyhow, ensure};
 use clap::Args;
 use std::io::ErrorKind;
@@ -16,7 +17,8 @@ use std::thread;
 use zerorate::Calibration;
 use zerorate_host::iiod;
 use zerorate_record::limits;
-use zerorate_web::session::About;
+use zerorate_view::SessionWarning;
+use zerorate_web::session::{About, Said};
 
 /// Shows a part live in the browser: rate, noise, temperature, and calibration as a guided run.
 ///
@@ -148,8 +150,7 @@ fn libiio(args: &ServeArgs, calibration: Option<Calibration>) -> Result<Option<L
     let listener = match TcpListener::bind(address) {
         Ok(listener) => listener,
         Err(error) if args.iio.is_none() => {
-            let how = "clients of libiio are not served; --iio 127.0.0.1:0 takes a free port";
-            warn(&[format!("libiio-unserved: {address}: {error}: {how}")]);
+            warn(&[Said::from(SessionWarning::LibiioUnserved { address, why: error.to_string() })]);
             return Ok(None);
         }
         Err(error) => return Err(error).with_context(|| format!("cannot listen at {address} (--iio)")),
@@ -160,7 +161,7 @@ fn libiio(args: &ServeArgs, calibration: Option<Calibration>) -> Result<Option<L
 /// The calibration that is applied must be that of the part.
 fn check_serial(calibration: &Calibration, cal: &Path, about: &About) -> Result<()> {
     let part = Part { name: &about.name, serial: about.info.serial.as_deref(), advice: serial::GIVE };
-    warn(part.check(calibration, cal)?.as_slice());
+    warn(part.check(calibration, cal)?.map(coded).as_slice());
     Ok(())
 }
 
@@ -207,7 +208,7 @@ fn listen(address: SocketAddr) -> Result<TcpListener> {
 /// others read.
 fn announce(address: SocketAddr, token: Option<&Token>, of_file: Option<&Path>) {
     if !serve::has_page() {
-        warn(&[serve::ABSENT]);
+        warn(&[serve::absent()]);
     }
     let ip = match address.ip() {
         IpAddr::V4(Ipv4Addr::UNSPECIFIED) => Ipv4Addr::LOCALHOST.into(),

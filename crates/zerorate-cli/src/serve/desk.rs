@@ -2,19 +2,22 @@
 
 use super::connection::HostCheck;
 use super::device::{self, Fed, Feed, Opened, Opener, Opening};
+use super::folder::tell;
 use super::{Folder, Libiio, Recordings};
 use crate::output::say;
-use crate::wording::coded;
+use crate::wording::flag;
 use anyhow::Result;
 use axum::body::Bytes;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::time::{Duration, Instant};
 use tokio::sync::{broadcast, oneshot};
+use zerorate::Say;
 use zerorate_host::{Awaited, Bus, DeviceError, Hub, Losses, Stop};
 use zerorate_jobs::acquisition;
+use zerorate_view::SessionWarning;
 use zerorate_web::message::DeviceState;
-use zerorate_web::session::{Asked, HostCommand, Session};
+use zerorate_web::session::{Asked, HostCommand, Said, Session};
 
 /// Time between two frames.
 const FRAME: Duration = Duration::from_millis(33);
@@ -144,8 +147,7 @@ impl SessionThread {
     /// What holds of the program, however often the device is opened.
     fn note_standing(&mut self) {
         if !self.folder.is_there() {
-            let how = "start it with --folder DIR to keep them";
-            self.session.note(&format!("not-kept: calibrations made here are lost when the program ends; {how}"));
+            self.session.note(SessionWarning::NoFolder);
         }
     }
 
@@ -230,15 +232,17 @@ impl SessionThread {
         session.truths(&batch.truths);
         for note in &batch.notes {
             say(format_args!("warning: {note}"));
-            session.note(&note.to_string());
+            session.note(note);
         }
         for doubt in batch.doubts.iter().skip(reading.doubts) {
-            session.note(&doubt.to_string());
+            session.note(doubt);
         }
         reading.doubts = batch.doubts.len();
         if reading.losses != batch.losses {
             reading.losses = batch.losses;
-            acquisition::lost_on_the_way(batch.losses).for_each(|lost| session.note(&coded(lost).to_string()));
+            for lost in acquisition::lost_on_the_way(batch.losses) {
+                session.note(Said::new(lost.code(), lost.with(flag)));
+            }
         }
         if let Some(found) = reading.host_check.as_ref().and_then(|check| check.ended(session.tally())) {
             session.checked(found);
@@ -277,9 +281,7 @@ impl SessionThread {
     }
 
     fn note_failure(&mut self, error: anyhow::Error) {
-        let note = format!("not-recorded: the recording ended: {error:#}");
-        say(format_args!("warning: {note}"));
-        self.session.note(&note);
+        tell(&mut self.session, SessionWarning::NotRecorded(format!("{error:#}")));
         self.failure.get_or_insert(error);
     }
 

@@ -8,7 +8,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use zerorate::Calibration;
 use zerorate_record::limits;
-use zerorate_web::session::Session;
+use zerorate_view::SessionWarning;
+use zerorate_web::session::{Said, Session};
 
 /// Where calibrations are kept; without a path, nowhere.
 #[derive(Debug, Default)]
@@ -48,7 +49,7 @@ impl Folder {
         for file in files {
             match self.add(&file, session) {
                 Ok(id) => self.files.entry(id).or_default().push(file),
-                Err(error) => warn(&[format!("calibration-left-out: {error:#}")]),
+                Err(error) => warn(&[Said::from(SessionWarning::LeftOut(format!("{error:#}")))]),
             }
         }
         Ok(())
@@ -85,9 +86,8 @@ impl Folder {
                         self.files.entry(id.clone()).or_default().push(path);
                     }
                     Err(error) => {
-                        let note = format!("not-kept: calibration {id} could not be written: {error:#}; download it");
-                        warn(&[&note]);
-                        session.note(&note);
+                        let why = format!("{error:#}");
+                        tell(session, SessionWarning::NotKept { id: id.clone(), why });
                     }
                 }
             }
@@ -106,17 +106,23 @@ impl Folder {
                     Ok(removed) => {
                         let note = format!("Calibration {id} was removed; its file is {} now.", removed.display());
                         say(&note);
-                        session.note(&note);
+                        session.note(Said::plain(note));
                     }
                     Err(error) => {
-                        let note = format!("not-removed: calibration {id} comes back with the next start: {error:#}");
-                        warn(&[&note]);
-                        session.note(&note);
+                        let why = format!("{error:#}");
+                        tell(session, SessionWarning::NotRemoved { id: id.clone(), why });
                     }
                 }
             }
         }
     }
+}
+
+/// Says it on stderr and on the page.
+pub fn tell(session: &mut Session, warning: SessionWarning) {
+    let said = Said::from(warning);
+    warn(&[&said]);
+    session.note(said);
 }
 
 /// No file is deleted: it gets a name by which it is not read again.

@@ -8,6 +8,8 @@ use std::thread::{self, JoinHandle};
 use zerorate::Calibration;
 use zerorate_host::iiod::Server;
 use zerorate_host::{Hub, Stop};
+use zerorate_view::SessionWarning;
+use zerorate_web::session::Said;
 
 /// Where clients connect, and what is served to them.
 pub struct Libiio {
@@ -42,12 +44,12 @@ impl Libiio {
         let (calibration, may_be_written, ends) = (self.calibration.clone(), self.may_be_written, stop.clone());
         let body = move || {
             let server = Server::new(&hub, calibration.as_ref()).or_else(|error| {
-                warn(&[format!("libiio-uncorrected: {error}")]);
+                warn(&[Said::from(SessionWarning::LibiioUncorrected(error.to_string()))]);
                 Server::new(&hub, None)
             });
             let server = server.map(|server| if may_be_written { server.writable() } else { server });
             if let Ok(Err(error)) = server.map(|server| server.serve(&listener, &ends)) {
-                warn(&[format!("libiio-ended: no client can connect any more: {error}")]);
+                warn(&[Said::from(SessionWarning::LibiioEnded(error.to_string()))]);
             }
         };
         let thread = thread::Builder::new().name("libiio".to_owned()).spawn(body).context("serving libiio")?;

@@ -5,6 +5,8 @@ use axum::http::{HeaderMap, HeaderValue, StatusCode, Uri, header};
 use axum::response::{IntoResponse, Response};
 use flate2::read::GzDecoder;
 use std::io::Read;
+use zerorate_view::SessionWarning;
+use zerorate_web::session::Said;
 
 /// A file, packed by gzip: unlike brotli, browsers take that from any host over plain HTTP.
 struct Asset {
@@ -23,8 +25,9 @@ pub fn is_there() -> bool {
 }
 
 /// What is said where it is not.
-pub const ABSENT: &str =
-    "no-page: this program was built without its page: run `cargo xtask web`, then build it again";
+pub fn absent() -> Said {
+    SessionWarning::NoPage.into()
+}
 
 /// The file that is asked for.
 pub async fn file(uri: Uri, headers: HeaderMap) -> Response {
@@ -35,7 +38,7 @@ pub async fn file(uri: Uri, headers: HeaderMap) -> Response {
     match PAGE.iter().find(|asset| asset.name == name) {
         Some(asset) => asset.response(&headers),
         None if is_there() => (StatusCode::NOT_FOUND, "no such file\n").into_response(),
-        None => (StatusCode::NOT_FOUND, format!("{ABSENT}\n")).into_response(),
+        None => (StatusCode::NOT_FOUND, format!("{}\n", absent())).into_response(),
     }
 }
 

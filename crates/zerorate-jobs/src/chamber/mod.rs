@@ -23,7 +23,7 @@ use zerorate::calibration::ChamberRun;
 use zerorate::chamber::{ChamberOutcome, ChamberProcedure, ChamberProgress, ChamberRefusal, Record, Step};
 use zerorate::{Calibration, Names, Part, Warning};
 use zerorate_host::Lead;
-use zerorate_record::{CaptureInfo, Note};
+use zerorate_record::CaptureInfo;
 use zerorate_view::report::wide_loop;
 
 /// Looks on while a chamber is driven.
@@ -267,5 +267,5 @@ fn of_axes(outcomes: &[ChamberOutcome], part: &Part, names: Names) -> impl Itera
         outcome.warnings().map(coded).map(of_axis)
     });
     let wide = axes().filter_map(|(outcome, axis)| wide_loop(outcome, &axis.name));
-    own.chain(wide.map(move |text| JobWarning::Readings(Note::new("hysteresis", text)).coded(names)))
+    own.chain(wide.map(move |text| JobWarning::WideLoop(text).coded(names)))
 }

@@ -2,6 +2,7 @@
 
 use super::axis::AxisState;
 use super::live_view::{LiveView, Seen};
+use super::notices::Said;
 use super::statistics::Statistics;
 use super::{Changed, Session, strips};
 use crate::message::{AxisAbout, Device, Durations, Frame, Now, SampleCounts};
@@ -41,7 +42,7 @@ impl Session {
         if self.changed.statistics {
             let axes = self.live_view.axes.iter().map(|axis| (axis.name.as_str(), &axis.health));
             let said = believed::of_axes(axes, &self.live_view.tally, self.live_view.start_ns());
-            self.live_view.stand(&said.iter().map(ToString::to_string).collect::<Vec<_>>());
+            self.live_view.stand(&said.iter().map(Said::from).collect::<Vec<_>>());
         }
         if let Some(guide) = &self.guide {
             self.calibrating = guide.shown();

@@ -3,7 +3,7 @@
 use super::About;
 use super::axis::{Angle, AxisState, BLOCK_NS, Block};
 use super::checkup::Examination;
-use super::notices::Notices;
+use super::notices::{Notices, Said};
 use crate::message::{CheckResult, DeviceState};
 use zerorate::{Correction, Corrector, Reading, Scan, Tally};
 use zerorate_record::{Layout, Row};
@@ -168,14 +168,14 @@ impl LiveView {
         self.changed.device = true;
     }
 
-    /// What there is to say: `code: text`, or a text.
-    pub fn note(&mut self, text: &str) {
-        self.notices.push(text, self.now_s());
+    /// What there is to say.
+    pub fn note(&mut self, said: &Said) {
+        self.notices.push(said, self.now_s());
         self.changed.notices = true;
     }
 
-    /// All that is the case with the readings now: `code: text` each.
-    pub fn stand(&mut self, findings: &[String]) {
+    /// All that is the case with the readings now.
+    pub fn stand(&mut self, findings: &[Said]) {
         self.changed.notices |= self.notices.stand(findings, self.now_s());
     }
 

@@ -17,10 +17,12 @@ use adis16130_twin::Truth;
 pub(crate) use frame::encode;
 use guide::Guide;
 pub(crate) use live_view::LiveView;
+pub use notices::Said;
 use shelf::Shelf;
 use statistics::Statistics;
 use zerorate::{Calibration, Part, Tally};
 use zerorate_record::{CaptureInfo, Row};
+use zerorate_view::SessionWarning;
 
 /// What is being read.
 #[derive(Clone, Debug)]
@@ -154,7 +156,7 @@ impl Session {
         let applied = self.shelf.applied().map(Calibration::id);
         if let Err(why) = self.apply(applied.as_deref()) {
             self.shelf.apply_none();
-            self.note(&format!("not-applied: the calibration that was applied no longer is: {why}"));
+            self.note(SessionWarning::NotApplied(why));
         }
     }
 
@@ -184,9 +186,9 @@ impl Session {
         }
     }
 
-    /// What the source has to say: `code: text`, or a text.
-    pub fn note(&mut self, text: &str) {
-        self.live_view.note(text);
+    /// What there is to say.
+    pub fn note(&mut self, said: impl Into<Said>) {
+        self.live_view.note(&said.into());
     }
 
     /// So many samples did not come here, but are no loss of the device. What takes one sample for the successor of
@@ -195,11 +197,11 @@ impl Session {
         self.live_view.missed += samples;
         self.live_view.changed.readings = true;
         self.is_torn = true;
-        let why = format!("{samples} samples were not seen here, for the computer had too much else to do");
         if self.guide.is_some() {
-            self.abort_calibration(&format!("{why}: end what else it does, and begin again"));
+            let why = "for the computer had too much else to do: end what else it does, and begin again";
+            self.abort_calibration(&format!("{samples} samples were not seen here, {why}"));
         }
-        self.note(&format!("samples-missed: {why}; Allan deviation, spectrum and bias over temperature begin anew"));
+        self.note(SessionWarning::Missed(samples));
     }
 
     /// What the twin knows of itself, with the newest samples.
@@ -251,7 +253,7 @@ impl Session {
         let doubts = stranger.map(|id| self.shelf.doubts(id, &self.live_view.about)).transpose()?;
         self.live_view.correct(self.shelf.apply(id, &self.live_view.about.part)?);
         self.changed.calibrations = true;
-        doubts.iter().flatten().for_each(|doubt| self.note(doubt));
+        doubts.into_iter().flatten().for_each(|doubt| self.note(doubt));
         Ok(())
     }
 

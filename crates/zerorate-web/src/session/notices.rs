@@ -1,6 +1,9 @@
 //! What there is to say, each once.
 
 use crate::message::Notice;
+use std::fmt;
+use zerorate_record::Note;
+use zerorate_view::SessionWarning;
 
 /// Notices that are kept.
 const MOST: usize = 100;
@@ -19,47 +22,70 @@ struct Kept {
     stands: bool,
 }
 
-/// `code: text`, `code: axis NAME: text`, or a text without a code.
-#[derive(Clone, Copy)]
-struct Said<'a> {
-    code: &'a str,
+/// Something to be said: what has a code is the same whatever its numbers are.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Said {
+    /// As `zerorate explain` knows it; empty where it has none.
+    code: &'static str,
     /// Which one it is of, where a part has several.
-    axis: &'a str,
-    text: &'a str,
+    axis: String,
+    text: String,
 }
 
-impl<'a> Said<'a> {
-    fn of(said: &'a str) -> Self {
-        let is_code = |code: &&str| code.contains(|c: char| c.is_ascii_lowercase()) && !code.contains(' ');
-        let (code, text) = said.split_once(": ").filter(|(code, _)| is_code(code)).unwrap_or(("", said));
+impl Said {
+    /// With its code.
+    pub fn new(code: &'static str, text: impl fmt::Display) -> Self {
+        Self { code, axis: String::new(), text: text.to_string() }
+    }
+
+    /// A text without a code.
+    pub fn plain(text: impl fmt::Display) -> Self {
+        Self::new("", text)
+    }
+}
+
+impl fmt::Display for Said {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.code {
+            "" => f.write_str(&self.text),
+            code => write!(f, "{code}: {}", self.text),
+        }
+    }
+}
+
+impl From<SessionWarning> for Said {
+    fn from(warning: SessionWarning) -> Self {
+        Self::new(warning.code(), warning)
+    }
+}
+
+impl From<&Note> for Said {
+    fn from(Note { code, text }: &Note) -> Self {
         let named = text.strip_prefix("axis ").and_then(|named| named.split_once(": "));
-        Self { code, axis: named.map_or("", |(axis, _)| axis), text }
+        Self { axis: named.map_or_else(String::new, |(axis, _)| axis.to_owned()), ..Self::new(code, text) }
     }
 }
 
 impl Kept {
-    /// What has a code is the same whatever its numbers are.
-    fn is(&self, said: &Said<'_>) -> bool {
+    fn is(&self, said: &Said) -> bool {
         let Notice { code, text, .. } = &self.notice;
-        code == said.code && self.axis == said.axis && (!code.is_empty() || text == said.text)
+        code == said.code && self.axis == said.axis && (!code.is_empty() || *text == said.text)
     }
 }
 
 impl Notices {
-    /// Takes what happened: `code: text`, or a text without a code. It takes the place of an older one of the same
-    /// code and axis.
-    pub fn push(&mut self, said: &str, at_s: f64) {
-        self.keep(&Said::of(said), at_s, false);
+    /// Takes what happened. It takes the place of an older one of the same code and axis.
+    pub fn push(&mut self, said: &Said, at_s: f64) {
+        self.keep(said, at_s, false);
     }
 
     /// Takes all that is the case now: counted when it begins, not whenever that is said. Whether anything is new.
-    pub fn stand(&mut self, findings: &[String], at_s: f64) -> bool {
-        let said: Vec<Said<'_>> = findings.iter().map(|finding| Said::of(finding)).collect();
+    pub fn stand(&mut self, findings: &[Said], at_s: f64) -> bool {
         for kept in &mut self.kept {
-            kept.stands &= said.iter().any(|said| kept.is(said));
+            kept.stands &= findings.iter().any(|said| kept.is(said));
         }
         let mut is_new = false;
-        for said in &said {
+        for said in findings {
             match self.kept.iter_mut().find(|kept| kept.stands && kept.is(said)) {
                 Some(kept) if kept.notice.text == said.text => {}
                 Some(kept) => {
@@ -75,14 +101,14 @@ impl Notices {
         is_new
     }
 
-    fn keep(&mut self, said: &Said<'_>, at_s: f64, stands: bool) {
+    fn keep(&mut self, said: &Said, at_s: f64, stands: bool) {
         let before = self.kept.iter().position(|kept| kept.is(said)).map(|index| self.kept.remove(index).notice);
         let (at_s, count) = before.map_or((at_s, 1), |before| (before.at_s, before.count.saturating_add(1)));
         if self.kept.len() == MOST {
             self.kept.remove(0);
         }
-        let notice = Notice { code: said.code.to_owned(), text: said.text.to_owned(), at_s, count };
-        self.kept.push(Kept { notice, axis: said.axis.to_owned(), stands });
+        let notice = Notice { code: said.code.to_owned(), text: said.text.clone(), at_s, count };
+        self.kept.push(Kept { notice, axis: said.axis.clone(), stands });
     }
 
     pub fn all(&self) -> Vec<Notice> {
@@ -97,22 +123,22 @@ mod tests {
     #[test]
     fn a_code_is_said_once_with_its_newest_text() {
         let mut notices = Notices::default();
-        notices.push("frozen: since 3 s", 3.0);
-        notices.push("The cable: was pulled", 4.0);
-        notices.push("frozen: since 4 s", 5.0);
+        notices.push(&Said::new("frozen", "since 3 s"), 3.0);
+        notices.push(&Said::plain("The cable: was pulled"), 4.0);
+        notices.push(&Said::new("frozen", "since 4 s"), 5.0);
         let all = notices.all();
         assert_eq!(all.len(), 2);
         assert_eq!((&*all[1].text, all[1].at_s, all[1].count), ("since 4 s", 3.0, 2));
         assert_eq!((&*all[0].code, &*all[0].text), ("", "The cable: was pulled"));
-        (0..1000).for_each(|k| notices.push(&format!("no. {k}"), 6.0));
+        (0..1000).for_each(|k| notices.push(&Said::plain(k), 6.0));
         assert_eq!(notices.all().len(), MOST);
     }
 
     #[test]
     fn axes_are_told_apart() {
         let mut notices = Notices::default();
-        for finding in ["frozen: axis x: since 3 s", "frozen: axis y: since 3 s", "frozen: axis x: since 4 s"] {
-            notices.push(finding, 3.0);
+        for text in ["axis x: since 3 s", "axis y: since 3 s", "axis x: since 4 s"] {
+            notices.push(&Said::from(&Note::new("frozen", text.to_owned())), 3.0);
         }
         let all = notices.all();
         let texts: Vec<&str> = all.iter().map(|notice| &*notice.text).collect();
@@ -122,10 +148,10 @@ mod tests {
     #[test]
     fn what_stands_is_counted_when_it_begins() {
         let mut notices = Notices::default();
-        let once = ["impossible: 1 of 10".to_owned()];
+        let once = [Said::new("impossible", "1 of 10")];
         let news: Vec<bool> = (0..3).map(|_| notices.stand(&once, 1.0)).collect();
         assert_eq!(news, [true, false, false]);
-        assert!(notices.stand(&["impossible: 1 of 20".to_owned()], 2.0));
+        assert!(notices.stand(&[Said::new("impossible", "1 of 20")], 2.0));
         let one = |notices: &Notices| notices.all().into_iter().next().map(|one| (one.text, one.count)).unwrap();
         assert_eq!(one(&notices), ("1 of 20".to_owned(), 1));
         assert!(!notices.stand(&[], 3.0));

@@ -2,7 +2,9 @@
 
 use super::About;
 use crate::message::{CalibrationEntry, Download};
+use zerorate::calibration::FileWarning;
 use zerorate::{Calibration, Correction, Corrector, Part};
+use zerorate_view::SessionWarning;
 use zerorate_view::export::{Export, ExportForm, Options};
 use zerorate_view::report;
 
@@ -21,7 +23,7 @@ pub struct Shelf {
 struct Kept {
     calibration: Calibration,
     /// What there is to say of its file.
-    warnings: Vec<String>,
+    warnings: Vec<FileWarning>,
 }
 
 impl Shelf {
@@ -29,8 +31,6 @@ impl Shelf {
     /// stays as it is, and one that differs from it by what its id does not tell is refused.
     pub fn add_file(&mut self, toml: &str, free: usize) -> Result<String, String> {
         let (calibration, warnings) = Calibration::parse(toml).map_err(|error| error.to_string())?;
-        let id = calibration.id();
-        let warnings = warnings.iter().map(|warning| format!("no-checksum: calibration {id}: {warning}")).collect();
         self.put(Kept { calibration, warnings }, free)
     }
 
@@ -81,9 +81,10 @@ impl Shelf {
 
     /// What there is to say before a calibration from elsewhere is applied to this device. An error where it is that
     /// of another part.
-    pub fn doubts(&self, id: &str, about: &About) -> Result<Vec<String>, String> {
+    pub fn doubts(&self, id: &str, about: &About) -> Result<Vec<SessionWarning>, String> {
         let Kept { calibration, warnings } = self.known(id)?;
-        Ok(warnings.iter().cloned().chain(stranger(calibration, about)?).collect())
+        let of_file = |warning: &FileWarning| SessionWarning::OfCalibration { id: id.to_owned(), warning: *warning };
+        Ok(warnings.iter().map(of_file).chain(stranger(calibration, about)?).collect())
     }
 
     /// The one that is applied.
@@ -164,21 +165,16 @@ fn other_content(id: &str) -> String {
 }
 
 /// What shows that a calibration is that of the part: every part has its own bias, and the wrong one shows in nothing.
-fn stranger(calibration: &Calibration, About { name, info, .. }: &About) -> Result<Option<String>, String> {
+fn stranger(calibration: &Calibration, About { name, info, .. }: &About) -> Result<Option<SessionWarning>, String> {
     match (info.serial.as_deref(), calibration.serial.as_deref()) {
         (Some(part), Some(calibrated)) if part == calibrated => Ok(None),
         (Some(part), Some(calibrated)) => Err(format!(
             "{name} is part {part}, this is the calibration of part {calibrated}: every part has its own bias"
         )),
-        (None, Some(calibrated)) => Ok(Some(format!(
-            "unknown-serial: the calibration that is applied is that of part {calibrated}, and nothing shows that \
-             {name} is that part: look at the number on it"
-        ))),
-        (_, None) => Ok(Some(
-            "unknown-serial: the calibration that is applied says of no part that it is its own, and every part has \
-             its own bias: calibrate with the serial number"
-                .to_owned(),
-        )),
+        (None, Some(calibrated)) => {
+            Ok(Some(SessionWarning::UnknownSerial { calibrated: calibrated.to_owned(), name: name.clone() }))
+        }
+        (_, None) => Ok(Some(SessionWarning::NoSerial)),
     }
 }
 

@@ -7,7 +7,7 @@ mod wire;
 
 use super::{Next, Source, about_part};
 use crate::registers;
-use crate::session::About;
+use crate::session::{About, Said};
 use adis16130::asynch::Adis16130;
 use adis16130::bridge::{Answer, Ask, Continuity, GONE, PROTOCOL, Refusal, RequestError, SILENT, Settings};
 use adis16130::{Config, Fault, Framing, MAX_SCLK_HZ, MCLK_HZ, SamplerConfig};
@@ -20,6 +20,7 @@ use std::task::{Context, Poll, Waker};
 use std::time::Duration;
 use wire::{Shared, Transfers, Wire};
 use zerorate_record::Row;
+use zerorate_view::SessionWarning;
 
 /// A part behind a bridge at a serial port.
 pub struct Bridge {
@@ -27,7 +28,6 @@ pub struct Bridge {
     shared: Shared,
     work: Pin<Box<dyn Future<Output = Result<Infallible, String>>>>,
     failed: Option<String>,
-    notes: Vec<String>,
 }
 
 /// SPI clock that is asked for, Hz: half of what the part can (F-21), as the program does.
@@ -47,7 +47,7 @@ impl Bridge {
         let shared: Shared = Rc::new(RefCell::new(Wire { now: of_page(now_ms), ..Wire::default() }));
         let work = Box::pin(measure(shared.clone(), config));
         let about = about_part("bridge: at a serial port", &config, false, false);
-        let mut bridge = Self { about, shared, work, failed: None, notes: Vec::new() };
+        let mut bridge = Self { about, shared, work, failed: None };
         bridge.work();
         bridge
     }
@@ -83,13 +83,9 @@ impl Source for Bridge {
         self.failed.clone().map_or(Ok(Next::Waiting), Err)
     }
 
-    fn notes(&mut self) -> Vec<String> {
+    fn notes(&mut self) -> Vec<Said> {
         let damaged = std::mem::take(&mut self.shared.borrow_mut().client.damaged);
-        if damaged > 0 {
-            self.notes
-                .push(format!("damaged-frames: {damaged} frames of the bridge arrived damaged; check the cable"));
-        }
-        std::mem::take(&mut self.notes)
+        (damaged > 0).then(|| SessionWarning::Damaged(damaged).into()).into_iter().collect()
     }
 
     fn received(&mut self, bytes: &[u8], now_ms: f64) {

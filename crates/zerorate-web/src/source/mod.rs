@@ -9,7 +9,7 @@ pub use bridge::Bridge;
 pub use replay::Replay;
 pub use twin::TwinSource;
 
-use crate::session::About;
+use crate::session::{About, Said};
 use adis16130::{Config, MCLK_HZ, SamplerConfig};
 use adis16130_twin::Truth;
 use zerorate::Axis;
@@ -48,7 +48,7 @@ pub trait Source {
     }
 
     /// What there is to say since this was asked last.
-    fn notes(&mut self) -> Vec<String> {
+    fn notes(&mut self) -> Vec<Said> {
         Vec::new()
     }
 

@@ -1,7 +1,7 @@
 //! A recording that was dropped on the page.
 
 use super::{Next, Source};
-use crate::session::About;
+use crate::session::{About, Said};
 use std::path::Path;
 use zerorate_logs::{ColumnOptions, RowReader};
 use zerorate_record::{CaptureInfo, Input};
@@ -10,7 +10,7 @@ use zerorate_record::{CaptureInfo, Input};
 pub struct Replay {
     about: About,
     reader: RowReader,
-    notes: Vec<String>,
+    notes: Vec<Said>,
 }
 
 impl Replay {
@@ -45,13 +45,13 @@ impl Source for Replay {
             Some(Ok(row)) => Ok(Next::Row(row)),
             Some(Err(error)) => Err(error.to_string()),
             None => {
-                self.notes = self.reader.warnings().iter().map(ToString::to_string).collect();
+                self.notes = self.reader.warnings().iter().map(Said::from).collect();
                 Ok(Next::Ended)
             }
         }
     }
 
-    fn notes(&mut self) -> Vec<String> {
+    fn notes(&mut self) -> Vec<Said> {
         std::mem::take(&mut self.notes)
     }
 }

@@ -4,7 +4,7 @@
 use super::file;
 use super::now_ms;
 use crate::live::{Live, Open};
-use crate::session::Session;
+use crate::session::{Said, Session};
 #[cfg(feature = "wasm-replay")]
 use crate::source::Replay;
 use crate::source::{Bridge, Source, TwinSource};
@@ -82,9 +82,14 @@ impl LiveSession {
         self.session().method().is_some()
     }
 
-    /// Something that the page has to say: `code: text`.
+    /// Something that the page has to say.
     pub fn note(&mut self, text: &str) {
-        self.session().note(text);
+        self.session().note(Said::plain(text));
+    }
+
+    /// What was to be opened cannot be.
+    pub fn cannot_open(&mut self, why: &str) {
+        self.session().note(Said::new("cannot-open", why));
     }
 
     /// Goes on where a first look at the same unit is, so long after its first reading, s.

@@ -2,11 +2,10 @@
 
 use crate::last_word;
 use crate::output::say;
+use crate::wording::coded;
 use zerorate_host::Left;
+use zerorate_jobs::JobWarning;
 use zerorate_jobs::chamber::{AirListener, AirState};
-
-/// The code of the warning about a chamber that may go on heating or cooling.
-const CODE: &str = "chamber-left";
 
 /// Keeps the last word.
 pub struct LastWord;
@@ -15,11 +14,11 @@ impl AirListener for LastWord {
     fn owe(&self, air: &AirState) {
         last_word::owe(match &air.name {
             None => by_hand(air),
-            Some(name) => format!(
-                "warning: {CODE}: the program ended before {name} was sent to {:.1} °C{}: switch it off by hand",
+            Some(name) => warning(format!(
+                "the program ended before {name} was sent to {:.1} °C{}: switch it off by hand",
                 air.safe_c,
                 told(air)
-            ),
+            )),
         });
     }
 
@@ -64,10 +63,11 @@ fn word(state: &AirState, left: &Left) -> String {
                 Some(set_c) => format!("and holds {set_c:.1} °C"),
                 None => format!("and nobody knows what it does{}", told(state)),
             };
-            format!(
-                "warning: {CODE}: the chamber could not be sent to {safe_c:.1} °C {does}: switch it off by \
-                 hand{why}{air}"
-            )
+            warning(format!("the chamber could not be sent to {safe_c:.1} °C {does}: switch it off by hand{why}{air}"))
         }
     }
+}
+
+fn warning(how: String) -> String {
+    format!("warning: {}", coded(JobWarning::ChamberLeft(how)))
 }

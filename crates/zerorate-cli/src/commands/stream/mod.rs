@@ -96,7 +96,7 @@ fn check_serial(args: &StreamArgs, facts: &DeviceInfo, calibration: &Calibration
     }
     let name = args.device.device.to_string();
     let part = Part { name: &name, serial: given.or(recorded), advice: "give --serial SN to have it checked" };
-    warn(part.check(calibration, &args.cal)?.as_slice());
+    warn(part.check(calibration, &args.cal)?.map(coded).as_slice());
     Ok(())
 }
 

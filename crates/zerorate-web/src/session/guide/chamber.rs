@@ -7,7 +7,7 @@ use zerorate::chamber::{
     ChamberAction, ChamberOutcome, ChamberPlan, ChamberProcedure, ChamberRefusal, SHIPPED, StepEnd,
 };
 use zerorate::{Calibration, Part, Plan, Scan, Warning};
-use zerorate_view::{Seconds, report};
+use zerorate_view::{Seconds, SessionWarning, report};
 
 /// The plan where none was named.
 const DEFAULT: &str = "two-point";
@@ -128,7 +128,7 @@ impl Way for ByHand {
         let loops = outcomes.iter().zip(part.axes.iter());
         let loops = loops
             .filter_map(|(outcome, axis)| report::wide_loop(outcome, &axis.name))
-            .map(|text| format!("hysteresis: {text}"));
+            .map(|text| SessionWarning::WideLoop(text).into());
         Ok(Found {
             calibration: Calibration::of_chamber(&part, &record, &outcomes, &run, origin),
             axes: outcomes.iter().map(found).collect(),

@@ -4,6 +4,7 @@ mod chamber;
 mod hour;
 
 use super::axis::AxisState;
+use super::notices::Said;
 use super::shelf::entry;
 use crate::message::{
     AxisResult, CalibrateCommand, Calibrating, CalibrationResult, CurvePoint, MethodName, Running, Step,
@@ -58,8 +59,7 @@ struct Stage {
 struct Found {
     calibration: Calibration,
     axes: Vec<FoundAxis>,
-    /// As they are shown.
-    warnings: Vec<String>,
+    warnings: Vec<Said>,
 }
 
 /// Of one axis.
@@ -156,7 +156,7 @@ impl Guide {
             method: self.method,
             entry: entry(&calibration, false),
             axes: shown.collect(),
-            warnings,
+            warnings: warnings.iter().map(Said::to_string).collect(),
         };
         Ok((result, calibration))
     }
@@ -209,13 +209,13 @@ fn label(setting: Setting) -> &'static str {
 }
 
 /// Each once.
-fn worded<'a>(warnings: impl IntoIterator<Item = &'a Warning>) -> Vec<String> {
-    let mut texts = Vec::new();
+fn worded<'a>(warnings: impl IntoIterator<Item = &'a Warning>) -> Vec<Said> {
+    let mut all = Vec::new();
     for warning in warnings {
-        let text = format!("{}: {}", warning.code(), warning.with(label));
-        if !texts.contains(&text) {
-            texts.push(text);
+        let said = Said::new(warning.code(), warning.with(label));
+        if !all.contains(&said) {
+            all.push(said);
         }
     }
-    texts
+    all
 }

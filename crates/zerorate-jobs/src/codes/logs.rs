@@ -212,32 +212,4 @@ pub(super) const ROWS: &[Explanation] = &[
         remedy: "Check the unit in the column's name and the scale in the file of the part; log more digits.",
         command: "",
     },
-    Explanation {
-        code: "log-failed",
-        says: Says::Warning,
-        by: &["calibrate", "chamber"],
-        seen: "The file of `--log` could not be written any longer: the disk is full, or was taken away.",
-        matters: "The measurement goes on and its result stands, but the exit code is 1: there is no whole \
-            recording of it.",
-        remedy: "Make room. What was written until then is whole up to its last block.",
-        command: "zerorate verify unit.arrows",
-    },
-    Explanation {
-        code: "before-temperature",
-        says: Says::Warning,
-        by: &["correct"],
-        seen: "The first rows of a capture come before its first temperature.",
-        matters: "A correction needs a temperature: these rows stay uncorrected, and their cells are empty.",
-        remedy: "Nothing, if they are few. Read the temperature more often, so that the first comes sooner.",
-        command: "zerorate capture --every-temp 1 -o rest.arrows",
-    },
-    Explanation {
-        code: "not-believed",
-        says: Says::Warning,
-        by: &["stream"],
-        seen: "Readings came that are not to be believed: bit errors, out of range, or a part that stopped.",
-        matters: "They are left out of the means, and their rows are flagged.",
-        remedy: "Check the cable and the supply; `zerorate probe` says more.",
-        command: "zerorate probe",
-    },
 ];

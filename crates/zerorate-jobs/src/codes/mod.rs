@@ -3,19 +3,19 @@
 //! A code has one row. It stands beside the enum of its warning, or, where the code is raised as a text, in a table of
 //! this module. `tests/codes.rs` compares the rows with all that can be said.
 
-mod chamber;
 mod logs;
 mod noise;
 mod samples;
-mod serving;
 
-use crate::export::ExportWarning;
+use crate::warning::JobWarning;
 use std::fmt::Write;
 use zerorate::calibration::FileWarning;
 use zerorate::chamber::ChamberRefusal;
 use zerorate::{Deviation, Refusal, Warning};
 use zerorate_allan::AllanWarning;
 pub use zerorate_allan::{Explanation, Says};
+use zerorate_view::SessionWarning;
+use zerorate_view::export::ExportWarning;
 
 /// Codes that belong together, under a heading.
 #[derive(Clone, Copy, Debug)]
@@ -33,13 +33,13 @@ const ROWS: [&[Explanation]; 12] = [
     Deviation::EXPLANATIONS,
     ExportWarning::EXPLANATIONS,
     FileWarning::EXPLANATIONS,
+    JobWarning::EXPLANATIONS,
     Refusal::EXPLANATIONS,
+    SessionWarning::EXPLANATIONS,
     Warning::EXPLANATIONS,
-    chamber::ROWS,
     logs::ROWS,
     noise::ROWS,
     samples::ROWS,
-    serving::ROWS,
 ];
 
 /// The order of the book.
@@ -152,7 +152,7 @@ pub fn page() -> String {
 
 const PREFACE: &str = "# Every warning and refusal
 
-<!-- Made by `cargo xtask codegen` out of the rows that crates/zerorate-view/src/codes names; change them. -->
+<!-- Made by `cargo xtask codegen` out of the rows that crates/zerorate-jobs/src/codes names; change them. -->
 
 A warning begins with its code, and its result stands: `warning: aliased: 228 rate samples a second are
 below …`. A refusal (exit code 3) is followed by a line with its code, and there is no result. The lines
