@@ -10,11 +10,10 @@ use std::ffi::CString;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 use zerorate::{Method, Names, Plan, Progress, Setting};
-use zerorate_host::{DeviceSpec, Pace, Sampling, Setup, Stop};
+use zerorate_host::{DeviceSpec, Pace, Sampling, Setup, SourceWarning, Stop};
 use zerorate_jobs::calibrate::{Files, Kept, Watch, prepare, settle_s};
 use zerorate_jobs::output::Outputs;
 use zerorate_jobs::{Acquisition, JobWarning};
-use zerorate_record::Note;
 use zerorate_view::Seconds;
 
 /// A duration: seconds, or a text such as ``"10m"``.
@@ -184,7 +183,7 @@ fn run(
     let CalibrateOptions { output, log, serial, supply_note, force, .. } = options;
     let files = Files::claim(Outputs::new(force), Kept { output, log, serial, supply_note })?;
     let said = caller.said.clone();
-    let tell = Box::new(move |note: &Note| said.push(JobWarning::Source(note.clone())));
+    let tell = Box::new(move |warning: &SourceWarning| said.push(JobWarning::Source(warning.clone())));
     let setup = Setup { sampling, names: argument, ..Setup::default() };
     let acquisition = Acquisition::open(device, setup, Pace::Free, &Stop::default(), tell)?;
     let done = prepare(acquisition, plan, files, argument)?.run(caller)?;

@@ -1,7 +1,6 @@
 //! Captures, and codes in units.
 
 use crate::error::exception;
-use crate::log::texts;
 use adis16130::Width;
 use numpy::{Element, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, ToPyArray};
 use pyo3::exceptions::PyValueError;
@@ -10,6 +9,7 @@ use pyo3::types::{PyDict, PyTuple};
 use std::path::PathBuf;
 use zerorate::{Axis, Part, Scale};
 use zerorate_jobs::capture::{self, Recording};
+use zerorate_record::CaptureWarning;
 
 /// Reads a capture. Returns its columns, and its description under ``width_bits``, ``metadata``, ``calibration_id``
 /// and ``warning``.
@@ -27,7 +27,7 @@ pub fn read_capture(py: Python<'_>, path: PathBuf) -> PyResult<Bound<'_, PyDict>
     recording.metadata.iter().try_for_each(|(key, value)| metadata.set_item(key, value))?;
     capture.set_item("metadata", metadata)?;
     capture.set_item("calibration_id", recording.calibration_id)?;
-    let notes = texts(&recording.notes);
+    let notes: Vec<String> = recording.notes.iter().map(CaptureWarning::coded).collect();
     capture.set_item("warning", (!notes.is_empty()).then(|| notes.join("; ")))?;
     Ok(capture)
 }

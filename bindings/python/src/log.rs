@@ -14,9 +14,8 @@ use zerorate_jobs::temperature;
 use zerorate_logs::TEMPERATURE_NAMES;
 use zerorate_logs::imu::{Axes, ImuOptions, Said};
 use zerorate_logs::{
-    Column, ColumnOptions, Decimal, Names, Quantity, RawType, Series, Setting, TimeUnit, Unit, Wanted,
+    Column, ColumnOptions, Decimal, LogWarning, Names, Quantity, RawType, Series, Setting, TimeUnit, Unit, Wanted,
 };
-use zerorate_record::Note;
 
 /// Where numbers come from.
 #[derive(FromPyObject)]
@@ -267,8 +266,8 @@ impl Cells<'_> {
 }
 
 /// For `warnings.warn`.
-pub fn texts(notes: &[Note]) -> Vec<String> {
-    notes.iter().map(Note::to_string).collect()
+fn texts(warnings: &[LogWarning]) -> Vec<String> {
+    warnings.iter().map(LogWarning::coded).collect()
 }
 
 /// A column for Python: its numbers in the unit that they came in.

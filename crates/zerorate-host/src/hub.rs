@@ -6,6 +6,7 @@
 
 use crate::pace::{Pace, Speed, WallClock};
 use crate::source::{DeviceInfo, Losses, Source};
+use crate::warning::SourceWarning;
 use crate::{DeviceError, DeviceSpec, Result, Setup, Stop};
 use adis16130_twin::Truth;
 use anyhow::{Context, anyhow};
@@ -16,7 +17,7 @@ use std::thread::{self, JoinHandle};
 use std::time::Duration;
 use std::vec::IntoIter;
 use zerorate_record::admission::Admission;
-use zerorate_record::{Note, Row};
+use zerorate_record::{CaptureWarning, Row};
 
 /// Samples of a batch at most: 0.7 s at the full rate.
 const BATCH: usize = 4096;
@@ -31,9 +32,9 @@ pub struct Batch {
     /// In order of time, as they may stand in a capture.
     pub rows: Vec<Row>,
     /// What there is to say since the batch before.
-    pub notes: Vec<Note>,
+    pub notes: Vec<SourceWarning>,
     /// What there is to say of the times of all samples so far.
-    pub doubts: Vec<Note>,
+    pub doubts: Vec<CaptureWarning>,
     /// What was lost between the part and here, since the beginning.
     pub losses: Losses,
     /// The twin's truth after the last sample, of each axis.

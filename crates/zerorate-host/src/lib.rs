@@ -32,6 +32,7 @@ mod stop;
 #[cfg(all(test, target_os = "linux"))]
 mod tests;
 mod twin;
+mod warning;
 mod wire;
 
 pub use chamber::{Air, Apart, Chamber, ChamberSpec, DIALECTS, Dialect, ENDING_S, Lead, Left, SimulatedChamber};
@@ -41,6 +42,7 @@ pub use kinds::{DeviceSpec, KINDS, Kind};
 pub use pace::{Pace, Speed};
 pub use source::{Bus, DeviceInfo, Losses, Registers, Sampling, Setup, Source};
 pub use stop::Stop;
+pub use warning::SourceWarning;
 
 /// What is given back by whatever may fail at a device.
 pub type Result<T, E = DeviceError> = std::result::Result<T, E>;

@@ -3,13 +3,14 @@
 use crate::address::{Address, Parsed};
 use crate::error::UserError;
 use crate::source::{DeviceInfo, Sampling, Setup, Source, nominal_rate_hz, part_of};
+use crate::warning::SourceWarning;
 use crate::{Result, Stop, files};
 use adis16130::MCLK_HZ;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use zerorate::{Part, Setting};
 use zerorate_logs::RowReader;
-use zerorate_record::{Note, Row};
+use zerorate_record::Row;
 
 /// `replay:FILE`; the file may be called what it likes.
 #[derive(Clone, Debug)]
@@ -47,7 +48,7 @@ impl Address for ReplayAddress {
 struct Replay {
     reader: RowReader,
     part: Part,
-    notes: Vec<Note>,
+    notes: Vec<SourceWarning>,
 }
 
 impl Source for Replay {
@@ -62,12 +63,12 @@ impl Source for Replay {
     fn next(&mut self) -> Result<Option<Row>> {
         let row = self.reader.next().transpose()?;
         if row.is_none() {
-            self.notes = self.reader.warnings();
+            self.notes = self.reader.warnings().into_iter().map(SourceWarning::Log).collect();
         }
         Ok(row)
     }
 
-    fn take_notes(&mut self) -> Vec<Note> {
+    fn take_notes(&mut self) -> Vec<SourceWarning> {
         std::mem::take(&mut self.notes)
     }
 }

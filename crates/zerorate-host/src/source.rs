@@ -5,11 +5,12 @@ use crate::chamber::Air;
 use crate::clock;
 use crate::error::UserError;
 use crate::options::PartOptions;
+use crate::warning::SourceWarning;
 use adis16130::registers::Address;
 use adis16130::{Config, ConversionTime, Framing, SamplerConfig, SelfTest};
 use adis16130_twin::Truth;
 use zerorate::{Names, Part, Setting};
-use zerorate_record::{CaptureInfo, Converter, Note, Row};
+use zerorate_record::{CaptureInfo, Converter, Row};
 
 /// How often a part is read. A recording has decided that already.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -93,7 +94,7 @@ pub trait Source {
     }
 
     /// What there is to say since this was asked last.
-    fn take_notes(&mut self) -> Vec<Note> {
+    fn take_notes(&mut self) -> Vec<SourceWarning> {
         Vec::new()
     }
 }

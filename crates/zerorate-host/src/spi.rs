@@ -8,6 +8,7 @@ use crate::live::Live;
 use crate::options::{DEFAULT_HZ, MCLK_RANGE_HZ, PART_OPTIONS, PartOptions, SLOWEST_HZ, gpio_line, number, split};
 use crate::reader::{Reader, WhenFull};
 use crate::source::{Bus, DeviceInfo, Losses, Registers, Setup, Source};
+use crate::warning::SourceWarning;
 use adis16130::{Framing, MAX_SCLK_HZ, MCLK_HZ, Sample, SelfTest};
 use anyhow::{Result, bail};
 use embedded_hal::spi::{Error, ErrorKind, ErrorType, Operation, SpiDevice};
@@ -26,12 +27,10 @@ use thread_priority::{
     thread_native_id,
 };
 use zerorate::{Names, Setting};
-use zerorate_record::{Note, Row};
+use zerorate_record::Row;
 
 /// SCHED_FIFO priority of the reading thread: above everything ordinary, below the kernel's interrupt threads (50).
 const PRIORITY: u8 = 40;
-const NOT_REALTIME: &str = "allow it with `sudo setcap cap_sys_nice,cap_ipc_lock+ep \"$(command -v zerorate)\"`, or \
-    in a systemd unit AmbientCapabilities=CAP_SYS_NICE CAP_IPC_LOCK";
 
 /// Reads whose time is taken.
 const TIMED_READS: u32 = 200;
@@ -107,7 +106,7 @@ struct SpiPart {
 }
 
 /// What the reading thread has to say.
-type Notes = Arc<Mutex<Vec<Note>>>;
+type Notes = Arc<Mutex<Vec<SourceWarning>>>;
 
 enum State {
     Ready(Box<Live<SpiBus, GpioEdges>>),
@@ -224,26 +223,24 @@ impl Source for SpiPart {
         Losses { overflowed, ..Losses::default() }
     }
 
-    fn take_notes(&mut self) -> Vec<Note> {
+    fn take_notes(&mut self) -> Vec<SourceWarning> {
         std::mem::take(&mut *self.notes.lock().unwrap_or_else(PoisonError::into_inner))
     }
 }
 
 /// Priority and locked memory, or a word on how to allow them.
 fn become_realtime(notes: &Notes) {
-    let say = |code, text| {
-        notes.lock().unwrap_or_else(PoisonError::into_inner).push(Note::new(code, format!("{text}; {NOT_REALTIME}")));
-    };
+    let say = |warning| notes.lock().unwrap_or_else(PoisonError::into_inner).push(warning);
     let fifo = ThreadSchedulePolicy::Realtime(RealtimeThreadSchedulePolicy::Fifo);
     let priority = ThreadPriority::try_from(PRIORITY).map_err(|why| why.to_owned());
     let set = priority.and_then(|priority| {
         set_thread_priority_and_policy(thread_native_id(), priority, fifo).map_err(|error| error.to_string())
     });
     if set.is_err() {
-        say("no-realtime-priority", "other programs can delay the reading and cost samples");
+        say(SourceWarning::NoRealtimePriority);
     }
     if mlockall(MlockAllFlags::CURRENT | MlockAllFlags::FUTURE | MlockAllFlags::ONFAULT).is_err() {
-        say("memory-not-locked", "the reading thread may have to wait for memory that was swapped out");
+        say(SourceWarning::MemoryNotLocked);
     }
 }
 

@@ -7,13 +7,14 @@ use crate::error::UserError;
 use crate::live::Live;
 use crate::options::PartOptions;
 use crate::source::{DeviceInfo, Registers, Setup, Source, part_of};
+use crate::warning::SourceWarning;
 use crate::{Result, Stop};
 use adis16130::{Edge, MCLK_HZ, RdyEdge, Sample, SelfTest, Width};
 use adis16130_twin::{Profile, Roa, Spec, SpecError, Truth, Twin, TwinSpi};
 use std::borrow::Cow;
 use std::sync::Arc;
 use zerorate::{Axis, NamedAxis, Names, Part, Scale, Setting};
-use zerorate_record::{CaptureInfo, Layout, Note, Row};
+use zerorate_record::{CaptureInfo, Layout, Row};
 
 /// `twin:KEY=VALUE,…`: the unit, and how the driver configures it.
 #[derive(Clone, Debug)]
@@ -127,7 +128,7 @@ struct Twins {
     facts: DeviceInfo,
     units: Vec<Live<TwinSpi, TwinEdges>>,
     follower: Option<Follower>,
-    notes: Vec<Note>,
+    notes: Vec<SourceWarning>,
 }
 
 impl Source for Twins {
@@ -177,7 +178,7 @@ impl Source for Twins {
         self.units.iter().map(|unit| unit.edges.twin.truth()).collect()
     }
 
-    fn take_notes(&mut self) -> Vec<Note> {
+    fn take_notes(&mut self) -> Vec<SourceWarning> {
         std::mem::take(&mut self.notes)
     }
 }
@@ -187,7 +188,7 @@ struct TwinPart {
     facts: DeviceInfo,
     live: Live<TwinSpi, TwinEdges>,
     follower: Option<Follower>,
-    notes: Vec<Note>,
+    notes: Vec<SourceWarning>,
 }
 
 impl Source for TwinPart {
@@ -229,23 +230,17 @@ impl Source for TwinPart {
         vec![self.live.edges.twin.truth()]
     }
 
-    fn take_notes(&mut self) -> Vec<Note> {
+    fn take_notes(&mut self) -> Vec<SourceWarning> {
         std::mem::take(&mut self.notes)
     }
 }
 
 /// What is said of a simulated part in air where no such part operates.
-fn beyond_limits(unit: &Spec, part: &Part) -> Option<Note> {
+fn beyond_limits(unit: &Spec, part: &Part) -> Option<SourceWarning> {
     let (low_c, high_c) = part.operating_c?;
     let is_beyond = unit.profile != Profile::Oven && !(low_c..=high_c).contains(&unit.ambient_c);
-    is_beyond.then(|| {
-        let text = format!(
-            "the simulated part is in air of {} °C, and the {} may be at {low_c} to {high_c} °C only: nobody knows \
-             what a real one would do there",
-            unit.ambient_c, part.name
-        );
-        Note::new("beyond-limits", text)
-    })
+    let part = part.name.to_string();
+    is_beyond.then_some(SourceWarning::BeyondLimits { ambient_c: unit.ambient_c, part, low_c, high_c })
 }
 
 /// What the driver is told of the clock: the nominal one (F-31), unless the unit was given quite another.

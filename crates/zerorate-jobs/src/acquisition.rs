@@ -8,11 +8,13 @@ use anyhow::Result;
 use std::sync::Arc;
 use zerorate::health::{Frozen, Health, Judged};
 use zerorate::{Axis, Names, Part, Tally, Warning, resonance};
-use zerorate_host::{Batch, Bus, DeviceInfo, DeviceSpec, Hub, Losses, LosslessReader, Pace, Setup, Stop};
-use zerorate_record::{CaptureInfo, Layout, Note, Row, believed};
+use zerorate_host::{
+    Batch, Bus, DeviceInfo, DeviceSpec, Hub, Losses, LosslessReader, Pace, Setup, SourceWarning, Stop,
+};
+use zerorate_record::{CaptureInfo, CaptureWarning, Layout, Row, believed};
 
 /// Hears what a device has to say while it is read.
-pub type Tell = Box<dyn FnMut(&Note)>;
+pub type Tell = Box<dyn FnMut(&SourceWarning)>;
 
 /// A device that is being read.
 pub struct Acquisition {
@@ -25,7 +27,7 @@ pub struct Acquisition {
     taken: usize,
     marks_ns: Vec<u64>,
     losses: Losses,
-    doubts: Vec<Note>,
+    doubts: Vec<CaptureWarning>,
     tally: Tally,
     layout: Layout,
     axes: Vec<JudgedAxis>,

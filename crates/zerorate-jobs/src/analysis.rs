@@ -8,8 +8,7 @@ use zerorate_allan::{
     FitOptions, Input, Line, Options, Point, Settled, Taus, interval,
 };
 use zerorate_logs::imu::{self, Axis, Kind};
-use zerorate_logs::{Column, Quantity, Series, Settling, SettlingError};
-use zerorate_record::Note;
+use zerorate_logs::{Column, LogWarning, Quantity, Series, Settling, SettlingError};
 use zerorate_view::plot::Envelope;
 
 /// A column of a log and what was found in it.
@@ -31,7 +30,7 @@ pub struct Record {
     /// The rate in the unit of the results; only where it is fitted once more, and nothing was taken out before.
     pub rate: Option<Vec<f64>>,
     /// What there is to know of the log.
-    pub notes: Vec<Note>,
+    pub notes: Vec<LogWarning>,
     /// Its rate follows its temperature, and there is no model to say so.
     pub follows: Option<AllanWarning>,
     /// What is drawn of it beside its curve; none unless that was asked for, and of a rate.
@@ -138,7 +137,7 @@ impl Record {
     }
 
     /// Records of one type as one: the mean of the curves, each weighed by its terms, with the common model.
-    pub fn together(used: &[&Self], fit: Fit, notes: Vec<Note>) -> Self {
+    pub fn together(used: &[&Self], fit: Fit, notes: Vec<LogWarning>) -> Self {
         let first = used[0];
         let samples = used.iter().map(|record| record.analysis.samples).max().unwrap_or(0);
         let longest = used.iter().find(|record| record.analysis.samples == samples).unwrap_or(&first);
@@ -263,18 +262,16 @@ impl Record {
 }
 
 /// What is missing, and what is done about it.
-fn gaps(options: &AnalysisOptions, file: &Path, column: &mut Column) -> Option<Note> {
+fn gaps(options: &AnalysisOptions, file: &Path, column: &mut Column) -> Option<LogWarning> {
     let missing = column.missing();
-    let seen = format!("{}: {missing} samples are missing among {}", file.display(), column.series.len());
-    let text = match missing {
-        0 => return None,
-        _ if options.closes_gaps => {
-            column.close_gaps();
-            format!("{seen}; the gaps are closed up, which changes the result")
-        }
-        _ => format!("{seen}; they are gaps, and what averages lack more than half of their samples is left out"),
-    };
-    Some(Note::new("gaps", text))
+    if missing == 0 {
+        return None;
+    }
+    let (path, among, are_closed) = (file.display().to_string(), column.series.len(), options.closes_gaps);
+    if are_closed {
+        column.close_gaps();
+    }
+    Some(LogWarning::Gaps { path, missing, among, are_closed })
 }
 
 /// The numbers as phase, if that is what they are. A lost phase point is a point that is not there.

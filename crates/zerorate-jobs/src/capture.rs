@@ -5,7 +5,7 @@ use std::path::Path;
 use zerorate::health::Health;
 use zerorate::{Scale, Tally};
 use zerorate_host::files;
-use zerorate_record::{CaptureInfo, Layout, Note, Row, believed};
+use zerorate_record::{CaptureInfo, CaptureWarning, Layout, Row, believed};
 
 /// The samples of a capture as columns, one row per sample, with how they were taken.
 #[derive(Clone, Debug, Default)]
@@ -31,7 +31,7 @@ pub struct Recording {
     /// The calibration that was applied, if the capture is a corrected one; its raw columns are untouched.
     pub calibration_id: Option<String>,
     /// What is to be said of the file: a torn tail, rows that nothing checks, readings that are not to be believed.
-    pub notes: Vec<Note>,
+    pub notes: Vec<CaptureWarning>,
 }
 
 /// The readings of one axis.

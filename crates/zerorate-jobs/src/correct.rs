@@ -78,7 +78,7 @@ impl<'a> Job<'a> {
             sink.write(&batch)?;
         }
         sink.finish()?;
-        reader.warnings().into_iter().for_each(|note| warn(JobWarning::Source(note)));
+        reader.warnings().into_iter().for_each(|warning| warn(JobWarning::Source(warning.into())));
         ensure!(
             correcting.rows == 0 || correcting.corrector.range_c().is_some(),
             "{} holds no temperature at all: nothing can be corrected; record with {} 1",

@@ -6,7 +6,8 @@ use zerorate::calibration::FileWarning;
 use zerorate::health::Flags;
 use zerorate::{Names, Say, Warning};
 use zerorate_allan::{Says, rows};
-use zerorate_record::Note;
+use zerorate_host::SourceWarning;
+use zerorate_record::CaptureWarning;
 use zerorate_view::Seconds;
 
 /// A warning of a job: a code for scripts, and a text that may name settings.
@@ -19,9 +20,9 @@ pub enum JobWarning {
     /// About the file of a calibration.
     OfCalibration(String, FileWarning),
     /// About a file or a device; the text names it where there may be several.
-    Source(Note),
+    Source(SourceWarning),
     /// About readings that are not believed.
-    Readings(Note),
+    Readings(CaptureWarning),
     /// So many samples were read, but lost in the queue.
     Overflowed(u64),
     /// So many frames of a bridge were damaged.
@@ -95,8 +96,8 @@ rows!(match JobWarning {
         Row { code: { warning.code() }, text: format_args!("axis {name}: {warning}") },
     Self::OfCalibration(ref path, ref warning) =>
         Row { code: { warning.code() }, text: format_args!("{path}: {warning}") },
-    Self::Source(ref note) | Self::Readings(ref note) =>
-        Row { code: { note.code }, text: format_args!("{}", note.text) },
+    Self::Source(ref warning) => Row { code: { warning.code() }, text: format_args!("{warning}") },
+    Self::Readings(ref warning) => Row { code: { warning.code() }, text: format_args!("{warning}") },
     Self::Overflowed(samples) => Row {
         code: "queue-overflow",
         text: format_args!(

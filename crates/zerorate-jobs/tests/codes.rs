@@ -7,8 +7,11 @@ use zerorate::calibration::FileWarning;
 use zerorate::chamber::ChamberRefusal;
 use zerorate::{Deviation, Refusal, Warning};
 use zerorate_allan::AllanWarning;
+use zerorate_host::SourceWarning;
 use zerorate_jobs::JobWarning;
 use zerorate_jobs::codes::{self, Says};
+use zerorate_logs::LogWarning;
+use zerorate_record::CaptureWarning;
 use zerorate_view::SessionWarning;
 use zerorate_view::export::ExportWarning;
 
@@ -16,7 +19,8 @@ fn of_enums() -> (BTreeSet<&'static str>, BTreeSet<&'static str>) {
     let found = Deviation::codes().collect::<BTreeSet<_>>();
     let mut warnings: BTreeSet<_> = Warning::codes().chain(AllanWarning::codes()).collect();
     warnings.extend(FileWarning::codes().chain(ExportWarning::codes()).chain(found.iter().copied()));
-    warnings.extend(JobWarning::codes().chain(SessionWarning::codes()));
+    warnings.extend(JobWarning::codes().chain(SessionWarning::codes()).chain(SourceWarning::codes()));
+    warnings.extend(CaptureWarning::codes().chain(LogWarning::codes()));
     (warnings, Refusal::codes().chain(ChamberRefusal::codes()).chain(found).collect())
 }
 
@@ -26,9 +30,6 @@ fn all_that_can_be_said_is_explained() {
     let said = |code: &str| codes::all().find(|one| one.code == code).map(|one| one.says);
     for code in warnings {
         assert!(matches!(said(code), Some(Says::Warning | Says::Either)), "no warning {code:?} in the table");
-    }
-    for code in made_with(&["Note::new("], &["torn-tail", "rows-incomplete"]) {
-        assert!(matches!(said(&code), Some(Says::Warning | Says::Either)), "no warning {code:?} in the table");
     }
     let refused = made_with(&["Refused::new(", "LogError::Refused("], &["no-model", "times-uneven"]);
     for code in refusals.into_iter().chain(refused.iter().map(String::as_str)) {

@@ -11,7 +11,7 @@ use zerorate_record::arrows::decode;
 use zerorate_record::limits::Room;
 use zerorate_record::messages::{Message, Messages};
 use zerorate_record::table::{BatchSource, Stated};
-use zerorate_record::{CaptureError, Input, Note};
+use zerorate_record::{CaptureError, CaptureWarning, Input};
 
 /// The mark at the start is padded with zeros to a multiple of this.
 const ALIGNMENT: usize = 8;
@@ -107,7 +107,7 @@ impl BatchSource for ArrowFile {
                     self.stated.ended = true;
                     let path = self.path.display();
                     let text = format!("{path} was not closed: every whole batch is read, what follows is dropped");
-                    self.stated.warning = Some(Note::new("torn-tail", text));
+                    self.stated.warning = Some(CaptureWarning::Torn(text));
                 }
             }
         }

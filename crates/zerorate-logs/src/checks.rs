@@ -5,7 +5,7 @@ use super::tests::{numbers, options};
 use super::*;
 
 /// What a log is found to hold: the name and the bits of each column, its rate, and what is said of it.
-type Read = (Vec<(String, Vec<u64>)>, u64, Vec<Note>);
+type Read = (Vec<(String, Vec<u64>)>, u64, Vec<LogWarning>);
 
 fn read(bytes: &[u8], said: &str) -> Result<Read> {
     let columns = read_all(Path::new("log"), bytes.to_vec().into(), Wanted::All, &options(said))?;
@@ -151,6 +151,6 @@ fn a_bag_that_lost_a_chunk() {
     let mut lost = bag.to_vec();
     lost[chunk] = 4;
     let (_, _, notes) = read(&lost, "--rate 200").unwrap();
-    assert_eq!(notes.iter().map(|note| note.code).collect::<Vec<_>>(), ["messages-miscounted"]);
-    assert!(notes[0].text.contains("states 120 messages of /imu and holds "), "{}", notes[0].text);
+    assert_eq!(notes.iter().map(LogWarning::code).collect::<Vec<_>>(), ["messages-miscounted"]);
+    assert!(notes[0].to_string().contains("states 120 messages of /imu and holds "), "{}", notes[0]);
 }

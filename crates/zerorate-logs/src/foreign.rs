@@ -34,7 +34,7 @@ fn bags_of_ros_1() {
         cut(bag, "--column z");
         // one that was not closed lists its connections in its chunks only
         let open = folder.read(&bag[..bag.len() - 40], "--column z").unwrap();
-        assert!(open.warnings[0].text.contains("was not closed or is damaged"), "{:?}", open.warnings);
+        assert!(open.warnings[0].to_string().contains("was not closed or is damaged"), "{:?}", open.warnings);
         assert_eq!(open.series.len(), 20);
     }
     assert!(folder.fails(b"#ROSBAG V1.2\nxxxxxx", "").contains("rosbag fix"));
@@ -157,7 +157,7 @@ fn logs_of_px4() {
     assert!(said.contains("one of: sensor_combined.gyro_rad[0]") && said.contains("sensor_gyro#1.z"), "{said}");
     cut(ULOG, "--column sensor_gyro#0.z");
     let torn = folder.read(&ULOG[..ULOG.len() - 9], "--column sensor_gyro#0.z").unwrap();
-    assert!(torn.warnings[0].text.contains("ends inside a message"), "{:?}", torn.warnings);
+    assert!(torn.warnings[0].to_string().contains("ends inside a message"), "{:?}", torn.warnings);
 }
 
 #[test]

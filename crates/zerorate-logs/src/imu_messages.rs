@@ -6,12 +6,13 @@ use super::parts::miscounted;
 use super::series::SeriesBuilder;
 use super::topics::{Survey, Topic, several};
 use super::{Clock, ColumnOptions, ColumnQuery, Found, FoundColumn, LogError, Names, Result, Setting, Wanted, wrong};
+use crate::warning::LogWarning;
 use std::collections::BTreeSet;
 use std::path::Path;
 #[cfg(not(feature = "zstd"))]
 use zerorate_record::NotBuiltIn;
 use zerorate_record::limits::Room;
-use zerorate_record::{CaptureError, Note, Quantity, TimeUnit, Unit};
+use zerorate_record::{CaptureError, Quantity, TimeUnit, Unit};
 
 /// What can be asked of a message, as ROS calls it, and where it stands after the header: orientation and its
 /// covariance are 13 numbers, each vector is followed by a covariance of 9.
@@ -224,7 +225,7 @@ impl<'a> Collector<'a> {
             warnings: Vec::new(),
         };
         let columns = wanted.all.into_iter().zip(values).map(column).collect();
-        Found { columns, clock, warnings: Note::torn(torn).into_iter().chain(miscounted).collect() }
+        Found { columns, clock, warnings: LogWarning::torn(torn).into_iter().chain(miscounted).collect() }
     }
 }
 

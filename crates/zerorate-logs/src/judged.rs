@@ -2,6 +2,7 @@
 
 use super::wrong;
 use super::{LogError, Result as LogResult};
+use crate::warning::LogWarning;
 use arrow_array::{Array, ArrayRef, BooleanArray};
 use arrow_schema::ArrowError;
 use arrow_select::concat::concat;
@@ -10,7 +11,7 @@ use std::path::Path;
 use zerorate::Tally;
 use zerorate::health::{Health, Judged};
 use zerorate_record::columns::Rows;
-use zerorate_record::{CaptureError, CaptureInfo, Layout, Note, believed};
+use zerorate_record::{CaptureError, CaptureInfo, Layout, believed};
 
 /// Which readings a column is made of.
 #[derive(Clone, Copy, Debug)]
@@ -76,7 +77,7 @@ impl Judging {
     }
 
     /// What there is to say of the rows, once all are judged. A part that had stopped is no measurement.
-    pub fn found(&self, path: &Path) -> LogResult<Vec<Note>> {
+    pub fn found(&self, path: &Path) -> LogResult<Vec<LogWarning>> {
         let start_ns = self.start_ns.unwrap_or_default();
         if let Some(frozen) = self.health.frozen_at_end() {
             let why = believed::frozen_text(&frozen, start_ns);
@@ -86,7 +87,7 @@ impl Judging {
             ));
         }
         let found = believed::warnings(&self.health, &self.tally, start_ns).into_iter();
-        Ok(found.map(|note| Note { text: format!("{}: {}", path.display(), note.text), ..note }).collect())
+        Ok(found.map(|warning| LogWarning::Readings { path: path.display().to_string(), warning }).collect())
     }
 
     fn believes(&self, judged: &Judged) -> bool {

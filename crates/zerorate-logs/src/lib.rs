@@ -62,6 +62,7 @@ mod tests;
 mod text;
 mod topics;
 mod ulog;
+mod warning;
 mod wide;
 
 pub use choice::{Described, Wanted};
@@ -73,6 +74,7 @@ pub use row_reader::RowReader;
 pub use series::Series;
 pub use setting::{Names, Setting};
 pub use settling::{Settling, SettlingError, TEMPERATURE_NAMES};
+pub use warning::LogWarning;
 pub use zerorate_record::{Quantity, STANDARD_GRAVITY, TimeUnit, Unit};
 
 use arrow_array::RecordBatch;
@@ -84,7 +86,7 @@ use std::path::Path;
 use zerorate_allan::Gap;
 use zerorate_record::limits::Room;
 use zerorate_record::table::{self, Opened};
-use zerorate_record::{CaptureError, Input, Note};
+use zerorate_record::{CaptureError, Input};
 
 /// Which numbers of a log are meant, and what the log does not say about them itself.
 #[derive(Clone, Debug, Default)]
@@ -177,7 +179,7 @@ pub struct Column {
     /// What a step of the numbers is, in the unit of that quantity's results; 1 if their unit is not known.
     pub scale: f64,
     /// What is to be said about the file: a tail that was torn off, a unit that is not known.
-    pub warnings: Vec<Note>,
+    pub warnings: Vec<LogWarning>,
 }
 
 impl Column {
@@ -329,7 +331,7 @@ fn read_table_or_text(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
 struct Found {
     columns: Vec<FoundColumn>,
     clock: Clock,
-    warnings: Vec<Note>,
+    warnings: Vec<LogWarning>,
 }
 
 /// One of them.
@@ -338,7 +340,7 @@ struct FoundColumn {
     values: SeriesBuilder,
     /// What it measures, and what a step is in the unit of its results, where that is a property of the form.
     stated: Option<(Quantity, f64)>,
-    warnings: Vec<Note>,
+    warnings: Vec<LogWarning>,
 }
 
 impl FoundColumn {
@@ -381,16 +383,17 @@ impl Found {
                 format!("{}, column {name}: {why} ({remedy}, or {or})", path.display()),
             )
         })?;
-        let note = |said| Note::new("times-mended", format!("{}, column {name}: {said}", path.display()));
-        self.warnings.extend(said.into_iter().map(note));
+        let (path, column) = (path.display().to_string(), &*name);
+        let warning = |how| LogWarning::TimesMended { path: path.clone(), column: column.clone(), how };
+        self.warnings.extend(said.into_iter().map(warning));
         Ok(())
     }
 
     fn finish(mut self, path: &Path, args: &ColumnOptions) -> Result<Vec<Column>> {
         self.mend(path, args)?;
         let beat = self.clock.beat(path, args)?.map(|(_, beat)| beat);
-        if let Some(said) = beat.as_ref().and_then(Beat::jitter_text) {
-            self.warnings.push(Note::new("times-jitter", format!("{}: {said}", path.display())));
+        if let Some(how) = beat.as_ref().and_then(Beat::jitter_text) {
+            self.warnings.push(LogWarning::TimesJitter { path: path.display().to_string(), how });
         }
         let Self { columns, clock, warnings } = self;
         let (measured, lost) = match (beat, clock) {
@@ -426,11 +429,16 @@ impl FoundColumn {
                 Some((quantity, scale * per_unit))
             }
         };
-        let resampled = resampled::doubt(&series);
-        warnings.extend(
-            resampled.map(|said| Note::new("resampled", format!("{}, column {name}: {said}", path.display()))),
-        );
-        warnings.extend(declared.is_none().then(|| unit_unknown(path, &name, args.names)));
+        let place = || (path.display().to_string(), name.clone());
+        warnings.extend(resampled::doubt(&series).map(|how| {
+            let (path, column) = place();
+            LogWarning::Resampled { path, column, how }
+        }));
+        warnings.extend(declared.is_none().then(|| {
+            let ((path, column), [unit, scale]) =
+                (place(), [Setting::Unit, Setting::Scale].map(|of| args.names.of(of)));
+            LogWarning::UnitUnknown { path, column, unit, scale }
+        }));
         Ok(Column {
             name,
             series,
@@ -441,19 +449,6 @@ impl FoundColumn {
             warnings,
         })
     }
-}
-
-/// The code of a column whose unit is not known.
-pub(crate) const UNIT_UNKNOWN: &str = "unit-unknown";
-
-fn unit_unknown(path: &Path, column: &str, names: Names) -> Note {
-    let [unit, scale] = [Setting::Unit, Setting::Scale].map(|setting| names.of(setting));
-    let text = format!(
-        "{}: the unit of column {column} is not stated, so the result is in its own unit; give {unit} (dps, rad/s, \
-         m/s², g …) or {scale}",
-        path.display()
-    );
-    Note::new(UNIT_UNKNOWN, text)
 }
 
 fn no_time_unit(path: &Path, column: &str, names: Names) -> LogError {

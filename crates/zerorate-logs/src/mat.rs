@@ -9,11 +9,12 @@ use super::clock::Times;
 use super::open::Log;
 use super::series::SeriesBuilder;
 use super::{Clock, ColumnQuery, Found, FoundColumn, Result};
+use crate::warning::LogWarning;
 use flate2::read::ZlibDecoder;
 use std::io::{BufReader, Read};
 use std::path::Path;
+use zerorate_record::CaptureError;
 use zerorate_record::limits::Room;
-use zerorate_record::{CaptureError, Note};
 
 /// Bytes that a read asks the system for.
 const BUFFER: usize = 1 << 18;
@@ -55,7 +56,7 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
         Some(time) => Clock::Column(time.name.clone(), time.times(path)?),
         None => Clock::Silent,
     };
-    Ok(Found { columns: found, clock, warnings: Note::torn(torn) })
+    Ok(Found { columns: found, clock, warnings: LogWarning::torn(torn) })
 }
 
 /// The variables of a file, unpacked, up to where it is torn, which is said.

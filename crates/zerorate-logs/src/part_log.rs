@@ -4,9 +4,10 @@
 use super::choice::Described;
 use super::clock::Beat;
 use super::{Clock, ColumnOptions, Found, FoundColumn, Gap, LogError, Result, Wanted, find};
+use crate::warning::LogWarning;
 use std::path::Path;
 use zerorate::{MAX_AXES, Part, Scale};
-use zerorate_record::{CaptureInfo, Input, Layout, Note, Quantity, Row};
+use zerorate_record::{CaptureInfo, Input, Layout, Quantity, Row};
 
 /// What logs call the temperature, unless the part says otherwise.
 pub(super) const TEMP: &str = "temp";
@@ -31,7 +32,7 @@ pub struct PartLog {
     next_row: usize,
     edge_seq: u32,
     lost: u64,
-    warnings: Vec<Note>,
+    warnings: Vec<LogWarning>,
 }
 
 impl PartLog {
@@ -88,7 +89,7 @@ impl PartLog {
 
     /// What is to be said of the log: values that were rounded, rows that lack a value, a tail that was torn off.
     #[must_use]
-    pub fn warnings(&self) -> &[Note] {
+    pub fn warnings(&self) -> &[LogWarning] {
         &self.warnings
     }
 
@@ -101,9 +102,8 @@ impl PartLog {
             ));
         }
         if lacking > 0 {
-            let (path, rows) = (path.display(), self.temps.len());
-            let text = format!("{path}: {lacking} rows of {rows} lack the value of an axis; they count as lost");
-            self.warnings.push(Note::new("rows-incomplete", text));
+            let (path, rows) = (path.display().to_string(), self.temps.len());
+            self.warnings.push(LogWarning::RowsIncomplete { path, lacking, rows });
         }
         Ok(self)
     }
@@ -186,7 +186,7 @@ struct Coding<'a> {
 }
 
 impl Coding<'_> {
-    fn codes(&self, column: FoundColumn, warnings: &mut Vec<Note>) -> Result<Vec<f64>> {
+    fn codes(&self, column: FoundColumn, warnings: &mut Vec<LogWarning>) -> Result<Vec<f64>> {
         let FoundColumn { name, values, warnings: said, .. } = column;
         warnings.extend(said);
         let mut codes = values.into_rows();
@@ -202,13 +202,8 @@ impl Coding<'_> {
         }
         if off > ON_GRID {
             let by = off / self.scale.lsb_per_unit;
-            let text = format!(
-                "{}: column {name} does not lie on the codes of the part; values are rounded to the nearest, by \
-                 {by:.3e} {} at most ({off:.2} codes)",
-                self.path.display(),
-                self.name
-            );
-            warnings.push(Note::new("off-codes", text));
+            let (path, unit) = (self.path.display().to_string(), self.name);
+            warnings.push(LogWarning::OffCodes { path, column: name, by, unit, codes: off });
         }
         Ok(codes)
     }

@@ -1,8 +1,9 @@
 //! A log that lies in several files, one behind the other: a bag of ROS 2 that was split.
 
 use super::{Clock, Column, ColumnOptions, Found, LogError, Result, Wanted, find};
+use crate::warning::LogWarning;
 use std::path::{Path, PathBuf};
-use zerorate_record::{Input, Note};
+use zerorate_record::Input;
 
 /// The files of a log.
 #[derive(Debug, Default)]
@@ -71,11 +72,6 @@ impl Found {
 }
 
 /// A bag states how many messages of a topic it has, and has another number of them.
-pub fn miscounted(path: &Path, topic: &str, stated: u64, found: u64) -> Note {
-    let text = format!(
-        "{} states {stated} messages of {topic} and holds {found}: it is damaged, or a part of it is missing or came \
-         from elsewhere; take another copy",
-        path.display()
-    );
-    Note::new("messages-miscounted", text)
+pub fn miscounted(path: &Path, topic: &str, stated: u64, found: u64) -> LogWarning {
+    LogWarning::Miscounted { path: path.display().to_string(), topic: topic.to_owned(), stated, found }
 }

@@ -1,6 +1,6 @@
 //! Rows of a part, whatever they were recorded in.
 
-use crate::{CaptureError, Input, LogError, Note};
+use crate::{CaptureError, Input, LogError, LogWarning};
 use crate::{ColumnOptions, PartLog};
 use std::io::Seek;
 use std::path::Path;
@@ -46,9 +46,9 @@ impl RowReader {
 
     /// What is to be said once all rows were read.
     #[must_use]
-    pub fn warnings(&self) -> Vec<Note> {
+    pub fn warnings(&self) -> Vec<LogWarning> {
         match self {
-            Self::Capture(capture) => capture.warnings(),
+            Self::Capture(capture) => capture.warnings().into_iter().map(LogWarning::Capture).collect(),
             Self::Log(log) => log.warnings().to_vec(),
         }
     }

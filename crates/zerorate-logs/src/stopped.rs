@@ -1,8 +1,8 @@
 //! A sensor that stopped while it was recorded.
 
 use super::{Column, LogError, Result, Series};
+use crate::warning::LogWarning;
 use std::path::Path;
-use zerorate_record::Note;
 
 /// A column that changes more often than not, and then no more for so many samples, has stopped.
 const STOPPED_SAMPLES: usize = 1000;
@@ -13,7 +13,7 @@ impl Column {
     ///
     /// # Errors
     /// Of one value all along: that is no noise but a dead sensor.
-    pub fn stopped(&self, path: &Path) -> Result<Option<Note>> {
+    pub fn stopped(&self, path: &Path) -> Result<Option<LogWarning>> {
         let changes = match &self.series {
             Series::Codes(codes) => Changes::of(codes.iter().map(|code| f64::from(*code))),
             Series::Numbers(numbers) => Changes::of(numbers.iter().copied()),
@@ -26,22 +26,14 @@ impl Column {
         }
         let is_frozen = same >= STOPPED_SAMPLES && count * 2 > len - same;
         let is_last = start + samples == self.series.len();
-        let (name, file) = (&self.name, path.display());
+        let file = || path.display().to_string();
         // among codes what is missing stands beside them
         let lost: u64 = self.gaps.iter().filter(|gap| gap.at <= start).map(|gap| gap.missing).sum();
         let from_s = (start as u64 + lost) as f64 / self.rate_hz;
-        let text = || match is_last {
-            true => format!(
-                "{file}: the last {same} of {len} samples of column {name} are the same, while it changed \
-                 most of the time before; the sensor may have stopped: cut the log there"
-            ),
-            false => format!(
-                "{file}: {same} of {len} samples of column {name} are the same, from {from_s:.1} s on, \
-                 while it changed most of the time otherwise; the sensor or its bus may have hung: analyse what is \
-                 before and after"
-            ),
-        };
-        Ok(is_frozen.then(|| Note::new("frozen", text())))
+        Ok(is_frozen.then(|| match is_last {
+            true => LogWarning::Stopped { path: file(), column: self.name.clone(), same, len },
+            false => LogWarning::Hung { path: file(), column: self.name.clone(), same, len, from_s },
+        }))
     }
 }
 

@@ -5,6 +5,7 @@ use super::clock::Times;
 use super::judged::{self, Judging};
 use super::series::{SeriesBuilder, join, missing_in};
 use super::{Clock, ColumnQuery, Found, FoundColumn, Gap, Result, wrong};
+use crate::warning::LogWarning;
 use arrow_array::types::{Int32Type, Int64Type};
 use arrow_array::{Array, ArrayRef, RecordBatch};
 use arrow_schema::{DataType, Schema, TimeUnit as ArrowUnit};
@@ -14,7 +15,9 @@ use zerorate_record::columns::Rows;
 use zerorate_record::limits::Room;
 use zerorate_record::succession::Mark;
 use zerorate_record::table::BatchSource;
-use zerorate_record::{CaptureError, CaptureInfo, Checked, CodedAxis, Layout, Note, Quantity, TimeUnit, is_capture};
+use zerorate_record::{
+    CaptureError, CaptureInfo, CaptureWarning, Checked, CodedAxis, Layout, Quantity, TimeUnit, is_capture,
+};
 
 /// Reads columns of a table. Of a capture all columns are read, because its checks are over all of them.
 pub fn read(path: &Path, mut source: Box<dyn BatchSource>, room: Room, asked: &ColumnQuery<'_>) -> Result<Found> {
@@ -30,7 +33,7 @@ pub fn read(path: &Path, mut source: Box<dyn BatchSource>, room: Room, asked: &C
     while let Some(batch) = source.next_batch()? {
         reading.take(&batch, None)?;
     }
-    reading.finish(source.stated().warning.clone().into_iter().collect())
+    reading.finish(source.stated().warning.clone())
 }
 
 /// Columns being read, with their time.
@@ -122,7 +125,7 @@ impl<'a> TableColumns<'a> {
     }
 
     /// All rows were read.
-    pub fn finish(self, warnings: Vec<Note>) -> Result<Found> {
+    pub fn finish(self, warnings: impl IntoIterator<Item = CaptureWarning>) -> Result<Found> {
         let Self { path, values, time, capture, .. } = self;
         let clock = match (time, capture) {
             (Some((name, times)), _) => Clock::Column(name, times),
@@ -130,7 +133,7 @@ impl<'a> TableColumns<'a> {
             (None, None) => Clock::Silent,
         };
         let columns = values.into_iter().map(|column| column.finish(path)).collect::<Result<_>>()?;
-        Ok(Found { columns, clock, warnings })
+        Ok(Found { columns, clock, warnings: warnings.into_iter().map(LogWarning::Capture).collect() })
     }
 }
 

@@ -8,10 +8,11 @@ use super::part_log::TEMP;
 use super::series::SeriesBuilder;
 use super::topics::{Survey, several};
 use super::{Clock, ColumnQuery, Found, FoundColumn, LogError, Result, Setting, Wanted, wrong};
+use crate::warning::LogWarning;
 use std::collections::BTreeMap;
 use std::io::{self, BufReader, Read};
 use std::path::Path;
-use zerorate_record::{CaptureError, Input, Note, Quantity, TimeUnit, Unit};
+use zerorate_record::{CaptureError, Input, Quantity, TimeUnit, Unit};
 
 /// Bytes that a read asks the system for.
 const BUFFER: usize = 1 << 18;
@@ -81,7 +82,7 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
         stated: stated(&chosen.topic, &field.name).or_else(|| temperature(&chosen.topic, &field.name)),
         ..FoundColumn::new(name, values)
     });
-    Ok(Found { columns: columns.collect(), clock: Clock::Column(name, times), warnings: Note::torn(torn) })
+    Ok(Found { columns: columns.collect(), clock: Clock::Column(name, times), warnings: LogWarning::torn(torn) })
 }
 
 /// What PX4 defines a field to hold.

@@ -1,9 +1,9 @@
 //! What of a device's samples may become a capture: nothing that a reader of the file would refuse
 //! (docs/formats/capture.md, "What must agree").
 
-use super::note::Note;
 use super::row::Row;
 use super::succession::{Break, Succession};
+use super::warning::CaptureWarning;
 
 /// Samples in a row whose time does not increase, before the device is given up: 0.7 s at the full rate.
 const STANDING: u32 = 4096;
@@ -58,17 +58,9 @@ impl Admission {
     }
 
     /// What is to be said of samples that were not recorded as they came.
-    pub fn warnings(&self) -> impl Iterator<Item = Note> {
-        let left_out = (self.left_out > 0).then(|| {
-            let left_out = self.left_out;
-            let text = "samples were not later than the one before; they are left out, and counted as lost";
-            Note::new("clock-stands", format!("{left_out} {text}"))
-        });
-        let jumped = (self.jumped > 0).then(|| {
-            let jumped = self.jumped;
-            let text = "samples that it did not count; they are counted as lost";
-            Note::new("clock-jump", format!("the time of the device went on by {jumped} {text}"))
-        });
+    pub fn warnings(&self) -> impl Iterator<Item = CaptureWarning> {
+        let left_out = (self.left_out > 0).then_some(CaptureWarning::ClockStands(self.left_out));
+        let jumped = (self.jumped > 0).then_some(CaptureWarning::ClockJump(self.jumped));
         left_out.into_iter().chain(jumped)
     }
 }
@@ -95,7 +87,7 @@ mod tests {
         assert_eq!(admission.admit(Row { t_ns: 5, ..row(101) }), Ok(None));
         let next = Row { t_ns: row(104).t_ns, ..row(102) };
         assert_eq!(admission.admit(next), Ok(Some(Row { lost: 4, ..next })));
-        assert!(admission.warnings().next().unwrap().to_string().contains("clock-stands: 2 samples"));
+        assert!(admission.warnings().next().unwrap().coded().contains("clock-stands: 2 samples"));
     }
 
     #[test]
@@ -112,7 +104,7 @@ mod tests {
         let jumped = Row { t_ns: row(99).t_ns + 3_600_000_000_000, ..row(100) };
         let lost = admission.admit(jumped).unwrap().unwrap().lost;
         assert!((20_493_000..20_493_600).contains(&lost), "{lost}");
-        assert!(admission.warnings().next().unwrap().code.contains("clock-jump"));
+        assert!(admission.warnings().next().unwrap().code().contains("clock-jump"));
     }
 
     #[test]

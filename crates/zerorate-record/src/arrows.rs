@@ -4,9 +4,10 @@ use super::CaptureError;
 use super::blocks::{BatchSource, BlockSink, Out, Stated};
 use super::chain::{self, End};
 use super::messages::{Message, MessageBytes, Messages, with_note};
+use crate::Input;
 use crate::catch_panic::catch_panic;
 use crate::limits::Room;
-use crate::{Input, Note};
+use crate::warning::CaptureWarning;
 use arrow_array::RecordBatch;
 use arrow_buffer::Buffer;
 use arrow_ipc::reader::StreamDecoder;
@@ -132,11 +133,10 @@ impl StreamReader {
     /// The stream was closed; nothing should follow.
     fn end_of_stream(&mut self) {
         self.stated.ended = true;
-        let trailing = self.len.saturating_sub(self.messages.position());
-        if trailing > 0 {
-            let path = self.path.display();
-            let text = format!("{path}: the {trailing} bytes after its end of stream are ignored");
-            self.stated.warning = Some(Note::new("bytes-behind-end", text));
+        let bytes = self.len.saturating_sub(self.messages.position());
+        if bytes > 0 {
+            self.stated.warning =
+                Some(CaptureWarning::BytesBehindEnd { path: self.path.display().to_string(), bytes });
         }
     }
 
@@ -155,7 +155,7 @@ impl StreamReader {
             "{path} was not closed (a power cut?): every whole batch is read, the {dropped} bytes after the last one \
              are dropped"
         );
-        self.stated.warning = Some(Note::new("torn-tail", text));
+        self.stated.warning = Some(CaptureWarning::Torn(text));
         Ok(())
     }
 }

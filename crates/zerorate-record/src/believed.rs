@@ -1,64 +1,47 @@
 //! What is to be said of readings that are not to be believed.
 
-use crate::note::Note;
+use crate::warning::CaptureWarning;
 use zerorate::health::{Frozen, Health};
 use zerorate::{Tally, Warning};
 
 /// What was found of a run of samples. `start_ns` is the time of its first sample.
-pub fn warnings(health: &Health, tally: &Tally, start_ns: u64) -> Vec<Note> {
+pub fn warnings(health: &Health, tally: &Tally, start_ns: u64) -> Vec<CaptureWarning> {
     of_axes([("", health)], tally, start_ns)
 }
 
 /// The same of each axis of a part, by its name; where there is one, it is not named.
-pub fn of_axes<'a>(axes: impl IntoIterator<Item = (&'a str, &'a Health)>, tally: &Tally, start_ns: u64) -> Vec<Note> {
-    let axes: Vec<(&str, &Health)> = axes.into_iter().collect();
+pub fn of_axes<'a>(
+    axes: impl IntoIterator<Item = (&'a str, &'a Health)>,
+    tally: &Tally,
+    start_ns: u64,
+) -> Vec<CaptureWarning> {
+    let axes: Vec<_> = axes.into_iter().collect();
     let several = axes.len() > 1;
-    let named = |(axis, health): (&str, &Health)| {
-        let name = if several { format!("axis {axis}: ") } else { String::new() };
-        let found = of_readings(health, tally.samples, start_ns);
-        found.into_iter().map(move |note| Note { text: format!("{name}{}", note.text), ..note })
+    let named = |(axis, health): (&'a str, &'a Health)| {
+        let of_axis = move |warning| match several {
+            true => CaptureWarning::OfAxis { axis: axis.to_owned(), warning: Box::new(warning) },
+            false => warning,
+        };
+        of_readings(health, tally.samples, start_ns).into_iter().map(of_axis)
     };
     axes.into_iter().flat_map(named).chain(of_edges(tally)).collect()
 }
 
-fn of_readings(health: &Health, samples: u64, start_ns: u64) -> Vec<Note> {
+fn of_readings(health: &Health, samples: u64, start_ns: u64) -> Vec<CaptureWarning> {
     let marks = health.marks();
     let impossible = Warning::Impossible { count: marks.spoilt(), fraction: marks.spoilt() as f64 / samples as f64 };
     let found = [
-        health.frozen_at_end().map(|frozen| Note::new("frozen", frozen_text(&frozen, start_ns))),
-        (marks.spoilt() > 0).then(|| Note::new(impossible.code(), impossible.to_string())),
-        (marks.out_of_range > 0).then(|| {
-            let text = format!(
-                "{} readings are beyond the range of the part: it turns, its supply is wrong, or the line carries \
-                 errors; they are not to be used",
-                marks.out_of_range
-            );
-            Note::new("out-of-range", text)
-        }),
-        (2 * marks.unjudged > samples).then(|| {
-            let text = if health.can_judge() {
-                "the readings are too far apart to tell impossible ones from motion (bit errors would pass); use a \
-                 smaller divider"
-            } else {
-                "too little is known of the part (its range, bandwidth and noise) to tell impossible readings from \
-                 motion (bit errors would pass); state them in the file of the part"
-            };
-            Note::new("unjudged", text.to_owned())
-        }),
+        health.frozen_at_end().map(|frozen| CaptureWarning::Frozen(frozen_text(&frozen, start_ns))),
+        (marks.spoilt() > 0).then_some(CaptureWarning::Impossible(impossible)),
+        (marks.out_of_range > 0).then_some(CaptureWarning::OutOfRange(marks.out_of_range)),
+        (2 * marks.unjudged > samples).then(|| CaptureWarning::Unjudged { can_judge: health.can_judge() }),
     ];
     found.into_iter().flatten().collect()
 }
 
-fn of_edges(tally: &Tally) -> Option<Note> {
-    tally.data_ready_stutters().then(|| {
-        let text = format!(
-            "in {} of {} gaps no edge of data ready came: its line (ADIS16130: RDY, pin 10) stutters, or the host was \
-             deaf to it for that long; check its wire, its level and its pull-up, and only then what else the host \
-             does",
-            tally.silent_gaps, tally.gaps
-        );
-        Note::new("data-ready-stutters", text)
-    })
+fn of_edges(tally: &Tally) -> Option<CaptureWarning> {
+    let Tally { silent_gaps, gaps, .. } = *tally;
+    tally.data_ready_stutters().then_some(CaptureWarning::DataReadyStutters { silent_gaps, gaps })
 }
 
 /// Since when which readings do not change, and what to do.

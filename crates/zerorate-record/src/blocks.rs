@@ -1,7 +1,8 @@
 //! What the forms of a capture have in common: blocks of rows, written and read.
 
 use crate::chain::End;
-use crate::{CaptureError, Input, Note};
+use crate::warning::CaptureWarning;
+use crate::{CaptureError, Input};
 use arrow_array::RecordBatch;
 use arrow_schema::SchemaRef;
 use std::io::Write;
@@ -35,7 +36,7 @@ pub struct Stated {
     /// The file ended where no end should be.
     pub torn: bool,
     /// What is to be said after the last batch: a tail that was torn off.
-    pub warning: Option<Note>,
+    pub warning: Option<CaptureWarning>,
 }
 
 impl Stated {
@@ -46,13 +47,12 @@ impl Stated {
 }
 
 /// What is to be said of a capture that lacks its end, with so many rows that no check vouches for.
-pub fn cut_off(path: &Path, rows: usize) -> Note {
+pub fn cut_off(path: &Path, rows: usize) -> CaptureWarning {
     let path = path.display();
-    let text = format!(
+    CaptureWarning::Torn(format!(
         "{path} was not closed, or its end was removed: every whole block of rows is read, {rows} rows behind the \
          last one are dropped"
-    );
-    Note::new("torn-tail", text)
+    ))
 }
 
 /// Gives batches.

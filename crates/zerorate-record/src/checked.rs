@@ -8,7 +8,7 @@ use super::columns::Rows;
 use super::info::CaptureInfo;
 use super::layout::AXES;
 use super::succession::{Break, Succession};
-use crate::Note;
+use super::warning::CaptureWarning;
 use arrow_array::RecordBatch;
 use arrow_schema::{Metadata, SchemaRef};
 use std::path::{Path, PathBuf};
@@ -110,25 +110,15 @@ impl Checked {
     }
 
     /// What is to be said once all rows were read.
-    pub fn warnings(&self) -> Vec<Note> {
-        let name = self.path.display();
+    pub fn warnings(&self) -> Vec<CaptureWarning> {
+        let path = || self.path.display().to_string();
         let unchecked = match self.checks {
-            Checks::Absent => Some(format!(
-                "{name} is a capture of version 1, and nothing in it can be checked: damage may pass unnoticed"
-            )),
-            Checks::Stripped => Some(format!(
-                "{name} was written again by other software, and its rows cannot be checked: prefer the original"
-            )),
-            _ => None,
+            Checks::Absent => Some(CaptureWarning::Unchecked { path: path() }),
+            Checks::Stripped => Some(CaptureWarning::Rewritten { path: path() }),
+            Checks::Chained(_) => None,
         };
-        let unchecked = unchecked.map(|text| Note::new("not-checked", text));
-        let edges = (self.found.edges_out_of_place > 0).then(|| {
-            let text = format!(
-                "{name}: edge_seq contradicts the time in {} rows, so the rate of data ready is not to be believed",
-                self.found.edges_out_of_place
-            );
-            Note::new("edges-misplaced", text)
-        });
+        let rows = self.found.edges_out_of_place;
+        let edges = (rows > 0).then(|| CaptureWarning::EdgesMisplaced { path: path(), rows });
         self.source.stated().warning.clone().into_iter().chain(unchecked).chain(edges).collect()
     }
 

@@ -7,7 +7,8 @@ use super::chain::{self, End};
 use super::columns::MAX_ROWS;
 use super::delimited::{Delimiter, Lines};
 use super::info::CaptureInfo;
-use crate::{Input, Note};
+use crate::Input;
+use crate::warning::CaptureWarning;
 use arrow_array::builder::PrimitiveBuilder;
 use arrow_array::cast::AsArray;
 use arrow_array::types::{Float64Type, Int32Type, UInt8Type, UInt16Type, UInt32Type, UInt64Type};
@@ -161,7 +162,7 @@ impl CsvReader {
         if !line.ended {
             let path = self.path.display();
             let text = format!("{path} does not end with a line end: its last line may be cut short and is dropped");
-            self.stated.warning = Some(Note::new("torn-tail", text));
+            self.stated.warning = Some(CaptureWarning::Torn(text));
             return Ok(Entry::Nothing);
         }
         push_cells(&self.path, &place, line.text, &mut self.columns)?;

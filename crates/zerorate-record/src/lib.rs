@@ -39,7 +39,6 @@ pub mod limits;
 pub mod mcap_messages;
 pub mod messages;
 mod not_built_in;
-mod note;
 #[cfg(feature = "parquet")]
 pub mod parquet;
 pub mod plain;
@@ -50,6 +49,7 @@ pub mod table;
 #[cfg(test)]
 mod tests;
 mod unit;
+mod warning;
 
 pub use chain::checked_schema;
 pub use checked::Checked;
@@ -59,11 +59,11 @@ pub use info::{CALIBRATION_ID, CaptureInfo, Converter, NotThePart, SCHEMA_VERSIO
 pub use input::{Elsewhere, Input};
 pub use layout::{CodedAxis, Layout, LayoutError};
 pub use not_built_in::NotBuiltIn;
-pub use note::Note;
 pub use robot_log::{RobotLog, Stamps};
 pub use row::Row;
 pub use table::Format;
 pub use unit::{Quantity, STANDARD_GRAVITY, TimeUnit, Unit, is_celsius};
+pub use warning::CaptureWarning;
 
 use arrow_array::RecordBatch;
 use arrow_schema::SchemaRef;
@@ -199,7 +199,7 @@ impl CaptureReader {
     }
 
     /// What is to be said once all samples were read: a tail that was torn off, a file that nothing checks.
-    pub fn warnings(&self) -> Vec<Note> {
+    pub fn warnings(&self) -> Vec<CaptureWarning> {
         self.table.warnings()
     }
 

@@ -68,7 +68,8 @@ pub(super) fn write(path: &Path, format: Format, samples: &[Row]) -> CaptureSumm
 pub(super) fn read(path: &Path) -> (Vec<Row>, Option<String>) {
     let mut reader = open(path).unwrap();
     let samples = reader.by_ref().collect::<Result<_, _>>().unwrap();
-    (samples, Note::texts(&reader.warnings()))
+    let said: Vec<String> = reader.warnings().iter().map(ToString::to_string).collect();
+    (samples, (!said.is_empty()).then(|| said.join("; ")))
 }
 
 fn open_error(path: &Path) -> String {

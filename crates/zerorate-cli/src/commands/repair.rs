@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use zerorate_host::files;
 use zerorate_record::columns::Rows;
 use zerorate_record::table::{self, Opened};
-use zerorate_record::{CaptureError, Checked, Format, Layout, Note, checked_schema};
+use zerorate_record::{CaptureError, CaptureWarning, Checked, Format, Layout, checked_schema};
 
 /// Metadata of a repaired capture: what is missing.
 const REPAIRED: &str = "zerorate.repaired";
@@ -57,7 +57,7 @@ pub fn run(args: &RepairArgs) -> Result<()> {
     }
     sink.finish()?;
     output.publish()?;
-    warn(&table.warnings());
+    warn(&table.warnings().iter().map(CaptureWarning::coded).collect::<Vec<_>>());
     let name = args.output.display();
     let what = missing.what.map_or_else(|| "nothing was missing".to_owned(), |what| format!("missing: {what}"));
     print(&format!("{name}: {} rows kept; {what}\n", missing.rows))
@@ -95,7 +95,11 @@ impl Kept {
         let what = match damage {
             Some(error) if rows == 0 => return Err(error.into()),
             Some(error) => Some(format!("{}{error}", stated.unwrap_or_default())),
-            None => Note::texts(&table.warnings()).filter(|_| table.is_torn()),
+            None if table.is_torn() => {
+                let texts: Vec<String> = table.warnings().iter().map(CaptureWarning::to_string).collect();
+                Some(texts.join("; "))
+            }
+            None => None,
         };
         Ok(Self { rows, what })
     }

@@ -133,7 +133,7 @@ fn capture(path: &Path, source: Box<dyn table::BatchSource>) -> Result<Verdict, 
         torn: table.is_torn(),
         damage,
         remedy,
-        notes: table.warnings().into_iter().map(|note| note.text).collect(),
+        notes: table.warnings().iter().map(ToString::to_string).collect(),
         ..Verdict::default()
     })
 }

@@ -231,8 +231,8 @@ impl SessionThread {
         }
         session.truths(&batch.truths);
         for note in &batch.notes {
-            say(format_args!("warning: {note}"));
-            session.note(note);
+            say(format_args!("warning: {}", note.coded()));
+            session.note(Said::new(note.code(), note));
         }
         for doubt in batch.doubts.iter().skip(reading.doubts) {
             session.note(doubt);

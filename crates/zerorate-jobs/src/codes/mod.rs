@@ -1,11 +1,9 @@
 //! The book of codes: what every warning and refusal means, for `zerorate explain` and docs/codes.md.
 //!
-//! A code has one row. It stands beside the enum of its warning, or, where the code is raised as a text, in a table of
-//! this module. `tests/codes.rs` compares the rows with all that can be said.
+//! A code has one row. It stands beside the enum of its warning, or, where the code is raised as a text, in
+//! `texts.rs`. `tests/codes.rs` compares the rows with all that can be said.
 
-mod logs;
-mod noise;
-mod samples;
+mod texts;
 
 use crate::warning::JobWarning;
 use std::fmt::Write;
@@ -14,6 +12,9 @@ use zerorate::chamber::ChamberRefusal;
 use zerorate::{Deviation, Refusal, Warning};
 use zerorate_allan::AllanWarning;
 pub use zerorate_allan::{Explanation, Says};
+use zerorate_host::SourceWarning;
+use zerorate_logs::LogWarning;
+use zerorate_record::CaptureWarning;
 use zerorate_view::SessionWarning;
 use zerorate_view::export::ExportWarning;
 
@@ -27,19 +28,20 @@ pub struct Group {
 }
 
 /// All rows.
-const ROWS: [&[Explanation]; 12] = [
+const ROWS: [&[Explanation]; 13] = [
     AllanWarning::EXPLANATIONS,
+    CaptureWarning::EXPLANATIONS,
     ChamberRefusal::EXPLANATIONS,
     Deviation::EXPLANATIONS,
     ExportWarning::EXPLANATIONS,
     FileWarning::EXPLANATIONS,
     JobWarning::EXPLANATIONS,
+    LogWarning::EXPLANATIONS,
     Refusal::EXPLANATIONS,
     SessionWarning::EXPLANATIONS,
+    SourceWarning::EXPLANATIONS,
     Warning::EXPLANATIONS,
-    logs::ROWS,
-    noise::ROWS,
-    samples::ROWS,
+    texts::ROWS,
 ];
 
 /// The order of the book.

@@ -1,9 +1,8 @@
 //! The axes of an IMU in a log.
 
 use super::Kind;
-use crate::{Column, ColumnOptions, LogError, Parts, Quantity, Setting, UNIT_UNKNOWN, Unit, Wanted};
+use crate::{Column, ColumnOptions, LogError, LogWarning, Parts, Quantity, Setting, Unit, Wanted};
 use std::path::Path;
-use zerorate_record::Note;
 
 /// What a log may not say of its axes itself.
 #[derive(Clone, Debug, Default)]
@@ -34,7 +33,7 @@ pub struct Axes {
     /// The topic of a bag.
     pub topic: Option<String>,
     /// What is to be said of the log.
-    pub warnings: Vec<Note>,
+    pub warnings: Vec<LogWarning>,
 }
 
 /// The end of the first column's name in a bag.
@@ -85,9 +84,8 @@ impl Axes {
         let mut axes: Vec<Column> = axes.into_iter().map(give_unit).collect();
         axes.sort_by_key(|column| column.quantity != Some(Quantity::AngularRate));
         if !left_out.is_empty() {
-            let names = left_out.join(", ");
-            let text = format!("{}: left out, being neither gyroscope nor accelerometer: {names}", path.display());
-            warnings.push(Note::new("columns-left-out", text));
+            let (path, names) = (path.display().to_string(), left_out.join(", "));
+            warnings.push(LogWarning::ColumnsLeftOut { path, names });
         }
         Ok(Self { columns: axes, topic, warnings })
     }
@@ -95,16 +93,15 @@ impl Axes {
 
 /// Leaves out what nothing measured of messages, which have three axes of each kind whatever the part has; unless
 /// there is nothing else.
-fn without_blanks(path: &Path, axes: &mut Vec<(Kind, Column)>) -> Option<Note> {
+fn without_blanks(path: &Path, axes: &mut Vec<(Kind, Column)>) -> Option<LogWarning> {
     let is_blank = |(_, column): &(Kind, Column)| column.is_blank();
     let names: Vec<&str> = axes.iter().filter(|axis| is_blank(axis)).map(|(_, column)| column.name.as_str()).collect();
     if names.is_empty() || names.len() == axes.len() {
         return None;
     }
-    let why = "left out, being 0 in every row, as where nothing measures it";
-    let text = format!("{}: {why}: {}", path.display(), names.join(", "));
+    let (path, names) = (path.display().to_string(), names.join(", "));
     axes.retain(|axis| !is_blank(axis));
-    Some(Note::new("columns-left-out", text))
+    Some(LogWarning::BlanksLeftOut { path, names })
 }
 
 impl ImuOptions {
@@ -156,21 +153,17 @@ fn check_units(options: &ImuOptions, path: &Path, axes: &[(Kind, Column)]) -> cr
 const AXES: usize = 3;
 
 /// What is to be said where one IMU cannot have that many.
-fn too_many(path: &Path, kind: Kind, axes: &[(Kind, Column)], column: &str) -> Option<Note> {
+fn too_many(path: &Path, kind: Kind, axes: &[(Kind, Column)], column: &'static str) -> Option<LogWarning> {
     let count = axes.iter().filter(|(of, _)| *of == kind).count();
-    (count > AXES).then(|| {
-        let kind = kind.plural();
-        let why =
-            format!("{count} columns are {kind}, and an IMU has three: are they of several? choose with {column}");
-        Note::new("several-imus", format!("{}: {why}", path.display()))
-    })
+    let path = path.display().to_string();
+    (count > AXES).then(|| LogWarning::SeveralImus { path, count, kinds: kind.plural(), column })
 }
 
 /// The unit that was given, where the log states none.
-fn give_unit(options: &ImuOptions, kind: Kind, mut column: Column, warnings: &mut Vec<Note>) -> Column {
+fn give_unit(options: &ImuOptions, kind: Kind, mut column: Column, warnings: &mut Vec<LogWarning>) -> Column {
     let Said { unit, scale } = options.said(kind);
     if unit.is_some() || scale.is_some() {
-        column.warnings.retain(|note| note.code != UNIT_UNKNOWN);
+        column.warnings.retain(|warning| !matches!(warning, LogWarning::UnitUnknown { .. }));
         column.scale = unit.map_or(1.0, Unit::in_results) * scale.unwrap_or(1.0);
     }
     warnings.append(&mut column.warnings);
@@ -212,7 +205,10 @@ mod tests {
         assert_eq!(found.columns.len(), 1);
         assert_eq!(found.columns[0].name, "field.angular_velocity.x");
         assert!(
-            found.warnings.iter().any(|note| note.code == "columns-left-out" && note.text.contains("gyro_clipping"))
+            found
+                .warnings
+                .iter()
+                .any(|one| one.coded().starts_with("columns-left-out: ") && one.coded().contains("gyro_clipping"))
         );
         assert_eq!(read(Some(vec!["field.angular_velocity_covariance0".to_owned()])).columns.len(), 1);
     }

@@ -12,6 +12,7 @@ use super::clock::Times;
 use super::number::Numerals;
 use super::series::SeriesBuilder;
 use super::{Clock, ColumnQuery, Found, FoundColumn, LogError, Result, Setting, Wanted};
+use crate::warning::LogWarning;
 use blocks::{Block, Blocks};
 use head::{Head, Open};
 use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, IntoParallelRefMutIterator, ParallelIterator};
@@ -19,7 +20,7 @@ use rows::{Broken, Cut, Piece, Time, at_line};
 use std::io::Seek;
 use std::path::Path;
 use zerorate_record::limits::Room;
-use zerorate_record::{CaptureError, Input, Note, TimeUnit};
+use zerorate_record::{CaptureError, Input, TimeUnit};
 
 /// Blocks for each thread: with a single one, who reads the next ones is late with his.
 const AT_ONCE: usize = 2;
@@ -155,17 +156,14 @@ impl<'a> TextColumns<'a> {
         if let Some((line, what)) = numerals.doubt(names.of(Setting::Decimal)) {
             return Err(LogError::File(at_line(path, line, &what)));
         }
-        let skipped = head.skipped.map(|(lines, first)| {
-            let are = if lines == 1 { "line" } else { "lines" };
-            let text = format!(
-                "{}: {lines} {are} above the data are no header and skipped (the first: `{first}`)",
-                path.display()
-            );
-            Note::new("lines-skipped", text)
+        let skipped = head.skipped.map(|(lines, first)| LogWarning::LinesSkipped {
+            path: path.display().to_string(),
+            lines,
+            first,
         });
         let broken = broken.judge(path, asked.args.max_bad, names.of(Setting::MaxBad), cut.time.is_none())?;
-        let broken = broken.map(|text| Note::new("lines-broken", text));
-        let warnings = skipped.into_iter().chain(broken).chain(Note::torn(torn)).collect();
+        let broken = broken.map(LogWarning::LinesBroken);
+        let warnings = skipped.into_iter().chain(broken).chain(LogWarning::torn(torn)).collect();
         let time = cut.time.map(|time| cut.names[time].clone());
         let clock = time.zip(times).map_or(Clock::Silent, |(name, times)| Clock::Column(name, times));
         let columns = cut.names.iter().zip(columns).map(|(name, values)| FoundColumn::new(name.clone(), values));

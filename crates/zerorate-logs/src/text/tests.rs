@@ -2,7 +2,7 @@
 
 use super::super::tests::{Folder, numbers, there};
 use super::super::{Column, Series};
-use zerorate_record::Note;
+use crate::LogWarning;
 
 fn read(text: &str, options: &str) -> Column {
     Folder::new().read(text, options).unwrap_or_else(|error| panic!("{text:?}: {error}"))
@@ -132,8 +132,8 @@ fn a_serial_log() {
     let text = format!("{boot}{}\n", lines.join("\n"));
     let column = read(&text, "--column 1 --rate 100");
     assert_eq!((column.series.len(), column.missing()), (2000, 2));
-    let said = Note::texts(&column.warnings).unwrap();
-    let codes: Vec<&str> = column.warnings.iter().map(|note| note.code).collect();
+    let said = column.warnings.iter().map(LogWarning::to_string).collect::<Vec<_>>().join("; ");
+    let codes: Vec<&str> = column.warnings.iter().map(LogWarning::code).collect();
     assert_eq!(codes, ["lines-skipped", "lines-broken", "unit-unknown"]);
     assert!(said.contains("4 lines above the data are no header and skipped (the first: `ets Jun"), "{said}");
     assert!(said.contains("2 of 2000 lines are broken and skipped; each counts as a missing sample"), "{said}");

@@ -6,7 +6,7 @@ mod real;
 use std::path::Path;
 use zerorate::Part;
 use zerorate_logs::{ColumnOptions, PartLog};
-use zerorate_record::{Note, Row};
+use zerorate_record::Row;
 
 /// The scales are those of the data sheet; the log holds no temperature, so that is made up.
 const ADIS16405: &str = r#"
@@ -49,8 +49,8 @@ fn codes_times_and_losses() {
     assert_eq!(found, expected);
     let log = open("t_ms,temp,z,x,y\n0,5,3,1,-2\n10,5,nan,1,2\n20,5,1,1,2\n", &part(), &ColumnOptions::default());
     let log = log.unwrap();
-    let Note { code, text } = &log.warnings()[0];
-    assert_eq!(*code, "rows-incomplete");
+    let (code, text) = (log.warnings()[0].code(), log.warnings()[0].to_string());
+    assert_eq!(code, "rows-incomplete");
     assert!(text.contains("1 rows of 3 lack the value of an axis; they count as lost"), "{text}");
 }
 
@@ -71,7 +71,7 @@ fn values_become_codes() {
     let codes: Vec<Vec<i64>> = exact.map(|row| [row.codes(), &[row.temp_code.unwrap()]].concat()).collect();
     assert_eq!(codes, [[1, 1, 1, 0], [-30, -2, 2, 1]]);
     let rounded = log("t_s,x_dps,y,z,temp\n0,0.07,0,0,0\n1,0.049,0,0,0\n");
-    let said = &rounded.warnings()[0].to_string();
+    let said = &rounded.warnings()[0].coded();
     assert!(said.contains("column x_dps") && said.contains("2.000e-2 °/s at most (0.40 codes)"), "{said}");
     assert_eq!(rounded.map(|row| row.codes()[0]).collect::<Vec<_>>(), [1, 1]);
 }

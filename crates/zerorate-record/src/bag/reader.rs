@@ -4,6 +4,7 @@ use super::cdr::Fields;
 use super::messages::decode;
 use super::{CHECKS, SAMPLES};
 use crate::CaptureError;
+use crate::Input;
 use crate::blocks::cut_off;
 use crate::blocks::{BatchSource, MCAP_MARK, Stated};
 use crate::chain::{self, End};
@@ -12,7 +13,7 @@ use crate::info::CaptureInfo;
 use crate::layout::Layout;
 use crate::limits::Room;
 use crate::mcap_messages::{Messages, Torn};
-use crate::{Input, Note};
+use crate::warning::CaptureWarning;
 use arrow_array::RecordBatch;
 use arrow_schema::{Metadata, Schema};
 use mcap::Message;
@@ -81,10 +82,8 @@ impl McapReader {
         let message = match self.first.take().map(Ok).or_else(|| self.messages.next()) {
             None => return Ok(Entry::Nothing),
             Some(Err(error)) if error.is_end() => {
-                self.stated.warning = self.stated.end.is_some().then(|| {
-                    let path = self.path.display();
-                    Note::new("no-index", format!("{path} has no index, for its end is missing: all rows are there"))
-                });
+                let path = || self.path.display().to_string();
+                self.stated.warning = self.stated.end.is_some().then(|| CaptureWarning::NoIndex { path: path() });
                 return Ok(Entry::Nothing);
             }
             Some(Err(error)) => return Err(broken(&self.path, "its messages", error)),

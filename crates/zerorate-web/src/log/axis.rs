@@ -6,7 +6,7 @@ use zerorate_allan::{
     self as allan, Analysis, Density, Fit, FitError, FitOptions, Input, Line, Options, Settled, Taus, Term,
 };
 use zerorate_logs::imu::{self, Axis, B, Kind, Named};
-use zerorate_logs::{Column, Quantity, Series};
+use zerorate_logs::{Column, LogWarning, Quantity, Series};
 use zerorate_view::plot::{Envelope, number};
 
 /// A column that was analysed.
@@ -43,7 +43,7 @@ pub fn analyse(path: &Path, column: Column) -> Result<Analysed, String> {
     let envelope = Envelope::new(&samples, column.rate_hz);
     let lacking =
         (missing > 0).then(|| format!("gaps: {missing} samples are missing; what averages lack is left out"));
-    let of_log = column.warnings.iter().chain(&stopped).map(ToString::to_string);
+    let of_log = column.warnings.iter().chain(&stopped).map(LogWarning::coded);
     let warnings = of_log.chain(lacking).collect();
     Ok(Analysed { name: column.name, quantity: column.quantity, missing, analysis, fit, envelope, spectrum, warnings })
 }

@@ -24,7 +24,7 @@ mod reader {
     use std::vec::IntoIter;
     use zerorate_allan as allan;
     use zerorate_logs::imu::{Axes, Axis, Choice, ImuOptions, Kind, Numbers};
-    use zerorate_logs::{Column, LogError, Wanted};
+    use zerorate_logs::{Column, LogError, LogWarning, Wanted};
     use zerorate_record::Input;
 
     /// A log that was read.
@@ -169,7 +169,7 @@ mod reader {
             duration_s: samples as f64 / rate_hz,
             topic: axes.topic.clone(),
             columns: axes.columns.iter().map(axis::column).collect(),
-            warnings: axes.warnings.iter().map(ToString::to_string).collect(),
+            warnings: axes.warnings.iter().map(LogWarning::coded).collect(),
         };
         let waiting = axes.columns.into_iter();
         let reader = LogReader { path: path.to_owned(), topic: axes.topic, waiting, analysed: Vec::new() };

@@ -2,7 +2,7 @@
 
 use crate::message::Notice;
 use std::fmt;
-use zerorate_record::Note;
+use zerorate_record::CaptureWarning;
 use zerorate_view::SessionWarning;
 
 /// Notices that are kept.
@@ -59,10 +59,13 @@ impl From<SessionWarning> for Said {
     }
 }
 
-impl From<&Note> for Said {
-    fn from(Note { code, text }: &Note) -> Self {
-        let named = text.strip_prefix("axis ").and_then(|named| named.split_once(": "));
-        Self { axis: named.map_or_else(String::new, |(axis, _)| axis.to_owned()), ..Self::new(code, text) }
+impl From<&CaptureWarning> for Said {
+    fn from(warning: &CaptureWarning) -> Self {
+        let axis = match warning {
+            CaptureWarning::OfAxis { axis, .. } => axis.clone(),
+            _ => String::new(),
+        };
+        Self { axis, ..Self::new(warning.code(), warning) }
     }
 }
 
@@ -137,8 +140,9 @@ mod tests {
     #[test]
     fn axes_are_told_apart() {
         let mut notices = Notices::default();
-        for text in ["axis x: since 3 s", "axis y: since 3 s", "axis x: since 4 s"] {
-            notices.push(&Said::from(&Note::new("frozen", text.to_owned())), 3.0);
+        for (axis, text) in [("x", "since 3 s"), ("y", "since 3 s"), ("x", "since 4 s")] {
+            let warning = Box::new(CaptureWarning::Frozen(text.to_owned()));
+            notices.push(&Said::from(&CaptureWarning::OfAxis { axis: axis.to_owned(), warning }), 3.0);
         }
         let all = notices.all();
         let texts: Vec<&str> = all.iter().map(|notice| &*notice.text).collect();

@@ -45,7 +45,7 @@ impl Source for Replay {
             Some(Ok(row)) => Ok(Next::Row(row)),
             Some(Err(error)) => Err(error.to_string()),
             None => {
-                self.notes = self.reader.warnings().iter().map(Said::from).collect();
+                self.notes = self.reader.warnings().iter().map(|warning| Said::new(warning.code(), warning)).collect();
                 Ok(Next::Ended)
             }
         }

@@ -4,6 +4,7 @@ use super::units::{deviation_unit, span};
 use super::{picture, temperature};
 use zerorate_allan::{AllanWarning, LONGEST_RECORD_S};
 use zerorate_jobs::analysis::Record;
+use zerorate_logs::LogWarning;
 use zerorate_view::plot::number;
 
 /// Codes of findings, those that spoil most first. What is not among them comes before all: it is of the log.
@@ -51,7 +52,7 @@ pub fn condensed(records: &[Record]) -> Vec<String> {
     for record in records {
         let name = picture::name(is_of_one_log, record);
         let follows = record.follows.as_ref().map(temperature::text);
-        let of_log = record.notes.iter().map(ToString::to_string).chain(follows);
+        let of_log = record.notes.iter().map(LogWarning::coded).chain(follows);
         let column = format!("column {}", record.column);
         let whole = |text: String| {
             let meaning = text.replace(&column, "these columns");

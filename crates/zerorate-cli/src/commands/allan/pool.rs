@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use zerorate_allan::{self as allan, Apart, Differs, Fit, PoolError, PoolRecord, Stat};
 use zerorate_jobs::analysis::Record;
-use zerorate_record::Note;
+use zerorate_logs::LogWarning;
 
 /// The common model, as a record of its own, and what is to say of the records.
 pub struct Pool {
@@ -108,12 +108,12 @@ struct Misfit {
 }
 
 /// A record that does not fit.
-fn misfit((name, apart): &(String, Apart)) -> Note {
+fn misfit((name, apart): &(String, Apart)) -> LogWarning {
     let rest = match apart.is_left_out {
         true => "left out of the common model",
         false => "the common model is of two that differ; a third would tell which is the exception",
     };
-    Note::new("not-alike", format!("{name} {}: {rest}", differs(&apart.differs)))
+    LogWarning::NotAlike(format!("{name} {}: {rest}", differs(&apart.differs)))
 }
 
 fn check(records: &[Record]) -> Result<(), Usage> {

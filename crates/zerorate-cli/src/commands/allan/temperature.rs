@@ -10,7 +10,7 @@ use std::path::Path;
 use zerorate_allan::{AllanWarning, MOST_ORDER};
 use zerorate_jobs::analysis::Record;
 use zerorate_jobs::temperature::usual;
-use zerorate_logs::{Column, Names, Settling, TEMPERATURE_NAMES};
+use zerorate_logs::{Column, LogWarning, Names, Settling, TEMPERATURE_NAMES};
 use zerorate_view::duration::Seconds;
 
 /// What to do about a part that was warming.
@@ -79,7 +79,7 @@ impl TemperatureArgs {
 /// What there is to know of a record: first of the log.
 pub fn warnings(record: &Record) -> Vec<String> {
     let of_model = record.follows.iter().chain(record.of_model()).map(text);
-    record.notes.iter().map(ToString::to_string).chain(of_model).collect()
+    record.notes.iter().map(LogWarning::coded).chain(of_model).collect()
 }
 
 /// A warning, with the options that help.

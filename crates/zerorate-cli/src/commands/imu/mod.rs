@@ -20,8 +20,7 @@ use zerorate_host::files;
 use zerorate_jobs::analysis::{AnalysisOptions, Record};
 use zerorate_jobs::temperature;
 use zerorate_logs::imu::{Axes, Axis, Choice, Combine, Format, ImuOptions, Kind, Numbers, Said};
-use zerorate_logs::{Column, ColumnOptions, Decimal, Names, Setting, TimeUnit, Unit};
-use zerorate_record::Note;
+use zerorate_logs::{Column, ColumnOptions, Decimal, LogWarning, Names, Setting, TimeUnit, Unit};
 use zerorate_view::report::Fact;
 
 /// Fits noise models to all axes of an IMU's log, taken at rest, and writes the file for the filter that will use
@@ -158,7 +157,7 @@ pub fn run(args: &ImuArgs) -> Result<()> {
     let page = args.report.as_ref().map(|path| outputs.derived(path)).transpose()?;
     let Axes { columns, topic, warnings } = Axes::read(&args.log, files::log(&args.log)?, &args.options())?;
     check_format(args, &columns)?;
-    let of_log: Vec<String> = warnings.iter().map(Note::to_string).chain(absent(args, &columns)).collect();
+    let of_log: Vec<String> = warnings.iter().map(LogWarning::coded).chain(absent(args, &columns)).collect();
     let (fit, draws) = (Some(FitOptions::default()), page.is_some());
     let options = AnalysisOptions {
         is_phase: false,
