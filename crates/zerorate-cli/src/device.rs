@@ -68,7 +68,7 @@ impl DeviceArgs {
 
 /// Prints what a device has to say.
 pub fn tell() -> Tell {
-    Box::new(|note| warn(&[note]))
+    Box::new(|warning| warn(&[warning.coded()]))
 }
 
 impl Deref for DeviceArgs {
