@@ -19,6 +19,7 @@ mod edf;
 #[cfg(feature = "file")]
 #[doc(hidden)]
 pub mod entry;
+mod envelope;
 #[cfg(feature = "std")]
 mod fit;
 mod input;
@@ -50,6 +51,7 @@ pub use curve_fit::{Coefficient, CurveError, CurveFit, fit_curve};
 pub use datasheet::{DataSheet, DataSheetError};
 pub use detrend::{DetrendError, Detrended, Follows, MOST_ORDER, detrend, follows_temperature};
 pub use edf::{edf, finite_difference_edf};
+pub use envelope::Envelope;
 #[cfg(feature = "std")]
 pub use fit::{
     Apart, Cleaned, Differs, Estimate, Expected, FEWEST_SAMPLES, Fit, FitError, FitOptions, Line, MOST_ERROR, Model,

@@ -4,12 +4,11 @@ use crate::error::InvalidOptions;
 use anyhow::{Context, Result, ensure};
 use std::path::{Path, PathBuf};
 use zerorate_allan::{
-    self as allan, AllanWarning, Analysed, Analysis, Averaging, Density, Detrended, Expected, Fit, FitError,
+    self as allan, AllanWarning, Analysed, Analysis, Averaging, Density, Detrended, Envelope, Expected, Fit, FitError,
     FitOptions, Input, Line, Options, Point, Settled, Taus, interval,
 };
 use zerorate_logs::imu::{self, Axis, Kind};
 use zerorate_logs::{Column, LogWarning, Quantity, Series, Settling, SettlingError};
-use zerorate_view::plot::Envelope;
 
 /// A column of a log and what was found in it.
 pub struct Record {

@@ -29,5 +29,5 @@ pub use multiples::allan_multiples;
 #[cfg(feature = "png")]
 pub use raster::png;
 pub use residuals::{ResidualPoint, residuals};
-pub use signal::{Envelope, Signal, signals};
+pub use signal::{Signal, signals};
 pub use spectrum::{Spectrum, Tone, spectra};

@@ -2,6 +2,7 @@
 
 use super::*;
 use roxmltree::Document;
+use zerorate_allan::Envelope;
 
 /// Five decades of averaging time, the deviations of white noise.
 fn white(label: &str) -> Curve {

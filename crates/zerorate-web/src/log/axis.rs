@@ -3,11 +3,11 @@
 use super::message::{AxisKind, LogAxis, LogCoefficient, LogColumn, LogPoint, LogValue};
 use std::path::Path;
 use zerorate_allan::{
-    self as allan, Analysis, Density, Fit, FitError, FitOptions, Input, Line, Options, Settled, Taus, Term,
+    self as allan, Analysis, Density, Envelope, Fit, FitError, FitOptions, Input, Line, Options, Settled, Taus, Term,
 };
 use zerorate_logs::imu::{self, Axis, B, Kind, Named};
 use zerorate_logs::{Column, LogWarning, Quantity, Series};
-use zerorate_view::plot::{Envelope, number};
+use zerorate_view::plot::number;
 
 /// A column that was analysed.
 pub struct Analysed {

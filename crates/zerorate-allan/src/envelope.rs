@@ -1,0 +1,40 @@
+//! A record as one draws it over time: the smallest and the largest sample of each stretch.
+
+use alloc::vec::Vec;
+
+/// What is drawn of a record of any length.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Envelope {
+    /// Length of the record, s.
+    pub span_s: f64,
+    /// Mean of what is there.
+    pub mean: f64,
+    /// Smallest and largest sample of each of as many stretches of one length; none where all are missing.
+    pub stretches: Vec<Option<(f64, f64)>>,
+}
+
+impl Envelope {
+    /// Stretches at most: pixels of the picture.
+    const STRETCHES: usize = 840;
+
+    /// Of samples, NaN where they are missing.
+    #[must_use]
+    pub fn new(samples: &[f64], rate_hz: f64) -> Self {
+        let there = || samples.iter().filter(|value| value.is_finite());
+        let count = samples.len().min(Self::STRETCHES);
+        // of 64 bits: in a browser a `usize` has 32, which six million samples overflow
+        let begin = |index: usize| (index as u64 * samples.len() as u64 / count as u64) as usize;
+        let stretch = |index: usize| {
+            let part = &samples[begin(index)..begin(index + 1)];
+            let there = part.iter().filter(|value| value.is_finite());
+            let (low, high) =
+                there.fold((f64::MAX, f64::MIN), |(low, high), value| (low.min(*value), high.max(*value)));
+            (low <= high).then_some((low, high))
+        };
+        Self {
+            span_s: samples.len() as f64 / rate_hz,
+            mean: there().sum::<f64>() / there().count().max(1) as f64,
+            stretches: (0..count).map(stretch).collect(),
+        }
+    }
+}
