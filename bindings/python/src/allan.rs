@@ -64,13 +64,14 @@ impl Times {
 /// The deviation with its limits at each averaging time, what could not be computed, and the noise model.
 ///
 /// ``cleaning`` says whether glitches and steps are taken out before the fit; without it there is none. ``settling``
-/// knows the temperature, and says what is done about it and about the beginning.
+/// knows the temperature, and says what is done about it and about the beginning. Messages name the record ``name``.
 ///
 /// Other threads run meanwhile. Raises ValueError for arguments that nothing can be computed with.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "the keywords of zerorate.allan")]
 pub fn analyse<'py>(
     py: Python<'py>,
+    name: &str,
     record: Record<'py>,
     phase: bool,
     gaps: Vec<(usize, u64)>,
@@ -96,16 +97,16 @@ pub fn analyse<'py>(
     });
     let found = py.detach(|| {
         let analysed = Analysed::new(input, rate_hz, scale, cleaning, &settled);
-        Ok((analysed.deviations(&options)?, analysed.into_fit()))
+        Ok((analysed.deviations(&options)?, analysed.into_fit(), settling::frozen(input, rate_hz, name)))
     });
-    let (analysis, fit) = found.map_err(|error: AnalysisError| refused(error))?;
+    let (analysis, fit, frozen) = found.map_err(|error: AnalysisError| refused(error))?;
     let Settled { detrended, follows, skipped_s } = settled;
     let result = PyDict::new(py);
     columns(&result, &analysis)?;
     result.set_item("skipped_s", skipped_s)?;
     result.set_item("detrended", detrended.map(|detrended| settling::dict(py, &detrended)).transpose()?)?;
-    let said = follows.filter(|_| !matches!(fit, Some(Ok(_))));
-    result.set_item("warnings", said.iter().map(settling::text).collect::<Vec<_>>())?;
+    let follows = follows.filter(|_| !matches!(fit, Some(Ok(_))));
+    result.set_item("warnings", frozen.into_iter().chain(follows.iter().map(settling::text)).collect::<Vec<_>>())?;
     match fit {
         Some(Ok(fit)) => {
             expected(&result, &analysis, &fit)?;

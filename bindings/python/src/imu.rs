@@ -1,21 +1,22 @@
 //! Files for the filters that take the noise of an IMU.
 
 use crate::allan::Model;
-use crate::error::exception;
+use crate::error::{Refused, exception};
 use crate::log::{argument, label};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use std::path::PathBuf;
 use zerorate_jobs::output::Outputs;
-use zerorate_logs::imu::{Axis, Choice, Combine, Format, Kind, Numbers, doubt};
+use zerorate_logs::imu::{Axis, Choice, Combine, Doubt, Doubts, Format, ImuWarning, Kind, NoNoiseFile};
 use zerorate_logs::{Names, TimeUnit, Unit};
 
 /// Name, unit and model of an axis.
 type Modelled<'py> = (String, String, PyRef<'py, Model>);
 
-/// The text of the file for `format`, and why it is no result if it is none.
+/// The text of the file for `format`, and why it is no result if it was forced.
 ///
-/// Raises ValueError for an unknown format, and for a number of axes that it cannot take.
+/// Raises ValueError for an unknown format, and for a number of axes that it cannot take; Refused where the numbers
+/// are no result, unless ``force`` is given.
 #[pyfunction]
 pub fn imu_file(
     format: &str,
@@ -28,18 +29,17 @@ pub fn imu_file(
 ) -> PyResult<(String, Vec<String>)> {
     let format = named("format", format, Format::ALL, Format::name)?;
     let combine = named("combine", combine, [Combine::Worst, Combine::Mean], Combine::name)?;
-    if !(inflate > 0.0 && inflate.is_finite()) {
-        return Err(PyValueError::new_err(format!("inflate={inflate}: give a number above zero")));
-    }
-    let doubts: Vec<String> =
-        axes.iter().filter_map(|(name, _, model)| Some(format!("{name}: {}", doubt(&model.fit)?))).collect();
-    if !doubts.is_empty() && !force {
-        return Ok((String::new(), doubts));
-    }
+    let doubts = Doubts::about(axes.iter().map(|(name, _, model)| (name.as_str(), Doubt::about(&model.fit))));
     let axes: Vec<Axis<'_>> = axes.iter().map(axis).collect::<PyResult<_>>()?;
-    check(format, &axes)?;
-    let choice = Choice { log, topic, combine, inflate, doubts: doubts.clone(), names: Names(argument) };
-    Ok((format.text(&Numbers::new(choice, &axes)), doubts))
+    let choice = Choice { log, topic, combine, inflate, names: Names(argument) };
+    Ok((format.file(choice, &axes, &doubts, force).map_err(no_file)?, doubts.texts()))
+}
+
+/// What is to be said where something happens to several axes at once.
+#[pyfunction]
+pub fn motion(axes: Vec<(String, PyRef<'_, Model>)>) -> Vec<String> {
+    let models: Vec<_> = axes.iter().map(|(name, model)| (name.as_str(), &model.fit)).collect();
+    ImuWarning::of_motion(&models).iter().map(ImuWarning::to_string).collect()
 }
 
 /// What a unit is of, as a kind of axis; nothing for another unit.
@@ -72,25 +72,21 @@ pub fn save_text(path: PathBuf, text: &str, force: bool) -> PyResult<()> {
 fn axis<'a>((name, unit, model): &'a Modelled<'_>) -> PyResult<Axis<'a>> {
     let unit: Unit = unit.parse().map_err(PyValueError::new_err)?;
     let kind = Kind::of(unit.quantity()).ok_or_else(|| PyValueError::new_err(format!("{unit} is of no axis")))?;
-    let si = match kind {
-        Kind::Gyroscope => unit.in_results().to_radians(),
-        Kind::Accelerometer => unit.in_results(),
-    };
-    Ok(Axis { name, kind, rate_hz: model.rate_hz, fit: &model.fit, si })
+    Ok(Axis { name, kind, rate_hz: model.rate_hz, fit: &model.fit, scale: unit.in_results() })
 }
 
-/// What takes a number by axis needs three of a kind.
-fn check(format: Format, axes: &[Axis<'_>]) -> PyResult<()> {
-    for kind in Kind::ALL {
-        let count = axes.iter().filter(|axis| axis.kind == kind).count();
-        if format.is_by_axis() && !matches!(count, 0 | 3) {
+fn no_file(why: NoNoiseFile) -> PyErr {
+    match why {
+        NoNoiseFile::Doubted(doubts) => Refused::new_err(doubts.to_string()),
+        NoNoiseFile::Inflate(inflate) => PyValueError::new_err(format!("inflate={inflate}: give a number above zero")),
+        NoNoiseFile::NotThree(kind, count, format) => {
             let (name, format) = (kind.name(), format.name());
-            return Err(PyValueError::new_err(format!(
+            PyValueError::new_err(format!(
                 "there are {count} axes of the {name}, and format='{format}' takes three; choose another"
-            )));
+            ))
         }
+        why => PyValueError::new_err(why.to_string()),
     }
-    Ok(())
 }
 
 /// One of several by its name.

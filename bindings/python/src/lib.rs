@@ -34,7 +34,7 @@ mod _zerorate {
     #[pymodule_export]
     use super::error::Refused;
     #[pymodule_export]
-    use super::imu::{column_unit, imu_file, is_time, save_text, unit_kind};
+    use super::imu::{column_unit, imu_file, is_time, motion, save_text, unit_kind};
     #[pymodule_export]
     use super::log::{read_columns, read_imu, read_temperature, temperatures};
     #[pymodule_export]

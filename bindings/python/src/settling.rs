@@ -11,6 +11,9 @@ use std::path::Path;
 use zerorate_allan::{AllanWarning, Detrended, Gap, Input, Settled};
 use zerorate_logs::{self as logs, Column, Names, Series};
 
+/// What messages call a record in memory.
+const RECORD: &str = "the record";
+
 /// What is known of the temperature of a record, and what is done about it and about its beginning.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
@@ -41,7 +44,7 @@ impl Settling<'_> {
         let skip: zerorate_view::Seconds =
             self.skip.parse().map_err(|why| PyValueError::new_err(format!("skip={}: {why}", self.skip)))?;
         let settling = logs::Settling { skip_s: skip.0, order: self.detrend, names: Names(argument) };
-        let settled = py.detach(|| settling.apply(&mut rate, Path::new("the record"), temperature.as_ref()));
+        let settled = py.detach(|| settling.apply(&mut rate, Path::new(RECORD), temperature.as_ref()));
         Ok((rate, settled.map_err(|why| exception(&why.into()))?))
     }
 }
@@ -53,10 +56,18 @@ fn named(name: &str, series: Series, rate_hz: f64) -> Column {
 
 /// What is left of a record as the core takes it, in place.
 pub fn input(column: &Column, phase: bool) -> Input<'_> {
-    match &column.series {
-        Series::Codes(codes) => Input::Codes { codes, gaps: &column.gaps },
-        Series::Numbers(numbers) if phase => Input::Phase(numbers),
-        Series::Numbers(numbers) => Input::Rate(numbers),
+    match column.input() {
+        Input::Rate(numbers) if phase => Input::Phase(numbers),
+        input => input,
+    }
+}
+
+/// What is to be said of a record that stops changing.
+pub fn frozen(input: Input<'_>, rate_hz: f64, name: &str) -> Option<String> {
+    match logs::stopped(input, rate_hz, Path::new(RECORD), name) {
+        Ok(note) => note.map(|note| note.to_string()),
+        // a log that never changes is refused by the command line; what is in memory has its deviations, which are 0
+        Err(error) => Some(format!("frozen: {error}")),
     }
 }
 

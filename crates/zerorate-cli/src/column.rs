@@ -1,10 +1,8 @@
 //! Which numbers of a log are meant, as options.
 
 use clap::Args;
-use std::path::Path;
-use zerorate_host::files;
-use zerorate_jobs::temperature;
-use zerorate_logs::{Column, ColumnOptions, Decimal, LogError, Names, RawType, Setting, TimeUnit, Unit, Wanted};
+use zerorate_jobs::allan::Columns;
+use zerorate_logs::{ColumnOptions, Decimal, Names, RawType, Setting, TimeUnit, Unit};
 
 /// Which numbers of a log are meant, and what the log does not say about them itself.
 #[derive(Args, Debug, Default)]
@@ -59,36 +57,21 @@ pub struct ColumnArgs {
 }
 
 impl ColumnArgs {
-    /// Reads the column of the file at `path`.
-    pub fn read(&self, path: &Path) -> Result<Column, LogError> {
-        let columns = self.read_all(path, Wanted::One(self.column.as_deref()))?;
-        columns.into_iter().next().ok_or_else(|| LogError::Ask(format!("{} has no column", path.display())))
-    }
-
-    /// Whether several columns are to be read, by whoever takes several.
+    /// Whether several columns are meant.
     pub fn is_list(&self) -> bool {
         self.column.as_deref().is_some_and(|column| column == ALL || column.contains(','))
     }
 
-    /// Reads them.
-    pub fn read_list(&self, path: &Path) -> Result<Vec<Column>, LogError> {
-        let names = self.column.as_deref().and_then(listed);
-        self.read_all(path, names.as_deref().map_or(Wanted::All, Wanted::Listed))
+    /// Which are meant.
+    pub fn columns(&self) -> Columns {
+        match self.column.as_deref().filter(|_| self.is_list()) {
+            Some(list) => listed(list).map_or(Columns::All, Columns::Listed),
+            None => Columns::Single,
+        }
     }
 
-    /// Reads the columns that are wanted of the log at `path`: a file, standard input or a folder.
-    pub fn read_all(&self, path: &Path, wanted: Wanted<'_>) -> Result<Vec<Column>, LogError> {
-        zerorate_logs::read_parts(path, files::log(path)?, wanted, &self.options())
-    }
-
-    /// Reads the temperature of the log at `path`, by one of these names; none if it has none of them. What is said of
-    /// the unit of the other columns is not said of it.
-    pub fn read_temperature(&self, path: &Path, names: &[&str]) -> Option<Column> {
-        let options = ColumnOptions { column: None, unit: None, scale: None, ..self.options() };
-        temperature::named(path, names, &options)
-    }
-
-    fn options(&self) -> ColumnOptions {
+    /// What a log does not say of them.
+    pub fn options(&self) -> ColumnOptions {
         let Self { column, topic, time_column, time_unit, rate, unit, scale, decimal, raw, max_bad } = self;
         ColumnOptions {
             column: column.clone(),
@@ -130,8 +113,10 @@ pub fn flag(setting: Setting) -> &'static str {
         Setting::GyroUnit => "--gyro-unit",
         Setting::AccelUnit => "--accel-unit",
         Setting::Combine => "--combine",
+        Setting::Format => "--format",
         Setting::Skip => "--skip",
         Setting::Detrend => "--detrend",
+        Setting::TempColumn => "--temp-column",
         other => other.name(),
     }
 }
@@ -141,7 +126,7 @@ pub fn share(text: &str) -> Result<f64, String> {
     share.ok_or_else(|| "must be a share from 0 to below 1, such as 0.05".to_owned())
 }
 
-fn positive(text: &str) -> Result<f64, String> {
+pub fn positive(text: &str) -> Result<f64, String> {
     text.parse()
         .ok()
         .filter(|number: &f64| *number > 0.0 && number.is_finite())

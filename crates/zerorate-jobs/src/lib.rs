@@ -4,7 +4,8 @@
 //!
 //! * [`calibrate`]: the procedure of AN-1042 (F-51), or a method that takes the whole recording, on a part or on its
 //!   recording.
-//! * [`analysis`]: the noise of a log.
+//! * [`allan`]: the noise of columns of logs. [`pool`]: one model of several records.
+//! * [`imu`]: the noise of all axes of an IMU.
 //! * [`chamber`]: a calibration over the temperatures of a chamber.
 //! * [`correct`]: a capture, corrected.
 //! * [`probe`]: is there a part, and is it wired right?
@@ -14,15 +15,17 @@
 //! * [`Outputs`](output::Outputs): the files of a run, none of which is overwritten by accident.
 
 pub mod acquisition;
-pub mod analysis;
+pub mod allan;
 pub mod calibrate;
 pub mod capture;
 pub mod chamber;
 pub mod codes;
 pub mod correct;
 mod error;
+pub mod imu;
 mod judged;
 pub mod output;
+pub mod pool;
 pub mod probe;
 pub mod proposal;
 pub mod recorder;

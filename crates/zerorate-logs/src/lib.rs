@@ -44,6 +44,7 @@ mod parquet;
 mod part_log;
 mod parts;
 mod raw;
+mod record;
 mod resampled;
 #[cfg(feature = "ros")]
 mod rosbag;
@@ -57,6 +58,7 @@ mod several;
 mod sqlite_bag;
 mod stopped;
 mod tabular;
+mod temperature;
 #[cfg(test)]
 mod tests;
 mod text;
@@ -70,10 +72,13 @@ pub use open::kind;
 pub use part_log::PartLog;
 pub use parts::{Parts, read_parts};
 pub use raw::RawType;
+pub use record::{AnalysisOptions, Look, Record, RecordError};
 pub use row_reader::RowReader;
 pub use series::Series;
 pub use setting::{Names, Setting};
-pub use settling::{Settling, SettlingError, TEMPERATURE_NAMES};
+pub use settling::{Settling, SettlingError};
+pub use stopped::stopped;
+pub use temperature::{TEMPERATURE_NAMES, temperature};
 pub use warning::LogWarning;
 pub use zerorate_record::{Quantity, STANDARD_GRAVITY, TimeUnit, Unit};
 
@@ -164,7 +169,7 @@ pub enum Decimal {
 }
 
 /// A column, and what is known about it.
-#[derive(Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Column {
     /// Its name, or its number where columns have no names.
     pub name: String,
@@ -188,6 +193,14 @@ impl Column {
         match &self.series {
             Series::Codes(_) => series::missing_in(&self.gaps),
             Series::Numbers(numbers) => numbers.iter().filter(|number| number.is_nan()).count() as u64,
+        }
+    }
+
+    /// As deviations and models are computed of it: a rate.
+    pub fn input(&self) -> zerorate_allan::Input<'_> {
+        match &self.series {
+            Series::Codes(codes) => zerorate_allan::Input::Codes { codes, gaps: &self.gaps },
+            Series::Numbers(numbers) => zerorate_allan::Input::Rate(numbers),
         }
     }
 

@@ -20,8 +20,10 @@ pub enum Setting {
     GyroUnit,
     AccelUnit,
     Combine,
+    Format,
     Skip,
     Detrend,
+    TempColumn,
 }
 
 impl Setting {
@@ -42,8 +44,10 @@ impl Setting {
             Self::GyroUnit => "gyro_unit",
             Self::AccelUnit => "accel_unit",
             Self::Combine => "combine",
+            Self::Format => "format",
             Self::Skip => "skip",
             Self::Detrend => "detrend",
+            Self::TempColumn => "temp_column",
         }
     }
 }

@@ -5,9 +5,6 @@ use crate::{Column, LogError, Names, Series, Setting};
 use std::path::Path;
 use zerorate_allan::{AllanWarning, DetrendError, Follows, Settled, detrend, follows_temperature};
 
-/// What logs call their temperature.
-pub const TEMPERATURE_NAMES: [&str; 4] = ["temp_code", "temp_c", "temp", "temperature"];
-
 /// What is done with a record before it is analysed.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Settling {

@@ -1,40 +1,39 @@
 //! A sensor that stopped while it was recorded.
 
-use super::{Column, LogError, Result, Series};
+use super::{LogError, Result};
 use crate::warning::LogWarning;
 use std::path::Path;
+use zerorate_allan::Input;
 
 /// A column that changes more often than not, and then no more for so many samples, has stopped.
 const STOPPED_SAMPLES: usize = 1000;
 
-impl Column {
-    /// What is to be said where it stops changing: a log of another part need not have stopped with it. `path` names
-    /// the log in messages.
-    ///
-    /// # Errors
-    /// Of one value all along: that is no noise but a dead sensor.
-    pub fn stopped(&self, path: &Path) -> Result<Option<LogWarning>> {
-        let changes = match &self.series {
-            Series::Codes(codes) => Changes::of(codes.iter().map(|code| f64::from(*code))),
-            Series::Numbers(numbers) => Changes::of(numbers.iter().copied()),
-        };
-        let Changes { len, count, longest: Run { start, len: same, samples } } = changes;
-        if count == 0 {
-            let what = format!("{}: all {len} samples of column {} are the same", path.display(), self.name);
-            let why = "a dead or frozen sensor, and no noise that could be analysed";
-            return Err(LogError::Refused("frozen", format!("{what}: {why}")));
-        }
-        let is_frozen = same >= STOPPED_SAMPLES && count * 2 > len - same;
-        let is_last = start + samples == self.series.len();
-        let file = || path.display().to_string();
-        // among codes what is missing stands beside them
-        let lost: u64 = self.gaps.iter().filter(|gap| gap.at <= start).map(|gap| gap.missing).sum();
-        let from_s = (start as u64 + lost) as f64 / self.rate_hz;
-        Ok(is_frozen.then(|| match is_last {
-            true => LogWarning::Stopped { path: file(), column: self.name.clone(), same, len },
-            false => LogWarning::Hung { path: file(), column: self.name.clone(), same, len, from_s },
-        }))
+/// What is to be said of the column `name` of a log where it stops changing: a log of another part need not have
+/// stopped with it. `path` names the log in messages.
+///
+/// # Errors
+/// Of one value all along: that is no noise but a dead sensor.
+pub fn stopped(input: Input<'_>, rate_hz: f64, path: &Path, name: &str) -> Result<Option<LogWarning>> {
+    let (changes, total, gaps) = match input {
+        Input::Codes { codes, gaps } => (Changes::of(codes.iter().map(|code| f64::from(*code))), codes.len(), gaps),
+        Input::Rate(numbers) | Input::Phase(numbers) => (Changes::of(numbers.iter().copied()), numbers.len(), &[][..]),
+    };
+    let Changes { len, count, longest: Run { start, len: same, samples } } = changes;
+    if count == 0 {
+        let what = format!("{}: all {len} samples of column {} are the same", path.display(), name);
+        let why = "a dead or frozen sensor, and no noise that could be analysed";
+        return Err(LogError::Refused("frozen", format!("{what}: {why}")));
     }
+    let is_frozen = same >= STOPPED_SAMPLES && count * 2 > len - same;
+    let is_last = start + samples == total;
+    // among codes what is missing stands beside them
+    let lost: u64 = gaps.iter().filter(|gap| gap.at <= start).map(|gap| gap.missing).sum();
+    let from_s = (start as u64 + lost) as f64 / rate_hz;
+    let (path, column) = (path.display().to_string(), name.to_owned());
+    Ok(is_frozen.then_some(match is_last {
+        true => LogWarning::Stopped { path, column, same, len },
+        false => LogWarning::Hung { path, column, same, len, from_s },
+    }))
 }
 
 /// Samples of one value, one after the other.

@@ -85,6 +85,27 @@ fn what_is_no_log_is_refused_in_words() {
     }
 }
 
+/// Over 6 °C, x by 0.05 °/s for each; y does not.
+#[test]
+fn a_rate_that_follows_its_temperature_is_said_to() {
+    let whole = table("t_s,x_dps,y_dps,z_dps,ax_mps2,ay_mps2,az_mps2", 20_000);
+    let mut text = "t_s,gx_dps,gy_dps,temp_c\n".to_owned();
+    for (row, line) in whole.lines().skip(1).enumerate() {
+        let cells: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
+        let temp_c = 25.0 + 6.0 * (1.0 - (-(row as f64) / 6_000.0).exp());
+        let _ = writeln!(text, "{},{:.6},{:.6},{temp_c:.4}", cells[0], cells[1] + 0.05 * temp_c, cells[2]);
+    }
+    for columns in [None, Some(vec!["gx_dps".to_owned(), "gy_dps".to_owned()])] {
+        let (_, reader) = look(&text, &LogSettings { columns, ..LogSettings::default() });
+        let mut reader = reader.expect("a log");
+        let mut follows = || {
+            let axis = reader.analyse().expect("a noise model").expect("an axis");
+            axis.warnings.iter().any(|warning| warning.starts_with("follows-temperature: "))
+        };
+        assert_eq!([follows(), follows()], [true, false]);
+    }
+}
+
 #[test]
 fn a_dead_axis_is_no_noise() {
     let text = format!("gx_dps\n{}", "0.5\n".repeat(500));

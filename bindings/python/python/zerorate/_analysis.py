@@ -108,6 +108,7 @@ class AnalysisOptions:
             raise ValueError("the record does not say how fast it was sampled: give rate_hz=, samples per second")
         taus = self.taus
         found = _zerorate.analyse(
+            name,
             values,
             self.is_phase,
             gaps,
@@ -120,7 +121,7 @@ class AnalysisOptions:
             None if self.settling is None else self.settling.asked(name, temperature),
         )
         model, cleaned, core = (found.pop(key, None) for key in ("fit", "cleaned", "core"))
-        detrended, follows = found.pop("detrended"), found.pop("warnings")
+        detrended, warned = found.pop("detrended"), found.pop("warnings")
         unavailable = [Unavailable(*point) for point in found.pop("unavailable")]
         return Allan(
             **found,
@@ -131,7 +132,7 @@ class AnalysisOptions:
             name=name,
             unit=unit,
             detrended=None if detrended is None else Detrended(**detrended),
-            warnings=(said or []) + follows,
+            warnings=(said or []) + warned,
             _core=core,
         )
 

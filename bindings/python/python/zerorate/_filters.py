@@ -41,8 +41,6 @@ def file(
             raise _no_model(axis)
         modelled.append((axis.name, axis.unit, axis._core))
     text, doubts = _zerorate.imu_file(format, modelled, log, topic, combine, float(inflate), force)
-    if doubts and not force:
-        raise _zerorate.Refused("; ".join(doubts))
     if doubts:
         warnings.warn("; ".join(doubts) + "; made all the same (force=True)", stacklevel=3)
     if path is not None:

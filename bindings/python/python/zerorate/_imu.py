@@ -229,7 +229,9 @@ def _of_capture(capture: Capture, options: AnalysisOptions, rate_hz: float) -> I
 
 
 def _said(axes: Mapping[str, Allan]) -> list[str]:
-    return [f"{name}: {text}" for name, axis in axes.items() if axis.fit for text in axis.fit.warnings]
+    of_axes = [(name, axis.warnings + (axis.fit.warnings if axis.fit else [])) for name, axis in axes.items()]
+    moved = _zerorate.motion([(name, axis._core) for name, axis in axes.items() if axis._core is not None])
+    return moved + [f"{name}: {text}" for name, texts in of_axes for text in texts]
 
 
 def _number(scale: float | None) -> float | None:

@@ -26,6 +26,7 @@ __all__ = [
     "interval",
     "is_time",
     "main",
+    "motion",
     "mtie",
     "rate_dps",
     "read_capture",
@@ -134,6 +135,7 @@ class _Settling(TypedDict):
     skip: str
 
 def analyse(
+    name: str,
     record: NDArray[np.float64] | NDArray[np.int32],
     phase: bool,
     gaps: list[tuple[int, int]],
@@ -172,6 +174,7 @@ def imu_file(
     inflate: float,
     force: bool,
 ) -> tuple[str, list[str]]: ...
+def motion(axes: list[tuple[str, Model]]) -> list[str]: ...
 def unit_kind(unit: str) -> Literal["gyroscope", "accelerometer"] | None: ...
 def column_unit(name: str) -> str | None: ...
 def is_time(name: str) -> bool: ...

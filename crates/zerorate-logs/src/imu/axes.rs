@@ -1,6 +1,6 @@
 //! The axes of an IMU in a log.
 
-use super::Kind;
+use super::{ImuWarning, Kind};
 use crate::{Column, ColumnOptions, LogError, LogWarning, Parts, Quantity, Setting, Unit, Wanted};
 use std::path::Path;
 
@@ -47,6 +47,14 @@ impl Axes {
     pub fn read(path: &Path, parts: impl Into<Parts>, options: &ImuOptions) -> crate::Result<Self> {
         let wanted = options.columns.as_deref().map_or(Wanted::All, Wanted::Listed);
         Self::of(path, crate::read_parts(path, parts, wanted, &options.log)?, options)
+    }
+
+    /// The kinds of axis that the log has nothing of, or, where these chose columns, the columns.
+    pub fn absent(&self, options: &ImuOptions) -> impl Iterator<Item = ImuWarning> {
+        let has = |kind: &Kind| self.columns.iter().any(|column| column.quantity == Some(kind.quantity()));
+        let chosen_by = options.columns.is_some().then(|| options.log.names.of(Setting::Column));
+        let absent: Vec<Kind> = Kind::ALL.into_iter().filter(|kind| !has(kind)).collect();
+        absent.into_iter().map(move |kind| ImuWarning::KindAbsent(kind, chosen_by))
     }
 
     /// Whether there are any among the columns of a log, where nobody said which they are.

@@ -60,8 +60,7 @@ impl Format {
     }
 
     /// The text of the file.
-    #[must_use]
-    pub fn text(self, numbers: &Numbers) -> String {
+    pub(super) fn text(self, numbers: &Numbers) -> String {
         let mut file = Text::default();
         match self {
             Self::Kalibr => kalibr(&mut file, numbers, ""),
@@ -213,7 +212,7 @@ impl Text {
     /// What the file is, how its numbers were chosen, and what stands behind them.
     fn head(&mut self, numbers: &Numbers, format: Format, meaning: &str) {
         let (reader, is_by_axis) = (format.reader(), format.is_by_axis());
-        let Choice { log, combine, inflate, doubts, names, .. } = &numbers.choice;
+        let Choice { log, combine, inflate, names, .. } = &numbers.choice;
         self.line(&format!("# Noise of an IMU for {reader}, by {} from {}.", zerorate::SOFTWARE, plain::line(log)));
         self.line(&format!("# {meaning}."));
         if !is_by_axis {
@@ -222,7 +221,7 @@ impl Text {
         if *inflate != 1.0 {
             self.line(&format!("# All noise is multiplied by {inflate}, for what a record at rest does not show."));
         }
-        for doubt in doubts {
+        for doubt in &numbers.doubts {
             self.line(&format!("# NOT A RESULT: {}", plain::line(doubt)));
         }
     }

@@ -3,11 +3,17 @@
 mod axes;
 mod coefficients;
 mod consumer;
+mod doubt;
 mod kind;
+mod noise_file;
 mod numbers;
+mod warning;
 
 pub use axes::{Axes, ImuOptions, Said};
 pub use coefficients::{B, Named, Units, coefficients, span};
 pub use consumer::Format;
+pub use doubt::{Doubt, Doubts};
 pub use kind::Kind;
-pub use numbers::{Axis, AxisNumbers, Choice, Chosen, Combine, Memory, Numbers, Sensor, doubt};
+pub use noise_file::NoNoiseFile;
+pub use numbers::{Axis, Choice, Combine};
+pub use warning::{ImuWarning, Moment};

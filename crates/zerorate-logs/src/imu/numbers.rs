@@ -1,9 +1,8 @@
 //! From fitted models to the numbers that filters take.
 
-use super::Kind;
+use super::{Doubts, Kind};
 use crate::{Names, Setting};
-use zerorate_allan::FLOOR_PER_B;
-use zerorate_allan::{Fit, Term};
+use zerorate_allan::{FLOOR_PER_B, Fit, Term};
 
 /// What stands for several axes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,16 +24,8 @@ pub struct Axis<'a> {
     pub rate_hz: f64,
     /// The model.
     pub fit: &'a Fit,
-    /// rad/s or m/s² in a unit of the fit.
-    pub si: f64,
-}
-
-/// Why a model's coefficients are no result, if they are none.
-#[must_use]
-pub fn doubt(fit: &Fit) -> Option<String> {
-    let percent = fit.model_error * 100.0;
-    fit.is_rejected
-        .then(|| format!("the noise model is off by {percent:.0} %, so none of its coefficients is a result"))
+    /// What one of the unit of the model is in that of results, °/s or m/s².
+    pub scale: f64,
 }
 
 /// What the numbers are of, and how they are chosen.
@@ -47,8 +38,6 @@ pub struct Choice {
     pub combine: Combine,
     /// Factor on all noise, 1 unless it was asked for.
     pub inflate: f64,
-    /// Why what was forced out is no result.
-    pub doubts: Vec<String>,
     /// What the file calls options.
     pub names: Names,
 }
@@ -57,6 +46,8 @@ pub struct Choice {
 pub struct Numbers {
     /// Of what they are.
     pub choice: Choice,
+    /// Why what was forced out is no result.
+    pub doubts: Vec<String>,
     /// Samples per second.
     pub rate_hz: f64,
     /// None where there is no such axis.
@@ -120,8 +111,16 @@ impl Sensor {
 }
 
 impl Axis<'_> {
+    /// rad/s or m/s² in a unit of the model.
+    fn si(&self) -> f64 {
+        match self.kind {
+            Kind::Gyroscope => self.scale.to_radians(),
+            Kind::Accelerometer => self.scale,
+        }
+    }
+
     fn n(&self) -> Chosen {
-        Chosen { value: self.fit.n.value * self.si, from: format!("N of {}", self.name) }
+        Chosen { value: self.fit.n.value * self.si(), from: format!("N of {}", self.name) }
     }
 
     /// Where K is not identified its upper limit: too small a K makes a filter believe its bias, too large a one only
@@ -132,13 +131,13 @@ impl Axis<'_> {
             true => (k.value, format!("K of {column}")),
             false => (k.hi, format!("upper 95 % limit of K of {column}, which is not identified")),
         };
-        Chosen { value: value * self.si, from }
+        Chosen { value: value * self.si(), from }
     }
 
     /// Standard deviation and correlation time of its largest Gauss–Markov term.
     fn memory(&self) -> Option<(f64, f64)> {
         let of_term = |term: &Term| match term {
-            Term::GaussMarkov { sigma, tau_s } => Some((sigma.value * self.si, tau_s.value)),
+            Term::GaussMarkov { sigma, tau_s } => Some((sigma.value * self.si(), tau_s.value)),
             _ => None,
         };
         self.fit.terms.iter().filter_map(of_term).max_by(|a, b| a.0.total_cmp(&b.0))
@@ -153,7 +152,7 @@ impl Axis<'_> {
         let (b, k) = (FLOOR_PER_B * self.fit.b.hi, self.fit.k.hi);
         let most = b * b + k * k * peak_s / 3.0;
         let variance = if without_n > 0.0 { without_n } else { most };
-        variance.sqrt() / PEAK * self.si
+        variance.sqrt() / PEAK * self.si()
     }
 }
 
@@ -164,13 +163,12 @@ const PEAK: f64 = 0.617;
 
 impl Numbers {
     /// Of these axes.
-    #[must_use]
-    pub fn new(choice: Choice, axes: &[Axis<'_>]) -> Self {
+    pub fn new(choice: Choice, doubts: &Doubts, axes: &[Axis<'_>]) -> Self {
         let memory = Memory::of(axes);
         let sensor = |kind| Sensor::new(&choice, axes.iter().filter(|axis| axis.kind == kind), memory.tau_s);
         let (gyroscope, accelerometer) = (sensor(Kind::Gyroscope), sensor(Kind::Accelerometer));
         let rate_hz = axes.iter().map(|axis| axis.rate_hz).fold(0.0, f64::max);
-        Self { choice, rate_hz, gyroscope, accelerometer, memory }
+        Self { choice, doubts: doubts.texts(), rate_hz, gyroscope, accelerometer, memory }
     }
 }
 

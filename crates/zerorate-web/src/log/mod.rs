@@ -15,24 +15,24 @@ pub use reader::LogReader;
 
 #[cfg(feature = "readers")]
 mod reader {
-    use super::axis::Analysed;
     use super::message::{LogAbout, LogAxis, LogSettings, LogSummary, Looked, NoiseFileCommand};
     use super::settings::{LABELS, asked_for, combine, format};
     use super::{axis, pictures, settings};
     use crate::message::Download;
     use std::path::{Path, PathBuf};
     use std::vec::IntoIter;
-    use zerorate_allan as allan;
-    use zerorate_logs::imu::{Axes, Axis, Choice, ImuOptions, Kind, Numbers};
-    use zerorate_logs::{Column, LogError, LogWarning, Wanted};
+    use zerorate_allan::{FitOptions, Options, Taus};
+    use zerorate_logs::imu::{Axes, Choice, ImuOptions, ImuWarning, NoNoiseFile};
+    use zerorate_logs::{AnalysisOptions, Column, LogError, LogWarning, Record, Wanted};
     use zerorate_record::Input;
 
     /// A log that was read.
     pub struct LogReader {
         path: PathBuf,
         topic: Option<String>,
+        temperature: Option<Column>,
         waiting: IntoIter<Column>,
-        analysed: Vec<Analysed>,
+        analysed: Vec<Record>,
     }
 
     impl LogReader {
@@ -66,21 +66,33 @@ mod reader {
         /// Why there is no noise in it that could be analysed.
         pub fn analyse(&mut self) -> Result<Option<LogAxis>, String> {
             let Some(column) = self.waiting.next() else { return Ok(None) };
-            let analysed = axis::analyse(&self.path, column)?;
-            let message = analysed.message();
-            self.analysed.push(analysed);
+            let options = AnalysisOptions {
+                deviations: Options { taus: Taus::Fine, ..Options::default() },
+                fit: Some(FitOptions::default()),
+                draws: true,
+                ..AnalysisOptions::default()
+            };
+            let record = Record::of(column, &self.path, &options, self.temperature.as_ref());
+            let record = record.map_err(|error| error.to_string())?;
+            let message = axis::message(&record);
+            self.analysed.push(record);
             Ok(Some(message))
         }
 
         /// What all axes come to, once all are analysed.
         #[must_use]
         pub fn summary(&self) -> LogSummary {
-            let no_noise_file = if self.axes().is_empty() {
-                Some("no column is stated to be an axis of a gyroscope or an accelerometer".to_owned())
-            } else {
-                self.doubts().into_iter().reduce(|all, more| format!("{all}; {more}"))
+            let warnings = ImuWarning::of_motion(&Record::models(&self.analysed));
+            let doubts = Record::doubts(&self.analysed);
+            let no_noise_file = match doubts.code() {
+                Some(_) => Some(doubts.to_string()),
+                None => Record::axes(&self.analysed).is_empty().then(|| NoNoiseFile::NoAxis.to_string()),
             };
-            LogSummary { pictures: pictures::of(&self.path, &self.analysed), warnings: self.motion(), no_noise_file }
+            LogSummary {
+                pictures: pictures::of(&self.path, &self.analysed),
+                warnings: warnings.iter().map(ToString::to_string).collect(),
+                no_noise_file,
+            }
         }
 
         /// The file for a filter.
@@ -89,65 +101,16 @@ mod reader {
         /// Its numbers would be no result, or the log has not the axes for it.
         pub fn noise_file(&self, command: &NoiseFileCommand) -> Result<Download, String> {
             let (format, combine) = (format(&command.format)?, combine(&command.combine)?);
-            let (axes, doubts) = (self.axes(), self.doubts());
-            if axes.is_empty() {
-                return Err(self.summary().no_noise_file.unwrap_or_default());
-            }
-            if !(command.inflate > 0.0 && command.inflate.is_finite()) {
-                return Err("the factor on all noise must be a number above zero".to_owned());
-            }
-            if !doubts.is_empty() && !command.force {
-                return Err(doubts.join("; "));
-            }
-            let counts = Kind::ALL.map(|kind| axes.iter().filter(|axis| axis.kind == kind).count());
-            if format.is_by_axis() && counts.iter().any(|count| !matches!(count, 0 | 3)) {
-                return Err(format!("{} takes three axes of a kind; choose three columns", format.reader()));
-            }
-            let log = self.path.display().to_string();
-            let (topic, inflate, names) = (self.topic.clone(), command.inflate, LABELS);
-            let choice = Choice { log, topic, combine, inflate, doubts, names };
+            let (axes, doubts) = (Record::axes(&self.analysed), Record::doubts(&self.analysed));
+            let (log, topic) = (self.path.display().to_string(), self.topic.clone());
+            let choice = Choice { log, topic, combine, inflate: command.inflate, names: LABELS };
             Ok(Download {
                 name: format!("imu-{}.yaml", format.name()),
                 media_type: "application/yaml".to_owned(),
-                text: format.text(&Numbers::new(choice, &axes)),
+                text: format.file(choice, &axes, &doubts, command.force).map_err(|why| why.to_string())?,
             })
         }
-
-        fn axes(&self) -> Vec<Axis<'_>> {
-            self.analysed.iter().filter_map(Analysed::axis).collect()
-        }
-
-        /// Why there is no result.
-        fn doubts(&self) -> Vec<String> {
-            self.analysed.iter().filter_map(|axis| Some(format!("{}: {}", axis.name, axis.doubt()?))).collect()
-        }
-
-        /// What happens to several axes at once.
-        fn motion(&self) -> Vec<String> {
-            let fitted: Vec<_> =
-                self.analysed.iter().filter_map(|axis| Some((axis, axis.fit.as_ref().ok()?))).collect();
-            let fits: Vec<_> = fitted.iter().map(|(_, fit)| *fit).collect();
-            let moved = allan::motion(&fits);
-            let words = |one: &allan::Motion| {
-                let names: Vec<&str> = one.axes.iter().map(|axis| fitted[*axis].0.name.as_str()).collect();
-                format!("{:.1} s ({})", one.at_s, names.join(", "))
-            };
-            let named: Vec<String> = moved.iter().take(NAMED).map(words).collect();
-            let more = moved.len().saturating_sub(NAMED);
-            let more = if more > 0 { format!(" and {more} times more") } else { String::new() };
-            let line = || {
-                format!(
-                    "motion: several axes jump, or have a glitch, together at {}{more}: the sensor was moved or \
-                     knocked, which is no noise of it; record where nothing moves, or cut the log there",
-                    named.join(", ")
-                )
-            };
-            (!moved.is_empty()).then(line).into_iter().collect()
-        }
     }
-
-    /// Moments that a line names.
-    const NAMED: usize = 6;
 
     fn read(
         path: &Path,
@@ -158,6 +121,9 @@ mod reader {
         let options = settings::options(said)?;
         let wanted = options.columns.as_deref().map_or(Wanted::All, Wanted::Listed);
         let columns = zerorate_logs::read_all(path, open(), wanted, &options.log)?;
+        let temperature = zerorate_logs::temperature(None, Some(open()), |names| {
+            zerorate_logs::read_all(path, open(), Wanted::Listed(names), &options.log)
+        });
         let axes = of_imu_or_any(path, columns, &options)?;
         let first = axes.columns.first();
         let samples = first.map_or(0, length);
@@ -172,7 +138,8 @@ mod reader {
             warnings: axes.warnings.iter().map(LogWarning::coded).collect(),
         };
         let waiting = axes.columns.into_iter();
-        let reader = LogReader { path: path.to_owned(), topic: axes.topic, waiting, analysed: Vec::new() };
+        let (path, topic, analysed) = (path.to_owned(), axes.topic, Vec::new());
+        let reader = LogReader { path, topic, temperature, waiting, analysed };
         Ok((about, reader))
     }
 

@@ -1,20 +1,20 @@
 //! The pictures of a log: for each kind of axis its curves, its spectra and its records.
 
-use super::axis::Analysed;
+use super::axis::coefficients;
 use super::message::LogPicture;
 use std::path::Path;
 use zerorate_allan::{Expected, Fit, Line};
-use zerorate_logs::Quantity;
 use zerorate_logs::imu::Named;
+use zerorate_logs::{Look, Quantity, Record};
 use zerorate_view::plot::{self, Curve, PowerLaw, Signal, Spectrum, Tone, number};
 
 /// All of them.
-pub fn of(path: &Path, axes: &[Analysed]) -> Vec<LogPicture> {
+pub fn of(path: &Path, axes: &[Record]) -> Vec<LogPicture> {
     let groups = axes.chunk_by(|a, b| a.quantity == b.quantity);
     groups.flat_map(|group| of_kind(path, group)).collect()
 }
 
-fn of_kind(path: &Path, axes: &[Analysed]) -> Vec<LogPicture> {
+fn of_kind(path: &Path, axes: &[Record]) -> Vec<LogPicture> {
     let Some(first) = axes.first() else { return Vec::new() };
     let (word, heading) = match first.quantity {
         Some(Quantity::AngularRate) => ("gyroscope", "Gyroscope"),
@@ -39,7 +39,7 @@ fn of_kind(path: &Path, axes: &[Analysed]) -> Vec<LogPicture> {
     all
 }
 
-fn curves(path: &Path, heading: &str, unit: &str, axes: &[Analysed]) -> String {
+fn curves(path: &Path, heading: &str, unit: &str, axes: &[Record]) -> String {
     let curves: Vec<Curve> = axes.iter().map(curve).collect();
     let options = plot::Options {
         title: Some(format!("{heading} in {}", path.display())),
@@ -50,22 +50,19 @@ fn curves(path: &Path, heading: &str, unit: &str, axes: &[Analysed]) -> String {
     if curves.len() > 1 { plot::allan_multiples(&curves, &options) } else { plot::allan(&curves, &options) }
 }
 
-fn curve(axis: &Analysed) -> Curve {
+fn curve(axis: &Record) -> Curve {
     let points = axis.analysis.points.iter();
-    let expected = |fit: &Fit| {
-        let of_points = axis.analysis.points.iter().filter_map(|point| {
-            let Expected { dev, lo, hi } = fit.expected(&axis.analysis, point)?;
-            Some(plot::Point { tau_s: point.tau_s, dev, lo, hi })
-        });
-        of_points.collect()
-    };
-    let believed = if axis.doubt().is_none() { axis.coefficients() } else { Vec::new() };
+    let expected = axis.analysis.points.iter().filter_map(|point| {
+        let Expected { dev, lo, hi } = axis.expected(point)?;
+        Some(plot::Point { tau_s: point.tau_s, dev, lo, hi })
+    });
+    let believed = if axis.believed().is_ok() { coefficients(axis) } else { Vec::new() };
     Curve {
-        label: axis.name.clone(),
+        label: axis.column.clone(),
         points: points
             .map(|point| plot::Point { tau_s: point.tau_s, dev: point.dev, lo: point.lo, hi: point.hi })
             .collect(),
-        model: axis.fit.as_ref().map(expected).unwrap_or_default(),
+        model: expected.collect(),
         laws: believed.iter().map(law).collect(),
         minimum: None,
         remarks: Vec::new(),
@@ -82,9 +79,9 @@ fn law(named: &Named<'_>) -> PowerLaw {
     PowerLaw { label, at_1s: value * named.at_1s, slope: named.slope }
 }
 
-fn spectrum(axis: &Analysed, unit: &str) -> Option<Spectrum> {
+fn spectrum(axis: &Record, unit: &str) -> Option<Spectrum> {
     let amplitude = |density: f64| (2.0 * density).sqrt();
-    let (all, rate_hz) = (&axis.spectrum, axis.analysis.rate_hz);
+    let (Look { spectrum: all, .. }, rate_hz) = (axis.look.as_ref()?, axis.analysis.rate_hz);
     let model = |fit: &Fit| {
         let of_model = |hz: f64| (hz, amplitude(fit.density(hz, rate_hz)));
         all.iter().step_by(3).map(|one| of_model(one.frequency_hz)).collect()
@@ -94,18 +91,18 @@ fn spectrum(axis: &Analysed, unit: &str) -> Option<Spectrum> {
         Tone { frequency_hz, rms, label }
     };
     (!all.is_empty()).then(|| Spectrum {
-        label: axis.name.clone(),
+        label: axis.column.clone(),
         points: all.iter().map(|one| (one.frequency_hz, amplitude(one.density))).collect(),
-        model: axis.fit.as_ref().map(model).unwrap_or_default(),
+        model: axis.model().map(model).unwrap_or_default(),
         tones: axis.lines().map(tone).collect(),
     })
 }
 
-fn signal(axis: &Analysed) -> Signal {
-    let steps = axis.fit.as_ref().map_or(&[][..], |fit| &fit.cleaned.steps[..]);
+fn signal(axis: &Record) -> Signal {
+    let steps = axis.model().map_or(&[][..], |fit| &fit.cleaned.steps);
     Signal {
-        label: axis.name.clone(),
-        envelope: axis.envelope.clone(),
+        label: axis.column.clone(),
+        envelope: axis.look.as_ref().map(|look| look.envelope.clone()).unwrap_or_default(),
         marks_s: steps.iter().map(|step| step.at_s).collect(),
     }
 }

@@ -2,7 +2,7 @@
 
 use super::units;
 use zerorate_allan::{self as allan, Averaging};
-use zerorate_jobs::analysis::Record;
+use zerorate_logs::Record;
 use zerorate_logs::{Quantity, STANDARD_GRAVITY};
 
 /// What the fit advises, a sentence each; nothing where it is rejected.

@@ -3,8 +3,7 @@
 use super::units::{deviation_unit, span};
 use super::{picture, temperature};
 use zerorate_allan::{AllanWarning, LONGEST_RECORD_S};
-use zerorate_jobs::analysis::Record;
-use zerorate_logs::LogWarning;
+use zerorate_logs::{LogWarning, Record};
 use zerorate_view::plot::number;
 
 /// Codes of findings, those that spoil most first. What is not among them comes before all: it is of the log.

@@ -4,8 +4,8 @@ use crate::column::flag;
 use crate::exit::{Refused, Usage};
 use crate::output::Staged;
 use anyhow::Result;
-use zerorate_jobs::analysis::Record;
-use zerorate_logs::imu::{Axis, Choice, Combine, Format, Numbers};
+use zerorate_logs::Record;
+use zerorate_logs::imu::{Choice, Combine, Doubts, Format};
 use zerorate_logs::{Names, Quantity};
 
 /// Writes the gyroscope's part of the file; of several logs the worst.
@@ -17,14 +17,14 @@ pub fn write(file: Staged, records: &[Record]) -> Result<()> {
     let doubt = records.iter().find_map(|record| Some((record, record.believed().err()?)));
     if let Some((record, why)) = doubt {
         return Err(Refused::new(
-            record.doubt_code(),
+            why.code(),
             format!("{}: imu.yaml needs the noise coefficients: {why}", record.label()),
         )
         .into());
     }
     let log = records.iter().map(|record| record.file.display().to_string()).collect::<Vec<_>>().join(", ");
     let names = Names(flag);
-    let choice = Choice { log, topic: None, combine: Combine::Worst, inflate: 1.0, doubts: Vec::new(), names };
-    let axes: Vec<Axis<'_>> = records.iter().filter_map(Record::axis).collect();
-    Ok(file.fill(Format::Kalibr.text(&Numbers::new(choice, &axes)).as_bytes())?)
+    let choice = Choice { log, topic: None, combine: Combine::Worst, inflate: 1.0, names };
+    let text = Format::Kalibr.file(choice, &Record::axes(records), &Doubts::default(), false)?;
+    Ok(file.fill(text.as_bytes())?)
 }

@@ -2,13 +2,14 @@
 
 use super::advice::advice;
 use super::motion::{self, Motion};
-use super::pool::{self, Pool};
+use super::pool;
 use super::temperature;
 use super::units::{Named, coefficients, deviation_unit};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use zerorate_allan::{self as allan, Point, Unavailable};
-use zerorate_jobs::analysis::Record;
+use zerorate_jobs::pool::Pool;
+use zerorate_logs::Record;
 
 /// Several logs.
 #[derive(Serialize)]
@@ -39,7 +40,7 @@ struct PoolReport<'a> {
 
 impl<'a> Pooled<'a> {
     pub fn new(records: &'a [Record], pool: &'a Pool) -> Self {
-        let report = PoolReport { report: Report::new(&pool.record), records: pool.json() };
+        let report = PoolReport { report: Report::new(&pool.record), records: pool::json(pool) };
         Self { files: records.iter().map(Report::new).collect(), pool: report }
     }
 }

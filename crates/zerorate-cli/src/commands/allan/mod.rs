@@ -17,13 +17,13 @@ use crate::exit::{Refused, Usage};
 use crate::output::{Outputs, Staged, print, print_json, print_lines, say, warn};
 use anyhow::Result;
 use clap::{Args, ValueEnum};
-use pool::Pool;
 use serde::Serialize;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use temperature::TemperatureArgs;
 use zerorate_allan::{FitOptions, Options, Stat, Taus};
-use zerorate_jobs::analysis::{AnalysisOptions, Record};
-use zerorate_logs::{Column, LogError};
+use zerorate_jobs::allan::{AllanOptions, allan};
+use zerorate_logs::imu::Doubt;
+use zerorate_logs::{AnalysisOptions, Record};
 
 /// Computes the Allan deviation of a gyroscope's log, taken at rest: a capture, or the log of any other part.
 ///
@@ -150,18 +150,13 @@ impl AllanArgs {
         self.fit || self.pool || self.json || !self.plot.is_empty() || self.report.is_some() || self.imu_yaml.is_some()
     }
 
-    /// One of each file, unless several were asked for.
-    fn columns(&self, file: &Path) -> Result<Vec<Column>, LogError> {
-        if self.column.is_list() { self.column.read_list(file) } else { Ok(vec![self.column.read(file)?]) }
-    }
-
-    fn options(&self) -> AnalysisOptions {
+    fn options(&self) -> AllanOptions {
         let taus = self.taus.clone().unwrap_or(Taus::Octave);
         let deviations = Options { stat: self.stat, taus, confidence: self.confidence, scale: 1.0 };
         let draws = !self.plot.is_empty() || self.report.is_some();
         let remove_steps = self.steps == Steps::Remove;
         let fit = FitOptions { scale: 1.0, cut_glitches: !self.keep_glitches, remove_steps };
-        AnalysisOptions {
+        let analysis = AnalysisOptions {
             is_phase: self.data == Data::Phase,
             closes_gaps: self.ignore_gaps,
             deviations,
@@ -170,7 +165,9 @@ impl AllanArgs {
             draws: self.report.is_some(),
             keeps_rate: self.pool,
             settling: self.temperature.settling(),
-        }
+        };
+        let (columns, log) = (self.column.columns(), self.column.options());
+        AllanOptions { columns, log, temperature: self.temperature.temp_column.clone(), analysis }
     }
 }
 
@@ -180,16 +177,7 @@ pub fn run(args: &AllanArgs) -> Result<()> {
     }
     args.temperature.check(args.pool, args.data == Data::Phase)?;
     let files = Files::claim(args)?;
-    let options = args.options();
-    let mut records = Vec::new();
-    for file in &args.files {
-        let columns = args.columns(file)?;
-        let temperature = args.temperature.read(file, |names| args.column.read_temperature(file, names))?;
-        let temperature = temperature.as_ref().filter(|_| args.data == Data::Rate);
-        for column in columns {
-            records.push(Record::of(column, file, &options, temperature)?);
-        }
-    }
+    let records = allan(&args.files, &args.options())?;
     check_units(args, &records)?;
     let warnings = warnings(args, &records);
     warn(&warnings);
@@ -198,10 +186,7 @@ pub fn run(args: &AllanArgs) -> Result<()> {
     }
     print_records(args, &records)?;
     files.write(&records, warnings)?;
-    match records.iter().find(|record| args.fit && record.model().is_some_and(|fit| fit.is_rejected)) {
-        Some(record) => Err(no_result(record).into()),
-        None => Ok(()),
-    }
+    if args.fit { records.iter().try_for_each(check_model) } else { Ok(()) }
 }
 
 /// Of a record alone each in full; of several a line for each kind.
@@ -215,13 +200,19 @@ fn warnings(args: &AllanArgs, records: &[Record]) -> Vec<String> {
     }
 }
 
-fn no_result(record: &Record) -> Refused {
-    Refused::new(record.doubt_code(), format!("{}: {}", record.label(), record.believed().err().unwrap_or_default()))
+/// Refuses a model that is rejected. A record without a model is no failure: its text says why.
+fn check_model(record: &Record) -> Result<()> {
+    match record.believed() {
+        Err(doubt @ Doubt::Rejected(_)) => {
+            Err(Refused::new(doubt.code(), format!("{}: {doubt}", record.label())).into())
+        }
+        _ => Ok(()),
+    }
 }
 
 /// One model of all records.
 fn pooled(args: &AllanArgs, records: &[Record], files: Files) -> Result<()> {
-    let pool = Pool::of(records)?;
+    let pool = zerorate_jobs::pool::pool(records).map_err(pool::failed)?;
     warn(&temperature::warnings(&pool.record));
     match (args.json, args.csv) {
         (true, _) => print_json(&json::Pooled::new(records, &pool))?,
@@ -230,12 +221,11 @@ fn pooled(args: &AllanArgs, records: &[Record], files: Files) -> Result<()> {
             say(table::heading(&pool.record));
             print_lines(&table::text(&pool.record)?)?;
             print_lines(&table::coefficients_text(&pool.record)?)?;
-            print_lines(&pool.text()?)?;
+            print_lines(&pool::text(&pool)?)?;
         }
     }
-    let is_rejected = pool.record.model().is_some_and(|fit| fit.is_rejected);
     files.write(std::slice::from_ref(&pool.record), Vec::new())?;
-    if is_rejected { Err(no_result(&pool.record).into()) } else { Ok(()) }
+    check_model(&pool.record)
 }
 
 /// A picture and a table have one unit.

@@ -1,68 +1,32 @@
 //! Axes of one log to which something happens at once.
 
 use serde::Serialize;
-use zerorate_allan::{self as allan, Fit, MotionKind, motion};
-use zerorate_jobs::analysis::Record;
+use zerorate_allan::MotionKind;
+use zerorate_logs::Record;
+use zerorate_logs::imu::{ImuWarning, Moment};
 
 /// A moment at which several axes jump, or have a glitch.
 #[derive(Serialize)]
 pub struct Motion {
     at_s: f64,
     axes: Vec<String>,
-    kind: Kind,
-}
-
-#[derive(Clone, Copy, PartialEq, Serialize)]
-#[serde(rename_all = "lowercase")]
-enum Kind {
-    Jump,
-    Knock,
+    kind: &'static str,
 }
 
 /// Those of the axes of one log.
 pub fn of(axes: &[Record]) -> Vec<Motion> {
-    let fitted: Vec<(&Record, &Fit)> = axes.iter().filter_map(|axis| Some((axis, axis.model()?))).collect();
-    let fits: Vec<&Fit> = fitted.iter().map(|(_, fit)| *fit).collect();
-    let name = |i: usize| fitted[i].0.column.clone();
-    let named = |motion: allan::Motion| Motion {
-        at_s: motion.at_s,
-        axes: motion.axes.into_iter().map(name).collect(),
-        kind: match motion.kind {
-            MotionKind::Jump => Kind::Jump,
-            MotionKind::Knock => Kind::Knock,
+    let motion = |Moment { at_s, axes, kind }: Moment| Motion {
+        at_s,
+        axes,
+        kind: match kind {
+            MotionKind::Jump => "jump",
+            MotionKind::Knock => "knock",
         },
     };
-    motion(&fits).into_iter().map(named).collect()
+    Moment::all(&Record::models(axes)).into_iter().map(motion).collect()
 }
-
-/// Moments that a line names.
-const NAMED: usize = 6;
 
 /// A line for the jumps, and one for the knocks.
 pub fn lines(axes: &[Record]) -> Vec<String> {
-    let all = of(axes);
-    let line = |kind, what: &str, meaning: &str| {
-        let moments: Vec<String> = all.iter().filter(|motion| motion.kind == kind).map(Motion::text).collect();
-        let named = moments[..moments.len().min(NAMED)].join(", ");
-        let more = moments.len().saturating_sub(NAMED);
-        let more = if more > 0 { format!(" and {more} times more") } else { String::new() };
-        (!moments.is_empty()).then(|| format!("motion: several axes {what} together at {named}{more}: {meaning}"))
-    };
-    let jumps = line(
-        Kind::Jump,
-        "jump",
-        "the sensor moved, which is no noise of it; record where nothing moves, or cut the log there",
-    );
-    let knocks = line(
-        Kind::Knock,
-        "have a glitch",
-        "a knock, or a sample of all that broke; keep the sensor from being touched",
-    );
-    jumps.into_iter().chain(knocks).collect()
-}
-
-impl Motion {
-    fn text(&self) -> String {
-        format!("{:.1} s ({})", self.at_s, self.axes.join(", "))
-    }
+    ImuWarning::of_motion(&Record::models(axes)).iter().map(ToString::to_string).collect()
 }

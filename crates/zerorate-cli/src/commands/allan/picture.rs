@@ -6,8 +6,8 @@ use crate::output::Staged;
 use anyhow::Result;
 use std::path::Path;
 use zerorate_allan::{Expected, Fit, Line};
-use zerorate_jobs::analysis::Record;
 use zerorate_logs::Quantity;
+use zerorate_logs::Record;
 use zerorate_view::plot::{self, Curve, Minimum, PowerLaw, Signal, Spectrum, Tone, number};
 
 /// Form of a picture.

@@ -5,7 +5,7 @@ use super::units::{self, TermRow, noise};
 use anyhow::Result;
 use std::fmt::Write;
 use zerorate_allan::{Estimate, Point};
-use zerorate_jobs::analysis::Record;
+use zerorate_logs::Record;
 
 /// The line above the table.
 pub fn heading(record: &Record) -> String {

@@ -3,14 +3,10 @@
 use super::units::{deviation_unit, span};
 use crate::column::flag;
 use crate::exit::Usage;
-use anyhow::Result;
 use clap::Args;
 use serde::Serialize;
-use std::path::Path;
 use zerorate_allan::{AllanWarning, MOST_ORDER};
-use zerorate_jobs::analysis::Record;
-use zerorate_jobs::temperature::usual;
-use zerorate_logs::{Column, LogWarning, Names, Settling, TEMPERATURE_NAMES};
+use zerorate_logs::{LogWarning, Names, Record, Settling};
 use zerorate_view::duration::Seconds;
 
 /// What to do about a part that was warming.
@@ -23,7 +19,7 @@ pub struct TemperatureArgs {
 
     /// The column with the temperature [default: temp_code of a capture, else temp, temp_c or temperature].
     #[arg(long, value_name = "NAME")]
-    temp_column: Option<String>,
+    pub temp_column: Option<String>,
 
     /// Leave out the beginning, while the part warms: 45m.
     #[arg(long, value_name = "TIME")]
@@ -55,31 +51,11 @@ impl TemperatureArgs {
             _ => Ok(()),
         }
     }
-
-    /// The temperature of a log, read by its name: the one that was named, or, where the log seems to have one, by the
-    /// usual names.
-    pub fn read(&self, file: &Path, read: impl Fn(&[&str]) -> Option<Column>) -> Result<Option<Column>> {
-        if let Some(name) = &self.temp_column {
-            let column = read(&[name]).ok_or_else(|| {
-                Usage(format!("--temp-column: {} has no column {name:?} of numbers", file.display()))
-            })?;
-            return Ok(Some(column));
-        }
-        let column = usual(file, read);
-        if column.is_none() && self.detrend.is_some() {
-            let file = file.display();
-            let why =
-                format!("--detrend: {file} has no column {}; name it by --temp-column", TEMPERATURE_NAMES.join(", "));
-            return Err(Usage(why).into());
-        }
-        Ok(column)
-    }
 }
 
 /// What there is to know of a record: first of the log.
 pub fn warnings(record: &Record) -> Vec<String> {
-    let of_model = record.follows.iter().chain(record.of_model()).map(text);
-    record.notes.iter().map(LogWarning::coded).chain(of_model).collect()
+    record.notes.iter().map(LogWarning::coded).chain(record.of_noise().map(text)).collect()
 }
 
 /// A warning, with the options that help.

@@ -1,7 +1,7 @@
 //! Noise coefficients in the units that data sheets, standards and users have them in.
 
 use zerorate_allan::{Estimate, Line, Term};
-use zerorate_jobs::analysis::Record;
+use zerorate_logs::Record;
 pub use zerorate_logs::imu::{B, Named, span};
 use zerorate_logs::{Quantity, imu};
 use zerorate_view::plot::number;

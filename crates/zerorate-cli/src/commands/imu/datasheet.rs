@@ -9,7 +9,7 @@ use std::path::Path;
 use zerorate_allan::DataSheet;
 use zerorate_allan::Estimate;
 use zerorate_allan::datasheet::{Figure, Line, Verdict};
-use zerorate_jobs::analysis::Record;
+use zerorate_logs::Record;
 use zerorate_logs::imu::Kind;
 use zerorate_record::limits;
 use zerorate_view::plot::number;

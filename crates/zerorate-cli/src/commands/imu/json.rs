@@ -5,7 +5,7 @@ use crate::commands::allan::json;
 use crate::commands::allan::motion::{self, Motion};
 use serde::Serialize;
 use zerorate_allan::DataSheet;
-use zerorate_jobs::analysis::Record;
+use zerorate_logs::Record;
 use zerorate_logs::imu::Kind;
 
 /// All axes of a log.

@@ -7,20 +7,17 @@ mod text;
 use super::allan::temperature::TemperatureArgs;
 use super::allan::units::span;
 use super::allan::{findings, motion, page};
-use crate::column::{flag, listed, share};
-use crate::exit::{Refused, Usage};
+use crate::column::{flag, listed, positive, share};
+use crate::exit::Refused;
 use crate::output::{Outputs, Staged, print_json, print_lines, say, warn};
 use anyhow::Result;
 use clap::Args;
 use datasheet::Comparison;
 use std::path::PathBuf;
-use zerorate_allan::DataSheet;
-use zerorate_allan::{FitOptions, Options};
-use zerorate_host::files;
-use zerorate_jobs::analysis::{AnalysisOptions, Record};
-use zerorate_jobs::temperature;
-use zerorate_logs::imu::{Axes, Axis, Choice, Combine, Format, ImuOptions, Kind, Numbers, Said};
-use zerorate_logs::{Column, ColumnOptions, Decimal, LogWarning, Names, Setting, TimeUnit, Unit};
+use zerorate_allan::{DataSheet, FitOptions};
+use zerorate_jobs::imu::{ImuNoise, ImuNoiseOptions, imu};
+use zerorate_logs::imu::{Choice, Combine, Format, ImuOptions, ImuWarning, Said};
+use zerorate_logs::{AnalysisOptions, ColumnOptions, Decimal, LogWarning, Names, Record, Setting, TimeUnit, Unit};
 use zerorate_view::report::Fact;
 
 /// Fits noise models to all axes of an IMU's log, taken at rest, and writes the file for the filter that will use
@@ -52,7 +49,7 @@ pub struct ImuArgs {
 
     /// Multiply all noise by F, for what a record at rest does not show: vibration, temperature, scale errors. Filters
     /// are often tuned with 5 to 20.
-    #[arg(long, value_name = "F", default_value_t = 1.0, value_parser = factor)]
+    #[arg(long, value_name = "F", default_value_t = 1.0, value_parser = positive)]
     inflate: f64,
 
     /// The topic of a bag or of a PX4 log, where it has several IMUs.
@@ -64,7 +61,7 @@ pub struct ImuArgs {
     column: Option<String>,
 
     /// Samples per second [default: as the log's stamps or its time column tell].
-    #[arg(long, value_name = "HZ", value_parser = factor)]
+    #[arg(long, value_name = "HZ", value_parser = positive)]
     rate: Option<f64>,
 
     /// The column with the time of each row [default: the only one whose name states a unit of time, as in t_ns].
@@ -92,11 +89,11 @@ pub struct ImuArgs {
     accel_unit: Option<Unit>,
 
     /// What a step of 1 in the gyroscope's columns is, in its unit.
-    #[arg(long, value_name = "X", value_parser = factor, requires = "gyro_unit")]
+    #[arg(long, value_name = "X", value_parser = positive, requires = "gyro_unit")]
     gyro_scale: Option<f64>,
 
     /// What a step of 1 in the accelerometer's columns is, in its unit.
-    #[arg(long, value_name = "X", value_parser = factor, requires = "accel_unit")]
+    #[arg(long, value_name = "X", value_parser = positive, requires = "accel_unit")]
     accel_scale: Option<f64>,
 
     #[command(flatten)]
@@ -120,23 +117,32 @@ pub struct ImuArgs {
 }
 
 impl ImuArgs {
-    /// What the log may not say of itself.
-    fn options(&self) -> ImuOptions {
-        ImuOptions {
+    fn options(&self) -> ImuNoiseOptions {
+        let log = ColumnOptions {
+            topic: self.topic.clone(),
+            rate: self.rate,
+            time_column: self.time_column.clone(),
+            time_unit: self.time_unit,
+            decimal: self.decimal,
+            max_bad: self.max_bad,
+            names: Names(option),
+            ..ColumnOptions::default()
+        };
+        let axes = ImuOptions {
             columns: self.column.as_deref().and_then(listed),
             gyro: Said { unit: self.gyro_unit, scale: self.gyro_scale },
             accel: Said { unit: self.accel_unit, scale: self.accel_scale },
-            log: ColumnOptions {
-                topic: self.topic.clone(),
-                rate: self.rate,
-                time_column: self.time_column.clone(),
-                time_unit: self.time_unit,
-                decimal: self.decimal,
-                max_bad: self.max_bad,
-                names: Names(option),
-                ..ColumnOptions::default()
-            },
-        }
+            log,
+        };
+        let analysis = AnalysisOptions {
+            draws_finely: self.report.is_some(),
+            fit: Some(FitOptions::default()),
+            draws: self.report.is_some(),
+            settling: self.temperature.settling(),
+            ..AnalysisOptions::default()
+        };
+        let format = self.output.is_some().then_some(self.format);
+        ImuNoiseOptions { axes, temperature: self.temperature.temp_column.clone(), analysis, format }
     }
 }
 
@@ -155,24 +161,9 @@ pub fn run(args: &ImuArgs) -> Result<()> {
     let sheet = args.datasheet.as_deref().map(|path| datasheet::read(path, &mut outputs)).transpose()?;
     let file = args.output.as_ref().map(|path| outputs.derived(path)).transpose()?;
     let page = args.report.as_ref().map(|path| outputs.derived(path)).transpose()?;
-    let Axes { columns, topic, warnings } = Axes::read(&args.log, files::log(&args.log)?, &args.options())?;
-    check_format(args, &columns)?;
-    let of_log: Vec<String> = warnings.iter().map(LogWarning::coded).chain(absent(args, &columns)).collect();
-    let (fit, draws) = (Some(FitOptions::default()), page.is_some());
-    let options = AnalysisOptions {
-        is_phase: false,
-        closes_gaps: false,
-        deviations: Options::default(),
-        draws_finely: draws,
-        fit,
-        draws,
-        keeps_rate: false,
-        settling: args.temperature.settling(),
-    };
-    let log = args.options().log;
-    let temperature = args.temperature.read(&args.log, |names| temperature::named(&args.log, names, &log))?;
-    let analyse = |column| Record::of(column, &args.log, &options, temperature.as_ref());
-    let axes: Vec<Record> = columns.into_iter().map(analyse).collect::<Result<_>>()?;
+    let ImuNoise { axes, topic, notes, absent } = imu(&args.log, &args.options())?;
+    let absent = absent.iter().map(ImuWarning::to_string);
+    let of_log: Vec<String> = notes.iter().map(LogWarning::coded).chain(absent).collect();
     let compared = sheet.as_ref().map(|sheet| datasheet::compare(sheet, &axes)).unwrap_or_default();
     if args.json {
         print_json(&json::Report::new((topic.as_deref(), &of_log), &axes, sheet.as_ref(), &compared))?;
@@ -218,22 +209,18 @@ fn head(
 
 /// Writes the file, if its numbers are results or were asked for nonetheless.
 fn deliver(args: &ImuArgs, axes: &[Record], topic: Option<String>, file: Option<Staged>) -> Result<()> {
-    let doubts = doubts(axes);
-    if !doubts.is_empty() {
-        let doubted = axes.iter().find(|axis| axis.believed().is_err());
-        let code = doubted.map_or("no-model", Record::doubt_code);
-        let refused = Refused::new(code, format!("{}: {}", args.log.display(), doubts.join("; ")));
-        if !args.force || axes.iter().any(|axis| axis.model().is_none()) {
+    let doubts = Record::doubts(axes);
+    if let Some(code) = doubts.code() {
+        let refused = Refused::new(code, format!("{}: {doubts}", args.log.display()));
+        if !doubts.allow(args.force) {
             return Err(refused.into());
         }
         say(format_args!("warning: {refused}; written all the same (--force)"));
     }
     let Some(file) = file else { return Ok(()) };
     let ImuArgs { combine, inflate, .. } = *args;
-    let names = Names(option);
-    let choice = Choice { log: args.log.display().to_string(), topic, combine, inflate, doubts, names };
-    let axes: Vec<Axis<'_>> = axes.iter().filter_map(Record::axis).collect();
-    file.fill(args.format.text(&Numbers::new(choice, &axes)).as_bytes())?;
+    let choice = Choice { log: args.log.display().to_string(), topic, combine, inflate, names: Names(option) };
+    file.fill(args.format.file(choice, &Record::axes(axes), &doubts, args.force)?.as_bytes())?;
     if let Some(path) = &args.output {
         let chosen = match args.format.is_by_axis() {
             true => "each axis by itself".to_owned(),
@@ -242,49 +229,4 @@ fn deliver(args: &ImuArgs, axes: &[Record], topic: Option<String>, file: Option<
         say(format_args!("wrote {} for {}: {chosen}", path.display(), args.format.reader()));
     }
     Ok(())
-}
-
-/// Why there is no result, each reason with the axes that have it.
-fn doubts(axes: &[Record]) -> Vec<String> {
-    let mut all: Vec<(String, Vec<&str>)> = Vec::new();
-    for (axis, why) in axes.iter().filter_map(|axis| Some((axis, axis.believed().err()?))) {
-        match all.iter_mut().find(|(same, _)| *same == why) {
-            Some((_, names)) => names.push(&axis.column),
-            None => all.push((why, vec![&axis.column])),
-        }
-    }
-    all.into_iter().map(|(why, names)| format!("{}: {why}", names.join(", "))).collect()
-}
-
-/// What takes a number by axis needs three of a kind.
-fn check_format(args: &ImuArgs, columns: &[Column]) -> Result<(), Usage> {
-    for kind in Kind::ALL {
-        let count = count(columns, kind);
-        if args.output.is_some() && args.format.is_by_axis() && !matches!(count, 0 | 3) {
-            let (format, name) = (args.format.reader(), kind.name());
-            let why = format!("{format} takes three; choose three with --column, or another --format");
-            let axes = if count == 1 { "axis" } else { "axes" };
-            return Err(Usage(format!("{}: {count} {name} {axes}, and {why}", args.log.display())));
-        }
-    }
-    Ok(())
-}
-
-/// The kinds that the log has nothing of.
-fn absent(args: &ImuArgs, columns: &[Column]) -> impl Iterator<Item = String> {
-    let none = |kind: &Kind| count(columns, *kind) == 0;
-    let seen = if args.column.is_some() { "--column names no" } else { "the log has no" };
-    let words = move |kind: Kind| format!("kind-absent: {seen} {}: its numbers are left to be filled in", kind.name());
-    Kind::ALL.into_iter().filter(none).map(words)
-}
-
-fn count(columns: &[Column], kind: Kind) -> usize {
-    columns.iter().filter(|column| column.quantity == Some(kind.quantity())).count()
-}
-
-fn factor(text: &str) -> Result<f64, String> {
-    text.parse()
-        .ok()
-        .filter(|number: &f64| *number > 0.0 && number.is_finite())
-        .ok_or_else(|| "must be a number above zero".to_owned())
 }

@@ -4,7 +4,7 @@ use crate::commands::allan::units::{B, Named, coefficients, span};
 use anyhow::Result;
 use std::fmt::Write;
 use zerorate_allan::{Estimate, Fit, Term};
-use zerorate_jobs::analysis::Record;
+use zerorate_logs::Record;
 use zerorate_logs::imu::Kind;
 use zerorate_view::report::Table;
 

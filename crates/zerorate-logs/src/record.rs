@@ -1,14 +1,12 @@
 //! A column of a log on its way from file to result: its deviations, its noise model, and what is to be said of it.
 
-use crate::error::InvalidOptions;
-use anyhow::{Context, Result, ensure};
+use crate::imu::{Axis, Doubt, Doubts, Kind};
+use crate::{Column, LogError, LogWarning, Quantity, Settling, SettlingError, stopped};
 use std::path::{Path, PathBuf};
 use zerorate_allan::{
-    self as allan, AllanWarning, Analysed, Analysis, Averaging, Density, Detrended, Envelope, Expected, Fit, FitError,
-    FitOptions, Input, Line, Options, Point, Settled, Taus, interval,
+    self as allan, AllanWarning, Analysed, Analysis, AnalysisError, Averaging, Density, Detrended, Envelope, Expected,
+    Fit, FitError, FitOptions, Input, Line, Options, Point, Settled, Taus, interval,
 };
-use zerorate_logs::imu::{self, Axis, Kind};
-use zerorate_logs::{Column, LogWarning, Quantity, Series, Settling, SettlingError};
 
 /// A column of a log and what was found in it.
 pub struct Record {
@@ -49,15 +47,17 @@ pub struct Look {
 }
 
 impl Look {
-    fn of(column: &Column, file: &Path, cleaned: Option<&[f64]>) -> Result<Self> {
+    fn of(column: &Column, file: &Path, cleaned: Option<&[f64]>) -> Result<Self, RecordError> {
         let mut samples = column.points(file)?;
         samples.iter_mut().for_each(|sample| *sample *= column.scale);
-        let spectrum = allan::welch(cleaned.unwrap_or(&samples), column.rate_hz)?;
+        let spectrum = allan::welch(cleaned.unwrap_or(&samples), column.rate_hz)
+            .map_err(|why| RecordError::Spectrum(label(file, &column.name), why.to_string()))?;
         Ok(Self { envelope: Envelope::new(&samples, column.rate_hz), spectrum })
     }
 }
 
 /// How a column is analysed.
+#[derive(Clone, Debug, Default)]
 pub struct AnalysisOptions {
     /// It holds a phase, the integral of a rate.
     pub is_phase: bool,
@@ -77,45 +77,63 @@ pub struct AnalysisOptions {
     pub settling: Settling,
 }
 
+/// Why a column cannot be analysed.
+#[derive(Debug, thiserror::Error)]
+pub enum RecordError {
+    /// What was to be done before cannot be.
+    #[error(transparent)]
+    Settling(#[from] SettlingError),
+    /// Its numbers must not become a result, or cannot be written out.
+    #[error(transparent)]
+    Log(#[from] LogError),
+    /// So few samples have no deviation.
+    #[error("{0}: {1} samples are too few, at least 2 are needed")]
+    TooFew(String, usize),
+    /// The options ask for what there is not.
+    #[error("cannot analyse {0}: {1}")]
+    Analysis(String, AnalysisError),
+    /// It has no spectrum.
+    #[error("{0}: {1}")]
+    Spectrum(String, String),
+}
+
 impl Record {
-    /// Analyses a column of the log `file`.
+    /// Analyses a column of the log `file`. Its temperature is another column.
+    ///
+    /// # Errors
+    /// Where there is nothing to analyse, and where the numbers must not become a result.
     pub fn of(
         mut column: Column,
         file: &Path,
         options: &AnalysisOptions,
         temperature: Option<&Column>,
-    ) -> Result<Self> {
+    ) -> Result<Self, RecordError> {
         let mut notes = column.warnings.clone();
-        let settled = options.settling.apply(&mut column, file, temperature).map_err(|error| match error {
-            SettlingError::NothingLeft(why) => InvalidOptions(why).into(),
-            error => anyhow::Error::from(error),
-        })?;
+        let settled = options.settling.apply(&mut column, file, temperature)?;
         notes.extend(gaps(options, file, &mut column));
         let samples = column.series.len();
-        ensure!(
-            samples >= 2,
-            "{}, column {}: {samples} samples are too few, at least 2 are needed",
-            file.display(),
-            column.name
-        );
-        notes.extend(column.stopped(file)?);
-        let phase = phase(options, file, &column)?;
-        let input = match (&phase, &column.series) {
-            (Some(phase), _) => Input::Phase(phase),
-            (None, Series::Codes(codes)) => Input::Codes { codes, gaps: &column.gaps },
-            (None, Series::Numbers(numbers)) => Input::Rate(numbers),
-        };
+        if samples < 2 {
+            return Err(RecordError::TooFew(label(file, &column.name), samples));
+        }
+        // a lost phase point is a point that is not there
+        let phase = options.is_phase.then(|| column.points(file)).transpose()?;
+        let input = phase.as_deref().map_or_else(|| column.input(), Input::Phase);
+        notes.extend(stopped(input, column.rate_hz, file, &column.name)?);
         let analysed = Analysed::new(input, column.rate_hz, column.scale, options.fit, &settled);
         let analyse = |taus: &Taus| {
             let deviations = Options { taus: taus.clone(), ..options.deviations };
-            analysed.deviations(&deviations).with_context(|| format!("cannot analyse {}", file.display()))
+            let failed = |why| RecordError::Analysis(file.display().to_string(), why);
+            analysed.deviations(&deviations).map_err(failed)
         };
         let analysis = analyse(&options.deviations.taus)?;
         let finer = options.draws_finely.then(|| analyse(&Taus::Fine)).transpose()?;
         let rate = (options.keeps_rate && analysed.cleaned().is_none()).then(|| analysed.rates());
         let draws = options.draws && !options.is_phase;
         let look = draws.then(|| Look::of(&column, file, analysed.cleaned())).transpose()?;
-        let fit = analysed.into_fit();
+        let mut fit = analysed.into_fit();
+        if let (Some(Ok(fit)), false) = (&mut fit, options.keeps_rate) {
+            fit.cleaned.rate = None;
+        }
         let Settled { detrended, follows, skipped_s } = settled;
         let follows = follows.filter(|_| !matches!(fit, Some(Ok(_))));
         Ok(Self {
@@ -173,9 +191,14 @@ impl Record {
         self.model().map_or(&[], |fit| &fit.warnings)
     }
 
+    /// What there is to know of its noise: that it follows the temperature, and what there is to know of the model.
+    pub fn of_noise(&self) -> impl Iterator<Item = &AllanWarning> {
+        self.follows.iter().chain(self.of_model())
+    }
+
     /// What tells this log from others: the file, and the column.
     pub fn label(&self) -> String {
-        format!("{}, column {}", self.file.display(), self.column)
+        label(&self.file, &self.column)
     }
 
     /// Whether it is of the part that AN-1042 is about, as the columns of captures and corrections of it are called.
@@ -204,30 +227,42 @@ impl Record {
     }
 
     /// The model, if it is not rejected: what may be called a result and go into files.
-    pub fn believed(&self) -> Result<&Fit, String> {
+    ///
+    /// # Errors
+    /// Why there is none that is believed.
+    pub fn believed(&self) -> Result<&Fit, Doubt> {
         match &self.fit {
-            Some(Ok(fit)) => imu::doubt(fit).map_or(Ok(fit), Err),
-            Some(Err(why)) => Err(why.to_string()),
-            None => Err("no noise model was asked for".to_owned()),
+            Some(Ok(fit)) => Doubt::about(fit).map_or(Ok(fit), Err),
+            Some(Err(why)) => Err(Doubt::NoModel(why.to_string())),
+            None => Err(Doubt::NoModel("no noise model was asked for".to_owned())),
         }
     }
 
-    /// Of a record whose model is not believed: why, for scripts.
-    pub fn doubt_code(&self) -> &'static str {
-        match self.model() {
-            Some(_) => "model-rejected",
-            None => "no-model",
-        }
+    /// What kind of axis of an IMU it is, if it is one.
+    pub fn kind(&self) -> Option<Kind> {
+        Kind::of(self.quantity?)
     }
 
     /// Itself with its model, where it has one and is an axis of an IMU.
     pub fn axis(&self) -> Option<Axis<'_>> {
-        let kind = Kind::of(self.quantity?)?;
-        let si = match kind {
-            Kind::Gyroscope => 1f64.to_radians(),
-            Kind::Accelerometer => 1.0,
-        };
-        Some(Axis { name: &self.column, kind, rate_hz: self.analysis.rate_hz, fit: self.model()?, si })
+        let (kind, fit, rate_hz) = (self.kind()?, self.model()?, self.analysis.rate_hz);
+        Some(Axis { name: &self.column, kind, rate_hz, fit, scale: 1.0 })
+    }
+
+    /// Those of several records that are axes of an IMU and have a model.
+    pub fn axes(records: &[Self]) -> Vec<Axis<'_>> {
+        records.iter().filter_map(Self::axis).collect()
+    }
+
+    /// Why axes of an IMU among several records have no result.
+    pub fn doubts(records: &[Self]) -> Doubts {
+        let axes = records.iter().filter(|record| record.kind().is_some());
+        Doubts::about(axes.map(|record| (record.column.as_str(), record.believed().err())))
+    }
+
+    /// The models of several records, each by the name of its column.
+    pub fn models(records: &[Self]) -> Vec<(&str, &Fit)> {
+        records.iter().filter_map(|record| Some((record.column.as_str(), record.model()?))).collect()
     }
 
     /// What the model says of a point, if there is a model and it speaks of this statistic.
@@ -255,8 +290,7 @@ impl Record {
 
     /// Whether it is of a part whose rate follows its temperature.
     fn follows_temperature(&self) -> bool {
-        let is_such = |warning: &AllanWarning| matches!(warning, AllanWarning::FollowsTemperature { .. });
-        self.follows.is_some() || self.of_model().iter().any(is_such)
+        self.of_noise().any(|warning| matches!(warning, AllanWarning::FollowsTemperature { .. }))
     }
 }
 
@@ -273,7 +307,7 @@ fn gaps(options: &AnalysisOptions, file: &Path, column: &mut Column) -> Option<L
     Some(LogWarning::Gaps { path, missing, among, are_closed })
 }
 
-/// The numbers as phase, if that is what they are. A lost phase point is a point that is not there.
-fn phase(options: &AnalysisOptions, file: &Path, column: &Column) -> Result<Option<Vec<f64>>> {
-    options.is_phase.then(|| Ok(column.points(file)?)).transpose()
+/// What tells a column from those of other logs.
+fn label(file: &Path, column: &str) -> String {
+    format!("{}, column {column}", file.display())
 }

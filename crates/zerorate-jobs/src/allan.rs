@@ -1,0 +1,70 @@
+//! The noise of columns of logs.
+
+use crate::{InvalidOptions, temperature};
+use anyhow::Result;
+use std::path::{Path, PathBuf};
+use zerorate_host::files;
+use zerorate_logs::{AnalysisOptions, Column, ColumnOptions, Record, RecordError, SettlingError, Wanted};
+
+/// Which columns of logs are analysed, and how.
+pub struct AllanOptions {
+    /// The columns of each log.
+    pub columns: Columns,
+    /// What the logs do not say of them.
+    pub log: ColumnOptions,
+    /// The column with the temperature; none: one by the usual names.
+    pub temperature: Option<String>,
+    /// How each is analysed.
+    pub analysis: AnalysisOptions,
+}
+
+/// Columns of a log.
+pub enum Columns {
+    /// The one that its options name, or the only one.
+    Single,
+    /// These.
+    Listed(Vec<String>),
+    /// All with numbers.
+    All,
+}
+
+/// Analyses columns of each of these logs, one pass over each.
+///
+/// # Errors
+/// Where a log cannot be read, or a column cannot be analysed.
+pub fn allan(logs: &[PathBuf], options: &AllanOptions) -> Result<Vec<Record>> {
+    let wanted = match &options.columns {
+        Columns::Single => Wanted::One(options.log.column.as_deref()),
+        Columns::Listed(names) => Wanted::Listed(names),
+        Columns::All => Wanted::All,
+    };
+    let mut records = Vec::new();
+    for log in logs {
+        let columns = zerorate_logs::read_parts(log, files::log(log)?, wanted, &options.log)?;
+        records.extend(analysed(log, columns, &options.log, options.temperature.as_deref(), &options.analysis)?);
+    }
+    Ok(records)
+}
+
+/// Analyses columns of a log that were read.
+pub(crate) fn analysed(
+    log: &Path,
+    columns: Vec<Column>,
+    of_log: &ColumnOptions,
+    temperature: Option<&str>,
+    options: &AnalysisOptions,
+) -> Result<Vec<Record>> {
+    let temperature = temperature::required(log, temperature, &options.settling, of_log)?;
+    // the integral of a rate does not follow it
+    let temperature = temperature.as_ref().filter(|_| !options.is_phase);
+    columns.into_iter().map(|column| Record::of(column, log, options, temperature).map_err(failed)).collect()
+}
+
+/// As front ends tell failures apart.
+fn failed(error: RecordError) -> anyhow::Error {
+    match error {
+        RecordError::Settling(SettlingError::NothingLeft(why)) => InvalidOptions(why).into(),
+        RecordError::Log(error) => error.into(),
+        error => error.into(),
+    }
+}

@@ -1,0 +1,118 @@
+//! Several records of one type as one.
+
+use serde::Serialize;
+use zerorate_allan::{Apart, Differs, FitError, PoolError, PoolRecord, Spread, fit_pool};
+use zerorate_logs::{LogWarning, Record};
+
+/// The model that several records have in common.
+pub struct Pool {
+    /// It, as a record of its own.
+    pub record: Record,
+    /// How far the records lie apart beyond their own intervals.
+    pub spread: Vec<Spread>,
+    /// Those that do not fit.
+    pub apart: Vec<Misfit>,
+    /// Those that the model is of, by name.
+    pub used: Vec<String>,
+}
+
+/// A record that does not fit the others.
+#[derive(Serialize)]
+pub struct Misfit {
+    /// Its name.
+    pub record: String,
+    /// In what it differs.
+    pub why: String,
+    /// It is not in the common model.
+    #[serde(rename = "left_out")]
+    pub is_left_out: bool,
+}
+
+/// Why records have no common model.
+#[derive(Debug, thiserror::Error)]
+pub enum NoPool {
+    /// A record is among them more than once.
+    #[error("{0} is given twice, which would count its noise twice; give each record once")]
+    Twice(String),
+    /// These two are of different quantities.
+    #[error("{0} and {1} are of different quantities; pool records of one kind")]
+    Mixed(String, String),
+    /// They are too few, or were sampled differently.
+    #[error("{0}")]
+    Unfit(PoolError),
+    /// One has no model of its own.
+    #[error("{0}: {1}")]
+    NoModel(String, FitError),
+    /// They are not alike, or cannot be fitted.
+    #[error("no common model: {0}")]
+    NoCommonModel(PoolError),
+}
+
+impl NoPool {
+    /// The code of a refusal for it; none: other records are to be given.
+    #[must_use]
+    pub const fn code(&self) -> Option<&'static str> {
+        match self {
+            Self::Twice(_) | Self::Mixed(..) | Self::Unfit(_) => None,
+            Self::NoModel(..) => Some("no-model"),
+            Self::NoCommonModel(_) => Some("no-common-model"),
+        }
+    }
+}
+
+/// Fits one model to all of these records, whose rates were kept.
+///
+/// # Errors
+/// Why they have none.
+pub fn pool<'a>(records: &'a [Record]) -> Result<Pool, NoPool> {
+    check(records)?;
+    let input = |record: &'a Record| {
+        let fit = record.fit.as_ref()?.as_ref().map_err(|why| NoPool::NoModel(record.label(), *why));
+        let rate = record.rate.as_deref().unwrap_or_default();
+        Some(fit.map(|fit| PoolRecord { rate, rate_hz: record.analysis.rate_hz, fit }))
+    };
+    let inputs: Vec<PoolRecord<'_>> = records.iter().filter_map(input).collect::<Result<_, _>>()?;
+    let pool = fit_pool(&inputs).map_err(|why| match why {
+        PoolError::TooFew { .. } | PoolError::Rates { .. } => NoPool::Unfit(why),
+        why => NoPool::NoCommonModel(why),
+    })?;
+    let used: Vec<&Record> = pool.used.iter().map(|&i| &records[i]).collect();
+    let apart: Vec<Misfit> = pool.apart.iter().map(|apart| Misfit::of(&records[apart.record], apart)).collect();
+    Ok(Pool {
+        spread: pool.spread,
+        used: used.iter().map(|record| record.label()).collect(),
+        record: Record::together(&used, pool.fit, apart.iter().map(Misfit::warning).collect()),
+        apart,
+    })
+}
+
+fn check(records: &[Record]) -> Result<(), NoPool> {
+    let names: Vec<String> = records.iter().map(Record::label).collect();
+    if let Some((_, twice)) = names.iter().enumerate().find(|(i, name)| names[..*i].contains(name)) {
+        return Err(NoPool::Twice(twice.clone()));
+    }
+    let mixed = records.windows(2).find(|pair| pair[0].quantity != pair[1].quantity);
+    mixed.map_or(Ok(()), |pair| Err(NoPool::Mixed(pair[0].label(), pair[1].label())))
+}
+
+impl Misfit {
+    fn of(record: &Record, apart: &Apart) -> Self {
+        let why = match apart.differs {
+            Differs::Rejected { error } => format!("has no model of its own (off by {:.0} %)", error * 100.0),
+            Differs::White { ratio } => format!("has {ratio:.2} times the N of the others"),
+            Differs::Slow { gain } => {
+                format!("has other slow noise (flicker, random walk or memory; −2 ln L differs by {gain:.0})")
+            }
+            _ => "differs".to_owned(),
+        };
+        Self { record: record.label(), why, is_left_out: apart.is_left_out }
+    }
+
+    fn warning(&self) -> LogWarning {
+        let rest = match self.is_left_out {
+            true => "left out of the common model",
+            false => "the common model is of two that differ; a third would tell which is the exception",
+        };
+        LogWarning::NotAlike(format!("{} {}: {rest}", self.record, self.why))
+    }
+}

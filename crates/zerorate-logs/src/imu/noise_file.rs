@@ -1,0 +1,57 @@
+//! Whether there is a file for a filter.
+
+use super::numbers::Numbers;
+use super::{Axis, Choice, Doubts, Format, Kind};
+
+/// Why there is no file for a filter.
+#[derive(Clone, Debug, thiserror::Error)]
+pub enum NoNoiseFile {
+    /// There is nothing to write.
+    #[error("no column is stated to be an axis of a gyroscope or an accelerometer")]
+    NoAxis,
+    /// Of the factor on all noise.
+    #[error("the factor on all noise must be a number above zero")]
+    Inflate(f64),
+    /// Its numbers would be no result.
+    #[error("{0}")]
+    Doubted(Doubts),
+    /// The reader takes a number for each of three axes, and this kind has so many.
+    #[error("{count} {kind} {axes}, and {reader} takes three; choose three",
+        kind = .0.name(), count = .1, axes = if *.1 == 1 { "axis" } else { "axes" }, reader = .2.reader())]
+    NotThree(Kind, usize, Format),
+}
+
+impl Format {
+    /// Checks that each kind of axis has three or none, where the reader takes a number for each.
+    ///
+    /// # Errors
+    /// One has not.
+    pub fn check(self, axes: impl Iterator<Item = Kind> + Clone) -> Result<(), NoNoiseFile> {
+        for kind in Kind::ALL {
+            let count = axes.clone().filter(|of| *of == kind).count();
+            if self.is_by_axis() && !matches!(count, 0 | 3) {
+                return Err(NoNoiseFile::NotThree(kind, count, self));
+            }
+        }
+        Ok(())
+    }
+
+    /// The text of the file, if its numbers are results. With `force` it is also of models that are rejected, and says
+    /// so.
+    ///
+    /// # Errors
+    /// Why there is none.
+    pub fn file(self, choice: Choice, axes: &[Axis<'_>], doubts: &Doubts, force: bool) -> Result<String, NoNoiseFile> {
+        if !(choice.inflate > 0.0 && choice.inflate.is_finite()) {
+            return Err(NoNoiseFile::Inflate(choice.inflate));
+        }
+        if !doubts.allow(force) {
+            return Err(NoNoiseFile::Doubted(doubts.clone()));
+        }
+        if axes.is_empty() {
+            return Err(NoNoiseFile::NoAxis);
+        }
+        self.check(axes.iter().map(|axis| axis.kind))?;
+        Ok(self.text(&Numbers::new(choice, doubts, axes)))
+    }
+}

@@ -1,0 +1,41 @@
+//! Which column of a log is its temperature.
+
+use crate::{Column, Result};
+use std::io::{Read, Seek, SeekFrom};
+use zerorate_record::Input;
+
+/// What logs call their temperature.
+pub const TEMPERATURE_NAMES: [&str; 4] = ["temp_code", "temp_c", "temp", "temperature"];
+
+/// Bytes at both ends of a file in which columns name themselves.
+const ENDS: u64 = 1 << 16;
+
+/// The temperature of a log: the column `name`, or one by the usual names where the log seems to have one; none where
+/// there is none. `read` reads columns of it by their names. `bytes` are those of its file: none where it is not read
+/// twice, as what is piped in.
+pub fn temperature(
+    name: Option<&str>,
+    bytes: Option<Input>,
+    read: impl Fn(&[String]) -> Result<Vec<Column>>,
+) -> Option<Column> {
+    let read = |name: &str| read(&[name.to_owned()]).ok()?.pop();
+    match name {
+        Some(name) => read(name),
+        None if bytes.is_some_and(speaks_of_temperature) => TEMPERATURE_NAMES.into_iter().find_map(read),
+        None => None,
+    }
+}
+
+/// Whether a file names something like a temperature near its beginning or its end, so that a second look is worth it.
+fn speaks_of_temperature(mut input: Input) -> bool {
+    let mut ends = || -> std::io::Result<Vec<u8>> {
+        let (mut bytes, len) = (Vec::new(), input.length()?);
+        input.by_ref().take(ENDS).read_to_end(&mut bytes)?;
+        if len > 2 * ENDS {
+            input.seek(SeekFrom::Start(len - ENDS))?;
+            input.by_ref().take(ENDS).read_to_end(&mut bytes)?;
+        }
+        Ok(bytes)
+    };
+    ends().is_ok_and(|bytes| bytes.windows(4).any(|word| word.eq_ignore_ascii_case(b"temp")))
+}
