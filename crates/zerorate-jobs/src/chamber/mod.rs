@@ -165,7 +165,7 @@ impl Job {
     /// Measures. `watch` looks on.
     ///
     /// # Errors
-    /// [`Refused`](crate::Refused) where the samples must not become a calibration, or why the part, the chamber or a
+    /// [`Refused`] where the samples must not become a calibration, or why the part, the chamber or a
     /// file failed.
     pub fn run(mut self, watch: &mut dyn Watch) -> Result<Done> {
         if self.options.moves_air && self.part().operating_c.is_none() {
