@@ -39,7 +39,7 @@ pub fn imu_file(
 #[pyfunction]
 pub fn motion(axes: Vec<(String, PyRef<'_, Model>)>) -> Vec<String> {
     let models: Vec<_> = axes.iter().map(|(name, model)| (name.as_str(), &model.fit)).collect();
-    ImuWarning::of_motion(&models).iter().map(ImuWarning::to_string).collect()
+    ImuWarning::of_motion(&models).iter().map(ImuWarning::coded).collect()
 }
 
 /// What a unit is of, as a kind of axis; nothing for another unit.

@@ -6,11 +6,13 @@ use std::{env, fs};
 use zerorate::calibration::FileWarning;
 use zerorate::chamber::ChamberRefusal;
 use zerorate::{Deviation, Refusal, Warning};
-use zerorate_allan::AllanWarning;
+use zerorate_allan::{AllanWarning, PoolError};
 use zerorate_host::SourceWarning;
 use zerorate_jobs::JobWarning;
 use zerorate_jobs::codes::{self, Says};
+use zerorate_jobs::pool::NoPool;
 use zerorate_logs::LogWarning;
+use zerorate_logs::imu::{Doubt, ImuWarning};
 use zerorate_record::CaptureWarning;
 use zerorate_view::SessionWarning;
 use zerorate_view::export::ExportWarning;
@@ -20,7 +22,7 @@ fn of_enums() -> (BTreeSet<&'static str>, BTreeSet<&'static str>) {
     let mut warnings: BTreeSet<_> = Warning::codes().chain(AllanWarning::codes()).collect();
     warnings.extend(FileWarning::codes().chain(ExportWarning::codes()).chain(found.iter().copied()));
     warnings.extend(JobWarning::codes().chain(SessionWarning::codes()).chain(SourceWarning::codes()));
-    warnings.extend(CaptureWarning::codes().chain(LogWarning::codes()));
+    warnings.extend(CaptureWarning::codes().chain(LogWarning::codes()).chain(ImuWarning::codes()));
     (warnings, Refusal::codes().chain(ChamberRefusal::codes()).chain(found).collect())
 }
 
@@ -31,8 +33,18 @@ fn all_that_can_be_said_is_explained() {
     for code in warnings {
         assert!(matches!(said(code), Some(Says::Warning | Says::Either)), "no warning {code:?} in the table");
     }
-    let refused = made_with(&["Refused::new(", "LogError::Refused("], &["no-model", "times-uneven"]);
+    let refused = made_with(&["Refused::new(", "LogError::Refused("], &["moving", "times-uneven"]);
     for code in refusals.into_iter().chain(refused.iter().map(String::as_str)) {
+        assert!(matches!(said(code), Some(Says::Refusal | Says::Either)), "no refusal {code:?} in the table");
+    }
+}
+
+#[test]
+fn what_is_refused_of_noise_is_explained() {
+    let doubts = [Doubt::NoModel(String::new()), Doubt::Rejected(0.5)].map(|doubt| doubt.code());
+    let no_pool = NoPool::NoCommonModel(PoolError::NothingInCommon).code().unwrap();
+    let said = |code: &str| codes::all().find(|one| one.code == code).map(|one| one.says);
+    for code in doubts.into_iter().chain([no_pool]) {
         assert!(matches!(said(code), Some(Says::Refusal | Says::Either)), "no refusal {code:?} in the table");
     }
 }

@@ -14,6 +14,7 @@ use zerorate_allan::AllanWarning;
 pub use zerorate_allan::{Explanation, Says};
 use zerorate_host::SourceWarning;
 use zerorate_logs::LogWarning;
+use zerorate_logs::imu::ImuWarning;
 use zerorate_record::CaptureWarning;
 use zerorate_view::SessionWarning;
 use zerorate_view::export::ExportWarning;
@@ -28,13 +29,14 @@ pub struct Group {
 }
 
 /// All rows.
-const ROWS: [&[Explanation]; 13] = [
+const ROWS: [&[Explanation]; 14] = [
     AllanWarning::EXPLANATIONS,
     CaptureWarning::EXPLANATIONS,
     ChamberRefusal::EXPLANATIONS,
     Deviation::EXPLANATIONS,
     ExportWarning::EXPLANATIONS,
     FileWarning::EXPLANATIONS,
+    ImuWarning::EXPLANATIONS,
     JobWarning::EXPLANATIONS,
     LogWarning::EXPLANATIONS,
     Refusal::EXPLANATIONS,

@@ -1,4 +1,4 @@
-//! Codes of refusals, and of two warnings, that have no enum.
+//! Codes of refusals that have no enum.
 
 use super::{Explanation, Says};
 
@@ -41,16 +41,6 @@ pub(super) const ROWS: &[Explanation] = &[
         command: "",
     },
     Explanation {
-        code: "kind-absent",
-        says: Says::Warning,
-        by: &["imu"],
-        seen: "The log has no gyroscope, or no accelerometer.",
-        matters: "The numbers of the kind that is not there are left in the file to be filled in: a filter that \
-            reads it as it is fails, rather than trusting a guess.",
-        remedy: "Fill them in from another log or from the data sheet, or name the columns.",
-        command: "",
-    },
-    Explanation {
         code: "no-model",
         says: Says::Refusal,
         by: &["allan", "imu"],
@@ -67,14 +57,5 @@ pub(super) const ROWS: &[Explanation] = &[
         matters: "They are not of sensors, or of conditions, that are alike.",
         remedy: "Look at each by itself first.",
         command: "zerorate allan a.csv b.csv --fit",
-    },
-    Explanation {
-        code: "motion",
-        says: Says::Warning,
-        by: &["allan", "imu"],
-        seen: "Several axes jump, or have a glitch, at the same moment.",
-        matters: "The sensor moved, or was knocked: that is no noise of it.",
-        remedy: "Record where nothing moves, or cut the log there.",
-        command: "",
     },
 ];

@@ -2,7 +2,7 @@
 
 use super::Kind;
 use std::fmt;
-use zerorate_allan::{Fit, MotionKind, motion};
+use zerorate_allan::{Fit, MotionKind, Says, motion, rows};
 
 /// A warning about several axes.
 #[derive(Clone, Debug, PartialEq)]
@@ -44,49 +44,70 @@ impl ImuWarning {
         found.map(|(kind, moments)| Self::Motion(kind, moments)).collect()
     }
 
-    /// The name that scripts and `zerorate explain` know.
+    /// As scripts read it: `code: text`.
     #[must_use]
-    pub const fn code(&self) -> &'static str {
-        match self {
-            Self::Motion(..) => "motion",
-            Self::KindAbsent(..) => "kind-absent",
-        }
+    pub fn coded(&self) -> String {
+        format!("{}: {self}", self.code())
     }
 }
+
+rows!(match ImuWarning {
+    Self::Motion(MotionKind::Jump, ref moments) => Row {
+        code: "motion",
+        text: format_args!(
+            "several axes jump together at {}: the sensor moved, which is no noise of it; record where nothing moves, \
+             or cut the log there",
+            Named(moments)
+        ),
+        says: Says::Warning,
+        by: &["allan", "imu"],
+        seen: "Several axes jump, or have a glitch, at the same moment.",
+        matters: "The sensor moved, or was knocked: that is no noise of it.",
+        remedy: "Record where nothing moves, or cut the log there.",
+    },
+    Self::Motion(MotionKind::Knock, ref moments) => Row {
+        code: "motion",
+        text: format_args!(
+            "several axes have a glitch together at {}: a knock, or a sample of all that broke; keep the sensor from \
+             being touched",
+            Named(moments)
+        ),
+    },
+    Self::KindAbsent(kind, None) => Row {
+        code: "kind-absent",
+        text: format_args!("the log has no {}: its numbers are left to be filled in", kind.name()),
+        says: Says::Warning,
+        by: &["imu"],
+        seen: "The log has no gyroscope, or no accelerometer.",
+        matters: "The numbers of the kind that is not there are left in the file to be filled in: a filter that \
+            reads it as it is fails, rather than trusting a guess.",
+        remedy: "Fill them in from another log or from the data sheet, or name the columns.",
+    },
+    Self::KindAbsent(kind, Some(setting)) => Row {
+        code: "kind-absent",
+        text: format_args!("{setting} names no {}: its numbers are left to be filled in", kind.name()),
+    },
+});
+
+impl fmt::Display for ImuWarning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.text(f)
+    }
+}
+
+/// The first moments in words, and how many follow.
+struct Named<'a>(&'a [Moment]);
 
 /// Moments that a text names.
 const NAMED: usize = 6;
 
-/// For people and scripts `code: text`.
-impl fmt::Display for ImuWarning {
+impl fmt::Display for Named<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}: ", self.code())?;
-        match self {
-            Self::Motion(kind, moments) => {
-                let (what, meaning) = match kind {
-                    MotionKind::Jump => (
-                        "jump",
-                        "the sensor moved, which is no noise of it; record where nothing moves, or cut the log there",
-                    ),
-                    MotionKind::Knock => {
-                        ("have a glitch", "a knock, or a sample of all that broke; keep the sensor from being touched")
-                    }
-                };
-                let words = |moment: &Moment| format!("{:.1} s ({})", moment.at_s, moment.axes.join(", "));
-                let named = moments.iter().take(NAMED).map(words).collect::<Vec<_>>().join(", ");
-                write!(f, "several axes {what} together at {named}")?;
-                if moments.len() > NAMED {
-                    write!(f, " and {} times more", moments.len() - NAMED)?;
-                }
-                write!(f, ": {meaning}")
-            }
-            Self::KindAbsent(kind, chosen_by) => {
-                match chosen_by {
-                    Some(setting) => write!(f, "{setting} names no")?,
-                    None => write!(f, "the log has no")?,
-                }
-                write!(f, " {}: its numbers are left to be filled in", kind.name())
-            }
+        let words = |moment: &Moment| format!("{:.1} s ({})", moment.at_s, moment.axes.join(", "));
+        f.write_str(&self.0.iter().take(NAMED).map(words).collect::<Vec<_>>().join(", "))?;
+        match self.0.len().saturating_sub(NAMED) {
+            0 => Ok(()),
+            more => write!(f, " and {more} times more"),
         }
     }
 }

@@ -90,7 +90,7 @@ mod reader {
             };
             LogSummary {
                 pictures: pictures::of(&self.path, &self.analysed),
-                warnings: warnings.iter().map(ToString::to_string).collect(),
+                warnings: warnings.iter().map(ImuWarning::coded).collect(),
                 no_noise_file,
             }
         }

@@ -28,5 +28,5 @@ pub fn of(axes: &[Record]) -> Vec<Motion> {
 
 /// A line for the jumps, and one for the knocks.
 pub fn lines(axes: &[Record]) -> Vec<String> {
-    ImuWarning::of_motion(&Record::models(axes)).iter().map(ToString::to_string).collect()
+    ImuWarning::of_motion(&Record::models(axes)).iter().map(ImuWarning::coded).collect()
 }

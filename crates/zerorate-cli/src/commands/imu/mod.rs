@@ -162,7 +162,7 @@ pub fn run(args: &ImuArgs) -> Result<()> {
     let file = args.output.as_ref().map(|path| outputs.derived(path)).transpose()?;
     let page = args.report.as_ref().map(|path| outputs.derived(path)).transpose()?;
     let ImuNoise { axes, topic, notes, absent } = imu(&args.log, &args.options())?;
-    let absent = absent.iter().map(ImuWarning::to_string);
+    let absent = absent.iter().map(ImuWarning::coded);
     let of_log: Vec<String> = notes.iter().map(LogWarning::coded).chain(absent).collect();
     let compared = sheet.as_ref().map(|sheet| datasheet::compare(sheet, &axes)).unwrap_or_default();
     if args.json {
