@@ -241,12 +241,12 @@ fn values<'py>(py: Python<'py>, found: &[Result<Deviation, Reason>]) -> (Column<
     (PyArray1::from_vec(py, dev), PyArray1::from_vec(py, n))
 }
 
-/// The name of every statistic, with order, overlapped and modified of the differences that give its degrees of
-/// freedom; ``None`` where these have a formula of their own.
+/// The name of every statistic and the name in words, with order, overlapped and modified of the differences that give
+/// its degrees of freedom; ``None`` where these have a formula of their own.
 #[pyfunction]
-pub fn statistics() -> Vec<(&'static str, Option<OfDifferences>)> {
+pub fn statistics() -> Vec<(&'static str, &'static str, Option<OfDifferences>)> {
     let differences = |stat: Stat| stat.difference().map(|of| (of.order, of.overlapped, of.modified));
-    Stat::ALL.into_iter().map(|stat| (stat.name(), differences(stat))).collect()
+    Stat::ALL.into_iter().map(|stat| (stat.name(), stat.title(), differences(stat))).collect()
 }
 
 /// Equivalent degrees of freedom of a statistic at ``m`` samples in a record of ``phase_points`` points, for the noise

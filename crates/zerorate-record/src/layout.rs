@@ -192,18 +192,7 @@ impl Layout {
         let axis = |coded: &CodedAxis| NamedAxis {
             name: coded.name.clone().into(),
             column: None,
-            axis: Axis {
-                rate: coded.scale_dps(),
-                temp: self.temp,
-                temp_noise_c: None,
-                range_dps: None,
-                bandwidth_hz: None,
-                noise: None,
-                bias: zerorate::TypicalBias::default(),
-                self_heating: None,
-                resonance: None,
-                alternates: false,
-            },
+            axis: Axis::unknown(coded.scale_dps(), self.temp),
             sources: NoiseSources::default(),
         };
         Part {

@@ -337,6 +337,23 @@ impl Axis {
         resonance: Some(Tone { hz: 14_300.0, tolerance_hz: 50.0, rms_dps: 0.02 }),                 // F-07, M-08
         alternates: true,                                                                          // F-56
     };
+    /// An axis of which nothing but its scales is known.
+    #[must_use]
+    pub fn unknown(rate: Scale, temp: Scale) -> Self {
+        Self {
+            rate,
+            temp,
+            temp_noise_c: None,
+            range_dps: None,
+            bandwidth_hz: None,
+            noise: None,
+            bias: TypicalBias::default(),
+            self_heating: None,
+            resonance: None,
+            alternates: false,
+        }
+    }
+
     /// Its bandwidth with 0.01 µF between ROA1 and ROA2, Hz (F-04).
     pub const ADIS16130_ROA_10NF_HZ: f64 = 50.0;
 

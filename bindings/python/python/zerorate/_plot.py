@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from . import _frame
+from . import _frame, _zerorate
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -19,15 +19,7 @@ if TYPE_CHECKING:
 _FLOOR_PER_B = np.sqrt(2 * np.log(2) / np.pi)
 """The floor of a curve in B, IEEE Std 952-1997 C.1.3."""
 
-_TITLES = {
-    "adev": "Allan deviation",
-    "oadev": "overlapping Allan deviation",
-    "mdev": "modified Allan deviation",
-    "tdev": "time deviation",
-    "hdev": "Hadamard deviation",
-    "ohdev": "overlapping Hadamard deviation",
-    "totdev": "total deviation",
-}
+_TITLES = {name: title for name, title, _ in _zerorate.statistics()}
 
 
 def curves(axes: Sequence[Allan], ax: Axes | None) -> Axes:

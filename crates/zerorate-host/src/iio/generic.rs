@@ -14,7 +14,7 @@ use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
-use zerorate::{Axis, NamedAxis, NoiseSources, Part, Scale, TypicalBias};
+use zerorate::{Axis, NamedAxis, NoiseSources, Part, Scale};
 use zerorate_record::{CaptureInfo, Layout, Row};
 
 /// Scans that the kernel keeps until they are read.
@@ -101,18 +101,7 @@ fn part(driver: &str, axes: &[&str], rates: &[Channel], temp: Option<&Channel>, 
     let known = known.filter(|known| known.name.eq_ignore_ascii_case(driver));
     let axis = |(name, channel): (&&str, &Channel)| NamedAxis {
         name: (*name).to_owned().into(),
-        axis: Axis {
-            rate: channel.scale,
-            temp: temp.map_or(NO_TEMP, |temp| temp.scale),
-            temp_noise_c: None,
-            range_dps: None,
-            bandwidth_hz: None,
-            noise: None,
-            bias: TypicalBias::default(),
-            self_heating: None,
-            resonance: None,
-            alternates: false,
-        },
+        axis: Axis::unknown(channel.scale, temp.map_or(NO_TEMP, |temp| temp.scale)),
         sources: NoiseSources::default(),
         column: None,
     };

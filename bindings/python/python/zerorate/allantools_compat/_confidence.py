@@ -144,7 +144,7 @@ def confidence_interval_noiseID(
     NotImplementedError
         For other deviations, and below 30 averages.
     """
-    kinds = {name: difference for name, difference in _zerorate.statistics() if difference}
+    kinds = {name: difference for name, _, difference in _zerorate.statistics() if difference}
     if dev_type not in kinds:
         raise NotImplementedError(f"dev_type = {dev_type!r}: give one of {', '.join(kinds)}")
     d, overlapping, modified = kinds[dev_type]

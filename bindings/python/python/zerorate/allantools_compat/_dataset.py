@@ -71,7 +71,7 @@ class Dataset:
                 print(f"{round(tau * self.inp['rate'])} {tau:.{digits}e} {n:.0f} NaN {numbers}", file=file)
 
 
-_NAMES = [*(name for name, _ in _zerorate.statistics()), "gradev", "mtie"]
+_NAMES = [*(name for name, *_ in _zerorate.statistics()), "gradev", "mtie"]
 
 
 def _no_deviation(name: str) -> Exception:
