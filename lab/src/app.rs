@@ -6,7 +6,7 @@ pub use xtask::app::{program, target_folder};
 
 /// What a task takes that tries the program on a unit of the twin.
 #[derive(clap::Args)]
-pub struct Args {
+pub struct ProgramArgs {
     /// The unit of the twin
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
@@ -18,7 +18,7 @@ pub struct Args {
     program: Option<PathBuf>,
 }
 
-impl Args {
+impl ProgramArgs {
     /// The program that was named, or else one that is built now.
     pub fn program(&self) -> Result<PathBuf> {
         Ok(std::path::absolute(self.program.clone().map_or_else(program, Ok)?)?)

@@ -17,7 +17,7 @@ const AXES: &str = "gx,gy,gz,ax,ay,az";
 
 /// What to run.
 #[derive(clap::Args)]
-pub struct Args {
+pub struct BenchPeersArgs {
     /// Samples; the default is an hour at 5.7 kSPS
     #[arg(long, default_value_t = 20_500_000, value_parser = clap::value_parser!(u64).range(10_000..))]
     samples: u64,
@@ -37,7 +37,7 @@ struct Line {
 }
 
 /// Installs the peers, runs them one after the other, prints seconds and ratios.
-pub fn run(args: &Args) -> Result<()> {
+pub fn run(args: &BenchPeersArgs) -> Result<()> {
     let python = venv::python("peers", Path::new("lab/peers/requirements.txt"))?;
     let peers = peers()?;
     let peers = || Command::new(&peers);

@@ -13,7 +13,7 @@ const OFF_S: u64 = 3600;
 
 /// What to run.
 #[derive(clap::Args)]
-pub struct Args {
+pub struct CoverageArgs {
     /// Units, by their seeds, both ends included
     #[arg(long, default_value = "1..200", value_parser = seeds::parse, value_name = "A..B")]
     seeds: RangeInclusive<u64>,
@@ -32,7 +32,7 @@ pub struct Args {
 }
 
 /// Runs both parts, or the one that was asked for.
-pub fn run(args: &Args) -> anyhow::Result<()> {
+pub fn run(args: &CoverageArgs) -> anyhow::Result<()> {
     if args.disturbed_units {
         println!("| what happens | inside | warned | refused | wrong and silent | the worst of these |");
         println!("|---|---|---|---|---|---|");
@@ -67,7 +67,7 @@ struct DefaultUnit {
 }
 
 /// A row of the table of `docs/reference/accuracy.md`.
-fn report_fault(args: &Args, fault: &Fault) -> anyhow::Result<()> {
+fn report_fault(args: &CoverageArgs, fault: &Fault) -> anyhow::Result<()> {
     let ended = for_each_seed(&args.seeds, args.threads, |seed| trial::run((fault.spec)(seed), Plan::default()))?;
     let count = |is: fn(&trial::Ended) -> bool| ended.iter().filter(|ended| is(ended)).count();
     let refused = count(|ended| matches!(ended, trial::Ended::Refused));

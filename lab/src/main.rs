@@ -1,7 +1,7 @@
 //! The tasks of `cargo xtask` that take more than a compiler: campaigns, rigs, benchmarks, and what is handed out.
 //!
-//! To add a command: write a module with `#[derive(clap::Args)] pub struct Args` and `pub fn run(args: &Args)`, and
-//! give it a variant in [`Task`].
+//! To add a command: write a module with `#[derive(clap::Args)] pub struct NameArgs` and
+//! `pub fn run(args: &NameArgs)`, and give it a variant in [`Task`].
 
 mod app;
 mod bench_peers;
@@ -38,36 +38,36 @@ struct Cli {
 #[derive(Subcommand)]
 enum Task {
     /// Calibrate many units of the twin and hold the stated uncertainties against their truth
-    Coverage(coverage::Args),
+    Coverage(coverage::CoverageArgs),
     /// Calibrate many units by every method, hold all against their truth, and write docs/reference/methods.md
-    Methods(methods::Args),
+    Methods(methods::MethodsArgs),
     /// Simulate records at rest and hold the fitted noise coefficients against their truth
-    CoverageAllan(coverage_allan::Args),
+    CoverageAllan(coverage_allan::CoverageAllanArgs),
     /// Time the Allan deviation beside its peers, which it installs, and print ratios
-    BenchPeers(bench_peers::Args),
+    BenchPeers(bench_peers::BenchPeersArgs),
     /// Serve the twin to 20 pages and 4 clients of libiio while it is recorded, and print what that costs
-    BenchServe(bench_serve::Args),
+    BenchServe(bench_serve::BenchServeArgs),
     /// Time the core in WebAssembly beside the program, the page until it shows something, and what it loads
     BenchWeb,
     /// Run driver, twin and correction on an emulated Cortex-M4F; count instructions and bytes
-    Firmware(firmware::Args),
+    Firmware(firmware::FirmwareArgs),
     /// Read the twin through a bridge's firmware on an emulated Cortex-M4F: socket, serial port, damaged and pulled
     /// cable
-    Bridge(app::Args),
+    Bridge(app::ProgramArgs),
     /// Check the C interface: library, and C against Rust on the host and on an emulated Cortex-M4F
-    C(c::Args),
+    C(c::CArgs),
     /// Read the libiio server with libiio's own clients, and with pyadi-iio
     Iiod,
     /// Boot a stock Linux kernel in QEMU with the twin as hardware, and read it there
-    Rig(app::Args),
+    Rig(app::ProgramArgs),
     /// Break the part, the files and the program at random moments, and look for results that are wrong and silent
-    Trust(trust::Args),
+    Trust(trust::TrustArgs),
     /// Make docs/ a book; run its commands, follow its links
-    Book(book::Args),
+    Book(book::BookArgs),
     /// Make what is handed out, into target/dist: programs, packages, wheels, libraries, firmware, pictures, licences
-    Dist(dist::Args),
+    Dist(dist::DistArgs),
     /// Make the file that a Pico, or a board with TinyUF2, takes from an image of the bridge
-    Uf2(uf2::Args),
+    Uf2(uf2::Uf2Args),
     /// Write the licences of what is in the page, for `cargo xtask web --site`
     #[command(hide = true)]
     PageLicences { out: PathBuf },

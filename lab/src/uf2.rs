@@ -15,7 +15,7 @@ use object::{Endianness, elf};
 
 /// Command line of `cargo xtask uf2`.
 #[derive(clap::Args)]
-pub struct Args {
+pub struct Uf2Args {
     /// The image, in ELF, as `cargo build` leaves it
     #[arg(default_value = "target/firmware/thumbv6m-none-eabi/release/rp2040")]
     image: PathBuf,
@@ -43,7 +43,7 @@ const FAMILIES: [Family; 2] = [
 const PAGE: usize = 256;
 
 /// Writes the file.
-pub fn run(args: &Args) -> Result<()> {
+pub fn run(args: &Uf2Args) -> Result<()> {
     let name = args.image.display();
     let image = fs::read(&args.image)
         .with_context(|| format!("cannot read {name}: build it first (firmware/bridge/README.md has the command)"))?;

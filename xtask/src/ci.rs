@@ -22,7 +22,8 @@ const REST: [Step; 32] = [
     ),
     Step::new(
         "doc-lab",
-        "doc --manifest-path lab/Cargo.toml --package lab --package codegen --no-deps --locked --target-dir target/lab",
+        "doc --manifest-path lab/Cargo.toml --package lab --package codegen --no-deps --locked --target-dir \
+         target/lab",
     )
     .with_env("RUSTDOCFLAGS", "-Dwarnings"),
     Step::new(

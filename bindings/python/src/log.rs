@@ -52,7 +52,7 @@ pub struct Options {
 }
 
 /// Unit and scale, as somebody says.
-type Given = (Option<String>, Option<f64>);
+type UnitAndScale = (Option<String>, Option<f64>);
 
 /// The axes, the topic, what is to be said.
 type Found<'py> = (Vec<Bound<'py, PyDict>>, Option<String>, Vec<String>);
@@ -152,11 +152,12 @@ pub fn read_imu<'py>(
     py: Python<'py>,
     source: Source<'py>,
     names: Option<Vec<String>>,
-    gyro: Given,
-    accel: Given,
+    gyro: UnitAndScale,
+    accel: UnitAndScale,
     options: Options,
 ) -> PyResult<Found<'py>> {
-    let said = |(unit, scale): &Given| Ok::<_, PyErr>(Said { unit: parsed(unit, "unit")?, scale: positive(*scale)? });
+    let said =
+        |(unit, scale): &UnitAndScale| Ok::<_, PyErr>(Said { unit: parsed(unit, "unit")?, scale: positive(*scale)? });
     let (gyro, accel) = (said(&gyro)?, said(&accel)?);
     let options = ImuOptions { columns: names, gyro, accel, log: options.checked()? };
     let (path, axes) = match opened(source)? {

@@ -4,7 +4,7 @@ use super::kernel::Reason;
 use super::kernels::{Deviation, deviations};
 use super::lag1::Lag1;
 use super::phase_points::{Run, for_each_run, phase_points, ramp};
-use super::stat::Row;
+use super::stat::StatRow;
 use super::{Input, Stat};
 use alloc::boxed::Box;
 use alloc::vec::Vec;
@@ -160,7 +160,7 @@ impl Decimated {
         }
     }
 
-    fn identify(&self, row: &Row, averages: u64) -> Option<i32> {
+    fn identify(&self, row: &StatRow, averages: u64) -> Option<i32> {
         match &self.series {
             Series::Long(lag1) => by_lag1(lag1, row),
             Series::Short(short) if averages >= row.fewest_averages => by_b1(&short.phase),
@@ -169,7 +169,7 @@ impl Decimated {
     }
 }
 
-fn by_lag1(lag1: &Lag1, row: &Row) -> Option<i32> {
+fn by_lag1(lag1: &Lag1, row: &StatRow) -> Option<i32> {
     let deepest = row.kernel.difference().order as usize;
     for order in 0..=deepest {
         let r1 = lag1.correlation(order)?;

@@ -4,7 +4,7 @@ use core::str::FromStr;
 
 /// All that tells one statistic from the others.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Row {
+pub(super) struct StatRow {
     /// As users write it.
     pub name: &'static str,
     /// In words.
@@ -56,7 +56,7 @@ macro_rules! statistics {
             pub const ALL: [Self; TABLE.len()] = [$(Self::$stat),*];
         }
 
-        const TABLE: &[Row] = &[$(Row { $($field: $value),* }),*];
+        const TABLE: &[StatRow] = &[$(StatRow { $($field: $value),* }),*];
     };
 }
 
@@ -119,7 +119,7 @@ const fn every_sample(order: Order) -> Kernel {
 }
 
 impl Stat {
-    pub(super) const fn row(self) -> &'static Row {
+    pub(super) const fn row(self) -> &'static StatRow {
         &TABLE[self as usize]
     }
 

@@ -56,7 +56,7 @@ pub struct Hub {
 
 /// Takes every sample: the thread waits for it.
 #[derive(Debug)]
-pub struct LosslessReader(Receiver<Given>);
+pub struct LosslessReader(Receiver<Delivered>);
 
 /// Takes what it can: the thread never waits for it.
 #[derive(Debug)]
@@ -74,7 +74,7 @@ pub struct Watched {
 }
 
 /// A batch, or why there are no more.
-type Given = Result<Arc<Batch>, DeviceError>;
+type Delivered = Result<Arc<Batch>, DeviceError>;
 
 /// What who does not wait for ever finds.
 #[derive(Clone, Debug)]
@@ -104,7 +104,7 @@ type Subscribers = Arc<Mutex<Vec<Subscriber>>>;
 
 #[derive(Debug)]
 enum Subscriber {
-    LosslessReader(SyncSender<Given>),
+    LosslessReader(SyncSender<Delivered>),
     Watcher { queue: SyncSender<Watched>, missed: u64, lost: u64 },
 }
 
@@ -395,7 +395,7 @@ impl Worker {
 }
 
 /// Waits until there is room, or the hub is gone; false if nobody will take it.
-fn wait_for_room(queue: &SyncSender<Given>, given: Given, ended: &Stop) -> bool {
+fn wait_for_room(queue: &SyncSender<Delivered>, given: Delivered, ended: &Stop) -> bool {
     let mut given = given;
     loop {
         match queue.try_send(given) {

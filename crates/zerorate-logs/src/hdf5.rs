@@ -260,9 +260,10 @@ impl SetColumn<'_> {
         let Some(field) = self.field else {
             return Ok(self.set.read_slice::<Cell>(rows)?.into_iter().map(|Cell(number)| number).collect());
         };
-        let of_field = |row: Row| row.0.get(field.byte_offset as usize..).and_then(|at| number(at, &field.datatype));
+        let of_field =
+            |row: CompoundRow| row.0.get(field.byte_offset as usize..).and_then(|at| number(at, &field.datatype));
         let missing = || Error::InvalidData(format!("{} is not in its compound", self.name));
-        self.set.read_slice::<Row>(rows)?.into_iter().map(|row| of_field(row).ok_or_else(missing)).collect()
+        self.set.read_slice::<CompoundRow>(rows)?.into_iter().map(|row| of_field(row).ok_or_else(missing)).collect()
     }
 }
 
@@ -315,9 +316,9 @@ impl H5Type for Cell {
 
 /// A compound.
 #[derive(Clone)]
-struct Row(Vec<u8>);
+struct CompoundRow(Vec<u8>);
 
-impl H5Type for Row {
+impl H5Type for CompoundRow {
     fn hdf5_type() -> Datatype {
         Datatype::Compound { size: 0, fields: Vec::new() }
     }

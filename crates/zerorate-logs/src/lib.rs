@@ -85,7 +85,7 @@ pub use zerorate_record::{Quantity, STANDARD_GRAVITY, TimeUnit, Unit};
 use arrow_array::RecordBatch;
 use arrow_file::ArrowFile;
 use clock::{Beat, Times};
-use open::{Form, Log};
+use open::{Log, LogForm};
 use series::SeriesBuilder;
 use std::path::Path;
 use zerorate_allan::Gap;
@@ -303,26 +303,26 @@ fn found(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
 }
 
 /// What reads a form that has a reader of its own, where it is built in.
-fn reader(form: Form) -> Option<fn(Log<'_>, &ColumnQuery<'_>) -> Result<Found>> {
+fn reader(form: LogForm) -> Option<fn(Log<'_>, &ColumnQuery<'_>) -> Result<Found>> {
     match form {
-        Form::ArrowFile => Some(read_arrow_file),
-        Form::ULog => Some(ulog::read),
+        LogForm::ArrowFile => Some(read_arrow_file),
+        LogForm::ULog => Some(ulog::read),
         #[cfg(feature = "hdf5")]
-        Form::Hdf5 => Some(hdf5::read),
+        LogForm::Hdf5 => Some(hdf5::read),
         #[cfg(feature = "matlab")]
-        Form::Mat => Some(mat::read),
+        LogForm::Mat => Some(mat::read),
         #[cfg(feature = "mcap")]
-        Form::Mcap => Some(mcap_bag::read),
+        LogForm::Mcap => Some(mcap_bag::read),
         #[cfg(feature = "numpy")]
-        Form::Npy => Some(npy::read),
+        LogForm::Npy => Some(npy::read),
         #[cfg(feature = "npz")]
-        Form::Npz => Some(npz::read),
+        LogForm::Npz => Some(npz::read),
         #[cfg(feature = "parquet")]
-        Form::Parquet => Some(parquet::read),
+        LogForm::Parquet => Some(parquet::read),
         #[cfg(feature = "ros")]
-        Form::RosBag => Some(rosbag::read),
+        LogForm::RosBag => Some(rosbag::read),
         #[cfg(feature = "sqlite")]
-        Form::Sqlite => Some(sqlite_bag::read),
+        LogForm::Sqlite => Some(sqlite_bag::read),
         _ => None,
     }
 }

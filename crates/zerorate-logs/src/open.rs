@@ -25,7 +25,7 @@ pub struct Log<'a> {
 
 /// What is in a log.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Form {
+pub enum LogForm {
     /// Parquet.
     Parquet,
     /// An Arrow file, also called Feather.
@@ -89,7 +89,7 @@ pub fn kind(path: &Path, input: Input) -> Result<String, CaptureError> {
 /// The mark before each message of an Arrow stream.
 const ARROW_STREAM: [u8; 4] = [0xFF; 4];
 
-impl Form {
+impl LogForm {
     const fn words(self) -> &'static str {
         match self {
             Self::Parquet => "Parquet",
@@ -107,7 +107,7 @@ impl Form {
     }
 }
 
-impl Form {
+impl LogForm {
     /// What reads it, where that is not built in.
     pub const fn missing(self) -> Option<NotBuiltIn> {
         match self {
@@ -136,23 +136,23 @@ impl Form {
 
 impl Log<'_> {
     /// What is in it; what cannot be read comes with advice.
-    pub fn form(&self) -> Result<Form, CaptureError> {
+    pub fn form(&self) -> Result<LogForm, CaptureError> {
         let starts = |mark: &[u8]| self.start.starts_with(mark);
         let foreign = FOREIGN.iter().find(|(mark, _)| starts(mark));
         match foreign {
             Some((_, advice)) => Err(CaptureError::not_a_log(self.path, *advice)),
             None if self.start.is_empty() => Err(CaptureError::not_a_log(self.path, "it is empty")),
-            None if starts(b"PAR1") => Ok(Form::Parquet),
-            None if starts(b"ARROW1") => Ok(Form::ArrowFile),
-            None if starts(b"\x93NUMPY") => Ok(Form::Npy),
-            None if starts(b"PK\x03\x04") => Ok(Form::Npz),
-            None if starts(b"\x89MCAP0\r\n") => Ok(Form::Mcap),
-            None if starts(ROS_BAG) => Ok(Form::RosBag),
-            None if starts(b"ULog\x01\x12\x35") => Ok(Form::ULog),
-            None if starts(b"MATLAB 5.0 MAT") => Ok(Form::Mat),
-            None if starts(b"\x89HDF\r\n\x1A\n") || starts(b"MATLAB 7.3 MAT") => Ok(Form::Hdf5),
-            None if starts(b"SQLite format 3\0") => Ok(Form::Sqlite),
-            None => Ok(Form::Other),
+            None if starts(b"PAR1") => Ok(LogForm::Parquet),
+            None if starts(b"ARROW1") => Ok(LogForm::ArrowFile),
+            None if starts(b"\x93NUMPY") => Ok(LogForm::Npy),
+            None if starts(b"PK\x03\x04") => Ok(LogForm::Npz),
+            None if starts(b"\x89MCAP0\r\n") => Ok(LogForm::Mcap),
+            None if starts(ROS_BAG) => Ok(LogForm::RosBag),
+            None if starts(b"ULog\x01\x12\x35") => Ok(LogForm::ULog),
+            None if starts(b"MATLAB 5.0 MAT") => Ok(LogForm::Mat),
+            None if starts(b"\x89HDF\r\n\x1A\n") || starts(b"MATLAB 7.3 MAT") => Ok(LogForm::Hdf5),
+            None if starts(b"SQLite format 3\0") => Ok(LogForm::Sqlite),
+            None => Ok(LogForm::Other),
         }
     }
 }

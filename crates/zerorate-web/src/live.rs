@@ -1,7 +1,7 @@
 //! A session with its device, as a browser has it: readings are taken in turns, between which the page is served.
 
 use crate::message::DeviceState;
-use crate::session::{About, Asked, HostCommand, Session};
+use crate::session::{About, Handled, HostCommand, Session};
 use crate::source::{Next, Source};
 use zerorate_record::Row;
 
@@ -88,8 +88,8 @@ impl Live {
     /// The answer to a request.
     pub fn ask(&mut self, request: &str, now_ms: f64) -> String {
         let (id, command) = match self.session.ask(request) {
-            Asked::Answer(answer) => return answer,
-            Asked::Host { id, command } => (id, command),
+            Handled::Answer(answer) => return answer,
+            Handled::Host { id, command } => (id, command),
         };
         let done = match command {
             HostCommand::Speed(factor) => {

@@ -30,7 +30,7 @@ pub(crate) enum Until {
 }
 
 /// One line of the table: in `from` until `until`, then through `check` into `to`.
-pub(crate) struct Row {
+pub(crate) struct StateRow {
     from: State,
     name: &'static str,
     pub(crate) until: Until,
@@ -50,24 +50,24 @@ pub(crate) enum Check {
 /// F-51, steps 3 to 9, and beside it the one recording of the other methods. Steps 1 and 2, the platform and the
 /// supply, are the user's.
 #[rustfmt::skip]
-const TABLE: [Row; STATES] = [
-    Row { from: State::Start, name: "initialisation (step 3)",
+const TABLE: [StateRow; STATES] = [
+    StateRow { from: State::Start, name: "initialisation (step 3)",
           until: Until::Initialised, check: Check::Nothing, to: State::FirstAverage },
-    Row { from: State::FirstAverage, name: "the first average (step 4)",
+    StateRow { from: State::FirstAverage, name: "the first average (step 4)",
           until: Until::After(|plan| plan.average_s), check: Check::AtRest, to: State::WarmUp },
-    Row { from: State::WarmUp, name: "the warm-up (step 5)",
+    StateRow { from: State::WarmUp, name: "the warm-up (step 5)",
           until: Until::After(|plan| plan.warmup_s), check: Check::Nothing, to: State::SecondAverage },
-    Row { from: State::SecondAverage, name: "the second average (step 6)",
+    StateRow { from: State::SecondAverage, name: "the second average (step 6)",
           until: Until::After(|plan| plan.average_s), check: Check::AtRestAndWarmer, to: State::Settle },
-    Row { from: State::Settle, name: "settling (step 7)",
+    StateRow { from: State::Settle, name: "settling (step 7)",
           until: Until::After(|plan| plan.settle_s), check: Check::Nothing, to: State::Offset },
-    Row { from: State::Offset, name: "the offset average (step 8)",
+    StateRow { from: State::Offset, name: "the offset average (step 8)",
           until: Until::After(|plan| plan.offset_s), check: Check::AtRest, to: State::FinalTemperature },
-    Row { from: State::FinalTemperature, name: "the final temperature (step 9)",
+    StateRow { from: State::FinalTemperature, name: "the final temperature (step 9)",
           until: Until::After(|plan| plan.final_temp_s), check: Check::TemperatureWasRead, to: State::Done },
-    Row { from: State::Recording, name: "the recording",
+    StateRow { from: State::Recording, name: "the recording",
           until: Until::After(Plan::total_s), check: Check::AtRest, to: State::Done },
-    Row { from: State::Done, name: "the end",
+    StateRow { from: State::Done, name: "the end",
           until: Until::Never, check: Check::Nothing, to: State::Done },
 ];
 
@@ -92,7 +92,7 @@ impl State {
         all
     };
 
-    pub(crate) fn row(self) -> &'static Row {
+    pub(crate) fn row(self) -> &'static StateRow {
         &TABLE[self as usize]
     }
 

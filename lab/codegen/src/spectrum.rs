@@ -23,7 +23,7 @@ const NO_EDGE_NS: u64 = 100_000_000;
 const IMAGES: i32 = 64;
 
 /// One way of reading the part.
-struct Way {
+struct Setup {
     name: &'static str,
     roa: Roa,
     divider: u16,
@@ -36,16 +36,16 @@ struct Way {
 pub fn draw() -> Result<String> {
     let (open, filtered) = (Axis::ADIS16130.bandwidth_hz, Some(Axis::ADIS16130_ROA_10NF_HZ));
     let ways = [
-        Way { name: "every edge", roa: Roa::Open, divider: 1, samples: SAMPLES, bandwidth_hz: open },
-        Way {
+        Setup { name: "every edge", roa: Roa::Open, divider: 1, samples: SAMPLES, bandwidth_hz: open },
+        Setup {
             name: "every edge, 0.01 µF",
             roa: Roa::TenNanofarad,
             divider: 1,
             samples: SAMPLES,
             bandwidth_hz: filtered,
         },
-        Way { name: "every 50th edge", roa: Roa::Open, divider: 50, samples: SAMPLES_DIVIDED, bandwidth_hz: None },
-        Way {
+        Setup { name: "every 50th edge", roa: Roa::Open, divider: 50, samples: SAMPLES_DIVIDED, bandwidth_hz: None },
+        Setup {
             name: "every 50th edge, 0.01 µF",
             roa: Roa::TenNanofarad,
             divider: 50,
@@ -53,11 +53,11 @@ pub fn draw() -> Result<String> {
             bandwidth_hz: filtered,
         },
     ];
-    let all = ways.iter().map(Way::spectrum).collect::<Result<Vec<_>>>()?;
+    let all = ways.iter().map(Setup::spectrum).collect::<Result<Vec<_>>>()?;
     Ok(spectra("A part at rest, read in four ways (twin, seed 4, at the nominal clock)", &all, "°/s/√Hz") + "\n")
 }
 
-impl Way {
+impl Setup {
     fn spectrum(&self) -> Result<Spectrum> {
         let (rate_dps, rate_hz) = self.record()?;
         let densities = welch(&rate_dps, rate_hz).map_err(|error| anyhow!("{error}"))?;
@@ -115,7 +115,7 @@ mod tests {
 
     #[test]
     fn the_twin_has_the_noise_of_the_facts_and_the_resonance_where_it_folds_to() {
-        let way = Way { name: "", roa: Roa::TenNanofarad, divider: 1, samples: 1 << 15, bandwidth_hz: Some(50.0) };
+        let way = Setup { name: "", roa: Roa::TenNanofarad, divider: 1, samples: 1 << 15, bandwidth_hz: Some(50.0) };
         let Spectrum { points, model, tones, .. } = way.spectrum().unwrap();
         let quiet = points.iter().zip(&model).filter(|((hz, _), _)| (30.0..1000.0).contains(hz));
         let ratios: Vec<f64> = quiet.map(|((_, seen), (_, expected))| seen / expected).collect();

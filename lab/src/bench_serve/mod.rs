@@ -30,7 +30,7 @@ const STEP: Duration = Duration::from_millis(100);
 
 /// What to run.
 #[derive(clap::Args)]
-pub struct Args {
+pub struct BenchServeArgs {
     /// How long, s
     #[arg(long, default_value_t = 60)]
     seconds: u64,
@@ -50,7 +50,7 @@ pub struct Args {
 }
 
 /// Starts the server, lets everybody look on, and prints what that costs.
-pub fn run(args: &Args) -> Result<()> {
+pub fn run(args: &BenchServeArgs) -> Result<()> {
     let program = program(args)?;
     let clients = if has_iio(args)? { args.clients } else { 0 };
     let folder = tempfile::tempdir()?;
@@ -74,7 +74,7 @@ pub fn run(args: &Args) -> Result<()> {
     check_clients(&seen.clients, &program, &capture)
 }
 
-fn program(args: &Args) -> Result<PathBuf> {
+fn program(args: &BenchServeArgs) -> Result<PathBuf> {
     if args.check {
         return app::program();
     }
@@ -86,7 +86,7 @@ fn program(args: &Args) -> Result<PathBuf> {
 }
 
 /// Whether clients of libiio can take part.
-fn has_iio(args: &Args) -> Result<bool> {
+fn has_iio(args: &BenchServeArgs) -> Result<bool> {
     let tool = Tool { program: "iio_readdev", package: "libiio-utils" };
     Ok(args.clients > 0 && tools::available(&[tool], "clients of libiio that look on")?)
 }
@@ -101,7 +101,7 @@ struct Seen {
     clients: Vec<Vec<u8>>,
 }
 
-fn look_on(args: &Args, server: &Server, clients: usize) -> Result<Seen> {
+fn look_on(args: &BenchServeArgs, server: &Server, clients: usize) -> Result<Seen> {
     let (over, shown_ms) = (AtomicBool::new(false), AtomicU64::new(0));
     thread::scope(|scope| -> Result<Seen> {
         let watch = || scope.spawn(|| page::watch(&server.page, &over, &shown_ms));

@@ -13,7 +13,7 @@ use xtask::lab;
 
 /// Command line of `cargo xtask book`.
 #[derive(clap::Args)]
-pub struct Args {
+pub struct BookArgs {
     /// Where to; what is there must be a book, and is replaced
     #[arg(long, value_name = "DIR", default_value = "target/book/site")]
     out: PathBuf,
@@ -25,7 +25,7 @@ pub struct Args {
     program: Option<PathBuf>,
 }
 
-pub fn run(args: &Args) -> Result<()> {
+pub fn run(args: &BookArgs) -> Result<()> {
     make(&args.out)?;
     if args.check {
         browser::check(&args.out)?;

@@ -8,7 +8,7 @@ mod emulator;
 mod firmware;
 mod script;
 
-use crate::app::Args;
+use crate::app::ProgramArgs;
 use crate::firmware::{QEMU, image_of};
 use crate::targets;
 use crate::tools::available;
@@ -49,7 +49,7 @@ struct Findings {
 }
 
 /// Runs everything and stops at the first that is wrong.
-pub fn run(args: &Args) -> Result<()> {
+pub fn run(args: &ProgramArgs) -> Result<()> {
     if !available(&[QEMU], "the bridge in the emulator")? {
         return Ok(());
     }

@@ -25,14 +25,14 @@ const EXAMPLES: [&str; 2] = ["main_loop", "interrupt"];
 
 /// What to run.
 #[derive(clap::Args)]
-pub struct Args {
+pub struct CArgs {
     /// The unit of the twin
     #[arg(long, default_value_t = 1)]
     seed: u64,
 }
 
 /// The library first, since C is linked with it.
-pub fn run(args: &Args) -> Result<()> {
+pub fn run(args: &CArgs) -> Result<()> {
     targets::add_missing([M0, M4F].into_iter())?;
     for target in [None, Some(M0), Some(M4F)] {
         is_self_contained(&build("zerorate-c", target)?)?;

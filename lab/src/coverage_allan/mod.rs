@@ -20,7 +20,7 @@ use zerorate_allan::{
 
 /// What to run.
 #[derive(clap::Args)]
-pub struct Args {
+pub struct CoverageAllanArgs {
     /// Records of each scenario
     #[arg(long, default_value_t = 1000)]
     runs: u64,
@@ -79,7 +79,7 @@ impl Run {
 }
 
 /// Runs every scenario and fails where one is out of its bounds.
-pub fn run(args: &Args) -> anyhow::Result<()> {
+pub fn run(args: &CoverageAllanArgs) -> anyhow::Result<()> {
     let mut missed = Vec::new();
     for scenario in scenarios().iter().filter(|scenario| scenario.name.contains(&args.only)) {
         let runs = simulate(args, scenario)?;
@@ -150,7 +150,7 @@ fn terms(scenario: &Scenario, runs: &[Run]) -> Vec<String> {
     missed
 }
 
-fn simulate(args: &Args, scenario: &Scenario) -> anyhow::Result<Vec<Run>> {
+fn simulate(args: &CoverageAllanArgs, scenario: &Scenario) -> anyhow::Result<Vec<Run>> {
     let next = AtomicU64::new(0);
     let fft = FftPlanner::new().plan_fft_forward(SYNTHESIS);
     let worker = || {
@@ -173,7 +173,12 @@ fn simulate(args: &Args, scenario: &Scenario) -> anyhow::Result<Vec<Run>> {
     Ok(runs.into_iter().map(|(_, run)| run).collect())
 }
 
-fn one(args: &Args, scenario: &Scenario, fft: &Arc<dyn Fft<f64>>, rng: &mut SmallRng) -> anyhow::Result<Run> {
+fn one(
+    args: &CoverageAllanArgs,
+    scenario: &Scenario,
+    fft: &Arc<dyn Fft<f64>>,
+    rng: &mut SmallRng,
+) -> anyhow::Result<Run> {
     let rate = record(scenario, fft, rng);
     let points = deviations(&Input::Rate(&rate), RATE_HZ, Stat::Oadev, &octaves(rate.len()));
     let curve: Vec<Deviation> = points.into_iter().flatten().collect();

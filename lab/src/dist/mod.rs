@@ -23,7 +23,7 @@ use std::process::Command;
 
 /// Command line of `cargo xtask dist`.
 #[derive(clap::Args)]
-pub struct Args {
+pub struct DistArgs {
     /// Make only these parts; default: all
     #[arg(value_name = "PART", value_parser = clap::builder::PossibleValuesParser::new(PARTS.map(|part| part.name)))]
     only: Vec<String>,
@@ -57,7 +57,7 @@ const TARGET_DIR: &str = "target/cross";
 const SUMS: &str = "SHA256SUMS";
 
 /// Makes the chosen parts, or tries them.
-pub fn run(args: &Args) -> Result<()> {
+pub fn run(args: &DistArgs) -> Result<()> {
     let folder = Folder::new()?;
     for part in &PARTS {
         if args.only.is_empty() || args.only.iter().any(|name| name == part.name) {

@@ -29,7 +29,7 @@ use xtask::images::{TARGET, build};
 
 /// What to run.
 #[derive(clap::Args)]
-pub struct Args {
+pub struct FirmwareArgs {
     /// The unit of the twin that both read
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -55,7 +55,7 @@ struct Outcome {
 }
 
 /// Builds and measures driver and tracker alone, then runs the rest in the emulator if there is one.
-pub fn run(args: &Args) -> Result<()> {
+pub fn run(args: &FirmwareArgs) -> Result<()> {
     targets::add_missing([TARGET].into_iter())?;
     let mut figures = alone()?;
     let emulated = available(&[QEMU], "the run in the emulator")?;
@@ -165,7 +165,7 @@ fn counted(report: &Report) -> Result<Vec<Figure>> {
     ])
 }
 
-fn show(args: &Args, outcome: &Outcome) -> Result<()> {
+fn show(args: &FirmwareArgs, outcome: &Outcome) -> Result<()> {
     if args.json {
         println!("{}", serde_json::to_string_pretty(outcome)?);
         return Ok(());
@@ -186,7 +186,7 @@ fn show(args: &Args, outcome: &Outcome) -> Result<()> {
 
 /// Against the committed page, and against the goals, of which a missed one is stated; writes the page where that was
 /// asked for.
-fn judge(args: &Args, outcome: &Outcome) -> Result<()> {
+fn judge(args: &FirmwareArgs, outcome: &Outcome) -> Result<()> {
     if args.update {
         ensure!(outcome.readings_agreed.is_some(), "without the emulator the figures are not complete");
         footprint::write(&outcome.figures, &outcome.versions)?;

@@ -23,7 +23,7 @@ use unit::Kind;
 
 /// What to run.
 #[derive(clap::Args)]
-pub struct Args {
+pub struct MethodsArgs {
     /// Units of each kind, by their seeds, both ends included
     #[arg(long, default_value = "1..500", value_parser = seeds::parse, value_name = "A..B")]
     seeds: RangeInclusive<u64>,
@@ -45,7 +45,7 @@ const SIDE_SHARE: u64 = 5;
 const CHECKED: u64 = 5;
 
 /// Runs everything and writes the page with its pictures.
-pub fn run(args: &Args) -> anyhow::Result<()> {
+pub fn run(args: &MethodsArgs) -> anyhow::Result<()> {
     let seeds = if args.quick { QUICK } else { args.seeds.clone() };
     let units = Units { seeds: &seeds, threads: args.threads, lag_s: args.lag_s };
     let methods = units.by_method()?;

@@ -9,7 +9,7 @@ use std::str::FromStr;
 pub struct Files<'a>(pub &'a Path);
 
 /// A row of a capture.
-pub struct Row {
+pub struct GuestRow {
     pub t_ns: u64,
     pub edge: u32,
     /// Of each axis.
@@ -38,7 +38,7 @@ impl Files<'_> {
     }
 
     /// docs/formats/capture.md: a header below comments, then the rows; `NAME_code` is an axis.
-    pub fn rows(&self, capture: &str) -> Result<Vec<Row>> {
+    pub fn rows(&self, capture: &str) -> Result<Vec<GuestRow>> {
         let text = self.text(&format!("{capture}.csv"))?;
         let mut lines = text.lines().filter(|line| !line.starts_with('#'));
         let header: Vec<&str> = lines.next().context("an empty capture")?.split(',').collect();
@@ -51,7 +51,7 @@ impl Files<'_> {
             let fields: Vec<&str> = line.split(',').collect();
             ensure!(fields.len() == header.len(), "{capture}: {line}");
             let codes = axes.iter().map(|at| fields[*at].parse().map_err(anyhow::Error::new));
-            Ok(Row {
+            Ok(GuestRow {
                 t_ns: fields[t_ns].parse()?,
                 edge: fields[edge].parse()?,
                 codes: codes.collect::<Result<_>>()?,

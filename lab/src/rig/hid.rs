@@ -1,6 +1,6 @@
 //! Did the program see what a gyroscope of another kind sent, through the kernel's driver for HID sensors?
 
-use super::files::{Files, Row, run_of};
+use super::files::{Files, GuestRow, run_of};
 use anyhow::{Context, Result};
 use serde::Serialize;
 use serde_json::Value;
@@ -148,12 +148,12 @@ impl Sent {
 }
 
 impl Stream {
-    fn new(name: &'static str, rows: &[Row], reports: &[&Sent]) -> Self {
+    fn new(name: &'static str, rows: &[GuestRow], reports: &[&Sent]) -> Self {
         let codes: Vec<&[i64]> = rows.iter().map(|row| &row.codes[..]).collect();
         let sent = run_of(&codes, reports, |sent| &sent.codes[..]);
         let pairs = || rows.iter().zip(sent);
-        let before = |(row, sent): (&Row, &&Sent)| row.t_ns as i64 - sent.between_ns.1;
-        let after = |(row, sent): (&Row, &&Sent)| row.t_ns as i64 - sent.between_ns.0;
+        let before = |(row, sent): (&GuestRow, &&Sent)| row.t_ns as i64 - sent.between_ns.1;
+        let after = |(row, sent): (&GuestRow, &&Sent)| row.t_ns as i64 - sent.between_ns.0;
         // the kernel's time of a reading lies between when it was handed over and when that was done
         let offset_ns = (pairs().map(before).max().unwrap_or(0), pairs().map(after).min().unwrap_or(0));
         let missing = sent.windows(2).map(|two| u64::from(two[1].number - two[0].number - 1));
@@ -189,7 +189,7 @@ impl Stream {
 }
 
 impl Polled {
-    fn new(rows: &[Row], sent: &[Sent]) -> Self {
+    fn new(rows: &[GuestRow], sent: &[Sent]) -> Self {
         let in_order = |axis: &usize| {
             // a code stands for one reading only (`gyro.rs`)
             let number: HashMap<i64, u32> = sent.iter().map(|sent| (sent.codes[*axis], sent.number)).collect();
@@ -206,7 +206,7 @@ mod tests {
     use super::*;
 
     /// Three readings of which the third was withheld, as they were sent and seen.
-    fn seen() -> (Vec<Sent>, Vec<Row>) {
+    fn seen() -> (Vec<Sent>, Vec<GuestRow>) {
         let sent = |number: u32| {
             let t_ns = i64::from(number) * 10_000_000;
             let codes = [1, 2, 3].map(|axis| axis * i64::from(number)).to_vec();
@@ -214,12 +214,12 @@ mod tests {
         };
         let row = |number: u32, lost| {
             let t_ns = 5_000_000_000 + u64::from(number) * 10_000_000 + 1_000;
-            Row { t_ns, edge: number, codes: sent(number).codes, lost }
+            GuestRow { t_ns, edge: number, codes: sent(number).codes, lost }
         };
         ([1, 2, 4, 5].map(sent).into(), vec![row(2, 0), row(4, 1), row(5, 0)])
     }
 
-    fn stream((sent, rows): &(Vec<Sent>, Vec<Row>)) -> Stream {
+    fn stream((sent, rows): &(Vec<Sent>, Vec<GuestRow>)) -> Stream {
         Stream::new("hid", rows, &sent.iter().collect::<Vec<_>>())
     }
 

@@ -15,7 +15,7 @@ mod kernel;
 mod machine;
 mod part;
 
-use crate::app::{Args, target_folder};
+use crate::app::{ProgramArgs, target_folder};
 use crate::tools::{Tool, available, is_root};
 use anyhow::{Context, Result};
 use checks::{Findings, Observed};
@@ -54,7 +54,7 @@ const SLOW_CAPTURES: [&str; 3] = ["slow1", "slow2", "slow3"];
 const LIMIT: Duration = Duration::from_secs(150);
 
 /// Runs the rig, or says why it cannot.
-pub fn run(args: &Args) -> Result<()> {
+pub fn run(args: &ProgramArgs) -> Result<()> {
     if !cfg!(all(target_os = "linux", target_arch = "x86_64")) || !Path::new("/etc/debian_version").exists() {
         eprintln!("SKIPPED: the rig needs Debian on x86-64, whose kernel it boots");
         return Ok(());

@@ -29,7 +29,7 @@ const LENGTH_S: f64 = 6.0;
 const WRONG_CODES: i64 = 5 * 23_488;
 
 /// A row of a capture, or of a corrected one.
-struct Row {
+struct CheckedRow {
     rate_code: i64,
     lost: u64,
     flagged: bool,
@@ -66,7 +66,7 @@ fn telling(run: &Run) -> bool {
 
 /// What is wrong with `rows`, if anything: a code that the part did not measure and nobody flagged, or a loss that was
 /// not counted.
-fn compare(rows: &BTreeMap<u64, Row>, clean: &BTreeMap<u64, Row>) -> Option<String> {
+fn compare(rows: &BTreeMap<u64, CheckedRow>, clean: &BTreeMap<u64, CheckedRow>) -> Option<String> {
     for (t_ns, row) in rows {
         let Some(true_row) = clean.get(t_ns) else { continue };
         let off = row.rate_code - true_row.rate_code;
@@ -82,7 +82,7 @@ fn compare(rows: &BTreeMap<u64, Row>, clean: &BTreeMap<u64, Row>) -> Option<Stri
 }
 
 /// The rows by their time.
-fn rows(file: &str) -> Result<BTreeMap<u64, Row>> {
+fn rows(file: &str) -> Result<BTreeMap<u64, CheckedRow>> {
     let text = fs::read_to_string(file).with_context(|| file.to_owned())?;
     let mut lines = text.lines().filter(|line| !line.starts_with('#'));
     let header: Vec<&str> = lines.next().context("no header")?.split(',').collect();
@@ -90,11 +90,11 @@ fn rows(file: &str) -> Result<BTreeMap<u64, Row>> {
     let needed = |name: &str| column(name).with_context(|| format!("{file}: no column {name}"));
     let (t_ns, rate_code, lost) = (needed("t_ns")?, needed("rate_code")?, needed("lost")?);
     let flags = column("flags");
-    let parse = |line: &str| -> Result<(u64, Row)> {
+    let parse = |line: &str| -> Result<(u64, CheckedRow)> {
         let cells: Vec<&str> = line.split(',').collect();
         let cell = |index: usize| cells.get(index).copied().with_context(|| format!("{file}: {line}"));
         let flagged = flags.is_some_and(|index| cells.get(index).is_some_and(|cell| !matches!(*cell, "" | "0")));
-        let row = Row { rate_code: cell(rate_code)?.parse()?, lost: cell(lost)?.parse()?, flagged };
+        let row = CheckedRow { rate_code: cell(rate_code)?.parse()?, lost: cell(lost)?.parse()?, flagged };
         Ok((cell(t_ns)?.parse()?, row))
     };
     lines.map(parse).collect()

@@ -27,7 +27,7 @@ use verdict::{Count, Verdict};
 
 /// What to run.
 #[derive(clap::Args)]
-pub struct Args {
+pub struct TrustArgs {
     /// A few runs of each class, as in `cargo xtask ci`
     #[arg(long)]
     quick: bool,
@@ -80,7 +80,7 @@ fn classes() -> Vec<Class> {
 }
 
 /// Runs the classes one after the other, and fails where a result was wrong and nobody heard of it.
-pub fn run(args: &Args) -> Result<()> {
+pub fn run(args: &TrustArgs) -> Result<()> {
     let program = args.program.clone().map_or_else(app::program, Ok)?;
     let bench = Bench::new(std::path::absolute(program)?)?;
     let mut done = Done::read(args.resume.clone())?;
@@ -136,7 +136,7 @@ impl Done {
 }
 
 /// All runs of a class on a few threads; the counts do not depend on their number.
-fn try_class(args: &Args, bench: &Bench, class: &Class) -> Result<Count> {
+fn try_class(args: &TrustArgs, bench: &Bench, class: &Class) -> Result<Count> {
     let runs = args.runs.unwrap_or(if args.quick { class.quick } else { RUNS });
     let ends = args.seconds.map(|seconds| Instant::now() + Duration::from_secs(seconds));
     let (next, count) = (AtomicU64::new(0), Mutex::new(Count::default()));

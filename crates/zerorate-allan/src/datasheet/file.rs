@@ -109,14 +109,14 @@ enum Means {
 }
 
 /// A key, what it is of, the exponent of its unit (as [`Unit::halves`]), and units that it may have.
-struct Row(&'static str, Figure, i32, &'static str);
+struct FigureRow(&'static str, Figure, i32, &'static str);
 
 impl Gyroscope {
-    const ROWS: [Row; 4] = [
-        Row("noise_density", Figure::NoiseDensity, -1, "°/s/√Hz, °/h/√Hz, mdps/√Hz or rad/s/√Hz"),
-        Row("angle_random_walk", Figure::RandomWalk, -1, "°/√h, °/√s or rad/√s"),
-        Row("bias_instability", Figure::CurveMinimum, -2, "°/h, °/s or rad/s"),
-        Row("rate_random_walk", Figure::RateRandomWalk, -3, "°/h/√h, °/s/√s, °/s/√h or rad/s/√s"),
+    const ROWS: [FigureRow; 4] = [
+        FigureRow("noise_density", Figure::NoiseDensity, -1, "°/s/√Hz, °/h/√Hz, mdps/√Hz or rad/s/√Hz"),
+        FigureRow("angle_random_walk", Figure::RandomWalk, -1, "°/√h, °/√s or rad/√s"),
+        FigureRow("bias_instability", Figure::CurveMinimum, -2, "°/h, °/s or rad/s"),
+        FigureRow("rate_random_walk", Figure::RateRandomWalk, -3, "°/h/√h, °/s/√s, °/s/√h or rad/s/√s"),
     ];
 
     fn lines(self, root: Entry<'_>) -> Result<Vec<Line>, EntryError> {
@@ -126,11 +126,11 @@ impl Gyroscope {
 }
 
 impl Accelerometer {
-    const ROWS: [Row; 4] = [
-        Row("noise_density", Figure::NoiseDensity, -3, "µg/√Hz, mg/√Hz, g/√Hz or m/s²/√Hz"),
-        Row("velocity_random_walk", Figure::RandomWalk, -3, "m/s/√h or m/s/√s"),
-        Row("bias_instability", Figure::CurveMinimum, -4, "µg, mg, g or m/s²"),
-        Row("acceleration_random_walk", Figure::RateRandomWalk, -5, "µg/√h, m/s²/√h or m/s²/√s"),
+    const ROWS: [FigureRow; 4] = [
+        FigureRow("noise_density", Figure::NoiseDensity, -3, "µg/√Hz, mg/√Hz, g/√Hz or m/s²/√Hz"),
+        FigureRow("velocity_random_walk", Figure::RandomWalk, -3, "m/s/√h or m/s/√s"),
+        FigureRow("bias_instability", Figure::CurveMinimum, -4, "µg, mg, g or m/s²"),
+        FigureRow("acceleration_random_walk", Figure::RateRandomWalk, -5, "µg/√h, m/s²/√h or m/s²/√s"),
     ];
 
     fn lines(self, root: Entry<'_>) -> Result<Vec<Line>, EntryError> {
@@ -140,7 +140,12 @@ impl Accelerometer {
     }
 }
 
-fn lines(table: Entry<'_>, of: Of, rows: &[Row; 4], stated: [Option<Stated>; 4]) -> Result<Vec<Line>, EntryError> {
+fn lines(
+    table: Entry<'_>,
+    of: Of,
+    rows: &[FigureRow; 4],
+    stated: [Option<Stated>; 4],
+) -> Result<Vec<Line>, EntryError> {
     let mut lines = Vec::new();
     for (row, stated) in rows.iter().zip(stated) {
         let Some(stated) = stated else { continue };
@@ -158,7 +163,7 @@ fn lines(table: Entry<'_>, of: Of, rows: &[Row; 4], stated: [Option<Stated>; 4])
     Ok(lines)
 }
 
-impl Row {
+impl FigureRow {
     fn line(&self, of: Of, stated: &Stated, value: f64, is_maximum: bool, printed: &str) -> Result<Line, String> {
         let &Self(_, figure, halves, units) = self;
         let bounds = Bounds::Positive;

@@ -21,14 +21,14 @@ pub(super) struct Table {
     pub(super) rate_hz: f64,
     /// Length of the record, s.
     pub(super) span_s: f64,
-    pub(super) rows: Vec<Row>,
+    pub(super) rows: Vec<BinRow>,
     /// The first coefficients times √dt.
     pub(super) low: Vec<f64>,
 }
 
 /// A bin, with the density of each noise per squared coefficient.
 #[derive(Clone, Debug)]
-pub(super) struct Row {
+pub(super) struct BinRow {
     pub(super) bin: Bin,
     /// Length of its record, s.
     span_s: f64,
@@ -45,13 +45,13 @@ pub(super) struct Row {
 impl Table {
     pub(super) fn new(bins: impl Iterator<Item = Bin>, low: &[f64], samples: usize, rate_hz: f64) -> Self {
         let span_s = samples as f64 / rate_hz;
-        let rows = bins.map(|bin| Row::new(bin, span_s, rate_hz)).collect();
+        let rows = bins.map(|bin| BinRow::new(bin, span_s, rate_hz)).collect();
         Self { rate_hz, span_s, rows, low: low[..low.len().min(LOW)].to_vec() }
     }
 
     /// All rows of several records, from the lowest frequency on; the phase of drifts is not looked at.
     pub(super) fn pooled(tables: &[&Self]) -> Self {
-        let mut rows: Vec<Row> = tables.iter().flat_map(|table| table.rows.iter().cloned()).collect();
+        let mut rows: Vec<BinRow> = tables.iter().flat_map(|table| table.rows.iter().cloned()).collect();
         rows.sort_by(|a, b| a.f_hz.total_cmp(&b.f_hz));
         let span_s = tables.iter().map(|table| table.span_s).fold(0.0, f64::max);
         let rate_hz = tables.iter().map(|table| table.rate_hz).sum::<f64>() / tables.len().max(1) as f64;
@@ -75,7 +75,7 @@ impl Table {
     }
 }
 
-impl Row {
+impl BinRow {
     fn new(bin: Bin, span_s: f64, rate_hz: f64) -> Self {
         let hz = 1.0 / (2.0 * span_s);
         let (from_hz, to_hz) = ((bin.first as f64 - 0.5) * hz, (bin.end as f64 - 0.5) * hz);
@@ -213,7 +213,7 @@ mod tests {
             let correlation = |i: usize, j: usize| (-(i.abs_diff(j) as f64) / rate_hz / tau_s).exp();
             let pairs = (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));
             let exact: f64 = pairs.map(|(i, j)| w(i) * w(j) * correlation(i, j)).sum::<f64>() / rate_hz;
-            let row = Row::new(bin(k, k + 1), n as f64 / rate_hz, rate_hz);
+            let row = BinRow::new(bin(k, k + 1), n as f64 / rate_hz, rate_hz);
             let (found, slope) = row.gauss_markov(tau_s);
             assert!((found / exact - 1.0).abs() < 2e-3, "{k}: {found} for {exact}");
             let beside = row.gauss_markov(tau_s * 1e-4f64.exp()).0;
@@ -224,12 +224,12 @@ mod tests {
     #[test]
     fn wide_bins_are_means_over_their_coefficients() {
         let (span_s, rate_hz) = (100.0, 100.0);
-        let wide = Row::new(bin(200, 240), span_s, rate_hz);
-        let singles: Vec<Row> = (200..240).map(|k| Row::new(bin(k, k + 1), span_s, rate_hz)).collect();
-        let mean = |of: &dyn Fn(&Row) -> f64| singles.iter().map(of).sum::<f64>() / 40.0;
+        let wide = BinRow::new(bin(200, 240), span_s, rate_hz);
+        let singles: Vec<BinRow> = (200..240).map(|k| BinRow::new(bin(k, k + 1), span_s, rate_hz)).collect();
+        let mean = |of: &dyn Fn(&BinRow) -> f64| singles.iter().map(of).sum::<f64>() / 40.0;
         assert!((wide.walk / mean(&|row| row.walk) - 1.0).abs() < 1e-4);
         assert!((wide.flicker / mean(&|row| row.flicker) - 1.0).abs() < 1e-4);
-        let of = |row: &Row| row.gauss_markov(0.3).0;
+        let of = |row: &BinRow| row.gauss_markov(0.3).0;
         assert!((of(&wide) / mean(&of) - 1.0).abs() < 1e-4);
     }
 }

@@ -1,9 +1,9 @@
 //! What was left out of the fit because it is in a line.
 
 use super::bins::Bin;
-use super::density::{Row, Table};
+use super::density::{BinRow, Table};
 use super::lines::{Line, Narrow};
-use super::scoring::{Form, N2, Problem};
+use super::scoring::{ModelForm, N2, Problem};
 use super::select::Selection;
 use super::spectrum::Spectrum;
 use alloc::vec;
@@ -100,7 +100,7 @@ impl Masked {
         let masked: Vec<Bin> = spectrum.bins.iter().filter(|bin| !kept(bin)).copied().collect();
         let table = Table::new(masked.iter().copied(), &[], spectrum.samples, rate_hz);
         let own = &chosen.found;
-        let smooth = Problem::new(table, 0.0).density(&Form { drift: None, ..own.form }, &own.at);
+        let smooth = Problem::new(table, 0.0).density(&ModelForm { drift: None, ..own.form }, &own.at);
         let hz = rate_hz / (2.0 * spectrum.samples as f64);
         let mut found = Self { sines: Vec::new(), lines: Vec::new(), runs: Vec::new(), tail_at_zero: 0.0 };
         let mut runs: Vec<Vec<(f64, Bin)>> = Vec::new();
@@ -124,7 +124,7 @@ impl Masked {
 
 /// The strongest of the lines that may leak into the rows that the model is fitted to, and how much of these rows'
 /// power that is at most, on the mean.
-pub(super) fn leakage(lines: &[Whole], rows: &[Row], hz: f64) -> Option<(Line, f64)> {
+pub(super) fn leakage(lines: &[Whole], rows: &[BinRow], hz: f64) -> Option<(Line, f64)> {
     let strongest = lines.iter().filter(|whole| whole.leaks);
     let strongest = strongest.max_by(|a, b| a.line.rms.total_cmp(&b.line.rms))?;
     let share = |bin: &Bin| {

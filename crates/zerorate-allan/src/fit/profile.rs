@@ -3,7 +3,7 @@
 
 use super::TWO_SIDED_95;
 use super::departure::departure;
-use super::scoring::{Form, Found, Local, Problem};
+use super::scoring::{Found, Local, ModelForm, Problem};
 use super::select::DESCENT;
 use crate::linear::Square;
 use alloc::vec::Vec;
@@ -39,7 +39,7 @@ impl<'a> Profile<'a> {
     pub(super) fn of_square(problem: &'a Problem, found: &Found, place: usize) -> Self {
         let best = match found.at[place] > 0.0 {
             true => found.clone(),
-            false => problem.descend(Form { signed: Some(place), ..found.form }, &found.at, None, DESCENT),
+            false => problem.descend(ModelForm { signed: Some(place), ..found.form }, &found.at, None, DESCENT),
         };
         let at_zero = (found.at[place] <= 0.0).then(|| found.clone());
         Self { problem, local: problem.local(&best), best, place, bounds: (0.0, f64::INFINITY), at_zero }

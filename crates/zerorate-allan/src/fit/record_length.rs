@@ -2,7 +2,7 @@
 
 use super::bins::empty_bins;
 use super::density::Table;
-use super::scoring::{Form, Found, Problem};
+use super::scoring::{Found, ModelForm, Problem};
 use super::select::DESCENT;
 
 /// Doublings of the record that are computed; beyond, the evidence is taken to grow with the length.
@@ -18,7 +18,7 @@ pub(super) fn needed_s(found: &Found, samples: usize, rate_hz: f64, place: usize
     let length_s = samples as f64 / rate_hz;
     let mut at = found.at.clone();
     at[place] = value;
-    let form = Form { drift: None, ..found.form };
+    let form = ModelForm { drift: None, ..found.form };
     let gain = |doublings: i32| {
         let longer = samples.saturating_mul(1 << doublings);
         evidence(form, &at, longer, rate_hz, place)
@@ -37,7 +37,7 @@ pub(super) fn needed_s(found: &Found, samples: usize, rate_hz: f64, place: usize
 }
 
 /// What the deviance falls by for the coefficient when every power is what the model expects.
-fn evidence(form: Form, at: &[f64], samples: usize, rate_hz: f64, place: usize) -> f64 {
+fn evidence(form: ModelForm, at: &[f64], samples: usize, rate_hz: f64, place: usize) -> f64 {
     let table = Table::new(empty_bins(samples).into_iter(), &[], samples, rate_hz);
     let mut problem = Problem::new(table, 0.0);
     let expected = problem.density(&form, at);

@@ -11,7 +11,7 @@ use alloc::vec::Vec;
 
 /// Which terms a model has beside N, B and K.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Form {
+pub(super) struct ModelForm {
     /// Cosines of the band shape.
     pub(super) cosines: usize,
     /// A pole of the band shape: a low-pass of the first order, which cosines follow only slowly.
@@ -34,7 +34,7 @@ pub(super) const K2: usize = 2;
 pub(super) const Q2: usize = 3;
 pub(super) const SHAPE: usize = 4;
 
-impl Form {
+impl ModelForm {
     pub(super) const PLAIN: Self =
         Self { cosines: 0, pole: false, markovs: 0, quantised: false, drift: None, signed: None };
 
@@ -99,7 +99,7 @@ impl Problem {
         libm::log(self.table.rows.iter().map(|row| row.bin.freedom).sum())
     }
 
-    fn bounds(&self, form: &Form, place: usize) -> (f64, f64) {
+    fn bounds(&self, form: &ModelForm, place: usize) -> (f64, f64) {
         match place {
             N2 => (self.least_white, f64::INFINITY),
             Q2 if !form.quantised => (0.0, 0.0),
@@ -115,7 +115,7 @@ impl Problem {
 /// The best parameters that were found.
 #[derive(Clone, Debug)]
 pub(super) struct Found {
-    pub(super) form: Form,
+    pub(super) form: ModelForm,
     pub(super) at: Vec<f64>,
     pub(super) deviance: f64,
     /// Expected power of each row.
@@ -150,7 +150,7 @@ impl Problem {
     /// From `start` downhill, `steps` steps at most, while a step gains more than `least_gain`; `held` stays.
     pub(super) fn descend(
         &self,
-        form: Form,
+        form: ModelForm,
         start: &[f64],
         held: Option<usize>,
         (steps, least_gain): (usize, f64),
@@ -181,7 +181,7 @@ impl Problem {
 
     fn downhill(
         &self,
-        form: &Form,
+        form: &ModelForm,
         at: &[f64],
         step: &[f64],
         template: Option<&[f64]>,
@@ -199,7 +199,7 @@ impl Problem {
         None
     }
 
-    fn state(&self, form: &Form, at: &[f64], template: Option<&[f64]>) -> State {
+    fn state(&self, form: &ModelForm, at: &[f64], template: Option<&[f64]>) -> State {
         let rows = &self.table.rows;
         let mut slopes = vec![vec![0.0; rows.len()]; form.len()];
         let mut density = vec![0.0; rows.len()];
@@ -253,7 +253,7 @@ impl Problem {
     }
 
     /// The bounded minimum of the quadratic that has the gradient and the expected curvature.
-    fn step(&self, form: &Form, at: &[f64], state: &State, held: Option<usize>) -> Vec<f64> {
+    fn step(&self, form: &ModelForm, at: &[f64], state: &State, held: Option<usize>) -> Vec<f64> {
         let (curvature, gradient) = self.normal(form, state);
         let room: Vec<(f64, f64)> = (0..form.len())
             .map(|place| {
@@ -272,7 +272,7 @@ impl Problem {
     }
 
     /// Curvature and (negative) gradient of D.
-    fn normal(&self, form: &Form, state: &State) -> (Square, Vec<f64>) {
+    fn normal(&self, form: &ModelForm, state: &State) -> (Square, Vec<f64>) {
         let n = form.len();
         let rows = self.table.rows.len();
         let (mut weight, mut pull) = (vec![0.0; rows], vec![0.0; rows]);
@@ -296,7 +296,7 @@ impl Problem {
     }
 
     /// The expected powers of a model.
-    pub(super) fn density(&self, form: &Form, at: &[f64]) -> Vec<f64> {
+    pub(super) fn density(&self, form: &ModelForm, at: &[f64]) -> Vec<f64> {
         self.state(form, at, None).density
     }
 
@@ -406,7 +406,7 @@ fn one_pole(a: f64, cosine: f64) -> (f64, f64) {
 }
 
 /// The shape of the white noise over its level at frequency 0, at the angle 2πf·dt.
-pub(super) fn shape(form: &Form, at: &[f64], angle: f64) -> f64 {
+pub(super) fn shape(form: &ModelForm, at: &[f64], angle: f64) -> f64 {
     let term = |j: usize| at[SHAPE + j] * (libm::cos((j + 1) as f64 * angle) - 1.0);
     let low_pass = if form.pole { one_pole(at[SHAPE + form.cosines], libm::cos(angle) - 1.0).0 } else { 1.0 };
     libm::exp((0..form.cosines).map(term).sum()) * low_pass

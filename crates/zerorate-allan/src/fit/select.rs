@@ -1,7 +1,7 @@
 //! Which terms a record has: N, B and K always, the others where they earn their price.
 
 use super::density::{Drift, MOST_COSINES, Table};
-use super::scoring::{B2, Form, Found, K2, LONGEST, N2, Problem, Q2, SHAPE, SHORTEST};
+use super::scoring::{B2, Found, K2, LONGEST, ModelForm, N2, Problem, Q2, SHAPE, SHORTEST};
 use alloc::vec;
 use alloc::vec::Vec;
 
@@ -41,7 +41,7 @@ pub(super) struct Selection {
     pub(super) problem: Problem,
     pub(super) found: Found,
     /// By how much the next best choice of slow terms is worse, where it is another one.
-    pub(super) runner_up: Option<(Form, f64)>,
+    pub(super) runner_up: Option<(ModelForm, f64)>,
 }
 
 /// A model and what it costs.
@@ -69,7 +69,7 @@ pub(super) fn select(table: Table) -> Option<Selection> {
     all.retain(|candidate| is_sound(&problem, &candidate.found));
     all.sort_by(|a, b| a.price.total_cmp(&b.price));
     let best = all.first()?.clone();
-    let slow = |form: &Form| (form.markovs, form.drift.is_some());
+    let slow = |form: &ModelForm| (form.markovs, form.drift.is_some());
     let other = all.iter().find(|other| slow(&other.found.form) != slow(&best.found.form));
     let runner_up = other.map(|other| (other.found.form, other.price - best.price));
     best.price.is_finite().then_some(Selection { problem, found: best.found, runner_up })
@@ -122,9 +122,12 @@ fn family(problem: &Problem, markovs: usize, fewer: &[Found]) -> (Option<Priced>
     for cosines in 0..=MOST_COSINES {
         let mut tried: Vec<Found> = all.last().map(|before| with_cosine(problem, before)).into_iter().collect();
         match (markovs, fewer.get(cosines)) {
-            (0, _) => {
-                tried.push(problem.descend(Form { cosines, ..Form::PLAIN }, &start(problem, cosines), None, DESCENT))
-            }
+            (0, _) => tried.push(problem.descend(
+                ModelForm { cosines, ..ModelForm::PLAIN },
+                &start(problem, cosines),
+                None,
+                DESCENT,
+            )),
             (_, Some(fewer)) => tried.extend(with_markov(problem, fewer)),
             (_, None) => break,
         }
@@ -164,7 +167,7 @@ pub(super) fn is_upper(problem: &Problem, f_hz: f64) -> bool {
 fn with_cosine(problem: &Problem, before: &Found) -> Found {
     let mut at = before.at.clone();
     at.insert(SHAPE + before.form.cosines, 0.0);
-    problem.descend(Form { cosines: before.form.cosines + 1, ..before.form }, &at, None, DESCENT)
+    problem.descend(ModelForm { cosines: before.form.cosines + 1, ..before.form }, &at, None, DESCENT)
 }
 
 /// One more Gauss–Markov term, from every start a short way and from the best to the end.
@@ -174,7 +177,7 @@ fn with_markov(problem: &Problem, fewer: &Found) -> Vec<Found> {
     if last <= first {
         return Vec::new();
     }
-    let form = Form { markovs: fewer.form.markovs + 1, ..fewer.form };
+    let form = ModelForm { markovs: fewer.form.markovs + 1, ..fewer.form };
     let look = |start: u32| {
         let tau_s = first * libm::pow(last / first, f64::from(start) / f64::from(STARTS - 1));
         let variance = 0.3 * level_near(table, 1.0 / (2.0 * core::f64::consts::PI * tau_s)) / tau_s;
@@ -201,7 +204,7 @@ fn variants(problem: &Problem, best: &Priced) -> Vec<Priced> {
     let drifts = WARM_UPS.map(|part| Drift::WarmUp { tau_s: part * problem.table.span_s });
     let enough = problem.table.singles() > 4;
     let drifts = core::iter::once(Drift::Ramp).chain(drifts).filter(|_| enough).map(|drift| {
-        let form = Form { drift: Some(drift), ..least.found.form };
+        let form = ModelForm { drift: Some(drift), ..least.found.form };
         priced(problem, problem.descend(form, &least.found.at, None, DESCENT))
     });
     drifts.chain(shapes.iter().cloned()).collect()
@@ -219,12 +222,12 @@ fn other_shapes(problem: &Problem, found: &Found) -> Vec<Found> {
     let cosines: Vec<f64> = at.drain(SHAPE..SHAPE + found.form.cosines).collect();
     let mut quantised = at.clone();
     quantised[Q2] = at[N2] / (problem.table.rate_hz * problem.table.rate_hz);
-    let form = Form { cosines: 0, quantised: true, ..found.form };
+    let form = ModelForm { cosines: 0, quantised: true, ..found.form };
     all.push(problem.descend(form, &quantised, None, DESCENT));
     if cosines.len() > MANY_COSINES {
         // the first cosine of a pole p is 2p
         at.insert(SHAPE, (cosines[0] / 2.0).clamp(-0.9, 0.9));
-        let mut last = problem.descend(Form { cosines: 0, pole: true, ..found.form }, &at, None, DESCENT);
+        let mut last = problem.descend(ModelForm { cosines: 0, pole: true, ..found.form }, &at, None, DESCENT);
         for _ in 0..cosines.len() - 1 {
             all.push(last.clone());
             last = with_cosine(problem, &last);
@@ -268,7 +271,7 @@ pub(super) fn model_error(problem: &Problem, found: &Found) -> f64 {
 /// χ² of the bins with their model error, and its degrees of freedom.
 pub(super) fn chi2(problem: &Problem, found: &Found) -> (f64, f64) {
     let error = problem.error;
-    let term = |(row, density): (&super::density::Row, &f64)| {
+    let term = |(row, density): (&super::density::BinRow, &f64)| {
         let off = row.bin.power / density - 1.0;
         off * off / (2.0 / row.bin.freedom + error * error)
     };

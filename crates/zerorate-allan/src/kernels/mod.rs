@@ -18,7 +18,7 @@ pub(super) use gaps::expanded;
 pub(super) use threads::join;
 
 use super::kernel::{Kernel, Reason};
-use super::stat::{Factor, Row};
+use super::stat::{Factor, StatRow};
 use super::{Input, Stat};
 use alloc::vec::Vec;
 
@@ -105,7 +105,7 @@ fn scale(factor: Factor, is_phase: bool, rate_hz: f64, m: usize) -> f64 {
     }
 }
 
-fn deviation(squares: Squares, row: &Row, m: usize, scale: f64) -> Result<Deviation, Reason> {
+fn deviation(squares: Squares, row: &StatRow, m: usize, scale: f64) -> Result<Deviation, Reason> {
     let Squares { sum, n, per } = squares;
     let dev = libm::sqrt(sum / (row.divisor * n as f64)) / per * scale;
     let dev = Deviation { m: m as u64, dev, n };

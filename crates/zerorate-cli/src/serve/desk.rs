@@ -17,7 +17,7 @@ use zerorate_host::{Awaited, Bus, DeviceError, Hub, Losses, Stop};
 use zerorate_jobs::acquisition;
 use zerorate_view::SessionWarning;
 use zerorate_web::message::DeviceState;
-use zerorate_web::session::{Asked, HostCommand, Said, Session};
+use zerorate_web::session::{Handled, HostCommand, Said, Session};
 
 /// Time between two frames.
 const FRAME: Duration = Duration::from_millis(33);
@@ -338,8 +338,8 @@ impl SessionThread {
 
     fn answer(&mut self, request: &str) -> String {
         match self.session.ask(request) {
-            Asked::Answer(answer) => answer,
-            Asked::Host { id, command } => {
+            Handled::Answer(answer) => answer,
+            Handled::Host { id, command } => {
                 match command {
                     HostCommand::Speed(factor) => self.set_speed(factor),
                     HostCommand::Reopen => self.open_again(),

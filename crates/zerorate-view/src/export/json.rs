@@ -116,11 +116,11 @@ struct Table {
     nearest_dps: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     linear_dps: Option<f64>,
-    rows: Vec<Row>,
+    rows: Vec<LookUpRow>,
 }
 
 #[derive(Serialize)]
-struct Row {
+struct LookUpRow {
     delta_c: f64,
     correction_dps: f64,
 }
@@ -165,7 +165,7 @@ fn axis<'a>(
     let codes = Codes::of(calibration, axis)?;
     let &Layout { step_c, span_c, .. } = layout;
     let curved = Some(&axis.correction).filter(|correction| !correction.is_line());
-    let row = |row: &TableRow| Row { delta_c: tidy(row.delta_c), correction_dps: tidy(row.correction_dps) };
+    let row = |row: &TableRow| LookUpRow { delta_c: tidy(row.delta_c), correction_dps: tidy(row.correction_dps) };
     Ok(Axis {
         name: &axis.name,
         pbc_dps: axis.correction.pbc_dps,

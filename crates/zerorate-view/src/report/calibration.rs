@@ -46,7 +46,7 @@ struct AxisPart<'a> {
     terms: String,
     picture: String,
     has_band: bool,
-    table: Vec<Row>,
+    table: Vec<LookUpRow>,
     sections: Vec<Section>,
 }
 
@@ -59,7 +59,7 @@ struct Quantity {
     interval: String,
 }
 
-struct Row {
+struct LookUpRow {
     delta: String,
     correction: String,
 }
@@ -94,7 +94,7 @@ pub fn calibration_page(calibration: &Calibration, file: &str) -> Result<String>
 fn axis_part<'a>(calibration: &Calibration, axis: &'a CalibratedAxis) -> Result<AxisPart<'a>> {
     let correction = &axis.correction;
     let several = calibration.axes.len() > 1;
-    let row = |row: zerorate::TableRow| Row {
+    let row = |row: zerorate::TableRow| LookUpRow {
         delta: format!("{:+.2}", row.delta_c + 0.0),
         correction: format!("{:+.6}", row.correction_dps + 0.0),
     };

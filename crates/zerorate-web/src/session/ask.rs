@@ -1,7 +1,7 @@
 //! Requests and their answers, and the guided calibration that they begin and end.
 
 use super::guide::{Guide, Measured};
-use super::{Asked, HostCommand, LiveView, Session};
+use super::{Handled, HostCommand, LiveView, Session};
 use crate::message::{
     Answer, Answered, CalibrateCommand, Calibrating, Command, DeviceState, MethodName, Reply, Request, Running,
 };
@@ -20,7 +20,7 @@ struct Anonymous {
 
 impl Session {
     /// Carries out a request, or says who must.
-    pub fn ask(&mut self, request: &str) -> Asked {
+    pub fn ask(&mut self, request: &str) -> Handled {
         let Request { id, command } = match serde_json::from_str(request) {
             Ok(request) => request,
             Err(error) => {
@@ -30,7 +30,7 @@ impl Session {
         };
         match self.command(command) {
             Ok(Outcome::Reply(reply)) => answer(id, Ok(reply)),
-            Ok(Outcome::Host(command)) => Asked::Host { id, command },
+            Ok(Outcome::Host(command)) => Handled::Host { id, command },
             Err(why) => answer(id, Err(why)),
         }
     }
@@ -198,8 +198,8 @@ enum Outcome {
     Host(HostCommand),
 }
 
-fn answer(id: u32, result: Result<Reply, String>) -> Asked {
-    Asked::Answer(written(id, result))
+fn answer(id: u32, result: Result<Reply, String>) -> Handled {
+    Handled::Answer(written(id, result))
 }
 
 fn written(id: u32, result: Result<Reply, String>) -> String {

@@ -45,7 +45,7 @@ pub struct About {
 
 /// What became of a request.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Asked {
+pub enum Handled {
     /// The answer, as text.
     Answer(String),
     /// Whoever owns the device does this, and [`Session::done`] makes the answer of how it went.
@@ -72,7 +72,7 @@ pub enum HostCommand {
 /// use adis16130::Width;
 /// use zerorate::Part;
 /// use zerorate_record::{CaptureInfo, Layout, Row};
-/// use zerorate_web::session::{About, Asked, Session};
+/// use zerorate_web::session::{About, Handled, Session};
 /// let part = Part::ADIS16130;
 /// let info = CaptureInfo::new(Layout::adis16130(Width::Bits24));
 /// let mut session = Session::new(About {
@@ -84,7 +84,7 @@ pub enum HostCommand {
 /// let frame = session.frame().expect("there is something new");
 /// assert!(String::from_utf8_lossy(&frame).contains("\"samples\":1000"));
 /// let asked = session.ask(r#"{"id": 1, "do": "zero-angle"}"#);
-/// assert_eq!(asked, Asked::Answer(r#"{"id":1,"ok":{}}"#.into()));
+/// assert_eq!(asked, Handled::Answer(r#"{"id":1,"ok":{}}"#.into()));
 /// ```
 #[derive(Debug)]
 pub struct Session {

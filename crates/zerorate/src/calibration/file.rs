@@ -1,6 +1,6 @@
 //! The calibration as a TOML file.
 
-use super::form::Form;
+use super::form::CalibrationForm;
 use super::{Calibration, SCHEMA};
 use crate::check_lines::{self, Damage};
 use alloc::string::String;
@@ -126,7 +126,7 @@ impl Calibration {
         })?;
         let fields = check_lines::without_checks(text);
         let document = Document::parse(&fields)?;
-        let form: Form = document.fields()?;
+        let form: CalibrationForm = document.fields()?;
         form.check(&document)?;
         Ok((form.into_calibration(), if checked { Vec::new() } else { [FileWarning::NoChecksum].into() }))
     }

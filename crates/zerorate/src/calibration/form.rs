@@ -17,7 +17,7 @@ pub(super) const CURVED: u32 = 3;
 /// Every key of all schemas, in the order in which they are written.
 #[derive(Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Form {
+pub(super) struct CalibrationForm {
     pub(super) schema: u32,
     pub(super) part: String,
     serial: Option<String>,
@@ -116,7 +116,7 @@ impl From<Scale> for TempScale {
     }
 }
 
-impl Form {
+impl CalibrationForm {
     /// What the tables mean, once they are known to be sound.
     pub(super) fn into_calibration(self) -> Calibration {
         let only = Part::ADIS16130.axes[0].clone();
@@ -211,11 +211,11 @@ impl Calibration {
             && matches!(self.axes.as_slice(), [only] if same(only))
     }
 
-    pub(super) fn form(&self) -> Form {
+    pub(super) fn form(&self) -> CalibrationForm {
         let Self { validity, run, .. } = *self;
         let plain = self.is_plain();
         let only = self.axes.first().filter(|_| plain);
-        Form {
+        CalibrationForm {
             schema: self.schema(),
             part: self.part.clone(),
             serial: self.serial.clone(),

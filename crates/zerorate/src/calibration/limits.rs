@@ -1,6 +1,6 @@
 //! What the numbers of a calibration can be.
 
-use super::form::{AxisForm, CURVED, Form, SEVERAL, Span};
+use super::form::{AxisForm, CURVED, CalibrationForm, SEVERAL, Span};
 use super::{CurveRecord, SCHEMA, Uncertainties};
 use crate::Correction;
 use crate::part::{Axis, MAX_AXES, Part, Scale, is_word};
@@ -53,7 +53,7 @@ impl Limits {
     }
 }
 
-impl Form {
+impl CalibrationForm {
     /// Whether this is a calibration that one can compute with.
     pub(super) fn check(&self, document: &Document<'_>) -> Result<(), EntryError> {
         let root = document.root();

@@ -76,7 +76,7 @@ impl From<EntryError> for SavedError {
 
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Form {
+struct SavedForm {
     schema: u32,
     plan_sha256: String,
     part: String,
@@ -118,7 +118,7 @@ impl Saved {
         let Record { start_s, temp_c, rates_dps, at_rest, soaks, samples, lost, impossible } = self.record.clone();
         let name =
             |(axis, rate_dps): (&crate::NamedAxis, Vec<f64>)| AxisForm { name: axis.name.to_string(), rate_dps };
-        let form = Form {
+        let form = SavedForm {
             schema: SCHEMA,
             plan_sha256: sha256_hex(plan_text),
             part: part.name.to_string(),
@@ -145,7 +145,7 @@ impl Saved {
     pub fn parse(text: &str, plan_text: &str, part: &Part, device: &str, serial: &str) -> Result<Self, SavedError> {
         let is_checked = check_lines::verify(text).map_err(SavedError::Altered)?;
         let fields = check_lines::without_checks(text);
-        let form: Form = Document::parse(&fields)?.fields()?;
+        let form: SavedForm = Document::parse(&fields)?.fields()?;
         if !is_checked {
             return Err(SavedError::Unchecked);
         }
@@ -184,7 +184,7 @@ fn all(range: &RangeInclusive<f64>, mut numbers: impl Iterator<Item = f64>) -> b
     numbers.all(|number| range.contains(&number))
 }
 
-impl Form {
+impl SavedForm {
     /// Holds each number against what a measurement of this part can give: whatever goes on with them loops over times
     /// and steps.
     fn is_possible(&self, part: &Part) -> Result<(), SavedError> {

@@ -1,6 +1,6 @@
 //! A chamber that somebody sets by hand, step after step.
 
-use super::{Found, FoundAxis, Measured, Stage, Way};
+use super::{Found, FoundAxis, GuidedMethod, Measured, Stage};
 use crate::message::{CalibrateCommand, Step};
 use zerorate::calibration::{ChamberRun, Origin};
 use zerorate::chamber::{
@@ -75,7 +75,7 @@ fn text_of(named: &str) -> Result<&str, String> {
         .ok_or_else(|| format!("no plan is called {named:?}; {names} come with the software, or give a plan itself"))
 }
 
-impl Way for ByHand {
+impl GuidedMethod for ByHand {
     fn begin(&mut self, t_ns: u64) -> Result<(), String> {
         self.procedure.begin(t_ns);
         Ok(())

@@ -1,6 +1,6 @@
 //! The methods of one recording: AN-1042's hour, a warm-up, a cycle.
 
-use super::{Found, FoundAxis, Measured, Stage, Way, label};
+use super::{Found, FoundAxis, GuidedMethod, Measured, Stage, label};
 use crate::message::{CalibrateCommand, MethodName, Step};
 use zerorate::calibration::Origin;
 use zerorate::{
@@ -45,7 +45,7 @@ impl Hour {
     }
 }
 
-impl Way for Hour {
+impl GuidedMethod for Hour {
     fn begin(&mut self, t_ns: u64) -> Result<(), String> {
         self.handle(Event::Initialised { t_ns })
     }

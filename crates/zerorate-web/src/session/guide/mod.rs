@@ -22,7 +22,7 @@ const LOOK_EVERY_S: f64 = 2.0;
 const POINTS: u8 = 9;
 
 /// What the methods have in common: a procedure that is fed.
-trait Way: std::fmt::Debug + Send {
+trait GuidedMethod: std::fmt::Debug + Send {
     /// The part was initialised, and its first reading is of this time.
     fn begin(&mut self, t_ns: u64) -> Result<(), String>;
 
@@ -75,7 +75,7 @@ struct FoundAxis {
 pub struct Guide {
     pub method: MethodName,
     serial: Option<String>,
-    way: Box<dyn Way>,
+    way: Box<dyn GuidedMethod>,
     begun: bool,
     hash: SampleHash,
     temps_c: Option<[f64; 4]>,
@@ -93,7 +93,7 @@ impl Guide {
         if let Some(deg) = command.latitude_deg.filter(|deg| !(-90.0..=90.0).contains(deg)) {
             return Err(format!("a latitude of {deg}°: give a number from -90 to 90"));
         }
-        let way: Box<dyn Way> = match command.method {
+        let way: Box<dyn GuidedMethod> = match command.method {
             MethodName::Chamber => Box::new(ByHand::new(command, part)?),
             _ => Box::new(Hour::new(command, part)?),
         };

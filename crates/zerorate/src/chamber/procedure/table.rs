@@ -49,7 +49,7 @@ enum To {
 }
 
 /// One line of the table: in `from` until `until`, then into `to`, and into `disturbed` where it was disturbed.
-pub(super) struct Row {
+pub(super) struct StateRow {
     from: ChamberState,
     name: &'static str,
     pub(super) until: Until,
@@ -60,18 +60,18 @@ pub(super) struct Row {
 const STATES: usize = 6;
 
 #[rustfmt::skip]
-const TABLE: [Row; STATES] = {
+const TABLE: [StateRow; STATES] = {
     use ChamberState::{Approach, Average, Done, Hold, Settle, Start};
     let next = To::Next { step: Approach, end: Done };
     [
-        Row { from: Start, name: "initialisation", until: Until::Initialised,
+        StateRow { from: Start, name: "initialisation", until: Until::Initialised,
               to: To::State(Approach), disturbed: None },
-        Row { from: Approach, name: "going to the set point", until: Until::Arrived,
+        StateRow { from: Approach, name: "going to the set point", until: Until::Arrived,
               to: To::ByStep { hold: Hold, average: Settle }, disturbed: None },
-        Row { from: Hold, name: "holding the set point", until: Until::Held, to: next, disturbed: None },
-        Row { from: Settle, name: "settling", until: Until::Settled, to: To::State(Average), disturbed: None },
-        Row { from: Average, name: "the average", until: Until::Averaged, to: next, disturbed: Some(Settle) },
-        Row { from: Done, name: "the end", until: Until::Never, to: To::State(Done), disturbed: None },
+        StateRow { from: Hold, name: "holding the set point", until: Until::Held, to: next, disturbed: None },
+        StateRow { from: Settle, name: "settling", until: Until::Settled, to: To::State(Average), disturbed: None },
+        StateRow { from: Average, name: "the average", until: Until::Averaged, to: next, disturbed: Some(Settle) },
+        StateRow { from: Done, name: "the end", until: Until::Never, to: To::State(Done), disturbed: None },
     ]
 };
 
@@ -85,7 +85,7 @@ const _: () = {
 };
 
 impl ChamberState {
-    pub(super) fn row(self) -> &'static Row {
+    pub(super) fn row(self) -> &'static StateRow {
         &TABLE[self as usize]
     }
 }
