@@ -111,12 +111,13 @@ pub fn run(args: &ServeArgs) -> Result<()> {
         check_serial(calibration, cal, &opened.about)?;
     }
     let recordings = Recordings::new(args.output.clone(), outputs, calibrations.first().cloned());
-    let (mut desk, visits) = SessionThread::new(opener, opened, recordings, Folder::new(args.folder.clone()));
-    shelve(args, &mut desk)?;
+    let (mut session_thread, visits) =
+        SessionThread::new(opener, opened, recordings, Folder::new(args.folder.clone()));
+    shelve(args, &mut session_thread)?;
     let libiio = libiio(args, calibrations.into_iter().next())?;
     let at = libiio.as_ref().map(Libiio::address).transpose()?;
-    let mut desk = desk.with_libiio(libiio);
-    desk.begin()?;
+    let mut session_thread = session_thread.with_libiio(libiio);
+    session_thread.begin()?;
     announce(address, token.as_ref(), args.token_file.as_deref());
     if let Some(at) = at {
         say(format_args!("libiio: iio_info -u ip:{at}"));
@@ -124,7 +125,7 @@ pub fn run(args: &ServeArgs) -> Result<()> {
     let guard = Guard::new(address, token, args.hosts.clone());
     let session = thread::Builder::new().name("session".to_owned()).spawn(move || {
         let _ends = EndsAll(stop.clone());
-        desk.run(stop)
+        session_thread.run(stop)
     });
     let session = session.context("starting the session")?;
     let served = serve::run(listener, guard, visits, stop);
@@ -166,8 +167,8 @@ fn check_serial(calibration: &Calibration, cal: &Path, about: &About) -> Result<
 }
 
 /// Calibrations of the folder and of the command line.
-fn shelve(args: &ServeArgs, desk: &mut SessionThread) -> Result<()> {
-    let (session, folder) = desk.shelf();
+fn shelve(args: &ServeArgs, session_thread: &mut SessionThread) -> Result<()> {
+    let (session, folder) = session_thread.shelf();
     folder.read(session)?;
     for (index, cal) in args.cals.iter().enumerate() {
         let id = folder.add(cal, session)?;

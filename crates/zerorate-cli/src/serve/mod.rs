@@ -1,14 +1,13 @@
 //! The live page: one thread reads the device, one keeps the session of the page, one talks to browsers. The session
 //! has every sample; browsers have what they can take, and are never waited for.
 //!
-//! `desk.rs` is the session's thread, with the device (`device.rs`), its recordings (`recordings.rs`) and the
+//! `session_thread.rs` is the session's thread, with the device (`device.rs`), its recordings (`recordings.rs`) and the
 //! calibrations on disk (`folder.rs`). `server.rs` takes connections and asks the guard (`guard.rs`) about each
 //! request and counts the tokens that are tried (`trials.rs`); `watch.rs`, `page.rs` and `metrics.rs` answer
 //! them. `libiio.rs` is for other clients.
 
 mod bucket;
 mod connection;
-mod desk;
 mod device;
 mod folder;
 mod guard;
@@ -17,10 +16,10 @@ mod metrics;
 mod page;
 mod recordings;
 mod server;
+mod session_thread;
 mod trials;
 mod watch;
 
-pub use desk::SessionThread;
 pub use device::Opener;
 pub use folder::Folder;
 pub use guard::{Guard, Token};
@@ -28,3 +27,4 @@ pub use libiio::Libiio;
 pub use page::{absent, is_there as has_page};
 pub use recordings::Recordings;
 pub use server::{EndsAll, run};
+pub use session_thread::SessionThread;

@@ -1,8 +1,8 @@
 //! Connections, and what may be asked on them. Every wait and every size has a bound.
 
 use super::bucket::Bucket;
-use super::desk::Visits;
 use super::guard::{Guard, Refusal};
+use super::session_thread::Visits;
 use super::trials::Trials;
 use super::{metrics, page, watch};
 use anyhow::{Context, Result};

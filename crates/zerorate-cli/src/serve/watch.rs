@@ -1,8 +1,8 @@
 //! A browser that looks on, through a WebSocket: frames to it, requests from it.
 
 use super::bucket::Bucket;
-use super::desk::{Begun, Visit, Visits};
 use super::server::{Connection, Server};
+use super::session_thread::{Begun, Visit, Visits};
 use axum::Extension;
 use axum::body::Bytes;
 use axum::extract::State;
@@ -39,7 +39,7 @@ pub async fn watch(
     })
 }
 
-/// All there is by now, and what follows; none where the desk has closed.
+/// All there is by now, and what follows; none where the session has closed.
 pub async fn begin(visits: &Visits) -> Option<Begun> {
     let (begin, begun) = oneshot::channel();
     visits.try_send(Visit::Watch(begin)).ok()?;
@@ -52,7 +52,7 @@ struct Watch {
 }
 
 impl Watch {
-    /// Until it leaves, stalls, gives no sign of life, or the desk closes. A page that misses frames gets everything
+    /// Until it leaves, stalls, gives no sign of life, or the session closes. A page that misses frames gets everything
     /// anew.
     async fn serve(mut self, sign_of_life: Duration) {
         let mut requests = Bucket::new(BURST, REQUESTS_PER_S, Instant::now());
@@ -129,7 +129,7 @@ async fn next(socket: &mut WebSocket, at: time::Instant) -> Option<Message> {
     socket.recv().await?.ok()
 }
 
-/// Everything the desk knows, once.
+/// Everything the session knows, once.
 pub async fn snapshot(visits: &Visits) -> Option<Bytes> {
     begin(visits).await.map(|begun| begun.snapshot)
 }

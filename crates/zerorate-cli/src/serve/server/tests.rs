@@ -1,7 +1,7 @@
 //! Bounds that are too long to wait for, made short. The rest is tested from outside: tests/serve/safety.rs.
 
 use super::*;
-use crate::serve::desk::{BEHIND, Begun, Visit};
+use crate::serve::session_thread::{BEHIND, Begun, Visit};
 use axum::body::Bytes;
 use std::io::{Read, Write};
 use std::net::{SocketAddr, TcpStream};
@@ -15,7 +15,7 @@ use tungstenite::{Message, WebSocket};
 const LONG: Duration = Duration::from_secs(60);
 const NEVER: Limits = Limits { head: LONG, lifetime: LONG, sign_of_life: LONG };
 
-/// A server with a desk that has no device: each page finds so many frames waiting beside the snapshot.
+/// A server with a session thread that has no device: each page finds so many frames waiting beside the snapshot.
 struct Served {
     address: SocketAddr,
     begun: Arc<AtomicUsize>,
@@ -27,11 +27,11 @@ impl Served {
         let listener = TcpListener::bind("127.0.0.1:0").unwrap();
         let (address, stop) = (listener.local_addr().unwrap(), Stop::default());
         let begun = Arc::<AtomicUsize>::default();
-        let (visits, desk) = sync_channel(16);
+        let (visits, asked) = sync_channel(16);
         let counted = Arc::clone(&begun);
         thread::spawn(move || {
             let (frames, _) = broadcast::channel(BEHIND);
-            while let Ok(Visit::Watch(begin)) = desk.recv() {
+            while let Ok(Visit::Watch(begin)) = asked.recv() {
                 let watched = frames.subscribe();
                 // whoever comes again is not behind any more
                 let waiting = if counted.fetch_add(1, Ordering::Relaxed) == 0 { frames_waiting } else { 0 };

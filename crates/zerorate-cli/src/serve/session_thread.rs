@@ -32,7 +32,7 @@ const QUEUE: usize = 256;
 /// Visits between two looks at the samples.
 const VISITS: usize = 64;
 
-/// What somebody comes to the desk for.
+/// What somebody asks the thread for.
 pub enum Visit {
     /// To have a request answered.
     Ask(String, oneshot::Sender<String>),
@@ -101,7 +101,7 @@ impl SessionThread {
     pub fn new(opener: Opener, opened: Opened, recordings: Recordings, folder: Folder) -> (Self, Visits) {
         let (hand_in, visits) = sync_channel(QUEUE);
         let (frames, _) = broadcast::channel(BEHIND);
-        let desk = Self {
+        let thread = Self {
             session: Session::new(opened.about),
             opener,
             device: Device::Opened(opened.hub, opened.bus),
@@ -116,7 +116,7 @@ impl SessionThread {
             failed: None,
             failure: None,
         };
-        (desk, hand_in)
+        (thread, hand_in)
     }
 
     /// With a server for clients of libiio.
