@@ -1,8 +1,8 @@
 //! The live page: one thread reads the device, one keeps the session of the page, one talks to browsers. The session
 //! has every sample; browsers have what they can take, and are never waited for.
 //!
-//! `session_thread.rs` is the session's thread, with the device (`device.rs`), its recordings (`recordings.rs`) and the
-//! calibrations on disk (`folder.rs`). `server.rs` takes connections and asks the guard (`guard.rs`) about each
+//! `session_thread.rs` has the device (`device.rs`), its recordings (`recordings.rs`) and the calibrations on disk
+//! (`folder.rs`). `server.rs` takes connections and asks the guard (`guard.rs`) about each
 //! request and counts the tokens that are tried (`trials.rs`); `watch.rs`, `page.rs` and `metrics.rs` answer
 //! them. `libiio.rs` is for other clients.
 

@@ -52,7 +52,7 @@ struct Watch {
 }
 
 impl Watch {
-    /// Until it leaves, stalls, gives no sign of life, or the session closes. A page that misses frames gets everything
+    /// Until it leaves, stalls, gives no sign of life, or the session ends. A page that misses frames gets everything
     /// anew.
     async fn serve(mut self, sign_of_life: Duration) {
         let mut requests = Bucket::new(BURST, REQUESTS_PER_S, Instant::now());
