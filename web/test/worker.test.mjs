@@ -24,7 +24,7 @@ const SESSION = `
     apply(id) { if (id === "unfit") throw new Error("of another part"); this.id = id; said.push("apply " + id); }
     applied() { return this.id; }
     is_calibrating() { return false; }
-    note(text) { said.push("note " + text); }
+    cannot_open(why) { said.push("cannot open: " + why); }
     received(bytes) { said.push("received " + bytes); }
     unplugged(why) { said.push("unplugged: " + why); }
     ask() { return "{}"; }
@@ -112,7 +112,7 @@ test("a recording keeps what is applied, and one that is broken leaves the one b
   const before = (globalThis.zerorate = { readAt: () => 0 });
   await one.say({ do: "open", what: { is: "capture", file: { name: "broken", size: 1 } } });
   assert.equal(globalThis.zerorate, before);
-  assert.match(said.at(-1), /cannot-open: it is damaged/);
+  assert.match(said.at(-1), /cannot open: it is damaged/);
   await one.say({ do: "open", what: { is: "capture", file: { name: "good", size: 1 } } });
   assert.notEqual(globalThis.zerorate, before);
   assert.deepEqual(said.slice(-2), ["replay good", "apply fit"]);
