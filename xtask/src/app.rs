@@ -8,9 +8,9 @@ use std::process::Command;
 /// Builds the program with the tests of the workspace, as the step `test-full` of `cargo xtask ci` does, so that
 /// nothing is compiled twice.
 pub fn program() -> Result<PathBuf> {
-    let arguments = "test --workspace --all-features --no-run --quiet --test cli";
+    let arguments = "test --release --workspace --all-features --no-run --quiet --test cli";
     done(Command::new("cargo").args(arguments.split(' ')))?;
-    Ok(target_folder()?.join("debug/zerorate"))
+    Ok(target_folder()?.join("release/zerorate"))
 }
 
 /// Cargo's target folder, in which this very program lies: as `debug/xtask`, or as `lab/release/lab`.

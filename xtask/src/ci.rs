@@ -13,7 +13,7 @@ use anyhow::{Result, ensure};
 use xtask::arguments::Arguments;
 
 /// What neither `test` nor `check` runs.
-const REST: [Step; 32] = [
+const REST: [Step; 33] = [
     Step::new("doc", "doc --workspace --no-deps --all-features").with_env("RUSTDOCFLAGS", "-Dwarnings"),
     Step::new(
         "clippy-lab",
@@ -55,7 +55,9 @@ const REST: [Step; 32] = [
         "clippy --manifest-path firmware/examples/Cargo.toml --locked --release --target-dir target/firmware --target \
          thumbv6m-none-eabi --features rp2040 -- -D warnings",
     ),
-    Step::new("test-full", "test --workspace --all-features"),
+    Step::new("test-full", "test --release --workspace --all-features"),
+    // in `release`, all crates but this one check for overflow
+    Step::new("test-allan", "test -p zerorate-allan --all-features"),
     Step::new("test-driver", "test -p adis16130"),
     Step::new("test-lab", "test --manifest-path lab/Cargo.toml --locked --release --target-dir target/lab"),
     Step::new(

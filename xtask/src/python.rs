@@ -1,8 +1,7 @@
 //! `cargo xtask python`: builds the wheel, installs it into an environment of its own below `target/`, and tests it
 //! there.
 //!
-//! The wheel is of the profile `dev`, so that it takes over what the step `test-full` of `cargo xtask ci` has
-//! compiled.
+//! The wheel takes over what the step `test-full` of `cargo xtask ci` has compiled.
 
 use anyhow::{Context, Result, ensure};
 use std::fs;
@@ -18,7 +17,7 @@ const PARTS: [(&str, Part); 3] = [("tests", tests), ("notebook", notebook), ("al
 
 const PACKAGE: &str = "bindings/python";
 const REQUIREMENTS: &str = "bindings/python/requirements-test.txt";
-const WHEELS: &str = "target/wheels-dev";
+const WHEELS: &str = "target/wheels-test";
 
 /// The release whose tests the functions of `zerorate.allantools_compat` pass.
 const ALLANTOOLS: &str = "2024.6";
@@ -74,7 +73,7 @@ fn install_wheel(python: &Path) -> Result<()> {
         fs::remove_dir_all(WHEELS).context("clearing the old wheel")?;
     }
     let mut build = Command::new(python);
-    build.args(["-m", "maturin", "build", "--quiet", "--profile", "dev", "--out", WHEELS]);
+    build.args(["-m", "maturin", "build", "--quiet", "--release", "--out", WHEELS]);
     done(build.args(["--manifest-path", "bindings/python/Cargo.toml", "--interpreter"]).arg(python))?;
     let wheel = fs::read_dir(WHEELS)?.next().context("maturin built no wheel")??.path();
     let mut install = Command::new(python);

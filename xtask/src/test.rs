@@ -6,8 +6,7 @@ use std::time::Instant;
 use xtask::arguments::Arguments;
 
 /// All crates, with their default features; documentation tests are among them. In the profile of the README's first
-/// command, which has built the dependencies by then: those of another profile take minutes. `test-full` of `ci` tests
-/// in the profile `dev`, which checks for overflow.
+/// command, which has built the dependencies by then: those of another profile take minutes.
 pub const STEP: Step = Step::new("test", "test --release");
 
 /// What is not tested here, in one line.

@@ -7,17 +7,14 @@ mod samples;
 use crate::app;
 use crate::server::Server;
 use crate::tools::{self, Tool};
-use crate::venv::done;
 use anyhow::{Result, bail, ensure};
 use page::Frames;
 use samples::{Client, Recorded};
 use std::path::{Path, PathBuf};
-use std::process::Command;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
-const PROGRAM: &str = "target/release/zerorate";
 const DEVICE: &str = "twin:seed=1";
 /// Pairs of conversions a second at the nominal clock (F-31): 11 385 conversions, of the rate and the temperature in
 /// turn.
@@ -75,14 +72,10 @@ pub fn run(args: &BenchServeArgs) -> Result<()> {
 }
 
 fn program(args: &BenchServeArgs) -> Result<PathBuf> {
-    if args.check {
-        return app::program();
+    match &args.program {
+        Some(program) if !args.check => Ok(std::path::absolute(program)?),
+        _ => app::program(),
     }
-    if let Some(program) = &args.program {
-        return Ok(std::path::absolute(program)?);
-    }
-    done(Command::new("cargo").args(["build", "--release", "--quiet", "-p", "zerorate-cli", "--features", "full"]))?;
-    Ok(std::path::absolute(PROGRAM)?)
 }
 
 /// Whether clients of libiio can take part.
