@@ -25,13 +25,18 @@ function usable(u: number | null | undefined): u is number {
   return u !== null && u !== undefined && Number.isFinite(u) && u > 0;
 }
 
-/** A value as its standard uncertainty `u` warrants: up to the second digit of `u`. Without one, four digits. */
+/** Half width of the 95 % interval of a standard uncertainty: what stands behind every ± of the page. */
+export function half(u: number | null | undefined): number | null {
+  return usable(u) ? 1.959963984540054 * u : null;
+}
+
+/** A value as the half width `u` of its interval warrants: up to the second digit of `u`. Without one, four digits. */
 export function value(value: number | null | undefined, u?: number | null): string {
   if (value === null || value === undefined || !Number.isFinite(value)) return NONE;
   return usable(u) ? at(value, place(u)) : significant(value, 4);
 }
 
-/** The uncertainty itself, with two digits. */
+/** The half width itself, with two digits. */
 export function uncertainty(u: number | null | undefined): string {
   return usable(u) ? at(u, place(u)) : NONE;
 }

@@ -83,7 +83,12 @@ export class PageFrame {
     const { device } = this.app().model;
     say(this.#device, device?.name ?? "");
     const state = device?.state.is ?? "opening";
-    say(this.#state, { opening: "opening", reading: "live", ended: "ended", failed: "cannot be read" }[state]);
+    say(this.#state, {
+      opening: "opening",
+      reading: device?.simulated ? "SIMULATED" : "live",
+      ended: "ended",
+      failed: "cannot be read",
+    }[state]);
     mark(this.#state, "data-state", state);
     this.#speed.element.hidden = device?.simulated !== true;
     if (device)

@@ -783,9 +783,9 @@ combine: string,
  */
 inflate: number, 
 /**
- * Also where the numbers are no result; the file says so.
+ * Also make it from rejected models; the file says so.
  */
-force: boolean, };
+accept_rejected: boolean, };
 
 /**
  * Something to know.

@@ -118,7 +118,7 @@ test("the rate over temperature has the slope of the twin", async () => {
   await becomes(page, ".tile.ledger .below", /for ([2-9]|\d\d) min/);
   const scatter = page.locator("figure", { hasText: "Rate over temperature" });
   const [slope, u] = numbers(await scatter.locator(".note").textContent());
-  assert.ok(u < 0.004 && Math.abs(slope - 0.08) < Math.max(5 * u, 0.004), `${slope} ± ${u}`);
+  assert.ok(u < 0.008 && Math.abs(slope - 0.08) < Math.max(2.5 * u, 0.004), `${slope} ± ${u}`);
   assert.match(await scatter.locator(".unseen").first().textContent(), /^Rate at \d+ temperatures/);
   assert.deepEqual(faults, []);
   await context.close();

@@ -29,6 +29,7 @@ test("a value has the digits that its uncertainty warrants", () => {
   for (const [value, u, text] of cases) assert.equal(digits.value(value, u), text, `${value} ± ${u}`);
   assert.equal(digits.both(0.284519, 0.0088), "0.2845 ± 0.0088");
   assert.equal(digits.both(0.284519, 0.00996), "0.285 ± 0.010");
+  assert.ok(Math.abs(digits.half(1) - 1.96) < 1e-4 && digits.half(0) === null && digits.half(null) === null);
 });
 
 test("without an uncertainty there are four digits, and nothing is a dash", () => {

@@ -70,7 +70,7 @@ for (const [name, { bytes, answers }] of Object.entries(LOGS)) {
 test("a file for a filter", async () => {
   await give("rest.csv", LOGS["rest.csv"].bytes());
   const { kalibr, openvins } = { kalibr: /gyroscope_noise_density/, openvins: /gyroscope_noise_density|noise/ };
-  await page.check("#force");
+  await page.check("#accept-rejected");
   for (const [format, pattern] of Object.entries({ kalibr, openvins })) {
     await page.selectOption("#format", format);
     await page.click(".noise button.primary");

@@ -1,13 +1,13 @@
-// node test/pictures.mjs [FOLDER]: every page in both themes, for the book. The twin, so that anybody can repeat them.
-import { mkdirSync, statSync, writeFileSync } from "node:fs";
+// node test/pictures.mjs: the pictures of the page for the book and the README. With a FOLDER, every page in both themes
+// and on a phone, to look at. The device is the twin, so that anybody can repeat them.
+import { mkdirSync, writeFileSync } from "node:fs";
 import { LOGS } from "./logs.mjs";
 import { serveFolder } from "./static.mjs";
 import { beginCalibration, liveBench } from "./suite.mjs";
 import { becomes, launch, open, PAGE, PATIENCE } from "./world.mjs";
 
-const folder = process.argv[2] ?? new URL("../../docs/pictures/page", import.meta.url).pathname;
-/** Of a picture, bytes: the book has many. */
-const LARGEST = 60_000;
+const toLookAt = process.argv[2];
+const folder = toLookAt ?? new URL("../../docs/pictures/page", import.meta.url).pathname;
 
 mkdirSync(folder, { recursive: true });
 const browser = await launch();
@@ -17,7 +17,7 @@ const site = await serveFolder(PAGE);
 const TALLEST = 1500;
 
 async function take(page, name) {
-  const path = `${folder}/${name}.webp`;
+  const path = `${folder}/${name}.png`;
   const { width, height } = await page.evaluate(() => ({
     width: innerWidth,
     height: document.documentElement.scrollHeight,
@@ -25,13 +25,9 @@ async function take(page, name) {
   const clip = { x: 0, y: 0, width, height: Math.min(height, TALLEST), scale: 1 };
   await page.evaluate(() => scrollTo(0, 0));
   const chromium = await page.context().newCDPSession(page);
-  for (const quality of [80, 65, 50, 35, 20]) {
-    const shot = { format: "webp", quality, clip, captureBeyondViewport: true };
-    const { data } = await chromium.send("Page.captureScreenshot", shot);
-    writeFileSync(path, Buffer.from(data, "base64"));
-    if (statSync(path).size <= LARGEST) break;
-  }
-  console.log(`${path}: ${statSync(path).size} bytes`);
+  const { data } = await chromium.send("Page.captureScreenshot", { format: "png", clip, captureBeyondViewport: true });
+  writeFileSync(path, Buffer.from(data, "base64"));
+  console.log(path);
 }
 
 /** So much of the part's time is on view. */
@@ -43,7 +39,7 @@ async function until(page, pattern) {
   await page.waitForTimeout(1500);
 }
 
-for (const theme of ["light", "dark"]) {
+for (const theme of toLookAt ? ["light", "dark"] : ["light"]) {
   const look = { colorScheme: theme, viewport: { width: 1180, height: 700 } };
   const { page, context: own } = await open(browser, site.url, { look });
   await liveBench(page);
@@ -78,11 +74,12 @@ for (const theme of ["light", "dark"]) {
   await own.close();
 }
 
-const phone = await open(browser, site.url, {
-  look: { viewport: { width: 390, height: 800 }, colorScheme: "dark", isMobile: true },
-});
-await liveBench(phone.page);
-await phone.page.waitForTimeout(12_000);
-await take(phone.page, "bench-phone");
+if (toLookAt) {
+  const look = { viewport: { width: 390, height: 800 }, colorScheme: "dark", isMobile: true };
+  const { page } = await open(browser, site.url, { look });
+  await liveBench(page);
+  await page.waitForTimeout(12_000);
+  await take(page, "bench-phone");
+}
 await browser.close();
 site.stop();

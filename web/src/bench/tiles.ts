@@ -75,14 +75,14 @@ export class Tiles {
   #rates(values: AxisNow | undefined): void {
     const { scale, unitText } = settings;
     const of = (value: number | null | undefined) => (value === null || value === undefined ? null : value * scale);
-    const [rate, u] = [of(values?.rate_dps), of(values?.u_rate_dps)];
+    const [rate, u] = [of(values?.rate_dps), of(digits.half(values?.u_rate_dps))];
     this.#rate.show(
       digits.value(rate, u),
       unitText,
-      u === null ? "mean of 1 s" : `± ${digits.uncertainty(u)} · mean of 1 s`,
+      u === null ? "mean of 1 s" : `± ${digits.uncertainty(u)} (95 %) · mean of 1 s`,
     );
-    const [corrected, uCorrected] = [of(values?.corrected_dps), of(values?.u_corrected_dps)];
-    const below = corrected === null ? "no calibration is applied" : `± ${digits.uncertainty(uCorrected)}`;
+    const [corrected, uCorrected] = [of(values?.corrected_dps), of(digits.half(values?.u_corrected_dps))];
+    const below = corrected === null ? "no calibration is applied" : `± ${digits.uncertainty(uCorrected)} (95 %)`;
     const outside = values?.extrapolated === true;
     this.#corrected.show(
       digits.value(corrected, uCorrected),
@@ -93,8 +93,8 @@ export class Tiles {
   }
 
   #angles(values: AxisNow | undefined): void {
-    const u = values?.u_angle_deg ?? null;
-    const below = u === null ? "since it was zero" : `± ${digits.uncertainty(u)} · since it was zero`;
+    const u = digits.half(values?.u_angle_deg);
+    const below = u === null ? "since it was zero" : `± ${digits.uncertainty(u)} (95 %) · since it was zero`;
     this.#angle.show(digits.value(values?.angle_deg, u ?? 0.01), "°", below);
   }
 

@@ -78,7 +78,7 @@ export class Result implements Stage {
 function legend({ axes }: CalibrationResult): HTMLElement {
   const hasTruth = axes.some((axis) => axis.curve.some((point) => point.truth_dps !== null));
   const truth = " Dashed: what a perfect measurement of this twin would find.";
-  return h("p", { class: "note" }, `Line: the correction. Band: one sigma.${hasTruth ? truth : ""}`);
+  return h("p", { class: "note" }, `Line: the correction. Band: the 95 % interval.${hasTruth ? truth : ""}`);
 }
 
 function remarks(warnings: string[]): HTMLElement {
@@ -103,10 +103,10 @@ function coefficients(axis: AxisResult): HTMLElement {
   return h(
     "div",
     { class: "tiles" },
-    tile("PBC, offset", digits.both(axis.pbc_dps * scale, axis.u_pbc_dps * scale), unitText),
+    tile("PBC, offset, ± 95 %", digits.both(axis.pbc_dps * scale, digits.half(axis.u_pbc_dps * scale)), unitText),
     tile(
       "BTC, over temperature",
-      digits.both(axis.btc_dps_per_c * scale, axis.u_btc_dps_per_c * scale),
+      digits.both(axis.btc_dps_per_c * scale, digits.half(axis.u_btc_dps_per_c * scale)),
       `${unitText}/°C`,
     ),
     tile("T3, where it was measured", digits.value(axis.t3_c, 0.01), "°C"),
@@ -116,7 +116,7 @@ function coefficients(axis: AxisResult): HTMLElement {
 function beforeAndAfter({ before_dps, after_dps, u_pbc_dps }: AxisResult): HTMLElement {
   const { scale, unitText } = settings;
   const text = (dps: number | null) =>
-    `${digits.value(dps === null ? null : dps * scale, u_pbc_dps * scale)} ${unitText}`;
+    `${digits.value(dps === null ? null : dps * scale, digits.half(u_pbc_dps * scale))} ${unitText}`;
   return h(
     "p",
     { class: "before-after" },

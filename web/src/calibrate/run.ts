@@ -1,13 +1,34 @@
 import type { App } from "../app";
-import { Strip } from "../chart/strip";
+import { Strip, type StripKind } from "../chart/strip";
 import { levelFor, TimeWindow } from "../chart/window";
-import { duration, uncertainty, value } from "../digits";
+import { duration, half, uncertainty, value } from "../digits";
 import { button, coded, facts, h, mark, say, sure } from "../dom";
 import type { Part } from "../model";
 import type { Calibrating, Running, Step } from "../protocol";
 import { settings } from "../settings";
 import type { Stage } from "./calibrate";
 import { titleOf } from "./methods";
+
+const KINDS: readonly StripKind[] = [
+  {
+    column: "rate",
+    title: "Rate",
+    colour: "raw",
+    least: 0.01,
+    isRate: true,
+    times: false,
+    nothing: "no rate yet",
+  },
+  {
+    column: "temp",
+    title: "Temperature",
+    colour: "temp",
+    least: 0.2,
+    isRate: false,
+    times: true,
+    nothing: "no temperature yet",
+  },
+];
 
 /** A calibration under way: what to do now, what is to come, what would be refused. */
 export class Run implements Stage {
@@ -22,12 +43,12 @@ export class Run implements Stage {
   readonly #finish: HTMLButtonElement;
   readonly #watch: HTMLElement;
   readonly #window = new TimeWindow();
-  readonly #trace: Strip;
+  readonly #traces: Strip[];
   #planned = "";
   #threatened = "";
 
   constructor(readonly app: App) {
-    this.#trace = this.#strip();
+    this.#traces = KINDS.map((kind) => this.#strip(kind));
     this.#finish = button("Finish now", () => void app.ask({ do: "finish-calibration" }), { class: "primary" });
     const abort = button("Abort", () => void this.#abort(), { class: "quiet" });
     const card = (name: string, title: string, ...children: Node[]) =>
@@ -41,7 +62,7 @@ export class Run implements Stage {
       card("now", "Now", this.#advice, this.#bar, h("div", { class: "actions" }, this.#left, this.#finish, abort)),
       card("plan", "Steps", this.#steps),
       this.#watch,
-      h("section", { class: "card trace" }, this.#trace.element, this.#facts),
+      h("section", { class: "card trace" }, ...this.#traces.map((trace) => trace.element), this.#facts),
     );
   }
 
@@ -52,25 +73,19 @@ export class Run implements Stage {
   }
 
   restyle(): void {
-    this.#trace.remake();
+    for (const trace of this.#traces) trace.remake();
   }
 
   leave(): void {
-    this.#trace.destroy();
+    for (const trace of this.#traces) trace.destroy();
   }
 
-  #strip(): Strip {
-    const kind = {
-      column: "temp",
-      title: "Temperature",
-      colour: "temp",
-      least: 0.2,
-      isRate: false,
-      times: true,
-      nothing: "no temperature yet",
-    } as const;
+  #strip(kind: StripKind): Strip {
     const none = { cursors: { A: undefined, B: undefined }, hover: undefined };
-    return new Strip(kind, { window: this.#window, ...none, changed: () => this.#trace.tell() });
+    const changed = () => {
+      for (const trace of this.#traces) trace.tell();
+    };
+    return new Strip(kind, { window: this.#window, ...none, changed });
   }
 
   #tell(run: Running): void {
@@ -128,7 +143,8 @@ export class Run implements Stage {
     if (!finest) return;
     this.#window.span_s = Math.max(10, run.elapsed_s * 1.02);
     this.#window.follow(finest.next * finest.bin_s);
-    this.#trace.draw(levelFor(levels, this.#window.from, this.#window.to));
+    const level = levelFor(levels, this.#window.from, this.#window.to);
+    for (const trace of this.#traces) trace.draw(level);
   }
 
   async #abort(): Promise<void> {
@@ -141,6 +157,6 @@ function temperatures({ method, temps_c, u_dps }: Running): [string, string][] {
   const names = ["At the beginning", "Now", "Lowest", "Highest"];
   const rows = names.map((name, k): [string, string] => [name, temps_c ? `${value(temps_c[k], 0.02)} °C` : "–"]);
   if (method === "an1042" || method === "chamber") return rows;
-  const known = u_dps === null ? "–" : `± ${uncertainty(u_dps * settings.scale)} ${settings.unitText}`;
+  const known = u_dps === null ? "–" : `± ${uncertainty(half(u_dps * settings.scale))} ${settings.unitText} (95 %)`;
   return [...rows, ["Correction known to", known]];
 }

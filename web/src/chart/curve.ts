@@ -1,10 +1,10 @@
-import { significant, value } from "../digits";
+import { half, significant, value } from "../digits";
 import type { CurvePoint } from "../protocol";
 import { settings } from "../settings";
 import { banded, dotted, type Drawing, expected, Figure, overTemperature, type Told } from "./figure";
 import { faint, type Palette } from "./palette";
 
-/** What a calibration adds at each temperature, its band of one sigma, and on the twin the truth. */
+/** What a calibration adds at each temperature, its 95 % band, and on the twin the truth. */
 export class Curve extends Figure<CurvePoint[]> {
   protected isThere(points: CurvePoint[]): boolean {
     return points.length > 1;
@@ -16,7 +16,7 @@ export class Curve extends Figure<CurvePoint[]> {
         const value = of(point);
         return value === null ? null : value * settings.scale;
       });
-    const edge = (sign: number) => scaled((p) => (p.u_dps === null ? null : p.correction_dps + sign * p.u_dps));
+    const edge = (sign: number) => scaled((p) => (half(p.u_dps) === null ? null : p.correction_dps + sign * half(p.u_dps)!));
     return [
       points.map((p) => p.temp_c),
       edge(1),
@@ -40,12 +40,12 @@ export class Curve extends Figure<CurvePoint[]> {
       summary:
         `What is added to the rate, at ${points.length} temperatures from ${significant(points[0]!.temp_c, 4)} to ` +
         `${significant(points[points.length - 1]!.temp_c, 4)} °C`,
-      head: ["°C", `added, ${settings.unitText}`, "± one sigma", "truth (twin)"],
+      head: ["°C", `added, ${settings.unitText}`, "± 95 %", "truth (twin)"],
       rows: points.map((p) => [
         value(p.temp_c, 0.01),
-        text(p.correction_dps, p.u_dps),
-        text(p.u_dps, p.u_dps),
-        text(p.truth_dps, p.u_dps),
+        text(p.correction_dps, half(p.u_dps)),
+        text(half(p.u_dps), half(p.u_dps)),
+        text(p.truth_dps, half(p.u_dps)),
       ]),
     };
   }

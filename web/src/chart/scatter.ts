@@ -1,4 +1,4 @@
-import { both, significant, value } from "../digits";
+import { both, half, significant, value } from "../digits";
 import type { OverTemperature, TemperatureLine, TemperaturePoint } from "../protocol";
 import { say } from "../dom";
 import { settings } from "../settings";
@@ -15,8 +15,8 @@ export class Scatter extends Figure<OverTemperature> {
     const scaled = (of: (point: TemperaturePoint) => number) => points.map((point) => of(point) * settings.scale);
     return [
       points.map((p) => p.temp_c),
-      scaled((p) => p.rate_dps + p.u_dps),
-      scaled((p) => p.rate_dps - p.u_dps),
+      scaled((p) => p.rate_dps + (half(p.u_dps) ?? 0)),
+      scaled((p) => p.rate_dps - (half(p.u_dps) ?? 0)),
       scaled((p) => p.rate_dps),
     ];
   }
@@ -30,10 +30,10 @@ export class Scatter extends Figure<OverTemperature> {
     say(this.note, line === null ? "" : slope(line));
     return {
       summary: `Rate at ${points.length} temperatures from ${significant(Math.min(...temps), 4)} to ${significant(Math.max(...temps), 4)} °C`,
-      head: ["°C", `rate, ${settings.unitText}`, "time there, s"],
+      head: ["°C", `rate ± 95 %, ${settings.unitText}`, "time there, s"],
       rows: points.map((p) => [
         value(p.temp_c, 0.01),
-        both(p.rate_dps * settings.scale, p.u_dps * settings.scale),
+        both(p.rate_dps * settings.scale, half(p.u_dps * settings.scale)),
         String(p.seconds),
       ]),
     };
@@ -43,5 +43,5 @@ export class Scatter extends Figure<OverTemperature> {
 /** Its slope is minus BTC, as far as noise goes. */
 function slope({ slope_dps_per_c, u_dps_per_c }: TemperatureLine): string {
   const { scale, unitText } = settings;
-  return `Straight line: ${both(slope_dps_per_c * scale, u_dps_per_c * scale)} ${unitText}/°C (white noise alone)`;
+  return `Straight line: ${both(slope_dps_per_c * scale, half(u_dps_per_c * scale))} ${unitText}/°C (95 %, white noise alone)`;
 }

@@ -6,6 +6,15 @@ import type { Inside } from "../link/inside";
 import { connectChosen, release } from "../port";
 import { canReadPorts, NO_SERIAL } from "../serial";
 
+/** Units and faults of the twin to try, with their keys. */
+const PRESETS: readonly (readonly [string, string])[] = [
+  ["Another unit", "seed=2"],
+  ["Moving", "motion=sway"],
+  ["Frozen after a minute", "fault=frozen,fault_at_s=60"],
+  ["In an oven", "profile=oven"],
+  ["50 Hz bandwidth", "roa=10nf"],
+];
+
 /** In the static home: what is to be read. */
 export class Opener {
   readonly element: HTMLElement;
@@ -45,8 +54,16 @@ export class Opener {
       h("p", {}, "A part in software: every seed is another unit."),
       h("label", { for: "keys" }, "Keys, as after ", h("code", {}, "twin:")),
       this.#keys,
+      h("div", { class: "presets" }, ...PRESETS.map(([name, keys]) => this.#preset(name, keys))),
       h("button", { type: "submit" }, "Open the twin"),
     );
+  }
+
+  #preset(name: string, keys: string): HTMLElement {
+    const fill = () => {
+      this.#keys.value = keys;
+    };
+    return button(name, fill, { class: "small", title: `twin:${keys}` });
   }
 
   #port(): HTMLElement {

@@ -22,7 +22,7 @@ export class NoiseFile {
     ["mean", "the mean of the axes"],
   ]);
   readonly #inflate = h("input", { id: "inflate", type: "number", min: 0.001, max: 1000, step: "any", value: 1 });
-  readonly #force = h("input", { id: "force", type: "checkbox" });
+  readonly #acceptRejected = h("input", { id: "accept-rejected", type: "checkbox" });
   readonly #text = h("pre", { tabindex: 0, role: "region", "aria-label": "The file" });
   readonly #save: HTMLButtonElement;
   #file: Download | undefined;
@@ -36,7 +36,7 @@ export class NoiseFile {
         format: this.#format.value,
         combine: this.#combine.value,
         inflate: Number(this.#inflate.value),
-        force: this.#force.checked,
+        accept_rejected: this.#acceptRejected.checked,
       });
     };
     this.#save = button(
@@ -61,7 +61,7 @@ export class NoiseFile {
           field("For", this.#format),
           field("Where it takes one number", this.#combine),
           field("Factor on all noise", this.#inflate),
-          field("Even where the numbers are no result", this.#force),
+          field("Accept rejected models", this.#acceptRejected),
         ),
         h(
           "div",
