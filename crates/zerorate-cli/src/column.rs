@@ -37,6 +37,10 @@ pub struct ColumnArgs {
     #[arg(long, value_name = "UNIT")]
     unit: Option<Unit>,
 
+    /// Take --unit where the name of the column states another unit.
+    #[arg(long, requires = "unit")]
+    force_unit: bool,
+
     /// What a step of 1 in the column is, in the unit of --unit [default: 1] or else in °/s [default: the scale of the
     /// part for the codes of a capture].
     #[arg(long, value_name = "X", value_parser = positive)]
@@ -72,7 +76,8 @@ impl ColumnArgs {
 
     /// What a log does not say of them.
     pub fn options(&self) -> ColumnOptions {
-        let Self { column, topic, time_column, time_unit, rate, unit, scale, decimal, raw, max_bad } = self;
+        let Self { column, topic, time_column, time_unit, rate, unit, force_unit, scale, decimal, raw, max_bad } =
+            self;
         ColumnOptions {
             column: column.clone(),
             topic: topic.clone(),
@@ -81,6 +86,7 @@ impl ColumnArgs {
             rate: *rate,
             unit: *unit,
             scale: *scale,
+            force_unit: *force_unit,
             decimal: *decimal,
             raw: *raw,
             max_bad: *max_bad,
@@ -112,6 +118,7 @@ pub fn flag(setting: Setting) -> &'static str {
         Setting::MaxBad => "--max-bad",
         Setting::GyroUnit => "--gyro-unit",
         Setting::AccelUnit => "--accel-unit",
+        Setting::ForceUnit => "give --force-unit",
         Setting::Combine => "--combine",
         Setting::Format => "--format",
         Setting::Skip => "--skip",

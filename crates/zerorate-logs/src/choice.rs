@@ -1,6 +1,6 @@
 //! Which of a file's columns are meant.
 
-use super::{ColumnOptions, LogError, Names, Result, Setting};
+use super::{ColumnOptions, LogError, LogWarning, Names, Result, Setting};
 use std::path::Path;
 use zerorate_record::{Quantity, TimeUnit, Unit, is_celsius};
 
@@ -95,6 +95,14 @@ impl Columns<'_> {
         let time = if is_open && are_named { self.stated_time(&values) } else { time };
         self.check(&values, time)?;
         Ok(Choice { values, time })
+    }
+
+    /// Names the columns that hold no numbers, where all were asked for.
+    pub fn left_out(&self, wanted: Wanted<'_>, time: Option<usize>) -> Option<LogWarning> {
+        let is_left = |at: &usize| !self.numeric[*at] && Some(*at) != time;
+        let left: Vec<&str> = (0..self.names.len()).filter(is_left).map(|at| self.names[at]).collect();
+        let is_said = matches!(wanted, Wanted::All) && !left.is_empty();
+        is_said.then(|| LogWarning::NoNumbers { path: self.path.display().to_string(), names: left.join(", ") })
     }
 
     /// The only other column whose name states a unit of time.

@@ -121,6 +121,9 @@ pub struct ColumnOptions {
     /// acceleration; none: 1, or the scale of the part for the codes of a capture.
     pub scale: Option<f64>,
 
+    /// Takes the unit that is given where the name of a column states another; without it that is an error.
+    pub force_unit: bool,
+
     /// What stands before the decimals in a text file; none: a point, or a comma where it can be nothing else.
     pub decimal: Option<Decimal>,
 
@@ -356,6 +359,25 @@ struct FoundColumn {
     warnings: Vec<LogWarning>,
 }
 
+impl ColumnOptions {
+    /// That a `unit`, given by `setting`, is the one that the name of the column states, if it states one.
+    pub(crate) fn agrees(&self, path: &Path, column: &str, unit: Unit, setting: Setting) -> Result<()> {
+        let Some(stated) = Unit::of_column(column).filter(|stated| *stated != unit && !self.force_unit) else {
+            return Ok(());
+        };
+        let differs = match unit.quantity() == stated.quantity() {
+            true => format!(", {:.3e} times as large", unit.in_results() / stated.in_results()),
+            false => String::new(),
+        };
+        let [given, force] = [setting, Setting::ForceUnit].map(|of| self.names.of(of));
+        Err(LogError::Ask(format!(
+            "{}: the name of column `{column}` states {stated}, and {given} says {unit}{differs}; leave {given} out, \
+             or {force}",
+            path.display()
+        )))
+    }
+}
+
 impl FoundColumn {
     fn new(name: String, values: SeriesBuilder) -> Self {
         Self { name, values, stated: None, warnings: Vec::new() }
@@ -433,6 +455,9 @@ impl FoundColumn {
         let Self { name, values, stated, mut warnings } = self;
         let (series, gaps) = values.finish(lost).map_err(|missing| too_many(path, missing, args.names))?;
         let stated = stated.or_else(|| Quantity::of_column(&name));
+        if let Some(unit) = args.unit {
+            args.agrees(path, &name, unit, Setting::Unit)?;
+        }
         let given = args.unit.map(|unit| (unit.quantity(), unit.in_results()));
         let declared = match args.scale {
             None => given.or(stated),

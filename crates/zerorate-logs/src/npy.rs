@@ -75,6 +75,7 @@ pub fn read_arrays(
     let names: Vec<&str> = fields.iter().map(|field| field.name.as_str()).collect();
     let columns = Columns { path, names, numeric, settings: asked.args.names };
     let Choice { values: chosen, time } = columns.choose(asked.wanted, asked.args, &[])?;
+    let left_out = columns.left_out(asked.wanted, time);
     let wanted: Vec<usize> = chosen.iter().chain(&time).copied().collect();
     let names: Vec<String> = wanted.iter().map(|at| field(at).name.clone()).collect();
     let rows: Vec<u64> = wanted.iter().map(|at| arrays[places[*at].0].rows).collect();
@@ -99,7 +100,7 @@ pub fn read_arrays(
     }
     let clock = time.map_or(Clock::Silent, |_| Clock::Column(names[chosen.len()].clone(), times));
     let columns = names.into_iter().zip(values).map(|(name, values)| FoundColumn::new(name, values));
-    Ok(Found { columns: columns.collect(), clock, warnings: Vec::new() })
+    Ok(Found { columns: columns.collect(), clock, warnings: left_out.into_iter().collect() })
 }
 
 /// What is wrong, and in which of the rows at hand.

@@ -16,6 +16,10 @@ const SAID: f64 = 0.02;
 /// differences 1 in 370 then.
 const FINE: f64 = 100.0;
 
+/// Different sizes of differences from which numbers are fine. Coarse codes that were printed with more digits have
+/// few sizes, and repeat by chance.
+const SIZES: usize = 100;
+
 /// What is to be said of samples that repeat the one before, or lie on the line between their neighbours, to the last
 /// digit. Of numbers too coarse to tell nothing is said.
 pub fn doubt(series: &Series) -> Option<String> {
@@ -56,9 +60,12 @@ fn share(differences: &[f64], step: f64, none: f64) -> Option<f64> {
     if differences.len() < ENOUGH || others.len() < ENOUGH / 10 || share < SAID {
         return None;
     }
-    let middle = others.len() / 2;
+    let (count, middle) = (others.len(), others.len() / 2);
     let usual = *others.select_nth_unstable_by(middle, f64::total_cmp).1;
-    (usual >= FINE * step.max(none)).then_some(share)
+    others.sort_unstable_by(f64::total_cmp);
+    others.dedup_by(|a, b| (*a - *b).abs() < 0.5 * step);
+    let is_fine = others.len() >= SIZES.min(count / 2);
+    (usual >= FINE * step.max(none) && is_fine).then_some(share)
 }
 
 #[cfg(test)]
@@ -84,6 +91,9 @@ mod tests {
         for steps in [1.0, 3.0, 20.0, 300.0, 1e6] {
             assert_eq!(said(noise(5000, steps)), "", "{steps}");
         }
+        // codes of 131 steps in a unit, printed with four decimals
+        let printed = noise(5000, 3.0).into_iter().map(|code| (code / 131.0 * 1e4).round() / 1e4);
+        assert_eq!(said(printed.collect()), "");
         // band-limited, and as codes
         let slow: Vec<f64> =
             noise(5000, 1e4).windows(50).map(|part| (part.iter().sum::<f64>() / 50.0).round()).collect();

@@ -37,6 +37,8 @@ pub enum LogWarning {
     UnitUnknown { path: String, column: String, unit: &'static str, scale: &'static str },
     /// These columns are no axes of an IMU.
     ColumnsLeftOut { path: String, names: String },
+    /// These columns hold no numbers.
+    NoNumbers { path: String, names: String },
     /// Nothing measures these columns.
     BlanksLeftOut { path: String, names: String },
     /// More columns are of a kind than an IMU has axes; `column` is the name of a setting.
@@ -182,6 +184,8 @@ rows!(match LogWarning {
         remedy: "Name the columns that are axes, if one of these is.",
         command: "zerorate imu log.csv --column gx,gy,gz",
     },
+    Self::NoNumbers { ref path, ref names } =>
+        Row { code: "columns-left-out", text: format_args!("{path}: left out, holding no numbers: {names}") },
     Self::BlanksLeftOut { ref path, ref names } => Row {
         code: "columns-left-out",
         text: format_args!("{path}: left out, being 0 in every row, as where nothing measures it: {names}"),

@@ -16,6 +16,9 @@ pub(super) struct Raw {
 /// Two choices of terms that differ by less in price cannot be told apart.
 const CLOSE: f64 = 6.0;
 
+/// Halves that differ by less than this share are alike for any use.
+const CHANGE: f64 = 0.05;
+
 /// Samples from which on the band of a sensor is found: in all of 100 simulated records of the bands of the
 /// ADIS16405's axes, where 1000 show it in 93 to 100 and 300 in 41 to 85.
 const BAND_IS_SEEN: u64 = 2000;
@@ -59,7 +62,10 @@ pub(super) fn remarks(fit: &Fit, chosen: &Selection, rate: &[f64], rate_hz: f64,
             AllanWarning::DriftOrWalk { has_drift: own.drift.is_some(), worse }
         });
     }
-    if let Some(steadiness::Difference { tau_s, ratio }) = steadiness::halves(rate, rate_hz, &fit.model) {
+    let halves = steadiness::halves(rate, rate_hz, &fit.model);
+    if let Some(steadiness::Difference { tau_s, ratio }) =
+        halves.filter(|halves| libm::log(halves.ratio).abs() > CHANGE)
+    {
         warnings.push(AllanWarning::Unsteady { tau_s, ratio });
     }
     let coefficients =

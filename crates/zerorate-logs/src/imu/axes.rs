@@ -121,11 +121,21 @@ impl ImuOptions {
     }
 
     fn remedy(&self, kind: Kind) -> String {
-        let (setting, units) = match kind {
-            Kind::Gyroscope => (Setting::GyroUnit, "dps, rad/s …"),
-            Kind::Accelerometer => (Setting::AccelUnit, "m/s², g, mg …"),
+        let units = match kind {
+            Kind::Gyroscope => "dps, rad/s …",
+            Kind::Accelerometer => "m/s², g, mg …",
         };
-        format!("give {} {units}", self.log.names.of(setting))
+        format!("give {} {units}", self.log.names.of(kind.unit_setting()))
+    }
+}
+
+impl Kind {
+    /// The option that gives the unit of such axes.
+    fn unit_setting(self) -> Setting {
+        match self {
+            Self::Gyroscope => Setting::GyroUnit,
+            Self::Accelerometer => Setting::AccelUnit,
+        }
     }
 }
 
@@ -134,6 +144,9 @@ fn check_units(options: &ImuOptions, path: &Path, axes: &[(Kind, Column)]) -> cr
     let mut unknown = Vec::new();
     for kind in Kind::ALL {
         let Said { unit, scale } = options.said(kind);
+        for (_, column) in axes.iter().filter(|(of, _)| *of == kind) {
+            unit.map_or(Ok(()), |unit| options.log.agrees(path, &column.name, unit, kind.unit_setting()))?;
+        }
         let mut of_kind = axes.iter().filter(|(of, _)| *of == kind).map(|(_, column)| column).peekable();
         if of_kind.peek().is_none() {
             continue;

@@ -64,10 +64,10 @@ impl Doubts {
         self.0.first().map(|(doubt, _)| doubt.code())
     }
 
-    /// Whether nothing stands against a file with the numbers. With `force` only a model that is not there does.
+    /// Whether a file with the numbers may be written. With `accept_rejected`, only a missing model forbids it.
     #[must_use]
-    pub fn allow(&self, force: bool) -> bool {
-        self.0.iter().all(|(doubt, _)| force && matches!(doubt, Doubt::Rejected(_)))
+    pub fn allow(&self, accept_rejected: bool) -> bool {
+        self.0.iter().all(|(doubt, _)| accept_rejected && matches!(doubt, Doubt::Rejected(_)))
     }
 
     /// Each reason with the axes that have it.

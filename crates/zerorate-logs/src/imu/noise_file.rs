@@ -36,16 +36,22 @@ impl Format {
         Ok(())
     }
 
-    /// The text of the file, if its numbers are results. With `force` it is also of models that are rejected, and says
-    /// so.
+    /// The text of the file, if its numbers are results. With `accept_rejected` the models may also be rejected,
+    /// and the file says so.
     ///
     /// # Errors
     /// Why there is none.
-    pub fn file(self, choice: Choice, axes: &[Axis<'_>], doubts: &Doubts, force: bool) -> Result<String, NoNoiseFile> {
+    pub fn file(
+        self,
+        choice: Choice,
+        axes: &[Axis<'_>],
+        doubts: &Doubts,
+        accept_rejected: bool,
+    ) -> Result<String, NoNoiseFile> {
         if !(choice.inflate > 0.0 && choice.inflate.is_finite()) {
             return Err(NoNoiseFile::Inflate(choice.inflate));
         }
-        if !doubts.allow(force) {
+        if !doubts.allow(accept_rejected) {
             return Err(NoNoiseFile::Doubted(doubts.clone()));
         }
         if axes.is_empty() {

@@ -2,7 +2,7 @@
 
 use super::{Doubts, Kind};
 use crate::{Names, Setting};
-use zerorate_allan::{FLOOR_PER_B, Fit, Term};
+use zerorate_allan::{Coefficient, FLOOR_PER_B, Fit, Term};
 
 /// What stands for several axes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -120,16 +120,20 @@ impl Axis<'_> {
     }
 
     fn n(&self) -> Chosen {
-        Chosen { value: self.fit.n.value * self.si(), from: format!("N of {}", self.name) }
+        self.chosen("N", &self.fit.n)
     }
 
-    /// Where K is not identified its upper limit: too small a K makes a filter believe its bias, too large a one only
-    /// makes it learn that bias anew.
     fn k(&self) -> Chosen {
-        let (k, column) = (&self.fit.k, self.name);
-        let (value, from) = match k.identified {
-            true => (k.value, format!("K of {column}")),
-            false => (k.hi, format!("upper 95 % limit of K of {column}, which is not identified")),
+        self.chosen("K", &self.fit.k)
+    }
+
+    /// A coefficient, or its upper limit where it is not identified: too small a number makes a filter trust its
+    /// state too much, too large a number only makes the filter learn more slowly.
+    fn chosen(&self, letter: &str, coefficient: &Coefficient) -> Chosen {
+        let axis = self.name;
+        let (value, from) = match coefficient.identified {
+            true => (coefficient.value, format!("{letter} of {axis}")),
+            false => (coefficient.hi, format!("upper 95 % limit of {letter} of {axis}, which is not identified")),
         };
         Chosen { value: value * self.si(), from }
     }

@@ -33,6 +33,7 @@ pub fn read(path: &Path, mut input: Input, room: Room, asked: &ColumnQuery<'_>) 
     let names = head.names.iter().map(String::as_str).collect();
     let columns = Columns { path, numeric: head.numeric.clone(), names, settings: asked.args.names };
     let Choice { values, time } = columns.choose(asked.wanted, asked.args, &[])?;
+    let left_out = columns.left_out(asked.wanted, time);
     let cut = rows::cut(path, &head, &values, time);
     let mut reading = TextColumns::new(&cut, room, &head);
     let mut blocks = Blocks::new(path, input);
@@ -56,7 +57,9 @@ pub fn read(path: &Path, mut input: Input, room: Room, asked: &ColumnQuery<'_>) 
         is_first = false;
     }
     reading.append(&before)?;
-    reading.finish(head, asked)
+    let mut found = reading.finish(head, asked)?;
+    found.warnings.extend(left_out);
+    Ok(found)
 }
 
 /// How the text starts, and what of that only all of it can tell.
