@@ -9,6 +9,7 @@ use serde_json::Value;
 use std::ffi::CString;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
+use zerorate::calibration::Notes;
 use zerorate::{Method, Names, Plan, Progress, Setting};
 use zerorate_host::{DeviceSpec, Pace, Sampling, Setup, SourceWarning, Stop};
 use zerorate_jobs::calibrate::{Files, Kept, Watch, prepare, settle_s};
@@ -41,6 +42,8 @@ pub struct CalibrateOptions {
     divider: Option<i64>,
     serial: Option<String>,
     supply_note: Option<String>,
+    ambient_note: Option<String>,
+    operator: Option<String>,
     log: Option<PathBuf>,
     output: Option<PathBuf>,
     force: bool,
@@ -180,8 +183,9 @@ fn run(
     options: CalibrateOptions,
     caller: &mut Caller,
 ) -> anyhow::Result<(Value, zerorate::Calibration)> {
-    let CalibrateOptions { output, log, serial, supply_note, force, .. } = options;
-    let files = Files::claim(Outputs::new(force), Kept { output, log, serial, supply_note })?;
+    let CalibrateOptions { output, log, serial, supply_note, ambient_note, operator, force, .. } = options;
+    let notes = Notes { supply: supply_note, ambient: ambient_note, operator, host: None };
+    let files = Files::claim(Outputs::new(force), Kept { output, saves: false, log, serial, notes })?;
     let said = caller.said.clone();
     let tell = Box::new(move |warning: &SourceWarning| said.push(JobWarning::Source(warning.clone())));
     let setup = Setup { sampling, names: argument, ..Setup::default() };

@@ -13,10 +13,10 @@ use zerorate_logs::{Names, TimeUnit, Unit};
 /// Name, unit and model of an axis.
 type Modelled<'py> = (String, String, PyRef<'py, Model>);
 
-/// The text of the file for `format`, and why it is no result if it was forced.
+/// The text of the file for `format`, and why its models are rejected, if they are.
 ///
 /// Raises ValueError for an unknown format, and for a number of axes that it cannot take; Refused where the numbers
-/// are no result, unless ``force`` is given.
+/// are no result, unless ``accept_rejected`` is given.
 #[pyfunction]
 pub fn imu_file(
     format: &str,
@@ -25,14 +25,14 @@ pub fn imu_file(
     topic: Option<String>,
     combine: &str,
     inflate: f64,
-    force: bool,
+    accept_rejected: bool,
 ) -> PyResult<(String, Vec<String>)> {
     let format = named("format", format, Format::ALL, Format::name)?;
     let combine = named("combine", combine, [Combine::Worst, Combine::Mean], Combine::name)?;
     let doubts = Doubts::about(axes.iter().map(|(name, _, model)| (name.as_str(), Doubt::about(&model.fit))));
     let axes: Vec<Axis<'_>> = axes.iter().map(axis).collect::<PyResult<_>>()?;
     let choice = Choice { log, topic, combine, inflate, names: Names(argument) };
-    Ok((format.file(choice, &axes, &doubts, force).map_err(no_file)?, doubts.texts()))
+    Ok((format.file(choice, &axes, &doubts, accept_rejected).map_err(no_file)?, doubts.texts()))
 }
 
 /// What is to be said where something happens to several axes at once.

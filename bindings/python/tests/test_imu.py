@@ -139,7 +139,7 @@ def test_what_makes_no_file_says_why(found: zerorate.Imu) -> None:
         two.to_yaml(format="ros")
     short = zerorate.imu(rest(20), rate_hz=RATE_HZ, columns=GYRO + ACCEL)
     with pytest.raises(zerorate.Refused, match="20 samples are too few"):
-        short.to_yaml(force=True)
+        short.to_yaml(accept_rejected=True)
     array = rest(4000)[:, :1]
     array[:, 0] = 1.0
     with pytest.raises(zerorate.Refused, match="do not change"):
@@ -155,7 +155,7 @@ def test_what_makes_no_file_says_why(found: zerorate.Imu) -> None:
         zerorate.allan(rest()[:, 0], rate_hz=RATE_HZ, unit="°/s", fit=False).to_yaml()
 
 
-def test_a_rejected_model_is_no_file_unless_forced() -> None:
+def test_a_rejected_model_is_no_file_unless_accepted() -> None:
     t = np.arange(40_000) / RATE_HZ
     rng = np.random.default_rng(8)
     growing = rng.normal(size=len(t)) * np.exp(4 * np.sin(2 * np.pi * t / 50)) + np.sign(np.sin(t)) * 3
@@ -165,7 +165,7 @@ def test_a_rejected_model_is_no_file_unless_forced() -> None:
     with pytest.raises(zerorate.Refused, match="off by .* %, so none of its coefficients is a result"):
         found.to_yaml()
     with pytest.warns(UserWarning, match="made all the same"):
-        assert "NOT A RESULT" in found.to_yaml(force=True)
+        assert "NOT A RESULT" in found.to_yaml(accept_rejected=True)
 
 
 @pytest.mark.parametrize(

@@ -60,8 +60,13 @@ impl SourceArgs {
 impl DeviceArgs {
     /// Opens the device and, from here on, takes Ctrl-C as the wish to end cleanly.
     pub fn open(&self, setup: Setup) -> Result<Acquisition> {
+        self.open_at(setup, false)
+    }
+
+    /// The same, in real time for a person who looks on.
+    pub fn open_at(&self, setup: Setup, is_watched: bool) -> Result<Acquisition> {
         interrupt::listen();
-        let pace = if self.realtime { Pace::RealTime } else { Pace::Free };
+        let pace = if self.realtime || is_watched { Pace::RealTime } else { Pace::Free };
         Acquisition::open(&self.device, setup, pace, interrupt::stop(), tell())
     }
 }

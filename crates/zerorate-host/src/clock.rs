@@ -1,4 +1,4 @@
-//! The time of day.
+//! The time of day, and the name of the machine, for the record.
 
 use jiff::{Timestamp, Unit};
 use std::time::SystemTime;
@@ -12,6 +12,14 @@ pub fn now() -> Option<Timestamp> {
 /// For the record, to the second; empty where there is none.
 pub(crate) fn text() -> String {
     now().map_or_else(String::new, to_second)
+}
+
+/// Name of this machine; none where it has none that is text.
+pub(crate) fn host() -> Option<String> {
+    #[cfg(target_os = "linux")]
+    return rustix::system::uname().nodename().to_str().ok().map(str::to_owned).filter(|name| !name.is_empty());
+    #[cfg(not(target_os = "linux"))]
+    None
 }
 
 fn stamp(time: SystemTime) -> Option<Timestamp> {

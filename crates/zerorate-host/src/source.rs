@@ -9,6 +9,7 @@ use crate::warning::SourceWarning;
 use adis16130::registers::Address;
 use adis16130::{Config, ConversionTime, Framing, SamplerConfig, SelfTest};
 use adis16130_twin::Truth;
+use zerorate::calibration::Notes;
 use zerorate::{Names, Part, Setting};
 use zerorate_record::{CaptureInfo, Converter, Row};
 
@@ -140,6 +141,7 @@ impl DeviceInfo {
             divided: sampling.divided,
             software: zerorate::SOFTWARE.to_owned(),
             created: clock::text(),
+            notes: Notes { host: clock::host(), ..Notes::default() },
             bandwidth_hz,
             ..CaptureInfo::adis16130(converter)
         };

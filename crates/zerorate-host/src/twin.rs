@@ -13,6 +13,7 @@ use adis16130::{Edge, MCLK_HZ, RdyEdge, Sample, SelfTest, Width};
 use adis16130_twin::{Profile, Roa, Spec, SpecError, Truth, Twin, TwinSpi};
 use std::borrow::Cow;
 use std::sync::Arc;
+use zerorate::calibration::Notes;
 use zerorate::{Axis, NamedAxis, Names, Part, Scale, Setting};
 use zerorate_record::{CaptureInfo, Layout, Row};
 
@@ -96,8 +97,8 @@ impl Address for TwinAddress {
         let sampling = setup.sampling.config(self.part.divided);
         let known = setup.part.as_ref().filter(|_| axes == 1);
         let facts = DeviceInfo::of_part(name, &self.part, sampling, self.mclk_hz(), known)?;
-        // its files depend on nothing but the seed: they have no time of day
-        let info = CaptureInfo { created: String::new(), ..facts.info };
+        // its files depend on the seed alone: they state neither time nor computer
+        let info = CaptureInfo { created: String::new(), notes: Notes::default(), ..facts.info };
         let facts = DeviceInfo { info, is_real: false, ..facts };
         let notes = beyond_limits(&self.units[0], &facts.part).into_iter().collect();
         let follower = setup.air.clone().map(|air| Follower::new(air, stop));

@@ -6,6 +6,7 @@ use adis16130::SelfTest;
 use adis16130_twin::Truth;
 use anyhow::Result;
 use std::sync::Arc;
+use zerorate::calibration::Notes;
 use zerorate::health::{Frozen, Health, Judged};
 use zerorate::{Axis, Names, Part, Tally, Warning, resonance};
 use zerorate_host::{
@@ -66,11 +67,11 @@ impl Acquisition {
         self.hub.facts()
     }
 
-    /// How the samples are taken; the serial number and the note are those given, or else those of the recording.
-    pub fn info(&self, serial: Option<&str>, supply_note: Option<&str>) -> CaptureInfo {
+    /// How the samples are taken; the serial number and the notes are those given, or else those of the recording.
+    pub fn info(&self, serial: Option<&str>, notes: &Notes) -> CaptureInfo {
         let mut info = self.facts().info.clone();
         info.serial = serial.map(str::to_owned).or(info.serial);
-        info.supply_note = supply_note.map(str::to_owned).or(info.supply_note);
+        info.notes = notes.clone().or(info.notes);
         info
     }
 

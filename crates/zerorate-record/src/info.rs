@@ -5,7 +5,7 @@ use super::layout::{Layout, PART, number, number_or, stated};
 use adis16130::Width;
 use arrow_schema::Metadata;
 use std::path::Path;
-use zerorate::calibration::Origin;
+use zerorate::calibration::{Notes, Origin, SIMULATED, is_twin};
 use zerorate::{Axis, NamedAxis, Part};
 
 /// Version of the format that this program writes, and the highest it reads.
@@ -28,6 +28,9 @@ const BANDWIDTH_HZ: &str = "zerorate.bandwidth_hz";
 const SOFTWARE: &str = "zerorate.software";
 const CREATED: &str = "zerorate.created";
 const SUPPLY_NOTE: &str = "zerorate.supply_note";
+const AMBIENT_NOTE: &str = "zerorate.ambient_note";
+const OPERATOR: &str = "zerorate.operator";
+const HOST: &str = "zerorate.host";
 
 /// How a capture was taken.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,8 +57,8 @@ pub struct CaptureInfo {
     pub software: String,
     /// When, RFC 3339; empty on a simulated device, whose files depend on nothing but the seed.
     pub created: String,
-    /// The supply, as noted by whoever measured.
-    pub supply_note: Option<String>,
+    /// Circumstances of the measurement.
+    pub notes: Notes,
 }
 
 /// Settings of an ADIS16130.
@@ -94,7 +97,7 @@ impl CaptureInfo {
             bandwidth_hz: None,
             software: String::new(),
             created: String::new(),
-            supply_note: None,
+            notes: Notes::default(),
         }
     }
 
@@ -109,6 +112,12 @@ impl CaptureInfo {
         self.divider.max(1).saturating_mul(self.divided.max(1))
     }
 
+    /// Whether the samples are those of the software twin, by the name of their device.
+    #[must_use]
+    pub fn is_simulated(&self) -> bool {
+        is_twin(&self.device)
+    }
+
     /// Where a calibration by samples of this digest comes from ([`SampleHash`](super::SampleHash)).
     #[must_use]
     pub fn origin(self, capture_sha256: String) -> Origin {
@@ -118,14 +127,18 @@ impl CaptureInfo {
         });
         let divided = if divided > 1 { format!(", divided {divided}") } else { String::new() };
         let bandwidth = bandwidth_hz.map_or(String::new(), |hz| format!(", bandwidth {hz} Hz"));
+        let created = match self.is_simulated() {
+            true => Some(SIMULATED.to_owned()),
+            false => Some(self.created).filter(|created| !created.is_empty()),
+        };
         Origin {
             config: format!("{converter}every_temp {every_temp}, divider {divider}{divided}{bandwidth}"),
             serial: self.serial,
-            created: Some(self.created).filter(|created| !created.is_empty()),
+            created,
             software: zerorate::SOFTWARE.to_owned(),
             device: self.device,
             capture_sha256,
-            supply_note: self.supply_note,
+            notes: self.notes,
         }
     }
 
@@ -145,7 +158,10 @@ impl CaptureInfo {
             (BANDWIDTH_HZ, self.bandwidth_hz.map(|hz| hz.to_string())),
             (SOFTWARE, Some(self.software.clone())),
             (CREATED, Some(self.created.clone()).filter(|created| !created.is_empty())),
-            (SUPPLY_NOTE, self.supply_note.clone()),
+            (SUPPLY_NOTE, self.notes.supply.clone()),
+            (AMBIENT_NOTE, self.notes.ambient.clone()),
+            (OPERATOR, self.notes.operator.clone()),
+            (HOST, self.notes.host.clone()),
         ];
         let known = known.into_iter().filter_map(|(key, value)| Some((key.to_owned(), one_line(&value?))));
         known.chain(self.layout.to_metadata()).collect()
@@ -176,7 +192,12 @@ impl CaptureInfo {
             bandwidth_hz: bandwidth_hz(path, metadata)?,
             software: text(SOFTWARE).unwrap_or_default(),
             created: text(CREATED).unwrap_or_default(),
-            supply_note: text(SUPPLY_NOTE),
+            notes: Notes {
+                supply: text(SUPPLY_NOTE),
+                ambient: text(AMBIENT_NOTE),
+                operator: text(OPERATOR),
+                host: text(HOST),
+            },
         })
     }
 }

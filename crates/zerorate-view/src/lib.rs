@@ -2,10 +2,12 @@
 
 pub mod duration;
 pub mod export;
+mod interval;
 pub mod plot;
 mod printable;
 pub mod report;
 mod session_warning;
 
 pub use duration::Seconds;
+pub use interval::PlusMinus;
 pub use session_warning::SessionWarning;

@@ -31,7 +31,7 @@ fn look(text: &str, settings: &LogSettings) -> (Looked, Option<LogReader>) {
 }
 
 fn command(format: &str) -> NoiseFileCommand {
-    NoiseFileCommand { format: format.to_owned(), combine: "worst".to_owned(), inflate: 1.0, force: false }
+    NoiseFileCommand { format: format.to_owned(), combine: "worst".to_owned(), inflate: 1.0, accept_rejected: false }
 }
 
 #[test]

@@ -44,7 +44,7 @@ fn origin() -> Origin {
         device: "twin:seed=7".into(),
         config: "24 bit".into(),
         capture_sha256: "ab".repeat(32),
-        supply_note: None,
+        notes: Notes::default(),
     }
 }
 

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
         confidence: float
         scale: float | None
         unit: str | None
+        force_unit: bool
         fit: bool
         glitches: Literal["cut", "keep"]
         steps: Literal["remove", "keep"]
@@ -74,6 +75,7 @@ def allan(
     confidence: float = 0.683,
     scale: float | None = None,
     unit: str | None = None,
+    force_unit: bool = False,
     fit: bool = True,
     glitches: Literal["cut", "keep"] = "cut",
     steps: Literal["remove", "keep"] = "remove",
@@ -138,7 +140,7 @@ def allan(
         what was taken. The intervals of long averages and of K are widened by what it may have taken of the noise.
     skip
         Leave out the beginning, while the part warms: seconds, or a duration such as ``"45m"``.
-    time_column, time_unit, decimal, raw, max_bad, topic
+    force_unit, time_column, time_unit, decimal, raw, max_bad, topic
         As of `read_log`.
 
     Returns
@@ -184,6 +186,7 @@ def allan(
         time_column=time_column,
         time_unit=time_unit,
         unit=unit,
+        force_unit=force_unit,
         scale=scale,
         decimal=decimal,
         raw=raw,

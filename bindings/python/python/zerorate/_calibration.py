@@ -230,7 +230,7 @@ class Calibration:
     serial: str | None = None
     """Serial number of the unit."""
     created: str | None = None
-    """When the measurement ended, RFC 3339; None for a simulated part."""
+    """When the samples were recorded, RFC 3339; ``SIMULATED`` for the software twin."""
     method: str | None = None
     """``an1042``."""
     software: str | None = None
@@ -243,6 +243,12 @@ class Calibration:
     """SHA-256 of the samples."""
     supply_note: str | None = None
     """What was noted of the supply."""
+    ambient_note: str | None = None
+    """What was noted of the surroundings."""
+    operator: str | None = None
+    """Who measured."""
+    host: str | None = None
+    """Name of the computer; None for the software twin."""
     warnings: list[str] = field(default_factory=list)
     """The measurement's warnings; of several axes, those that concern all."""
     temp: Scale | None = None

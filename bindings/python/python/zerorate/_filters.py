@@ -28,6 +28,7 @@ def file(
     inflate: float,
     topic: str | None,
     force: bool,
+    accept_rejected: bool,
 ) -> str:
     """The text of the file, written to `path` if there is one."""
     modelled = []
@@ -40,9 +41,9 @@ def file(
         if axis._core is None:
             raise _no_model(axis)
         modelled.append((axis.name, axis.unit, axis._core))
-    text, doubts = _zerorate.imu_file(format, modelled, log, topic, combine, float(inflate), force)
+    text, doubts = _zerorate.imu_file(format, modelled, log, topic, combine, float(inflate), accept_rejected)
     if doubts:
-        warnings.warn("; ".join(doubts) + "; made all the same (force=True)", stacklevel=3)
+        warnings.warn("; ".join(doubts) + "; made all the same (accept_rejected=True)", stacklevel=3)
     if path is not None:
         _zerorate.save_text(path, text, force)
     return text

@@ -55,6 +55,7 @@ class Imu:
         inflate: float = 1.0,
         topic: str | None = None,
         force: bool = False,
+        accept_rejected: bool = False,
     ) -> str:
         """The file for a filter: what ``zerorate imu LOG -o FILE`` writes. Each number says in a comment what it is.
 
@@ -72,7 +73,9 @@ class Imu:
         topic
             The topic that the file names; that of the bag unless given.
         force
-            Overwrite an existing file, and make one of numbers that are no result; it says so inside.
+            Overwrite an existing file.
+        accept_rejected
+            Make the file also from rejected noise models; it says so inside.
 
         Returns
         -------
@@ -89,7 +92,7 @@ class Imu:
             If the file exists.
         """
         axes, topic = list(self.axes.values()), self.topic if topic is None else topic
-        return _filters.file(axes, path, self.log, format, combine, inflate, topic, force)
+        return _filters.file(axes, path, self.log, format, combine, inflate, topic, force, accept_rejected)
 
     def to_frame(self, library: _log.Library = "pandas") -> Any:
         """A DataFrame with a row for each axis and averaging time, as of `AllanAxes.to_frame`."""
@@ -115,6 +118,7 @@ def imu(
     topic: str | None = None,
     gyro_unit: str | None = None,
     accel_unit: str | None = None,
+    force_unit: bool = False,
     gyro_scale: float | None = None,
     accel_scale: float | None = None,
     time_column: str | int | None = None,
@@ -151,6 +155,8 @@ def imu(
     gyro_unit, accel_unit
         Unit of the columns, where their names do not state it, and of the results: ``rad/s``, ``°/s``, ``m/s²``,
         ``g``, ``mg`` …
+    force_unit
+        Take these units where the names of columns state others, which is an error otherwise.
     gyro_scale, accel_scale
         What a step of 1 is in that unit.
     time_column, time_unit
@@ -199,6 +205,7 @@ def imu(
         rate_hz=rate_hz,
         time_column=time_column,
         time_unit=time_unit,
+        force_unit=force_unit,
         decimal=decimal,
         max_bad=max_bad,
         topic=topic,

@@ -87,6 +87,7 @@ def read_log(
     time_column: str | int | None = None,
     time_unit: Literal["s", "ms", "us", "ns"] | None = None,
     unit: str | None = None,
+    force_unit: bool = False,
     scale: float | None = None,
     decimal: Literal[".", ","] | None = None,
     raw: Literal["i16", "i32", "f32", "f64"] | None = None,
@@ -110,6 +111,8 @@ def read_log(
         The column with the time of each row, and its unit: ``s``, ``ms``, ``us``, ``ns``; else as its name states.
     unit
         Unit of the columns: ``°/s``, ``rad/s``, ``m/s²``, ``g`` …; else as each states.
+    force_unit
+        Take `unit` where the name of a column states another, which is an error otherwise.
     scale
         What a step of 1 is in that unit.
     decimal
@@ -139,6 +142,7 @@ def read_log(
         time_column=time_column,
         time_unit=time_unit,
         unit=unit,
+        force_unit=force_unit,
         scale=scale,
         decimal=decimal,
         raw=raw,
@@ -164,6 +168,7 @@ def options(
     time_column: str | int | None = None,
     time_unit: str | None = None,
     unit: str | None = None,
+    force_unit: bool = False,
     scale: float | None = None,
     decimal: str | None = None,
     raw: str | None = None,
@@ -176,6 +181,7 @@ def options(
         "time_column": None if time_column is None else str(time_column),
         "time_unit": time_unit,
         "unit": unit,
+        "force_unit": force_unit,
         "scale": None if scale is None else float(scale),
         "decimal": decimal,
         "raw": raw,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Any, Literal
 
 from . import _zerorate
 from ._calibration import Calibration
@@ -87,6 +87,8 @@ class Calibrated:
     """``an1042``, ``warmup`` or ``cycle``."""
     device: str
     """Where the samples came from."""
+    simulated: bool
+    """Whether the part was the software twin."""
     calibration_id: str
     """Short name of the calibration; corrected data carry it."""
     capture_sha256: str
@@ -117,6 +119,10 @@ class Calibrated:
     """K of the recording, °/s/√s."""
     steps: list[dict[str, float]] = field(default_factory=list)
     """Steps of the level that were taken out: ``at_s``, ``size_dps``, ``u_dps``."""
+    budget: list[dict[str, Any]] = field(default_factory=list)
+    """Where the uncertainties come from: ``of`` (PBC or BTC), ``source``, ``u``, ``share`` of the variance."""
+    file: str | None = None
+    """The file that holds the calibration."""
 
 
 def calibrate(
@@ -136,6 +142,8 @@ def calibrate(
     divider: int | None = None,
     serial: str | None = None,
     supply_note: str | None = None,
+    ambient_note: str | None = None,
+    operator: str | None = None,
     log: str | os.PathLike[str] | None = None,
     output: str | os.PathLike[str] | None = None,
     force: bool = False,
@@ -175,8 +183,8 @@ def calibrate(
         Read the temperature with every N-th rate sample.
     divider
         Read on every N-th data-ready edge only.
-    serial, supply_note
-        Stored in the calibration.
+    serial, supply_note, ambient_note, operator
+        Stored in the calibration and in the log.
     log
         Record every sample to this file (`read_capture` reads it).
     output
@@ -213,6 +221,8 @@ def calibrate(
         "divider": divider,
         "serial": serial,
         "supply_note": supply_note,
+        "ambient_note": ambient_note,
+        "operator": operator,
         "log": log,
         "output": output,
         "force": force,

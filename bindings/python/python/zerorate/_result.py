@@ -133,6 +133,7 @@ class Allan:
         inflate: float = 1.0,
         topic: str | None = None,
         force: bool = False,
+        accept_rejected: bool = False,
     ) -> str:
         """The file for a filter, of this one axis. Arguments and result as of `Imu.to_yaml`.
 
@@ -141,7 +142,7 @@ class Allan:
         ValueError
             If nothing stated the unit: the °/s that are assumed then may be °/s or rad/s.
         """
-        return _filters.file([self], path, self.name, format, "worst", inflate, topic, force)
+        return _filters.file([self], path, self.name, format, "worst", inflate, topic, force, accept_rejected)
 
 
 @dataclass(frozen=True, eq=False)

@@ -81,6 +81,7 @@ class _Options(TypedDict):
     time_unit: str | None
     unit: str | None
     scale: float | None
+    force_unit: bool
     decimal: str | None
     raw: str | None
     max_bad: float | None
@@ -172,7 +173,7 @@ def imu_file(
     topic: str | None,
     combine: str,
     inflate: float,
-    force: bool,
+    accept_rejected: bool,
 ) -> tuple[str, list[str]]: ...
 def motion(axes: list[tuple[str, Model]]) -> list[str]: ...
 def unit_kind(unit: str) -> Literal["gyroscope", "accelerometer"] | None: ...

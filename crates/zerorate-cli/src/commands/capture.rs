@@ -1,7 +1,7 @@
 //! `zerorate capture`: raw codes with timestamps, to a file.
 
 use super::correct::load;
-use super::serial::{self, Part, one_line};
+use super::serial::{self, NotesArgs, Part, one_line};
 use crate::device::{DeviceArgs, SamplingArgs};
 use crate::exit::{Refused, Usage};
 use crate::interrupt;
@@ -62,9 +62,8 @@ pub struct CaptureArgs {
     #[arg(long, value_name = "SN", value_parser = one_line)]
     serial: Option<String>,
 
-    /// A note on the supply, to be stored with the samples.
-    #[arg(long, value_name = "TEXT", value_parser = one_line)]
-    supply_note: Option<String>,
+    #[command(flatten)]
+    notes: NotesArgs,
 
     /// Overwrite an existing file, but never the one that is replayed.
     #[arg(long)]
@@ -107,7 +106,7 @@ pub fn run(args: &CaptureArgs) -> Result<()> {
     let calibration = args.cal.as_deref().map(|cal| load(cal, &mut outputs)).transpose()?;
     let setup = args.device.setup(args.sampling, &mut outputs)?;
     let mut acquisition = args.device.open(setup)?;
-    let info = acquisition.info(args.serial.as_deref(), args.supply_note.as_deref());
+    let info = acquisition.info(args.serial.as_deref(), &args.notes.clone().into());
     if let (Some(calibration), Some(path)) = (&calibration, &args.cal) {
         check_serial(args, &info, calibration, path)?;
     }

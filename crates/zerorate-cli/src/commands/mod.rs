@@ -5,6 +5,7 @@ pub mod calibrate;
 pub mod capture;
 pub mod chamber;
 pub mod correct;
+mod earth;
 pub mod explain;
 pub mod export;
 pub mod imu;

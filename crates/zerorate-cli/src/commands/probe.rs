@@ -48,8 +48,9 @@ pub fn run(args: &ProbeArgs) -> Result<()> {
     if args.json {
         return print_json(&findings);
     }
+    let printed = print_lines(&text(&findings));
     warn(&findings.warnings);
-    print_lines(&text(&findings))
+    printed
 }
 
 fn text(findings: &Findings) -> String {

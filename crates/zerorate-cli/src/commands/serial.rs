@@ -1,8 +1,11 @@
-//! Whether a calibration is that of the part: every part has its own bias, and the wrong one shows in nothing.
+//! Whether a calibration is that of the part: every part has its own bias, and the wrong one shows in nothing. And
+//! what is noted of a measurement.
 
 use anyhow::{Result, bail};
+use clap::Args;
 use std::path::Path;
 use zerorate::Calibration;
+use zerorate::calibration::Notes;
 use zerorate_jobs::JobWarning;
 
 /// A text that goes into files and messages as one line.
@@ -10,6 +13,28 @@ pub fn one_line(text: &str) -> Result<String, String> {
     match text.contains(char::is_control) {
         true => Err("it must be one line of plain text, without control characters".to_owned()),
         false => Ok(text.to_owned()),
+    }
+}
+
+/// Notes that go with the samples into the capture and the calibration.
+#[derive(Args, Clone, Debug)]
+pub struct NotesArgs {
+    /// A note on the supply, stored in the file.
+    #[arg(long, value_name = "TEXT", value_parser = one_line, help_heading = "Notes")]
+    supply_note: Option<String>,
+
+    /// A note on the surroundings, such as their temperature, stored in the file.
+    #[arg(long, value_name = "TEXT", value_parser = one_line, help_heading = "Notes")]
+    ambient_note: Option<String>,
+
+    /// Who measures, stored in the file.
+    #[arg(long, value_name = "NAME", value_parser = one_line, help_heading = "Notes")]
+    operator: Option<String>,
+}
+
+impl From<NotesArgs> for Notes {
+    fn from(NotesArgs { supply_note, ambient_note, operator }: NotesArgs) -> Self {
+        Self { supply: supply_note, ambient: ambient_note, operator, host: None }
     }
 }
 

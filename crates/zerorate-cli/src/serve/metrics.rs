@@ -11,11 +11,17 @@ use std::sync::Arc;
 
 /// `GET /metrics`.
 pub async fn metrics(State(server): State<Arc<Server>>) -> Response {
-    let Some(head) = watch::snapshot(&server.visits).await.as_deref().and_then(head) else {
+    let Some(text) = text_of(&server).await else {
         return (StatusCode::SERVICE_UNAVAILABLE, "the device is not read any more\n").into_response();
     };
     let media_type = "text/plain; version=0.0.4; charset=utf-8";
-    ([(header::CONTENT_TYPE, media_type)], text(&head, server.watchers())).into_response()
+    ([(header::CONTENT_TYPE, media_type)], text).into_response()
+}
+
+/// The metrics as text; none if the device is not read any more.
+pub async fn text_of(server: &Server) -> Option<String> {
+    let head = watch::snapshot(&server.visits).await.as_deref().and_then(head)?;
+    Some(text(&head, server.watchers()))
 }
 
 /// The header of a frame (docs/formats/page.md).

@@ -17,6 +17,7 @@ mod page;
 mod recordings;
 mod server;
 mod session_thread;
+mod small_page;
 mod trials;
 mod watch;
 

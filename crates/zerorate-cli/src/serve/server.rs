@@ -3,6 +3,7 @@
 use super::bucket::Bucket;
 use super::guard::{Guard, Refusal};
 use super::session_thread::Visits;
+use super::small_page::small_page;
 use super::trials::Trials;
 use super::{metrics, page, watch};
 use anyhow::{Context, Result};
@@ -134,10 +135,9 @@ async fn asked(stop: &Stop) {
 }
 
 fn routes(server: Arc<Server>) -> Router {
-    let admitted = Router::new()
-        .route("/ws", get(watch::watch))
-        .route("/metrics", get(metrics::metrics))
-        .route_layer(middleware::from_fn_with_state(Arc::clone(&server), admit));
+    let admitted = Router::new().route("/ws", get(watch::watch)).route("/metrics", get(metrics::metrics));
+    let admitted = if page::is_there() { admitted } else { admitted.route("/", get(small_page)) };
+    let admitted = admitted.route_layer(middleware::from_fn_with_state(Arc::clone(&server), admit));
     Router::new()
         .merge(admitted)
         .route("/home.json", get(home))

@@ -199,3 +199,51 @@ fn a_target_ends_the_recording_or_is_said_to_be_missed() {
     assert!((number(&missed, "duration_s") - 205.0).abs() < 0.01, "{missed}");
     assert!(missed["warnings"].to_string().contains("target-missed"), "{missed}");
 }
+
+/// A calibration of the twin is saved only when asked, and says what it is wherever it goes.
+#[test]
+fn a_simulated_calibration_says_so() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let unit = file(&folder, "unit.toml");
+    let run = calibrate(&["--device", "twin:seed=7"]).ended_with(0);
+    assert!(run.stderr.contains("the result will only be printed; -o FILE saves it"), "{}", run.stderr);
+    assert!(run.stdout.starts_with("SIMULATED: Calibration "), "{}", run.stdout);
+    let given = ["--operator", "Ada", "--ambient-note", "23 °C", "-o", path(&unit), "--json"];
+    let result = calibrate(&[&["--device", "twin:seed=7"], &given[..]].concat()).ended_with(0).json();
+    assert_eq!((&result["simulated"], &result["file"]), (&true.into(), &path(&unit).into()));
+    let text = std::fs::read_to_string(&unit).expect("a calibration");
+    for line in ["schema = 4", "created = \"SIMULATED\"", "operator = \"Ada\"", "ambient_note = \"23 °C\""] {
+        assert!(text.contains(line), "{line} in {text}");
+    }
+    assert!(!text.contains("\nhost"), "its files depend on the seed alone: {text}");
+    let report = zerorate(&["report", path(&unit)]).ended_with(0).stdout;
+    assert!(report.contains("<title>SIMULATED: Calibration of ADIS16130"), "{report}");
+    let header = zerorate(&["export", path(&unit), "--format", "c"]).ended_with(0).stdout;
+    assert!(header.contains("measured     SIMULATED"), "{header}");
+}
+
+/// The shares of the variance add up, and each part is no more than the whole.
+#[test]
+fn the_uncertainty_budget_adds_up() {
+    let result = calibrate(&["--device", "twin:seed=7", "--json"]).ended_with(0).json();
+    let budget = result["budget"].as_array().expect("a budget");
+    for (name, u) in [("PBC", number(&result, "u_pbc_dps")), ("BTC", number(&result, "u_btc_dps_per_c"))] {
+        let parts: Vec<&Value> = budget.iter().filter(|part| part["of"] == name).collect();
+        let sum = |key: &str, power: i32| parts.iter().map(|part| number(part, key).powi(power)).sum::<f64>();
+        assert!(parts.len() > 1 && (sum("share", 1) - 1.0).abs() < 1e-9, "{name}: {parts:?}");
+        assert!((sum("u", 2).sqrt() / u - 1.0).abs() < 1e-9, "{name}: {parts:?}");
+    }
+}
+
+/// F-16, by the latitude.
+#[test]
+fn the_latitude_gives_the_earths_rotation() {
+    let earth = |given: &[&str]| {
+        let device = ["--device", "twin:seed=7", "--json"];
+        number(&calibrate(&[&device, given].concat()).ended_with(0).json(), "pbc_dps")
+    };
+    let (without, north, south) = (earth(&[]), earth(&["--latitude", "30"]), earth(&["--latitude", "-30"]));
+    assert!((north - without - 0.00209).abs() < 1e-9 && (south - without + 0.00209).abs() < 1e-9, "{north} {south}");
+    calibrate(&["--latitude", "91"]).ended_with(2).saying(&["from -90 to 90"]);
+    calibrate(&["--latitude", "1", "--earth-dps", "0"]).ended_with(2);
+}

@@ -328,17 +328,17 @@ fn a_rejected_axis_is_no_file_unless_it_is_forced() {
     let row = |i: usize| format!("{},{},{}\n", rows[i][0], rows[i][1], rows[i][2] + 0.9 * rows[i - 40][2]);
     let echo: String = (40..rows.len()).map(row).collect();
     bench.write("imu.csv", format!("t_s,good_gyro_dps,bad_gyro_dps\n{echo}"));
-    let run = bench.zerorate(&format!("{LINE} -o imu.yaml")).ended_with(3);
+    let run = bench.zerorate(&format!("{LINE} -o imu.yaml --force")).ended_with(3);
     let said = "refused: imu.csv: bad_gyro_dps: the noise model is off by ";
     assert!(run.stderr.contains(said) && !bench.path("imu.yaml").exists(), "{}", run.stderr);
     assert!(run.stderr.starts_with("warning: model-rejected: ") && run.stdout.contains("NOT A RESULT"), "{run:?}");
     assert!(run.stdout.contains("bad_gyro_dps   –"), "{}", run.stdout);
-    let run = bench.zerorate(&format!("{LINE} -o imu.yaml --force --report imu.html")).ended_with(0);
+    let run = bench.zerorate(&format!("{LINE} -o imu.yaml --accept-rejected --report imu.html")).ended_with(0);
     let page = std::fs::read_to_string(bench.path("imu.html")).unwrap();
     for said in ["rejected: off by ", "%: rejected</td>", "</td><td>–</td><td>°/√h</td>"] {
         assert!(page.contains(said), "{said}");
     }
-    assert!(run.stderr.contains("written all the same (--force)"), "{}", run.stderr);
+    assert!(run.stderr.contains("written all the same (--accept-rejected)"), "{}", run.stderr);
     let yaml = std::fs::read_to_string(bench.path("imu.yaml")).unwrap();
     assert!(yaml.contains("# NOT A RESULT: bad_gyro_dps: the noise model is off by "), "{yaml}");
 }
@@ -568,4 +568,21 @@ fn a_bag_of_a_part_with_one_axis() {
     // who names it is told that it is dead
     let why = bench.zerorate("imu own.mcap --topic /imu/data_raw --column angular_velocity.x").fails(3);
     assert!(why.contains("all ") && why.contains("are the same"), "{why}");
+}
+
+/// A unit that the name of the column contradicts is refused: the noise would be off by the factor.
+#[test]
+fn units_that_contradict_each_other_are_refused() {
+    let bench = Bench::new();
+    let rows: String =
+        log().lines().skip(1).map(|row| row.split(',').take(2).collect::<Vec<_>>().join(",") + "\n").collect();
+    bench.write("gyro.csv", format!("t_s,gz_dps\n{rows}"));
+    for line in ["imu gyro.csv --gyro-unit rad/s", "allan gyro.csv --column gz_dps --unit rad/s"] {
+        let said = bench.zerorate(line).fails(2);
+        for part in ["`gz_dps` states °/s", "says rad/s, 5.730e1 times as large", "give --force-unit"] {
+            assert!(said.contains(part), "{part} in {said}");
+        }
+        bench.zerorate(&format!("{line} --force-unit")).ok();
+    }
+    bench.zerorate("allan gyro.csv --column gz_dps --unit dps").ok();
 }

@@ -147,3 +147,34 @@ fn what_a_log_does_not_say_is_asked_for() {
         assert!(text.contains(said), "{text}");
     }
 }
+
+/// Without `-o` the result of a real part is kept, beside no other file of its name, and said to be; not with
+/// `--no-save`.
+#[test]
+fn a_finished_hour_is_kept() {
+    let bench = Bench::new();
+    bench.write("table.csv", of_values());
+    bench.write("part.toml", PART);
+    let line = format!("calibrate --device replay:table.csv --part part.toml {PLAN}");
+    let calibrations = || {
+        let names = std::fs::read_dir(bench.path(".")).unwrap().map(|entry| entry.unwrap().file_name());
+        let names = names.map(|name| name.into_string().unwrap());
+        names.filter(|name| name.starts_with("calibration-")).collect::<Vec<_>>()
+    };
+    let run = bench.zerorate(&format!("{line} --no-save")).ended_with(0);
+    assert!(run.stderr.starts_with("the result will only be printed"), "{}", run.stderr);
+    assert!(run.stdout.contains("Nothing was saved") && calibrations().is_empty(), "{}", run.stdout);
+    let run = bench.zerorate(&line).ended_with(0);
+    let [name] = &calibrations()[..] else { panic!("{:?}", calibrations()) };
+    assert!(run.stderr.starts_with("the result will be saved as calibration-<id>.toml"), "{}", run.stderr);
+    assert!(run.stdout.contains(&format!("Written to {name}")), "{}", run.stdout);
+    let text = std::fs::read_to_string(bench.path(name)).unwrap();
+    let (calibration, _) = Calibration::parse(&text).unwrap();
+    assert_eq!(*name, format!("calibration-{}.toml", calibration.id()));
+    // the same result once more: the file stays as it is, and the other is beside it
+    bench.write(name, "another");
+    let said = bench.zerorate(&line).fails(1);
+    assert!(said.contains("exists") && said.contains("the calibration is not lost"), "{said}");
+    assert_eq!(std::fs::read_to_string(bench.path(name)).unwrap(), "another");
+    assert_eq!(calibrations().len(), 2);
+}

@@ -4,6 +4,7 @@ use super::channel::{Channel, Element};
 use super::sysfs::{first, read_text, write};
 use super::{DEFAULT_POLL_HZ, IioAddress, Poll, Polls};
 use crate::Stop;
+use crate::clock;
 use crate::error::{Cause, UserError};
 use crate::source::{DeviceInfo, Sampling, Setup, Source, part_of};
 use adis16130::MCLK_HZ;
@@ -14,6 +15,7 @@ use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
+use zerorate::calibration::Notes;
 use zerorate::{Axis, NamedAxis, NoiseSources, Part, Scale};
 use zerorate_record::{CaptureInfo, Layout, Row};
 
@@ -79,7 +81,8 @@ impl Device {
             every_temp: setup.sampling.every_temp.unwrap_or(1),
             bandwidth_hz: address.bandwidth_hz,
             software: zerorate::SOFTWARE.to_owned(),
-            created: crate::clock::text(),
+            created: clock::text(),
+            notes: Notes { host: clock::host(), ..Notes::default() },
             ..CaptureInfo::new(layout)
         };
         let part =

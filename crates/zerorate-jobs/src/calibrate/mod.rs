@@ -14,6 +14,7 @@ use crate::recorder::Recorder;
 use anyhow::Result;
 use measurement::Measurement;
 use std::path::{Path, PathBuf};
+use zerorate::calibration::Notes;
 use zerorate::{Calibration, Method, Names, Part, PartProcedure, Plan, Say};
 use zerorate_host::DeviceInfo;
 use zerorate_record::{CaptureInfo, Format};
@@ -23,12 +24,14 @@ use zerorate_record::{CaptureInfo, Format};
 pub struct Kept {
     /// The file of the calibration.
     pub output: Option<PathBuf>,
+    /// Without an `output`, the calibration of a real part goes to `calibration-<id>.toml` in the current folder.
+    pub saves: bool,
     /// The file that records every sample.
     pub log: Option<PathBuf>,
     /// Serial number of the part.
     pub serial: Option<String>,
-    /// A note on the supply.
-    pub supply_note: Option<String>,
+    /// Circumstances of the measurement, as the user describes them.
+    pub notes: Notes,
 }
 
 /// A recording of a method without steps takes no longer than this, s.
@@ -67,6 +70,15 @@ impl Files {
         self.kept.log.as_ref().map(start).transpose()
     }
 
+    /// Writes the calibration, where a file is to hold it.
+    fn fill(mut self, calibration: &Calibration) -> Result<()> {
+        let file = match (self.calibration, &self.kept.output) {
+            (None, Some(path)) => Some(self.outputs.derived(path)?),
+            (claimed, _) => claimed,
+        };
+        Ok(file.map_or(Ok(()), |file| file.fill(calibration.to_toml().as_bytes()))?)
+    }
+
     /// What they were to be called, that of the calibration first.
     fn wanted(&self) -> Vec<PathBuf> {
         self.kept.output.iter().chain(&self.kept.log).cloned().collect()
@@ -103,27 +115,38 @@ impl Job {
         self.procedure.plan()
     }
 
+    /// Whether the calibration will be saved although no file was named for it.
+    #[must_use]
+    pub fn saves(&self) -> bool {
+        let kept = &self.files.kept;
+        kept.output.is_none() && kept.saves && !self.acquisition.facts().info.is_simulated()
+    }
+
     /// Measures. `watch` looks on, and may end it.
     ///
     /// # Errors
     /// [`Refused`](crate::Refused) where the samples must not become a calibration; else why the device or the log
     /// failed, or that `watch` ended it.
     pub fn run(self, watch: &mut dyn Watch) -> Result<Done> {
+        let saves = self.saves();
         let Self { mut acquisition, procedure, mut files } = self;
         target::marks_ns(procedure.plan()).for_each(|after_ns| acquisition.mark(after_ns));
-        let info = acquisition.info(files.kept.serial.as_deref(), files.kept.supply_note.as_deref());
+        let info = acquisition.info(files.kept.serial.as_deref(), &files.kept.notes);
         let names = watch.names();
         let log = files.log(acquisition.facts(), &info)?;
         let mut measured = Measurement::new(acquisition, procedure, log, watch).run()?;
         measured.outcomes.iter_mut().for_each(|outcome| outcome.warnings.extend(measured.resonance));
         let calibration = Calibration::new(&measured.part, &measured.outcomes, info.origin(measured.capture_sha256));
-        let report = Report::new(&measured.outcomes, &calibration, &measured.truths, names);
+        let mut report = Report::new(&measured.outcomes, &calibration, &measured.truths, names);
+        if saves {
+            files.kept.output = Some(format!("calibration-{}.toml", calibration.id()).into());
+        }
         let wanted = files.wanted();
         let kept = match measured.log_failed {
             Some(error) => Err(error),
             None => {
-                let text = calibration.to_toml();
-                files.calibration.map_or(Ok(()), |file| file.fill(text.as_bytes())).map_err(Into::into)
+                report.file.clone_from(&files.kept.output);
+                files.fill(&calibration)
             }
         };
         let kept = kept.map_err(|why| Undelivered::rescue(why, &wanted, &calibration));

@@ -4,7 +4,7 @@ use crate::warning::{CodedWarning, JobWarning};
 use adis16130_twin::Truth;
 use serde::Serialize;
 use std::path::PathBuf;
-use zerorate::calibration::{CalibratedAxis, Run};
+use zerorate::calibration::{CalibratedAxis, Contribution, Run};
 use zerorate::thermal::{BiasCurve, Step, TERMS};
 use zerorate::{Calibration, Names, Outcome, Uncertainty, Warning};
 
@@ -27,6 +27,11 @@ pub struct Report {
     pub method: Option<String>,
     pub device: Option<String>,
     pub calibration_id: String,
+    /// Whether the part was the software twin.
+    pub simulated: bool,
+    /// The file that holds the calibration.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub file: Option<PathBuf>,
     pub capture_sha256: Option<String>,
     /// Those that concern all axes.
     pub warnings: Vec<CodedWarning>,
@@ -66,6 +71,9 @@ pub struct Numbers {
     pub u_pbc_dps: f64,
     pub u_btc_dps_per_c: f64,
     pub u_t3_c: f64,
+    /// Where the uncertainties come from; empty for a curve.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub budget: Vec<Contribution>,
     pub impossible_readings: u64,
     /// The correction at the end of the recording, evenly over the temperatures seen.
     pub curve: Vec<CurvePoint>,
@@ -169,6 +177,7 @@ impl Numbers {
             u_pbc_dps: outcome.uncertainty.u_pbc_dps,
             u_btc_dps_per_c: outcome.uncertainty.u_btc_dps_per_c,
             u_t3_c: outcome.uncertainty.u_t3_c,
+            budget: axis.budget(),
             impossible_readings: outcome.impossible_readings,
             truth: truth.map(|truth| TruthReport::new(truth, t3_c, (low_c, high_c))),
         }
@@ -224,6 +233,8 @@ impl Report {
             method: calibration.method.clone(),
             device: calibration.device.clone(),
             calibration_id: calibration.id(),
+            simulated: calibration.is_simulated(),
+            file: None,
             capture_sha256: calibration.capture_sha256.clone(),
             warnings: common.into_iter().map(coded).collect(),
             axes,

@@ -129,8 +129,8 @@ pub fn prepare(
     if options.moves_air {
         plan.plan.spares(part).map_err(|error| InvalidOptions(error.to_string()))?;
     }
-    let Kept { serial, supply_note, .. } = &files.of_calibration.kept;
-    let info = acquisition.info(serial.as_deref(), supply_note.as_deref());
+    let Kept { serial, notes, .. } = &files.of_calibration.kept;
+    let info = acquisition.info(serial.as_deref(), notes);
     let procedure = ChamberProcedure::new(part, plan.plan.clone(), options.max_lost);
     let mut procedure = procedure.map_err(|error| InvalidOptions(error.to_string()))?;
     let steps = FinishedSteps {

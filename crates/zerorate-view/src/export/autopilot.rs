@@ -138,12 +138,13 @@ fn head(export: &Export, what: &str) -> String {
     let Validity { temp_min_c, temp_max_c, .. } = layout.valid;
     let whence = if layout.stated { "seen while measuring" } else { "assumed, the calibration states none" };
     format!(
-        "# {what}\n# Written by {}; part {}, serial {}, calibration {},\n\
+        "# {what}\n# Written by {}; part {}, serial {}, calibration {}, measured {},\n\
          # {temp_min_c:.1} to {temp_max_c:.1} deg C, {whence}.\n",
         zerorate::SOFTWARE,
         super::firmware::comment(&calibration.part),
         text(&calibration.serial),
-        calibration.id()
+        calibration.id(),
+        text(&calibration.created)
     )
 }
 

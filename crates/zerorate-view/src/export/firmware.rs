@@ -5,8 +5,10 @@ use super::layout::Layout;
 use super::prefix::Prefix;
 use super::{Export, InvalidOptions};
 use anyhow::{Context, Result, bail, ensure};
-use zerorate::calibration::CalibratedAxis;
-use zerorate::{Correction, CurveForm, IntegerCorrection, IntegerCurve, RowIndex, Scale, TableRow, Validity};
+use zerorate::calibration::{CalibratedAxis, Notes};
+use zerorate::{
+    Calibration, Correction, CurveForm, IntegerCorrection, IntegerCurve, RowIndex, Scale, TableRow, Validity,
+};
 
 /// What stands for a `@KEY@` of a template.
 type Entries = Vec<(&'static str, String)>;
@@ -255,8 +257,24 @@ fn origin(export: &Export) -> Entries {
         ("SERIAL", text(&calibration.serial)),
         ("CREATED", text(&calibration.created)),
         ("METHOD", text(&calibration.method)),
+        ("CIRCUMSTANCES", circumstances(calibration)),
         ("ID", calibration.id()),
     ]
+}
+
+/// Device, computer, operator, supply and surroundings, as far as they are stated.
+fn circumstances(calibration: &Calibration) -> String {
+    let Notes { supply, ambient, operator, host } = &calibration.notes;
+    let stated = [
+        ("device", &calibration.device),
+        ("computer", host),
+        ("operator", operator),
+        ("supply", supply),
+        ("surroundings", ambient),
+    ];
+    let stated = stated.into_iter().filter_map(|(name, value)| Some(format!("{name} {}", comment(value.as_ref()?))));
+    let stated: Vec<String> = stated.collect();
+    if stated.is_empty() { "not stated".to_owned() } else { stated.join(", ") }
 }
 
 /// No table has so many rows that its middle, times 2³², is larger.

@@ -11,6 +11,7 @@ use zerorate::{Calibration, Correction, IntegerCorrection, IntegerCurve, Scale, 
 #[derive(Serialize)]
 struct One<'a> {
     calibration_id: String,
+    simulated: bool,
     serial: Option<&'a str>,
     pbc_dps: f64,
     btc_dps_per_c: f64,
@@ -35,6 +36,7 @@ struct Curve {
 #[derive(Serialize)]
 struct Several<'a> {
     calibration_id: String,
+    simulated: bool,
     part: &'a str,
     serial: Option<&'a str>,
     temp_min_c: Option<f64>,
@@ -131,6 +133,7 @@ pub(super) fn text(export: &Export) -> Result<String> {
     let mut axes: Vec<Axis> =
         axes.map(|(axis, rows)| self::axis(calibration, axis, layout, rows)).collect::<Result<_>>()?;
     let (calibration_id, serial) = (calibration.id(), calibration.serial.as_deref());
+    let simulated = calibration.is_simulated();
     let temp_min_c = calibration.validity.map(|span| span.temp_min_c);
     let temp_max_c = calibration.validity.map(|span| span.temp_max_c);
     let valid = valid(layout, calibration.temp.as_ref());
@@ -138,6 +141,7 @@ pub(super) fn text(export: &Export) -> Result<String> {
         let Axis { pbc_dps, btc_dps_per_c, t3_c, curve, integer, table, .. } = axes.remove(0);
         serde_json::to_string_pretty(&One {
             calibration_id,
+            simulated,
             serial,
             pbc_dps,
             btc_dps_per_c,
@@ -151,7 +155,16 @@ pub(super) fn text(export: &Export) -> Result<String> {
         })?
     } else {
         let part = &calibration.part;
-        serde_json::to_string_pretty(&Several { calibration_id, part, serial, temp_min_c, temp_max_c, valid, axes })?
+        serde_json::to_string_pretty(&Several {
+            calibration_id,
+            simulated,
+            part,
+            serial,
+            temp_min_c,
+            temp_max_c,
+            valid,
+            axes,
+        })?
     };
     Ok(text + "\n")
 }

@@ -126,14 +126,16 @@ pub fn text(content: &str, (x, y): (f64, f64), anchor: Anchor) -> Text {
     Text::new(printable::line(content)).set("x", px(x)).set("y", px(y)).set("text-anchor", anchor.name())
 }
 
-/// A line of text that stays readable on top of lines.
-pub fn label(content: &str, at: (f64, f64), anchor: Anchor, colour: &str) -> Text {
-    text(content, at, anchor)
-        .set("fill", colour)
+/// A line of text that stays readable on top of lines: the halo is a text of its own below it, since some renderers
+/// do not know `paint-order`.
+pub fn label(content: &str, at: (f64, f64), anchor: Anchor, colour: &str) -> Group {
+    let halo = text(content, at, anchor)
+        .set("fill", "white")
         .set("stroke", "white")
         .set("stroke-width", 4)
         .set("stroke-linejoin", "round")
-        .set("paint-order", "stroke")
+        .set("aria-hidden", "true");
+    Group::new().add(halo).add(text(content, at, anchor).set("fill", colour))
 }
 
 /// A straight line.

@@ -2,13 +2,16 @@
 
 use super::axes::Axis;
 use super::canvas::{self, Anchor, Area, Frame, INK, line, path, stroke};
-use svg::node::element::{Group, Path};
+use svg::node::element::{Circle, Group, Path};
 
 /// What is added to the rate, over temperature.
 #[derive(Clone, Debug)]
 pub struct CorrectionCurve {
     /// By temperature.
     pub points: Vec<CorrectionPoint>,
+    /// The means that the curve rests on: minus the mean rate at each mean temperature. They are drawn as dots with
+    /// their intervals.
+    pub means: Vec<CorrectionPoint>,
     /// Reference temperature T3, °C.
     pub t3_c: f64,
     /// Lowest and highest temperature of the measurement, °C.
@@ -35,7 +38,11 @@ pub fn correction(curve: &CorrectionCurve) -> String {
     let area = Area { left: 100.0, right: f64::from(SIZE.0) - 28.0, top: 40.0, bottom: f64::from(SIZE.1) - 68.0 };
     let temps = curve.points.iter().map(|point| point.temp_c);
     let (coldest, hottest) = range(temps);
-    let ends = curve.points.iter().flat_map(|p| [p.correction_dps - p.half_dps, p.correction_dps + p.half_dps]);
+    let ends = curve
+        .points
+        .iter()
+        .chain(&curve.means)
+        .flat_map(|p| [p.correction_dps - p.half_dps, p.correction_dps + p.half_dps]);
     let (low, high) = range(ends);
     let margin = (0.06 * (high - low)).max(1e-6);
     let x = Axis::linear(coldest, hottest, (area.left, area.right));
@@ -46,6 +53,7 @@ pub fn correction(curve: &CorrectionCurve) -> String {
         .add(frame.draw())
         .add(lines(curve, &area, &x, &y))
         .add(reference(curve, &area, &x))
+        .add(means(curve, &area, &x, &y))
         .to_string()
 }
 
@@ -71,6 +79,17 @@ fn lines(curve: &CorrectionCurve, area: &Area, x: &Axis, y: &Axis) -> Group {
     let outline = curve.points.iter().map(edge(1.0)).chain(curve.points.iter().rev().map(edge(-1.0)));
     let band = Path::new().set("d", path(outline).close()).set("fill", BLUE).set("fill-opacity", 0.18);
     canvas::clipped(area).add(band).add(stroke(path(curve.points.iter().map(edge(0.0))), BLUE, 2.0))
+}
+
+fn means(curve: &CorrectionCurve, area: &Area, x: &Axis, y: &Axis) -> Group {
+    let mean = |group: Group, &CorrectionPoint { temp_c, correction_dps, half_dps }: &CorrectionPoint| {
+        let [at, low, high] =
+            [correction_dps, correction_dps - half_dps, correction_dps + half_dps].map(|dps| y.at(dps));
+        let bar = line((x.at(temp_c), low), (x.at(temp_c), high)).set("stroke", INK).set("stroke-width", 1.5);
+        let dot = Circle::new().set("cx", canvas::px(x.at(temp_c))).set("cy", canvas::px(at)).set("r", 4);
+        group.add(bar).add(dot.set("fill", "white").set("stroke", INK).set("stroke-width", 1.5))
+    };
+    curve.means.iter().fold(canvas::clipped(area), mean)
 }
 
 fn reference(curve: &CorrectionCurve, area: &Area, x: &Axis) -> Group {

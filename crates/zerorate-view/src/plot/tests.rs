@@ -135,7 +135,7 @@ fn what_has_no_logarithm_is_left_out() {
 fn the_correction_is_drawn_over_its_span() {
     let point = |temp_c: f64| CorrectionPoint { temp_c, correction_dps: -0.04 * (temp_c - 30.0), half_dps: 0.01 };
     let points = [20.0, 30.0, 40.0].map(point).to_vec();
-    let svg = correction(&CorrectionCurve { points, t3_c: 30.0, valid_c: Some((25.0, 35.0)) });
+    let svg = correction(&CorrectionCurve { points, means: Vec::new(), t3_c: 30.0, valid_c: Some((25.0, 35.0)) });
     let found = texts(&svg);
     for expected in ["temperature, °C", "correction, °/s", "T3", "measured here", "20", "40"] {
         assert!(found.iter().any(|text| text == expected), "{expected} in {found:?}");

@@ -6,7 +6,7 @@ use crate::plot::{self, CorrectionCurve, CorrectionPoint};
 use crate::printable;
 use anyhow::Result;
 use askama::Template;
-use zerorate::calibration::{CalibratedAxis, CurveRecord, Run, Uncertainties};
+use zerorate::calibration::{CalibratedAxis, Contribution, CurveRecord, Run, SIMULATED, Uncertainties};
 use zerorate::{Calibration, Correction, Validity};
 
 /// The table of AN-1042 (F-52): its step and its reach, °C.
@@ -19,6 +19,7 @@ const POINTS: u32 = 80;
 #[derive(Template)]
 #[template(path = "calibration.html")]
 struct Page<'a> {
+    simulated: bool,
     title: String,
     below: String,
     software: &'a str,
@@ -38,6 +39,7 @@ struct AxisPart<'a> {
     warnings: &'a [String],
     coverage: String,
     quantities: Vec<Quantity>,
+    budget: Vec<BudgetRow>,
     pbc: String,
     btc: String,
     t3: String,
@@ -46,6 +48,7 @@ struct AxisPart<'a> {
     terms: String,
     picture: String,
     has_band: bool,
+    has_means: bool,
     table: Vec<LookUpRow>,
     sections: Vec<Section>,
 }
@@ -57,6 +60,13 @@ struct Quantity {
     unit: &'static str,
     uncertainty: String,
     interval: String,
+}
+
+struct BudgetRow {
+    of: &'static str,
+    source: &'static str,
+    u: String,
+    share: String,
 }
 
 struct LookUpRow {
@@ -75,10 +85,19 @@ struct Section {
 /// A table that cannot be laid out.
 pub fn calibration_page(calibration: &Calibration, file: &str) -> Result<String> {
     let serial = calibration.serial.as_deref().map_or(String::new(), |serial| format!(", serial {serial}"));
-    let created = calibration.created.as_deref().map_or("no date".to_owned(), |created| format!("measured {created}"));
+    let created = match calibration.created.as_deref() {
+        _ if calibration.is_simulated() => SIMULATED.to_owned(),
+        Some(created) => format!("measured {created}"),
+        None => "no date".to_owned(),
+    };
     let several = calibration.axes.len() > 1;
     let page = Page {
-        title: format!("Calibration of {}{serial}", calibration.part),
+        simulated: calibration.is_simulated(),
+        title: format!(
+            "{}Calibration of {}{serial}",
+            if calibration.is_simulated() { "SIMULATED: " } else { "" },
+            calibration.part
+        ),
         below: format!("{file}: calibration {}, {created}", calibration.id()),
         software: zerorate::SOFTWARE,
         file,
@@ -104,6 +123,7 @@ fn axis_part<'a>(calibration: &Calibration, axis: &'a CalibratedAxis) -> Result<
         warnings: &axis.warnings,
         coverage: coverage(axis),
         quantities: quantities(axis),
+        budget: axis.budget().iter().map(budget_row).collect(),
         pbc: signed_term(correction.pbc_dps),
         btc: format!("{:+.6}", correction.btc_dps_per_c),
         t3: format!("{:.4}", correction.t3_c),
@@ -111,9 +131,20 @@ fn axis_part<'a>(calibration: &Calibration, axis: &'a CalibratedAxis) -> Result<
         terms: terms(correction),
         picture: calibration_picture(axis, calibration.validity),
         has_band: stated(axis).is_some(),
+        has_means: !means_of(axis).is_empty(),
         table: correction.table(TABLE_C.0, TABLE_C.1)?.into_iter().map(row).collect(),
         sections: own.into_iter().filter(|section| several && !section.facts.is_empty()).collect(),
     })
+}
+
+fn budget_row(part: &Contribution) -> BudgetRow {
+    let unit = if part.of == "PBC" { "°/s" } else { "°/s/°C" };
+    BudgetRow {
+        of: part.of,
+        source: part.source,
+        u: format!("{:.2e} {unit}", part.u),
+        share: format!("{:.0} %", 100.0 * part.share),
+    }
 }
 
 fn coverage(axis: &CalibratedAxis) -> String {
@@ -222,7 +253,23 @@ pub fn calibration_picture(axis: &CalibratedAxis, validity: Option<Validity>) ->
             half_dps: factor * axis.u_correction_dps(temp_c).unwrap_or(0.0),
         }
     };
-    plot::correction(&CorrectionCurve { points: (0..=POINTS).map(point).collect(), t3_c: correction.t3_c, valid_c })
+    let points = (0..=POINTS).map(point).collect();
+    plot::correction(&CorrectionCurve { points, means: means_of(axis), t3_c: correction.t3_c, valid_c })
+}
+
+/// Minus the means of steps 4, 6 and 8, with their intervals: what a line by AN-1042 rests on.
+fn means_of(axis: &CalibratedAxis) -> Vec<CorrectionPoint> {
+    let Some((means, u)) = axis.measured.zip(axis.uncertainty) else { return Vec::new() };
+    let mean = |temp_c, correction_dps, u_dps| CorrectionPoint {
+        temp_c,
+        correction_dps,
+        half_dps: u.coverage_factor * u_dps,
+    };
+    vec![
+        mean(means.t1_c, -means.b1_dps, u.u_b1_dps),
+        mean(means.t2_c, -means.b2_dps, u.u_b2_dps),
+        mean(axis.correction.t3_c, axis.correction.pbc_dps, u.u_pbc_dps),
+    ]
 }
 
 fn sections(calibration: &Calibration) -> Vec<Section> {
@@ -307,7 +354,10 @@ fn origin(calibration: &Calibration) -> Vec<Fact> {
         ("measured", &calibration.created),
         ("device", &calibration.device),
         ("configuration", &calibration.config),
-        ("supply", &calibration.supply_note),
+        ("supply", &calibration.notes.supply),
+        ("surroundings", &calibration.notes.ambient),
+        ("operator", &calibration.notes.operator),
+        ("computer", &calibration.notes.host),
         ("software", &calibration.software),
         ("SHA-256 of the samples", &calibration.capture_sha256),
     ];

@@ -219,6 +219,6 @@ pub struct NoiseFileCommand {
     pub combine: String,
     /// Factor on all noise, above 0; 1: as measured.
     pub inflate: f64,
-    /// Also where the numbers are no result; the file says so.
-    pub force: bool,
+    /// Also make it from rejected models; the file says so.
+    pub accept_rejected: bool,
 }

@@ -107,7 +107,7 @@ mod reader {
             Ok(Download {
                 name: format!("imu-{}.yaml", format.name()),
                 media_type: "application/yaml".to_owned(),
-                text: format.file(choice, &axes, &doubts, command.force).map_err(|why| why.to_string())?,
+                text: format.file(choice, &axes, &doubts, command.accept_rejected).map_err(|why| why.to_string())?,
             })
         }
     }

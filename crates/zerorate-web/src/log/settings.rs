@@ -22,7 +22,11 @@ const FIELDS: [(Setting, &str, LogSetting); 10] = [
 ];
 
 fn label(setting: Setting) -> &'static str {
-    FIELDS.iter().find(|(of, ..)| *of == setting).map_or_else(|| setting.name(), |(_, label, _)| label)
+    let field = FIELDS.iter().find(|(of, ..)| *of == setting);
+    match setting {
+        Setting::ForceUnit => "rename the column",
+        _ => field.map_or_else(|| setting.name(), |(_, label, _)| label),
+    }
 }
 
 /// The fields that a message names.

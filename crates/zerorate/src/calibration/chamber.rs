@@ -44,7 +44,7 @@ impl Calibration {
             device: Some(one_line(&origin.device)),
             config: Some(one_line(&origin.config)),
             capture_sha256: Some(origin.capture_sha256).filter(|hash| !hash.is_empty()),
-            supply_note: origin.supply_note.as_deref().map(one_line),
+            notes: origin.notes.one_line(),
             warnings,
             temp: part.axes.first().map(|first| first.axis.temp),
             axes: part.axes.iter().zip(outcomes).map(|(axis, outcome)| calibrated(axis, outcome, is_only)).collect(),

@@ -1,6 +1,6 @@
 //! The tables of the file, and what they mean.
 
-use super::{CalibratedAxis, Calibration, CurveRecord, NoiseRecord, Run, Uncertainties};
+use super::{CalibratedAxis, Calibration, CurveRecord, NoiseRecord, Notes, Run, Uncertainties};
 use crate::estimate::Measured;
 use crate::part::{Part, Scale};
 use crate::{Correction, Validity};
@@ -13,6 +13,9 @@ pub(super) const SEVERAL: u32 = 2;
 
 /// The schema that brought the terms of a curve, in either form.
 pub(super) const CURVED: u32 = 3;
+
+/// The schema that brought the notes beside that on the supply, in either form.
+pub(super) const NOTED: u32 = 4;
 
 /// Every key of all schemas, in the order in which they are written.
 #[derive(Deserialize, Serialize)]
@@ -28,6 +31,9 @@ pub(super) struct CalibrationForm {
     config: Option<String>,
     capture_sha256: Option<String>,
     supply_note: Option<String>,
+    pub(super) ambient_note: Option<String>,
+    pub(super) operator: Option<String>,
+    pub(super) host: Option<String>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     warnings: Vec<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -148,7 +154,12 @@ impl CalibrationForm {
             device: self.device,
             config: self.config,
             capture_sha256: self.capture_sha256,
-            supply_note: self.supply_note,
+            notes: Notes {
+                supply: self.supply_note,
+                ambient: self.ambient_note,
+                operator: self.operator,
+                host: self.host,
+            },
             warnings: self.warnings,
             temp,
             axes,
@@ -189,7 +200,9 @@ impl Calibration {
     /// The version of its file form: the oldest that can say all of it.
     #[must_use]
     pub fn schema(&self) -> u32 {
+        let Notes { supply: _, ambient, operator, host } = &self.notes;
         match self.axes.iter().all(|axis| axis.correction.is_line() && axis.curve.is_none()) {
+            _ if [ambient, operator, host].into_iter().any(Option::is_some) => NOTED,
             false => CURVED,
             true if self.is_plain() => 1,
             true => SEVERAL,
@@ -212,7 +225,7 @@ impl Calibration {
     }
 
     pub(super) fn form(&self) -> CalibrationForm {
-        let Self { validity, run, .. } = *self;
+        let Self { validity, run, ref notes, .. } = *self;
         let plain = self.is_plain();
         let only = self.axes.first().filter(|_| plain);
         CalibrationForm {
@@ -225,7 +238,10 @@ impl Calibration {
             device: self.device.clone(),
             config: self.config.clone(),
             capture_sha256: self.capture_sha256.clone(),
-            supply_note: self.supply_note.clone(),
+            supply_note: notes.supply.clone(),
+            ambient_note: notes.ambient.clone(),
+            operator: notes.operator.clone(),
+            host: notes.host.clone(),
             warnings: self.warnings.clone(),
             temperature: self.temp.filter(|_| !plain).map(TempScale::from),
             correction: only.map(|axis| axis.correction),

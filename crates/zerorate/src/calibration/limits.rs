@@ -1,6 +1,6 @@
 //! What the numbers of a calibration can be.
 
-use super::form::{AxisForm, CURVED, CalibrationForm, SEVERAL, Span};
+use super::form::{AxisForm, CURVED, CalibrationForm, NOTED, SEVERAL, Span};
 use super::{CurveRecord, SCHEMA, Uncertainties};
 use crate::Correction;
 use crate::part::{Axis, MAX_AXES, Part, Scale, is_word};
@@ -57,6 +57,10 @@ impl CalibrationForm {
     /// Whether this is a calibration that one can compute with.
     pub(super) fn check(&self, document: &Document<'_>) -> Result<(), EntryError> {
         let root = document.root();
+        for (key, note) in [("ambient_note", &self.ambient_note), ("operator", &self.operator), ("host", &self.host)] {
+            let belongs = || format!("belongs to schema {NOTED}");
+            root.at(key).require(note.is_none() || self.schema >= NOTED, belongs)?;
+        }
         match &self.axis {
             None if self.schema != SEVERAL => self.check_only_axis(root)?,
             Some(axes) if self.schema >= SEVERAL => self.check_axes(root, axes)?,

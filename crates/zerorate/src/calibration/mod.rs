@@ -4,11 +4,13 @@
 //! Its file form is specified in `docs/formats/calibration.md`; [`Calibration::parse`] and [`Calibration::to_toml`]
 //! read and write it.
 
+mod budget;
 mod chamber;
 mod file;
 mod form;
 mod limits;
 
+pub use budget::Contribution;
 pub use chamber::ChamberRun;
 pub use file::{FileError, FileWarning};
 
@@ -25,7 +27,10 @@ use serde::{Deserialize, Serialize};
 use zerorate_allan::FLOOR_PER_B;
 
 /// The newest version of the file form that this software reads and writes.
-pub const SCHEMA: u32 = 3;
+pub const SCHEMA: u32 = 4;
+
+/// Stands where a date would: the part was the software twin.
+pub const SIMULATED: &str = "SIMULATED";
 
 /// One unit's calibration. Only part and corrections must be there; a measured calibration has everything.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,7 +39,7 @@ pub struct Calibration {
     pub part: String,
     /// Serial number of the unit.
     pub serial: Option<String>,
-    /// When the measurement ended, RFC 3339; none for a simulated part.
+    /// When the samples were recorded, RFC 3339; [`SIMULATED`] for the software twin.
     pub created: Option<String>,
     /// How it was measured: `an1042` is F-51; `warmup` and `cycle` take every block of a recording.
     pub method: Option<String>,
@@ -46,8 +51,8 @@ pub struct Calibration {
     pub config: Option<String>,
     /// SHA-256 of the samples it was computed from (`docs/formats/capture.md`).
     pub capture_sha256: Option<String>,
-    /// What the user noted of the supply.
-    pub supply_note: Option<String>,
+    /// Circumstances of the measurement.
+    pub notes: Notes,
     /// Texts of the measurement's warnings that concern all axes.
     pub warnings: Vec<String>,
     /// Scale of the codes of the temperature that all axes share.
@@ -160,6 +165,12 @@ pub struct Run {
     pub assume_linear: bool,
 }
 
+/// Whether a device of this name is the software twin.
+#[must_use]
+pub fn is_twin(device: &str) -> bool {
+    device == "twin" || device.starts_with("twin:")
+}
+
 /// What the core cannot know of a measurement.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[expect(missing_docs, reason = "as the fields of `Calibration`")]
@@ -170,7 +181,44 @@ pub struct Origin {
     pub device: String,
     pub config: String,
     pub capture_sha256: String,
-    pub supply_note: Option<String>,
+    pub notes: Notes,
+}
+
+/// Circumstances of a measurement, for its reader: nothing is computed from them.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Notes {
+    /// The supply, as the user describes it.
+    pub supply: Option<String>,
+    /// The surroundings, as the user describes them.
+    pub ambient: Option<String>,
+    /// Who measured.
+    pub operator: Option<String>,
+    /// Name of the computer; none for a simulated part, whose files depend on the seed alone.
+    pub host: Option<String>,
+}
+
+impl Notes {
+    /// These notes, and those of `other` where these are silent.
+    #[must_use]
+    pub fn or(self, other: Self) -> Self {
+        Self {
+            supply: self.supply.or(other.supply),
+            ambient: self.ambient.or(other.ambient),
+            operator: self.operator.or(other.operator),
+            host: self.host.or(other.host),
+        }
+    }
+
+    /// Each note on one line.
+    fn one_line(self) -> Self {
+        let one_line = |note: Option<String>| note.as_deref().map(one_line);
+        Self {
+            supply: one_line(self.supply),
+            ambient: one_line(self.ambient),
+            operator: one_line(self.operator),
+            host: one_line(self.host),
+        }
+    }
 }
 
 impl Calibration {
@@ -187,13 +235,19 @@ impl Calibration {
             device: Some(one_line(&origin.device)),
             config: Some(one_line(&origin.config)),
             capture_sha256: Some(origin.capture_sha256),
-            supply_note: origin.supply_note.as_deref().map(one_line),
+            notes: origin.notes.one_line(),
             warnings: common.iter().map(|warning| one_line(&warning.to_string())).collect(),
             temp: part.axes.first().map(|first| first.axis.temp),
             axes: part.axes.iter().zip(outcomes).map(|(axis, outcome)| calibrated(axis, outcome, &common)).collect(),
             validity: validity(part, outcomes),
             run: outcomes.first().map(run),
         }
+    }
+
+    /// Whether the part was the software twin, so that nothing real was measured.
+    #[must_use]
+    pub fn is_simulated(&self) -> bool {
+        self.created.as_deref() == Some(SIMULATED) || self.device.as_deref().is_some_and(is_twin)
     }
 
     /// The axis of this name.
@@ -229,7 +283,7 @@ impl Calibration {
     pub fn id(&self) -> String {
         let part = &self.part;
         let serial = self.serial.as_deref().unwrap_or_default();
-        let created = self.created.as_deref().unwrap_or_default();
+        let created = self.created.as_deref().filter(|created| *created != SIMULATED).unwrap_or_default();
         let mut content = alloc::format!("{part}|{serial}|{created}");
         for CalibratedAxis { name, correction, .. } in &self.axes {
             let Correction { pbc_dps, btc_dps_per_c, t3_c, btc2_dps_per_c2, btc3_dps_per_c3 } = correction;

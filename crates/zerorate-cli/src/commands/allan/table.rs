@@ -7,6 +7,10 @@ use std::fmt::Write;
 use zerorate_allan::{Estimate, Point};
 use zerorate_logs::Record;
 
+/// Averages in the record from which the exponent of its noise can be told: the exponent is found to about 2/√averages
+/// and rounded to a whole number, which 62 averages get right 19 times of 20.
+const TELLING: f64 = 62.0;
+
 /// The line above the table.
 pub fn heading(record: &Record) -> String {
     let analysis = &record.analysis;
@@ -36,7 +40,9 @@ pub fn text(record: &Record) -> Result<String> {
         if per_hour {
             write!(text, " {:>13.6e}", dev * 3600.0)?;
         }
-        writeln!(text, " {edf:>9.1} {n:>10}  {}", noise(*alpha, record.quantity))?;
+        let is_told = record.analysis.samples as f64 >= TELLING * *m as f64;
+        let noise = if is_told { noise(*alpha, record.quantity) } else { "?" };
+        writeln!(text, " {edf:>9.1} {n:>10}  {noise}")?;
     }
     for missing in &record.analysis.unavailable {
         writeln!(text, "{:>14.6} not computed: {}", missing.tau_s, missing.reason)?;

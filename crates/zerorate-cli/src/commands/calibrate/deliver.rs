@@ -10,10 +10,10 @@ use zerorate_jobs::calibrate::{Report, Rescued, Undelivered};
 pub fn print_result(report: &Report, calibration: &Calibration, args: &ResultArgs) -> Result<()> {
     let printed = match args.json {
         true => print_json(report),
-        false => print_lines(&text::text(report, args.output.as_deref(), calibration.serial.as_deref())),
+        false => print_lines(&text::text(report, report.file.as_deref(), calibration.serial.as_deref())),
     };
     match printed {
-        Err(why) if args.output.is_none() => {
+        Err(why) if report.file.is_none() => {
             let left = reader_left(&why);
             let error = Undelivered::rescue(why, &[], calibration).error("");
             if left {

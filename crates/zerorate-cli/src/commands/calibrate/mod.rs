@@ -5,7 +5,7 @@ mod forecast;
 mod plan;
 mod text;
 
-use super::serial::one_line;
+use super::serial::{NotesArgs, one_line};
 use crate::device::{self, DeviceArgs, SamplingArgs};
 use crate::interrupt;
 use crate::output::{Outputs, say, warn};
@@ -19,7 +19,7 @@ use std::path::PathBuf;
 use zerorate::Plan;
 use zerorate_host::{DeviceSpec, Pace, Setup};
 use zerorate_jobs::Acquisition;
-use zerorate_jobs::calibrate::{Files, Kept, prepare};
+use zerorate_jobs::calibrate::{Files, Job, Kept, prepare};
 
 /// Finds the bias of a part and how it changes with temperature.
 ///
@@ -52,6 +52,10 @@ pub struct CalibrateArgs {
     /// Record every sample to this file, from which `zerorate recalibrate` gives the same result.
     #[arg(long, value_name = "FILE", help_heading = "Result")]
     log: Option<PathBuf>,
+
+    /// Save nothing. Otherwise, without -o, the calibration of a real part goes to calibration-<id>.toml.
+    #[arg(long, conflicts_with = "output", help_heading = "Result")]
+    no_save: bool,
 }
 
 /// Computes the calibration again from a recorded capture.
@@ -89,9 +93,8 @@ struct ResultArgs {
     #[arg(long, value_name = "SN", value_parser = one_line)]
     serial: Option<String>,
 
-    /// A note on the supply, stored in the file.
-    #[arg(long, value_name = "TEXT", value_parser = one_line)]
-    supply_note: Option<String>,
+    #[command(flatten)]
+    notes: NotesArgs,
 
     /// Print the result as one JSON object.
     #[arg(long)]
@@ -99,9 +102,9 @@ struct ResultArgs {
 }
 
 impl ResultArgs {
-    fn kept(&self, log: Option<PathBuf>) -> Kept {
-        let Self { output, serial, supply_note, .. } = self.clone();
-        Kept { output, log, serial, supply_note }
+    fn kept(&self, log: Option<PathBuf>, saves: bool) -> Kept {
+        let Self { output, serial, notes, .. } = self.clone();
+        Kept { output, log, serial, notes: notes.into(), saves }
     }
 
     /// Before anything is read.
@@ -113,7 +116,7 @@ impl ResultArgs {
 pub fn run(args: &CalibrateArgs) -> Result<()> {
     let mut outputs = args.result.outputs();
     let setup = args.device.setup(args.sampling, &mut outputs)?;
-    let files = Files::claim(outputs, args.result.kept(args.log.clone()))?;
+    let files = Files::claim(outputs, args.result.kept(args.log.clone(), !args.no_save))?;
     let acquisition = args.device.open(setup)?;
     calibrate(acquisition, args.plan.plan(args.device.file().is_some()), &args.result, files)
 }
@@ -122,25 +125,36 @@ pub fn run_again(args: &RecalibrateArgs) -> Result<()> {
     interrupt::listen();
     let mut outputs = args.result.outputs().reading([&*args.capture])?;
     let setup = Setup { part: args.part.named(&mut outputs)?, names: flag, ..Setup::default() };
-    let files = Files::claim(outputs, args.result.kept(None))?;
+    let files = Files::claim(outputs, args.result.kept(None, false))?;
     let recording = DeviceSpec::replay(args.capture.clone());
     let acquisition = Acquisition::open(&recording, setup, Pace::Free, interrupt::stop(), device::tell())?;
     calibrate(acquisition, args.plan.plan(true), &args.result, files)
 }
 
+/// What becomes of the result, said before an hour is spent on it.
+fn whereto(job: &Job) -> &'static str {
+    match job.saves() {
+        true => "the result will be saved as calibration-<id>.toml in this folder; -o FILE names it",
+        false => "the result will only be printed; -o FILE saves it",
+    }
+}
+
 fn calibrate(acquisition: Acquisition, plan: Plan, result: &ResultArgs, files: Files) -> Result<()> {
     let job = prepare(acquisition, plan, files, flag)?;
     if !result.json {
+        if result.output.is_none() {
+            say(whereto(&job));
+        }
         forecast::lines(job.part(), job.plan()).iter().for_each(|line| say(format_args!("{line}")));
     }
     let mut meter = Meter::new(job.plan().total_s());
     let done = job.run(&mut meter)?;
     drop(meter);
-    if !result.json {
-        warn(&text::warnings(&done.report));
-    }
-    match done.kept {
+    let warnings = if result.json { Vec::new() } else { text::warnings(&done.report) };
+    let printed = match done.kept {
         Ok(()) => deliver::print_result(&done.report, &done.calibration, result),
         Err(undelivered) => deliver::print_undelivered(undelivered, done.report, &done.calibration, result.json),
-    }
+    };
+    warn(&warnings);
+    printed
 }

@@ -1,5 +1,6 @@
 //! The durations and limits of F-51 on the command line. The defaults are those of the core.
 
+use crate::commands::earth::EarthArgs;
 use clap::{Args, ValueEnum};
 use zerorate::{Method, Plan};
 use zerorate_jobs::calibrate::settle_s;
@@ -42,10 +43,8 @@ pub struct PlanArgs {
     #[arg(long, value_name = "U", default_value_t = Plan::default().max_u_btc_dps_per_c)]
     max_u_btc: f64,
 
-    /// The component of the Earth's rotation on the part's axis, °/s, to subtract from the bias: 0.00418 ×
-    /// sin(latitude) on a vertical axis [default: it stays inside PBC, and a warning says so].
-    #[arg(long, value_name = "X", allow_negative_numbers = true)]
-    earth_dps: Option<f64>,
+    #[command(flatten)]
+    earth: EarthArgs,
 
     /// Take the bias for a straight line over temperature: no allowance for curvature and hysteresis in the
     /// uncertainty.
@@ -81,7 +80,7 @@ impl PlanArgs {
             offset_s: self.offset.0,
             max_lost: self.max_lost,
             max_u_btc_dps_per_c: self.max_u_btc,
-            earth_dps: self.earth_dps,
+            earth_dps: self.earth.dps(),
             assume_linear: self.assume_linear,
             ..Plan::default()
         }

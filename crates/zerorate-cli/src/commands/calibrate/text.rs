@@ -3,6 +3,7 @@
 use std::path::Path;
 use zerorate::thermal::TERMS;
 use zerorate_jobs::calibrate::{Higher, Numbers, POINTS, Report};
+use zerorate_view::PlusMinus;
 use zerorate_view::duration::Seconds;
 
 /// What was found; `file` is where the calibration went.
@@ -30,7 +31,8 @@ pub fn warnings(report: &Report) -> Vec<String> {
 fn head(report: &Report) -> String {
     let device = report.device.as_deref().unwrap_or_default();
     format!(
-        "Calibration {} of {device}\n{} samples in {}, {:.1} a second, {} lost\n\n",
+        "{}Calibration {} of {device}\n{} samples in {}, {:.1} a second, {} lost\n\n",
+        if report.simulated { "SIMULATED: " } else { "" },
         report.calibration_id,
         report.samples,
         Seconds(report.duration_s.round()),
@@ -68,18 +70,15 @@ fn what_next(file: Option<&Path>, serial: Option<&str>) -> String {
                  c\n"
             )
         }
-        None => "Nothing was written: give -o unit.toml to keep the calibration.\n".to_owned(),
+        None => "Nothing was saved: give -o unit.toml to keep the calibration.\n".to_owned(),
     }
 }
 
 fn found(numbers: &Numbers, factor: f64) -> String {
     let Numbers { btc_dps_per_c, pbc_dps, t3_c, .. } = numbers;
-    let line = format!(
-        "  PBC  {pbc_dps:+.5} ± {:.5} °/s     at T3 = {t3_c:.3} °C\n  \
-           BTC  {btc_dps_per_c:+.5} ± {:.5} °/s/°C\n",
-        numbers.u_pbc_dps * factor,
-        numbers.u_btc_dps_per_c * factor,
-    );
+    let pbc = PlusMinus { value: *pbc_dps, half: numbers.u_pbc_dps * factor };
+    let btc = PlusMinus { value: *btc_dps_per_c, half: numbers.u_btc_dps_per_c * factor };
+    let line = format!("  PBC  {pbc} °/s at T3 = {t3_c:.2} °C\n  BTC  {btc} °/s/°C\n");
     line + &means(numbers)
         .or_else(|| numbers.higher.as_ref().map(|higher| curve(higher, numbers, factor)))
         .unwrap_or_default()
@@ -88,7 +87,7 @@ fn found(numbers: &Numbers, factor: f64) -> String {
 /// Steps 4 and 6.
 fn means(numbers: &Numbers) -> Option<String> {
     let (b1_dps, t1_c, b2_dps, t2_c) = (numbers.b1_dps?, numbers.t1_c?, numbers.b2_dps?, numbers.t2_c?);
-    Some(format!("  B1   {b1_dps:+.5} °/s at T1 = {t1_c:.3} °C\n  B2   {b2_dps:+.5} °/s at T2 = {t2_c:.3} °C\n"))
+    Some(format!("  B1   {b1_dps:+.4} °/s at T1 = {t1_c:.2} °C\n  B2   {b2_dps:+.4} °/s at T2 = {t2_c:.2} °C\n"))
 }
 
 fn against_truth(numbers: &Numbers) -> Option<String> {
@@ -99,7 +98,7 @@ fn against_truth(numbers: &Numbers) -> Option<String> {
         return Some(format!("the twin's truth: the curve is {rms_dph:.1} °/h off, rms over the temperatures seen\n"));
     }
     Some(format!(
-        "the twin's truth: PBC {:+.5} °/s (measured {:+.5} off), BTC {:+.5} °/s/°C (measured {:+.5} off)\n",
+        "the twin's truth: PBC {:+.4} °/s (measured {:+.4} off), BTC {:+.4} °/s/°C (measured {:+.4} off)\n",
         truth.pbc_dps,
         numbers.pbc_dps - truth.pbc_dps,
         truth.btc_dps_per_c,
@@ -185,7 +184,7 @@ mod tests {
         let codes: Vec<String> = warnings(&several).iter().map(|text| text[..14].to_owned()).collect();
         assert_eq!(codes, ["earth-included", "axis x: restle", "axis y: rest-u"]);
         let text = text(&several, None, None);
-        assert!(text.contains("axis x\n  PBC  -0.50000") && text.contains("axis y\n  PBC  +0.25000"), "{text}");
+        assert!(text.contains("axis x\n  PBC  -0.5000") && text.contains("axis y\n  PBC  +0.2500"), "{text}");
 
         let json = serde_json::to_value(report("{ name = \"x\" }", &two[..1])).unwrap();
         assert_eq!((&json["pbc_dps"], &json["axes"]), (&(-0.5).into(), &serde_json::Value::Null));

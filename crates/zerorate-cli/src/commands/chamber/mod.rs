@@ -4,7 +4,8 @@ mod air;
 mod text;
 
 use super::allan::picture::{self, Kind};
-use super::serial::one_line;
+use super::earth::EarthArgs;
+use super::serial::{NotesArgs, one_line};
 use crate::device::{DeviceArgs, SamplingArgs};
 use crate::exit::Usage;
 use crate::interrupt;
@@ -57,10 +58,8 @@ pub struct ChamberArgs {
     #[arg(long, value_name = "F", default_value_t = 0.001)]
     max_lost: f64,
 
-    /// The component of the Earth's rotation on the part's axis, °/s, to subtract from the bias [default: it stays
-    /// inside PBC, and a warning says so].
-    #[arg(long, value_name = "X", allow_negative_numbers = true)]
-    earth_dps: Option<f64>,
+    #[command(flatten)]
+    earth: EarthArgs,
 
     /// Highest order of the bias over temperature that is tried, 1 to 3; the evidence decides which is taken.
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u8).range(1..=3))]
@@ -93,9 +92,8 @@ pub struct ChamberArgs {
     #[arg(long, value_name = "SN", value_parser = one_line, help_heading = "Result")]
     serial: Option<String>,
 
-    /// A note on the supply, stored in the file.
-    #[arg(long, value_name = "TEXT", value_parser = one_line, help_heading = "Result")]
-    supply_note: Option<String>,
+    #[command(flatten)]
+    notes: NotesArgs,
 
     /// Print the result as one JSON object.
     #[arg(long, help_heading = "Result")]
@@ -130,9 +128,9 @@ pub fn run(args: &ChamberArgs) -> Result<()> {
     let plan = PlanFile::read(&args.plan, args.device.file().is_some(), &mut outputs, flag)?;
     limits(args)?;
     let setup = args.device.setup(args.sampling, &mut outputs)?;
-    let ChamberArgs { output, log, serial, supply_note, .. } = args;
-    let (output, log, serial, supply_note) = (output.clone(), log.clone(), serial.clone(), supply_note.clone());
-    let kept = Kept { output, log, serial, supply_note };
+    let ChamberArgs { output, log, serial, notes, .. } = args;
+    let (output, log, serial, notes) = (output.clone(), log.clone(), serial.clone(), notes.clone().into());
+    let kept = Kept { output, log, serial, notes, saves: false };
     let files = Files::claim(outputs, kept, args.report.as_deref(), args.device.file().is_some())?;
     let kind = args.report.as_deref().map(Kind::of).transpose()?.flatten();
     let job = ready(args, chamber, setup, plan, files)?;
@@ -148,15 +146,16 @@ pub fn run(args: &ChamberArgs) -> Result<()> {
     if args.json {
         return print_json(report);
     }
+    let printed = print_lines(&text::text(report, args.output.as_deref()));
     warn(&report.warnings);
-    print_lines(&text::text(report, args.output.as_deref()))
+    printed
 }
 
 fn limits(args: &ChamberArgs) -> Result<()> {
     if !(0.0..=1.0).contains(&args.max_lost) {
         return Err(Usage(format!("--max-lost {}: give a share from 0 to 1", args.max_lost)).into());
     }
-    match args.earth_dps {
+    match args.earth.dps() {
         Some(dps) if !(-EARTH_DPS..=EARTH_DPS).contains(&dps) => {
             Err(Usage(format!("--earth-dps {dps}: give a number from -{EARTH_DPS} to {EARTH_DPS} °/s (F-16)")).into())
         }
@@ -177,7 +176,7 @@ fn ready(args: &ChamberArgs, chamber: Option<ChamberSpec>, setup: Setup, plan: P
     let acquisition = args.device.open(Setup { air, ..setup })?;
     let options = ChamberOptions {
         max_lost: args.max_lost,
-        earth_dps: args.earth_dps,
+        earth_dps: args.earth.dps(),
         max_order: args.max_order.into(),
         restart: args.restart,
         moves_air: chamber.is_some(),

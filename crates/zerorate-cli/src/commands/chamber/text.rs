@@ -5,6 +5,7 @@ use std::path::Path;
 use zerorate::Uncertainty;
 use zerorate_jobs::calibrate::POINTS;
 use zerorate_jobs::chamber::{AxisReport, Found, Report};
+use zerorate_view::PlusMinus;
 use zerorate_view::duration::Seconds;
 use zerorate_view::report::{ChamberPage, Fact, chamber_page};
 
@@ -27,7 +28,7 @@ pub fn text(report: &Report, file: Option<&Path>) -> String {
     text += "± is the 95 % interval; outside these temperatures the correction is an extrapolation\n";
     match file.map(Path::display) {
         Some(file) => text + &format!("\nWritten to {file}. Next: zerorate report {file} -o report.html\n"),
-        None => text + "\nNothing was written: give -o unit.toml to keep the calibration.\n",
+        None => text + "\nNothing was saved: give -o unit.toml to keep the calibration.\n",
     }
 }
 
@@ -58,9 +59,16 @@ fn facts(axis: &AxisReport) -> Vec<Fact> {
     let mut facts = vec![
         Fact::new(
             "PBC",
-            format!("{:+.5} ± {:.5} °/s at T3 = {:.3} °C", axis.pbc_dps, factor * axis.u_pbc_dps, axis.t3_c),
+            format!(
+                "{} °/s at T3 = {:.2} °C",
+                PlusMinus { value: axis.pbc_dps, half: factor * axis.u_pbc_dps },
+                axis.t3_c
+            ),
         ),
-        Fact::new("BTC", format!("{:+.6} ± {:.6} °/s/°C", axis.btc_dps_per_c, factor * axis.u_btc_dps_per_c)),
+        Fact::new(
+            "BTC",
+            format!("{} °/s/°C", PlusMinus { value: axis.btc_dps_per_c, half: factor * axis.u_btc_dps_per_c }),
+        ),
     ];
     if axis.order > 1 {
         facts.push(Fact::new(
@@ -81,11 +89,8 @@ fn facts(axis: &AxisReport) -> Vec<Fact> {
     let apart = axis.branches.as_ref().map_or_else(
         || "not seen: no temperature was passed in both directions".to_owned(),
         |one| {
-            let (half_dps, u_dps) = (one.half_width_dps, factor * one.u_dps);
-            format!(
-                "{half_dps:+.5} ± {u_dps:.5} °/s, half of cooling less warming, {:.0} to {:.0} °C",
-                one.temp_min_c, one.temp_max_c
-            )
+            let width = PlusMinus { value: one.half_width_dps, half: factor * one.u_dps };
+            format!("{width} °/s, half of cooling less warming, {:.0} to {:.0} °C", one.temp_min_c, one.temp_max_c)
         },
     );
     facts.push(Fact::new("loop", apart));

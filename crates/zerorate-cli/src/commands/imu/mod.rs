@@ -88,6 +88,10 @@ pub struct ImuArgs {
     #[arg(long, value_name = "UNIT")]
     accel_unit: Option<Unit>,
 
+    /// Take these units where the names of columns state others.
+    #[arg(long)]
+    force_unit: bool,
+
     /// What a step of 1 in the gyroscope's columns is, in its unit.
     #[arg(long, value_name = "X", value_parser = positive, requires = "gyro_unit")]
     gyro_scale: Option<f64>,
@@ -111,9 +115,13 @@ pub struct ImuArgs {
     #[arg(long)]
     json: bool,
 
-    /// Overwrite files that exist, and write a file of numbers that are no result; it says so inside.
+    /// Overwrite existing files.
     #[arg(long)]
     force: bool,
+
+    /// Write -o also from noise models that are rejected; the file says so inside.
+    #[arg(long, requires = "output")]
+    accept_rejected: bool,
 }
 
 impl ImuArgs {
@@ -125,6 +133,7 @@ impl ImuArgs {
             time_unit: self.time_unit,
             decimal: self.decimal,
             max_bad: self.max_bad,
+            force_unit: self.force_unit,
             names: Names(option),
             ..ColumnOptions::default()
         };
@@ -173,11 +182,25 @@ pub fn run(args: &ImuArgs) -> Result<()> {
     }
     let findings = motion::lines(&axes).into_iter().chain(findings::condensed(&axes));
     let warnings: Vec<String> = findings.chain(of_log).collect();
-    warn(&warnings);
+    warn(&at_most(LINES, &warnings));
     if let Some(page) = page {
         page::write(page, head(args, &axes, topic.as_deref(), sheet.as_ref(), &compared, warnings), &axes)?;
     }
     deliver(args, &axes, topic, file)
+}
+
+/// Lines of warnings that a person reads.
+const LINES: usize = 8;
+
+/// The first of these lines, with one that names the codes of the rest.
+fn at_most(lines: usize, warnings: &[String]) -> Vec<String> {
+    if warnings.len() <= lines {
+        return warnings.to_vec();
+    }
+    let (shown, rest) = warnings.split_at(lines - 1);
+    let codes: Vec<&str> = rest.iter().filter_map(|warning| Some(warning.split_once(": ")?.0)).collect();
+    let more = format!("{} more: {}; --json or --report has them", rest.len(), codes.join(", "));
+    shown.iter().cloned().chain([more]).collect()
 }
 
 /// What the page says of the log as a whole.
@@ -212,15 +235,15 @@ fn deliver(args: &ImuArgs, axes: &[Record], topic: Option<String>, file: Option<
     let doubts = Record::doubts(axes);
     if let Some(code) = doubts.code() {
         let refused = Refused::new(code, format!("{}: {doubts}", args.log.display()));
-        if !doubts.allow(args.force) {
+        if !doubts.allow(args.accept_rejected) {
             return Err(refused.into());
         }
-        say(format_args!("warning: {refused}; written all the same (--force)"));
+        say(format_args!("warning: {refused}; written all the same (--accept-rejected)"));
     }
     let Some(file) = file else { return Ok(()) };
     let ImuArgs { combine, inflate, .. } = *args;
     let choice = Choice { log: args.log.display().to_string(), topic, combine, inflate, names: Names(option) };
-    file.fill(args.format.file(choice, &Record::axes(axes), &doubts, args.force)?.as_bytes())?;
+    file.fill(args.format.file(choice, &Record::axes(axes), &doubts, args.accept_rejected)?.as_bytes())?;
     if let Some(path) = &args.output {
         let chosen = match args.format.is_by_axis() {
             true => "each axis by itself".to_owned(),

@@ -12,7 +12,7 @@ use anyhow::{Result, bail, ensure};
 use clap::{Args, ValueEnum};
 use serde::Serializer;
 use serde_json::json;
-use std::io::{self, BufWriter, Write};
+use std::io::{self, BufWriter, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use track::{TrackArgs, say_learned};
 use zerorate::Calibration;
@@ -51,8 +51,8 @@ pub struct StreamArgs {
     #[arg(long, value_enum, default_value = "csv")]
     format: RowFormat,
 
-    /// Rows per second: each is the mean of all samples in its share of time, without overlap; a share that is not
-    /// complete at the end gives no row [default: a row for each sample].
+    /// Rows per second. Each row is the mean of all samples in its share of time, without overlap; an incomplete
+    /// share at the end gives no row [default: 10 on a terminal, a row for each sample elsewhere].
     #[arg(long, value_name = "HZ")]
     rate: Option<f64>,
 
@@ -64,6 +64,9 @@ pub struct StreamArgs {
     tracking: TrackArgs,
 }
 
+/// Rows per second that a person can follow.
+const READABLE_HZ: f64 = 10.0;
+
 /// Forms of a row.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum RowFormat {
@@ -74,9 +77,14 @@ enum RowFormat {
 pub fn run(args: &StreamArgs) -> Result<()> {
     let mut outputs = Outputs::without_force();
     let calibration = load(&args.cal, &mut outputs)?;
-    let period_ns = args.rate.map(period_ns).transpose()?;
+    let on_terminal = io::stdout().is_terminal() && args.rate.is_none();
+    let rate_hz = args.rate.or(on_terminal.then_some(READABLE_HZ));
+    let period_ns = rate_hz.map(period_ns).transpose()?;
     let setup = args.device.setup(args.sampling, &mut outputs)?;
-    let acquisition = args.device.open(setup)?;
+    if on_terminal {
+        say(format_args!("{READABLE_HZ} rows a second, at the speed of the clock; --rate HZ gives others"));
+    }
+    let acquisition = args.device.open_at(setup, on_terminal)?;
     check_serial(args, acquisition.facts(), &calibration)?;
     acquisition.initialise()?;
     let tracking = args.tracking.begin(acquisition.facts(), &calibration, &mut outputs)?;

@@ -1,0 +1,29 @@
+//! The Earth's rotation on the sensor's axis.
+
+use clap::Args;
+use zerorate::EARTH_DPS;
+
+#[derive(Args, Clone, Copy, Debug)]
+pub struct EarthArgs {
+    /// The component of the Earth's rotation on the axis, °/s, to subtract from the bias [default: it stays part of
+    /// PBC, and a warning says so].
+    #[arg(long, value_name = "X", allow_negative_numbers = true)]
+    earth_dps: Option<f64>,
+
+    /// The same for an axis that points straight up, by the latitude: 0.00418 °/s × sin(DEG), north positive.
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true, conflicts_with = "earth_dps",
+          value_parser = latitude)]
+    latitude: Option<f64>,
+}
+
+fn latitude(text: &str) -> Result<f64, String> {
+    let degrees: Option<f64> = text.parse().ok();
+    degrees.filter(|degrees| (-90.0..=90.0).contains(degrees)).ok_or("give degrees from -90 to 90".to_owned())
+}
+
+impl EarthArgs {
+    /// What is to be subtracted, °/s; none where nothing was said.
+    pub fn dps(self) -> Option<f64> {
+        self.earth_dps.or(self.latitude.map(|degrees| EARTH_DPS * degrees.to_radians().sin()))
+    }
+}

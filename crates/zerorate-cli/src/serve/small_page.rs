@@ -1,0 +1,37 @@
+//! The page of a program that was built without the whole one: what is read, as numbers.
+
+use super::metrics;
+use super::server::Server;
+use axum::extract::State;
+use axum::response::Html;
+use std::sync::Arc;
+
+const PAGE: &str = include_str!("small_page.html");
+
+/// `GET /`.
+pub async fn small_page(State(server): State<Arc<Server>>) -> Html<String> {
+    let text = metrics::text_of(&server).await;
+    Html(filled(text.as_deref()))
+}
+
+/// The page with these metrics; none: nothing is read any more.
+fn filled(metrics: Option<&str>) -> String {
+    let Some(metrics) = metrics else { return PAGE.replace("{numbers}", "The device is not read any more.") };
+    let numbers = metrics.lines().filter_map(|line| line.strip_prefix("zerorate_"));
+    // a name of an axis comes from a file
+    let escaped = |line: &str| line.replace('&', "&amp;").replace('<', "&lt;");
+    PAGE.replace("{numbers}", &numbers.map(escaped).collect::<Vec<_>>().join("\n"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_shown_and_names_escaped() {
+        let page = filled(Some("# HELP zerorate_up 1\nzerorate_up 1\nzerorate_rate_dps{axis=\"<b>\"} -0.25\n"));
+        assert!(page.contains("<pre>up 1\nrate_dps{axis=\"&lt;b>\"} -0.25</pre>"), "{page}");
+        assert!(page.contains("cargo xtask web") && !page.contains("HELP"), "{page}");
+        assert!(filled(None).contains("not read any more"));
+    }
+}

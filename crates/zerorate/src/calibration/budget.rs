@@ -1,0 +1,49 @@
+//! The uncertainty budget: how much each source adds to the uncertainty of a line's coefficients.
+
+use super::CalibratedAxis;
+use alloc::vec::Vec;
+use serde::Serialize;
+
+/// One source of uncertainty of a coefficient.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Contribution {
+    /// `PBC` or `BTC`.
+    pub of: &'static str,
+    /// Where the uncertainty comes from.
+    pub source: &'static str,
+    /// Standard uncertainty from this source: °/s for PBC, °/s/°C for BTC.
+    pub u: f64,
+    /// Share of the variance of the coefficient, 0 … 1. The shares of a coefficient add up to 1.
+    pub share: f64,
+}
+
+impl CalibratedAxis {
+    /// The budget of PBC and BTC, for a calibration by AN-1042; empty for a curve, whose uncertainty comes out of one
+    /// fit, and for a file that states no uncertainty.
+    #[must_use]
+    pub fn budget(&self) -> Vec<Contribution> {
+        let Some(stated) = self.uncertainty else { return Vec::new() };
+        let drift_dps = stated.drift_dps.unwrap_or(0.0);
+        let t3_dps = self.correction.btc_dps_per_c * stated.u_t3_c;
+        let pbc = [("drift of the temperature in step 8", drift_dps), ("noise of T3", t3_dps)];
+        let btc = [("curvature and hysteresis", stated.u_curvature_dps_per_c)];
+        let pbc = of("PBC", stated.u_pbc_dps, &pbc, "noise of the mean in step 8, and what the drift checks found");
+        let btc =
+            of("BTC", stated.u_btc_dps_per_c, &btc, "noise of B1, B2, T1 and T2, and what the drift checks found");
+        pbc.chain(btc).collect()
+    }
+}
+
+/// The known sources, and what is left of the variance.
+fn of(
+    name: &'static str,
+    u: f64,
+    known: &[(&'static str, f64)],
+    rest: &'static str,
+) -> impl Iterator<Item = Contribution> {
+    let left = (u * u - known.iter().map(|(_, part)| part * part).sum::<f64>()).max(0.0);
+    let share = move |part: f64| if u > 0.0 { part * part / (u * u) } else { 0.0 };
+    let contribution = move |source, part: f64| Contribution { of: name, source, u: part.abs(), share: share(part) };
+    let known: Vec<_> = known.iter().map(|(source, part)| contribution(source, *part)).collect();
+    core::iter::once(contribution(rest, libm::sqrt(left))).chain(known)
+}
