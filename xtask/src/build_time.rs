@@ -10,6 +10,12 @@ use xtask::app::target_folder;
 use xtask::arguments::Arguments;
 use xtask::venv::printed;
 
+/// What `--help` prints.
+pub const HELP: &str = "\
+Measures what docs/reference/build.md states: both commands of the README in an empty target folder, a build after a
+change in the program, and the sizes of what lies in target/dist. CARGO_HOME=$(mktemp -d) before it empties the cargo
+home. It says how busy the machine was before.";
+
 /// The two commands of the README.
 const FIRST: &str = "run --release -- calibrate";
 const SECOND: &str = "xtask test";

@@ -1,4 +1,5 @@
-//! The documents and the code agree: links lead somewhere, cited facts exist, the page on firmware shows code that is tested.
+//! The documents and the code agree: links lead somewhere, cited facts exist, the page on firmware shows code that is
+//! tested.
 
 use std::collections::BTreeSet;
 use std::fs;
