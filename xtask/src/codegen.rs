@@ -7,7 +7,7 @@ use xtask::lab;
 
 /// What `--help` prints.
 pub const HELP: &str = "\
-  --check  Write nothing, and fail where a file is not as it would be written
+\x20 --check  Write nothing, and fail where a file is not as it would be written
 
 Generated files: bindings/c/include/zerorate.h, web/src/protocol.ts, firmware/examples/src/unit.rs, docs/codes.md, and
 in docs/pictures/ the drawings and the spectrum.

@@ -10,8 +10,8 @@ use xtask::arguments::Arguments;
 /// in the profile `dev`, which checks for overflow.
 pub const STEP: Step = Step::new("test", "test --release").about("The tests of the project");
 
-/// What is not tested here, in one line.
-const BESIDE: &str = "`cargo xtask check` looks at format, lints, generated files and bare targets; `cargo xtask ci` \
+/// What is not tested here.
+const BESIDE: &str = "`cargo xtask check` looks at format, lints, generated files and bare targets;\n`cargo xtask ci` \
                       does all this and tests all features, C, Python, the page, firmware and rigs.";
 
 pub fn help() -> String {

@@ -14,7 +14,7 @@ use std::process::{Command, Stdio};
 
 /// What `--help` prints.
 pub const HELP: &str = "\
-  --site DIR  Write the static site there: page, service worker, book and licences
+\x20 --site DIR  Write the static site there: page, service worker, book and licences
   --check     Test the page in Chromium
   --pictures  Make the pictures of the page anew, in docs/pictures/page
   --small     As small as what is handed out, which takes minutes longer
