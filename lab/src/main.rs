@@ -40,31 +40,75 @@ enum Task {
     /// Calibrate many units of the twin and hold the stated uncertainties against their truth
     Coverage(coverage::CoverageArgs),
     /// Calibrate many units by every method, hold all against their truth, and write docs/reference/methods.md
+    ///
+    /// The whole table takes about half an hour on two cores. It is written with its pictures, also with fewer
+    /// `--seeds`. `--quick` runs the methods on a few units.
     Methods(methods::MethodsArgs),
     /// Simulate records at rest and hold the fitted noise coefficients against their truth
     CoverageAllan(coverage_allan::CoverageAllanArgs),
     /// Time the Allan deviation beside its peers, which it installs, and print ratios
     BenchPeers(bench_peers::BenchPeersArgs),
     /// Serve the twin to 20 pages and 4 clients of libiio while it is recorded, and print what that costs
+    ///
+    /// `--check` lasts a minute. The recording must be what the twin gives alone, and each client must have got what
+    /// was recorded, on a machine however busy. It prints the cost, and whether real time was kept, which nothing
+    /// depends on. Without `--check` the task measures the figures of docs/serve.md, with the program as it is handed
+    /// out.
     BenchServe(bench_serve::BenchServeArgs),
     /// Time the core in WebAssembly beside the program, the page until it shows something, and what it loads
     BenchWeb,
     /// Run driver, twin and correction on an emulated Cortex-M4F; count instructions and bytes
+    ///
+    /// Runs an image in QEMU (apt install qemu-system-arm). Where that is missing, root installs it on Debian;
+    /// elsewhere the run is skipped with a message. The task fails if the driver grows or slows by more than 5 % over
+    /// docs/reference/footprint.md, and `--update` writes that page. A goal that is missed is stated there and here
+    /// (GOAL MISSED) and does not fail the task: the 5 % keep anything from getting worse in silence.
     Firmware(firmware::FirmwareArgs),
     /// Read the twin through a bridge's firmware on an emulated Cortex-M4F: socket, serial port, damaged and pulled
     /// cable
+    ///
+    /// The emulator is QEMU (apt install qemu-system-arm), as for `firmware`.
     Bridge(app::ProgramArgs),
     /// Check the C interface: library, and C against Rust on the host and on an emulated Cortex-M4F
+    ///
+    /// Needs gcc-arm-none-eabi, libnewlib-arm-none-eabi and qemu-system-arm, and without them does the same as
+    /// `firmware`: installs them, or says what it skips. After a change of the interface run `cargo xtask codegen`,
+    /// which writes the header. The numbers in bindings/c/src/status.rs never change their meaning.
     C(c::CArgs),
     /// Read the libiio server with libiio's own clients, and with pyadi-iio
+    ///
+    /// The clients are apt's libiio-utils and python3-libiio, and pyadi-iio in an environment below target/. Where
+    /// these are missing and cannot be installed, the task says so and passes.
     Iiod,
     /// Boot a stock Linux kernel in QEMU with the twin as hardware, and read it there
+    ///
+    /// Boots Debian's kernel on Debian and x86-64 (apt install qemu-system-x86 busybox-static cpio kmod xz-utils
+    /// acpica-tools); elsewhere it says that it is skipped. It downloads the kernel package, 107 MB, once. It takes
+    /// two minutes of wall time, because its sensor keeps that time: run nothing else meanwhile. In the guest,
+    /// lab/src/rig/gyro.rs makes a HID gyroscope with three axes for `--device iio:`, beside the ADIS16130. The checks
+    /// of that gyroscope hold on a busy machine too.
+    ///
+    /// The guest gets the program of the test with its libraries. The program that is handed out has none; to try it:
+    /// `cargo xtask dist program`, then `cargo xtask rig --program target/dist/zerorate-0.1.0-x86_64-linux`.
     Rig(app::ProgramArgs),
     /// Break the part, the files and the program at random moments, and look for results that are wrong and silent
+    ///
+    /// Breaks part, cable, disk, files and program, and fails where a result is wrong and silent. It prints the
+    /// command that repeats such a run. The whole campaign, 500 runs of each class, takes about an hour, and
+    /// `--update` writes docs/reference/reliability.md. Power cuts need root and loop devices; the task says where
+    /// these are missing.
     Trust(trust::TrustArgs),
     /// Make docs/ a book; run its commands, follow its links
+    ///
+    /// Renders docs/ with mdBook's library, by lab/book, and follows every link. `--check` also runs the commands of
+    /// the chapters with the program, and opens three pages in Chromium (apt install chromium). Without Chromium,
+    /// where it cannot be installed, the task says that it skips these three and does all the rest.
     Book(book::BookArgs),
     /// Make what is handed out, into target/dist: programs, packages, wheels, libraries, firmware, pictures, licences
+    ///
+    /// Runs on Debian 12 on x86-64. Root installs the cross compilers; anybody else is told their names. `--check`
+    /// tries what lies in target/dist, and needs root. Neither is a step of `ci`: they take an hour. The files that go
+    /// into packages lie in packaging/, and xtask/tests/packaging.rs holds them together.
     Dist(dist::DistArgs),
     /// Make the file that a Pico, or a board with TinyUF2, takes from an image of the bridge
     Uf2(uf2::Uf2Args),

@@ -10,6 +10,12 @@ use xtask::app::target_folder;
 use xtask::arguments::Arguments;
 use xtask::venv::printed;
 
+/// What `--help` prints.
+pub const HELP: &str = "\
+Measures what docs/reference/build.md states: both commands of the README in an empty target folder, a build after a
+change in the program, and the sizes of what lies in target/dist. It says how busy the machine was before. Put
+CARGO_HOME=$(mktemp -d) in front of the command to begin with an empty cargo home.";
+
 /// The two commands of the README.
 const FIRST: &str = "run --release -- calibrate";
 const SECOND: &str = "xtask test";

@@ -7,10 +7,14 @@ use xtask::lab;
 
 /// What `--help` prints.
 pub const HELP: &str = "\
-  --check  Write nothing, and fail where a file is not as it would be written
+\x20 --check  Write nothing, and fail where a file is not as it would be written
 
-Pages of measurements are not generated files; the tasks that measure write them: methods, `trust --update`,
-`firmware --update`.";
+Generated files: bindings/c/include/zerorate.h, web/src/protocol.ts, firmware/examples/src/unit.rs, docs/codes.md, and
+in docs/pictures/ the drawings and the spectrum.
+
+allan.svg and correction.svg come from hours of the twin: `cargo xtask dist program pictures` draws them, and with
+--check compares them. Pages of measurements are not generated files; the tasks that measure write them: methods,
+`trust --update`, `firmware --update`.";
 
 /// Files that tests compare with what they would be now, and write where [`UPDATE`] is set.
 /// Each test is built alone: beside those of the other libraries it would take several times as long.

@@ -9,6 +9,11 @@ use xtask::venv::done;
 const VERSION: &str = "0.20.2";
 const TOOLS: &str = "target/tools";
 
+/// What `--help` prints.
+pub const HELP: &str = "\
+Builds cargo-deny once, below target/, and holds every lock file against deny.toml. Where the database of advisories
+cannot be fetched, it says so, and checks licences and sources only.";
+
 /// Each project has a lock file of its own.
 const PROJECTS: [&str; 4] = ["Cargo.toml", "firmware/Cargo.toml", "bindings/c/Cargo.toml", "lab/Cargo.toml"];
 

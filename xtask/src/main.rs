@@ -74,14 +74,14 @@ const TASKS: [Task; 8] = [
         name: "deny",
         usage: "",
         about: "Check the dependencies: advisories, licences, sources",
-        help: String::new,
+        help: || deny::HELP.to_owned(),
         run: deny::run,
     },
     Task {
         name: "build-time",
         usage: "",
         about: "Measure how long the two commands of the README take from nothing; print sizes",
-        help: String::new,
+        help: || build_time::HELP.to_owned(),
         run: build_time::run,
     },
 ];

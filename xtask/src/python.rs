@@ -22,7 +22,17 @@ const WHEELS: &str = "target/wheels-test";
 /// The release whose tests the functions of `zerorate.allantools_compat` pass.
 const ALLANTOOLS: &str = "2024.6";
 
+/// What `--help` prints behind the parts.
+const ABOUT: &str = "\
+Makes an environment below target/, builds the wheel into it, and runs its tests, the type checkers, the notebook, and
+allantools' own tests against our functions. Where python3 or the package registry is missing, it says so and passes.";
+
 pub fn help() -> String {
+    format!("{}\n\n{ABOUT}", parts())
+}
+
+/// The names of the parts, for help and errors.
+fn parts() -> String {
     format!("parts: {}; without one, all", PARTS.map(|(name, _)| name).join(", "))
 }
 
@@ -30,7 +40,7 @@ pub fn help() -> String {
 pub fn run(arguments: Arguments) -> Result<()> {
     let only = arguments.words()?;
     for part in &only {
-        ensure!(PARTS.iter().any(|(name, _)| name == part), "there is no part {part}; {}", help());
+        ensure!(PARTS.iter().any(|(name, _)| name == part), "there is no part {part}; {}", parts());
     }
     let python = match environment()? {
         Ok(python) => python,

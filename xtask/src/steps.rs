@@ -19,6 +19,8 @@ pub struct Step {
     env: Option<(&'static str, &'static str)>,
     args: &'static str,
     pace: Pace,
+    /// What it checks, in one line.
+    about: &'static str,
     /// What it installs where that is missing, besides Rust targets.
     installs: &'static str,
 }
@@ -34,11 +36,16 @@ pub enum Pace {
 
 impl Step {
     pub const fn new(name: &'static str, args: &'static str) -> Self {
-        Self { name, env: None, args, pace: Pace::Alone, installs: "" }
+        Self { name, env: None, args, pace: Pace::Alone, about: "", installs: "" }
     }
 
     pub const fn at(mut self, pace: Pace) -> Self {
         self.pace = pace;
+        self
+    }
+
+    pub const fn about(mut self, what: &'static str) -> Self {
+        self.about = what;
         self
     }
 
@@ -96,12 +103,14 @@ pub fn chosen(steps: &[Step], names: &[String]) -> Result<Vec<Step>> {
     Ok(steps.iter().filter(is_chosen).copied().collect())
 }
 
-/// The steps with their commands, and what each installs where it is missing.
+/// The steps with what they check, their commands, and what each installs where it is missing.
 pub fn list(steps: &[Step]) -> String {
     let line = |step: &Step| {
         let installs = step.installs();
-        let installs = if installs.is_empty() { installs } else { format!("\n  {:24} installs: {installs}", "") };
-        format!("  {:24} {step}{installs}\n", step.name)
+        let installs = if installs.is_empty() { installs } else { format!("installs: {installs}") };
+        let rows = [step.about.to_owned(), step.to_string(), installs];
+        let rows: Vec<String> = rows.into_iter().filter(|row| !row.is_empty()).collect();
+        format!("  {:24} {}\n", step.name, rows.join(&format!("\n  {:24} ", "")))
     };
     format!("Steps:\n{}", steps.iter().map(line).collect::<String>())
 }

@@ -7,14 +7,19 @@ use xtask::arguments::Arguments;
 
 /// All crates, with their default features; documentation tests are among them. In the profile of the README's first
 /// command, which has built the dependencies by then: those of another profile take minutes.
-pub const STEP: Step = Step::new("test", "test --release");
+pub const STEP: Step = Step::new("test", "test --release").about("The tests of the project");
 
-/// What is not tested here, in one line.
-const BESIDE: &str = "`cargo xtask check` looks at format, lints, generated files and bare targets; `cargo xtask ci` \
+/// What is not tested here.
+const BESIDE: &str = "`cargo xtask check` looks at format, lints, generated files and bare targets;\n`cargo xtask ci` \
                       does all this and tests all features, C, Python, the page, firmware and rigs.";
 
 pub fn help() -> String {
-    format!("This is `{STEP}`. Cargo itself runs some of the tests: `cargo test --release -p CRATE NAME`.\n{BESIDE}")
+    format!(
+        "This is `{STEP}`. Cargo itself runs some of the tests: `cargo test --release -p CRATE NAME`.\n{BESIDE}\n\n\
+         Some tests compare with published reference data that this repository may not carry. They look in \
+         ../shared/data,\nor where ZERORATE_REFERENCE_DATA points to. Where the data is missing, they print that they \
+         were skipped."
+    )
 }
 
 pub fn run(arguments: Arguments) -> Result<()> {

@@ -14,10 +14,18 @@ use std::process::{Command, Stdio};
 
 /// What `--help` prints.
 pub const HELP: &str = "\
-  --site DIR  Write the static site there: page, service worker, book and licences
+\x20 --site DIR  Write the static site there: page, service worker, book and licences
   --check     Test the page in Chromium
   --pictures  Make the pictures of the page anew, in docs/pictures/page
-  --small     As small as what is handed out, which takes minutes longer";
+  --small     As small as what is handed out, which takes minutes longer
+
+Builds the core as WebAssembly (the target wasm32-unknown-unknown through rustup; clang, because zstd is written in C),
+its bindings by lab/web, whose wasm-bindgen must have exactly the version that crates/zerorate-web has, and the bundle
+(Node.js 18 and npm, which takes what web/package-lock.json names). The page goes into crates/zerorate-cli/page/, from
+where the next `cargo build` takes it.
+
+--check tests the page, and with --site the static site, in Chromium (apt install nodejs npm clang chromium). On
+Debian, root installs what is missing; elsewhere the task says what it skips.";
 
 const TARGET: &str = "wasm32-unknown-unknown";
 /// Of what is in the modules.

@@ -1,4 +1,5 @@
-//! The documents and the code agree: links lead somewhere, cited facts exist, the README shows code that is tested.
+//! The documents and the code agree: links lead somewhere, cited facts exist, the page on firmware shows code that is
+//! tested.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -78,20 +79,29 @@ fn files_of_rust_stay_below_600_lines_and_ignore_no_test() {
     }
 }
 
+/// The page that shows how firmware uses the driver.
+const FIRMWARE_PAGE: &str = "docs/firmware.md";
+
 #[test]
-fn the_readme_shows_examples_that_are_tested() {
-    let readme = fs::read_to_string(root().join("README.md")).unwrap();
-    // in the order in which the README shows them
+fn the_page_on_firmware_shows_examples_that_are_tested() {
+    let page = fs::read_to_string(root().join(FIRMWARE_PAGE)).unwrap();
+    // in the order in which the page shows them
     let tested = ["firmware/examples/src/polled.rs", "crates/adis16130/README.md"];
     assert_eq!(
-        code_blocks(&readme).count(),
+        code_blocks(&page).count(),
         tested.len(),
-        "each ```rust block of README.md is a part of a tested file"
+        "each ```rust block of {FIRMWARE_PAGE} is a part of a tested file"
     );
-    for (shown, path) in code_blocks(&readme).zip(tested) {
+    for (shown, path) in code_blocks(&page).zip(tested) {
         let source = fs::read_to_string(root().join(path)).unwrap();
-        assert!(source.contains(shown), "this ```rust block of README.md is not in {path}:\n{shown}");
+        assert!(source.contains(shown), "this ```rust block of {FIRMWARE_PAGE} is not in {path}:\n{shown}");
     }
+}
+
+#[test]
+fn the_readme_shows_no_rust_that_is_untested() {
+    let readme = fs::read_to_string(root().join("README.md")).unwrap();
+    assert_eq!(code_blocks(&readme).count(), 0, "Rust of README.md belongs on {FIRMWARE_PAGE}, which is compared");
 }
 
 fn root() -> PathBuf {

@@ -1,4 +1,6 @@
 //! A column of a log on its way from file to result: its deviations, its noise model, and what is to be said of it.
+//!
+//! The command line and the page take this way. Python analyses arrays in place, and takes the pieces.
 
 use crate::imu::{Axis, Doubt, Doubts, Kind};
 use crate::{Column, LogError, LogWarning, Quantity, Settling, SettlingError, stopped};

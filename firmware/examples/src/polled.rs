@@ -1,6 +1,6 @@
-//! A loop that waits for RDY, on whatever has embedded-hal: the one of the project's README.
+//! A loop that waits for RDY, on any HAL with embedded-hal. `docs/firmware.md` shows it.
 
-// README: begin
+// docs/firmware.md: begin
 use crate::{BackOff, unit}; // unit.rs: zerorate export unit.toml --format rust
 use adis16130::{Config, Error, RateCode, ReadError, TempCode, WaitBound, blocking::Adis16130};
 use embedded_hal::{delay::DelayNs, digital::InputPin, spi::SpiDevice};
@@ -36,4 +36,4 @@ fn next<SPI: SpiDevice, RDY: InputPin>(
     gyro.wait_ready(delay, WaitBound::from_us(2_000))?;
     Ok(gyro.read_in_range()?)
 }
-// README: end
+// docs/firmware.md: end

@@ -1,4 +1,4 @@
-//! The pictures of the README, as SVG and PNG, by the program itself.
+//! Two pictures of the book, as SVG and PNG, drawn by the program itself.
 
 use super::machine::MACHINES;
 use super::{Folder, program};
@@ -8,7 +8,7 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-/// Where those of the README lie.
+/// The folder of the committed pictures.
 const COMMITTED: &str = "docs/pictures";
 /// A unit at one temperature and its full rate: what is left is its noise, and its filter.
 const RECORD: &str = "capture --device twin:seed=4,warmup_c=0 --duration 3h --force -o rest.parquet";
@@ -37,7 +37,7 @@ fn draw(program: &Path, work: &Path, to: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Each picture is one, and those in the README are what the program draws today.
+/// Checks that each file is a picture, and that the committed ones are what the program draws today.
 pub fn check(folder: &Folder) -> Result<()> {
     for name in ["allan", "correction"] {
         let svg = fs::read_to_string(folder.of(format!("{name}.svg"))).context("make the part pictures first")?;
@@ -51,7 +51,7 @@ pub fn check(folder: &Folder) -> Result<()> {
             committed.display(),
             folder.of(format!("{name}.svg")).display()
         );
-        println!("{name}: SVG and PNG, and the README shows the same");
+        println!("{name}: SVG and PNG, and the book shows the same");
     }
     Ok(())
 }

@@ -1,4 +1,4 @@
-//! The loop of the project's README on an STM32F411. Wired as its table "Wiring" says.
+//! The loop of `docs/firmware.md` on an STM32F411. Wired as in `docs/wiring.md`.
 
 #![no_std]
 #![no_main]

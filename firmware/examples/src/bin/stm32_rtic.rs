@@ -1,4 +1,4 @@
-//! RTIC on an STM32F411: the interrupt of RDY samples, a tick looks for silence. Wired as the README's table says.
+//! RTIC on an STM32F411: the interrupt of RDY samples, a tick looks for silence. Wired as in `docs/wiring.md`.
 
 #![no_std]
 #![no_main]
