@@ -9,7 +9,7 @@ use alloc::vec::Vec;
 use core::fmt;
 use serde::Deserialize;
 
-/// Version of the file form, and the newest that is read.
+/// The newest version of the file format that is read.
 const SCHEMA: u32 = 1;
 
 impl DataSheet {
@@ -28,7 +28,7 @@ impl DataSheet {
     /// ```
     ///
     /// # Errors
-    /// No such file: where, and what is wrong.
+    /// [`DataSheetError`] with the line and the problem, if the file is not valid.
     pub fn parse(text: &str) -> Result<Self, DataSheetError> {
         let document = Document::parse(text)?;
         let (root, file) = (document.root(), document.fields::<File>()?);
@@ -43,7 +43,7 @@ impl DataSheet {
     }
 }
 
-/// What is wrong with the file of a data sheet.
+/// An error in the file of a data sheet.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DataSheetError(EntryError);
 
@@ -89,7 +89,7 @@ struct Accelerometer {
     acceleration_random_walk: Option<Stated>,
 }
 
-/// What a data sheet states of a figure.
+/// The statements of a data sheet about one figure.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Stated {
@@ -100,7 +100,7 @@ struct Stated {
     source: Option<String>,
 }
 
-/// What is called bias instability.
+/// The meaning of "bias instability" in a data sheet.
 #[derive(Clone, Copy, Deserialize, PartialEq)]
 enum Means {
     #[serde(rename = "minimum")]
@@ -108,7 +108,7 @@ enum Means {
     B,
 }
 
-/// A key, what it is of, the exponent of its unit (as [`Unit::halves`]), and units that it may have.
+/// A key, its figure, the exponent of its unit (as [`Unit::halves`]), and the units that it may have.
 struct FigureRow(&'static str, Figure, i32, &'static str);
 
 impl Gyroscope {
@@ -190,7 +190,7 @@ fn half_digit(printed: &str, value: f64) -> f64 {
     let (digits, exponent) = small.split_once('e').unwrap_or((&small, "0"));
     let places = digits.split_once('.').map_or(0, |(_, places)| places.chars().filter(char::is_ascii_digit).count());
     let exponent = exponent.parse::<i32>().unwrap_or(0).saturating_sub(i32::try_from(places).unwrap_or(0));
-    // an odd way of writing a number is no uncertainty of half of it
+    // an odd way of writing a number does not make it uncertain by half
     (0.5 * libm::pow(10.0, f64::from(exponent))).min(0.5 * value)
 }
 
