@@ -94,9 +94,9 @@ pub enum AnalysisError {
 impl fmt::Display for AnalysisError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Rate(value) => write!(f, "a sample rate of {value} Hz: it must be positive and finite"),
-            Self::Confidence(value) => write!(f, "a confidence of {value}: it must be above 0 and below 1"),
-            Self::Scale(value) => write!(f, "a scale of {value}: it must be positive and finite"),
+            Self::Rate(value) => write!(f, "the sample rate must be positive and finite, not {value} Hz"),
+            Self::Confidence(value) => write!(f, "the confidence must be above 0 and below 1, not {value}"),
+            Self::Scale(value) => write!(f, "the scale must be positive and finite, not {value}"),
         }
     }
 }

@@ -71,7 +71,7 @@ pub enum DetrendError {
 impl fmt::Display for DetrendError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Lengths { rates, temps } => write!(f, "{rates} rates and {temps} temperatures are not as many"),
+            Self::Lengths { rates, temps } => write!(f, "{rates} rates have {temps} temperatures; give one for each"),
             Self::Order(order) => write!(f, "the order {order} must be 1 to {MOST_ORDER}"),
             Self::Short => f.write_str("too few samples have a rate and a temperature"),
             Self::Constant => f.write_str("the temperature is the same all the time"),

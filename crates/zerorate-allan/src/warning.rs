@@ -234,7 +234,7 @@ rows!(match AllanWarning {
         says: Says::Warning,
         by: &["allan", "imu"],
         seen: "So few samples do not show how the sensor's filter bends its noise.",
-        matters: "N may be off by a quarter, and by more beside a resonance, whatever its interval says.",
+        matters: "N may be off by a quarter, and by more beside a resonance. Its interval does not show that.",
         remedy: "Record longer; the text says how many samples.",
     },
     Self::Leakage { frequency_hz, share } => Row {

@@ -168,7 +168,7 @@ impl FigureRow {
         let &Self(_, figure, halves, units) = self;
         let bounds = Bounds::Positive;
         if !bounds.hold(value) {
-            return Err(format!("{value} is no noise; {bounds}"));
+            return Err(format!("{value} is not a noise; {bounds}"));
         }
         let Some(unit) = Unit::parse(&stated.unit).filter(|unit| (unit.of, unit.halves) == (of, halves)) else {
             return Err(format!("its unit is {:?}; use {units}", stated.unit));
@@ -176,7 +176,7 @@ impl FigureRow {
         let figure = match (figure, stated.means) {
             (Figure::CurveMinimum, Some(Means::B)) => Figure::BiasInstability,
             (Figure::CurveMinimum, _) | (_, None) => figure,
-            _ => return Err("only a bias_instability can mean one thing or another".into()),
+            _ => return Err("only a bias_instability can have `means`; remove it".into()),
         };
         let (unit, factor) = (stated.unit.clone(), unit.factor);
         let source = stated.source.clone();
@@ -245,7 +245,7 @@ mod tests {
             ("\"mg\"", "\"µg/√Hz\"", "accelerometer.bias_instability: its unit is \"µg/√Hz\"; use µg, mg"),
             ("\"m/s/√hr\"", "\"furlong\"", "velocity_random_walk: its unit is \"furlong\""),
             ("noise_density", "noise_densty", "noise_densty"),
-            ("typical = 0.05", "typical = 0", "line 6: gyroscope.noise_density: 0 is no noise"),
+            ("typical = 0.05", "typical = 0", "line 6: gyroscope.noise_density: 0 is not a noise"),
             ("typical = 0.05, ", "", "gyroscope.noise_density has no value; give it typical or maximum"),
             ("means = \"B\"", "means = \"b\"", "means"),
             ("maximum = 3,", "means = \"B\",", "only a bias_instability"),

@@ -59,7 +59,7 @@ pub enum Figure {
 /// A line beside the measured value, in the line's unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Compared {
-    /// Value and 95 % interval; none where there is no model to believe.
+    /// Value and 95 % interval; none without a model that can be trusted.
     pub measured: Option<Estimate>,
     /// The verdict on the sensor.
     pub verdict: Verdict,

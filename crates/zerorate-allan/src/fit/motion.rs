@@ -34,7 +34,7 @@ const CHANCE: f64 = 0.01;
 
 /// The moments at which the level of more than one axis jumps, or at which several axes have a glitch. Jumps count
 /// whether they were taken out or put back because there were so many. Glitches do not count where so many fall
-/// together by chance. The axes are those of one log, on one clock. In the order of time, jumps before knocks.
+/// together by chance. The axes belong to one log with one clock. In the order of time, jumps before knocks.
 #[must_use]
 pub fn motion(axes: &[&Fit]) -> Vec<Motion> {
     let jumps = |fit: &Fit| {

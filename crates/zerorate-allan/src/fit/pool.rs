@@ -115,7 +115,7 @@ impl fmt::Display for PoolError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::TooFew { records } => {
-                write!(f, "a common model needs two records at least, not {records}: give more")
+                write!(f, "a common model needs at least two records, not {records}: give more")
             }
             Self::Rates { first_hz, other_hz } => write!(
                 f,

@@ -1,8 +1,8 @@
-//! Lines, by sines of known power, and what the model's curve is checked against.
+//! Lines, by sines of known power, and the check of the model's curve.
 
 use super::*;
 
-/// White noise of standard deviation 1 with a sine, whose phase is none of the ends'.
+/// White noise of standard deviation 1 with a sine, whose phase does not fit the ends.
 fn with_sine(n: usize, rate_hz: f64, hz: f64, amplitude: f64) -> Vec<f64> {
     let mut draw = normal(90);
     (0..n).map(|i| draw() + amplitude * (2.0 * PI * hz * i as f64 / rate_hz + 0.3).sin()).collect()
@@ -12,7 +12,7 @@ fn lines(fit: &Fit) -> Vec<Line> {
     fit.terms.iter().filter_map(|term| if let Term::Line(line) = term { Some(*line) } else { None }).collect()
 }
 
-/// Below a few hundred coefficients a strong sine leaks over whole bins: these were masked and became a second line of
+/// Below a few hundred coefficients a strong sine leaks over whole bins. These were masked and became a second line of
 /// the same power, and the model's curve was √2 too high.
 #[test]
 fn the_power_of_a_sine_is_counted_once() {
@@ -57,7 +57,7 @@ fn a_line_that_drowns_the_noise_is_said() {
     assert!(near(n, 1.0, 0.02) && weak.is_none(), "{n} {weak:?}");
 }
 
-/// Of a sine this slow no line is made, and the spectrum without its first coefficients knows nothing of it.
+/// A sine this slow does not become a line, and the spectrum without its first coefficients does not show it.
 #[test]
 fn a_curve_that_the_model_does_not_follow_is_said() {
     let rate = with_sine(100_000, 100.0, 0.02, 0.5);
