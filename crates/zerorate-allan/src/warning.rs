@@ -61,7 +61,7 @@ pub enum AllanWarning {
 rows!(match AllanWarning {
     Self::QuantisationLimited { q, below_s } => Row {
         code: "quantisation-limited",
-        text: format_args!("quantisation hides white noise below {below_s:.3} s; read with a finer step"),
+        text: format_args!("quantisation hides the white noise below {below_s:.3} s; read with a finer step"),
         says: Says::Warning,
         by: &["allan", "imu"],
         seen: "At the shortest averages the curve falls as 1/τ.",
@@ -105,7 +105,7 @@ rows!(match AllanWarning {
     },
     Self::ShortEndExcluded { points, from_s, used_from_s } => Row {
         code: "short-end-excluded",
-        text: format_args!("{points} averages below {used_from_s:.4} s left out; check that a filter is meant"),
+        text: format_args!("{points} averaging times below {used_from_s:.4} s left out; check that a filter is meant"),
         says: Says::Warning,
         by: &["allan", "imu"],
         seen: "The shortest averages lie below the line of white noise, as behind a low-pass filter.",
@@ -217,7 +217,7 @@ rows!(match AllanWarning {
     Self::Unsteady { tau_s, ratio } => Row {
         code: "unsteady",
         text: format_args!(
-            "the {} half is {:.2} times as noisy as the {} at {tau_s:.3} s; settle, then record again",
+            "the {} half is {:.2} times as noisy as the {} at {tau_s:.3} s; let the sensor settle",
             if ratio > 1.0 { "first" } else { "second" },
             ratio.max(1.0 / ratio),
             if ratio > 1.0 { "second" } else { "first" }
